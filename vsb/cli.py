@@ -1,0 +1,157 @@
+"""The command line: `vsb run`, `vsb check`, `vsb shell`, and one command per workflow rule."""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from vsb import __version__
+from vsb.config import Study, load
+from vsb.errors import VsbError
+from vsb.specs import StudyPlan
+
+Handler = Callable[[argparse.Namespace], int]
+
+
+def _spec(args: argparse.Namespace) -> dict[str, Any]:
+    """The spec of a rule, from its JSON."""
+    spec: dict[str, Any] = json.loads(args.spec)
+    return spec
+
+
+def _rule(name: str) -> Handler:
+    """Handler of a rule's command: imports the science only when it is needed."""
+
+    def handle(args: argparse.Namespace) -> int:
+        from vsb import commands  # noqa: PLC0415
+
+        calls: dict[str, Callable[[], None]] = {
+            "modes": lambda: commands.shell_modes(_spec(args), args.out),
+            "mesh": lambda: commands.mesh(_spec(args), args.out),
+            "display-meshes": lambda: commands.display_meshes(_spec(args), args.out),
+            "green": lambda: commands.green(args.folder, args.out),
+            "bem": lambda: commands.bem_block(_spec(args), args.mesh, args.green, args.out),
+            "database": lambda: commands.build_database(_spec(args), args.files, args.out),
+            "radiation": lambda: commands.fit_radiation(_spec(args), args.database, args.out),
+            "response": lambda: commands.frequency_response(_spec(args), args.database, args.out),
+            "simulate": lambda: commands.simulate(_spec(args), args.database, args.radiation, args.out),
+            "compare": lambda: commands.compare_designs(_spec(args), vars(args), args.files),
+            "figures": lambda: commands.draw_figures(vars(args), args.files),
+            "report": lambda: commands.write_report(vars(args), args.files),
+        }
+        calls[name]()
+        return 0
+
+    return handle
+
+
+def check(args: argparse.Namespace) -> int:
+    """Validate a study, print what it would cost and what to doubt; solve nothing."""
+    from vsb import preview  # noqa: PLC0415
+
+    study = load(args.config)
+    for line in preview.summary(study, StudyPlan(study)):
+        print(line)
+    return 0
+
+
+def shell(args: argparse.Namespace) -> int:
+    """Print dry natural frequencies of both branches, the paper's Ritz column, and the buckling pressure."""
+    from vsb import preview  # noqa: PLC0415
+
+    table = preview.shell_table(load(args.config))
+    print(json.dumps(table, indent=1) if args.json else preview.shell_text(table))
+    return 0
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run a whole study through Snakemake, after validating everything that can be known beforehand."""
+    from vsb import preview  # noqa: PLC0415
+
+    study = load(args.config)
+    preview.check_before_run(study, StudyPlan(study))
+    home = Path.cwd() if Path("Snakefile").is_file() else Path(__file__).resolve().parents[1]
+    command = [sys.executable, "-m", "snakemake", "--snakefile", str(home / "Snakefile"), "--configfile", args.config]
+    command += ["--profile", str(home / "profiles" / args.profile), *args.snakemake]
+    environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+    return _reported(subprocess.run(command, env=environment, check=False).returncode, study)
+
+
+def _reported(code: int, study: Study) -> int:
+    """Say in one line what a study's run came to."""
+    report = Path(StudyPlan(study).folder) / "report.html"
+    if code:
+        print(f"vsb: error: the run of {study.study!r} did not complete; the failing rule's own line is above", file=sys.stderr)
+        return 1
+    if report.is_file():
+        print(f"{study.study}: {report}")
+    return 0
+
+
+def _add_rule(commands: Any, name: str, text: str, *options: str, files: str = "") -> None:
+    """Declare the command of one rule with its required options."""
+    parser = commands.add_parser(name, help=text, description=text)
+    for option in options:
+        parser.add_argument(f"--{option}", required=True, metavar="JSON" if option == "spec" else "PATH")
+    if files:
+        parser.add_argument("files", nargs="+", metavar=files)
+    parser.set_defaults(handler=_rule(name))
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the argument parser of the command line."""
+    top = argparse.ArgumentParser(prog="vsb", description=__doc__)
+    top.add_argument("--version", action="version", version=f"vsb {__version__}")
+    commands = top.add_subparsers(title="commands", required=True, metavar="COMMAND")
+    one = commands.add_parser("run", help="run a whole study through Snakemake", description=run.__doc__)
+    one.add_argument("config", metavar="CONFIG")
+    one.add_argument("--profile", default="default", help="folder under profiles/ (default: default)")
+    one.add_argument("snakemake", nargs=argparse.REMAINDER, help="further options for snakemake, such as -n")
+    one.set_defaults(handler=run)
+    one = commands.add_parser("check", help="validate a study, solve nothing", description=check.__doc__)
+    one.add_argument("config", metavar="CONFIG")
+    one.set_defaults(handler=check)
+    one = commands.add_parser("shell", help="natural frequencies of the dry shell", description=shell.__doc__)
+    one.add_argument("config", metavar="CONFIG")
+    one.add_argument("--json", action="store_true", help="print JSON")
+    one.set_defaults(handler=shell)
+    study = ("database", "radiation", "response")
+    _add_rule(commands, "modes", "rule: shell modes", "spec", "out")
+    _add_rule(commands, "mesh", "rule: mean wetted mesh", "spec", "out")
+    _add_rule(commands, "display-meshes", "rule: viewable deformed meshes", "spec", "out")
+    _add_rule(commands, "green", "rule: Green-function table", "folder", "out")
+    _add_rule(commands, "bem", "rule: one block of frequencies", "spec", "mesh", "green", "out")
+    _add_rule(commands, "database", "rule: hydro database from blocks", "spec", "out", files="BLOCK")
+    _add_rule(commands, "radiation", "rule: radiation model", "spec", "database", "out")
+    _add_rule(commands, "response", "rule: frequency response", "spec", "database", "out")
+    _add_rule(commands, "simulate", "rule: one design in one sea", "spec", "database", "radiation", "out")
+    _add_rule(
+        commands, "compare", "rule: comparison and validity", "spec", *study, "out", "validity", "study", files="TRAJECTORY"
+    )
+    _add_rule(commands, "figures", "rule: all figures", "study", "modes", *study, "out", files="TRAJECTORY")
+    _add_rule(
+        commands, "report", "rule: HTML report", "study", "table", "validity", *study, "figures", "out", files="TRAJECTORY"
+    )
+    return top
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command; a user's mistake is one line on stderr and exit code 2."""
+    args = parser().parse_args(argv)
+    handler: Handler = args.handler
+    try:
+        return handler(args)
+    except VsbError as error:
+        print(f"vsb: error: {' '.join(str(error).split())}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("vsb: interrupted; run the same command again to go on from here", file=sys.stderr)
+        return 130
+
+
+if __name__ == "__main__":
+    sys.exit(main())

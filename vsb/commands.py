@@ -1,0 +1,242 @@
+"""One function per workflow rule: read files, compute, write files. The command line calls these and nothing else."""
+
+import time as clock
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from vsb import __version__, compare, database, meshing, quality, radiation, response, trajectory
+from vsb.config import Study, canonical, content_id, parse
+from vsb.errors import DatabaseError
+from vsb.modes import ModeBasis, design_motions, mode_basis, rigid_basis, study_basis
+from vsb.plant import linear_plant
+from vsb.surface import DeformedShell
+from vsb.units import load, save
+from vsb.waves import power_limit, sea
+
+Spec = dict[str, Any]
+COLATITUDES = np.linspace(0.0, np.pi, 181)
+
+
+def write_text(path: str | Path, text: str) -> None:
+    """Write a text file, complete or not at all."""
+    target = Path(path)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    temporary = target.with_name(f".{target.name}.tmp")
+    temporary.write_text(text, encoding="utf-8")
+    temporary.replace(target)
+
+
+def partial_study(spec: Spec) -> Study:
+    """Return a study from the sections a stage's spec holds; what the stage does not read takes harmless values."""
+    defaults: Spec = {"study": "stage", "designs": {"any": {"flexible": bool(spec.get("modes"))}}, "waves": [{"kind": "still"}]}
+    keys = [key for key in Study.model_fields if spec.get(key) is not None]
+    return parse({**defaults, **{key: spec[key] for key in keys}}, source="spec")
+
+
+def shell_modes(spec: Spec, out: str) -> None:
+    """Write the shell modes of a study, after checking that every design has motions left."""
+    study = partial_study(spec)
+    basis = study_basis(study)
+    for design in study.designs:
+        design_motions(study, basis, design)
+    radial, meridional = basis.displacement(COLATITUDES)
+    modes = xr.Dataset(
+        {
+            "radial": (("mode", "colatitude"), radial[1:]),
+            "meridional": (("mode", "colatitude"), meridional[1:]),
+            "degree": ("mode", list(basis.degrees[1:])),
+            "dry_frequency": ("mode", basis.dry_frequencies),
+        },
+        coords={"mode": list(basis.labels[1:]), "colatitude": COLATITUDES},
+        attrs={"radius": study.device.radius, "centre_height": study.centre_height, "basis": study.modes.basis},
+    )
+    save(modes, out)
+
+
+def mesh(spec: Spec, out: str) -> None:
+    """Write the mean wetted mesh and lid a BEM job reads."""
+    keys = ("radius", "centre_height", "rows", "azimuth", "lid_rows")
+    save(meshing.mean_mesh(**{key: spec[key] for key in keys}), out)
+
+
+def display_meshes(spec: Spec, folder: str) -> None:
+    """Write the viewable meshes: the mean wetted shell, and one deformed shell per mode and sign."""
+    study = partial_study(spec)
+    shell = DeformedShell(study_basis(study), study.centre_height)
+    for name, shape in meshing.display_shapes(shell).items():
+        meshing.write_wet_shell(shape, f"{folder}/{name}.vtu")
+
+
+def green(folder: str, out: str) -> None:
+    """Compute and store the Green-function table, once for all jobs."""
+    from vsb import bem  # noqa: PLC0415 (importing capytaine takes a second that other commands need not spend)
+
+    begun = clock.perf_counter()
+    bem.green_function(folder)
+    write_text(out, f"{clock.perf_counter() - begun:.1f} s\n")
+
+
+def bem_block(spec: Spec, mesh_path: str, green_folder: str, out: str) -> None:
+    """Solve one block of frequencies."""
+    from vsb import bem  # noqa: PLC0415
+
+    begun = clock.perf_counter()
+    solved = bem.solve_block(spec, load(mesh_path), green_folder)
+    attrs = {"spec": canonical(spec), "spec_id": content_id(spec), "seconds": clock.perf_counter() - begun}
+    save(solved.assign_attrs(attrs), out)
+
+
+def build_database(spec: Spec, blocks: Sequence[str], out: str) -> None:
+    """Merge blocks, express them in the modes, check them, and store them with their verdict.
+
+    Raises
+    ------
+    DatabaseError
+        If a block is missing, foreign, or a check fails that the study does not accept.
+    """
+    study = partial_study(spec)
+    basis = study_basis(study) if spec["modes"] else rigid_basis(study.device)
+    shell = DeformedShell(basis, study.centre_height)
+    water = study.water
+    found = {block.attrs.get("spec_id"): block for block in map(load, blocks)}
+    if missing := [name for name in (*spec["sweep"], *spec["tabulated"]) if name not in found]:
+        raise DatabaseError(f"{out}: blocks {missing} are not among the files given ({list(found)}); run the bem rule.")
+
+    def complete(ids: Sequence[str]) -> tuple[xr.Dataset, list[database.Check]]:
+        raw = database.with_excitation(database.in_modes(database.merged_blocks([found[i] for i in ids]), basis))
+        checks = quality.verdict(raw, water.depth, water.density, water.gravity, spec["accept"])
+        done = database.with_structure(database.with_symmetrized(raw), shell, water.density, water.gravity)
+        return done, checks
+
+    sweep, checks = complete(spec["sweep"])
+    sweep = sweep.sel(omega=slice(None, spec["omega_max"] + 1e-9)) if not spec["tabulated"] else sweep
+    attrs = {
+        "title": "hydro database of an axisymmetric shell in heave and its modes",
+        "history": sweep.attrs["history"],
+        "source": f"vsb {__version__}",
+        "spec": canonical(spec),
+        "spec_id": content_id(spec),
+        "quality": database.as_json(checks),
+        "radius": study.device.radius,
+        "centre_height": study.centre_height,
+        "basis": spec["modes"]["basis"] if spec["modes"] else "rigid",
+        "degree": spec["modes"]["degree"] if spec["modes"] else 1,
+        "water_density": water.density,
+        "water_depth": str(water.depth),
+        "gravity": water.gravity,
+        "bem_seconds": sum(block.attrs["seconds"] for block in found.values()),
+    }
+    if not spec["tabulated"]:
+        database.save_database(sweep.assign_attrs(attrs), None, out)
+        return
+    tabulated = complete([*spec["tabulated"], spec["sweep"][0]])[0]
+    database.save_database(tabulated.assign_attrs(attrs), sweep, out)
+
+
+def fit_radiation(spec: Spec, database_path: str, out: str) -> None:
+    """Fit and store the passive state-space radiation model, with the kernels to compare."""
+    ds = database.load_database(database_path, spec["database"])
+    spectrum = response.DampingSpectrum(ds.omega.values, ds.radiation_damping.values)
+    begun = clock.perf_counter()
+    model, error = radiation.fit_radiation(spectrum, spec["tolerance"])
+    time = np.linspace(0.0, 40 / np.sqrt(float(ds.attrs["gravity"]) / float(ds.attrs["radius"])), 401)
+    pair = ("influenced_dof", "radiating_dof")
+    labels = ds.influenced_dof.values
+    damping = model.damping(ds.omega.values)
+    scale = np.sqrt(np.einsum("wii->wi", ds.radiation_damping.values).max(axis=0))
+    margin = float(np.linalg.eigvalsh(damping / np.outer(scale, scale)).min())
+    save(
+        xr.Dataset(
+            {
+                "state_matrix": (("state", "state_in"), model.state_matrix),
+                "input_matrix": (("state", "radiating_dof"), model.input_matrix),
+                "channel": ("state", model.channel),
+                "kernel": (("time", *pair), spectrum.kernel(time)),
+                "kernel_state_space": (("time", *pair), model.kernel(time)),
+                "damping_state_space": (("omega", *pair), damping),
+            },
+            coords={"time": time, "omega": ds.omega.values, "influenced_dof": labels, "radiating_dof": labels},
+            attrs={
+                "spec": canonical(spec),
+                "spec_id": content_id(spec),
+                "order": model.order,
+                "fit_error": error,
+                "passivity_margin": margin,
+                "seconds": clock.perf_counter() - begun,
+            },
+        ),
+        out,
+    )
+
+
+def _buoy(study: Study, database_path: str) -> tuple[response.LinearBuoy, ModeBasis]:
+    """The linear buoy of a study from its database."""
+    ds = database.load_database(database_path, Path(database_path).stem)
+    flexible = ds.sizes["influenced_dof"] > 1  # of the database: a rigid design may share it with flexible ones
+    basis = mode_basis(study.device, study.modes.basis, study.modes.degree) if flexible else rigid_basis(study.device)
+    return response.LinearBuoy(ds, basis.damping, study.pto.damping), basis
+
+
+def frequency_response(spec: Spec, database_path: str, out: str) -> None:
+    """Write response amplitude operators, absorbed power, its limit, and wet natural frequencies of all designs."""
+    study = partial_study(spec)
+    buoy, basis = _buoy(study, database_path)
+    omega = response.frequency_grid(spec["step"], spec["omega_max"], spec["omega"])
+    rao, power, wet = [], [], []
+    for design in study.designs:
+        motions = design_motions(study, basis, design)
+        rao.append(buoy.rao(omega, motions))
+        power.append(buoy.absorbed_power(omega, rao[-1]))
+        wet += [(design, *pair) for pair in zip(*buoy.natural_modes(motions), strict=True)]
+    water = study.water
+    designs, frequency, ratio = zip(*wet, strict=True)
+    save(
+        xr.Dataset(
+            {
+                "rao": (("design", "omega", "dof"), np.array(rao)),
+                "absorbed_power": (("design", "omega"), np.array(power)),
+                "power_limit": ("omega", [power_limit(w, water.depth, water.density, water.gravity) for w in omega]),
+                "wet_natural_frequency": ("wet_mode", list(frequency)),
+                "wet_damping_ratio": ("wet_mode", list(ratio)),
+            },
+            coords={
+                "design": list(study.designs),
+                "omega": omega,
+                "dof": list(basis.labels),
+                "wet_design": ("wet_mode", list(designs)),
+            },
+        ),
+        out,
+    )
+
+
+def simulate(spec: Spec, database_path: str, radiation_path: str, out: str) -> None:
+    """Run one design in one sea and write its trajectory."""
+    study = partial_study(spec)
+    (design,), (wave,) = study.designs, study.waves
+    buoy, basis = _buoy(study, database_path)
+    ds = load(radiation_path)
+    model = radiation.RadiationModel(ds.state_matrix.values, ds.input_matrix.values, ds.channel.values)
+    waves = sea(wave, spec["omega_max"], study.simulation.duration)
+    plant = linear_plant(buoy, model, waves, design_motions(study, basis, design))
+    motion, stride = trajectory.simulate(plant, waves, buoy.spectrum, study.simulation)
+    run = trajectory.labelled(plant, motion, waves, design, wave.label, stride)
+    method = "convolution" if study.simulation.method == "convolution" else "exact propagation"
+    save(run.assign_attrs(run.attrs, method=method, steps=len(motion.time) - 1, seconds=motion.seconds), out)
+
+
+def compare_designs(spec: Spec, paths: dict[str, Any], trajectories: Sequence[str]) -> None:
+    """Write the comparison table, the validity ledger and the study in canonical form."""
+    study = parse(spec["study"], source="spec")
+    runs = {(run.attrs["design"], run.attrs["wave"]): run for run in map(load, trajectories)}
+    seas = {wave.label: sea(wave, study.hydro.omega_max, study.simulation.duration) for wave in study.waves}
+    rows = compare.comparison(study, runs, seas)
+    ds = database.load_database(paths["database"], Path(paths["database"]).stem)
+    checks = compare.ledger(study, ds, load(paths["radiation"]), load(paths["response"]), runs, rows)
+    write_text(paths["out"], compare.as_csv(rows))
+    write_text(paths["validity"], compare.ledger_json(study.study, checks))
+    write_text(paths["study"], canonical(study) + "\n")

@@ -1,0 +1,246 @@
+"""Designs side by side: the comparison table and the validity ledger."""
+
+import csv
+import io
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from vsb.config import Jonswap, RegularWave, StillWater, Study, Water
+from vsb.database import Check, check_at_most, stored_checks
+from vsb.modes import ModeBasis, design_motions, mode_basis, study_basis
+from vsb.power import Merit, merit
+from vsb.response import LinearBuoy
+from vsb.shell import Shell
+from vsb.surface import DeformedShell
+from vsb.units import FloatArray
+from vsb.waves import Sea, jonswap_spectrum, wavenumber
+
+COLUMNS = ("design", "wave", *Merit._fields, "energy_gain_percent", "energy_residual")
+Row = dict[str, Any]
+Runs = Mapping[tuple[str, str], xr.Dataset]
+
+
+def comparison(study: Study, runs: Runs, seas: Mapping[str, Sea]) -> list[Row]:
+    """Return one row per design and sea; the gain is of absorbed energy over the first rigid design's.
+
+    Parameters
+    ----------
+    study : Study
+    runs : mapping (design, wave label) -> trajectory
+    seas : mapping wave label -> Sea
+    """
+    rows: list[Row] = []
+    for wave in study.waves:
+        merits = {
+            design: merit(runs[design, wave.label], wave, seas[wave.label], study.water, study.simulation.window)
+            for design in study.designs
+        }
+        base = merits[study.reference_design].energy if study.reference_design else None
+        for design, values in merits.items():
+            gain = 100 * (values.energy / base - 1) if base else None
+            residual = float(runs[design, wave.label].attrs["energy_residual"])
+            row = {"design": design, "wave": wave.label, **values._asdict()}
+            rows.append({**row, "energy_gain_percent": gain, "energy_residual": residual})
+    return rows
+
+
+def as_csv(rows: Sequence[Row]) -> str:
+    """Return the comparison as CSV; an empty cell is a quantity that does not exist, such as a gain over nothing."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+    writer.writeheader()
+    for row in rows:
+        writer.writerow({key: f"{v:.10g}" if isinstance(v, float) else "" if v is None else v for key, v in row.items()})
+    return text.getvalue()
+
+
+# validity ledger --------------------------------------------------------------------------------------------------
+
+
+def shell_checks(study: Study, basis: ModeBasis) -> list[Check]:
+    """Return what the static load does to a flexible shell: buckling margin and static deformation."""
+    if not study.flexible:
+        return []
+    shell, water = Shell.of(study.device), study.water
+    keel = water.density * water.gravity * study.draft - study.device.internal_pressure
+    static = static_amplitudes(study, basis)
+    return [
+        check_at_most(
+            "buckling", keel / shell.buckling_pressure, 1.0, "-",
+            f"net pressure at the keel {keel:.4g} Pa over the classical buckling pressure {shell.buckling_pressure:.4g} Pa: "
+            "above 1 a vented shell of these dimensions would buckle",
+        ),
+        check_at_most(
+            "static_deformation", largest_displacement(basis, static) / shell.radius, 0.05, "-",
+            "static displacement of the shell over its radius; the reference shape is the undeformed sphere", doubt=True,
+        ),
+    ]  # fmt: skip
+
+
+def static_amplitudes(study: Study, basis: ModeBasis) -> FloatArray:
+    """Return the linear static modal amplitudes under mean hydrostatic load and weight, shape (dof,) [m]."""
+    shell, water = DeformedShell(basis, study.centre_height), study.water
+    load = shell.hydrostatic_force(water.density, water.gravity) - water.gravity * basis.inertia[0]
+    stiffness = basis.stiffness + shell.hydrostatic_stiffness(water.density, water.gravity)
+    static = np.linalg.solve(stiffness, load)
+    static[0] = 0.0
+    return static
+
+
+def largest_displacement(basis: ModeBasis, amplitudes: FloatArray) -> float:
+    """Return the largest displacement of the shell relative to its centre [m]."""
+    u = basis.displacement(np.linspace(0.0, np.pi, 361))
+    amplitudes = np.concatenate([[0.0], amplitudes[1:]])
+    return float(np.hypot(amplitudes @ u[0], amplitudes @ u[1]).max())
+
+
+def largest_strain(basis: ModeBasis, amplitudes: FloatArray) -> float:
+    """Return the largest membrane strain, |(u' + v)/r| or |(u cot phi + v)/r| [-]."""
+    phi = np.linspace(0.01, np.pi - 0.01, 361)
+    (v, u), (_, du) = basis.displacement(phi), basis.displacement(phi, derivative=1)
+    amplitudes = np.concatenate([[0.0], amplitudes[1:]])
+    meridional, hoop = amplitudes @ (du + v), amplitudes @ (u / np.tan(phi) + v)
+    return float(np.maximum(np.abs(meridional), np.abs(hoop)).max() / basis.shell.radius)
+
+
+def wave_checks(wave: StillWater | RegularWave | Jonswap, water: Water, omega_max: float) -> list[Check]:
+    """Return whether linear wave theory and the solved band cover a sea."""
+    if isinstance(wave, StillWater):
+        return []
+    height = 2 * wave.amplitude if isinstance(wave, RegularWave) else wave.hs
+    steepness = height * wavenumber(wave.omega, water.depth, water.gravity) / (2 * np.pi)
+    name = f" in {wave.label}"
+    checks = [check_at_most("steepness" + name, steepness, 0.05, "-", "wave height over wavelength", doubt=True)]
+    if isinstance(wave, Jonswap):
+        beyond = np.linspace(omega_max, 20 * omega_max, 4001)
+        lost = np.trapezoid(jonswap_spectrum(beyond, wave.hs, wave.tp, wave.gamma), beyond) * 16 / wave.hs**2
+        checks.append(
+            check_at_most("spectrum_cut" + name, float(lost), 0.01, "-", "share of the sea above hydro.omega_max", doubt=True)
+        )
+    return checks
+
+
+def run_checks(study: Study, basis: ModeBasis, run: xr.Dataset) -> list[Check]:
+    """Return whether a run stays within small motion and closes its energy balance."""
+    design, name = run.attrs["design"], f" in {run.attrs['wave']}"
+    start, end = study.simulation.window
+    inside = run.sel(time=slice(start, end))
+    heave = float(np.abs(inside.position.values[:, 0]).max()) / study.device.radius
+    checks = [
+        check_at_most(
+            "energy_residual" + name, run.attrs["energy_residual"], 1e-4, "-", "unbalanced energy over the largest term",
+            design=design,
+        ),
+        check_at_most("heave" + name, heave, 0.3, "-", "heave amplitude over radius", doubt=True, design=design),
+    ]  # fmt: skip
+    if run.sizes["dof"] > 1:
+        peaks = inside.position.values[np.argmax(np.abs(inside.position.values[:, 1:]).sum(axis=1))]
+        moved, strain = largest_displacement(basis, peaks) / study.device.radius, largest_strain(basis, peaks)
+        checks += [
+            check_at_most("deformation" + name, moved, 0.1, "-", "shell displacement over radius", doubt=True, design=design),
+            check_at_most("strain" + name, strain, 0.02, "-", "largest membrane strain", doubt=True, design=design),
+        ]
+    return checks
+
+
+def steady_state_check(study: Study, wave: RegularWave, power: float, mean: float, design: str) -> Check:
+    """Return the difference of mean power between time and frequency domain."""
+    expected = power * wave.amplitude**2
+    difference = abs(mean / expected - 1) if expected else abs(mean)
+    return check_at_most(
+        f"time_and_frequency_domain in {wave.label}", difference, 0.005, "-",
+        "relative difference of mean absorbed power; large if the window still holds a transient",
+        doubt=True, design=design,
+    )  # fmt: skip
+
+
+def with_full_basis(database: xr.Dataset, study: Study) -> tuple[xr.Dataset, ModeBasis]:
+    """Return the database and basis with both branches of the shell, from one that has a mode of every degree.
+
+    Possible without BEM: on the undeformed sphere a mode acts on the water by its radial part alone.
+    """
+    full = mode_basis(study.device, "full", study.modes.degree)
+    old = study_basis(study)
+    pick = [0, *(old.degrees.index(n, 1) for n in full.degrees[1:])]
+    ratio = full.pole_radial_displacement / old.pole_radial_displacement[pick]
+    out = {}
+    for name, data in database.data_vars.items():
+        indexers = {dim: pick for dim in ("influenced_dof", "radiating_dof") if dim in data.dims}
+        scaled = data.isel(indexers)
+        for dim in indexers:
+            scaled = scaled.assign_coords({dim: list(full.labels)}) * xr.DataArray(ratio, coords={dim: list(full.labels)})
+        out[name] = scaled.transpose(*data.dims)
+    shell = DeformedShell(full, study.centre_height)
+    pair = ("influenced_dof", "radiating_dof")
+    out["inertia_matrix"] = xr.DataArray(full.inertia, dims=pair)
+    out["structural_stiffness"] = xr.DataArray(full.stiffness, dims=pair)
+    stiffness = shell.hydrostatic_stiffness(study.water.density, study.water.gravity)
+    out["hydrostatic_stiffness"] = xr.DataArray(stiffness, dims=pair)
+    return xr.Dataset(out, attrs=database.attrs), full
+
+
+def bending_checks(study: Study, database: xr.Dataset) -> list[Check]:
+    """Return by how much the bending modes, where the basis leaves them out, would change the absorbed power."""
+    if not study.flexible or study.modes.basis == "full" or study.modes.degree < 2:
+        return []
+    wider, full = with_full_basis(database, study)
+    old = study_basis(study)
+    checks = []
+    for wave in (w for w in study.waves if isinstance(w, RegularWave)):
+        at = np.array([wave.omega])
+        for design in (name for name, d in study.designs.items() if d.flexible):
+            powers = []
+            for ds, basis in ((database, old), (wider, full)):
+                buoy = LinearBuoy(ds, basis.damping, study.pto.damping)
+                powers.append(buoy.absorbed_power(at, buoy.rao(at, design_motions(study, basis, design)))[0])
+            checks.append(
+                check_at_most(
+                    f"bending_modes in {wave.label}", abs(powers[1] / powers[0] - 1), 0.05, "-",
+                    f"absorbed power would change from {powers[0]:.4g} to {powers[1]:.4g} W/m^2 with modes.basis: full",
+                    doubt=True, design=design,
+                )
+            )  # fmt: skip
+    return checks
+
+
+def ledger(
+    study: Study, database: xr.Dataset, radiation: xr.Dataset, frequency: xr.Dataset, runs: Runs, rows: Sequence[Row]
+) -> list[Check]:
+    """Return the validity ledger of a study: what to doubt, with numbers, worst news first."""
+    basis = study_basis(study)
+    checks = [*shell_checks(study, basis), *bending_checks(study, database), *radiation_checks(radiation, study)]
+    means = {(row["design"], row["wave"]): row["power_mean"] for row in rows}
+    for wave in study.waves:
+        checks += wave_checks(wave, study.water, study.hydro.omega_max)
+        for design in study.designs:
+            checks += run_checks(study, basis, runs[design, wave.label])
+            if isinstance(wave, RegularWave):
+                power = float(frequency.absorbed_power.sel(design=design).sel(omega=wave.omega, method="nearest"))
+                checks.append(steady_state_check(study, wave, power, means[design, wave.label], design))
+    checks += [replace(check, name=f"hydro {check.name}") for check in stored_checks(database)]
+    return sorted(checks, key=lambda check: ("fail", "accepted", "doubt", "ok").index(check.verdict))
+
+
+def radiation_checks(radiation: xr.Dataset, study: Study) -> list[Check]:
+    """Return the error and the passivity certificate of the radiation state space."""
+    order, error = radiation.attrs["order"], radiation.attrs["fit_error"]
+    return [
+        check_at_most(
+            "radiation_fit", error, study.hydro.tolerance, "-",
+            f"rms error of the {order}-state radiation model, each mode relative to its largest damping", doubt=True,
+        ),
+        check_at_most(
+            "passivity", max(0.0, -radiation.attrs["passivity_margin"]), 1e-12, "-",
+            "most negative eigenvalue of the model's scaled damping over the band; passive by construction",
+        ),
+    ]  # fmt: skip
+
+
+def ledger_json(study: str, checks: Sequence[Check]) -> str:
+    """Return the ledger as JSON text."""
+    return json.dumps({"study": study, "checks": [asdict(check) for check in checks]}, indent=1, allow_nan=False) + "\n"

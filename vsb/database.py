@@ -1,0 +1,185 @@
+"""The hydro database: blocks merged, expressed in the modes of a study, checked, and stored with its verdict."""
+
+import fcntl
+import json
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import xarray as xr
+
+from vsb.errors import DatabaseError
+from vsb.modes import ModeBasis
+from vsb.surface import DeformedShell
+from vsb.units import load, save
+
+Verdict = Literal["ok", "doubt", "fail", "accepted"]
+SWEEP = "sweep"
+"""Group that holds the full frequency sweep when the study tabulates frequencies of its own."""
+
+
+@dataclass(frozen=True)
+class Check:
+    """One line of a verdict: a value against its limit."""
+
+    name: str
+    value: float
+    limit: float
+    unit: str
+    verdict: Verdict
+    explanation: str
+    design: str = ""
+
+
+def check_at_most(
+    name: str, value: float, limit: float, unit: str, explanation: str, *, doubt: bool = False, design: str = ""
+) -> Check:
+    """Return a check that passes if value <= limit; else it fails, or is a doubt."""
+    verdict: Verdict = "ok" if value <= limit else "doubt" if doubt else "fail"
+    return Check(name, float(value), float(limit), unit, verdict, explanation, design)
+
+
+def merged_blocks(blocks: Sequence[xr.Dataset]) -> xr.Dataset:
+    """Return blocks of disjoint frequencies as one dataset, frequencies ascending.
+
+    Raises
+    ------
+    DatabaseError
+        If a frequency occurs twice or the blocks differ in their degrees of freedom.
+    """
+    labels = {tuple(block.influenced_dof.values) for block in blocks}
+    if len(labels) != 1:
+        raise DatabaseError(f"blocks with different degrees of freedom {sorted(labels)}; merge blocks of one spec only.")
+    finite = [block for block in blocks if "omega" in block.dims]
+    merged = xr.concat(finite, dim="omega", data_vars="minimal", coords="minimal", compat="override").sortby("omega")
+    omega = merged.omega.values
+    if np.any(np.diff(omega) <= 0):
+        repeated = sorted(set(omega[1:][np.diff(omega) <= 0]))
+        raise DatabaseError(f"frequencies {repeated} rad/s occur in more than one block; merge each block once.")
+    infinite = [block for block in blocks if "added_mass_inf" in block]
+    return merged.assign(added_mass_inf=infinite[0].added_mass_inf) if infinite else merged
+
+
+def in_modes(raw: xr.Dataset, basis: ModeBasis) -> xr.Dataset:
+    """Return coefficients of the normal velocities P_n as coefficients of heave and modes.
+
+    On the undeformed sphere the normal velocity of a mode of degree n is V P_n: BEM is linear in it, so every basis,
+    every design and every material shares one BEM run.
+    """
+    degree = {f"Radial{n}": n for n in range(basis.highest_degree + 1)}
+    solved = [degree[label] for label in raw.influenced_dof.values]
+    if missing := set(basis.degrees) - set(solved):
+        raise DatabaseError(f"degrees {sorted(missing)} of the modes are not among the solved degrees {solved}.")
+    pick = [solved.index(n) for n in basis.degrees]
+    v = basis.pole_radial_displacement
+    labels = list(basis.labels)
+    row = xr.DataArray(v, dims="influenced_dof", coords={"influenced_dof": labels})
+    column = xr.DataArray(v, dims="radiating_dof", coords={"radiating_dof": labels})
+    picked = raw.isel(influenced_dof=pick).assign_coords(influenced_dof=labels)
+    if "radiating_dof" in raw.dims:
+        picked = picked.isel(radiating_dof=pick).assign_coords(radiating_dof=labels)
+    return xr.Dataset(
+        {name: data * row * column if "radiating_dof" in data.dims else data * row for name, data in picked.items()}
+    )
+
+
+def with_excitation(ds: xr.Dataset) -> xr.Dataset:
+    """Return the dataset with excitation_force = Froude-Krylov + diffraction."""
+    return ds.assign(excitation_force=ds.Froude_Krylov_force + ds.diffraction_force)
+
+
+def with_symmetrized(ds: xr.Dataset) -> xr.Dataset:
+    """Return the dataset with added mass and damping made symmetric, the repair recorded in `history`.
+
+    The asymmetry is discretization error (`check_symmetry` bounds it); energy needs exact symmetry.
+    """
+    names = [name for name in ("added_mass", "radiation_damping", "added_mass_inf") if name in ds]
+    swapped = {"influenced_dof": "radiating_dof", "radiating_dof": "influenced_dof"}
+    even = {name: 0.5 * (ds[name] + ds[name].rename(swapped).transpose(*ds[name].dims)) for name in names}
+    history = (ds.attrs.get("history", "") + "; added mass and damping symmetrized").lstrip("; ")
+    return ds.assign(even).assign_attrs(ds.attrs, history=history)
+
+
+def with_structure(ds: xr.Dataset, shell: DeformedShell, density: float, gravity: float) -> xr.Dataset:
+    """Return the dataset with inertia, structural and hydrostatic stiffness and the scale of the modes."""
+    basis, pair = shell.basis, ("influenced_dof", "radiating_dof")
+    return ds.assign(
+        inertia_matrix=(pair, basis.inertia),
+        structural_stiffness=(pair, basis.stiffness),
+        hydrostatic_stiffness=(pair, shell.hydrostatic_stiffness(density, gravity)),
+        pole_radial_displacement=("influenced_dof", basis.pole_radial_displacement),
+    )
+
+
+def as_json(checks: Sequence[Check]) -> str:
+    """Return checks as JSON text, the form in which a verdict is stored with its database."""
+    return json.dumps([asdict(check) for check in checks], allow_nan=False)
+
+
+def stored_checks(ds: xr.Dataset) -> list[Check]:
+    """Return the checks stored with a dataset."""
+    return [Check(**item) for item in json.loads(ds.attrs["quality"])]
+
+
+def load_database(path: str | Path, expected_id: str) -> xr.Dataset:
+    """Return the frequency sweep of a stored database after checking that it is the one expected.
+
+    Raises
+    ------
+    DatabaseError
+        If the file is unreadable, foreign, or holds another spec than its name says.
+    """
+    ds = load(path)
+    found = ds.attrs.get("spec_id")
+    if found != expected_id:
+        raise DatabaseError(
+            f"{path}: holds the database {found!r}, needs {expected_id!r}; delete or move the file and run again."
+        )
+    if ds.attrs["separate_sweep"]:
+        sweep = load(path, group=SWEEP)
+        constant = [name for name in ds.data_vars if "omega" not in ds[name].dims]
+        return sweep.assign({name: ds[name] for name in constant}).assign_attrs(ds.attrs)
+    return ds
+
+
+def save_database(tabulated: xr.Dataset, sweep: xr.Dataset | None, path: str | Path) -> None:
+    """Write a database, the full sweep in a group of its own if other frequencies are tabulated, and refresh INDEX."""
+    attrs = {**tabulated.attrs, "Conventions": "CF-1.8", "separate_sweep": int(sweep is not None)}
+    save(tabulated.assign_attrs(attrs), path, groups={SWEEP: sweep} if sweep is not None else None)
+    write_index(Path(path).parent)
+
+
+@contextmanager
+def _locked(path: Path) -> Iterator[None]:
+    """Hold an exclusive lock while several jobs refresh one file."""
+    with path.open("a") as handle:
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+
+
+def write_index(folder: Path) -> None:
+    """Rewrite INDEX.tsv beside the database folder from the files that are there."""
+    columns = ("id", "radius_m", "basis", "degree", "frequencies", "omega_max", "water_depth_m", "verdict")
+    with _locked(folder / ".index.lock"):
+        lines = ["\t".join(columns), *(_index_line(path) for path in sorted(folder.glob("*.nc")))]
+        temporary = folder.parent / f".INDEX.{os.getpid()}.tmp"
+        temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        os.replace(temporary, folder.parent / "INDEX.tsv")
+
+
+def _index_line(path: Path) -> str:
+    """One line of the index, read from the file itself; a file of others is listed as such."""
+    try:
+        ds = load(path)
+        a = ds.attrs
+        fields = [a[key] for key in ("radius", "basis", "degree")]
+        verdicts = {check.verdict for check in stored_checks(ds)}
+    except (DatabaseError, KeyError, TypeError, ValueError):
+        return "\t".join([path.stem, *["-"] * 6, "unreadable"])
+    omega = ds.omega.values
+    worst = next(v for v in ("fail", "accepted", "doubt", "ok") if v in verdicts or v == "ok")
+    return "\t".join(map(str, [path.stem, *fields, len(omega), f"{omega[-1]:g}", a["water_depth"], worst]))

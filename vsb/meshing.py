@@ -1,0 +1,92 @@
+"""Panels of the wetted mean shell and of its deformed shapes."""
+
+from pathlib import Path
+
+import meshio
+import numpy as np
+import xarray as xr
+
+from vsb.surface import DeformedShell
+from vsb.units import FloatArray
+
+DISPLAY_AMPLITUDE = 0.1
+"""Modal amplitude of the viewable deformed meshes, in radii."""
+
+
+def graded_colatitudes(waterline: float, rows: int, keel: float = np.pi) -> FloatArray:
+    """Return the edges of panel rows between waterline and keel, shape (rows + 1,) [rad], ever finer to the waterline.
+
+    The flow varies fastest at the waterline corner; with 1 - cos(pi s/2) spacing the error there is of second order.
+    """
+    s = np.linspace(0.0, 1.0, rows + 1)
+    return waterline + (keel - waterline) * (1 - np.cos(np.pi * s / 2))
+
+
+def polygon_radius(azimuth: int) -> float:
+    """Return the factor by which a regular polygon's corners must lie outside a circle of equal area [-]."""
+    angle = 2 * np.pi / azimuth
+    return float(np.sqrt(angle / np.sin(angle)))
+
+
+def mean_mesh(radius: float, centre_height: float, rows: int, azimuth: int, lid_rows: int) -> xr.Dataset:
+    """Return the meridian of the wetted mean shell and of the interior lid, revolved in `azimuth` panels.
+
+    Returns
+    -------
+    xarray.Dataset
+        meridian_radius, meridian_height (node) and lid_radius (lid_node) [m], from waterline to keel and from axis to
+        waterline; the corner radii keep the area of every circle.
+    """
+    phi = graded_colatitudes(np.arccos(-centre_height / radius), rows)
+    x, z = radius * np.sin(phi), centre_height + radius * np.cos(phi)
+    z[0] = x[-1] = 0.0
+    corner = polygon_radius(azimuth)
+    lid = np.linspace(0.0, x[0], lid_rows + 1)
+    return xr.Dataset(
+        {
+            "meridian_radius": ("node", corner * x),
+            "meridian_height": ("node", z),
+            "lid_radius": ("lid_node", corner * lid),
+        },
+        attrs={"azimuth": azimuth},
+    )
+
+
+def revolved(x: FloatArray, z: FloatArray, azimuth: int) -> tuple[FloatArray, FloatArray]:
+    """Return vertices (vertex, 3) [m] and quadrilaterals (face, 4) of a meridian revolved about the z axis."""
+    theta = 2 * np.pi * np.arange(azimuth) / azimuth
+    ring = np.stack([np.cos(theta), np.sin(theta)], axis=1)
+    vertices = np.concatenate([np.column_stack([xi * ring, np.full(azimuth, zi)]) for xi, zi in zip(x, z, strict=True)])
+    j = np.arange(azimuth)
+    following = (j + 1) % azimuth
+    quad = np.stack([j, following, azimuth + following, azimuth + j], axis=1)[:, ::-1]
+    faces = np.concatenate([quad + azimuth * i for i in range(len(x) - 1)])
+    return vertices, faces
+
+
+def write_wet_shell(shell: DeformedShell, path: str | Path, rows: int = 40, azimuth: int = 80) -> None:
+    """Write the wetted part of a (deformed) shell as quadrilaterals to any format meshio knows.
+
+    Every wet segment becomes its own band of rows, so a shell that crosses the water more than once stays readable.
+    """
+    points: list[FloatArray] = []
+    faces: list[FloatArray] = []
+    for start, end in shell.wet_segments:
+        meridian = shell.meridian(graded_colatitudes(start, rows, end))
+        vertices, quads = revolved(meridian.x, meridian.z, azimuth)
+        faces.append(quads + sum(len(p) for p in points))
+        points.append(vertices)
+    Path(path).parent.mkdir(parents=True, exist_ok=True)
+    meshio.Mesh(np.concatenate(points), [("quad", np.concatenate(faces))]).write(path)
+
+
+def display_shapes(shell: DeformedShell) -> dict[str, DeformedShell]:
+    """Return the mean shell and the shell deformed by plus and minus `DISPLAY_AMPLITUDE` radii of every mode."""
+    shapes = {"mean": shell}
+    size = DISPLAY_AMPLITUDE * shell.basis.shell.radius
+    for j, label in enumerate(shell.basis.labels[1:], start=1):
+        for name, sign in (("minus", -1.0), ("plus", 1.0)):
+            amplitudes = np.zeros(len(shell.basis.labels))
+            amplitudes[j] = sign * size
+            shapes[f"{label}_{name}"] = DeformedShell(shell.basis, shell.centre_height, amplitudes)
+    return shapes

@@ -1,0 +1,300 @@
+"""Rayleigh-Ritz basis of the shell: mode shapes, modal mass, stiffness and damping, clamps.
+
+Every shape is one Legendre degree n: radial displacement v = V P_n(cos phi), meridional u = U dP_n/dphi. Rigid heave
+is the shape n = 1, V = U = 1. Degrees are orthogonal, so mass and energy are closed-form 2 x 2 blocks per degree.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from scipy.linalg import eigh, svd
+from scipy.optimize import minimize_scalar
+from scipy.special import legendre_p_all
+
+from vsb.config import Device, Study
+from vsb.errors import ConfigError
+from vsb.shell import Shell, frequency_parameter
+from vsb.units import FloatArray
+
+Basis = Literal["paper", "membrane", "full"]
+HEAVE = "Heave"
+
+
+def legendre(degree: int, colatitude: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return P_n(cos phi) and its first and second derivatives by phi for n = 0..degree.
+
+    Parameters
+    ----------
+    degree : int
+    colatitude : ndarray, shape (point,) [rad]
+
+    Returns
+    -------
+    tuple of ndarray, each shape (degree + 1, point) [-]
+    """
+    cos, sin = np.cos(colatitude), np.sin(colatitude)
+    p, dp, ddp = legendre_p_all(degree, cos, diff_n=2)
+    return p, -sin * dp, sin**2 * ddp - cos * dp
+
+
+def membrane_block(shell: Shell, degree: int) -> FloatArray:
+    """Return the membrane stiffness of (V, U) of one degree, shape (2, 2) [N/m].
+
+    Notes
+    -----
+    From U_m = pi E h/(1-nu^2) int (ef^2 + et^2 + 2 nu ef et) r^2 sin phi dphi, Eqs. 21-23, with
+    ef = (u' + v)/r, et = (u cot phi + v)/r and int P_n^2 sin phi dphi = 2/(2n+1). The cross term of Eq. 61 is kept;
+    Eq. 63 prints squares in its place, which does not give Table I.
+    """
+    nu, lam = shell.poisson_ratio, degree * (degree + 1)
+    block = np.array([[2 * (1 + nu), -lam * (1 + nu)], [-lam * (1 + nu), lam * (lam - 1 + nu)]])
+    return 4 * np.pi / (2 * degree + 1) * shell.membrane_stiffness * block
+
+
+def bending_block(shell: Shell, degree: int) -> FloatArray:
+    """Return the bending stiffness of (V, U) of one degree, shape (2, 2) [N/m].
+
+    Notes
+    -----
+    From U_b = pi D int (kf^2 + kt^2 + 2 nu kf kt) r^2 sin phi dphi with kf = -(v'' - u')/r^2,
+    kt = -cot phi (v' - u)/r^2. The paper's stiffness (Eq. 63) has no bending.
+    """
+    nu, lam = shell.poisson_ratio, degree * (degree + 1)
+    scale = 4 * np.pi / (2 * degree + 1) * shell.bending_stiffness / shell.radius**2 * lam * (lam - 1 + nu)
+    return scale * np.array([[1.0, -1.0], [-1.0, 1.0]])
+
+
+def mass_block(shell: Shell, degree: int) -> FloatArray:
+    """Return the mass of (V, U) of one degree, 2 pi rho h r^2 2/(2n+1) diag(1, n(n+1)), shape (2, 2) [kg]."""
+    scale = 4 * np.pi / (2 * degree + 1) * shell.density * shell.thickness * shell.radius**2
+    return scale * np.diag([1.0, degree * (degree + 1.0)])
+
+
+@dataclass(frozen=True)
+class Mode:
+    """One shape: v = radial P_n, u = meridional dP_n/dphi, scaled to max|displacement| = 1 (C5)."""
+
+    label: str
+    degree: int
+    radial: float
+    meridional: float
+
+
+@dataclass(frozen=True)
+class ModeBasis:
+    """Shapes of a study and their structural matrices; heave first, then the shell modes."""
+
+    shell: Shell
+    modes: tuple[Mode, ...]
+    total_mass: float  # [kg]
+    bending: bool  # whether the energy of bending is part of the stiffness
+    alpha: float = 0.0  # mass-proportional damping [1/s]
+    beta: float = 0.0  # stiffness-proportional damping [s]
+
+    @cached_property
+    def shapes(self) -> tuple[Mode, ...]:
+        """Rigid heave and the shell modes."""
+        return (Mode(HEAVE, 1, 1.0, 1.0), *self.modes)
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Names of the degrees of freedom."""
+        return tuple(mode.label for mode in self.shapes)
+
+    @property
+    def degrees(self) -> tuple[int, ...]:
+        """Legendre degree of each degree of freedom."""
+        return tuple(mode.degree for mode in self.shapes)
+
+    @property
+    def highest_degree(self) -> int:
+        """Highest Legendre degree of the basis."""
+        return max(self.degrees)
+
+    @cached_property
+    def pole_radial_displacement(self) -> FloatArray:
+        """Radial displacement at the top pole per unit amplitude, shape (dof,) [-]: P_n(1) = 1."""
+        return np.array([mode.radial for mode in self.shapes])
+
+    def _assembled(self, block: dict[int, FloatArray], shapes: Iterable[Mode]) -> FloatArray:
+        """Matrix of a quadratic form that couples equal degrees only, from its (V, U) blocks."""
+        vectors = [(mode.degree, np.array([mode.radial, mode.meridional])) for mode in shapes]
+        return np.array([[a @ block[n] @ b if n == m else 0.0 for m, b in vectors] for n, a in vectors])
+
+    @cached_property
+    def inertia(self) -> FloatArray:
+        """Mass of ballast and shell over heave and modes, shape (dof, dof) [kg].
+
+        Heave carries the whole buoy. A mode couples to heave only through degree 1, and there only if it is not
+        orthogonal to rigid heave, as the paper's slipped n = 1 shape is not.
+        """
+        matrix = self._assembled({n: mass_block(self.shell, n) for n in set(self.degrees)}, self.shapes)
+        matrix[0, 0] = self.total_mass
+        return matrix
+
+    @cached_property
+    def stiffness(self) -> FloatArray:
+        """Elastic stiffness over heave and modes, shape (dof, dof) [N/m]; zero for rigid heave."""
+        blocks = {n: membrane_block(self.shell, n) for n in set(self.degrees)}
+        if self.bending:
+            blocks = {n: block + bending_block(self.shell, n) for n, block in blocks.items()}
+        matrix = self._assembled(blocks, self.shapes)
+        matrix[0, :] = matrix[:, 0] = 0.0  # exact: rigid motion strains nothing
+        return matrix
+
+    @property
+    def damping(self) -> FloatArray:
+        """Rayleigh damping alpha M + beta K of the shell modes, shape (dof, dof) [kg/s]; none for rigid heave."""
+        matrix = self.alpha * self.inertia + self.beta * self.stiffness
+        matrix[0, :] = matrix[:, 0] = 0.0
+        return matrix
+
+    @cached_property
+    def dry_frequencies(self) -> FloatArray:
+        """Rayleigh quotient of each shell mode, shape (mode,) [rad/s]."""
+        return np.sqrt(np.diag(self.stiffness)[1:] / np.diag(self.inertia)[1:])
+
+    def displacement(self, colatitude: FloatArray, derivative: int = 0) -> tuple[FloatArray, FloatArray]:
+        """Return radial and meridional shapes at points, or their derivative by colatitude (0 or 1).
+
+        Returns
+        -------
+        radial, meridional : ndarray, shape (dof, point) [-]
+        """
+        p = legendre(self.highest_degree, colatitude)
+        index = list(self.degrees)
+        radial = np.array([mode.radial for mode in self.shapes])[:, None] * p[derivative][index]
+        meridional = np.array([mode.meridional for mode in self.shapes])[:, None] * p[derivative + 1][index]
+        return radial, meridional
+
+    def clamp_rows(self, colatitudes: Iterable[float]) -> FloatArray:
+        """Return the constraint matrix Phi_c with Phi_c q = 0, shape (2 * clamp, dof) [-].
+
+        Notes
+        -----
+        The shell does not move relative to the sphere centre at the clamped colatitudes [rad]: one radial and one
+        meridional row each, the heave column zero. At a pole the meridional row is zero by symmetry.
+        """
+        radial, meridional = self.displacement(np.asarray(list(colatitudes), dtype=float))
+        rows = np.concatenate([radial.T, meridional.T])
+        rows[:, 0] = 0.0
+        return rows
+
+    def clamped(self, colatitudes: Iterable[float]) -> FloatArray:
+        """Return an orthonormal basis of the motions the clamps allow, shape (dof, free); heave is the first column.
+
+        Notes
+        -----
+        Null space of `clamp_rows` by singular values: repeated and zero rows are harmless. With it q = N y the
+        constraint holds at all times by construction: no multipliers, no drift.
+        """
+        rows = self.clamp_rows(colatitudes)[:, 1:]
+        _, singular, vt = svd(rows, full_matrices=True)
+        rank = int(np.sum(singular > 1e-10 * max(1.0, singular.max(initial=0.0))))
+        free = np.zeros((len(self.labels), vt.shape[0] - rank + 1))
+        free[0, 0] = 1.0
+        free[1:, 1:] = vt[rank:].T
+        return free
+
+
+def _scaled(label: str, degree: int, radial: float, meridional: float) -> Mode:
+    """Scale a shape to max|displacement| = 1, radial at the top pole positive."""
+
+    def displacement(phi: FloatArray) -> FloatArray:
+        p, dp, _ = legendre(degree, np.atleast_1d(phi))
+        return np.hypot(radial * p[degree], meridional * dp[degree])
+
+    grid = np.linspace(0.0, np.pi, 20 * degree + 3)
+    peak = grid[np.argmax(displacement(grid))]
+    step = grid[1]
+    refined = minimize_scalar(
+        lambda phi: -float(displacement(phi)[0]), bounds=(peak - step, peak + step), options={"xatol": 1e-12}
+    )
+    largest = max(-float(refined.fun), float(displacement(np.array(peak))[0]))
+    scale = np.copysign(1.0, radial) / largest
+    return Mode(label, degree, radial * scale, meridional * scale)
+
+
+def _branches(shell: Shell, degree: int) -> FloatArray:
+    """Eigenvectors (V, U) of the complete shell of one degree >= 1; columns lower, upper branch."""
+    stiffness = membrane_block(shell, degree) + bending_block(shell, degree)
+    vectors: FloatArray = eigh(stiffness, mass_block(shell, degree))[1]
+    return vectors
+
+
+def paper_ratio(shell: Shell, degree: int) -> float:
+    """Return the paper's amplitude ratio V/U, C_n = (1 + (1+nu) Omega^4)/(1 - Omega^4).
+
+    Notes
+    -----
+    The right ratio is (1 + (1+nu) Omega^2)/(1 - Omega^2): Omega^2 was squared once too often. With the slip the
+    Rayleigh quotient gives the paper's Table I, "Rayleigh-Ritz" column, to 4e-8; without it the true frequency.
+    """
+    omega4 = frequency_parameter(shell, degree)[1] ** 2
+    return (1 + (1 + shell.poisson_ratio) * omega4) / (1 - omega4)
+
+
+def _degree_modes(shell: Shell, basis: Basis, degree: int) -> list[Mode]:
+    """Shell modes of one degree in a basis."""
+    if degree == 0:
+        return [Mode("Membrane0", 0, 1.0, 0.0)]
+    if basis == "paper":
+        return [_scaled(f"Membrane{degree}", degree, paper_ratio(shell, degree), 1.0)]
+    lower, upper = _branches(shell, degree).T
+    membrane = _scaled(f"Membrane{degree}", degree, *upper)
+    if basis == "membrane" or degree == 1:  # the lower branch of n = 1 is rigid heave (C4)
+        return [membrane]
+    return [membrane, _scaled(f"Bending{degree}", degree, *lower)]
+
+
+def mode_basis(device: Device, basis: Basis, degree: int) -> ModeBasis:
+    """Return the Ritz basis of a device.
+
+    Parameters
+    ----------
+    device : Device
+    basis : {"paper", "membrane", "full"}
+        One slipped shape per degree and membrane energy (the publication); the upper branch; both branches.
+    degree : int
+        Highest Legendre degree.
+    """
+    shell = Shell.of(device)
+    modes = [mode for n in range(degree + 1) for mode in _degree_modes(shell, basis, n)]
+    modes.sort(key=lambda mode: mode.label.startswith("Bending"))  # all membrane modes, then all bending modes
+    damping = device.damping
+    return ModeBasis(shell, tuple(modes), device.mass, basis != "paper", damping.alpha, damping.beta)
+
+
+def rigid_basis(device: Device) -> ModeBasis:
+    """Return the basis of a study without a flexible design: heave alone."""
+    return ModeBasis(Shell.of(device), (), device.mass, bending=False)
+
+
+def study_basis(study: Study) -> ModeBasis:
+    """Return the union of the modes of all designs of a study."""
+    if not study.flexible:
+        return rigid_basis(study.device)
+    return mode_basis(study.device, study.modes.basis, study.modes.degree)
+
+
+def design_motions(study: Study, basis: ModeBasis, design: str) -> FloatArray:
+    """Return the motions a design allows, shape (dof, free) [-]: heave alone, or heave and the unclamped modes.
+
+    Raises
+    ------
+    ConfigError
+        If the clamps leave no shell mode free.
+    """
+    chosen = study.designs[design]
+    if not chosen.flexible:
+        return np.eye(len(basis.labels), 1)
+    free = basis.clamped(np.deg2rad(chosen.clamp)) if chosen.clamp else np.eye(len(basis.labels))
+    if free.shape[1] < 2:
+        raise ConfigError(
+            f"designs.{design}.clamp: received {list(chosen.clamp)}, which leaves none of the {len(basis.modes)} shell "
+            f"modes free; use fewer clamps, a larger modes.degree, or flexible: false"
+        )
+    return free

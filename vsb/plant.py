@@ -1,0 +1,136 @@
+"""Equation of motion of a scene: mass, named linear forces, the motions a design allows. Knows no integrator.
+
+M q'' = sum of forces, q = N y: heave and modal amplitudes q in the subspace N of the design. Only the forces of the
+scene exist.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from vsb.radiation import RadiationModel
+from vsb.response import LinearBuoy
+from vsb.units import ComplexArray, FloatArray
+from vsb.waves import Sea
+
+
+@dataclass(frozen=True)
+class Spring:
+    """f = -K q."""
+
+    stiffness: FloatArray  # (dof, dof) [N/m]
+
+
+@dataclass(frozen=True)
+class Damper:
+    """f = -D v."""
+
+    damping: FloatArray  # (dof, dof) [kg/s]
+
+
+@dataclass(frozen=True)
+class Excitation:
+    """f = Re sum F_j exp(-i omega_j t) (C1)."""
+
+    omega: FloatArray  # (component,) [rad/s]
+    force: ComplexArray  # (component, dof) [N]
+
+
+@dataclass(frozen=True)
+class RadiationMemory:
+    """f = -G^T x with memory states x' = A x + G v."""
+
+    model: RadiationModel
+
+
+Force = Spring | Damper | Excitation | RadiationMemory
+
+
+class LinearSystem(NamedTuple):
+    """z' = A z + Re sum b_j exp(-i omega_j t), z = (y, y', x)."""
+
+    matrix: FloatArray  # (state, state)
+    omega: FloatArray  # (component,) [rad/s]
+    input: ComplexArray  # (component, state)
+
+
+@dataclass(frozen=True)
+class Plant:
+    """A scene: mass including added mass at infinite frequency, named forces, allowed motions."""
+
+    labels: tuple[str, ...]  # dof
+    mass: FloatArray  # (dof, dof) [kg]
+    forces: Mapping[str, Force]
+    motions: FloatArray  # N (dof, free)
+
+    def total(self, kind: type[Spring] | type[Damper]) -> FloatArray:
+        """Return the sum of the matrices of all springs or dampers, projected on the motions, shape (free, free)."""
+        dof = len(self.labels)
+        matrices = [
+            force.stiffness if isinstance(force, Spring) else force.damping
+            for force in self.forces.values()
+            if isinstance(force, kind) and isinstance(force, Spring | Damper)
+        ]
+        return self.motions.T @ sum(matrices, np.zeros((dof, dof))) @ self.motions
+
+    @property
+    def memory(self) -> RadiationModel | None:
+        """The radiation memory of the scene, if it has one."""
+        return next((f.model for f in self.forces.values() if isinstance(f, RadiationMemory)), None)
+
+    @property
+    def excitation(self) -> Excitation | None:
+        """The wave excitation of the scene, if it has waves."""
+        return next((f for f in self.forces.values() if isinstance(f, Excitation)), None)
+
+    def linear_system(self) -> LinearSystem:
+        """Return the scene as one linear system in the free coordinates y, their rates and the memory states."""
+        n = self.motions.shape[1]
+        inverse = np.linalg.inv(self.motions.T @ self.mass @ self.motions)
+        order = self.memory.order if self.memory else 0
+        a = np.zeros((2 * n + order, 2 * n + order))
+        a[:n, n : 2 * n] = np.eye(n)
+        a[n : 2 * n, :n] = -inverse @ self.total(Spring)
+        a[n : 2 * n, n : 2 * n] = -inverse @ self.total(Damper)
+        if self.memory:
+            g = self.memory.input_matrix @ self.motions
+            a[n : 2 * n, 2 * n :] = -inverse @ g.T
+            a[2 * n :, n : 2 * n] = g
+            a[2 * n :, 2 * n :] = self.memory.state_matrix
+        omega, push = np.zeros(0), np.zeros((0, len(a)), dtype=complex)
+        if self.excitation:
+            omega = self.excitation.omega
+            push = np.zeros((len(omega), len(a)), dtype=complex)
+            push[:, n : 2 * n] = self.excitation.force @ self.motions @ inverse
+        return LinearSystem(a, omega, push)
+
+    def start(self, heave: float, heave_velocity: float) -> FloatArray:
+        """Return the initial state (y, y', x): heave as given, shell undeformed and at rest, water at rest."""
+        n = self.motions.shape[1]
+        state = np.zeros(2 * n + (self.memory.order if self.memory else 0))
+        state[0], state[n] = heave, heave_velocity
+        return state
+
+
+def linear_plant(buoy: LinearBuoy, radiation: RadiationModel, sea: Sea, motions: FloatArray) -> Plant:
+    """Return the linear hydroelastic scene of one design in one sea, with the forces it has and no others."""
+    database = buoy.database
+    forces: dict[str, Force] = {
+        "hydrostatic": Spring(database.hydrostatic_stiffness.values),
+        "radiation": RadiationMemory(radiation),
+    }
+    if buoy.pto_damping:
+        pto = np.zeros_like(buoy.mass)
+        pto[0, 0] = buoy.pto_damping
+        forces["pto"] = Damper(pto)
+    if motions.shape[1] > 1:
+        forces["elastic"] = Spring(database.structural_stiffness.values)
+        if buoy.structural_damping.any():
+            forces["structural_damping"] = Damper(buoy.structural_damping)
+    if sea.omega.size:
+        excitation = buoy.coefficients(sea.omega).excitation
+        forces["excitation"] = Excitation(sea.omega, sea.amplitude[:, None] * excitation)
+    labels = tuple(str(label) for label in database.influenced_dof.values)
+    return Plant(labels, buoy.mass + buoy.added_mass_inf, forces, motions)

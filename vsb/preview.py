@@ -1,0 +1,84 @@
+"""What can be said of a study before anything is solved: its checks, its cost, its shell."""
+
+from pathlib import Path
+from typing import Any
+
+from vsb import compare, database
+from vsb.config import Study, content_id
+from vsb.modes import design_motions, mode_basis, study_basis
+from vsb.shell import Shell, natural_frequencies
+from vsb.specs import StudyPlan
+from vsb.units import load
+
+SECONDS_PER_PANEL_ROW2 = 3e-5
+"""Seconds a frequency costs per squared row count, lid included; measured with 40 + 8 rows."""
+
+
+def check_before_run(study: Study, plan: StudyPlan) -> None:
+    """Raise what would fail later: clamps that leave nothing free, unreadable or foreign files among the results.
+
+    Raises
+    ------
+    ConfigError, DatabaseError
+    """
+    basis = study_basis(study)
+    for design in study.designs:
+        design_motions(study, basis, design)
+    if Path(plan.database_path).exists():
+        database.load_database(plan.database_path, content_id(plan.database))
+    blocks = [plan.block_path(block) for block in plan.sweep_blocks + plan.tabulated_blocks]
+    for path in [*blocks, plan.radiation_path]:
+        if Path(path).exists():
+            load(path)
+
+
+def summary(study: Study, plan: StudyPlan) -> list[str]:
+    """Return the lines `vsb check` prints: what would be computed, at what cost, and the validity known beforehand."""
+    check_before_run(study, plan)
+    blocks = plan.sweep_blocks + plan.tabulated_blocks
+    todo = [block for block in blocks if not Path(plan.block_path(block)).exists()]
+    rows = [block["mesh"]["rows"] + block["mesh"]["lid_rows"] for block in todo for _ in block["omega"]]
+    seconds = SECONDS_PER_PANEL_ROW2 * sum(row**2 for row in rows)
+    lines = [
+        f"study        {study.study}: {', '.join(study.designs)} in {', '.join(wave.label for wave in study.waves)}",
+        f"modes        {len(plan.mode_labels)} shell modes ({study.modes.basis}, degree {study.modes.degree})",
+        f"hydro        {sum(len(block['omega']) for block in blocks)} frequencies up to {study.hydro.omega_max:g} rad/s, "
+        f"{blocks[-1]['mesh']['rows']} rows of {blocks[-1]['mesh']['azimuth']} panels",
+        f"BEM jobs     {len(todo)} of {len(blocks)} to do, about {seconds:.0f} s on one core",
+        f"database     {plan.database_path}" + (" (there)" if Path(plan.database_path).exists() else ""),
+    ]
+    checks = compare.shell_checks(study, study_basis(study))
+    for wave in study.waves:
+        checks += compare.wave_checks(wave, study.water, study.hydro.omega_max)
+    return lines + [f"{check.verdict:12} {check.name} = {check.value:.3g} (limit {check.limit:g}): {check.explanation}" for check in checks]
+
+
+def shell_table(study: Study) -> dict[str, Any]:
+    """Return dry frequencies of both branches in closed form, the paper's Ritz column, and the buckling pressure.
+
+    Returns
+    -------
+    dict
+        membrane, bending, paper_ritz: lists of {"degree": n, "omega": rad/s}; buckling_pressure [Pa].
+    """
+    shell = Shell.of(study.device)
+    degrees = range(study.modes.degree + 1)
+    closed = {n: natural_frequencies(shell, n) for n in degrees}
+    paper = mode_basis(study.device, "paper", study.modes.degree)
+    return {
+        "membrane": [{"degree": n, "omega": float(closed[n][1])} for n in degrees],
+        "bending": [{"degree": n, "omega": float(closed[n][0])} for n in degrees if n >= 2],
+        "paper_ritz": [{"degree": n, "omega": float(w)} for n, w in zip(degrees, paper.dry_frequencies, strict=True)],
+        "buckling_pressure": shell.buckling_pressure,
+    }
+
+
+def shell_text(table: dict[str, Any]) -> str:
+    """Return the shell's frequencies as a table for people."""
+    bending = {row["degree"]: row["omega"] for row in table["bending"]}
+    lines = [f"{'n':>3} {'membrane':>15} {'bending':>15} {'paper Ritz':>15}   [rad/s]"]
+    for membrane, paper in zip(table["membrane"], table["paper_ritz"], strict=True):
+        n = membrane["degree"]
+        lower = f"{bending[n]:15.9f}" if n in bending else f"{'-':>15}"
+        lines.append(f"{n:3} {membrane['omega']:15.9f} {lower} {paper['omega']:15.9f}")
+    return "\n".join([*lines, f"classical buckling pressure {table['buckling_pressure']:.6g} Pa"])

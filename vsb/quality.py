@@ -1,0 +1,121 @@
+"""Verdict on a hydro database: identities that hold whatever the mesh, and how far the numbers are from them.
+
+Coefficients of unlike modes are compared after scaling every degree of freedom to a largest damping of one.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import xarray as xr
+
+from vsb.database import Check, check_at_most
+from vsb.errors import DatabaseError
+from vsb.kernel import DampingSpectrum
+from vsb.units import ComplexArray, FloatArray
+from vsb.waves import group_velocity, wavenumber
+
+
+def _scale(ds: xr.Dataset) -> FloatArray:
+    """Outer product that scales the largest damping of each degree of freedom to one, shape (dof, dof)."""
+    root = np.sqrt(np.abs(np.einsum("wii->wi", ds.radiation_damping.values)).max(axis=0))
+    return np.outer(root, root)
+
+
+def _scaled_eigenvalues(ds: xr.Dataset) -> FloatArray:
+    """Eigenvalues of the scaled damping, ascending, relative to the largest of the band, shape (omega, dof)."""
+    b = ds.radiation_damping.values
+    values = np.linalg.eigvalsh(0.5 * (b + b.transpose(0, 2, 1)) / _scale(ds))
+    return values / values.max()
+
+
+def asymmetry(ds: xr.Dataset) -> float:
+    """Return the largest |M - M^T| of A and B relative to the largest entry of the band."""
+    matrices = [ds.added_mass.values, ds.radiation_damping.values]
+    return max(float(np.abs(m - m.transpose(0, 2, 1)).max() / np.abs(m).max()) for m in matrices)
+
+
+def negative_damping(ds: xr.Dataset) -> float:
+    """Return how far the damping is from positive semidefinite: -(smallest eigenvalue), at least 0."""
+    return float(max(0.0, -_scaled_eigenvalues(ds).min()))
+
+
+def second_channel(ds: xr.Dataset) -> float:
+    """Return the largest second eigenvalue of the damping: an axisymmetric body has one radiation channel, rank one."""
+    values = np.sort(np.abs(_scaled_eigenvalues(ds)), axis=1)
+    return float(values[:, -2].max()) if values.shape[1] > 1 else 0.0
+
+
+def haskind_damping(ds: xr.Dataset, depth: float, density: float, gravity: float) -> ComplexArray:
+    """Return k X X^H/(4 rho g v_g), the damping Haskind's relation gives from the excitation, shape (omega, dof, dof)."""
+    x = ds.excitation_force.values[:, 0, :]
+    factor = [
+        wavenumber(w, depth, gravity) / (4 * density * gravity * group_velocity(w, depth, gravity))
+        for w in ds.omega.values
+    ]
+    return np.array(factor)[:, None, None] * x[:, :, None] * x[:, None, :].conj()
+
+
+def haskind_difference(ds: xr.Dataset, depth: float, density: float, gravity: float) -> float:
+    """Return the largest difference between the damping and Haskind's."""
+    haskind = haskind_damping(ds, depth, density, gravity)
+    return float(np.abs((haskind - ds.radiation_damping.values) / _scale(ds)).max())
+
+
+def largest_kink(ds: xr.Dataset) -> float:
+    """Return the largest distance of a damping value from the cubic through its four neighbours in frequency.
+
+    An irregular frequency is a spike a few hundredths of a rad/s wide: it stands out of its neighbours.
+    """
+    b = np.einsum("wii->wi", ds.radiation_damping.values / _scale(ds))
+    if len(b) < 5:
+        return 0.0
+    neighbours = (-b[:-4] + 4 * b[1:-3] + 4 * b[3:-1] - b[4:]) / 6  # equal steps
+    return float(np.abs(b[2:-2] - neighbours).max())
+
+
+def added_mass_difference(ds: xr.Dataset) -> float:
+    """Return the mean over the lower half of the band of A(inf) solved minus A(inf) by Ogilvie's relation.
+
+    Relative to the diagonal of A(inf).
+    """
+    half = ds.omega.values <= 0.5 * ds.omega.values[-1]
+    spectrum = DampingSpectrum(ds.omega.values, ds.radiation_damping.values)
+    ogilvie = ds.added_mass.values[half] - spectrum.added_mass_difference(ds.omega.values[half])
+    root = np.sqrt(np.diag(ds.added_mass_inf.values))
+    return float(np.abs((ogilvie.mean(axis=0) - ds.added_mass_inf.values) / np.outer(root, root)).max())
+
+
+def verdict(sweep: xr.Dataset, depth: float, density: float, gravity: float, accept: Sequence[str]) -> list[Check]:
+    """Return the checks of a frequency sweep that has not been symmetrized; accepted failures are marked as such.
+
+    Raises
+    ------
+    DatabaseError
+        If a check fails that the study does not accept by name, or `accept` names no check.
+    """
+    water = (depth, density, gravity)
+    checks = [
+        check_at_most("symmetry", asymmetry(sweep), 0.01, "-", "added mass and damping are symmetric matrices"),
+        check_at_most("positive_damping", negative_damping(sweep), 0.01, "-", "no motion can draw energy from calm water"),
+        check_at_most("rank_one", second_channel(sweep), 0.02, "-", "axisymmetric motions radiate one ring wave"),
+        check_at_most("haskind", haskind_difference(sweep, *water), 0.05, "-", "damping follows from excitation"),
+        check_at_most(
+            "irregular_frequencies", largest_kink(sweep), 0.02, "-", "damping is smooth; an irregular frequency is a spike"
+        ),
+        check_at_most(
+            "kramers_kronig", added_mass_difference(sweep), 0.02, "-", "Ogilvie: added mass at infinity follows from damping"
+        ),
+    ]
+    if unknown := set(accept) - {check.name for check in checks}:
+        raise DatabaseError(
+            f"hydro.accept: received {sorted(unknown)}, needs names among {[check.name for check in checks]}."
+        )
+    checks = [replace(c, verdict="accepted") if c.verdict == "fail" and c.name in accept else c for c in checks]
+    for check in checks:
+        if check.verdict == "fail":
+            raise DatabaseError(
+                f"hydro database: check {check.name!r} failed: {check.value:.3g}, needs at most {check.limit:g} "
+                f"({check.explanation}); lower hydro.tolerance, or list the name under hydro.accept."
+            )
+    return checks

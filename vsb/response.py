@@ -1,0 +1,142 @@
+"""Frequency domain: response amplitude operators, absorbed power, wet natural frequencies."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from scipy.interpolate import CubicSpline
+from scipy.linalg import eigh
+from scipy.optimize import brentq
+
+from vsb.errors import DatabaseError
+from vsb.kernel import DampingSpectrum
+from vsb.units import ComplexArray, FloatArray
+
+
+class Coefficients(NamedTuple):
+    """Hydrodynamic coefficients at any frequencies."""
+
+    added_mass: FloatArray  # (omega, dof, dof) [kg]
+    damping: FloatArray  # (omega, dof, dof) [kg/s]
+    excitation: ComplexArray  # (omega, dof) [N/m]
+
+
+@dataclass(frozen=True)
+class LinearBuoy:
+    """Heave and modes about the mean shape, from a hydro database; every design moves in a subspace of it."""
+
+    database: xr.Dataset
+    structural_damping: FloatArray  # (dof, dof) [kg/s]
+    pto_damping: float  # [kg/s], on heave
+
+    @cached_property
+    def spectrum(self) -> DampingSpectrum:
+        """Radiation damping over frequency."""
+        return DampingSpectrum(self.database.omega.values, self.database.radiation_damping.values)
+
+    @cached_property
+    def mass(self) -> FloatArray:
+        """Inertia, shape (dof, dof) [kg]."""
+        return self.database.inertia_matrix.values
+
+    @cached_property
+    def added_mass_inf(self) -> FloatArray:
+        """Added mass at infinite frequency, shape (dof, dof) [kg]."""
+        return self.database.added_mass_inf.values
+
+    @cached_property
+    def stiffness(self) -> FloatArray:
+        """Structural and hydrostatic stiffness, shape (dof, dof) [N/m]."""
+        return self.database.structural_stiffness.values + self.database.hydrostatic_stiffness.values
+
+    @cached_property
+    def damping(self) -> FloatArray:
+        """Structural and power take-off damping, shape (dof, dof) [kg/s]."""
+        matrix = self.structural_damping.copy()
+        matrix[0, 0] += self.pto_damping
+        return matrix
+
+    @cached_property
+    def _splines(self) -> tuple[CubicSpline, CubicSpline]:
+        """Added mass and excitation between the solved frequencies."""
+        omega = self.database.omega.values
+        excitation = CubicSpline(omega, self.database.excitation_force.values[:, 0, :])
+        return CubicSpline(omega, self.database.added_mass.values), excitation
+
+    def coefficients(self, omega: FloatArray) -> Coefficients:
+        """Return the coefficients by cubic splines between solved frequencies.
+
+        Raises
+        ------
+        DatabaseError
+            Outside the band solved.
+        """
+        first, last = self.database.omega.values[[0, -1]]
+        if omega.size and (omega.min() < first - 1e-9 or omega.max() > last + 1e-9):
+            raise DatabaseError(
+                f"frequencies {omega.min():.4g} to {omega.max():.4g} rad/s are asked for, the database holds {first:g} to "
+                f"{last:g} rad/s; raise hydro.omega_max or use shorter waves (the longest has {2 * np.pi / first:.4g} s)."
+            )
+        added_mass, excitation = self._splines
+        return Coefficients(added_mass(omega), self.spectrum.at(omega), excitation(omega))
+
+    def rao(self, omega: FloatArray, motions: FloatArray) -> ComplexArray:
+        """Return displacement per unit wave amplitude, shape (omega, dof) [m/m].
+
+        Parameters
+        ----------
+        omega : ndarray, shape (omega,) [rad/s]
+        motions : ndarray, shape (dof, free)
+            The motions the design allows.
+
+        Notes
+        -----
+        [-w^2 (M + A) - i w (B + D) + K + C] q = X (C1), projected on the motions.
+        """
+        c = self.coefficients(omega)
+        w = omega[:, None, None]
+        impedance = -(w**2) * (self.mass + c.added_mass) - 1j * w * (c.damping + self.damping) + self.stiffness
+        projected = motions.T @ impedance @ motions
+        return np.linalg.solve(projected, (c.excitation @ motions)[..., None])[..., 0] @ motions.T
+
+    def absorbed_power(self, omega: FloatArray, rao: ComplexArray) -> FloatArray:
+        """Return the mean power taken off per squared wave amplitude, c w^2 |heave|^2/2, shape (omega,) [W/m^2]."""
+        return 0.5 * self.pto_damping * omega**2 * np.abs(rao[:, 0]) ** 2
+
+    def natural_modes(self, motions: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return wet natural frequencies [rad/s] and damping ratios [-], ascending, each shape (free,).
+
+        Notes
+        -----
+        w_i solves w^2 = lambda_i(w), the i-th eigenvalue of K + C against M + A(w); A beyond the solved band comes from
+        Kramers-Kronig. The ratio counts radiation, structure and power take-off on the mode's diagonal.
+        """
+        k = motions.T @ self.stiffness @ motions
+        results = [self._natural_mode(k, motions, i) for i in range(motions.shape[1])]
+        frequency, ratio = np.array(results).T
+        order = np.argsort(frequency)
+        return frequency[order], ratio[order]
+
+    def _natural_mode(self, k: FloatArray, motions: FloatArray, i: int) -> tuple[float, float]:
+        """One wet natural frequency and its damping ratio."""
+
+        def eigen(omega: float) -> tuple[float, FloatArray]:
+            at = np.array([omega])
+            added = self.added_mass_inf + self.spectrum.added_mass_difference(at)[0]
+            values, vectors = eigh(k, motions.T @ (self.mass + added) @ motions, subset_by_index=[i, i])
+            return float(values[0]), vectors[:, 0]
+
+        upper = 2 * np.sqrt(max(eigen(1e4)[0], eigen(1e-3)[0], 1e-4))
+        omega = float(brentq(lambda w: eigen(w)[0] - w**2, 1e-3, upper, xtol=1e-10))
+        shape = motions @ eigen(omega)[1]  # unit modal mass
+        total = self.damping + self.spectrum.at(np.array([omega]))[0]
+        return omega, float(shape @ total @ shape / (2 * omega))
+
+
+def frequency_grid(step: float, omega_max: float, extra: list[float]) -> FloatArray:
+    """Return the frequencies of a response: a fine grid of a fifth of the solved step, and the ones asked for."""
+    count = int(np.floor(5 * omega_max / step + 1e-9))
+    grid = [round(step / 5 * i, 10) for i in range(5, count + 1)]
+    return np.array(sorted({*grid, *extra}))

@@ -1,0 +1,249 @@
+"""What a study computes: resolution, frequency grid, blocks, content ids and file names. Pure Python.
+
+The Snakefile builds its graph from this module alone, so a dry run shows the true plan.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from vsb.config import PHYSICS, RegularWave, Study, Wave, content_id, solver_version
+from vsb.errors import ConfigError
+
+Spec = dict[str, Any]
+
+BLOCK = 32
+"""Frequencies per BEM job: large enough to hide the second an import costs, small enough to spread over cores."""
+MAX_ROWS = 160
+ROWS_PER_HALF_WAVE = 6
+LID_ROWS_PER_WAVE = 4
+
+
+def frequency_step(radius: float, gravity: float) -> float:
+    """Return the step of the absolute frequency grid [rad/s]: the largest 1-2-5 number below 0.05 sqrt(g/r).
+
+    The coefficients vary on the scale sqrt(g/r); a fixed, round step lets studies with different omega_max share blocks.
+    """
+    bound = 0.05 * math.sqrt(gravity / radius)
+    decade = 10.0 ** math.floor(math.log10(bound))
+    return float(f"{max(m * decade for m in (1, 2, 5) if m * decade <= bound):.0e}")
+
+
+def tolerance_rows(tolerance: float) -> int:
+    """Return the panel rows that bring the error of A and B below a tolerance.
+
+    Measured on the floating hemisphere (modes P_0..P_6, Ka <= 3): 40 rows 8e-4, second order.
+    """
+    return 2 * math.ceil(20 * math.sqrt(1e-3 / tolerance))
+
+
+def wave_rows(radius: float, wavelength: float) -> int:
+    """Return the rows that put `ROWS_PER_HALF_WAVE` of them within half a wavelength of the surface.
+
+    Rows are graded as colatitude = pi/2 (2 - cos(pi s/2)), so depth d is passed at s = 2/pi acos(1 - 2/pi asin(d/r)).
+    """
+    depth = min(wavelength / 2 / radius, 1.0)
+    passed = 2 / math.pi * math.acos(1 - 2 / math.pi * math.asin(depth))
+    return 2 * math.ceil(ROWS_PER_HALF_WAVE / passed / 2)
+
+
+@dataclass(frozen=True)
+class StudyPlan:
+    """Everything a study needs computed, as specs with content ids."""
+
+    study: Study
+    root: str = "results"
+
+    def resolution(self, omega: float) -> Spec:
+        """Panel rows, azimuthal panels and lid rows for frequencies up to omega [rad/s].
+
+        Raises
+        ------
+        ConfigError
+            If the wave is too short for any mesh of at most `MAX_ROWS` rows, or for the rows asked for.
+        """
+        study = self.study
+        wavelength = 2 * math.pi * study.water.gravity / omega**2
+        waterline = math.sqrt(study.device.radius**2 - study.centre_height**2)
+        needed = wave_rows(study.device.radius, wavelength)
+        rows = study.hydro.rows or max(needed, tolerance_rows(study.hydro.tolerance))
+        if max(needed, rows) > (study.hydro.rows or MAX_ROWS):
+            raise ConfigError(
+                f"hydro.omega_max: received {study.hydro.omega_max:g} rad/s, whose wave of {wavelength:.3g} m is too short "
+                f"for the mesh: it needs {needed} rows of panels, there are {study.hydro.rows or MAX_ROWS}; "
+                "lower hydro.omega_max" + (" or raise hydro.rows" if study.hydro.rows else "")
+            )
+        return {
+            "rows": rows,
+            "azimuth": 2 * rows,
+            "lid_rows": max(8, math.ceil(LID_ROWS_PER_WAVE * waterline / wavelength)),
+        }
+
+    @property
+    def shape(self) -> Spec:
+        """Mean wetted shape: radius and height of the sphere centre [m]."""
+        return {"radius": self.study.device.radius, "centre_height": self.study.centre_height}
+
+    @property
+    def velocity_degrees(self) -> tuple[int, ...]:
+        """Legendre degrees of the normal velocities solved for; heave alone needs degree 1 only."""
+        highest = max(1, self.study.modes.degree)
+        return tuple(range(highest + 1)) if self.study.flexible else (1,)
+
+    def mesh(self, omega: float) -> Spec:
+        """Spec of the mesh that serves frequencies up to omega."""
+        return {"stage": "mesh", "physics": PHYSICS["mesh"], **self.shape, **self.resolution(omega)}
+
+    @property
+    def display(self) -> Spec:
+        """Spec of the viewable meshes: mean and deformed wetted shells."""
+        return {**self.stage("mesh", "device", "modes", "water"), "modes": self._modes}
+
+    @property
+    def _modes(self) -> Spec | None:
+        """The mode section, if any design is flexible."""
+        return self.study.modes.model_dump() if self.study.flexible else None
+
+    def _block(self, omega: list[float], highest: float) -> Spec:
+        """Spec of one BEM job."""
+        return {
+            "stage": "bem",
+            "physics": PHYSICS["bem"],
+            "solver": solver_version(),
+            "mesh": self.mesh(highest),
+            "water": self.study.water.model_dump(),
+            "degrees": list(self.velocity_degrees),
+            "omega": omega,
+        }
+
+    @property
+    def step(self) -> float:
+        """Step of the absolute frequency grid [rad/s]."""
+        return frequency_step(self.study.device.radius, self.study.water.gravity)
+
+    @cached_property
+    def sweep_blocks(self) -> list[Spec]:
+        """Blocks of the absolute grid that cover (0, omega_max], and the block of infinite frequency."""
+        count = math.ceil(self.study.hydro.omega_max / self.step / BLOCK - 1e-9)
+        digits = max(0, -math.floor(math.log10(self.step)))
+        grids = [[round(self.step * i, digits) for i in range(BLOCK * k + 1, BLOCK * (k + 1) + 1)] for k in range(count)]
+        return [self._block([math.inf], grids[0][-1]), *(self._block(grid, grid[-1]) for grid in grids)]
+
+    @cached_property
+    def tabulated_blocks(self) -> list[Spec]:
+        """Blocks of the frequencies the study asks to tabulate, if it does."""
+        omega = self.study.hydro.omega
+        chunks = [list(omega[i : i + BLOCK]) for i in range(0, len(omega), BLOCK)]
+        return [self._block(chunk, chunk[-1]) for chunk in chunks]
+
+    @property
+    def database(self) -> Spec:
+        """Spec of the hydro database: the blocks in use, the modes and the structure."""
+        study = self.study
+        return {
+            "stage": "database",
+            "physics": PHYSICS["database"],
+            "sweep": [content_id(block) for block in self.sweep_blocks],
+            "tabulated": [content_id(block) for block in self.tabulated_blocks],
+            "omega": list(study.hydro.omega),
+            "omega_max": study.hydro.omega_max,
+            "device": study.device.model_dump(),
+            "modes": self._modes,
+            "water": study.water.model_dump(),
+            "tolerance": study.hydro.tolerance,
+            "accept": sorted(study.hydro.accept),
+        }
+
+    @property
+    def radiation(self) -> Spec:
+        """Spec of the radiation model."""
+        return {
+            "stage": "radiation",
+            "physics": PHYSICS["radiation"],
+            "database": content_id(self.database),
+            "tolerance": self.study.hydro.tolerance,
+        }
+
+    def stage(self, name: str, *sections: str) -> Spec:
+        """Spec of a stage of this study: the sections of the study it reads, nothing else."""
+        dump = self.study.model_dump()
+        return {"stage": name, "physics": PHYSICS[name], **{key: dump[key] for key in sections}}
+
+    @property
+    def modes(self) -> Spec:
+        """Spec of the shell modes."""
+        return self.stage("mesh", "device", "modes", "designs", "water")
+
+    @property
+    def response(self) -> Spec:
+        """Spec of the frequency response."""
+        waves = [wave.omega for wave in self.study.waves if isinstance(wave, RegularWave)]
+        sections = self.stage("response", "device", "modes", "designs", "water", "pto")
+        extra = sorted({*waves, *self.study.hydro.omega})
+        return {**sections, "step": self.step, "omega_max": self.study.hydro.omega_max, "omega": extra}
+
+    def simulation(self, design: str, wave: Wave) -> Spec:
+        """Spec of one time-domain run."""
+        sections = self.stage("simulate", "device", "modes", "water", "pto", "simulation")
+        chosen = {"designs": {design: self.study.designs[design].model_dump()}, "waves": [wave.model_dump()]}
+        return {**sections, **chosen, "omega_max": self.study.hydro.omega_max}
+
+    @property
+    def comparison(self) -> Spec:
+        """Spec of the comparison: the whole study."""
+        return {"stage": "compare", "physics": PHYSICS["compare"], "study": self.study.model_dump()}
+
+    # file names -----------------------------------------------------------------------------------------------------
+
+    def mesh_path(self, spec: Spec) -> str:
+        """Mesh of a block."""
+        return f"{self.root}/hydro/mesh/{content_id(spec)}/mean.nc"
+
+    def block_path(self, spec: Spec) -> str:
+        """Result of one BEM job."""
+        return f"{self.root}/hydro/blocks/{content_id(spec)}.nc"
+
+    @property
+    def database_path(self) -> str:
+        """Hydro database."""
+        return f"{self.root}/hydro/db/{content_id(self.database)}.nc"
+
+    @property
+    def radiation_path(self) -> str:
+        """Radiation model."""
+        return f"{self.root}/hydro/radiation/{content_id(self.radiation)}.nc"
+
+    @property
+    def display_folder(self) -> str:
+        """Folder of the viewable meshes."""
+        return f"{self.root}/hydro/mesh/{content_id(self.display)}"
+
+    @property
+    def green_folder(self) -> str:
+        """Folder of the Green-function table."""
+        return f"{self.root}/hydro/green/{solver_version().replace(' ', '-')}"
+
+    @property
+    def folder(self) -> str:
+        """Folder of the study's own results."""
+        return f"{self.root}/{self.study.study}"
+
+    def trajectory_path(self, design: str, wave: str) -> str:
+        """Time series of one design in one sea."""
+        return f"{self.folder}/trajectories/{design}-{wave}.nc"
+
+    @property
+    def mode_labels(self) -> tuple[str, ...]:
+        """Labels of the shell modes, as the basis will name them."""
+        if not self.study.flexible:
+            return ()
+        degree = self.study.modes.degree
+        bending = range(2, degree + 1) if self.study.modes.basis == "full" else ()
+        return (*(f"Membrane{n}" for n in range(degree + 1)), *(f"Bending{n}" for n in bending))
+
+    @property
+    def display_paths(self) -> list[str]:
+        """Viewable meshes: the mean wetted shell, and one per degree of freedom and sign."""
+        names = ["mean", *(f"{label}_{sign}" for label in self.mode_labels for sign in ("minus", "plus"))]
+        return [f"{self.display_folder}/{name}.vtu" for name in names]

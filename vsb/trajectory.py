@@ -1,0 +1,147 @@
+"""Labelled time series of a run: motion, forces by name, and the energy audit."""
+
+import numpy as np
+import xarray as xr
+from scipy.integrate import cumulative_simpson
+
+from vsb.config import Simulation
+from vsb.integrate import Motion, convolve, propagate
+from vsb.kernel import DampingSpectrum
+from vsb.plant import Damper, Excitation, Plant, Spring
+from vsb.units import FloatArray
+from vsb.waves import Sea
+
+TERMS = ("wave", "pto", "radiated", "structural", "stored")
+_FINEST = 5  # at most 2^5 samples per recorded step
+
+
+def forces(plant: Plant, motion: Motion) -> dict[str, FloatArray]:
+    """Return the forces of the scene by name, each shape (time, dof) [N].
+
+    Radiation is what remains of the equation of motion, M q'' - sum of the other forces, in the allowed motions: it is
+    the same line for the state space and for the convolution.
+    """
+    q, v = motion.position @ plant.motions.T, motion.velocity @ plant.motions.T
+    out: dict[str, FloatArray] = {}
+    for name, force in plant.forces.items():
+        if isinstance(force, Spring):
+            out[name] = -q @ force.stiffness.T
+        elif isinstance(force, Damper):
+            out[name] = -v @ force.damping.T
+        elif isinstance(force, Excitation):
+            out[name] = np.real(np.exp(-1j * np.outer(motion.time, force.omega)) @ force.force)
+        elif motion.memory.size:
+            out[name] = -motion.memory @ force.model.input_matrix
+    if "radiation" in plant.forces and "radiation" not in out:
+        inertia = motion.acceleration @ plant.motions.T @ plant.mass.T
+        out["radiation"] = inertia - sum(out.values(), np.zeros_like(q))
+    return out
+
+
+def energies(plant: Plant, motion: Motion) -> dict[str, FloatArray]:
+    """Return the energy of each term since the start, each shape (time,) [J]: wave = the sum of the others.
+
+    Notes
+    -----
+    With the state space, radiated power is (l.x)^2/2 and the memory stores x.x/2, computed from the memory states alone:
+    the audit is then a check on the whole chain. With the convolution the radiation force's work stands for both.
+    """
+    q, v = motion.position @ plant.motions.T, motion.velocity @ plant.motions.T
+    named = forces(plant, motion)
+    work = {name: _integral(np.sum(force * v, axis=1), motion.time) for name, force in named.items()}
+    zero = np.zeros(len(motion.time))
+    stored = 0.5 * np.einsum("ti,ij,tj->t", v, plant.mass, v)
+    for force in plant.forces.values():
+        if isinstance(force, Spring):
+            stored = stored + 0.5 * np.einsum("ti,ij,tj->t", q, force.stiffness, q)
+    if plant.memory is not None and motion.memory.size:
+        radiated = _integral(0.5 * (motion.memory @ plant.memory.channel) ** 2, motion.time)
+        stored = stored + 0.5 * np.sum(motion.memory**2, axis=1)
+    else:
+        radiated = -work.get("radiation", zero)
+    return {
+        "wave": work.get("excitation", zero),
+        "pto": -work.get("pto", zero),
+        "radiated": radiated,
+        "structural": -work.get("structural_damping", zero),
+        "stored": stored - stored[0],
+    }
+
+
+def _integral(power: FloatArray, time: FloatArray) -> FloatArray:
+    """Cumulative integral from the start by Simpson's rule, fourth order, shape (time,)."""
+    return np.concatenate([[0.0], cumulative_simpson(power, x=time)])
+
+
+def residual(energy: dict[str, FloatArray]) -> float:
+    """Return the largest unbalanced energy relative to the energy that went round [-].
+
+    |wave - pto - radiated - structural - stored| over the largest of the terms.
+    """
+    unbalanced = energy["wave"] - sum(energy[term] for term in TERMS[1:])
+    largest = max(float(np.abs(energy[term]).max()) for term in TERMS)
+    return float(np.abs(unbalanced).max() / largest) if largest else 0.0
+
+
+def labelled(plant: Plant, motion: Motion, sea: Sea, design: str, wave: str, stride: int) -> xr.Dataset:
+    """Return a run as a dataset, every `stride`-th instant, with the audit of all instants.
+
+    A rigid design carries heave alone, a flexible one heave and all shell modes.
+    """
+    flexible = plant.motions.shape[1] > 1
+    labels = list(plant.labels if flexible else plant.labels[:1])
+    motions = plant.motions[: len(labels)]
+    energy = energies(plant, motion)
+    kept = slice(None, None, stride)
+    series = {"position": motion.position @ motions.T, "velocity": motion.velocity @ motions.T}
+    series |= {name: force[:, : len(labels)] for name, force in forces(plant, motion).items()}
+    return xr.Dataset(
+        {
+            **{name: (("time", "dof"), values[kept]) for name, values in series.items()},
+            "elevation": ("time", sea.elevation(motion.time[kept])),
+            "energy": (("time", "term"), np.stack([energy[term][kept] for term in TERMS], axis=1)),
+        },
+        coords={"time": motion.time[kept], "dof": labels, "term": list(TERMS)},
+        attrs={"design": design, "wave": wave, "energy_residual": residual(energy), "status": "completed"},
+    )
+
+
+
+def simulate(plant: Plant, sea: Sea, spectrum: DampingSpectrum, settings: Simulation) -> tuple[Motion, int]:
+    """Return the motion of a scene, sampled finely enough for its energy audit, and the stride of a readable record.
+
+    Parameters
+    ----------
+    plant : Plant
+    sea : Sea
+    spectrum : DampingSpectrum
+        Only the convolution reads it.
+    settings : Simulation
+        Duration, initial heave and velocity, method, tolerance: sampling is halved until the audit closes to it. The
+        exact method has no step error, so this sharpens the audit's integrals, not the motion; for the convolution it
+        is the step.
+    """
+    recorded = _recorded_steps(plant, sea, settings)
+    start = plant.start(settings.initial_position, settings.initial_velocity)
+    for halving in range(_FINEST + 1):
+        stride = 2**halving
+        time = np.linspace(0.0, settings.duration, recorded * stride + 1)
+        if settings.method == "convolution":
+            motion = convolve(plant, spectrum, time, start)
+        else:
+            motion = propagate(plant, time, start)
+        enough = max(settings.tolerance, 1e-4 if settings.method == "convolution" else 0.0)
+        if residual(energies(plant, motion)) <= enough:
+            break
+    return motion, stride
+
+
+def _recorded_steps(plant: Plant, sea: Sea, settings: Simulation) -> int:
+    """Number of recorded steps: 200 a period of the shortest wave that matters, or of free heave in still water."""
+    if sea.omega.size:
+        strong = sea.omega[np.abs(sea.amplitude) > 0.05 * np.abs(sea.amplitude).max()]
+        omega = float(strong.max())
+    else:
+        stiffness, mass = plant.total(Spring)[0, 0], (plant.motions.T @ plant.mass @ plant.motions)[0, 0]
+        omega = float(np.sqrt(max(stiffness, 0.0) / mass)) or 1.0
+    return int(np.ceil(200 * omega / (2 * np.pi) * settings.duration))

@@ -1,0 +1,174 @@
+"""The one table of variables: name -> dimensions, units, meaning; and netCDF in and out with it applied."""
+
+import os
+import tempfile
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from vsb.errors import DatabaseError
+
+FloatArray = npt.NDArray[np.float64]
+ComplexArray = npt.NDArray[np.complex128]
+
+
+class Quantity(NamedTuple):
+    """Dimensions, units and meaning of one variable."""
+
+    dims: tuple[str, ...]
+    units: str
+    long_name: str
+
+
+_PAIR = ("influenced_dof", "radiating_dof")
+_EXCITATION = ("omega", "wave_direction", "influenced_dof")
+_MOTION = ("time", "dof")
+_SHAPE = ("mode", "colatitude")
+
+ATTRS: dict[str, Quantity] = {
+    # coordinates
+    "omega": Quantity(("omega",), "rad/s", "angular frequency"),
+    "time": Quantity(("time",), "s", "time"),
+    "colatitude": Quantity(("colatitude",), "rad", "colatitude from the top pole"),
+    "wave_direction": Quantity(("wave_direction",), "rad", "wave direction"),
+    # mesh
+    "meridian_radius": Quantity(("node",), "m", "radius of the panel rows' edges"),
+    "meridian_height": Quantity(("node",), "m", "height of the panel rows' edges above still water"),
+    "lid_radius": Quantity(("lid_node",), "m", "radius of the edges of the interior lid's rows"),
+    # shell modes
+    "radial": Quantity(_SHAPE, "1", "radial displacement per unit modal amplitude"),
+    "meridional": Quantity(_SHAPE, "1", "meridional displacement per unit modal amplitude"),
+    "degree": Quantity(("mode",), "1", "Legendre degree of the mode"),
+    "dry_frequency": Quantity(("mode",), "rad/s", "natural angular frequency in vacuum"),
+    # hydro database
+    "added_mass": Quantity(("omega", *_PAIR), "kg", "added mass"),
+    "radiation_damping": Quantity(("omega", *_PAIR), "kg/s", "radiation damping"),
+    "added_mass_inf": Quantity(_PAIR, "kg", "added mass at infinite frequency"),
+    "excitation_force": Quantity(_EXCITATION, "N/m", "excitation force per unit wave amplitude"),
+    "Froude_Krylov_force": Quantity(_EXCITATION, "N/m", "Froude-Krylov force per unit wave amplitude"),
+    "diffraction_force": Quantity(_EXCITATION, "N/m", "diffraction force per unit wave amplitude"),
+    "hydrostatic_stiffness": Quantity(_PAIR, "N/m", "hydrostatic stiffness"),
+    "inertia_matrix": Quantity(_PAIR, "kg", "inertia of buoy and shell"),
+    "structural_stiffness": Quantity(_PAIR, "N/m", "structural stiffness of the shell"),
+    "pole_radial_displacement": Quantity(
+        ("influenced_dof",), "1", "radial displacement at the top pole per unit amplitude"
+    ),
+    # radiation model
+    "kernel": Quantity(("time", *_PAIR), "kg/s^2", "retardation kernel"),
+    "kernel_state_space": Quantity(("time", *_PAIR), "kg/s^2", "retardation kernel of the state space"),
+    "damping_state_space": Quantity(("omega", *_PAIR), "kg/s", "radiation damping of the state space"),
+    "state_matrix": Quantity(("state", "state_in"), "1/s", "state matrix A = J - l l^T/2"),
+    "input_matrix": Quantity(("state", "radiating_dof"), "kg^0.5/s", "input matrix G; output G^T"),
+    "channel": Quantity(("state",), "s^-0.5", "radiation channel l: radiated power (l.x)^2/2"),
+    # frequency response
+    "rao": Quantity(("design", "omega", "dof"), "m/m", "response amplitude operator"),
+    "absorbed_power": Quantity(("design", "omega"), "W/m^2", "mean absorbed power per squared wave amplitude"),
+    "power_limit": Quantity(("omega",), "W/m^2", "theoretical limit, capture width of wavelength/(2 pi)"),
+    "wet_natural_frequency": Quantity(("wet_mode",), "rad/s", "natural angular frequency in water"),
+    "wet_damping_ratio": Quantity(("wet_mode",), "1", "damping ratio in water, power take-off included"),
+    "wet_design": Quantity(("wet_mode",), "1", "design of the wet mode"),
+    # trajectories
+    "position": Quantity(_MOTION, "m", "heave and modal amplitudes"),
+    "velocity": Quantity(_MOTION, "m/s", "rates of heave and modal amplitudes"),
+    "excitation": Quantity(_MOTION, "N", "wave excitation force"),
+    "pto": Quantity(_MOTION, "N", "power take-off force"),
+    "hydrostatic": Quantity(_MOTION, "N", "hydrostatic restoring force"),
+    "radiation": Quantity(_MOTION, "N", "radiation memory force"),
+    "elastic": Quantity(_MOTION, "N", "elastic force of the shell"),
+    "structural_damping": Quantity(_MOTION, "N", "structural damping force"),
+    "elevation": Quantity(("time",), "m", "undisturbed wave elevation at the buoy's axis"),
+    "energy": Quantity(("time", "term"), "J", "energy since the start"),
+}
+
+_LABELS = ("mode", "influenced_dof", "radiating_dof", "dof", "design", "term", "complex", "wet_design")
+
+
+def described(ds: xr.Dataset) -> xr.Dataset:
+    """Return the dataset with dimensions in order and units on everything.
+
+    Raises
+    ------
+    DatabaseError
+        If a variable is not in `ATTRS`.
+    """
+    if unknown := {str(name) for name in ds.variables} - set(ATTRS) - set(_LABELS):
+        raise DatabaseError(f"variables {sorted(unknown)} are not in vsb.units.ATTRS; add them there first.")
+    out = ds.copy()
+    for name in [name for name in ds.variables if name in ATTRS]:
+        quantity = ATTRS[str(name)]
+        out[name] = ds[name].transpose(*quantity.dims)
+        out[name].attrs = {"units": quantity.units, "long_name": quantity.long_name}
+    return out
+
+
+def separated(ds: xr.Dataset) -> xr.Dataset:
+    """Return the dataset with complex variables as reals on a leading dimension `complex` = re, im (capytaine's form)."""
+    out = ds.copy()
+    for name, variable in ds.data_vars.items():
+        if np.iscomplexobj(variable):
+            parts = xr.concat([variable.real, variable.imag], dim="complex").assign_coords(complex=["re", "im"])
+            out[name] = parts.assign_attrs(variable.attrs)
+    return out
+
+
+def merged(ds: xr.Dataset) -> xr.Dataset:
+    """Return the dataset with complex variables put together again: the inverse of `separated`."""
+    if "complex" not in ds.dims:
+        return ds
+    parts = {
+        name: (v.sel(complex="re", drop=True) + 1j * v.sel(complex="im", drop=True)).assign_attrs(v.attrs)
+        for name, v in ds.data_vars.items()
+        if "complex" in v.dims
+    }
+    return ds.assign(parts).drop_vars("complex")
+
+
+def check_finite(ds: xr.Dataset, source: str) -> None:
+    """Raise `DatabaseError` if any number of the dataset is NaN or infinite."""
+    for name, variable in ds.data_vars.items():
+        if np.issubdtype(variable.dtype, np.number) and not np.isfinite(variable.values).all():
+            raise DatabaseError(f"{source}: variable {name} holds NaN or infinite values; this result cannot be used.")
+
+
+def save(ds: xr.Dataset, path: str | Path, groups: dict[str, xr.Dataset] | None = None) -> None:
+    """Write a dataset (and named groups) to netCDF-4, complete or not at all."""
+    target = Path(path)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    check_finite(ds, str(path))
+    handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.", suffix=".tmp")
+    os.close(handle)
+    try:
+        separated(described(ds)).to_netcdf(temporary, engine="netcdf4")
+        for name, group in (groups or {}).items():
+            check_finite(group, f"{path}:{name}")
+            separated(described(group)).to_netcdf(temporary, engine="netcdf4", mode="a", group=name)
+        os.chmod(temporary, 0o644)
+        os.replace(temporary, target)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+
+
+def load(path: str | Path, group: str | None = None) -> xr.Dataset:
+    """Read a dataset written by `save`: complex variables merged, units applied.
+
+    Raises
+    ------
+    DatabaseError
+        If the file is missing, not netCDF, or holds variables this project does not know.
+    """
+    if not Path(path).is_file():
+        raise DatabaseError(f"{path}: file not found; run the rule that makes it (vsb run CONFIG).")
+    try:
+        with xr.open_dataset(path, engine="netcdf4", group=group) as ds:
+            raw = ds.load()
+    except (OSError, ValueError, RuntimeError) as error:
+        reason = " ".join(str(error).split())
+        raise DatabaseError(f"{path}: cannot be read as netCDF ({reason}); delete it and run again.") from None
+    try:
+        return described(merged(raw))
+    except (DatabaseError, ValueError) as error:
+        raise DatabaseError(f"{path}: not a file of this project ({error}); delete or move it and run again.") from None

@@ -1,0 +1,44 @@
+# Figures and the self-contained report.
+FIGURES = [f"{PLAN.folder}/figures/{name}.svg" for name in figure_names(list(WAVES))]
+
+
+rule figures:
+    input:
+        modes=f"{PLAN.folder}/modes.nc",
+        database=PLAN.database_path,
+        radiation=PLAN.radiation_path,
+        response=f"{PLAN.folder}/response.nc",
+        study=f"{PLAN.folder}/study.json",
+        trajectories=TRAJECTORIES,
+    output:
+        FIGURES,
+    params:
+        folder=f"{PLAN.folder}/figures",
+    log:
+        f"{ROOT}/logs/figures/{STUDY.study}.log",
+    shell:
+        "vsb figures --study {input.study} --modes {input.modes} --database {input.database}"
+        " --radiation {input.radiation} --response {input.response} --out {params.folder}"
+        " {input.trajectories} > {log} 2>&1"
+
+
+rule report:
+    input:
+        study=f"{PLAN.folder}/study.json",
+        table=f"{PLAN.folder}/comparison.csv",
+        validity=f"{PLAN.folder}/validity.json",
+        response=f"{PLAN.folder}/response.nc",
+        database=PLAN.database_path,
+        radiation=PLAN.radiation_path,
+        trajectories=TRAJECTORIES,
+        figures=FIGURES,
+    output:
+        f"{PLAN.folder}/report.html",
+    params:
+        figures=f"{PLAN.folder}/figures",
+    log:
+        f"{ROOT}/logs/report/{STUDY.study}.log",
+    shell:
+        "vsb report --study {input.study} --table {input.table} --validity {input.validity}"
+        " --response {input.response} --database {input.database} --radiation {input.radiation}"
+        " --figures {params.figures} --out {output} {input.trajectories} > {log} 2>&1"

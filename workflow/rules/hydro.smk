@@ -1,0 +1,66 @@
+# Green-function table, BEM blocks on an absolute frequency grid, hydro database, radiation model.
+
+
+rule green:
+    output:
+        f"{PLAN.green_folder}.done",
+    params:
+        folder=PLAN.green_folder,
+    log:
+        f"{ROOT}/logs/green.log",
+    benchmark:
+        f"{ROOT}/benchmarks/green.tsv"
+    shell:
+        "vsb green --folder {params.folder:q} --out {output} > {log} 2>&1"
+
+
+rule bem:
+    input:
+        mesh=lambda wildcards: PLAN.mesh_path(BLOCKS[wildcards.id]["mesh"]),
+        green=f"{PLAN.green_folder}.done",
+    output:
+        f"{ROOT}/hydro/blocks/{{id}}.nc",
+    params:
+        spec=lambda wildcards: canonical(BLOCKS[wildcards.id]),
+        green=PLAN.green_folder,
+    log:
+        f"{ROOT}/logs/bem/{{id}}.log",
+    benchmark:
+        f"{ROOT}/benchmarks/bem/{{id}}.tsv"
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=30,
+    shell:
+        "vsb bem --spec {params.spec:q} --mesh {input.mesh} --green {params.green:q} --out {output} > {log} 2>&1"
+
+
+rule database:
+    input:
+        [PLAN.block_path(block) for block in BLOCKS.values()],
+    output:
+        PLAN.database_path,
+    params:
+        spec=canonical(PLAN.database),
+    log:
+        f"{ROOT}/logs/database/{content_id(PLAN.database)}.log",
+    shell:
+        "vsb database --spec {params.spec:q} --out {output} {input} > {log} 2>&1"
+
+
+rule radiation:
+    input:
+        PLAN.database_path,
+    output:
+        PLAN.radiation_path,
+    params:
+        spec=canonical(PLAN.radiation),
+    log:
+        f"{ROOT}/logs/radiation/{content_id(PLAN.radiation)}.log",
+    benchmark:
+        f"{ROOT}/benchmarks/radiation/{content_id(PLAN.radiation)}.tsv"
+    resources:
+        mem_mb=1000,
+        runtime=30,
+    shell:
+        "vsb radiation --spec {params.spec:q} --database {input} --out {output} > {log} 2>&1"

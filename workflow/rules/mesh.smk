@@ -1,0 +1,35 @@
+# Shell modes, the mean wetted mesh, and viewable deformed meshes.
+
+
+rule modes:
+    output:
+        f"{PLAN.folder}/modes.nc",
+    params:
+        spec=canonical(PLAN.modes),
+    log:
+        f"{ROOT}/logs/modes/{STUDY.study}.log",
+    shell:
+        "vsb modes --spec {params.spec:q} --out {output} > {log} 2>&1"
+
+
+rule mesh:
+    output:
+        f"{ROOT}/hydro/mesh/{{id}}/mean.nc",
+    params:
+        spec=lambda wildcards: canonical(MESHES[wildcards.id]),
+    log:
+        f"{ROOT}/logs/mesh/{{id}}.log",
+    shell:
+        "vsb mesh --spec {params.spec:q} --out {output} > {log} 2>&1"
+
+
+rule display_meshes:
+    output:
+        PLAN.display_paths,
+    params:
+        spec=canonical(PLAN.display),
+        folder=PLAN.display_folder,
+    log:
+        f"{ROOT}/logs/display/{content_id(PLAN.display)}.log",
+    shell:
+        "vsb display-meshes --spec {params.spec:q} --out {params.folder} > {log} 2>&1"

@@ -1,0 +1,34 @@
+# Frequency response of all designs, and one time-domain run per design and sea.
+
+
+rule response:
+    input:
+        PLAN.database_path,
+    output:
+        f"{PLAN.folder}/response.nc",
+    params:
+        spec=canonical(PLAN.response),
+    log:
+        f"{ROOT}/logs/response/{STUDY.study}.log",
+    shell:
+        "vsb response --spec {params.spec:q} --database {input} --out {output} > {log} 2>&1"
+
+
+rule simulate:
+    input:
+        database=PLAN.database_path,
+        radiation=PLAN.radiation_path,
+    output:
+        PLAN.trajectory_path("{design}", "{wave}"),
+    params:
+        spec=lambda wildcards: canonical(PLAN.simulation(wildcards.design, WAVES[wildcards.wave])),
+    log:
+        f"{ROOT}/logs/simulate/{STUDY.study}/{{design}}-{{wave}}.log",
+    benchmark:
+        f"{ROOT}/benchmarks/simulate/{STUDY.study}/{{design}}-{{wave}}.tsv"
+    resources:
+        mem_mb=1000,
+        runtime=30,
+    shell:
+        "vsb simulate --spec {params.spec:q} --database {input.database} --radiation {input.radiation}"
+        " --out {output} > {log} 2>&1"
