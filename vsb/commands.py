@@ -11,6 +11,7 @@ import xarray as xr
 from vsb import __version__, compare, database, meshing, quality, radiation, response, trajectory
 from vsb.config import Study, canonical, content_id, parse
 from vsb.errors import DatabaseError
+from vsb.kernel import DampingSpectrum
 from vsb.modes import ModeBasis, design_motions, mode_basis, rigid_basis, study_basis
 from vsb.plant import linear_plant
 from vsb.surface import DeformedShell
@@ -140,7 +141,7 @@ def build_database(spec: Spec, blocks: Sequence[str], out: str) -> None:
 def fit_radiation(spec: Spec, database_path: str, out: str) -> None:
     """Fit and store the passive state-space radiation model, with the kernels to compare."""
     ds = database.load_database(database_path, spec["database"])
-    spectrum = response.DampingSpectrum(ds.omega.values, ds.radiation_damping.values)
+    spectrum = DampingSpectrum(ds.omega.values, ds.radiation_damping.values)
     begun = clock.perf_counter()
     model, error = radiation.fit_radiation(spectrum, spec["tolerance"])
     time = np.linspace(0.0, 40 / np.sqrt(float(ds.attrs["gravity"]) / float(ds.attrs["radius"])), 401)

@@ -29,8 +29,8 @@ class DampingSpectrum:
         """Cubic spline of the damping over [0, omega_max], zero value and slope at 0."""
         omega = np.concatenate([[0.0], self.omega])
         damping = np.concatenate([np.zeros_like(self.damping[:1]), self.damping])
-        start, end = (1, np.zeros_like(self.damping[0])), (2, np.zeros_like(self.damping[0]))
-        return CubicSpline(omega, damping, bc_type=(start, end))
+        flat = np.zeros_like(self.damping[0])
+        return CubicSpline(omega, damping, bc_type=((1, flat), (2, flat)))
 
     @cached_property
     def _quadrature(self) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -43,7 +43,8 @@ class DampingSpectrum:
     @property
     def _tail(self) -> FloatArray:
         """Damping at the end of the band, from where it falls as omega^-3."""
-        return self.damping[-1]
+        end: FloatArray = self.damping[-1]
+        return end
 
     def kernel(self, time: FloatArray) -> FloatArray:
         """Return the retardation kernel K(t) = (2/pi) int B cos(omega t) d omega, shape (time, dof, dof) [kg/s^2].
@@ -57,7 +58,8 @@ class DampingSpectrum:
         top = self.omega[-1]
         band = np.cos(np.outer(time, nodes)) @ (weights[:, None] * values.reshape(len(nodes), -1))
         tail = np.outer(np.real(_e3(1j * top * time)) * top, self._tail.ravel())
-        return 2 / np.pi * (band + tail).reshape(len(time), *self.damping.shape[1:])
+        kernel: FloatArray = 2 / np.pi * (band + tail).reshape(len(time), *self.damping.shape[1:])
+        return kernel
 
     def added_mass_difference(self, omega: FloatArray) -> FloatArray:
         """Return A(omega) - A(infinity) by Kramers-Kronig, shape (omega, dof, dof) [kg].
@@ -75,17 +77,21 @@ class DampingSpectrum:
         here = self.at(omega)
         kernel = w / (omega[:, None] ** 2 - v**2)
         integral = np.einsum("wv,vij->wij", kernel, b) - kernel.sum(axis=1)[:, None, None] * here
-        return -2 / np.pi * integral
+        difference: FloatArray = -2 / np.pi * integral
+        return difference
 
     def at(self, omega: FloatArray) -> FloatArray:
         """Return the damping at any frequency, shape (omega, dof, dof) [kg/s]."""
         top = self.omega[-1]
         inside: FloatArray = self.spline(np.minimum(omega, top))
-        return inside * np.minimum(1.0, top / np.maximum(omega, 1e-12))[:, None, None] ** 3
+        fall = np.minimum(1.0, top / np.maximum(omega, 1e-12)) ** 3
+        damping: FloatArray = inside * fall[:, None, None]
+        return damping
 
     def transfer(self, omega: FloatArray) -> ComplexArray:
         """Return K(s = i omega) = B + i omega (A - A(infinity)), shape (omega, dof, dof) [kg/s]."""
-        return self.at(omega) + 1j * omega[:, None, None] * self.added_mass_difference(omega)
+        transfer: ComplexArray = self.at(omega) + 1j * omega[:, None, None] * self.added_mass_difference(omega)
+        return transfer
 
 
 def _e3(z: ComplexArray) -> ComplexArray:

@@ -205,7 +205,7 @@ def _scaled(label: str, degree: int, radial: float, meridional: float) -> Mode:
 
     def displacement(phi: FloatArray) -> FloatArray:
         p, dp, _ = legendre(degree, np.atleast_1d(phi))
-        return np.hypot(radial * p[degree], meridional * dp[degree])
+        return np.asarray(np.hypot(radial * p[degree], meridional * dp[degree]))
 
     grid = np.linspace(0.0, np.pi, 20 * degree + 3)
     peak = grid[np.argmax(displacement(grid))]

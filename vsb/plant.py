@@ -99,10 +99,9 @@ class Plant:
             a[n : 2 * n, 2 * n :] = -inverse @ g.T
             a[2 * n :, n : 2 * n] = g
             a[2 * n :, 2 * n :] = self.memory.state_matrix
-        omega, push = np.zeros(0), np.zeros((0, len(a)), dtype=complex)
+        omega: FloatArray = self.excitation.omega if self.excitation else np.zeros(0)
+        push = np.zeros((len(omega), len(a)), dtype=complex)
         if self.excitation:
-            omega = self.excitation.omega
-            push = np.zeros((len(omega), len(a)), dtype=complex)
             push[:, n : 2 * n] = self.excitation.force @ self.motions @ inverse
         return LinearSystem(a, omega, push)
 

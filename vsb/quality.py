@@ -26,7 +26,7 @@ def _scaled_eigenvalues(ds: xr.Dataset) -> FloatArray:
     """Eigenvalues of the scaled damping, ascending, relative to the largest of the band, shape (omega, dof)."""
     b = ds.radiation_damping.values
     values = np.linalg.eigvalsh(0.5 * (b + b.transpose(0, 2, 1)) / _scale(ds))
-    return values / values.max()
+    return np.asarray(values / values.max())
 
 
 def asymmetry(ds: xr.Dataset) -> float:
@@ -53,7 +53,7 @@ def haskind_damping(ds: xr.Dataset, depth: float, density: float, gravity: float
         wavenumber(w, depth, gravity) / (4 * density * gravity * group_velocity(w, depth, gravity))
         for w in ds.omega.values
     ]
-    return np.array(factor)[:, None, None] * x[:, :, None] * x[:, None, :].conj()
+    return np.asarray(np.array(factor)[:, None, None] * x[:, :, None] * x[:, None, :].conj())
 
 
 def haskind_difference(ds: xr.Dataset, depth: float, density: float, gravity: float) -> float:

@@ -48,12 +48,13 @@ class RadiationModel:
 
     def transfer(self, omega: FloatArray) -> ComplexArray:
         """Return K(i omega) = G^T (i omega - A)^-1 G, shape (omega, dof, dof) [kg/s]."""
-        return np.einsum("ni,wnm,mj->wij", self.input_matrix, _resolvent(self.state_matrix, omega), self.input_matrix)
+        g = self.input_matrix
+        return np.asarray(np.einsum("ni,wnm,mj->wij", g, _resolvent(self.state_matrix, omega), g))
 
     def damping(self, omega: FloatArray) -> FloatArray:
         """Return B(omega) = h h^H/2 with h = l^T (i omega - A)^-1 G, shape (omega, dof, dof): never negative [kg/s]."""
         h = np.einsum("n,wnm,mj->wj", self.channel, _resolvent(self.state_matrix, omega), self.input_matrix)
-        return 0.5 * np.real(h[:, :, None] * h[:, None, :].conj())
+        return np.asarray(0.5 * np.real(h[:, :, None] * h[:, None, :].conj()))
 
     def kernel(self, time: FloatArray) -> FloatArray:
         """Return K(t) = G^T exp(A t) G on equally spaced times from 0, shape (time, dof, dof) [kg/s^2]."""
@@ -61,7 +62,7 @@ class RadiationModel:
         states = [self.input_matrix]
         for _ in time[1:]:
             states.append(step @ states[-1])
-        return np.einsum("ni,tnj->tij", self.input_matrix, np.array(states))
+        return np.asarray(np.einsum("ni,tnj->tij", self.input_matrix, np.array(states)))
 
 
 def _resolvent(a: FloatArray, omega: FloatArray) -> ComplexArray:
@@ -92,7 +93,7 @@ def vector_fit(omega: FloatArray, values: ComplexArray, order: int, iterations: 
         rows, right = [], []
         for f in values.T:
             system = np.hstack([basis, -f[:, None] * basis, f[:, None]])
-            r = np.linalg.qr(np.vstack([system.real, system.imag]), mode="r")
+            r: FloatArray = np.asarray(np.linalg.qr(np.vstack([system.real, system.imag]), mode="r"))
             rows.append(r[order : 2 * order, order : 2 * order])
             right.append(r[order : 2 * order, -1])
         sigma = np.linalg.lstsq(np.vstack(rows), np.concatenate(right), rcond=None)[0]
@@ -171,7 +172,7 @@ def _channel_amplitudes(spectrum: DampingSpectrum, omega: FloatArray, scale: Flo
     b = spectrum.at(omega) / np.outer(scale, scale)
     strongest = int(np.argmax(np.einsum("wii->i", b)))
     magnitude = np.sqrt(np.clip(np.einsum("wii->wi", b), 0.0, None))
-    return magnitude * np.where(b[:, :, strongest] < 0, -1.0, 1.0)
+    return np.asarray(magnitude * np.where(b[:, :, strongest] < 0, -1.0, 1.0))
 
 
 def fit_order(spectrum: DampingSpectrum, omega: FloatArray, order: int) -> tuple[RadiationModel, float]:

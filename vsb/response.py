@@ -39,17 +39,17 @@ class LinearBuoy:
     @cached_property
     def mass(self) -> FloatArray:
         """Inertia, shape (dof, dof) [kg]."""
-        return self.database.inertia_matrix.values
+        return np.asarray(self.database.inertia_matrix.values)
 
     @cached_property
     def added_mass_inf(self) -> FloatArray:
         """Added mass at infinite frequency, shape (dof, dof) [kg]."""
-        return self.database.added_mass_inf.values
+        return np.asarray(self.database.added_mass_inf.values)
 
     @cached_property
     def stiffness(self) -> FloatArray:
         """Structural and hydrostatic stiffness, shape (dof, dof) [N/m]."""
-        return self.database.structural_stiffness.values + self.database.hydrostatic_stiffness.values
+        return np.asarray((self.database.structural_stiffness + self.database.hydrostatic_stiffness).values)
 
     @cached_property
     def damping(self) -> FloatArray:
@@ -80,7 +80,7 @@ class LinearBuoy:
                 f"{last:g} rad/s; raise hydro.omega_max or use shorter waves (the longest has {2 * np.pi / first:.4g} s)."
             )
         added_mass, excitation = self._splines
-        return Coefficients(added_mass(omega), self.spectrum.at(omega), excitation(omega))
+        return Coefficients(added_mass(omega), self.spectrum.at(omega), excitation(omega).astype(complex))
 
     def rao(self, omega: FloatArray, motions: FloatArray) -> ComplexArray:
         """Return displacement per unit wave amplitude, shape (omega, dof) [m/m].
@@ -103,7 +103,7 @@ class LinearBuoy:
 
     def absorbed_power(self, omega: FloatArray, rao: ComplexArray) -> FloatArray:
         """Return the mean power taken off per squared wave amplitude, c w^2 |heave|^2/2, shape (omega,) [W/m^2]."""
-        return 0.5 * self.pto_damping * omega**2 * np.abs(rao[:, 0]) ** 2
+        return np.asarray(0.5 * self.pto_damping * omega**2 * np.abs(rao[:, 0]) ** 2)
 
     def natural_modes(self, motions: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return wet natural frequencies [rad/s] and damping ratios [-], ascending, each shape (free,).

@@ -93,7 +93,7 @@ def labelled(plant: Plant, motion: Motion, sea: Sea, design: str, wave: str, str
     motions = plant.motions[: len(labels)]
     energy = energies(plant, motion)
     kept = slice(None, None, stride)
-    series = {"position": motion.position @ motions.T, "velocity": motion.velocity @ motions.T}
+    series: dict[str, FloatArray] = {"position": motion.position @ motions.T, "velocity": motion.velocity @ motions.T}
     series |= {name: force[:, : len(labels)] for name, force in forces(plant, motion).items()}
     return xr.Dataset(
         {

@@ -52,11 +52,12 @@ def jonswap_spectrum(omega: FloatArray, hs: float, tp: float, gamma: float) -> F
         peak = 2 * np.pi / tp
         sigma = np.where(w <= peak, 0.07, 0.09)
         bump: FloatArray = gamma ** np.exp(-((w / peak - 1) ** 2) / (2 * sigma**2))
-        return w**-5.0 * np.exp(-1.25 * (peak / w) ** 4) * bump
+        return np.asarray(w**-5.0 * np.exp(-1.25 * (peak / w) ** 4) * bump)
 
     fine = np.linspace(0.02, 40.0, 40001) * 2 * np.pi / tp
     m0 = float(np.trapezoid(shape(fine), fine))
-    return hs**2 / 16 / m0 * shape(omega)
+    density: FloatArray = hs**2 / 16 / m0 * shape(omega)
+    return density
 
 
 @dataclass(frozen=True)
