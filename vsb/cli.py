@@ -27,7 +27,7 @@ def _rule(name: str) -> Handler:
     """Handler of a rule's command: imports the science only when it is needed."""
 
     def handle(args: argparse.Namespace) -> int:
-        from vsb import commands  # noqa: PLC0415
+        from vsb import commands, publish  # noqa: PLC0415
 
         calls: dict[str, Callable[[], None]] = {
             "modes": lambda: commands.shell_modes(_spec(args), args.out),
@@ -40,8 +40,8 @@ def _rule(name: str) -> Handler:
             "response": lambda: commands.frequency_response(_spec(args), args.database, args.out),
             "simulate": lambda: commands.simulate(_spec(args), args.database, args.radiation, args.out),
             "compare": lambda: commands.compare_designs(_spec(args), vars(args), args.files),
-            "figures": lambda: commands.draw_figures(vars(args), args.files),
-            "report": lambda: commands.write_report(vars(args), args.files),
+            "figures": lambda: publish.figures(vars(args), args.files),
+            "report": lambda: publish.report(vars(args), args.files),
         }
         calls[name]()
         return 0
@@ -85,7 +85,10 @@ def _reported(code: int, study: Study) -> int:
     """Say in one line what a study's run came to."""
     report = Path(StudyPlan(study).folder) / "report.html"
     if code:
-        print(f"vsb: error: the run of {study.study!r} did not complete; the failing rule's own line is above", file=sys.stderr)
+        print(
+            f"vsb: error: the run of {study.study!r} did not complete; the failing rule's own line is above",
+            file=sys.stderr,
+        )
         return 1
     if report.is_file():
         print(f"{study.study}: {report}")
@@ -130,11 +133,28 @@ def parser() -> argparse.ArgumentParser:
     _add_rule(commands, "response", "rule: frequency response", "spec", "database", "out")
     _add_rule(commands, "simulate", "rule: one design in one sea", "spec", "database", "radiation", "out")
     _add_rule(
-        commands, "compare", "rule: comparison and validity", "spec", *study, "out", "validity", "study", files="TRAJECTORY"
+        commands,
+        "compare",
+        "rule: comparison and validity",
+        "spec",
+        *study,
+        "out",
+        "validity",
+        "study",
+        files="TRAJECTORY",
     )
     _add_rule(commands, "figures", "rule: all figures", "study", "modes", *study, "out", files="TRAJECTORY")
     _add_rule(
-        commands, "report", "rule: HTML report", "study", "table", "validity", *study, "figures", "out", files="TRAJECTORY"
+        commands,
+        "report",
+        "rule: HTML report",
+        "study",
+        "table",
+        "validity",
+        *study,
+        "figures",
+        "out",
+        files="TRAJECTORY",
     )
     return top
 

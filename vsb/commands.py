@@ -15,25 +15,20 @@ from vsb.kernel import DampingSpectrum
 from vsb.modes import ModeBasis, design_motions, mode_basis, rigid_basis, study_basis
 from vsb.plant import linear_plant
 from vsb.surface import DeformedShell
-from vsb.units import load, save
+from vsb.units import load, save, write_text
 from vsb.waves import power_limit, sea
 
 Spec = dict[str, Any]
 COLATITUDES = np.linspace(0.0, np.pi, 181)
 
 
-def write_text(path: str | Path, text: str) -> None:
-    """Write a text file, complete or not at all."""
-    target = Path(path)
-    target.parent.mkdir(parents=True, exist_ok=True)
-    temporary = target.with_name(f".{target.name}.tmp")
-    temporary.write_text(text, encoding="utf-8")
-    temporary.replace(target)
-
-
 def partial_study(spec: Spec) -> Study:
     """Return a study from the sections a stage's spec holds; what the stage does not read takes harmless values."""
-    defaults: Spec = {"study": "stage", "designs": {"any": {"flexible": bool(spec.get("modes"))}}, "waves": [{"kind": "still"}]}
+    defaults: Spec = {
+        "study": "stage",
+        "designs": {"any": {"flexible": bool(spec.get("modes"))}},
+        "waves": [{"kind": "still"}],
+    }
     keys = [key for key in Study.model_fields if spec.get(key) is not None]
     return parse({**defaults, **{key: spec[key] for key in keys}}, source="spec")
 

@@ -55,7 +55,9 @@ def as_csv(rows: Sequence[Row]) -> str:
     writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
     writer.writeheader()
     for row in rows:
-        writer.writerow({key: f"{v:.10g}" if isinstance(v, float) else "" if v is None else v for key, v in row.items()})
+        writer.writerow(
+            {key: f"{v:.10g}" if isinstance(v, float) else "" if v is None else v for key, v in row.items()}
+        )
     return text.getvalue()
 
 
@@ -120,7 +122,9 @@ def wave_checks(wave: StillWater | RegularWave | Jonswap, water: Water, omega_ma
         beyond = np.linspace(omega_max, 20 * omega_max, 4001)
         lost = np.trapezoid(jonswap_spectrum(beyond, wave.hs, wave.tp, wave.gamma), beyond) * 16 / wave.hs**2
         checks.append(
-            check_at_most("spectrum_cut" + name, float(lost), 0.01, "-", "share of the sea above hydro.omega_max", doubt=True)
+            check_at_most(
+                "spectrum_cut" + name, float(lost), 0.01, "-", "share of the sea above hydro.omega_max", doubt=True
+            )
         )
     return checks
 
@@ -142,7 +146,9 @@ def run_checks(study: Study, basis: ModeBasis, run: xr.Dataset) -> list[Check]:
         peaks = inside.position.values[np.argmax(np.abs(inside.position.values[:, 1:]).sum(axis=1))]
         moved, strain = largest_displacement(basis, peaks) / study.device.radius, largest_strain(basis, peaks)
         checks += [
-            check_at_most("deformation" + name, moved, 0.1, "-", "shell displacement over radius", doubt=True, design=design),
+            check_at_most(
+                "deformation" + name, moved, 0.1, "-", "shell displacement over radius", doubt=True, design=design
+            ),
             check_at_most("strain" + name, strain, 0.02, "-", "largest membrane strain", doubt=True, design=design),
         ]
     return checks
@@ -173,7 +179,9 @@ def with_full_basis(database: xr.Dataset, study: Study) -> tuple[xr.Dataset, Mod
         indexers = {dim: pick for dim in ("influenced_dof", "radiating_dof") if dim in data.dims}
         scaled = data.isel(indexers)
         for dim in indexers:
-            scaled = scaled.assign_coords({dim: list(full.labels)}) * xr.DataArray(ratio, coords={dim: list(full.labels)})
+            scaled = scaled.assign_coords({dim: list(full.labels)}) * xr.DataArray(
+                ratio, coords={dim: list(full.labels)}
+            )
         out[name] = scaled.transpose(*data.dims)
     shell = DeformedShell(full, study.centre_height)
     pair = ("influenced_dof", "radiating_dof")

@@ -64,7 +64,9 @@ class Device(Section):
     @model_validator(mode="after")
     def _thin_and_light(self) -> Self:
         if not self.thickness < 0.1 * self.radius:
-            raise ValueError(f"thickness {self.thickness:g} m: thin-shell theory (C3) needs less than radius/10 = {0.1 * self.radius:g} m")
+            raise ValueError(
+                f"thickness {self.thickness:g} m: thin-shell theory (C3) needs less than radius/10 = {0.1 * self.radius:g} m"
+            )
         shell = 4 * math.pi * self.radius**2 * self.thickness * self.density
         if shell > self.mass:
             raise ValueError(f"mass {self.mass:g} kg: needs at least the mass of the shell itself, {shell:.6g} kg")
@@ -92,7 +94,9 @@ class Design(Section):
     @model_validator(mode="after")
     def _clamp_needs_a_shell(self) -> Self:
         if self.clamp and not self.flexible:
-            raise ValueError(f"clamp {list(self.clamp)}: a rigid design (flexible: false) has no shell to clamp; remove one of the two")
+            raise ValueError(
+                f"clamp {list(self.clamp)}: a rigid design (flexible: false) has no shell to clamp; remove one of the two"
+            )
         return self
 
 
@@ -214,7 +218,9 @@ class Study(Section):
     @classmethod
     def _not_reserved(cls, value: str) -> str:
         if value in RESERVED_NAMES:
-            raise ValueError(f"{value!r} is the name of a results folder; choose a name other than {', '.join(RESERVED_NAMES)}")
+            raise ValueError(
+                f"{value!r} is the name of a results folder; choose a name other than {', '.join(RESERVED_NAMES)}"
+            )
         return value
 
     @field_validator("designs")
@@ -232,9 +238,13 @@ class Study(Section):
         """The buoy must float partly immersed."""
         full = 4 / 3 * math.pi * self.device.radius**3 * self.water.density
         if not self.device.mass < full:
-            raise ValueError(f"device.mass {self.device.mass:g} kg: the buoy would sink; needs less than {full:.6g} kg, the mass of the water it displaces fully immersed")
+            raise ValueError(
+                f"device.mass {self.device.mass:g} kg: the buoy would sink; needs less than {full:.6g} kg, the mass of the water it displaces fully immersed"
+            )
         if not self.water.depth > self.draft:
-            raise ValueError(f"water.depth {self.water.depth:g} m: needs more than the draft of the buoy, {self.draft:.4g} m")
+            raise ValueError(
+                f"water.depth {self.water.depth:g} m: needs more than the draft of the buoy, {self.draft:.4g} m"
+            )
 
     def _check_waves(self) -> None:
         """Every wave must lie inside the solved band, every label be unique."""
@@ -249,7 +259,9 @@ class Study(Section):
         if len(set(labels)) < len(labels):
             raise ValueError(f"waves {labels}: the same sea is listed twice")
         if self.hydro.omega and self.hydro.omega[-1] > self.hydro.omega_max:
-            raise ValueError(f"hydro.omega {self.hydro.omega[-1]:g} rad/s: needs at most hydro.omega_max = {self.hydro.omega_max:g} rad/s")
+            raise ValueError(
+                f"hydro.omega {self.hydro.omega[-1]:g} rad/s: needs at most hydro.omega_max = {self.hydro.omega_max:g} rad/s"
+            )
 
     @property
     def centre_height(self) -> float:
@@ -307,7 +319,9 @@ def load(path: str | Path) -> Study:
     try:
         raw = yaml.load(Path(path).read_text(encoding="utf-8"), Loader=_UniqueKeyLoader)  # noqa: S506 (a SafeLoader)
     except OSError as error:
-        raise ConfigError(f"{path}: cannot be read ({error.strerror}); give the path of a study file such as config/seed.yaml") from None
+        raise ConfigError(
+            f"{path}: cannot be read ({error.strerror}); give the path of a study file such as config/seed.yaml"
+        ) from None
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         raise ConfigError(f"{path}: not valid YAML ({' '.join(str(error).split())})") from None
     return parse(raw, source=str(path))
@@ -316,7 +330,9 @@ def load(path: str | Path) -> Study:
 def parse(raw: object, source: str = "study") -> Study:
     """Validate a study given as nested mappings; see `load`."""
     if not isinstance(raw, dict):
-        raise ConfigError(f"{source}: received {type(raw).__name__}, needs a mapping with keys {', '.join(Study.model_fields)}")
+        raise ConfigError(
+            f"{source}: received {type(raw).__name__}, needs a mapping with keys {', '.join(Study.model_fields)}"
+        )
     try:
         return Study.model_validate(raw)
     except ValidationError as error:

@@ -53,7 +53,9 @@ def merged_blocks(blocks: Sequence[xr.Dataset]) -> xr.Dataset:
     """
     labels = {tuple(block.influenced_dof.values) for block in blocks}
     if len(labels) != 1:
-        raise DatabaseError(f"blocks with different degrees of freedom {sorted(labels)}; merge blocks of one spec only.")
+        raise DatabaseError(
+            f"blocks with different degrees of freedom {sorted(labels)}; merge blocks of one spec only."
+        )
     finite = [block for block in blocks if "omega" in block.dims]
     merged = xr.concat(finite, dim="omega", data_vars="minimal", coords="minimal", compat="override").sortby("omega")
     omega = merged.omega.values

@@ -50,7 +50,10 @@ def summary(study: Study, plan: StudyPlan) -> list[str]:
     checks = compare.shell_checks(study, study_basis(study))
     for wave in study.waves:
         checks += compare.wave_checks(wave, study.water, study.hydro.omega_max)
-    return lines + [f"{check.verdict:12} {check.name} = {check.value:.3g} (limit {check.limit:g}): {check.explanation}" for check in checks]
+    return lines + [
+        f"{check.verdict:12} {check.name} = {check.value:.3g} (limit {check.limit:g}): {check.explanation}"
+        for check in checks
+    ]
 
 
 def shell_table(study: Study) -> dict[str, Any]:

@@ -97,14 +97,24 @@ def verdict(sweep: xr.Dataset, depth: float, density: float, gravity: float, acc
     water = (depth, density, gravity)
     checks = [
         check_at_most("symmetry", asymmetry(sweep), 0.01, "-", "added mass and damping are symmetric matrices"),
-        check_at_most("positive_damping", negative_damping(sweep), 0.01, "-", "no motion can draw energy from calm water"),
+        check_at_most(
+            "positive_damping", negative_damping(sweep), 0.01, "-", "no motion can draw energy from calm water"
+        ),
         check_at_most("rank_one", second_channel(sweep), 0.02, "-", "axisymmetric motions radiate one ring wave"),
         check_at_most("haskind", haskind_difference(sweep, *water), 0.05, "-", "damping follows from excitation"),
         check_at_most(
-            "irregular_frequencies", largest_kink(sweep), 0.02, "-", "damping is smooth; an irregular frequency is a spike"
+            "irregular_frequencies",
+            largest_kink(sweep),
+            0.02,
+            "-",
+            "damping is smooth; an irregular frequency is a spike",
         ),
         check_at_most(
-            "kramers_kronig", added_mass_difference(sweep), 0.02, "-", "Ogilvie: added mass at infinity follows from damping"
+            "kramers_kronig",
+            added_mass_difference(sweep),
+            0.02,
+            "-",
+            "Ogilvie: added mass at infinity follows from damping",
         ),
     ]
     if unknown := set(accept) - {check.name for check in checks}:

@@ -190,7 +190,9 @@ def fit_order(spectrum: DampingSpectrum, omega: FloatArray, order: int) -> tuple
     a, channel = _dissipative(vector_fit(omega, target[:, *upper], order))
     resolvent = _resolvent(a, omega)
     peak = omega[int(np.argmax(np.einsum("wi,wi->w", x, x)))]
-    starts = sorted((_start(resolvent, channel, x @ lead, -omega * delay / peak) for delay in _DELAYS), key=lambda s: s[1])
+    starts = sorted(
+        (_start(resolvent, channel, x @ lead, -omega * delay / peak) for delay in _DELAYS), key=lambda s: s[1]
+    )
     g, error = min((_polish(resolvent, target, start) for start, _ in starts[:_POLISHED]), key=lambda fit: fit[1])
     return RadiationModel(a, g @ lead.T * scale, channel), error
 

@@ -4,6 +4,7 @@ The Snakefile builds its graph from this module alone, so a dry run shows the tr
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -46,6 +47,15 @@ def wave_rows(radius: float, wavelength: float) -> int:
     depth = min(wavelength / 2 / radius, 1.0)
     passed = 2 / math.pi * math.acos(1 - 2 / math.pi * math.asin(depth))
     return 2 * math.ceil(ROWS_PER_HALF_WAVE / passed / 2)
+
+
+FIGURES_PER_STUDY = ("absorbed_power", "mode_shapes", "added_mass_damping", "radiation_kernel")
+FIGURES_PER_WAVE = ("heave_excitation", "velocity_pto", "power_energy", "energy_audit", "snapshots")
+
+
+def figure_names(waves: Sequence[str]) -> list[str]:
+    """Return the names of all figures of a study with these wave labels."""
+    return [*FIGURES_PER_STUDY, *(f"{name}-{wave}" for wave in waves for name in FIGURES_PER_WAVE)]
 
 
 @dataclass(frozen=True)
@@ -127,7 +137,9 @@ class StudyPlan:
         """Blocks of the absolute grid that cover (0, omega_max], and the block of infinite frequency."""
         count = math.ceil(self.study.hydro.omega_max / self.step / BLOCK - 1e-9)
         digits = max(0, -math.floor(math.log10(self.step)))
-        grids = [[round(self.step * i, digits) for i in range(BLOCK * k + 1, BLOCK * (k + 1) + 1)] for k in range(count)]
+        grids = [
+            [round(self.step * i, digits) for i in range(BLOCK * k + 1, BLOCK * (k + 1) + 1)] for k in range(count)
+        ]
         return [self._block([math.inf], grids[0][-1]), *(self._block(grid, grid[-1]) for grid in grids)]
 
     @cached_property

@@ -1,5 +1,6 @@
 """The deformed shell in water: waterline, wet quadrature, volume, area, hydrostatic force and its exact Jacobian."""
 
+import itertools
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -31,7 +32,9 @@ class DeformedShell:
 
     basis: ModeBasis
     centre_height: float  # height of the sphere centre above still water at zero heave [m]
-    amplitudes: FloatArray = field(default_factory=lambda: np.zeros(0))  # heave and modes, shape (dof,) [m]; empty: zero
+    amplitudes: FloatArray = field(
+        default_factory=lambda: np.zeros(0)
+    )  # heave and modes, shape (dof,) [m]; empty: zero
 
     @cached_property
     def _amplitudes(self) -> FloatArray:
@@ -67,7 +70,7 @@ class DeformedShell:
             if za * zb < 0
         ]
         edges = [0.0, *crossings, np.pi]
-        middles = self.meridian(np.array([(a + b) / 2 for a, b in zip(edges[:-1], edges[1:], strict=True)])).z
+        middles = self.meridian(np.array([(a + b) / 2 for a, b in itertools.pairwise(edges)])).z
         return [(a, b) for a, b, z in zip(edges[:-1], edges[1:], middles, strict=True) if z < 0]
 
     def _wet_integral(self, integrand: Callable[[Meridian], FloatArray], points: int) -> FloatArray | float:

@@ -106,7 +106,6 @@ def labelled(plant: Plant, motion: Motion, sea: Sea, design: str, wave: str, str
     )
 
 
-
 def simulate(plant: Plant, sea: Sea, spectrum: DampingSpectrum, settings: Simulation) -> tuple[Motion, int]:
     """Return the motion of a scene, sampled finely enough for its energy audit, and the stride of a readable record.
 

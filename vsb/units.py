@@ -152,6 +152,15 @@ def save(ds: xr.Dataset, path: str | Path, groups: dict[str, xr.Dataset] | None 
         raise
 
 
+def write_text(path: str | Path, text: str) -> None:
+    """Write a text file, complete or not at all."""
+    target = Path(path)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    temporary = target.with_name(f".{target.name}.tmp")
+    temporary.write_text(text, encoding="utf-8")
+    temporary.replace(target)
+
+
 def load(path: str | Path, group: str | None = None) -> xr.Dataset:
     """Read a dataset written by `save`: complex variables merged, units applied.
 

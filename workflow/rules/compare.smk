@@ -1,5 +1,7 @@
 # Designs side by side: the comparison table and the validity ledger.
-TRAJECTORIES = [PLAN.trajectory_path(design, wave) for wave in WAVES for design in STUDY.designs]
+TRAJECTORIES = [
+    PLAN.trajectory_path(design, wave) for wave in WAVES for design in STUDY.designs
+]
 
 
 rule compare:
@@ -12,10 +14,10 @@ rule compare:
         table=f"{PLAN.folder}/comparison.csv",
         validity=f"{PLAN.folder}/validity.json",
         study=f"{PLAN.folder}/study.json",
-    params:
-        spec=canonical(PLAN.comparison),
     log:
         f"{ROOT}/logs/compare/{STUDY.study}.log",
+    params:
+        spec=canonical(PLAN.comparison),
     shell:
         "vsb compare --spec {params.spec:q} --database {input.database} --radiation {input.radiation}"
         " --response {input.response} --out {output.table} --validity {output.validity} --study {output.study}"

@@ -12,10 +12,10 @@ rule figures:
         trajectories=TRAJECTORIES,
     output:
         FIGURES,
-    params:
-        folder=f"{PLAN.folder}/figures",
     log:
         f"{ROOT}/logs/figures/{STUDY.study}.log",
+    params:
+        folder=f"{PLAN.folder}/figures",
     shell:
         "vsb figures --study {input.study} --modes {input.modes} --database {input.database}"
         " --radiation {input.radiation} --response {input.response} --out {params.folder}"
@@ -34,10 +34,10 @@ rule report:
         figures=FIGURES,
     output:
         f"{PLAN.folder}/report.html",
-    params:
-        figures=f"{PLAN.folder}/figures",
     log:
         f"{ROOT}/logs/report/{STUDY.study}.log",
+    params:
+        figures=f"{PLAN.folder}/figures",
     shell:
         "vsb report --study {input.study} --table {input.table} --validity {input.validity}"
         " --response {input.response} --database {input.database} --radiation {input.radiation}"

@@ -4,12 +4,12 @@
 rule green:
     output:
         f"{PLAN.green_folder}.done",
-    params:
-        folder=PLAN.green_folder,
     log:
         f"{ROOT}/logs/green.log",
     benchmark:
         f"{ROOT}/benchmarks/green.tsv"
+    params:
+        folder=PLAN.green_folder,
     shell:
         "vsb green --folder {params.folder:q} --out {output} > {log} 2>&1"
 
@@ -20,9 +20,6 @@ rule bem:
         green=f"{PLAN.green_folder}.done",
     output:
         f"{ROOT}/hydro/blocks/{{id}}.nc",
-    params:
-        spec=lambda wildcards: canonical(BLOCKS[wildcards.id]),
-        green=PLAN.green_folder,
     log:
         f"{ROOT}/logs/bem/{{id}}.log",
     benchmark:
@@ -31,6 +28,9 @@ rule bem:
     resources:
         mem_mb=1000,
         runtime=30,
+    params:
+        spec=lambda wildcards: canonical(BLOCKS[wildcards.id]),
+        green=PLAN.green_folder,
     shell:
         "vsb bem --spec {params.spec:q} --mesh {input.mesh} --green {params.green:q} --out {output} > {log} 2>&1"
 
@@ -40,10 +40,10 @@ rule database:
         [PLAN.block_path(block) for block in BLOCKS.values()],
     output:
         PLAN.database_path,
-    params:
-        spec=canonical(PLAN.database),
     log:
         f"{ROOT}/logs/database/{content_id(PLAN.database)}.log",
+    params:
+        spec=canonical(PLAN.database),
     shell:
         "vsb database --spec {params.spec:q} --out {output} {input} > {log} 2>&1"
 
@@ -53,8 +53,6 @@ rule radiation:
         PLAN.database_path,
     output:
         PLAN.radiation_path,
-    params:
-        spec=canonical(PLAN.radiation),
     log:
         f"{ROOT}/logs/radiation/{content_id(PLAN.radiation)}.log",
     benchmark:
@@ -62,5 +60,7 @@ rule radiation:
     resources:
         mem_mb=1000,
         runtime=30,
+    params:
+        spec=canonical(PLAN.radiation),
     shell:
         "vsb radiation --spec {params.spec:q} --database {input} --out {output} > {log} 2>&1"

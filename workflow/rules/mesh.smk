@@ -4,10 +4,10 @@
 rule modes:
     output:
         f"{PLAN.folder}/modes.nc",
-    params:
-        spec=canonical(PLAN.modes),
     log:
         f"{ROOT}/logs/modes/{STUDY.study}.log",
+    params:
+        spec=canonical(PLAN.modes),
     shell:
         "vsb modes --spec {params.spec:q} --out {output} > {log} 2>&1"
 
@@ -15,10 +15,10 @@ rule modes:
 rule mesh:
     output:
         f"{ROOT}/hydro/mesh/{{id}}/mean.nc",
-    params:
-        spec=lambda wildcards: canonical(MESHES[wildcards.id]),
     log:
         f"{ROOT}/logs/mesh/{{id}}.log",
+    params:
+        spec=lambda wildcards: canonical(MESHES[wildcards.id]),
     shell:
         "vsb mesh --spec {params.spec:q} --out {output} > {log} 2>&1"
 
@@ -26,10 +26,10 @@ rule mesh:
 rule display_meshes:
     output:
         PLAN.display_paths,
+    log:
+        f"{ROOT}/logs/display/{content_id(PLAN.display)}.log",
     params:
         spec=canonical(PLAN.display),
         folder=PLAN.display_folder,
-    log:
-        f"{ROOT}/logs/display/{content_id(PLAN.display)}.log",
     shell:
         "vsb display-meshes --spec {params.spec:q} --out {params.folder} > {log} 2>&1"

@@ -6,10 +6,10 @@ rule response:
         PLAN.database_path,
     output:
         f"{PLAN.folder}/response.nc",
-    params:
-        spec=canonical(PLAN.response),
     log:
         f"{ROOT}/logs/response/{STUDY.study}.log",
+    params:
+        spec=canonical(PLAN.response),
     shell:
         "vsb response --spec {params.spec:q} --database {input} --out {output} > {log} 2>&1"
 
@@ -20,8 +20,6 @@ rule simulate:
         radiation=PLAN.radiation_path,
     output:
         PLAN.trajectory_path("{design}", "{wave}"),
-    params:
-        spec=lambda wildcards: canonical(PLAN.simulation(wildcards.design, WAVES[wildcards.wave])),
     log:
         f"{ROOT}/logs/simulate/{STUDY.study}/{{design}}-{{wave}}.log",
     benchmark:
@@ -29,6 +27,10 @@ rule simulate:
     resources:
         mem_mb=1000,
         runtime=30,
+    params:
+        spec=lambda wildcards: canonical(
+            PLAN.simulation(wildcards.design, WAVES[wildcards.wave])
+        ),
     shell:
         "vsb simulate --spec {params.spec:q} --database {input.database} --radiation {input.radiation}"
         " --out {output} > {log} 2>&1"

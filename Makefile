@@ -1,0 +1,48 @@
+# Two commands do everything: `make study` (the seed study, or CONFIG=...), `make test`.
+PYTHON ?= $(shell command -v python3.11 || command -v python3)
+CONFIG ?= config/seed.yaml
+BIN := .venv/bin
+READY := .venv/.installed
+
+.PHONY: study test lint unit format lock clean help
+
+study: $(READY) ## run a study: make study [CONFIG=config/seed.yaml]
+	@$(BIN)/vsb run $(CONFIG)
+
+test: lint unit ## style, types, workflow lint, and all tests
+
+lint: $(READY)
+	@$(BIN)/ruff check .
+	@$(BIN)/ruff format --check .
+	@$(BIN)/mypy --strict vsb
+	@$(BIN)/snakefmt --check Snakefile workflow
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/snakemake --lint
+
+unit: $(READY)
+	@PATH="$(CURDIR)/$(BIN):$$PATH" OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -q -n 2 --dist loadgroup
+
+format: $(READY) ## put the code in its standard form
+	@$(BIN)/ruff check --fix .
+	@$(BIN)/ruff format .
+	@$(BIN)/snakefmt Snakefile workflow
+
+$(READY): requirements.lock pyproject.toml
+	@$(PYTHON) -c 'import sys; v = sys.version_info[:2]; sys.exit(None if (3, 11) <= v < (3, 13) else "vsb needs Python 3.11 or 3.12, $(PYTHON) is %d.%d; set PYTHON=..." % v)'
+	@echo "creating .venv (once, about a minute)"
+	@$(PYTHON) -m venv --clear .venv
+	@$(BIN)/pip install --quiet --disable-pip-version-check -r requirements.lock
+	@$(BIN)/pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@touch $(READY)
+
+lock: ## resolve the dependencies anew into requirements.lock
+	@$(PYTHON) -m venv .venv-lock && .venv-lock/bin/pip install --quiet pip-tools
+	@.venv-lock/bin/pip-compile --quiet --extra dev --all-build-deps --allow-unsafe --strip-extras \
+		--no-emit-index-url --no-emit-trusted-host --no-emit-find-links --output-file requirements.lock pyproject.toml
+	@rm -rf .venv-lock
+
+clean: ## remove the environment and all results
+	@rm -rf .venv .snakemake
+	@find results -mindepth 1 ! -name README.md -delete
+
+help: ## this list
+	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12

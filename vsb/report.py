@@ -1,0 +1,190 @@
+"""The self-contained HTML report: the answer first, then the evidence, then what to doubt."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import jinja2
+import numpy as np
+import xarray as xr
+
+from vsb.units import FloatArray
+
+CAPTIONS = {
+    "absorbed_power": "Mean absorbed power per squared wave amplitude over the whole band, with the limit of an axisymmetric "
+    "heaving body (capture width of a wavelength over 2π), and the gain over the rigid design.",
+    "mode_shapes": "Shapes of the shell modes and their natural frequencies in vacuum.",
+    "added_mass_damping": "Added mass (dashed: at infinite frequency) and radiation damping of heave and modes, diagonal.",
+    "radiation_kernel": "Retardation kernel: from the damping, and of the passive state space the time domain uses.",
+    "heave_excitation": "Heave and the heave component of the excitation force.",
+    "velocity_pto": "Heave velocity and power take-off force.",
+    "power_energy": "Instantaneous absorbed power, and absorbed energy since the start.",
+    "energy_audit": "Where the work of the wave went, start-up transient included.",
+    "snapshots": "The buoys in the wave over its last period (dotted: undeformed).",
+}
+MEASURES = (
+    ("displacement_pp", "heave, peak to peak [m]", 1.0, ".4g"),
+    ("velocity_pp", "velocity, peak to peak [m/s]", 1.0, ".4g"),
+    ("power_peak", "peak power [W]", 1.0, ".4g"),
+    ("power_mean", "mean power [W]", 1.0, ".4g"),
+    ("energy", "energy of the run [kJ]", 1e-3, ".4g"),
+    ("capture_width", "capture width [m]", 1.0, ".3g"),
+    ("energy_gain_percent", "energy gain [%]", 1.0, "+.1f"),
+    ("energy_residual", "energy residual [-]", 1.0, ".1e"),
+)
+_MARGIN = 0.01  # a gain within 1 % either way is called none
+
+
+class Band(NamedTuple):
+    """An interval of wave frequency in which a design gains or loses."""
+
+    start: float  # [rad/s]
+    end: float
+    gain: float  # largest gain or loss inside [%]
+    at: float  # where [rad/s]
+
+
+@dataclass(frozen=True)
+class Report:
+    """What the page is made from."""
+
+    study: dict[str, Any]  # canonical form
+    rows: Sequence[dict[str, Any]]  # comparison table
+    checks: Sequence[dict[str, Any]]  # validity ledger
+    response: xr.Dataset
+    reference: str | None
+    figures: dict[str, str]  # name -> SVG
+    facts: dict[str, str]  # how it was made
+
+
+def winning_bands(omega: FloatArray, gain: FloatArray, threshold: float = 100 * _MARGIN) -> list[Band]:
+    """Return the intervals in which a gain [%] stays above threshold, each with its largest value.
+
+    Parameters
+    ----------
+    omega : ndarray, shape (omega,) [rad/s]
+    gain : ndarray, shape (omega,) [%]
+    threshold : float [%]
+    """
+    inside = np.concatenate([[False], gain > threshold, [False]])
+    starts, ends = np.flatnonzero(inside[1:] & ~inside[:-1]), np.flatnonzero(~inside[1:] & inside[:-1])
+    bands = []
+    for first, last in zip(starts, ends - 1, strict=True):
+        peak = first + int(np.argmax(gain[first : last + 1]))
+        bands.append(Band(float(omega[first]), float(omega[last]), float(gain[peak]), float(omega[peak])))
+    return bands
+
+
+def _useful(response: xr.Dataset) -> xr.DataArray:
+    """Absorbed power where some design absorbs at least 5 % of the largest power: a gain elsewhere is of no use."""
+    power = response.absorbed_power
+    best = power.max(dim="design")
+    useful: xr.DataArray = power.where(best >= 0.05 * best.max(), drop=True)
+    return useful
+
+
+def band_statements(response: xr.Dataset, reference: str | None) -> list[str]:
+    """Return, for each other design, where over the useful band it absorbs more or less than the reference."""
+    if reference is None:
+        return ["No rigid design is part of this study, so no gain can be given."]
+    power = _useful(response)
+    omega, base = power.omega.values, power.sel(design=reference).values
+    statements = []
+    for design in (str(d) for d in power.design.values if d != reference):
+        gain = 100 * (power.sel(design=design).values / base - 1)
+        wins = [_band_text("more", band) for band in winning_bands(omega, gain)]
+        losses = [_band_text("less", band) for band in winning_bands(omega, -gain)]
+        text = "; ".join([*wins, *losses]) or "the same within 1 % everywhere"
+        statements.append(f"{design} absorbs {text} than {reference}." if wins or losses else f"{design}: {text}.")
+    return statements
+
+
+def _band_text(direction: str, band: Band) -> str:
+    """One interval in words, as wave periods."""
+    sign = "+" if direction == "more" else "-"
+    return (
+        f"{direction} in waves of {2 * np.pi / band.end:.2f} to {2 * np.pi / band.start:.2f} s "
+        f"(up to {sign}{band.gain:.0f} % at {2 * np.pi / band.at:.2f} s)"
+    )
+
+
+def sea_statements(rows: Sequence[dict[str, Any]], reference: str | None) -> list[str]:
+    """Return, for each sea of the study, which design absorbs most on average, and by how much."""
+    statements = []
+    for wave in dict.fromkeys(row["wave"] for row in rows):
+        sea = [row for row in rows if row["wave"] == wave]
+        best = max(sea, key=lambda row: float(row["power_mean"]))
+        text = f"In {wave}, {best['design']} absorbs most: {float(best['power_mean']):.4g} W on average"
+        base = next((row for row in sea if row["design"] == reference), None)
+        if base is not None and float(base["power_mean"]) > 0:
+            text += ", " + _against(sea, base, best)
+        statements.append(text + ".")
+    return statements
+
+
+def _against(sea: Sequence[dict[str, Any]], base: dict[str, Any], best: dict[str, Any]) -> str:
+    """How the other designs stand against the reference in one sea."""
+    gains = {
+        row["design"]: 100 * (float(row["power_mean"]) / float(base["power_mean"]) - 1)
+        for row in sea
+        if row is not base
+    }
+    if not gains:
+        return "with nothing to compare"
+    listed = ", ".join(f"{design} {gain:+.1f} %" for design, gain in gains.items())
+    return (
+        f"the rigid {base['design']} is best of all ({listed})"
+        if best is base
+        else f"against the rigid {base['design']}: {listed}"
+    )
+
+
+def warnings(checks: Sequence[dict[str, Any]]) -> list[str]:
+    """Return the checks that failed, in words for the head of the page; doubts are left to the ledger."""
+    failed = [check for check in checks if check["verdict"] in ("fail", "accepted")]
+    return [
+        f"{check['name']}{' of ' + check['design'] if check['design'] else ''}: {check['value']:.3g}, limit "
+        f"{check['limit']:g} ({check['explanation']})"
+        for check in failed
+    ]
+
+
+def table(rows: Sequence[dict[str, Any]]) -> tuple[list[str], list[list[str]]]:
+    """Return head and body of the comparison table as text; a quantity that does not exist is a dash."""
+    body = []
+    for row in rows:
+        cells = [
+            "-" if row[key] in ("", None) else format(float(row[key]) * factor, spec)
+            for key, _, factor, spec in MEASURES
+        ]
+        body.append([str(row["design"]), str(row["wave"]), *cells])
+    return ["design", "sea", *(label for _, label, _, _ in MEASURES)], body
+
+
+def render(report: Report) -> str:
+    """Return the report as one HTML page with everything inside."""
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("vsb"), autoescape=True, undefined=jinja2.StrictUndefined
+    )
+    head, body = table(report.rows)
+    figures = [
+        {
+            "name": name,
+            "caption": CAPTIONS[name.partition("-")[0]],
+            "sea": name.partition("-")[2],
+            "svg": svg[svg.index("<svg") :],
+        }
+        for name, svg in report.figures.items()
+    ]
+    return environment.get_template("report.html.j2").render(
+        study=report.study["study"],
+        seas=sea_statements(report.rows, report.reference),
+        bands=band_statements(report.response, report.reference),
+        warnings=warnings(report.checks),
+        doubts=sum(check["verdict"] == "doubt" for check in report.checks),
+        head=head,
+        body=body,
+        figures=figures,
+        checks=report.checks,
+        facts=report.facts,
+    )
