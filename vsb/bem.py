@@ -160,7 +160,7 @@ class AxisymmetricProblem:
         return scale * profile * j0(k * x), scale * k * (n_z * slope * j0(k * x) - n_x * profile * j1(k * x))
 
     def at_infinity(self) -> FloatArray:
-        """Added mass at infinite frequency, shape (degree, degree) [kg]: potential zero on the surface, no lid needed."""
+        """Added mass at infinite frequency, shape (degree, degree) [kg]; the potential vanishes at z = 0: no lid."""
         rings = ring_mesh(self.mesh, with_lid=False)
         correction = flux_correction(self.green, rings)
         s, d = ring_matrices(self.green, rings, np.inf)

@@ -65,7 +65,8 @@ class Device(Section):
     def _thin_and_light(self) -> Self:
         if not self.thickness < 0.1 * self.radius:
             raise ValueError(
-                f"thickness {self.thickness:g} m: thin-shell theory (C3) needs less than radius/10 = {0.1 * self.radius:g} m"
+                f"thickness {self.thickness:g} m: thin-shell theory (C3) needs less than "
+                f"radius/10 = {0.1 * self.radius:g} m"
             )
         shell = 4 * math.pi * self.radius**2 * self.thickness * self.density
         if shell > self.mass:
@@ -95,7 +96,8 @@ class Design(Section):
     def _clamp_needs_a_shell(self) -> Self:
         if self.clamp and not self.flexible:
             raise ValueError(
-                f"clamp {list(self.clamp)}: a rigid design (flexible: false) has no shell to clamp; remove one of the two"
+                f"clamp {list(self.clamp)}: a rigid design (flexible: false) has no shell to clamp; "
+                "remove one of the two"
             )
         return self
 
@@ -141,6 +143,11 @@ class StillWater(Section):
         """Name of the sea in tables and file names."""
         return "still"
 
+    @property
+    def description(self) -> str:
+        """The sea in words."""
+        return "still water"
+
 
 class RegularWave(Section):
     """Sine wave: amplitude [m], period [s]."""
@@ -153,6 +160,11 @@ class RegularWave(Section):
     def label(self) -> str:
         """Name of the sea in tables and file names."""
         return f"regular_A{self.amplitude:g}_T{self.period:g}"
+
+    @property
+    def description(self) -> str:
+        """The sea in words."""
+        return f"regular waves of {self.amplitude:g} m amplitude and {self.period:g} s period"
 
     @property
     def omega(self) -> float:
@@ -173,6 +185,11 @@ class Jonswap(Section):
     def label(self) -> str:
         """Name of the sea in tables and file names."""
         return f"jonswap_Hs{self.hs:g}_Tp{self.tp:g}_g{self.gamma:g}_s{self.seed}"
+
+    @property
+    def description(self) -> str:
+        """The sea in words."""
+        return f"a JONSWAP sea of Hs = {self.hs:g} m and Tp = {self.tp:g} s (seed {self.seed})"
 
     @property
     def omega(self) -> float:
@@ -223,11 +240,6 @@ class Study(Section):
             )
         return value
 
-    @field_validator("designs")
-    @classmethod
-    def _clamps_inside_reach(cls, value: dict[str, Design]) -> dict[str, Design]:
-        return value
-
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         self._check_afloat()
@@ -239,7 +251,8 @@ class Study(Section):
         full = 4 / 3 * math.pi * self.device.radius**3 * self.water.density
         if not self.device.mass < full:
             raise ValueError(
-                f"device.mass {self.device.mass:g} kg: the buoy would sink; needs less than {full:.6g} kg, the mass of the water it displaces fully immersed"
+                f"device.mass {self.device.mass:g} kg: the buoy would sink; needs less than {full:.6g} kg, "
+                "the mass of the water it displaces fully immersed"
             )
         if not self.water.depth > self.draft:
             raise ValueError(
@@ -253,14 +266,16 @@ class Study(Section):
                 shortest = 2 * math.pi / self.hydro.omega_max
                 raise ValueError(
                     f"waves.{i} {wave.label}: the wave is too short for the mesh and band solved; "
-                    f"needs a period of at least {shortest:.4g} s, or a larger hydro.omega_max (now {self.hydro.omega_max:g} rad/s)"
+                    f"needs a period of at least {shortest:.4g} s, or a larger hydro.omega_max "
+                    f"(now {self.hydro.omega_max:g} rad/s)"
                 )
         labels = [wave.label for wave in self.waves]
         if len(set(labels)) < len(labels):
             raise ValueError(f"waves {labels}: the same sea is listed twice")
         if self.hydro.omega and self.hydro.omega[-1] > self.hydro.omega_max:
             raise ValueError(
-                f"hydro.omega {self.hydro.omega[-1]:g} rad/s: needs at most hydro.omega_max = {self.hydro.omega_max:g} rad/s"
+                f"hydro.omega {self.hydro.omega[-1]:g} rad/s: needs at most hydro.omega_max = "
+                f"{self.hydro.omega_max:g} rad/s"
             )
 
     @property

@@ -38,8 +38,8 @@ class Check:
 def check_at_most(
     name: str, value: float, limit: float, unit: str, explanation: str, *, doubt: bool = False, design: str = ""
 ) -> Check:
-    """Return a check that passes if value <= limit; else it fails, or is a doubt."""
-    verdict: Verdict = "ok" if value <= limit else "doubt" if doubt else "fail"
+    """Return a check that passes if value <= limit; else it fails, or with `doubt` is a doubt up to five times that."""
+    verdict: Verdict = "ok" if value <= limit else "doubt" if doubt and value <= 5 * limit else "fail"
     return Check(name, float(value), float(limit), unit, verdict, explanation, design)
 
 

@@ -64,7 +64,8 @@ def _figure(height: float, rows: int = 1, columns: int = 1, **options: Any) -> t
 def _legend_above(figure: Figure, axes: Axes) -> None:
     """One legend for all axes, above them, where it covers no data."""
     handles, labels = axes.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=min(5, len(labels)))
+    columns = min(len(labels), max(1, int(80 / (6 + max(map(len, labels))))))
+    figure.legend(handles, labels, loc="outside upper center", ncols=columns, fontsize=8)
 
 
 def mode_shapes(data: StudyData) -> Figure:
@@ -73,12 +74,13 @@ def mode_shapes(data: StudyData) -> Figure:
     count = modes.sizes["mode"]
     rows = max(1, math.ceil(count / columns))
     figure, axes = _figure(0.4 + 1.75 * rows, rows, columns)
-    phi, amplitude = modes.colatitude.values, 0.25
+    phi = modes.colatitude.values
     for ax in axes.flat:
         ax.set_axis_off()
         ax.set_aspect("equal")
     for ax, mode in zip(axes.flat, modes.mode.values, strict=False):
         shape = modes.sel(mode=mode)
+        amplitude = 0.5 / (2 + float(shape.degree))  # smaller where the shape is steeper
         v, u = amplitude * shape.radial.values, amplitude * shape.meridional.values
         x, z = (1 + v) * np.sin(phi) + u * np.cos(phi), (1 + v) * np.cos(phi) - u * np.sin(phi)
         ax.plot(np.sin(2 * phi), np.cos(2 * phi), color="black", linewidth=0.8)

@@ -42,8 +42,8 @@ def summary(study: Study, plan: StudyPlan) -> list[str]:
     lines = [
         f"study        {study.study}: {', '.join(study.designs)} in {', '.join(wave.label for wave in study.waves)}",
         f"modes        {len(plan.mode_labels)} shell modes ({study.modes.basis}, degree {study.modes.degree})",
-        f"hydro        {sum(len(block['omega']) for block in blocks)} frequencies up to {study.hydro.omega_max:g} rad/s, "
-        f"{blocks[-1]['mesh']['rows']} rows of {blocks[-1]['mesh']['azimuth']} panels",
+        f"hydro        {sum(len(block['omega']) for block in blocks)} frequencies up to {study.hydro.omega_max:g} "
+        f"rad/s, {blocks[-1]['mesh']['rows']} rows of {blocks[-1]['mesh']['azimuth']} panels",
         f"BEM jobs     {len(todo)} of {len(blocks)} to do, about {seconds:.0f} s on one core",
         f"database     {plan.database_path}" + (" (there)" if Path(plan.database_path).exists() else ""),
     ]

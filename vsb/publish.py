@@ -60,6 +60,7 @@ def report(paths: dict[str, Any], trajectories: Sequence[str]) -> None:
     names = figure_names([wave.label for wave in study.waves])
     page = Report(
         study=study.model_dump(),
+        seas={wave.label: wave.description for wave in study.waves},
         rows=rows,
         checks=json.loads(Path(paths["validity"]).read_text(encoding="utf-8"))["checks"],
         response=load(paths["response"]),
@@ -76,10 +77,11 @@ def _facts(study: Study, paths: dict[str, Any], runs: Sequence[xr.Dataset]) -> d
     radiation = load(paths["radiation"]).attrs
     return {
         "Program": f"vsb {__version__}, {solver_version()}, {clock.strftime('%Y-%m-%d')}",
-        "Hydro database": f"{Path(paths['database']).name}: {ds.sizes['omega']} frequencies up to {float(ds.omega[-1]):g} rad/s, "
-        f"{ds.sizes['influenced_dof']} degrees of freedom",
+        "Hydro database": f"{Path(paths['database']).name}: {ds.sizes['omega']} frequencies up to "
+        f"{float(ds.omega[-1]):g} rad/s, {ds.sizes['influenced_dof']} degrees of freedom",
         "Seconds of BEM": f"{ds.attrs['bem_seconds']:.1f} on one core",
-        "Radiation model": f"{radiation['order']} states, rms error {radiation['fit_error']:.1e}, fitted in {radiation['seconds']:.1f} s",
+        "Radiation model": f"{radiation['order']} states, rms error {radiation['fit_error']:.1e}, "
+        f"fitted in {radiation['seconds']:.1f} s",
         "Time domain": f"{runs[0].attrs['method']}, {study.simulation.duration:g} s of motion in "
         f"{max(run.attrs['seconds'] for run in runs):.3f} s or less per design and sea",
         "Largest energy residual": f"{max(run.attrs['energy_residual'] for run in runs):.1e}",

@@ -47,7 +47,7 @@ def second_channel(ds: xr.Dataset) -> float:
 
 
 def haskind_damping(ds: xr.Dataset, depth: float, density: float, gravity: float) -> ComplexArray:
-    """Return k X X^H/(4 rho g v_g), the damping Haskind's relation gives from the excitation, shape (omega, dof, dof)."""
+    """Return Haskind's damping k X X^H/(4 rho g v_g) from the excitation, shape (omega, dof, dof) [kg/s]."""
     x = ds.excitation_force.values[:, 0, :]
     factor = [
         wavenumber(w, depth, gravity) / (4 * density * gravity * group_velocity(w, depth, gravity))

@@ -37,8 +37,8 @@ class RadiationModel:
         growth = np.linalg.eigvals(self.state_matrix).real.max()
         if defect > 1e-8 * np.abs(self.state_matrix).max() or growth >= 0:
             raise StabilityError(
-                f"the radiation model is not passive: |A + A^T + l l^T| = {defect:.1e}, largest growth rate {growth:.1e}/s; "
-                "needs a stable A whose symmetric part is -l l^T/2."
+                f"the radiation model is not passive: |A + A^T + l l^T| = {defect:.1e}, largest growth rate "
+                f"{growth:.1e}/s; needs a stable A whose symmetric part is -l l^T/2."
             )
 
     @property

@@ -11,10 +11,10 @@ import xarray as xr
 from vsb.units import FloatArray
 
 CAPTIONS = {
-    "absorbed_power": "Mean absorbed power per squared wave amplitude over the whole band, with the limit of an axisymmetric "
-    "heaving body (capture width of a wavelength over 2π), and the gain over the rigid design.",
+    "absorbed_power": "Mean absorbed power per squared wave amplitude over the whole band, with the limit of an "
+    "axisymmetric heaving body (capture width of a wavelength over 2π), and the gain over the rigid design.",
     "mode_shapes": "Shapes of the shell modes and their natural frequencies in vacuum.",
-    "added_mass_damping": "Added mass (dashed: at infinite frequency) and radiation damping of heave and modes, diagonal.",
+    "added_mass_damping": "Added mass (dashed: at infinite frequency) and radiation damping of heave and modes.",
     "radiation_kernel": "Retardation kernel: from the damping, and of the passive state space the time domain uses.",
     "heave_excitation": "Heave and the heave component of the excitation force.",
     "velocity_pto": "Heave velocity and power take-off force.",
@@ -49,6 +49,7 @@ class Report:
     """What the page is made from."""
 
     study: dict[str, Any]  # canonical form
+    seas: dict[str, str]  # wave label -> the sea in words
     rows: Sequence[dict[str, Any]]  # comparison table
     checks: Sequence[dict[str, Any]]  # validity ledger
     response: xr.Dataset
@@ -108,43 +109,37 @@ def _band_text(direction: str, band: Band) -> str:
     )
 
 
-def sea_statements(rows: Sequence[dict[str, Any]], reference: str | None) -> list[str]:
+def sea_statements(rows: Sequence[dict[str, Any]], reference: str | None, seas: dict[str, str]) -> list[str]:
     """Return, for each sea of the study, which design absorbs most on average, and by how much."""
     statements = []
     for wave in dict.fromkeys(row["wave"] for row in rows):
         sea = [row for row in rows if row["wave"] == wave]
         best = max(sea, key=lambda row: float(row["power_mean"]))
-        text = f"In {wave}, {best['design']} absorbs most: {float(best['power_mean']):.4g} W on average"
+        if float(best["power_mean"]) <= 0:
+            statements.append(f"In {seas[wave]}, no design absorbs power on average.")
+            continue
+        rigid = "the rigid " if best["design"] == reference else ""
+        text = f"In {seas[wave]}, {rigid}{best['design']} absorbs most: {float(best['power_mean']):.4g} W on average"
         base = next((row for row in sea if row["design"] == reference), None)
-        if base is not None and float(base["power_mean"]) > 0:
-            text += ", " + _against(sea, base, best)
-        statements.append(text + ".")
+        statements.append(text + (_against(sea, base) if base is not None else "") + ".")
     return statements
 
 
-def _against(sea: Sequence[dict[str, Any]], base: dict[str, Any], best: dict[str, Any]) -> str:
-    """How the other designs stand against the reference in one sea."""
-    gains = {
-        row["design"]: 100 * (float(row["power_mean"]) / float(base["power_mean"]) - 1)
-        for row in sea
-        if row is not base
-    }
-    if not gains:
-        return "with nothing to compare"
-    listed = ", ".join(f"{design} {gain:+.1f} %" for design, gain in gains.items())
-    return (
-        f"the rigid {base['design']} is best of all ({listed})"
-        if best is base
-        else f"against the rigid {base['design']}: {listed}"
-    )
+def _against(sea: Sequence[dict[str, Any]], base: dict[str, Any]) -> str:
+    """How the other designs stand against the reference in one sea, in brackets."""
+    power = float(base["power_mean"])
+    if power <= 0 or len(sea) < 2:
+        return ""
+    gains = (f"{row['design']} {100 * (float(row['power_mean']) / power - 1):+.1f} %" for row in sea if row is not base)
+    return f" (against {base['design']}: {', '.join(gains)})"
 
 
 def warnings(checks: Sequence[dict[str, Any]]) -> list[str]:
     """Return the checks that failed, in words for the head of the page; doubts are left to the ledger."""
     failed = [check for check in checks if check["verdict"] in ("fail", "accepted")]
     return [
-        f"{check['name']}{' of ' + check['design'] if check['design'] else ''}: {check['value']:.3g}, limit "
-        f"{check['limit']:g} ({check['explanation']})"
+        f"{check['name'].replace('_', ' ')}{', ' + check['design'] if check['design'] else ''}: {check['value']:.3g}, "
+        f"limit {check['limit']:g} ({check['explanation']})"
         for check in failed
     ]
 
@@ -178,7 +173,7 @@ def render(report: Report) -> str:
     ]
     return environment.get_template("report.html.j2").render(
         study=report.study["study"],
-        seas=sea_statements(report.rows, report.reference),
+        seas=sea_statements(report.rows, report.reference, report.seas),
         bands=band_statements(report.response, report.reference),
         warnings=warnings(report.checks),
         doubts=sum(check["verdict"] == "doubt" for check in report.checks),

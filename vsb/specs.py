@@ -24,7 +24,8 @@ LID_ROWS_PER_WAVE = 4
 def frequency_step(radius: float, gravity: float) -> float:
     """Return the step of the absolute frequency grid [rad/s]: the largest 1-2-5 number below 0.05 sqrt(g/r).
 
-    The coefficients vary on the scale sqrt(g/r); a fixed, round step lets studies with different omega_max share blocks.
+    The coefficients vary on the scale sqrt(g/r); with a fixed, round step, studies of different omega_max share
+    blocks.
     """
     bound = 0.05 * math.sqrt(gravity / radius)
     decade = 10.0 ** math.floor(math.log10(bound))
@@ -80,8 +81,8 @@ class StudyPlan:
         rows = study.hydro.rows or max(needed, tolerance_rows(study.hydro.tolerance))
         if max(needed, rows) > (study.hydro.rows or MAX_ROWS):
             raise ConfigError(
-                f"hydro.omega_max: received {study.hydro.omega_max:g} rad/s, whose wave of {wavelength:.3g} m is too short "
-                f"for the mesh: it needs {needed} rows of panels, there are {study.hydro.rows or MAX_ROWS}; "
+                f"hydro.omega_max: received {study.hydro.omega_max:g} rad/s, whose wave of {wavelength:.3g} m is too "
+                f"short for the mesh: it needs {needed} rows of panels, there are {study.hydro.rows or MAX_ROWS}; "
                 "lower hydro.omega_max" + (" or raise hydro.rows" if study.hydro.rows else "")
             )
         return {

@@ -41,7 +41,7 @@ class DeformedShell:
         return self.amplitudes if self.amplitudes.size else np.zeros(len(self.basis.labels))
 
     def meridian(self, colatitude: FloatArray) -> Meridian:
-        """Return the deformed meridian at colatitudes, shape (point,) [rad]: x = (r+v) sin + u cos, z = (r+v) cos - u sin."""
+        """Return x = (r+v) sin + u cos, z = centre + (r+v) cos - u sin at colatitudes, shape (point,) [rad]."""
         r, sin, cos = self.basis.shell.radius, np.sin(colatitude), np.cos(colatitude)
         v, u = self.basis.displacement(colatitude)
         dv, du = self.basis.displacement(colatitude, derivative=1)

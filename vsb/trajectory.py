@@ -43,7 +43,7 @@ def energies(plant: Plant, motion: Motion) -> dict[str, FloatArray]:
 
     Notes
     -----
-    With the state space, radiated power is (l.x)^2/2 and the memory stores x.x/2, computed from the memory states alone:
+    With the state space, radiated power is (l.x)^2/2 and the memory stores x.x/2, both from the memory states alone:
     the audit is then a check on the whole chain. With the convolution the radiation force's work stands for both.
     """
     q, v = motion.position @ plant.motions.T, motion.velocity @ plant.motions.T

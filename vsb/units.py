@@ -3,7 +3,7 @@
 import os
 import tempfile
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -105,7 +105,7 @@ def described(ds: xr.Dataset) -> xr.Dataset:
 
 
 def separated(ds: xr.Dataset) -> xr.Dataset:
-    """Return the dataset with complex variables as reals on a leading dimension `complex` = re, im (capytaine's form)."""
+    """Return the dataset with complex variables as reals on a dimension `complex` = re, im (capytaine's form)."""
     out = ds.copy()
     for name, variable in ds.data_vars.items():
         if np.iscomplexobj(variable):
@@ -133,6 +133,13 @@ def check_finite(ds: xr.Dataset, source: str) -> None:
             raise DatabaseError(f"{source}: variable {name} holds NaN or infinite values; this result cannot be used.")
 
 
+def _write(ds: xr.Dataset, path: str, mode: Literal["w", "a"], group: str | None = None) -> None:
+    """Write one group in the form on disk; large variables compressed, without loss."""
+    out = separated(described(ds))
+    large = {name: {"zlib": True, "complevel": 1} for name, v in out.data_vars.items() if v.size > 10_000}
+    out.to_netcdf(path, engine="netcdf4", mode=mode, group=group, encoding=large)
+
+
 def save(ds: xr.Dataset, path: str | Path, groups: dict[str, xr.Dataset] | None = None) -> None:
     """Write a dataset (and named groups) to netCDF-4, complete or not at all."""
     target = Path(path)
@@ -141,10 +148,10 @@ def save(ds: xr.Dataset, path: str | Path, groups: dict[str, xr.Dataset] | None 
     handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.", suffix=".tmp")
     os.close(handle)
     try:
-        separated(described(ds)).to_netcdf(temporary, engine="netcdf4")
+        _write(ds, temporary, mode="w")
         for name, group in (groups or {}).items():
             check_finite(group, f"{path}:{name}")
-            separated(described(group)).to_netcdf(temporary, engine="netcdf4", mode="a", group=name)
+            _write(group, temporary, mode="a", group=name)
         os.chmod(temporary, 0o644)
         os.replace(temporary, target)
     except BaseException:
