@@ -111,8 +111,9 @@ def flux_correction(green: cpt.Delhommeau, rings: RingMesh) -> FloatArray:
     A flat panel induces no normal velocity on itself; a piece of the curved surface does, by an amount proportional to
     its size, which makes plain panel methods first order. Gauss' theorem says how much: through the closed surface made
     of body and mirror image, the flux of any source on it is half its strength, so sum_i a_i D_ij = a_j for
-    G = -(1/r + 1/r')/(4 pi). Setting the diagonal to satisfy it makes the method second order: 40 rows on the
-    hemisphere go from 1.2 % to 0.1 % error in added mass (Ka = 1, modes P_0..P_6).
+    G = -(1/r + 1/r')/(4 pi). Setting the diagonal to satisfy it takes away nearly all of the first-order
+    error: 40 rows on the hemisphere go from 1.2 % to 0.05 % error in added mass (Ka = 1, modes P_0..P_6), at second
+    order down to 0.05 %. What neighbouring panels miss of each other stays, a thirtieth of the first-order error.
     """
     _, d = ring_matrices(green, rings, 0.0)
     body = slice(0, rings.body_rows)

@@ -77,7 +77,7 @@ class LinearBuoy:
         if omega.size and (omega.min() < first - 1e-9 or omega.max() > last + 1e-9):
             raise DatabaseError(
                 f"frequencies {omega.min():.4g} to {omega.max():.4g} rad/s are asked for, the database holds "
-                f"{first:g} to {last:g} rad/s; raise hydro.omega_max, or use waves of at most {2 * np.pi / first:.4g} s."
+                f"{first:g} to {last:g} rad/s; raise hydro.omega_max, or use waves below {2 * np.pi / first:.4g} s."
             )
         added_mass, excitation = self._splines
         return Coefficients(added_mass(omega), self.spectrum.at(omega), excitation(omega).astype(complex))

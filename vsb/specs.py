@@ -18,7 +18,8 @@ BLOCK = 32
 """Frequencies per BEM job: large enough to hide the second an import costs, small enough to spread over cores."""
 MAX_ROWS = 160
 ROWS_PER_HALF_WAVE = 6
-LID_ROWS_PER_WAVE = 4
+LID_ROWS_PER_WAVE = 6
+FEWEST_LID_ROWS = 16
 
 
 def frequency_step(radius: float, gravity: float) -> float:
@@ -88,7 +89,7 @@ class StudyPlan:
         return {
             "rows": rows,
             "azimuth": 2 * rows,
-            "lid_rows": max(8, math.ceil(LID_ROWS_PER_WAVE * waterline / wavelength)),
+            "lid_rows": max(FEWEST_LID_ROWS, math.ceil(LID_ROWS_PER_WAVE * waterline / wavelength)),
         }
 
     @property

@@ -1,0 +1,103 @@
+"""Fixtures: one Green-function table and a few small hydro databases per test session.
+
+Tests that need them are marked `bem` and share a worker (pytest-xdist groups), so the table is computed once.
+"""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from vsb import config, database, meshing
+from vsb.config import Study, canonical
+from vsb.kernel import DampingSpectrum
+from vsb.modes import study_basis
+from vsb.radiation import fit_radiation
+from vsb.response import LinearBuoy
+from vsb.specs import StudyPlan
+from vsb.surface import DeformedShell
+
+HERE = Path(__file__).parent
+SEED = HERE.parent / "config" / "seed.yaml"
+
+
+def varied(study: Study, **changes) -> Study:
+    """A study with some sections updated: device={"mass": ...}, designs={...}."""
+    data = study.model_dump()
+    for section, update in changes.items():
+        data[section] = {**data[section], **update} if isinstance(update, dict) and section != "designs" else update
+    return config.parse(data)
+
+
+@pytest.fixture(scope="session")
+def seed() -> Study:
+    return config.load(SEED)
+
+
+@pytest.fixture(scope="session")
+def hemisphere() -> dict:
+    """Semi-analytic coefficients of the floating hemisphere (multipole series, source inside the file)."""
+    return json.loads((HERE / "data" / "hemisphere.json").read_text())
+
+
+@pytest.fixture(scope="session")
+def green_folder(tmp_path_factory) -> Path:
+    from vsb import bem
+
+    folder = tmp_path_factory.mktemp("green")
+    bem.green_function(folder)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def solved(green_folder):
+    """Function study -> raw hydro sweep of its plan (normal velocities P_n), each shape solved once."""
+    from vsb import bem
+
+    cache: dict[str, object] = {}
+
+    def solve(study: Study):
+        blocks = StudyPlan(study).sweep_blocks
+        for block in blocks:
+            key = canonical(block)
+            if key not in cache:
+                mesh = {k: block["mesh"][k] for k in ("radius", "centre_height", "rows", "azimuth", "lid_rows")}
+                cache[key] = bem.solve_block(json.loads(key), meshing.mean_mesh(**mesh), green_folder)
+        return database.with_excitation(database.merged_blocks([cache[canonical(block)] for block in blocks]))
+
+    return solve
+
+
+@pytest.fixture(scope="session")
+def coarse(seed) -> Study:
+    """The seed study on 20 rows up to 9 rad/s: mesh error below 1 %."""
+    return varied(seed, hydro={"rows": 20, "omega_max": 9.0})
+
+
+@pytest.fixture(scope="session")
+def buoy_of(solved):
+    """Function study -> its linear buoy."""
+
+    def build(study: Study) -> LinearBuoy:
+        basis = study_basis(study)
+        raw = database.with_symmetrized(database.in_modes(solved(study), basis))
+        shell = DeformedShell(basis, study.centre_height)
+        ds = database.with_structure(raw, shell, study.water.density, study.water.gravity)
+        return LinearBuoy(ds, basis.damping, study.pto.damping)
+
+    return build
+
+
+@pytest.fixture(scope="session")
+def radiation_of(buoy_of):
+    """Function study -> passive radiation model of its database, fitted once per spectrum."""
+    cache: dict[str, object] = {}
+
+    def fit(study: Study):
+        key = canonical({"hydro": study.hydro, "device": study.device, "modes": study.modes, "rigid": not study.flexible})
+        if key not in cache:
+            ds = buoy_of(study).database
+            cache[key] = fit_radiation(DampingSpectrum(ds.omega.values, ds.radiation_damping.values), 1e-3)[0]
+        return cache[key]
+
+    return fit

@@ -1,0 +1,148 @@
+import capytaine as cpt
+import numpy as np
+import pytest
+from scipy.special import eval_legendre
+
+from vsb import bem
+from vsb.meshing import mean_mesh
+from vsb.waves import group_velocity
+
+pytestmark = pytest.mark.xdist_group("bem")
+DEGREES = tuple(range(7))
+
+
+@pytest.fixture(scope="module")
+def green(green_folder):
+    return bem.green_function(green_folder)
+
+
+def unit_problem(green, rows, *, lid_rows=None, degrees=DEGREES, depth=np.inf):
+    """Hemisphere of radius, density and gravity one: omega^2 = Ka."""
+    mesh = mean_mesh(1.0, 0.0, rows, 2 * rows, lid_rows or rows // 2)
+    return bem.AxisymmetricProblem(green, mesh, 0.0, degrees, 1.0, depth, 1.0)
+
+
+def errors(result, hemisphere, ka):
+    """Errors of A, B and |X| against the multipole series, relative to the largest entry."""
+    i = hemisphere["Ka"].index(ka)
+    omega = np.sqrt(ka)
+    at = result.sel(omega=omega)
+    pairs = [
+        (at.added_mass.values, hemisphere["added_mass"][i]),
+        (at.radiation_damping.values / omega, hemisphere["radiation_damping"][i]),
+        (np.abs(at.Froude_Krylov_force + at.diffraction_force).values[0], hemisphere["abs_excitation"][i]),
+    ]
+    return [np.abs(ours - np.array(exact)).max() / np.abs(exact).max() for ours, exact in pairs]
+
+
+def test_rings_equal_capytaines_full_solution_to_round_off(green):
+    azimuth, ka = 12, 1.3
+    rings = bem.ring_mesh(mean_mesh(1.0, 0.0, 6, azimuth, 3), with_lid=False)
+    wedge = rings.wedge
+    full = cpt.Mesh.join_meshes(*[wedge.rotated_z(2 * np.pi * i / azimuth) for i in range(azimuth)])
+    assert full.nb_faces == azimuth * rings.rows
+    mu = full.faces_centers[:, 2] / np.linalg.norm(full.faces_centers, axis=1)
+    velocity = eval_legendre(2, mu)
+    body = cpt.FloatingBody(mesh=full, dofs={"P2": velocity[:, None] * full.faces_normals}, name="ring test")
+    problem = cpt.RadiationProblem(body=body, radiating_dof="P2", wavenumber=ka, rho=1.0, g=1.0)
+    result = cpt.BEMSolver(green_function=green, method="indirect").solve(problem)
+    s, d = bem.ring_matrices(green, rings, ka)
+    force = -rings.areas * velocity[: rings.rows] @ (s @ np.linalg.solve(d, velocity[: rings.rows]))
+    assert force.real == pytest.approx(result.added_masses["P2"], rel=1e-10)
+    assert np.sqrt(ka) * force.imag == pytest.approx(result.radiation_dampings["P2"], rel=1e-10)
+
+
+def test_coefficients_of_the_hemisphere_at_the_default_resolution(green, hemisphere):
+    ka = [k for k in hemisphere["Ka"] if k <= 6]
+    result = unit_problem(green, 40).solve([float(np.sqrt(k)) for k in ka])
+    worst = np.array([errors(result, hemisphere, k) for k in ka]).max(axis=0)
+    assert worst[0] < 2e-3, worst  # added mass
+    assert worst[1] < 5e-3, worst  # damping
+    assert worst[2] < 6e-3, worst  # excitation
+
+
+@pytest.mark.parametrize(
+    ("ka", "added_mass", "damping"), [(0.1, 0.8627, 0.1816), (0.3, 0.7157, 0.3254), (1.0, 0.4284, 0.2484)]
+)
+def test_heave_of_the_hemisphere_after_hulme_1982(green, ka, added_mass, damping):
+    result = unit_problem(green, 40, degrees=(1,)).solve([float(np.sqrt(ka))])
+    volume = 2 * np.pi / 3
+    assert result.added_mass.item() / volume == pytest.approx(added_mass, abs=1e-3)
+    assert result.radiation_damping.item() / volume / np.sqrt(ka) == pytest.approx(damping, abs=1e-3)
+
+
+def errors_at_infinity(green, hemisphere, rows, degrees=(0, 1, 2, 3)):
+    exact = np.array(hemisphere["added_mass_infinite_frequency"])[np.ix_(degrees, degrees)]
+    return [np.abs(unit_problem(green, n, degrees=degrees).at_infinity() - exact).max() for n in rows]
+
+
+def test_flat_panels_converge_at_first_order_and_the_flux_correction_at_second(green, hemisphere, monkeypatch):
+    rows = np.array([8, 12, 16, 24])
+    corrected = errors_at_infinity(green, hemisphere, rows)
+    monkeypatch.setattr(bem, "flux_correction", lambda green, rings: np.zeros(rings.rows))
+    flat = errors_at_infinity(green, hemisphere, rows)
+    slopes = [-np.diff(np.log(e)) / np.diff(np.log(rows)) for e in (corrected, flat)]
+    assert np.all(np.abs(slopes[1] - 1.0) < 0.1), slopes
+    # two errors of opposite sign share the corrected one: single slopes vary, their mean is two
+    assert abs(np.log(corrected[0] / corrected[-1]) / np.log(rows[-1] / rows[0]) - 2.0) < 0.15, slopes
+    assert corrected[-1] < flat[-1] / 10
+
+
+def test_added_mass_at_infinite_frequency(green, hemisphere):
+    exact = np.array(hemisphere["added_mass_infinite_frequency"])
+    assert np.abs(unit_problem(green, 40).at_infinity() - exact).max() < 1e-3 * np.abs(exact).max()
+
+
+def test_damping_is_smooth_across_irregular_frequencies_and_the_lids_own_band(green):
+    for band in (np.linspace(1.15, 1.40, 11), np.linspace(2.45, 2.67, 11)):  # lid with upward normals; Ka = 2.5573
+        damping = unit_problem(green, 20, degrees=(0, 1)).solve([float(np.sqrt(k)) for k in band]).radiation_damping
+        for n in (0, 1):
+            b = damping.values[:, n, n]
+            assert np.abs(np.diff(b, 3)).max() < 2e-4 * b.max(), band
+
+
+def test_without_lid_the_irregular_frequency_is_there(green):
+    problem = unit_problem(green, 20, degrees=(1,))
+    rings = bem.ring_mesh(problem.mesh, with_lid=False)
+    conditions = [np.linalg.cond(bem.ring_matrices(green, rings, k)[1]) for k in (2.3, 2.5573, 2.8)]
+    assert conditions[1] > 5 * max(conditions[0], conditions[2])
+
+
+def test_lid_covers_the_waterplane_and_faces_down(green):
+    rings = bem.ring_mesh(mean_mesh(2.0, 0.5, 10, 20, 7))
+    lid = slice(rings.body_rows, None)
+    assert rings.azimuth * rings.wedge.faces_areas[lid].sum() == pytest.approx(np.pi * (2.0**2 - 0.5**2), rel=1e-12)
+    assert np.all(rings.wedge.faces_normals[lid, 2] < 0)
+    assert np.all(rings.wedge.faces_normals[: rings.body_rows, 2] < 0)
+
+
+@pytest.mark.parametrize("ka", [0.3, 1.0, 3.0])
+def test_haskind_rank_one_and_common_phase(green, ka):
+    omega = float(np.sqrt(ka))
+    result = unit_problem(green, 40).solve([omega])
+    x = (result.Froude_Krylov_force + result.diffraction_force).values[0, 0]
+    b = result.radiation_damping.values[0]
+    haskind = ka * np.outer(x, x.conj()) / (4 * group_velocity(omega, np.inf, 1.0))
+    assert np.abs(haskind - b).max() < 1e-3 * b.max()
+    eigenvalues = np.sort(np.abs(np.linalg.eigvalsh(b + b.T)))
+    assert eigenvalues[-2] < 1e-3 * eigenvalues[-1]
+
+
+def test_finite_depth_tends_to_deep_water(green):
+    deep = unit_problem(green, 10, degrees=(1,)).solve([1.0])
+    differences = [
+        abs(unit_problem(green, 10, degrees=(1,), depth=depth).solve([1.0]).added_mass.item() - deep.added_mass.item())
+        for depth in (3.0, 8.0, 30.0)
+    ]
+    assert differences[0] > differences[1] > differences[2]
+    assert differences[2] < 2e-3 * deep.added_mass.item()
+
+
+def test_haskind_holds_in_finite_depth(green):
+    omega, depth = 1.0, 3.0
+    problem = unit_problem(green, 20, degrees=(0, 1), depth=depth)
+    result = problem.solve([omega])
+    x = (result.Froude_Krylov_force + result.diffraction_force).values[0, 0]
+    k = bem.wavenumber(omega, depth, 1.0)
+    haskind = k * np.abs(x) ** 2 / (4 * group_velocity(omega, depth, 1.0))
+    assert haskind == pytest.approx(np.diag(result.radiation_damping.values[0]), rel=2e-2)
