@@ -75,22 +75,28 @@ class StudyPlan:
         ConfigError
             If the wave is too short for any mesh of at most `MAX_ROWS` rows, or for the rows asked for.
         """
-        study = self.study
-        wavelength = 2 * math.pi * study.water.gravity / omega**2
-        waterline = math.sqrt(study.device.radius**2 - study.centre_height**2)
-        needed = wave_rows(study.device.radius, wavelength)
-        rows = study.hydro.rows or max(needed, tolerance_rows(study.hydro.tolerance))
-        if max(needed, rows) > (study.hydro.rows or MAX_ROWS):
+        study, radius = self.study, self.study.device.radius
+        most = study.hydro.rows or MAX_ROWS
+        highest = min(omega, study.hydro.omega_max)  # a block may reach beyond what the study asks for
+        needed = wave_rows(radius, self._wavelength(highest))
+        wanted = max(tolerance_rows(study.hydro.tolerance), wave_rows(radius, self._wavelength(omega)))
+        if needed > most:
             raise ConfigError(
-                f"hydro.omega_max: received {study.hydro.omega_max:g} rad/s, whose wave of {wavelength:.3g} m is too "
-                f"short for the mesh: it needs {needed} rows of panels, there are {study.hydro.rows or MAX_ROWS}; "
-                "lower hydro.omega_max" + (" or raise hydro.rows" if study.hydro.rows else "")
+                f"hydro.omega_max: received {study.hydro.omega_max:g} rad/s, whose wave of "
+                f"{self._wavelength(highest):.3g} m is too short for the mesh: it needs {needed} rows of panels, there are "
+                f"{most}; lower hydro.omega_max" + (" or raise hydro.rows" if study.hydro.rows else "")
             )
+        rows = study.hydro.rows or min(wanted, MAX_ROWS)
+        waterline = math.sqrt(radius**2 - study.centre_height**2)
         return {
             "rows": rows,
             "azimuth": 2 * rows,
-            "lid_rows": max(FEWEST_LID_ROWS, math.ceil(LID_ROWS_PER_WAVE * waterline / wavelength)),
+            "lid_rows": max(FEWEST_LID_ROWS, math.ceil(LID_ROWS_PER_WAVE * waterline / self._wavelength(omega))),
         }
+
+    def _wavelength(self, omega: float) -> float:
+        """Length of a deep-water wave [m]: the shortest a frequency can have."""
+        return 2 * math.pi * self.study.water.gravity / omega**2
 
     @property
     def shape(self) -> Spec:

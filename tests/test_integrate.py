@@ -1,0 +1,163 @@
+import numpy as np
+import pytest
+from conftest import varied
+
+from vsb.errors import StabilityError
+from vsb.integrate import convolve, propagate
+from vsb.kernel import DampingSpectrum
+from vsb.modes import design_motions, study_basis
+from vsb.plant import Damper, Excitation, Plant, Spring, linear_plant
+from vsb.power import averaging_window
+from vsb.trajectory import energies, labelled, residual, simulate
+from vsb.waves import Sea, sea
+
+CALM = DampingSpectrum(np.arange(1, 11) * 1.0, np.zeros((10, 1, 1)))
+
+
+def oscillator(forces):
+    return Plant(("Heave",), np.array([[2.0]]), {"hydrostatic": Spring(np.array([[50.0]])), **forces}, np.eye(1))
+
+
+def damped(time, heave=1.0, velocity=-0.5):
+    """Closed form of 2 y'' + 1.2 y' + 50 y = 0."""
+    decay, frequency = 0.3, np.sqrt(25 - 0.09)
+    return np.exp(-decay * time) * (
+        heave * np.cos(frequency * time) + (velocity + decay * heave) / frequency * np.sin(frequency * time)
+    )
+
+
+def test_propagation_is_exact_for_any_step():
+    plant = oscillator({"pto": Damper(np.array([[1.2]]))})
+    for step in (0.01, 0.5, 7.0):
+        time = np.arange(0.0, 21.0, step)
+        motion = propagate(plant, time, np.array([1.0, -0.5]))
+        assert motion.position[:, 0] == pytest.approx(damped(time), abs=1e-12)
+
+
+def test_forced_motion_satisfies_the_equation_of_motion():
+    wave = Excitation(np.array([2.0, 3.3]), np.array([[30.0 + 5j], [-4j]]))
+    plant = oscillator({"pto": Damper(np.array([[1.2]])), "excitation": wave})
+    time = np.linspace(0.0, 10.0, 501)
+    motion = propagate(plant, time, np.array([0.2, 0.0]))
+    push = np.real(np.exp(-1j * np.outer(time, wave.omega)) @ wave.force)[:, 0]
+    left = 2.0 * motion.acceleration[:, 0] + 1.2 * motion.velocity[:, 0] + 50.0 * motion.position[:, 0]
+    assert left == pytest.approx(push, abs=1e-10)
+    assert motion.position[0, 0] == pytest.approx(0.2)
+
+
+def test_convolution_stepper_is_of_second_order():
+    plant = oscillator({"pto": Damper(np.array([[1.2]]))})
+    steps = [0.08, 0.04, 0.02, 0.01, 0.005]
+    errors = []
+    for step in steps:
+        time = np.arange(0.0, 4.0 + step / 2, step)
+        motion = convolve(plant, CALM, time, np.array([1.0, -0.5]))
+        errors.append(np.abs(motion.position[:, 0] - damped(time)).max())
+    slopes = np.diff(np.log(errors)) / np.diff(np.log(steps))
+    assert np.all(np.abs(slopes[1:] - 2.0) < 0.1), slopes
+
+
+def test_undamped_resonance_has_no_steady_state():
+    plant = oscillator({"excitation": Excitation(np.array([5.0]), np.array([[1.0 + 0j]]))})
+    with pytest.raises(StabilityError, match=r"wave of 5 rad/s meets an undamped resonance.*add device.damping"):
+        propagate(plant, np.linspace(0, 1, 11), np.zeros(2))
+
+
+def test_undamped_shell_conserves_energy_over_a_thousand_periods():
+    plant = oscillator({})
+    motion = propagate(plant, np.linspace(0.0, 1000 * 2 * np.pi / 5, 200_001), np.array([1.0, 0.0]))
+    energy = 25.0 * motion.position[:, 0] ** 2 + motion.velocity[:, 0] ** 2
+    assert np.abs(energy / 25.0 - 1).max() < 1e-9
+
+
+@pytest.mark.xdist_group("bem")
+class TestOfTheSeed:
+    def plant(self, buoy_of, radiation_of, study, design, waves):
+        motions = design_motions(study, study_basis(study), design)
+        return linear_plant(buoy_of(study), radiation_of(study), waves, motions)
+
+    @pytest.mark.parametrize("design", ["FSB", "VSWEC", "VSWEC0", "VSWEC90"])
+    @pytest.mark.parametrize("period", [2.5, np.pi, 5.0])
+    def test_three_models_agree_in_the_steady_state(self, buoy_of, radiation_of, coarse, design, period):
+        study = varied(
+            coarse,
+            waves=[{"kind": "regular", "amplitude": 0.2, "period": period}],
+            simulation={"window": (60.0 - 6 * period, 60.0), "initial_velocity": 0.0},
+        )
+        wave = study.waves[0]
+        waves = sea(wave, study.hydro.omega_max, 60.0)
+        plant = self.plant(buoy_of, radiation_of, study, design, waves)
+        buoy = buoy_of(study)
+        expected = 0.04 * buoy.absorbed_power(waves.omega, buoy.rao(waves.omega, plant.motions))[0]
+        for method in ("exact", "convolution"):
+            settings = varied(study, simulation={"method": method, "tolerance": 1e-5}).simulation
+            motion, _ = simulate(plant, waves, buoy.spectrum, settings)
+            absorbed = energies(plant, motion)["pto"]
+            start, end = averaging_window(wave, settings.window)
+            mean = np.diff(np.interp([start, end], motion.time, absorbed))[0] / (end - start)
+            assert mean == pytest.approx(expected, rel=5e-3), method
+
+    @pytest.mark.parametrize("design", ["FSB", "VSWEC", "VSWEC90"])
+    def test_energy_balance_closes(self, buoy_of, radiation_of, coarse, design):
+        waves = sea(coarse.waves[0], coarse.hydro.omega_max, 60.0)
+        plant = self.plant(buoy_of, radiation_of, coarse, design, waves)
+        motion, stride = simulate(plant, waves, buoy_of(coarse).spectrum, coarse.simulation)
+        energy = energies(plant, motion)
+        assert residual(energy) < 1e-6
+        assert np.all(np.diff(energy["radiated"]) >= 0)  # the water never gives back more than it stores
+        run = labelled(plant, motion, waves, design, "wave", stride)
+        assert run.attrs["energy_residual"] < 1e-6
+        assert ("elastic" in run) == (design != "FSB")
+
+    def test_audit_sees_a_lost_force(self, buoy_of, radiation_of, coarse):
+        waves = sea(coarse.waves[0], coarse.hydro.omega_max, 60.0)
+        plant = self.plant(buoy_of, radiation_of, coarse, "FSB", waves)
+        motion, _ = simulate(plant, waves, buoy_of(coarse).spectrum, coarse.simulation)
+        fewer = {name: force for name, force in plant.forces.items() if name != "pto"}
+        assert residual(energies(Plant(plant.labels, plant.mass, fewer, plant.motions), motion)) > 0.01
+
+    def test_clamp_holds_to_round_off(self, buoy_of, radiation_of, coarse):
+        waves = sea(coarse.waves[0], coarse.hydro.omega_max, 60.0)
+        plant = self.plant(buoy_of, radiation_of, coarse, "VSWEC90", waves)
+        motion, _ = simulate(plant, waves, buoy_of(coarse).spectrum, coarse.simulation)
+        rows = study_basis(coarse).clamp_rows([np.pi / 2])
+        assert np.abs(rows @ plant.motions @ motion.position.T).max() < 1e-13
+
+    def test_irregular_mean_power_is_the_spectral_sum(self, buoy_of, radiation_of, coarse):
+        """Components of a realisation repeat after 1.1 durations: over that period the mean is the sum exactly."""
+        study = varied(coarse, waves=[{"kind": "jonswap", "hs": 1.0, "tp": 4.0}])
+        short = sea(study.waves[0], study.hydro.omega_max, 200.0)
+        width = short.omega[1] - short.omega[0]
+        plant = self.plant(buoy_of, radiation_of, study, "VSWEC", short)
+        buoy = buoy_of(study)
+        period = 2 * np.pi / width
+        time = np.linspace(0.0, 2 * period, 40_001)
+        motion = propagate(plant, time, plant.start(0.0, 0.0))
+        absorbed = energies(plant, motion)["pto"]
+        mean = (absorbed[-1] - absorbed[20_000]) / period
+        expected = short.mean_of(buoy.absorbed_power(short.omega, buoy.rao(short.omega, plant.motions)))
+        assert mean == pytest.approx(expected, rel=5e-3)
+
+    def test_free_decay_of_the_oes_sphere(self, buoy_of, radiation_of, seed):
+        """OES Task 10 heaving sphere: extrema of the linear semi-analytic decay from 1 m (s, m)."""
+        published = [
+            (2.213, -0.8671), (4.418, 0.6350), (6.597, -0.4649), (8.770, 0.3467), (10.945, -0.2575), (13.119, 0.1917),
+        ]  # fmt: skip
+        sphere = varied(
+            seed,
+            device={"radius": 5.0, "mass": 261.8e3},
+            water={"density": 1000.0},
+            designs={"sphere": {"flexible": False}},
+            hydro={"rows": 24, "omega_max": 6.0},
+            pto={"damping": 0.0},
+            waves=[{"kind": "still"}],
+            simulation={"initial_position": 1.0, "initial_velocity": 0.0, "duration": 15.0, "window": (0.0, 15.0)},
+        )
+        still = Sea(np.zeros(0), np.zeros(0, dtype=complex))
+        plant = linear_plant(buoy_of(sphere), radiation_of(sphere), still, np.eye(1))
+        time = np.linspace(0.0, 15.0, 15_001)
+        motion = propagate(plant, time, plant.start(1.0, 0.0))
+        heave, velocity = motion.position[:, 0], motion.velocity[:, 0]
+        turns = np.flatnonzero(velocity[1:-1] * velocity[2:] < 0) + 1
+        assert time[turns[:6]] == pytest.approx([t for t, _ in published], abs=0.02)
+        assert heave[turns[:6]] == pytest.approx([z for _, z in published], abs=0.01)
