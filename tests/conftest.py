@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from vsb import config, database, meshing
+from vsb import bem, config, database, meshing
 from vsb.config import Study, canonical
 from vsb.kernel import DampingSpectrum
 from vsb.modes import study_basis
@@ -42,8 +42,6 @@ def hemisphere() -> dict:
 
 @pytest.fixture(scope="session")
 def green_folder(tmp_path_factory) -> Path:
-    from vsb import bem
-
     folder = tmp_path_factory.mktemp("green")
     bem.green_function(folder)
     return folder
@@ -52,8 +50,6 @@ def green_folder(tmp_path_factory) -> Path:
 @pytest.fixture(scope="session")
 def solved(green_folder):
     """Function study -> raw hydro sweep of its plan (normal velocities P_n), each shape solved once."""
-    from vsb import bem
-
     cache: dict[str, object] = {}
 
     def solve(study: Study):

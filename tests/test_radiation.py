@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from conftest import varied
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -88,8 +89,6 @@ class TestOfTheSeed:
         assert np.linalg.eigvalsh(0.5 * (real + real.transpose(0, 2, 1))).min() > -1e-10
 
     def test_modes_that_radiate_alike_cost_no_states(self, buoy_of, coarse):
-        from conftest import varied
-
         full = buoy_of(varied(coarse, modes={"basis": "full"})).spectrum
         few = buoy_of(coarse).spectrum
         omega = few.omega[::2]

@@ -5,15 +5,17 @@ import json
 import os
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 from vsb import __version__
-from vsb.config import Study, load
+from vsb.config import load
 from vsb.errors import VsbError
 from vsb.specs import StudyPlan
 
+ERROR = "vsb: error:"
 Handler = Callable[[argparse.Namespace], int]
 
 
@@ -27,7 +29,7 @@ def _rule(name: str) -> Handler:
     """Handler of a rule's command: imports the science only when it is needed."""
 
     def handle(args: argparse.Namespace) -> int:
-        from vsb import commands, publish  # noqa: PLC0415
+        from vsb import commands, publish
 
         calls: dict[str, Callable[[], None]] = {
             "modes": lambda: commands.shell_modes(_spec(args), args.out),
@@ -51,7 +53,7 @@ def _rule(name: str) -> Handler:
 
 def check(args: argparse.Namespace) -> int:
     """Validate a study, print what it would cost and what to doubt; solve nothing."""
-    from vsb import preview  # noqa: PLC0415
+    from vsb import preview
 
     study = load(args.config)
     for line in preview.summary(study, StudyPlan(study)):
@@ -61,7 +63,7 @@ def check(args: argparse.Namespace) -> int:
 
 def shell(args: argparse.Namespace) -> int:
     """Print dry natural frequencies of both branches, the paper's Ritz column, and the buckling pressure."""
-    from vsb import preview  # noqa: PLC0415
+    from vsb import preview
 
     table = preview.shell_table(load(args.config))
     print(json.dumps(table, indent=1) if args.json else preview.shell_text(table))
@@ -70,7 +72,7 @@ def shell(args: argparse.Namespace) -> int:
 
 def run(args: argparse.Namespace) -> int:
     """Run a whole study through Snakemake, after validating everything that can be known beforehand."""
-    from vsb import preview  # noqa: PLC0415
+    from vsb import preview
 
     study = load(args.config)
     preview.check_before_run(study, StudyPlan(study))
@@ -78,21 +80,22 @@ def run(args: argparse.Namespace) -> int:
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(home / "Snakefile"), "--configfile", args.config]
     command += ["--profile", str(home / "profiles" / args.profile), *args.snakemake]
     environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
-    return _reported(subprocess.run(command, env=environment, check=False).returncode, study)
-
-
-def _reported(code: int, study: Study) -> int:
-    """Say in one line what a study's run came to."""
-    report = Path(StudyPlan(study).folder) / "report.html"
-    if code:
-        print(
-            f"vsb: error: the run of {study.study!r} did not complete; the failing rule's own line is above",
-            file=sys.stderr,
-        )
-        return 1
-    if report.is_file():
+    begun = time.time()
+    if subprocess.run(command, env=environment, check=False).returncode:
+        return _failed(StudyPlan(study), begun)
+    if (report := Path(StudyPlan(study).folder) / "report.html").is_file():
         print(f"{study.study}: {report}")
     return 0
+
+
+def _failed(plan: StudyPlan, begun: float) -> int:
+    """Repeat the failing rule's own line last, where it is seen; 2 if it was the user's to mend, else 1."""
+    logs = [path for path in Path(plan.root, "logs").rglob("*.log") if path.stat().st_mtime >= begun - 1.0]
+    lines = [line for path in logs for line in path.read_text(encoding="utf-8").splitlines()]
+    mistakes = [line for line in lines if line.startswith(ERROR)]
+    last = mistakes[-1] if mistakes else f"{ERROR} the run of {plan.study.study!r} did not complete, see above"
+    print(last, file=sys.stderr)
+    return 2 if mistakes else 1
 
 
 def _add_rule(commands: Any, name: str, text: str, *options: str, files: str = "") -> None:
@@ -166,7 +169,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         return handler(args)
     except VsbError as error:
-        print(f"vsb: error: {' '.join(str(error).split())}", file=sys.stderr)
+        print(f"{ERROR} {' '.join(str(error).split())}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print("vsb: interrupted; run the same command again to go on from here", file=sys.stderr)

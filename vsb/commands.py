@@ -69,7 +69,7 @@ def display_meshes(spec: Spec, folder: str) -> None:
 
 def green(folder: str, out: str) -> None:
     """Compute and store the Green-function table, once for all jobs."""
-    from vsb import bem  # noqa: PLC0415 (importing capytaine takes a second that other commands need not spend)
+    from vsb import bem
 
     begun = clock.perf_counter()
     bem.green_function(folder)
@@ -78,7 +78,7 @@ def green(folder: str, out: str) -> None:
 
 def bem_block(spec: Spec, mesh_path: str, green_folder: str, out: str) -> None:
     """Solve one block of frequencies."""
-    from vsb import bem  # noqa: PLC0415
+    from vsb import bem
 
     begun = clock.perf_counter()
     solved = bem.solve_block(spec, load(mesh_path), green_folder)

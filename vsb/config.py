@@ -58,8 +58,15 @@ class Device(Section):
     poisson_ratio: Annotated[Number, Field(gt=-1, lt=0.5)]
     density: Positive
     mass: Positive
-    internal_pressure: Annotated[Number, Field(ge=0, le=0)] = 0.0
+    internal_pressure: Finite = 0.0
     damping: RayleighDamping = RayleighDamping()
+
+    @field_validator("internal_pressure")
+    @classmethod
+    def _vented(cls, value: float) -> float:
+        if value:
+            raise ValueError("needs 0 (vented): the prestress of a pressurised shell is not part of the model")
+        return value
 
     @model_validator(mode="after")
     def _thin_and_light(self) -> Self:

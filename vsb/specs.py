@@ -83,8 +83,8 @@ class StudyPlan:
         if needed > most:
             raise ConfigError(
                 f"hydro.omega_max: received {study.hydro.omega_max:g} rad/s, whose wave of "
-                f"{self._wavelength(highest):.3g} m is too short for the mesh: it needs {needed} rows of panels, there are "
-                f"{most}; lower hydro.omega_max" + (" or raise hydro.rows" if study.hydro.rows else "")
+                f"{self._wavelength(highest):.3g} m is too short for the mesh: it needs {needed} rows of panels, there "
+                f"are {most}; lower hydro.omega_max" + (" or raise hydro.rows" if study.hydro.rows else "")
             )
         rows = study.hydro.rows or min(wanted, MAX_ROWS)
         waterline = math.sqrt(radius**2 - study.centre_height**2)
