@@ -26,7 +26,7 @@ BASE = yaml.safe_load(SEED.read_text())
 BASE["study"] = "base"
 BASE["modes"]["degree"] = 2
 BASE["designs"] = {"FSB": {"flexible": False}, "VSWEC": {}}
-BASE["hydro"] = {"rows": 12, "omega_max": 5.0, "tolerance": 4.0e-3}
+BASE["hydro"] = {"rows": 16, "omega_max": 5.0, "tolerance": 4.0e-3}
 BASE["simulation"].update(duration=20.0, window=[10.0, 20.0])
 SCIENCE = {"mesh", "green", "bem", "database", "radiation"}
 
@@ -73,7 +73,9 @@ def planned(place, raw, name=None):
     assert dry.returncode == 0, dry.stderr
     lines = dry.stdout.splitlines() + dry.stderr.splitlines()
     rows = [line.split() for line in lines]
-    return {row[0]: int(row[1]) for row in rows if len(row) == 2 and row[1].isdigit() and row[0] not in ("total", "all")}
+    return {
+        row[0]: int(row[1]) for row in rows if len(row) == 2 and row[1].isdigit() and row[0] not in ("total", "all")
+    }
 
 
 def with_(**changes):
@@ -160,6 +162,12 @@ def test_tabulated_frequencies_and_irregular_sea_without_rigid_design(folder):
 def test_killed_and_resumed_gives_identical_numbers(folder):
     raw = with_(study="killed", device={"mass": 16000.0}, simulation={"duration": 12.0, "window": [6.0, 12.0]})
     process = start(folder, "run", write(folder, raw), start_new_session=True)
+    time.sleep(1.5)
+    crowded = run(folder, folder / "killed.yaml")
+    assert (crowded.returncode, crowded.stderr) == (
+        2,
+        "vsb: error: results: another run is at work in this folder; wait for it to end\n",
+    )
     blocks, before = folder / "results/hydro/blocks", len(list((folder / "results/hydro/blocks").glob("*.nc")))
     deadline = time.time() + 120
     while len(list(blocks.glob("*.nc"))) == before and process.poll() is None and time.time() < deadline:

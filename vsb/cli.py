@@ -1,12 +1,14 @@
 """The command line: `vsb run`, `vsb check`, `vsb shell`, and one command per workflow rule."""
 
 import argparse
+import fcntl
 import json
 import os
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -75,17 +77,35 @@ def run(args: argparse.Namespace) -> int:
     from vsb import preview
 
     study = load(args.config)
-    preview.check_before_run(study, StudyPlan(study))
+    plan = StudyPlan(study)
+    preview.check_before_run(study, plan)
     home = Path.cwd() if Path("Snakefile").is_file() else Path(__file__).resolve().parents[1]
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(home / "Snakefile"), "--configfile", args.config]
-    command += ["--profile", str(home / "profiles" / args.profile), *args.snakemake]
+    command += ["--nolock", "--profile", str(home / "profiles" / args.profile), *args.snakemake]
     environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
     begun = time.time()
-    if subprocess.run(command, env=environment, check=False).returncode:
-        return _failed(StudyPlan(study), begun)
-    if (report := Path(StudyPlan(study).folder) / "report.html").is_file():
+    with _alone(Path(plan.root), waits=not {"-n", "--dry-run"} & set(args.snakemake)) as lock:
+        code = subprocess.run(command, env=environment, check=False, pass_fds=lock).returncode
+    if code:
+        return _failed(plan, begun)
+    if (report := Path(plan.folder) / "report.html").is_file():
         print(f"{study.study}: {report}")
     return 0
+
+
+@contextmanager
+def _alone(root: Path, *, waits: bool) -> Iterator[list[int]]:
+    """Hold the results folder; the lock goes with the processes that hold it, so a killed run leaves none behind."""
+    if not waits:  # a dry run writes nothing
+        yield []
+        return
+    root.mkdir(parents=True, exist_ok=True)
+    with (root / ".lock").open("w") as handle:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise VsbError(f"{root}: another run is at work in this folder; wait for it to end") from None
+        yield [handle.fileno()]
 
 
 def _failed(plan: StudyPlan, begun: float) -> int:

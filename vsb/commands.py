@@ -1,5 +1,6 @@
 """One function per workflow rule: read files, compute, write files. The command line calls these and nothing else."""
 
+import shutil
 import time as clock
 from collections.abc import Sequence
 from pathlib import Path
@@ -72,7 +73,10 @@ def green(folder: str, out: str) -> None:
     from vsb import bem
 
     begun = clock.perf_counter()
-    bem.green_function(folder)
+    partial = Path(f"{folder}.partial")  # a table half written must never be found under its name
+    bem.green_function(partial)
+    shutil.rmtree(folder, ignore_errors=True)
+    partial.replace(folder)
     write_text(out, f"{clock.perf_counter() - begun:.1f} s\n")
 
 
@@ -102,17 +106,17 @@ def build_database(spec: Spec, blocks: Sequence[str], out: str) -> None:
     if missing := [name for name in (*spec["sweep"], *spec["tabulated"]) if name not in found]:
         raise DatabaseError(f"{out}: blocks {missing} are not among the files given ({list(found)}); run the bem rule.")
 
-    def complete(ids: Sequence[str]) -> tuple[xr.Dataset, list[database.Check]]:
-        raw = database.with_excitation(database.in_modes(database.merged_blocks([found[i] for i in ids]), basis))
-        checks = quality.verdict(raw, water.depth, water.density, water.gravity, spec["accept"])
-        done = database.with_structure(database.with_symmetrized(raw), shell, water.density, water.gravity)
-        return done, checks
+    def in_modes(ids: Sequence[str]) -> xr.Dataset:
+        return database.with_excitation(database.in_modes(database.merged_blocks([found[i] for i in ids]), basis))
 
-    sweep, checks = complete(spec["sweep"])
-    sweep = sweep.sel(omega=slice(None, spec["omega_max"] + 1e-9)) if not spec["tabulated"] else sweep
+    def complete(raw: xr.Dataset) -> xr.Dataset:
+        return database.with_structure(database.with_symmetrized(raw), shell, water.density, water.gravity)
+
+    sweep = in_modes(spec["sweep"])
+    tabulated = in_modes([*spec["tabulated"], spec["sweep"][0]]) if spec["tabulated"] else None
+    checks = quality.verdict(sweep, tabulated, water.depth, water.density, water.gravity, spec["accept"])
     attrs = {
         "title": "hydro database of an axisymmetric shell in heave and its modes",
-        "history": sweep.attrs["history"],
         "source": f"vsb {__version__}",
         "spec": canonical(spec),
         "spec_id": content_id(spec),
@@ -126,11 +130,12 @@ def build_database(spec: Spec, blocks: Sequence[str], out: str) -> None:
         "gravity": water.gravity,
         "bem_seconds": sum(block.attrs["seconds"] for block in found.values()),
     }
-    if not spec["tabulated"]:
-        database.save_database(sweep.assign_attrs(attrs), None, out)
-        return
-    tabulated = complete([*spec["tabulated"], spec["sweep"][0]])[0]
-    database.save_database(tabulated.assign_attrs(attrs), sweep, out)
+    if tabulated is None:
+        asked = complete(sweep).sel(omega=slice(None, spec["omega_max"] + 1e-9))
+        database.save_database(asked.assign_attrs(asked.attrs, **attrs), None, out)
+    else:
+        asked = complete(tabulated)
+        database.save_database(asked.assign_attrs(asked.attrs, **attrs), complete(sweep), out)
 
 
 def fit_radiation(spec: Spec, database_path: str, out: str) -> None:

@@ -86,37 +86,38 @@ def added_mass_difference(ds: xr.Dataset) -> float:
     return float(np.abs((ogilvie.mean(axis=0) - ds.added_mass_inf.values) / np.outer(root, root)).max())
 
 
-def verdict(sweep: xr.Dataset, depth: float, density: float, gravity: float, accept: Sequence[str]) -> list[Check]:
-    """Return the checks of a frequency sweep that has not been symmetrized; accepted failures are marked as such.
+def pointwise_checks(ds: xr.Dataset, depth: float, density: float, gravity: float) -> list[Check]:
+    """Return the checks that hold at every frequency by itself."""
+    haskind = haskind_difference(ds, depth, density, gravity)
+    return [
+        check_at_most("symmetry", asymmetry(ds), 0.01, "-", "added mass and damping are symmetric matrices"),
+        check_at_most("positive_damping", negative_damping(ds), 0.01, "-", "no motion can draw energy from calm water"),
+        check_at_most("rank_one", second_channel(ds), 0.02, "-", "axisymmetric motions radiate one ring wave"),
+        check_at_most("haskind", haskind, 0.05, "-", "damping follows from excitation"),
+    ]
+
+
+def sweep_checks(sweep: xr.Dataset) -> list[Check]:
+    """Return the checks that need the whole band, in equal steps."""
+    kink, inconsistency = largest_kink(sweep), added_mass_difference(sweep)
+    return [
+        check_at_most(
+            "irregular_frequencies", kink, 0.02, "-", "damping is smooth; an irregular frequency is a spike in it"
+        ),
+        check_at_most(
+            "kramers_kronig", inconsistency, 0.02, "-", "Ogilvie: added mass at infinity follows from damping"
+        ),
+    ]
+
+
+def judged(checks: Sequence[Check], accept: Sequence[str]) -> list[Check]:
+    """Return the checks with failures the study accepts by name marked as such.
 
     Raises
     ------
     DatabaseError
-        If a check fails that the study does not accept by name, or `accept` names no check.
+        If a check fails that the study does not accept, or `accept` names no check.
     """
-    water = (depth, density, gravity)
-    checks = [
-        check_at_most("symmetry", asymmetry(sweep), 0.01, "-", "added mass and damping are symmetric matrices"),
-        check_at_most(
-            "positive_damping", negative_damping(sweep), 0.01, "-", "no motion can draw energy from calm water"
-        ),
-        check_at_most("rank_one", second_channel(sweep), 0.02, "-", "axisymmetric motions radiate one ring wave"),
-        check_at_most("haskind", haskind_difference(sweep, *water), 0.05, "-", "damping follows from excitation"),
-        check_at_most(
-            "irregular_frequencies",
-            largest_kink(sweep),
-            0.02,
-            "-",
-            "damping is smooth; an irregular frequency is a spike",
-        ),
-        check_at_most(
-            "kramers_kronig",
-            added_mass_difference(sweep),
-            0.02,
-            "-",
-            "Ogilvie: added mass at infinity follows from damping",
-        ),
-    ]
     if unknown := set(accept) - {check.name for check in checks}:
         raise DatabaseError(
             f"hydro.accept: received {sorted(unknown)}, needs names among {[check.name for check in checks]}."
@@ -126,6 +127,19 @@ def verdict(sweep: xr.Dataset, depth: float, density: float, gravity: float, acc
         if check.verdict == "fail":
             raise DatabaseError(
                 f"hydro database: check {check.name!r} failed: {check.value:.3g}, needs at most {check.limit:g} "
-                f"({check.explanation}); lower hydro.tolerance, or list the name under hydro.accept."
+                f"({check.explanation}); lower hydro.tolerance, raise hydro.omega_max, or list the name under "
+                "hydro.accept."
             )
     return checks
+
+
+def verdict(
+    sweep: xr.Dataset, tabulated: xr.Dataset | None, depth: float, density: float, gravity: float, accept: Sequence[str]
+) -> list[Check]:
+    """Return the judged checks of a database, before it is symmetrized: its sweep and any frequencies tabulated."""
+    everywhere = sweep
+    if tabulated is not None:
+        everywhere = xr.concat(
+            [sweep, tabulated], dim="omega", data_vars="minimal", coords="minimal", compat="override"
+        )
+    return judged([*pointwise_checks(everywhere, depth, density, gravity), *sweep_checks(sweep)], accept)
