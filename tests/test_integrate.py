@@ -30,7 +30,7 @@ def test_propagation_is_exact_for_any_step():
     plant = oscillator({"pto": Damper(np.array([[1.2]]))})
     for step in (0.01, 0.5, 7.0):
         time = np.arange(0.0, 21.0, step)
-        motion = propagate(plant, time, np.array([1.0, -0.5]))
+        motion = propagate(plant, time, (np.array([1.0]), np.array([-0.5])))
         assert motion.position[:, 0] == pytest.approx(damped(time), abs=1e-12)
 
 
@@ -38,7 +38,7 @@ def test_forced_motion_satisfies_the_equation_of_motion():
     wave = Excitation(np.array([2.0, 3.3]), np.array([[30.0 + 5j], [-4j]]))
     plant = oscillator({"pto": Damper(np.array([[1.2]])), "excitation": wave})
     time = np.linspace(0.0, 10.0, 501)
-    motion = propagate(plant, time, np.array([0.2, 0.0]))
+    motion = propagate(plant, time, (np.array([0.2]), np.zeros(1)))
     push = np.real(np.exp(-1j * np.outer(time, wave.omega)) @ wave.force)[:, 0]
     left = 2.0 * motion.acceleration[:, 0] + 1.2 * motion.velocity[:, 0] + 50.0 * motion.position[:, 0]
     assert left == pytest.approx(push, abs=1e-10)
@@ -51,7 +51,7 @@ def test_convolution_stepper_is_of_second_order():
     errors = []
     for step in steps:
         time = np.arange(0.0, 4.0 + step / 2, step)
-        motion = convolve(plant, CALM, time, np.array([1.0, -0.5]))
+        motion = convolve(plant, CALM, time, (np.array([1.0]), np.array([-0.5])))
         errors.append(np.abs(motion.position[:, 0] - damped(time)).max())
     slopes = np.diff(np.log(errors)) / np.diff(np.log(steps))
     assert np.all(np.abs(slopes[1:] - 2.0) < 0.1), slopes
@@ -60,12 +60,12 @@ def test_convolution_stepper_is_of_second_order():
 def test_undamped_resonance_has_no_steady_state():
     plant = oscillator({"excitation": Excitation(np.array([5.0]), np.array([[1.0 + 0j]]))})
     with pytest.raises(StabilityError, match=r"wave of 5 rad/s meets an undamped resonance.*add device.damping"):
-        propagate(plant, np.linspace(0, 1, 11), np.zeros(2))
+        propagate(plant, np.linspace(0, 1, 11), (np.zeros(1), np.zeros(1)))
 
 
 def test_undamped_shell_conserves_energy_over_a_thousand_periods():
     plant = oscillator({})
-    motion = propagate(plant, np.linspace(0.0, 1000 * 2 * np.pi / 5, 200_001), np.array([1.0, 0.0]))
+    motion = propagate(plant, np.linspace(0.0, 1000 * 2 * np.pi / 5, 200_001), (np.ones(1), np.zeros(1)))
     energy = 25.0 * motion.position[:, 0] ** 2 + motion.velocity[:, 0] ** 2
     assert np.abs(energy / 25.0 - 1).max() < 1e-9
 

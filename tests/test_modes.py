@@ -1,6 +1,8 @@
 import numpy as np
 import pytest
 from conftest import varied
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy.linalg import eigh
 from test_shell import LOWER, TABLE_I
 
@@ -18,7 +20,8 @@ def basis_of(seed, basis, degree=6):
 def test_ritz_frequencies_are_table_i(seed):
     assert basis_of(seed, "membrane").dry_frequencies == pytest.approx(TABLE_I, rel=1e-10)
     assert basis_of(seed, "full").dry_frequencies == pytest.approx([*TABLE_I, *LOWER.values()], rel=2e-9)
-    assert basis_of(seed, "paper").dry_frequencies == pytest.approx(PAPER_RITZ, rel=4.5e-8)
+    assert basis_of(seed, "paper").dry_frequencies == pytest.approx(PAPER_RITZ, rel=4e-8)
+    assert basis_of(seed, "full").dry_frequencies[:7] == pytest.approx(TABLE_I, rel=1e-10)
 
 
 @pytest.mark.parametrize("degree", [6, 40])
@@ -106,3 +109,103 @@ def test_a_rigid_study_has_heave_alone(seed):
     assert basis.labels == ("Heave",)
     assert basis.inertia == pytest.approx(np.array([[17170.0]]))
     assert design_motions(study, basis, "FSB").shape == (1, 1)
+
+
+def test_rayleigh_quotients_of_both_branches_are_the_closed_form_up_to_degree_40(seed):
+    full = basis_of(seed, "full", 40)
+    closed = np.array([natural_frequencies(full.shell, n) for n in range(41)])
+    assert full.dry_frequencies == pytest.approx([*closed[:, 1], *closed[2:, 0]], rel=1e-10)
+    assert basis_of(seed, "membrane", 40).dry_frequencies == pytest.approx(closed[:, 1], rel=1e-10)
+
+
+def test_the_two_branches_of_a_degree_are_orthogonal_in_mass_and_stiffness(seed):
+    basis = basis_of(seed, "full")
+    for matrix in (basis.inertia[1:, 1:], basis.stiffness[1:, 1:]):
+        scale = np.sqrt(np.outer(np.diag(matrix), np.diag(matrix)))
+        assert np.abs(matrix / scale - np.eye(12)).max() < 1e-11
+
+
+def test_shapes_solve_legendres_equation():
+    phi = np.linspace(0.05, np.pi - 0.05, 101)
+    p, dp, ddp = legendre(40, phi)
+    n = np.arange(41)[:, None]
+    residual = ddp + dp / np.tan(phi) + n * (n + 1) * p
+    assert np.abs(residual).max() < 1e-11 * 40 * 41
+    assert p[2] == pytest.approx((3 * np.cos(phi) ** 2 - 1) / 2, abs=1e-14)
+
+
+def test_derivatives_of_legendre_polynomials_are_finite_at_both_poles():
+    n = np.arange(41)
+    p, dp, ddp = legendre(40, np.array([0.0, np.pi]))
+    assert p == pytest.approx(np.array([np.ones(41), (-1.0) ** n]).T, abs=1e-12)
+    assert np.abs(dp).max() < 1e-11
+    assert ddp[:, 0] == pytest.approx(-n * (n + 1) / 2, rel=1e-12)
+
+
+def test_rigid_heave_is_a_vertical_translation(seed):
+    phi = np.linspace(0.0, np.pi, 31)
+    radial, meridional = basis_of(seed, "membrane").displacement(phi)
+    vertical = radial[0] * np.cos(phi) - meridional[0] * np.sin(phi)
+    horizontal = radial[0] * np.sin(phi) + meridional[0] * np.cos(phi)
+    assert vertical == pytest.approx(np.ones(31), abs=1e-15)
+    assert horizontal == pytest.approx(np.zeros(31), abs=1e-15)
+
+
+@pytest.mark.parametrize("name", ["paper", "membrane", "full"])
+def test_heave_carries_the_buoy_and_no_elastic_force(seed, name):
+    basis = basis_of(seed, name)
+    assert basis.inertia[0, 0] == 17170.0
+    assert np.all(basis.stiffness[0] == 0.0)
+    assert np.all(basis.stiffness[:, 0] == 0.0)
+    assert np.linalg.eigvalsh(basis.inertia).min() > 0
+
+
+def test_paper_basis_has_no_bending_energy(seed):
+    basis = basis_of(seed, "paper")
+    for i, mode in enumerate(basis.shapes[1:], start=1):
+        vector = np.array([mode.radial, mode.meridional])
+        membrane = vector @ membrane_block(basis.shell, mode.degree) @ vector
+        assert basis.stiffness[i, i] == pytest.approx(membrane, rel=1e-14)
+
+
+def test_rayleigh_damping_of_the_modes_only(seed):
+    basis = mode_basis(varied(seed, device={"damping": {"alpha": 0.7, "beta": 2e-3}}).device, "full", 3)
+    expected = 0.7 * basis.inertia + 2e-3 * basis.stiffness
+    assert basis.damping[1:, 1:] == pytest.approx(expected[1:, 1:], rel=1e-14)
+    assert np.all(basis.damping[0] == 0.0)
+    assert np.all(basis.damping[:, 0] == 0.0)
+
+
+def test_pole_displacement_is_the_shape_at_the_top(seed):
+    basis = basis_of(seed, "full")
+    radial, meridional = basis.displacement(np.array([0.0]))
+    assert basis.pole_radial_displacement == pytest.approx(radial[:, 0], rel=1e-13)
+    assert np.all(meridional == 0.0)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.lists(st.floats(0.0, np.pi), min_size=1, max_size=5), st.sampled_from([6, 12, 40]))
+def test_clamped_motions_satisfy_any_clamps(seed, colatitudes, degree):
+    basis = basis_of(seed, "full", degree)
+    free = basis.clamped(colatitudes * 2)  # every clamp twice
+    assert np.array_equal(free[:, 0], np.eye(len(basis.labels))[0])
+    assert free.T @ free == pytest.approx(np.eye(free.shape[1]), abs=1e-12)
+    rows = basis.clamp_rows(colatitudes)
+    assert np.abs(rows @ free).max() < 1e-10 * max(1.0, np.abs(rows).max() * len(colatitudes) * len(basis.labels))
+    assert free.shape[1] >= len(basis.labels) - 2 * len(set(colatitudes))
+
+
+def test_duplicate_clamps_allow_the_same_motions(seed):
+    basis = basis_of(seed, "full")
+    once, often = (basis.clamped(c) for c in ([0.0, 1.1], [1.1, 0.0, 0.0, 1.1, 1.1]))
+    assert once @ once.T == pytest.approx(often @ often.T, abs=1e-12)
+
+
+def test_no_clamps_leave_every_mode_free(seed):
+    assert basis_of(seed, "full").clamped([]).shape == (13, 13)
+
+
+def test_a_design_allows_its_own_motions(seed):
+    basis = study_basis(seed)
+    free = {name: design_motions(seed, basis, name).shape[1] for name in seed.designs}
+    assert free == {"FSB": 1, "VSWEC": 8, "VSWEC0": 7, "VSWEC90": 6}

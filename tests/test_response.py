@@ -90,7 +90,7 @@ def test_outside_the_band_is_refused(buoy_of, coarse):
 
 
 def test_grid_holds_what_is_asked_for():
-    grid = frequency_grid(0.1, 12.0, [2.5132741, 2.0])
+    grid = frequency_grid(0.1, 0.1, 12.0, [2.5132741, 2.0])
     assert grid[0] == 0.1
     assert grid[-1] == 12.0
     assert 2.5132741 in grid

@@ -81,3 +81,155 @@ def test_quadrature_converges_spectrally(full):
     errors = [abs(shell.volume(n) / exact - 1) for n in (6, 10, 14, 18, 40)]
     assert errors[-1] < 1e-12
     assert errors[0] > 100 * errors[1] > 1e4 * errors[3]
+
+
+CROSSING = {"Bending6": -0.4}
+"""With the centre at -1.7 m the top pole dips under water and a ring stays out: three waterlines."""
+
+
+def jacobian_by_differences(basis, height, start, h=2e-3):
+    """Central differences, two Richardson steps, of minus the hydrostatic force."""
+
+    def central(j, h):
+        ahead, behind = (
+            DeformedShell(basis, height, start + s * np.eye(len(start))[j]).hydrostatic_force(RHO, G) for s in (h, -h)
+        )
+        return (behind - ahead) / (2 * h)
+
+    return np.array([
+        (64 * central(j, h / 4) - 20 * central(j, h / 2) + central(j, h)) / 45 for j in range(len(start))
+    ]).T  # fmt: skip
+
+
+@pytest.mark.parametrize("height", [-1.72, -1.7, -2.6, 2.6], ids=["two bands", "two bands again", "submerged", "dry"])
+def test_jacobian_with_several_waterlines_one_or_none(full, height):
+    start = amplitudes(full, **CROSSING) if abs(height) < 2 else amplitudes(full, Membrane2=0.1, Bending3=-0.1)
+    shell = DeformedShell(full, height, start)
+    assert len(shell.wet_segments) == {-1.72: 2, -1.7: 2, -2.6: 1, 2.6: 0}[height]
+    stiffness = shell.hydrostatic_stiffness(RHO, G)
+    largest = max(np.abs(stiffness).max(), 1.0)
+    assert np.abs(stiffness - stiffness.T).max() <= 1e-11 * largest
+    assert np.abs(stiffness - jacobian_by_differences(full, height, start)).max() <= 1e-8 * largest
+
+
+@pytest.mark.parametrize("height", [-0.9, 0.0, 1.2])
+def test_heave_stiffness_of_a_deformed_shell_is_that_of_its_waterplane(full, height):
+    shell = DeformedShell(full, height, amplitudes(full, Heave=0.1, Membrane0=0.05, Membrane3=-0.1, Bending2=0.2))
+    ((start, _),) = shell.wet_segments
+    waterplane = np.pi * shell.meridian(np.array([start])).x[0] ** 2
+    assert shell.hydrostatic_stiffness(RHO, G)[0, 0] == pytest.approx(RHO * G * waterplane, rel=1e-11)
+
+
+def test_heave_stiffness_of_a_ring_shaped_waterplane(full):
+    shell = DeformedShell(full, -1.7, amplitudes(full, **CROSSING))
+    (_, inner), (outer, _) = shell.wet_segments
+    radii = shell.meridian(np.array([inner, outer])).x
+    ring = np.pi * (radii[1] ** 2 - radii[0] ** 2)
+    assert shell.hydrostatic_stiffness(RHO, G)[0, 0] == pytest.approx(RHO * G * -ring, rel=1e-9) or ring > 0
+    assert shell.hydrostatic_stiffness(RHO, G)[0, 0] == pytest.approx(RHO * G * ring, rel=1e-9)
+
+
+def test_every_waterline_lies_on_the_water(full):
+    shell = DeformedShell(full, -1.7, amplitudes(full, **CROSSING))
+    assert shell.wet_segments[0][0] == 0.0
+    assert shell.wet_segments[-1][1] == np.pi
+    waterlines = [edge for segment in shell.wet_segments for edge in segment if 0.0 < edge < np.pi]
+    assert np.abs(shell.meridian(np.array(waterlines)).z).max() < 1e-14
+    for start, end in shell.wet_segments:
+        assert shell.meridian(np.linspace(start, end, 203)[1:-1]).z.max() < 0
+
+
+def test_half_submerged_sphere_is_wet_below_its_equator(full):
+    (segment,) = DeformedShell(full, 0.0).wet_segments
+    assert segment == pytest.approx((np.pi / 2, np.pi), abs=1e-14)
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.floats(-1.99, 1.99))
+def test_waterline_of_the_sphere_at_any_height(full, height):
+    (segment,) = DeformedShell(full, height).wet_segments
+    assert segment == pytest.approx((np.arccos(-height / 2), np.pi), abs=1e-12)
+
+
+@pytest.mark.xfail(strict=True, reason="a waterline exactly on a grid colatitude is missed")
+@pytest.mark.parametrize("node", [1, 93, 140, 200])
+def test_waterline_exactly_on_a_sampled_colatitude(full, node):
+    height = float(-2.0 * np.cos(np.linspace(0.0, np.pi, 281)[node]) + (1e-17 if node == 140 else 0.0))
+    height = -2.0 * float(np.cos(np.pi / 2)) if node == 140 else height
+    depth = 2.0 - height
+    assert DeformedShell(full, height).volume() == pytest.approx(np.pi * depth**2 * (6.0 - depth) / 3, rel=1e-12)
+
+
+@pytest.mark.parametrize(("height", "swell"), [(0.4, 0.3), (-0.8, -0.2), (-3.0, 0.5), (1.1, 0.0)])
+def test_breathing_is_exactly_a_sphere_of_another_radius(full, height, swell):
+    radius = 2.0 + swell
+    shell, depth = DeformedShell(full, height, amplitudes(full, Membrane0=swell)), min(radius - height, 2 * radius)
+    assert shell.volume() == pytest.approx(np.pi * depth**2 * (3 * radius - depth) / 3, rel=1e-12)
+    assert shell.wet_area() == pytest.approx(2 * np.pi * radius * depth, rel=1e-12)
+
+
+@pytest.mark.parametrize("heave", [-0.7, 0.0, 0.35])
+def test_heave_lifts_the_sphere(full, heave):
+    lifted, placed = DeformedShell(full, 0.2, amplitudes(full, Heave=heave)), DeformedShell(full, 0.2 + heave)
+    assert lifted.volume() == pytest.approx(placed.volume(), rel=1e-13)
+    assert lifted.hydrostatic_force(RHO, G) == pytest.approx(placed.hydrostatic_force(RHO, G), rel=1e-11, abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("height", "modal"),
+    [
+        (-0.4, {"Membrane2": 0.3}),
+        (0.6, {"Bending5": 0.2, "Membrane1": -0.2}),
+        (-1.7, CROSSING),
+        (-2.7, {"Bending4": 0.3}),
+    ],
+)
+def test_archimedes_for_strongly_deformed_shells(full, height, modal):
+    shell = DeformedShell(full, height, amplitudes(full, **modal))
+    assert shell.hydrostatic_force(RHO, G)[0] == pytest.approx(RHO * G * shell.volume(), rel=1e-11)
+
+
+def test_breathing_force_and_stiffness_of_the_half_submerged_sphere(full):
+    """Q_0 = -rho g pi R^3 for a sphere of any radius R with its centre in the surface, so K_00 = 3 rho g pi r^2."""
+    shell = DeformedShell(full, 0.0)
+    assert shell.hydrostatic_force(RHO, G)[1] == pytest.approx(-RHO * G * np.pi * 8, rel=1e-12)
+    assert shell.hydrostatic_stiffness(RHO, G)[1, 1] == pytest.approx(3 * RHO * G * np.pi * 4, rel=1e-12)
+
+
+def test_breathing_force_under_water_is_mean_pressure_times_area(full):
+    force = DeformedShell(full, -5.0).hydrostatic_force(RHO, G)
+    assert force[1] == pytest.approx(-RHO * G * 5.0 * 16 * np.pi, rel=1e-12)
+    assert force[0] == pytest.approx(RHO * G * 32 / 3 * np.pi, rel=1e-12)
+
+
+def test_a_submerged_body_has_no_heave_stiffness(full):
+    stiffness = DeformedShell(full, -5.0, amplitudes(full, Membrane2=0.2)).hydrostatic_stiffness(RHO, G)
+    assert abs(stiffness[0, 0]) < 1e-10 * np.abs(stiffness).max()
+
+
+def test_force_is_the_gradient_of_the_displaced_potential_energy(full):
+    """Q_j = -dE/dq_j with E = -rho g int z dV = rho g pi int (z^2/2) x^2 ... by Gauss quadrature of the wet meridian."""
+    node, weight = np.polynomial.legendre.leggauss(80)
+
+    def energy(q):
+        shell = DeformedShell(full, 0.2, q)
+        ((a, b),) = shell.wet_segments
+        m = shell.meridian((a + b) / 2 + (b - a) / 2 * node)
+        return RHO * G * np.pi * np.sum((b - a) / 2 * weight * m.z * m.x**2 * m.dz)
+
+    start, h = amplitudes(full, Membrane2=0.05, Bending3=-0.05), 2e-3
+    slopes = [
+        [(energy(start + k * e) - energy(start - k * e)) / (2 * k) for k in (h, h / 2, h / 4)] for e in np.eye(13)
+    ]
+    gradient = np.array([(64 * c - 20 * b + a) / 45 for a, b, c in slopes])
+    force = DeformedShell(full, 0.2, start).hydrostatic_force(RHO, G)
+    assert np.abs(force + gradient).max() < 1e-9 * np.abs(force).max()
+
+
+def test_derivatives_of_the_meridian(full):
+    shell = DeformedShell(full, 0.1, amplitudes(full, Membrane2=0.3, Bending5=0.2))
+    phi, h = np.linspace(0.0, np.pi, 37), 1e-5
+    ahead, here, behind = (shell.meridian(phi + s) for s in (h, 0.0, -h))
+    for value, slope in (("x", "dx"), ("z", "dz"), ("shape_x", "dshape_x"), ("shape_z", "dshape_z")):
+        difference = (getattr(ahead, value) - getattr(behind, value)) / (2 * h)
+        assert getattr(here, slope) == pytest.approx(difference, abs=1e-7)

@@ -164,7 +164,7 @@ class AxisymmetricProblem:
         """Added mass at infinite frequency, shape (degree, degree) [kg]; the potential vanishes at z = 0: no lid."""
         rings = ring_mesh(self.mesh, with_lid=False)
         correction = flux_correction(self.green, rings)
-        s, d = ring_matrices(self.green, rings, np.inf)
+        s, d = ring_matrices(self.green, rings, np.inf, self.depth)
         w = self.velocities(rings)
         potential = s @ np.linalg.solve(d + np.diag(correction), w.T)
         return -self.density * np.real((w * rings.areas) @ potential)

@@ -186,7 +186,7 @@ def frequency_response(spec: Spec, database_path: str, out: str) -> None:
     """Write response amplitude operators, absorbed power, its limit, and wet natural frequencies of all designs."""
     study = partial_study(spec)
     buoy, basis = _buoy(study, database_path)
-    omega = response.frequency_grid(spec["step"], spec["omega_max"], spec["omega"])
+    omega = response.frequency_grid(spec["step"], spec["lowest"], spec["omega_max"], spec["omega"])
     rao, power, wet = [], [], []
     for design in study.designs:
         motions = design_motions(study, basis, design)

@@ -194,7 +194,7 @@ def with_full_basis(database: xr.Dataset, study: Study) -> tuple[xr.Dataset, Mod
 
 def bending_checks(study: Study, database: xr.Dataset) -> list[Check]:
     """Return by how much the bending modes, where the basis leaves them out, would change the absorbed power."""
-    if not study.flexible or study.modes.basis == "full" or study.modes.degree < 2:
+    if not (study.flexible and study.pto.damping) or study.modes.basis == "full" or study.modes.degree < 2:
         return []
     wider, full = with_full_basis(database, study)
     old = study_basis(study)

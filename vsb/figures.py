@@ -101,7 +101,7 @@ def absorbed_power(data: StudyData) -> Figure:
     for design in data.designs:
         top.plot(omega, response.absorbed_power.sel(design=design) / 1e3, **style(design, data.designs))
     largest = float(response.absorbed_power.max()) / 1e3
-    top.set(ylabel="absorbed power\nper amplitude² [kW/m²]", ylim=(0, 1.25 * largest))
+    top.set(ylabel="absorbed power\nper amplitude² [kW/m²]", ylim=(0, 1.25 * largest or 1.0))
     _gain(data, bottom)
     bottom.set(xlabel="wave frequency [rad/s]", xlim=(0.3, _band_end(data)))
     for omega_wave in data.wave_frequencies:
@@ -124,15 +124,18 @@ def _period(omega: FloatArray) -> FloatArray:
 def _band_end(data: StudyData) -> float:
     """Frequency above which no design absorbs 1 % of its largest power."""
     power = data.response.absorbed_power.max(dim="design")
+    if not float(power.max()) > 0:
+        return float(power.omega[-1])
     return float(power.omega[power > 0.01 * power.max()].max())
 
 
 def _gain(data: StudyData, ax: Axes) -> None:
     """Draw the gain of each flexible design over the rigid one [%]."""
-    if data.reference is None:
-        ax.text(0.5, 0.5, "no rigid design to compare with", transform=ax.transAxes, ha="center")
-        return
     power = data.response.absorbed_power
+    if data.reference is None or not float(power.sel(design=data.reference).min()) > 0:
+        why = "no rigid design" if data.reference is None else "no absorbed power"
+        ax.text(0.5, 0.5, f"{why} to compare with", transform=ax.transAxes, ha="center")
+        return
     base = power.sel(design=data.reference)
     for design in data.designs:
         if design != data.reference:

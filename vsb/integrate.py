@@ -9,7 +9,7 @@ from scipy.linalg import expm
 from vsb.errors import StabilityError
 from vsb.kernel import DampingSpectrum
 from vsb.plant import Damper, LinearSystem, Plant, Spring
-from vsb.units import FloatArray
+from vsb.units import ComplexArray, FloatArray
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class Motion:
     seconds: float  # wall time [s]
 
 
-def steady_state(system: LinearSystem) -> np.ndarray:
+def steady_state(system: LinearSystem) -> ComplexArray:
     """Return the phasors of the steady state, shape (component, state): (-i omega - A) z = b.
 
     Raises
@@ -32,27 +32,28 @@ def steady_state(system: LinearSystem) -> np.ndarray:
     StabilityError
         If a wave component meets an undamped resonance: the response grows without bound.
     """
+    if system.omega.size:
+        natural = np.linalg.eigvals(system.matrix)
+        distance = np.abs(natural[:, None] + 1j * system.omega) / system.omega
+        if distance.min() < 1e-9:
+            omega = system.omega[int(np.argmin(distance.min(axis=0)))]
+            raise StabilityError(
+                f"the wave of {omega:.6g} rad/s meets an undamped resonance: no steady state exists; "
+                "add device.damping or pto.damping, or change the wave period."
+            )
     matrices = -1j * system.omega[:, None, None] * np.eye(len(system.matrix)) - system.matrix
-    balance = np.abs(system.matrix).max(axis=1)
-    condition = np.linalg.cond(matrices / np.maximum(balance, 1e-300)[:, None])
-    if condition.size and condition.max() > 1e13:
-        omega = system.omega[int(np.argmax(condition))]
-        raise StabilityError(
-            f"the wave of {omega:.6g} rad/s meets an undamped resonance: no steady state exists; "
-            "add device.damping or pto.damping, or change the wave period."
-        )
-    return np.linalg.solve(matrices, system.input[..., None])[..., 0]
+    return np.asarray(np.linalg.solve(matrices, system.input[..., None])[..., 0])
 
 
-def propagate(plant: Plant, time: FloatArray, start: FloatArray) -> Motion:
+def propagate(plant: Plant, time: FloatArray, start: tuple[FloatArray, FloatArray]) -> Motion:
     """Return the exact motion of a linear plant at equally spaced times.
 
     Parameters
     ----------
     plant : Plant
     time : ndarray, shape (time,) [s]
-    start : ndarray, shape (state,)
-        Initial (y, y', x).
+    start : tuple of ndarray, each shape (free,)
+        Initial y [m] and y' [m/s]; the water is at rest.
 
     Notes
     -----
@@ -60,15 +61,18 @@ def propagate(plant: Plant, time: FloatArray, start: FloatArray) -> Motion:
     """
     begun = clock.perf_counter()
     system = plant.linear_system()
+    n = plant.motions.shape[1]
+    first = np.zeros(len(system.matrix))
+    first[:n], first[n : 2 * n] = np.linalg.solve(system.position, start[0]), np.linalg.solve(system.velocity, start[1])
     phasors = steady_state(system)
     rotation = np.exp(-1j * np.outer(time, system.omega))
     states = np.real(rotation @ phasors)
     rates = np.real(rotation @ (-1j * system.omega[:, None] * phasors))
-    transient = _powers(expm(system.matrix * (time[1] - time[0])), start - states[0], len(time))
+    transient = _powers(expm(system.matrix * (time[1] - time[0])), first - states[0], len(time))
     states, rates = states + transient, rates + transient @ system.matrix.T
-    n = plant.motions.shape[1]
-    seconds = clock.perf_counter() - begun
-    return Motion(time, states[:, :n], states[:, n : 2 * n], rates[:, n : 2 * n], states[:, 2 * n :], seconds)
+    position, velocity = states[:, :n] @ system.position.T, states[:, n : 2 * n] @ system.velocity.T
+    acceleration = rates[:, n : 2 * n] @ system.velocity.T
+    return Motion(time, position, velocity, acceleration, states[:, 2 * n :], clock.perf_counter() - begun)
 
 
 def _powers(step: FloatArray, first: FloatArray, count: int) -> FloatArray:
@@ -80,7 +84,7 @@ def _powers(step: FloatArray, first: FloatArray, count: int) -> FloatArray:
     return out[:count]
 
 
-def convolve(plant: Plant, spectrum: DampingSpectrum, time: FloatArray, start: FloatArray) -> Motion:
+def convolve(plant: Plant, spectrum: DampingSpectrum, time: FloatArray, start: tuple[FloatArray, FloatArray]) -> Motion:
     """Return the motion with Cummins' convolution integral, by the average-acceleration method, second order.
 
     The reference for the state space: memory is int K(t - s) v(s) ds by the trapezoidal rule over the whole past, the
@@ -93,7 +97,7 @@ def convolve(plant: Plant, spectrum: DampingSpectrum, time: FloatArray, start: F
     damping, stiffness = plant.total(Damper), plant.total(Spring)
     push = _excitation(plant, time)
     y, v, a = np.zeros((count, n)), np.zeros((count, n)), np.zeros((count, n))
-    y[0], v[0] = start[:n], start[n : 2 * n]
+    y[0], v[0] = start
     a[0] = np.linalg.solve(mass, push[0] - damping @ v[0] - stiffness @ y[0])
     system = np.linalg.inv(mass + dt / 2 * (damping + dt / 2 * kernel[0]) + dt**2 / 4 * stiffness)
     for i in range(1, count):

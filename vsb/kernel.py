@@ -1,7 +1,7 @@
 """Retardation kernel and the Kramers-Kronig relations of radiation, from damping over frequency.
 
-The damping is a cubic spline through the solved frequencies and through B(0) = 0 with zero slope (deep water:
-B ~ omega^3), continued above the band as omega^-3, the decay of a body that meets the surface at a right angle.
+The damping is a cubic spline through the solved frequencies and through B(0) = 0 (B ~ omega^3 in deep water, omega in
+finite depth), continued above the band as omega^-3, the decay of a body that meets the surface at a right angle.
 """
 
 from dataclasses import dataclass
@@ -26,11 +26,11 @@ class DampingSpectrum:
 
     @cached_property
     def spline(self) -> CubicSpline:
-        """Cubic spline of the damping over [0, omega_max], zero value and slope at 0."""
+        """Cubic spline of the damping over [0, omega_max], zero at 0."""
         omega = np.concatenate([[0.0], self.omega])
         damping = np.concatenate([np.zeros_like(self.damping[:1]), self.damping])
         flat = np.zeros_like(self.damping[0])
-        return CubicSpline(omega, damping, bc_type=((1, flat), (2, flat)))
+        return CubicSpline(omega, damping, bc_type=("not-a-knot", (2, flat)))
 
     @cached_property
     def _quadrature(self) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -52,8 +52,8 @@ def merit(
     return Merit(
         float(np.ptp(heave)),
         float(np.ptp(velocity)),
-        float(np.max(-force * velocity)),
+        float(np.max(-force * velocity)) + 0.0,  # no negative zero
         mean,
-        float(absorbed[-1]),
+        float(absorbed[-1]) + 0.0,
         mean / flux if flux else None,
     )

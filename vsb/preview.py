@@ -21,6 +21,7 @@ def check_before_run(study: Study, plan: StudyPlan) -> None:
     ------
     ConfigError, DatabaseError
     """
+    plan.check_waves()
     basis = study_basis(study)
     for design in study.designs:
         design_motions(study, basis, design)

@@ -88,6 +88,8 @@ def band_statements(response: xr.Dataset, reference: str | None) -> list[str]:
     """Return, for each other design, where over the useful band it absorbs more or less than the reference."""
     if reference is None:
         return ["No rigid design is part of this study, so no gain can be given."]
+    if not float(response.absorbed_power.max()) > 0:
+        return ["No design absorbs power: the study has no power take-off damping."]
     power = _useful(response)
     omega, base = power.omega.values, power.sel(design=reference).values
     statements = []

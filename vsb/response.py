@@ -135,8 +135,8 @@ class LinearBuoy:
         return omega, float(shape @ total @ shape / (2 * omega))
 
 
-def frequency_grid(step: float, omega_max: float, extra: list[float]) -> FloatArray:
+def frequency_grid(step: float, lowest: float, omega_max: float, extra: list[float]) -> FloatArray:
     """Return the frequencies of a response: a fine grid of a fifth of the solved step, and the ones asked for."""
-    count = int(np.floor(5 * omega_max / step + 1e-9))
-    grid = [round(step / 5 * i, 10) for i in range(5, count + 1)]
+    first, last = int(np.ceil(5 * lowest / step - 1e-9)), int(np.floor(5 * omega_max / step + 1e-9))
+    grid = [round(step / 5 * i, 10) for i in range(first, last + 1)]
     return np.array(sorted({*grid, *extra}))

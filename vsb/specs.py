@@ -20,6 +20,7 @@ MAX_ROWS = 160
 ROWS_PER_HALF_WAVE = 6
 LID_ROWS_PER_WAVE = 6
 FEWEST_LID_ROWS = 16
+LEAST_DEPTH_IN_WAVENUMBERS = 0.3  # capytaine has no finite-depth Green function for kd near 0.1
 
 
 def frequency_step(radius: float, gravity: float) -> float:
@@ -39,6 +40,11 @@ def tolerance_rows(tolerance: float) -> int:
     Measured on the floating hemisphere (modes P_0..P_6, Ka <= 3): 40 rows 8e-4, second order.
     """
     return 2 * math.ceil(20 * math.sqrt(1e-3 / tolerance))
+
+
+def mode_rows(degree: int) -> int:
+    """Return the rows that put eight of them on every lobe of the highest mode: degree/2 lobes over the wetted shell."""
+    return 4 * degree
 
 
 def wave_rows(radius: float, wavelength: float) -> int:
@@ -79,7 +85,11 @@ class StudyPlan:
         most = study.hydro.rows or MAX_ROWS
         highest = min(omega, study.hydro.omega_max)  # a block may reach beyond what the study asks for
         needed = wave_rows(radius, self._wavelength(highest))
-        wanted = max(tolerance_rows(study.hydro.tolerance), wave_rows(radius, self._wavelength(omega)))
+        wanted = max(
+            tolerance_rows(study.hydro.tolerance),
+            mode_rows(max(self.velocity_degrees)),
+            wave_rows(radius, self._wavelength(omega)),
+        )
         if needed > most:
             raise ConfigError(
                 f"hydro.omega_max: received {study.hydro.omega_max:g} rad/s, whose wave of "
@@ -140,13 +150,33 @@ class StudyPlan:
         """Step of the absolute frequency grid [rad/s]."""
         return frequency_step(self.study.device.radius, self.study.water.gravity)
 
+    @property
+    def lowest_omega(self) -> float:
+        """Lowest frequency of the grid [rad/s]: its step, or in finite depth what the Green function allows."""
+        kd, depth = LEAST_DEPTH_IN_WAVENUMBERS, self.study.water.depth
+        return max(self.step, math.sqrt(kd * math.tanh(kd) * self.study.water.gravity / depth))
+
+    def check_waves(self) -> None:
+        """Check that no regular wave is longer than the lowest frequency solved.
+
+        Raises
+        ------
+        ConfigError
+        """
+        for i, wave in enumerate(self.study.waves):
+            if isinstance(wave, RegularWave) and wave.omega < self.sweep_blocks[1]["omega"][0]:
+                longest = 2 * math.pi / self.sweep_blocks[1]["omega"][0]
+                raise ConfigError(f"waves.{i}.period: received {wave.period:g} s, needs at most {longest:.4g} s")
+
     @cached_property
     def sweep_blocks(self) -> list[Spec]:
         """Blocks of the absolute grid that cover (0, omega_max], and the block of infinite frequency."""
         count = math.ceil(self.study.hydro.omega_max / self.step / BLOCK - 1e-9)
         digits = max(0, -math.floor(math.log10(self.step)))
+        first = math.ceil(self.lowest_omega / self.step - 1e-9)
         grids = [
-            [round(self.step * i, digits) for i in range(BLOCK * k + 1, BLOCK * (k + 1) + 1)] for k in range(count)
+            [round(self.step * i, digits) for i in range(max(first, BLOCK * k + 1), BLOCK * (k + 1) + 1)]
+            for k in range(count)
         ]
         return [self._block([math.inf], grids[0][-1]), *(self._block(grid, grid[-1]) for grid in grids)]
 
@@ -154,6 +184,11 @@ class StudyPlan:
     def tabulated_blocks(self) -> list[Spec]:
         """Blocks of the frequencies the study asks to tabulate, if it does."""
         omega = self.study.hydro.omega
+        if omega and omega[0] < self.lowest_omega:
+            raise ConfigError(
+                f"hydro.omega: received {omega[0]:g} rad/s, needs at least {self.lowest_omega:.4g} rad/s in water of "
+                f"{self.study.water.depth:g} m"
+            )
         chunks = [list(omega[i : i + BLOCK]) for i in range(0, len(omega), BLOCK)]
         return [self._block(chunk, chunk[-1]) for chunk in chunks]
 
@@ -201,7 +236,13 @@ class StudyPlan:
         waves = [wave.omega for wave in self.study.waves if isinstance(wave, RegularWave)]
         sections = self.stage("response", "device", "modes", "designs", "water", "pto")
         extra = sorted({*waves, *self.study.hydro.omega})
-        return {**sections, "step": self.step, "omega_max": self.study.hydro.omega_max, "omega": extra}
+        return {
+            **sections,
+            "step": self.step,
+            "lowest": self.sweep_blocks[1]["omega"][0],
+            "omega_max": self.study.hydro.omega_max,
+            "omega": extra,
+        }
 
     def simulation(self, design: str, wave: Wave) -> Spec:
         """Spec of one time-domain run."""
