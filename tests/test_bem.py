@@ -135,7 +135,21 @@ def test_finite_depth_tends_to_deep_water(green):
         for depth in (3.0, 8.0, 30.0)
     ]
     assert differences[0] > differences[1] > differences[2]
-    assert differences[2] < 2e-3 * deep.added_mass.item()
+    assert differences[2] < 1e-3 * deep.added_mass.item()
+
+
+def test_waves_too_short_to_feel_the_bottom_radiate_as_in_deep_water(green):
+    omegas = [2.0, 3.0]  # kd = 20 and 45
+    deep, finite = (unit_problem(green, 20, degrees=(0, 1), depth=d).solve(omegas) for d in (np.inf, 5.0))
+    for n in (0, 1):
+        deep_b, finite_b = (ds.radiation_damping.values[:, n, n] for ds in (deep, finite))
+        assert finite_b == pytest.approx(deep_b, rel=5e-2)
+
+
+def test_added_mass_at_infinite_frequency_in_finite_depth(green):
+    deep, near, far = (unit_problem(green, 20, degrees=(1,), depth=d).at_infinity().item() for d in (np.inf, 2.0, 40.0))
+    assert far == pytest.approx(deep, rel=1e-3)
+    assert near > 1.01 * deep  # the bottom confines the flow
 
 
 def test_haskind_holds_in_finite_depth(green):

@@ -125,7 +125,6 @@ def test_heave_stiffness_of_a_ring_shaped_waterplane(full):
     (_, inner), (outer, _) = shell.wet_segments
     radii = shell.meridian(np.array([inner, outer])).x
     ring = np.pi * (radii[1] ** 2 - radii[0] ** 2)
-    assert shell.hydrostatic_stiffness(RHO, G)[0, 0] == pytest.approx(RHO * G * -ring, rel=1e-9) or ring > 0
     assert shell.hydrostatic_stiffness(RHO, G)[0, 0] == pytest.approx(RHO * G * ring, rel=1e-9)
 
 
@@ -154,8 +153,7 @@ def test_waterline_of_the_sphere_at_any_height(full, height):
 @pytest.mark.xfail(strict=True, reason="a waterline exactly on a grid colatitude is missed")
 @pytest.mark.parametrize("node", [1, 93, 140, 200])
 def test_waterline_exactly_on_a_sampled_colatitude(full, node):
-    height = float(-2.0 * np.cos(np.linspace(0.0, np.pi, 281)[node]) + (1e-17 if node == 140 else 0.0))
-    height = -2.0 * float(np.cos(np.pi / 2)) if node == 140 else height
+    height = -2.0 * float(np.cos(np.linspace(0.0, np.pi, 281)[node]))
     depth = 2.0 - height
     assert DeformedShell(full, height).volume() == pytest.approx(np.pi * depth**2 * (6.0 - depth) / 3, rel=1e-12)
 
@@ -208,7 +206,7 @@ def test_a_submerged_body_has_no_heave_stiffness(full):
 
 
 def test_force_is_the_gradient_of_the_displaced_potential_energy(full):
-    """Q_j = -dE/dq_j with E = -rho g int z dV = rho g pi int (z^2/2) x^2 ... by Gauss quadrature of the wet meridian."""
+    """Q_j = -dE/dq_j with E = -rho g int z dV over the displaced water."""
     node, weight = np.polynomial.legendre.leggauss(80)
 
     def energy(q):

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from vsb.errors import DatabaseError
-from vsb.units import ATTRS, load, merged, save, separated, write_text
+from vsb.units import ATTRS, check_finite, described, load, merged, save, separated, write_text
 
 FINITE = st.floats(-1e12, 1e12)
 
@@ -78,3 +78,78 @@ def test_text_is_replaced_whole(tmp_path):
     write_text(tmp_path / "sub" / "a.txt", "two")
     assert (tmp_path / "sub" / "a.txt").read_text() == "two"
     assert [p.name for p in (tmp_path / "sub").iterdir()] == ["a.txt"]
+
+
+@settings(max_examples=15, deadline=None)
+@given(hnp.arrays(float, (2, 2), elements=FINITE), hnp.arrays(complex, (2, 1, 2), elements=st.complex_numbers(max_magnitude=1e9)))
+def test_groups_round_trip_beside_the_main_dataset(tmp_path_factory, stiffness, force):
+    path = tmp_path_factory.mktemp("nc") / "a.nc"
+    dofs = ["Heave", "Membrane0"]
+    main = xr.Dataset(
+        {"hydrostatic_stiffness": (("influenced_dof", "radiating_dof"), stiffness)},
+        coords={"influenced_dof": dofs, "radiating_dof": dofs},
+    )
+    group = xr.Dataset(
+        {"excitation_force": (("omega", "wave_direction", "influenced_dof"), force)},
+        coords={"omega": [1.0, 2.0], "wave_direction": [0.0], "influenced_dof": dofs},
+    )
+    save(main, path, groups={"tabulated": group})
+    assert np.array_equal(load(path).hydrostatic_stiffness, stiffness)
+    back = load(path, group="tabulated")
+    assert np.array_equal(back.excitation_force, force)
+    assert list(back.influenced_dof.values) == dofs
+    assert back.omega.attrs["units"] == "rad/s"
+
+
+def test_large_variables_are_compressed_without_loss(tmp_path):
+    values = np.random.default_rng(1).standard_normal((1, 6000, 2)) + 1j
+    save(rao(values), tmp_path / "a.nc")
+    assert np.array_equal(load(tmp_path / "a.nc").rao.values, values)
+    with xr.open_dataset(tmp_path / "a.nc") as raw:
+        assert raw.rao.encoding["zlib"]
+
+
+def test_a_failed_write_keeps_the_old_file_and_leaves_nothing_behind(tmp_path):
+    save(rao(np.ones((1, 3, 2))), tmp_path / "a.nc")
+    with pytest.raises(DatabaseError, match=r"a.nc:late: variable rao holds NaN"):
+        save(rao(np.zeros((1, 3, 2))), tmp_path / "a.nc", groups={"late": rao(np.full((1, 3, 2), np.inf))})
+    assert np.all(load(tmp_path / "a.nc").rao.values == 1.0)
+    assert [p.name for p in tmp_path.iterdir()] == ["a.nc"]
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, complex(0, np.nan)])
+def test_one_bad_number_is_found(bad):
+    values = np.ones((1, 3, 2), dtype=type(bad))
+    check_finite(rao(values), "x")
+    values[0, 1, 1] = bad
+    with pytest.raises(DatabaseError, match=r"x: variable rao holds NaN or infinite values; this result cannot be used"):
+        check_finite(rao(values), "x")
+
+
+def test_dimensions_are_put_in_order():
+    ds = rao(np.arange(6.0).reshape(1, 3, 2)).transpose("dof", "omega", "design")
+    out = described(ds)
+    assert out.rao.dims == ATTRS["rao"].dims
+    assert out.equals(rao(np.arange(6.0).reshape(1, 3, 2)))
+    assert ds.rao.dims == ("dof", "omega", "design")  # the input stays
+
+
+def test_real_datasets_are_left_as_they_are():
+    ds = rao(np.ones((1, 3, 2)))
+    assert separated(ds).identical(ds)
+    assert merged(ds).identical(ds)
+
+
+def test_missing_group_is_one_line(tmp_path):
+    save(rao(np.ones((1, 3, 2))), tmp_path / "a.nc")
+    with pytest.raises(DatabaseError, match=r"a.nc: cannot be read as netCDF .*delete it and run again") as error:
+        load(tmp_path / "a.nc", group="nowhere")
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("name", sorted(ATTRS))
+def test_every_variable_has_a_unit_and_a_meaning(name):
+    quantity = ATTRS[name]
+    assert quantity.units
+    assert quantity.long_name
+    assert len(set(quantity.dims)) == len(quantity.dims)

@@ -19,12 +19,19 @@ from vsb.units import ComplexArray, FloatArray
 from vsb.waves import wavenumber
 
 cpt.set_logging("ERROR")
+_LARGEST_DEPTH_IN_WAVENUMBERS = 9e4  # the finite-depth Green function has no infinite frequency
 
 
 def green_function(folder: str | Path) -> cpt.Delhommeau:
-    """Return capytaine's Green function; its table (25 s to compute) is read from or written to `folder`."""
+    """Return capytaine's Green function; its table (16 s to compute) is read from or written to `folder`.
+
+    Notes
+    -----
+    In finite depth the older Prony decomposition is taken: at kd = 50, where the bottom is not felt, it gives the
+    damping of deep water to 0.3 %, capytaine 3.0's default one is 15 % off and turns heave damping negative.
+    """
     Path(folder).mkdir(parents=True, exist_ok=True)
-    return cpt.Delhommeau(tabulation_cache_dir=str(folder))
+    return cpt.Delhommeau(tabulation_cache_dir=str(folder), finite_depth_prony_decomposition_method="fortran")
 
 
 @dataclass(frozen=True)
@@ -164,7 +171,8 @@ class AxisymmetricProblem:
         """Added mass at infinite frequency, shape (degree, degree) [kg]; the potential vanishes at z = 0: no lid."""
         rings = ring_mesh(self.mesh, with_lid=False)
         correction = flux_correction(self.green, rings)
-        s, d = ring_matrices(self.green, rings, np.inf, self.depth)
+        k = np.inf if np.isinf(self.depth) else _LARGEST_DEPTH_IN_WAVENUMBERS / self.depth
+        s, d = ring_matrices(self.green, rings, k, self.depth)
         w = self.velocities(rings)
         potential = s @ np.linalg.solve(d + np.diag(correction), w.T)
         return -self.density * np.real((w * rings.areas) @ potential)

@@ -127,7 +127,7 @@ def judged(checks: Sequence[Check], accept: Sequence[str]) -> list[Check]:
         if check.verdict == "fail":
             raise DatabaseError(
                 f"hydro database: check {check.name!r} failed: {check.value:.3g}, needs at most {check.limit:g} "
-                f"({check.explanation}); lower hydro.tolerance, raise hydro.omega_max, or list the name under "
+                f"({check.explanation}); lower hydro.tolerance, change hydro.omega_max, or list the name under "
                 "hydro.accept."
             )
     return checks

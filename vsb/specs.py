@@ -43,7 +43,7 @@ def tolerance_rows(tolerance: float) -> int:
 
 
 def mode_rows(degree: int) -> int:
-    """Return the rows that put eight of them on every lobe of the highest mode: degree/2 lobes over the wetted shell."""
+    """Return the rows that put eight of them on every lobe of the highest mode, degree/2 lobes on the wetted shell."""
     return 4 * degree
 
 
