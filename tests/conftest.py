@@ -12,6 +12,7 @@ from vsb import bem, config, database, meshing
 from vsb.config import Study, canonical
 from vsb.kernel import DampingSpectrum
 from vsb.modes import study_basis
+from vsb.pto import LinearPto
 from vsb.radiation import fit_radiation
 from vsb.response import LinearBuoy
 from vsb.specs import StudyPlan
@@ -79,7 +80,7 @@ def buoy_of(solved):
         raw = database.with_symmetrized(database.in_modes(solved(study), basis))
         shell = DeformedShell(basis, study.centre_height)
         ds = database.with_structure(raw, shell, study.water.density, study.water.gravity)
-        return LinearBuoy(ds, basis.damping, study.pto.damping)
+        return LinearBuoy(ds, basis.damping, LinearPto(study.pto.damping))
 
     return build
 

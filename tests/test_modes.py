@@ -184,14 +184,15 @@ def test_pole_displacement_is_the_shape_at_the_top(seed):
 
 
 @settings(max_examples=40, deadline=None)
-@given(st.lists(st.floats(0.0, np.pi), min_size=1, max_size=5), st.sampled_from([6, 12, 40]))
-def test_clamped_motions_satisfy_any_clamps(seed, colatitudes, degree):
+@given(st.lists(st.integers(0, 36), min_size=1, max_size=5), st.sampled_from([6, 12, 40]))
+def test_clamped_motions_satisfy_any_clamps(seed, fives, degree):
+    colatitudes = [np.deg2rad(5.0 * five) for five in fives]
     basis = basis_of(seed, "full", degree)
     free = basis.clamped(colatitudes * 2)  # every clamp twice
     assert np.array_equal(free[:, 0], np.eye(len(basis.labels))[0])
     assert free.T @ free == pytest.approx(np.eye(free.shape[1]), abs=1e-12)
     rows = basis.clamp_rows(colatitudes)
-    assert np.abs(rows @ free).max() < 1e-10 * max(1.0, np.abs(rows).max() * len(colatitudes) * len(basis.labels))
+    assert np.abs(rows @ free).max() < 1e-12 * max(1.0, np.abs(rows).max())
     assert free.shape[1] >= len(basis.labels) - 2 * len(set(colatitudes))
 
 

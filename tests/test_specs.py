@@ -1,8 +1,17 @@
-import pytest
-from conftest import varied
+import itertools
+import math
 
+import numpy as np
+import pytest
+import yaml
+from conftest import SEED, varied
+from hypothesis import given
+from hypothesis import strategies as st
+
+from vsb import config
 from vsb.config import content_id
 from vsb.errors import ConfigError
+from vsb.meshing import graded_colatitudes
 from vsb.specs import StudyPlan, figure_names, frequency_step, tolerance_rows, wave_rows
 
 
@@ -102,3 +111,153 @@ def test_labels_are_those_of_the_basis(seed):
 
 def test_figures_are_known_beforehand():
     assert len(figure_names(["a", "b"])) == 4 + 2 * 5
+
+
+@pytest.mark.parametrize("wider", [13.0, 14.0, 16.0, 19.2])
+def test_blocks_of_a_wider_band_begin_with_those_of_the_narrow_one(seed, wider):
+    narrow, wide = (
+        [content_id(b) for b in StudyPlan(varied(seed, hydro={"omega_max": w})).sweep_blocks] for w in (12.0, wider)
+    )
+    assert wide[: len(narrow)] == narrow
+    assert len(wide) == 1 + math.ceil(wider / 3.2 - 1e-9)
+
+
+@given(st.floats(0.3, 16.0))
+def test_sweep_covers_the_band_without_gap_or_repetition(seed, omega_max):
+    infinite, *blocks = StudyPlan(varied(seed, hydro={"omega_max": omega_max}, waves=[{"kind": "still"}])).sweep_blocks
+    grid = [w for block in blocks for w in block["omega"]]
+    assert infinite["omega"] == [math.inf]
+    assert grid == [round(0.1 * i, 1) for i in range(1, len(grid) + 1)]
+    assert omega_max <= grid[-1] + 1e-6
+    assert grid[-1] < omega_max + 3.2 + 1e-6
+
+
+@pytest.mark.parametrize("changes", [{"device": {"young_modulus": 1e9}}, {"device": {"density": 2000.0}}], ids=str)
+def test_shell_material_changes_no_block_at_all(seed, changes):
+    other = varied(seed, **changes)
+    assert block_ids(other) == block_ids(seed)
+    assert database_id(other) != database_id(seed)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"pto": {"damping": 1.0}},
+        {"waves": [{"kind": "jonswap", "hs": 1, "tp": 6}]},
+        {"designs": {"only": {"clamp": 45}}},
+        {"simulation": {"initial_velocity": 0.0}},
+    ],
+    ids=str,
+)
+def test_database_radiation_and_blocks_see_no_pto_wave_or_design(seed, changes):
+    ours, theirs = StudyPlan(seed), StudyPlan(varied(seed, **changes))
+    assert theirs.database_path == ours.database_path
+    assert theirs.radiation_path == ours.radiation_path
+    assert theirs.sweep_blocks == ours.sweep_blocks
+
+
+def rewritten(text):
+    """The seed with comments gone, keys in reverse order and numbers spelled otherwise."""
+    raw = yaml.safe_load(text)
+    reversed_keys = {key: dict(reversed(v.items())) if key == "device" else v for key, v in reversed(raw.items())}
+    return yaml.safe_dump(reversed_keys, sort_keys=False).replace("10000000.0", "1e7").replace("17170.0", "17170")
+
+
+@pytest.mark.parametrize("rewrite", [rewritten, lambda text: f"# remark\n{text}# end\n"], ids=["respelled", "comments"])
+def test_ids_do_not_see_how_a_study_is_written(seed, tmp_path, rewrite):
+    file = tmp_path / "other.yaml"
+    file.write_text(rewrite(SEED.read_text()))
+    assert file.read_text() != SEED.read_text()
+    ours, theirs = StudyPlan(seed), StudyPlan(config.load(file))
+    for spec in ("database", "radiation", "display", "modes", "response", "comparison"):
+        assert content_id(getattr(theirs, spec)) == content_id(getattr(ours, spec))
+    assert block_ids(theirs.study) == block_ids(seed)
+
+
+def test_each_stage_reads_its_own_sections(seed):
+    other = varied(seed, pto={"damping": 1.0})
+    ours, theirs = StudyPlan(seed), StudyPlan(other)
+    assert content_id(theirs.response) != content_id(ours.response)
+    assert content_id(theirs.comparison) != content_id(ours.comparison)
+    assert content_id(theirs.modes) == content_id(ours.modes)
+    assert content_id(theirs.display) == content_id(ours.display)
+
+
+def test_a_run_sees_its_own_design_and_sea_only(seed):
+    other = varied(
+        seed, designs={"VSWEC": {}, "new": {"clamp": 30}}, waves=[*seed.model_dump()["waves"], {"kind": "still"}]
+    )
+    ours, theirs = (StudyPlan(study).simulation("VSWEC", seed.waves[0]) for study in (seed, other))
+    assert ours == theirs
+    assert StudyPlan(seed).simulation("VSWEC0", seed.waves[0]) != ours
+    assert StudyPlan(other).simulation("VSWEC", other.waves[1]) != ours
+
+
+def test_database_does_not_see_the_name_of_the_study(seed):
+    plan = StudyPlan(config.parse({**seed.model_dump(), "study": "other"}))
+    assert plan.database_path == StudyPlan(seed).database_path
+    assert plan.folder == "results/other"
+
+
+def test_tabulated_frequencies_are_kept_in_blocks_of_32(seed):
+    omega = [0.1 * i for i in range(1, 71)]
+    blocks = StudyPlan(varied(seed, hydro={"omega": omega})).tabulated_blocks
+    assert [len(block["omega"]) for block in blocks] == [32, 32, 6]
+    assert list(itertools.chain.from_iterable(block["omega"] for block in blocks)) == omega
+    assert StudyPlan(seed).tabulated_blocks == []
+
+
+@given(st.floats(0.01, 1000.0), st.floats(1.0, 30.0))
+def test_step_is_the_largest_round_number_below_its_bound(radius, gravity):
+    step, bound = frequency_step(radius, gravity), 0.05 * math.sqrt(gravity / radius)
+    assert step <= bound * (1 + 1e-12)
+    assert bound < 2.5 * step * (1 + 1e-12)
+    assert f"{step:.0e}"[0] in "125"
+    assert float(f"{step:.0e}") == step
+
+
+@given(st.floats(0.02, 5.0), st.integers(-2, 2))
+def test_step_scales_with_the_root_of_the_radius(radius, decades):
+    bound = 0.05 * math.sqrt(9.81 / radius)
+    if abs(frequency_step(radius, 9.81) / bound - 1) > 1e-9:  # not on the edge between two steps
+        scaled = frequency_step(radius * 100.0**decades, 9.81)
+        assert scaled == pytest.approx(frequency_step(radius, 9.81) / 10.0**decades, rel=1e-12)
+
+
+@given(st.floats(1e-5, 0.1))
+def test_rows_grow_with_the_root_of_the_tolerance(tolerance):
+    rows = tolerance_rows(tolerance)
+    assert rows % 2 == 0
+    assert 1e-3 * (40 / rows) ** 2 <= tolerance * (1 + 1e-12)  # second order: the error is met
+
+
+@pytest.mark.parametrize(("radius", "wavelength"), [(2.0, 0.1), (2.0, 0.43), (2.0, 3.0), (5.0, 1.0)])
+def test_six_rows_lie_within_half_a_wavelength_of_the_surface(radius, wavelength):
+    rows = wave_rows(radius, wavelength)
+    depth = -radius * np.cos(graded_colatitudes(np.pi / 2, rows))
+    assert np.sum(depth[1:] <= wavelength / 2 * (1 + 1e-12)) >= 6
+
+
+@pytest.mark.parametrize(("rows", "azimuth"), [(20, 40), (48, 96)])
+def test_rows_of_a_study_are_used_as_given(seed, rows, azimuth):
+    resolution = StudyPlan(varied(seed, hydro={"rows": rows, "omega_max": 6.0})).resolution(6.0)
+    assert (resolution["rows"], resolution["azimuth"]) == (rows, azimuth)
+    assert resolution["lid_rows"] >= 16
+
+
+def test_finer_tolerance_needs_more_rows(seed):
+    rows = [
+        StudyPlan(varied(seed, modes={"degree": 2}, hydro={"tolerance": t})).resolution(3.0)["rows"]
+        for t in (4e-3, 1e-3, 2.5e-4)
+    ]
+    assert rows == [20, 40, 80]
+
+
+def test_paths_lie_under_the_root_and_name_their_ids(seed):
+    plan = StudyPlan(seed, root="elsewhere")
+    block = plan.sweep_blocks[0]
+    assert plan.database_path == f"elsewhere/hydro/db/{database_id(seed)}.nc"
+    assert plan.block_path(block) == f"elsewhere/hydro/blocks/{content_id(block)}.nc"
+    assert plan.mesh_path(block["mesh"]) == f"elsewhere/hydro/mesh/{content_id(block['mesh'])}/mean.nc"
+    assert plan.trajectory_path("FSB", "still") == "elsewhere/seed/trajectories/FSB-still.nc"
+    assert len(set(plan.display_paths)) == 1 + 2 * 7

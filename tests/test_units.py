@@ -81,7 +81,10 @@ def test_text_is_replaced_whole(tmp_path):
 
 
 @settings(max_examples=15, deadline=None)
-@given(hnp.arrays(float, (2, 2), elements=FINITE), hnp.arrays(complex, (2, 1, 2), elements=st.complex_numbers(max_magnitude=1e9)))
+@given(
+    hnp.arrays(float, (2, 2), elements=FINITE),
+    hnp.arrays(complex, (2, 1, 2), elements=st.complex_numbers(max_magnitude=1e9)),
+)
 def test_groups_round_trip_beside_the_main_dataset(tmp_path_factory, stiffness, force):
     path = tmp_path_factory.mktemp("nc") / "a.nc"
     dofs = ["Heave", "Membrane0"]
@@ -122,7 +125,9 @@ def test_one_bad_number_is_found(bad):
     values = np.ones((1, 3, 2), dtype=type(bad))
     check_finite(rao(values), "x")
     values[0, 1, 1] = bad
-    with pytest.raises(DatabaseError, match=r"x: variable rao holds NaN or infinite values; this result cannot be used"):
+    with pytest.raises(
+        DatabaseError, match=r"x: variable rao holds NaN or infinite values; this result cannot be used"
+    ):
         check_finite(rao(values), "x")
 
 

@@ -15,6 +15,7 @@ from vsb.errors import DatabaseError
 from vsb.kernel import DampingSpectrum
 from vsb.modes import ModeBasis, design_motions, mode_basis, rigid_basis, study_basis
 from vsb.plant import linear_plant
+from vsb.pto import LinearPto
 from vsb.surface import DeformedShell
 from vsb.units import load, save, write_text
 from vsb.waves import power_limit, sea
@@ -179,7 +180,7 @@ def _buoy(study: Study, database_path: str) -> tuple[response.LinearBuoy, ModeBa
     ds = database.load_database(database_path, Path(database_path).stem)
     flexible = ds.sizes["influenced_dof"] > 1  # of the database: a rigid design may share it with flexible ones
     basis = mode_basis(study.device, study.modes.basis, study.modes.degree) if flexible else rigid_basis(study.device)
-    return response.LinearBuoy(ds, basis.damping, study.pto.damping), basis
+    return response.LinearBuoy(ds, basis.damping, LinearPto(study.pto.damping)), basis
 
 
 def frequency_response(spec: Spec, database_path: str, out: str) -> None:

@@ -14,6 +14,7 @@ from vsb.config import Jonswap, RegularWave, StillWater, Study, Water
 from vsb.database import Check, check_at_most, stored_checks
 from vsb.modes import ModeBasis, design_motions, mode_basis, study_basis
 from vsb.power import Merit, merit
+from vsb.pto import LinearPto
 from vsb.response import LinearBuoy
 from vsb.shell import Shell
 from vsb.surface import DeformedShell
@@ -85,13 +86,11 @@ def shell_checks(study: Study, basis: ModeBasis) -> list[Check]:
 
 
 def static_amplitudes(study: Study, basis: ModeBasis) -> FloatArray:
-    """Return the linear static modal amplitudes under mean hydrostatic load and weight, shape (dof,) [m]."""
+    """Return linear static heave and modal amplitudes under mean hydrostatic load and weight, shape (dof,) [m]."""
     shell, water = DeformedShell(basis, study.centre_height), study.water
     load = shell.hydrostatic_force(water.density, water.gravity) - water.gravity * basis.inertia[0]
     stiffness = basis.stiffness + shell.hydrostatic_stiffness(water.density, water.gravity)
-    static = np.linalg.solve(stiffness, load)
-    static[0] = 0.0
-    return static
+    return np.asarray(np.linalg.solve(stiffness, load))
 
 
 def largest_displacement(basis: ModeBasis, amplitudes: FloatArray) -> float:
@@ -204,7 +203,7 @@ def bending_checks(study: Study, database: xr.Dataset) -> list[Check]:
         for design in (name for name, d in study.designs.items() if d.flexible):
             powers = []
             for ds, basis in ((database, old), (wider, full)):
-                buoy = LinearBuoy(ds, basis.damping, study.pto.damping)
+                buoy = LinearBuoy(ds, basis.damping, LinearPto(study.pto.damping))
                 powers.append(buoy.absorbed_power(at, buoy.rao(at, design_motions(study, basis, design)))[0])
             checks.append(
                 check_at_most(

@@ -7,7 +7,6 @@ import hashlib
 import json
 import math
 from collections.abc import Hashable
-from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -15,9 +14,6 @@ import yaml
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from vsb.errors import ConfigError
-
-PHYSICS = {"mesh": 1, "bem": 2, "database": 1, "radiation": 1, "response": 1, "simulate": 1, "compare": 1}
-"""Hand-bumped version of the physics behind each stage: a library edit alone never reruns anything."""
 
 RESERVED_NAMES = ("hydro", "logs", "benchmarks")
 
@@ -321,6 +317,7 @@ class _UniqueKeyLoader(yaml.SafeLoader):
     """YAML loader that refuses a key given twice."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
+        """Build a mapping; a repeated key is an error."""
         seen: set[object] = set()
         for key_node, _ in node.value:
             key = self.construct_object(key_node, deep=deep)
@@ -393,8 +390,3 @@ def _plain(data: object) -> object:
 def content_id(data: object) -> str:
     """Return the content id (16 hex digits of sha256 over the canonical JSON) of a spec."""
     return hashlib.sha256(canonical(data).encode()).hexdigest()[:16]
-
-
-def solver_version() -> str:
-    """Name and version of the BEM solver, part of every hydro id."""
-    return f"capytaine {version('capytaine')}"

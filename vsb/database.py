@@ -60,7 +60,7 @@ def merged_blocks(blocks: Sequence[xr.Dataset]) -> xr.Dataset:
     merged = xr.concat(finite, dim="omega", data_vars="minimal", coords="minimal", compat="override").sortby("omega")
     omega = merged.omega.values
     if np.any(np.diff(omega) <= 0):
-        repeated = sorted(set(omega[1:][np.diff(omega) <= 0]))
+        repeated = np.unique(omega[1:][np.diff(omega) <= 0]).tolist()
         raise DatabaseError(f"frequencies {repeated} rad/s occur in more than one block; merge each block once.")
     infinite = [block for block in blocks if "added_mass_inf" in block]
     return merged.assign(added_mass_inf=infinite[0].added_mass_inf) if infinite else merged

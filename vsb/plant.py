@@ -125,10 +125,8 @@ def linear_plant(buoy: LinearBuoy, radiation: RadiationModel, sea: Sea, motions:
         "hydrostatic": Spring(database.hydrostatic_stiffness.values),
         "radiation": RadiationMemory(radiation),
     }
-    if buoy.pto_damping:
-        pto = np.zeros_like(buoy.mass)
-        pto[0, 0] = buoy.pto_damping
-        forces["pto"] = Damper(pto)
+    if buoy.pto.damping:
+        forces["pto"] = Damper(buoy.pto.matrix(len(buoy.mass)))
     if motions.shape[1] > 1:
         forces["elastic"] = Spring(database.structural_stiffness.values)
         if buoy.structural_damping.any():

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from vsb.units import FloatArray
 
 
@@ -10,8 +12,9 @@ class LinearPto:
     """Damper between the heaving sphere centre and the sea bed: f = -c v, Eq. 91."""
 
     damping: float  # c [kg/s]
-    dof: int = 0  # heave
 
-    def power(self, velocity: FloatArray) -> FloatArray:
-        """Return the absorbed power -f v = c v^2 (C7), shape (time,) [W], of velocities (time, dof)."""
-        return self.damping * velocity[:, self.dof] ** 2
+    def matrix(self, dof: int) -> FloatArray:
+        """Return its damping over all degrees of freedom, heave first, shape (dof, dof) [kg/s]."""
+        matrix = np.zeros((dof, dof))
+        matrix[0, 0] = self.damping
+        return matrix

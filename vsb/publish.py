@@ -12,10 +12,10 @@ import numpy as np
 import xarray as xr
 
 from vsb import __version__, database
-from vsb.config import StillWater, Study, parse, solver_version
+from vsb.config import StillWater, Study, parse
 from vsb.figures import StudyData, draw
 from vsb.report import Report, render
-from vsb.specs import figure_names
+from vsb.specs import figure_names, solver_version
 from vsb.units import load, write_text
 
 

@@ -12,6 +12,7 @@ from scipy.optimize import brentq
 
 from vsb.errors import DatabaseError
 from vsb.kernel import DampingSpectrum
+from vsb.pto import LinearPto
 from vsb.units import ComplexArray, FloatArray
 
 
@@ -29,7 +30,7 @@ class LinearBuoy:
 
     database: xr.Dataset
     structural_damping: FloatArray  # (dof, dof) [kg/s]
-    pto_damping: float  # [kg/s], on heave
+    pto: LinearPto
 
     @cached_property
     def spectrum(self) -> DampingSpectrum:
@@ -54,9 +55,7 @@ class LinearBuoy:
     @cached_property
     def damping(self) -> FloatArray:
         """Structural and power take-off damping, shape (dof, dof) [kg/s]."""
-        matrix = self.structural_damping.copy()
-        matrix[0, 0] += self.pto_damping
-        return matrix
+        return self.structural_damping + self.pto.matrix(len(self.mass))
 
     @cached_property
     def _splines(self) -> tuple[CubicSpline, CubicSpline]:
@@ -103,7 +102,7 @@ class LinearBuoy:
 
     def absorbed_power(self, omega: FloatArray, rao: ComplexArray) -> FloatArray:
         """Return the mean power taken off per squared wave amplitude, c w^2 |heave|^2/2, shape (omega,) [W/m^2]."""
-        return np.asarray(0.5 * self.pto_damping * omega**2 * np.abs(rao[:, 0]) ** 2)
+        return np.asarray(0.5 * self.pto.damping * omega**2 * np.abs(rao[:, 0]) ** 2)
 
     def natural_modes(self, motions: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return wet natural frequencies [rad/s] and damping ratios [-], ascending, each shape (free,).

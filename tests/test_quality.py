@@ -1,0 +1,84 @@
+import numpy as np
+import pytest
+import xarray as xr
+
+from vsb import quality
+from vsb.database import Check
+from vsb.errors import DatabaseError
+from vsb.waves import group_velocity
+
+OMEGA = np.arange(1, 121) * 0.1
+RHO, G = 1000.0, 9.81
+
+
+@pytest.fixture
+def perfect():
+    """A database that satisfies every identity exactly: one channel, Haskind's excitation, added mass by Ogilvie."""
+    amplitude = np.stack([OMEGA**1.5 / (1 + OMEGA**2) ** 1.5, -0.3 * OMEGA**2.5 / (1 + OMEGA**2) ** 2], axis=1)
+    damping = amplitude[:, :, None] * amplitude[:, None, :]
+    factor = np.array([w**2 / G / (4 * RHO * G * group_velocity(w, np.inf, G)) for w in OMEGA])
+    excitation = amplitude / np.sqrt(factor)[:, None] * np.exp(0.3j * OMEGA)[:, None]
+    infinite = np.array([[2.0, 0.1], [0.1, 1.0]])
+    added = infinite + quality.DampingSpectrum(OMEGA, damping).added_mass_difference(OMEGA)
+    pair = ("influenced_dof", "radiating_dof")
+    return xr.Dataset(
+        {
+            "added_mass": (("omega", *pair), added),
+            "radiation_damping": (("omega", *pair), damping),
+            "added_mass_inf": (pair, infinite),
+            "excitation_force": (("omega", "wave_direction", "influenced_dof"), excitation[:, None, :]),
+        },
+        coords={"omega": OMEGA, "wave_direction": [0.0]},
+    )
+
+
+def failed(ds):
+    checks = [*quality.pointwise_checks(ds, np.inf, RHO, G), *quality.sweep_checks(ds)]
+    return {check.name for check in checks if check.verdict == "fail"}
+
+
+def test_a_perfect_database_passes(perfect):
+    checks = quality.verdict(perfect, None, np.inf, RHO, G, ())
+    assert {check.verdict for check in checks} == {"ok"}
+    assert max(check.value for check in checks if check.name != "irregular_frequencies") < 1e-6
+
+
+def damaged(ds, name, change):
+    out = ds.copy(deep=True)
+    change(out[name].values)
+    return out
+
+
+DAMAGES = {
+    "symmetry": ("added_mass", lambda a: a.__setitem__((40, 0, 1), a[40, 0, 1] + 0.1)),
+    "rank_one": ("radiation_damping", lambda b: b.__iadd__(0.05 * np.abs(b).max() * np.eye(2))),
+    "positive_damping": ("radiation_damping", lambda b: b.__isub__(0.05 * np.abs(b).max() * np.eye(2))),
+    "haskind": ("excitation_force", lambda x: x.__imul__(1.1)),
+    "irregular_frequencies": ("radiation_damping", lambda b: b.__setitem__(30, 1.2 * b[30])),
+    "kramers_kronig": ("added_mass", lambda a: a.__iadd__(0.1 * np.eye(2))),
+}
+
+
+@pytest.mark.parametrize("name", DAMAGES)
+def test_each_check_sees_its_own_damage(perfect, name):
+    assert name in failed(damaged(perfect, *DAMAGES[name]))
+
+
+def test_a_failure_is_one_line_and_can_be_accepted_by_name(perfect):
+    wrong = damaged(perfect, *DAMAGES["haskind"])
+    with pytest.raises(DatabaseError, match=r"check 'haskind' failed: 0.21, needs at most 0.05 \(damping follows"):
+        quality.verdict(wrong, None, np.inf, RHO, G, ())
+    checks = {check.name: check.verdict for check in quality.verdict(wrong, None, np.inf, RHO, G, ("haskind",))}
+    assert checks["haskind"] == "accepted"
+
+
+def test_accepting_what_does_not_exist_is_refused():
+    with pytest.raises(DatabaseError, match=r"hydro.accept: received \['haskin'\], needs names among \['haskind'\]"):
+        quality.judged([Check("haskind", 0.0, 1.0, "-", "ok", "")], ("haskin",))
+
+
+def test_tabulated_frequencies_are_judged_with_the_sweep(perfect):
+    tabulated = perfect.isel(omega=[10, 50]).assign_coords(omega=[1.13, 5.17])
+    tabulated = damaged(tabulated, "radiation_damping", lambda b: b.__imul__(3.0))
+    with pytest.raises(DatabaseError, match="check 'haskind' failed"):
+        quality.verdict(perfect, tabulated, np.inf, RHO, G, ())
