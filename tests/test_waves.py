@@ -146,3 +146,13 @@ def test_still_water_carries_no_power():
 def test_jonswap_of_a_study_is_its_realisation():
     wave = Jonswap(kind="jonswap", hs=1, tp=5, seed=3)
     assert np.array_equal(sea(wave, 12.0, 60.0).amplitude, irregular(wave, 12.0, 60.0).amplitude)
+
+
+@pytest.mark.parametrize(("relative", "width"), [(0.8, 0.07), (0.95, 0.07), (1.05, 0.09), (1.2, 0.09)])
+def test_peakedness_acts_over_the_published_widths(relative, width):
+    """Over Pierson-Moskowitz a sea is gamma^exp(-(w/w_p - 1)^2/(2 sigma^2)) times as dense, up to one factor."""
+    w = 2 * np.pi / 6 * np.array([relative, 1.0])
+    raised = jonswap_spectrum(w, 1.0, 6.0, 3.3) / jonswap_spectrum(w, 1.0, 6.0, 1.0)
+    assert raised[0] / raised[1] == pytest.approx(
+        3.3 ** (np.exp(-((relative - 1) ** 2) / (2 * width**2)) - 1), rel=1e-12
+    )
