@@ -81,10 +81,6 @@ def test_bad_value_is_one_line_with_file_key_and_need(tmp_path, path, value, mes
     assert "\n" not in str(error.value)
 
 
-UNHASHABLE = pytest.mark.xfail(strict=True, raises=TypeError, reason="a list as a key ends in a traceback")
-IMPOSSIBLE_DATE = pytest.mark.xfail(strict=True, raises=ValueError, reason="an impossible date ends in a traceback")
-
-
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -95,9 +91,9 @@ IMPOSSIBLE_DATE = pytest.mark.xfail(strict=True, raises=ValueError, reason="an i
         ("", "received NoneType, needs a mapping with keys study, device"),
         ("a: !!python/object:os.system 1\n", "not valid YAML .*could not determine a constructor"),
         ("study: alone\n", r"device: Field required \(and 2 more\)"),
-        pytest.param("? [a, b]\n: 1\n", "not valid YAML", marks=UNHASHABLE),
-        pytest.param("? {a: 1}\n: 1\n", "not valid YAML", marks=UNHASHABLE),
-        pytest.param("a: 2020-99-99\n", "not valid YAML", marks=IMPOSSIBLE_DATE),
+        pytest.param("? [a, b]\n: 1\n", "not valid YAML"),
+        pytest.param("? {a: 1}\n: 1\n", "not valid YAML"),
+        pytest.param("a: 2020-99-99\n", "not valid YAML"),
     ],
 )
 def test_what_is_no_study_at_all(tmp_path, text, message):
@@ -169,14 +165,12 @@ def test_data_that_are_no_mapping_name_what_was_received(raw):
         config.parse(raw, source="here")
 
 
-@pytest.mark.xfail(strict=True, reason="a line break in a key is printed as such")
 def test_line_break_in_a_key_stays_in_one_line():
     with pytest.raises(ConfigError) as error:
         config.parse(changed(("designs",), {"A\n": {}}))
     assert "\n" not in str(error.value)
 
 
-@pytest.mark.xfail(strict=True, raises=OverflowError, reason="an absurd radius ends in a traceback")
 def test_absurd_radius_is_a_configuration_error():
     with pytest.raises(ConfigError, match=r"device"):
         config.parse(changed(("device", "radius"), 1e200))
@@ -196,7 +190,6 @@ def test_spellings_of_one_number(tmp_path, spelling):
     assert content_id(config.load(file)) == content_id(config.parse(changed(("device", "young_modulus"), 1e5)))
 
 
-@pytest.mark.xfail(strict=True, reason="-0.0 and 0.0 get different ids")
 def test_negative_zero_is_zero():
     ids = [content_id(config.parse(changed(("simulation", "initial_position"), x))) for x in (0.0, -0.0)]
     assert ids[0] == ids[1]

@@ -150,7 +150,6 @@ def test_waterline_of_the_sphere_at_any_height(full, height):
     assert segment == pytest.approx((np.arccos(-height / 2), np.pi), abs=1e-12)
 
 
-@pytest.mark.xfail(strict=True, reason="a waterline exactly on a grid colatitude is missed")
 @pytest.mark.parametrize("node", [1, 93, 140, 200])
 def test_waterline_exactly_on_a_sampled_colatitude(full, node):
     height = -2.0 * float(np.cos(np.linspace(0.0, np.pi, 281)[node]))

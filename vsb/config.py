@@ -320,6 +320,8 @@ class _UniqueKeyLoader(yaml.SafeLoader):
         """Build a mapping; a repeated key is an error."""
         seen: set[object] = set()
         for key_node, _ in node.value:
+            if key_node.tag == "tag:yaml.org,2002:merge":
+                continue
             key = self.construct_object(key_node, deep=deep)
             if key in seen:
                 raise yaml.MarkedYAMLError(problem=f"key {key!r} is given twice", problem_mark=key_node.start_mark)
@@ -341,7 +343,7 @@ def load(path: str | Path) -> Study:
         raise ConfigError(
             f"{path}: cannot be read ({error.strerror}); give the path of a study file such as config/seed.yaml"
         ) from None
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
+    except (yaml.YAMLError, TypeError, ValueError) as error:
         raise ConfigError(f"{path}: not valid YAML ({' '.join(str(error).split())})") from None
     return parse(raw, source=str(path))
 
@@ -356,6 +358,10 @@ def parse(raw: object, source: str = "study") -> Study:
         return Study.model_validate(raw)
     except ValidationError as error:
         raise ConfigError(f"{source}: {_one_line(error)}") from None
+    except OverflowError:
+        raise ConfigError(
+            f"{source}: device or water: a number is too large to compute with; check the units (SI)"
+        ) from None
 
 
 def _one_line(error: ValidationError) -> str:
@@ -366,7 +372,7 @@ def _one_line(error: ValidationError) -> str:
     what = first["msg"].removeprefix("Value error, ")
     if first["type"] == "extra_forbidden":
         what = "unknown key; remove it or correct its spelling"
-    return f"{key}:{received} {what}" + (f" (and {len(more)} more)" if more else "")
+    return " ".join(f"{key}:{received} {what}".split()) + (f" (and {len(more)} more)" if more else "")
 
 
 def canonical(data: object) -> str:
@@ -384,7 +390,7 @@ def _plain(data: object) -> object:
         return [_plain(value) for value in data]
     if isinstance(data, float) and math.isinf(data):
         return "inf" if data > 0 else "-inf"
-    return data
+    return data + 0.0 if isinstance(data, float) else data  # no negative zero
 
 
 def content_id(data: object) -> str:

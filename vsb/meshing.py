@@ -10,7 +10,7 @@ from vsb.surface import DeformedShell
 from vsb.units import FloatArray
 
 DISPLAY_AMPLITUDE = 0.1
-"""Modal amplitude of the viewable deformed meshes, in radii."""
+"""Modal amplitude of the viewable deformed meshes, in radii or, where less, double drafts: every shape stays wet."""
 
 
 def graded_colatitudes(waterline: float, rows: int, keel: float = np.pi) -> FloatArray:
@@ -83,7 +83,8 @@ def write_wet_shell(shell: DeformedShell, path: str | Path, rows: int = 40, azim
 def display_shapes(shell: DeformedShell) -> dict[str, DeformedShell]:
     """Return the mean shell and the shell deformed by plus and minus `DISPLAY_AMPLITUDE` radii of every mode."""
     shapes = {"mean": shell}
-    size = DISPLAY_AMPLITUDE * shell.basis.shell.radius
+    radius = shell.basis.shell.radius
+    size = DISPLAY_AMPLITUDE * min(radius, 2 * (radius - shell.centre_height))
     for j, label in enumerate(shell.basis.labels[1:], start=1):
         for name, sign in (("minus", -1.0), ("plus", 1.0)):
             amplitudes = np.zeros(len(shell.basis.labels))

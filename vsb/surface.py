@@ -67,7 +67,7 @@ class DeformedShell:
         crossings = [
             float(brentq(lambda phi: float(self.meridian(np.array([phi])).z[0]), a, b, xtol=1e-15, rtol=1e-15))
             for a, b, za, zb in zip(grid[:-1], grid[1:], z[:-1], z[1:], strict=True)
-            if za * zb < 0
+            if (za < 0) != (zb < 0)
         ]
         edges = [0.0, *crossings, np.pi]
         middles = self.meridian(np.array([(a + b) / 2 for a, b in itertools.pairwise(edges)])).z
