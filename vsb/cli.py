@@ -84,11 +84,12 @@ def run(args: argparse.Namespace) -> int:
     command += ["--nolock", "--profile", str(home / "profiles" / args.profile), *args.snakemake]
     environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
     begun = time.time()
-    with _alone(Path(plan.root), waits=not {"-n", "--dry-run"} & set(args.snakemake)) as lock:
+    dry = bool({"-n", "--dry-run", "--dryrun"} & set(args.snakemake))
+    with _alone(Path(plan.root), waits=not dry) as lock:
         code = subprocess.run(command, env=environment, check=False, pass_fds=lock).returncode
     if code:
         return _failed(plan, begun)
-    if (report := Path(plan.folder) / "report.html").is_file():
+    if not dry and (report := Path(plan.folder) / "report.html").is_file():
         print(f"{study.study}: {report}")
     return 0
 

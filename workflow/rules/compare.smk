@@ -16,6 +16,8 @@ rule compare:
         study=f"{PLAN.folder}/study.json",
     log:
         f"{ROOT}/logs/compare/{STUDY.study}.log",
+    conda:
+        "vsb"
     params:
         spec=canonical(PLAN.comparison),
     shell:

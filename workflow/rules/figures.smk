@@ -1,4 +1,6 @@
 # Figures and the self-contained report.
+import os
+
 FIGURES = [f"{PLAN.folder}/figures/{name}.svg" for name in figure_names(list(WAVES))]
 
 
@@ -14,8 +16,10 @@ rule figures:
         FIGURES,
     log:
         f"{ROOT}/logs/figures/{STUDY.study}.log",
+    conda:
+        "vsb"
     params:
-        folder=f"{PLAN.folder}/figures",
+        folder=subpath(output[0], parent=True),
     shell:
         "vsb figures --study {input.study} --modes {input.modes} --database {input.database}"
         " --radiation {input.radiation} --response {input.response} --out {params.folder}"
@@ -36,8 +40,10 @@ rule report:
         f"{PLAN.folder}/report.html",
     log:
         f"{ROOT}/logs/report/{STUDY.study}.log",
+    conda:
+        "vsb"
     params:
-        figures=f"{PLAN.folder}/figures",
+        figures=lambda wildcards, input: os.path.dirname(input.figures[0]),
     shell:
         "vsb report --study {input.study} --table {input.table} --validity {input.validity}"
         " --response {input.response} --database {input.database} --radiation {input.radiation}"

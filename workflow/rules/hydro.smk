@@ -8,8 +8,10 @@ rule green:
         f"{ROOT}/logs/green.log",
     benchmark:
         f"{ROOT}/benchmarks/green.tsv"
+    conda:
+        "vsb"
     params:
-        folder=PLAN.green_folder,
+        folder=subpath(output[0], strip_suffix=".done"),
     shell:
         "vsb green --folder {params.folder:q} --out {output} > {log} 2>&1"
 
@@ -24,13 +26,15 @@ rule bem:
         f"{ROOT}/logs/bem/{{id}}.log",
     benchmark:
         f"{ROOT}/benchmarks/bem/{{id}}.tsv"
+    conda:
+        "vsb"
     threads: 1
     resources:
         mem_mb=1000,
         runtime=30,
     params:
         spec=lambda wildcards: canonical(BLOCKS[wildcards.id]),
-        green=PLAN.green_folder,
+        green=subpath(input.green, strip_suffix=".done"),
     shell:
         "vsb bem --spec {params.spec:q} --mesh {input.mesh} --green {params.green:q} --out {output} > {log} 2>&1"
 
@@ -42,6 +46,8 @@ rule database:
         PLAN.database_path,
     log:
         f"{ROOT}/logs/database/{content_id(PLAN.database)}.log",
+    conda:
+        "vsb"
     params:
         spec=canonical(PLAN.database),
     shell:
@@ -57,6 +63,8 @@ rule radiation:
         f"{ROOT}/logs/radiation/{content_id(PLAN.radiation)}.log",
     benchmark:
         f"{ROOT}/benchmarks/radiation/{content_id(PLAN.radiation)}.tsv"
+    conda:
+        "vsb"
     resources:
         mem_mb=1000,
         runtime=30,

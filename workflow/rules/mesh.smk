@@ -6,6 +6,8 @@ rule modes:
         f"{PLAN.folder}/modes.nc",
     log:
         f"{ROOT}/logs/modes/{STUDY.study}.log",
+    conda:
+        "vsb"
     params:
         spec=canonical(PLAN.modes),
     shell:
@@ -17,6 +19,8 @@ rule mesh:
         f"{ROOT}/hydro/mesh/{{id}}/mean.nc",
     log:
         f"{ROOT}/logs/mesh/{{id}}.log",
+    conda:
+        "vsb"
     params:
         spec=lambda wildcards: canonical(MESHES[wildcards.id]),
     shell:
@@ -28,8 +32,10 @@ rule display_meshes:
         PLAN.display_paths,
     log:
         f"{ROOT}/logs/display/{content_id(PLAN.display)}.log",
+    conda:
+        "vsb"
     params:
         spec=canonical(PLAN.display),
-        folder=PLAN.display_folder,
+        folder=subpath(output[0], parent=True),
     shell:
         "vsb display-meshes --spec {params.spec:q} --out {params.folder} > {log} 2>&1"

@@ -8,6 +8,8 @@ rule response:
         f"{PLAN.folder}/response.nc",
     log:
         f"{ROOT}/logs/response/{STUDY.study}.log",
+    conda:
+        "vsb"
     params:
         spec=canonical(PLAN.response),
     shell:
@@ -24,6 +26,8 @@ rule simulate:
         f"{ROOT}/logs/simulate/{STUDY.study}/{{design}}-{{wave}}.log",
     benchmark:
         f"{ROOT}/benchmarks/simulate/{STUDY.study}/{{design}}-{{wave}}.tsv"
+    conda:
+        "vsb"
     resources:
         mem_mb=1000,
         runtime=30,
