@@ -1,6 +1,5 @@
 # Flexible against rigid wave-energy buoys: the whole chain, one `vsb` command per rule.
 #   snakemake --configfile config/other.yaml      another study; without it, the seed study
-#   --sdm conda      runs every rule in an existing conda environment named vsb
 import vsb.config
 from vsb.config import canonical, content_id
 from vsb.specs import StudyPlan, figure_names

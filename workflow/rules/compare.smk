@@ -17,7 +17,7 @@ rule compare:
     log:
         f"{ROOT}/logs/compare/{STUDY.study}.log",
     conda:
-        "vsb"
+        "../envs/vsb.yaml"
     params:
         spec=canonical(PLAN.comparison),
     shell:

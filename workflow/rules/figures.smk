@@ -17,7 +17,7 @@ rule figures:
     log:
         f"{ROOT}/logs/figures/{STUDY.study}.log",
     conda:
-        "vsb"
+        "../envs/vsb.yaml"
     params:
         folder=subpath(output[0], parent=True),
     shell:
@@ -41,7 +41,7 @@ rule report:
     log:
         f"{ROOT}/logs/report/{STUDY.study}.log",
     conda:
-        "vsb"
+        "../envs/vsb.yaml"
     params:
         figures=lambda wildcards, input: os.path.dirname(input.figures[0]),
     shell:

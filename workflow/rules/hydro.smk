@@ -9,7 +9,7 @@ rule green:
     benchmark:
         f"{ROOT}/benchmarks/green.tsv"
     conda:
-        "vsb"
+        "../envs/vsb.yaml"
     params:
         folder=subpath(output[0], strip_suffix=".done"),
     shell:
@@ -27,7 +27,7 @@ rule bem:
     benchmark:
         f"{ROOT}/benchmarks/bem/{{id}}.tsv"
     conda:
-        "vsb"
+        "../envs/vsb.yaml"
     threads: 1
     resources:
         mem_mb=1000,
@@ -47,7 +47,7 @@ rule database:
     log:
         f"{ROOT}/logs/database/{content_id(PLAN.database)}.log",
     conda:
-        "vsb"
+        "../envs/vsb.yaml"
     params:
         spec=canonical(PLAN.database),
     shell:
@@ -64,7 +64,7 @@ rule radiation:
     benchmark:
         f"{ROOT}/benchmarks/radiation/{content_id(PLAN.radiation)}.tsv"
     conda:
-        "vsb"
+        "../envs/vsb.yaml"
     resources:
         mem_mb=1000,
         runtime=30,

@@ -7,7 +7,7 @@ rule modes:
     log:
         f"{ROOT}/logs/modes/{STUDY.study}.log",
     conda:
-        "vsb"
+        "../envs/vsb.yaml"
     params:
         spec=canonical(PLAN.modes),
     shell:
@@ -20,7 +20,7 @@ rule mesh:
     log:
         f"{ROOT}/logs/mesh/{{id}}.log",
     conda:
-        "vsb"
+        "../envs/vsb.yaml"
     params:
         spec=lambda wildcards: canonical(MESHES[wildcards.id]),
     shell:
@@ -33,7 +33,7 @@ rule display_meshes:
     log:
         f"{ROOT}/logs/display/{content_id(PLAN.display)}.log",
     conda:
-        "vsb"
+        "../envs/vsb.yaml"
     params:
         spec=canonical(PLAN.display),
         folder=subpath(output[0], parent=True),

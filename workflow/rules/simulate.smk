@@ -9,7 +9,7 @@ rule response:
     log:
         f"{ROOT}/logs/response/{STUDY.study}.log",
     conda:
-        "vsb"
+        "../envs/vsb.yaml"
     params:
         spec=canonical(PLAN.response),
     shell:
@@ -27,7 +27,7 @@ rule simulate:
     benchmark:
         f"{ROOT}/benchmarks/simulate/{STUDY.study}/{{design}}-{{wave}}.tsv"
     conda:
-        "vsb"
+        "../envs/vsb.yaml"
     resources:
         mem_mb=1000,
         runtime=30,
