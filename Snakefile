@@ -28,8 +28,7 @@ wildcard_constraints:
 
 rule all:
     input:
-        f"{PLAN.folder}/report.html",
-        PLAN.display_paths,
+        PLAN.products,
 
 
 include: "workflow/rules/mesh.smk"

@@ -69,7 +69,7 @@ def test_waves_are_checked_for_steepness_and_band():
 def test_ledger_is_plain_json():
     data = json.loads(compare.ledger_json("s", [Check("buckling", 66.0, 1.0, "-", "fail", "why")]))
     assert data["checks"][0] == {
-        "name": "buckling", "design": "", "value": 66.0, "limit": 1.0, "unit": "-", "verdict": "fail", "explanation": "why",
+        "name": "buckling", "design": "", "wave": "", "value": 66.0, "limit": 1.0, "unit": "-", "verdict": "fail", "explanation": "why",
     }  # fmt: skip
 
 

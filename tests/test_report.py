@@ -31,6 +31,7 @@ CHECKS = [
     {
         "name": "buckling",
         "design": "",
+        "wave": "",
         "value": 66.4,
         "limit": 1.0,
         "unit": "-",
@@ -40,6 +41,7 @@ CHECKS = [
     {
         "name": "heave",
         "design": "A",
+        "wave": "w",
         "value": 0.4,
         "limit": 0.3,
         "unit": "-",

@@ -109,6 +109,14 @@ def test_everything_promised_is_there(folder):
     assert len(list((folder / "results" / "hydro" / "mesh").glob("*/*.vtu"))) == 7
 
 
+def test_a_lost_product_is_made_again(folder):
+    lost = folder / "results/base/comparison.csv"
+    text = lost.read_text()
+    lost.unlink()
+    assert run(folder, folder / "base.yaml").returncode == 0
+    assert lost.read_text() == text
+
+
 def test_a_second_run_has_nothing_to_do(folder):
     assert planned(folder, BASE) == {}
 

@@ -115,14 +115,21 @@ def wave_checks(wave: StillWater | RegularWave | Jonswap, water: Water, omega_ma
         return []
     height = 2 * wave.amplitude if isinstance(wave, RegularWave) else wave.hs
     steepness = height * wavenumber(wave.omega, water.depth, water.gravity) / (2 * np.pi)
-    name = f" in {wave.label}"
-    checks = [check_at_most("steepness" + name, steepness, 0.05, "-", "wave height over wavelength", doubt=True)]
+    checks = [
+        check_at_most("steepness", steepness, 0.05, "-", "wave height over wavelength", doubt=True, wave=wave.label)
+    ]
     if isinstance(wave, Jonswap):
         beyond = np.linspace(omega_max, 20 * omega_max, 4001)
         lost = np.trapezoid(jonswap_spectrum(beyond, wave.hs, wave.tp, wave.gamma), beyond) * 16 / wave.hs**2
         checks.append(
             check_at_most(
-                "spectrum_cut" + name, float(lost), 0.01, "-", "share of the sea above hydro.omega_max", doubt=True
+                "spectrum_cut",
+                float(lost),
+                0.01,
+                "-",
+                "share of the sea above hydro.omega_max",
+                doubt=True,
+                wave=wave.label,
             )
         )
     return checks
@@ -130,25 +137,25 @@ def wave_checks(wave: StillWater | RegularWave | Jonswap, water: Water, omega_ma
 
 def run_checks(study: Study, basis: ModeBasis, run: xr.Dataset) -> list[Check]:
     """Return whether a run stays within small motion and closes its energy balance."""
-    design, name = run.attrs["design"], f" in {run.attrs['wave']}"
+    design, wave = run.attrs["design"], run.attrs["wave"]
     start, end = study.simulation.window
     inside = run.sel(time=slice(start, end))
     heave = float(np.abs(inside.position.values[:, 0]).max()) / study.device.radius
     checks = [
         check_at_most(
-            "energy_residual" + name, run.attrs["energy_residual"], 1e-4, "-",
-            "unbalanced energy over the largest term", design=design,
+            "energy_residual", run.attrs["energy_residual"], 1e-4, "-",
+            "unbalanced energy over the largest term", design=design, wave=wave,
         ),
-        check_at_most("heave" + name, heave, 0.3, "-", "heave amplitude over radius", doubt=True, design=design),
+        check_at_most("heave", heave, 0.3, "-", "heave amplitude over radius", doubt=True, design=design, wave=wave),
     ]  # fmt: skip
     if run.sizes["dof"] > 1:
         peaks = inside.position.values[np.argmax(np.abs(inside.position.values[:, 1:]).sum(axis=1))]
         moved, strain = largest_displacement(basis, peaks) / study.device.radius, largest_strain(basis, peaks)
         checks += [
             check_at_most(
-                "deformation" + name, moved, 0.1, "-", "shell displacement over radius", doubt=True, design=design
+                "deformation", moved, 0.1, "-", "shell displacement over radius", doubt=True, design=design, wave=wave
             ),
-            check_at_most("strain" + name, strain, 0.02, "-", "largest membrane strain", doubt=True, design=design),
+            check_at_most("strain", strain, 0.02, "-", "largest membrane strain", doubt=True, design=design, wave=wave),
         ]
     return checks
 
@@ -158,9 +165,9 @@ def steady_state_check(study: Study, wave: RegularWave, power: float, mean: floa
     expected = power * wave.amplitude**2
     difference = abs(mean / expected - 1) if expected else abs(mean)
     return check_at_most(
-        f"time_and_frequency_domain in {wave.label}", difference, 0.005, "-",
+        "time_and_frequency_domain", difference, 0.005, "-",
         "relative difference of mean absorbed power; large if the window still holds a transient",
-        doubt=True, design=design,
+        doubt=True, design=design, wave=wave.label,
     )  # fmt: skip
 
 
@@ -207,9 +214,9 @@ def bending_checks(study: Study, database: xr.Dataset) -> list[Check]:
                 powers.append(buoy.absorbed_power(at, buoy.rao(at, design_motions(study, basis, design)))[0])
             checks.append(
                 check_at_most(
-                    f"bending_modes in {wave.label}", abs(powers[1] / powers[0] - 1), 0.05, "-",
+                    "bending_modes", abs(powers[1] / powers[0] - 1), 0.05, "-",
                     f"absorbed power would change from {powers[0]:.4g} to {powers[1]:.4g} W/m^2 with modes.basis: full",
-                    doubt=True, design=design,
+                    doubt=True, design=design, wave=wave.label,
                 )
             )  # fmt: skip
     return checks

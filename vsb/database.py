@@ -32,15 +32,24 @@ class Check:
     unit: str
     verdict: Verdict
     explanation: str
-    design: str = ""
+    design: str = ""  # empty: all designs
+    wave: str = ""  # label of the sea; empty: all seas
 
 
 def check_at_most(
-    name: str, value: float, limit: float, unit: str, explanation: str, *, doubt: bool = False, design: str = ""
+    name: str,
+    value: float,
+    limit: float,
+    unit: str,
+    explanation: str,
+    *,
+    doubt: bool = False,
+    design: str = "",
+    wave: str = "",
 ) -> Check:
     """Return a check that passes if value <= limit; else it fails, or with `doubt` is a doubt up to five times that."""
     verdict: Verdict = "ok" if value <= limit else "doubt" if doubt and value <= 5 * limit else "fail"
-    return Check(name, float(value), float(limit), unit, verdict, explanation, design)
+    return Check(name, float(value), float(limit), unit, verdict, explanation, design, wave)
 
 
 def merged_blocks(blocks: Sequence[xr.Dataset]) -> xr.Dataset:

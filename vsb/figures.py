@@ -80,7 +80,7 @@ def mode_shapes(data: StudyData) -> Figure:
         ax.set_aspect("equal")
     for ax, mode in zip(axes.flat, modes.mode.values, strict=False):
         shape = modes.sel(mode=mode)
-        amplitude = 0.5 / (2 + float(shape.degree))  # smaller where the shape is steeper
+        amplitude = 0.25 / max(1.0, float(shape.degree) / 2) ** 0.7  # smaller where the shape is steeper
         v, u = amplitude * shape.radial.values, amplitude * shape.meridional.values
         x, z = (1 + v) * np.sin(phi) + u * np.cos(phi), (1 + v) * np.cos(phi) - u * np.sin(phi)
         ax.plot(np.sin(2 * phi), np.cos(2 * phi), color="black", linewidth=0.8)

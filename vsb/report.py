@@ -139,11 +139,14 @@ def _against(sea: Sequence[dict[str, Any]], base: dict[str, Any]) -> str:
 def warnings(checks: Sequence[dict[str, Any]]) -> list[str]:
     """Return the checks that failed, in words for the head of the page; doubts are left to the ledger."""
     failed = [check for check in checks if check["verdict"] in ("fail", "accepted")]
-    return [
-        f"{check['name'].replace('_', ' ')}{', ' + check['design'] if check['design'] else ''}: {check['value']:.3g}, "
-        f"limit {check['limit']:g} ({check['explanation']})"
-        for check in failed
-    ]
+    return [f"{_subject(c)}: {c['value']:.3g}, limit {c['limit']:g} ({c['explanation']})" for c in failed]
+
+
+def _subject(check: dict[str, Any]) -> str:
+    """What a check is about, in words: name, design, sea."""
+    of = f" of {check['design']}" if check["design"] else ""
+    where = f" in {check['wave']}" if check["wave"] else ""
+    return str(check["name"]).replace("_", " ") + of + where
 
 
 def table(rows: Sequence[dict[str, Any]]) -> tuple[list[str], list[list[str]]]:

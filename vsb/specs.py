@@ -15,7 +15,7 @@ from vsb.errors import ConfigError
 
 Spec = dict[str, Any]
 
-PHYSICS = {"mesh": 1, "bem": 2, "database": 1, "radiation": 1, "response": 1, "simulate": 1, "compare": 1}
+PHYSICS = {"mesh": 1, "bem": 2, "database": 1, "radiation": 1, "response": 1, "simulate": 1, "compare": 2}
 """Hand-bumped version of the physics behind each stage: a library edit alone never reruns anything."""
 
 BLOCK = 32
@@ -302,6 +302,19 @@ class StudyPlan:
     def trajectory_path(self, design: str, wave: str) -> str:
         """Time series of one design in one sea."""
         return f"{self.folder}/trajectories/{design}-{wave}.nc"
+
+    @property
+    def products(self) -> list[str]:
+        """All files a run of the study promises."""
+        waves = [wave.label for wave in self.study.waves]
+        names = ["report.html", "comparison.csv", "validity.json", "study.json", "response.nc", "modes.nc"]
+        return [
+            *(f"{self.folder}/{name}" for name in names),
+            *(f"{self.folder}/figures/{name}.svg" for name in figure_names(waves)),
+            *(self.trajectory_path(design, wave) for wave in waves for design in self.study.designs),
+            *(self.database_path, self.radiation_path),
+            *self.display_paths,
+        ]
 
     @property
     def mode_labels(self) -> tuple[str, ...]:
