@@ -94,6 +94,11 @@ def test_wave_too_short_for_the_mesh_is_refused(seed):
         block_ids(varied(seed, hydro={"omega_max": 100.0}))
 
 
+def test_tolerance_beyond_the_finest_mesh_is_refused(seed):
+    with pytest.raises(ConfigError, match=r"hydro.tolerance: received 1e-05, needs at least 6.25e-05"):
+        block_ids(varied(seed, hydro={"tolerance": 1e-5}))
+
+
 def test_rigid_study_solves_heave_alone(seed):
     plan = StudyPlan(varied(seed, designs={"FSB": {"flexible": False}}))
     assert plan.velocity_degrees == (1,)

@@ -99,6 +99,9 @@ class StudyPlan:
             mode_rows(max(self.velocity_degrees)),
             wave_rows(radius, self._wavelength(omega)),
         )
+        if not study.hydro.rows and tolerance_rows(study.hydro.tolerance) > MAX_ROWS:
+            least = 1e-3 * (40 / MAX_ROWS) ** 2
+            raise ConfigError(f"hydro.tolerance: received {study.hydro.tolerance:g}, needs at least {least:g}")
         if needed > most:
             raise ConfigError(
                 f"hydro.omega_max: received {study.hydro.omega_max:g} rad/s, whose wave of "
