@@ -1,22 +1,17 @@
 # Flexible against rigid wave-energy buoys: the whole chain, one `vsb` command per rule.
 #   snakemake --configfile config/other.yaml      another study; without it, the seed study
-import vsb.config
 from vsb.config import canonical, content_id
-from vsb.specs import StudyPlan, figure_names
+from vsb.specs import StudyPlan, figure_names, options
 
 if "device" not in config:
 
     configfile: "config/seed.yaml"
 
 
-STUDY = vsb.config.parse(
-    {key: value for key, value in config.items() if key != "root"}, source="study file"
-)
-PLAN = StudyPlan(STUDY, root=config.get("root", "results"))
+PLAN = StudyPlan.of(config)
+STUDY = PLAN.study
 ROOT = PLAN.root
-BLOCKS = {
-    content_id(block): block for block in PLAN.sweep_blocks + PLAN.tabulated_blocks
-}
+BLOCKS = PLAN.bem_blocks
 MESHES = {content_id(block["mesh"]): block["mesh"] for block in BLOCKS.values()}
 WAVES = {wave.label: wave for wave in STUDY.waves}
 
@@ -32,7 +27,13 @@ rule all:
 
 
 include: "workflow/rules/mesh.smk"
-include: "workflow/rules/hydro.smk"
+
+
+if BLOCKS:
+
+    include: "workflow/rules/hydro.smk"
+
+
 include: "workflow/rules/simulate.smk"
 include: "workflow/rules/compare.smk"
 include: "workflow/rules/figures.smk"

@@ -1,15 +1,19 @@
 """The rules of the house, read from the code itself."""
 
 import ast
+import re
 import statistics
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 HOME = Path(__file__).parent.parent
 ORDER = (
-    "errors", "config", "specs", "units", "shell", "modes", "surface", "meshing", "waves", "kernel", "database", "quality",
-    "bem", "radiation", "pto", "response", "plant", "integrate", "trajectory", "power", "compare", "figures", "report",
+    "errors", "sections", "config", "specs", "units", "shell", "modes", "surface", "prestress", "wetforce", "multibody",
+    "wetbody", "meshing", "waves", "kernel", "database", "quality", "bem", "radiation", "pto", "response", "plant",
+    "integrate", "constraint", "exponential", "trajectory", "power", "compare", "canvas", "shapes", "figures", "report",
     "commands", "publish", "preview", "cli",
 )  # fmt: skip
 MODULES = {path.stem: path for path in (HOME / "vsb").glob("*.py") if path.stem != "__init__"}
@@ -17,21 +21,50 @@ TREES = {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in MOD
 HEAVY = {"numpy", "scipy", "xarray", "capytaine", "matplotlib", "netCDF4"}
 
 
+WORKFLOW = {p.name: p for p in (HOME / "Snakefile", *sorted((HOME / "workflow").rglob("*.smk")))}
+PARSED = ("__init__", "errors", "config", "specs")  # read at every parse of the workflow
+STATEMENT = re.compile(r"^[ \t]*((?:import|from)[ \t]+(?:[^(\n\\]|\\\n|\([^)]*\))*)", re.MULTILINE)
+BY_NAME = re.compile(r"(?:__import__|import_module)\([^\"']*[\"'](\w[\w.]*)")
+
+
+def named(node):
+    """Modules an import statement, or a call of `__import__` or `import_module`, names in full."""
+    if isinstance(node, ast.Import):
+        return [alias.name for alias in node.names]
+    if isinstance(node, ast.ImportFrom):
+        base = ".".join(part for part in ("vsb" if node.level else "", node.module) if part)
+        return [f"vsb.{alias.name}" for alias in node.names] if base == "vsb" else [base]
+    return BY_NAME.findall(ast.unparse(node)) if isinstance(node, ast.Call) else []
+
+
 def imported(tree):
     """Top-level packages and vsb modules a tree imports, anywhere."""
     packages, own = set(), set()
-    for node in ast.walk(tree):
-        names = []
-        if isinstance(node, ast.Import):
-            names = [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom):
-            names = [node.module] if node.module != "vsb" else [f"vsb.{alias.name}" for alias in node.names]
-        for name in names:
-            top, _, rest = name.partition(".")
-            packages.add(top)
-            if top == "vsb" and rest and not rest.startswith("_"):
-                own.add(rest)
+    for name in (name for node in ast.walk(tree) for name in named(node)):
+        top, _, rest = name.partition(".")
+        packages.add(top)
+        if top == "vsb" and rest and rest[0] not in "_*":
+            own.add(rest.partition(".")[0])
     return packages, own
+
+
+def workflow_tree(text):
+    """The imports of a Snakefile as a tree: its other statements are not all Python."""
+    lines = [match.strip() for match in STATEMENT.findall(text)]
+    return ast.parse("\n".join([*lines, *(f"import {name}" for name in BY_NAME.findall(text))]))
+
+
+def heavy(tree, trees):
+    """Heavy packages a tree imports, itself or through the vsb modules it imports."""
+    packages, pending, seen = set(imported(tree)[0]), list(imported(tree)[1]), set()
+    while pending:
+        name = pending.pop()
+        if name in trees and name not in seen:
+            seen.add(name)
+            more, own = imported(trees[name])
+            packages |= more
+            pending += own
+    return packages & HEAVY
 
 
 def functions(tree):
@@ -59,9 +92,64 @@ def test_only_bem_imports_capytaine(name):
     assert ("capytaine" in imported(TREES[name])[0]) == (name == "bem")
 
 
-@pytest.mark.parametrize("name", ["errors", "config", "specs"])
+@pytest.mark.parametrize("name", PARSED)
 def test_what_the_workflow_reads_at_every_parse_is_light(name):
-    assert not imported(TREES[name])[0] & HEAVY
+    assert not heavy(ast.parse((HOME / "vsb" / f"{name}.py").read_text(encoding="utf-8")), TREES)
+
+
+@pytest.mark.parametrize("name", WORKFLOW)
+def test_the_workflow_itself_is_light(name):
+    assert not heavy(workflow_tree(WORKFLOW[name].read_text(encoding="utf-8")), TREES)
+
+
+def test_parsing_the_workflow_loads_nothing_heavy():
+    """The same, asked of the interpreter: third parties are in it too."""
+    code = f"import sys, vsb, vsb.config, vsb.specs; print(*({HEAVY!r} & sys.modules.keys()))"
+    done = subprocess.run([sys.executable, "-c", code], cwd=HOME, capture_output=True, text=True, check=True)
+    assert done.stdout.split() == []
+
+
+def test_the_package_imports_none_of_its_modules():
+    """`import vsb` must not decide the order of imports."""
+    assert imported(ast.parse((HOME / "vsb" / "__init__.py").read_text(encoding="utf-8")))[1] == set()
+
+
+@pytest.mark.parametrize(
+    ("code", "packages", "own"),
+    [
+        ("import numpy as np, scipy.linalg", {"numpy", "scipy"}, set()),
+        ("def f():\n    from scipy.linalg import expm", {"scipy"}, set()),
+        ("from vsb.modes import Mode", {"vsb"}, {"modes"}),
+        ("from vsb import modes, __version__", {"vsb"}, {"modes"}),
+        ("import vsb.modes as m", {"vsb"}, {"modes"}),
+        ("from . import modes", {"vsb"}, {"modes"}),
+        ("from .modes import Mode", {"vsb"}, {"modes"}),
+        ("if x:\n    from .modes import *", {"vsb"}, {"modes"}),
+        ("importlib.import_module('vsb.modes')", {"vsb"}, {"modes"}),
+        ("x = __import__('capytaine')", {"capytaine"}, set()),
+        ("x = 'import numpy'  # from scipy import linalg", set(), set()),
+    ],
+)
+def test_the_checker_sees_every_form_of_import(code, packages, own):
+    assert imported(ast.parse(code)) == (packages, own)
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("import numpy\nrule all:\n    input: 1\n", {"numpy"}),
+        ("rule all:\n    run:\n        import xarray as xr\n", {"xarray"}),
+        ("from scipy.linalg import (\n    expm,\n    svd,\n)\nrule all:\n", {"scipy"}),
+        ("import os, \\\n    matplotlib\n", {"matplotlib"}),
+        ("X = __import__('capytaine').solver\nrule all:\n", {"capytaine"}),
+        ("import vsb.modes\n", {"numpy", "scipy"}),
+        ("from vsb import modes  # through it, numpy\n", {"numpy", "scipy"}),
+        ("import os\nimport vsb.config\n# import numpy\nimportant = 1\nrule a:\n    shell: 'import x'\n", set()),
+    ],
+)
+def test_the_checker_sees_what_a_workflow_imports(text, found):
+    light = {"config": ast.parse("import os"), "modes": ast.parse("import numpy\nfrom .shell import Shell")}
+    assert heavy(workflow_tree(text), {**light, "shell": ast.parse("from scipy import linalg")}) == found
 
 
 @pytest.mark.parametrize("name", ORDER)
@@ -84,7 +172,7 @@ def test_everything_public_is_documented(name):
 
 
 def test_every_rule_is_a_command_with_a_log():
-    for path in (HOME / "workflow" / "rules").glob("*.smk"):
+    for path in (path for name, path in WORKFLOW.items() if name != "Snakefile"):
         text = path.read_text(encoding="utf-8")
         assert text.count("\nrule ") == text.count('"vsb ') == text.count("log:"), path.name
     assert len((HOME / "Snakefile").read_text(encoding="utf-8").splitlines()) <= 40

@@ -1,6 +1,6 @@
 import pytest
 
-from vsb.figures import STYLES, style
+from vsb.canvas import STYLES, style
 
 
 def test_the_papers_designs_keep_their_colours_whatever_the_study():

@@ -91,7 +91,7 @@ class TestOfTheSeed:
         expected = 0.04 * buoy.absorbed_power(waves.omega, buoy.rao(waves.omega, plant.motions))[0]
         for method in ("exact", "convolution"):
             settings = varied(study, simulation={"method": method, "tolerance": 1e-5}).simulation
-            motion, _ = simulate(plant, waves, buoy.spectrum, settings)
+            motion, _, _ = simulate(plant, waves, settings, buoy.spectrum)
             absorbed = energies(plant, motion)["pto"]
             start, end = averaging_window(wave, settings.window)
             mean = np.diff(np.interp([start, end], motion.time, absorbed))[0] / (end - start)
@@ -101,7 +101,7 @@ class TestOfTheSeed:
     def test_energy_balance_closes(self, buoy_of, radiation_of, coarse, design):
         waves = sea(coarse.waves[0], coarse.hydro.omega_max, 60.0)
         plant = self.plant(buoy_of, radiation_of, coarse, design, waves)
-        motion, stride = simulate(plant, waves, buoy_of(coarse).spectrum, coarse.simulation)
+        motion, stride, _ = simulate(plant, waves, coarse.simulation, buoy_of(coarse).spectrum)
         energy = energies(plant, motion)
         assert residual(energy) < 1e-6
         assert np.all(np.diff(energy["radiated"]) >= 0)  # the water never gives back more than it stores
@@ -112,14 +112,14 @@ class TestOfTheSeed:
     def test_audit_sees_a_lost_force(self, buoy_of, radiation_of, coarse):
         waves = sea(coarse.waves[0], coarse.hydro.omega_max, 60.0)
         plant = self.plant(buoy_of, radiation_of, coarse, "FSB", waves)
-        motion, _ = simulate(plant, waves, buoy_of(coarse).spectrum, coarse.simulation)
+        motion, _, _ = simulate(plant, waves, coarse.simulation, buoy_of(coarse).spectrum)
         fewer = {name: force for name, force in plant.forces.items() if name != "pto"}
         assert residual(energies(Plant(plant.labels, plant.mass, fewer, plant.motions), motion)) > 0.01
 
     def test_clamp_holds_to_round_off(self, buoy_of, radiation_of, coarse):
         waves = sea(coarse.waves[0], coarse.hydro.omega_max, 60.0)
         plant = self.plant(buoy_of, radiation_of, coarse, "VSWEC90", waves)
-        motion, _ = simulate(plant, waves, buoy_of(coarse).spectrum, coarse.simulation)
+        motion, _, _ = simulate(plant, waves, coarse.simulation, buoy_of(coarse).spectrum)
         rows = study_basis(coarse).clamp_rows([np.pi / 2])
         assert np.abs(rows @ plant.motions @ motion.position.T).max() < 1e-13
 

@@ -102,7 +102,7 @@ def test_what_does_not_exist_is_a_dash():
 
 def test_page_is_self_contained_and_escaped():
     page = render(
-        Report({"study": "s"}, {"w": "a swell"}, [row("FSB", 100), row("A", 120)], CHECKS, response(A=0.2), "FSB",
+        Report({"study": "s", "published": None, "pto": {"damping": 10.0}}, {"w": "a swell"}, [row("FSB", 100), row("A", 120)], CHECKS, response(A=0.2), "FSB",
                {"absorbed_power": "<?xml?><svg>x</svg>"}, {"Program": "vsb"})
     )  # fmt: skip
     assert (

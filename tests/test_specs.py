@@ -114,8 +114,21 @@ def test_labels_are_those_of_the_basis(seed):
         assert study_basis(study).labels[1:] == StudyPlan(study).mode_labels
 
 
-def test_figures_are_known_beforehand():
-    assert len(figure_names(["a", "b"])) == 4 + 2 * 5
+def test_figures_are_known_beforehand(seed):
+    waves = [{"kind": "still"}, {"kind": "regular", "amplitude": 0.1, "period": 3.0}]
+    study = varied(seed, waves=waves)
+    assert len(figure_names(study)) == 4 + 2 * 8
+    assert len(figure_names(varied(study, designs={"FSB": {"flexible": False}}))) == 4 + 2 * 5
+    assumed = varied(study, hydro={"model": "assumed_pressure", "pressure": 100.0})
+    assert len(figure_names(assumed)) == 1 + 2 * 8
+    assert not {"absorbed_power", "radiation_kernel"} & set(figure_names(assumed))
+
+
+def test_an_assumed_pressure_needs_no_bem(seed):
+    plan = StudyPlan(varied(seed, hydro={"model": "assumed_pressure", "pressure": 100.0}))
+    assert plan.bem_blocks == plan.hydro_files == plan.response_files == {}
+    assert not [path for path in plan.products if "/hydro/db" in path or "response" in path]
+    assert plan.simulation("FSB", plan.study.waves[0])["hydro"]["pressure"] == 100.0
 
 
 @pytest.mark.parametrize("wider", [13.0, 14.0, 16.0, 19.2])

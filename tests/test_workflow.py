@@ -99,7 +99,7 @@ def test_everything_promised_is_there(folder):
     ledger = json.loads((results / "validity.json").read_text())
     assert {"buckling", "power_limit", "passivity", "hydro haskind"} <= {check["name"] for check in ledger["checks"]}
     report = (results / "report.html").read_text()
-    assert report.count("<svg") == 9
+    assert report.count("<svg") == 12
     assert "http://" not in report.replace("http://www.w3.org", "").replace("http://purl.org", "").replace(
         "http://creativecommons.org", ""
     )

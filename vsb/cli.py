@@ -42,7 +42,7 @@ def _rule(name: str) -> Handler:
             "database": lambda: commands.build_database(_spec(args), args.files, args.out),
             "radiation": lambda: commands.fit_radiation(_spec(args), args.database, args.out),
             "response": lambda: commands.frequency_response(_spec(args), args.database, args.out),
-            "simulate": lambda: commands.simulate(_spec(args), args.database, args.radiation, args.out),
+            "simulate": lambda: commands.simulate(_spec(args), vars(args), args.out),
             "compare": lambda: commands.compare_designs(_spec(args), vars(args), args.files),
             "figures": lambda: publish.figures(vars(args), args.files),
             "report": lambda: publish.report(vars(args), args.files),
@@ -81,7 +81,8 @@ def run(args: argparse.Namespace) -> int:
     preview.check_before_run(study, plan)
     home = Path.cwd() if Path("Snakefile").is_file() else Path(__file__).resolve().parents[1]
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(home / "Snakefile"), "--configfile", args.config]
-    command += ["--nolock", "--profile", str(home / "profiles" / args.profile), *args.snakemake]
+    profile = ["--profile", str(home / "profiles" / args.profile), "--workflow-profile", "none"]
+    command += ["--nolock", *profile, *args.snakemake]
     environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
     begun = time.time()
     dry = bool({"-n", "--dry-run", "--dryrun"} & set(args.snakemake))
@@ -119,11 +120,16 @@ def _failed(plan: StudyPlan, begun: float) -> int:
     return 2 if mistakes else 1
 
 
+BEM_FILES = ("database", "radiation", "response")
+"""Options a model without BEM does not have."""
+
+
 def _add_rule(commands: Any, name: str, text: str, *options: str, files: str = "") -> None:
-    """Declare the command of one rule with its required options."""
+    """Declare the command of one rule with its options."""
     parser = commands.add_parser(name, help=text, description=text)
     for option in options:
-        parser.add_argument(f"--{option}", required=True, metavar="JSON" if option == "spec" else "PATH")
+        needed = option not in BEM_FILES or name in ("radiation", "response")
+        parser.add_argument(f"--{option}", required=needed, metavar="JSON" if option == "spec" else "PATH")
     if files:
         parser.add_argument("files", nargs="+", metavar=files)
     parser.set_defaults(handler=_rule(name))
@@ -137,8 +143,7 @@ def parser() -> argparse.ArgumentParser:
     one = commands.add_parser("run", help="run a whole study through Snakemake", description=run.__doc__)
     one.add_argument("config", metavar="CONFIG")
     one.add_argument("--profile", default="default", help="folder under profiles/ (default: default)")
-    one.add_argument("snakemake", nargs=argparse.REMAINDER, help="further options for snakemake, such as -n")
-    one.set_defaults(handler=run)
+    one.set_defaults(handler=run)  # what it does not know goes to snakemake, see main
     one = commands.add_parser("check", help="validate a study, solve nothing", description=check.__doc__)
     one.add_argument("config", metavar="CONFIG")
     one.set_defaults(handler=check)
@@ -146,7 +151,6 @@ def parser() -> argparse.ArgumentParser:
     one.add_argument("config", metavar="CONFIG")
     one.add_argument("--json", action="store_true", help="print JSON")
     one.set_defaults(handler=shell)
-    study = ("database", "radiation", "response")
     _add_rule(commands, "modes", "rule: shell modes", "spec", "out")
     _add_rule(commands, "mesh", "rule: mean wetted mesh", "spec", "out")
     _add_rule(commands, "display-meshes", "rule: viewable deformed meshes", "spec", "out")
@@ -161,13 +165,13 @@ def parser() -> argparse.ArgumentParser:
         "compare",
         "rule: comparison and validity",
         "spec",
-        *study,
+        *BEM_FILES,
         "out",
         "validity",
         "study",
         files="TRAJECTORY",
     )
-    _add_rule(commands, "figures", "rule: all figures", "study", "modes", *study, "out", files="TRAJECTORY")
+    _add_rule(commands, "figures", "rule: all figures", "study", "modes", *BEM_FILES, "out", files="TRAJECTORY")
     _add_rule(
         commands,
         "report",
@@ -175,7 +179,7 @@ def parser() -> argparse.ArgumentParser:
         "study",
         "table",
         "validity",
-        *study,
+        *BEM_FILES,
         "figures",
         "out",
         files="TRAJECTORY",
@@ -185,8 +189,12 @@ def parser() -> argparse.ArgumentParser:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; a user's mistake is one line on stderr and exit code 2."""
-    args = parser().parse_args(argv)
+    line = parser()
+    args, rest = line.parse_known_args(argv)
     handler: Handler = args.handler
+    if rest and handler is not run:
+        line.error(f"unrecognized arguments: {' '.join(rest)}")
+    args.snakemake = rest
     try:
         return handler(args)
     except VsbError as error:

@@ -10,15 +10,15 @@ import numpy as np
 import xarray as xr
 
 from vsb import __version__, compare, database, meshing, quality, radiation, response, trajectory
-from vsb.config import Study, canonical, content_id, parse
+from vsb.config import RegularWave, Study, canonical, content_id, parse
 from vsb.errors import DatabaseError
 from vsb.kernel import DampingSpectrum
 from vsb.modes import ModeBasis, design_motions, mode_basis, rigid_basis, study_basis
-from vsb.plant import linear_plant
+from vsb.plant import AssumedPressure, Plant, assumed_pressure_plant, linear_plant
 from vsb.pto import LinearPto
-from vsb.surface import DeformedShell
+from vsb.surface import DeformedShell, enclosed
 from vsb.units import load, save, write_text
-from vsb.waves import power_limit, sea
+from vsb.waves import NO_WAVES, Sea, power_limit, sea
 
 Spec = dict[str, Any]
 COLATITUDES = np.linspace(0.0, np.pi, 181)
@@ -216,29 +216,63 @@ def frequency_response(spec: Spec, database_path: str, out: str) -> None:
     )
 
 
-def simulate(spec: Spec, database_path: str, radiation_path: str, out: str) -> None:
+def simulate(spec: Spec, paths: dict[str, Any], out: str) -> None:
     """Run one design in one sea and write its trajectory."""
     study = partial_study(spec)
     (design,), (wave,) = study.designs, study.waves
-    buoy, basis = _buoy(study, database_path)
-    ds = load(radiation_path)
+    scene = linear_scene if study.needs_bem else assumed_pressure_scene
+    plant, basis, waves, spectrum = scene(study, paths)
+    motion, stride, method = trajectory.simulate(plant, waves, study.simulation, spectrum)
+    run = trajectory.labelled(plant, motion, waves if study.needs_bem else None, design, wave.label, stride)
+    amplitudes = np.zeros((run.sizes["time"], len(basis.labels)))
+    amplitudes[:, : run.sizes["dof"]] = run.position.values
+    volume, area = enclosed(basis, amplitudes)
+    attrs = {"method": method, "steps": len(motion.time) - 1, "seconds": motion.seconds}
+    save(run.assign(volume=("time", volume), area=("time", area)).assign_attrs(run.attrs, **attrs), out)
+
+
+Scene = tuple[Plant, ModeBasis, Sea, DampingSpectrum | None]
+
+
+def linear_scene(study: Study, paths: dict[str, Any]) -> Scene:
+    """Linear hydrodynamics about the mean shape, from the database and its radiation model."""
+    (design,), (wave,) = study.designs, study.waves
+    buoy, basis = _buoy(study, paths["database"])
+    ds = load(paths["radiation"])
     model = radiation.RadiationModel(ds.state_matrix.values, ds.input_matrix.values, ds.channel.values)
-    waves = sea(wave, spec["omega_max"], study.simulation.duration)
-    plant = linear_plant(buoy, model, waves, design_motions(study, basis, design))
-    motion, stride = trajectory.simulate(plant, waves, buoy.spectrum, study.simulation)
-    run = trajectory.labelled(plant, motion, waves, design, wave.label, stride)
-    method = "convolution" if study.simulation.method == "convolution" else "exact propagation"
-    save(run.assign_attrs(run.attrs, method=method, steps=len(motion.time) - 1, seconds=motion.seconds), out)
+    waves = sea(wave, study.hydro.omega_max, study.simulation.duration)
+    return linear_plant(buoy, model, waves, design_motions(study, basis, design)), basis, waves, buoy.spectrum
+
+
+def assumed_pressure_scene(study: Study, _: dict[str, Any]) -> Scene:
+    """Static and assumed pressure on the instantaneous wet shell; a rigid design needs no shell modes at all."""
+    (design,), (wave,) = study.designs, study.waves
+    basis = study_basis(study)
+    omega = wave.omega if isinstance(wave, RegularWave) else 0.0
+    load = AssumedPressure(study.hydro.pressure or 0.0 if omega else 0.0, omega)
+    shell, water = DeformedShell(basis, study.centre_height), study.water
+    motions = design_motions(study, basis, design)
+    plant = assumed_pressure_plant(shell, LinearPto(study.pto.damping), load, water.density, water.gravity, motions)
+    return plant, basis, NO_WAVES, None
 
 
 def compare_designs(spec: Spec, paths: dict[str, Any], trajectories: Sequence[str]) -> None:
     """Write the comparison table, the validity ledger and the study in canonical form."""
     study = parse(spec["study"], source="spec")
     runs = {(run.attrs["design"], run.attrs["wave"]): run for run in map(load, trajectories)}
-    seas = {wave.label: sea(wave, study.hydro.omega_max, study.simulation.duration) for wave in study.waves}
+    bem = study.needs_bem
+    seas = {
+        wave.label: sea(wave, study.hydro.omega_max, study.simulation.duration) if bem else NO_WAVES
+        for wave in study.waves
+    }
     rows = compare.comparison(study, runs, seas)
-    ds = database.load_database(paths["database"], Path(paths["database"]).stem)
-    checks = compare.ledger(study, ds, load(paths["radiation"]), load(paths["response"]), runs, rows)
+    checks = compare.run_ledger(study, runs)
+    if bem:
+        ds = database.load_database(paths["database"], Path(paths["database"]).stem)
+        checks += compare.linear_ledger(study, ds, load(paths["radiation"]), load(paths["response"]), rows)
+    else:
+        checks += compare.assumed_pressure_checks(study, rows)
+    checks = compare.worst_first(checks)
     write_text(paths["out"], compare.as_csv(rows))
     write_text(paths["validity"], compare.ledger_json(study.study, checks))
     write_text(paths["study"], canonical(study) + "\n")

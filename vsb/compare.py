@@ -19,7 +19,7 @@ from vsb.response import LinearBuoy
 from vsb.shell import Shell
 from vsb.surface import DeformedShell
 from vsb.units import FloatArray
-from vsb.waves import Sea, jonswap_spectrum, wavenumber
+from vsb.waves import Sea, jonswap_spectrum, power_limit, wavenumber
 
 COLUMNS = ("design", "wave", *Merit._fields, "energy_gain_percent", "energy_residual")
 Row = dict[str, Any]
@@ -229,22 +229,55 @@ def limit_check(frequency: xr.Dataset) -> Check:
     return check_at_most("power_limit", float(share), 1.01, "-", text)
 
 
-def ledger(
-    study: Study, database: xr.Dataset, radiation: xr.Dataset, frequency: xr.Dataset, runs: Runs, rows: Sequence[Row]
-) -> list[Check]:
-    """Return the validity ledger of a study: what to doubt, with numbers, worst news first."""
+def run_ledger(study: Study, runs: Runs) -> list[Check]:
+    """Return the checks of the shell and of every run."""
     basis = study_basis(study)
-    checks = [*shell_checks(study, basis), *bending_checks(study, database)]
-    checks += [limit_check(frequency), *radiation_checks(radiation, study)]
+    checks = shell_checks(study, basis)
+    for wave in study.waves:
+        for design in study.designs:
+            checks += run_checks(study, basis, runs[design, wave.label])
+    return checks
+
+
+def linear_ledger(
+    study: Study, database: xr.Dataset, radiation: xr.Dataset, frequency: xr.Dataset, rows: Sequence[Row]
+) -> list[Check]:
+    """Return the checks of linear hydrodynamics: waves, coefficients, radiation model, time and frequency domain."""
+    checks = [*bending_checks(study, database), limit_check(frequency), *radiation_checks(radiation, study)]
     means = {(row["design"], row["wave"]): row["power_mean"] for row in rows}
     for wave in study.waves:
         checks += wave_checks(wave, study.water, study.hydro.omega_max)
-        for design in study.designs:
-            checks += run_checks(study, basis, runs[design, wave.label])
-            if isinstance(wave, RegularWave):
-                power = float(frequency.absorbed_power.sel(design=design).sel(omega=wave.omega, method="nearest"))
+        if isinstance(wave, RegularWave):
+            at = frequency.absorbed_power.sel(omega=wave.omega, method="nearest")
+            for design in study.designs:
+                power = float(at.sel(design=design))
                 checks.append(steady_state_check(study, wave, power, means[design, wave.label], design))
-    checks += [replace(check, name=f"hydro {check.name}") for check in stored_checks(database)]
+    return checks + [replace(check, name=f"hydro {check.name}") for check in stored_checks(database)]
+
+
+def assumed_pressure_checks(study: Study, rows: Sequence[Row]) -> list[Check]:
+    """Return by how much an assumed pressure makes a buoy absorb more than any wave could give it.
+
+    A uniform pressure neither radiates nor knows an energy flux. A wave whose pressure at the surface, rho g a, is as
+    large has one, and gives a heaving axisymmetric body at most the flux over wavelength/(2 pi) of crest.
+    """
+    water = study.water
+    amplitude = (study.hydro.pressure or 0.0) / (water.density * water.gravity)
+    checks = []
+    for wave in (w for w in study.waves if isinstance(w, RegularWave)):
+        limit = power_limit(wave.omega, water.depth, water.density, water.gravity) * amplitude**2
+        best = max((row for row in rows if row["wave"] == wave.label), key=lambda row: float(row["power_mean"]))
+        share = float(best["power_mean"]) / limit if limit else 0.0
+        text = f"largest mean power over what a wave of the same surface pressure, {amplitude:.3g} m in amplitude, can "
+        text += "give any heaving axisymmetric body: the model has no radiation"
+        checks.append(
+            check_at_most("assumed_pressure", share, 1.0, "-", text, design=str(best["design"]), wave=wave.label)
+        )
+    return checks
+
+
+def worst_first(checks: Sequence[Check]) -> list[Check]:
+    """Return checks sorted by verdict, worst news first."""
     return sorted(checks, key=lambda check: ("fail", "accepted", "doubt", "ok").index(check.verdict))
 
 

@@ -8,217 +8,51 @@ import json
 import math
 from collections.abc import Hashable
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Self
 
 import yaml
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, field_validator, model_validator
+from pydantic import BaseModel, Field, ValidationError, field_validator, model_validator
 
 from vsb.errors import ConfigError
+from vsb.sections import (
+    Design,
+    Device,
+    Hydro,
+    Jonswap,
+    Modes,
+    Name,
+    Pto,
+    Published,
+    RayleighDamping,
+    RegularWave,
+    Section,
+    Simulation,
+    StillWater,
+    Water,
+    Wave,
+)
 
+__all__ = [
+    "Design",
+    "Device",
+    "Hydro",
+    "Jonswap",
+    "Modes",
+    "Pto",
+    "Published",
+    "RayleighDamping",
+    "RegularWave",
+    "Simulation",
+    "StillWater",
+    "Study",
+    "Water",
+    "Wave",
+    "canonical",
+    "content_id",
+    "load",
+    "parse",
+]
 RESERVED_NAMES = ("hydro", "logs", "benchmarks")
-
-
-def _number(value: object) -> object:
-    """Refuse what pydantic would silently turn into a number (true -> 1.0)."""
-    if isinstance(value, bool):
-        raise ValueError("a number is needed, not true/false")
-    return value
-
-
-Number = Annotated[float, BeforeValidator(_number)]
-Positive = Annotated[Number, Field(gt=0, allow_inf_nan=False)]
-NonNegative = Annotated[Number, Field(ge=0, allow_inf_nan=False)]
-Finite = Annotated[Number, Field(allow_inf_nan=False)]
-Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
-
-
-class Section(BaseModel):
-    """A part of a study: unknown keys are errors, values never change."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class RayleighDamping(Section):
-    """Structural damping D = alpha M + beta K, alpha [1/s], beta [s]."""
-
-    alpha: NonNegative = 0.0
-    beta: NonNegative = 0.0
-
-
-class Device(Section):
-    """Spherical buoy: radius [m], shell thickness [m], E [Pa], nu [-], shell density [kg/m^3], total mass [kg]."""
-
-    radius: Positive
-    thickness: Positive
-    young_modulus: Positive
-    poisson_ratio: Annotated[Number, Field(gt=-1, lt=0.5)]
-    density: Positive
-    mass: Positive
-    internal_pressure: Finite = 0.0
-    damping: RayleighDamping = RayleighDamping()
-
-    @field_validator("internal_pressure")
-    @classmethod
-    def _vented(cls, value: float) -> float:
-        if value:
-            raise ValueError("needs 0 (vented): the prestress of a pressurised shell is not part of the model")
-        return value
-
-    @model_validator(mode="after")
-    def _thin_and_light(self) -> Self:
-        if not self.thickness < 0.1 * self.radius:
-            raise ValueError(
-                f"thickness {self.thickness:g} m: thin-shell theory (C3) needs less than "
-                f"radius/10 = {0.1 * self.radius:g} m"
-            )
-        shell = 4 * math.pi * self.radius**2 * self.thickness * self.density
-        if shell > self.mass:
-            raise ValueError(f"mass {self.mass:g} kg: needs at least the mass of the shell itself, {shell:.6g} kg")
-        return self
-
-
-class Modes(Section):
-    """Ritz basis of the shell: `paper`, `membrane` or `full`, up to Legendre degree `degree`."""
-
-    basis: Literal["paper", "membrane", "full"] = "membrane"
-    degree: Annotated[int, BeforeValidator(_number), Field(ge=0, le=40)] = 6
-
-
-class Design(Section):
-    """One buoy of the comparison: rigid or flexible, clamped at colatitudes [degrees] from the top pole."""
-
-    flexible: bool = True
-    clamp: tuple[Annotated[Number, Field(ge=0, le=180)], ...] = ()
-
-    @field_validator("clamp", mode="before")
-    @classmethod
-    def _one_or_many(cls, value: object) -> object:
-        return value if isinstance(value, list | tuple) else (value,)
-
-    @model_validator(mode="after")
-    def _clamp_needs_a_shell(self) -> Self:
-        if self.clamp and not self.flexible:
-            raise ValueError(
-                f"clamp {list(self.clamp)}: a rigid design (flexible: false) has no shell to clamp; "
-                "remove one of the two"
-            )
-        return self
-
-
-class Water(Section):
-    """Density [kg/m^3], depth [m] (`.inf` for deep water), gravity [m/s^2]."""
-
-    density: Positive = 1025.0
-    depth: Annotated[Number, Field(gt=0)] = math.inf
-    gravity: Positive = 9.81
-
-
-class Hydro(Section):
-    """Hydrodynamic model, tolerance [-], highest frequency solved [rad/s], optional tabulated frequencies [rad/s]."""
-
-    model: Literal["linear"] = "linear"
-    tolerance: Annotated[Number, Field(ge=1e-5, le=0.1)] = 1e-3
-    omega_max: Positive = 12.0
-    omega: tuple[Positive, ...] = ()
-    rows: Annotated[int, BeforeValidator(_number), Field(ge=4, le=160)] | None = None
-    accept: tuple[Name, ...] = ()
-
-    @model_validator(mode="after")
-    def _ascending(self) -> Self:
-        if list(self.omega) != sorted(set(self.omega)):
-            raise ValueError(f"omega {list(self.omega)}: frequencies must ascend without repetition")
-        return self
-
-
-class Pto(Section):
-    """Linear power take-off: damping [N s/m] between the heaving plate and the sea bed."""
-
-    damping: NonNegative = 8000.0
-
-
-class StillWater(Section):
-    """No waves: free decay."""
-
-    kind: Literal["still"]
-
-    @property
-    def label(self) -> str:
-        """Name of the sea in tables and file names."""
-        return "still"
-
-    @property
-    def description(self) -> str:
-        """The sea in words."""
-        return "still water"
-
-
-class RegularWave(Section):
-    """Sine wave: amplitude [m], period [s]."""
-
-    kind: Literal["regular"]
-    amplitude: Positive
-    period: Positive
-
-    @property
-    def label(self) -> str:
-        """Name of the sea in tables and file names."""
-        return f"regular_A{self.amplitude:g}_T{self.period:g}"
-
-    @property
-    def description(self) -> str:
-        """The sea in words."""
-        return f"regular waves of {self.amplitude:g} m amplitude and {self.period:g} s period"
-
-    @property
-    def omega(self) -> float:
-        """Angular frequency [rad/s]."""
-        return 2 * math.pi / self.period
-
-
-class Jonswap(Section):
-    """JONSWAP sea: significant height [m], peak period [s], peakedness [-] (1: Pierson-Moskowitz), random seed."""
-
-    kind: Literal["jonswap"]
-    hs: Positive
-    tp: Positive
-    gamma: Annotated[Number, Field(ge=1, le=10)] = 3.3
-    seed: Annotated[int, BeforeValidator(_number), Field(ge=0)] = 1
-
-    @property
-    def label(self) -> str:
-        """Name of the sea in tables and file names."""
-        return f"jonswap_Hs{self.hs:g}_Tp{self.tp:g}_g{self.gamma:g}_s{self.seed}"
-
-    @property
-    def description(self) -> str:
-        """The sea in words."""
-        return f"a JONSWAP sea of Hs = {self.hs:g} m and Tp = {self.tp:g} s (seed {self.seed})"
-
-    @property
-    def omega(self) -> float:
-        """Peak angular frequency [rad/s]."""
-        return 2 * math.pi / self.tp
-
-
-Wave = Annotated[StillWater | RegularWave | Jonswap, Field(discriminator="kind")]
-
-
-class Simulation(Section):
-    """Time-domain run: duration [s], window of the statistics [s], initial heave [m] and heave velocity [m/s]."""
-
-    duration: Positive = 60.0
-    window: tuple[NonNegative, Positive] = (40.0, 60.0)
-    initial_position: Finite = 0.0
-    initial_velocity: Finite = 0.0
-    tolerance: Annotated[Number, Field(ge=1e-12, le=0.1)] = 1e-6
-    method: Literal["auto", "exact", "convolution"] = "auto"
-
-    @model_validator(mode="after")
-    def _window_inside(self) -> Self:
-        start, end = self.window
-        if not start < end <= self.duration:
-            raise ValueError(f"window {list(self.window)}: needs 0 <= start < end <= duration = {self.duration:g} s")
-        return self
 
 
 class Study(Section):
@@ -233,6 +67,7 @@ class Study(Section):
     pto: Pto = Pto()
     waves: Annotated[tuple[Wave, ...], Field(min_length=1)]
     simulation: Simulation = Simulation()
+    published: Published | None = None
 
     @field_validator("study")
     @classmethod
@@ -247,6 +82,7 @@ class Study(Section):
     def _consistent(self) -> Self:
         self._check_afloat()
         self._check_waves()
+        self._check_model()
         return self
 
     def _check_afloat(self) -> None:
@@ -265,7 +101,7 @@ class Study(Section):
     def _check_waves(self) -> None:
         """Every wave must lie inside the solved band, every label be unique."""
         for i, wave in enumerate(self.waves):
-            if not isinstance(wave, StillWater) and wave.omega > self.hydro.omega_max:
+            if self.needs_bem and not isinstance(wave, StillWater) and wave.omega > self.hydro.omega_max:
                 shortest = 2 * math.pi / self.hydro.omega_max
                 raise ValueError(
                     f"waves.{i} {wave.label}: the wave is too short for the mesh and band solved; "
@@ -280,6 +116,24 @@ class Study(Section):
                 f"hydro.omega {self.hydro.omega[-1]:g} rad/s: needs at most hydro.omega_max = "
                 f"{self.hydro.omega_max:g} rad/s"
             )
+
+    def _check_model(self) -> None:
+        """Seas, method and published designs must suit the hydrodynamic model."""
+        model, method = self.hydro.model, self.simulation.method
+        if model == "assumed_pressure" and any(isinstance(wave, Jonswap) for wave in self.waves):
+            raise ValueError(
+                "hydro.model 'assumed_pressure': has one period, of a regular wave; remove the jonswap sea"
+            )
+        suitable = ("auto", "exact", "convolution") if self.needs_bem else ("auto", "exponential")
+        if method not in suitable:
+            raise ValueError(f"simulation.method {method!r}: hydro.model {model!r} needs one of {', '.join(suitable)}")
+        if self.published and (unknown := sorted(set(self.published.values) - set(self.designs))):
+            raise ValueError(f"published.values {unknown}: no such design; needs some of {', '.join(self.designs)}")
+
+    @property
+    def needs_bem(self) -> bool:
+        """Whether the hydrodynamic model rests on radiation and diffraction coefficients."""
+        return self.hydro.model == "linear"
 
     @property
     def centre_height(self) -> float:

@@ -5,7 +5,7 @@ is the shape n = 1, V = U = 1. Degrees are orthogonal, so mass and energy are cl
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
@@ -21,6 +21,10 @@ from vsb.units import FloatArray
 
 Basis = Literal["paper", "membrane", "full"]
 HEAVE = "Heave"
+SAME = 1e-12
+"""A singular value of the constraint below this part of the largest is zero: a repeated clamp, a pole's row [-]."""
+DISTINCT = 1e-8
+"""Above this part it is a constraint of its own; its direction then keeps eight digits [-]."""
 
 
 def legendre(degree: int, colatitude: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -192,12 +196,42 @@ class ModeBasis:
         constraint holds at all times by construction: no multipliers, no drift.
         """
         rows = self.clamp_rows(colatitudes)[:, 1:]
-        _, singular, vt = svd(rows, full_matrices=True)
-        rank = int(np.sum(singular > 1e-10 * max(1.0, singular.max(initial=0.0))))
+        _, _, vt = svd(rows, full_matrices=True)
+        rank = check_rank(rows)
         free = np.zeros((len(self.labels), vt.shape[0] - rank + 1))
         free[0, 0] = 1.0
         free[1:, 1:] = vt[rank:].T
         return free
+
+
+def check_rank(rows: FloatArray) -> int:
+    """Return the number of independent constraints among the rows.
+
+    Parameters
+    ----------
+    rows : ndarray, shape (constraint, dof) [-]
+        Phi, from `ModeBasis.clamp_rows`; repeated and zero rows are harmless.
+
+    Raises
+    ------
+    ConfigError
+        If a singular value lies between `SAME` and `DISTINCT` of the largest: clamps so near each other that round-off
+        decides whether they are one or two.
+
+    Notes
+    -----
+    Two clamps d apart [rad] leave a smallest singular value of the order of d, down to 0.1 d for one mode per degree.
+    Clamps on the same spot leave 1e-14 or less, up to degree 80.
+    """
+    singular = svd(rows, compute_uv=False) if rows.size else np.zeros(0)
+    relative = singular / (singular.max(initial=0.0) or 1.0)
+    if (doubtful := relative[(relative > SAME) & (relative < DISTINCT)]).size:
+        raise ConfigError(
+            f"clamp: received clamps so near each other that it cannot be decided whether they are one or several "
+            f"(relative singular value {doubtful.max():.1e}; needs more than {DISTINCT:g}, or less than {SAME:g} for "
+            f"the same clamp twice); move them apart, drop one, or raise modes.degree"
+        )
+    return int(np.sum(relative >= DISTINCT))
 
 
 def _scaled(label: str, degree: int, radial: float, meridional: float) -> Mode:
@@ -225,15 +259,51 @@ def _branches(shell: Shell, degree: int) -> FloatArray:
     return vectors
 
 
+def immersed_frequencies(shell: Shell, degree: int, water_density: float, bending: bool = True) -> FloatArray:
+    """Return the natural frequencies of the shell deep in unbounded water, ascending [rad/s].
+
+    Parameters
+    ----------
+    shell : Shell
+    degree : int
+        Legendre degree n.
+    water_density : float [kg/m^3]
+    bending : bool
+        Whether the energy of bending counts.
+
+    Returns
+    -------
+    ndarray, shape (2,), or (1,) for n = 0 (no meridional motion)
+        Lower and upper branch; the lower one of n = 1 is rigid heave, 0.
+
+    Notes
+    -----
+    K x = omega^2 (M + diag(m_w, 0)) x on (V, U): water moves with the radial part alone. Its potential
+    a/(n+1) (a/r)^(n+1) P_n has the added mass m_w = 4 pi a^3 rho/((n+1)(2n+1)).
+    """
+    stiffness, mass = membrane_block(shell, degree), mass_block(shell, degree)
+    if bending:
+        stiffness = stiffness + bending_block(shell, degree)
+    mass[0, 0] += 4 * np.pi * shell.radius**3 * water_density / ((degree + 1) * (2 * degree + 1))
+    if degree == 0:
+        return np.sqrt(stiffness[:1, 0] / mass[:1, 0])
+    squares: FloatArray = eigh(stiffness, mass, eigvals_only=True)
+    if degree == 1:
+        squares[0] = 0.0  # exact: rigid motion strains nothing
+    return np.sqrt(squares)
+
+
 def paper_ratio(shell: Shell, degree: int) -> float:
     """Return the paper's amplitude ratio V/U, C_n = (1 + (1+nu) Omega^4)/(1 - Omega^4).
 
     Notes
     -----
-    The right ratio is (1 + (1+nu) Omega^2)/(1 - Omega^2): Omega^2 was squared once too often. With the slip the
-    Rayleigh quotient gives the paper's Table I, "Rayleigh-Ritz" column, to 4e-8; without it the true frequency.
+    The right ratio is (1 + (1+nu) Omega^2)/(1 - Omega^2): Omega^2 was squared once too often. With the slip, and
+    Omega that of the membrane alone (h -> 0), the Rayleigh quotient gives the paper's Table I, "Rayleigh-Ritz" column,
+    to 7e-12; with Omega of the bending shell to 4e-8 only; without the slip the true frequency.
     """
-    omega4 = frequency_parameter(shell, degree)[1] ** 2
+    membrane = replace(shell, thickness=1e-9 * shell.radius)
+    omega4 = frequency_parameter(membrane, degree)[1] ** 2
     return (1 + (1 + shell.poisson_ratio) * omega4) / (1 - omega4)
 
 

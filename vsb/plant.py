@@ -1,4 +1,4 @@
-"""Equation of motion of a scene: mass, named linear forces, the motions a design allows. Knows no integrator.
+"""Equation of motion of a scene: mass, named forces, the motions a design allows. Knows no integrator.
 
 M q'' = sum of forces, q = N y: heave and modal amplitudes q in the subspace N of the design. Only the forces of the
 scene exist.
@@ -11,10 +11,14 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import eigh
 
+from vsb.modes import ModeBasis
+from vsb.pto import LinearPto
 from vsb.radiation import RadiationModel
 from vsb.response import LinearBuoy
+from vsb.surface import DeformedShell
 from vsb.units import ComplexArray, FloatArray
 from vsb.waves import Sea
+from vsb.wetforce import WetShell
 
 
 @dataclass(frozen=True)
@@ -46,7 +50,25 @@ class RadiationMemory:
     model: RadiationModel
 
 
-Force = Spring | Damper | Excitation | RadiationMemory
+@dataclass(frozen=True)
+class Weight:
+    """A constant force."""
+
+    force: FloatArray  # (dof,) [N]
+
+
+@dataclass(frozen=True)
+class WaterPressure:
+    """f_j = -int p n.psi_j dS, p = -rho g z + P cos(omega t), on the instantaneous wet part of the deformed shell."""
+
+    shell: WetShell
+    specific_weight: float  # rho g [N/m^3]
+    amplitude: float  # P [Pa]
+    omega: float  # [rad/s]
+    tangent: FloatArray  # -df/dq of the static part about the reference shape, (dof, dof) [N/m]
+
+
+Force = Spring | Damper | Excitation | RadiationMemory | Weight | WaterPressure
 
 
 class LinearSystem(NamedTuple):
@@ -86,6 +108,11 @@ class Plant:
     def memory(self) -> RadiationModel | None:
         """The radiation memory of the scene, if it has one."""
         return next((f.model for f in self.forces.values() if isinstance(f, RadiationMemory)), None)
+
+    @property
+    def water(self) -> WaterPressure | None:
+        """The pressure on the instantaneous wet shell, if the scene is body-exact."""
+        return next((f for f in self.forces.values() if isinstance(f, WaterPressure)), None)
 
     @property
     def excitation(self) -> Excitation | None:
@@ -136,3 +163,47 @@ def linear_plant(buoy: LinearBuoy, radiation: RadiationModel, sea: Sea, motions:
         forces["excitation"] = Excitation(sea.omega, sea.amplitude[:, None] * excitation)
     labels = tuple(str(label) for label in database.influenced_dof.values)
     return Plant(labels, buoy.mass + buoy.added_mass_inf, forces, motions)
+
+
+@dataclass(frozen=True)
+class AssumedPressure:
+    """A uniform pressure P cos(omega t) on the wet shell, the paper's stand-in for waves."""
+
+    amplitude: float  # P [Pa]
+    omega: float  # [rad/s]
+
+
+def assumed_pressure_plant(
+    shell: DeformedShell, pto: LinearPto, load: AssumedPressure, density: float, gravity: float, motions: FloatArray
+) -> Plant:
+    """Return the paper's scene of one design: static and assumed pressure on the instantaneous wet shell, no radiation.
+
+    Parameters
+    ----------
+    shell : DeformedShell
+        The shell about which stiff forces are linearised; undeformed.
+    pto : LinearPto
+    load : AssumedPressure
+    density, gravity : float
+        Of the water [kg/m^3], [m/s^2].
+    motions : ndarray, shape (dof, free)
+    """
+    basis = shell.basis
+    tangent = shell.hydrostatic_stiffness(density, gravity)
+    wet = WetShell(basis, shell.centre_height)
+    forces: dict[str, Force] = {
+        "water": WaterPressure(wet, density * gravity, load.amplitude, load.omega, tangent),
+        "weight": Weight(-gravity * basis.inertia[0]),
+    }
+    if pto.damping:
+        forces["pto"] = Damper(pto.matrix(len(basis.labels)))
+    forces |= _shell_forces(basis, motions)
+    return Plant(basis.labels, basis.inertia, forces, motions)
+
+
+def _shell_forces(basis: ModeBasis, motions: FloatArray) -> dict[str, Force]:
+    """Elastic force and structural damping of a flexible design; a rigid one has none."""
+    if motions.shape[1] < 2:
+        return {}
+    damping: dict[str, Force] = {"structural_damping": Damper(basis.damping)} if basis.damping.any() else {}
+    return {"elastic": Spring(basis.stiffness), **damping}

@@ -21,10 +21,12 @@ def check_before_run(study: Study, plan: StudyPlan) -> None:
     ------
     ConfigError, DatabaseError
     """
-    plan.check_waves()
     basis = study_basis(study)
     for design in study.designs:
         design_motions(study, basis, design)
+    if not study.needs_bem:
+        return
+    plan.check_waves()
     if Path(plan.database_path).exists():
         database.load_database(plan.database_path, content_id(plan.database))
     blocks = [plan.block_path(block) for block in plan.sweep_blocks + plan.tabulated_blocks]
@@ -36,17 +38,10 @@ def check_before_run(study: Study, plan: StudyPlan) -> None:
 def summary(study: Study, plan: StudyPlan) -> list[str]:
     """Return the lines `vsb check` prints: what would be computed, at what cost, and the validity known beforehand."""
     check_before_run(study, plan)
-    blocks = plan.sweep_blocks + plan.tabulated_blocks
-    todo = [block for block in blocks if not Path(plan.block_path(block)).exists()]
-    rows = [block["mesh"]["rows"] + block["mesh"]["lid_rows"] for block in todo for _ in block["omega"]]
-    seconds = SECONDS_PER_PANEL_ROW2 * sum(row**2 for row in rows)
     lines = [
         f"study        {study.study}: {', '.join(study.designs)} in {', '.join(wave.label for wave in study.waves)}",
         f"modes        {len(plan.mode_labels)} shell modes ({study.modes.basis}, degree {study.modes.degree})",
-        f"hydro        {sum(len(block['omega']) for block in blocks)} frequencies up to {study.hydro.omega_max:g} "
-        f"rad/s, {blocks[-1]['mesh']['rows']} rows of {blocks[-1]['mesh']['azimuth']} panels",
-        f"BEM jobs     {len(todo)} of {len(blocks)} to do, about {seconds:.0f} s on one core",
-        f"database     {plan.database_path}" + (" (there)" if Path(plan.database_path).exists() else ""),
+        *(_bem_lines(study, plan) if study.needs_bem else ["hydro        assumed pressure: no BEM"]),
     ]
     checks = compare.shell_checks(study, study_basis(study))
     for wave in study.waves:
@@ -54,6 +49,20 @@ def summary(study: Study, plan: StudyPlan) -> list[str]:
     return lines + [
         f"{check.verdict:12} {check.name} = {check.value:.3g} (limit {check.limit:g}): {check.explanation}"
         for check in checks
+    ]
+
+
+def _bem_lines(study: Study, plan: StudyPlan) -> list[str]:
+    """What BEM would do, and how long it would take."""
+    blocks = plan.sweep_blocks + plan.tabulated_blocks
+    todo = [block for block in blocks if not Path(plan.block_path(block)).exists()]
+    rows = [block["mesh"]["rows"] + block["mesh"]["lid_rows"] for block in todo for _ in block["omega"]]
+    seconds = SECONDS_PER_PANEL_ROW2 * sum(row**2 for row in rows)
+    return [
+        f"hydro        {sum(len(block['omega']) for block in blocks)} frequencies up to {study.hydro.omega_max:g} "
+        f"rad/s, {blocks[-1]['mesh']['rows']} rows of {blocks[-1]['mesh']['azimuth']} panels",
+        f"BEM jobs     {len(todo)} of {len(blocks)} to do, about {seconds:.0f} s on one core",
+        f"database     {plan.database_path}" + (" (there)" if Path(plan.database_path).exists() else ""),
     ]
 
 

@@ -19,6 +19,9 @@ CAPTIONS = {
     "heave_excitation": "Heave and the heave component of the excitation force.",
     "velocity_pto": "Heave velocity and power take-off force.",
     "power_energy": "Instantaneous absorbed power, and absorbed energy since the start.",
+    "extreme_shapes": "Shells of all designs at their least height from pole to pole, displacement magnified.",
+    "shapes_3d": "The free shell at the start and at its most oblate and most prolate, displacement magnified.",
+    "volume_area": "Volume enclosed by the shell and its surface area.",
     "energy_audit": "Where the work of the wave went, start-up transient included.",
     "snapshots": "The buoys in the wave over its last period (dotted: undeformed).",
 }
@@ -52,10 +55,21 @@ class Report:
     seas: dict[str, str]  # wave label -> the sea in words
     rows: Sequence[dict[str, Any]]  # comparison table
     checks: Sequence[dict[str, Any]]  # validity ledger
-    response: xr.Dataset
+    response: xr.Dataset | None  # none without BEM
     reference: str | None
     figures: dict[str, str]  # name -> SVG
     facts: dict[str, str]  # how it was made
+
+
+PUBLISHED = {
+    "displacement_pp": ("displacement", "m peak to peak", 1.0),
+    "velocity_pp": ("velocity", "m/s peak to peak", 1.0),
+    "pto_force_pp": ("control force", "N peak to peak", 1.0),
+    "power_peak": ("peak power", "W", 1.0),
+    "power_mean": ("mean power", "W", 1.0),
+    "energy": ("energy of the run", "kJ", 1e-3),
+}
+"""Measures that may be published elsewhere: name, unit as printed, factor to it."""
 
 
 def winning_bands(omega: FloatArray, gain: FloatArray, threshold: float = 100 * _MARGIN) -> list[Band]:
@@ -90,6 +104,8 @@ def band_statements(response: xr.Dataset, reference: str | None) -> list[str]:
         return ["No rigid design is part of this study, so no gain can be given."]
     if not float(response.absorbed_power.max()) > 0:
         return ["No design absorbs power: the study has no power take-off damping."]
+    if response.sizes["design"] < 2:
+        return [f"{reference} is the only design of this study, so there is no gain to give."]
     power = _useful(response)
     omega, base = power.omega.values, power.sel(design=reference).values
     statements = []
@@ -116,23 +132,25 @@ def sea_statements(rows: Sequence[dict[str, Any]], reference: str | None, seas: 
     statements = []
     for wave in dict.fromkeys(row["wave"] for row in rows):
         sea = [row for row in rows if row["wave"] == wave]
-        best = max(sea, key=lambda row: float(row["power_mean"]))
-        if float(best["power_mean"]) <= 0:
+        still = wave == "still"  # nothing comes in: what counts is the run
+        key, scale, unit = ("energy", 1e-3, "kJ from the start") if still else ("power_mean", 1.0, "W on average")
+        best = max(sea, key=lambda row: float(row[key]))
+        if float(best[key]) <= 0:
             statements.append(f"In {seas[wave]}, no design absorbs power on average.")
             continue
-        rigid = "the rigid " if best["design"] == reference else ""
-        text = f"In {seas[wave]}, {rigid}{best['design']} absorbs most: {float(best['power_mean']):.4g} W on average"
+        rigid, most = "the rigid " if best["design"] == reference else "", " most" if len(sea) > 1 else ""
+        text = f"In {seas[wave]}, {rigid}{best['design']} absorbs{most}: {scale * float(best[key]):.4g} {unit}"
         base = next((row for row in sea if row["design"] == reference), None)
-        statements.append(text + (_against(sea, base) if base is not None else "") + ".")
+        statements.append(text + (_against(sea, base, key) if base is not None else "") + ".")
     return statements
 
 
-def _against(sea: Sequence[dict[str, Any]], base: dict[str, Any]) -> str:
+def _against(sea: Sequence[dict[str, Any]], base: dict[str, Any], key: str) -> str:
     """How the other designs stand against the reference in one sea, in brackets."""
-    power = float(base["power_mean"])
+    power = float(base[key])
     if power <= 0 or len(sea) < 2:
         return ""
-    gains = (f"{row['design']} {100 * (float(row['power_mean']) / power - 1):+.1f} %" for row in sea if row is not base)
+    gains = (f"{row['design']} {100 * (float(row[key]) / power - 1):+.1f} %" for row in sea if row is not base)
     return f" (against {base['design']}: {', '.join(gains)})"
 
 
@@ -161,6 +179,22 @@ def table(rows: Sequence[dict[str, Any]]) -> tuple[list[str], list[list[str]]]:
     return ["design", "sea", *(label for _, label, _, _ in MEASURES)], body
 
 
+def published_table(study: dict[str, Any], rows: Sequence[dict[str, Any]]) -> list[list[str]]:
+    """Return lines of design, sea, measure, published figure, ours, difference; none if nothing is published."""
+    lines = []
+    published = (study["published"] or {"values": {}})["values"]
+    for row in (row for row in rows if row["design"] in published):
+        values = {**row, "pto_force_pp": study["pto"]["damping"] * float(row["velocity_pp"])}
+        for key, (name, unit, factor) in PUBLISHED.items():
+            if (theirs := published[row["design"]].get(key)) is None:
+                continue
+            ours = float(values[key])
+            difference = f"{100 * (ours / theirs - 1):+.1f} %" if theirs else "-"
+            cells = (f"{theirs * factor:.5g}", f"{ours * factor:.5g}", difference)
+            lines.append([row["design"], row["wave"], f"{name} [{unit}]", *cells])
+    return lines
+
+
 def render(report: Report) -> str:
     """Return the report as one HTML page with everything inside."""
     environment = jinja2.Environment(
@@ -179,7 +213,9 @@ def render(report: Report) -> str:
     return environment.get_template("report.html.j2").render(
         study=report.study["study"],
         seas=sea_statements(report.rows, report.reference, report.seas),
-        bands=band_statements(report.response, report.reference),
+        bands=band_statements(report.response, report.reference) if report.response is not None else [],
+        published=published_table(report.study, report.rows),
+        source=(report.study["published"] or {"source": ""})["source"],
         warnings=warnings(report.checks),
         doubts=sum(check["verdict"] == "doubt" for check in report.checks),
         head=head,

@@ -4,18 +4,17 @@ The Snakefile builds its graph from this module alone, so a dry run shows the tr
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from importlib.metadata import version
 from typing import Any
 
-from vsb.config import RegularWave, Study, Wave, content_id
+from vsb.config import RegularWave, Study, Wave, content_id, parse
 from vsb.errors import ConfigError
 
 Spec = dict[str, Any]
 
-PHYSICS = {"mesh": 1, "bem": 2, "database": 1, "radiation": 1, "response": 1, "simulate": 1, "compare": 2}
+PHYSICS = {"mesh": 1, "bem": 2, "database": 1, "radiation": 1, "response": 1, "simulate": 2, "compare": 3}
 """Hand-bumped version of the physics behind each stage: a library edit alone never reruns anything."""
 
 BLOCK = 32
@@ -66,13 +65,21 @@ def wave_rows(radius: float, wavelength: float) -> int:
     return 2 * math.ceil(ROWS_PER_HALF_WAVE / passed / 2)
 
 
-FIGURES_PER_STUDY = ("absorbed_power", "mode_shapes", "added_mass_damping", "radiation_kernel")
 FIGURES_PER_WAVE = ("heave_excitation", "velocity_pto", "power_energy", "energy_audit", "snapshots")
+FIGURES_OF_THE_SHELL = ("extreme_shapes", "shapes_3d", "volume_area")
 
 
-def figure_names(waves: Sequence[str]) -> list[str]:
-    """Return the names of all figures of a study with these wave labels."""
-    return [*FIGURES_PER_STUDY, *(f"{name}-{wave}" for wave in waves for name in FIGURES_PER_WAVE)]
+def figure_names(study: Study) -> list[str]:
+    """Return the names of all figures of a study."""
+    of_bem = ("absorbed_power", "mode_shapes", "added_mass_damping", "radiation_kernel")
+    names = of_bem if study.needs_bem else ("mode_shapes",)
+    per_wave = (*FIGURES_PER_WAVE, *(FIGURES_OF_THE_SHELL if study.flexible else ()))
+    return [*names, *(f"{name}-{wave.label}" for wave in study.waves for name in per_wave)]
+
+
+def options(files: dict[str, str]) -> str:
+    """Return command-line options that name files; file names of this project need no quotes."""
+    return " ".join(f"--{name} {path}" for name, path in files.items())
 
 
 @dataclass(frozen=True)
@@ -81,6 +88,12 @@ class StudyPlan:
 
     study: Study
     root: str = "results"
+
+    @classmethod
+    def of(cls, raw: Spec) -> "StudyPlan":
+        """Return the plan of a study given as nested mappings, with the results folder, if not `results`, as `root`."""
+        study = parse({key: value for key, value in raw.items() if key != "root"}, source="study file")
+        return cls(study, root=raw.get("root", "results"))
 
     def resolution(self, omega: float) -> Spec:
         """Panel rows, azimuthal panels and lid rows for frequencies up to omega [rad/s].
@@ -259,8 +272,9 @@ class StudyPlan:
     def simulation(self, design: str, wave: Wave) -> Spec:
         """Spec of one time-domain run."""
         sections = self.stage("simulate", "device", "modes", "water", "pto", "simulation")
+        hydro = {key: getattr(self.study.hydro, key) for key in ("model", "pressure", "omega_max")}
         chosen = {"designs": {design: self.study.designs[design].model_dump()}, "waves": [wave.model_dump()]}
-        return {**sections, **chosen, "omega_max": self.study.hydro.omega_max}
+        return {**sections, **chosen, "hydro": hydro}
 
     @property
     def comparison(self) -> Spec:
@@ -310,14 +324,31 @@ class StudyPlan:
     def products(self) -> list[str]:
         """All files a run of the study promises."""
         waves = [wave.label for wave in self.study.waves]
-        names = ["report.html", "comparison.csv", "validity.json", "study.json", "response.nc", "modes.nc"]
+        names = ["report.html", "comparison.csv", "validity.json", "study.json", "modes.nc"]
         return [
             *(f"{self.folder}/{name}" for name in names),
-            *(f"{self.folder}/figures/{name}.svg" for name in figure_names(waves)),
+            *(f"{self.folder}/figures/{name}.svg" for name in figure_names(self.study)),
             *(self.trajectory_path(design, wave) for wave in waves for design in self.study.designs),
-            *(self.database_path, self.radiation_path),
+            *self.hydro_files.values(),
+            *self.response_files.values(),
             *self.display_paths,
         ]
+
+    @property
+    def hydro_files(self) -> dict[str, str]:
+        """Hydrodynamic files the time domain reads, by the option that names them; none without BEM."""
+        return {"database": self.database_path, "radiation": self.radiation_path} if self.study.needs_bem else {}
+
+    @property
+    def response_files(self) -> dict[str, str]:
+        """The frequency response, by the option that names it; none without BEM."""
+        return {"response": f"{self.folder}/response.nc"} if self.study.needs_bem else {}
+
+    @property
+    def bem_blocks(self) -> dict[str, Spec]:
+        """All BEM jobs of the study by content id; none without BEM."""
+        blocks = [*self.sweep_blocks, *self.tabulated_blocks] if self.study.needs_bem else []
+        return {content_id(block): block for block in blocks}
 
     @property
     def mode_labels(self) -> tuple[str, ...]:

@@ -122,3 +122,26 @@ class DeformedShell:
         jacobian = 2 * np.pi * density * gravity * self._wet_integral(integrand, points)
         dof = len(self.basis.labels)
         return -np.broadcast_to(jacobian, (dof, dof)).copy()
+
+
+def enclosed(basis: ModeBasis, amplitudes: FloatArray, points: int = 0) -> tuple[FloatArray, FloatArray]:
+    """Return the volume the whole shell encloses [m^3] and its surface area [m^2] along a motion.
+
+    Parameters
+    ----------
+    basis : ModeBasis
+    amplitudes : ndarray, shape (time, dof) [m]
+        Heave and modal amplitudes; heave is without effect.
+    points : int
+        Of the quadrature; by default enough for the volume to be exact.
+
+    Returns
+    -------
+    volume, area : ndarray, shape (time,)
+        -int pi x^2 dz and int 2 pi x ds over the deformed meridian.
+    """
+    node, weight = np.polynomial.legendre.leggauss(points or 4 * basis.highest_degree + 24)
+    m = DeformedShell(basis, 0.0).meridian(np.arccos(node))
+    weight = weight / np.sqrt(1 - node**2)
+    x, dx, dz = m.x + amplitudes @ m.shape_x, m.dx + amplitudes @ m.dshape_x, m.dz + amplitudes @ m.dshape_z
+    return -np.pi * (x**2 * dz) @ weight, 2 * np.pi * (x * np.hypot(dx, dz)) @ weight

@@ -5,9 +5,10 @@ import xarray as xr
 from scipy.integrate import cumulative_simpson
 
 from vsb.config import Simulation
+from vsb.exponential import integrate
 from vsb.integrate import Motion, convolve, propagate
 from vsb.kernel import DampingSpectrum
-from vsb.plant import Damper, Excitation, Plant, Spring
+from vsb.plant import Damper, Excitation, Plant, Spring, WaterPressure, Weight
 from vsb.units import FloatArray
 from vsb.waves import Sea
 
@@ -28,6 +29,10 @@ def forces(plant: Plant, motion: Motion) -> dict[str, FloatArray]:
             out[name] = -q @ force.stiffness.T
         elif isinstance(force, Damper):
             out[name] = -v @ force.damping.T
+        elif isinstance(force, Weight):
+            out[name] = np.broadcast_to(force.force, q.shape)
+        elif isinstance(force, WaterPressure):
+            out |= _water_forces(force, motion.time, q)
         elif isinstance(force, Excitation):
             out[name] = np.real(np.exp(-1j * np.outer(motion.time, force.omega)) @ force.force)
         elif motion.memory.size:
@@ -35,6 +40,15 @@ def forces(plant: Plant, motion: Motion) -> dict[str, FloatArray]:
     if "radiation" in plant.forces and "radiation" not in out:
         inertia = motion.acceleration @ plant.motions.T @ plant.mass.T
         out["radiation"] = inertia - sum(out.values(), np.zeros_like(q))
+    return out
+
+
+def _water_forces(water: WaterPressure, time: FloatArray, q: FloatArray) -> dict[str, FloatArray]:
+    """Hydrostatic force and, where there is one, the force of the assumed pressure, each shape (time, dof) [N]."""
+    static, uniform, _ = water.shell.forces(q)
+    out = {"hydrostatic": water.specific_weight * static}
+    if water.amplitude:
+        out["excitation"] = water.amplitude * np.cos(water.omega * time)[:, None] * uniform
     return out
 
 
@@ -54,6 +68,10 @@ def energies(plant: Plant, motion: Motion) -> dict[str, FloatArray]:
     for force in plant.forces.values():
         if isinstance(force, Spring):
             stored = stored + 0.5 * np.einsum("ti,ij,tj->t", q, force.stiffness, q)
+        elif isinstance(force, Weight):
+            stored = stored - q @ force.force
+        elif isinstance(force, WaterPressure):
+            stored = stored - force.specific_weight * force.shell.forces(q)[2]
     if plant.memory is not None and motion.memory.size:
         radiated = _integral(0.5 * (motion.memory @ plant.memory.channel) ** 2, motion.time)
         stored = stored + 0.5 * np.sum(motion.memory**2, axis=1)
@@ -83,10 +101,10 @@ def residual(energy: dict[str, FloatArray]) -> float:
     return float(np.abs(unbalanced).max() / largest) if largest else 0.0
 
 
-def labelled(plant: Plant, motion: Motion, sea: Sea, design: str, wave: str, stride: int) -> xr.Dataset:
+def labelled(plant: Plant, motion: Motion, sea: Sea | None, design: str, wave: str, stride: int) -> xr.Dataset:
     """Return a run as a dataset, every `stride`-th instant, with the audit of all instants.
 
-    A rigid design carries heave alone, a flexible one heave and all shell modes.
+    A rigid design carries heave alone, a flexible one heave and all shell modes; an assumed pressure has no elevation.
     """
     flexible = plant.motions.shape[1] > 1
     labels = list(plant.labels if flexible else plant.labels[:1])
@@ -95,44 +113,60 @@ def labelled(plant: Plant, motion: Motion, sea: Sea, design: str, wave: str, str
     kept = slice(None, None, stride)
     series: dict[str, FloatArray] = {"position": motion.position @ motions.T, "velocity": motion.velocity @ motions.T}
     series |= {name: force[:, : len(labels)] for name, force in forces(plant, motion).items()}
-    return xr.Dataset(
+    run = xr.Dataset(
         {
             **{name: (("time", "dof"), values[kept]) for name, values in series.items()},
-            "elevation": ("time", sea.elevation(motion.time[kept])),
             "energy": (("time", "term"), np.stack([energy[term][kept] for term in TERMS], axis=1)),
         },
         coords={"time": motion.time[kept], "dof": labels, "term": list(TERMS)},
         attrs={"design": design, "wave": wave, "energy_residual": residual(energy), "status": "completed"},
     )
+    return run.assign(elevation=("time", sea.elevation(motion.time[kept]))) if sea else run
 
 
-def simulate(plant: Plant, sea: Sea, spectrum: DampingSpectrum, settings: Simulation) -> tuple[Motion, int]:
-    """Return the motion of a scene, sampled finely enough for its energy audit, and the stride of a readable record.
+def simulate(plant: Plant, sea: Sea, settings: Simulation, spectrum: DampingSpectrum | None) -> tuple[Motion, int, str]:
+    """Return the motion of a scene, sampled finely enough for its energy audit.
 
     Parameters
     ----------
     plant : Plant
     sea : Sea
-    spectrum : DampingSpectrum
-        Only the convolution reads it.
     settings : Simulation
-        Duration, initial heave and velocity, method, tolerance: sampling is halved until the audit closes to it. The
-        exact method has no step error, so this sharpens the audit's integrals, not the motion; for the convolution it
-        is the step.
+        Duration, initial heave and velocity, method, tolerance: sampling is halved until the audit closes to it. This
+        sharpens the audit's integrals, not the motion; only for the convolution it is the step.
+    spectrum : DampingSpectrum or None
+        Only the convolution reads it.
+
+    Returns
+    -------
+    motion : Motion
+    stride : int
+        Every how many instants make a readable record.
+    method : str
+        In words.
     """
     recorded = _recorded_steps(plant, sea, settings)
-    start = plant.start(settings.initial_position, settings.initial_velocity)
+    enough = max(settings.tolerance, 1e-4 if settings.method == "convolution" else 0.0)
     for halving in range(_FINEST + 1):
         stride = 2**halving
         time = np.linspace(0.0, settings.duration, recorded * stride + 1)
-        if settings.method == "convolution":
-            motion = convolve(plant, spectrum, time, start)
-        else:
-            motion = propagate(plant, time, start)
-        enough = max(settings.tolerance, 1e-4 if settings.method == "convolution" else 0.0)
+        motion, method = _motion(plant, time, settings, spectrum)
         if residual(energies(plant, motion)) <= enough:
             break
-    return motion, stride
+    return motion, stride, method
+
+
+def _motion(
+    plant: Plant, time: FloatArray, settings: Simulation, spectrum: DampingSpectrum | None
+) -> tuple[Motion, str]:
+    """The motion by the method that suits the scene, and its name."""
+    start = plant.start(settings.initial_position, settings.initial_velocity)
+    if plant.water:
+        motion, steps = integrate(plant, time, start, settings.tolerance)
+        return motion, f"exponential collocation, {steps} steps"
+    if settings.method == "convolution" and spectrum is not None:
+        return convolve(plant, spectrum, time, start), "convolution"
+    return propagate(plant, time, start), "exact propagation"
 
 
 def _recorded_steps(plant: Plant, sea: Sea, settings: Simulation) -> int:
@@ -140,7 +174,9 @@ def _recorded_steps(plant: Plant, sea: Sea, settings: Simulation) -> int:
     if sea.omega.size:
         strong = sea.omega[np.abs(sea.amplitude) > 0.05 * np.abs(sea.amplitude).max()]
         omega = float(strong.max())
+    elif plant.water and plant.water.amplitude:
+        omega = plant.water.omega
     else:
-        stiffness, mass = plant.total(Spring)[0, 0], (plant.motions.T @ plant.mass @ plant.motions)[0, 0]
-        omega = float(np.sqrt(max(stiffness, 0.0) / mass)) or 1.0
+        springs = plant.total(Spring)[0, 0] + (plant.water.tangent[0, 0] if plant.water else 0.0)
+        omega = float(np.sqrt(max(springs, 0.0) / (plant.motions.T @ plant.mass @ plant.motions)[0, 0])) or 1.0
     return int(np.ceil(200 * omega / (2 * np.pi) * settings.duration))

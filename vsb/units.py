@@ -75,11 +75,14 @@ ATTRS: dict[str, Quantity] = {
     "velocity": Quantity(_MOTION, "m/s", "rates of heave and modal amplitudes"),
     "excitation": Quantity(_MOTION, "N", "wave excitation force"),
     "pto": Quantity(_MOTION, "N", "power take-off force"),
-    "hydrostatic": Quantity(_MOTION, "N", "hydrostatic restoring force"),
+    "hydrostatic": Quantity(_MOTION, "N", "hydrostatic force"),
+    "weight": Quantity(_MOTION, "N", "weight"),
     "radiation": Quantity(_MOTION, "N", "radiation memory force"),
     "elastic": Quantity(_MOTION, "N", "elastic force of the shell"),
     "structural_damping": Quantity(_MOTION, "N", "structural damping force"),
     "elevation": Quantity(("time",), "m", "undisturbed wave elevation at the buoy's axis"),
+    "volume": Quantity(("time",), "m^3", "volume the shell encloses"),
+    "area": Quantity(("time",), "m^2", "surface area of the shell"),
     "energy": Quantity(("time", "term"), "J", "energy since the start"),
 }
 

@@ -76,6 +76,10 @@ class Sea:
         return float(np.sum(power_per_squared_amplitude * np.abs(self.amplitude) ** 2))
 
 
+NO_WAVES = Sea(np.zeros(0), np.zeros(0, dtype=complex))
+"""Still water."""
+
+
 def regular(wave: RegularWave) -> Sea:
     """Return a regular wave, crest at the axis at t = 0."""
     return Sea(np.array([wave.omega]), np.array([complex(wave.amplitude)]))
@@ -102,4 +106,4 @@ def sea(wave: StillWater | RegularWave | Jonswap, omega_max: float, duration: fl
         return regular(wave)
     if isinstance(wave, Jonswap):
         return irregular(wave, omega_max, duration)
-    return Sea(np.zeros(0), np.zeros(0, dtype=complex))
+    return NO_WAVES

@@ -4,11 +4,13 @@ TRAJECTORIES = [
 ]
 
 
+HYDRO = options({**PLAN.hydro_files, **PLAN.response_files})
+
+
 rule compare:
     input:
-        database=PLAN.database_path,
-        radiation=PLAN.radiation_path,
-        response=f"{PLAN.folder}/response.nc",
+        **PLAN.hydro_files,
+        **PLAN.response_files,
         trajectories=TRAJECTORIES,
     output:
         table=f"{PLAN.folder}/comparison.csv",
@@ -20,7 +22,8 @@ rule compare:
         "../envs/vsb.yaml"
     params:
         spec=canonical(PLAN.comparison),
+        hydro=HYDRO,
     shell:
-        "vsb compare --spec {params.spec:q} --database {input.database} --radiation {input.radiation}"
-        " --response {input.response} --out {output.table} --validity {output.validity} --study {output.study}"
+        "vsb compare --spec {params.spec:q} {params.hydro}"
+        " --out {output.table} --validity {output.validity} --study {output.study}"
         " {input.trajectories} > {log} 2>&1"

@@ -1,15 +1,14 @@
 # Figures and the self-contained report.
 import os
 
-FIGURES = [f"{PLAN.folder}/figures/{name}.svg" for name in figure_names(list(WAVES))]
+FIGURES = [f"{PLAN.folder}/figures/{name}.svg" for name in figure_names(STUDY)]
 
 
 rule figures:
     input:
+        **PLAN.hydro_files,
+        **PLAN.response_files,
         modes=f"{PLAN.folder}/modes.nc",
-        database=PLAN.database_path,
-        radiation=PLAN.radiation_path,
-        response=f"{PLAN.folder}/response.nc",
         study=f"{PLAN.folder}/study.json",
         trajectories=TRAJECTORIES,
     output:
@@ -20,20 +19,19 @@ rule figures:
         "../envs/vsb.yaml"
     params:
         folder=subpath(output[0], parent=True),
+        hydro=HYDRO,
     shell:
-        "vsb figures --study {input.study} --modes {input.modes} --database {input.database}"
-        " --radiation {input.radiation} --response {input.response} --out {params.folder}"
+        "vsb figures --study {input.study} --modes {input.modes} {params.hydro} --out {params.folder}"
         " {input.trajectories} > {log} 2>&1"
 
 
 rule report:
     input:
+        **PLAN.hydro_files,
+        **PLAN.response_files,
         study=f"{PLAN.folder}/study.json",
         table=f"{PLAN.folder}/comparison.csv",
         validity=f"{PLAN.folder}/validity.json",
-        response=f"{PLAN.folder}/response.nc",
-        database=PLAN.database_path,
-        radiation=PLAN.radiation_path,
         trajectories=TRAJECTORIES,
         figures=FIGURES,
     output:
@@ -44,7 +42,7 @@ rule report:
         "../envs/vsb.yaml"
     params:
         figures=lambda wildcards, input: os.path.dirname(input.figures[0]),
+        hydro=HYDRO,
     shell:
-        "vsb report --study {input.study} --table {input.table} --validity {input.validity}"
-        " --response {input.response} --database {input.database} --radiation {input.radiation}"
+        "vsb report --study {input.study} --table {input.table} --validity {input.validity} {params.hydro}"
         " --figures {params.figures} --out {output} {input.trajectories} > {log} 2>&1"

@@ -1,4 +1,4 @@
-# Green-function table, BEM blocks on an absolute frequency grid, hydro database, radiation model.
+# Green-function table, BEM blocks on an absolute frequency grid, hydro database, radiation model, response.
 
 
 rule green:
@@ -72,3 +72,18 @@ rule radiation:
         spec=canonical(PLAN.radiation),
     shell:
         "vsb radiation --spec {params.spec:q} --database {input} --out {output} > {log} 2>&1"
+
+
+rule response:
+    input:
+        PLAN.database_path,
+    output:
+        f"{PLAN.folder}/response.nc",
+    log:
+        f"{ROOT}/logs/response/{STUDY.study}.log",
+    conda:
+        "../envs/vsb.yaml"
+    params:
+        spec=canonical(PLAN.response),
+    shell:
+        "vsb response --spec {params.spec:q} --database {input} --out {output} > {log} 2>&1"

@@ -1,25 +1,9 @@
-# Frequency response of all designs, and one time-domain run per design and sea.
-
-
-rule response:
-    input:
-        PLAN.database_path,
-    output:
-        f"{PLAN.folder}/response.nc",
-    log:
-        f"{ROOT}/logs/response/{STUDY.study}.log",
-    conda:
-        "../envs/vsb.yaml"
-    params:
-        spec=canonical(PLAN.response),
-    shell:
-        "vsb response --spec {params.spec:q} --database {input} --out {output} > {log} 2>&1"
+# One time-domain run per design and sea.
 
 
 rule simulate:
     input:
-        database=PLAN.database_path,
-        radiation=PLAN.radiation_path,
+        **PLAN.hydro_files,
     output:
         PLAN.trajectory_path("{design}", "{wave}"),
     log:
@@ -35,6 +19,6 @@ rule simulate:
         spec=lambda wildcards: canonical(
             PLAN.simulation(wildcards.design, WAVES[wildcards.wave])
         ),
+        hydro=options(PLAN.hydro_files),
     shell:
-        "vsb simulate --spec {params.spec:q} --database {input.database} --radiation {input.radiation}"
-        " --out {output} > {log} 2>&1"
+        "vsb simulate --spec {params.spec:q} {params.hydro} --out {output} > {log} 2>&1"

@@ -1,0 +1,118 @@
+"""Drawing surface of all figures: what they are drawn from, the style of a design, axes, legends, time series.
+
+The same design always has the same colour and line style.
+"""
+
+import math
+import textwrap
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+WIDTH = 6.3
+"""Width of a figure [inch]: a page of text."""
+# Okabe & Ito's colour-blind-safe palette; the paper's designs first, others in the order of the study.
+STYLES = {
+    "FSB": ("#000000", "-"),
+    "VSWEC": ("#D55E00", "-"),
+    "VSWEC0": ("#0072B2", "--"),
+    "VSWEC90": ("#009E73", "-."),
+}
+SPARE = (("#CC79A7", "-"), ("#E69F00", "--"), ("#56B4E9", "-."), ("#999999", ":"))
+
+
+@dataclass(frozen=True)
+class StudyData:
+    """What the figures of a study are drawn from."""
+
+    designs: tuple[str, ...]
+    reference: str | None  # the rigid design gains are measured against
+    wave_frequencies: tuple[float, ...]  # of the study's seas [rad/s]
+    periods: dict[str, float]  # wave label -> period [s]
+    window: tuple[float, float]  # [s]
+    modes: xr.Dataset
+    database: xr.Dataset  # this and the next two are empty without BEM
+    radiation: xr.Dataset
+    response: xr.Dataset
+    runs: dict[tuple[str, str], xr.Dataset]  # (design, wave label) -> trajectory
+
+
+def style(design: str, designs: Sequence[str]) -> dict[str, Any]:
+    """Return colour, line style and label of a design: fixed for the paper's, by order in the study for others."""
+    others = [name for name in designs if name not in STYLES]
+    if design in STYLES:
+        colour, line = STYLES[design]
+    else:  # after each round of colours the line styles move on by one
+        turn, index = divmod(others.index(design), len(SPARE))
+        colour, line = SPARE[index][0], SPARE[(index + turn) % len(SPARE)][1]
+    return {"color": colour, "linestyle": line, "label": design}
+
+
+def grid_of_axes(height: float, rows: int = 1, columns: int = 1, **options: Any) -> tuple[Figure, np.ndarray]:
+    """A figure of page width with a grid of axes, always a 2-D array of them."""
+    mpl.rcParams.update({
+        "font.size": 9, "axes.grid": True, "grid.alpha": 0.3, "lines.linewidth": 1.3, "svg.hashsalt": "vsb",
+        "axes.spines.top": False, "axes.spines.right": False, "legend.frameon": False, "font.family": "DejaVu Sans",
+    })  # fmt: skip
+    figure = Figure(figsize=(WIDTH, height), layout="constrained")
+    return figure, figure.subplots(rows, columns, squeeze=False, **options)
+
+
+def legend_above(figure: Figure, axes: Axes) -> None:
+    """One legend for all axes, above them, where it covers no data."""
+    handles, labels = axes.get_legend_handles_labels()
+    columns = min(len(labels), max(1, int(80 / (6 + max(map(len, labels))))))
+    figure.legend(handles, labels, loc="outside upper center", ncols=columns, fontsize=8)
+    figure.set_figheight(figure.get_figheight() + 0.17 * (math.ceil(len(labels) / columns) - 1))
+
+
+def note(ax: Axes, text: str) -> None:
+    """Say why axes are empty, without numbers that mean nothing."""
+    ax.text(0.5, 0.5, text, transform=ax.transAxes, ha="center")
+    ax.set_yticks([])
+    ax.grid(visible=False)
+
+
+def zero_axis(ax: Axes) -> None:
+    """One tick where all data are zero, instead of a scale made up around it."""
+    if not any(np.any(np.asarray(line.get_ydata(), dtype=float)) for line in ax.get_lines()):
+        ax.set_yticks([0.0])
+
+
+def folded(name: str, width: int = 16) -> str:
+    """A long name on several lines."""
+    return "\n".join(textwrap.wrap(name, width))
+
+
+def panels(
+    data: StudyData, wave: str, quantities: Sequence[tuple[str, Callable[[xr.Dataset], xr.DataArray]]]
+) -> Figure:
+    """Draw time series of all designs in the window, one panel per quantity."""
+    figure, axes = grid_of_axes(1.0 + 1.9 * len(quantities), len(quantities), 1, sharex=True)
+    window = shown_window(data, wave)
+    for ax, (label, quantity) in zip(axes[:, 0], quantities, strict=True):
+        for design in data.designs:
+            run = data.runs[design, wave].sel(time=slice(*window))
+            ax.plot(run.time, quantity(run), **style(design, data.designs))
+        ax.set_ylabel(label)
+        zero_axis(ax)
+    axes[-1, 0].set(xlabel="time [s]", xlim=window)
+    legend_above(figure, axes[0, 0])
+    return figure
+
+
+def shown_window(data: StudyData, wave: str) -> tuple[float, float]:
+    """The study's window; the whole run in still water, where the motion is over by then."""
+    time = data.runs[data.designs[0], wave].time
+    return (float(time[0]), float(time[-1])) if wave == "still" else data.window
+
+
+def heave_force(run: xr.Dataset, name: str) -> xr.DataArray:
+    """Heave component of a force [kN]; zero where the scene has no such force."""
+    return run[name].isel(dof=0) / 1e3 if name in run else 0.0 * run.velocity.isel(dof=0)

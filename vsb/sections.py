@@ -1,0 +1,235 @@
+"""The sections of a study: device, modes, designs, water, hydrodynamics, seas, simulation; validated and frozen.
+
+Imports nothing heavy: the Snakefile reads a study at every parse.
+"""
+
+import math
+from typing import Annotated, Literal, Self
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
+
+
+def _number(value: object) -> object:
+    """Refuse what pydantic would silently turn into a number (true -> 1.0)."""
+    if isinstance(value, bool):
+        raise ValueError("a number is needed, not true/false")
+    return value
+
+
+Number = Annotated[float, BeforeValidator(_number)]
+Positive = Annotated[Number, Field(gt=0, allow_inf_nan=False)]
+NonNegative = Annotated[Number, Field(ge=0, allow_inf_nan=False)]
+Finite = Annotated[Number, Field(allow_inf_nan=False)]
+Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
+
+
+class Section(BaseModel):
+    """A part of a study: unknown keys are errors, values never change."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class RayleighDamping(Section):
+    """Structural damping D = alpha M + beta K, alpha [1/s], beta [s]."""
+
+    alpha: NonNegative = 0.0
+    beta: NonNegative = 0.0
+
+
+class Device(Section):
+    """Spherical buoy: radius [m], shell thickness [m], E [Pa], nu [-], shell density [kg/m^3], total mass [kg]."""
+
+    radius: Positive
+    thickness: Positive
+    young_modulus: Positive
+    poisson_ratio: Annotated[Number, Field(gt=-1, lt=0.5)]
+    density: Positive
+    mass: Positive
+    internal_pressure: Finite = 0.0
+    damping: RayleighDamping = RayleighDamping()
+
+    @field_validator("internal_pressure")
+    @classmethod
+    def _vented(cls, value: float) -> float:
+        if value:
+            raise ValueError("needs 0 (vented): the prestress of a pressurised shell is not part of the model")
+        return value
+
+    @model_validator(mode="after")
+    def _thin_and_light(self) -> Self:
+        if not self.thickness < 0.1 * self.radius:
+            raise ValueError(
+                f"thickness {self.thickness:g} m: thin-shell theory (C3) needs less than "
+                f"radius/10 = {0.1 * self.radius:g} m"
+            )
+        shell = 4 * math.pi * self.radius**2 * self.thickness * self.density
+        if shell > self.mass:
+            raise ValueError(f"mass {self.mass:g} kg: needs at least the mass of the shell itself, {shell:.6g} kg")
+        return self
+
+
+class Modes(Section):
+    """Ritz basis of the shell: `paper`, `membrane` or `full`, up to Legendre degree `degree`."""
+
+    basis: Literal["paper", "membrane", "full"] = "membrane"
+    degree: Annotated[int, BeforeValidator(_number), Field(ge=0, le=40)] = 6
+
+
+class Design(Section):
+    """One buoy of the comparison: rigid or flexible, clamped at colatitudes [degrees] from the top pole."""
+
+    flexible: bool = True
+    clamp: tuple[Annotated[Number, Field(ge=0, le=180)], ...] = ()
+
+    @field_validator("clamp", mode="before")
+    @classmethod
+    def _one_or_many(cls, value: object) -> object:
+        return value if isinstance(value, list | tuple) else (value,)
+
+    @model_validator(mode="after")
+    def _clamp_needs_a_shell(self) -> Self:
+        if self.clamp and not self.flexible:
+            raise ValueError(
+                f"clamp {list(self.clamp)}: a rigid design (flexible: false) has no shell to clamp; "
+                "remove one of the two"
+            )
+        return self
+
+
+class Water(Section):
+    """Density [kg/m^3], depth [m] (`.inf` for deep water), gravity [m/s^2]."""
+
+    density: Positive = 1025.0
+    depth: Annotated[Number, Field(gt=0)] = math.inf
+    gravity: Positive = 9.81
+
+
+class Hydro(Section):
+    """Hydrodynamic model, tolerance [-], highest frequency solved [rad/s], optional tabulated frequencies [rad/s].
+
+    `linear`: radiation, diffraction and hydrostatics about the mean shape, from BEM. `assumed_pressure`: hydrostatics
+    and a uniform pressure [Pa] of the wave's period on the instantaneous wet shell, no radiation: the paper's loading.
+    """
+
+    model: Literal["linear", "assumed_pressure"] = "linear"
+    pressure: NonNegative | None = None
+    tolerance: Annotated[Number, Field(ge=1e-5, le=0.1)] = 1e-3
+    omega_max: Positive = 12.0
+    omega: tuple[Positive, ...] = ()
+    rows: Annotated[int, BeforeValidator(_number), Field(ge=4, le=160)] | None = None
+    accept: tuple[Name, ...] = ()
+
+    @model_validator(mode="after")
+    def _pressure_where_assumed(self) -> Self:
+        if self.model == "assumed_pressure" and self.pressure is None:
+            raise ValueError("pressure: missing; model assumed_pressure needs its amplitude in Pa")
+        if self.model != "assumed_pressure" and self.pressure is not None:
+            raise ValueError(f"pressure {self.pressure:g} Pa: only model assumed_pressure has one; remove it")
+        return self
+
+    @model_validator(mode="after")
+    def _ascending(self) -> Self:
+        if list(self.omega) != sorted(set(self.omega)):
+            raise ValueError(f"omega {list(self.omega)}: frequencies must ascend without repetition")
+        return self
+
+
+class Pto(Section):
+    """Linear power take-off: damping [N s/m] between the heaving plate and the sea bed."""
+
+    damping: NonNegative = 8000.0
+
+
+class StillWater(Section):
+    """No waves: free decay."""
+
+    kind: Literal["still"]
+
+    @property
+    def label(self) -> str:
+        """Name of the sea in tables and file names."""
+        return "still"
+
+    @property
+    def description(self) -> str:
+        """The sea in words."""
+        return "still water"
+
+
+class RegularWave(Section):
+    """Sine wave: amplitude [m], period [s]."""
+
+    kind: Literal["regular"]
+    amplitude: Positive
+    period: Positive
+
+    @property
+    def label(self) -> str:
+        """Name of the sea in tables and file names."""
+        return f"regular_A{self.amplitude:g}_T{self.period:g}"
+
+    @property
+    def description(self) -> str:
+        """The sea in words."""
+        return f"regular waves of {self.amplitude:g} m amplitude and {self.period:g} s period"
+
+    @property
+    def omega(self) -> float:
+        """Angular frequency [rad/s]."""
+        return 2 * math.pi / self.period
+
+
+class Jonswap(Section):
+    """JONSWAP sea: significant height [m], peak period [s], peakedness [-] (1: Pierson-Moskowitz), random seed."""
+
+    kind: Literal["jonswap"]
+    hs: Positive
+    tp: Positive
+    gamma: Annotated[Number, Field(ge=1, le=10)] = 3.3
+    seed: Annotated[int, BeforeValidator(_number), Field(ge=0)] = 1
+
+    @property
+    def label(self) -> str:
+        """Name of the sea in tables and file names."""
+        return f"jonswap_Hs{self.hs:g}_Tp{self.tp:g}_g{self.gamma:g}_s{self.seed}"
+
+    @property
+    def description(self) -> str:
+        """The sea in words."""
+        return f"a JONSWAP sea of Hs = {self.hs:g} m and Tp = {self.tp:g} s (seed {self.seed})"
+
+    @property
+    def omega(self) -> float:
+        """Peak angular frequency [rad/s]."""
+        return 2 * math.pi / self.tp
+
+
+Wave = Annotated[StillWater | RegularWave | Jonswap, Field(discriminator="kind")]
+
+
+class Simulation(Section):
+    """Time-domain run: duration [s], window of the statistics [s], initial heave [m] and heave velocity [m/s]."""
+
+    duration: Positive = 60.0
+    window: tuple[NonNegative, Positive] = (40.0, 60.0)
+    initial_position: Finite = 0.0
+    initial_velocity: Finite = 0.0
+    tolerance: Annotated[Number, Field(ge=1e-12, le=0.1)] = 1e-6
+    method: Literal["auto", "exact", "convolution", "exponential"] = "auto"
+
+    @model_validator(mode="after")
+    def _window_inside(self) -> Self:
+        start, end = self.window
+        if not start < end <= self.duration:
+            raise ValueError(f"window {list(self.window)}: needs 0 <= start < end <= duration = {self.duration:g} s")
+        return self
+
+
+Measure = Literal["displacement_pp", "velocity_pp", "pto_force_pp", "power_peak", "power_mean", "energy"]
+
+
+class Published(Section):
+    """Figures published elsewhere, printed beside ours: design -> measure -> value, SI units."""
+
+    source: str
+    values: dict[str, dict[Measure, Finite]]
