@@ -14,9 +14,9 @@ from vsb.kernel import DampingSpectrum
 from vsb.modes import study_basis
 from vsb.pto import LinearPto
 from vsb.radiation import fit_radiation
+from vsb.reference import reference_shell
 from vsb.response import LinearBuoy
 from vsb.specs import StudyPlan
-from vsb.surface import DeformedShell
 
 HERE = Path(__file__).parent
 SEED = HERE.parent / "config" / "seed.yaml"
@@ -58,8 +58,15 @@ def solved(green_folder):
         for block in blocks:
             key = canonical(block)
             if key not in cache:
-                mesh = {k: block["mesh"][k] for k in ("radius", "centre_height", "rows", "azimuth", "lid_rows")}
-                cache[key] = bem.solve_block(json.loads(key), meshing.mean_mesh(**mesh), green_folder)
+                mesh = {k: block["mesh"][k] for k in ("rows", "azimuth", "lid_rows")}
+                sphere = study.device.radius, study.centre_height
+                deformed = study.at_equilibrium
+                panels = (
+                    meshing.deformed_mesh(reference_shell(study).shape, **mesh)
+                    if deformed
+                    else meshing.mean_mesh(*sphere, **mesh)
+                )
+                cache[key] = bem.solve_block(json.loads(key), panels, green_folder)
         return database.with_excitation(database.merged_blocks([cache[canonical(block)] for block in blocks]))
 
     return solve
@@ -78,8 +85,7 @@ def buoy_of(solved):
     def build(study: Study) -> LinearBuoy:
         basis = study_basis(study)
         raw = database.with_symmetrized(database.in_modes(solved(study), basis))
-        shell = DeformedShell(basis, study.centre_height)
-        ds = database.with_structure(raw, shell, study.water.density, study.water.gravity)
+        ds = database.with_structure(raw, reference_shell(study))
         return LinearBuoy(ds, basis.damping, LinearPto(study.pto.damping))
 
     return build

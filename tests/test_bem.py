@@ -19,7 +19,7 @@ def green(green_folder):
 def unit_problem(green, rows, *, lid_rows=None, degrees=DEGREES, depth=np.inf):
     """Hemisphere of radius, density and gravity one: omega^2 = Ka."""
     mesh = mean_mesh(1.0, 0.0, rows, 2 * rows, lid_rows or rows // 2)
-    return bem.AxisymmetricProblem(green, mesh, 0.0, degrees, 1.0, depth, 1.0)
+    return bem.AxisymmetricProblem(green, mesh, tuple(f"Radial{n}" for n in degrees), 1.0, depth, 1.0)
 
 
 def errors(result, hemisphere, ka):

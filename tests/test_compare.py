@@ -11,6 +11,7 @@ from vsb.compare import as_csv, largest_displacement, largest_strain, static_amp
 from vsb.config import Jonswap, RegularWave, StillWater, Water
 from vsb.database import Check
 from vsb.modes import mode_basis, study_basis
+from vsb.reference import reference_shell
 from vsb.surface import DeformedShell
 
 CONTRACT = "design,wave,displacement_pp,velocity_pp,power_peak,power_mean,energy,capture_width,energy_gain_percent,energy_residual"
@@ -27,17 +28,21 @@ def test_table_has_the_promised_columns_and_no_nan():
 
 def test_the_vented_shell_of_the_seed_is_not_viable(seed):
     """Keel pressure about 20 kPa over the classical 303 Pa."""
-    buckling, static = compare.shell_checks(seed, study_basis(seed))
+    buckling, computed, static, strain = compare.shell_checks(seed, reference_shell(seed))
     assert (buckling.name, buckling.verdict) == ("buckling", "fail")
+    assert (computed.name, computed.verdict) == ("computed_buckling", "fail")
+    assert computed.value == pytest.approx(1 / 0.018667, rel=1e-3)
+    assert "viable from device.internal_pressure = 1.6" in computed.explanation
+    assert strain.verdict == "doubt"
     assert buckling.value == pytest.approx(1025 * 9.81 * seed.draft / 302.6138, rel=1e-4)
     assert static.value * 2.0 == pytest.approx(0.137, abs=0.001)
     rigid = varied(seed, designs={"FSB": {"flexible": False}})
-    assert compare.shell_checks(rigid, study_basis(rigid)) == []
+    assert compare.shell_checks(rigid, reference_shell(rigid)) == []
 
 
 def test_static_amplitudes_balance_the_load_to_first_order(seed):
     basis = study_basis(seed)
-    static = static_amplitudes(seed, basis)
+    static = static_amplitudes(seed, reference_shell(seed))
     assert static[1] == pytest.approx(-0.06, abs=0.02)  # the breathing mode is squeezed by about 6 cm
 
     def unbalance(scale):

@@ -5,6 +5,7 @@ ring is the sum over its panels, so an N-row mesh of any azimuthal fineness cost
 matrices are capytaine's own; summed with its own diagonal they reproduce capytaine's full solution to round-off.
 """
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -132,26 +133,33 @@ def flux_correction(green: cpt.Delhommeau, rings: RingMesh) -> FloatArray:
 
 @dataclass(frozen=True)
 class AxisymmetricProblem:
-    """Radiation and diffraction of prescribed normal velocities P_n(cos phi) on the immersed sphere."""
+    """Radiation and diffraction of prescribed displacements of the immersed shell.
+
+    Radial<n> is P_n(cos phi) along e_r, Meridional<n> is dP_n/dphi along e_phi, phi the colatitude on the undeformed
+    sphere. On the sphere itself the meridional ones move no water.
+    """
 
     green: cpt.Delhommeau
     mesh: xr.Dataset
-    centre_height: float
-    degrees: tuple[int, ...]
+    displacements: tuple[str, ...]
     density: float
     depth: float
     gravity: float
 
-    def normals(self, rings: RingMesh) -> tuple[FloatArray, FloatArray]:
-        """Unit normals of the sphere at the row centres: radial and vertical component, each shape (row,)."""
-        x, z = rings.centres
-        distance = np.hypot(x, z - self.centre_height)
-        return x / distance, (z - self.centre_height) / distance
+    @property
+    def normals(self) -> tuple[FloatArray, FloatArray]:
+        """Unit normals of the shell on the body rows, keel first: radial and vertical component, each shape (row,)."""
+        return self.mesh.normal_radius.values[::-1], self.mesh.normal_height.values[::-1]
 
-    def velocities(self, rings: RingMesh) -> FloatArray:
-        """Prescribed normal velocities, shape (degree, row) [m/s per m/s]."""
-        _, n_z = self.normals(rings)
-        return legendre(max(self.degrees), np.arccos(n_z))[0][list(self.degrees)]
+    @property
+    def velocities(self) -> FloatArray:
+        """Normal velocities of the displacements, shape (displacement, row) [m/s per m/s]."""
+        phi = self.mesh.row_colatitude.values[::-1]
+        (n_x, n_z), (sin, cos) = self.normals, (np.sin(phi), np.cos(phi))
+        degrees = {label: int(re.sub(r"\D", "", label)) for label in self.displacements}
+        p, dp, _ = legendre(max(degrees.values()), phi)
+        along = {"R": p * (n_x * sin + n_z * cos), "M": dp * (n_x * cos - n_z * sin)}
+        return np.array([along[label[0]][degree] for label, degree in degrees.items()])
 
     def incident(self, rings: RingMesh, omega: float) -> tuple[ComplexArray, ComplexArray]:
         """Axisymmetric part of the incident wave's potential and normal velocity, each shape (row,).
@@ -160,7 +168,7 @@ class AxisymmetricProblem:
         """
         k = wavenumber(omega, self.depth, self.gravity)
         x, z = rings.centres
-        n_x, n_z = self.normals(rings)
+        n_x, n_z = self.normals
         mirror = np.exp(-2 * k * (z + self.depth)) if np.isfinite(self.depth) else np.zeros_like(z)
         floor = 1 + (np.exp(-2 * k * self.depth) if np.isfinite(self.depth) else 0.0)
         profile, slope = np.exp(k * z) * (1 + mirror) / floor, np.exp(k * z) * (1 - mirror) / floor
@@ -173,7 +181,7 @@ class AxisymmetricProblem:
         correction = flux_correction(self.green, rings)
         k = np.inf if np.isinf(self.depth) else _LARGEST_DEPTH_IN_WAVENUMBERS / self.depth
         s, d = ring_matrices(self.green, rings, k, self.depth)
-        w = self.velocities(rings)
+        w = self.velocities
         potential = s @ np.linalg.solve(d + np.diag(correction), w.T)
         return -self.density * np.real((w * rings.areas) @ potential)
 
@@ -181,10 +189,10 @@ class AxisymmetricProblem:
         """Solve radiation and diffraction at finite frequencies; see `blocks` for what is returned."""
         rings = ring_mesh(self.mesh)
         correction = flux_correction(self.green, rings)
-        w = self.velocities(rings)
+        w = self.velocities
         columns = [self._at(rings, correction, w, omega) for omega in omegas]
         added_mass, damping, froude_krylov, diffraction = (np.array(c) for c in zip(*columns, strict=True))
-        labels = [f"Radial{n}" for n in self.degrees]
+        labels = list(self.displacements)
         pair, wave = ("omega", "influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
         return xr.Dataset(
             {
@@ -219,21 +227,20 @@ def solve_block(spec: dict[str, Any], mesh: xr.Dataset, green_folder: str | Path
     Returns
     -------
     xarray.Dataset
-        added_mass, radiation_damping, Froude_Krylov_force, diffraction_force over the degrees of freedom
-        Radial<n>, the normal velocities P_n; for the block of infinite frequency added_mass_inf alone.
+        added_mass, radiation_damping, Froude_Krylov_force, diffraction_force over the displacements Radial<n> and
+        Meridional<n>; for the block of infinite frequency added_mass_inf alone.
     """
     water = spec["water"]
     problem = AxisymmetricProblem(
         green_function(green_folder),
         mesh,
-        spec["mesh"]["centre_height"],
-        tuple(spec["degrees"]),
+        tuple(spec["displacements"]),
         water["density"],
         float(water["depth"]),
         water["gravity"],
     )
     if spec["omega"] == ["inf"]:
-        labels = [f"Radial{n}" for n in problem.degrees]
+        labels = list(problem.displacements)
         return xr.Dataset(
             {"added_mass_inf": (("influenced_dof", "radiating_dof"), problem.at_infinity())},
             coords={"influenced_dof": labels, "radiating_dof": labels},

@@ -16,6 +16,7 @@ from vsb.kernel import DampingSpectrum
 from vsb.modes import ModeBasis, design_motions, mode_basis, rigid_basis, study_basis
 from vsb.plant import AssumedPressure, Plant, assumed_pressure_plant, linear_plant
 from vsb.pto import LinearPto
+from vsb.reference import check_stable, reference_shell
 from vsb.surface import DeformedShell, enclosed
 from vsb.units import load, save, write_text
 from vsb.waves import NO_WAVES, Sea, power_limit, sea
@@ -38,9 +39,9 @@ def partial_study(spec: Spec) -> Study:
 def shell_modes(spec: Spec, out: str) -> None:
     """Write the shell modes of a study, after checking that every design has motions left."""
     study = partial_study(spec)
-    basis = study_basis(study)
-    for design in study.designs:
-        design_motions(study, basis, design)
+    reference = reference_shell(study)
+    check_stable(study, reference)
+    basis = reference.basis
     radial, meridional = basis.displacement(COLATITUDES)
     modes = xr.Dataset(
         {
@@ -48,24 +49,31 @@ def shell_modes(spec: Spec, out: str) -> None:
             "meridional": (("mode", "colatitude"), meridional[1:]),
             "degree": ("mode", list(basis.degrees[1:])),
             "dry_frequency": ("mode", basis.dry_frequencies),
+            "static_amplitude": ("mode", reference.amplitudes[1:]),
         },
         coords={"mode": list(basis.labels[1:]), "colatitude": COLATITUDES},
-        attrs={"radius": study.device.radius, "centre_height": study.centre_height, "basis": study.modes.basis},
+        attrs={
+            "radius": study.device.radius,
+            "centre_height": study.centre_height + reference.amplitudes[0],
+            "basis": study.modes.basis,
+        },
     )
     save(modes, out)
 
 
 def mesh(spec: Spec, out: str) -> None:
     """Write the mean wetted mesh and lid a BEM job reads."""
-    keys = ("radius", "centre_height", "rows", "azimuth", "lid_rows")
-    save(meshing.mean_mesh(**{key: spec[key] for key in keys}), out)
+    panels = {key: spec[key] for key in ("rows", "azimuth", "lid_rows")}
+    if spec.get("reference_shape") == "equilibrium":
+        save(meshing.deformed_mesh(reference_shell(partial_study(spec)).shape, **panels), out)
+    else:
+        save(meshing.mean_mesh(spec["radius"], spec["centre_height"], **panels), out)
 
 
 def display_meshes(spec: Spec, folder: str) -> None:
     """Write the viewable meshes: the mean wetted shell, and one deformed shell per mode and sign."""
     study = partial_study(spec)
-    shell = DeformedShell(study_basis(study), study.centre_height)
-    for name, shape in meshing.display_shapes(shell).items():
+    for name, shape in meshing.display_shapes(reference_shell(study).shape).items():
         meshing.write_wet_shell(shape, f"{folder}/{name}.vtu")
 
 
@@ -100,9 +108,8 @@ def build_database(spec: Spec, blocks: Sequence[str], out: str) -> None:
         If a block is missing, foreign, or a check fails that the study does not accept.
     """
     study = partial_study(spec)
-    basis = study_basis(study) if spec["modes"] else rigid_basis(study.device)
-    shell = DeformedShell(basis, study.centre_height)
-    water = study.water
+    reference = reference_shell(study)
+    basis, water = reference.basis, study.water
     found = {block.attrs.get("spec_id"): block for block in map(load, blocks)}
     if missing := [name for name in (*spec["sweep"], *spec["tabulated"]) if name not in found]:
         raise DatabaseError(f"{out}: blocks {missing} are not among the files given ({list(found)}); run the bem rule.")
@@ -111,7 +118,7 @@ def build_database(spec: Spec, blocks: Sequence[str], out: str) -> None:
         return database.with_excitation(database.in_modes(database.merged_blocks([found[i] for i in ids]), basis))
 
     def complete(raw: xr.Dataset) -> xr.Dataset:
-        return database.with_structure(database.with_symmetrized(raw), shell, water.density, water.gravity)
+        return database.with_structure(database.with_symmetrized(raw), reference)
 
     sweep = in_modes(spec["sweep"])
     tabulated = in_modes([*spec["tabulated"], spec["sweep"][0]]) if spec["tabulated"] else None
@@ -221,17 +228,17 @@ def simulate(spec: Spec, paths: dict[str, Any], out: str) -> None:
     study = partial_study(spec)
     (design,), (wave,) = study.designs, study.waves
     scene = linear_scene if study.needs_bem else assumed_pressure_scene
-    plant, basis, waves, spectrum = scene(study, paths)
+    plant, shape, waves, spectrum = scene(study, paths)
     motion, stride, method = trajectory.simulate(plant, waves, study.simulation, spectrum)
     run = trajectory.labelled(plant, motion, waves if study.needs_bem else None, design, wave.label, stride)
-    amplitudes = np.zeros((run.sizes["time"], len(basis.labels)))
-    amplitudes[:, : run.sizes["dof"]] = run.position.values
-    volume, area = enclosed(basis, amplitudes)
+    moved = np.zeros((run.sizes["time"], len(shape.amplitudes)))
+    moved[:, : run.sizes["dof"]] = run.position.values
+    volume, area = enclosed(shape.basis, shape.amplitudes + moved)
     attrs = {"method": method, "steps": len(motion.time) - 1, "seconds": motion.seconds}
     save(run.assign(volume=("time", volume), area=("time", area)).assign_attrs(run.attrs, **attrs), out)
 
 
-Scene = tuple[Plant, ModeBasis, Sea, DampingSpectrum | None]
+Scene = tuple[Plant, DeformedShell, Sea, DampingSpectrum | None]
 
 
 def linear_scene(study: Study, paths: dict[str, Any]) -> Scene:
@@ -241,7 +248,8 @@ def linear_scene(study: Study, paths: dict[str, Any]) -> Scene:
     ds = load(paths["radiation"])
     model = radiation.RadiationModel(ds.state_matrix.values, ds.input_matrix.values, ds.channel.values)
     waves = sea(wave, study.hydro.omega_max, study.simulation.duration)
-    return linear_plant(buoy, model, waves, design_motions(study, basis, design)), basis, waves, buoy.spectrum
+    shape = DeformedShell(basis, study.centre_height, buoy.database.reference_amplitude.values)
+    return linear_plant(buoy, model, waves, design_motions(study, basis, design)), shape, waves, buoy.spectrum
 
 
 def assumed_pressure_scene(study: Study, _: dict[str, Any]) -> Scene:
@@ -250,10 +258,10 @@ def assumed_pressure_scene(study: Study, _: dict[str, Any]) -> Scene:
     basis = study_basis(study)
     omega = wave.omega if isinstance(wave, RegularWave) else 0.0
     load = AssumedPressure(study.hydro.pressure or 0.0 if omega else 0.0, omega)
-    shell, water = DeformedShell(basis, study.centre_height), study.water
+    shell, water = DeformedShell(basis, study.centre_height, np.zeros(len(basis.labels))), study.water
     motions = design_motions(study, basis, design)
     plant = assumed_pressure_plant(shell, LinearPto(study.pto.damping), load, water.density, water.gravity, motions)
-    return plant, basis, NO_WAVES, None
+    return plant, shell, NO_WAVES, None
 
 
 def compare_designs(spec: Spec, paths: dict[str, Any], trajectories: Sequence[str]) -> None:

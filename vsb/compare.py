@@ -12,12 +12,14 @@ import xarray as xr
 
 from vsb.config import Jonswap, RegularWave, StillWater, Study, Water
 from vsb.database import Check, check_at_most, stored_checks
+from vsb.errors import ConvergenceError
 from vsb.modes import ModeBasis, design_motions, mode_basis, study_basis
 from vsb.power import Merit, merit
+from vsb.prestress import ElasticShell, viable_pressure
 from vsb.pto import LinearPto
+from vsb.reference import ReferenceShell, computed_buckling, loaded_shell, reference_shell
 from vsb.response import LinearBuoy
 from vsb.shell import Shell
-from vsb.surface import DeformedShell
 from vsb.units import FloatArray
 from vsb.waves import Sea, jonswap_spectrum, power_limit, wavenumber
 
@@ -65,32 +67,69 @@ def as_csv(rows: Sequence[Row]) -> str:
 # validity ledger --------------------------------------------------------------------------------------------------
 
 
-def shell_checks(study: Study, basis: ModeBasis) -> list[Check]:
-    """Return what the static load does to a flexible shell: buckling margin and static deformation."""
+def shell_checks(study: Study, reference: ReferenceShell) -> list[Check]:
+    """Return what the static load does to a flexible shell: buckling by two criteria, deformation, strain."""
     if not study.flexible:
         return []
     shell, water = Shell.of(study.device), study.water
-    keel = water.density * water.gravity * study.draft - study.device.internal_pressure
-    static = static_amplitudes(study, basis)
+    keel = max(0.0, water.density * water.gravity * reference.keel_depth - study.device.internal_pressure)
     return [
         check_at_most(
             "buckling", keel / shell.buckling_pressure, 1.0, "-",
             f"net pressure at the keel {keel:.4g} Pa over the classical buckling pressure "
             f"{shell.buckling_pressure:.4g} Pa: above 1 the shell would buckle and the design is not viable",
         ),
-        check_at_most(
-            "static_deformation", largest_displacement(basis, static) / shell.radius, 0.05, "-",
-            "static displacement of the shell over its radius; the reference shape is undeformed", doubt=True,
-        ),
+        *viability_checks(study),
+        *static_checks(study, reference),
     ]  # fmt: skip
 
 
-def static_amplitudes(study: Study, basis: ModeBasis) -> FloatArray:
-    """Return linear static heave and modal amplitudes under mean hydrostatic load and weight, shape (dof,) [m]."""
-    shell, water = DeformedShell(basis, study.centre_height), study.water
-    load = shell.hydrostatic_force(water.density, water.gravity) - water.gravity * basis.inertia[0]
-    stiffness = basis.stiffness + shell.hydrostatic_stiffness(water.density, water.gravity)
-    return np.asarray(np.linalg.solve(stiffness, load))
+def viability_checks(study: Study) -> list[Check]:
+    """Return the computed buckling load, and the internal pressure that would carry a shell that buckles.
+
+    About the equilibrium there is nothing to add: no shell that buckles is accepted there.
+    """
+    if study.at_equilibrium:
+        return []
+    found = computed_buckling(study)
+    text = f"static load over the computed buckling load, into a shape of degree {found.degree}"
+    if found.load_factor < 1.0:
+        text += viable_text(study)
+    return [check_at_most("computed_buckling", 1 / found.load_factor, 1.0, "-", text)]
+
+
+def viable_text(study: Study) -> str:
+    """Say from which internal pressure the shell is viable, and at what strain."""
+    try:
+        pressure, found = viable_pressure(study.device, study.centre_height, study.water)
+    except ConvergenceError as error:
+        return f"; {error}"
+    strain = f"{100 * found.linear_strain:.2g} % linear strain at rest"
+    return f"; viable from device.internal_pressure = {pressure:.4g} Pa, at {strain}"
+
+
+def static_checks(study: Study, reference: ReferenceShell) -> list[Check]:
+    """Return displacement and strain of the shell at rest, about which motion is linearised or which is left out."""
+    basis, static = reference.basis, static_amplitudes(study, reference)
+    left_out = "" if study.at_equilibrium else "; the reference shape is undeformed"
+    moved = largest_displacement(basis, static) / basis.shell.radius
+    strain = float(np.abs(ElasticShell(basis).strains(static)).max())
+    limit = 0.2 if study.at_equilibrium else 0.05
+    return [
+        check_at_most(
+            "static_deformation", moved, limit, "-",
+            f"static displacement of the shell over its radius{left_out}", doubt=True,
+        ),
+        check_at_most("static_strain", strain, 0.02, "-", "largest membrane strain at rest", doubt=True),
+    ]  # fmt: skip
+
+
+def static_amplitudes(study: Study, reference: ReferenceShell) -> FloatArray:
+    """Return heave and modal amplitudes at rest, shape (dof,) [m]: of the equilibrium, or linear about the sphere."""
+    if study.at_equilibrium:
+        return reference.amplitudes
+    load = loaded_shell(study, reference.basis).force(reference.amplitudes)
+    return np.asarray(np.linalg.solve(reference.total, load))
 
 
 def largest_displacement(basis: ModeBasis, amplitudes: FloatArray) -> float:
@@ -189,18 +228,18 @@ def with_full_basis(database: xr.Dataset, study: Study) -> tuple[xr.Dataset, Mod
                 ratio, coords={dim: list(full.labels)}
             )
         out[name] = scaled.transpose(*data.dims)
-    shell = DeformedShell(full, study.centre_height)
     pair = ("influenced_dof", "radiating_dof")
     out["inertia_matrix"] = xr.DataArray(full.inertia, dims=pair)
-    out["structural_stiffness"] = xr.DataArray(full.stiffness, dims=pair)
-    stiffness = shell.hydrostatic_stiffness(study.water.density, study.water.gravity)
-    out["hydrostatic_stiffness"] = xr.DataArray(stiffness, dims=pair)
+    for name, stiffness in reference_shell(study, full).stiffness.items():
+        out[f"{name}_stiffness"] = xr.DataArray(stiffness, dims=pair)
     return xr.Dataset(out, attrs=database.attrs), full
 
 
 def bending_checks(study: Study, database: xr.Dataset) -> list[Check]:
     """Return by how much the bending modes, where the basis leaves them out, would change the absorbed power."""
     if not (study.flexible and study.pto.damping) or study.modes.basis == "full" or study.modes.degree < 2:
+        return []
+    if study.at_equilibrium:  # bending modes move other water there: only BEM can tell
         return []
     wider, full = with_full_basis(database, study)
     old = study_basis(study)
@@ -231,8 +270,8 @@ def limit_check(frequency: xr.Dataset) -> Check:
 
 def run_ledger(study: Study, runs: Runs) -> list[Check]:
     """Return the checks of the shell and of every run."""
-    basis = study_basis(study)
-    checks = shell_checks(study, basis)
+    reference = reference_shell(study)
+    basis, checks = reference.basis, shell_checks(study, reference)
     for wave in study.waves:
         for design in study.designs:
             checks += run_checks(study, basis, runs[design, wave.label])

@@ -8,7 +8,7 @@ import json
 import math
 from collections.abc import Hashable
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 import yaml
 from pydantic import BaseModel, Field, ValidationError, field_validator, model_validator
@@ -17,6 +17,7 @@ from vsb.errors import ConfigError
 from vsb.sections import (
     Design,
     Device,
+    Gas,
     Hydro,
     Jonswap,
     Modes,
@@ -35,6 +36,7 @@ from vsb.sections import (
 __all__ = [
     "Design",
     "Device",
+    "Gas",
     "Hydro",
     "Jonswap",
     "Modes",
@@ -61,6 +63,7 @@ class Study(Section):
     study: Name
     device: Device
     modes: Modes = Modes()
+    reference_shape: Literal["undeformed", "equilibrium"] = "undeformed"
     designs: Annotated[dict[Name, Design], Field(min_length=1)]
     water: Water = Water()
     hydro: Hydro = Hydro()
@@ -124,6 +127,13 @@ class Study(Section):
             raise ValueError(
                 "hydro.model 'assumed_pressure': has one period, of a regular wave; remove the jonswap sea"
             )
+        if model == "assumed_pressure" and (self.reference_shape, self.device.internal_pressure) != ("undeformed", 0.0):
+            raise ValueError(
+                f"hydro.model {model!r}: is the paper's vented shell about the undeformed sphere; needs "
+                "device.internal_pressure: 0 and reference_shape: undeformed"
+            )
+        if model == "assumed_pressure" and self.device.gas:
+            raise ValueError(f"hydro.model {model!r}: is the paper's vented shell; remove device.gas")
         suitable = ("auto", "exact", "convolution") if self.needs_bem else ("auto", "exponential")
         if method not in suitable:
             raise ValueError(f"simulation.method {method!r}: hydro.model {model!r} needs one of {', '.join(suitable)}")
@@ -149,6 +159,11 @@ class Study(Section):
     def flexible(self) -> bool:
         """Whether any design needs shell modes."""
         return any(design.flexible for design in self.designs.values())
+
+    @property
+    def at_equilibrium(self) -> bool:
+        """Whether the study is about the shape the loaded shell takes at rest; a rigid buoy has no other shape."""
+        return self.flexible and self.reference_shape == "equilibrium"
 
     @property
     def reference_design(self) -> str | None:

@@ -14,8 +14,8 @@ import xarray as xr
 
 from vsb.errors import DatabaseError
 from vsb.modes import ModeBasis
-from vsb.surface import DeformedShell
-from vsb.units import load, save
+from vsb.reference import ReferenceShell
+from vsb.units import FloatArray, load, save
 
 Verdict = Literal["ok", "doubt", "fail", "accepted"]
 SWEEP = "sweep"
@@ -76,26 +76,30 @@ def merged_blocks(blocks: Sequence[xr.Dataset]) -> xr.Dataset:
 
 
 def in_modes(raw: xr.Dataset, basis: ModeBasis) -> xr.Dataset:
-    """Return coefficients of the normal velocities P_n as coefficients of heave and modes.
+    """Return coefficients of the displacements Radial<n> and Meridional<n> as coefficients of heave and modes.
 
-    On the undeformed sphere the normal velocity of a mode of degree n is V P_n: BEM is linear in it, so every basis,
-    every design and every material shares one BEM run.
+    BEM is linear in them, so on one shape every basis, every design and every material shares one BEM run. Where no
+    meridional displacement was solved for, on the undeformed sphere, they move no water.
     """
-    degree = {f"Radial{n}": n for n in range(basis.highest_degree + 1)}
-    solved = [degree[label] for label in raw.influenced_dof.values]
-    if missing := set(basis.degrees) - set(solved):
-        raise DatabaseError(f"degrees {sorted(missing)} of the modes are not among the solved degrees {solved}.")
-    pick = [solved.index(n) for n in basis.degrees]
-    v = basis.pole_radial_displacement
-    labels = list(basis.labels)
-    row = xr.DataArray(v, dims="influenced_dof", coords={"influenced_dof": labels})
-    column = xr.DataArray(v, dims="radiating_dof", coords={"radiating_dof": labels})
-    picked = raw.isel(influenced_dof=pick).assign_coords(influenced_dof=labels)
-    if "radiating_dof" in raw.dims:
-        picked = picked.isel(radiating_dof=pick).assign_coords(radiating_dof=labels)
-    return xr.Dataset(
-        {name: data * row * column if "radiating_dof" in data.dims else data * row for name, data in picked.items()}
-    )
+    solved = [str(label) for label in raw.influenced_dof.values]
+    if missing := {f"Radial{n}" for n in basis.degrees} - set(solved):
+        raise DatabaseError(f"displacements {sorted(missing)} of the modes are not among those solved, {solved}.")
+    transform = np.zeros((len(basis.labels), len(solved)))
+    for i, mode in enumerate(basis.shapes):
+        transform[i, solved.index(f"Radial{mode.degree}")] = mode.radial
+        if f"Meridional{mode.degree}" in solved:
+            transform[i, solved.index(f"Meridional{mode.degree}")] = mode.meridional
+    return xr.Dataset({name: _transformed(data, transform, list(basis.labels)) for name, data in raw.items()})
+
+
+def _transformed(data: xr.DataArray, transform: FloatArray, labels: list[str]) -> xr.DataArray:
+    """T data T^T over the degrees of freedom data has, which come last."""
+    values = data.values @ transform.T
+    names = [dim for dim in ("influenced_dof", "radiating_dof") if dim in data.dims]
+    if len(names) == 2:
+        values = transform @ values
+    kept = {dim: data.coords[dim] for dim in data.dims if dim in data.coords and dim not in names}
+    return xr.DataArray(values, dims=data.dims, coords={**kept, **dict.fromkeys(names, labels)})
 
 
 def with_excitation(ds: xr.Dataset) -> xr.Dataset:
@@ -115,14 +119,14 @@ def with_symmetrized(ds: xr.Dataset) -> xr.Dataset:
     return ds.assign(even).assign_attrs(ds.attrs, history=history)
 
 
-def with_structure(ds: xr.Dataset, shell: DeformedShell, density: float, gravity: float) -> xr.Dataset:
-    """Return the dataset with inertia, structural and hydrostatic stiffness and the scale of the modes."""
-    basis, pair = shell.basis, ("influenced_dof", "radiating_dof")
-    return ds.assign(
+def with_structure(ds: xr.Dataset, reference: ReferenceShell) -> xr.Dataset:
+    """Return the dataset with inertia, the stiffness of the reference shell by name, and the scale of the modes."""
+    basis, pair = reference.basis, ("influenced_dof", "radiating_dof")
+    stiffness = {f"{name}_stiffness": (pair, matrix) for name, matrix in reference.stiffness.items()}
+    return ds.assign(stiffness).assign(
         inertia_matrix=(pair, basis.inertia),
-        structural_stiffness=(pair, basis.stiffness),
-        hydrostatic_stiffness=(pair, shell.hydrostatic_stiffness(density, gravity)),
         pole_radial_displacement=("influenced_dof", basis.pole_radial_displacement),
+        reference_amplitude=("influenced_dof", reference.amplitudes),
     )
 
 

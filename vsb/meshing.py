@@ -6,6 +6,7 @@ import meshio
 import numpy as np
 import xarray as xr
 
+from vsb.errors import ConfigError
 from vsb.surface import DeformedShell
 from vsb.units import FloatArray
 
@@ -29,24 +30,59 @@ def polygon_radius(azimuth: int) -> float:
 
 
 def mean_mesh(radius: float, centre_height: float, rows: int, azimuth: int, lid_rows: int) -> xr.Dataset:
-    """Return the meridian of the wetted mean shell and of the interior lid, revolved in `azimuth` panels.
+    """Return the mesh of a wetted sphere and the interior lid; see `deformed_mesh`."""
+    phi = graded_colatitudes(np.arccos(-centre_height / radius), rows)
+    middle = (phi[1:] + phi[:-1]) / 2
+    x, z = radius * np.sin(phi), centre_height + radius * np.cos(phi)
+    return _mesh((x, z), middle, (np.sin(middle), np.cos(middle)), azimuth, lid_rows)
+
+
+def deformed_mesh(shell: DeformedShell, rows: int, azimuth: int, lid_rows: int) -> xr.Dataset:
+    """Return the meridian of a wetted deformed shell and of the interior lid, to be revolved in `azimuth` panels.
 
     Returns
     -------
     xarray.Dataset
         meridian_radius, meridian_height (node) and lid_radius (lid_node) [m], from waterline to keel and from axis to
-        waterline; the corner radii keep the area of every circle.
+        waterline; the corner radii keep the area of every circle. Per row of panels the colatitude of its middle on
+        the undeformed sphere [rad] and the shell's unit normal there, normal_radius and normal_height (row).
+
+    Raises
+    ------
+    ConfigError
+        If the shell at rest does not cross the water exactly once.
     """
-    phi = graded_colatitudes(np.arccos(-centre_height / radius), rows)
-    x, z = radius * np.sin(phi), centre_height + radius * np.cos(phi)
+    if len(shell.wet_segments) != 1 or shell.wet_segments[0][0] == 0.0 or shell.wet_segments[0][1] < np.pi:
+        raise ConfigError(
+            f"reference_shape: received a shape whose wet parts are {shell.wet_segments} rad; needs one waterline with "
+            "the keel below it: change device.mass or device.internal_pressure"
+        )
+    phi = graded_colatitudes(shell.wet_segments[0][0], rows)
+    middle = (phi[1:] + phi[:-1]) / 2
+    nodes, at = shell.meridian(phi), shell.meridian(middle)
+    length = np.hypot(at.dx, at.dz)
+    return _mesh((nodes.x, nodes.z), middle, (-at.dz / length, at.dx / length), azimuth, lid_rows)
+
+
+def _mesh(
+    nodes: tuple[FloatArray, FloatArray],
+    middle: FloatArray,
+    normal: tuple[FloatArray, FloatArray],
+    azimuth: int,
+    lid_rows: int,
+) -> xr.Dataset:
+    """Dataset of a mesh from its meridian, waterline first, keel last."""
+    x, z = nodes
     z[0] = x[-1] = 0.0
     corner = polygon_radius(azimuth)
-    lid = np.linspace(0.0, x[0], lid_rows + 1)
     return xr.Dataset(
         {
             "meridian_radius": ("node", corner * x),
             "meridian_height": ("node", z),
-            "lid_radius": ("lid_node", corner * lid),
+            "lid_radius": ("lid_node", corner * np.linspace(0.0, x[0], lid_rows + 1)),
+            "row_colatitude": ("row", middle),
+            "normal_radius": ("row", normal[0]),
+            "normal_height": ("row", normal[1]),
         },
         attrs={"azimuth": azimuth},
     )
@@ -87,7 +123,7 @@ def display_shapes(shell: DeformedShell) -> dict[str, DeformedShell]:
     size = DISPLAY_AMPLITUDE * min(radius, 2 * (radius - shell.centre_height))
     for j, label in enumerate(shell.basis.labels[1:], start=1):
         for name, sign in (("minus", -1.0), ("plus", 1.0)):
-            amplitudes = np.zeros(len(shell.basis.labels))
-            amplitudes[j] = sign * size
+            amplitudes = shell.amplitudes.copy() if shell.amplitudes.size else np.zeros(len(shell.basis.labels))
+            amplitudes[j] += sign * size
             shapes[f"{label}_{name}"] = DeformedShell(shell.basis, shell.centre_height, amplitudes)
     return shapes

@@ -149,13 +149,16 @@ def linear_plant(buoy: LinearBuoy, radiation: RadiationModel, sea: Sea, motions:
     """Return the linear hydroelastic scene of one design in one sea, with the forces it has and no others."""
     database = buoy.database
     forces: dict[str, Force] = {
-        "hydrostatic": Spring(database.hydrostatic_stiffness.values),
+        "hydrostatic": Spring(buoy.stiffness_parts["hydrostatic"]),
         "radiation": RadiationMemory(radiation),
     }
     if buoy.pto.damping:
         forces["pto"] = Damper(buoy.pto.matrix(len(buoy.mass)))
     if motions.shape[1] > 1:
-        forces["elastic"] = Spring(database.structural_stiffness.values)
+        parts = {"elastic": "structural", "prestress": "prestress", "gas": "gas"}
+        forces |= {
+            force: Spring(buoy.stiffness_parts[name]) for force, name in parts.items() if name in buoy.stiffness_parts
+        }
         if buoy.structural_damping.any():
             forces["structural_damping"] = Damper(buoy.structural_damping)
     if sea.omega.size:

@@ -13,20 +13,12 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve, eigh
 from scipy.optimize import brentq, minimize_scalar
 
-from vsb.config import Device, Water
+from vsb.config import Device, Gas, Water
 from vsb.errors import ConvergenceError
 from vsb.modes import Mode, ModeBasis, bending_block, legendre
 from vsb.shell import Shell
 from vsb.surface import DeformedShell, Meridian
 from vsb.units import FloatArray
-
-
-@dataclass(frozen=True)
-class Gas:
-    """Gas trapped in the shell: adiabatic index [-] and pressure of the atmosphere outside [Pa]."""
-
-    adiabatic_index: float = 1.4
-    atmospheric_pressure: float = 101325.0
 
 
 def strain_shapes(basis: ModeBasis, colatitude: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -171,8 +163,8 @@ class LoadedShell:
     @property
     def _contents(self) -> tuple[float, float, float]:
         """Adiabatic index, outer pressure and undeformed volume; constant pressure is a gas of index 0."""
-        gas = self.gas or Gas(0.0, 0.0)
-        return gas.adiabatic_index, gas.atmospheric_pressure, 4 / 3 * math.pi * self.basis.shell.radius**3
+        index, outside = (self.gas.adiabatic_index, self.gas.atmospheric_pressure) if self.gas else (0.0, 0.0)
+        return index, outside, 4 / 3 * math.pi * self.basis.shell.radius**3
 
     def pressure(self, q: FloatArray) -> float:
         """Return the internal gauge pressure, (p_atm + p_i)(V_0/V)^gamma - p_atm for a trapped gas [Pa]."""

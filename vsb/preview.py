@@ -5,7 +5,8 @@ from typing import Any
 
 from vsb import compare, database
 from vsb.config import Study, content_id
-from vsb.modes import design_motions, mode_basis, study_basis
+from vsb.modes import mode_basis
+from vsb.reference import check_stable, reference_shell
 from vsb.shell import Shell, natural_frequencies
 from vsb.specs import StudyPlan
 from vsb.units import load
@@ -21,9 +22,7 @@ def check_before_run(study: Study, plan: StudyPlan) -> None:
     ------
     ConfigError, DatabaseError
     """
-    basis = study_basis(study)
-    for design in study.designs:
-        design_motions(study, basis, design)
+    check_stable(study, reference_shell(study))
     if not study.needs_bem:
         return
     plan.check_waves()
@@ -43,7 +42,7 @@ def summary(study: Study, plan: StudyPlan) -> list[str]:
         f"modes        {len(plan.mode_labels)} shell modes ({study.modes.basis}, degree {study.modes.degree})",
         *(_bem_lines(study, plan) if study.needs_bem else ["hydro        assumed pressure: no BEM"]),
     ]
-    checks = compare.shell_checks(study, study_basis(study))
+    checks = compare.shell_checks(study, reference_shell(study))
     for wave in study.waves:
         checks += compare.wave_checks(wave, study.water, study.hydro.omega_max)
     return lines + [

@@ -15,6 +15,8 @@ from vsb.kernel import DampingSpectrum
 from vsb.pto import LinearPto
 from vsb.units import ComplexArray, FloatArray
 
+STIFFNESS = ("structural", "hydrostatic", "prestress", "gas")
+
 
 class Coefficients(NamedTuple):
     """Hydrodynamic coefficients at any frequencies."""
@@ -49,8 +51,14 @@ class LinearBuoy:
 
     @cached_property
     def stiffness(self) -> FloatArray:
-        """Structural and hydrostatic stiffness, shape (dof, dof) [N/m]."""
-        return np.asarray((self.database.structural_stiffness + self.database.hydrostatic_stiffness).values)
+        """Sum of the stiffness of the reference shell, shape (dof, dof) [N/m]."""
+        return np.asarray(sum(self.stiffness_parts.values()))
+
+    @cached_property
+    def stiffness_parts(self) -> dict[str, FloatArray]:
+        """Stiffness of the reference shell by name, each shape (dof, dof) [N/m]."""
+        names = [name for name in STIFFNESS if f"{name}_stiffness" in self.database]
+        return {name: np.asarray(self.database[f"{name}_stiffness"].values) for name in names}
 
     @cached_property
     def damping(self) -> FloatArray:

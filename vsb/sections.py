@@ -36,8 +36,18 @@ class RayleighDamping(Section):
     beta: NonNegative = 0.0
 
 
+class Gas(Section):
+    """Gas trapped in the shell: adiabatic index [-], pressure of the atmosphere outside [Pa]."""
+
+    adiabatic_index: Annotated[Number, Field(ge=1, le=2)] = 1.4
+    atmospheric_pressure: Positive = 101325.0
+
+
 class Device(Section):
-    """Spherical buoy: radius [m], shell thickness [m], E [Pa], nu [-], shell density [kg/m^3], total mass [kg]."""
+    """Spherical buoy: radius [m], shell thickness [m], E [Pa], nu [-], shell density [kg/m^3], total mass [kg].
+
+    The internal pressure [Pa] is gauge and constant; with `gas` it is that of the undeformed volume.
+    """
 
     radius: Positive
     thickness: Positive
@@ -46,14 +56,8 @@ class Device(Section):
     density: Positive
     mass: Positive
     internal_pressure: Finite = 0.0
+    gas: Gas | None = None
     damping: RayleighDamping = RayleighDamping()
-
-    @field_validator("internal_pressure")
-    @classmethod
-    def _vented(cls, value: float) -> float:
-        if value:
-            raise ValueError("needs 0 (vented): the prestress of a pressurised shell is not part of the model")
-        return value
 
     @model_validator(mode="after")
     def _thin_and_light(self) -> Self:

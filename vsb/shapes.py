@@ -71,7 +71,8 @@ def _meridian(data: StudyData, run: xr.Dataset, factor: float) -> tuple[FloatArr
     """Meridian about the sphere centre at one instant: x = (r+v) sin + u cos, z = (r+v) cos - u sin."""
     modes = data.modes
     r, phi = float(modes.attrs["radius"]), modes.colatitude.values
-    q = factor * run.position.values[1:]
+    q = modes.static_amplitude.values.copy()
+    q[: run.sizes["dof"] - 1] += factor * run.position.values[1:]
     v, u = (q @ modes[name].values if len(q) else np.zeros_like(phi) for name in ("radial", "meridional"))
     return (r + v) * np.sin(phi) + u * np.cos(phi), (r + v) * np.cos(phi) - u * np.sin(phi)
 

@@ -38,10 +38,14 @@ ATTRS: dict[str, Quantity] = {
     "meridian_radius": Quantity(("node",), "m", "radius of the panel rows' edges"),
     "meridian_height": Quantity(("node",), "m", "height of the panel rows' edges above still water"),
     "lid_radius": Quantity(("lid_node",), "m", "radius of the edges of the interior lid's rows"),
+    "row_colatitude": Quantity(("row",), "rad", "colatitude of the panel rows' middles on the undeformed sphere"),
+    "normal_radius": Quantity(("row",), "1", "radial component of the shell's outward normal"),
+    "normal_height": Quantity(("row",), "1", "vertical component of the shell's outward normal"),
     # shell modes
     "radial": Quantity(_SHAPE, "1", "radial displacement per unit modal amplitude"),
     "meridional": Quantity(_SHAPE, "1", "meridional displacement per unit modal amplitude"),
     "degree": Quantity(("mode",), "1", "Legendre degree of the mode"),
+    "static_amplitude": Quantity(("mode",), "m", "modal amplitude of the shape at rest"),
     "dry_frequency": Quantity(("mode",), "rad/s", "natural angular frequency in vacuum"),
     # hydro database
     "added_mass": Quantity(("omega", *_PAIR), "kg", "added mass"),
@@ -53,8 +57,13 @@ ATTRS: dict[str, Quantity] = {
     "hydrostatic_stiffness": Quantity(_PAIR, "N/m", "hydrostatic stiffness"),
     "inertia_matrix": Quantity(_PAIR, "kg", "inertia of buoy and shell"),
     "structural_stiffness": Quantity(_PAIR, "N/m", "structural stiffness of the shell"),
+    "prestress_stiffness": Quantity(_PAIR, "N/m", "stiffness of the mean pressure difference"),
+    "gas_stiffness": Quantity(_PAIR, "N/m", "stiffness of the trapped gas"),
     "pole_radial_displacement": Quantity(
         ("influenced_dof",), "1", "radial displacement at the top pole per unit amplitude"
+    ),
+    "reference_amplitude": Quantity(
+        ("influenced_dof",), "m", "heave and modal amplitudes of the shape the coefficients are about"
     ),
     # radiation model
     "kernel": Quantity(("time", *_PAIR), "kg/s^2", "retardation kernel"),
@@ -79,6 +88,8 @@ ATTRS: dict[str, Quantity] = {
     "weight": Quantity(_MOTION, "N", "weight"),
     "radiation": Quantity(_MOTION, "N", "radiation memory force"),
     "elastic": Quantity(_MOTION, "N", "elastic force of the shell"),
+    "prestress": Quantity(_MOTION, "N", "force of the mean pressure difference"),
+    "gas": Quantity(_MOTION, "N", "force of the trapped gas"),
     "structural_damping": Quantity(_MOTION, "N", "structural damping force"),
     "elevation": Quantity(("time",), "m", "undisturbed wave elevation at the buoy's axis"),
     "volume": Quantity(("time",), "m^3", "volume the shell encloses"),
