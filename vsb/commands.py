@@ -10,15 +10,17 @@ import numpy as np
 import xarray as xr
 
 from vsb import __version__, compare, database, meshing, quality, radiation, response, trajectory
-from vsb.config import RegularWave, Study, canonical, content_id, parse
+from vsb.config import RegularWave, StillWater, Study, canonical, content_id, parse
+from vsb.constraint import constraint_drift
 from vsb.errors import DatabaseError
+from vsb.integrate import Motion, propagate
 from vsb.kernel import DampingSpectrum
 from vsb.modes import ModeBasis, design_motions, mode_basis, rigid_basis, study_basis
 from vsb.plant import AssumedPressure, Plant, assumed_pressure_plant, linear_plant
 from vsb.pto import LinearPto
 from vsb.reference import check_stable, reference_shell
 from vsb.surface import DeformedShell, enclosed
-from vsb.units import load, save, write_text
+from vsb.units import FloatArray, load, save, write_text
 from vsb.waves import NO_WAVES, Sea, power_limit, sea
 
 Spec = dict[str, Any]
@@ -235,7 +237,19 @@ def simulate(spec: Spec, paths: dict[str, Any], out: str) -> None:
     moved[:, : run.sizes["dof"]] = run.position.values
     volume, area = enclosed(shape.basis, shape.amplitudes + moved)
     attrs = {"method": method, "steps": len(motion.time) - 1, "seconds": motion.seconds}
+    if rows := study.designs[design].clamp:
+        attrs["constraint_drift"] = _drift(study, plant, motion, shape.basis.clamp_rows(np.deg2rad(rows)))
     save(run.assign(volume=("time", volume), area=("time", area)).assign_attrs(run.attrs, **attrs), out)
+
+
+def _drift(study: Study, plant: Plant, motion: Motion, rows: FloatArray) -> float:
+    """Largest slip at the clamps [m]: over the run, and where motion is linear over 10 000 wave periods."""
+    drift = constraint_drift(motion.position @ plant.motions.T, rows)
+    if plant.water or isinstance(study.waves[0], StillWater):
+        return drift
+    time = np.linspace(0.0, 1e4 * 2 * np.pi / study.waves[0].omega, 20_001)
+    start = plant.start(study.simulation.initial_position, study.simulation.initial_velocity)
+    return max(drift, constraint_drift(propagate(plant, time, start).position @ plant.motions.T, rows))
 
 
 Scene = tuple[Plant, DeformedShell, Sea, DampingSpectrum | None]

@@ -187,6 +187,12 @@ def run_checks(study: Study, basis: ModeBasis, run: xr.Dataset) -> list[Check]:
         ),
         check_at_most("heave", heave, 0.3, "-", "heave amplitude over radius", doubt=True, design=design, wave=wave),
     ]  # fmt: skip
+    if "constraint_drift" in run.attrs:
+        linear = "over 10 000 wave periods" if study.needs_bem and wave != "still" else "over the run"
+        text = f"largest slip of the shell at its clamps {linear}"
+        checks.append(
+            check_at_most("constraint_drift", run.attrs["constraint_drift"], 1e-9, "m", text, design=design, wave=wave)
+        )
     if run.sizes["dof"] > 1:
         peaks = inside.position.values[np.argmax(np.abs(inside.position.values[:, 1:]).sum(axis=1))]
         moved, strain = largest_displacement(basis, peaks) / study.device.radius, largest_strain(basis, peaks)

@@ -29,7 +29,10 @@ Row = dict[str, Any]
 
 
 class Bounds(NamedTuple):
-    """Lower and upper sum of a Riemann integral; their mean is the estimate, Eq. 108."""
+    """Lower and upper sum of a Riemann integral; their mean is the estimate, Eq. 108.
+
+    The paper takes the mean to be of second order; the disc the waterline cuts leaves it at the first.
+    """
 
     lower: float
     upper: float
@@ -92,9 +95,10 @@ def disc_force(shell: DeformedShell, discs: int) -> tuple[FloatArray, FloatArray
     Notes
     -----
     Pressure, radius and shapes are those of a disc's lower edge, the normal that of its cone. Literally, Eq. 95 divides
-    the weight of the water a disc displaces by cos psi and lets it act along the normal. Where the meridian is
-    vertical, at the waterline of a half-submerged sphere, cos psi vanishes: the force on the modes grows without bound
-    as discs are refined, and the shell collapses. Its sum over heave alone is Archimedes' and does not show it.
+    the weight of the water a disc displaces by cos psi and lets it act along the normal. Over heave this sums to
+    Archimedes' force, over the modes to a wrong one: where the meridian is vertical, at the waterline of the
+    half-submerged sphere, cos psi vanishes and the sum diverges. On the breathing mode it is 2.6 times the force of the
+    water with 100 discs and 9.4 times with 100 000, and the shell collapses.
     """
     m = _nodes(shell, discs)
     wet = (m.z[1:] <= 0.0) & (m.z[:-1] <= 0.0)
@@ -146,19 +150,19 @@ def water_and_weight(plant: Plant) -> tuple[WaterPressure, FloatArray]:
 def typical_state(plant: Plant) -> FloatArray:
     """Return heave and modal amplitudes in mid-wave, shape (dof,) [m].
 
-    The linear static ones, plus a tenth of the radius in heave and a hundredth, alternating and falling, in the modes.
+    The linear static ones, plus a fifth of the radius in heave and a hundredth, alternating and falling, in the modes.
     """
     water, weight = water_and_weight(plant)
     n, free = plant.motions, plant.motions.shape[1]
     still = water.shell.forces(np.zeros((1, len(plant.labels))))[0][0]
     stiffness = plant.total(Spring) + n.T @ water.tangent @ n
     wave = 0.01 * (-1.0) ** np.arange(free) / np.maximum(np.arange(free), 1)
-    wave[0] = 0.1
+    wave[0] = 0.2
     static = np.linalg.solve(stiffness, n.T @ (water.specific_weight * still + weight))
     return n @ (static + water.shell.basis.shell.radius * wave)
 
 
-def _seconds(call: Callable[[], object], repeats: int = 7) -> float:
+def _seconds(call: Callable[[], object], repeats: int = 5) -> float:
     """Least wall time of several calls [s]; one more before them warms up."""
     call()
     best = np.inf
