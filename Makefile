@@ -4,10 +4,13 @@ CONFIG ?= config/seed.yaml
 BIN := .venv/bin
 READY := .venv/.installed
 
-.PHONY: study test lint unit format lock clean help
+.PHONY: study benchmark test lint unit format lock clean help
 
 study: $(READY) ## run a study: make study [CONFIG=config/seed.yaml]
 	@$(BIN)/vsb run $(CONFIG)
+
+benchmark: $(READY) ## error against seconds of every method, for the paper's study
+	@$(BIN)/vsb run config/paper.yaml workprecision
 
 test: lint unit ## style, types, workflow lint, and all tests
 

@@ -12,13 +12,7 @@ PLAN = StudyPlan.of(config)
 STUDY = PLAN.study
 ROOT = PLAN.root
 BLOCKS = PLAN.bem_blocks
-MESHES = {content_id(block["mesh"]): block["mesh"] for block in BLOCKS.values()}
 WAVES = {wave.label: wave for wave in STUDY.waves}
-
-
-wildcard_constraints:
-    id="[0-9a-f]{16}",
-    design="[A-Za-z0-9_]+",
 
 
 rule all:
@@ -32,6 +26,10 @@ include: "workflow/rules/mesh.smk"
 if BLOCKS:
 
     include: "workflow/rules/hydro.smk"
+
+else:
+
+    include: "workflow/rules/benchmark.smk"
 
 
 include: "workflow/rules/simulate.smk"

@@ -12,8 +12,8 @@ import pytest
 HOME = Path(__file__).parent.parent
 ORDER = (
     "errors", "sections", "config", "specs", "units", "shell", "modes", "surface", "prestress", "reference", "wetforce", "multibody",
-    "wetbody", "meshing", "waves", "kernel", "database", "quality", "bem", "radiation", "pto", "response", "plant",
-    "integrate", "constraint", "exponential", "trajectory", "power", "compare", "canvas", "shapes", "figures", "report",
+    "wetbody", "meshing", "waves", "waveforce", "kernel", "database", "quality", "bem", "radiation", "pto", "response", "plant",
+    "integrate", "constraint", "exponential", "trajectory", "power", "compare", "canvas", "riemann", "workprecision", "shapes", "figures", "report",
     "commands", "publish", "preview", "cli",
 )  # fmt: skip
 MODULES = {path.stem: path for path in (HOME / "vsb").glob("*.py") if path.stem != "__init__"}

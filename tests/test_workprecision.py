@@ -130,6 +130,22 @@ def test_discs_are_of_first_order(deformed):
         assert abs(fitted_order(counts, spread) - 1) < 0.1
 
 
+def test_equation_95_taken_literally_diverges_on_the_modes(paper):
+    """Weight of the water of a disc over cos psi, along the normal: what `disc_force` says of it."""
+    sphere = DeformedShell(design_plant(paper, "VSWEC").water.shell.basis, 0.0)
+    true, found = sphere.hydrostatic_force(1.0, 1.0, 60), []
+    for discs in (100, 1000, 10_000, 100_000):
+        m = sphere.meridian(np.linspace(0.0, np.pi, discs + 1)[discs // 2 + 1 :])
+        displaced = np.pi * m.x**2 * -np.diff(np.append(0.0, m.z))
+        along = m.shape_z + m.dz / -m.dx * m.shape_x  # shape.normal/cos psi, the normal being (-z', x')
+        found.append(along @ displaced)
+    found = np.array(found)
+    assert found[-1, 0] == pytest.approx(true[0], rel=1e-3)  # heave: Archimedes
+    growth = np.diff(found[:, 1] / true[1])
+    assert np.all(growth == pytest.approx(growth[-1], rel=0.02))  # breathing: logarithmic
+    assert found[[0, -1], 1] / true[1] == pytest.approx([3.5, 10.4], abs=0.05)
+
+
 def test_rectangle_gauss_and_compiled_forces_agree(paper, deformed):
     wet = design_plant(paper, "VSWEC").water.shell
     static, uniform, _ = (values[0] for values in wet.forces(deformed.amplitudes[None]))

@@ -31,7 +31,7 @@ def _rule(name: str) -> Handler:
     """Handler of a rule's command: imports the science only when it is needed."""
 
     def handle(args: argparse.Namespace) -> int:
-        from vsb import commands, publish
+        from vsb import commands, publish, workprecision
 
         calls: dict[str, Callable[[], None]] = {
             "modes": lambda: commands.shell_modes(_spec(args), args.out),
@@ -44,6 +44,7 @@ def _rule(name: str) -> Handler:
             "response": lambda: commands.frequency_response(_spec(args), args.database, args.out),
             "simulate": lambda: commands.simulate(_spec(args), vars(args), args.out),
             "compare": lambda: commands.compare_designs(_spec(args), vars(args), args.files),
+            "workprecision": lambda: workprecision.benchmark(_spec(args), args.out, args.figures),
             "figures": lambda: publish.figures(vars(args), args.files),
             "report": lambda: publish.report(vars(args), args.files),
         }
@@ -171,6 +172,7 @@ def parser() -> argparse.ArgumentParser:
         "study",
         files="TRAJECTORY",
     )
+    _add_rule(commands, "workprecision", "rule: error against seconds of every method", "spec", "out", "figures")
     _add_rule(commands, "figures", "rule: all figures", "study", "modes", *BEM_FILES, "out", files="TRAJECTORY")
     _add_rule(
         commands,

@@ -35,7 +35,7 @@ class Shape(NamedTuple):
 
 
 @njit(cache=True)
-def _legendre(c: float, p: FloatArray, dp: FloatArray) -> None:
+def legendre(c: float, p: FloatArray, dp: FloatArray) -> None:
     """Fill P_n(c) and P_n'(c)."""
     p[0], dp[0] = 1.0, 0.0
     for n in range(1, len(p)):
@@ -46,7 +46,7 @@ def _legendre(c: float, p: FloatArray, dp: FloatArray) -> None:
 @njit(cache=True)
 def _height(shape: Shape, q: FloatArray, c: float, p: FloatArray, dp: FloatArray) -> tuple[float, float]:
     """Height z of the meridian and its slope dz/dc."""
-    _legendre(c, p, dp)
+    legendre(c, p, dp)
     z, slope = shape.centre_height + shape.radius * c, shape.radius
     for j in range(len(q)):
         n, v, u = shape.degree[j], shape.radial[j], shape.meridional[j]
@@ -134,7 +134,7 @@ def wet_force(shape: Shape, q: FloatArray, static: FloatArray, uniform: FloatArr
         for i in range(len(shape.node)):
             c = middle + half * shape.node[i]
             s2 = 1 - c * c
-            _legendre(c, p, dp)
+            legendre(c, p, dp)
             z, slope = shape.centre_height + shape.radius * c, shape.radius
             x, t = shape.radius, shape.radius * c
             for j in range(len(q)):

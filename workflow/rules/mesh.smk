@@ -1,4 +1,10 @@
 # Shell modes, the mean wetted mesh, and viewable deformed meshes.
+MESHES = {content_id(block["mesh"]): block["mesh"] for block in BLOCKS.values()}
+
+
+wildcard_constraints:
+    id="[0-9a-f]{16}",
+    design="[A-Za-z0-9_]+",
 
 
 rule modes:
