@@ -37,7 +37,11 @@ def independent(plant, time, start, rtol=1e-11):
 
     def rates(t, y):
         static, uniform, _ = water.shell.forces((plant.motions @ y[:n])[None])
-        force = water.specific_weight * static[0] + water.amplitude * np.cos(water.omega * t) * uniform[0] + weight
+        force = (
+            water.specific_weight * static[0]
+            + water.assumed.amplitude * np.cos(water.assumed.omega * t) * uniform[0]
+            + weight
+        )
         return np.concatenate([y[n:], mass @ (plant.motions.T @ force - stiffness @ y[:n] - damping @ y[n:])])
 
     y0 = np.concatenate(start)
@@ -197,7 +201,7 @@ def test_thrown_out_of_the_water_and_back(assumed):
 
 def test_a_crushed_shell_is_an_error_not_garbage(assumed):
     plant, _ = scene(assumed, "VSWEC")
-    crushing = replace(plant.water, amplitude=1e12)
+    crushing = replace(plant.water, assumed=replace(plant.water.assumed, amplitude=1e12))
     worse = replace(plant, forces={**plant.forces, "water": crushing})
     with pytest.raises(ConvergenceError, match=r"cannot be followed at t = .*loads that crush the shell"):
         integrate(worse, np.linspace(0.0, 5.0, 401), plant.start(0.0, 0.0), 1e-8)

@@ -115,4 +115,5 @@ def shown_window(data: StudyData, wave: str) -> tuple[float, float]:
 
 def heave_force(run: xr.Dataset, name: str) -> xr.DataArray:
     """Heave component of a force [kN]; zero where the scene has no such force."""
-    return run[name].isel(dof=0) / 1e3 if name in run else 0.0 * run.velocity.isel(dof=0)
+    parts = (name, "froude_krylov", "diffraction") if name == "excitation" else (name,)
+    return sum((run[part].isel(dof=0) / 1e3 for part in parts if part in run), 0.0 * run.velocity.isel(dof=0))

@@ -16,7 +16,7 @@ from vsb.errors import DatabaseError
 from vsb.integrate import Motion, propagate
 from vsb.kernel import DampingSpectrum
 from vsb.modes import ModeBasis, design_motions, mode_basis, rigid_basis, study_basis
-from vsb.plant import AssumedPressure, Plant, assumed_pressure_plant, linear_plant
+from vsb.plant import AssumedPressure, Plant, assumed_pressure_plant, body_exact_plant, linear_plant
 from vsb.pto import LinearPto
 from vsb.reference import check_stable, reference_shell
 from vsb.surface import DeformedShell, enclosed
@@ -229,8 +229,7 @@ def simulate(spec: Spec, paths: dict[str, Any], out: str) -> None:
     """Run one design in one sea and write its trajectory."""
     study = partial_study(spec)
     (design,), (wave,) = study.designs, study.waves
-    scene = linear_scene if study.needs_bem else assumed_pressure_scene
-    plant, shape, waves, spectrum = scene(study, paths)
+    plant, shape, waves, spectrum = SCENES[study.hydro.model](study, paths)
     motion, stride, method = trajectory.simulate(plant, waves, study.simulation, spectrum)
     run = trajectory.labelled(plant, motion, waves if study.needs_bem else None, design, wave.label, stride)
     moved = np.zeros((run.sizes["time"], len(shape.amplitudes)))
@@ -257,13 +256,27 @@ Scene = tuple[Plant, DeformedShell, Sea, DampingSpectrum | None]
 
 def linear_scene(study: Study, paths: dict[str, Any]) -> Scene:
     """Linear hydrodynamics about the mean shape, from the database and its radiation model."""
+    buoy, shape, model, waves, motions = _from_bem(study, paths)
+    return linear_plant(buoy, model, waves, motions), shape, waves, buoy.spectrum
+
+
+def body_exact_scene(study: Study, paths: dict[str, Any]) -> Scene:
+    """Static and Froude-Krylov forces on the instantaneous wet shell, radiation and diffraction from the database."""
+    buoy, shape, model, waves, motions = _from_bem(study, paths)
+    return body_exact_plant(buoy, shape, model, waves, motions), shape, waves, buoy.spectrum
+
+
+def _from_bem(
+    study: Study, paths: dict[str, Any]
+) -> tuple[response.LinearBuoy, DeformedShell, radiation.RadiationModel, Sea, FloatArray]:
+    """What a scene with BEM is made of: buoy, reference shape, radiation model, sea, motions of the design."""
     (design,), (wave,) = study.designs, study.waves
     buoy, basis = _buoy(study, paths["database"])
     ds = load(paths["radiation"])
     model = radiation.RadiationModel(ds.state_matrix.values, ds.input_matrix.values, ds.channel.values)
     waves = sea(wave, study.hydro.omega_max, study.simulation.duration)
     shape = DeformedShell(basis, study.centre_height, buoy.database.reference_amplitude.values)
-    return linear_plant(buoy, model, waves, design_motions(study, basis, design)), shape, waves, buoy.spectrum
+    return buoy, shape, model, waves, design_motions(study, basis, design)
 
 
 def assumed_pressure_scene(study: Study, _: dict[str, Any]) -> Scene:
@@ -276,6 +289,10 @@ def assumed_pressure_scene(study: Study, _: dict[str, Any]) -> Scene:
     motions = design_motions(study, basis, design)
     plant = assumed_pressure_plant(shell, LinearPto(study.pto.damping), load, water.density, water.gravity, motions)
     return plant, shell, NO_WAVES, None
+
+
+SCENES = {"linear": linear_scene, "body_exact": body_exact_scene, "assumed_pressure": assumed_pressure_scene}
+"""Hydrodynamic model -> the scene of one design in one sea."""
 
 
 def compare_designs(spec: Spec, paths: dict[str, Any], trajectories: Sequence[str]) -> None:

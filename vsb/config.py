@@ -134,7 +134,7 @@ class Study(Section):
             )
         if model == "assumed_pressure" and self.device.gas:
             raise ValueError(f"hydro.model {model!r}: is the paper's vented shell; remove device.gas")
-        suitable = ("auto", "exact", "convolution") if self.needs_bem else ("auto", "exponential")
+        suitable = ("auto", "exact", "convolution") if model == "linear" else ("auto", "exponential")
         if method not in suitable:
             raise ValueError(f"simulation.method {method!r}: hydro.model {model!r} needs one of {', '.join(suitable)}")
         if self.published and (unknown := sorted(set(self.published.values) - set(self.designs))):
@@ -143,7 +143,7 @@ class Study(Section):
     @property
     def needs_bem(self) -> bool:
         """Whether the hydrodynamic model rests on radiation and diffraction coefficients."""
-        return self.hydro.model == "linear"
+        return self.hydro.model != "assumed_pressure"
 
     @property
     def centre_height(self) -> float:

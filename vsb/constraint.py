@@ -125,7 +125,7 @@ def constrained_plant(plant: Plant, rows: FloatArray, rate: float = 0.0) -> Cons
         Rate gamma of Baumgarte's stabilisation [1/s]; 0 is the paper.
     """
     check_rank(rows)
-    return ConstrainedPlant(plant.labels, plant.mass, plant.forces, np.eye(len(plant.labels)), rows, rate)
+    return ConstrainedPlant(plant.labels, plant.mass, plant.forces, np.eye(len(plant.labels)), rows=rows, rate=rate)
 
 
 def constraint_drift(positions: FloatArray, rows: FloatArray) -> float:

@@ -22,8 +22,10 @@ from scipy.linalg import expm
 
 from vsb.errors import ConvergenceError
 from vsb.integrate import Motion
-from vsb.plant import LinearSystem, Plant, Spring, WaterPressure, Weight
-from vsb.units import FloatArray
+from vsb.plant import AssumedPressure, ConstantForce, Excitation, LinearSystem, Plant, Spring, WaterPressure
+from vsb.units import ComplexArray, FloatArray
+from vsb.waveforce import Incident, incident, wave_force
+from vsb.waves import NO_WAVES
 from vsb.wetforce import Shape, wet_force
 
 NODES = 5
@@ -33,16 +35,19 @@ SWEEPS = 12
 
 
 class Remainder(NamedTuple):
-    """What the compiled loop needs for n(t, z) = R^T (f_water + weight + C q), q = L z."""
+    """What the compiled loop needs for n(t, z) = R^T (f_water + constant + C q) + diffraction, q = L z."""
 
     shape: Shape
+    rest: FloatArray  # (dof,)
     position: FloatArray  # L (dof, free)
     project: FloatArray  # R^T (free, dof)
-    weight: FloatArray  # (dof,)
+    constant: FloatArray  # (dof,)
     tangent: FloatArray  # C (dof, dof)
     specific_weight: float
-    amplitude: float
+    amplitude: float  # of the assumed pressure
     omega: float
+    waves: Incident  # none: no components
+    diffraction: ComplexArray  # modal phasors (component, free)
 
 
 class Step(NamedTuple):
@@ -130,9 +135,18 @@ def step_matrices(a: FloatArray, b: FloatArray, dt: float, level: int) -> Step:
 def _remainder(r: Remainder, t: float, p: FloatArray, out: FloatArray, static: FloatArray, uniform: FloatArray) -> None:
     """Fill n at time t and scaled modal positions p."""
     q = r.position @ p
-    wet_force(r.shape, q, static, uniform)
-    pressure = r.amplitude * np.cos(r.omega * t)
-    out[:] = r.project @ (r.specific_weight * static + pressure * uniform + r.weight + r.tangent @ q)
+    force = r.constant + r.tangent @ q
+    if len(r.waves.omega):
+        wave_force(r.shape, r.rest + q, r.waves, t, static)
+        force += r.specific_weight * static
+    else:
+        wet_force(r.shape, r.rest + q, static, uniform)
+        force += r.specific_weight * static + r.amplitude * np.cos(r.omega * t) * uniform
+    out[:] = r.project @ force
+    for j in range(len(r.waves.omega)):
+        phase = np.exp(-1j * r.waves.omega[j] * t)
+        for i in range(len(out)):
+            out[i] += (r.diffraction[j, i] * phase).real
 
 
 @njit(cache=True)
@@ -181,7 +195,7 @@ def _march(
     apart = 1 << (level - SHORTEST)
     span, last = (NODES - 1) * apart, (len(out) - 1) * per_record
     free = r.position.shape[1]
-    static, uniform, carried = np.empty(len(r.weight)), np.empty(len(r.weight)), np.empty((NODES - 1, free))
+    static, uniform, carried = np.empty(len(r.constant)), np.empty(len(r.constant)), np.empty((NODES - 1, free))
     tried = 0
     while ticks < last:
         if ticks + span > last:
@@ -233,7 +247,8 @@ class ExponentialIntegrator:
     @cached_property
     def system(self) -> LinearSystem:
         """Linear part, the tangent of the water's force among its springs."""
-        forces = {**self.plant.forces, "tangent": Spring(self.water.tangent)}
+        linear = {name: f for name, f in self.plant.forces.items() if not isinstance(f, Excitation)}
+        forces = {**linear, "tangent": Spring(self.water.tangent)}
         return replace(self.plant, forces=forces).linear_system()
 
     @cached_property
@@ -247,17 +262,23 @@ class ExponentialIntegrator:
     @cached_property
     def remainder(self) -> Remainder:
         """Arguments of the compiled remainder."""
-        motions, water = self.plant.motions, self.water
-        weights = [force.force for force in self.plant.forces.values() if isinstance(force, Weight)]
+        motions, water, dof = self.plant.motions, self.water, len(self.plant.labels)
+        constants = [force.force for force in self.plant.forces.values() if isinstance(force, ConstantForce)]
+        assumed = water.assumed or AssumedPressure(0.0, 0.0)
+        waves = water.waves or incident(NO_WAVES, np.inf, 1.0, water.shell.shape.radius)
+        diffraction = self.plant.excitation.force if self.plant.excitation else np.zeros((0, dof))
         return Remainder(
             water.shell.shape,
+            water.rest,
             np.ascontiguousarray(motions @ self.system.position),
             np.ascontiguousarray((motions @ self.system.velocity).T),
-            sum(weights, np.zeros(len(self.plant.labels))),
+            sum(constants, np.zeros(dof)),
             np.ascontiguousarray(water.tangent),
             water.specific_weight,
-            water.amplitude,
-            water.omega,
+            assumed.amplitude,
+            assumed.omega,
+            waves,
+            np.ascontiguousarray(diffraction @ motions @ self.system.velocity, dtype=complex),
         )
 
     @cached_property
@@ -345,7 +366,7 @@ def integrate(
 def _remainders(r: Remainder, time: FloatArray, p: FloatArray) -> FloatArray:
     """n(t, p) at every recorded instant, shape (time, free)."""
     out = np.empty((len(time), r.position.shape[1]))
-    static, uniform = np.empty(len(r.weight)), np.empty(len(r.weight))
+    static, uniform = np.empty(len(r.constant)), np.empty(len(r.constant))
     for i in range(len(time)):
         _remainder(r, time[i], p[i], out[i], static, uniform)
     return out

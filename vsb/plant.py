@@ -5,19 +5,21 @@ scene exist.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import eigh
+from scipy.linalg import cho_factor, cho_solve, eigh
 
+from vsb.errors import ConvergenceError
 from vsb.modes import ModeBasis
 from vsb.pto import LinearPto
 from vsb.radiation import RadiationModel
 from vsb.response import LinearBuoy
 from vsb.surface import DeformedShell
 from vsb.units import ComplexArray, FloatArray
-from vsb.waves import Sea
+from vsb.waveforce import Incident, incident
+from vsb.waves import NO_WAVES, Sea
 from vsb.wetforce import WetShell
 
 
@@ -51,24 +53,36 @@ class RadiationMemory:
 
 
 @dataclass(frozen=True)
-class Weight:
+class ConstantForce:
     """A constant force."""
 
     force: FloatArray  # (dof,) [N]
 
 
 @dataclass(frozen=True)
-class WaterPressure:
-    """f_j = -int p n.psi_j dS, p = -rho g z + P cos(omega t), on the instantaneous wet part of the deformed shell."""
+class AssumedPressure:
+    """A uniform pressure P cos(omega t) on the wet shell, the paper's stand-in for waves."""
 
-    shell: WetShell
-    specific_weight: float  # rho g [N/m^3]
     amplitude: float  # P [Pa]
     omega: float  # [rad/s]
+
+
+@dataclass(frozen=True)
+class WaterPressure:
+    """f_j = -int p n.psi_j dS on the instantaneous wet part of the deformed shell.
+
+    The pressure is that of still water with an assumed P cos(omega t), or with waves (`vsb.waveforce`).
+    """
+
+    shell: WetShell
+    rest: FloatArray  # amplitudes of the reference shape, about which q is measured (dof,) [m]
+    specific_weight: float  # rho g [N/m^3]
     tangent: FloatArray  # -df/dq of the static part about the reference shape, (dof, dof) [N/m]
+    assumed: AssumedPressure | None = None
+    waves: Incident | None = None
 
 
-Force = Spring | Damper | Excitation | RadiationMemory | Weight | WaterPressure
+Force = Spring | Damper | Excitation | RadiationMemory | ConstantForce | WaterPressure
 
 
 class LinearSystem(NamedTuple):
@@ -93,6 +107,7 @@ class Plant:
     mass: FloatArray  # (dof, dof) [kg]
     forces: Mapping[str, Force]
     motions: FloatArray  # N (dof, free)
+    origin: FloatArray = field(default_factory=lambda: np.zeros(0))  # y at rest (free,) [m]; empty: zero
 
     def total(self, kind: type[Spring] | type[Damper]) -> FloatArray:
         """Return the sum of the matrices of all springs or dampers, projected on the motions, shape (free, free)."""
@@ -140,9 +155,9 @@ class Plant:
         return LinearSystem(a, omega, push, shapes / scale, shapes)
 
     def start(self, heave: float, heave_velocity: float) -> tuple[FloatArray, FloatArray]:
-        """Return the initial y and y': heave as given, shell undeformed and at rest."""
+        """Return the initial y and y': the buoy as it rests, moved in heave as given."""
         first = np.eye(self.motions.shape[1])[0]
-        return heave * first, heave_velocity * first
+        return heave * first + (self.origin if self.origin.size else 0.0), heave_velocity * first
 
 
 def linear_plant(buoy: LinearBuoy, radiation: RadiationModel, sea: Sea, motions: FloatArray) -> Plant:
@@ -155,12 +170,7 @@ def linear_plant(buoy: LinearBuoy, radiation: RadiationModel, sea: Sea, motions:
     if buoy.pto.damping:
         forces["pto"] = Damper(buoy.pto.matrix(len(buoy.mass)))
     if motions.shape[1] > 1:
-        parts = {"elastic": "structural", "prestress": "prestress", "gas": "gas"}
-        forces |= {
-            force: Spring(buoy.stiffness_parts[name]) for force, name in parts.items() if name in buoy.stiffness_parts
-        }
-        if buoy.structural_damping.any():
-            forces["structural_damping"] = Damper(buoy.structural_damping)
+        forces |= _shell_springs(buoy)
     if sea.omega.size:
         excitation = buoy.coefficients(sea.omega).excitation
         forces["excitation"] = Excitation(sea.omega, sea.amplitude[:, None] * excitation)
@@ -168,12 +178,86 @@ def linear_plant(buoy: LinearBuoy, radiation: RadiationModel, sea: Sea, motions:
     return Plant(labels, buoy.mass + buoy.added_mass_inf, forces, motions)
 
 
-@dataclass(frozen=True)
-class AssumedPressure:
-    """A uniform pressure P cos(omega t) on the wet shell, the paper's stand-in for waves."""
+def _shell_springs(buoy: LinearBuoy) -> dict[str, Force]:
+    """Elastic, prestress and gas forces of a flexible design, and its structural damping."""
+    parts = {"elastic": "structural", "prestress": "prestress", "gas": "gas"}
+    springs: dict[str, Force] = {
+        force: Spring(buoy.stiffness_parts[name]) for force, name in parts.items() if name in buoy.stiffness_parts
+    }
+    if buoy.structural_damping.any():
+        springs["structural_damping"] = Damper(buoy.structural_damping)
+    return springs
 
-    amplitude: float  # P [Pa]
-    omega: float  # [rad/s]
+
+def body_exact_plant(
+    buoy: LinearBuoy, shape: DeformedShell, radiation: RadiationModel, sea: Sea, motions: FloatArray
+) -> Plant:
+    """Return the scene with hydrostatics and Froude-Krylov forces on the instantaneous wet shell of one design.
+
+    Radiation and diffraction stay linear about the reference shape.
+
+    Parameters
+    ----------
+    buoy : LinearBuoy
+    shape : DeformedShell
+        The reference shape of its database.
+    radiation : RadiationModel
+    sea : Sea
+    motions : ndarray, shape (dof, free)
+
+    Notes
+    -----
+    The shell is elastic about its reference shape. A prestressed one carries its mean load there (`preload`); the
+    vented sphere does not, and rests deformed: the motion starts from that rest.
+    """
+    basis, attrs = shape.basis, buoy.database.attrs
+    gravity, depth = float(attrs["gravity"]), float(attrs["water_depth"])
+    specific_weight = float(attrs["water_density"]) * gravity
+    linear = linear_plant(buoy, radiation, NO_WAVES, motions)
+    forces = {name: force for name, force in linear.forces.items() if name != "hydrostatic"}
+    waves = incident(sea, depth, gravity, basis.shell.radius) if sea.omega.size else None
+    wet = WetShell(basis, shape.centre_height)
+    water = WaterPressure(wet, shape.amplitudes, specific_weight, buoy.stiffness_parts["hydrostatic"], waves=waves)
+    weight = ConstantForce(-gravity * basis.inertia[0])
+    forces |= {"water": water, "weight": weight}
+    if "prestress" in forces:
+        at_rest = specific_weight * wet.forces(shape.amplitudes[None])[0][0]
+        forces["preload"] = ConstantForce(-at_rest - weight.force)
+    if sea.omega.size:
+        forces["diffraction"] = Excitation(sea.omega, sea.amplitude[:, None] * buoy.diffraction(sea.omega))
+    plant = Plant(linear.labels, linear.mass, forces, motions)
+    return replace(plant, origin=resting(plant))
+
+
+def resting(plant: Plant) -> FloatArray:
+    """Return y of a body-exact scene at rest in still water, shape (free,) [m], by Newton's method.
+
+    Raises
+    ------
+    ConvergenceError
+        If the scene does not come to rest.
+    """
+    water, y = plant.water, np.zeros(plant.motions.shape[1])
+    assert water is not None
+    stiffness = plant.total(Spring)
+    load = sum((f.force for f in plant.forces.values() if isinstance(f, ConstantForce)), np.zeros(len(plant.labels)))
+    for _ in range(50):
+        shell = DeformedShell(water.shell.basis, water.shell.centre_height, water.rest + plant.motions @ y)
+        static = water.specific_weight * water.shell.forces(shell.amplitudes[None])[0][0]
+        tangent = plant.motions.T @ shell.hydrostatic_stiffness(water.specific_weight, 1.0) @ plant.motions
+        try:
+            step = cho_solve(cho_factor(stiffness + tangent), plant.motions.T @ (static + load) - stiffness @ y)
+        except np.linalg.LinAlgError:  # unstable
+            break
+        largest, y = np.abs(step).max() / shell.basis.shell.radius, y + step
+        if largest < 1e-12:
+            return y
+        if not largest < 1.0:
+            break
+    raise ConvergenceError(
+        "the loaded buoy does not come to rest: its shell gives way under the static load; raise "
+        "device.internal_pressure, device.thickness or device.young_modulus, or use hydro.model: linear."
+    )
 
 
 def assumed_pressure_plant(
@@ -195,8 +279,8 @@ def assumed_pressure_plant(
     tangent = shell.hydrostatic_stiffness(density, gravity)
     wet = WetShell(basis, shell.centre_height)
     forces: dict[str, Force] = {
-        "water": WaterPressure(wet, density * gravity, load.amplitude, load.omega, tangent),
-        "weight": Weight(-gravity * basis.inertia[0]),
+        "water": WaterPressure(wet, np.zeros(len(basis.labels)), density * gravity, tangent, assumed=load),
+        "weight": ConstantForce(-gravity * basis.inertia[0]),
     }
     if pto.damping:
         forces["pto"] = Damper(pto.matrix(len(basis.labels)))

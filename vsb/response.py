@@ -89,6 +89,12 @@ class LinearBuoy:
         added_mass, excitation = self._splines
         return Coefficients(added_mass(omega), self.spectrum.at(omega), excitation(omega).astype(complex))
 
+    def diffraction(self, omega: FloatArray) -> ComplexArray:
+        """Return the diffraction force per unit wave amplitude, shape (omega, dof) [N/m]; band as `coefficients`."""
+        self.coefficients(omega)
+        force = CubicSpline(self.database.omega.values, self.database.diffraction_force.values[:, 0, :])
+        return np.asarray(force(omega), dtype=complex)
+
     def rao(self, omega: FloatArray, motions: FloatArray) -> ComplexArray:
         """Return displacement per unit wave amplitude, shape (omega, dof) [m/m].
 

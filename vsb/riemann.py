@@ -12,7 +12,7 @@ import numpy as np
 from vsb.config import RegularWave, Study
 from vsb.errors import ConfigError
 from vsb.modes import design_motions, study_basis
-from vsb.plant import AssumedPressure, Plant, Spring, WaterPressure, Weight, assumed_pressure_plant
+from vsb.plant import AssumedPressure, ConstantForce, Plant, Spring, WaterPressure, assumed_pressure_plant
 from vsb.pto import LinearPto
 from vsb.surface import DeformedShell, Meridian
 from vsb.units import FloatArray
@@ -143,7 +143,7 @@ def water_and_weight(plant: Plant) -> tuple[WaterPressure, FloatArray]:
     """The pressure of a body-exact scene and the weight, shape (dof,) [N]."""
     water, weight = plant.forces["water"], plant.forces["weight"]
     assert isinstance(water, WaterPressure)
-    assert isinstance(weight, Weight)
+    assert isinstance(weight, ConstantForce)
     return water, weight.force
 
 

@@ -111,11 +111,12 @@ class Water(Section):
 class Hydro(Section):
     """Hydrodynamic model, tolerance [-], highest frequency solved [rad/s], optional tabulated frequencies [rad/s].
 
-    `linear`: radiation, diffraction and hydrostatics about the mean shape, from BEM. `assumed_pressure`: hydrostatics
-    and a uniform pressure [Pa] of the wave's period on the instantaneous wet shell, no radiation: the paper's loading.
+    `linear`: radiation, diffraction and hydrostatics about the mean shape, from BEM. `body_exact`: hydrostatics and
+    Froude-Krylov forces on the instantaneous wet shell, the rest linear. `assumed_pressure`: hydrostatics and a uniform
+    pressure [Pa] of the wave's period on the instantaneous wet shell, no radiation: the paper's loading.
     """
 
-    model: Literal["linear", "assumed_pressure"] = "linear"
+    model: Literal["linear", "body_exact", "assumed_pressure"] = "linear"
     pressure: NonNegative | None = None
     tolerance: Annotated[Number, Field(ge=1e-5, le=0.1)] = 1e-3
     omega_max: Positive = 12.0

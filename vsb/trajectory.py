@@ -8,10 +8,12 @@ from vsb.config import Simulation
 from vsb.exponential import integrate
 from vsb.integrate import Motion, convolve, propagate
 from vsb.kernel import DampingSpectrum
-from vsb.plant import Damper, Excitation, Plant, Spring, WaterPressure, Weight
+from vsb.plant import ConstantForce, Damper, Excitation, Plant, Spring, WaterPressure
 from vsb.units import FloatArray
+from vsb.waveforce import wave_forces
 from vsb.waves import Sea
 
+EXCITING = ("excitation", "froude_krylov", "diffraction")
 TERMS = ("wave", "pto", "radiated", "structural", "stored")
 _FINEST = 5  # at most 2^5 samples per recorded step
 
@@ -29,7 +31,7 @@ def forces(plant: Plant, motion: Motion) -> dict[str, FloatArray]:
             out[name] = -q @ force.stiffness.T
         elif isinstance(force, Damper):
             out[name] = -v @ force.damping.T
-        elif isinstance(force, Weight):
+        elif isinstance(force, ConstantForce):
             out[name] = np.broadcast_to(force.force, q.shape)
         elif isinstance(force, WaterPressure):
             out |= _water_forces(force, motion.time, q)
@@ -44,11 +46,15 @@ def forces(plant: Plant, motion: Motion) -> dict[str, FloatArray]:
 
 
 def _water_forces(water: WaterPressure, time: FloatArray, q: FloatArray) -> dict[str, FloatArray]:
-    """Hydrostatic force and, where there is one, the force of the assumed pressure, each shape (time, dof) [N]."""
-    static, uniform, _ = water.shell.forces(q)
+    """Hydrostatic force on the shell in still water, and what an assumed pressure or waves add, (time, dof) [N]."""
+    static, uniform, _ = water.shell.forces(water.rest + q)
     out = {"hydrostatic": water.specific_weight * static}
-    if water.amplitude:
-        out["excitation"] = water.amplitude * np.cos(water.omega * time)[:, None] * uniform
+    if water.assumed and water.assumed.amplitude:
+        pressure = water.assumed.amplitude * np.cos(water.assumed.omega * time)
+        out["excitation"] = pressure[:, None] * uniform
+    if water.waves:
+        total = wave_forces(water.shell.shape, water.rest + q, water.waves, time)
+        out["froude_krylov"] = water.specific_weight * (total - static)
     return out
 
 
@@ -68,17 +74,17 @@ def energies(plant: Plant, motion: Motion) -> dict[str, FloatArray]:
     for force in plant.forces.values():
         if isinstance(force, Spring):
             stored = stored + 0.5 * np.einsum("ti,ij,tj->t", q, force.stiffness, q)
-        elif isinstance(force, Weight):
+        elif isinstance(force, ConstantForce):
             stored = stored - q @ force.force
         elif isinstance(force, WaterPressure):
-            stored = stored - force.specific_weight * force.shell.forces(q)[2]
+            stored = stored - force.specific_weight * force.shell.forces(force.rest + q)[2]
     if plant.memory is not None and motion.memory.size:
         radiated = _integral(0.5 * (motion.memory @ plant.memory.channel) ** 2, motion.time)
         stored = stored + 0.5 * np.sum(motion.memory**2, axis=1)
     else:
         radiated = -work.get("radiation", zero)
     return {
-        "wave": work.get("excitation", zero),
+        "wave": sum((work[name] for name in EXCITING if name in work), zero),
         "pto": -work.get("pto", zero),
         "radiated": radiated,
         "structural": -work.get("structural_damping", zero),
@@ -174,8 +180,8 @@ def _recorded_steps(plant: Plant, sea: Sea, settings: Simulation) -> int:
     if sea.omega.size:
         strong = sea.omega[np.abs(sea.amplitude) > 0.05 * np.abs(sea.amplitude).max()]
         omega = float(strong.max())
-    elif plant.water and plant.water.amplitude:
-        omega = plant.water.omega
+    elif plant.water and plant.water.assumed and plant.water.assumed.amplitude:
+        omega = plant.water.assumed.omega
     else:
         springs = plant.total(Spring)[0, 0] + (plant.water.tangent[0, 0] if plant.water else 0.0)
         omega = float(np.sqrt(max(springs, 0.0) / (plant.motions.T @ plant.mass @ plant.motions)[0, 0])) or 1.0

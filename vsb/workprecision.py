@@ -96,6 +96,7 @@ class Scene(NamedTuple):
     def of(cls, plant: Plant) -> "Scene":
         """Scene of a body-exact plant."""
         water, weight = water_and_weight(plant)
+        assert water.assumed is not None  # built by `design_plant`
         inverse = np.linalg.inv(plant.motions.T @ plant.mass @ plant.motions)
         return cls(
             water.shell.shape,
@@ -105,8 +106,8 @@ class Scene(NamedTuple):
             inverse @ plant.total(Damper),
             weight,
             water.specific_weight,
-            water.amplitude,
-            water.omega,
+            water.assumed.amplitude,
+            water.assumed.omega,
         )
 
 
