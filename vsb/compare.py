@@ -24,6 +24,8 @@ from vsb.units import FloatArray
 from vsb.waves import Sea, jonswap_spectrum, power_limit, wavenumber
 
 COLUMNS = ("design", "wave", *Merit._fields, "energy_gain_percent", "energy_residual")
+NOTHING = 1e-9
+"""An energy below this part of the best design's is round-off of a buoy at rest: no gain is measured against it."""
 Row = dict[str, Any]
 Runs = Mapping[tuple[str, str], xr.Dataset]
 
@@ -44,6 +46,8 @@ def comparison(study: Study, runs: Runs, seas: Mapping[str, Sea]) -> list[Row]:
             for design in study.designs
         }
         base = merits[study.reference_design].energy if study.reference_design else None
+        if base is not None and base <= NOTHING * max(values.energy for values in merits.values()):
+            base = None
         for design, values in merits.items():
             gain = 100 * (values.energy / base - 1) if base else None
             residual = float(runs[design, wave.label].attrs["energy_residual"])

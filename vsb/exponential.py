@@ -17,9 +17,9 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from scipy.linalg import expm
 
+from vsb.compiled import njit
 from vsb.errors import ConvergenceError
 from vsb.integrate import Motion
 from vsb.plant import AssumedPressure, ConstantForce, Excitation, LinearSystem, Plant, Spring, WaterPressure
@@ -32,6 +32,8 @@ NODES = 5
 LONGEST = 3  # nodes are at most 2^3 recorded instants apart
 SHORTEST = -16
 SWEEPS = 12
+PROBE = 2.618
+"""Where n is looked at between the nodes: an undamped ring that all nodes meet in one phase is seen here."""
 
 
 class Remainder(NamedTuple):
@@ -59,6 +61,8 @@ class Step(NamedTuple):
     end_free: FloatArray  # exp(4 d A) (state, state)
     end_forced: FloatArray  # (state, node * free)
     last_forced: FloatArray  # its part of the last node (state, free)
+    probe_free: FloatArray  # likewise at `PROBE`, position rows (free, state)
+    probe_forced: FloatArray  # (free, node * free)
     record_free: FloatArray  # likewise at the recorded instants inside the step (record, state, state)
     record_forced: FloatArray  # (record, state, node * free)
 
@@ -109,6 +113,8 @@ def on_a_grid(a: FloatArray, b: FloatArray, unit: float, count: int) -> tuple[li
 
 LAGRANGE = np.linalg.inv(np.vander(np.arange(NODES), increasing=True))
 """Coefficients of x^k in the Lagrange polynomials of x = 0..4, shape (k, node)."""
+AT_PROBE = PROBE ** np.arange(NODES) @ LAGRANGE
+"""The Lagrange polynomials at `PROBE`, shape (node,)."""
 
 
 def step_matrices(a: FloatArray, b: FloatArray, dt: float, level: int) -> Step:
@@ -117,7 +123,12 @@ def step_matrices(a: FloatArray, b: FloatArray, dt: float, level: int) -> Step:
     spacing, fine = dt * 2.0**level, 2 ** max(level, 0)  # grid points per node distance: recorded instants
     powers, grid = on_a_grid(a, b, spacing / fine, fine * (NODES - 1))
     scale = np.array([math.factorial(k) / spacing**k for k in range(NODES)])
-    forced = [np.einsum("kj,ksf->sjf", LAGRANGE * scale[:, None], p).reshape(len(a), -1) for p in grid]
+
+    def to_nodes(integrals: FloatArray) -> FloatArray:
+        return np.asarray(np.einsum("kj,ksf->sjf", LAGRANGE * scale[:, None], integrals).reshape(len(a), -1))
+
+    forced = [to_nodes(p) for p in grid]
+    probe, integrals = phi_integrals(a, b, PROBE * spacing, NODES)
     nodes = range(fine - 1, fine * (NODES - 1), fine)
     return Step(
         spacing,
@@ -126,6 +137,8 @@ def step_matrices(a: FloatArray, b: FloatArray, dt: float, level: int) -> Step:
         powers[-1].copy(),
         forced[-1].copy(),
         forced[-1][:, -free:].copy(),
+        probe[:free].copy(),
+        to_nodes(integrals)[:free].copy(),
         np.array(powers[:-1]),
         np.array(forced[:-1]),
     )
@@ -196,7 +209,7 @@ def _march(
     span, last = (NODES - 1) * apart, (len(out) - 1) * per_record
     free = r.position.shape[1]
     static, uniform, carried = np.empty(len(r.constant)), np.empty(len(r.constant)), np.empty((NODES - 1, free))
-    tried = 0
+    tried, between = 0, np.empty(free)
     while ticks < last:
         if ticks + span > last:
             return ticks, -1, scale, tried
@@ -215,8 +228,10 @@ def _march(
         flat = n.ravel()
         end = step.end_free @ z + step.end_forced @ flat
         fourth = n[0] - 4 * n[1] + 6 * n[2] - 4 * n[3] + n[4]
-        missed = step.last_forced @ fourth
-        error = (np.sqrt(missed @ missed) + lost) / limit
+        position = step.probe_free @ z + step.probe_forced @ flat
+        _remainder(r, t + PROBE * step.spacing, position, between, static, uniform)
+        missed, unseen = step.last_forced @ fourth, step.last_forced @ (between - AT_PROBE @ n)
+        error = (np.sqrt(missed @ missed) + np.sqrt(unseen @ unseen) + lost) / limit
         if not error < 1.0:
             n[:] = n[0].copy()
             return ticks, -1, scale, tried

@@ -7,6 +7,7 @@ import xarray as xr
 from scipy.interpolate import CubicSpline
 
 from vsb.config import Jonswap, RegularWave, StillWater, Water
+from vsb.errors import ConfigError
 from vsb.units import FloatArray
 from vsb.waves import Sea, group_velocity
 
@@ -42,6 +43,11 @@ def merit(
     """Return the figures of merit of a run (see `vsb.trajectory.labelled`)."""
     time = run.time.values
     inside = (time >= window[0] - 1e-9) & (time <= window[1] + 1e-9)
+    if not inside.any():
+        raise ConfigError(
+            f"simulation.window: received {list(window)} s, which holds none of the instants recorded, "
+            f"{time[1] - time[0]:.4g} s apart; needs to be longer than that"
+        )
     heave, velocity = run.position.values[inside, 0], run.velocity.values[inside, 0]
     absorbed: FloatArray = run.energy.sel(term="pto").values
     force = run.pto.values[inside, 0] if "pto" in run else np.zeros_like(velocity)

@@ -43,7 +43,7 @@ def summary(study: Study, plan: StudyPlan) -> list[str]:
         *(_bem_lines(study, plan) if study.needs_bem else ["hydro        assumed pressure: no BEM"]),
     ]
     checks = compare.shell_checks(study, reference_shell(study))
-    for wave in study.waves:
+    for wave in study.waves if study.hydro.model != "assumed_pressure" else ():  # which uses the period alone
         checks += compare.wave_checks(wave, study.water, study.hydro.omega_max)
     return lines + [
         f"{check.verdict:12} {check.name} = {check.value:.3g} (limit {check.limit:g}): {check.explanation}"

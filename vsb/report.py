@@ -20,10 +20,10 @@ CAPTIONS = {
     "velocity_pto": "Heave velocity and power take-off force.",
     "power_energy": "Instantaneous absorbed power, and absorbed energy since the start.",
     "extreme_shapes": "Shells of all designs at their least height from pole to pole, displacement magnified.",
-    "shapes_3d": "The free shell at the start and at its most oblate and most prolate, displacement magnified.",
+    "shapes_3d": "The first flexible design: start, most oblate and most prolate, displacement magnified.",
     "volume_area": "Volume enclosed by the shell and its surface area.",
-    "energy_audit": "Where the work of the wave went, start-up transient included.",
-    "snapshots": "The buoys in the wave over its last period (dotted: undeformed).",
+    "energy_audit": "Where the work of the wave or the assumed pressure went, start-up transient included.",
+    "snapshots": "The buoys over the last period (dotted: undeformed).",
 }
 MEASURES = (
     ("displacement_pp", "heave, peak to peak [m]", 1.0, ".4g"),

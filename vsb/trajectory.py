@@ -63,6 +63,7 @@ def energies(plant: Plant, motion: Motion) -> dict[str, FloatArray]:
 
     Notes
     -----
+    `turned` is no term of the sum: kinetic energy, and a billionth of the energy stored, below which all is round-off.
     With the state space, radiated power is (l.x)^2/2 and the memory stores x.x/2, both from the memory states alone:
     the audit is then a check on the whole chain. With the convolution the radiation force's work stands for both.
     """
@@ -70,7 +71,7 @@ def energies(plant: Plant, motion: Motion) -> dict[str, FloatArray]:
     named = forces(plant, motion)
     work = {name: _integral(np.sum(force * v, axis=1), motion.time) for name, force in named.items()}
     zero = np.zeros(len(motion.time))
-    stored = 0.5 * np.einsum("ti,ij,tj->t", v, plant.mass, v)
+    stored = kinetic = 0.5 * np.einsum("ti,ij,tj->t", v, plant.mass, v)
     for force in plant.forces.values():
         if isinstance(force, Spring):
             stored = stored + 0.5 * np.einsum("ti,ij,tj->t", q, force.stiffness, q)
@@ -89,6 +90,7 @@ def energies(plant: Plant, motion: Motion) -> dict[str, FloatArray]:
         "radiated": radiated,
         "structural": -work.get("structural_damping", zero),
         "stored": stored - stored[0],
+        "turned": kinetic + 1e-9 * np.abs(stored),
     }
 
 
@@ -100,10 +102,11 @@ def _integral(power: FloatArray, time: FloatArray) -> FloatArray:
 def residual(energy: dict[str, FloatArray]) -> float:
     """Return the largest unbalanced energy relative to the energy that went round [-].
 
-    |wave - pto - radiated - structural - stored| over the largest of the terms.
+    |wave - pto - radiated - structural - stored| over the largest of the terms and of the kinetic energy: in free
+    motion without losses every term is zero but for errors.
     """
     unbalanced = energy["wave"] - sum(energy[term] for term in TERMS[1:])
-    largest = max(float(np.abs(energy[term]).max()) for term in TERMS)
+    largest = max(float(np.abs(energy[term]).max()) for term in (*TERMS, "turned"))
     return float(np.abs(unbalanced).max() / largest) if largest else 0.0
 
 
@@ -176,13 +179,16 @@ def _motion(
 
 
 def _recorded_steps(plant: Plant, sea: Sea, settings: Simulation) -> int:
-    """Number of recorded steps: 200 a period of the shortest wave that matters, or of free heave in still water."""
+    """Number of recorded steps: 200 a period of the shortest wave that matters.
+
+    Without waves, of the faster of free heave and the assumed pressure: the buoy heaves freely until that has died out.
+    """
     if sea.omega.size:
         strong = sea.omega[np.abs(sea.amplitude) > 0.05 * np.abs(sea.amplitude).max()]
         omega = float(strong.max())
-    elif plant.water and plant.water.assumed and plant.water.assumed.amplitude:
-        omega = plant.water.assumed.omega
     else:
         springs = plant.total(Spring)[0, 0] + (plant.water.tangent[0, 0] if plant.water else 0.0)
         omega = float(np.sqrt(max(springs, 0.0) / (plant.motions.T @ plant.mass @ plant.motions)[0, 0])) or 1.0
+        if plant.water and plant.water.assumed and plant.water.assumed.amplitude:
+            omega = max(omega, plant.water.assumed.omega)
     return int(np.ceil(200 * omega / (2 * np.pi) * settings.duration))

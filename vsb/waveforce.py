@@ -12,9 +12,9 @@ split at still water, where p has a kink, and so keeps its accuracy.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from scipy.special import j0, j1
 
+from vsb.compiled import njit
 from vsb.units import ComplexArray, FloatArray
 from vsb.waves import Sea, wavenumber
 from vsb.wetforce import Shape, legendre, wet_intervals

@@ -13,8 +13,8 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
+from vsb.compiled import njit
 from vsb.modes import ModeBasis
 from vsb.units import FloatArray
 
@@ -56,17 +56,21 @@ def _height(shape: Shape, q: FloatArray, c: float, p: FloatArray, dp: FloatArray
 
 
 @njit(cache=True)
-def _zero(shape: Shape, q: FloatArray, low: float, high: float, which: int, p: FloatArray, dp: FloatArray) -> float:
-    """Zero of z (which = 0) or of dz/dc (which = 1) in a bracket: Newton or secant, halving where that leaves it."""
-    f_low, f_high = _height(shape, q, low, p, dp)[which], _height(shape, q, high, p, dp)[which]
-    c = low - f_low * (high - low) / (f_high - f_low)
+def _zero(
+    shape: Shape, q: FloatArray, low: float, high: float, below: bool, which: int, p: FloatArray, dp: FloatArray
+) -> float:
+    """Zero of z (which = 0) or of dz/dc (which = 1) in a bracket: Newton, halving where that leaves it.
+
+    `below` is the sign at the lower end as the caller knows it: round-off here may see the other one.
+    """
+    c = 0.5 * (low + high)
     for _ in range(100):
         z, slope = _height(shape, q, c, p, dp)
         f = slope if which else z
-        if (f < 0) == (f_low < 0):
-            low, f_low = c, f
+        if (f < 0) == below:
+            low = c
         else:
-            high, f_high = c, f
+            high = c
         following = c - z / slope if which == 0 and slope != 0.0 else 0.5 * (low + high)
         if not low < following < high:
             following = 0.5 * (low + high)
@@ -96,12 +100,12 @@ def wet_intervals(shape: Shape, q: FloatArray, p: FloatArray, dp: FloatArray) ->
     for i in range(count - 1):
         low, high, wet = shape.grid[i], shape.grid[i + 1], z[i] < 0
         if wet != (z[i + 1] < 0):
-            edges[found], found = _zero(shape, q, low, high, 0, p, dp), found + 1
+            edges[found], found = _zero(shape, q, low, high, wet, 0, p, dp), found + 1
         elif slope[i] * slope[i + 1] < 0 and (slope[i] > 0) == wet:
-            middle = _zero(shape, q, low, high, 1, p, dp)
+            middle = _zero(shape, q, low, high, not wet, 1, p, dp)
             if (_height(shape, q, middle, p, dp)[0] < 0) != wet:
-                edges[found] = _zero(shape, q, low, middle, 0, p, dp)
-                edges[found + 1] = _zero(shape, q, middle, high, 0, p, dp)
+                edges[found] = _zero(shape, q, low, middle, wet, 0, p, dp)
+                edges[found + 1] = _zero(shape, q, middle, high, not wet, 0, p, dp)
                 found += 2
     if z[count - 1] < 0:
         edges[found], found = 1.0, found + 1

@@ -18,10 +18,10 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numba import njit
 from scipy.integrate import simpson, solve_ivp
 
 from vsb.canvas import grid_of_axes, legend_above
+from vsb.compiled import njit
 from vsb.config import Study, parse
 from vsb.errors import ConvergenceError
 from vsb.exponential import integrate
