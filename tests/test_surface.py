@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vsb.modes import mode_basis
-from vsb.surface import DeformedShell
+from vsb.surface import DeformedShell, enclosed
 
 RHO, G = 1025.0, 9.81
 
@@ -230,3 +230,42 @@ def test_derivatives_of_the_meridian(full):
     for value, slope in (("x", "dx"), ("z", "dz"), ("shape_x", "dshape_x"), ("shape_z", "dshape_z")):
         difference = (getattr(ahead, value) - getattr(behind, value)) / (2 * h)
         assert getattr(here, slope) == pytest.approx(difference, abs=1e-7)
+
+
+def spheroid(full, across, along):
+    """Amplitudes that stretch the sphere to semi-axes `across` and `along` [m]: degrees 0 and 2 hold it exactly."""
+    a, b = along / 2.0 - 1, across / 2.0 - 1  # relative stretch of height and radius
+    shapes = {mode.label: (mode.radial, mode.meridional) for mode in full.shapes}
+    # v = r (b + (a - b) cos^2), u = r (b - a) sin cos in P_0, P_2 and dP_2/dphi = -3 sin cos
+    wanted = 2.0 * np.array([2 * (a - b) / 3, (a - b) / 3])
+    pair = np.linalg.solve(np.array([shapes["Membrane2"], shapes["Bending2"]]).T, wanted)
+    return amplitudes(full, Membrane0=2.0 * (b + (a - b) / 3), Membrane2=pair[0], Bending2=pair[1])
+
+
+def spheroid_area(across, along):
+    """Surface of a spheroid of revolution, textbook formula."""
+    if along > across:
+        e = np.sqrt(1 - (across / along) ** 2)
+        return 2 * np.pi * across**2 * (1 + along / (across * e) * np.arcsin(e))
+    e = np.sqrt(1 - (along / across) ** 2)
+    return 2 * np.pi * across**2 * (1 + (1 - e**2) / e * np.arctanh(e))
+
+
+@pytest.mark.parametrize(
+    ("across", "along"), [(2.2, 1.8), (1.8, 2.3), (1.9, 2.6)], ids=["oblate", "prolate", "slender"]
+)
+def test_volume_and_area_of_spheroids(full, across, along):
+    q = spheroid(full, across, along)
+    half = DeformedShell(full, 0.0, q)
+    assert half.volume(40) == pytest.approx(2 / 3 * np.pi * across**2 * along, rel=1e-12)
+    assert half.wet_area(40) == pytest.approx(spheroid_area(across, along) / 2, rel=1e-12)
+    volume, area = enclosed(full, q[None], 40)
+    assert volume[0] == pytest.approx(4 / 3 * np.pi * across**2 * along, rel=1e-12)
+    assert area[0] == pytest.approx(spheroid_area(across, along), rel=1e-12)
+
+
+def test_enclosed_volume_and_area_forget_heave(full):
+    q = np.array([amplitudes(full, Heave=h, Membrane2=0.1, Bending3=0.05) for h in (0.0, 0.4, -3.0)])
+    volume, area = enclosed(full, q)
+    assert np.ptp(volume) < 1e-12
+    assert np.ptp(area) < 1e-12

@@ -235,7 +235,7 @@ def simulate(spec: Spec, paths: dict[str, Any], out: str) -> None:
     moved = np.zeros((run.sizes["time"], len(shape.amplitudes)))
     moved[:, : run.sizes["dof"]] = run.position.values
     volume, area = enclosed(shape.basis, shape.amplitudes + moved)
-    attrs = {"method": method, "steps": len(motion.time) - 1, "seconds": motion.seconds}
+    attrs = {"method": method, "instants": len(motion.time), "seconds": motion.seconds}
     if rows := study.designs[design].clamp:
         attrs["constraint_drift"] = _drift(study, plant, motion, shape.basis.clamp_rows(np.deg2rad(rows)))
     save(run.assign(volume=("time", volume), area=("time", area)).assign_attrs(run.attrs, **attrs), out)

@@ -45,7 +45,7 @@ def absorbed_power(data: StudyData) -> Figure:
         top.text(max(inside), 0.96 * ceiling, mark, color="#B07800", fontsize=8, va="top")
     period = top.secondary_xaxis("top", functions=(_period, _period))
     period.set_xlabel("wave period [s]")
-    period.set_xticks([t for t in (1.5, 2, 2.5, 3, 4, 6, 10, 20) if 2 * math.pi / t > 0.3])
+    period.set_xticks([t for t in (1.5, 2, 2.5, 3, 4, 6, 10) if 2 * math.pi / t > 0.3])
     legend_above(figure, top)
     return figure
 

@@ -99,7 +99,7 @@ def _seas(study: Study) -> dict[str, str]:
 def _facts(study: Study, paths: dict[str, Any], runs: Sequence[xr.Dataset]) -> dict[str, str]:
     """How the results were made, in words."""
     return {
-        "Program": f"vsb {__version__}, {solver_version()}, {clock.strftime('%Y-%m-%d')}",
+        "Program": f"vsb {__version__}{', ' + solver_version() if study.needs_bem else ''}, {clock.strftime('%Y-%m-%d')}",
         **(_bem_facts(paths) if study.needs_bem else {"Hydrodynamics": ASSUMED.format(study.hydro.pressure)}),
         "Time domain": f"{runs[0].attrs['method']}, {study.simulation.duration:g} s of motion in "
         f"{max(run.attrs['seconds'] for run in runs):.3f} s or less per design and sea",

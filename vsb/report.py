@@ -183,7 +183,7 @@ def published_table(study: dict[str, Any], rows: Sequence[dict[str, Any]]) -> li
     """Return lines of design, sea, measure, published figure, ours, difference; none if nothing is published."""
     lines = []
     published = (study["published"] or {"values": {}})["values"]
-    for row in (row for row in rows if row["design"] in published):
+    for row in (row for row in rows if row["design"] in published and row["wave"] != "still"):
         values = {**row, "pto_force_pp": study["pto"]["damping"] * float(row["velocity_pp"])}
         for key, (name, unit, factor) in PUBLISHED.items():
             if (theirs := published[row["design"]].get(key)) is None:

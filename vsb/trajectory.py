@@ -156,11 +156,13 @@ def simulate(plant: Plant, sea: Sea, settings: Simulation, spectrum: DampingSpec
     """
     recorded = _recorded_steps(plant, sea, settings)
     enough = max(settings.tolerance, 1e-4 if settings.method == "convolution" else 0.0)
+    unbalanced = np.inf
     for halving in range(_FINEST + 1):
-        stride = 2**halving
+        stride, before = 2**halving, unbalanced
         time = np.linspace(0.0, settings.duration, recorded * stride + 1)
         motion, method = _motion(plant, time, settings, spectrum)
-        if residual(energies(plant, motion)) <= enough:
+        unbalanced = residual(energies(plant, motion))
+        if unbalanced <= enough or unbalanced > before / 2:  # closed, or finer sampling does not help
             break
     return motion, stride, method
 

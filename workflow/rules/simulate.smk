@@ -13,7 +13,7 @@ rule simulate:
     conda:
         "../envs/vsb.yaml"
     resources:
-        mem_mb=1000,
+        mem_mb=1000 + int(STUDY.simulation.duration / 40),  # 1.9 GB for a day
         runtime=30,
     params:
         spec=lambda wildcards: canonical(
