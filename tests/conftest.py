@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from vsb import bem, config, database, meshing
+from vsb import bem, config, database, meshing, sweep
+from vsb.commands import spectral_problem
 from vsb.config import Study, canonical
 from vsb.kernel import DampingSpectrum
 from vsb.modes import study_basis
@@ -48,6 +49,18 @@ def green_folder(tmp_path_factory) -> Path:
     return folder
 
 
+def solved_block(study: Study, spec, green_folder):
+    """One BEM job, by the solver its spec names."""
+    if "mesh" not in spec:
+        return sweep.converged(spectral_problem(spec), spec["omega"], spec["tolerance"])[0]
+    panels = {k: spec["mesh"][k] for k in ("rows", "azimuth", "lid_rows")}
+    if study.at_equilibrium:
+        mesh = meshing.deformed_mesh(reference_shell(study).shape, **panels)
+    else:
+        mesh = meshing.mean_mesh(study.device.radius, study.centre_height, **panels)
+    return bem.solve_block(spec, mesh, green_folder)
+
+
 @pytest.fixture(scope="session")
 def solved(green_folder):
     """Function study -> raw hydro sweep of its plan (normal velocities P_n), each shape solved once."""
@@ -58,15 +71,7 @@ def solved(green_folder):
         for block in blocks:
             key = canonical(block)
             if key not in cache:
-                mesh = {k: block["mesh"][k] for k in ("rows", "azimuth", "lid_rows")}
-                sphere = study.device.radius, study.centre_height
-                deformed = study.at_equilibrium
-                panels = (
-                    meshing.deformed_mesh(reference_shell(study).shape, **mesh)
-                    if deformed
-                    else meshing.mean_mesh(*sphere, **mesh)
-                )
-                cache[key] = bem.solve_block(json.loads(key), panels, green_folder)
+                cache[key] = solved_block(study, json.loads(key), green_folder)
         return database.with_excitation(database.merged_blocks([cache[canonical(block)] for block in blocks]))
 
     return solve

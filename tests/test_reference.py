@@ -167,6 +167,7 @@ class TestBem:
         assert results[0] == pytest.approx(results[1], rel=1e-10)
 
     def test_plan_of_a_study_about_its_equilibrium(self, pressurised):
+        pressurised = varied(pressurised, hydro={"solver": "panels"})
         plan = StudyPlan(pressurised)
         block = plan.sweep_blocks[1]
         assert "Meridional4" in block["displacements"]

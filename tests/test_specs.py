@@ -15,6 +15,12 @@ from vsb.meshing import graded_colatitudes
 from vsb.specs import StudyPlan, figure_names, frequency_step, tolerance_rows, wave_rows
 
 
+@pytest.fixture(scope="module")
+def seed(seed):
+    """The seed study by panels, whose plan has meshes and blocks."""
+    return varied(seed, hydro={"solver": "panels"})
+
+
 def block_ids(study):
     return {content_id(block) for block in StudyPlan(study).sweep_blocks + StudyPlan(study).tabulated_blocks}
 
@@ -182,14 +188,14 @@ def rewritten(text):
 
 
 @pytest.mark.parametrize("rewrite", [rewritten, lambda text: f"# remark\n{text}# end\n"], ids=["respelled", "comments"])
-def test_ids_do_not_see_how_a_study_is_written(seed, tmp_path, rewrite):
+def test_ids_do_not_see_how_a_study_is_written(tmp_path, rewrite):
     file = tmp_path / "other.yaml"
     file.write_text(rewrite(SEED.read_text()))
     assert file.read_text() != SEED.read_text()
-    ours, theirs = StudyPlan(seed), StudyPlan(config.load(file))
+    ours, theirs = StudyPlan(config.load(SEED)), StudyPlan(config.load(file))
     for spec in ("database", "radiation", "display", "modes", "response", "comparison"):
         assert content_id(getattr(theirs, spec)) == content_id(getattr(ours, spec))
-    assert block_ids(theirs.study) == block_ids(seed)
+    assert block_ids(theirs.study) == block_ids(ours.study)
 
 
 def test_each_stage_reads_its_own_sections(seed):
@@ -279,3 +285,24 @@ def test_paths_lie_under_the_root_and_name_their_ids(seed):
     assert plan.mesh_path(block["mesh"]) == f"elsewhere/hydro/mesh/{content_id(block['mesh'])}/mean.nc"
     assert plan.trajectory_path("FSB", "still") == "elsewhere/seed/trajectories/FSB-still.nc"
     assert len(set(plan.display_paths)) == 1 + 2 * 7
+
+
+def test_solver_follows_from_depth_and_rows(seed):
+    auto = {"solver": "auto"}
+    assert not varied(seed, hydro=auto).uses_panels
+    assert varied(seed, hydro=auto, water={"depth": 20.0}).uses_panels
+    assert varied(seed, hydro={**auto, "rows": 20}).uses_panels
+    assert not varied(seed, hydro={"model": "assumed_pressure", "pressure": 1.0}).uses_panels
+    with pytest.raises(ConfigError, match=r"hydro.solver 'spectral': is for deep water"):
+        varied(seed, hydro={"solver": "spectral"}, water={"depth": 20.0})
+
+
+def test_spectral_plan_is_one_job_without_a_mesh(seed):
+    plan = StudyPlan(varied(seed, hydro={"solver": "spectral"}))
+    (block,) = plan.sweep_blocks
+    assert "mesh" not in block
+    assert block["omega"][0] == plan.first_omega == plan.step
+    assert block["omega"][-1] >= 12.0
+    wide = StudyPlan(varied(seed, hydro={"solver": "spectral", "omega_max": 15.0}))
+    with pytest.raises(ConfigError, match=r"hydro.omega_max: received 15 rad/s, needs at most 14.01 rad/s"):
+        wide.check_waves()

@@ -167,6 +167,26 @@ def test_tabulated_frequencies_and_irregular_sea_without_rigid_design(folder):
     assert "No rigid design" in (folder / "results/table/report.html").read_text()
 
 
+@pytest.mark.parametrize("tabulated", [{}, {"omega": [1.0, 2.0]}], ids=["sweep", "tabulated"])
+def test_deep_water_without_rows_needs_no_panels(folder, tabulated):
+    name = "spectral" + "_table" * bool(tabulated)
+    raw = with_(study=name)
+    raw["hydro"] = {"omega_max": 5.0, "tolerance": 1.0e-3, **tabulated}
+    done = run(folder, write(folder, raw))
+    assert done.returncode == 0, done.stderr
+    study = config.load(folder / f"{name}.yaml")
+    plan = StudyPlan(study)
+    assert len(plan.bem_blocks) == 1 + len(plan.tabulated_blocks)
+    ds = load(folder / plan.database_path)
+    assert list(ds.omega.values) == (tabulated.get("omega") or [round(0.1 * i, 10) for i in range(1, 51)])
+    ledger = json.loads((folder / f"results/{name}/validity.json").read_text())
+    (estimate,) = [check for check in ledger["checks"] if check["name"] == "hydro error_estimate"]
+    assert estimate["value"] < 1e-3
+    rows = [list(csv.DictReader((folder / f"results/{s}/comparison.csv").open())) for s in (name, "base")]
+    for ours, panels in zip(*rows, strict=True):  # 16 rows of panels are 1 % off
+        assert float(ours["power_mean"]) == pytest.approx(float(panels["power_mean"]), rel=0.02)
+
+
 def test_killed_and_resumed_gives_identical_numbers(folder):
     raw = with_(study="killed", device={"mass": 16000.0}, simulation={"duration": 12.0, "window": [6.0, 12.0]})
     process = start(folder, "run", write(folder, raw), start_new_session=True)

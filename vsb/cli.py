@@ -39,6 +39,7 @@ def _rule(name: str) -> Handler:
             "display-meshes": lambda: commands.display_meshes(_spec(args), args.out),
             "green": lambda: commands.green(args.folder, args.out),
             "bem": lambda: commands.bem_block(_spec(args), args.mesh, args.green, args.out),
+            "spectral": lambda: commands.spectral_block(_spec(args), args.out),
             "database": lambda: commands.build_database(_spec(args), args.files, args.out),
             "radiation": lambda: commands.fit_radiation(_spec(args), args.database, args.out),
             "response": lambda: commands.frequency_response(_spec(args), args.database, args.out),
@@ -157,6 +158,7 @@ def parser() -> argparse.ArgumentParser:
     _add_rule(commands, "display-meshes", "rule: viewable deformed meshes", "spec", "out")
     _add_rule(commands, "green", "rule: Green-function table", "folder", "out")
     _add_rule(commands, "bem", "rule: one block of frequencies", "spec", "mesh", "green", "out")
+    _add_rule(commands, "spectral", "rule: one block of frequencies without panels", "spec", "out")
     _add_rule(commands, "database", "rule: hydro database from blocks", "spec", "out", files="BLOCK")
     _add_rule(commands, "radiation", "rule: radiation model", "spec", "database", "out")
     _add_rule(commands, "response", "rule: frequency response", "spec", "database", "out")

@@ -1,5 +1,6 @@
 """One function per workflow rule: read files, compute, write files. The command line calls these and nothing else."""
 
+import json
 import shutil
 import time as clock
 from collections.abc import Sequence
@@ -9,7 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from vsb import __version__, compare, database, meshing, quality, radiation, response, trajectory
+from vsb import __version__, compare, database, meshing, quality, radiation, response, spectral, sweep, trajectory
 from vsb.config import RegularWave, StillWater, Study, canonical, content_id, parse
 from vsb.constraint import constraint_drift
 from vsb.errors import DatabaseError
@@ -19,7 +20,7 @@ from vsb.modes import ModeBasis, design_motions, mode_basis, rigid_basis, study_
 from vsb.plant import AssumedPressure, Plant, assumed_pressure_plant, body_exact_plant, linear_plant
 from vsb.pto import LinearPto
 from vsb.reference import check_stable, reference_shell
-from vsb.surface import DeformedShell, enclosed
+from vsb.surface import DeformedShell, enclosed, rigid_sphere
 from vsb.units import FloatArray, load, save, write_text
 from vsb.waves import NO_WAVES, Sea, power_limit, sea
 
@@ -101,6 +102,26 @@ def bem_block(spec: Spec, mesh_path: str, green_folder: str, out: str) -> None:
     save(solved.assign_attrs(attrs), out)
 
 
+def spectral_block(spec: Spec, out: str) -> None:
+    """Solve one block of frequencies without panels, as finely as the tolerance needs."""
+    begun = clock.perf_counter()
+    problem = spectral_problem(spec)
+    solved, error = sweep.converged(problem, spec["omega"], spec["tolerance"])
+    attrs = {"spec": canonical(spec), "spec_id": content_id(spec), "seconds": clock.perf_counter() - begun}
+    save(solved.assign_attrs(attrs, error_estimate=error), out)
+
+
+def spectral_problem(spec: Spec) -> spectral.SpectralProblem:
+    """Return the problem of a block: the shape at rest and its displacements."""
+    shape, water = spec["shape"], spec["water"]
+    if shape.get("reference_shape") == "equilibrium":
+        shell = reference_shell(partial_study(shape)).shape
+    else:
+        shell = rigid_sphere(shape["radius"], shape["centre_height"])
+    displacements = tuple(spec["displacements"])
+    return spectral.SpectralProblem(shell, displacements, water["density"], water["gravity"], sweep.FEWEST_NODES)
+
+
 def build_database(spec: Spec, blocks: Sequence[str], out: str) -> None:
     """Merge blocks, express them in the modes, check them, and store them with their verdict.
 
@@ -122,9 +143,14 @@ def build_database(spec: Spec, blocks: Sequence[str], out: str) -> None:
     def complete(raw: xr.Dataset) -> xr.Dataset:
         return database.with_structure(database.with_symmetrized(raw), reference)
 
-    sweep = in_modes(spec["sweep"])
-    tabulated = in_modes([*spec["tabulated"], spec["sweep"][0]]) if spec["tabulated"] else None
-    checks = quality.verdict(sweep, tabulated, water.depth, water.density, water.gravity, spec["accept"])
+    everywhere = in_modes(spec["sweep"])
+    infinite = [block for block in spec["sweep"] if "omega" not in found[block].dims]
+    tabulated = in_modes([*spec["tabulated"], *infinite]) if spec["tabulated"] else None
+    estimates = [block.attrs["error_estimate"] for block in found.values() if "error_estimate" in block.attrs]
+    checks = [
+        *quality.estimate_checks(estimates, spec["tolerance"]),
+        *quality.verdict(everywhere, tabulated, water.depth, water.density, water.gravity, spec["accept"]),
+    ]
     attrs = {
         "title": "hydro database of an axisymmetric shell in heave and its modes",
         "source": f"vsb {__version__}",
@@ -138,14 +164,15 @@ def build_database(spec: Spec, blocks: Sequence[str], out: str) -> None:
         "water_density": water.density,
         "water_depth": str(water.depth),
         "gravity": water.gravity,
+        "solver": str(json.loads(next(iter(found.values())).attrs["spec"])["solver"]),
         "bem_seconds": sum(block.attrs["seconds"] for block in found.values()),
     }
     if tabulated is None:
-        asked = complete(sweep).sel(omega=slice(None, spec["omega_max"] + 1e-9))
+        asked = complete(everywhere).sel(omega=slice(None, spec["omega_max"] + 1e-9))
         database.save_database(asked.assign_attrs(asked.attrs, **attrs), None, out)
     else:
         asked = complete(tabulated)
-        database.save_database(asked.assign_attrs(asked.attrs, **attrs), complete(sweep), out)
+        database.save_database(asked.assign_attrs(asked.attrs, **attrs), complete(everywhere), out)
 
 
 def fit_radiation(spec: Spec, database_path: str, out: str) -> None:

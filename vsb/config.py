@@ -134,6 +134,8 @@ class Study(Section):
             )
         if model == "assumed_pressure" and self.device.gas:
             raise ValueError(f"hydro.model {model!r}: is the paper's vented shell; remove device.gas")
+        if self.hydro.solver == "spectral" and (math.isfinite(self.water.depth) or self.hydro.rows):
+            raise ValueError("hydro.solver 'spectral': is for deep water and has no rows; needs 'auto' or 'panels'")
         suitable = ("auto", "exact", "convolution") if model == "linear" else ("auto", "exponential")
         if method not in suitable:
             raise ValueError(f"simulation.method {method!r}: hydro.model {model!r} needs one of {', '.join(suitable)}")
@@ -144,6 +146,12 @@ class Study(Section):
     def needs_bem(self) -> bool:
         """Whether the hydrodynamic model rests on radiation and diffraction coefficients."""
         return self.hydro.model != "assumed_pressure"
+
+    @property
+    def uses_panels(self) -> bool:
+        """Whether coefficients come from capytaine's panels, not from the spectral solver."""
+        solver, panels = self.hydro.solver, math.isfinite(self.water.depth) or self.hydro.rows is not None
+        return self.needs_bem and (solver == "panels" or (solver == "auto" and panels))
 
     @property
     def centre_height(self) -> float:

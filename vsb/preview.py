@@ -11,6 +11,7 @@ from vsb.shell import Shell, natural_frequencies
 from vsb.specs import StudyPlan
 from vsb.units import load
 
+SECONDS_PER_SPECTRAL_JOB = 2.0
 SECONDS_PER_PANEL_ROW2 = 3e-5
 """Seconds a frequency costs per squared row count, lid included; measured with 40 + 8 rows."""
 
@@ -53,16 +54,28 @@ def summary(study: Study, plan: StudyPlan) -> list[str]:
 
 def _bem_lines(study: Study, plan: StudyPlan) -> list[str]:
     """What BEM would do, and how long it would take."""
-    blocks = plan.sweep_blocks + plan.tabulated_blocks
+    blocks = list(plan.bem_blocks.values())
     todo = [block for block in blocks if not Path(plan.block_path(block)).exists()]
-    rows = [block["mesh"]["rows"] + block["mesh"]["lid_rows"] for block in todo for _ in block["omega"]]
-    seconds = SECONDS_PER_PANEL_ROW2 * sum(row**2 for row in rows)
+    how = _panel_words(blocks) if study.uses_panels else f"spectral, to {study.hydro.tolerance:g}"
+    seconds = sum(_block_seconds(block) for block in todo)
     return [
         f"hydro        {sum(len(block['omega']) for block in blocks)} frequencies up to {study.hydro.omega_max:g} "
-        f"rad/s, {blocks[-1]['mesh']['rows']} rows of {blocks[-1]['mesh']['azimuth']} panels",
+        f"rad/s, {how}",
         f"BEM jobs     {len(todo)} of {len(blocks)} to do, about {seconds:.0f} s on one core",
         f"database     {plan.database_path}" + (" (there)" if Path(plan.database_path).exists() else ""),
     ]
+
+
+def _panel_words(blocks: list[dict[str, Any]]) -> str:
+    """The finest mesh in words."""
+    return f"{blocks[-1]['mesh']['rows']} rows of {blocks[-1]['mesh']['azimuth']} panels"
+
+
+def _block_seconds(block: dict[str, Any]) -> float:
+    """Seconds one BEM job takes on one core."""
+    if "mesh" not in block:
+        return SECONDS_PER_SPECTRAL_JOB
+    return SECONDS_PER_PANEL_ROW2 * len(block["omega"]) * float(block["mesh"]["rows"] + block["mesh"]["lid_rows"]) ** 2
 
 
 def shell_table(study: Study) -> dict[str, Any]:

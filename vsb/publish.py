@@ -16,7 +16,7 @@ from vsb.canvas import StudyData
 from vsb.config import StillWater, Study, Wave, parse
 from vsb.figures import draw
 from vsb.report import Report, render
-from vsb.specs import figure_names, solver_version
+from vsb.specs import figure_names
 from vsb.units import load, write_text
 
 
@@ -99,7 +99,7 @@ def _seas(study: Study) -> dict[str, str]:
 def _facts(study: Study, paths: dict[str, Any], runs: Sequence[xr.Dataset]) -> dict[str, str]:
     """How the results were made, in words."""
     return {
-        "Program": f"vsb {__version__}{', ' + solver_version() if study.needs_bem else ''}, {clock.strftime('%Y-%m-%d')}",
+        "Program": f"vsb {__version__}, {clock.strftime('%Y-%m-%d')}",
         **(_bem_facts(paths) if study.needs_bem else {"Hydrodynamics": ASSUMED.format(study.hydro.pressure)}),
         "Time domain": f"{runs[0].attrs['method']}, {study.simulation.duration:g} s of motion in "
         f"{max(run.attrs['seconds'] for run in runs):.3f} s or less per design and sea",
@@ -116,6 +116,7 @@ def _bem_facts(paths: dict[str, Any]) -> dict[str, str]:
     ds = database.load_database(paths["database"], Path(paths["database"]).stem)
     radiation = load(paths["radiation"]).attrs
     return {
+        "BEM": "spectral integral equation" if ds.attrs["solver"] == "spectral" else ds.attrs["solver"],
         "Hydro database": f"{Path(paths['database']).name}: {ds.sizes['omega']} frequencies up to "
         f"{float(ds.omega[-1]):g} rad/s, {ds.sizes['influenced_dof']} degrees of freedom",
         "Seconds of BEM": f"{ds.attrs['bem_seconds']:.1f} on one core",

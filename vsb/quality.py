@@ -110,6 +110,12 @@ def sweep_checks(sweep: xr.Dataset) -> list[Check]:
     ]
 
 
+def estimate_checks(estimates: Sequence[float], tolerance: float) -> list[Check]:
+    """Return the check of the error the solver estimates of itself; panels estimate none."""
+    text = "estimated error of added mass, damping and excitation, relative to the largest entry"
+    return [check_at_most("error_estimate", max(estimates), tolerance, "-", text)] if estimates else []
+
+
 def judged(checks: Sequence[Check], accept: Sequence[str]) -> list[Check]:
     """Return the checks with failures the study accepts by name marked as such.
 

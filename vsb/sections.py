@@ -113,11 +113,13 @@ class Hydro(Section):
 
     `linear`: radiation, diffraction and hydrostatics about the mean shape, from BEM. `body_exact`: hydrostatics and
     Froude-Krylov forces on the instantaneous wet shell, the rest linear. `assumed_pressure`: hydrostatics and a uniform
-    pressure [Pa] of the wave's period on the instantaneous wet shell, no radiation: the paper's loading.
+    pressure [Pa] of the wave's period on the instantaneous wet shell, no radiation: the paper's loading. The solver is
+    `spectral` (deep water, no mesh) or `panels` (capytaine); `auto` takes panels in finite depth or with `rows`.
     """
 
     model: Literal["linear", "body_exact", "assumed_pressure"] = "linear"
     pressure: NonNegative | None = None
+    solver: Literal["auto", "spectral", "panels"] = "auto"
     tolerance: Annotated[Number, Field(ge=1e-5, le=0.1)] = 1e-3
     omega_max: Positive = 12.0
     omega: tuple[Positive, ...] = ()

@@ -14,11 +14,15 @@ from vsb.errors import ConfigError
 
 Spec = dict[str, Any]
 
-PHYSICS = {"mesh": 2, "bem": 3, "database": 2, "radiation": 1, "response": 2, "simulate": 3, "compare": 4}
+PHYSICS = {"mesh": 2, "bem": 4, "database": 3, "radiation": 1, "response": 2, "simulate": 3, "compare": 4}
 """Hand-bumped version of the physics behind each stage: a library edit alone never reruns anything."""
 
 BLOCK = 32
-"""Frequencies per BEM job: large enough to hide the second an import costs, small enough to spread over cores."""
+"""Frequencies per job of panels: large enough to hide the second an import costs, small enough to spread over cores."""
+SPECTRAL_BLOCK = 128
+"""Frequencies per job of the spectral solver, which needs less than a millisecond for each."""
+LARGEST_KA = 40.0
+"""Largest omega^2 r/g the spectral solver is asked for: beyond, its points grow with the frequency."""
 MAX_ROWS = 160
 ROWS_PER_HALF_WAVE = 6
 LID_ROWS_PER_WAVE = 6
@@ -28,8 +32,8 @@ FEWEST_LID_ROWS = 16
 LEAST_DEPTH_IN_WAVENUMBERS = 0.3  # capytaine has no finite-depth Green function for kd near 0.1
 
 
-def solver_version() -> str:
-    """Name and version of the BEM solver, part of every hydro id."""
+def panel_solver() -> str:
+    """Name and version of the panel solver, part of every id of its results."""
     return f"capytaine {version('capytaine')}"
 
 
@@ -173,15 +177,13 @@ class StudyPlan:
 
     def _block(self, omega: list[float], highest: float) -> Spec:
         """Spec of one BEM job."""
-        return {
-            "stage": "bem",
-            "physics": PHYSICS["bem"],
-            "solver": solver_version(),
-            "mesh": self.mesh(highest),
-            "water": self.study.water.model_dump(),
-            "displacements": list(self.displacements),
-            "omega": omega,
-        }
+        study = self.study
+        if study.uses_panels:
+            solver: Spec = {"solver": panel_solver(), "mesh": self.mesh(highest)}
+        else:
+            solver = {"solver": "spectral", "shape": self.shape, "tolerance": study.hydro.tolerance}
+        asked = {"water": study.water.model_dump(), "displacements": list(self.displacements), "omega": omega}
+        return {"stage": "bem", "physics": PHYSICS["bem"], **solver, **asked}
 
     @property
     def step(self) -> float:
@@ -195,28 +197,41 @@ class StudyPlan:
         return max(self.step, math.sqrt(kd * math.tanh(kd) * self.study.water.gravity / depth))
 
     def check_waves(self) -> None:
-        """Check that no regular wave is longer than the lowest frequency solved.
+        """Check that no regular wave is longer than the lowest frequency solved, nor the band too wide for the solver.
 
         Raises
         ------
         ConfigError
         """
+        largest = math.sqrt(LARGEST_KA * self.study.water.gravity / self.study.device.radius)
+        if not self.study.uses_panels and self.study.hydro.omega_max > largest:
+            raise ConfigError(
+                f"hydro.omega_max: received {self.study.hydro.omega_max:g} rad/s, needs at most {largest:.4g} rad/s "
+                "with the spectral solver; lower it, or set hydro.solver: panels"
+            )
         for i, wave in enumerate(self.study.waves):
-            if isinstance(wave, RegularWave) and wave.omega < self.sweep_blocks[1]["omega"][0]:
-                longest = 2 * math.pi / self.sweep_blocks[1]["omega"][0]
+            if isinstance(wave, RegularWave) and wave.omega < self.first_omega:
+                longest = 2 * math.pi / self.first_omega
                 raise ConfigError(f"waves.{i}.period: received {wave.period:g} s, needs at most {longest:.4g} s")
 
     @cached_property
     def sweep_blocks(self) -> list[Spec]:
-        """Blocks of the absolute grid that cover (0, omega_max], and the block of infinite frequency."""
-        count = math.ceil(self.study.hydro.omega_max / self.step / BLOCK - 1e-9)
+        """Blocks of the absolute grid that cover (0, omega_max]; panels solve infinite frequency in one of its own."""
+        size = BLOCK if self.study.uses_panels else SPECTRAL_BLOCK
+        count = math.ceil(self.study.hydro.omega_max / self.step / size - 1e-9)
         digits = max(0, -math.floor(math.log10(self.step)))
         first = math.ceil(self.lowest_omega / self.step - 1e-9)
         grids = [
-            [round(self.step * i, digits) for i in range(max(first, BLOCK * k + 1), BLOCK * (k + 1) + 1)]
+            [round(self.step * i, digits) for i in range(max(first, size * k + 1), size * (k + 1) + 1)]
             for k in range(count)
         ]
-        return [self._block([math.inf], grids[0][-1]), *(self._block(grid, grid[-1]) for grid in grids)]
+        infinite = [self._block([math.inf], grids[0][-1])] if self.study.uses_panels else []
+        return [*infinite, *(self._block(grid, grid[-1]) for grid in grids)]
+
+    @property
+    def first_omega(self) -> float:
+        """Lowest frequency of the sweep [rad/s]."""
+        return float(min(block["omega"][0] for block in self.sweep_blocks))
 
     @cached_property
     def tabulated_blocks(self) -> list[Spec]:
@@ -227,7 +242,8 @@ class StudyPlan:
                 f"hydro.omega: received {omega[0]:g} rad/s, needs at least {self.lowest_omega:.4g} rad/s in water of "
                 f"{self.study.water.depth:g} m"
             )
-        chunks = [list(omega[i : i + BLOCK]) for i in range(0, len(omega), BLOCK)]
+        size = BLOCK if self.study.uses_panels else SPECTRAL_BLOCK
+        chunks = [list(omega[i : i + size]) for i in range(0, len(omega), size)]
         return [self._block(chunk, chunk[-1]) for chunk in chunks]
 
     @property
@@ -278,7 +294,7 @@ class StudyPlan:
         return {
             **sections,
             "step": self.step,
-            "lowest": self.sweep_blocks[1]["omega"][0],
+            "lowest": self.first_omega,
             "omega_max": self.study.hydro.omega_max,
             "omega": extra,
         }
@@ -323,7 +339,7 @@ class StudyPlan:
     @property
     def green_folder(self) -> str:
         """Folder of the Green-function table."""
-        return f"{self.root}/hydro/green/{solver_version().replace(' ', '-')}"
+        return f"{self.root}/hydro/green/{panel_solver().replace(' ', '-')}"
 
     @property
     def folder(self) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from vsb.modes import ModeBasis
+from vsb.shell import Shell
 from vsb.units import FloatArray
 
 
@@ -145,3 +146,9 @@ def enclosed(basis: ModeBasis, amplitudes: FloatArray, points: int = 0) -> tuple
     weight = weight / np.sqrt(1 - node**2)
     x, dx, dz = m.x + amplitudes @ m.shape_x, m.dx + amplitudes @ m.dshape_x, m.dz + amplitudes @ m.dshape_z
     return -np.pi * (x**2 * dz) @ weight, 2 * np.pi * (x * np.hypot(dx, dz)) @ weight
+
+
+def rigid_sphere(radius: float, centre_height: float) -> DeformedShell:
+    """Return an undeformed sphere in the water; its material is of no consequence."""
+    shell = Shell(radius, 0.01 * radius, 1.0, 0.0, 1.0)
+    return DeformedShell(ModeBasis(shell, (), 1.0, bending=False), centre_height, np.zeros(1))

@@ -1,5 +1,4 @@
-# Shell modes, the mean wetted mesh, and viewable deformed meshes.
-MESHES = {content_id(block["mesh"]): block["mesh"] for block in BLOCKS.values()}
+# Shell modes, and viewable deformed meshes.
 
 
 wildcard_constraints:
@@ -18,19 +17,6 @@ rule modes:
         spec=canonical(PLAN.modes),
     shell:
         "vsb modes --spec {params.spec:q} --out {output} > {log} 2>&1"
-
-
-rule mesh:
-    output:
-        f"{ROOT}/hydro/mesh/{{id}}/mean.nc",
-    log:
-        f"{ROOT}/logs/mesh/{{id}}.log",
-    conda:
-        "../envs/vsb.yaml"
-    params:
-        spec=lambda wildcards: canonical(MESHES[wildcards.id]),
-    shell:
-        "vsb mesh --spec {params.spec:q} --out {output} > {log} 2>&1"
 
 
 rule display_meshes:

@@ -1,0 +1,53 @@
+# Panels: mean wetted mesh, Green-function table, BEM blocks on an absolute frequency grid.
+MESHES = {content_id(block["mesh"]): block["mesh"] for block in BLOCKS.values()}
+
+
+rule mesh:
+    output:
+        f"{ROOT}/hydro/mesh/{{id}}/mean.nc",
+    log:
+        f"{ROOT}/logs/mesh/{{id}}.log",
+    conda:
+        "../envs/vsb.yaml"
+    params:
+        spec=lambda wildcards: canonical(MESHES[wildcards.id]),
+    shell:
+        "vsb mesh --spec {params.spec:q} --out {output} > {log} 2>&1"
+
+
+rule green:
+    output:
+        f"{PLAN.green_folder}.done",
+    log:
+        f"{ROOT}/logs/green.log",
+    benchmark:
+        f"{ROOT}/benchmarks/green.tsv"
+    conda:
+        "../envs/vsb.yaml"
+    params:
+        folder=subpath(output[0], strip_suffix=".done"),
+    shell:
+        "vsb green --folder {params.folder:q} --out {output} > {log} 2>&1"
+
+
+rule bem:
+    input:
+        mesh=lambda wildcards: PLAN.mesh_path(BLOCKS[wildcards.id]["mesh"]),
+        green=f"{PLAN.green_folder}.done",
+    output:
+        f"{ROOT}/hydro/blocks/{{id}}.nc",
+    log:
+        f"{ROOT}/logs/bem/{{id}}.log",
+    benchmark:
+        f"{ROOT}/benchmarks/bem/{{id}}.tsv"
+    conda:
+        "../envs/vsb.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=30,
+    params:
+        spec=lambda wildcards: canonical(BLOCKS[wildcards.id]),
+        green=subpath(input.green, strip_suffix=".done"),
+    shell:
+        "vsb bem --spec {params.spec:q} --mesh {input.mesh} --green {params.green:q} --out {output} > {log} 2>&1"
