@@ -1,8 +1,9 @@
 """Fixtures: one Green-function table and a few small hydro databases per test session.
 
-Tests that need them are marked `bem` and share a worker (pytest-xdist groups), so the table is computed once.
+Workers take whole files (--dist loadfile), the longest first, and share the table, which takes a quarter of a minute.
 """
 
+import fcntl
 import json
 from pathlib import Path
 
@@ -42,10 +43,19 @@ def hemisphere() -> dict:
     return json.loads((HERE / "data" / "hemisphere.json").read_text())
 
 
+def pytest_collection_modifyitems(items):
+    """Run the workflow's tests first: they are the longest."""
+    items.sort(key=lambda item: item.path.name != "test_workflow.py")
+
+
 @pytest.fixture(scope="session")
-def green_folder(tmp_path_factory) -> Path:
-    folder = tmp_path_factory.mktemp("green")
-    bem.green_function(folder)
+def green_folder(tmp_path_factory, worker_id) -> Path:
+    """The Green-function table, computed by whichever worker asks first."""
+    base = tmp_path_factory.getbasetemp()
+    folder = (base if worker_id == "master" else base.parent) / "green"
+    with folder.with_suffix(".lock").open("w") as handle:
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        bem.green_function(folder)
     return folder
 
 

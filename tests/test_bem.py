@@ -7,7 +7,6 @@ from vsb import bem
 from vsb.meshing import mean_mesh
 from vsb.waves import group_velocity
 
-pytestmark = pytest.mark.xdist_group("bem")
 DEGREES = tuple(range(7))
 
 

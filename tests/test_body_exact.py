@@ -16,7 +16,6 @@ from vsb.surface import DeformedShell
 from vsb.trajectory import energies, residual, simulate
 from vsb.waves import NO_WAVES, Sea
 
-pytestmark = pytest.mark.xdist_group("bem")
 OMEGA = 2 * np.pi / 3.0
 
 

@@ -78,7 +78,6 @@ def test_ledger_is_plain_json():
     }  # fmt: skip
 
 
-@pytest.mark.xdist_group("bem")
 def test_full_basis_without_bem_equals_the_full_database(buoy_of, coarse):
     wider, _ = with_full_basis(buoy_of(coarse).database, coarse)
     full = buoy_of(varied(coarse, modes={"basis": "full"})).database
@@ -89,7 +88,6 @@ def test_full_basis_without_bem_equals_the_full_database(buoy_of, coarse):
         )
 
 
-@pytest.mark.xdist_group("bem")
 def test_leaving_the_bending_modes_out_is_reported(buoy_of, coarse):
     checks = compare.bending_checks(coarse, buoy_of(coarse).database)
     assert [check.design for check in checks] == ["VSWEC", "VSWEC0", "VSWEC90"]

@@ -70,7 +70,6 @@ def test_undamped_shell_conserves_energy_over_a_thousand_periods():
     assert np.abs(energy / 25.0 - 1).max() < 1e-9
 
 
-@pytest.mark.xdist_group("bem")
 class TestOfTheSeed:
     def plant(self, buoy_of, radiation_of, study, design, waves):
         motions = design_motions(study, study_basis(study), design)

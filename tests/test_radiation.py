@@ -65,7 +65,6 @@ def test_what_no_order_can_fit_is_an_error(monkeypatch):
         fit_radiation(spectrum, 1e-6)
 
 
-@pytest.mark.xdist_group("bem")
 class TestOfTheSeed:
     def test_error_falls_with_order(self, buoy_of, coarse):
         spectrum = buoy_of(coarse).spectrum

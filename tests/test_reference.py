@@ -122,7 +122,6 @@ def test_a_shape_without_one_waterline_has_no_mesh(seed):
             meshing.deformed_mesh(deformed(seed, height), 12, 24, 6)
 
 
-@pytest.mark.xdist_group("bem")
 class TestBem:
     DISPLACEMENTS = (*(f"Radial{n}" for n in range(5)), *(f"Meridional{n}" for n in range(1, 5)))
 

@@ -7,8 +7,6 @@ from vsb.modes import design_motions, study_basis
 from vsb.response import frequency_grid
 from vsb.waves import power_limit
 
-pytestmark = pytest.mark.xdist_group("bem")
-
 
 def power(buoy_of, study, design, omega):
     buoy = buoy_of(study)

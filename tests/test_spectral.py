@@ -265,7 +265,6 @@ def panel_errors(green_folder, shape, problem, omegas, rows):
     return np.array(errors), at_infinity
 
 
-@pytest.mark.xdist_group("bem")
 @pytest.mark.parametrize("case", ["low", "high", "oblate"])
 def test_panels_converge_to_it(green_folder, sphere, oblate, case):
     problem = oblate() if case == "oblate" else sphere(32, {"low": -0.5, "high": 0.5}[case])

@@ -20,7 +20,6 @@ from vsb import config
 from vsb.specs import StudyPlan
 from vsb.units import load
 
-pytestmark = pytest.mark.xdist_group("bem")
 HOME = SEED.parent.parent
 BASE = yaml.safe_load(SEED.read_text())
 BASE["study"] = "base"
