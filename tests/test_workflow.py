@@ -263,3 +263,23 @@ def test_check_and_shell_speak_to_people(folder):
     assert shell["paper_ritz"][1]["omega"] == pytest.approx(62.153777189, rel=4e-8)
     assert shell["bending"] == [{"degree": 2, "omega": pytest.approx(22.3593100, rel=1e-8)}]
     assert shell["buckling_pressure"] == pytest.approx(302.6, abs=0.1)
+
+
+def test_export_and_import_of_a_studys_database(folder):
+    """To WAMIT's files and back: the coefficients to seven digits, judged by the same identities."""
+    done = run(folder, "base.yaml", "exchange", command="export")
+    assert done.returncode == 0, done.stderr
+    assert [Path(line).name for line in done.stdout.split()] == [
+        f"base{extension}" for extension in (".1", ".3", ".3fk", ".3sc", ".hst", ".h5")
+    ]
+    done = run(folder, "exchange", "base", "exchange/back.nc", command="import-wamit")
+    assert done.returncode == 0, done.stderr
+    assert "haskind" in done.stdout
+    ours, theirs = (
+        load(folder / StudyPlan(config.load(folder / "base.yaml")).database_path),
+        load(folder / "exchange/back.nc"),
+    )
+    for name in ("added_mass", "radiation_damping", "excitation_force", "hydrostatic_stiffness"):
+        assert theirs[name].values == pytest.approx(
+            ours[name].values, rel=2e-6, abs=2e-6 * np.abs(ours[name]).max().item()
+        )

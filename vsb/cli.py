@@ -74,6 +74,25 @@ def shell(args: argparse.Namespace) -> int:
     return 0
 
 
+def export(args: argparse.Namespace) -> int:
+    """Write the hydro database of a study for other codes: WAMIT's files and the .h5 that WEC-Sim reads."""
+    from vsb import interchange
+
+    study = load(args.config)
+    for path in interchange.export(StudyPlan(study).database_path, args.folder, study.study):
+        print(path)
+    return 0
+
+
+def import_wamit(args: argparse.Namespace) -> int:
+    """Read WAMIT's output, generalized modes included, into a hydro database with the verdict of its identities."""
+    from vsb import commands
+
+    water = {"density": args.density, "gravity": args.gravity, "depth": args.depth}
+    commands.import_wamit(args.folder, args.name, args.out, length=args.length, **water)
+    return 0
+
+
 def run(args: argparse.Namespace) -> int:
     """Run a whole study through Snakemake, after validating everything that can be known beforehand."""
     from vsb import preview
@@ -153,6 +172,21 @@ def parser() -> argparse.ArgumentParser:
     one.add_argument("config", metavar="CONFIG")
     one.add_argument("--json", action="store_true", help="print JSON")
     one.set_defaults(handler=shell)
+    one = commands.add_parser("export", help="database as WAMIT files and WEC-Sim .h5", description=export.__doc__)
+    one.add_argument("config", metavar="CONFIG")
+    one.add_argument("folder", metavar="FOLDER")
+    one.set_defaults(handler=export)
+    one = commands.add_parser(
+        "import-wamit", help="hydro database from WAMIT's output", description=import_wamit.__doc__
+    )
+    one.add_argument("folder", metavar="FOLDER")
+    one.add_argument("name", metavar="NAME", help="of NAME.1, NAME.3, NAME.hst")
+    one.add_argument("out", metavar="DATABASE.nc")
+    one.add_argument("--density", type=float, default=1025.0, help="of the water [kg/m^3] (default: 1025)")
+    one.add_argument("--gravity", type=float, default=9.81, help="GRAV [m/s^2] (default: 9.81)")
+    one.add_argument("--length", type=float, default=1.0, help="ULEN [m] (default: 1)")
+    one.add_argument("--depth", type=float, default=float("inf"), help="HBOT [m] (default: deep water)")
+    one.set_defaults(handler=import_wamit)
     _add_rule(commands, "modes", "rule: shell modes", "spec", "out")
     _add_rule(commands, "mesh", "rule: mean wetted mesh", "spec", "out")
     _add_rule(commands, "display-meshes", "rule: viewable deformed meshes", "spec", "out")

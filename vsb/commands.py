@@ -10,7 +10,19 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from vsb import __version__, compare, database, meshing, quality, radiation, response, spectral, sweep, trajectory
+from vsb import (
+    __version__,
+    compare,
+    database,
+    interchange,
+    meshing,
+    quality,
+    radiation,
+    response,
+    spectral,
+    sweep,
+    trajectory,
+)
 from vsb.config import RegularWave, StillWater, Study, canonical, content_id, parse
 from vsb.constraint import constraint_drift
 from vsb.errors import DatabaseError
@@ -173,6 +185,17 @@ def build_database(spec: Spec, blocks: Sequence[str], out: str) -> None:
     else:
         asked = complete(tabulated)
         database.save_database(asked.assign_attrs(asked.attrs, **attrs), complete(everywhere), out)
+
+
+def import_wamit(
+    folder: str, name: str, out: str, *, density: float, gravity: float, length: float, depth: float
+) -> None:
+    """Read WAMIT's output into a database file with the verdict of the identities that need no other data."""
+    ds = interchange.import_wamit(folder, name, density=density, gravity=gravity, length=length, depth=depth)
+    checks = quality.pointwise_checks(ds, depth, density, gravity)
+    save(ds.assign_attrs(quality=database.as_json(checks), spec_id=Path(out).stem, separate_sweep=0), out)
+    for check in checks:
+        print(f"{check.verdict:12} {check.name} = {check.value:.3g} (limit {check.limit:g}): {check.explanation}")
 
 
 def fit_radiation(spec: Spec, database_path: str, out: str) -> None:
