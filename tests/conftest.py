@@ -7,13 +7,16 @@ import fcntl
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from vsb import bem, config, database, meshing, sweep
 from vsb.commands import spectral_problem
 from vsb.config import Study, canonical
 from vsb.kernel import DampingSpectrum
 from vsb.modes import study_basis
+from vsb.plant import Damper, Spring
 from vsb.pto import LinearPto
 from vsb.radiation import fit_radiation
 from vsb.reference import reference_shell
@@ -30,6 +33,25 @@ def varied(study: Study, **changes) -> Study:
     for section, update in changes.items():
         data[section] = {**data[section], **update} if isinstance(update, dict) and section != "designs" else update
     return config.parse(data)
+
+
+def compiled_motion(plant, time, start, rtol=1e-11):
+    """Motion of a scene under assumed pressure by an explicit method of order 8 in plain coordinates, (time, free)."""
+    mass = np.linalg.inv(plant.motions.T @ plant.mass @ plant.motions)
+    stiffness, damping, n = plant.total(Spring), plant.total(Damper), plant.motions.shape[1]
+    water, weight = plant.water, plant.forces["weight"].force
+
+    def rates(t, y):
+        static, uniform, _ = water.shell.forces((plant.motions @ y[:n])[None])
+        force = (
+            water.specific_weight * static[0]
+            + water.assumed.amplitude * np.cos(water.assumed.omega * t) * uniform[0]
+            + weight
+        )
+        return np.concatenate([y[n:], mass @ (plant.motions.T @ force - stiffness @ y[:n] - damping @ y[n:])])
+
+    y0 = np.concatenate(start)
+    return solve_ivp(rates, (0, time[-1]), y0, method="DOP853", rtol=rtol, atol=1e-13, t_eval=time).y[:n].T
 
 
 @pytest.fixture(scope="session")

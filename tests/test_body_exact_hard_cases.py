@@ -7,7 +7,7 @@ import sys
 
 import numpy as np
 import pytest
-from conftest import HERE, SEED, varied
+from conftest import HERE, SEED, compiled_motion, varied
 from scipy.integrate import solve_ivp
 
 from vsb import config
@@ -54,25 +54,6 @@ def independent(plant, time, start, method="DOP853", rtol=1e-8):
         return np.concatenate([y[n:], inverse @ (force - stiffness @ y[:n] - damping @ y[n:])])
 
     done = solve_ivp(rates, (0.0, time[-1]), np.concatenate(start), method=method, rtol=rtol, atol=1e-12, t_eval=time)
-    return done.y[:n].T
-
-
-def compiled_rates(plant, time, start, rtol=1e-9):
-    """The same scene by an explicit method with the compiled force, where the ring needs many thousands of steps."""
-    n, weight = plant.motions.shape[1], plant.forces["weight"].force
-    inverse = np.linalg.inv(plant.motions.T @ plant.mass @ plant.motions)
-    stiffness, damping, water = plant.total(Spring), plant.total(Damper), plant.water
-
-    def rates(t, y):
-        static, uniform, _ = water.shell.forces((plant.motions @ y[:n])[None])
-        force = (
-            water.specific_weight * static[0]
-            + water.assumed.amplitude * np.cos(water.assumed.omega * t) * uniform[0]
-            + weight
-        )
-        return np.concatenate([y[n:], inverse @ (plant.motions.T @ force - stiffness @ y[:n] - damping @ y[n:])])
-
-    done = solve_ivp(rates, (0.0, time[-1]), np.concatenate(start), method="DOP853", rtol=rtol, atol=1e-13, t_eval=time)
     return done.y[:n].T
 
 
@@ -177,7 +158,7 @@ def test_a_ring_in_step_with_the_nodes_is_not_overlooked(paper, young_modulus, t
     """Two turns of the ring between nodes, nearly: all five meet it in one phase, and a polynomial through them fits."""
     plant, _ = ringing(paper, young_modulus)
     time, start = np.linspace(0.0, 0.4, 33), plant.start(-1.0, 0.0)
-    truth = compiled_rates(plant, time, start)
+    truth = compiled_motion(plant, time, start, rtol=1e-9)
     motion, _ = integrate(plant, time, start, tolerance)
     shell = np.abs(truth[:, 1]).max()
     assert np.abs(motion.position - truth)[:, 1].max() < 0.01 * shell

@@ -17,7 +17,7 @@ from scipy.special import j0, j1
 from vsb.compiled import njit
 from vsb.units import ComplexArray, FloatArray
 from vsb.waves import Sea, wavenumber
-from vsb.wetforce import Shape, legendre, wet_intervals
+from vsb.wetforce import Shape, legendre, meridian_point, wet_intervals
 
 _SPACING = 0.02  # of the Bessel table: cubic Hermite interpolation is then good to 5e-10
 
@@ -149,18 +149,7 @@ def wave_force(shape: Shape, q: FloatArray, waves: Incident, time: float, out: F
         for i in range(len(shape.node)):
             c = middle + half * shape.node[i]
             s2 = 1 - c * c
-            legendre(c, p, dp)
-            z, slope = shape.centre_height + shape.radius * c, shape.radius
-            x, t = shape.radius, shape.radius * c
-            for j in range(len(q)):
-                n, a, b = shape.degree[j], shape.radial[j], shape.meridional[j]
-                lam = n * (n + 1)
-                h[j] = a * p[n] - b * c * dp[n]
-                v[j] = a * c * p[n] + b * s2 * dp[n]
-                x += q[j] * h[j]
-                z += q[j] * v[j]
-                slope += q[j] * (a * (p[n] + c * dp[n]) - b * lam * p[n])
-                t += q[j] * (a * (c * p[n] - s2 * dp[n]) + b * (dp[n] - lam * c * p[n]))
+            x, z, slope, t = meridian_point(shape, q, c, p, dp, h, v)
             pressure = _dynamic(waves, phases, np.sqrt(s2) * x, z) - z
             w = -2 * np.pi * half * shape.weight[i] * x * pressure
             for j in range(len(q)):

@@ -113,6 +113,27 @@ def wet_intervals(shape: Shape, q: FloatArray, p: FloatArray, dp: FloatArray) ->
 
 
 @njit(cache=True)
+def meridian_point(
+    shape: Shape, q: FloatArray, c: float, p: FloatArray, dp: FloatArray, h: FloatArray, v: FloatArray
+) -> tuple[float, float, float, float]:
+    """Return X, z, dz/dc and T = dx/dphi at a point, and fill the shapes h and v there."""
+    s2 = 1 - c * c
+    legendre(c, p, dp)
+    z, slope = shape.centre_height + shape.radius * c, shape.radius
+    x, t = shape.radius, shape.radius * c
+    for j in range(len(q)):
+        n, a, b = shape.degree[j], shape.radial[j], shape.meridional[j]
+        lam = n * (n + 1)
+        h[j] = a * p[n] - b * c * dp[n]
+        v[j] = a * c * p[n] + b * s2 * dp[n]
+        x += q[j] * h[j]
+        z += q[j] * v[j]
+        slope += q[j] * (a * (p[n] + c * dp[n]) - b * lam * p[n])
+        t += q[j] * (a * (c * p[n] - s2 * dp[n]) + b * (dp[n] - lam * c * p[n]))
+    return x, z, slope, t
+
+
+@njit(cache=True)
 def wet_force(shape: Shape, q: FloatArray, static: FloatArray, uniform: FloatArray) -> float:
     """Fill the generalized forces on the wet shell of the pressure -rho g z, per rho g, and of a uniform one, per Pa.
 
@@ -138,18 +159,7 @@ def wet_force(shape: Shape, q: FloatArray, static: FloatArray, uniform: FloatArr
         for i in range(len(shape.node)):
             c = middle + half * shape.node[i]
             s2 = 1 - c * c
-            legendre(c, p, dp)
-            z, slope = shape.centre_height + shape.radius * c, shape.radius
-            x, t = shape.radius, shape.radius * c
-            for j in range(len(q)):
-                n, a, b = shape.degree[j], shape.radial[j], shape.meridional[j]
-                lam = n * (n + 1)
-                h[j] = a * p[n] - b * c * dp[n]
-                v[j] = a * c * p[n] + b * s2 * dp[n]
-                x += q[j] * h[j]
-                z += q[j] * v[j]
-                slope += q[j] * (a * (p[n] + c * dp[n]) - b * lam * p[n])
-                t += q[j] * (a * (c * p[n] - s2 * dp[n]) + b * (dp[n] - lam * c * p[n]))
+            x, z, slope, t = meridian_point(shape, q, c, p, dp, h, v)
             w = 2 * np.pi * half * shape.weight[i] * x
             moment += 0.5 * w * s2 * x * z * slope
             for j in range(len(q)):
