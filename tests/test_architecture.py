@@ -11,7 +11,7 @@ import pytest
 
 HOME = Path(__file__).parent.parent
 ORDER = (
-    "errors", "compiled", "sections", "config", "specs", "units", "shell", "modes", "surface", "prestress", "reference", "wetforce", "multibody",
+    "errors", "compiled", "sections", "config", "resolution", "specs", "units", "shell", "modes", "surface", "prestress", "reference", "wetforce", "multibody",
     "wetbody", "meshing", "waves", "spectral", "sweep", "waveforce", "kernel", "database", "interchange", "quality", "bem", "radiation", "pto", "response", "plant",
     "integrate", "constraint", "exponential", "trajectory", "power", "compare", "canvas", "riemann", "workprecision", "shapes", "figures", "report",
     "commands", "publish", "preview", "cli",

@@ -12,7 +12,8 @@ from vsb import config
 from vsb.config import content_id
 from vsb.errors import ConfigError
 from vsb.meshing import graded_colatitudes
-from vsb.specs import StudyPlan, figure_names, frequency_step, tolerance_rows, wave_rows
+from vsb.resolution import frequency_step, tolerance_rows, wave_rows
+from vsb.specs import StudyPlan, figure_names
 
 
 @pytest.fixture(scope="module")
@@ -306,3 +307,11 @@ def test_spectral_plan_is_one_job_without_a_mesh(seed):
     wide = StudyPlan(varied(seed, hydro={"solver": "spectral", "omega_max": 15.0}))
     with pytest.raises(ConfigError, match=r"hydro.omega_max: received 15 rad/s, needs at most 14.01 rad/s"):
         wide.check_waves()
+
+
+@pytest.mark.parametrize(("tolerance", "finer"), [(1e-2, 1), (5e-5, 1), (4e-5, 2), (1.25e-5, 2), (1e-5, 4)])
+def test_a_tight_tolerance_refines_the_grid_that_is_interpolated(seed, tolerance, finer):
+    plan = StudyPlan(varied(seed, hydro={"solver": "spectral", "tolerance": tolerance}))
+    assert plan.step == pytest.approx(0.1 / finer)
+    grid = [w for block in plan.sweep_blocks for w in block["omega"]]
+    assert np.diff(grid) == pytest.approx(np.full(len(grid) - 1, 0.1 / finer))

@@ -119,8 +119,10 @@ def spectral_block(spec: Spec, out: str) -> None:
     begun = clock.perf_counter()
     problem = spectral_problem(spec)
     solved, error = sweep.converged(problem, spec["omega"], spec["tolerance"])
-    attrs = {"spec": canonical(spec), "spec_id": content_id(spec), "seconds": clock.perf_counter() - begun}
-    save(solved.assign_attrs(attrs, error_estimate=error), out)
+    attrs = {"spec": canonical(spec), "spec_id": content_id(spec), "error_estimate": error}
+    if len(spec["omega"]) > 4 and np.ptp(np.diff(spec["omega"])) < 1e-9:  # of the grid that is interpolated
+        attrs["interpolation_error"] = sweep.interpolation_error(problem, solved)
+    save(solved.assign_attrs(attrs, seconds=clock.perf_counter() - begun), out)
 
 
 def spectral_problem(spec: Spec) -> spectral.SpectralProblem:
@@ -158,9 +160,8 @@ def build_database(spec: Spec, blocks: Sequence[str], out: str) -> None:
     everywhere = in_modes(spec["sweep"])
     infinite = [block for block in spec["sweep"] if "omega" not in found[block].dims]
     tabulated = in_modes([*spec["tabulated"], *infinite]) if spec["tabulated"] else None
-    estimates = [block.attrs["error_estimate"] for block in found.values() if "error_estimate" in block.attrs]
     checks = [
-        *quality.estimate_checks(estimates, spec["tolerance"]),
+        *quality.estimate_checks([block.attrs for block in found.values()], spec["tolerance"]),
         *quality.verdict(everywhere, tabulated, water.depth, water.density, water.gravity, spec["accept"]),
     ]
     attrs = {

@@ -3,8 +3,9 @@
 Coefficients of unlike modes are compared after scaling every degree of freedom to a largest damping of one.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -110,10 +111,14 @@ def sweep_checks(sweep: xr.Dataset) -> list[Check]:
     ]
 
 
-def estimate_checks(estimates: Sequence[float], tolerance: float) -> list[Check]:
-    """Return the check of the error the solver estimates of itself; panels estimate none."""
-    text = "estimated error of added mass, damping and excitation, relative to the largest entry"
-    return [check_at_most("error_estimate", max(estimates), tolerance, "-", text)] if estimates else []
+def estimate_checks(blocks: Sequence[Mapping[str, Any]], tolerance: float) -> list[Check]:
+    """Return the checks of the errors a solver estimates of itself, from its blocks' attributes; panels do not."""
+    meaning = {
+        "error_estimate": "estimated error of added mass, damping and excitation, relative to the largest entry",
+        "interpolation_error": "error half-way between the frequencies solved, relative to the band's largest entry",
+    }
+    found = {name: [float(attrs[name]) for attrs in blocks if name in attrs] for name in meaning}
+    return [check_at_most(name, max(e), tolerance, "-", meaning[name]) for name, e in found.items() if e]
 
 
 def judged(checks: Sequence[Check], accept: Sequence[str]) -> list[Check]:

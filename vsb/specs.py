@@ -11,20 +11,22 @@ from typing import Any
 
 from vsb.config import RegularWave, Study, Wave, content_id, parse
 from vsb.errors import ConfigError
+from vsb.resolution import frequency_step, mode_rows, tolerance_rows, wave_rows
 
 Spec = dict[str, Any]
 
-PHYSICS = {"mesh": 2, "bem": 4, "database": 3, "radiation": 1, "response": 2, "simulate": 3, "compare": 4}
+PHYSICS = {"mesh": 2, "bem": 5, "database": 4, "radiation": 1, "response": 2, "simulate": 3, "compare": 4}
 """Hand-bumped version of the physics behind each stage: a library edit alone never reruns anything."""
 
 BLOCK = 32
 """Frequencies per job of panels: large enough to hide the second an import costs, small enough to spread over cores."""
 SPECTRAL_BLOCK = 128
-"""Frequencies per job of the spectral solver, which needs less than a millisecond for each."""
+"""Likewise of the spectral solver, which needs less than a millisecond for each, on the unrefined grid."""
+SPLINE_ERROR = 5e-5
+"""Of cubic splines on the grid of `frequency_step`, where added mass leaves frequency zero; it falls with step^2."""
 LARGEST_KA = 40.0
 """Largest omega^2 r/g the spectral solver is asked for: beyond, its points grow with the frequency."""
 MAX_ROWS = 160
-ROWS_PER_HALF_WAVE = 6
 LID_ROWS_PER_WAVE = 6
 ROWS_OF_A_DEFORMED_SHELL = 1.5
 """Factor on the rows of a sphere; with it Haskind's relation holds as well (seed's shell at 16.5 kPa, 14 % strain)."""
@@ -35,40 +37,6 @@ LEAST_DEPTH_IN_WAVENUMBERS = 0.3  # capytaine has no finite-depth Green function
 def panel_solver() -> str:
     """Name and version of the panel solver, part of every id of its results."""
     return f"capytaine {version('capytaine')}"
-
-
-def frequency_step(radius: float, gravity: float) -> float:
-    """Return the step of the absolute frequency grid [rad/s]: the largest 1-2-5 number below 0.05 sqrt(g/r).
-
-    The coefficients vary on the scale sqrt(g/r); with a fixed, round step, studies of different omega_max share
-    blocks.
-    """
-    bound = 0.05 * math.sqrt(gravity / radius)
-    decade = 10.0 ** math.floor(math.log10(bound))
-    return float(f"{max(m * decade for m in (1, 2, 5) if m * decade <= bound):.0e}")
-
-
-def tolerance_rows(tolerance: float) -> int:
-    """Return the panel rows that bring the error of A and B below a tolerance.
-
-    Measured on the floating hemisphere (modes P_0..P_6, Ka <= 3): 40 rows 8e-4, second order.
-    """
-    return 2 * math.ceil(20 * math.sqrt(1e-3 / tolerance))
-
-
-def mode_rows(degree: int) -> int:
-    """Return the rows that put eight of them on every lobe of the highest mode, degree/2 lobes on the wetted shell."""
-    return 4 * degree
-
-
-def wave_rows(radius: float, wavelength: float) -> int:
-    """Return the rows that put `ROWS_PER_HALF_WAVE` of them within half a wavelength of the surface.
-
-    Rows are graded as colatitude = pi/2 (2 - cos(pi s/2)), so depth d is passed at s = 2/pi acos(1 - 2/pi asin(d/r)).
-    """
-    depth = min(wavelength / 2 / radius, 1.0)
-    passed = 2 / math.pi * math.acos(1 - 2 / math.pi * math.asin(depth))
-    return 2 * math.ceil(ROWS_PER_HALF_WAVE / passed / 2)
 
 
 FIGURES_PER_WAVE = ("heave_excitation", "velocity_pto", "power_energy", "energy_audit", "snapshots")
@@ -186,9 +154,16 @@ class StudyPlan:
         return {"stage": "bem", "physics": PHYSICS["bem"], **solver, **asked}
 
     @property
+    def refinement(self) -> int:
+        """How many times finer than that of panels the frequency grid is, where the tolerance needs it: 1, 2, 4, ..."""
+        if self.study.uses_panels or self.study.hydro.tolerance >= SPLINE_ERROR:
+            return 1
+        return int(2 ** math.ceil(math.log(SPLINE_ERROR / self.study.hydro.tolerance, 4)))
+
+    @property
     def step(self) -> float:
         """Step of the absolute frequency grid [rad/s]."""
-        return frequency_step(self.study.device.radius, self.study.water.gravity)
+        return frequency_step(self.study.device.radius, self.study.water.gravity) / self.refinement
 
     @property
     def lowest_omega(self) -> float:
@@ -217,9 +192,9 @@ class StudyPlan:
     @cached_property
     def sweep_blocks(self) -> list[Spec]:
         """Blocks of the absolute grid that cover (0, omega_max]; panels solve infinite frequency in one of its own."""
-        size = BLOCK if self.study.uses_panels else SPECTRAL_BLOCK
+        size = BLOCK if self.study.uses_panels else SPECTRAL_BLOCK * self.refinement
         count = math.ceil(self.study.hydro.omega_max / self.step / size - 1e-9)
-        digits = max(0, -math.floor(math.log10(self.step)))
+        digits = max(0, -math.floor(math.log10(self.step))) + 2
         first = math.ceil(self.lowest_omega / self.step - 1e-9)
         grids = [
             [round(self.step * i, digits) for i in range(max(first, size * k + 1), size * (k + 1) + 1)]
