@@ -14,7 +14,7 @@ ORDER = (
     "errors", "compiled", "sections", "config", "resolution", "specs", "units", "shell", "modes", "surface", "prestress", "reference", "wetforce", "multibody",
     "wetbody", "meshing", "waves", "spectral", "sweep", "waveforce", "kernel", "database", "interchange", "quality", "bem", "radiation", "pto", "response", "plant",
     "integrate", "constraint", "exponential", "trajectory", "power", "compare", "canvas", "riemann", "workprecision", "shapes", "figures", "report",
-    "commands", "publish", "preview", "cli",
+    "commands", "hardcases", "publish", "preview", "cli",
 )  # fmt: skip
 MODULES = {path.stem: path for path in (HOME / "vsb").glob("*.py") if path.stem != "__init__"}
 TREES = {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in MODULES.items()}

@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vsb import radiation
-from vsb.errors import ConvergenceError, StabilityError
+from vsb.errors import ConvergenceError, DatabaseError, StabilityError
 from vsb.kernel import DampingSpectrum
 from vsb.radiation import RadiationModel, fit_order, fit_radiation, vector_fit
 
@@ -93,3 +93,19 @@ class TestOfTheSeed:
         omega = few.omega[::2]
         errors = [fit_order(s, omega, 14)[1] for s in (few, full)]
         assert errors[1] < 2 * errors[0]
+
+
+@pytest.mark.parametrize("share", [-0.05, -1.0])
+def test_damping_that_draws_energy_is_refused(share):
+    omega = np.linspace(0.1, 8.0, 80)
+    bump = 100.0 * omega**2 * np.exp(-omega)
+    damping = np.where(omega > 4.0, share * bump.max(), bump) if share > -1 else share * bump
+    with pytest.raises(StabilityError, match=r"would draw energy from calm water"):
+        fit_radiation(DampingSpectrum(omega, damping[:, None, None]), 1e-3)
+
+
+def test_damping_that_is_no_number_is_refused():
+    damping = np.ones((10, 1, 1))
+    damping[3] = np.nan
+    with pytest.raises(DatabaseError, match="received NaN or infinite values"):
+        DampingSpectrum(np.arange(1.0, 11.0), damping)

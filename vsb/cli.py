@@ -93,6 +93,15 @@ def import_wamit(args: argparse.Namespace) -> int:
     return 0
 
 
+def hard_cases(args: argparse.Namespace) -> int:
+    """Run every hard case and write a table; 1 if any ends in garbage or otherwise than expected."""
+    from vsb import hardcases
+
+    rows = hardcases.hard_cases(args.config, args.out)
+    print(hardcases.as_text(rows))
+    return int(any(row.verdict == "wrong" for row in rows))
+
+
 def run(args: argparse.Namespace) -> int:
     """Run a whole study through Snakemake, after validating everything that can be known beforehand."""
     from vsb import preview
@@ -161,7 +170,8 @@ def parser() -> argparse.ArgumentParser:
     top = argparse.ArgumentParser(prog="vsb", description=__doc__)
     top.add_argument("--version", action="version", version=f"vsb {__version__}")
     commands = top.add_subparsers(title="commands", required=True, metavar="COMMAND")
-    one = commands.add_parser("run", help="run a whole study through Snakemake", description=run.__doc__)
+    more = "Further options, such as -n, go to snakemake."
+    one = commands.add_parser("run", help="run a whole study through Snakemake", description=run.__doc__, epilog=more)
     one.add_argument("config", metavar="CONFIG")
     one.add_argument("--profile", default="default", help="folder under profiles/ (default: default)")
     one.set_defaults(handler=run)  # what it does not know goes to snakemake, see main
@@ -187,6 +197,12 @@ def parser() -> argparse.ArgumentParser:
     one.add_argument("--length", type=float, default=1.0, help="ULEN [m] (default: 1)")
     one.add_argument("--depth", type=float, default=float("inf"), help="HBOT [m] (default: deep water)")
     one.set_defaults(handler=import_wamit)
+    one = commands.add_parser(
+        "hard-cases", help="table of the cases that break other codes", description=hard_cases.__doc__
+    )
+    one.add_argument("config", metavar="CONFIG")
+    one.add_argument("out", metavar="OUT.csv")
+    one.set_defaults(handler=hard_cases)
     _add_rule(commands, "modes", "rule: shell modes", "spec", "out")
     _add_rule(commands, "mesh", "rule: mean wetted mesh", "spec", "out")
     _add_rule(commands, "display-meshes", "rule: viewable deformed meshes", "spec", "out")

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.special import exp1
 
+from vsb.errors import DatabaseError
 from vsb.units import ComplexArray, FloatArray
 
 _NODE, _WEIGHT = np.polynomial.legendre.leggauss(8)
@@ -23,6 +24,11 @@ class DampingSpectrum:
 
     omega: FloatArray  # solved frequencies, ascending, (omega,) [rad/s]
     damping: FloatArray  # (omega, dof, dof) [kg/s]
+
+    def __post_init__(self) -> None:
+        """Check that there is nothing but numbers."""
+        if not (np.isfinite(self.omega).all() and np.isfinite(self.damping).all()):
+            raise DatabaseError("radiation damping: received NaN or infinite values; solve these frequencies again.")
 
     @cached_property
     def spline(self) -> CubicSpline:

@@ -274,6 +274,11 @@ def assumed_pressure_plant(
     density, gravity : float
         Of the water [kg/m^3], [m/s^2].
     motions : ndarray, shape (dof, free)
+
+    Raises
+    ------
+    ConvergenceError
+        If the shell gives way under its static load. The motion itself starts undeformed, as the paper's.
     """
     basis = shell.basis
     tangent = shell.hydrostatic_stiffness(density, gravity)
@@ -285,7 +290,9 @@ def assumed_pressure_plant(
     if pto.damping:
         forces["pto"] = Damper(pto.matrix(len(basis.labels)))
     forces |= _shell_forces(basis, motions)
-    return Plant(basis.labels, basis.inertia, forces, motions)
+    plant = Plant(basis.labels, basis.inertia, forces, motions)
+    resting(plant)  # a shell that cannot carry its load collapses: no buoy, however well integrated
+    return plant
 
 
 def _shell_forces(basis: ModeBasis, motions: FloatArray) -> dict[str, Force]:

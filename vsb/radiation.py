@@ -199,6 +199,26 @@ def fit_order(spectrum: DampingSpectrum, omega: FloatArray, order: int) -> tuple
     return RadiationModel(a, g @ lead.T * scale, channel), error
 
 
+def check_positive(spectrum: DampingSpectrum) -> None:
+    """Check that the damping is positive semidefinite, each mode relative to its largest, within `UNUSABLE`.
+
+    Raises
+    ------
+    StabilityError
+    """
+    largest = np.einsum("wii->wi", spectrum.damping).max(axis=0)
+    least = -np.inf if largest.min() < 0 else 0.0
+    if least == 0.0:
+        scale = np.sqrt(np.where(largest > 0, largest, 1.0))
+        even = 0.5 * (spectrum.damping + spectrum.damping.transpose(0, 2, 1)) / np.outer(scale, scale)
+        least = float(np.linalg.eigvalsh(even).min())
+    if least < -UNUSABLE:
+        raise StabilityError(
+            f"radiation damping: received a least eigenvalue of {least:.2g} relative to each mode's largest damping, "
+            f"needs at least {-UNUSABLE:g}; motion would draw energy from calm water: solve these coefficients again."
+        )
+
+
 def fit_radiation(spectrum: DampingSpectrum, tolerance: float) -> tuple[RadiationModel, float]:
     """Return the smallest passive model within tolerance, or the best there is, and its error.
 
@@ -212,9 +232,12 @@ def fit_radiation(spectrum: DampingSpectrum, tolerance: float) -> tuple[Radiatio
 
     Raises
     ------
+    StabilityError
+        If the damping draws energy from calm water by more than `UNUSABLE`: no passive model is near it.
     ConvergenceError
         If the best model is further off than `UNUSABLE`.
     """
+    check_positive(spectrum)
     band = spectrum.omega
     omega = np.concatenate([[0.2 * band[0]], band[:: max(1, len(band) // 60)], band[-1] * np.array([1.1, 1.4, 2.0])])
     best, idle = fit_order(spectrum, omega, ORDERS[0]), 0

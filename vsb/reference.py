@@ -114,14 +114,14 @@ def check_stable(study: Study, reference: ReferenceShell) -> None:
     ------
     ConfigError
     """
-    remedy = "change it, or" if study.hydro.model != "assumed_pressure" else "raise device.young_modulus or"
     for design in study.designs:
         motions = design_motions(study, reference.basis, design)
         least = float(np.linalg.eigvalsh(motions.T @ reference.total @ motions)[0])
         if least <= 0:
             raise ConfigError(
-                f"device.internal_pressure: received {study.device.internal_pressure:g} Pa, with which the shell of "
-                f"design {design} is unstable (least stiffness {least:.3g} N/m); {remedy} device.thickness"
+                f"device: the shell of design {design} is unstable (least stiffness {least:.3g} N/m) with "
+                f"young_modulus {study.device.young_modulus:g} Pa, thickness {study.device.thickness:g} m and "
+                f"internal_pressure {study.device.internal_pressure:g} Pa; needs more of one of them"
             )
 
 

@@ -187,7 +187,9 @@ class StudyPlan:
         for i, wave in enumerate(self.study.waves):
             if isinstance(wave, RegularWave) and wave.omega < self.first_omega:
                 longest = 2 * math.pi / self.first_omega
-                raise ConfigError(f"waves.{i}.period: received {wave.period:g} s, needs at most {longest:.4g} s")
+                raise ConfigError(
+                    f"waves.{i}.period: received {wave.period:g} s, needs at most {longest:.4g} s, the longest solved"
+                )
 
     @cached_property
     def sweep_blocks(self) -> list[Spec]:

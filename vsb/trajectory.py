@@ -156,13 +156,13 @@ def simulate(plant: Plant, sea: Sea, settings: Simulation, spectrum: DampingSpec
     """
     recorded = _recorded_steps(plant, sea, settings)
     enough = max(settings.tolerance, 1e-4 if settings.method == "convolution" else 0.0)
-    unbalanced = np.inf
+    found = [np.inf, np.inf]
     for halving in range(_FINEST + 1):
-        stride, before = 2**halving, unbalanced
+        stride = 2**halving
         time = np.linspace(0.0, settings.duration, recorded * stride + 1)
         motion, method = _motion(plant, time, settings, spectrum)
-        unbalanced = residual(energies(plant, motion))
-        if unbalanced <= enough or unbalanced > before / 2:  # closed, or finer sampling does not help
+        found.append(residual(energies(plant, motion)))
+        if found[-1] <= enough or found[-1] > found[-3] / 2:  # closed, or finer sampling does not help
             break
     return motion, stride, method
 
