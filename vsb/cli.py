@@ -93,6 +93,15 @@ def import_wamit(args: argparse.Namespace) -> int:
     return 0
 
 
+def shape_dependence(args: argparse.Namespace) -> int:
+    """Derivatives of the coefficients of a deep-water study by the shape, their use for power, and a figure."""
+    from vsb import shapedependence
+
+    shapedependence.shape_dependence(load(args.config), f"{args.out}.nc", f"{args.out}.svg")
+    print(f"{args.out}.nc {args.out}.svg")
+    return 0
+
+
 def hard_cases(args: argparse.Namespace) -> int:
     """Run every hard case and write a table; 1 if any ends in garbage or otherwise than expected."""
     from vsb import hardcases
@@ -197,6 +206,11 @@ def parser() -> argparse.ArgumentParser:
     one.add_argument("--length", type=float, default=1.0, help="ULEN [m] (default: 1)")
     one.add_argument("--depth", type=float, default=float("inf"), help="HBOT [m] (default: deep water)")
     one.set_defaults(handler=import_wamit)
+    words = "how much the coefficients depend on the shape"
+    one = commands.add_parser("shape-dependence", help=words, description=shape_dependence.__doc__)
+    one.add_argument("config", metavar="CONFIG")
+    one.add_argument("out", metavar="OUT", help="of OUT.nc and OUT.svg")
+    one.set_defaults(handler=shape_dependence)
     one = commands.add_parser(
         "hard-cases", help="table of the cases that break other codes", description=hard_cases.__doc__
     )

@@ -79,6 +79,24 @@ ATTRS: dict[str, Quantity] = {
     "wet_natural_frequency": Quantity(("wet_mode",), "rad/s", "natural angular frequency in water"),
     "wet_damping_ratio": Quantity(("wet_mode",), "1", "damping ratio in water, power take-off included"),
     "wet_design": Quantity(("wet_mode",), "1", "design of the wet mode"),
+    # shape dependence
+    "added_mass_slope": Quantity(("shape_dof", "omega", *_PAIR), "kg/m", "derivative of added mass by the shape"),
+    "added_mass_curvature": Quantity(("shape_dof", "omega", *_PAIR), "kg/m^2", "its second derivative"),
+    "radiation_damping_slope": Quantity(("shape_dof", "omega", *_PAIR), "kg/(m s)", "derivative of radiation damping"),
+    "radiation_damping_curvature": Quantity(("shape_dof", "omega", *_PAIR), "kg/(m^2 s)", "its second derivative"),
+    "excitation_force_slope": Quantity(("shape_dof", *_EXCITATION), "N/m^2", "derivative of the excitation force"),
+    "excitation_force_curvature": Quantity(("shape_dof", *_EXCITATION), "N/m^3", "its second derivative"),
+    "added_mass_inf_slope": Quantity(("shape_dof", *_PAIR), "kg/m", "derivative of added mass at infinite frequency"),
+    "added_mass_inf_curvature": Quantity(("shape_dof", *_PAIR), "kg/m^2", "its second derivative"),
+    **{
+        f"{name}_slope_error": Quantity(("shape_dof",), "1", "estimated relative error of the derivative")
+        for name in ("added_mass", "radiation_damping", "excitation_force", "added_mass_inf")
+    },
+    "power_slope": Quantity(("design", "shape_dof", "omega"), "W/m^3", "derivative of absorbed power by the shape"),
+    "power_swing": Quantity(("design", "omega"), "W/m^3", "largest first-order change of power over a cycle"),
+    "power_undeformed": Quantity(("design", "omega"), "W/m^2", "first-order change with coefficients of the sphere"),
+    "interpolation_error": Quantity(("expansion", "deformation"), "1", "relative error of the expansion"),
+    "deformation": Quantity(("deformation",), "m", "size of the deformations tried"),
     # trajectories
     "position": Quantity(_MOTION, "m", "heave and modal amplitudes"),
     "velocity": Quantity(_MOTION, "m/s", "rates of heave and modal amplitudes"),
@@ -100,7 +118,18 @@ ATTRS: dict[str, Quantity] = {
     "energy": Quantity(("time", "term"), "J", "energy since the start"),
 }
 
-_LABELS = ("mode", "influenced_dof", "radiating_dof", "dof", "design", "term", "complex", "wet_design")
+_LABELS = (
+    "mode",
+    "influenced_dof",
+    "radiating_dof",
+    "dof",
+    "design",
+    "term",
+    "complex",
+    "wet_design",
+    "shape_dof",
+    "expansion",
+)
 
 
 def described(ds: xr.Dataset) -> xr.Dataset:
