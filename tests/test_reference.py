@@ -94,6 +94,9 @@ def test_assumed_pressure_is_for_the_vented_sphere(seed):
     for change in ({"reference_shape": "equilibrium"}, {"device": {"internal_pressure": 5.0}}):
         with pytest.raises(ConfigError, match="is the paper's vented shell about the undeformed sphere"):
             varied(seed, **assumed, **change)
+    for idle in ({"accept": ["nonsense"]}, {"rows": 20}, {"omega": [1.0]}):
+        with pytest.raises(ConfigError, match=r"has no coefficients to solve or judge; remove it"):
+            varied(seed, hydro={**assumed["hydro"], **idle})
     with pytest.raises(ConfigError, match=r"remove device\.gas"):
         varied(seed, **assumed, device={"gas": {}})
 

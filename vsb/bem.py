@@ -5,7 +5,6 @@ ring is the sum over its panels, so an N-row mesh of any azimuthal fineness cost
 matrices are capytaine's own; summed with its own diagonal they reproduce capytaine's full solution to round-off.
 """
 
-import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,7 @@ import numpy as np
 import xarray as xr
 from scipy.special import j0, j1
 
-from vsb.modes import legendre
+from vsb.modes import normal_velocities
 from vsb.units import ComplexArray, FloatArray
 from vsb.waves import wavenumber
 
@@ -154,12 +153,7 @@ class AxisymmetricProblem:
     @property
     def velocities(self) -> FloatArray:
         """Normal velocities of the displacements, shape (displacement, row) [m/s per m/s]."""
-        phi = self.mesh.row_colatitude.values[::-1]
-        (n_x, n_z), (sin, cos) = self.normals, (np.sin(phi), np.cos(phi))
-        degrees = {label: int(re.sub(r"\D", "", label)) for label in self.displacements}
-        p, dp, _ = legendre(max(degrees.values()), phi)
-        along = {"R": p * (n_x * sin + n_z * cos), "M": dp * (n_x * cos - n_z * sin)}
-        return np.array([along[label[0]][degree] for label, degree in degrees.items()])
+        return normal_velocities(self.displacements, self.mesh.row_colatitude.values[::-1], self.normals)
 
     def incident(self, rings: RingMesh, omega: float) -> tuple[ComplexArray, ComplexArray]:
         """Axisymmetric part of the incident wave's potential and normal velocity, each shape (row,).

@@ -134,6 +134,9 @@ class Study(Section):
             )
         if model == "assumed_pressure" and self.device.gas:
             raise ValueError(f"hydro.model {model!r}: is the paper's vented shell; remove device.gas")
+        idle = [key for key in ("omega", "rows", "accept") if getattr(self.hydro, key)]
+        if model == "assumed_pressure" and idle:
+            raise ValueError(f"hydro.{idle[0]}: hydro.model {model!r} has no coefficients to solve or judge; remove it")
         if self.hydro.solver == "spectral" and (math.isfinite(self.water.depth) or self.hydro.rows):
             raise ValueError("hydro.solver 'spectral': is for deep water and has no rows; needs 'auto' or 'panels'")
         suitable = ("auto", "exact", "convolution") if model == "linear" else ("auto", "exponential")

@@ -15,7 +15,6 @@ eigenfrequencies of the water inside ("irregular frequencies").
 """
 
 import itertools
-import re
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from typing import NamedTuple
@@ -25,7 +24,7 @@ import xarray as xr
 from scipy.special import ellipe, ellipkm1, j0, j1, roots_legendre
 
 from vsb.errors import ConfigError
-from vsb.modes import legendre
+from vsb.modes import normal_velocities
 from vsb.surface import DeformedShell
 from vsb.units import ComplexArray, FloatArray
 from vsb.waves import wavenumber
@@ -309,11 +308,7 @@ class SpectralProblem:
     def velocities(self) -> FloatArray:
         """Normal velocities of the displacements at the nodes, shape (displacement, node) [m/s per m/s]."""
         points = self.meridian.points
-        sin, cos = np.sin(points.colatitude), np.cos(points.colatitude)
-        degrees = {label: int(re.sub(r"\D", "", label)) for label in self.displacements}
-        p, dp, _ = legendre(max(degrees.values()), points.colatitude)
-        along = {"R": p * (points.n_x * sin + points.n_z * cos), "M": dp * (points.n_x * cos - points.n_z * sin)}
-        return np.array([along[label[0]][degree] for label, degree in degrees.items()])
+        return normal_velocities(self.displacements, points.colatitude, (points.n_x, points.n_z))
 
     @cached_property
     def _onto(self) -> FloatArray:
