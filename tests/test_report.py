@@ -1,7 +1,17 @@
 import numpy as np
 import xarray as xr
 
-from vsb.report import Report, band_statements, render, sea_statements, table, warnings, winning_bands
+from vsb.report import (
+    Report,
+    band_statements,
+    irregular_statements,
+    render,
+    sea_statements,
+    statistics_table,
+    table,
+    warnings,
+    winning_bands,
+)
 
 OMEGA = np.linspace(0.5, 4.0, 351)
 
@@ -112,3 +122,33 @@ def test_page_is_self_contained_and_escaped():
     assert "<?xml" not in page
     assert "src=" not in page
     assert "1 further point is in doubt" in page
+
+
+LINE = {
+    "design": "A", "sea": "noise", "realisations": "4", "batches": "40", "power_mean": "120", "power_low": "110",
+    "power_high": "130", "power_linear": "125", "gain_percent": "20", "gain_low": "18.04", "gain_high": "21.96",
+}  # fmt: skip
+BASE = {**LINE, "design": "FSB", "power_mean": "100", "gain_percent": "0", "gain_low": "0", "gain_high": "0"}
+SHORT = {**LINE, "power_low": "", "power_high": "", "gain_low": "", "gain_high": ""}
+
+
+def test_irregular_seas_are_answered_with_the_interval_of_the_gain():
+    (text,) = irregular_statements([BASE, LINE], "FSB", {"noise": "white noise"})
+    assert text == "In white noise, FSB absorbs 100 W, A absorbs 120 W (+20.0 %; 95 %: +18.0 to +22.0 %)."
+    assert irregular_statements([SHORT], "FSB", {"noise": "it"}) == ["In it, A absorbs 120 W (+20.0 %)."]
+
+
+def test_table_of_irregular_seas_has_a_dash_for_what_does_not_exist():
+    first, short = statistics_table([LINE, SHORT])
+    assert first == ["A", "noise", "4", "40", "120", "110 to 130", "125", "+20.0", "+18.0 to +22.0"]
+    assert (short[5], short[8]) == ("-", "-")
+
+
+def test_realisations_of_a_sea_are_not_answered_one_by_one():
+    page = render(
+        Report({"study": "s", "published": None, "pto": {"damping": 10.0}}, {"noise": "white noise"},
+               [{**row("FSB", 100), "wave": "noise_s1"}], CHECKS, None, "FSB", {}, {}, ["noise_s1"], [BASE, LINE])
+    )  # fmt: skip
+    assert "In white noise, FSB absorbs 100 W" in page
+    assert "Irregular seas" in page
+    assert "In noise_s1" not in page

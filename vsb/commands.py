@@ -19,6 +19,7 @@ from vsb import (
     quality,
     radiation,
     response,
+    seastatistics,
     spectral,
     sweep,
     trajectory,
@@ -347,7 +348,7 @@ SCENES = {"linear": linear_scene, "body_exact": body_exact_scene, "assumed_press
 
 
 def compare_designs(spec: Spec, paths: dict[str, Any], trajectories: Sequence[str]) -> None:
-    """Write the comparison table, the validity ledger and the study in canonical form."""
+    """Write the comparison table, statistics of irregular seas, the validity ledger and the study in canonical form."""
     study = parse(spec["study"], source="spec")
     runs = {(run.attrs["design"], run.attrs["wave"]): run for run in map(load, trajectories)}
     bem = study.needs_bem
@@ -356,13 +357,17 @@ def compare_designs(spec: Spec, paths: dict[str, Any], trajectories: Sequence[st
         for wave in study.waves
     }
     rows = compare.comparison(study, runs, seas)
-    checks = compare.run_ledger(study, runs)
+    checks, lines = compare.run_ledger(study, runs), []
     if bem:
         ds = database.load_database(paths["database"], Path(paths["database"]).stem)
-        checks += compare.linear_ledger(study, ds, load(paths["radiation"]), load(paths["response"]), rows)
+        frequency = load(paths["response"])
+        lines = seastatistics.statistics(study, runs, seas, frequency)
+        checks += compare.linear_ledger(study, ds, load(paths["radiation"]), frequency, rows)
+        checks += seastatistics.statistical_checks(study, lines)
     else:
         checks += compare.assumed_pressure_checks(study, rows)
     checks = compare.worst_first(checks)
     write_text(paths["out"], compare.as_csv(rows))
+    write_text(paths["statistics"], seastatistics.as_csv(lines))
     write_text(paths["validity"], compare.ledger_json(study.study, checks))
     write_text(paths["study"], canonical(study) + "\n")

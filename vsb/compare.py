@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from vsb.config import Jonswap, RegularWave, StillWater, Study, Water
+from vsb.config import IrregularSea, RegularWave, StillWater, Study, Water, Wave
 from vsb.database import Check, check_at_most, stored_checks
 from vsb.errors import ConvergenceError
 from vsb.modes import ModeBasis, design_motions, mode_basis, study_basis
@@ -21,7 +21,7 @@ from vsb.reference import ReferenceShell, computed_buckling, loaded_shell, refer
 from vsb.response import LinearBuoy
 from vsb.shell import Shell
 from vsb.units import FloatArray
-from vsb.waves import Sea, jonswap_spectrum, power_limit, wavenumber
+from vsb.waves import Sea, power_limit, spectrum, wavenumber
 
 COLUMNS = ("design", "wave", *Merit._fields, "energy_gain_percent", "energy_residual")
 NOTHING = 1e-9
@@ -152,7 +152,7 @@ def largest_strain(basis: ModeBasis, amplitudes: FloatArray) -> float:
     return float(np.maximum(np.abs(meridional), np.abs(hoop)).max() / basis.shell.radius)
 
 
-def wave_checks(wave: StillWater | RegularWave | Jonswap, water: Water, omega_max: float) -> list[Check]:
+def wave_checks(wave: Wave, water: Water, omega_max: float) -> list[Check]:
     """Return whether linear wave theory and the solved band cover a sea."""
     if isinstance(wave, StillWater):
         return []
@@ -161,9 +161,9 @@ def wave_checks(wave: StillWater | RegularWave | Jonswap, water: Water, omega_ma
     checks = [
         check_at_most("steepness", steepness, 0.05, "-", "wave height over wavelength", doubt=True, wave=wave.label)
     ]
-    if isinstance(wave, Jonswap):
+    if isinstance(wave, IrregularSea):
         beyond = np.linspace(omega_max, 20 * omega_max, 4001)
-        lost = np.trapezoid(jonswap_spectrum(beyond, wave.hs, wave.tp, wave.gamma), beyond) * 16 / wave.hs**2
+        lost = np.trapezoid(spectrum(wave, beyond), beyond) * 16 / wave.hs**2
         checks.append(
             check_at_most(
                 "spectrum_cut",

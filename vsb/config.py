@@ -19,9 +19,12 @@ from vsb.sections import (
     Device,
     Gas,
     Hydro,
+    Irregular,
+    IrregularSea,
     Jonswap,
     Modes,
     Name,
+    PiersonMoskowitz,
     Pto,
     Published,
     RayleighDamping,
@@ -31,6 +34,7 @@ from vsb.sections import (
     StillWater,
     Water,
     Wave,
+    WhiteNoise,
 )
 
 __all__ = [
@@ -38,8 +42,11 @@ __all__ = [
     "Device",
     "Gas",
     "Hydro",
+    "Irregular",
+    "IrregularSea",
     "Jonswap",
     "Modes",
+    "PiersonMoskowitz",
     "Pto",
     "Published",
     "RayleighDamping",
@@ -49,6 +56,7 @@ __all__ = [
     "Study",
     "Water",
     "Wave",
+    "WhiteNoise",
     "canonical",
     "content_id",
     "load",
@@ -81,6 +89,19 @@ class Study(Section):
             )
         return value
 
+    @field_validator("waves")
+    @classmethod
+    def _each_realisation(cls, value: tuple[Wave, ...]) -> tuple[Wave, ...]:
+        """Seas of several realisations become as many seas, of seeds one after the other."""
+        seas: list[Wave] = []
+        for wave in value:
+            if isinstance(wave, IrregularSea):
+                seeds = range(wave.seed, wave.seed + wave.realisations)
+                seas += [wave.model_copy(update={"seed": seed, "realisations": 1}) for seed in seeds]
+            else:
+                seas.append(wave)
+        return tuple(seas)
+
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         self._check_afloat()
@@ -104,7 +125,10 @@ class Study(Section):
     def _check_waves(self) -> None:
         """Every wave must lie inside the solved band, every label be unique."""
         for i, wave in enumerate(self.waves):
-            if self.needs_bem and not isinstance(wave, StillWater) and wave.omega > self.hydro.omega_max:
+            highest = (
+                0.0 if isinstance(wave, StillWater) else wave.band[1] if isinstance(wave, WhiteNoise) else wave.omega
+            )
+            if self.needs_bem and highest > self.hydro.omega_max:
                 shortest = 2 * math.pi / self.hydro.omega_max
                 raise ValueError(
                     f"waves.{i} {wave.label}: the wave is too short for the mesh and band solved; "
@@ -123,9 +147,9 @@ class Study(Section):
     def _check_model(self) -> None:
         """Seas, method and published designs must suit the hydrodynamic model."""
         model, method = self.hydro.model, self.simulation.method
-        if model == "assumed_pressure" and any(isinstance(wave, Jonswap) for wave in self.waves):
+        if model == "assumed_pressure" and any(isinstance(wave, IrregularSea) for wave in self.waves):
             raise ValueError(
-                "hydro.model 'assumed_pressure': has one period, of a regular wave; remove the jonswap sea"
+                "hydro.model 'assumed_pressure': has one period, of a regular wave; remove the irregular seas"
             )
         if model == "assumed_pressure" and (self.reference_shape, self.device.internal_pressure) != ("undeformed", 0.0):
             raise ValueError(

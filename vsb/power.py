@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from scipy.interpolate import CubicSpline
 
-from vsb.config import Jonswap, RegularWave, StillWater, Water
+from vsb.config import RegularWave, Water, Wave
 from vsb.errors import ConfigError
 from vsb.units import FloatArray
 from vsb.waves import Sea, group_velocity
@@ -29,7 +29,7 @@ def energy_flux(sea: Sea, water: Water) -> float:
     return float(0.5 * water.density * water.gravity * np.sum(np.abs(sea.amplitude) ** 2 * speed))
 
 
-def averaging_window(wave: StillWater | RegularWave | Jonswap, window: tuple[float, float]) -> tuple[float, float]:
+def averaging_window(wave: Wave, window: tuple[float, float]) -> tuple[float, float]:
     """Return the part of the window means are taken over [s]: as many whole periods as fit, at its end (C8)."""
     start, end = window
     if not isinstance(wave, RegularWave) or end - start < wave.period:
@@ -37,9 +37,7 @@ def averaging_window(wave: StillWater | RegularWave | Jonswap, window: tuple[flo
     return end - np.floor((end - start) / wave.period + 1e-9) * wave.period, end
 
 
-def merit(
-    run: xr.Dataset, wave: StillWater | RegularWave | Jonswap, sea: Sea, water: Water, window: tuple[float, float]
-) -> Merit:
+def merit(run: xr.Dataset, wave: Wave, sea: Sea, water: Water, window: tuple[float, float]) -> Merit:
     """Return the figures of merit of a run (see `vsb.trajectory.labelled`)."""
     time = run.time.values
     inside = (time >= window[0] - 1e-9) & (time <= window[1] + 1e-9)

@@ -16,6 +16,7 @@ from vsb.canvas import StudyData
 from vsb.config import StillWater, Study, Wave, parse
 from vsb.figures import draw
 from vsb.report import Report, render
+from vsb.seastatistics import families
 from vsb.specs import figure_names
 from vsb.units import load, write_text
 
@@ -70,13 +71,13 @@ def figures(paths: dict[str, Any], trajectories: Sequence[str]) -> None:
 def report(paths: dict[str, Any], trajectories: Sequence[str]) -> None:
     """Write the report of a study."""
     study = _study(paths["study"])
-    with Path(paths["table"]).open(encoding="utf-8", newline="") as handle:
-        rows = list(csv.DictReader(handle))
     names = figure_names(study)
     page = Report(
         study=study.model_dump(),
         seas=_seas(study),
-        rows=rows,
+        rows=_rows(paths["table"]),
+        irregular=[wave.label for waves in families(study).values() for wave in waves],
+        statistics=_rows(paths["statistics"]),
         checks=json.loads(Path(paths["validity"]).read_text(encoding="utf-8"))["checks"],
         response=load(paths["response"]) if study.needs_bem else None,
         reference=study.reference_design,
@@ -86,10 +87,17 @@ def report(paths: dict[str, Any], trajectories: Sequence[str]) -> None:
     write_text(paths["out"], render(page))
 
 
+def _rows(path: str) -> list[dict[str, str]]:
+    """The rows of a table."""
+    with Path(path).open(encoding="utf-8", newline="") as handle:
+        return list(csv.DictReader(handle))
+
+
 def _seas(study: Study) -> dict[str, str]:
     """Every sea in words; an assumed pressure is no sea."""
     if study.needs_bem:
-        return {wave.label: wave.description for wave in study.waves}
+        names = {name: waves[0].description for name, waves in families(study).items()}
+        return {wave.label: wave.description for wave in study.waves} | names
     words = f"an assumed uniform pressure of {study.hydro.pressure:g} Pa and {{:g}} s period"
     return {
         w.label: w.description if isinstance(w, StillWater) else words.format(2 * np.pi / w.omega) for w in study.waves

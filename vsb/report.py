@@ -59,6 +59,8 @@ class Report:
     reference: str | None
     figures: dict[str, str]  # name -> SVG
     facts: dict[str, str]  # how it was made
+    irregular: Sequence[str] = ()  # labels of irregular seas
+    statistics: Sequence[dict[str, str]] = ()  # of irregular seas, realisations together
 
 
 PUBLISHED = {
@@ -145,6 +147,26 @@ def sea_statements(rows: Sequence[dict[str, Any]], reference: str | None, seas: 
     return statements
 
 
+def irregular_statements(lines: Sequence[dict[str, str]], reference: str | None, seas: dict[str, str]) -> list[str]:
+    """Return, for each irregular sea, the mean power of every design and its gain with the 95 % interval."""
+    statements = []
+    for name in dict.fromkeys(line["sea"] for line in lines):
+        sea = [line for line in lines if line["sea"] == name]
+        parts = [
+            f"{line['design']} absorbs {float(line['power_mean']):.4g} W{_gain_text(line, reference)}" for line in sea
+        ]
+        statements.append(f"In {seas[name]}, {', '.join(parts)}.")
+    return statements
+
+
+def _gain_text(line: dict[str, str], reference: str | None) -> str:
+    """Gain over the reference in brackets, with its interval if there is one."""
+    if line["design"] == reference or not line["gain_percent"]:
+        return ""
+    bounds = f"; 95 %: {float(line['gain_low']):+.1f} to {float(line['gain_high']):+.1f} %" if line["gain_low"] else ""
+    return f" ({float(line['gain_percent']):+.1f} %{bounds})"
+
+
 def _against(sea: Sequence[dict[str, Any]], base: dict[str, Any], key: str) -> str:
     """How the other designs stand against the reference in one sea, in brackets."""
     power = float(base[key])
@@ -179,6 +201,32 @@ def table(rows: Sequence[dict[str, Any]]) -> tuple[list[str], list[list[str]]]:
     return ["design", "sea", *(label for _, label, _, _ in MEASURES)], body
 
 
+STATISTICS = (
+    "design", "sea", "realisations", "batches", "mean power [W]", "95 % interval", "linear [W]", "gain [%]",
+    "95 % interval",
+)  # fmt: skip
+"""Head of the table of irregular seas."""
+
+
+def statistics_table(lines: Sequence[dict[str, str]]) -> list[list[str]]:
+    """Return the cells of the table of irregular seas; a quantity that does not exist is a dash."""
+
+    def text(value: str, form: str) -> str:
+        return format(float(value), form) if value else "-"
+
+    def bounds(line: dict[str, str], name: str, form: str) -> str:
+        return " to ".join(text(line[f"{name}_{end}"], form) for end in ("low", "high")) if line[f"{name}_low"] else "-"
+
+    return [
+        [
+            *(line[key] for key in ("design", "sea", "realisations", "batches")),
+            text(line["power_mean"], ".4g"), bounds(line, "power", ".4g"), text(line["power_linear"], ".4g"),
+            text(line["gain_percent"], "+.1f"), bounds(line, "gain", "+.1f"),
+        ]
+        for line in lines
+    ]  # fmt: skip
+
+
 def published_table(study: dict[str, Any], rows: Sequence[dict[str, Any]]) -> list[list[str]]:
     """Return lines of design, sea, measure, published figure, ours, difference; none if nothing is published."""
     lines = []
@@ -201,6 +249,7 @@ def render(report: Report) -> str:
         loader=jinja2.PackageLoader("vsb"), autoescape=True, undefined=jinja2.StrictUndefined
     )
     head, body = table(report.rows)
+    irregular = report.irregular
     figures = [
         {
             "name": name,
@@ -212,8 +261,15 @@ def render(report: Report) -> str:
     ]
     return environment.get_template("report.html.j2").render(
         study=report.study["study"],
-        seas=sea_statements(report.rows, report.reference, report.seas),
+        seas=[
+            *sea_statements(
+                [row for row in report.rows if row["wave"] not in irregular], report.reference, report.seas
+            ),
+            *irregular_statements(report.statistics, report.reference, report.seas),
+        ],
         bands=band_statements(report.response, report.reference) if report.response is not None else [],
+        statistics_head=STATISTICS,
+        statistics=statistics_table(report.statistics),
         published=published_table(report.study, report.rows),
         source=(report.study["published"] or {"source": ""})["source"],
         warnings=warnings(report.checks),

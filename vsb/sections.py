@@ -4,6 +4,7 @@ Imports nothing heavy: the Snakefile reads a study at every parse.
 """
 
 import math
+from abc import abstractmethod
 from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
@@ -186,24 +187,43 @@ class RegularWave(Section):
         return 2 * math.pi / self.period
 
 
-class Jonswap(Section):
-    """JONSWAP sea: significant height [m], peak period [s], peakedness [-] (1: Pierson-Moskowitz), random seed."""
+class IrregularSea(Section):
+    """A sea of many components: significant height [m], seed of the random phases, number of realisations.
 
-    kind: Literal["jonswap"]
+    Realisations have seeds one after the other; a study lists each as a sea of its own and takes statistics over all.
+    """
+
     hs: Positive
-    tp: Positive
-    gamma: Annotated[Number, Field(ge=1, le=10)] = 3.3
     seed: Annotated[int, BeforeValidator(_number), Field(ge=0)] = 1
+    realisations: Annotated[int, BeforeValidator(_number), Field(ge=1, le=1000)] = 1
+
+    @property
+    @abstractmethod
+    def family(self) -> str:
+        """Name of the sea without its seed."""
 
     @property
     def label(self) -> str:
         """Name of the sea in tables and file names."""
-        return f"jonswap_Hs{self.hs:g}_Tp{self.tp:g}_g{self.gamma:g}_s{self.seed}"
+        return f"{self.family}_s{self.seed}"
+
+
+class Jonswap(IrregularSea):
+    """JONSWAP sea: significant height [m], peak period [s], peakedness [-], random seed."""
+
+    kind: Literal["jonswap"]
+    tp: Positive
+    gamma: Annotated[Number, Field(ge=1, le=10)] = 3.3
+
+    @property
+    def family(self) -> str:
+        """Name of the sea without its seed."""
+        return f"jonswap_Hs{self.hs:g}_Tp{self.tp:g}_g{self.gamma:g}"
 
     @property
     def description(self) -> str:
         """The sea in words."""
-        return f"a JONSWAP sea of Hs = {self.hs:g} m and Tp = {self.tp:g} s (seed {self.seed})"
+        return f"a JONSWAP sea of Hs = {self.hs:g} m and Tp = {self.tp:g} s"
 
     @property
     def omega(self) -> float:
@@ -211,7 +231,60 @@ class Jonswap(Section):
         return 2 * math.pi / self.tp
 
 
-Wave = Annotated[StillWater | RegularWave | Jonswap, Field(discriminator="kind")]
+class PiersonMoskowitz(IrregularSea):
+    """Fully developed sea of Pierson and Moskowitz: significant height [m], peak period [s], random seed."""
+
+    kind: Literal["pierson_moskowitz"]
+    tp: Positive
+
+    @property
+    def family(self) -> str:
+        """Name of the sea without its seed."""
+        return f"pierson_moskowitz_Hs{self.hs:g}_Tp{self.tp:g}"
+
+    @property
+    def description(self) -> str:
+        """The sea in words."""
+        return f"a Pierson-Moskowitz sea of Hs = {self.hs:g} m and Tp = {self.tp:g} s"
+
+    @property
+    def omega(self) -> float:
+        """Peak angular frequency [rad/s]."""
+        return 2 * math.pi / self.tp
+
+
+class WhiteNoise(IrregularSea):
+    """Sea of constant spectral density over a band [rad/s]: significant height [m], random seed."""
+
+    kind: Literal["white_noise"]
+    band: tuple[Positive, Positive]
+
+    @field_validator("band")
+    @classmethod
+    def _ascending(cls, value: tuple[float, float]) -> tuple[float, float]:
+        if not value[0] < value[1]:
+            raise ValueError("needs the lowest frequency first, then a higher one, in rad/s")
+        return value
+
+    @property
+    def family(self) -> str:
+        """Name of the sea without its seed."""
+        return f"white_noise_Hs{self.hs:g}_w{self.band[0]:g}-{self.band[1]:g}"
+
+    @property
+    def description(self) -> str:
+        """The sea in words."""
+        low, high = self.band
+        return f"white noise of {low:g} to {high:g} rad/s and Hs = {self.hs:g} m"
+
+    @property
+    def omega(self) -> float:
+        """Frequency in the middle of the band [rad/s]."""
+        return 0.5 * (self.band[0] + self.band[1])
+
+
+Irregular = Jonswap | PiersonMoskowitz | WhiteNoise
+Wave = Annotated[StillWater | RegularWave | Irregular, Field(discriminator="kind")]
 
 
 class Simulation(Section):

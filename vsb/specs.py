@@ -15,7 +15,7 @@ from vsb.resolution import frequency_step, mode_rows, tolerance_rows, wave_rows
 
 Spec = dict[str, Any]
 
-PHYSICS = {"mesh": 2, "bem": 5, "database": 4, "radiation": 1, "response": 2, "simulate": 3, "compare": 4}
+PHYSICS = {"mesh": 2, "bem": 5, "database": 4, "radiation": 1, "response": 2, "simulate": 3, "compare": 5}
 """Hand-bumped version of the physics behind each stage: a library edit alone never reruns anything."""
 
 BLOCK = 32
@@ -331,7 +331,7 @@ class StudyPlan:
     def products(self) -> list[str]:
         """All files a run of the study promises."""
         waves = [wave.label for wave in self.study.waves]
-        names = ["report.html", "comparison.csv", "validity.json", "study.json", "modes.nc"]
+        names = ["report.html", "comparison.csv", "statistics.csv", "validity.json", "study.json", "modes.nc"]
         return [
             *(f"{self.folder}/{name}" for name in names),
             *(f"{self.folder}/figures/{name}.svg" for name in figure_names(self.study)),

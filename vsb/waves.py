@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
-from vsb.config import Jonswap, RegularWave, StillWater
+from vsb.config import Irregular, IrregularSea, Jonswap, RegularWave, Wave, WhiteNoise
 from vsb.units import ComplexArray, FloatArray
 
 
@@ -85,25 +85,34 @@ def regular(wave: RegularWave) -> Sea:
     return Sea(np.array([wave.omega]), np.array([complex(wave.amplitude)]))
 
 
-def irregular(wave: Jonswap, omega_max: float, duration: float) -> Sea:
+def spectrum(wave: Irregular, omega: FloatArray) -> FloatArray:
+    """Return the spectral density of an irregular sea, shape (omega,) [m^2 s/rad], 16 m0 = hs^2."""
+    if isinstance(wave, WhiteNoise):
+        low, high = wave.band
+        return np.where((omega >= low) & (omega <= high), wave.hs**2 / 16 / (high - low), 0.0)
+    return jonswap_spectrum(omega, wave.hs, wave.tp, wave.gamma if isinstance(wave, Jonswap) else 1.0)
+
+
+def irregular(wave: Irregular, omega_max: float, duration: float) -> Sea:
     """Return a realisation that does not repeat within the run: deterministic amplitudes, random phases.
 
     Components lie at the centres of equal bands no wider than 2 pi/(1.1 duration), up to omega_max. Amplitudes follow
     the spectrum exactly, so every seed carries the same energy.
     """
-    count = int(np.ceil(omega_max * 1.1 * duration / (2 * np.pi)))
-    width = omega_max / count
-    omega = (np.arange(count) + 0.5) * width
-    amplitude = np.sqrt(2 * jonswap_spectrum(omega, wave.hs, wave.tp, wave.gamma) * width)
+    low, high = wave.band if isinstance(wave, WhiteNoise) else (0.0, omega_max)
+    count = int(np.ceil((high - low) * 1.1 * duration / (2 * np.pi)))
+    width = (high - low) / count
+    omega = low + (np.arange(count) + 0.5) * width
+    amplitude = np.sqrt(2 * spectrum(wave, omega) * width)
     phase = np.random.default_rng(wave.seed).uniform(0.0, 2 * np.pi, count)
     kept = amplitude > 1e-12 * amplitude.max()
     return Sea(omega[kept], (amplitude * np.exp(1j * phase))[kept])
 
 
-def sea(wave: StillWater | RegularWave | Jonswap, omega_max: float, duration: float) -> Sea:
+def sea(wave: Wave, omega_max: float, duration: float) -> Sea:
     """Return the sea of a study's wave; still water has no components."""
     if isinstance(wave, RegularWave):
         return regular(wave)
-    if isinstance(wave, Jonswap):
+    if isinstance(wave, IrregularSea):
         return irregular(wave, omega_max, duration)
     return NO_WAVES

@@ -14,6 +14,7 @@ rule compare:
         trajectories=TRAJECTORIES,
     output:
         table=f"{PLAN.folder}/comparison.csv",
+        statistics=f"{PLAN.folder}/statistics.csv",
         validity=f"{PLAN.folder}/validity.json",
         study=f"{PLAN.folder}/study.json",
     log:
@@ -25,5 +26,5 @@ rule compare:
         hydro=HYDRO,
     shell:
         "vsb compare --spec {params.spec:q} {params.hydro}"
-        " --out {output.table} --validity {output.validity} --study {output.study}"
+        " --out {output.table} --statistics {output.statistics} --validity {output.validity} --study {output.study}"
         " {input.trajectories} > {log} 2>&1"

@@ -31,6 +31,7 @@ rule report:
         **PLAN.response_files,
         study=f"{PLAN.folder}/study.json",
         table=f"{PLAN.folder}/comparison.csv",
+        statistics=f"{PLAN.folder}/statistics.csv",
         validity=f"{PLAN.folder}/validity.json",
         trajectories=TRAJECTORIES,
         figures=FIGURES,
@@ -44,5 +45,5 @@ rule report:
         figures=lambda wildcards, input: os.path.dirname(input.figures[0]),
         hydro=HYDRO,
     shell:
-        "vsb report --study {input.study} --table {input.table} --validity {input.validity} {params.hydro}"
+        "vsb report --study {input.study} --table {input.table} --statistics {input.statistics} --validity {input.validity} {params.hydro}"
         " --figures {params.figures} --out {output} {input.trajectories} > {log} 2>&1"
