@@ -13,7 +13,7 @@ HOME = Path(__file__).parent.parent
 ORDER = (
     "errors", "compiled", "sections", "config", "resolution", "specs", "units", "shell", "modes", "surface", "prestress", "reference", "wetforce", "multibody",
     "wetbody", "meshing", "waves", "spectral", "sweep", "waveforce", "kernel", "database", "interchange", "quality", "bem", "radiation", "pto", "response", "plant",
-    "integrate", "constraint", "exponential", "trajectory", "power", "seastatistics", "compare", "canvas", "shapedependence", "riemann", "workprecision", "shapes", "figures", "report",
+    "integrate", "constraint", "exponential", "periodic", "regularwave", "harmonic", "trajectory", "power", "seastatistics", "compare", "canvas", "shapedependence", "riemann", "workprecision", "shapes", "figures", "report",
     "commands", "hardcases", "publish", "preview", "cli",
 )  # fmt: skip
 MODULES = {path.stem: path for path in (HOME / "vsb").glob("*.py") if path.stem != "__init__"}
