@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.special import eval_legendre, gammaln
 
-from vsb import bem, config, spectral
+from vsb import bem, config, meridian
 from vsb.errors import ConfigError
 from vsb.meshing import deformed_mesh
 from vsb.modes import mode_basis
 from vsb.reference import reference_shell
-from vsb.spectral import SpectralProblem, WetMeridian
+from vsb.spectral import SpectralProblem
 from vsb.surface import DeformedShell
 
 HERE = Path(__file__).parent
@@ -159,7 +159,7 @@ def jump(problem, ka):
 def test_nothing_is_felt_of_irregular_frequencies(sphere, hemisphere, monkeypatch):
     ka = hemisphere["irregular_Ka_axisymmetric"]
     assert jump(sphere(20), ka) < 1e-6
-    monkeypatch.setattr(spectral, "_INTERIOR", ())
+    monkeypatch.setattr(meridian, "_INTERIOR", ())
     assert jump(sphere(20), ka) > 1e-4  # what the points inside are for
 
 
@@ -285,40 +285,3 @@ def test_a_shell_without_waterline_is_refused(sphere, height):
 def test_limits_are_not_frequencies(sphere, omegas):
     with pytest.raises(ConfigError, match="needs positive, finite frequencies"):
         sphere(12).solve(omegas)
-
-
-def test_the_rule_for_logarithms_is_exact():
-    u, w = spectral.log_rule()
-    assert np.all(w > 0)
-    for p in range(10):
-        assert w @ u**p == pytest.approx(1 / (p + 1), rel=1e-13)
-        assert w @ (u**p * np.log(u)) == pytest.approx(-1 / (p + 1) ** 2, rel=1e-12)
-
-
-def test_rings_are_integrals_over_the_azimuth():
-    theta = 2 * np.pi * np.arange(400) / 400
-    x, source, height = 0.8, np.array([1.1]), np.array([-0.3])
-    r = np.sqrt(x**2 + source**2 - 2 * x * source * np.cos(theta) + height**2)
-    potential, along, across = spectral.ring(source, x - source, height)
-    by_source = 2 * np.pi * np.mean((x * np.cos(theta) - source) / r**3)
-    assert potential.item() == pytest.approx(2 * np.pi * np.mean(1 / r), rel=1e-12)
-    assert (along + across * (x - source)).item() == pytest.approx(by_source, rel=1e-12)
-    assert (-across * height).item() == pytest.approx(2 * np.pi * np.mean(-height / r**3), rel=1e-12)
-
-
-def test_potential_flow_that_is_known_satisfies_the_equation(sphere):
-    """A source inside the raised sphere and its image: the limit of zero frequency on the right side of a wall."""
-    meridian = sphere(32, 0.3).meridian
-    p, depth = meridian.points, -0.4
-    r, image = (np.hypot(p.x, p.z - s * depth) for s in (1.0, -1.0))
-    velocity = -(p.n_x * p.x + p.n_z * (p.z - depth)) / r**3 - (p.n_x * p.x + p.n_z * (p.z + depth)) / image**3
-    single, double = meridian.rankine.sum(axis=0)
-    phi = meridian.solve(double + 0j, (-single @ velocity)[:, None] + 0j)[:, 0]
-    assert phi == pytest.approx(1 / r + 1 / image, rel=1e-8)
-
-
-def test_points_of_the_meridian_measure_the_shell(sphere):
-    for height in (-0.5, 0.0, 0.5):
-        meridian = WetMeridian(sphere(height=height).shell, 32)
-        assert 2 * np.pi * meridian.areas.sum() == pytest.approx(2 * np.pi * (1 - height), rel=1e-12)
-        assert np.all(meridian.points.z < 0)
