@@ -84,7 +84,7 @@ def green_folder(tmp_path_factory, worker_id) -> Path:
 def solved_block(study: Study, spec, green_folder):
     """One BEM job, by the solver its spec names."""
     if "mesh" not in spec:
-        return sweep.converged(spectral_problem(spec), spec["omega"], spec["tolerance"])[0]
+        return sweep.converged(spectral_problem(spec), spec["omega"], spec["tolerance"])
     panels = {k: spec["mesh"][k] for k in ("rows", "azimuth", "lid_rows")}
     if study.at_equilibrium:
         mesh = meshing.deformed_mesh(reference_shell(study).shape, **panels)

@@ -291,25 +291,45 @@ def test_paths_lie_under_the_root_and_name_their_ids(seed):
 def test_solver_follows_from_depth_and_rows(seed):
     auto = {"solver": "auto"}
     assert not varied(seed, hydro=auto).uses_panels
-    assert varied(seed, hydro=auto, water={"depth": 20.0}).uses_panels
+    assert not varied(seed, hydro=auto, water={"depth": 20.0}).uses_panels
+    assert varied(seed, hydro=auto, water={"depth": 1.01 * seed.draft}).uses_panels
     assert varied(seed, hydro={**auto, "rows": 20}).uses_panels
     assert not varied(seed, hydro={"model": "assumed_pressure", "pressure": 1.0}).uses_panels
-    with pytest.raises(ConfigError, match=r"hydro.solver 'spectral': is for deep water"):
-        varied(seed, hydro={"solver": "spectral"}, water={"depth": 20.0})
+    with pytest.raises(ConfigError, match=r"hydro.solver 'spectral': needs a water.depth of at least 1.02 drafts"):
+        varied(seed, hydro={"solver": "spectral"}, water={"depth": 1.01 * seed.draft})
+    with pytest.raises(ConfigError, match=r"hydro.solver 'spectral': has no rows"):
+        varied(seed, hydro={"solver": "spectral", "rows": 20})
 
 
 def test_spectral_plan_is_one_job_without_a_mesh(seed):
     plan = StudyPlan(varied(seed, hydro={"solver": "spectral"}))
     (block,) = plan.sweep_blocks
     assert "mesh" not in block
+    assert block["omega"] == [round(0.1 * i, 1) for i in range(1, 129)]
     assert block["omega"][0] == plan.first_omega == plan.step
-    assert block["omega"][-1] >= 12.0
     wide = StudyPlan(varied(seed, hydro={"solver": "spectral", "omega_max": 15.0}))
     with pytest.raises(ConfigError, match=r"hydro.omega_max: received 15 rad/s, needs at most 14.01 rad/s"):
         wide.check_waves()
 
 
-@pytest.mark.parametrize(("tolerance", "finer"), [(1e-2, 1), (5e-5, 1), (4e-5, 2), (1.25e-5, 2), (1e-5, 4)])
+@pytest.mark.parametrize(("tolerance", "half"), [(1e-1, 5e-4), (1e-3, 5e-4), (1e-4, 5e-5)])
+def test_the_sweep_is_interpolated_to_half_the_tolerance_and_what_is_tabulated_is_not(seed, tolerance, half):
+    hydro = {"solver": "spectral", "tolerance": tolerance, "omega": [1.0, 2.0]}
+    plan = StudyPlan(varied(seed, hydro=hydro))
+    assert plan.sweep_blocks[0]["interpolation"] == half
+    assert "interpolation" not in plan.tabulated_blocks[0]
+    assert not [block for block in StudyPlan(seed).sweep_blocks if "interpolation" in block]  # panels
+
+
+@pytest.mark.parametrize(("omega_max", "shared"), [(9.7, True), (12.8, True), (12.9, False), (9.6, False)])
+def test_bands_that_end_in_the_same_block_share_their_sweep(seed, omega_max, shared):
+    ours, theirs = (
+        StudyPlan(varied(seed, hydro={"solver": "spectral", "omega_max": w})).sweep_blocks for w in (12.0, omega_max)
+    )
+    assert (ours == theirs) is shared
+
+
+@pytest.mark.parametrize(("tolerance", "finer"), [(1e-2, 1), (1e-4, 1), (8e-5, 2), (2.5e-5, 2), (1e-5, 4)])
 def test_a_tight_tolerance_refines_the_grid_that_is_interpolated(seed, tolerance, finer):
     plan = StudyPlan(varied(seed, hydro={"solver": "spectral", "tolerance": tolerance}))
     assert plan.step == pytest.approx(0.1 / finer)

@@ -16,6 +16,9 @@ from vsb.kernel import DampingSpectrum
 from vsb.units import ComplexArray, FloatArray
 from vsb.waves import group_velocity, wavenumber
 
+LARGEST_LIMIT_DIFFERENCE = 0.02
+"""Of added mass at infinite frequency from its extrapolation, as of the Kramers-Kronig relation."""
+
 
 def _scale(ds: xr.Dataset) -> FloatArray:
     """Outer product that scales the largest damping of each degree of freedom to one, shape (dof, dof)."""
@@ -112,13 +115,20 @@ def sweep_checks(sweep: xr.Dataset) -> list[Check]:
 
 
 def estimate_checks(blocks: Sequence[Mapping[str, Any]], tolerance: float) -> list[Check]:
-    """Return the checks of the errors a solver estimates of itself, from its blocks' attributes; panels do not."""
+    """Return the checks of the errors solver and sweep estimate of themselves, from the blocks' attributes.
+
+    Panels estimate none.
+    """
+    swept = [attrs for attrs in blocks if "interpolation_error" in attrs]
+    solves, frequencies = (sum(int(attrs[key]) for attrs in swept) for key in ("solves", "frequencies"))
     meaning = {
         "error_estimate": "estimated error of added mass, damping and excitation, relative to the largest entry",
-        "interpolation_error": "error half-way between the frequencies solved, relative to the band's largest entry",
+        "interpolation_error": f"{solves} solves for {frequencies} frequencies; relative to the band's largest entry",
+        "limit_difference": "added mass extrapolated to infinite frequency, from that solved; relative to the largest",
     }
+    limit = dict.fromkeys(meaning, tolerance) | {"limit_difference": LARGEST_LIMIT_DIFFERENCE}
     found = {name: [float(attrs[name]) for attrs in blocks if name in attrs] for name in meaning}
-    return [check_at_most(name, max(e), tolerance, "-", meaning[name]) for name, e in found.items() if e]
+    return [check_at_most(name, max(e), limit[name], "-", meaning[name]) for name, e in found.items() if e]
 
 
 def judged(checks: Sequence[Check], accept: Sequence[str]) -> list[Check]:

@@ -15,15 +15,22 @@ from vsb.resolution import frequency_step, mode_rows, tolerance_rows, wave_rows
 
 Spec = dict[str, Any]
 
-PHYSICS = {"mesh": 2, "bem": 5, "database": 4, "radiation": 1, "response": 2, "simulate": 3, "compare": 5}
+PHYSICS = {"mesh": 2, "bem": 6, "database": 5, "radiation": 1, "response": 2, "simulate": 4, "compare": 6}
 """Hand-bumped version of the physics behind each stage: a library edit alone never reruns anything."""
 
 BLOCK = 32
-"""Frequencies per job of panels: large enough to hide the second an import costs, small enough to spread over cores."""
+"""Frequencies per job of panels: large enough to hide the second an import costs, small enough to spread over cores.
+
+The band's upper end is rounded up to as many unrefined steps: studies of different omega_max share blocks.
+"""
 SPECTRAL_BLOCK = 128
-"""Likewise of the spectral solver, which needs less than a millisecond for each, on the unrefined grid."""
+"""Likewise of frequencies tabulated by the spectral solver, which needs less than a millisecond for each."""
 SPLINE_ERROR = 5e-5
 """Of cubic splines on the grid of `frequency_step`, where added mass leaves frequency zero; it falls with step^2."""
+LOGARITHMIC = 4
+"""Least refinement in finite depth, where added mass goes with log(omega): splines need steps of a quarter of omega."""
+COARSEST_SWEEP = 1e-3
+"""Largest tolerance of interpolation: of small modes, measured by the largest, more would be felt."""
 LARGEST_KA = 40.0
 """Largest omega^2 r/g the spectral solver is asked for: beyond, its points grow with the frequency."""
 MAX_ROWS = 160
@@ -143,22 +150,27 @@ class StudyPlan:
         """The mode section, if any design is flexible."""
         return self.study.modes.model_dump() if self.study.flexible else None
 
-    def _block(self, omega: list[float], highest: float) -> Spec:
-        """Spec of one BEM job."""
+    def _block(self, omega: list[float], highest: float, **sweep: float) -> Spec:
+        """Spec of one BEM job; of a sweep with the tolerance of interpolation, which lets it leave frequencies out."""
         study = self.study
         if study.uses_panels:
             solver: Spec = {"solver": panel_solver(), "mesh": self.mesh(highest)}
         else:
             solver = {"solver": "spectral", "shape": self.shape, "tolerance": study.hydro.tolerance}
         asked = {"water": study.water.model_dump(), "displacements": list(self.displacements), "omega": omega}
-        return {"stage": "bem", "physics": PHYSICS["bem"], **solver, **asked}
+        return {"stage": "bem", "physics": PHYSICS["bem"], **solver, **asked, **sweep}
 
     @property
     def refinement(self) -> int:
-        """How many times finer than that of panels the frequency grid is, where the tolerance needs it: 1, 2, 4, ..."""
-        if self.study.uses_panels or self.study.hydro.tolerance >= SPLINE_ERROR:
+        """How many times finer than that of panels the frequency grid is: 1, 2, 4, ...
+
+        Such that splines through it are off by at most half the tolerance; a finer grid needs no more solves.
+        """
+        if self.study.uses_panels:
             return 1
-        return int(2 ** math.ceil(math.log(SPLINE_ERROR / self.study.hydro.tolerance, 4)))
+        excess = 2 * SPLINE_ERROR / self.study.hydro.tolerance
+        needed = int(2 ** math.ceil(math.log(excess, 4))) if excess > 1 else 1
+        return needed if math.isinf(self.study.water.depth) else max(needed, LOGARITHMIC)
 
     @property
     def step(self) -> float:
@@ -167,7 +179,9 @@ class StudyPlan:
 
     @property
     def lowest_omega(self) -> float:
-        """Lowest frequency of the grid [rad/s]: its step, or in finite depth what the Green function allows."""
+        """Lowest frequency of the grid [rad/s]: its step, or what capytaine's Green function of finite depth allows."""
+        if not self.study.uses_panels:
+            return self.step if math.isinf(self.study.water.depth) else self.step * self.refinement
         kd, depth = LEAST_DEPTH_IN_WAVENUMBERS, self.study.water.depth
         return max(self.step, math.sqrt(kd * math.tanh(kd) * self.study.water.gravity / depth))
 
@@ -191,19 +205,27 @@ class StudyPlan:
                     f"waves.{i}.period: received {wave.period:g} s, needs at most {longest:.4g} s, the longest solved"
                 )
 
+    def _grid(self, first: int, last: int) -> list[float]:
+        """Frequencies of the absolute grid, as round as its step [rad/s]."""
+        digits = max(0, -math.floor(math.log10(self.step))) + 2
+        return [round(self.step * i, digits) for i in range(first, last + 1)]
+
     @cached_property
     def sweep_blocks(self) -> list[Spec]:
-        """Blocks of the absolute grid that cover (0, omega_max]; panels solve infinite frequency in one of its own."""
-        size = BLOCK if self.study.uses_panels else SPECTRAL_BLOCK * self.refinement
+        """Blocks of the absolute grid that cover (0, omega_max].
+
+        The spectral solver's is one, of which it solves what interpolation to half the tolerance needs; the other half
+        is left for the splines through the grid. Panels, too rough to be interpolated, have several, and one of their
+        own for infinite frequency.
+        """
+        size = BLOCK * self.refinement
         count = math.ceil(self.study.hydro.omega_max / self.step / size - 1e-9)
-        digits = max(0, -math.floor(math.log10(self.step))) + 2
         first = math.ceil(self.lowest_omega / self.step - 1e-9)
-        grids = [
-            [round(self.step * i, digits) for i in range(max(first, size * k + 1), size * (k + 1) + 1)]
-            for k in range(count)
-        ]
-        infinite = [self._block([math.inf], grids[0][-1])] if self.study.uses_panels else []
-        return [*infinite, *(self._block(grid, grid[-1]) for grid in grids)]
+        if not self.study.uses_panels:
+            grid = self._grid(first, size * count)
+            return [self._block(grid, grid[-1], interpolation=min(self.study.hydro.tolerance, COARSEST_SWEEP) / 2)]
+        grids = [self._grid(max(first, size * k + 1), size * (k + 1)) for k in range(count)]
+        return [self._block([math.inf], grids[0][-1]), *(self._block(grid, grid[-1]) for grid in grids)]
 
     @property
     def first_omega(self) -> float:
