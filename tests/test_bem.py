@@ -1,10 +1,15 @@
+from math import factorial
+
 import capytaine as cpt
 import numpy as np
 import pytest
-from scipy.special import eval_legendre
+from scipy.special import eval_legendre, legendre_p_all
 
 from vsb import bem
+from vsb.errors import ConfigError
 from vsb.meshing import mean_mesh
+from vsb.spectral import SpectralProblem
+from vsb.surface import rigid_sphere
 from vsb.waves import group_velocity
 
 DEGREES = tuple(range(7))
@@ -159,3 +164,139 @@ def test_haskind_holds_in_finite_depth(green):
     k = bem.wavenumber(omega, depth, 1.0)
     haskind = k * np.abs(x) ** 2 / (4 * group_velocity(omega, depth, 1.0))
     assert haskind == pytest.approx(np.diag(result.radiation_damping.values[0]), rel=2e-2)
+
+
+# azimuthal orders ---------------------------------------------------------------------------------------------------
+
+
+def order_problem(green, rows, displacements, order, *, azimuth=None, depth=np.inf):
+    """Hemisphere of radius, density and gravity one."""
+    mesh = mean_mesh(1.0, 0.0, rows, azimuth or 2 * rows, rows // 2)
+    return bem.AxisymmetricProblem(green, mesh, displacements, 1.0, depth, 1.0, order)
+
+
+class Plain(bem.AxisymmetricProblem):
+    """Capytaine's own diagonal."""
+
+    def correction(self, rings):
+        return np.zeros(rings.rows)
+
+
+def full_mesh(wedge, azimuth):
+    return cpt.Mesh.join_meshes(*[wedge.rotated_z(2 * np.pi * i / azimuth) for i in range(azimuth)])
+
+
+def capytaines_own(green, problem, omega):
+    """The same panels, every one an unknown, rigid motions as capytaine defines them."""
+    rings, n = bem.ring_mesh(problem.mesh), problem.mesh.attrs["azimuth"]
+    lid = full_mesh(rings.wedge.extract_faces(np.arange(rings.body_rows, rings.rows)), n)
+    mesh = full_mesh(problem.body.wedge, n)
+    theta = 2 * np.pi * np.repeat(np.arange(n), rings.body_rows) / n
+    along = np.tile(problem.velocities, n) * np.cos(problem.order * theta)
+    dofs = {d: w[:, None] * mesh.faces_normals for d, w in zip(problem.displacements, along, strict=True)}
+    if problem.order == 1:
+        x, z = mesh.faces_centers[:, 0], mesh.faces_centers[:, 2]
+        dofs["Surge"] = np.tile([1.0, 0.0, 0.0], (mesh.nb_faces, 1))
+        dofs["Pitch"] = np.column_stack([z, 0 * x, -x])
+    name = f"order {problem.order} {n} {problem.depth}"
+    body = cpt.FloatingBody(mesh=mesh, lid_mesh=lid, dofs=dofs, name=name)
+    water = {"omega": omega, "water_depth": problem.depth, "rho": 1.0, "g": 1.0}
+    cases = [cpt.RadiationProblem(body=body, radiating_dof=d, **water) for d in dofs]
+    cases.append(cpt.DiffractionProblem(body=body, wave_direction=0.0, **water))
+    solver = cpt.BEMSolver(green_function=green, method="indirect")
+    names = list(problem.displacements)
+    solved = cpt.assemble_dataset([solver.solve(case) for case in cases])
+    return solved.sel(influenced_dof=names, radiating_dof=names)
+
+
+@pytest.mark.parametrize("depth", [np.inf, 3.0])
+@pytest.mark.parametrize("azimuth", [12, 13])
+@pytest.mark.parametrize(
+    ("order", "displacements"),
+    [(1, ("Surge", "Pitch", "Radial2", "Meridional2")), (2, ("Radial2", "Radial3")), (5, ("Radial5", "Radial6"))],
+)
+def test_every_order_equals_capytaines_full_solution_to_round_off(green, order, displacements, azimuth, depth):
+    mesh = mean_mesh(1.0, 0.2, 5, azimuth, 2)
+    problem = Plain(green, mesh, displacements, 1.0, depth, 1.0, order)
+    ours, theirs = problem.solve([1.1]), capytaines_own(green, problem, 1.1)
+    for name in ours:
+        expected = theirs[name].transpose(*ours[name].dims).values
+        size = np.abs(expected).max()
+        if name == "radiation_damping":  # next to nothing at high orders: round-off is that of the added mass
+            size = max(size, np.abs(theirs.added_mass.values).max())
+        assert np.abs(ours[name].values - expected).max() < 1e-11 * size, name
+
+
+def exact_at_infinity(n, m):
+    """Added mass of P_n^m, n - m odd: one multipole, pi (n + m)!/((n - m)! (2n + 1)(n + 1)); orders m > 0."""
+    return np.pi * factorial(n + m) / (factorial(n - m) * (2 * n + 1) * (n + 1))
+
+
+@pytest.mark.parametrize(("degree", "order"), [(2, 1), (4, 3)])
+def test_flux_correction_takes_most_of_the_first_order_error_from_every_order(green, degree, order):
+    rows = np.array([20, 28, 40, 56])
+    meshes = [mean_mesh(1.0, 0.0, n, 2 * n, 1) for n in rows]
+    plain, corrected = (
+        [kind(green, mesh, (f"Radial{degree}",), 1.0, np.inf, 1.0, order).at_infinity().item() for mesh in meshes]
+        / np.array(exact_at_infinity(degree, order))
+        - 1
+        for kind in (Plain, bem.AxisymmetricProblem)
+    )
+    slopes = -np.diff(np.log(plain)) / np.diff(np.log(rows))
+    assert np.all(np.abs(slopes - 1.0) < 0.22), slopes
+    assert np.all(np.abs(corrected[1:]) < plain[1:] / 7), (plain, corrected)
+    assert np.all(np.abs(corrected[-2:]) < plain[-2:] / 10), (plain, corrected)
+
+
+def surge_at_infinity():
+    """Multipoles P_n^1, n even: pi sum <sin, P_n^1>^2/((n + 1) N_n), N_n = n (n + 1)/(2n + 1), over the half sphere."""
+    node, weight = np.polynomial.legendre.leggauss(400)
+    mu, weight = (node + 1) / 2, weight / 2
+    p = legendre_p_all(300, mu, diff_n=1)[1][2::2] * np.sqrt(1 - mu**2)
+    n = np.arange(2, 301, 2)
+    terms = np.pi * (p @ (weight * np.sqrt(1 - mu**2))) ** 2 * (2 * n + 1) / (n * (n + 1) ** 2)
+    return terms.sum()
+
+
+def test_surge_of_the_hemisphere_at_infinite_and_vanishing_frequency(green):
+    volume = 2 * np.pi / 3
+    assert surge_at_infinity() / volume == pytest.approx(0.2732, abs=5e-5)  # Hulme (1982)
+    problem = order_problem(green, 20, ("Surge",), 1)
+    assert problem.at_infinity().item() == pytest.approx(surge_at_infinity(), rel=1e-3)
+    still = problem.solve([0.03])  # a wall at z = 0: half a sphere in unbounded water
+    assert still.added_mass.item() / volume == pytest.approx(0.5, rel=2e-3)
+
+
+@pytest.mark.parametrize(("order", "names"), [(1, ("Surge", "Radial2")), (2, ("Radial2", "Radial3"))])
+@pytest.mark.parametrize("depth", [np.inf, 3.0])
+def test_haskind_of_every_order(green, order, names, depth):
+    """B = k X X^H/(8 pi rho g c_g) int cos^2(m beta) d beta: half that of order zero."""
+    omega = 1.0
+    result = order_problem(green, 24, names, order, depth=depth).solve([omega])
+    x = (result.Froude_Krylov_force + result.diffraction_force).values[0, 0]
+    k = bem.wavenumber(omega, depth, 1.0)
+    haskind = k * np.outer(x, x.conj()) / (8 * group_velocity(omega, depth, 1.0))
+    b = result.radiation_damping.values[0]
+    assert np.abs(haskind - b).max() < (2e-3 if np.isinf(depth) else 2e-2) * b.max()
+
+
+@pytest.mark.parametrize(("order", "azimuth"), [(6, 12), (7, 13), (-1, 12)])
+def test_orders_the_panels_cannot_tell_apart(green, order, azimuth):
+    rings = bem.ring_mesh(mean_mesh(1.0, 0.0, 4, azimuth, 2))
+    with pytest.raises(ConfigError, match=f"order: received {order} on {azimuth} panels around; needs"):
+        bem.ring_matrices(green, rings, 1.0, order=order)
+
+
+@pytest.mark.parametrize(("order", "names"), [(1, ("Surge", "Radial2", "Radial3")), (2, ("Radial2", "Radial3"))])
+def test_every_order_converges_to_the_solver_without_panels(green, order, names):
+    """At second order so far, from the flux correction; with the phases of excitation."""
+    omegas = [0.6, 1.0, 1.6]
+    exact = SpectralProblem(rigid_sphere(1.0, -0.2), names, 1.0, 1.0, 32, order).solve(omegas)
+    errors = []
+    for rows in (10, 14, 20, 28):
+        mesh = mean_mesh(1.0, -0.2, rows, 2 * rows, rows // 2)
+        found = bem.AxisymmetricProblem(green, mesh, names, 1.0, np.inf, 1.0, order).solve(omegas)
+        errors.append([float(np.abs(found[name] - exact[name]).max() / np.abs(exact[name]).max()) for name in exact])
+    slopes = np.log(np.array(errors[0]) / errors[-1]) / np.log(2.8)
+    assert np.all((slopes > 1.5) & (slopes < 2.2)), slopes
+    assert np.max(errors[-1]) < 6e-3, errors

@@ -66,7 +66,7 @@ BAD = [
     (("simulation", "window"), [60], r"simulation.window.1: .*required"),
     (("pto", "damping"), "soft", r"pto.damping: received 'soft'; .*valid number"),
     (("study",), "logs", r"study: received 'logs'; 'logs' is the name of a results folder"),
-    (("study",), "benchmarks", r"study: received 'benchmarks'; .*choose a name other than hydro, logs, benchmarks"),
+    (("study",), "benchmarks", r"study: received 'benchmarks'; .*choose a name other than hydro, hydro_precision, barge, logs, benchmarks"),
     (("study",), "hydro", r"study: received 'hydro'; 'hydro' is the name of a results folder"),
     (("study",), "../evil", r"study: received '../evil'; String should match pattern"),
 ]  # fmt: skip

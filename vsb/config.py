@@ -6,14 +6,13 @@ Imports nothing heavy: the Snakefile reads a study at every parse.
 import hashlib
 import json
 import math
-from collections.abc import Hashable
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
-import yaml
-from pydantic import BaseModel, Field, ValidationError, field_validator, model_validator
+from pydantic import BaseModel, Field, field_validator, model_validator
 
 from vsb.errors import ConfigError
+from vsb.reading import read_yaml, validated
 from vsb.sections import (
     Design,
     Device,
@@ -62,7 +61,9 @@ __all__ = [
     "load",
     "parse",
 ]
-RESERVED_NAMES = ("hydro", "logs", "benchmarks")
+CLEARANCE = 1.02
+"""Least depth the spectral solver is given, in drafts."""
+RESERVED_NAMES = ("hydro", "hydro_precision", "barge", "logs", "benchmarks")
 
 
 class Study(Section):
@@ -161,9 +162,16 @@ class Study(Section):
         idle = [key for key in ("omega", "rows", "accept") if getattr(self.hydro, key)]
         if model == "assumed_pressure" and idle:
             raise ValueError(f"hydro.{idle[0]}: hydro.model {model!r} has no coefficients to solve or judge; remove it")
-        if self.hydro.solver == "spectral" and (math.isfinite(self.water.depth) or self.hydro.rows):
-            raise ValueError("hydro.solver 'spectral': is for deep water and has no rows; needs 'auto' or 'panels'")
-        suitable = ("auto", "exact", "convolution") if model == "linear" else ("auto", "exponential")
+        if model == "auto" and not self.pto.damping:
+            raise ValueError("hydro.model 'auto': judges by mean absorbed power; needs pto.damping above 0")
+        if self.hydro.solver == "spectral" and self.hydro.rows:
+            raise ValueError("hydro.solver 'spectral': has no rows; remove hydro.rows, or use 'panels'")
+        if self.hydro.solver == "spectral" and self.water.depth < CLEARANCE * self.draft:
+            raise ValueError(
+                f"hydro.solver 'spectral': needs a water.depth of at least {CLEARANCE:g} drafts, "
+                f"{CLEARANCE * self.draft:.4g} m; use 'panels'"
+            )
+        suitable = {"linear": ("auto", "exact", "convolution"), "auto": ("auto",)}.get(model, ("auto", "exponential"))
         if method not in suitable:
             raise ValueError(f"simulation.method {method!r}: hydro.model {model!r} needs one of {', '.join(suitable)}")
         if self.published and (unknown := sorted(set(self.published.values) - set(self.designs))):
@@ -176,8 +184,8 @@ class Study(Section):
 
     @property
     def uses_panels(self) -> bool:
-        """Whether coefficients come from capytaine's panels, not from the spectral solver."""
-        solver, panels = self.hydro.solver, math.isfinite(self.water.depth) or self.hydro.rows is not None
+        """Whether coefficients come from capytaine's panels, not from the spectral solver: asked for or shallow."""
+        solver, panels = self.hydro.solver, self.hydro.rows is not None or self.water.depth < CLEARANCE * self.draft
         return self.needs_bem and (solver == "panels" or (solver == "auto" and panels))
 
     @property
@@ -217,22 +225,6 @@ def _floating_height(radius: float, volume: float) -> float:
     return radius - 0.5 * (low + high)
 
 
-class _UniqueKeyLoader(yaml.SafeLoader):
-    """YAML loader that refuses a key given twice."""
-
-    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
-        """Build a mapping; a repeated key is an error."""
-        seen: set[object] = set()
-        for key_node, _ in node.value:
-            if key_node.tag == "tag:yaml.org,2002:merge":
-                continue
-            key = self.construct_object(key_node, deep=deep)
-            if key in seen:
-                raise yaml.MarkedYAMLError(problem=f"key {key!r} is given twice", problem_mark=key_node.start_mark)
-            seen.add(key)
-        return super().construct_mapping(node, deep)
-
-
 def load(path: str | Path) -> Study:
     """Read and validate a study file.
 
@@ -241,42 +233,17 @@ def load(path: str | Path) -> Study:
     ConfigError
         One line with the file, the key, the value received and the value needed.
     """
-    try:
-        raw = yaml.load(Path(path).read_text(encoding="utf-8"), Loader=_UniqueKeyLoader)  # noqa: S506 (a SafeLoader)
-    except OSError as error:
-        raise ConfigError(
-            f"{path}: cannot be read ({error.strerror}); give the path of a study file such as config/seed.yaml"
-        ) from None
-    except (yaml.YAMLError, TypeError, ValueError) as error:
-        raise ConfigError(f"{path}: not valid YAML ({' '.join(str(error).split())})") from None
-    return parse(raw, source=str(path))
+    return parse(read_yaml(path, "a study file such as config/seed.yaml"), source=str(path))
 
 
 def parse(raw: object, source: str = "study") -> Study:
     """Validate a study given as nested mappings; see `load`."""
-    if not isinstance(raw, dict):
-        raise ConfigError(
-            f"{source}: received {type(raw).__name__}, needs a mapping with keys {', '.join(Study.model_fields)}"
-        )
     try:
-        return Study.model_validate(raw)
-    except ValidationError as error:
-        raise ConfigError(f"{source}: {_one_line(error)}") from None
+        return validated(Study, raw, source)
     except OverflowError:
         raise ConfigError(
             f"{source}: device or water: a number is too large to compute with; check the units (SI)"
         ) from None
-
-
-def _one_line(error: ValidationError) -> str:
-    """Say the first error of a validation in one line, and how many more there are."""
-    first, *more = error.errors()
-    key = ".".join(str(part) for part in first["loc"]) or "study"
-    received = "" if isinstance(first["input"], dict | Section) else f" received {first['input']!r};"
-    what = first["msg"].removeprefix("Value error, ")
-    if first["type"] == "extra_forbidden":
-        what = "unknown key; remove it or correct its spelling"
-    return " ".join(f"{key}:{received} {what}".split()) + (f" (and {len(more)} more)" if more else "")
 
 
 def canonical(data: object) -> str:

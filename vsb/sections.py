@@ -10,14 +10,15 @@ from typing import Annotated, Literal, Self
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
 
 
-def _number(value: object) -> object:
+def number(value: object) -> object:
     """Refuse what pydantic would silently turn into a number (true -> 1.0)."""
     if isinstance(value, bool):
         raise ValueError("a number is needed, not true/false")
     return value
 
 
-Number = Annotated[float, BeforeValidator(_number)]
+Number = Annotated[float, BeforeValidator(number)]
+Count = Annotated[int, BeforeValidator(number)]
 Positive = Annotated[Number, Field(gt=0, allow_inf_nan=False)]
 NonNegative = Annotated[Number, Field(ge=0, allow_inf_nan=False)]
 Finite = Annotated[Number, Field(allow_inf_nan=False)]
@@ -77,7 +78,7 @@ class Modes(Section):
     """Ritz basis of the shell: `paper`, `membrane` or `full`, up to Legendre degree `degree`."""
 
     basis: Literal["paper", "membrane", "full"] = "membrane"
-    degree: Annotated[int, BeforeValidator(_number), Field(ge=0, le=40)] = 6
+    degree: Annotated[Count, Field(ge=0, le=40)] = 6
 
 
 class Design(Section):
@@ -114,25 +115,35 @@ class Hydro(Section):
 
     `linear`: radiation, diffraction and hydrostatics about the mean shape, from BEM. `body_exact`: hydrostatics and
     Froude-Krylov forces on the instantaneous wet shell, the rest linear. `assumed_pressure`: hydrostatics and a uniform
-    pressure [Pa] of the wave's period on the instantaneous wet shell, no radiation: the paper's loading. The solver is
-    `spectral` (deep water, no mesh) or `panels` (capytaine); `auto` takes panels in finite depth or with `rows`.
+    pressure [Pa] of the wave's period on the instantaneous wet shell, no radiation: the paper's loading. `auto`: for
+    every design and sea the cheapest of linear and body-exact, shell modes and memory order, that changes mean absorbed
+    power by less than `power_tolerance` [-], 0.01 if not given. The solver is `spectral` (no mesh) or `panels`
+    (capytaine); `auto` takes panels with `rows`, or where the keel nearly touches the bottom.
     """
 
-    model: Literal["linear", "body_exact", "assumed_pressure"] = "linear"
+    model: Literal["linear", "body_exact", "assumed_pressure", "auto"] = "linear"
     pressure: NonNegative | None = None
+    power_tolerance: Annotated[Number, Field(gt=0, le=0.5)] | None = None
     solver: Literal["auto", "spectral", "panels"] = "auto"
     tolerance: Annotated[Number, Field(ge=1e-5, le=0.1)] = 1e-3
     omega_max: Positive = 12.0
     omega: tuple[Positive, ...] = ()
-    rows: Annotated[int, BeforeValidator(_number), Field(ge=4, le=160)] | None = None
+    rows: Annotated[Count, Field(ge=4, le=160)] | None = None
     accept: tuple[Name, ...] = ()
 
+    @property
+    def allowed_power_error(self) -> float:
+        """Error of mean absorbed power that model auto may cause [-]."""
+        return self.power_tolerance or 0.01
+
     @model_validator(mode="after")
-    def _pressure_where_assumed(self) -> Self:
+    def _keys_of_the_model(self) -> Self:
         if self.model == "assumed_pressure" and self.pressure is None:
             raise ValueError("pressure: missing; model assumed_pressure needs its amplitude in Pa")
         if self.model != "assumed_pressure" and self.pressure is not None:
             raise ValueError(f"pressure {self.pressure:g} Pa: only model assumed_pressure has one; remove it")
+        if self.model != "auto" and self.power_tolerance is not None:
+            raise ValueError(f"power_tolerance {self.power_tolerance:g}: only model auto has one; remove it")
         return self
 
     @model_validator(mode="after")
@@ -194,8 +205,8 @@ class IrregularSea(Section):
     """
 
     hs: Positive
-    seed: Annotated[int, BeforeValidator(_number), Field(ge=0)] = 1
-    realisations: Annotated[int, BeforeValidator(_number), Field(ge=1, le=1000)] = 1
+    seed: Annotated[Count, Field(ge=0)] = 1
+    realisations: Annotated[Count, Field(ge=1, le=1000)] = 1
 
     @property
     @abstractmethod
