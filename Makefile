@@ -4,13 +4,16 @@ CONFIG ?= config/seed.yaml
 BIN := .venv/bin
 READY := .venv/.installed
 
-.PHONY: study benchmark hard-cases test lint unit format lock clean help
+.PHONY: study benchmark barge hard-cases test lint unit format lock clean help
 
 study: $(READY) ## run a study: make study [CONFIG=config/seed.yaml]
 	@$(BIN)/vsb run $(CONFIG)
 
-benchmark: $(READY) ## error against seconds of every method, for the paper's study
-	@$(BIN)/vsb run config/paper.yaml workprecision
+benchmark: $(READY) ## error against seconds of every method: integrators on the paper's study, hydrodynamic coefficients
+	@$(BIN)/vsb run config/paper.yaml workprecision hydro_precision
+
+barge: $(READY) ## any body by the general route: a flexible barge
+	@$(BIN)/vsb barge config/barge.yaml results/barge
 
 hard-cases: $(READY) ## table of the cases that break other codes
 	@$(BIN)/vsb hard-cases config/hard_cases.yaml results/hard_cases.csv

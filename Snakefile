@@ -32,6 +32,7 @@ else:
     include: "workflow/rules/benchmark.smk"
 
 
+include: "workflow/rules/hydroprecision.smk"
 include: "workflow/rules/simulate.smk"
 include: "workflow/rules/compare.smk"
 include: "workflow/rules/figures.smk"

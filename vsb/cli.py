@@ -10,12 +10,15 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from vsb import __version__
 from vsb.config import load
 from vsb.errors import VsbError
 from vsb.specs import StudyPlan
+
+if TYPE_CHECKING:
+    from vsb.database import Check
 
 ERROR = "vsb: error:"
 Handler = Callable[[argparse.Namespace], int]
@@ -93,6 +96,28 @@ def import_wamit(args: argparse.Namespace) -> int:
     return 0
 
 
+def body(args: argparse.Namespace) -> int:
+    """Solve any mesh with any displacements into a hydro database and print its verdict; 1 if a check fails."""
+    from vsb import bodystudy
+
+    return _verdict(bodystudy.run(args.config, args.out), f"{args.out}: blocks and database")
+
+
+def barge(args: argparse.Namespace) -> int:
+    """A flexible barge by the general route: its files, database and verdict, and how the mesh converges."""
+    from vsb import barge as route
+
+    return _verdict(route.study(args.config, args.out), f"{args.out}/barge.nc {args.out}/barge.svg")
+
+
+def _verdict(checks: "list[Check]", files: str) -> int:
+    """Print a verdict and what was written; 1 if a check fails."""
+    for check in checks:
+        print(f"{check.verdict:12} {check.name} = {check.value:.3g} (limit {check.limit:g}): {check.explanation}")
+    print(files)
+    return int(any(check.verdict == "fail" for check in checks))
+
+
 def shape_dependence(args: argparse.Namespace) -> int:
     """Derivatives of the coefficients of a deep-water study by the shape, their use for power, and a figure."""
     from vsb import shapedependence
@@ -109,6 +134,15 @@ def hard_cases(args: argparse.Namespace) -> int:
     rows = hardcases.hard_cases(args.config, args.out)
     print(hardcases.as_text(rows))
     return int(any(row.verdict == "wrong" for row in rows))
+
+
+def hydro_precision(args: argparse.Namespace) -> int:
+    """Error against seconds and memory of coefficients by six methods: tables and a figure; takes minutes."""
+    from vsb import hydroprecision
+
+    rows = hydroprecision.benchmark(args.folder)
+    print(*sorted(Path(args.folder).glob("hydro_precision*")), sep="\n")
+    return int(any(row["status"].startswith("failed") for row in rows))
 
 
 def run(args: argparse.Namespace) -> int:
@@ -206,6 +240,14 @@ def parser() -> argparse.ArgumentParser:
     one.add_argument("--length", type=float, default=1.0, help="ULEN [m] (default: 1)")
     one.add_argument("--depth", type=float, default=float("inf"), help="HBOT [m] (default: deep water)")
     one.set_defaults(handler=import_wamit)
+    for name, text, handler in (
+        ("body", "hydro database of any mesh with any displacements", body),
+        ("barge", "a flexible barge, and how its mesh converges", barge),
+    ):
+        one = commands.add_parser(name, help=text, description=handler.__doc__)
+        one.add_argument("config", metavar="CONFIG")
+        one.add_argument("out", metavar="FOLDER")
+        one.set_defaults(handler=handler)
     words = "how much the coefficients depend on the shape"
     one = commands.add_parser("shape-dependence", help=words, description=shape_dependence.__doc__)
     one.add_argument("config", metavar="CONFIG")
@@ -217,6 +259,10 @@ def parser() -> argparse.ArgumentParser:
     one.add_argument("config", metavar="CONFIG")
     one.add_argument("out", metavar="OUT.csv")
     one.set_defaults(handler=hard_cases)
+    words = "work and precision of hydrodynamic coefficients"
+    one = commands.add_parser("hydro-precision", help=words, description=hydro_precision.__doc__)
+    one.add_argument("folder", metavar="OUT_FOLDER")
+    one.set_defaults(handler=hydro_precision)
     _add_rule(commands, "modes", "rule: shell modes", "spec", "out")
     _add_rule(commands, "mesh", "rule: mean wetted mesh", "spec", "out")
     _add_rule(commands, "display-meshes", "rule: viewable deformed meshes", "spec", "out")
