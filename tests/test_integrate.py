@@ -1,9 +1,13 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from conftest import varied
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from vsb.errors import StabilityError
-from vsb.integrate import convolve, propagate
+from vsb.integrate import convolve, propagate, transition
 from vsb.kernel import DampingSpectrum
 from vsb.modes import design_motions, study_basis
 from vsb.plant import Damper, Excitation, Plant, Spring, linear_plant
@@ -32,6 +36,66 @@ def test_propagation_is_exact_for_any_step():
         time = np.arange(0.0, 21.0, step)
         motion = propagate(plant, time, (np.array([1.0]), np.array([-0.5])))
         assert motion.position[:, 0] == pytest.approx(damped(time), abs=1e-12)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.floats(-3.0, 9.0), st.floats(-3.0, 1.5), st.floats(-1.0, 1.0))
+def test_slow_decay_beside_a_fast_one_keeps_its_digits(fast, slow, coupling):
+    """exp of [[-a, k a], [0, -b]] in closed form, a up to 1e9: squaring exp itself leaves 1e-8 of b."""
+    a, b = 10.0**fast, 10.0**slow
+    found = transition(np.array([[-a, coupling * a], [0.0, -b]]))
+    assert found[1, 1] == pytest.approx(np.exp(-b), rel=1e-13)
+    assert found[0, 0] == pytest.approx(np.exp(-a), rel=1e-13, abs=1e-15)
+    if abs(a - b) > 0.1 * a:
+        assert found[0, 1] == pytest.approx(coupling * a * (np.exp(-b) - np.exp(-a)) / (a - b), rel=1e-12, abs=1e-14)
+
+
+@pytest.mark.parametrize("instants", [2, 3, 4, 10, 37, 101])
+@pytest.mark.parametrize("begin", [0.0, -3.0, 5.0])
+def test_motion_starts_at_the_first_instant_whenever_that_is(instants, begin):
+    plant = oscillator({"pto": Damper(np.array([[1.2]]))})
+    time = np.linspace(begin, begin + 6.0, instants)
+    motion = propagate(plant, time, (np.array([1.0]), np.array([-0.5])))
+    assert motion.position[:, 0] == pytest.approx(damped(time - begin), abs=1e-13)
+    wave = {"excitation": Excitation(np.array([2.0]), np.array([[30.0 + 5j]])), **plant.forces}
+    pushed = propagate(replace(plant, forces=wave), time, (np.array([1.0]), np.array([-0.5])))
+    assert pushed.position[0, 0] == pytest.approx(1.0)
+    assert pushed.velocity[0, 0] == pytest.approx(-0.5)
+
+
+def test_a_transient_that_is_over_is_nothing():
+    """100 000 s of decay, exp(-30 000): no subnormal numbers, which are slow and wrong in every digit."""
+    motion = propagate(
+        oscillator({"pto": Damper(np.array([[1.2]]))}), np.arange(0.0, 1e5, 0.5), (np.ones(1), np.zeros(1))
+    )
+    assert np.all(motion.position[-1000:] == 0.0)
+    assert np.abs(motion.position[motion.position != 0]).min() > 1e-300
+
+
+def test_a_transient_keeps_its_digits_down_to_the_last():
+    """Over 200 s heave falls by exp(-60); its error falls with it."""
+    time = np.arange(0.0, 200.0, 0.05)
+    plant = oscillator({"pto": Damper(np.array([[1.2]]))})
+    motion = propagate(plant, time, (np.array([1.0]), np.array([-0.5])))
+    assert np.all(np.abs(motion.position[:, 0] - damped(time)) < 1e-11 * np.exp(-0.3 * time))
+
+
+def test_many_components_are_the_sum_of_each_alone():
+    """Motion is linear: 200 components of one spacing, by transforms, against eight at a time, as they stand."""
+    plant, time = oscillator({"pto": Damper(np.array([[1.2]]))}), np.linspace(0.0, 30.0, 901)
+    omega, rng = 0.03 * np.arange(1, 201), np.random.default_rng(4)
+    force = rng.normal(size=(200, 1)) + 1j * rng.normal(size=(200, 1))
+
+    def motion(some):
+        return propagate(
+            replace(plant, forces={**plant.forces, "excitation": Excitation(omega[some], force[some])}),
+            time, (np.zeros(1), np.zeros(1)),
+        )  # fmt: skip
+
+    whole, parts = motion(slice(None)), [motion(slice(i, i + 8)) for i in range(0, 200, 8)]
+    for name in ("position", "velocity", "acceleration"):
+        expected = sum(getattr(part, name) for part in parts)
+        assert getattr(whole, name) == pytest.approx(expected, abs=1e-11 * np.abs(expected).max()), name
 
 
 def test_forced_motion_satisfies_the_equation_of_motion():

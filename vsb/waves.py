@@ -6,6 +6,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from vsb.config import Irregular, IrregularSea, Jonswap, RegularWave, Wave, WhiteNoise
+from vsb.superposition import superposed
 from vsb.units import ComplexArray, FloatArray
 
 
@@ -68,8 +69,8 @@ class Sea:
     amplitude: ComplexArray  # (component,) [m], phase included
 
     def elevation(self, time: FloatArray) -> FloatArray:
-        """Return the undisturbed elevation at the buoy's axis, shape (time,) [m]."""
-        return np.real(np.exp(-1j * np.outer(time, self.omega)) @ self.amplitude)
+        """Return the undisturbed elevation at the buoy's axis at equally spaced times, shape (time,) [m]."""
+        return superposed(self.omega, self.amplitude[:, None], time)[:, 0]
 
     def mean_of(self, power_per_squared_amplitude: FloatArray) -> float:
         """Return the mean over the components of a power [W/m^2] that is additive over frequencies [W]."""
