@@ -4,7 +4,7 @@ from scipy.integrate import quad
 from scipy.special import j0
 
 from vsb.modes import mode_basis
-from vsb.waveforce import _bessel, incident, wave_force, wave_forces
+from vsb.waveforce import _bessel, incident, rotated, wave_force, wave_forces
 from vsb.waves import NO_WAVES, Sea
 from vsb.wetforce import WetShell
 
@@ -24,7 +24,7 @@ def swell(amplitude, depth=np.inf, omega=OMEGA):
 def force(basis, height, q, waves, time=0.0, **changes):
     shape = WetShell(basis, height).shape._replace(**changes)
     out = np.empty(len(q))
-    wave_force(shape, q, waves, time, out)
+    wave_force(shape, q, waves, rotated(waves, time), out)
     return out
 
 

@@ -5,132 +5,163 @@ integrands, and Gauss-Legendre quadrature on each wet interval is exact:
 
     Q_j = -2 pi int p X (s^2 z' h_j + T v_j) dc,   T = c X - s^2 X' = dx/dphi,
 
-with the vertical shape v_j and the horizontal shape s h_j. `vsb.surface.DeformedShell` is the plain twin.
+with the vertical shape v_j and the horizontal shape s h_j. All are kept as Chebyshev series: a state gives those of X,
+z, z' and T, points give the polynomials' values, and sums over points come before those over shapes, so that every loop
+runs along one of the two. `vsb.surface.DeformedShell` is the plain twin.
 """
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from numpy.polynomial import chebyshev
 
 from vsb.compiled import njit
 from vsb.modes import ModeBasis
 from vsb.units import FloatArray
 
+REORDERED = {"reassoc", "contract", "nsz"}
+"""What the compiler may do to sums: add in any order, fuse; never assume that there are no NaN."""
+
 
 class Shape(NamedTuple):
-    """What the compiled loops know of a shell and its basis."""
+    """What the compiled loops know of a shell and its basis: Chebyshev coefficients of X, z, z' and T."""
 
     radius: float
-    centre_height: float
-    degree: np.ndarray[Any, np.dtype[np.int64]]  # (dof,)
-    radial: FloatArray  # V (dof,)
-    meridional: FloatArray  # U (dof,)
+    sphere: FloatArray  # of the undeformed sphere (4, order) [m]
+    series: FloatArray  # of the shapes, X: h_j, z: v_j (dof, 4, order)
     node: FloatArray  # Gauss-Legendre on [-1, 1] (point,)
     weight: FloatArray
     grid: FloatArray  # where the sign of z is looked up, c ascending from -1 to 1 (sample,)
-    vertical: FloatArray  # vertical shapes there (dof, sample)
-    slope: FloatArray  # their derivatives by c
+    on_grid: FloatArray  # Chebyshev polynomials there (order, sample)
 
 
 @njit(cache=True)
-def legendre(c: float, p: FloatArray, dp: FloatArray) -> None:
-    """Fill P_n(c) and P_n'(c)."""
-    p[0], dp[0] = 1.0, 0.0
-    for n in range(1, len(p)):
-        dp[n] = n * p[n - 1] + c * dp[n - 1]
-        p[n] = ((2 * n - 1) * c * p[n - 1] - (n - 1) * p[n - 2]) / n if n > 1 else c
-
-
-@njit(cache=True)
-def _height(shape: Shape, q: FloatArray, c: float, p: FloatArray, dp: FloatArray) -> tuple[float, float]:
-    """Height z of the meridian and its slope dz/dc."""
-    legendre(c, p, dp)
-    z, slope = shape.centre_height + shape.radius * c, shape.radius
+def meridian_series(shape: Shape, q: FloatArray) -> FloatArray:
+    """Return the Chebyshev coefficients of X, z, z' and T of a deformed shell, shape (4, order)."""
+    out = shape.sphere.copy()
     for j in range(len(q)):
-        n, v, u = shape.degree[j], shape.radial[j], shape.meridional[j]
-        z += q[j] * (v * c * p[n] + u * (1 - c * c) * dp[n])
-        slope += q[j] * (v * (p[n] + c * dp[n]) - u * n * (n + 1) * p[n])
-    return z, slope
+        for i in range(4):
+            for k in range(out.shape[1]):
+                out[i, k] += q[j] * shape.series[j, i, k]
+    return out
+
+
+@njit(cache=True, fastmath=REORDERED)
+def chebyshev_table(c: FloatArray, order: int) -> FloatArray:
+    """Return T_k(c), k < order, shape (order, point)."""
+    table = np.ones((order, len(c)))
+    table[1] = c
+    for k in range(2, order):
+        for i in range(len(c)):
+            table[k, i] = 2 * c[i] * table[k - 1, i] - table[k - 2, i]
+    return table
+
+
+@njit(cache=True, fastmath=REORDERED)
+def values(series: FloatArray, table: FloatArray) -> FloatArray:
+    """Return series @ table, shape (series, point)."""
+    out = np.zeros((len(series), table.shape[1]))
+    for i in range(len(series)):
+        for k in range(len(table)):
+            for j in range(table.shape[1]):
+                out[i, j] += series[i, k] * table[k, j]
+    return out
 
 
 @njit(cache=True)
-def _zero(
-    shape: Shape, q: FloatArray, low: float, high: float, below: bool, which: int, p: FloatArray, dp: FloatArray
-) -> float:
-    """Zero of z (which = 0) or of dz/dc (which = 1) in a bracket: Newton, halving where that leaves it.
+def value(series: FloatArray, c: float) -> float:
+    """Return a Chebyshev series at a point, by Clenshaw's recurrence."""
+    one, two = 0.0, 0.0
+    for k in range(len(series) - 1, 0, -1):
+        one, two = series[k] + 2 * c * one - two, one
+    return float(series[0] + c * one - two)
+
+
+@njit(cache=True)
+def _zero(f: FloatArray, slope: FloatArray, low: float, high: float, start: float, below: bool) -> float:
+    """Zero of a series in a bracket: Newton, halving where that leaves it.
 
     `below` is the sign at the lower end as the caller knows it: round-off here may see the other one.
     """
-    c = 0.5 * (low + high)
+    c = start if low < start < high else 0.5 * (low + high)
     for _ in range(100):
-        z, slope = _height(shape, q, c, p, dp)
-        f = slope if which else z
-        if (f < 0) == below:
+        here, rise = value(f, c), value(slope, c)
+        if (here < 0) == below:
             low = c
         else:
             high = c
-        following = c - z / slope if which == 0 and slope != 0.0 else 0.5 * (low + high)
+        following = c - here / rise if rise != 0.0 else low
         if not low < following < high:
             following = 0.5 * (low + high)
-        if abs(following - c) < 2e-16 or f == 0.0:
+        if abs(following - c) < 1e-15 or here == 0.0:
             return c
         c = following
     return c
 
 
 @njit(cache=True)
-def wet_intervals(shape: Shape, q: FloatArray, p: FloatArray, dp: FloatArray) -> FloatArray:
+def _extremum(slope: FloatArray, low: float, high: float, below: bool) -> float:
+    """Zero of z' in a bracket, by halving."""
+    while high - low > 1e-15:
+        c = 0.5 * (low + high)
+        if not low < c < high:
+            break
+        if (value(slope, c) < 0) == below:
+            low = c
+        else:
+            high = c
+    return 0.5 * (low + high)
+
+
+@njit(cache=True)
+def _secant(low: float, high: float, f_low: float, f_high: float) -> float:
+    """Where a straight line crosses zero."""
+    return low + (high - low) * f_low / (f_low - f_high) if f_low != f_high else low
+
+
+@njit(cache=True)
+def wet_intervals(shape: Shape, series: FloatArray) -> FloatArray:
     """Return the edges of the wet intervals in c, ascending, an even number of them.
 
     Between two samples of one sign z may still dip through the surface: where its slopes say that |z| has a minimum
     there, that extremum is looked at.
     """
-    count = len(shape.grid)
-    z, slope = shape.centre_height + shape.radius * shape.grid, np.full(count, shape.radius)
-    for j in range(len(q)):
-        for i in range(count):
-            z[i] += q[j] * shape.vertical[j, i]
-            slope[i] += q[j] * shape.slope[j, i]
+    z, slope = series[1], series[2]
+    count, at = len(shape.grid), values(series[1:3], shape.on_grid)
     edges = np.empty(2 * count + 2)
     found = 0
-    if z[0] < 0:
+    if at[0, 0] < 0:
         edges[found], found = -1.0, found + 1
     for i in range(count - 1):
-        low, high, wet = shape.grid[i], shape.grid[i + 1], z[i] < 0
-        if wet != (z[i + 1] < 0):
-            edges[found], found = _zero(shape, q, low, high, wet, 0, p, dp), found + 1
-        elif slope[i] * slope[i + 1] < 0 and (slope[i] > 0) == wet:
-            middle = _zero(shape, q, low, high, not wet, 1, p, dp)
-            if (_height(shape, q, middle, p, dp)[0] < 0) != wet:
-                edges[found] = _zero(shape, q, low, middle, wet, 0, p, dp)
-                edges[found + 1] = _zero(shape, q, middle, high, not wet, 0, p, dp)
+        low, high, wet = shape.grid[i], shape.grid[i + 1], at[0, i] < 0
+        if wet != (at[0, i + 1] < 0):
+            start = _secant(low, high, at[0, i], at[0, i + 1])
+            edges[found], found = _zero(z, slope, low, high, start, wet), found + 1
+        elif at[1, i] * at[1, i + 1] < 0 and (at[1, i] > 0) == wet:
+            middle = _extremum(slope, low, high, not wet)
+            if (value(z, middle) < 0) != wet:
+                edges[found] = _zero(z, slope, low, middle, low, wet)
+                edges[found + 1] = _zero(z, slope, middle, high, low, not wet)
                 found += 2
-    if z[count - 1] < 0:
+    if at[0, count - 1] < 0:
         edges[found], found = 1.0, found + 1
     return edges[:found]
 
 
-@njit(cache=True)
-def meridian_point(
-    shape: Shape, q: FloatArray, c: float, p: FloatArray, dp: FloatArray, h: FloatArray, v: FloatArray
-) -> tuple[float, float, float, float]:
-    """Return X, z, dz/dc and T = dx/dphi at a point, and fill the shapes h and v there."""
-    s2 = 1 - c * c
-    legendre(c, p, dp)
-    z, slope = shape.centre_height + shape.radius * c, shape.radius
-    x, t = shape.radius, shape.radius * c
-    for j in range(len(q)):
-        n, a, b = shape.degree[j], shape.radial[j], shape.meridional[j]
-        lam = n * (n + 1)
-        h[j] = a * p[n] - b * c * dp[n]
-        v[j] = a * c * p[n] + b * s2 * dp[n]
-        x += q[j] * h[j]
-        z += q[j] * v[j]
-        slope += q[j] * (a * (p[n] + c * dp[n]) - b * lam * p[n])
-        t += q[j] * (a * (c * p[n] - s2 * dp[n]) + b * (dp[n] - lam * c * p[n]))
-    return x, z, slope, t
+@njit(cache=True, fastmath=REORDERED)
+def add_force(shape: Shape, table: FloatArray, pressure: FloatArray, meridian: FloatArray, out: FloatArray) -> None:
+    """Add sum_i pressure_i (s^2 z' h_j + T v_j), sums over points first; pressure holds the weights."""
+    c = table[1]
+    for k in range(len(table)):
+        level, upright = 0.0, 0.0
+        for i in range(len(c)):
+            weighed = pressure[i] * table[k, i]
+            level += weighed * (1 - c[i] * c[i]) * meridian[2, i]
+            upright += weighed * meridian[3, i]
+        for j in range(len(out)):
+            out[j] += level * shape.series[j, 0, k] + upright * shape.series[j, 1, k]
 
 
 @njit(cache=True)
@@ -149,23 +180,19 @@ def wet_force(shape: Shape, q: FloatArray, static: FloatArray, uniform: FloatArr
     float
         int z dV over the displaced water [m^4]; static is its gradient, -rho g times it the potential energy.
     """
-    order = shape.degree.max() + 1
-    p, dp = np.empty(order), np.empty(order)
-    h, v = np.empty(len(q)), np.empty(len(q))
     static[:], uniform[:], moment = 0.0, 0.0, 0.0
-    edges = wet_intervals(shape, q, p, dp)
+    series = meridian_series(shape, q)
+    edges = wet_intervals(shape, series)
     for k in range(0, len(edges), 2):
         half, middle = 0.5 * (edges[k + 1] - edges[k]), 0.5 * (edges[k + 1] + edges[k])
-        for i in range(len(shape.node)):
-            c = middle + half * shape.node[i]
-            s2 = 1 - c * c
-            x, z, slope, t = meridian_point(shape, q, c, p, dp, h, v)
-            w = 2 * np.pi * half * shape.weight[i] * x
-            moment += 0.5 * w * s2 * x * z * slope
-            for j in range(len(q)):
-                flux = w * (s2 * slope * h[j] + t * v[j])
-                static[j] += z * flux
-                uniform[j] -= flux
+        c = middle + half * shape.node
+        table = chebyshev_table(c, series.shape[1])
+        meridian = values(series, table)
+        x, z, slope = meridian[0], meridian[1], meridian[2]
+        flux = -2 * np.pi * half * shape.weight * x
+        moment -= 0.5 * np.sum(flux * (1 - c * c) * x * z * slope)
+        add_force(shape, table, flux, meridian, uniform)
+        add_force(shape, table, -flux * z, meridian, static)
     return moment
 
 
@@ -178,6 +205,13 @@ def _along(shape: Shape, q: FloatArray) -> tuple[FloatArray, FloatArray, FloatAr
     return static, uniform, moment
 
 
+def _series(on_nodes: FloatArray) -> FloatArray:
+    """Chebyshev coefficients of polynomials from their values at as many Chebyshev points, last axis."""
+    order = on_nodes.shape[-1]
+    vander = chebyshev.chebvander(chebyshev.chebpts1(order), order - 1)
+    return np.asarray(np.linalg.solve(vander, on_nodes[..., None])[..., 0])
+
+
 @dataclass(frozen=True)
 class WetShell:
     """Generalized forces of water on the wet part of a shell, for any heave and modal amplitudes."""
@@ -188,29 +222,25 @@ class WetShell:
     @cached_property
     def shape(self) -> Shape:
         """Tables of the compiled loops; 2 N + 3 points integrate polynomials of degree 4 N + 5 exactly."""
-        basis, highest = self.basis, self.basis.highest_degree
+        radius, highest = self.basis.shell.radius, self.basis.highest_degree
         node, weight = np.polynomial.legendre.leggauss(2 * highest + 3)
         grid = -np.cos(np.linspace(0.0, np.pi, 6 * (highest + 1) + 1))
-        phi = np.arccos(grid)
-        v, u = basis.displacement(phi)
-        degree = np.array(basis.degrees)[:, None]
-        p = np.array([np.polynomial.legendre.Legendre.basis(n)(grid) for n in basis.degrees])
-        dp = np.array([np.polynomial.legendre.Legendre.basis(n).deriv()(grid) for n in basis.degrees])
-        radial = np.array([mode.radial for mode in basis.shapes])
-        meridional = np.array([mode.meridional for mode in basis.shapes])
-        slope = radial[:, None] * (p + grid * dp) - meridional[:, None] * degree * (degree + 1) * p
-        return Shape(
-            basis.shell.radius,
-            self.centre_height,
-            degree[:, 0],
-            radial,
-            meridional,
-            node,
-            weight,
-            grid,
-            v * np.cos(phi) - u * np.sin(phi),
-            slope,
-        )
+        c = chebyshev.chebpts1(highest + 2)
+        sphere = np.array([radius + 0 * c, self.centre_height + radius * c, radius + 0 * c, radius * c])
+        on_grid = chebyshev.chebvander(grid, highest + 1).T
+        series = _series(self._shapes(c))
+        return Shape(radius, _series(sphere), series, node, weight, grid, np.ascontiguousarray(on_grid))
+
+    def _shapes(self, c: FloatArray) -> FloatArray:
+        """h_j, v_j, dv_j/dc and c h_j - s^2 dh_j/dc, shape (dof, 4, point)."""
+        rows = []
+        for mode in self.basis.shapes:
+            n, a, b = mode.degree, mode.radial, mode.meridional
+            legendre = np.polynomial.legendre.Legendre.basis(n)
+            p, dp, s2, lam = legendre(c), legendre.deriv()(c), 1 - c * c, n * (n + 1)
+            turn = a * (c * p - s2 * dp) + b * (dp - lam * c * p)
+            rows.append([a * p - b * c * dp, a * c * p + b * s2 * dp, a * (p + c * dp) - b * lam * p, turn])
+        return np.array(rows)
 
     def forces(self, q: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return `wet_force` along a motion.

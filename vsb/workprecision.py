@@ -51,7 +51,7 @@ PUBLISHED_DURATION = 60.0
 """Of the motion in the paper's Table II [s]."""
 Solver = Literal["RK45", "DOP853", "Radau", "BDF", "LSODA"]
 Function = Callable[[float, FloatArray], FloatArray]
-EXPONENTIAL = "exponential collocation"
+EXPONENTIAL = "exponential Adams"
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
 SOLVERS: Mapping[Solver, Sequence[float]] = {
     "RK45": (1e-3, 1e-5, 1e-7, 1e-9),
@@ -174,7 +174,7 @@ class Case:
 
     @cached_property
     def reference(self) -> Motion:
-        """Converged solution: exponential collocation at 1e-11; DOP853 at 1e-12 checks it in the table."""
+        """Converged solution: exponential Adams at 1e-11; DOP853 at 1e-12 checks it in the table."""
         return integrate(self.plant, self.time, self.start, 1e-11)[0]
 
     def exponential(self, tolerance: float) -> Attempt:
@@ -250,7 +250,7 @@ def _best(run: Callable[[], Attempt]) -> Attempt:
 
 
 def integrator_precision(study: Study, design: str) -> list[Row]:
-    """Return error and seconds of exponential collocation and of general integrators on the motion of one design.
+    """Return error and seconds of the exponential Adams method and of general integrators on the motion of one design.
 
     All of scipy's are given the same compiled right-hand side, `rates`. With plain NumPy forces RK45 follows the first
     second alone, and the error is of that; the seconds are those of one evaluation there times the evaluations of the
