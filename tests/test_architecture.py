@@ -11,9 +11,9 @@ import pytest
 
 HOME = Path(__file__).parent.parent
 ORDER = (
-    "errors", "compiled", "sections", "config", "resolution", "specs", "units", "shell", "modes", "surface", "prestress", "reference", "wetforce", "multibody",
-    "wetbody", "meshing", "waves", "spectral", "sweep", "waveforce", "kernel", "database", "interchange", "quality", "bem", "radiation", "pto", "response", "plant",
-    "integrate", "constraint", "exponential", "periodic", "regularwave", "harmonic", "trajectory", "power", "seastatistics", "compare", "canvas", "shapedependence", "riemann", "workprecision", "shapes", "figures", "report",
+    "errors", "compiled", "sections", "reading", "config", "resolution", "specs", "units", "shell", "modes", "azimuthal", "surface", "prestress", "reference", "wetforce", "multibody",
+    "wetbody", "meshing", "superposition", "waves", "ringsource", "meridian", "wavepart", "finitedepth", "spectral", "rational", "sweep", "waveforce", "kernel", "database", "interchange", "quality", "bodies", "bem", "bodysolver", "bodystudy", "radiation", "pto", "response", "plant",
+    "integrate", "constraint", "phifunctions", "adams", "exponential", "periodic", "regularwave", "harmonic", "audit", "trajectory", "automatic", "scenes", "power", "seastatistics", "compare", "ledger", "canvas", "barge", "shapedependence", "riemann", "workprecision", "hydroprecision", "shapes", "figures", "report",
     "commands", "hardcases", "publish", "preview", "cli",
 )  # fmt: skip
 MODULES = {path.stem: path for path in (HOME / "vsb").glob("*.py") if path.stem != "__init__"}

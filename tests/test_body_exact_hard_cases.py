@@ -11,17 +11,17 @@ from conftest import HERE, SEED, compiled_motion, varied
 from scipy.integrate import solve_ivp
 
 from vsb import config
-from vsb.commands import assumed_pressure_scene
 from vsb.compare import comparison
 from vsb.errors import VsbError
 from vsb.exponential import integrate
 from vsb.modes import mode_basis
 from vsb.plant import Damper, Spring
 from vsb.power import merit
+from vsb.scenes import assumed_pressure_scene
 from vsb.surface import DeformedShell
 from vsb.trajectory import energies, labelled, residual, simulate
 from vsb.waves import NO_WAVES
-from vsb.wetforce import WetShell, wet_intervals
+from vsb.wetforce import WetShell, meridian_series, wet_intervals
 
 STILL = [{"kind": "still"}]
 
@@ -61,8 +61,7 @@ def independent(plant, time, start, method="DOP853", rtol=1e-8):
 
 
 def edges_of(wet, q):
-    order = wet.shape.degree.max() + 1
-    return wet_intervals(wet.shape, q, np.empty(order), np.empty(order))
+    return wet_intervals(wet.shape, meridian_series(wet.shape, q))
 
 
 @pytest.mark.parametrize(
@@ -77,7 +76,7 @@ def test_a_waterline_on_a_sample_is_found_there_whatever_round_off_says(paper, k
     """The table and the recurrence may see z of one sample with two signs: no reason to lose the waterline."""
     basis, q = mode_basis(paper.device, kind[:-1], int(kind[-1])), np.array(q)
     table = WetShell(basis, 0.0).shape
-    on_sample = -(table.radius * table.grid[sample] + q @ table.vertical[:, sample])
+    on_sample = -(meridian_series(table, q)[1] @ table.on_grid[:, sample])
     for ulps in range(-8, 9):
         height = float(on_sample + ulps * 1.1e-16)
         (low, high) = edges_of(WetShell(basis, height), q)
@@ -109,14 +108,11 @@ def test_highest_degree_against_the_plain_twin(paper, height):
 def test_meridian_level_with_the_water(paper, kind):
     """z and dz/dc vanish together: the force is continuous there, the dry and the wet side meet."""
     basis = mode_basis(paper.device, "membrane", 3)
-    table = WetShell(basis, 0.0).shape
     at = 1.0 if kind == "flat pole" else 0.4
     wet = WetShell(basis, 0.0)
     rows = []
-    for j in range(len(basis.labels)):
-        one = np.zeros(len(basis.labels))
-        one[j] = 1.0
-        v, u, n = table.radial[j], table.meridional[j], table.degree[j]
+    for mode in basis.shapes:
+        v, u, n = mode.radial, mode.meridional, mode.degree
         p = np.polynomial.legendre.Legendre.basis(n)
         value = v * at * p(at) + u * (1 - at**2) * p.deriv()(at)
         rows.append((value, v * (p(at) + at * p.deriv()(at)) - u * n * (n + 1) * p(at)))
@@ -284,12 +280,12 @@ def test_a_window_between_two_records_is_a_mistake_told(paper):
 
 
 def test_an_edited_force_reaches_the_loops_that_call_it(tmp_path):
-    """A loop of `vsb.exponential` holds what it calls from `vsb.wetforce`: it must not outlive an edit there.
+    """A loop of `vsb.adams` holds what it calls from `vsb.wetforce`: it must not outlive an edit there.
 
     In a copy of the package, with a force and a loop that compile in no time.
     """
     shutil.copytree(HERE.parent / "vsb", tmp_path / "vsb", ignore=shutil.ignore_patterns("__pycache__"))
-    force, loop = tmp_path / "vsb" / "wetforce.py", tmp_path / "vsb" / "exponential.py"
+    force, loop = tmp_path / "vsb" / "wetforce.py", tmp_path / "vsb" / "adams.py"
     compiled = "\n\n@njit(cache=True)\ndef {}():\n    return {}\n"
     text = force.read_text()
     loop.write_text(loop.read_text() + "\nfrom vsb.wetforce import a_force\n" + compiled.format("a_loop", "a_force()"))
@@ -297,7 +293,7 @@ def test_an_edited_force_reaches_the_loops_that_call_it(tmp_path):
     found = []
     for value in ("1.0", "2.0"):
         force.write_text(text + compiled.format("a_force", value))
-        command = [sys.executable, "-c", "from vsb.exponential import a_loop; print(a_loop())"]
+        command = [sys.executable, "-c", "from vsb.adams import a_loop; print(a_loop())"]
         done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True)
         found.append(done.stdout.strip())
     assert found == ["1.0", "2.0"]

@@ -15,6 +15,7 @@ from vsb import (
     compare,
     database,
     interchange,
+    ledger,
     meshing,
     quality,
     radiation,
@@ -26,16 +27,17 @@ from vsb import (
 )
 from vsb.config import RegularWave, StillWater, Study, canonical, content_id, parse
 from vsb.constraint import constraint_drift
-from vsb.errors import DatabaseError
+from vsb.errors import ConvergenceError, DatabaseError, StabilityError
+from vsb.harmonic import harmonic_balance
 from vsb.integrate import Motion, propagate
 from vsb.kernel import DampingSpectrum
-from vsb.modes import ModeBasis, design_motions, mode_basis, rigid_basis, study_basis
-from vsb.plant import AssumedPressure, Plant, assumed_pressure_plant, body_exact_plant, linear_plant
-from vsb.pto import LinearPto
+from vsb.modes import design_motions
+from vsb.plant import Plant
 from vsb.reference import check_stable, reference_shell
-from vsb.surface import DeformedShell, enclosed, rigid_sphere
+from vsb.scenes import SCENES, linear_buoy
+from vsb.surface import enclosed, rigid_sphere
 from vsb.units import FloatArray, load, save, write_text
-from vsb.waves import NO_WAVES, Sea, power_limit, sea
+from vsb.waves import NO_WAVES, power_limit, sea
 
 Spec = dict[str, Any]
 COLATITUDES = np.linspace(0.0, np.pi, 181)
@@ -119,11 +121,12 @@ def spectral_block(spec: Spec, out: str) -> None:
     """Solve one block of frequencies without panels, as finely as the tolerance needs."""
     begun = clock.perf_counter()
     problem = spectral_problem(spec)
-    solved, error = sweep.converged(problem, spec["omega"], spec["tolerance"])
-    attrs = {"spec": canonical(spec), "spec_id": content_id(spec), "error_estimate": error}
-    if len(spec["omega"]) > 4 and np.ptp(np.diff(spec["omega"])) < 1e-9:  # of the grid that is interpolated
-        attrs["interpolation_error"] = sweep.interpolation_error(problem, solved)
-    save(solved.assign_attrs(attrs, seconds=clock.perf_counter() - begun), out)
+    if "interpolation" in spec:
+        solved = sweep.converged_on_grid(problem, spec["omega"], spec["tolerance"], spec["interpolation"])
+    else:
+        solved = sweep.converged(problem, spec["omega"], spec["tolerance"])
+    attrs = {"spec": canonical(spec), "spec_id": content_id(spec), "seconds": clock.perf_counter() - begun}
+    save(solved.assign_attrs(attrs), out)
 
 
 def spectral_problem(spec: Spec) -> spectral.SpectralProblem:
@@ -133,8 +136,14 @@ def spectral_problem(spec: Spec) -> spectral.SpectralProblem:
         shell = reference_shell(partial_study(shape)).shape
     else:
         shell = rigid_sphere(shape["radius"], shape["centre_height"])
-    displacements = tuple(spec["displacements"])
-    return spectral.SpectralProblem(shell, displacements, water["density"], water["gravity"], sweep.FEWEST_NODES)
+    return spectral.SpectralProblem(
+        shell,
+        tuple(spec["displacements"]),
+        water["density"],
+        water["gravity"],
+        sweep.FEWEST_NODES,
+        depth=float(water["depth"]),
+    )
 
 
 def build_database(spec: Spec, blocks: Sequence[str], out: str) -> None:
@@ -236,18 +245,10 @@ def fit_radiation(spec: Spec, database_path: str, out: str) -> None:
     )
 
 
-def _buoy(study: Study, database_path: str) -> tuple[response.LinearBuoy, ModeBasis]:
-    """The linear buoy of a study from its database."""
-    ds = database.load_database(database_path, Path(database_path).stem)
-    flexible = ds.sizes["influenced_dof"] > 1  # of the database: a rigid design may share it with flexible ones
-    basis = mode_basis(study.device, study.modes.basis, study.modes.degree) if flexible else rigid_basis(study.device)
-    return response.LinearBuoy(ds, basis.damping, LinearPto(study.pto.damping)), basis
-
-
 def frequency_response(spec: Spec, database_path: str, out: str) -> None:
     """Write response amplitude operators, absorbed power, its limit, and wet natural frequencies of all designs."""
     study = partial_study(spec)
-    buoy, basis = _buoy(study, database_path)
+    buoy, basis = linear_buoy(study, database_path)
     omega = response.frequency_grid(spec["step"], spec["lowest"], spec["omega_max"], spec["omega"])
     rao, power, wet = [], [], []
     for design in study.designs:
@@ -281,16 +282,27 @@ def simulate(spec: Spec, paths: dict[str, Any], out: str) -> None:
     """Run one design in one sea and write its trajectory."""
     study = partial_study(spec)
     (design,), (wave,) = study.designs, study.waves
-    plant, shape, waves, spectrum = SCENES[study.hydro.model](study, paths)
+    plant, shape, waves, spectrum, notes = SCENES[study.hydro.model](study, paths)
     motion, stride, method = trajectory.simulate(plant, waves, study.simulation, spectrum)
     run = trajectory.labelled(plant, motion, waves if study.needs_bem else None, design, wave.label, stride)
     moved = np.zeros((run.sizes["time"], len(shape.amplitudes)))
     moved[:, : run.sizes["dof"]] = run.position.values
     volume, area = enclosed(shape.basis, shape.amplitudes + moved)
-    attrs = {"method": method, "instants": len(motion.time), "seconds": motion.seconds}
+    attrs = {"method": method, "instants": len(motion.time), "seconds": motion.seconds, **notes}
+    if isinstance(study.waves[0], RegularWave):
+        attrs |= _steady(plant)
     if rows := study.designs[design].clamp:
         attrs["constraint_drift"] = _drift(study, plant, motion, shape.basis.clamp_rows(np.deg2rad(rows)))
     save(run.assign(volume=("time", volume), area=("time", area)).assign_attrs(run.attrs, **attrs), out)
+
+
+def _steady(plant: Plant) -> dict[str, float | str]:
+    """Mean power of the steady state and what a period leaves of a transient; or why there is none."""
+    try:
+        found = harmonic_balance(plant, 1e-6)
+    except (ConvergenceError, StabilityError) as error:
+        return {"no_steady_state": str(error)}
+    return {"steady_power": found.power.pto, "steady_decay": found.decay}
 
 
 def _drift(study: Study, plant: Plant, motion: Motion, rows: FloatArray) -> float:
@@ -303,50 +315,6 @@ def _drift(study: Study, plant: Plant, motion: Motion, rows: FloatArray) -> floa
     return max(drift, constraint_drift(propagate(plant, time, start).position @ plant.motions.T, rows))
 
 
-Scene = tuple[Plant, DeformedShell, Sea, DampingSpectrum | None]
-
-
-def linear_scene(study: Study, paths: dict[str, Any]) -> Scene:
-    """Linear hydrodynamics about the mean shape, from the database and its radiation model."""
-    buoy, shape, model, waves, motions = _from_bem(study, paths)
-    return linear_plant(buoy, model, waves, motions), shape, waves, buoy.spectrum
-
-
-def body_exact_scene(study: Study, paths: dict[str, Any]) -> Scene:
-    """Static and Froude-Krylov forces on the instantaneous wet shell, radiation and diffraction from the database."""
-    buoy, shape, model, waves, motions = _from_bem(study, paths)
-    return body_exact_plant(buoy, shape, model, waves, motions), shape, waves, buoy.spectrum
-
-
-def _from_bem(
-    study: Study, paths: dict[str, Any]
-) -> tuple[response.LinearBuoy, DeformedShell, radiation.RadiationModel, Sea, FloatArray]:
-    """What a scene with BEM is made of: buoy, reference shape, radiation model, sea, motions of the design."""
-    (design,), (wave,) = study.designs, study.waves
-    buoy, basis = _buoy(study, paths["database"])
-    ds = load(paths["radiation"])
-    model = radiation.RadiationModel(ds.state_matrix.values, ds.input_matrix.values, ds.channel.values)
-    waves = sea(wave, study.hydro.omega_max, study.simulation.duration)
-    shape = DeformedShell(basis, study.centre_height, buoy.database.reference_amplitude.values)
-    return buoy, shape, model, waves, design_motions(study, basis, design)
-
-
-def assumed_pressure_scene(study: Study, _: dict[str, Any]) -> Scene:
-    """Static and assumed pressure on the instantaneous wet shell; a rigid design needs no shell modes at all."""
-    (design,), (wave,) = study.designs, study.waves
-    basis = study_basis(study)
-    omega = wave.omega if isinstance(wave, RegularWave) else 0.0
-    load = AssumedPressure(study.hydro.pressure or 0.0 if omega else 0.0, omega)
-    shell, water = DeformedShell(basis, study.centre_height, np.zeros(len(basis.labels))), study.water
-    motions = design_motions(study, basis, design)
-    plant = assumed_pressure_plant(shell, LinearPto(study.pto.damping), load, water.density, water.gravity, motions)
-    return plant, shell, NO_WAVES, None
-
-
-SCENES = {"linear": linear_scene, "body_exact": body_exact_scene, "assumed_pressure": assumed_pressure_scene}
-"""Hydrodynamic model -> the scene of one design in one sea."""
-
-
 def compare_designs(spec: Spec, paths: dict[str, Any], trajectories: Sequence[str]) -> None:
     """Write the comparison table, statistics of irregular seas, the validity ledger and the study in canonical form."""
     study = parse(spec["study"], source="spec")
@@ -357,17 +325,17 @@ def compare_designs(spec: Spec, paths: dict[str, Any], trajectories: Sequence[st
         for wave in study.waves
     }
     rows = compare.comparison(study, runs, seas)
-    checks, lines = compare.run_ledger(study, runs), []
+    checks, lines = [*ledger.run_ledger(study, runs), *ledger.transient_checks(runs, rows)], []
     if bem:
         ds = database.load_database(paths["database"], Path(paths["database"]).stem)
         frequency = load(paths["response"])
         lines = seastatistics.statistics(study, runs, seas, frequency)
-        checks += compare.linear_ledger(study, ds, load(paths["radiation"]), frequency, rows)
+        checks += ledger.linear_ledger(study, ds, load(paths["radiation"]), frequency, rows, runs)
         checks += seastatistics.statistical_checks(study, lines)
     else:
-        checks += compare.assumed_pressure_checks(study, rows)
-    checks = compare.worst_first(checks)
+        checks += ledger.assumed_pressure_checks(study, rows)
+    checks = ledger.worst_first(checks)
     write_text(paths["out"], compare.as_csv(rows))
     write_text(paths["statistics"], seastatistics.as_csv(lines))
-    write_text(paths["validity"], compare.ledger_json(study.study, checks))
+    write_text(paths["validity"], ledger.ledger_json(study.study, checks))
     write_text(paths["study"], canonical(study) + "\n")

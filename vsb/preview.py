@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from vsb import compare, database
+from vsb import database, ledger
 from vsb.config import Study, content_id
 from vsb.modes import mode_basis
 from vsb.reference import check_stable, reference_shell
@@ -43,9 +43,9 @@ def summary(study: Study, plan: StudyPlan) -> list[str]:
         f"modes        {len(plan.mode_labels)} shell modes ({study.modes.basis}, degree {study.modes.degree})",
         *(_bem_lines(study, plan) if study.needs_bem else ["hydro        assumed pressure: no BEM"]),
     ]
-    checks = compare.shell_checks(study, reference_shell(study))
+    checks = ledger.shell_checks(study, reference_shell(study))
     for wave in study.waves if study.hydro.model != "assumed_pressure" else ():  # which uses the period alone
-        checks += compare.wave_checks(wave, study.water, study.hydro.omega_max)
+        checks += ledger.wave_checks(wave, study.water, study.hydro.omega_max)
     return lines + [
         f"{check.verdict:12} {check.name} = {check.value:.3g} (limit {check.limit:g}): {check.explanation}"
         for check in checks
