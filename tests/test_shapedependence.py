@@ -1,40 +1,37 @@
 import dataclasses
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray as xr
 from conftest import varied
 
 from vsb import config, shapedependence, units
 from vsb.database import with_structure
-from vsb.errors import ConfigError
+from vsb.errors import ConfigError, ConvergenceError
 from vsb.modes import design_motions
+from vsb.prestress import equilibrium
 from vsb.pto import LinearPto
-from vsb.reference import reference_shell
-from vsb.response import LinearBuoy
-from vsb.shapedependence import COEFFICIENTS, ShapeFamily, extrapolated, misfit
-from vsb.surface import DeformedShell, rigid_sphere
+from vsb.reference import loaded_shell, reference_shell
+from vsb.response import Coefficients, LinearBuoy
+from vsb.shapedatabase import ShapeDatabase, measured_errors
+from vsb.shapedependence import INSTANTS, StudyMotion, answer, power_effects
+from vsb.shapefamily import ShapeFamily
+from vsb.waves import sea
 
 HERE = Path(__file__).parent
 OMEGAS = (0.8, 1.6, 2.4, 3.2, 4.8, 6.4)
-SCALING = {
-    "added_mass": (3.0, 0.5),
-    "radiation_damping": (2.5, 0.5),
-    "excitation_force": (2.0, 0.5),
-    "added_mass_inf": (3.0, 0.0),
-}
-"""a d/da of a geometry scaled by a, at fixed frequency: the powers of (value, omega d/d omega), from Froude's law."""
 
 
 def family_of(shape, **options):
-    return ShapeFamily(shape, OMEGAS, 1025.0, 9.81, **{"nodes": 32, **options})
+    return ShapeFamily(shape, OMEGAS, 1025.0, 9.81, **{"nodes": 20, **options})
 
 
 @pytest.fixture(scope="module")
 def small(seed):
-    """The seed with four degrees of freedom."""
-    return varied(seed, modes={"degree": 2})
+    """The seed with four degrees of freedom, in the waves of a solved frequency."""
+    waves = [{"kind": "regular", "amplitude": 0.2, "period": 2 * np.pi / 2.4}]
+    return varied(seed, modes={"degree": 2}, waves=waves)
 
 
 @pytest.fixture(scope="module")
@@ -48,139 +45,21 @@ def family(reference):
 
 
 @pytest.fixture(scope="module")
-def oblate():
-    """The pressurised shell at rest, strained by 14 %, in seven degrees of freedom."""
-    return reference_shell(varied(config.load(HERE.parent / "config" / "pressurised.yaml"), modes={"degree": 3}))
+def motion(small, reference, family):
+    return StudyMotion(small, reference, shapedependence.linear_buoy(small, reference, family))
 
 
 @pytest.fixture(scope="module")
-def oblate_family(oblate):
-    return family_of(oblate.shape)
+def counted(small, reference):
+    """All of the study, and how many shapes it took."""
+    seen = []
+    family = family_of(reference.shape, after_each=lambda: seen.append(1))
+    return shapedependence.shape_dataset(small, family, samples=4), len(seen)
 
 
 @pytest.fixture(scope="module")
-def dataset(small, family):
-    return shapedependence.shape_dataset(small, family, samples=2)
-
-
-def by_frequency(family):
-    """omega d/d omega of the coefficients, by differences of solutions at scaled frequencies."""
-    levels = []
-    for h in (0.02, 0.01, 0.005):
-        plus, minus = (dataclasses.replace(family, omegas=tuple(w * (1 + s) for w in OMEGAS)).centre for s in (h, -h))
-        levels.append((plus.assign_coords(omega=list(OMEGAS)) - minus.assign_coords(omega=list(OMEGAS))) / (2 * h))
-    return extrapolated(levels)[0]
-
-
-def scaled(family):
-    """What a d/da of every coefficient is by Froude's law."""
-    change = by_frequency(family)
-    return {name: p * family.centre[name] + q * change[name] for name, (p, q) in SCALING.items()}
-
-
-def test_extrapolation_is_exact_for_errors_of_second_and_fourth_power():
-    levels = [xr.Dataset({"a": 3.0 + 2.0 * h**2 - 5.0 * h**4}) for h in (0.4, 0.2, 0.1)]
-    value, correction = extrapolated(levels)
-    assert float(value.a) == pytest.approx(3.0, abs=1e-14)
-    assert float(correction.a) == pytest.approx(-5.0 * 0.2**4 / 4, rel=1e-9)
-
-
-def test_heave_is_a_change_of_draft():
-    height, levels = 0.32, []
-    for h in (0.06, 0.03, 0.015):
-        plus, minus = (family_of(rigid_sphere(2.0, height + s)).centre for s in (h, -h))
-        levels.append((plus - minus) / (2 * h))
-    family = family_of(rigid_sphere(2.0, height))
-    slope, by_height = family.slopes.sel(shape_dof="Heave"), extrapolated(levels)[0]
-    for name in COEFFICIENTS:
-        assert misfit(slope[name], by_height[name]) < 1e-7
-        assert np.abs(slope[name]).max() > 0.05 * np.abs(family.centre[name]).max()
-
-
-def test_the_breathing_mode_of_a_sphere_is_a_change_of_radius(reference):
-    """The centre at the water's surface: no other length."""
-    family = family_of(DeformedShell(reference.basis, 0.0))
-    slope, expected = family._along(1)[0], scaled(family)
-    for name in COEFFICIENTS:
-        assert misfit(slope[name], expected[name] / 2.0) < 1e-7
-
-
-def test_all_amplitudes_together_scale_the_shape(oblate, oblate_family):
-    """Euler's identity: lengths of the shape times derivatives by them, heave and all modes of the strained shell."""
-    lengths = oblate.amplitudes.copy()
-    lengths[0] += oblate.shape.centre_height
-    lengths[1] += oblate.basis.shell.radius
-    assert np.count_nonzero(np.abs(lengths) > 1e-3) == 7
-    eta = xr.DataArray(lengths, dims="shape_dof", coords={"shape_dof": oblate_family.labels})
-    together, expected = (eta * oblate_family.slopes).sum("shape_dof"), scaled(oblate_family)
-    for name in COEFFICIENTS:
-        assert misfit(together[name], expected[name]) < 3e-7
-
-
-@pytest.mark.parametrize("which", ["family", "oblate_family"])
-def test_haskinds_relation_holds_for_derivatives(which, request):
-    family = request.getfixturevalue(which)
-    x, dx = family.centre.excitation_force.values[:, 0], family.slopes.excitation_force.values[:, :, 0]
-    expected = shapedependence.haskind_slope(np.array(OMEGAS), x, dx, 1025.0, 9.81)
-    damping = family.slopes.radiation_damping.values
-    assert np.abs(damping - expected).max() < 1e-6 * np.abs(damping).max()
-
-
-def test_the_slope_of_a_rank_one_matrix():
-    """haskind_slope against a difference of its integral."""
-    rng = np.random.default_rng(3)
-    x, dx = rng.standard_normal((2, 2, 3))
-    omega, h = np.array([1.0, 2.0]), 1e-3
-
-    def damping(x):
-        return omega[:, None, None] ** 3 / (2 * 7.0 * 5.0**3) * x[:, :, None] * x[:, None, :]
-
-    difference = (damping(x + h * dx) - damping(x - h * dx)) / (2 * h)
-    got = shapedependence.haskind_slope(omega, x.astype(complex), dx.astype(complex), 7.0, 5.0)
-    np.testing.assert_allclose(got, difference, rtol=1e-9, atol=1e-12)
-
-
-@pytest.mark.parametrize("name", ["added_mass", "radiation_damping", "added_mass_inf"])
-@pytest.mark.parametrize("which", ["slopes", "curvatures"])
-def test_derivatives_are_symmetric(name, which, oblate_family):
-    matrix = getattr(oblate_family, which)[name]
-    turned = matrix.rename(influenced_dof="radiating_dof", radiating_dof="influenced_dof")
-    assert misfit(turned, matrix) < {"slopes": 1e-6, "curvatures": 2e-5}[which]
-
-
-@pytest.mark.parametrize("label", ["Heave", "Membrane2"])
-def test_the_error_estimate_bounds_the_error_and_is_small(label, family, reference):
-    """Against more points and another step."""
-    fine = family_of(reference.shape, nodes=56, step=0.008)._along(family.labels.index(label))[0]
-    for name in COEFFICIENTS:
-        estimate = float(family.slope_errors[name].sel(shape_dof=label))
-        assert misfit(family.slopes[name].sel(shape_dof=label), fine[name]) < estimate + 1e-9
-        assert 0 < estimate < 1e-6
-
-
-def test_the_estimate_sees_a_step_too_large():
-    family = family_of(DeformedShell(rigid_sphere(2.0, 0.3).basis, 0.3), nodes=24, step=0.2)
-    assert float(family.slope_errors.to_array().max()) > 1e-5
-
-
-@pytest.fixture(scope="module")
-def errors(family):
-    """Errors at sizes from 0.2 m on, each half of the one before: whether one mode at a time -> list of datasets."""
-    return {s: [family.interpolation_error(0.2 / 2**i, single=s, samples=4) for i in range(5)] for s in (False, True)}
-
-
-@pytest.mark.parametrize("name", COEFFICIENTS)
-@pytest.mark.parametrize(("order", "single", "power"), [(1, False, 2), (1, True, 2), (2, True, 3)])
-def test_expansions_have_their_order(order, single, power, name, errors):
-    found = np.array([float(e[name].sel(order=order)) for e in errors[single]])
-    orders = np.log2(found[:-1] / found[1:])
-    assert np.all(np.abs(orders - power) < 0.3), orders
-    assert abs(orders[-1] - power) < 0.08, orders
-
-
-def test_without_mixed_terms_the_second_order_is_second_in_random_directions(errors):
-    found = [float(e.added_mass.sel(order=2)) for e in errors[False]]
-    assert np.log2(found[3] / found[4]) == pytest.approx(2.0, abs=0.2)
+def dataset(counted):
+    return counted[0]
 
 
 def test_the_power_slope_is_that_of_the_response_on_deformed_shapes(small, reference, family):
@@ -223,20 +102,15 @@ def test_power_of_the_undeformed_sphere(small, reference, family):
 def test_everything_has_units_and_the_dimensions_named(dataset):
     assert all(data.attrs["units"] for data in dataset.data_vars.values())
     assert dataset.added_mass_slope.dims == ("shape_dof", "omega", "influenced_dof", "radiating_dof")
-    assert dataset.excitation_force_curvature.dims == ("shape_dof", "omega", "wave_direction", "influenced_dof")
+    assert dataset.excitation_force_curvature.dims == (
+        "shape_dof",
+        "other_shape_dof",
+        "omega",
+        "wave_direction",
+        "influenced_dof",
+    )
     assert dataset.added_mass_inf_slope.dims == ("shape_dof", "influenced_dof", "radiating_dof")
     assert dataset.radiation_damping_slope.attrs["units"] == "kg/(m s)"
-
-
-def test_the_table_of_errors_is_that_of_the_family(dataset, family):
-    size = float(dataset.deformation[2])
-    random, single = (
-        family.interpolation_error(size, single=s, samples=2).to_array().max("variable") for s in (False, True)
-    )
-    at = dataset.interpolation_error.isel(deformation=2)
-    assert float(at.sel(expansion="first")) == pytest.approx(float(random.sel(order=1)), rel=1e-9)
-    assert float(at.sel(expansion="second")) == pytest.approx(float(random.sel(order=2)), rel=1e-9)
-    assert float(at.sel(expansion="single")) == pytest.approx(float(single.sel(order=2)), rel=1e-9)
 
 
 def test_relative_slopes_are_logarithmic_derivatives(dataset, family):
@@ -249,53 +123,244 @@ def test_relative_slopes_are_logarithmic_derivatives(dataset, family):
         np.testing.assert_allclose(got, np.log(heave[0] / heave[1]) / (2 * h), rtol=2e-3, atol=1e-4)
 
 
-def test_the_figure_shows_heave_and_the_largest_mode(dataset):
-    upper, lower = shapedependence.shape_figure(dataset).axes
-    labels = [line.get_label() for line in upper.get_lines()]
+def test_the_table_of_errors_is_that_of_the_family(dataset, family):
+    size = float(dataset.deformation[2])
+    found = family.interpolation_error(size, samples=shapedependence.SAMPLES).to_array().max("variable")
+    at = dataset.interpolation_error.sel(deformation=size)
+    assert float(at.sel(expansion="first")) == pytest.approx(float(found.sel(order=1)), rel=1e-9)
+    assert float(at.sel(expansion="second")) == pytest.approx(float(found.sel(order=2)), rel=1e-9)
+
+
+def test_the_figure_shows_heave_the_largest_mode_and_power(dataset):
+    slopes, errors, powers = shapedependence.shape_figure(dataset).axes
+    labels = [line.get_label() for line in slopes.get_lines()]
     assert shapedependence.largest_mode(dataset) == "Membrane0"
     assert labels == [f"{s} by {m}" for m in ("Heave", "Membrane0") for s in ("added mass", "damping", "excitation")]
-    np.testing.assert_array_equal(lower.get_lines()[0].get_ydata(), dataset.interpolation_error.sel(expansion="first"))
+    np.testing.assert_array_equal(errors.get_lines()[0].get_ydata(), dataset.interpolation_error.sel(expansion="first"))
+    run = dataset.isel(design=1, wave=0)
+    expected = 100 * (run.power_at_shape / run.power_at_reference - 1)
+    drawn = next(line for line in powers.get_lines() if line.get_label() == "VSWEC")
+    np.testing.assert_allclose(drawn.get_ydata(), expected)
+
+
+def test_the_database_of_a_study_covers_its_motion(dataset, motion, family):
+    """Its estimate holds on the very shapes the study passes through."""
+    database, shapes = ShapeDatabase(dataset), motion.shapes("VSWEC", "regular_A0.2_T2.61799")
+    np.testing.assert_array_equal(database.reach, motion.reach)
+    every = np.concatenate([motion.shapes(*run) for run in motion.runs])
+    assert np.abs(every[:, 0]).max() == motion.reach[0] > 0.1
+    assert np.all(np.abs(every) <= motion.reach)
+    some = shapes[:: INSTANTS // 6]
+    estimated = np.array([list(database.error(eta).values()) for eta in some])
+    assert np.all(measured_errors(database, family, some) <= estimated)
+
+
+def test_the_motion_is_the_response(motion, small):
+    """Its amplitude in a regular wave is |RAO| a, but for the spacing of the instants."""
+    wave = small.waves[0]
+    rao = motion.buoy.rao(np.array([wave.omega]), design_motions(small, motion.reference.basis, "VSWEC"))[0]
+    largest = np.abs(motion.shapes("VSWEC", wave.label)).max(axis=0)
+    np.testing.assert_allclose(largest, np.abs(rao) * wave.amplitude, rtol=(np.pi / INSTANTS) ** 2)
+
+
+def test_mean_power_is_that_of_the_buoy(motion, small):
+    waves, motions = motion.runs["VSWEC", small.waves[0].label]
+    c = motion.buoy.coefficients(waves.omega)
+    expected = waves.mean_of(motion.buoy.absorbed_power(waves.omega, motion.buoy.rao(waves.omega, motions)))
+    assert shapedependence.mean_power(motion.buoy, c, waves, motions) == pytest.approx(expected, rel=1e-12)
+    silent = Coefficients(c.added_mass, c.damping, 0 * c.excitation)
+    assert shapedependence.mean_power(motion.buoy, silent, waves, motions) == 0
+
+
+def test_power_along_the_motion_is_that_of_solutions_on_its_shapes(dataset, motion, small, reference, family):
+    """Within what the database's error can do to it; and not the power of the reference shape."""
+    wave = small.waves[0].label
+    waves, motions = motion.runs["VSWEC", wave]
+    run = dataset.sel(design="VSWEC", wave=wave)
+    for i in (0, INSTANTS // 4, INSTANTS // 2, 3 * INSTANTS // 4):
+        solved = with_structure(family.at(motion.shapes("VSWEC", wave)[i]), reference)
+        buoy = dataclasses.replace(motion.buoy, database=solved)
+        expected = shapedependence.mean_power(buoy, buoy.coefficients(waves.omega), waves, motions)
+        assert float(run.power_at_shape[i]) == pytest.approx(expected, rel=3e-3)
+    assert np.ptp(run.power_at_shape.values) > 0.05 * float(run.power_at_reference)
+
+
+def test_the_swing_of_power_is_the_first_order_of_a_small_motion(small, dataset, motion):
+    """A tenth of the wave: the largest relative change is `power_swing` a to first order; the next is ten times less."""
+    wave, database = small.waves[0], ShapeDatabase(dataset)
+    waves, motions = motion.runs["VSWEC", wave.label]
+    passed, errors = motion.shapes("VSWEC", wave.label), []
+    swing = float(dataset.power_swing.sel(design="VSWEC").sel(omega=wave.omega, method="nearest"))
+    power = float(dataset.power_at_reference.sel(design="VSWEC", wave=wave.label))
+    for scale in (0.2, 0.1, 0.05, 0.025):
+        found = [shapedependence.mean_power(motion.buoy, database.at(waves.omega, scale * eta), waves, motions)
+                 for eta in passed]  # fmt: skip
+        expected = scale * wave.amplitude * swing * wave.amplitude**2
+        errors.append(abs((max(found) - min(found)) / 2 - expected) / power)
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert np.all(orders > 1.7), (errors, orders)
+
+
+def test_power_at_rest_is_that_of_the_loaded_shape(dataset, small, reference, family, motion):
+    wave = small.waves[0].label
+    q = equilibrium(loaded_shell(small, reference.basis))
+    buoy = dataclasses.replace(motion.buoy, database=with_structure(family.at(q), reference))
+    waves, motions = motion.runs["VSWEC", wave]
+    expected = shapedependence.mean_power(buoy, buoy.coefficients(waves.omega), waves, motions)
+    assert float(dataset.power_at_rest.sel(design="VSWEC", wave=wave)) == pytest.approx(expected, rel=1e-12)
+    fsb = dataset.sel(design="FSB", wave=wave)  # a rigid buoy floats where it is placed
+    assert float(fsb.power_at_rest) == pytest.approx(float(fsb.power_at_reference), rel=1e-9)
+
+
+def test_about_the_equilibrium_the_shape_at_rest_is_the_reference():
+    study = config.load(HERE.parent / "config" / "pressurised.yaml")
+    assert not StudyMotion(study, reference_shell(study), None).rest("VSWEC").any()
+
+
+def test_a_shell_that_gives_way_has_no_power_at_rest(dataset, small, family, motion, monkeypatch):
+    def collapsed(loaded, motions):
+        raise ConvergenceError("the shell buckles")
+
+    monkeypatch.setattr(shapedependence, "equilibrium", collapsed)
+    powers = shapedependence.study_powers(motion, family, ShapeDatabase(dataset))
+    assert set(powers.data_vars) == {"power_at_reference", "power_at_shape"}
+    assert "no shape at rest found" in answer(powers, "seed")
+    assert len(shapedependence.shape_figure(dataset.drop_vars("power_at_rest")).axes) == 3
+
+
+def with_powers(dataset, passed, rest):
+    """The data set with other powers of one run, in terms of that of the reference shape."""
+    run = dataset.isel(design=[1], wave=[0])
+    phase = np.sin(2 * np.pi * np.arange(INSTANTS) / INSTANTS)
+    power = run.power_at_reference.values[0, 0]
+    return run.assign(
+        power_at_shape=(run.power_at_shape.dims, power * (1 + passed * phase)[None, None]),
+        power_at_rest=(run.power_at_rest.dims, [[power * (1 + rest)]]),
+    )
+
+
+@pytest.mark.parametrize(
+    ("passed", "rest", "verdict"),
+    [
+        (0.009, -0.009, "may be ignored"),
+        (0.05, 0.009, "averages out"),
+        (0.009, 0.011, "matters"),
+        (0.05, -0.05, "matters"),
+    ],
+)
+def test_the_answer_is_one_line(passed, rest, verdict, dataset):
+    ds = with_powers(dataset, passed, rest)
+    line = answer(ds, "seed")
+    assert line.startswith(f"seed: the shape dependence {verdict} (limit 1 % of mean power): VSWEC, regular")
+    assert f"changes by {-100 * passed:+.2g} to {100 * passed:+.2g} % by the shapes of the motion" in line
+    assert f"{100 * rest:+.2g} % by that of the shape at rest" in line
+    (effects,) = power_effects(ds).values()
+    assert effects["average"] == pytest.approx(0.0, abs=1e-12)
+    assert "\n" not in line
+
+
+def test_the_answer_is_by_the_run_it_matters_most_to(dataset):
+    effects = power_effects(dataset)
+    assert len(effects) == 4
+    (design, _), _ = max(effects.items(), key=lambda item: max(map(abs, item[1].values())))
+    assert f"{design}, regular" in answer(dataset, "seed")
+
+
+def test_without_power_there_is_nothing_to_answer(dataset):
+    silent = dataset.assign(
+        power_at_reference=0 * dataset.power_at_reference, power_at_shape=0 * dataset.power_at_shape
+    )
+    assert answer(silent, "seed") == "seed: no power is absorbed, so none depends on the shape"
+    assert len(shapedependence.shape_figure(silent).axes) == 2
+
+
+def test_in_still_water_there_is_nothing_to_answer(small, reference, family, dataset):
+    motion = StudyMotion(varied(small, waves=[{"kind": "still"}]), reference, None)
+    powers = shapedependence.study_powers(motion, family, ShapeDatabase(dataset))
+    assert answer(powers, "seed") == "seed: no power is absorbed, so none depends on the shape"
+    np.testing.assert_array_equal(motion.reach, np.full(4, shapedependence.LEAST_REACH * 2.0))
+
+
+def test_an_irregular_sea_is_looked_at_over_the_run(small, reference, family):
+    wave = {"kind": "jonswap", "gamma": 3.3, "hs": 0.3, "tp": 3.0, "seed": 3}
+    study = varied(small, waves=[wave], simulation={"duration": 20.0, "window": (10.0, 20.0)}, hydro={"omega_max": 6.0})
+    wide = dataclasses.replace(family, omegas=(0.1, *OMEGAS))
+    motion = StudyMotion(study, reference, shapedependence.linear_buoy(study, reference, wide))
+    (label,) = {label for _, label in motion.runs}
+    waves = sea(study.waves[0], 6.0, 20.0)
+    rigid = motion.buoy.rao(waves.omega, design_motions(study, reference.basis, "FSB"))[:, 0]
+    expected = [
+        np.real(np.sum(waves.amplitude * rigid * np.exp(-1j * waves.omega * i * 20.0 / INSTANTS))) for i in (0, 7)
+    ]
+    np.testing.assert_allclose(motion.shapes("FSB", label)[[0, 7], 0], expected, rtol=1e-12)
 
 
 def test_a_rigid_buoy_has_heave_alone(seed):
     rigid = varied(seed, designs={"FSB": {"flexible": False}})
-    ds = shapedependence.shape_dataset(rigid, family_of(reference_shell(rigid).shape), samples=1)
+    family = family_of(reference_shell(rigid).shape, nodes=24)
+    ds = shapedependence.shape_dataset(rigid, family, samples=2)
     assert shapedependence.largest_mode(ds) is None
     assert len(shapedependence.shape_figure(ds).axes[0].get_lines()) == 3
 
 
-def test_files_are_written(small, dataset, tmp_path, monkeypatch):
-    monkeypatch.setattr(shapedependence, "shape_dataset", lambda study: dataset)
-    for name in {str(v) for v in dataset.variables} - set(units.ATTRS):
-        quantity = units.Quantity(dataset[name].dims, dataset[name].attrs.get("units", "1"), name)
-        monkeypatch.setitem(units.ATTRS, name, quantity)
-    shapedependence.shape_dependence(small, str(tmp_path / "a.nc"), str(tmp_path / "a.svg"))
-    back = units.load(tmp_path / "a.nc")
-    np.testing.assert_array_equal(back.excitation_force_slope, dataset.excitation_force_slope)
+@pytest.fixture
+def coarsely(monkeypatch, seed):
+    """The rigid seed whose study's family is coarse; and every shape solved is noted."""
+    solved, solve = [], ShapeFamily.solved
+
+    def noted(self):
+        solved.append(self.identity)
+        return solve(self)
+
+    monkeypatch.setattr(ShapeFamily, "solved", noted)
+    monkeypatch.setattr(shapedependence, "SAMPLES", 1)
+    monkeypatch.setattr(shapedependence, "study_family", lambda study, reference: family_of(reference.shape, nodes=16))
+    return varied(seed, designs={"FSB": {"flexible": False}}), solved
+
+
+def test_a_run_interrupted_goes_on(coarsely, tmp_path, monkeypatch):
+    """No shape is solved twice; a complete file is not solved again; nothing else stays behind."""
+    study, solved = coarsely
+    out = [str(tmp_path / name) for name in ("a.nc", "a.svg")]
+    with monkeypatch.context() as patch:
+        patch.setattr(shapedependence, "power_changes", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
+        with pytest.raises(KeyboardInterrupt):
+            shapedependence.shape_dependence(study, *out)
+    before = len(solved)
+    assert before > 20
+    assert not (tmp_path / "a.nc").exists()
+    line = shapedependence.shape_dependence(study, *out)
+    assert len(set(solved)) == len(solved) == before
+    assert shapedependence.shape_dependence(study, *out) == line
+    assert len(solved) == before
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.nc", "a.svg"]
     assert "size of the deformation" in (tmp_path / "a.svg").read_text()
+    assert ShapeDatabase.load(out[0]).labels == ["Heave"]
+    assert answer(units.load(out[0]), study.study) == line
+    shapedependence.shape_dependence(varied(study, pto={"damping": 5000.0}), *out)
+    assert len(solved) > before  # another study
+
+
+@pytest.mark.parametrize("terminal", [True, False])
+def test_progress_is_for_terminals(terminal, monkeypatch, capsys):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal, raising=False)
+    show = shapedependence.counter(3)
+    for _ in range(3):
+        show()
+    expected = "\rshape 1 of 3\rshape 2 of 3\rshape 3 of 3\n" if terminal else ""
+    assert capsys.readouterr().err == expected
+
+
+def test_the_number_of_shapes_of_a_study(small, family, counted):
+    assert counted[1] == shapedependence.shapes_of_study(small, family, samples=4)
 
 
 def test_frequencies_of_a_study_hold_its_waves(small, reference):
     family = shapedependence.study_family(small, reference, frequencies=6)
-    assert family.omegas == (2.0, small.waves[0].omega, 4.0, 6.0, 8.0, 10.0, 12.0)
+    assert family.omegas == (2.0, pytest.approx(2.4), 4.0, 6.0, 8.0, 10.0, 12.0)
 
 
 def test_finite_depth_is_refused(small, reference):
     shallow = varied(small, water={"depth": 20.0})
     with pytest.raises(ConfigError, match=r"water\.depth: received 20 m"):
         shapedependence.study_family(shallow, reference)
-
-
-@pytest.mark.parametrize(
-    ("call", "match"),
-    [
-        (lambda f: f.at(np.zeros(3)), r"amplitudes: received shape \(3,\); needs \(4,\)"),
-        (lambda f: f.at(np.array([3.0, 0, 0, 0])), "reference_shape: received a shape"),
-        (lambda f: f.expansion(np.zeros(4), 3), "order: received 3; needs 1 or 2"),
-        (lambda f: f.interpolation_error(0.0), "amplitude: received 0 m"),
-        (lambda f: f.interpolation_error(float("nan")), "amplitude: received nan m"),
-    ],
-)
-def test_what_cannot_be_is_refused(call, match, family):
-    with pytest.raises(ConfigError, match=match):
-        call(family)

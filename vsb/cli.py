@@ -119,11 +119,11 @@ def _verdict(checks: "list[Check]", files: str) -> int:
 
 
 def shape_dependence(args: argparse.Namespace) -> int:
-    """Derivatives of the coefficients of a deep-water study by the shape, their use for power, and a figure."""
+    """Shape database of a deep-water study, a figure, and one line: whether its power depends on the shape."""
     from vsb import shapedependence
 
-    shapedependence.shape_dependence(load(args.config), f"{args.out}.nc", f"{args.out}.svg")
-    print(f"{args.out}.nc {args.out}.svg")
+    answer = shapedependence.shape_dependence(load(args.config), f"{args.out}.nc", f"{args.out}.svg")
+    print(f"{args.out}.nc {args.out}.svg\n{answer}")
     return 0
 
 

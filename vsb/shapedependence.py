@@ -1,24 +1,23 @@
-"""How much added mass, damping and excitation depend on the shape: their derivatives by heave and modal amplitudes.
-
-A linear model takes its coefficients on one shape while the shell moves. Here they are solved on shapes around it,
-
-    A(eta) = A + sum_k A_k eta_k + 1/2 sum_k A_kk eta_k^2 + ...,
-
-always for displacements of material points, so a mode is the same motion on every shape; by heave, the draft changes.
-A_k is a central difference at three steps, extrapolated twice; its error comes out of the same run.
+"""What the dependence of the coefficients on the shape means for a study: power, errors, a figure, one line.
 
 When may it be ignored? A deformation eta of a sphere of radius a changes heave's coefficients, in terms of themselves,
 by about max(4/a, 2K) eta, K = omega^2/g: its size counts, and in damping e^{-2Kd} with the draft d (the seed: at
 2.51 rad/s 12 % in damping per 0.1 m of heave, 304 % at 12 rad/s). One percent needs eta < a/400 and K eta < 0.005, five
 percent five times that. Varying with the waves' frequency, first-order changes leave the mean power alone up to
 second order in eta; a lasting deformation does not: the shape at rest must be the one solved on.
+
+For a study's own motion the question is put to its mean power: with the coefficients of each shape its linear motion
+passes through, and with those of the shape the loaded shell takes at rest.
 """
 
 import io
 import itertools
-from collections.abc import Sequence
+import shutil
+import sys
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 import xarray as xr
@@ -26,198 +25,42 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator
 
-from vsb.canvas import grid_of_axes, legend_above
-from vsb.config import RegularWave, Study
-from vsb.database import in_modes, with_excitation, with_structure
-from vsb.errors import ConfigError
+from vsb import __version__
+from vsb.canvas import grid_of_axes, legend_above, style
+from vsb.config import RegularWave, StillWater, Study, content_id
+from vsb.database import with_structure
+from vsb.errors import ConfigError, ConvergenceError, DatabaseError
 from vsb.modes import design_motions
+from vsb.prestress import equilibrium
 from vsb.pto import LinearPto
-from vsb.reference import ReferenceShell, reference_shell
-from vsb.response import LinearBuoy
-from vsb.spectral import SpectralProblem
-from vsb.surface import DeformedShell
-from vsb.units import ComplexArray, FloatArray, save, write_text
+from vsb.reference import ReferenceShell, loaded_shell, reference_shell
+from vsb.response import Coefficients, LinearBuoy
+from vsb.shapedatabase import ShapeDatabase, shape_database
+from vsb.shapefamily import ShapeFamily
+from vsb.units import FloatArray, described, load, save, write_text
+from vsb.waves import Sea, sea
 
-COEFFICIENTS = {
-    "added_mass": ("kg", "kg/m", "kg/m^2"),
-    "radiation_damping": ("kg/s", "kg/(m s)", "kg/(m^2 s)"),
-    "excitation_force": ("N/m", "N/m^2", "N/m^3"),
-    "added_mass_inf": ("kg", "kg/m", "kg/m^2"),
-}
-"""What depends on the shape; units of it and of its first and second derivative."""
 SIZES = (0.00625, 0.0125, 0.025, 0.05, 0.1)
 """Sizes of the deformations on which a study's expansion is put to the test, in radii."""
+LEAST_REACH = 0.01
+"""Amplitudes the shape database holds at least, in radii."""
+NEGLIGIBLE = 0.01
+"""Change of mean power that may be ignored [-]."""
+INSTANTS = 96
+"""Shapes of a motion that are looked at: in a period of regular waves, in a run of others."""
+SAMPLES = 8
+"""Random directions for each of `SIZES`."""
 _CURVES = {
     "added_mass": ("added mass", "#000000"),
     "radiation_damping": ("damping", "#D55E00"),
     "excitation_force": ("excitation", "#0072B2"),
 }
-_EXPANSIONS = {
-    "first": ("first order", "#000000", "o"),
-    "second": ("second order, no mixed terms", "#D55E00", "s"),
-    "single": ("second order, one mode at a time", "#0072B2", "^"),
-}
+_EXPANSIONS = {"first": ("first order", "#000000", "o"), "second": ("second order", "#D55E00", "s")}
 
 
-def extrapolated(levels: Sequence[xr.Dataset]) -> tuple[xr.Dataset, xr.Dataset]:
-    """Return the limit of values at steps h, h/2, h/4, ... whose errors are even in h, and its last correction."""
-    table, power = list(levels), 4.0
-    while len(table) > 1:
-        best = table[-1]
-        table = [fine + (fine - coarse) / (power - 1) for coarse, fine in itertools.pairwise(table)]
-        power *= 4
-    return table[0], table[0] - best
-
-
-def misfit(value: xr.DataArray, exact: xr.DataArray) -> float:
-    """Return the largest difference of any entry at any frequency in terms of the largest entry of all [-]."""
-    return float(np.abs(value - exact).max() / np.abs(exact).max())
-
-
-def haskind_slope(omega: FloatArray, x: ComplexArray, dx: ComplexArray, density: float, gravity: float) -> FloatArray:
-    """Return dB = k (dX X^H + X dX^H)/(4 rho g v_g), shape (..., omega, dof, dof) [kg/(m s)].
-
-    Of excitation `x`, (omega, dof) [N/m], and its derivative `dx`, (..., omega, dof) [N/m^2]; in deep water.
-    """
-    half = dx[..., :, None] * x[:, None, :].conj()
-    scale = omega[:, None, None] ** 3 / (2 * density * gravity**3)
-    return np.asarray((scale * (half + half.swapaxes(-1, -2).conj())).real)
-
-
-@dataclass(frozen=True)
-class ShapeFamily:
-    """Coefficients of one shell in deep water on the shapes around a reference shape."""
-
-    shape: DeformedShell
-    omegas: tuple[float, ...]  # [rad/s]
-    density: float  # of water [kg/m^3]
-    gravity: float  # [m/s^2]
-    nodes: int = 48
-    step: float = 0.01  # largest step of the differences, in radii of the shell [-]
-
-    @property
-    def labels(self) -> list[str]:
-        """Names of heave and modes."""
-        return list(self.shape.basis.labels)
-
-    def at(self, amplitudes: FloatArray) -> xr.Dataset:
-        """Return `COEFFICIENTS` of heave and modes on the shape deformed further, dimensions as of a hydro database.
-
-        `amplitudes`, shape (dof,) [m], count from the reference shape. `ConfigError` if they are not one for each
-        degree of freedom, or if the shape does not cross the water once.
-        """
-        basis, dof = self.shape.basis, len(self.labels)
-        if np.shape(amplitudes) != (dof,):
-            raise ConfigError(f"amplitudes: received shape {np.shape(amplitudes)}; needs ({dof},), heave and all modes")
-        start = self.shape.amplitudes if self.shape.amplitudes.size else np.zeros(dof)
-        shell = replace(self.shape, amplitudes=start + amplitudes)
-        degrees = sorted(set(basis.degrees))
-        fields = (*(f"Radial{n}" for n in degrees), *(f"Meridional{n}" for n in degrees if n))
-        problem = SpectralProblem(shell, fields, self.density, self.gravity, self.nodes)
-        pair = ("influenced_dof", "radiating_dof")
-        raw = problem.solve(list(self.omegas)).assign(added_mass_inf=(pair, problem.at_infinity()))
-        return with_excitation(in_modes(raw, basis))[list(COEFFICIENTS)]
-
-    @cached_property
-    def centre(self) -> xr.Dataset:
-        """Coefficients on the reference shape."""
-        return self.at(np.zeros(len(self.labels)))
-
-    def _along(self, dof: int) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
-        """First and second derivative by one amplitude, and the last correction of the first."""
-        slopes, curvatures = [], []
-        for halved in (1, 2, 4):
-            h = self.step * self.shape.basis.shell.radius / halved
-            plus, minus = (self.at(sign * h * np.eye(len(self.labels))[dof]) for sign in (1, -1))
-            slopes.append((plus - minus) / (2 * h))
-            curvatures.append((plus - 2 * self.centre + minus) / h**2)
-        slope, correction = extrapolated(slopes)
-        return slope, extrapolated(curvatures)[0], correction
-
-    @cached_property
-    def _differences(self) -> tuple[xr.Dataset, ...]:
-        """First and second derivatives by every amplitude, corrections of the first; `shape_dof` leads."""
-        along = zip(*map(self._along, range(len(self.labels))), strict=True)
-        dim = xr.DataArray(self.labels, dims="shape_dof", name="shape_dof")
-        return tuple(xr.concat(each, dim, coords="minimal", compat="override", join="override") for each in along)
-
-    @property
-    def slopes(self) -> xr.Dataset:
-        """First derivatives, (shape_dof, omega, influenced_dof, radiating_dof) and the like [unit per m]."""
-        return self._differences[0]
-
-    @property
-    def curvatures(self) -> xr.Dataset:
-        """Second derivatives, each by one amplitude twice, dimensions as of `slopes` [unit per m^2]."""
-        return self._differences[1]
-
-    def _missed(self, slope: xr.Dataset) -> dict[str, float]:
-        """What the derivative by one amplitude misses of symmetry and of Haskind's relation, relative [-]."""
-        turned = {"influenced_dof": "radiating_dof", "radiating_dof": "influenced_dof"}
-        x, dx = (ds.excitation_force.values[:, 0] for ds in (self.centre, slope))
-        haskind = haskind_slope(np.array(self.omegas), x, dx, self.density, self.gravity)
-        damping = misfit(slope.radiation_damping.copy(data=haskind), slope.radiation_damping)
-        even = {name: misfit(slope[name].rename(turned), slope[name]) for name in ("added_mass", "added_mass_inf")}
-        return {**even, "radiation_damping": damping, "excitation_force": damping}
-
-    @cached_property
-    def slope_errors(self) -> xr.Dataset:
-        """Estimated errors of the derivatives, relative to the largest entry of each over the band, (shape_dof,) [-].
-
-        The last correction of the extrapolation; plus asymmetry, and damping against Haskind's: the discretization's.
-        """
-        slope, _, correction = self._differences
-        missed = [self._missed(slope.sel(shape_dof=label)) for label in self.labels]
-        errors = {
-            name: [misfit(a + c, a) + m[name] for a, c, m in zip(slope[name], correction[name], missed, strict=True)]
-            for name in COEFFICIENTS
-        }
-        return xr.Dataset({n: ("shape_dof", e) for n, e in errors.items()}, {"shape_dof": self.labels})
-
-    @cached_property
-    def derivatives(self) -> xr.Dataset:
-        """Coefficients, `<name>_slope`, `<name>_curvature`, `<name>_slope_error`, with their units."""
-        parts = {"": self.centre, "_slope": self.slopes, "_curvature": self.curvatures}
-        named = {
-            f"{name}{suffix}": ds[name].assign_attrs(units=unit)
-            for name, units in COEFFICIENTS.items()
-            for (suffix, ds), unit in zip(parts.items(), units, strict=True)
-        }
-        errors = {f"{name}_slope_error": e.assign_attrs(units="1") for name, e in self.slope_errors.items()}
-        return xr.Dataset({**named, **errors})
-
-    def expansion(self, amplitudes: FloatArray, order: int) -> xr.Dataset:
-        """Return the coefficients at amplitudes (dof,) [m], to order 1 or with squares, 2; else `ConfigError`."""
-        if order not in (1, 2):
-            raise ConfigError(f"order: received {order}; needs 1 or 2")
-        eta = xr.DataArray(amplitudes, coords={"shape_dof": self.labels}, dims="shape_dof")
-        linear = self.centre + (eta * self.slopes).sum("shape_dof")
-        return linear if order == 1 else linear + (eta**2 / 2 * self.curvatures).sum("shape_dof")
-
-    def interpolation_error(
-        self, amplitude: float, *, single: bool = False, samples: int = 8, seed: int = 0
-    ) -> xr.Dataset:
-        """Return the largest errors of `expansion` against direct solution, as of `misfit`, shape (order,) [-].
-
-        Of `samples` deformations, the same for every `amplitude`, their root-sum-square [m] (`ConfigError` if not
-        positive): along one degree of freedom at a time, of random sign (`single`), or in random directions.
-        In these the second order, which has no mixed derivatives, is still wrong by O(amplitude^2).
-        """
-        if not amplitude > 0:
-            raise ConfigError(f"amplitude: received {amplitude:g} m; needs a positive size of the deformation")
-        errors = np.zeros((len(COEFFICIENTS), 2))
-        for eta in amplitude * self._directions(single, samples, seed):
-            direct, models = self.at(eta), [self.expansion(eta, order) for order in (1, 2)]
-            errors = np.maximum(errors, [[misfit(m[name], direct[name]) for m in models] for name in COEFFICIENTS])
-        return xr.Dataset({n: ("order", e) for n, e in zip(COEFFICIENTS, errors, strict=True)}, {"order": [1, 2]})
-
-    def _directions(self, single: bool, samples: int, seed: int) -> FloatArray:
-        """Unit vectors, shape (sample, dof)."""
-        rng, dof = np.random.default_rng(seed), len(self.labels)
-        if single:
-            return np.asarray(np.eye(dof)[np.arange(samples) % dof] * rng.choice([-1.0, 1.0], (samples, 1)))
-        vectors = rng.standard_normal((samples, dof))
-        return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
+def linear_buoy(study: Study, reference: ReferenceShell, family: ShapeFamily) -> LinearBuoy:
+    """Return the buoy of a study with the coefficients of the family's reference shape."""
+    return LinearBuoy(with_structure(family.centre, reference), reference.basis.damping, LinearPto(study.pto.damping))
 
 
 def power_slope(buoy: LinearBuoy, slopes: xr.Dataset, motions: FloatArray) -> FloatArray:
@@ -243,7 +86,7 @@ def power_changes(study: Study, reference: ReferenceShell, family: ShapeFamily) 
     coefficients of the shape at that instant; `power_undeformed` (design, omega) [W/m^2], with those of the sphere.
     """
     basis, omega = reference.basis, np.array(family.omegas)
-    buoy = LinearBuoy(with_structure(family.centre, reference), basis.damping, LinearPto(study.pto.damping))
+    buoy = linear_buoy(study, reference, family)
     motions = [design_motions(study, basis, design) for design in study.designs]
     raos = np.array([buoy.rao(omega, free) for free in motions])
     slope = np.array([power_slope(buoy, family.slopes, free) for free in motions])
@@ -270,25 +113,153 @@ def study_family(study: Study, reference: ReferenceShell, frequencies: int = 60)
     return ShapeFamily(reference.shape, tuple(sorted(grid | waves)), study.water.density, study.water.gravity)
 
 
-def shape_dataset(study: Study, family: ShapeFamily | None = None, samples: int = 8) -> xr.Dataset:
-    """Return all of it for a study: derivatives, what they mean for power, errors of expansions.
+def mean_power(buoy: LinearBuoy, c: Coefficients, waves: Sea, motions: FloatArray) -> float:
+    """Return the mean absorbed power in a sea [W] of a buoy with other coefficients, those at the sea's frequencies."""
+    w = waves.omega[:, None, None]
+    impedance = -(w**2) * (buoy.mass + c.added_mass) - 1j * w * (c.damping + buoy.damping) + buoy.stiffness
+    load = (c.excitation @ motions)[..., None]
+    rao = np.linalg.solve(motions.T @ impedance @ motions, load)[..., 0] @ motions.T
+    return waves.mean_of(buoy.absorbed_power(waves.omega, rao))
 
-    `interpolation_error`, dimensions (expansion, deformation): of first and second order in random directions (`first`,
-    `second`) and of second order along one amplitude at a time (`single`); `deformation` is its size [m].
+
+def passed_shapes(buoy: LinearBuoy, waves: Sea, motions: FloatArray, duration: float) -> FloatArray:
+    """Return amplitudes of the linear motion at `INSTANTS` of a period or run, shape (instant, dof) [m]."""
+    span = 2 * np.pi / waves.omega[0] if len(waves.omega) == 1 else duration
+    time = np.arange(INSTANTS) / INSTANTS * span
+    phasors = waves.amplitude[:, None] * buoy.rao(waves.omega, motions)
+    return np.asarray((np.exp(-1j * np.outer(time, waves.omega)) @ phasors).real)
+
+
+@dataclass(frozen=True)
+class StudyMotion:
+    """The linear motion of every design of a study in each of its seas."""
+
+    study: Study
+    reference: ReferenceShell
+    buoy: LinearBuoy
+
+    @cached_property
+    def runs(self) -> dict[tuple[str, str], tuple[Sea, FloatArray]]:
+        """Sea and allowed motions by design and wave; still water is none."""
+        seas = {w.label: sea(w, self.study.hydro.omega_max, self.study.simulation.duration) for w in self.study.waves}
+        motions = {design: design_motions(self.study, self.reference.basis, design) for design in self.study.designs}
+        return {(d, label): (s, motions[d]) for d in motions for label, s in seas.items() if s.omega.size}
+
+    def shapes(self, design: str, wave: str) -> FloatArray:
+        """Amplitudes passed through, shape (instant, dof) [m]."""
+        waves, motions = self.runs[design, wave]
+        return passed_shapes(self.buoy, waves, motions, self.study.simulation.duration)
+
+    @cached_property
+    def reach(self) -> FloatArray:
+        """Largest amplitudes in any run, but at least `LEAST_REACH`, shape (dof,) [m]."""
+        least = np.full((1, len(self.reference.basis.labels)), LEAST_REACH * self.study.device.radius)
+        return np.asarray(np.abs(np.concatenate([least, *(self.shapes(*run) for run in self.runs)])).max(axis=0))
+
+    def rest(self, design: str) -> FloatArray:
+        """Shape at rest, amplitudes from the reference shape (dof,) [m]; `ConvergenceError` if the shell gives way."""
+        if self.study.at_equilibrium:
+            return np.zeros(len(self.reference.basis.labels))
+        motions = design_motions(self.study, self.reference.basis, design)
+        return equilibrium(loaded_shell(self.study, self.reference.basis), motions)
+
+
+def study_powers(motion: StudyMotion, family: ShapeFamily, database: ShapeDatabase) -> xr.Dataset:
+    """Return the mean power of every run [W] with the coefficients of other shapes, all else the same.
+
+    `power_at_reference` (design, wave); `power_at_shape` (design, wave, instant) of the shapes its linear motion passes
+    through; `power_at_rest` (design, wave) of the shape at rest, left out where a shell has none in the study's modes.
+    Empty in still water.
+    """
+    if not motion.runs:
+        return xr.Dataset()
+    designs, waves = (list(dict.fromkeys(names)) for names in zip(*motion.runs, strict=True))
+    table = (len(designs), len(waves))
+    reference, passed = zip(*(_run_powers(motion, database, run) for run in motion.runs), strict=True)
+    ds = xr.Dataset(
+        {
+            "power_at_reference": (("design", "wave"), np.reshape(reference, table)),
+            "power_at_shape": (("design", "wave", "instant"), np.reshape(passed, (*table, INSTANTS))),
+        },
+        {"design": designs, "wave": waves},
+    )
+    try:
+        resting = np.reshape([_power_at_rest(motion, family, run) for run in motion.runs], table)
+    except ConvergenceError:
+        return ds
+    return ds.assign(power_at_rest=(("design", "wave"), resting))
+
+
+def _run_powers(motion: StudyMotion, database: ShapeDatabase, run: tuple[str, str]) -> tuple[float, list[float]]:
+    """Mean power [W] with coefficients of the reference shape, and of every shape passed through."""
+    waves, motions = motion.runs[run]
+    shapes = [np.zeros(len(database.labels)), *motion.shapes(*run)]
+    reference, *passed = (mean_power(motion.buoy, database.at(waves.omega, eta), waves, motions) for eta in shapes)
+    return reference, passed
+
+
+def _power_at_rest(motion: StudyMotion, family: ShapeFamily, run: tuple[str, str]) -> float:
+    """Mean power [W] with coefficients solved on the shape at rest."""
+    waves, motions = motion.runs[run]
+    solved = with_structure(family.at(motion.rest(run[0])), motion.reference)
+    return mean_power(motion.buoy, replace(motion.buoy, database=solved).coefficients(waves.omega), waves, motions)
+
+
+def power_effects(ds: xr.Dataset) -> dict[tuple[str, str], dict[str, float]]:
+    """Return relative changes of mean power by (design, wave): `least`, `most`, `average` of the motion, and `rest`."""
+    effects = {}
+    for design, wave in itertools.product(ds.design.values, ds.wave.values) if "wave" in ds else ():
+        run = ds.sel(design=design, wave=wave)
+        if run.power_at_reference > 0:
+            change = run.power_at_shape.values / float(run.power_at_reference) - 1
+            found = {"least": change.min(), "most": change.max(), "average": change.mean()}
+            if "power_at_rest" in run:
+                found["rest"] = float(run.power_at_rest / run.power_at_reference) - 1
+            effects[str(design), str(wave)] = {name: float(value) for name, value in found.items()}
+    return effects
+
+
+def answer(ds: xr.Dataset, name: str) -> str:
+    """Return one line: whether the study `name` may ignore the shape dependence, by the run it matters most to.
+
+    Yes if no shape of the motion, nor that at rest, changes a mean power by more than `NEGLIGIBLE`; on average if their
+    changes over the motion cancel to that, as those of first order do.
+    """
+    effects = power_effects(ds)
+    if not effects:
+        return f"{name}: no power is absorbed, so none depends on the shape"
+    (design, wave), worst = max(effects.items(), key=lambda item: max(map(abs, item[1].values())))
+    lasting = max(abs(e[kind]) for e in effects.values() for kind in ("average", "rest") if kind in e)
+    largest = max(map(abs, worst.values()))
+    verdict = "may be ignored" if largest <= NEGLIGIBLE else "averages out" if lasting <= NEGLIGIBLE else "matters"
+    rest = f"{100 * worst['rest']:+.2g} % by that of the shape at rest" if "rest" in worst else "no shape at rest found"
+    power = float(ds.power_at_reference.sel(design=design, wave=wave))
+    return (
+        f"{name}: the shape dependence {verdict} (limit {100 * NEGLIGIBLE:g} % of mean power): {design}, {wave}: "
+        f"{power:.4g} W changes by {100 * worst['least']:+.2g} to {100 * worst['most']:+.2g} % by the shapes of the "
+        f"motion, {100 * worst['average']:+.2g} % on average, {rest}"
+    )
+
+
+def shape_dataset(study: Study, family: ShapeFamily | None = None, samples: int = 20) -> xr.Dataset:
+    """Return all of it for a study: its shape database, what it means for power, errors of expansions.
+
+    `interpolation_error`, dimensions (expansion, deformation): of the `first` and `second` order in random directions;
+    `deformation` is its size [m]. The database is measured on `samples` random combinations within its reach.
     """
     reference = reference_shell(study)
     family = family or study_family(study, reference)
+    motion = StudyMotion(study, reference, linear_buoy(study, reference, family))
+    database = shape_database(family, motion.reach, samples)
     sizes = study.device.radius * np.array(SIZES)
-    worst = np.array([
-        [family.interpolation_error(size, single=single, samples=samples).to_array().max("variable") for size in sizes]
-        for single in (False, True)
-    ])  # fmt: skip
-    rows = np.stack([worst[0, :, 0], worst[0, :, 1], worst[1, :, 1]])
+    errors = [family.interpolation_error(size, samples=SAMPLES).to_array().max("variable") for size in sizes]
     table = xr.Dataset(
-        {"interpolation_error": (("expansion", "deformation"), rows, {"units": "1"})},
+        {"interpolation_error": (("deformation", "expansion"), np.array(errors), {"units": "1"})},
         {"expansion": list(_EXPANSIONS), "deformation": ("deformation", sizes, {"units": "m"})},
     )
-    return xr.Dataset({**family.derivatives, **power_changes(study, reference, family), **table})
+    powers = study_powers(motion, family, database)
+    changes = power_changes(study, reference, family)
+    return described(database.dataset.merge(changes).merge(table).merge(powers))
 
 
 def relative_slope(ds: xr.Dataset, name: str) -> xr.DataArray:
@@ -317,34 +288,93 @@ def _draw_slopes(ax: Axes, ds: xr.Dataset) -> None:
     ax.set(xlabel="angular frequency [rad/s]", ylabel="relative change [1/m]", xlim=(0, float(ds.omega[-1])))
 
 
-def _draw_errors(ax: Axes, table: xr.DataArray) -> None:
-    """Errors of the expansions against the size of the deformation, and what is of order 2 and 3."""
-    size = table.deformation.values
+def _draw_errors(ax: Axes, ds: xr.Dataset) -> None:
+    """Errors against the size of the deformation: of the expansions, what is of order 2 and 3, of the database."""
+    size, table = ds.deformation.values, ds.interpolation_error
     for kind, (label, colour, marker) in _EXPANSIONS.items():
         ax.loglog(size, table.sel(expansion=kind), color=colour, marker=marker, markersize=4, label=label)
-    for order, kind in ((2, "second"), (3, "single")):
+    for order, kind in ((2, "first"), (3, "second")):
         guide = 0.5 * float(table.sel(expansion=kind)[0]) * (size / size[0]) ** order
         ax.loglog(size, guide, color="#999999", linestyle=":", linewidth=1.0)
         ax.annotate(f"size$^{order}$", (size[1], guide[1]), (4, -10), textcoords="offset points", fontsize=8)
+    tried = np.linalg.norm(ds.tried_shape.values, axis=1)
+    ax.loglog(tried, ds.tried_error.max("coefficient"), ".", color="#0072B2", label="shape database, within its reach")
     ax.set_xticks(size, [f"{x:.3g}" for x in size])
     ax.set_xticks([], minor=True)
     ax.set(xlabel="size of the deformation [m]", ylabel="largest relative error [-]")
     ax.legend(fontsize=8, loc="upper left")
 
 
+def _draw_powers(ax: Axes, ds: xr.Dataset) -> None:
+    """Change of every design's mean power by the shapes of its motion in the first sea, and by the shape at rest."""
+    phase, designs = np.arange(ds.sizes["instant"]) / ds.sizes["instant"], [str(d) for d in ds.design.values]
+    for design in designs:
+        run = ds.isel(wave=0).sel(design=design)
+        look, power = style(design, designs), float(run.power_at_reference)
+        ax.plot(phase, 100 * (run.power_at_shape / power - 1), **look)
+        if "power_at_rest" in run:
+            ax.plot(1.02, 100 * (float(run.power_at_rest) / power - 1), "<", color=look["color"], markersize=5)
+    limits = [-100 * NEGLIGIBLE, 100 * NEGLIGIBLE]
+    ax.axhspan(*limits, color="#999999", alpha=0.3, linewidth=0)
+    ax.set(xlabel=f"instant of the shape, {ds.wave.values[0]} [period or run]; triangles: shape at rest")
+    ax.set(ylabel="change of mean power [%]", xlim=(0.0, 1.04))
+    ax.legend(fontsize=8, loc="best")
+
+
 def shape_figure(ds: xr.Dataset) -> Figure:
-    """Draw relative changes of heave's coefficients per metre of heave and of a mode, and errors of expansions."""
-    figure, axes = grid_of_axes(6.0, 2, 1)
+    """Draw relative changes of heave's coefficients per metre, errors of expansions, and changes of mean power."""
+    powered = bool(power_effects(ds))
+    figure, axes = grid_of_axes(9.0 if powered else 6.0, 2 + powered, 1)
     _draw_slopes(axes[0, 0], ds)
-    _draw_errors(axes[1, 0], ds.interpolation_error)
+    _draw_errors(axes[1, 0], ds)
+    if powered:
+        _draw_powers(axes[2, 0], ds)
     legend_above(figure, axes[0, 0])
     return figure
 
 
-def shape_dependence(study: Study, out_nc: str, out_figure: str) -> None:
-    """Write the shape dependence of a study as netCDF and its figure as SVG."""
-    ds = shape_dataset(study)
+def counter(total: int) -> Callable[[], None]:
+    """Return what to call after each of `total` shapes: it counts them on a terminal, and nowhere else."""
+    done = itertools.count(1)
+
+    def show() -> None:
+        if sys.stderr.isatty():
+            n = next(done)
+            print(f"\rshape {n} of {total}", end="\n" if n == total else "", file=sys.stderr, flush=True)
+
+    return show
+
+
+def _finished(path: str, identity: str) -> xr.Dataset | None:
+    """The result of an earlier run of the same study, if there is one."""
+    try:
+        ds = load(path)
+    except DatabaseError:
+        return None
+    return ds if ds.attrs.get("spec_id") == identity else None
+
+
+def shape_dependence(study: Study, out_nc: str, out_figure: str) -> str:
+    """Write the shape dependence of a study as netCDF and its figure as SVG; return `answer`.
+
+    Shapes solved wait in a folder beside the netCDF file until it is complete: a run interrupted goes on from there.
+    """
+    identity = content_id([study, __version__])
+    ds = _finished(out_nc, identity)
+    if ds is None:
+        store = Path(out_nc).with_suffix(".shapes")
+        family = replace(study_family(study, reference_shell(study)), store=store)
+        ds = shape_dataset(study, replace(family, after_each=counter(shapes_of_study(study, family))))
+        save(ds.assign_attrs(spec_id=identity), out_nc)
+        shutil.rmtree(store)
     text = io.StringIO()
     shape_figure(ds).savefig(text, format="svg", metadata={"Date": None})
-    save(ds, out_nc)
     write_text(out_figure, text.getvalue())
+    return answer(ds, study.study)
+
+
+def shapes_of_study(study: Study, family: ShapeFamily, samples: int = 20) -> int:
+    """Return the number of shapes `shape_dataset` looks at, where every design has a shape at rest."""
+    checks = 2 * len(family.labels) + samples + len(SIZES) * SAMPLES
+    seas = sum(not isinstance(wave, StillWater) for wave in study.waves)
+    return family.shapes_of_derivatives + checks + seas * len(study.designs)

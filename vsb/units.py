@@ -27,6 +27,8 @@ _PAIR = ("influenced_dof", "radiating_dof")
 _EXCITATION = ("omega", "wave_direction", "influenced_dof")
 _MOTION = ("time", "dof")
 _SHAPE = ("mode", "colatitude")
+_SHAPE_PAIR = ("shape_dof", "other_shape_dof")
+_BY_COEFFICIENT = ("coefficient", "shape_dof")
 
 ATTRS: dict[str, Quantity] = {
     # coordinates
@@ -81,13 +83,13 @@ ATTRS: dict[str, Quantity] = {
     "wet_design": Quantity(("wet_mode",), "1", "design of the wet mode"),
     # shape dependence
     "added_mass_slope": Quantity(("shape_dof", "omega", *_PAIR), "kg/m", "derivative of added mass by the shape"),
-    "added_mass_curvature": Quantity(("shape_dof", "omega", *_PAIR), "kg/m^2", "its second derivative"),
+    "added_mass_curvature": Quantity((*_SHAPE_PAIR, "omega", *_PAIR), "kg/m^2", "its second derivative"),
     "radiation_damping_slope": Quantity(("shape_dof", "omega", *_PAIR), "kg/(m s)", "derivative of radiation damping"),
-    "radiation_damping_curvature": Quantity(("shape_dof", "omega", *_PAIR), "kg/(m^2 s)", "its second derivative"),
+    "radiation_damping_curvature": Quantity((*_SHAPE_PAIR, "omega", *_PAIR), "kg/(m^2 s)", "its second derivative"),
     "excitation_force_slope": Quantity(("shape_dof", *_EXCITATION), "N/m^2", "derivative of the excitation force"),
-    "excitation_force_curvature": Quantity(("shape_dof", *_EXCITATION), "N/m^3", "its second derivative"),
+    "excitation_force_curvature": Quantity((*_SHAPE_PAIR, *_EXCITATION), "N/m^3", "its second derivative"),
     "added_mass_inf_slope": Quantity(("shape_dof", *_PAIR), "kg/m", "derivative of added mass at infinite frequency"),
-    "added_mass_inf_curvature": Quantity(("shape_dof", *_PAIR), "kg/m^2", "its second derivative"),
+    "added_mass_inf_curvature": Quantity((*_SHAPE_PAIR, *_PAIR), "kg/m^2", "its second derivative"),
     **{
         f"{name}_slope_error": Quantity(("shape_dof",), "1", "estimated relative error of the derivative")
         for name in ("added_mass", "radiation_damping", "excitation_force", "added_mass_inf")
@@ -97,6 +99,16 @@ ATTRS: dict[str, Quantity] = {
     "power_undeformed": Quantity(("design", "omega"), "W/m^2", "first-order change with coefficients of the sphere"),
     "interpolation_error": Quantity(("expansion", "deformation"), "1", "relative error of the expansion"),
     "deformation": Quantity(("deformation",), "m", "size of the deformations tried"),
+    "shape_reach": Quantity(("shape_dof",), "m", "largest amplitude the shape database holds"),
+    "remainder": Quantity(_BY_COEFFICIENT, "1/m^3", "a sixth of the third derivative, relative"),
+    "remainder_scale": Quantity(("coefficient",), "1", "estimated error in terms of the remainder"),
+    "reference_error": Quantity(("coefficient",), "1", "relative error of the shape database at the reference shape"),
+    "slope_noise": Quantity(_BY_COEFFICIENT, "1/m", "error of the first derivative in terms of the coefficient"),
+    "tried_shape": Quantity(("tried", "shape_dof"), "m", "amplitudes of the shapes errors are measured on"),
+    "tried_error": Quantity(("tried", "coefficient"), "1", "relative error measured there"),
+    "power_at_shape": Quantity(("design", "wave", "instant"), "W", "mean power, coefficients of one instant's shape"),
+    "power_at_rest": Quantity(("design", "wave"), "W", "mean power, coefficients of the shape at rest"),
+    "power_at_reference": Quantity(("design", "wave"), "W", "mean power, coefficients of the reference shape"),
     # trajectories
     "position": Quantity(_MOTION, "m", "heave and modal amplitudes"),
     "velocity": Quantity(_MOTION, "m/s", "rates of heave and modal amplitudes"),
@@ -128,6 +140,9 @@ _LABELS = (
     "complex",
     "wet_design",
     "shape_dof",
+    "other_shape_dof",
+    "coefficient",
+    "wave",
     "expansion",
 )
 
