@@ -335,3 +335,11 @@ def test_a_tight_tolerance_refines_the_grid_that_is_interpolated(seed, tolerance
     assert plan.step == pytest.approx(0.1 / finer)
     grid = [w for block in plan.sweep_blocks for w in block["omega"]]
     assert np.diff(grid) == pytest.approx(np.full(len(grid) - 1, 0.1 / finer))
+
+
+def test_of_several_realisations_one_is_drawn(seed):
+    sea = {"kind": "jonswap", "hs": 1.0, "tp": 4.0, "realisations": 3}
+    study = varied(seed, waves=[{"kind": "still"}, sea, {**sea, "hs": 2.0, "seed": 4}])
+    drawn = {name.partition("-")[2] for name in figure_names(study)} - {""}
+    assert drawn == {"still", "jonswap_Hs1_Tp4_g3.3_s1", "jonswap_Hs2_Tp4_g3.3_s4"}
+    assert len(study.waves) == 7

@@ -178,6 +178,12 @@ class Study(Section):
             raise ValueError(f"published.values {unknown}: no such design; needs some of {', '.join(self.designs)}")
 
     @property
+    def drawn_waves(self) -> tuple[Wave, ...]:
+        """The seas figures are drawn of: of several realisations the first."""
+        first = {wave.family if isinstance(wave, IrregularSea) else wave.label: wave for wave in reversed(self.waves)}
+        return tuple(wave for wave in self.waves if wave in first.values())
+
+    @property
     def needs_bem(self) -> bool:
         """Whether the hydrodynamic model rests on radiation and diffraction coefficients."""
         return self.hydro.model != "assumed_pressure"

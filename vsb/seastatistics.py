@@ -117,10 +117,10 @@ def statistics(
             design: np.concatenate([batch_means(runs[design, w.label], study.simulation.window, length) for w in waves])
             for design in study.designs
         }
-        base = means.get(study.reference_design or "")
+        base = means.get(study.reference_design or "")  # has no gain over itself
         for design, batches in means.items():
             power, predicted = interval(batches), linear_power(response, design, [seas[w.label] for w in waves])
-            gain = gain_percent(batches, base)
+            gain = gain_percent(batches, None if design == study.reference_design else base)
             lines.append(Line(design, name, len(waves), len(batches), *power, predicted, *gain))
     return lines
 

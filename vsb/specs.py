@@ -55,7 +55,7 @@ def figure_names(study: Study) -> list[str]:
     of_bem = ("absorbed_power", "mode_shapes", "added_mass_damping", "radiation_kernel")
     names = of_bem if study.needs_bem else ("mode_shapes",)
     per_wave = (*FIGURES_PER_WAVE, *(FIGURES_OF_THE_SHELL if study.flexible else ()))
-    return [*names, *(f"{name}-{wave.label}" for wave in study.waves for name in per_wave)]
+    return [*names, *(f"{name}-{wave.label}" for wave in study.drawn_waves for name in per_wave)]
 
 
 def options(files: dict[str, str]) -> str:
