@@ -11,6 +11,7 @@ study: $(READY) ## run a study: make study [CONFIG=config/seed.yaml]
 
 benchmark: $(READY) ## error against seconds of every method: integrators on the paper's study, hydrodynamic coefficients
 	@$(BIN)/vsb run config/paper.yaml workprecision hydro_precision
+	@$(BIN)/vsb time-precision config/seed.yaml results/time_precision
 
 barge: $(READY) ## any body by the general route: a flexible barge
 	@$(BIN)/vsb barge config/barge.yaml results/barge

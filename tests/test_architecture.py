@@ -13,8 +13,8 @@ HOME = Path(__file__).parent.parent
 ORDER = (
     "errors", "compiled", "sections", "reading", "config", "resolution", "specs", "units", "shell", "modes", "azimuthal", "surface", "prestress", "reference", "wetforce", "multibody",
     "wetbody", "meshing", "superposition", "waves", "ringsource", "meridian", "wavepart", "finitedepth", "spectral", "rational", "sweep", "waveforce", "kernel", "database", "interchange", "quality", "bodies", "bem", "bodysolver", "bodystudy", "radiation", "pto", "response", "shapefamily", "shapedatabase", "plant",
-    "integrate", "constraint", "phifunctions", "adams", "exponential", "periodic", "regularwave", "harmonic", "audit", "trajectory", "automatic", "scenes", "power", "seastatistics", "compare", "ledger", "canvas", "barge", "shapedependence", "riemann", "workprecision", "hydroprecision", "shapes", "figures", "report",
-    "commands", "hardcases", "publish", "preview", "cli",
+    "integrate", "constraint", "phifunctions", "adams", "exponential", "gauss", "periodic", "regularwave", "harmonic", "audit", "trajectory", "automatic", "scenes", "power", "seastatistics", "compare", "ledger", "canvas", "barge", "shapedependence", "riemann", "workprecision", "hydroprecision", "shapes", "figures", "report",
+    "commands", "hardcases", "generalsolvers", "timecases", "timeprecision", "publish", "preview", "cli",
 )  # fmt: skip
 MODULES = {path.stem: path for path in (HOME / "vsb").glob("*.py") if path.stem != "__init__"}
 TREES = {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in MODULES.items()}

@@ -145,6 +145,15 @@ def hydro_precision(args: argparse.Namespace) -> int:
     return int(any(row["status"].startswith("failed") for row in rows))
 
 
+def time_precision(args: argparse.Namespace) -> int:
+    """Error against seconds of every integrator and radiation model, cost against size: a table and two figures."""
+    from vsb import timeprecision
+
+    timeprecision.benchmark(load(args.config), args.folder)
+    print(*sorted(Path(args.folder).glob("time_*")), sep="\n")
+    return 0
+
+
 def run(args: argparse.Namespace) -> int:
     """Run a whole study through Snakemake, after validating everything that can be known beforehand."""
     from vsb import preview
@@ -259,6 +268,11 @@ def parser() -> argparse.ArgumentParser:
     one.add_argument("config", metavar="CONFIG")
     one.add_argument("out", metavar="OUT.csv")
     one.set_defaults(handler=hard_cases)
+    words = "work and precision in the time domain"
+    one = commands.add_parser("time-precision", help=words, description=time_precision.__doc__)
+    one.add_argument("config", metavar="CONFIG")
+    one.add_argument("folder", metavar="OUT_FOLDER")
+    one.set_defaults(handler=time_precision)
     words = "work and precision of hydrodynamic coefficients"
     one = commands.add_parser("hydro-precision", help=words, description=hydro_precision.__doc__)
     one.add_argument("folder", metavar="OUT_FOLDER")

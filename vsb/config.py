@@ -171,7 +171,10 @@ class Study(Section):
                 f"hydro.solver 'spectral': needs a water.depth of at least {CLEARANCE:g} drafts, "
                 f"{CLEARANCE * self.draft:.4g} m; use 'panels'"
             )
-        suitable = {"linear": ("auto", "exact", "convolution"), "auto": ("auto",)}.get(model, ("auto", "exponential"))
+        linear, body_exact = ("auto", "exact", "convolution"), ("auto", "exponential")
+        suitable = {"linear": (*linear, "structure_preserving"), "auto": ("auto",)}.get(
+            model, (*body_exact, "structure_preserving")
+        )
         if method not in suitable:
             raise ValueError(f"simulation.method {method!r}: hydro.model {model!r} needs one of {', '.join(suitable)}")
         if self.published and (unknown := sorted(set(self.published.values) - set(self.designs))):

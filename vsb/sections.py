@@ -306,7 +306,7 @@ class Simulation(Section):
     initial_position: Finite = 0.0
     initial_velocity: Finite = 0.0
     tolerance: Annotated[Number, Field(ge=1e-12, le=0.1)] = 1e-6
-    method: Literal["auto", "exact", "convolution", "exponential"] = "auto"
+    method: Literal["auto", "exact", "convolution", "exponential", "structure_preserving"] = "auto"
 
     @model_validator(mode="after")
     def _window_inside(self) -> Self:

@@ -7,6 +7,7 @@ from vsb.audit import flow
 from vsb.config import Simulation
 from vsb.errors import ConvergenceError
 from vsb.exponential import integrate
+from vsb.gauss import structure_preserving
 from vsb.integrate import Motion, convolve, propagate
 from vsb.kernel import DampingSpectrum
 from vsb.plant import ConstantForce, Damper, Excitation, Plant, Spring, WaterPressure
@@ -197,6 +198,9 @@ def _motion(
 ) -> tuple[Motion, str]:
     """The motion by the method that suits the scene, and its name."""
     start = plant.start(settings.initial_position, settings.initial_velocity)
+    if settings.method == "structure_preserving":
+        motion, steps = structure_preserving(plant, time, start, settings.tolerance)
+        return motion, f"structure-preserving, {steps} steps"
     if plant.water:
         motion, steps = integrate(plant, time, start, settings.tolerance)
         return motion, f"exponential Adams, {steps} steps"
