@@ -1,11 +1,15 @@
+from pathlib import Path
+
 import pytest
+import yaml
 
 from vsb import cli
 from vsb.cli import main, parser
 
 COMMANDS = (
     "run", "check", "shell", "modes", "mesh", "display-meshes", "green", "bem", "database", "radiation", "response", "simulate",
-    "compare", "figures", "report",
+    "compare", "figures", "report", "spectral", "workprecision", "body", "barge", "time-precision", "hydro-precision", "shape-dependence",
+    "hard-cases", "export", "import-wamit",
 )  # fmt: skip
 
 
@@ -47,3 +51,27 @@ def test_interruption_says_how_to_go_on(monkeypatch, capsys):
     monkeypatch.setattr(cli, "load", interrupted)
     assert main(["check", "any.yaml"]) == 130
     assert "run the same command again" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["body", "missing.yaml", "out"], ["barge", "missing.yaml", "out"], ["time-precision", "missing.yaml", "out"],
+        ["shape-dependence", "missing.yaml", "out"],
+    ],
+)  # fmt: skip
+def test_a_missing_file_of_any_command_is_one_line_and_writes_nothing(command, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(command) == 2
+    err = capsys.readouterr().err
+    assert err.startswith("vsb: error: missing.yaml: cannot be read")
+    assert err.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_rigid_study_has_no_integrators_to_compare(tmp_path, capsys):
+    study = {**yaml.safe_load(Path("config/seed.yaml").read_text()), "designs": {"FSB": {"flexible": False}}}
+    (tmp_path / "rigid.yaml").write_text(yaml.safe_dump(study))
+    assert main(["time-precision", str(tmp_path / "rigid.yaml"), str(tmp_path / "out")]) == 2
+    assert "needs a flexible one" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()

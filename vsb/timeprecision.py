@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter
+from matplotlib.ticker import MaxNLocator, NullFormatter
 
 from vsb.automatic import absorbed, truncated
 from vsb.canvas import grid_of_axes, legend_above
@@ -239,7 +239,7 @@ def _marked(ax: Axes, rows: Sequence[Row], x: str, y: str) -> None:
 def _decades(ax: Axes) -> None:
     """A logarithmic axis of run times or durations from one power of ten to another."""
     ax.set_xscale("log")
-    low, high = np.log10(ax.get_xlim())
+    low, high = np.log10(ax.dataLim.intervalx)
     ax.set_xlim(10 ** np.floor(low), 10 ** np.ceil(high))
     ax.xaxis.set_minor_formatter(NullFormatter())
 
@@ -260,8 +260,8 @@ def error_figure(rows: Sequence[Row]) -> Figure:
         _decades(ax)
         ax.set_title(case, fontsize=9)
     axes[1, 2].set_axis_off()
-    _legend(axes[1, 2], shown)
-    axes[1, 2].legend(loc="center", fontsize=8)
+    _legend(axes[0, 0], shown)
+    legend_above(figure, axes[0, 0])
     figure.supxlabel("run time [s]", fontsize=9)
     figure.supylabel("largest error of heave over its range; of mean power, relative [-]", fontsize=9)
     return figure
@@ -279,6 +279,8 @@ def cost_figure(rows: Sequence[Row]) -> Figure:
             axes[-1, j].set_xlabel(label)
             if table == "duration":
                 _decades(axes[i, j])
+            else:
+                axes[i, j].xaxis.set_major_locator(MaxNLocator(integer=True))
         axes[i, 0].set_ylabel("run time [s]")
     _legend(axes[0, 0], shown)
     legend_above(figure, axes[0, 0])
@@ -329,4 +331,5 @@ def benchmark(study: Study, folder: str | Path) -> list[Row]:
 
 def _say(line: str) -> None:
     """Progress, for the terminal only."""
-    print(line, file=sys.stderr, flush=True)
+    if sys.stderr.isatty():
+        print(line, file=sys.stderr, flush=True)
