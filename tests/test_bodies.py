@@ -246,3 +246,13 @@ def test_diameters_are_diagonals_of_rectangles(box):
     body = made(*box, rigid(box[0])[2:3])
     corner = body.vertices[body.faces]
     assert bodies.panel_diameters(body) == pytest.approx(np.linalg.norm(corner[:, 2] - corner[:, 0], axis=1))
+
+
+def test_round_off_of_a_fit_is_no_rotation(box):
+    """Heave alone, on a box off the axis: no centre of mass is asked for."""
+    vertices, faces = box
+    moved = vertices + np.array([3.7, 1.3, 0.0])
+    body = made(moved, faces, rigid(moved)[2:3], centre_of_mass=None)
+    assert np.all(body.rigid[0][1] == 0.0)
+    with pytest.raises(ConfigError, match="centre_of_mass is missing"):
+        made(moved, faces, rigid(moved)[4:5], centre_of_mass=None)

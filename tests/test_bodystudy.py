@@ -227,3 +227,13 @@ def test_the_table_of_the_green_function_is_made_whole_or_not_at_all(tmp_path, m
     assert made_at == [tmp_path / ".green.partial", tmp_path / "green"]
     bodystudy.green_table(tmp_path / "green")
     assert made_at[2:] == [tmp_path / "green"]
+
+
+@pytest.mark.parametrize("corner", [-1, 1_000_000])
+def test_a_panel_with_a_corner_that_does_not_exist_is_named(tmp_path, corner):
+    faces = np.array([[0, 1, 2, 3], [0, 1, corner, 3]])
+    xr.Dataset({"vertices": (("vertex", "xyz"), np.eye(4, 3)), "faces": (("panel", "corner"), faces)}).to_netcdf(
+        tmp_path / "mesh.nc"
+    )
+    with pytest.raises(ConfigError, match=rf"panel 1 has corners \[0, 1, {corner}, 3\]; needs numbers from 0 to 3"):
+        bodystudy.read_mesh(tmp_path / "mesh.nc")

@@ -181,3 +181,25 @@ def test_pierson_moskowitz_is_jonswap_without_peak(coarse):
         ],
     ).waves
     assert sea(first, 12.0, 100.0).amplitude == pytest.approx(sea(second, 12.0, 100.0).amplitude, rel=1e-12)
+
+
+def test_narrow_bands_have_long_batches(coarse):
+    """The envelope of a band forgets in 2 pi over its width, however short its waves."""
+    wide, narrow = (
+        varied(coarse, waves=[{"kind": "white_noise", "hs": 1.0, "band": band}]).waves[0]
+        for band in ([1.0, 3.0], [1.99, 2.02])
+    )
+    assert wide.memory == pytest.approx(10 * np.pi)
+    assert narrow.memory == pytest.approx(4 * np.pi / 0.03)
+
+
+@pytest.mark.parametrize("tp", [4.0, 8.0, 20.0])
+def test_a_short_record_has_the_energy_of_the_sea(coarse, tp):
+    """Two periods long: the spectrum is averaged over each band, not sampled in its middle."""
+    study = varied(
+        coarse,
+        waves=[{"kind": "pierson_moskowitz", "hs": 1.0, "tp": tp}],
+        simulation={"duration": 2 * tp, "window": [0.0, tp]},
+    )
+    waves = sea(study.waves[0], 40.0, study.simulation.duration)
+    assert 8 * np.sum(np.abs(waves.amplitude) ** 2) == pytest.approx(1.0, rel=0.005)

@@ -343,3 +343,17 @@ def test_of_several_realisations_one_is_drawn(seed):
     drawn = {name.partition("-")[2] for name in figure_names(study)} - {""}
     assert drawn == {"still", "jonswap_Hs1_Tp4_g3.3_s1", "jonswap_Hs2_Tp4_g3.3_s4"}
     assert len(study.waves) == 7
+
+
+@pytest.mark.parametrize(
+    "wave", [{"kind": "white_noise", "hs": 0.5, "band": [0.01, 1.0]}, {"kind": "jonswap", "hs": 0.5, "tp": 28.0}]
+)
+def test_a_sea_below_the_lowest_frequency_solved_is_refused(seed, wave):
+    with pytest.raises(ConfigError, match=r"waves.0: received .*from 0.0.* rad/s on; needs at least 0.1 rad/s"):
+        StudyPlan(varied(seed, waves=[wave])).check_waves()
+
+
+def test_the_tolerance_of_the_automatic_model_reaches_the_run(seed):
+    plans = [StudyPlan(varied(seed, hydro={"model": "auto", "power_tolerance": t})) for t in (0.1, 0.01)]
+    specs = [plan.simulation("VSWEC", seed.waves[0]) for plan in plans]
+    assert [spec["hydro"]["power_tolerance"] for spec in specs] == [0.1, 0.01]

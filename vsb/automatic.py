@@ -29,6 +29,8 @@ from vsb.waves import Sea
 
 RIGID = -1
 """Degree of a description without shell modes."""
+INFINITE = -1
+"""Memory of as many states as the coefficients themselves have."""
 RECORD = (10.0, 40.0)
 """Where a record is compared with itself, in periods of its largest component."""
 PRECISION = 1e-7
@@ -67,13 +69,15 @@ class Choice:
     description: Description
     left_out: tuple[LeftOut, ...]
     plant: Plant
+    unmeasured: str = ""  # why body-exact powers could not be had
 
     @property
     def notes(self) -> dict[str, str | float]:
         """What a run records of the choice."""
         model = "body_exact" if self.description.body_exact else "linear"
         left_out = json.dumps([item._asdict() for item in self.left_out])
-        return {"model": model, "description": self.description.text, "left_out": left_out, "power_error": self.error}
+        found: dict[str, str | float] = {"model": model, "description": self.description.text, "left_out": left_out}
+        return found | {"power_error": self.error} | ({"unmeasured": self.unmeasured} if self.unmeasured else {})
 
     @property
     def error(self) -> float:
@@ -183,15 +187,20 @@ class Scenes:
             return relative(self._recorded_power(self.plant(d)), self.power(exact))
         return relative(self.power(d), self.power(exact))
 
-    def power_of_coefficients(self, degree: int) -> float:
-        """Return the linear power with the coefficients themselves in place of a radiation memory [W].
+    def power_of_coefficients(self, degree: int, body_exact: bool) -> float:
+        """Return the power with the coefficients themselves in place of a radiation memory [W].
 
-        In still water, where nothing is stationary, with all of the memory's states.
+        Where that needs a memory, body-exact without a period and in still water, with all of its states.
         """
-        omega = self.sea.omega
-        if not omega.size:
-            return self.power(Description(degree, self.radiation.order, False))
-        return self.sea.mean_of(self.buoy.absorbed_power(omega, self.buoy.rao(omega, self.ladder[degree])))
+        omega, whole = self.sea.omega, Description(degree, self.radiation.order, body_exact)
+        if not omega.size or (body_exact and omega.size > 1):
+            return self.power(whole)
+        if not body_exact:
+            return self.sea.mean_of(self.buoy.absorbed_power(omega, self.buoy.rao(omega, self.ladder[degree])))
+        ideal = whole._replace(memory=INFINITE)
+        if ideal not in self._powers:
+            self._powers[ideal] = steady_power(self.plant(whole), PRECISION, self.buoy.spectrum.transfer)
+        return self._powers[ideal]
 
 
 def linear_power(plant: Plant) -> float:
@@ -229,13 +238,19 @@ def chosen(scenes: Scenes, tolerance: float) -> Choice:
     Notes
     -----
     Each error is measured, not extrapolated: modes against all modes, memory against the coefficients, linear against
-    body-exact. If a body-exact power cannot be had, nothing is left out.
+    body-exact, with the modes kept and with all: forces may act through modes left out. If a body-exact power cannot be
+    had, no mode and no force is left out, and the choice says why.
     """
     share = tolerance / (3 * INTERPLAY)
     try:
         return _chosen(scenes, share)
-    except (ConvergenceError, StabilityError):
-        return Choice(scenes.full, (), scenes.plant(scenes.full))
+    except (ConvergenceError, StabilityError) as error:
+        full = scenes.full
+        memory = relative(
+            scenes.power(full._replace(body_exact=False)), scenes.power_of_coefficients(full.degree, False)
+        )
+        left_out = (LeftOut(f"memory_beyond_{full.memory}_states", memory),)
+        return Choice(full, left_out, scenes.plant(full), str(error))
 
 
 def _chosen(scenes: Scenes, share: float) -> Choice:
@@ -246,23 +261,26 @@ def _chosen(scenes: Scenes, share: float) -> Choice:
         exact = full._replace(body_exact=body_exact)
         return relative(scenes.power(exact._replace(degree=degree)), scenes.power(exact))
 
-    def memory_lost(order: int) -> float:
-        return relative(scenes.power(Description(degree, order, False)), scenes.power_of_coefficients(degree))
+    def memory_lost(order: int, body_exact: bool) -> float:
+        exact = scenes.power_of_coefficients(degree, body_exact)
+        return relative(scenes.power(Description(degree, order, body_exact)), exact)
+
+    def fewest_states(least: int, body_exact: bool) -> int:
+        orders = range(least, full.memory, 2)
+        return next((m for m in orders if memory_lost(m, body_exact) <= share), full.memory)
 
     rungs = sorted(scenes.ladder)
     degree = next(d for d in rungs if modes_lost(d, False) <= share or d == full.degree)
-    orders = range(2, full.memory + 1, 2)
-    order = next((m for m in orders if memory_lost(m) <= share), full.memory)
-    linear = Description(degree, order, False)
-    nonlinear = scenes.nonlinear_part(linear)
+    order = fewest_states(2, False)
+    nonlinear = max(scenes.nonlinear_part(Description(d, order, False)) for d in {degree, full.degree})
     body_exact = nonlinear > share
     if body_exact:
         degree = next(d for d in rungs if d >= degree and (modes_lost(d, True) <= share or d == full.degree))
-    left_out = [LeftOut(f"memory_beyond_{order}_states", memory_lost(order))]
+        order = fewest_states(order, True)
+    left_out = [LeftOut(f"memory_beyond_{order}_states", memory_lost(order, body_exact))]
     if degree < full.degree:
-        left_out.append(
-            LeftOut("modes_above_degree" if degree > RIGID else "shell_modes", modes_lost(degree, body_exact))
-        )
+        what = "modes_above_degree" if degree > RIGID else "shell_modes"
+        left_out.append(LeftOut(what, modes_lost(degree, body_exact)))
     if not body_exact:
         left_out.append(LeftOut("body_exact_forces", nonlinear))
     description = Description(degree, order, body_exact)

@@ -99,6 +99,8 @@ class FlexibleBody:
         found = {}
         for i, shape in enumerate(self.shapes.reshape(len(self.labels), -1)):
             motion = np.asarray(np.linalg.lstsq(basis, shape, rcond=None)[0])
+            moved = np.abs(basis * motion).max(axis=0)
+            motion = np.where(moved > _RIGID * moved.max(), motion, 0.0)  # round-off is no rotation
             if np.abs(basis @ motion - shape).max() < _RIGID * np.abs(shape).max():
                 found[i] = (motion[:3], motion[3:])
         return found

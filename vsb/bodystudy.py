@@ -86,6 +86,15 @@ def read_mesh(path: str | Path) -> tuple[FloatArray, IntArray]:
     Quadrilaterals and triangles of any format meshio reads, in the order of the file; WAMIT, NEMOH, Hydrostar and HAMS
     panels; or netCDF with `vertices` (vertex, xyz) and `faces` (panel, corner).
     """
+    vertices, faces = _panels(path)
+    if (wrong := np.flatnonzero(((faces < 0) | (faces >= len(vertices))).any(axis=-1))).size:
+        corners, last = faces[wrong[0]].tolist(), len(vertices) - 1
+        raise ConfigError(f"{path}: panel {wrong[0]} has corners {corners}; needs numbers from 0 to {last}")
+    return vertices, faces
+
+
+def _panels(path: str | Path) -> tuple[FloatArray, IntArray]:
+    """Vertices and panels as the file has them."""
     if not Path(path).is_file():
         raise ConfigError(f"{path}: mesh not found; needs the path of a mesh file, from the folder of the body file")
     try:

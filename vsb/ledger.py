@@ -277,7 +277,11 @@ def simplification_checks(study: Study, wave: Wave, runs: Runs) -> list[Check]:
         text = (
             f"estimated error of mean power; described as {attrs['description']}; left out: {', '.join(parts) or '-'}"
         )
-        checks.append(check_at_most("left_out", errors[design], limit, "-", text, design=design, wave=wave.label))
+        if "unmeasured" in attrs:
+            text = f"errors of simplifications could not be measured ({attrs['unmeasured']}); {text}"
+            checks.append(Check("left_out", errors[design], limit, "-", "doubt", text, design, wave.label))
+        else:
+            checks.append(check_at_most("left_out", errors[design], limit, "-", text, design=design, wave=wave.label))
     text = "estimated error of the ratio of mean powers to the rigid design's, from what both leave out"
     if base := errors.pop(study.reference_design or "", None):
         for design, error in errors.items():

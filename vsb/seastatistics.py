@@ -20,8 +20,6 @@ from vsb.database import Check, check_at_most
 from vsb.units import FloatArray
 from vsb.waves import Sea
 
-BATCH_PERIODS = 10
-"""Peak periods in a batch: the envelope of a JONSWAP sea and of the buoy's ringing forgets itself in half of it."""
 FEWEST_BATCHES = 6
 CONFIDENCE = 0.95
 
@@ -112,7 +110,7 @@ def statistics(
     """
     lines = []
     for name, waves in families(study).items():
-        length = BATCH_PERIODS * 2 * np.pi / waves[0].omega
+        length = waves[0].memory
         means = {
             design: np.concatenate([batch_means(runs[design, w.label], study.simulation.window, length) for w in waves])
             for design in study.designs
@@ -146,7 +144,7 @@ def statistical_checks(study: Study, lines: Sequence[Line]) -> list[Check]:
     for line in lines:
         where = {"design": line.design, "wave": line.sea}
         if line.power_low is None or line.power_high is None:
-            text = f"{line.batches} batches of {BATCH_PERIODS} peak periods give no confidence interval: lengthen "
+            text = f"{line.batches} batches, of ten peak periods each, give no confidence interval: lengthen "
             text += "simulation.duration and window, or ask for more realisations"
             checks.append(
                 check_at_most("record_length", FEWEST_BATCHES / line.batches, 1.0, "-", text, doubt=True, **where)

@@ -22,6 +22,8 @@ Count = Annotated[int, BeforeValidator(number)]
 Positive = Annotated[Number, Field(gt=0, allow_inf_nan=False)]
 NonNegative = Annotated[Number, Field(ge=0, allow_inf_nan=False)]
 Finite = Annotated[Number, Field(allow_inf_nan=False)]
+DEEPEST = 2e4
+"""No sea is deeper [m]."""
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
 
 
@@ -108,6 +110,13 @@ class Water(Section):
     density: Positive = 1025.0
     depth: Annotated[Number, Field(gt=0)] = math.inf
     gravity: Positive = 9.81
+
+    @field_validator("depth")
+    @classmethod
+    def _on_earth(cls, value: float) -> float:
+        if DEEPEST < value < math.inf:
+            raise ValueError(f"needs at most {DEEPEST:g} m, or .inf for deep water")
+        return value
 
 
 class Hydro(Section):
@@ -214,6 +223,21 @@ class IrregularSea(Section):
         """Name of the sea without its seed."""
 
     @property
+    @abstractmethod
+    def omega(self) -> float:
+        """Frequency of the peak or of the middle of the band [rad/s]."""
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """Frequencies the sea must find solved [rad/s]: below 0.4 times the peak there is less than 1e-10 of it."""
+        return 0.4 * self.omega, self.omega
+
+    @property
+    def memory(self) -> float:
+        """Time after which the waves have forgotten what they were [s]: ten peak periods."""
+        return 20 * math.pi / self.omega
+
+    @property
     def label(self) -> str:
         """Name of the sea in tables and file names."""
         return f"{self.family}_s{self.seed}"
@@ -273,9 +297,19 @@ class WhiteNoise(IrregularSea):
     @field_validator("band")
     @classmethod
     def _ascending(cls, value: tuple[float, float]) -> tuple[float, float]:
-        if not value[0] < value[1]:
-            raise ValueError("needs the lowest frequency first, then a higher one, in rad/s")
+        if not 1.01 * value[0] <= value[1]:
+            raise ValueError("needs the lowest frequency first, then one at least 1 % higher, in rad/s")
         return value
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """Frequencies the sea must find solved [rad/s]: its band."""
+        return self.band
+
+    @property
+    def memory(self) -> float:
+        """Time after which the waves have forgotten what they were [s]: ten periods, or twice 2 pi over the band."""
+        return max(20 * math.pi / self.omega, 4 * math.pi / (self.band[1] - self.band[0]))
 
     @property
     def family(self) -> str:

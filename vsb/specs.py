@@ -9,7 +9,7 @@ from functools import cached_property
 from importlib.metadata import version
 from typing import Any
 
-from vsb.config import RegularWave, Study, Wave, content_id, parse
+from vsb.config import IrregularSea, RegularWave, Study, Wave, content_id, parse
 from vsb.errors import ConfigError
 from vsb.resolution import frequency_step, mode_rows, tolerance_rows, wave_rows
 
@@ -186,7 +186,7 @@ class StudyPlan:
         return max(self.step, math.sqrt(kd * math.tanh(kd) * self.study.water.gravity / depth))
 
     def check_waves(self) -> None:
-        """Check that no regular wave is longer than the lowest frequency solved, nor the band too wide for the solver.
+        """Check that no wave is longer than the lowest frequency solved, nor the band too wide for the solver.
 
         Raises
         ------
@@ -203,6 +203,11 @@ class StudyPlan:
                 longest = 2 * math.pi / self.first_omega
                 raise ConfigError(
                     f"waves.{i}.period: received {wave.period:g} s, needs at most {longest:.4g} s, the longest solved"
+                )
+            if isinstance(wave, IrregularSea) and wave.reach[0] < self.first_omega:
+                raise ConfigError(
+                    f"waves.{i}: received {wave.label}, from {wave.reach[0]:.4g} rad/s on; needs at least "
+                    f"{self.first_omega:.4g} rad/s, the lowest solved"
                 )
 
     def _grid(self, first: int, last: int) -> list[float]:
@@ -301,7 +306,7 @@ class StudyPlan:
     def simulation(self, design: str, wave: Wave) -> Spec:
         """Spec of one time-domain run."""
         sections = self.stage("simulate", "device", "modes", "reference_shape", "water", "pto", "simulation")
-        hydro = {key: getattr(self.study.hydro, key) for key in ("model", "pressure", "omega_max")}
+        hydro = {key: getattr(self.study.hydro, key) for key in ("model", "pressure", "power_tolerance", "omega_max")}
         chosen = {"designs": {design: self.study.designs[design].model_dump()}, "waves": [wave.model_dump()]}
         return {**sections, **chosen, "hydro": hydro}
 

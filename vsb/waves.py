@@ -104,7 +104,9 @@ def irregular(wave: Irregular, omega_max: float, duration: float) -> Sea:
     count = int(np.ceil((high - low) * 1.1 * duration / (2 * np.pi)))
     width = (high - low) / count
     omega = low + (np.arange(count) + 0.5) * width
-    amplitude = np.sqrt(2 * spectrum(wave, omega) * width)
+    inside = int(np.ceil(width / (0.02 * wave.omega)))  # the spectrum may peak within a band of a short record
+    fine = low + (np.arange(count * inside) + 0.5) * width / inside
+    amplitude = np.sqrt(2 * spectrum(wave, fine).reshape(count, inside).mean(axis=1) * width)
     phase = np.random.default_rng(wave.seed).uniform(0.0, 2 * np.pi, count)
     kept = amplitude > 1e-12 * amplitude.max()
     return Sea(omega[kept], (amplitude * np.exp(1j * phase))[kept])
