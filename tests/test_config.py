@@ -62,7 +62,6 @@ BAD = [
     (("waves",), [{"kind": "regular", "amplitude": 0.1, "period": 2, "phase": 1}], r"waves.0.regular.phase: received 1; unknown key"),
     (("waves",), [{"kind": "white_noise", "hs": 1, "band": [2.0, 2.001]}], r"waves.0.white_noise.band: .*one at least 1 % higher"),
     (("waves",), [{"kind": "white_noise", "hs": 1, "band": [2.0, 20.0]}], r"waves.0.band .*needs at most hydro.omega_max = 12"),
-    (("waves",), [{"kind": "jonswap", "hs": 1, "tp": 100}], r"simulation.duration 60 s: .*needs at least two periods, 200 s"),
     (("water", "depth"), 1e5, r"water.depth: .*needs at most 20000 m, or .inf for deep water"),
     (("hydro",), {"power_tolerance": 0.1}, r"power_tolerance 0.1: only model auto has one"),
     (("hydro",), {"model": "auto", "power_tolerance": 0.9}, r"hydro.power_tolerance: received 0.9"),

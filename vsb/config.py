@@ -129,11 +129,6 @@ class Study(Section):
             if isinstance(wave, WhiteNoise) and wave.band[1] > self.hydro.omega_max:
                 highest = self.hydro.omega_max
                 raise ValueError(f"waves.{i}.band {list(wave.band)} rad/s: needs at most hydro.omega_max = {highest:g}")
-            if isinstance(wave, IrregularSea) and self.simulation.duration < 4 * math.pi / wave.omega:
-                raise ValueError(
-                    f"simulation.duration {self.simulation.duration:g} s: waves.{i} {wave.label} needs at least two "
-                    f"periods, {4 * math.pi / wave.omega:.4g} s"
-                )
             if self.needs_bem and not isinstance(wave, StillWater) and wave.omega > self.hydro.omega_max:
                 shortest = 2 * math.pi / self.hydro.omega_max
                 raise ValueError(

@@ -239,7 +239,7 @@ def _marked(ax: Axes, rows: Sequence[Row], x: str, y: str) -> None:
 def _decades(ax: Axes) -> None:
     """A logarithmic axis of run times or durations from one power of ten to another."""
     ax.set_xscale("log")
-    low, high = np.log10(ax.dataLim.intervalx)
+    low, high = np.log10(ax.get_xlim())
     ax.set_xlim(10 ** np.floor(low), 10 ** np.ceil(high))
     ax.xaxis.set_minor_formatter(NullFormatter())
 
