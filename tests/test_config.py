@@ -171,6 +171,13 @@ def test_data_that_are_no_mapping_name_what_was_received(raw):
         config.parse(raw, source="here")
 
 
+def test_a_misspelt_key_is_named_before_the_key_it_left_out(seed):
+    data = seed.model_dump()
+    data["device"]["youngs_modulus"] = data["device"].pop("young_modulus")
+    with pytest.raises(ConfigError, match=r"device.youngs_modulus: received 10000000.0; unknown key; .*\(and 1 more\)"):
+        config.parse(data)
+
+
 def test_line_break_in_a_key_stays_in_one_line():
     with pytest.raises(ConfigError) as error:
         config.parse(changed(("designs",), {"A\n": {}}))

@@ -17,6 +17,7 @@ from vsb.compiled import njit
 from vsb.gauss import GaussIntegrator, Water, added
 from vsb.plant import Damper, Plant, Spring
 from vsb.units import ComplexArray, FloatArray
+from vsb.workprecision import Counted
 
 try:
     from sksundae.cvode import CVODE
@@ -95,26 +96,6 @@ class Solution(NamedTuple):
     steps: int | None
     evaluations: int | None
     status: str = "completed"
-
-
-@dataclass
-class Counted:
-    """A right-hand side that counts its calls and gives up at a deadline."""
-
-    rates: Rates
-    deadline: float
-    calls: int = 0
-
-    def __call__(self, t: float, z: FloatArray) -> FloatArray:
-        """Return the rates."""
-        self.calls += 1
-        if clock.perf_counter() > self.deadline:
-            raise TimeoutError(f"stopped after its limit at t = {t:.4g} s")
-        return self.rates(t, z)
-
-    def fill(self, t: float, z: FloatArray, out: FloatArray) -> None:
-        """Fill the rates, as CVODE wants them."""
-        out[:] = self(t, z)
 
 
 def solved(equation: Equation, method: str, tolerance: float, time: FloatArray, limit: float) -> Solution:

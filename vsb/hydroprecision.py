@@ -6,7 +6,6 @@ one thread. Errors are true ones, against the spectral solver at `REFERENCE_NODE
 it shares nothing with panels, and the multipole series of the tests agrees with it to that series' own error, 3e-6.
 """
 
-import csv
 import io
 import multiprocessing
 import os
@@ -34,6 +33,7 @@ from vsb.riemann import Row
 from vsb.spectral import SpectralProblem
 from vsb.surface import rigid_sphere
 from vsb.units import FloatArray, write_text
+from vsb.workprecision import as_csv
 
 COLUMNS = (
     "method", "setting", "unknowns", "error", "error_added_mass", "error_damping", "error_excitation", "seconds",
@@ -321,16 +321,6 @@ def ratios(rows: Sequence[Row], baselines: Sequence[str] = (PLAIN, ROTATION)) ->
 # output -------------------------------------------------------------------------------------------------------------
 
 
-def as_csv(rows: Sequence[Row], columns: Sequence[str]) -> str:
-    """Return a table as CSV; an empty cell is a quantity that does not exist, such as the error of a failed run."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, columns, restval="", lineterminator="\n")
-    writer.writeheader()
-    for row in rows:
-        writer.writerow({key: f"{v:.6g}" if isinstance(v, float) else v for key, v in row.items()})
-    return text.getvalue()
-
-
 def precision_figure(rows: Sequence[Row]) -> Figure:
     """Draw the largest error against seconds per frequency, and against memory; a failed run has no mark."""
     figure, axes = grid_of_axes(3.0, 1, 2, sharey=True)
@@ -371,4 +361,5 @@ def benchmark(folder: str | Path) -> list[Row]:
 
 def _say(row: Row) -> None:
     """Progress, for the terminal only."""
-    print(", ".join(f"{v:.3g}" if isinstance(v, float) else str(v) for v in row.values()), file=sys.stderr, flush=True)
+    if sys.stderr.isatty():
+        print(", ".join(f"{v:.3g}" if isinstance(v, float) else str(v) for v in row.values()), file=sys.stderr)

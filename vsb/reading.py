@@ -69,8 +69,8 @@ def validated(model: type[Model], raw: object, source: str) -> Model:
 
 
 def _one_line(error: ValidationError) -> str:
-    """Say the first error of a validation in one line, and how many more there are."""
-    first, *more = error.errors()
+    """Say the first error of a validation in one line, and how many more: a misspelt key before the one it left out."""
+    first, *more = sorted(error.errors(), key=lambda one: one["type"] != "extra_forbidden")
     key = ".".join(str(part) for part in first["loc"]) or error.title.lower()
     received = "" if isinstance(first["input"], dict | BaseModel) else f" received {first['input']!r};"
     what = first["msg"].removeprefix("Value error, ")

@@ -144,7 +144,7 @@ def statistical_checks(study: Study, lines: Sequence[Line]) -> list[Check]:
     for line in lines:
         where = {"design": line.design, "wave": line.sea}
         if line.power_low is None or line.power_high is None:
-            text = f"{line.batches} batches, of ten peak periods each, give no confidence interval: lengthen "
+            text = f"{line.batches} batches, of ten peak periods or more, give no confidence interval: lengthen "
             text += "simulation.duration and window, or ask for more realisations"
             checks.append(
                 check_at_most("record_length", FEWEST_BATCHES / line.batches, 1.0, "-", text, doubt=True, **where)

@@ -204,7 +204,7 @@ class Case:
 
 
 @dataclass
-class _Counted:
+class Counted:
     """A right-hand side that counts its calls and gives up at a deadline."""
 
     function: Function
@@ -212,10 +212,15 @@ class _Counted:
     calls: int = 0
 
     def __call__(self, t: float, state: FloatArray) -> FloatArray:
+        """Return the rates; `TimeoutError` after the deadline."""
         self.calls += 1
         if clock.perf_counter() > self.deadline:
             raise TimeoutError(f"stopped after its limit at t = {t:.4g} s")
         return self.function(t, state)
+
+    def fill(self, t: float, state: FloatArray, out: FloatArray) -> None:
+        """Fill the rates, as CVODE wants them."""
+        out[:] = self(t, state)
 
 
 def solve(
@@ -226,7 +231,7 @@ def solve(
     Its tolerance is relative, and absolute in m and m/s. Failures are results: the status says what happened.
     """
     begun = clock.perf_counter()
-    counted, time, none = _Counted(function, begun + limit), case.time[:count], np.zeros(0)
+    counted, time, none = Counted(function, begun + limit), case.time[:count], np.zeros(0)
     try:
         with np.errstate(all="ignore"), warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -303,10 +308,10 @@ def paper_precision(study: Study) -> list[Row]:
 # output -------------------------------------------------------------------------------------------------------------
 
 
-def as_csv(rows: Sequence[Row]) -> str:
+def as_csv(rows: Sequence[Row], columns: Sequence[str] = COLUMNS) -> str:
     """Return the table as CSV; an empty cell is a quantity that does not exist, such as the error of a failed run."""
     text = io.StringIO()
-    writer = csv.DictWriter(text, COLUMNS, restval="", lineterminator="\n")
+    writer = csv.DictWriter(text, columns, restval="", lineterminator="\n")
     writer.writeheader()
     for row in rows:
         writer.writerow({key: f"{v:.6g}" if isinstance(v, float) else v for key, v in row.items()})
