@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from vsb import bem, config, database, meshing, sweep
-from vsb.commands import spectral_problem
+from vsb import bem, config, database, panelsweep, sweep
+from vsb.commands import mean_mesh, spectral_problem
 from vsb.config import Study, canonical
 from vsb.kernel import DampingSpectrum
 from vsb.modes import study_basis
@@ -85,12 +85,7 @@ def solved_block(study: Study, spec, green_folder):
     """One BEM job, by the solver its spec names."""
     if "mesh" not in spec:
         return sweep.converged(spectral_problem(spec), spec["omega"], spec["tolerance"])
-    panels = {k: spec["mesh"][k] for k in ("rows", "azimuth", "lid_rows")}
-    if study.at_equilibrium:
-        mesh = meshing.deformed_mesh(reference_shell(study).shape, **panels)
-    else:
-        mesh = meshing.mean_mesh(study.device.radius, study.centre_height, **panels)
-    return bem.solve_block(spec, mesh, green_folder)
+    return panelsweep.solve_block(spec, mean_mesh(spec["mesh"]), mean_mesh(spec["mesh"], coarser=2), green_folder)
 
 
 @pytest.fixture(scope="session")

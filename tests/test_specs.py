@@ -318,7 +318,10 @@ def test_the_sweep_is_interpolated_to_half_the_tolerance_and_what_is_tabulated_i
     plan = StudyPlan(varied(seed, hydro=hydro))
     assert plan.sweep_blocks[0]["interpolation"] == half
     assert "interpolation" not in plan.tabulated_blocks[0]
-    assert not [block for block in StudyPlan(seed).sweep_blocks if "interpolation" in block]  # panels
+    by_panels = StudyPlan(varied(seed, hydro={"tolerance": max(tolerance, 1e-3), "omega": [1.0, 2.0]}))
+    infinite, *blocks = by_panels.sweep_blocks
+    assert {block["interpolation"] for block in blocks} == {max(half, 5e-4)}
+    assert not [block for block in (infinite, *by_panels.tabulated_blocks) if "interpolation" in block]
 
 
 @pytest.mark.parametrize(("omega_max", "shared"), [(9.7, True), (12.8, True), (12.9, False), (9.6, False)])

@@ -20,6 +20,7 @@ from vsb.azimuthal import order_velocities, wave_around
 from vsb.bodies import IntArray
 from vsb.errors import ConfigError
 from vsb.modes import normal_velocities
+from vsb.sweep import IncidentWave
 from vsb.units import ComplexArray, FloatArray
 from vsb.waves import wavenumber
 
@@ -83,7 +84,7 @@ def _wedge(x: FloatArray, z: FloatArray, azimuth: int) -> cpt.Mesh:
     left, right = (np.column_stack([x * np.cos(a), x * np.sin(a), z]) for a in (-angle, angle))
     i = np.arange(len(x) - 1)
     faces = np.stack([i, i + len(x), i + len(x) + 1, i + 1], axis=1)
-    return cpt.Mesh(vertices=np.concatenate([left, right]), faces=faces, auto_clean=False)
+    return cpt.Mesh(vertices=np.concatenate([left, right]), faces=faces, auto_clean=False, auto_check=False)
 
 
 def ring_mesh(mesh: xr.Dataset, with_lid: bool = True) -> RingMesh:
@@ -111,6 +112,7 @@ def _joined(meshes: list[cpt.Mesh]) -> cpt.Mesh:
         vertices=np.concatenate([m.vertices for m in meshes]),
         faces=np.concatenate([m.faces + offset for m, offset in zip(meshes, offsets, strict=False)]),
         auto_clean=False,
+        auto_check=False,
     )
 
 
@@ -198,6 +200,29 @@ class AxisymmetricProblem:
         """What the diagonal of D lacks, shape (row,); see `flux_correction`."""
         return flux_correction(self.green, rings)
 
+    @cached_property
+    def _with_lid(self) -> tuple[RingMesh, FloatArray]:
+        """All rings, and what the diagonal of D lacks on them."""
+        rings = ring_mesh(self.mesh)
+        return rings, self.correction(rings)
+
+    @property
+    def waterline(self) -> float:
+        """Radius of the waterline [m]."""
+        return float(self.mesh.meridian_radius.values[0])
+
+    @property
+    def incident_wave(self) -> IncidentWave:
+        """What is known of excitation without solving."""
+
+        def phase(omega: FloatArray) -> FloatArray:
+            return self.waterline * np.array([wavenumber(w, self.depth, self.gravity) for w in omega])
+
+        def froude_krylov(omega: FloatArray) -> ComplexArray:
+            return np.array([[1j * w * (self.onto @ self.incident(self.body, w)[0])] for w in omega])
+
+        return IncidentWave(phase, froude_krylov, self.order)
+
     def incident(self, rings: RingMesh, omega: float) -> tuple[ComplexArray, ComplexArray]:
         """Part of azimuthal order m of the incident wave's potential and normal velocity, each shape (row,).
 
@@ -222,9 +247,14 @@ class AxisymmetricProblem:
         return np.real(self.onto @ (s @ np.linalg.solve(d + np.diag(correction), self.velocities.T)))
 
     def solve(self, omegas: list[float]) -> xr.Dataset:
-        """Solve radiation and diffraction at finite frequencies; see `blocks` for what is returned."""
-        rings = ring_mesh(self.mesh)
-        correction = self.correction(rings)
+        """Solve radiation and diffraction at finite frequencies [rad/s].
+
+        Returns
+        -------
+        xarray.Dataset
+            added_mass, radiation_damping, Froude_Krylov_force, diffraction_force over the displacements.
+        """
+        rings, correction = self._with_lid
         columns = [self._at(rings, correction, omega) for omega in omegas]
         added_mass, damping, froude_krylov, diffraction = (np.array(c) for c in zip(*columns, strict=True))
         labels = list(self.displacements)
@@ -280,33 +310,6 @@ def capytaine_solution(problem: AxisymmetricProblem, omegas: list[float], symmet
     solved: xr.Dataset = solver.fill_dataset(wanted, body, hydrostatics=False, progress_bar=False)
     seconds = sum(step["timing"] for step in solver.timer.timings if not step["step"].startswith("Total"))
     return solved.sel(influenced_dof=list(dofs), radiating_dof=list(dofs)).assign_attrs(seconds=seconds)
-
-
-def solve_block(spec: dict[str, Any], mesh: xr.Dataset, green_folder: str | Path) -> xr.Dataset:
-    """Solve one block of frequencies (`vsb.specs`).
-
-    Returns
-    -------
-    xarray.Dataset
-        added_mass, radiation_damping, Froude_Krylov_force, diffraction_force over the displacements Radial<n> and
-        Meridional<n>; for the block of infinite frequency added_mass_inf alone.
-    """
-    water = spec["water"]
-    problem = AxisymmetricProblem(
-        green_function(green_folder),
-        mesh,
-        tuple(spec["displacements"]),
-        water["density"],
-        float(water["depth"]),
-        water["gravity"],
-    )
-    if spec["omega"] == ["inf"]:
-        labels = list(problem.displacements)
-        return xr.Dataset(
-            {"added_mass_inf": (("influenced_dof", "radiating_dof"), problem.at_infinity())},
-            coords={"influenced_dof": labels, "radiating_dof": labels},
-        )
-    return problem.solve(spec["omega"])
 
 
 def read_panels(path: str | Path) -> tuple[FloatArray, IntArray]:

@@ -1,6 +1,7 @@
 """One function per workflow rule: read files, compute, write files. The command line calls these and nothing else."""
 
 import json
+import math
 import shutil
 import time as clock
 from collections.abc import Sequence
@@ -81,11 +82,15 @@ def shell_modes(spec: Spec, out: str) -> None:
 
 def mesh(spec: Spec, out: str) -> None:
     """Write the mean wetted mesh and lid a BEM job reads."""
-    panels = {key: spec[key] for key in ("rows", "azimuth", "lid_rows")}
+    save(mean_mesh(spec), out)
+
+
+def mean_mesh(spec: Spec, coarser: int = 1) -> xr.Dataset:
+    """Return the mean wetted mesh and lid of a spec, or one with a fraction of the panels in each direction."""
+    panels = {key: math.ceil(spec[key] / coarser) for key in ("rows", "azimuth", "lid_rows")}
     if spec.get("reference_shape") == "equilibrium":
-        save(meshing.deformed_mesh(reference_shell(partial_study(spec)).shape, **panels), out)
-    else:
-        save(meshing.mean_mesh(spec["radius"], spec["centre_height"], **panels), out)
+        return meshing.deformed_mesh(reference_shell(partial_study(spec)).shape, **panels)
+    return meshing.mean_mesh(spec["radius"], spec["centre_height"], **panels)
 
 
 def display_meshes(spec: Spec, folder: str) -> None:
@@ -108,13 +113,14 @@ def green(folder: str, out: str) -> None:
 
 
 def bem_block(spec: Spec, mesh_path: str, green_folder: str, out: str) -> None:
-    """Solve one block of frequencies."""
-    from vsb import bem
+    """Solve one block of frequencies, on the mesh and on a coarser one for the error."""
+    from vsb import panelsweep
 
     begun = clock.perf_counter()
-    solved = bem.solve_block(spec, load(mesh_path), green_folder)
+    meshes = load(mesh_path), mean_mesh(spec["mesh"], coarser=2)
+    solved = panelsweep.solve_block(spec, *meshes, green_folder)
     attrs = {"spec": canonical(spec), "spec_id": content_id(spec), "seconds": clock.perf_counter() - begun}
-    save(solved.assign_attrs(attrs), out)
+    save(solved.assign_attrs(solved.attrs | attrs), out)
 
 
 def spectral_block(spec: Spec, out: str) -> None:

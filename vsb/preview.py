@@ -61,7 +61,7 @@ def _bem_lines(study: Study, plan: StudyPlan) -> list[str]:
     return [
         f"hydro        {sum(len(block['omega']) for block in blocks)} frequencies up to {study.hydro.omega_max:g} "
         f"rad/s, {how}",
-        f"BEM jobs     {len(todo)} of {len(blocks)} to do, about {seconds:.0f} s on one core",
+        f"BEM jobs     {len(todo)} of {len(blocks)} to do, at most about {seconds:.0f} s on one core",
         f"database     {plan.database_path}" + (" (there)" if Path(plan.database_path).exists() else ""),
     ]
 

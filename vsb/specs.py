@@ -15,7 +15,7 @@ from vsb.resolution import frequency_step, mode_rows, tolerance_rows, wave_rows
 
 Spec = dict[str, Any]
 
-PHYSICS = {"mesh": 2, "bem": 6, "database": 5, "radiation": 1, "response": 2, "simulate": 4, "compare": 6}
+PHYSICS = {"mesh": 2, "bem": 7, "database": 5, "radiation": 1, "response": 2, "simulate": 4, "compare": 6}
 """Hand-bumped version of the physics behind each stage: a library edit alone never reruns anything."""
 
 BLOCK = 32
@@ -219,18 +219,18 @@ class StudyPlan:
     def sweep_blocks(self) -> list[Spec]:
         """Blocks of the absolute grid that cover (0, omega_max].
 
-        The spectral solver's is one, of which it solves what interpolation to half the tolerance needs; the other half
-        is left for the splines through the grid. Panels, too rough to be interpolated, have several, and one of their
-        own for infinite frequency.
+        Of each is solved what interpolation to half the tolerance needs; the other half is left for the splines through
+        the grid. The spectral solver's is one. Panels have several, and one of their own for infinite frequency.
         """
-        size = BLOCK * self.refinement
+        size, interpolation = BLOCK * self.refinement, min(self.study.hydro.tolerance, COARSEST_SWEEP) / 2
         count = math.ceil(self.study.hydro.omega_max / self.step / size - 1e-9)
         first = math.ceil(self.lowest_omega / self.step - 1e-9)
         if not self.study.uses_panels:
             grid = self._grid(first, size * count)
-            return [self._block(grid, grid[-1], interpolation=min(self.study.hydro.tolerance, COARSEST_SWEEP) / 2)]
+            return [self._block(grid, grid[-1], interpolation=interpolation)]
         grids = [self._grid(max(first, size * k + 1), size * (k + 1)) for k in range(count)]
-        return [self._block([math.inf], grids[0][-1]), *(self._block(grid, grid[-1]) for grid in grids)]
+        swept = [self._block(grid, grid[-1], interpolation=interpolation) for grid in grids]
+        return [self._block([math.inf], grids[0][-1]), *swept]
 
     @property
     def first_omega(self) -> float:

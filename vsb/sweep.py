@@ -72,13 +72,24 @@ def _relative(difference: ComplexArray | FloatArray, value: ComplexArray | Float
     return float(np.abs(difference).max() / (np.abs(value).max() or 1.0))
 
 
-def _families(ds: xr.Dataset, incident: IncidentWave) -> tuple[_Family, _Family]:
+def coefficients(ds: xr.Dataset) -> tuple[FloatArray, FloatArray, ComplexArray]:
+    """Return added mass, damping and excitation, each shape (omega, entry): what errors are told of."""
+    a, b = _rows(ds, "added_mass").real, _rows(ds, "radiation_damping").real
+    return a, b, np.asarray(sum(_rows(ds, name) for name in FORCES))
+
+
+def largest(*parts: xr.Dataset) -> tuple[float, ...]:
+    """Return the largest added mass, damping and excitation of all parts; one for motions that move no water."""
+    sizes = [[float(np.abs(rows).max()) for rows in coefficients(ds)] for ds in parts]
+    return tuple(max(size) or 1.0 for size in zip(*sizes, strict=True))
+
+
+def _families(ds: xr.Dataset, incident: IncidentWave, elsewhere: Sequence[xr.Dataset]) -> tuple[_Family, _Family]:
     """Radiation, an error of A in terms of the largest A, of B of the largest B; and excitation, of the largest X."""
     omega = ds.omega.values
-    a, b = _rows(ds, "added_mass"), _rows(ds, "radiation_damping")
-    x = sum(_rows(ds, name) for name in FORCES) * incident.turn(omega)
-    largest = [float(np.abs(rows).max()) for rows in (a, b, x)]
-    of_a, of_b, of_x = (1 / size if size else 1.0 for size in largest)  # motions that move no water
+    of_a, of_b, of_x = (1 / size for size in largest(ds, *elsewhere))
+    a, b, x = coefficients(ds)
+    x = x * incident.turn(omega)
 
     def radiation(at: FloatArray) -> FloatArray:
         return np.asarray(np.maximum(of_a, of_b * at))
@@ -165,30 +176,44 @@ def _surprise(fits: Sequence[Settled], families: Sequence[_Family], omega: Float
     return float(np.max(missed))
 
 
-def _sampled(solve: Solve, frequencies: Sequence[float], tolerance: float, incident: IncidentWave) -> AdaptiveSweep:
+def _sampled(
+    solve: Solve,
+    frequencies: Sequence[float],
+    tolerance: float,
+    incident: IncidentWave,
+    elsewhere: Sequence[xr.Dataset],
+    most: int | None = None,
+) -> AdaptiveSweep:
     """Sweep until the estimated error is below the tolerance twice in a row, or it is no use to go on."""
     grid = np.asarray(frequencies, dtype=float)
+    most = min(MOST_SOLVES, len(grid) // 2) if most is None else most
     solved, new = _crowded(len(grid)), 0
     ds = solve([frequencies[i] for i in solved])
     fits: list[Settled] = []
     while True:
-        families, omega = _families(ds, incident), ds.omega.values
+        families, omega = _families(ds, incident, elsewhere), ds.omega.values
         error = max(_surprise(fits, families, omega, new), *(fit.error for fit in fits)) if fits else np.inf
         fits = [settled(omega, f.values, f.scale(omega), grid, f.scale(grid)) for f in families]
         error = max(error, *(fit.error for fit in fits))
-        if error <= tolerance or len(solved) + 2 > min(MOST_SOLVES, len(grid) // 2):
+        if error <= tolerance or len(solved) + 2 > most:
             return AdaptiveSweep(ds.sortby("omega"), fits[0].rational, fits[1].rational, incident, error)
         chosen = _doubtful(fits, solved)
         new, solved = len(chosen), solved + chosen
-        ds = _joined(ds, solve([frequencies[i] for i in chosen]))
+        ds = joined(ds, solve([frequencies[i] for i in chosen]))
 
 
-def _joined(*parts: xr.Dataset) -> xr.Dataset:
-    """Coefficients at the frequencies of all parts, one after the other."""
+def joined(*parts: xr.Dataset) -> xr.Dataset:
+    """Return coefficients at the frequencies of all parts, one after the other."""
     return xr.concat(parts, dim="omega", data_vars="minimal", coords="minimal", compat="override")
 
 
-def adaptive(solve: Solve, frequencies: Sequence[float], tolerance: float, incident: IncidentWave) -> AdaptiveSweep:
+def adaptive(
+    solve: Solve,
+    frequencies: Sequence[float],
+    tolerance: float,
+    incident: IncidentWave,
+    elsewhere: Sequence[xr.Dataset] = (),
+) -> AdaptiveSweep:
     """Return coefficients over a band from as few solves as a tolerance needs.
 
     After every one or two solves, where the interpolants are in doubt most, both families are interpolated anew. The
@@ -204,13 +229,15 @@ def adaptive(solve: Solve, frequencies: Sequence[float], tolerance: float, incid
     tolerance : float [-]
         Of added mass, damping and excitation, relative to the band's largest entry of each.
     incident : IncidentWave
+    elsewhere : sequence of xarray.Dataset
+        Coefficients outside these frequencies whose entries count among the largest: theirs are part of a wider band.
 
     Raises
     ------
     ConvergenceError
         If `MOST_SOLVES`, or half the frequencies, do not reach the tolerance, as with noise above it.
     """
-    swept = _sampled(solve, frequencies, tolerance, incident)
+    swept = _sampled(solve, frequencies, tolerance, incident, elsewhere)
     if swept.error > tolerance:
         raise ConvergenceError(
             f"tolerance: received {tolerance:g}, {swept.solves} of {len(frequencies)} frequencies reach "
@@ -246,18 +273,26 @@ class GridSweep:
         return max(errors)
 
 
-def on_grid(solve: Solve, frequencies: Sequence[float], tolerance: float, incident: IncidentWave) -> GridSweep:
+def on_grid(
+    solve: Solve,
+    frequencies: Sequence[float],
+    tolerance: float,
+    incident: IncidentWave,
+    elsewhere: Sequence[xr.Dataset] = (),
+    most: int | None = None,
+) -> GridSweep:
     """Return coefficients at frequencies from as few solves as possible, none of them twice; parameters of `adaptive`.
 
-    Coefficients too rough to be interpolated to the tolerance, and too few frequencies, are all solved.
+    Coefficients too rough to be interpolated to the tolerance from `most` solves (None: `MOST_SOLVES`, or half the
+    frequencies), and too few frequencies, are all solved.
     """
     if len(frequencies) < 2 * FIRST_SOLVES:
         return GridSweep(solve(list(frequencies)), None)
-    swept = _sampled(solve, frequencies, tolerance, incident)
+    swept = _sampled(solve, frequencies, tolerance, incident, elsewhere, most)
     if swept.error <= tolerance:
         return GridSweep(swept.at(frequencies), swept)
     left = sorted({*map(float, frequencies)} - {*swept.solved.omega.values.tolist()})
-    return GridSweep(_joined(swept.solved, solve(left)).sortby("omega"), None)
+    return GridSweep(joined(swept.solved, solve(left)).sortby("omega"), None)
 
 
 def incident_wave(problem: SpectralProblem) -> IncidentWave:
