@@ -72,8 +72,7 @@ class TwoMeshes:
         ----------
         frequencies : list of float [rad/s]
         interpolation : float, optional
-            Tolerance of interpolation [-], raised to half the error of the panels: finer makes nothing better. Without
-            it every frequency is solved.
+            Tolerance of interpolation [-]; without it every frequency is solved.
 
         Returns
         -------
@@ -89,9 +88,7 @@ class TwoMeshes:
         if interpolation is None:
             found, solved, between = solve(frequencies), solve(frequencies), 0.0
         else:
-            panels = self.error_estimate(solve(frequencies[:: len(frequencies) - 1 or 1]), strongest)
-            tolerance = max(interpolation, panels / 2)
-            swept = on_grid(solve, frequencies, tolerance, self.fine.incident_wave, [strongest])
+            swept = on_grid(solve, frequencies, interpolation, self.fine.incident_wave, [strongest])
             found, solved = swept.coefficients, solve(swept.solved)
             between = swept.sweep.error if swept.sweep else 0.0
         error = self.error_estimate(solved, strongest) + between
