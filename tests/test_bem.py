@@ -213,10 +213,16 @@ def capytaines_own(green, problem, omega):
 @pytest.mark.parametrize("azimuth", [12, 13])
 @pytest.mark.parametrize(
     ("order", "displacements"),
-    [(1, ("Surge", "Pitch", "Radial2", "Meridional2")), (2, ("Radial2", "Radial3")), (5, ("Radial5", "Radial6"))],
+    [
+        (0, ("Radial0", "Radial1", "Radial4")),
+        (1, ("Surge", "Pitch", "Radial2", "Meridional2")),
+        (2, ("Radial2", "Radial3")),
+        (5, ("Radial5", "Radial6")),
+    ],
 )
 def test_every_order_equals_capytaines_full_solution_to_round_off(green, order, displacements, azimuth, depth):
-    mesh = mean_mesh(1.0, 0.2, 5, azimuth, 2)
+    around = azimuth if order else azimuth + 8  # the mean of the wave around is exact, capytaine's is aliased
+    mesh = mean_mesh(1.0, 0.2, 5, around, 2)
     problem = Plain(green, mesh, displacements, 1.0, depth, 1.0, order)
     ours, theirs = problem.solve([1.1]), capytaines_own(green, problem, 1.1)
     for name in ours:

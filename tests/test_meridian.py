@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 from vsb import meridian
+from vsb.config import Device
 from vsb.errors import ConfigError
 from vsb.meridian import WetMeridian, log_rule
-from vsb.surface import rigid_sphere
+from vsb.modes import mode_basis
+from vsb.surface import DeformedShell, rigid_sphere
 
 
 def wet_sphere(nodes=32, height=0.0, order=0):
@@ -69,3 +71,17 @@ def test_potential_flow_that_is_known_satisfies_the_equation(order):
 def test_a_shell_without_waterline_is_refused(height):
     with pytest.raises(ConfigError, match="needs one waterline with the keel"):
         _ = wet_sphere(12, height).points
+
+
+@pytest.mark.parametrize("degree", [6, 20, 40])
+def test_ways_along_the_shell_are_those_between_its_points(degree):
+    """By the integral of the slope, which for shapes of high degree has many turns."""
+    device = Device(radius=1.0, thickness=0.01, young_modulus=1e7, poisson_ratio=0.3, density=1000.0, mass=1000.0)
+    basis = mode_basis(device, "membrane", degree)
+    wet = WetMeridian(DeformedShell(basis, 0.0, np.eye(len(basis.labels))[-1] * 0.3 / degree), 32)
+    t = np.linspace(0.1, 1.0, 10)
+    start = wet.at(t[:1] / 2)
+    dx, dz = wet.chord(np.full_like(t, t[0] / 2), t - t[0] / 2)
+    end = wet.at(t)
+    np.testing.assert_allclose(dx, end.x - start.x, atol=1e-12)
+    np.testing.assert_allclose(dz, end.z - start.z, atol=1e-12)

@@ -12,7 +12,7 @@ from vsb.meshing import deformed_mesh
 from vsb.modes import mode_basis
 from vsb.reference import reference_shell
 from vsb.spectral import SpectralProblem
-from vsb.surface import DeformedShell
+from vsb.surface import DeformedShell, rigid_sphere
 
 HERE = Path(__file__).parent
 RADIAL = tuple(f"Radial{n}" for n in range(7))
@@ -285,3 +285,17 @@ def test_a_shell_without_waterline_is_refused(sphere, height):
 def test_limits_are_not_frequencies(sphere, omegas):
     with pytest.raises(ConfigError, match="needs positive, finite frequencies"):
         sphere(12).solve(omegas)
+
+
+def test_shapes_of_high_degree_have_no_floor_of_the_singular_integrals():
+    """Odd degrees are multipoles of their own at infinite frequency: A_nn = 2 pi/((n + 1)(2n + 1)), no coupling."""
+    degree = np.array([1, 9, 19, 29, 39])
+    exact = np.diag(2 * np.pi / ((degree + 1) * (2 * degree + 1)))
+    shapes = tuple(f"Radial{n}" for n in degree)
+    errors = [
+        np.abs(SpectralProblem(rigid_sphere(1.0, 0.0), shapes, 1.0, 1.0, nodes).at_infinity() - exact).max()
+        for nodes in (32, 48, 64, 96)
+    ]
+    assert errors[0] > errors[1] > errors[2] > errors[3]
+    assert errors[2] < 1e-8
+    assert errors[3] < 1e-11

@@ -72,12 +72,13 @@ def test_the_estimate_bounds_the_error_and_few_solves_reach_the_tolerance(cases,
 
 @pytest.mark.parametrize("name", NAMES)
 def test_limits_at_zero_and_infinity_are_those_solved_there(cases, name):
-    """Neither is a sample: K log K makes zero the harder one."""
+    """Neither is a sample, infinity is far outside the band; K log K makes zero the harder one."""
     solver, _ = cases[name]
-    found = swept(solver, 1e-4)
+    tolerance = 1e-4  # within it the distance changes a hundredfold with the round-off of the samples
+    found = swept(solver, tolerance)
     for ours, theirs, bound in (
-        (found.at_infinity, solver.at_infinity(), 3e-5),
-        (found.at_zero, solver.at_zero(), 3e-4),
+        (found.at_infinity, solver.at_infinity(), tolerance),
+        (found.at_zero, solver.at_zero(), 3 * tolerance),
     ):
         assert np.abs(ours - theirs).max() <= bound * np.abs(theirs).max()
 

@@ -227,11 +227,12 @@ class AxisymmetricProblem:
         """Part of azimuthal order m of the incident wave's potential and normal velocity, each shape (row,).
 
         phi_0 = -i g/omega cosh k(z+d)/cosh kd exp(ikx). The azimuthal mean of exp(ikx) is J_0(kR), free of the aliasing
-        of few panels. For m > 0, 2 i^m J_m(kR) is replaced by the sum over panels, which keeps equality to capytaine.
+        of few panels. For m > 0, 2 i^m J_m(kR) is replaced by the sum over panels, which keeps equality to capytaine, as
+        do the panels' own normals.
         """
         k = wavenumber(omega, self.depth, self.gravity)
         x, z = rings.centres
-        n_x, n_z = self.normals
+        n_x, _, n_z = rings.wedge.faces_normals[: rings.body_rows].T
         mirror = np.exp(-2 * k * (z + self.depth)) if np.isfinite(self.depth) else np.zeros_like(z)
         floor = 1 + (np.exp(-2 * k * self.depth) if np.isfinite(self.depth) else 0.0)
         profile, slope = np.exp(k * z) * (1 + mirror) / floor, np.exp(k * z) * (1 - mirror) / floor

@@ -24,6 +24,10 @@ _KEEL_SLOPE = 1.5
 """Rate of the colatitude at the keel, in terms of equal spacing."""
 _INTERIOR = (0.02, 0.15, 0.4)
 """Depths of the points inside, in drafts: near the surface every eigenfunction is at its largest."""
+_LONGEST_IN_NODES = 12
+"""Longest interval of the rules for the singular integrals, of 16 points, in mean distances of nodes."""
+_CHORD = 15
+"""Points of the integral of the slope beyond the highest degree of the shape."""
 _CIRCLES = (0.2, 0.45)
 """Radii of the circles of points inside for orders >= 1, in distances from the axis to the shell [-]."""
 
@@ -77,13 +81,17 @@ class Points(NamedTuple):
         return np.exp(np.outer(self.z, k)) * np.stack([value, (k * n_z - bend) * value + k * n_x * lower])
 
 
-def _rule_about(t: float) -> tuple[FloatArray, FloatArray]:
-    """Distances from t and weights of a rule on [0, 1] for a logarithm at t and its mirror images beyond both ends."""
+def _rule_about(t: float, longest: float) -> tuple[FloatArray, FloatArray]:
+    """Distances from t and weights of a rule on [0, 1] for a logarithm at t and its mirror images beyond both ends.
+
+    Intervals double from t on, to a longest one that sees few turns of the polynomials to be integrated.
+    """
     offsets, weights = [], []
     for sign, end in ((-1, t), (1, 1 - t)):
         doubling = 2.0 ** np.arange(np.ceil(np.log2(2 * end / min(t, 1 - t) + 1)) + 1) - 1
         edges = doubling * end / doubling[-1]
-        for a, b in itertools.pairwise(edges):
+        parts = [np.linspace(a, b, int(np.ceil((b - a) / longest)) + 1)[:-1] for a, b in itertools.pairwise(edges)]
+        for a, b in itertools.pairwise(np.append(np.concatenate(parts), end)):
             u, w = unit_rule(16) if a else log_rule()
             offsets.append(sign * (a + (b - a) * u))
             weights.append((b - a) * w)
@@ -118,9 +126,10 @@ class WetMeridian:
     def chord(self, start: FloatArray, offset: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the way from t = start on by `offset`, radial and vertical, each shape (point,) [m].
 
-        As an integral of the slope: a difference of coordinates near the waterline would be all round-off.
+        As an integral of the slope, by more points the more turns the shape has: a difference of coordinates near the
+        waterline would be all round-off.
         """
-        v, w = unit_rule(16)
+        v, w = unit_rule(_CHORD + self.shell.basis.highest_degree)
         phi, rate = self._colatitude((start[:, None] + offset[:, None] * v).ravel())
         m = self.shell.meridian(phi)
         dx, dz = (offset * ((slope * rate).reshape(-1, len(v)) @ w) for slope in (m.dx, m.dz))
@@ -170,7 +179,7 @@ class WetMeridian:
     def _singular_row(self, i: int) -> FloatArray:
         """Integrals over the shell of 1/r, 1/r' at node i, shape (2 sources, 2 potential and derivative, node)."""
         start = unit_rule(self.nodes)[0][i]
-        offset, weight = _rule_about(float(start))
+        offset, weight = _rule_about(float(start), _LONGEST_IN_NODES / self.nodes)
         points = self.at(start + offset)
         dx, dz = self.chord(np.full_like(offset, start), offset)
         both = (-dz, -1.0), (self.points.z[i] + points.z, 1.0)
