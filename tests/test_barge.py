@@ -150,6 +150,9 @@ def test_a_study_solves_compares_and_draws(tmp_path, green_folder):
     orders = {row[2]: float(row[4]) for row in rows}
     for quantity in ("added_mass", "radiation_damping", "excitation_force", "far_field", "haskind"):
         assert 1.2 < orders[quantity] < 2.8, orders
+    estimate = {row[0]: float(row[3]) for row in rows if row[2] == "error_estimate"}
+    for panels, _, quantity, error, _ in rows:
+        assert quantity == "error_estimate" or float(error) < estimate[panels], (panels, quantity)
     assert (tmp_path / "out/barge.svg").read_text().lstrip().startswith("<?xml")
 
 

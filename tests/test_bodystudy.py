@@ -7,6 +7,7 @@ from test_bodies import made, rigid
 
 from vsb import barge, bodystudy, database
 from vsb.bodystudy import BodyProblem, BodyStudy
+from vsb.coarsening import CoarserBody
 from vsb.errors import ConfigError
 from vsb.units import load
 
@@ -49,7 +50,8 @@ def calls(monkeypatch):
 
 def counted(method, solved):
     def call(self, *args):
-        solved.append(args[0] if args else np.inf)
+        if not isinstance(self.body, CoarserBody):
+            solved.append(args[0] if args else np.inf)
         return method(self, *args)
 
     return call
@@ -57,7 +59,7 @@ def counted(method, solved):
 
 def test_a_body_file_becomes_a_database_with_a_verdict(tmp_path, body, green_folder):
     checks = bodystudy.run(files(tmp_path, body), tmp_path / "out", green_folder)
-    names = {"symmetry", "far_field", "haskind", "positive_damping", "panels", "corners", "afloat"}
+    names = {"error_estimate", "symmetry", "far_field", "haskind", "positive_damping", "panels", "corners", "afloat"}
     assert {check.name for check in checks} == names
     ds = load(tmp_path / "out/box.nc")
     assert database.stored_checks(ds) == checks
@@ -74,10 +76,10 @@ def test_nothing_is_solved_twice_and_an_interrupted_run_goes_on(tmp_path, body, 
     config, out = files(tmp_path, body), tmp_path / "out"
     save = bodystudy.save
 
-    def killed(ds, path):
+    def killed(ds, *args):
         if "omega" in ds.dims and float(ds.omega[0]) == 1.3:
             raise KeyboardInterrupt
-        save(ds, path)
+        save(ds, *args)
 
     monkeypatch.setattr(bodystudy, "save", killed)
     with pytest.raises(KeyboardInterrupt):
@@ -92,6 +94,43 @@ def test_nothing_is_solved_twice_and_an_interrupted_run_goes_on(tmp_path, body, 
     assert list(load(out / "box.nc").omega.values) == [1.0, 1.15, 1.3]
     bodystudy.run(files(tmp_path, body, water={"density": 1000.0}, omega=[1.0]), out, green_folder)
     assert calls == [1.3, 1.15, np.inf, 1.0]
+
+
+def test_with_a_tolerance_few_frequencies_are_solved_and_an_interrupted_sweep_goes_on(
+    tmp_path, body, green_folder, calls, monkeypatch
+):
+    omega = np.linspace(0.6, 1.8, 20).round(3).tolist()
+    config, out = files(tmp_path, body, omega=omega, tolerance=0.01), tmp_path / "out"
+    save, saved = bodystudy.save, []
+
+    def killed(ds, *args):
+        if len(saved) == 9:
+            raise KeyboardInterrupt
+        saved.append(ds)
+        save(ds, *args)
+
+    monkeypatch.setattr(bodystudy, "save", killed)
+    with pytest.raises(KeyboardInterrupt):
+        bodystudy.run(config, out, green_folder)
+    monkeypatch.setattr(bodystudy, "save", save)
+    calls.clear()
+    checks = {check.name: check for check in bodystudy.run(config, out, green_folder)}
+    ds, solves = load(out / "box.nc"), 8 + len(calls)
+    assert ds.omega.values.tolist() == omega
+    assert (ds.attrs["solves"], ds.attrs["frequencies"]) == (solves, 20)
+    assert solves < 17
+    assert len(list((out / "blocks").glob("*.nc"))) == solves + 1
+    assert checks["interpolation_error"].explanation.startswith(f"{solves} solves for 20 frequencies")
+    assert 0 < checks["interpolation_error"].value <= 0.01
+    calls.clear()
+    bodystudy.run(files(tmp_path, body, omega=omega), out, green_folder)
+    assert len(calls) == 20 - solves
+    true = load(out / "box.nc")
+    root = np.sqrt(np.diag(true.added_mass_inf))
+    for name in ("added_mass", "radiation_damping", "excitation_force"):
+        units = root if name == "excitation_force" else np.outer(root, root)
+        missed = np.abs(ds[name].values - true[name].values) / units
+        assert missed.max() < 0.01 * (np.abs(true[name].values) / units).max(), name
 
 
 def test_a_block_cut_short_is_solved_again(tmp_path, body, green_folder, calls):
@@ -189,6 +228,7 @@ def test_lines_and_points_are_no_panels(tmp_path):
         ({"omega": [0.05], "water": {"depth": 10.0}}, "omega 0.05 rad/s: in 10 m of water needs at least"),
         ({"symmetry": "xyz"}, "symmetry"),
         ({"lid": True}, "a number is needed"),
+        ({"tolerance": 0.0}, "tolerance"),
         ({"mode": "x.nc"}, "unknown key"),
         ({"mesh": "gone.vtu"}, "gone.vtu: mesh not found"),
     ],

@@ -25,7 +25,7 @@ from vsb.canvas import grid_of_axes, legend_above, style
 from vsb.config import canonical
 from vsb.database import Check, stored_checks
 from vsb.errors import ConfigError
-from vsb.sections import Count, Finite, Positive, Section, Water
+from vsb.sections import Count, Finite, Number, Positive, Section, Water
 from vsb.units import FloatArray, load, write_text
 
 GRADING = 0.5
@@ -155,7 +155,10 @@ class Convergence(Section):
 
 
 class BargeStudy(Section):
-    """A barge in waves: frequencies [rad/s], directions [degrees], panels over the draught, and what to compare."""
+    """A barge in waves: frequencies [rad/s], directions [degrees], panels over the draught, and what to compare.
+
+    `tolerance` [-] of interpolation between the frequencies solved, as of `vsb.bodystudy.BodyStudy`.
+    """
 
     barge: Barge
     water: Water = Water()
@@ -163,6 +166,7 @@ class BargeStudy(Section):
     wave_direction: tuple[Finite, ...] = (0.0,)
     panels: Few
     convergence: Convergence
+    tolerance: Annotated[Number, Field(ge=1e-5, le=0.1)] | None = None
 
     @model_validator(mode="after")
     def _afloat_above_the_ground(self) -> "BargeStudy":
@@ -172,9 +176,15 @@ class BargeStudy(Section):
 
     def body_study(self, name: str, omega: tuple[float, ...]) -> BodyStudy:
         """Body file of a mesh of this barge; below the first irregular frequency no lid is needed."""
-        water, directions = self.water, self.wave_direction
         return BodyStudy(
-            body=name, mesh="body.nc", modes="body.nc", water=water, omega=omega, wave_direction=directions, lid=0
+            body=name,
+            mesh="body.nc",
+            modes="body.nc",
+            water=self.water,
+            omega=omega,
+            wave_direction=self.wave_direction,
+            lid=0,
+            tolerance=self.tolerance,
         )
 
 
@@ -248,7 +258,7 @@ def convergence(panels: Sequence[int], levels: Sequence[xr.Dataset]) -> list[dic
         limit, order = limit_and_order(panels, values)
         errors = np.abs(values - limit).max(axis=1)
         rows += [_row(n, name, error, order) for n, error in zip(panels, errors, strict=True)]
-    for name in ("far_field", "haskind", "symmetry"):
+    for name in ("error_estimate", "far_field", "haskind", "symmetry"):
         errors = np.array([check.value for ds in levels for check in stored_checks(ds) if check.name == name])
         order = -float(np.polyfit(np.log(panels), np.log(errors), 1)[0])
         rows += [_row(n, name, error, order) for n, error in zip(panels, errors, strict=True)]
@@ -274,6 +284,7 @@ _CURVES = {
     "added_mass": ("A", "#000000", "-", "o"),
     "radiation_damping": ("B", "#D55E00", "-", "s"),
     "excitation_force": ("X", "#0072B2", "-", "^"),
+    "error_estimate": ("estimate of the largest", "#009E73", ":", "D"),
     "far_field": ("B against far field", "#D55E00", "--", "x"),
     "haskind": ("X against Haskind", "#0072B2", "--", "+"),
 }

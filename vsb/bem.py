@@ -227,8 +227,8 @@ class AxisymmetricProblem:
         """Part of azimuthal order m of the incident wave's potential and normal velocity, each shape (row,).
 
         phi_0 = -i g/omega cosh k(z+d)/cosh kd exp(ikx). The azimuthal mean of exp(ikx) is J_0(kR), free of the aliasing
-        of few panels. For m > 0, 2 i^m J_m(kR) is replaced by the sum over panels, which keeps equality to capytaine, as
-        do the panels' own normals.
+        of few panels. For m > 0, 2 i^m J_m(kR) is replaced by the sum over panels: with it and the panels' own normals
+        the result is capytaine's.
         """
         k = wavenumber(omega, self.depth, self.gravity)
         x, z = rings.centres

@@ -123,15 +123,21 @@ def at_vertices(vertices: FloatArray, faces: IntArray, values: FloatArray) -> Fl
 
     Coincident vertices share their panels: some formats give every panel its own corners.
     """
-    size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
-    same = cKDTree(vertices).query_pairs(_SAME * size, output_type="ndarray")
-    owner = np.arange(len(vertices))
-    np.minimum.at(owner, same[:, 1], same[:, 0])
+    owner = owners(vertices)
     total, count = np.zeros((len(vertices), len(values), 3)), np.zeros(len(vertices))
     for corner in owner[faces].T:
         np.add.at(count, corner, 1.0)
         np.add.at(total, corner, values.swapaxes(0, 1))
     return np.asarray((total[owner] / np.maximum(count[owner], 1.0)[:, None, None]).swapaxes(0, 1))
+
+
+def owners(vertices: FloatArray) -> IntArray:
+    """Return the first of the vertices that coincide with each, shape (vertex,)."""
+    size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    same = cKDTree(vertices).query_pairs(_SAME * size, output_type="ndarray")
+    owner = np.arange(len(vertices))
+    np.minimum.at(owner, same[:, 1], same[:, 0])
+    return owner
 
 
 def _check_panels(body: FlexibleBody) -> None:

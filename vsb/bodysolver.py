@@ -1,6 +1,6 @@
 """Radiation and diffraction by a body of any shape with any displacements, on capytaine's panels."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 
 from vsb.bem import influence_blocks, panel_mesh
 from vsb.bodies import PLANES, SYMMETRIES, FlexibleBody, IntArray, joined
+from vsb.coarsening import coarser_body, coarser_panels
 from vsb.config import Water
 from vsb.units import ComplexArray, FloatArray
 from vsb.waves import group_velocity, wavenumber
@@ -118,6 +119,12 @@ class BodyProblem:
     symmetry: str = "none"
     lid: tuple[FloatArray, IntArray] | None = None
 
+    def coarser(self) -> "BodyProblem":
+        """Return the problem on fewer panels, those of the lid as well (`vsb.coarsening`)."""
+        planes = SYMMETRIES[self.symmetry]
+        lid = (self.lid[0], coarser_panels(*self.lid, planes)) if self.lid else None
+        return replace(self, body=coarser_body(self.body, planes), lid=lid)
+
     def _surface(self, *parts: tuple[FloatArray, IntArray]) -> SymmetricPanels:
         """The body and further panels."""
         vertices, faces = joined([(self.body.vertices, self.body.faces), *parts])
@@ -145,6 +152,13 @@ class BodyProblem:
         labels = list(self.body.labels)
         matrix = np.real(self._onto(self.velocities) @ potentials.T)
         return xr.Dataset({"added_mass_inf": (_PAIR, matrix)}, coords=dict.fromkeys(_PAIR, labels))
+
+    def froude_krylov(self, omegas: FloatArray, directions: FloatArray) -> ComplexArray:
+        """Return the force of the undisturbed wave, shape (omega, direction, dof) [N/m]; parameters as of `solve`."""
+        water, centres = self.water, self._panels.whole.faces_centers[: len(self.body.faces)]
+        k = [wavenumber(float(omega), water.depth, water.gravity) for omega in omegas]
+        waves = np.array([unit_wave(centres, each, water.depth, directions) for each in k])
+        return np.asarray(water.gravity * waves @ self._onto(self.velocities).T)
 
     def solve(self, omega: float, directions: FloatArray) -> xr.Dataset:
         """Solve one frequency [rad/s] in waves of given directions [rad].
@@ -175,7 +189,7 @@ class BodyProblem:
         forces = potentials[:, :n] @ self._onto(self.velocities).T
         strength = -water.density * water.gravity * panels.faces_areas * sources[:dofs]
         excitation = {
-            "Froude_Krylov_force": 1j * omega * unit * wave[:, :n] @ self._onto(self.velocities).T,
+            "Froude_Krylov_force": self.froude_krylov(np.array([omega]), directions)[0],
             "diffraction_force": 1j * omega * forces[dofs:],
             "haskind_force": wave @ strength.T,
         }

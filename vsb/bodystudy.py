@@ -6,6 +6,8 @@ solved twice, and an interrupted run goes on where it stopped.
 
 import hashlib
 import time as clock
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, TypeVar
 
@@ -27,21 +29,25 @@ from vsb.bodies import (
     panel_diameters,
 )
 from vsb.bodysolver import BodyProblem
+from vsb.bodysweep import Block, Measure, Swept, error_estimate, swept
 from vsb.config import canonical, content_id
-from vsb.database import Check, as_json, check_at_most, merged_blocks, with_excitation, with_symmetrized
+from vsb.database import Check, as_json, check_at_most, with_excitation, with_symmetrized
 from vsb.errors import ConfigError, DatabaseError
 from vsb.reading import read_yaml, validated
-from vsb.sections import Count, Finite, Name, Positive, Section, Water
+from vsb.sections import Count, Finite, Name, Number, Positive, Section, Water
 from vsb.specs import LEAST_DEPTH_IN_WAVENUMBERS, panel_solver
-from vsb.units import FloatArray, load, save
+from vsb.units import ComplexArray, FloatArray, load, save
 from vsb.waves import group_velocity, wavenumber
 
 Spec = dict[str, Any]
 Model = TypeVar("Model", bound=Section)
-PHYSICS = 1
+PHYSICS = 2
 """Hand-bumped version of the physics behind a block."""
+LARGEST_ERROR = 0.05
+"""Estimated error above which there is doubt."""
 PANEL_FILES = {".gdf", ".pnl", ".hst", ".mar", ".nemoh", ".hams"}
 """What capytaine reads and meshio does not; meshio keeps the numbers of the vertices, which displacements refer to."""
+_GROUPS = ("fewer_panels", "radiated_waves")  # of a block's file
 _FAILED = (OSError, ValueError, KeyError, IndexError, TypeError, RuntimeError, meshio.ReadError, SystemExit)
 
 
@@ -50,6 +56,7 @@ class BodyStudy(Section):
 
     Paths count from the folder of the file. Symmetry `auto` is what the panels have. `lid` is the number of belts of
     panels on the water inside; without it (0) coefficients at irregular frequencies break the verdict's identities.
+    With a `tolerance` [-] of interpolation only as many of the frequencies are solved as it asks for, without all.
     """
 
     body: Name
@@ -60,6 +67,7 @@ class BodyStudy(Section):
     wave_direction: tuple[Finite, ...] = (0.0,)
     symmetry: Literal["auto", "none", "xOz", "yOz", "xOz+yOz"] = "auto"
     lid: Annotated[Count, Field(ge=0, le=64)] = 8
+    tolerance: Annotated[Number, Field(ge=1e-5, le=0.1)] | None = None
 
     @model_validator(mode="after")
     def _usable(self) -> Self:
@@ -193,14 +201,55 @@ def solve(study: BodyStudy, body: FlexibleBody, out: str | Path, tables: str | P
     check_symmetry(body, symmetry)
     lid = interior_lid(body, study.lid) if study.lid else None
     table = Path(tables or Path(out, "green", panel_solver().replace(" ", "-")))
-    specs = [_spec(study, body, omega) for omega in (np.inf, *study.omega)]
-    paths = [Path(out, "blocks", f"{content_id(spec)}.nc") for spec in specs]
-    problem: BodyProblem | None = None
-    for spec, path in zip(specs, paths, strict=True):
-        if not _is_solved(path, content_id(spec)):
-            problem = problem or BodyProblem(green_table(table), body, study.water, symmetry, lid)
-            save(_block(problem, spec), path)
-    return _write_database(study, body, symmetry, [load(path) for path in paths], Path(out, f"{study.body}.nc"))
+    blocks = Blocks(study, body, symmetry, lid, Path(out, "blocks"), table)
+    infinite, directions = blocks(np.inf), np.deg2rad(study.wave_direction)
+    size = np.sqrt(np.maximum(np.diag(infinite.own.added_mass_inf.values), 0.0))
+    centre = (body.vertices.max(axis=0) + body.vertices.min(axis=0)) / 2
+    measure = Measure(size, centre, directions, study.water)
+
+    def froude_krylov(omegas: FloatArray) -> ComplexArray:
+        return blocks.problem.froude_krylov(omegas, directions)
+
+    found = swept(blocks, froude_krylov, study.omega, study.tolerance, measure)
+    return _write_database(study, body, symmetry, infinite, found, Path(out, f"{study.body}.nc"))
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """Files of single frequencies: solved when first asked for, and never again."""
+
+    study: BodyStudy
+    body: FlexibleBody
+    symmetry: str
+    lid: tuple[FloatArray, IntArray] | None
+    folder: Path
+    table: Path
+
+    @cached_property
+    def problem(self) -> BodyProblem:
+        """The body in waves."""
+        return BodyProblem(green_table(self.table), self.body, self.study.water, self.symmetry, self.lid)
+
+    @cached_property
+    def _coarser(self) -> BodyProblem:
+        """The same on fewer panels."""
+        return self.problem.coarser()
+
+    @cached_property
+    def _known(self) -> dict[float, Block]:
+        """Blocks read or solved."""
+        return {}
+
+    def __call__(self, omega: float) -> Block:
+        """Return the block of a frequency, finite or not [rad/s]."""
+        if omega not in self._known:
+            spec = _spec(self.study, self.body, omega)
+            path = self.folder / f"{content_id(spec)}.nc"
+            if not _is_solved(path, content_id(spec)):
+                own, *others = _block(self.problem, self._coarser, spec)
+                save(own, path, dict(zip(_GROUPS, others, strict=True)))
+            self._known[omega] = Block(load(path), *(load(path, group) for group in _GROUPS))
+        return self._known[omega]
 
 
 def _spec(study: BodyStudy, body: FlexibleBody, omega: float) -> Spec:
@@ -221,17 +270,20 @@ def _is_solved(path: Path, spec_id: str) -> bool:
         return False
 
 
-def _block(problem: BodyProblem, spec: Spec) -> xr.Dataset:
-    """Coefficients at one frequency, and how far they are from what their own waves say."""
+def _block(problem: BodyProblem, fewer: BodyProblem, spec: Spec) -> Block:
+    """Coefficients at one frequency, those on fewer panels, and what their own waves say of them."""
     begun = clock.perf_counter()
     attrs: Spec = {"spec": canonical(spec), "spec_id": content_id(spec)}
+    attrs |= {"panels": len(problem.body.faces), "fewer_panels": len(fewer.body.faces)}
     if np.isinf(spec["omega"]):
-        ds = problem.at_infinity()
+        found = Block(problem.at_infinity(), fewer.at_infinity(), xr.Dataset())
     else:
-        solved = problem.solve(spec["omega"], np.deg2rad(spec["wave_direction"]))
-        attrs |= identities(solved, problem)
-        ds = solved.drop_vars(["haskind_force", "far_field_damping"])
-    return ds.assign_attrs(attrs, seconds=clock.perf_counter() - begun)
+        own, other = (each.solve(spec["omega"], np.deg2rad(spec["wave_direction"])) for each in (problem, fewer))
+        attrs |= identities(own, problem)
+        waves = {"far_field_damping": "radiation_damping", "haskind_force": "excitation_force"}
+        coefficients = ["added_mass", "radiation_damping", "excitation_force"]
+        found = Block(own.drop_vars(list(waves)), with_excitation(other)[coefficients], own[list(waves)].rename(waves))
+    return found._replace(own=found.own.assign_attrs(attrs, seconds=clock.perf_counter() - begun))
 
 
 def identities(ds: xr.Dataset, problem: BodyProblem) -> dict[str, float]:
@@ -255,6 +307,7 @@ def identities(ds: xr.Dataset, problem: BodyProblem) -> dict[str, float]:
     }
 
 
+_ERROR = "estimated error of added mass, damping and excitation, relative to the largest entry; smaller panels lower it"
 _MEANING = {
     "symmetry": "added mass and damping are symmetric matrices",
     "far_field": "damping is the energy of the waves sent in all directions",
@@ -262,23 +315,27 @@ _MEANING = {
 }
 
 
-def verdict(study: BodyStudy, body: FlexibleBody, blocks: list[xr.Dataset]) -> list[Check]:
+def verdict(study: BodyStudy, body: FlexibleBody, infinite: Block, found: Swept) -> list[Check]:
     """Return the checks of a database before it is symmetrized."""
-    ds, finite = merged_blocks(blocks), [block for block in blocks if "omega" in block.dims]
+    solved, error = found.solved, error_estimate(found.solved, infinite)
     longest = float(panel_diameters(body).max())
     k = wavenumber(study.omega[-1], study.water.depth, study.water.gravity)
     misfit = np.abs(at_centres(body.vertices, body.faces, body.shapes) - body.modes).max(axis=(1, 2))
     between = float((misfit / np.abs(body.modes).max(axis=(1, 2))).max())
-    negative = quality.negative_damping(ds)
+    negative = quality.negative_damping(found.coefficients)
     checks = [
+        check_at_most("error_estimate", error, LARGEST_ERROR, "-", _ERROR, doubt=True),
         *(
-            check_at_most(name, max(block.attrs[name] for block in finite), 0.02, "-", text, doubt=True)
+            check_at_most(name, max(block.own.attrs[name] for block in solved), 0.02, "-", text, doubt=True)
             for name, text in _MEANING.items()
         ),
         check_at_most("positive_damping", negative, 0.01, "-", "no motion can draw energy from calm water"),
         check_at_most("panels", longest * k / (2 * np.pi), 0.25, "-", "largest panel in wavelengths", doubt=True),
         check_at_most("corners", between, 0.05, "-", "displacement of panels agrees with that of corners", doubt=True),
     ]
+    if study.tolerance is not None:
+        text = f"{len(solved)} solves for {len(study.omega)} frequencies; relative to the band's largest entry"
+        checks.insert(1, check_at_most("interpolation_error", found.error, study.tolerance, "-", text))
     heave = [i for i, (t, a) in body.rigid.items() if np.allclose([*t, *a], [0, 0, 1, 0, 0, 0], atol=1e-9)]
     if body.mass is not None and heave:
         afloat = abs(body.mass[heave[0], heave[0]] / (study.water.density * body.volume) - 1)
@@ -287,14 +344,15 @@ def verdict(study: BodyStudy, body: FlexibleBody, blocks: list[xr.Dataset]) -> l
 
 
 def _write_database(
-    study: BodyStudy, body: FlexibleBody, symmetry: str, blocks: list[xr.Dataset], path: Path
+    study: BodyStudy, body: FlexibleBody, symmetry: str, infinite: Block, found: Swept, path: Path
 ) -> list[Check]:
-    """Merge the blocks into the database with capytaine's names, and return its verdict."""
-    checks, pair = verdict(study, body, blocks), ("influenced_dof", "radiating_dof")
+    """Put what was found into the database with capytaine's names, and return its verdict."""
+    checks, pair = verdict(study, body, infinite, found), ("influenced_dof", "radiating_dof")
+    blocks = [block.own for block in (infinite, *found.solved)]
     stiffness = hydrostatic_stiffness(body, study.water.density, study.water.gravity)
     structure = {"inertia_matrix": body.mass, "structural_stiffness": body.stiffness}
     matrices = {"hydrostatic_stiffness": stiffness, **{k: m for k, m in structure.items() if m is not None}}
-    ds = with_symmetrized(with_excitation(merged_blocks(blocks)))
+    ds = with_symmetrized(with_excitation(found.coefficients.assign(added_mass_inf=infinite.own.added_mass_inf)))
     spec = {"stage": "body_database", "study": study.model_dump(), "blocks": [b.attrs["spec_id"] for b in blocks]}
     attrs = {
         "Conventions": "CF-1.8",
@@ -309,6 +367,8 @@ def _write_database(
         "water_density": study.water.density,
         "water_depth": str(study.water.depth),
         "gravity": study.water.gravity,
+        "solves": len(found.solved),
+        "frequencies": len(study.omega),
         "bem_seconds": sum(block.attrs["seconds"] for block in blocks),
     }
     complete = ds.assign({name: (pair, matrix) for name, matrix in matrices.items()})

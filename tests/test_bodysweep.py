@@ -1,0 +1,134 @@
+import numpy as np
+import pytest
+from test_bodies import made, revolved_body, rigid, shell_with
+
+from vsb import barge, bem, bodies
+from vsb.bodysolver import BodyProblem
+from vsb.bodystudy import _block
+from vsb.bodysweep import Measure, error_estimate, swept
+from vsb.config import Water
+from vsb.database import with_excitation
+from vsb.errors import DatabaseError
+from vsb.spectral import SpectralProblem
+
+UNIT = Water(density=1.0, gravity=1.0)
+SEA = Water(density=1025.0, gravity=9.81)
+AHEAD = np.zeros(1)
+KA = (0.1, 1.0, 3.5)
+NAMES = ("added_mass", "radiation_damping", "excitation_force")
+
+
+@pytest.fixture(scope="module")
+def green(green_folder):
+    return bem.green_function(green_folder)
+
+
+def block(problem, omega):
+    """What a run stores of a frequency."""
+    return _block(problem, problem.coarser(), {"omega": float(omega), "wave_direction": [0.0]})
+
+
+def estimated_and_true(problem, reference, omegas):
+    """Estimated error, and the true one in the same terms."""
+    blocks, infinite = [block(problem, omega) for omega in omegas], block(problem, np.inf)
+    exact, limit = with_excitation(reference.solve(list(omegas))), reference.at_infinity()
+    own = infinite.own.added_mass_inf.values
+    size = np.sqrt(np.diag(own))
+    pair, errors = np.outer(size, size), []
+    for name in NAMES:
+        unit = pair if exact[name].dims[-1] == "radiating_dof" else size
+        found = np.concatenate([with_excitation(b.own)[name].values / unit for b in blocks])
+        true = exact[name].values / unit
+        if name == "added_mass":
+            found, true = np.concatenate([found, (own / pair)[None]]), np.concatenate([true, (limit / pair)[None]])
+        errors.append(np.abs(found - true).max() / np.abs(found).max())
+    return error_estimate(blocks, infinite), max(errors)
+
+
+@pytest.mark.parametrize("amplitude", [0.0, -0.15])
+def test_the_estimate_bounds_the_error_of_spheres_and_spheroids_and_goes_with_it(green, amplitude):
+    degrees, shell, rows = (0, 1, 2), shell_with(amplitude), np.array([6, 8, 10, 12])
+    reference = SpectralProblem(shell, tuple(f"Radial{n}" for n in degrees), 1.0, 1.0, 48)
+    found = []
+    for n in rows:
+        body = revolved_body(shell, n, degrees, 4 * int(np.ceil(n / 2)))
+        problem = BodyProblem(green, body, UNIT, "xOz+yOz", bodies.interior_lid(body, 6))
+        found.append(estimated_and_true(problem, reference, np.sqrt(KA)))
+    estimate, true = np.array(found).T
+    assert np.all((estimate > true) & (estimate < 8 * true)), found
+    order = -np.polyfit(np.log(rows), np.log(estimate), 1)[0]
+    assert 1.2 < order < 2.8, found
+
+
+def test_the_estimate_bounds_the_error_of_surge_on_triangles(green):
+    reference = SpectralProblem(shell_with(0.0), ("Surge",), 1.0, 1.0, 48, 1)
+    for rows in (6, 8):
+        sphere = revolved_body(shell_with(0.0), rows, (0,), 2 * rows)
+        cut = np.concatenate([sphere.faces[:, [0, 1, 2, 2]], sphere.faces[:, [0, 2, 3, 3]]])
+        x = sphere.vertices[cut]
+        faces = cut[np.linalg.norm(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), axis=1) > 1e-9]
+        body = made(sphere.vertices, faces, rigid(sphere.vertices)[:1], ("Surge",))
+        problem = BodyProblem(green, body, UNIT, "none", bodies.interior_lid(body, 4))
+        estimate, true = estimated_and_true(problem, reference, np.sqrt(KA))
+        assert true < estimate < 8 * true, (rows, estimate, true)
+
+
+@pytest.fixture(scope="module")
+def box():
+    vertices, faces = barge.box(6.0, 4.0, 2.0, 2)
+    return made(vertices, faces, rigid(vertices)[[2, 4]], ("Heave", "Pitch"))
+
+
+def test_units_of_displacements_do_not_matter(green, box):
+    found = []
+    for scale in (1.0, 1e-3, 1e3):
+        shapes = box.shapes * np.array([1.0, scale])[:, None, None]
+        problem = BodyProblem(green, made(box.vertices, box.faces, shapes, box.labels), SEA, "xOz+yOz")
+        found.append(error_estimate([block(problem, 1.2)], block(problem, np.inf)))
+    assert found == pytest.approx([found[0]] * 3, rel=1e-9)
+
+
+def test_panels_that_cannot_be_joined_say_nothing_of_their_error(green):
+    corners = np.array([[x, y, z] for z in (-1.0, 0.0) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))], dtype=float)
+    faces = np.array([[3, 2, 1, 0], *([i, (i + 1) % 4, (i + 1) % 4 + 4, i + 4] for i in range(4))])
+    problem = BodyProblem(green, made(corners, faces, rigid(corners)[2:3], ("Heave",)), SEA)
+    assert error_estimate([block(problem, 1.2)], block(problem, np.inf)) == 1.0
+
+
+@pytest.mark.parametrize("away", [0.0, 300.0])
+def test_a_sweep_solves_few_frequencies_wherever_the_body_lies(green, box, away):
+    vertices = box.vertices + np.array([away, 0.0, 0.0])
+    problem = BodyProblem(green, made(vertices, box.faces, box.shapes, box.labels), SEA, "xOz")
+    omega, directions, blocks = np.linspace(0.5, 2.0, 30).tolist(), np.array([0.0, 0.8]), {}
+
+    def solve(w):
+        if w not in blocks:
+            blocks[w] = _block(problem, problem, {"omega": w, "wave_direction": np.rad2deg(directions).tolist()})
+        return blocks[w]
+
+    def froude_krylov(w):
+        return problem.froude_krylov(w, directions)
+
+    size = np.sqrt(np.diag(block(problem, np.inf).own.added_mass_inf.values))
+    measure = Measure(size, np.array([away, 0.0, -1.0]), directions, SEA)
+    found = swept(solve, froude_krylov, omega, 5e-3, measure)
+    assert len(blocks) == len(found.solved) < 18
+    everything = swept(solve, froude_krylov, omega, None, measure)
+    assert len(everything.solved) == 30
+    assert everything.error == 0.0
+    ours, true = (with_excitation(s.coefficients) for s in (found, everything))
+    units = {"excitation_force": size}
+    missed = [
+        np.abs((ours[n] - true[n]) / units.get(n, np.outer(size, size))).max()
+        / np.abs(true[n] / units.get(n, np.outer(size, size))).max()
+        for n in NAMES
+    ]
+    assert max(missed) < 2 * found.error
+    assert found.error <= 5e-3
+    for each in found.solved:
+        assert np.array_equal(ours.added_mass.sel(omega=each.own.omega), each.own.added_mass)
+
+
+def test_added_mass_that_is_none_is_refused():
+    with pytest.raises(DatabaseError, match="added_mass_inf: received a diagonal not above zero"):
+        Measure(np.array([1.0, 0.0]), np.zeros(3), AHEAD, SEA)
