@@ -211,7 +211,7 @@ def test_negative_zero_is_zero():
 LEAVES = [
     (("device", "radius"), st.floats(2.0, 3.0)),
     (("device", "young_modulus"), st.floats(1e6, 1e12)),
-    (("hydro", "tolerance"), st.floats(1e-5, 0.1)),
+    (("hydro", "tolerance"), st.floats(1e-6, 0.1)),
     (("pto", "damping"), st.floats(0.0, 1e5).map(abs)),
     (("simulation", "initial_velocity"), st.floats(0.1, 1.0)),
     (("modes", "degree"), st.integers(0, 40)),

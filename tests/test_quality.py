@@ -38,7 +38,7 @@ def failed(ds):
 
 
 def test_a_perfect_database_passes(perfect):
-    checks = quality.verdict(perfect, None, np.inf, RHO, G, ())
+    checks = quality.verdict(perfect, None, np.inf, RHO, G)
     assert {check.verdict for check in checks} == {"ok"}
     assert max(check.value for check in checks if check.name != "irregular_frequencies") < 1e-6
 
@@ -67,8 +67,9 @@ def test_each_check_sees_its_own_damage(perfect, name):
 def test_a_failure_is_one_line_and_can_be_accepted_by_name(perfect):
     wrong = damaged(perfect, *DAMAGES["haskind"])
     with pytest.raises(DatabaseError, match=r"check 'haskind' failed: 0.21, needs at most 0.05 \(damping follows"):
-        quality.verdict(wrong, None, np.inf, RHO, G, ())
-    checks = {check.name: check.verdict for check in quality.verdict(wrong, None, np.inf, RHO, G, ("haskind",))}
+        quality.judged(quality.verdict(wrong, None, np.inf, RHO, G), ())
+    accepted = quality.judged(quality.verdict(wrong, None, np.inf, RHO, G), ("haskind",))
+    checks = {check.name: check.verdict for check in accepted}
     assert checks["haskind"] == "accepted"
 
 
@@ -81,7 +82,7 @@ def test_tabulated_frequencies_are_judged_with_the_sweep(perfect):
     tabulated = perfect.isel(omega=[10, 50]).assign_coords(omega=[1.13, 5.17])
     tabulated = damaged(tabulated, "radiation_damping", lambda b: b.__imul__(3.0))
     with pytest.raises(DatabaseError, match="check 'haskind' failed"):
-        quality.verdict(perfect, tabulated, np.inf, RHO, G, ())
+        quality.judged(quality.verdict(perfect, tabulated, np.inf, RHO, G), ())
 
 
 def test_estimates_of_solver_and_sweep_are_judged_by_the_tolerance():
@@ -104,5 +105,25 @@ def test_estimates_of_solver_and_sweep_are_judged_by_the_tolerance():
         assert [check.verdict for check in checks] == verdicts
         assert checks[0].explanation.endswith("16 solves for 131 frequencies")
     wrong = quality.estimate_checks([{**swept, "limit_difference": 0.03}], 0.1)
-    assert wrong[2].verdict == "fail"
+    assert wrong[2].verdict == "doubt"
     assert quality.estimate_checks([{"seconds": 1.0}], 1e-3) == []  # of others
+
+
+@pytest.mark.parametrize(("size", "verdicts"), [(1e-6, "ok ok"), (1e-3, "ok doubt"), (0.1, "fail fail")])
+def test_identities_are_held_to_the_precision_asked_for(size, verdicts):
+    checks = [quality.identity_check("haskind", size, 0.05, precision, "") for precision in (1.0, 0.01)]
+    assert " ".join(check.verdict for check in checks) == verdicts
+    assert [check.limit for check in checks] == [0.05, 5e-4]
+
+
+@pytest.mark.parametrize(
+    ("name", "advice"),
+    [
+        ("kramers_kronig", "raise hydro.omega_max: the band must reach"),
+        ("interpolation_error", "raise hydro.tolerance, change hydro.omega_max"),
+        ("symmetry", "lower hydro.tolerance or raise hydro.rows, change hydro.omega_max"),
+    ],
+)
+def test_a_failure_says_what_to_change(name, advice):
+    with pytest.raises(DatabaseError, match=rf"check '{name}' failed: .*; {advice}.*, or list the name under"):
+        quality.judged([Check(name, 1.0, 0.1, "-", "fail", "why")], ())

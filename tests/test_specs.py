@@ -332,12 +332,28 @@ def test_bands_that_end_in_the_same_block_share_their_sweep(seed, omega_max, sha
     assert (ours == theirs) is shared
 
 
-@pytest.mark.parametrize(("tolerance", "finer"), [(1e-2, 1), (1e-4, 1), (8e-5, 2), (2.5e-5, 2), (1e-5, 4)])
-def test_a_tight_tolerance_refines_the_grid_that_is_interpolated(seed, tolerance, finer):
-    plan = StudyPlan(varied(seed, hydro={"solver": "spectral", "tolerance": tolerance}))
+@pytest.mark.parametrize(
+    ("depth", "tolerance", "finer"),
+    [
+        *((math.inf, t, n) for t, n in ((1e-2, 1), (1e-4, 1), (8e-5, 2), (2.5e-5, 2), (1e-5, 4), (1e-6, 16))),
+        *((5.0, t, n) for t, n in ((1e-2, 1), (1e-3, 4), (1e-4, 8), (1e-5, 16), (1e-6, 32))),
+    ],
+)
+def test_a_tight_tolerance_refines_the_grid_that_is_interpolated(seed, depth, tolerance, finer):
+    hydro = {"solver": "spectral", "tolerance": tolerance}
+    plan = StudyPlan(varied(seed, hydro=hydro, water={"depth": depth}))
     assert plan.step == pytest.approx(0.1 / finer)
     grid = [w for block in plan.sweep_blocks for w in block["omega"]]
     assert np.diff(grid) == pytest.approx(np.full(len(grid) - 1, 0.1 / finer))
+
+
+def test_the_spectral_solver_tabulates_frequencies_below_its_grid_and_panels_do_not(seed):
+    asked = {"omega": [0.01, 2.0]}
+    plan = StudyPlan(varied(seed, hydro={"solver": "spectral", **asked}))
+    assert plan.tabulated_blocks[0]["omega"] == [0.01, 2.0]
+    assert plan.response["omega"] == sorted({2.0, *(w.omega for w in plan.study.waves)})
+    with pytest.raises(ConfigError, match=r"hydro.omega: received 0.01 rad/s, needs at least 0.1 rad/s with panels in"):
+        StudyPlan(varied(seed, hydro=asked)).tabulated_blocks  # noqa: B018
 
 
 def test_of_several_realisations_one_is_drawn(seed):

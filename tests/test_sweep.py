@@ -204,6 +204,19 @@ def test_estimate_and_error_are_below_the_tolerance(tolerance):
     assert found.added_mass_inf.shape == (3, 3)
 
 
+@pytest.mark.parametrize(("depth", "order", "names"), [(np.inf, 0, 2), (5.0, 0, 1), (5.0, 1, 2)])
+def test_limits_are_solved_where_they_exist(depth, order, names):
+    displacements = ("Surge",) if order else ("Radial0", "Radial1")
+    solver = SpectralProblem(rigid_sphere(1.0, 0.0), displacements, 1.0, 1.0, 16, order, depth)
+    for found in (converged(solver, OMEGA, 1e-3), converged_on_grid(solver, GRID[:60], 1e-3, 5e-4)):
+        limits = {name: found[name] for name in ("added_mass_inf", "added_mass_zero") if name in found}
+        assert len(limits) == names
+        assert found.added_mass_inf.values == pytest.approx(solver.at_infinity(), rel=1e-3)
+        if "added_mass_zero" in limits:
+            assert found.added_mass_zero.values == pytest.approx(solver.at_zero(), rel=1e-3)
+    assert found.attrs["limit_difference"] < 0.01
+
+
 @pytest.mark.parametrize(("tolerance", "step", "solves"), [(1e-2, 0.1, 15), (1e-3, 0.1, 17), (1e-4, 0.05, 20)])
 def test_points_and_solves_both_follow_from_the_tolerance(cases, tolerance, step, solves):
     grid = list(np.arange(1, round(12.8 / step) + 1) * step)

@@ -36,6 +36,7 @@ from vsb.modes import design_motions
 from vsb.plant import Plant
 from vsb.reference import check_stable, reference_shell
 from vsb.scenes import SCENES, linear_buoy
+from vsb.specs import COARSEST_SWEEP
 from vsb.surface import enclosed, rigid_sphere
 from vsb.units import FloatArray, load, save, write_text
 from vsb.waves import NO_WAVES, power_limit, sea
@@ -176,16 +177,18 @@ def build_database(spec: Spec, blocks: Sequence[str], out: str) -> None:
     everywhere = in_modes(spec["sweep"])
     infinite = [block for block in spec["sweep"] if "omega" not in found[block].dims]
     tabulated = in_modes([*spec["tabulated"], *infinite]) if spec["tabulated"] else None
+    solver = str(json.loads(next(iter(found.values())).attrs["spec"])["solver"])
+    precision = min(1.0, spec["tolerance"] / COARSEST_SWEEP) if solver == "spectral" else 1.0
     checks = [
         *quality.estimate_checks([block.attrs for block in found.values()], spec["tolerance"]),
-        *quality.verdict(everywhere, tabulated, water.depth, water.density, water.gravity, spec["accept"]),
+        *quality.verdict(everywhere, tabulated, water.depth, water.density, water.gravity, precision),
     ]
     attrs = {
         "title": "hydro database of an axisymmetric shell in heave and its modes",
         "source": f"vsb {__version__}",
         "spec": canonical(spec),
         "spec_id": content_id(spec),
-        "quality": database.as_json(checks),
+        "quality": database.as_json(quality.judged(checks, spec["accept"])),
         "radius": study.device.radius,
         "centre_height": study.centre_height,
         "basis": spec["modes"]["basis"] if spec["modes"] else "rigid",
@@ -193,7 +196,7 @@ def build_database(spec: Spec, blocks: Sequence[str], out: str) -> None:
         "water_density": water.density,
         "water_depth": str(water.depth),
         "gravity": water.gravity,
-        "solver": str(json.loads(next(iter(found.values())).attrs["spec"])["solver"]),
+        "solver": solver,
         "bem_seconds": sum(block.attrs["seconds"] for block in found.values()),
     }
     if tabulated is None:

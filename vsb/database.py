@@ -112,7 +112,7 @@ def with_symmetrized(ds: xr.Dataset) -> xr.Dataset:
 
     The asymmetry is discretization error (`check_symmetry` bounds it); energy needs exact symmetry.
     """
-    names = [name for name in ("added_mass", "radiation_damping", "added_mass_inf") if name in ds]
+    names = [n for n in ("added_mass", "radiation_damping", "added_mass_inf", "added_mass_zero") if n in ds]
     swapped = {"influenced_dof": "radiating_dof", "radiating_dof": "influenced_dof"}
     even = {name: 0.5 * (ds[name] + ds[name].rename(swapped).transpose(*ds[name].dims)) for name in names}
     history = (ds.attrs.get("history", "") + "; added mass and damping symmetrized").lstrip("; ")

@@ -19,6 +19,13 @@ from vsb.waves import group_velocity, wavenumber
 LARGEST_LIMIT_DIFFERENCE = 0.02
 """Of added mass at infinite frequency from its extrapolation, as of the Kramers-Kronig relation."""
 
+_DOUBTS = ("error_estimate", "limit_difference")
+_LOWER = "lower hydro.tolerance or raise hydro.rows, change hydro.omega_max"
+_ADVICE = {
+    "kramers_kronig": "raise hydro.omega_max: the band must reach beyond the peak of damping",
+    "interpolation_error": "raise hydro.tolerance, change hydro.omega_max",
+}
+
 
 def _scale(ds: xr.Dataset) -> FloatArray:
     """Outer product that scales the largest damping of each degree of freedom to one, shape (dof, dof)."""
@@ -90,46 +97,54 @@ def added_mass_difference(ds: xr.Dataset) -> float:
     return float(np.abs((ogilvie.mean(axis=0) - ds.added_mass_inf.values) / np.outer(root, root)).max())
 
 
-def pointwise_checks(ds: xr.Dataset, depth: float, density: float, gravity: float) -> list[Check]:
-    """Return the checks that hold at every frequency by itself."""
+def identity_check(name: str, value: float, limit: float, precision: float, explanation: str) -> Check:
+    """Return the check of an identity: ok to a fraction `precision` of its limit, a failure above all of it."""
+    check = check_at_most(name, value, precision * limit, "-", explanation)
+    return replace(check, verdict="doubt") if check.verdict == "fail" and value <= limit else check
+
+
+def pointwise_checks(
+    ds: xr.Dataset, depth: float, density: float, gravity: float, precision: float = 1.0
+) -> list[Check]:
+    """Return the checks that hold at every frequency by itself, to a fraction `precision` of what panels hold them."""
     haskind = haskind_difference(ds, depth, density, gravity)
-    return [
-        check_at_most("symmetry", asymmetry(ds), 0.01, "-", "added mass and damping are symmetric matrices"),
-        check_at_most("positive_damping", negative_damping(ds), 0.01, "-", "no motion can draw energy from calm water"),
-        check_at_most("rank_one", second_channel(ds), 0.02, "-", "axisymmetric motions radiate one ring wave"),
-        check_at_most("haskind", haskind, 0.05, "-", "damping follows from excitation"),
+    held = [
+        ("symmetry", asymmetry(ds), 0.01, "added mass and damping are symmetric matrices"),
+        ("positive_damping", negative_damping(ds), 0.01, "no motion can draw energy from calm water"),
+        ("rank_one", second_channel(ds), 0.02, "axisymmetric motions radiate one ring wave"),
+        ("haskind", haskind, 0.05, "damping follows from excitation"),
     ]
+    return [identity_check(name, value, limit, precision, text) for name, value, limit, text in held]
 
 
-def sweep_checks(sweep: xr.Dataset) -> list[Check]:
-    """Return the checks that need the whole band, in equal steps."""
+def sweep_checks(sweep: xr.Dataset, precision: float = 1.0) -> list[Check]:
+    """Return the checks that need the whole band, in equal steps; what lies above it keeps a tenth of the limit."""
     kink, inconsistency = largest_kink(sweep), added_mass_difference(sweep)
+    smooth = "damping is smooth; an irregular frequency is a spike in it"
+    ogilvie = "Ogilvie: added mass at infinity follows from damping"
     return [
-        check_at_most(
-            "irregular_frequencies", kink, 0.02, "-", "damping is smooth; an irregular frequency is a spike in it"
-        ),
-        check_at_most(
-            "kramers_kronig", inconsistency, 0.02, "-", "Ogilvie: added mass at infinity follows from damping"
-        ),
+        check_at_most("irregular_frequencies", kink, 0.02, "-", smooth),
+        identity_check("kramers_kronig", inconsistency, 0.02, max(precision, 0.1), ogilvie),
     ]
 
 
 def estimate_checks(blocks: Sequence[Mapping[str, Any]], tolerance: float) -> list[Check]:
     """Return the checks of the errors solver and sweep estimate of themselves, from the blocks' attributes.
 
-    A tolerance that the solver itself does not reach, as panels may not, is a doubt: the estimate is what there is.
+    A tolerance that the solver itself does not reach, as panels may not, is a doubt: the estimate is what there is. So
+    is a band that says too little of what is outside: the limits used are those solved.
     """
     solves, frequencies = (sum(int(attrs.get(key, 0)) for attrs in blocks) for key in ("solves", "frequencies"))
     meaning = {
         "error_estimate": "estimated error of added mass, damping and excitation, relative to the largest entry; "
         f"{solves} solves for {frequencies} frequencies",
         "interpolation_error": "of what is interpolated from these solves, relative to the band's largest entry",
-        "limit_difference": "added mass extrapolated to infinite frequency, from that solved; relative to the largest",
+        "limit_difference": "added mass extrapolated to frequencies zero and infinity, from that solved there",
     }
     limit = dict.fromkeys(meaning, tolerance) | {"limit_difference": LARGEST_LIMIT_DIFFERENCE}
     found = {name: [float(attrs[name]) for attrs in blocks if name in attrs] for name in meaning}
     checks = [check_at_most(name, max(e), limit[name], "-", meaning[name]) for name, e in found.items() if e]
-    return [replace(c, verdict="doubt") if (c.name, c.verdict) == ("error_estimate", "fail") else c for c in checks]
+    return [replace(c, verdict="doubt") if c.verdict == "fail" and c.name in _DOUBTS else c for c in checks]
 
 
 def judged(checks: Sequence[Check], accept: Sequence[str]) -> list[Check]:
@@ -149,19 +164,23 @@ def judged(checks: Sequence[Check], accept: Sequence[str]) -> list[Check]:
         if check.verdict == "fail":
             raise DatabaseError(
                 f"hydro database: check {check.name!r} failed: {check.value:.3g}, needs at most {check.limit:g} "
-                f"({check.explanation}); lower hydro.tolerance, change hydro.omega_max, or list the name under "
-                "hydro.accept."
+                f"({check.explanation}); {_ADVICE.get(check.name, _LOWER)}, or list the name under hydro.accept."
             )
     return checks
 
 
 def verdict(
-    sweep: xr.Dataset, tabulated: xr.Dataset | None, depth: float, density: float, gravity: float, accept: Sequence[str]
+    sweep: xr.Dataset,
+    tabulated: xr.Dataset | None,
+    depth: float,
+    density: float,
+    gravity: float,
+    precision: float = 1.0,
 ) -> list[Check]:
-    """Return the judged checks of a database, before it is symmetrized: its sweep and any frequencies tabulated."""
+    """Return the checks of a database, before it is symmetrized: its sweep and any frequencies tabulated."""
     everywhere = sweep
     if tabulated is not None:
         everywhere = xr.concat(
             [sweep, tabulated], dim="omega", data_vars="minimal", coords="minimal", compat="override"
         )
-    return judged([*pointwise_checks(everywhere, depth, density, gravity), *sweep_checks(sweep)], accept)
+    return [*pointwise_checks(everywhere, depth, density, gravity, precision), *sweep_checks(sweep, precision)]

@@ -134,7 +134,7 @@ class Hydro(Section):
     pressure: NonNegative | None = None
     power_tolerance: Annotated[Number, Field(gt=0, le=0.5)] | None = None
     solver: Literal["auto", "spectral", "panels"] = "auto"
-    tolerance: Annotated[Number, Field(ge=1e-5, le=0.1)] = 1e-3
+    tolerance: Annotated[Number, Field(ge=1e-6, le=0.1)] = 1e-3
     omega_max: Positive = 12.0
     omega: tuple[Positive, ...] = ()
     rows: Annotated[Count, Field(ge=4, le=160)] | None = None

@@ -15,7 +15,7 @@ from vsb.resolution import frequency_step, mode_rows, tolerance_rows, wave_rows
 
 Spec = dict[str, Any]
 
-PHYSICS = {"mesh": 2, "bem": 7, "database": 5, "radiation": 1, "response": 2, "simulate": 4, "compare": 6}
+PHYSICS = {"mesh": 2, "bem": 7, "database": 6, "radiation": 1, "response": 2, "simulate": 4, "compare": 6}
 """Hand-bumped version of the physics behind each stage: a library edit alone never reruns anything."""
 
 BLOCK = 32
@@ -25,10 +25,9 @@ The band's upper end is rounded up to as many unrefined steps: studies of differ
 """
 SPECTRAL_BLOCK = 128
 """Likewise of frequencies tabulated by the spectral solver, which needs less than a millisecond for each."""
-SPLINE_ERROR = 5e-5
-"""Of cubic splines on the grid of `frequency_step`, where added mass leaves frequency zero; it falls with step^2."""
-LOGARITHMIC = 4
-"""Least refinement in finite depth, where added mass goes with log(omega): splines need steps of a quarter of omega."""
+SPLINE_ERROR = {"deep": (5e-5, 2), "finite": (4.6e-3, 3)}
+"""Of cubic splines on the grid of `frequency_step`, where added mass leaves frequency zero, and the power of the step
+it falls with; in finite depth added mass goes with log(omega) (measured in 2.041 m to 50 m of water, radius 2 m)."""
 COARSEST_SWEEP = 1e-3
 """Largest tolerance of interpolation: of small modes, measured by the largest, more would be felt."""
 LARGEST_KA = 40.0
@@ -168,9 +167,8 @@ class StudyPlan:
         """
         if self.study.uses_panels:
             return 1
-        excess = 2 * SPLINE_ERROR / self.study.hydro.tolerance
-        needed = int(2 ** math.ceil(math.log(excess, 4))) if excess > 1 else 1
-        return needed if math.isinf(self.study.water.depth) else max(needed, LOGARITHMIC)
+        error, power = SPLINE_ERROR["deep" if math.isinf(self.study.water.depth) else "finite"]
+        return int(2 ** max(0, math.ceil(math.log2(2 * error / self.study.hydro.tolerance) / power)))
 
     @property
     def step(self) -> float:
@@ -212,7 +210,7 @@ class StudyPlan:
 
     def _grid(self, first: int, last: int) -> list[float]:
         """Frequencies of the absolute grid, as round as its step [rad/s]."""
-        digits = max(0, -math.floor(math.log10(self.step))) + 2
+        digits = max(0, -math.floor(math.log10(self.step))) + 5
         return [round(self.step * i, digits) for i in range(first, last + 1)]
 
     @cached_property
@@ -241,10 +239,10 @@ class StudyPlan:
     def tabulated_blocks(self) -> list[Spec]:
         """Blocks of the frequencies the study asks to tabulate, if it does."""
         omega = self.study.hydro.omega
-        if omega and omega[0] < self.lowest_omega:
+        if self.study.uses_panels and omega and omega[0] < self.lowest_omega:
             raise ConfigError(
-                f"hydro.omega: received {omega[0]:g} rad/s, needs at least {self.lowest_omega:.4g} rad/s in water of "
-                f"{self.study.water.depth:g} m"
+                f"hydro.omega: received {omega[0]:g} rad/s, needs at least {self.lowest_omega:.4g} rad/s with panels "
+                f"in {self.study.water.depth:g} m of water"
             )
         size = BLOCK if self.study.uses_panels else SPECTRAL_BLOCK
         chunks = [list(omega[i : i + size]) for i in range(0, len(omega), size)]
@@ -294,7 +292,7 @@ class StudyPlan:
         """Spec of the frequency response."""
         waves = [wave.omega for wave in self.study.waves if isinstance(wave, RegularWave)]
         sections = self.stage("response", "device", "modes", "designs", "water", "pto")
-        extra = sorted({*waves, *self.study.hydro.omega})
+        extra = sorted({*waves, *(omega for omega in self.study.hydro.omega if omega >= self.first_omega)})
         return {
             **sections,
             "step": self.step,

@@ -312,6 +312,22 @@ def _error(problem: SpectralProblem, omegas: list[float]) -> float:
     return float(max(problem.error_estimate(omegas).max().values()))
 
 
+def _limits(problem: SpectralProblem) -> dict[str, xr.Variable]:
+    """Added mass at infinite frequency and, where it has a limit, at zero."""
+    limits = {"added_mass_inf": xr.Variable(_PAIR, problem.at_infinity())}
+    if np.isfinite(problem.depth) and not problem.order:
+        return limits  # log K
+    return limits | {"added_mass_zero": xr.Variable(_PAIR, problem.at_zero())}
+
+
+def _limit_difference(swept: AdaptiveSweep, limits: dict[str, xr.Variable]) -> float:
+    """Largest relative difference of added mass extrapolated to its limits from that solved there."""
+    if not swept.radiation.values.any():
+        return 0.0  # motions that move no water
+    far = {"added_mass_inf": swept.at_infinity, "added_mass_zero": swept.at_zero}
+    return max(_relative(far[name] - limit.values, limit.values) for name, limit in limits.items())
+
+
 def resolved(problem: SpectralProblem, omegas: list[float], tolerance: float) -> tuple[SpectralProblem, float]:
     """Return the problem with as many points as frequencies need, doubled again and again, and its estimated error.
 
@@ -342,7 +358,7 @@ def converged(problem: SpectralProblem, omegas: list[float], tolerance: float) -
         As of `resolved`.
     """
     problem, error = resolved(problem, omegas, tolerance)
-    ds = problem.solve(omegas).assign(added_mass_inf=(_PAIR, problem.at_infinity()))
+    ds = problem.solve(omegas).assign(_limits(problem))
     return ds.assign_attrs(error_estimate=error, solves=len(omegas), frequencies=len(omegas))
 
 
@@ -364,8 +380,9 @@ def converged_on_grid(
     -------
     xarray.Dataset
         With the attributes `error_estimate`, of the boundary elements; `interpolation_error`, of the sweep and of cubic
-        splines through these frequencies; `limit_difference` of added mass extrapolated to infinite frequency by the
-        sweep from that solved there, relative to its largest entry; `solves` and `frequencies`, their numbers.
+        splines through these frequencies; `limit_difference` of added mass extrapolated by the sweep to infinite
+        frequency, and in deep water to zero, from that solved there, relative to its largest entry; `solves` and
+        `frequencies`, their numbers.
 
     Raises
     ------
@@ -377,11 +394,11 @@ def converged_on_grid(
         problem, _ = resolved(problem, omegas, tolerance)
         found = on_grid(problem.solve, frequencies, interpolation, incident_wave(problem))
         omegas, error = found.solved, _error(problem, found.solved)
-    infinite = problem.at_infinity()
+    limits = _limits(problem)
     attrs: dict[str, float] = {"error_estimate": error, "solves": len(omegas), "frequencies": len(frequencies)}
     if found.sweep:
         attrs["interpolation_error"] = found.sweep.error + found.spline_error(found.sweep.at)
-        attrs["limit_difference"] = _relative(found.sweep.at_infinity - infinite, infinite)
+        attrs["limit_difference"] = _limit_difference(found.sweep, limits)
     else:
         attrs["interpolation_error"] = found.spline_error(problem.solve)
-    return found.coefficients.assign(added_mass_inf=(_PAIR, infinite)).assign_attrs(attrs)
+    return found.coefficients.assign(limits).assign_attrs(attrs)

@@ -53,6 +53,7 @@ ATTRS: dict[str, Quantity] = {
     "added_mass": Quantity(("omega", *_PAIR), "kg", "added mass"),
     "radiation_damping": Quantity(("omega", *_PAIR), "kg/s", "radiation damping"),
     "added_mass_inf": Quantity(_PAIR, "kg", "added mass at infinite frequency"),
+    "added_mass_zero": Quantity(_PAIR, "kg", "added mass at frequency zero"),
     "excitation_force": Quantity(_EXCITATION, "N/m", "excitation force per unit wave amplitude"),
     "Froude_Krylov_force": Quantity(_EXCITATION, "N/m", "Froude-Krylov force per unit wave amplitude"),
     "diffraction_force": Quantity(_EXCITATION, "N/m", "diffraction force per unit wave amplitude"),
