@@ -1,13 +1,16 @@
+import ast
 import copy
 import json
 
+import numpy as np
 import pytest
+import xarray as xr
 import yaml
 from conftest import SEED, varied
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vsb import config
+from vsb import config, quality
 from vsb.config import canonical, content_id
 from vsb.errors import ConfigError
 
@@ -70,6 +73,9 @@ BAD = [
     (("simulation", "window"), [50, 50], r"simulation: window \[50.0, 50.0\]: needs 0 <= start < end"),
     (("simulation", "window"), [60], r"simulation.window.1: .*required"),
     (("pto", "damping"), "soft", r"pto.damping: received 'soft'; .*valid number"),
+    (("study",), "a" * 65, r"study: received 'a+'; String should have at most 64 characters"),
+    (("waves",), [{"kind": "jonswap", "hs": 1, "tp": 4, "seed": 10**400}], r"waves.0.jonswap: seed of 401 digits: needs at most 2\^32"),
+    (("hydro", "accept"), ["haskind", "haskin"], r"hydro.accept \['haskin'\]: no such check; needs some of error_estimate, .*haskind"),
     (("study",), "logs", r"study: received 'logs'; 'logs' is the name of a results folder"),
     (("study",), "benchmarks", r"study: received 'benchmarks'; .*choose a name other than hydro, hydro_precision, barge, logs, benchmarks"),
     (("study",), "hydro", r"study: received 'hydro'; 'hydro' is the name of a results folder"),
@@ -100,6 +106,7 @@ def test_bad_value_is_one_line_with_file_key_and_need(tmp_path, path, value, mes
         pytest.param("? [a, b]\n: 1\n", "not valid YAML"),
         pytest.param("? {a: 1}\n: 1\n", "not valid YAML"),
         pytest.param("a: 2020-99-99\n", "not valid YAML"),
+        pytest.param("a: " + 5000 * "[" + 5000 * "]", r"not valid YAML \(nested too deeply\); give a study file"),
     ],
 )
 def test_what_is_no_study_at_all(tmp_path, text, message):
@@ -283,3 +290,34 @@ def test_labels_of_seas(seed, wave, label):
     (read,) = varied(seed, waves=[wave]).waves
     assert read.label == label
     assert read.description
+
+
+def test_checks_a_study_may_accept_are_those_there_are():
+    """Names are known before anything is solved; every literal of the module is offered as the name of an estimate."""
+    tree = ast.parse((SEED.parents[1] / "vsb" / "quality.py").read_text(encoding="utf-8"))
+    literals = {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)}
+    omega = np.arange(1, 9) * 0.5
+    pair = ("influenced_dof", "radiating_dof")
+    square = np.tile(np.eye(2), (8, 1, 1))
+    ds = xr.Dataset(
+        {
+            "added_mass": (("omega", *pair), square),
+            "radiation_damping": (("omega", *pair), square),
+            "added_mass_inf": (pair, np.eye(2)),
+            "excitation_force": (("omega", "wave_direction", "influenced_dof"), np.ones((8, 1, 2)) + 0j),
+        },
+        coords={"omega": omega},
+    )
+    estimates = [dict.fromkeys((name for name in literals if isinstance(name, str)), 0.0)]
+    found = [
+        *quality.pointwise_checks(ds, np.inf, 1e3, 9.81),
+        *quality.sweep_checks(ds),
+        *quality.estimate_checks(estimates, 1e-3),
+    ]
+    assert sorted(check.name for check in found) == sorted(config.CHECKS)
+    assert len(set(config.CHECKS)) == len(config.CHECKS)
+
+
+@pytest.mark.parametrize("name", config.CHECKS)
+def test_every_check_may_be_accepted(name):
+    assert config.parse(changed(("hydro", "accept"), [name])).hydro.accept == (name,)

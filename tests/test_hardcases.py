@@ -53,11 +53,23 @@ def test_every_case_of_the_file_is_sound():
         ({"bass": "paper.yaml"}, "case x: received .*bass.*, needs a mapping with keys among.*base"),
         ({"probe": "none"}, "case x: received probe 'none' .* needs one of simulation"),
         ({"expected": "maybe"}, "expected 'maybe', needs .* completed or refused"),
+        ({"base": 3}, "case x: received .*base.*, needs a path as base and a list of designs"),
+        ({"designs": "FSB"}, "case x: received .*designs.*, needs a path as base and a list of designs"),
     ],
 )
 def test_a_bad_entry_is_refused(given, message):
     with pytest.raises(ConfigError, match=message):
         Case.of("x", given, CASES.parent)
+
+
+@pytest.mark.parametrize("text", ["[1, 2]", "- a"])
+def test_a_file_of_no_cases_is_refused(tmp_path, text):
+    (tmp_path / "cases.yaml").write_text(text)
+    with pytest.raises(ConfigError, match=r"cases.yaml: received list, needs a mapping of cases by name"):
+        load_cases(tmp_path / "cases.yaml")
+    case = Case.of("x", {"base": "cases.yaml"}, tmp_path)
+    with pytest.raises(ConfigError, match=r"cases.yaml: received list, needs a study, as base of case x"):
+        hardcases.case_study(case)
 
 
 def test_overrides_are_nested_but_designs_are_replaced():

@@ -246,3 +246,8 @@ def test_a_study_of_rigid_designs_has_nothing_to_measure(seed_study, tmp_path):
     rigid = varied(seed_study, designs={"FSB": {"flexible": False}})
     with pytest.raises(ConfigError, match=r"designs: received only rigid ones, FSB; needs a flexible one"):
         benchmark(rigid, tmp_path)
+
+
+def test_a_study_of_panels_is_refused_before_anything_is_solved(seed_study, tmp_path):
+    with pytest.raises(ConfigError, match=r"hydro: received a study of panels; needs hydro.solver: spectral"):
+        benchmark(varied(seed_study, hydro={"rows": 20}), tmp_path)

@@ -1,3 +1,8 @@
+import os
+import subprocess
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -6,7 +11,19 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from vsb.errors import DatabaseError
-from vsb.units import ATTRS, check_finite, described, load, merged, save, separated, write_text
+from vsb.units import (
+    ATTRS,
+    check_file,
+    check_finite,
+    check_folder,
+    described,
+    load,
+    merged,
+    save,
+    separated,
+    whole,
+    write_text,
+)
 
 FINITE = st.floats(-1e12, 1e12)
 
@@ -158,3 +175,86 @@ def test_every_variable_has_a_unit_and_a_meaning(name):
     assert quantity.units
     assert quantity.long_name
     assert len(set(quantity.dims)) == len(quantity.dims)
+
+
+def test_what_cannot_be_written_is_one_line_and_loses_nothing(tmp_path):
+    (tmp_path / "file").write_text("kept")
+    (tmp_path / "folder").mkdir()
+    for path, reason in (
+        (tmp_path / "file" / "a.nc", f"{tmp_path / 'file'} is no folder"),
+        (tmp_path / "file" / "deep" / "a.nc", f"{tmp_path / 'file'} is no folder"),
+        (tmp_path / "folder", "it is a folder or a device"),
+        (tmp_path / ("a" * 300), "File name too long"),
+    ):
+        for write in (lambda p: save(rao(np.ones((1, 3, 2))), p), lambda p: write_text(p, "new")):
+            with pytest.raises(DatabaseError, match=r"cannot be written \(.*\); needs") as error:
+                write(path)
+            assert str(error.value).startswith(f"{path}: cannot be written ({reason}); needs ")
+    assert sorted(path.name for path in tmp_path.rglob("*")) == ["file", "folder"]
+    assert (tmp_path / "file").read_text() == "kept"
+
+
+def test_a_device_is_never_replaced_by_a_file():
+    with pytest.raises(
+        DatabaseError, match=r"/dev/null: cannot be written \(it is a folder or a device\); needs a file"
+    ):
+        check_file("/dev/null")
+
+
+def test_a_folder_that_is_not_there_yet_can_be_written(tmp_path, monkeypatch):
+    check_folder(tmp_path / "new" / "deeper")
+    check_file(tmp_path / "new" / "a.nc")
+    monkeypatch.setattr("vsb.units.os.access", lambda *_: False)  # root may write anywhere
+    with pytest.raises(
+        DatabaseError, match=f"new: cannot be written .no permission to write to {tmp_path}.; needs a folder"
+    ):
+        check_folder(tmp_path / "new")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_whose_name_is_too_long_is_one_line(tmp_path):
+    with pytest.raises(
+        DatabaseError, match=r"cannot be written \(File name too long\); needs a folder you may write to"
+    ):
+        check_folder(tmp_path / ("a" * 300))
+
+
+FULL = """
+import resource, sys
+import numpy as np
+from test_units import rao
+from vsb.errors import DatabaseError
+from vsb.units import save, write_text
+resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))
+for write in (lambda: write_text("a.txt", "new" * 10**5), lambda: save(rao(np.random.rand(1, 6000, 2)), "a.nc")):
+    try:
+        write()
+    except DatabaseError as error:
+        print(error)
+"""
+
+
+def test_a_full_disk_keeps_the_old_files(tmp_path):
+    write_text(tmp_path / "a.txt", "old")
+    save(rao(np.ones((1, 3, 2))), tmp_path / "a.nc")
+    path = os.pathsep.join([str(Path(__file__).parent), str(Path(__file__).parents[1])])
+    done = subprocess.run(
+        [sys.executable, "-c", FULL],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    text, data = done.stdout.splitlines()
+    assert text == "a.txt: cannot be written (File too large); needs space in a folder you may write to"
+    assert data.startswith("a.nc: cannot be written (")
+    assert (tmp_path / "a.txt").read_text() == "old"
+    assert np.all(load(tmp_path / "a.nc").rao.values == 1.0)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.nc", "a.txt"]
+
+
+def test_a_mistake_while_writing_is_not_the_users(tmp_path):
+    with pytest.raises(ZeroDivisionError, match="division by zero"), whole(tmp_path / "a.txt") as temporary:
+        temporary.write_text(str(1 / 0))
+    assert list(tmp_path.iterdir()) == []

@@ -63,6 +63,11 @@ __all__ = [
 ]
 CLEARANCE = 1.02
 """Least depth the spectral solver is given, in drafts."""
+CHECKS = (
+    "error_estimate", "interpolation_error", "limit_difference", "symmetry", "positive_damping", "rank_one", "haskind",
+    "irregular_frequencies", "kramers_kronig",
+)  # fmt: skip
+"""Names of the checks on a hydro database, as `vsb.quality` gives them; a study may accept their failures."""
 RESERVED_NAMES = ("hydro", "hydro_precision", "barge", "logs", "benchmarks")
 
 
@@ -162,6 +167,8 @@ class Study(Section):
         idle = [key for key in ("omega", "rows", "accept") if getattr(self.hydro, key)]
         if model == "assumed_pressure" and idle:
             raise ValueError(f"hydro.{idle[0]}: hydro.model {model!r} has no coefficients to solve or judge; remove it")
+        if unknown := [name for name in self.hydro.accept if name not in CHECKS]:
+            raise ValueError(f"hydro.accept {unknown}: no such check; needs some of {', '.join(CHECKS)}")
         if model == "auto" and not self.pto.damping:
             raise ValueError("hydro.model 'auto': judges by mean absorbed power; needs pto.damping above 0")
         if self.hydro.solver == "spectral" and self.hydro.rows:
@@ -177,8 +184,8 @@ class Study(Section):
         )
         if method not in suitable:
             raise ValueError(f"simulation.method {method!r}: hydro.model {model!r} needs one of {', '.join(suitable)}")
-        if self.published and (unknown := sorted(set(self.published.values) - set(self.designs))):
-            raise ValueError(f"published.values {unknown}: no such design; needs some of {', '.join(self.designs)}")
+        if self.published and (absent := sorted(set(self.published.values) - set(self.designs))):
+            raise ValueError(f"published.values {absent}: no such design; needs some of {', '.join(self.designs)}")
 
     @property
     def drawn_waves(self) -> tuple[Wave, ...]:

@@ -19,7 +19,6 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-import yaml
 from scipy.linalg import eigh
 from scipy.spatial.transform import Rotation
 
@@ -35,6 +34,7 @@ from vsb.modes import design_motions, rigid_basis, study_basis
 from vsb.plant import Plant
 from vsb.pto import LinearPto
 from vsb.radiation import fit_radiation
+from vsb.reading import read_yaml
 from vsb.reference import check_stable, reference_shell
 from vsb.response import LinearBuoy
 from vsb.scenes import SCENES
@@ -83,6 +83,8 @@ class Case:
         known = {f.name for f in fields(cls)} - {"name"}
         if not isinstance(given, dict) or not given.keys() <= known:
             raise ConfigError(f"case {name}: received {given!r}, needs a mapping with keys among {sorted(known)}")
+        if not isinstance(given.get("base", ""), str) or not isinstance(given.get("designs", []), list):
+            raise ConfigError(f"case {name}: received {given!r}, needs a path as base and a list of designs")
         base = str(folder / given["base"]) if "base" in given else ""
         case = cls(name, **{**given, "base": base, "designs": tuple(given.get("designs", ("-",)))})
         if case.probe not in PROBES or case.expected not in ("completed", "refused"):
@@ -126,8 +128,16 @@ COLUMNS = tuple(f.name for f in fields(Row))
 
 
 def load_cases(path: str | Path) -> list[Case]:
-    """Return the cases of a file."""
-    entries = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
+    """Return the cases of a file.
+
+    Raises
+    ------
+    ConfigError
+        If it is no file of cases by name.
+    """
+    entries = read_yaml(path, "a file of cases such as config/hard_cases.yaml")
+    if not isinstance(entries, dict):
+        raise ConfigError(f"{path}: received {type(entries).__name__}, needs a mapping of cases by name")
     return [Case.of(name, given, Path(path).parent) for name, given in entries.items()]
 
 
@@ -142,7 +152,9 @@ def changed(base: Spec, overrides: Mapping[str, Any]) -> Spec:
 
 def case_study(case: Case) -> Study:
     """Return the study of a case; nothing published applies to it."""
-    raw = yaml.safe_load(Path(case.base).read_text(encoding="utf-8"))
+    raw = read_yaml(case.base, "a study file, as base of a case")
+    if not isinstance(raw, dict):
+        raise ConfigError(f"{case.base}: received {type(raw).__name__}, needs a study, as base of case {case.name}")
     return parse({**changed(raw, case.overrides), "published": None}, source=case.name)
 
 

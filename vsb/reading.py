@@ -46,6 +46,8 @@ def read_yaml(path: str | Path, wanted: str) -> object:
         return yaml.load(Path(path).read_text(encoding="utf-8"), Loader=_UniqueKeyLoader)  # noqa: S506 (a SafeLoader)
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read ({error.strerror}); give the path of {wanted}") from None
+    except RecursionError:
+        raise ConfigError(f"{path}: not valid YAML (nested too deeply); give {wanted}") from None
     except (yaml.YAMLError, TypeError, ValueError) as error:
         raise ConfigError(f"{path}: not valid YAML ({' '.join(str(error).split())})") from None
 

@@ -24,7 +24,7 @@ NonNegative = Annotated[Number, Field(ge=0, allow_inf_nan=False)]
 Finite = Annotated[Number, Field(allow_inf_nan=False)]
 DEEPEST = 2e4
 """No sea is deeper [m]."""
-Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
+Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=64)]  # of files, too
 
 
 class Section(BaseModel):
@@ -216,6 +216,12 @@ class IrregularSea(Section):
     hs: Positive
     seed: Annotated[Count, Field(ge=0)] = 1
     realisations: Annotated[Count, Field(ge=1, le=1000)] = 1
+
+    @model_validator(mode="after")
+    def _seeds_fit_a_file_name(self) -> Self:
+        if self.seed + self.realisations > 2**32:
+            raise ValueError(f"seed of {len(str(self.seed))} digits: needs at most 2^32 - realisations")
+        return self
 
     @property
     @abstractmethod

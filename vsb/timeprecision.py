@@ -317,6 +317,8 @@ def benchmark(study: Study, folder: str | Path) -> list[Row]:
         If no design is flexible.
     """
     design = next((name for name, one in study.designs.items() if one.flexible), None)
+    if study.uses_panels:
+        raise ConfigError("hydro: received a study of panels; needs hydro.solver: spectral, in deep enough water.")
     if design is None:
         raise ConfigError(f"designs: received only rigid ones, {', '.join(study.designs)}; needs a flexible one.")
     with tempfile.TemporaryDirectory() as files:
