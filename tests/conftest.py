@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from vsb import bem, config, database, panelsweep, sweep
+from vsb import bem, config, database, panelsweep, spectralsweep
 from vsb.commands import mean_mesh, spectral_problem
 from vsb.config import Study, canonical
 from vsb.kernel import DampingSpectrum
@@ -84,7 +84,7 @@ def green_folder(tmp_path_factory, worker_id) -> Path:
 def solved_block(study: Study, spec, green_folder):
     """One BEM job, by the solver its spec names."""
     if "mesh" not in spec:
-        return sweep.converged(spectral_problem(spec), spec["omega"], spec["tolerance"])
+        return spectralsweep.converged(spectral_problem(spec), spec["omega"], spec["tolerance"])
     return panelsweep.solve_block(spec, mean_mesh(spec["mesh"]), mean_mesh(spec["mesh"], coarser=2), green_folder)
 
 

@@ -12,7 +12,7 @@ import pytest
 HOME = Path(__file__).parent.parent
 ORDER = (
     "errors", "compiled", "sections", "reading", "config", "resolution", "specs", "units", "shell", "modes", "azimuthal", "surface", "prestress", "reference", "wetforce", "multibody",
-    "wetbody", "meshing", "superposition", "waves", "ringsource", "meridian", "wavepart", "finitedepth", "spectral", "rational", "sweep", "waveforce", "kernel", "database", "interchange", "quality", "bodies", "coarsening", "bem", "panelsweep", "bodysolver", "bodysweep", "bodystudy", "radiation", "pto", "response", "shapefamily", "shapedatabase", "plant",
+    "wetbody", "meshing", "superposition", "waves", "ringsource", "meridian", "wavepart", "finitedepth", "spectral", "rational", "sweep", "spectralsweep", "waveforce", "kernel", "database", "generalized", "wamit", "bemio", "quality", "interchange", "bodies", "coarsening", "bem", "panelsweep", "bodysolver", "bodysweep", "bodystudy", "radiation", "pto", "response", "shapefamily", "shapedatabase", "plant",
     "integrate", "constraint", "phifunctions", "adams", "exponential", "gauss", "periodic", "regularwave", "harmonic", "audit", "trajectory", "automatic", "scenes", "power", "seastatistics", "compare", "ledger", "canvas", "barge", "shapedependence", "riemann", "workprecision", "hydroprecision", "shapes", "figures", "report",
     "commands", "hardcases", "generalsolvers", "timecases", "timeprecision", "publish", "preview", "cli",
 )  # fmt: skip

@@ -170,10 +170,15 @@ def test_frequencies_above_the_first_irregular_one_are_refused(tmp_path):
     [
         ({"water": {"depth": 1.5}}, "needs more than the draught"),
         ({"convergence": {"panels": [1, 2, 3], "omega": 1.0}}, "convergence.panels"),
+        ({"omega": []}, "needs at least one value"),
+        ({"omega": [1.0, 0.5]}, "ascending without repetition"),
+        ({"wave_direction": []}, "wave_direction .*needs at least one value"),
         ({"panels": True}, "a number is needed"),
         ({"beams": 3}, "unknown key"),
     ],
 )
 def test_a_wrong_study_is_refused_in_one_line(tmp_path, changes, message):
-    with pytest.raises(ConfigError, match=message):
+    with pytest.raises(ConfigError, match=message) as error:
         barge.study(study(tmp_path, **changes), tmp_path / "out")
+    assert "\n" not in str(error.value)
+    assert not (tmp_path / "out").exists()

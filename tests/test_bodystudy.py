@@ -226,6 +226,10 @@ def test_lines_and_points_are_no_panels(tmp_path):
         ({"omega": [2.0, 1.0]}, "ascending without repetition"),
         ({"wave_direction": [0.0, 0.0]}, "ascending without repetition"),
         ({"omega": [0.05], "water": {"depth": 10.0}}, "omega 0.05 rad/s: in 10 m of water needs at least"),
+        (
+            {"omega": [3.0], "water": {"depth": 0.9}},
+            "water.depth: received 0.9 m, needs more than the body's draught of 2 m",
+        ),
         ({"symmetry": "xyz"}, "symmetry"),
         ({"lid": True}, "a number is needed"),
         ({"tolerance": 0.0}, "tolerance"),

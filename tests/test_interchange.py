@@ -1,7 +1,6 @@
 """Exchange with WAMIT's numeric files and BEMIO's .h5: conventions by numbers worked out by hand, and round trips."""
 
 import json
-import shutil
 
 import netCDF4
 import numpy as np
@@ -9,14 +8,18 @@ import pytest
 import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.integrate import quad
 
 from vsb import database, units
-from vsb.errors import DatabaseError
-from vsb.interchange import bemio_entries, export, import_wamit, mode_numbers, read_bemio, wamit_texts, write_h5
+from vsb.bemio import bemio_entries, excitation_response, impulse_times, read_bemio, write_h5
+from vsb.errors import ConfigError, DatabaseError
+from vsb.interchange import export
 from vsb.kernel import DampingSpectrum
+from vsb.wamit import import_wamit, wamit_texts
 
 HALF_DIGIT = 5e-7  # of seven significant digits
 PAIR, WAVE = ("influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
+DAMPING = "structural_damping_matrix"
 WATER = {"water_density": 1000.0, "gravity": 10.0, "water_depth": "inf"}
 
 
@@ -183,7 +186,7 @@ def test_long_waves():
     assert np.all(rows(texts[".3"])[:, 4] > 0)
 
 
-def test_zero_frequency_is_written_and_left_out_when_read(tmp_path):
+def test_zero_frequency_is_written_and_read_as_a_limit(tmp_path):
     ds = random_database(modes=1, frequencies=2).assign_coords(omega=[0.0, np.pi])
     texts = wamit_texts(ds, "memory")
     lines = texts[".1"].splitlines()[1:]
@@ -194,7 +197,10 @@ def test_zero_frequency_is_written_and_left_out_when_read(tmp_path):
     assert len(rows(texts[".3"])) == 2
     back = import_wamit(written(tmp_path, texts), "buoy", density=1000.0, gravity=10.0)
     assert back.sizes["omega"] == 1
-    assert back.attrs["history"] == "read from WAMIT's files buoy; left out: zero frequency"
+    assert back.added_mass_zero.values == pytest.approx(ds.added_mass.values[0], rel=1e-6)
+    again = wamit_texts(back, "memory")
+    assert again[".1"].splitlines()[1:] == lines
+    assert back.attrs["history"] == "read from WAMIT's files buoy"
 
 
 @settings(max_examples=25, deadline=None)
@@ -261,25 +267,30 @@ FOREIGN = {
      3     9   1.000000E+00
      9     3  -1.000000E+00
      9     9   2.000000E+00
+     1     3   0.000000E+00
+     1     9   0.000000E+00
+     3     1   0.000000E+00
+     9     1   5.000000E-01
 """,
 }
 
 
 def test_output_of_others_with_generalized_modes(tmp_path):
-    """ULEN = 2, rho = 1000, g = 10: rho L^3 = 8000 kg, rho g L^2 = 40000 N/m; mode 8 does not exist, 1 is held."""
+    """ULEN = 2, rho = 1000, g = 10: rho L^3 = 8000 kg, rho g L^2 = 40000 N/m; of modes 1, 3 and 9, 1 is uncoupled."""
     ds = import_wamit(written(tmp_path, FOREIGN), "buoy", density=1000.0, gravity=10.0, length=2.0, depth=30.0)
-    assert ds.influenced_dof.values.tolist() == ["Heave", "Mode9"]
+    assert ds.influenced_dof.values.tolist() == ["Surge", "Heave", "Mode9"]
     assert ds.omega.values == pytest.approx([np.pi / 2, np.pi])
     assert ds.wave_direction.values == pytest.approx([np.pi / 2])
     assert ds.added_mass.values == pytest.approx(
-        8000 * np.array([[[2.5, 0.45], [0.0, 0.65]], [[2.0, 0.4], [0.0, 0.6]]])
+        8000 * np.array([[[1, 0, 0], [0, 2.5, 0.45], [0, 0, 0.65]], [[1, 0, 0], [0, 2.0, 0.4], [0, 0, 0.6]]])
     )
-    assert ds.added_mass_inf.values == pytest.approx(8000 * np.array([[1.5, -0.25], [0.0, 1.0]]))
-    assert ds.radiation_damping.values[1] == pytest.approx(8000 * np.pi * np.array([[0.3, 0.05], [0.0, 0.07]]))
-    assert ds.radiation_damping.values[0] == pytest.approx(4000 * np.pi * np.array([[0.35, 0.055], [0.0, 0.075]]))
-    assert ds.excitation_force.values[:, 0] == pytest.approx(4e4 * np.array([[6 + 8j, 1j], [3 - 4j, -2]]))
-    assert ds.hydrostatic_stiffness.values == pytest.approx(4e4 * np.array([[7.0, 1.0], [-1.0, 2.0]]))
-    assert ds.attrs["history"] == "read from WAMIT's files buoy; left out: mode 1, zero frequency"
+    assert ds.added_mass_inf.values == pytest.approx(8000 * np.array([[0.5, 0, 0], [0, 1.5, -0.25], [0, 0, 1.0]]))
+    long, short = ds.radiation_damping.values / np.pi
+    assert short == pytest.approx(8000 * np.array([[1, 0, 0], [0, 0.3, 0.05], [0, 0, 0.07]]))
+    assert long == pytest.approx(4000 * np.array([[1, 0, 0], [0, 0.35, 0.055], [0, 0, 0.075]]))
+    assert ds.excitation_force.values[:, 0] == pytest.approx(4e4 * np.array([[-1j, 6 + 8j, 1j], [-1j, 3 - 4j, -2]]))
+    assert ds.hydrostatic_stiffness.values == pytest.approx(4e4 * np.array([[0, 0, 0], [0, 7, 1], [0.5, -1, 2]]))
+    assert ds.attrs["history"] == "read from WAMIT's files buoy; left out: zero frequency, not of all pairs"
     assert {name: ds.attrs[name] for name in WATER} == {**WATER, "water_depth": "30.0"}
     assert {name: ds[name].attrs["units"] for name in ds.data_vars} == {
         "added_mass": "kg",
@@ -297,7 +308,7 @@ def test_a_header_may_be_missing_and_infinite_frequency_too(tmp_path):
     bare[".1"] = "".join(line + "\n" for line in bare[".1"].splitlines() if not line.startswith("  0.0"))
     ds = import_wamit(written(tmp_path, bare), "buoy", density=1000.0, gravity=10.0)
     assert "added_mass_inf" not in ds
-    assert ds.added_mass.values[1, 0] == pytest.approx([2000.0, 400.0])
+    assert ds.added_mass.values[1, 1] == pytest.approx([0.0, 2000.0, 400.0])
 
 
 def edited(extension, old, new):
@@ -316,8 +327,9 @@ BROKEN = {
     "mode zero": (edited(".1", "     3     9  4.0", "     0     9  4.0"), r"line 9: .*mode numbers that are not whole"),
     "repeated": (edited(".1", LINE, 2 * LINE), r"buoy\.1, line 10: .*repeats an earlier line"),
     "missing pair": (edited(".1", LINE, ""), r"buoy\.1: no line starts with \(2\.0, 3, 9\)"),
-    "no waves": ({**FOREIGN, ".1": "".join(FOREIGN[".1"].splitlines(True)[:6])}, r"buoy\.1: holds no data; needs lines PER I J A"),
-    "no heave": ({**FOREIGN, ".1": "".join(s + "\n" for s in FOREIGN[".1"].splitlines() if "     3 " not in s)}, r"holds modes \[1, 9\]; needs mode 3"),
+    "period": (edited(".1", "-1.000000E+00", "-2.000000E+00"), r"buoy\.1: holds period -2; needs periods > 0, 0 or -1"),
+    "no waves": ({**FOREIGN, ".1": "".join(FOREIGN[".1"].splitlines(True)[:6])}, r"buoy\.1: holds no period > 0; needs lines PER I J A B"),
+    "nothing": ({**FOREIGN, ".1": "header\n"}, r"buoy\.1: holds no data; needs lines PER I J A"),
     "no force": (edited(".3", FORCE, ""), r"buoy\.3: no line starts with \(2\.0, 90\.0, 9\)"),
     "force nan": (edited(".3", "-2.000000E+00", "inf"), r"buoy\.3, line 4: .*is not of 7 finite numbers"),
     "modulus": (edited(".3", "  2.000000E+00  1.8", "  2.100000E+00  1.8"), r"buoy\.3, line 4: .*modulus that contradicts"),
@@ -353,21 +365,22 @@ def test_missing_files_are_refused(tmp_path, extension):
         ({"density": 0.0}, "density: received 0.0, needs a positive number"),
         ({"gravity": -9.81}, "gravity: received -9.81, needs a positive number"),
         ({"length": np.nan}, "length: received nan, needs a positive number"),
-        ({"labels": ["Heave"]}, r"holds modes \[1, 3, 9\]; needs mode 3, and .* labels \['Heave'\]"),
-        ({"labels": ["Membrane0", "Heave"]}, "needs Heave first, then each mode once"),
+        ({"depth": 0.0}, "depth: received 0.0, needs a positive number of m, or inf"),
+        ({"depth": np.nan}, "depth: received nan, needs"),
+        ({"labels": ["Heave"]}, r"holds modes \[1, 3, 9\]; needs as many labels of these, received \['Heave'\]"),
+        ({"labels": ["Surge", "Membrane0", "Heave"]}, "needs as many labels of these, received"),
+        ({"labels": ["Heave", "Heave"]}, "needs at least one, and none twice"),
     ],
 )
 def test_facts_that_do_not_fit_the_files_are_refused(tmp_path, facts, message):
-    with pytest.raises(DatabaseError, match=message):
+    with pytest.raises((ConfigError, DatabaseError), match=message):
         import_wamit(written(tmp_path, FOREIGN), "buoy", **{"density": 1000.0, "gravity": 10.0, **facts})
 
 
-def test_modes_are_numbered_from_seven():
-    assert mode_numbers(["Heave", "Membrane0", "Bending2"]) == [3, 7, 8]
-    assert mode_numbers(["Heave"]) == [3]
-    for labels in ([], ["Membrane0"], ["Heave", "Membrane0", "Membrane0"]):
-        with pytest.raises(DatabaseError, match="needs Heave first, then each mode once"):
-            mode_numbers(labels)
+def test_labels_of_the_modes_may_be_given(tmp_path):
+    labels = ["Surge", "Heave", "Bending1"]
+    ds = import_wamit(written(tmp_path, FOREIGN), "buoy", density=1000.0, gravity=10.0, labels=labels)
+    assert ds.radiating_dof.values.tolist() == labels
 
 
 def test_what_cannot_be_written_is_refused():
@@ -421,6 +434,8 @@ def test_h5_has_the_layout_wec_sim_reads(bemio):
         "/body1/hydro_coeffs/radiation_damping/all": (8, 8, 6),
         "/body1/hydro_coeffs/radiation_damping/impulse_response_fun/K": (8, 8, 1001),
         "/body1/hydro_coeffs/radiation_damping/impulse_response_fun/t": (1001, 1),
+        "/body1/hydro_coeffs/excitation/impulse_response_fun/f": (8, 2, 2001),
+        "/body1/hydro_coeffs/excitation/impulse_response_fun/t": (2001, 1),
         **{f"/body1/hydro_coeffs/excitation/{part}{key}": (8, 2, 6) for part in ("", "froude-krylov/", "scattering/") for key in ("re", "im", "mag", "phase")},
     }  # fmt: skip
     assert {place: bemio[place].shape for place in shapes} == shapes
@@ -479,10 +494,59 @@ def test_h5_force_in_time(bemio, elastic):
 def test_h5_impulse_response_is_the_retardation_kernel(bemio, elastic):
     response = bemio["/body1/hydro_coeffs/radiation_damping/impulse_response_fun"]
     time = response["t"][:, 0]
-    assert (time[0], time[-1]) == (0.0, pytest.approx(100.0))
-    expected = DampingSpectrum(elastic.omega.values, elastic.radiation_damping.values).kernel(time)
-    assert response["K"][2, 7] == pytest.approx(expected[:, 0, 2] / 1000)
+    assert (time[0], time[1], time[-1], len(time)) == (0.0, 0.05, 50.0, 1001)  # 4 m^3
+    early = time < 10 / np.diff(elastic.omega.values, prepend=0.0).max()
+    spectrum = DampingSpectrum(elastic.omega.values, elastic.radiation_damping.values)
+    assert response["K"][2, 7, early] == pytest.approx(spectrum.kernel(time[early])[:, 0, 2] / 1000, abs=1e-8)
     assert response["K"][7, 7, 0] > 0
+
+
+def test_late_impulse_response_of_few_frequencies_is_no_artefact(bemio, elastic):
+    """At 49 s the eight points between two frequencies 1 rad/s apart are too few; against adaptive quadrature."""
+    spectrum = DampingSpectrum(elastic.omega.values, elastic.radiation_damping.values)
+    top, late = elastic.omega.values[-1], 973
+    time = 0.05 * late
+
+    def integral(place, upper, weight=lambda w: 1.0):
+        options = {"weight": "cos", "wvar": time, "limit": 500, "limlst": 500, "epsabs": 1e-6}
+        return quad(lambda w: spectrum.at(np.array([w]))[0][place], *upper, **options)[0]
+
+    expected = 2 / np.pi * (integral((0, 2), (0.0, top)) + integral((0, 2), (top, np.inf)))
+    assert bemio["/body1/hydro_coeffs/radiation_damping/impulse_response_fun/K"][2, 7, late] == pytest.approx(
+        expected / 1000, rel=1e-5, abs=1e-6 * abs(spectrum.damping).max() / 1000
+    )
+
+
+@pytest.mark.parametrize(("radius", "step"), [(2.0, 0.1), (0.02, 0.01), (0.2, 0.02), (20.0, 0.2), (50.0, 0.5)])
+def test_impulse_responses_last_as_long_as_the_body_is_large(radius, step):
+    """A 2 m buoy has 0.1 s and 100 s; the steps fall between 0.09 and 0.23 sqrt(radius/g)."""
+    time = impulse_times(radius, 9.81)
+    assert (time[0], time[1], time[-1], len(time)) == (0.0, pytest.approx(step), pytest.approx(1000 * step), 1001)
+    assert 0.4 * 0.23 <= step / np.sqrt(radius / 9.81) <= 0.23
+
+
+def test_excitation_is_the_transform_of_its_impulse_response():
+    """As WEC-Sim convolves it: force = sum f(s) eta(t - s) dt, eta = Re e^{i omega t}."""
+    omega = np.linspace(0.05, 5.0, 100)
+    pulses = np.exp(-((omega / 1.5) ** 2))[:, None] * np.exp(1j * omega[:, None] * [[1.3, -0.4]])  # two headings
+    ds = with_structure(random_database(modes=2, frequencies=100, headings=2)).assign_coords(omega=omega)
+    ds = ds.assign(excitation_force=(WAVE, pulses[:, :, None] * np.array([4e4, 1e4, -3e3])))
+    entries, place = bemio_entries(ds, "memory"), "/body1/hydro_coeffs/excitation/"
+    time, f = entries[f"{place}impulse_response_fun/t"][:, 0], entries[f"{place}impulse_response_fun/f"]
+    assert (f.shape, time[0], time[1000], time[-1]) == ((8, 2, 2001), -50.0, 0.0, 50.0)
+    x = entries[f"{place}re"] + 1j * entries[f"{place}im"]
+    back = f @ np.exp(-1j * np.outer(time, omega)) * (time[1] - time[0])
+    assert back == pytest.approx(x, abs=1e-4 * np.abs(x).max())
+    assert time[np.abs(f[2, 0]).argmax()] == pytest.approx(1.3)  # force of heading 0 lags by 1.3 s
+
+
+def test_impulse_response_of_a_force_known_in_closed_form():
+    """X = conj of exp(-(omega/2)^2 - i omega t0): f is a Gaussian about t0."""
+    omega, delay = np.linspace(0.05, 14.0, 400), 1.7
+    force = np.conj(np.exp(-((omega / 2) ** 2) - 1j * omega * delay))[:, None, None]
+    time = np.linspace(-30.0, 30.0, 601)
+    expected = np.exp(-((time - delay) ** 2)) / np.sqrt(np.pi)
+    assert excitation_response(omega, force, time)[:, 0, 0] == pytest.approx(expected, abs=1e-6)
 
 
 def test_centre_of_buoyancy_of_a_cap(elastic):
@@ -498,7 +562,11 @@ def test_centre_of_buoyancy_of_a_cap(elastic):
 
 def test_h5_reads_back(bemio, elastic):
     back = read_bemio(bemio.filepath())
-    assert set(back.data_vars) == set(elastic.data_vars) - {"prestress_stiffness", "gas_stiffness"}
+    assert set(back.data_vars) == set(elastic.data_vars) - {"prestress_stiffness", "gas_stiffness"} | {DAMPING}
+    damping = 0.5 * elastic.inertia_matrix + 1e-3 * elastic.structural_stiffness
+    assert back[DAMPING].values[1:] == pytest.approx(damping.values[1:])
+    assert not back[DAMPING].values[0].any()
+    back = back.drop_vars(DAMPING)
     dry = elastic.structural_stiffness + elastic.prestress_stiffness + elastic.gas_stiffness
     for name in back.data_vars:
         expected = dry if name == "structural_stiffness" else elastic[name]
@@ -508,6 +576,16 @@ def test_h5_reads_back(bemio, elastic):
     assert back.omega.values == pytest.approx(elastic.omega.values)
     assert back.wave_direction.values == pytest.approx(elastic.wave_direction.values)
     assert {name: back.attrs[name] for name in WATER} == WATER
+    assert back.attrs["displaced_volume"] == 4.0
+    assert back.attrs["centre_of_buoyancy"] == pytest.approx([0.0, 0.0, -0.75])
+    assert back.attrs["centre_of_mass"] == pytest.approx([0.0, 0.0, 0.0])
+    entries, again = (
+        bemio_entries(elastic, "memory"),
+        bemio_entries(back.assign({DAMPING: (PAIR, damping.values * [[0], [1], [1]])}), "memory"),
+    )
+    numbers = [place for place, value in entries.items() if not isinstance(value, str)]
+    for place in numbers:
+        assert again[place] == pytest.approx(entries[place], rel=1e-9, abs=1e-9)
 
 
 def changed(entries, **changes):
@@ -522,14 +600,16 @@ def test_files_of_others_are_read(elastic, tmp_path):
     """No names of modes, no structure, a finite depth, scattering not computed."""
     nan = np.full((8, 2, 6), np.nan)
     entries = bemio_entries(elastic, "memory")
-    entries = changed(entries, modes=None, mass=None, stiffness=None, water_depth=np.array([[30.0]]))
+    entries = changed(entries, mode_labels=None, mass=None, stiffness=None, water_depth=np.array([[30.0]]))
     entries |= {f"/body1/hydro_coeffs/excitation/scattering/{part}": nan for part in ("re", "im", "mag", "phase")}
     write_h5(entries, tmp_path / "other.h5")
     back = read_bemio(tmp_path / "other.h5")
-    assert back.influenced_dof.values.tolist() == ["Heave", "Mode7", "Mode8"]
+    labels = ["Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw", "Mode7", "Mode8"]
+    assert back.influenced_dof.values.tolist() == labels
     assert back.attrs["water_depth"] == "30.0"
     assert set(back.data_vars) & {"diffraction_force", "inertia_matrix", "structural_stiffness"} == set()
-    assert back.Froude_Krylov_force.values == pytest.approx(elastic.Froude_Krylov_force.values)
+    assert back.Froude_Krylov_force.values[..., [2, 6, 7]] == pytest.approx(elastic.Froude_Krylov_force.values)
+    assert not back.Froude_Krylov_force.values[..., [0, 1, 3, 4, 5]].any()
 
 
 def test_scaled_files_are_dimensional_already(elastic, tmp_path):
@@ -566,7 +646,13 @@ def test_h5_that_cannot_be_read_is_refused(elastic, tmp_path):
     with pytest.raises(DatabaseError, match=r"cannot be read: '/body1/hydro_coeffs/added_mass/inf_freq'; needs"):
         read_bemio(path)
     write_h5(changed(entries, dof=np.array([[9.0]])), path)
+    with pytest.raises(DatabaseError, match=r"holds 9 degrees of freedom; needs 8 for its mode_labels \['Heave', 'Mem"):
+        read_bemio(path)
+    write_h5(changed(entries, mode_labels=None, dof=np.array([[9.0]])), path)
     with pytest.raises(DatabaseError, match=r"cannot be read: index 8 is out of bounds"):
+        read_bemio(path)
+    write_h5(entries | {"/body2/properties/name": "other"}, path)
+    with pytest.raises(DatabaseError, match=r"buoy\.h5: holds body1, body2; needs the file of one body"):
         read_bemio(path)
     write_h5(changed(entries, inf_freq=np.full((8, 8), np.nan)), path)
     with pytest.raises(DatabaseError, match=r"buoy\.h5: variable added_mass_inf holds NaN"):
@@ -575,14 +661,16 @@ def test_h5_that_cannot_be_read_is_refused(elastic, tmp_path):
 
 def test_h5_of_an_unfit_database_is_refused(elastic):
     bare = elastic.drop_vars("inertia_matrix").drop_attrs().assign_attrs(WATER, radius=2.0, centre_height=0.0)
-    with pytest.raises(DatabaseError, match="memory: holds no inertia_matrix, spec; needs a complete hydro database"):
+    with pytest.raises(DatabaseError, match="memory: holds no inertia_matrix and structural_stiffness; generalized"):
         bemio_entries(bare, "memory")
+    with pytest.raises(DatabaseError, match="memory: holds no added_mass_inf; needs a complete hydro database"):
+        bemio_entries(elastic.drop_vars("added_mass_inf"), "memory")
     with pytest.raises(DatabaseError, match="memory: holds zero frequency"):
         bemio_entries(elastic.assign_coords(omega=np.arange(6.0)), "memory")
     for name in ("inertia_matrix", "gas_stiffness"):
         coupled = elastic[name] + 10.0 * (np.eye(3, k=1) + np.eye(3, k=-1))
         total = "inertia_matrix" if name == "inertia_matrix" else "structural_stiffness"
-        with pytest.raises(DatabaseError, match=f"memory: {total} couples heave and modes, which WEC-Sim drops"):
+        with pytest.raises(DatabaseError, match=f"memory: {total} couples rigid and generalized modes, which WEC-Sim"):
             bemio_entries(elastic.assign({name: coupled}), "memory")
 
 
@@ -596,7 +684,7 @@ def stored(elastic, tmp_path):
     return path
 
 
-ALL = ["buoy.1", "buoy.3", "buoy.3fk", "buoy.3sc", "buoy.hst", "buoy.h5"]
+ALL = ["buoy.1", "buoy.3", "buoy.3fk", "buoy.3sc", "buoy.hst", "buoy.mmx", "buoy.h5"]
 
 
 def test_export_writes_what_it_names(stored, elastic, tmp_path):
@@ -627,15 +715,17 @@ def test_nothing_is_written_unless_all_can_be(stored, elastic, tmp_path):
         export(stored, tmp_path / "out", "buoy", ["nemoh"])
     with pytest.raises(DatabaseError, match="formats: received"):
         export(stored, tmp_path / "out", "buoy", [])
-    with pytest.raises(DatabaseError, match=r"length: received 0\.0, needs"):
+    with pytest.raises(ConfigError, match=r"length: received 0\.0, needs"):
         export(stored, tmp_path / "out", "buoy", length=0.0)
     coupled = elastic.inertia_matrix + 10.0 * (np.eye(3, k=1) + np.eye(3, k=-1))
     database.save_database(elastic.assign(inertia_matrix=coupled), None, stored)
-    with pytest.raises(DatabaseError, match="couples heave and modes"):
+    with pytest.raises(DatabaseError, match="couples rigid and generalized modes"):
         export(stored, tmp_path / "out", "buoy")
-    shutil.copy(stored, stored.with_name("c.nc"))
     with pytest.raises(DatabaseError, match="needs 'c'"):
-        export(stored.with_name("c.nc"), tmp_path / "out", "buoy")
+        export(stored, tmp_path / "out", "buoy", expected_id="c")
+    units.save(elastic.drop_attrs().assign_attrs(spec_id="c"), tmp_path / "block.nc")
+    with pytest.raises(DatabaseError, match=r"block\.nc: holds no separate_sweep; needs a hydro database"):
+        export(tmp_path / "block.nc", tmp_path / "out", "buoy")
     assert not (tmp_path / "out").exists()
 
 

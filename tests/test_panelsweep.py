@@ -119,3 +119,23 @@ def test_motions_that_move_no_water_have_no_error(green):
     found = two.solve([1.0, 2.0])
     assert found.attrs["error_estimate"] == 0.0
     assert two.at_infinity().attrs["error_estimate"] == 0.0
+
+
+@pytest.mark.parametrize("rows", [12, 24])
+def test_the_estimate_bounds_the_distance_from_the_published_hemisphere(green, hemisphere, rows):
+    """Against the multipole series, whose error of 3e-6 is nothing here."""
+    chosen = [i for i, ka in enumerate(hemisphere["Ka"]) if ka <= 6]
+    omegas = [float(np.sqrt(hemisphere["Ka"][i])) for i in chosen]
+    shapes = tuple(f"Radial{n}" for n in range(7))
+
+    def problem(part):
+        mesh = deformed_mesh(rigid_sphere(1.0, 0.0), rows // part, 2 * rows // part, 16 // part)
+        return bem.AxisymmetricProblem(green, mesh, shapes, 1.0, np.inf, 1.0)
+
+    found = TwoMeshes(problem(1), problem(2)).solve(omegas)
+    exact = [np.array(hemisphere[name])[chosen] for name in ("added_mass", "radiation_damping", "abs_excitation")]
+    exact[1] = exact[1] * np.array(omegas)[:, None, None]
+    a, b, x = coefficients(found)
+    pairs = zip((a, b, np.abs(x)), exact, strict=True)
+    errors = [np.abs(ours - theirs.reshape(ours.shape)).max() / np.abs(theirs).max() for ours, theirs in pairs]
+    assert max(errors) <= found.attrs["error_estimate"] <= 10 * max(errors)

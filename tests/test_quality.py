@@ -73,11 +73,6 @@ def test_a_failure_is_one_line_and_can_be_accepted_by_name(perfect):
     assert checks["haskind"] == "accepted"
 
 
-def test_accepting_what_does_not_exist_is_refused():
-    with pytest.raises(DatabaseError, match=r"hydro.accept: received \['haskin'\], needs names among \['haskind'\]"):
-        quality.judged([Check("haskind", 0.0, 1.0, "-", "ok", "")], ("haskin",))
-
-
 def test_tabulated_frequencies_are_judged_with_the_sweep(perfect):
     tabulated = perfect.isel(omega=[10, 50]).assign_coords(omega=[1.13, 5.17])
     tabulated = damaged(tabulated, "radiation_damping", lambda b: b.__imul__(3.0))

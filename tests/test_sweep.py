@@ -13,8 +13,9 @@ from vsb.errors import ConfigError, ConvergenceError
 from vsb.kernel import DampingSpectrum
 from vsb.reference import reference_shell
 from vsb.spectral import SpectralProblem
+from vsb.spectralsweep import converged, converged_on_grid, incident_wave, resolved
 from vsb.surface import rigid_sphere
-from vsb.sweep import FORCES, GridSweep, adaptive, converged, converged_on_grid, incident_wave, on_grid, resolved
+from vsb.sweep import FORCES, GridSweep, adaptive, on_grid
 
 HERE = Path(__file__).parent
 OMEGA = [0.5, 1.5, 3.0]

@@ -270,11 +270,11 @@ def test_export_and_import_of_a_studys_database(folder):
     done = run(folder, "base.yaml", "exchange", command="export")
     assert done.returncode == 0, done.stderr
     assert [Path(line).name for line in done.stdout.split()] == [
-        f"base{extension}" for extension in (".1", ".3", ".3fk", ".3sc", ".hst", ".h5")
+        f"base{extension}" for extension in (".1", ".3", ".3fk", ".3sc", ".hst", ".mmx", ".h5")
     ]
-    done = run(folder, "exchange", "base", "exchange/back.nc", command="import-wamit")
+    done = run(folder, "exchange", "base", "exchange/back.nc", "--axisymmetric", command="import-wamit")
     assert done.returncode == 0, done.stderr
-    assert "haskind" in done.stdout
+    assert "ok           haskind" in done.stdout
     ours, theirs = (
         load(folder / StudyPlan(config.load(folder / "base.yaml")).database_path),
         load(folder / "exchange/back.nc"),

@@ -25,6 +25,7 @@ from vsb.canvas import grid_of_axes, legend_above, style
 from vsb.config import canonical
 from vsb.database import Check, stored_checks
 from vsb.errors import ConfigError
+from vsb.reading import validated
 from vsb.sections import Count, Finite, Number, Positive, Section, Water
 from vsb.units import FloatArray, load, write_text
 
@@ -170,22 +171,17 @@ class BargeStudy(Section):
 
     @model_validator(mode="after")
     def _afloat_above_the_ground(self) -> "BargeStudy":
+        if not self.omega or list(self.omega) != sorted(set(self.omega)):
+            raise ValueError(f"omega {list(self.omega)}: needs at least one value, ascending without repetition")
         if not self.water.depth > self.barge.draught:
             raise ValueError(f"water.depth {self.water.depth:g} m: needs more than the draught")
         return self
 
     def body_study(self, name: str, omega: tuple[float, ...]) -> BodyStudy:
         """Body file of a mesh of this barge; below the first irregular frequency no lid is needed."""
-        return BodyStudy(
-            body=name,
-            mesh="body.nc",
-            modes="body.nc",
-            water=self.water,
-            omega=omega,
-            wave_direction=self.wave_direction,
-            lid=0,
-            tolerance=self.tolerance,
-        )
+        kept = {key: getattr(self, key) for key in ("water", "wave_direction", "tolerance")}
+        file = {"body": name, "mesh": "body.nc", "modes": "body.nc", "omega": omega, "lid": 0, **kept}
+        return validated(BodyStudy, file, name)
 
 
 def study(config: str | Path, out: str | Path, tables: str | Path | None = None) -> list[Check]:
@@ -199,6 +195,8 @@ def study(config: str | Path, out: str | Path, tables: str | Path | None = None)
         raise ConfigError(f"{config}: omega: received {chosen.omega[-1]:g} rad/s, needs less than {first:.4g} rad/s")
     folder = Path(out)
     table = Path(tables) if tables else folder / "green"
+    for omega in (chosen.omega, (chosen.convergence.omega,)):
+        chosen.body_study("barge", omega)  # before anything is written
     write_body(chosen.barge.body(chosen.panels, density), folder / "body.nc")
     write_text(folder / "body.yaml", canonical(chosen.body_study("barge", chosen.omega)) + "\n")
     checks = run(folder / "body.yaml", folder, table)

@@ -4,7 +4,9 @@ Every frequency is a file of its own under `blocks/`, named by the content of wh
 solved twice, and an interrupted run goes on where it stopped.
 """
 
+import contextlib
 import hashlib
+import io
 import time as clock
 from dataclasses import dataclass
 from functools import cached_property
@@ -36,7 +38,7 @@ from vsb.errors import ConfigError, DatabaseError
 from vsb.reading import read_yaml, validated
 from vsb.sections import Count, Finite, Name, Number, Positive, Section, Water
 from vsb.specs import LEAST_DEPTH_IN_WAVENUMBERS, panel_solver
-from vsb.units import ComplexArray, FloatArray, load, save
+from vsb.units import ComplexArray, FloatArray, load, save, whole
 from vsb.waves import group_velocity, wavenumber
 
 Spec = dict[str, Any]
@@ -111,7 +113,8 @@ def _panels(path: str | Path) -> tuple[FloatArray, IntArray]:
                 return np.array(ds.vertices.values, dtype=float), np.array(ds.faces.values, dtype=int)
         if Path(path).suffix in PANEL_FILES:
             return bem.read_panels(path)
-        with np.errstate(over="ignore"):  # meshio takes the first bytes of an STL in plain text for a huge count
+        # meshio prints what it raises, and takes the first bytes of an STL in plain text for a huge count
+        with np.errstate(over="ignore"), contextlib.redirect_stderr(io.StringIO()):
             mesh = meshio.read(path)
     except (*_FAILED, AttributeError) as error:
         reason = " ".join(str(error).split()) or type(error).__name__
@@ -175,8 +178,8 @@ def write_body(body: FlexibleBody, path: str | Path) -> None:
     for field, name in _MATRICES.items():
         if getattr(body, field) is not None:
             data[name] = (("xyz",) if name == "centre_of_mass" else pair, getattr(body, field))
-    Path(path).parent.mkdir(parents=True, exist_ok=True)
-    xr.Dataset(data, coords={"dof": list(body.labels)}).to_netcdf(path, engine="netcdf4")
+    with whole(path) as temporary:
+        xr.Dataset(data, coords={"dof": list(body.labels)}).to_netcdf(temporary, engine="netcdf4")
 
 
 def green_table(folder: Path) -> Any:
@@ -199,6 +202,10 @@ def solve(study: BodyStudy, body: FlexibleBody, out: str | Path, tables: str | P
     """Solve a body into the database `out`/<name>.nc and return the verdict; blocks already there are kept."""
     symmetry = detected_symmetry(body) if study.symmetry == "auto" else study.symmetry
     check_symmetry(body, symmetry)
+    if study.water.depth <= (draught := -float(body.vertices[:, 2].min())):
+        raise ConfigError(
+            f"water.depth: received {study.water.depth:g} m, needs more than the body's draught of {draught:.6g} m"
+        )
     lid = interior_lid(body, study.lid) if study.lid else None
     table = Path(tables or Path(out, "green", panel_solver().replace(" ", "-")))
     blocks = Blocks(study, body, symmetry, lid, Path(out, "blocks"), table)
@@ -343,6 +350,15 @@ def verdict(study: BodyStudy, body: FlexibleBody, infinite: Block, found: Swept)
     return checks
 
 
+def _at_rest(body: FlexibleBody) -> Spec:
+    """Volume of the water displaced, its centre and, if known, that of mass, as attributes."""
+    corner, area, _ = body.triangles
+    square = ((corner**2).sum(axis=1) + corner.sum(axis=1) ** 2) / 12  # mean of x^2 over a triangle
+    centre = (square * area).sum(axis=0) / 2 / body.volumes
+    facts = {"displaced_volume": body.volume, "centre_of_buoyancy": centre}
+    return facts if body.centre_of_mass is None else {**facts, "centre_of_mass": body.centre_of_mass}
+
+
 def _write_database(
     study: BodyStudy, body: FlexibleBody, symmetry: str, infinite: Block, found: Swept, path: Path
 ) -> list[Check]:
@@ -370,6 +386,7 @@ def _write_database(
         "solves": len(found.solved),
         "frequencies": len(study.omega),
         "bem_seconds": sum(block.attrs["seconds"] for block in blocks),
+        **_at_rest(body),
     }
     complete = ds.assign({name: (pair, matrix) for name, matrix in matrices.items()})
     save(complete.assign_attrs(ds.attrs, **attrs), path)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from vsb import __version__
 from vsb.config import load
-from vsb.errors import VsbError
+from vsb.errors import ConfigError, VsbError
 from vsb.specs import StudyPlan
 
 if TYPE_CHECKING:
@@ -26,7 +26,12 @@ Handler = Callable[[argparse.Namespace], int]
 
 def _spec(args: argparse.Namespace) -> dict[str, Any]:
     """The spec of a rule, from its JSON."""
-    spec: dict[str, Any] = json.loads(args.spec)
+    try:
+        spec = json.loads(args.spec)
+    except ValueError as error:
+        raise ConfigError(f"--spec: not valid JSON ({error}); needs that of a rule") from None
+    if not isinstance(spec, dict):
+        raise ConfigError(f"--spec: received {args.spec[:40]}, needs a mapping")
     return spec
 
 
@@ -78,12 +83,16 @@ def shell(args: argparse.Namespace) -> int:
 
 
 def export(args: argparse.Namespace) -> int:
-    """Write the hydro database of a study for other codes: WAMIT's files and the .h5 that WEC-Sim reads."""
+    """Write the hydro database of a study, or a database file, for other codes: WAMIT's files and WEC-Sim's .h5."""
     from vsb import interchange
 
-    study = load(args.config)
-    for path in interchange.export(StudyPlan(study).database_path, args.folder, study.study):
-        print(path)
+    if (path := Path(args.config)).suffix == ".nc":
+        files = interchange.export(path, args.folder, path.stem)
+    else:
+        study = load(args.config)
+        stored = Path(StudyPlan(study).database_path)
+        files = interchange.export(stored, args.folder, study.study, expected_id=stored.stem)
+    print(*files, sep="\n")
     return 0
 
 
@@ -91,9 +100,25 @@ def import_wamit(args: argparse.Namespace) -> int:
     """Read WAMIT's output, generalized modes included, into a hydro database with the verdict of its identities."""
     from vsb import commands
 
-    water = {"density": args.density, "gravity": args.gravity, "depth": args.depth}
-    commands.import_wamit(args.folder, args.name, args.out, length=args.length, **water)
-    return 0
+    names = ("density", "gravity", "length", "depth", "axisymmetric")
+    found = commands.import_wamit(args.folder, args.name, args.out, **{name: getattr(args, name) for name in names})
+    causes = "--length ULEN, --density and --gravity those of the run, and PER a column of periods (IPEROUT = 1)"
+    return _imported(*found, args.out, causes)
+
+
+def import_bemio(args: argparse.Namespace) -> int:
+    """Read a BEMIO .h5 file of one body into a hydro database with the verdict of its identities."""
+    from vsb import commands
+
+    found = commands.import_bemio(args.file, args.out, axisymmetric=args.axisymmetric)
+    return _imported(*found, args.out, "scaled and rho in the file those its numbers were divided by")
+
+
+def _imported(checks: "list[Check]", notes: list[str], out: str, causes: str) -> int:
+    """Print the verdict on numbers of others, and where it fails what to look at."""
+    if code := _verdict(checks, "\n".join([*notes, out])):
+        print(f"a check fails: are {causes}?")
+    return code
 
 
 def body(args: argparse.Namespace) -> int:
@@ -157,14 +182,19 @@ def time_precision(args: argparse.Namespace) -> int:
 def run(args: argparse.Namespace) -> int:
     """Run a whole study through Snakemake, after validating everything that can be known beforehand."""
     from vsb import preview
+    from vsb.units import check_folder
 
     study = load(args.config)
     plan = StudyPlan(study)
     preview.check_before_run(study, plan)
+    for folder in (".", plan.root):  # snakemake writes to both
+        check_folder(folder)
     home = Path.cwd() if Path("Snakefile").is_file() else Path(__file__).resolve().parents[1]
+    if not (home / "profiles" / args.profile).is_dir():
+        raise VsbError(f"--profile: received {args.profile}, needs a folder in {home / 'profiles'}")
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(home / "Snakefile"), "--configfile", args.config]
     profile = ["--profile", str(home / "profiles" / args.profile), "--workflow-profile", "none"]
-    command += ["--nolock", *profile, *args.snakemake]
+    command += ["--nolock", *profile, *(["--cores", args.cores] if args.cores else []), *args.snakemake]
     environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
     begun = time.time()
     dry = bool({"-n", "--dry-run", "--dryrun"} & set(args.snakemake))
@@ -175,6 +205,13 @@ def run(args: argparse.Namespace) -> int:
     if not dry and (report := Path(plan.folder) / "report.html").is_file():
         print(f"{study.study}: {report}")
     return 0
+
+
+def _cores(text: str) -> str:
+    """A number of cores as snakemake takes it; with none it would wait for ever."""
+    if text != "all" and not (text.isdecimal() and int(text)):
+        raise argparse.ArgumentTypeError(f"received {text}, needs a whole number above 0, or all")
+    return text
 
 
 @contextmanager
@@ -202,6 +239,7 @@ def _failed(plan: StudyPlan, begun: float) -> int:
     return 2 if mistakes else 1
 
 
+AXISYMMETRIC = "the body and its generalized modes are: more can be checked"
 BEM_FILES = ("database", "radiation", "response")
 """Options a model without BEM does not have."""
 
@@ -220,12 +258,14 @@ def _add_rule(commands: Any, name: str, text: str, *options: str, files: str = "
 def parser() -> argparse.ArgumentParser:
     """Return the argument parser of the command line."""
     top = argparse.ArgumentParser(prog="vsb", description=__doc__)
+    top.set_defaults(writes=())
     top.add_argument("--version", action="version", version=f"vsb {__version__}")
     commands = top.add_subparsers(title="commands", required=True, metavar="COMMAND")
     more = "Further options, such as -n, go to snakemake."
     one = commands.add_parser("run", help="run a whole study through Snakemake", description=run.__doc__, epilog=more)
     one.add_argument("config", metavar="CONFIG")
     one.add_argument("--profile", default="default", help="folder under profiles/ (default: default)")
+    one.add_argument("--cores", "-c", type=_cores, metavar="N", help="processor cores to use, or all")
     one.set_defaults(handler=run)  # what it does not know goes to snakemake, see main
     one = commands.add_parser("check", help="validate a study, solve nothing", description=check.__doc__)
     one.add_argument("config", metavar="CONFIG")
@@ -235,9 +275,9 @@ def parser() -> argparse.ArgumentParser:
     one.add_argument("--json", action="store_true", help="print JSON")
     one.set_defaults(handler=shell)
     one = commands.add_parser("export", help="database as WAMIT files and WEC-Sim .h5", description=export.__doc__)
-    one.add_argument("config", metavar="CONFIG")
+    one.add_argument("config", metavar="CONFIG|DATABASE.nc", help="a study, or a database of body, barge or import")
     one.add_argument("folder", metavar="FOLDER")
-    one.set_defaults(handler=export)
+    one.set_defaults(handler=export, writes=("{folder}/",))
     one = commands.add_parser(
         "import-wamit", help="hydro database from WAMIT's output", description=import_wamit.__doc__
     )
@@ -248,7 +288,13 @@ def parser() -> argparse.ArgumentParser:
     one.add_argument("--gravity", type=float, default=9.81, help="GRAV [m/s^2] (default: 9.81)")
     one.add_argument("--length", type=float, default=1.0, help="ULEN [m] (default: 1)")
     one.add_argument("--depth", type=float, default=float("inf"), help="HBOT [m] (default: deep water)")
-    one.set_defaults(handler=import_wamit)
+    one.set_defaults(handler=import_wamit, writes=("{out}",))
+    one.add_argument("--axisymmetric", action="store_true", help=AXISYMMETRIC)
+    one = commands.add_parser("import-bemio", help="hydro database from BEMIO's .h5", description=import_bemio.__doc__)
+    one.add_argument("file", metavar="FILE.h5")
+    one.add_argument("out", metavar="DATABASE.nc")
+    one.add_argument("--axisymmetric", action="store_true", help=AXISYMMETRIC)
+    one.set_defaults(handler=import_bemio, writes=("{out}",))
     for name, text, handler in (
         ("body", "hydro database of any mesh with any displacements", body),
         ("barge", "a flexible barge, and how its mesh converges", barge),
@@ -256,27 +302,27 @@ def parser() -> argparse.ArgumentParser:
         one = commands.add_parser(name, help=text, description=handler.__doc__)
         one.add_argument("config", metavar="CONFIG")
         one.add_argument("out", metavar="FOLDER")
-        one.set_defaults(handler=handler)
+        one.set_defaults(handler=handler, writes=("{out}/",))
     words = "how much the coefficients depend on the shape"
     one = commands.add_parser("shape-dependence", help=words, description=shape_dependence.__doc__)
     one.add_argument("config", metavar="CONFIG")
     one.add_argument("out", metavar="OUT", help="of OUT.nc and OUT.svg")
-    one.set_defaults(handler=shape_dependence)
+    one.set_defaults(handler=shape_dependence, writes=("{out}.nc", "{out}.svg"))
     one = commands.add_parser(
         "hard-cases", help="table of the cases that break other codes", description=hard_cases.__doc__
     )
     one.add_argument("config", metavar="CONFIG")
     one.add_argument("out", metavar="OUT.csv")
-    one.set_defaults(handler=hard_cases)
+    one.set_defaults(handler=hard_cases, writes=("{out}",))
     words = "work and precision in the time domain"
     one = commands.add_parser("time-precision", help=words, description=time_precision.__doc__)
     one.add_argument("config", metavar="CONFIG")
     one.add_argument("folder", metavar="OUT_FOLDER")
-    one.set_defaults(handler=time_precision)
+    one.set_defaults(handler=time_precision, writes=("{folder}/",))
     words = "work and precision of hydrodynamic coefficients"
     one = commands.add_parser("hydro-precision", help=words, description=hydro_precision.__doc__)
     one.add_argument("folder", metavar="OUT_FOLDER")
-    one.set_defaults(handler=hydro_precision)
+    one.set_defaults(handler=hydro_precision, writes=("{folder}/",))
     _add_rule(commands, "modes", "rule: shell modes", "spec", "out")
     _add_rule(commands, "mesh", "rule: mean wetted mesh", "spec", "out")
     _add_rule(commands, "display-meshes", "rule: viewable deformed meshes", "spec", "out")
@@ -287,34 +333,28 @@ def parser() -> argparse.ArgumentParser:
     _add_rule(commands, "radiation", "rule: radiation model", "spec", "database", "out")
     _add_rule(commands, "response", "rule: frequency response", "spec", "database", "out")
     _add_rule(commands, "simulate", "rule: one design in one sea", "spec", "database", "radiation", "out")
-    _add_rule(
-        commands,
-        "compare",
-        "rule: comparison and validity",
-        "spec",
-        *BEM_FILES,
-        "out",
-        "statistics",
-        "validity",
-        "study",
-        files="TRAJECTORY",
-    )
+    names: tuple[str, ...] = ("spec", *BEM_FILES, "out", "statistics", "validity", "study")
+    _add_rule(commands, "compare", "rule: comparison and validity", *names, files="TRAJECTORY")
     _add_rule(commands, "workprecision", "rule: error against seconds of every method", "spec", "out", "figures")
     _add_rule(commands, "figures", "rule: all figures", "study", "modes", *BEM_FILES, "out", files="TRAJECTORY")
-    _add_rule(
-        commands,
-        "report",
-        "rule: HTML report",
-        "study",
-        "table",
-        "statistics",
-        "validity",
-        *BEM_FILES,
-        "figures",
-        "out",
-        files="TRAJECTORY",
-    )
+    names = ("study", "table", "statistics", "validity", *BEM_FILES, "figures", "out")
+    _add_rule(commands, "report", "rule: HTML report", *names, files="TRAJECTORY")
     return top
+
+
+def _check_writable(names: Sequence[str]) -> None:
+    """Check that files, and folders, whose names end in /, can be written: minutes of work must not end in an error."""
+    for name in names:
+        from vsb.units import check_file, check_folder
+
+        (check_folder if name.endswith("/") else check_file)(name.removesuffix("/"))
+
+
+def _mistake(text: str, config: str | None = None) -> int:
+    """Say in one line what is the user's to mend, in which study file if `config` is not named yet; return 2."""
+    named = text if config is None or text.startswith(f"{config}:") else f"{config}: {text}"
+    print(f"{ERROR} {' '.join(named.split())}", file=sys.stderr)
+    return 2
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -326,10 +366,15 @@ def main(argv: Sequence[str] | None = None) -> int:
         line.error(f"unrecognized arguments: {' '.join(rest)}")
     args.snakemake = rest
     try:
+        _check_writable([name.format(**vars(args)) for name in args.writes])
         return handler(args)
     except VsbError as error:
-        print(f"{ERROR} {' '.join(str(error).split())}", file=sys.stderr)
-        return 2
+        return _mistake(str(error), vars(args).get("config") if isinstance(error, ConfigError) else None)
+    except OSError as error:
+        if error.filename is None:  # of no file: not the user's
+            raise
+        reason = f"{error.filename2 or error.filename}: cannot be read or written ({error.strerror})"
+        return _mistake(f"{reason}; needs a path you may use")
     except KeyboardInterrupt:
         print("vsb: interrupted; run the same command again to go on from here", file=sys.stderr)
         return 130

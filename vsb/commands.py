@@ -13,6 +13,7 @@ import xarray as xr
 
 from vsb import (
     __version__,
+    bemio,
     compare,
     database,
     interchange,
@@ -23,12 +24,14 @@ from vsb import (
     response,
     seastatistics,
     spectral,
-    sweep,
+    spectralsweep,
     trajectory,
+    wamit,
 )
 from vsb.config import RegularWave, StillWater, Study, canonical, content_id, parse
 from vsb.constraint import constraint_drift
 from vsb.errors import ConvergenceError, DatabaseError, StabilityError
+from vsb.generalized import check_positive
 from vsb.harmonic import harmonic_balance
 from vsb.integrate import Motion, propagate
 from vsb.kernel import DampingSpectrum
@@ -129,9 +132,9 @@ def spectral_block(spec: Spec, out: str) -> None:
     begun = clock.perf_counter()
     problem = spectral_problem(spec)
     if "interpolation" in spec:
-        solved = sweep.converged_on_grid(problem, spec["omega"], spec["tolerance"], spec["interpolation"])
+        solved = spectralsweep.converged_on_grid(problem, spec["omega"], spec["tolerance"], spec["interpolation"])
     else:
-        solved = sweep.converged(problem, spec["omega"], spec["tolerance"])
+        solved = spectralsweep.converged(problem, spec["omega"], spec["tolerance"])
     attrs = {"spec": canonical(spec), "spec_id": content_id(spec), "seconds": clock.perf_counter() - begun}
     save(solved.assign_attrs(attrs), out)
 
@@ -148,7 +151,7 @@ def spectral_problem(spec: Spec) -> spectral.SpectralProblem:
         tuple(spec["displacements"]),
         water["density"],
         water["gravity"],
-        sweep.FEWEST_NODES,
+        spectralsweep.FEWEST_NODES,
         depth=float(water["depth"]),
     )
 
@@ -208,14 +211,36 @@ def build_database(spec: Spec, blocks: Sequence[str], out: str) -> None:
 
 
 def import_wamit(
-    folder: str, name: str, out: str, *, density: float, gravity: float, length: float, depth: float
-) -> None:
-    """Read WAMIT's output into a database file with the verdict of the identities that need no other data."""
-    ds = interchange.import_wamit(folder, name, density=density, gravity=gravity, length=length, depth=depth)
-    checks = quality.pointwise_checks(ds, depth, density, gravity)
-    save(ds.assign_attrs(quality=database.as_json(checks), spec_id=Path(out).stem, separate_sweep=0), out)
-    for check in checks:
-        print(f"{check.verdict:12} {check.name} = {check.value:.3g} (limit {check.limit:g}): {check.explanation}")
+    folder: str,
+    name: str,
+    out: str,
+    *,
+    density: float,
+    gravity: float,
+    length: float,
+    depth: float,
+    axisymmetric: bool,
+) -> tuple[list[database.Check], list[str]]:
+    """Read WAMIT's output into a database file; return its verdict and what was left out."""
+    values = (density, "kg/m^3"), (gravity, "m/s^2"), (length, "m"), (depth, "m")
+    for option, (value, unit) in zip(("density", "gravity", "length", "depth"), values, strict=True):
+        check_positive(f"--{option}", value, unit, infinite=option == "depth")
+    ds = wamit.import_wamit(folder, name, density=density, gravity=gravity, length=length, depth=depth)
+    return _store_foreign(ds, out, axisymmetric)
+
+
+def import_bemio(path: str, out: str, *, axisymmetric: bool) -> tuple[list[database.Check], list[str]]:
+    """Read BEMIO's .h5 into a database file; return its verdict and what was left out."""
+    return _store_foreign(bemio.read_bemio(path), out, axisymmetric)
+
+
+def _store_foreign(ds: xr.Dataset, out: str, axisymmetric: bool) -> tuple[list[database.Check], list[str]]:
+    """Store a database of another code with the verdict of the identities that need no other data."""
+    checks, missing = interchange.foreign_checks(ds, axisymmetric=axisymmetric)
+    notes = [ds.attrs["history"], *[missing] * bool(missing)]
+    attrs = {"quality": database.as_json(checks), "spec_id": Path(out).stem, "separate_sweep": 0}
+    save(ds.assign_attrs(**attrs, history="; ".join(notes)), out)
+    return checks, notes
 
 
 def fit_radiation(spec: Spec, database_path: str, out: str) -> None:

@@ -2,7 +2,6 @@
 
 import fcntl
 import json
-import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
@@ -15,7 +14,7 @@ import xarray as xr
 from vsb.errors import DatabaseError
 from vsb.modes import ModeBasis
 from vsb.reference import ReferenceShell
-from vsb.units import FloatArray, load, save
+from vsb.units import FloatArray, load, save, write_text
 
 Verdict = Literal["ok", "doubt", "fail", "accepted"]
 SWEEP = "sweep"
@@ -181,9 +180,7 @@ def write_index(folder: Path) -> None:
     columns = ("id", "radius_m", "basis", "degree", "frequencies", "omega_max", "water_depth_m", "verdict")
     with _locked(folder / ".index.lock"):
         lines = ["\t".join(columns), *(_index_line(path) for path in sorted(folder.glob("*.nc")))]
-        temporary = folder.parent / f".INDEX.{os.getpid()}.tmp"
-        temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
-        os.replace(temporary, folder.parent / "INDEX.tsv")
+        write_text(folder.parent / "INDEX.tsv", "\n".join(lines) + "\n")
 
 
 def _index_line(path: Path) -> str:

@@ -65,7 +65,7 @@ class FiniteDepthWavePart:
     def __post_init__(self) -> None:
         """Refuse what is too near the keel."""
         least = (1 + _NEAREST) * self.draft
-        if self.depth < least:
+        if self.depth < least * (1 - 1e-12):  # the draft is known to round-off
             raise ConfigError(
                 f"water.depth: received {self.depth:g} m under a shell of {self.draft:.6g} m draft; needs at least "
                 f"{least:.6g} m: deepen the water or lighten the buoy"

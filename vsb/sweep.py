@@ -1,4 +1,4 @@
-"""Hydrodynamic coefficients over a band of frequencies, solved as often and as finely as a tolerance asks.
+"""Hydrodynamic coefficients over a band of frequencies, solved as often as a tolerance asks.
 
 Two families of functions are interpolated, each with common poles: A + iB/omega, whose poles lie deep below the real
 axis, and the excitation X. Waves are felt where they meet the waterline, of radius R, so X turns by k R over the band;
@@ -7,7 +7,7 @@ oscillate with both signs of k R, need no solving; diffraction is the rest of X.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -16,11 +16,8 @@ from scipy.interpolate import CubicSpline
 
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.rational import Rational, Settled, settled
-from vsb.spectral import SpectralProblem
 from vsb.units import ComplexArray, FloatArray
 
-FEWEST_NODES = 16
-MOST_NODES = 128
 FIRST_SOLVES = 7
 """Frequencies solved before any interpolation."""
 MOST_SOLVES = 40
@@ -67,8 +64,8 @@ def _rows(ds: xr.Dataset, name: str) -> ComplexArray:
     return np.asarray(ds[name].values.reshape(ds.sizes["omega"], -1))
 
 
-def _relative(difference: ComplexArray | FloatArray, value: ComplexArray | FloatArray) -> float:
-    """Largest difference in terms of the largest value; of motions that move no water as it is."""
+def relative(difference: ComplexArray | FloatArray, value: ComplexArray | FloatArray) -> float:
+    """Return the largest difference in terms of the largest value; of motions that move no water as it is."""
     return float(np.abs(difference).max() / (np.abs(value).max() or 1.0))
 
 
@@ -148,8 +145,8 @@ class AdaptiveSweep:
         return xr.Dataset(shaped, {**self.solved.coords, "omega": omega})
 
 
-def _crowded(count: int) -> list[int]:
-    """Indices of the first frequencies solved, crowded to both ends of the band like Chebyshev's."""
+def crowded(count: int) -> list[int]:
+    """Return the indices of the first frequencies solved, crowded to both ends of the band like Chebyshev's."""
     ends = (1 - np.cos(np.linspace(0.0, np.pi, FIRST_SOLVES))) / 2
     return [int(i) for i in np.unique(np.rint(ends * (count - 1)).astype(int))]
 
@@ -187,7 +184,7 @@ def _sampled(
     """Sweep until the estimated error is below the tolerance twice in a row, or it is no use to go on."""
     grid = np.asarray(frequencies, dtype=float)
     most = min(MOST_SOLVES, len(grid) // 2) if most is None else most
-    solved, new = _crowded(len(grid)), 0
+    solved, new = crowded(len(grid)), 0
     ds = solve([frequencies[i] for i in solved])
     fits: list[Settled] = []
     while True:
@@ -269,7 +266,7 @@ class GridSweep:
         errors = []
         for name in ("added_mass", "radiation_damping", *FORCES):
             missed = CubicSpline(omega, self.coefficients[name].values)(between) - true[name].values
-            errors.append(_relative(missed, true[name].values))
+            errors.append(relative(missed, true[name].values))
         return max(errors)
 
 
@@ -293,112 +290,3 @@ def on_grid(
         return GridSweep(swept.at(frequencies), swept)
     left = sorted({*map(float, frequencies)} - {*swept.solved.omega.values.tolist()})
     return GridSweep(joined(swept.solved, solve(left)).sortby("omega"), None)
-
-
-def incident_wave(problem: SpectralProblem) -> IncidentWave:
-    """Return what is known of the excitation of a problem without solving."""
-    m = problem.meridian
-    radius = float(m.shell.meridian(np.array([m.waterline])).x[0])
-
-    def froude_krylov(omega: FloatArray) -> ComplexArray:
-        incident = problem.incident(problem.wavenumbers(list(omega)))[:, : m.nodes]
-        return np.asarray(problem.gravity * (incident @ problem.onto.T)[:, None])
-
-    return IncidentWave(lambda omega: radius * problem.wavenumbers(list(omega)), froude_krylov, problem.order)
-
-
-def _error(problem: SpectralProblem, omegas: list[float]) -> float:
-    """Largest error a problem estimates of its own added mass, damping and excitation at frequencies."""
-    return float(max(problem.error_estimate(omegas).max().values()))
-
-
-def _limits(problem: SpectralProblem) -> dict[str, xr.Variable]:
-    """Added mass at infinite frequency and, where it has a limit, at zero."""
-    limits = {"added_mass_inf": xr.Variable(_PAIR, problem.at_infinity())}
-    if np.isfinite(problem.depth) and not problem.order:
-        return limits  # log K
-    return limits | {"added_mass_zero": xr.Variable(_PAIR, problem.at_zero())}
-
-
-def _limit_difference(swept: AdaptiveSweep, limits: dict[str, xr.Variable]) -> float:
-    """Largest relative difference of added mass extrapolated to its limits from that solved there."""
-    if not swept.radiation.values.any():
-        return 0.0  # motions that move no water
-    far = {"added_mass_inf": swept.at_infinity, "added_mass_zero": swept.at_zero}
-    return max(_relative(far[name] - limit.values, limit.values) for name, limit in limits.items())
-
-
-def resolved(problem: SpectralProblem, omegas: list[float], tolerance: float) -> tuple[SpectralProblem, float]:
-    """Return the problem with as many points as frequencies need, doubled again and again, and its estimated error.
-
-    Raises
-    ------
-    ConvergenceError
-        If `MOST_NODES` points do not reach the tolerance.
-    """
-    while problem.nodes <= MOST_NODES:
-        error = _error(problem, omegas)
-        if error <= tolerance:
-            return problem, error
-        problem = replace(problem, nodes=2 * problem.nodes)
-    raise ConvergenceError(
-        f"hydro.tolerance: received {tolerance:g}, the spectral solver reaches {error:.1e} with {MOST_NODES} points; "
-        "raise it, lower hydro.omega_max, or set hydro.solver: panels"
-    )
-
-
-def converged(problem: SpectralProblem, omegas: list[float], tolerance: float) -> xr.Dataset:
-    """Return coefficients solved at these frequencies and at infinity, from as few points as a tolerance needs.
-
-    Parameters and attributes as of `converged_on_grid`.
-
-    Raises
-    ------
-    ConvergenceError
-        As of `resolved`.
-    """
-    problem, error = resolved(problem, omegas, tolerance)
-    ds = problem.solve(omegas).assign(_limits(problem))
-    return ds.assign_attrs(error_estimate=error, solves=len(omegas), frequencies=len(omegas))
-
-
-def converged_on_grid(
-    problem: SpectralProblem, frequencies: list[float], tolerance: float, interpolation: float
-) -> xr.Dataset:
-    """Return coefficients on a grid of frequencies and at infinity, from as few points and solves as tolerances need.
-
-    Parameters
-    ----------
-    problem : SpectralProblem
-        With the fewest points.
-    frequencies : list of float [rad/s]
-        Ascending.
-    tolerance, interpolation : float [-]
-        Of the boundary elements' error at the frequencies solved, and of interpolation between them.
-
-    Returns
-    -------
-    xarray.Dataset
-        With the attributes `error_estimate`, of the boundary elements; `interpolation_error`, of the sweep and of cubic
-        splines through these frequencies; `limit_difference` of added mass extrapolated by the sweep to infinite
-        frequency, and in deep water to zero, from that solved there, relative to its largest entry; `solves` and
-        `frequencies`, their numbers.
-
-    Raises
-    ------
-    ConvergenceError
-        As of `resolved`.
-    """
-    omegas, error = [frequencies[i] for i in _crowded(len(frequencies))], np.inf
-    while error > tolerance:
-        problem, _ = resolved(problem, omegas, tolerance)
-        found = on_grid(problem.solve, frequencies, interpolation, incident_wave(problem))
-        omegas, error = found.solved, _error(problem, found.solved)
-    limits = _limits(problem)
-    attrs: dict[str, float] = {"error_estimate": error, "solves": len(omegas), "frequencies": len(frequencies)}
-    if found.sweep:
-        attrs["interpolation_error"] = found.sweep.error + found.spline_error(found.sweep.at)
-        attrs["limit_difference"] = _limit_difference(found.sweep, limits)
-    else:
-        attrs["interpolation_error"] = found.spline_error(problem.solve)
-    return found.coefficients.assign(limits).assign_attrs(attrs)
