@@ -256,3 +256,29 @@ def test_round_off_of_a_fit_is_no_rotation(box):
     assert np.all(body.rigid[0][1] == 0.0)
     with pytest.raises(ConfigError, match="centre_of_mass is missing"):
         made(moved, faces, rigid(moved)[4:5], centre_of_mass=None)
+
+
+RIGID = ("Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw")
+
+
+@given(st.tuples(*[st.floats(-50.0, 50.0)] * 3), st.permutations(range(6)))
+@settings(max_examples=20, deadline=None)
+def test_unit_motions_bear_their_names_about_any_point(box, point, order):
+    vertices, faces = box
+    shapes = rigid(vertices, point)[list(order)]
+    named = made(vertices, faces, shapes, tuple(RIGID[k] for k in order))
+    assert bodies.rigid_misfit(named) < 1e-12
+    assert bodies.rigid_misfit(made(vertices, faces, shapes)) == 0.0  # other names promise nothing
+
+
+@pytest.mark.parametrize(("named", "is_", "misfit"), [("Heave", 2.0, 1.0), ("Pitch", -1.0, 2.0), ("Yaw", 0.5, 0.5)])
+def test_a_name_of_another_size_or_sign_is_told(box, named, is_, misfit):
+    vertices, faces = box
+    shape = is_ * rigid(vertices)[RIGID.index(named)][None]
+    assert bodies.rigid_misfit(made(vertices, faces, shape, (named,))) == pytest.approx(misfit)
+
+
+def test_a_name_of_another_motion_is_told(box):
+    vertices, faces = box
+    assert bodies.rigid_misfit(made(vertices, faces, rigid(vertices)[:1], ("Heave",))) == pytest.approx(1.0)
+    assert bodies.rigid_misfit(made(vertices, faces, rigid(vertices)[3:4], ("Pitch",))) > 0.3

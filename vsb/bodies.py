@@ -15,6 +15,7 @@ import numpy.typing as npt
 from scipy.spatial import cKDTree
 
 from vsb.errors import ConfigError
+from vsb.generalized import RIGID
 from vsb.units import FloatArray
 
 IntArray = npt.NDArray[np.integer[Any]]
@@ -104,6 +105,21 @@ class FlexibleBody:
             if np.abs(basis @ motion - shape).max() < _RIGID * np.abs(shape).max():
                 found[i] = (motion[:3], motion[3:])
         return found
+
+
+def rigid_misfit(body: FlexibleBody) -> float:
+    """Return how far displacements named as rigid motions are from the unit ones, relatively.
+
+    Other codes take a Pitch for the unit rotation about y, about whatever point, even if it is none.
+    """
+    named = [(mode, RIGID.index(label)) for mode, label in zip(body.modes, body.labels, strict=True) if label in RIGID]
+    worst = 0.0
+    for mode, k in named:
+        unit = np.eye(3)[k] if k < 3 else np.cross(np.eye(3)[k - 3], body.centres)
+        apart = mode - unit
+        apart = apart - apart.mean(axis=0) if k >= 3 else apart
+        worst = max(worst, float(np.abs(apart).max() / np.abs(unit).max()))
+    return worst
 
 
 def at_centres(vertices: FloatArray, faces: IntArray, values: FloatArray) -> FloatArray:

@@ -29,6 +29,7 @@ from vsb.bodies import (
     hydrostatic_stiffness,
     interior_lid,
     panel_diameters,
+    rigid_misfit,
 )
 from vsb.bodysolver import BodyProblem
 from vsb.bodysweep import Block, Measure, Swept, error_estimate, swept
@@ -340,6 +341,8 @@ def verdict(study: BodyStudy, body: FlexibleBody, infinite: Block, found: Swept)
         check_at_most("panels", longest * k / (2 * np.pi), 0.25, "-", "largest panel in wavelengths", doubt=True),
         check_at_most("corners", between, 0.05, "-", "displacement of panels agrees with that of corners", doubt=True),
     ]
+    named = "displacements named Surge, ..., Yaw are unit rigid motions"
+    checks.append(check_at_most("rigid_names", rigid_misfit(body), 0.01, "-", named, doubt=True))
     if study.tolerance is not None:
         text = f"{len(solved)} solves for {len(study.omega)} frequencies; relative to the band's largest entry"
         checks.insert(1, check_at_most("interpolation_error", found.error, study.tolerance, "-", text))
