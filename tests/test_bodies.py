@@ -282,3 +282,9 @@ def test_a_name_of_another_motion_is_told(box):
     vertices, faces = box
     assert bodies.rigid_misfit(made(vertices, faces, rigid(vertices)[:1], ("Heave",))) == pytest.approx(1.0)
     assert bodies.rigid_misfit(made(vertices, faces, rigid(vertices)[3:4], ("Pitch",))) > 0.3
+
+
+def test_a_body_of_millimetres_is_refused():
+    vertices, faces = barge.box(LENGTH / 1000, BEAM / 1000, DRAUGHT / 1000, 1)
+    with pytest.raises(ConfigError, match=r"mesh: body of 0.00748 m; needs at least 0.01 m: is it in metres"):
+        made(vertices, faces, rigid(vertices)[2:3])

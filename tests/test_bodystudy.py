@@ -1,3 +1,5 @@
+from pathlib import Path
+
 import meshio
 import numpy as np
 import pytest
@@ -60,7 +62,7 @@ def counted(method, solved):
 def test_a_body_file_becomes_a_database_with_a_verdict(tmp_path, body, green_folder):
     checks = bodystudy.run(files(tmp_path, body), tmp_path / "out", green_folder)
     names = {"error_estimate", "symmetry", "far_field", "haskind", "positive_damping", "panels", "corners"}
-    names |= {"rigid_names", "afloat"}
+    names |= {"rigid_names", "one_resolution", "afloat"}
     assert {check.name for check in checks} == names
     ds = load(tmp_path / "out/box.nc")
     assert database.stored_checks(ds) == checks
@@ -261,17 +263,27 @@ def test_a_symmetry_declared_but_missing_is_refused_before_anything_is_solved(tm
 
 
 def test_the_table_of_the_green_function_is_made_whole_or_not_at_all(tmp_path, monkeypatch):
-    made_at = []
+    made_at, faster = [], []
 
     def table(folder):
-        made_at.append(folder)
-        folder.mkdir(parents=True, exist_ok=True)
+        made_at.append(Path(folder))
+        Path(folder).mkdir(parents=True, exist_ok=True)
+        (Path(folder) / "table").write_text(str(len(made_at)))
+        for other in faster:
+            other.mkdir()
+            (other / "table").write_text("of another run")
+            faster.clear()
 
     monkeypatch.setattr(bodystudy.bem, "green_function", table)
-    bodystudy.green_table(tmp_path / "green")
-    assert made_at == [tmp_path / ".green.partial", tmp_path / "green"]
-    bodystudy.green_table(tmp_path / "green")
+    (tmp_path / ".green.dead").mkdir()  # of a run that was killed
+    bodystudy.bem.stored_green_function(tmp_path / "green")
+    assert made_at[0].parent == tmp_path
+    assert made_at[1:] == [tmp_path / "green"]
+    bodystudy.bem.stored_green_function(tmp_path / "green")
     assert made_at[2:] == [tmp_path / "green"]
+    faster.append(tmp_path / "late")
+    bodystudy.bem.stored_green_function(tmp_path / "late")
+    assert sorted(path.name for path in tmp_path.iterdir()) == [".green.dead", "green", "late"]
 
 
 @pytest.mark.parametrize("corner", [-1, 1_000_000])

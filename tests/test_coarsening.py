@@ -35,13 +35,14 @@ def sides(vertices, faces):
 @pytest.mark.parametrize("panels", [1, 2, 3])
 def test_a_box_becomes_the_box_of_half_the_panels(panels, planes):
     vertices, faces = barge.box(6.0, 4.0, 2.0, 2 * panels)
-    coarse, half = coarser_panels(vertices, faces, planes), barge.box(6.0, 4.0, 2.0, panels)
+    (coarse, share), half = coarser_panels(vertices, faces, planes), barge.box(6.0, 4.0, 2.0, panels)
 
     def listed(x, f):
         return np.column_stack([x[f].mean(axis=1), areas(x, f)])
 
     ours, theirs = listed(vertices, coarse), listed(*half)
     assert len(ours) == len(theirs)
+    assert share == pytest.approx(1.0)
     assert cKDTree(ours).query(theirs)[0].max() < 1e-9
 
 
@@ -50,7 +51,7 @@ def test_a_box_becomes_the_box_of_half_the_panels(panels, planes):
 def test_whatever_the_triangles_no_side_of_a_box_gains_or_loses(seed, length, panels):
     vertices, faces = barge.box(length, 4.0, 2.0, panels)
     cut = triangles(faces, seed)
-    coarse = coarser_panels(vertices, cut, ())
+    coarse = coarser_panels(vertices, cut, ()).faces
     assert len(coarse) < 0.7 * len(cut)
     assert sides(vertices, coarse) == pytest.approx(sides(vertices, faces), rel=1e-12, abs=1e-9)
     assert len(np.unique(np.sort(coarse, axis=1), axis=0)) == len(coarse)
@@ -60,9 +61,10 @@ def test_whatever_the_triangles_no_side_of_a_box_gains_or_loses(seed, length, pa
 def test_fewer_panels_of_a_sphere_look_outwards_and_have_its_planes_of_symmetry(rows, azimuth):
     body = revolved_body(shell_with(0.0), rows, (0,), azimuth)
     planes = bodies.SYMMETRIES[bodies.detected_symmetry(body)]
-    coarse = coarser_panels(body.vertices, body.faces, planes)
+    coarse, share = coarser_panels(body.vertices, body.faces, planes)
     a, x = areas(body.vertices, coarse), body.vertices[coarse].mean(axis=1)
     assert len(coarse) < 0.4 * len(body.faces)
+    assert share > 0.6
     assert np.all(np.sum(a * x, axis=1) > 0.85 * np.linalg.norm(a, axis=1) * np.linalg.norm(x, axis=1))
     assert np.linalg.norm(a, axis=1).sum() == pytest.approx(2 * np.pi, rel=0.12)
     for plane in planes:
@@ -73,19 +75,43 @@ def test_fewer_panels_of_a_sphere_look_outwards_and_have_its_planes_of_symmetry(
 def test_corners_of_their_own_are_no_edges():
     vertices, faces = barge.box(6.0, 4.0, 2.0, 2)
     apart = coarser_panels(vertices[faces].reshape(-1, 3), np.arange(4 * len(faces)).reshape(-1, 4), BOTH)
-    assert len(apart) == len(coarser_panels(vertices, faces, BOTH)) == len(faces) / 4
+    assert len(apart.faces) == len(coarser_panels(vertices, faces, BOTH).faces) == len(faces) / 4
 
 
 def test_panels_without_partners_stay():
     corners = np.array([[x, y, z] for z in (-1.0, 0.0) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], dtype=float)
     faces = np.array([[3, 2, 1, 0], *([i, (i + 1) % 4, (i + 1) % 4 + 4, i + 4] for i in range(4))])
-    assert sorted(coarser_panels(corners, faces, ()).tolist()) == sorted(faces.tolist())
+    found = coarser_panels(corners, faces, ())
+    assert sorted(found.faces.tolist()) == sorted(faces.tolist())
+    assert found.share == 0.0
 
 
 def test_displacements_are_those_of_the_corners():
     vertices, faces = barge.box(6.0, 4.0, 2.0, 2)
     body = made(vertices, faces, rigid(vertices))
-    fewer = coarser_body(body, BOTH)
+    fewer, _ = coarser_body(body, BOTH)
     assert fewer.labels == body.labels
     assert fewer.modes == pytest.approx(rigid(fewer.centres), abs=1e-12)
     assert fewer.volumes == pytest.approx(body.volumes)
+
+
+def test_what_is_coarser_one_way_only_is_no_second_resolution():
+    """Sides of one row of panels: joined along the waterline, not over the draught."""
+    vertices, faces = barge.box(6.0, 4.0, 2.0, 1)
+    found = coarser_panels(vertices, faces, ())
+    assert len(found.faces) < len(faces)
+    assert found.share == pytest.approx(6 * 4 / (6 * 4 + 2 * 2 * (6 + 4)))
+
+
+def test_panels_are_not_joined_across_the_edges_of_a_hexagon():
+    angle = np.pi / 3 * np.arange(7)
+    ring = np.column_stack([np.cos(angle), np.sin(angle)])
+    z = np.linspace(0.0, -2.0, 5)
+    vertices = np.array([[*ring[i], height] for height in z for i in range(6)])
+    faces = np.array(
+        [[6 * k + i, 6 * k + 6 + i, 6 * k + 6 + (i + 1) % 6, 6 * k + (i + 1) % 6] for k in range(4) for i in range(6)]
+    )
+    found = coarser_panels(vertices, faces, ())
+    a = areas(vertices, found.faces)
+    assert np.linalg.norm(a, axis=1).sum() == pytest.approx(12.0, rel=1e-12)  # cut corners would be less
+    assert found.share == 0.0

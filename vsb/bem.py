@@ -6,6 +6,7 @@ matrices are capytaine's own; summed with its own diagonal they reproduce capyta
 same holds for every azimuthal order m, where strengths go with cos(m theta): surge and pitch have m = 1.
 """
 
+import tempfile
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -38,6 +39,22 @@ def green_function(folder: str | Path) -> cpt.Delhommeau:
     """
     Path(folder).mkdir(parents=True, exist_ok=True)
     return cpt.Delhommeau(tabulation_cache_dir=str(folder), finite_depth_prony_decomposition_method="fortran")
+
+
+def stored_green_function(folder: str | Path) -> cpt.Delhommeau:
+    """Return `green_function`, its table computed once: one half written, or of another run, is in nobody's way."""
+    place = Path(folder)
+    if not place.is_dir():
+        place.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=place.parent, prefix=f".{place.name}.") as partial:
+            green_function(partial)
+            Path(partial).chmod(0o755)
+            try:
+                Path(partial).replace(place)
+            except OSError:
+                if not place.is_dir():  # else another run was faster
+                    raise
+    return green_function(place)
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,7 @@ SYMMETRIES = {"none": (), "xOz": ("xOz",), "yOz": ("yOz",), "xOz+yOz": ("xOz", "
 """What a body file may declare."""
 _SAME = 1e-8  # of lengths, in lengths of the body
 _CLOSED = 1e-6  # of the three volumes of a closed surface, relatively
+_LEAST_BODY = 0.01  # [m], lengths below which capytaine's own tolerances drop panels
 _RIGID = 1e-9  # of the distance of a displacement from a rigid one, relatively
 
 
@@ -163,6 +164,8 @@ def _check_panels(body: FlexibleBody) -> None:
         raise ConfigError("mesh: a vertex is NaN or infinite; needs finite coordinates")
     if len(faces) == 0 or faces.min() < 0 or faces.max() >= len(x):
         raise ConfigError(f"mesh: {len(faces)} panels between {len(x)} vertices; needs panels whose corners are there")
+    if body.size < _LEAST_BODY:
+        raise ConfigError(f"mesh: body of {body.size:.3g} m; needs at least {_LEAST_BODY:g} m: is it in metres?")
     used = x[np.unique(faces)]
     if used[:, 2].max() > _SAME * body.size:
         raise ConfigError(f"mesh: reaches z = {used[:, 2].max():.4g} m; needs z <= 0: clip it at the water's surface")
@@ -314,6 +317,12 @@ def _weight_lift(body: FlexibleBody, i: int, j: int) -> float:
         return 0.0
     move_i, move_j = t_i + np.cross(a_i, body.centre_of_mass), t_j + np.cross(a_j, body.centre_of_mass)
     return float((np.cross(a_i, move_j) + np.cross(a_j, move_i))[2] / 2)
+
+
+def panel_size(body: FlexibleBody) -> float:
+    """Return the mean over the surface of the roots of its panels' areas [m]."""
+    areas = np.linalg.norm(body.triangles.area, axis=1).reshape(2, -1).sum(axis=0)
+    return float((areas**1.5).sum() / areas.sum())
 
 
 def panel_diameters(body: FlexibleBody) -> FloatArray:

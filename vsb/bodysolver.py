@@ -10,7 +10,7 @@ from scipy.linalg import hadamard
 from scipy.spatial import cKDTree
 
 from vsb.bem import influence_blocks, panel_mesh
-from vsb.bodies import PLANES, SYMMETRIES, FlexibleBody, IntArray, joined
+from vsb.bodies import PLANES, SYMMETRIES, FlexibleBody, IntArray, detected_symmetry, joined
 from vsb.coarsening import coarser_body, coarser_panels
 from vsb.config import Water
 from vsb.units import ComplexArray, FloatArray
@@ -119,11 +119,12 @@ class BodyProblem:
     symmetry: str = "none"
     lid: tuple[FloatArray, IntArray] | None = None
 
-    def coarser(self) -> "BodyProblem":
-        """Return the problem on fewer panels, those of the lid as well (`vsb.coarsening`)."""
-        planes = SYMMETRIES[self.symmetry]
-        lid = (self.lid[0], coarser_panels(*self.lid, planes)) if self.lid else None
-        return replace(self, body=coarser_body(self.body, planes), lid=lid)
+    def coarser(self) -> tuple["BodyProblem", float]:
+        """Return the problem on fewer panels, those of the lid as well, and their share (`vsb.coarsening.Coarser`)."""
+        planes = SYMMETRIES[detected_symmetry(self.body)]  # whichever are made use of
+        lid = (self.lid[0], coarser_panels(*self.lid, planes).faces) if self.lid else None
+        body, share = coarser_body(self.body, planes)
+        return replace(self, body=body, lid=lid), share
 
     def _surface(self, *parts: tuple[FloatArray, IntArray]) -> SymmetricPanels:
         """The body and further panels."""

@@ -18,7 +18,7 @@ import numpy as np
 import xarray as xr
 from pydantic import Field, model_validator
 
-from vsb import __version__, bem, quality
+from vsb import __version__, bem
 from vsb.bodies import (
     FlexibleBody,
     IntArray,
@@ -29,10 +29,11 @@ from vsb.bodies import (
     hydrostatic_stiffness,
     interior_lid,
     panel_diameters,
+    panel_size,
     rigid_misfit,
 )
 from vsb.bodysolver import BodyProblem
-from vsb.bodysweep import Block, Measure, Swept, error_estimate, swept
+from vsb.bodysweep import Block, Measure, Swept, error_estimate, least_sizes, negative_damping, sizes, swept
 from vsb.config import canonical, content_id
 from vsb.database import Check, as_json, check_at_most, with_excitation, with_symmetrized
 from vsb.errors import ConfigError, DatabaseError
@@ -44,7 +45,7 @@ from vsb.waves import group_velocity, wavenumber
 
 Spec = dict[str, Any]
 Model = TypeVar("Model", bound=Section)
-PHYSICS = 2
+PHYSICS = 3
 """Hand-bumped version of the physics behind a block."""
 LARGEST_ERROR = 0.05
 """Estimated error above which there is doubt."""
@@ -183,15 +184,6 @@ def write_body(body: FlexibleBody, path: str | Path) -> None:
         xr.Dataset(data, coords={"dof": list(body.labels)}).to_netcdf(temporary, engine="netcdf4")
 
 
-def green_table(folder: Path) -> Any:
-    """Capytaine's Green function; a table half written is never found under its name."""
-    if not folder.is_dir():
-        partial = folder.with_name(f".{folder.name}.partial")
-        bem.green_function(partial)
-        partial.replace(folder)
-    return bem.green_function(folder)
-
-
 def run(config: str | Path, out: str | Path, tables: str | Path | None = None) -> list[Check]:
     """Solve what a body file asks for into `out` and return the verdict; `tables` keeps the Green function's table."""
     study = read_config(config, BodyStudy)
@@ -211,7 +203,7 @@ def solve(study: BodyStudy, body: FlexibleBody, out: str | Path, tables: str | P
     table = Path(tables or Path(out, "green", panel_solver().replace(" ", "-")))
     blocks = Blocks(study, body, symmetry, lid, Path(out, "blocks"), table)
     infinite, directions = blocks(np.inf), np.deg2rad(study.wave_direction)
-    size = np.sqrt(np.maximum(np.diag(infinite.own.added_mass_inf.values), 0.0))
+    size = sizes(infinite.own.added_mass_inf.values, least_sizes(body, study.water.density))
     centre = (body.vertices.max(axis=0) + body.vertices.min(axis=0)) / 2
     measure = Measure(size, centre, directions, study.water)
 
@@ -219,7 +211,9 @@ def solve(study: BodyStudy, body: FlexibleBody, out: str | Path, tables: str | P
         return blocks.problem.froude_krylov(omegas, directions)
 
     found = swept(blocks, froude_krylov, study.omega, study.tolerance, measure)
-    return _write_database(study, body, symmetry, infinite, found, Path(out, f"{study.body}.nc"))
+    checks = verdict(study, body, infinite, found, size)
+    _write_database(study, body, symmetry, infinite, found, checks, Path(out, f"{study.body}.nc"))
+    return checks
 
 
 @dataclass(frozen=True)
@@ -236,11 +230,11 @@ class Blocks:
     @cached_property
     def problem(self) -> BodyProblem:
         """The body in waves."""
-        return BodyProblem(green_table(self.table), self.body, self.study.water, self.symmetry, self.lid)
+        return BodyProblem(bem.stored_green_function(self.table), self.body, self.study.water, self.symmetry, self.lid)
 
     @cached_property
-    def _coarser(self) -> BodyProblem:
-        """The same on fewer panels."""
+    def _coarser(self) -> tuple[BodyProblem, float]:
+        """The same on fewer panels, and their share."""
         return self.problem.coarser()
 
     @cached_property
@@ -254,7 +248,7 @@ class Blocks:
             spec = _spec(self.study, self.body, omega)
             path = self.folder / f"{content_id(spec)}.nc"
             if not _is_solved(path, content_id(spec)):
-                own, *others = _block(self.problem, self._coarser, spec)
+                own, *others = _block(self.problem, *self._coarser, spec)
                 save(own, path, dict(zip(_GROUPS, others, strict=True)))
             self._known[omega] = Block(load(path), *(load(path, group) for group in _GROUPS))
         return self._known[omega]
@@ -278,11 +272,11 @@ def _is_solved(path: Path, spec_id: str) -> bool:
         return False
 
 
-def _block(problem: BodyProblem, fewer: BodyProblem, spec: Spec) -> Block:
+def _block(problem: BodyProblem, fewer: BodyProblem, share: float, spec: Spec) -> Block:
     """Coefficients at one frequency, those on fewer panels, and what their own waves say of them."""
     begun = clock.perf_counter()
     attrs: Spec = {"spec": canonical(spec), "spec_id": content_id(spec)}
-    attrs |= {"panels": len(problem.body.faces), "fewer_panels": len(fewer.body.faces)}
+    attrs |= {"resolution_ratio": panel_size(fewer.body) / panel_size(problem.body), "coarser_share": share}
     if np.isinf(spec["omega"]):
         found = Block(problem.at_infinity(), fewer.at_infinity(), xr.Dataset())
     else:
@@ -302,7 +296,7 @@ def identities(ds: xr.Dataset, problem: BodyProblem) -> dict[str, float]:
     """
     omega, water = float(ds.omega[0]), problem.water
     impedance = (ds.radiation_damping + 1j * omega * ds.added_mass).values[0]
-    z = np.abs(np.diag(impedance))
+    z = np.maximum(np.abs(np.diag(impedance)), omega * least_sizes(problem.body, water.density) ** 2)
     pair = np.sqrt(np.outer(z, z))
     k, v_g = (f(omega, water.depth, water.gravity) for f in (wavenumber, group_velocity))
     wave = np.sqrt(4 * water.density * water.gravity * v_g / k * z)
@@ -316,6 +310,7 @@ def identities(ds: xr.Dataset, problem: BodyProblem) -> dict[str, float]:
 
 
 _ERROR = "estimated error of added mass, damping and excitation, relative to the largest entry; smaller panels lower it"
+_ALONE = "share of the surface without fewer panels to compare with, whose part of the error no estimate has"
 _MEANING = {
     "symmetry": "added mass and damping are symmetric matrices",
     "far_field": "damping is the energy of the waves sent in all directions",
@@ -323,16 +318,17 @@ _MEANING = {
 }
 
 
-def verdict(study: BodyStudy, body: FlexibleBody, infinite: Block, found: Swept) -> list[Check]:
+def verdict(study: BodyStudy, body: FlexibleBody, infinite: Block, found: Swept, size: FloatArray) -> list[Check]:
     """Return the checks of a database before it is symmetrized."""
-    solved, error = found.solved, error_estimate(found.solved, infinite)
+    solved, error = found.solved, error_estimate(found.solved, infinite, size)
     longest = float(panel_diameters(body).max())
     k = wavenumber(study.omega[-1], study.water.depth, study.water.gravity)
     misfit = np.abs(at_centres(body.vertices, body.faces, body.shapes) - body.modes).max(axis=(1, 2))
     between = float((misfit / np.abs(body.modes).max(axis=(1, 2))).max())
-    negative = quality.negative_damping(found.coefficients)
+    negative, alone = negative_damping(found.coefficients, size), 1 - infinite.own.attrs["coarser_share"]
     checks = [
         check_at_most("error_estimate", error, LARGEST_ERROR, "-", _ERROR, doubt=True),
+        check_at_most("one_resolution", alone, 0.5, "-", _ALONE, doubt=True),
         *(
             check_at_most(name, max(block.own.attrs[name] for block in solved), 0.02, "-", text, doubt=True)
             for name, text in _MEANING.items()
@@ -363,10 +359,16 @@ def _at_rest(body: FlexibleBody) -> Spec:
 
 
 def _write_database(
-    study: BodyStudy, body: FlexibleBody, symmetry: str, infinite: Block, found: Swept, path: Path
-) -> list[Check]:
-    """Put what was found into the database with capytaine's names, and return its verdict."""
-    checks, pair = verdict(study, body, infinite, found), ("influenced_dof", "radiating_dof")
+    study: BodyStudy,
+    body: FlexibleBody,
+    symmetry: str,
+    infinite: Block,
+    found: Swept,
+    checks: list[Check],
+    path: Path,
+) -> None:
+    """Put what was found into the database with capytaine's names."""
+    pair = ("influenced_dof", "radiating_dof")
     blocks = [block.own for block in (infinite, *found.solved)]
     stiffness = hydrostatic_stiffness(body, study.water.density, study.water.gravity)
     structure = {"inertia_matrix": body.mass, "structural_stiffness": body.stiffness}
@@ -393,4 +395,3 @@ def _write_database(
     }
     complete = ds.assign({name: (pair, matrix) for name, matrix in matrices.items()})
     save(complete.assign_attrs(ds.attrs, **attrs), path)
-    return checks

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from vsb.bodies import FlexibleBody
 from vsb.bodysolver import unit_wave
 from vsb.config import Water
 from vsb.database import with_excitation
@@ -20,6 +21,8 @@ from vsb.sweep import FORCES, MOST_SOLVES, IncidentWave, joined, on_grid
 from vsb.units import ComplexArray, FloatArray
 from vsb.waves import wavenumber
 
+_LEAST_SIZE = 0.3
+"""Of a displacement, in terms of the water it would move if all of the displaced water moved like the surface."""
 _WEAKEST = 1.2
 """Ratio of resolutions from which on two of them say something of the error."""
 _MATRICES = ("added_mass", "radiation_damping")
@@ -119,20 +122,36 @@ def swept(
     return Swept(everywhere, blocks, found.sweep.error if found.sweep else 0.0)
 
 
-def error_estimate(solved: Sequence[Block], infinite: Block) -> float:
+def least_sizes(body: FlexibleBody, density: float) -> FloatArray:
+    """Return the least size of displacements, shape (dof,): yaw of a round body moves no water but round-off's."""
+    return np.asarray(_LEAST_SIZE * np.sqrt(density * body.volume * (body.modes**2).sum(axis=2).mean(axis=1)))
+
+
+def sizes(added_mass_inf: FloatArray, least: FloatArray) -> FloatArray:
+    """Return the sizes of displacements, roots of added mass at infinite frequency or the least, shape (dof,)."""
+    return np.asarray(np.sqrt(np.maximum(np.diag(added_mass_inf), least**2)))
+
+
+def negative_damping(ds: xr.Dataset, size: FloatArray) -> float:
+    """Return how far the damping of displacements of unit size is from positive semidefinite, at least 0."""
+    b = ds.radiation_damping.values / np.outer(size, size)
+    values = np.linalg.eigvalsh(0.5 * (b + b.transpose(0, 2, 1)))
+    return float(max(0.0, -values.min() / np.abs(values).max()))
+
+
+def error_estimate(solved: Sequence[Block], infinite: Block, size: FloatArray) -> float:
     """Return the estimated error of coefficients, relative to the band's largest entry of each [-].
 
     Notes
     -----
-    With panels r times as large the error of a method of order p grows by r^p: the change is r^p - 1 >= r - 1 times the
-    error for p >= 1, the order of flat panels at worst. What both meshes have wrong is added for damping and
-    excitation: the distances of the one from the energy of the far field and of the other from Haskind's relation. One,
-    all that is, if panels found no partners to be joined with.
+    With panels r times as large, in the mean over the surface, the error of a method of order p grows by r^p: the
+    change is r^p - 1 >= r - 1 times the error for p >= 1, the order of flat panels at worst. What both meshes have
+    wrong is added for damping and excitation: the distances of the one from the energy of the far field and of the
+    other from Haskind's relation. One, all that is, if panels found no partners to be joined with.
     """
-    ratio = float(np.sqrt(infinite.own.attrs["panels"] / infinite.own.attrs["fewer_panels"]))
+    ratio = float(infinite.own.attrs["resolution_ratio"])
     if ratio < _WEAKEST:
         return 1.0
-    size = np.sqrt(np.diag(infinite.own.added_mass_inf.values))
     own, fewer, waves = (joined(*parts) for parts in zip(*solved, strict=True))
     value, coarse, known = (_in_units(ds, size) for ds in (with_excitation(own), fewer, waves))
     limit, other = (ds.added_mass_inf.values / np.outer(size, size) for ds in infinite[:2])

@@ -7,6 +7,7 @@ and displacements included; panels that find no partners stay, and panels are ne
 
 import heapq
 from collections import defaultdict
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -16,7 +17,7 @@ from vsb.units import FloatArray
 
 _MOST = 8
 """Panels around a vertex beyond which it is a pole, not a patch's centre."""
-_ALIKE = np.cos(np.deg2rad(30.0))
+_ALIKE = np.cos(np.deg2rad(25.0))
 """Cosine between the normals of panels and of their patch below which there is an edge between them."""
 _BLUNT = 1 / 12
 """Share of a patch's area cut off with a vertex of its boundary, below which it is no corner.
@@ -24,7 +25,16 @@ _BLUNT = 1 / 12
 Six triangles around a vertex, however stretched, have corners of a sixth.
 """
 _FLATTEST = 0.05  # of half a panel's area, in terms of the mean of its patch
+_BOTH_WAYS = 2.5
+"""Panels of a patch per panel between its corners from which on it is coarser along and across."""
 _Around = dict[int, set[int]]
+
+
+class Coarser(NamedTuple):
+    """Fewer panels on the same vertices."""
+
+    faces: IntArray  # (fewer, 4)
+    share: float  # of the surface, where panels are larger both along and across
 
 
 class CoarserBody(FlexibleBody):
@@ -34,14 +44,14 @@ class CoarserBody(FlexibleBody):
         """Nothing to check."""
 
 
-def coarser_body(body: FlexibleBody, planes: tuple[str, ...]) -> CoarserBody:
-    """Return a body on fewer panels, see `coarser_panels`; displacements are those of the panels' corners."""
-    faces = coarser_panels(body.vertices, body.faces, planes)
+def coarser_body(body: FlexibleBody, planes: tuple[str, ...]) -> tuple[CoarserBody, float]:
+    """Return a body on fewer panels and its `Coarser.share`; displacements are those of the panels' corners."""
+    faces, share = coarser_panels(body.vertices, body.faces, planes)
     modes = at_centres(body.vertices, faces, body.shapes)
-    return CoarserBody(body.vertices, faces, body.labels, modes, body.shapes)
+    return CoarserBody(body.vertices, faces, body.labels, modes, body.shapes), share
 
 
-def coarser_panels(vertices: FloatArray, faces: IntArray, planes: tuple[str, ...]) -> IntArray:
+def coarser_panels(vertices: FloatArray, faces: IntArray, planes: tuple[str, ...]) -> Coarser:
     """Return fewer panels between the same vertices, mirrored in planes of symmetry (`vsb.bodies.PLANES`).
 
     Parameters
@@ -49,33 +59,31 @@ def coarser_panels(vertices: FloatArray, faces: IntArray, planes: tuple[str, ...
     vertices : ndarray, shape (vertex, xyz) [m]
     faces : ndarray, shape (panel, 4)
         Triangles repeat their last corner.
-
-    Returns
-    -------
-    ndarray, shape (fewer, 4)
     """
     corners = owners(vertices)[faces]
     centres = vertices[corners].mean(axis=1)
     kept = np.all([np.ones(len(faces)), *(centres[:, PLANES[plane]] > 0 for plane in planes)], axis=0)
-    found = _joined_panels(vertices, corners[kept])
+    found, share = _joined_panels(vertices, corners[kept])
     tree = cKDTree(vertices)
     for plane in planes:
         image = np.asarray(tree.query(vertices * np.where(np.arange(3) == PLANES[plane], -1.0, 1.0))[1])
         found = np.concatenate([found, image[found][:, [1, 0, 3, 2]]])
-    return found
+    return Coarser(found, share)
 
 
-def _joined_panels(vertices: FloatArray, corners: IntArray) -> IntArray:
+def _joined_panels(vertices: FloatArray, corners: IntArray) -> Coarser:
     """Panels of all patches, and those left over."""
     normals = _areas(vertices, corners)
-    normals /= np.linalg.norm(normals, axis=1)[:, None]
-    found, left = [], set(range(len(corners)))
+    areas = np.linalg.norm(normals, axis=1)
+    normals /= areas[:, None]
+    found, left, coarser = [], set(range(len(corners))), 0.0
     for patch in _patches(corners, normals):
         joined = _between_corners(vertices, corners[patch])
         if 0 < len(joined) < len(patch):
             found += joined
             left -= set(patch)
-    return np.array(found + corners[sorted(left)].tolist(), dtype=int)
+            coarser += float(areas[patch].sum()) * (len(patch) >= _BOTH_WAYS * len(joined))
+    return Coarser(np.array(found + corners[sorted(left)].tolist(), dtype=int), coarser / float(areas.sum()))
 
 
 def _areas(vertices: FloatArray, corners: IntArray) -> FloatArray:

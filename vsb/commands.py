@@ -2,7 +2,6 @@
 
 import json
 import math
-import shutil
 import time as clock
 from collections.abc import Sequence
 from pathlib import Path
@@ -109,10 +108,7 @@ def green(folder: str, out: str) -> None:
     from vsb import bem
 
     begun = clock.perf_counter()
-    partial = Path(f"{folder}.partial")  # a table half written must never be found under its name
-    bem.green_function(partial)
-    shutil.rmtree(folder, ignore_errors=True)
-    partial.replace(folder)
+    bem.stored_green_function(folder)
     write_text(out, f"{clock.perf_counter() - begun:.1f} s\n")
 
 

@@ -137,7 +137,7 @@ class Hydro(Section):
     tolerance: Annotated[Number, Field(ge=1e-6, le=0.1)] = 1e-3
     omega_max: Positive = 12.0
     omega: tuple[Positive, ...] = ()
-    rows: Annotated[Count, Field(ge=4, le=160)] | None = None
+    rows: Annotated[Count, Field(ge=6, le=160)] | None = None
     accept: tuple[Name, ...] = ()
 
     @property

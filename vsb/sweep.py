@@ -183,7 +183,7 @@ def _sampled(
 ) -> AdaptiveSweep:
     """Sweep until the estimated error is below the tolerance twice in a row, or it is no use to go on."""
     grid = np.asarray(frequencies, dtype=float)
-    most = min(MOST_SOLVES, len(grid) // 2) if most is None else most
+    most = min(MOST_SOLVES, len(grid) // 2) if most is None else min(most, len(grid))
     solved, new = crowded(len(grid)), 0
     ds = solve([frequencies[i] for i in solved])
     fits: list[Settled] = []
@@ -289,4 +289,5 @@ def on_grid(
     if swept.error <= tolerance:
         return GridSweep(swept.at(frequencies), swept)
     left = sorted({*map(float, frequencies)} - {*swept.solved.omega.values.tolist()})
-    return GridSweep(joined(swept.solved, solve(left)).sortby("omega"), None)
+    parts = [swept.solved, *([solve(left)] if left else [])]
+    return GridSweep(joined(*parts).sortby("omega"), None)

@@ -155,7 +155,8 @@ def import_wamit(
     density, gravity, length, depth : float
         Of the WAMIT run (rho, GRAV, ULEN, HBOT); they are in its control files, not in these.
     labels : sequence of str, optional
-        Names of the modes, ascending; default Surge, ..., Yaw, Mode7, Mode8, ...
+        Names of the modes, ascending; default those in the first line, where `wamit_texts` writes them, or Surge, ...,
+        Yaw, Mode7, Mode8, ...
 
     Notes
     -----
@@ -167,7 +168,8 @@ def import_wamit(
     path = str(Path(folder) / name)
     table = _table(f"{path}.1", _lines(f"{path}.1", "PER I J A B"), (1, 2), (4, 5), "PER I J A, and B where PER > 0")
     modes = sorted({int(mode) for key in table for mode in key[1:]})
-    names = list(labels or mode_labels(modes))
+    told = {int(n): label for n, label in re.findall(r" (\d+)=(\w+)", _lines(f"{path}.1", "")[0].partition("modes")[2])}
+    names = list(labels or ([told[m] for m in modes] if {*modes} <= {*told} else mode_labels(modes)))
     if [min(n, GENERALIZED) for n in mode_numbers(names)] != [min(mode, GENERALIZED) for mode in modes]:
         raise DatabaseError(f"{path}.1: holds modes {modes}; needs as many labels of these, received {names}.")
     mass, stiffness, force = _scales(density, gravity, length, modes)
