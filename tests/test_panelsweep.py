@@ -139,3 +139,14 @@ def test_the_estimate_bounds_the_distance_from_the_published_hemisphere(green, h
     pairs = zip((a, b, np.abs(x)), exact, strict=True)
     errors = [np.abs(ours - theirs.reshape(ours.shape)).max() / np.abs(theirs).max() for ours, theirs in pairs]
     assert max(errors) <= found.attrs["error_estimate"] <= 10 * max(errors)
+
+
+def test_what_both_meshes_have_wrong_is_no_small_part_of_the_error(green):
+    """Of short waves the lid's error is on both meshes alike: what half the rows change is less than the error."""
+    two, frequencies = meshes(green, 40), [5.0, 5.5, 6.0, 6.4]
+    found = two.solve(frequencies)
+    halves = two.coarse.solve(frequencies)
+    sizes = largest(found, two.strongest)
+    pairs = zip(coefficients(found), coefficients(halves), sizes, strict=True)
+    change, error = max(np.abs(a - b).max() / size for a, b, size in pairs), true_error(two, found)
+    assert change < error <= found.attrs["error_estimate"]

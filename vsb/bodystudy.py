@@ -18,7 +18,7 @@ import numpy as np
 import xarray as xr
 from pydantic import Field, model_validator
 
-from vsb import __version__, bem
+from vsb import __version__, bem, quality
 from vsb.bodies import (
     FlexibleBody,
     IntArray,
@@ -33,7 +33,7 @@ from vsb.bodies import (
     rigid_misfit,
 )
 from vsb.bodysolver import BodyProblem
-from vsb.bodysweep import Block, Measure, Swept, error_estimate, least_sizes, negative_damping, sizes, swept
+from vsb.bodysweep import Block, Measure, Swept, error_estimate, least_sizes, sizes, swept
 from vsb.config import canonical, content_id
 from vsb.database import Check, as_json, check_at_most, with_excitation, with_symmetrized
 from vsb.errors import ConfigError, DatabaseError
@@ -325,10 +325,10 @@ def verdict(study: BodyStudy, body: FlexibleBody, infinite: Block, found: Swept,
     k = wavenumber(study.omega[-1], study.water.depth, study.water.gravity)
     misfit = np.abs(at_centres(body.vertices, body.faces, body.shapes) - body.modes).max(axis=(1, 2))
     between = float((misfit / np.abs(body.modes).max(axis=(1, 2))).max())
-    negative, alone = negative_damping(found.coefficients, size), 1 - infinite.own.attrs["coarser_share"]
+    negative = quality.negative_damping(found.coefficients, np.outer(size, size))
     checks = [
         check_at_most("error_estimate", error, LARGEST_ERROR, "-", _ERROR, doubt=True),
-        check_at_most("one_resolution", alone, 0.5, "-", _ALONE, doubt=True),
+        check_at_most("one_resolution", 1 - infinite.own.attrs["coarser_share"], 0.5, "-", _ALONE, doubt=True),
         *(
             check_at_most(name, max(block.own.attrs[name] for block in solved), 0.02, "-", text, doubt=True)
             for name, text in _MEANING.items()

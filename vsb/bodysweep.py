@@ -17,7 +17,7 @@ from vsb.bodysolver import unit_wave
 from vsb.config import Water
 from vsb.database import with_excitation
 from vsb.errors import DatabaseError
-from vsb.sweep import FORCES, MOST_SOLVES, IncidentWave, joined, on_grid
+from vsb.sweep import FORCES, MOST_SOLVES, IncidentWave, apart, joined, on_grid
 from vsb.units import ComplexArray, FloatArray
 from vsb.waves import wavenumber
 
@@ -132,13 +132,6 @@ def sizes(added_mass_inf: FloatArray, least: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt(np.maximum(np.diag(added_mass_inf), least**2)))
 
 
-def negative_damping(ds: xr.Dataset, size: FloatArray) -> float:
-    """Return how far the damping of displacements of unit size is from positive semidefinite, at least 0."""
-    b = ds.radiation_damping.values / np.outer(size, size)
-    values = np.linalg.eigvalsh(0.5 * (b + b.transpose(0, 2, 1)))
-    return float(max(0.0, -values.min() / np.abs(values).max()))
-
-
 def error_estimate(solved: Sequence[Block], infinite: Block, size: FloatArray) -> float:
     """Return the estimated error of coefficients, relative to the band's largest entry of each [-].
 
@@ -160,8 +153,8 @@ def error_estimate(solved: Sequence[Block], infinite: Block, size: FloatArray) -
         for values, at_infinity in ((value, limit), (coarse, other))
     )
     largest = {name: float(np.abs(v).max()) or 1.0 for name, v in value.items()}
-    both = sum(_apart(value[name], known[name]) / largest[name] for name in known)
-    change = {name: _apart(value[name], coarse[name]) / largest[name] / (ratio - 1) for name in value}
+    both = sum(apart(value[name], known[name]) / largest[name] for name in known)
+    change = {name: apart(value[name], coarse[name]) / largest[name] / (ratio - 1) for name in value}
     return max(error + (both if name in known else 0.0) for name, error in change.items())
 
 
@@ -169,8 +162,3 @@ def _in_units(ds: xr.Dataset, size: FloatArray) -> dict[str, npt.NDArray[np.inex
     """Those of added mass, damping and excitation there are, for displacements of unit size."""
     units = dict.fromkeys(_MATRICES, np.outer(size, size)) | {"excitation_force": size}
     return {name: ds[name].values / unit for name, unit in units.items() if name in ds}
-
-
-def _apart(one: npt.NDArray[np.inexact[Any]], other: npt.NDArray[np.inexact[Any]]) -> float:
-    """Largest difference of two arrays."""
-    return float(np.abs(one - other).max())

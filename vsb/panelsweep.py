@@ -6,22 +6,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from vsb.bem import AxisymmetricProblem, green_function
 from vsb.database import with_excitation
 from vsb.quality import haskind_damping
 from vsb.specs import LEAST_DEPTH_IN_WAVENUMBERS
-from vsb.sweep import coefficients, joined, largest, on_grid
+from vsb.sweep import apart, coefficients, joined, largest, on_grid
 
 STRONGEST_KA = 0.5
 """k R of a wave near which damping is largest: a block of high frequencies measures its errors by that, too."""
-
-
-def _apart(one: npt.NDArray[np.inexact[Any]], other: npt.NDArray[np.inexact[Any]]) -> float:
-    """Largest difference of two arrays."""
-    return float(np.abs(one - other).max())
 
 
 @dataclass(frozen=True)
@@ -51,16 +45,16 @@ class TwoMeshes:
         """Return the estimated error of coefficients solved on the fine mesh [-]."""
         p, (a, b, x), sizes = self.fine, coefficients(solved), largest(solved, strongest)
         halved = coefficients(self.coarse.solve(solved.omega.values.tolist()))
-        missed = _apart(haskind_damping(with_excitation(solved), p.depth, p.density, p.gravity).reshape(b.shape), b)
-        twisted = _apart(solved.added_mass.values, solved.added_mass.values.transpose(0, 2, 1))
+        missed = apart(haskind_damping(with_excitation(solved), p.depth, p.density, p.gravity).reshape(b.shape), b)
+        twisted = apart(solved.added_mass.values, solved.added_mass.values.transpose(0, 2, 1))
         both = (twisted / sizes[0], missed / sizes[1], missed / sizes[1])
-        apart = [_apart(*pair) for pair in zip((a, b, x), halved, strict=True)]
-        return max(change / size + wrong for change, size, wrong in zip(apart, sizes, both, strict=True))
+        changes = [apart(*pair) for pair in zip((a, b, x), halved, strict=True)]
+        return max(change / size + wrong for change, size, wrong in zip(changes, sizes, both, strict=True))
 
     def at_infinity(self) -> xr.Dataset:
         """Return added_mass_inf [kg], shape (displacement, displacement), with the attribute `error_estimate`."""
         fine, coarse = self.fine.at_infinity(), self.coarse.at_infinity()
-        error = (_apart(fine, coarse) + _apart(fine, fine.T)) / (np.abs(fine).max() or 1.0)
+        error = (apart(fine, coarse) + apart(fine, fine.T)) / (np.abs(fine).max() or 1.0)
         labels = list(self.fine.displacements)
         coords = {"influenced_dof": labels, "radiating_dof": labels}
         return xr.Dataset({"added_mass_inf": (tuple(coords), fine)}, coords, {"error_estimate": error})
@@ -86,7 +80,8 @@ class TwoMeshes:
             return joined(*map(at, omegas))
 
         if interpolation is None:
-            found, solved, between = solve(frequencies), solve(frequencies), 0.0
+            found, between = solve(frequencies), 0.0
+            solved = found
         else:
             swept = on_grid(solve, frequencies, interpolation, self.fine.incident_wave, [strongest])
             found, solved = swept.coefficients, solve(swept.solved)

@@ -33,10 +33,10 @@ def _scale(ds: xr.Dataset) -> FloatArray:
     return np.outer(root, root)
 
 
-def _scaled_eigenvalues(ds: xr.Dataset) -> FloatArray:
+def _scaled_eigenvalues(ds: xr.Dataset, scale: FloatArray) -> FloatArray:
     """Eigenvalues of the scaled damping, ascending, relative to the largest of the band, shape (omega, dof)."""
     b = ds.radiation_damping.values
-    values = np.linalg.eigvalsh(0.5 * (b + b.transpose(0, 2, 1)) / _scale(ds))
+    values = np.linalg.eigvalsh(0.5 * (b + b.transpose(0, 2, 1)) / scale)
     return np.asarray(values / np.abs(values).max())
 
 
@@ -46,14 +46,17 @@ def asymmetry(ds: xr.Dataset) -> float:
     return max(float(np.abs(m - m.transpose(0, 2, 1)).max() / np.abs(m).max()) for m in matrices)
 
 
-def negative_damping(ds: xr.Dataset) -> float:
-    """Return how far the damping is from positive semidefinite: -(smallest eigenvalue), at least 0."""
-    return float(max(0.0, -_scaled_eigenvalues(ds).min()))
+def negative_damping(ds: xr.Dataset, scale: FloatArray | None = None) -> float:
+    """Return how far the damping is from positive semidefinite: -(smallest eigenvalue), at least 0.
+
+    Entries are divided by `scale`, shape (dof, dof); by default the largest damping of every motion becomes one.
+    """
+    return float(max(0.0, -_scaled_eigenvalues(ds, _scale(ds) if scale is None else scale).min()))
 
 
 def second_channel(ds: xr.Dataset) -> float:
     """Return the largest second eigenvalue of the damping: an axisymmetric body has one radiation channel, rank one."""
-    values = np.sort(np.abs(_scaled_eigenvalues(ds)), axis=1)
+    values = np.sort(np.abs(_scaled_eigenvalues(ds, _scale(ds))), axis=1)
     return float(values[:, -2].max()) if values.shape[1] > 1 else 0.0
 
 

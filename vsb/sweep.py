@@ -8,9 +8,10 @@ oscillate with both signs of k R, need no solving; diffraction is the rest of X.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 from scipy.interpolate import CubicSpline
 
@@ -62,6 +63,11 @@ class _Family(NamedTuple):
 def _rows(ds: xr.Dataset, name: str) -> ComplexArray:
     """Values of a variable, one row for each frequency."""
     return np.asarray(ds[name].values.reshape(ds.sizes["omega"], -1))
+
+
+def apart(one: npt.NDArray[np.inexact[Any]], other: npt.NDArray[np.inexact[Any]]) -> float:
+    """Return the largest difference of two arrays."""
+    return float(np.abs(one - other).max())
 
 
 def relative(difference: ComplexArray | FloatArray, value: ComplexArray | FloatArray) -> float:
