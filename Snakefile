@@ -1,7 +1,7 @@
 # Flexible against rigid wave-energy buoys: the whole chain, one `vsb` command per rule.
 #   snakemake --configfile config/other.yaml      another study; without it, the seed study
-from vsb.config import canonical, content_id
-from vsb.specs import StudyPlan, figure_names, options
+from vsb.study.study import canonical, content_id
+from vsb.study.plan import StudyPlan, figure_names, options
 
 if "device" not in config:
 

@@ -11,17 +11,22 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from vsb import bem, config, database, panelsweep, spectralsweep
-from vsb.commands import mean_mesh, spectral_problem
-from vsb.config import Study, canonical
-from vsb.kernel import DampingSpectrum
-from vsb.modes import study_basis
-from vsb.plant import Damper, Spring
-from vsb.pto import LinearPto
-from vsb.radiation import fit_radiation
-from vsb.reference import reference_shell
-from vsb.response import LinearBuoy
-from vsb.specs import StudyPlan
+from vsb.hydro import database
+from vsb.hydro.kernel import DampingSpectrum
+from vsb.hydro.panels import rings as bem
+from vsb.hydro.panels import sweep as panelsweep
+from vsb.hydro.spectral import sweep as spectralsweep
+from vsb.hydro.statespace import fit_radiation
+from vsb.motion.frequency import LinearBuoy
+from vsb.motion.pto import LinearPto
+from vsb.motion.scene import Damper, Spring
+from vsb.scenes.rest import reference_shell
+from vsb.shell.modes import study_basis
+from vsb.stages.coefficients import spectral_problem
+from vsb.stages.meshes import mean_mesh
+from vsb.study import study as config
+from vsb.study.plan import StudyPlan
+from vsb.study.study import Study, canonical
 
 HERE = Path(__file__).parent
 SEED = HERE.parent / "config" / "seed.yaml"

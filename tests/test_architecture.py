@@ -10,19 +10,25 @@ from pathlib import Path
 import pytest
 
 HOME = Path(__file__).parent.parent
-ORDER = (
-    "errors", "compiled", "sections", "reading", "config", "resolution", "specs", "units", "shell", "modes", "azimuthal", "surface", "prestress", "reference", "wetforce", "multibody",
-    "wetbody", "meshing", "superposition", "waves", "ringsource", "meridian", "wavepart", "finitedepth", "spectral", "rational", "sweep", "spectralsweep", "waveforce", "kernel", "database", "generalized", "wamit", "bemio", "quality", "interchange", "bodies", "coarsening", "bem", "panelsweep", "bodysolver", "bodysweep", "bodystudy", "radiation", "pto", "response", "shapefamily", "shapedatabase", "plant",
-    "integrate", "constraint", "phifunctions", "adams", "exponential", "gauss", "periodic", "regularwave", "harmonic", "audit", "trajectory", "automatic", "scenes", "power", "seastatistics", "compare", "ledger", "canvas", "barge", "shapedependence", "riemann", "workprecision", "hydroprecision", "shapes", "figures", "report",
-    "commands", "hardcases", "generalsolvers", "timecases", "timeprecision", "publish", "preview", "cli",
+ROOMS = (
+    "errors", "tools", "study", "shell", "waves", "hydro", "motion", "integrators", "scenes", "results", "report",
+    "stages", "cli",
 )  # fmt: skip
-MODULES = {path.stem: path for path in (HOME / "vsb").glob("*.py") if path.stem != "__init__"}
+"""Each room imports only from rooms before it."""
+MODULES = {
+    ".".join(path.relative_to(HOME).with_suffix("").parts): path
+    for folder in ("vsb", "benchmarks", "examples")
+    for path in sorted((HOME / folder).rglob("*.py"))
+    if path.stem != "__init__"
+}
+PACKAGE = [name for name in MODULES if name.startswith("vsb.")]
 TREES = {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in MODULES.items()}
+OUTSIDE = {"benchmarks", "examples"}
 HEAVY = {"numpy", "scipy", "xarray", "capytaine", "matplotlib", "netCDF4"}
 
 
 WORKFLOW = {p.name: p for p in (HOME / "Snakefile", *sorted((HOME / "workflow").rglob("*.smk")))}
-PARSED = ("__init__", "errors", "config", "specs")  # read at every parse of the workflow
+PARSED = ("__init__", "errors", "study/study", "study/plan")  # read at every parse of the workflow
 STATEMENT = re.compile(r"^[ \t]*((?:import|from)[ \t]+(?:[^(\n\\]|\\\n|\([^)]*\))*)", re.MULTILINE)
 BY_NAME = re.compile(r"(?:__import__|import_module)\([^\"']*[\"'](\w[\w.]*)")
 
@@ -33,19 +39,30 @@ def named(node):
         return [alias.name for alias in node.names]
     if isinstance(node, ast.ImportFrom):
         base = ".".join(part for part in ("vsb" if node.level else "", node.module) if part)
-        return [f"vsb.{alias.name}" for alias in node.names] if base == "vsb" else [base]
+        return [f"{base}.{alias.name}" for alias in node.names] if base.split(".")[0] == "vsb" else [base]
     return BY_NAME.findall(ast.unparse(node)) if isinstance(node, ast.Call) else []
 
 
 def imported(tree):
-    """Top-level packages and vsb modules a tree imports, anywhere."""
+    """Top-level packages and vsb modules (or names in them) a tree imports, anywhere."""
     packages, own = set(), set()
     for name in (name for node in ast.walk(tree) for name in named(node)):
         top, _, rest = name.partition(".")
         packages.add(top)
         if top == "vsb" and rest and rest[0] not in "_*":
-            own.add(rest.partition(".")[0])
+            own.add(rest)
     return packages, own
+
+
+def rooms(tree):
+    """Rooms of vsb a tree imports from."""
+    return {name.partition(".")[0] for name in imported(tree)[1]}
+
+
+def modules(tree, trees):
+    """Modules of vsb a tree imports, whether it names them or something in them."""
+    own = imported(tree)[1]
+    return {name for name in trees if any(f"{found}.".startswith(f"{name.removeprefix('vsb.')}.") for found in own)}
 
 
 def workflow_tree(text):
@@ -56,14 +73,12 @@ def workflow_tree(text):
 
 def heavy(tree, trees):
     """Heavy packages a tree imports, itself or through the vsb modules it imports."""
-    packages, pending, seen = set(imported(tree)[0]), list(imported(tree)[1]), set()
+    packages, pending, seen = set(imported(tree)[0]), modules(tree, trees), set()
     while pending:
         name = pending.pop()
-        if name in trees and name not in seen:
-            seen.add(name)
-            more, own = imported(trees[name])
-            packages |= more
-            pending += own
+        seen.add(name)
+        packages |= imported(trees[name])[0]
+        pending |= modules(trees[name], trees) - seen
     return packages & HEAVY
 
 
@@ -77,19 +92,39 @@ def body_lines(function):
     return body[-1].end_lineno - body[0].lineno + 1 if body else 0
 
 
-def test_every_module_has_its_place():
-    assert set(MODULES) == set(ORDER)
+def test_every_module_has_its_room():
+    assert {name.split(".")[1] for name in PACKAGE} == set(ROOMS)
 
 
-@pytest.mark.parametrize("name", ORDER)
-def test_a_module_imports_only_from_modules_above_it(name):
-    below = imported(TREES[name])[1] - set(ORDER[: ORDER.index(name)])
-    assert not below, f"{name} imports {sorted(below)}, which stand below it"
+@pytest.mark.parametrize("name", PACKAGE)
+def test_a_room_imports_only_from_rooms_before_it(name):
+    own = name.split(".")[1]
+    after = rooms(TREES[name]) - set(ROOMS[: ROOMS.index(own) + 1])
+    assert not after, f"{name} imports from {sorted(after)}, which come after {own}"
 
 
-@pytest.mark.parametrize("name", ORDER)
-def test_only_bem_imports_capytaine(name):
-    assert ("capytaine" in imported(TREES[name])[0]) == (name == "bem")
+def test_modules_import_each_other_in_no_circle():
+    """Kahn's order exists: every module can be read after all it imports."""
+    left = {name: modules(TREES[name], TREES) - {name} for name in PACKAGE}
+    while ready := [name for name, needs in left.items() if not needs & left.keys()]:
+        for name in ready:
+            del left[name]
+    assert not left, f"circles among {sorted(left)}"
+
+
+@pytest.mark.parametrize("name", [name for name in PACKAGE if name != "vsb.cli"])
+def test_the_package_knows_neither_benchmarks_nor_examples(name):
+    assert not imported(TREES[name])[0] & OUTSIDE
+
+
+@pytest.mark.parametrize("name", PACKAGE)
+def test_only_the_room_of_panels_imports_capytaine(name):
+    assert "capytaine" not in imported(TREES[name])[0] or name.startswith("vsb.hydro.panels.")
+
+
+@pytest.mark.parametrize("name", [name for name in PACKAGE if name.startswith("vsb.study.")])
+def test_a_study_is_read_without_numpy(name):
+    assert not heavy(TREES[name], TREES)
 
 
 @pytest.mark.parametrize("name", PARSED)
@@ -104,7 +139,7 @@ def test_the_workflow_itself_is_light(name):
 
 def test_parsing_the_workflow_loads_nothing_heavy():
     """The same, asked of the interpreter: third parties are in it too."""
-    code = f"import sys, vsb, vsb.config, vsb.specs; print(*({HEAVY!r} & sys.modules.keys()))"
+    code = f"import sys, vsb, vsb.study.study, vsb.study.plan; print(*({HEAVY!r} & sys.modules.keys()))"
     done = subprocess.run([sys.executable, "-c", code], cwd=HOME, capture_output=True, text=True, check=True)
     assert done.stdout.split() == []
 
@@ -119,12 +154,12 @@ def test_the_package_imports_none_of_its_modules():
     [
         ("import numpy as np, scipy.linalg", {"numpy", "scipy"}, set()),
         ("def f():\n    from scipy.linalg import expm", {"scipy"}, set()),
-        ("from vsb.modes import Mode", {"vsb"}, {"modes"}),
+        ("from vsb.modes import Mode", {"vsb"}, {"modes.Mode"}),
         ("from vsb import modes, __version__", {"vsb"}, {"modes"}),
         ("import vsb.modes as m", {"vsb"}, {"modes"}),
         ("from . import modes", {"vsb"}, {"modes"}),
-        ("from .modes import Mode", {"vsb"}, {"modes"}),
-        ("if x:\n    from .modes import *", {"vsb"}, {"modes"}),
+        ("from .modes import Mode", {"vsb"}, {"modes.Mode"}),
+        ("if x:\n    from .modes import *", {"vsb"}, {"modes.*"}),
         ("importlib.import_module('vsb.modes')", {"vsb"}, {"modes"}),
         ("x = __import__('capytaine')", {"capytaine"}, set()),
         ("x = 'import numpy'  # from scipy import linalg", set(), set()),
@@ -148,11 +183,11 @@ def test_the_checker_sees_every_form_of_import(code, packages, own):
     ],
 )
 def test_the_checker_sees_what_a_workflow_imports(text, found):
-    light = {"config": ast.parse("import os"), "modes": ast.parse("import numpy\nfrom .shell import Shell")}
-    assert heavy(workflow_tree(text), {**light, "shell": ast.parse("from scipy import linalg")}) == found
+    light = {"vsb.config": ast.parse("import os"), "vsb.modes": ast.parse("import numpy\nfrom .shell import Shell")}
+    assert heavy(workflow_tree(text), {**light, "vsb.shell": ast.parse("from scipy import linalg")}) == found
 
 
-@pytest.mark.parametrize("name", ORDER)
+@pytest.mark.parametrize("name", MODULES)
 def test_modules_are_short(name):
     assert len(MODULES[name].read_text(encoding="utf-8").splitlines()) <= 400
 
@@ -163,7 +198,7 @@ def test_functions_are_short():
     assert lengths[int(0.9 * len(lengths))] <= 40
 
 
-@pytest.mark.parametrize("name", ORDER)
+@pytest.mark.parametrize("name", MODULES)
 def test_everything_public_is_documented(name):
     nodes = [n for n in ast.walk(TREES[name]) if isinstance(n, ast.FunctionDef | ast.ClassDef)]
     nested = {id(child) for n in nodes if isinstance(n, ast.FunctionDef) for child in ast.walk(n) if child is not n}

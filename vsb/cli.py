@@ -1,26 +1,21 @@
 """The command line: `vsb run`, `vsb check`, `vsb shell`, and one command per workflow rule."""
 
 import argparse
-import fcntl
 import json
-import os
-import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vsb import __version__
-from vsb.config import load
 from vsb.errors import ConfigError, VsbError
-from vsb.specs import StudyPlan
+from vsb.stages.run import ERROR, cores, run
+from vsb.study.plan import StudyPlan
+from vsb.study.study import load
 
 if TYPE_CHECKING:
-    from vsb.database import Check
+    from vsb.hydro.database import Check
 
-ERROR = "vsb: error:"
 Handler = Callable[[argparse.Namespace], int]
 
 
@@ -35,25 +30,33 @@ def _spec(args: argparse.Namespace) -> dict[str, Any]:
     return spec
 
 
+def _integrators(args: argparse.Namespace) -> None:
+    """Benchmark of integrators."""
+    from benchmarks import integrators
+
+    integrators.benchmark(_spec(args), args.out, args.figures)
+
+
 def _rule(name: str) -> Handler:
     """Handler of a rule's command: imports the science only when it is needed."""
 
     def handle(args: argparse.Namespace) -> int:
-        from vsb import commands, publish, workprecision
+        from vsb.stages import coefficients, compare, database, meshes, modes, radiation, response, simulate
+        from vsb.stages import report as publish
 
         calls: dict[str, Callable[[], None]] = {
-            "modes": lambda: commands.shell_modes(_spec(args), args.out),
-            "mesh": lambda: commands.mesh(_spec(args), args.out),
-            "display-meshes": lambda: commands.display_meshes(_spec(args), args.out),
-            "green": lambda: commands.green(args.folder, args.out),
-            "bem": lambda: commands.bem_block(_spec(args), args.mesh, args.green, args.out),
-            "spectral": lambda: commands.spectral_block(_spec(args), args.out),
-            "database": lambda: commands.build_database(_spec(args), args.files, args.out),
-            "radiation": lambda: commands.fit_radiation(_spec(args), args.database, args.out),
-            "response": lambda: commands.frequency_response(_spec(args), args.database, args.out),
-            "simulate": lambda: commands.simulate(_spec(args), vars(args), args.out),
-            "compare": lambda: commands.compare_designs(_spec(args), vars(args), args.files),
-            "workprecision": lambda: workprecision.benchmark(_spec(args), args.out, args.figures),
+            "modes": lambda: modes.shell_modes(_spec(args), args.out),
+            "mesh": lambda: meshes.mesh(_spec(args), args.out),
+            "display-meshes": lambda: meshes.display_meshes(_spec(args), args.out),
+            "green": lambda: coefficients.green(args.folder, args.out),
+            "bem": lambda: coefficients.bem_block(_spec(args), args.mesh, args.green, args.out),
+            "spectral": lambda: coefficients.spectral_block(_spec(args), args.out),
+            "database": lambda: database.build_database(_spec(args), args.files, args.out),
+            "radiation": lambda: radiation.fit_radiation(_spec(args), args.database, args.out),
+            "response": lambda: response.frequency_response(_spec(args), args.database, args.out),
+            "simulate": lambda: simulate.simulate(_spec(args), vars(args), args.out),
+            "compare": lambda: compare.compare_designs(_spec(args), vars(args), args.files),
+            "workprecision": lambda: _integrators(args),
             "figures": lambda: publish.figures(vars(args), args.files),
             "report": lambda: publish.report(vars(args), args.files),
         }
@@ -65,7 +68,7 @@ def _rule(name: str) -> Handler:
 
 def check(args: argparse.Namespace) -> int:
     """Validate a study, print what it would cost and what to doubt; solve nothing."""
-    from vsb import preview
+    from vsb.stages import preview
 
     study = load(args.config)
     for line in preview.summary(study, StudyPlan(study)):
@@ -75,7 +78,7 @@ def check(args: argparse.Namespace) -> int:
 
 def shell(args: argparse.Namespace) -> int:
     """Print dry natural frequencies of both branches, the paper's Ritz column, and the buckling pressure."""
-    from vsb import preview
+    from vsb.stages import preview
 
     table = preview.shell_table(load(args.config))
     print(json.dumps(table, indent=1) if args.json else preview.shell_text(table))
@@ -84,7 +87,7 @@ def shell(args: argparse.Namespace) -> int:
 
 def export(args: argparse.Namespace) -> int:
     """Write the hydro database of a study, or a database file, for other codes: WAMIT's files and WEC-Sim's .h5."""
-    from vsb import interchange
+    from vsb.hydro.formats import exchange as interchange
 
     if (path := Path(args.config)).suffix == ".nc":
         files = interchange.export(path, args.folder, path.stem)
@@ -98,19 +101,19 @@ def export(args: argparse.Namespace) -> int:
 
 def import_wamit(args: argparse.Namespace) -> int:
     """Read WAMIT's output, generalized modes included, into a hydro database with the verdict of its identities."""
-    from vsb import commands
+    from vsb.stages import exchange
 
     names = ("density", "gravity", "length", "depth", "axisymmetric")
-    found = commands.import_wamit(args.folder, args.name, args.out, **{name: getattr(args, name) for name in names})
+    found = exchange.import_wamit(args.folder, args.name, args.out, **{name: getattr(args, name) for name in names})
     causes = "--length ULEN, --density and --gravity those of the run, and PER a column of periods (IPEROUT = 1)"
     return _imported(*found, args.out, causes)
 
 
 def import_bemio(args: argparse.Namespace) -> int:
     """Read a BEMIO .h5 file of one body into a hydro database with the verdict of its identities."""
-    from vsb import commands
+    from vsb.stages import exchange
 
-    found = commands.import_bemio(args.file, args.out, axisymmetric=args.axisymmetric)
+    found = exchange.import_bemio(args.file, args.out, axisymmetric=args.axisymmetric)
     return _imported(*found, args.out, "scaled and rho in the file those its numbers were divided by")
 
 
@@ -123,14 +126,14 @@ def _imported(checks: "list[Check]", notes: list[str], out: str, causes: str) ->
 
 def body(args: argparse.Namespace) -> int:
     """Solve any mesh with any displacements into a hydro database and print its verdict; 1 if a check fails."""
-    from vsb import bodystudy
+    from vsb.hydro.bodies import study as bodystudy
 
     return _verdict(bodystudy.run(args.config, args.out), f"{args.out}: blocks and database")
 
 
 def barge(args: argparse.Namespace) -> int:
     """A flexible barge by the general route: its files, database and verdict, and how the mesh converges."""
-    from vsb import barge as route
+    from examples import barge as route
 
     return _verdict(route.study(args.config, args.out), f"{args.out}/barge.nc {args.out}/barge.svg")
 
@@ -145,16 +148,16 @@ def _verdict(checks: "list[Check]", files: str) -> int:
 
 def shape_dependence(args: argparse.Namespace) -> int:
     """Shape database of a deep-water study, a figure, and one line: whether its power depends on the shape."""
-    from vsb import shapedependence
+    from vsb.stages import shape_dependence as stage
 
-    answer = shapedependence.shape_dependence(load(args.config), f"{args.out}.nc", f"{args.out}.svg")
+    answer = stage.shape_dependence(load(args.config), f"{args.out}.nc", f"{args.out}.svg")
     print(f"{args.out}.nc {args.out}.svg\n{answer}")
     return 0
 
 
 def hard_cases(args: argparse.Namespace) -> int:
     """Run every hard case and write a table; 1 if any ends in garbage or otherwise than expected."""
-    from vsb import hardcases
+    from benchmarks import hard_cases as hardcases
 
     rows = hardcases.hard_cases(args.config, args.out)
     print(hardcases.as_text(rows))
@@ -163,7 +166,7 @@ def hard_cases(args: argparse.Namespace) -> int:
 
 def hydro_precision(args: argparse.Namespace) -> int:
     """Error against seconds and memory of coefficients by six methods: tables and a figure; takes minutes."""
-    from vsb import hydroprecision
+    from benchmarks import coefficients as hydroprecision
 
     rows = hydroprecision.benchmark(args.folder)
     print(*sorted(Path(args.folder).glob("hydro_precision*")), sep="\n")
@@ -172,71 +175,11 @@ def hydro_precision(args: argparse.Namespace) -> int:
 
 def time_precision(args: argparse.Namespace) -> int:
     """Error against seconds of every integrator and radiation model, cost against size: a table and two figures."""
-    from vsb import timeprecision
+    from benchmarks import time_domain as timeprecision
 
     timeprecision.benchmark(load(args.config), args.folder)
     print(*sorted(Path(args.folder).glob("time_*")), sep="\n")
     return 0
-
-
-def run(args: argparse.Namespace) -> int:
-    """Run a whole study through Snakemake, after validating everything that can be known beforehand."""
-    from vsb import preview
-    from vsb.units import check_folder
-
-    study = load(args.config)
-    plan = StudyPlan(study)
-    preview.check_before_run(study, plan)
-    for folder in (".", plan.root):  # snakemake writes to both
-        check_folder(folder)
-    home = Path.cwd() if Path("Snakefile").is_file() else Path(__file__).resolve().parents[1]
-    if not (home / "profiles" / args.profile).is_dir():
-        raise VsbError(f"--profile: received {args.profile}, needs a folder in {home / 'profiles'}")
-    command = [sys.executable, "-m", "snakemake", "--snakefile", str(home / "Snakefile"), "--configfile", args.config]
-    profile = ["--profile", str(home / "profiles" / args.profile), "--workflow-profile", "none"]
-    command += ["--nolock", *profile, *(["--cores", args.cores] if args.cores else []), *args.snakemake]
-    environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
-    begun = time.time()
-    dry = bool({"-n", "--dry-run", "--dryrun"} & set(args.snakemake))
-    with _alone(Path(plan.root), waits=not dry) as lock:
-        code = subprocess.run(command, env=environment, check=False, pass_fds=lock).returncode
-    if code:
-        return _failed(plan, begun)
-    if not dry and (report := Path(plan.folder) / "report.html").is_file():
-        print(f"{study.study}: {report}")
-    return 0
-
-
-def _cores(text: str) -> str:
-    """A number of cores as snakemake takes it; with none it would wait for ever."""
-    if text != "all" and not (text.isdecimal() and int(text)):
-        raise argparse.ArgumentTypeError(f"received {text}, needs a whole number above 0, or all")
-    return text
-
-
-@contextmanager
-def _alone(root: Path, *, waits: bool) -> Iterator[list[int]]:
-    """Hold the results folder; the lock goes with the processes that hold it, so a killed run leaves none behind."""
-    if not waits:  # a dry run writes nothing
-        yield []
-        return
-    root.mkdir(parents=True, exist_ok=True)
-    with (root / ".lock").open("w") as handle:
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise VsbError(f"{root}: another run is at work in this folder; wait for it to end") from None
-        yield [handle.fileno()]
-
-
-def _failed(plan: StudyPlan, begun: float) -> int:
-    """Repeat the failing rule's own line last, where it is seen; 2 if it was the user's to mend, else 1."""
-    logs = [path for path in Path(plan.root, "logs").rglob("*.log") if path.stat().st_mtime >= begun - 1.0]
-    lines = [line for path in logs for line in path.read_text(encoding="utf-8").splitlines()]
-    mistakes = [line for line in lines if line.startswith(ERROR)]
-    last = mistakes[-1] if mistakes else f"{ERROR} the run of {plan.study.study!r} did not complete, see above"
-    print(last, file=sys.stderr)
-    return 2 if mistakes else 1
 
 
 AXISYMMETRIC = "the body and its generalized modes are: more can be checked"
@@ -265,7 +208,7 @@ def parser() -> argparse.ArgumentParser:
     one = commands.add_parser("run", help="run a whole study through Snakemake", description=run.__doc__, epilog=more)
     one.add_argument("config", metavar="CONFIG")
     one.add_argument("--profile", default="default", help="folder under profiles/ (default: default)")
-    one.add_argument("--cores", "-c", type=_cores, metavar="N", help="processor cores to use, or all")
+    one.add_argument("--cores", "-c", type=cores, metavar="N", help="processor cores to use, or all")
     one.set_defaults(handler=run)  # what it does not know goes to snakemake, see main
     one = commands.add_parser("check", help="validate a study, solve nothing", description=check.__doc__)
     one.add_argument("config", metavar="CONFIG")
@@ -345,7 +288,7 @@ def parser() -> argparse.ArgumentParser:
 def _check_writable(names: Sequence[str]) -> None:
     """Check that files, and folders, whose names end in /, can be written: minutes of work must not end in an error."""
     for name in names:
-        from vsb.units import check_file, check_folder
+        from vsb.tools.units import check_file, check_folder
 
         (check_folder if name.endswith("/") else check_file)(name.removesuffix("/"))
 

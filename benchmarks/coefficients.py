@@ -1,0 +1,365 @@
+"""Work and precision of hydrodynamic coefficients: error against seconds and memory of six ways to compute them.
+
+The floating hemisphere in deep water, normal velocities P_0..P_6 and excitation, below the first irregular frequency:
+no method needs a lid. Radius, density and gravity are one: omega^2 = Ka. Every method runs in a process of its own on
+one thread. Errors are true ones, against the spectral solver at `REFERENCE_NODES`, where it has converged to round-off;
+it shares nothing with panels, and the multipole series of the tests agrees with it to that series' own error, 3e-6.
+"""
+
+import io
+import multiprocessing
+import os
+import resource
+import sys
+import tempfile
+import time as clock
+import tracemalloc
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cache, partial
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from benchmarks.integrators import as_csv
+from benchmarks.quadrature import Row
+from vsb.hydro.panels import rings as bem
+from vsb.hydro.panels.mesh import mean_mesh
+from vsb.hydro.spectral.solver import SpectralProblem
+from vsb.report.canvas import grid_of_axes, legend_above
+from vsb.shell.deformed import rigid_sphere
+from vsb.tools.units import FloatArray, write_text
+
+COLUMNS = (
+    "method", "setting", "unknowns", "error", "error_added_mass", "error_damping", "error_excitation", "seconds",
+    "frequencies", "memory_mb", "status",
+)  # fmt: skip
+RATIO_COLUMNS = (
+    "baseline", "setting", "error", "seconds", "method", "seconds_at_equal_error", "times_faster",
+    "error_at_equal_seconds", "times_more_precise", "at_least",
+)  # fmt: skip
+DISPLACEMENTS = tuple(f"Radial{n}" for n in range(7))
+KA = (0.2, 0.5, 1.0, 1.5)
+"""Where errors are taken; the first irregular frequency is at 2.557."""
+SWEEP = 60
+"""Frequencies between, of the methods whose set-up is worth sharing among them."""
+REFERENCE_NODES = 64
+TIME_LIMIT = 300.0
+"""Of one method at one setting, repeats included [s]."""
+MEMORY_LIMIT = 1.5e9
+"""Of the matrices of one frequency [B]; with two planes capytaine 3.0 keeps those of every frequency."""
+ENOUGH = 2.0
+"""Repeats end when they have taken as long [s]."""
+ROWS = (6, 10, 20, 40, 80)
+NODES = (6, 8, 10, 12, 16, 24, 32)
+
+
+class FlatPanels(bem.AxisymmetricProblem):
+    """Rings with capytaine's own diagonal."""
+
+    def correction(self, rings: bem.RingMesh) -> FloatArray:
+        """Nothing."""
+        return np.zeros(rings.rows)
+
+
+Solve = Callable[[int, str, list[float]], xr.Dataset]
+"""Coefficients by setting, folder of the Green-function table and frequencies."""
+
+
+_green = cache(bem.green_function)
+"""The Green function of a folder; its table is read once, and neither its seconds nor its memory are a method's."""
+
+
+def _rings(kind: type[bem.AxisymmetricProblem], rows: int, green: str) -> bem.AxisymmetricProblem:
+    """Hemisphere of `rows` rows and twice as many panels around, no lid."""
+    mesh = mean_mesh(1.0, 0.0, rows, 2 * rows, 0)
+    return kind(_green(green), mesh, DISPLACEMENTS, 1.0, np.inf, 1.0)
+
+
+def _by_rings(kind: type[bem.AxisymmetricProblem], rows: int, green: str, omegas: list[float]) -> xr.Dataset:
+    """One system of a row's unknowns each."""
+    return _rings(kind, rows, green).solve(omegas)
+
+
+def _by_capytaine(symmetry: str, rows: int, green: str, omegas: list[float]) -> xr.Dataset:
+    """Capytaine's own solver."""
+    return bem.capytaine_solution(_rings(FlatPanels, rows, green), omegas, symmetry)
+
+
+def _by_spectral(nodes: int, green: str, omegas: list[float]) -> xr.Dataset:
+    """Without panels or table."""
+    return SpectralProblem(rigid_sphere(1.0, 0.0), DISPLACEMENTS, 1.0, 1.0, nodes).solve(omegas)
+
+
+@dataclass(frozen=True)
+class Method:
+    """One way to the coefficients."""
+
+    solve: Solve
+    settings: tuple[int, ...]  # rows of panels, or nodes
+    style: tuple[str, str]  # colour, of Okabe and Ito's palette, and marker
+    parts: Callable[[int], int] | None = None  # like parts of the matrix of all panels, of which one is computed
+
+    def unknowns(self, setting: int) -> int:
+        """Return the unknowns of one right-hand side."""
+        return 2 * setting**2 if self.parts else setting
+
+    def matrix_bytes(self, setting: int) -> float:
+        """Return the size of the matrices of all panels: two complex ones and the factors of one [B]."""
+        return 48 * self.unknowns(setting) ** 2 / self.parts(setting) if self.parts else 0.0
+
+    @property
+    def omegas(self) -> list[float]:
+        """Frequencies solved: those of `KA`, and a sweep between where set-up is shared among them."""
+        own = np.sqrt(KA)
+        return [float(w) for w in (own if self.parts else np.union1d(own, np.linspace(own[0], own[-1], SWEEP)))]
+
+
+PLAIN, ROTATION, SPECTRAL = "capytaine", "capytaine, rotation", "spectral"
+METHODS: Mapping[str, Method] = {
+    PLAIN: Method(partial(_by_capytaine, "none"), ROWS, ("#000000", "s"), lambda rows: 1),
+    "capytaine, two planes": Method(partial(_by_capytaine, "planes"), ROWS, ("#56B4E9", "X"), lambda rows: 4),
+    ROTATION: Method(partial(_by_capytaine, "rotation"), ROWS, ("#0072B2", "^"), lambda rows: 2 * rows),
+    "rings": Method(partial(_by_rings, FlatPanels), ROWS, ("#009E73", "D")),
+    "rings, flux correction": Method(partial(_by_rings, bem.AxisymmetricProblem), ROWS, ("#E69F00", "P")),
+    SPECTRAL: Method(_by_spectral, NODES, ("#D55E00", "o")),
+}
+
+
+# measurement --------------------------------------------------------------------------------------------------------
+
+
+@cache
+def reference(nodes: int = REFERENCE_NODES) -> xr.Dataset:
+    """Return the coefficients every method is measured against."""
+    return _by_spectral(nodes, "", [float(w) for w in np.sqrt(KA)])
+
+
+def errors(solved: xr.Dataset) -> Row:
+    """Return the largest errors at `KA`, each relative to the largest entry at its frequency, and the largest of them.
+
+    Errors of the complex excitation hold those of its phase.
+    """
+    exact = reference()
+    solved = solved.sel(omega=exact.omega, method="nearest")
+
+    def worst(*names: str) -> float:
+        value, true = (sum(np.asarray(ds[n].transpose(*exact[n].dims)) for n in names) for ds in (solved, exact))
+        size = np.abs(true).reshape(len(KA), -1).max(axis=1)
+        return float((np.abs(value - true).reshape(len(KA), -1).max(axis=1) / size).max())
+
+    parts = {
+        "error_added_mass": worst("added_mass"),
+        "error_damping": worst("radiation_damping"),
+        "error_excitation": worst("Froude_Krylov_force", "diffraction_force"),
+    }
+    return {"error": max(parts.values()), **parts}
+
+
+def _resident(*, forget: bool = False) -> float:
+    """Largest memory of this process so far [MB], whoever asked for it; Linux can forget earlier peaks."""
+    if forget and sys.platform == "linux":
+        Path("/proc/self/clear_refs").write_text("5", encoding="ascii")
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / (1024 if sys.platform == "linux" else 1024**2)
+
+
+def _memory(run: Callable[[], object]) -> float:
+    """Memory a run adds [MB]: the larger of what the process grows by and what Python and NumPy ask for.
+
+    The first sees all of Fortran but misses what fits into memory freed before, the second the other way round.
+    """
+    before = _resident(forget=True)
+    tracemalloc.start()
+    run()
+    traced = tracemalloc.get_traced_memory()[1] / 1024**2
+    tracemalloc.stop()
+    return max(_resident() - before, traced)
+
+
+def _run(method: Method, setting: int, green: str) -> tuple[xr.Dataset, float]:
+    """Coefficients and the seconds a processor worked on them; the share it gave of its time holds for every part."""
+    begun, busy = clock.perf_counter(), clock.process_time()
+    solved = method.solve(setting, green, method.omegas)
+    took = clock.perf_counter() - begun
+    return solved, solved.attrs.get("seconds", took) * (clock.process_time() - busy) / took
+
+
+def measure(name: str, setting: int, green: str) -> Row:
+    """Return errors, seconds per frequency and memory of one method at one setting, in this process.
+
+    Seconds are those of one processor at work, the least of several runs. Ours are of everything, set-up shared among
+    the frequencies; capytaine's are of its matrices, systems and products by its own timer, without meshes, checks and
+    datasets. Memory is what a run adds to a process that has already solved a small case.
+    """
+    method = METHODS[name]
+    method.solve(method.settings[0], green, method.omegas[:1])  # loads libraries and table
+    memory = _memory(partial(_run, method, setting, green))
+    deadline = clock.perf_counter() + ENOUGH
+    solved, least = _run(method, setting, green)
+    while clock.perf_counter() < deadline:
+        least = min(least, _run(method, setting, green)[1])
+    count = len(method.omegas)
+    return {**errors(solved), "seconds": least / count, "frequencies": count, "memory_mb": memory}
+
+
+def _child(sender: Connection, name: str, setting: int, green: str) -> None:
+    """Measure and report to the parent."""
+    sender.send(measure(name, setting, green))
+
+
+@contextmanager
+def _one_thread() -> Iterator[None]:
+    """Processes started meanwhile have one thread, whatever computes in them."""
+    names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+    before = {name: os.environ.get(name) for name in names}
+    os.environ.update(dict.fromkeys(names, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            os.environ.pop(name)
+            if value is not None:
+                os.environ[name] = value
+
+
+def _received(target: Callable[..., None], limit: float, *args: object) -> Row:
+    """What a process of its own sends within its limit, or a status that says why it sent nothing."""
+    context = multiprocessing.get_context("spawn")
+    receiver, sender = context.Pipe(duplex=False)
+    process = context.Process(target=target, args=(sender, *args), daemon=True)
+    with _one_thread():
+        process.start()
+    sender.close()
+    try:
+        if not receiver.poll(limit):
+            return {"status": f"stopped after its limit of {limit:g} s"}
+        return {**receiver.recv(), "status": "completed"}
+    except EOFError:
+        process.join()
+        return {"status": f"failed with exit code {process.exitcode}"}
+    finally:
+        process.kill()
+        process.join()
+
+
+def attempt(name: str, setting: int, green: str, *, limit: float = TIME_LIMIT) -> Row:
+    """Return the row of one method at one setting; a run that is too large, too slow or fails has a status alone."""
+    method = METHODS[name]
+    row = {"method": name, "setting": setting, "unknowns": method.unknowns(setting)}
+    if (needed := method.matrix_bytes(setting)) > MEMORY_LIMIT:
+        return {**row, "status": f"not run: matrices of {needed / 1e9:.1f} GB, limit {MEMORY_LIMIT / 1e9:g} GB"}
+    return {**row, **_received(_child, limit, name, setting, green)}
+
+
+# ratios -------------------------------------------------------------------------------------------------------------
+
+
+class Curve(NamedTuple):
+    """The least error reached within some seconds, each shape (setting,), ever slower."""
+
+    seconds: FloatArray
+    error: FloatArray
+
+    @classmethod
+    def of(cls, rows: Sequence[Row], method: str) -> "Curve":
+        """Curve of the completed runs of one method."""
+        done = [(r["seconds"], r["error"]) for r in rows if r["method"] == method and r.get("error") is not None]
+        points = np.array(sorted(done)).reshape(-1, 2)
+        return cls(points[:, 0], np.minimum.accumulate(points[:, 1]))
+
+    def seconds_at(self, error: float) -> tuple[float, bool]:
+        """Return the seconds an error takes, and whether it takes even less; infinite if no run reaches it."""
+        reached = np.flatnonzero(self.error <= error)
+        if not reached.size:
+            return np.inf, False
+        if (i := int(reached[0])) == 0:
+            return float(self.seconds[0]), bool(self.error[0] < error)
+        return _between(error, self.error[i - 1 : i + 1], self.seconds[i - 1 : i + 1]), False
+
+    def error_at(self, seconds: float) -> tuple[float, bool]:
+        """Return the error reached within some seconds, and whether even less would be; infinite if none is."""
+        within = np.flatnonzero(self.seconds <= seconds)
+        if not within.size:
+            return np.inf, False
+        if (i := int(within[-1])) == len(self.seconds) - 1:
+            return float(self.error[i]), bool(self.seconds[i] < seconds)
+        return _between(seconds, self.seconds[i : i + 2], self.error[i : i + 2]), False
+
+
+def _between(x: float, xs: FloatArray, ys: FloatArray) -> float:
+    """Interpolation between two points on logarithmic scales."""
+    return float(ys[0] * (ys[1] / ys[0]) ** (np.log(x / xs[0]) / np.log(xs[1] / xs[0])))
+
+
+def ratios(rows: Sequence[Row], baselines: Sequence[str] = (PLAIN, ROTATION)) -> list[Row]:
+    """Return how much faster at equal error, and more precise at equal seconds, methods are than every baseline run.
+
+    Interpolated on logarithmic scales, never extrapolated: where a method's coarsest run already beats the error, or
+    its finest run takes less than the seconds, the ratio is a least one and `at_least` names it; where no run of the
+    method reaches the error or is as fast, the ratio is zero.
+    """
+    table: list[Row] = []
+    for base in (row for row in rows if row["method"] in baselines and row.get("error") is not None):
+        for method in dict.fromkeys(row["method"] for row in rows if row["method"] != base["method"]):
+            curve = Curve.of(rows, method)
+            (seconds, faster), (error, finer) = curve.seconds_at(base["error"]), curve.error_at(base["seconds"])
+            table.append(
+                {key: base[key] for key in ("setting", "error", "seconds")}
+                | {"baseline": base["method"], "method": method, "seconds_at_equal_error": seconds}
+                | {"times_faster": base["seconds"] / seconds, "error_at_equal_seconds": error}
+                | {"times_more_precise": base["error"] / error}
+                | {"at_least": " ".join(n for n, bound in (("faster", faster), ("more precise", finer)) if bound)}
+            )
+    return table
+
+
+# output -------------------------------------------------------------------------------------------------------------
+
+
+def precision_figure(rows: Sequence[Row]) -> Figure:
+    """Draw the largest error against seconds per frequency, and against memory; a failed run has no mark."""
+    figure, axes = grid_of_axes(3.0, 1, 2, sharey=True)
+    done = [row for row in rows if row.get("error") is not None]
+    for ax, quantity, least in zip(axes[0], ("seconds", "memory_mb"), (0.0, 0.1), strict=True):
+        for name in dict.fromkeys(row["method"] for row in done):
+            x, y = zip(*((max(r[quantity], least), r["error"]) for r in done if r["method"] == name), strict=True)
+            colour, marker = METHODS[name].style
+            ax.loglog(x, y, color=colour, marker=marker, markersize=4, label=name)
+    axes[0, 0].set(xlabel="time per frequency [s]", ylabel="largest relative error [-]")
+    axes[0, 1].set(xlabel="memory [MB]")
+    legend_above(figure, axes[0, 0])
+    return figure
+
+
+def benchmark(folder: str | Path) -> list[Row]:
+    """Measure every method at every setting; write `hydro_precision.csv`, `.svg` and `hydro_precision_ratios.csv`.
+
+    Returns
+    -------
+    list of Row
+        The first table. A run that failed, was stopped or not tried has a status and no numbers.
+    """
+    rows = []
+    with tempfile.TemporaryDirectory() as green:
+        bem.green_function(green)  # computes the table, once
+        for name, method in METHODS.items():
+            for setting in method.settings:
+                rows.append(attempt(name, setting, green))
+                _say(rows[-1])
+    target, picture = Path(folder) / "hydro_precision.csv", io.StringIO()
+    precision_figure(rows).savefig(picture, format="svg", metadata={"Date": None})
+    write_text(target.with_suffix(".svg"), picture.getvalue())
+    write_text(target.with_name("hydro_precision_ratios.csv"), as_csv(ratios(rows), RATIO_COLUMNS))
+    write_text(target, as_csv(rows, COLUMNS))
+    return rows
+
+
+def _say(row: Row) -> None:
+    """Progress, for the terminal only."""
+    if sys.stderr.isatty():
+        print(", ".join(f"{v:.3g}" if isinstance(v, float) else str(v) for v in row.values()), file=sys.stderr)

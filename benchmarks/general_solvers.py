@@ -1,0 +1,147 @@
+"""General integrators on the motion of any scene: scipy's, and CVODE of SUNDIALS where scikit-sundae is installed.
+
+All are given the same compiled right-hand side in plain coordinates (y, y', x), as a user would write it down. Their
+tolerance is relative, and absolute in m, m/s and the root of J. Failures are results: the status says what happened.
+"""
+
+import time as clock
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple, cast
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from benchmarks.integrators import Counted
+from vsb.integrators.energy_preserving import GaussIntegrator, Water, added
+from vsb.motion.scene import Damper, Plant, Spring
+from vsb.tools.compiled import njit
+from vsb.tools.units import ComplexArray, FloatArray
+
+try:
+    from sksundae.cvode import CVODE
+except ImportError:
+    CVODE = None
+
+NOT_INSTALLED = "not installed"
+SUNDIALS = "CVODE (SUNDIALS)"
+SCIPY = ("RK45", "DOP853", "Radau", "BDF", "LSODA")
+MOST_STEPS = 10_000_000
+Rates = Callable[[float, FloatArray], FloatArray]
+
+
+@njit(cache=True)
+def linear_rates(t: float, z: FloatArray, matrix: FloatArray, omega: FloatArray, push: ComplexArray) -> FloatArray:
+    """Return matrix z + Re sum_j push_j exp(-i omega_j t), the latter in the velocity rows."""
+    out, free = matrix @ z, push.shape[1]
+    for j in range(len(omega)):
+        c, s = np.cos(omega[j] * t), np.sin(omega[j] * t)
+        for i in range(free):
+            out[free + i] += push[j, i].real * c + push[j, i].imag * s
+    return out
+
+
+@njit(cache=True)
+def water_rates(
+    t: float, z: FloatArray, matrix: FloatArray, omega: FloatArray, push: ComplexArray, water: Water
+) -> FloatArray:
+    """Return the same with the force on the instantaneous wet shell."""
+    out, free = linear_rates(t, z, matrix, omega, push), push.shape[1]
+    out[free : 2 * free] += added(water, np.full(1, t), z[:free].copy().reshape(1, free))[0]
+    return out
+
+
+@dataclass(frozen=True)
+class Equation:
+    """z' = f(t, z) of a scene, z = (y, y', x), and its start."""
+
+    rates: Rates
+    first: FloatArray  # (state,)
+    free: int
+
+    @classmethod
+    def of(cls, plant: Plant, start: tuple[FloatArray, FloatArray]) -> "Equation":
+        """Return the equation of a scene, linear or body-exact."""
+        free, order = plant.motions.shape[1], plant.memory.order if plant.memory else 0
+        inverse, matrix = np.linalg.inv(plant.motions.T @ plant.mass @ plant.motions), np.zeros((2 * free + order,) * 2)
+        matrix[:free, free : 2 * free] = np.eye(free)
+        matrix[free : 2 * free, :free] = -inverse @ plant.total(Spring)
+        matrix[free : 2 * free, free : 2 * free] = -inverse @ plant.total(Damper)
+        if plant.memory:
+            g = plant.memory.input_matrix @ plant.motions
+            matrix[free : 2 * free, 2 * free :], matrix[2 * free :, free : 2 * free] = -inverse @ g.T, g
+            matrix[2 * free :, 2 * free :] = plant.memory.state_matrix
+        waves = plant.excitation
+        omega = waves.omega if waves else np.zeros(0)
+        push = np.zeros((0, free), dtype=complex) if waves is None else waves.force @ plant.motions @ inverse
+        given, push = np.concatenate([*start, np.zeros(order)]), np.ascontiguousarray(push)
+        modal = GaussIntegrator(plant).water
+        if modal is None:
+            return cls(lambda t, z: np.asarray(linear_rates(t, z, matrix, omega, push)), given, free)
+        water = modal._replace(
+            position=np.ascontiguousarray(plant.motions.T),
+            project=np.ascontiguousarray(plant.motions @ inverse),
+            tangent=np.zeros_like(modal.tangent),
+        )
+        return cls(lambda t, z: np.asarray(water_rates(t, z, matrix, omega, push, water)), given, free)
+
+
+class Solution(NamedTuple):
+    """Heave and its velocity at given instants, only if the run completed, and what it took."""
+
+    heave: FloatArray  # (time,) [m]
+    velocity: FloatArray  # (time,) [m/s]
+    seconds: float
+    steps: int | None
+    evaluations: int | None
+    status: str = "completed"
+
+
+def solved(equation: Equation, method: str, tolerance: float, time: FloatArray, limit: float) -> Solution:
+    """Return the motion at given instants by one of `SCIPY` or by `SUNDIALS`, in so many seconds at most.
+
+    Parameters
+    ----------
+    equation : Equation
+    method : str
+    tolerance : float
+    time : ndarray, shape (time,) [s]
+    limit : float [s]
+    """
+    none, begun = np.zeros(0), clock.perf_counter()
+    if method == SUNDIALS and CVODE is None:
+        return Solution(none, none, 0.0, None, None, NOT_INSTALLED)
+    counted = Counted(equation.rates, begun + limit)
+    run = _by_cvode if method == SUNDIALS else _by_scipy
+    try:
+        with np.errstate(all="ignore"), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            states, steps = run(counted, equation.first, method, tolerance, time)
+        if not np.isfinite(states).all():
+            raise ArithmeticError("the motion is not finite")
+    except (ArithmeticError, TimeoutError, ValueError, np.linalg.LinAlgError) as error:
+        return Solution(none, none, clock.perf_counter() - begun, None, counted.calls, str(error))
+    return Solution(states[0], states[equation.free], clock.perf_counter() - begun, steps, counted.calls)
+
+
+def _by_scipy(
+    counted: Counted, first: FloatArray, method: str, tolerance: float, time: FloatArray
+) -> tuple[FloatArray, int | None]:
+    """States (state, time) and number of steps."""
+    options: dict[str, Any] = {"rtol": tolerance, "atol": tolerance, "method": method, "dense_output": True}
+    out = solve_ivp(counted, (float(time[0]), float(time[-1])), first, **options)
+    if out.status < 0 or out.sol is None:
+        raise ArithmeticError(str(out.message))
+    return np.asarray(out.sol(time)), len(out.t) - 1
+
+
+def _by_cvode(
+    counted: Counted, first: FloatArray, method: str, tolerance: float, time: FloatArray
+) -> tuple[FloatArray, int | None]:
+    """States (state, time); CVODE does not say its number of steps."""
+    solver = cast(Any, CVODE)(counted.fill, rtol=tolerance, atol=tolerance, max_num_steps=MOST_STEPS)
+    out = solver.solve(time, first)
+    if not out.success:
+        raise ArithmeticError(str(out.message))
+    return np.asarray(out.y).T, None

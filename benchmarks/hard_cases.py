@@ -1,0 +1,399 @@
+"""Hard cases: studies at the edge of what the model can do, each run in one process and judged.
+
+A case is a study file with changes, and what it must come to: a finished motion or a refusal in one line. Everything
+else, a traceback, a motion that is not finite, the wrong one of the two, is `wrong`, and so is a motion far from its
+reference. References are another method where there is one (Cummins' convolution for exact propagation and the other
+way round), and the same method at a hundredth of the tolerance elsewhere. A few cases are no studies but `probe`s.
+"""
+
+import csv
+import io
+import math
+import tempfile
+import time as clock
+import warnings
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, fields, replace
+from functools import partial
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from scipy.linalg import eigh
+from scipy.spatial.transform import Rotation
+
+from vsb.errors import ConfigError, VsbError
+from vsb.hydro.database import load_database
+from vsb.hydro.kernel import DampingSpectrum
+from vsb.hydro.statespace import fit_radiation
+from vsb.integrators.exact import convolve, propagate
+from vsb.integrators.exponential import integrate
+from vsb.integrators.trajectory import CONVOLVED, energies, residual, simulate
+from vsb.motion.clamps import constraint_drift
+from vsb.motion.frequency import LinearBuoy
+from vsb.motion.motion import Motion
+from vsb.motion.pto import LinearPto
+from vsb.motion.scene import Plant
+from vsb.motion.sixdof import body as multibody
+from vsb.scenes.build import SCENES
+from vsb.scenes.rest import check_stable, reference_shell
+from vsb.shell.modes import design_motions, rigid_basis, study_basis
+from vsb.stages import radiation
+from vsb.stages.coefficients import spectral_block
+from vsb.stages.database import build_database
+from vsb.stages.stage import partial_study
+from vsb.study.plan import Spec, StudyPlan
+from vsb.study.reading import read_yaml
+from vsb.study.sections import Device
+from vsb.study.study import Study, parse
+from vsb.tools.units import FloatArray, write_text
+
+Outcome = Literal["completed", "refused", "not finite", "traceback"]
+Verdict = Literal["ok", "doubt", "wrong"]
+CONVOLVED_STEP, CONVOLVED_INSTANTS = 0.002, 2000
+"""Largest step of a reference by convolution [s], and how many instants of it: its work grows with their square."""
+FIT_ERRORS = 5.0
+"""Exact propagation may differ from the convolution by so many tolerances of the radiation model."""
+LOCAL_ERRORS = 10.0
+"""The exponential Adams method may be off by so many tolerances: local errors add up over a run."""
+ENERGY_LIMIT = 1e-6
+"""Energy residual of a sound run [-], as in the validity ledger."""
+FAR = 3.0
+"""A motion of more radii is mentioned: the buoy is lost [-]."""
+DOUBTFUL = 100.0
+"""An error of so many times its limit is a doubt, more is wrong."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A study file with changes, or a probe, and what it must come to."""
+
+    name: str
+    expected: Literal["completed", "refused"] = "completed"
+    base: str = ""  # study file, beside the file of the cases
+    designs: tuple[str, ...] = ("-",)
+    overrides: Spec = field(default_factory=dict)
+    wet_mode: int | None = None  # the wave gets the period of this natural mode, 0: the slowest
+    probe: str = "simulation"
+
+    @classmethod
+    def of(cls, name: str, given: object, folder: Path) -> "Case":
+        """Return a case from its entry in the file.
+
+        Raises
+        ------
+        ConfigError
+            If an entry has unknown keys or names no probe there is.
+        """
+        known = {f.name for f in fields(cls)} - {"name"}
+        if not isinstance(given, dict) or not given.keys() <= known:
+            raise ConfigError(f"case {name}: received {given!r}, needs a mapping with keys among {sorted(known)}")
+        if not isinstance(given.get("base", ""), str) or not isinstance(given.get("designs", []), list):
+            raise ConfigError(f"case {name}: received {given!r}, needs a path as base and a list of designs")
+        base = str(folder / given["base"]) if "base" in given else ""
+        case = cls(name, **{**given, "base": base, "designs": tuple(given.get("designs", ("-",)))})
+        if case.probe not in PROBES or case.expected not in ("completed", "refused"):
+            wanted = f"needs one of {', '.join(PROBES)} and completed or refused"
+            raise ConfigError(f"case {name}: received probe {case.probe!r} and expected {case.expected!r}, {wanted}")
+        return case
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a run came to; None: there is no such quantity."""
+
+    finished: Outcome
+    method: str = ""
+    error: float | None = None  # largest, over the largest range of any coordinate [-]
+    steps: int | None = None
+    energy_residual: float | None = None
+    message: str = ""
+    error_limit: float = math.inf
+    energy_limit: float = math.inf
+    warned: bool = False
+
+
+@dataclass(frozen=True)
+class Row:
+    """Row of the table."""
+
+    case: str
+    design: str
+    method: str
+    finished: Outcome
+    error: float | None
+    steps: int | None
+    seconds: float  # of everything not made by an earlier row, the reference too
+    energy_residual: float | None
+    verdict: Verdict
+    message: str
+
+
+COLUMNS = tuple(f.name for f in fields(Row))
+
+
+def load_cases(path: str | Path) -> list[Case]:
+    """Return the cases of a file.
+
+    Raises
+    ------
+    ConfigError
+        If it is no file of cases by name.
+    """
+    entries = read_yaml(path, "a file of cases such as config/hard_cases.yaml")
+    if not isinstance(entries, dict):
+        raise ConfigError(f"{path}: received {type(entries).__name__}, needs a mapping of cases by name")
+    return [Case.of(name, given, Path(path).parent) for name, given in entries.items()]
+
+
+def changed(base: Spec, overrides: Mapping[str, Any]) -> Spec:
+    """Return nested mappings with some values replaced; designs are replaced as a whole."""
+    out = dict(base)
+    for key, value in overrides.items():
+        nested = isinstance(value, dict) and isinstance(out.get(key), dict) and key != "designs"
+        out[key] = changed(out[key], value) if nested else value
+    return out
+
+
+def case_study(case: Case) -> Study:
+    """Return the study of a case; nothing published applies to it."""
+    raw = read_yaml(case.base, "a study file, as base of a case")
+    if not isinstance(raw, dict):
+        raise ConfigError(f"{case.base}: received {type(raw).__name__}, needs a study, as base of case {case.name}")
+    return parse({**changed(raw, case.overrides), "published": None}, source=case.name)
+
+
+def hydro_files(study: Study, folder: str | Path) -> dict[str, Any]:
+    """Return database and radiation model of a study by name, made by the workflow's commands if not there yet.
+
+    Files are named by content, so cases share them.
+    """
+    plan = StudyPlan(study, root=str(folder))
+    check_stable(study, reference_shell(study))
+    if not study.needs_bem:
+        return {}
+    plan.check_waves()
+    paths = {block: plan.block_path(spec) for block, spec in plan.bem_blocks.items()}
+    for block, spec in plan.bem_blocks.items():
+        _once(paths[block], partial(spectral_block, spec))
+    _once(plan.database_path, partial(build_database, plan.database, list(paths.values())))
+    _once(plan.radiation_path, partial(radiation.fit_radiation, plan.radiation, plan.database_path))
+    return dict(plan.hydro_files)
+
+
+def _once(path: str, make: Callable[[str], None]) -> None:
+    """Make a file that is not there."""
+    if not Path(path).exists():
+        make(path)
+
+
+# simulation ---------------------------------------------------------------------------------------------------------
+
+
+def simulated(case: Case, design: str, folder: str | Path) -> Result:
+    """Run one design of a case as the workflow does, and measure it against its reference."""
+    study = case_study(case)
+    paths, note = hydro_files(study, folder), ""
+    if case.wet_mode is not None:
+        omega = natural_frequency(study, design, paths, case.wet_mode)
+        study, note = with_period(study, 2 * math.pi / omega), f"wave at the natural frequency {omega:.6g} rad/s"
+    one = partial_study(StudyPlan(study).simulation(design, study.waves[0]))
+    plant, shape, waves, spectrum, _ = SCENES[one.hydro.model](one, paths)
+    motion, _, method = simulate(plant, waves, one.simulation, spectrum)
+    rows = shape.basis.clamp_rows(np.deg2rad(one.designs[design].clamp))
+    moved = motion.position @ plant.motions.T
+    if rows.size:
+        note = f"clamps slip {constraint_drift(moved, rows):.1e} m"
+    if (far := float(np.abs(moved).max()) / study.device.radius) > FAR:
+        note = f"{note}; moves by {far:.2g} radii".lstrip("; ")
+    return measured(one, plant, motion, method, spectrum, note)
+
+
+def with_period(study: Study, period: float) -> Study:
+    """Return a study with its first wave, a regular one, of another period."""
+    wave = {**study.waves[0].model_dump(), "period": period}
+    return parse({**study.model_dump(), "waves": [wave]}, source=study.study)
+
+
+def natural_frequency(study: Study, design: str, paths: dict[str, Any], index: int) -> float:
+    """Return a natural frequency of a design in water [rad/s]; with an assumed pressure water has no inertia."""
+    basis = study_basis(study)
+    motions = design_motions(study, basis, design)
+    if study.needs_bem:
+        ds = load_database(paths["database"], Path(paths["database"]).stem)
+        return float(LinearBuoy(ds, basis.damping, LinearPto(0.0)).natural_modes(motions)[0][index])
+    stiffness = motions.T @ reference_shell(study).total @ motions
+    return float(np.sqrt(eigh(stiffness, motions.T @ basis.inertia @ motions, eigvals_only=True)[index]))
+
+
+def measured(
+    study: Study, plant: Plant, motion: Motion, method: str, spectrum: DampingSpectrum | None, note: str = ""
+) -> Result:
+    """Return the result of a motion: its energy audit, and its error against the reference of its method."""
+    name, _, steps = method.partition(", ")
+    taken = int(steps.split()[0]) if steps else len(motion.time) - 1
+    if not (np.isfinite(motion.position).all() and np.isfinite(motion.velocity).all()):
+        return Result("not finite", name, steps=taken, message="the motion is not finite")
+    tolerance = study.simulation.tolerance
+    allowed = LOCAL_ERRORS * tolerance if plant.water else max(FIT_ERRORS * study.hydro.tolerance, tolerance)
+    try:
+        error = reference_error(study, plant, motion, name, spectrum)
+    except VsbError as failed:
+        error, note = None, f"{note}; no reference: {failed}".lstrip("; ")
+    least = CONVOLVED if name == "convolution" else ENERGY_LIMIT
+    unbalanced, balanced = residual(energies(plant, motion)), max(least, tolerance)
+    return Result("completed", name, error, taken, unbalanced, note, allowed, balanced)
+
+
+def reference_error(
+    study: Study, plant: Plant, motion: Motion, method: str, spectrum: DampingSpectrum | None
+) -> float | None:
+    """Return the largest difference of a motion from its reference, over the largest range of any coordinate."""
+    start = plant.start(study.simulation.initial_position, study.simulation.initial_velocity)
+    if plant.water:
+        tight = max(study.simulation.tolerance / 100, 1e-13)
+        return _difference(motion.position, integrate(plant, motion.time, start, tight)[0].position)
+    if method == "convolution":
+        return _difference(motion.position, propagate(plant, motion.time, start).position)
+    if spectrum is None:
+        return None
+    dt = motion.time[1] - motion.time[0]
+    finer = math.ceil(dt / CONVOLVED_STEP)
+    count = min(len(motion.time) - 1, max(CONVOLVED_INSTANTS // finer, 1))
+    reference = convolve(plant, spectrum, np.linspace(0.0, count * dt, count * finer + 1), start)
+    return _difference(motion.position[: count + 1], reference.position[::finer])
+
+
+def _difference(found: FloatArray, reference: FloatArray) -> float:
+    """Largest difference over the largest range of any coordinate; of motion that hardly exists, in metres."""
+    largest = float(np.ptp(reference, axis=0).max())
+    return float(np.abs(found - reference).max() / (largest if largest > 1e-12 else 1.0))
+
+
+# probes -------------------------------------------------------------------------------------------------------------
+
+
+def turned(attitude: Literal["quaternion", "euler321"], case: Case, design: str, folder: str | Path) -> Result:
+    """Pitch a free rigid sphere through a right angle; it turns steadily, so the attitude is known."""
+    device = Device(radius=2.0, thickness=0.01, young_modulus=1e7, poisson_ratio=0.3, density=2700.0, mass=17170.0)
+    scene = multibody.Scene(multibody.Body(rigid_basis(device)), {}, "free", attitude)
+    time, w = np.linspace(0.0, 4.0, 41), np.array([0.0, 1.0, 0.0])
+    motion = multibody.integrate(scene, scene.start(angular_velocity=w), time)
+    exact = Rotation.from_rotvec(time[:, None] * w).as_matrix()
+    error = float(np.abs([scene.state(y).rotation for y in motion] - exact).max())
+    kinetic = np.array([scene.energy(y)[0] for y in motion])
+    drift = float(np.ptp(kinetic) / kinetic[0])
+    return Result("completed", attitude, error, len(time) - 1, drift, "", 1e-7, 1e-8)
+
+
+def fitted(change: Callable[[FloatArray], FloatArray], case: Case, design: str, folder: str | Path) -> Result:
+    """Fit a radiation model to damping that is not passive; what comes out must be."""
+    omega = np.arange(0.1, 8.05, 0.1)
+    damping = 1e4 * omega**3 / (1 + omega**6 / 64) * change(omega)
+    model, error = fit_radiation(DampingSpectrum(omega, damping[:, None, None]), 1e-3)
+    least = float(model.damping(np.linspace(0.05, 20.0, 400)).min() / np.abs(damping).max())
+    finished: Outcome = "completed" if least >= -1e-12 else "not finite"
+    note = f"least damping of the model {least:.1e} of the largest, given {damping.min() / np.abs(damping).max():.2g}"
+    return Result(finished, "passive fit", error, model.order, None, note, 5e-3)
+
+
+PROBES: Mapping[str, Callable[[Case, str, str | Path], Result]] = {
+    "simulation": simulated,
+    "quaternion": partial(turned, "quaternion"),
+    "euler321": partial(turned, "euler321"),
+    "negative_damping": partial(fitted, lambda omega: -np.ones_like(omega)),
+    "partly_negative_damping": partial(fitted, lambda omega: np.where(omega > 5.0, -0.5, 1.0)),
+    "slightly_negative_damping": partial(fitted, lambda omega: np.where(np.abs(omega - 6.0) < 0.3, -0.1, 1.0)),
+    "damping_not_a_number": partial(fitted, lambda omega: np.where(omega > 5.0, np.nan, 1.0)),
+}
+"""What a case may run."""
+
+
+# judgement ----------------------------------------------------------------------------------------------------------
+
+
+def judged(expected: str, result: Result) -> Verdict:
+    """Return the verdict on a result.
+
+    An energy audit that does not close is a doubt where a reference vouches for the motion: body-exact forces are made
+    polynomials between records, which a slam or a fast ring may defy where the motion itself follows it.
+    """
+    if result.finished != expected or "\n" in result.message:
+        return "wrong"
+    pairs = ((result.error, result.error_limit), (result.energy_residual, result.energy_limit))
+    excess = [value / limit for value, limit in pairs if value is not None]
+    if not np.isfinite(excess).all() or (excess and excess[0] > DOUBTFUL):
+        return "wrong"
+    return "doubt" if max(excess, default=0.0) > 1.0 or result.warned else "ok"
+
+
+def attempted(run: Callable[[], Result]) -> Result:
+    """Return the result of a run whatever happens; a refusal is a result, and so is a traceback."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("ignore")
+        warnings.simplefilter("always", RuntimeWarning)
+        try:
+            result = run()
+        except VsbError as error:
+            result = Result("refused", message=str(error))
+        except Exception as error:  # the point of the table is to show it
+            result = Result("traceback", message=f"{type(error).__name__}: {' '.join(str(error).split())}")
+    if caught:
+        first = " ".join(str(caught[0].message).split())
+        result = replace(result, warned=True, message=f"{result.message}; warning: {first}".lstrip("; "))
+    return result
+
+
+def run_case(case: Case, folder: str | Path) -> list[Row]:
+    """Return a row for every design of a case."""
+    rows = []
+    for design in case.designs:
+        begun = clock.perf_counter()
+        result = attempted(partial(PROBES[case.probe], case, design, folder))
+        seconds = clock.perf_counter() - begun
+        kept = {name: getattr(result, name) for name in COLUMNS if hasattr(result, name)}
+        rows.append(Row(case=case.name, design=design, seconds=seconds, verdict=judged(case.expected, result), **kept))
+    return rows
+
+
+def run_cases(cases: Iterable[Case], folder: str | Path) -> list[Row]:
+    """Run every case and return the rows; hydrodynamic files the cases share are kept in a folder."""
+    return [row for case in cases for row in run_case(case, folder)]
+
+
+# output -------------------------------------------------------------------------------------------------------------
+
+
+def _cell(value: object) -> str:
+    """A value as text: four digits of a number, nothing where there is none."""
+    if isinstance(value, float):
+        return f"{value:.4g}" if math.isfinite(value) else ""
+    return "" if value is None else str(value)
+
+
+def as_csv(rows: Sequence[Row]) -> str:
+    """Return the table as CSV; an empty cell is a quantity that does not exist."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows({key: _cell(value) for key, value in asdict(row).items()} for row in rows)
+    return text.getvalue()
+
+
+def as_text(rows: Sequence[Row]) -> str:
+    """Return the table as plain text, the message last, and how many of each verdict."""
+    lines = [list(COLUMNS), *([_cell(v) for v in asdict(row).values()] for row in rows)]
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    table = ["  ".join(map(str.ljust, line, widths)).rstrip() for line in lines]
+    counts = {verdict: sum(row.verdict == verdict for row in rows) for verdict in ("ok", "doubt", "wrong")}
+    return "\n".join([*table, "", ", ".join(f"{count} {verdict}" for verdict, count in counts.items())]) + "\n"
+
+
+def hard_cases(path: str | Path, out: str | Path) -> list[Row]:
+    """Run the cases of a file; write the table as CSV, and as plain text beside it (.txt)."""
+    cases = load_cases(path)
+    with tempfile.TemporaryDirectory() as folder:
+        rows = run_cases(cases, folder)
+    write_text(out, as_csv(rows))
+    write_text(Path(out).with_suffix(".txt"), as_text(rows))
+    return rows

@@ -1,0 +1,173 @@
+"""Scenes every integrator follows: one design from rest, linear or body-exact, in a regular wave or an irregular sea.
+
+All give the motion at the same instants, where a converged solution tells their errors.
+"""
+
+import time as clock
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from pathlib import Path
+
+import numpy as np
+from scipy.integrate import simpson
+
+from benchmarks.general_solvers import Equation, Solution, solved
+from benchmarks.hard_cases import hydro_files
+from benchmarks.quadrature import Row
+from vsb.errors import VsbError
+from vsb.hydro.kernel import DampingSpectrum
+from vsb.hydro.statespace import RadiationModel
+from vsb.integrators.energy_preserving import fixed_step
+from vsb.integrators.exact import convolve
+from vsb.integrators.exponential import integrate
+from vsb.motion.motion import Motion
+from vsb.motion.scene import Plant, RadiationMemory
+from vsb.scenes.build import SCENES, Scene
+from vsb.stages.stage import partial_study
+from vsb.study.plan import StudyPlan
+from vsb.study.study import Study, parse
+from vsb.tools.units import FloatArray
+
+CONVOLUTION, STEPS = "convolution", "structure-preserving"
+REGULAR, IRREGULAR = "regular wave", "irregular sea"
+PERIOD = 2.5
+"""Of the regular wave [s]."""
+SEAS = {
+    REGULAR: {"kind": "regular", "amplitude": 0.179, "period": PERIOD},
+    IRREGULAR: {"kind": "jonswap", "hs": 0.5, "tp": 4.0},
+}
+MODELS = {"linear": {"model": "linear"}, "body-exact": {"model": "body_exact"}}
+PER_PERIOD = 64
+"""Instants at which motions are compared in a `PERIOD`."""
+FINEST = 1e-13
+"""Tolerance of DOP853 for the converged solution of a linear scene."""
+STRIDES = (8, 4, 2, 1, -2, -4)
+"""Instants a fixed step takes, or their negative parts."""
+TIME_LIMIT = 10.0
+"""Of one run [s]."""
+ENOUGH = 2.0
+"""A run that takes so long is not repeated [s]."""
+
+
+@dataclass(frozen=True)
+class ModelKernel(DampingSpectrum):
+    """Kernel of the state space itself, so that a convolution differs by its own errors alone."""
+
+    model: RadiationModel
+
+    def kernel(self, time: FloatArray) -> FloatArray:
+        """Return the kernel of the model."""
+        return self.model.kernel(time)
+
+
+def remembering(plant: Plant, model: RadiationModel) -> Plant:
+    """Return a scene with another radiation memory."""
+    return replace(plant, forces={**plant.forces, "radiation": RadiationMemory(model)})
+
+
+def scene_of(study: Study, folder: str | Path) -> Scene:
+    """Return the scene of the only design in the only sea of a study; its hydro files are made in a folder."""
+    (design,), (wave,) = study.designs, study.waves
+    paths = hydro_files(study, folder)
+    one = partial_study(StudyPlan(study).simulation(design, wave))
+    return SCENES[one.hydro.model](one, paths)
+
+
+def varied(study: Study, design: str, model: str, sea: str, duration: float, **changes: object) -> Study:
+    """Return a study of one design with one of `MODELS` in one of `SEAS`; `changes` are of its device and modes."""
+    data = study.model_dump()
+    data |= {"published": None, "designs": {design: data["designs"][design]}, "waves": [SEAS[sea]]}
+    data["hydro"] = {**{k: data["hydro"][k] for k in ("tolerance", "omega_max")}, **MODELS[model]}
+    still = {"initial_position": 0.0, "initial_velocity": 0.0, "method": "auto"}
+    data["simulation"] |= {"duration": duration, "window": [duration / 2, duration], **still}
+    for section, change in changes.items():
+        data[section] |= change
+    return parse(data, source=study.study)
+
+
+@dataclass(frozen=True)
+class Case:
+    """The motion of one scene from rest, at common instants."""
+
+    plant: Plant
+    spectrum: DampingSpectrum
+    duration: float
+
+    @cached_property
+    def time(self) -> FloatArray:
+        """Common instants, `PER_PERIOD` a period, a multiple of the longest stride; shape (time,) [s]."""
+        intervals = int(np.ceil(PER_PERIOD * self.duration / PERIOD / STRIDES[0]))
+        return np.linspace(0.0, self.duration, STRIDES[0] * intervals + 1)
+
+    @property
+    def start(self) -> tuple[FloatArray, FloatArray]:
+        """Initial y and y'."""
+        return self.plant.start(0.0, 0.0)
+
+    @cached_property
+    def equation(self) -> Equation:
+        """The equation in plain coordinates, compiled."""
+        equation = Equation.of(self.plant, self.start)
+        equation.rates(0.0, equation.first)
+        return equation
+
+    @cached_property
+    def reference(self) -> Solution:
+        """Converged solution."""
+        if self.plant.water:
+            return self.ours(partial(integrate, self.plant, self.time, self.start, 1e-11))
+        return self.general("DOP853", FINEST, 3 * TIME_LIMIT)
+
+    def ours(self, run: Callable[[], Motion | tuple[Motion, int]], stride: int = 1) -> Solution:
+        """Run one of our integrators, whose instants are the common ones, every so many of them or parts of them."""
+        begun, none = clock.perf_counter(), np.zeros(0)
+        try:
+            out = run()
+        except VsbError as error:
+            return Solution(none, none, clock.perf_counter() - begun, None, None, str(error))
+        motion, steps = out if isinstance(out, tuple) else (out, len(out.time) - 1)
+        seconds, every = clock.perf_counter() - begun, max(-stride, 1)
+        return Solution(motion.position[::every, 0], motion.velocity[::every, 0], seconds, steps, None)
+
+    def general(self, method: str, tolerance: float, limit: float = TIME_LIMIT) -> Solution:
+        """Run a general integrator."""
+        return solved(self.equation, method, tolerance, self.time, limit)
+
+    def stepped(self, method: str, stride: int) -> Solution:
+        """Run a method of fixed steps."""
+        count = (len(self.time) - 1) * max(-stride, 1) // max(stride, 1)
+        time = np.linspace(0.0, self.duration, count + 1)
+        if method == STEPS:
+            return self.ours(partial(fixed_step, self.plant, time, self.start), stride)
+        return self.ours(partial(convolve, self.plant, self.spectrum, time, self.start), stride)
+
+    def errors(self, found: Solution, stride: int = 1) -> Row:
+        """Largest error of heave over its range, and error of the absorbed energy; none of a run that failed."""
+        if not len(found.heave) or not len(self.reference.heave):
+            return {}
+        every = slice(None, None, max(stride, 1))
+        time, heave, velocity = self.time[every], self.reference.heave[every], self.reference.velocity[every]
+        exact, energy = (float(simpson(v**2, x=time)) for v in (velocity, found.velocity))
+        error = float(np.abs(found.heave - heave).max() / np.ptp(self.reference.heave))
+        return {"error": error, "error_energy": abs(energy / exact - 1)}
+
+
+def best(run: Callable[[], Solution]) -> Solution:
+    """The fastest of three; the first alone where it takes long."""
+    first = run()
+    return first if first.seconds > ENOUGH else min(first, run(), run(), key=lambda solution: solution.seconds)
+
+
+def measured_row(table: str, case: str, method: str, setting: float, found: Solution, errors: Row) -> Row:
+    """Return a row of the table."""
+    measured = {key: getattr(found, key) for key in ("seconds", "steps", "evaluations", "status")}
+    return {"table": table, "case": case, "method": method, "setting": setting, **errors, **measured}
+
+
+def case_of(scene: Scene, duration: float) -> Case:
+    """The motion of a scene for so long; a convolution of it has the kernel of its state space."""
+    spectrum, model = scene.spectrum, scene.plant.memory
+    assert spectrum is not None  # of a database
+    assert model is not None
+    return Case(scene.plant, ModelKernel(spectrum.omega, spectrum.damping, model), duration)

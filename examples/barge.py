@@ -1,0 +1,323 @@
+"""A flexible barge by the general route: free-free bending modes, graded panels, and how the results converge.
+
+The barge is a uniform Euler-Bernoulli beam afloat at rest, mass = rho V, without rotary inertia. Its sections stay
+plane and turn about the axis through the centre of mass: displacement (-(z - z_G) W'(x), 0, W(x)). Heave is W = 1,
+pitch is W = -x (a rotation about y, bow down), bending modes have W = 1 at the bow.
+"""
+
+import csv
+import io
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
+from pydantic import Field, model_validator
+from scipy.optimize import brentq, minimize_scalar
+
+from vsb.errors import ConfigError
+from vsb.hydro.bodies.body import FlexibleBody, IntArray, at_centres, joined
+from vsb.hydro.bodies.study import BodyStudy, read_config, run, solve, write_body
+from vsb.hydro.database import Check, stored_checks
+from vsb.report.canvas import grid_of_axes, legend_above, style
+from vsb.study.reading import validated
+from vsb.study.sections import Count, Finite, Number, Positive, Section, Water
+from vsb.study.study import canonical
+from vsb.tools.units import FloatArray, load, write_text
+
+GRADING = 0.5
+"""Between equal panels (0) and cosine spacing (1), whose panels at the edges shrink with the square of the number."""
+Few = Annotated[Count, Field(ge=1, le=40)]
+
+
+def free_free_root(n: int) -> float:
+    """Return half of the n-th root b > 0 of cos b cosh b = 1: tan k + tanh k = 0 for odd n, tan k = tanh k for even.
+
+    Both are sin and cos of k with e^{-2k}, so neither overflows nor cancels however high the mode.
+    """
+    sign = 1.0 if n % 2 else -1.0
+    middle = (n + 0.5) * np.pi / 2
+    return float(brentq(lambda k: np.sin(k) + sign * np.tanh(k) * np.cos(k), middle - 0.1, middle + 0.1, xtol=1e-15))
+
+
+def free_free_shape(n: int, s: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the n-th bending mode of a free beam on -1 <= s <= 1, one at s = 1, and its derivative by s.
+
+    Notes
+    -----
+    (cos ks/cos k + cosh ks/cosh k)/2 for odd n, likewise with sines for even n, the hyperbolic part as
+    e^{k(|s| - 1)} (1 +- e^{-2k|s|})/(1 +- e^{-2k}): no difference of large numbers in modes of any order.
+    """
+    k, even = free_free_root(n), n % 2 == 1
+    u, sign = np.abs(s), 1.0 if n % 2 else -1.0
+    grown = np.exp(k * (u - 1)) / (1 + sign * np.exp(-2 * k))
+    with_sum, with_difference = grown * (1 + np.exp(-2 * k * u)), np.sign(s) * grown * -np.expm1(-2 * k * u)
+    if even:
+        return (np.cos(k * s) / np.cos(k) + with_sum) / 2, k * (with_difference - np.sin(k * s) / np.cos(k)) / 2
+    return (np.sin(k * s) / np.sin(k) + with_difference) / 2, k * (np.cos(k * s) / np.sin(k) + with_sum) / 2
+
+
+class Barge(Section):
+    """Box afloat: length along x, beam, draught [m], height of the centre of mass above still water [m].
+
+    `bending_stiffness` is EI [N m^2], `modes` the number of bending modes.
+    """
+
+    length: Positive
+    beam: Positive
+    draught: Positive
+    centre_of_mass: Finite = 0.0
+    bending_stiffness: Positive
+    modes: Few = 4
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Heave, Pitch, Bending1, ..."""
+        return ("Heave", "Pitch", *(f"Bending{n}" for n in range(1, self.modes + 1)))
+
+    def displacement(self, points: FloatArray) -> FloatArray:
+        """Return the displacements of points, shape (point, xyz) -> (dof, point, xyz) [-]."""
+        x, z = points[:, 0], points[:, 2] - self.centre_of_mass
+        s = 2 * x / self.length
+        bending = [free_free_shape(n, s) for n in range(1, self.modes + 1)]
+        lines = [(np.ones_like(x), 0 * x), (-x, -np.ones_like(x)), *((w, 2 / self.length * dw) for w, dw in bending)]
+        return np.array([np.column_stack([-z * slope, 0 * x, w]) for w, slope in lines])
+
+    def mass(self, density: float) -> FloatArray:
+        """Return the modal mass matrix, shape (dof, dof) [kg]; a free beam's mode has a quarter of its mass."""
+        total = density * self.length * self.beam * self.draught
+        return np.diag([total, total * self.length**2 / 12, *[total / 4] * self.modes])
+
+    @property
+    def stiffness(self) -> FloatArray:
+        """Modal stiffness matrix, EI (2 k_n/L)^4 L/4, shape (dof, dof) [N/m]."""
+        roots = np.array([free_free_root(n) for n in range(1, self.modes + 1)])
+        bending = self.bending_stiffness * (2 * roots / self.length) ** 4 * self.length / 4
+        return np.diag([0.0, 0.0, *bending])
+
+    def body(self, panels: int, density: float) -> FlexibleBody:
+        """Return the barge at rest with its panels, see `box`, and its modal matrices."""
+        vertices, faces = box(self.length, self.beam, self.draught, panels)
+        shapes = self.displacement(vertices)
+        return FlexibleBody(
+            vertices,
+            faces,
+            self.labels,
+            at_centres(vertices, faces, shapes),
+            shapes,
+            self.mass(density),
+            self.stiffness,
+            np.array([0.0, 0.0, self.centre_of_mass]),
+        )
+
+
+def graded(length: float, count: int) -> FloatArray:
+    """Return count + 1 points from 0 to length, crowded to both ends by `GRADING`."""
+    s = np.linspace(0.0, 1.0, count + 1)
+    return length * ((1 - GRADING) * s + GRADING * (1 - np.cos(np.pi * s)) / 2)
+
+
+def box(length: float, beam: float, draught: float, panels: int) -> tuple[FloatArray, IntArray]:
+    """Return vertices and panels of the wetted sides of a box, mirrored in both vertical planes, normals outwards.
+
+    `panels` over the draught, `2 panels` over the beam and `8 panels` over the length; all crowd to the edges.
+    """
+    x = graded(length, 8 * panels) - length / 2
+    y = graded(beam, 2 * panels) - beam / 2
+    z = graded(draught, panels) - draught
+    parts = [_patch(0, 1, 2, x, y, -draught, flip=True)]
+    for side in (-1, 1):
+        parts.append(_patch(0, 2, 1, x, z, side * beam / 2, flip=side > 0))
+        parts.append(_patch(1, 2, 0, y, z, side * length / 2, flip=side < 0))
+    return joined(parts)
+
+
+def _patch(
+    first: int, second: int, normal: int, a: FloatArray, b: FloatArray, at: float, *, flip: bool
+) -> tuple[FloatArray, IntArray]:
+    """A rectangle of panels in two coordinates, the third constant."""
+    vertices = np.empty((len(a), len(b), 3))
+    vertices[..., first], vertices[..., second], vertices[..., normal] = a[:, None], b[None, :], at
+    index = np.arange(len(a) * len(b)).reshape(len(a), len(b))
+    corners = [index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]]
+    faces = np.stack(corners[::-1] if flip else corners, axis=-1).reshape(-1, 4)
+    return vertices.reshape(-1, 3), faces
+
+
+class Convergence(Section):
+    """Meshes to compare, by panels over the draught, and the frequency they are compared at [rad/s]."""
+
+    panels: Annotated[tuple[Few, ...], Field(min_length=4)]
+    omega: Positive
+
+
+class BargeStudy(Section):
+    """A barge in waves: frequencies [rad/s], directions [degrees], panels over the draught, and what to compare.
+
+    `tolerance` [-] of interpolation between the frequencies solved, as of `vsb.bodystudy.BodyStudy`.
+    """
+
+    barge: Barge
+    water: Water = Water()
+    omega: tuple[Positive, ...]
+    wave_direction: tuple[Finite, ...] = (0.0,)
+    panels: Few
+    convergence: Convergence
+    tolerance: Annotated[Number, Field(ge=1e-5, le=0.1)] | None = None
+
+    @model_validator(mode="after")
+    def _afloat_above_the_ground(self) -> "BargeStudy":
+        if not self.omega or list(self.omega) != sorted(set(self.omega)):
+            raise ValueError(f"omega {list(self.omega)}: needs at least one value, ascending without repetition")
+        if not self.water.depth > self.barge.draught:
+            raise ValueError(f"water.depth {self.water.depth:g} m: needs more than the draught")
+        return self
+
+    def body_study(self, name: str, omega: tuple[float, ...]) -> BodyStudy:
+        """Body file of a mesh of this barge; below the first irregular frequency no lid is needed."""
+        kept = {key: getattr(self, key) for key in ("water", "wave_direction", "tolerance")}
+        file = {"body": name, "mesh": "body.nc", "modes": "body.nc", "omega": omega, "lid": 0, **kept}
+        return validated(BodyStudy, file, name)
+
+
+def study(config: str | Path, out: str | Path, tables: str | Path | None = None) -> list[Check]:
+    """Write a barge as files of mesh, modes and body, solve those, and compare meshes; return the verdict.
+
+    `out` gets body.nc, body.yaml, the database barge.nc, convergence.csv and barge.svg.
+    """
+    chosen = read_config(config, BargeStudy)
+    density = chosen.water.density
+    if chosen.omega[-1] >= (first := first_irregular_frequency(chosen.barge, chosen.water.gravity)):
+        raise ConfigError(f"{config}: omega: received {chosen.omega[-1]:g} rad/s, needs less than {first:.4g} rad/s")
+    folder = Path(out)
+    table = Path(tables) if tables else folder / "green"
+    for omega in (chosen.omega, (chosen.convergence.omega,)):
+        chosen.body_study("barge", omega)  # before anything is written
+    write_body(chosen.barge.body(chosen.panels, density), folder / "body.nc")
+    write_text(folder / "body.yaml", canonical(chosen.body_study("barge", chosen.omega)) + "\n")
+    checks = run(folder / "body.yaml", folder, table)
+    levels = []
+    for panels in chosen.convergence.panels:
+        one = chosen.body_study(f"panels_{panels}", (chosen.convergence.omega,))
+        solve(one, chosen.barge.body(panels, density), folder / "convergence", table)
+        levels.append(load(folder / "convergence" / f"panels_{panels}.nc"))
+    rows = convergence(chosen.convergence.panels, levels)
+    write_text(folder / "convergence.csv", as_csv(rows))
+    write_text(folder / "barge.svg", as_svg(figure(rows, load(folder / "barge.nc"), chosen.barge.length)))
+    return checks
+
+
+def first_irregular_frequency(barge: Barge, gravity: float) -> float:
+    """Return the lowest eigenfrequency of water in the box with a lid of zero pressure [rad/s].
+
+    omega^2 = g k coth(kT), k = pi sqrt(1/L^2 + 1/B^2).
+    """
+    k = np.pi * np.hypot(1 / barge.length, 1 / barge.beam)
+    return float(np.sqrt(gravity * k / np.tanh(k * barge.draught)))
+
+
+def limit_and_order(count: Sequence[float], values: FloatArray) -> tuple[FloatArray, float]:
+    """Return limit v and order p of values (level, quantity) that behave as v + a count^-p, by least squares.
+
+    One p for all quantities, which should be of like size.
+    """
+    n = np.asarray(count, dtype=float)
+
+    def fitted(p: float) -> tuple[FloatArray, float]:
+        terms = np.column_stack([np.ones_like(n), n**-p])
+        coefficients = np.linalg.lstsq(terms, values, rcond=None)[0]
+        return coefficients[0], float(np.sum((terms @ coefficients - values) ** 2))
+
+    best = minimize_scalar(lambda p: fitted(p)[1], bounds=(0.2, 4.0), method="bounded", options={"xatol": 1e-10})
+    return fitted(float(best.x))[0], float(best.x)
+
+
+def scaled_coefficients(levels: Sequence[xr.Dataset]) -> dict[str, FloatArray]:
+    """Return coefficients of several meshes at one frequency, (level, quantity), in terms of diagonals of the last."""
+    found = {}
+    for name in ("added_mass_inf", "added_mass", "radiation_damping"):
+        matrices = np.array([ds[name].values.reshape(-1, ds[name].shape[-1], ds[name].shape[-1])[0] for ds in levels])
+        root = np.sqrt(np.diag(matrices[-1]))
+        found[name] = (matrices / np.outer(root, root)).reshape(len(levels), -1)
+    forces = np.array([ds.excitation_force.values[0] for ds in levels])
+    scaled = forces / np.abs(forces[-1]).max(axis=0)
+    found["excitation_force"] = np.stack([scaled.real, scaled.imag], axis=-1).reshape(len(levels), -1)
+    return found
+
+
+def convergence(panels: Sequence[int], levels: Sequence[xr.Dataset]) -> list[dict[str, Any]]:
+    """Return per mesh and quantity the largest distance of any entry from the limit, and the order; and identities."""
+    rows = []
+    for name, values in scaled_coefficients(levels).items():
+        limit, order = limit_and_order(panels, values)
+        errors = np.abs(values - limit).max(axis=1)
+        rows += [_row(n, name, error, order) for n, error in zip(panels, errors, strict=True)]
+    for name in ("error_estimate", "far_field", "haskind", "symmetry"):
+        errors = np.array([check.value for ds in levels for check in stored_checks(ds) if check.name == name])
+        order = -float(np.polyfit(np.log(panels), np.log(errors), 1)[0])
+        rows += [_row(n, name, error, order) for n, error in zip(panels, errors, strict=True)]
+    return rows
+
+
+def _row(panels: int, quantity: str, error: float, order: float) -> dict[str, Any]:
+    """One line of the table; `box` has 36 panels^2 faces."""
+    return {"panels": panels, "faces": 36 * panels**2, "quantity": quantity, "error": error, "order": order}
+
+
+def as_csv(rows: Sequence[dict[str, Any]]) -> str:
+    """Return the convergence table as text."""
+    text = io.StringIO()
+    table = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
+    table.writeheader()
+    table.writerows({k: f"{v:.6g}" if isinstance(v, float) else v for k, v in row.items()} for row in rows)
+    return text.getvalue()
+
+
+_CURVES = {
+    "added_mass_inf": ("A at infinity", "#999999", "-", "v"),
+    "added_mass": ("A", "#000000", "-", "o"),
+    "radiation_damping": ("B", "#D55E00", "-", "s"),
+    "excitation_force": ("X", "#0072B2", "-", "^"),
+    "error_estimate": ("estimate of the largest", "#009E73", ":", "D"),
+    "far_field": ("B against far field", "#D55E00", "--", "x"),
+    "haskind": ("X against Haskind", "#0072B2", "--", "+"),
+}
+
+
+def figure(rows: Sequence[dict[str, Any]], ds: xr.Dataset, length: float) -> Figure:
+    """Draw how the coefficients converge, and the excitation of every degree of freedom."""
+    drawing, axes = grid_of_axes(3.4, 1, 2)
+    _draw_convergence(axes[0, 0], rows)
+    labels = [str(label) for label in ds.influenced_dof.values]
+    for label in labels:
+        lever, name = (length / 2, f"{label} by L/2") if label == "Pitch" else (1.0, label)
+        force = np.abs(ds.excitation_force.sel(influenced_dof=label).isel(wave_direction=0)) / lever / 1e6
+        axes[0, 1].plot(ds.omega, force, **{**style(label, labels), "label": name})
+    axes[0, 1].set(xlabel="frequency [rad/s]", ylabel="excitation, first direction [MN/m]")
+    axes[0, 1].legend(fontsize=7)
+    legend_above(drawing, axes[0, 0])
+    return drawing
+
+
+def _draw_convergence(ax: Axes, rows: Sequence[dict[str, Any]]) -> None:
+    """Errors against the number of panels, with the orders found."""
+    for quantity, (name, colour, line, marker) in _CURVES.items():
+        mine = [row for row in rows if row["quantity"] == quantity]
+        label = f"{name}, order {mine[0]['order']:.1f}"
+        look = {"color": colour, "linestyle": line, "marker": marker, "markersize": 4}
+        ax.loglog([row["faces"] for row in mine], [row["error"] for row in mine], label=label, **look)
+    faces = sorted({row["faces"] for row in rows})
+    ax.xaxis.set(major_locator=FixedLocator(faces), minor_locator=NullLocator())
+    ax.xaxis.set_major_formatter(FixedFormatter([str(n) for n in faces]))
+    ax.set(xlabel="panels", ylabel="error")
+
+
+def as_svg(drawing: Figure) -> str:
+    """Return a figure as SVG text without a date."""
+    text = io.StringIO()
+    drawing.savefig(text, format="svg", metadata={"Date": None})
+    return text.getvalue()

@@ -1,0 +1,184 @@
+import numpy as np
+import pytest
+import yaml
+from scipy.integrate import quad
+from scipy.special import roots_legendre
+
+from examples import barge
+from examples.barge import free_free_root, free_free_shape
+from vsb.errors import ConfigError
+from vsb.hydro.bodies.body import hydrostatic_stiffness
+from vsb.tools.units import load
+
+TABULATED = (4.730040744862704, 7.853204624095838, 10.99560783800167, 14.13716549125746)  # Blevins (1979), table 8-1
+FINE = np.linspace(-1.0, 1.0, 2001)
+
+
+@pytest.fixture(scope="module")
+def box():
+    """80 x 10 x 5 m."""
+    return barge.Barge(length=80.0, beam=10.0, draught=5.0, centre_of_mass=-0.5, bending_stiffness=2e10)
+
+
+def test_roots_are_the_tabulated_ones_and_solve_the_characteristic_equation():
+    assert [2 * free_free_root(n) for n in range(1, 5)] == pytest.approx(TABULATED, rel=1e-14)
+    for n in (1, 2, 5, 9):
+        b = 2 * free_free_root(n)
+        assert np.cos(b) == pytest.approx(1 / np.cosh(b), abs=1e-12)
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 10, 41, 200])
+def test_shapes_solve_the_beam_equation_with_free_ends_however_high(n):
+    """W = (t + h)/2 with t'' = -k^2 t and h'' = k^2 h: W'' = k^2 (W - t), W''' = k^2 (W' - t'), zero at both ends."""
+    k = free_free_root(n)
+    w, slope = free_free_shape(n, FINE)
+    even = n % 2 == 1
+    t = np.cos(k * FINE) / np.cos(k) if even else np.sin(k * FINE) / np.sin(k)
+    dt = -k * np.sin(k * FINE) / np.cos(k) if even else k * np.cos(k * FINE) / np.sin(k)
+    assert w[-1] == pytest.approx(1.0, abs=1e-12)
+    assert w[::-1] == pytest.approx(w if even else -w, abs=1e-12)
+    assert np.abs(w).max() <= 1.0 + 1e-12
+    assert (w - t)[[0, -1]] == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert (slope - dt)[[0, -1]] / k == pytest.approx([0.0, 0.0], abs=1e-11)
+    if n <= 41:
+        h = np.cosh(k * FINE) / np.cosh(k) if even else np.sinh(k * FINE) / np.sinh(k)
+        assert 2 * w - t == pytest.approx(h, abs=1e-12)
+
+
+@pytest.mark.parametrize("n", [1, 2, 7, 30])
+def test_slope_is_the_derivative(n):
+    h = 1e-6
+    (ahead, _), (behind, _), (_, slope) = (free_free_shape(n, 0.9 * FINE + d) for d in (h, -h, 0.0))
+    scale = free_free_root(n) ** 3
+    assert (ahead - behind) / (2 * h) == pytest.approx(slope, abs=h**2 * scale + 1e-9)
+
+
+def test_shapes_are_orthogonal_to_each_other_and_to_rigid_motion_with_a_quarter_of_the_mass():
+    node, weight = roots_legendre(200)
+    rows = [np.ones_like(node), node, *(free_free_shape(n, node)[0] for n in range(1, 13))]
+    gram = np.einsum("is,js,s->ij", rows, rows, weight) / 2
+    assert gram == pytest.approx(np.diag([1.0, 1 / 3, *[0.25] * 12]), abs=1e-12)
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 4])
+def test_modal_stiffness_is_the_strain_energy(box, n):
+    k = free_free_root(n)
+
+    def curvature(s):
+        t = np.cos(k * s) / np.cos(k) if n % 2 else np.sin(k * s) / np.sin(k)
+        return k**2 * (free_free_shape(n, np.array([s]))[0][0] - t)
+
+    energy = quad(lambda s: curvature(s) ** 2, -1, 1, epsabs=1e-9)[0] * 8 / box.length**3
+    assert box.stiffness[n + 1, n + 1] == pytest.approx(box.bending_stiffness * energy, rel=1e-10)
+
+
+def test_the_barge_floats_upright(box):
+    body = box.body(2, 1025.0)
+    volume = 80.0 * 10.0 * 5.0
+    assert body.volumes == pytest.approx([volume] * 3, rel=1e-13)
+    assert body.mass[0, 0] == pytest.approx(1025.0 * volume, rel=1e-14)
+    assert sorted(body.rigid) == [0, 1]
+    stiffness = hydrostatic_stiffness(body, 1.0, 1.0)
+    assert stiffness[0, 0] == pytest.approx(800.0, rel=1e-12)
+    assert stiffness[1, 1] == pytest.approx(800.0 * 80.0**2 / 12 + volume * (-2.5 + 0.5), rel=1e-12)
+
+
+def waters_energy(box, q, modes):
+    """-int z dV of the bent box: (B/2) int z^2 dx along keel and ends, x = s - (z - z_G) q W', z = z_0 + q W."""
+    node, weight = roots_legendre(400)
+    keel = -box.draught - box.centre_of_mass
+
+    def bent(s):
+        """q W and q W' [1/m] at s."""
+        w, slope = np.array([free_free_shape(n, s) for n in modes]).swapaxes(0, 1)
+        return q @ w, q @ slope * 2 / box.length
+
+    curvature = (bent(node + 1e-5)[1] - bent(node - 1e-5)[1]) / 2e-5
+    dx = box.length / 2 - keel * curvature
+    total = np.sum(weight * (-box.draught + bent(node)[0]) ** 2 * dx)
+    lift, slope = bent(np.array([-1.0, 1.0]))
+    ends = slope * (lift**3 - (lift - box.draught) ** 3) / 3  # straight from keel to waterline, dx/dz = -q W'
+    return box.beam / 2 * (total + ends[0] - ends[1])
+
+
+def test_stiffness_of_bending_converges_to_that_of_the_bent_box(box):
+    h, modes = 1e-2, (1, 2)
+    u = {(a, b): waters_energy(box, h * np.array([a, b]), modes) for a in (-1, 0, 1) for b in (-1, 0, 1)}
+    mixed = (u[1, 1] - u[1, -1] - u[-1, 1] + u[-1, -1]) / 4
+    pure = [u[1, 0] - 2 * u[0, 0] + u[-1, 0], u[0, 1] - 2 * u[0, 0] + u[0, -1]]
+    exact = np.array([pure[0], mixed, mixed, pure[1]]) / h**2
+    found = np.array([hydrostatic_stiffness(box.body(n, 1.0), 1.0, 1.0)[2:4, 2:4].ravel() for n in (2, 3, 4, 6)])
+    limit, order = barge.limit_and_order((2, 3, 4, 6), found)
+    assert 1.8 < order < 2.2
+    assert limit == pytest.approx(exact, abs=2e-3 * np.abs(exact).max())
+
+
+def test_panels_are_graded_and_counted():
+    vertices, faces = barge.box(80.0, 10.0, 5.0, 3)
+    assert len(faces) == 36 * 3**2
+    assert len(vertices) > len(faces)
+    points = barge.graded(10.0, 6)
+    assert points[[0, -1]] == pytest.approx([0.0, 10.0])
+    assert np.diff(points)[0] < np.diff(points)[2]
+
+
+def test_a_power_law_is_recovered():
+    n = np.array([2, 3, 4, 6, 8])
+    values = np.array([1.0, -2.0]) + np.outer(n**-1.7, [0.5, 0.3])
+    limit, order = barge.limit_and_order(n, values)
+    assert limit == pytest.approx([1.0, -2.0], abs=1e-6)
+    assert order == pytest.approx(1.7, abs=1e-5)
+
+
+def study(folder, **changes):
+    raw = {
+        "barge": {"length": 20.0, "beam": 6.0, "draught": 2.0, "bending_stiffness": 1e8, "modes": 2},
+        "omega": [0.9, 1.2],
+        "panels": 2,
+        "convergence": {"panels": [1, 2, 3, 4], "omega": 1.0},
+    }
+    (folder / "barge.yaml").write_text(yaml.safe_dump(raw | changes))
+    return folder / "barge.yaml"
+
+
+def test_a_study_solves_compares_and_draws(tmp_path, green_folder):
+    checks = barge.study(study(tmp_path), tmp_path / "out", green_folder)
+    assert {check.verdict for check in checks} <= {"ok", "doubt"}
+    ds = load(tmp_path / "out/barge.nc")
+    assert list(ds.influenced_dof.values) == ["Heave", "Pitch", "Bending1", "Bending2"]
+    rows = [line.split(",") for line in (tmp_path / "out/convergence.csv").read_text().splitlines()[1:]]
+    orders = {row[2]: float(row[4]) for row in rows}
+    for quantity in ("added_mass", "radiation_damping", "excitation_force", "far_field", "haskind"):
+        assert 1.2 < orders[quantity] < 2.8, orders
+    estimate = {row[0]: float(row[3]) for row in rows if row[2] == "error_estimate"}
+    for panels, _, quantity, error, _ in rows:
+        assert quantity == "error_estimate" or float(error) < estimate[panels], (panels, quantity)
+    assert (tmp_path / "out/barge.svg").read_text().lstrip().startswith("<?xml")
+
+
+def test_frequencies_above_the_first_irregular_one_are_refused(tmp_path):
+    short = barge.Barge(length=20.0, beam=6.0, draught=2.0, bending_stiffness=1e8)
+    k = np.pi * np.hypot(1 / 20, 1 / 6)
+    assert barge.first_irregular_frequency(short, 9.81) ** 2 == pytest.approx(9.81 * k / np.tanh(2 * k))
+    with pytest.raises(ConfigError, match="omega: received 9 rad/s, needs less than"):
+        barge.study(study(tmp_path, omega=[9.0]), tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"water": {"depth": 1.5}}, "needs more than the draught"),
+        ({"convergence": {"panels": [1, 2, 3], "omega": 1.0}}, "convergence.panels"),
+        ({"omega": []}, "needs at least one value"),
+        ({"omega": [1.0, 0.5]}, "ascending without repetition"),
+        ({"wave_direction": []}, "wave_direction .*needs at least one value"),
+        ({"panels": True}, "a number is needed"),
+        ({"beams": 3}, "unknown key"),
+    ],
+)
+def test_a_wrong_study_is_refused_in_one_line(tmp_path, changes, message):
+    with pytest.raises(ConfigError, match=message) as error:
+        barge.study(study(tmp_path, **changes), tmp_path / "out")
+    assert "\n" not in str(error.value)
+    assert not (tmp_path / "out").exists()

@@ -1,0 +1,291 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from examples import barge
+from vsb.errors import ConfigError
+from vsb.hydro.bodies import body as bodies
+from vsb.hydro.bodies.body import FlexibleBody, at_centres, at_vertices
+from vsb.hydro.panels.mesh import graded_colatitudes, polygon_radius, revolved
+from vsb.shell.deformed import DeformedShell
+from vsb.shell.modes import Mode, ModeBasis, legendre
+from vsb.shell.sphere import Shell
+
+LENGTH, BEAM, DRAUGHT = 6.0, 4.0, 2.0
+CENTRE_OF_MASS = np.array([0.0, 0.0, 0.3])
+
+
+def rigid(x, about=(0.0, 0.0, 0.0)):
+    """Surge, sway, heave, roll, pitch, yaw of points."""
+    r = x - np.asarray(about)
+    return np.array([*(np.tile(e, (len(x), 1)) for e in np.eye(3)), *(np.cross(e, r) for e in np.eye(3))])
+
+
+def made(vertices, faces, shapes, labels=None, **changes):
+    labels = labels or tuple(f"Dof{i}" for i in range(len(shapes)))
+    fields = {
+        "modes": at_centres(vertices, faces, shapes),
+        "shapes": shapes,
+        "centre_of_mass": CENTRE_OF_MASS,
+    } | changes
+    return FlexibleBody(vertices, faces, labels, **fields)
+
+
+@pytest.fixture(scope="module")
+def box():
+    return barge.box(LENGTH, BEAM, DRAUGHT, 2)
+
+
+def shell_with(amplitude):
+    """Unit sphere, half immersed, deformed by P_2 along the radius; its degrees of freedom are heave and P_2."""
+    basis = ModeBasis(Shell(1.0, 0.01, 1.0, 0.0, 1.0), (Mode("P2", 2, 1.0, 0.0),), 1.0, bending=False)
+    return DeformedShell(basis, 0.0, np.array([0.0, amplitude]))
+
+
+def revolved_body(shell, rows, degrees, azimuth):
+    """Wetted shell as quadrilaterals with the displacements P_n e_r, as `Radial<n>` of the axisymmetric solvers."""
+    phi = graded_colatitudes(shell.wet_segments[0][0], rows)
+    m = shell.meridian(phi)
+    vertices, faces = revolved(polygon_radius(azimuth) * np.append(m.x[:-1], 0.0), np.append(0.0, m.z[1:]), azimuth)
+    p, theta = np.repeat(phi, azimuth), np.tile(2 * np.pi * np.arange(azimuth) / azimuth, rows + 1)
+    radial = np.column_stack([np.sin(p) * np.cos(theta), np.sin(p) * np.sin(theta), np.cos(p)])
+    shapes = np.array([legendre(max(degrees), p)[0][n][:, None] * radial for n in degrees])
+    return made(vertices, faces, shapes, tuple(f"Radial{n}" for n in degrees))
+
+
+def test_volume_is_found_thrice(box):
+    body = made(*box, rigid(box[0])[2:3])
+    assert body.volumes == pytest.approx([LENGTH * BEAM * DRAUGHT] * 3, rel=1e-13)
+
+
+def test_rigid_stiffness_is_waterplane_and_metacentric_heights(box):
+    about = np.array([0.5, -0.2, 0.1])
+    body = made(*box, rigid(box[0], about)[[2, 3, 4]])
+    volume, area = LENGTH * BEAM * DRAUGHT, LENGTH * BEAM
+    inertia = [area * BEAM**2 / 12, area * LENGTH**2 / 12]
+    lever = -DRAUGHT / 2 - CENTRE_OF_MASS[2]  # centre of buoyancy over centre of mass
+    expected = np.array(
+        [
+            [area, area * -about[1], area * about[0]],
+            [area * -about[1], inertia[0] + area * about[1] ** 2 + volume * lever, -area * about[0] * about[1]],
+            [area * about[0], -area * about[0] * about[1], inertia[1] + area * about[0] ** 2 + volume * lever],
+        ]
+    )
+    stiffness = bodies.hydrostatic_stiffness(body, 1025.0, 9.81)
+    # the body floats upright: its centres lie on one vertical line, so the axis of rotation does not matter otherwise
+    assert stiffness == pytest.approx(1025.0 * 9.81 * expected, rel=1e-12, abs=1e-4)
+
+
+def test_horizontal_motions_and_yaw_feel_no_stiffness(box):
+    body = made(*box, rigid(box[0])[[0, 1, 5]])
+    assert np.abs(bodies.hydrostatic_stiffness(body, 1.0, 1.0)).max() < 1e-12
+
+
+def energy(vertices, faces):
+    """-int z dV over the displaced volume, triangle by triangle by the divergence theorem: quadrature of its own."""
+    total = 0.0
+    for half in (faces[:, :3], faces[:, [0, 2, 3]]):
+        a, b, c = vertices[half].swapaxes(0, 1)
+        area = np.cross(b - a, c - a)[:, 2] / 2
+        middles = [(a + b)[:, 2] / 2, (b + c)[:, 2] / 2, (c + a)[:, 2] / 2]  # exact for squares
+        total -= 0.5 * np.sum(area * sum(m**2 for m in middles) / 3)
+    return total
+
+
+@given(st.integers(0, 2**32 - 1))
+@settings(max_examples=20, deadline=None)
+def test_flexible_stiffness_is_the_second_derivative_of_the_waters_energy(seed):
+    vertices, faces = barge.box(LENGTH, BEAM, DRAUGHT, 1)
+    shapes = np.random.default_rng(seed).normal(size=(2, *vertices.shape))
+    stiffness = bodies.hydrostatic_stiffness(made(vertices, faces, shapes), 1.0, 1.0)
+    q, h = np.meshgrid([-1, 0, 1], [-1, 0, 1], indexing="ij"), 1e-3
+
+    u = np.vectorize(lambda a, b: energy(vertices + h * (a * shapes[0] + b * shapes[1]), faces))(*q)
+    second = np.array(
+        [
+            [u[2, 1] - 2 * u[1, 1] + u[0, 1], (u[2, 2] - u[2, 0] - u[0, 2] + u[0, 0]) / 4],
+            [(u[2, 2] - u[2, 0] - u[0, 2] + u[0, 0]) / 4, u[1, 2] - 2 * u[1, 1] + u[1, 0]],
+        ]
+    )
+    assert stiffness == pytest.approx(second / h**2, rel=2e-3, abs=2e-3 * np.abs(stiffness).max())
+
+
+@pytest.mark.parametrize("amplitude", [-0.15, 0.0, 0.15])
+def test_stiffness_of_a_deformed_shell_converges_to_the_exact_jacobian_at_second_order(amplitude):
+    shell, rows = shell_with(amplitude), np.array([6, 9, 13, 19])
+    exact = shell.hydrostatic_stiffness(1.0, 1.0)
+    found = []
+    for n in rows:
+        body = revolved_body(shell, n, (1, 2), 4 * n)
+        heave = np.tile([0.0, 0.0, 1.0], (len(body.vertices), 1))[None]
+        both = made(body.vertices, body.faces, np.concatenate([heave, body.shapes[1:]]))
+        found.append(bodies.hydrostatic_stiffness(both, 1.0, 1.0))
+    errors = np.abs(np.array(found) - exact).max(axis=(1, 2)) / np.abs(exact).max()
+    order = -np.polyfit(np.log(rows), np.log(errors), 1)[0]
+    assert 1.8 < order < 2.2, errors
+    limit, _ = barge.limit_and_order(rows, np.array(found).reshape(4, -1))
+    assert limit == pytest.approx(exact.ravel(), abs=3e-3 * np.abs(exact).max())
+
+
+def test_rigid_motions_are_recognised(box):
+    shapes = np.concatenate([rigid(box[0], (1.0, 2.0, 3.0)), (box[0][:, :1] ** 2 * [[0.0, 0.0, 1.0]])[None]])
+    body = made(*box, shapes)
+    assert sorted(body.rigid) == list(range(6))
+    assert body.rigid[4][1] == pytest.approx([0.0, 1.0, 0.0], abs=1e-12)
+
+
+LINEAR = np.array([[1.0, 0.2, 0.3], [0.0, 1.0, 0.5], [0.4, 0.0, 1.0]])
+
+
+def test_corner_values_are_interpolated_at_centroids_exactly_where_they_are_linear():
+    body = revolved_body(shell_with(0.15), 4, (1,), 8)  # trapezoids and triangles
+    field = at_centres(body.vertices, body.faces, (body.vertices @ LINEAR)[None])[0]
+    assert field == pytest.approx(body.centres @ LINEAR, abs=1e-14)
+
+
+def test_panel_values_reach_corners_as_means_also_where_every_panel_has_corners_of_its_own(box):
+    vertices, faces = box
+    values = (at_centres(vertices, faces, vertices[None])[0] @ LINEAR)[None]
+    shared = at_vertices(vertices, faces, values)
+    apart = at_vertices(vertices[faces].reshape(-1, 3), np.arange(faces.size).reshape(-1, 4), values)
+    assert apart.reshape(-1, 4, 3) == pytest.approx(shared[0][faces], abs=1e-14)
+    middle = int(np.argmin(np.linalg.norm(vertices - [0.0, 0.0, -DRAUGHT], axis=1)))  # four equal panels meet here
+    assert shared[0, middle] == pytest.approx(vertices[middle] @ LINEAR, abs=1e-14)
+
+
+def test_symmetry_is_detected_or_refused(box):
+    vertices, faces = box
+    heave = rigid(vertices)[2:3]
+    assert bodies.detected_symmetry(made(vertices, faces, heave)) == "xOz+yOz"
+    moved = made(vertices + np.array([0.1, 0.0, 0.0]), faces, heave)
+    assert bodies.detected_symmetry(moved) == "xOz"
+    bodies.check_symmetry(moved, "xOz")
+    with pytest.raises(ConfigError, match="not mirrored in the yOz plane"):
+        bodies.check_symmetry(moved, "xOz+yOz")
+
+
+def test_a_panel_across_a_plane_leaves_no_symmetry():
+    shell = shell_with(0.0)
+    assert bodies.detected_symmetry(revolved_body(shell, 4, (1,), 8)) == "xOz+yOz"
+    assert bodies.detected_symmetry(revolved_body(shell, 4, (1,), 6)) == "xOz"
+    vertices, faces = revolved_body(shell, 4, (1,), 8).vertices, revolved_body(shell, 4, (1,), 8).faces
+    turn = np.pi / 8
+    turned = vertices @ np.array([[np.cos(turn), np.sin(turn), 0], [-np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
+    assert bodies.detected_symmetry(made(turned, faces, rigid(turned)[2:3])) == "none"
+
+
+def test_lid_covers_the_waterplane_with_normals_down(box):
+    body = made(*box, rigid(box[0])[2:3])
+    vertices, faces = bodies.interior_lid(body, 3)
+    corner = vertices[faces]
+    normals = np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1]) / 2
+    assert normals[:, 2].sum() == pytest.approx(-LENGTH * BEAM, rel=1e-12)
+    assert (normals[:, 2] < 0).all()
+    assert (vertices[:, 2] == 0).all()
+
+
+def test_no_lid_without_a_waterline_or_where_it_hides_from_the_centre(box):
+    vertices, faces = box
+    sphere = shell_with(0.0)
+    half = revolved_body(sphere, 4, (1,), 8)
+    flipped = half.vertices * [1, 1, -1]
+    closed, panels = bodies.joined([(half.vertices, half.faces), (flipped, half.faces[:, ::-1])])
+    with pytest.raises(ConfigError, match="does not cross the water"):
+        bodies.interior_lid(made(closed - [0, 0, 2], panels, rigid(closed)[2:3]), 3)
+    two, both = bodies.joined([(vertices, faces), (vertices + np.array([9.0, 0.0, 0.0]), faces)])
+    with pytest.raises(ConfigError, match="not seen whole"):
+        bodies.interior_lid(made(two, both, rigid(two)[2:3]), 3)
+
+
+def changed(array, index, value):
+    out = np.array(array, dtype=float)
+    out[index] = value
+    return out
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda v, f, s: {"vertices": changed(v, (0, 0), np.nan)}, "a vertex is NaN"),
+        (lambda v, f, s: {"faces": f + 1}, "panels whose corners are there"),
+        (lambda v, f, s: {"vertices": v + np.array([0, 0, 0.5])}, "needs z <= 0: clip it"),
+        (lambda v, f, s: {"faces": f[:, ::-1]}, "flip them"),
+        (lambda v, f, s: {"faces": np.concatenate([f[:-1], f[-1:, ::-1]])}, "closed below z = 0"),
+        (lambda v, f, s: {"faces": f[8:], "modes": np.ones((2, len(f) - 8, 3))}, "closed below z = 0"),
+        (lambda v, f, s: {"vertices": v * [1, 1, 0]}, "panels in the water's surface"),
+        (lambda v, f, s: {"labels": ("a", "a")}, "none twice"),
+        (lambda v, f, s: {"labels": ()}, "needs at least one"),
+        (lambda v, f, s: {"modes": np.ones((2, 3, 3))}, "modes: shape"),
+        (lambda v, f, s: {"shapes": s[:1]}, "shapes: shape"),
+        (lambda v, f, s: {"mass": np.eye(3)}, "mass: shape"),
+        (lambda v, f, s: {"stiffness": np.full((2, 2), np.inf)}, "stiffness: holds NaN"),
+        (lambda v, f, s: {"mass": np.array([[1.0, 0.1], [0.0, 1.0]])}, "mass: not symmetric"),
+        (lambda v, f, s: {"modes": np.zeros((2, len(f), 3))}, "moves no water"),
+        (lambda v, f, s: {"centre_of_mass": None}, "centre_of_mass is missing"),
+    ],
+)  # fmt: skip
+def test_what_no_solver_can_use_is_refused(box, change, message):
+    vertices, faces = box
+    shapes = rigid(vertices)[[2, 4]]
+    fields = {
+        "vertices": vertices, "faces": faces, "labels": ("Heave", "Pitch"), "modes": at_centres(vertices, faces, shapes),
+        "shapes": shapes, "centre_of_mass": CENTRE_OF_MASS,
+    } | change(vertices, faces, shapes)  # fmt: skip
+    with pytest.raises(ConfigError, match=message):
+        FlexibleBody(**fields)
+
+
+def test_a_panel_without_area_is_refused(box):
+    vertices, faces = box
+    faces = np.concatenate([faces, [[0, 0, 1, 1]]])
+    with pytest.raises(ConfigError, match=f"panel {len(faces) - 1} has no area"):
+        at_centres(vertices, faces, vertices[None])
+
+
+def test_diameters_are_diagonals_of_rectangles(box):
+    body = made(*box, rigid(box[0])[2:3])
+    corner = body.vertices[body.faces]
+    assert bodies.panel_diameters(body) == pytest.approx(np.linalg.norm(corner[:, 2] - corner[:, 0], axis=1))
+
+
+def test_round_off_of_a_fit_is_no_rotation(box):
+    """Heave alone, on a box off the axis: no centre of mass is asked for."""
+    vertices, faces = box
+    moved = vertices + np.array([3.7, 1.3, 0.0])
+    body = made(moved, faces, rigid(moved)[2:3], centre_of_mass=None)
+    assert np.all(body.rigid[0][1] == 0.0)
+    with pytest.raises(ConfigError, match="centre_of_mass is missing"):
+        made(moved, faces, rigid(moved)[4:5], centre_of_mass=None)
+
+
+RIGID = ("Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw")
+
+
+@given(st.tuples(*[st.floats(-50.0, 50.0)] * 3), st.permutations(range(6)))
+@settings(max_examples=20, deadline=None)
+def test_unit_motions_bear_their_names_about_any_point(box, point, order):
+    vertices, faces = box
+    shapes = rigid(vertices, point)[list(order)]
+    named = made(vertices, faces, shapes, tuple(RIGID[k] for k in order))
+    assert bodies.rigid_misfit(named) < 1e-12
+    assert bodies.rigid_misfit(made(vertices, faces, shapes)) == 0.0  # other names promise nothing
+
+
+@pytest.mark.parametrize(("named", "is_", "misfit"), [("Heave", 2.0, 1.0), ("Pitch", -1.0, 2.0), ("Yaw", 0.5, 0.5)])
+def test_a_name_of_another_size_or_sign_is_told(box, named, is_, misfit):
+    vertices, faces = box
+    shape = is_ * rigid(vertices)[RIGID.index(named)][None]
+    assert bodies.rigid_misfit(made(vertices, faces, shape, (named,))) == pytest.approx(misfit)
+
+
+def test_a_name_of_another_motion_is_told(box):
+    vertices, faces = box
+    assert bodies.rigid_misfit(made(vertices, faces, rigid(vertices)[:1], ("Heave",))) == pytest.approx(1.0)
+    assert bodies.rigid_misfit(made(vertices, faces, rigid(vertices)[3:4], ("Pitch",))) > 0.3
+
+
+def test_a_body_of_millimetres_is_refused():
+    vertices, faces = barge.box(LENGTH / 1000, BEAM / 1000, DRAUGHT / 1000, 1)
+    with pytest.raises(ConfigError, match=r"mesh: body of 0.00748 m; needs at least 0.01 m: is it in metres"):
+        made(vertices, faces, rigid(vertices)[2:3])

@@ -1,0 +1,298 @@
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+import xarray as xr
+import yaml
+from hydro.bodies.test_body import made, rigid
+
+from examples import barge
+from vsb.errors import ConfigError
+from vsb.hydro import database
+from vsb.hydro.bodies import study as bodystudy
+from vsb.hydro.bodies.coarsening import CoarserBody
+from vsb.hydro.bodies.study import BodyProblem, BodyStudy
+from vsb.tools.units import load
+
+LABELS = ("Heave", "Pitch", "Bend")
+
+
+@pytest.fixture(scope="module")
+def body():
+    vertices, faces = barge.box(6.0, 4.0, 2.0, 1)
+    bend = np.zeros_like(vertices)
+    bend[:, 2] = (vertices[:, 0] / 3.0) ** 2
+    shapes = np.concatenate([rigid(vertices)[[2, 4]], bend[None]])
+    mass = np.diag([1025.0 * 48.0, 1e5, 1e4])
+    return made(vertices, faces, shapes, LABELS, mass=mass, stiffness=np.diag([0.0, 0.0, 1e6]))
+
+
+def files(folder, body, **changes):
+    """A body file and what it names, in one folder."""
+    bodystudy.write_body(body, folder / "box.nc")
+    raw = {
+        "body": "box",
+        "mesh": "box.nc",
+        "modes": "box.nc",
+        "omega": [1.0, 1.3],
+        "wave_direction": [0.0, 30.0],
+        "lid": 1,
+    }
+    (folder / "box.yaml").write_text(yaml.safe_dump(raw | changes))
+    return folder / "box.yaml"
+
+
+@pytest.fixture
+def calls(monkeypatch):
+    """Frequencies solved, as they are solved."""
+    solved = []
+    monkeypatch.setattr(BodyProblem, "solve", counted(BodyProblem.solve, solved))
+    monkeypatch.setattr(BodyProblem, "at_infinity", counted(BodyProblem.at_infinity, solved))
+    return solved
+
+
+def counted(method, solved):
+    def call(self, *args):
+        if not isinstance(self.body, CoarserBody):
+            solved.append(args[0] if args else np.inf)
+        return method(self, *args)
+
+    return call
+
+
+def test_a_body_file_becomes_a_database_with_a_verdict(tmp_path, body, green_folder):
+    checks = bodystudy.run(files(tmp_path, body), tmp_path / "out", green_folder)
+    names = {"error_estimate", "symmetry", "far_field", "haskind", "positive_damping", "panels", "corners"}
+    names |= {"rigid_names", "one_resolution", "afloat"}
+    assert {check.name for check in checks} == names
+    ds = load(tmp_path / "out/box.nc")
+    assert database.stored_checks(ds) == checks
+    assert database.load_database(tmp_path / "out/box.nc", ds.attrs["spec_id"]).attrs["symmetry"] == "xOz+yOz"
+    assert list(ds.influenced_dof.values) == list(LABELS)
+    assert ds.wave_direction.values == pytest.approx(np.deg2rad([0.0, 30.0]))
+    assert ds.excitation_force.values == pytest.approx((ds.Froude_Krylov_force + ds.diffraction_force).values)
+    for name in ("added_mass", "radiation_damping", "added_mass_inf", "hydrostatic_stiffness", "structural_stiffness"):
+        assert ds[name].values == pytest.approx(ds[name].values.swapaxes(-1, -2), rel=1e-12, abs=1e-6), name
+    assert ds.inertia_matrix.values == pytest.approx(body.mass)
+
+
+def test_nothing_is_solved_twice_and_an_interrupted_run_goes_on(tmp_path, body, green_folder, calls, monkeypatch):
+    config, out = files(tmp_path, body), tmp_path / "out"
+    save = bodystudy.save
+
+    def killed(ds, *args):
+        if "omega" in ds.dims and float(ds.omega[0]) == 1.3:
+            raise KeyboardInterrupt
+        save(ds, *args)
+
+    monkeypatch.setattr(bodystudy, "save", killed)
+    with pytest.raises(KeyboardInterrupt):
+        bodystudy.run(config, out, green_folder)
+    assert not (out / "box.nc").exists()
+    monkeypatch.setattr(bodystudy, "save", save)
+    calls.clear()
+    bodystudy.run(config, out, green_folder)
+    assert calls == [1.3]
+    bodystudy.run(files(tmp_path, body, omega=[1.0, 1.15, 1.3], symmetry="none"), out, green_folder)
+    assert calls == [1.3, 1.15]
+    assert list(load(out / "box.nc").omega.values) == [1.0, 1.15, 1.3]
+    bodystudy.run(files(tmp_path, body, water={"density": 1000.0}, omega=[1.0]), out, green_folder)
+    assert calls == [1.3, 1.15, np.inf, 1.0]
+
+
+def test_with_a_tolerance_few_frequencies_are_solved_and_an_interrupted_sweep_goes_on(
+    tmp_path, body, green_folder, calls, monkeypatch
+):
+    omega = np.linspace(0.6, 1.8, 20).round(3).tolist()
+    config, out = files(tmp_path, body, omega=omega, tolerance=0.01), tmp_path / "out"
+    save, saved = bodystudy.save, []
+
+    def killed(ds, *args):
+        if len(saved) == 9:
+            raise KeyboardInterrupt
+        saved.append(ds)
+        save(ds, *args)
+
+    monkeypatch.setattr(bodystudy, "save", killed)
+    with pytest.raises(KeyboardInterrupt):
+        bodystudy.run(config, out, green_folder)
+    monkeypatch.setattr(bodystudy, "save", save)
+    calls.clear()
+    checks = {check.name: check for check in bodystudy.run(config, out, green_folder)}
+    ds, solves = load(out / "box.nc"), 8 + len(calls)
+    assert ds.omega.values.tolist() == omega
+    assert (ds.attrs["solves"], ds.attrs["frequencies"]) == (solves, 20)
+    assert solves < 17
+    assert len(list((out / "blocks").glob("*.nc"))) == solves + 1
+    assert checks["interpolation_error"].explanation.startswith(f"{solves} solves for 20 frequencies")
+    assert 0 < checks["interpolation_error"].value <= 0.01
+    calls.clear()
+    bodystudy.run(files(tmp_path, body, omega=omega), out, green_folder)
+    assert len(calls) == 20 - solves
+    true = load(out / "box.nc")
+    root = np.sqrt(np.diag(true.added_mass_inf))
+    for name in ("added_mass", "radiation_damping", "excitation_force"):
+        units = root if name == "excitation_force" else np.outer(root, root)
+        missed = np.abs(ds[name].values - true[name].values) / units
+        assert missed.max() < 0.01 * (np.abs(true[name].values) / units).max(), name
+
+
+def test_a_block_cut_short_is_solved_again(tmp_path, body, green_folder, calls):
+    config, out = files(tmp_path, body, omega=[1.0]), tmp_path / "out"
+    bodystudy.run(config, out, green_folder)
+    for block in (out / "blocks").glob("*.nc"):
+        block.write_bytes(block.read_bytes()[:200])
+    bodystudy.run(config, out, green_folder)
+    assert calls == [np.inf, 1.0] * 2
+
+
+def test_the_verdict_sees_a_body_that_does_not_float_where_it_lies(tmp_path, body, green_folder):
+    heavy = made(body.vertices, body.faces, body.shapes, LABELS, mass=2 * body.mass)
+    checks = bodystudy.run(files(tmp_path, heavy, omega=[1.0]), tmp_path / "out", green_folder)
+    assert {check.name: check.verdict for check in checks}["afloat"] == "fail"
+
+
+@pytest.mark.parametrize("kind", ["vtu", "stl", "gdf", "nc"])
+def test_mesh_files_of_other_programs_give_the_same_body(tmp_path, body, kind):
+    path = tmp_path / f"box.{kind}"
+    corners = body.vertices[body.faces]
+    if kind == "vtu":
+        meshio.Mesh(body.vertices, [("quad", body.faces)]).write(path)
+    elif kind == "stl":
+        triangles = np.concatenate([body.faces[:, :3], body.faces[:, [0, 2, 3]]])
+        meshio.Mesh(body.vertices, [("triangle", triangles)]).write(path)
+    elif kind == "gdf":
+        points = "\n".join(" ".join(f"{x:.12g}" for x in point) for point in corners.reshape(-1, 3))
+        path.write_text(f"box\n1.0 9.81\n0 0\n{len(corners)}\n{points}\n")
+    else:
+        bodystudy.write_body(body, path)
+    vertices, faces = bodystudy.read_mesh(path)
+    again = made(vertices, faces, rigid(vertices)[[2, 4]], LABELS[:2])
+    assert again.volumes == pytest.approx(body.volumes, rel=1e-6)
+    assert again.triangles.area.sum(axis=0) == pytest.approx(body.triangles.area.sum(axis=0), abs=1e-4)
+
+
+def test_modes_at_panels_do_as_well_as_at_corners(tmp_path, body):
+    bodystudy.write_body(body, tmp_path / "box.nc")
+    by_panel = xr.Dataset(
+        {"mode_shape": (("dof", "panel", "xyz"), body.modes), "centre_of_mass": ("xyz", body.centre_of_mass)},
+        coords={"dof": list(LABELS)},
+    )
+    by_panel.to_netcdf(tmp_path / "modes.nc")
+    again = bodystudy.read_body(tmp_path / "box.nc", tmp_path / "modes.nc")
+    assert again.modes == pytest.approx(body.modes)
+    assert again.mass is None
+    assert again.labels == LABELS
+
+
+def written(tmp_path, body, **changes):
+    """Modes file with some variables changed."""
+    bodystudy.write_body(body, tmp_path / "box.nc")
+    shape = np.array(body.shapes)
+    data = {"mode_shape": (("dof", "vertex", "xyz"), shape), "centre_of_mass": ("xyz", body.centre_of_mass)}
+    xr.Dataset(data | changes, coords={"dof": list(LABELS)}).to_netcdf(tmp_path / "modes.nc")
+    return tmp_path / "box.nc", tmp_path / "modes.nc"
+
+
+def test_a_modes_file_that_does_not_fit_is_refused_by_name(tmp_path, body):
+    count = len(body.vertices)
+    with pytest.raises(ConfigError, match=rf"modes.nc: mode_shape .*{count - 1}.*with {count} vertices"):
+        bodystudy.read_body(*written(tmp_path, body, mode_shape=(("dof", "vertex", "xyz"), body.shapes[:, 1:])))
+    with pytest.raises(ConfigError, match=r"modes.nc: .*NaN"):
+        bodystudy.read_body(*written(tmp_path, body, mode_shape=(("dof", "vertex", "xyz"), np.nan * body.shapes)))
+    xr.Dataset({"shape": ("x", [1.0])}).to_netcdf(tmp_path / "other.nc")
+    with pytest.raises(ConfigError, match=r"other.nc: holds \['shape'\]; needs mode_shape"):
+        bodystudy.read_body(tmp_path / "box.nc", tmp_path / "other.nc")
+    (tmp_path / "text.nc").write_text("no netCDF")
+    with pytest.raises(ConfigError, match=r"text.nc: cannot be read as netCDF"):
+        bodystudy.read_body(tmp_path / "box.nc", tmp_path / "text.nc")
+
+
+@pytest.mark.parametrize("name", ["none.vtu", "garbage.vtu", "garbage.stl", "garbage.gdf", "garbage.nc", "garbage.foo"])
+def test_a_mesh_that_cannot_be_read_is_refused_in_one_line(tmp_path, name, capsys):
+    if not name.startswith("none"):
+        (tmp_path / name).write_text("garbage\n")
+    with pytest.raises(ConfigError, match=rf"{name}: (mesh not found|cannot be read as a mesh)") as error:
+        bodystudy.read_mesh(tmp_path / name)
+    assert "\n" not in str(error.value)
+
+
+def test_lines_and_points_are_no_panels(tmp_path):
+    meshio.Mesh(np.eye(3), [("line", [[0, 1]])]).write(tmp_path / "line.vtu")
+    with pytest.raises(ConfigError, match=r"line.vtu: holds \['line'\]; needs quadrilaterals"):
+        bodystudy.read_mesh(tmp_path / "line.vtu")
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"omega": []}, "needs at least one value"),
+        ({"omega": [2.0, 1.0]}, "ascending without repetition"),
+        ({"wave_direction": [0.0, 0.0]}, "ascending without repetition"),
+        ({"omega": [0.05], "water": {"depth": 10.0}}, "omega 0.05 rad/s: in 10 m of water needs at least"),
+        (
+            {"omega": [3.0], "water": {"depth": 0.9}},
+            "water.depth: received 0.9 m, needs more than the body's draught of 2 m",
+        ),
+        ({"symmetry": "xyz"}, "symmetry"),
+        ({"lid": True}, "a number is needed"),
+        ({"tolerance": 0.0}, "tolerance"),
+        ({"mode": "x.nc"}, "unknown key"),
+        ({"mesh": "gone.vtu"}, "gone.vtu: mesh not found"),
+    ],
+)
+def test_a_wrong_body_file_is_refused_in_one_line(tmp_path, body, changes, message):
+    with pytest.raises(ConfigError, match=message) as error:
+        bodystudy.run(files(tmp_path, body, **changes), tmp_path / "out")
+    assert "\n" not in str(error.value)
+    assert not (tmp_path / "out").exists()
+
+
+def test_what_is_no_yaml_file_is_refused(tmp_path):
+    with pytest.raises(ConfigError, match=r"gone.yaml: cannot be read"):
+        bodystudy.read_config(tmp_path / "gone.yaml", BodyStudy)
+    (tmp_path / "bad.yaml").write_text("a: [1\n")
+    with pytest.raises(ConfigError, match=r"bad.yaml: not valid YAML"):
+        bodystudy.read_config(tmp_path / "bad.yaml", BodyStudy)
+
+
+def test_a_symmetry_declared_but_missing_is_refused_before_anything_is_solved(tmp_path, body):
+    moved = made(body.vertices + np.array([0.2, 0.0, 0.0]), body.faces, body.shapes, LABELS)
+    with pytest.raises(ConfigError, match="not mirrored in the yOz plane"):
+        bodystudy.run(files(tmp_path, moved, symmetry="xOz+yOz"), tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_table_of_the_green_function_is_made_whole_or_not_at_all(tmp_path, monkeypatch):
+    made_at, faster = [], []
+
+    def table(folder):
+        made_at.append(Path(folder))
+        Path(folder).mkdir(parents=True, exist_ok=True)
+        (Path(folder) / "table").write_text(str(len(made_at)))
+        for other in faster:
+            other.mkdir()
+            (other / "table").write_text("of another run")
+            faster.clear()
+
+    monkeypatch.setattr(bodystudy.bem, "green_function", table)
+    (tmp_path / ".green.dead").mkdir()  # of a run that was killed
+    bodystudy.bem.stored_green_function(tmp_path / "green")
+    assert made_at[0].parent == tmp_path
+    assert made_at[1:] == [tmp_path / "green"]
+    bodystudy.bem.stored_green_function(tmp_path / "green")
+    assert made_at[2:] == [tmp_path / "green"]
+    faster.append(tmp_path / "late")
+    bodystudy.bem.stored_green_function(tmp_path / "late")
+    assert sorted(path.name for path in tmp_path.iterdir()) == [".green.dead", "green", "late"]
+
+
+@pytest.mark.parametrize("corner", [-1, 1_000_000])
+def test_a_panel_with_a_corner_that_does_not_exist_is_named(tmp_path, corner):
+    faces = np.array([[0, 1, 2, 3], [0, 1, corner, 3]])
+    xr.Dataset({"vertices": (("vertex", "xyz"), np.eye(4, 3)), "faces": (("panel", "corner"), faces)}).to_netcdf(
+        tmp_path / "mesh.nc"
+    )
+    with pytest.raises(ConfigError, match=rf"panel 1 has corners \[0, 1, {corner}, 3\]; needs numbers from 0 to 3"):
+        bodystudy.read_mesh(tmp_path / "mesh.nc")

@@ -1,0 +1,179 @@
+import numpy as np
+import pytest
+from hydro.bodies.test_body import made, revolved_body, rigid, shell_with
+
+from examples import barge
+from vsb.errors import DatabaseError
+from vsb.hydro.bodies import body as bodies
+from vsb.hydro.bodies.solver import BodyProblem
+from vsb.hydro.bodies.study import _block
+from vsb.hydro.bodies.sweep import Block, Measure, error_estimate, least_sizes, sizes, swept
+from vsb.hydro.database import with_excitation
+from vsb.hydro.panels import rings as bem
+from vsb.hydro.quality import negative_damping
+from vsb.hydro.spectral.solver import SpectralProblem
+from vsb.study.study import Water
+
+UNIT = Water(density=1.0, gravity=1.0)
+SEA = Water(density=1025.0, gravity=9.81)
+AHEAD = np.zeros(1)
+KA = (0.1, 1.0, 3.5)
+NAMES = ("added_mass", "radiation_damping", "excitation_force")
+
+
+@pytest.fixture(scope="module")
+def green(green_folder):
+    return bem.green_function(green_folder)
+
+
+def block(problem, omega):
+    """What a run stores of a frequency."""
+    return _block(problem, *problem.coarser(), {"omega": float(omega), "wave_direction": [0.0]})
+
+
+def size_of(problem):
+    return sizes(problem.at_infinity().added_mass_inf.values, least_sizes(problem.body, problem.water.density))
+
+
+def estimated_and_true(problem, reference, omegas):
+    """Estimated error, and the true one in the same terms."""
+    blocks, infinite = [block(problem, omega) for omega in omegas], block(problem, np.inf)
+    exact, limit = with_excitation(reference.solve(list(omegas))), reference.at_infinity()
+    own = infinite.own.added_mass_inf.values
+    size = np.sqrt(np.diag(own))
+    pair, errors = np.outer(size, size), []
+    for name in NAMES:
+        unit = pair if exact[name].dims[-1] == "radiating_dof" else size
+        found = np.concatenate([with_excitation(b.own)[name].values / unit for b in blocks])
+        true = exact[name].values / unit
+        if name == "added_mass":
+            found, true = np.concatenate([found, (own / pair)[None]]), np.concatenate([true, (limit / pair)[None]])
+        errors.append(np.abs(found - true).max() / np.abs(found).max())
+    return error_estimate(blocks, infinite, size_of(problem)), max(errors)
+
+
+@pytest.mark.parametrize("amplitude", [0.0, -0.15])
+def test_the_estimate_bounds_the_error_of_spheres_and_spheroids_and_goes_with_it(green, amplitude):
+    degrees, shell, rows = (0, 1, 2), shell_with(amplitude), np.array([6, 8, 10, 12])
+    reference = SpectralProblem(shell, tuple(f"Radial{n}" for n in degrees), 1.0, 1.0, 48)
+    found = []
+    for n in rows:
+        body = revolved_body(shell, n, degrees, 4 * int(np.ceil(n / 2)))
+        problem = BodyProblem(green, body, UNIT, "xOz+yOz", bodies.interior_lid(body, 6))
+        found.append(estimated_and_true(problem, reference, np.sqrt(KA)))
+    estimate, true = np.array(found).T
+    assert np.all((estimate > true) & (estimate < 8 * true)), found
+    order = -np.polyfit(np.log(rows), np.log(estimate), 1)[0]
+    assert 1.2 < order < 2.8, found
+
+
+def test_the_estimate_bounds_the_error_of_surge_on_triangles(green):
+    reference = SpectralProblem(shell_with(0.0), ("Surge",), 1.0, 1.0, 48, 1)
+    for rows in (6, 8):
+        sphere = revolved_body(shell_with(0.0), rows, (0,), 2 * rows)
+        cut = np.concatenate([sphere.faces[:, [0, 1, 2, 2]], sphere.faces[:, [0, 2, 3, 3]]])
+        x = sphere.vertices[cut]
+        faces = cut[np.linalg.norm(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), axis=1) > 1e-9]
+        body = made(sphere.vertices, faces, rigid(sphere.vertices)[:1], ("Surge",))
+        problem = BodyProblem(green, body, UNIT, "none", bodies.interior_lid(body, 4))
+        estimate, true = estimated_and_true(problem, reference, np.sqrt(KA))
+        assert true < estimate < 8 * true, (rows, estimate, true)
+
+
+@pytest.fixture(scope="module")
+def box():
+    vertices, faces = barge.box(6.0, 4.0, 2.0, 2)
+    return made(vertices, faces, rigid(vertices)[[2, 4]], ("Heave", "Pitch"))
+
+
+def test_units_of_displacements_do_not_matter(green, box):
+    found = []
+    for scale in (1.0, 1e-3, 1e3):
+        shapes = box.shapes * np.array([1.0, scale])[:, None, None]
+        problem = BodyProblem(green, made(box.vertices, box.faces, shapes, box.labels), SEA, "xOz+yOz")
+        found.append(error_estimate([block(problem, 1.2)], block(problem, np.inf), size_of(problem)))
+    assert found == pytest.approx([found[0]] * 3, rel=1e-9)
+
+
+def test_panels_that_cannot_be_joined_say_nothing_of_their_error(green):
+    corners = np.array([[x, y, z] for z in (-1.0, 0.0) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))], dtype=float)
+    faces = np.array([[3, 2, 1, 0], *([i, (i + 1) % 4, (i + 1) % 4 + 4, i + 4] for i in range(4))])
+    problem = BodyProblem(green, made(corners, faces, rigid(corners)[2:3], ("Heave",)), SEA)
+    assert error_estimate([block(problem, 1.2)], block(problem, np.inf), size_of(problem)) == 1.0
+
+
+@pytest.mark.parametrize("away", [0.0, 300.0])
+def test_a_sweep_solves_few_frequencies_wherever_the_body_lies(green, box, away):
+    vertices = box.vertices + np.array([away, 0.0, 0.0])
+    problem = BodyProblem(green, made(vertices, box.faces, box.shapes, box.labels), SEA, "xOz")
+    omega, directions, blocks = np.linspace(0.5, 2.0, 30).tolist(), np.array([0.0, 0.8]), {}
+
+    def solve(w):
+        if w not in blocks:
+            blocks[w] = _block(problem, problem, 1.0, {"omega": w, "wave_direction": np.rad2deg(directions).tolist()})
+        return blocks[w]
+
+    def froude_krylov(w):
+        return problem.froude_krylov(w, directions)
+
+    size = np.sqrt(np.diag(block(problem, np.inf).own.added_mass_inf.values))
+    measure = Measure(size, np.array([away, 0.0, -1.0]), directions, SEA)
+    found = swept(solve, froude_krylov, omega, 5e-3, measure)
+    assert len(blocks) == len(found.solved) < 18
+    everything = swept(solve, froude_krylov, omega, None, measure)
+    assert len(everything.solved) == 30
+    assert everything.error == 0.0
+    ours, true = (with_excitation(s.coefficients) for s in (found, everything))
+    units = {"excitation_force": size}
+    missed = [
+        np.abs((ours[n] - true[n]) / units.get(n, np.outer(size, size))).max()
+        / np.abs(true[n] / units.get(n, np.outer(size, size))).max()
+        for n in NAMES
+    ]
+    assert max(missed) <= found.error
+    assert found.error <= 5e-3
+    for each in found.solved:
+        assert np.array_equal(ours.added_mass.sel(omega=each.own.omega), each.own.added_mass)
+
+
+def test_added_mass_that_is_none_is_refused():
+    with pytest.raises(DatabaseError, match="added_mass_inf: received a diagonal not above zero"):
+        Measure(np.array([1.0, 0.0]), np.zeros(3), AHEAD, SEA)
+
+
+@pytest.mark.parametrize("labels", [("Surge", "Heave", "Pitch"), ("Surge", "Heave", "Pitch", "Yaw")])
+def test_yaw_of_a_round_body_moves_no_water_and_spoils_nothing(green, labels):
+    """Its added mass is the round-off of triangles: an error in terms of it says nothing."""
+    sphere = revolved_body(shell_with(0.0), 6, (0,), 14)
+    cut = np.concatenate([sphere.faces[:, [0, 1, 2, 2]], sphere.faces[:, [0, 2, 3, 3]]])
+    x = sphere.vertices[cut]
+    faces = cut[np.linalg.norm(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), axis=1) > 1e-9]
+    motions = dict(zip(("Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw"), rigid(sphere.vertices), strict=True))
+    body = made(sphere.vertices, faces, np.array([motions[label] for label in labels]), labels)
+    problem = BodyProblem(green, body, UNIT, "none", bodies.interior_lid(body, 4))
+    solved, infinite, size = [block(problem, w) for w in (0.5, 1.5)], block(problem, np.inf), size_of(problem)
+    assert error_estimate(solved, infinite, size) < 0.5
+    assert max(negative_damping(each.own, np.outer(size, size)) for each in solved) < 0.01
+    assert max(each.own.attrs[name] for each in solved for name in ("symmetry", "far_field", "haskind")) < 0.1
+
+
+@pytest.mark.parametrize("count", [13, 14, 15, 20, 27, 31, 39, 40, 41])
+def test_coefficients_too_rough_to_be_interpolated_are_all_solved_once(green, box, count):
+    problem, solved = BodyProblem(green, box, SEA, "xOz+yOz"), []
+    pattern = problem.solve(1.0, AHEAD)
+    noise, omega = np.random.default_rng(count), np.linspace(0.5, 2.0, count).tolist()
+
+    def solve(w):
+        if w not in (each.own.omega.item() for each in solved):
+            rough = pattern.assign_coords(omega=[w]) * (1 + 0.1 * noise.standard_normal())
+            solved.append(Block(rough, rough, rough))
+        return next(each for each in solved if each.own.omega.item() == w)
+
+    def froude_krylov(w):
+        return problem.froude_krylov(w, AHEAD)
+
+    measure = Measure(np.ones(2), np.zeros(3), AHEAD, SEA)
+    found = swept(solve, froude_krylov, omega, 1e-4, measure)
+    assert sorted(each.own.omega.item() for each in solved) == omega
+    assert found.error == 0.0
+    assert found.coefficients.omega.values.tolist() == omega

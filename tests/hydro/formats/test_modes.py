@@ -1,0 +1,443 @@
+"""Rigid and generalized modes in WAMIT's and BEMIO's forms, verdicts on numbers of others, and the commands."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+import yaml
+
+from examples import barge
+from vsb.cli import main
+from vsb.errors import ConfigError, DatabaseError
+from vsb.hydro.bodies import study as bodystudy
+from vsb.hydro.bodies.study import BodyStudy
+from vsb.hydro.formats.bemio import bemio_entries, read_bemio, write_h5
+from vsb.hydro.formats.exchange import export, foreign_checks
+from vsb.hydro.formats.modes import RIGID, check_positive, floating, mode_labels, mode_numbers, rotations, structure
+from vsb.hydro.formats.wamit import import_wamit, wamit_texts
+from vsb.tools import units
+from vsb.waves.seas import group_velocity, wavenumber
+
+PAIR, WAVE = ("influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
+RHO, G = 1000.0, 9.81
+FACTS = {"displaced_volume": 4000.0, "centre_of_buoyancy": [0.0, 0.0, -2.5], "centre_of_mass": [0.0, 0.0, 0.5]}
+LABELS = ("Pitch", "Heave", "Bend", "Surge")  # in no order
+
+
+def flexible(labels=LABELS, headings=(0.0,), *, omega=(0.5, 1.0, 1.5), dry=True, seed=0):
+    """A database of random coefficients, damping that of its excitation if the headings are many."""
+    rng, n = np.random.default_rng(seed), len(labels)
+    omega, headings = np.array(omega), np.radians(headings)
+    directions = np.linspace(0, 2 * np.pi, 16, endpoint=False)
+    shape = rng.normal(size=(3, len(omega), n)) + 1j * rng.normal(size=(3, len(omega), n))
+
+    def wave(beta):
+        return np.einsum("mwi,mb->wbi", shape, [np.ones_like(beta), np.cos(beta), np.sin(2 * beta)]) * 1e5
+
+    factor = np.array([wavenumber(w, np.inf, G) / (4 * RHO * G * group_velocity(w, np.inf, G)) for w in omega])
+    x = wave(directions)
+    damping = np.einsum("w,wbi,wbj->wij", factor, x, x.conj()).real / 16
+    added = rng.normal(size=(len(omega), n, n)) * 1e3
+    data = {
+        "added_mass": (("omega", *PAIR), added + added.transpose(0, 2, 1) + 2e4 * np.eye(n)),
+        "radiation_damping": (("omega", *PAIR), damping),
+        "added_mass_inf": (PAIR, 1e4 * np.eye(n)),
+        "excitation_force": (WAVE, wave(headings)),
+        "hydrostatic_stiffness": (PAIR, rng.normal(size=(n, n)) * 1e6),
+    }
+    if dry:
+        data |= {"inertia_matrix": (PAIR, np.diag(1e6 * np.arange(1.0, n + 1)))}
+        data |= {"structural_stiffness": (PAIR, np.diag(np.where(np.isin(labels, RIGID), 0.0, 5e7)))}
+        data |= {"structural_damping_matrix": (PAIR, np.diag(np.where(np.isin(labels, RIGID), 0.0, 3e4)))}
+    attrs = {"water_density": RHO, "gravity": G, "water_depth": "inf", "separate_sweep": 0, "spec_id": "x", **FACTS}
+    coords = {"omega": omega, "wave_direction": headings, **{dof: list(labels) for dof in PAIR}}
+    return units.described(xr.Dataset(data, coords, attrs))
+
+
+def written(folder, texts):
+    for extension, text in texts.items():
+        (folder / f"barge{extension}").write_text(text)
+    return folder
+
+
+def read(folder, **facts):
+    return import_wamit(folder, "barge", **{"density": RHO, "gravity": G, **facts})
+
+
+def rows(text):
+    """Values by mode numbers of a file of pairs."""
+    lines = [line.split() for line in text.splitlines()[1:]]
+    return {tuple(map(int, line[:2])): float(line[2]) for line in lines}
+
+
+def test_six_modes_are_rigid_and_others_count_from_seven():
+    assert mode_numbers(RIGID) == [1, 2, 3, 4, 5, 6]
+    assert mode_numbers(["Heave", "Pitch", "Bending1", "Bending2"]) == [3, 5, 7, 8]
+    assert mode_numbers(["Bend", "Yaw", "Twist", "Surge"]) == [7, 6, 8, 1]
+    assert mode_labels([1, 3, 5, 7, 12]) == ["Surge", "Heave", "Pitch", "Mode7", "Mode12"]
+    assert rotations([1, 3, 4, 5, 6, 7]).tolist() == [0, 0, 1, 1, 1, 0]
+    for labels in ([], ["Heave", "Bend", "Bend"]):
+        with pytest.raises(DatabaseError, match="needs at least one, and none twice"):
+            mode_numbers(labels)
+
+
+def test_a_length_more_for_every_rotation():
+    """ULEN = 2: WAMIT's k = 3, 4, 5 for mass and damping, 2, 3, 4 for stiffness, 2 and 3 for excitation."""
+    ds = flexible()
+    one, two = (wamit_texts(ds, "memory", length) for length in (1.0, 2.0))
+    power = {3: 0, 5: 1, 7: 0, 1: 0}
+    stiffness, half = rows(one[".hst"]), rows(two[".hst"])
+    assert stiffness == {
+        pair: pytest.approx(half[pair] * 2.0 ** (2 + power[pair[0]] + power[pair[1]]), rel=2e-6) for pair in half
+    }
+    for line, other in zip(one[".1"].splitlines()[1:], two[".1"].splitlines()[1:], strict=True):
+        (start, i, j, *a), (_, _, _, *b) = (list(map(float, text.split())) for text in (line, other))
+        assert a == pytest.approx(np.array(b) * 2.0 ** (3 + power[i] + power[j]), rel=2e-6), (start, i, j)
+    for line, other in zip(one[".3"].splitlines()[1:], two[".3"].splitlines()[1:], strict=True):
+        a, b = (list(map(float, text.split())) for text in (line, other))
+        assert np.array(a)[[3, 5, 6]] == pytest.approx(np.array(b)[[3, 5, 6]] * 2.0 ** (2 + power[a[2]]), rel=2e-6)
+        assert a[4] == pytest.approx(b[4])
+    assert stiffness[(5, 7)] * RHO * G == pytest.approx(ds.hydrostatic_stiffness.values[0, 2], rel=1e-6)
+    assert one[".mmx"].partition("matrices")[2] == two[".mmx"].partition("matrices")[2]
+    assert "modes 1=Surge 3=Heave 5=Pitch 7=Bend" in two[".1"]
+    firsts = [line.split()[1] for line in two[".1"].splitlines()[1:]]
+    assert firsts == 4 * [mode for mode in "1357" for _ in range(4)]  # infinite frequency and three periods
+
+
+@pytest.mark.parametrize("length", [1.0, 2.0, 0.3])
+def test_all_modes_and_the_dry_body_come_back_from_wamits_files(tmp_path, length):
+    ds = flexible(headings=(-30.0, 0.0, 90.0))
+    back = read(
+        written(tmp_path, wamit_texts(ds, "memory", length)), length=length, labels=["Surge", "Heave", "Pitch", "Bend"]
+    )
+    assert set(back.data_vars) == set(ds.data_vars)
+    for name in ds.data_vars:
+        order = {dof: list(LABELS) for dof in PAIR if dof in ds[name].dims}
+        assert back[name].sel(order).values == pytest.approx(ds[name].values, rel=2e-6)
+    for name, value in FACTS.items():
+        assert back.attrs[name] == pytest.approx(value)
+
+
+def test_all_modes_and_the_dry_body_come_back_from_the_h5_file(tmp_path):
+    ds = flexible(headings=(-30.0, 0.0, 90.0))
+    write_h5(bemio_entries(ds, "memory"), tmp_path / "barge.h5")
+    back = read_bemio(tmp_path / "barge.h5")
+    assert back.influenced_dof.values.tolist() == list(LABELS)
+    assert set(back.data_vars) == set(ds.data_vars)
+    for name in ds.data_vars:
+        assert back[name].values == pytest.approx(ds[name].values, rel=1e-14, abs=1e-9)
+    for name, value in FACTS.items():
+        assert back.attrs[name] == pytest.approx(value)
+
+
+def test_the_h5_file_has_rigid_modes_in_their_places():
+    ds = flexible()
+    entries = bemio_entries(ds, "memory")
+    body, hydro = "/body1/properties/", "/body1/hydro_coeffs/"
+    assert entries[f"{hydro}added_mass/all"][4, 6] == pytest.approx(ds.added_mass.values[:, 0, 2] / RHO)
+    assert entries[f"{hydro}linear_restoring_stiffness"][0, 4] == pytest.approx(
+        ds.hydrostatic_stiffness.values[3, 0] / RHO / G
+    )
+    assert entries[f"{hydro}excitation/im"][4, 0] == pytest.approx(-ds.excitation_force.values[:, 0, 0].imag / RHO / G)
+    assert (entries[f"{body}mass"][6, 6], entries[f"{body}damping"][6, 6], entries[f"{body}stiffness"][6, 6]) == (
+        3e6,
+        3e4,
+        5e7,
+    )
+    assert entries[f"{body}cg"][:, 0].tolist() == FACTS["centre_of_mass"]
+    assert entries[f"{body}cb"][:, 0].tolist() == FACTS["centre_of_buoyancy"]
+    assert entries[f"{body}disp_vol"].item() == 4000.0
+    time = entries[f"{hydro}radiation_damping/impulse_response_fun/t"][:, 0]
+    assert time[1] == 0.2  # of a hemisphere of 4000 m^3, radius 12.4 m, 0.23 sqrt(r/g) = 0.26 s
+
+
+MMX = """ WAMIT -- Force Output File -- barge.mmx                  15-Mar-2017  19:33:35
+
+ Gravity:     9.81000                Length scale:        1.00000
+
+ NBODY =     1       IALTFRC = 2
+
+ WAMIT  Ouputs for body N =     1    IALTFRCN = 2
+ Volumes (VOLX,VOLY,VOLZ):           4000.01      4000.00     0.399999E+04
+ Center of Buoyancy (Xb,Yb,Zb):     0.000000     0.000000    -2.500000
+ Center of Gravity:  (Xg,Yg,Zg)     0.000000     0.000000     0.500000
+
+ External force matrices:
+     I     J      MASS(I,J)      DAMP(I,C)      STIF(I,J)
+     3     3   4.000000E+06   0.000000E+00   0.000000E+00
+     3     7   0.000000E+00   0.000000E+00   0.000000E+00
+     7     3   0.000000E+00   0.000000E+00   0.000000E+00
+     7     7   1.079216E+06   2.000000E+04   6.077064E+06
+"""
+
+
+@pytest.fixture
+def foreign(tmp_path):
+    """Heave and one mode of another code, with its own .mmx file."""
+    texts = wamit_texts(flexible(["Heave", "Bend"], dry=False), "memory")
+    assert ".mmx" not in texts
+    return written(tmp_path, {**texts, ".mmx": MMX})
+
+
+def test_the_dry_body_is_read_as_wamit_writes_it(foreign):
+    ds = read(foreign)
+    assert ds.inertia_matrix.values.tolist() == [[4e6, 0.0], [0.0, 1.079216e6]]
+    assert ds.structural_damping_matrix.values.tolist() == [[0.0, 0.0], [0.0, 2e4]]
+    assert ds.structural_stiffness.values.tolist() == [[0.0, 0.0], [0.0, 6.077064e6]]
+    assert {name: np.asarray(ds.attrs[name]).tolist() for name in FACTS} == FACTS
+    assert bemio_entries(ds, "memory")["/body1/properties/stiffness"][6, 6] == 6.077064e6
+
+
+def test_a_mass_matrix_alone_gives_volume_and_centres_only(foreign):
+    (foreign / "barge.mmx").write_text(MMX.replace(" External force matrices:", " Normalized mass matrix:"))
+    ds = read(foreign)
+    assert "inertia_matrix" not in ds
+    assert ds.attrs["displaced_volume"] == 4000.0
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("NBODY =     1", "NBODY =     2", r"barge\.mmx: holds 2 bodies; needs the files of one body"),
+        ("scale:        1.0", "scale:        2.0", r"of a run with gravity 9\.81 and ULEN 2; received gravity 9\.81, length 1"),
+        ("Gravity:     9.81", "Gravity:     9.80", r"of a run with gravity 9\.8 and ULEN 1; received"),
+        ("Volumes (VOLX,VOLY,VOLZ):           4000.01", "Volumes", r"barge\.mmx: holds no 'Volumes'; needs the \.mmx file"),
+        ("Length scale:", "", r"barge\.mmx: holds no 'Length scale'"),
+        ("     7     7   1.079216E+06", "     7     8   1.079216E+06", r"barge\.mmx: no line starts with \(7, 7\)"),
+        ("1.079216E+06", "NaN", r"barge\.mmx, line 4: .* is not of 5 finite numbers; needs numbers I J MASS DAMP STIF"),
+    ],
+)  # fmt: skip
+def test_a_broken_dry_body_is_refused(foreign, old, new, message):
+    assert old in MMX
+    (foreign / "barge.mmx").write_text(MMX.replace(old, new, 1))
+    with pytest.raises(DatabaseError, match=message) as error:
+        read(foreign)
+    assert "\n" not in str(error.value)
+
+
+def test_facts_about_the_body_are_needed_or_follow_from_a_sphere():
+    ds = flexible()
+    bare = ds.drop_attrs().assign_attrs({name: ds.attrs[name] for name in ("water_density", "gravity", "water_depth")})
+    with pytest.raises(
+        DatabaseError, match="memory: holds no displaced_volume, centre_of_buoyancy, centre_of_mass; needs"
+    ):
+        floating(bare, "memory")
+    known = {name: value for name, value in ds.attrs.items() if name != "centre_of_mass"}
+    with pytest.raises(DatabaseError, match="memory: holds no centre_of_mass; needs"):
+        bemio_entries(ds.drop_attrs().assign_attrs(known), "memory")
+    sphere = floating(bare.assign_attrs(radius=2.0, centre_height=0.0), "memory")
+    assert sphere.volume == 2000.0  # heave is the second degree of freedom, 2e6 kg
+    assert sphere.centre_of_buoyancy == pytest.approx([0.0, 0.0, -0.75])
+
+
+def test_structure_of_a_spec_and_without_one():
+    ds = flexible().drop_vars("structural_damping_matrix")
+    with pytest.raises(DatabaseError, match="memory: holds no spec; needs structural_damping_matrix, or a spec"):
+        structure(ds, "memory")
+    device = {"device": {"damping": {"alpha": 0.1, "beta": 1e-3}}}
+    found = structure(ds.assign_attrs(spec=json.dumps(device)), "memory")
+    assert found.damping == pytest.approx(np.diag([0.0, 0.0, 0.1 * 3e6 + 5e4, 0.0]))
+    assert not structure(ds.assign_attrs(spec=json.dumps({"stage": "body"})), "memory").damping.any()
+    assert structure(ds.drop_vars("inertia_matrix"), "memory") is None
+
+
+def test_a_rigid_body_needs_no_structure_and_a_flexible_one_does():
+    assert "/body1/properties/mass" not in bemio_entries(flexible(["Heave", "Pitch"], dry=False), "memory")
+    with pytest.raises(DatabaseError, match="memory: holds no inertia_matrix and structural_stiffness; generalized"):
+        bemio_entries(flexible(dry=False), "memory")
+
+
+def test_rigid_and_generalized_modes_must_not_be_coupled():
+    ds = flexible()
+    mass = ds.inertia_matrix.values.copy()
+    mass[0, 1] = mass[1, 0] = 1e5  # heave and pitch: WEC-Sim has inertia of its own for these
+    bemio_entries(ds.assign(inertia_matrix=(PAIR, mass)), "memory")
+    mass[0, 2] = mass[2, 0] = 1e5
+    with pytest.raises(DatabaseError, match="inertia_matrix couples rigid and generalized modes"):
+        bemio_entries(ds.assign(inertia_matrix=(PAIR, mass)), "memory")
+
+
+@pytest.mark.parametrize("value", [0.0, -3.0, np.nan, np.inf])
+def test_what_must_be_positive(value):
+    with pytest.raises(ConfigError, match=r"--depth: received .*, needs a positive number of m\."):
+        check_positive("--depth", value, "m")
+    check_positive("--depth", np.inf, "m", infinite=True)
+
+
+# --- verdict on numbers of others
+
+CIRCLE = tuple(np.arange(0.0, 360.0, 30.0))
+
+
+def verdicts(found):
+    return {check.name: check.verdict for check in found[0]}
+
+
+def test_damping_follows_from_excitation_over_all_headings():
+    for headings in (CIRCLE, np.roll(CIRCLE, 5) - 100.0, (*CIRCLE, 360.0)):
+        checks, missing = foreign_checks(flexible(headings=headings))
+        assert missing == ""
+        assert {check.name: check.verdict for check in checks} == {
+            "symmetry": "ok",
+            "afloat": "fail",
+            "positive_damping": "ok",
+            "haskind": "ok",
+        }
+        assert checks[-1].value < 1e-12
+
+
+def test_a_wrong_unit_of_length_density_or_frequency_is_seen():
+    ds = flexible(headings=CIRCLE)
+    for wrong in (
+        ds.assign(excitation_force=2 * ds.excitation_force),
+        ds.assign_coords(omega=2 * np.pi / ds.omega.values[::-1]),
+    ):
+        assert verdicts(foreign_checks(wrong))["haskind"] == "fail"
+    assert verdicts(foreign_checks(ds.assign(excitation_force=10 * ds.excitation_force)))["haskind"] == "fail"
+
+
+@pytest.mark.parametrize("headings", [(0.0,), (0.0, 180.0), CIRCLE[:-1], (*CIRCLE[:-1], 345.0), CIRCLE[::3]])
+def test_too_few_headings_are_said_to_be(headings):
+    checks, missing = foreign_checks(flexible(headings=headings))
+    assert "haskind" not in {check.name for check in checks}
+    assert missing.startswith("not checked: haskind, the only check that sees a wrong unit of length")
+    assert missing.endswith(f"received {len(headings)}")
+
+
+def test_headings_too_coarse_for_the_excitation_are_too_few():
+    """Excitation that turns twelve times around the body, at twelve headings."""
+    ds = flexible(headings=CIRCLE)
+    ripple = np.cos(5 * ds.wave_direction)
+    assert foreign_checks(ds.assign(excitation_force=ds.excitation_force * ripple))[1] != ""
+
+
+def test_identities_of_axisymmetric_motions_only_where_they_hold():
+    """One heading of a ring wave: the same for heave and mode, whatever surge does."""
+    ds = flexible(["Heave", "Bend", "Surge"])
+    k, v = (np.array([f(w, np.inf, G) for w in ds.omega.values]) for f in (wavenumber, group_velocity))
+    x = ds.excitation_force.values[:, 0]
+    x = np.abs(x[:, :1]) * [1.0, -0.4, 0.7]
+    damping = (k / (4 * RHO * G * v))[:, None, None] * x[:, :, None] * x[:, None, :]
+    damping[:, 2, :2] = damping[:, :2, 2] = 0.0
+    ring = ds.assign(excitation_force=(WAVE, x[:, None] + 0j), radiation_damping=(("omega", *PAIR), damping))
+    assert "rank_one" not in verdicts(foreign_checks(ring))
+    held = verdicts(foreign_checks(ring, axisymmetric=True))
+    assert (held["rank_one"], held["haskind"]) == ("ok", "ok")
+    held = verdicts(foreign_checks(ring.assign(excitation_force=2 * ring.excitation_force), axisymmetric=True))
+    assert (held["rank_one"], held["haskind"]) == ("ok", "fail")
+    assert verdicts(foreign_checks(flexible(["Heave", "Bend"]), axisymmetric=True))["rank_one"] == "fail"
+    with pytest.raises(ConfigError, match="--axisymmetric: received Surge, Pitch; needs heave or modes"):
+        foreign_checks(flexible(["Surge", "Pitch"]), axisymmetric=True)
+
+
+def test_motions_that_make_no_waves_do_no_harm():
+    """Yaw of a body of revolution, as full arrays of others have it."""
+    ds = flexible(headings=CIRCLE)
+    moving = np.array([1.0, 1.0, 1.0, 0.0])
+    both = np.outer(moving, moving)
+    ds = ds.assign(added_mass=both * ds.added_mass, radiation_damping=both * ds.radiation_damping)
+    ds = units.described(ds.assign(excitation_force=moving * ds.excitation_force))
+    assert verdicts(foreign_checks(ds))["haskind"] == "ok"
+    with pytest.raises(DatabaseError, match="radiation damping is zero for all motions"):
+        foreign_checks(ds.assign(radiation_damping=0 * ds.radiation_damping))
+
+
+def test_asymmetry_and_energy_from_nowhere_are_seen():
+    ds = flexible(headings=CIRCLE)
+    crooked = ds.added_mass.values.copy()
+    crooked[:, 0, 1] += 1e4
+    assert verdicts(foreign_checks(ds.assign(added_mass=(("omega", *PAIR), crooked))))["symmetry"] in {"doubt", "fail"}
+    assert verdicts(foreign_checks(ds.assign(radiation_damping=-ds.radiation_damping)))["positive_damping"] == "fail"
+
+
+def test_a_wrong_density_shows_in_the_mass_afloat():
+    ds = flexible(["Pitch", "Surge", "Bend", "Heave"])  # heave has 4e6 kg
+    assert verdicts(foreign_checks(ds))["afloat"] == "ok"
+    assert verdicts(foreign_checks(ds.assign_attrs(water_density=1025.0)))["afloat"] == "doubt"
+
+
+# --- commands
+
+
+@pytest.fixture(scope="module")
+def solved(tmp_path_factory, green_folder):
+    """A barge of few panels in waves from all around."""
+    folder = tmp_path_factory.mktemp("barge")
+    one = barge.Barge(length=20.0, beam=8.0, draught=3.0, centre_of_mass=-0.5, bending_stiffness=1e9, modes=2)
+    study = BodyStudy(body="barge", mesh="", modes="", omega=(0.8, 1.1), wave_direction=CIRCLE, lid=0)
+    bodystudy.solve(study, one.body(1, study.water.density), folder, green_folder)
+    return folder / "barge.nc"
+
+
+def test_a_body_of_the_general_route_says_what_it_displaces(solved):
+    ds = units.load(solved)
+    assert ds.attrs["displaced_volume"] == pytest.approx(480.0)
+    assert ds.attrs["centre_of_buoyancy"] == pytest.approx([0.0, 0.0, -1.5], abs=1e-12)
+    assert ds.attrs["centre_of_mass"] == pytest.approx([0.0, 0.0, -0.5])
+
+
+def test_a_barge_goes_out_and_comes_back_by_either_form(solved, tmp_path, capsys):
+    """Solved by capytaine; exported by file, read back by commands, judged by Haskind over all headings."""
+    ds = units.load(solved)
+    assert main(["export", str(solved), str(tmp_path)]) == 0
+    names = [f"barge{end}" for end in (".1", ".3", ".3fk", ".3sc", ".hst", ".mmx", ".h5")]
+    assert capsys.readouterr().out.split() == [str(tmp_path / name) for name in names]
+    assert main(["import-wamit", str(tmp_path), "barge", str(tmp_path / "w.nc")]) == 0
+    assert main(["import-bemio", str(tmp_path / "barge.h5"), str(tmp_path / "b.nc")]) == 0
+    out = capsys.readouterr().out
+    assert out.count("ok           haskind = ") == 2
+    for name, labels, error in (
+        ("w", ["Heave", "Pitch", "Bending1", "Bending2"], 1e-6),
+        ("b", ["Heave", "Pitch", "Bending1", "Bending2"], 1e-12),
+    ):
+        back = units.load(tmp_path / f"{name}.nc")
+        assert back.influenced_dof.values.tolist() == labels
+        assert set(back.data_vars) == {*ds.data_vars, "structural_damping_matrix"}
+        for key in ds.data_vars:
+            assert back[key].values == pytest.approx(
+                ds[key].values, rel=error, abs=1e-9 * np.abs(ds[key].values).max()
+            ), key
+        assert [path.name for path in export(tmp_path / f"{name}.nc", tmp_path / name, "barge")] == names
+
+
+def test_a_wrong_unit_of_length_ends_in_one(solved, tmp_path, capsys):
+    export(solved, tmp_path, "barge", ["wamit"], length=2.0)
+    (tmp_path / "barge.mmx").unlink()  # which would say so
+    assert main(["import-wamit", str(tmp_path), "barge", str(tmp_path / "w.nc")]) == 1
+    out = capsys.readouterr().out
+    assert "fail         haskind" in out
+    assert (
+        "a check fails: are --length ULEN, --density and --gravity those of the run, and PER a column of periods" in out
+    )
+    assert "fail" in units.load(tmp_path / "w.nc").attrs["quality"]
+    assert main(["import-wamit", str(tmp_path), "barge", str(tmp_path / "w.nc"), "--length", "2"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "needed"),
+    [(option, value, needed) for option, needed in (("depth", "a positive number of m, or inf"), ("length", "a positive number of m"), ("density", "a positive number of kg/m^3"), ("gravity", "a positive number of m/s^2")) for value in ("0", "-3", "nan")],
+)  # fmt: skip
+def test_an_impossible_option_is_one_line_and_two(foreign, option, value, needed, capsys):
+    before = sorted(foreign.iterdir())
+    assert main(["import-wamit", str(foreign), "barge", str(foreign / "out.nc"), f"--{option}={value}"]) == 2
+    assert capsys.readouterr().err == f"vsb: error: --{option}: received {float(value)}, needs {needed}.\n"
+    assert sorted(foreign.iterdir()) == before
+
+
+def test_one_heading_is_said_to_check_little(foreign, tmp_path, capsys):
+    assert main(["import-wamit", str(foreign), "barge", str(tmp_path / "w.nc"), "--density", "1000"]) == 0
+    assert "not checked: haskind" in capsys.readouterr().out
+    assert "not checked: haskind" in units.load(tmp_path / "w.nc").attrs["history"]
+
+
+def test_files_that_are_no_database_are_refused_in_one_line(tmp_path, capsys):
+    (tmp_path / "study.yaml").write_text(yaml.safe_dump({"study": 1}))
+    for command in (
+        ["export", str(tmp_path / "no.nc"), str(tmp_path / "out")],
+        ["import-bemio", str(tmp_path / "no.h5"), str(tmp_path / "out.nc")],
+    ):
+        assert main(command) == 2
+        captured = capsys.readouterr()
+        assert (captured.out, captured.err.count("\n")) == ("", 1)
+    assert [path.name for path in tmp_path.iterdir()] == ["study.yaml"]

@@ -1,0 +1,152 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from vsb.hydro.panels import rings as bem
+from vsb.hydro.panels.mesh import deformed_mesh
+from vsb.hydro.panels.sweep import TwoMeshes
+from vsb.hydro.spectral.solver import SpectralProblem
+from vsb.hydro.sweep import coefficients, largest
+from vsb.shell.deformed import rigid_sphere
+
+LEGENDRE = tuple(f"Radial{n}" for n in range(5))
+LOW = [round(0.1 * i, 10) for i in range(1, 33)]
+FROM_KD = [w for w in LOW if w >= 0.7]  # kd > 0.3
+HIGH = [round(0.1 * i, 10) for i in range(65, 97)]
+SCENES = {
+    "hemisphere": (0.0, LEGENDRE, np.inf, LOW),
+    "heave": (0.0, ("Radial1",), np.inf, LOW),
+    "high": (0.6, LEGENDRE, np.inf, LOW),
+    "low": (-0.8, LEGENDRE, np.inf, LOW),
+    "short waves": (-0.8, LEGENDRE, np.inf, HIGH),
+    "deep enough": (0.0, LEGENDRE, 4.0, FROM_KD),
+    "near the bottom": (0.0, LEGENDRE, 2.2, FROM_KD),
+}
+
+
+@pytest.fixture(scope="module")
+def green(green_folder):
+    return bem.green_function(green_folder)
+
+
+def meshes(green, rows, height=0.0, displacements=LEGENDRE, depth=np.inf, density=1025.0):
+    """The sphere of radius 2 m with its centre at a height, and an undemanding lid."""
+
+    def problem(part):
+        mesh = deformed_mesh(rigid_sphere(2.0, height), rows // part, 2 * rows // part, 16 // part)
+        return bem.AxisymmetricProblem(green, mesh, displacements, density, depth, 9.81)
+
+    return TwoMeshes(problem(1), problem(2))
+
+
+def true_error(two, found):
+    """Against the spectral solver, in terms of the largest entries the estimate is told of."""
+    p, height = two.fine, 2.0 + float(two.fine.mesh.meridian_height.min())
+    exact = SpectralProblem(rigid_sphere(2.0, height), p.displacements, p.density, 9.81, 48, depth=p.depth)
+    reference = exact.solve(found.omega.values.tolist())
+    sizes = largest(reference, two.strongest)
+    pairs = zip(coefficients(found), coefficients(reference), sizes, strict=True)
+    return max(float(np.abs(a - b).max()) / size for a, b, size in pairs)
+
+
+@pytest.mark.parametrize("rows", [12, 20])
+@pytest.mark.parametrize("scene", SCENES)
+def test_the_estimate_bounds_the_error_of_panels_and_interpolation(green, scene, rows):
+    *shape, frequencies = SCENES[scene]
+    two = meshes(green, rows, *shape)
+    found = two.solve(frequencies, 5e-4)
+    estimate, error = found.attrs["error_estimate"], true_error(two, found)
+    assert error <= estimate
+    assert estimate <= (50 if scene == "short waves" else 8) * error
+
+
+@pytest.mark.parametrize("depth", [np.inf, 4.0])
+def test_the_estimate_at_infinite_frequency_bounds_the_error(green, depth):
+    errors = []
+    for rows in (12, 20, 28):
+        two = meshes(green, rows, depth=depth)
+        exact = SpectralProblem(rigid_sphere(2.0, 0.0), LEGENDRE, 1025.0, 9.81, 48, depth=depth).at_infinity()
+        found = two.at_infinity()
+        errors.append(np.abs(found.added_mass_inf.values - exact).max() / np.abs(exact).max())
+        assert errors[-1] <= found.attrs["error_estimate"] <= 10 * errors[-1]
+    assert errors[0] > errors[1] > errors[2]
+
+
+def test_the_estimate_falls_at_the_order_of_the_panels(green):
+    rows, omegas = np.array([12, 16, 24, 32]), [0.5, 1.5, 2.5]
+    estimates = [meshes(green, n).solve(omegas).attrs["error_estimate"] for n in rows]
+    slopes = -np.diff(np.log(estimates)) / np.diff(np.log(rows))
+    assert np.all((slopes > 1.3) & (slopes < 2.7)), (estimates, slopes)
+
+
+@pytest.mark.parametrize("scene", ["hemisphere", "heave", "high", "low", "short waves"])
+def test_in_deep_water_few_frequencies_are_solved(green, scene):
+    *shape, frequencies = SCENES[scene]
+    two = meshes(green, 20, *shape)
+    found = two.solve(frequencies, 5e-4)
+    assert found.attrs["frequencies"] == len(frequencies) == found.sizes["omega"]
+    assert found.attrs["solves"] <= 13
+    direct = two.solve(frequencies)
+    assert direct.attrs["solves"] == len(frequencies)
+    sizes = largest(direct, two.strongest)
+    pairs = zip(coefficients(found), coefficients(direct), sizes, strict=True)
+    assert max(np.abs(a - b).max() / size for a, b, size in pairs) <= direct.attrs["error_estimate"] / 2
+
+
+def test_what_is_asked_for_one_by_one_is_what_the_fine_mesh_gives(green):
+    two = meshes(green, 12)
+    for frequencies in ([1.3], [0.7, 1.3]):
+        direct = two.fine.solve(frequencies)
+        for interpolation in (None, 1e-3):  # too few to interpolate
+            found = two.solve(frequencies, interpolation)
+            assert found.attrs["solves"] == len(frequencies)
+            for name in direct:
+                np.testing.assert_array_equal(found[name].values, direct[name].values)
+
+
+@given(st.integers(-4, 4), st.permutations(range(5)))
+@settings(max_examples=5, deadline=None)
+def test_neither_density_nor_order_of_displacements_matters(green, power, order):
+    ours = meshes(green, 8).solve([1.0, 2.0]).attrs["error_estimate"]
+    shuffled = tuple(LEGENDRE[i] for i in order)
+    theirs = meshes(green, 8, displacements=shuffled, density=1025.0 * 2.0**power).solve([1.0, 2.0])
+    assert theirs.attrs["error_estimate"] == pytest.approx(ours, rel=1e-9)
+
+
+def test_motions_that_move_no_water_have_no_error(green):
+    two = meshes(green, 8, displacements=("Meridional1",))
+    found = two.solve([1.0, 2.0])
+    assert found.attrs["error_estimate"] == 0.0
+    assert two.at_infinity().attrs["error_estimate"] == 0.0
+
+
+@pytest.mark.parametrize("rows", [12, 24])
+def test_the_estimate_bounds_the_distance_from_the_published_hemisphere(green, hemisphere, rows):
+    """Against the multipole series, whose error of 3e-6 is nothing here."""
+    chosen = [i for i, ka in enumerate(hemisphere["Ka"]) if ka <= 6]
+    omegas = [float(np.sqrt(hemisphere["Ka"][i])) for i in chosen]
+    shapes = tuple(f"Radial{n}" for n in range(7))
+
+    def problem(part):
+        mesh = deformed_mesh(rigid_sphere(1.0, 0.0), rows // part, 2 * rows // part, 16 // part)
+        return bem.AxisymmetricProblem(green, mesh, shapes, 1.0, np.inf, 1.0)
+
+    found = TwoMeshes(problem(1), problem(2)).solve(omegas)
+    exact = [np.array(hemisphere[name])[chosen] for name in ("added_mass", "radiation_damping", "abs_excitation")]
+    exact[1] = exact[1] * np.array(omegas)[:, None, None]
+    a, b, x = coefficients(found)
+    pairs = zip((a, b, np.abs(x)), exact, strict=True)
+    errors = [np.abs(ours - theirs.reshape(ours.shape)).max() / np.abs(theirs).max() for ours, theirs in pairs]
+    assert max(errors) <= found.attrs["error_estimate"] <= 10 * max(errors)
+
+
+def test_what_both_meshes_have_wrong_is_no_small_part_of_the_error(green):
+    """Of short waves the lid's error is on both meshes alike: what half the rows change is less than the error."""
+    two, frequencies = meshes(green, 40), [5.0, 5.5, 6.0, 6.4]
+    found = two.solve(frequencies)
+    halves = two.coarse.solve(frequencies)
+    sizes = largest(found, two.strongest)
+    pairs = zip(coefficients(found), coefficients(halves), sizes, strict=True)
+    change, error = max(np.abs(a - b).max() / size for a, b, size in pairs), true_error(two, found)
+    assert change < error <= found.attrs["error_estimate"]

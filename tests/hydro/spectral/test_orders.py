@@ -1,0 +1,402 @@
+"""The spectral solver for displacements that go with cos(m theta), m >= 1: surge, pitch and shell shapes."""
+
+import dataclasses
+import itertools
+from pathlib import Path
+
+import capytaine as cpt
+import numpy as np
+import pytest
+from scipy.special import gammaln
+
+from vsb.errors import ConfigError
+from vsb.hydro.azimuthal import associated_legendre
+from vsb.hydro.panels import rings as bem
+from vsb.hydro.panels.mesh import deformed_mesh
+from vsb.hydro.spectral import meridian
+from vsb.hydro.spectral.deepwater import WavePart
+from vsb.hydro.spectral.solver import SpectralProblem, _relative
+from vsb.scenes.rest import reference_shell
+from vsb.shell.deformed import rigid_sphere
+from vsb.study import study as config
+
+HERE = Path(__file__).parents[2]
+VOLUME = 2 * np.pi / 3
+IRREGULAR = {1: (3.918807, 7.056323), 2: (5.196996, 8.450589), 3: (6.427741, 9.789431)}
+"""Ka of the hemisphere where the surface's equation alone is singular: least singular values, to be confirmed below."""
+
+
+def labels(order):
+    return (("Surge", "Pitch") if order == 1 else ()) + tuple(f"Radial{n}" for n in range(order, order + 4))
+
+
+def sphere(nodes=32, height=0.0, order=1, displacements=None):
+    """A unit sphere in water of density one under gravity one: omega^2 = Ka."""
+    return SpectralProblem(rigid_sphere(1.0, height), displacements or labels(order), 1.0, 1.0, nodes, order)
+
+
+@pytest.fixture(scope="module")
+def oblate():
+    """The shell of the pressurised study at equilibrium, strained by 14 %."""
+    shape = reference_shell(config.load(HERE.parent / "config" / "pressurised.yaml")).shape
+
+    def build(nodes=32, order=1):
+        return SpectralProblem(shape, (*labels(order), f"Meridional{order + 1}"), 1025.0, 9.81, nodes, order)
+
+    return build
+
+
+def omegas_of(ka):
+    return [float(np.sqrt(k)) for k in ka]
+
+
+def relative(a, b):
+    return np.abs(a - b).max() / np.abs(b).max()
+
+
+def values(ds):
+    """Added mass, damping and excitation of a dataset, frequency first."""
+    force = (ds.Froude_Krylov_force + ds.diffraction_force).values[:, 0]
+    return ds.added_mass.values, ds.radiation_damping.values, force
+
+
+def distance(ds, other):
+    """Largest difference at every frequency in A, B and X, relative to the largest entry, shape (kind, omega)."""
+    return np.array(
+        [[relative(a, b) for a, b in zip(x, y, strict=True)] for x, y in zip(values(ds), values(other), strict=True)]
+    )
+
+
+def test_surge_of_the_hemisphere_after_hulme_1982():
+    """His table 2, per mass of displaced water, but for Ka = 0.7 and 2.5, where copies of it have a wrong digit."""
+    table = """
+        0.1 0.5223 0.0011  0.2 0.5515 0.0082  0.3 0.5848 0.0255  0.4 0.6175 0.0557  0.5 0.6439 0.0987  0.6 0.6586 0.1516
+        0.8 0.6421 0.2653  0.9 0.6127 0.3145  1.0 0.5740 0.3535  1.2 0.4860 0.3978  1.4 0.4038 0.4060  1.6 0.3371 0.3929
+        1.8 0.2866 0.3695  2.0 0.2493 0.3424  3.0 0.1720 0.2237  4.0 0.1620 0.1510  5.0 0.1679 0.1073  6.0 0.1772 0.0794
+        7.0 0.1865 0.0608  8.0 0.1949 0.0479  9.0 0.2022 0.0386  10.0 0.2085 0.0317"""
+    ka, added_mass, damping = np.array(table.split(), dtype=float).reshape(-1, 3).T
+    a, b, _ = values(sphere(24, displacements=("Surge",)).solve(omegas_of(ka)))
+    assert a[:, 0, 0] / VOLUME == pytest.approx(added_mass, abs=1e-4)
+    assert b[:, 0, 0] / VOLUME / np.sqrt(ka) == pytest.approx(damping, abs=1e-4)
+
+
+def at_equator(order, degree):
+    """|P_n^m(0)| for even, |dP_n^m/dmu(0)| for odd n - m, and sqrt(int_0^1 (P_n^m)^2 dmu), as logarithms."""
+    odd = (degree - order) % 2
+    value = (order + odd) * np.log(2.0) - np.log(np.pi) / 2
+    value = value + gammaln((degree + order + 1 + odd) / 2) - gammaln((degree - order + 2 - odd) / 2)
+    return value, (gammaln(degree + order + 1) - gammaln(degree - order + 1) - np.log(2 * degree + 1)) / 2
+
+
+def in_closed_form(order, parity, count=4, terms=20_000):
+    """Added mass of the hemisphere for Radial<n> in harmonics r^-(l+1) P_l^m of l - m odd (infinity) or even (zero).
+
+    A = pi sum_l I_ln I_lk/((l+1) N_l), I_ln = int_0^1 P_l^m P_n^m dmu, N_l = I_ll, from Legendre's equation: at mu = 0
+    only the product of a value and a slope is left over, divided by l(l+1) - n(n+1).
+    """
+    degree = order + parity + 2 * np.arange(terms)
+    at_l, norm = at_equator(order, degree)
+    signs = (-1.0) ** np.arange(terms)  # of successive values, or slopes, at the equator
+    rows = []
+    for n in range(order, order + count):
+        if (n - order) % 2 == parity:
+            rows.append(np.where(degree == n, np.exp(at_equator(order, np.array(n))[1]), 0.0))
+        else:
+            product = np.exp(at_equator(order, np.array(n))[0] + at_l - norm) * signs * (-1.0) ** ((n - order) // 2)
+            rows.append(product / (degree * (degree + 1.0) - n * (n + 1)) * (1 if parity else -1))
+    mirror = (-1.0) ** np.add.outer(np.arange(count), np.arange(count))  # from above the water to below it
+    summand = mirror[:, :, None] * np.einsum("il,jl,l->ijl", rows, rows, np.pi / (degree + 1))
+    return summand.sum(axis=2) + terms * summand[:, :, -1] / 2  # terms fall like l^-3
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize(("parity", "limit"), [(1, "at_infinity"), (0, "at_zero")])
+def test_limits_of_frequency_are_legendre_series(order, parity, limit):
+    problem = sphere(40, order=order, displacements=tuple(f"Radial{n}" for n in range(order, order + 4)))
+    assert relative(getattr(problem, limit)(), in_closed_form(order, parity)) < 1e-9
+
+
+def test_surge_of_the_hemisphere_in_the_limits():
+    """Half the displaced water above a wall; 4/pi - 1 = 0.2732 of it at infinite frequency, as Hulme prints."""
+    problem = sphere(32, displacements=("Surge",))
+    assert problem.at_zero().item() / VOLUME == pytest.approx(0.5, abs=1e-12)
+    assert problem.at_infinity().item() / VOLUME == pytest.approx(4 / np.pi - 1, abs=1e-12)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_frequencies_go_over_into_the_limits(order):
+    problem = sphere(24, order=order)
+    low, lower = (relative(problem.solve([w]).added_mass.values[0], problem.at_zero()) for w in (0.1, 0.01))
+    assert lower < 0.03 * low < 2e-3
+    far, farther = (relative(problem.solve([w]).added_mass.values[0], problem.at_infinity()) for w in (5.0, 10.0))
+    assert farther < 0.5 * far < 0.3
+
+
+def wave_free(order, degree, k, x, z):
+    """Potential P_n^m/r^(n+1) + K/(n-m) P_{n-1}^m/r^n of Ursell and Havelock, n - m even, and its gradient (x, z).
+
+    In the angle from the downward vertical; K phi = dphi/dz at z = 0 without waves at infinity.
+    """
+    r, angle = np.hypot(x, z), np.arctan2(x, -z)
+    total, outward, across = 0.0, 0.0, 0.0
+    for n, factor in ((degree, 1.0), (degree - 1, k / (degree - order))):
+        p, slope = associated_legendre(n, order, angle)
+        total = total + factor * p / r ** (n + 1)
+        outward = outward - factor * (n + 1) * p / r ** (n + 2)
+        across = across + factor * slope / r ** (n + 2)
+    sin, cos = x / r, -z / r
+    return total, outward * sin + across * cos, -outward * cos + across * sin
+
+
+def wave_free_error(problem, k, degree):
+    """Distance of the solution, in the norm of the surface, from the wave-free potential it has the velocity of."""
+    m = problem.meridian
+    p = m.points
+    exact, by_x, by_z = wave_free(problem.order, degree, k, p.x, p.z)
+    single, double = m.rankine.sum(axis=0) + next(WavePart(m, k).influences(np.array([k]))) * m.areas
+    phi = m.solve(double, (-single @ (p.n_x * by_x + p.n_z * by_z))[:, None])[:, 0]
+    return np.sqrt((m.areas @ np.abs(phi - exact) ** 2) / (m.areas @ exact**2))
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize("k", [0.3, 2.0])
+@pytest.mark.parametrize("shape", ["hemisphere", "low", "oblate"])
+def test_potentials_without_waves_are_reproduced(oblate, order, k, shape):
+    """An exact solution at any frequency on any body around the origin, of kernel, wave part and interior equations."""
+    build = {"hemisphere": lambda n: sphere(n, order=order), "low": lambda n: sphere(n, -0.3, order)}
+    problems = [build.get(shape, lambda n: oblate(n, order))(n) for n in (10, 14, 18, 24)]
+    errors = [wave_free_error(problem, k, order + 2) for problem in problems]
+    assert all(later < earlier / 4 for earlier, later in itertools.pairwise(errors)), errors
+    assert errors[0] > 1e-5  # otherwise this tests nothing
+    assert errors[-1] < 1e-6
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_self_convergence_goes_on_to_round_off(order):
+    omegas = omegas_of([0.1, 1.0, 3.0])
+    fine = sphere(44, order=order).solve(omegas)
+    errors = [distance(sphere(n, order=order).solve(omegas), fine).max() for n in (12, 16, 20, 24, 32)]
+    assert all(later < earlier / 20 for earlier, later in itertools.pairwise(errors[:4])), errors
+    assert 1e-5 < errors[0] < 1e-2
+    assert errors[-1] < 1e-11
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_a_deformed_shell_converges_as_fast(oblate, order):
+    omegas = [0.5, 2.0, 5.0, 8.0]
+    fine = oblate(40, order).solve(omegas)
+    errors = [distance(oblate(n, order).solve(omegas), fine).max() for n in (12, 16, 20, 24)]
+    assert all(later < earlier / 10 for earlier, later in itertools.pairwise(errors)), errors
+    assert errors[-1] < 1e-7
+
+
+def jump(problem, ka):
+    """How far the coefficients at irregular frequencies are from the cubic through four neighbours a hundredth away."""
+    ds = problem.solve([w for k in ka for w in omegas_of([k - 0.02, k - 0.01, k, k + 0.01, k + 0.02])])
+    worst = 0.0
+    for x in values(ds):
+        for five in np.split(x, len(ka)):
+            cubic = (-five[0] + 4 * five[1] + 4 * five[3] - five[4]) / 6
+            worst = max(worst, np.abs(five[2] - cubic).max() / np.abs(five[2]).max())
+    return worst
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_nothing_is_felt_of_irregular_frequencies(order, monkeypatch):
+    assert jump(sphere(20, order=order), IRREGULAR[order]) < 1e-6
+    monkeypatch.setattr(meridian, "_INTERIOR", ())
+    assert jump(sphere(20, order=order), IRREGULAR[order]) > 1e-4  # what the points inside are for
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize("height", [-0.4, 0.0, 0.4])
+def test_a_scan_of_the_band_is_smooth(order, height):
+    """Two resolutions agree at every one of 100 frequencies from Ka = 0.1 to 10."""
+    omegas = omegas_of(np.linspace(0.1, 10.0, 100))
+    assert distance(sphere(20, height, order).solve(omegas), sphere(28, height, order).solve(omegas)).max() < 1e-5
+
+
+def identities(problem, omegas):
+    """Distance from symmetry, Haskind's damping and rank one, each relative to the largest entry at the frequency."""
+    a, b, x = values(problem.solve(omegas))
+    eigenvalues = np.sort(np.abs(np.linalg.eigvalsh(b + b.transpose(0, 2, 1))), axis=1)
+    pairs = [(a, a.transpose(0, 2, 1)), (b, b.transpose(0, 2, 1)), (problem.haskind(omegas, x), b)]
+    worst = [max(relative(*each) for each in zip(p, q, strict=True)) for p, q in pairs]
+    return [*worst, (eigenvalues[:, -2] / eigenvalues[:, -1]).max()]
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize("height", [-0.4, 0.0, 0.4])
+def test_symmetry_haskind_and_rank_one_of_spheres(height, order):
+    assert max(identities(sphere(32, height, order), omegas_of([0.1, 1.0, 3.0, 10.0]))) < 3e-8
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_symmetry_haskind_and_rank_one_of_a_deformed_shell(oblate, order):
+    assert max(identities(oblate(32, order), [0.5, 2.0, 5.0, 8.0])) < 1e-9
+
+
+@pytest.mark.parametrize("order", [0, 1, 2])
+@pytest.mark.parametrize("depth", [1.4, 3.0])
+def test_symmetry_haskind_and_rank_one_in_finite_depth(order, depth):
+    problem = dataclasses.replace(sphere(28, -0.2, order, ("Radial2", "Radial3")), depth=depth)
+    assert max(identities(problem, [0.2, 0.6, 1.0, 2.0])) < 1e-8
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_the_limits_of_frequency_hold_in_finite_depth(order):
+    problem = dataclasses.replace(sphere(24, -0.2, order), depth=1.6)
+    low, high = (problem.solve([w]).added_mass.values[0] for w in (1e-3, 10.0))
+    assert relative(low, problem.at_zero()) < 1e-4
+    assert relative(high, problem.at_infinity()) < 0.1
+    in_deep_water = dataclasses.replace(problem, depth=np.inf).at_zero()
+    assert relative(in_deep_water, problem.at_zero()) > 5e-3  # the bottom is felt
+
+
+@pytest.mark.parametrize("order", [0, 1])
+def test_the_bottom_is_forgotten_in_deep_water(order):
+    shallow, deep = (dataclasses.replace(sphere(16, 0.0, order, ("Radial1",)), depth=d) for d in (200.0, np.inf))
+    assert distance(shallow.solve([1.0, 2.0]), deep.solve([1.0, 2.0])).max() < 1e-5
+    assert relative(shallow.at_infinity(), deep.at_infinity()) < 1e-6
+
+
+def test_haskind_of_every_direction():
+    """B = k/(8 pi rho g v_g) int |X(beta)|^2 d beta with X(beta) = X cos beta, v_g = g/(2 omega), rho = g = 1."""
+    omega, beta = 1.1, 2 * np.pi * np.arange(12) / 12
+    _, b, x = values(sphere(20, 0.2).solve([omega]))
+    mean = np.mean(np.abs(x[0] * np.cos(beta)[:, None]) ** 2, axis=0)
+    assert np.diag(b[0]) == pytest.approx(omega**2 / 8 * 2 * omega * 2 * mean, rel=1e-6)
+
+
+@pytest.mark.parametrize("shape", ["hemisphere", "oblate"])
+def test_the_estimate_bounds_the_error(oblate, shape):
+    build, omegas = (
+        (sphere, omegas_of([0.1, 1.0, 3.0, 10.0])) if shape == "hemisphere" else (oblate, [0.5, 2.0, 5.0, 8.0])
+    )
+    fine = build(40).solve(omegas)
+    for nodes in (8, 10, 12, 14, 16, 20):
+        estimate, error = build(nodes).error_estimate(omegas), distance(build(nodes).solve(omegas), fine)
+        for kind, true in zip(("added_mass", "radiation_damping", "excitation_force"), error, strict=True):
+            assert np.all(estimate[kind].values > true), (kind, nodes)
+            assert estimate[kind].values.max() < 1e4 * true.max(), (kind, nodes)
+
+
+def test_the_error_of_nothing_is_nothing():
+    """A displacement that moves no water at all has neither coefficients nor an error of them."""
+    zero = np.zeros((2, 1, 1))
+    assert np.array_equal(_relative(zero, zero), [0.0, 0.0])
+    assert np.all(_relative(zero + 1e-9, zero) > 1.0)
+
+
+@pytest.mark.parametrize("height", [0.0, -0.3, 0.4])
+def test_pitch_of_a_sphere_is_its_height_times_surge(height):
+    """About its centre it moves no water; the origin is `height` below the centre."""
+    problem = sphere(16, height)
+    a, b, x = values(problem.solve([1.0]))
+    for rows in (a[0], b[0], x[0], problem.at_zero(), problem.at_infinity()):
+        assert rows[1] == pytest.approx(height * rows[0], abs=1e-13)
+
+
+def test_long_waves_push_like_the_undisturbed_water():
+    """K -> 0: surge feels -i K g times the mass of displaced water and its own added mass, at a wall."""
+    problem, k = sphere(20, 0.3, displacements=("Surge",)), 1e-6
+    ds = problem.solve(omegas_of([k]))
+    volume = problem.shell.volume()
+    assert ds.Froude_Krylov_force.item() == pytest.approx(-1j * k * volume, rel=1e-5)
+    assert values(ds)[2].item() == pytest.approx(-1j * k * (volume + problem.at_zero().item()), rel=1e-5)
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_froude_krylov_force_is_the_pressure_of_the_whole_wave(oblate, order):
+    """-rho g int e^{kz + ikx} w cos(m theta) dS, with the azimuth by a sum."""
+    problem, k = oblate(32, order), 0.8
+    p, theta = problem.meridian.points, 2 * np.pi * np.arange(64) / 64
+    wave = np.exp(k * p.z[:, None] + 1j * k * np.outer(p.x, np.cos(theta))) @ np.cos(order * theta) / len(theta)
+    exact = -1025.0 * 9.81 * 2 * np.pi * (problem.velocities * problem.meridian.areas) @ wave
+    found = problem.solve([np.sqrt(9.81 * k)]).Froude_Krylov_force.values[0, 0]
+    assert relative(found, exact) < 1e-12
+
+
+def test_size_density_and_gravity_scale_out():
+    displacements = ("Surge", "Radial2")
+    large = SpectralProblem(rigid_sphere(2.0, 0.6), displacements, 1025.0, 9.81, 20, 1)
+    a, b, x = values(large.solve([np.sqrt(9.81 * 0.5)]))
+    a1, b1, x1 = values(sphere(20, 0.3, displacements=displacements).solve([1.0]))
+    assert relative(a, 1025 * 8 * a1) < 1e-12
+    assert relative(b, 1025 * 8 * np.sqrt(9.81 / 2) * b1) < 1e-12
+    assert relative(x, 1025 * 9.81 * 4 * x1) < 1e-12
+
+
+def revolved_body(shape, rows, order):
+    """capytaine's body: `rows` panels along the meridian, twice as many around it; the displacements as 3-D vectors."""
+    mesh = deformed_mesh(shape, rows, 2 * rows, 2)
+    x, z = mesh.meridian_radius.values[::-1], mesh.meridian_height.values[::-1]
+    angle = np.pi * (np.arange(2 * rows) - 0.5) / rows
+    vertices = np.array([(a * np.cos(t), a * np.sin(t), b) for t in angle for a, b in zip(x, z, strict=True)])
+    i = np.arange(rows)
+    ring = np.column_stack([i, i + len(x), i + len(x) + 1, i + 1])
+    faces = np.concatenate([ring + j * len(x) for j in range(2 * rows)]) % len(vertices)
+    body = cpt.Mesh(vertices=vertices, faces=faces, auto_clean=False, auto_check=False)
+    phi, theta = (
+        np.tile(mesh.row_colatitude.values[::-1], 2 * rows),
+        np.repeat(np.pi * np.arange(2 * rows) / rows, rows),
+    )
+    radial = np.column_stack([np.sin(phi) * np.cos(theta), np.sin(phi) * np.sin(theta), np.cos(phi)])
+    shapes = {f"Radial{n}": associated_legendre(n, order, phi)[0] * np.cos(order * theta) for n in (order, order + 1)}
+    dofs = {name: value[:, None] * radial for name, value in shapes.items()}
+    if order == 1:
+        dofs |= {
+            "Surge": np.tile([1.0, 0.0, 0.0], (len(phi), 1)),
+            "Pitch": np.cross([0.0, 1.0, 0.0], body.faces_centers),
+        }
+    return cpt.FloatingBody(mesh=body, dofs=dofs, name=f"{rows} rows"), tuple(dofs)
+
+
+def by_panels(green, body, dofs, omega, depth):
+    """A, B and X of a wave to +x by capytaine in three dimensions; rho = 1025, g = 9.81."""
+    solver, water = (
+        cpt.BEMSolver(green_function=green),
+        {"omega": omega, "water_depth": depth, "rho": 1025.0, "g": 9.81},
+    )
+    results = [
+        solver.solve(cpt.RadiationProblem(body=body, radiating_dof=dof, **water), keep_details=False) for dof in dofs
+    ]
+    wave = solver.solve(cpt.DiffractionProblem(body=body, wave_direction=0.0, **water), keep_details=False)
+    force = cpt.bem.airy_waves.froude_krylov_force(wave.problem)
+    a = np.array([[each.added_masses[dof] for each in results] for dof in dofs])
+    b = np.array([[each.radiation_dampings[dof] for each in results] for dof in dofs])
+    return a, b, np.array([wave.forces[dof] + force[dof] for dof in dofs])
+
+
+@pytest.mark.parametrize(
+    ("height", "order", "depth"), [(1.5, 1, np.inf), (1.5, 1, 8.0), (None, 1, np.inf), (None, 2, np.inf)]
+)
+def test_panels_in_three_dimensions_converge_to_it(green_folder, oblate, height, order, depth):
+    """Every sign and phase, of displacements given to capytaine as vectors: a sphere, or the oblate shell."""
+    shape = oblate().shell if height is None else rigid_sphere(5.0, height)
+    omega, found = 1.1, []
+    for rows in (4, 8, 16):
+        body, dofs = revolved_body(shape, rows, order)
+        found.append(by_panels(bem.green_function(green_folder), body, dofs, omega, depth))
+    exact = [each[0] for each in values(SpectralProblem(shape, dofs, 1025.0, 9.81, 24, order, depth).solve([omega]))]
+    errors = [relative(panels[0], exact[0]) for panels in found]
+    assert errors[0] / 1.5 > errors[1] > 1.5 * errors[2], errors
+    for coarse, fine, limit in zip(found[1], found[2], exact, strict=True):
+        assert relative(2 * fine - coarse, limit) < 0.03  # of first order, as flat panels are
+
+
+@pytest.mark.parametrize(("order", "label"), [(1, "Radial0"), (2, "Surge")])
+def test_displacements_an_order_does_not_have_are_refused(order, label):
+    with pytest.raises(ConfigError, match=rf"received {label} of azimuthal order {order}; needs Radial"):
+        sphere(12, order=order, displacements=(label,)).solve([1.0])
+
+
+def test_a_negative_order_is_refused():
+    with pytest.raises(ConfigError, match=r"order: received -1; needs 0 \(axisymmetric\), 1"):
+        sphere(12, order=-1, displacements=("Surge",))
+
+
+@pytest.mark.parametrize("depth", [0.0, -3.0, np.nan])
+def test_a_depth_that_is_none_is_refused(depth):
+    with pytest.raises(ConfigError, match=r"depth: received .* m; needs a positive depth"):
+        dataclasses.replace(sphere(12), depth=depth)

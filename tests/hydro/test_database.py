@@ -1,0 +1,113 @@
+import numpy as np
+import pytest
+import xarray as xr
+
+from vsb.errors import DatabaseError
+from vsb.hydro import database
+from vsb.hydro.database import (
+    Check,
+    check_at_most,
+    in_modes,
+    load_database,
+    merged_blocks,
+    save_database,
+    with_symmetrized,
+)
+from vsb.shell.modes import mode_basis
+
+
+def block(omega, degrees=(0, 1, 2), seed=0):
+    """Random coefficients in the form of a BEM block."""
+    rng, n = np.random.default_rng(seed), len(degrees)
+    labels = [f"Radial{d}" for d in degrees]
+    pair = ("omega", "influenced_dof", "radiating_dof")
+    return xr.Dataset(
+        {
+            "added_mass": (pair, rng.normal(size=(len(omega), n, n))),
+            "radiation_damping": (pair, rng.normal(size=(len(omega), n, n))),
+        },
+        coords={"omega": list(omega), "influenced_dof": labels, "radiating_dof": labels},
+    )
+
+
+def test_blocks_merge_in_any_order():
+    first, second = block([1.0, 2.0], seed=1), block([3.0, 4.0], seed=2)
+    assert merged_blocks([second, first]).equals(merged_blocks([first, second]))
+    assert merged_blocks([second, first]).omega.values.tolist() == [1.0, 2.0, 3.0, 4.0]
+
+
+def test_repeated_frequencies_and_mixed_blocks_are_refused():
+    with pytest.raises(DatabaseError, match=r"frequencies \[2.0\] rad/s occur in more than one block"):
+        merged_blocks([block([1.0, 2.0]), block([2.0, 3.0])])
+    with pytest.raises(DatabaseError, match="blocks with different degrees of freedom"):
+        merged_blocks([block([1.0]), block([2.0], degrees=(0, 1))])
+
+
+def test_modes_are_a_congruence_of_the_normal_velocities(seed):
+    basis = mode_basis(seed.device, "full", 2)
+    raw = block([1.0])
+    transform = np.array(
+        [
+            [v if n == m else 0.0 for m in range(3)]
+            for n, v in zip(basis.degrees, basis.pole_radial_displacement, strict=True)
+        ]
+    )
+    expected = transform @ raw.added_mass.values[0] @ transform.T
+    assert in_modes(raw, basis).added_mass.values[0] == pytest.approx(expected)
+    assert in_modes(raw, basis).influenced_dof.values.tolist() == list(basis.labels)
+
+
+def test_missing_degrees_are_refused(seed):
+    with pytest.raises(DatabaseError, match=r"displacements \['Radial3'\] of the modes are not among those solved"):
+        in_modes(block([1.0]), mode_basis(seed.device, "membrane", 3))
+
+
+def test_symmetrizing_is_recorded_and_touches_nothing_else():
+    raw = block([1.0, 2.0])
+    even = with_symmetrized(raw)
+    for name in ("added_mass", "radiation_damping"):
+        m = even[name].values
+        assert np.array_equal(m, m.transpose(0, 2, 1))
+        assert m + m.transpose(0, 2, 1) == pytest.approx(raw[name].values + raw[name].values.transpose(0, 2, 1))
+    assert even.attrs["history"] == "added mass and damping symmetrized"
+    assert "history" not in raw.attrs
+
+
+@pytest.mark.parametrize(
+    ("value", "doubt", "verdict"), [(1.0, False, "ok"), (1.1, False, "fail"), (1.1, True, "doubt"), (5.1, True, "fail")]
+)
+def test_severity_of_a_check(value, doubt, verdict):
+    assert check_at_most("c", value, 1.0, "-", "", doubt=doubt).verdict == verdict
+
+
+def stored(folder, spec_id="a" * 16, **attrs):
+    check = Check("symmetry", 0.0, 0.01, "-", "ok", "")
+    facts = {"spec_id": spec_id, "quality": database.as_json([check]), "radius": 2.0, "basis": "full", "degree": 2}
+    path = folder / "db" / f"{spec_id}.nc"
+    save_database(block([1.0, 2.0]).assign_attrs(facts, water_depth="inf", **attrs), None, path)
+    return path
+
+
+def test_index_lists_what_is_there_and_what_is_foreign(tmp_path):
+    stored(tmp_path)
+    (tmp_path / "db" / "foreign.nc").write_bytes(b"?")
+    stored(tmp_path, "b" * 16)
+    lines = (tmp_path / "INDEX.tsv").read_text().splitlines()
+    assert [line.split("\t")[0] for line in lines] == ["id", "a" * 16, "b" * 16, "foreign"]
+    assert lines[1].endswith("\tok")
+    assert lines[3].endswith("\tunreadable")
+
+
+def test_a_database_under_a_wrong_name_is_refused(tmp_path):
+    path = stored(tmp_path)
+    assert load_database(path, "a" * 16).sizes["omega"] == 2
+    with pytest.raises(DatabaseError, match=r"holds the database 'a{16}', needs 'c{16}'; delete or move"):
+        load_database(path, "c" * 16)
+
+
+def test_separate_sweep_is_what_the_models_read(tmp_path):
+    check = Check("symmetry", 0.0, 0.01, "-", "ok", "")
+    facts = {"spec_id": "d" * 16, "quality": database.as_json([check])}
+    save_database(block([7.0]).assign_attrs(facts), block([1.0, 2.0, 3.0]), tmp_path / "db" / "d.nc")
+    assert load_database(tmp_path / "db" / "d.nc", "d" * 16).omega.values.tolist() == [1.0, 2.0, 3.0]
+    assert xr.open_dataset(tmp_path / "db" / "d.nc").omega.values.tolist() == [7.0]

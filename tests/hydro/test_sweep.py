@@ -1,0 +1,257 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import cumulative_simpson
+from scipy.interpolate import CubicSpline
+
+from vsb.errors import ConfigError, ConvergenceError
+from vsb.hydro.kernel import DampingSpectrum
+from vsb.hydro.spectral.solver import SpectralProblem
+from vsb.hydro.spectral.sweep import converged, converged_on_grid, incident_wave, resolved
+from vsb.hydro.sweep import FORCES, GridSweep, adaptive, on_grid
+from vsb.scenes.rest import reference_shell
+from vsb.shell.deformed import rigid_sphere
+from vsb.study import study as config
+
+HERE = Path(__file__).parents[1]
+OMEGA = [0.5, 1.5, 3.0]
+GRID = [round(0.1 * i, 10) for i in range(1, 129)]
+BETWEEN = np.linspace(GRID[0], GRID[-1], 300)
+LEGENDRE = tuple(f"Radial{n}" for n in range(7))
+
+
+def problem(nodes=8):
+    return SpectralProblem(rigid_sphere(1.0, 0.0), ("Radial0", "Radial1", "Radial4"), 1.0, 1.0, nodes)
+
+
+def buoy(height=0.0, displacements=LEGENDRE, nodes=32, order=0):
+    """The seed's sphere in water."""
+    return SpectralProblem(rigid_sphere(2.0, height), displacements, 1025.0, 9.81, nodes, order)
+
+
+def pressurised():
+    """The shell of the pressurised study at equilibrium, strained by 14 %."""
+    shape = reference_shell(config.load(HERE.parent / "config" / "pressurised.yaml")).shape
+    return SpectralProblem(shape, (*LEGENDRE, *(f"Meridional{n}" for n in range(1, 7))), 1025.0, 9.81)
+
+
+def largest_error(found, exact):
+    """Of added mass, damping and excitation, each relative to the band's largest entry."""
+    pairs = [(found[name].values, exact[name].values) for name in ("added_mass", "radiation_damping")]
+    pairs.append(tuple(sum(ds[name].values for name in FORCES) for ds in (found, exact)))
+    return max(float(np.abs(a - b).max() / np.abs(b).max()) for a, b in pairs)
+
+
+def swept(solver, tolerance, grid=GRID):
+    return adaptive(solver.solve, grid, tolerance, incident_wave(solver))
+
+
+@pytest.fixture(scope="module")
+def cases():
+    """Problems by name with their coefficients between the grid."""
+    solvers = {"hemisphere": buoy(), "heave": buoy(displacements=("Radial1",)), "high": buoy(0.6), "low": buoy(-0.8)}
+    solvers |= {"surge": buoy(displacements=("Surge", "Pitch"), order=1), "oblate": pressurised()}
+    return {name: (solver, solver.solve(list(BETWEEN))) for name, solver in solvers.items()}
+
+
+NAMES = ("hemisphere", "heave", "high", "low", "surge", "oblate")
+
+
+@pytest.mark.parametrize(("tolerance", "solves"), [(1e-2, 15), (1e-3, 17), (1e-4, 19), (1e-5, 23), (1e-6, 27)])
+@pytest.mark.parametrize("name", NAMES)
+def test_the_estimate_bounds_the_error_and_few_solves_reach_the_tolerance(cases, name, tolerance, solves):
+    solver, exact = cases[name]
+    found = swept(solver, tolerance)
+    assert found.solves <= solves
+    assert found.error <= tolerance
+    assert largest_error(found.at(BETWEEN), exact) <= found.error
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_limits_at_zero_and_infinity_are_those_solved_there(cases, name):
+    """Neither is a sample, infinity is far outside the band; K log K makes zero the harder one."""
+    solver, _ = cases[name]
+    tolerance = 1e-4  # within it the distance changes a hundredfold with the round-off of the samples
+    found = swept(solver, tolerance)
+    for ours, theirs, bound in (
+        (found.at_infinity, solver.at_infinity(), tolerance),
+        (found.at_zero, solver.at_zero(), 3 * tolerance),
+    ):
+        assert np.abs(ours - theirs).max() <= bound * np.abs(theirs).max()
+
+
+@pytest.mark.parametrize(("tolerance", "step"), [(1e-3, 0.1), (1e-4, 0.05), (3e-5, 0.025)])
+def test_damping_added_mass_and_its_limit_satisfy_ogilvies_relations(cases, tolerance, step):
+    solver, _ = cases["hemisphere"]
+    grid = list(np.arange(1, round(12.8 / step) + 1) * step)
+    ds = swept(solver, tolerance, grid).at(grid)
+    spectrum, infinite = DampingSpectrum(ds.omega.values, ds.radiation_damping.values), solver.at_infinity()
+    lower = ds.omega.values < 6.4
+    missed = (ds.added_mass.values - infinite - spectrum.added_mass_difference(ds.omega.values))[lower]
+    assert np.abs(missed).max() <= tolerance * np.abs(ds.added_mass.values).max()
+
+
+def test_the_retardation_kernel_gives_added_mass_and_damping_back(cases):
+    """A = A(inf) - (1/w) int K sin wt dt, B = int K cos wt dt, for heave."""
+    solver, _ = cases["heave"]
+    ds = swept(solver, 1e-4).at(GRID)
+    time = np.linspace(0.0, 100.0, 5_001)
+    kernel = DampingSpectrum(ds.omega.values, ds.radiation_damping.values).kernel(time)[:, 0, 0]
+    some = ds.isel(omega=slice(9, 70, 10))
+    for omega, a, b in zip(
+        some.omega.values, some.added_mass.values[:, 0, 0], some.radiation_damping.values[:, 0, 0], strict=True
+    ):
+        sine, cosine = (cumulative_simpson(kernel * f(omega * time), x=time)[-1] for f in (np.sin, np.cos))
+        assert solver.at_infinity().item() - sine / omega == pytest.approx(a, abs=1e-3 * a)
+        assert cosine == pytest.approx(b, abs=1e-3 * ds.radiation_damping.values.max())
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_froude_krylov_force_needs_no_solve(cases, name):
+    solver, exact = cases[name]
+    known = incident_wave(solver).froude_krylov(BETWEEN)
+    np.testing.assert_allclose(known, exact.Froude_Krylov_force.values, atol=1e-12 * np.abs(known).max())
+    found = swept(solver, 1e-3).at(BETWEEN)
+    np.testing.assert_allclose(found.Froude_Krylov_force.values, known, atol=1e-12 * np.abs(known).max())
+    assert found.sizes == exact.sizes
+    assert list(found.influenced_dof.values) == list(exact.influenced_dof.values)
+
+
+def test_as_many_solves_serve_splines_far_worse(cases):
+    solver, exact = cases["hemisphere"]
+    found = swept(solver, 1e-4)
+    spaced = np.linspace(GRID[0], GRID[-1], 4 * found.solves)
+    spline = CubicSpline(spaced, solver.solve(list(spaced)).added_mass.values)(BETWEEN)
+    missed = [np.abs(a - exact.added_mass.values).max() for a in (spline, found.at(BETWEEN).added_mass.values)]
+    assert missed[1] < 0.01 * missed[0]
+
+
+class Noisy:
+    """A solver with an error that is not smooth, as a lid or a series of the Green function leaves."""
+
+    def __init__(self, solver, size):
+        self.solver, self.size, self.calls = solver, size, []
+
+    def __call__(self, omegas):
+        self.calls += omegas
+        ds = self.solver.solve(list(omegas))
+        rough = np.sin(1e4 * ds.omega)  # of each frequency its own, the same every time
+        return ds.map(lambda a: a + self.size * rough * float(np.abs(a).max()) if "omega" in a.dims else a)
+
+
+def test_noise_above_the_tolerance_is_refused_and_below_it_is_not_fitted(cases):
+    solver, exact = cases["heave"]
+    incident = incident_wave(solver)
+    with pytest.raises(
+        ConvergenceError, match=r"tolerance: received 0.0001, \d+ of 128 frequencies reach .*; raise it"
+    ):
+        adaptive(Noisy(solver, 3e-3), GRID, 1e-4, incident)
+    quiet = adaptive(Noisy(solver, 1e-5), GRID, 1e-3, incident)
+    assert quiet.solves <= 17
+    assert largest_error(quiet.at(BETWEEN), exact) <= quiet.error <= 1e-3
+
+
+@pytest.mark.parametrize("count", [1, 3, 13, 128])
+def test_what_cannot_be_interpolated_is_solved_once_each(cases, count):
+    solver, _ = cases["heave"]
+    noisy, grid = Noisy(solver, 3e-3), GRID[:count]
+    found = on_grid(noisy, grid, 1e-4, incident_wave(solver))
+    assert found.sweep is None
+    assert sorted(noisy.calls) == found.solved == list(found.coefficients.omega.values) == grid
+    assert largest_error(found.coefficients, solver.solve(grid)) < 1e-2
+    assert (found.spline_error(solver.solve) > 1e-4) is (count > 1)
+
+
+@given(st.permutations(range(7)), st.integers(-3, 3))
+@settings(max_examples=5, deadline=None)
+def test_order_of_displacements_and_density_do_not_matter(order, power):
+    ours = swept(buoy(nodes=16), 1e-3)
+    solver = SpectralProblem(rigid_sphere(2.0, 0.0), tuple(LEGENDRE[i] for i in order), 1025.0 * 2.0**power, 9.81, 16)
+    theirs = swept(solver, 1e-3)
+    np.testing.assert_array_equal(theirs.solved.omega.values, ours.solved.omega.values)
+    added = theirs.at(BETWEEN).added_mass.sel(influenced_dof=list(LEGENDRE), radiating_dof=list(LEGENDRE))
+    expected = 2.0**power * ours.at(BETWEEN).added_mass.values
+    np.testing.assert_allclose(added.values, expected, atol=1e-6 * np.abs(expected).max())
+
+
+def test_motions_that_move_no_water_have_zeros():
+    solver = buoy(displacements=("Meridional1",))
+    found = converged_on_grid(solver, GRID, 1e-3, 5e-4)
+    assert 0 <= found.attrs["interpolation_error"] < 1e-3
+    assert all(np.isfinite(found[name].values).all() for name in found)
+    assert np.abs(found.added_mass.values).max() < 1e-20
+
+
+@pytest.mark.parametrize("omega", [[0.05, 1.0], [1.0, 13.0]])
+def test_beyond_the_band_nothing_is_told(cases, omega):
+    found = swept(cases["heave"][0], 1e-2)
+    with pytest.raises(ConfigError, match=r"omega: received .* rad/s, the sweep holds 0.1 to 12.8; sweep a wider band"):
+        found.at(omega)
+
+
+@pytest.mark.parametrize("tolerance", [1e-1, 1e-4, 1e-8])
+def test_estimate_and_error_are_below_the_tolerance(tolerance):
+    found = converged(problem(), OMEGA, tolerance)
+    assert found.attrs["error_estimate"] <= tolerance
+    assert found.attrs["solves"] == found.attrs["frequencies"] == len(OMEGA)
+    exact = problem(64).solve(OMEGA)
+    for name in ("added_mass", "radiation_damping"):
+        largest = np.abs(exact[name]).max(dim=("influenced_dof", "radiating_dof"))
+        assert float((np.abs(found[name] - exact[name]) / largest).max()) <= tolerance
+    assert found.added_mass_inf.shape == (3, 3)
+
+
+@pytest.mark.parametrize(("depth", "order", "names"), [(np.inf, 0, 2), (5.0, 0, 1), (5.0, 1, 2)])
+def test_limits_are_solved_where_they_exist(depth, order, names):
+    displacements = ("Surge",) if order else ("Radial0", "Radial1")
+    solver = SpectralProblem(rigid_sphere(1.0, 0.0), displacements, 1.0, 1.0, 16, order, depth)
+    for found in (converged(solver, OMEGA, 1e-3), converged_on_grid(solver, GRID[:60], 1e-3, 5e-4)):
+        limits = {name: found[name] for name in ("added_mass_inf", "added_mass_zero") if name in found}
+        assert len(limits) == names
+        assert found.added_mass_inf.values == pytest.approx(solver.at_infinity(), rel=1e-3)
+        if "added_mass_zero" in limits:
+            assert found.added_mass_zero.values == pytest.approx(solver.at_zero(), rel=1e-3)
+    assert found.attrs["limit_difference"] < 0.01
+
+
+@pytest.mark.parametrize(("tolerance", "step", "solves"), [(1e-2, 0.1, 15), (1e-3, 0.1, 17), (1e-4, 0.05, 20)])
+def test_points_and_solves_both_follow_from_the_tolerance(cases, tolerance, step, solves):
+    grid = list(np.arange(1, round(12.8 / step) + 1) * step)
+    found = converged_on_grid(buoy(nodes=8), grid, tolerance, tolerance / 2)
+    told = found.attrs
+    assert told["error_estimate"] <= tolerance
+    assert told["interpolation_error"] <= tolerance
+    assert told["limit_difference"] <= 1e-3
+    assert told["solves"] <= solves
+    assert told["frequencies"] == len(grid) == found.sizes["omega"]
+    assert largest_error(found, buoy(nodes=32).solve(grid)) <= told["error_estimate"] + told["interpolation_error"]
+
+
+def test_a_short_band_is_solved_and_its_splines_checked_by_solving():
+    grid = [0.5, 0.6, 0.7, 0.8, 0.9]
+    found = converged_on_grid(buoy(nodes=16), grid, 1e-3, 5e-4)
+    assert found.attrs["solves"] == found.attrs["frequencies"] == 5
+    assert 0 < found.attrs["interpolation_error"] < 1e-3
+    xr.testing.assert_allclose(found.added_mass, buoy(nodes=16).solve(grid).added_mass)
+
+
+def test_splines_through_the_grid_converge_at_fourth_order(cases):
+    solver, _ = cases["hemisphere"]
+    found, steps = swept(solver, 1e-7), np.array([0.4, 0.2, 0.1, 0.05])
+    errors = []
+    for step in steps:
+        grid = np.linspace(0.8, 6.4, round(5.6 / step) + 1)
+        errors.append(GridSweep(found.at(grid), None).spline_error(found.at))
+    slopes = np.diff(np.log(errors)) / np.diff(np.log(steps))
+    assert errors[-1] < 1e-4
+    assert np.all(slopes > 3.0), (errors, slopes)
+    assert np.all(slopes < 5.0), (errors, slopes)
+
+
+def test_a_tolerance_out_of_reach_is_said():
+    with pytest.raises(ConvergenceError, match=r"hydro.tolerance: received 1e-20, the spectral solver reaches .* 128"):
+        resolved(problem(64), OMEGA, 1e-20)

@@ -1,0 +1,299 @@
+"""Hard cases of the body-exact path: degenerate waterlines, rings in step with the nodes, motion that hardly exists."""
+
+import os
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from conftest import HERE, SEED, compiled_motion, varied
+from scipy.integrate import solve_ivp
+
+from vsb.errors import VsbError
+from vsb.integrators.exponential import integrate
+from vsb.integrators.trajectory import energies, labelled, residual, simulate
+from vsb.motion.scene import Damper, Spring
+from vsb.motion.wetted import WetShell, meridian_series, wet_intervals
+from vsb.results.comparison import comparison
+from vsb.results.power import merit
+from vsb.scenes.build import assumed_pressure_scene
+from vsb.shell.deformed import DeformedShell
+from vsb.shell.modes import mode_basis
+from vsb.study import study as config
+from vsb.waves.seas import NO_WAVES
+
+STILL = [{"kind": "still"}]
+
+
+@pytest.fixture(scope="module")
+def paper():
+    study = config.load(SEED.parent / "paper.yaml")
+    return config.parse({**study.model_dump(), "published": None})
+
+
+def scene(study, design="VSWEC", **changes):
+    """Plant of one design of a study, and that study."""
+    designs = {design: study.designs[design].model_dump()}
+    one = varied(study, **{"designs": designs, **changes})
+    return assumed_pressure_scene(one, {})[0], one
+
+
+def independent(plant, time, start, method="DOP853", rtol=1e-8):
+    """The same scene in plain coordinates: forces of `DeformedShell`'s own quadrature in colatitude, no compiled loop.
+
+    Uniform pressure is left out: still water only.
+    """
+    shell, n, weight = plant.water.shell, plant.motions.shape[1], plant.forces["weight"].force
+    inverse = np.linalg.inv(plant.motions.T @ plant.mass @ plant.motions)
+    stiffness, damping = plant.total(Spring), plant.total(Damper)
+
+    def rates(_, y):
+        wet = DeformedShell(shell.basis, shell.centre_height, plant.motions @ y[:n])
+        force = plant.motions.T @ (wet.hydrostatic_force(plant.water.specific_weight, 1.0, 24) + weight)
+        return np.concatenate([y[n:], inverse @ (force - stiffness @ y[:n] - damping @ y[n:])])
+
+    done = solve_ivp(rates, (0.0, time[-1]), np.concatenate(start), method=method, rtol=rtol, atol=1e-12, t_eval=time)
+    return done.y[:n].T
+
+
+# wet force ----------------------------------------------------------------------------------------------------------
+
+
+def edges_of(wet, q):
+    return wet_intervals(wet.shape, meridian_series(wet.shape, q))
+
+
+@pytest.mark.parametrize(
+    ("kind", "q", "sample"),
+    [
+        ("membrane0", [-0.9410052093878509, -0.004144601433786726], 5),
+        ("membrane0", [0.6891598029259418, 0.007458217469204836], 4),
+        ("paper1", [0.5495002273134131, 0.0018683685342966545, 0.0024957238438051326], 4),
+    ],
+)
+def test_a_waterline_on_a_sample_is_found_there_whatever_round_off_says(paper, kind, q, sample):
+    """The table and the recurrence may see z of one sample with two signs: no reason to lose the waterline."""
+    basis, q = mode_basis(paper.device, kind[:-1], int(kind[-1])), np.array(q)
+    table = WetShell(basis, 0.0).shape
+    on_sample = -(meridian_series(table, q)[1] @ table.on_grid[:, sample])
+    for ulps in range(-8, 9):
+        height = float(on_sample + ulps * 1.1e-16)
+        (low, high) = edges_of(WetShell(basis, height), q)
+        assert low == -1.0
+        assert high == pytest.approx(table.grid[sample], abs=1e-12), ulps
+
+
+@pytest.mark.parametrize("degree", [0, 1, 40])
+@pytest.mark.parametrize("height", [2.0, -2.0, 0.0, 1.0, -1.0, 2.0 * np.cos(np.pi / 12), 2.0 + 1e-15, -2.0 - 1e-15])
+def test_sphere_that_touches_or_meets_the_water_at_a_sample(paper, degree, height):
+    """Undeformed: the cap's volume and waterplane in closed form, from dry to sunk, with any basis."""
+    basis = mode_basis(paper.device, "full", degree)
+    static, uniform, moment = WetShell(basis, height).forces(np.zeros((1, len(basis.labels))))
+    depth = min(max(2.0 - height, 0.0), 4.0)
+    assert static[0, 0] == pytest.approx(np.pi * depth**2 * (6.0 - depth) / 3, rel=1e-12, abs=1e-13)
+    assert uniform[0, 0] == pytest.approx(np.pi * depth * (4.0 - depth), rel=1e-12, abs=1e-12)
+    assert np.isfinite(moment).all()
+
+
+@pytest.mark.parametrize("height", [-0.4, 0.0, 0.3])
+def test_highest_degree_against_the_plain_twin(paper, height):
+    basis = mode_basis(paper.device, "full", 40)
+    q = np.random.default_rng(5).uniform(-0.004, 0.004, len(basis.labels))
+    plain = DeformedShell(basis, height, q).hydrostatic_force(1.0, 1.0, 300)
+    assert WetShell(basis, height).forces(q[None])[0][0] == pytest.approx(plain, abs=1e-10)
+
+
+@pytest.mark.parametrize("kind", ["flat pole", "level belt"])
+def test_meridian_level_with_the_water(paper, kind):
+    """z and dz/dc vanish together: the force is continuous there, the dry and the wet side meet."""
+    basis = mode_basis(paper.device, "membrane", 3)
+    at = 1.0 if kind == "flat pole" else 0.4
+    wet = WetShell(basis, 0.0)
+    rows = []
+    for mode in basis.shapes:
+        v, u, n = mode.radial, mode.meridional, mode.degree
+        p = np.polynomial.legendre.Legendre.basis(n)
+        value = v * at * p(at) + u * (1 - at**2) * p.deriv()(at)
+        rows.append((value, v * (p(at) + at * p.deriv()(at)) - u * n * (n + 1) * p(at)))
+    level = np.array(rows)[1:].T
+    q = np.concatenate([[0.0], np.linalg.lstsq(level, [-2.0 * at, -2.0], rcond=None)[0]])
+    forces = [wet.forces((q + np.eye(len(q))[0] * h)[None])[0][0] for h in (-1e-9, 0.0, 1e-9)]
+    assert np.isfinite(forces).all()
+    assert np.abs(np.diff(forces, axis=0)).max() < 1e-6
+    assert forces[1] == pytest.approx(DeformedShell(basis, 0.0, q).hydrostatic_force(1.0, 1.0, 200), abs=1e-6)
+
+
+def test_force_of_a_meridian_that_crosses_itself_still_has_a_potential(paper):
+    """Nonsense as a shell, but never a source of energy: an integrator that meets it must not run away by it."""
+    basis = mode_basis(paper.device, "membrane", 3)
+    wet = WetShell(basis, 0.2)
+    q = np.array([0.0, -1.6, 0.4, 1.6, 0.9])
+    assert DeformedShell(basis, 0.2, q).meridian(np.linspace(0, np.pi, 200)).x.min() < -0.1
+
+    def slope(e, h):
+        return (wet.forces((q + h * e)[None])[2][0] - wet.forces((q - h * e)[None])[2][0]) / (2 * h)
+
+    gradient = [(4 * slope(e, 5e-4) - slope(e, 1e-3)) / 3 for e in np.eye(5)]
+    assert wet.forces(q[None])[0][0] == pytest.approx(gradient, abs=1e-6)
+
+
+# motion -------------------------------------------------------------------------------------------------------------
+
+
+def ringing(paper, young_modulus, **changes):
+    """A thin stiff shell without damping, held at the top, dropped from a metre below its rest: one mode that rings."""
+    device = {"young_modulus": young_modulus, "thickness": 7.6e-4, "damping": {"alpha": 0.0, "beta": 0.0}}
+    return scene(
+        paper, "VSWEC0", device=device, modes={"basis": "full", "degree": 1}, pto={"damping": 1e6}, **changes
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("young_modulus", "tolerance"), [(1.2e10, 1e-6), (1.3e10, 1e-7)])
+def test_a_ring_in_step_with_the_nodes_is_not_overlooked(paper, young_modulus, tolerance):
+    """Two turns of the ring between nodes, nearly: all five meet it in one phase, and a polynomial through them fits."""
+    plant, _ = ringing(paper, young_modulus)
+    time, start = np.linspace(0.0, 0.4, 33), plant.start(-1.0, 0.0)
+    truth = compiled_motion(plant, time, start, rtol=1e-9)
+    motion, _ = integrate(plant, time, start, tolerance)
+    shell = np.abs(truth[:, 1]).max()
+    assert np.abs(motion.position - truth)[:, 1].max() < 0.01 * shell
+
+
+CASES = {
+    "thrown up": ("FSB", {}, 5.0, 30.0, 4.0),
+    "pushed down": ("FSB", {"pto": {"damping": 0.0}}, -5.0, -30.0, 4.0),
+    "breathing only": ("VSWEC", {"modes": {"basis": "membrane", "degree": 0}}, 0.3, 0.0, 0.5),
+    "clamped at both poles": (
+        "VSWEC0", {"modes": {"basis": "full", "degree": 3}, "designs": {"VSWEC0": {"clamp": [0, 180]}}}, 0.0, -0.8, 0.1,
+    ),
+    "clamped twice in one place": ("VSWEC0", {"designs": {"VSWEC0": {"clamp": [90, 90]}}}, 0.0, -0.8, 0.12),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_motion_against_plain_quadrature_and_a_general_integrator(paper, name):
+    design, changes, heave, velocity, duration = CASES[name]
+    plant, _ = scene(paper, design, **{**changes, "waves": STILL})
+    time, start = np.linspace(0.0, duration, 9), plant.start(heave, velocity)
+    truth = independent(plant, time, start, rtol=1e-8)
+    motion, _ = integrate(plant, time, start, 1e-9)
+    assert np.abs(motion.position - truth).max() < 3e-6 * np.abs(truth).max()
+
+
+@pytest.mark.parametrize("duration", [1e-4, 0.0125, 0.013, 1.2345])
+def test_any_duration_ends_where_a_longer_run_passes(paper, duration):
+    """Shorter than a record, one record, no multiple of a step."""
+    settings = {"duration": duration, "window": [0.0, duration], "tolerance": 1e-10}
+    plant, study = scene(paper, "VSWEC", simulation=settings)
+    motion, _, _ = simulate(plant, NO_WAVES, study.simulation, None)
+    assert motion.time[-1] == pytest.approx(duration, rel=1e-15)
+    longer, _ = integrate(plant, np.linspace(0.0, 2 * duration, 401), plant.start(0.0, -0.8), 1e-10)
+    assert motion.position[-1] == pytest.approx(longer.position[200], abs=1e-8)
+
+
+def test_heave_held_by_a_very_strong_take_off_creeps_as_it_should(paper):
+    """1e9 N s/m: m v' is nothing beside c v, so c z' is the force on the buoy at rest there."""
+    held = {"initial_velocity": 0.0, "initial_position": 1.0}
+    plant, study = scene(paper, "FSB", pto={"damping": 1e9}, waves=STILL, simulation=held)
+    motion, _, _ = simulate(plant, NO_WAVES, study.simulation, None)
+    force = 1024.7589 * 9.81 * np.pi * (4.0 - 1.0 / 3)  # of the water the buoy stands out of, one metre of it
+    assert (1.0 - motion.position[-1, 0]) == pytest.approx(force * 60.0 / 1e9, rel=2e-2)
+
+
+@pytest.mark.parametrize("young_modulus", [1e7, 1e15])
+def test_a_clamp_holds_to_round_off_for_any_stiffness(paper, young_modulus):
+    device, settings = {"young_modulus": young_modulus}, {"duration": 5.0, "window": [0.0, 5.0]}
+    plant, study = scene(paper, "VSWEC0", device=device, simulation=settings)
+    motion, _, _ = simulate(plant, NO_WAVES, study.simulation, None)
+    q = motion.position @ plant.motions.T
+    rows = plant.water.shell.basis.clamp_rows([0.0])
+    assert np.abs(q @ rows.T).max() < 1e-13 * max(np.abs(q[:, 1:]).max(), 1e-3)
+
+
+# audit and sampling ------------------------------------------------------------------------------------------------
+
+
+def audited(paper, design, **changes):
+    plant, study = scene(paper, design, **changes)
+    motion, stride, _ = simulate(plant, NO_WAVES, study.simulation, None)
+    return plant, motion, stride, study
+
+
+LOSSLESS = {"pto": {"damping": 0.0}, "device": {"damping": {"alpha": 0.0, "beta": 0.0}}, "waves": STILL}
+SHORT = {"duration": 10.0, "window": [5.0, 10.0]}
+
+
+@pytest.mark.parametrize("design", ["FSB", "VSWEC"])
+def test_free_motion_without_losses_passes_its_audit(paper, design):
+    """No term but stored energy, and that constant: its error counts against what swings, not against itself."""
+    plant, motion, _, _ = audited(paper, design, **LOSSLESS, simulation=SHORT)
+    assert residual(energies(plant, motion)) < 1e-5
+
+
+def test_a_buoy_at_rest_passes_its_audit(paper):
+    plant, motion, _, _ = audited(paper, "FSB", waves=STILL, simulation={**SHORT, "initial_velocity": 0.0})
+    assert np.abs(motion.position).max() < 1e-12
+    assert residual(energies(plant, motion)) < 1e-5
+
+
+def test_the_audit_still_sees_an_error_of_free_motion(paper):
+    plant, motion, _, _ = audited(paper, "FSB", **LOSSLESS, simulation=SHORT)
+    motion.velocity[-1] *= 1.01
+    assert residual(energies(plant, motion)) > 1e-3
+
+
+def test_free_heave_is_recorded_well_under_a_long_period(paper):
+    """A period of 60 s, free heave of 2.3 s: the range of heave is that of a run recorded ten times as finely."""
+    changes = {"waves": [{"kind": "regular", "amplitude": 0.1, "period": 60.0}], "simulation": {"window": [0.0, 60.0]}}
+    plant, motion, stride, study = audited(paper, "VSWEC", **changes)
+    run = labelled(plant, motion, None, "VSWEC", study.waves[0].label, stride)
+    ours = merit(run, study.waves[0], NO_WAVES, study.water, study.simulation.window)
+    fine, _ = integrate(plant, np.linspace(0.0, 60.0, 24_001), plant.start(0.0, -0.8), 1e-8)
+    assert ours.displacement_pp == pytest.approx(np.ptp(fine.position[:, 0]), rel=1e-3)
+    assert run.attrs["energy_residual"] < 1e-4
+
+
+def test_no_gain_over_a_buoy_that_never_moves(paper):
+    """The rigid buoy at rest absorbs its own round-off, 1e-26 J."""
+    still = varied(
+        paper, waves=STILL, simulation={**SHORT, "initial_velocity": 0.0}, device={"young_modulus": 1e9},
+        designs={"FSB": {"flexible": False}, "VSWEC": {}},
+    )  # fmt: skip
+    runs = {}
+    for design in still.designs:
+        plant, one = scene(still, design)
+        motion, stride, _ = simulate(plant, NO_WAVES, one.simulation, None)
+        runs[design, "still"] = labelled(plant, motion, None, design, "still", stride)
+    rows = comparison(still, runs, {"still": NO_WAVES})
+    assert all(row["energy_gain_percent"] is None or abs(row["energy_gain_percent"]) < 1e6 for row in rows)
+
+
+def test_a_window_between_two_records_is_a_mistake_told(paper):
+    plant, motion, stride, study = audited(paper, "FSB", simulation={"duration": 10.0, "window": [5.001, 5.002]})
+    run = labelled(plant, motion, None, "FSB", "wave", stride)
+    with pytest.raises(VsbError, match=r"simulation\.window"):
+        merit(run, study.waves[0], NO_WAVES, study.water, study.simulation.window)
+
+
+# compiled loops ----------------------------------------------------------------------------------------------------
+
+
+def test_an_edited_force_reaches_the_loops_that_call_it(tmp_path):
+    """A loop of `vsb.adams` holds what it calls from `vsb.wetforce`: it must not outlive an edit there.
+
+    In a copy of the package, with a force and a loop that compile in no time.
+    """
+    shutil.copytree(HERE.parent / "vsb", tmp_path / "vsb", ignore=shutil.ignore_patterns("__pycache__"))
+    force, loop = tmp_path / "vsb" / "wetforce.py", tmp_path / "vsb" / "adams.py"
+    compiled = "\n\n@njit(cache=True)\ndef {}():\n    return {}\n"
+    text = force.read_text()
+    loop.write_text(loop.read_text() + "\nfrom vsb.wetforce import a_force\n" + compiled.format("a_loop", "a_force()"))
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    found = []
+    for value in ("1.0", "2.0"):
+        force.write_text(text + compiled.format("a_force", value))
+        command = [sys.executable, "-c", "from vsb.adams import a_loop; print(a_loop())"]
+        done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True)
+        found.append(done.stdout.strip())
+    assert found == ["1.0", "2.0"]

@@ -1,0 +1,184 @@
+"""Free decay of the OES Task 10 heaving sphere on its instantaneous wet surface, from 1 to 6 m.
+
+Wendt et al. (2019), Ocean Energy Systems wave energy modelling task, J. Mar. Sci. Eng. 7, 379: radius 5 m, mass
+261.8e3 kg, centre in the water's surface at rest, fresh water, deep. Hydrostatics of a sphere in closed form are the
+independent check: of a sphere of radius R with its centre at height c, |c| <= R, pi (2 R^3/3 - R^2 c + c^3/3) is wet.
+"""
+
+import numpy as np
+import pytest
+from conftest import solved_block, varied
+from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicHermiteSpline
+from scipy.optimize import brentq
+
+from vsb.hydro import database
+from vsb.hydro.kernel import DampingSpectrum
+from vsb.hydro.statespace import fit_radiation
+from vsb.integrators.exact import propagate
+from vsb.integrators.exponential import integrate
+from vsb.integrators.trajectory import energies, residual
+from vsb.motion.frequency import LinearBuoy
+from vsb.motion.pto import LinearPto
+from vsb.motion.scene import body_exact_plant, linear_plant
+from vsb.scenes.rest import reference_shell
+from vsb.study.plan import StudyPlan
+from vsb.waves.seas import NO_WAVES
+
+RADIUS, MASS, DENSITY, GRAVITY = 5.0, 261.8e3, 1000.0, 9.81
+WEIGHT = DENSITY * GRAVITY
+PUBLISHED = ((2.213, -0.8671), (4.418, 0.6350), (6.597, -0.4649), (8.770, 0.3467), (10.945, -0.2575), (13.119, 0.1917))
+"""Extrema (s, m) of the linear semi-analytic decay from 1 m."""
+SPREAD = 0.024
+"""Largest root mean square difference of the six published codes from it over 40 s [m]."""
+TIME = np.linspace(0.0, 40.0, 4001)
+
+
+@pytest.fixture(scope="module")
+def sphere(seed):
+    return varied(
+        seed,
+        device={"radius": RADIUS, "mass": MASS},
+        water={"density": DENSITY},
+        designs={"sphere": {"flexible": False}},
+        hydro={"omega_max": 6.0},
+        pto={"damping": 0.0},
+        waves=[{"kind": "still"}],
+    )
+
+
+@pytest.fixture(scope="module")
+def scenes(sphere):
+    """The linear scene, and that on the instantaneous wet surface."""
+    reference = reference_shell(sphere)
+    blocks = [solved_block(sphere, block, None) for block in StudyPlan(sphere).sweep_blocks]
+    raw = database.in_modes(database.with_excitation(database.merged_blocks(blocks)), reference.basis)
+    ds = database.with_structure(database.with_symmetrized(raw), reference)
+    attrs = {"gravity": GRAVITY, "water_depth": "inf", "water_density": DENSITY}
+    buoy = LinearBuoy(ds.assign_attrs(attrs), reference.basis.damping, LinearPto(0.0))
+    model, _ = fit_radiation(DampingSpectrum(ds.omega.values, ds.radiation_damping.values), 1e-3)
+    exact = body_exact_plant(buoy, reference.shape, model, NO_WAVES, np.eye(1))
+    return linear_plant(buoy, model, NO_WAVES, np.eye(1)), exact
+
+
+@pytest.fixture(scope="module")
+def decay(scenes):
+    """Function height -> body-exact motion from rest there."""
+    cache = {}
+
+    def run(height):
+        if height not in cache:
+            cache[height] = integrate(scenes[1], TIME, scenes[1].start(height, 0.0), 1e-10)[0]
+        return cache[height]
+
+    return run
+
+
+def turns(motion):
+    """Times and heights at which the velocity vanishes after the start, shape (turn, 2)."""
+    heave = CubicHermiteSpline(TIME, motion.position[:, 0], motion.velocity[:, 0])
+    velocity = CubicHermiteSpline(TIME, motion.velocity[:, 0], motion.acceleration[:, 0])
+    signs = np.flatnonzero(motion.velocity[1:-1, 0] * motion.velocity[2:, 0] < 0) + 1
+    times = [brentq(velocity, TIME[i], TIME[i + 1], xtol=1e-12) for i in signs]
+    return np.array([(t, heave(t)) for t in times])
+
+
+def closed_form(plant, centre, height, *, cubic=True):
+    """Decay with the wet volume of a sphere in closed form and the scene's memory, by an explicit method of order 8.
+
+    Without `cubic` the restoring force is that about rest.
+    """
+    model, inertia = plant.memory, plant.mass[0, 0]
+    g = model.input_matrix[:, 0]
+
+    def restoring(z):
+        c = np.clip(centre + z, -RADIUS, RADIUS)
+        area, third = RADIUS**2 * (c - centre), (c**3 - centre**3) / 3
+        return -WEIGHT * np.pi * (area - third if cubic else (RADIUS**2 - centre**2) * z)
+
+    def rates(_, y):
+        force = restoring(y[0]) - g @ y[2:]
+        return np.concatenate([[y[1], force / inertia], model.state_matrix @ y[2:] + g * y[1]])
+
+    first = np.concatenate([[height, 0.0], np.zeros(model.order)])
+    return solve_ivp(rates, (0, TIME[-1]), first, method="DOP853", rtol=1e-12, atol=1e-13, t_eval=TIME).y
+
+
+@pytest.mark.parametrize("height", [0.1, 1.0, 3.0, 5.0, 6.0, -3.0])
+def test_the_decay_is_that_of_a_sphere_in_closed_form(height, scenes, decay, sphere):
+    """From 6 m too, out of the water."""
+    expected = closed_form(scenes[1], sphere.centre_height, height)
+    motion = decay(height)
+    assert np.abs(motion.position[:, 0] - expected[0]).max() < 1e-8 * abs(height)
+    assert np.abs(motion.velocity[:, 0] - expected[1]).max() < 1e-7 * abs(height)
+
+
+def test_the_closed_form_less_its_cube_is_linear_theory(scenes, sphere):
+    """The check of the check, and of the hydrostatic stiffness."""
+    linear = propagate(scenes[0], TIME, scenes[0].start(1.0, 0.0))
+    expected = closed_form(scenes[1], sphere.centre_height, 1.0, cubic=False)
+    assert np.abs(linear.position[:, 0] - expected[0]).max() < 1e-9
+
+
+def test_linear_decay_has_the_published_extrema(scenes):
+    found = turns(propagate(scenes[0], TIME, scenes[0].start(1.0, 0.0)))[:6]
+    assert np.all(np.abs(found - PUBLISHED) < (0.02, 0.01)), found - PUBLISHED
+
+
+def test_from_one_metre_it_is_among_the_published_codes(scenes, decay):
+    """Nearer to linear theory than the farthest of them, and later at every extremum, by less than 1 %."""
+    linear = propagate(scenes[0], TIME, scenes[0].start(1.0, 0.0))
+    difference = decay(1.0).position[:, 0] - linear.position[:, 0]
+    assert 1e-3 < np.sqrt(np.mean(difference**2)) < SPREAD
+    late = turns(decay(1.0))[:6, 0] / turns(linear)[:6, 0] - 1
+    assert np.all((late > 1e-3) & (late < 1e-2)), late
+
+
+def test_the_error_of_linear_theory_is_of_second_order(scenes, decay):
+    """Relative to the height; the restoring force of a sphere in the surface's plane is odd."""
+    heights = 2.0 / 2.0 ** np.arange(5)
+    errors = []
+    for height in heights:
+        linear = propagate(scenes[0], TIME, scenes[0].start(height, 0.0))
+        errors.append(np.abs(decay(height).position[:, 0] - linear.position[:, 0]).max() / height)
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert np.all(np.abs(orders - 2) < 0.15), orders
+    assert abs(orders[-1] - 2) < 0.02, orders
+
+
+def test_the_first_half_period_is_longer_by_the_square_of_the_height(scenes, decay, sphere):
+    """As perturbation theory says: z = a z_1 + a^3 z_3, and z_3' (t)/z_1'' (t) is how much earlier the turn is."""
+    small = 0.05
+    linear = closed_form(scenes[1], sphere.centre_height, small, cubic=False)
+    third = (closed_form(scenes[1], sphere.centre_height, small)[1] - linear[1]) / small**3
+    first = turns(propagate(scenes[0], TIME, scenes[0].start(1.0, 0.0)))[0, 0]
+    velocity = CubicHermiteSpline(TIME, linear[1] / small, np.gradient(linear[1] / small, TIME))
+    coefficient = -np.interp(first, TIME, third) / velocity(first, 1)
+    heights = 2.0 / 2.0 ** np.arange(5)
+    late = np.array([turns(decay(height))[0, 0] for height in heights]) - first
+    orders = np.log2(late[:-1] / late[1:])
+    assert np.all(late > 0)
+    assert np.all(np.abs(orders - 2) < 0.1), orders
+    assert late[-1] / heights[-1] ** 2 == pytest.approx(coefficient, rel=5e-3)
+    assert 0.3 < coefficient / first * 8 * RADIUS**2 < 1  # undamped, (a/R)^2/8 of Duffing's equation
+
+
+def test_larger_decays_are_slower(decay):
+    """The first half period grows with the height; all decay to the same period in the end."""
+    first = [turns(decay(height))[0, 0] for height in (0.1, 1.0, 3.0, 5.0)]
+    assert np.all(np.diff(first) > 0)
+    last = [np.diff(turns(decay(height))[12:15, 0])[0] for height in (0.1, 1.0, 3.0, 5.0)]
+    np.testing.assert_allclose(last, last[0], rtol=3e-3)
+
+
+@pytest.mark.parametrize("height", [1.0, 3.0, 5.0, -3.0])
+def test_what_is_radiated_is_what_was_stored(height, scenes, decay, sphere):
+    """Energy audit; and the energy at the start in closed form, rho g pi ((R^2 - c^2) z^2/2 - c z^3/3 - z^4/12)."""
+    energy = energies(scenes[1], decay(height))
+    c = sphere.centre_height
+    start = WEIGHT * np.pi * ((RADIUS**2 - c**2) * height**2 / 2 - c * height**3 / 3 - height**4 / 12)
+    assert residual(energy) < 1e-7
+    assert np.all(np.diff(energy["radiated"]) >= 0)
+    assert energy["radiated"][-1] == pytest.approx(start, rel=1e-3)
+    assert energy["radiated"][-1] < start
+    assert -energy["stored"][-1] == pytest.approx(energy["radiated"][-1], rel=1e-7)

@@ -1,0 +1,222 @@
+"""Structure-preserving steps: order, energy and passivity at any step size, agreement with exact and exponential."""
+
+import numpy as np
+import pytest
+from conftest import HERE, varied
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from benchmarks import hard_cases as hardcases
+from vsb.errors import ConfigError, ConvergenceError
+from vsb.integrators import energy_preserving as gauss
+from vsb.integrators.energy_preserving import fixed_step, structure_preserving
+from vsb.integrators.exact import propagate
+from vsb.integrators.exponential import integrate
+from vsb.integrators.trajectory import energies, residual, simulate
+from vsb.motion.scene import Plant, Spring
+from vsb.scenes.build import SCENES
+from vsb.study import study as config
+from vsb.study.plan import StudyPlan
+from vsb.waves.seas import Sea
+
+STILL = [{"kind": "still"}]
+REFINEMENTS = np.array([20, 40, 80, 160, 320])
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory):
+    """Function (study, design, changes) -> plant; hydro files are made once."""
+    folder = tmp_path_factory.mktemp("hydro")
+
+    def build(name, design, **changes):
+        study = varied(config.load(HERE.parent / "config" / f"{name}.yaml"), published=None, **changes)
+        paths = hardcases.hydro_files(study, folder)
+        one = varied(study, designs={design: study.designs[design].model_dump()})
+        StudyPlan(one)
+        return SCENES[one.hydro.model](one, paths).plant
+
+    return build
+
+
+def instants(duration, steps):
+    return np.linspace(0.0, duration, steps + 1)
+
+
+def stored(plant, motion):
+    """Energy stored at every instant, relative to what went round."""
+    energy = energies(plant, motion)
+    return energy["stored"] / energy["turned"].max()
+
+
+# order ---------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["seed", "body_exact", "paper"])
+def test_order_is_four(scene, name):
+    plant = scene(name, "FSB")
+    start, duration = plant.start(0.1, -0.3), 10.0
+    time = instants(duration, 320)
+    exact = integrate(plant, time, start, 1e-12)[0] if plant.water else propagate(plant, time, start)
+    errors = []
+    for steps in REFINEMENTS:
+        found = fixed_step(plant, instants(duration, steps), start)
+        errors.append(np.abs(found.position - exact.position[:: 320 // steps]).max())
+    orders = -np.diff(np.log2(errors))
+    assert np.all(np.abs(orders - 4.0) < 0.3), orders
+
+
+def test_substeps_are_steps(scene):
+    plant = scene("body_exact", "FSB")
+    start = plant.start(0.1, -0.3)
+    fine, coarse = (
+        fixed_step(plant, instants(4.0, 80), start, 1),
+        fixed_step(plant, instants(4.0, 20), start, 4),
+    )
+    for name in ("position", "velocity", "acceleration", "memory"):
+        assert getattr(coarse, name) == pytest.approx(getattr(fine, name)[::4], rel=1e-9, abs=1e-9)
+
+
+# energy --------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("per_period", [3, 20])
+def test_undamped_linear_scene_keeps_its_energy_for_ten_thousand_periods(per_period):
+    """Slow heave coupled with a shell mode a thousand times faster: what is lost is the round-off of so many steps."""
+    mass, springs = np.array([[2e4, 300.0], [300.0, 80.0]]), np.diag([1e5, 4e8])
+    plant = Plant(("Heave", "Membrane0"), mass, {"elastic": Spring(springs)}, np.eye(2))
+    steps = per_period * 10_000
+    time = instants(10_000 * 2 * np.pi / np.sqrt(5.0), steps)
+    motion = fixed_step(plant, time, (np.array([0.3, 1e-4]), np.array([0.2, 0.5])))
+    q, v = motion.position, motion.velocity
+    energy = 0.5 * (np.einsum("ti,ij,tj->t", v, mass, v) + np.einsum("ti,ij,tj->t", q, springs, q))
+    assert np.abs(energy / energy[0] - 1).max() < steps * np.finfo(float).eps
+
+
+@pytest.mark.parametrize("step", [0.02, 0.1, 0.5, 1.0])
+def test_undamped_sphere_on_nonlinear_water_keeps_its_energy_at_any_step(scene, step):
+    """The water's force is a cubic of heave while the waterline stays on the sphere: four points are exact."""
+    plant = scene("paper", "FSB", pto={"damping": 0.0}, waves=STILL)
+    motion = fixed_step(plant, instants(400 * step, 400), plant.start(1.2, -0.5))
+    assert np.ptp(motion.position) > 2.0
+    assert np.abs(stored(plant, motion)).max() < 1e-11
+
+
+def test_undamped_shell_on_nonlinear_water_keeps_its_energy(scene):
+    plant = scene("paper", "VSWEC", pto={"damping": 0.0}, waves=STILL, device={"damping": {"alpha": 0.0, "beta": 0.0}})
+    motion = fixed_step(plant, instants(40.0, 800), plant.start(0.6, 0.0))
+    assert np.abs(stored(plant, motion)).max() < 1e-7  # no polynomial: the rule's own error
+
+
+@pytest.mark.parametrize(("name", "design"), [("seed", "VSWEC"), ("body_exact", "FSB"), ("body_exact", "VSWEC")])
+def test_energy_never_grows_without_waves_at_any_step_size(scene, name, design):
+    plant = scene(name, design, waves=STILL)
+
+    @settings(max_examples=12, deadline=None)
+    @given(step=st.floats(-2.5, 1.0), heave=st.floats(0.1, 0.5), velocity=st.floats(-1.0, 1.0))
+    def passive(step, heave, velocity):
+        motion = fixed_step(plant, instants(30 * 10.0**step, 30), plant.start(heave, velocity))
+        energy = stored(plant, motion)
+        assert np.diff(energy).max() < 1e-9
+        assert np.abs(motion.position).max() < 5.0
+
+    passive()
+
+
+@pytest.mark.parametrize("name", ["seed", "body_exact"])
+def test_a_step_far_too_long_stays_bounded(scene, name):
+    """Eight steps of 12 periods each, and two hundred of a period and a half, in waves."""
+    plant = scene(name, "VSWEC")
+    for steps, duration in ((8, 240.0), (200, 750.0)):
+        motion = fixed_step(plant, instants(duration, steps), plant.start(0.0, 0.0))
+        assert np.abs(motion.position).max() < 2.0
+
+
+def test_the_audit_closes(scene):
+    plant = scene("body_exact", "FSB")
+    motion, _ = structure_preserving(plant, instants(20.0, 1600), plant.start(0.0, -0.8), 1e-8)
+    assert residual(energies(plant, motion)) < 1e-6
+
+
+# agreement -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-7])
+@pytest.mark.parametrize(("name", "design"), [("seed", "VSWEC"), ("body_exact", "FSB"), ("body_exact", "VSWEC")])
+def test_the_error_is_within_the_tolerance(scene, name, design, tolerance):
+    plant = scene(name, design)
+    start, time = plant.start(0.1, -0.5), instants(8.0, 80)
+    found, steps = structure_preserving(plant, time, start, tolerance)
+    exact = integrate(plant, time, start, 1e-12)[0] if plant.water else propagate(plant, time, start)
+    error = np.abs(found.position - exact.position).max()
+    assert error < 2 * tolerance * np.abs(exact.velocity).max()
+    assert steps % 80 == 0
+    assert np.abs(found.memory - exact.memory).max() < 10 * tolerance * np.abs(exact.memory).max()
+
+
+def test_a_shell_that_rests_on_a_large_load_starts_to_move(scene):
+    """At rest the forces' round-off is all there is to iterate on: it is no failure."""
+    plant = scene(
+        "seed", "VSWEC", device={"internal_pressure": 16.5e3}, modes={"degree": 2}, hydro={"model": "body_exact"}
+    )
+    time = instants(4.0, 256)
+    found = fixed_step(plant, time, plant.start(0.0, 0.0))
+    exact, _ = integrate(plant, time, plant.start(0.0, 0.0), 1e-10)
+    assert np.abs(found.position - exact.position).max() < 1e-5
+
+
+def test_an_assumed_pressure_is_followed(scene):
+    plant = scene("paper", "VSWEC0")
+    time = instants(5.0, 200)
+    found, _ = structure_preserving(plant, time, plant.start(0.0, 0.0), 1e-8)
+    exact, _ = integrate(plant, time, plant.start(0.0, 0.0), 1e-12)
+    assert np.abs(found.position - exact.position).max() < 1e-7
+    assert np.abs(found.acceleration[:, 0] - exact.acceleration[:, 0]).max() < 1e-5
+
+
+def test_a_record_may_start_at_any_time(scene):
+    plant = scene("body_exact", "FSB")
+    time = instants(6.0, 120)
+    whole = fixed_step(plant, time, plant.start(0.0, 0.0), 2)
+    shifted = fixed_step(scene("seed", "FSB"), time + 2.5, scene("seed", "FSB").start(0.1, 0.0))
+    again = fixed_step(scene("seed", "FSB"), time, scene("seed", "FSB").start(0.1, 0.0))
+    assert shifted.position == pytest.approx(again.position, abs=1e-10)  # a period later
+    later = fixed_step(plant, time + 2.5, plant.start(0.0, 0.0), 2)
+    assert later.position == pytest.approx(whole.position, abs=1e-10)
+
+
+# errors --------------------------------------------------------------------------------------------------------------
+
+
+def test_a_step_without_a_solution_says_so(scene):
+    plant = scene("body_exact", "VSWEC")
+    with pytest.raises(ConvergenceError, match=r"a step of 50 s at t = 0 s: .*needs a shorter step"):
+        fixed_step(plant, instants(100.0, 2), plant.start(0.0, 1e200))
+
+
+def test_a_tolerance_out_of_reach_says_so(scene, monkeypatch):
+    monkeypatch.setattr(gauss, "FINEST", 2)
+    plant = scene("seed", "FSB")
+    with pytest.raises(ConvergenceError, match=r"known to .*e-.*, needs 1e-12; raise simulation.tolerance"):
+        structure_preserving(plant, instants(10.0, 20), plant.start(0.1, 0.0), 1e-12)
+
+
+# the workflow's own call ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["seed", "body_exact"])
+def test_a_study_may_ask_for_it(name):
+    study = config.load(HERE.parent / "config" / f"{name}.yaml")
+    assert varied(study, simulation={"method": "structure_preserving"}).simulation.method == "structure_preserving"
+    with pytest.raises(ConfigError, match=r"simulation.method 'structure_preserving': .*'auto' needs one of auto"):
+        varied(study, simulation={"method": "structure_preserving"}, hydro={"model": "auto"})
+
+
+@pytest.mark.parametrize("name", ["seed", "body_exact"])
+def test_a_run_with_it_closes_its_audit(scene, name):
+    plant = scene(name, "FSB")
+    settings = config.load(HERE.parent / "config" / f"{name}.yaml").simulation
+    short = settings.model_copy(update={"duration": 10.0, "method": "structure_preserving", "tolerance": 1e-7})
+    sea = Sea(plant.excitation.omega, np.array([0.179 + 0j]))
+    motion, _, method = simulate(plant, sea, short, None)
+    assert method.startswith("structure-preserving, ")
+    assert residual(energies(plant, motion)) < 1e-7

@@ -1,0 +1,200 @@
+"""Body-exact motion: order, independent integrator, published values, energy, limits."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import compiled_motion, varied
+
+from vsb.errors import ConvergenceError
+from vsb.integrators.exponential import ExponentialIntegrator, integrate
+from vsb.integrators.exponential_steps import EVALUATIONS, HISTORY, KEPT, STEPS, march
+from vsb.integrators.trajectory import energies, labelled, residual, simulate
+from vsb.motion.scene import Plant
+from vsb.results.power import merit
+from vsb.scenes.build import assumed_pressure_scene
+from vsb.waves.seas import NO_WAVES
+
+ASSUMED = {"model": "assumed_pressure", "pressure": 1800.0}
+
+
+@pytest.fixture(scope="module")
+def assumed(seed):
+    return varied(seed, hydro=ASSUMED, water={"density": 1024.7589})
+
+
+def scene(study, design="VSWEC", **changes):
+    """Plant of one design."""
+    one = varied(study, designs={design: study.designs[design].model_dump()}, **changes)
+    return assumed_pressure_scene(one, {})[0], one
+
+
+def fixed_steps(method, first, spacing, count):
+    """State after `count` steps of one size, whatever their error; the past is that of a start at a tight tolerance."""
+    free = method.input.shape[1]
+    fine = replace(method, dt=spacing)
+    start = fine.run(first, KEPT, 1e-12)
+    past, places = np.zeros((HISTORY, free)), np.zeros((HISTORY, free))
+    past[:KEPT] = start.pushes[::-1]
+    z, out = start.states[-1].copy(), np.empty((count - KEPT + 2, len(first)))
+    counters, levels = np.array([0, KEPT, 0, 0, 0]), np.array([1.0, np.inf, 0.0])
+    left = np.empty((len(out), free))
+    march(fine.remainder, fine.step(0), spacing, 0, 1e99, 1.0, z, past, places, counters, levels, out, left)
+    assert counters[STEPS] == counters[EVALUATIONS] == count - KEPT + 1  # one evaluation a step
+    return z
+
+
+@pytest.mark.parametrize(("design", "fewest"), [("FSB", 48), ("VSWEC90", 576)])
+def test_order_is_six(assumed, design, fewest):
+    plant, _ = scene(assumed, design, hydro={"pressure": 0.0})
+    method = ExponentialIntegrator(plant, plant.water, 0.01)
+    first = np.zeros(len(method.system.matrix))
+    first[plant.motions.shape[1]] = 50.0
+    counts = fewest * np.array([8, 10, 12, 16, 20, 24]) // 8
+    ends = [fixed_steps(method, first, 2.0 / count, count) for count in [*counts, 4 * counts[-1]]]
+    errors = [np.linalg.norm(end - ends[-1]) for end in ends[:-1]]
+    slope = -np.polyfit(np.log(counts), np.log(errors), 1)[0]
+    assert abs(slope - 6.0) < 0.5, (slope, errors)
+
+
+@pytest.mark.parametrize("design", ["FSB", "VSWEC0"])
+def test_error_follows_the_tolerance(assumed, design):
+    plant, _ = scene(assumed, design)
+    time, start = np.linspace(0.0, 20.0, 1601), plant.start(0.0, -0.8)
+    exact, _ = integrate(plant, time, start, 1e-12)
+    errors = []
+    for tolerance in (tolerances := 10.0 ** -np.arange(4, 10)):
+        motion, _ = integrate(plant, time, start, tolerance)
+        errors.append(np.abs(motion.position - exact.position).max() / np.ptp(exact.position[:, 0]))
+    assert np.all(errors < 2 * tolerances), errors / tolerances
+    assert np.all(errors > 1e-3 * tolerances), errors / tolerances  # nor is work wasted
+
+
+@pytest.mark.parametrize("young_modulus", [1e9, 1e12])
+def test_stiff_modes_do_not_limit_the_step(assumed, young_modulus):
+    """Membrane modes of up to 2 and 66 thousand rad/s: as many steps as the seed's, within a factor."""
+    soft, _ = scene(assumed, "FSB")
+    stiff, _ = scene(assumed, "VSWEC", device={"young_modulus": young_modulus})
+    time = np.linspace(0.0, 10.0, 801)
+    (_, few), (_, many) = (integrate(plant, time, plant.start(0.0, -0.8), 1e-5) for plant in (soft, stiff))
+    assert many < 3 * few
+
+
+@pytest.mark.parametrize("design", ["FSB", "VSWEC", "VSWEC0", "VSWEC90"])
+def test_motion_agrees_with_an_independent_integrator(assumed, design):
+    plant, _ = scene(assumed, design)
+    time = np.linspace(0.0, 4.0, 161)
+    start = plant.start(0.05, -0.8)
+    reference = compiled_motion(plant, time, start)
+    for tolerance, bound in ((1e-7, 2e-4), (1e-11, 1e-7)):
+        motion, _ = integrate(plant, time, start, tolerance)
+        assert np.abs(motion.position - reference).max() < bound * np.abs(reference).max()
+
+
+@pytest.mark.parametrize(
+    ("pressure", "damping", "published"),
+    [(1800.0, 8000.0, (1.797, 4.548, 41.4e3, None)), (360.0, 6000.0, (0.3888, 0.9775, 1433.0, 42.9e3))],
+)
+def test_rigid_buoy_of_the_paper(assumed, pressure, damping, published):
+    """Displacement and velocity peak to peak, peak power, energy of a body-exact FSB, to the digits published."""
+    plant, study = scene(assumed, "FSB", hydro={"pressure": pressure}, pto={"damping": damping})
+    motion, stride, _ = simulate(plant, NO_WAVES, study.simulation, None)
+    run = labelled(plant, motion, None, "FSB", "wave", stride)
+    ours = merit(run, study.waves[0], NO_WAVES, study.water, study.simulation.window)
+    assert f"{ours.displacement_pp:.4g}" == f"{published[0]:.4g}"
+    assert ours.velocity_pp == pytest.approx(published[1], abs=1e-3)
+    assert ours.power_peak == pytest.approx(published[2], rel=1.2e-3)
+    if published[3]:
+        assert ours.energy == pytest.approx(published[3], rel=1e-3)
+    assert ours.capture_width is None
+
+
+@pytest.mark.parametrize("design", ["FSB", "VSWEC", "VSWEC0"])
+def test_energy_audit_closes_to_the_tolerance(assumed, design):
+    plant, study = scene(assumed, design)
+    motion, _, _ = simulate(plant, NO_WAVES, study.simulation, None)
+    assert residual(energies(plant, motion)) < 1e-6
+
+
+def test_audit_sees_a_lost_force(assumed):
+    plant, study = scene(assumed, "FSB")
+    motion, _, _ = simulate(plant, NO_WAVES, study.simulation, None)
+    fewer = {name: force for name, force in plant.forces.items() if name != "pto"}
+    assert residual(energies(Plant(plant.labels, plant.mass, fewer, plant.motions), motion)) > 0.01
+
+
+def undamped(study, design="VSWEC"):
+    still = {"pto": {"damping": 0.0}, "device": {"damping": {"alpha": 0.0, "beta": 0.0}}, "waves": [{"kind": "still"}]}
+    return scene(study, design, **still)
+
+
+def test_undamped_free_shell_keeps_its_energy_over_a_thousand_periods(assumed):
+    """Of its breathing mode, 2 pi/51.4 s; the error of the energy falls with the tolerance."""
+    plant, _ = undamped(assumed)
+    time = np.linspace(0.0, 1000 * 2 * np.pi / 51.434, 4001)
+    drifts = []
+    for tolerance in (1e-6, 1e-8):
+        motion, _ = integrate(plant, time, plant.start(0.1, 0.0), tolerance)
+        energy = energies(plant, motion)
+        assert np.all(energy["wave"] == 0.0)
+        kinetic = 0.5 * np.einsum("ti,ij,tj->t", motion.velocity, plant.mass, motion.velocity)
+        drifts.append(np.abs(energy["stored"]).max() / kinetic.max())
+    assert drifts[1] < 0.2 * drifts[0] < 1e-4
+
+
+def test_small_motion_is_linear(assumed):
+    """What the linear oscillator misses falls with the square of the amplitude: the waterplane is even in heave."""
+    plant, _ = undamped(assumed, "FSB")
+    time = np.linspace(0.0, 10.0, 401)
+    stiffness, mass = plant.water.tangent[0, 0], plant.mass[0, 0]
+    errors = []
+    amplitudes = np.array([0.2, 0.1, 0.05, 0.025, 0.0125])
+    for a in amplitudes:
+        motion, _ = integrate(plant, time, plant.start(a, 0.0), 1e-13)
+        balance = motion.position[:, 0] - a * np.cos(np.sqrt(stiffness / mass) * time)
+        errors.append(np.abs(balance).max() / a)
+    slopes = np.diff(np.log(errors)) / np.diff(np.log(amplitudes))
+    assert np.all(np.abs(slopes - 2.0) < 0.1), slopes
+
+
+def test_stiff_shell_is_rigid(assumed):
+    rigid, study = scene(assumed, "FSB")
+    motion = simulate(rigid, NO_WAVES, study.simulation, None)[0]
+    stiff, study = scene(assumed, "VSWEC", device={"young_modulus": 1e15})
+    flexible = simulate(stiff, NO_WAVES, study.simulation, None)[0]
+    every = [m.position[:: (len(m.time) - 1) // 4800, 0] for m in (motion, flexible)]
+    assert np.abs(every[0] - every[1]).max() < 1e-6 * np.abs(every[0]).max()
+
+
+def test_recorded_instants_inside_a_long_step_are_as_good_as_its_end(assumed):
+    plant, _ = scene(assumed, "FSB")
+    start = plant.start(0.0, -0.8)
+    fine, _ = integrate(plant, np.linspace(0.0, 6.0, 961), start, 1e-9)
+    coarse, steps = integrate(plant, np.linspace(0.0, 6.0, 121), start, 1e-9)
+    assert steps < 961 / 2  # several recorded instants a step
+    assert np.abs(fine.position[::8] - coarse.position).max() < 1e-5
+
+
+def test_thrown_out_of_the_water_and_back(assumed):
+    """Starting 3 m up, dry: free fall until the keel touches, then a splash the step size follows."""
+    plant, _ = undamped(assumed, "FSB")
+    time = np.linspace(0.0, 3.0, 301)
+    motion, _ = integrate(plant, time, plant.start(3.0, 0.0), 1e-9)
+    dry = time < np.sqrt(2 * 1.0 / 9.81)
+    assert motion.position[dry, 0] == pytest.approx(3.0 - 9.81 * time[dry] ** 2 / 2, abs=1e-8)
+    assert np.abs(motion.position - compiled_motion(plant, time, plant.start(3.0, 0.0))).max() < 1e-5
+
+
+def test_a_crushed_shell_is_an_error_not_garbage(assumed):
+    plant, _ = scene(assumed, "VSWEC")
+    crushing = replace(plant.water, assumed=replace(plant.water.assumed, amplitude=1e12))
+    worse = replace(plant, forces={**plant.forces, "water": crushing})
+    with pytest.raises(ConvergenceError, match=r"cannot be followed at t = .*loads that crush the shell"):
+        integrate(worse, np.linspace(0.0, 5.0, 401), plant.start(0.0, 0.0), 1e-8)
+
+
+def test_a_linear_scene_is_refused(assumed):
+    plant, _ = scene(assumed, "FSB")
+    dry = replace(plant, forces={"pto": plant.forces["pto"]})
+    with pytest.raises(ValueError, match="needs a scene with water pressure"):
+        integrate(dry, np.linspace(0.0, 1.0, 11), plant.start(0.0, 0.0), 1e-8)

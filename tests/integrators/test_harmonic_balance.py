@@ -1,0 +1,341 @@
+"""Steady state in a regular wave: closed forms, long motion in time, order, energy, invariance, stability, limits."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import HERE, solved_block, varied
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from vsb.errors import ConfigError, ConvergenceError, StabilityError
+from vsb.hydro import database
+from vsb.hydro.statespace import fit_radiation
+from vsb.integrators import harmonic_balance as harmonic
+from vsb.integrators.exact import steady_state
+from vsb.integrators.exponential import integrate
+from vsb.integrators.floquet import largest, multipliers
+from vsb.integrators.harmonic_balance import continued, harmonic_balance, missed, steady_power
+from vsb.integrators.regular_wave import PeriodicScene
+from vsb.motion.frequency import LinearBuoy
+from vsb.motion.pto import LinearPto
+from vsb.motion.scene import AssumedPressure, Spring, assumed_pressure_plant, body_exact_plant, linear_plant
+from vsb.scenes.rest import reference_shell
+from vsb.shell.deformed import DeformedShell
+from vsb.shell.modes import design_motions, study_basis
+from vsb.study import study as config
+from vsb.study.plan import StudyPlan
+from vsb.study.study import canonical
+from vsb.waves.seas import NO_WAVES, Sea
+
+OMEGA = 2 * np.pi / 2.5
+STATED, INFERRED = {"pressure": 1800.0}, {"pressure": 360.0}
+DESIGNS = ("FSB", "VSWEC", "VSWEC0", "VSWEC90")
+
+
+@pytest.fixture(scope="module")
+def paper():
+    study = config.load(HERE.parent / "config" / "paper.yaml")
+    return config.parse({**study.model_dump(), "published": None})
+
+
+def assumed(study, design="FSB", period=None, **changes):
+    """Plant of one design under an assumed pressure."""
+    if period:
+        changes["waves"] = [{"kind": "regular", "amplitude": 0.1, "period": period}]
+    one = varied(study, designs={design: study.designs[design].model_dump()}, **changes)
+    basis, water = study_basis(one), one.water
+    omega = getattr(one.waves[0], "omega", 0.0)
+    load = AssumedPressure(one.hydro.pressure if omega else 0.0, omega)
+    shell, motions = (
+        DeformedShell(basis, one.centre_height, np.zeros(len(basis.labels))),
+        design_motions(one, basis, design),
+    )
+    return assumed_pressure_plant(shell, LinearPto(one.pto.damping), load, water.density, water.gravity, motions)
+
+
+def tuned(paper, ratio, damping, **changes):
+    """A rigid buoy under an assumed pressure of `ratio` times the frequency of its free heave."""
+    plant = assumed(paper, pto={"damping": damping}, **changes)
+    natural = np.sqrt(plant.water.tangent[0, 0] / plant.mass[0, 0])
+    return assumed(paper, period=float(2 * np.pi / (ratio * natural)), pto={"damping": damping}, **changes)
+
+
+@pytest.fixture(scope="module")
+def scene():
+    """Function (design, sea, kind) -> body-exact or linear plant of the body-exact study, and its buoy; no panels."""
+    study = config.load(HERE.parent / "config" / "body_exact.yaml")
+    basis = study_basis(study)
+    blocks = [solved_block(study, json.loads(canonical(block)), None) for block in StudyPlan(study).sweep_blocks]
+    raw = database.in_modes(database.with_excitation(database.merged_blocks(blocks)), basis)
+    ds = database.with_structure(database.with_symmetrized(raw), reference_shell(study))
+    ds = ds.assign_attrs({"gravity": 9.81, "water_depth": "inf", "water_density": 1025.0})
+    buoy = LinearBuoy(ds, basis.damping, LinearPto(study.pto.damping))
+    radiation = fit_radiation(buoy.spectrum, 1e-3)[0]
+    shape = DeformedShell(basis, study.centre_height, reference_shell(study).amplitudes)
+
+    def build(design, sea, kind="exact"):
+        motions = design_motions(study, basis, design)
+        if kind == "linear":
+            return linear_plant(buoy, radiation, sea, motions), buoy
+        return body_exact_plant(buoy, shape, radiation, sea, motions), buoy
+
+    return build
+
+
+def swell(amplitude, omega=OMEGA):
+    return Sea(np.array([omega]), np.array([complex(amplitude)]))
+
+
+def marched(plant, periods, tolerance=1e-9):
+    """Times and motion of the last of many periods."""
+    period = 2 * np.pi / harmonic.regular_frequency(plant)
+    time = np.linspace(0.0, periods * period, 64 * periods + 1)
+    motion, _ = integrate(plant, time, plant.start(0.0, 0.0), tolerance)
+    return time[-65:], motion.position[-65:]
+
+
+# closed forms and other methods --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("design", ["FSB", "VSWEC"])
+def test_linear_scene_is_its_exact_steady_state(scene, design):
+    plant, _ = scene(design, swell(0.3), "linear")
+    found, system, free = harmonic_balance(plant), plant.linear_system(), plant.motions.shape[1]
+    expected = steady_state(system)[0, :free] @ system.position.T
+    assert np.abs(found.harmonics[1] - expected).max() < 1e-12 * np.abs(expected).max()
+    assert np.abs(np.delete(found.harmonics, 1, axis=0)).max() == 0.0
+    growth = np.exp(np.linalg.eigvals(system.matrix).real.max() * 2 * np.pi / OMEGA)
+    assert found.decay == pytest.approx(growth, rel=1e-9)
+
+
+@pytest.mark.parametrize("design", ["FSB", "VSWEC"])
+def test_radiation_of_the_database_itself_gives_linear_theory_without_a_state_space(scene, design):
+    plant, buoy = scene(design, swell(0.3), "linear")
+    linear = buoy.absorbed_power(np.array([OMEGA]), buoy.rao(np.array([OMEGA]), plant.motions))[0] * 0.09
+    exact, fitted = steady_power(plant, transfer=buoy.spectrum.transfer), steady_power(plant)
+    assert exact == pytest.approx(linear, rel=1e-4)  # added mass by Kramers-Kronig
+    assert fitted == pytest.approx(linear, rel=2e-3)  # tolerance of the state space: 1e-3
+
+
+@pytest.mark.parametrize(("load", "damping"), [(STATED, 8000.0), (INFERRED, 6000.0), (STATED, 500.0)])
+def test_orbit_of_a_sphere_solves_its_equation_in_closed_form(paper, load, damping):
+    """Half submerged: m z'' + c z' + pi rho g (r^2 z - z^3/3) = P cos(w t) pi (r^2 - z^2) while |z| < r."""
+    plant = assumed(paper, hydro=load, pto={"damping": damping})
+    found = harmonic_balance(plant, 1e-11)
+    time = np.random.default_rng(1).uniform(0.0, 2.5, 40)
+    z, v = (values[:, 0] for values in found.at(time))
+    order = found.omega * np.arange(len(found.harmonics))
+    acceleration = np.real(np.exp(-1j * np.outer(time, order)) @ (-(order**2) * found.harmonics[:, 0]))
+    inertia = plant.mass[0, 0] * acceleration + damping * v
+    restoring = np.pi * plant.water.specific_weight * (4.0 * z - z**3 / 3)
+    driving = load["pressure"] * np.cos(found.omega * time) * np.pi * (4.0 - z**2)
+    assert np.abs(z).max() < 2.0
+    assert np.abs(inertia + restoring - driving).max() < 2e-7 * np.abs(restoring).max()  # it floats 1e-8 m higher
+
+
+def test_published_velocity_of_the_rigid_buoy(paper):
+    """The paper's Table II, FSB: 0.9732 m/s peak to peak, and 1421 W at the peak, with the parameters it implies."""
+    found = harmonic_balance(assumed(paper, hydro=INFERRED, pto={"damping": 6000.0}))
+    velocity = found.at(np.linspace(0.0, 2.5, 2001))[1][:, 0]
+    assert np.ptp(velocity) == pytest.approx(0.9732, rel=5e-3)
+    assert 6000.0 * np.max(velocity**2) == pytest.approx(1421.0, rel=1e-2)
+
+
+@pytest.mark.parametrize("design", DESIGNS)
+def test_a_long_motion_under_assumed_pressure_ends_there(paper, design):
+    plant = assumed(paper, design)
+    found = harmonic_balance(plant, 1e-9)
+    time, position = marched(plant, 36)
+    assert np.abs(position - found.at(time)[0]).max() < 3e-8 * np.abs(position).max()
+
+
+@pytest.mark.parametrize(("design", "periods"), [("FSB", 25), ("VSWEC", 55)])
+def test_a_long_motion_in_waves_ends_there(scene, design, periods):
+    plant, _ = scene(design, swell(0.179))
+    found = harmonic_balance(plant, 1e-9)
+    time, position = marched(plant, periods)
+    assert np.abs(position - found.at(time)[0]).max() < 1e-8 * largest(found.harmonics)
+    assert found.error < 1e-9
+
+
+def measured_multipliers(plant, u, wave, periods):
+    """Of a small disturbance of an orbit of a scene with two states, seen once a period in a motion in time."""
+    period, order = 2 * np.pi / wave.omega, -1j * wave.omega * np.arange(len(u))[:, None]
+    y, v = (np.real(part.sum(axis=0)) @ wave.system.velocity.T for part in (u, order * u))
+    time = np.linspace(0.0, periods * period, 64 * periods + 1)
+    motion, _ = integrate(plant, time, (y + 1e-5, v), 1e-12)
+    away = np.hstack([motion.position[::64] - y, motion.velocity[::64] - v])
+    return np.linalg.eigvals(np.linalg.lstsq(away[:-1], away[1:], rcond=None)[0])
+
+
+@pytest.mark.parametrize("damping", [6000.0, 200.0])
+def test_multipliers_are_those_of_a_motion_in_time(paper, damping):
+    plant = assumed(paper, hydro=INFERRED, pto={"damping": damping})
+    found = harmonic_balance(plant, 1e-11)
+    wave = PeriodicScene(plant, OMEGA, None)
+    measured = measured_multipliers(plant, continued(wave, plant.motions[0] * 0.0, 1e-11).harmonics, wave, 12)
+    assert np.sort_complex(measured) == pytest.approx(np.sort_complex(found.multipliers), abs=1e-4)
+
+
+# order ---------------------------------------------------------------------------------------------------------------
+
+
+def with_harmonics(monkeypatch, plant, count):
+    """Orbit of a given number of harmonics, and its scene."""
+    monkeypatch.setattr(harmonic, "COUPLED", count)
+    wave = PeriodicScene(plant, harmonic.regular_frequency(plant), plant.memory.transfer if plant.memory else None)
+    return wave, continued(wave, plant.origin if plant.origin.size else harmonic.resting(plant), 1e-13)
+
+
+def distance(wave, orbit, truth):
+    """Largest difference of two motions, over the amplitude."""
+    u = orbit.harmonics @ wave.system.velocity.T
+    return largest(np.concatenate([u, np.zeros((len(truth) - len(u), u.shape[1]))]) - truth) / largest(truth[1:])
+
+
+def test_harmonics_converge_exponentially_under_assumed_pressure_and_the_error_is_known(paper, monkeypatch):
+    plant = assumed(paper, "VSWEC")
+    truth = harmonic_balance(plant, 1e-12).harmonics
+    counts, errors = np.array([2, 4, 6, 8, 10]), []
+    for count in counts:
+        wave, orbit = with_harmonics(monkeypatch, plant, count)
+        errors.append(distance(wave, orbit, truth))
+        assert 0.5 < sum(missed(wave, orbit)) / errors[-1] < 2.0
+    orders = -np.diff(np.log(errors)) / np.diff(np.log(counts))
+    assert np.all(np.diff(np.log(errors)) < np.log(0.1)), errors
+    assert np.all(orders[2:] > orders[:2] + 3), orders  # faster than any power
+
+
+def test_harmonics_in_waves_fall_with_the_sixth_power_and_grow_with_the_fourth_of_the_amplitude(scene):
+    """Heave of the rigid buoy, odd ones. The force has a kink (y/r) k Z^3 where the wave Z at the shell changes sign."""
+    order, amplitudes = np.array([7, 9, 11, 13, 15]), np.array([0.04, 0.08, 0.16, 0.32])
+    found = np.abs([harmonic_balance(scene("FSB", swell(a))[0], 1e-10).harmonics[order, 0] for a in amplitudes])
+    slopes = np.diff(np.log(found), axis=1) / np.diff(np.log(order))
+    assert np.all((slopes < -5.8) & (slopes > -7.5)), slopes
+    assert np.diff(np.log2(found), axis=0) == pytest.approx(4.0, abs=0.1)
+
+
+def test_difference_to_linear_theory_is_of_second_order(scene):
+    amplitudes = np.array([0.01, 0.02, 0.04, 0.08, 0.16, 0.32])
+    found = np.array([harmonic_balance(scene("FSB", swell(a))[0], 1e-11).harmonics[:3, 0] for a in amplitudes])
+    drift, first, second = np.abs(found[:, 0]), found[:, 1] / amplitudes, np.abs(found[:, 2])
+    for values in (drift, second):
+        assert np.diff(np.log(values)) / np.log(2) == pytest.approx(2.0, abs=0.1)
+    assert np.diff(np.log(np.abs(np.diff(first)))) / np.log(2) == pytest.approx(2.0, abs=0.15)
+
+
+# energy, invariance --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("design", DESIGNS)
+def test_energy_balance_closes(paper, scene, design):
+    for plant in (assumed(paper, design), scene(design, swell(0.179))[0]):
+        found = harmonic_balance(plant, 1e-9)
+        assert found.power.residual < 1e-9
+        assert min(found.power) >= 0.0
+    order = OMEGA * np.arange(len(found.harmonics))
+    heave = found.harmonics @ plant.motions[0]
+    assert found.power.pto == pytest.approx(4000.0 * np.sum((order * np.abs(heave)) ** 2), rel=1e-12)
+
+
+def test_energy_balance_sees_a_lost_force(scene):
+    plant, _ = scene("FSB", swell(0.179))
+    found = harmonic_balance(plant)
+    wrong = found.power._replace(pto=0.99 * found.power.pto)
+    assert wrong.residual == pytest.approx(0.01 * found.power.pto / found.power.wave, rel=1e-3)
+
+
+def test_phase_of_the_wave_shifts_the_motion_and_nothing_else(scene):
+    found = harmonic_balance(scene("FSB", swell(0.179))[0], 1e-10).harmonics
+
+    @settings(max_examples=5, deadline=None)
+    @given(st.floats(-np.pi, np.pi))
+    def shifted(phase):
+        other = harmonic_balance(scene("FSB", swell(0.179 * np.exp(1j * phase)))[0], 1e-10).harmonics
+        expected = found * np.exp(1j * phase * np.arange(len(found)))[:, None]
+        assert np.abs(other[:17] - expected[:17]).max() < 1e-9 * np.abs(found[1]).max()
+
+    shifted()
+
+
+def test_a_stiff_shell_is_rigid(paper):
+    stiff = assumed(paper, "VSWEC", device={"young_modulus": 1e15})
+    assert steady_power(stiff) == pytest.approx(steady_power(assumed(paper)), rel=1e-7)
+
+
+@pytest.mark.parametrize("design", ["FSB", "VSWEC"])
+def test_still_water_is_rest(scene, paper, design):
+    plant, _ = scene(design, NO_WAVES)
+    found = harmonic_balance(plant)
+    assert found.at(np.array([0.0, 3.0]))[0] == pytest.approx(np.array([plant.origin, plant.origin]))
+    assert (found.omega, found.power.pto, found.power.residual, found.decay) == (0.0, 0.0, 0.0, 0.0)
+    calm = harmonic_balance(assumed(paper, design, waves=[{"kind": "still"}]))
+    assert calm.harmonics.shape == (1, plant.motions.shape[1])
+    assert steady_power(scene(design, NO_WAVES, "linear")[0]) == 0.0
+
+
+# several steady states, unstable ones, none --------------------------------------------------------------------------
+
+
+def test_a_wave_too_high_for_newtons_method_is_raised_step_by_step(paper):
+    """At resonance with little damping: the linear amplitude would be 47 m. The orbit solves its own equation."""
+    plant = tuned(paper, 1.0, 200.0)
+    found = harmonic_balance(plant, 1e-9)
+    assert found.iterations > harmonic.STEPS
+    assert found.power.residual < 1e-8
+    time = np.linspace(0.0, 2 * np.pi / found.omega, 65)
+    start = tuple(values[0] for values in found.at(np.zeros(1)))
+    motion, _ = integrate(plant, time, start, 1e-11)
+    assert np.abs(motion.position - found.at(time)[0]).max() < 1e-7
+
+
+def test_parametric_resonance_is_refused_and_its_growth_is_that_of_a_motion_in_time(paper):
+    """A light buoy pushed at twice its natural frequency: its waterplane varies with its draft."""
+    plant = tuned(paper, 2.0, 200.0, device={"mass": 9000.0})
+    with pytest.raises(StabilityError, match=r"the steady state is unstable: .*multiplied by 1\.061.*add damping"):
+        harmonic_balance(plant)
+    wave = PeriodicScene(plant, harmonic.regular_frequency(plant), None)
+    u = continued(wave, harmonic.resting(plant), 1e-11).harmonics
+    found = multipliers(wave.system.matrix, lambda phase: wave.coupling(u, phase), 2 * np.pi / wave.omega)
+    assert np.sort_complex(measured_multipliers(plant, u, wave, 12)) == pytest.approx(np.sort_complex(found), abs=1e-4)
+    assert found[0].real < -1.06  # at twice the period
+
+
+def test_an_undamped_resonance_of_a_linear_scene_is_refused(scene):
+    plant, _ = scene("FSB", swell(0.1), "linear")
+    natural = float(np.sqrt(plant.total(Spring)[0, 0] / plant.mass[0, 0]))
+    lossless = {name: force for name, force in plant.forces.items() if name not in ("pto", "radiation")}
+    lossless["excitation"] = replace(plant.excitation, omega=np.array([natural]))
+    with pytest.raises(StabilityError, match="undamped resonance"):
+        harmonic_balance(replace(plant, forces=lossless))
+
+
+@pytest.mark.parametrize("kind", ["exact", "linear"])
+def test_an_irregular_sea_has_no_steady_state(scene, kind):
+    sea = Sea(np.array([1.0, 2.0]), np.array([0.1 + 0j, 0.1 + 0j]))
+    with pytest.raises(
+        ConfigError, match=r"received 2 frequencies from 1 to 2 rad/s, needs one above zero: .*kind: regular"
+    ):
+        harmonic_balance(scene("FSB", sea, kind)[0])
+
+
+def test_a_load_without_a_period_is_refused(paper):
+    plant = assumed(paper)
+    constant = replace(plant.water, assumed=replace(plant.water.assumed, omega=0.0))
+    with pytest.raises(ConfigError, match=r"received 1 frequencies from 0 to 0 rad/s, needs one above zero"):
+        harmonic_balance(replace(plant, forces={**plant.forces, "water": constant}))
+
+
+def test_a_load_that_no_motion_answers_is_refused(paper):
+    plant = assumed(paper, "VSWEC", hydro={"pressure": 1e9})
+    with pytest.raises(ConvergenceError, match=r"no steady state is found beyond [\d.]+ % of the wave's amplitude"):
+        harmonic_balance(plant)
+
+
+def test_a_tolerance_below_round_off_is_refused(paper):
+    with pytest.raises(
+        ConvergenceError, match=r"the steady state is known to .* harmonics, needs 1e-18; use a gentler"
+    ):
+        harmonic_balance(assumed(paper), 1e-18)

@@ -1,0 +1,177 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import SEED, varied
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from vsb.errors import ConvergenceError
+from vsb.hydro.statespace import RadiationModel
+from vsb.integrators import trajectory
+from vsb.integrators.exact import convolve, propagate
+from vsb.integrators.trajectory import TERMS, energies, residual, simulate
+from vsb.motion.scene import Damper, Excitation, Plant, RadiationMemory, Spring, linear_plant
+from vsb.scenes.build import assumed_pressure_scene
+from vsb.shell.modes import design_motions, study_basis
+from vsb.study.study import load
+from vsb.waves.seas import NO_WAVES, sea
+
+PAPER = SEED.parent / "paper.yaml"
+TRANSIENT = 1e7
+"""A take-off that stops the seed's buoy in 2 ms [N s/m]; records are 12.5 ms apart."""
+
+
+@pytest.fixture
+def scene(buoy_of, radiation_of, seed):
+    """Function design, changes -> plant, sea, settings, damping of a linear scene."""
+
+    def build(design="VSWEC", **changes):
+        study = varied(seed, **changes)
+        waves = sea(study.waves[0], study.hydro.omega_max, study.simulation.duration)
+        motions = design_motions(study, study_basis(study), design)
+        plant = linear_plant(buoy_of(study), radiation_of(seed), waves, motions)  # no change here is of the water
+        return plant, waves, study.simulation, buoy_of(study).spectrum
+
+    return build
+
+
+def unbalanced(energy):
+    """Largest unbalanced energy [J]."""
+    return np.abs(energy["wave"] - sum(energy[term] for term in TERMS[1:])).max()
+
+
+# every linear run ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("design", ["FSB", "VSWEC", "VSWEC0", "VSWEC90"])
+@pytest.mark.parametrize("damping", [8e3, TRANSIENT])
+def test_every_design_is_audited_to_round_off_in_one_run(scene, monkeypatch, design, damping):
+    plant, waves, settings, spectrum = scene(design, pto={"damping": damping})
+    runs = []
+    monkeypatch.setattr(trajectory, "propagate", lambda *given: runs.append(given) or propagate(*given))
+    motion, stride, method = simulate(plant, waves, settings, spectrum)
+    energy = energies(plant, motion)
+    assert (len(runs), stride, method) == (1, 1, trajectory.EXACT)
+    assert unbalanced(energy) < 1e-9 * energy["pto"][-1]
+    assert np.all(np.diff(energy["radiated"]) >= 0)
+    assert np.all(np.diff(energy["pto"]) >= 0)
+
+
+def test_an_irregular_sea_is_audited_to_round_off(scene):
+    plant, waves, settings, spectrum = scene(waves=[{"kind": "jonswap", "hs": 1.0, "tp": 4.0}])
+    motion, stride, _ = simulate(plant, waves, settings, spectrum)
+    energy = energies(plant, motion)
+    assert stride == 1
+    assert unbalanced(energy) < 1e-9 * energy["pto"][-1]
+
+
+@pytest.mark.parametrize("modulus", [1e10, 1e12, 1e15])
+def test_stiff_shells_cost_no_digits_of_the_audit(scene, modulus):
+    for damping in ({"alpha": 0.0, "beta": 1e-3}, {"alpha": 0.0, "beta": 0.0}):
+        plant, waves, settings, spectrum = scene(device={"young_modulus": modulus, "damping": damping})
+        assert residual(energies(plant, simulate(plant, waves, settings, spectrum)[0])) < 1e-10
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(1, 4), st.integers(1, 6), st.floats(-2.0, 4.0), st.floats(-2.0, 1.0), st.integers(0, 10**6))
+def test_any_passive_scene_is_balanced(dof, order, damping, step, seed):
+    """Random masses, springs, dampers of any strength and memory, records any distance apart."""
+    rng = np.random.default_rng(seed)
+    roots = rng.normal(size=(4, dof, dof))
+    mass, stiffness, pto, structural = (root @ root.T / dof for root in roots)
+    skew, channel = rng.normal(size=(order, order)), rng.normal(size=order)
+    memory = RadiationModel(skew - skew.T - 0.5 * np.outer(channel, channel), rng.normal(size=(order, dof)), channel)
+    forces = {
+        "hydrostatic": Spring(5 * stiffness),
+        "pto": Damper(10.0**damping * pto),
+        "structural_damping": Damper(0.1 * structural),
+        "radiation": RadiationMemory(memory),
+    }
+    plant = Plant(tuple("abcd"[:dof]), mass + np.eye(dof), forces, np.eye(dof))
+    motion = propagate(plant, 10.0**step * np.arange(60), tuple(rng.normal(size=(2, dof))))
+    assert residual(energies(plant, motion)) < 1e-10
+
+
+# what the audit sees ------------------------------------------------------------------------------------------------
+
+
+def scaled(force, by):
+    """A force by so much stronger."""
+    if isinstance(force, Spring):
+        return Spring(by * force.stiffness)
+    if isinstance(force, Damper):
+        return Damper(by * force.damping)
+    if isinstance(force, Excitation):
+        return Excitation(force.omega, by * force.force)
+    return RadiationMemory(replace(force.model, input_matrix=by * force.model.input_matrix))
+
+
+@pytest.mark.parametrize(
+    "name", ["hydrostatic", "radiation", "pto", "elastic", "structural_damping", "excitation", "mass", "channel"]
+)
+def test_one_part_in_ten_thousand_of_any_force_shows(scene, name):
+    """The audit of a motion in a scene that differs from its own by 1e-4 in one force, in mass or in what radiates."""
+    plant, waves, settings, spectrum = scene()
+    motion, _, _ = simulate(plant, waves, settings, spectrum)
+    if name == "mass":
+        other = replace(plant, mass=1.0001 * plant.mass)
+    elif name == "channel":
+        model = plant.memory
+        lost = np.outer(model.channel, model.channel) / 2
+        model = replace(model, channel=1.0001 * model.channel, state_matrix=model.state_matrix - (1.0001**2 - 1) * lost)
+        other = replace(plant, forces={**plant.forces, "radiation": RadiationMemory(model)})
+    else:
+        other = replace(plant, forces={**plant.forces, name: scaled(plant.forces[name], 1.0001)})
+    sound = residual(energies(plant, motion))
+    assert residual(energies(other, motion)) > 1e4 * sound
+    assert residual(energies(other, motion)) > 1e-7
+
+
+def test_a_record_off_by_a_millionth_shows(scene):
+    plant, waves, settings, spectrum = scene()
+    motion, _, _ = simulate(plant, waves, settings, spectrum)
+    motion.velocity[2400] *= 1.0 + 1e-6
+    assert residual(energies(plant, motion)) > 1e-8
+
+
+def test_a_run_whose_audit_does_not_close_is_an_error(scene, monkeypatch):
+    """The memory pushes the buoy by a thousandth less than the buoy pushes it."""
+    plant, waves, settings, spectrum = scene("FSB")
+    right = Plant.linear_system
+
+    def wrong(self):
+        system = right(self)
+        n = self.motions.shape[1]
+        matrix = system.matrix.copy()
+        matrix[n : 2 * n, 2 * n :] *= 0.999
+        return system._replace(matrix=matrix)
+
+    monkeypatch.setattr(Plant, "linear_system", wrong)
+    with pytest.raises(ConvergenceError, match=r"audit does not close.*of the energy is missing, needs 1e-06"):
+        simulate(plant, waves, settings, spectrum)
+
+
+# the other methods --------------------------------------------------------------------------------------------------
+
+
+def test_the_audit_of_the_convolution_is_of_its_own_second_order(scene):
+    plant, _, _, spectrum = scene("FSB")
+    counts, found = np.array([200, 400, 800, 1600]), []
+    for count in counts:
+        motion = convolve(plant, spectrum, np.linspace(0.0, 10.0, count + 1), plant.start(0.0, -0.8))
+        found.append(residual(energies(plant, motion)))
+    slopes = -np.diff(np.log(found)) / np.diff(np.log(counts))
+    assert np.all(np.abs(slopes - 2.0) < 0.3), (found, slopes)
+
+
+@pytest.mark.parametrize("damping", [8e3, TRANSIENT])
+def test_a_body_exact_run_needs_its_records_halved_twice_at_most(damping):
+    """The paper's shell rings at up to 200 rad/s, its records are 12 ms apart."""
+    short = {"duration": 10.0, "window": (5.0, 10.0)}
+    study = varied(load(PAPER), pto={"damping": damping}, simulation=short, published=None)
+    one = varied(study, designs={"VSWEC": study.designs["VSWEC"].model_dump()})
+    plant = assumed_pressure_scene(one, {})[0]
+    motion, stride, _ = simulate(plant, NO_WAVES, one.simulation, None)
+    assert residual(energies(plant, motion)) < 1e-6
+    assert stride <= 4

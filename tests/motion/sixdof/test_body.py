@@ -1,0 +1,620 @@
+import numpy as np
+import pytest
+from conftest import SEED
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+from scipy.linalg import eigh, expm, sqrtm
+
+from vsb.errors import StabilityError
+from vsb.motion.sixdof.body import (
+    AXIS,
+    Body,
+    Elastic,
+    PointDamper,
+    Scene,
+    StructuralDamping,
+    Weight,
+    integrate,
+    skew,
+)
+from vsb.shell.modes import ModeBasis, mode_basis, rigid_basis
+from vsb.study import study as config
+
+G = 9.81
+DEVICE = config.load(SEED).device
+BASES = {name: mode_basis(DEVICE, name, 3) for name in ("paper", "membrane", "full")}
+RIGID = rigid_basis(DEVICE)
+ARMS = (0.5, 0.8)  # the ballast as six points, four on the equator and two on the axis [m]
+
+
+@pytest.fixture(params=list(BASES))
+def basis(request) -> ModeBasis:
+    return BASES[request.param]
+
+
+def ballast_inertia(basis):
+    sixth = (basis.total_mass - basis.shell.mass) / 6
+    return sixth * 2 * (ARMS[0] ** 2 + ARMS[1] ** 2), sixth * 4 * ARMS[0] ** 2
+
+
+def body_of(basis) -> Body:
+    return Body(basis, ballast_inertia(basis))
+
+
+def particles(basis, rows=12, columns=7):
+    """Mass (p,), undeformed place (p, 3) and shapes (p, mode, 3) of the shell and of the ballast's six points."""
+    cos, weight = np.polynomial.legendre.leggauss(rows)
+    azimuth = 2 * np.pi * np.arange(columns) / columns
+    phi, theta = (grid.ravel() for grid in np.meshgrid(np.arccos(cos), azimuth, indexing="ij"))
+    e_r = np.stack([np.sin(phi) * np.cos(theta), np.sin(phi) * np.sin(theta), np.cos(phi)], axis=1)
+    e_phi = np.stack([np.cos(phi) * np.cos(theta), np.cos(phi) * np.sin(theta), -np.sin(phi)], axis=1)
+    v, u = (shape[1:].T[:, :, None] for shape in basis.displacement(phi))
+    shell = basis.shell
+    mass = np.repeat(weight / 2, columns) / columns * shell.mass
+    points = np.diag([ARMS[0], ARMS[0], ARMS[1]])
+    points = np.concatenate([points, -points])
+    ballast = np.full(6, (basis.total_mass - shell.mass) / 6)
+    shapes = np.concatenate([u * e_phi[:, None] + v * e_r[:, None], np.zeros((6, len(basis.modes), 3))])
+    return np.concatenate([mass, ballast]), np.concatenate([shell.radius * e_r, points]), shapes
+
+
+def tumbling(scene, seed=0, spin=2.0):
+    """A state vector with everything displaced and everything moving."""
+    rng = np.random.default_rng(seed)
+    parts = {name: rng.normal(size=size) for name, size in scene.sizes.items()}
+    parts["amplitudes"] *= 0.05
+    parts["angular_velocity"] *= spin
+    if scene.motion == "free" and scene.attitude == "quaternion":
+        parts["attitude"] /= np.linalg.norm(parts["attitude"])
+    elif scene.motion != "heave":
+        parts["attitude"] = 0.5 * np.tanh(parts["attitude"])
+    return scene.start(**parts)
+
+
+# --- inertia ------------------------------------------------------------------------------------------------------
+
+
+def test_inertia_of_the_undeformed_shell():
+    shell = RIGID.shell
+    expected = 2 / 3 * shell.mass * shell.radius**2
+    np.testing.assert_allclose(Body(RIGID).inertia(np.zeros(0)), np.full(3, expected), rtol=1e-14)
+    np.testing.assert_allclose(Body(RIGID, (3.0, 5.0)).inertia(np.zeros(0)) - expected, [3.0, 3.0, 5.0], rtol=1e-9)
+
+
+def test_inertia_polynomial_is_that_of_the_deformed_particles(basis):
+    body, (mass, place, shapes) = body_of(basis), particles(basis)
+    rng = np.random.default_rng(1)
+    for amplitudes in rng.normal(scale=0.3, size=(5, len(basis.modes))):
+        x = place + np.einsum("pjk,j->pk", shapes, amplitudes)
+        tensor = np.einsum("p,pkl->kl", mass, (x**2).sum(1)[:, None, None] * np.eye(3) - x[:, :, None] * x[:, None, :])
+        np.testing.assert_allclose(np.diag(body.inertia(amplitudes)), tensor, rtol=1e-12, atol=1e-12 * tensor.max())
+
+
+def test_inertia_gradient_is_the_derivative(basis):
+    body = body_of(basis)
+    eta = np.linspace(-0.2, 0.3, len(basis.modes))
+    differences = [body.inertia(eta + 1e-3 * e) - body.inertia(eta - 1e-3 * e) for e in np.eye(len(eta))]
+    gradient = body.inertia_gradient(eta)
+    assert np.abs(gradient).max() > 100.0
+    np.testing.assert_allclose(gradient, np.array(differences).T / 2e-3, rtol=1e-9, atol=1e-7)
+
+
+def test_breathing_scales_the_shell(basis):
+    """Degree 0 alone is a larger sphere, J = 2/3 m (r + eta)^2."""
+    eta = 0.3 * np.eye(len(basis.modes))[0]
+    expected = 2 / 3 * basis.shell.mass * (basis.shell.radius + 0.3) ** 2
+    np.testing.assert_allclose(Body(basis).inertia(eta), np.full(3, expected), rtol=1e-13)
+
+
+def test_only_degrees_0_and_2_change_the_inertia_at_first_order(basis):
+    """Degree 2 by hand: dJt = 2 m r (V + 3 U)/15, dJa = -2 dJt; a prolate shape (V > 0, U = 0) gains Jt, loses Ja."""
+    gradient = Body(basis).inertia_gradient(np.zeros(len(basis.modes)))
+    scale = 2 * basis.shell.mass * basis.shell.radius
+    for mode, slope in zip(basis.modes, gradient.T, strict=True):
+        second = (mode.radial + 3 * mode.meridional) / 15
+        expected = {0: np.full(3, 2 / 3), 2: second * np.array([1, 1, -2])}.get(mode.degree, np.zeros(3))
+        np.testing.assert_allclose(slope, scale * expected, atol=1e-12 * scale)
+
+
+def test_when_the_couplings_dropped_in_eq_17_vanish(basis):
+    """int s x psi dm = 0 always; int psi dm = 0 if and only if the mode is orthogonal to rigid heave."""
+    mass, place, shapes = particles(basis)
+    scale = basis.shell.mass
+    deformed = place + np.einsum("pjk,j->pk", shapes, np.linspace(0.1, 0.3, len(basis.modes)))
+    for x in (place, deformed):
+        turning = np.einsum("p,pjk->jk", mass, np.cross(x[:, None], shapes))
+        assert np.abs(turning).max() < 1e-12 * scale * basis.shell.radius
+    moment = np.einsum("p,pjk->jk", mass, shapes)
+    np.testing.assert_allclose(moment, np.outer(Body(basis).moments, AXIS), atol=1e-11 * scale)
+    carrying = [mode.degree for mode, a in zip(basis.modes, moment[:, 2], strict=True) if abs(a) > 1e-9 * scale]
+    assert carrying == ([1] if basis is BASES["paper"] else [])
+
+
+@settings(max_examples=40, deadline=None)
+@given(data=st.data())
+def test_mass_matrix_is_symmetric_positive_definite(data):
+    basis = BASES[data.draw(st.sampled_from(list(BASES)))]
+    scene = Scene(Body(basis), {}, "free")
+    number = st.floats(-0.4, 0.4)
+    amplitudes = data.draw(st.lists(number, min_size=len(basis.modes), max_size=len(basis.modes)))
+    quaternion = np.array([1.0, *data.draw(st.tuples(*[st.floats(-9, 9)] * 3))])
+    y = scene.start(amplitudes=np.array(amplitudes), attitude=quaternion / np.linalg.norm(quaternion))
+    matrix = scene.body.mass_matrix(scene.state(y))
+    np.testing.assert_allclose(matrix, matrix.T, rtol=0, atol=1e-15 * matrix.max())
+    assert np.linalg.eigvalsh(matrix).min() > 1.0
+
+
+# --- the equation of motion against Lagrange's, from particles ------------------------------------------------------
+
+
+def turn(axis, angle):
+    c, s = np.cos(angle), np.sin(angle)
+    i, j = [k for k in range(3) if k != axis]
+    if axis == 1:
+        s = -s
+    matrix = np.eye(3, dtype=np.asarray(angle).dtype)
+    matrix[i, i], matrix[i, j], matrix[j, i], matrix[j, j] = c, -s, s, c
+    return matrix
+
+
+class Particles:
+    """The buoy as particles placed by q = (centre, yaw, pitch, roll, amplitudes): it knows no quasi-velocity."""
+
+    def __init__(self, basis):
+        self.basis = basis
+        self.mass, self.at, self.shapes = particles(basis, rows=8, columns=6)
+
+    def place(self, q):
+        rotation = turn(2, q[3]) @ turn(1, q[4]) @ turn(0, q[5])
+        return q[:3] + (self.at + np.einsum("pjk,j->pk", self.shapes, q[6:])) @ rotation.T
+
+    def matrix(self, q):
+        """Mass matrix of Lagrange's equation; Jacobian of the places by complex step."""
+        step = 1e-30
+        jacobian = np.array([self.place(q + 1j * step * e).imag / step for e in np.eye(len(q))])
+        return np.einsum("ipk,p,jpk->ij", jacobian, self.mass, jacobian)
+
+    def potential(self, q):
+        return G * self.mass @ self.place(q)[:, 2] + 0.5 * q[6:] @ self.basis.stiffness[1:, 1:] @ q[6:]
+
+    def velocity_terms(self, q, qd):
+        """d/dt(M) q' - 1/2 d(q'.M q')/dq by differences of sixth order."""
+        h, terms = 2e-3, ((1, 0.75), (2, -0.15), (3, 1 / 60))
+
+        def slope(e):
+            return sum(w * (self.matrix(q + k * h * e) - self.matrix(q - k * h * e)) for k, w in terms) / h
+
+        slopes = np.array([slope(e) for e in np.eye(len(q))])
+        return np.einsum("kij,k,j->i", slopes, qd, qd) - 0.5 * np.einsum("kij,i,j->k", slopes, qd, qd)
+
+
+def eq_78(angles):
+    """Angular velocity in body axes per rate of (yaw, pitch, roll)."""
+    _, b, c = angles
+    return np.array([
+        [-np.sin(b), 0, 1],
+        [np.cos(b) * np.sin(c), np.cos(c), 0],
+        [np.cos(b) * np.cos(c), -np.sin(c), 0],
+    ])  # fmt: skip
+
+
+def eq_79(angles, rates):
+    """Time derivative of Eq. 78."""
+    (_, b, c), (_, bd, cd) = angles, rates
+    sb, cb, sc, cc = np.sin(b), np.cos(b), np.sin(c), np.cos(c)
+    return -np.array([
+        [bd * cb, 0, 0],
+        [bd * sb * sc - cd * cb * cc, cd * sc, 0],
+        [bd * sb * cc + cd * cb * sc, cd * cc, 0],
+    ])  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_rates_satisfy_lagranges_equation_of_the_particles(basis, seed):
+    forces = {"weight": Weight(basis, G), "elastic": Elastic(basis)}
+    scene, model = Scene(body_of(basis), forces, "free", "euler321"), Particles(basis)
+    y = tumbling(scene, seed)
+    half = len(y) // 2
+    q, angles = y[:half], y[3:6]
+    rates = scene.rates(0.0, y)
+    np.testing.assert_allclose(eq_78(angles) @ rates[3:6], y[half + 3 : half + 6], rtol=1e-12)
+    qd = rates[:half]
+    qdd = rates[half:].copy()
+    qdd[3:6] = np.linalg.solve(eq_78(angles), rates[half + 3 : half + 6] - eq_79(angles, qd[3:6]) @ qd[3:6])
+    force = -np.array([model.potential(q + 1e-30j * e).imag / 1e-30 for e in np.eye(half)])
+    terms = model.velocity_terms(q, qd)
+    residual = model.matrix(q) @ qdd + terms - force
+    assert np.abs(terms[3:]).min() > 1.0
+    assert np.abs(residual).max() < 1e-9 * np.abs(terms).max()
+
+
+def test_energies_and_momenta_are_those_of_the_particles(basis):
+    forces = {"weight": Weight(basis, G), "elastic": Elastic(basis)}
+    scene, model = Scene(body_of(basis), forces, "free", "euler321"), Particles(basis)
+    y = tumbling(scene, 2)
+    half = len(y) // 2
+    q, qd = y[:half], scene.rates(0.0, y)[:half]
+    kinetic, potential = scene.energy(y)
+    assert kinetic == pytest.approx(0.5 * qd @ model.matrix(q) @ qd, rel=1e-12)
+    assert potential == pytest.approx(model.potential(q), rel=1e-12)
+    velocity = model.place(q + 1e-30j * qd).imag / 1e-30
+    momentum, state = model.mass[:, None] * velocity, scene.state(y)
+    np.testing.assert_allclose(scene.body.linear_momentum(state), momentum.sum(0), rtol=1e-11)
+    centre = model.mass @ model.place(q) / model.mass.sum()
+    np.testing.assert_allclose(scene.body.centre_of_mass(state), centre, rtol=1e-12)
+    for about in (np.zeros(3), centre):
+        expected = np.cross(model.place(q) - about, momentum).sum(0)
+        np.testing.assert_allclose(scene.body.angular_momentum(state, about), expected, rtol=1e-11)
+    origin = scene.body.angular_momentum(state)
+    np.testing.assert_array_equal(origin, scene.body.angular_momentum(state, np.zeros(3)))
+
+
+# --- scenes of one equation -----------------------------------------------------------------------------------------
+
+
+def all_forces(basis):
+    return {
+        "weight": Weight(basis, G),
+        "elastic": Elastic(basis),
+        "structural_damping": StructuralDamping(basis),
+        "pto": PointDamper(8000.0),
+    }
+
+
+def lifted(scene, y, general):
+    """The same state in the coordinates of a free scene with quaternion."""
+    parts = dict(zip(scene.sizes, np.split(y, np.cumsum(list(scene.sizes.values()))[:-1]), strict=True))
+    state = scene.state(y)
+    pitch = parts["attitude"][0] if parts["attitude"].size else 0.0
+    return general.start(
+        position=state.position,
+        attitude=np.array([np.cos(pitch / 2), 0.0, np.sin(pitch / 2), 0.0]),
+        amplitudes=parts["amplitudes"],
+        velocity=state.velocity,
+        angular_velocity=state.angular_velocity,
+        amplitude_rates=parts["amplitude_rates"],
+    )
+
+
+@pytest.mark.parametrize("motion", ["heave", "planar"])
+def test_a_scene_is_the_general_one_restricted(basis, motion):
+    forces = all_forces(basis)
+    scene, general = Scene(body_of(basis), forces, motion), Scene(body_of(basis), forces, "free")
+    y = tumbling(scene, 3)
+    dof = len(basis.modes)
+    general_rates = general.rates(0.0, lifted(scene, y, general))
+    own = scene.rates(0.0, y)[-sum(list(scene.sizes.values())[3:]) :]
+    kept = {"heave": [2], "planar": [0, 2, 4]}[motion]
+    acceleration = general_rates[-(6 + dof) :]
+    scale = np.abs(own).max()
+    np.testing.assert_allclose(own, acceleration[[*kept, *range(6, 6 + dof)]], atol=1e-13 * scale)
+    dropped = [i for i in range(6) if i not in kept]
+    assert np.abs(acceleration[dropped]).max() < 1e-13 * scale
+
+
+@pytest.mark.parametrize("motion", ["heave", "planar"])
+def test_a_restricted_trajectory_is_the_general_one(motion):
+    basis = BASES["paper"]
+    forces = all_forces(basis)
+    scene, general = Scene(body_of(basis), forces, motion), Scene(body_of(basis), forces, "free")
+    start, time = tumbling(scene, 4), np.array([0.0, 0.4])
+    end = lifted(scene, integrate(scene, start, time, 1e-11)[-1], general)
+    general_end = integrate(general, lifted(scene, start, general), time, 1e-11)[-1]
+    np.testing.assert_allclose(end, general_end, atol=1e-8)
+    assert np.abs(end - lifted(scene, start, general)).max() > 0.1
+
+
+def test_a_scene_carries_no_coordinate_it_does_not_need():
+    body, rigid = Body(BASES["full"]), Body(RIGID)
+    modes = len(BASES["full"].modes)
+    lengths = {m: len(Scene(body, {}, m).start()) for m in ("heave", "planar", "free")}
+    assert lengths == {"heave": 2 + 2 * modes, "planar": 6 + 2 * modes, "free": 13 + 2 * modes}
+    assert len(Scene(body, {}, "free", "euler321").start()) == 12 + 2 * modes
+    assert len(Scene(rigid).start()) == 2
+    assert len(Scene(body, motions=np.eye(modes + 1, 1)).start()) == 2
+
+
+def test_a_clamped_scene_carries_only_what_the_clamp_allows():
+    basis = BASES["full"]
+    allowed = basis.clamped([0.0])
+    scene = Scene(Body(basis), {"elastic": Elastic(basis)}, "planar", motions=allowed)
+    start = tumbling(scene, 5)
+    assert len(start) == 6 + 2 * (allowed.shape[1] - 1)
+    states = [scene.state(y) for y in integrate(scene, start, np.linspace(0, 0.3, 4))]
+    pole = np.array([basis.pole_radial_displacement[1:] @ state.amplitudes for state in states])
+    assert np.abs(pole).max() < 1e-14
+    assert np.abs(states[-1].amplitudes - states[0].amplitudes).max() > 1e-3
+
+
+@pytest.mark.parametrize("colatitudes", [[0.0], [np.pi / 2], [0.0, 0.0]])
+def test_null_space_and_udwadia_kalaba_agree(basis, colatitudes):
+    """Eq. 90 with b = 0, for the clamps are linear in the amplitudes."""
+    forces = all_forces(basis)
+    allowed = basis.clamped(colatitudes)
+    scene = Scene(body_of(basis), forces, "free", motions=allowed)
+    free = Scene(body_of(basis), forces, "free")
+    y = tumbling(scene, 6)
+    state = scene.state(y)
+    unclamped = lifted_amplitudes(scene, y, free, allowed[1:, 1:])
+    matrix = free.body.mass_matrix(state)
+    rows = np.pad(basis.clamp_rows(colatitudes)[:, 1:], ((0, 0), (6, 0)))
+    unconstrained = free.rates(0.0, unclamped)[-len(matrix) :]
+    root = np.linalg.inv(np.real(sqrtm(matrix)))
+    constrained = unconstrained + root @ np.linalg.pinv(rows @ root, rcond=1e-10) @ (-rows @ unconstrained)
+    own = scene.rates(0.0, y)[-(6 + allowed.shape[1] - 1) :]
+    np.testing.assert_allclose(own[:6], constrained[:6], atol=1e-10 * np.abs(constrained).max())
+    np.testing.assert_allclose(allowed[1:, 1:] @ own[6:], constrained[6:], atol=1e-10 * np.abs(constrained).max())
+    assert np.abs(constrained - unconstrained).max() > 1e-3 * np.abs(unconstrained).max()
+
+
+def lifted_amplitudes(scene, y, free, null_space):
+    parts = dict(zip(scene.sizes, np.split(y, np.cumsum(list(scene.sizes.values()))[:-1]), strict=True))
+    for name in ("amplitudes", "amplitude_rates"):
+        parts[name] = null_space @ parts[name]
+    return free.start(**parts)
+
+
+# --- exact motions --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("attitude", ["quaternion", "euler321"])
+def test_a_rigid_sphere_turns_steadily(attitude):
+    scene = Scene(Body(RIGID), {}, "free", attitude)
+    w = np.array([0.2, -0.3, 0.4])
+    time = np.linspace(0, 3, 7)
+    for t, y in zip(time, integrate(scene, scene.start(angular_velocity=w), time, 1e-11), strict=True):
+        state = scene.state(y)
+        np.testing.assert_allclose(state.angular_velocity, w, atol=1e-13)
+        np.testing.assert_allclose(state.rotation, expm(t * skew(w)), atol=1e-9)
+
+
+def test_an_axisymmetric_body_precesses():
+    """R = exp(H t/Jt) R0 exp(-l t e3), w = (A cos l t, A sin l t, n) with l = n (Ja - Jt)/Jt."""
+    body = Body(RIGID, (4000.0, 7000.0))
+    scene = Scene(body, {}, "free")
+    amplitude, n = 0.7, 1.3
+    start = scene.start(angular_velocity=np.array([amplitude, 0.0, n]))
+    momentum = body.angular_momentum(scene.state(start))
+    transverse, _, axial = body.inertia(np.zeros(0))
+    rate = n * (axial - transverse) / transverse
+    assert rate > 0.5
+    time = np.linspace(0, 20, 9)
+    for t, y in zip(time, integrate(scene, start, time, 1e-12), strict=True):
+        state = scene.state(y)
+        w = [amplitude * np.cos(rate * t), amplitude * np.sin(rate * t), n]
+        np.testing.assert_allclose(state.angular_velocity, w, atol=1e-9)
+        rotation = expm(t / transverse * skew(momentum)) @ expm(-rate * t * skew(AXIS))
+        np.testing.assert_allclose(state.rotation, rotation, atol=1e-9)
+
+
+def test_free_fall_is_a_parabola_and_the_shell_does_not_notice(basis):
+    forces = {"weight": Weight(basis, G), "elastic": Elastic(basis)}
+    scene = Scene(body_of(basis), forces, "free")
+    tilt = np.array([0.8, 0.6, 0.0, 0.0])
+    start = scene.start(attitude=tilt, velocity=np.array([1.0, 0.0, 5.0]), position=np.array([0.0, 2.0, 3.0]))
+    time = np.linspace(0, 2, 5)
+    for t, y in zip(time, integrate(scene, start, time), strict=True):
+        state = scene.state(y)
+        np.testing.assert_allclose(state.position, [t, 2.0, 3.0 + 5.0 * t - G * t**2 / 2], atol=1e-9)
+        np.testing.assert_allclose(y[3:7], tilt, atol=1e-12)
+        np.testing.assert_allclose(state.amplitudes, 0.0, atol=1e-12)
+
+
+def test_a_tumbling_body_falls_with_its_centre_of_mass(basis):
+    forces = {"weight": Weight(basis, G), "elastic": Elastic(basis)}
+    scene = Scene(body_of(basis), forces, "free")
+    body, start, time = scene.body, tumbling(scene, 7), np.linspace(0, 0.5, 4)
+    states = [scene.state(y) for y in integrate(scene, start, time, 1e-11)]
+    first = states[0]
+    velocity = body.linear_momentum(first) / basis.total_mass
+    spin = body.angular_momentum(first, body.centre_of_mass(first))
+    for t, state in zip(time, states, strict=True):
+        centre = body.centre_of_mass(state)
+        expected = body.centre_of_mass(first) + velocity * t - G * t**2 / 2 * AXIS
+        np.testing.assert_allclose(centre, expected, atol=1e-8)
+        np.testing.assert_allclose(body.angular_momentum(state, centre), spin, rtol=1e-7)
+    straight = first.position + first.velocity * time[-1] - G * time[-1] ** 2 / 2 * AXIS
+    offset = np.abs(states[-1].position - straight).max()
+    assert (offset > 1e-3) == (basis is BASES["paper"])  # there the sphere centre is not the centre of mass
+
+
+@pytest.mark.parametrize("name", ["membrane", "full"])
+def test_heave_scene_is_the_linear_oscillator_of_each_mode(name):
+    basis = mode_basis(DEVICE, name, 2)
+    scene = Scene(Body(basis), {"elastic": Elastic(basis)})
+    for mode, omega in enumerate(basis.dry_frequencies):
+        start = scene.start(amplitudes=0.1 * np.eye(len(basis.modes))[mode])
+        time = np.linspace(0, 10 * 2 * np.pi / omega, 13)
+        motion = integrate(scene, start, time, 1e-10)
+        expected = np.outer(0.1 * np.cos(omega * time), np.eye(len(basis.modes))[mode])
+        np.testing.assert_allclose(motion[:, 1 : len(basis.modes) + 1], expected, atol=1e-7)
+        np.testing.assert_allclose(motion[:, 0], 0.0, atol=1e-11)
+
+
+def test_heave_scene_has_the_eigenfrequencies_of_heave_and_modes(basis):
+    """The accelerations of a shape at rest are -omega^2 times it, the slipped n = 1 shape coupled to heave included."""
+    scene = Scene(Body(basis), {"elastic": Elastic(basis)})
+    squares, shapes = eigh(basis.stiffness, basis.inertia)
+    dof = len(squares)
+    for square, shape in zip(squares, shapes.T, strict=True):
+        rates = scene.rates(0.0, np.concatenate([shape, np.zeros(dof)]))
+        np.testing.assert_allclose(rates[dof:], -square * shape, atol=1e-11 * squares.max() * np.abs(shape).max())
+
+
+def test_a_spinning_shell_stays_in_its_bulged_equilibrium(basis):
+    """(K - n^2 Q) eta = n^2 b/2 with Ja = J0 + b eta + eta.Q eta: the equator grows, and nothing moves."""
+    n, body = 3.0, body_of(basis)
+    scene = Scene(body, {"elastic": Elastic(basis)}, "free")
+    zero = np.zeros(len(basis.modes))
+    slope = body.inertia_gradient(zero)[2]
+    form = np.array([body.inertia_gradient(e)[2] - slope for e in np.eye(len(zero))]) / 2
+    eta = np.linalg.solve(basis.stiffness[1:, 1:] - n**2 * form, n**2 * slope / 2)
+    start = scene.start(amplitudes=eta, angular_velocity=n * AXIS)
+    rates = scene.rates(0.0, start)
+    np.testing.assert_allclose(rates[-(6 + len(zero)) :], 0.0, atol=1e-11)
+    assert body.inertia(eta)[2] > body.inertia(zero)[2] + 1.0
+
+
+def test_the_damper_slows_heave_only():
+    scene = Scene(Body(RIGID), {"pto": PointDamper(8000.0)}, "planar")
+    start = scene.start(velocity=np.array([1.0, 2.0]), angular_velocity=np.array([0.5]))
+    end = scene.state(integrate(scene, start, np.array([0.0, 3.0]))[-1])
+    slowed = 2.0 * np.exp(-8000.0 * 3.0 / RIGID.total_mass)
+    np.testing.assert_allclose(end.velocity, [1.0, 0.0, slowed], rtol=1e-8)
+    np.testing.assert_allclose(end.angular_velocity, [0.0, 0.5, 0.0], rtol=1e-12)
+
+
+def test_structural_damping_damps_the_shell_as_rayleigh_says():
+    basis = BASES["membrane"]
+    scene = Scene(Body(basis), {"elastic": Elastic(basis), "structural_damping": StructuralDamping(basis)})
+    omega = basis.dry_frequencies[0]
+    ratio = basis.beta * omega / 2
+    damped = omega * np.sqrt(1 - ratio**2)
+    start = scene.start(amplitudes=0.1 * np.eye(len(basis.modes))[0])
+    time = np.linspace(0, 1, 5)
+    tail = np.cos(damped * time) + ratio * omega / damped * np.sin(damped * time)
+    expected = 0.1 * np.exp(-ratio * omega * time) * tail
+    np.testing.assert_allclose(integrate(scene, start, time)[:, 1], expected, atol=1e-8)
+    assert ratio > 0.02
+
+
+def test_rigid_motion_has_no_structural_damping():
+    basis = BASES["full"]
+    scene = Scene(Body(basis), {"structural_damping": StructuralDamping(basis)}, "free")
+    start = scene.start(velocity=np.ones(3))
+    np.testing.assert_array_equal(scene.rates(0.0, start)[-(6 + len(basis.modes)) :], 0.0)
+
+
+# --- conservation ---------------------------------------------------------------------------------------------------
+
+
+def drifts(scene, start, rtol):
+    """Relative drifts of energy, linear momentum and angular momentum."""
+    motion = integrate(scene, start, np.linspace(0, 0.6, 7), rtol, rtol * 1e-3)
+    body, states = scene.body, [scene.state(y) for y in motion]
+    kept = [
+        np.array([[sum(scene.energy(y))] for y in motion]),
+        np.array([body.linear_momentum(state) for state in states]),
+        np.array([body.angular_momentum(state) for state in states]),
+    ]
+    return np.array([np.abs(values - values[0]).max() / np.abs(values[0]).max() for values in kept])
+
+
+def test_a_tumbling_vibrating_body_keeps_energy_and_momenta(basis):
+    scene = Scene(body_of(basis), {"elastic": Elastic(basis)}, "free")
+    start = tumbling(scene, 8)
+    loose, tight = drifts(scene, start, 1e-6), drifts(scene, start, 1e-10)
+    assert tight.max() < 1e-8
+    assert loose[0] > 100 * tight[0]
+    assert loose[0] < 1e-3
+
+
+def test_the_motion_converges_with_the_tolerance():
+    basis = BASES["paper"]
+    scene = Scene(body_of(basis), {"elastic": Elastic(basis)}, "free")
+    start, time = tumbling(scene, 9), np.array([0.0, 0.6])
+    ends = [integrate(scene, start, time, rtol, rtol * 1e-3)[-1] for rtol in (1e-5, 1e-7, 1e-9, 1e-12)]
+    errors = [np.abs(end - ends[-1]).max() for end in ends[:-1]]
+    assert errors[0] > 10 * errors[1] > 100 * errors[2]
+    assert errors[2] < 1e-6
+
+
+def test_energy_is_kept_under_weight_too(basis):
+    scene = Scene(body_of(basis), {"weight": Weight(basis, G), "elastic": Elastic(basis)}, "planar")
+    start = tumbling(scene, 10)
+    energies = [sum(scene.energy(y)) for y in integrate(scene, start, np.linspace(0, 0.6, 4), 1e-10)]
+    np.testing.assert_allclose(energies, energies[0], rtol=1e-8)
+    assert abs(scene.forces["weight"].potential(scene.state(start))) > 1e3
+
+
+@pytest.mark.parametrize("force", [Weight, lambda basis, _: Elastic(basis)], ids=["weight", "elastic"])
+def test_a_conservative_force_is_minus_the_gradient_of_its_potential(basis, force):
+    """Power of the force = -d(potential)/dt along the motion of a free body."""
+    named = force(basis, G)
+    scene = Scene(body_of(basis), {}, "free")
+    y, h = tumbling(scene, 11), 1e-3
+    state = scene.state(y)
+    run = solve_ivp(scene.rates, (0, 4 * h), y, "DOP853", t_eval=h * np.arange(5), rtol=1e-13, atol=1e-14)
+    before = solve_ivp(scene.rates, (0, -4 * h), y, "DOP853", t_eval=-h * np.arange(5), rtol=1e-13, atol=1e-14)
+    ahead, behind = ([named.potential(scene.state(column)) for column in r.y.T] for r in (run, before))
+    steps = np.subtract(ahead, behind)
+    slope = (672 * steps[1] - 168 * steps[2] + 32 * steps[3] - 3 * steps[4]) / (840 * h)
+    assert named(0.0, state) @ state.quasi_velocities == pytest.approx(-slope, rel=1e-8)
+
+
+# --- attitude -------------------------------------------------------------------------------------------------------
+
+
+def test_the_quaternion_passes_where_euler_angles_lock():
+    w, time = np.array([0.0, 1.0, 0.0]), np.linspace(0, np.pi, 5)
+    free = Scene(Body(RIGID), {}, "free")
+    motion = integrate(free, free.start(angular_velocity=w), time, 1e-12)
+    half = time / 2
+    np.testing.assert_allclose(motion[:, 3:7], np.array([np.cos(half), 0 * half, np.sin(half), 0 * half]).T, atol=1e-10)
+    euler = Scene(Body(RIGID), {}, "free", "euler321")
+    with pytest.raises(StabilityError, match=r"t = 1\.56.*gimbal lock.*quaternion"):
+        integrate(euler, euler.start(angular_velocity=w), time)
+    with pytest.raises(StabilityError, match=r"t = 0 s.*gimbal lock"):
+        integrate(euler, euler.start(attitude=np.array([0.0, -np.pi / 2, 0.0])), time)
+    last = integrate(euler, euler.start(angular_velocity=w), np.array([0.0, 1.5]))[-1]
+    assert last[4] == pytest.approx(1.5, rel=1e-12)
+
+
+def test_quaternion_and_euler_angles_agree_before_the_lock():
+    basis = BASES["paper"]
+    forces = {"weight": Weight(basis, G), "elastic": Elastic(basis)}
+    scenes = [Scene(body_of(basis), forces, "free", attitude) for attitude in ("quaternion", "euler321")]
+    moving = {"angular_velocity": np.array([0.9, 0.8, -0.7]), "amplitudes": np.linspace(-0.05, 0.05, len(basis.modes))}
+    time = np.array([0.0, 0.8])
+    one, other = (s.state(integrate(s, s.start(**moving), time, 1e-11)[-1]) for s in scenes)
+    for a, b in zip(one, other, strict=True):
+        np.testing.assert_allclose(a, b, atol=1e-8)
+    assert np.abs(one.rotation - np.eye(3)).max() > 0.3
+
+
+def test_the_norm_of_the_quaternion_is_watched_not_patched():
+    scene = Scene(Body(RIGID, (4000.0, 7000.0)), {}, "free")
+    moving = {"angular_velocity": np.array([2.0, -1.0, 3.0])}
+    fine = integrate(scene, scene.start(**moving), np.linspace(0, 30, 4), 1e-11)
+    drift = np.abs(np.linalg.norm(fine[:, 3:7], axis=1) - 1)
+    assert 0 < drift.max() < 1e-8
+    with pytest.raises(StabilityError, match=r"norm 1 within 1e-06.*smaller rtol"):
+        integrate(scene, scene.start(**moving), np.linspace(0, 30, 4), 1e-4)
+    with pytest.raises(StabilityError, match=r"t = 0 s: received attitude \[2\. 0\. 0\. 0\.\]"):
+        integrate(scene, scene.start(attitude=np.array([2.0, 0, 0, 0])), np.array([0.0, 1.0]))
+
+
+# --- refusals -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("pair", [(1.0, 2.1), (1.0, -0.1), (0.0, 1.0), (np.nan, 0.0), (np.inf, 1.0)])
+def test_impossible_ballast_is_refused(pair):
+    with pytest.raises(ValueError, match=r"ballast_inertia: received .*needs \(transverse, axial\)"):
+        Body(RIGID, pair)
+
+
+@pytest.mark.parametrize("motions", [np.eye(3), np.eye(4)[:, ::-1], np.ones((4, 2))])
+def test_motions_that_mix_heave_and_modes_are_refused(motions):
+    basis = mode_basis(DEVICE, "membrane", 2)
+    with pytest.raises(ValueError, match=r"motions: received .*needs \(4, free\).*ModeBasis.clamped"):
+        Scene(Body(basis), motions=motions)
+
+
+def test_a_start_of_the_wrong_size_is_refused():
+    scene = Scene(Body(RIGID), {}, "planar")
+    with pytest.raises(ValueError, match=r"received velocity \(3,\), a planar scene needs .*'velocity': 2"):
+        scene.start(velocity=np.ones(3))
+    with pytest.raises(ValueError, match=r"received speed \(2,\), a planar scene needs"):
+        scene.start(speed=np.ones(2))
+    with pytest.raises(ValueError, match=r"received state \(5,\), a planar scene needs \(6,\): use Scene.start"):
+        scene.rates(0.0, np.zeros(5))
+
+
+def test_a_motion_that_blows_up_is_reported():
+    def runaway(time, state):
+        return RIGID.total_mass * state.velocity[2] ** 3 * np.eye(6)[2]
+
+    scene = Scene(Body(RIGID), {"runaway": runaway})
+    with pytest.raises(StabilityError, match=r"no step reaches t = 1 s .*bounded forces"):
+        integrate(scene, scene.start(velocity=np.ones(1)), np.array([0.0, 1.0]))

@@ -1,0 +1,130 @@
+"""Hydrostatics and Froude-Krylov forces on the instantaneous wet shell, with linear radiation and diffraction."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import varied
+
+from vsb.errors import ConvergenceError
+from vsb.integrators.exact import propagate
+from vsb.integrators.exponential import integrate
+from vsb.integrators.trajectory import energies, residual, simulate
+from vsb.motion.scene import Damper, Excitation, Spring, body_exact_plant, linear_plant
+from vsb.scenes.rest import reference_shell
+from vsb.shell.deformed import DeformedShell
+from vsb.shell.modes import design_motions, study_basis
+from vsb.waves.seas import NO_WAVES, Sea
+
+OMEGA = 2 * np.pi / 3.0
+
+
+@pytest.fixture(scope="module")
+def parts(coarse, buoy_of, radiation_of):
+    """Function (study, design) -> buoy with its attributes, shape, radiation model, motions."""
+
+    def build(study, design):
+        buoy, basis = buoy_of(study), study_basis(study)
+        attrs = {"gravity": 9.81, "water_depth": "inf", "water_density": 1025.0}
+        buoy = replace(buoy, database=buoy.database.assign_attrs(attrs))
+        shape = DeformedShell(basis, study.centre_height, reference_shell(study).amplitudes)
+        return buoy, shape, radiation_of(study), design_motions(study, basis, design)
+
+    return build
+
+
+def swell(amplitude):
+    return Sea(np.array([OMEGA]), np.array([amplitude + 0j]))
+
+
+def scene(parts, study, design, sea):
+    buoy, shape, radiation, motions = parts(study, design)
+    return body_exact_plant(buoy, shape, radiation, sea, motions)
+
+
+def exact_linear(parts, study, design, amplitude):
+    """The linear scene with the Froude-Krylov force of the smooth shell in place of the panels'."""
+    buoy, shape, radiation, motions = parts(study, design)
+    linear = linear_plant(buoy, radiation, swell(amplitude), motions)
+    tiny = 1e-6
+    water = body_exact_plant(buoy, shape, radiation, swell(tiny), motions).water
+
+    def head(wave, time):
+        from vsb.motion.froude_krylov import wave_forces
+
+        return wave_forces(water.shell.shape, water.rest[None], wave, np.array([time]))[0]
+
+    still = water.shell.forces(water.rest[None])[0][0]
+    quarter = np.pi / 2 / OMEGA
+    smooth = (head(water.waves, 0.0) - still) / tiny + 1j * (head(water.waves, quarter) - still) / tiny
+    force = amplitude * (water.specific_weight * smooth + buoy.diffraction(np.array([OMEGA]))[0])
+    return replace(linear, forces={**linear.forces, "excitation": Excitation(np.array([OMEGA]), force[None])})
+
+
+@pytest.mark.parametrize("design", ["FSB", "VSWEC"])
+def test_small_motion_is_that_of_linear_theory(parts, coarse, design):
+    """About the equilibrium of a shell that carries its load; the difference falls with the wave's amplitude."""
+    study = varied(coarse, device={"young_modulus": 1e12}, modes={"degree": 3}) if design == "VSWEC" else coarse
+    time = np.linspace(0.0, 20.0, 801)
+    errors, amplitudes = [], np.array([0.08, 0.04, 0.02, 0.01])
+    for a in amplitudes:
+        plant = scene(parts, study, design, swell(a))
+        linear = propagate(exact_linear(parts, study, design, a), time, plant.start(0.0, 0.0))
+        motion, _ = integrate(plant, time, plant.start(0.0, 0.0), 1e-9)
+        errors.append(np.abs(motion.position[:, 0] - linear.position[:, 0]).max() / a)
+    slopes = np.diff(np.log(errors)) / np.diff(np.log(amplitudes))
+    assert errors[-1] < 2e-3, errors
+    assert np.all((slopes > 0.8) & (slopes < 2.2)), (errors, slopes)
+
+
+def test_a_vented_shell_rests_deformed_and_stays_at_rest(parts, coarse):
+    plant = scene(parts, coarse, "VSWEC", NO_WAVES)
+    assert -0.25 < plant.origin[0] < -0.15  # it has shrunk, and sunk
+    motion, _ = integrate(plant, np.linspace(0.0, 10.0, 401), plant.start(0.0, 0.0), 1e-8)
+    assert np.abs(motion.position - plant.origin).max() < 1e-8
+
+
+@pytest.mark.parametrize("design", ["FSB", "VSWEC", "VSWEC90"])
+def test_energy_audit_closes(parts, coarse, design):
+    plant = scene(parts, coarse, design, swell(0.2))
+    motion, _, method = simulate(plant, swell(0.2), coarse.simulation, None)
+    energy = energies(plant, motion)
+    assert residual(energy) < 1e-6
+    assert "exponential Adams" in method
+    assert energy["wave"][-1] > 0
+    assert np.all(np.diff(energy["radiated"]) >= 0)
+
+
+def test_forces_of_the_scene_are_those_it_has(parts, coarse):
+    rigid = scene(parts, coarse, "FSB", swell(0.1))
+    assert set(rigid.forces) == {"radiation", "pto", "water", "weight", "diffraction"}
+    shell = scene(parts, coarse, "VSWEC", NO_WAVES)
+    assert set(shell.forces) == {"radiation", "pto", "water", "weight", "elastic", "structural_damping"}
+    assert shell.water.waves is None
+
+
+def test_newtons_law_holds_at_every_instant(parts, coarse):
+    """M q'' = sum of the named forces, in the motions the design allows."""
+    from vsb.integrators.trajectory import forces
+
+    plant = scene(parts, coarse, "VSWEC90", swell(0.3))
+    motion, _ = integrate(plant, np.linspace(0.0, 8.0, 321), plant.start(0.1, -0.5), 1e-9)
+    total = sum(forces(plant, motion).values()) @ plant.motions
+    inertia = motion.acceleration @ (plant.motions.T @ plant.mass @ plant.motions)
+    assert np.abs(inertia - total).max() < 1e-8 * np.abs(total).max()
+
+
+def test_a_shell_too_soft_to_rest_is_refused(parts, coarse):
+    buoy, shape, radiation, motions = parts(coarse, "VSWEC")
+    soft = buoy.database.assign(structural_stiffness=1e-3 * buoy.database.structural_stiffness)
+    with pytest.raises(ConvergenceError, match=r"does not come to rest.*internal_pressure"):
+        body_exact_plant(replace(buoy, database=soft), shape, radiation, NO_WAVES, motions)
+
+
+def test_springs_and_dampers_are_those_of_the_linear_scene(parts, coarse):
+    buoy, shape, radiation, motions = parts(coarse, "VSWEC0")
+    exact = body_exact_plant(buoy, shape, radiation, NO_WAVES, motions)
+    linear = linear_plant(buoy, radiation, NO_WAVES, motions)
+    difference = linear.total(Spring) - exact.total(Spring)
+    assert difference == pytest.approx(motions.T @ exact.water.tangent @ motions)
+    assert linear.total(Damper) == pytest.approx(exact.total(Damper))

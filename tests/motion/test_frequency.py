@@ -1,0 +1,96 @@
+import numpy as np
+import pytest
+from conftest import varied
+
+from vsb.errors import DatabaseError
+from vsb.motion.frequency import frequency_grid
+from vsb.shell.modes import design_motions, study_basis
+from vsb.waves.seas import power_limit
+
+
+def power(buoy_of, study, design, omega):
+    buoy = buoy_of(study)
+    return buoy.absorbed_power(omega, buoy.rao(omega, design_motions(study, study_basis(study), design)))
+
+
+@pytest.fixture(scope="module")
+def published(seed):
+    """The seed's buoy with c = 6000 N s/m and full resolution."""
+    return varied(seed, pto={"damping": 6000.0})
+
+
+def test_absorbed_power_of_the_seed(buoy_of, published):
+    """Independent semi-analytic estimate: 17.2 and 9.96 kW/m^2 rigid; about +39 % and -37 % for the free shell."""
+    omega = np.array([2.0, 2 * np.pi / 2.5])
+    rigid, free = (power(buoy_of, published, design, omega) for design in ("FSB", "VSWEC"))
+    assert rigid == pytest.approx([17.2e3, 9.96e3], rel=5e-3)
+    assert 100 * (free / rigid - 1) == pytest.approx([39.0, -37.0], abs=1.0)
+
+
+def test_stiff_shell_is_the_rigid_buoy(buoy_of, coarse):
+    omega = np.linspace(0.5, 6.0, 23)
+    gains = []
+    for modulus in (1e9, 1e11, 1e13):
+        study = varied(coarse, device={"young_modulus": modulus, "damping": {"alpha": 0.0, "beta": 0.0}})
+        gains.append(np.abs(power(buoy_of, study, "VSWEC", omega) / power(buoy_of, study, "FSB", omega) - 1).max())
+    assert gains[2] < 1e-5
+    assert gains[0] / gains[1] == pytest.approx(100, rel=0.2)  # flexibility is first order in 1/E
+    assert gains[1] / gains[2] == pytest.approx(100, rel=0.2)
+
+
+def test_no_design_exceeds_the_limit(buoy_of, coarse):
+    omega = np.linspace(0.5, 8.0, 76)
+    limit = np.array([power_limit(w, np.inf, 1025.0, 9.81) for w in omega])
+    for design in coarse.designs:
+        assert (power(buoy_of, coarse, design, omega) / limit).max() < 1.01
+
+
+def test_optimal_damping_at_resonance_reaches_the_limit(buoy_of, coarse):
+    frequency = buoy_of(coarse).natural_modes(np.eye(8, 1))[0][0]
+    at = np.array([frequency])
+    damping = buoy_of(coarse).coefficients(at).damping[0, 0, 0]
+    best = power(buoy_of, varied(coarse, pto={"damping": float(damping)}), "FSB", at)[0]
+    assert best == pytest.approx(power_limit(frequency, np.inf, 1025.0, 9.81), rel=1e-2)
+
+
+def test_low_frequency_buoy_follows_the_wave(buoy_of, coarse):
+    rao = buoy_of(coarse).rao(np.array([0.2]), np.eye(8, 1))[0, 0]
+    assert rao == pytest.approx(1.0, abs=0.02)
+
+
+def test_rigid_wet_frequency_solves_its_own_equation(buoy_of, coarse):
+    buoy = buoy_of(coarse)
+    (frequency,), (ratio,) = buoy.natural_modes(np.eye(8, 1))
+    added = buoy.coefficients(np.array([frequency])).added_mass[0, 0, 0]
+    assert frequency == pytest.approx(np.sqrt(buoy.stiffness[0, 0] / (buoy.mass[0, 0] + added)), rel=1e-3)
+    assert 0.1 < ratio < 0.2
+
+
+def test_water_lowers_the_breathing_mode_to_the_published_range(buoy_of, coarse):
+    """Half submerged: from 51 rad/s dry to about 13-17 rad/s wet (semi-analytic estimate)."""
+    frequencies, _ = buoy_of(coarse).natural_modes(np.eye(8))
+    assert np.sum((frequencies > 13) & (frequencies < 17)) == 1
+    full = varied(coarse, modes={"basis": "full"})
+    soft, _ = buoy_of(full).natural_modes(np.eye(13))
+    assert np.sum((soft > 5) & (soft < 11)) >= 2
+
+
+def test_clamped_shells_do_not_move_at_the_clamp(buoy_of, coarse):
+    basis = study_basis(coarse)
+    for design, colatitude in (("VSWEC0", 0.0), ("VSWEC90", np.pi / 2)):
+        rao = buoy_of(coarse).rao(np.array([2.0]), design_motions(coarse, basis, design))[0]
+        assert np.abs(basis.clamp_rows([colatitude]) @ rao).max() < 1e-12
+
+
+def test_outside_the_band_is_refused(buoy_of, coarse):
+    with pytest.raises(DatabaseError, match=r"database holds 0.1 to 9.6 rad/s; raise hydro.omega_max"):
+        buoy_of(coarse).coefficients(np.array([11.0]))
+
+
+def test_grid_holds_what_is_asked_for():
+    grid = frequency_grid(0.1, 0.1, 12.0, [2.5132741, 2.0])
+    assert grid[0] == 0.1
+    assert grid[-1] == 12.0
+    assert 2.5132741 in grid
+    assert len(grid) == len(set(grid))
+    assert np.all(np.diff(grid) > 0)

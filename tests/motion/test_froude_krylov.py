@@ -1,0 +1,113 @@
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.special import j0
+
+from vsb.motion.froude_krylov import _bessel, incident, rotated, wave_force, wave_forces
+from vsb.motion.wetted import WetShell
+from vsb.shell.modes import mode_basis
+from vsb.waves.seas import NO_WAVES, Sea
+
+G, OMEGA = 9.81, 2 * np.pi / 2.5
+K = OMEGA**2 / G
+
+
+@pytest.fixture(scope="module")
+def full(seed):
+    return mode_basis(seed.device, "full", 6)
+
+
+def swell(amplitude, depth=np.inf, omega=OMEGA):
+    return incident(Sea(np.array([omega]), np.array([amplitude + 0j])), depth, G, 2.0)
+
+
+def force(basis, height, q, waves, time=0.0, **changes):
+    shape = WetShell(basis, height).shape._replace(**changes)
+    out = np.empty(len(q))
+    wave_force(shape, q, waves, rotated(waves, time), out)
+    return out
+
+
+def deformed(basis):
+    q = np.zeros(len(basis.labels))
+    q[[0, 1, 3, 9]] = 0.1, 0.05, -0.08, 0.06
+    return q
+
+
+def test_bessel_table_is_good_to_nine_digits():
+    table = incident(Sea(np.array([12.0]), np.array([1.0 + 0j])), np.inf, G, 2.0).bessel
+    for argument in np.linspace(0.0, 50.0, 997):
+        assert _bessel(table, argument) == pytest.approx(j0(argument), abs=1e-9)
+
+
+@pytest.mark.parametrize("height", [-2.6, -0.7, 0.0, 0.4, 2.6])
+def test_without_waves_it_is_the_force_of_still_water(full, height):
+    q = deformed(full)
+    still = incident(NO_WAVES, np.inf, G, 2.0)
+    assert force(full, height, q, still) == pytest.approx(WetShell(full, height).forces(q[None])[0][0], abs=1e-12)
+    assert force(full, height, q, swell(0.0)) == pytest.approx(WetShell(full, height).forces(q[None])[0][0], abs=1e-12)
+
+
+def test_small_waves_give_the_linear_froude_krylov_force(full):
+    """Heave of the hemisphere, int J_0(kx) e^(kz) n_z dS; its error falls with the square of the amplitude."""
+    exact = (
+        -2 * np.pi * quad(lambda c: j0(K * 2 * np.sqrt(1 - c * c)) * np.exp(2 * K * c) * 4 * c, -1, 0, epsabs=1e-13)[0]
+    )
+    q = np.zeros(len(full.labels))
+    still = force(full, 0.0, q, swell(0.0))
+    amplitudes = np.array([0.08, 0.04, 0.02, 0.01])
+    errors = []
+    for a in amplitudes:
+        crest, trough = (force(full, 0.0, q, swell(s * a))[0] for s in (1, -1))
+        errors.append([abs((crest - still[0]) / a - exact), abs((crest - trough) / (2 * a) - exact)])
+    slopes = np.diff(np.log(errors), axis=0) / np.diff(np.log(amplitudes))[:, None]
+    assert np.all(np.abs(slopes - 2.0) < 0.1), slopes
+
+
+def test_finite_depth_has_its_own_profile_and_deep_water_as_its_limit(full):
+    q = deformed(full)
+    deep = force(full, 0.1, q, swell(0.1))
+    assert force(full, 0.1, q, swell(0.1, depth=200.0)) == pytest.approx(deep, abs=1e-10)
+    shallow = swell(0.1, depth=4.0, omega=1.0)
+    k = shallow.wavenumber[0]
+    assert pytest.approx(G * k * np.tanh(4 * k)) == 1.0
+    exact = quad(
+        lambda c: j0(k * 2 * np.sqrt(1 - c * c)) * np.cosh(k * (2 * c + 4)) / np.cosh(4 * k) * 4 * c,
+        -1,
+        0,
+        epsabs=1e-13,
+    )[0]
+    zero = np.zeros(len(full.labels))
+    crest, trough = (force(full, 0.0, zero, swell(a, depth=4.0, omega=1.0))[0] for a in (1e-5, -1e-5))
+    assert (crest - trough) / 2e-5 == pytest.approx(-2 * np.pi * exact, rel=1e-7)
+
+
+@pytest.mark.parametrize("time", [0.0, 0.4, 1.1])
+def test_quadrature_of_the_shell_in_waves_has_converged(full, time):
+    q = deformed(full)
+    node, weight = np.polynomial.legendre.leggauss(80)
+    waves = swell(0.4)
+    assert force(full, 0.2, q, waves, time) == pytest.approx(
+        force(full, 0.2, q, waves, time, node=node, weight=weight), abs=1e-8
+    )
+
+
+def test_a_crest_that_closes_over_the_buoy_and_a_trough_that_leaves_it_dry(full):
+    zero = np.zeros(len(full.labels))
+    long_wave = {"omega": 0.3}
+    assert force(full, 1.9, zero, swell(-3.0, **long_wave)) == pytest.approx(0.0, abs=1e-12)
+    drowned = force(full, -1.9, zero, swell(5.0, **long_wave))
+    assert drowned[0] == pytest.approx(4 / 3 * np.pi * 8, rel=0.05)  # Archimedes, but for the wave's own gradient
+
+
+def test_force_is_continuous_as_the_wave_passes_the_top(full):
+    zero = np.zeros(len(full.labels))
+    heights = np.linspace(1.9, 2.1, 401)
+    heave = np.array([force(full, 0.0, zero, swell(a, omega=0.3))[0] for a in heights])
+    assert np.abs(np.diff(heave, 2)).max() < 1e-3 * np.ptp(heave)
+
+
+def test_along_a_motion(full):
+    q, time, waves = np.tile(deformed(full), (3, 1)), np.array([0.0, 0.5, 1.0]), swell(0.2)
+    series = wave_forces(WetShell(full, 0.2).shape, q, waves, time)
+    assert series[1] == pytest.approx(force(full, 0.2, q[1], waves, 0.5), abs=1e-14)

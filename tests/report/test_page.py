@@ -1,0 +1,154 @@
+import numpy as np
+import xarray as xr
+
+from vsb.report.page import (
+    Report,
+    band_statements,
+    irregular_statements,
+    render,
+    sea_statements,
+    statistics_table,
+    table,
+    warnings,
+    winning_bands,
+)
+
+OMEGA = np.linspace(0.5, 4.0, 351)
+
+
+def response(**gains):
+    """Absorbed power: rigid a bump at 2 rad/s, the others times (1 + gain)."""
+    base = np.exp(-((OMEGA - 2.0) ** 2))
+    power = np.array([base, *((1 + gain) * base for gain in gains.values())])
+    return xr.Dataset(
+        {"absorbed_power": (("design", "omega"), power)}, coords={"design": ["FSB", *gains], "omega": OMEGA}
+    )
+
+
+def row(design, power, wave="w"):
+    values = dict.fromkeys(("displacement_pp", "velocity_pp", "power_peak", "energy", "energy_residual"), "1.0")
+    return {
+        "design": design,
+        "wave": wave,
+        "power_mean": str(power),
+        "capture_width": "",
+        "energy_gain_percent": "2",
+        **values,
+    }
+
+
+CHECKS = [
+    {
+        "name": "buckling",
+        "design": "",
+        "wave": "",
+        "value": 66.4,
+        "limit": 1.0,
+        "unit": "-",
+        "verdict": "fail",
+        "explanation": "<p> & why",
+    },
+    {
+        "name": "heave",
+        "design": "A",
+        "wave": "w",
+        "value": 0.4,
+        "limit": 0.3,
+        "unit": "-",
+        "verdict": "doubt",
+        "explanation": "large",
+    },
+]
+
+
+def test_winning_bands_are_the_intervals_above_the_threshold():
+    gain = np.where(OMEGA < 1.0, 20.0, np.where((OMEGA > 2.0) & (OMEGA < 3.0), 5.0 + OMEGA, -10.0))
+    first, second = winning_bands(OMEGA, gain)
+    assert (first.start, first.gain) == (0.5, 20.0)
+    assert abs(second.at - 2.99) < 1e-9
+    assert winning_bands(OMEGA, -np.ones_like(OMEGA)) == []
+
+
+def test_statements_name_gains_losses_and_ties():
+    text = band_statements(response(wins=0.3, loses=-0.2, same=0.001), "FSB")
+    assert text[0].startswith("wins absorbs more in waves of")
+    assert "+30 %" in text[0]
+    assert "less" not in text[0]
+    assert "less in waves of" in text[1]
+    assert "-20 %" in text[1]
+    assert text[2] == "same: the same within 1 % everywhere."
+
+
+def test_no_reference_and_no_power_are_said_plainly():
+    assert "No rigid design" in band_statements(response(a=0.1), None)[0]
+    assert "no power take-off damping" in band_statements(0 * response(a=0.1), "FSB")[0]
+
+
+def test_the_best_design_of_each_sea():
+    rows = [
+        row("FSB", 100),
+        row("A", 120),
+        row("FSB", 50, "v"),
+        row("A", 40, "v"),
+        row("FSB", 0, "z"),
+        row("A", 0, "z"),
+    ]
+    text = sea_statements(rows, "FSB", {"w": "a swell", "v": "a chop", "z": "still water"})
+    assert text[0] == "In a swell, A absorbs most: 120 W on average (against FSB: A +20.0 %)."
+    assert text[1] == "In a chop, the rigid FSB absorbs most: 50 W on average (against FSB: A -20.0 %)."
+    assert text[2] == "In still water, no design absorbs power on average."
+
+
+def test_failures_are_for_the_head_of_the_page():
+    assert warnings(CHECKS) == ["buckling: 66.4, limit 1 (<p> & why)"]
+
+
+def test_what_does_not_exist_is_a_dash():
+    head, body = table([row("FSB", 100)])
+    assert len(head) == len(body[0])
+    assert body[0][head.index("capture width [m]")] == "-"
+    assert body[0][head.index("energy gain [%]")] == "+2.0"
+
+
+def test_page_is_self_contained_and_escaped():
+    page = render(
+        Report({"study": "s", "published": None, "pto": {"damping": 10.0}}, {"w": "a swell"}, [row("FSB", 100), row("A", 120)], CHECKS, response(A=0.2), "FSB",
+               {"absorbed_power": "<?xml?><svg>x</svg>"}, {"Program": "vsb"})
+    )  # fmt: skip
+    assert (
+        page.index("A absorbs most") < page.index("do not trust") < page.index("Evidence") < page.index("What to doubt")
+    )
+    assert "&lt;p&gt; &amp; why" in page
+    assert "<?xml" not in page
+    assert "src=" not in page
+    assert "1 further point is in doubt" in page
+
+
+LINE = {
+    "design": "A", "sea": "noise", "realisations": "4", "batches": "40", "power_mean": "120", "power_low": "110",
+    "power_high": "130", "power_linear": "125", "gain_percent": "20", "gain_low": "18.04", "gain_high": "21.96",
+}  # fmt: skip
+BASE = {**LINE, "design": "FSB", "power_mean": "100", "gain_percent": "0", "gain_low": "0", "gain_high": "0"}
+SHORT = {**LINE, "power_low": "", "power_high": "", "gain_low": "", "gain_high": ""}
+
+
+def test_irregular_seas_are_answered_with_the_interval_of_the_gain():
+    (text,) = irregular_statements([BASE, LINE], "FSB", {"noise": "white noise"})
+    assert text == "In white noise, FSB absorbs 100 W, A absorbs 120 W (+20.0 %; 95 %: +18.0 to +22.0 %)."
+    assert irregular_statements([SHORT], "FSB", {"noise": "it"}) == ["In it, A absorbs 120 W (+20.0 %)."]
+
+
+def test_table_of_irregular_seas_has_a_dash_for_what_does_not_exist():
+    first, short = statistics_table([LINE, SHORT])
+    assert first == ["A", "noise", "4", "40", "120", "110 to 130", "125", "+20.0", "+18.0 to +22.0"]
+    assert (short[5], short[8]) == ("-", "-")
+
+
+def test_realisations_of_a_sea_are_not_answered_one_by_one():
+    page = render(
+        Report({"study": "s", "published": None, "pto": {"damping": 10.0}}, {"noise": "white noise"},
+               [{**row("FSB", 100), "wave": "noise_s1"}], CHECKS, None, "FSB", {}, {}, ["noise_s1"], [BASE, LINE])
+    )  # fmt: skip
+    assert "In white noise, FSB absorbs 100 W" in page
+    assert "Irregular seas" in page
+    assert "In noise_s1" not in page

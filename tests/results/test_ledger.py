@@ -1,0 +1,121 @@
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+from conftest import varied
+
+from vsb.hydro.database import Check
+from vsb.results import ledger
+from vsb.results.ledger import largest_displacement, largest_strain, static_amplitudes, with_full_basis
+from vsb.scenes.rest import reference_shell
+from vsb.shell.deformed import DeformedShell
+from vsb.shell.modes import mode_basis, study_basis
+from vsb.study.study import Jonswap, RegularWave, StillWater, Water, WhiteNoise
+
+
+def test_the_vented_shell_of_the_seed_is_not_viable(seed):
+    """Keel pressure about 20 kPa over the classical 303 Pa."""
+    buckling, computed, static, strain = ledger.shell_checks(seed, reference_shell(seed))
+    assert (buckling.name, buckling.verdict) == ("buckling", "fail")
+    assert (computed.name, computed.verdict) == ("computed_buckling", "fail")
+    assert computed.value == pytest.approx(1 / 0.018667, rel=1e-3)
+    assert "viable from device.internal_pressure = 1.6" in computed.explanation
+    assert strain.verdict == "doubt"
+    assert buckling.value == pytest.approx(1025 * 9.81 * seed.draft / 302.6138, rel=1e-4)
+    assert static.value * 2.0 == pytest.approx(0.137, abs=0.001)
+    rigid = varied(seed, designs={"FSB": {"flexible": False}})
+    assert ledger.shell_checks(rigid, reference_shell(rigid)) == []
+
+
+def test_static_amplitudes_balance_the_load_to_first_order(seed):
+    basis = study_basis(seed)
+    static = static_amplitudes(seed, reference_shell(seed))
+    assert static[1] == pytest.approx(-0.06, abs=0.02)  # the breathing mode is squeezed by about 6 cm
+
+    def unbalance(scale):
+        shell = DeformedShell(basis, seed.centre_height, scale * static)
+        load = shell.hydrostatic_force(1025.0, 9.81) - 9.81 * basis.inertia[0]
+        return np.abs(load - basis.stiffness @ (scale * static)).max()
+
+    rest = DeformedShell(basis, seed.centre_height).hydrostatic_force(1025.0, 9.81) - 9.81 * basis.inertia[0]
+    assert unbalance(1.0) < 0.1 * np.abs(rest).max()
+
+
+def test_strain_and_displacement_of_breathing(seed):
+    basis = study_basis(seed)
+    breathing = np.array([9.9, 0.1, 0, 0, 0, 0, 0, 0])  # heave does not strain
+    assert largest_strain(basis, breathing) == pytest.approx(0.05)
+    assert largest_displacement(basis, breathing) == pytest.approx(0.1)
+
+
+def test_waves_are_checked_for_steepness_and_band():
+    mild, steep = (RegularWave(kind="regular", amplitude=a, period=4.0) for a in (0.1, 1.0))
+    assert ledger.wave_checks(mild, Water(), 12.0)[0].value == pytest.approx(0.2 / (9.81 * 16 / (2 * np.pi)))
+    assert ledger.wave_checks(steep, Water(), 12.0)[0].verdict == "doubt"
+    cut = ledger.wave_checks(Jonswap(kind="jonswap", hs=0.5, tp=4.0), Water(), 2.0)[1]
+    assert cut.name.startswith("spectrum_cut")
+    assert cut.verdict != "ok"
+    assert ledger.wave_checks(StillWater(kind="still"), Water(), 12.0) == []
+
+
+def test_ledger_is_plain_json():
+    data = json.loads(ledger.ledger_json("s", [Check("buckling", 66.0, 1.0, "-", "fail", "why")]))
+    assert data["checks"][0] == {
+        "name": "buckling", "design": "", "wave": "", "value": 66.0, "limit": 1.0, "unit": "-", "verdict": "fail", "explanation": "why",
+    }  # fmt: skip
+
+
+def test_full_basis_without_bem_equals_the_full_database(buoy_of, coarse):
+    wider, _ = with_full_basis(buoy_of(coarse).database, coarse)
+    full = buoy_of(varied(coarse, modes={"basis": "full"})).database
+    assert list(wider.influenced_dof.values) == list(mode_basis(coarse.device, "full", 6).labels)
+    for name in ("added_mass", "radiation_damping", "excitation_force", "inertia_matrix", "hydrostatic_stiffness"):
+        assert wider[name].values == pytest.approx(
+            full[name].values, rel=1e-9, abs=1e-9 * np.abs(full[name].values).max()
+        )
+
+
+def test_leaving_the_bending_modes_out_is_reported(buoy_of, coarse):
+    checks = ledger.bending_checks(coarse, buoy_of(coarse).database)
+    assert [check.design for check in checks] == ["VSWEC", "VSWEC0", "VSWEC90"]
+    assert checks[0].verdict == "fail"
+    assert "with modes.basis: full" in checks[0].explanation
+    assert ledger.bending_checks(varied(coarse, modes={"basis": "full"}), buoy_of(coarse).database) == []
+
+
+def run_with(**attrs):
+    return xr.Dataset(attrs=attrs)
+
+
+def test_a_transient_left_in_the_window_shows():
+    runs = {(d, "w"): run_with(steady_power=100.0, steady_decay=0.5) for d in "AB"} | {
+        ("C", "w"): run_with(no_steady_state="grows"), ("D", "w"): run_with()
+    }  # fmt: skip
+    rows = [{"design": d, "wave": "w", "power_mean": p} for d, p in zip("ABCD", (100.1, 103.0, 5.0, 5.0), strict=True)]
+    near, far, none = ledger.transient_checks(runs, rows)
+    assert (near.verdict, far.verdict, none.verdict) == ("ok", "fail", "doubt")
+    assert near.value == pytest.approx(1e-3)
+    assert "a period leaves 0.5 of a transient" in far.explanation
+    assert "grows" in none.explanation
+
+
+def test_what_the_automatic_model_left_out_is_in_the_ledger_with_its_error(seed):
+    study = varied(seed, hydro={"model": "auto"}, designs={"FSB": {"flexible": False}, "VSWEC": {}})
+    (wave,) = study.waves
+    left_out = json.dumps([{"what": "shell_modes", "error": 0.002}])
+    common = {"description": "linear, rigid, 8 memory states", "left_out": left_out}
+    runs = {
+        ("FSB", wave.label): run_with(power_error=0.002, **common),
+        ("VSWEC", wave.label): run_with(power_error=0.02, **common),
+    }
+    fixed, flexible, gain = ledger.simplification_checks(study, wave, runs)
+    assert (fixed.verdict, flexible.verdict) == ("ok", "fail")
+    assert fixed.explanation.endswith("described as linear, rigid, 8 memory states; left out: shell modes 2.0e-03")
+    assert (gain.design, gain.value, gain.verdict) == ("VSWEC", pytest.approx(0.022), "fail")
+
+
+def test_white_noise_beyond_the_band_is_cut():
+    wave = WhiteNoise(kind="white_noise", hs=0.5, band=(1.0, 3.0))
+    (_, cut) = ledger.wave_checks(wave, Water(), 2.0)
+    assert cut.value == pytest.approx(0.5, abs=0.01)

@@ -1,0 +1,56 @@
+import numpy as np
+import pytest
+import xarray as xr
+
+from vsb.results.power import averaging_window, energy_flux, merit
+from vsb.study.study import RegularWave, StillWater, Water
+from vsb.waves.seas import Sea, power_limit, regular
+
+WAVE = RegularWave(kind="regular", amplitude=0.5, period=4.0)
+
+
+def harmonic_run(velocity=2.0, damping=100.0, period=4.0):
+    """Heave velocity 2 cos(wt) on a damper of 100 N s/m, with its exact absorbed energy."""
+    time = np.linspace(0.0, 40.0, 4001)
+    w = 2 * np.pi / period
+    v = velocity * np.cos(w * time)
+    energy = damping * velocity**2 * (time / 2 + np.sin(2 * w * time) / (4 * w))
+    motion = ("time", "dof")
+    return xr.Dataset(
+        {
+            "position": (motion, velocity / w * np.sin(w * time)[:, None]),
+            "velocity": (motion, v[:, None]),
+            "pto": (motion, -damping * v[:, None]),
+            "energy": (("time", "term"), energy[:, None]),
+        },
+        coords={"time": time, "dof": ["Heave"], "term": ["pto"]},
+    )
+
+
+def test_harmonic_motion_in_closed_form():
+    found = merit(harmonic_run(), WAVE, regular(WAVE), Water(), (21.0, 39.9))
+    assert found.displacement_pp == pytest.approx(2 * 2.0 / (np.pi / 2), rel=1e-5)
+    assert found.velocity_pp == pytest.approx(4.0, rel=1e-5)
+    assert found.power_peak == pytest.approx(400.0, rel=1e-5)
+    assert found.power_mean == pytest.approx(200.0, rel=1e-8)  # over whole periods, whatever the window
+    assert found.energy == pytest.approx(100 * 4 * 20.0, rel=1e-6)
+    assert found.capture_width == pytest.approx(200.0 / (1025 * 9.81**2 * 0.25 / (4 * np.pi / 2)), rel=1e-8)
+
+
+def test_capture_width_of_the_limit_is_a_wavelength_over_two_pi():
+    water, omega = Water(), WAVE.omega
+    limit = power_limit(omega, np.inf, water.density, water.gravity) * 0.25
+    assert limit / energy_flux(regular(WAVE), water) == pytest.approx(9.81 / omega**2)
+
+
+def test_still_water_has_no_capture_width():
+    still = Sea(np.zeros(0), np.zeros(0, dtype=complex))
+    assert merit(harmonic_run(), StillWater(kind="still"), still, Water(), (20.0, 40.0)).capture_width is None
+
+
+@pytest.mark.parametrize(
+    ("window", "expected"), [((0.0, 9.0), (1.0, 9.0)), ((0.0, 8.0), (0.0, 8.0)), ((0.0, 3.0), (0.0, 3.0))]
+)
+def test_means_are_over_whole_periods_at_the_end(window, expected):
+    assert averaging_window(WAVE, window) == pytest.approx(expected)
+    assert averaging_window(StillWater(kind="still"), window) == window

@@ -1,0 +1,206 @@
+"""Mean power in irregular seas: intervals that hold what they promise, the spectral prediction, realisations."""
+
+import csv
+import io
+
+import numpy as np
+import pytest
+import xarray as xr
+from conftest import varied
+from hypothesis import given
+from hypothesis import strategies as st
+
+from vsb.results import statistics as seastatistics
+from vsb.results.statistics import Line, batch_means, gain_percent, interval, ratio_interval, statistics
+from vsb.study import study as config
+from vsb.waves.seas import Sea, sea
+
+DESIGNS = {"FSB": {"flexible": False}, "VSWEC": {}}
+
+
+def run_of(power, time):
+    """A run of which only the absorbed energy matters."""
+    energy = np.concatenate([[0.0], np.cumsum(0.5 * (power[1:] + power[:-1]) * np.diff(time))])
+    return xr.Dataset({"energy": (("time", "term"), energy[:, None])}, coords={"time": time, "term": ["pto"]})
+
+
+def resonator(omega, natural=1.6, ratio=0.05):
+    """Velocity per unit wave amplitude of a lightly damped resonator."""
+    return -1j * omega / (natural**2 - omega**2 - 2j * ratio * natural * omega)
+
+
+def resonant_power(waves, time):
+    """Power v^2 taken off the resonator by a sea, and what linear theory expects."""
+    velocity = resonator(waves.omega) * waves.amplitude
+    return np.real(np.exp(-1j * np.outer(time, waves.omega)) @ velocity) ** 2, float(
+        0.5 * np.sum(np.abs(velocity) ** 2)
+    )
+
+
+def test_interval_of_normal_samples_is_student_s():
+    # mean 2, standard deviation 1, nine samples: t(0.975, 8) = 2.306 (any table)
+    samples = 2 + np.array([-1.5, -1, -0.5, -0.5, 0, 0.5, 0.5, 1, 1.5])
+    samples = 2 + (samples - 2) / np.std(samples, ddof=1)
+    assert interval(samples) == pytest.approx((2.0, 2 - 2.306 / 3, 2 + 2.306 / 3), rel=1e-3)
+
+
+def test_interval_covers_the_mean_as_often_as_it_says():
+    drawn = np.random.default_rng(1).normal(5.0, 2.0, (4000, 8))
+    found = [interval(samples) for samples in drawn]
+    assert np.mean([low < 5.0 < high for _, low, high in found]) == pytest.approx(0.95, abs=0.015)
+
+
+@pytest.mark.parametrize("kind", [{"kind": "jonswap", "tp": 4.0}, {"kind": "white_noise", "band": (1.0, 2.5)}])
+def test_intervals_of_one_record_cover_the_expected_power(kind, coarse):
+    """A resonator of 5 % damping, 400 s records: about 95 in 100 intervals hold the spectral prediction."""
+    time, hits = np.linspace(0.0, 400.0, 2001), []
+    seas = [sea(varied(coarse, waves=[{**kind, "hs": 1.0, "seed": seed}]).waves[0], 4.0, 800.0) for seed in range(150)]
+    rotation, transfer = np.exp(-1j * np.outer(time, seas[0].omega)), resonator(seas[0].omega)
+    for waves in seas:
+        power = np.real(rotation @ (transfer * waves.amplitude)) ** 2
+        _, low, high = interval(batch_means(run_of(power, time), (40.0, 400.0), 40.0))
+        hits.append(low < 0.5 * np.sum(np.abs(transfer * waves.amplitude) ** 2) < high)
+    assert 0.88 <= np.mean(hits) <= 0.99
+
+
+def test_gains_are_sharper_than_powers_because_designs_meet_the_same_waves():
+    rng = np.random.default_rng(2)
+    base = rng.gamma(4.0, 100.0, 20)
+    better = 1.1 * base * (1 + 0.01 * rng.normal(size=20))
+    gain, low, high = gain_percent(better, base)
+    power = interval(better)
+    assert low < 10.0 < high
+    assert high - low < 0.1 * 100 * (power.high - power.low) / power.mean
+    assert gain == pytest.approx(100 * (better.mean() / base.mean() - 1), rel=1e-12)
+
+
+@given(st.lists(st.floats(1.0, 1e6), min_size=6, max_size=30), st.floats(0.1, 10.0))
+def test_a_design_k_times_as_good_gains_exactly_that(values, factor):
+    base = np.array(values)
+    ratio, low, high = ratio_interval(factor * base, base)
+    assert ratio == pytest.approx(factor, rel=1e-12)
+    assert high - low == pytest.approx(0.0, abs=1e-8 * factor * base.max() / base.mean())
+
+
+def test_too_few_batches_have_no_interval_and_nothing_over_nothing_no_gain():
+    assert interval(np.ones(seastatistics.FEWEST_BATCHES - 1)) == (1.0, None, None)
+    assert interval(np.arange(float(seastatistics.FEWEST_BATCHES))).low is not None
+    assert gain_percent(np.ones(8), None) == gain_percent(np.ones(8), np.zeros(8)) == (None, None, None)
+
+
+def test_batches_fill_the_window_and_average_to_its_mean():
+    time = np.linspace(0.0, 100.0, 2001)
+    power = 3 + np.sin(0.7 * time) ** 2
+    means = batch_means(run_of(power, time), (10.0, 95.0), 20.0)
+    assert len(means) == 4
+    inside = (time >= 10) & (time <= 95)
+    assert means.mean() == pytest.approx(np.trapezoid(power[inside], time[inside]) / 85.0, rel=1e-4)
+    assert len(batch_means(run_of(power, time), (10.0, 12.0), 20.0)) == 1
+
+
+@pytest.fixture
+def many(coarse):
+    """A study of three realisations and made-up runs in which VSWEC takes 1.2 times what FSB takes."""
+    study = varied(
+        coarse,
+        designs=DESIGNS,
+        waves=[{"kind": "still"}, {"kind": "pierson_moskowitz", "hs": 1.0, "tp": 4.0, "seed": 5, "realisations": 3}],
+        simulation={"duration": 400.0, "window": [40.0, 400.0]},
+    )
+    time, runs = np.linspace(0.0, 400.0, 4001), {}
+    seas = {w.label: sea(w, study.hydro.omega_max, 400.0) for w in study.waves}
+    omega = np.linspace(0.1, 12.0, 400)
+    transfer = omega**2 / np.abs(1.6**2 - omega**2 - 0.16j * omega) ** 2 / 2
+    for wave in study.waves[1:]:
+        power, _ = resonant_power(seas[wave.label], time)
+        runs |= {("FSB", wave.label): run_of(power, time), ("VSWEC", wave.label): run_of(1.2 * power, time)}
+    response = xr.Dataset(
+        {"absorbed_power": (("design", "omega"), [transfer, 1.2 * transfer])},
+        coords={"design": ["FSB", "VSWEC"], "omega": omega},
+    )
+    return study, runs, seas, response
+
+
+def test_realisations_are_pooled_and_the_spectral_prediction_agrees(many):
+    fixed, flexible = statistics(*many)
+    assert (fixed.realisations, fixed.batches) == (3, 27)
+    assert fixed.power_low < fixed.power_linear < fixed.power_high
+    assert fixed.power_linear == pytest.approx(
+        resonant_power(next(reversed(many[2].values())), np.zeros(1))[1], rel=1e-4
+    )
+    assert (flexible.gain_percent, flexible.gain_low, flexible.gain_high) == pytest.approx((20.0,) * 3, abs=1e-6)
+    assert fixed.gain_percent is None
+
+
+def test_the_ledger_says_how_sharp_the_statistics_are(many):
+    study, lines = many[0], statistics(*many)
+    checks = {(c.name, c.design): c for c in seastatistics.statistical_checks(study, lines)}
+    assert checks["spectral_prediction", "FSB"].verdict == "ok"
+    assert checks["statistical_error", "FSB"].value < 0.3
+    wrong = [line._replace(power_linear=2 * line.power_mean) for line in lines]
+    assert {c.verdict for c in seastatistics.statistical_checks(study, wrong) if c.name == "spectral_prediction"} <= {
+        "doubt",
+        "fail",
+    }
+    short = [line._replace(power_low=None, power_high=None, batches=3) for line in lines]
+    found = seastatistics.statistical_checks(study, short)
+    assert {(c.name, c.verdict) for c in found} == {("record_length", "doubt")}
+    assert "more realisations" in found[0].explanation
+
+
+def test_csv_has_a_cell_for_everything_and_nothing_for_what_does_not_exist():
+    line = Line("FSB", "sea", 1, 3, 1.0, None, None, 1.1, None, None, None)
+    (row,) = csv.DictReader(io.StringIO(seastatistics.as_csv([line])))
+    assert tuple(row) == Line._fields
+    assert (row["power_mean"], row["power_low"], row["gain_percent"]) == ("1", "", "")
+    assert seastatistics.as_csv([]).splitlines() == [",".join(Line._fields)]
+
+
+def test_realisations_become_seas_with_seeds_in_a_row(coarse):
+    wave = {"kind": "jonswap", "hs": 1.0, "tp": 4.0, "seed": 3, "realisations": 2}
+    study = varied(coarse, waves=[wave])
+    assert [w.label for w in study.waves] == ["jonswap_Hs1_Tp4_g3.3_s3", "jonswap_Hs1_Tp4_g3.3_s4"]
+    assert config.parse(study.model_dump()) == study
+    assert list(seastatistics.families(study)) == ["jonswap_Hs1_Tp4_g3.3"]
+
+
+def test_white_noise_is_flat_carries_its_energy_and_stays_in_its_band(coarse):
+    (wave,) = varied(coarse, waves=[{"kind": "white_noise", "hs": 2.0, "band": [1.0, 2.0]}]).waves
+    waves = sea(wave, 12.0, 300.0)
+    assert isinstance(waves, Sea)
+    assert np.ptp(np.abs(waves.amplitude)) < 1e-12
+    assert (waves.omega.min() > 1.0, waves.omega.max() < 2.0) == (True, True)
+    assert 16 * 0.5 * np.sum(np.abs(waves.amplitude) ** 2) == pytest.approx(4.0, rel=1e-12)
+
+
+def test_pierson_moskowitz_is_jonswap_without_peak(coarse):
+    (first, second) = varied(
+        coarse,
+        waves=[
+            {"kind": "pierson_moskowitz", "hs": 1.0, "tp": 4.0},
+            {"kind": "jonswap", "hs": 1.0, "tp": 4.0, "gamma": 1.0},
+        ],
+    ).waves
+    assert sea(first, 12.0, 100.0).amplitude == pytest.approx(sea(second, 12.0, 100.0).amplitude, rel=1e-12)
+
+
+def test_narrow_bands_have_long_batches(coarse):
+    """The envelope of a band forgets in 2 pi over its width, however short its waves."""
+    wide, narrow = (
+        varied(coarse, waves=[{"kind": "white_noise", "hs": 1.0, "band": band}]).waves[0]
+        for band in ([1.0, 3.0], [1.99, 2.02])
+    )
+    assert wide.memory == pytest.approx(10 * np.pi)
+    assert narrow.memory == pytest.approx(4 * np.pi / 0.03)
+
+
+@pytest.mark.parametrize("tp", [4.0, 8.0, 20.0])
+def test_a_short_record_has_the_energy_of_the_sea(coarse, tp):
+    """Two periods long: the spectrum is averaged over each band, not sampled in its middle."""
+    study = varied(
+        coarse,
+        waves=[{"kind": "pierson_moskowitz", "hs": 1.0, "tp": tp}],
+        simulation={"duration": 2 * tp, "window": [0.0, tp]},
+    )
+    waves = sea(study.waves[0], 40.0, study.simulation.duration)
+    assert 8 * np.sum(np.abs(waves.amplitude) ** 2) == pytest.approx(1.0, rel=0.005)

@@ -1,0 +1,186 @@
+"""The automatic model: honest about what it leaves out, no richer than it must be."""
+
+import itertools
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import varied
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from vsb.errors import StabilityError
+from vsb.hydro.statespace import RadiationModel
+from vsb.integrators.harmonic_balance import harmonic_balance, steady_power
+from vsb.scenes import automatic
+from vsb.scenes.automatic import RIGID, Description, Scenes, chosen, linear_power, motion_ladder, truncated
+from vsb.shell.deformed import DeformedShell
+from vsb.shell.modes import study_basis
+from vsb.waves.seas import sea
+
+DESIGNS = {"FSB": {"flexible": False}, "VSWEC": {}, "VSWEC0": {"clamp": 0}}
+STIFF = {"device": {"young_modulus": 1e9}, "designs": DESIGNS}
+"""A shell that hardly moves at rest: its linear and body-exact powers agree for small waves."""
+
+
+@pytest.fixture(scope="module")
+def scenes_of(seed, buoy_of, radiation_of):
+    """Function (design, wave, changes of the seed study) -> its scenes."""
+
+    def build(design, wave, **changes):
+        study = varied(seed, **{"designs": DESIGNS, "waves": [wave], **changes})
+        basis = study_basis(study)
+        buoy, water = buoy_of(study), study.water
+        attrs = {"gravity": water.gravity, "water_density": water.density, "water_depth": str(water.depth)}
+        buoy = replace(buoy, database=buoy.database.assign_attrs(attrs))
+        shape = DeformedShell(basis, study.centre_height, np.zeros(len(basis.labels)))
+        waves = sea(study.waves[0], study.hydro.omega_max, study.simulation.duration)
+        ladder = motion_ladder(study, basis, design)
+        return Scenes(buoy, shape, radiation_of(seed), waves, ladder, study.simulation)
+
+    return build
+
+
+def swell(amplitude, period):
+    return {"kind": "regular", "amplitude": amplitude, "period": period}
+
+
+@pytest.mark.parametrize("amplitude", [1e-3, 0.05, 0.2])
+@pytest.mark.parametrize(("design", "period"), [("FSB", 2.5), ("VSWEC", 4.0), ("VSWEC0", 2.5)])
+@pytest.mark.parametrize("tolerance", [0.03, 0.003])
+def test_what_it_leaves_out_changes_the_power_by_no_more_than_it_says(scenes_of, design, period, amplitude, tolerance):
+    """Against body-exact motion of all modes with the radiation of the coefficients themselves."""
+    scenes = scenes_of(design, swell(amplitude, period), **STIFF)
+    choice = chosen(scenes, tolerance)
+    whole = steady_power(scenes.plant(scenes.full), 1e-8, scenes.buoy.spectrum.transfer)
+    assert abs(scenes.power(choice.description) / whole - 1) <= choice.error + 1e-7
+    assert choice.error <= tolerance
+
+
+def test_gains_are_as_good_as_the_powers(scenes_of):
+    both = [scenes_of(design, swell(0.1, 3.0), **STIFF) for design in ("FSB", "VSWEC")]
+    choices = [chosen(scenes, 0.01) for scenes in both]
+    found, whole = (
+        [scenes.power(d) for scenes, d in zip(both, descriptions, strict=True)]
+        for descriptions in ([c.description for c in choices], [scenes.full for scenes in both])
+    )
+    missed = abs(found[1] / found[0] / (whole[1] / whole[0]) - 1)
+    assert missed <= 1.05 * sum(choice.error for choice in choices) + 1e-3  # the memory of `full` is a fit
+
+
+def test_a_small_wave_on_a_rigid_buoy_needs_nothing_and_a_high_one_the_wet_surface(scenes_of):
+    small, high = (chosen(scenes_of("FSB", swell(a, 4.0)), 0.01).description for a in (1e-3, 0.4))
+    assert (small.degree, small.body_exact) == (RIGID, False)
+    assert (high.degree, high.body_exact) == (RIGID, True)
+    assert small.memory < 14
+
+
+def test_a_stiffer_shell_needs_fewer_modes_until_it_needs_none(scenes_of):
+    degrees = [
+        chosen(scenes_of("VSWEC", swell(1e-3, 4.0), designs=DESIGNS, device={"young_modulus": e}), 0.01)
+        .description.degree
+        for e in (1e8, 1e9, 1e13)
+    ]  # fmt: skip
+    assert degrees == sorted(degrees, reverse=True)
+    assert degrees[0] > RIGID == degrees[-1]
+
+
+def test_a_tighter_tolerance_leaves_out_less(scenes_of):
+    scenes = scenes_of("VSWEC", swell(0.1, 2.5), **STIFF)
+    found = [chosen(scenes, tolerance) for tolerance in (0.1, 0.01, 0.001)]
+    assert [c.error for c in found] == sorted((c.error for c in found), reverse=True)
+    assert [c.description.memory for c in found] == sorted(c.description.memory for c in found)
+    assert found[0].description != found[-1].description
+
+
+def test_a_collapsing_or_unstable_scene_is_left_whole(scenes_of, monkeypatch):
+    scenes = scenes_of("VSWEC", swell(0.1, 2.5), **STIFF)
+
+    def fails(*_):
+        raise StabilityError("grows")
+
+    monkeypatch.setattr(automatic, "steady_power", fails)
+    choice = chosen(scenes, 0.01)
+    assert choice.description == scenes.full
+    assert [item.what for item in choice.left_out] == [f"memory_beyond_{scenes.radiation.order}_states"]
+    assert 0 < choice.error < 0.01
+    assert choice.notes["unmeasured"] == "grows"
+
+
+@pytest.mark.parametrize("wave", [{"kind": "jonswap", "hs": 0.02, "tp": 4.0}, {"kind": "still"}])
+def test_where_nothing_is_periodic_a_record_is_compared_with_itself(scenes_of, wave):
+    scenes = scenes_of("FSB", wave, simulation={"duration": 60.0, "initial_velocity": -0.1})
+    choice = chosen(scenes, 0.03)
+    assert not choice.description.body_exact
+    assert {item.what.split("_")[0] for item in choice.left_out} == {"memory", "body"}
+    assert 0 < choice.error <= 0.03
+
+
+def test_linear_power_of_phasors_is_that_of_harmonic_balance(scenes_of):
+    plant = scenes_of("VSWEC", swell(0.1, 3.0)).plant(Description(6, 14, False))
+    assert linear_power(plant) == pytest.approx(harmonic_balance(plant).power.pto, rel=1e-9)
+
+
+def test_every_rung_holds_the_one_below_and_the_clamps(seed):
+    study = varied(seed, designs={"A": {"clamp": [0, 90]}})
+    basis = study_basis(study)
+    ladder = motion_ladder(study, basis, "A")
+    rows = basis.clamp_rows(np.deg2rad(study.designs["A"].clamp))
+    assert min(ladder) == RIGID
+    assert max(ladder) == 6
+    assert 0 not in ladder  # one mode, two clamps: nothing left
+    rungs = [ladder[d] for d in sorted(ladder)]
+    for smaller, larger in itertools.pairwise(rungs):
+        projector = larger @ np.linalg.pinv(larger)
+        assert np.allclose(projector @ smaller, smaller, atol=1e-10)
+        assert np.abs(rows @ larger).max() < 1e-12
+
+
+def test_ladder_of_a_rigid_design_has_one_rung(seed):
+    assert list(motion_ladder(seed, study_basis(seed), "FSB")) == [RIGID]
+
+
+@pytest.fixture(scope="module")
+def memory(seed, radiation_of):
+    return radiation_of(seed)
+
+
+def test_truncated_memory_is_passive_and_ever_better(memory):
+    omega = np.linspace(0.1, 10.0, 100)
+    exact = memory.transfer(omega)
+    missed = [np.abs(truncated(memory, order).transfer(omega) - exact).max() for order in range(2, memory.order + 1, 4)]
+    assert all(late < early for early, late in itertools.pairwise(missed))
+    assert truncated(memory, memory.order) is memory
+    for order in range(2, memory.order, 2):
+        model = truncated(memory, order)  # its construction checks passivity
+        assert model.order == order
+        assert np.linalg.eigvalsh(model.damping(omega)).min() > -1e-9 * np.abs(exact).max()
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.integers(0, 10_000), st.integers(1, 5))
+def test_truncation_of_any_passive_model_is_passive(seed_of_numbers, order):
+    rng = np.random.default_rng(seed_of_numbers)
+    skew, channel = rng.normal(size=(6, 6)), rng.normal(size=6)
+    model = RadiationModel(skew - skew.T - np.outer(channel, channel) / 2, rng.normal(size=(6, 3)), channel)
+    small = truncated(model, order)
+    defect = small.state_matrix + small.state_matrix.T + np.outer(small.channel, small.channel)
+    assert np.abs(defect).max() < 1e-9 * np.abs(small.state_matrix).max()
+
+
+def test_notes_of_a_run_say_what_was_left_out(scenes_of):
+    choice = chosen(scenes_of("FSB", swell(1e-3, 4.0)), 0.01)
+    notes = choice.notes
+    assert notes["model"] == "linear"
+    assert notes["description"].startswith("linear, rigid, ")
+    assert sum(item["error"] for item in json.loads(notes["left_out"])) * automatic.INTERPLAY == notes["power_error"]
+
+
+def test_a_high_long_wave_wants_its_memory_measured_body_exact(scenes_of):
+    """Where linear theory finds two states good enough by half: 0.5 % lost there, 1.3 % body-exact."""
+    scenes = scenes_of("FSB", swell(0.36, 6.237), pto={"damping": 558.0})
+    choice = chosen(scenes, 0.03)
+    whole = steady_power(scenes.plant(scenes.full), 1e-8, scenes.buoy.spectrum.transfer)
+    assert choice.description.body_exact
+    assert abs(scenes.power(choice.description) / whole - 1) <= choice.error

@@ -1,0 +1,183 @@
+"""The shell a study is linearised about, and BEM on its shape at rest."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import varied
+
+from vsb.errors import ConfigError
+from vsb.hydro import database, quality
+from vsb.hydro.panels import mesh as meshing
+from vsb.hydro.panels import rings as bem
+from vsb.scenes.rest import check_equilibrium, check_stable, loaded_shell, reference_shell
+from vsb.shell.deformed import DeformedShell
+from vsb.shell.modes import mode_basis, rigid_basis, study_basis
+from vsb.study.plan import StudyPlan
+
+RHO, G = 1025.0, 9.81
+
+
+@pytest.fixture(scope="module")
+def pressurised(seed):
+    """The seed's shell at an internal pressure that carries it."""
+    return varied(
+        seed,
+        device={"internal_pressure": 16.5e3},
+        modes={"basis": "full", "degree": 4},
+        reference_shape="equilibrium",
+    )
+
+
+def test_vented_and_undeformed_is_the_papers_shell(seed):
+    reference = reference_shell(seed)
+    basis = study_basis(seed)
+    assert set(reference.stiffness) == {"structural", "hydrostatic"}
+    assert reference.stiffness["structural"] == pytest.approx(basis.stiffness, rel=1e-14)
+    hydrostatic = DeformedShell(basis, seed.centre_height).hydrostatic_stiffness(RHO, G)
+    assert reference.stiffness["hydrostatic"] == pytest.approx(hydrostatic, abs=1e-9 * np.abs(hydrostatic).max())
+    assert np.all(reference.amplitudes == 0.0)
+    assert reference.keel_depth == pytest.approx(seed.draft, rel=1e-14)
+
+
+def test_internal_pressure_brings_its_prestress(seed):
+    reference = reference_shell(varied(seed, device={"internal_pressure": 1e3}))
+    assert set(reference.stiffness) == {"structural", "hydrostatic", "prestress"}
+    prestress = reference.stiffness["prestress"]
+    assert np.abs(prestress[0]).max() < 1e-9 * np.abs(prestress).max()  # rigid heave neither strains nor swells
+
+
+def test_trapped_gas_stiffens_the_breathing_mode_by_its_bulk_modulus(seed):
+    gas = reference_shell(varied(seed, device={"gas": {}})).stiffness["gas"]
+    area, volume = 4 * np.pi * 4.0, 4 / 3 * np.pi * 8.0
+    assert gas[1, 1] == pytest.approx(1.4 * 101325.0 * area**2 / volume, rel=1e-12)
+    gas[1, 1] = 0.0
+    assert np.abs(gas).max() < 1e-6  # no other mode changes the volume of a sphere to first order
+
+
+def test_at_the_equilibrium_forces_vanish_and_the_stiffness_is_the_tangent(pressurised):
+    reference = reference_shell(pressurised)
+    loaded = loaded_shell(pressurised, reference.basis)
+    weight = pressurised.device.mass * G
+    assert np.abs(loaded.force(reference.amplitudes)).max() < 1e-9 * weight
+    assert reference.shape.volume() * RHO == pytest.approx(pressurised.device.mass, rel=1e-10)
+    tangent = loaded.stiffness(reference.amplitudes)
+    assert reference.total == pytest.approx(tangent, abs=1e-10 * np.abs(tangent).max())
+    check_stable(pressurised, reference)
+
+
+def test_a_stiff_shell_rests_as_a_sphere(pressurised):
+    sizes = []
+    moduli = np.array([1e10, 1e11, 1e12, 1e13])
+    for modulus in moduli:
+        reference = reference_shell(varied(pressurised, device={"young_modulus": float(modulus)}))
+        sizes.append(np.abs(reference.amplitudes[1:]).max())
+    slopes = np.diff(np.log(sizes)) / np.diff(np.log(moduli))
+    assert np.all(np.abs(slopes + 1.0) < 0.05), slopes
+
+
+def test_a_shell_that_buckles_has_no_equilibrium_to_be_linear_about(seed):
+    """Seven membrane modes alone would not notice."""
+    with pytest.raises(ConfigError, match=r"reference_shape: received 'equilibrium', but the shell buckles at 0\.01"):
+        check_equilibrium(varied(seed, reference_shape="equilibrium"))
+
+
+def test_an_unstable_design_is_refused(seed):
+    """Pressure far below what the vented shell bears: crushed by vacuum."""
+    crushed = varied(seed, device={"internal_pressure": -60e3}, modes={"basis": "full", "degree": 6})
+    with pytest.raises(
+        ConfigError, match=r"design FSB is unstable|design VSWEC is unstable .* internal_pressure -60000 Pa"
+    ):
+        check_stable(crushed, reference_shell(crushed))
+
+
+def test_assumed_pressure_is_for_the_vented_sphere(seed):
+    assumed = {"hydro": {"model": "assumed_pressure", "pressure": 10.0}}
+    for change in ({"reference_shape": "equilibrium"}, {"device": {"internal_pressure": 5.0}}):
+        with pytest.raises(ConfigError, match="is the paper's vented shell about the undeformed sphere"):
+            varied(seed, **assumed, **change)
+    for idle in ({"accept": ["nonsense"]}, {"rows": 20}, {"omega": [1.0]}):
+        with pytest.raises(ConfigError, match=r"has no coefficients to solve or judge; remove it"):
+            varied(seed, hydro={**assumed["hydro"], **idle})
+    with pytest.raises(ConfigError, match=r"remove device\.gas"):
+        varied(seed, **assumed, device={"gas": {}})
+
+
+# meshes and BEM ---------------------------------------------------------------------------------------------------
+
+
+def deformed(seed, height=0.0, **by_label):
+    basis = mode_basis(seed.device, "full", 4)
+    return DeformedShell(basis, height, np.array([by_label.get(label, 0.0) for label in basis.labels]))
+
+
+@pytest.mark.parametrize(
+    ("shell", "sphere"),
+    [({"height": 0.3}, (2.0, 0.3)), ({"Heave": 0.3}, (2.0, 0.3)), ({"height": 0.2, "Membrane0": 0.25}, (2.25, 0.2))],
+    ids=["raised", "heaved", "inflated"],
+)
+def test_a_deformed_mesh_of_a_sphere_is_that_spheres(seed, shell, sphere):
+    ours = meshing.deformed_mesh(deformed(seed, **shell), 12, 24, 6)
+    theirs = meshing.mean_mesh(*sphere, 12, 24, 6)
+    for name in theirs.data_vars:
+        assert ours[name].values == pytest.approx(theirs[name].values, abs=1e-12), name
+
+
+def test_a_shape_without_one_waterline_has_no_mesh(seed):
+    for height in (2.5, -2.5):
+        with pytest.raises(ConfigError, match="needs one waterline with the keel below it"):
+            meshing.deformed_mesh(deformed(seed, height), 12, 24, 6)
+
+
+class TestBem:
+    DISPLACEMENTS = (*(f"Radial{n}" for n in range(5)), *(f"Meridional{n}" for n in range(1, 5)))
+
+    def problem(self, green_folder, shell, rows=24):
+        mesh = meshing.deformed_mesh(shell, rows, 2 * rows, rows // 2)
+        return bem.AxisymmetricProblem(bem.green_function(green_folder), mesh, self.DISPLACEMENTS, RHO, np.inf, G)
+
+    def test_normal_velocities_are_those_of_the_displacements(self, green_folder, seed):
+        problem = self.problem(green_folder, deformed(seed, Membrane2=0.2, Bending3=0.1))
+        _, n_z = problem.normals
+        labels = list(self.DISPLACEMENTS)
+        heave = problem.velocities[labels.index("Radial1")] + problem.velocities[labels.index("Meridional1")]
+        assert heave == pytest.approx(n_z, abs=1e-14)
+        sphere = self.problem(green_folder, deformed(seed, Membrane0=0.2))
+        assert np.abs(sphere.velocities[labels.index("Meridional1") :]).max() < 1e-14
+
+    def test_identities_hold_on_a_deformed_shell(self, green_folder, seed):
+        """Symmetry, one channel, Haskind: errors of the mesh, that fall with its rows."""
+        shell = deformed(seed, 0.1, Membrane2=0.15, Bending2=-0.2)
+        found = []
+        for rows in (12, 24, 48):
+            raw = self.problem(green_folder, shell, rows).solve([1.0, 2.5, 4.0])
+            modal = database.with_excitation(database.in_modes(raw, shell.basis))
+            haskind = quality.haskind_difference(modal, np.inf, RHO, G)
+            found.append([quality.asymmetry(modal), quality.second_channel(modal), haskind])
+        found = np.array(found)
+        assert np.all(found[-1] < [2e-3, 1e-3, 4e-3]), found
+        assert np.all(found[-1] < 0.4 * found[0]), found
+
+    def test_a_spheroid_by_two_bases_is_one_body(self, green_folder, seed):
+        """Heave of one shape, reached by other amplitudes of another basis, has the same coefficients."""
+        wide = deformed(seed, Membrane2=0.2)
+        more = mode_basis(seed.device, "full", 6)
+        q = np.array(
+            [dict(zip(wide.basis.labels, wide.amplitudes, strict=True)).get(label, 0.0) for label in more.labels]
+        )
+        results = []
+        for shell in (wide, replace(wide, basis=more, amplitudes=q)):
+            raw = self.problem(green_folder, shell).solve([2.0])
+            heave = database.in_modes(raw, rigid_basis(seed.device))
+            results.append([heave.added_mass.item(), heave.radiation_damping.item()])
+        assert results[0] == pytest.approx(results[1], rel=1e-10)
+
+    def test_plan_of_a_study_about_its_equilibrium(self, pressurised):
+        pressurised = varied(pressurised, hydro={"solver": "panels"})
+        plan = StudyPlan(pressurised)
+        block = plan.sweep_blocks[1]
+        assert "Meridional4" in block["displacements"]
+        assert block["mesh"]["reference_shape"] == "equilibrium"
+        assert "damping" not in block["mesh"]["device"]
+        vented = StudyPlan(varied(pressurised, reference_shape="undeformed"))
+        assert block["mesh"]["rows"] == 1.5 * vented.sweep_blocks[1]["mesh"]["rows"]

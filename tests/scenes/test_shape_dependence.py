@@ -1,0 +1,371 @@
+import dataclasses
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import varied
+
+from vsb.errors import ConfigError, ConvergenceError
+from vsb.hydro.coefficients import Coefficients
+from vsb.hydro.database import with_structure
+from vsb.hydro.shapes.database import ShapeDatabase, measured_errors
+from vsb.hydro.shapes.family import ShapeFamily
+from vsb.motion.frequency import LinearBuoy
+from vsb.motion.pto import LinearPto
+from vsb.report.shape_figures import shape_figure
+from vsb.scenes import shape_dependence as shapedependence
+from vsb.scenes.rest import loaded_shell, reference_shell
+from vsb.scenes.shape_dependence import INSTANTS, StudyMotion, answer, power_effects
+from vsb.shell.loaded import equilibrium
+from vsb.shell.modes import design_motions
+from vsb.stages import shape_dependence as stage
+from vsb.study import study as config
+from vsb.tools import units
+from vsb.waves.seas import sea
+
+HERE = Path(__file__).parents[1]
+OMEGAS = (0.8, 1.6, 2.4, 3.2, 4.8, 6.4)
+
+
+def family_of(shape, **options):
+    return ShapeFamily(shape, OMEGAS, 1025.0, 9.81, **{"nodes": 20, **options})
+
+
+@pytest.fixture(scope="module")
+def small(seed):
+    """The seed with four degrees of freedom, in the waves of a solved frequency."""
+    waves = [{"kind": "regular", "amplitude": 0.2, "period": 2 * np.pi / 2.4}]
+    return varied(seed, modes={"degree": 2}, waves=waves)
+
+
+@pytest.fixture(scope="module")
+def reference(small):
+    return reference_shell(small)
+
+
+@pytest.fixture(scope="module")
+def family(reference):
+    return family_of(reference.shape)
+
+
+@pytest.fixture(scope="module")
+def motion(small, reference, family):
+    return StudyMotion(small, reference, shapedependence.linear_buoy(small, reference, family))
+
+
+@pytest.fixture(scope="module")
+def counted(small, reference):
+    """All of the study, and how many shapes it took."""
+    seen = []
+    family = family_of(reference.shape, after_each=lambda: seen.append(1))
+    return shapedependence.shape_dataset(small, family, samples=4), len(seen)
+
+
+@pytest.fixture(scope="module")
+def dataset(counted):
+    return counted[0]
+
+
+def test_the_power_slope_is_that_of_the_response_on_deformed_shapes(small, reference, family):
+    def power(eta, design):
+        ds = with_structure(family.at(eta), reference)
+        buoy = LinearBuoy(ds, reference.basis.damping, LinearPto(small.pto.damping))
+        omega = np.array(OMEGAS)
+        return buoy.absorbed_power(omega, buoy.rao(omega, design_motions(small, reference.basis, design)))
+
+    changes = shapedependence.power_changes(small, reference, family)
+    direction, h = np.array([0.6, 0.3, -0.5, 0.4]), 4e-3
+    for design in ("FSB", "VSWEC"):
+        d = [(power(s * h * direction, design) - power(-s * h * direction, design)) / (2 * s * h) for s in (1, 2)]
+        got = direction @ changes.power_slope.sel(design=design).values
+        np.testing.assert_allclose(got, (4 * d[0] - d[1]) / 3, rtol=1e-5, atol=1e-5 * np.abs(got).max())
+        np.testing.assert_allclose(changes.absorbed_power.sel(design=design), power(0 * direction, design), rtol=1e-12)
+
+
+def test_the_swing_is_the_largest_change_over_a_cycle(small, reference, family):
+    changes = shapedependence.power_changes(small, reference, family)
+    buoy = LinearBuoy(with_structure(family.centre, reference), reference.basis.damping, LinearPto(small.pto.damping))
+    q = buoy.rao(np.array(OMEGAS), design_motions(small, reference.basis, "VSWEC"))
+    phase = np.linspace(0, 2 * np.pi, 2001)
+    motion = np.real(q[:, :, None] * np.exp(-1j * phase))
+    change = np.einsum("kw,wkt->wt", changes.power_slope.sel(design="VSWEC").values, motion)
+    np.testing.assert_allclose(changes.power_swing.sel(design="VSWEC"), change.max(axis=1), rtol=1e-5)
+
+
+def test_power_of_the_undeformed_sphere(small, reference, family):
+    """None about the sphere itself; about another shape, minus its amplitudes times the slope."""
+    assert np.all(shapedependence.power_changes(small, reference, family).power_undeformed == 0)
+    q = np.array([0.1, 0.05, 0.0, -0.02])
+    moved = dataclasses.replace(reference, shape=dataclasses.replace(reference.shape, amplitudes=q))
+    changes = shapedependence.power_changes(small, moved, family)
+    np.testing.assert_allclose(
+        changes.power_undeformed, -np.einsum("k,dkw->dw", q, changes.power_slope.values), rtol=1e-12
+    )
+
+
+def test_everything_has_units_and_the_dimensions_named(dataset):
+    assert all(data.attrs["units"] for data in dataset.data_vars.values())
+    assert dataset.added_mass_slope.dims == ("shape_dof", "omega", "influenced_dof", "radiating_dof")
+    assert dataset.excitation_force_curvature.dims == (
+        "shape_dof",
+        "other_shape_dof",
+        "omega",
+        "wave_direction",
+        "influenced_dof",
+    )
+    assert dataset.added_mass_inf_slope.dims == ("shape_dof", "influenced_dof", "radiating_dof")
+    assert dataset.radiation_damping_slope.attrs["units"] == "kg/(m s)"
+
+
+def test_relative_slopes_are_logarithmic_derivatives(dataset, family):
+    h = 0.01
+    for name in ("added_mass", "excitation_force"):
+        heave = [
+            np.abs(family.at(np.array([s * h, 0, 0, 0]))[name].values.reshape(len(OMEGAS), -1)[:, 0]) for s in (1, -1)
+        ]
+        got = shapedependence.relative_slope(dataset, name).sel(shape_dof="Heave")
+        np.testing.assert_allclose(got, np.log(heave[0] / heave[1]) / (2 * h), rtol=2e-3, atol=1e-4)
+
+
+def test_the_table_of_errors_is_that_of_the_family(dataset, family):
+    size = float(dataset.deformation[2])
+    found = family.interpolation_error(size, samples=shapedependence.SAMPLES).to_array().max("variable")
+    at = dataset.interpolation_error.sel(deformation=size)
+    assert float(at.sel(expansion="first")) == pytest.approx(float(found.sel(order=1)), rel=1e-9)
+    assert float(at.sel(expansion="second")) == pytest.approx(float(found.sel(order=2)), rel=1e-9)
+
+
+def test_the_figure_shows_heave_the_largest_mode_and_power(dataset):
+    slopes, errors, powers = shape_figure(dataset).axes
+    labels = [line.get_label() for line in slopes.get_lines()]
+    assert shapedependence.largest_mode(dataset) == "Membrane0"
+    assert labels == [f"{s} by {m}" for m in ("Heave", "Membrane0") for s in ("added mass", "damping", "excitation")]
+    np.testing.assert_array_equal(errors.get_lines()[0].get_ydata(), dataset.interpolation_error.sel(expansion="first"))
+    run = dataset.isel(design=1, wave=0)
+    expected = 100 * (run.power_at_shape / run.power_at_reference - 1)
+    drawn = next(line for line in powers.get_lines() if line.get_label() == "VSWEC")
+    np.testing.assert_allclose(drawn.get_ydata(), expected)
+
+
+def test_the_database_of_a_study_covers_its_motion(dataset, motion, family):
+    """Its estimate holds on the very shapes the study passes through."""
+    database, shapes = ShapeDatabase(dataset), motion.shapes("VSWEC", "regular_A0.2_T2.61799")
+    np.testing.assert_array_equal(database.reach, motion.reach)
+    every = np.concatenate([motion.shapes(*run) for run in motion.runs])
+    assert np.abs(every[:, 0]).max() == motion.reach[0] > 0.1
+    assert np.all(np.abs(every) <= motion.reach)
+    some = shapes[:: INSTANTS // 6]
+    estimated = np.array([list(database.error(eta).values()) for eta in some])
+    assert np.all(measured_errors(database, family, some) <= estimated)
+
+
+def test_the_motion_is_the_response(motion, small):
+    """Its amplitude in a regular wave is |RAO| a, but for the spacing of the instants."""
+    wave = small.waves[0]
+    rao = motion.buoy.rao(np.array([wave.omega]), design_motions(small, motion.reference.basis, "VSWEC"))[0]
+    largest = np.abs(motion.shapes("VSWEC", wave.label)).max(axis=0)
+    np.testing.assert_allclose(largest, np.abs(rao) * wave.amplitude, rtol=(np.pi / INSTANTS) ** 2)
+
+
+def test_mean_power_is_that_of_the_buoy(motion, small):
+    waves, motions = motion.runs["VSWEC", small.waves[0].label]
+    c = motion.buoy.coefficients(waves.omega)
+    expected = waves.mean_of(motion.buoy.absorbed_power(waves.omega, motion.buoy.rao(waves.omega, motions)))
+    assert shapedependence.mean_power(motion.buoy, c, waves, motions) == pytest.approx(expected, rel=1e-12)
+    silent = Coefficients(c.added_mass, c.damping, 0 * c.excitation)
+    assert shapedependence.mean_power(motion.buoy, silent, waves, motions) == 0
+
+
+def test_power_along_the_motion_is_that_of_solutions_on_its_shapes(dataset, motion, small, reference, family):
+    """Within what the database's error can do to it; and not the power of the reference shape."""
+    wave = small.waves[0].label
+    waves, motions = motion.runs["VSWEC", wave]
+    run = dataset.sel(design="VSWEC", wave=wave)
+    for i in (0, INSTANTS // 4, INSTANTS // 2, 3 * INSTANTS // 4):
+        solved = with_structure(family.at(motion.shapes("VSWEC", wave)[i]), reference)
+        buoy = dataclasses.replace(motion.buoy, database=solved)
+        expected = shapedependence.mean_power(buoy, buoy.coefficients(waves.omega), waves, motions)
+        assert float(run.power_at_shape[i]) == pytest.approx(expected, rel=3e-3)
+    assert np.ptp(run.power_at_shape.values) > 0.05 * float(run.power_at_reference)
+
+
+def test_the_swing_of_power_is_the_first_order_of_a_small_motion(small, dataset, motion):
+    """A tenth of the wave: the largest relative change is `power_swing` a to first order; the next is ten times less."""
+    wave, database = small.waves[0], ShapeDatabase(dataset)
+    waves, motions = motion.runs["VSWEC", wave.label]
+    passed, errors = motion.shapes("VSWEC", wave.label), []
+    swing = float(dataset.power_swing.sel(design="VSWEC").sel(omega=wave.omega, method="nearest"))
+    power = float(dataset.power_at_reference.sel(design="VSWEC", wave=wave.label))
+    for scale in (0.2, 0.1, 0.05, 0.025):
+        found = [shapedependence.mean_power(motion.buoy, database.at(waves.omega, scale * eta), waves, motions)
+                 for eta in passed]  # fmt: skip
+        expected = scale * wave.amplitude * swing * wave.amplitude**2
+        errors.append(abs((max(found) - min(found)) / 2 - expected) / power)
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert np.all(orders > 1.7), (errors, orders)
+
+
+def test_power_at_rest_is_that_of_the_loaded_shape(dataset, small, reference, family, motion):
+    wave = small.waves[0].label
+    q = equilibrium(loaded_shell(small, reference.basis))
+    buoy = dataclasses.replace(motion.buoy, database=with_structure(family.at(q), reference))
+    waves, motions = motion.runs["VSWEC", wave]
+    expected = shapedependence.mean_power(buoy, buoy.coefficients(waves.omega), waves, motions)
+    assert float(dataset.power_at_rest.sel(design="VSWEC", wave=wave)) == pytest.approx(expected, rel=1e-12)
+    fsb = dataset.sel(design="FSB", wave=wave)  # a rigid buoy floats where it is placed
+    assert float(fsb.power_at_rest) == pytest.approx(float(fsb.power_at_reference), rel=1e-9)
+
+
+def test_about_the_equilibrium_the_shape_at_rest_is_the_reference():
+    study = config.load(HERE.parent / "config" / "pressurised.yaml")
+    assert not StudyMotion(study, reference_shell(study), None).rest("VSWEC").any()
+
+
+def test_a_shell_that_gives_way_has_no_power_at_rest(dataset, small, family, motion, monkeypatch):
+    def collapsed(loaded, motions):
+        raise ConvergenceError("the shell buckles")
+
+    monkeypatch.setattr(shapedependence, "equilibrium", collapsed)
+    powers = shapedependence.study_powers(motion, family, ShapeDatabase(dataset))
+    assert set(powers.data_vars) == {"power_at_reference", "power_at_shape"}
+    assert "no shape at rest found" in answer(powers, "seed")
+    assert len(shape_figure(dataset.drop_vars("power_at_rest")).axes) == 3
+
+
+def with_powers(dataset, passed, rest):
+    """The data set with other powers of one run, in terms of that of the reference shape."""
+    run = dataset.isel(design=[1], wave=[0])
+    phase = np.sin(2 * np.pi * np.arange(INSTANTS) / INSTANTS)
+    power = run.power_at_reference.values[0, 0]
+    return run.assign(
+        power_at_shape=(run.power_at_shape.dims, power * (1 + passed * phase)[None, None]),
+        power_at_rest=(run.power_at_rest.dims, [[power * (1 + rest)]]),
+    )
+
+
+@pytest.mark.parametrize(
+    ("passed", "rest", "verdict"),
+    [
+        (0.009, -0.009, "may be ignored"),
+        (0.05, 0.009, "averages out"),
+        (0.009, 0.011, "matters"),
+        (0.05, -0.05, "matters"),
+    ],
+)
+def test_the_answer_is_one_line(passed, rest, verdict, dataset):
+    ds = with_powers(dataset, passed, rest)
+    line = answer(ds, "seed")
+    assert line.startswith(f"seed: the shape dependence {verdict} (limit 1 % of mean power): VSWEC, regular")
+    assert f"changes by {-100 * passed:+.2g} to {100 * passed:+.2g} % by the shapes of the motion" in line
+    assert f"{100 * rest:+.2g} % by that of the shape at rest" in line
+    (effects,) = power_effects(ds).values()
+    assert effects["average"] == pytest.approx(0.0, abs=1e-12)
+    assert "\n" not in line
+
+
+def test_the_answer_is_by_the_run_it_matters_most_to(dataset):
+    effects = power_effects(dataset)
+    assert len(effects) == 4
+    (design, _), _ = max(effects.items(), key=lambda item: max(map(abs, item[1].values())))
+    assert f"{design}, regular" in answer(dataset, "seed")
+
+
+def test_without_power_there_is_nothing_to_answer(dataset):
+    silent = dataset.assign(
+        power_at_reference=0 * dataset.power_at_reference, power_at_shape=0 * dataset.power_at_shape
+    )
+    assert answer(silent, "seed") == "seed: no power is absorbed, so none depends on the shape"
+    assert len(shape_figure(silent).axes) == 2
+
+
+def test_in_still_water_there_is_nothing_to_answer(small, reference, family, dataset):
+    motion = StudyMotion(varied(small, waves=[{"kind": "still"}]), reference, None)
+    powers = shapedependence.study_powers(motion, family, ShapeDatabase(dataset))
+    assert answer(powers, "seed") == "seed: no power is absorbed, so none depends on the shape"
+    np.testing.assert_array_equal(motion.reach, np.full(4, shapedependence.LEAST_REACH * 2.0))
+
+
+def test_an_irregular_sea_is_looked_at_over_the_run(small, reference, family):
+    wave = {"kind": "jonswap", "gamma": 3.3, "hs": 0.3, "tp": 3.0, "seed": 3}
+    study = varied(small, waves=[wave], simulation={"duration": 20.0, "window": (10.0, 20.0)}, hydro={"omega_max": 6.0})
+    wide = dataclasses.replace(family, omegas=(0.1, *OMEGAS))
+    motion = StudyMotion(study, reference, shapedependence.linear_buoy(study, reference, wide))
+    (label,) = {label for _, label in motion.runs}
+    waves = sea(study.waves[0], 6.0, 20.0)
+    rigid = motion.buoy.rao(waves.omega, design_motions(study, reference.basis, "FSB"))[:, 0]
+    expected = [
+        np.real(np.sum(waves.amplitude * rigid * np.exp(-1j * waves.omega * i * 20.0 / INSTANTS))) for i in (0, 7)
+    ]
+    np.testing.assert_allclose(motion.shapes("FSB", label)[[0, 7], 0], expected, rtol=1e-12)
+
+
+def test_a_rigid_buoy_has_heave_alone(seed):
+    rigid = varied(seed, designs={"FSB": {"flexible": False}})
+    family = family_of(reference_shell(rigid).shape, nodes=24)
+    ds = shapedependence.shape_dataset(rigid, family, samples=2)
+    assert shapedependence.largest_mode(ds) is None
+    assert len(shape_figure(ds).axes[0].get_lines()) == 3
+
+
+@pytest.fixture
+def coarsely(monkeypatch, seed):
+    """The rigid seed whose study's family is coarse; and every shape solved is noted."""
+    solved, solve = [], ShapeFamily.solved
+
+    def noted(self):
+        solved.append(self.identity)
+        return solve(self)
+
+    monkeypatch.setattr(ShapeFamily, "solved", noted)
+    monkeypatch.setattr(shapedependence, "SAMPLES", 1)
+    monkeypatch.setattr(stage, "study_family", lambda study, reference: family_of(reference.shape, nodes=16))
+    return varied(seed, designs={"FSB": {"flexible": False}}), solved
+
+
+def test_a_run_interrupted_goes_on(coarsely, tmp_path, monkeypatch):
+    """No shape is solved twice; a complete file is not solved again; nothing else stays behind."""
+    study, solved = coarsely
+    out = [str(tmp_path / name) for name in ("a.nc", "a.svg")]
+    with monkeypatch.context() as patch:
+        patch.setattr(shapedependence, "power_changes", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
+        with pytest.raises(KeyboardInterrupt):
+            stage.shape_dependence(study, *out)
+    before = len(solved)
+    assert before > 20
+    assert not (tmp_path / "a.nc").exists()
+    line = stage.shape_dependence(study, *out)
+    assert len(set(solved)) == len(solved) == before
+    assert stage.shape_dependence(study, *out) == line
+    assert len(solved) == before
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.nc", "a.svg"]
+    assert "size of the deformation" in (tmp_path / "a.svg").read_text()
+    assert ShapeDatabase.load(out[0]).labels == ["Heave"]
+    assert answer(units.load(out[0]), study.study) == line
+    stage.shape_dependence(varied(study, pto={"damping": 5000.0}), *out)
+    assert len(solved) > before  # another study
+
+
+@pytest.mark.parametrize("terminal", [True, False])
+def test_progress_is_for_terminals(terminal, monkeypatch, capsys):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal, raising=False)
+    show = stage.counter(3)
+    for _ in range(3):
+        show()
+    expected = "\rshape 1 of 3\rshape 2 of 3\rshape 3 of 3\n" if terminal else ""
+    assert capsys.readouterr().err == expected
+
+
+def test_the_number_of_shapes_of_a_study(small, family, counted):
+    assert counted[1] == shapedependence.shapes_of_study(small, family, samples=4)
+
+
+def test_frequencies_of_a_study_hold_its_waves(small, reference):
+    family = shapedependence.study_family(small, reference, frequencies=6)
+    assert family.omegas == (2.0, pytest.approx(2.4), 4.0, 6.0, 8.0, 10.0, 12.0)
+
+
+def test_finite_depth_is_refused(small, reference):
+    shallow = varied(small, water={"depth": 20.0})
+    with pytest.raises(ConfigError, match=r"water\.depth: received 20 m"):
+        shapedependence.study_family(shallow, reference)

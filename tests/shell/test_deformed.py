@@ -1,0 +1,271 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from vsb.shell.deformed import DeformedShell, enclosed
+from vsb.shell.modes import mode_basis
+
+RHO, G = 1025.0, 9.81
+
+
+@pytest.fixture(scope="module")
+def full(seed):
+    return mode_basis(seed.device, "full", 6)
+
+
+def amplitudes(full, **by_label):
+    return np.array([by_label.get(label, 0.0) for label in full.labels])
+
+
+@pytest.mark.parametrize("height", [-1.5, -0.3, 0.0, 0.7, 1.9])
+def test_cap_of_a_sphere(full, height):
+    shell, depth = DeformedShell(full, height), 2.0 - height
+    assert shell.volume() == pytest.approx(np.pi * depth**2 * (6.0 - depth) / 3, rel=1e-12)
+    assert shell.wet_area() == pytest.approx(2 * np.pi * 2.0 * depth, rel=1e-12)
+
+
+def test_breathing_is_a_larger_sphere(full):
+    larger = DeformedShell(full, 0.4, amplitudes(full, Membrane0=0.3))
+    depth = 2.3 - 0.4
+    assert larger.volume() == pytest.approx(np.pi * depth**2 * (6.9 - depth) / 3, rel=1e-12)
+
+
+def test_dry_submerged_and_several_waterlines(full):
+    assert DeformedShell(full, 2.5).wet_segments == []
+    assert DeformedShell(full, 2.5).volume() == 0.0
+    assert np.all(DeformedShell(full, 2.5).hydrostatic_force(RHO, G) == 0.0)
+    assert DeformedShell(full, -2.5).wet_segments == [(0.0, np.pi)]
+    assert DeformedShell(full, -2.5).volume() == pytest.approx(4 / 3 * np.pi * 8, rel=1e-12)
+    dented = DeformedShell(full, -1.7, amplitudes(full, Bending6=-0.4))  # the top pole dips under, a ring stays out
+    assert len(dented.wet_segments) == 2
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.lists(st.floats(-0.05, 0.05), min_size=12, max_size=12), st.floats(-0.8, 0.8))
+def test_buoyancy_is_the_weight_of_displaced_water(full, modal, height):
+    """Archimedes for any deformed shape."""
+    shell = DeformedShell(full, height, np.array([0.0, *modal]))
+    assert shell.hydrostatic_force(RHO, G)[0] == pytest.approx(RHO * G * shell.volume(), rel=1e-10)
+
+
+@pytest.mark.parametrize("height", [-0.6, 0.0, 0.00031, 0.9])
+@pytest.mark.parametrize("deformed", [False, True])
+def test_stiffness_is_the_exact_symmetric_jacobian(full, height, deformed):
+    start = np.array([0.02, -0.03, 0.04, *np.linspace(-0.05, 0.05, 10)]) * deformed
+
+    def force(q):
+        return DeformedShell(full, height, q).hydrostatic_force(RHO, G)
+
+    def central(j, h):
+        return (force(start + h * np.eye(13)[j]) - force(start - h * np.eye(13)[j])) / (2 * h)
+
+    stiffness = DeformedShell(full, height, start).hydrostatic_stiffness(RHO, G)
+    largest = np.abs(stiffness).max()
+    assert np.abs(stiffness - stiffness.T).max() < 1e-11 * largest
+    h = 2e-3
+    richardson = np.array([
+        (64 * central(j, h / 4) - 20 * central(j, h / 2) + central(j, h)) / 45 for j in range(13)
+    ]).T  # fmt: skip
+    assert np.abs(stiffness + richardson).max() < 1e-9 * largest
+
+
+def test_heave_stiffness_is_that_of_the_waterplane(full):
+    stiffness = DeformedShell(full, 0.5).hydrostatic_stiffness(RHO, G)
+    assert stiffness[0, 0] == pytest.approx(RHO * G * np.pi * (4.0 - 0.25), rel=1e-12)
+
+
+def test_quadrature_converges_spectrally(full):
+    shell = DeformedShell(full, 0.1, amplitudes(full, Membrane2=0.1, Bending4=-0.08))
+    exact = shell.volume(120)
+    errors = [abs(shell.volume(n) / exact - 1) for n in (6, 10, 14, 18, 40)]
+    assert errors[-1] < 1e-12
+    assert errors[0] > 100 * errors[1] > 1e4 * errors[3]
+
+
+CROSSING = {"Bending6": -0.4}
+"""With the centre at -1.7 m the top pole dips under water and a ring stays out: three waterlines."""
+
+
+def jacobian_by_differences(basis, height, start, h=2e-3):
+    """Central differences, two Richardson steps, of minus the hydrostatic force."""
+
+    def central(j, h):
+        ahead, behind = (
+            DeformedShell(basis, height, start + s * np.eye(len(start))[j]).hydrostatic_force(RHO, G) for s in (h, -h)
+        )
+        return (behind - ahead) / (2 * h)
+
+    return np.array([
+        (64 * central(j, h / 4) - 20 * central(j, h / 2) + central(j, h)) / 45 for j in range(len(start))
+    ]).T  # fmt: skip
+
+
+@pytest.mark.parametrize("height", [-1.72, -1.7, -2.6, 2.6], ids=["two bands", "two bands again", "submerged", "dry"])
+def test_jacobian_with_several_waterlines_one_or_none(full, height):
+    start = amplitudes(full, **CROSSING) if abs(height) < 2 else amplitudes(full, Membrane2=0.1, Bending3=-0.1)
+    shell = DeformedShell(full, height, start)
+    assert len(shell.wet_segments) == {-1.72: 2, -1.7: 2, -2.6: 1, 2.6: 0}[height]
+    stiffness = shell.hydrostatic_stiffness(RHO, G)
+    largest = max(np.abs(stiffness).max(), 1.0)
+    assert np.abs(stiffness - stiffness.T).max() <= 1e-11 * largest
+    assert np.abs(stiffness - jacobian_by_differences(full, height, start)).max() <= 1e-8 * largest
+
+
+@pytest.mark.parametrize("height", [-0.9, 0.0, 1.2])
+def test_heave_stiffness_of_a_deformed_shell_is_that_of_its_waterplane(full, height):
+    shell = DeformedShell(full, height, amplitudes(full, Heave=0.1, Membrane0=0.05, Membrane3=-0.1, Bending2=0.2))
+    ((start, _),) = shell.wet_segments
+    waterplane = np.pi * shell.meridian(np.array([start])).x[0] ** 2
+    assert shell.hydrostatic_stiffness(RHO, G)[0, 0] == pytest.approx(RHO * G * waterplane, rel=1e-11)
+
+
+def test_heave_stiffness_of_a_ring_shaped_waterplane(full):
+    shell = DeformedShell(full, -1.7, amplitudes(full, **CROSSING))
+    (_, inner), (outer, _) = shell.wet_segments
+    radii = shell.meridian(np.array([inner, outer])).x
+    ring = np.pi * (radii[1] ** 2 - radii[0] ** 2)
+    assert shell.hydrostatic_stiffness(RHO, G)[0, 0] == pytest.approx(RHO * G * ring, rel=1e-9)
+
+
+def test_every_waterline_lies_on_the_water(full):
+    shell = DeformedShell(full, -1.7, amplitudes(full, **CROSSING))
+    assert shell.wet_segments[0][0] == 0.0
+    assert shell.wet_segments[-1][1] == np.pi
+    waterlines = [edge for segment in shell.wet_segments for edge in segment if 0.0 < edge < np.pi]
+    assert np.abs(shell.meridian(np.array(waterlines)).z).max() < 1e-14
+    for start, end in shell.wet_segments:
+        assert shell.meridian(np.linspace(start, end, 203)[1:-1]).z.max() < 0
+
+
+def test_half_submerged_sphere_is_wet_below_its_equator(full):
+    (segment,) = DeformedShell(full, 0.0).wet_segments
+    assert segment == pytest.approx((np.pi / 2, np.pi), abs=1e-14)
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.floats(-1.99, 1.99))
+def test_waterline_of_the_sphere_at_any_height(full, height):
+    (segment,) = DeformedShell(full, height).wet_segments
+    assert segment == pytest.approx((np.arccos(-height / 2), np.pi), abs=1e-12)
+
+
+@pytest.mark.parametrize("node", [1, 93, 140, 200])
+def test_waterline_exactly_on_a_sampled_colatitude(full, node):
+    height = -2.0 * float(np.cos(np.linspace(0.0, np.pi, 281)[node]))
+    depth = 2.0 - height
+    assert DeformedShell(full, height).volume() == pytest.approx(np.pi * depth**2 * (6.0 - depth) / 3, rel=1e-12)
+
+
+@pytest.mark.parametrize(("height", "swell"), [(0.4, 0.3), (-0.8, -0.2), (-3.0, 0.5), (1.1, 0.0)])
+def test_breathing_is_exactly_a_sphere_of_another_radius(full, height, swell):
+    radius = 2.0 + swell
+    shell, depth = DeformedShell(full, height, amplitudes(full, Membrane0=swell)), min(radius - height, 2 * radius)
+    assert shell.volume() == pytest.approx(np.pi * depth**2 * (3 * radius - depth) / 3, rel=1e-12)
+    assert shell.wet_area() == pytest.approx(2 * np.pi * radius * depth, rel=1e-12)
+
+
+@pytest.mark.parametrize("heave", [-0.7, 0.0, 0.35])
+def test_heave_lifts_the_sphere(full, heave):
+    lifted, placed = DeformedShell(full, 0.2, amplitudes(full, Heave=heave)), DeformedShell(full, 0.2 + heave)
+    assert lifted.volume() == pytest.approx(placed.volume(), rel=1e-13)
+    assert lifted.hydrostatic_force(RHO, G) == pytest.approx(placed.hydrostatic_force(RHO, G), rel=1e-11, abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("height", "modal"),
+    [
+        (-0.4, {"Membrane2": 0.3}),
+        (0.6, {"Bending5": 0.2, "Membrane1": -0.2}),
+        (-1.7, CROSSING),
+        (-2.7, {"Bending4": 0.3}),
+    ],
+)
+def test_archimedes_for_strongly_deformed_shells(full, height, modal):
+    shell = DeformedShell(full, height, amplitudes(full, **modal))
+    assert shell.hydrostatic_force(RHO, G)[0] == pytest.approx(RHO * G * shell.volume(), rel=1e-11)
+
+
+def test_breathing_force_and_stiffness_of_the_half_submerged_sphere(full):
+    """Q_0 = -rho g pi R^3 for a sphere of any radius R with its centre in the surface, so K_00 = 3 rho g pi r^2."""
+    shell = DeformedShell(full, 0.0)
+    assert shell.hydrostatic_force(RHO, G)[1] == pytest.approx(-RHO * G * np.pi * 8, rel=1e-12)
+    assert shell.hydrostatic_stiffness(RHO, G)[1, 1] == pytest.approx(3 * RHO * G * np.pi * 4, rel=1e-12)
+
+
+def test_breathing_force_under_water_is_mean_pressure_times_area(full):
+    force = DeformedShell(full, -5.0).hydrostatic_force(RHO, G)
+    assert force[1] == pytest.approx(-RHO * G * 5.0 * 16 * np.pi, rel=1e-12)
+    assert force[0] == pytest.approx(RHO * G * 32 / 3 * np.pi, rel=1e-12)
+
+
+def test_a_submerged_body_has_no_heave_stiffness(full):
+    stiffness = DeformedShell(full, -5.0, amplitudes(full, Membrane2=0.2)).hydrostatic_stiffness(RHO, G)
+    assert abs(stiffness[0, 0]) < 1e-10 * np.abs(stiffness).max()
+
+
+def test_force_is_the_gradient_of_the_displaced_potential_energy(full):
+    """Q_j = -dE/dq_j with E = -rho g int z dV over the displaced water."""
+    node, weight = np.polynomial.legendre.leggauss(80)
+
+    def energy(q):
+        shell = DeformedShell(full, 0.2, q)
+        ((a, b),) = shell.wet_segments
+        m = shell.meridian((a + b) / 2 + (b - a) / 2 * node)
+        return RHO * G * np.pi * np.sum((b - a) / 2 * weight * m.z * m.x**2 * m.dz)
+
+    start, h = amplitudes(full, Membrane2=0.05, Bending3=-0.05), 2e-3
+    slopes = [
+        [(energy(start + k * e) - energy(start - k * e)) / (2 * k) for k in (h, h / 2, h / 4)] for e in np.eye(13)
+    ]
+    gradient = np.array([(64 * c - 20 * b + a) / 45 for a, b, c in slopes])
+    force = DeformedShell(full, 0.2, start).hydrostatic_force(RHO, G)
+    assert np.abs(force + gradient).max() < 1e-9 * np.abs(force).max()
+
+
+def test_derivatives_of_the_meridian(full):
+    shell = DeformedShell(full, 0.1, amplitudes(full, Membrane2=0.3, Bending5=0.2))
+    phi, h = np.linspace(0.0, np.pi, 37), 1e-5
+    ahead, here, behind = (shell.meridian(phi + s) for s in (h, 0.0, -h))
+    for value, slope in (("x", "dx"), ("z", "dz"), ("shape_x", "dshape_x"), ("shape_z", "dshape_z")):
+        difference = (getattr(ahead, value) - getattr(behind, value)) / (2 * h)
+        assert getattr(here, slope) == pytest.approx(difference, abs=1e-7)
+
+
+def spheroid(full, across, along):
+    """Amplitudes that stretch the sphere to semi-axes `across` and `along` [m]: degrees 0 and 2 hold it exactly."""
+    a, b = along / 2.0 - 1, across / 2.0 - 1  # relative stretch of height and radius
+    shapes = {mode.label: (mode.radial, mode.meridional) for mode in full.shapes}
+    # v = r (b + (a - b) cos^2), u = r (b - a) sin cos in P_0, P_2 and dP_2/dphi = -3 sin cos
+    wanted = 2.0 * np.array([2 * (a - b) / 3, (a - b) / 3])
+    pair = np.linalg.solve(np.array([shapes["Membrane2"], shapes["Bending2"]]).T, wanted)
+    return amplitudes(full, Membrane0=2.0 * (b + (a - b) / 3), Membrane2=pair[0], Bending2=pair[1])
+
+
+def spheroid_area(across, along):
+    """Surface of a spheroid of revolution, textbook formula."""
+    if along > across:
+        e = np.sqrt(1 - (across / along) ** 2)
+        return 2 * np.pi * across**2 * (1 + along / (across * e) * np.arcsin(e))
+    e = np.sqrt(1 - (along / across) ** 2)
+    return 2 * np.pi * across**2 * (1 + (1 - e**2) / e * np.arctanh(e))
+
+
+@pytest.mark.parametrize(
+    ("across", "along"), [(2.2, 1.8), (1.8, 2.3), (1.9, 2.6)], ids=["oblate", "prolate", "slender"]
+)
+def test_volume_and_area_of_spheroids(full, across, along):
+    q = spheroid(full, across, along)
+    half = DeformedShell(full, 0.0, q)
+    assert half.volume(40) == pytest.approx(2 / 3 * np.pi * across**2 * along, rel=1e-12)
+    assert half.wet_area(40) == pytest.approx(spheroid_area(across, along) / 2, rel=1e-12)
+    volume, area = enclosed(full, q[None], 40)
+    assert volume[0] == pytest.approx(4 / 3 * np.pi * across**2 * along, rel=1e-12)
+    assert area[0] == pytest.approx(spheroid_area(across, along), rel=1e-12)
+
+
+def test_enclosed_volume_and_area_forget_heave(full):
+    q = np.array([amplitudes(full, Heave=h, Membrane2=0.1, Bending3=0.05) for h in (0.0, 0.4, -3.0)])
+    volume, area = enclosed(full, q)
+    assert np.ptp(volume) < 1e-12
+    assert np.ptp(area) < 1e-12

@@ -1,0 +1,465 @@
+"""The loaded shell against closed forms, derivatives of an energy written here, statics and the classical theory."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import quad
+
+from vsb.errors import ConvergenceError
+from vsb.shell.deformed import DeformedShell
+from vsb.shell.loaded import (
+    ElasticShell,
+    Gas,
+    LoadedShell,
+    buckling,
+    complete_basis,
+    complete_shell,
+    converged_degree,
+    equilibrium,
+    viable_pressure,
+)
+from vsb.shell.modes import bending_block, membrane_block, mode_basis
+from vsb.shell.sphere import Shell
+
+RHO, G = 1025.0, 9.81
+SHELL = Shell(radius=2.0, thickness=0.01, young_modulus=10e6, poisson_ratio=0.3, density=2700.0)
+MASS = 17170.0
+GAS = Gas(adiabatic_index=1.4, atmospheric_pressure=101325.0)
+PHI = np.linspace(0.0, np.pi, 181)
+
+
+@pytest.fixture(scope="module")
+def full(seed):
+    return mode_basis(seed.device, "full", 6)
+
+
+@pytest.fixture(scope="module")
+def bent():
+    """Amplitudes of a strongly deformed shell of 13 degrees of freedom, heave included."""
+    return 0.02 * np.sin(1.7 * np.arange(13) + 0.4)
+
+
+def complete(degree, shell=SHELL, mass=MASS):
+    return ElasticShell(complete_basis(shell, degree, mass))
+
+
+def floating(elastic, pressure, gas=None, height=0.0):
+    return LoadedShell(elastic, height, RHO, G, pressure, gas)
+
+
+def weightless(elastic, pressure, gas=None):
+    return LoadedShell(elastic, 0.0, 0.0, 0.0, pressure, gas)
+
+
+def derivative(function, q, step=2e-3):
+    """Derivative by each amplitude, three central differences extrapolated: exact for polynomials up to degree 6."""
+
+    def central(e, h):
+        return (function(q + h * e) - function(q - h * e)) / (2 * h)
+
+    return np.array([
+        (64 * central(e, step / 4) - 20 * central(e, step / 2) + central(e, step)) / 45 for e in np.eye(q.size)
+    ])  # fmt: skip
+
+
+def complex_step(function, q):
+    return np.array([np.imag(function(q + 1e-40j * e)) / 1e-40 for e in np.eye(q.size)])
+
+
+def potential(loaded, q):
+    """The total potential, written anew: the pressure's work by quadrature over the volume, the water's over its depth."""
+    reference, volume = 4 / 3 * np.pi * 8, loaded.elastic.volume(q)
+    index, outside = (loaded.gas.adiabatic_index, loaded.gas.atmospheric_pressure) if loaded.gas else (0.0, 0.0)
+    gauge = quad(
+        lambda v: (outside + loaded.internal_pressure) * (reference / v) ** index - outside, reference, volume
+    )[0]
+    shell = DeformedShell(loaded.basis, loaded.centre_height, q)
+    node, weight = np.polynomial.legendre.leggauss(120)
+    water = 0.0
+    for a, b in shell.wet_segments:
+        m = shell.meridian((a + b) / 2 + (b - a) / 2 * node)
+        water += RHO * G * np.pi * (b - a) / 2 * (m.x**2 * m.z * m.dz) @ weight  # -rho g int z dV
+    return loaded.elastic.energy(q) - gauge + water + G * loaded.basis.inertia[0] @ q
+
+
+# the potential and its derivatives
+
+
+def test_elastic_derivatives_to_round_off(full, bent):
+    elastic = ElasticShell(full)
+    force, stiffness = complex_step(elastic.energy, bent), complex_step(elastic.force, bent)
+    assert -elastic.force(bent) == pytest.approx(force, abs=1e-13 * np.abs(force).max())
+    assert -elastic.stiffness(bent) == pytest.approx(stiffness, abs=1e-13 * np.abs(stiffness).max())
+    assert elastic.volume_gradient(bent) == pytest.approx(complex_step(elastic.volume, bent), abs=1e-12)
+    assert elastic.volume_hessian(bent) == pytest.approx(complex_step(elastic.volume_gradient, bent), abs=1e-12)
+
+
+@pytest.mark.parametrize("gas", [None, GAS])
+@pytest.mark.parametrize("height", [0.3, -2.6])
+def test_force_is_minus_the_gradient_of_the_potential(full, bent, gas, height):
+    loaded = floating(ElasticShell(full), 5e3, gas, height)
+    force = loaded.force(bent)
+    assert force == pytest.approx(-derivative(lambda q: potential(loaded, q), bent), abs=1e-9 * np.abs(force).max())
+
+
+@pytest.mark.parametrize("gas", [None, GAS])
+def test_stiffness_is_the_symmetric_hessian_and_the_sum_of_its_parts(full, bent, gas):
+    loaded = floating(ElasticShell(full), 5e3, gas)
+    stiffness = loaded.stiffness(bent)
+    largest = np.abs(stiffness).max()
+    assert stiffness == pytest.approx(-derivative(loaded.force, bent), abs=1e-9 * largest)
+    assert np.abs(stiffness - stiffness.T).max() < 1e-13 * largest
+    parts = [loaded.pressure_stiffness(bent), loaded.gas_stiffness(bent), loaded.hydrostatic_stiffness(bent)]
+    elastic = loaded.elastic.material_stiffness(bent) + loaded.elastic.geometric_stiffness(
+        *loaded.elastic.resultants(bent)
+    )
+    assert stiffness == pytest.approx(elastic + sum(parts), abs=1e-14 * largest)
+    assert np.any(parts[1]) == (gas is not None)
+
+
+@pytest.mark.parametrize("degree", [2, 30])
+def test_the_water_is_resolved_at_any_degree(degree):
+    loaded = floating(complete(degree), 0.0, height=0.4)
+    q = 0.1 * np.sin(1.7 * np.arange(2 * degree + 1)) / (1 + np.arange(2 * degree + 1))
+    shell = DeformedShell(loaded.basis, 0.4, q)
+    water = loaded.force(q) - loaded.elastic.force(q) + G * loaded.basis.inertia[0]
+    exact, stiffness = shell.hydrostatic_force(RHO, G, 300), shell.hydrostatic_stiffness(RHO, G, 300)
+    assert water == pytest.approx(exact, abs=1e-11 * np.abs(exact).max())
+    assert loaded.hydrostatic_stiffness(q) == pytest.approx(stiffness, abs=1e-11 * np.abs(stiffness).max())
+
+
+@pytest.mark.parametrize("name", ["paper", "membrane", "full"])
+def test_the_undeformed_stiffness_is_that_of_the_basis_with_bending(seed, name):
+    basis = mode_basis(seed.device, name, 6)
+    expected = basis.stiffness.copy()
+    if name == "paper":  # the publication leaves bending out; the energy here never does
+        for n, mode in enumerate(basis.modes, start=1):
+            shape = np.array([mode.radial, mode.meridional])
+            expected[n, n] += shape @ bending_block(basis.shell, mode.degree) @ shape
+    stiffness = ElasticShell(basis).stiffness(np.zeros(len(basis.labels)))
+    assert stiffness == pytest.approx(expected, abs=1e-12 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("degree", [2, 40, 90])
+def test_high_degrees_keep_their_accuracy(degree):
+    elastic, r = complete(degree), SHELL.radius
+    at, lam, scale = np.ix_([-2, -1], [-2, -1]), degree * (degree + 1), np.diag([1.0, 1 / degree])
+    zero = np.zeros(len(elastic.basis.labels))
+    block = membrane_block(SHELL, degree) + bending_block(SHELL, degree)
+    assert elastic.stiffness(zero)[at] == pytest.approx(scale @ block @ scale, rel=1e-11)
+    follower = np.array([[2.0, -lam], [-lam, lam]])  # of the volume: 2 v^2 + 2 v div u + u^2, integrated
+    volume = 4 * np.pi * r / (2 * degree + 1) * scale @ follower @ scale
+    assert elastic.volume_hessian(zero)[at] == pytest.approx(volume, rel=1e-11)
+    strained = np.array([[2.0, -lam], [-lam, lam * (lam - 1)]]) + lam * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    tension = 2 * np.pi / (2 * degree + 1) * r * scale @ strained @ scale  # N = p r/2 at p = 1 Pa
+    prestress = weightless(elastic, 1.0).prestress_stiffness[at]
+    assert prestress == pytest.approx(tension - volume, abs=1e-11 * np.abs(tension).max())
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.lists(st.floats(-0.05, 0.05), min_size=12, max_size=12), st.floats(-3.0, 3.0))
+def test_rigid_heave_is_free_and_the_volume_is_that_of_the_meridian(full, modal, heave):
+    elastic, q = ElasticShell(full), np.array([heave, *modal])
+    still = np.array([0.0, *modal])
+    assert elastic.energy(q) == pytest.approx(elastic.energy(still), rel=1e-14)
+    assert elastic.force(q)[0] == 0.0
+    assert abs(elastic.volume_gradient(q)[0]) < 1e-13
+    assert not elastic.stiffness(q)[0].any()
+    assert not elastic.volume_hessian(q)[0].any()
+    assert elastic.volume(q) == pytest.approx(DeformedShell(full, -60.0, q).volume(80), rel=1e-12)
+    assert elastic.energy(still) >= 0.0
+
+
+def test_strains_are_those_of_the_deformed_meridian(full, bent):
+    phi, step = PHI[1:-1], 1e-5
+    shell = DeformedShell(full, 0.0, bent)
+    m, before, after = (shell.meridian(phi + h) for h in (0.0, -step, step))
+    arc = np.hypot(after.x - before.x, after.z - before.z) / (2 * step * 2.0)
+    meridional, hoop = ElasticShell(full).strains(bent, phi)
+    assert meridional == pytest.approx((arc**2 - 1) / 2, abs=1e-8)
+    assert hoop == pytest.approx(((m.x / (2.0 * np.sin(phi))) ** 2 - 1) / 2, abs=1e-12)
+    poles = np.array(ElasticShell(full).strains(bent, np.array([0.0, np.pi])))
+    assert poles[0] == pytest.approx(poles[1], abs=1e-14)
+
+
+# inflation and gas
+
+
+def inflated(pressure, shell=SHELL):
+    """Stretch of a spherical Green-Lagrange Hookean membrane: stretch - 1/stretch = p r (1 - nu)/(E h)."""
+    load = pressure * shell.radius * (1 - shell.poisson_ratio) / (shell.young_modulus * shell.thickness)
+    return (load + math.sqrt(load**2 + 4)) / 2
+
+
+@pytest.mark.parametrize("pressure", [-100.0, 1e3, 2e4, 1e5])
+def test_inflation_is_the_closed_form(pressure):
+    elastic = complete(6)
+    q = equilibrium(weightless(elastic, pressure), np.eye(13)[:, 1:])
+    radius = SHELL.radius * inflated(pressure)
+    assert SHELL.radius + q[1] == pytest.approx(radius, rel=1e-10)
+    assert np.abs(q[[0, *range(2, 13)]]).max() < 1e-10
+    tension = np.array(elastic.resultants(q))
+    assert tension == pytest.approx(np.full_like(tension, pressure * SHELL.radius / 2 * inflated(pressure)), rel=1e-9)
+
+
+def test_breathing_stiffness_of_a_uniform_pressure():
+    loaded = weightless(complete(6), 700.0)
+    breathing = np.eye(13)[1]
+    follower = breathing @ loaded.pressure_stiffness(np.zeros(13)) @ breathing
+    assert follower == pytest.approx(-8 * np.pi * SHELL.radius * 700.0, rel=1e-12)
+    assert breathing @ loaded.prestress_stiffness @ breathing == pytest.approx(-4 * np.pi * 2.0 * 700.0, rel=1e-11)
+
+
+def test_trapped_gas_follows_the_adiabatic_law():
+    q = 0.2 * np.eye(13)[1]
+    loaded = weightless(complete(6), 3000.0, GAS)
+    assert loaded.pressure(0 * q) == pytest.approx(3000.0, rel=1e-9)
+    assert loaded.pressure(q) == pytest.approx(104325.0 * (2.0 / 2.2) ** 4.2 - 101325.0, rel=1e-11)
+    expected = 1.4 * 104325.0 * (2.0 / 2.2) ** 4.2 / (4 / 3 * np.pi * 2.2**3) * (4 * np.pi * 2.2**2) ** 2
+    assert loaded.gas_stiffness(q)[1, 1] == pytest.approx(expected, rel=1e-11)
+    free = weightless(complete(6), 3000.0)
+    assert equilibrium(loaded, np.eye(13)[:, 1:])[1] < 0.3 * equilibrium(free, np.eye(13)[:, 1:])[1]
+
+
+@pytest.mark.parametrize("gas", [None, GAS])
+def test_prestress_is_the_first_order_of_the_tangent_stiffness(gas):
+    """Uniform pressure: what `prestress_stiffness` leaves out is the change of the moduli's part, and only that."""
+    elastic, zero = complete(8), np.zeros(17)
+
+    def rest(factor):
+        loaded = weightless(elastic, factor * 50.0, gas)
+        q = equilibrium(loaded, np.eye(17)[:, 1:])
+        without_load = loaded.unloaded_stiffness + elastic.material_stiffness(q) - elastic.material_stiffness(zero)
+        change = loaded.gas_stiffness(q) - loaded.scaled(0.0).gas_stiffness(zero)
+        return np.abs(loaded.stiffness(q) - without_load - change - loaded.prestress_stiffness).max()
+
+    assert 3.9 < rest(2.0) / rest(1.0) < 4.1  # what is left is of second order
+
+
+# membrane forces of the floating shell
+
+
+def statics(phi, pressure):
+    """Membrane forces of the half submerged sphere from equilibrium alone: pressures and weight, spread evenly."""
+    weight = RHO * G * 2 / 3 * np.pi * 8 / (4 * np.pi * 4)
+
+    def outward(at):
+        return pressure + RHO * G * 2.0 * np.minimum(np.cos(at), 0.0)
+
+    axial = np.array([
+        quad(lambda s: (outward(s) * np.cos(s) - weight) * np.sin(s), 0.0, p, points=[np.pi / 2], epsabs=1e-8)[0]
+        for p in phi
+    ])  # fmt: skip
+    meridional = 2.0 * axial / np.sin(phi) ** 2
+    return np.array([meridional, 2.0 * (outward(phi) - weight * np.cos(phi)) - meridional])
+
+
+def test_membrane_forces_are_statically_determinate():
+    """The linear solution carries what equilibrium asks, up to the bending layer at the waterline, O(h/r) away from it."""
+    phi = np.linspace(0.3, np.pi - 0.3, 25)
+    phi = phi[np.abs(phi - np.pi / 2) > 0.4]
+    worst = []
+    for ratio in (0.02, 0.01):
+        shell = dataclasses.replace(SHELL, thickness=ratio * 2.0)
+        mass = RHO * 2 / 3 * np.pi * 8
+        loaded = floating(complete(60, shell, mass), 9e3)
+        worst.append(np.abs(np.array(loaded.linear_resultants(phi)) - statics(phi, 9e3)).max())
+    assert worst[1] < 0.02 * np.abs(statics(phi, 9e3)).max()
+    assert worst[1] < 0.75 * worst[0]
+
+
+def test_prestress_belongs_to_the_load_not_to_the_basis(seed):
+    narrow, wide = (mode_basis(seed.device, "full", n) for n in (4, 9))
+    pick = [wide.labels.index(label) for label in narrow.labels]
+    few, many = (floating(ElasticShell(basis), 2e4).prestress_stiffness for basis in (narrow, wide))
+    assert few == pytest.approx(many[np.ix_(pick, pick)], abs=1e-10 * np.abs(few).max())
+    assert few == pytest.approx(few.T, abs=1e-10 * np.abs(few).max())
+    assert not few[0].any()
+
+
+# buckling
+
+
+def uniform(ratio, degree=None):
+    shell = dataclasses.replace(SHELL, thickness=ratio * SHELL.radius)
+    return shell, buckling(weightless(complete(degree or converged_degree(shell), shell), -1.0))
+
+
+@pytest.mark.parametrize(("ratio", "critical"), [(0.05, 8), (0.02, 13), (0.005, 25.7), (0.002, 40.6)])
+def test_uniform_pressure_gives_the_classical_load_and_degree(ratio, critical):
+    """Two-sided: the exact energy lies below 2E(h/r)^2/sqrt(3(1-nu^2)) by 0.5 to 0.65 h/r, and no more."""
+    shell, found = uniform(ratio)
+    assert 0.45 * ratio < 1 - found.load_factor / shell.buckling_pressure < 0.65 * ratio
+    assert abs(found.degree - critical) <= 1
+    assert found.classical_factor == pytest.approx(shell.buckling_pressure, rel=1e-12)
+
+
+def test_the_seeds_classical_load():
+    shell, found = uniform(0.005)
+    assert shell.buckling_pressure == pytest.approx(302.61, abs=0.01)
+    assert found.load_factor == pytest.approx(301.73, abs=0.01)
+
+
+def test_tension_never_buckles():
+    found = buckling(weightless(complete(12), 100.0))
+    assert found.load_factor > 100.0  # only breathing at 2C(1+nu)/r, a limit of linear theory
+    assert found.degree == 0
+    assert found.classical_factor == math.inf
+
+
+def test_no_load_no_buckling():
+    found = buckling(weightless(complete(12), 0.0))
+    assert (found.load_factor, found.classical_factor, found.linear_strain) == (math.inf, math.inf, 0.0)
+
+
+@pytest.fixture(scope="module")
+def vented(seed):
+    return complete_shell(seed.device, seed.centre_height, seed.water, 0.0)
+
+
+def test_the_vented_seed_buckles_under_a_fiftieth_of_its_load(vented):
+    found = buckling(vented)
+    assert found.load_factor == pytest.approx(0.018667, rel=1e-4)
+    assert found.degree == 25
+    assert found.classical_factor == pytest.approx(0.01505, rel=1e-3)
+
+
+def test_the_classical_factor_takes_the_pressure_at_the_keel():
+    half_out = buckling(floating(complete(8), 4e3, height=1.0))
+    assert half_out.classical_factor == pytest.approx(SHELL.buckling_pressure / (RHO * G * 1.0 - 4e3), rel=1e-12)
+    in_the_air = buckling(floating(complete(8), -50.0, height=3.0))
+    assert in_the_air.classical_factor == pytest.approx(SHELL.buckling_pressure / 50.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("pressure", [0.0, 8e3])
+def test_the_stiffness_is_singular_at_the_load_factor_with_heave_free(pressure):
+    loaded = floating(complete(16, dataclasses.replace(SHELL, thickness=0.08)), pressure, height=0.2)
+    zero = np.zeros(33)
+    load = loaded.prestress_stiffness + loaded.hydrostatic_stiffness(zero)
+
+    def least(factor):
+        return np.linalg.eigvalsh(loaded.unloaded_stiffness + factor * load).min()
+
+    critical = buckling(loaded).load_factor
+    assert least(critical * (1 - 1e-6)) > 0.0 > least(critical * (1 + 1e-6))
+
+
+def test_the_buckling_load_does_not_depend_on_the_basis(seed, vented):
+    wider = dataclasses.replace(vented, elastic=complete(52))
+    full = dataclasses.replace(vented, elastic=ElasticShell(mode_basis(seed.device, "full", 42)))
+    assert buckling(wider).load_factor == pytest.approx(buckling(vented).load_factor, rel=1e-4)
+    assert buckling(full).load_factor == pytest.approx(buckling(vented).load_factor, rel=1e-8)
+
+
+def test_the_nonlinear_path_of_the_vented_seed_ends_where_computed(seed):
+    loaded = floating(complete(28), 0.0, height=seed.centre_height)
+    message = (
+        r"buckles at 0\.01[78]\d* of its load, into a shape of degree 2[456]; raise device\.internal_pressure "
+        r"\(now 0 Pa, gauge\) or device\.thickness \(now 0\.01 m\)"
+    )
+    with pytest.raises(ConvergenceError, match=message):
+        equilibrium(loaded)
+
+
+def test_uniform_buckling_on_the_nonlinear_path():
+    """Newton's path stops within a step of the computed load although it is scanned from below."""
+    shell = dataclasses.replace(SHELL, thickness=0.06)
+    elastic = complete(22, shell)
+    critical = buckling(weightless(elastic, -1.0)).load_factor
+    below = equilibrium(weightless(elastic, -0.97 * critical), np.eye(45)[:, 1:])
+    assert below[1] == pytest.approx(2.0 * inflated(-0.97 * critical, shell) - 2.0, rel=1e-8)
+    with pytest.raises(ConvergenceError, match=r"buckles at 0\.9\d* of its load, into a shape of degree 1\d"):
+        equilibrium(weightless(elastic, -1.05 * critical), np.eye(45)[:, 1:])
+
+
+# internal pressure that makes the shell viable
+
+
+def test_viable_pressure_of_the_seed(seed, vented):
+    pressure, found = viable_pressure(seed.device, seed.centre_height, seed.water)
+    assert pressure == pytest.approx(16313.0, abs=2.0)
+    assert found.load_factor == pytest.approx(1.0, rel=1e-6)
+    assert found.linear_strain == pytest.approx(0.196, abs=1e-3)
+    slightly_less = dataclasses.replace(vented, internal_pressure=0.99 * pressure)
+    assert buckling(slightly_less).load_factor < 1.0
+
+
+def test_viability_of_other_shells(seed):
+    thick = seed.device.model_copy(update={"thickness": 0.08})
+    pressure, found = viable_pressure(thick, 0.0, seed.water)
+    assert pressure == 0.0
+    assert found.load_factor > 1.0
+    more, held = viable_pressure(thick, 0.0, seed.water, margin=2.0)
+    assert more > 0.0
+    assert held.load_factor == pytest.approx(2.0, rel=1e-6)
+    weak = seed.device.model_copy(update={"young_modulus": 1e4})
+    with pytest.raises(
+        ConvergenceError, match=r"no internal pressure keeps a shell of thickness 0\.01 m from buckling"
+    ):
+        viable_pressure(weak, 0.0, seed.water)
+
+
+# static equilibrium
+
+
+@pytest.fixture(scope="module")
+def pressurised(seed):
+    loaded = floating(ElasticShell(mode_basis(seed.device, "full", 12)), 2e4, height=seed.centre_height)
+    return loaded, equilibrium(loaded)
+
+
+def test_the_pressurised_seed_floats(pressurised, seed):
+    loaded, q = pressurised
+    assert np.abs(loaded.force(q)).max() < 1e-13 * G * MASS * 10
+    shell = DeformedShell(loaded.basis, seed.centre_height, q)
+    assert RHO * shell.volume(120) == pytest.approx(MASS, rel=1e-12)
+    assert np.linalg.eigvalsh(loaded.stiffness(q)).min() > 0.0
+    assert q[0] == pytest.approx(0.36488, abs=1e-4)  # inflated, it floats higher
+    largest = np.abs(loaded.elastic.strains(q, PHI)).max()
+    assert largest == pytest.approx(0.1767, abs=1e-3)
+
+
+def test_newton_converges_quadratically(pressurised):
+    loaded, exact = pressurised
+    q, errors = exact + 0.02 * np.cos(np.arange(exact.size)), []
+    for _ in range(3):
+        q = q + np.linalg.solve(loaded.stiffness(q), loaded.force(q))
+        errors.append(np.abs(q - exact).max())
+    assert errors[2] > 1e-12  # above round-off, so the order can be seen
+    assert 1.7 < math.log(errors[2] / errors[1]) / math.log(errors[1] / errors[0]) < 2.5
+
+
+def test_the_answer_does_not_depend_on_the_degree(pressurised, seed):
+    loaded, q = pressurised
+    heave = [
+        equilibrium(dataclasses.replace(loaded, elastic=ElasticShell(mode_basis(seed.device, "full", n))))[0]
+        for n in (3, 6, 24)
+    ]
+    assert abs(q[0] - heave[2]) < 0.3 * abs(heave[1] - heave[2]) < 0.3 * abs(heave[0] - heave[2])
+    assert q[0] == pytest.approx(heave[2], rel=1e-4)
+
+
+def test_a_stiff_shell_follows_linear_statics():
+    """The error of the linear solution is of second order in load over stiffness."""
+
+    def error(modulus):
+        loaded = floating(complete(6, dataclasses.replace(SHELL, young_modulus=modulus)), 3e3)
+        zero = np.zeros(13)
+        linear = np.linalg.solve(loaded.unloaded_stiffness + loaded.hydrostatic_stiffness(zero), loaded.force(zero))
+        return np.abs(equilibrium(loaded) - linear).max()
+
+    order = math.log2(error(4e9) / error(8e9))
+    assert 1.9 < order < 2.1
+
+
+def test_clamps_hold(pressurised):
+    loaded, free = pressurised
+    motions = loaded.basis.clamped([0.0])
+    q = equilibrium(loaded, motions)
+    assert loaded.basis.clamp_rows([0.0]) @ q == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert motions.T @ loaded.force(q) == pytest.approx(np.zeros(motions.shape[1]), abs=1e-6)
+    assert abs(loaded.basis.pole_radial_displacement[1:] @ free[1:]) > 0.05

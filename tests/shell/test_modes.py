@@ -1,0 +1,212 @@
+import numpy as np
+import pytest
+from conftest import varied
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.linalg import eigh
+from shell.test_sphere import LOWER, TABLE_I
+
+from vsb.errors import ConfigError
+from vsb.shell.modes import bending_block, design_motions, legendre, mass_block, membrane_block, mode_basis, study_basis
+from vsb.shell.sphere import natural_frequencies
+
+PAPER_RITZ = [51.434449987, 62.153777189, 86.525263883, 115.855327968, 146.580164630, 177.820039783, 209.298426663]
+
+
+def basis_of(seed, basis, degree=6):
+    return mode_basis(seed.device, basis, degree)
+
+
+def test_ritz_frequencies_are_table_i(seed):
+    assert basis_of(seed, "membrane").dry_frequencies == pytest.approx(TABLE_I, rel=1e-10)
+    assert basis_of(seed, "full").dry_frequencies == pytest.approx([*TABLE_I, *LOWER.values()], rel=2e-9)
+    assert basis_of(seed, "paper").dry_frequencies == pytest.approx(PAPER_RITZ, rel=4e-8)
+    assert basis_of(seed, "full").dry_frequencies[:7] == pytest.approx(TABLE_I, rel=1e-10)
+
+
+@pytest.mark.parametrize("degree", [6, 40])
+def test_ritz_equals_closed_form_at_high_degree(seed, degree):
+    basis = basis_of(seed, "full", degree)
+    values = np.sqrt(np.abs(eigh(basis.stiffness[1:, 1:], basis.inertia[1:, 1:], eigvals_only=True)))
+    closed = [natural_frequencies(basis.shell, n) for n in range(degree + 1)]
+    exact = sorted([c[1] for c in closed] + [c[0] for c in closed[2:]])
+    assert np.sort(values) == pytest.approx(exact, rel=1e-10)
+
+
+def test_closed_form_blocks_are_the_energy_integrals(seed):
+    """The (V, U) blocks against Gauss quadrature of the strain and curvature energies."""
+    shell, n = basis_of(seed, "full").shell, 4
+    x, w = np.polynomial.legendre.leggauss(60)
+    phi = np.arccos(x)
+    p, dp, ddp = (values[n] for values in legendre(n, phi))
+    cot, nu, r = 1 / np.tan(phi), shell.poisson_ratio, shell.radius
+
+    def form(pairs):  # 2 pi r^2 int (a_i a_j + b_i b_j + nu (a_i b_j + b_i a_j)) sin phi dphi
+        return 2 * np.pi * r**2 * np.array([
+            [np.sum(w * (a * c + b * d + nu * (a * d + b * c))) for c, d in pairs] for a, b in pairs
+        ])  # fmt: skip
+
+    strains = [(p / r, p / r), (ddp / r, cot * dp / r)]  # of V, of U
+    curvatures = [(-ddp / r**2, -cot * dp / r**2), (ddp / r**2, cot * dp / r**2)]
+    assert membrane_block(shell, n) == pytest.approx(shell.membrane_stiffness * form(strains), rel=1e-11)
+    assert bending_block(shell, n) == pytest.approx(shell.bending_stiffness * form(curvatures), rel=1e-11)
+    areal = 2 * np.pi * shell.density * shell.thickness * r**2
+    assert np.diag(mass_block(shell, n)) == pytest.approx(areal * np.array([np.sum(w * p**2), np.sum(w * dp**2)]))
+
+
+def test_rigid_heave_strains_nothing_and_is_orthogonal_to_the_true_mode(seed):
+    rigid = np.ones(2)
+    shell = basis_of(seed, "full").shell
+    for block in (membrane_block(shell, 1), bending_block(shell, 1)):
+        assert np.abs(block @ rigid).max() < 1e-12 * np.abs(block).max()
+    coupling = {name: basis_of(seed, name).inertia[0, 2] / shell.mass for name in ("membrane", "full", "paper")}
+    assert abs(coupling["membrane"]) < 1e-14
+    assert abs(coupling["full"]) < 1e-14
+    assert abs(coupling["paper"]) > 0.1  # the slipped shape is not orthogonal
+
+
+@pytest.mark.parametrize("name", ["paper", "membrane", "full"])
+def test_largest_displacement_of_every_mode_is_one(seed, name):
+    phi = np.linspace(0, np.pi, 20001)
+    radial, meridional = basis_of(seed, name, 12).displacement(phi)
+    largest = np.hypot(radial, meridional).max(axis=1)
+    assert np.all(largest < 1 + 1e-12)
+    assert np.all(largest > 1 - (12 * phi[1]) ** 2 / 8)  # a maximum between two samples
+    assert np.all(radial[:, 0] > 0)
+
+
+def test_derivative_of_the_shapes(seed):
+    basis, phi, h = basis_of(seed, "full", 20), np.linspace(0.0, np.pi, 41), 1e-5
+    for order in (0, 1):
+        ahead, behind = basis.displacement(phi + h)[order], basis.displacement(phi - h)[order]
+        assert basis.displacement(phi, derivative=1)[order] == pytest.approx((ahead - behind) / (2 * h), abs=2e-6)
+
+
+@pytest.mark.parametrize(
+    ("colatitudes", "constraints"),
+    [([0.0], 1), ([np.pi / 2], 2), ([0.0, 0.0], 1), ([0.0, np.pi], 2), ([0.3, 1.2, 0.3], 4)],
+)
+def test_clamps_by_null_space(seed, colatitudes, constraints):
+    basis = basis_of(seed, "full")
+    free = basis.clamped(colatitudes)
+    assert free.shape == (13, 13 - constraints)
+    assert free.T @ free == pytest.approx(np.eye(13 - constraints), abs=1e-13)
+    assert np.abs(basis.clamp_rows(colatitudes) @ free).max() < 1e-12
+    assert np.array_equal(free[:, 0], np.eye(13)[0])
+
+
+def test_clamps_that_leave_nothing_free_are_refused(seed):
+    study = varied(seed, modes={"degree": 1}, designs={"FSB": {"flexible": False}, "tight": {"clamp": [0, 90]}})
+    with pytest.raises(
+        ConfigError, match=r"designs.tight.clamp: received \[0.0, 90.0\], which leaves none of the 2 shell"
+    ):
+        design_motions(study, study_basis(study), "tight")
+
+
+def test_a_rigid_study_has_heave_alone(seed):
+    study = varied(seed, designs={"FSB": {"flexible": False}})
+    basis = study_basis(study)
+    assert basis.labels == ("Heave",)
+    assert basis.inertia == pytest.approx(np.array([[17170.0]]))
+    assert design_motions(study, basis, "FSB").shape == (1, 1)
+
+
+def test_rayleigh_quotients_of_both_branches_are_the_closed_form_up_to_degree_40(seed):
+    full = basis_of(seed, "full", 40)
+    closed = np.array([natural_frequencies(full.shell, n) for n in range(41)])
+    assert full.dry_frequencies == pytest.approx([*closed[:, 1], *closed[2:, 0]], rel=1e-10)
+    assert basis_of(seed, "membrane", 40).dry_frequencies == pytest.approx(closed[:, 1], rel=1e-10)
+
+
+def test_the_two_branches_of_a_degree_are_orthogonal_in_mass_and_stiffness(seed):
+    basis = basis_of(seed, "full")
+    for matrix in (basis.inertia[1:, 1:], basis.stiffness[1:, 1:]):
+        scale = np.sqrt(np.outer(np.diag(matrix), np.diag(matrix)))
+        assert np.abs(matrix / scale - np.eye(12)).max() < 1e-11
+
+
+def test_shapes_solve_legendres_equation():
+    phi = np.linspace(0.05, np.pi - 0.05, 101)
+    p, dp, ddp = legendre(40, phi)
+    n = np.arange(41)[:, None]
+    residual = ddp + dp / np.tan(phi) + n * (n + 1) * p
+    assert np.abs(residual).max() < 1e-11 * 40 * 41
+    assert p[2] == pytest.approx((3 * np.cos(phi) ** 2 - 1) / 2, abs=1e-14)
+
+
+def test_derivatives_of_legendre_polynomials_are_finite_at_both_poles():
+    n = np.arange(41)
+    p, dp, ddp = legendre(40, np.array([0.0, np.pi]))
+    assert p == pytest.approx(np.array([np.ones(41), (-1.0) ** n]).T, abs=1e-12)
+    assert np.abs(dp).max() < 1e-11
+    assert ddp[:, 0] == pytest.approx(-n * (n + 1) / 2, rel=1e-12)
+
+
+def test_rigid_heave_is_a_vertical_translation(seed):
+    phi = np.linspace(0.0, np.pi, 31)
+    radial, meridional = basis_of(seed, "membrane").displacement(phi)
+    vertical = radial[0] * np.cos(phi) - meridional[0] * np.sin(phi)
+    horizontal = radial[0] * np.sin(phi) + meridional[0] * np.cos(phi)
+    assert vertical == pytest.approx(np.ones(31), abs=1e-15)
+    assert horizontal == pytest.approx(np.zeros(31), abs=1e-15)
+
+
+@pytest.mark.parametrize("name", ["paper", "membrane", "full"])
+def test_heave_carries_the_buoy_and_no_elastic_force(seed, name):
+    basis = basis_of(seed, name)
+    assert basis.inertia[0, 0] == 17170.0
+    assert np.all(basis.stiffness[0] == 0.0)
+    assert np.all(basis.stiffness[:, 0] == 0.0)
+    assert np.linalg.eigvalsh(basis.inertia).min() > 0
+
+
+def test_paper_basis_has_no_bending_energy(seed):
+    basis = basis_of(seed, "paper")
+    for i, mode in enumerate(basis.shapes[1:], start=1):
+        vector = np.array([mode.radial, mode.meridional])
+        membrane = vector @ membrane_block(basis.shell, mode.degree) @ vector
+        assert basis.stiffness[i, i] == pytest.approx(membrane, rel=1e-14)
+
+
+def test_rayleigh_damping_of_the_modes_only(seed):
+    basis = mode_basis(varied(seed, device={"damping": {"alpha": 0.7, "beta": 2e-3}}).device, "full", 3)
+    expected = 0.7 * basis.inertia + 2e-3 * basis.stiffness
+    assert basis.damping[1:, 1:] == pytest.approx(expected[1:, 1:], rel=1e-14)
+    assert np.all(basis.damping[0] == 0.0)
+    assert np.all(basis.damping[:, 0] == 0.0)
+
+
+def test_pole_displacement_is_the_shape_at_the_top(seed):
+    basis = basis_of(seed, "full")
+    radial, meridional = basis.displacement(np.array([0.0]))
+    assert basis.pole_radial_displacement == pytest.approx(radial[:, 0], rel=1e-13)
+    assert np.all(meridional == 0.0)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.lists(st.integers(0, 36), min_size=1, max_size=5), st.sampled_from([6, 12, 40]))
+def test_clamped_motions_satisfy_any_clamps(seed, fives, degree):
+    colatitudes = [np.deg2rad(5.0 * five) for five in fives]
+    basis = basis_of(seed, "full", degree)
+    free = basis.clamped(colatitudes * 2)  # every clamp twice
+    assert np.array_equal(free[:, 0], np.eye(len(basis.labels))[0])
+    assert free.T @ free == pytest.approx(np.eye(free.shape[1]), abs=1e-12)
+    rows = basis.clamp_rows(colatitudes)
+    assert np.abs(rows @ free).max() < 1e-12 * max(1.0, np.abs(rows).max())
+    assert free.shape[1] >= len(basis.labels) - 2 * len(set(colatitudes))
+
+
+def test_duplicate_clamps_allow_the_same_motions(seed):
+    basis = basis_of(seed, "full")
+    once, often = (basis.clamped(c) for c in ([0.0, 1.1], [1.1, 0.0, 0.0, 1.1, 1.1]))
+    assert once @ once.T == pytest.approx(often @ often.T, abs=1e-12)
+
+
+def test_no_clamps_leave_every_mode_free(seed):
+    assert basis_of(seed, "full").clamped([]).shape == (13, 13)
+
+
+def test_a_design_allows_its_own_motions(seed):
+    basis = study_basis(seed)
+    free = {name: design_motions(seed, basis, name).shape[1] for name in seed.designs}
+    assert free == {"FSB": 1, "VSWEC": 8, "VSWEC0": 7, "VSWEC90": 6}

@@ -1,0 +1,114 @@
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from vsb.shell.sphere import Shell, frequency_parameter, natural_frequencies
+
+SEED = Shell(radius=2.0, thickness=0.01, young_modulus=10e6, poisson_ratio=0.3, density=2700.0)
+TABLE_I = [51.434449987, 62.994144454, 86.823947954, 115.941895367, 146.610087987, 177.832640732, 209.304856685]
+LOWER = {2: 22.3593100, 3: 26.4773949, 4: 28.1000629, 5: 28.9095098, 6: 29.3859861}
+
+
+def test_full_formulation_of_table_i():
+    upper = [natural_frequencies(SEED, n)[1] for n in range(7)]
+    assert upper == pytest.approx(TABLE_I, rel=1e-11)
+
+
+def test_lower_branch_and_rigid_heave():
+    assert natural_frequencies(SEED, 1)[0] == 0.0
+    assert [natural_frequencies(SEED, n)[0] for n in LOWER] == pytest.approx(list(LOWER.values()), rel=2e-9)
+
+
+def test_steel_sphere_as_published():
+    """AFNOR/VPCS SDLS07: bending branch of a closed steel sphere, to its printed digits."""
+    steel = Shell(radius=2.5, thickness=0.1, young_modulus=2e11, poisson_ratio=0.3, density=7800.0)
+    lines = (Path(__file__).parents[1] / "data" / "shell_SDLS07.csv").read_text().splitlines()[1:]
+    for row in csv.DictReader(lines):
+        hertz = natural_frequencies(steel, int(row["n"]))[0] / (2 * np.pi)
+        published = row["f_Hz_published"]
+        digits = len(published.partition(".")[2])
+        assert hertz == pytest.approx(float(published), abs=0.5 * 10**-digits)
+        formula = next(value for key, value in row.items() if key.startswith("f_Hz_formula"))
+        assert hertz == pytest.approx(float(formula), abs=0.5e-4)  # the same, to the digits of the closed form
+
+
+def test_product_and_sum_of_the_roots():
+    for n in range(2, 41):
+        lower, upper = frequency_parameter(SEED, n)
+        nu, m, e = 0.3, n * (n + 1) - 2, (0.005**2) / 12
+        a = 3 * (1 + nu) + m + e * (m + 3) * (m + 1 + nu)
+        b = 1 - nu**2 + e * ((m + 1) ** 2 - nu**2)
+        assert (1 - nu**2) * (lower + upper) == pytest.approx(a, rel=1e-13)
+        assert (1 - nu**2) * lower * upper == pytest.approx(m * b / (1 - nu**2), rel=1e-13)
+
+
+def test_classical_buckling_pressure_and_mass_of_the_seed():
+    assert SEED.buckling_pressure == pytest.approx(302.6, abs=0.1)
+    assert SEED.mass == pytest.approx(1357.2, abs=0.1)
+
+
+@pytest.mark.parametrize("thickness", [0.0, -0.01, 0.2, 1.0])
+def test_thick_or_no_shell_is_refused(thickness):
+    with pytest.raises(ValueError, match=r"thin-shell theory \(C3\) needs 0 < thickness < radius/10, got thickness="):
+        Shell(2.0, thickness, 1e7, 0.3, 2700.0)
+
+
+@pytest.mark.parametrize(("modulus", "ratio", "density"), [(-1.0, 0.3, 1.0), (1.0, 0.5, 1.0), (1.0, 0.3, 0.0)])
+def test_impossible_material_is_refused(modulus, ratio, density):
+    with pytest.raises(ValueError, match="a material needs E > 0"):
+        Shell(2.0, 0.01, modulus, ratio, density)
+
+
+@pytest.mark.parametrize("degree", [1, 2, 5, 40, 400])
+def test_vanishing_thickness_leaves_the_membrane_quadratic(degree):
+    """h -> 0: (1 - nu^2) Omega^4 - (m + 3 (1 + nu)) Omega^2 + m = 0, by companion-matrix roots."""
+    thin = Shell(radius=1.0, thickness=1e-12, young_modulus=1.0, poisson_ratio=0.25, density=1.0)
+    m = degree * (degree + 1) - 2
+    roots = np.sort(np.roots([1 - 0.25**2, -(m + 3 * 1.25), m]))
+    assert frequency_parameter(thin, degree) == pytest.approx(roots, rel=1e-9, abs=1e-15)
+
+
+def test_lower_branch_of_a_bending_shell_becomes_a_plate_at_high_degree():
+    """omega^2 -> D k^4/(rho h) + E/(rho r^2), k = n/r, for waves short against the radius and long against h."""
+    shell = Shell(radius=1.0, thickness=1e-4, young_modulus=1.0, poisson_ratio=0.3, density=1.0)
+    ratios = []
+    for n in (200, 400, 800):
+        plate = shell.bending_stiffness * (n + 0.5) ** 4 / 1e-4 + 1.0
+        ratios.append(abs(natural_frequencies(shell, n)[0] ** 2 / plate - 1))
+    assert ratios[0] > 3 * ratios[1] > 9 * ratios[2]
+    assert ratios[2] < 1e-4
+
+
+@given(st.floats(0.1, 50.0), st.floats(1e-4, 0.09), st.floats(1e5, 1e12), st.floats(-0.9, 0.49), st.floats(10.0, 2e4))
+def test_breathing_frequency_of_any_sphere(radius, ratio, modulus, nu, density):
+    shell = Shell(radius, ratio * radius, modulus, nu, density)
+    exact = np.sqrt(2 * modulus / (density * radius**2 * (1 - nu)))
+    assert natural_frequencies(shell, 0) == pytest.approx([0.0, exact], rel=1e-12)
+
+
+@given(st.floats(0.1, 50.0), st.integers(0, 40))
+def test_frequencies_scale_inversely_with_size(factor, degree):
+    larger = Shell(2.0 * factor, 0.01 * factor, 10e6, 0.3, 2700.0)
+    assert natural_frequencies(larger, degree) * factor == pytest.approx(natural_frequencies(SEED, degree), rel=1e-11)
+
+
+def test_buckling_pressure_grows_with_thickness_squared():
+    double = Shell(2.0, 0.02, 10e6, 0.3, 2700.0)
+    assert SEED.buckling_pressure == pytest.approx(303, abs=0.5)
+    assert double.buckling_pressure == pytest.approx(4 * SEED.buckling_pressure, rel=1e-14)
+    assert SEED.membrane_stiffness == pytest.approx(1e5 / 0.91, rel=1e-14)
+    assert SEED.bending_stiffness == pytest.approx(10.0 / 12 / 0.91, rel=1e-13)
+
+
+def test_shell_of_a_device(seed):
+    assert Shell.of(seed.device) == SEED
+
+
+@pytest.mark.parametrize("ratio", [-1.0, -2.0, 0.6, float("nan")])
+def test_impossible_poisson_ratio_is_refused_and_named(ratio):
+    with pytest.raises(ValueError, match=rf"-1 < nu < 0.5, got .*nu={ratio}\."):
+        Shell(2.0, 0.01, 1e7, ratio, 2700.0)

@@ -1,0 +1,158 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from vsb.study.study import Jonswap, RegularWave, StillWater
+from vsb.waves.seas import Sea, group_velocity, irregular, jonswap_spectrum, power_limit, sea, wavenumber
+
+G = 9.81
+
+
+@given(st.floats(0.05, 20.0), st.floats(0.5, 500.0))
+def test_dispersion_relation(omega, depth):
+    k = wavenumber(omega, depth, G)
+    assert G * k * np.tanh(k * depth) == pytest.approx(omega**2, rel=1e-9)
+
+
+@given(st.floats(0.1, 5.0), st.floats(1.0, 200.0))
+def test_group_velocity_is_the_derivative_of_the_dispersion_relation(omega, depth):
+    h = 1e-4 * omega
+    slope = (wavenumber(omega + h, depth, G) - wavenumber(omega - h, depth, G)) / (2 * h)
+    assert group_velocity(omega, depth, G) == pytest.approx(1 / slope, rel=1e-5)
+
+
+def test_deep_and_shallow_limits():
+    assert wavenumber(2.0, np.inf, G) == 4.0 / G
+    assert group_velocity(2.0, np.inf, G) == pytest.approx(G / 4)
+    assert group_velocity(0.01, 1.0, G) == pytest.approx(np.sqrt(G), rel=1e-4)
+
+
+def test_limit_in_deep_water():
+    assert power_limit(2.0, np.inf, 1025.0, G) == pytest.approx(1025.0 * G**3 / (4 * 2.0**3))
+
+
+@pytest.mark.parametrize("gamma", [1.0, 3.3, 7.0])
+def test_spectrum_carries_its_significant_height(gamma):
+    omega = np.linspace(0.05, 40.0, 200_001)
+    m0 = np.trapezoid(jonswap_spectrum(omega, 2.5, 6.0, gamma), omega)
+    assert 4 * np.sqrt(m0) == pytest.approx(2.5, rel=2e-3)
+    assert omega[np.argmax(jonswap_spectrum(omega, 2.5, 6.0, gamma))] == pytest.approx(2 * np.pi / 6, rel=1e-3)
+
+
+def test_realisations_differ_by_phase_only_and_repeat_by_seed():
+    first, again = (irregular(Jonswap(kind="jonswap", hs=1, tp=5, seed=3), 12.0, 60.0) for _ in range(2))
+    other = irregular(Jonswap(kind="jonswap", hs=1, tp=5, seed=4), 12.0, 60.0)
+    assert np.array_equal(first.amplitude, again.amplitude)
+    assert np.abs(first.amplitude) == pytest.approx(np.abs(other.amplitude))
+    assert not np.allclose(first.amplitude, other.amplitude)
+    assert 4 * np.sqrt(0.5 * np.sum(np.abs(first.amplitude) ** 2)) == pytest.approx(1.0, rel=5e-3)
+    assert 2 * np.pi / np.diff(first.omega).max() >= 60.0  # no repetition within the run
+
+
+def test_regular_and_still_seas():
+    regular = sea(RegularWave(kind="regular", amplitude=0.2, period=4.0), 12.0, 60.0)
+    assert regular.elevation(np.array([0.0, 1.0, 2.0])) == pytest.approx([0.2, 0.0, -0.2], abs=1e-15)
+    still = sea(StillWater(kind="still"), 12.0, 60.0)
+    assert np.array_equal(still.elevation(np.array([0.0, 1.0])), [0.0, 0.0])
+
+
+@given(st.floats(0.01, 20.0), st.floats(0.1, 1000.0))
+def test_wavenumber_lies_between_the_deep_and_shallow_limits(omega, depth):
+    k = wavenumber(omega, depth, G)
+    assert k >= omega**2 / G * (1 - 1e-12)
+    assert k >= omega / np.sqrt(G * depth) * (1 - 1e-12)
+
+
+@pytest.mark.parametrize("depth", [5.0, 30.0])
+def test_wavenumber_is_continuous_where_deep_water_begins(depth):
+    omega = np.sqrt(20.0 * G / depth)
+    shallower, deeper = (wavenumber(omega * (1 + s), depth, G) for s in (-1e-9, 1e-9))
+    assert deeper / shallower == pytest.approx(1 + 4e-9, abs=1e-12)
+
+
+@given(st.floats(0.2, 20.0))
+def test_deep_water_has_half_the_phase_velocity(omega):
+    assert group_velocity(omega, np.inf, G) == pytest.approx(G / (2 * omega), rel=1e-14)
+    assert group_velocity(omega, 1e4, G) == pytest.approx(G / (2 * omega), rel=1e-12)
+
+
+def test_shallow_water_is_not_dispersive_to_second_order():
+    """v_g = sqrt(g d) (1 - (kd)^2/2 + ...): the deviation falls fourfold per halved frequency."""
+    deviations = np.array([1 - group_velocity(w, 2.0, G) / np.sqrt(2.0 * G) for w in (0.2, 0.1, 0.05, 0.025)])
+    assert np.log2(deviations[:-1] / deviations[1:]) == pytest.approx([2.0, 2.0, 2.0], abs=0.02)
+
+
+@given(st.floats(0.2, 12.0))
+def test_deep_power_limit_of_any_wave(omega):
+    exact = 1025.0 * G**3 / (4 * omega**3)
+    assert power_limit(omega, np.inf, 1025.0, G) == pytest.approx(exact, rel=1e-13)
+
+
+@given(st.floats(0.2, 5.0), st.floats(1.0, 100.0))
+def test_power_limit_is_the_flux_of_one_capture_width(omega, depth):
+    k = wavenumber(omega, depth, G)
+    kd = k * depth
+    flux = 1025.0 * G / 2 * omega / k * 0.5 * (1 + (2 * kd / np.sinh(2 * kd) if kd < 300 else 0.0))
+    assert power_limit(omega, depth, 1025.0, G) == pytest.approx(flux / k, rel=1e-12)
+
+
+@pytest.mark.parametrize(("hs", "tp"), [(2.5, 6.0), (0.3, 2.0)])
+def test_unit_peakedness_is_pierson_moskowitz(hs, tp):
+    peak = 2 * np.pi / tp
+    w = np.linspace(0.4, 6.0, 57) * peak
+    exact = 5 / 16 * hs**2 * peak**4 * w**-5 * np.exp(-1.25 * (peak / w) ** 4)
+    assert jonswap_spectrum(w, hs, tp, 1.0) == pytest.approx(exact, rel=2e-6)  # the tail beyond 40 peaks: 5e-7
+
+
+@given(st.floats(0.1, 15.0), st.floats(1.0, 20.0), st.floats(1.0, 10.0))
+def test_zeroth_moment_of_any_sea(hs, tp, gamma):
+    omega = np.linspace(0.02, 40.0, 40001) * 2 * np.pi / tp
+    assert np.trapezoid(jonswap_spectrum(omega, hs, tp, gamma), omega) == pytest.approx(hs**2 / 16, rel=1e-12)
+
+
+@pytest.mark.parametrize("tp", [4.0, 9.0])
+def test_realisation_carries_the_energy_below_its_highest_frequency(tp):
+    """Pierson-Moskowitz: the share of m0 below w is exp(-1.25 (peak/w)^4)."""
+    waves = irregular(Jonswap(kind="jonswap", hs=2.0, tp=tp, gamma=1.0, seed=5), 6.0, 600.0)
+    share = np.exp(-1.25 * (2 * np.pi / tp / 6.0) ** 4)
+    assert 0.5 * np.sum(np.abs(waves.amplitude) ** 2) == pytest.approx(0.25 * share, rel=1e-5)
+
+
+def test_mean_over_one_repetition_of_a_realisation_is_its_energy():
+    waves = irregular(Jonswap(kind="jonswap", hs=1.5, tp=5.0, seed=2), 4.0, 50.0)
+    width = np.diff(waves.omega).min()
+    time = np.arange(4096) / 4096 * 4 * np.pi / width  # components at odd multiples of width/2
+    assert np.mean(waves.elevation(time) ** 2) == pytest.approx(0.5 * np.sum(np.abs(waves.amplitude) ** 2), rel=1e-10)
+    assert abs(np.mean(waves.elevation(time))) < 1e-12
+
+
+def test_no_component_beyond_the_band():
+    waves = irregular(Jonswap(kind="jonswap", hs=1.0, tp=5.0), 7.0, 100.0)
+    assert 0 < waves.omega.min() < waves.omega.max() < 7.0
+
+
+def test_phase_convention_and_mean_power():
+    waves = Sea(np.array([1.0, 2.0]), np.array([0.5j, 0.25]))
+    time = np.linspace(0, 7, 29)
+    assert waves.elevation(time) == pytest.approx(0.5 * np.sin(time) + 0.25 * np.cos(2 * time), abs=1e-15)
+    assert waves.mean_of(np.array([8.0, 16.0])) == pytest.approx(8 * 0.25 + 16 * 0.0625)
+
+
+def test_still_water_carries_no_power():
+    assert sea(StillWater(kind="still"), 12.0, 60.0).mean_of(np.zeros(0)) == 0.0
+
+
+def test_jonswap_of_a_study_is_its_realisation():
+    wave = Jonswap(kind="jonswap", hs=1, tp=5, seed=3)
+    assert np.array_equal(sea(wave, 12.0, 60.0).amplitude, irregular(wave, 12.0, 60.0).amplitude)
+
+
+@pytest.mark.parametrize(("relative", "width"), [(0.8, 0.07), (0.95, 0.07), (1.05, 0.09), (1.2, 0.09)])
+def test_peakedness_acts_over_the_published_widths(relative, width):
+    """Over Pierson-Moskowitz a sea is gamma^exp(-(w/w_p - 1)^2/(2 sigma^2)) times as dense, up to one factor."""
+    w = 2 * np.pi / 6 * np.array([relative, 1.0])
+    raised = jonswap_spectrum(w, 1.0, 6.0, 3.3) / jonswap_spectrum(w, 1.0, 6.0, 1.0)
+    assert raised[0] / raised[1] == pytest.approx(
+        3.3 ** (np.exp(-((relative - 1) ** 2) / (2 * width**2)) - 1), rel=1e-12
+    )

@@ -1,0 +1,339 @@
+"""A body of any shape: its wetted panels, the displacements it can make, and what still water does to them.
+
+Panels and displacements come from files (`vsb.bodystudy`). Displacements are dimensionless fields psi_i on the wetted
+surface, one per degree of freedom, whose amplitudes are metres, or radians for rotations. Normals point into the water.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy.spatial import cKDTree
+
+from vsb.errors import ConfigError
+from vsb.hydro.formats.modes import RIGID
+from vsb.tools.units import FloatArray
+
+IntArray = npt.NDArray[np.integer[Any]]
+PLANES = {"xOz": 1, "yOz": 0}
+"""Planes of symmetry and the coordinate each of them changes the sign of."""
+SYMMETRIES = {"none": (), "xOz": ("xOz",), "yOz": ("yOz",), "xOz+yOz": ("xOz", "yOz")}
+"""What a body file may declare."""
+_SAME = 1e-8  # of lengths, in lengths of the body
+_CLOSED = 1e-6  # of the three volumes of a closed surface, relatively
+_LEAST_BODY = 0.01  # [m], lengths below which capytaine's own tolerances drop panels
+_RIGID = 1e-9  # of the distance of a displacement from a rigid one, relatively
+
+
+class Triangles(NamedTuple):
+    """Halves of the panels: corners, vector areas, and the displacements of the corners."""
+
+    corner: FloatArray  # (triangle, 3, xyz) [m]
+    area: FloatArray  # (triangle, xyz) [m^2], along the normal
+    moved: FloatArray  # (dof, triangle, 3, xyz) [-]
+
+    def integral(self, f: FloatArray, g: FloatArray) -> FloatArray:
+        """Integral of the product of fields linear in each triangle, (..., triangle, 3) [-]; weights are f's."""
+        return np.asarray((f.sum(axis=-1) * g.sum(axis=-1) + (f * g).sum(axis=-1)).sum(axis=-1) / 12)
+
+
+@dataclass(frozen=True)
+class FlexibleBody:
+    """Wetted surface of a body at rest and the displacements it can make; checked when made.
+
+    Triangles repeat their last corner. `mass` and `stiffness`, the modal matrices, shape (dof, dof) [kg, N/m], and
+    `centre_of_mass`, shape (3,) [m], are None where the file has none; rotations need the latter.
+    """
+
+    vertices: FloatArray  # (vertex, xyz) [m]
+    faces: IntArray  # (panel, 4)
+    labels: tuple[str, ...]
+    modes: FloatArray  # (dof, panel, xyz): displacement of the panels' centres [-]
+    shapes: FloatArray  # (dof, vertex, xyz): of their corners
+    mass: FloatArray | None = None
+    stiffness: FloatArray | None = None
+    centre_of_mass: FloatArray | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse what no solver can use."""
+        _check_panels(self)
+        _check_modes(self)
+
+    @cached_property
+    def size(self) -> float:
+        """Diagonal of the bounding box [m]."""
+        return float(np.linalg.norm(np.ptp(self.vertices, axis=0)))
+
+    @cached_property
+    def triangles(self) -> Triangles:
+        """The panels as pairs of triangles, the second one empty if the panel is a triangle."""
+        index = np.concatenate([self.faces[:, [0, 1, 2]], self.faces[:, [0, 2, 3]]])
+        corner = self.vertices[index]
+        area = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]) / 2
+        return Triangles(corner, area, self.shapes[:, index])
+
+    @cached_property
+    def centres(self) -> FloatArray:
+        """Centroids of the panels, shape (panel, xyz) [m]."""
+        return np.asarray(at_centres(self.vertices, self.faces, self.vertices[None])[0])
+
+    @cached_property
+    def volumes(self) -> FloatArray:
+        """Volume of displaced water three times, from the x, y and z components of the normals, shape (3,) [m^3]."""
+        corner, area, _ = self.triangles
+        return np.asarray((corner.mean(axis=1) * area).sum(axis=0))
+
+    @property
+    def volume(self) -> float:
+        """Volume of displaced water [m^3]."""
+        return float(self.volumes[2])
+
+    @cached_property
+    def rigid(self) -> dict[int, tuple[FloatArray, FloatArray]]:
+        """Degrees of freedom that are rigid motions t + a x r: translation t and rotation a of each, shape (3,)."""
+        x = self.vertices
+        columns = [np.tile(e, (len(x), 1)) for e in np.eye(3)] + [np.cross(e, x) for e in np.eye(3)]
+        basis = np.array(columns).reshape(6, -1).T
+        found = {}
+        for i, shape in enumerate(self.shapes.reshape(len(self.labels), -1)):
+            motion = np.asarray(np.linalg.lstsq(basis, shape, rcond=None)[0])
+            moved = np.abs(basis * motion).max(axis=0)
+            motion = np.where(moved > _RIGID * moved.max(), motion, 0.0)  # round-off is no rotation
+            if np.abs(basis @ motion - shape).max() < _RIGID * np.abs(shape).max():
+                found[i] = (motion[:3], motion[3:])
+        return found
+
+
+def rigid_misfit(body: FlexibleBody) -> float:
+    """Return how far displacements named as rigid motions are from the unit ones, relatively.
+
+    Other codes take a Pitch for the unit rotation about y, about whatever point, even if it is none.
+    """
+    named = [(mode, RIGID.index(label)) for mode, label in zip(body.modes, body.labels, strict=True) if label in RIGID]
+    worst = 0.0
+    for mode, k in named:
+        unit = np.eye(3)[k] if k < 3 else np.cross(np.eye(3)[k - 3], body.centres)
+        apart = mode - unit
+        apart = apart - apart.mean(axis=0) if k >= 3 else apart
+        worst = max(worst, float(np.abs(apart).max() / np.abs(unit).max()))
+    return worst
+
+
+def at_centres(vertices: FloatArray, faces: IntArray, values: FloatArray) -> FloatArray:
+    """Return values linear in each half of a panel at the panel's centroid, (n, vertex, xyz) -> (n, panel, xyz)."""
+    halves = [faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]]
+    corner = [vertices[half] for half in halves]
+    area = np.stack([np.linalg.norm(np.cross(c[:, 1] - c[:, 0], c[:, 2] - c[:, 0]), axis=1) for c in corner])
+    if (flat := np.flatnonzero(area.sum(axis=0) <= 0)).size:
+        raise ConfigError(f"mesh: panel {flat[0]} has no area; remove it")
+    share = area / area.sum(axis=0)
+    means = [values[:, half].mean(axis=2) for half in halves]
+    return np.asarray(share[0][:, None] * means[0] + share[1][:, None] * means[1])
+
+
+def at_vertices(vertices: FloatArray, faces: IntArray, values: FloatArray) -> FloatArray:
+    """Return values given at panels as means over the panels around each vertex, (n, panel, xyz) -> (n, vertex, xyz).
+
+    Coincident vertices share their panels: some formats give every panel its own corners.
+    """
+    owner = owners(vertices)
+    total, count = np.zeros((len(vertices), len(values), 3)), np.zeros(len(vertices))
+    for corner in owner[faces].T:
+        np.add.at(count, corner, 1.0)
+        np.add.at(total, corner, values.swapaxes(0, 1))
+    return np.asarray((total[owner] / np.maximum(count[owner], 1.0)[:, None, None]).swapaxes(0, 1))
+
+
+def owners(vertices: FloatArray) -> IntArray:
+    """Return the first of the vertices that coincide with each, shape (vertex,)."""
+    size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    same = cKDTree(vertices).query_pairs(_SAME * size, output_type="ndarray")
+    owner = np.arange(len(vertices))
+    np.minimum.at(owner, same[:, 1], same[:, 0])
+    return owner
+
+
+def _check_panels(body: FlexibleBody) -> None:
+    """Panels must be finite, wet, and bound a volume of water from inside."""
+    x, faces = body.vertices, body.faces
+    if not np.isfinite(x).all():
+        raise ConfigError("mesh: a vertex is NaN or infinite; needs finite coordinates")
+    if len(faces) == 0 or faces.min() < 0 or faces.max() >= len(x):
+        raise ConfigError(f"mesh: {len(faces)} panels between {len(x)} vertices; needs panels whose corners are there")
+    if body.size < _LEAST_BODY:
+        raise ConfigError(f"mesh: body of {body.size:.3g} m; needs at least {_LEAST_BODY:g} m: is it in metres?")
+    used = x[np.unique(faces)]
+    if used[:, 2].max() > _SAME * body.size:
+        raise ConfigError(f"mesh: reaches z = {used[:, 2].max():.4g} m; needs z <= 0: clip it at the water's surface")
+    if (x[faces][:, :, 2] > -_SAME * body.size).all(axis=1).any():
+        raise ConfigError("mesh: has panels in the water's surface; needs the wetted surface alone, no lid")
+    volumes = body.volumes
+    if volumes.max() <= 0:
+        raise ConfigError(f"mesh: encloses {volumes.max():.4g} m^3; needs normals that point into the water: flip them")
+    if np.ptp(volumes) > _CLOSED * volumes.max():
+        raise ConfigError(
+            "mesh: encloses {:.6g}, {:.6g} and {:.6g} m^3 by the normals' x, y and z; needs a surface that is closed "
+            "below z = 0 with all normals into the water".format(*volumes)
+        )
+
+
+def _check_modes(body: FlexibleBody) -> None:
+    """Every degree of freedom needs a name of its own, a finite shape, and rows in the matrices."""
+    n = len(body.labels)
+    if n == 0 or len(set(body.labels)) < n:
+        raise ConfigError(f"modes: labels {list(body.labels)}; needs at least one, and none twice")
+    needed = {"modes": (n, len(body.faces), 3), "shapes": (n, len(body.vertices), 3)}
+    for name, shape in (needed | dict.fromkeys(("mass", "stiffness"), (n, n)) | {"centre_of_mass": (3,)}).items():
+        values = getattr(body, name)
+        if values is None:
+            continue
+        if np.shape(values) != shape:
+            raise ConfigError(f"{name}: shape {np.shape(values)}; needs {shape} for {n} labels and this mesh")
+        if not np.isfinite(values).all():
+            raise ConfigError(f"{name}: holds NaN or infinite values; needs finite ones")
+    area = body.triangles.area[: len(body.faces)] + body.triangles.area[len(body.faces) :]
+    flux = np.abs(np.einsum("ipx,px->ip", body.modes, area)).max(axis=1) / np.linalg.norm(area, axis=1).max()
+    for label, moved, shape in zip(body.labels, flux, body.modes, strict=True):
+        if moved <= 1e-12 * np.abs(shape).max():
+            raise ConfigError(f"modes: {label} moves no water; remove it")
+    if any(np.any(a) for _, a in body.rigid.values()) and body.centre_of_mass is None:
+        raise ConfigError("modes: centre_of_mass is missing; a body that rotates needs it [m]")
+    for name in ("mass", "stiffness"):
+        m = getattr(body, name)
+        if m is not None and np.abs(m - m.T).max() > 1e-9 * np.abs(m).max():
+            raise ConfigError(f"{name}: not symmetric; needs a symmetric matrix")
+
+
+def detected_symmetry(body: FlexibleBody) -> str:
+    """Return the largest symmetry of the panels, a key of `SYMMETRIES`; displacements need not have it."""
+    return "+".join(plane for plane in PLANES if _is_mirrored(body, plane)) or "none"
+
+
+def check_symmetry(body: FlexibleBody, declared: str) -> None:
+    """Raise `ConfigError` if the panels lack a plane of symmetry declared, a key of `SYMMETRIES`."""
+    for plane in SYMMETRIES[declared]:
+        if not _is_mirrored(body, plane):
+            raise ConfigError(
+                f"symmetry {declared}: the panels are not mirrored in the {plane} plane, or some lie across it; "
+                "correct the mesh or declare less"
+            )
+
+
+def _is_mirrored(body: FlexibleBody, plane: str) -> bool:
+    """Whether every panel has a mirror image other than itself among the panels, corner for corner."""
+    axis, tolerance = PLANES[plane], _SAME * body.size
+    sign = np.where(np.arange(3) == axis, -1.0, 1.0)
+    across = np.ptp(np.sign(np.where(np.abs(body.vertices) < tolerance, 0, body.vertices))[body.faces, axis], axis=1)
+    distance, image = cKDTree(body.centres).query(body.centres * sign)
+    if across.max() > 1 or np.max(distance) > tolerance:
+        return False
+    corners, images = body.vertices[body.faces] * sign, body.vertices[body.faces[image]]
+    gaps = np.linalg.norm(corners[:, :, None] - images[:, None], axis=-1).min(axis=2)
+    return bool(gaps.max() < tolerance and np.abs(body.centres[:, axis]).min() > tolerance)
+
+
+def interior_lid(body: FlexibleBody, rings: int) -> tuple[FloatArray, IntArray]:
+    """Return vertices and panels, normals down, of a lid of `rings` belts between the waterline and its centre.
+
+    Raises
+    ------
+    ConfigError
+        If there is no waterline, or its edges are not all seen from its centre.
+    """
+    edges = np.concatenate([body.faces[:, [i, (i + 1) % 4]] for i in range(4)])
+    ends = body.vertices[edges]
+    at_surface = (np.abs(ends[:, :, 2]) < _SAME * body.size).all(axis=1)
+    ends = ends[at_surface & (np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) > _SAME * body.size)]
+    if len(ends) == 0:
+        raise ConfigError("lid: the body does not cross the water's surface; needs lid: 0")
+    ends[:, :, 2] = 0.0
+    centre = (ends.max(axis=(0, 1)) + ends.min(axis=(0, 1))) / 2
+    inside = np.cross(ends[:, 0] - centre, ends[:, 1] - centre)[:, 2] / 2
+    waterplane = -float(body.triangles.area[:, 2].sum())
+    if (inside > 0).any() or abs(-inside.sum() - waterplane) > 1e-6 * abs(waterplane):
+        raise ConfigError("lid: the waterline is not seen whole from its centre; needs lid: 0")
+    scales = np.linspace(0.0, 1.0, rings + 1)
+    a, b = (centre + scales[:, None, None] * (ends[:, i] - centre) for i in range(2))
+    panels = [np.stack([a[k + 1], b[k + 1], b[k], a[k]], axis=1) for k in range(rings)]
+    vertices = np.concatenate(panels).reshape(-1, 3)
+    return vertices, np.arange(len(vertices)).reshape(-1, 4)
+
+
+def hydrostatic_stiffness(body: FlexibleBody, density: float, gravity: float) -> FloatArray:
+    """Return the stiffness of still water (and of weight, for rotations), shape (dof, dof) [N/m].
+
+    Notes
+    -----
+    Water has the energy U = -rho g int_V z dV = -(rho g/2) int_S z^2 n_z dS of the space V the body takes from it.
+    Between flexible displacements C is the exact second derivative of U on the displaced panels (x = x_0 + sum
+    q_i psi_i), moving waterline and turning panels included, hence symmetric. Rigid motions turn without stretching;
+    with a rigid motion i, C_ij = -rho g int psi_j.n w_i dS, w_i its vertical part (Newman 1994), and between rigid ones
+    the weight rho V g at the centre of mass joins in: metacentric heights. A flexible mode must carry no momentum,
+    int psi dm = 0, as free-free modes do, or the weight it moves is missing.
+    """
+    flexible = _energy_hessian(body.triangles)
+    eulerian = _fixed_field_stiffness(body.triangles)
+    stiffness = flexible.copy()
+    for i in body.rigid:
+        for j in range(len(body.labels)):
+            if j in body.rigid:
+                both = (eulerian[i, j] + eulerian[j, i]) / 2
+                stiffness[i, j] = both + body.volume * _weight_lift(body, i, j)
+            else:
+                stiffness[i, j] = stiffness[j, i] = eulerian[i, j]
+    return np.asarray(density * gravity * stiffness)
+
+
+def _energy_hessian(t: Triangles) -> FloatArray:
+    """Second derivative of -(1/2) int z^2 n_z dS by the amplitudes, (dof, dof) [m^2]."""
+    e, f = (t.corner[:, k] - t.corner[:, 0] for k in (1, 2))
+    de, df = (t.moved[:, :, k] - t.moved[:, :, 0] for k in (1, 2))
+    z, dz = t.corner[..., 2], t.moved[..., 2]
+    slope = (de[..., 0] * f[:, 1] + e[:, 0] * df[..., 1] - de[..., 1] * f[:, 0] - e[:, 1] * df[..., 0]) / 2
+    height = (np.sum(z**2, axis=1) + z.sum(axis=1) ** 2) / 12  # mean of z^2 over a triangle
+    rise = (np.einsum("tk,itk->it", z, dz) + z.sum(axis=1) * dz.sum(axis=2)) / 6
+    turn = np.einsum("it,jt->ij", de[..., 0] * height, df[..., 1]) - np.einsum(
+        "it,jt->ij", de[..., 1] * height, df[..., 0]
+    )
+    lift = np.einsum("itk,jtk->ij", dz * t.area[:, 2, None], dz) + (dz.sum(axis=2) * t.area[:, 2]) @ dz.sum(axis=2).T
+    hessian = (turn + turn.T) / 2 + slope @ rise.T + rise @ slope.T + lift / 6
+    return np.asarray(-hessian / 2)
+
+
+def _fixed_field_stiffness(t: Triangles) -> FloatArray:
+    """-int psi_j.n w_i dS, row i, column j, (dof, dof) [m^2]."""
+    flow = np.einsum("jtkx,tx->jtk", t.moved, t.area)
+    return np.array([[-t.integral(f, w) for f in flow] for w in t.moved[..., 2]])
+
+
+def _weight_lift(body: FlexibleBody, i: int, j: int) -> float:
+    """Second-order rise of the centre of mass by two rigid motions [m]."""
+    (t_i, a_i), (t_j, a_j) = body.rigid[i], body.rigid[j]
+    if body.centre_of_mass is None or not (a_i.any() or a_j.any()):
+        return 0.0
+    move_i, move_j = t_i + np.cross(a_i, body.centre_of_mass), t_j + np.cross(a_j, body.centre_of_mass)
+    return float((np.cross(a_i, move_j) + np.cross(a_j, move_i))[2] / 2)
+
+
+def panel_size(body: FlexibleBody) -> float:
+    """Return the mean over the surface of the roots of its panels' areas [m]."""
+    areas = np.linalg.norm(body.triangles.area, axis=1).reshape(2, -1).sum(axis=0)
+    return float((areas**1.5).sum() / areas.sum())
+
+
+def panel_diameters(body: FlexibleBody) -> FloatArray:
+    """Return the largest diagonal or side of each panel, shape (panel,) [m]."""
+    corner = body.vertices[body.faces]
+    pairs = [(0, 2), (1, 3), *pairwise((0, 1, 2, 3, 0))]
+    return np.asarray(np.max([np.linalg.norm(corner[:, a] - corner[:, b], axis=1) for a, b in pairs], axis=0))
+
+
+def joined(parts: Sequence[tuple[FloatArray, IntArray]]) -> tuple[FloatArray, IntArray]:
+    """Return vertices and panels of several meshes as one, panels in order."""
+    offsets = np.cumsum([0, *(len(vertices) for vertices, _ in parts)])
+    faces = [panels + offset for (_, panels), offset in zip(parts, offsets, strict=False)]
+    return np.concatenate([vertices for vertices, _ in parts]), np.concatenate(faces)

@@ -1,0 +1,399 @@
+"""From a mesh file and a file of displacements to a hydro database with its verdict: any body, any modes.
+
+Every frequency is a file of its own under `blocks/`, named by the content of what it was solved from: it is never
+solved twice, and an interrupted run goes on where it stopped.
+"""
+
+import contextlib
+import hashlib
+import io
+import time as clock
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self, TypeVar
+
+import meshio
+import numpy as np
+import xarray as xr
+from pydantic import Field, model_validator
+
+from vsb import __version__
+from vsb.errors import ConfigError, DatabaseError
+from vsb.hydro import quality
+from vsb.hydro.bodies.body import (
+    FlexibleBody,
+    IntArray,
+    at_centres,
+    at_vertices,
+    check_symmetry,
+    detected_symmetry,
+    hydrostatic_stiffness,
+    interior_lid,
+    panel_diameters,
+    panel_size,
+    rigid_misfit,
+)
+from vsb.hydro.bodies.solver import BodyProblem
+from vsb.hydro.bodies.sweep import Block, Measure, Swept, error_estimate, least_sizes, sizes, swept
+from vsb.hydro.database import Check, as_json, check_at_most, with_excitation, with_symmetrized
+from vsb.hydro.panels import rings as bem
+from vsb.study.plan import LEAST_DEPTH_IN_WAVENUMBERS, panel_solver
+from vsb.study.reading import read_yaml, validated
+from vsb.study.sections import Count, Finite, Name, Number, Positive, Section, Water
+from vsb.study.study import canonical, content_id
+from vsb.tools.units import ComplexArray, FloatArray, load, save, whole
+from vsb.waves.seas import group_velocity, wavenumber
+
+Spec = dict[str, Any]
+Model = TypeVar("Model", bound=Section)
+PHYSICS = 3
+"""Hand-bumped version of the physics behind a block."""
+LARGEST_ERROR = 0.05
+"""Estimated error above which there is doubt."""
+PANEL_FILES = {".gdf", ".pnl", ".hst", ".mar", ".nemoh", ".hams"}
+"""What capytaine reads and meshio does not; meshio keeps the numbers of the vertices, which displacements refer to."""
+_GROUPS = ("fewer_panels", "radiated_waves")  # of a block's file
+_FAILED = (OSError, ValueError, KeyError, IndexError, TypeError, RuntimeError, meshio.ReadError, SystemExit)
+
+
+class BodyStudy(Section):
+    """A body file: mesh, modes, water, frequencies [rad/s], wave directions [degrees], symmetry and lid.
+
+    Paths count from the folder of the file. Symmetry `auto` is what the panels have. `lid` is the number of belts of
+    panels on the water inside; without it (0) coefficients at irregular frequencies break the verdict's identities.
+    With a `tolerance` [-] of interpolation only as many of the frequencies are solved as it asks for, without all.
+    """
+
+    body: Name
+    mesh: str
+    modes: str
+    water: Water = Water()
+    omega: tuple[Positive, ...]
+    wave_direction: tuple[Finite, ...] = (0.0,)
+    symmetry: Literal["auto", "none", "xOz", "yOz", "xOz+yOz"] = "auto"
+    lid: Annotated[Count, Field(ge=0, le=64)] = 8
+    tolerance: Annotated[Number, Field(ge=1e-5, le=0.1)] | None = None
+
+    @model_validator(mode="after")
+    def _usable(self) -> Self:
+        for name, values in (("omega", self.omega), ("wave_direction", self.wave_direction)):
+            if not values or list(values) != sorted(set(values)):
+                raise ValueError(f"{name} {list(values)}: needs at least one value, ascending without repetition")
+        kd, water = LEAST_DEPTH_IN_WAVENUMBERS, self.water
+        lowest = np.sqrt(kd * np.tanh(kd) * water.gravity / water.depth)
+        if self.omega[0] < lowest:
+            raise ValueError(
+                f"omega {self.omega[0]:g} rad/s: in {water.depth:g} m of water needs at least {lowest:.4g}"
+            )
+        return self
+
+
+def read_config(path: str | Path, model: type[Model]) -> Model:
+    """Read and validate a YAML file; `ConfigError` in one line with file, key, value received and needed."""
+    return validated(model, read_yaml(path, "a file such as config/barge.yaml"), str(path))
+
+
+def read_mesh(path: str | Path) -> tuple[FloatArray, IntArray]:
+    """Return vertices (vertex, xyz) [m] and panels (panel, 4) of a mesh file.
+
+    Quadrilaterals and triangles of any format meshio reads, in the order of the file; WAMIT, NEMOH, Hydrostar and HAMS
+    panels; or netCDF with `vertices` (vertex, xyz) and `faces` (panel, corner).
+    """
+    vertices, faces = _panels(path)
+    if (wrong := np.flatnonzero(((faces < 0) | (faces >= len(vertices))).any(axis=-1))).size:
+        corners, last = faces[wrong[0]].tolist(), len(vertices) - 1
+        raise ConfigError(f"{path}: panel {wrong[0]} has corners {corners}; needs numbers from 0 to {last}")
+    return vertices, faces
+
+
+def _panels(path: str | Path) -> tuple[FloatArray, IntArray]:
+    """Vertices and panels as the file has them."""
+    if not Path(path).is_file():
+        raise ConfigError(f"{path}: mesh not found; needs the path of a mesh file, from the folder of the body file")
+    try:
+        if Path(path).suffix == ".nc":
+            with xr.open_dataset(path) as ds:
+                return np.array(ds.vertices.values, dtype=float), np.array(ds.faces.values, dtype=int)
+        if Path(path).suffix in PANEL_FILES:
+            return bem.read_panels(path)
+        # meshio prints what it raises, and takes the first bytes of an STL in plain text for a huge count
+        with np.errstate(over="ignore"), contextlib.redirect_stderr(io.StringIO()):
+            mesh = meshio.read(path)
+    except (*_FAILED, AttributeError) as error:
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise ConfigError(f"{path}: cannot be read as a mesh ({reason}); needs a format of meshio or netCDF") from None
+    cells = [block.data for block in mesh.cells if block.type in ("quad", "triangle")]
+    if not cells:
+        raise ConfigError(f"{path}: holds {[b.type for b in mesh.cells]}; needs quadrilaterals or triangles")
+    panels = [np.column_stack([c, c[:, 2]]) if c.shape[1] == 3 else c for c in cells]
+    points = np.asarray(mesh.points, dtype=float)
+    return np.pad(points, ((0, 0), (0, 3 - points.shape[1]))), np.concatenate(panels).astype(int)
+
+
+def read_body(mesh: str | Path, modes: str | Path) -> FlexibleBody:
+    """Return a body from a mesh file and a netCDF file of its displacements.
+
+    The latter holds `mode_shape` (dof, vertex or panel, xyz) with names on `dof`, and optionally `inertia_matrix` and
+    `structural_stiffness` (influenced_dof, radiating_dof) and `centre_of_mass` (xyz).
+    """
+    vertices, faces = read_mesh(mesh)
+    try:
+        with xr.open_dataset(modes, engine="netcdf4") as opened:
+            ds = opened.load()
+    except _FAILED as error:
+        raise ConfigError(f"{modes}: cannot be read as netCDF ({' '.join(str(error).split())})") from None
+    if "mode_shape" not in ds or "dof" not in ds.coords:
+        raise ConfigError(f"{modes}: holds {[*map(str, ds.variables)]}; needs mode_shape (dof, vertex, xyz) and dof")
+    dims = ds.mode_shape.dims
+    counts: dict[tuple[Any, ...], int] = {("dof", "vertex", "xyz"): len(vertices), ("dof", "panel", "xyz"): len(faces)}
+    if counts.get(dims) != ds.mode_shape.shape[1] or ds.mode_shape.shape[2] != 3:
+        raise ConfigError(
+            f"{modes}: mode_shape {dict(ds.mode_shape.sizes)}; needs (dof, vertex, xyz) or (dof, panel, xyz) with "
+            f"{len(vertices)} vertices or {len(faces)} panels, as {mesh} has"
+        )
+    values = np.array(ds.mode_shape.values, dtype=float)
+    known = {name: np.array(ds[name].values, dtype=float) for name in _MATRICES.values() if name in ds}
+    by_vertex = dims[1] == "vertex"
+    try:
+        return FlexibleBody(
+            vertices,
+            faces,
+            tuple(map(str, ds.dof.values)),
+            at_centres(vertices, faces, values) if by_vertex else values,
+            values if by_vertex else at_vertices(vertices, faces, values),
+            **{field: known.get(name) for field, name in _MATRICES.items()},
+        )
+    except (ConfigError, IndexError) as error:
+        raise ConfigError(f"{mesh}, {modes}: {error}") from None
+
+
+_MATRICES = {"mass": "inertia_matrix", "stiffness": "structural_stiffness", "centre_of_mass": "centre_of_mass"}
+
+
+def write_body(body: FlexibleBody, path: str | Path) -> None:
+    """Write a body as one netCDF file that is both the mesh and the modes `read_body` reads."""
+    pair = ("influenced_dof", "radiating_dof")
+    data: dict[str, Any] = {
+        "vertices": (("vertex", "xyz"), body.vertices),
+        "faces": (("panel", "corner"), body.faces),
+        "mode_shape": (("dof", "vertex", "xyz"), body.shapes),
+    }
+    for field, name in _MATRICES.items():
+        if getattr(body, field) is not None:
+            data[name] = (("xyz",) if name == "centre_of_mass" else pair, getattr(body, field))
+    with whole(path) as temporary:
+        xr.Dataset(data, coords={"dof": list(body.labels)}).to_netcdf(temporary, engine="netcdf4")
+
+
+def run(config: str | Path, out: str | Path, tables: str | Path | None = None) -> list[Check]:
+    """Solve what a body file asks for into `out` and return the verdict; `tables` keeps the Green function's table."""
+    study = read_config(config, BodyStudy)
+    folder = Path(config).parent
+    return solve(study, read_body(folder / study.mesh, folder / study.modes), out, tables)
+
+
+def solve(study: BodyStudy, body: FlexibleBody, out: str | Path, tables: str | Path | None = None) -> list[Check]:
+    """Solve a body into the database `out`/<name>.nc and return the verdict; blocks already there are kept."""
+    symmetry = detected_symmetry(body) if study.symmetry == "auto" else study.symmetry
+    check_symmetry(body, symmetry)
+    if study.water.depth <= (draught := -float(body.vertices[:, 2].min())):
+        raise ConfigError(
+            f"water.depth: received {study.water.depth:g} m, needs more than the body's draught of {draught:.6g} m"
+        )
+    lid = interior_lid(body, study.lid) if study.lid else None
+    table = Path(tables or Path(out, "green", panel_solver().replace(" ", "-")))
+    blocks = Blocks(study, body, symmetry, lid, Path(out, "blocks"), table)
+    infinite, directions = blocks(np.inf), np.deg2rad(study.wave_direction)
+    size = sizes(infinite.own.added_mass_inf.values, least_sizes(body, study.water.density))
+    centre = (body.vertices.max(axis=0) + body.vertices.min(axis=0)) / 2
+    measure = Measure(size, centre, directions, study.water)
+
+    def froude_krylov(omegas: FloatArray) -> ComplexArray:
+        return blocks.problem.froude_krylov(omegas, directions)
+
+    found = swept(blocks, froude_krylov, study.omega, study.tolerance, measure)
+    checks = verdict(study, body, infinite, found, size)
+    _write_database(study, body, symmetry, infinite, found, checks, Path(out, f"{study.body}.nc"))
+    return checks
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """Files of single frequencies: solved when first asked for, and never again."""
+
+    study: BodyStudy
+    body: FlexibleBody
+    symmetry: str
+    lid: tuple[FloatArray, IntArray] | None
+    folder: Path
+    table: Path
+
+    @cached_property
+    def problem(self) -> BodyProblem:
+        """The body in waves."""
+        return BodyProblem(bem.stored_green_function(self.table), self.body, self.study.water, self.symmetry, self.lid)
+
+    @cached_property
+    def _coarser(self) -> tuple[BodyProblem, float]:
+        """The same on fewer panels, and their share."""
+        return self.problem.coarser()
+
+    @cached_property
+    def _known(self) -> dict[float, Block]:
+        """Blocks read or solved."""
+        return {}
+
+    def __call__(self, omega: float) -> Block:
+        """Return the block of a frequency, finite or not [rad/s]."""
+        if omega not in self._known:
+            spec = _spec(self.study, self.body, omega)
+            path = self.folder / f"{content_id(spec)}.nc"
+            if not _is_solved(path, content_id(spec)):
+                own, *others = _block(self.problem, *self._coarser, spec)
+                save(own, path, dict(zip(_GROUPS, others, strict=True)))
+            self._known[omega] = Block(load(path), *(load(path, group) for group in _GROUPS))
+        return self._known[omega]
+
+
+def _spec(study: BodyStudy, body: FlexibleBody, omega: float) -> Spec:
+    """What one frequency is solved from; symmetry only saves time, infinite frequency has neither waves nor lid."""
+    digest = hashlib.sha256()
+    for array in (body.vertices, body.faces.astype(np.int64), body.modes):
+        digest.update(np.ascontiguousarray(array).tobytes())
+    spec = {"stage": "body", "physics": PHYSICS, "solver": panel_solver(), "omega": float(omega)}
+    spec |= {"panels_and_modes": digest.hexdigest(), "labels": list(body.labels), "water": study.water.model_dump()}
+    return spec if np.isinf(omega) else spec | {"lid": study.lid, "wave_direction": list(study.wave_direction)}
+
+
+def _is_solved(path: Path, spec_id: str) -> bool:
+    """Whether a block is there; what cannot be read is solved again."""
+    try:
+        return path.is_file() and load(path).attrs.get("spec_id") == spec_id
+    except DatabaseError:
+        return False
+
+
+def _block(problem: BodyProblem, fewer: BodyProblem, share: float, spec: Spec) -> Block:
+    """Coefficients at one frequency, those on fewer panels, and what their own waves say of them."""
+    begun = clock.perf_counter()
+    attrs: Spec = {"spec": canonical(spec), "spec_id": content_id(spec)}
+    attrs |= {"resolution_ratio": panel_size(fewer.body) / panel_size(problem.body), "coarser_share": share}
+    if np.isinf(spec["omega"]):
+        found = Block(problem.at_infinity(), fewer.at_infinity(), xr.Dataset())
+    else:
+        own, other = (each.solve(spec["omega"], np.deg2rad(spec["wave_direction"])) for each in (problem, fewer))
+        attrs |= identities(own, problem)
+        waves = {"far_field_damping": "radiation_damping", "haskind_force": "excitation_force"}
+        coefficients = ["added_mass", "radiation_damping", "excitation_force"]
+        found = Block(own.drop_vars(list(waves)), with_excitation(other)[coefficients], own[list(waves)].rename(waves))
+    return found._replace(own=found.own.assign_attrs(attrs, seconds=clock.perf_counter() - begun))
+
+
+def identities(ds: xr.Dataset, problem: BodyProblem) -> dict[str, float]:
+    """Return errors at one frequency in terms of the radiation impedance |B_ii + i omega A_ii| of both motions [-].
+
+    Of A and B from symmetry, of B from the energy of the far field, of excitation from Haskind's relation. An entry of
+    B is measured by sqrt(Z_i Z_j), of X_i by the excitation that damping Z_i has, sqrt(4 rho g v_g Z_i/k).
+    """
+    omega, water = float(ds.omega[0]), problem.water
+    impedance = (ds.radiation_damping + 1j * omega * ds.added_mass).values[0]
+    z = np.maximum(np.abs(np.diag(impedance)), omega * least_sizes(problem.body, water.density) ** 2)
+    pair = np.sqrt(np.outer(z, z))
+    k, v_g = (f(omega, water.depth, water.gravity) for f in (wavenumber, group_velocity))
+    wave = np.sqrt(4 * water.density * water.gravity * v_g / k * z)
+    far = (ds.radiation_damping - ds.far_field_damping).values[0]
+    haskind = (ds.Froude_Krylov_force + ds.diffraction_force - ds.haskind_force).values[0]
+    return {
+        "symmetry": float(np.abs((impedance - impedance.T) / pair).max()),
+        "far_field": float(np.abs(far / pair).max()),
+        "haskind": float(np.abs(haskind / wave).max()),
+    }
+
+
+_ERROR = "estimated error of added mass, damping and excitation, relative to the largest entry; smaller panels lower it"
+_ALONE = "share of the surface without fewer panels to compare with, whose part of the error no estimate has"
+_MEANING = {
+    "symmetry": "added mass and damping are symmetric matrices",
+    "far_field": "damping is the energy of the waves sent in all directions",
+    "haskind": "excitation follows from the waves radiated",
+}
+
+
+def verdict(study: BodyStudy, body: FlexibleBody, infinite: Block, found: Swept, size: FloatArray) -> list[Check]:
+    """Return the checks of a database before it is symmetrized."""
+    solved, error = found.solved, error_estimate(found.solved, infinite, size)
+    longest = float(panel_diameters(body).max())
+    k = wavenumber(study.omega[-1], study.water.depth, study.water.gravity)
+    misfit = np.abs(at_centres(body.vertices, body.faces, body.shapes) - body.modes).max(axis=(1, 2))
+    between = float((misfit / np.abs(body.modes).max(axis=(1, 2))).max())
+    negative = quality.negative_damping(found.coefficients, np.outer(size, size))
+    checks = [
+        check_at_most("error_estimate", error, LARGEST_ERROR, "-", _ERROR, doubt=True),
+        check_at_most("one_resolution", 1 - infinite.own.attrs["coarser_share"], 0.5, "-", _ALONE, doubt=True),
+        *(
+            check_at_most(name, max(block.own.attrs[name] for block in solved), 0.02, "-", text, doubt=True)
+            for name, text in _MEANING.items()
+        ),
+        check_at_most("positive_damping", negative, 0.01, "-", "no motion can draw energy from calm water"),
+        check_at_most("panels", longest * k / (2 * np.pi), 0.25, "-", "largest panel in wavelengths", doubt=True),
+        check_at_most("corners", between, 0.05, "-", "displacement of panels agrees with that of corners", doubt=True),
+    ]
+    named = "displacements named Surge, ..., Yaw are unit rigid motions"
+    checks.append(check_at_most("rigid_names", rigid_misfit(body), 0.01, "-", named, doubt=True))
+    if study.tolerance is not None:
+        text = f"{len(solved)} solves for {len(study.omega)} frequencies; relative to the band's largest entry"
+        checks.insert(1, check_at_most("interpolation_error", found.error, study.tolerance, "-", text))
+    heave = [i for i, (t, a) in body.rigid.items() if np.allclose([*t, *a], [0, 0, 1, 0, 0, 0], atol=1e-9)]
+    if body.mass is not None and heave:
+        afloat = abs(body.mass[heave[0], heave[0]] / (study.water.density * body.volume) - 1)
+        checks.append(check_at_most("afloat", afloat, 0.01, "-", "mass in heave is that of the water displaced"))
+    return checks
+
+
+def _at_rest(body: FlexibleBody) -> Spec:
+    """Volume of the water displaced, its centre and, if known, that of mass, as attributes."""
+    corner, area, _ = body.triangles
+    square = ((corner**2).sum(axis=1) + corner.sum(axis=1) ** 2) / 12  # mean of x^2 over a triangle
+    centre = (square * area).sum(axis=0) / 2 / body.volumes
+    facts = {"displaced_volume": body.volume, "centre_of_buoyancy": centre}
+    return facts if body.centre_of_mass is None else {**facts, "centre_of_mass": body.centre_of_mass}
+
+
+def _write_database(
+    study: BodyStudy,
+    body: FlexibleBody,
+    symmetry: str,
+    infinite: Block,
+    found: Swept,
+    checks: list[Check],
+    path: Path,
+) -> None:
+    """Put what was found into the database with capytaine's names."""
+    pair = ("influenced_dof", "radiating_dof")
+    blocks = [block.own for block in (infinite, *found.solved)]
+    stiffness = hydrostatic_stiffness(body, study.water.density, study.water.gravity)
+    structure = {"inertia_matrix": body.mass, "structural_stiffness": body.stiffness}
+    matrices = {"hydrostatic_stiffness": stiffness, **{k: m for k, m in structure.items() if m is not None}}
+    ds = with_symmetrized(with_excitation(found.coefficients.assign(added_mass_inf=infinite.own.added_mass_inf)))
+    spec = {"stage": "body_database", "study": study.model_dump(), "blocks": [b.attrs["spec_id"] for b in blocks]}
+    attrs = {
+        "Conventions": "CF-1.8",
+        "title": f"hydro database of {study.body}: {len(body.faces)} panels, {len(body.labels)} degrees of freedom",
+        "source": f"vsb {__version__}",
+        "solver": panel_solver(),
+        "spec": canonical(spec),
+        "spec_id": content_id(spec),
+        "quality": as_json(checks),
+        "separate_sweep": 0,
+        "symmetry": symmetry,
+        "water_density": study.water.density,
+        "water_depth": str(study.water.depth),
+        "gravity": study.water.gravity,
+        "solves": len(found.solved),
+        "frequencies": len(study.omega),
+        "bem_seconds": sum(block.attrs["seconds"] for block in blocks),
+        **_at_rest(body),
+    }
+    complete = ds.assign({name: (pair, matrix) for name, matrix in matrices.items()})
+    save(complete.assign_attrs(ds.attrs, **attrs), path)

@@ -1,0 +1,197 @@
+"""The hydro database: blocks merged, expressed in the modes of a study, checked, and stored with its verdict."""
+
+import fcntl
+import json
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import xarray as xr
+
+from vsb.errors import DatabaseError
+from vsb.shell.modes import ModeBasis
+from vsb.shell.rest import ReferenceShell
+from vsb.tools.units import FloatArray, load, save, write_text
+
+Verdict = Literal["ok", "doubt", "fail", "accepted"]
+SWEEP = "sweep"
+"""Group that holds the full frequency sweep when the study tabulates frequencies of its own."""
+
+
+@dataclass(frozen=True)
+class Check:
+    """One line of a verdict: a value against its limit."""
+
+    name: str
+    value: float
+    limit: float
+    unit: str
+    verdict: Verdict
+    explanation: str
+    design: str = ""  # empty: all designs
+    wave: str = ""  # label of the sea; empty: all seas
+
+
+def check_at_most(
+    name: str,
+    value: float,
+    limit: float,
+    unit: str,
+    explanation: str,
+    *,
+    doubt: bool = False,
+    design: str = "",
+    wave: str = "",
+) -> Check:
+    """Return a check that passes if value <= limit; else it fails, or with `doubt` is a doubt up to five times that."""
+    verdict: Verdict = "ok" if value <= limit else "doubt" if doubt and value <= 5 * limit else "fail"
+    return Check(name, float(value), float(limit), unit, verdict, explanation, design, wave)
+
+
+def merged_blocks(blocks: Sequence[xr.Dataset]) -> xr.Dataset:
+    """Return blocks of disjoint frequencies as one dataset, frequencies ascending.
+
+    Raises
+    ------
+    DatabaseError
+        If a frequency occurs twice or the blocks differ in their degrees of freedom.
+    """
+    labels = {tuple(block.influenced_dof.values) for block in blocks}
+    if len(labels) != 1:
+        raise DatabaseError(
+            f"blocks with different degrees of freedom {sorted(labels)}; merge blocks of one spec only."
+        )
+    finite = [block for block in blocks if "omega" in block.dims]
+    merged = xr.concat(finite, dim="omega", data_vars="minimal", coords="minimal", compat="override").sortby("omega")
+    omega = merged.omega.values
+    if np.any(np.diff(omega) <= 0):
+        repeated = np.unique(omega[1:][np.diff(omega) <= 0]).tolist()
+        raise DatabaseError(f"frequencies {repeated} rad/s occur in more than one block; merge each block once.")
+    infinite = [block for block in blocks if "added_mass_inf" in block]
+    return merged.assign(added_mass_inf=infinite[0].added_mass_inf) if infinite else merged
+
+
+def in_modes(raw: xr.Dataset, basis: ModeBasis) -> xr.Dataset:
+    """Return coefficients of the displacements Radial<n> and Meridional<n> as coefficients of heave and modes.
+
+    BEM is linear in them, so on one shape every basis, every design and every material shares one BEM run. Where no
+    meridional displacement was solved for, on the undeformed sphere, they move no water.
+    """
+    solved = [str(label) for label in raw.influenced_dof.values]
+    if missing := {f"Radial{n}" for n in basis.degrees} - set(solved):
+        raise DatabaseError(f"displacements {sorted(missing)} of the modes are not among those solved, {solved}.")
+    transform = np.zeros((len(basis.labels), len(solved)))
+    for i, mode in enumerate(basis.shapes):
+        transform[i, solved.index(f"Radial{mode.degree}")] = mode.radial
+        if f"Meridional{mode.degree}" in solved:
+            transform[i, solved.index(f"Meridional{mode.degree}")] = mode.meridional
+    return xr.Dataset({name: _transformed(data, transform, list(basis.labels)) for name, data in raw.items()})
+
+
+def _transformed(data: xr.DataArray, transform: FloatArray, labels: list[str]) -> xr.DataArray:
+    """T data T^T over the degrees of freedom data has, which come last."""
+    values = data.values @ transform.T
+    names = [dim for dim in ("influenced_dof", "radiating_dof") if dim in data.dims]
+    if len(names) == 2:
+        values = transform @ values
+    kept = {dim: data.coords[dim] for dim in data.dims if dim in data.coords and dim not in names}
+    return xr.DataArray(values, dims=data.dims, coords={**kept, **dict.fromkeys(names, labels)})
+
+
+def with_excitation(ds: xr.Dataset) -> xr.Dataset:
+    """Return the dataset with excitation_force = Froude-Krylov + diffraction."""
+    return ds.assign(excitation_force=ds.Froude_Krylov_force + ds.diffraction_force)
+
+
+def with_symmetrized(ds: xr.Dataset) -> xr.Dataset:
+    """Return the dataset with added mass and damping made symmetric, the repair recorded in `history`.
+
+    The asymmetry is discretization error (`check_symmetry` bounds it); energy needs exact symmetry.
+    """
+    names = [n for n in ("added_mass", "radiation_damping", "added_mass_inf", "added_mass_zero") if n in ds]
+    swapped = {"influenced_dof": "radiating_dof", "radiating_dof": "influenced_dof"}
+    even = {name: 0.5 * (ds[name] + ds[name].rename(swapped).transpose(*ds[name].dims)) for name in names}
+    history = (ds.attrs.get("history", "") + "; added mass and damping symmetrized").lstrip("; ")
+    return ds.assign(even).assign_attrs(ds.attrs, history=history)
+
+
+def with_structure(ds: xr.Dataset, reference: ReferenceShell) -> xr.Dataset:
+    """Return the dataset with inertia, the stiffness of the reference shell by name, and the scale of the modes."""
+    basis, pair = reference.basis, ("influenced_dof", "radiating_dof")
+    stiffness = {f"{name}_stiffness": (pair, matrix) for name, matrix in reference.stiffness.items()}
+    return ds.assign(stiffness).assign(
+        inertia_matrix=(pair, basis.inertia),
+        pole_radial_displacement=("influenced_dof", basis.pole_radial_displacement),
+        reference_amplitude=("influenced_dof", reference.amplitudes),
+    )
+
+
+def as_json(checks: Sequence[Check]) -> str:
+    """Return checks as JSON text, the form in which a verdict is stored with its database."""
+    return json.dumps([asdict(check) for check in checks], allow_nan=False)
+
+
+def stored_checks(ds: xr.Dataset) -> list[Check]:
+    """Return the checks stored with a dataset."""
+    return [Check(**item) for item in json.loads(ds.attrs["quality"])]
+
+
+def load_database(path: str | Path, expected_id: str) -> xr.Dataset:
+    """Return the frequency sweep of a stored database after checking that it is the one expected.
+
+    Raises
+    ------
+    DatabaseError
+        If the file is unreadable, foreign, or holds another spec than its name says.
+    """
+    ds = load(path)
+    found = ds.attrs.get("spec_id")
+    if found != expected_id:
+        raise DatabaseError(
+            f"{path}: holds the database {found!r}, needs {expected_id!r}; delete or move the file and run again."
+        )
+    if ds.attrs["separate_sweep"]:
+        sweep = load(path, group=SWEEP)
+        constant = [name for name in ds.data_vars if "omega" not in ds[name].dims]
+        return sweep.assign({name: ds[name] for name in constant}).assign_attrs(ds.attrs)
+    return ds
+
+
+def save_database(tabulated: xr.Dataset, sweep: xr.Dataset | None, path: str | Path) -> None:
+    """Write a database, the full sweep in a group of its own if other frequencies are tabulated, and refresh INDEX."""
+    attrs = {**tabulated.attrs, "Conventions": "CF-1.8", "separate_sweep": int(sweep is not None)}
+    save(tabulated.assign_attrs(attrs), path, groups={SWEEP: sweep} if sweep is not None else None)
+    write_index(Path(path).parent)
+
+
+@contextmanager
+def _locked(path: Path) -> Iterator[None]:
+    """Hold an exclusive lock while several jobs refresh one file."""
+    with path.open("a") as handle:
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+
+
+def write_index(folder: Path) -> None:
+    """Rewrite INDEX.tsv beside the database folder from the files that are there."""
+    columns = ("id", "radius_m", "basis", "degree", "frequencies", "omega_max", "water_depth_m", "verdict")
+    with _locked(folder / ".index.lock"):
+        lines = ["\t".join(columns), *(_index_line(path) for path in sorted(folder.glob("*.nc")))]
+        write_text(folder.parent / "INDEX.tsv", "\n".join(lines) + "\n")
+
+
+def _index_line(path: Path) -> str:
+    """One line of the index, read from the file itself; a file of others is listed as such."""
+    try:
+        ds = load(path)
+        a = ds.attrs
+        fields = [a[key] for key in ("radius", "basis", "degree")]
+        verdicts = {check.verdict for check in stored_checks(ds)}
+    except (DatabaseError, KeyError, TypeError, ValueError):
+        return "\t".join([path.stem, *["-"] * 6, "unreadable"])
+    omega = ds.omega.values
+    worst = next(v for v in ("fail", "accepted", "doubt", "ok") if v in verdicts or v == "ok")
+    return "\t".join(map(str, [path.stem, *fields, len(omega), f"{omega[-1]:g}", a["water_depth"], worst]))

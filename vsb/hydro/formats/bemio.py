@@ -1,0 +1,249 @@
+"""BEMIO's .h5 file of one body, which WEC-Sim reads: written and read.
+
+Paths, dimensions and normalization (`scaled` = 0: A/rho, B/(rho omega), X/(rho g), C/(rho g), K/rho, f/(rho g)) are
+those of WEC-Sim's writeBEMIOH5, numbers those of WAMIT with ULEN = 1 m (`vsb.wamit`): phasors are Re(X e^{+i omega t}),
+so X is conjugated on the way out and in. Arrays are full over the modes 1 to 6 + N: rigid modes the database does not
+hold are zeros, meant for a body held in them, and `mode_labels` (not BEMIO's) names those it does.
+
+WEC-Sim reads of `mass`, `damping` and `stiffness` the block of generalized modes only; it takes the inertia of the
+rigid modes from its own input.
+"""
+
+import math
+from pathlib import Path
+from typing import Any
+
+import netCDF4
+import numpy as np
+import xarray as xr
+from scipy.interpolate import CubicSpline
+
+from vsb.errors import DatabaseError
+from vsb.hydro.formats.modes import (
+    GENERALIZED,
+    WATER,
+    assembled,
+    checked,
+    floating,
+    mode_labels,
+    mode_numbers,
+    structure,
+)
+from vsb.hydro.kernel import DampingSpectrum
+from vsb.tools.units import ATTRS, ComplexArray, FloatArray, whole
+
+_FOLDERS = {"excitation_force": "", "Froude_Krylov_force": "froude-krylov/", "diffraction_force": "scattering/"}
+_WAVES, _BODY, _HYDRO = "/simulation_parameters/", "/body1/properties/", "/body1/hydro_coeffs/"
+_RADIATED, _EXCITED = (f"{_HYDRO}{part}/impulse_response_fun/" for part in ("radiation_damping", "excitation"))
+_MATRICES = {  # dataset of the .h5 file: variable, what it is divided by
+    f"{_HYDRO}added_mass/all": ("added_mass", "rho"),
+    f"{_HYDRO}added_mass/inf_freq": ("added_mass_inf", "rho"),
+    f"{_HYDRO}radiation_damping/all": ("radiation_damping", "rho*w"),
+    f"{_HYDRO}linear_restoring_stiffness": ("hydrostatic_stiffness", "rho*g"),
+    f"{_BODY}mass": ("inertia_matrix", "1"),
+    f"{_BODY}damping": ("structural_damping_matrix", "1"),
+    f"{_BODY}stiffness": ("structural_stiffness", "1"),
+}
+_FACTS = {"displaced_volume": "disp_vol", "centre_of_buoyancy": "cb", "centre_of_mass": "cg"}
+_UNITS = (
+    "g=m/s^2 rho=kg/m^3 T=s w=rad/s wave_dir=deg disp_vol=m^3 cg=m cb=m mass=kg damping=kg/s stiffness=N/m t=s f=m^2/s"
+)
+_UNITS += " all=m^3 inf_freq=m^3 K=m^3/s^2 linear_restoring_stiffness=m^2 re=m^2 im=m^2 mag=m^2 phase=rad water_depth=m"
+_NODE, _WEIGHT = np.polynomial.legendre.leggauss(8)
+
+
+def bemio_entries(ds: xr.Dataset, source: str) -> dict[str, Any]:
+    """Return the datasets of BEMIO's .h5 file by path, dimensions in the order of HDF5, which MATLAB shows reversed.
+
+    Notes
+    -----
+    `mass`, `damping` and `stiffness` are those of `vsb.generalized.structure`; a database in which they couple a rigid
+    mode to a generalized one, which WEC-Sim drops, is refused. Times of the impulse responses: `impulse_times`.
+    """
+    needed = ["excitation_force", *(name for place, (name, _) in _MATRICES.items() if place.startswith(_HYDRO))]
+    ds = checked(ds, source, needed)
+    labels, omega, headings = (ds[name].values for name in ("influenced_dof", "omega", "wave_direction"))
+    rho, g, depth = (float(ds.attrs[name]) for name in WATER)
+    if omega[0] == 0:
+        raise DatabaseError(f"{source}: holds zero frequency; the .h5 file needs periods.")
+    modes = mode_numbers(list(map(str, labels)))
+    ds = _with_structure(ds, source, modes)
+    dof, body = max(6, *modes), floating(ds, source)
+    time = impulse_times((1.5 * body.volume / np.pi) ** (1 / 3), g)
+    waves = {"scaled": 0, "g": g, "rho": rho, "T": 2 * np.pi / omega, "w": omega, "wave_dir": np.degrees(headings)}
+    facts: dict[str, Any] = {"body_number": 1, "dof": dof, "dof_start": 1, "dof_end": dof}
+    facts |= dict(zip(_FACTS.values(), body, strict=True))
+    lists = {f"{_WAVES}{key}": value for key, value in waves.items()} | {f"{_BODY}{k}": v for k, v in facts.items()}
+    lists |= {f"{_RADIATED}t": time, f"{_EXCITED}t": (both := np.concatenate([-time[:0:-1], time]))}
+    entries: dict[str, Any] = {place: np.reshape(value, (-1, 1)) for place, value in lists.items()}
+    entries |= {"/bem_data/code": "vsb", f"{_BODY}name": "buoy", f"{_BODY}mode_labels": "\n".join(map(str, labels))}
+    entries[f"{_WAVES}water_depth"] = "infinite" if np.isinf(depth) else np.array([[depth]])
+    spectrum = DampingSpectrum(*_refined(omega, ds.radiation_damping.values, time[-1]))
+    matrices = {f"{_RADIATED}K": spectrum.kernel(time) / rho}
+    held = {place: item for place, item in _MATRICES.items() if item[0] in ds}
+    matrices |= {place: ds[name].values / _divisor(by, rho, g, omega) for place, (name, by) in held.items()}
+    entries |= {place: _spread(value, modes, dof, 2) for place, value in matrices.items()}
+    for name, folder in [item for item in _FOLDERS.items() if item[0] in ds]:
+        x = np.conj(_spread(ds[name].values, modes, dof, 1)) / (rho * g)
+        parts = {"re": x.real, "im": x.imag, "mag": np.abs(x), "phase": np.angle(x)}
+        entries |= {f"{_HYDRO}excitation/{folder}{part}": value for part, value in parts.items()}
+    response = excitation_response(omega, ds.excitation_force.values, both) / (rho * g)
+    return entries | {f"{_EXCITED}f": _spread(response, modes, dof, 1)}
+
+
+def _with_structure(ds: xr.Dataset, source: str, modes: list[int]) -> xr.Dataset:
+    """The dataset with damping, and with prestress and gas in its stiffness; rigid modes are uncoupled."""
+    if (dry := structure(ds, source)) is None:
+        if max(modes) >= GENERALIZED:
+            raise DatabaseError(
+                f"{source}: holds no inertia_matrix and structural_stiffness; generalized modes need both."
+            )
+        return ds
+    rigid = np.array(modes) < GENERALIZED
+    names = ("inertia_matrix", "structural_damping_matrix", "structural_stiffness")
+    for name, matrix in zip(names, dry, strict=True):
+        if np.abs(matrix[np.ix_(rigid, ~rigid)]).max(initial=0.0) > 1e-9 * np.abs(matrix).max():
+            raise DatabaseError(
+                f"{source}: {name} couples rigid and generalized modes, which WEC-Sim drops; needs another basis."
+            )
+    return ds.assign({name: (("influenced_dof", "radiating_dof"), m) for name, m in zip(names, dry, strict=True)})
+
+
+def impulse_times(radius: float, gravity: float) -> FloatArray:
+    """Return the 1001 times of the radiation's impulse response, from 0 [s]; the excitation's begin as long before 0.
+
+    Parameters
+    ----------
+    radius : float
+        Of a floating hemisphere of the body's displacement: the length its waves and decay scale with [m].
+    gravity : float
+
+    Notes
+    -----
+    Steps are the largest 1-2-5 number below 0.23 sqrt(radius/g): 0.1 s, up to 100 s, at a radius of 2 m. The highest
+    frequency they resolve is Ka > 180, where no body makes waves.
+    """
+    return np.linspace(0.0, 1000 * _round_below(0.23 * math.sqrt(radius / gravity)), 1001)
+
+
+def _round_below(bound: float) -> float:
+    """The largest of the numbers 1, 2, 5, 10, ... and their decimals that is not above a bound."""
+    decade = 10.0 ** math.floor(math.log10(bound))
+    return float(f"{max(m * decade for m in (1, 2, 5) if m * decade <= bound):.0e}")
+
+
+def _refined(omega: FloatArray, values: FloatArray, last: float) -> tuple[FloatArray, FloatArray]:
+    """Damping on a finer grid of its own spline, whose quadrature holds up to the last time (`DampingSpectrum`)."""
+    edges = _edges(np.concatenate([[0.0], omega]), last)[1:]
+    return edges, DampingSpectrum(omega, values).at(edges)
+
+
+def _edges(omega: FloatArray, last: float) -> FloatArray:
+    """Frequencies with others between them, none further apart than 10/last [rad/s]."""
+    counts = np.ceil(np.diff(omega) * last / 10).astype(int)
+    return np.concatenate([*map(np.linspace, omega[:-1], omega[1:], counts, [False] * len(counts)), omega[-1:]])
+
+
+def excitation_response(omega: FloatArray, force: ComplexArray, time: FloatArray) -> FloatArray:
+    """Return the impulse response of the excitation, f(t) = (1/pi) int Re(X* e^{i omega t}) d omega.
+
+    Parameters
+    ----------
+    omega : ndarray, shape (omega,) [rad/s]
+    force : ndarray, shape (omega, wave_direction, dof) [N/m]
+        Phasors X as in the database (C1).
+    time : ndarray, shape (time,) [s]
+
+    Returns
+    -------
+    ndarray, shape (time, wave_direction, dof) [N/(m s)]
+        The force of an elevation eta at the origin is F(t) = int f(s) eta(t - s) ds. It does not vanish before s = 0:
+        waves reach the body before they reach its origin.
+
+    Notes
+    -----
+    BEMIO's excitationIRF, from 0 instead of the lowest frequency: the cubic spline runs through X(-omega) = X* as well.
+    Above the highest frequency X counts as zero; of X at that frequency itself the inverse transform gives half.
+    """
+    both = np.concatenate([-omega[::-1], omega])
+    spline = CubicSpline(both, np.concatenate([force[::-1], force.conj()]))
+    edges = _edges(np.concatenate([[0.0], omega]), float(np.abs(time).max()))
+    half = np.diff(edges)[:, None] / 2
+    nodes = ((edges[:-1] + edges[1:])[:, None] / 2 + half * _NODE).ravel()
+    x = (half * _WEIGHT).ravel()[:, None] * spline(nodes).reshape(len(nodes), -1)
+    phase = np.outer(time, nodes)
+    return np.asarray((np.cos(phase) @ x.real - np.sin(phase) @ x.imag) / np.pi).reshape(len(time), *force.shape[1:])
+
+
+def _divisor(by: str, rho: float, g: float, omega: FloatArray) -> Any:
+    """What a dataset of the .h5 file is divided by."""
+    return {"rho": rho, "rho*w": rho * omega[:, None, None], "rho*g": rho * g, "1": 1.0}[by]
+
+
+def _spread(values: Any, modes: list[int], dof: int, axes: int) -> Any:
+    """Values over the database's modes, the last one or two axes, among all modes, zero for others; other axes last."""
+    full, index = np.zeros((*values.shape[:-axes], *[dof] * axes), values.dtype), np.array(modes) - 1
+    full[(..., index[:, None], index) if axes == 2 else (..., index)] = values
+    return full.T if axes == 1 else np.moveaxis(full, 0, -1) if full.ndim == 3 else full
+
+
+def write_h5(entries: dict[str, Any], path: Path) -> None:
+    """Write datasets by path to an HDF5 file, complete or not at all; netCDF adds their sizes to its root."""
+    units = dict(u.split("=") for u in _UNITS.split())
+    with whole(path) as temporary, netCDF4.Dataset(temporary, "w") as file:
+        for place, values in entries.items():
+            for size in {*np.shape(values)} - {dimension.size for dimension in file.dimensions.values()}:
+                file.createDimension(f"n{size}", size)
+            kind: Any = str if isinstance(values, str) else "f8"
+            dimensions = [f"n{size}" for size in np.shape(values)]
+            variable = file.createVariable(place, kind, dimensions, zlib=np.size(values) > 10_000)
+            variable[...] = values
+            variable.units = units.get(place.rpartition("/")[2], "")
+
+
+def read_bemio(path: str | Path) -> xr.Dataset:
+    """Return the hydro database of a BEMIO .h5 file of one body: all its modes, dimensional.
+
+    Parts of the excitation with NaN, BEMIO's mark of what was not computed, are left out; `structural_stiffness` is all
+    stiffness but the water's; labels are Surge, ..., Yaw, Mode7, ... where the file does not name those it holds.
+    """
+    try:
+        with netCDF4.Dataset(path) as file:
+            file.set_auto_mask(False)
+            return _from_bemio(_datasets(file), str(path))
+    except (OSError, KeyError, ValueError, IndexError) as error:
+        raise DatabaseError(f"{path}: cannot be read: {error}; needs BEMIO's .h5 file with all its datasets.") from None
+
+
+def _datasets(group: Any) -> dict[str, Any]:
+    """All datasets of a file by path."""
+    found = {f"{group.path.rstrip('/')}/{name}": variable[...] for name, variable in group.variables.items()}
+    return found | {place: value for child in group.groups.values() for place, value in _datasets(child).items()}
+
+
+def _from_bemio(found: dict[str, Any], source: str) -> xr.Dataset:
+    """The database in the datasets of an .h5 file."""
+    if bodies := sorted({place.split("/")[1] for place in found if place.startswith("/body")} - {"body1"}):
+        raise DatabaseError(f"{source}: holds {', '.join(['body1', *bodies])}; needs the file of one body.")
+    rho, g, dof = (np.asarray(found[key]).item() for key in (f"{_WAVES}rho", f"{_WAVES}g", f"{_BODY}dof"))
+    omega, headings, depth, scaled = (found[f"{_WAVES}{name}"] for name in ("w", "wave_dir", "water_depth", "scaled"))
+    labels = str(found.get(f"{_BODY}mode_labels", "")).splitlines() or mode_labels(range(1, int(dof) + 1))
+    index = np.array(mode_numbers(labels)) - 1
+    if (last := max(6, *(index + 1))) != dof:
+        raise DatabaseError(f"{source}: holds {dof:g} degrees of freedom; needs {last} for its mode_labels {labels}.")
+    variables = {}
+    for place, (name, by) in _MATRICES.items():
+        if place in found or place.startswith(_HYDRO):
+            block = np.moveaxis(np.atleast_3d(found[place])[np.ix_(index, index)], -1, 0)
+            value = block if "omega" in ATTRS[name].dims else block[0]
+            variables[name] = value * (1.0 if np.all(scaled) else _divisor(by, rho, g, np.ravel(omega)))
+    for name, folder in _FOLDERS.items():
+        if not folder or f"{_HYDRO}excitation/{folder}re" in found:
+            re, im = (found[f"{_HYDRO}excitation/{folder}{part}"][index] for part in ("re", "im"))
+            if not folder or np.isfinite(re + im).all():
+                variables[name] = (re - 1j * im).T * (1.0 if np.all(scaled) else rho * g)
+    water = rho, g, "inf" if "inf" in str(depth) else str(np.asarray(depth).item())
+    facts = {key: np.ravel(found[f"{_BODY}{name}"]).astype(float) for key, name in _FACTS.items()}
+    facts["displaced_volume"] = facts["displaced_volume"].item()
+    attrs = dict(zip(WATER, water, strict=True), source="BEMIO", history=f"read from {Path(source).name}", **facts)
+    return assembled(source, (labels, np.ravel(omega), np.ravel(headings)), variables, attrs)

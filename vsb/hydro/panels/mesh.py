@@ -1,0 +1,129 @@
+"""Panels of the wetted mean shell and of its deformed shapes."""
+
+from pathlib import Path
+
+import meshio
+import numpy as np
+import xarray as xr
+
+from vsb.errors import ConfigError
+from vsb.shell.deformed import DeformedShell
+from vsb.tools.units import FloatArray
+
+DISPLAY_AMPLITUDE = 0.1
+"""Modal amplitude of the viewable deformed meshes, in radii or, where less, double drafts: every shape stays wet."""
+
+
+def graded_colatitudes(waterline: float, rows: int, keel: float = np.pi) -> FloatArray:
+    """Return the edges of panel rows between waterline and keel, shape (rows + 1,) [rad], ever finer to the waterline.
+
+    The flow varies fastest at the waterline corner; with 1 - cos(pi s/2) spacing the error there is of second order.
+    """
+    s = np.linspace(0.0, 1.0, rows + 1)
+    return waterline + (keel - waterline) * (1 - np.cos(np.pi * s / 2))
+
+
+def polygon_radius(azimuth: int) -> float:
+    """Return the factor by which a regular polygon's corners must lie outside a circle of equal area [-]."""
+    angle = 2 * np.pi / azimuth
+    return float(np.sqrt(angle / np.sin(angle)))
+
+
+def mean_mesh(radius: float, centre_height: float, rows: int, azimuth: int, lid_rows: int) -> xr.Dataset:
+    """Return the mesh of a wetted sphere and the interior lid; see `deformed_mesh`."""
+    phi = graded_colatitudes(np.arccos(-centre_height / radius), rows)
+    middle = (phi[1:] + phi[:-1]) / 2
+    x, z = radius * np.sin(phi), centre_height + radius * np.cos(phi)
+    return _mesh((x, z), middle, (np.sin(middle), np.cos(middle)), azimuth, lid_rows)
+
+
+def deformed_mesh(shell: DeformedShell, rows: int, azimuth: int, lid_rows: int) -> xr.Dataset:
+    """Return the meridian of a wetted deformed shell and of the interior lid, to be revolved in `azimuth` panels.
+
+    Returns
+    -------
+    xarray.Dataset
+        meridian_radius, meridian_height (node) and lid_radius (lid_node) [m], from waterline to keel and from axis to
+        waterline; the corner radii keep the area of every circle. Per row of panels the colatitude of its middle on
+        the undeformed sphere [rad] and the shell's unit normal there, normal_radius and normal_height (row).
+
+    Raises
+    ------
+    ConfigError
+        If the shell at rest does not cross the water exactly once.
+    """
+    if len(shell.wet_segments) != 1 or shell.wet_segments[0][0] == 0.0 or shell.wet_segments[0][1] < np.pi:
+        raise ConfigError(
+            f"reference_shape: received a shape whose wet parts are {shell.wet_segments} rad; needs one waterline with "
+            "the keel below it: change device.mass or device.internal_pressure"
+        )
+    phi = graded_colatitudes(shell.wet_segments[0][0], rows)
+    middle = (phi[1:] + phi[:-1]) / 2
+    nodes, at = shell.meridian(phi), shell.meridian(middle)
+    length = np.hypot(at.dx, at.dz)
+    return _mesh((nodes.x, nodes.z), middle, (-at.dz / length, at.dx / length), azimuth, lid_rows)
+
+
+def _mesh(
+    nodes: tuple[FloatArray, FloatArray],
+    middle: FloatArray,
+    normal: tuple[FloatArray, FloatArray],
+    azimuth: int,
+    lid_rows: int,
+) -> xr.Dataset:
+    """Dataset of a mesh from its meridian, waterline first, keel last."""
+    x, z = nodes
+    z[0] = x[-1] = 0.0
+    corner = polygon_radius(azimuth)
+    return xr.Dataset(
+        {
+            "meridian_radius": ("node", corner * x),
+            "meridian_height": ("node", z),
+            "lid_radius": ("lid_node", corner * np.linspace(0.0, x[0], lid_rows + 1)),
+            "row_colatitude": ("row", middle),
+            "normal_radius": ("row", normal[0]),
+            "normal_height": ("row", normal[1]),
+        },
+        attrs={"azimuth": azimuth},
+    )
+
+
+def revolved(x: FloatArray, z: FloatArray, azimuth: int) -> tuple[FloatArray, FloatArray]:
+    """Return vertices (vertex, 3) [m] and quadrilaterals (face, 4) of a meridian revolved about the z axis."""
+    theta = 2 * np.pi * np.arange(azimuth) / azimuth
+    ring = np.stack([np.cos(theta), np.sin(theta)], axis=1)
+    vertices = np.concatenate([np.column_stack([xi * ring, np.full(azimuth, zi)]) for xi, zi in zip(x, z, strict=True)])
+    j = np.arange(azimuth)
+    following = (j + 1) % azimuth
+    quad = np.stack([j, following, azimuth + following, azimuth + j], axis=1)[:, ::-1]
+    faces = np.concatenate([quad + azimuth * i for i in range(len(x) - 1)])
+    return vertices, faces
+
+
+def write_wet_shell(shell: DeformedShell, path: str | Path, rows: int = 40, azimuth: int = 80) -> None:
+    """Write the wetted part of a (deformed) shell as quadrilaterals to any format meshio knows.
+
+    Every wet segment becomes its own band of rows, so a shell that crosses the water more than once stays readable.
+    """
+    points: list[FloatArray] = []
+    faces: list[FloatArray] = []
+    for start, end in shell.wet_segments:
+        meridian = shell.meridian(graded_colatitudes(start, rows, end))
+        vertices, quads = revolved(meridian.x, meridian.z, azimuth)
+        faces.append(quads + sum(len(p) for p in points))
+        points.append(vertices)
+    Path(path).parent.mkdir(parents=True, exist_ok=True)
+    meshio.Mesh(np.concatenate(points), [("quad", np.concatenate(faces))]).write(path)
+
+
+def display_shapes(shell: DeformedShell) -> dict[str, DeformedShell]:
+    """Return the mean shell and the shell deformed by plus and minus `DISPLAY_AMPLITUDE` radii of every mode."""
+    shapes = {"mean": shell}
+    radius = shell.basis.shell.radius
+    size = DISPLAY_AMPLITUDE * min(radius, 2 * (radius - shell.centre_height))
+    for j, label in enumerate(shell.basis.labels[1:], start=1):
+        for name, sign in (("minus", -1.0), ("plus", 1.0)):
+            amplitudes = shell.amplitudes.copy() if shell.amplitudes.size else np.zeros(len(shell.basis.labels))
+            amplitudes[j] += sign * size
+            shapes[f"{label}_{name}"] = DeformedShell(shell.basis, shell.centre_height, amplitudes)
+    return shapes

@@ -1,0 +1,104 @@
+"""A block of frequencies by rings of panels, on two meshes: coefficients, and how far they may be off."""
+
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from vsb.hydro.database import with_excitation
+from vsb.hydro.panels.rings import AxisymmetricProblem, green_function
+from vsb.hydro.quality import haskind_damping
+from vsb.hydro.sweep import apart, coefficients, joined, largest, on_grid
+from vsb.study.plan import LEAST_DEPTH_IN_WAVENUMBERS
+
+STRONGEST_KA = 0.5
+"""k R of a wave near which damping is largest: a block of high frequencies measures its errors by that, too."""
+
+
+@dataclass(frozen=True)
+class TwoMeshes:
+    """A problem on the mesh asked for and on one of half its rows, half around and on the lid.
+
+    Errors are told in terms of the largest entry of those solved and of those at `STRONGEST_KA`.
+
+    Notes
+    -----
+    Panels are of an order between one and two, so on the fine mesh the error is at most what half the rows change; what
+    both meshes have wrong, a lid too near to resonance and a Green function of finite depth, shows in Haskind's
+    relation. The estimate adds up both. Measured against the spectral solver (docs/decisions/0024).
+    """
+
+    fine: AxisymmetricProblem
+    coarse: AxisymmetricProblem
+
+    @property
+    def strongest(self) -> xr.Dataset:
+        """Coefficients on the fine mesh near the largest damping of all frequencies."""
+        p = self.fine
+        k = max(STRONGEST_KA / p.waterline, LEAST_DEPTH_IN_WAVENUMBERS / p.depth)
+        return p.solve([float(np.sqrt(p.gravity * k * np.tanh(k * p.depth)))])
+
+    def error_estimate(self, solved: xr.Dataset, strongest: xr.Dataset) -> float:
+        """Return the estimated error of coefficients solved on the fine mesh [-]."""
+        p, (a, b, x), sizes = self.fine, coefficients(solved), largest(solved, strongest)
+        halved = coefficients(self.coarse.solve(solved.omega.values.tolist()))
+        missed = apart(haskind_damping(with_excitation(solved), p.depth, p.density, p.gravity).reshape(b.shape), b)
+        twisted = apart(solved.added_mass.values, solved.added_mass.values.transpose(0, 2, 1))
+        both = (twisted / sizes[0], missed / sizes[1], missed / sizes[1])
+        changes = [apart(*pair) for pair in zip((a, b, x), halved, strict=True)]
+        return max(change / size + wrong for change, size, wrong in zip(changes, sizes, both, strict=True))
+
+    def at_infinity(self) -> xr.Dataset:
+        """Return added_mass_inf [kg], shape (displacement, displacement), with the attribute `error_estimate`."""
+        fine, coarse = self.fine.at_infinity(), self.coarse.at_infinity()
+        error = (apart(fine, coarse) + apart(fine, fine.T)) / (np.abs(fine).max() or 1.0)
+        labels = list(self.fine.displacements)
+        coords = {"influenced_dof": labels, "radiating_dof": labels}
+        return xr.Dataset({"added_mass_inf": (tuple(coords), fine)}, coords, {"error_estimate": error})
+
+    def solve(self, frequencies: list[float], interpolation: float | None = None) -> xr.Dataset:
+        """Return coefficients at frequencies, ascending [rad/s], solved or interpolated.
+
+        Parameters
+        ----------
+        frequencies : list of float [rad/s]
+        interpolation : float, optional
+            Tolerance of interpolation [-]; without it every frequency is solved.
+
+        Returns
+        -------
+        xarray.Dataset
+            As of `vsb.bem.AxisymmetricProblem.solve`, with the attributes `error_estimate`, of panels and interpolation
+            together; `solves` and `frequencies`, their numbers.
+        """
+        strongest, at = self.strongest, cache(lambda omega: self.fine.solve([omega]))
+
+        def solve(omegas: list[float]) -> xr.Dataset:
+            return joined(*map(at, omegas))
+
+        if interpolation is None:
+            found, between = solve(frequencies), 0.0
+            solved = found
+        else:
+            swept = on_grid(solve, frequencies, interpolation, self.fine.incident_wave, [strongest])
+            found, solved = swept.coefficients, solve(swept.solved)
+            between = swept.sweep.error if swept.sweep else 0.0
+        error = self.error_estimate(solved, strongest) + between
+        return found.assign_attrs(error_estimate=error, solves=solved.sizes["omega"], frequencies=len(frequencies))
+
+
+def solve_block(spec: dict[str, Any], fine: xr.Dataset, coarse: xr.Dataset, green_folder: str | Path) -> xr.Dataset:
+    """Solve one block of frequencies (`vsb.study.plan`) on two meshes; infinite frequency is a block of its own."""
+    water, displacements = spec["water"], tuple(spec["displacements"])
+    depth, green = float(water["depth"]), green_function(green_folder)
+    meshes = (
+        AxisymmetricProblem(green, mesh, displacements, water["density"], depth, water["gravity"])
+        for mesh in (fine, coarse)
+    )
+    problem = TwoMeshes(*meshes)
+    if spec["omega"] == ["inf"]:
+        return problem.at_infinity()
+    return problem.solve(spec["omega"], spec.get("interpolation"))

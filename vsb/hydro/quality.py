@@ -1,0 +1,188 @@
+"""Verdict on a hydro database: identities that hold whatever the mesh, and how far the numbers are from them.
+
+Coefficients of unlike modes are compared after scaling every degree of freedom to a largest damping of one.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from vsb.errors import DatabaseError
+from vsb.hydro.database import Check, check_at_most
+from vsb.hydro.kernel import DampingSpectrum
+from vsb.tools.units import ComplexArray, FloatArray
+from vsb.waves.seas import group_velocity, wavenumber
+
+LARGEST_LIMIT_DIFFERENCE = 0.02
+"""Of added mass at infinite frequency from its extrapolation, as of the Kramers-Kronig relation."""
+
+_DOUBTS = ("error_estimate", "limit_difference")
+_LOWER = "lower hydro.tolerance or raise hydro.rows, change hydro.omega_max, deepen water the keel hardly clears"
+_ADVICE = {
+    "kramers_kronig": "raise hydro.omega_max: the band must reach beyond the peak of damping",
+    "interpolation_error": "raise hydro.tolerance, change hydro.omega_max",
+}
+
+
+def _scale(ds: xr.Dataset) -> FloatArray:
+    """Outer product that scales the largest damping of each degree of freedom to one, shape (dof, dof)."""
+    root = np.sqrt(np.abs(np.einsum("wii->wi", ds.radiation_damping.values)).max(axis=0))
+    return np.outer(root, root)
+
+
+def _scaled_eigenvalues(ds: xr.Dataset, scale: FloatArray) -> FloatArray:
+    """Eigenvalues of the scaled damping, ascending, relative to the largest of the band, shape (omega, dof)."""
+    b = ds.radiation_damping.values
+    values = np.linalg.eigvalsh(0.5 * (b + b.transpose(0, 2, 1)) / scale)
+    return np.asarray(values / np.abs(values).max())
+
+
+def asymmetry(ds: xr.Dataset) -> float:
+    """Return the largest |M - M^T| of A and B relative to the largest entry of the band."""
+    matrices = [ds.added_mass.values, ds.radiation_damping.values]
+    return max(float(np.abs(m - m.transpose(0, 2, 1)).max() / np.abs(m).max()) for m in matrices)
+
+
+def negative_damping(ds: xr.Dataset, scale: FloatArray | None = None) -> float:
+    """Return how far the damping is from positive semidefinite: -(smallest eigenvalue), at least 0.
+
+    Entries are divided by `scale`, shape (dof, dof); by default the largest damping of every motion becomes one.
+    """
+    return float(max(0.0, -_scaled_eigenvalues(ds, _scale(ds) if scale is None else scale).min()))
+
+
+def second_channel(ds: xr.Dataset) -> float:
+    """Return the largest second eigenvalue of the damping: an axisymmetric body has one radiation channel, rank one."""
+    values = np.sort(np.abs(_scaled_eigenvalues(ds, _scale(ds))), axis=1)
+    return float(values[:, -2].max()) if values.shape[1] > 1 else 0.0
+
+
+def haskind_damping(ds: xr.Dataset, depth: float, density: float, gravity: float) -> ComplexArray:
+    """Return Haskind's damping k X X^H/(4 rho g v_g) from the excitation, shape (omega, dof, dof) [kg/s]."""
+    x = ds.excitation_force.values[:, 0, :]
+    factor = [
+        wavenumber(w, depth, gravity) / (4 * density * gravity * group_velocity(w, depth, gravity))
+        for w in ds.omega.values
+    ]
+    return np.asarray(np.array(factor)[:, None, None] * x[:, :, None] * x[:, None, :].conj())
+
+
+def haskind_difference(ds: xr.Dataset, depth: float, density: float, gravity: float) -> float:
+    """Return the largest difference between the damping and Haskind's."""
+    haskind = haskind_damping(ds, depth, density, gravity)
+    return float(np.abs((haskind - ds.radiation_damping.values) / _scale(ds)).max())
+
+
+def largest_kink(ds: xr.Dataset) -> float:
+    """Return the largest distance of a damping value from the cubic through its four neighbours in frequency.
+
+    An irregular frequency is a spike a few hundredths of a rad/s wide: it stands out of its neighbours.
+    """
+    b = np.einsum("wii->wi", ds.radiation_damping.values / _scale(ds))
+    if len(b) < 5:
+        return 0.0
+    neighbours = (-b[:-4] + 4 * b[1:-3] + 4 * b[3:-1] - b[4:]) / 6  # equal steps
+    return float(np.abs(b[2:-2] - neighbours).max())
+
+
+def added_mass_difference(ds: xr.Dataset) -> float:
+    """Return the mean over the lower half of the band of A(inf) solved minus A(inf) by Ogilvie's relation.
+
+    Relative to the diagonal of A(inf).
+    """
+    half = ds.omega.values <= 0.5 * ds.omega.values[-1]
+    spectrum = DampingSpectrum(ds.omega.values, ds.radiation_damping.values)
+    ogilvie = ds.added_mass.values[half] - spectrum.added_mass_difference(ds.omega.values[half])
+    root = np.sqrt(np.diag(ds.added_mass_inf.values))
+    return float(np.abs((ogilvie.mean(axis=0) - ds.added_mass_inf.values) / np.outer(root, root)).max())
+
+
+def identity_check(name: str, value: float, limit: float, precision: float, explanation: str) -> Check:
+    """Return the check of an identity: ok to a fraction `precision` of its limit, a failure above all of it."""
+    strict = check_at_most(name, value, precision * limit, "-", explanation)
+    held = check_at_most(name, value, limit, "-", explanation)
+    if held.verdict == "fail" or strict.verdict == "ok":
+        return held if held.verdict == "fail" else strict
+    return replace(strict, verdict="doubt")
+
+
+def pointwise_checks(
+    ds: xr.Dataset, depth: float, density: float, gravity: float, precision: float = 1.0
+) -> list[Check]:
+    """Return the checks that hold at every frequency by itself, to a fraction `precision` of what panels hold them."""
+    haskind = haskind_difference(ds, depth, density, gravity)
+    held = [
+        ("symmetry", asymmetry(ds), 0.01, "added mass and damping are symmetric matrices"),
+        ("positive_damping", negative_damping(ds), 0.01, "no motion can draw energy from calm water"),
+        ("rank_one", second_channel(ds), 0.02, "axisymmetric motions radiate one ring wave"),
+        ("haskind", haskind, 0.05, "damping follows from excitation"),
+    ]
+    return [identity_check(name, value, limit, precision, text) for name, value, limit, text in held]
+
+
+def sweep_checks(sweep: xr.Dataset, precision: float = 1.0) -> list[Check]:
+    """Return the checks that need the whole band, in equal steps; what lies above it keeps a tenth of the limit."""
+    kink, inconsistency = largest_kink(sweep), added_mass_difference(sweep)
+    smooth = "damping is smooth; an irregular frequency is a spike in it"
+    ogilvie = "Ogilvie: added mass at infinity follows from damping"
+    return [
+        check_at_most("irregular_frequencies", kink, 0.02, "-", smooth),
+        identity_check("kramers_kronig", inconsistency, 0.02, max(precision, 0.1), ogilvie),
+    ]
+
+
+def estimate_checks(blocks: Sequence[Mapping[str, Any]], tolerance: float) -> list[Check]:
+    """Return the checks of the errors solver and sweep estimate of themselves, from the blocks' attributes.
+
+    A tolerance that the solver itself does not reach, as panels may not, is a doubt: the estimate is what there is. So
+    is a band that says too little of what is outside: the limits used are those solved.
+    """
+    solves, frequencies = (sum(int(attrs.get(key, 0)) for attrs in blocks) for key in ("solves", "frequencies"))
+    meaning = {
+        "error_estimate": "estimated error of added mass, damping and excitation, relative to the largest entry; "
+        f"{solves} solves for {frequencies} frequencies",
+        "interpolation_error": "of what is interpolated from these solves, relative to the band's largest entry",
+        "limit_difference": "added mass extrapolated to frequencies zero and infinity, from that solved there",
+    }
+    limit = dict.fromkeys(meaning, tolerance) | {"limit_difference": LARGEST_LIMIT_DIFFERENCE}
+    found = {name: [float(attrs[name]) for attrs in blocks if name in attrs] for name in meaning}
+    checks = [check_at_most(name, max(e), limit[name], "-", meaning[name]) for name, e in found.items() if e]
+    return [replace(c, verdict="doubt") if c.verdict == "fail" and c.name in _DOUBTS else c for c in checks]
+
+
+def judged(checks: Sequence[Check], accept: Sequence[str]) -> list[Check]:
+    """Return the checks with failures the study accepts by name marked as such.
+
+    Raises
+    ------
+    DatabaseError
+        If a check fails that the study does not accept.
+    """
+    checks = [replace(c, verdict="accepted") if c.verdict == "fail" and c.name in accept else c for c in checks]
+    for check in checks:
+        if check.verdict == "fail":
+            raise DatabaseError(
+                f"hydro database: check {check.name!r} failed: {check.value:.3g}, needs at most {check.limit:g} "
+                f"({check.explanation}); {_ADVICE.get(check.name, _LOWER)}, or list the name under hydro.accept."
+            )
+    return checks
+
+
+def verdict(
+    sweep: xr.Dataset,
+    tabulated: xr.Dataset | None,
+    depth: float,
+    density: float,
+    gravity: float,
+    precision: float = 1.0,
+) -> list[Check]:
+    """Return the checks of a database, before it is symmetrized: its sweep and any frequencies tabulated."""
+    everywhere = sweep
+    if tabulated is not None:
+        everywhere = xr.concat(
+            [sweep, tabulated], dim="omega", data_vars="minimal", coords="minimal", compat="override"
+        )
+    return [*pointwise_checks(everywhere, depth, density, gravity, precision), *sweep_checks(sweep, precision)]

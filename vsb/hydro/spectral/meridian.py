@@ -1,0 +1,208 @@
+"""The wet meridian of a shell: points of an integral equation of spectral order and the influence of 1/r on them.
+
+No panels: potentials are polynomials in a parameter of the meridian that crowds its points to the waterline, where
+they have weak singularities. They go with cos(m theta) around the body.
+"""
+
+import itertools
+from dataclasses import dataclass
+from functools import cache, cached_property
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import roots_legendre
+
+from vsb.errors import ConfigError
+from vsb.hydro.azimuthal import bessel
+from vsb.hydro.spectral.rings import ring
+from vsb.shell.deformed import DeformedShell
+from vsb.tools.units import ComplexArray, FloatArray
+
+_CROWDING = 3
+"""Power of t the distance r from the waterline grows with: r log r becomes t^3 log t. Whole, for a smooth shell."""
+_KEEL_SLOPE = 1.5
+"""Rate of the colatitude at the keel, in terms of equal spacing."""
+_INTERIOR = (0.02, 0.15, 0.4)
+"""Depths of the points inside, in drafts: near the surface every eigenfunction is at its largest."""
+_LONGEST_IN_NODES = 12
+"""Longest interval of the rules for the singular integrals, of 16 points, in mean distances of nodes."""
+_CHORD = 15
+"""Points of the integral of the slope beyond the highest degree of the shape."""
+_CIRCLES = (0.2, 0.45)
+"""Radii of the circles of points inside for orders >= 1, in distances from the axis to the shell [-]."""
+
+
+@cache
+def unit_rule(points: int) -> tuple[FloatArray, FloatArray]:
+    """Gauss-Legendre nodes and weights on [0, 1], each shape (points,)."""
+    node, weight = roots_legendre(points)
+    return (node + 1) / 2, weight / 2
+
+
+@cache
+def log_rule(points: int = 24, degree: int = 10) -> tuple[FloatArray, FloatArray]:
+    """Return nodes and weights on [0, 1], each shape (points,), of a rule for f + g log u with smooth f and g.
+
+    Nodes u = v^2 of Gauss' rule in v; its weights are moved as little as makes u^p and u^p log u exact for p < degree.
+    """
+
+    def moments(u: FloatArray) -> FloatArray:
+        p = np.polynomial.legendre.legvander(2 * u - 1, degree - 1).T
+        return np.concatenate([p, p * np.log(u)])
+
+    (v, w), (fine_v, fine_w) = unit_rule(points), unit_rule(200)
+    weight, rows = 2 * v * w, moments(v**2)
+    exact = moments(fine_v**6) @ (6 * fine_v**5 * fine_w)
+    return v**2, weight + np.linalg.lstsq(rows, exact - rows @ weight, rcond=1e-13)[0]
+
+
+class Points(NamedTuple):
+    """Points of the wet meridian, each shape (point,)."""
+
+    x: FloatArray  # radius [m]
+    z: FloatArray  # height [m]
+    n_x: FloatArray  # unit normal out of the body
+    n_z: FloatArray
+    rate: FloatArray  # x ds/dt, area per radian of azimuth and unit of t [m^2]
+    colatitude: FloatArray  # on the undeformed sphere [rad]
+
+    def influence(self, order: int, apart: FloatArray, height: FloatArray, sign: float) -> FloatArray:
+        """Return potential and normal derivative of rings here (sign -1) or their images (1), shape (2, ..., point).
+
+        `apart` and `height` lead from the (mirrored) rings to the points of influence.
+        """
+        potential, along, across = ring(order, self.x, apart, height)
+        return np.stack([potential, self.n_x * along + across * (self.n_x * apart - sign * self.n_z * height)])
+
+    def wave(self, order: int, k: FloatArray) -> FloatArray:
+        """Return e^{kz} J_m(kx) and its normal derivative, shape (2, point, wavenumber)."""
+        value, lower = bessel(order, np.outer(self.x, k))
+        n_x, n_z, bend = self.n_x[:, None], self.n_z[:, None], (order * self.n_x / self.x)[:, None]
+        return np.exp(np.outer(self.z, k)) * np.stack([value, (k * n_z - bend) * value + k * n_x * lower])
+
+
+def _rule_about(t: float, longest: float) -> tuple[FloatArray, FloatArray]:
+    """Distances from t and weights of a rule on [0, 1] for a logarithm at t and its mirror images beyond both ends.
+
+    Intervals double from t on, to a longest one that sees few turns of the polynomials to be integrated.
+    """
+    offsets, weights = [], []
+    for sign, end in ((-1, t), (1, 1 - t)):
+        doubling = 2.0 ** np.arange(np.ceil(np.log2(2 * end / min(t, 1 - t) + 1)) + 1) - 1
+        edges = doubling * end / doubling[-1]
+        parts = [np.linspace(a, b, int(np.ceil((b - a) / longest)) + 1)[:-1] for a, b in itertools.pairwise(edges)]
+        for a, b in itertools.pairwise(np.append(np.concatenate(parts), end)):
+            u, w = unit_rule(16) if a else log_rule()
+            offsets.append(sign * (a + (b - a) * u))
+            weights.append((b - a) * w)
+    return np.concatenate(offsets), np.concatenate(weights)
+
+
+@dataclass(frozen=True)
+class WetMeridian:
+    """The wet side of a shell at Gauss points in t, 0 at the waterline and 1 at the keel, for one azimuthal order."""
+
+    shell: DeformedShell
+    nodes: int
+    order: int = 0
+
+    @cached_property
+    def waterline(self) -> float:
+        """Colatitude of the waterline [rad]; `ConfigError` if the shell at rest does not cross the water once."""
+        wet = self.shell.wet_segments
+        if len(wet) != 1 or wet[0][0] == 0.0 or wet[0][1] < np.pi:
+            raise ConfigError(
+                f"reference_shape: received a shape whose wet parts are {wet} rad; needs one waterline with the keel "
+                "below it: change device.mass or device.internal_pressure"
+            )
+        return wet[0][0]
+
+    def _colatitude(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Colatitude and its rate by t: from the waterline by t^q (1 + (q - s)(1 - t)), s the slope at the keel."""
+        q, extra, span = _CROWDING, _CROWDING - _KEEL_SLOPE, np.pi - self.waterline
+        rate = span * t ** (q - 1) * (q * (1 + extra * (1 - t)) - extra * t)
+        return self.waterline + span * t**q * (1 + extra * (1 - t)), rate
+
+    def chord(self, start: FloatArray, offset: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the way from t = start on by `offset`, radial and vertical, each shape (point,) [m].
+
+        As an integral of the slope, by more points the more turns the shape has: a difference of coordinates near the
+        waterline would be all round-off.
+        """
+        v, w = unit_rule(_CHORD + self.shell.basis.highest_degree)
+        phi, rate = self._colatitude((start[:, None] + offset[:, None] * v).ravel())
+        m = self.shell.meridian(phi)
+        dx, dz = (offset * ((slope * rate).reshape(-1, len(v)) @ w) for slope in (m.dx, m.dz))
+        return dx, dz
+
+    def at(self, t: FloatArray) -> Points:
+        """Return the points at t."""
+        phi, rate = self._colatitude(t)
+        m = self.shell.meridian(phi)
+        length = np.hypot(m.dx, m.dz)
+        _, z = self.chord(np.zeros_like(t), t)
+        return Points(m.x, z, -m.dz / length, m.dx / length, m.x * length * rate, phi)
+
+    @cached_property
+    def points(self) -> Points:
+        """The shell at the Gauss points."""
+        return self.at(unit_rule(self.nodes)[0])
+
+    @cached_property
+    def areas(self) -> FloatArray:
+        """Area per radian of azimuth that each node stands for, shape (node,) [m^2]."""
+        return unit_rule(self.nodes)[1] * self.points.rate
+
+    @cached_property
+    def targets(self) -> tuple[FloatArray, FloatArray]:
+        """Radius and height of the equations' points: nodes, then inside, each shape (target,) [m].
+
+        On the axis for order 0; else, where potentials vanish there, on circles about it that the shell is clear of.
+        """
+        height = self.shell.meridian(np.array([np.pi])).z * np.array(_INTERIOR)
+        if self.order:
+            clear = np.hypot(self.points.x, self.points.z - height[:, None]).min(axis=1)
+            radius = np.outer(_CIRCLES, clear).ravel()
+            height = np.tile(height, len(_CIRCLES))
+        else:
+            radius = 0 * height
+        return np.concatenate([self.points.x, radius]), np.concatenate([self.points.z, height])
+
+    def interpolation(self, t: FloatArray) -> FloatArray:
+        """Return the values at t of the polynomials that are one at one node, shape (point, node); barycentric."""
+        node, weight = unit_rule(self.nodes)
+        scale = (-1.0) ** np.arange(self.nodes) * np.sqrt(node * (1 - node) * weight)
+        apart = t[:, None] - node
+        terms = scale / np.where(apart == 0.0, 1e-300, apart)
+        return np.asarray(terms / terms.sum(axis=1, keepdims=True))
+
+    def _singular_row(self, i: int) -> FloatArray:
+        """Integrals over the shell of 1/r, 1/r' at node i, shape (2 sources, 2 potential and derivative, node)."""
+        start = unit_rule(self.nodes)[0][i]
+        offset, weight = _rule_about(float(start), _LONGEST_IN_NODES / self.nodes)
+        points = self.at(start + offset)
+        dx, dz = self.chord(np.full_like(offset, start), offset)
+        both = (-dz, -1.0), (self.points.z[i] + points.z, 1.0)
+        values = np.stack([points.influence(self.order, -dx, height, sign) for height, sign in both])
+        return np.asarray((values * weight * points.rate) @ self.interpolation(start + offset))
+
+    @cached_property
+    def rankine(self) -> FloatArray:
+        """Influence of 1/r and 1/r', shape (2 sources, 2 potential and derivative, target, node) [m, -]."""
+        on = np.stack([self._singular_row(i) for i in range(self.nodes)], axis=2)
+        p, (x, z) = self.points, (a[self.nodes :, None] for a in self.targets)
+        inside = np.stack([p.influence(self.order, x - p.x, z + sign * p.z, sign) for sign in (-1.0, 1.0)])
+        return np.concatenate([on, inside * self.areas], axis=2)
+
+    def solve(self, double: ComplexArray, right: ComplexArray) -> ComplexArray:
+        """Return phi of 2 pi phi - D phi = right on the nodes and -D phi = right inside, shape (node, column).
+
+        Least squares in the norm of the surface; an interior equation counts as much as all of the surface.
+        """
+        root = np.sqrt(self.areas)
+        inside = len(double) - self.nodes
+        rows = np.concatenate([root, np.full(inside, np.sqrt(root @ root))])[:, None]
+        matrix = -double * rows / root
+        matrix[: self.nodes] += 2 * np.pi * np.eye(self.nodes)
+        adjoint = matrix.conj().T
+        return np.asarray(np.linalg.solve(adjoint @ matrix, adjoint @ (rows * right)) / root[:, None])

@@ -1,0 +1,180 @@
+"""Radiation and diffraction by boundary elements of spectral order, for shells with one smooth wet side.
+
+Motions and potentials vary like cos(m theta): heave and axisymmetric shapes for m = 0, surge and pitch for m = 1. With
+K = omega^2/g, phasors exp(-i omega t), n out of the body and Green's function G = 1/r + 1/r' + waves integrated over
+the azimuth (`ringsource.py`, `wavepart.py`, in finite depth `finitedepth.py`), on the meridian
+
+    2 pi phi(x) - int phi dG/dn' dS' = -int G w dS'      (radiation by the normal velocity w)
+                                     = 4 pi phi_I(x)     (total potential of incident wave and fixed body)
+
+and the same without 2 pi phi at points inside the body, which pins down what the surface alone leaves open at the
+eigenfrequencies of the water inside ("irregular frequencies").
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import xarray as xr
+
+from vsb.errors import ConfigError
+from vsb.hydro.azimuthal import bessel, multiplicity, order_velocities
+from vsb.hydro.spectral.deepwater import WavePart
+from vsb.hydro.spectral.finitedepth import FiniteDepthWavePart, wave_profile
+from vsb.hydro.spectral.meridian import WetMeridian
+from vsb.shell.deformed import DeformedShell
+from vsb.shell.modes import normal_velocities
+from vsb.tools.units import ComplexArray, FloatArray
+from vsb.waves.seas import group_velocity, wavenumber
+
+_COARSER = 0.75
+"""Resolution of the run that estimates the error."""
+
+
+@dataclass(frozen=True)
+class SpectralProblem:
+    """Radiation and diffraction of prescribed displacements of the immersed shell, all of one azimuthal order m.
+
+    For m = 0 displacements, conventions and results are those of `vsb.bem.AxisymmetricProblem`. For m >= 1 they go
+    with cos(m theta), are those of `vsb.azimuthal.order_velocities`, Surge and Pitch among them for m = 1, and are
+    excited by the component of that order of the wave to +x.
+    """
+
+    shell: DeformedShell
+    displacements: tuple[str, ...]
+    density: float
+    gravity: float
+    nodes: int = 32
+    order: int = 0
+    depth: float = np.inf
+
+    def __post_init__(self) -> None:
+        if self.order < 0:
+            raise ConfigError(f"order: received {self.order}; needs 0 (axisymmetric), 1 (surge, pitch) or more")
+        if not self.depth > 0:
+            raise ConfigError(f"depth: received {self.depth} m; needs a positive depth, infinite for deep water")
+
+    @cached_property
+    def meridian(self) -> WetMeridian:
+        """The wet side of the shell."""
+        return WetMeridian(self.shell, self.nodes, self.order)
+
+    @cached_property
+    def velocities(self) -> FloatArray:
+        """Normal velocities of the displacements at the nodes, shape (displacement, node) [m/s per m/s]."""
+        p = self.meridian.points
+        if self.order:
+            return order_velocities(
+                self.displacements, self.order, p.colatitude, np.array([p.x, p.z]), np.array([p.n_x, p.n_z])
+            )
+        return normal_velocities(self.displacements, p.colatitude, (p.n_x, p.n_z))
+
+    @cached_property
+    def onto(self) -> FloatArray:
+        """Generalized force of a unit potential at the nodes, -rho w_i dS, shape (displacement, node)."""
+        return -2 * np.pi / multiplicity(self.order) * self.density * self.velocities * self.meridian.areas
+
+    def _limit(self, image: float) -> FloatArray:
+        """Added mass with G = 1/r + image/r' and what the bottom adds, shape (displacement, displacement) [kg]."""
+        m = self.meridian
+        influence = m.rankine[0] + image * m.rankine[1]
+        if np.isfinite(self.depth):
+            bottom = FiniteDepthWavePart(m, self.depth, 1 / self.depth)
+            influence += (bottom.at_infinity() if image < 0 else bottom.at_zero()) * m.areas
+        single, double = influence
+        return np.real(self.onto @ m.solve(double + 0j, -single @ self.velocities.T + 0j))
+
+    def at_infinity(self) -> FloatArray:
+        """Added mass at infinite frequency, where the potential vanishes at z = 0 [kg]."""
+        return self._limit(-1.0)
+
+    def at_zero(self) -> FloatArray:
+        """Added mass at frequency zero, where the water's surface is a wall [kg]; axisymmetric only in deep water."""
+        return self._limit(1.0)
+
+    def wavenumbers(self, omegas: list[float]) -> FloatArray:
+        """Return the wavenumbers of waves of these frequencies, shape (omega,) [1/m]."""
+        return np.array([wavenumber(omega, self.depth, self.gravity) for omega in omegas])
+
+    def incident(self, k: FloatArray) -> ComplexArray:
+        """Return the wave's component of this order at the equations' points in terms of -i g/omega, (k, target).
+
+        Of amplitude one, along x: in deep water e^{kz} e^{ikx} = e^{kz} sum_m (2 - delta_m0) i^m J_m(kR) cos(m theta).
+        """
+        x, z = self.meridian.targets
+        value, _ = bessel(self.order, np.outer(k, x))
+        return np.asarray(multiplicity(self.order) * 1j**self.order * wave_profile(k, self.depth, z) * value)
+
+    def _waves(self, omegas: list[float]) -> Iterator[ComplexArray]:
+        """Influence of Green's function less 1/r + 1/r' at each frequency, per unit area, each (2, target, node)."""
+        deep = np.square(omegas) / self.gravity
+        surface = WavePart(self.meridian, float(deep.max())).influences(deep)
+        if np.isinf(self.depth):
+            return surface
+        return map(np.add, surface, FiniteDepthWavePart(self.meridian, self.depth, float(deep.min())).influences(deep))
+
+    def solve(self, omegas: list[float]) -> xr.Dataset:
+        """Solve at positive, finite frequencies (else: `ConfigError`); dataset as of `vsb.bem.AxisymmetricProblem`."""
+        if not omegas or not all(0 < omega < np.inf for omega in omegas):
+            raise ConfigError(f"omega: received {omegas} rad/s; needs positive, finite frequencies")
+        incident = self.incident(self.wavenumbers(omegas))
+        columns = [self._at(*each) for each in zip(omegas, incident, self._waves(omegas), strict=True)]
+        names = "added_mass", "radiation_damping", "Froude_Krylov_force", "diffraction_force"
+        pair, wave = ("omega", "influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
+        arrays = zip((pair, pair, wave, wave), map(np.array, zip(*columns, strict=True)), strict=True)
+        dofs = {name: list(self.displacements) for name in pair[1:]}
+        return xr.Dataset(dict(zip(names, arrays, strict=True)), {"omega": omegas, "wave_direction": [0.0], **dofs})
+
+    def _at(self, omega: float, incident: ComplexArray, waves: ComplexArray) -> tuple[FloatArray | ComplexArray, ...]:
+        """Added mass, damping, Froude-Krylov and diffraction force at one frequency.
+
+        Pressure i omega rho phi, so A + iB/omega = -rho int phi_j w_i dS; incident potential -i g/omega `incident`.
+        """
+        m = self.meridian
+        single, double = m.rankine.sum(axis=0) + waves * m.areas
+        right = np.column_stack([-single @ self.velocities.T, 4 * np.pi * incident])
+        potential = self.onto @ m.solve(double, right)
+        froude_krylov = self.gravity * (self.onto @ incident[: m.nodes])
+        radiated, total = potential[:, :-1], self.gravity * potential[:, -1]
+        return radiated.real, omega * radiated.imag, froude_krylov[None], (total - froude_krylov)[None]
+
+    def haskind(self, omegas: list[float], force: ComplexArray) -> ComplexArray:
+        """Return the damping that excitation implies, real but for errors, (omega, displacement, displacement) [kg/s].
+
+        Parameters
+        ----------
+        omegas : list of float [rad/s]
+        force : ndarray, shape (omega, displacement) [N/m]
+            Of the wave to +x.
+
+        Notes
+        -----
+        B = k/(8 pi rho g v_g) int X X^H d beta over the directions, of which X sees cos(m beta).
+        """
+        velocity = np.array([group_velocity(omega, self.depth, self.gravity) for omega in omegas])
+        flux = 4 * multiplicity(self.order) * self.density * self.gravity * velocity
+        scale = self.wavenumbers(omegas) / flux
+        return np.asarray(scale[:, None, None] * force[:, :, None] * force[:, None, :].conj())
+
+    def error_estimate(self, omegas: list[float]) -> xr.Dataset:
+        """Return estimates of the errors of a run, relative to the largest entry at each frequency.
+
+        Twice the largest difference from a run with three quarters of the points, whose own error is the larger one;
+        for damping and excitation also that from `haskind`: what both have wrong.
+        """
+        runs = [p.solve(omegas) for p in (replace(self, nodes=int(_COARSER * self.nodes)), self)]
+        forces = [(ds.Froude_Krylov_force + ds.diffraction_force).values[:, 0] for ds in runs]
+        missed = _relative(self.haskind(omegas, forces[1]), runs[1].radiation_damping.values)
+        errors = {
+            "added_mass": _relative(*(ds.added_mass.values for ds in runs)),
+            "radiation_damping": _relative(*(ds.radiation_damping.values for ds in runs)) + missed,
+            "excitation_force": _relative(*forces) + missed,
+        }
+        return xr.Dataset({name: ("omega", 2 * e) for name, e in errors.items()}, coords={"omega": omegas})
+
+
+def _relative(other: ComplexArray | FloatArray, value: ComplexArray | FloatArray) -> FloatArray:
+    """Largest difference at each frequency in terms of the largest value there, shape (omega,); none of nothing."""
+    difference, size = (np.abs(a).reshape(len(value), -1).max(axis=1) for a in (other - value, value))
+    return np.asarray(difference / np.maximum(size, np.finfo(float).tiny))

@@ -1,0 +1,201 @@
+"""Energy audit of a run: losses and work of waves, integrated along the flow between recorded instants.
+
+Between two instants the scene is z' = A z + B g(t), with every spring, damper and memory state in A and the other
+forces in g, a polynomial through the nearest records. Powers are quadratic in (z, g), and their integrals over a step
+
+    int w^T Q w dt = w_0^T S w_0,   S = int exp(A^T s) Q exp(A s) ds,
+
+are known however fast a transient dies out or a mode rings. Each step starts from its own record: what the records
+gain in energy is compared with work they were not made from.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from math import factorial
+from typing import NamedTuple
+
+import numpy as np
+
+from vsb.integrators.exact import series
+from vsb.motion.motion import Motion
+from vsb.motion.scene import Damper, Plant, RadiationMemory, Spring
+from vsb.tools.units import FloatArray
+
+RECORDS = 6  # that make a polynomial, two before the step
+GAUSS = 6
+BLOCK = 512  # steps at a time: they stay in the cache
+
+
+def step_integrals(generator: FloatArray, forms: FloatArray) -> FloatArray:
+    """Return S = int_0^1 exp(X^T s) Q exp(X s) ds for each quadratic form Q.
+
+    Parameters
+    ----------
+    generator : ndarray, shape (state, state)
+        X of w' = X w, in units of the step.
+    forms : ndarray, shape (form, state, state)
+
+    Returns
+    -------
+    ndarray, shape (form, state, state)
+
+    Notes
+    -----
+    Gauss' rule on a step so short that |X h| <= 1/2, then S(2h) = S(h) + E^T S(h) E with E = exp(X h). Nothing grows
+    that does not grow in the scene, unlike Van Loan's block exponential, and E - I is what is doubled,
+    2 (E - I) + (E - I)^2: slow motion beside a stiff mode keeps its digits.
+    """
+    terms, doublings = series(generator)
+    nodes, weights = np.polynomial.legendre.leggauss(GAUSS)
+    flows = np.tensordot(np.vander((nodes + 1) / 2, len(terms), increasing=True), np.array(terms), 1)
+    out = np.asarray(0.5**doublings / 2 * sum(w * (e.T @ forms @ e) for w, e in zip(weights, flows, strict=True)))
+    change = np.sum(terms[:0:-1], axis=0)
+    for _ in range(doublings):
+        end = np.eye(len(generator)) + change
+        out = out + end.T @ out @ end
+        change = 2 * change + change @ change
+    return out
+
+
+class Factor(NamedTuple):
+    """A quadratic form, sum_i s_i (R w)_i^2."""
+
+    signs: FloatArray  # s (rank,)
+    rows: FloatArray  # R (rank, state)
+
+
+@dataclass(frozen=True)
+class Flow:
+    """Motion inside the steps of a run: records, what drives them, and the integrals of powers over a step."""
+
+    dt: float  # [s]
+    matrix: FloatArray  # A (state, state) [1/s]
+    states: FloatArray  # z at the records (time, state)
+    driven: FloatArray  # g at the records and two beyond either end, times dt (time + 4, free)
+    shapes: FloatArray  # q' = shapes p' (dof, free)
+
+    @property
+    def free(self) -> int:
+        """Number of free coordinates."""
+        return int(self.shapes.shape[1])
+
+    def generator(self) -> FloatArray:
+        """Return X of w' = X w over a step, w = (z, derivatives of g), shape (state + free records, ...)."""
+        n, order = self.free, self.states.shape[1]
+        out = np.zeros((order + n * RECORDS, order + n * RECORDS))
+        out[:order, :order] = self.dt * self.matrix
+        out[order:, order:] = np.kron(np.eye(n), np.eye(RECORDS, k=1))
+        out[n : 2 * n, order::RECORDS] = np.eye(n)
+        return out
+
+    def integrals(self, dampers: list[FloatArray], channel: FloatArray | None) -> tuple[list[Factor], FloatArray]:
+        """Return factors of the losses over a step, and the moments of the velocity against the records of a force.
+
+        Parameters
+        ----------
+        dampers : list of ndarray, each shape (dof, dof) [kg/s]
+        channel : ndarray, shape (memory,), or None
+
+        Returns
+        -------
+        factors : list of Factor
+            Of the energy lost; the last one is of that radiated.
+        moments : ndarray, shape (free records, state + free records)
+        """
+        n, order = self.free, self.states.shape[1]
+        x = self.generator()
+        forms = np.zeros((len(dampers) + 2, *x.shape))
+        for form, damper in zip(forms, dampers, strict=False):
+            form[n : 2 * n, n : 2 * n] = self.dt * self.shapes.T @ damper @ self.shapes
+        if channel is not None:
+            forms[-2, 2 * n : order, 2 * n : order] = 0.5 * self.dt * np.outer(channel, channel)
+        forms[-1, order::RECORDS, n : 2 * n] = np.eye(n)
+        to_derivatives = np.eye(len(x))
+        to_derivatives[order:, order:] = np.kron(np.eye(n), DERIVATIVES)
+        found = to_derivatives.T @ step_integrals(x, forms) @ to_derivatives
+        return [_factor(form) for form in found[:-1]], found[-1, order:]
+
+    def steps(self, force: FloatArray, start: int) -> FloatArray:
+        """Return the records about each step of a block, shape (step, free records)."""
+        windows = np.lib.stride_tricks.sliding_window_view(force, RECORDS, axis=0)
+        stop = min(start + BLOCK, len(self.states) - 1)
+        return windows[start:stop].reshape(stop - start, -1)
+
+    def works(self, dampers: list[FloatArray], channel: FloatArray | None, acting: list[FloatArray]) -> FloatArray:
+        """Return losses, radiated energy and the work of acting forces since the start [J].
+
+        Parameters
+        ----------
+        dampers : list of ndarray, each shape (dof, dof) [kg/s]
+        channel : ndarray, shape (memory,), or None
+            Of the radiation memory, if the run has its states.
+        acting : list of ndarray, each shape (time, dof) [N]
+
+        Returns
+        -------
+        ndarray, shape (damper + 1 + acting, time)
+        """
+        factors, moments = self.integrals(dampers, channel)
+        pushes = [_extended(self.dt * force @ self.shapes) for force in acting]
+        rows = np.vstack([*(factor.rows for factor in factors), moments])
+        ends = np.cumsum([len(factor.signs) for factor in factors])
+        out = np.zeros((len(factors) + len(pushes), len(self.states)))
+        for start in range(0, len(self.states) - 1, BLOCK):
+            records = self.steps(self.driven, start)
+            here = slice(start + 1, start + 1 + len(records))
+            *lost, velocity = np.split(rows @ np.vstack([self.states[start : here.stop - 1].T, records.T]), ends)
+            for i, (part, factor) in enumerate(zip(lost, factors, strict=True)):
+                out[i, here] = factor.signs @ part**2
+            for i, push in enumerate(pushes, len(factors)):
+                out[i, here] = np.einsum("it,ti->t", velocity, self.steps(push, start))
+        return np.asarray(np.cumsum(out, axis=1))
+
+
+def _factor(form: FloatArray) -> Factor:
+    """Factor of a symmetric form, without what is round-off."""
+    values, vectors = np.linalg.eigh(0.5 * (form + form.T))
+    kept = np.abs(values) > 1e-14 * np.abs(values).max()
+    return Factor(np.sign(values[kept]), (vectors[:, kept] * np.sqrt(np.abs(values[kept]))).T)
+
+
+_NODES = np.arange(RECORDS) - 2.0
+DERIVATIVES = np.array([[factorial(k)] for k in range(RECORDS)]) * np.linalg.inv(np.vander(_NODES, increasing=True))
+"""Derivatives 0..5 at the start of a step of the polynomial through its records, in units of the step."""
+
+
+def _extended(force: FloatArray) -> FloatArray:
+    """Two more records at either end, on the polynomial through the outermost ones."""
+    count = min(RECORDS, len(force))
+    nodes = np.vander(np.arange(count), increasing=True)
+    beyond = np.vander([-2.0, -1.0], count, increasing=True) @ np.linalg.inv(nodes)
+    return np.concatenate([beyond @ force[:count], force, (beyond @ force[: -count - 1 : -1])[::-1]])
+
+
+def flow(plant: Plant, motion: Motion, named: Mapping[str, FloatArray]) -> Flow:
+    """Return the motion of a run between its records.
+
+    Parameters
+    ----------
+    plant : Plant
+    motion : Motion
+    named : mapping of ndarray, each shape (time, dof) [N]
+        Forces at the records. Those without a spring, a damper or recorded memory states of their name drive the flow.
+    """
+    remembered, q = motion.memory.size > 0, motion.position @ plant.motions.T
+    held = {
+        name: force
+        for name, force in plant.forces.items()
+        if isinstance(force, Spring | Damper) or (remembered and isinstance(force, RadiationMemory))
+    }
+    driving = sum((force for name, force in named.items() if name not in held), np.zeros_like(q))
+    if plant.water:
+        held["tangent"] = Spring(plant.water.tangent)
+        driving = driving + q @ plant.water.tangent.T
+    system = replace(plant, forces=held).linear_system()
+    shapes, dt = plant.motions @ system.velocity, float(motion.time[1] - motion.time[0])
+    states = np.hstack([
+        np.linalg.solve(system.position, motion.position.T).T,
+        np.linalg.solve(system.velocity, motion.velocity.T).T,
+        motion.memory,
+    ])  # fmt: skip
+    return Flow(dt, system.matrix, states, _extended(dt * driving @ shapes), shapes)

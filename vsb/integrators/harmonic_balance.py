@@ -1,0 +1,306 @@
+"""Steady state in a regular wave without its transient: harmonic balance, stability and energy of the periodic orbit.
+
+With the natural modes u of the scene, y = S u, the motion of the wave's period is u(t) = Re sum U_h exp(-i h omega t)
+(C1) and solves, h = 0..H,
+
+    Z(h omega) U_h = G_h,    Z(w) = diag(s) - w^2 - i w (D + conj K(i w)),
+
+K exact at every frequency: of the memory's state space, or straight from the damping. G are the harmonics of what the
+water does beyond its tangent, from samples of the orbit. Newton's method with the tangent along the orbit; the highest
+harmonics, where Z rules, by substitution. A residual at instants between the samples says what is missed.
+"""
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import lu_factor, lu_solve
+
+from vsb.errors import ConvergenceError, StabilityError
+from vsb.integrators.exact import steady_state
+from vsb.integrators.floquet import harmonics_of, hill_matrix, largest, multipliers, phases, synthesized
+from vsb.integrators.regular_wave import PeriodicScene, Transfer, raised, regular_frequency
+from vsb.motion.scene import Damper, Plant, resting
+from vsb.tools.units import ComplexArray, FloatArray
+
+COUPLED, HIGHEST = 16, 1024
+"""Harmonics Newton's method couples and starts with, the most there may be."""
+MOST_SAMPLES = 16384
+"""Of a period, to balance the harmonics."""
+STEPS = 30
+"""Newton steps of one attempt."""
+SLOW = 0.3
+"""A step that is not shorter than this part of the one before asks for a new tangent, as dear as a dozen steps."""
+LEAST_GROWTH = 1e-4
+"""Of the wave, when it is raised step by step, as a part of its full height."""
+UNSTABLE = 1e-6
+"""A disturbance that grows by more than this part in a period is no round-off."""
+
+
+class Power(NamedTuple):
+    """Mean powers over a period [W]: wave = the sum of the others."""
+
+    wave: float
+    pto: float
+    radiated: float
+    structural: float
+
+    @property
+    def residual(self) -> float:
+        """Unbalanced power over the largest term [-]."""
+        size = max(abs(term) for term in self)
+        return abs(self.wave - self.pto - self.radiated - self.structural) / size if size else 0.0
+
+
+@dataclass(frozen=True)
+class SteadyState:
+    """Periodic motion y(t) = Re sum Y_h exp(-i h omega t) of a scene; at rest without waves: omega = 0."""
+
+    omega: float  # [rad/s]
+    harmonics: ComplexArray  # Y (H + 1, free) [m]; the first is the mean
+    error: float  # estimated, over the largest amplitude of any coordinate [-]
+    iterations: int
+    multipliers: ComplexArray  # of a disturbance in a period, by the scene's own memory, largest first (state,)
+    power: Power
+
+    @property
+    def decay(self) -> float:
+        """How much of the slowest transient is left after a period, the largest modulus of the multipliers [-].
+
+        One means that nothing draws the motion to this steady state: it depends on its start for ever.
+        """
+        return float(np.abs(self.multipliers).max(initial=0.0))
+
+    def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return position y [m] and velocity y' [m/s] at any times, each shape (time, free)."""
+        order = self.omega * np.arange(len(self.harmonics))
+        turn = np.exp(-1j * np.outer(time, order))
+        return np.real(turn @ self.harmonics), np.real(turn @ (-1j * order[:, None] * self.harmonics))
+
+
+class Newton:
+    """Newton's method about an orbit: the tangent couples the low harmonics, its mean acts on the others."""
+
+    def __init__(self, scene: PeriodicScene, impedance: ComplexArray, harmonics: ComplexArray, samples: int) -> None:
+        phase = phases(samples)
+        tangent = harmonics_of(scene.tangents(phase, synthesized(harmonics, phase)))
+        self.mean, free = np.real(tangent[0]), len(scene.scale)
+        matrix = -hill_matrix(tangent, COUPLED + 1)
+        for h, z in enumerate(impedance[: COUPLED + 1]):
+            matrix[0, h, :, 0, h] += z.real
+            matrix[1, h, :, 1, h] += z.real if h else np.eye(free)  # there is no Im U_0
+            matrix[0, h, :, 1, h] -= z.imag
+            matrix[1, h, :, 0, h] += z.imag
+        self.factors = lu_factor(matrix.reshape(2 * (COUPLED + 1) * free, -1))
+
+    def step(self, impedance: ComplexArray, missing: ComplexArray) -> ComplexArray:
+        """Return the change of the harmonics that takes a residual away, shape (count, free), count > `COUPLED`."""
+        low, high = missing[: COUPLED + 1], missing[COUPLED + 1 :]
+        solved = lu_solve(self.factors, np.concatenate([low.real, low.imag]).ravel()).reshape(2, *low.shape)
+        rest = np.linalg.solve(impedance[COUPLED + 1 : len(missing)] - self.mean, high[:, :, None])[..., 0]
+        return np.concatenate([solved[0] + 1j * solved[1], rest])
+
+
+class Orbit(NamedTuple):
+    """A periodic motion as far as it is known."""
+
+    harmonics: ComplexArray  # U (H + 1, free)
+    impedance: ComplexArray  # of half as many harmonics as there are samples (sample/2, free, free)
+    newton: Newton
+    iterations: int
+
+    @property
+    def samples(self) -> int:
+        """Samples of a period."""
+        return 2 * len(self.impedance)
+
+    @property
+    def inertial(self) -> ComplexArray:
+        """Z U up to the highest harmonic the samples resolve, shape (sample/2, free)."""
+        out = np.zeros(self.impedance.shape[:2], dtype=complex)
+        out[: len(self.harmonics)] = np.einsum("hij,hj->hi", self.impedance[: len(self.harmonics)], self.harmonics)
+        return out
+
+
+def balanced(scene: PeriodicScene, orbit: Orbit, tolerance: float) -> Orbit | None:
+    """Return the orbit whose harmonics are in balance at its samples, or none if Newton's method does not converge."""
+    phase, count, previous = phases(orbit.samples), len(orbit.harmonics), np.inf
+    for _ in range(STEPS):
+        step = orbit.newton.step(orbit.impedance, (scene.forced(orbit.harmonics, phase) - orbit.inertial)[:count])
+        u, change = orbit.harmonics + step, largest(step @ scene.system.velocity.T)
+        orbit = orbit._replace(harmonics=u, iterations=orbit.iterations + 1)
+        if change <= max(0.01 * tolerance * scene.amplitude(u), 1e-7 * scene.size):
+            return orbit
+        if not largest(u @ scene.system.velocity.T) < scene.reach:
+            return None
+        if change > SLOW * previous:
+            orbit = orbit._replace(newton=Newton(scene, orbit.impedance, u, 2 * COUPLED + 2))
+        previous = change
+    return None
+
+
+def missed(scene: PeriodicScene, orbit: Orbit) -> tuple[float, float]:
+    """Return the estimated errors of too few samples and of too few harmonics, over the largest amplitude.
+
+    Notes
+    -----
+    The residual with twice the samples, up to the highest harmonic they resolve, through one Newton step.
+    """
+    u = orbit.harmonics
+    between = [scene.forced(u, phases(orbit.samples, offset)) for offset in (0.0, 0.5)]
+    missing = (between[0] + between[1]) / 2 - orbit.inertial
+    step = orbit.newton.step(orbit.impedance, missing) @ scene.system.velocity.T
+    amplitude = scene.amplitude(u)
+    return largest(step[: len(u)]) / amplitude, largest(step[len(u) :]) / amplitude
+
+
+def refined(scene: PeriodicScene, orbit: Orbit, tolerance: float) -> tuple[Orbit, float]:
+    """Return the orbit with enough harmonics and samples, and its estimated error.
+
+    Raises
+    ------
+    ConvergenceError
+        If `HIGHEST` harmonics or `MOST_SAMPLES` are not enough.
+    """
+    while True:
+        aliased, cut = missed(scene, orbit)
+        if aliased + cut <= tolerance:
+            return orbit, aliased + cut
+        count, samples = len(orbit.harmonics), orbit.samples
+        if cut > aliased:
+            count = 2 * count - 1
+            samples = max(samples, 4 * count)
+        else:
+            samples *= 2
+        if count > HIGHEST + 1 or samples > MOST_SAMPLES:
+            break
+        wider = np.concatenate([orbit.harmonics, np.zeros((count - len(orbit.harmonics), len(scene.scale)))])
+        found = balanced(scene, orbit._replace(harmonics=wider, impedance=scene.impedance(samples // 2)), tolerance)
+        if found is None:
+            break
+        orbit = found
+    raise ConvergenceError(
+        f"the steady state is known to {aliased + cut:.1e} with {len(orbit.harmonics) - 1} harmonics, needs "
+        f"{tolerance:g}; use a gentler wave or a larger tolerance, or follow the motion in time."
+    )
+
+
+def continued(scene: PeriodicScene, rest: FloatArray, tolerance: float) -> Orbit:
+    """Return the orbit Newton's method reaches from rest, the wave raised step by step where it must be.
+
+    Raises
+    ------
+    ConvergenceError
+        If the wave cannot be raised to its full height.
+    """
+    first = np.zeros((COUPLED + 1, len(rest)), dtype=complex)
+    first[0] = np.linalg.solve(scene.system.velocity, rest)
+    impedance, calm = scene.impedance(2 * COUPLED), replace(scene, plant=raised(scene.plant, 0.0))
+    orbit, share, growth = Orbit(first, impedance, Newton(calm, impedance, first, 2), 0), 0.0, 1.0
+    while share < 1.0:
+        there = min(share + growth, 1.0)
+        lower = scene if there == 1.0 else replace(scene, plant=raised(scene.plant, there))
+        found = balanced(lower, orbit, tolerance)
+        if found:
+            orbit, share, growth = found, there, 2 * growth
+        else:
+            growth /= 2
+        if growth < LEAST_GROWTH:
+            raise ConvergenceError(
+                f"no steady state is found beyond {100 * share:.3g} % of the wave's amplitude; "
+                "use a smaller wave, or follow the motion in time."
+            )
+    return orbit
+
+
+def check_stable(found: ComplexArray, period: float) -> None:
+    """Check that no disturbance of an orbit grows.
+
+    Raises
+    ------
+    StabilityError
+    """
+    growth = float(np.abs(found).max())
+    if growth > 1 + UNSTABLE:
+        raise StabilityError(
+            f"the steady state is unstable: received a disturbance multiplied by {growth:.6g} in every period of "
+            f"{period:.4g} s, needs at most 1; the wave leads elsewhere: follow the motion in time, or add damping."
+        )
+
+
+def mean_power(scene: PeriodicScene, orbit: Orbit) -> Power:
+    """Return the mean powers of an orbit: the water's from its samples, the others harmonic by harmonic."""
+    u, plant = orbit.harmonics, scene.plant
+    omega = scene.omega * np.arange(len(u))
+    rate = -1j * omega[:, None] * u
+    q = rate @ scene.shapes.T
+    wave = 0.5 * float(np.real(rate[1].conj() @ scene.push))
+    if plant.water:
+        phase = phases(orbit.samples, 0.5)  # between those in balance: what they miss is seen
+        force = scene.pressure(plant.water, phase, synthesized(u, phase))  # its static part does no work in a period
+        wave += float(np.mean(np.sum(force * synthesized(q, phase), axis=1)))
+    lost = {
+        name: 0.5 * float(np.real(np.einsum("hi,ij,hj", q.conj(), force.damping, q)))
+        for name, force in plant.forces.items()
+        if isinstance(force, Damper)
+    }
+    radiated = np.einsum("hi,hij,hj", rate[1:].conj(), scene.radiation(omega[1:]), rate[1:])
+    return Power(wave, lost.pop("pto", 0.0), 0.5 * float(np.real(radiated)), sum(lost.values()))
+
+
+def harmonic_balance(plant: Plant, tolerance: float = 1e-8, transfer: Transfer | None = None) -> SteadyState:
+    """Return the steady state of a scene in a regular wave, linear or body-exact; in still water, at rest.
+
+    Parameters
+    ----------
+    plant : Plant
+    tolerance : float
+        Of the motion's estimated error, relative to the largest amplitude of any coordinate or a millionth of the
+        radius.
+    transfer : callable, optional
+        Radiation at a frequency, e.g. `DampingSpectrum.transfer` for that of the database itself. By default that of
+        the scene's memory, so that the steady state is what a long motion in time tends to.
+
+    Raises
+    ------
+    ConfigError
+        In an irregular sea.
+    ConvergenceError
+        If no steady state is found.
+    StabilityError
+        If it is unstable, or a linear scene meets an undamped resonance.
+
+    Notes
+    -----
+    There may be several steady states: this is the one Newton's method reaches from rest, the wave at its full height
+    if it can, else raised step by step. The error is estimated from the residual with twice the samples. It falls
+    exponentially with the number of harmonics under an assumed pressure, as long as the waterline does not meet a
+    pole; in waves as its sixth power, for the forces of crest and trough join with two derivatives only.
+    """
+    omega = regular_frequency(plant)
+    rest = plant.origin if plant.origin.size else resting(plant) if plant.water else np.zeros(plant.motions.shape[1])
+    if not omega:
+        return SteadyState(
+            0.0, rest[None].astype(complex), 0.0, 0, np.zeros(0, dtype=complex), Power(0.0, 0.0, 0.0, 0.0)
+        )
+    if plant.water is None:
+        steady_state(plant.linear_system())  # refuses an undamped resonance
+    scene = PeriodicScene(plant, omega, transfer or (plant.memory.transfer if plant.memory else None))
+    orbit, error = refined(scene, continued(scene, rest, tolerance), tolerance)
+    disturbed = multipliers(
+        scene.system.matrix, lambda phase: scene.coupling(orbit.harmonics, phase), 2 * np.pi / omega
+    )
+    check_stable(disturbed, 2 * np.pi / omega)
+    return SteadyState(
+        omega,
+        orbit.harmonics @ scene.system.velocity.T,
+        error,
+        orbit.iterations,
+        disturbed,
+        mean_power(scene, orbit),
+    )
+
+
+def steady_power(plant: Plant, tolerance: float = 1e-8, transfer: Transfer | None = None) -> float:
+    """Return the mean power absorbed in the steady state [W]; parameters and errors of `harmonic_balance`."""
+    return harmonic_balance(plant, tolerance, transfer).power.pto

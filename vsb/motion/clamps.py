@@ -1,0 +1,176 @@
+"""Clamps by the paper's second route: Udwadia and Kalaba's constrained acceleration, Eq. 90, on all coordinates.
+
+The default route, `ModeBasis.clamped`, moves in the null space of the constraint: no multipliers, no drift. This one
+keeps every coordinate and corrects the acceleration. Both are the same motion to round-off; the clamps' forces and the
+drift of this route are what it adds.
+"""
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import eigh, svd
+
+from vsb.motion.motion import Motion
+from vsb.motion.scene import Damper, LinearSystem, Plant, Spring
+from vsb.shell.modes import check_rank
+from vsb.tools.units import FloatArray
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """Phi q = 0 on coordinates of mass M, enforced through the acceleration; made by `udwadia_kalaba`."""
+
+    mass: FloatArray  # M (dof, dof) [kg]
+    rows: FloatArray  # Phi (constraint, dof) [-]
+    correction: FloatArray  # J = M^-1/2 (Phi M^-1/2)^+ (dof, constraint) [-]
+
+    @cached_property
+    def projector(self) -> FloatArray:
+        """P = 1 - J Phi: accelerations the constraint allows, shape (dof, dof) [-]; P P = P, Phi P = 0."""
+        return np.eye(len(self.mass)) - self.correction @ self.rows
+
+    def acceleration(self, force: FloatArray, wanted: FloatArray | float = 0.0) -> FloatArray:
+        """Return q'' = a + J (b - Phi a), a = M^-1 Q, shape (..., dof) [m/s^2].
+
+        Parameters
+        ----------
+        force : ndarray, shape (..., dof) [N]
+            Q, all forces but the constraint's.
+        wanted : ndarray, shape (..., constraint) [m/s^2]
+            b = Phi q'', zero for clamps on a shell whose shapes do not change; see `baumgarte`.
+        """
+        free = np.linalg.solve(self.mass, force[..., None])[..., 0]
+        return np.asarray(free + (wanted - free @ self.rows.T) @ self.correction.T)
+
+    def force(self, force: FloatArray, wanted: FloatArray | float = 0.0) -> FloatArray:
+        """Return Eq. 90, Q_c = M^1/2 (Phi M^-1/2)^+ (b - Phi M^-1 Q) = M J (b - Phi a), shape (..., dof) [N]."""
+        free = np.linalg.solve(self.mass, force[..., None])[..., 0]
+        return np.asarray((wanted - free @ self.rows.T) @ (self.mass @ self.correction).T)
+
+    def baumgarte(self, position: FloatArray, velocity: FloatArray, rate: float) -> FloatArray:
+        """Return b = -2 gamma Phi q' - gamma^2 Phi q, shape (..., constraint) [m/s^2].
+
+        Not in the paper: an error of the constraint then decays as exp(-gamma t) instead of growing with time.
+        `rate` is gamma [1/s].
+        """
+        return np.asarray(-(2 * rate * velocity + rate**2 * position) @ self.rows.T)
+
+
+def udwadia_kalaba(mass: FloatArray, rows: FloatArray) -> Constraint:
+    """Return the constraint Phi q = 0 in Udwadia and Kalaba's form.
+
+    Parameters
+    ----------
+    mass : ndarray, shape (dof, dof) [kg]
+        M, with the added mass at infinite frequency; positive definite.
+    rows : ndarray, shape (constraint, dof) [-]
+        Phi, from `ModeBasis.clamp_rows`; repeated and zero rows are harmless.
+
+    Raises
+    ------
+    ConfigError
+        If the rank of the rows cannot be decided.
+
+    Notes
+    -----
+    Eq. 90 prints Q_c = M^1/2 (A M^-1/2)^+ (b - A M^-1 (Q - a)); divided by M it is the J below. The pseudo-inverse is
+    cut at the rank of Phi, not of Phi M^-1/2: the two are equal, and that of Phi does not depend on the mass.
+    """
+    rank = check_rank(rows)
+    values, vectors = eigh(mass)
+    root = (vectors / np.sqrt(values)) @ vectors.T  # M^-1/2
+    left, singular, right = svd(rows @ root, full_matrices=False)
+    inverse = (right[:rank].T / singular[:rank]) @ left[:, :rank].T
+    return Constraint(mass, rows, root @ inverse)
+
+
+@dataclass(frozen=True)
+class ConstrainedPlant(Plant):
+    """A plant with all its coordinates whose clamps are enforced by Eq. 90; propagated like any other plant."""
+
+    rows: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))  # Phi (constraint, dof) [-]
+    rate: float = 0.0  # gamma of Baumgarte's stabilisation [1/s]; 0: the paper's b = 0
+
+    def linear_system(self) -> LinearSystem:
+        """Return the scene as one linear system in the natural modes p of the scene without clamps.
+
+        Notes
+        -----
+        There M = 1, so Eq. 90 is p'' = P a - (1 - P)(2 gamma p' + gamma^2 p) with a = M^-1 Q from the free system and
+        P = 1 - (Phi V)^+ (Phi V) of the shapes V: no mass matrix is inverted and no stiffness loses digits.
+        """
+        free = super().linear_system()
+        n = len(free.position)
+        constraint = udwadia_kalaba(np.eye(n), self.rows @ self.motions @ free.velocity)
+        matrix, push = free.matrix.copy(), free.input.copy()
+        rates, held = slice(n, 2 * n), np.eye(n) - constraint.projector
+        matrix[rates] = constraint.projector @ matrix[rates]
+        push[:, rates] = push[:, rates] @ constraint.projector.T
+        matrix[rates, rates] -= 2 * self.rate * held
+        matrix[rates, :n] -= self.rate**2 * held / np.diag(matrix[:n, rates])
+        return free._replace(matrix=matrix, input=push)
+
+
+def constrained_plant(plant: Plant, rows: FloatArray, rate: float = 0.0) -> ConstrainedPlant:
+    """Return a plant with all coordinates free but for the rows, Phi q = 0, enforced by Eq. 90.
+
+    Parameters
+    ----------
+    plant : Plant
+        Its own motions are replaced by all of them.
+    rows : ndarray, shape (constraint, dof) [-]
+        Phi, from `ModeBasis.clamp_rows`.
+    rate : float
+        Rate gamma of Baumgarte's stabilisation [1/s]; 0 is the paper.
+    """
+    check_rank(rows)
+    return ConstrainedPlant(plant.labels, plant.mass, plant.forces, np.eye(len(plant.labels)), rows=rows, rate=rate)
+
+
+def constraint_drift(positions: FloatArray, rows: FloatArray) -> float:
+    """Return the largest displacement of a clamped point, max |Phi q| over time and rows [m]; exact motion has none.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (time, dof) [m]
+        Heave and all modal amplitudes.
+    rows : ndarray, shape (constraint, dof) [-]
+    """
+    return float(np.abs(positions @ rows.T).max(initial=0.0))
+
+
+def constraint_force(plant: Plant, motion: Motion, rows: FloatArray) -> FloatArray:
+    """Return the forces of the clamps on the shell, shape (time, constraint) [N].
+
+    Parameters
+    ----------
+    plant : Plant
+        Clamped by either route.
+    motion : Motion
+        Of that plant.
+    rows : ndarray, shape (constraint, dof) [-]
+        Phi; the order of the result: all radial rows, then all meridional ones.
+
+    Notes
+    -----
+    Multipliers of M q'' = Q + Phi^T lambda, of least norm: clamps given twice share their force. Each is the total
+    force around the parallel circle, positive outwards and towards growing colatitude.
+    """
+    missing = motion.acceleration @ plant.motions.T @ plant.mass - _applied(plant, motion)
+    left, singular, right = svd(rows, full_matrices=False)
+    rank = check_rank(rows)
+    return np.asarray(missing @ (right[:rank].T / singular[:rank]) @ left[:, :rank].T)
+
+
+def _applied(plant: Plant, motion: Motion) -> FloatArray:
+    """All forces but the constraint's over all degrees of freedom, shape (time, dof) [N]."""
+    full = replace(plant, motions=np.eye(len(plant.labels)))
+    q, v = motion.position @ plant.motions.T, motion.velocity @ plant.motions.T
+    out = -q @ full.total(Spring).T - v @ full.total(Damper).T
+    if plant.excitation is not None:
+        wave = plant.excitation
+        out = out + np.real(np.exp(-1j * np.outer(motion.time, wave.omega)) @ wave.force)
+    if plant.memory is not None:
+        out = out - motion.memory @ plant.memory.input_matrix
+    return np.asarray(out)

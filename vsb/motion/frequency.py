@@ -1,0 +1,147 @@
+"""Frequency domain: response amplitude operators, absorbed power, wet natural frequencies."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import xarray as xr
+from scipy.interpolate import CubicSpline
+from scipy.linalg import eigh
+from scipy.optimize import brentq
+
+from vsb.errors import DatabaseError
+from vsb.hydro.coefficients import Coefficients
+from vsb.hydro.kernel import DampingSpectrum
+from vsb.motion.pto import LinearPto
+from vsb.tools.units import ComplexArray, FloatArray
+
+STIFFNESS = ("structural", "hydrostatic", "prestress", "gas")
+
+
+@dataclass(frozen=True)
+class LinearBuoy:
+    """Heave and modes about the mean shape, from a hydro database; every design moves in a subspace of it."""
+
+    database: xr.Dataset
+    structural_damping: FloatArray  # (dof, dof) [kg/s]
+    pto: LinearPto
+
+    @cached_property
+    def spectrum(self) -> DampingSpectrum:
+        """Radiation damping over frequency."""
+        return DampingSpectrum(self.database.omega.values, self.database.radiation_damping.values)
+
+    @cached_property
+    def mass(self) -> FloatArray:
+        """Inertia, shape (dof, dof) [kg]."""
+        return np.asarray(self.database.inertia_matrix.values)
+
+    @cached_property
+    def added_mass_inf(self) -> FloatArray:
+        """Added mass at infinite frequency, shape (dof, dof) [kg]."""
+        return np.asarray(self.database.added_mass_inf.values)
+
+    @cached_property
+    def stiffness(self) -> FloatArray:
+        """Sum of the stiffness of the reference shell, shape (dof, dof) [N/m]."""
+        return np.asarray(sum(self.stiffness_parts.values()))
+
+    @cached_property
+    def stiffness_parts(self) -> dict[str, FloatArray]:
+        """Stiffness of the reference shell by name, each shape (dof, dof) [N/m]."""
+        names = [name for name in STIFFNESS if f"{name}_stiffness" in self.database]
+        return {name: np.asarray(self.database[f"{name}_stiffness"].values) for name in names}
+
+    @cached_property
+    def damping(self) -> FloatArray:
+        """Structural and power take-off damping, shape (dof, dof) [kg/s]."""
+        return self.structural_damping + self.pto.matrix(len(self.mass))
+
+    @cached_property
+    def _splines(self) -> tuple[CubicSpline, CubicSpline]:
+        """Added mass and excitation between the solved frequencies."""
+        omega = self.database.omega.values
+        excitation = CubicSpline(omega, self.database.excitation_force.values[:, 0, :])
+        return CubicSpline(omega, self.database.added_mass.values), excitation
+
+    def coefficients(self, omega: FloatArray) -> Coefficients:
+        """Return the coefficients by cubic splines between solved frequencies.
+
+        Raises
+        ------
+        DatabaseError
+            Outside the band solved.
+        """
+        first, last = self.database.omega.values[[0, -1]]
+        if omega.size and (omega.min() < first - 1e-9 or omega.max() > last + 1e-9):
+            raise DatabaseError(
+                f"frequencies {omega.min():.4g} to {omega.max():.4g} rad/s are asked for, the database holds "
+                f"{first:g} to {last:g} rad/s; raise hydro.omega_max, or use waves below {2 * np.pi / first:.4g} s."
+            )
+        added_mass, excitation = self._splines
+        return Coefficients(added_mass(omega), self.spectrum.at(omega), excitation(omega).astype(complex))
+
+    def diffraction(self, omega: FloatArray) -> ComplexArray:
+        """Return the diffraction force per unit wave amplitude, shape (omega, dof) [N/m]; band as `coefficients`."""
+        self.coefficients(omega)
+        force = CubicSpline(self.database.omega.values, self.database.diffraction_force.values[:, 0, :])
+        return np.asarray(force(omega), dtype=complex)
+
+    def rao(self, omega: FloatArray, motions: FloatArray) -> ComplexArray:
+        """Return displacement per unit wave amplitude, shape (omega, dof) [m/m].
+
+        Parameters
+        ----------
+        omega : ndarray, shape (omega,) [rad/s]
+        motions : ndarray, shape (dof, free)
+            The motions the design allows.
+
+        Notes
+        -----
+        [-w^2 (M + A) - i w (B + D) + K + C] q = X (C1), projected on the motions.
+        """
+        c = self.coefficients(omega)
+        w = omega[:, None, None]
+        impedance = -(w**2) * (self.mass + c.added_mass) - 1j * w * (c.damping + self.damping) + self.stiffness
+        projected = motions.T @ impedance @ motions
+        return np.linalg.solve(projected, (c.excitation @ motions)[..., None])[..., 0] @ motions.T
+
+    def absorbed_power(self, omega: FloatArray, rao: ComplexArray) -> FloatArray:
+        """Return the mean power taken off per squared wave amplitude, c w^2 |heave|^2/2, shape (omega,) [W/m^2]."""
+        return np.asarray(0.5 * self.pto.damping * omega**2 * np.abs(rao[:, 0]) ** 2)
+
+    def natural_modes(self, motions: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return wet natural frequencies [rad/s] and damping ratios [-], ascending, each shape (free,).
+
+        Notes
+        -----
+        w_i solves w^2 = lambda_i(w), the i-th eigenvalue of K + C against M + A(w); A beyond the solved band comes from
+        Kramers-Kronig. The ratio counts radiation, structure and power take-off on the mode's diagonal.
+        """
+        k = motions.T @ self.stiffness @ motions
+        results = [self._natural_mode(k, motions, i) for i in range(motions.shape[1])]
+        frequency, ratio = np.array(results).T
+        order = np.argsort(frequency)
+        return frequency[order], ratio[order]
+
+    def _natural_mode(self, k: FloatArray, motions: FloatArray, i: int) -> tuple[float, float]:
+        """One wet natural frequency and its damping ratio."""
+
+        def eigen(omega: float) -> tuple[float, FloatArray]:
+            at = np.array([omega])
+            added = self.added_mass_inf + self.spectrum.added_mass_difference(at)[0]
+            values, vectors = eigh(k, motions.T @ (self.mass + added) @ motions, subset_by_index=[i, i])
+            return float(values[0]), vectors[:, 0]
+
+        upper = 2 * np.sqrt(max(eigen(1e4)[0], eigen(1e-3)[0], 1e-4))
+        omega = float(brentq(lambda w: eigen(w)[0] - w**2, 1e-3, upper, xtol=1e-10))
+        shape = motions @ eigen(omega)[1]  # unit modal mass
+        total = self.damping + self.spectrum.at(np.array([omega]))[0]
+        return omega, float(shape @ total @ shape / (2 * omega))
+
+
+def frequency_grid(step: float, lowest: float, omega_max: float, extra: list[float]) -> FloatArray:
+    """Return the frequencies of a response: a fine grid of a fifth of the solved step, and the ones asked for."""
+    first, last = int(np.ceil(5 * lowest / step - 1e-9)), int(np.floor(5 * omega_max / step + 1e-9))
+    grid = [round(step / 5 * i, 10) for i in range(first, last + 1)]
+    return np.array(sorted({*grid, *extra}))

@@ -1,0 +1,389 @@
+"""Equation of motion of the shell in all its freedom: six rigid coordinates and the modal amplitudes, Eqs. 80-90.
+
+A shell particle is at x = r + R (s + sum eta_j psi_j): r the sphere centre (inertial axes), R the attitude (body to
+inertial axes), s on the undeformed sphere, psi_j = u_j e_phi + v_j e_r the shapes. The ballast is a point at the centre
+with an inertia tensor of its own. The velocities are quasi-velocities: that of the centre in inertial axes, the angular
+velocity w in body axes, the modal rates. Only the forces named in a scene exist, and none of them knows the integrator.
+
+Strains are linear, inertia exact: the stiffening by centrifugal tension is missing, of order (w/natural frequency)^2.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Literal, NamedTuple, Protocol, runtime_checkable
+
+import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.linalg import block_diag, solve
+from scipy.spatial.transform import Rotation
+
+from vsb.errors import StabilityError
+from vsb.shell.modes import ModeBasis
+from vsb.tools.units import FloatArray
+
+AXIS = np.array([0.0, 0.0, 1.0])  # body axis of symmetry, through the top pole
+NORM_DRIFT = 1e-6  # of a quaternion, still harmless
+LOCK_MARGIN = 1e-3  # of the Euler pitch angle from pi/2 [rad]
+
+
+def skew(vector: FloatArray) -> FloatArray:
+    """Return the matrix of the cross product, skew(a) b = a x b, shape (3, 3)."""
+    x, y, z = vector
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+class State(NamedTuple):
+    """Where the body is and how it moves, in full whatever the scene."""
+
+    position: FloatArray  # centre, inertial axes, (3,) [m]
+    rotation: FloatArray  # R, body to inertial axes, (3, 3) [-]
+    amplitudes: FloatArray  # eta (mode,) [m]
+    velocity: FloatArray  # of the centre, inertial axes, (3,) [m/s]
+    angular_velocity: FloatArray  # w, body axes, (3,) [rad/s]
+    amplitude_rates: FloatArray  # (mode,) [m/s]
+
+    @property
+    def quasi_velocities(self) -> FloatArray:
+        """Velocity, angular velocity and modal rates, shape (6 + mode,)."""
+        return np.concatenate([self.velocity, self.angular_velocity, self.amplitude_rates])
+
+
+class Force(Protocol):
+    """Function of (time, state): generalized force over the quasi-velocities, shape (6 + mode,) [N, N m, N]."""
+
+    def __call__(self, time: float, state: State, /) -> FloatArray:
+        """Return the generalized force."""
+
+
+@runtime_checkable
+class Conservative(Protocol):
+    """A force that has a potential."""
+
+    def potential(self, state: State) -> float:
+        """Return the potential energy [J]."""
+
+
+@dataclass(frozen=True)
+class Weight:
+    """Weight of shell and ballast. The deformed shell's centre of mass may lie off the sphere centre, unlike Eq. 20.
+
+    Uniform gravity is an upward acceleration of the frame: the force is -g times the heave column of the mass matrix.
+    """
+
+    basis: ModeBasis
+    gravity: float  # [m/s^2]
+
+    def __call__(self, time: float, state: State) -> FloatArray:
+        """Return the generalized force, shape (6 + mode,) [N, N m, N]."""
+        mass, moments = self.basis.inertia[0, 0], self.basis.inertia[0, 1:]
+        up = state.rotation[2]  # the vertical in body axes
+        torque = moments @ state.amplitudes * skew(AXIS) @ up
+        return -self.gravity * np.concatenate([[0.0, 0.0, mass], torque, moments * up[2]])
+
+    def potential(self, state: State) -> float:
+        """Return g times mass times the height of the centre of mass [J]."""
+        mass, moments = self.basis.inertia[0, 0], self.basis.inertia[0, 1:]
+        return float(self.gravity * (mass * state.position[2] + moments @ state.amplitudes * state.rotation[2, 2]))
+
+
+@dataclass(frozen=True)
+class Elastic:
+    """Elastic force of the shell, -K eta."""
+
+    basis: ModeBasis
+
+    def __call__(self, time: float, state: State) -> FloatArray:
+        """Return the generalized force, shape (6 + mode,) [N, N m, N]."""
+        return np.concatenate([np.zeros(6), -self.basis.stiffness[1:, 1:] @ state.amplitudes])
+
+    def potential(self, state: State) -> float:
+        """Return the strain energy [J]."""
+        return float(0.5 * state.amplitudes @ self.basis.stiffness[1:, 1:] @ state.amplitudes)
+
+
+@dataclass(frozen=True)
+class StructuralDamping:
+    """Rayleigh damping of the shell's own motion, -D eta'; rigid motion is not damped."""
+
+    basis: ModeBasis
+
+    def __call__(self, time: float, state: State) -> FloatArray:
+        """Return the generalized force, shape (6 + mode,) [N, N m, N]."""
+        return np.concatenate([np.zeros(6), -self.basis.damping[1:, 1:] @ state.amplitude_rates])
+
+
+@dataclass(frozen=True)
+class PointDamper:
+    """Linear power take-off between the sphere centre and the sea bed: -c times the heave velocity, Eq. 91."""
+
+    damping: float  # c [kg/s]
+
+    def __call__(self, time: float, state: State) -> FloatArray:
+        """Return the generalized force, shape (6 + mode,) [N, N m, N]."""
+        return np.asarray(-self.damping * state.velocity[2] * np.eye(6 + len(state.amplitudes))[2])
+
+
+@dataclass(frozen=True)
+class Body:
+    """Inertia of shell and ballast: constant, linear and quadratic in the modal amplitudes, exactly.
+
+    Notes
+    -----
+    T = 1/2 m v.v + 1/2 w.J(eta) w + 1/2 eta'.M eta' + v.R (S w x e3 + S' e3), with S(eta) = sum eta_j a_j and
+    a_j e3 = int psi_j dm. Eq. 17 drops every product of two different velocities. Of these,
+
+    - w.int rho x rho' dm vanishes always: both vectors lie in a meridian plane, so the integrand points along e_theta
+      and its integral over the azimuth is zero (no torsion; in particular int s x psi_j dm = 0);
+    - the two with S vanish if and only if all a_j = 0, that is if the modes are orthogonal to rigid heave: all are but
+      the paper's slipped shape of degree 1. They are kept: with a_j = 0 they add nothing.
+    """
+
+    basis: ModeBasis
+    ballast_inertia: tuple[float, float] = (0.0, 0.0)  # about the centre: transverse, axial [kg m^2]
+
+    def __post_init__(self) -> None:
+        """Check that some distribution of mass has the ballast's inertia."""
+        if not 0.0 <= self.ballast_inertia[1] <= 2.0 * self.ballast_inertia[0] < np.inf:
+            raise ValueError(
+                f"ballast_inertia: received {self.ballast_inertia}, needs (transverse, axial), axial <= 2 transverse."
+            )
+
+    @property
+    def moments(self) -> FloatArray:
+        """First mass moment per unit modal amplitude, a_j = int psi_j.e3 dm, shape (mode,) [kg]."""
+        return self.basis.inertia[0, 1:]
+
+    @cached_property
+    def _inertia_polynomial(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Coefficients of diag J: constant (3,) [kg m^2], linear (3, mode) [kg m], quadratic (3, mode, mode) [kg].
+
+        In cos(phi) the squares of the meridian's radius x and height z are polynomials of degree at most 2 (n + 1):
+        n + 2 Gauss-Legendre points are exact.
+        """
+        shell = self.basis.shell
+        cos, weight = np.polynomial.legendre.leggauss(self.basis.highest_degree + 2)
+        sin, dm = np.sqrt(1.0 - cos**2), 0.5 * shell.mass * weight
+        v, u = (shape[1:] for shape in self.basis.displacement(np.arccos(cos)))
+        x = np.vstack([shell.radius * sin, v * sin + u * cos])  # undeformed, then per unit amplitude
+        z = np.vstack([shell.radius * cos, v * cos - u * sin])
+        axial, along = (x * dm) @ x.T, (z * dm) @ z.T
+        form = np.stack([axial / 2 + along, axial / 2 + along, axial])
+        return form[:, 0, 0] + np.take(self.ballast_inertia, [0, 0, 1]), 2.0 * form[:, 0, 1:], form[:, 1:, 1:]
+
+    def inertia(self, amplitudes: FloatArray) -> FloatArray:
+        """Return the diagonal (Jt, Jt, Ja) of J about the centre in body axes, shape (3,) [kg m^2]."""
+        constant, linear, quadratic = self._inertia_polynomial
+        return constant + (linear + quadratic @ amplitudes) @ amplitudes
+
+    def inertia_gradient(self, amplitudes: FloatArray) -> FloatArray:
+        """Return the derivative of `inertia` by the amplitudes, shape (3, mode) [kg m]."""
+        _, linear, quadratic = self._inertia_polynomial
+        return linear + 2.0 * quadratic @ amplitudes
+
+    def mass_matrix(self, state: State) -> FloatArray:
+        """Return M(R, eta) of T = 1/2 V.M V over the quasi-velocities V, shape (6 + mode, 6 + mode) [kg, kg m^2]."""
+        matrix = np.zeros((6 + len(self.moments), 6 + len(self.moments)))
+        matrix[:3, :3] = self.basis.total_mass * np.eye(3)
+        matrix[:3, 3:6] = -(self.moments @ state.amplitudes) * state.rotation @ skew(AXIS)
+        matrix[:3, 6:] = np.outer(state.rotation @ AXIS, self.moments)
+        matrix[3:, :3] = matrix[:3, 3:].T
+        matrix[3:6, 3:6] = np.diag(self.inertia(state.amplitudes))
+        matrix[6:, 6:] = self.basis.inertia[1:, 1:]
+        return matrix
+
+    def velocity_terms(self, state: State) -> FloatArray:
+        """Return the terms quadratic in the velocities: M V' + these = forces; shape (6 + mode,) [N, N m, N].
+
+        Notes
+        -----
+        Force R (2 S' w x e3 + S w x (w x e3)); torque J' w + w x J w; modal -1/2 w.(dJ/deta) w. Eq. 33 has J' w only:
+        w x J w comes of the body axes. Eq. 69 has no centrifugal force on the modes, without which energy is not
+        conserved. Modal Coriolis forces vanish: int psi_j.(w x psi_k) dm = 0.
+        """
+        w, spin = state.angular_velocity, skew(state.angular_velocity)
+        moment, moment_rate = self.moments @ state.amplitudes, self.moments @ state.amplitude_rates
+        gradient = self.inertia_gradient(state.amplitudes)
+        force = state.rotation @ (2.0 * moment_rate * spin + moment * spin @ spin) @ AXIS
+        torque = (gradient @ state.amplitude_rates) * w + spin @ (self.inertia(state.amplitudes) * w)
+        return np.concatenate([force, torque, -0.5 * w**2 @ gradient])
+
+    def kinetic_energy(self, state: State) -> float:
+        """Return T [J]."""
+        return float(0.5 * state.quasi_velocities @ self.mass_matrix(state) @ state.quasi_velocities)
+
+    def centre_of_mass(self, state: State) -> FloatArray:
+        """Return the centre of mass, r + R S e3/m, in inertial axes, shape (3,) [m]."""
+        offset = self.moments @ state.amplitudes / self.basis.total_mass
+        return np.asarray(state.position + offset * state.rotation @ AXIS)
+
+    def linear_momentum(self, state: State) -> FloatArray:
+        """Return the linear momentum in inertial axes, shape (3,) [kg m/s]."""
+        return np.asarray(self.mass_matrix(state)[:3] @ state.quasi_velocities)
+
+    def angular_momentum(self, state: State, about: FloatArray | None = None) -> FloatArray:
+        """Return the angular momentum about a fixed point (None: the origin), inertial axes, shape (3,) [kg m^2/s]."""
+        arm = state.position if about is None else state.position - about
+        own = state.rotation @ self.mass_matrix(state)[3:6] @ state.quasi_velocities
+        return np.asarray(skew(arm) @ self.linear_momentum(state) + own)
+
+
+def _quaternion_rotation(q: FloatArray) -> FloatArray:
+    """R of a unit quaternion, scalar first."""
+    cross = skew(q[1:])
+    return np.asarray(np.eye(3) + 2.0 * q[0] * cross + 2.0 * cross @ cross)
+
+
+def _quaternion_rates(q: FloatArray, w: FloatArray) -> FloatArray:
+    """Rates 1/2 q (0, w): normal to q, so the norm stays as good as the integration."""
+    return 0.5 * np.concatenate([[-q[1:] @ w], q[0] * w + skew(q[1:]) @ w])
+
+
+def _euler_rates(angles: FloatArray, w: FloatArray) -> FloatArray:
+    """Rates of yaw, pitch and roll: the inverse of Eq. 78, singular at pitch = +-pi/2."""
+    (sin, cos), pitch = (np.sin(angles[2]), np.cos(angles[2])), angles[1]
+    yaw_rate = (sin * w[1] + cos * w[2]) / np.cos(pitch)
+    return np.array([yaw_rate, cos * w[1] - sin * w[2], w[0] + np.sin(pitch) * yaw_rate])
+
+
+class Attitude(NamedTuple):
+    """Coordinates of a rotation: their kinematics, and how far they are from failing."""
+
+    unturned: FloatArray  # coordinates of R = 1
+    rotation: Callable[[FloatArray], FloatArray]  # coordinates -> R (3, 3)
+    rates: Callable[[FloatArray, FloatArray], FloatArray]  # coordinates, w (body axes) -> their rates
+    margin: Callable[[FloatArray], float] = lambda coordinates: 1.0  # positive while the coordinates are sound
+    needs: str = ""
+
+
+_ATTITUDES = {
+    "heave": Attitude(np.zeros(0), lambda none: np.eye(3), lambda none, w: none),
+    "planar": Attitude(np.zeros(1), lambda pitch: Rotation.from_euler("y", pitch[0]).as_matrix(), lambda p, w: w[1:2]),
+    "quaternion": Attitude(
+        np.array([1.0, 0.0, 0.0, 0.0]),
+        _quaternion_rotation,
+        _quaternion_rates,
+        lambda q: NORM_DRIFT - abs(float(np.linalg.norm(q)) - 1.0),
+        f"norm 1 within {NORM_DRIFT:g} of a quaternion; start from a unit quaternion and use a smaller rtol",
+    ),
+    "euler321": Attitude(
+        np.zeros(3),
+        lambda angles: Rotation.from_euler("ZYX", angles).as_matrix(),
+        _euler_rates,
+        lambda angles: np.pi / 2 - LOCK_MARGIN - abs(float(angles[1])),
+        f"|pitch| < pi/2 - {LOCK_MARGIN:g} of yaw, pitch, roll (gimbal lock); use attitude='quaternion'",
+    ),
+}
+_RIGID = {"heave": ((2,), ()), "planar": ((0, 2), (4,)), "free": ((0, 1, 2), (3, 4, 5))}  # among quasi-velocities
+_PARTS = ("position", "attitude", "amplitudes", "velocity", "angular_velocity", "amplitude_rates")
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One motion of one body under named forces, in the coordinates it needs and no others.
+
+    The state vector is (translations, attitude, free modal amplitudes, their velocities): heave; surge, heave and
+    pitch; or three translations and a quaternion (scalar first) or 3-2-1 Euler angles. Velocities are quasi-velocities.
+    """
+
+    body: Body
+    forces: Mapping[str, Force] = field(default_factory=dict)
+    motion: Literal["heave", "planar", "free"] = "heave"
+    attitude: Literal["quaternion", "euler321"] = "quaternion"  # of a free body
+    motions: FloatArray | None = None  # allowed N (dof, free), heave first, as of `ModeBasis.clamped`; None: all
+
+    def __post_init__(self) -> None:
+        """Check that the allowed motions keep heave and shell apart."""
+        dof = len(self.body.basis.labels)
+        allowed = np.eye(dof) if self.motions is None else self.motions
+        if not np.array_equal(allowed[:, :1], np.eye(dof, 1)) or allowed[0, 1:].any():
+            raise ValueError(
+                f"motions: received {allowed.shape}, needs ({dof}, free), heave first and alone; use ModeBasis.clamped."
+            )
+
+    @cached_property
+    def _directions(self) -> FloatArray:
+        """Quasi-velocities per velocity of the scene, shape (6 + mode, velocity); eta = N y, no multiplier (Eq. 87)."""
+        allowed = np.eye(len(self.body.basis.labels)) if self.motions is None else self.motions
+        rigid = np.eye(6)[:, np.concatenate(_RIGID[self.motion]).astype(int)]
+        return block_diag(rigid, allowed[1:, 1:])
+
+    @property
+    def _attitude(self) -> Attitude:
+        return _ATTITUDES[self.attitude if self.motion == "free" else self.motion]
+
+    @cached_property
+    def sizes(self) -> dict[str, int]:
+        """Numbers of translations, attitude coordinates and free amplitudes, then of the velocities of each."""
+        moves, turns = map(len, _RIGID[self.motion])
+        free = self._directions.shape[1] - moves - turns
+        return dict(zip(_PARTS, (moves, len(self._attitude.unturned), free, moves, turns, free), strict=True))
+
+    def start(self, **given: FloatArray) -> FloatArray:
+        """Return a state vector from its parts, named and sized as in `sizes`; the rest is undisplaced and at rest."""
+        parts = {name: np.zeros(size) for name, size in self.sizes.items()} | {"attitude": self._attitude.unturned}
+        for name, values in given.items():
+            if name not in parts or np.shape(values) != parts[name].shape:
+                raise ValueError(
+                    f"start: received {name} {np.shape(values)}, a {self.motion} scene needs {self.sizes}."
+                )
+        return np.concatenate(list((parts | given).values()), dtype=float)
+
+    def _split(self, y: FloatArray) -> list[FloatArray]:
+        """Take a state vector apart into position, attitude, amplitudes and the three kinds of velocities."""
+        ends = np.cumsum(list(self.sizes.values()))
+        if y.shape != (ends[-1],):
+            raise ValueError(f"received state {y.shape}, a {self.motion} scene needs ({ends[-1]},): use Scene.start.")
+        return np.split(y, ends[:-1])
+
+    def state(self, y: FloatArray) -> State:
+        """Return the state of the body in full, from a state vector."""
+        position, attitude, amplitudes, *velocities = self._split(y)
+        turned = np.zeros(self.sizes["angular_velocity"])  # the attitude is no integral of w
+        place = self._directions @ np.concatenate([position, turned, amplitudes])
+        moving = self._directions @ np.concatenate(velocities)
+        return State(place[:3], self._attitude.rotation(attitude), place[6:], moving[:3], moving[3:6], moving[6:])
+
+    def rates(self, time: float, y: FloatArray) -> FloatArray:
+        """Return dy/dt: N^T M N a = N^T (forces - velocity terms), and the kinematics of the attitude."""
+        state, (_, attitude, _, velocity, _, amplitude_rates) = self.state(y), self._split(y)
+        drive = sum((force(time, state) for force in self.forces.values()), -self.body.velocity_terms(state))
+        allowed = self._directions
+        acceleration = solve(allowed.T @ self.body.mass_matrix(state) @ allowed, allowed.T @ drive, assume_a="pos")
+        turning = self._attitude.rates(attitude, state.angular_velocity)
+        return np.concatenate([velocity, turning, amplitude_rates, acceleration])
+
+    def energy(self, y: FloatArray) -> tuple[float, float]:
+        """Return the kinetic energy and the potential energy of all conservative forces of the scene [J]."""
+        state = self.state(y)
+        potentials = [force.potential(state) for force in self.forces.values() if isinstance(force, Conservative)]
+        return self.body.kinetic_energy(state), sum(potentials)
+
+    def margin(self, time: float, y: FloatArray) -> float:
+        """Return how far the attitude coordinates are from failing: positive while they are sound."""
+        return self._attitude.margin(self._split(y)[1])
+
+    margin.terminal = True  # type: ignore[attr-defined]  # as an event it ends a run of solve_ivp
+
+    def failure(self, time: float, y: FloatArray) -> StabilityError:
+        """Return the error that says the attitude coordinates have failed."""
+        return StabilityError(f"t = {time:.6g} s: received attitude {self._split(y)[1]}, needs {self._attitude.needs}.")
+
+
+def integrate(scene: Scene, start: FloatArray, time: FloatArray, rtol: float = 1e-9, atol: float = 1e-12) -> FloatArray:
+    """Return the motion of a scene from `start` at time[0], shape (time, state), by DOP853 with step control.
+
+    Raises
+    ------
+    StabilityError
+        If the attitude coordinates fail, at any step and not only at recorded times, or no step is small enough.
+    """
+    if scene.margin(time[0], start) <= 0.0:
+        raise scene.failure(time[0], start)
+    span = (time[0], time[-1])
+    run = solve_ivp(scene.rates, span, start, "DOP853", time, events=scene.margin, rtol=rtol, atol=atol)
+    if run.status == 1 and run.t_events and run.y_events:
+        raise scene.failure(run.t_events[0][0], run.y_events[0][0])
+    if run.status < 0:
+        raise StabilityError(f"no step reaches t = {span[1]:g} s ({run.message}): needs bounded forces; mend them.")
+    return np.asarray(run.y.T)

@@ -1,0 +1,184 @@
+"""Figures of power, hydrodynamics and motion; any figure by its name. Datasets in, Figure out; computes nothing."""
+
+import math
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from vsb.report.canvas import (
+    StudyData,
+    folded,
+    grid_of_axes,
+    heave_force,
+    legend_above,
+    note,
+    panels,
+    shown_window,
+    style,
+    zero_axis,
+)
+from vsb.report.shell_figures import extreme_shapes, mode_shapes, shapes_3d, snapshots, volume_area
+from vsb.tools.units import FloatArray
+
+
+def absorbed_power(data: StudyData) -> Figure:
+    """Draw absorbed power over the band with its limit, and the gain of each flexible design over the rigid one."""
+    response = data.response
+    omega = response.omega.values
+    figure, axes = grid_of_axes(5.2, 2, 1, sharex=True, height_ratios=[3, 2])
+    top, bottom = axes[:, 0]
+    top.plot(omega, response.power_limit / 1e3, color="#999999", linewidth=3, alpha=0.6, label="limit λ/2π")
+    for design in data.designs:
+        top.plot(omega, response.absorbed_power.sel(design=design) / 1e3, **style(design, data.designs))
+    largest = float(response.absorbed_power.max()) / 1e3
+    ceiling = 1.25 * largest or float(response.power_limit.median()) / 1e3
+    top.set(ylabel="absorbed power\nper amplitude² [kW/m²]", ylim=(0, ceiling))
+    _gain(data, bottom)
+    bottom.set(xlabel="wave frequency [rad/s]", xlim=(0.3, _band_end(data)))
+    for omega_wave in data.wave_frequencies:
+        for ax in (top, bottom):
+            ax.axvline(omega_wave, color="#E69F00", linewidth=0.9, linestyle=":", zorder=0)
+    if inside := [w for w in data.wave_frequencies if 0.3 < w < _band_end(data)]:
+        mark = " study's wave" if len(data.wave_frequencies) == 1 else " study's waves"
+        top.text(max(inside), 0.96 * ceiling, mark, color="#B07800", fontsize=8, va="top")
+    period = top.secondary_xaxis("top", functions=(_period, _period))
+    period.set_xlabel("wave period [s]")
+    period.set_xticks([t for t in (1.5, 2, 2.5, 3, 4, 6, 10) if 2 * math.pi / t > 0.3])
+    legend_above(figure, top)
+    return figure
+
+
+def _period(omega: FloatArray) -> FloatArray:
+    """2 pi over the argument: period of a frequency, frequency of a period."""
+    return 2 * np.pi / np.maximum(omega, 1e-6)
+
+
+def _band_end(data: StudyData) -> float:
+    """Frequency above which no design absorbs 1 % of its largest power."""
+    power = data.response.absorbed_power.max(dim="design")
+    if not float(power.max()) > 0:
+        return float(power.omega[-1])
+    return float(power.omega[power > 0.01 * power.max()].max())
+
+
+def _gain(data: StudyData, ax: Axes) -> None:
+    """Draw the gain of each flexible design over the rigid one [%]."""
+    power = data.response.absorbed_power
+    if data.reference is None or len(data.designs) < 2:
+        return note(ax, "no rigid design to compare with" if data.reference is None else "no other design to compare")
+    if not float(power.sel(design=data.reference).min()) > 0:
+        return note(ax, "no absorbed power to compare with")
+    base = power.sel(design=data.reference)
+    for design in data.designs:
+        if design != data.reference:
+            ax.plot(power.omega, 100 * (power.sel(design=design) / base - 1), **style(design, data.designs))
+    ax.axhspan(0, 1e4, color="#009E73", alpha=0.06)
+    ax.axhspan(-100, 0, color="#D55E00", alpha=0.06)
+    ax.axhline(0, color="black", linewidth=0.8)
+    inside = (power.omega > 0.3) & (power.omega < _band_end(data))
+    gain = 100 * (power / base - 1).where(inside, drop=True).values
+    ax.set(ylabel=f"gain over {data.reference} [%]", ylim=(-100, float(np.clip(1.15 * gain.max(), 20, 250))))
+
+
+def added_mass_damping(data: StudyData) -> Figure:
+    """Draw the diagonal of added mass and radiation damping; dashed: added mass at infinite frequency."""
+    database = data.database
+    figure, axes = grid_of_axes(4.6, 2, 1, sharex=True)
+    top, bottom = axes[:, 0]
+    labels = database.influenced_dof.values
+    colours = mpl.colormaps["viridis"].resampled(max(2, len(labels)))
+    for i, label in enumerate(labels):
+        own = {"influenced_dof": label, "radiating_dof": label}
+        line = {"color": "black" if i == 0 else colours(i - 1), "label": label}
+        top.plot(database.omega, database.added_mass.sel(own), **line)
+        top.axhline(float(database.added_mass_inf.sel(own)), color=line["color"], linewidth=0.7, linestyle="--")
+        bottom.plot(database.omega, database.radiation_damping.sel(own).clip(min=1e-3), **line)
+    top.set(ylabel="added mass [kg]", yscale="log")
+    largest = float(database.radiation_damping.max())
+    bottom.set(ylabel="radiation damping [kg/s]", yscale="log", ylim=(1e-5 * largest, 2 * largest))
+    bottom.set(xlabel="frequency [rad/s]", xlim=(0, float(database.omega[-1])))
+    legend_above(figure, top)
+    return figure
+
+
+def radiation_kernel(data: StudyData) -> Figure:
+    """Draw the retardation kernel from the damping and from the state space, heave and two modes."""
+    kernel = data.radiation
+    labels = kernel.influenced_dof.values[:3]
+    figure, axes = grid_of_axes(1.3 + 1.3 * len(labels), len(labels), 1, sharex=True)
+    for ax, label in zip(axes[:, 0], labels, strict=True):
+        own = {"influenced_dof": label, "radiating_dof": label}
+        ax.plot(kernel.time, kernel.kernel.sel(own) / 1e3, color="black", label="convolution kernel")
+        ax.plot(
+            kernel.time, kernel.kernel_state_space.sel(own) / 1e3, color="#D55E00", linestyle="--", label="state space"
+        )
+        ax.set_ylabel(f"{label}\n[10³ kg/s²]")
+    axes[-1, 0].set(xlabel="time [s]", xlim=(0, min(12.0, float(kernel.time[-1]))))
+    legend_above(figure, axes[0, 0])
+    return figure
+
+
+def heave_excitation(data: StudyData, wave: str) -> Figure:
+    """Draw heave and excitation force, the paper's Fig. 5."""
+    heave = ("heave [m]", lambda run: run.position.isel(dof=0))
+    return panels(data, wave, [heave, ("excitation force [kN]", lambda run: heave_force(run, "excitation"))])
+
+
+def velocity_pto(data: StudyData, wave: str) -> Figure:
+    """Draw heave velocity and power take-off force, the paper's Fig. 6."""
+    velocity = ("heave velocity [m/s]", lambda run: run.velocity.isel(dof=0))
+    return panels(data, wave, [velocity, ("power take-off force [kN]", lambda run: heave_force(run, "pto"))])
+
+
+def power_energy(data: StudyData, wave: str) -> Figure:
+    """Draw absorbed power in the window and absorbed energy over the whole run, the paper's Fig. 10."""
+    figure, axes = grid_of_axes(4.6, 2, 1)
+    top, bottom = axes[:, 0]
+    for design in data.designs:
+        run, line = data.runs[design, wave], style(design, data.designs)
+        inside = run.sel(time=slice(*shown_window(data, wave)))
+        top.plot(inside.time, -heave_force(inside, "pto") * inside.velocity.isel(dof=0), **line)
+        bottom.plot(run.time, run.energy.sel(term="pto") / 1e3, **line)
+    top.set(ylabel="absorbed power [kW]", xlabel="time [s]", xlim=shown_window(data, wave))
+    bottom.set(ylabel="absorbed energy [kJ]", xlabel="time [s]", xlim=(0, float(run.time[-1])))
+    for ax in (top, bottom):
+        zero_axis(ax)
+    legend_above(figure, top)
+    return figure
+
+
+def energy_audit(data: StudyData, wave: str) -> Figure:
+    """Draw where the energy of each run went: wave work = take-off + radiated + structural + stored."""
+    figure, axes = grid_of_axes(0.9 + 0.45 * len(data.designs))
+    ax = axes[0, 0]
+    colours = {"pto": "#0072B2", "radiated": "#56B4E9", "structural": "#E69F00", "stored": "#999999"}
+    names = {"pto": "power take-off", "radiated": "radiated", "structural": "structural damping", "stored": "stored"}
+    for row, design in enumerate(data.designs):
+        final = data.runs[design, wave].energy.isel(time=-1) / 1e3
+        left = {True: 0.0, False: 0.0}
+        for term, colour in colours.items():
+            value = float(final.sel(term=term))
+            ax.barh(row, value, left=left[value >= 0], color=colour, label=names[term] if row == 0 else None)
+            left[value >= 0] += value
+        ax.plot(float(final.sel(term="wave")), row, "k|", markersize=16, label="work of the wave" if row == 0 else None)
+    ax.set_yticks(range(len(data.designs)), [folded(design, 24) for design in data.designs])
+    ax.invert_yaxis()
+    ax.set(xlabel="energy over the run [kJ]")
+    legend_above(figure, ax)
+    return figure
+
+
+def draw(name: str, data: StudyData) -> Figure:
+    """Return the figure of a name from `vsb.study.plan.figure_names`."""
+    kind, _, wave = name.partition("-")
+    per_study = {f.__name__: f for f in (absorbed_power, mode_shapes, added_mass_damping, radiation_kernel)}
+    per_wave = {
+        f.__name__: f
+        for f in (
+            heave_excitation, velocity_pto, power_energy, energy_audit, snapshots,
+            extreme_shapes, shapes_3d, volume_area,
+        )
+    }  # fmt: skip
+    return per_wave[kind](data, wave) if kind in per_wave else per_study[kind](data)

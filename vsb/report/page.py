@@ -1,0 +1,282 @@
+"""The self-contained HTML report: the answer first, then the evidence, then what to doubt."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import jinja2
+import numpy as np
+import xarray as xr
+
+from vsb.tools.units import FloatArray
+
+CAPTIONS = {
+    "absorbed_power": "Mean absorbed power per squared wave amplitude over the whole band, with the limit of an "
+    "axisymmetric heaving body (capture width of a wavelength over 2π), and the gain over the rigid design.",
+    "mode_shapes": "Shapes of the shell modes and their natural frequencies in vacuum.",
+    "added_mass_damping": "Added mass (dashed: at infinite frequency) and radiation damping of heave and modes.",
+    "radiation_kernel": "Retardation kernel: from the damping, and of the passive state space the time domain uses.",
+    "heave_excitation": "Heave and the heave component of the excitation force.",
+    "velocity_pto": "Heave velocity and power take-off force.",
+    "power_energy": "Instantaneous absorbed power, and absorbed energy since the start.",
+    "extreme_shapes": "Shells of all designs at their least height from pole to pole, displacement magnified.",
+    "shapes_3d": "The first flexible design: start, most oblate and most prolate, displacement magnified.",
+    "volume_area": "Volume enclosed by the shell and its surface area.",
+    "energy_audit": "Where the work of the wave or the assumed pressure went, start-up transient included.",
+    "snapshots": "The buoys over the last period (dotted: undeformed).",
+}
+MEASURES = (
+    ("displacement_pp", "heave, peak to peak [m]", 1.0, ".4g"),
+    ("velocity_pp", "velocity, peak to peak [m/s]", 1.0, ".4g"),
+    ("power_peak", "peak power [W]", 1.0, ".4g"),
+    ("power_mean", "mean power [W]", 1.0, ".4g"),
+    ("energy", "energy of the run [kJ]", 1e-3, ".4g"),
+    ("capture_width", "capture width [m]", 1.0, ".3g"),
+    ("energy_gain_percent", "energy gain [%]", 1.0, "+.1f"),
+    ("energy_residual", "energy residual [-]", 1.0, ".1e"),
+)
+_MARGIN = 0.01  # a gain within 1 % either way is called none
+
+
+class Band(NamedTuple):
+    """An interval of wave frequency in which a design gains or loses."""
+
+    start: float  # [rad/s]
+    end: float
+    gain: float  # largest gain or loss inside [%]
+    at: float  # where [rad/s]
+
+
+@dataclass(frozen=True)
+class Report:
+    """What the page is made from."""
+
+    study: dict[str, Any]  # canonical form
+    seas: dict[str, str]  # wave label -> the sea in words
+    rows: Sequence[dict[str, Any]]  # comparison table
+    checks: Sequence[dict[str, Any]]  # validity ledger
+    response: xr.Dataset | None  # none without BEM
+    reference: str | None
+    figures: dict[str, str]  # name -> SVG
+    facts: dict[str, str]  # how it was made
+    irregular: Sequence[str] = ()  # labels of irregular seas
+    statistics: Sequence[dict[str, str]] = ()  # of irregular seas, realisations together
+
+
+PUBLISHED = {
+    "displacement_pp": ("displacement", "m peak to peak", 1.0),
+    "velocity_pp": ("velocity", "m/s peak to peak", 1.0),
+    "pto_force_pp": ("control force", "N peak to peak", 1.0),
+    "power_peak": ("peak power", "W", 1.0),
+    "power_mean": ("mean power", "W", 1.0),
+    "energy": ("energy of the run", "kJ", 1e-3),
+}
+"""Measures that may be published elsewhere: name, unit as printed, factor to it."""
+
+
+def winning_bands(omega: FloatArray, gain: FloatArray, threshold: float = 100 * _MARGIN) -> list[Band]:
+    """Return the intervals in which a gain [%] stays above threshold, each with its largest value.
+
+    Parameters
+    ----------
+    omega : ndarray, shape (omega,) [rad/s]
+    gain : ndarray, shape (omega,) [%]
+    threshold : float [%]
+    """
+    inside = np.concatenate([[False], gain > threshold, [False]])
+    starts, ends = np.flatnonzero(inside[1:] & ~inside[:-1]), np.flatnonzero(~inside[1:] & inside[:-1])
+    bands = []
+    for first, last in zip(starts, ends - 1, strict=True):
+        peak = first + int(np.argmax(gain[first : last + 1]))
+        bands.append(Band(float(omega[first]), float(omega[last]), float(gain[peak]), float(omega[peak])))
+    return bands
+
+
+def _useful(response: xr.Dataset) -> xr.DataArray:
+    """Absorbed power where some design absorbs at least 5 % of the largest power: a gain elsewhere is of no use."""
+    power = response.absorbed_power
+    best = power.max(dim="design")
+    useful: xr.DataArray = power.where(best >= 0.05 * best.max(), drop=True)
+    return useful
+
+
+def band_statements(response: xr.Dataset, reference: str | None) -> list[str]:
+    """Return, for each other design, where over the useful band it absorbs more or less than the reference."""
+    if reference is None:
+        return ["No rigid design is part of this study, so no gain can be given."]
+    if not float(response.absorbed_power.max()) > 0:
+        return ["No design absorbs power: the study has no power take-off damping."]
+    if response.sizes["design"] < 2:
+        return [f"{reference} is the only design of this study, so there is no gain to give."]
+    power = _useful(response)
+    omega, base = power.omega.values, power.sel(design=reference).values
+    statements = []
+    for design in (str(d) for d in power.design.values if d != reference):
+        gain = 100 * (power.sel(design=design).values / base - 1)
+        wins = [_band_text("more", band) for band in winning_bands(omega, gain)]
+        losses = [_band_text("less", band) for band in winning_bands(omega, -gain)]
+        text = "; ".join([*wins, *losses]) or "the same within 1 % everywhere"
+        statements.append(f"{design} absorbs {text} than {reference}." if wins or losses else f"{design}: {text}.")
+    return statements
+
+
+def _band_text(direction: str, band: Band) -> str:
+    """One interval in words, as wave periods."""
+    sign = "+" if direction == "more" else "-"
+    return (
+        f"{direction} in waves of {2 * np.pi / band.end:.2f} to {2 * np.pi / band.start:.2f} s "
+        f"(up to {sign}{band.gain:.0f} % at {2 * np.pi / band.at:.2f} s)"
+    )
+
+
+def sea_statements(rows: Sequence[dict[str, Any]], reference: str | None, seas: dict[str, str]) -> list[str]:
+    """Return, for each sea of the study, which design absorbs most on average, and by how much."""
+    statements = []
+    for wave in dict.fromkeys(row["wave"] for row in rows):
+        sea = [row for row in rows if row["wave"] == wave]
+        still = wave == "still"  # nothing comes in: what counts is the run
+        key, scale, unit = ("energy", 1e-3, "kJ from the start") if still else ("power_mean", 1.0, "W on average")
+        best = max(sea, key=lambda row: float(row[key]))
+        if float(best[key]) <= 0:
+            statements.append(f"In {seas[wave]}, no design absorbs power on average.")
+            continue
+        rigid, most = "the rigid " if best["design"] == reference else "", " most" if len(sea) > 1 else ""
+        text = f"In {seas[wave]}, {rigid}{best['design']} absorbs{most}: {scale * float(best[key]):.4g} {unit}"
+        base = next((row for row in sea if row["design"] == reference), None)
+        statements.append(text + (_against(sea, base, key) if base is not None else "") + ".")
+    return statements
+
+
+def irregular_statements(lines: Sequence[dict[str, str]], reference: str | None, seas: dict[str, str]) -> list[str]:
+    """Return, for each irregular sea, the mean power of every design and its gain with the 95 % interval."""
+    statements = []
+    for name in dict.fromkeys(line["sea"] for line in lines):
+        sea = [line for line in lines if line["sea"] == name]
+        parts = [
+            f"{line['design']} absorbs {float(line['power_mean']):.4g} W{_gain_text(line, reference)}" for line in sea
+        ]
+        statements.append(f"In {seas[name]}, {', '.join(parts)}.")
+    return statements
+
+
+def _gain_text(line: dict[str, str], reference: str | None) -> str:
+    """Gain over the reference in brackets, with its interval if there is one."""
+    if line["design"] == reference or not line["gain_percent"]:
+        return ""
+    bounds = f"; 95 %: {float(line['gain_low']):+.1f} to {float(line['gain_high']):+.1f} %" if line["gain_low"] else ""
+    return f" ({float(line['gain_percent']):+.1f} %{bounds})"
+
+
+def _against(sea: Sequence[dict[str, Any]], base: dict[str, Any], key: str) -> str:
+    """How the other designs stand against the reference in one sea, in brackets."""
+    power = float(base[key])
+    if power <= 0 or len(sea) < 2:
+        return ""
+    gains = (f"{row['design']} {100 * (float(row[key]) / power - 1):+.1f} %" for row in sea if row is not base)
+    return f" (against {base['design']}: {', '.join(gains)})"
+
+
+def warnings(checks: Sequence[dict[str, Any]]) -> list[str]:
+    """Return the checks that failed, in words for the head of the page; doubts are left to the ledger."""
+    failed = [check for check in checks if check["verdict"] in ("fail", "accepted")]
+    return [f"{_subject(c)}: {c['value']:.3g}, limit {c['limit']:g} ({c['explanation']})" for c in failed]
+
+
+def _subject(check: dict[str, Any]) -> str:
+    """What a check is about, in words: name, design, sea."""
+    of = f" of {check['design']}" if check["design"] else ""
+    where = f" in {check['wave']}" if check["wave"] else ""
+    return str(check["name"]).replace("_", " ") + of + where
+
+
+def table(rows: Sequence[dict[str, Any]]) -> tuple[list[str], list[list[str]]]:
+    """Return head and body of the comparison table as text; a quantity that does not exist is a dash."""
+    body = []
+    for row in rows:
+        cells = [
+            "-" if row[key] in ("", None) else format(float(row[key]) * factor, spec)
+            for key, _, factor, spec in MEASURES
+        ]
+        body.append([str(row["design"]), str(row["wave"]), *cells])
+    return ["design", "sea", *(label for _, label, _, _ in MEASURES)], body
+
+
+STATISTICS = (
+    "design", "sea", "realisations", "batches", "mean power [W]", "95 % interval", "linear [W]", "gain [%]",
+    "95 % interval",
+)  # fmt: skip
+"""Head of the table of irregular seas."""
+
+
+def statistics_table(lines: Sequence[dict[str, str]]) -> list[list[str]]:
+    """Return the cells of the table of irregular seas; a quantity that does not exist is a dash."""
+
+    def text(value: str, form: str) -> str:
+        return format(float(value), form) if value else "-"
+
+    def bounds(line: dict[str, str], name: str, form: str) -> str:
+        return " to ".join(text(line[f"{name}_{end}"], form) for end in ("low", "high")) if line[f"{name}_low"] else "-"
+
+    return [
+        [
+            *(line[key] for key in ("design", "sea", "realisations", "batches")),
+            text(line["power_mean"], ".4g"), bounds(line, "power", ".4g"), text(line["power_linear"], ".4g"),
+            text(line["gain_percent"], "+.1f"), bounds(line, "gain", "+.1f"),
+        ]
+        for line in lines
+    ]  # fmt: skip
+
+
+def published_table(study: dict[str, Any], rows: Sequence[dict[str, Any]]) -> list[list[str]]:
+    """Return lines of design, sea, measure, published figure, ours, difference; none if nothing is published."""
+    lines = []
+    published = (study["published"] or {"values": {}})["values"]
+    for row in (row for row in rows if row["design"] in published and row["wave"] != "still"):
+        values = {**row, "pto_force_pp": study["pto"]["damping"] * float(row["velocity_pp"])}
+        for key, (name, unit, factor) in PUBLISHED.items():
+            if (theirs := published[row["design"]].get(key)) is None:
+                continue
+            ours = float(values[key])
+            difference = f"{100 * (ours / theirs - 1):+.1f} %" if theirs else "-"
+            cells = (f"{theirs * factor:.5g}", f"{ours * factor:.5g}", difference)
+            lines.append([row["design"], row["wave"], f"{name} [{unit}]", *cells])
+    return lines
+
+
+def render(report: Report) -> str:
+    """Return the report as one HTML page with everything inside."""
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("vsb.report"), autoescape=True, undefined=jinja2.StrictUndefined
+    )
+    head, body = table(report.rows)
+    irregular = report.irregular
+    figures = [
+        {
+            "name": name,
+            "caption": CAPTIONS[name.partition("-")[0]],
+            "sea": name.partition("-")[2],
+            "svg": svg[svg.index("<svg") :],
+        }
+        for name, svg in report.figures.items()
+    ]
+    return environment.get_template("report.html.j2").render(
+        study=report.study["study"],
+        seas=[
+            *sea_statements(
+                [row for row in report.rows if row["wave"] not in irregular], report.reference, report.seas
+            ),
+            *irregular_statements(report.statistics, report.reference, report.seas),
+        ],
+        bands=band_statements(report.response, report.reference) if report.response is not None else [],
+        statistics_head=STATISTICS,
+        statistics=statistics_table(report.statistics),
+        published=published_table(report.study, report.rows),
+        source=(report.study["published"] or {"source": ""})["source"],
+        warnings=warnings(report.checks),
+        doubts=sum(check["verdict"] == "doubt" for check in report.checks),
+        head=head,
+        body=body,
+        figures=figures,
+        checks=report.checks,
+        facts=report.facts,
+    )

@@ -1,0 +1,147 @@
+"""Figures of the shell: its modes, the deformed buoys, volume and area. Datasets in, Figure out."""
+
+import math
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from vsb.report.canvas import StudyData, folded, grid_of_axes, panels, style
+from vsb.tools.units import FloatArray
+
+
+def mode_shapes(data: StudyData) -> Figure:
+    """Draw the undeformed circle and each deformed meridian, the paper's Fig. 4."""
+    modes, columns = data.modes, 4
+    count = modes.sizes["mode"]
+    rows = max(1, math.ceil(count / columns))
+    figure, axes = grid_of_axes(0.4 + 1.75 * rows, rows, columns)
+    phi = modes.colatitude.values
+    for ax in axes.flat:
+        ax.set_axis_off()
+        ax.set_aspect("equal")
+    for ax, mode in zip(axes.flat, modes.mode.values, strict=False):
+        shape = modes.sel(mode=mode)
+        amplitude = 0.25 / max(1.0, float(shape.degree) / 2) ** 0.7  # smaller where the shape is steeper
+        v, u = amplitude * shape.radial.values, amplitude * shape.meridional.values
+        x, z = (1 + v) * np.sin(phi) + u * np.cos(phi), (1 + v) * np.cos(phi) - u * np.sin(phi)
+        ax.plot(np.sin(2 * phi), np.cos(2 * phi), color="black", linewidth=0.8)
+        ax.plot([*x, *-x[::-1]], [*z, *z[::-1]], color="#D55E00")
+        ax.set_title(f"{mode}\n{float(shape.dry_frequency):.2f} rad/s dry", fontsize=8)
+    title = "Shell modes (black: undeformed)" if count else "A rigid study has no shell modes"
+    figure.suptitle(title, fontsize=9)
+    return figure
+
+
+def snapshots(data: StudyData, wave: str) -> Figure:
+    """Draw the deformed buoys in the wave at five instants of the last period, deformation magnified."""
+    columns = 5
+    figure, axes = grid_of_axes(0.7 + 1.32 * len(data.designs), len(data.designs), columns, sharex=True, sharey=True)
+    factor = _magnification(data, wave)
+    end = data.window[1]
+    instants = end - min(data.periods[wave], end) * np.linspace(1, 0, columns, endpoint=False)
+    for row, design in enumerate(data.designs):
+        for ax, instant in zip(axes[row], instants, strict=True):
+            _snapshot(data, ax, data.runs[design, wave].sel(time=instant, method="nearest"), design, factor)
+            if row == 0:
+                ax.set_title(f"t = {instant:.2f} s", fontsize=8)
+        axes[row, 0].set_ylabel(folded(design), fontsize=7)
+    scale = f"Shell displacement magnified {factor:g} times; heave and wave" if factor > 1 else "All"
+    figure.suptitle(f"{scale} to scale", fontsize=9)
+    return figure
+
+
+def _magnification(data: StudyData, wave: str) -> float:
+    """Round factor that makes the largest shell displacement about 0.2 radii."""
+    largest = max(
+        (float(abs(run.position.sel(time=slice(*data.window))[:, 1:]).max()) for (_, w), run in data.runs.items()
+         if w == wave and run.sizes["dof"] > 1),
+        default=0.0,
+    )  # fmt: skip
+    if largest == 0.0:
+        return 1.0
+    raw = 0.2 * float(data.modes.attrs["radius"]) / largest
+    decade = 10.0 ** math.floor(math.log10(raw))
+    return max(1.0, max(m * decade for m in (1, 2, 5) if m * decade <= raw))
+
+
+def _meridian(data: StudyData, run: xr.Dataset, factor: float) -> tuple[FloatArray, FloatArray]:
+    """Meridian about the sphere centre at one instant: x = (r+v) sin + u cos, z = (r+v) cos - u sin."""
+    modes = data.modes
+    r, phi = float(modes.attrs["radius"]), modes.colatitude.values
+    q = modes.static_amplitude.values.copy()
+    q[: run.sizes["dof"] - 1] += factor * run.position.values[1:]
+    v, u = (q @ modes[name].values if len(q) else np.zeros_like(phi) for name in ("radial", "meridional"))
+    return (r + v) * np.sin(phi) + u * np.cos(phi), (r + v) * np.cos(phi) - u * np.sin(phi)
+
+
+def _snapshot(data: StudyData, ax: Axes, run: xr.Dataset, design: str, factor: float) -> None:
+    """Draw one buoy in the water at one instant."""
+    modes = data.modes
+    r, phi = float(modes.attrs["radius"]), modes.colatitude.values
+    centre = float(modes.attrs["centre_height"]) + float(run.position[0])
+    x, z = _meridian(data, run, factor)
+    z, level = z + centre, float(run.elevation) if "elevation" in run else 0.0
+    ax.axhspan(-3 * r, level, color="#56B4E9", alpha=0.25, linewidth=0)
+    ax.axhline(level, color="#0072B2", linewidth=0.8)
+    ax.plot(r * np.sin(2 * phi), centre + r * np.cos(2 * phi), color="#999999", linewidth=0.6, linestyle=":")
+    ax.plot([*x, *-x[::-1]], [*z, *z[::-1]], color=style(design, data.designs)["color"])
+    ax.set(aspect="equal", xlim=(-1.5 * r, 1.5 * r), ylim=(-1.5 * r, 1.5 * r), xticks=[], yticks=[])
+    ax.grid(visible=False)
+
+
+def _height(data: StudyData, run: xr.Dataset) -> xr.DataArray:
+    """Distance between the poles of a run's shell over time [m]; the n-th mode changes it by V (1 + (-1)^n)."""
+    at_poles = data.modes.radial.isel(colatitude=0) + data.modes.radial.isel(colatitude=-1)
+    change = run.position.values[:, 1:] @ at_poles.values if run.sizes["dof"] > 1 else 0.0 * run.time.values
+    return xr.DataArray(2 * float(data.modes.attrs["radius"]) + change, coords={"time": run.time})
+
+
+def extreme_shapes(data: StudyData, wave: str) -> Figure:
+    """Draw each design's shell where it is lowest from pole to pole in the window, the paper's Fig. 7."""
+    figure, axes = grid_of_axes(3.6)
+    ax, factor = axes[0, 0], _magnification(data, wave)
+    for design in data.designs:
+        run = data.runs[design, wave].sel(time=slice(*data.window))
+        x, z = _meridian(data, run.isel(time=int(np.argmin(_height(data, run).values))), factor)
+        ax.plot([*x, *-x[::-1]], [*z, *z[::-1]], **style(design, data.designs))
+    ax.set(aspect="equal", xlabel="radius [m]", ylabel="height above the sphere centre [m]")
+    figure.suptitle(
+        f"Least height from pole to pole in the window; shell displacement magnified {factor:g} times", fontsize=9
+    )
+    figure.legend(*ax.get_legend_handles_labels(), loc="outside right center", fontsize=8)
+    return figure
+
+
+def shapes_3d(data: StudyData, wave: str) -> Figure:
+    """Draw the first flexible design at the start and where it is most oblate and most prolate, the paper's Fig. 8."""
+    design = next(d for d in data.designs if data.runs[d, wave].sizes["dof"] > 1)
+    run, factor = data.runs[design, wave], _magnification(data, wave)
+    settled = run.sel(time=slice(*data.window))
+    height = _height(data, settled)
+    extremes = (int(np.argmin(height.values)), int(np.argmax(height.values)))
+    instants = [0.0, *(float(height.time[i]) for i in extremes)]
+    figure, _ = grid_of_axes(2.5)
+    figure.clear()
+    azimuth = np.linspace(0, 2 * np.pi, 41)
+    limit = 1.1 * float(data.modes.attrs["radius"])
+    for i, (instant, name) in enumerate(zip(instants, ("start", "most oblate", "most prolate"), strict=True)):
+        ax: Any = figure.add_subplot(1, 3, i + 1, projection="3d")
+        x, z = (a[::6] for a in _meridian(data, run.sel(time=instant, method="nearest"), factor))
+        surface = np.outer(x, np.cos(azimuth)), np.outer(x, np.sin(azimuth)), np.outer(z, np.ones_like(azimuth))
+        colour = style(design, data.designs)["color"]
+        ax.plot_wireframe(*surface, color=colour, linewidth=0.5, rstride=1, cstride=2)
+        ax.set(xlim=(-limit, limit), ylim=(-limit, limit), zlim=(-limit, limit), xticks=[], yticks=[])
+        ax.set_box_aspect((1, 1, 1))
+        ax.tick_params(labelsize=6, pad=-2)
+        ax.set_title(f"{name}\nt = {instant:.2f} s", fontsize=8)
+    figure.suptitle(f"{design}, shell displacement magnified {factor:g} times; height in m", fontsize=9)
+    return figure
+
+
+def volume_area(data: StudyData, wave: str) -> Figure:
+    """Draw the volume the shell encloses and its surface area, the paper's Fig. 9."""
+    volume = ("enclosed volume [m³]", lambda run: run.volume)
+    return panels(data, wave, [volume, ("surface area [m²]", lambda run: run.area)])

@@ -1,0 +1,356 @@
+"""The validity ledger of a study: what to doubt, with a limit and a verdict for each."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, replace
+
+import numpy as np
+import xarray as xr
+
+from vsb.errors import ConvergenceError
+from vsb.hydro.database import Check, check_at_most, stored_checks
+from vsb.integrators.trajectory import CONVOLVED
+from vsb.motion.frequency import LinearBuoy
+from vsb.motion.pto import LinearPto
+from vsb.results.comparison import Row, Runs
+from vsb.scenes.rest import computed_buckling, loaded_shell, reference_shell
+from vsb.shell.loaded import ElasticShell, viable_pressure
+from vsb.shell.modes import ModeBasis, design_motions, mode_basis, study_basis
+from vsb.shell.rest import ReferenceShell
+from vsb.shell.sphere import Shell
+from vsb.study.study import IrregularSea, RegularWave, StillWater, Study, Water, Wave
+from vsb.tools.units import FloatArray
+from vsb.waves.seas import power_limit, spectrum, wavenumber
+
+
+def shell_checks(study: Study, reference: ReferenceShell) -> list[Check]:
+    """Return what the static load does to a flexible shell: buckling by two criteria, deformation, strain."""
+    if not study.flexible:
+        return []
+    shell, water = Shell.of(study.device), study.water
+    keel = max(0.0, water.density * water.gravity * reference.keel_depth - study.device.internal_pressure)
+    return [
+        check_at_most(
+            "buckling", keel / shell.buckling_pressure, 1.0, "-",
+            f"net pressure at the keel {keel:.4g} Pa over the classical buckling pressure "
+            f"{shell.buckling_pressure:.4g} Pa: above 1 the shell would buckle and the design is not viable",
+        ),
+        *viability_checks(study),
+        *static_checks(study, reference),
+    ]  # fmt: skip
+
+
+def viability_checks(study: Study) -> list[Check]:
+    """Return the computed buckling load, and the internal pressure that would carry a shell that buckles.
+
+    About the equilibrium there is nothing to add: no shell that buckles is accepted there.
+    """
+    if study.at_equilibrium:
+        return []
+    found = computed_buckling(study)
+    text = f"static load over the computed buckling load, into a shape of degree {found.degree}"
+    if found.load_factor < 1.0:
+        text += viable_text(study)
+    return [check_at_most("computed_buckling", 1 / found.load_factor, 1.0, "-", text)]
+
+
+def viable_text(study: Study) -> str:
+    """Say from which internal pressure the shell is viable, and at what strain."""
+    try:
+        pressure, found = viable_pressure(study.device, study.centre_height, study.water)
+    except ConvergenceError as error:
+        return f"; {error}"
+    strain = f"{100 * found.linear_strain:.2g} % linear strain at rest"
+    return f"; viable from device.internal_pressure = {pressure:.4g} Pa, at {strain}"
+
+
+def static_checks(study: Study, reference: ReferenceShell) -> list[Check]:
+    """Return displacement and strain of the shell at rest, about which motion is linearised or which is left out."""
+    basis, static = reference.basis, static_amplitudes(study, reference)
+    left_out = "" if study.at_equilibrium else "; the reference shape is undeformed"
+    moved = largest_displacement(basis, static) / basis.shell.radius
+    strain = float(np.abs(ElasticShell(basis).strains(static)).max())
+    limit = 0.2 if study.at_equilibrium else 0.05
+    return [
+        check_at_most(
+            "static_deformation", moved, limit, "-",
+            f"static displacement of the shell over its radius{left_out}", doubt=True,
+        ),
+        check_at_most("static_strain", strain, 0.02, "-", "largest membrane strain at rest", doubt=True),
+    ]  # fmt: skip
+
+
+def static_amplitudes(study: Study, reference: ReferenceShell) -> FloatArray:
+    """Return heave and modal amplitudes at rest, shape (dof,) [m]: of the equilibrium, or linear about the sphere."""
+    if study.at_equilibrium:
+        return reference.amplitudes
+    load = loaded_shell(study, reference.basis).force(reference.amplitudes)
+    return np.asarray(np.linalg.solve(reference.total, load))
+
+
+def largest_displacement(basis: ModeBasis, amplitudes: FloatArray) -> float:
+    """Return the largest displacement of the shell relative to its centre [m]."""
+    u = basis.displacement(np.linspace(0.0, np.pi, 361))
+    amplitudes = np.concatenate([[0.0], amplitudes[1:]])
+    return float(np.hypot(amplitudes @ u[0], amplitudes @ u[1]).max())
+
+
+def largest_strain(basis: ModeBasis, amplitudes: FloatArray) -> float:
+    """Return the largest membrane strain, |(u' + v)/r| or |(u cot phi + v)/r| [-]."""
+    phi = np.linspace(0.01, np.pi - 0.01, 361)
+    (v, u), (_, du) = basis.displacement(phi), basis.displacement(phi, derivative=1)
+    amplitudes = np.concatenate([[0.0], amplitudes[1:]])
+    meridional, hoop = amplitudes @ (du + v), amplitudes @ (u / np.tan(phi) + v)
+    return float(np.maximum(np.abs(meridional), np.abs(hoop)).max() / basis.shell.radius)
+
+
+def wave_checks(wave: Wave, water: Water, omega_max: float) -> list[Check]:
+    """Return whether linear wave theory and the solved band cover a sea."""
+    if isinstance(wave, StillWater):
+        return []
+    height = 2 * wave.amplitude if isinstance(wave, RegularWave) else wave.hs
+    steepness = height * wavenumber(wave.omega, water.depth, water.gravity) / (2 * np.pi)
+    checks = [
+        check_at_most("steepness", steepness, 0.05, "-", "wave height over wavelength", doubt=True, wave=wave.label)
+    ]
+    if isinstance(wave, IrregularSea):
+        beyond = np.linspace(omega_max, 20 * omega_max, 4001)
+        lost = np.trapezoid(spectrum(wave, beyond), beyond) * 16 / wave.hs**2
+        checks.append(
+            check_at_most(
+                "spectrum_cut",
+                float(lost),
+                0.01,
+                "-",
+                "share of the sea above hydro.omega_max",
+                doubt=True,
+                wave=wave.label,
+            )
+        )
+    return checks
+
+
+def run_checks(study: Study, basis: ModeBasis, run: xr.Dataset) -> list[Check]:
+    """Return whether a run stays within small motion and closes its energy balance."""
+    design, wave = run.attrs["design"], run.attrs["wave"]
+    start, end = study.simulation.window
+    inside = run.sel(time=slice(start, end))
+    heave = float(np.abs(inside.position.values[:, 0]).max()) / study.device.radius
+    closed = max(study.simulation.tolerance, CONVOLVED if study.simulation.method == "convolution" else 1e-6)
+    checks = [
+        check_at_most(
+            "energy_residual", run.attrs["energy_residual"], closed, "-",
+            "unbalanced energy over the largest term", doubt=True, design=design, wave=wave,
+        ),
+        check_at_most("heave", heave, 0.3, "-", "heave amplitude over radius", doubt=True, design=design, wave=wave),
+    ]  # fmt: skip
+    if "constraint_drift" in run.attrs:
+        linear = "over 10 000 wave periods" if study.needs_bem and wave != "still" else "over the run"
+        text = f"largest slip of the shell at its clamps {linear}"
+        checks.append(
+            check_at_most("constraint_drift", run.attrs["constraint_drift"], 1e-9, "m", text, design=design, wave=wave)
+        )
+    if run.sizes["dof"] > 1:
+        peaks = inside.position.values[np.argmax(np.abs(inside.position.values[:, 1:]).sum(axis=1))]
+        moved, strain = largest_displacement(basis, peaks) / study.device.radius, largest_strain(basis, peaks)
+        checks += [
+            check_at_most(
+                "deformation", moved, 0.1, "-", "shell displacement over radius", doubt=True, design=design, wave=wave
+            ),
+            check_at_most("strain", strain, 0.02, "-", "largest membrane strain", doubt=True, design=design, wave=wave),
+        ]
+    return checks
+
+
+def transient_checks(runs: Runs, rows: Sequence[Row]) -> list[Check]:
+    """Return by how much mean power in the window differs from the steady state's: what the transient still does."""
+    checks = []
+    for row in rows:
+        attrs, where = runs[row["design"], row["wave"]].attrs, {"design": row["design"], "wave": row["wave"]}
+        if "no_steady_state" in attrs:
+            text = f"no steady state to compare with, the mean depends on the window: {attrs['no_steady_state']}"
+            checks.append(Check("transient", 1.0, 0.0, "-", "doubt", text, **where))
+        elif "steady_power" in attrs:
+            steady, mean = attrs["steady_power"], row["power_mean"]
+            text = f"mean power is {mean:.6g} W in the window, {steady:.6g} W in the steady state; a period leaves "
+            text += f"{attrs['steady_decay']:.3g} of a transient"
+            difference = abs(mean / steady - 1) if steady else abs(mean)
+            checks.append(check_at_most("transient", difference, 0.005, "-", text, doubt=True, **where))
+    return checks
+
+
+def steady_state_check(study: Study, wave: RegularWave, power: float, mean: float, design: str) -> Check:
+    """Return the difference of mean power between time and frequency domain."""
+    expected = power * wave.amplitude**2
+    difference = abs(mean / expected - 1) if expected else abs(mean)
+    return check_at_most(
+        "time_and_frequency_domain", difference, 0.005, "-",
+        "relative difference of mean absorbed power; large if the window still holds a transient",
+        doubt=True, design=design, wave=wave.label,
+    )  # fmt: skip
+
+
+def linearity_check(study: Study, wave: RegularWave, power: float, mean: float, design: str) -> Check:
+    """Return the difference of body-exact mean power from linear theory: what nonlinearity does."""
+    expected = power * wave.amplitude**2
+    difference = abs(mean / expected - 1) if expected else abs(mean)
+    text = f"mean power is {mean:.4g} W body-exact, {expected:.4g} W in linear theory"
+    return check_at_most("linearity", difference, 0.05, "-", text, doubt=True, design=design, wave=wave.label)
+
+
+def with_full_basis(database: xr.Dataset, study: Study) -> tuple[xr.Dataset, ModeBasis]:
+    """Return the database and basis with both branches of the shell, from one that has a mode of every degree.
+
+    Possible without BEM: on the undeformed sphere a mode acts on the water by its radial part alone.
+    """
+    full = mode_basis(study.device, "full", study.modes.degree)
+    old = study_basis(study)
+    pick = [0, *(old.degrees.index(n, 1) for n in full.degrees[1:])]
+    ratio = full.pole_radial_displacement / old.pole_radial_displacement[pick]
+    out = {}
+    for name, data in database.data_vars.items():
+        indexers = {dim: pick for dim in ("influenced_dof", "radiating_dof") if dim in data.dims}
+        scaled = data.isel(indexers)
+        for dim in indexers:
+            scaled = scaled.assign_coords({dim: list(full.labels)}) * xr.DataArray(
+                ratio, coords={dim: list(full.labels)}
+            )
+        out[name] = scaled.transpose(*data.dims)
+    pair = ("influenced_dof", "radiating_dof")
+    out["inertia_matrix"] = xr.DataArray(full.inertia, dims=pair)
+    for name, stiffness in reference_shell(study, full).stiffness.items():
+        out[f"{name}_stiffness"] = xr.DataArray(stiffness, dims=pair)
+    return xr.Dataset(out, attrs=database.attrs), full
+
+
+def bending_checks(study: Study, database: xr.Dataset) -> list[Check]:
+    """Return by how much the bending modes, where the basis leaves them out, would change the absorbed power."""
+    if not (study.flexible and study.pto.damping) or study.modes.basis == "full" or study.modes.degree < 2:
+        return []
+    if study.at_equilibrium:  # bending modes move other water there: only BEM can tell
+        return []
+    wider, full = with_full_basis(database, study)
+    old = study_basis(study)
+    checks = []
+    for wave in (w for w in study.waves if isinstance(w, RegularWave)):
+        at = np.array([wave.omega])
+        for design in (name for name, d in study.designs.items() if d.flexible):
+            powers = []
+            for ds, basis in ((database, old), (wider, full)):
+                buoy = LinearBuoy(ds, basis.damping, LinearPto(study.pto.damping))
+                powers.append(buoy.absorbed_power(at, buoy.rao(at, design_motions(study, basis, design)))[0])
+            checks.append(
+                check_at_most(
+                    "bending_modes", abs(powers[1] / powers[0] - 1), 0.05, "-",
+                    f"absorbed power would change from {powers[0]:.4g} to {powers[1]:.4g} W/m^2 with modes.basis: full",
+                    doubt=True, design=design, wave=wave.label,
+                )
+            )  # fmt: skip
+    return checks
+
+
+def limit_check(frequency: xr.Dataset) -> Check:
+    """Return the largest absorbed power over its theoretical limit: above 1 the coefficients cannot be right."""
+    share = (frequency.absorbed_power / frequency.power_limit).max()
+    text = "largest absorbed power over the limit of an axisymmetric heaving body, within mesh error"
+    return check_at_most("power_limit", float(share), 1.01, "-", text)
+
+
+def run_ledger(study: Study, runs: Runs) -> list[Check]:
+    """Return the checks of the shell and of every run."""
+    reference = reference_shell(study)
+    basis, checks = reference.basis, shell_checks(study, reference)
+    for wave in study.waves:
+        for design in study.designs:
+            checks += run_checks(study, basis, runs[design, wave.label])
+        if study.hydro.model == "auto":
+            checks += simplification_checks(study, wave, runs)
+    return checks
+
+
+def simplification_checks(study: Study, wave: Wave, runs: Runs) -> list[Check]:
+    """Return what the automatic model left out in a sea, and the error of powers and gains that causes."""
+    limit, checks, errors = study.hydro.allowed_power_error, [], {}
+    for design in study.designs:
+        attrs = runs[design, wave.label].attrs
+        errors[design] = float(attrs["power_error"])
+        parts = [f"{item['what'].replace('_', ' ')} {item['error']:.1e}" for item in json.loads(attrs["left_out"])]
+        text = (
+            f"estimated error of mean power; described as {attrs['description']}; left out: {', '.join(parts) or '-'}"
+        )
+        if "unmeasured" in attrs:
+            text = f"errors of simplifications could not be measured ({attrs['unmeasured']}); {text}"
+            checks.append(Check("left_out", errors[design], limit, "-", "doubt", text, design, wave.label))
+        else:
+            checks.append(check_at_most("left_out", errors[design], limit, "-", text, design=design, wave=wave.label))
+    text = "estimated error of the ratio of mean powers to the rigid design's, from what both leave out"
+    if base := errors.pop(study.reference_design or "", None):
+        for design, error in errors.items():
+            checks.append(
+                check_at_most("gain_error", error + base, 2 * limit, "-", text, design=design, wave=wave.label)
+            )
+    return checks
+
+
+def linear_ledger(
+    study: Study, database: xr.Dataset, radiation: xr.Dataset, frequency: xr.Dataset, rows: Sequence[Row], runs: Runs
+) -> list[Check]:
+    """Return the checks of linear hydrodynamics: waves, coefficients, radiation model, time and frequency domain."""
+    checks = [*bending_checks(study, database), limit_check(frequency), *radiation_checks(radiation, study)]
+    means = {(row["design"], row["wave"]): row["power_mean"] for row in rows}
+    for wave in study.waves:
+        checks += wave_checks(wave, study.water, study.hydro.omega_max)
+        if isinstance(wave, RegularWave):
+            at = frequency.absorbed_power.sel(omega=wave.omega, method="nearest")
+            for design in study.designs:
+                power = float(at.sel(design=design))
+                body_exact = runs[design, wave.label].attrs["model"] == "body_exact"
+                check = linearity_check if body_exact else steady_state_check
+                checks.append(check(study, wave, power, means[design, wave.label], design))
+    return checks + [replace(check, name=f"hydro {check.name}") for check in stored_checks(database)]
+
+
+def assumed_pressure_checks(study: Study, rows: Sequence[Row]) -> list[Check]:
+    """Return by how much an assumed pressure makes a buoy absorb more than any wave could give it.
+
+    A uniform pressure neither radiates nor knows an energy flux. A wave whose pressure at the surface, rho g a, is as
+    large has one, and gives a heaving axisymmetric body at most the flux over wavelength/(2 pi) of crest.
+    """
+    water = study.water
+    amplitude = (study.hydro.pressure or 0.0) / (water.density * water.gravity)
+    checks = []
+    for wave in (w for w in study.waves if isinstance(w, RegularWave)):
+        limit = power_limit(wave.omega, water.depth, water.density, water.gravity) * amplitude**2
+        best = max((row for row in rows if row["wave"] == wave.label), key=lambda row: float(row["power_mean"]))
+        share = float(best["power_mean"]) / limit if limit else 0.0
+        text = f"largest mean power over what a wave of the same surface pressure, {amplitude:.3g} m in amplitude, can "
+        text += "give any heaving axisymmetric body: the model has no radiation"
+        checks.append(
+            check_at_most("assumed_pressure", share, 1.0, "-", text, design=str(best["design"]), wave=wave.label)
+        )
+    return checks
+
+
+def worst_first(checks: Sequence[Check]) -> list[Check]:
+    """Return checks sorted by verdict, worst news first."""
+    return sorted(checks, key=lambda check: ("fail", "accepted", "doubt", "ok").index(check.verdict))
+
+
+def radiation_checks(radiation: xr.Dataset, study: Study) -> list[Check]:
+    """Return the error and the passivity certificate of the radiation state space."""
+    order, error = radiation.attrs["order"], radiation.attrs["fit_error"]
+    return [
+        check_at_most(
+            "radiation_fit", error, study.hydro.tolerance, "-",
+            f"rms error of the {order}-state radiation model, each mode relative to its largest damping", doubt=True,
+        ),
+        check_at_most(
+            "passivity", max(0.0, -radiation.attrs["passivity_margin"]), 1e-12, "-",
+            "most negative eigenvalue of the model's scaled damping over the band; passive by construction",
+        ),
+    ]  # fmt: skip
+
+
+def ledger_json(study: str, checks: Sequence[Check]) -> str:
+    """Return the ledger as JSON text."""
+    return json.dumps({"study": study, "checks": [asdict(check) for check in checks]}, indent=1, allow_nan=False) + "\n"

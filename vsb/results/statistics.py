@@ -1,0 +1,170 @@
+"""Mean power in irregular seas with confidence intervals, the linear spectral prediction beside it.
+
+A record is cut into batches long enough to be nearly independent; batches of all realisations of a sea are pooled, and
+Student's t gives the 95 % interval of their mean. Designs meet the same waves, so their gain is estimated batch by
+batch, which takes most of the scatter out of it.
+"""
+
+import csv
+import io
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from scipy.interpolate import CubicSpline
+from scipy.stats import t as student
+
+from vsb.hydro.database import Check, check_at_most
+from vsb.study.study import Irregular, IrregularSea, Study
+from vsb.tools.units import FloatArray
+from vsb.waves.seas import Sea
+
+FEWEST_BATCHES = 6
+CONFIDENCE = 0.95
+
+
+class Estimate(NamedTuple):
+    """An estimated mean and its 95 % confidence interval; no interval from fewer than `FEWEST_BATCHES` batches."""
+
+    mean: float
+    low: float | None
+    high: float | None
+
+
+class Line(NamedTuple):
+    """One design in one irregular sea, all its realisations together."""
+
+    design: str
+    sea: str
+    realisations: int
+    batches: int
+    power_mean: float  # [W]
+    power_low: float | None
+    power_high: float | None
+    power_linear: float  # spectral prediction of linear theory [W]
+    gain_percent: float | None  # of mean power over the first rigid design's
+    gain_low: float | None
+    gain_high: float | None
+
+
+def interval(samples: FloatArray) -> Estimate:
+    """Return the mean of independent samples, shape (sample,), and its confidence interval."""
+    return ratio_interval(samples, np.ones_like(samples))
+
+
+def ratio_interval(samples: FloatArray, base: FloatArray) -> Estimate:
+    """Return the ratio of the means of paired samples, each shape (sample,), and its confidence interval.
+
+    Notes
+    -----
+    R = sum a/sum b with the standard error of a - R b over mean b: the delta method.
+    """
+    count, ratio = len(samples), float(samples.sum() / base.sum())
+    if count < FEWEST_BATCHES:
+        return Estimate(ratio, None, None)
+    scatter = float(np.std(samples - ratio * base, ddof=1) / (base.mean() * np.sqrt(count)))
+    half = float(student.ppf(0.5 + CONFIDENCE / 2, count - 1)) * scatter
+    return Estimate(ratio, ratio - half, ratio + half)
+
+
+def batch_means(run: xr.Dataset, window: tuple[float, float], length: float) -> FloatArray:
+    """Return the mean absorbed power of each batch of a run, shape (batch,) [W].
+
+    Parameters
+    ----------
+    run : xarray.Dataset
+        See `vsb.trajectory.labelled`.
+    window : tuple of float [s]
+        Cut into as many equal batches as fit, at least one.
+    length : float
+        Least length of a batch [s].
+    """
+    start, end = window
+    edges = np.linspace(start, end, max(1, int((end - start) / length + 1e-9)) + 1)
+    energy = CubicSpline(run.time.values, run.energy.sel(term="pto").values)(edges)
+    return np.asarray(np.diff(energy) / np.diff(edges))
+
+
+def families(study: Study) -> dict[str, list[Irregular]]:
+    """Return the irregular seas of a study, realisations of one sea together, by the name without seed."""
+    found: dict[str, list[Irregular]] = {}
+    for wave in study.waves:
+        if isinstance(wave, IrregularSea):
+            found.setdefault(wave.family, []).append(wave)
+    return found
+
+
+def statistics(
+    study: Study, runs: Mapping[tuple[str, str], xr.Dataset], seas: Mapping[str, Sea], response: xr.Dataset
+) -> list[Line]:
+    """Return one line per design and irregular sea.
+
+    Parameters
+    ----------
+    study : Study
+    runs : mapping (design, wave label) -> trajectory
+    seas : mapping wave label -> Sea
+    response : xarray.Dataset
+        Absorbed power over frequency.
+    """
+    lines = []
+    for name, waves in families(study).items():
+        length = waves[0].memory
+        means = {
+            design: np.concatenate([batch_means(runs[design, w.label], study.simulation.window, length) for w in waves])
+            for design in study.designs
+        }
+        base = means.get(study.reference_design or "")  # has no gain over itself
+        for design, batches in means.items():
+            power, predicted = interval(batches), linear_power(response, design, [seas[w.label] for w in waves])
+            gain = gain_percent(batches, None if design == study.reference_design else base)
+            lines.append(Line(design, name, len(waves), len(batches), *power, predicted, *gain))
+    return lines
+
+
+def linear_power(response: xr.Dataset, design: str, seas: Sequence[Sea]) -> float:
+    """Return the mean power linear theory predicts, sum of P(omega) |a|^2 over the components [W]."""
+    power = CubicSpline(response.omega.values, response.absorbed_power.sel(design=design).values)
+    return float(np.mean([sea.mean_of(power(sea.omega)) for sea in seas]))
+
+
+def gain_percent(batches: FloatArray, base: FloatArray | None) -> tuple[float | None, float | None, float | None]:
+    """Return the gain of mean power over the reference and its interval [%]; nothing over nothing."""
+    if base is None or not base.sum() > 0:
+        return None, None, None
+    estimate = ratio_interval(batches, base)
+    low, high = (None if bound is None else 100 * (bound - 1) for bound in estimate[1:])
+    return 100 * (estimate.mean - 1), low, high
+
+
+def statistical_checks(study: Study, lines: Sequence[Line]) -> list[Check]:
+    """Return whether records are long enough for the power they give, and agree with the spectral prediction."""
+    checks = []
+    for line in lines:
+        where = {"design": line.design, "wave": line.sea}
+        if line.power_low is None or line.power_high is None:
+            text = f"{line.batches} batches, of ten peak periods or more, give no confidence interval: lengthen "
+            text += "simulation.duration and window, or ask for more realisations"
+            checks.append(
+                check_at_most("record_length", FEWEST_BATCHES / line.batches, 1.0, "-", text, doubt=True, **where)
+            )
+            continue
+        half = 0.5 * (line.power_high - line.power_low)
+        text = f"half the 95 % confidence interval of mean power, {line.power_mean:.4g} W, over it"
+        share = half / line.power_mean if line.power_mean else 0.0
+        checks.append(check_at_most("statistical_error", share, 0.1, "-", text, doubt=True, **where))
+        if study.hydro.model == "linear" and half:
+            apart = abs(line.power_mean - line.power_linear) / half
+            text = f"distance from the spectral prediction, {line.power_linear:.4g} W, in halves of the interval"
+            checks.append(check_at_most("spectral_prediction", apart, 1.5, "-", text, doubt=True, **where))
+    return checks
+
+
+def as_csv(lines: Sequence[Line]) -> str:
+    """Return the lines as CSV; an empty cell is a quantity that does not exist."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(Line._fields)
+    writer.writerows(["" if v is None else f"{v:.10g}" if isinstance(v, float) else v for v in line] for line in lines)
+    return text.getvalue()

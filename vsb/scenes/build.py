@@ -1,0 +1,95 @@
+"""The scene of one design in one sea, from the files of a study, by its hydrodynamic model."""
+
+import time as clock
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from vsb.hydro import database
+from vsb.hydro.kernel import DampingSpectrum
+from vsb.hydro.statespace import RadiationModel
+from vsb.motion.frequency import LinearBuoy
+from vsb.motion.pto import LinearPto
+from vsb.motion.scene import AssumedPressure, Plant, assumed_pressure_plant, body_exact_plant, linear_plant
+from vsb.scenes import automatic
+from vsb.shell.deformed import DeformedShell
+from vsb.shell.modes import ModeBasis, design_motions, mode_basis, rigid_basis, study_basis
+from vsb.study.study import RegularWave, Study
+from vsb.tools.units import FloatArray, load
+from vsb.waves.seas import NO_WAVES, Sea, sea
+
+
+class Scene(NamedTuple):
+    """One design in one sea."""
+
+    plant: Plant
+    shape: DeformedShell  # reference shape
+    sea: Sea
+    spectrum: DampingSpectrum | None  # of the radiation damping, where there is one
+    notes: dict[str, Any]  # what the run records of its model
+
+
+def linear_buoy(study: Study, database_path: str) -> tuple[LinearBuoy, ModeBasis]:
+    """Return the linear buoy of a study from its database, and the shell modes."""
+    ds = database.load_database(database_path, Path(database_path).stem)
+    flexible = ds.sizes["influenced_dof"] > 1  # of the database: a rigid design may share it with flexible ones
+    basis = mode_basis(study.device, study.modes.basis, study.modes.degree) if flexible else rigid_basis(study.device)
+    return LinearBuoy(ds, basis.damping, LinearPto(study.pto.damping)), basis
+
+
+def linear_scene(study: Study, paths: dict[str, Any]) -> Scene:
+    """Return the scene of linear hydrodynamics about the mean shape."""
+    buoy, shape, model, waves, motions = _from_bem(study, paths)
+    return Scene(linear_plant(buoy, model, waves, motions), shape, waves, buoy.spectrum, {"model": "linear"})
+
+
+def body_exact_scene(study: Study, paths: dict[str, Any]) -> Scene:
+    """Return the scene with static and Froude-Krylov forces on the instantaneous wet shell, the rest linear."""
+    buoy, shape, model, waves, motions = _from_bem(study, paths)
+    plant = body_exact_plant(buoy, shape, model, waves, motions)
+    return Scene(plant, shape, waves, buoy.spectrum, {"model": "body_exact"})
+
+
+def automatic_scene(study: Study, paths: dict[str, Any]) -> Scene:
+    """Return the cheapest scene that gives the mean absorbed power to the tolerance of the study."""
+    begun = clock.perf_counter()
+    buoy, shape, model, waves, _ = _from_bem(study, paths)
+    (design,) = study.designs
+    ladder = automatic.motion_ladder(study, shape.basis, design)
+    scenes = automatic.Scenes(buoy, shape, model, waves, ladder, study.simulation)
+    choice = automatic.chosen(scenes, study.hydro.allowed_power_error)
+    notes = {**choice.notes, "choice_seconds": clock.perf_counter() - begun}
+    return Scene(choice.plant, shape, waves, buoy.spectrum, notes)
+
+
+def _from_bem(study: Study, paths: dict[str, Any]) -> tuple[LinearBuoy, DeformedShell, RadiationModel, Sea, FloatArray]:
+    """What a scene with BEM is made of: buoy, reference shape, radiation model, sea, motions of the design."""
+    (design,), (wave,) = study.designs, study.waves
+    buoy, basis = linear_buoy(study, paths["database"])
+    ds = load(paths["radiation"])
+    model = RadiationModel(ds.state_matrix.values, ds.input_matrix.values, ds.channel.values)
+    waves = sea(wave, study.hydro.omega_max, study.simulation.duration)
+    shape = DeformedShell(basis, study.centre_height, buoy.database.reference_amplitude.values)
+    return buoy, shape, model, waves, design_motions(study, basis, design)
+
+
+def assumed_pressure_scene(study: Study, _: dict[str, Any]) -> Scene:
+    """Return the scene with static and assumed pressure on the wet shell; a rigid design needs no shell modes."""
+    (design,), (wave,) = study.designs, study.waves
+    basis = study_basis(study)
+    omega = wave.omega if isinstance(wave, RegularWave) else 0.0
+    load = AssumedPressure(study.hydro.pressure or 0.0 if omega else 0.0, omega)
+    shell, water = DeformedShell(basis, study.centre_height, np.zeros(len(basis.labels))), study.water
+    motions = design_motions(study, basis, design)
+    plant = assumed_pressure_plant(shell, LinearPto(study.pto.damping), load, water.density, water.gravity, motions)
+    return Scene(plant, shell, NO_WAVES, None, {"model": "assumed_pressure"})
+
+
+SCENES = {
+    "linear": linear_scene,
+    "body_exact": body_exact_scene,
+    "assumed_pressure": assumed_pressure_scene,
+    "auto": automatic_scene,
+}
+"""Hydrodynamic model -> the scene of one design in one sea."""

@@ -1,0 +1,101 @@
+"""The shell a study is linearised about: its shape at rest, and its stiffness by name."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from vsb.errors import ConfigError, ConvergenceError
+from vsb.shell.deformed import DeformedShell
+from vsb.shell.loaded import Buckling, ElasticShell, LoadedShell, buckling, complete_shell, equilibrium
+from vsb.shell.modes import ModeBasis, design_motions, study_basis
+from vsb.shell.rest import ReferenceShell
+from vsb.study.study import Study
+
+
+def loaded_shell(study: Study, basis: ModeBasis) -> LoadedShell:
+    """Return the shell of a study under weight, water and internal pressure."""
+    device, water = study.device, study.water
+    elastic = ElasticShell(basis)
+    return LoadedShell(elastic, study.centre_height, water.density, water.gravity, device.internal_pressure, device.gas)
+
+
+def complete_loaded_shell(study: Study) -> LoadedShell:
+    """Return the same in a basis that resolves buckling, whatever the modes of the study."""
+    complete = complete_shell(study.device, study.centre_height, study.water, study.device.internal_pressure)
+    return replace(complete, gas=study.device.gas)
+
+
+def reference_shell(study: Study, basis: ModeBasis | None = None) -> ReferenceShell:
+    """Return the shell a study is linearised about.
+
+    Parameters
+    ----------
+    study : Study
+    basis : ModeBasis, optional
+        Another basis than the study's own.
+
+    Raises
+    ------
+    ConfigError
+        If `reference_shape: equilibrium` is asked for and the shell buckles before it carries its load.
+
+    Notes
+    -----
+    `undeformed` and vented: the paper's shell, elastic and hydrostatic stiffness of the sphere. With internal pressure
+    also its prestress, the geometric stiffness of the mean pressure difference and the follower part of the internal
+    pressure. `equilibrium`: the tangent of the whole potential where the loaded shell rests. Trapped gas adds its own.
+    """
+    basis = basis or study_basis(study)
+    loaded = loaded_shell(study, basis)
+    if study.at_equilibrium:
+        check_equilibrium(study)
+        q = equilibrium(loaded)
+    else:
+        q = np.zeros(len(basis.labels))
+    shape = DeformedShell(basis, study.centre_height, q)
+    stiffness = {"structural": basis.stiffness, "hydrostatic": loaded.hydrostatic_stiffness(q)}
+    if study.at_equilibrium:
+        stiffness["structural"] = loaded.elastic.material_stiffness(q)
+        geometric = loaded.elastic.geometric_stiffness(*loaded.elastic.resultants(q))
+        stiffness["prestress"] = geometric + loaded.pressure_stiffness(q)
+    elif study.device.internal_pressure and study.flexible:
+        stiffness["prestress"] = loaded.prestress_stiffness
+    if study.device.gas and study.flexible:
+        stiffness["gas"] = loaded.gas_stiffness(q)
+    return ReferenceShell(shape, {name: (k + k.T) / 2 for name, k in stiffness.items()})
+
+
+def check_equilibrium(study: Study) -> None:
+    """Check that the loaded shell rests stably in a basis that resolves its buckling; few modes would hide it.
+
+    Raises
+    ------
+    ConfigError
+    """
+    try:
+        equilibrium(complete_loaded_shell(study))
+    except ConvergenceError as error:
+        raise ConfigError(f"reference_shape: received 'equilibrium', but {error}") from None
+
+
+def check_stable(study: Study, reference: ReferenceShell) -> None:
+    """Check that every design rests stably about the reference shape: a linear model of it grows without bound else.
+
+    Raises
+    ------
+    ConfigError
+    """
+    for design in study.designs:
+        motions = design_motions(study, reference.basis, design)
+        least = float(np.linalg.eigvalsh(motions.T @ reference.total @ motions)[0])
+        if least <= 0:
+            raise ConfigError(
+                f"device: the shell of design {design} is unstable (least stiffness {least:.3g} N/m) with "
+                f"young_modulus {study.device.young_modulus:g} Pa, thickness {study.device.thickness:g} m and "
+                f"internal_pressure {study.device.internal_pressure:g} Pa; needs more of one of them"
+            )
+
+
+def computed_buckling(study: Study) -> Buckling:
+    """Return the linear buckling of the loaded shell in a basis that resolves it."""
+    return buckling(complete_loaded_shell(study))

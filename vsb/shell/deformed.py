@@ -1,0 +1,154 @@
+"""The deformed shell in water: waterline, wet quadrature, volume, area, hydrostatic force and its exact Jacobian."""
+
+import itertools
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+
+from vsb.shell.modes import ModeBasis
+from vsb.shell.sphere import Shell
+from vsb.tools.units import FloatArray
+
+
+class Meridian(NamedTuple):
+    """Points of a deformed meridian: radius x and height z [m], their derivatives by colatitude, the shapes there."""
+
+    x: FloatArray  # (point,)
+    z: FloatArray
+    dx: FloatArray
+    dz: FloatArray
+    shape_x: FloatArray  # (dof, point), horizontal displacement per unit amplitude
+    shape_z: FloatArray
+    dshape_x: FloatArray
+    dshape_z: FloatArray
+
+
+@dataclass(frozen=True)
+class DeformedShell:
+    """A shell displaced by heave and modal amplitudes, in still water."""
+
+    basis: ModeBasis
+    centre_height: float  # height of the sphere centre above still water at zero heave [m]
+    amplitudes: FloatArray = field(
+        default_factory=lambda: np.zeros(0)
+    )  # heave and modes, shape (dof,) [m]; empty: zero
+
+    @cached_property
+    def _amplitudes(self) -> FloatArray:
+        return self.amplitudes if self.amplitudes.size else np.zeros(len(self.basis.labels))
+
+    def meridian(self, colatitude: FloatArray) -> Meridian:
+        """Return x = (r+v) sin + u cos, z = centre + (r+v) cos - u sin at colatitudes, shape (point,) [rad]."""
+        r, sin, cos = self.basis.shell.radius, np.sin(colatitude), np.cos(colatitude)
+        v, u = self.basis.displacement(colatitude)
+        dv, du = self.basis.displacement(colatitude, derivative=1)
+        shape_x, shape_z = v * sin + u * cos, v * cos - u * sin
+        dshape_x, dshape_z = dv * sin + v * cos + du * cos - u * sin, dv * cos - v * sin - du * sin - u * cos
+        q = self._amplitudes
+        return Meridian(
+            r * sin + q @ shape_x,
+            self.centre_height + r * cos + q @ shape_z,
+            r * cos + q @ dshape_x,
+            -r * sin + q @ dshape_z,
+            shape_x,
+            shape_z,
+            dshape_x,
+            dshape_z,
+        )
+
+    @cached_property
+    def wet_segments(self) -> list[tuple[float, float]]:
+        """Colatitude intervals below the free surface: none (dry), one, or several (more than one waterline)."""
+        grid = np.linspace(0.0, np.pi, 40 * (self.basis.highest_degree + 1) + 1)
+        z = self.meridian(grid).z
+        crossings = [
+            float(brentq(lambda phi: float(self.meridian(np.array([phi])).z[0]), a, b, xtol=1e-15, rtol=1e-15))
+            for a, b, za, zb in zip(grid[:-1], grid[1:], z[:-1], z[1:], strict=True)
+            if (za < 0) != (zb < 0)
+        ]
+        edges = [0.0, *crossings, np.pi]
+        middles = self.meridian(np.array([(a + b) / 2 for a, b in itertools.pairwise(edges)])).z
+        return [(a, b) for a, b, z in zip(edges[:-1], edges[1:], middles, strict=True) if z < 0]
+
+    def _wet_integral(self, integrand: Callable[[Meridian], FloatArray], points: int) -> FloatArray | float:
+        """Integrate over the wet meridian by Gauss-Legendre quadrature, `points` per wet segment."""
+        node, weight = np.polynomial.legendre.leggauss(points)
+        total: FloatArray | float = 0.0
+        for a, b in self.wet_segments:
+            phi = (a + b) / 2 + (b - a) / 2 * node
+            total = total + integrand(self.meridian(phi)) @ ((b - a) / 2 * weight)
+        return total
+
+    def volume(self, points: int = 40) -> float:
+        """Return the volume of displaced water [m^3], -int 2 pi x z n_z: pi x^2 dz integrated by parts at z = 0."""
+        return float(self._wet_integral(lambda m: 2 * np.pi * m.x * m.z * m.dx, points))
+
+    def wet_area(self, points: int = 40) -> float:
+        """Return the area of the wet shell [m^2]."""
+        return float(self._wet_integral(lambda m: 2 * np.pi * m.x * np.hypot(m.dx, m.dz), points))
+
+    def hydrostatic_force(self, density: float, gravity: float, points: int = 60) -> FloatArray:
+        """Return the generalized hydrostatic force, shape (dof,) [N].
+
+        Notes
+        -----
+        Q_j = -int p n.psi_j dS with p = -rho g z and n dS = 2 pi x (-z', x') dphi on the deformed surface.
+        """
+
+        def integrand(m: Meridian) -> FloatArray:
+            return m.z * m.x * (-m.dz * m.shape_x + m.dx * m.shape_z)
+
+        force = 2 * np.pi * density * gravity * self._wet_integral(integrand, points)
+        return np.broadcast_to(force, len(self.basis.labels)).copy()
+
+    def hydrostatic_stiffness(self, density: float, gravity: float, points: int = 60) -> FloatArray:
+        """Return the exact Jacobian -dQ_j/dq_k of `hydrostatic_force`, shape (dof, dof) [N/m].
+
+        Notes
+        -----
+        The waterline moves too, but the pressure vanishes there, so only the integrand is differentiated: height
+        (buoyancy), radius and the turning and stretching of n dS (follower pressure). Symmetric, for a pressure
+        field has a potential; capytaine's own matrix drops terms of it and is not.
+        """
+
+        def integrand(m: Meridian) -> FloatArray:
+            normal_j = (-m.dz * m.shape_x + m.dx * m.shape_z)[:, None]
+            turned = -m.dshape_z * m.shape_x[:, None] + m.dshape_x * m.shape_z[:, None]
+            return m.shape_z * m.x * normal_j + m.z * m.shape_x * normal_j + m.z * m.x * turned
+
+        jacobian = 2 * np.pi * density * gravity * self._wet_integral(integrand, points)
+        dof = len(self.basis.labels)
+        return -np.broadcast_to(jacobian, (dof, dof)).copy()
+
+
+def enclosed(basis: ModeBasis, amplitudes: FloatArray, points: int = 0) -> tuple[FloatArray, FloatArray]:
+    """Return the volume the whole shell encloses [m^3] and its surface area [m^2] along a motion.
+
+    Parameters
+    ----------
+    basis : ModeBasis
+    amplitudes : ndarray, shape (time, dof) [m]
+        Heave and modal amplitudes; heave is without effect.
+    points : int
+        Of the quadrature; by default enough for the volume to be exact.
+
+    Returns
+    -------
+    volume, area : ndarray, shape (time,)
+        -int pi x^2 dz and int 2 pi x ds over the deformed meridian.
+    """
+    node, weight = np.polynomial.legendre.leggauss(points or 4 * basis.highest_degree + 24)
+    m = DeformedShell(basis, 0.0).meridian(np.arccos(node))
+    weight = weight / np.sqrt(1 - node**2)
+    x, dx, dz = m.x + amplitudes @ m.shape_x, m.dx + amplitudes @ m.dshape_x, m.dz + amplitudes @ m.dshape_z
+    return -np.pi * (x**2 * dz) @ weight, 2 * np.pi * (x * np.hypot(dx, dz)) @ weight
+
+
+def rigid_sphere(radius: float, centre_height: float) -> DeformedShell:
+    """Return an undeformed sphere in the water; its material is of no consequence."""
+    shell = Shell(radius, 0.01 * radius, 1.0, 0.0, 1.0)
+    return DeformedShell(ModeBasis(shell, (), 1.0, bending=False), centre_height, np.zeros(1))

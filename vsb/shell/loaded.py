@@ -1,0 +1,382 @@
+"""The loaded shell: one potential energy, and from it force, tangent stiffness, equilibrium and buckling.
+
+Potential = membrane + bending energy - work of the internal pressure + hydrostatic potential + weight, over heave and
+the axisymmetric modes. Buckling into shapes that vary with azimuth is outside this space, as are imperfections.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve, eigh
+from scipy.optimize import brentq, minimize_scalar
+
+from vsb.errors import ConvergenceError
+from vsb.shell.deformed import DeformedShell, Meridian
+from vsb.shell.modes import Mode, ModeBasis, bending_block, legendre
+from vsb.shell.sphere import Shell
+from vsb.study.study import Device, Gas, Water
+from vsb.tools.units import FloatArray
+
+
+def strain_shapes(basis: ModeBasis, colatitude: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return linear meridional and hoop strain and rotation per unit amplitude, each shape (dof, point) [1/m].
+
+    e_phi = (u' + v)/r, e_theta = (u cot phi + v)/r, beta = (v' - u)/r. By Legendre's equation
+    u cot phi = -n(n+1) U P_n - u', which holds at the poles too and makes all three exactly zero for rigid heave.
+    """
+    p, dp, ddp = (table[list(basis.degrees)] for table in legendre(basis.highest_degree, colatitude))
+    radial, meridional = np.array([[mode.radial, mode.meridional] for mode in basis.shapes]).T[:, :, None]
+    n, r = np.array(basis.degrees)[:, None], basis.shell.radius
+    hoop = (radial - n * (n + 1) * meridional) * p - meridional * ddp
+    return (radial * p + meridional * ddp) / r, hoop / r, (radial - meridional) * dp / r
+
+
+class Tables(NamedTuple):
+    """Shapes at the quadrature points of the undeformed shell."""
+
+    colatitude: FloatArray  # (point,) [rad]
+    area: FloatArray  # of the ring of each point, (point,) [m^2]
+    dphi: FloatArray  # weights of int f dphi, (point,) [rad]
+    strains: tuple[FloatArray, FloatArray, FloatArray]  # `strain_shapes`
+    meridian: Meridian
+
+
+@dataclass(frozen=True)
+class ElasticShell:
+    """Exact elastic energy and enclosed volume over the amplitudes of a basis; bending always included.
+
+    The Green-Lagrange membrane strains E_phi = e_phi + (e_phi^2 + beta^2)/2 and E_theta = e_theta + e_theta^2/2 are
+    those of the deformed surface; bending is quadratic. Every integrand is a polynomial in cos phi, of degree at most
+    4N (energy) or 3N+2 (volume), so Gauss-Legendre quadrature with 2N+2 points or more is exact.
+    """
+
+    basis: ModeBasis
+
+    @cached_property
+    def _tables(self) -> Tables:
+        prestress = converged_degree(self.basis.shell) // 2  # points for membrane forces of more degrees than the basis
+        cos, weight = np.polynomial.legendre.leggauss(2 * self.basis.highest_degree + 2 + prestress)
+        colatitude, area = np.arccos(cos), 2 * np.pi * self.basis.shell.radius**2 * weight
+        meridian = DeformedShell(self.basis, 0.0).meridian(colatitude)
+        return Tables(colatitude, area, weight / np.sin(colatitude), strain_shapes(self.basis, colatitude), meridian)
+
+    @cached_property
+    def bending(self) -> FloatArray:
+        """Stiffness of bending, shape (dof, dof) [N/m]; the curvatures hold V - U alone, so one number per degree."""
+        n, shape = np.array(self.basis.degrees), np.array([mode.radial - mode.meridional for mode in self.basis.shapes])
+        scale = np.array([bending_block(self.basis.shell, degree)[0, 0] for degree in self.basis.degrees])
+        return np.where(n[:, None] == n, np.outer(scale * shape, shape), 0.0)
+
+    def strains(self, q: FloatArray, colatitude: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
+        """Return Green-Lagrange strains E_phi, E_theta, each shape (point,) [-]; at the quadrature points if none."""
+        shapes = self._tables.strains if colatitude is None else strain_shapes(self.basis, colatitude)
+        meridional, hoop, rotation = (q @ shape for shape in shapes)
+        return meridional + (meridional**2 + rotation**2) / 2, hoop + hoop**2 / 2
+
+    def resultants(self, q: FloatArray, colatitude: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
+        """Return membrane forces N_phi = C (E_phi + nu E_theta), N_theta, each (point,) [N per metre undeformed]."""
+        return self._hooke(*self.strains(q, colatitude))
+
+    def _hooke(self, meridional: FloatArray, hoop: FloatArray) -> tuple[FloatArray, FloatArray]:
+        shell = self.basis.shell
+        stiffness, nu = shell.membrane_stiffness, shell.poisson_ratio
+        return stiffness * (meridional + nu * hoop), stiffness * (hoop + nu * meridional)
+
+    def _strain_gradients(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Derivatives of E_phi and E_theta by the amplitudes, each shape (dof, point) [1/m]."""
+        meridional, hoop, rotation = self._tables.strains
+        return (1 + q @ meridional) * meridional + (q @ rotation) * rotation, (1 + q @ hoop) * hoop
+
+    def energy(self, q: FloatArray) -> float:
+        """Return U = pi C int (E_phi^2 + E_theta^2 + 2 nu E_phi E_theta) r^2 sin phi dphi + bending [J]."""
+        density = sum(strain * force for strain, force in zip(self.strains(q), self.resultants(q), strict=True)) / 2
+        energy: float = np.dot(density, self._tables.area) + np.dot(q, self.bending @ q) / 2
+        return energy
+
+    def force(self, q: FloatArray) -> FloatArray:
+        """Return the elastic force -dU/dq, shape (dof,) [N]."""
+        (a, t), (meridional, hoop), area = self._strain_gradients(q), self.resultants(q), self._tables.area
+        return -(a @ (area * meridional) + t @ (area * hoop) + self.bending @ q)
+
+    def material_stiffness(self, q: FloatArray) -> FloatArray:
+        """Return the part of the Hessian of U that holds the elastic moduli, bending included, (dof, dof) [N/m]."""
+        (a, t), area = self._strain_gradients(q), self._tables.area
+        meridional, hoop = self._hooke(a, t)
+        return (area * a) @ meridional.T + (area * t) @ hoop.T + self.bending
+
+    def geometric_stiffness(self, meridional: FloatArray, hoop: FloatArray) -> FloatArray:
+        """Return int [N_phi (e_phi e_phi + beta beta) + N_theta e_theta e_theta] dA, shape (dof, dof) [N/m]."""
+        (e, t, b), area = self._tables.strains, self._tables.area
+        return (area * meridional * e) @ e.T + (area * meridional * b) @ b.T + (area * hoop * t) @ t.T
+
+    def stiffness(self, q: FloatArray) -> FloatArray:
+        """Return the Hessian of U, material and geometric, shape (dof, dof) [N/m]."""
+        return self.material_stiffness(q) + self.geometric_stiffness(*self.resultants(q))
+
+    def _deformed(self, q: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Radius x of the deformed meridian, dx/dphi and dz/dphi at the quadrature points, each shape (point,) [m]."""
+        m = self._tables.meridian
+        return m.x + q @ m.shape_x, m.dx + q @ m.dshape_x, m.dz + q @ m.dshape_z
+
+    def volume(self, q: FloatArray) -> float:
+        """Return the enclosed volume pi int x^2 dz over the closed meridian [m^3]."""
+        x, _, dz = self._deformed(q)
+        volume: float = -np.pi * np.dot(x**2 * dz, self._tables.dphi)  # phi runs downwards
+        return volume
+
+    def volume_gradient(self, q: FloatArray) -> FloatArray:
+        """Return dV/dq_j = int n.psi_j dS, shape (dof,) [m^2]."""
+        (x, dx, dz), weight, m = self._deformed(q), 2 * np.pi * self._tables.dphi, self._tables.meridian
+        return m.shape_z @ (weight * x * dx) - m.shape_x @ (weight * x * dz)
+
+    def volume_hessian(self, q: FloatArray) -> FloatArray:
+        """Return d2V/dq_j dq_k = -2 pi int [x_j x_k z' + x (x_j z_k' + x_k z_j')] dphi, shape (dof, dof) [m]."""
+        (x, _, dz), weight = self._deformed(q), 2 * np.pi * self._tables.dphi
+        shape = self._tables.meridian.shape_x
+        mixed = (x * weight * shape) @ self._tables.meridian.dshape_z.T
+        return -((dz * weight * shape) @ shape.T + mixed + mixed.T)
+
+
+@dataclass(frozen=True)
+class LoadedShell:
+    """An elastic shell with ballast, internal pressure and still water around it; q is heave and modes [m]."""
+
+    elastic: ElasticShell
+    centre_height: float  # of the sphere centre above still water at zero heave [m]
+    water_density: float  # [kg/m^3]
+    gravity: float  # [m/s^2]
+    internal_pressure: float = 0.0  # gauge, at the undeformed volume if gas is trapped [Pa]
+    gas: Gas | None = None  # None: a reservoir keeps the pressure constant
+
+    @property
+    def basis(self) -> ModeBasis:
+        """Shapes of the amplitudes."""
+        return self.elastic.basis
+
+    def scaled(self, factor: float) -> "LoadedShell":
+        """Return the same shell under `factor` times gravity and internal pressure."""
+        return replace(self, gravity=factor * self.gravity, internal_pressure=factor * self.internal_pressure)
+
+    @property
+    def _contents(self) -> tuple[float, float, float]:
+        """Adiabatic index, outer pressure and undeformed volume; constant pressure is a gas of index 0."""
+        index, outside = (self.gas.adiabatic_index, self.gas.atmospheric_pressure) if self.gas else (0.0, 0.0)
+        return index, outside, 4 / 3 * math.pi * self.basis.shell.radius**3
+
+    def pressure(self, q: FloatArray) -> float:
+        """Return the internal gauge pressure, (p_atm + p_i)(V_0/V)^gamma - p_atm for a trapped gas [Pa]."""
+        index, outside, reference = self._contents
+        return float((outside + self.internal_pressure) * (reference / self.elastic.volume(q)) ** index - outside)
+
+    def _water(self, q: FloatArray) -> tuple[DeformedShell, int]:
+        """The shell in the water, and points per wet arc that resolve the 4N+3 waves per turn of the integrands."""
+        return DeformedShell(self.basis, self.centre_height, q), 4 * self.basis.highest_degree + 40
+
+    def force(self, q: FloatArray) -> FloatArray:
+        """Return minus the gradient of the total potential, shape (dof,) [N].
+
+        The weight acts as -g times the heave row of the inertia: a mode orthogonal to rigid heave feels none. So the
+        ballast hangs from the shell as the shell's own weight does, evenly over its area.
+        """
+        shell, points = self._water(q)
+        water = shell.hydrostatic_force(self.water_density, self.gravity, points)
+        pressure = self.pressure(q) * self.elastic.volume_gradient(q)
+        return np.asarray(self.elastic.force(q) + pressure + water - self.gravity * self.basis.inertia[0])
+
+    def pressure_stiffness(self, q: FloatArray) -> FloatArray:
+        """Return the follower part of a constant internal pressure, -p d2V/dq2, shape (dof, dof) [N/m]."""
+        return -self.pressure(q) * self.elastic.volume_hessian(q)
+
+    def gas_stiffness(self, q: FloatArray) -> FloatArray:
+        """Return the stiffness of trapped gas, gamma (p_atm + p)/V dV/dq dV/dq^T, shape (dof, dof) [N/m]."""
+        (index, outside, _), gradient = self._contents, self.elastic.volume_gradient(q)
+        return np.outer(gradient, gradient) * (index * (outside + self.pressure(q)) / self.elastic.volume(q))
+
+    def hydrostatic_stiffness(self, q: FloatArray) -> FloatArray:
+        """Return the stiffness of the water, shape (dof, dof) [N/m]; its round-off asymmetry removed."""
+        shell, points = self._water(q)
+        stiffness = shell.hydrostatic_stiffness(self.water_density, self.gravity, points)
+        return (stiffness + stiffness.T) / 2
+
+    def stiffness(self, q: FloatArray) -> FloatArray:
+        """Return the Hessian of the total potential, the tangent stiffness, shape (dof, dof) [N/m]."""
+        contents = self.pressure_stiffness(q) + self.gas_stiffness(q)
+        return self.elastic.stiffness(q) + contents + self.hydrostatic_stiffness(q)
+
+    @cached_property
+    def unloaded_stiffness(self) -> FloatArray:
+        """Stiffness at zero load: the shell and, if trapped, the gas at rest, shape (dof, dof) [N/m]."""
+        q = np.zeros(len(self.basis.labels))
+        return self.elastic.stiffness(q) + self.scaled(0.0).gas_stiffness(q)
+
+    @cached_property
+    def first_order(self) -> FloatArray:
+        """Shell amplitudes to first order in the load, K_unloaded^-1 force(0), heave zero, shape (dof,) [m]."""
+        q = np.zeros(len(self.basis.labels))
+        q[1:] = np.linalg.solve(self.unloaded_stiffness[1:, 1:], self.force(q)[1:])
+        return q
+
+    def linear_resultants(self, colatitude: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the membrane forces that carry the load on the undeformed sphere, each shape (point,) [N/m]."""
+        degree = max(converged_degree(self.basis.shell), self.basis.highest_degree)
+        basis = complete_basis(self.basis.shell, degree, self.basis.total_mass)
+        q = replace(self, elastic=ElasticShell(basis)).first_order
+        e, t, _ = strain_shapes(basis, colatitude)
+        return self.elastic._hooke(q @ e, q @ t)
+
+    @cached_property
+    def prestress_stiffness(self) -> FloatArray:
+        """Geometric stiffness of the load and follower part of its pressure on the undeformed sphere, (dof, dof) [N/m].
+
+        The membrane forces N are those of the linear static solution in a complete basis, not in the study's: they are
+        statically determinate, so they belong to the load and must not depend on how many modes a study keeps; and the
+        same energy gives them, so ballast, waterline and bending layer are those of `stiffness`. Of that, this is the
+        part of first order in the load, less what classical buckling omits, strain and rotation before buckling (of
+        relative order N/C); `stiffness` at an `equilibrium` has those too.
+        """
+        forces = self.linear_resultants(self.elastic._tables.colatitude)
+        (index, outside, volume), q = self._contents, np.zeros(len(self.basis.labels))
+        expansion = self.elastic.volume_gradient(q) @ self.first_order / volume  # lowers the pressure of trapped gas
+        pressure = self.internal_pressure - index * outside * expansion
+        return self.elastic.geometric_stiffness(*forces) - pressure * self.elastic.volume_hessian(q)
+
+
+def converged_degree(shell: Shell) -> int:
+    """Return 1.6 times the classical degree of buckling, sqrt(r/h) [12 (1 - nu^2)]^(1/4), and at least 40."""
+    slenderness = shell.radius / shell.thickness
+    return max(40, math.ceil(1.6 * math.sqrt(slenderness * math.sqrt(12 * (1 - shell.poisson_ratio**2)))))
+
+
+def complete_basis(shell: Shell, degree: int, mass: float) -> ModeBasis:
+    """Return all shapes up to a degree as separate radial and meridional functions: the span of `full`.
+
+    Degree 1 has one function beside rigid heave, V = 1, U = -1/2, of no momentum. Meridional ones are scaled by 1/n.
+    """
+    modes = [Mode("Radial0", 0, 1.0, 0.0), Mode("Membrane1", 1, 1.0, -0.5)]
+    for n in range(2, degree + 1):
+        modes += [Mode(f"Radial{n}", n, 1.0, 0.0), Mode(f"Meridional{n}", n, 0.0, 1 / n)]
+    return ModeBasis(shell, tuple(modes), mass, bending=True)
+
+
+def _dominant_degree(elastic: ElasticShell, q: FloatArray) -> int:
+    """Degree that holds most of the linear elastic energy of a shape; degrees are orthogonal."""
+    return int(np.bincount(elastic.basis.degrees, q * (elastic.stiffness(0 * q) @ q)).argmax())
+
+
+def equilibrium(loaded: LoadedShell, motions: FloatArray | None = None) -> FloatArray:
+    """Return the static equilibrium reached from the undeformed shell as the load grows, shape (dof,) [m].
+
+    Newton's method along gravity and internal pressure times a factor 0..1 in adaptive steps. The tangent stiffness
+    must stay positive definite: a step that would jump past a buckling point is halved, and in the end refused with
+    `ConvergenceError`. `motions`, shape (dof, free), are those that clamps allow; all if not given.
+    """
+    n = np.eye(len(loaded.basis.labels)) if motions is None else motions
+    q: FloatArray = np.zeros(n.shape[0])
+    reached, step = 0.0, 0.25
+    while reached < 1.0:
+        trial = min(1.0, reached + step)
+        found = _newton(loaded.scaled(trial), n, q)
+        if found is not None:
+            q, reached, step = found, trial, 2 * step
+        elif step < 1e-3:
+            raise ConvergenceError(_buckled(loaded, n, q, reached))
+        else:
+            step /= 2
+    return q
+
+
+def _newton(loaded: LoadedShell, n: FloatArray, q: FloatArray) -> FloatArray | None:
+    """Newton's method in the motions n; none if it leaves the stable region or does not converge."""
+    for _ in range(12):
+        try:
+            correction = n @ cho_solve(cho_factor(n.T @ loaded.stiffness(q) @ n), n.T @ loaded.force(q))
+        except np.linalg.LinAlgError:
+            return None
+        largest, q = np.abs(correction).max() / loaded.basis.shell.radius, q + correction
+        if not largest < 0.5:
+            return None
+        if largest < 1e-9:  # convergence is quadratic: the error left is its square
+            return q
+    return None
+
+
+def _buckled(loaded: LoadedShell, n: FloatArray, q: FloatArray, reached: float) -> str:
+    """Say at which load and into which shape the shell buckles: the softest motion of the last stable state."""
+    stiffness, unloaded = loaded.scaled(max(reached, 1e-3)).stiffness(q), loaded.unloaded_stiffness.copy()
+    unloaded[0, 0] = stiffness[0, 0]  # heave has no elastic stiffness to lose
+    softest = n @ eigh(n.T @ stiffness @ n, n.T @ unloaded @ n, subset_by_index=[0, 0])[1][:, 0]
+    return (
+        f"the shell buckles at {reached:.3g} of its load, into a shape of degree "
+        f"{_dominant_degree(loaded.elastic, softest)}; raise device.internal_pressure (now "
+        f"{loaded.internal_pressure:g} Pa, gauge) or device.thickness (now {loaded.basis.shell.thickness:g} m)"
+    )
+
+
+@dataclass(frozen=True)
+class Buckling:
+    """Linear buckling under gravity and internal pressure times one factor."""
+
+    load_factor: float  # least factor that buckles the shell; inf: none does [-]
+    degree: int  # Legendre degree with most of the mode's elastic energy
+    classical_factor: float  # classical pressure over the largest net external pressure, as if it were uniform [-]
+    linear_strain: float  # largest strain of the linear static solution: over-estimates large ones [-]
+
+
+def _pencil(loaded: LoadedShell) -> tuple[FloatArray, FloatArray]:
+    """Return K_0 and K_1 of K(L) = K_0 + L K_1 over the shell modes, the buoy free to heave, (mode, mode) [N/m]."""
+    zero = np.zeros(len(loaded.basis.labels))
+    gas = loaded.gas_stiffness(zero) - loaded.scaled(0.0).gas_stiffness(zero)
+    load = loaded.prestress_stiffness + loaded.hydrostatic_stiffness(zero) + gas
+    if load[0, 0] > 0.0:  # a floating buoy finds its own heave: L cancels in the coupling over the waterplane
+        load = load - np.outer(load[:, 0], load[0]) / load[0, 0]
+    return loaded.unloaded_stiffness[1:, 1:], load[1:, 1:]
+
+
+def buckling(loaded: LoadedShell) -> Buckling:
+    """Return the least L > 0 at which K_elastic + L (prestress + hydrostatic stiffness) is singular, heave free."""
+    elastic, load = _pencil(loaded)
+    values, vectors = eigh(-load, elastic)
+    draft = max(0.0, loaded.basis.shell.radius - loaded.centre_height)
+    external = loaded.water_density * loaded.gravity * draft - loaded.internal_pressure
+    e, t, _ = loaded.elastic._tables.strains
+    return Buckling(
+        1 / float(values[-1]) if values[-1] > 0 else math.inf,
+        _dominant_degree(loaded.elastic, np.append(0.0, vectors[:, -1])),
+        loaded.basis.shell.buckling_pressure / external if external > 0 else math.inf,
+        float(np.abs([loaded.first_order @ e, loaded.first_order @ t]).max()),
+    )
+
+
+def complete_shell(device: Device, centre_height: float, water: Water, internal_pressure: float) -> LoadedShell:
+    """Return the loaded shell of a device in a basis that resolves its buckling."""
+    basis = complete_basis(Shell.of(device), converged_degree(Shell.of(device)), device.mass)
+    return LoadedShell(ElasticShell(basis), centre_height, water.density, water.gravity, internal_pressure)
+
+
+def viable_pressure(device: Device, centre_height: float, water: Water, margin: float = 1.0) -> tuple[float, Buckling]:
+    """Return the least internal pressure [Pa, gauge] with a buckling load factor of at least `margin`, and the latter.
+
+    K_0 + margin K_1(p) is linear in p, so its least eigenvalue is concave: above its maximum more pressure is of no
+    use, below it the root is unique; raises `ConvergenceError` if no pressure will do. Imperfect shells buckle earlier
+    than computed: ask for a margin.
+    """
+    vented = complete_shell(device, centre_height, water, 0.0)
+    elastic, load = _pencil(vented)
+    highest = 2 * vented.basis.shell.membrane_stiffness * (1 + device.poisson_ratio) / device.radius  # breathing fails
+    added = (_pencil(replace(vented, internal_pressure=highest))[1] - load) / highest
+
+    def least(pressure: float) -> float:
+        matrix = elastic + margin * (load + pressure * added)
+        return float(eigh(matrix, elastic, eigvals_only=True, subset_by_index=[0, 0])[0])
+
+    best = float(minimize_scalar(lambda p: -least(p), bounds=(0.0, highest), options={"xatol": 1e-6 * highest}).x)
+    if least(best) < 0.0:
+        raise ConvergenceError(
+            f"no internal pressure keeps a shell of thickness {device.thickness:g} m from buckling under {margin:g} "
+            f"times its load; raise device.thickness or device.young_modulus"
+        )
+    pressure = 0.0 if least(0.0) >= 0.0 else float(brentq(least, 0.0, best, xtol=1e-9 * highest))
+    return pressure, buckling(replace(vented, internal_pressure=pressure))

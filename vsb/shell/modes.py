@@ -1,0 +1,390 @@
+"""Rayleigh-Ritz basis of the shell: mode shapes, modal mass, stiffness and damping, clamps.
+
+Every shape is one Legendre degree n: radial displacement v = V P_n(cos phi), meridional u = U dP_n/dphi. Rigid heave
+is the shape n = 1, V = U = 1. Degrees are orthogonal, so mass and energy are closed-form 2 x 2 blocks per degree.
+"""
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from scipy.linalg import eigh, svd
+from scipy.optimize import minimize_scalar
+from scipy.special import legendre_p_all
+
+from vsb.errors import ConfigError
+from vsb.shell.sphere import Shell, frequency_parameter
+from vsb.study.study import Device, Study
+from vsb.tools.units import FloatArray
+
+Basis = Literal["paper", "membrane", "full"]
+HEAVE = "Heave"
+SAME = 1e-12
+"""A singular value of the constraint below this part of the largest is zero: a repeated clamp, a pole's row [-]."""
+DISTINCT = 1e-8
+"""Above this part it is a constraint of its own; its direction then keeps eight digits [-]."""
+
+
+def legendre(degree: int, colatitude: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return P_n(cos phi) and its first and second derivatives by phi for n = 0..degree.
+
+    Parameters
+    ----------
+    degree : int
+    colatitude : ndarray, shape (point,) [rad]
+
+    Returns
+    -------
+    tuple of ndarray, each shape (degree + 1, point) [-]
+    """
+    cos, sin = np.cos(colatitude), np.sin(colatitude)
+    p, dp, ddp = legendre_p_all(degree, cos, diff_n=2)
+    return p, -sin * dp, sin**2 * ddp - cos * dp
+
+
+def normal_velocities(displacements: Sequence[str], colatitude: FloatArray, normal: Sequence[FloatArray]) -> FloatArray:
+    """Return the normal velocities of displacements of unit rate, shape (displacement, point) [m/s per m/s].
+
+    Parameters
+    ----------
+    displacements : sequence of str
+        Radial<n>: P_n(cos phi) along e_r; Meridional<n>: dP_n/dphi along e_phi.
+    colatitude : ndarray, shape (point,) [rad]
+        Of the material points, on the undeformed sphere.
+    normal : two ndarray, each shape (point,)
+        Unit normal of the shell there, radius and height component.
+    """
+    (n_x, n_z), (sin, cos) = normal, (np.sin(colatitude), np.cos(colatitude))
+    degrees = {label: int(re.sub(r"\D", "", label)) for label in displacements}
+    p, dp, _ = legendre(max(degrees.values()), colatitude)
+    along = {"R": p * (n_x * sin + n_z * cos), "M": dp * (n_x * cos - n_z * sin)}
+    return np.array([along[label[0]][degree] for label, degree in degrees.items()])
+
+
+def membrane_block(shell: Shell, degree: int) -> FloatArray:
+    """Return the membrane stiffness of (V, U) of one degree, shape (2, 2) [N/m].
+
+    Notes
+    -----
+    From U_m = pi E h/(1-nu^2) int (ef^2 + et^2 + 2 nu ef et) r^2 sin phi dphi, Eqs. 21-23, with
+    ef = (u' + v)/r, et = (u cot phi + v)/r and int P_n^2 sin phi dphi = 2/(2n+1). The cross term of Eq. 61 is kept;
+    Eq. 63 prints squares in its place, which does not give Table I.
+    """
+    nu, lam = shell.poisson_ratio, degree * (degree + 1)
+    block = np.array([[2 * (1 + nu), -lam * (1 + nu)], [-lam * (1 + nu), lam * (lam - 1 + nu)]])
+    return 4 * np.pi / (2 * degree + 1) * shell.membrane_stiffness * block
+
+
+def bending_block(shell: Shell, degree: int) -> FloatArray:
+    """Return the bending stiffness of (V, U) of one degree, shape (2, 2) [N/m].
+
+    Notes
+    -----
+    From U_b = pi D int (kf^2 + kt^2 + 2 nu kf kt) r^2 sin phi dphi with kf = -(v'' - u')/r^2,
+    kt = -cot phi (v' - u)/r^2. The paper's stiffness (Eq. 63) has no bending.
+    """
+    nu, lam = shell.poisson_ratio, degree * (degree + 1)
+    scale = 4 * np.pi / (2 * degree + 1) * shell.bending_stiffness / shell.radius**2 * lam * (lam - 1 + nu)
+    return scale * np.array([[1.0, -1.0], [-1.0, 1.0]])
+
+
+def mass_block(shell: Shell, degree: int) -> FloatArray:
+    """Return the mass of (V, U) of one degree, 2 pi rho h r^2 2/(2n+1) diag(1, n(n+1)), shape (2, 2) [kg]."""
+    scale = 4 * np.pi / (2 * degree + 1) * shell.density * shell.thickness * shell.radius**2
+    return scale * np.diag([1.0, degree * (degree + 1.0)])
+
+
+@dataclass(frozen=True)
+class Mode:
+    """One shape: v = radial P_n, u = meridional dP_n/dphi, scaled to max|displacement| = 1 (C5)."""
+
+    label: str
+    degree: int
+    radial: float
+    meridional: float
+
+
+@dataclass(frozen=True)
+class ModeBasis:
+    """Shapes of a study and their structural matrices; heave first, then the shell modes."""
+
+    shell: Shell
+    modes: tuple[Mode, ...]
+    total_mass: float  # [kg]
+    bending: bool  # whether the energy of bending is part of the stiffness
+    alpha: float = 0.0  # mass-proportional damping [1/s]
+    beta: float = 0.0  # stiffness-proportional damping [s]
+
+    @cached_property
+    def shapes(self) -> tuple[Mode, ...]:
+        """Rigid heave and the shell modes."""
+        return (Mode(HEAVE, 1, 1.0, 1.0), *self.modes)
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Names of the degrees of freedom."""
+        return tuple(mode.label for mode in self.shapes)
+
+    @property
+    def degrees(self) -> tuple[int, ...]:
+        """Legendre degree of each degree of freedom."""
+        return tuple(mode.degree for mode in self.shapes)
+
+    @property
+    def highest_degree(self) -> int:
+        """Highest Legendre degree of the basis."""
+        return max(self.degrees)
+
+    @cached_property
+    def pole_radial_displacement(self) -> FloatArray:
+        """Radial displacement at the top pole per unit amplitude, shape (dof,) [-]: P_n(1) = 1."""
+        return np.array([mode.radial for mode in self.shapes])
+
+    def _assembled(self, block: dict[int, FloatArray], shapes: Iterable[Mode]) -> FloatArray:
+        """Matrix of a quadratic form that couples equal degrees only, from its (V, U) blocks."""
+        vectors = [(mode.degree, np.array([mode.radial, mode.meridional])) for mode in shapes]
+        return np.array([[a @ block[n] @ b if n == m else 0.0 for m, b in vectors] for n, a in vectors])
+
+    @cached_property
+    def inertia(self) -> FloatArray:
+        """Mass of ballast and shell over heave and modes, shape (dof, dof) [kg].
+
+        Heave carries the whole buoy. A mode couples to heave only through degree 1, and there only if it is not
+        orthogonal to rigid heave, as the paper's slipped n = 1 shape is not.
+        """
+        matrix = self._assembled({n: mass_block(self.shell, n) for n in set(self.degrees)}, self.shapes)
+        matrix[0, 0] = self.total_mass
+        return matrix
+
+    @cached_property
+    def stiffness(self) -> FloatArray:
+        """Elastic stiffness over heave and modes, shape (dof, dof) [N/m]; zero for rigid heave."""
+        blocks = {n: membrane_block(self.shell, n) for n in set(self.degrees)}
+        if self.bending:
+            blocks = {n: block + bending_block(self.shell, n) for n, block in blocks.items()}
+        matrix = self._assembled(blocks, self.shapes)
+        matrix[0, :] = matrix[:, 0] = 0.0  # exact: rigid motion strains nothing
+        return matrix
+
+    @property
+    def damping(self) -> FloatArray:
+        """Rayleigh damping alpha M + beta K of the shell modes, shape (dof, dof) [kg/s]; none for rigid heave."""
+        matrix = self.alpha * self.inertia + self.beta * self.stiffness
+        matrix[0, :] = matrix[:, 0] = 0.0
+        return matrix
+
+    @cached_property
+    def dry_frequencies(self) -> FloatArray:
+        """Rayleigh quotient of each shell mode, shape (mode,) [rad/s]."""
+        return np.sqrt(np.diag(self.stiffness)[1:] / np.diag(self.inertia)[1:])
+
+    def displacement(self, colatitude: FloatArray, derivative: int = 0) -> tuple[FloatArray, FloatArray]:
+        """Return radial and meridional shapes at points, or their derivative by colatitude (0 or 1).
+
+        Returns
+        -------
+        radial, meridional : ndarray, shape (dof, point) [-]
+        """
+        p = legendre(self.highest_degree, colatitude)
+        index = list(self.degrees)
+        radial = np.array([mode.radial for mode in self.shapes])[:, None] * p[derivative][index]
+        meridional = np.array([mode.meridional for mode in self.shapes])[:, None] * p[derivative + 1][index]
+        return radial, meridional
+
+    def clamp_rows(self, colatitudes: Iterable[float]) -> FloatArray:
+        """Return the constraint matrix Phi_c with Phi_c q = 0, shape (2 * clamp, dof) [-].
+
+        Notes
+        -----
+        The shell does not move relative to the sphere centre at the clamped colatitudes [rad]: one radial and one
+        meridional row each, the heave column zero. At a pole the meridional row is zero by symmetry.
+        """
+        radial, meridional = self.displacement(np.asarray(list(colatitudes), dtype=float))
+        rows = np.concatenate([radial.T, meridional.T])
+        rows[:, 0] = 0.0
+        return rows
+
+    def clamped(self, colatitudes: Iterable[float]) -> FloatArray:
+        """Return an orthonormal basis of the motions the clamps allow, shape (dof, free); heave is the first column.
+
+        Notes
+        -----
+        Null space of `clamp_rows` by singular values: repeated and zero rows are harmless. With it q = N y the
+        constraint holds at all times by construction: no multipliers, no drift.
+        """
+        rows = self.clamp_rows(colatitudes)[:, 1:]
+        _, _, vt = svd(rows, full_matrices=True)
+        rank = check_rank(rows)
+        free = np.zeros((len(self.labels), vt.shape[0] - rank + 1))
+        free[0, 0] = 1.0
+        free[1:, 1:] = vt[rank:].T
+        return free
+
+
+def check_rank(rows: FloatArray) -> int:
+    """Return the number of independent constraints among the rows.
+
+    Parameters
+    ----------
+    rows : ndarray, shape (constraint, dof) [-]
+        Phi, from `ModeBasis.clamp_rows`; repeated and zero rows are harmless.
+
+    Raises
+    ------
+    ConfigError
+        If a singular value lies between `SAME` and `DISTINCT` of the largest: clamps so near each other that round-off
+        decides whether they are one or two.
+
+    Notes
+    -----
+    Two clamps d apart [rad] leave a smallest singular value of the order of d, down to 0.1 d for one mode per degree.
+    Clamps on the same spot leave 1e-14 or less, up to degree 80.
+    """
+    singular = svd(rows, compute_uv=False) if rows.size else np.zeros(0)
+    relative = singular / (singular.max(initial=0.0) or 1.0)
+    if (doubtful := relative[(relative > SAME) & (relative < DISTINCT)]).size:
+        raise ConfigError(
+            f"clamp: received clamps so near each other that it cannot be decided whether they are one or several "
+            f"(relative singular value {doubtful.max():.1e}; needs more than {DISTINCT:g}, or less than {SAME:g} for "
+            f"the same clamp twice); move them apart, drop one, or raise modes.degree"
+        )
+    return int(np.sum(relative >= DISTINCT))
+
+
+def _scaled(label: str, degree: int, radial: float, meridional: float) -> Mode:
+    """Scale a shape to max|displacement| = 1, radial at the top pole positive."""
+
+    def displacement(phi: FloatArray) -> FloatArray:
+        p, dp, _ = legendre(degree, np.atleast_1d(phi))
+        return np.asarray(np.hypot(radial * p[degree], meridional * dp[degree]))
+
+    grid = np.linspace(0.0, np.pi, 20 * degree + 3)
+    peak = grid[np.argmax(displacement(grid))]
+    step = grid[1]
+    refined = minimize_scalar(
+        lambda phi: -float(displacement(phi)[0]), bounds=(peak - step, peak + step), options={"xatol": 1e-12}
+    )
+    largest = max(-float(refined.fun), float(displacement(np.array(peak))[0]))
+    scale = np.copysign(1.0, radial) / largest
+    return Mode(label, degree, radial * scale, meridional * scale)
+
+
+def _branches(shell: Shell, degree: int) -> FloatArray:
+    """Eigenvectors (V, U) of the complete shell of one degree >= 1; columns lower, upper branch."""
+    stiffness = membrane_block(shell, degree) + bending_block(shell, degree)
+    vectors: FloatArray = eigh(stiffness, mass_block(shell, degree))[1]
+    return vectors
+
+
+def immersed_frequencies(shell: Shell, degree: int, water_density: float, bending: bool = True) -> FloatArray:
+    """Return the natural frequencies of the shell deep in unbounded water, ascending [rad/s].
+
+    Parameters
+    ----------
+    shell : Shell
+    degree : int
+        Legendre degree n.
+    water_density : float [kg/m^3]
+    bending : bool
+        Whether the energy of bending counts.
+
+    Returns
+    -------
+    ndarray, shape (2,), or (1,) for n = 0 (no meridional motion)
+        Lower and upper branch; the lower one of n = 1 is rigid heave, 0.
+
+    Notes
+    -----
+    K x = omega^2 (M + diag(m_w, 0)) x on (V, U): water moves with the radial part alone. Its potential
+    a/(n+1) (a/r)^(n+1) P_n has the added mass m_w = 4 pi a^3 rho/((n+1)(2n+1)).
+    """
+    stiffness, mass = membrane_block(shell, degree), mass_block(shell, degree)
+    if bending:
+        stiffness = stiffness + bending_block(shell, degree)
+    mass[0, 0] += 4 * np.pi * shell.radius**3 * water_density / ((degree + 1) * (2 * degree + 1))
+    if degree == 0:
+        return np.sqrt(stiffness[:1, 0] / mass[:1, 0])
+    squares: FloatArray = eigh(stiffness, mass, eigvals_only=True)
+    if degree == 1:
+        squares[0] = 0.0  # exact: rigid motion strains nothing
+    return np.sqrt(squares)
+
+
+def paper_ratio(shell: Shell, degree: int) -> float:
+    """Return the paper's amplitude ratio V/U, C_n = (1 + (1+nu) Omega^4)/(1 - Omega^4).
+
+    Notes
+    -----
+    The right ratio is (1 + (1+nu) Omega^2)/(1 - Omega^2): Omega^2 was squared once too often. With the slip, and
+    Omega that of the membrane alone (h -> 0), the Rayleigh quotient gives the paper's Table I, "Rayleigh-Ritz" column,
+    to 7e-12; with Omega of the bending shell to 4e-8 only; without the slip the true frequency.
+    """
+    membrane = replace(shell, thickness=1e-9 * shell.radius)
+    omega4 = frequency_parameter(membrane, degree)[1] ** 2
+    return (1 + (1 + shell.poisson_ratio) * omega4) / (1 - omega4)
+
+
+def _degree_modes(shell: Shell, basis: Basis, degree: int) -> list[Mode]:
+    """Shell modes of one degree in a basis."""
+    if degree == 0:
+        return [Mode("Membrane0", 0, 1.0, 0.0)]
+    if basis == "paper":
+        return [_scaled(f"Membrane{degree}", degree, paper_ratio(shell, degree), 1.0)]
+    lower, upper = _branches(shell, degree).T
+    membrane = _scaled(f"Membrane{degree}", degree, *upper)
+    if basis == "membrane" or degree == 1:  # the lower branch of n = 1 is rigid heave (C4)
+        return [membrane]
+    return [membrane, _scaled(f"Bending{degree}", degree, *lower)]
+
+
+def mode_basis(device: Device, basis: Basis, degree: int) -> ModeBasis:
+    """Return the Ritz basis of a device.
+
+    Parameters
+    ----------
+    device : Device
+    basis : {"paper", "membrane", "full"}
+        One slipped shape per degree and membrane energy (the publication); the upper branch; both branches.
+    degree : int
+        Highest Legendre degree.
+    """
+    shell = Shell.of(device)
+    modes = [mode for n in range(degree + 1) for mode in _degree_modes(shell, basis, n)]
+    modes.sort(key=lambda mode: mode.label.startswith("Bending"))  # all membrane modes, then all bending modes
+    damping = device.damping
+    return ModeBasis(shell, tuple(modes), device.mass, basis != "paper", damping.alpha, damping.beta)
+
+
+def rigid_basis(device: Device) -> ModeBasis:
+    """Return the basis of a study without a flexible design: heave alone."""
+    return ModeBasis(Shell.of(device), (), device.mass, bending=False)
+
+
+def study_basis(study: Study) -> ModeBasis:
+    """Return the union of the modes of all designs of a study."""
+    if not study.flexible:
+        return rigid_basis(study.device)
+    return mode_basis(study.device, study.modes.basis, study.modes.degree)
+
+
+def design_motions(study: Study, basis: ModeBasis, design: str) -> FloatArray:
+    """Return the motions a design allows, shape (dof, free) [-]: heave alone, or heave and the unclamped modes.
+
+    Raises
+    ------
+    ConfigError
+        If the clamps leave no shell mode free.
+    """
+    chosen = study.designs[design]
+    if not chosen.flexible:
+        return np.eye(len(basis.labels), 1)
+    free = basis.clamped(np.deg2rad(chosen.clamp)) if chosen.clamp else np.eye(len(basis.labels))
+    if free.shape[1] < 2:
+        raise ConfigError(
+            f"designs.{design}.clamp: received {list(chosen.clamp)}, which leaves none of the {len(basis.modes)} shell "
+            f"modes free; use fewer clamps, a larger modes.degree, or flexible: false"
+        )
+    return free

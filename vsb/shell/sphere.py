@@ -1,0 +1,101 @@
+"""Spherical shell: geometry, material, closed-form natural frequencies, classical buckling."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from vsb.study.study import Device
+from vsb.tools.units import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Shell:
+    """Thin closed spherical shell of one isotropic material."""
+
+    radius: float  # [m]
+    thickness: float  # [m]
+    young_modulus: float  # [Pa]
+    poisson_ratio: float  # [-]
+    density: float  # [kg/m^3]
+
+    def __post_init__(self) -> None:
+        """Check the thin-shell limit and the material."""
+        if not 0.0 < self.thickness < 0.1 * self.radius:
+            raise ValueError(
+                f"thin-shell theory (C3) needs 0 < thickness < radius/10, got thickness={self.thickness} m "
+                f"for radius={self.radius} m; use a thinner shell."
+            )
+        if not (self.young_modulus > 0 and self.density > 0 and -1 < self.poisson_ratio < 0.5):
+            raise ValueError(
+                f"a material needs E > 0, density > 0 and -1 < nu < 0.5, got E={self.young_modulus} Pa, "
+                f"density={self.density} kg/m^3, nu={self.poisson_ratio}."
+            )
+
+    @classmethod
+    def of(cls, device: Device) -> "Shell":
+        """Return the shell of a study's device."""
+        return cls(device.radius, device.thickness, device.young_modulus, device.poisson_ratio, device.density)
+
+    @property
+    def mass(self) -> float:
+        """Mass of the shell alone [kg]."""
+        return 4 * math.pi * self.radius**2 * self.thickness * self.density
+
+    @property
+    def membrane_stiffness(self) -> float:
+        """E h/(1 - nu^2) [N/m]."""
+        return self.young_modulus * self.thickness / (1 - self.poisson_ratio**2)
+
+    @property
+    def bending_stiffness(self) -> float:
+        """D = E h^3/12(1 - nu^2) [N m]."""
+        return self.membrane_stiffness * self.thickness**2 / 12
+
+    @property
+    def buckling_pressure(self) -> float:
+        """Classical external buckling pressure 2 E (h/r)^2/sqrt(3 (1 - nu^2)) [Pa]."""
+        ratio = self.thickness / self.radius
+        return 2 * self.young_modulus * ratio**2 / math.sqrt(3 * (1 - self.poisson_ratio**2))
+
+
+def frequency_parameter(shell: Shell, degree: int) -> tuple[float, float]:
+    """Return the squared frequency parameters (lower, upper) of one degree in closed form.
+
+    Parameters
+    ----------
+    shell : Shell
+    degree : int
+        Legendre degree n >= 0. The lower value is 0 for n = 0 (no such mode) and n = 1 (rigid heave).
+
+    Returns
+    -------
+    tuple of float [-]
+        Omega^2 = [A -+ sqrt(A^2 - 4 m B)]/(2 (1 - nu^2)) with m = n(n+1) - 2,
+        A = 3(1+nu) + m + e (m+3)(m+1+nu), B = 1 - nu^2 + e [(m+1)^2 - nu^2], e = (h/r)^2/12.
+
+    Notes
+    -----
+    Shabara & Abdelkhalik Eqs. 52-56; their print of Eqs. 54-56 does not give their Table I, this form does
+    (to 1e-11). For n = 0 the degree-0 meridional function is zero, so only the root with A^2 - 4mB survives.
+    """
+    nu, m = shell.poisson_ratio, degree * (degree + 1) - 2
+    e = (shell.thickness / shell.radius) ** 2 / 12
+    if degree == 0:
+        return 0.0, 2 / (1 - nu)
+    a = 3 * (1 + nu) + m + e * (m + 3) * (m + 1 + nu)
+    b = 1 - nu**2 + e * ((m + 1) ** 2 - nu**2)
+    upper = (a + math.sqrt(a * a - 4 * m * b)) / (2 * (1 - nu**2))
+    return m * b / ((1 - nu**2) ** 2 * upper), upper  # product of the roots: no cancellation in the lower one
+
+
+def natural_frequencies(shell: Shell, degree: int) -> FloatArray:
+    """Return the closed-form dry natural frequencies (lower, upper) of one degree, shape (2,) [rad/s].
+
+    Notes
+    -----
+    omega = sqrt(E/rho)/r Omega. Eq. 56 of the paper prints Omega^2 in the denominator; Table I is met with
+    it in the numerator, E = 10 MPa, r = 2 m and rho = 2700 kg/m^3 (the paper states no density).
+    """
+    scale = math.sqrt(shell.young_modulus / shell.density) / shell.radius
+    return scale * np.sqrt(frequency_parameter(shell, degree))

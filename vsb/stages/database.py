@@ -1,0 +1,72 @@
+"""Rule database: blocks merged, expressed in the modes, checked, stored with their verdict."""
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+import xarray as xr
+
+from vsb import __version__
+from vsb.errors import DatabaseError
+from vsb.hydro import database, quality
+from vsb.scenes.rest import reference_shell
+from vsb.stages.stage import partial_study
+from vsb.study.plan import COARSEST_SWEEP
+from vsb.study.study import canonical, content_id
+from vsb.tools.units import load
+
+Spec = dict[str, Any]
+
+
+def build_database(spec: Spec, blocks: Sequence[str], out: str) -> None:
+    """Merge blocks, express them in the modes, check them, and store them with their verdict.
+
+    Raises
+    ------
+    DatabaseError
+        If a block is missing, foreign, or a check fails that the study does not accept.
+    """
+    study = partial_study(spec)
+    reference = reference_shell(study)
+    basis, water = reference.basis, study.water
+    found = {block.attrs.get("spec_id"): block for block in map(load, blocks)}
+    if missing := [name for name in (*spec["sweep"], *spec["tabulated"]) if name not in found]:
+        raise DatabaseError(f"{out}: blocks {missing} are not among the files given ({list(found)}); run the bem rule.")
+
+    def in_modes(ids: Sequence[str]) -> xr.Dataset:
+        return database.with_excitation(database.in_modes(database.merged_blocks([found[i] for i in ids]), basis))
+
+    def complete(raw: xr.Dataset) -> xr.Dataset:
+        return database.with_structure(database.with_symmetrized(raw), reference)
+
+    everywhere = in_modes(spec["sweep"])
+    infinite = [block for block in spec["sweep"] if "omega" not in found[block].dims]
+    tabulated = in_modes([*spec["tabulated"], *infinite]) if spec["tabulated"] else None
+    solver = str(json.loads(next(iter(found.values())).attrs["spec"])["solver"])
+    precision = min(1.0, spec["tolerance"] / COARSEST_SWEEP) if solver == "spectral" else 1.0
+    checks = [
+        *quality.estimate_checks([block.attrs for block in found.values()], spec["tolerance"]),
+        *quality.verdict(everywhere, tabulated, water.depth, water.density, water.gravity, precision),
+    ]
+    attrs = {
+        "title": "hydro database of an axisymmetric shell in heave and its modes",
+        "source": f"vsb {__version__}",
+        "spec": canonical(spec),
+        "spec_id": content_id(spec),
+        "quality": database.as_json(quality.judged(checks, spec["accept"])),
+        "radius": study.device.radius,
+        "centre_height": study.centre_height,
+        "basis": spec["modes"]["basis"] if spec["modes"] else "rigid",
+        "degree": spec["modes"]["degree"] if spec["modes"] else 1,
+        "water_density": water.density,
+        "water_depth": str(water.depth),
+        "gravity": water.gravity,
+        "solver": solver,
+        "bem_seconds": sum(block.attrs["seconds"] for block in found.values()),
+    }
+    if tabulated is None:
+        asked = complete(everywhere).sel(omega=slice(None, spec["omega_max"] + 1e-9))
+        database.save_database(asked.assign_attrs(asked.attrs, **attrs), None, out)
+    else:
+        asked = complete(tabulated)
+        database.save_database(asked.assign_attrs(asked.attrs, **attrs), complete(everywhere), out)

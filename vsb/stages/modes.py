@@ -1,0 +1,38 @@
+"""Rule modes: the shell modes of a study."""
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from vsb.scenes.rest import check_stable, reference_shell
+from vsb.stages.stage import partial_study
+from vsb.tools.units import save
+
+Spec = dict[str, Any]
+COLATITUDES = np.linspace(0.0, np.pi, 181)
+
+
+def shell_modes(spec: Spec, out: str) -> None:
+    """Write the shell modes of a study, after checking that every design has motions left."""
+    study = partial_study(spec)
+    reference = reference_shell(study)
+    check_stable(study, reference)
+    basis = reference.basis
+    radial, meridional = basis.displacement(COLATITUDES)
+    modes = xr.Dataset(
+        {
+            "radial": (("mode", "colatitude"), radial[1:]),
+            "meridional": (("mode", "colatitude"), meridional[1:]),
+            "degree": ("mode", list(basis.degrees[1:])),
+            "dry_frequency": ("mode", basis.dry_frequencies),
+            "static_amplitude": ("mode", reference.amplitudes[1:]),
+        },
+        coords={"mode": list(basis.labels[1:]), "colatitude": COLATITUDES},
+        attrs={
+            "radius": study.device.radius,
+            "centre_height": study.centre_height + reference.amplitudes[0],
+            "basis": study.modes.basis,
+        },
+    )
+    save(modes, out)

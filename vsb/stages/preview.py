@@ -1,0 +1,110 @@
+"""What can be said of a study before anything is solved: its checks, its cost, its shell."""
+
+from pathlib import Path
+from typing import Any
+
+from vsb.hydro import database
+from vsb.results import ledger
+from vsb.scenes.rest import check_stable, reference_shell
+from vsb.shell.modes import mode_basis
+from vsb.shell.sphere import Shell, natural_frequencies
+from vsb.study.plan import StudyPlan
+from vsb.study.study import Study, content_id
+from vsb.tools.units import load
+
+SECONDS_PER_SPECTRAL_JOB = 2.0
+SECONDS_PER_PANEL_ROW2 = 3e-5
+"""Seconds a frequency costs per squared row count, lid included; measured with 40 + 8 rows."""
+
+
+def check_before_run(study: Study, plan: StudyPlan) -> None:
+    """Raise what would fail later: clamps that leave nothing free, unreadable or foreign files among the results.
+
+    Raises
+    ------
+    ConfigError, DatabaseError
+    """
+    check_stable(study, reference_shell(study))
+    if not study.needs_bem:
+        return
+    plan.check_waves()
+    if Path(plan.database_path).exists():
+        database.load_database(plan.database_path, content_id(plan.database))
+    blocks = [plan.block_path(block) for block in plan.sweep_blocks + plan.tabulated_blocks]
+    for path in [*blocks, plan.radiation_path]:
+        if Path(path).exists():
+            load(path)
+
+
+def summary(study: Study, plan: StudyPlan) -> list[str]:
+    """Return the lines `vsb check` prints: what would be computed, at what cost, and the validity known beforehand."""
+    check_before_run(study, plan)
+    lines = [
+        f"study        {study.study}: {', '.join(study.designs)} in {', '.join(wave.label for wave in study.waves)}",
+        f"modes        {len(plan.mode_labels)} shell modes ({study.modes.basis}, degree {study.modes.degree})",
+        *(_bem_lines(study, plan) if study.needs_bem else ["hydro        assumed pressure: no BEM"]),
+    ]
+    checks = ledger.shell_checks(study, reference_shell(study))
+    for wave in study.waves if study.hydro.model != "assumed_pressure" else ():  # which uses the period alone
+        checks += ledger.wave_checks(wave, study.water, study.hydro.omega_max)
+    return lines + [
+        f"{check.verdict:12} {check.name} = {check.value:.3g} (limit {check.limit:g}): {check.explanation}"
+        for check in checks
+    ]
+
+
+def _bem_lines(study: Study, plan: StudyPlan) -> list[str]:
+    """What BEM would do, and how long it would take."""
+    blocks = list(plan.bem_blocks.values())
+    todo = [block for block in blocks if not Path(plan.block_path(block)).exists()]
+    how = _panel_words(blocks) if study.uses_panels else f"spectral, to {study.hydro.tolerance:g}"
+    seconds = sum(_block_seconds(block) for block in todo)
+    return [
+        f"hydro        {sum(len(block['omega']) for block in blocks)} frequencies up to {study.hydro.omega_max:g} "
+        f"rad/s, {how}",
+        f"BEM jobs     {len(todo)} of {len(blocks)} to do, at most about {seconds:.0f} s on one core",
+        f"database     {plan.database_path}" + (" (there)" if Path(plan.database_path).exists() else ""),
+    ]
+
+
+def _panel_words(blocks: list[dict[str, Any]]) -> str:
+    """The finest mesh in words."""
+    return f"{blocks[-1]['mesh']['rows']} rows of {blocks[-1]['mesh']['azimuth']} panels"
+
+
+def _block_seconds(block: dict[str, Any]) -> float:
+    """Seconds one BEM job takes on one core."""
+    if "mesh" not in block:
+        return SECONDS_PER_SPECTRAL_JOB
+    return SECONDS_PER_PANEL_ROW2 * len(block["omega"]) * float(block["mesh"]["rows"] + block["mesh"]["lid_rows"]) ** 2
+
+
+def shell_table(study: Study) -> dict[str, Any]:
+    """Return dry frequencies of both branches in closed form, the paper's Ritz column, and the buckling pressure.
+
+    Returns
+    -------
+    dict
+        membrane, bending, paper_ritz: lists of {"degree": n, "omega": rad/s}; buckling_pressure [Pa].
+    """
+    shell = Shell.of(study.device)
+    degrees = range(study.modes.degree + 1)
+    closed = {n: natural_frequencies(shell, n) for n in degrees}
+    paper = mode_basis(study.device, "paper", study.modes.degree)
+    return {
+        "membrane": [{"degree": n, "omega": float(closed[n][1])} for n in degrees],
+        "bending": [{"degree": n, "omega": float(closed[n][0])} for n in degrees if n >= 2],
+        "paper_ritz": [{"degree": n, "omega": float(w)} for n, w in zip(degrees, paper.dry_frequencies, strict=True)],
+        "buckling_pressure": shell.buckling_pressure,
+    }
+
+
+def shell_text(table: dict[str, Any]) -> str:
+    """Return the shell's frequencies as a table for people."""
+    bending = {row["degree"]: row["omega"] for row in table["bending"]}
+    lines = [f"{'n':>3} {'membrane':>15} {'bending':>15} {'paper Ritz':>15}   [rad/s]"]
+    for membrane, paper in zip(table["membrane"], table["paper_ritz"], strict=True):
+        n = membrane["degree"]
+        lower = f"{bending[n]:15.9f}" if n in bending else f"{'-':>15}"
+        lines.append(f"{n:3} {membrane['omega']:15.9f} {lower} {paper['omega']:15.9f}")
+    return "\n".join([*lines, f"classical buckling pressure {table['buckling_pressure']:.6g} Pa"])

@@ -1,0 +1,134 @@
+"""The last two rules: all figures of a study, and its report."""
+
+import csv
+import io
+import json
+import time as clock
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from vsb import __version__
+from vsb.hydro import database
+from vsb.report.canvas import StudyData
+from vsb.report.figures import draw
+from vsb.report.page import Report, render
+from vsb.results.statistics import families
+from vsb.study.plan import figure_names
+from vsb.study.study import StillWater, Study, Wave, parse
+from vsb.tools.units import load, write_text
+
+
+def _study(path: str) -> Study:
+    """The study in canonical form."""
+    return parse(json.loads(Path(path).read_text(encoding="utf-8")), source=path)
+
+
+def study_data(paths: dict[str, Any], trajectories: Sequence[str]) -> StudyData:
+    """Return everything the figures are drawn from."""
+    study = _study(paths["study"])
+    bem = study.needs_bem
+    response = load(paths["response"]) if bem else xr.Dataset()
+    return StudyData(
+        designs=tuple(study.designs),
+        reference=study.reference_design,
+        wave_frequencies=tuple(wave.omega for wave in study.waves if not isinstance(wave, StillWater)),
+        periods={wave.label: _period(study, wave, response) for wave in study.waves},
+        window=study.simulation.window,
+        modes=load(paths["modes"]),
+        database=database.load_database(paths["database"], Path(paths["database"]).stem) if bem else xr.Dataset(),
+        radiation=load(paths["radiation"]) if bem else xr.Dataset(),
+        response=response,
+        runs={(run.attrs["design"], run.attrs["wave"]): run for run in map(load, trajectories)},
+    )
+
+
+def _period(study: Study, wave: Wave, response: xr.Dataset) -> float:
+    """Period of a sea, in still water of the slowest free motion [s]."""
+    return 2 * np.pi / (_slowest(study, response) if isinstance(wave, StillWater) else wave.omega)
+
+
+def _slowest(study: Study, response: xr.Dataset) -> float:
+    """Lowest natural frequency [rad/s]; without BEM that of heave, sqrt(rho g pi r_w^2/m)."""
+    if study.needs_bem:
+        return float(response.wet_natural_frequency.min())
+    water, device = study.water, study.device
+    waterplane = np.pi * (device.radius**2 - study.centre_height**2)
+    return float(np.sqrt(water.density * water.gravity * waterplane / device.mass))
+
+
+def figures(paths: dict[str, Any], trajectories: Sequence[str]) -> None:
+    """Draw and write all figures of a study as SVG."""
+    data = study_data(paths, trajectories)
+    for name in figure_names(_study(paths["study"])):
+        text = io.StringIO()
+        draw(name, data).savefig(text, format="svg", metadata={"Date": None})
+        write_text(Path(paths["out"]) / f"{name}.svg", text.getvalue())
+
+
+def report(paths: dict[str, Any], trajectories: Sequence[str]) -> None:
+    """Write the report of a study."""
+    study = _study(paths["study"])
+    names = figure_names(study)
+    page = Report(
+        study=study.model_dump(),
+        seas=_seas(study),
+        rows=_rows(paths["table"]),
+        irregular=[wave.label for waves in families(study).values() for wave in waves],
+        statistics=_rows(paths["statistics"]),
+        checks=json.loads(Path(paths["validity"]).read_text(encoding="utf-8"))["checks"],
+        response=load(paths["response"]) if study.needs_bem else None,
+        reference=study.reference_design,
+        figures={name: (Path(paths["figures"]) / f"{name}.svg").read_text(encoding="utf-8") for name in names},
+        facts=_facts(study, paths, [load(path) for path in trajectories]),
+    )
+    write_text(paths["out"], render(page))
+
+
+def _rows(path: str) -> list[dict[str, str]]:
+    """The rows of a table."""
+    with Path(path).open(encoding="utf-8", newline="") as handle:
+        return list(csv.DictReader(handle))
+
+
+def _seas(study: Study) -> dict[str, str]:
+    """Every sea in words; an assumed pressure is no sea."""
+    if study.needs_bem:
+        names = {name: waves[0].description for name, waves in families(study).items()}
+        return {wave.label: wave.description for wave in study.waves} | names
+    words = f"an assumed uniform pressure of {study.hydro.pressure:g} Pa and {{:g}} s period"
+    return {
+        w.label: w.description if isinstance(w, StillWater) else words.format(2 * np.pi / w.omega) for w in study.waves
+    }
+
+
+def _facts(study: Study, paths: dict[str, Any], runs: Sequence[xr.Dataset]) -> dict[str, str]:
+    """How the results were made, in words."""
+    return {
+        "Program": f"vsb {__version__}, {clock.strftime('%Y-%m-%d')}",
+        **(_bem_facts(paths) if study.needs_bem else {"Hydrodynamics": ASSUMED.format(study.hydro.pressure)}),
+        "Time domain": f"{runs[0].attrs['method']}, {study.simulation.duration:g} s of motion in "
+        f"{max(run.attrs['seconds'] for run in runs):.3f} s or less per design and sea",
+        "Largest energy residual": f"{max(run.attrs['energy_residual'] for run in runs):.1e}",
+        "Study": json.dumps(study.model_dump(mode="json"), default=str),
+    }
+
+
+ASSUMED = "hydrostatic and assumed uniform pressure of {:g} Pa on the instantaneous wet shell; no radiation"
+
+
+def _bem_facts(paths: dict[str, Any]) -> dict[str, str]:
+    """Where the hydrodynamic coefficients come from."""
+    ds = database.load_database(paths["database"], Path(paths["database"]).stem)
+    radiation = load(paths["radiation"]).attrs
+    return {
+        "BEM": "spectral integral equation" if ds.attrs["solver"] == "spectral" else ds.attrs["solver"],
+        "Hydro database": f"{Path(paths['database']).name}: {ds.sizes['omega']} frequencies up to "
+        f"{float(ds.omega[-1]):g} rad/s, {ds.sizes['influenced_dof']} degrees of freedom",
+        "Seconds of BEM": f"{ds.attrs['bem_seconds']:.1f} on one core",
+        "Radiation model": f"{radiation['order']} states, rms error {radiation['fit_error']:.1e}, "
+        f"fitted in {radiation['seconds']:.1f} s",
+    }

@@ -1,0 +1,48 @@
+"""Rule response: the frequency response of all designs."""
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from vsb.motion import frequency as response
+from vsb.scenes.build import linear_buoy
+from vsb.shell.modes import design_motions
+from vsb.stages.stage import partial_study
+from vsb.tools.units import save
+from vsb.waves.seas import power_limit
+
+Spec = dict[str, Any]
+
+
+def frequency_response(spec: Spec, database_path: str, out: str) -> None:
+    """Write response amplitude operators, absorbed power, its limit, and wet natural frequencies of all designs."""
+    study = partial_study(spec)
+    buoy, basis = linear_buoy(study, database_path)
+    omega = response.frequency_grid(spec["step"], spec["lowest"], spec["omega_max"], spec["omega"])
+    rao, power, wet = [], [], []
+    for design in study.designs:
+        motions = design_motions(study, basis, design)
+        rao.append(buoy.rao(omega, motions))
+        power.append(buoy.absorbed_power(omega, rao[-1]))
+        wet += [(design, *pair) for pair in zip(*buoy.natural_modes(motions), strict=True)]
+    water = study.water
+    designs, frequency, ratio = zip(*wet, strict=True)
+    save(
+        xr.Dataset(
+            {
+                "rao": (("design", "omega", "dof"), np.array(rao)),
+                "absorbed_power": (("design", "omega"), np.array(power)),
+                "power_limit": ("omega", [power_limit(w, water.depth, water.density, water.gravity) for w in omega]),
+                "wet_natural_frequency": ("wet_mode", list(frequency)),
+                "wet_damping_ratio": ("wet_mode", list(ratio)),
+            },
+            coords={
+                "design": list(study.designs),
+                "omega": omega,
+                "dof": list(basis.labels),
+                "wet_design": ("wet_mode", list(designs)),
+            },
+        ),
+        out,
+    )

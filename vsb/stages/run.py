@@ -1,0 +1,77 @@
+"""Command run: a whole study through Snakemake, alone in its results folder."""
+
+import argparse
+import fcntl
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from vsb.errors import VsbError
+from vsb.study.plan import StudyPlan
+from vsb.study.study import load
+
+ERROR = "vsb: error:"
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run a whole study through Snakemake, after validating everything that can be known beforehand."""
+    from vsb.stages import preview
+    from vsb.tools.units import check_folder
+
+    study = load(args.config)
+    plan = StudyPlan(study)
+    preview.check_before_run(study, plan)
+    for folder in (".", plan.root):  # snakemake writes to both
+        check_folder(folder)
+    home = Path.cwd() if Path("Snakefile").is_file() else Path(__file__).resolve().parents[2]
+    if not (home / "profiles" / args.profile).is_dir():
+        raise VsbError(f"--profile: received {args.profile}, needs a folder in {home / 'profiles'}")
+    command = [sys.executable, "-m", "snakemake", "--snakefile", str(home / "Snakefile"), "--configfile", args.config]
+    profile = ["--profile", str(home / "profiles" / args.profile), "--workflow-profile", "none"]
+    command += ["--nolock", *profile, *(["--cores", args.cores] if args.cores else []), *args.snakemake]
+    environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+    begun = time.time()
+    dry = bool({"-n", "--dry-run", "--dryrun"} & set(args.snakemake))
+    with _alone(Path(plan.root), waits=not dry) as lock:
+        code = subprocess.run(command, env=environment, check=False, pass_fds=lock).returncode
+    if code:
+        return _failed(plan, begun)
+    if not dry and (report := Path(plan.folder) / "report.html").is_file():
+        print(f"{study.study}: {report}")
+    return 0
+
+
+@contextmanager
+def _alone(root: Path, *, waits: bool) -> Iterator[list[int]]:
+    """Hold the results folder; the lock goes with the processes that hold it, so a killed run leaves none behind."""
+    if not waits:  # a dry run writes nothing
+        yield []
+        return
+    root.mkdir(parents=True, exist_ok=True)
+    with (root / ".lock").open("w") as handle:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise VsbError(f"{root}: another run is at work in this folder; wait for it to end") from None
+        yield [handle.fileno()]
+
+
+def _failed(plan: StudyPlan, begun: float) -> int:
+    """Repeat the failing rule's own line last, where it is seen; 2 if it was the user's to mend, else 1."""
+    logs = [path for path in Path(plan.root, "logs").rglob("*.log") if path.stat().st_mtime >= begun - 1.0]
+    lines = [line for path in logs for line in path.read_text(encoding="utf-8").splitlines()]
+    mistakes = [line for line in lines if line.startswith(ERROR)]
+    last = mistakes[-1] if mistakes else f"{ERROR} the run of {plan.study.study!r} did not complete, see above"
+    print(last, file=sys.stderr)
+    return 2 if mistakes else 1
+
+
+def cores(text: str) -> str:
+    """A number of cores as snakemake takes it; with none it would wait for ever."""
+    if text != "all" and not (text.isdecimal() and int(text)):
+        raise argparse.ArgumentTypeError(f"received {text}, needs a whole number above 0, or all")
+    return text

@@ -1,0 +1,59 @@
+"""Command shape-dependence: shape database, figure, and one line."""
+
+import io
+import itertools
+import shutil
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import xarray as xr
+
+from vsb import __version__
+from vsb.errors import DatabaseError
+from vsb.report.shape_figures import shape_figure
+from vsb.scenes.rest import reference_shell
+from vsb.scenes.shape_dependence import answer, shape_dataset, shapes_of_study, study_family
+from vsb.study.study import Study, content_id
+from vsb.tools.units import load, save, write_text
+
+
+def counter(total: int) -> Callable[[], None]:
+    """Return what to call after each of `total` shapes: it counts them on a terminal, and nowhere else."""
+    done = itertools.count(1)
+
+    def show() -> None:
+        if sys.stderr.isatty():
+            n = next(done)
+            print(f"\rshape {n} of {total}", end="\n" if n == total else "", file=sys.stderr, flush=True)
+
+    return show
+
+
+def _finished(path: str, identity: str) -> xr.Dataset | None:
+    """The result of an earlier run of the same study, if there is one."""
+    try:
+        ds = load(path)
+    except DatabaseError:
+        return None
+    return ds if ds.attrs.get("spec_id") == identity else None
+
+
+def shape_dependence(study: Study, out_nc: str, out_figure: str) -> str:
+    """Write the shape dependence of a study as netCDF and its figure as SVG; return `answer`.
+
+    Shapes solved wait in a folder beside the netCDF file until it is complete: a run interrupted goes on from there.
+    """
+    identity = content_id([study, __version__])
+    ds = _finished(out_nc, identity)
+    if ds is None:
+        store = Path(out_nc).with_suffix(".shapes")
+        family = replace(study_family(study, reference_shell(study)), store=store)
+        ds = shape_dataset(study, replace(family, after_each=counter(shapes_of_study(study, family))))
+        save(ds.assign_attrs(spec_id=identity), out_nc)
+        shutil.rmtree(store)
+    text = io.StringIO()
+    shape_figure(ds).savefig(text, format="svg", metadata={"Date": None})
+    write_text(out_figure, text.getvalue())
+    return answer(ds, study.study)

@@ -1,0 +1,285 @@
+"""A study: validated, frozen, with one canonical JSON form and content ids.
+
+Imports nothing heavy: the Snakefile reads a study at every parse.
+"""
+
+import hashlib
+import json
+import math
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+from pydantic import BaseModel, Field, field_validator, model_validator
+
+from vsb.errors import ConfigError
+from vsb.study.reading import read_yaml, validated
+from vsb.study.sections import (
+    Design,
+    Device,
+    Gas,
+    Hydro,
+    Irregular,
+    IrregularSea,
+    Jonswap,
+    Modes,
+    Name,
+    PiersonMoskowitz,
+    Pto,
+    Published,
+    RayleighDamping,
+    RegularWave,
+    Section,
+    Simulation,
+    StillWater,
+    Water,
+    Wave,
+    WhiteNoise,
+)
+
+__all__ = [
+    "Design",
+    "Device",
+    "Gas",
+    "Hydro",
+    "Irregular",
+    "IrregularSea",
+    "Jonswap",
+    "Modes",
+    "PiersonMoskowitz",
+    "Pto",
+    "Published",
+    "RayleighDamping",
+    "RegularWave",
+    "Simulation",
+    "StillWater",
+    "Study",
+    "Water",
+    "Wave",
+    "WhiteNoise",
+    "canonical",
+    "content_id",
+    "load",
+    "parse",
+]
+CLEARANCE = 1.02
+"""Least depth the spectral solver is given, in drafts."""
+CHECKS = (
+    "error_estimate", "interpolation_error", "limit_difference", "symmetry", "positive_damping", "rank_one", "haskind",
+    "irregular_frequencies", "kramers_kronig",
+)  # fmt: skip
+"""Names of the checks on a hydro database, as `vsb.quality` gives them; a study may accept their failures."""
+RESERVED_NAMES = ("hydro", "hydro_precision", "barge", "logs", "benchmarks")
+
+
+class Study(Section):
+    """One study file."""
+
+    study: Name
+    device: Device
+    modes: Modes = Modes()
+    reference_shape: Literal["undeformed", "equilibrium"] = "undeformed"
+    designs: Annotated[dict[Name, Design], Field(min_length=1)]
+    water: Water = Water()
+    hydro: Hydro = Hydro()
+    pto: Pto = Pto()
+    waves: Annotated[tuple[Wave, ...], Field(min_length=1)]
+    simulation: Simulation = Simulation()
+    published: Published | None = None
+
+    @field_validator("study")
+    @classmethod
+    def _not_reserved(cls, value: str) -> str:
+        if value in RESERVED_NAMES:
+            raise ValueError(
+                f"{value!r} is the name of a results folder; choose a name other than {', '.join(RESERVED_NAMES)}"
+            )
+        return value
+
+    @field_validator("waves")
+    @classmethod
+    def _each_realisation(cls, value: tuple[Wave, ...]) -> tuple[Wave, ...]:
+        """Seas of several realisations become as many seas, of seeds one after the other."""
+        seas: list[Wave] = []
+        for wave in value:
+            if isinstance(wave, IrregularSea):
+                seeds = range(wave.seed, wave.seed + wave.realisations)
+                seas += [wave.model_copy(update={"seed": seed, "realisations": 1}) for seed in seeds]
+            else:
+                seas.append(wave)
+        return tuple(seas)
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        self._check_afloat()
+        self._check_waves()
+        self._check_model()
+        return self
+
+    def _check_afloat(self) -> None:
+        """The buoy must float partly immersed."""
+        full = 4 / 3 * math.pi * self.device.radius**3 * self.water.density
+        if not self.device.mass < full:
+            raise ValueError(
+                f"device.mass {self.device.mass:g} kg: the buoy would sink; needs less than {full:.6g} kg, "
+                "the mass of the water it displaces fully immersed"
+            )
+        if not self.water.depth > self.draft:
+            raise ValueError(
+                f"water.depth {self.water.depth:g} m: needs more than the draft of the buoy, {self.draft:.4g} m"
+            )
+
+    def _check_waves(self) -> None:
+        """Every wave must lie inside the solved band, every label be unique."""
+        for i, wave in enumerate(self.waves):
+            if isinstance(wave, WhiteNoise) and wave.band[1] > self.hydro.omega_max:
+                highest = self.hydro.omega_max
+                raise ValueError(f"waves.{i}.band {list(wave.band)} rad/s: needs at most hydro.omega_max = {highest:g}")
+            if self.needs_bem and not isinstance(wave, StillWater) and wave.omega > self.hydro.omega_max:
+                shortest = 2 * math.pi / self.hydro.omega_max
+                raise ValueError(
+                    f"waves.{i} {wave.label}: the wave is too short for the mesh and band solved; "
+                    f"needs a period of at least {shortest:.4g} s, or a larger hydro.omega_max "
+                    f"(now {self.hydro.omega_max:g} rad/s)"
+                )
+        labels = [wave.label for wave in self.waves]
+        if len(set(labels)) < len(labels):
+            raise ValueError(f"waves {labels}: the same sea is listed twice")
+        if self.hydro.omega and self.hydro.omega[-1] > self.hydro.omega_max:
+            raise ValueError(
+                f"hydro.omega {self.hydro.omega[-1]:g} rad/s: needs at most hydro.omega_max = "
+                f"{self.hydro.omega_max:g} rad/s"
+            )
+
+    def _check_model(self) -> None:
+        """Seas, method and published designs must suit the hydrodynamic model."""
+        model, method = self.hydro.model, self.simulation.method
+        if model == "assumed_pressure" and any(isinstance(wave, IrregularSea) for wave in self.waves):
+            raise ValueError(
+                "hydro.model 'assumed_pressure': has one period, of a regular wave; remove the irregular seas"
+            )
+        if model == "assumed_pressure" and (self.reference_shape, self.device.internal_pressure) != ("undeformed", 0.0):
+            raise ValueError(
+                f"hydro.model {model!r}: is the paper's vented shell about the undeformed sphere; needs "
+                "device.internal_pressure: 0 and reference_shape: undeformed"
+            )
+        if model == "assumed_pressure" and self.device.gas:
+            raise ValueError(f"hydro.model {model!r}: is the paper's vented shell; remove device.gas")
+        idle = [key for key in ("omega", "rows", "accept") if getattr(self.hydro, key)]
+        if model == "assumed_pressure" and idle:
+            raise ValueError(f"hydro.{idle[0]}: hydro.model {model!r} has no coefficients to solve or judge; remove it")
+        if unknown := [name for name in self.hydro.accept if name not in CHECKS]:
+            raise ValueError(f"hydro.accept {unknown}: no such check; needs some of {', '.join(CHECKS)}")
+        if model == "auto" and not self.pto.damping:
+            raise ValueError("hydro.model 'auto': judges by mean absorbed power; needs pto.damping above 0")
+        if self.hydro.solver == "spectral" and self.hydro.rows:
+            raise ValueError("hydro.solver 'spectral': has no rows; remove hydro.rows, or use 'panels'")
+        if self.hydro.solver == "spectral" and self.water.depth < CLEARANCE * self.draft:
+            raise ValueError(
+                f"hydro.solver 'spectral': needs a water.depth of at least {CLEARANCE:g} drafts, "
+                f"{CLEARANCE * self.draft:.4g} m; use 'panels'"
+            )
+        linear, body_exact = ("auto", "exact", "convolution"), ("auto", "exponential")
+        suitable = {"linear": (*linear, "structure_preserving"), "auto": ("auto",)}.get(
+            model, (*body_exact, "structure_preserving")
+        )
+        if method not in suitable:
+            raise ValueError(f"simulation.method {method!r}: hydro.model {model!r} needs one of {', '.join(suitable)}")
+        if self.published and (absent := sorted(set(self.published.values) - set(self.designs))):
+            raise ValueError(f"published.values {absent}: no such design; needs some of {', '.join(self.designs)}")
+
+    @property
+    def drawn_waves(self) -> tuple[Wave, ...]:
+        """The seas figures are drawn of: of several realisations the first."""
+        first = {wave.family if isinstance(wave, IrregularSea) else wave.label: wave for wave in reversed(self.waves)}
+        return tuple(wave for wave in self.waves if wave in first.values())
+
+    @property
+    def needs_bem(self) -> bool:
+        """Whether the hydrodynamic model rests on radiation and diffraction coefficients."""
+        return self.hydro.model != "assumed_pressure"
+
+    @property
+    def uses_panels(self) -> bool:
+        """Whether coefficients come from capytaine's panels, not from the spectral solver: asked for or shallow."""
+        solver, panels = self.hydro.solver, self.hydro.rows is not None or self.water.depth < CLEARANCE * self.draft
+        return self.needs_bem and (solver == "panels" or (solver == "auto" and panels))
+
+    @property
+    def centre_height(self) -> float:
+        """Height of the sphere centre above still water at rest [m], from mass = rho V(immersed cap)."""
+        return _floating_height(self.device.radius, self.device.mass / self.water.density)
+
+    @property
+    def draft(self) -> float:
+        """Depth of the keel below still water [m]."""
+        return self.device.radius - self.centre_height
+
+    @property
+    def flexible(self) -> bool:
+        """Whether any design needs shell modes."""
+        return any(design.flexible for design in self.designs.values())
+
+    @property
+    def at_equilibrium(self) -> bool:
+        """Whether the study is about the shape the loaded shell takes at rest; a rigid buoy has no other shape."""
+        return self.flexible and self.reference_shape == "equilibrium"
+
+    @property
+    def reference_design(self) -> str | None:
+        """The first rigid design: gains are measured against it."""
+        return next((name for name, design in self.designs.items() if not design.flexible), None)
+
+
+def _floating_height(radius: float, volume: float) -> float:
+    """Height of the centre at which the immersed cap, pi h^2 (3r - h)/3, has the given volume."""
+    low, high = 0.0, 2 * radius
+    while high - low > 1e-15 * radius:
+        h = 0.5 * (low + high)
+        if h in (low, high):
+            break
+        low, high = (h, high) if math.pi * h * h * (3 * radius - h) / 3 < volume else (low, h)
+    return radius - 0.5 * (low + high)
+
+
+def load(path: str | Path) -> Study:
+    """Read and validate a study file.
+
+    Raises
+    ------
+    ConfigError
+        One line with the file, the key, the value received and the value needed.
+    """
+    return parse(read_yaml(path, "a study file such as config/seed.yaml"), source=str(path))
+
+
+def parse(raw: object, source: str = "study") -> Study:
+    """Validate a study given as nested mappings; see `load`."""
+    try:
+        return validated(Study, raw, source)
+    except OverflowError:
+        raise ConfigError(
+            f"{source}: device or water: a number is too large to compute with; check the units (SI)"
+        ) from None
+
+
+def canonical(data: object) -> str:
+    """Return the canonical JSON of plain data: sorted keys, no spaces, infinity as a string."""
+    return json.dumps(_plain(data), sort_keys=True, separators=(",", ":"), allow_nan=False)
+
+
+def _plain(data: object) -> object:
+    """Make data fit for JSON: tuples to lists, numbers that are whole stay as floats, infinity to "inf"."""
+    if isinstance(data, BaseModel):
+        return _plain(data.model_dump())
+    if isinstance(data, dict):
+        return {str(key): _plain(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [_plain(value) for value in data]
+    if isinstance(data, float) and math.isinf(data):
+        return "inf" if data > 0 else "-inf"
+    return data + 0.0 if isinstance(data, float) else data  # no negative zero
+
+
+def content_id(data: object) -> str:
+    """Return the content id (16 hex digits of sha256 over the canonical JSON) of a spec."""
+    return hashlib.sha256(canonical(data).encode()).hexdigest()[:16]

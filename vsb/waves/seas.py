@@ -1,0 +1,121 @@
+"""Regular and irregular seas as sums of regular components, and the water they travel in."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from vsb.study.study import Irregular, IrregularSea, Jonswap, RegularWave, Wave, WhiteNoise
+from vsb.tools.units import ComplexArray, FloatArray
+from vsb.waves.superposition import superposed
+
+
+def wavenumber(omega: float, depth: float, gravity: float) -> float:
+    """Return k of the dispersion relation omega^2 = g k tanh(k d) [1/m]."""
+    deep = omega**2 / gravity
+    if not np.isfinite(depth) or deep * depth > 20.0:
+        return deep
+    return float(brentq(lambda k: k * np.tanh(k * depth) - deep, deep, deep / np.tanh(deep * depth) * 2, xtol=1e-15))
+
+
+def group_velocity(omega: float, depth: float, gravity: float) -> float:
+    """Return v_g = d omega/dk = omega/(2k) (1 + 2kd/sinh 2kd) [m/s]."""
+    k = wavenumber(omega, depth, gravity)
+    kd2 = 2 * k * depth
+    finite = kd2 / np.sinh(kd2) if kd2 < 40.0 else 0.0
+    return float(omega / (2 * k) * (1 + finite))
+
+
+def power_limit(omega: float, depth: float, density: float, gravity: float) -> float:
+    """Return the largest mean power an axisymmetric heaving body can absorb, per squared wave amplitude [W/m^2].
+
+    Notes
+    -----
+    Capture width 1/k = wavelength/(2 pi) times the energy flux rho g v_g/2 (Budal & Falnes; Evans).
+    """
+    flux = 0.5 * density * gravity * group_velocity(omega, depth, gravity)
+    return float(flux / wavenumber(omega, depth, gravity))
+
+
+def jonswap_spectrum(omega: FloatArray, hs: float, tp: float, gamma: float) -> FloatArray:
+    """Return the JONSWAP spectral density, shape (omega,) [m^2 s/rad], scaled to 16 m0 = hs^2 exactly.
+
+    Parameters
+    ----------
+    omega : ndarray, shape (omega,) [rad/s]
+    hs, tp : float
+        Significant wave height [m], peak period [s].
+    gamma : float
+        Peakedness; 1 gives Pierson-Moskowitz.
+    """
+
+    def shape(w: FloatArray) -> FloatArray:
+        peak = 2 * np.pi / tp
+        sigma = np.where(w <= peak, 0.07, 0.09)
+        bump: FloatArray = gamma ** np.exp(-((w / peak - 1) ** 2) / (2 * sigma**2))
+        return np.asarray(w**-5.0 * np.exp(-1.25 * (peak / w) ** 4) * bump)
+
+    fine = np.linspace(0.02, 40.0, 40001) * 2 * np.pi / tp
+    m0 = float(np.trapezoid(shape(fine), fine))
+    density: FloatArray = hs**2 / 16 / m0 * shape(omega)
+    return density
+
+
+@dataclass(frozen=True)
+class Sea:
+    """A sum of regular components: elevation Re sum a_j exp(-i omega_j t) at the buoy's axis (C1)."""
+
+    omega: FloatArray  # (component,) [rad/s]
+    amplitude: ComplexArray  # (component,) [m], phase included
+
+    def elevation(self, time: FloatArray) -> FloatArray:
+        """Return the undisturbed elevation at the buoy's axis at equally spaced times, shape (time,) [m]."""
+        return superposed(self.omega, self.amplitude[:, None], time)[:, 0]
+
+    def mean_of(self, power_per_squared_amplitude: FloatArray) -> float:
+        """Return the mean over the components of a power [W/m^2] that is additive over frequencies [W]."""
+        return float(np.sum(power_per_squared_amplitude * np.abs(self.amplitude) ** 2))
+
+
+NO_WAVES = Sea(np.zeros(0), np.zeros(0, dtype=complex))
+"""Still water."""
+
+
+def regular(wave: RegularWave) -> Sea:
+    """Return a regular wave, crest at the axis at t = 0."""
+    return Sea(np.array([wave.omega]), np.array([complex(wave.amplitude)]))
+
+
+def spectrum(wave: Irregular, omega: FloatArray) -> FloatArray:
+    """Return the spectral density of an irregular sea, shape (omega,) [m^2 s/rad], 16 m0 = hs^2."""
+    if isinstance(wave, WhiteNoise):
+        low, high = wave.band
+        return np.where((omega >= low) & (omega <= high), wave.hs**2 / 16 / (high - low), 0.0)
+    return jonswap_spectrum(omega, wave.hs, wave.tp, wave.gamma if isinstance(wave, Jonswap) else 1.0)
+
+
+def irregular(wave: Irregular, omega_max: float, duration: float) -> Sea:
+    """Return a realisation that does not repeat within the run: deterministic amplitudes, random phases.
+
+    Components lie at the centres of equal bands no wider than 2 pi/(1.1 duration), up to omega_max. Amplitudes follow
+    the spectrum exactly, so every seed carries the same energy.
+    """
+    low, high = wave.band if isinstance(wave, WhiteNoise) else (0.0, omega_max)
+    count = int(np.ceil((high - low) * 1.1 * duration / (2 * np.pi)))
+    width = (high - low) / count
+    omega = low + (np.arange(count) + 0.5) * width
+    inside = int(np.ceil(width / (0.02 * wave.omega)))  # the spectrum may peak within a band of a short record
+    fine = low + (np.arange(count * inside) + 0.5) * width / inside
+    amplitude = np.sqrt(2 * spectrum(wave, fine).reshape(count, inside).mean(axis=1) * width)
+    phase = np.random.default_rng(wave.seed).uniform(0.0, 2 * np.pi, count)
+    kept = amplitude > 1e-12 * amplitude.max()
+    return Sea(omega[kept], (amplitude * np.exp(1j * phase))[kept])
+
+
+def sea(wave: Wave, omega_max: float, duration: float) -> Sea:
+    """Return the sea of a study's wave; still water has no components."""
+    if isinstance(wave, RegularWave):
+        return regular(wave)
+    if isinstance(wave, IrregularSea):
+        return irregular(wave, omega_max, duration)
+    return NO_WAVES
