@@ -42,7 +42,8 @@ from vsb.stages import radiation
 from vsb.stages.coefficients import spectral_block
 from vsb.stages.database import build_database
 from vsb.stages.stage import partial_study
-from vsb.study.plan import Spec, StudyPlan
+from vsb.study.blocks import Spec
+from vsb.study.plan import StudyPlan
 from vsb.study.reading import read_yaml
 from vsb.study.sections import Device
 from vsb.study.study import Study, parse

@@ -295,7 +295,7 @@ def test_labels_of_seas(seed, wave, label):
 
 def test_checks_a_study_may_accept_are_those_there_are():
     """Names are known before anything is solved; every literal of the module is offered as the name of an estimate."""
-    tree = ast.parse((SEED.parents[1] / "vsb" / "quality.py").read_text(encoding="utf-8"))
+    tree = ast.parse((SEED.parents[1] / "vsb" / "hydro" / "quality.py").read_text(encoding="utf-8"))
     literals = {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)}
     omega = np.arange(1, 9) * 0.5
     pair = ("influenced_dof", "radiating_dof")

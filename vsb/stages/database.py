@@ -11,7 +11,7 @@ from vsb.errors import DatabaseError
 from vsb.hydro import database, quality
 from vsb.scenes.rest import reference_shell
 from vsb.stages.stage import partial_study
-from vsb.study.plan import COARSEST_SWEEP
+from vsb.study.blocks import COARSEST_SWEEP
 from vsb.study.study import canonical, content_id
 from vsb.tools.units import load
 

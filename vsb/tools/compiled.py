@@ -1,7 +1,7 @@
 """Where compiled loops are kept between runs: a folder of its own for every state of their sources.
 
 A compiled loop holds what it calls from other files, and numba looks at its own file alone: kept beside the source, a
-loop would go on with the old force after `vsb.wetforce` was edited. Import `njit` from here.
+loop would go on with the old force after `vsb.motion.wetted` was edited. Import `njit` from here.
 """
 
 import hashlib

@@ -38,7 +38,7 @@ from vsb.hydro.bodies.solver import BodyProblem
 from vsb.hydro.bodies.sweep import Block, Measure, Swept, error_estimate, least_sizes, sizes, swept
 from vsb.hydro.database import Check, as_json, check_at_most, with_excitation, with_symmetrized
 from vsb.hydro.panels import rings as bem
-from vsb.study.plan import LEAST_DEPTH_IN_WAVENUMBERS, panel_solver
+from vsb.study.blocks import LEAST_DEPTH_IN_WAVENUMBERS, panel_solver
 from vsb.study.reading import read_yaml, validated
 from vsb.study.sections import Count, Finite, Name, Number, Positive, Section, Water
 from vsb.study.study import canonical, content_id

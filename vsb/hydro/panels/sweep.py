@@ -12,7 +12,7 @@ from vsb.hydro.database import with_excitation
 from vsb.hydro.panels.rings import AxisymmetricProblem, green_function
 from vsb.hydro.quality import haskind_damping
 from vsb.hydro.sweep import apart, coefficients, joined, largest, on_grid
-from vsb.study.plan import LEAST_DEPTH_IN_WAVENUMBERS
+from vsb.study.blocks import LEAST_DEPTH_IN_WAVENUMBERS
 
 STRONGEST_KA = 0.5
 """k R of a wave near which damping is largest: a block of high frequencies measures its errors by that, too."""

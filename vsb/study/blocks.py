@@ -1,0 +1,235 @@
+"""The hydrodynamic jobs of a study: resolution, frequency grid and blocks, as specs with content ids. Pure Python."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from importlib.metadata import version
+from typing import Any
+
+from vsb.errors import ConfigError
+from vsb.study.resolution import frequency_step, mode_rows, tolerance_rows, wave_rows
+from vsb.study.study import IrregularSea, RegularWave, Study, content_id
+
+Spec = dict[str, Any]
+PHYSICS = {"mesh": 2, "bem": 7, "database": 6, "radiation": 1, "response": 2, "simulate": 4, "compare": 6}
+"""Hand-bumped version of the physics behind each stage: a library edit alone never reruns anything."""
+BLOCK = 32
+"""Frequencies per job of panels: large enough to hide the second an import costs, small enough to spread over cores.
+
+The band's upper end is rounded up to as many unrefined steps: studies of different omega_max share blocks.
+"""
+SPECTRAL_BLOCK = 128
+"""Likewise of frequencies tabulated by the spectral solver, which needs less than a millisecond for each."""
+SPLINE_ERROR = {"deep": (5e-5, 2), "finite": (4.6e-3, 3)}
+"""Of cubic splines on the grid of `frequency_step`, where added mass leaves frequency zero, and the power of the step
+it falls with; in finite depth added mass goes with log(omega) (measured in 2.041 m to 50 m of water, radius 2 m)."""
+COARSEST_SWEEP = 1e-3
+"""Largest tolerance of interpolation: of small modes, measured by the largest, more would be felt."""
+LARGEST_KA = 40.0
+"""Largest omega^2 r/g the spectral solver is asked for: beyond, its points grow with the frequency."""
+MAX_ROWS = 160
+LID_ROWS_PER_WAVE = 6
+ROWS_OF_A_DEFORMED_SHELL = 1.5
+"""Factor on the rows of a sphere; with it Haskind's relation holds as well (seed's shell at 16.5 kPa, 14 % strain)."""
+FEWEST_LID_ROWS = 16
+LEAST_DEPTH_IN_WAVENUMBERS = 0.3  # capytaine has no finite-depth Green function for kd near 0.1
+
+
+def panel_solver() -> str:
+    """Name and version of the panel solver, part of every id of its results."""
+    return f"capytaine {version('capytaine')}"
+
+
+@dataclass(frozen=True)
+class HydroPlan:
+    """What a study needs of the boundary-element solvers, as specs with content ids."""
+
+    study: Study
+
+    def stage(self, name: str, *sections: str) -> Spec:
+        """Spec of a stage of this study: the sections of the study it reads, nothing else."""
+        dump = self.study.model_dump()
+        return {"stage": name, "physics": PHYSICS[name], **{key: dump[key] for key in sections}}
+
+    def resolution(self, omega: float) -> Spec:
+        """Panel rows, azimuthal panels and lid rows for frequencies up to omega [rad/s].
+
+        Raises
+        ------
+        ConfigError
+            If the wave is too short for any mesh of at most `MAX_ROWS` rows, or for the rows asked for.
+        """
+        study, radius = self.study, self.study.device.radius
+        most = study.hydro.rows or MAX_ROWS
+        highest = min(omega, study.hydro.omega_max)  # a block may reach beyond what the study asks for
+        needed = wave_rows(radius, self._wavelength(highest))
+        finer = ROWS_OF_A_DEFORMED_SHELL if study.at_equilibrium else 1.0
+        wanted = max(
+            2 * math.ceil(finer * tolerance_rows(study.hydro.tolerance) / 2),
+            mode_rows(self.study.modes.degree if self.study.flexible else 1),
+            wave_rows(radius, self._wavelength(omega)),
+        )
+        if not study.hydro.rows and tolerance_rows(study.hydro.tolerance) > MAX_ROWS:
+            least = 1e-3 * (40 / MAX_ROWS) ** 2
+            raise ConfigError(f"hydro.tolerance: received {study.hydro.tolerance:g}, needs at least {least:g}")
+        if needed > most:
+            raise ConfigError(
+                f"hydro.omega_max: received {study.hydro.omega_max:g} rad/s, whose wave of "
+                f"{self._wavelength(highest):.3g} m is too short for the mesh: it needs {needed} rows of panels, there "
+                f"are {most}; lower hydro.omega_max" + (" or raise hydro.rows" if study.hydro.rows else "")
+            )
+        rows = study.hydro.rows or min(wanted, MAX_ROWS)
+        waterline = math.sqrt(radius**2 - study.centre_height**2)
+        return {
+            "rows": rows,
+            "azimuth": 2 * rows,
+            "lid_rows": max(FEWEST_LID_ROWS, math.ceil(LID_ROWS_PER_WAVE * waterline / self._wavelength(omega))),
+        }
+
+    def _wavelength(self, omega: float) -> float:
+        """Length of a deep-water wave [m]: the shortest a frequency can have."""
+        return 2 * math.pi * self.study.water.gravity / omega**2
+
+    @property
+    def shape(self) -> Spec:
+        """Mean wetted shape: radius and height of the sphere centre [m], and what deforms it at rest, if anything."""
+        sphere = {"radius": self.study.device.radius, "centre_height": self.study.centre_height}
+        if not self.study.at_equilibrium:
+            return sphere
+        sections = self.stage("mesh", "device", "modes", "water", "reference_shape")
+        sections["device"].pop("damping")
+        sections["water"].pop("depth")
+        return {**sphere, **sections}
+
+    @property
+    def displacements(self) -> tuple[str, ...]:
+        """Displacements solved for: the sphere knows radial ones alone, its rigid heave degree 1 alone."""
+        highest = max(1, self.study.modes.degree)
+        if not self.study.flexible:
+            return ("Radial1",)
+        radial = tuple(f"Radial{n}" for n in range(highest + 1))
+        meridional = tuple(f"Meridional{n}" for n in range(1, highest + 1))
+        return (*radial, *meridional) if self.study.at_equilibrium else radial
+
+    def mesh(self, omega: float) -> Spec:
+        """Spec of the mesh that serves frequencies up to omega."""
+        return {"stage": "mesh", "physics": PHYSICS["mesh"], **self.shape, **self.resolution(omega)}
+
+    @property
+    def _modes(self) -> Spec | None:
+        """The mode section, if any design is flexible."""
+        return self.study.modes.model_dump() if self.study.flexible else None
+
+    def _block(self, omega: list[float], highest: float, **sweep: float) -> Spec:
+        """Spec of one BEM job; of a sweep with the tolerance of interpolation, which lets it leave frequencies out."""
+        study = self.study
+        if study.uses_panels:
+            solver: Spec = {"solver": panel_solver(), "mesh": self.mesh(highest)}
+        else:
+            solver = {"solver": "spectral", "shape": self.shape, "tolerance": study.hydro.tolerance}
+        asked = {"water": study.water.model_dump(), "displacements": list(self.displacements), "omega": omega}
+        return {"stage": "bem", "physics": PHYSICS["bem"], **solver, **asked, **sweep}
+
+    @property
+    def refinement(self) -> int:
+        """How many times finer than that of panels the frequency grid is: 1, 2, 4, ...
+
+        Such that splines through it are off by at most half the tolerance; a finer grid needs no more solves.
+        """
+        if self.study.uses_panels:
+            return 1
+        error, power = SPLINE_ERROR["deep" if math.isinf(self.study.water.depth) else "finite"]
+        return int(2 ** max(0, math.ceil(math.log2(2 * error / self.study.hydro.tolerance) / power)))
+
+    @property
+    def step(self) -> float:
+        """Step of the absolute frequency grid [rad/s]."""
+        return frequency_step(self.study.device.radius, self.study.water.gravity) / self.refinement
+
+    @property
+    def lowest_omega(self) -> float:
+        """Lowest frequency of the grid [rad/s]: its step, or what capytaine's Green function of finite depth allows."""
+        if not self.study.uses_panels:
+            return self.step if math.isinf(self.study.water.depth) else self.step * self.refinement
+        kd, depth = LEAST_DEPTH_IN_WAVENUMBERS, self.study.water.depth
+        return max(self.step, math.sqrt(kd * math.tanh(kd) * self.study.water.gravity / depth))
+
+    def check_waves(self) -> None:
+        """Check that no wave is longer than the lowest frequency solved, nor the band too wide for the solver.
+
+        Raises
+        ------
+        ConfigError
+        """
+        largest = math.sqrt(LARGEST_KA * self.study.water.gravity / self.study.device.radius)
+        if not self.study.uses_panels and self.study.hydro.omega_max > largest:
+            raise ConfigError(
+                f"hydro.omega_max: received {self.study.hydro.omega_max:g} rad/s, needs at most {largest:.4g} rad/s "
+                "with the spectral solver; lower it, or set hydro.solver: panels"
+            )
+        for i, wave in enumerate(self.study.waves):
+            if isinstance(wave, RegularWave) and wave.omega < self.first_omega:
+                longest = 2 * math.pi / self.first_omega
+                raise ConfigError(
+                    f"waves.{i}.period: received {wave.period:g} s, needs at most {longest:.4g} s, the longest solved"
+                )
+            if isinstance(wave, IrregularSea) and wave.reach[0] < self.first_omega:
+                raise ConfigError(
+                    f"waves.{i}: received {wave.label}, from {wave.reach[0]:.4g} rad/s on; needs at least "
+                    f"{self.first_omega:.4g} rad/s, the lowest solved"
+                )
+
+    def _grid(self, first: int, last: int) -> list[float]:
+        """Frequencies of the absolute grid, as round as its step [rad/s]."""
+        digits = max(0, -math.floor(math.log10(self.step))) + 5
+        return [round(self.step * i, digits) for i in range(first, last + 1)]
+
+    @cached_property
+    def sweep_blocks(self) -> list[Spec]:
+        """Blocks of the absolute grid that cover (0, omega_max].
+
+        Of each is solved what interpolation to half the tolerance needs; the other half is left for the splines through
+        the grid. The spectral solver's is one. Panels have several, and one of their own for infinite frequency.
+        """
+        size, interpolation = BLOCK * self.refinement, min(self.study.hydro.tolerance, COARSEST_SWEEP) / 2
+        count = math.ceil(self.study.hydro.omega_max / self.step / size - 1e-9)
+        first = math.ceil(self.lowest_omega / self.step - 1e-9)
+        if not self.study.uses_panels:
+            grid = self._grid(first, size * count)
+            return [self._block(grid, grid[-1], interpolation=interpolation)]
+        grids = [self._grid(max(first, size * k + 1), size * (k + 1)) for k in range(count)]
+        swept = [self._block(grid, grid[-1], interpolation=interpolation) for grid in grids]
+        return [self._block([math.inf], grids[0][-1]), *swept]
+
+    @property
+    def first_omega(self) -> float:
+        """Lowest frequency of the sweep [rad/s]."""
+        return float(min(block["omega"][0] for block in self.sweep_blocks))
+
+    @cached_property
+    def tabulated_blocks(self) -> list[Spec]:
+        """Blocks of the frequencies the study asks to tabulate, if it does."""
+        omega = self.study.hydro.omega
+        if self.study.uses_panels and omega and omega[0] < self.lowest_omega:
+            raise ConfigError(
+                f"hydro.omega: received {omega[0]:g} rad/s, needs at least {self.lowest_omega:.4g} rad/s with panels "
+                f"in {self.study.water.depth:g} m of water"
+            )
+        size = BLOCK if self.study.uses_panels else SPECTRAL_BLOCK
+        chunks = [list(omega[i : i + size]) for i in range(0, len(omega), size)]
+        return [self._block(chunk, chunk[-1]) for chunk in chunks]
+
+    @property
+    def bem_blocks(self) -> dict[str, Spec]:
+        """All BEM jobs of the study by content id; none without BEM."""
+        blocks = [*self.sweep_blocks, *self.tabulated_blocks] if self.study.needs_bem else []
+        return {content_id(block): block for block in blocks}
+
+    @property
+    def mode_labels(self) -> tuple[str, ...]:
+        """Labels of the shell modes, as the basis will name them."""
+        if not self.study.flexible:
+            return ()
+        degree = self.study.modes.degree
+        bending = range(2, degree + 1) if self.study.modes.basis == "full" else ()
+        return (*(f"Membrane{n}" for n in range(degree + 1)), *(f"Bending{n}" for n in bending))
