@@ -47,7 +47,8 @@ from vsb.study.plan import StudyPlan
 from vsb.study.reading import read_yaml
 from vsb.study.sections import Device
 from vsb.study.study import Study, parse
-from vsb.tools.units import FloatArray, write_text
+from vsb.tools.files import write_text
+from vsb.tools.units import FloatArray
 
 Outcome = Literal["completed", "refused", "not finite", "traceback"]
 Verdict = Literal["ok", "doubt", "wrong"]
@@ -392,9 +393,8 @@ def as_text(rows: Sequence[Row]) -> str:
 
 def hard_cases(path: str | Path, out: str | Path) -> list[Row]:
     """Run the cases of a file; write the table as CSV, and as plain text beside it (.txt)."""
-    cases = load_cases(path)
     with tempfile.TemporaryDirectory() as folder:
-        rows = run_cases(cases, folder)
+        rows = run_cases(load_cases(path), folder)
     write_text(out, as_csv(rows))
     write_text(Path(out).with_suffix(".txt"), as_text(rows))
     return rows

@@ -38,7 +38,8 @@ from vsb.report.canvas import grid_of_axes, legend_above
 from vsb.shell.deformed import DeformedShell
 from vsb.study.study import Study, parse
 from vsb.tools.compiled import njit
-from vsb.tools.units import FloatArray, write_text
+from vsb.tools.files import write_text
+from vsb.tools.units import FloatArray
 
 COLUMNS = (
     "table", "case", "method", "setting", "error", "error_energy", "seconds", "steps", "evaluations", "order",

@@ -53,7 +53,7 @@ from vsb.motion.scene import Plant
 from vsb.report.canvas import grid_of_axes, legend_above
 from vsb.scenes.automatic import absorbed, truncated
 from vsb.study.study import Study
-from vsb.tools.units import write_text
+from vsb.tools.files import write_text
 
 BALANCE = "harmonic balance"
 STYLES = {

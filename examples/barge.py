@@ -27,7 +27,8 @@ from vsb.report.canvas import grid_of_axes, legend_above, style
 from vsb.study.reading import validated
 from vsb.study.sections import Count, Finite, Number, Positive, Section, Water
 from vsb.study.study import canonical
-from vsb.tools.units import FloatArray, load, write_text
+from vsb.tools.files import load, write_text
+from vsb.tools.units import FloatArray
 
 GRADING = 0.5
 """Between equal panels (0) and cosine spacing (1), whose panels at the edges shrink with the square of the number."""

@@ -288,7 +288,7 @@ def parser() -> argparse.ArgumentParser:
 def _check_writable(names: Sequence[str]) -> None:
     """Check that files, and folders, whose names end in /, can be written: minutes of work must not end in an error."""
     for name in names:
-        from vsb.tools.units import check_file, check_folder
+        from vsb.tools.files import check_file, check_folder
 
         (check_folder if name.endswith("/") else check_file)(name.removesuffix("/"))
 

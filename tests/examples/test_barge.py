@@ -8,7 +8,7 @@ from examples import barge
 from examples.barge import free_free_root, free_free_shape
 from vsb.errors import ConfigError
 from vsb.hydro.bodies.body import hydrostatic_stiffness
-from vsb.tools.units import load
+from vsb.tools.files import load
 
 TABULATED = (4.730040744862704, 7.853204624095838, 10.99560783800167, 14.13716549125746)  # Blevins (1979), table 8-1
 FINE = np.linspace(-1.0, 1.0, 2001)

@@ -18,7 +18,7 @@ from conftest import SEED
 
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
-from vsb.tools.units import load
+from vsb.tools.files import load
 
 HOME = SEED.parent.parent
 BASE = yaml.safe_load(SEED.read_text())

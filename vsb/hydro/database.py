@@ -14,7 +14,8 @@ import xarray as xr
 from vsb.errors import DatabaseError
 from vsb.shell.modes import ModeBasis
 from vsb.shell.rest import ReferenceShell
-from vsb.tools.units import FloatArray, load, save, write_text
+from vsb.tools.files import load, save, write_text
+from vsb.tools.units import FloatArray
 
 Verdict = Literal["ok", "doubt", "fail", "accepted"]
 SWEEP = "sweep"

@@ -16,7 +16,8 @@ from vsb.scenes import automatic
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import ModeBasis, design_motions, mode_basis, rigid_basis, study_basis
 from vsb.study.study import RegularWave, Study
-from vsb.tools.units import FloatArray, load
+from vsb.tools.files import load
+from vsb.tools.units import FloatArray
 from vsb.waves.seas import NO_WAVES, Sea, sea
 
 

@@ -10,7 +10,7 @@ from vsb.shell.deformed import rigid_sphere
 from vsb.stages.meshes import mean_mesh
 from vsb.stages.stage import partial_study
 from vsb.study.study import canonical, content_id
-from vsb.tools.units import load, save, write_text
+from vsb.tools.files import load, save, write_text
 
 Spec = dict[str, Any]
 

@@ -9,7 +9,7 @@ from vsb.results import comparison as compare
 from vsb.results import ledger
 from vsb.results import statistics as seastatistics
 from vsb.study.study import canonical, parse
-from vsb.tools.units import load, write_text
+from vsb.tools.files import load, write_text
 from vsb.waves.seas import NO_WAVES, sea
 
 Spec = dict[str, Any]

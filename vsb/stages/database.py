@@ -13,7 +13,7 @@ from vsb.scenes.rest import reference_shell
 from vsb.stages.stage import partial_study
 from vsb.study.blocks import COARSEST_SWEEP
 from vsb.study.study import canonical, content_id
-from vsb.tools.units import load
+from vsb.tools.files import load
 
 Spec = dict[str, Any]
 

@@ -9,7 +9,7 @@ from vsb.hydro import database
 from vsb.hydro.formats import bemio, wamit
 from vsb.hydro.formats import exchange as interchange
 from vsb.hydro.formats.modes import check_positive
-from vsb.tools.units import save
+from vsb.tools.files import save
 
 Spec = dict[str, Any]
 

@@ -8,7 +8,7 @@ import xarray as xr
 from vsb.hydro.panels import mesh as meshing
 from vsb.scenes.rest import reference_shell
 from vsb.stages.stage import partial_study
-from vsb.tools.units import save
+from vsb.tools.files import save
 
 Spec = dict[str, Any]
 

@@ -7,7 +7,7 @@ import xarray as xr
 
 from vsb.scenes.rest import check_stable, reference_shell
 from vsb.stages.stage import partial_study
-from vsb.tools.units import save
+from vsb.tools.files import save
 
 Spec = dict[str, Any]
 COLATITUDES = np.linspace(0.0, np.pi, 181)

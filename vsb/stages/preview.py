@@ -10,7 +10,7 @@ from vsb.shell.modes import mode_basis
 from vsb.shell.sphere import Shell, natural_frequencies
 from vsb.study.plan import StudyPlan
 from vsb.study.study import Study, content_id
-from vsb.tools.units import load
+from vsb.tools.files import load
 
 SECONDS_PER_SPECTRAL_JOB = 2.0
 SECONDS_PER_PANEL_ROW2 = 3e-5

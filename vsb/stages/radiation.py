@@ -10,7 +10,7 @@ from vsb.hydro import database
 from vsb.hydro import statespace as radiation
 from vsb.hydro.kernel import DampingSpectrum
 from vsb.study.study import canonical, content_id
-from vsb.tools.units import save
+from vsb.tools.files import save
 
 Spec = dict[str, Any]
 

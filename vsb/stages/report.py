@@ -19,7 +19,7 @@ from vsb.report.page import Report, render
 from vsb.results.statistics import families
 from vsb.study.plan import figure_names
 from vsb.study.study import StillWater, Study, Wave, parse
-from vsb.tools.units import load, write_text
+from vsb.tools.files import load, write_text
 
 
 def _study(path: str) -> Study:

@@ -9,7 +9,7 @@ from vsb.motion import frequency as response
 from vsb.scenes.build import linear_buoy
 from vsb.shell.modes import design_motions
 from vsb.stages.stage import partial_study
-from vsb.tools.units import save
+from vsb.tools.files import save
 from vsb.waves.seas import power_limit
 
 Spec = dict[str, Any]

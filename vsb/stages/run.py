@@ -20,7 +20,7 @@ ERROR = "vsb: error:"
 def run(args: argparse.Namespace) -> int:
     """Run a whole study through Snakemake, after validating everything that can be known beforehand."""
     from vsb.stages import preview
-    from vsb.tools.units import check_folder
+    from vsb.tools.files import check_folder
 
     study = load(args.config)
     plan = StudyPlan(study)

@@ -16,7 +16,7 @@ from vsb.report.shape_figures import shape_figure
 from vsb.scenes.rest import reference_shell
 from vsb.scenes.shape_dependence import answer, shape_dataset, shapes_of_study, study_family
 from vsb.study.study import Study, content_id
-from vsb.tools.units import load, save, write_text
+from vsb.tools.files import load, save, write_text
 
 
 def counter(total: int) -> Callable[[], None]:

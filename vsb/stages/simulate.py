@@ -15,7 +15,8 @@ from vsb.scenes.build import SCENES
 from vsb.shell.deformed import enclosed
 from vsb.stages.stage import partial_study
 from vsb.study.study import RegularWave, StillWater, Study
-from vsb.tools.units import FloatArray, save
+from vsb.tools.files import save
+from vsb.tools.units import FloatArray
 
 Spec = dict[str, Any]
 

@@ -13,7 +13,7 @@ from vsb.hydro import database
 from vsb.hydro.bodies import study as bodystudy
 from vsb.hydro.bodies.coarsening import CoarserBody
 from vsb.hydro.bodies.study import BodyProblem, BodyStudy
-from vsb.tools.units import load
+from vsb.tools.files import load
 
 LABELS = ("Heave", "Pitch", "Bend")
 

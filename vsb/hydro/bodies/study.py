@@ -42,7 +42,8 @@ from vsb.study.blocks import LEAST_DEPTH_IN_WAVENUMBERS, panel_solver
 from vsb.study.reading import read_yaml, validated
 from vsb.study.sections import Count, Finite, Name, Number, Positive, Section, Water
 from vsb.study.study import canonical, content_id
-from vsb.tools.units import ComplexArray, FloatArray, load, save, whole
+from vsb.tools.files import load, save, whole
+from vsb.tools.units import ComplexArray, FloatArray
 from vsb.waves.seas import group_velocity, wavenumber
 
 Spec = dict[str, Any]

@@ -30,7 +30,8 @@ from vsb.hydro.formats.modes import (
     structure,
 )
 from vsb.hydro.kernel import DampingSpectrum
-from vsb.tools.units import ATTRS, ComplexArray, FloatArray, whole
+from vsb.tools.files import whole
+from vsb.tools.units import ATTRS, ComplexArray, FloatArray
 
 _FOLDERS = {"excitation_force": "", "Froude_Krylov_force": "froude-krylov/", "diffraction_force": "scattering/"}
 _WAVES, _BODY, _HYDRO = "/simulation_parameters/", "/body1/properties/", "/body1/hydro_coeffs/"

@@ -24,7 +24,8 @@ from vsb.hydro.database import in_modes, with_excitation
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.shell.deformed import DeformedShell
 from vsb.study.study import content_id
-from vsb.tools.units import ComplexArray, FloatArray, load, save
+from vsb.tools.files import load, save
+from vsb.tools.units import ComplexArray, FloatArray
 
 COEFFICIENTS = {
     "added_mass": ("kg", "kg/m", "kg/m^2"),

@@ -1,0 +1,207 @@
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+from vsb.errors import DatabaseError
+from vsb.tools.files import check_file, check_folder, load, save, whole, write_text
+from vsb.tools.units import ATTRS
+
+FINITE = st.floats(-1e12, 1e12)
+
+
+def rao(values):
+    size = values.shape[1]
+    return xr.Dataset(
+        {"rao": (("design", "omega", "dof"), values)},
+        coords={"design": ["A"], "omega": np.arange(size) + 1.0, "dof": ["Heave", "Membrane0"]},
+    )
+
+
+@settings(max_examples=20, deadline=None)
+@given(hnp.arrays(float, (1, 3, 2), elements=FINITE), hnp.arrays(float, (1, 3, 2), elements=FINITE))
+def test_complex_round_trip_on_disk_is_exact_and_has_units(tmp_path_factory, real, imag):
+    path = tmp_path_factory.mktemp("nc") / "a.nc"
+    ds = rao(real + 1j * imag)
+    save(ds, path)
+    back = load(path)
+    assert np.array_equal(back.rao.values, ds.rao.values)
+    assert back.rao.attrs["units"] == ATTRS["rao"].units
+    with xr.open_dataset(path) as raw:
+        assert raw.rao.dims[0] == "complex"
+        assert list(raw.complex.values) == ["re", "im"]
+
+
+def test_nan_is_never_written(tmp_path):
+    ds = rao(np.full((1, 3, 2), np.nan))
+    with pytest.raises(DatabaseError, match="variable rao holds NaN or infinite values"):
+        save(ds, tmp_path / "a.nc")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_unknown_variable_is_refused(tmp_path):
+    with pytest.raises(DatabaseError, match=r"variables \['wobble'\] are not in vsb.units.ATTRS"):
+        save(xr.Dataset({"wobble": ("x", [1.0])}), tmp_path / "a.nc")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("content", "message"), [(b"", "cannot be read as netCDF"), (b"CDF?junk", "cannot be read as netCDF")]
+)
+def test_corrupt_file(tmp_path, content, message):
+    (tmp_path / "bad.nc").write_bytes(content)
+    with pytest.raises(DatabaseError, match=message) as error:
+        load(tmp_path / "bad.nc")
+    assert "\n" not in str(error.value)
+
+
+def test_foreign_and_missing_files(tmp_path):
+    xr.Dataset({"sst": ("lat", [1.0])}).to_netcdf(tmp_path / "foreign.nc")
+    with pytest.raises(DatabaseError, match=r"foreign.nc: not a file of this project .*sst"):
+        load(tmp_path / "foreign.nc")
+    with pytest.raises(DatabaseError, match=r"none.nc: file not found; run the rule that makes it"):
+        load(tmp_path / "none.nc")
+
+
+def test_text_is_replaced_whole(tmp_path):
+    write_text(tmp_path / "sub" / "a.txt", "one")
+    write_text(tmp_path / "sub" / "a.txt", "two")
+    assert (tmp_path / "sub" / "a.txt").read_text() == "two"
+    assert [p.name for p in (tmp_path / "sub").iterdir()] == ["a.txt"]
+
+
+@settings(max_examples=15, deadline=None)
+@given(
+    hnp.arrays(float, (2, 2), elements=FINITE),
+    hnp.arrays(complex, (2, 1, 2), elements=st.complex_numbers(max_magnitude=1e9)),
+)
+def test_groups_round_trip_beside_the_main_dataset(tmp_path_factory, stiffness, force):
+    path = tmp_path_factory.mktemp("nc") / "a.nc"
+    dofs = ["Heave", "Membrane0"]
+    main = xr.Dataset(
+        {"hydrostatic_stiffness": (("influenced_dof", "radiating_dof"), stiffness)},
+        coords={"influenced_dof": dofs, "radiating_dof": dofs},
+    )
+    group = xr.Dataset(
+        {"excitation_force": (("omega", "wave_direction", "influenced_dof"), force)},
+        coords={"omega": [1.0, 2.0], "wave_direction": [0.0], "influenced_dof": dofs},
+    )
+    save(main, path, groups={"tabulated": group})
+    assert np.array_equal(load(path).hydrostatic_stiffness, stiffness)
+    back = load(path, group="tabulated")
+    assert np.array_equal(back.excitation_force, force)
+    assert list(back.influenced_dof.values) == dofs
+    assert back.omega.attrs["units"] == "rad/s"
+
+
+def test_large_variables_are_compressed_without_loss(tmp_path):
+    values = np.random.default_rng(1).standard_normal((1, 6000, 2)) + 1j
+    save(rao(values), tmp_path / "a.nc")
+    assert np.array_equal(load(tmp_path / "a.nc").rao.values, values)
+    with xr.open_dataset(tmp_path / "a.nc") as raw:
+        assert raw.rao.encoding["zlib"]
+
+
+def test_a_failed_write_keeps_the_old_file_and_leaves_nothing_behind(tmp_path):
+    save(rao(np.ones((1, 3, 2))), tmp_path / "a.nc")
+    with pytest.raises(DatabaseError, match=r"a.nc:late: variable rao holds NaN"):
+        save(rao(np.zeros((1, 3, 2))), tmp_path / "a.nc", groups={"late": rao(np.full((1, 3, 2), np.inf))})
+    assert np.all(load(tmp_path / "a.nc").rao.values == 1.0)
+    assert [p.name for p in tmp_path.iterdir()] == ["a.nc"]
+
+
+def test_missing_group_is_one_line(tmp_path):
+    save(rao(np.ones((1, 3, 2))), tmp_path / "a.nc")
+    with pytest.raises(DatabaseError, match=r"a.nc: cannot be read as netCDF .*delete it and run again") as error:
+        load(tmp_path / "a.nc", group="nowhere")
+    assert "\n" not in str(error.value)
+
+
+def test_what_cannot_be_written_is_one_line_and_loses_nothing(tmp_path):
+    (tmp_path / "file").write_text("kept")
+    (tmp_path / "folder").mkdir()
+    for path, reason in (
+        (tmp_path / "file" / "a.nc", f"{tmp_path / 'file'} is no folder"),
+        (tmp_path / "file" / "deep" / "a.nc", f"{tmp_path / 'file'} is no folder"),
+        (tmp_path / "folder", "it is a folder or a device"),
+        (tmp_path / ("a" * 300), "File name too long"),
+    ):
+        for write in (lambda p: save(rao(np.ones((1, 3, 2))), p), lambda p: write_text(p, "new")):
+            with pytest.raises(DatabaseError, match=r"cannot be written \(.*\); needs") as error:
+                write(path)
+            assert str(error.value).startswith(f"{path}: cannot be written ({reason}); needs ")
+    assert sorted(path.name for path in tmp_path.rglob("*")) == ["file", "folder"]
+    assert (tmp_path / "file").read_text() == "kept"
+
+
+def test_a_device_is_never_replaced_by_a_file():
+    with pytest.raises(
+        DatabaseError, match=r"/dev/null: cannot be written \(it is a folder or a device\); needs a file"
+    ):
+        check_file("/dev/null")
+
+
+def test_a_folder_that_is_not_there_yet_can_be_written(tmp_path, monkeypatch):
+    check_folder(tmp_path / "new" / "deeper")
+    check_file(tmp_path / "new" / "a.nc")
+    monkeypatch.setattr("vsb.tools.files.os.access", lambda *_: False)  # root may write anywhere
+    with pytest.raises(
+        DatabaseError, match=f"new: cannot be written .no permission to write to {tmp_path}.; needs a folder"
+    ):
+        check_folder(tmp_path / "new")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_whose_name_is_too_long_is_one_line(tmp_path):
+    with pytest.raises(
+        DatabaseError, match=r"cannot be written \(File name too long\); needs a folder you may write to"
+    ):
+        check_folder(tmp_path / ("a" * 300))
+
+
+FULL = """
+import resource, sys
+import numpy as np
+from tools.test_files import rao
+from vsb.errors import DatabaseError
+from vsb.tools.files import save, write_text
+resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))
+for write in (lambda: write_text("a.txt", "new" * 10**5), lambda: save(rao(np.random.rand(1, 6000, 2)), "a.nc")):
+    try:
+        write()
+    except DatabaseError as error:
+        print(error)
+"""
+
+
+def test_a_full_disk_keeps_the_old_files(tmp_path):
+    write_text(tmp_path / "a.txt", "old")
+    save(rao(np.ones((1, 3, 2))), tmp_path / "a.nc")
+    path = os.pathsep.join(map(str, Path(__file__).parents[1:3]))
+    done = subprocess.run(
+        [sys.executable, "-c", FULL],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    text, data = done.stdout.splitlines()
+    assert text == "a.txt: cannot be written (File too large); needs space in a folder you may write to"
+    assert data.startswith("a.nc: cannot be written (")
+    assert (tmp_path / "a.txt").read_text() == "old"
+    assert np.all(load(tmp_path / "a.nc").rao.values == 1.0)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.nc", "a.txt"]
+
+
+def test_a_mistake_while_writing_is_not_the_users(tmp_path):
+    with pytest.raises(ZeroDivisionError, match="division by zero"), whole(tmp_path / "a.txt") as temporary:
+        temporary.write_text(str(1 / 0))
+    assert list(tmp_path.iterdir()) == []
