@@ -28,6 +28,7 @@ from matplotlib.figure import Figure
 
 from benchmarks.integrators import as_csv
 from benchmarks.quadrature import Row
+from vsb.hydro.dofs import Displacement
 from vsb.hydro.panels import rings as bem
 from vsb.hydro.panels.mesh import mean_mesh
 from vsb.hydro.spectral.solver import SpectralProblem
@@ -44,7 +45,7 @@ RATIO_COLUMNS = (
     "baseline", "setting", "error", "seconds", "method", "seconds_at_equal_error", "times_faster",
     "error_at_equal_seconds", "times_more_precise", "at_least",
 )  # fmt: skip
-DISPLACEMENTS = tuple(f"Radial{n}" for n in range(7))
+DISPLACEMENTS = tuple(Displacement("radial", n) for n in range(7))
 KA = (0.2, 0.5, 1.0, 1.5)
 """Where errors are taken; the first irregular frequency is at 2.557."""
 SWEEP = 60

@@ -4,11 +4,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.special import jv, jvp
 
-from vsb.errors import ConfigError
-from vsb.hydro.azimuthal import associated_legendre, bessel, multiplicity, order_velocities, wave_around
+from vsb.hydro.azimuthal import bessel, legendre_function, multiplicity, wave_around
 
 PHI = np.linspace(0.05, np.pi - 0.05, 41)
-SPHERE = np.array([np.sin(PHI), np.cos(PHI)])
 
 
 def test_functions_of_low_order_are_the_textbooks():
@@ -20,47 +18,16 @@ def test_functions_of_low_order_are_the_textbooks():
         (2, 2): (3 * s**2, 6 * s * c),
         (3, 3): (15 * s**3, 45 * s**2 * c),
     }.items():
-        for found, expected in zip(associated_legendre(n, m, PHI), (value, slope), strict=True):
+        for found, expected in zip(legendre_function(n, m, PHI), (value, slope), strict=True):
             assert found == pytest.approx(expected, abs=1e-13)
 
 
 @given(st.integers(1, 6), st.integers(0, 6))
 def test_slope_is_the_derivative(order, more):
     h = 1e-5
-    ahead, behind = (associated_legendre(order + more, order, PHI + sign * h)[0] for sign in (1, -1))
-    slope = associated_legendre(order + more, order, PHI)[1]
+    ahead, behind = (legendre_function(order + more, order, PHI + sign * h)[0] for sign in (1, -1))
+    slope = legendre_function(order + more, order, PHI)[1]
     assert np.abs((ahead - behind) / (2 * h) - slope).max() < 1e-6 * np.abs(slope).max()
-
-
-def test_surge_of_a_sphere_is_its_first_radial_and_meridional_shape():
-    """e_x = e_r sin phi cos theta + e_phi cos phi cos theta - e_theta sin theta; meridional shapes move no water."""
-    surge, radial, meridional = order_velocities(("Surge", "Radial1", "Meridional1"), 1, PHI, SPHERE, SPHERE)
-    assert surge == pytest.approx(radial, abs=1e-14)
-    assert meridional == pytest.approx(0.0, abs=1e-14)
-
-
-@given(st.floats(-3.0, 3.0), st.floats(0.1, 3.0))
-def test_pitch_is_a_rotation_about_y_through_the_origin(height, ratio):
-    """On any body: (e_y x r) . n; here a spheroid about (0, 0, height)."""
-    position = np.array([np.sin(PHI), height + ratio * np.cos(PHI)])
-    normal = np.array([ratio * np.sin(PHI), np.cos(PHI)])
-    normal /= np.linalg.norm(normal, axis=0)
-    pitch = order_velocities(("Pitch",), 1, PHI, position, normal)[0]
-    x, z = position
-    expected = (np.cross([0.0, 1.0, 0.0], np.column_stack([x, 0 * x, z])) * np.insert(normal, 1, 0.0, axis=0).T).sum(1)
-    assert pitch == pytest.approx(expected, abs=1e-13)
-
-
-def test_pitch_about_the_centre_of_a_sphere_moves_no_water():
-    assert np.abs(order_velocities(("Pitch",), 1, PHI, SPHERE, SPHERE)).max() < 1e-15
-
-
-@pytest.mark.parametrize(
-    ("name", "order"), [("Radial1", 2), ("Surge", 2), ("Pitch", 0), ("Heave", 1), ("Radial0", 0), ("Meridional", 1)]
-)
-def test_displacements_an_order_does_not_have(name, order):
-    with pytest.raises(ConfigError, match=f"received {name} of azimuthal order {order}; needs Radial<n>"):
-        order_velocities((name,), order, PHI, SPHERE, SPHERE)
 
 
 @given(st.integers(1, 8), st.floats(0.0, 10.0))

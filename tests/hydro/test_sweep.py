@@ -9,6 +9,7 @@ from scipy.integrate import cumulative_simpson
 from scipy.interpolate import CubicSpline
 
 from vsb.errors import ConfigError, ConvergenceError
+from vsb.hydro import dofs
 from vsb.hydro.kernel import DampingSpectrum
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.hydro.spectral.sweep import converged, converged_on_grid, incident_wave, resolved
@@ -25,18 +26,22 @@ LEGENDRE = tuple(f"Radial{n}" for n in range(7))
 
 
 def problem(nodes=8):
-    return SpectralProblem(rigid_sphere(1.0, 0.0), ("Radial0", "Radial1", "Radial4"), 1.0, 1.0, nodes)
+    return SpectralProblem(
+        rigid_sphere(1.0, 0.0), dofs.displacements(["Radial0", "Radial1", "Radial4"]), 1.0, 1.0, nodes
+    )
 
 
 def buoy(height=0.0, displacements=LEGENDRE, nodes=32, order=0):
     """The seed's sphere in water."""
-    return SpectralProblem(rigid_sphere(2.0, height), displacements, 1025.0, 9.81, nodes, order)
+    return SpectralProblem(rigid_sphere(2.0, height), dofs.displacements(displacements, order), 1025.0, 9.81, nodes)
 
 
 def pressurised():
     """The shell of the pressurised study at equilibrium, strained by 14 %."""
     shape = reference_shell(config.load(HERE.parent / "config" / "pressurised.yaml")).shape
-    return SpectralProblem(shape, (*LEGENDRE, *(f"Meridional{n}" for n in range(1, 7))), 1025.0, 9.81)
+    return SpectralProblem(
+        shape, dofs.displacements([*LEGENDRE, *(f"Meridional{n}" for n in range(1, 7))]), 1025.0, 9.81
+    )
 
 
 def largest_error(found, exact):
@@ -170,7 +175,9 @@ def test_what_cannot_be_interpolated_is_solved_once_each(cases, count):
 @settings(max_examples=5, deadline=None)
 def test_order_of_displacements_and_density_do_not_matter(order, power):
     ours = swept(buoy(nodes=16), 1e-3)
-    solver = SpectralProblem(rigid_sphere(2.0, 0.0), tuple(LEGENDRE[i] for i in order), 1025.0 * 2.0**power, 9.81, 16)
+    solver = SpectralProblem(
+        rigid_sphere(2.0, 0.0), dofs.displacements(LEGENDRE[i] for i in order), 1025.0 * 2.0**power, 9.81, 16
+    )
     theirs = swept(solver, 1e-3)
     np.testing.assert_array_equal(theirs.solved.omega.values, ours.solved.omega.values)
     added = theirs.at(BETWEEN).added_mass.sel(influenced_dof=list(LEGENDRE), radiating_dof=list(LEGENDRE))
@@ -207,8 +214,8 @@ def test_estimate_and_error_are_below_the_tolerance(tolerance):
 
 @pytest.mark.parametrize(("depth", "order", "names"), [(np.inf, 0, 2), (5.0, 0, 1), (5.0, 1, 2)])
 def test_limits_are_solved_where_they_exist(depth, order, names):
-    displacements = ("Surge",) if order else ("Radial0", "Radial1")
-    solver = SpectralProblem(rigid_sphere(1.0, 0.0), displacements, 1.0, 1.0, 16, order, depth)
+    displacements = dofs.displacements(("Surge",) if order else ("Radial0", "Radial1"), order)
+    solver = SpectralProblem(rigid_sphere(1.0, 0.0), displacements, 1.0, 1.0, 16, depth)
     for found in (converged(solver, OMEGA, 1e-3), converged_on_grid(solver, GRID[:60], 1e-3, 5e-4)):
         limits = {name: found[name] for name in ("added_mass_inf", "added_mass_zero") if name in found}
         assert len(limits) == names

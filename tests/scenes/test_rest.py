@@ -7,7 +7,7 @@ import pytest
 from conftest import varied
 
 from vsb.errors import ConfigError
-from vsb.hydro import database, quality
+from vsb.hydro import database, dofs, quality
 from vsb.hydro.panels import mesh as meshing
 from vsb.hydro.panels import rings as bem
 from vsb.scenes.rest import check_equilibrium, check_stable, loaded_shell, reference_shell
@@ -134,7 +134,9 @@ class TestBem:
 
     def problem(self, green_folder, shell, rows=24):
         mesh = meshing.deformed_mesh(shell, rows, 2 * rows, rows // 2)
-        return bem.AxisymmetricProblem(bem.green_function(green_folder), mesh, self.DISPLACEMENTS, RHO, np.inf, G)
+        return bem.AxisymmetricProblem(
+            bem.green_function(green_folder), mesh, dofs.displacements(self.DISPLACEMENTS), RHO, np.inf, G
+        )
 
     def test_normal_velocities_are_those_of_the_displacements(self, green_folder, seed):
         problem = self.problem(green_folder, deformed(seed, Membrane2=0.2, Bending3=0.1))

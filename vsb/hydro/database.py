@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.errors import DatabaseError
+from vsb.hydro.dofs import Displacement, displacements
 from vsb.shell.modes import ModeBasis
 from vsb.shell.rest import ReferenceShell
 from vsb.tools.files import load, save, write_text
@@ -76,19 +77,21 @@ def merged_blocks(blocks: Sequence[xr.Dataset]) -> xr.Dataset:
 
 
 def in_modes(raw: xr.Dataset, basis: ModeBasis) -> xr.Dataset:
-    """Return coefficients of the displacements Radial<n> and Meridional<n> as coefficients of heave and modes.
+    """Return coefficients of radial and meridional displacements as coefficients of heave and modes.
 
     BEM is linear in them, so on one shape every basis, every design and every material shares one BEM run. Where no
     meridional displacement was solved for, on the undeformed sphere, they move no water.
     """
-    solved = [str(label) for label in raw.influenced_dof.values]
-    if missing := {f"Radial{n}" for n in basis.degrees} - set(solved):
-        raise DatabaseError(f"displacements {sorted(missing)} of the modes are not among those solved, {solved}.")
-    transform = np.zeros((len(basis.labels), len(solved)))
-    for i, mode in enumerate(basis.shapes):
-        transform[i, solved.index(f"Radial{mode.degree}")] = mode.radial
-        if f"Meridional{mode.degree}" in solved:
-            transform[i, solved.index(f"Meridional{mode.degree}")] = mode.meridional
+    solved = displacements(raw.influenced_dof.values)
+    if missing := {Displacement("radial", n) for n in basis.degrees} - set(solved):
+        lacking, labels = sorted(each.label for each in missing), [each.label for each in solved]
+        raise DatabaseError(f"displacements {lacking} of the modes are not among those solved, {labels}.")
+    share = [
+        {Displacement("radial", mode.degree): mode.radial}
+        | ({Displacement("meridional", mode.degree): mode.meridional} if mode.degree else {})
+        for mode in basis.shapes
+    ]
+    transform = np.array([[of_mode.get(each, 0.0) for each in solved] for of_mode in share])
     return xr.Dataset({name: _transformed(data, transform, list(basis.labels)) for name, data in raw.items()})
 
 

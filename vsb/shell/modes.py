@@ -4,8 +4,7 @@ Every shape is one Legendre degree n: radial displacement v = V P_n(cos phi), me
 is the shape n = 1, V = U = 1. Degrees are orthogonal, so mass and energy are closed-form 2 x 2 blocks per degree.
 """
 
-import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
@@ -43,25 +42,6 @@ def legendre(degree: int, colatitude: FloatArray) -> tuple[FloatArray, FloatArra
     cos, sin = np.cos(colatitude), np.sin(colatitude)
     p, dp, ddp = legendre_p_all(degree, cos, diff_n=2)
     return p, -sin * dp, sin**2 * ddp - cos * dp
-
-
-def normal_velocities(displacements: Sequence[str], colatitude: FloatArray, normal: Sequence[FloatArray]) -> FloatArray:
-    """Return the normal velocities of displacements of unit rate, shape (displacement, point) [m/s per m/s].
-
-    Parameters
-    ----------
-    displacements : sequence of str
-        Radial<n>: P_n(cos phi) along e_r; Meridional<n>: dP_n/dphi along e_phi.
-    colatitude : ndarray, shape (point,) [rad]
-        Of the material points, on the undeformed sphere.
-    normal : two ndarray, each shape (point,)
-        Unit normal of the shell there, radius and height component.
-    """
-    (n_x, n_z), (sin, cos) = normal, (np.sin(colatitude), np.cos(colatitude))
-    degrees = {label: int(re.sub(r"\D", "", label)) for label in displacements}
-    p, dp, _ = legendre(max(degrees.values()), colatitude)
-    along = {"R": p * (n_x * sin + n_z * cos), "M": dp * (n_x * cos - n_z * sin)}
-    return np.array([along[label[0]][degree] for label, degree in degrees.items()])
 
 
 def membrane_block(shell: Shell, degree: int) -> FloatArray:

@@ -3,6 +3,7 @@
 import time as clock
 from typing import Any
 
+from vsb.hydro.dofs import displacements
 from vsb.hydro.spectral import solver as spectral
 from vsb.hydro.spectral import sweep as spectralsweep
 from vsb.scenes.rest import reference_shell
@@ -56,7 +57,7 @@ def spectral_problem(spec: Spec) -> spectral.SpectralProblem:
         shell = rigid_sphere(shape["radius"], shape["centre_height"])
     return spectral.SpectralProblem(
         shell,
-        tuple(spec["displacements"]),
+        displacements(spec["displacements"]),
         water["density"],
         water["gravity"],
         spectralsweep.FEWEST_NODES,

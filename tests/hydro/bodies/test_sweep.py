@@ -4,6 +4,7 @@ from hydro.bodies.test_body import made, revolved_body, rigid, shell_with
 
 from examples import barge
 from vsb.errors import DatabaseError
+from vsb.hydro import dofs
 from vsb.hydro.bodies import body as bodies
 from vsb.hydro.bodies.solver import BodyProblem
 from vsb.hydro.bodies.study import _block
@@ -55,7 +56,7 @@ def estimated_and_true(problem, reference, omegas):
 @pytest.mark.parametrize("amplitude", [0.0, -0.15])
 def test_the_estimate_bounds_the_error_of_spheres_and_spheroids_and_goes_with_it(green, amplitude):
     degrees, shell, rows = (0, 1, 2), shell_with(amplitude), np.array([6, 8, 10, 12])
-    reference = SpectralProblem(shell, tuple(f"Radial{n}" for n in degrees), 1.0, 1.0, 48)
+    reference = SpectralProblem(shell, dofs.displacements(f"Radial{n}" for n in degrees), 1.0, 1.0, 48)
     found = []
     for n in rows:
         body = revolved_body(shell, n, degrees, 4 * int(np.ceil(n / 2)))
@@ -68,7 +69,7 @@ def test_the_estimate_bounds_the_error_of_spheres_and_spheroids_and_goes_with_it
 
 
 def test_the_estimate_bounds_the_error_of_surge_on_triangles(green):
-    reference = SpectralProblem(shell_with(0.0), ("Surge",), 1.0, 1.0, 48, 1)
+    reference = SpectralProblem(shell_with(0.0), (dofs.Displacement("surge", order=1),), 1.0, 1.0, 48)
     for rows in (6, 8):
         sphere = revolved_body(shell_with(0.0), rows, (0,), 2 * rows)
         cut = np.concatenate([sphere.faces[:, [0, 1, 2, 2]], sphere.faces[:, [0, 2, 3, 3]]])

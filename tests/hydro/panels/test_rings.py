@@ -6,6 +6,7 @@ import pytest
 from scipy.special import eval_legendre, legendre_p_all
 
 from vsb.errors import ConfigError
+from vsb.hydro import dofs
 from vsb.hydro.panels import rings as bem
 from vsb.hydro.panels.mesh import mean_mesh
 from vsb.hydro.spectral.solver import SpectralProblem
@@ -23,7 +24,7 @@ def green(green_folder):
 def unit_problem(green, rows, *, lid_rows=None, degrees=DEGREES, depth=np.inf):
     """Hemisphere of radius, density and gravity one: omega^2 = Ka."""
     mesh = mean_mesh(1.0, 0.0, rows, 2 * rows, lid_rows or rows // 2)
-    return bem.AxisymmetricProblem(green, mesh, tuple(f"Radial{n}" for n in degrees), 1.0, depth, 1.0)
+    return bem.AxisymmetricProblem(green, mesh, dofs.displacements(f"Radial{n}" for n in degrees), 1.0, depth, 1.0)
 
 
 def errors(result, hemisphere, ka):
@@ -172,7 +173,7 @@ def test_haskind_holds_in_finite_depth(green):
 def order_problem(green, rows, displacements, order, *, azimuth=None, depth=np.inf):
     """Hemisphere of radius, density and gravity one."""
     mesh = mean_mesh(1.0, 0.0, rows, azimuth or 2 * rows, rows // 2)
-    return bem.AxisymmetricProblem(green, mesh, displacements, 1.0, depth, 1.0, order)
+    return bem.AxisymmetricProblem(green, mesh, dofs.displacements(displacements, order), 1.0, depth, 1.0)
 
 
 class Plain(bem.AxisymmetricProblem):
@@ -193,18 +194,18 @@ def capytaines_own(green, problem, omega):
     mesh = full_mesh(problem.body.wedge, n)
     theta = 2 * np.pi * np.repeat(np.arange(n), rings.body_rows) / n
     along = np.tile(problem.velocities, n) * np.cos(problem.order * theta)
-    dofs = {d: w[:, None] * mesh.faces_normals for d, w in zip(problem.displacements, along, strict=True)}
+    moved = {d.label: w[:, None] * mesh.faces_normals for d, w in zip(problem.displacements, along, strict=True)}
     if problem.order == 1:
         x, z = mesh.faces_centers[:, 0], mesh.faces_centers[:, 2]
-        dofs["Surge"] = np.tile([1.0, 0.0, 0.0], (mesh.nb_faces, 1))
-        dofs["Pitch"] = np.column_stack([z, 0 * x, -x])
+        moved["Surge"] = np.tile([1.0, 0.0, 0.0], (mesh.nb_faces, 1))
+        moved["Pitch"] = np.column_stack([z, 0 * x, -x])
     name = f"order {problem.order} {n} {problem.depth}"
-    body = cpt.FloatingBody(mesh=mesh, lid_mesh=lid, dofs=dofs, name=name)
+    body = cpt.FloatingBody(mesh=mesh, lid_mesh=lid, dofs=moved, name=name)
     water = {"omega": omega, "water_depth": problem.depth, "rho": 1.0, "g": 1.0}
-    cases = [cpt.RadiationProblem(body=body, radiating_dof=d, **water) for d in dofs]
+    cases = [cpt.RadiationProblem(body=body, radiating_dof=d, **water) for d in moved]
     cases.append(cpt.DiffractionProblem(body=body, wave_direction=0.0, **water))
     solver = cpt.BEMSolver(green_function=green, method="indirect")
-    names = list(problem.displacements)
+    names = [each.label for each in problem.displacements]
     solved = cpt.assemble_dataset([solver.solve(case) for case in cases])
     return solved.sel(influenced_dof=names, radiating_dof=names)
 
@@ -223,7 +224,7 @@ def capytaines_own(green, problem, omega):
 def test_every_order_equals_capytaines_full_solution_to_round_off(green, order, displacements, azimuth, depth):
     around = azimuth if order else azimuth + 8  # the mean of the wave around is exact, capytaine's is aliased
     mesh = mean_mesh(1.0, 0.2, 5, around, 2)
-    problem = Plain(green, mesh, displacements, 1.0, depth, 1.0, order)
+    problem = Plain(green, mesh, dofs.displacements(displacements, order), 1.0, depth, 1.0)
     ours, theirs = problem.solve([1.1]), capytaines_own(green, problem, 1.1)
     for name in ours:
         expected = theirs[name].transpose(*ours[name].dims).values
@@ -243,7 +244,10 @@ def test_flux_correction_takes_most_of_the_first_order_error_from_every_order(gr
     rows = np.array([20, 28, 40, 56])
     meshes = [mean_mesh(1.0, 0.0, n, 2 * n, 1) for n in rows]
     plain, corrected = (
-        [kind(green, mesh, (f"Radial{degree}",), 1.0, np.inf, 1.0, order).at_infinity().item() for mesh in meshes]
+        [
+            kind(green, mesh, (dofs.Displacement("radial", degree, order),), 1.0, np.inf, 1.0).at_infinity().item()
+            for mesh in meshes
+        ]
         / np.array(exact_at_infinity(degree, order))
         - 1
         for kind in (Plain, bem.AxisymmetricProblem)
@@ -297,11 +301,11 @@ def test_orders_the_panels_cannot_tell_apart(green, order, azimuth):
 def test_every_order_converges_to_the_solver_without_panels(green, order, names):
     """At second order so far, from the flux correction; with the phases of excitation."""
     omegas = [0.6, 1.0, 1.6]
-    exact = SpectralProblem(rigid_sphere(1.0, -0.2), names, 1.0, 1.0, 32, order).solve(omegas)
+    exact = SpectralProblem(rigid_sphere(1.0, -0.2), dofs.displacements(names, order), 1.0, 1.0, 32).solve(omegas)
     errors = []
     for rows in (10, 14, 20, 28):
         mesh = mean_mesh(1.0, -0.2, rows, 2 * rows, rows // 2)
-        found = bem.AxisymmetricProblem(green, mesh, names, 1.0, np.inf, 1.0, order).solve(omegas)
+        found = bem.AxisymmetricProblem(green, mesh, dofs.displacements(names, order), 1.0, np.inf, 1.0).solve(omegas)
         errors.append([float(np.abs(found[name] - exact[name]).max() / np.abs(exact[name]).max()) for name in exact])
     slopes = np.log(np.array(errors[0]) / errors[-1]) / np.log(2.8)
     assert np.all((slopes > 1.5) & (slopes < 2.2)), slopes

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from scipy.special import eval_legendre, gammaln, hankel1, ive, jv, kve
 
 from vsb.errors import ConfigError
+from vsb.hydro import dofs
 from vsb.hydro.panels import rings as bem
 from vsb.hydro.panels.mesh import deformed_mesh
 from vsb.hydro.spectral.deepwater import WavePart
@@ -153,7 +154,7 @@ def bowl(shell):
 
     def build(depth, nodes=28, height=0.0, order=0):
         labels = ("Surge", "Pitch", "Radial2") if order else RADIAL
-        problem = SpectralProblem(shell(height), labels, 1.0, 1.0, nodes, order, depth)
+        problem = SpectralProblem(shell(height), dofs.displacements(labels, order), 1.0, 1.0, nodes, depth)
         problem.__dict__["meridian"] = shared.setdefault((nodes, height, order), problem.meridian)
         return problem
 
@@ -309,7 +310,9 @@ def test_panels_converge_to_it(green_folder, bowl, shell, depth):
     ours, errors = solved(bowl(depth), ka), []
     for rows in (6, 12, 24):
         mesh = deformed_mesh(shell(), rows, 2 * rows, rows // 2)
-        problem = bem.AxisymmetricProblem(bem.green_function(green_folder), mesh, RADIAL, 1.0, depth, 1.0)
+        problem = bem.AxisymmetricProblem(
+            bem.green_function(green_folder), mesh, dofs.displacements(RADIAL), 1.0, depth, 1.0
+        )
         ds = problem.solve([float(np.sqrt(k)) for k in ka])
         errors.append(distance(values(ds), ours))
     assert errors[1] < errors[0] / 2, errors

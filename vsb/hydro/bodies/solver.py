@@ -56,7 +56,7 @@ class SymmetricPanels:
     Velocities need no symmetry: they are split into their parts of every parity.
     """
 
-    green: Any  # of `vsb.bem.green_function`
+    green: Any  # of `rings.green_function`
     vertices: FloatArray
     faces: IntArray  # (panel, 4)
     of_body: int  # number of the body's panels; the others are the lid
@@ -82,7 +82,7 @@ class SymmetricPanels:
 
     @cached_property
     def correction(self) -> FloatArray:
-        """What the diagonal of D lacks in the half or quarter, as of `vsb.bem.flux_correction`; zero on the lid."""
+        """What the diagonal of D lacks in the half or quarter, as of `rings.flux_correction`; zero on the lid."""
         body, areas = self._kept < self.of_body, self.whole.faces_areas[self._kept]
         d = influence_blocks(self.green, self._mirrored[0], 0.0, self.depth)[1]
         return np.where(body, 1.0 - np.where(body, areas, 0.0) @ d.sum(axis=0).real / areas, 0.0)
@@ -113,7 +113,7 @@ class BodyProblem:
     The lid, vertices and panels with normals down, removes irregular frequencies.
     """
 
-    green: Any  # of `vsb.bem.green_function`
+    green: Any  # of `rings.green_function`
     body: FlexibleBody
     water: Water
     symmetry: str = "none"

@@ -9,8 +9,9 @@ import xarray as xr
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro import quality
 from vsb.hydro.database import Check, check_at_most, load_database
+from vsb.hydro.dofs import RIGID
 from vsb.hydro.formats.bemio import bemio_entries, write_h5
-from vsb.hydro.formats.modes import RIGID, WATER
+from vsb.hydro.formats.modes import WATER
 from vsb.hydro.formats.wamit import wamit_texts
 from vsb.tools.files import load, write_text
 from vsb.waves.seas import group_velocity, wavenumber

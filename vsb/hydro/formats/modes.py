@@ -14,10 +14,9 @@ import numpy as np
 import xarray as xr
 
 from vsb.errors import ConfigError, DatabaseError
+from vsb.hydro.dofs import RIGID
 from vsb.tools.units import ATTRS, FloatArray, check_finite, described
 
-RIGID = ("Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw")
-"""Labels of modes 1 to 6."""
 GENERALIZED = 7
 """Number of the first generalized mode."""
 WATER = ("water_density", "gravity", "water_depth")

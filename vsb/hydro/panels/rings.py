@@ -18,10 +18,10 @@ import xarray as xr
 from scipy.special import j0, j1
 
 from vsb.errors import ConfigError
-from vsb.hydro.azimuthal import order_velocities, wave_around
+from vsb.hydro.azimuthal import wave_around
 from vsb.hydro.bodies.body import IntArray
+from vsb.hydro.dofs import Displacement, azimuthal_order, normal_velocities
 from vsb.hydro.sweep import IncidentWave
-from vsb.shell.modes import normal_velocities
 from vsb.tools.units import ComplexArray, FloatArray
 from vsb.waves.seas import wavenumber
 
@@ -173,17 +173,24 @@ def flux_correction(green: cpt.Delhommeau, rings: RingMesh) -> FloatArray:
 class AxisymmetricProblem:
     """Radiation and diffraction of prescribed displacements of the immersed shell, all of one azimuthal order m.
 
-    Radial<n> is P_n(cos phi) along e_r, Meridional<n> is dP_n/dphi along e_phi, phi the colatitude on the undeformed
-    sphere. On the sphere itself the meridional ones move no water. For m > 0 see `vsb.azimuthal`.
+    On the sphere itself the meridional ones move no water.
     """
 
     green: cpt.Delhommeau
     mesh: xr.Dataset
-    displacements: tuple[str, ...]
+    displacements: tuple[Displacement, ...]
     density: float
     depth: float
     gravity: float
-    order: int = 0
+
+    def __post_init__(self) -> None:
+        """Refuse displacements of no order or of several."""
+        azimuthal_order(self.displacements)
+
+    @cached_property
+    def order(self) -> int:
+        """Azimuthal order m of all displacements."""
+        return azimuthal_order(self.displacements)
 
     @cached_property
     def body(self) -> RingMesh:
@@ -204,9 +211,7 @@ class AxisymmetricProblem:
     def velocities(self) -> FloatArray:
         """Normal velocities of the displacements at theta = 0, shape (displacement, row) [m/s per m/s]."""
         colatitude = self.mesh.row_colatitude.values[::-1]
-        if not self.order:
-            return normal_velocities(self.displacements, colatitude, self.normals)
-        return order_velocities(self.displacements, self.order, colatitude, self.body.centres, np.array(self.normals))
+        return normal_velocities(self.displacements, colatitude, self.body.centres, np.array(self.normals))
 
     @property
     def onto(self) -> FloatArray:
@@ -275,7 +280,7 @@ class AxisymmetricProblem:
         rings, correction = self._with_lid
         columns = [self._at(rings, correction, omega) for omega in omegas]
         added_mass, damping, froude_krylov, diffraction = (np.array(c) for c in zip(*columns, strict=True))
-        labels = list(self.displacements)
+        labels = [each.label for each in self.displacements]
         pair, wave = ("omega", "influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
         return xr.Dataset(
             {
@@ -320,7 +325,7 @@ def capytaine_solution(problem: AxisymmetricProblem, omegas: list[float], symmet
         mesh = cpt.RotationSymmetricMesh(wedges[0], n=azimuth)
     around = np.cos(problem.order * np.arctan2(mesh.faces_centers[:, 1], mesh.faces_centers[:, 0]))
     along = np.tile(problem.velocities, azimuth) * around
-    dofs = {d: w[:, None] * mesh.faces_normals for d, w in zip(problem.displacements, along, strict=True)}
+    dofs = {d.label: w[:, None] * mesh.faces_normals for d, w in zip(problem.displacements, along, strict=True)}
     body = cpt.FloatingBody(mesh=mesh, dofs=dofs, name=f"{symmetry} {mesh.nb_faces}")
     names = {"rho": [problem.density], "g": [problem.gravity], "water_depth": [problem.depth], "wave_direction": [0.0]}
     wanted = xr.Dataset(coords={"omega": omegas, "radiating_dof": list(dofs), **names})

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.hydro.database import with_excitation
+from vsb.hydro.dofs import displacements
 from vsb.hydro.panels.rings import AxisymmetricProblem, green_function
 from vsb.hydro.quality import haskind_damping
 from vsb.hydro.sweep import apart, coefficients, joined, largest, on_grid
@@ -55,7 +56,7 @@ class TwoMeshes:
         """Return added_mass_inf [kg], shape (displacement, displacement), with the attribute `error_estimate`."""
         fine, coarse = self.fine.at_infinity(), self.coarse.at_infinity()
         error = (apart(fine, coarse) + apart(fine, fine.T)) / (np.abs(fine).max() or 1.0)
-        labels = list(self.fine.displacements)
+        labels = [each.label for each in self.fine.displacements]
         coords = {"influenced_dof": labels, "radiating_dof": labels}
         return xr.Dataset({"added_mass_inf": (tuple(coords), fine)}, coords, {"error_estimate": error})
 
@@ -71,7 +72,7 @@ class TwoMeshes:
         Returns
         -------
         xarray.Dataset
-            As of `vsb.bem.AxisymmetricProblem.solve`, with the attributes `error_estimate`, of panels and interpolation
+            As of `AxisymmetricProblem.solve`, with the attributes `error_estimate`, of panels and interpolation
             together; `solves` and `frequencies`, their numbers.
         """
         strongest, at = self.strongest, cache(lambda omega: self.fine.solve([omega]))
@@ -92,11 +93,10 @@ class TwoMeshes:
 
 def solve_block(spec: dict[str, Any], fine: xr.Dataset, coarse: xr.Dataset, green_folder: str | Path) -> xr.Dataset:
     """Solve one block of frequencies (`vsb.study.plan`) on two meshes; infinite frequency is a block of its own."""
-    water, displacements = spec["water"], tuple(spec["displacements"])
+    water, moved = spec["water"], displacements(spec["displacements"])
     depth, green = float(water["depth"]), green_function(green_folder)
     meshes = (
-        AxisymmetricProblem(green, mesh, displacements, water["density"], depth, water["gravity"])
-        for mesh in (fine, coarse)
+        AxisymmetricProblem(green, mesh, moved, water["density"], depth, water["gravity"]) for mesh in (fine, coarse)
     )
     problem = TwoMeshes(*meshes)
     if spec["omega"] == ["inf"]:

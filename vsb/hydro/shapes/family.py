@@ -21,6 +21,7 @@ import xarray as xr
 
 from vsb.errors import ConfigError
 from vsb.hydro.database import in_modes, with_excitation
+from vsb.hydro.dofs import Displacement
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.shell.deformed import DeformedShell
 from vsb.study.study import content_id
@@ -156,7 +157,7 @@ class ShapeFamily:
         """Return the coefficients on the reference shape, newly solved."""
         basis = self.shape.basis
         degrees = sorted(set(basis.degrees))
-        fields = (*(f"Radial{n}" for n in degrees), *(f"Meridional{n}" for n in degrees if n))
+        fields = (*(Displacement("radial", n) for n in degrees), *(Displacement("meridional", n) for n in degrees if n))
         problem = SpectralProblem(self.shape, fields, self.density, self.gravity, self.nodes)
         pair = ("influenced_dof", "radiating_dof")
         raw = problem.solve(list(self.omegas)).assign(added_mass_inf=(pair, problem.at_infinity()))

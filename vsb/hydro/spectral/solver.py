@@ -19,12 +19,12 @@ import numpy as np
 import xarray as xr
 
 from vsb.errors import ConfigError
-from vsb.hydro.azimuthal import bessel, multiplicity, order_velocities
+from vsb.hydro.azimuthal import bessel, multiplicity
+from vsb.hydro.dofs import Displacement, azimuthal_order, normal_velocities
 from vsb.hydro.spectral.deepwater import WavePart
 from vsb.hydro.spectral.finitedepth import FiniteDepthWavePart, wave_profile
 from vsb.hydro.spectral.meridian import WetMeridian
 from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import normal_velocities
 from vsb.tools.units import ComplexArray, FloatArray
 from vsb.waves.seas import group_velocity, wavenumber
 
@@ -36,24 +36,26 @@ _COARSER = 0.75
 class SpectralProblem:
     """Radiation and diffraction of prescribed displacements of the immersed shell, all of one azimuthal order m.
 
-    For m = 0 displacements, conventions and results are those of `vsb.bem.AxisymmetricProblem`. For m >= 1 they go
-    with cos(m theta), are those of `vsb.azimuthal.order_velocities`, Surge and Pitch among them for m = 1, and are
-    excited by the component of that order of the wave to +x.
+    Conventions and results are those of `vsb.hydro.panels.rings`' problem of the same arguments. For m >= 1 the wave's
+    component of that order excites, of a wave to +x.
     """
 
     shell: DeformedShell
-    displacements: tuple[str, ...]
+    displacements: tuple[Displacement, ...]
     density: float
     gravity: float
     nodes: int = 32
-    order: int = 0
     depth: float = np.inf
 
     def __post_init__(self) -> None:
-        if self.order < 0:
-            raise ConfigError(f"order: received {self.order}; needs 0 (axisymmetric), 1 (surge, pitch) or more")
+        azimuthal_order(self.displacements)
         if not self.depth > 0:
             raise ConfigError(f"depth: received {self.depth} m; needs a positive depth, infinite for deep water")
+
+    @cached_property
+    def order(self) -> int:
+        """Azimuthal order m of all displacements."""
+        return azimuthal_order(self.displacements)
 
     @cached_property
     def meridian(self) -> WetMeridian:
@@ -64,11 +66,7 @@ class SpectralProblem:
     def velocities(self) -> FloatArray:
         """Normal velocities of the displacements at the nodes, shape (displacement, node) [m/s per m/s]."""
         p = self.meridian.points
-        if self.order:
-            return order_velocities(
-                self.displacements, self.order, p.colatitude, np.array([p.x, p.z]), np.array([p.n_x, p.n_z])
-            )
-        return normal_velocities(self.displacements, p.colatitude, (p.n_x, p.n_z))
+        return normal_velocities(self.displacements, p.colatitude, np.array([p.x, p.z]), np.array([p.n_x, p.n_z]))
 
     @cached_property
     def onto(self) -> FloatArray:
@@ -115,7 +113,7 @@ class SpectralProblem:
         return map(np.add, surface, FiniteDepthWavePart(self.meridian, self.depth, float(deep.min())).influences(deep))
 
     def solve(self, omegas: list[float]) -> xr.Dataset:
-        """Solve at positive, finite frequencies (else: `ConfigError`); dataset as of `vsb.bem.AxisymmetricProblem`."""
+        """Solve at positive, finite frequencies (else: `ConfigError`); dataset as of rings of panels."""
         if not omegas or not all(0 < omega < np.inf for omega in omegas):
             raise ConfigError(f"omega: received {omegas} rad/s; needs positive, finite frequencies")
         incident = self.incident(self.wavenumbers(omegas))
@@ -123,7 +121,7 @@ class SpectralProblem:
         names = "added_mass", "radiation_damping", "Froude_Krylov_force", "diffraction_force"
         pair, wave = ("omega", "influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
         arrays = zip((pair, pair, wave, wave), map(np.array, zip(*columns, strict=True)), strict=True)
-        dofs = {name: list(self.displacements) for name in pair[1:]}
+        dofs = {name: [each.label for each in self.displacements] for name in pair[1:]}
         return xr.Dataset(dict(zip(names, arrays, strict=True)), {"omega": omegas, "wave_direction": [0.0], **dofs})
 
     def _at(self, omega: float, incident: ComplexArray, waves: ComplexArray) -> tuple[FloatArray | ComplexArray, ...]:
