@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import settings
 from scipy.integrate import solve_ivp
 
 from vsb.hydro import database
@@ -27,6 +28,9 @@ from vsb.stages.meshes import mean_mesh
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
 from vsb.study.study import Study, canonical
+
+settings.register_profile("vsb", deadline=None)  # a machine may be busy
+settings.load_profile("vsb")
 
 HERE = Path(__file__).parent
 SEED = HERE.parent / "config" / "seed.yaml"

@@ -1,4 +1,5 @@
 import json
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -213,7 +214,7 @@ def test_cores_go_to_snakemake(workplace, monkeypatch):
     class Done:
         returncode = 0
 
-    monkeypatch.setattr(cli.subprocess, "run", lambda command, **_: seen.append(command) or Done)
+    monkeypatch.setattr(subprocess, "run", lambda command, **_: seen.append(command) or Done)
     for options in (["-c", "2"], ["--cores", "all"], []):
         assert main(["run", written("study.yaml"), *options, "-n"]) == 0
     assert [command[command.index("none") + 1 :] for command in seen] == [

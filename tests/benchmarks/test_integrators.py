@@ -42,7 +42,7 @@ from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import rigid_basis
 from vsb.study import study as config
 
-PAPER = Path(__file__).parent.parent / "config" / "paper.yaml"
+PAPER = Path(__file__).parents[2] / "config" / "paper.yaml"
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -56,7 +56,7 @@ def test_a_rational_function_is_recovered_with_its_poles_and_limit(count, column
 
 
 @given(st.integers(0, 10_000))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_functions_are_real_at_imaginary_frequencies_and_met_at_the_support(seed):
     rng = np.random.default_rng(seed)
     omega = np.sort(rng.uniform(0.1, 12.0, 6))
@@ -69,7 +69,7 @@ def test_functions_are_real_at_imaginary_frequencies_and_met_at_the_support(seed
 
 
 @given(st.integers(0, 10_000), st.permutations(range(5)), st.permutations(range(9)), st.integers(-20, 20))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_order_of_columns_and_samples_and_units_do_not_matter(seed, columns, order, power):
     omega, unit = samples(9), 2.0**power
     poles, residues, limit = body(15, 5, seed)  # more than can be resolved

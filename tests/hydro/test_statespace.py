@@ -18,7 +18,7 @@ def chain(order: int, dof: int, seed: int) -> RadiationModel:
     return RadiationModel(skew - skew.T - 0.5 * np.outer(channel, channel), rng.normal(size=(order, dof)), channel)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.integers(2, 8), st.integers(1, 4), st.integers(0, 10**6))
 def test_any_such_model_is_passive_with_one_channel(order, dof, seed):
     model = chain(order, dof, seed)

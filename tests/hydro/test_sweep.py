@@ -172,7 +172,7 @@ def test_what_cannot_be_interpolated_is_solved_once_each(cases, count):
 
 
 @given(st.permutations(range(7)), st.integers(-3, 3))
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=5)
 def test_order_of_displacements_and_density_do_not_matter(order, power):
     ours = swept(buoy(nodes=16), 1e-3)
     solver = SpectralProblem(

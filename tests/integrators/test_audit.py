@@ -14,7 +14,7 @@ def one_mass(**forces):
     return Plant(("Heave",), np.array([[2.0]]), forces, np.eye(1))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.floats(-3.0, 9.0))
 def test_a_decay_of_any_rate_is_integrated(exponent):
     """int_0^1 exp(-2 a t) dt = (1 - exp(-2 a))/(2 a), a = 1e-3 ... 1e9."""
@@ -23,7 +23,7 @@ def test_a_decay_of_any_rate_is_integrated(exponent):
     assert found == pytest.approx(-np.expm1(-2 * rate) / (2 * rate), rel=1e-13)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.floats(-2.0, 6.0))
 def test_a_ring_of_any_frequency_is_integrated(exponent):
     """int_0^1 cos^2 w t dt = 1/2 + sin(2 w)/(4 w), to the round-off of the phase w."""
@@ -33,7 +33,7 @@ def test_a_ring_of_any_frequency_is_integrated(exponent):
     assert found == pytest.approx(0.5 + np.sin(2 * w) / (4 * w), abs=1e-15 * (10 + w))
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.integers(1, 6), st.floats(0.01, 30.0), st.integers(0, 10**6))
 def test_the_integral_satisfies_lyapunovs_equation(states, size, seed):
     """X^T S + S X = exp(X^T) Q exp(X) - Q."""

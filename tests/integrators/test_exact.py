@@ -38,7 +38,7 @@ def test_propagation_is_exact_for_any_step():
         assert motion.position[:, 0] == pytest.approx(damped(time), abs=1e-12)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.floats(-3.0, 9.0), st.floats(-3.0, 1.5), st.floats(-1.0, 1.0))
 def test_slow_decay_beside_a_fast_one_keeps_its_digits(fast, slow, coupling):
     """exp of [[-a, k a], [0, -b]] in closed form, a up to 1e9: squaring exp itself leaves 1e-8 of b."""

@@ -250,7 +250,7 @@ def test_energy_balance_sees_a_lost_force(scene):
 def test_phase_of_the_wave_shifts_the_motion_and_nothing_else(scene):
     found = harmonic_balance(scene("FSB", swell(0.179))[0], 1e-10).harmonics
 
-    @settings(max_examples=5, deadline=None)
+    @settings(max_examples=5)
     @given(st.floats(-np.pi, np.pi))
     def shifted(phase):
         other = harmonic_balance(scene("FSB", swell(0.179 * np.exp(1j * phase)))[0], 1e-10).harmonics

@@ -73,7 +73,7 @@ def test_stiff_shells_cost_no_digits_of_the_audit(scene, modulus):
         assert residual(energies(plant, simulate(plant, waves, settings, spectrum)[0])) < 1e-10
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(st.integers(1, 4), st.integers(1, 6), st.floats(-2.0, 4.0), st.floats(-2.0, 1.0), st.integers(0, 10**6))
 def test_any_passive_scene_is_balanced(dof, order, damping, step, seed):
     """Random masses, springs, dampers of any strength and memory, records any distance apart."""

@@ -134,7 +134,7 @@ def symmetric(rng, size):
     return factor @ factor.T + np.eye(size)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.lists(st.integers(0, 12), max_size=4), st.integers(0, 1000))
 def test_projector_and_correction_have_their_defining_properties(seed, clamps, number):
     basis = mode_basis(seed.device, "full", 20)

@@ -34,7 +34,7 @@ def uniform_twin(basis, height, q, points=120):
     return np.broadcast_to(-2 * np.pi * shell._wet_integral(integrand, points), len(q))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.lists(st.floats(-0.08, 0.08), min_size=12, max_size=12), st.floats(-2.6, 2.6))
 def test_compiled_and_plain_forces_agree(full, modal, height):
     q = np.array([0.1, *modal])
@@ -66,7 +66,7 @@ def test_a_dimple_that_only_just_dips_in_is_not_missed(full):
     assert np.all(np.abs(slopes - 0.5) < 0.05), slopes
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(st.lists(st.floats(-0.06, 0.06), min_size=12, max_size=12), st.floats(-1.5, 1.5))
 def test_static_force_has_a_potential(full, modal, height):
     """Its gradient by central differences with one Richardson step."""

@@ -158,7 +158,7 @@ def test_truncated_memory_is_passive_and_ever_better(memory):
         assert np.linalg.eigvalsh(model.damping(omega)).min() > -1e-9 * np.abs(exact).max()
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.integers(0, 10_000), st.integers(1, 5))
 def test_truncation_of_any_passive_model_is_passive(seed_of_numbers, order):
     rng = np.random.default_rng(seed_of_numbers)

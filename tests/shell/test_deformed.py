@@ -41,7 +41,7 @@ def test_dry_submerged_and_several_waterlines(full):
     assert len(dented.wet_segments) == 2
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(st.lists(st.floats(-0.05, 0.05), min_size=12, max_size=12), st.floats(-0.8, 0.8))
 def test_buoyancy_is_the_weight_of_displaced_water(full, modal, height):
     """Archimedes for any deformed shape."""
@@ -143,7 +143,7 @@ def test_half_submerged_sphere_is_wet_below_its_equator(full):
     assert segment == pytest.approx((np.pi / 2, np.pi), abs=1e-14)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(st.floats(-1.99, 1.99))
 def test_waterline_of_the_sphere_at_any_height(full, height):
     (segment,) = DeformedShell(full, height).wet_segments

@@ -160,7 +160,7 @@ def test_high_degrees_keep_their_accuracy(degree):
     assert prestress == pytest.approx(tension - volume, abs=1e-11 * np.abs(tension).max())
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(st.lists(st.floats(-0.05, 0.05), min_size=12, max_size=12), st.floats(-3.0, 3.0))
 def test_rigid_heave_is_free_and_the_volume_is_that_of_the_meridian(full, modal, heave):
     elastic, q = ElasticShell(full), np.array([heave, *modal])

@@ -183,7 +183,7 @@ def test_pole_displacement_is_the_shape_at_the_top(seed):
     assert np.all(meridional == 0.0)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.lists(st.integers(0, 36), min_size=1, max_size=5), st.sampled_from([6, 12, 40]))
 def test_clamped_motions_satisfy_any_clamps(seed, fives, degree):
     colatitudes = [np.deg2rad(5.0 * five) for five in fives]

@@ -2,6 +2,7 @@
 
 import copy
 import csv
+import fcntl
 import json
 import os
 import shutil
@@ -186,19 +187,35 @@ def test_deep_water_without_rows_needs_no_panels(folder, tabulated):
         assert float(ours["power_mean"]) == pytest.approx(float(panels["power_mean"]), rel=0.02)
 
 
+def held(lock):
+    """Whether a process holds a lock."""
+    with lock.open() as handle:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return True
+    return False
+
+
+def wait_until(condition, process):
+    """Wait for what a process at work will bring about."""
+    deadline = time.time() + 120
+    while not condition() and process.poll() is None and time.time() < deadline:
+        time.sleep(0.02)
+    assert condition()
+
+
 def test_killed_and_resumed_gives_identical_numbers(folder):
     raw = with_(study="killed", device={"mass": 16000.0}, simulation={"duration": 12.0, "window": [6.0, 12.0]})
     process = start(folder, "run", write(folder, raw), start_new_session=True)
-    time.sleep(1.5)
+    wait_until(lambda: held(folder / "results/.lock"), process)
     crowded = run(folder, folder / "killed.yaml")
     assert (crowded.returncode, crowded.stderr) == (
         2,
         "vsb: error: results: another run is at work in this folder; wait for it to end\n",
     )
     blocks, before = folder / "results/hydro/blocks", len(list((folder / "results/hydro/blocks").glob("*.nc")))
-    deadline = time.time() + 120
-    while len(list(blocks.glob("*.nc"))) == before and process.poll() is None and time.time() < deadline:
-        time.sleep(0.05)
+    wait_until(lambda: len(list(blocks.glob("*.nc"))) > before, process)
     assert process.poll() is None
     os.killpg(process.pid, signal.SIGKILL)
     process.communicate()

@@ -142,7 +142,7 @@ def respelled(data):
     return data
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(st.randoms(use_true_random=False))
 def test_canonical_form_ignores_order_and_spelling(rnd):
     studies = [config.parse(raw) for raw in (RAW, shuffled(RAW, rnd), respelled(RAW))]
@@ -228,7 +228,7 @@ LEAVES = [
 
 @pytest.mark.parametrize(("path", "values"), LEAVES, ids=[".".join(path) for path, _ in LEAVES])
 def test_id_of_a_study_changes_if_and_only_if_a_value_does(path, values):
-    @settings(max_examples=20, deadline=None)
+    @settings(max_examples=20)
     @given(values, values)
     def check(first, second):
         ids = [content_id(config.parse(changed(path, value))) for value in (first, second, first)]

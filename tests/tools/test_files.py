@@ -25,7 +25,7 @@ def rao(values):
     )
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(hnp.arrays(float, (1, 3, 2), elements=FINITE), hnp.arrays(float, (1, 3, 2), elements=FINITE))
 def test_complex_round_trip_on_disk_is_exact_and_has_units(tmp_path_factory, real, imag):
     path = tmp_path_factory.mktemp("nc") / "a.nc"
@@ -77,7 +77,7 @@ def test_text_is_replaced_whole(tmp_path):
     assert [p.name for p in (tmp_path / "sub").iterdir()] == ["a.txt"]
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(
     hnp.arrays(float, (2, 2), elements=FINITE),
     hnp.arrays(complex, (2, 1, 2), elements=st.complex_numbers(max_magnitude=1e9)),

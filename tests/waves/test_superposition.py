@@ -19,7 +19,7 @@ def random_phasors(count, signals, seed=0):
     return (rng.normal(size=(count, signals)) + 1j * rng.normal(size=(count, signals))) / np.sqrt(count)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.integers(1, 3 * FEW), st.integers(1, 700), st.floats(-50.0, 50.0), st.floats(1e-3, 2.0), st.booleans())
 def test_any_sum_is_that_of_its_components(components, instants, start, dt, even):
     """Few and many components, of one spacing and not, at any instants."""

@@ -94,7 +94,7 @@ def energy(vertices, faces):
 
 
 @given(st.integers(0, 2**32 - 1))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_flexible_stiffness_is_the_second_derivative_of_the_waters_energy(seed):
     vertices, faces = barge.box(LENGTH, BEAM, DRAUGHT, 1)
     shapes = np.random.default_rng(seed).normal(size=(2, *vertices.shape))
@@ -263,7 +263,7 @@ RIGID = ("Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw")
 
 
 @given(st.tuples(*[st.floats(-50.0, 50.0)] * 3), st.permutations(range(6)))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_unit_motions_bear_their_names_about_any_point(box, point, order):
     vertices, faces = box
     shapes = rigid(vertices, point)[list(order)]

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 from hydro.bodies.test_body import made, revolved_body, rigid, shell_with
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
@@ -47,8 +47,9 @@ def test_a_box_becomes_the_box_of_half_the_panels(panels, planes):
     assert cKDTree(ours).query(theirs)[0].max() < 1e-9
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(seed=st.integers(0, 10_000), length=st.floats(1.0, 100.0), panels=st.integers(1, 3))
+@example(seed=77, length=1.0, panels=3)  # a corner that bends a side by 9 degrees
 def test_whatever_the_triangles_no_side_of_a_box_gains_or_loses(seed, length, panels):
     vertices, faces = barge.box(length, 4.0, 2.0, panels)
     cut = triangles(faces, seed)

@@ -204,7 +204,7 @@ def test_zero_frequency_is_written_and_read_as_a_limit(tmp_path):
     assert back.attrs["history"] == "read from WAMIT's files buoy"
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(st.integers(0, 3), st.integers(1, 5), st.integers(1, 3), st.integers(0, 10**6), st.sampled_from([0.3, 1.0, 7.0]))
 def test_round_trip_is_exact_to_the_digits_printed(tmp_path_factory, modes, frequencies, headings, seed, length):
     ds = random_database(modes, frequencies, headings, seed, spread=8.0)

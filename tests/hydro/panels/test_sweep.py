@@ -107,7 +107,7 @@ def test_what_is_asked_for_one_by_one_is_what_the_fine_mesh_gives(green):
 
 
 @given(st.integers(-4, 4), st.permutations(range(5)))
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=5)
 def test_neither_density_nor_order_of_displacements_matters(green, power, order):
     ours = meshes(green, 8).solve([1.0, 2.0]).attrs["error_estimate"]
     shuffled = tuple(LEGENDRE[i] for i in order)

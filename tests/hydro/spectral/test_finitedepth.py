@@ -91,7 +91,7 @@ def test_what_the_bottom_changes_is_what_johns_series_says_in_short_waves(shell,
     assert relative(ours - ours_deeper, johns - johns_deeper) < 1e-11
 
 
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 @given(st.floats(1.01, 20.0), st.floats(-9.0, 3.0), st.integers(0, 2), st.floats(-0.5, 0.5))
 def test_greens_function_is_johns_for_any_depth_and_wave(shell, ratio, log_k, order, height):
     meridian = WetMeridian(shell(height), 10, order)

@@ -131,7 +131,7 @@ def test_when_the_couplings_dropped_in_eq_17_vanish(basis):
     assert carrying == ([1] if basis is BASES["paper"] else [])
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(data=st.data())
 def test_mass_matrix_is_symmetric_positive_definite(data):
     basis = BASES[data.draw(st.sampled_from(list(BASES)))]
@@ -394,7 +394,8 @@ def test_free_fall_is_a_parabola_and_the_shell_does_not_notice(basis):
     tilt = np.array([0.8, 0.6, 0.0, 0.0])
     start = scene.start(attitude=tilt, velocity=np.array([1.0, 0.0, 5.0]), position=np.array([0.0, 2.0, 3.0]))
     time = np.linspace(0, 2, 5)
-    for t, y in zip(time, integrate(scene, start, time), strict=True):
+    finest = 1e-16  # else what stands is what a step may be off, which differs from machine to machine
+    for t, y in zip(time, integrate(scene, start, time, atol=finest), strict=True):
         state = scene.state(y)
         np.testing.assert_allclose(state.position, [t, 2.0, 3.0 + 5.0 * t - G * t**2 / 2], atol=1e-9)
         np.testing.assert_allclose(y[3:7], tilt, atol=1e-12)

@@ -24,6 +24,8 @@ _BLUNT = 1 / 12
 
 Six triangles around a vertex, however stretched, have corners of a sixth.
 """
+_STRAIGHT = 1e-9
+"""Likewise of a flat patch, which loses no area it does not gain beside: only what lies on a straight line goes."""
 _FLATTEST = 0.05  # of half a panel's area, in terms of the mean of its patch
 _BOTH_WAYS = 2.5
 """Panels of a patch per panel between its corners from which on it is coarser along and across."""
@@ -160,11 +162,17 @@ def _between_corners(vertices: FloatArray, corners: IntArray) -> list[list[int]]
     normal = _areas(vertices, corners).sum(axis=0)
     area = np.linalg.norm(normal)
     normal /= area
-    polygon = _without_blunt_corners(vertices, loop, normal, _BLUNT * float(area))
+    blunt = _STRAIGHT if _flat(vertices[loop], normal, float(area)) else _BLUNT
+    polygon = _without_blunt_corners(vertices, loop, normal, blunt * float(area))
     cuts = [_cut(polygon[i:] + polygon[:i]) for i in range(len(polygon))]
     thinnest = [_thinnest(vertices, np.array(cut), normal) for cut in cuts]
     best = int(np.argmax(thinnest))
     return cuts[best] if thinnest[best] > _FLATTEST * area / (len(polygon) - 2) else []
+
+
+def _flat(boundary: FloatArray, normal: FloatArray, area: float) -> bool:
+    """Whether the boundary of a patch lies in a plane."""
+    return bool(np.ptp(boundary @ normal) < 1e-6 * np.sqrt(area))
 
 
 def _without_blunt_corners(vertices: FloatArray, loop: list[int], normal: FloatArray, least: float) -> list[int]:
