@@ -10,21 +10,22 @@ study: $(READY) ## run a study: make study [CONFIG=config/seed.yaml]
 	@$(BIN)/vsb run $(CONFIG)
 
 benchmark: $(READY) ## error against seconds of every method: integrators on the paper's study, hydrodynamic coefficients
-	@$(BIN)/vsb run config/paper.yaml workprecision hydro_precision
-	@$(BIN)/vsb time-precision config/seed.yaml results/time_precision
+	@$(BIN)/python -m benchmarks integrators config/paper.yaml results/paper
+	@$(BIN)/python -m benchmarks coefficients results/hydro_precision
+	@$(BIN)/python -m benchmarks time-domain config/seed.yaml results/time_precision
 
 barge: $(READY) ## any body by the general route: a flexible barge
-	@$(BIN)/vsb barge config/barge.yaml results/barge
+	@$(BIN)/python -m examples.barge config/barge.yaml results/barge
 
 hard-cases: $(READY) ## table of the cases that break other codes
-	@$(BIN)/vsb hard-cases config/hard_cases.yaml results/hard_cases.csv
+	@$(BIN)/python -m benchmarks hard-cases config/hard_cases.yaml results/hard_cases.csv
 
 test: lint unit ## style, types, workflow lint, and all tests
 
 lint: $(READY)
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
-	@$(BIN)/mypy --strict vsb
+	@$(BIN)/mypy --strict vsb benchmarks examples
 	@$(BIN)/snakefmt --check Snakefile workflow
 	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/snakemake --lint
 

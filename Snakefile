@@ -27,12 +27,7 @@ if BLOCKS:
 
     include: "workflow/rules/hydro.smk"
 
-else:
 
-    include: "workflow/rules/benchmark.smk"
-
-
-include: "workflow/rules/hydroprecision.smk"
 include: "workflow/rules/simulate.smk"
 include: "workflow/rules/compare.smk"
 include: "workflow/rules/figures.smk"

@@ -178,7 +178,7 @@ def hydro_files(study: Study, folder: str | Path) -> dict[str, Any]:
     paths = {block: plan.block_path(spec) for block, spec in plan.bem_blocks.items()}
     for block, spec in plan.bem_blocks.items():
         _once(paths[block], partial(spectral_block, spec))
-    _once(plan.database_path, partial(build_database, plan.database, list(paths.values())))
+    _once(plan.database_path, partial(build_database, plan.database, plan.block_folder))
     _once(plan.radiation_path, partial(radiation.fit_radiation, plan.radiation, plan.database_path))
     return dict(plan.hydro_files)
 

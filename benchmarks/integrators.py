@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -36,7 +36,7 @@ from vsb.motion.scene import Damper, Plant, Spring
 from vsb.motion.wetted import Shape, wet_force
 from vsb.report.canvas import grid_of_axes, legend_above
 from vsb.shell.deformed import DeformedShell
-from vsb.study.study import Study, parse
+from vsb.study.study import Study
 from vsb.tools.compiled import njit
 from vsb.tools.files import write_text
 from vsb.tools.units import FloatArray
@@ -360,28 +360,22 @@ FIGURES = {
 }
 
 
-def benchmark(source: Study | Mapping[str, Any], table: str, folder: str) -> None:
-    """Measure everything on the designs of a study and write the table and `quadrature.svg`, `integrators.svg`.
+def benchmark(study: Study, folder: str | Path) -> None:
+    """Measure everything on the designs of a study.
 
-    Parameters
-    ----------
-    source : Study or mapping
-        A study, or the spec of a comparison, which holds one under `study`.
-    table, folder : str
-        CSV file, and folder of the figures.
+    Writes `workprecision.csv`, `workprecision/quadrature.svg` and `workprecision/integrators.svg` into the folder.
     """
-    study = source if isinstance(source, Study) else parse(source["study"], source="spec")
     _say(f"{study.study}: quadrature")
     rows = quadrature_precision(study)
     for design in study.designs:
         _say(f"{study.study}: integrators, {design}")
         rows += integrator_precision(study, design)
     rows += paper_precision(study)
-    write_text(table, as_csv(rows))
+    write_text(Path(folder) / "workprecision.csv", as_csv(rows))
     for name, error in FIGURES.items():
         text = io.StringIO()
         precision_figure(rows, name, error).savefig(text, format="svg", metadata={"Date": None})
-        write_text(Path(folder) / f"{name}.svg", text.getvalue())
+        write_text(Path(folder) / "workprecision" / f"{name}.svg", text.getvalue())
 
 
 def _say(line: str) -> None:

@@ -5,8 +5,10 @@ plane and turn about the axis through the centre of mass: displacement (-(z - z_
 pitch is W = -x (a rotation about y, bow down), bending modes have W = 1 at the bow.
 """
 
+import argparse
 import csv
 import io
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
@@ -19,6 +21,7 @@ from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
 from pydantic import Field, model_validator
 from scipy.optimize import brentq, minimize_scalar
 
+from vsb.cli import answer, print_verdict
 from vsb.errors import ConfigError
 from vsb.hydro.bodies.body import FlexibleBody, IntArray, at_centres, joined
 from vsb.hydro.bodies.study import BodyStudy, read_config, run, solve, write_body
@@ -322,3 +325,21 @@ def as_svg(drawing: Figure) -> str:
     text = io.StringIO()
     drawing.savefig(text, format="svg", metadata={"Date": None})
     return text.getvalue()
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Command line: solve a barge, print its verdict; a user's mistake is one line and exit code 2."""
+    line = argparse.ArgumentParser(prog="python -m examples.barge", description=study.__doc__)
+    line.add_argument("config", metavar="CONFIG")
+    line.add_argument("out", metavar="FOLDER")
+    line.set_defaults(handler=_solved, writes=("{out}/",))
+    return answer(line, argv)
+
+
+def _solved(args: argparse.Namespace) -> int:
+    """Solve a barge; 1 if a check fails."""
+    return print_verdict(study(args.config, args.out), f"{args.out}/barge.nc {args.out}/barge.svg")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,6 +1,8 @@
+import io
 import json
-import subprocess
+import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 import yaml
@@ -8,11 +10,12 @@ from conftest import SEED
 
 from vsb import cli
 from vsb.cli import main, parser
+from vsb.stages import run as launcher
+from vsb.study.study import canonical
 
 COMMANDS = (
     "run", "check", "shell", "modes", "mesh", "display-meshes", "green", "bem", "database", "radiation", "response", "simulate",
-    "compare", "figures", "report", "spectral", "workprecision", "body", "barge", "time-precision", "hydro-precision", "shape-dependence",
-    "hard-cases", "export", "import-wamit", "import-bemio",
+    "compare", "figures", "report", "spectral", "body", "shape-dependence", "export", "import-wamit", "import-bemio",
 )  # fmt: skip
 
 
@@ -33,9 +36,16 @@ def test_a_users_mistake_is_one_line_and_two(capsys, tmp_path):
         assert captured.err.count("\n") == 1
 
 
-def test_missing_input_of_a_rule_is_one_line(capsys):
-    spec = '{"database":"x","tolerance":0.001}'
-    assert main(["radiation", "--spec", spec, "--database", "no.nc", "--out", "out.nc"]) == 2
+def given(monkeypatch, text, terminal=False):
+    """Standard input that holds a text."""
+    stream = io.StringIO(text)
+    stream.isatty = lambda: terminal
+    monkeypatch.setattr(sys, "stdin", stream)
+
+
+def test_missing_input_of_a_rule_is_one_line(capsys, monkeypatch):
+    given(monkeypatch, '{"database":"x","tolerance":0.001}')
+    assert main(["radiation", "--database", "no.nc", "--out", "out.nc"]) == 2
     assert (
         capsys.readouterr().err == "vsb: error: no.nc: file not found; run the rule that makes it (vsb run CONFIG).\n"
     )
@@ -56,13 +66,7 @@ def test_interruption_says_how_to_go_on(monkeypatch, capsys):
     assert "run the same command again" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(
-    "command",
-    [
-        ["body", "missing.yaml", "out"], ["barge", "missing.yaml", "out"], ["time-precision", "missing.yaml", "out"],
-        ["shape-dependence", "missing.yaml", "out"],
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize("command", [["body", "missing.yaml", "out"], ["shape-dependence", "missing.yaml", "out"]])
 def test_a_missing_file_of_any_command_is_one_line_and_writes_nothing(command, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main(command) == 2
@@ -70,14 +74,6 @@ def test_a_missing_file_of_any_command_is_one_line_and_writes_nothing(command, t
     assert err.startswith("vsb: error: missing.yaml: cannot be read")
     assert err.count("\n") == 1
     assert not list(tmp_path.iterdir())
-
-
-def test_a_rigid_study_has_no_integrators_to_compare(tmp_path, capsys):
-    study = {**yaml.safe_load(Path("config/seed.yaml").read_text()), "designs": {"FSB": {"flexible": False}}}
-    (tmp_path / "rigid.yaml").write_text(yaml.safe_dump(study))
-    assert main(["time-precision", str(tmp_path / "rigid.yaml"), str(tmp_path / "out")]) == 2
-    assert "needs a flexible one" in capsys.readouterr().err
-    assert not (tmp_path / "out").exists()
 
 
 def told(arguments, capsys):
@@ -130,18 +126,13 @@ def test_a_mistake_of_another_command_names_its_file_once(workplace, capsys):
     shallow = written("shallow.yaml", water={"depth": 30.0})
     line = told(["shape-dependence", shallow, "out"], capsys)
     assert line == "shallow.yaml: water.depth: received 30 m; shape dependence needs deep water, .inf"
-    rigid = written("rigid.yaml", designs={"A": {"flexible": False}})
-    assert told(["time-precision", rigid, "out"], capsys).startswith("rigid.yaml: designs: received only rigid ones, A")
     Path("body.yaml").write_text("{body: b, mesh: none.stl, modes: none.nc, omega: [1.0]}")
     assert told(["body", "body.yaml", "out"], capsys).startswith("body.yaml: none.stl: mesh not found")
     assert told(["export", written("study.yaml"), "out"], capsys).startswith("results/hydro/db/")  # not of the study
     assert not {"out", "out.shapes", "results"} & {path.name for path in workplace.iterdir()}
 
 
-LONG = [
-    ["export", "study.yaml"], ["time-precision", "study.yaml"], ["hydro-precision"], ["body", "study.yaml"],
-    ["barge", "study.yaml"], ["shape-dependence", "study.yaml"], ["hard-cases", "study.yaml"],
-]  # fmt: skip
+LONG = [["export", "study.yaml"], ["body", "study.yaml"], ["shape-dependence", "study.yaml"]]
 
 
 @pytest.mark.parametrize("command", LONG, ids=lambda command: command[0])
@@ -154,19 +145,19 @@ def test_what_cannot_be_written_is_told_before_any_work(workplace, capsys, comma
     assert Path("file").read_text() == "kept"
 
 
-@pytest.mark.parametrize("command", [["shape-dependence", "study.yaml", "a"], ["hard-cases", "study.yaml", "a.nc"]])
-def test_a_folder_in_place_of_a_result_is_told_before_any_work(workplace, capsys, command):
+def test_a_folder_in_place_of_a_result_is_told_before_any_work(workplace, capsys):
     (workplace / "a.nc").mkdir()
-    line = told(command, capsys)
+    line = told(["shape-dependence", "study.yaml", "a"], capsys)
     assert line.startswith("a.nc: cannot be written (it is a folder or a device); needs a file in a folder")
 
 
-def test_a_result_of_a_rule_that_cannot_be_written_is_one_line(workplace, capsys):
+def test_a_result_of_a_rule_that_cannot_be_written_is_one_line(workplace, capsys, monkeypatch):
     raw = yaml.safe_load(SEED.read_text())
     spec = json.dumps({key: raw[key] for key in ("device", "modes")})
     (workplace / "folder").mkdir()
     for out in ("folder", "file/modes.nc"):
-        assert told(["modes", "--spec", spec, "--out", out], capsys).startswith(f"{out}: cannot be written (")
+        given(monkeypatch, spec)
+        assert told(["modes", "--out", out], capsys).startswith(f"{out}: cannot be written (")
     assert sorted(path.name for path in workplace.rglob("*")) == ["file", "folder"]
 
 
@@ -177,10 +168,12 @@ def test_a_results_folder_that_is_none_is_told_before_any_work(workplace, capsys
     assert {path.name for path in workplace.iterdir()} == {"file", "results", "study.yaml"}
 
 
-def test_a_file_that_cannot_be_used_is_one_line(workplace, capsys):
-    arguments = ["--modes", "m.nc", "--out", "out", "t.nc"]
-    line = told(["figures", "--study", "none.json", *arguments], capsys)
-    assert line == "none.json: cannot be read or written (No such file or directory); needs a path you may use"
+def test_a_file_that_cannot_be_used_is_one_line(workplace, capsys, monkeypatch):
+    paper = yaml.safe_load(SEED.with_name("paper.yaml").read_text())
+    given(monkeypatch, canonical(paper))
+    options = {"trajectories": "t", "statistics": "s.csv", "validity": "v", "figures": "f", "out": "r.html"}
+    line = told(["report", "--table", "none.csv", *(f"--{key}={value}" for key, value in options.items())], capsys)
+    assert line == "none.csv: cannot be read or written (No such file or directory); needs a path you may use"
 
 
 def test_an_error_of_no_file_is_not_the_users(monkeypatch):
@@ -194,10 +187,20 @@ def test_an_error_of_no_file_is_not_the_users(monkeypatch):
 
 @pytest.mark.parametrize(
     ("spec", "message"),
-    [("{", "--spec: not valid JSON (Expecting property name"), ("[1]", "--spec: received [1], needs a mapping")],
+    [
+        ("{", "standard input: not valid JSON (Expecting property name"),
+        ("", "standard input: not valid JSON (Expecting value"),
+        ("[1]", "standard input: received [1], needs a mapping"),
+    ],
 )
-def test_a_spec_that_is_none_is_one_line(workplace, capsys, spec, message):
-    assert told(["modes", "--spec", spec, "--out", "out.nc"], capsys).startswith(message)
+def test_a_spec_that_is_none_is_one_line(workplace, capsys, monkeypatch, spec, message):
+    given(monkeypatch, spec)
+    assert told(["modes", "--out", "out.nc"], capsys).startswith(message)
+
+
+def test_a_rule_does_not_wait_for_somebody_to_type(workplace, capsys, monkeypatch):
+    given(monkeypatch, "{}", terminal=True)
+    assert told(["modes", "--out", "out.nc"], capsys).startswith("standard input: received a terminal, needs the spec")
 
 
 @pytest.mark.parametrize("cores", ["0", "-3", "x", "1.5", ""])
@@ -211,10 +214,8 @@ def test_a_run_without_cores_would_wait_for_ever(workplace, capsys, cores):
 def test_cores_go_to_snakemake(workplace, monkeypatch):
     seen = []
 
-    class Done:
-        returncode = 0
-
-    monkeypatch.setattr(subprocess, "run", lambda command, **_: seen.append(command) or Done)
+    done = SimpleNamespace(returncode=0)
+    monkeypatch.setattr(launcher.subprocess, "run", lambda command, **_: seen.append(command) or done)
     for options in (["-c", "2"], ["--cores", "all"], []):
         assert main(["run", written("study.yaml"), *options, "-n"]) == 0
     assert [command[command.index("none") + 1 :] for command in seen] == [
@@ -224,7 +225,21 @@ def test_cores_go_to_snakemake(workplace, monkeypatch):
     ]
 
 
-def test_an_unknown_profile_is_one_line(workplace, capsys):
-    line = told(["run", written("study.yaml"), "--profile", "nowhere"], capsys)
-    assert line.startswith("--profile: received nowhere, needs a folder in ")
+@pytest.mark.parametrize("name", ["nowhere", "mine", "./nowhere"])
+def test_an_unknown_profile_is_one_line(workplace, capsys, name):
+    for folder in (Path("mine"), Path("profiles/mine")):  # of the current folder only if told so
+        folder.mkdir(parents=True)
+        (folder / "config.yaml").write_text("cores: 1")
+    line = told(["run", written("study.yaml"), "--profile", name], capsys)
+    assert line.startswith(f"--profile: received {name}, needs default, slurm, or the path of a folder of your own (./")
     assert not Path("results").exists()
+
+
+def test_a_profile_of_the_users_own_is_named_by_its_path(workplace, monkeypatch):
+    seen = []
+    done = SimpleNamespace(returncode=0)
+    monkeypatch.setattr(launcher.subprocess, "run", lambda command, **_: seen.extend(command) or done)
+    Path("mine").mkdir()
+    Path("mine/config.yaml").write_text("cores: 1")
+    assert main(["run", written("study.yaml"), "--profile", "./mine", "-n"]) == 0
+    assert seen[seen.index("--profile") + 1] == "mine"

@@ -19,22 +19,18 @@ if TYPE_CHECKING:
 Handler = Callable[[argparse.Namespace], int]
 
 
-def _spec(args: argparse.Namespace) -> dict[str, Any]:
-    """The spec of a rule, from its JSON."""
+def _spec() -> dict[str, Any]:
+    """The specification of a rule, as JSON on standard input: of any length, unlike an argument."""
+    if sys.stdin.isatty():
+        raise ConfigError("standard input: received a terminal, needs the specification of the rule as JSON")
+    text = sys.stdin.read()
     try:
-        spec = json.loads(args.spec)
+        spec = json.loads(text)
     except ValueError as error:
-        raise ConfigError(f"--spec: not valid JSON ({error}); needs that of a rule") from None
+        raise ConfigError(f"standard input: not valid JSON ({error}); needs the specification of the rule") from None
     if not isinstance(spec, dict):
-        raise ConfigError(f"--spec: received {args.spec[:40]}, needs a mapping")
+        raise ConfigError(f"standard input: received {text[:40]}, needs a mapping")
     return spec
-
-
-def _integrators(args: argparse.Namespace) -> None:
-    """Benchmark of integrators."""
-    from benchmarks import integrators
-
-    integrators.benchmark(_spec(args), args.out, args.figures)
 
 
 def _rule(name: str) -> Handler:
@@ -45,20 +41,19 @@ def _rule(name: str) -> Handler:
         from vsb.stages import report as publish
 
         calls: dict[str, Callable[[], None]] = {
-            "modes": lambda: modes.shell_modes(_spec(args), args.out),
-            "mesh": lambda: meshes.mesh(_spec(args), args.out),
-            "display-meshes": lambda: meshes.display_meshes(_spec(args), args.out),
+            "modes": lambda: modes.shell_modes(_spec(), args.out),
+            "mesh": lambda: meshes.mesh(_spec(), args.out),
+            "display-meshes": lambda: meshes.display_meshes(_spec(), args.out),
             "green": lambda: coefficients.green(args.folder, args.out),
-            "bem": lambda: coefficients.bem_block(_spec(args), args.mesh, args.green, args.out),
-            "spectral": lambda: coefficients.spectral_block(_spec(args), args.out),
-            "database": lambda: database.build_database(_spec(args), args.files, args.out),
-            "radiation": lambda: radiation.fit_radiation(_spec(args), args.database, args.out),
-            "response": lambda: response.frequency_response(_spec(args), args.database, args.out),
-            "simulate": lambda: simulate.simulate(_spec(args), vars(args), args.out),
-            "compare": lambda: compare.compare_designs(_spec(args), vars(args), args.files),
-            "workprecision": lambda: _integrators(args),
-            "figures": lambda: publish.figures(vars(args), args.files),
-            "report": lambda: publish.report(vars(args), args.files),
+            "bem": lambda: coefficients.bem_block(_spec(), args.mesh, args.green, args.out),
+            "spectral": lambda: coefficients.spectral_block(_spec(), args.out),
+            "database": lambda: database.build_database(_spec(), args.blocks, args.out),
+            "radiation": lambda: radiation.fit_radiation(_spec(), args.database, args.out),
+            "response": lambda: response.frequency_response(_spec(), args.database, args.out),
+            "simulate": lambda: simulate.simulate(_spec(), vars(args), args.out),
+            "compare": lambda: compare.compare_designs(_spec(), vars(args)),
+            "figures": lambda: publish.figures(_spec(), vars(args)),
+            "report": lambda: publish.report(_spec(), vars(args)),
         }
         calls[name]()
         return 0
@@ -119,7 +114,7 @@ def import_bemio(args: argparse.Namespace) -> int:
 
 def _imported(checks: "list[Check]", notes: list[str], out: str, causes: str) -> int:
     """Print the verdict on numbers of others, and where it fails what to look at."""
-    if code := _verdict(checks, "\n".join([*notes, out])):
+    if code := print_verdict(checks, "\n".join([*notes, out])):
         print(f"a check fails: are {causes}?")
     return code
 
@@ -128,17 +123,10 @@ def body(args: argparse.Namespace) -> int:
     """Solve any mesh with any displacements into a hydro database and print its verdict; 1 if a check fails."""
     from vsb.hydro.bodies import study as bodystudy
 
-    return _verdict(bodystudy.run(args.config, args.out), f"{args.out}: blocks and database")
+    return print_verdict(bodystudy.run(args.config, args.out), f"{args.out}: blocks and database")
 
 
-def barge(args: argparse.Namespace) -> int:
-    """A flexible barge by the general route: its files, database and verdict, and how the mesh converges."""
-    from examples import barge as route
-
-    return _verdict(route.study(args.config, args.out), f"{args.out}/barge.nc {args.out}/barge.svg")
-
-
-def _verdict(checks: "list[Check]", files: str) -> int:
+def print_verdict(checks: "list[Check]", files: str) -> int:
     """Print a verdict and what was written; 1 if a check fails."""
     for check in checks:
         print(f"{check.verdict:12} {check.name} = {check.value:.3g} (limit {check.limit:g}): {check.explanation}")
@@ -155,46 +143,17 @@ def shape_dependence(args: argparse.Namespace) -> int:
     return 0
 
 
-def hard_cases(args: argparse.Namespace) -> int:
-    """Run every hard case and write a table; 1 if any ends in garbage or otherwise than expected."""
-    from benchmarks import hard_cases as hardcases
-
-    rows = hardcases.hard_cases(args.config, args.out)
-    print(hardcases.as_text(rows))
-    return int(any(row.verdict == "wrong" for row in rows))
-
-
-def hydro_precision(args: argparse.Namespace) -> int:
-    """Error against seconds and memory of coefficients by six methods: tables and a figure; takes minutes."""
-    from benchmarks import coefficients as hydroprecision
-
-    rows = hydroprecision.benchmark(args.folder)
-    print(*sorted(Path(args.folder).glob("hydro_precision*")), sep="\n")
-    return int(any(row["status"].startswith("failed") for row in rows))
-
-
-def time_precision(args: argparse.Namespace) -> int:
-    """Error against seconds of every integrator and radiation model, cost against size: a table and two figures."""
-    from benchmarks import time_domain as timeprecision
-
-    timeprecision.benchmark(load(args.config), args.folder)
-    print(*sorted(Path(args.folder).glob("time_*")), sep="\n")
-    return 0
-
-
 AXISYMMETRIC = "the body and its generalized modes are: more can be checked"
 BEM_FILES = ("database", "radiation", "response")
 """Options a model without BEM does not have."""
 
 
-def _add_rule(commands: Any, name: str, text: str, *options: str, files: str = "") -> None:
+def _add_rule(commands: Any, name: str, text: str, *options: str) -> None:
     """Declare the command of one rule with its options."""
     parser = commands.add_parser(name, help=text, description=text)
     for option in options:
         needed = option not in BEM_FILES or name in ("radiation", "response")
-        parser.add_argument(f"--{option}", required=needed, metavar="JSON" if option == "spec" else "PATH")
-    if files:
-        parser.add_argument("files", nargs="+", metavar=files)
+        parser.add_argument(f"--{option}", required=needed, metavar="PATH")
     parser.set_defaults(handler=_rule(name))
 
 
@@ -238,50 +197,30 @@ def parser() -> argparse.ArgumentParser:
     one.add_argument("out", metavar="DATABASE.nc")
     one.add_argument("--axisymmetric", action="store_true", help=AXISYMMETRIC)
     one.set_defaults(handler=import_bemio, writes=("{out}",))
-    for name, text, handler in (
-        ("body", "hydro database of any mesh with any displacements", body),
-        ("barge", "a flexible barge, and how its mesh converges", barge),
-    ):
-        one = commands.add_parser(name, help=text, description=handler.__doc__)
-        one.add_argument("config", metavar="CONFIG")
-        one.add_argument("out", metavar="FOLDER")
-        one.set_defaults(handler=handler, writes=("{out}/",))
+    words = "hydro database of any mesh with any displacements"
+    one = commands.add_parser("body", help=words, description=body.__doc__)
+    one.add_argument("config", metavar="CONFIG")
+    one.add_argument("out", metavar="FOLDER")
+    one.set_defaults(handler=body, writes=("{out}/",))
     words = "how much the coefficients depend on the shape"
     one = commands.add_parser("shape-dependence", help=words, description=shape_dependence.__doc__)
     one.add_argument("config", metavar="CONFIG")
     one.add_argument("out", metavar="OUT", help="of OUT.nc and OUT.svg")
     one.set_defaults(handler=shape_dependence, writes=("{out}.nc", "{out}.svg"))
-    one = commands.add_parser(
-        "hard-cases", help="table of the cases that break other codes", description=hard_cases.__doc__
-    )
-    one.add_argument("config", metavar="CONFIG")
-    one.add_argument("out", metavar="OUT.csv")
-    one.set_defaults(handler=hard_cases, writes=("{out}",))
-    words = "work and precision in the time domain"
-    one = commands.add_parser("time-precision", help=words, description=time_precision.__doc__)
-    one.add_argument("config", metavar="CONFIG")
-    one.add_argument("folder", metavar="OUT_FOLDER")
-    one.set_defaults(handler=time_precision, writes=("{folder}/",))
-    words = "work and precision of hydrodynamic coefficients"
-    one = commands.add_parser("hydro-precision", help=words, description=hydro_precision.__doc__)
-    one.add_argument("folder", metavar="OUT_FOLDER")
-    one.set_defaults(handler=hydro_precision, writes=("{folder}/",))
-    _add_rule(commands, "modes", "rule: shell modes", "spec", "out")
-    _add_rule(commands, "mesh", "rule: mean wetted mesh", "spec", "out")
-    _add_rule(commands, "display-meshes", "rule: viewable deformed meshes", "spec", "out")
+    _add_rule(commands, "modes", "rule: shell modes", "out")
+    _add_rule(commands, "mesh", "rule: mean wetted mesh", "out")
+    _add_rule(commands, "display-meshes", "rule: viewable deformed meshes", "out")
     _add_rule(commands, "green", "rule: Green-function table", "folder", "out")
-    _add_rule(commands, "bem", "rule: one block of frequencies", "spec", "mesh", "green", "out")
-    _add_rule(commands, "spectral", "rule: one block of frequencies without panels", "spec", "out")
-    _add_rule(commands, "database", "rule: hydro database from blocks", "spec", "out", files="BLOCK")
-    _add_rule(commands, "radiation", "rule: radiation model", "spec", "database", "out")
-    _add_rule(commands, "response", "rule: frequency response", "spec", "database", "out")
-    _add_rule(commands, "simulate", "rule: one design in one sea", "spec", "database", "radiation", "out")
-    names: tuple[str, ...] = ("spec", *BEM_FILES, "out", "statistics", "validity", "study")
-    _add_rule(commands, "compare", "rule: comparison and validity", *names, files="TRAJECTORY")
-    _add_rule(commands, "workprecision", "rule: error against seconds of every method", "spec", "out", "figures")
-    _add_rule(commands, "figures", "rule: all figures", "study", "modes", *BEM_FILES, "out", files="TRAJECTORY")
-    names = ("study", "table", "statistics", "validity", *BEM_FILES, "figures", "out")
-    _add_rule(commands, "report", "rule: HTML report", *names, files="TRAJECTORY")
+    _add_rule(commands, "bem", "rule: one block of frequencies", "mesh", "green", "out")
+    _add_rule(commands, "spectral", "rule: one block of frequencies without panels", "out")
+    _add_rule(commands, "database", "rule: hydro database from blocks", "blocks", "out")
+    _add_rule(commands, "radiation", "rule: radiation model", "database", "out")
+    _add_rule(commands, "response", "rule: frequency response", "database", "out")
+    _add_rule(commands, "simulate", "rule: one design in one sea", "database", "radiation", "out")
+    runs = (*BEM_FILES, "trajectories", "out")
+    _add_rule(commands, "compare", "rule: comparison and validity", *runs, "statistics", "validity", "study")
+    _add_rule(commands, "figures", "rule: all figures", *runs, "modes")
+    _add_rule(commands, "report", "rule: HTML report", *runs, "table", "statistics", "validity", "figures")
     return top
 
 
@@ -302,7 +241,14 @@ def _mistake(text: str, config: str | None = None) -> int:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; a user's mistake is one line on stderr and exit code 2."""
-    line = parser()
+    return answer(parser(), argv)
+
+
+def answer(line: argparse.ArgumentParser, argv: Sequence[str] | None) -> int:
+    """Run the command of a parser, whose `handler` gets the arguments; a user's mistake is one line and exit code 2.
+
+    `writes` of a command names the files, and the folders, whose names end in /, that it must be able to write.
+    """
     args, rest = line.parse_known_args(argv)
     handler: Handler = args.handler
     if rest and handler is not run:

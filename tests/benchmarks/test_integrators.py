@@ -269,9 +269,9 @@ def test_table_and_figures(paper, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(workprecision, "SOLVERS", {"RK45": (1e-3, 1e-5)})
     monkeypatch.setattr(workprecision, "PUBLISHED_DURATION", 2.0)
     one = varied(paper, designs={name: paper.designs[name].model_dump() for name in ("FSB", "VSWEC")})
-    benchmark({"study": one.model_dump()}, str(tmp_path / "t" / "table.csv"), str(tmp_path / "f"))
+    benchmark(one, tmp_path)
     assert "integrators, VSWEC" in capsys.readouterr().err
-    text = (tmp_path / "t" / "table.csv").read_text()
+    text = (tmp_path / "workprecision.csv").read_text()
     assert "nan" not in text.lower()
     rows = list(csv.DictReader(io.StringIO(text)))
     assert tuple(rows[0]) == COLUMNS
@@ -287,7 +287,7 @@ def test_table_and_figures(paper, tmp_path, monkeypatch, capsys):
         assert float(row["ratio"]) == pytest.approx(float(row["published_seconds"]) / float(row["seconds"]), rel=1e-4)
         assert float(row["setting"]) == one.simulation.tolerance
     for name in FIGURES:
-        assert (tmp_path / "f" / f"{name}.svg").read_text().startswith("<?xml")
+        assert (tmp_path / "workprecision" / f"{name}.svg").read_text().startswith("<?xml")
 
 
 def test_figures_show_every_case_and_method_and_leave_out_failures(measured):

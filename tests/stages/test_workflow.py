@@ -16,29 +16,38 @@ import numpy as np
 import pytest
 import yaml
 from conftest import SEED
+from snakemake.shell import shell
 
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
+from vsb.study.study import canonical
 from vsb.tools.files import load
 
-HOME = SEED.parent.parent
 BASE = yaml.safe_load(SEED.read_text())
 BASE["study"] = "base"
 BASE["modes"]["degree"] = 2
 BASE["designs"] = {"FSB": {"flexible": False}, "VSWEC": {}}
 BASE["hydro"] = {"rows": 16, "omega_max": 5.0, "tolerance": 4.0e-3}
 BASE["simulation"].update(duration=20.0, window=[10.0, 20.0])
+FOREIGN = (
+    "Snakefile",
+    "workflow/Snakefile",
+    "profiles/default/config.yaml",
+    "snakemake.py",
+    "yaml.py",
+    "vsb/study/plan.py",
+)
+"""Files of the current folder that have nothing to do with a study."""
 SCIENCE = {"mesh", "green", "bem", "database", "radiation"}
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory, green_folder):
-    """A working folder with the workflow and a Green-function table, and the base study run in it."""
+    """A working folder with a stranger's workflow and a Green-function table, and the base study run in it."""
     place = tmp_path_factory.mktemp("study")
-    for name in ("Snakefile", "workflow", "profiles"):
-        (place / name).symlink_to(HOME / name)
-    (place / "config").mkdir()
-    shutil.copy(SEED, place / "config")
+    for name in FOREIGN:
+        (place / name).parent.mkdir(parents=True, exist_ok=True)
+        (place / name).write_text("open('stranger', 'w')\n")
     table = place / StudyPlan(config.load(SEED)).green_folder
     shutil.copytree(green_folder, table)
     Path(f"{table}.done").write_text("0 s\n")
@@ -56,7 +65,7 @@ def write(place, raw, name=None):
 def start(place, *arguments, **options):
     environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
     return subprocess.Popen(
-        [sys.executable, "-m", "vsb.cli", *map(str, arguments)],
+        [Path(sys.executable).with_name("vsb"), *map(str, arguments)],
         cwd=place, env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options,
     )  # fmt: skip
 
@@ -107,6 +116,23 @@ def test_everything_promised_is_there(folder):
     assert index[0].startswith("id\tradius_m")
     assert len(index) == 2
     assert len(list((folder / "results" / "hydro" / "mesh").glob("*/*.vtu"))) == 7
+
+
+def test_nothing_of_a_stranger_in_the_current_folder_is_run(folder):
+    """The workflow, its profiles and all modules are the package's."""
+    assert all((folder / name).is_file() for name in FOREIGN)
+    assert not (folder / "stranger").exists()
+
+
+def test_a_specification_longer_than_an_argument_may_be_reaches_its_command(folder, monkeypatch, tmp_path):
+    """By the shell of snakemake, with the words of the rule; Linux takes no argument above 128 KiB."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
+    seas = [{"kind": "jonswap", "hs": 1.0, "tp": tp, "realisations": 600} for tp in (4.0, 5.0, 6.0)]
+    plan = StudyPlan(config.parse(with_(waves=seas)))
+    assert len(canonical(plan.comparison)) > 2**17
+    shell("vsb modes --out modes.nc <<< {spec:q}", spec=canonical(plan.modes) + " " * 2**17)
+    assert load("modes.nc").equals(load(folder / "results/base/modes.nc"))
 
 
 def test_a_lost_product_is_made_again(folder):

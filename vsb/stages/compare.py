@@ -1,6 +1,5 @@
 """Rule compare: comparison table, statistics, validity ledger."""
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +7,7 @@ from vsb.hydro import database
 from vsb.results import comparison as compare
 from vsb.results import ledger
 from vsb.results import statistics as seastatistics
+from vsb.stages.stage import stored_runs
 from vsb.study.study import canonical, parse
 from vsb.tools.files import load, write_text
 from vsb.waves.seas import NO_WAVES, sea
@@ -15,10 +15,10 @@ from vsb.waves.seas import NO_WAVES, sea
 Spec = dict[str, Any]
 
 
-def compare_designs(spec: Spec, paths: dict[str, Any], trajectories: Sequence[str]) -> None:
+def compare_designs(spec: Spec, paths: dict[str, Any]) -> None:
     """Write the comparison table, statistics of irregular seas, the validity ledger and the study in canonical form."""
     study = parse(spec["study"], source="spec")
-    runs = {(run.attrs["design"], run.attrs["wave"]): run for run in map(load, trajectories)}
+    runs = stored_runs(study, paths["trajectories"])
     bem = study.needs_bem
     seas = {
         wave.label: sea(wave, study.hydro.omega_max, study.simulation.duration) if bem else NO_WAVES

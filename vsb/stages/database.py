@@ -18,20 +18,18 @@ from vsb.tools.files import load
 Spec = dict[str, Any]
 
 
-def build_database(spec: Spec, blocks: Sequence[str], out: str) -> None:
-    """Merge blocks, express them in the modes, check them, and store them with their verdict.
+def build_database(spec: Spec, blocks: str, out: str) -> None:
+    """Merge the blocks in a folder, express them in the modes, check them, and store them with their verdict.
 
     Raises
     ------
     DatabaseError
-        If a block is missing, foreign, or a check fails that the study does not accept.
+        If a block is missing or foreign, or a check fails that the study does not accept.
     """
     study = partial_study(spec)
     reference = reference_shell(study)
     basis, water = reference.basis, study.water
-    found = {block.attrs.get("spec_id"): block for block in map(load, blocks)}
-    if missing := [name for name in (*spec["sweep"], *spec["tabulated"]) if name not in found]:
-        raise DatabaseError(f"{out}: blocks {missing} are not among the files given ({list(found)}); run the bem rule.")
+    found = {name: _block(f"{blocks}/{name}.nc", name) for name in (*spec["sweep"], *spec["tabulated"])}
 
     def in_modes(ids: Sequence[str]) -> xr.Dataset:
         return database.with_excitation(database.in_modes(database.merged_blocks([found[i] for i in ids]), basis))
@@ -70,3 +68,11 @@ def build_database(spec: Spec, blocks: Sequence[str], out: str) -> None:
     else:
         asked = complete(tabulated)
         database.save_database(asked.assign_attrs(asked.attrs, **attrs), complete(everywhere), out)
+
+
+def _block(path: str, name: str) -> xr.Dataset:
+    """The block of a name."""
+    block = load(path)
+    if (found := block.attrs.get("spec_id")) != name:
+        raise DatabaseError(f"{path}: holds block {found}, needs {name}; delete it and run again.")
+    return block

@@ -17,19 +17,16 @@ from vsb.report.canvas import StudyData
 from vsb.report.figures import draw
 from vsb.report.page import Report, render
 from vsb.results.statistics import families
+from vsb.stages.stage import stored_runs
 from vsb.study.plan import figure_names
 from vsb.study.study import StillWater, Study, Wave, parse
 from vsb.tools.files import load, write_text
 
-
-def _study(path: str) -> Study:
-    """The study in canonical form."""
-    return parse(json.loads(Path(path).read_text(encoding="utf-8")), source=path)
+Spec = dict[str, Any]
 
 
-def study_data(paths: dict[str, Any], trajectories: Sequence[str]) -> StudyData:
+def study_data(study: Study, paths: dict[str, Any]) -> StudyData:
     """Return everything the figures are drawn from."""
-    study = _study(paths["study"])
     bem = study.needs_bem
     response = load(paths["response"]) if bem else xr.Dataset()
     return StudyData(
@@ -42,7 +39,7 @@ def study_data(paths: dict[str, Any], trajectories: Sequence[str]) -> StudyData:
         database=database.load_database(paths["database"], Path(paths["database"]).stem) if bem else xr.Dataset(),
         radiation=load(paths["radiation"]) if bem else xr.Dataset(),
         response=response,
-        runs={(run.attrs["design"], run.attrs["wave"]): run for run in map(load, trajectories)},
+        runs=stored_runs(study, paths["trajectories"]),
     )
 
 
@@ -60,18 +57,19 @@ def _slowest(study: Study, response: xr.Dataset) -> float:
     return float(np.sqrt(water.density * water.gravity * waterplane / device.mass))
 
 
-def figures(paths: dict[str, Any], trajectories: Sequence[str]) -> None:
+def figures(spec: Spec, paths: dict[str, Any]) -> None:
     """Draw and write all figures of a study as SVG."""
-    data = study_data(paths, trajectories)
-    for name in figure_names(_study(paths["study"])):
+    study = parse(spec, source="spec")
+    data = study_data(study, paths)
+    for name in figure_names(study):
         text = io.StringIO()
         draw(name, data).savefig(text, format="svg", metadata={"Date": None})
         write_text(Path(paths["out"]) / f"{name}.svg", text.getvalue())
 
 
-def report(paths: dict[str, Any], trajectories: Sequence[str]) -> None:
+def report(spec: Spec, paths: dict[str, Any]) -> None:
     """Write the report of a study."""
-    study = _study(paths["study"])
+    study = parse(spec, source="spec")
     names = figure_names(study)
     page = Report(
         study=study.model_dump(),
@@ -83,7 +81,7 @@ def report(paths: dict[str, Any], trajectories: Sequence[str]) -> None:
         response=load(paths["response"]) if study.needs_bem else None,
         reference=study.reference_design,
         figures={name: (Path(paths["figures"]) / f"{name}.svg").read_text(encoding="utf-8") for name in names},
-        facts=_facts(study, paths, [load(path) for path in trajectories]),
+        facts=_facts(study, paths, list(stored_runs(study, paths["trajectories"]).values())),
     )
     write_text(paths["out"], render(page))
 

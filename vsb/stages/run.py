@@ -15,6 +15,8 @@ from vsb.study.plan import StudyPlan
 from vsb.study.study import load
 
 ERROR = "vsb: error:"
+HOME = Path(__file__).resolve().parents[2]
+"""Of the workflow and its profiles: they belong to the package; what lies in the current folder is never run."""
 
 
 def run(args: argparse.Namespace) -> int:
@@ -27,13 +29,11 @@ def run(args: argparse.Namespace) -> int:
     preview.check_before_run(study, plan)
     for folder in (".", plan.root):  # snakemake writes to both
         check_folder(folder)
-    home = Path.cwd() if Path("Snakefile").is_file() else Path(__file__).resolve().parents[2]
-    if not (home / "profiles" / args.profile).is_dir():
-        raise VsbError(f"--profile: received {args.profile}, needs a folder in {home / 'profiles'}")
-    command = [sys.executable, "-m", "snakemake", "--snakefile", str(home / "Snakefile"), "--configfile", args.config]
-    profile = ["--profile", str(home / "profiles" / args.profile), "--workflow-profile", "none"]
+    profile = ["--profile", str(_profile(args.profile)), "--workflow-profile", "none"]
+    command = [sys.executable, "-m", "snakemake", "--snakefile", str(HOME / "Snakefile"), "--configfile", args.config]
     command += ["--nolock", *profile, *(["--cores", args.cores] if args.cores else []), *args.snakemake]
-    environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+    paths = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    environment = {**os.environ, "PATH": paths, "PYTHONSAFEPATH": "1"}  # nor modules of the current folder
     begun = time.time()
     dry = bool({"-n", "--dry-run", "--dryrun"} & set(args.snakemake))
     with _alone(Path(plan.root), waits=not dry) as lock:
@@ -43,6 +43,19 @@ def run(args: argparse.Namespace) -> int:
     if not dry and (report := Path(plan.folder) / "report.html").is_file():
         print(f"{study.study}: {report}")
     return 0
+
+
+def _profile(name: str) -> Path:
+    """Folder of a profile: of the package by name, of the user's own by a path with a separator in it."""
+    own = os.sep in name
+    folder = Path(name) if own else HOME / "profiles" / name
+    if not (folder / "config.yaml").is_file():
+        known = ", ".join(sorted(path.parent.name for path in (HOME / "profiles").glob("*/config.yaml")))
+        raise VsbError(
+            f"--profile: received {name}, needs {known}, or the path of a folder of your own (./{Path(name).name}) "
+            "with a config.yaml"
+        )
+    return folder
 
 
 @contextmanager

@@ -20,6 +20,11 @@ def figure_names(study: Study) -> list[str]:
     return [*names, *(f"{name}-{wave.label}" for wave in study.drawn_waves for name in per_wave)]
 
 
+def trajectory_name(design: str, wave: str) -> str:
+    """Return the file name of the time series of one design in one sea."""
+    return f"{design}-{wave}.nc"
+
+
 def options(files: dict[str, str]) -> str:
     """Return command-line options that name files; file names of this project need no quotes."""
     return " ".join(f"--{name} {path}" for name, path in files.items())
@@ -110,7 +115,12 @@ class StudyPlan(HydroPlan):
 
     def block_path(self, spec: Spec) -> str:
         """Result of one BEM job."""
-        return f"{self.root}/hydro/blocks/{content_id(spec)}.nc"
+        return f"{self.block_folder}/{content_id(spec)}.nc"
+
+    @property
+    def block_folder(self) -> str:
+        """Folder of the results of all BEM jobs."""
+        return f"{self.root}/hydro/blocks"
 
     @property
     def database_path(self) -> str:
@@ -139,7 +149,7 @@ class StudyPlan(HydroPlan):
 
     def trajectory_path(self, design: str, wave: str) -> str:
         """Time series of one design in one sea."""
-        return f"{self.folder}/trajectories/{design}-{wave}.nc"
+        return f"{self.folder}/trajectories/{trajectory_name(design, wave)}"
 
     @property
     def products(self) -> list[str]:

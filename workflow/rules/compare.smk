@@ -24,7 +24,10 @@ rule compare:
     params:
         spec=canonical(PLAN.comparison),
         hydro=HYDRO,
+        trajectories=subpath(
+            lambda wildcards, input: input.trajectories[0], parent=True
+        ),
     shell:
-        "vsb compare --spec {params.spec:q} {params.hydro}"
+        "vsb compare {params.hydro} --trajectories {params.trajectories}"
         " --out {output.table} --statistics {output.statistics} --validity {output.validity} --study {output.study}"
-        " {input.trajectories} > {log} 2>&1"
+        " <<< {params.spec:q} > {log} 2>&1"

@@ -1,6 +1,4 @@
 # Figures and the self-contained report.
-import os
-
 FIGURES = [f"{PLAN.folder}/figures/{name}.svg" for name in figure_names(STUDY)]
 
 
@@ -20,9 +18,12 @@ rule figures:
     params:
         folder=subpath(output[0], parent=True),
         hydro=HYDRO,
+        trajectories=subpath(
+            lambda wildcards, input: input.trajectories[0], parent=True
+        ),
     shell:
-        "vsb figures --study {input.study} --modes {input.modes} {params.hydro} --out {params.folder}"
-        " {input.trajectories} > {log} 2>&1"
+        "vsb figures --modes {input.modes} {params.hydro} --trajectories {params.trajectories} --out {params.folder}"
+        " < {input.study} > {log} 2>&1"
 
 
 rule report:
@@ -42,8 +43,12 @@ rule report:
     conda:
         "../envs/vsb.yaml"
     params:
-        figures=lambda wildcards, input: os.path.dirname(input.figures[0]),
         hydro=HYDRO,
+        trajectories=subpath(
+            lambda wildcards, input: input.trajectories[0], parent=True
+        ),
+        figures=subpath(lambda wildcards, input: input.figures[0], parent=True),
     shell:
-        "vsb report --study {input.study} --table {input.table} --statistics {input.statistics} --validity {input.validity} {params.hydro}"
-        " --figures {params.figures} --out {output} {input.trajectories} > {log} 2>&1"
+        "vsb report --table {input.table} --statistics {input.statistics} --validity {input.validity} {params.hydro}"
+        " --trajectories {params.trajectories} --figures {params.figures} --out {output}"
+        " < {input.study} > {log} 2>&1"

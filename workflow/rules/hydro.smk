@@ -13,8 +13,9 @@ rule database:
         "../envs/vsb.yaml"
     params:
         spec=canonical(PLAN.database),
+        blocks=subpath(input[0], parent=True),
     shell:
-        "vsb database --spec {params.spec:q} --out {output} {input} > {log} 2>&1"
+        "vsb database --blocks {params.blocks} --out {output} <<< {params.spec:q} > {log} 2>&1"
 
 
 rule radiation:
@@ -34,7 +35,7 @@ rule radiation:
     params:
         spec=canonical(PLAN.radiation),
     shell:
-        "vsb radiation --spec {params.spec:q} --database {input} --out {output} > {log} 2>&1"
+        "vsb radiation --database {input} --out {output} <<< {params.spec:q} > {log} 2>&1"
 
 
 rule response:
@@ -49,4 +50,4 @@ rule response:
     params:
         spec=canonical(PLAN.response),
     shell:
-        "vsb response --spec {params.spec:q} --database {input} --out {output} > {log} 2>&1"
+        "vsb response --database {input} --out {output} <<< {params.spec:q} > {log} 2>&1"

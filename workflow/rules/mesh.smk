@@ -16,7 +16,7 @@ rule modes:
     params:
         spec=canonical(PLAN.modes),
     shell:
-        "vsb modes --spec {params.spec:q} --out {output} > {log} 2>&1"
+        "vsb modes --out {output} <<< {params.spec:q} > {log} 2>&1"
 
 
 rule display_meshes:
@@ -30,4 +30,4 @@ rule display_meshes:
         spec=canonical(PLAN.display),
         folder=subpath(output[0], parent=True),
     shell:
-        "vsb display-meshes --spec {params.spec:q} --out {params.folder} > {log} 2>&1"
+        "vsb display-meshes --out {params.folder} <<< {params.spec:q} > {log} 2>&1"

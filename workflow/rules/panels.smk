@@ -12,7 +12,7 @@ rule mesh:
     params:
         spec=lambda wildcards: canonical(MESHES[wildcards.id]),
     shell:
-        "vsb mesh --spec {params.spec:q} --out {output} > {log} 2>&1"
+        "vsb mesh --out {output} <<< {params.spec:q} > {log} 2>&1"
 
 
 rule green:
@@ -50,4 +50,4 @@ rule bem:
         spec=lambda wildcards: canonical(BLOCKS[wildcards.id]),
         green=subpath(input.green, strip_suffix=".done"),
     shell:
-        "vsb bem --spec {params.spec:q} --mesh {input.mesh} --green {params.green:q} --out {output} > {log} 2>&1"
+        "vsb bem --mesh {input.mesh} --green {params.green:q} --out {output} <<< {params.spec:q} > {log} 2>&1"

@@ -21,4 +21,4 @@ rule simulate:
         ),
         hydro=options(PLAN.hydro_files),
     shell:
-        "vsb simulate --spec {params.spec:q} {params.hydro} --out {output} > {log} 2>&1"
+        "vsb simulate {params.hydro} --out {output} <<< {params.spec:q} > {log} 2>&1"

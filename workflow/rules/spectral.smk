@@ -17,4 +17,4 @@ rule spectral:
     params:
         spec=lambda wildcards: canonical(BLOCKS[wildcards.id]),
     shell:
-        "vsb spectral --spec {params.spec:q} --out {output} > {log} 2>&1"
+        "vsb spectral --out {output} <<< {params.spec:q} > {log} 2>&1"

@@ -1,0 +1,81 @@
+"""Command line of the benchmarks: `python -m benchmarks COMMAND`, from the checkout."""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from vsb.cli import answer
+from vsb.study.study import load
+
+
+def integrators(args: argparse.Namespace) -> int:
+    """Error against seconds of wet forces and integrators, on the designs of a study under assumed pressure."""
+    from benchmarks import integrators
+
+    integrators.benchmark(load(args.config), args.folder)
+    return _written(args.folder, "workprecision*")
+
+
+def coefficients(args: argparse.Namespace) -> int:
+    """Error against seconds and memory of coefficients by six methods: tables and a figure; takes minutes."""
+    from benchmarks import coefficients
+
+    rows = coefficients.benchmark(args.folder)
+    _written(args.folder, "hydro_precision*")
+    return int(any(row["status"].startswith("failed") for row in rows))
+
+
+def time_domain(args: argparse.Namespace) -> int:
+    """Error against seconds of every integrator and radiation model, cost against size: a table and two figures."""
+    from benchmarks import time_domain
+
+    time_domain.benchmark(load(args.config), args.folder)
+    return _written(args.folder, "time_*")
+
+
+def hard_cases(args: argparse.Namespace) -> int:
+    """Run every hard case and write a table; 1 if any ends in garbage or otherwise than expected."""
+    from benchmarks import hard_cases
+
+    rows = hard_cases.hard_cases(args.config, args.out)
+    print(hard_cases.as_text(rows))
+    return int(any(row.verdict == "wrong" for row in rows))
+
+
+def _written(folder: str, names: str) -> int:
+    """Print what was written; return 0."""
+    print(*sorted(Path(folder).glob(names)), sep="\n")
+    return 0
+
+
+COMMANDS = {
+    "integrators": (integrators, ("config", "folder")),
+    "coefficients": (coefficients, ("folder",)),
+    "time-domain": (time_domain, ("config", "folder")),
+    "hard-cases": (hard_cases, ("config", "out")),
+}
+"""Handler and arguments of every benchmark."""
+WRITES = {"folder": "{folder}/", "out": "{out}"}
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the argument parser."""
+    top = argparse.ArgumentParser(prog="python -m benchmarks", description="Work and precision, and hard cases.")
+    commands = top.add_subparsers(title="commands", required=True, metavar="COMMAND")
+    for name, (handler, arguments) in COMMANDS.items():
+        words = (handler.__doc__ or "").partition(":")[0].rstrip(".")
+        one = commands.add_parser(name, help=words, description=handler.__doc__)
+        for argument in arguments:
+            one.add_argument(argument, metavar="OUT.csv" if argument == "out" else argument.upper())
+        one.set_defaults(handler=handler, writes=(WRITES[arguments[-1]],))
+    return top
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one benchmark; a user's mistake is one line and exit code 2."""
+    return answer(parser(), argv)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
