@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from vsb.errors import ConfigError
 from vsb.hydro.azimuthal import legendre_function
-from vsb.hydro.dofs import RIGID, Displacement, azimuthal_order, displacements, normal_velocities
+from vsb.hydro.dofs import RIGID, Displacement, azimuthal_order, displacements, flexible, normal_velocities
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.shell.deformed import rigid_sphere
 from vsb.study.plan import StudyPlan
@@ -27,6 +27,15 @@ def shapes():
         return Displacement(kind, max(order + more, 1), order)
 
     return st.builds(one, st.sampled_from(["radial", "meridional"]), st.integers(0, 5), st.integers(0, 9))
+
+
+@pytest.mark.parametrize(
+    ("labels", "answer"),
+    [(["Heave"], False), (["Surge", "Heave", "Pitch"], False), (["Membrane0"], True), (["Heave", "Bending2"], True)],
+)
+def test_what_is_flexible_says_so_itself(labels, answer):
+    """However many motions there are."""
+    assert flexible(np.array(labels)) is answer
 
 
 @given(shapes() | st.sampled_from([SURGE, HEAVE, PITCH]))

@@ -3,7 +3,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vsb.shell.deformed import DeformedShell, enclosed
+from vsb.errors import ConfigError
+from vsb.hydro.dofs import Displacement
+from vsb.hydro.panels.mesh import deformed_mesh
+from vsb.hydro.spectral.solver import SpectralProblem
+from vsb.shell.deformed import DeformedShell, check_meridian, enclosed
 from vsb.shell.modes import mode_basis
 
 RHO, G = 1025.0, 9.81
@@ -269,3 +273,50 @@ def test_enclosed_volume_and_area_forget_heave(full):
     volume, area = enclosed(full, q)
     assert np.ptp(volume) < 1e-12
     assert np.ptp(area) < 1e-12
+
+
+CROSSED = {"axis": {"Membrane1": 2.0}, "poles": {"Membrane2": -2.5}, "itself": {"Membrane4": 1.2}}
+"""Shapes whose meridian crosses the axis in between, from pole to pole, or itself."""
+
+
+@pytest.mark.parametrize("crossed", CROSSED)
+@pytest.mark.parametrize("solver", ["spectral", "panels", "check"])
+def test_a_meridian_that_crosses_the_axis_or_itself_is_refused(full, crossed, solver):
+    """The one gave NaN, the other was solved."""
+    shell = DeformedShell(full, 0.2, amplitudes(full, **CROSSED[crossed]))
+    use = {
+        "spectral": lambda: SpectralProblem(shell, (Displacement("heave"),), RHO, G, 8).at_infinity(),
+        "panels": lambda: deformed_mesh(shell, 12, 24, 6),
+        "check": lambda: check_meridian(shell),
+    }
+    where = "itself" if crossed == "itself" else "the axis"
+    with pytest.raises(ConfigError, match=f"^reference_shape: received a meridian that crosses {where} .*; needs one"):
+        use[solver]()
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_a_meridian_without_points_is_refused(full, value):
+    with pytest.raises(ConfigError, match="received a shape with NaN or infinite amplitudes; needs finite ones"):
+        check_meridian(DeformedShell(full, 0.0, amplitudes(full, Membrane2=value)))
+
+
+def test_a_shape_not_seen_whole_from_its_centre_is_none_the_worse(full):
+    """Overhanging, dented past the centre: a surface all the same."""
+    for shape in ({"Bending3": 2.0}, {"Bending5": -3.0}, {"Bending2": 3.0}):
+        check_meridian(DeformedShell(full, 0.2, amplitudes(full, **shape)))
+
+
+@settings(max_examples=200)
+@given(st.lists(st.floats(-0.7, 0.7), min_size=12, max_size=12))
+def test_a_meridian_that_passes_turns_once(full, modal):
+    """Hopf: the tangent of a closed curve that does not meet itself turns by 2 pi, from pole to pole by half of it."""
+    shell = DeformedShell(full, 0.0, np.array([0.0, *modal]))
+    m = shell.meridian(np.linspace(0.0, np.pi, 4001))
+    turned = np.unwrap(np.arctan2(m.dz, m.dx))
+    crosses_axis = bool(m.x[1:-1].min() < -1e-3)
+    try:
+        check_meridian(shell)
+    except ConfigError:
+        return
+    assert not crosses_axis
+    assert turned[-1] - turned[0] == pytest.approx(-np.pi, abs=1e-6)

@@ -79,6 +79,11 @@ def displacements(labels: Iterable[str], order: int = 0) -> tuple[Displacement, 
     return tuple(one(str(label)) for label in labels)
 
 
+def flexible(labels: Iterable[str]) -> bool:
+    """Return whether any of the degrees of freedom labelled is a shape of its own, no rigid motion."""
+    return not set(map(str, labels)) <= set(RIGID)
+
+
 def azimuthal_order(moved: Sequence[Displacement]) -> int:
     """Return the azimuthal order m that displacements have in common.
 

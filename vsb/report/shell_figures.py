@@ -8,6 +8,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from vsb.hydro.dofs import flexible
 from vsb.report.canvas import StudyData, folded, grid_of_axes, panels, style
 from vsb.tools.units import FloatArray
 
@@ -57,7 +58,7 @@ def _magnification(data: StudyData, wave: str) -> float:
     """Round factor that makes the largest shell displacement about 0.2 radii."""
     largest = max(
         (float(abs(run.position.sel(time=slice(*data.window))[:, 1:]).max()) for (_, w), run in data.runs.items()
-         if w == wave and run.sizes["dof"] > 1),
+         if w == wave and flexible(run.dof.values)),
         default=0.0,
     )  # fmt: skip
     if largest == 0.0:
@@ -95,7 +96,7 @@ def _snapshot(data: StudyData, ax: Axes, run: xr.Dataset, design: str, factor: f
 def _height(data: StudyData, run: xr.Dataset) -> xr.DataArray:
     """Distance between the poles of a run's shell over time [m]; the n-th mode changes it by V (1 + (-1)^n)."""
     at_poles = data.modes.radial.isel(colatitude=0) + data.modes.radial.isel(colatitude=-1)
-    change = run.position.values[:, 1:] @ at_poles.values if run.sizes["dof"] > 1 else 0.0 * run.time.values
+    change = run.position.values[:, 1:] @ at_poles.values if flexible(run.dof.values) else 0.0 * run.time.values
     return xr.DataArray(2 * float(data.modes.attrs["radius"]) + change, coords={"time": run.time})
 
 
@@ -117,7 +118,7 @@ def extreme_shapes(data: StudyData, wave: str) -> Figure:
 
 def shapes_3d(data: StudyData, wave: str) -> Figure:
     """Draw the first flexible design at the start and where it is most oblate and most prolate, the paper's Fig. 8."""
-    design = next(d for d in data.designs if data.runs[d, wave].sizes["dof"] > 1)
+    design = next(d for d in data.designs if flexible(data.runs[d, wave].dof.values))
     run, factor = data.runs[design, wave], _magnification(data, wave)
     settled = run.sel(time=slice(*data.window))
     height = _height(data, settled)

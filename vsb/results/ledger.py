@@ -9,6 +9,7 @@ import xarray as xr
 
 from vsb.errors import ConvergenceError
 from vsb.hydro.database import Check, check_at_most, stored_checks
+from vsb.hydro.dofs import flexible
 from vsb.integrators.trajectory import CONVOLVED
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
@@ -150,7 +151,7 @@ def run_checks(study: Study, basis: ModeBasis, run: xr.Dataset) -> list[Check]:
         checks.append(
             check_at_most("constraint_drift", run.attrs["constraint_drift"], 1e-9, "m", text, design=design, wave=wave)
         )
-    if run.sizes["dof"] > 1:
+    if flexible(run.dof.values):
         peaks = inside.position.values[np.argmax(np.abs(inside.position.values[:, 1:]).sum(axis=1))]
         moved, strain = largest_displacement(basis, peaks) / study.device.radius, largest_strain(basis, peaks)
         checks += [

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vsb.hydro import database
+from vsb.hydro.dofs import flexible
 from vsb.hydro.kernel import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel
 from vsb.motion.frequency import LinearBuoy
@@ -34,8 +35,9 @@ class Scene(NamedTuple):
 def linear_buoy(study: Study, database_path: str) -> tuple[LinearBuoy, ModeBasis]:
     """Return the linear buoy of a study from its database, and the shell modes."""
     ds = database.load_database(database_path, Path(database_path).stem)
-    flexible = ds.sizes["influenced_dof"] > 1  # of the database: a rigid design may share it with flexible ones
-    basis = mode_basis(study.device, study.modes.basis, study.modes.degree) if flexible else rigid_basis(study.device)
+    shell_moves = flexible(ds.influenced_dof.values)  # of the database: a rigid design may share it with flexible ones
+    modes = study.modes
+    basis = mode_basis(study.device, modes.basis, modes.degree) if shell_moves else rigid_basis(study.device)
     return LinearBuoy(ds, basis.damping, LinearPto(study.pto.damping)), basis
 
 

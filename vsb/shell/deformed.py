@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
+from vsb.errors import ConfigError
 from vsb.shell.modes import ModeBasis
 from vsb.shell.sphere import Shell
 from vsb.tools.units import FloatArray
@@ -61,10 +62,38 @@ class DeformedShell:
         )
 
     @cached_property
+    def _grid(self) -> FloatArray:
+        """Colatitudes fine enough for the turns of the highest degree, pole to pole, shape (point,) [rad]."""
+        return np.linspace(0.0, np.pi, 40 * (self.basis.highest_degree + 1) + 1)
+
+    @cached_property
+    def _on_grid(self) -> Meridian:
+        """The meridian there."""
+        return self.meridian(self._grid)
+
+    @cached_property
+    def waterline(self) -> float:
+        """Colatitude of the one waterline of a surface that can float [rad].
+
+        Raises
+        ------
+        ConfigError
+            If the meridian crosses the axis or itself, or the keel alone is not what is below one waterline.
+        """
+        check_meridian(self)
+        wet = self.wet_segments
+        if len(wet) != 1 or wet[0][0] == 0.0 or wet[0][1] < np.pi:
+            raise ConfigError(
+                f"reference_shape: received a shape whose wet parts are {wet} rad; needs one waterline with the keel "
+                "below it: change device.mass or device.internal_pressure"
+            )
+        return wet[0][0]
+
+    @cached_property
     def wet_segments(self) -> list[tuple[float, float]]:
         """Colatitude intervals below the free surface: none (dry), one, or several (more than one waterline)."""
-        grid = np.linspace(0.0, np.pi, 40 * (self.basis.highest_degree + 1) + 1)
-        z = self.meridian(grid).z
+        grid = self._grid
+        z = self._on_grid.z
         crossings = [
             float(brentq(lambda phi: float(self.meridian(np.array([phi])).z[0]), a, b, xtol=1e-15, rtol=1e-15))
             for a, b, za, zb in zip(grid[:-1], grid[1:], z[:-1], z[1:], strict=True)
@@ -123,6 +152,54 @@ class DeformedShell:
         jacobian = 2 * np.pi * density * gravity * self._wet_integral(integrand, points)
         dof = len(self.basis.labels)
         return -np.broadcast_to(jacobian, (dof, dof)).copy()
+
+
+def check_meridian(shell: DeformedShell) -> None:
+    """Raise `ConfigError` if a meridian crosses the axis or itself: it bounds no body that integrals could be over.
+
+    Seen at 40 points per degree, and by the slope at the poles.
+    """
+    if not np.isfinite([shell.centre_height, *shell.amplitudes]).all():
+        raise ConfigError("reference_shape: received a shape with NaN or infinite amplitudes; needs finite ones")
+    phi, m = shell._grid, shell._on_grid
+    x, z = m.x.copy(), m.z - shell.centre_height
+    deform_less = "deform the shell less: raise its stiffness, or change device.internal_pressure"
+    if m.dx[0] <= 0 or m.dx[-1] >= 0 or x[1:-1].min() <= 0:
+        at = int(np.argmin(x[1:-1])) + 1
+        raise ConfigError(
+            f"reference_shape: received a meridian that crosses the axis (radius {x[at]:.3g} m at colatitude "
+            f"{phi[at]:.3g} rad, slope {m.dx[0]:.3g} m at the top, {m.dx[-1]:.3g} m at the keel); needs one clear of "
+            f"it between its poles: {deform_less}"
+        )
+    x[0] = x[-1] = 0.0
+    if (x[1:] * z[:-1] > x[:-1] * z[1:]).all():
+        return  # seen whole from the centre
+    if crossing := _crossing(x, z):
+        a, b = (phi[i] for i in crossing)
+        raise ConfigError(
+            f"reference_shape: received a meridian that crosses itself (colatitudes {a:.3g} and {b:.3g} rad); needs "
+            f"one that does not: {deform_less}"
+        )
+
+
+def _crossing(x: FloatArray, z: FloatArray) -> tuple[int, int] | None:
+    """Numbers of two sides of an open polygon that meet but are no neighbours, the first there are."""
+    a, b = np.column_stack([x, z])[:-1], np.column_stack([x, z])[1:]
+    low, high = np.minimum(a, b), np.maximum(a, b)
+
+    def beside(p: FloatArray, q: FloatArray, r: FloatArray) -> FloatArray:
+        """Twice the area of the triangles p, q, r, positive to the left."""
+        return np.asarray((q - p)[:, 0] * (r - p)[:, 1] - (q - p)[:, 1] * (r - p)[:, 0])
+
+    for i in range(len(a) - 2):
+        others = np.arange(i + 2, len(a))
+        near = others[((low[others] <= high[i]) & (high[others] >= low[i])).all(axis=1)]
+        start, end = np.broadcast_to(a[i], (len(near), 2)), np.broadcast_to(b[i], (len(near), 2))
+        apart = beside(start, end, a[near]) * beside(start, end, b[near])
+        aside = beside(a[near], b[near], start) * beside(a[near], b[near], end)
+        if (found := near[(apart <= 0) & (aside <= 0)]).size:
+            return i, int(found[0])
+    return None
 
 
 def enclosed(basis: ModeBasis, amplitudes: FloatArray, points: int = 0) -> tuple[FloatArray, FloatArray]:

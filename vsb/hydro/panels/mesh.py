@@ -6,7 +6,6 @@ import meshio
 import numpy as np
 import xarray as xr
 
-from vsb.errors import ConfigError
 from vsb.shell.deformed import DeformedShell
 from vsb.tools.units import FloatArray
 
@@ -50,14 +49,9 @@ def deformed_mesh(shell: DeformedShell, rows: int, azimuth: int, lid_rows: int) 
     Raises
     ------
     ConfigError
-        If the shell at rest does not cross the water exactly once.
+        If the shell at rest does not cross the water exactly once, or its meridian the axis or itself.
     """
-    if len(shell.wet_segments) != 1 or shell.wet_segments[0][0] == 0.0 or shell.wet_segments[0][1] < np.pi:
-        raise ConfigError(
-            f"reference_shape: received a shape whose wet parts are {shell.wet_segments} rad; needs one waterline with "
-            "the keel below it: change device.mass or device.internal_pressure"
-        )
-    phi = graded_colatitudes(shell.wet_segments[0][0], rows)
+    phi = graded_colatitudes(shell.waterline, rows)
     middle = (phi[1:] + phi[:-1]) / 2
     nodes, at = shell.meridian(phi), shell.meridian(middle)
     length = np.hypot(at.dx, at.dz)

@@ -12,7 +12,6 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import roots_legendre
 
-from vsb.errors import ConfigError
 from vsb.hydro.azimuthal import bessel
 from vsb.hydro.spectral.rings import ring
 from vsb.shell.deformed import DeformedShell
@@ -106,16 +105,10 @@ class WetMeridian:
     nodes: int
     order: int = 0
 
-    @cached_property
+    @property
     def waterline(self) -> float:
-        """Colatitude of the waterline [rad]; `ConfigError` if the shell at rest does not cross the water once."""
-        wet = self.shell.wet_segments
-        if len(wet) != 1 or wet[0][0] == 0.0 or wet[0][1] < np.pi:
-            raise ConfigError(
-                f"reference_shape: received a shape whose wet parts are {wet} rad; needs one waterline with the keel "
-                "below it: change device.mass or device.internal_pressure"
-            )
-        return wet[0][0]
+        """Colatitude of the waterline [rad]; `ConfigError` if the shell at rest has not one, or is no surface."""
+        return self.shell.waterline
 
     def _colatitude(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Colatitude and its rate by t: from the waterline by t^q (1 + (q - s)(1 - t)), s the slope at the keel."""
