@@ -12,6 +12,7 @@ from scipy.optimize import brentq
 from vsb.errors import DatabaseError
 from vsb.hydro.coefficients import Coefficients
 from vsb.hydro.kernel import DampingSpectrum
+from vsb.motion.port import ROUND_OFF, Port
 from vsb.motion.pto import LinearPto
 from vsb.tools.units import ComplexArray, FloatArray
 
@@ -64,6 +65,20 @@ class LinearBuoy:
         excitation = CubicSpline(omega, self.database.excitation_force.values[:, 0, :])
         return CubicSpline(omega, self.database.added_mass.values), excitation
 
+    @cached_property
+    def _channel(self) -> tuple[CubicSpline, int, CubicSpline]:
+        """Haskind's factor tr B/|X|^2 over a power of frequency, that power, and what B holds beside the one channel.
+
+        The factor leaves zero with omega^3 in deep water, with omega in shallow: divided by that power it is smooth.
+        """
+        omega, damping = self.database.omega.values, self.database.radiation_damping.values
+        radiated = one_channel(self.database.excitation_force.values[:, 0, :])
+        factor = np.einsum("wii->w", damping) / np.einsum("wii->w", radiated)
+        slope = np.log(factor[1] / factor[0]) / np.log(omega[1] / omega[0])
+        power = int(np.clip(np.rint(slope), 1, 3))
+        rest = damping - factor[:, None, None] * radiated
+        return CubicSpline(omega, factor / omega**power), power, CubicSpline(omega, rest)
+
     def coefficients(self, omega: FloatArray) -> Coefficients:
         """Return the coefficients by cubic splines between solved frequencies.
 
@@ -71,6 +86,11 @@ class LinearBuoy:
         ------
         DatabaseError
             Outside the band solved.
+
+        Notes
+        -----
+        Axisymmetric motions radiate through one channel, B = h X X^H (Haskind). Interpolated as such, what a take-off
+        can get, |V0|^2/(8 Re Y), stays exact where splines of B would have lost it among the digits of large entries.
         """
         first, last = self.database.omega.values[[0, -1]]
         if omega.size and (omega.min() < first - 1e-9 or omega.max() > last + 1e-9):
@@ -79,7 +99,10 @@ class LinearBuoy:
                 f"{first:g} to {last:g} rad/s; raise hydro.omega_max, or use waves below {2 * np.pi / first:.4g} s."
             )
         added_mass, excitation = self._splines
-        return Coefficients(added_mass(omega), self.spectrum.at(omega), excitation(omega).astype(complex))
+        factor, power, rest = self._channel
+        force = excitation(omega).astype(complex)
+        damping = (factor(omega) * omega**power)[:, None, None] * one_channel(force) + rest(omega)
+        return Coefficients(added_mass(omega), damping, force)
 
     def diffraction(self, omega: FloatArray) -> ComplexArray:
         """Return the diffraction force per unit wave amplitude, shape (omega, dof) [N/m]; band as `coefficients`."""
@@ -101,10 +124,46 @@ class LinearBuoy:
         [-w^2 (M + A) - i w (B + D) + K + C] q = X (C1), projected on the motions.
         """
         c = self.coefficients(omega)
-        w = omega[:, None, None]
-        impedance = -(w**2) * (self.mass + c.added_mass) - 1j * w * (c.damping + self.damping) + self.stiffness
-        projected = motions.T @ impedance @ motions
+        projected = motions.T @ self._dynamic_stiffness(omega, c, self.damping) @ motions
         return np.linalg.solve(projected, (c.excitation @ motions)[..., None])[..., 0] @ motions.T
+
+    def _dynamic_stiffness(self, omega: FloatArray, c: Coefficients, damping: FloatArray) -> ComplexArray:
+        """-w^2 (M + A) - i w (B + D) + K + C, shape (omega, dof, dof) [N/m]."""
+        w = omega[:, None, None]
+        stiff = -(w**2) * (self.mass + c.added_mass) - 1j * w * (c.damping + damping) + self.stiffness
+        return np.asarray(stiff, dtype=complex)
+
+    def free_motion(
+        self, omega: FloatArray, motions: FloatArray, direction: FloatArray
+    ) -> tuple[ComplexArray, ComplexArray]:
+        """Return displacements without take-off, per wave amplitude [m/m], and under its unit force [m/N].
+
+        Parameters
+        ----------
+        omega : ndarray, shape (omega,) [rad/s]
+        motions : ndarray, shape (dof, free)
+            The motions the design allows.
+        direction : ndarray, shape (dof,)
+            b: the take-off moves with b.q.
+
+        Returns
+        -------
+        free, forced : ndarray, each shape (omega, dof)
+            A take-off's force F against the motion leaves free - F forced.
+        """
+        c = self.coefficients(omega)
+        projected = motions.T @ self._dynamic_stiffness(omega, c, self.structural_damping) @ motions
+        pushed = np.broadcast_to(allowed_part(direction, motions), (len(omega), motions.shape[1]))
+        solved = np.linalg.solve(projected, np.stack([c.excitation @ motions, pushed], axis=-1))
+        return solved[..., 0] @ motions.T, solved[..., 1] @ motions.T
+
+    def port(self, omega: FloatArray, motions: FloatArray, direction: FloatArray) -> Port:
+        """Return what a take-off sees of a design, V0 = -i w b.q_free and Y = -i w b.q_forced; as `free_motion`."""
+        free, forced = self.free_motion(omega, motions, direction)
+        allowed, rate = allowed_part(direction, motions), -1j * omega
+        compliance = float(allowed @ np.linalg.solve(motions.T @ self.stiffness @ motions, allowed))
+        along = motions @ allowed
+        return Port(omega, rate * (forced @ along), rate * (free @ along), compliance)
 
     def absorbed_power(self, omega: FloatArray, rao: ComplexArray) -> FloatArray:
         """Return the mean power taken off per squared wave amplitude, c w^2 |heave|^2/2, shape (omega,) [W/m^2]."""
@@ -138,6 +197,17 @@ class LinearBuoy:
         shape = motions @ eigen(omega)[1]  # unit modal mass
         total = self.damping + self.spectrum.at(np.array([omega]))[0]
         return omega, float(shape @ total @ shape / (2 * omega))
+
+
+def one_channel(excitation: ComplexArray) -> FloatArray:
+    """Return Re X X^H of excitation forces (omega, dof), shape (omega, dof, dof)."""
+    return np.real(excitation[:, :, None] * excitation[:, None, :].conj())
+
+
+def allowed_part(direction: FloatArray, motions: FloatArray) -> FloatArray:
+    """Return a port's direction in the motions of a design, N^T b, shape (free,): zero where only round-off is left."""
+    part = motions.T @ direction
+    return np.where(np.abs(part) > ROUND_OFF * np.linalg.norm(direction), part, 0.0)
 
 
 def frequency_grid(step: float, lowest: float, omega_max: float, extra: list[float]) -> FloatArray:

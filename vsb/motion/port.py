@@ -1,0 +1,171 @@
+"""The port: a buoy as its take-off sees it, the shell and all other motions eliminated.
+
+The take-off acts on one combination b of the degrees of freedom, with a force F against its velocity V = b.q'. Per
+frequency and unit wave amplitude V = V0 - Y F: a free velocity and an admittance are all it can know (Thevenin).
+Every law of this module is for phasors Re(. exp(-i omega t)) (C1).
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from vsb.errors import DatabaseError
+from vsb.shell.deformed import DeformedShell
+from vsb.shell.loaded import ElasticShell
+from vsb.study.sections import BetweenPort, PortChoice
+from vsb.tools.units import ComplexArray, FloatArray
+
+
+@dataclass(frozen=True)
+class Port:
+    """Thevenin's equivalent of one design at its port, over frequency.
+
+    Units are those of a force port; of a volume port, pressure and volume flow take their place.
+
+    Raises
+    ------
+    DatabaseError
+        If the port gives out energy: the coefficients behind it are not passive.
+    """
+
+    omega: FloatArray  # (omega,) [rad/s]
+    admittance: ComplexArray  # Y (omega,) [m/(N s)]
+    velocity: ComplexArray  # V0 per wave amplitude (omega,) [1/s]
+    compliance: float  # displacement under a steady force [m/N]; 0: the port cannot move
+
+    def __post_init__(self) -> None:
+        """Check that the port is passive, Re Y >= 0."""
+        wrong = (self.admittance.real <= 0.0) & (self.velocity != 0.0)
+        if wrong.any():
+            at, received = self.omega[wrong][0], self.admittance.real[wrong][0]
+            raise DatabaseError(
+                f"port: gives out energy at {at:.4g} rad/s, received Re Y = {received:.3g} m/(N s), needs more than 0; "
+                "lower hydro.tolerance or hydro.omega_max"
+            )
+
+    @property
+    def moves(self) -> bool:
+        """Whether waves move the port at all; a rigid buoy has no motion between its own points."""
+        return bool(self.velocity.any())
+
+    @cached_property
+    def impedance(self) -> ComplexArray:
+        """Z = 1/Y = R + iX, shape (omega,) [N s/m]; 0 where the port cannot move: there is no finite one."""
+        return np.divide(1.0, self.admittance, out=np.zeros_like(self.admittance), where=self.admittance != 0)
+
+    @cached_property
+    def reactance_ratio(self) -> FloatArray:
+        """Q = |X|/R = |Im Y|/Re Y, shape (omega,) [-]: what a damper cannot match; 0 where the port cannot move."""
+        loss = self.admittance.real
+        return np.divide(np.abs(self.admittance.imag), loss, out=np.zeros_like(loss), where=loss > 0)
+
+    @cached_property
+    def matched_power(self) -> FloatArray:
+        """Mean power under the best force of all, |V0|^2/(8 Re Y) per squared amplitude, shape (omega,) [W/m^2].
+
+        Notes
+        -----
+        Of axisymmetric motion without structural loss J lambda/(2 pi), J the energy flux, whatever port and shell:
+        there is one radiation channel, so |V0|^2 and Re Y are the same square of one radiated amplitude.
+        """
+        loss = 8 * self.admittance.real
+        return np.asarray(np.divide(np.abs(self.velocity) ** 2, loss, out=np.zeros_like(loss), where=loss > 0))
+
+    @cached_property
+    def best_damping(self) -> FloatArray:
+        """The damper that takes most at each frequency, |Z|, shape (omega,) [N s/m]."""
+        return np.abs(self.impedance)
+
+    @cached_property
+    def best_power(self) -> FloatArray:
+        """What it takes, 2/(1 + sqrt(1 + Q^2)) of the matched power, per squared amplitude, shape (omega,) [W/m^2]."""
+        return np.asarray(self.matched_power * 2 / (1 + np.sqrt(1 + self.reactance_ratio**2)))
+
+    def load(self, damping: FloatArray | float, stiffness: FloatArray | float = 0.0) -> ComplexArray:
+        """Return the impedance c + i k/omega of a damper and a spring in parallel, shape (..., omega) [N s/m].
+
+        Parameters
+        ----------
+        damping, stiffness : float or ndarray, shape (...) [N s/m], [N/m]
+        """
+        c, k = np.asarray(damping)[..., None], np.asarray(stiffness)[..., None]
+        return np.asarray(c + 1j * k / self.omega)
+
+    def velocity_under(self, load: ComplexArray) -> ComplexArray:
+        """Return V under a load, V0/(1 + Y Z_load) per wave amplitude, shape (..., omega) [1/s]."""
+        return np.asarray(self.velocity / (1 + self.admittance * load))
+
+    def power(self, damping: FloatArray | float, stiffness: FloatArray | float = 0.0) -> FloatArray:
+        """Return the mean power a damper takes beside a spring, c |V|^2/2 per squared amplitude, (..., omega) [W/m^2].
+
+        Parameters
+        ----------
+        damping, stiffness : float or ndarray, shape (...) [N s/m], [N/m]
+        """
+        load = self.load(damping, stiffness)
+        return np.asarray(0.5 * load.real * np.abs(self.velocity_under(load)) ** 2)
+
+    @cached_property
+    def matched_force(self) -> ComplexArray:
+        """The best force of all per wave amplitude, V0/(2 Re Y), shape (omega,) [N/m]; beside it V = V0 - Y F."""
+        loss = 2 * self.admittance.real
+        return np.divide(self.velocity, loss, out=np.zeros_like(self.velocity), where=loss > 0)
+
+    @property
+    def softest_spring(self) -> float:
+        """Stiffness a spring at the port must exceed for the buoy to rest stably, -1/compliance [N/m]."""
+        return -1 / self.compliance if self.compliance > 0 else -np.inf
+
+    def beside(self, stiffness: float) -> "Port":
+        """Return the port with a spring built in: what a damper in parallel with the spring sees."""
+        loaded = 1 + self.admittance * self.load(0.0, stiffness)
+        compliance = self.compliance / (1 + stiffness * self.compliance)
+        return replace(
+            self, admittance=self.admittance / loaded, velocity=self.velocity / loaded, compliance=compliance
+        )
+
+    def behind(self, compliance: float) -> "Port":
+        """Return the port with a spring of this compliance [m/N] in series: a chamber's gas before the turbine."""
+        return replace(
+            self, admittance=self.admittance - 1j * self.omega * compliance, compliance=self.compliance + compliance
+        )
+
+
+ROUND_OFF = 1e-12
+"""A share of a motion below this is none [-]."""
+
+
+def port_direction(choice: PortChoice, shape: DeformedShell) -> FloatArray:
+    """Return b of a port, whose velocity is b.q', shape (dof,) [-]; of the volume [m^2].
+
+    Parameters
+    ----------
+    choice : "heave", "volume", ShellPort or BetweenPort
+    shape : DeformedShell
+        The shape at rest.
+
+    Notes
+    -----
+    A point moves radially by v and vertically by v cos phi - u sin phi, heave included; between two points of a
+    meridian counts what lengthens the line that joins them; of the volume, its gradient int n.psi dS.
+    """
+    heave = np.eye(len(shape.basis.labels))[0]
+    if choice == "heave":
+        return np.asarray(heave)
+    if choice == "volume":
+        rest = shape.amplitudes if shape.amplitudes.size else np.zeros_like(heave)
+        direction: FloatArray = ElasticShell(shape.basis).volume_gradient(rest)
+    elif isinstance(choice, BetweenPort):
+        m = shape.meridian(np.deg2rad(choice.between))
+        chord = np.array([np.diff(m.x)[0], np.diff(m.z)[0]])
+        apart = np.array([np.diff(m.shape_x)[:, 0], np.diff(m.shape_z)[:, 0]])
+        direction = np.asarray(chord @ apart / np.linalg.norm(chord))
+    else:
+        at = np.deg2rad([choice.colatitude])
+        radial, _ = shape.basis.displacement(at)
+        direction = (radial if choice.direction == "radial" else shape.meridian(at).shape_z)[:, 0]
+    if choice == "volume" or isinstance(choice, BetweenPort) or choice.against == "frame":
+        direction = direction * (1 - heave)  # these do not see the buoy heave as a whole
+    kept = np.abs(direction) > ROUND_OFF * np.abs(direction).max()
+    return np.asarray(np.where(kept, direction, 0.0))
