@@ -27,8 +27,9 @@ from vsb.hydro.bodies.body import FlexibleBody, IntArray, at_centres, joined
 from vsb.hydro.bodies.study import BodyStudy, read_config, run, solve, write_body
 from vsb.hydro.database import Check, stored_checks
 from vsb.report.canvas import grid_of_axes, legend_above, style
+from vsb.study.quantities import Count, Finite, Number, Positive, Section
 from vsb.study.reading import validated
-from vsb.study.sections import Count, Finite, Number, Positive, Section, Water
+from vsb.study.sections import Water
 from vsb.study.study import canonical
 from vsb.tools.files import load, write_text
 from vsb.tools.units import FloatArray

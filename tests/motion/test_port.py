@@ -15,7 +15,7 @@ from vsb.shell.deformed import DeformedShell, enclosed
 from vsb.shell.modes import design_motions, study_basis
 from vsb.stages.coefficients import spectral_problem
 from vsb.study.plan import StudyPlan
-from vsb.study.sections import BetweenPort, ShellPort
+from vsb.study.take_off import BetweenPort, ShellPort
 from vsb.waves.seas import power_limit
 
 LOSSLESS = {"damping": {"alpha": 0.0, "beta": 0.0}}

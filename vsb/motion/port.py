@@ -13,7 +13,7 @@ import numpy as np
 from vsb.errors import DatabaseError
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.loaded import ElasticShell
-from vsb.study.sections import BetweenPort, PortChoice
+from vsb.study.take_off import BetweenPort, PortChoice
 from vsb.tools.units import ComplexArray, FloatArray
 
 

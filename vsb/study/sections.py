@@ -7,30 +7,12 @@ import math
 from abc import abstractmethod
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
+from vsb.study.quantities import Count, Finite, Name, NonNegative, Number, Positive, Section
 
-def number(value: object) -> object:
-    """Refuse what pydantic would silently turn into a number (true -> 1.0)."""
-    if isinstance(value, bool):
-        raise ValueError("a number is needed, not true/false")
-    return value
-
-
-Number = Annotated[float, BeforeValidator(number)]
-Count = Annotated[int, BeforeValidator(number)]
-Positive = Annotated[Number, Field(gt=0, allow_inf_nan=False)]
-NonNegative = Annotated[Number, Field(ge=0, allow_inf_nan=False)]
-Finite = Annotated[Number, Field(allow_inf_nan=False)]
 DEEPEST = 2e4
 """No sea is deeper [m]."""
-Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=64)]  # of files, too
-
-
-class Section(BaseModel):
-    """A part of a study: unknown keys are errors, values never change."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class RayleighDamping(Section):
@@ -160,55 +142,6 @@ class Hydro(Section):
         if list(self.omega) != sorted(set(self.omega)):
             raise ValueError(f"omega {list(self.omega)}: frequencies must ascend without repetition")
         return self
-
-
-Colatitude = Annotated[Number, Field(ge=0, le=180)]
-
-
-class ShellPort(Section):
-    """Port at a ring of the shell: its colatitude [degrees], the direction it moves in, what the take-off stands on.
-
-    Against the `frame`, sphere centre and ballast, the heave of the whole buoy does not count.
-    """
-
-    colatitude: Colatitude
-    direction: Literal["vertical", "radial"] = "vertical"
-    against: Literal["sea_bed", "frame"] = "sea_bed"
-
-
-class BetweenPort(Section):
-    """Port between two points of one meridian of the shell, colatitudes [degrees], along the line that joins them."""
-
-    between: tuple[Colatitude, Colatitude]
-
-    @field_validator("between")
-    @classmethod
-    def _apart(cls, value: tuple[float, float]) -> tuple[float, float]:
-        if value[0] == value[1]:
-            raise ValueError("needs two different colatitudes")
-        return value
-
-
-def _port_kind(value: object) -> str:
-    """Which kind of port is meant, by its form."""
-    if isinstance(value, dict | Section):
-        return "between" if "between" in dict(value) else "shell"
-    return "name"
-
-
-PortChoice = Annotated[
-    Annotated[Literal["heave", "volume"], Tag("name")]
-    | Annotated[ShellPort, Tag("shell")]
-    | Annotated[BetweenPort, Tag("between")],
-    Discriminator(_port_kind),
-]
-"""What the take-off acts on: heave against the sea bed, the enclosed volume (pressure against flow), or the shell."""
-
-
-class Pto(Section):
-    """Linear power take-off: damping [N s/m] between the heaving plate and the sea bed."""
-
-    damping: NonNegative = 8000.0
 
 
 class StillWater(Section):

@@ -12,6 +12,7 @@ from typing import Annotated, Literal, Self
 from pydantic import BaseModel, Field, field_validator, model_validator
 
 from vsb.errors import ConfigError
+from vsb.study.quantities import Name, Section
 from vsb.study.reading import read_yaml, validated
 from vsb.study.sections import (
     Design,
@@ -22,19 +23,17 @@ from vsb.study.sections import (
     IrregularSea,
     Jonswap,
     Modes,
-    Name,
     PiersonMoskowitz,
-    Pto,
     Published,
     RayleighDamping,
     RegularWave,
-    Section,
     Simulation,
     StillWater,
     Water,
     Wave,
     WhiteNoise,
 )
+from vsb.study.take_off import Pto
 
 __all__ = [
     "Design",

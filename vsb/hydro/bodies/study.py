@@ -39,9 +39,9 @@ from vsb.hydro.bodies.sweep import Block, Measure, Swept, error_estimate, least_
 from vsb.hydro.database import Check, as_json, check_at_most, with_excitation, with_symmetrized
 from vsb.hydro.panels import rings as bem
 from vsb.study.blocks import LEAST_DEPTH_IN_WAVENUMBERS, panel_solver
+from vsb.study.quantities import Count, Finite, Name, Number, Positive, Section
 from vsb.study.reading import read_yaml, validated
-from vsb.study.sections import Count, Finite, Name, Number, Positive, Section, Water
-from vsb.study.study import canonical, content_id
+from vsb.study.study import Water, canonical, content_id
 from vsb.tools.files import load, save, whole
 from vsb.tools.units import ComplexArray, FloatArray
 from vsb.waves.seas import group_velocity, wavenumber
