@@ -302,15 +302,8 @@ class GaussIntegrator:
             seconds,
         )
 
-    def first(self, start: tuple[FloatArray, FloatArray]) -> FloatArray:
-        """Return the state of initial y and y', the water at rest."""
-        out, n = np.zeros(len(self.system.matrix)), self.plant.motions.shape[1]
-        out[:n] = np.linalg.solve(self.system.position, start[0])
-        out[n : 2 * n] = np.linalg.solve(self.system.velocity, start[1])
-        return out
 
-
-def fixed_step(plant: Plant, time: FloatArray, start: tuple[FloatArray, FloatArray], substeps: int = 1) -> Motion:
+def fixed_step(plant: Plant, time: FloatArray, start: tuple[FloatArray, ...], substeps: int = 1) -> Motion:
     """Return the motion of a scene by equal steps, so many between two recorded instants.
 
     Parameters
@@ -319,8 +312,8 @@ def fixed_step(plant: Plant, time: FloatArray, start: tuple[FloatArray, FloatArr
         Linear or body-exact.
     time : ndarray, shape (time,) [s]
         Equally spaced.
-    start : tuple of ndarray, each shape (free,)
-        Initial y [m] and y' [m/s].
+    start : tuple of ndarray
+        y [m] and y' [m/s] at the first instant, each shape (free,); then memory states, if the water is not at rest.
     substeps : int
 
     Raises
@@ -330,12 +323,12 @@ def fixed_step(plant: Plant, time: FloatArray, start: tuple[FloatArray, FloatArr
     """
     begun = clock.perf_counter()
     method = GaussIntegrator(plant)
-    states = method.run(method.first(start), time, substeps)
+    states = method.run(method.system.first(start), time, substeps)
     return method.motion(time, states, clock.perf_counter() - begun)
 
 
 def structure_preserving(
-    plant: Plant, time: FloatArray, start: tuple[FloatArray, FloatArray], tolerance: float
+    plant: Plant, time: FloatArray, start: tuple[FloatArray, ...], tolerance: float
 ) -> tuple[Motion, int]:
     """Return the motion of a scene with equal steps small enough, and the number of steps.
 
@@ -345,8 +338,8 @@ def structure_preserving(
         Linear or body-exact.
     time : ndarray, shape (time,) [s]
         Equally spaced; a step is an interval or an equal part of it.
-    start : tuple of ndarray, each shape (free,)
-        Initial y [m] and y' [m/s].
+    start : tuple of ndarray
+        y [m] and y' [m/s] at the first instant, each shape (free,); then memory states, if the water is not at rest.
     tolerance : float
         Of the state at every instant, relative to its largest norm, the root of twice the energy. The error is a
         fifteenth of the difference to steps twice as long.
@@ -358,7 +351,7 @@ def structure_preserving(
     """
     begun = clock.perf_counter()
     method = GaussIntegrator(plant)
-    first, coarse, error = method.first(start), None, np.inf
+    first, coarse, error = method.system.first(start), None, np.inf
     for halving in range(FINEST + 1):
         try:
             states = method.run(first, time, 2**halving)

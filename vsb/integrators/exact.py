@@ -44,15 +44,19 @@ def steady_state(system: LinearSystem) -> ComplexArray:
     return out
 
 
-def propagate(plant: Plant, time: FloatArray, start: tuple[FloatArray, FloatArray]) -> Motion:
+def propagate(
+    plant: Plant, time: FloatArray, start: tuple[FloatArray, ...], steady: ComplexArray | None = None
+) -> Motion:
     """Return the exact motion of a linear plant at equally spaced times.
 
     Parameters
     ----------
     plant : Plant
     time : ndarray, shape (time,) [s]
-    start : tuple of ndarray, each shape (free,)
-        Initial y [m] and y' [m/s]; the water is at rest.
+    start : tuple of ndarray
+        y [m] and y' [m/s] at the first instant, each shape (free,); then memory states, if the water is not at rest.
+    steady : ndarray, shape (component, state), optional
+        `steady_state` of the plant, where it is known from a run before.
 
     Notes
     -----
@@ -61,9 +65,8 @@ def propagate(plant: Plant, time: FloatArray, start: tuple[FloatArray, FloatArra
     begun = clock.perf_counter()
     system = plant.linear_system()
     n, order = plant.motions.shape[1], len(system.matrix)
-    first = np.zeros(order)
-    first[:n], first[n : 2 * n] = np.linalg.solve(system.position, start[0]), np.linalg.solve(system.velocity, start[1])
-    phasors = steady_state(system)
+    first = system.first(start)
+    phasors = steady_state(system) if steady is None else steady
     read = block_diag(system.position, system.velocity, np.eye(order - 2 * n))  # y, y', memory of z
     swinging = phasors @ read.T
     swinging = np.hstack([swinging, -1j * system.omega[:, None] * swinging[:, n : 2 * n]])

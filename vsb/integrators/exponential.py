@@ -52,6 +52,7 @@ class ExponentialIntegrator:
     plant: Plant
     water: WaterPressure
     dt: float  # between recorded instants [s]
+    begin: float = 0.0  # the first of them [s]
 
     @cached_property
     def system(self) -> LinearSystem:
@@ -91,6 +92,7 @@ class ExponentialIntegrator:
             waves,
             np.ascontiguousarray(diffraction @ motions @ self.system.velocity, dtype=complex),
             1e-14 * float(np.linalg.norm(project)) * water.specific_weight * water.shell.shape.radius**3,
+            self.begin,
         )
 
     @cached_property
@@ -145,8 +147,9 @@ class ExponentialIntegrator:
         while change:
             if level < SHORTEST:
                 shortest = self.dt * 2.0**SHORTEST
+                reached = self.begin + counters[TICK] * shortest
                 raise ConvergenceError(
-                    f"the motion cannot be followed at t = {counters[TICK] * shortest:.6g} s: the step became shorter "
+                    f"the motion cannot be followed at t = {reached:.6g} s: the step became shorter "
                     f"than {shortest:.1e} s; check the study for loads that crush the shell, or raise "
                     "simulation.tolerance."
                 )
@@ -160,9 +163,7 @@ class ExponentialIntegrator:
         return run._replace(steps=int(counters[STEPS]), evaluations=int(counters[EVALUATIONS]) + 1)
 
 
-def integrate(
-    plant: Plant, time: FloatArray, start: tuple[FloatArray, FloatArray], tolerance: float
-) -> tuple[Motion, int]:
+def integrate(plant: Plant, time: FloatArray, start: tuple[FloatArray, ...], tolerance: float) -> tuple[Motion, int]:
     """Return the motion of a body-exact scene at equally spaced times, and the number of steps tried.
 
     Parameters
@@ -170,8 +171,8 @@ def integrate(
     plant : Plant
         With a `WaterPressure` among its forces.
     time : ndarray, shape (time,) [s]
-    start : tuple of ndarray, each shape (free,)
-        Initial y [m] and y' [m/s].
+    start : tuple of ndarray
+        y [m] and y' [m/s] at the first instant, each shape (free,); then memory states, if the water is not at rest.
     tolerance : float
         Of the error of the motion, relative to the largest norm of the state so far: the root of twice its energy.
 
@@ -187,11 +188,9 @@ def integrate(
         warm = ExponentialIntegrator(plant, plant.water, dt)
         warm.run(np.zeros(len(warm.system.matrix)), 2, 1.0)
     begun = clock.perf_counter()
-    method = ExponentialIntegrator(plant, plant.water, dt)
+    method = ExponentialIntegrator(plant, plant.water, dt, float(time[0]))
     system, n = method.system, plant.motions.shape[1]
-    first = np.zeros(len(system.matrix))
-    first[:n], first[n : 2 * n] = np.linalg.solve(system.position, start[0]), np.linalg.solve(system.velocity, start[1])
-    run = method.run(first, len(time), tolerance)
+    run = method.run(system.first(start), len(time), tolerance)
     rates = run.states @ system.matrix.T
     rates[:, n : 2 * n] += run.pushes
     motion = Motion(

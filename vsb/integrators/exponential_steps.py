@@ -75,6 +75,7 @@ class Remainder(NamedTuple):
     waves: Incident  # none: no components
     diffraction: ComplexArray  # modal phasors (component, free)
     round_off: float  # of n
+    begin: float  # of the run [s]
 
 
 class Step(NamedTuple):
@@ -128,19 +129,19 @@ def _mixed(weights: FloatArray, rows: FloatArray) -> FloatArray:
 
 @njit(cache=True)
 def remainder(r: Remainder, t: float, p: FloatArray, out: FloatArray) -> None:
-    """Fill n at time t and scaled modal positions p."""
+    """Fill n at time t since the begin and scaled modal positions p."""
     q = r.rest.copy()
     static, uniform = np.empty(len(q)), np.empty(len(q))
     for i in range(len(q)):
         for j in range(len(p)):
             q[i] += r.position[i, j] * p[j]
-    rotation = rotated(r.waves, t)
+    rotation = rotated(r.waves, r.begin + t)
     if len(rotation):
         wave_force(r.shape, q, r.waves, rotation, static)
         static *= r.specific_weight
     else:
         wet_force(r.shape, q, static, uniform)
-        pressure = r.amplitude * np.cos(r.omega * t)
+        pressure = r.amplitude * np.cos(r.omega * (r.begin + t))
         for i in range(len(q)):
             static[i] = r.specific_weight * static[i] + pressure * uniform[i]
     out[:] = r.constant

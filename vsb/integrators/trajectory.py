@@ -1,13 +1,18 @@
 """Labelled time series of a run: motion, forces by name, and the energy audit."""
 
+import math
+from collections.abc import Callable, Iterator, Mapping
+from typing import NamedTuple
+
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 
 from vsb.errors import ConvergenceError
 from vsb.hydro.kernel import DampingSpectrum
 from vsb.integrators.audit import flow
 from vsb.integrators.energy_preserving import structure_preserving
-from vsb.integrators.exact import convolve, propagate
+from vsb.integrators.exact import convolve, propagate, steady_state
 from vsb.integrators.exponential import integrate
 from vsb.motion.froude_krylov import wave_forces
 from vsb.motion.motion import Motion
@@ -25,7 +30,12 @@ CONVOLVED = 1e-4
 """Energy residual of a convolution: its motion is of second order, and so is what it loses."""
 ROUND_OFF = 1e-9
 """Energy residual that is as good as none [-]."""
-_FINEST = 5  # at most 2^5 samples per recorded step
+FINEST = 2**5
+"""Most samples per recorded step."""
+LEG = 2**17
+"""Instants followed at one time: some 300 MB."""
+KEPT, THINNEST = 2**17, 10
+"""A run of more readable instants than that records a part of them, at least 20 a period of the shortest wave."""
 
 
 def forces(plant: Plant, motion: Motion) -> dict[str, FloatArray]:
@@ -115,42 +125,115 @@ def _stored(plant: Plant, motion: Motion) -> tuple[FloatArray, FloatArray]:
     return stored, kinetic
 
 
-def residual(energy: dict[str, FloatArray]) -> float:
+class Balance(NamedTuple):
+    """Energy audit of a run so far."""
+
+    ended: Mapping[str, float]  # energy of each term at the end [J]
+    unbalanced: float  # the largest so far [J]
+    largest: float  # of all terms and of the kinetic energy so far [J]
+
+    def after(self, energy: Mapping[str, FloatArray]) -> "Balance":
+        """Return the audit after one more leg; `energy` since the start of the run."""
+        unbalanced = energy["wave"] - sum(energy[term] for term in TERMS[1:])
+        largest = max(float(np.abs(energy[term]).max()) for term in (*TERMS, "turned"))
+        ended = {term: float(energy[term][-1]) for term in TERMS}
+        return Balance(ended, max(self.unbalanced, float(np.abs(unbalanced).max())), max(self.largest, largest))
+
+    @property
+    def residual(self) -> float:
+        """`residual` of the run so far."""
+        return self.unbalanced / self.largest if self.largest else 0.0
+
+
+START = Balance(dict.fromkeys(TERMS, 0.0), 0.0, 0.0)
+
+
+def residual(energy: Mapping[str, FloatArray]) -> float:
     """Return the largest unbalanced energy relative to the energy that went round [-].
 
     |wave - pto - radiated - structural - stored| over the largest of the terms and of the kinetic energy: in free
     motion without losses every term is zero but for errors.
     """
-    unbalanced = energy["wave"] - sum(energy[term] for term in TERMS[1:])
-    largest = max(float(np.abs(energy[term]).max()) for term in (*TERMS, "turned"))
-    return float(np.abs(unbalanced).max() / largest) if largest else 0.0
+    return START.after(energy).residual
+
+
+class Leg(NamedTuple):
+    """A part of a run: what needs memory at one time."""
+
+    motion: Motion
+    energy: Mapping[str, FloatArray]  # since the start of the run, each (time,) [J]; see `energies`
+    balance: Balance  # at its end
+    stride: int  # every how many instants make a readable record
+    thinning: int  # every how many of those a long run records
+    method: str
+    steps: int  # the method took, if it takes steps
+
+    @property
+    def end(self) -> tuple[FloatArray, ...]:
+        """Position, velocity and memory at the last instant, where the next leg starts."""
+        return self.motion.position[-1], self.motion.velocity[-1], self.motion.memory[-1]
 
 
 def labelled(plant: Plant, motion: Motion, sea: Sea | None, design: str, wave: str, stride: int) -> xr.Dataset:
-    """Return a run as a dataset, every `stride`-th instant, with the audit of all instants.
+    """Return a run as a dataset, every `stride`-th instant, with the audit of all instants; see `recorded`."""
+    energy = energies(plant, motion)
+    leg = Leg(motion, energy, START.after(energy), stride, 1, "", 0)
+    attrs = {"design": design, "wave": wave, "energy_residual": leg.balance.residual, "status": "completed"}
+    return recorded(plant, leg, sea, (0.0, 0.0)).assign_attrs(attrs)
 
+
+def recorded(plant: Plant, leg: Leg, sea: Sea | None, window: tuple[float, float]) -> xr.Dataset:
+    """Return the record of a leg: motion, forces by name, energies, elevation.
+
+    Every readable instant of a short run. Of a long one a part of them, and those in the window [s] where a coordinate,
+    a velocity or the power taken off is extreme: figures of merit are those of all instants.
     A rigid design carries heave alone, a flexible one heave and all shell modes; an assumed pressure has no elevation.
     """
-    flexible = plant.motions.shape[1] > 1
+    motion, flexible = leg.motion, plant.motions.shape[1] > 1
     labels = list(plant.labels if flexible else plant.labels[:1])
     motions = plant.motions[: len(labels)]
-    energy = energies(plant, motion)
-    kept = slice(None, None, stride)
-    series: dict[str, FloatArray] = {"position": motion.position @ motions.T, "velocity": motion.velocity @ motions.T}
-    series |= {name: force[:, : len(labels)] for name, force in forces(plant, motion).items()}
+    named = {name: force[:, : len(labels)] for name, force in forces(plant, motion).items()}
+    series = {"position": motion.position @ motions.T, "velocity": motion.velocity @ motions.T} | named
+    kept = np.append(np.arange(0, len(motion.time) - 1, leg.stride * leg.thinning), len(motion.time) - 1)
+    if leg.thinning > 1:
+        power = np.sum(named.get("pto", 0.0 * series["velocity"]) * series["velocity"], axis=1, keepdims=True)
+        watched = np.hstack([series["position"], series["velocity"], power])
+        kept = np.union1d(kept, _extremes(watched, (motion.time > window[0] - 1e-9) & (motion.time < window[1] + 1e-9)))
     run = xr.Dataset(
         {
             **{name: (("time", "dof"), values[kept]) for name, values in series.items()},
-            "energy": (("time", "term"), np.stack([energy[term][kept] for term in TERMS], axis=1)),
+            "energy": (("time", "term"), np.stack([leg.energy[term][kept] for term in TERMS], axis=1)),
         },
         coords={"time": motion.time[kept], "dof": labels, "term": list(TERMS)},
-        attrs={"design": design, "wave": wave, "energy_residual": residual(energy), "status": "completed"},
     )
-    return run.assign(elevation=("time", sea.elevation(motion.time[kept]))) if sea else run
+    return run.assign(elevation=("time", sea.elevation(motion.time)[kept])) if sea else run
+
+
+def _extremes(series: FloatArray, inside: npt.NDArray[np.bool_]) -> npt.NDArray[np.intp]:
+    """Rows, among those inside, in which a column of a series has its least or its largest value."""
+    (rows,) = np.nonzero(inside)
+    extremes = [series[rows].argmin(axis=0), series[rows].argmax(axis=0)] if rows.size else []
+    return np.asarray(rows[np.ravel(extremes).astype(int)])
 
 
 def simulate(plant: Plant, sea: Sea, settings: Simulation, spectrum: DampingSpectrum | None) -> tuple[Motion, int, str]:
-    """Return the motion of a scene, its energy audit closed.
+    """Return the whole motion of a scene at once, every how many instants make a readable record, and the method.
+
+    See `legs`, which take no more memory for a longer run.
+    """
+    (leg,) = legs(plant, sea, settings, spectrum, longest=None)
+    return leg.motion, leg.stride, in_words(leg.method, leg.steps)
+
+
+def in_words(method: str, steps: int) -> str:
+    """Return how a motion was followed; only some methods take steps of their own."""
+    return f"{method}, {steps} steps" if steps else method
+
+
+def legs(
+    plant: Plant, sea: Sea, settings: Simulation, spectrum: DampingSpectrum | None, longest: int | None = LEG
+) -> Iterator[Leg]:
+    """Yield the motion of a scene, its energy audit closed, in legs one after the other.
 
     Parameters
     ----------
@@ -162,56 +245,69 @@ def simulate(plant: Plant, sea: Sea, settings: Simulation, spectrum: DampingSpec
         motion. For the convolution that distance is the step.
     spectrum : DampingSpectrum or None
         Only the convolution reads it.
-
-    Returns
-    -------
-    motion : Motion
-    stride : int
-        Every how many instants make a readable record.
-    method : str
-        In words.
+    longest : int or None
+        Most instants of a leg; None: one leg, as the convolution, which needs its whole past, always has.
 
     Raises
     ------
     ConvergenceError
         If the audit of an exact propagation does not close.
     """
-    recorded = _recorded_steps(plant, sea, settings)
-    enough = max(settings.tolerance, CONVOLVED if settings.method == "convolution" else ROUND_OFF)
-    found = [np.inf, np.inf]
-    for halving in range(_FINEST + 1):
-        stride = 2**halving
-        time = np.linspace(0.0, settings.duration, recorded * stride + 1)
-        motion, method = _motion(plant, time, settings, spectrum)
-        found.append(residual(energies(plant, motion)))
-        if found[-1] <= enough or found[-1] > 0.9 * found[-3]:  # closed, or finer records do not help
-            break
-        if method == EXACT:
+    count, convolved = recorded_steps(plant, sea, settings), settings.method == "convolution"
+    enough = max(settings.tolerance, CONVOLVED if convolved else ROUND_OFF)
+    thinning, follow = min(THINNEST, math.ceil(count / KEPT)), _follower(plant, settings, spectrum)
+    start: tuple[FloatArray, ...] = plant.start(settings.initial_position, settings.initial_velocity)
+    done, stride, balance, found = 0, 1, START, [np.inf, np.inf]
+    while done < count:
+        parts = 1 if convolved or longest is None else math.ceil((count - done) * stride / longest)
+        last = done + math.ceil((count - done) / parts)
+        begin, end = (settings.duration * (record / count) for record in (done, last))
+        motion, method, steps = follow(np.linspace(begin, end, (last - done) * stride + 1), start)
+        own = energies(plant, motion)
+        energy = {term: own[term] + balance.ended.get(term, 0.0) for term in own}
+        after = balance.after(energy)
+        found.append(START.after(own).unbalanced / after.largest if after.largest else 0.0)
+        closed = found[-1] <= enough
+        if closed or found[-1] > 0.9 * found[-3] or stride == FINEST:  # or finer records do not help
+            leg = Leg(motion, energy, after, stride, thinning, method, steps)
+            yield leg
+            done, start, balance = last, leg.end, after
+            found = [np.inf, np.inf] if closed else found
+        elif method == EXACT:
             raise ConvergenceError(
                 f"the energy audit does not close: {found[-1]:.1e} of the energy is missing, needs {enough:.0e}; "
                 "near an undamped resonance add device.damping or pto.damping, else raise simulation.tolerance."
             )
-    return motion, stride, method
+        else:
+            stride *= 2
 
 
-def _motion(
-    plant: Plant, time: FloatArray, settings: Simulation, spectrum: DampingSpectrum | None
-) -> tuple[Motion, str]:
-    """The motion by the method that suits the scene, and its name."""
-    start = plant.start(settings.initial_position, settings.initial_velocity)
+Followed = tuple[Motion, str, int]
+"""A motion, the name of its method, and the steps it took, if that takes steps."""
+
+
+def _follower(
+    plant: Plant, settings: Simulation, spectrum: DampingSpectrum | None
+) -> Callable[[FloatArray, tuple[FloatArray, ...]], Followed]:
+    """What gives the motion at given times from a start, by the method that suits the scene."""
+    tolerance = settings.tolerance
     if settings.method == "structure_preserving":
-        motion, steps = structure_preserving(plant, time, start, settings.tolerance)
-        return motion, f"structure-preserving, {steps} steps"
+        return lambda time, start: _named("structure-preserving", *structure_preserving(plant, time, start, tolerance))
     if plant.water:
-        motion, steps = integrate(plant, time, start, settings.tolerance)
-        return motion, f"exponential Adams, {steps} steps"
+        return lambda time, start: _named("exponential Adams", *integrate(plant, time, start, tolerance))
     if settings.method == "convolution" and spectrum is not None:
-        return convolve(plant, spectrum, time, start), "convolution"
-    return propagate(plant, time, start), EXACT
+        return lambda time, start: _named("convolution", convolve(plant, spectrum, time, (start[0], start[1])))
+    steady = steady_state(plant.linear_system())
+    return lambda time, start: _named(EXACT, propagate(plant, time, start, steady))
 
 
-def _recorded_steps(plant: Plant, sea: Sea, settings: Simulation) -> int:
-    """Number of recorded steps: 200 a period of the shortest wave that matters.
+def _named(name: str, motion: Motion, steps: int = 0) -> Followed:
+    """A motion with the name of its method."""
+    return motion, name, steps
+
+
+def recorded_steps(plant: Plant, sea: Sea, settings: Simulation) -> int:
+    """Return the number of recorded steps: 200 a period of the shortest wave that matters.
 
     Without waves, of the faster of free heave and the assumed pressure: the buoy heaves freely until that has died out.
     """

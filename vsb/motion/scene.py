@@ -98,6 +98,12 @@ class LinearSystem(NamedTuple):
     position: FloatArray  # y = position @ z[:free], (free, free)
     velocity: FloatArray  # y' = velocity @ z[free:2 free]
 
+    def first(self, start: tuple[FloatArray, ...]) -> FloatArray:
+        """Return z of initial y and y', each shape (free,), and memory states x, if the water is not at rest."""
+        y, rate, *memory = start
+        rest = memory or [np.zeros(len(self.matrix) - 2 * len(y))]
+        return np.concatenate([np.linalg.solve(self.position, y), np.linalg.solve(self.velocity, rate), *rest])
+
 
 @dataclass(frozen=True)
 class Plant:

@@ -3,16 +3,16 @@
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from vsb.errors import ConvergenceError, StabilityError
 from vsb.integrators import trajectory
 from vsb.integrators.exact import propagate
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.motion.clamps import constraint_drift
-from vsb.motion.motion import Motion
 from vsb.motion.scene import Plant
 from vsb.scenes.build import SCENES
-from vsb.shell.deformed import enclosed
+from vsb.shell.deformed import DeformedShell, enclosed
 from vsb.stages.stage import partial_study
 from vsb.study.study import RegularWave, StillWater, Study
 from vsb.tools.files import save
@@ -26,17 +26,31 @@ def simulate(spec: Spec, paths: dict[str, Any], out: str) -> None:
     study = partial_study(spec)
     (design,), (wave,) = study.designs, study.waves
     plant, shape, waves, spectrum, notes = SCENES[study.hydro.model](study, paths)
-    motion, stride, method = trajectory.simulate(plant, waves, study.simulation, spectrum)
-    run = trajectory.labelled(plant, motion, waves if study.needs_bem else None, design, wave.label, stride)
+    clamps = shape.basis.clamp_rows(np.deg2rad(study.designs[design].clamp))
+    records: list[xr.Dataset] = []
+    taken: list[tuple[int, float, int, float]] = []
+    for leg in trajectory.legs(plant, waves, study.simulation, spectrum):
+        record = trajectory.recorded(plant, leg, waves if study.needs_bem else None, study.simulation.window)
+        records.append(with_enclosed(record, shape).isel(time=slice(1 if records else 0, None)))
+        drift = constraint_drift(leg.motion.position @ plant.motions.T, clamps)
+        taken.append((len(leg.motion.time) - 1, leg.motion.seconds, leg.steps, drift))
+    intervals, seconds, steps, drifts = zip(*taken, strict=True)
+    attrs = {"design": design, "wave": wave.label, "energy_residual": leg.balance.residual, "status": "completed"}
+    attrs |= {"method": trajectory.in_words(leg.method, sum(steps)), "instants": 1 + sum(intervals)}
+    attrs |= {"seconds": sum(seconds), **notes}
+    if isinstance(wave, RegularWave):
+        attrs |= _steady(plant)
+    if study.designs[design].clamp:
+        attrs["constraint_drift"] = max(*drifts, _linear_drift(study, plant, clamps))
+    save(xr.concat(records, "time").assign_attrs(attrs), out)
+
+
+def with_enclosed(run: xr.Dataset, shape: DeformedShell) -> xr.Dataset:
+    """Return a record with the volume the shell encloses and its area."""
     moved = np.zeros((run.sizes["time"], len(shape.amplitudes)))
     moved[:, : run.sizes["dof"]] = run.position.values
     volume, area = enclosed(shape.basis, shape.amplitudes + moved)
-    attrs = {"method": method, "instants": len(motion.time), "seconds": motion.seconds, **notes}
-    if isinstance(study.waves[0], RegularWave):
-        attrs |= _steady(plant)
-    if rows := study.designs[design].clamp:
-        attrs["constraint_drift"] = _drift(study, plant, motion, shape.basis.clamp_rows(np.deg2rad(rows)))
-    save(run.assign(volume=("time", volume), area=("time", area)).assign_attrs(run.attrs, **attrs), out)
+    return run.assign(volume=("time", volume), area=("time", area))
 
 
 def _steady(plant: Plant) -> dict[str, float | str]:
@@ -48,11 +62,10 @@ def _steady(plant: Plant) -> dict[str, float | str]:
     return {"steady_power": found.power.pto, "steady_decay": found.decay}
 
 
-def _drift(study: Study, plant: Plant, motion: Motion, rows: FloatArray) -> float:
-    """Largest slip at the clamps [m]: over the run, and where motion is linear over 10 000 wave periods."""
-    drift = constraint_drift(motion.position @ plant.motions.T, rows)
+def _linear_drift(study: Study, plant: Plant, clamps: FloatArray) -> float:
+    """Largest slip at the clamps [m] over 10 000 wave periods; motion that is not linear is followed once only."""
     if plant.water or isinstance(study.waves[0], StillWater):
-        return drift
+        return 0.0
     time = np.linspace(0.0, 1e4 * 2 * np.pi / study.waves[0].omega, 20_001)
     start = plant.start(study.simulation.initial_position, study.simulation.initial_velocity)
-    return max(drift, constraint_drift(propagate(plant, time, start).position @ plant.motions.T, rows))
+    return constraint_drift(propagate(plant, time, start).position @ plant.motions.T, clamps)

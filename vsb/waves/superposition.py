@@ -8,6 +8,7 @@ from vsb.tools.units import ComplexArray, FloatArray
 FEW = 32
 """So many components are summed as they stand."""
 _TABLE = 2**14  # cosines at a time: they stay in the cache
+_AT_ONCE = 2**21  # complex numbers of a transform, of as many signals as that is
 _SAME = 4e-15  # of the highest frequency: round-off
 
 
@@ -57,6 +58,10 @@ def _chirped(phasors: ComplexArray, first: float, ratio: float, count: int) -> F
     chirp = np.zeros(size, dtype=complex)
     chirp[: len(k)] = np.exp(0.5j * ratio * k**2)
     chirp[size - len(j) + 1 :] = np.exp(0.5j * ratio * j[:0:-1] ** 2)
-    sums = fft((np.exp(-0.5j * ratio * j**2)[:, None] * phasors).T, size) * fft(chirp)
-    turn = np.exp(-1j * (first * k + 0.5 * ratio * k**2))
-    return np.asarray((ifft(sums, overwrite_x=True)[:, :count] * turn).real.T)
+    chirp, turn = fft(chirp), np.exp(-1j * (first * k + 0.5 * ratio * k**2))
+    phasors = np.exp(-0.5j * ratio * j**2)[:, None] * phasors
+    out, few = np.empty((count, phasors.shape[1])), max(_AT_ONCE // size, 1)
+    for start in range(0, phasors.shape[1], few):
+        here = slice(start, start + few)
+        out[:, here] = (ifft(fft(phasors[:, here].T, size) * chirp, overwrite_x=True)[:, :count] * turn).real.T
+    return out
