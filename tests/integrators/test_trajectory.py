@@ -1,3 +1,4 @@
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +15,7 @@ from vsb.integrators.trajectory import TERMS, energies, residual, simulate
 from vsb.motion.scene import Damper, Excitation, Plant, RadiationMemory, Spring, linear_plant
 from vsb.scenes.build import assumed_pressure_scene
 from vsb.shell.modes import design_motions, study_basis
+from vsb.study import resolution
 from vsb.study.study import load
 from vsb.waves.seas import NO_WAVES, sea
 
@@ -150,6 +152,98 @@ def test_a_run_whose_audit_does_not_close_is_an_error(scene, monkeypatch):
     monkeypatch.setattr(Plant, "linear_system", wrong)
     with pytest.raises(ConvergenceError, match=r"audit does not close.*of the energy is missing, needs 1e-06"):
         simulate(plant, waves, settings, spectrum)
+
+
+# long runs ----------------------------------------------------------------------------------------------------------
+
+
+def in_legs(plant, waves, settings, spectrum, longest):
+    """A run in legs of so many instants: legs, and its motion and energies put together."""
+    parts = list(trajectory.legs(plant, waves, settings, spectrum, longest))
+    first = [0] + [1] * (len(parts) - 1)
+    position = np.concatenate([leg.motion.position[i:] for i, leg in zip(first, parts, strict=True)])
+    energy = {
+        term: np.concatenate([leg.energy[term][i:] for i, leg in zip(first, parts, strict=True)]) for term in TERMS
+    }
+    return parts, position, energy
+
+
+@pytest.mark.parametrize("waves", [[{"kind": "regular", "amplitude": 0.179, "period": 2.5}],
+                                   [{"kind": "jonswap", "hs": 1.0, "tp": 4.0}]])  # fmt: skip
+@pytest.mark.parametrize("method", ["auto", "structure_preserving"])
+def test_legs_of_a_run_are_the_run(scene, waves, method):
+    """Memory of the waves included: without it every leg would start in calm water."""
+    changes = {"duration": 20.0, "window": (10.0, 20.0), "method": method}
+    plant, sea_, settings, spectrum = scene(waves=waves, simulation=changes)
+    motion, _, _ = simulate(plant, sea_, settings, spectrum)
+    energy = energies(plant, motion)
+    parts, position, pieced = in_legs(plant, sea_, settings, spectrum, 300)
+    assert len(parts) >= len(motion.time) // 300
+    exact = 1e-11 if method == "auto" else settings.tolerance  # each leg chooses its own steps
+    assert np.abs(position - motion.position).max() < exact * np.abs(motion.position).max()
+    for term in TERMS:
+        assert np.abs(pieced[term] - energy[term]).max() < max(exact, 1e-9) * energy["pto"][-1], term
+    assert parts[-1].balance.residual < 1e-6
+
+
+def test_legs_of_a_body_exact_run_are_the_run():
+    """The assumed pressure goes on where the leg before it ended."""
+    changes = {"duration": 10.0, "window": (5.0, 10.0), "tolerance": 1e-9}
+    study = varied(load(PAPER), simulation=changes, published=None)
+    one = varied(study, designs={"FSB": study.designs["FSB"].model_dump()})
+    plant = assumed_pressure_scene(one, {})[0]
+    motion, stride, _ = simulate(plant, NO_WAVES, one.simulation, None)
+    parts, position, pieced = in_legs(plant, NO_WAVES, one.simulation, None, 250)
+    assert len(parts) > 3
+    assert {leg.stride for leg in parts} == {stride}
+    assert np.abs(position - motion.position).max() < 1e-8 * np.abs(motion.position).max()
+    assert pieced["pto"][-1] == pytest.approx(energies(plant, motion)["pto"][-1], rel=1e-8)
+    assert parts[-1].balance.residual < 1e-8
+
+
+def test_a_leg_after_the_motion_has_died_out_is_balanced(scene):
+    """What is left of a decay is round-off of the energy that went round before."""
+    plant, waves, settings, spectrum = scene(
+        "FSB", waves=[{"kind": "still"}], simulation={"duration": 400.0, "window": (0.0, 400.0)}
+    )
+    parts, _, _ = in_legs(plant, waves, settings, spectrum, 2000)
+    assert len(parts) > 5
+    assert np.abs(parts[-1].motion.position).max() < 1e-12 * np.abs(parts[0].motion.position).max()
+    assert parts[-1].balance.residual < 1e-9
+
+
+def test_a_longer_run_in_legs_takes_no_more_memory(scene):
+    peaks = []
+    for duration in (30.0, 120.0):
+        plant, waves, settings, spectrum = scene(simulation={"duration": duration, "window": (0.0, duration)})
+        tracemalloc.start()
+        for _ in trajectory.legs(plant, waves, settings, spectrum, 1000):
+            pass
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert peaks[1] < 1.2 * peaks[0]
+
+
+def test_a_long_run_records_a_part_and_its_extremes(scene, monkeypatch):
+    plant, waves, settings, spectrum = scene()
+    (whole,) = trajectory.legs(plant, waves, settings, spectrum)
+    full = trajectory.recorded(plant, whole, waves, settings.window)
+    monkeypatch.setattr(resolution, "KEPT", 1000)
+    (leg,) = trajectory.legs(plant, waves, settings, spectrum)
+    run = trajectory.recorded(plant, leg, waves, settings.window)
+    assert leg.thinning == 5
+    assert full.sizes["time"] // 5 < run.sizes["time"] < full.sizes["time"] // 5 + 50
+    assert run.equals(full.sel(time=run.time))
+    inside, all_inside = (one.sel(time=slice(*settings.window)) for one in (run, full))
+    for name in ("position", "velocity"):
+        assert float(np.ptp(inside[name].values, axis=0).min()) > 0
+        assert np.array_equal(np.ptp(inside[name].values, axis=0), np.ptp(all_inside[name].values, axis=0)), name
+    power = [float((-one.pto * one.velocity).sum("dof").max()) for one in (inside, all_inside)]
+    assert power[0] == power[1]
+
+
+def test_a_run_of_a_day_keeps_a_tenth_of_its_instants():
+    assert [resolution.thinning(n) for n in (1, 2**17, 2**17 + 1, 10**6, 10**9)] == [1, 1, 2, 8, 10]
 
 
 # the other methods --------------------------------------------------------------------------------------------------

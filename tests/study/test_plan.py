@@ -376,3 +376,16 @@ def test_the_tolerance_of_the_automatic_model_reaches_the_run(seed):
     plans = [StudyPlan(varied(seed, hydro={"model": "auto", "power_tolerance": t})) for t in (0.1, 0.01)]
     specs = [plan.simulation("VSWEC", seed.waves[0]) for plan in plans]
     assert [spec["hydro"]["power_tolerance"] for spec in specs] == [0.1, 0.01]
+
+
+def test_memory_grows_with_the_record_not_with_what_is_followed(seed):
+    """Measured with the seed's free shell: 0.3 GB for 60 s, 0.6 GB for 16 000 s, 1.7 GB for 100 000 s."""
+    asked = {}
+    for duration in (60.0, 16e3, 1e5):
+        plan = StudyPlan(varied(seed, simulation={"duration": duration, "window": (0.0, duration)}))
+        asked[duration] = plan.simulation_megabytes(plan.study.waves[0])
+    assert 600 < asked[60.0] < 1000
+    assert 700 < asked[16e3] < 1400
+    assert 1700 < asked[1e5] < 2 * 1700
+    irregular = varied(seed, waves=[{"kind": "jonswap", "hs": 0.5, "tp": 4.0}], simulation={"duration": 1e5})
+    assert 2900 < StudyPlan(irregular).simulation_megabytes(irregular.waves[0]) < 2 * 2900

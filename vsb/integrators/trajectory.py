@@ -17,6 +17,7 @@ from vsb.integrators.exponential import integrate
 from vsb.motion.froude_krylov import wave_forces
 from vsb.motion.motion import Motion
 from vsb.motion.scene import ConstantForce, Damper, Excitation, Plant, Spring, WaterPressure
+from vsb.study.resolution import LEG, RECORDS_PER_PERIOD, thinning
 from vsb.study.study import Simulation
 from vsb.tools.units import FloatArray
 from vsb.waves.seas import Sea
@@ -32,10 +33,6 @@ ROUND_OFF = 1e-9
 """Energy residual that is as good as none [-]."""
 FINEST = 2**5
 """Most samples per recorded step."""
-LEG = 2**17
-"""Instants followed at one time: some 300 MB."""
-KEPT, THINNEST = 2**17, 10
-"""A run of more readable instants than that records a part of them, at least 20 a period of the shortest wave."""
 
 
 def forces(plant: Plant, motion: Motion) -> dict[str, FloatArray]:
@@ -255,7 +252,7 @@ def legs(
     """
     count, convolved = recorded_steps(plant, sea, settings), settings.method == "convolution"
     enough = max(settings.tolerance, CONVOLVED if convolved else ROUND_OFF)
-    thinning, follow = min(THINNEST, math.ceil(count / KEPT)), _follower(plant, settings, spectrum)
+    follow = _follower(plant, settings, spectrum)
     start: tuple[FloatArray, ...] = plant.start(settings.initial_position, settings.initial_velocity)
     done, stride, balance, found = 0, 1, START, [np.inf, np.inf]
     while done < count:
@@ -269,7 +266,7 @@ def legs(
         found.append(START.after(own).unbalanced / after.largest if after.largest else 0.0)
         closed = found[-1] <= enough
         if closed or found[-1] > 0.9 * found[-3] or stride == FINEST:  # or finer records do not help
-            leg = Leg(motion, energy, after, stride, thinning, method, steps)
+            leg = Leg(motion, energy, after, stride, thinning(count), method, steps)
             yield leg
             done, start, balance = last, leg.end, after
             found = [np.inf, np.inf] if closed else found
@@ -307,7 +304,7 @@ def _named(name: str, motion: Motion, steps: int = 0) -> Followed:
 
 
 def recorded_steps(plant: Plant, sea: Sea, settings: Simulation) -> int:
-    """Return the number of recorded steps: 200 a period of the shortest wave that matters.
+    """Return the number of recorded steps, `RECORDS_PER_PERIOD` of the shortest wave that matters.
 
     Without waves, of the faster of free heave and the assumed pressure: the buoy heaves freely until that has died out.
     """
@@ -319,4 +316,4 @@ def recorded_steps(plant: Plant, sea: Sea, settings: Simulation) -> int:
         omega = float(np.sqrt(max(springs, 0.0) / (plant.motions.T @ plant.mass @ plant.motions)[0, 0])) or 1.0
         if plant.water and plant.water.assumed and plant.water.assumed.amplitude:
             omega = max(omega, plant.water.assumed.omega)
-    return int(np.ceil(200 * omega / (2 * np.pi) * settings.duration))
+    return int(np.ceil(RECORDS_PER_PERIOD * omega / (2 * np.pi) * settings.duration))

@@ -50,11 +50,7 @@ def _period(study: Study, wave: Wave, response: xr.Dataset) -> float:
 
 def _slowest(study: Study, response: xr.Dataset) -> float:
     """Lowest natural frequency [rad/s]; without BEM that of heave, sqrt(rho g pi r_w^2/m)."""
-    if study.needs_bem:
-        return float(response.wet_natural_frequency.min())
-    water, device = study.water, study.device
-    waterplane = np.pi * (device.radius**2 - study.centre_height**2)
-    return float(np.sqrt(water.density * water.gravity * waterplane / device.mass))
+    return float(response.wet_natural_frequency.min()) if study.needs_bem else study.heave_frequency
 
 
 def figures(spec: Spec, paths: dict[str, Any]) -> None:

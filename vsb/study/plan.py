@@ -3,10 +3,12 @@
 The Snakefile builds its graph from this module alone, so a dry run shows the true plan.
 """
 
+import math
 from dataclasses import dataclass
 
 from vsb.study.blocks import PHYSICS, HydroPlan, Spec, panel_solver
-from vsb.study.study import RegularWave, Study, Wave, content_id, parse
+from vsb.study.resolution import RECORDS_PER_PERIOD, thinning
+from vsb.study.study import IrregularSea, RegularWave, Study, Wave, content_id, parse
 
 FIGURES_PER_WAVE = ("heave_excitation", "velocity_pto", "power_energy", "energy_audit", "snapshots")
 FIGURES_OF_THE_SHELL = ("extreme_shapes", "shapes_3d", "volume_area")
@@ -106,6 +108,25 @@ class StudyPlan(HydroPlan):
     def comparison(self) -> Spec:
         """Spec of the comparison: the whole study."""
         return {"stage": "compare", "physics": PHYSICS["compare"], "study": self.study.model_dump()}
+
+    # memory ---------------------------------------------------------------------------------------------------------
+
+    def record_megabytes(self, wave: Wave) -> int:
+        """Memory that the time series of a design in a sea take [MB]: nine of every coordinate, ten others."""
+        duration, coordinates = self.study.simulation.duration, 1 + len(self.mode_labels)
+        instants = int(RECORDS_PER_PERIOD * self.study.fastest(wave) * duration / (2 * math.pi))
+        return math.ceil(8e-6 * (9 * coordinates + 10) * instants / thinning(instants + 1))
+
+    def simulation_megabytes(self, wave: Wave) -> int:
+        """Memory that a run in a sea takes [MB]: its record thrice, what a leg takes, and the sea's components."""
+        band = self.study.hydro.omega_max if isinstance(wave, IrregularSea) else 0.0
+        return 800 + 3 * self.record_megabytes(wave) + math.ceil(6e-4 * band * self.study.simulation.duration)
+
+    @property
+    def study_megabytes(self) -> int:
+        """Memory that all time series of the study take at one time [MB], and what drawing them takes."""
+        records = [self.record_megabytes(wave) for wave in self.study.waves]
+        return 800 + math.ceil(1.2 * len(self.study.designs) * sum(records))
 
     # file names -----------------------------------------------------------------------------------------------------
 

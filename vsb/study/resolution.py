@@ -1,8 +1,14 @@
-"""How finely to resolve: frequencies, and rows of panels by tolerance, mode and wave. Pure Python."""
+"""How finely to resolve: frequencies, instants, and rows of panels by tolerance, mode and wave. Pure Python."""
 
 import math
 
 ROWS_PER_HALF_WAVE = 6
+RECORDS_PER_PERIOD = 200
+"""Instants recorded per period of the shortest wave that matters."""
+LEG = 2**17
+"""Instants followed at one time."""
+KEPT, THINNEST = 2**17, 10
+"""A run of more instants than that keeps a part of them, a tenth at least: 20 a period."""
 
 
 def frequency_step(radius: float, gravity: float) -> float:
@@ -37,3 +43,8 @@ def wave_rows(radius: float, wavelength: float) -> int:
     depth = min(wavelength / 2 / radius, 1.0)
     passed = 2 / math.pi * math.acos(1 - 2 / math.pi * math.asin(depth))
     return 2 * math.ceil(ROWS_PER_HALF_WAVE / passed / 2)
+
+
+def thinning(instants: int) -> int:
+    """Return every how many instants a run of so many is recorded."""
+    return min(THINNEST, math.ceil(instants / KEPT))

@@ -182,6 +182,11 @@ class RegularWave(Section):
         """Angular frequency [rad/s]."""
         return 2 * math.pi / self.period
 
+    @property
+    def fastest(self) -> float:
+        """Its one frequency [rad/s]."""
+        return self.omega
+
 
 class IrregularSea(Section):
     """A sea of many components: significant height [m], seed of the random phases, number of realisations.
@@ -213,6 +218,11 @@ class IrregularSea(Section):
     def reach(self) -> tuple[float, float]:
         """Frequencies the sea must find solved [rad/s]: below 0.4 times the peak there is less than 1e-10 of it."""
         return 0.4 * self.omega, self.omega
+
+    @property
+    def fastest(self) -> float:
+        """Frequency above which no component has a twentieth of the largest amplitude [rad/s]."""
+        return 4.3 * self.omega
 
     @property
     def memory(self) -> float:
@@ -287,6 +297,11 @@ class WhiteNoise(IrregularSea):
     def reach(self) -> tuple[float, float]:
         """Frequencies the sea must find solved [rad/s]: its band."""
         return self.band
+
+    @property
+    def fastest(self) -> float:
+        """Highest frequency of the band [rad/s]."""
+        return self.band[1]
 
     @property
     def memory(self) -> float:

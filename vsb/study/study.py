@@ -214,6 +214,18 @@ class Study(Section):
         return self.device.radius - self.centre_height
 
     @property
+    def heave_frequency(self) -> float:
+        """Natural frequency of heave without the water's inertia, sqrt(rho g pi r_w^2/m) [rad/s]."""
+        water, waterplane = self.water, math.pi * (self.device.radius**2 - self.centre_height**2)
+        return math.sqrt(water.density * water.gravity * waterplane / self.device.mass)
+
+    def fastest(self, wave: Wave) -> float:
+        """Frequency of the fastest motion a run in a sea must show [rad/s]; in still water that of heave."""
+        if isinstance(wave, StillWater):
+            return self.heave_frequency
+        return min(wave.fastest, self.hydro.omega_max) if self.needs_bem else max(wave.omega, self.heave_frequency)
+
+    @property
     def flexible(self) -> bool:
         """Whether any design needs shell modes."""
         return any(design.flexible for design in self.designs.values())

@@ -21,6 +21,8 @@ rule compare:
         f"{ROOT}/logs/compare/{STUDY.study}.log",
     conda:
         "../envs/vsb.yaml"
+    resources:
+        mem_mb=PLAN.study_megabytes,
     params:
         spec=canonical(PLAN.comparison),
         hydro=HYDRO,

@@ -15,6 +15,8 @@ rule figures:
         f"{ROOT}/logs/figures/{STUDY.study}.log",
     conda:
         "../envs/vsb.yaml"
+    resources:
+        mem_mb=PLAN.study_megabytes,
     params:
         folder=subpath(output[0], parent=True),
         hydro=HYDRO,
@@ -42,6 +44,8 @@ rule report:
         f"{ROOT}/logs/report/{STUDY.study}.log",
     conda:
         "../envs/vsb.yaml"
+    resources:
+        mem_mb=PLAN.study_megabytes,
     params:
         hydro=HYDRO,
         trajectories=subpath(

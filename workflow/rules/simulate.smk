@@ -13,7 +13,7 @@ rule simulate:
     conda:
         "../envs/vsb.yaml"
     resources:
-        mem_mb=1000 + int(STUDY.simulation.duration / 40),  # 1.9 GB for a day
+        mem_mb=lambda wildcards: PLAN.simulation_megabytes(WAVES[wildcards.wave]),
         runtime=30,
     params:
         spec=lambda wildcards: canonical(
