@@ -3,6 +3,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
@@ -11,7 +12,19 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from vsb.errors import DatabaseError
-from vsb.tools.files import check_file, check_folder, load, save, whole, write_text
+from vsb.tools.files import (
+    ROOT,
+    attributes,
+    check_file,
+    check_folder,
+    checksum,
+    load,
+    read_groups,
+    save,
+    sealed,
+    whole,
+    write_text,
+)
 from vsb.tools.units import ATTRS
 
 FINITE = st.floats(-1e12, 1e12)
@@ -166,8 +179,130 @@ def test_a_folder_whose_name_is_too_long_is_one_line(tmp_path):
         check_folder(tmp_path / ("a" * 300))
 
 
+def stored(ds, path, groups=None):
+    save(ds, path, groups)
+    return read_groups(path)
+
+
+@settings(max_examples=20, deadline=None)
+@given(hnp.arrays(float, (1, 3, 2), elements=FINITE), st.integers(0, 11), st.integers(0, 63))
+def test_the_checksum_is_of_every_bit_of_every_value(tmp_path_factory, values, place, bit):
+    groups = stored(rao(values + 1j), tmp_path_factory.mktemp("nc") / "a.nc")
+    before = checksum(groups)
+    assert before == groups[ROOT].attrs["checksum"]
+    bits = groups[ROOT].rao.values.reshape(-1).view(np.uint64)
+    bits[place] ^= np.uint64(1 << bit)
+    assert checksum(groups) != before
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda ds: ds.rename(rao="absorbed_power"),
+        lambda ds: ds.rename(dof="shape_dof"),
+        lambda ds: ds.assign_attrs(design="B"),
+        lambda ds: ds.assign_attrs(steps=4),
+        lambda ds: ds.assign_attrs(step=0.25),
+        lambda ds: ds.assign_coords(dof=["Heave", "Membrane1"]),
+        lambda ds: ds.drop_vars("omega"),
+        lambda ds: ds.isel(dof=[1, 0]),
+        lambda ds: ds.astype(np.float32),
+        lambda ds: ds.assign(rao=ds.rao.assign_attrs(units="m")),
+    ],
+)
+def test_the_checksum_is_of_names_dimensions_attributes_and_coordinates(change):
+    ds = rao(np.arange(6.0).reshape(1, 3, 2)).assign_attrs(design="A", steps=3, step=0.1)
+    assert checksum({ROOT: change(ds)}) != checksum({ROOT: ds}) == checksum({ROOT: ds.assign_attrs(checksum="x")})
+    assert len({checksum(groups) for groups in ({ROOT: ds}, {"a": ds}, {ROOT: ds, "a": ds}, {})}) == 4
+
+
+@pytest.mark.parametrize(
+    "value",
+    [3, 0.1, np.int64(3), np.float32(0.1), "text", "", "ü", [1], [1.0, 2.0], ["a", "b"], np.arange(3)],
+    ids=repr,
+)
+def test_attributes_of_every_kind_are_the_same_after_they_were_on_disk(tmp_path, value):
+    save(rao(np.ones((1, 3, 2))).assign_attrs(value=value), tmp_path / "a.nc")
+    assert checksum(read_groups(tmp_path / "a.nc")) == load(tmp_path / "a.nc").attrs["checksum"]
+
+
+def rewritten(path, change):
+    with netCDF4.Dataset(path, "a") as file:
+        change(file)
+
+
+@pytest.mark.parametrize("group", ["a", None])
+def test_contents_that_are_not_those_written_are_refused(tmp_path, group):
+    path = tmp_path / "a.nc"
+    save(rao(np.ones((1, 3, 2))), path, groups={"a": rao(np.ones((1, 3, 2)))})
+
+    def soften(file):
+        (file["a"] if group else file)["rao"][0, 1, 1] *= 1.3
+
+    rewritten(path, soften)
+    with pytest.raises(
+        DatabaseError, match=r"a.nc: its contents are not those .*; delete it, or let vsb verify --heal"
+    ):
+        load(path)
+
+
+def test_a_file_is_the_one_expected_or_refused(tmp_path):
+    path = tmp_path / "a.nc"
+    save(rao(np.ones((1, 3, 2))).assign_attrs(spec_id="a" * 16), path)
+    assert load(path, expected="a" * 16).equals(rao(np.ones((1, 3, 2))))
+    with pytest.raises(DatabaseError, match=r"a.nc: holds 'a{16}', needs 'b{16}': stale or foreign; delete it, or let"):
+        load(path, expected="b" * 16)
+    rewritten(path, lambda file: file.delncattr("checksum"))
+    assert load(path).equals(rao(np.ones((1, 3, 2))))  # of before the stamps
+    with pytest.raises(DatabaseError, match=r"a.nc: carries no checksum of its contents; delete it"):
+        load(path, expected="a" * 16)
+
+
+def test_the_seal_is_behind_what_others_read_and_they_drop_it(tmp_path):
+    path = tmp_path / "a.nc"
+    save(rao(np.ones((1, 3, 2))), path)
+    assert sealed(path)
+    with netCDF4.Dataset(path) as file:
+        assert list(file["dof"][:]) == ["Heave", "Membrane0"]
+    assert attributes(path) == load(path).attrs
+    rewritten(path, lambda file: file["rao"].setncattr("remark", "x"))
+    assert not sealed(path)
+    with pytest.raises(DatabaseError, match=r"a.nc: its contents are not those it was written with .checksum."):
+        attributes(path)
+
+
+@pytest.mark.parametrize("lost", [1, 40, 70, 71, 500])
+def test_a_cut_file_is_found_or_has_lost_nothing(tmp_path, lost):
+    path = tmp_path / "a.nc"
+    save(rao(np.ones((1, 3, 2))), path)
+    path.write_bytes(path.read_bytes()[:-lost])
+    if lost in (70, 71):  # nothing that says it was sealed
+        assert load(path).equals(rao(np.ones((1, 3, 2))))
+    else:
+        with pytest.raises(DatabaseError, match=r"a.nc: (its contents|cannot be read as netCDF)"):
+            load(path)
+
+
+def test_no_flipped_bit_changes_a_value_unseen(tmp_path):
+    rng = np.random.default_rng(7)
+    path = tmp_path / "a.nc"
+    save(rao(rng.standard_normal((1, 30, 2))).assign_attrs(spec_id="a" * 16), path)
+    good, reference, caught = path.read_bytes(), load(path), 0
+    for bit in rng.integers(8 * len(good), size=60):
+        bad = bytearray(good)
+        bad[bit // 8] ^= 1 << (bit % 8)
+        path.write_bytes(bad)
+        try:
+            assert load(path, expected="a" * 16).identical(reference), bit
+        except DatabaseError as error:
+            assert "\n" not in str(error)  # noqa: PT017
+            caught += 1
+    assert caught >= 59  # the word that begins the seal may be lost: then the checksum decides
+
+
 FULL = """
 import resource, sys
+
 import numpy as np
 from tools.test_files import rao
 from vsb.errors import DatabaseError

@@ -1,9 +1,7 @@
 """The hydro database: blocks merged, expressed in the modes of a study, checked, and stored with its verdict."""
 
-import fcntl
 import json
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Literal
@@ -15,7 +13,7 @@ from vsb.errors import DatabaseError
 from vsb.hydro.dofs import Displacement, displacements
 from vsb.shell.modes import ModeBasis
 from vsb.shell.rest import ReferenceShell
-from vsb.tools.files import load, save, write_text
+from vsb.tools.files import load, locked, save, write_text
 from vsb.tools.units import FloatArray
 
 Verdict = Literal["ok", "doubt", "fail", "accepted"]
@@ -171,18 +169,10 @@ def save_database(tabulated: xr.Dataset, sweep: xr.Dataset | None, path: str | P
     write_index(Path(path).parent)
 
 
-@contextmanager
-def _locked(path: Path) -> Iterator[None]:
-    """Hold an exclusive lock while several jobs refresh one file."""
-    with path.open("a") as handle:
-        fcntl.flock(handle, fcntl.LOCK_EX)
-        yield
-
-
 def write_index(folder: Path) -> None:
     """Rewrite INDEX.tsv beside the database folder from the files that are there."""
     columns = ("id", "radius_m", "basis", "degree", "frequencies", "omega_max", "water_depth_m", "verdict")
-    with _locked(folder / ".index.lock"):
+    with locked(folder / ".index.lock"):
         lines = ["\t".join(columns), *(_index_line(path) for path in sorted(folder.glob("*.nc")))]
         write_text(folder.parent / "INDEX.tsv", "\n".join(lines) + "\n")
 

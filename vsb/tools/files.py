@@ -1,26 +1,33 @@
 """Files in and out: netCDF with the table of units applied, and text; written whole or not at all."""
 
+import fcntl
+import hashlib
+import json
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
+import netCDF4
+import numpy as np
+import numpy.typing as npt
 import xarray as xr
 
 from vsb.errors import DatabaseError
 from vsb.tools.units import check_finite, described, merged, separated
 
+ROOT = "/"
+"""Name of a file's own group."""
+DELETE = "delete it, or let vsb verify --heal do so, and run again"
+"""What heals a file that is not what it should be."""
+CHANGED = "its contents are not those it was written with (checksum)"
+SEAL = b"sha256:"
+"""Begins the seal, which ends a netCDF file: sha256 of all bytes before it, behind what HDF5 reads.
 
-def _write(ds: xr.Dataset, path: str, mode: Literal["w", "a"], group: str | None = None) -> None:
-    """Write one group in the form on disk; large variables compressed, without loss."""
-    out = separated(described(ds))
-    large = {name: {"zlib": True, "complevel": 1} for name, v in out.data_vars.items() if v.size > 10_000}
-    try:
-        out.to_netcdf(path, engine="netcdf4", mode=mode, group=group, encoding=large)
-    except RuntimeError as error:  # netCDF's own word for a full disk
-        raise OSError(str(error)) from None
+HDF5 trusts its own structure: one flipped bit there can end the process. A tool that rewrites the file drops the seal.
+"""
 
 
 def _obstacle(folder: Path) -> str:
@@ -88,14 +95,12 @@ def whole(path: str | Path) -> Iterator[Path]:
         ) from None
 
 
-def save(ds: xr.Dataset, path: str | Path, groups: dict[str, xr.Dataset] | None = None) -> None:
-    """Write a dataset (and named groups) to netCDF-4, complete or not at all; see `whole`."""
-    check_finite(ds, str(path))
-    with whole(path) as temporary:
-        _write(ds, str(temporary), mode="w")
-        for name, group in (groups or {}).items():
-            check_finite(group, f"{path}:{name}")
-            _write(group, str(temporary), mode="a", group=name)
+@contextmanager
+def locked(path: str | Path) -> Iterator[None]:
+    """Hold an exclusive lock on a file while several jobs refresh another."""
+    with Path(path).open("a") as handle:
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
 
 
 def write_text(path: str | Path, text: str) -> None:
@@ -104,23 +109,150 @@ def write_text(path: str | Path, text: str) -> None:
         temporary.write_text(text, encoding="utf-8")
 
 
-def load(path: str | Path, group: str | None = None) -> xr.Dataset:
-    """Read a dataset written by `save`: complex variables merged, units applied.
+def save(ds: xr.Dataset, path: str | Path, groups: Mapping[str, xr.Dataset] | None = None) -> None:
+    """Write a dataset (and named groups) to netCDF-4 with its `checksum`, complete or not at all; see `whole`."""
+    check_finite(ds, str(path))
+    for name, group in (groups or {}).items():
+        check_finite(group, f"{path}:{name}")
+    stored = {name: separated(described(group)) for name, group in {ROOT: ds, **(groups or {})}.items()}
+    stored[ROOT].attrs["checksum"] = checksum(stored)
+    with whole(path) as temporary:
+        for name, group in stored.items():
+            _write(group, str(temporary), mode="w" if name == ROOT else "a", group=name)
+        seal(temporary)
+
+
+def _write(ds: xr.Dataset, path: str, mode: Literal["w", "a"], group: str) -> None:
+    """Write one group; large variables compressed, without loss."""
+    large = {name: {"zlib": True, "complevel": 1} for name, v in ds.data_vars.items() if v.size > 10_000}
+    try:
+        ds.to_netcdf(path, engine="netcdf4", mode=mode, group=group, encoding=large)
+    except RuntimeError as error:  # netCDF's own word for a full disk
+        raise OSError(str(error)) from None
+
+
+def seal(path: str | Path) -> None:
+    """Put the seal behind the contents of a netCDF file."""
+    digest = hashlib.sha256(Path(path).read_bytes()).hexdigest()
+    with Path(path).open("ab") as file:
+        file.write(SEAL + digest.encode())
+
+
+def sealed(path: str | Path) -> bool:
+    """Whether a file carries a seal; one it does not agree with raises `DatabaseError`."""
+    content = Path(path).read_bytes()
+    end = content.rfind(SEAL, max(0, len(content) - len(SEAL) - 64))
+    if end >= 0 and content[end + len(SEAL) :] != hashlib.sha256(memoryview(content)[:end]).hexdigest().encode():
+        raise DatabaseError(f"{path}: {CHANGED}; {DELETE}.")
+    return end >= 0
+
+
+def checksum(groups: Mapping[str, xr.Dataset]) -> str:
+    """Return sha256 over names, dimensions, attributes and values of datasets as stored; `checksum` itself left out."""
+    digest = hashlib.sha256()
+    for group, ds in sorted(groups.items()):
+        digest.update(_plain([group, _listed(ds.attrs)]))
+        for name, variable in sorted(ds.variables.items()):
+            kind, content = _content(variable.values)
+            shape = dict(zip(variable.dims, variable.shape, strict=True))
+            digest.update(_plain([name, name in ds.coords, list(shape.items()), kind, _listed(variable.attrs)]))
+            digest.update(content)
+    return digest.hexdigest()
+
+
+def _content(values: npt.NDArray[Any]) -> tuple[str, bytes]:
+    """Type and bytes of values, the same on every machine; text counts as such, of whatever length on disk."""
+    if values.dtype.kind in "OSU":
+        return "text", _plain(values.astype(str).tolist())
+    kind = values.dtype.newbyteorder("<").str
+    return kind, np.ascontiguousarray(values, dtype=kind).tobytes()
+
+
+def _listed(attrs: Mapping[Any, Any]) -> dict[str, Any]:
+    """Attributes as lists: on disk a number and a list of one are the same."""
+    return {str(name): np.atleast_1d(value).tolist() for name, value in attrs.items() if name != "checksum"}
+
+
+def _plain(data: object) -> bytes:
+    """Names, shapes and attributes as JSON, the same before and after they were on disk."""
+    return json.dumps(data, sort_keys=True).encode()
+
+
+def read_groups(path: str | Path) -> dict[str, xr.Dataset]:
+    """Read all groups of a netCDF file as they are stored.
 
     Raises
     ------
     DatabaseError
-        If the file is missing, not netCDF, or holds variables this project does not know.
+        If the file is missing, not netCDF, or its contents are not those its `checksum` was taken of.
     """
     if not Path(path).is_file():
         raise DatabaseError(f"{path}: file not found; run the rule that makes it (vsb run CONFIG).")
+    sealed(path)
     try:
-        with xr.open_dataset(path, engine="netcdf4", group=group) as ds:
-            raw = ds.load()
-    except (OSError, ValueError, RuntimeError) as error:
-        reason = " ".join(str(error).split())
+        groups = {}
+        for name, ds in xr.open_groups(path, engine="netcdf4").items():
+            with ds:
+                groups[name.removeprefix("/") or ROOT] = ds.load()
+        found = checksum(groups)
+    except Exception as error:  # what a damaged file makes of the libraries that read it, nobody can list
+        reason = " ".join(str(error).split()) or type(error).__name__
         raise DatabaseError(f"{path}: cannot be read as netCDF ({reason}); delete it and run again.") from None
+    if groups[ROOT].attrs.get("checksum", found) != found:
+        raise DatabaseError(f"{path}: {CHANGED}; {DELETE}.")
+    return groups
+
+
+def attributes(path: str | Path) -> dict[str, Any]:
+    """Return the attributes of a netCDF file after checking its contents: of a sealed one they are not even read.
+
+    Raises
+    ------
+    DatabaseError
+        See `read_groups`.
+    """
+    if not sealed(path):
+        return read_groups(path)[ROOT].attrs
+    with netCDF4.Dataset(path) as file:
+        return {name: file.getncattr(name) for name in file.ncattrs()}
+
+
+def load(path: str | Path, group: str = ROOT, *, expected: str | None = None) -> xr.Dataset:
+    """Read a dataset written by `save`: contents checked, complex variables merged, units applied.
+
+    Parameters
+    ----------
+    path : str or Path
+    group : str
+    expected : str, optional
+        Content id the file must carry; without, it is taken for what it is.
+
+    Raises
+    ------
+    DatabaseError
+        If the file is missing, damaged, not netCDF, not the one expected, or holds variables this project does not
+        know.
+    """
+    groups = read_groups(path)
+    if expected is not None:
+        check_stamp(groups[ROOT].attrs, expected, path)
+    if group not in groups:
+        raise DatabaseError(f"{path}: cannot be read as netCDF (no group {group}); delete it and run again.")
     try:
-        return described(merged(raw))
+        return described(merged(groups[group]))
     except (DatabaseError, ValueError) as error:
         raise DatabaseError(f"{path}: not a file of this project ({error}); delete or move it and run again.") from None
+
+
+def check_stamp(attrs: Mapping[str, Any], expected: str, path: str | Path) -> None:
+    """Check that a file carries the content id expected, and a checksum.
+
+    Raises
+    ------
+    DatabaseError
+    """
+    found = attrs.get("spec_id")
+    if found != expected:
+        raise DatabaseError(f"{path}: holds {found!r}, needs {expected!r}: stale or foreign; {DELETE}.")
+    if "checksum" not in attrs:
+        raise DatabaseError(f"{path}: carries no checksum of its contents; {DELETE}.")

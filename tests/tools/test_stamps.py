@@ -1,0 +1,156 @@
+import hashlib
+import json
+import os
+
+import netCDF4
+import numpy as np
+import pytest
+from tools.test_files import rao, rewritten
+
+from vsb.errors import DatabaseError
+from vsb.tools.files import load, save, write_text
+from vsb.tools.stamps import Stamp, faults, read_manifest, read_text, record, stamp_file
+
+ID, OTHER = "a" * 16, "b" * 16
+
+
+@pytest.fixture
+def place(tmp_path):
+    """A folder with a table, a figure and a trajectory, their stamps where they belong."""
+    write_text(tmp_path / "table.csv", "design,power\nFSB,364.0\n")
+    write_text(tmp_path / "figures" / "power.svg", "<svg/>")
+    record(tmp_path / "manifest.json", ID, [tmp_path / "table.csv", tmp_path / "figures" / "power.svg"])
+    save(rao(np.ones((1, 3, 2))).assign_attrs(spec_id=ID), tmp_path / "run.nc")
+    return tmp_path
+
+
+def found(place, expected=ID):
+    files = {str(place / name): expected for name in ("table.csv", "figures/power.svg", "run.nc", "none.nc")}
+    return {os.path.basename(f.path): f.kind for f in faults(files, read_manifest(place / "manifest.json"))}
+
+
+def test_what_was_written_is_sound_also_in_another_place(place):
+    assert found(place) == {}
+    assert found(place.rename(place.with_name("elsewhere"))) == {}
+
+
+def test_a_manifest_holds_names_from_its_folder_on(place):
+    stored = json.loads((place / "manifest.json").read_text())
+    assert list(stored) == ["figures/power.svg", "table.csv"]
+    text = (place / "table.csv").read_bytes()
+    assert stored["table.csv"] == {"spec_id": ID, "checksum": hashlib.sha256(text).hexdigest(), "size": len(text)}
+
+
+def test_what_another_specification_made_is_stale(place):
+    assert found(place, expected=OTHER) == dict.fromkeys(("table.csv", "power.svg", "run.nc"), "stale")
+
+
+def cut(path):
+    path.write_bytes(path.read_bytes()[:-5])
+
+
+def edited(path):
+    path.write_bytes(path.read_bytes().replace(b"364", b"729"))
+
+
+def scaled(path):
+    def change(file):
+        file["rao"][:] = 2 * file["rao"][:]
+
+    rewritten(path, change)
+
+
+def to_nan(path):
+    def change(file):
+        file["rao"][0, 0, 0] = np.nan
+
+    rewritten(path, change)
+
+
+def foreign(path):
+    save(rao(np.ones((1, 3, 2))).assign_attrs(spec_id=OTHER), path)
+
+
+def unnamed(path):
+    rewritten(path, lambda file: file.delncattr("spec_id"))
+
+
+def undone(path):
+    """A file of before the stamps."""
+    rewritten(path, lambda file: file.delncattr("checksum"))
+
+
+@pytest.mark.parametrize(
+    ("name", "damage", "kind"),
+    [
+        ("table.csv", cut, "damaged"),
+        ("table.csv", edited, "damaged"),
+        ("figures/power.svg", cut, "damaged"),
+        ("run.nc", cut, "damaged"),
+        ("run.nc", scaled, "damaged"),
+        ("run.nc", to_nan, "damaged"),
+        ("run.nc", foreign, "stale"),
+        ("run.nc", unnamed, "damaged"),
+        ("run.nc", undone, "stale"),
+    ],
+)
+def test_damage_is_found_also_with_the_old_time(place, name, damage, kind):
+    times = (place / name).stat()
+    damage(place / name)
+    os.utime(place / name, ns=(times.st_atime_ns, times.st_mtime_ns))
+    assert found(place) == {os.path.basename(name): kind}
+
+
+def test_a_product_without_a_stamp_is_stale(place):
+    (place / "manifest.json").unlink()
+    assert read_manifest(place / "manifest.json") == {}
+    assert found(place) == {"table.csv": "stale", "power.svg": "stale"}
+
+
+def test_a_text_is_read_only_if_it_is_the_one_promised(place):
+    table, manifest = place / "table.csv", place / "manifest.json"
+    assert read_text(table, manifest, ID).startswith("design,power")
+    with pytest.raises(DatabaseError, match=r"table.csv: is of 'a{16}', needs 'b{16}'; delete it, or let vsb verify"):
+        read_text(table, manifest, OTHER)
+    edited(table)
+    with pytest.raises(DatabaseError, match=r"table.csv: its contents are not those it was written with .*; delete it"):
+        read_text(table, manifest, ID)
+    table.unlink()
+    with pytest.raises(DatabaseError, match=r"table.csv: file not found; run the rule that makes it"):
+        read_text(table, manifest, ID)
+
+
+@pytest.mark.parametrize("content", ["", "{", "[]", '{"a": 1}', '{"a": {"size": 1}}'])
+def test_a_damaged_manifest_is_one_line_and_begun_anew_by_the_next_product(place, content):
+    manifest = place / "manifest.json"
+    manifest.write_text(content)
+    with pytest.raises(DatabaseError, match=r"manifest.json: cannot be read as a manifest .*; delete it") as error:
+        read_manifest(manifest)
+    assert "\n" not in str(error.value)
+    record(manifest, ID, [place / "table.csv"])
+    assert read_manifest(manifest) == {str(place / "table.csv"): Stamp.of(place / "table.csv", ID)}
+
+
+def test_products_that_are_gone_leave_the_manifest(place):
+    (place / "figures" / "power.svg").unlink()
+    record(place / "manifest.json", OTHER, [place / "table.csv"])
+    assert read_manifest(place / "manifest.json") == {str(place / "table.csv"): Stamp.of(place / "table.csv", OTHER)}
+
+
+def test_a_file_of_before_that_agrees_with_its_specification_is_stamped(tmp_path):
+    spec, path = '{"stage":"radiation"}', tmp_path / "a.nc"
+    identity = hashlib.sha256(spec.encode()).hexdigest()[:16]
+    save(rao(np.ones((1, 3, 2))).assign_attrs(spec=spec, spec_id=identity), path)
+    undone(path)
+    times = os.stat(path).st_mtime_ns
+    (fault,) = faults({str(path): identity}, {})
+    assert fault.kind == "unstamped"
+    stamp_file(path)
+    assert faults({str(path): identity}, {}) == []
+    assert load(path, expected=identity).equals(rao(np.ones((1, 3, 2))))
+    assert os.stat(path).st_mtime_ns == times
+    with netCDF4.Dataset(path, "a") as file:
+        file.setncattr("spec", '{"stage":"other"}')
+        file.delncattr("checksum")
+    (fault,) = faults({str(path): identity}, {})
+    assert fault.kind == "stale"

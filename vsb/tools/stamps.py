@@ -1,0 +1,157 @@
+"""Stamps: what a file of the results should be (content id of its specification) and what it holds (checksum).
+
+NetCDF files carry theirs as the attributes `spec_id` and `checksum`; those of all other products of a study stand in
+its manifest.
+"""
+
+import hashlib
+import json
+import os
+import shutil
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Literal, NamedTuple
+
+import netCDF4
+
+from vsb.errors import DatabaseError
+from vsb.tools.files import CHANGED, DELETE, attributes, checksum, locked, read_groups, seal, whole, write_text
+
+MANIFEST = "manifest.json"
+
+
+@dataclass(frozen=True)
+class Stamp:
+    """What a product that is no netCDF file should be, and what it holds."""
+
+    spec_id: str
+    checksum: str  # sha256 of its bytes
+    size: int
+
+    @classmethod
+    def of(cls, path: str | Path, spec_id: str) -> "Stamp":
+        """Return the stamp of a file as it is."""
+        content = Path(path).read_bytes()
+        return cls(spec_id, hashlib.sha256(content).hexdigest(), len(content))
+
+
+class Fault(NamedTuple):
+    """Why a file is not what it should be.
+
+    `unstamped` files are of before the stamps and agree with their specification, `stale` ones are of another one or
+    of none, `damaged` ones do not hold what they were written with.
+    """
+
+    path: str
+    kind: Literal["unstamped", "stale", "damaged"]
+    reason: str
+
+
+Manifest = dict[str, Stamp]
+"""Stamps by path."""
+
+
+def read_manifest(path: str | Path) -> Manifest:
+    """Return the stamps of a manifest by path; none if there is no manifest.
+
+    Raises
+    ------
+    DatabaseError
+        If it is no manifest.
+    """
+    folder = Path(path).parent
+    try:
+        stored = json.loads(Path(path).read_text(encoding="utf-8"))
+        return {os.path.normpath(folder / name): Stamp(**entry) for name, entry in stored.items()}
+    except FileNotFoundError:
+        return {}
+    except (ValueError, TypeError, AttributeError) as error:
+        raise DatabaseError(
+            f"{path}: cannot be read as a manifest ({' '.join(str(error).split())}); {DELETE}."
+        ) from None
+
+
+def record(manifest: str | Path, spec_id: str, paths: Iterable[str | Path]) -> None:
+    """Put the stamps of files just written into a manifest; those of files no longer there are dropped.
+
+    Jobs of one study share the manifest. One that cannot be read is begun anew: what it promised is computed again.
+    """
+    written = {os.path.normpath(path): Stamp.of(path, spec_id) for path in paths}
+    Path(manifest).parent.mkdir(parents=True, exist_ok=True)
+    with locked(Path(manifest).with_name(f".{MANIFEST}.lock")):
+        try:
+            stamps = read_manifest(manifest) | written
+        except DatabaseError:
+            stamps = written
+        there = {path: stamp for path, stamp in stamps.items() if os.path.isfile(path)}
+        stored = {Path(os.path.relpath(path, Path(manifest).parent)).as_posix(): asdict(s) for path, s in there.items()}
+        write_text(manifest, json.dumps(stored, indent=1, sort_keys=True) + "\n")
+
+
+def read_text(path: str | Path, manifest: str | Path, expected: str) -> str:
+    """Read a text product after comparing it with its stamp.
+
+    Raises
+    ------
+    DatabaseError
+        If the file is missing, not the one expected, or damaged.
+    """
+    if not Path(path).is_file():
+        raise DatabaseError(f"{path}: file not found; run the rule that makes it (vsb run CONFIG).")
+    if fault := text_fault(path, expected, read_manifest(manifest)):
+        raise DatabaseError(f"{path}: {fault.reason}; {DELETE}.")
+    return Path(path).read_text(encoding="utf-8")
+
+
+def faults(files: Mapping[str, str], manifest: Manifest) -> list[Fault]:
+    """Return which of the files that are there are not what they should be.
+
+    Parameters
+    ----------
+    files : mapping path -> content id
+    manifest : mapping path -> Stamp
+    """
+    look = {path: netcdf_fault if path.endswith(".nc") else text_fault for path in files if os.path.exists(path)}
+    found = (fault_of(path, files[path], manifest) for path, fault_of in look.items())
+    return [fault for fault in found if fault]
+
+
+def text_fault(path: str | Path, expected: str, manifest: Manifest) -> Fault | None:
+    """Return why a product that is no netCDF file is not what it should be."""
+    stamp = manifest.get(os.path.normpath(path))
+    if stamp is None:
+        return Fault(str(path), "stale", "is not in the manifest")
+    if stamp.spec_id != expected:
+        return Fault(str(path), "stale", f"is of {stamp.spec_id!r}, needs {expected!r}")
+    if os.stat(path).st_size != stamp.size or Stamp.of(path, expected) != stamp:
+        return Fault(str(path), "damaged", CHANGED)
+    return None
+
+
+def netcdf_fault(path: str | Path, expected: str, _: Manifest) -> Fault | None:
+    """Return why a netCDF file is not what it should be."""
+    try:
+        attrs = attributes(path)
+    except DatabaseError as error:
+        return Fault(str(path), "damaged", str(error).removeprefix(f"{path}: "))
+    if "spec_id" not in attrs:
+        return Fault(str(path), "stale", "carries no stamp")
+    if attrs["spec_id"] != expected:
+        return Fault(str(path), "stale", f"is of {attrs['spec_id']!r}, needs {expected!r}")
+    if "checksum" in attrs:
+        return None
+    agrees = hashlib.sha256(str(attrs.get("spec")).encode()).hexdigest().startswith(expected)
+    return Fault(str(path), "unstamped" if agrees else "stale", "carries no checksum of its contents")
+
+
+def stamp_file(path: str | Path) -> None:
+    """Give a netCDF file of before the stamps its checksum; its time stays, so nothing is computed again for it."""
+    times = os.stat(path)
+    found = checksum(read_groups(path))
+    with whole(path) as temporary:
+        shutil.copyfile(path, temporary)
+        with netCDF4.Dataset(temporary, "a") as file:
+            file.setncattr("checksum", found)
+        seal(temporary)
+        os.utime(temporary, ns=(times.st_atime_ns, times.st_mtime_ns))
