@@ -21,7 +21,7 @@ from vsb.shell.loaded import equilibrium
 from vsb.shell.modes import design_motions
 from vsb.stages import shape_dependence as stage
 from vsb.study import study as config
-from vsb.tools import units
+from vsb.tools import files
 from vsb.waves.seas import sea
 
 HERE = Path(__file__).parents[1]
@@ -341,7 +341,7 @@ def test_a_run_interrupted_goes_on(coarsely, tmp_path, monkeypatch):
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.nc", "a.svg"]
     assert "size of the deformation" in (tmp_path / "a.svg").read_text()
     assert ShapeDatabase.load(out[0]).labels == ["Heave"]
-    assert answer(units.load(out[0]), study.study) == line
+    assert answer(files.load(out[0]), study.study) == line
     stage.shape_dependence(varied(study, pto={"damping": 5000.0}), *out)
     assert len(solved) > before  # another study
 

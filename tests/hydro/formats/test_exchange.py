@@ -16,7 +16,7 @@ from vsb.hydro.formats.bemio import bemio_entries, excitation_response, impulse_
 from vsb.hydro.formats.exchange import export
 from vsb.hydro.formats.wamit import import_wamit, wamit_texts
 from vsb.hydro.kernel import DampingSpectrum
-from vsb.tools import units
+from vsb.tools import files, units
 
 HALF_DIGIT = 5e-7  # of seven significant digits
 PAIR, WAVE = ("influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
@@ -300,8 +300,8 @@ def test_output_of_others_with_generalized_modes(tmp_path):
         "excitation_force": "N/m",
         "hydrostatic_stiffness": "N/m",
     }
-    units.save(ds, tmp_path / "imported.nc")
-    assert units.load(tmp_path / "imported.nc").equals(ds)
+    files.save(ds, tmp_path / "imported.nc")
+    assert files.load(tmp_path / "imported.nc").equals(ds)
 
 
 def test_a_header_may_be_missing_and_infinite_frequency_too(tmp_path):
@@ -724,7 +724,7 @@ def test_nothing_is_written_unless_all_can_be(stored, elastic, tmp_path):
         export(stored, tmp_path / "out", "buoy")
     with pytest.raises(DatabaseError, match="needs 'c'"):
         export(stored, tmp_path / "out", "buoy", expected_id="c")
-    units.save(elastic.drop_attrs().assign_attrs(spec_id="c"), tmp_path / "block.nc")
+    files.save(elastic.drop_attrs().assign_attrs(spec_id="c"), tmp_path / "block.nc")
     with pytest.raises(DatabaseError, match=r"block\.nc: holds no separate_sweep; needs a hydro database"):
         export(tmp_path / "block.nc", tmp_path / "out", "buoy")
     assert not (tmp_path / "out").exists()

@@ -16,7 +16,7 @@ from vsb.hydro.formats.bemio import bemio_entries, read_bemio, write_h5
 from vsb.hydro.formats.exchange import export, foreign_checks
 from vsb.hydro.formats.modes import RIGID, check_positive, floating, mode_labels, mode_numbers, rotations, structure
 from vsb.hydro.formats.wamit import import_wamit, wamit_texts
-from vsb.tools import units
+from vsb.tools import files, units
 from vsb.waves.seas import group_velocity, wavenumber
 
 PAIR, WAVE = ("influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
@@ -371,7 +371,7 @@ def solved(tmp_path_factory, green_folder):
 
 
 def test_a_body_of_the_general_route_says_what_it_displaces(solved):
-    ds = units.load(solved)
+    ds = files.load(solved)
     assert ds.attrs["displaced_volume"] == pytest.approx(480.0)
     assert ds.attrs["centre_of_buoyancy"] == pytest.approx([0.0, 0.0, -1.5], abs=1e-12)
     assert ds.attrs["centre_of_mass"] == pytest.approx([0.0, 0.0, -0.5])
@@ -379,7 +379,7 @@ def test_a_body_of_the_general_route_says_what_it_displaces(solved):
 
 def test_a_barge_goes_out_and_comes_back_by_either_form(solved, tmp_path, capsys):
     """Solved by capytaine; exported by file, read back by commands, judged by Haskind over all headings."""
-    ds = units.load(solved)
+    ds = files.load(solved)
     assert main(["export", str(solved), str(tmp_path)]) == 0
     names = [f"barge{end}" for end in (".1", ".3", ".3fk", ".3sc", ".hst", ".mmx", ".h5")]
     assert capsys.readouterr().out.split() == [str(tmp_path / name) for name in names]
@@ -391,7 +391,7 @@ def test_a_barge_goes_out_and_comes_back_by_either_form(solved, tmp_path, capsys
         ("w", ["Heave", "Pitch", "Bending1", "Bending2"], 1e-6),
         ("b", ["Heave", "Pitch", "Bending1", "Bending2"], 1e-12),
     ):
-        back = units.load(tmp_path / f"{name}.nc")
+        back = files.load(tmp_path / f"{name}.nc")
         assert back.influenced_dof.values.tolist() == labels
         assert set(back.data_vars) == {*ds.data_vars, "structural_damping_matrix"}
         for key in ds.data_vars:
@@ -410,7 +410,7 @@ def test_a_wrong_unit_of_length_ends_in_one(solved, tmp_path, capsys):
     assert (
         "a check fails: are --length ULEN, --density and --gravity those of the run, and PER a column of periods" in out
     )
-    assert "fail" in units.load(tmp_path / "w.nc").attrs["quality"]
+    assert "fail" in files.load(tmp_path / "w.nc").attrs["quality"]
     assert main(["import-wamit", str(tmp_path), "barge", str(tmp_path / "w.nc"), "--length", "2"]) == 0
 
 
@@ -428,7 +428,7 @@ def test_an_impossible_option_is_one_line_and_two(foreign, option, value, needed
 def test_one_heading_is_said_to_check_little(foreign, tmp_path, capsys):
     assert main(["import-wamit", str(foreign), "barge", str(tmp_path / "w.nc"), "--density", "1000"]) == 0
     assert "not checked: haskind" in capsys.readouterr().out
-    assert "not checked: haskind" in units.load(tmp_path / "w.nc").attrs["history"]
+    assert "not checked: haskind" in files.load(tmp_path / "w.nc").attrs["history"]
 
 
 def test_files_that_are_no_database_are_refused_in_one_line(tmp_path, capsys):

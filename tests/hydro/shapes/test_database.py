@@ -11,7 +11,7 @@ from vsb.hydro.shapes.family import COEFFICIENTS, ShapeFamily, haskind_damping, 
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
 from vsb.scenes.rest import reference_shell
-from vsb.tools import units
+from vsb.tools import files
 
 OMEGAS = (0.8, 1.6, 2.4, 3.2, 4.8, 6.4)
 GRID = np.array(OMEGAS)
@@ -168,7 +168,7 @@ def test_it_is_stored_and_read_back(database, tmp_path):
 
 
 def test_a_file_of_another_kind_is_refused(database, tmp_path):
-    units.save(database.dataset[["added_mass"]], tmp_path / "other.nc")
+    files.save(database.dataset[["added_mass"]], tmp_path / "other.nc")
     with pytest.raises(DatabaseError, match=r"no shape database, without \['added_mass_inf', 'excitation_force', 'ref"):
         ShapeDatabase.load(tmp_path / "other.nc")
 
