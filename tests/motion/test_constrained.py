@@ -1,0 +1,215 @@
+"""The optimum within limits: identities, a second method, proofs, and limits of limits."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import linprog, minimize
+
+from vsb.errors import ConvergenceError, StabilityError
+from vsb.motion import constrained
+from vsb.motion.constrained import Harmonics, constrained_optimum
+
+
+def buoy(harmonics, resonance=1.6, seed=0, loss=500.0):
+    """Admittance of a mass on a spring with radiation, and free velocity in a sea of random phases."""
+    w, mass = harmonics.omega, 3e4
+    resistance = loss + 8e3 * w**2 * np.exp(-w)
+    admittance = 1 / (resistance - 1j * (w * mass - mass * resonance**2 / w))
+    phase = np.random.default_rng(seed).uniform(0, 2 * np.pi, len(w))
+    force = 2e4 * np.exp(-(((w - 1.3) / 0.6) ** 2) + 1j * phase)
+    return admittance * force, admittance
+
+
+SEA = Harmonics(0.13, 0.5, 40)
+WAVES = Harmonics(0.8, 1.0, 9)
+
+
+def power(velocity, admittance, force):
+    return float(np.sum((force.conj() * velocity).real - admittance.real * np.abs(force) ** 2) / 2)
+
+
+def instants(harmonics, count):
+    return np.arange(count) * 2 * np.pi / harmonics.spacing / count
+
+
+@pytest.mark.parametrize("harmonics", [SEA, WAVES, Harmonics(0.3, 2.5, 7), Harmonics(0.3, 4.0, 1)])
+def test_signals_products_and_adjoint_are_the_sums_they_stand_for(harmonics):
+    rng = np.random.default_rng(3)
+    time = instants(harmonics, harmonics.instants)
+    waves = np.exp(1j * np.outer(harmonics.omega, time))  # e_k(t_j)
+    c = rng.normal(size=harmonics.count) + 1j * rng.normal(size=harmonics.count)
+    w = rng.uniform(size=len(time))
+    np.testing.assert_allclose(harmonics.signal(c), (c @ waves.conj()).real, atol=1e-12)
+    np.testing.assert_allclose(harmonics.phasors(w), waves @ w, atol=1e-12)
+    toeplitz, hankel = harmonics.products(w)
+    np.testing.assert_allclose(toeplitz, (waves * w) @ waves.conj().T, atol=1e-11)
+    np.testing.assert_allclose(hankel, (waves * w) @ waves.T, atol=1e-11)
+    finer = (c @ np.exp(-1j * np.outer(harmonics.omega, instants(harmonics, 3 * harmonics.instants)))).real
+    np.testing.assert_allclose(harmonics.signal(c, 3), finer, atol=1e-12)
+
+
+@pytest.mark.parametrize("harmonics", [SEA, WAVES])
+def test_without_limits_that_bind_it_is_the_matched_limit(harmonics):
+    velocity, admittance = buoy(harmonics)
+    matched = np.sum(np.abs(velocity) ** 2 / (8 * admittance.real))
+    free = constrained_optimum(harmonics, velocity, admittance)
+    loose = constrained_optimum(harmonics, velocity, admittance, 1.01 * free.force_peak, 1.01 * free.stroke_peak)
+    tight = constrained_optimum(harmonics, velocity, admittance, 0.8 * free.force_peak, 1.01 * free.stroke_peak)
+    assert free.power == loose.power == pytest.approx(matched, rel=1e-14)
+    assert free.gap == loose.gap == 0
+    assert tight.power < 0.99995 * matched
+
+
+@pytest.mark.parametrize("limits", [(3e3, np.inf), (np.inf, 0.3), (4e4, 2.0), (4e3, 6.0)])
+@pytest.mark.parametrize("harmonics", [SEA, WAVES])
+def test_limits_are_kept_and_the_gap_is_closed(harmonics, limits):
+    velocity, admittance = buoy(harmonics)
+    found = constrained_optimum(harmonics, velocity, admittance, *limits)
+    assert found.force_peak <= limits[0] * (1 + 1e-9)
+    assert found.stroke_peak <= limits[1] * (1 + 1e-9)
+    assert 0 <= found.gap <= 1e-6
+    assert found.power == pytest.approx(power(velocity, admittance, found.force), rel=1e-13)
+    stroke = (velocity - admittance * found.force) / (-1j * harmonics.omega)
+    np.testing.assert_allclose(found.stroke, stroke, rtol=1e-12, atol=1e-15)
+    assert found.force_rms == pytest.approx(np.sqrt(np.mean(harmonics.signal(found.force) ** 2)), rel=1e-12)
+    peaks = [np.abs(harmonics.signal(x, 8)).max() for x in (found.force, found.stroke)]
+    assert found.excess == pytest.approx(max(0.0, *(p / m - 1 for p, m in zip(peaks, limits, strict=True))), abs=1e-12)
+
+
+@pytest.mark.parametrize(("force_limit", "stroke_limit"), [(4e3, np.inf), (2e4, 0.5), (np.inf, 0.35)])
+def test_a_general_solver_finds_the_same_optimum(force_limit, stroke_limit):
+    """SLSQP on the real and imaginary parts, constraints written out with sines and cosines."""
+    harmonics = Harmonics(0.8, 0.5, 4)
+    velocity, admittance = buoy(harmonics)
+    found = constrained_optimum(harmonics, velocity, admittance, force_limit, stroke_limit)
+    time, w = instants(harmonics, harmonics.instants), harmonics.omega
+    scale = found.force_peak
+
+    def complexes(x):
+        return scale * (x[:4] + 1j * x[4:])
+
+    def room(x):
+        force = complexes(x)
+        stroke = (velocity - admittance * force) / (-1j * w)
+        out = []
+        for phasors, limit in ((force, force_limit), (stroke, stroke_limit)):
+            signal = np.cos(np.outer(time, w)) @ phasors.real + np.sin(np.outer(time, w)) @ phasors.imag
+            if np.isfinite(limit):
+                out += [1 - signal / limit, 1 + signal / limit]
+        return np.concatenate(out)
+
+    def loss(x):
+        return -power(velocity, admittance, complexes(x)) / found.power
+
+    best = minimize(
+        loss, np.zeros(8), constraints={"type": "ineq", "fun": room}, options={"ftol": 1e-12, "maxiter": 500}
+    )
+    assert best.success
+    assert -best.fun == pytest.approx(1.0, rel=2e-6)
+
+
+def least_share(harmonics, velocity, admittance, force_limit, stroke_limit):
+    """Least factor by which both limits can be multiplied and still be kept together: a linear programme."""
+    time, w = instants(harmonics, harmonics.instants), harmonics.omega
+    cosine, sine = np.cos(np.outer(time, w)), np.sin(np.outer(time, w))
+    gain, n = admittance / (-1j * w), len(w)
+    still = velocity / (-1j * w)
+    free = cosine @ still.real + sine @ still.imag
+    force = np.hstack([cosine, sine])
+    stroke = -np.hstack([cosine * gain.real + sine * gain.imag, sine * gain.real - cosine * gain.imag])
+    rows = np.vstack([force / force_limit, -force / force_limit, stroke / stroke_limit, -stroke / stroke_limit])
+    ones = np.ones((len(rows), 1))
+    right = np.concatenate([np.zeros(2 * len(time)), -free / stroke_limit, free / stroke_limit])
+    cost = np.append(np.zeros(2 * n), 1.0)
+    return linprog(cost, np.hstack([rows, -ones]), right, bounds=[(None, None)] * (2 * n) + [(0, None)]).fun
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_limits_that_cannot_be_met_are_proved_so_and_others_met(seed):
+    """Judged by a linear programme: just on one side a force is found, just on the other a certificate."""
+    harmonics = Harmonics(0.26, 0.5, 16)
+    velocity, admittance = buoy(harmonics, resonance=1.2, seed=seed, loss=50.0)
+    free = np.abs(harmonics.signal(velocity / (-1j * harmonics.omega))).max()
+    limits = np.array([5e3, 0.2 * free])
+    limits *= least_share(harmonics, velocity, admittance, *limits)
+    assert np.abs(limits[1]) < free
+    found = constrained_optimum(harmonics, velocity, admittance, *(1.03 * limits))
+    assert found.force_peak <= 1.03 * limits[0] * (1 + 1e-9)
+    assert found.stroke_peak <= 1.03 * limits[1] * (1 + 1e-9)
+    with pytest.raises(
+        StabilityError, match=r"no force within force_limit keeps stroke_limit in this sea \(proof: it would"
+    ):
+        constrained_optimum(harmonics, velocity, admittance, *(0.97 * limits))
+
+
+@settings(max_examples=25)
+@given(
+    damping=st.floats(3, 6),
+    stiffness=st.floats(-4e4, 4e4),
+    seed=st.integers(0, 99),
+    share=st.floats(0.05, 1.0),
+)
+def test_no_spring_and_damper_within_the_limits_takes_more(damping, stiffness, seed, share):
+    velocity, admittance = buoy(SEA, seed=seed)
+    load = 10**damping + 1j * stiffness / SEA.omega
+    force = velocity * load / (1 + admittance * load)
+    taken = power(velocity, admittance, force)
+    stroke = (velocity - admittance * force) / (-1j * SEA.omega)
+    peaks = [np.abs(SEA.signal(x)).max() for x in (force, stroke)]
+    assert constrained_optimum(SEA, velocity, admittance, *peaks).power >= taken * (1 - 2e-6)
+    if share * peaks[1] > 1.01 * np.abs(SEA.signal(velocity / (-1j * SEA.omega))).max():
+        assert constrained_optimum(SEA, velocity, admittance, share * peaks[0]).power <= taken / share * 50
+
+
+def test_power_is_concave_and_rises_with_the_limit():
+    velocity, admittance = buoy(SEA)
+    limits = np.linspace(1e3, 1.2e4, 8)
+    powers = np.array([constrained_optimum(SEA, velocity, admittance, limit, tolerance=1e-9).power for limit in limits])
+    assert np.all(np.diff(powers) > 0)
+    assert np.all(np.diff(powers, 2) < 1e-6 * powers[-1])
+
+
+def test_a_small_force_takes_its_limit_times_mean_speed_with_order_two_in_the_harmonics():
+    """F = F_max sign V0 is best where force is scarce; N harmonics turn it over within 1/N of each zero of V0."""
+    omega, velocity = 1.3, 0.7
+    missing = []
+    for count in (8, 16, 32, 64, 128):
+        harmonics = Harmonics(omega, 1.0, count)
+        free = np.zeros(count, dtype=complex)
+        free[0] = velocity
+        found = constrained_optimum(harmonics, free, np.full(count, 1e-9 + 0j), 1.0, tolerance=1e-10)
+        missing.append(1 - found.power / (2 / np.pi * velocity))
+    orders = -np.diff(np.log2(np.abs(missing)))
+    assert np.all(np.abs(orders - 2.0) < 0.25), (missing, orders)
+
+
+def test_the_bound_holds_for_any_multipliers():
+    """Weak duality: also far from the optimum no force within the limits passes it."""
+    velocity, admittance = buoy(SEA)
+    limit = constrained.Limit(np.zeros(SEA.instants), np.ones(SEA.count, dtype=complex), 4e3)
+    programme = constrained._Programme(SEA, velocity, admittance.real, [limit])
+    best = constrained_optimum(SEA, velocity, admittance, 4e3).power
+    rng = np.random.default_rng(5)
+    for size in (1e-4, 1e-2, 1.0):
+        upper, lower = rng.uniform(size=(2, SEA.instants)) * size / SEA.instants
+        assert programme.bound([upper], [lower]) >= best
+
+
+@pytest.mark.parametrize(("spacing", "first", "count"), [(0.1, 0.0, 3), (0.1, 0.7, 3), (0.0, 1.0, 3), (0.1, 1.0, 0)])
+def test_harmonics_that_do_not_repeat_are_refused(spacing, first, count):
+    with pytest.raises(ValueError, match="needs a first order of 1/2, 1, 3/2"):
+        Harmonics(spacing, first, count)
+
+
+def test_a_port_that_gives_out_energy_is_refused():
+    velocity, admittance = buoy(WAVES)
+    with pytest.raises(ValueError, match=r"port: received Re Y = -1e-05 .* at 4 rad/s, needs more than 0"):
+        constrained_optimum(WAVES, velocity, np.where(WAVES.omega == 4.0, -1e-5, admittance), 1e3)
+
+
+def test_an_optimum_not_found_in_time_is_an_error(monkeypatch):
+    monkeypatch.setattr(constrained, "MOST_STEPS", 2)
+    velocity, admittance = buoy(SEA)
+    with pytest.raises(ConvergenceError, match=r"the optimum under limits is not found to 1e-06 in 2 steps"):
+        constrained_optimum(SEA, velocity, admittance, 1e3)
