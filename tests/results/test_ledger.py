@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 import xarray as xr
 from conftest import varied
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
 
 from vsb.hydro.database import Check
 from vsb.results import ledger
@@ -26,6 +28,25 @@ def test_the_vented_shell_of_the_seed_is_not_viable(seed):
     assert static.value * 2.0 == pytest.approx(0.137, abs=0.001)
     rigid = varied(seed, designs={"FSB": {"flexible": False}})
     assert ledger.shell_checks(rigid, reference_shell(rigid)) == []
+
+
+@settings(max_examples=8)
+@given(st.floats(0.5, 4.0), st.floats(2e-3, 2e-2), st.floats(6.5, 8.0))
+def test_the_pressure_advised_is_one_that_passes(seed, radius, slenderness, modulus):
+    """Rounded for people it still holds, and what the classical formula says is a remark there."""
+    device = {"radius": radius, "thickness": slenderness * radius, "young_modulus": 10.0**modulus}
+    vented = varied(seed, device={**device, "mass": 4.0 / 3.0 * np.pi * radius**3 * 512.0})
+    text = ledger.viable_text(vented)
+    assume(vented.device.internal_pressure == 0.0 and "viable from" in text)
+    advised = float(text.split("internal_pressure = ")[1].split(" Pa")[0])
+    assume(advised > 0.0)
+    study = varied(vented, device={"internal_pressure": advised})
+    classical, computed = ledger.shell_checks(study, reference_shell(study))[:2]
+    assert (classical.name, classical.verdict) == ("buckling", "ok")
+    assert (computed.name, computed.verdict) == ("computed_buckling", "ok")
+    assert "a remark" in classical.explanation
+    below = varied(vented, device={"internal_pressure": 0.99 * advised})
+    assert ledger.viability_checks(below)[0].verdict == "fail"
 
 
 def test_static_amplitudes_balance_the_load_to_first_order(seed):

@@ -1,3 +1,5 @@
+import tracemalloc
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -8,7 +10,9 @@ from vsb.hydro.dofs import Displacement
 from vsb.hydro.panels.mesh import deformed_mesh
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.shell.deformed import DeformedShell, check_meridian, enclosed
+from vsb.shell.loaded import complete_basis
 from vsb.shell.modes import mode_basis
+from vsb.shell.sphere import Shell
 
 RHO, G = 1025.0, 9.81
 
@@ -320,3 +324,15 @@ def test_a_meridian_that_passes_turns_once(full, modal):
         return
     assert not crosses_axis
     assert turned[-1] - turned[0] == pytest.approx(-np.pi, abs=1e-6)
+
+
+def test_the_stiffness_of_a_thousand_shapes_takes_no_cube_of_memory():
+    """The integrand of 241 shapes at 520 points, (dof, dof, point), would be 240 MB."""
+    basis = complete_basis(Shell(2.0, 0.01, 1e7, 0.3, 2700.0), 120, 1e4)
+    dof, points = len(basis.labels), 520
+    tracemalloc.start()
+    stiffness = DeformedShell(basis, 0.1).hydrostatic_stiffness(1025.0, 9.81, points)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert np.abs(stiffness - stiffness.T).max() < 1e-10 * np.abs(stiffness).max()
+    assert peak < 0.25 * 8 * dof * dof * points

@@ -389,3 +389,15 @@ def test_memory_grows_with_the_record_not_with_what_is_followed(seed):
     assert 1700 < asked[1e5] < 2 * 1700
     irregular = varied(seed, waves=[{"kind": "jonswap", "hs": 0.5, "tp": 4.0}], simulation={"duration": 1e5})
     assert 2900 < StudyPlan(irregular).simulation_megabytes(irregular.waves[0]) < 2 * 2900
+
+
+@given(st.floats(0.3, 5.0), st.floats(3.0, 12.0), st.sampled_from([1e-3, 1e-4, 1e-2]), st.sampled_from([math.inf, 9.0]))
+def test_the_database_reaches_any_highest_frequency_asked_for(seed, radius, highest, tolerance, depth):
+    device = {"radius": radius, "thickness": 0.005 * radius, "mass": 2100.0 * radius**3}
+    water = {"depth": depth}
+    study = varied(seed, device=device, water=water, hydro={"omega_max": highest, "tolerance": tolerance})
+    plan = StudyPlan(study)
+    assert highest - 1e-9 <= plan.highest_omega < highest + plan.step
+    assert plan.highest_omega in plan.sweep_blocks[-1]["omega"]
+    on_grid = StudyPlan(varied(study, hydro={"omega_max": plan.highest_omega}))
+    assert content_id(on_grid.database) == content_id(plan.database)  # what is solved names it, not what was asked

@@ -1,6 +1,7 @@
 """The validity ledger of a study: what to doubt, with a limit and a verdict for each."""
 
 import json
+import math
 from collections.abc import Sequence
 from dataclasses import asdict, replace
 
@@ -28,17 +29,24 @@ def shell_checks(study: Study, reference: ReferenceShell) -> list[Check]:
     """Return what the static load does to a flexible shell: buckling by two criteria, deformation, strain."""
     if not study.flexible:
         return []
+    checks, static = viability_checks(study), static_checks(study, reference)
+    return [classical_check(study, reference, all(check.verdict == "ok" for check in checks)), *checks, *static]
+
+
+def classical_check(study: Study, reference: ReferenceShell, carried: bool) -> Check:
+    """Return the classical criterion of buckling, of a uniform pressure; a remark where the shell is computed to hold.
+
+    That a shell with internal pressure hangs in the water, pressed on its keel alone, is not its to know.
+    """
     shell, water = Shell.of(study.device), study.water
     keel = max(0.0, water.density * water.gravity * reference.keel_depth - study.device.internal_pressure)
-    return [
-        check_at_most(
-            "buckling", keel / shell.buckling_pressure, 1.0, "-",
-            f"net pressure at the keel {keel:.4g} Pa over the classical buckling pressure "
-            f"{shell.buckling_pressure:.4g} Pa: above 1 the shell would buckle and the design is not viable",
-        ),
-        *viability_checks(study),
-        *static_checks(study, reference),
-    ]  # fmt: skip
+    classical = shell.buckling_pressure
+    text = f"net pressure at the keel {keel:.4g} Pa over the classical buckling pressure {classical:.4g} Pa"
+    consequence = "above 1 the shell would buckle and the design is not viable"
+    if carried:
+        consequence = "of a uniform pressure; a remark, for the shell is computed to carry its own load"
+    check = check_at_most("buckling", keel / classical, 1.0, "-", f"{text}: {consequence}")
+    return replace(check, verdict="ok") if carried else check
 
 
 def viability_checks(study: Study) -> list[Check]:
@@ -62,7 +70,9 @@ def viable_text(study: Study) -> str:
     except ConvergenceError as error:
         return f"; {error}"
     strain = f"{100 * found.linear_strain:.2g} % linear strain at rest"
-    return f"; viable from device.internal_pressure = {pressure:.4g} Pa, at {strain}"
+    least = float(f"{pressure:.3e}")
+    least += 10.0 ** (math.floor(math.log10(least)) - 3) if 0 < least < pressure else 0.0  # rounded up: it holds there
+    return f"; viable from device.internal_pressure = {least:.4g} Pa, at {strain}"
 
 
 def static_checks(study: Study, reference: ReferenceShell) -> list[Check]:

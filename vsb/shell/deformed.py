@@ -1,7 +1,7 @@
 """The deformed shell in water: waterline, wet quadrature, volume, area, hydrostatic force and its exact Jacobian."""
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
@@ -26,6 +26,15 @@ class Meridian(NamedTuple):
     shape_z: FloatArray
     dshape_x: FloatArray
     dshape_z: FloatArray
+
+
+AT_ONCE = 512
+"""Points at which shapes are tabulated at one time: of thousands of shapes these are some 100 MB."""
+
+
+def _parts(points: FloatArray) -> list[FloatArray]:
+    """Points in parts of at most `AT_ONCE`, at least one."""
+    return np.array_split(points, max(1, -(-len(points) // AT_ONCE)))
 
 
 @dataclass(frozen=True)
@@ -67,9 +76,10 @@ class DeformedShell:
         return np.linspace(0.0, np.pi, 40 * (self.basis.highest_degree + 1) + 1)
 
     @cached_property
-    def _on_grid(self) -> Meridian:
-        """The meridian there."""
-        return self.meridian(self._grid)
+    def _on_grid(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Radius, height and slope dx/dphi of the meridian there."""
+        x, z, dx = zip(*(self.meridian(part)[:3] for part in _parts(self._grid)), strict=True)
+        return np.concatenate(x), np.concatenate(z), np.concatenate(dx)
 
     @cached_property
     def waterline(self) -> float:
@@ -92,8 +102,7 @@ class DeformedShell:
     @cached_property
     def wet_segments(self) -> list[tuple[float, float]]:
         """Colatitude intervals below the free surface: none (dry), one, or several (more than one waterline)."""
-        grid = self._grid
-        z = self._on_grid.z
+        grid, (_, z, _) = self._grid, self._on_grid
         crossings = [
             float(brentq(lambda phi: float(self.meridian(np.array([phi])).z[0]), a, b, xtol=1e-15, rtol=1e-15))
             for a, b, za, zb in zip(grid[:-1], grid[1:], z[:-1], z[1:], strict=True)
@@ -103,13 +112,18 @@ class DeformedShell:
         middles = self.meridian(np.array([(a + b) / 2 for a, b in itertools.pairwise(edges)])).z
         return [(a, b) for a, b, z in zip(edges[:-1], edges[1:], middles, strict=True) if z < 0]
 
+    def _wet_points(self, points: int) -> Iterator[tuple[FloatArray, FloatArray]]:
+        """Colatitudes and weights of Gauss-Legendre quadrature, `points` per wet segment, some at a time."""
+        rule = np.polynomial.legendre.leggauss(points)
+        for a, b in self.wet_segments:
+            for node, weight in zip(*map(_parts, rule), strict=True):
+                yield (a + b) / 2 + (b - a) / 2 * node, (b - a) / 2 * weight
+
     def _wet_integral(self, integrand: Callable[[Meridian], FloatArray], points: int) -> FloatArray | float:
         """Integrate over the wet meridian by Gauss-Legendre quadrature, `points` per wet segment."""
-        node, weight = np.polynomial.legendre.leggauss(points)
         total: FloatArray | float = 0.0
-        for a, b in self.wet_segments:
-            phi = (a + b) / 2 + (b - a) / 2 * node
-            total = total + integrand(self.meridian(phi)) @ ((b - a) / 2 * weight)
+        for phi, weight in self._wet_points(points):
+            total = total + integrand(self.meridian(phi)) @ weight
         return total
 
     def volume(self, points: int = 40) -> float:
@@ -143,15 +157,15 @@ class DeformedShell:
         (buoyancy), radius and the turning and stretching of n dS (follower pressure). Symmetric, for a pressure
         field has a potential; capytaine's own matrix drops terms of it and is not.
         """
-
-        def integrand(m: Meridian) -> FloatArray:
-            normal_j = (-m.dz * m.shape_x + m.dx * m.shape_z)[:, None]
-            turned = -m.dshape_z * m.shape_x[:, None] + m.dshape_x * m.shape_z[:, None]
-            return m.shape_z * m.x * normal_j + m.z * m.shape_x * normal_j + m.z * m.x * turned
-
-        jacobian = 2 * np.pi * density * gravity * self._wet_integral(integrand, points)
         dof = len(self.basis.labels)
-        return -np.broadcast_to(jacobian, (dof, dof)).copy()
+        jacobian = np.zeros((dof, dof))
+        for phi, weight in self._wet_points(points):
+            m = self.meridian(phi)
+            ring, column = weight * m.x, weight * m.z * m.x
+            normal_j = -m.dz * m.shape_x + m.dx * m.shape_z
+            turned = -(m.shape_x * column) @ m.dshape_z.T + (m.shape_z * column) @ m.dshape_x.T
+            jacobian += normal_j @ (ring * m.shape_z + weight * m.z * m.shape_x).T + turned
+        return -2 * np.pi * density * gravity * jacobian
 
 
 def check_meridian(shell: DeformedShell) -> None:
@@ -161,14 +175,14 @@ def check_meridian(shell: DeformedShell) -> None:
     """
     if not np.isfinite([shell.centre_height, *shell.amplitudes]).all():
         raise ConfigError("reference_shape: received a shape with NaN or infinite amplitudes; needs finite ones")
-    phi, m = shell._grid, shell._on_grid
-    x, z = m.x.copy(), m.z - shell.centre_height
+    phi, (x, z, dx) = shell._grid, shell._on_grid
+    x, z = x.copy(), z - shell.centre_height
     deform_less = "deform the shell less: raise its stiffness, or change device.internal_pressure"
-    if m.dx[0] <= 0 or m.dx[-1] >= 0 or x[1:-1].min() <= 0:
+    if dx[0] <= 0 or dx[-1] >= 0 or x[1:-1].min() <= 0:
         at = int(np.argmin(x[1:-1])) + 1
         raise ConfigError(
             f"reference_shape: received a meridian that crosses the axis (radius {x[at]:.3g} m at colatitude "
-            f"{phi[at]:.3g} rad, slope {m.dx[0]:.3g} m at the top, {m.dx[-1]:.3g} m at the keel); needs one clear of "
+            f"{phi[at]:.3g} rad, slope {dx[0]:.3g} m at the top, {dx[-1]:.3g} m at the keel); needs one clear of "
             f"it between its poles: {deform_less}"
         )
     x[0] = x[-1] = 0.0

@@ -184,6 +184,12 @@ class HydroPlan:
         digits = max(0, -math.floor(math.log10(self.step))) + 5
         return [round(self.step * i, digits) for i in range(first, last + 1)]
 
+    @property
+    def highest_omega(self) -> float:
+        """Highest frequency a database is given [rad/s]: the first of the grid that is not below omega_max."""
+        last = math.ceil(self.study.hydro.omega_max / self.step - 1e-9)
+        return self._grid(last, last)[0]
+
     @cached_property
     def sweep_blocks(self) -> list[Spec]:
         """Blocks of the absolute grid that cover (0, omega_max].

@@ -59,7 +59,7 @@ class StudyPlan(HydroPlan):
             "sweep": [content_id(block) for block in self.sweep_blocks],
             "tabulated": [content_id(block) for block in self.tabulated_blocks],
             "omega": list(study.hydro.omega),
-            "omega_max": study.hydro.omega_max,
+            "omega_max": self.highest_omega,
             "device": study.device.model_dump(),
             "modes": self._modes,
             "reference_shape": study.reference_shape,
