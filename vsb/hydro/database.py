@@ -74,6 +74,12 @@ def merged_blocks(blocks: Sequence[xr.Dataset]) -> xr.Dataset:
     return merged.assign(added_mass_inf=infinite[0].added_mass_inf) if infinite else merged
 
 
+def displacements_of(basis: ModeBasis) -> tuple[Displacement, ...]:
+    """Return the radial and meridional displacements heave and modes are made of."""
+    degrees = sorted(set(basis.degrees))
+    return (*(Displacement("radial", n) for n in degrees), *(Displacement("meridional", n) for n in degrees if n))
+
+
 def in_modes(raw: xr.Dataset, basis: ModeBasis) -> xr.Dataset:
     """Return coefficients of radial and meridional displacements as coefficients of heave and modes.
 

@@ -331,11 +331,18 @@ def mode_basis(device: Device, basis: Basis, degree: int) -> ModeBasis:
     degree : int
         Highest Legendre degree.
     """
-    shell = Shell.of(device)
+    shell, damping = Shell.of(device), device.damping
+    modes = shell_modes(shell, basis, degree)
+    return ModeBasis(shell, modes, device.mass, basis != "paper", damping.alpha, damping.beta)
+
+
+def shell_modes(shell: Shell, basis: Basis, degree: int) -> tuple[Mode, ...]:
+    """Return the shapes of a shell, all membrane modes, then all bending modes; stiffness and density are of no matter.
+
+    Mass and stiffness scale with them, so shapes follow from Poisson's ratio and thickness over radius alone.
+    """
     modes = [mode for n in range(degree + 1) for mode in _degree_modes(shell, basis, n)]
-    modes.sort(key=lambda mode: mode.label.startswith("Bending"))  # all membrane modes, then all bending modes
-    damping = device.damping
-    return ModeBasis(shell, tuple(modes), device.mass, basis != "paper", damping.alpha, damping.beta)
+    return tuple(sorted(modes, key=lambda mode: mode.label.startswith("Bending")))
 
 
 def rigid_basis(device: Device) -> ModeBasis:

@@ -26,6 +26,7 @@ _MOTION = ("time", "dof")
 _SHAPE = ("mode", "colatitude")
 _SHAPE_PAIR = ("shape_dof", "other_shape_dof")
 _BY_COEFFICIENT = ("coefficient", "shape_dof")
+_BY_SHAPE = ("solver", "shape", "omega")
 
 ATTRS: dict[str, Quantity] = {
     # coordinates
@@ -108,6 +109,20 @@ ATTRS: dict[str, Quantity] = {
     "power_at_shape": Quantity(("design", "wave", "instant"), "W", "mean power, coefficients of one instant's shape"),
     "power_at_rest": Quantity(("design", "wave"), "W", "mean power, coefficients of the shape at rest"),
     "power_at_reference": Quantity(("design", "wave"), "W", "mean power, coefficients of the reference shape"),
+    # witness: two solvers on the mean and on deformed shapes
+    "shape_added_mass": Quantity((*_BY_SHAPE, *_PAIR), "kg", "added mass on a shape"),
+    "shape_radiation_damping": Quantity((*_BY_SHAPE, *_PAIR), "kg/s", "radiation damping on a shape"),
+    "shape_excitation_force": Quantity((*_BY_SHAPE, *_EXCITATION[1:]), "N/m", "excitation force on a shape"),
+    "deformation_amplitude": Quantity(("shape",), "m", "modal amplitude a shape is deformed by"),
+    "witness_difference": Quantity((*_BY_SHAPE[1:], "coefficient"), "1", "difference of two solvers, relative"),
+    "witness_estimate": Quantity(
+        ("solver", "shape", "coefficient"), "1", "relative error a solver estimates of itself"
+    ),
+    "witness_seconds": Quantity(("solver", "shape"), "s", "time a solver took for a shape"),
+    "slope_difference": Quantity(
+        ("shape_dof", "omega", "coefficient"), "1", "relative difference of two solvers in the derivative by the shape"
+    ),
+    "slope_estimate": Quantity(("shape_dof", "coefficient"), "1", "relative difference to be expected there"),
     # trajectories
     "position": Quantity(_MOTION, "m", "heave and modal amplitudes"),
     "velocity": Quantity(_MOTION, "m/s", "rates of heave and modal amplitudes"),
@@ -143,6 +158,8 @@ _LABELS = (
     "coefficient",
     "wave",
     "expansion",
+    "solver",
+    "shape",
 )
 
 

@@ -8,11 +8,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from vsb.hydro.database import with_excitation
+from vsb.hydro.database import displacements_of, with_excitation
 from vsb.hydro.dofs import displacements
 from vsb.hydro.panels.rings import AxisymmetricProblem, green_function
 from vsb.hydro.quality import haskind_damping
 from vsb.hydro.sweep import apart, coefficients, joined, largest, on_grid
+from vsb.hydro.witness import Runs, Waves, runs
+from vsb.shell.modes import ModeBasis
 from vsb.study.blocks import LEAST_DEPTH_IN_WAVENUMBERS
 
 STRONGEST_KA = 0.5
@@ -102,3 +104,16 @@ def solve_block(spec: dict[str, Any], fine: xr.Dataset, coarse: xr.Dataset, gree
     if spec["omega"] == ["inf"]:
         return problem.at_infinity()
     return problem.solve(spec["omega"], spec.get("interpolation"))
+
+
+def witness_runs(
+    green_folder: str | Path, meshes: tuple[xr.Dataset, xr.Dataset], basis: ModeBasis, waves: Waves
+) -> Runs:
+    """Return what panels say of a shape on two meshes, the finer one first."""
+    green = green_function(green_folder)
+    fine, coarse = (
+        AxisymmetricProblem(green, mesh, displacements_of(basis), waves.density, waves.depth, waves.gravity)
+        for mesh in meshes
+    )
+    omegas = list(waves.omegas)
+    return runs(lambda: fine.solve(omegas), lambda: coarse.solve(omegas), basis, waves)

@@ -20,8 +20,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.errors import ConfigError
-from vsb.hydro.database import in_modes, with_excitation
-from vsb.hydro.dofs import Displacement
+from vsb.hydro.database import displacements_of, in_modes, with_excitation
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.shell.deformed import DeformedShell
 from vsb.study.study import content_id
@@ -156,9 +155,7 @@ class ShapeFamily:
     def solved(self) -> xr.Dataset:
         """Return the coefficients on the reference shape, newly solved."""
         basis = self.shape.basis
-        degrees = sorted(set(basis.degrees))
-        fields = (*(Displacement("radial", n) for n in degrees), *(Displacement("meridional", n) for n in degrees if n))
-        problem = SpectralProblem(self.shape, fields, self.density, self.gravity, self.nodes)
+        problem = SpectralProblem(self.shape, displacements_of(basis), self.density, self.gravity, self.nodes)
         pair = ("influenced_dof", "radiating_dof")
         raw = problem.solve(list(self.omegas)).assign(added_mass_inf=(pair, problem.at_infinity()))
         return with_excitation(in_modes(raw, basis))[list(COEFFICIENTS)]

@@ -1,0 +1,230 @@
+"""Two solvers that share nothing but the shape, on a sphere and on what one of its modes makes of it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from vsb.errors import ConfigError
+from vsb.hydro import witness
+from vsb.hydro.database import displacements_of, in_modes, with_excitation
+from vsb.hydro.panels import rings
+from vsb.hydro.panels.mesh import deformed_mesh
+from vsb.hydro.panels.sweep import witness_runs
+from vsb.hydro.spectral.solver import SpectralProblem
+from vsb.hydro.witness import COEFFICIENTS, Versions, Waves, deformed_shapes, error_estimate
+from vsb.shell.deformed import DeformedShell
+from vsb.shell.modes import ModeBasis, shell_modes
+from vsb.shell.sphere import Shell
+from vsb.tools.files import load, save
+
+SHELL = Shell(2.0, 0.01, 1.0, 0.3, 1.0)
+BASIS = ModeBasis(SHELL, shell_modes(SHELL, "full", 2), 1.0, bending=True)
+WAVES = Waves((1.2, 2.2, 3.8), 1025.0, np.inf, 9.81)
+MODE = "Bending2"
+ROWS = 32
+
+
+def afloat(height=0.0):
+    return DeformedShell(BASIS, height)
+
+
+def by_panels(shapes, green_folder, rows=ROWS):
+    def mesh(shape, part):
+        return deformed_mesh(shape.shell, rows // part, 2 * rows // part, 16 // part)
+
+    return [witness_runs(green_folder, (mesh(s, 1), mesh(s, 2)), BASIS, WAVES) for s in shapes]
+
+
+def by_spectral(shapes):
+    return [witness.spectral_runs(s.shell, BASIS, WAVES) for s in shapes]
+
+
+@pytest.fixture(scope="module")
+def shapes():
+    return deformed_shapes(afloat(), [MODE], np.inf)
+
+
+@pytest.fixture(scope="module")
+def panels(shapes, green_folder):
+    return by_panels(shapes, green_folder)
+
+
+@pytest.fixture(scope="module")
+def spectral(shapes):
+    return by_spectral(shapes)
+
+
+@pytest.fixture(scope="module")
+def compared(shapes, panels, spectral):
+    return witness.compared(shapes, panels, spectral, WAVES)
+
+
+@pytest.fixture(scope="module")
+def derivatives(shapes, panels):
+    return witness.derivatives(shapes, panels, BASIS, WAVES)
+
+
+def test_the_solvers_agree_within_estimates_that_are_no_excuse(compared, derivatives, tmp_path):
+    save(compared.merge(derivatives), tmp_path / "witness.nc")
+    checks = witness.witness_checks(load(tmp_path / "witness.nc"))
+    assert [check.name for check in checks] == ["witness", "witness_derivatives"]
+    for check in checks:
+        assert check.verdict == "ok", check
+        assert 0.05 < check.value < 1, check
+    assert float(compared.witness_difference.max()) < 3e-3
+    assert float(compared.witness_estimate.sel(solver="panels").max()) < 8e-3
+    assert float(compared.witness_estimate.sel(solver="spectral").max()) < 1e-5
+
+
+def test_deformed_by_five_percent_the_coefficients_are_others(compared):
+    """Else agreement on deformed shapes would say no more than on the mean one."""
+    a = compared.shape_added_mass.sel(solver="spectral")
+    for side in ("minus", "plus"):
+        moved = np.abs(a.sel(shape=f"{MODE}_{side}") - a.sel(shape="mean")).max() / np.abs(a).max()
+        assert moved > 10 * float(compared.witness_difference.max())
+
+
+def test_one_percent_in_the_spectral_solver_is_a_doubt(shapes, panels, monkeypatch):
+    sound = SpectralProblem.onto.func
+    broken = property(lambda problem: 1.01 * sound(problem))
+    monkeypatch.setattr(SpectralProblem, "onto", broken)
+    check, *_ = witness.witness_checks(witness.compared(shapes, panels, by_spectral(shapes), WAVES))
+    assert (check.name, check.verdict) == ("witness", "doubt")
+    assert "added mass" in check.explanation
+    assert 1 < check.value < 10
+
+
+def test_one_percent_in_the_panels_is_a_doubt(shapes, spectral, green_folder, monkeypatch):
+    sound = rings.ring_matrices
+
+    def broken(*arguments):
+        s, d = sound(*arguments)
+        return 1.01 * s, d
+
+    monkeypatch.setattr(rings, "ring_matrices", broken)
+    check, *_ = witness.witness_checks(
+        witness.compared(shapes[:1], by_panels(shapes[:1], green_folder), spectral[:1], WAVES)
+    )
+    assert check.verdict == "doubt"
+
+
+def test_one_percent_in_the_derivatives_of_one_mode_is_seen(compared, derivatives):
+    """The panels' errors are nearly the same on both sides: their difference is better than they are."""
+    assert float(derivatives.slope_difference.max()) < 0.01
+
+
+def test_central_differences_are_off_by_a_known_term_of_third_order(shapes, spectral):
+    """With a solver that has next to no error of its own."""
+    found = witness.derivatives(shapes, spectral, BASIS, WAVES)
+    minus, plus = (run.found.fine for run in spectral[1:])
+    slope = found.isel(shape_dof=0)[[f"{name}_slope" for name in COEFFICIENTS]]
+    slope = slope.rename({f"{name}_slope": name for name in COEFFICIENTS})
+    raw, left = witness.differences((plus - minus) / 0.2, slope, slope), found.slope_difference
+    assert float(left.max()) < raw.max() / 10
+    assert 0.01 * left.max() < found.slope_estimate.max() < 10 * left.max()
+    assert np.all(left <= found.slope_estimate)
+
+
+def matrices(value=1.0):
+    pair, force = ("omega", "influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
+    shape = (2, 2, 2)
+    return xr.Dataset({
+        "added_mass": (pair, np.full(shape, value)),
+        "radiation_damping": (pair, np.full(shape, value)),
+        "excitation_force": (force, np.full((2, 1, 2), value + 0j)),
+    })  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("version", "name", "deep", "shallow"),
+    [
+        ("coarse", "added_mass", [1, 1, 1], [1, 1, 1]),
+        ("coarse", "excitation_force", [1, 1, 1], [1, 1, 1]),
+        ("implied", "added_mass", [1, 0, 0], [1, 0, 0]),
+        ("implied", "radiation_damping", [0, 1, 1], [1, 1, 1]),
+    ],
+)
+def test_every_part_of_the_estimate_counts(version, name, deep, shallow):
+    """An error of 0.3 in one entry at one frequency."""
+    fine, other = matrices(), matrices()
+    other[name].values[1, 0, 1] = 1.3
+    found = Versions(fine, fine, fine)._replace(**{version: other})
+    for depth, parts in ((np.inf, deep), (10.0, shallow)):
+        np.testing.assert_allclose(error_estimate(found, fine, depth), 0.3 * np.array(parts), atol=1e-12)
+
+
+def test_estimates_are_in_terms_of_the_largest_entry_at_each_frequency():
+    fine, other = matrices(), matrices()
+    fine.added_mass.values[0] *= 100.0
+    other.added_mass.values[:] = fine.added_mass.values
+    other.added_mass.values[1, 0, 0] += 0.1
+    np.testing.assert_allclose(witness.differences(other, fine, fine), [[0, 0, 0], [0.1, 0, 0]], atol=1e-12)
+
+
+def database(solver, factor=1.0):
+    omegas = [0.8, *WAVES.omegas, 4.5, 5.5]
+    problem = SpectralProblem(afloat(), displacements_of(BASIS), WAVES.density, WAVES.gravity, 24)
+    solved = with_excitation(in_modes(problem.solve(omegas), BASIS))
+    return (factor * solved).assign_attrs(solver=solver)
+
+
+@pytest.mark.parametrize(("solver", "least"), [("spectral", 0.05), ("capytaine 3.0", 0.0)])
+def test_a_database_is_judged_by_the_other_solver(compared, solver, least):
+    (check,) = witness.database_checks(compared, database(solver), 1e-9)
+    assert check.verdict == "ok", check
+    assert least <= check.value < 1
+    (check,) = witness.database_checks(compared, database(solver, 1.01), 1e-9)
+    assert check.verdict == "doubt", check
+    (check,) = witness.database_checks(compared, database(solver, 1.01), 0.02)  # which says so itself
+    assert check.verdict == "ok", check
+
+
+def test_a_database_elsewhere_in_frequency_is_not_judged(compared):
+    assert witness.database_checks(compared, database("spectral").sel(omega=[4.5, 5.5]), 1e-9) == []
+
+
+def test_shapes_have_the_names_of_their_modes_and_signs(shapes):
+    assert [(s.name, s.amplitude) for s in shapes] == [("mean", 0.0), (f"{MODE}_minus", -0.1), (f"{MODE}_plus", 0.1)]
+    for s in shapes[1:]:
+        np.testing.assert_array_equal(s.shell.amplitudes, s.amplitude * np.eye(len(BASIS.labels))[4])
+
+
+def test_shapes_are_counted_from_the_one_at_rest():
+    rest = replace(afloat(), amplitudes=np.array([0.02, -0.05, 0.0, 0.01, 0.03]))
+    for s in deformed_shapes(rest, [MODE], np.inf):
+        moved = s.shell.amplitudes - rest.amplitudes
+        np.testing.assert_allclose(moved, s.amplitude * np.eye(len(BASIS.labels))[4], atol=1e-15)
+
+
+@pytest.mark.parametrize(("depth", "size"), [(2.5, 0.1), (2.1, 0.05), (2.02, 0.00625)])
+def test_no_shape_comes_near_the_bottom(depth, size):
+    found = deformed_shapes(afloat(), ["Membrane0"], depth)
+    assert [s.amplitude for s in found] == pytest.approx([0.0, -size, size])
+    lowest = [-float(s.shell.meridian(np.array([np.pi])).z[0]) for s in found]
+    assert max(lowest) <= (2.0 + depth) / 2 + 1e-12
+
+
+def test_no_shape_is_dry_or_under_water():
+    for height in (1.95, -1.95):
+        for s in deformed_shapes(afloat(height), ["Membrane0"], np.inf):
+            ((start, end),) = s.shell.wet_segments
+            assert start > 0
+            assert end == np.pi
+
+
+def test_a_keel_on_the_bottom_has_no_witness():
+    with pytest.raises(ConfigError, match=r"hydro.witness: received modes Membrane0, one of which, however small"):
+        deformed_shapes(afloat(), ["Membrane0"], 2.0)
+
+
+def test_a_rigid_buoy_has_one_shape_and_no_derivatives(panels):
+    rigid = deformed_shapes(afloat(), [], np.inf)
+    assert [s.name for s in rigid] == ["mean"]
+    assert not witness.derivatives(rigid, panels[:1], BASIS, WAVES)
+
+
+def test_derivatives_are_of_deep_water(shapes, panels, compared):
+    assert not witness.derivatives(shapes, panels, BASIS, WAVES._replace(depth=20.0))
+    assert [check.name for check in witness.witness_checks(compared)] == ["witness"]
