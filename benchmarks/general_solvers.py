@@ -12,10 +12,9 @@ from typing import Any, NamedTuple, cast
 
 import numpy as np
 from scipy.integrate import solve_ivp
+from scipy.linalg import block_diag
 
-from benchmarks.integrators import Counted
-from vsb.integrators.energy_preserving import GaussIntegrator, Water, added
-from vsb.motion.scene import Damper, Plant, Spring
+from vsb.motion.system import Remainder, System, remainder
 from vsb.tools.compiled import njit
 from vsb.tools.units import ComplexArray, FloatArray
 
@@ -44,11 +43,13 @@ def linear_rates(t: float, z: FloatArray, matrix: FloatArray, omega: FloatArray,
 
 @njit(cache=True)
 def water_rates(
-    t: float, z: FloatArray, matrix: FloatArray, omega: FloatArray, push: ComplexArray, water: Water
+    t: float, z: FloatArray, matrix: FloatArray, omega: FloatArray, push: ComplexArray, water: Remainder
 ) -> FloatArray:
     """Return the same with the force on the instantaneous wet shell."""
     out, free = linear_rates(t, z, matrix, omega, push), push.shape[1]
-    out[free : 2 * free] += added(water, np.full(1, t), z[:free].copy().reshape(1, free))[0]
+    force = np.empty(free)
+    remainder(water, t, z[:free].copy(), force)
+    out[free : 2 * free] += force
     return out
 
 
@@ -61,30 +62,42 @@ class Equation:
     free: int
 
     @classmethod
-    def of(cls, plant: Plant, start: tuple[FloatArray, FloatArray]) -> "Equation":
+    def of(cls, system: System, start: tuple[FloatArray, FloatArray]) -> "Equation":
         """Return the equation of a scene, linear or body-exact."""
-        free, order = plant.motions.shape[1], plant.memory.order if plant.memory else 0
-        inverse, matrix = np.linalg.inv(plant.motions.T @ plant.mass @ plant.motions), np.zeros((2 * free + order,) * 2)
-        matrix[:free, free : 2 * free] = np.eye(free)
-        matrix[free : 2 * free, :free] = -inverse @ plant.total(Spring)
-        matrix[free : 2 * free, free : 2 * free] = -inverse @ plant.total(Damper)
-        if plant.memory:
-            g = plant.memory.input_matrix @ plant.motions
-            matrix[free : 2 * free, 2 * free :], matrix[2 * free :, free : 2 * free] = -inverse @ g.T, g
-            matrix[2 * free :, 2 * free :] = plant.memory.state_matrix
-        waves = plant.excitation
-        omega = waves.omega if waves else np.zeros(0)
-        push = np.zeros((0, free), dtype=complex) if waves is None else waves.force @ plant.motions @ inverse
-        given, push = np.concatenate([*start, np.zeros(order)]), np.ascontiguousarray(push)
-        modal = GaussIntegrator(plant).water
-        if modal is None:
+        free, modes = system.free, system.modes
+        plain = block_diag(system.position, modes, np.eye(len(system.matrix) - 2 * free))
+        matrix = np.ascontiguousarray(np.linalg.solve(plain.T, (plain @ system.matrix).T).T)
+        omega, push = system.omega, np.ascontiguousarray(system.waves @ modes.T)
+        given = np.concatenate([*start, np.zeros(len(matrix) - 2 * free)])
+        if system.remainder is None:
             return cls(lambda t, z: np.asarray(linear_rates(t, z, matrix, omega, push)), given, free)
-        water = modal._replace(
-            position=np.ascontiguousarray(plant.motions.T),
-            project=np.ascontiguousarray(plant.motions @ inverse),
-            tangent=np.zeros_like(modal.tangent),
+        water = system.remainder._replace(
+            position=np.ascontiguousarray(system.scene.motions),
+            project=np.ascontiguousarray(modes @ system.remainder.project),
+            constant=modes @ system.remainder.constant,
+            tangent=np.ascontiguousarray(np.linalg.solve(system.position.T, (modes @ system.remainder.tangent).T).T),
         )
         return cls(lambda t, z: np.asarray(water_rates(t, z, matrix, omega, push, water)), given, free)
+
+
+@dataclass
+class Counted:
+    """A right-hand side that counts its calls and gives up at a deadline."""
+
+    function: Rates
+    deadline: float
+    calls: int = 0
+
+    def __call__(self, t: float, state: FloatArray) -> FloatArray:
+        """Return the rates; `TimeoutError` after the deadline."""
+        self.calls += 1
+        if clock.perf_counter() > self.deadline:
+            raise TimeoutError(f"stopped after its limit at t = {t:.4g} s")
+        return self.function(t, state)
+
+    def fill(self, t: float, state: FloatArray, out: FloatArray) -> None:
+        """Fill the rates, as CVODE wants them."""
+        out[:] = self(t, state)
 
 
 class Solution(NamedTuple):

@@ -26,15 +26,16 @@ from vsb.errors import ConfigError, VsbError
 from vsb.hydro.database import load_database
 from vsb.hydro.kernel import DampingSpectrum
 from vsb.hydro.statespace import fit_radiation
-from vsb.integrators.exact import convolve, propagate
+from vsb.integrators.convolution import convolve
+from vsb.integrators.exact import propagate
 from vsb.integrators.exponential import integrate
 from vsb.integrators.trajectory import CONVOLVED, energies, residual, simulate
 from vsb.motion.clamps import constraint_drift
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.motion import Motion
 from vsb.motion.pto import LinearPto
-from vsb.motion.scene import Plant
 from vsb.motion.sixdof import body as multibody
+from vsb.motion.system import System
 from vsb.scenes.build import SCENES
 from vsb.scenes.rest import check_stable, reference_shell
 from vsb.shell.modes import design_motions, rigid_basis, study_basis
@@ -201,20 +202,19 @@ def simulated(case: Case, design: str, folder: str | Path) -> Result:
         study, note = with_period(study, 2 * math.pi / omega), f"wave at the natural frequency {omega:.6g} rad/s"
     one = partial_study(StudyPlan(study).simulation(design, study.waves[0]))
     plant, shape, waves, spectrum, _ = SCENES[one.hydro.model](one, paths)
-    motion, _, method = simulate(plant, waves, one.simulation, spectrum)
+    motion, _, method = simulate(system := System.of(plant), waves, one.simulation, spectrum)
     rows = shape.basis.clamp_rows(np.deg2rad(one.designs[design].clamp))
     moved = motion.position @ plant.motions.T
     if rows.size:
         note = f"clamps slip {constraint_drift(moved, rows):.1e} m"
     if (far := float(np.abs(moved).max()) / study.device.radius) > FAR:
         note = f"{note}; moves by {far:.2g} radii".lstrip("; ")
-    return measured(one, plant, motion, method, spectrum, note)
+    return measured(one, system, motion, method, spectrum, note)
 
 
 def with_period(study: Study, period: float) -> Study:
     """Return a study with its first wave, a regular one, of another period."""
-    wave = {**study.waves[0].model_dump(), "period": period}
-    return parse({**study.model_dump(), "waves": [wave]}, source=study.study)
+    return parse(study.model_dump() | {"waves": [study.waves[0].model_dump() | {"period": period}]}, source=study.study)
 
 
 def natural_frequency(study: Study, design: str, paths: dict[str, Any], index: int) -> float:
@@ -229,7 +229,7 @@ def natural_frequency(study: Study, design: str, paths: dict[str, Any], index: i
 
 
 def measured(
-    study: Study, plant: Plant, motion: Motion, method: str, spectrum: DampingSpectrum | None, note: str = ""
+    study: Study, system: System, motion: Motion, method: str, spectrum: DampingSpectrum | None, note: str = ""
 ) -> Result:
     """Return the result of a motion: its energy audit, and its error against the reference of its method."""
     name, _, steps = method.partition(", ")
@@ -237,32 +237,32 @@ def measured(
     if not (np.isfinite(motion.position).all() and np.isfinite(motion.velocity).all()):
         return Result("not finite", name, steps=taken, message="the motion is not finite")
     tolerance = study.simulation.tolerance
-    allowed = LOCAL_ERRORS * tolerance if plant.water else max(FIT_ERRORS * study.hydro.tolerance, tolerance)
+    allowed = LOCAL_ERRORS * tolerance if not system.linear else max(FIT_ERRORS * study.hydro.tolerance, tolerance)
     try:
-        error = reference_error(study, plant, motion, name, spectrum)
+        error = reference_error(study, system, motion, name, spectrum)
     except VsbError as failed:
         error, note = None, f"{note}; no reference: {failed}".lstrip("; ")
     least = CONVOLVED if name == "convolution" else ENERGY_LIMIT
-    unbalanced, balanced = residual(energies(plant, motion)), max(least, tolerance)
+    unbalanced, balanced = residual(energies(system, motion)), max(least, tolerance)
     return Result("completed", name, error, taken, unbalanced, note, allowed, balanced)
 
 
 def reference_error(
-    study: Study, plant: Plant, motion: Motion, method: str, spectrum: DampingSpectrum | None
+    study: Study, system: System, motion: Motion, method: str, spectrum: DampingSpectrum | None
 ) -> float | None:
     """Return the largest difference of a motion from its reference, over the largest range of any coordinate."""
-    start = plant.start(study.simulation.initial_position, study.simulation.initial_velocity)
-    if plant.water:
+    start = system.scene.start(study.simulation.initial_position, study.simulation.initial_velocity)
+    if not system.linear:
         tight = max(study.simulation.tolerance / 100, 1e-13)
-        return _difference(motion.position, integrate(plant, motion.time, start, tight)[0].position)
+        return _difference(motion.position, integrate(system, motion.time, start, tight)[0].position)
     if method == "convolution":
-        return _difference(motion.position, propagate(plant, motion.time, start).position)
+        return _difference(motion.position, propagate(system, motion.time, start).position)
     if spectrum is None:
         return None
     dt = motion.time[1] - motion.time[0]
     finer = math.ceil(dt / CONVOLVED_STEP)
     count = min(len(motion.time) - 1, max(CONVOLVED_INSTANTS // finer, 1))
-    reference = convolve(plant, spectrum, np.linspace(0.0, count * dt, count * finer + 1), start)
+    reference = convolve(system, spectrum, np.linspace(0.0, count * dt, count * finer + 1), start)
     return _difference(motion.position[: count + 1], reference.position[::finer])
 
 

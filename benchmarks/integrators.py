@@ -8,18 +8,17 @@ import csv
 import io
 import sys
 import time as clock
-import warnings
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Literal, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from scipy.integrate import simpson, solve_ivp
+from scipy.integrate import simpson
 
+from benchmarks.general_solvers import Equation, Rates, Solution, solved
 from benchmarks.quadrature import (
     Row,
     design_plant,
@@ -27,17 +26,15 @@ from benchmarks.quadrature import (
     gauss_force,
     quadrature_precision,
     regular_wave,
-    water_and_weight,
 )
 from vsb.errors import ConvergenceError
 from vsb.integrators.exponential import integrate
 from vsb.motion.motion import Motion
-from vsb.motion.scene import Damper, Plant, Spring
-from vsb.motion.wetted import Shape, wet_force
+from vsb.motion.scene import Plant
+from vsb.motion.system import System
 from vsb.report.canvas import grid_of_axes, legend_above
 from vsb.shell.deformed import DeformedShell
 from vsb.study.study import Study
-from vsb.tools.compiled import njit
 from vsb.tools.files import write_text
 from vsb.tools.units import FloatArray
 
@@ -50,11 +47,9 @@ PUBLISHED_SECONDS = {True: 2.4 * 3600, False: 2.11 * 60}
 start of its simulation results; neither the machine nor the tolerance is stated."""
 PUBLISHED_DURATION = 60.0
 """Of the motion in the paper's Table II [s]."""
-Solver = Literal["RK45", "DOP853", "Radau", "BDF", "LSODA"]
-Function = Callable[[float, FloatArray], FloatArray]
 EXPONENTIAL = "exponential Adams"
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
-SOLVERS: Mapping[Solver, Sequence[float]] = {
+SOLVERS: Mapping[str, Sequence[float]] = {
     "RK45": (1e-3, 1e-5, 1e-7, 1e-9),
     "DOP853": (1e-3, 1e-5, 1e-7, 1e-9),
     "Radau": (1e-3, 1e-5, 1e-7),
@@ -80,73 +75,22 @@ STYLES = {
 # integrators --------------------------------------------------------------------------------------------------------
 
 
-class Scene(NamedTuple):
-    """What the compiled right-hand side needs: y'' = R (f_water + weight) - K y - D y', q = N y."""
-
-    shape: Shape
-    motions: FloatArray  # N (dof, free)
-    project: FloatArray  # R = (N^T M N)^-1 N^T (free, dof)
-    stiffness: FloatArray  # (free, free) [1/s^2]
-    damping: FloatArray  # (free, free) [1/s]
-    weight: FloatArray  # (dof,) [N]
-    specific_weight: float
-    amplitude: float
-    omega: float
-
-    @classmethod
-    def of(cls, plant: Plant) -> "Scene":
-        """Scene of a body-exact plant."""
-        water, weight = water_and_weight(plant)
-        assert water.assumed is not None  # built by `design_plant`
-        inverse = np.linalg.inv(plant.motions.T @ plant.mass @ plant.motions)
-        return cls(
-            water.shell.shape,
-            np.ascontiguousarray(plant.motions),
-            np.ascontiguousarray(inverse @ plant.motions.T),
-            inverse @ plant.total(Spring),
-            inverse @ plant.total(Damper),
-            weight,
-            water.specific_weight,
-            water.assumed.amplitude,
-            water.assumed.omega,
-        )
-
-
-@njit(cache=True)
-def rates(t: float, state: FloatArray, s: Scene) -> FloatArray:
-    """Return (y', y'') of (y, y'), compiled, in plain coordinates: what a general integrator is given."""
-    n = s.motions.shape[1]
-    y, v = np.ascontiguousarray(state[:n]), np.ascontiguousarray(state[n:])
-    q = s.motions @ y
-    static, uniform, out = np.empty(len(q)), np.empty(len(q)), np.empty(2 * n)
-    wet_force(s.shape, q, static, uniform)
-    force = s.specific_weight * static + s.amplitude * np.cos(s.omega * t) * uniform + s.weight
-    out[:n] = v
-    out[n:] = s.project @ force - s.stiffness @ y - s.damping @ v
-    return out
-
-
-def plain_rates(plant: Plant, rule: Rule, points: int) -> Function:
-    """Return the same right-hand side with forces by `gauss_force` or `disc_force`, no compiled code."""
-    s, shell, n = Scene.of(plant), water_and_weight(plant)[0].shell, plant.motions.shape[1]
+def plain_rates(plant: Plant, rule: Rule, points: int) -> Rates:
+    """Return y'' = R (f_water + weight) - K y - D y', q = N y, with forces by `gauss_force` or `disc_force`."""
+    water, n, free = plant.water, plant.motions, plant.motions.shape[1]
+    assert water is not None  # built by `design_plant`
+    assert water.assumed is not None
+    shell, pressure = water.shell, water.assumed
+    inverse, springs = np.linalg.inv(n.T @ plant.mass @ n), (p.stiffness for p in plant.linear.values() if p.whole)
+    stiffness, damping = inverse @ plant.projected(springs), inverse @ plant.damping
 
     def function(t: float, state: FloatArray) -> FloatArray:
-        static, uniform = rule(DeformedShell(shell.basis, shell.centre_height, s.motions @ state[:n]), points)
-        force = s.specific_weight * static + s.amplitude * np.cos(s.omega * t) * uniform + s.weight
-        return np.concatenate([state[n:], s.project @ force - s.stiffness @ state[:n] - s.damping @ state[n:]])
+        static, uniform = rule(DeformedShell(shell.basis, shell.centre_height, n @ state[:free]), points)
+        force = water.specific_weight * static + pressure.at(np.array(t)) * uniform + plant.constant
+        rate = inverse @ n.T @ force - stiffness @ state[:free] - damping @ state[free:]
+        return np.concatenate([state[free:], rate])
 
     return function
-
-
-class Attempt(NamedTuple):
-    """One run of an integrator; heave and its velocity only if it completed."""
-
-    heave: FloatArray  # (time,) [m]
-    velocity: FloatArray  # (time,) [m/s]
-    seconds: float
-    steps: int
-    evaluations: int | None  # not counted by the exponential integrator
-    status: str = "completed"
 
 
 @dataclass(frozen=True)
@@ -160,6 +104,16 @@ class Case:
     def plant(self) -> Plant:
         """The scene."""
         return design_plant(self.study, self.design)
+
+    @cached_property
+    def system(self) -> System:
+        """The scene as integrators see it."""
+        return System.of(self.plant)
+
+    @cached_property
+    def equation(self) -> Equation:
+        """The equation in plain coordinates, compiled: what a general integrator is given."""
+        return Equation.of(self.system, self.start)
 
     @cached_property
     def time(self) -> FloatArray:
@@ -176,18 +130,18 @@ class Case:
     @cached_property
     def reference(self) -> Motion:
         """Converged solution: exponential Adams at 1e-11; DOP853 at 1e-12 checks it in the table."""
-        return integrate(self.plant, self.time, self.start, 1e-11)[0]
+        return integrate(self.system, self.time, self.start, 1e-11)[0]
 
-    def exponential(self, tolerance: float) -> Attempt:
+    def exponential(self, tolerance: float) -> Solution:
         """Run our integrator; its seconds hold everything but compilation."""
         begun = clock.perf_counter()
         try:
-            motion, steps = integrate(self.plant, self.time, self.start, tolerance)
+            motion, steps = integrate(self.system, self.time, self.start, tolerance)
         except ConvergenceError as error:
-            return Attempt(np.zeros(0), np.zeros(0), clock.perf_counter() - begun, 0, None, str(error))
-        return Attempt(motion.position[:, 0], motion.velocity[:, 0], motion.seconds, steps, None)
+            return Solution(np.zeros(0), np.zeros(0), clock.perf_counter() - begun, 0, None, str(error))
+        return Solution(motion.position[:, 0], motion.velocity[:, 0], motion.seconds, steps, None)
 
-    def errors(self, attempt: Attempt) -> Row:
+    def errors(self, attempt: Solution) -> Row:
         """Largest error of heave over its range, and error of the absorbed energy; none of a run that failed."""
         count, damping = len(attempt.heave), self.study.pto.damping
         if not count:
@@ -197,59 +151,14 @@ class Case:
         exact, found = (float(simpson(v**2, x=self.time[:count])) for v in (velocity, attempt.velocity))
         return {"error": error, "error_energy": abs(found / exact - 1) if damping else None}
 
-    def row(self, method: str, tolerance: float, attempt: Attempt) -> Row:
+    def row(self, method: str, tolerance: float, attempt: Solution) -> Row:
         """Row of the table."""
         found = {key: getattr(attempt, key) for key in ("seconds", "steps", "evaluations", "status")}
         named = {"table": "integrators", "case": self.design, "method": method, "setting": tolerance}
         return {**named, **self.errors(attempt), **found}
 
 
-@dataclass
-class Counted:
-    """A right-hand side that counts its calls and gives up at a deadline."""
-
-    function: Function
-    deadline: float
-    calls: int = 0
-
-    def __call__(self, t: float, state: FloatArray) -> FloatArray:
-        """Return the rates; `TimeoutError` after the deadline."""
-        self.calls += 1
-        if clock.perf_counter() > self.deadline:
-            raise TimeoutError(f"stopped after its limit at t = {t:.4g} s")
-        return self.function(t, state)
-
-    def fill(self, t: float, state: FloatArray, out: FloatArray) -> None:
-        """Fill the rates, as CVODE wants them."""
-        out[:] = self(t, state)
-
-
-def solve(
-    case: Case, method: Solver, tolerance: float, function: Function, count: int, limit: float = TIME_LIMIT
-) -> Attempt:
-    """Return the motion at the first `count` instants by an integrator of scipy.
-
-    Its tolerance is relative, and absolute in m and m/s. Failures are results: the status says what happened.
-    """
-    begun = clock.perf_counter()
-    counted, time, none = Counted(function, begun + limit), case.time[:count], np.zeros(0)
-    try:
-        with np.errstate(all="ignore"), warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            span, first = (0.0, float(time[-1])), np.concatenate(case.start)
-            out = solve_ivp(counted, span, first, method, rtol=tolerance, atol=tolerance, dense_output=True)
-            if out.status < 0 or out.sol is None:
-                raise ArithmeticError(str(out.message))
-            states = out.sol(time)
-            if not np.isfinite(states).all():
-                raise ArithmeticError("the motion is not finite")
-    except (ArithmeticError, TimeoutError, ValueError, np.linalg.LinAlgError) as error:
-        return Attempt(none, none, clock.perf_counter() - begun, 0, counted.calls, str(error))
-    half = len(states) // 2
-    return Attempt(states[0], states[half], clock.perf_counter() - begun, len(out.t) - 1, counted.calls)
-
-
-def _best(run: Callable[[], Attempt]) -> Attempt:
+def _best(run: Callable[[], Solution]) -> Solution:
     """The fastest of three; the first alone where it takes more than a second."""
     first = run()
     return first if first.seconds > 1.0 else min(first, run(), run(), key=lambda attempt: attempt.seconds)
@@ -258,21 +167,18 @@ def _best(run: Callable[[], Attempt]) -> Attempt:
 def integrator_precision(study: Study, design: str) -> list[Row]:
     """Return error and seconds of the exponential Adams method and of general integrators on the motion of one design.
 
-    All of scipy's are given the same compiled right-hand side, `rates`. With plain NumPy forces RK45 follows the first
+    All of scipy's are given the same compiled right-hand side. With plain NumPy forces RK45 follows the first
     second alone, and the error is of that; the seconds are those of one evaluation there times the evaluations of the
     compiled run of the same tolerance, as the status says.
     """
     case = Case(study, design)
-    scene, count = Scene.of(case.plant), len(case.time)
-
-    def compiled(t: float, state: FloatArray) -> FloatArray:
-        return np.asarray(rates(t, state, scene))
-
     rows = [case.row(EXPONENTIAL, tol, _best(partial(case.exponential, tol))) for tol in TOLERANCES]
     for method, tolerances in SOLVERS.items():
-        solve(case, method, tolerances[0], compiled, 2)  # compiles and loads
-        rows += [case.row(method, tol, _best(partial(solve, case, method, tol, compiled, count))) for tol in tolerances]
-    check = case.row("DOP853", 1e-12, solve(case, "DOP853", 1e-12, compiled, count, 3 * TIME_LIMIT))
+        solved(case.equation, method, tolerances[0], case.time[:2], TIME_LIMIT)  # compiles and loads
+        for tol in tolerances:
+            run = partial(solved, case.equation, method, tol, case.time, TIME_LIMIT)
+            rows.append(case.row(method, tol, _best(run)))
+    check = case.row("DOP853", 1e-12, solved(case.equation, "DOP853", 1e-12, case.time, 3 * TIME_LIMIT))
     same = next(row for row in rows if (row["method"], row["setting"]) == ("RK45", PLAIN_TOLERANCE))
     return [*rows, {**check, "table": "reference"}, *plain_rows(case, same)]
 
@@ -282,7 +188,8 @@ def plain_rows(case: Case, compiled: Row) -> list[Row]:
     count = min(len(case.time), int(np.searchsorted(case.time, PLAIN_SPAN)) + 1)
     rows = []
     for method, (rule, points) in PLAIN.items():
-        attempt = solve(case, "RK45", PLAIN_TOLERANCE, plain_rates(case.plant, rule, points), count)
+        plain = replace(case.equation, rates=plain_rates(case.plant, rule, points))
+        attempt = solved(plain, "RK45", PLAIN_TOLERANCE, case.time[:count], TIME_LIMIT)
         seconds = attempt.seconds / (attempt.evaluations or 1) * compiled["evaluations"]
         note = f"{attempt.status}: {case.time[count - 1]:.3g} s of motion, seconds for the evaluations of compiled RK45"
         counts = {key: compiled[key] for key in ("steps", "evaluations")}

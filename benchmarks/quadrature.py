@@ -10,8 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vsb.errors import ConfigError
+from vsb.motion.builders import assumed_pressure_plant
+from vsb.motion.forces import AssumedPressure
 from vsb.motion.pto import LinearPto
-from vsb.motion.scene import AssumedPressure, ConstantForce, Plant, Spring, WaterPressure, assumed_pressure_plant
+from vsb.motion.scene import Plant
 from vsb.motion.wetted import WetShell
 from vsb.shell.deformed import DeformedShell, Meridian
 from vsb.shell.modes import design_motions, study_basis
@@ -90,7 +92,7 @@ def disc_force(shell: DeformedShell, discs: int) -> tuple[FloatArray, FloatArray
     Returns
     -------
     static, uniform : ndarray, shape (dof,)
-        Of the pressure -rho g z per rho g [m^3], and of a uniform one per Pa [m^2], as `vsb.wetforce.wet_force`.
+        Of the pressure -rho g z per rho g [m^3], and of a uniform one per Pa [m^2], as `vsb.motion.wetted.wet_force`.
 
     Notes
     -----
@@ -139,26 +141,17 @@ def design_plant(study: Study, design: str) -> Plant:
     return assumed_pressure_plant(shell, LinearPto(study.pto.damping), load, water.density, water.gravity, motions)
 
 
-def water_and_weight(plant: Plant) -> tuple[WaterPressure, FloatArray]:
-    """The pressure of a body-exact scene and the weight, shape (dof,) [N]."""
-    water, weight = plant.forces["water"], plant.forces["weight"]
-    assert isinstance(water, WaterPressure)
-    assert isinstance(weight, ConstantForce)
-    return water, weight.force
-
-
 def typical_state(plant: Plant) -> FloatArray:
     """Return heave and modal amplitudes in mid-wave, shape (dof,) [m].
 
     The linear static ones, plus a fifth of the radius in heave and a hundredth, alternating and falling, in the modes.
     """
-    water, weight = water_and_weight(plant)
-    n, free = plant.motions, plant.motions.shape[1]
+    water, n, free = plant.water, plant.motions, plant.motions.shape[1]
+    assert water is not None  # built by `design_plant`
     still = water.shell.forces(np.zeros((1, len(plant.labels))))[0][0]
-    stiffness = plant.total(Spring) + n.T @ water.tangent @ n
     wave = 0.01 * (-1.0) ** np.arange(free) / np.maximum(np.arange(free), 1)
     wave[0] = 0.2
-    static = np.linalg.solve(stiffness, n.T @ (water.specific_weight * still + weight))
+    static = np.linalg.solve(plant.stiffness, n.T @ (water.specific_weight * still + plant.constant))
     return n @ (static + water.shell.basis.shell.radius * wave)
 
 
@@ -187,7 +180,8 @@ def quadrature_precision(study: Study) -> list[Row]:
     """
     design = next((name for name, d in study.designs.items() if d.flexible and not d.clamp), next(iter(study.designs)))
     plant = design_plant(study, design)
-    wet, q = water_and_weight(plant)[0].shell, typical_state(plant)
+    assert plant.water is not None
+    wet, q = plant.water.shell, typical_state(plant)
 
     def fresh() -> DeformedShell:  # it caches its waterline
         return DeformedShell(wet.basis, wet.centre_height, q)

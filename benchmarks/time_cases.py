@@ -18,11 +18,13 @@ from benchmarks.quadrature import Row
 from vsb.errors import VsbError
 from vsb.hydro.kernel import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel
+from vsb.integrators.convolution import convolve
 from vsb.integrators.energy_preserving import fixed_step
-from vsb.integrators.exact import convolve
 from vsb.integrators.exponential import integrate
+from vsb.motion.forces import RadiationMemory
 from vsb.motion.motion import Motion
-from vsb.motion.scene import Plant, RadiationMemory
+from vsb.motion.scene import Plant
+from vsb.motion.system import System
 from vsb.scenes.build import SCENES, Scene
 from vsb.stages.stage import partial_study
 from vsb.study.plan import StudyPlan
@@ -90,7 +92,7 @@ def varied(study: Study, design: str, model: str, sea: str, duration: float, **c
 class Case:
     """The motion of one scene from rest, at common instants."""
 
-    plant: Plant
+    system: System
     spectrum: DampingSpectrum
     duration: float
 
@@ -103,20 +105,20 @@ class Case:
     @property
     def start(self) -> tuple[FloatArray, FloatArray]:
         """Initial y and y'."""
-        return self.plant.start(0.0, 0.0)
+        return self.system.scene.start(0.0, 0.0)
 
     @cached_property
     def equation(self) -> Equation:
         """The equation in plain coordinates, compiled."""
-        equation = Equation.of(self.plant, self.start)
+        equation = Equation.of(self.system, self.start)
         equation.rates(0.0, equation.first)
         return equation
 
     @cached_property
     def reference(self) -> Solution:
         """Converged solution."""
-        if self.plant.water:
-            return self.ours(partial(integrate, self.plant, self.time, self.start, 1e-11))
+        if not self.system.linear:
+            return self.ours(partial(integrate, self.system, self.time, self.start, 1e-11))
         return self.general("DOP853", FINEST, 3 * TIME_LIMIT)
 
     def ours(self, run: Callable[[], Motion | tuple[Motion, int]], stride: int = 1) -> Solution:
@@ -139,8 +141,8 @@ class Case:
         count = (len(self.time) - 1) * max(-stride, 1) // max(stride, 1)
         time = np.linspace(0.0, self.duration, count + 1)
         if method == STEPS:
-            return self.ours(partial(fixed_step, self.plant, time, self.start), stride)
-        return self.ours(partial(convolve, self.plant, self.spectrum, time, self.start), stride)
+            return self.ours(partial(fixed_step, self.system, time, self.start), stride)
+        return self.ours(partial(convolve, self.system, self.spectrum, time, self.start), stride)
 
     def errors(self, found: Solution, stride: int = 1) -> Row:
         """Largest error of heave over its range, and error of the absorbed energy; none of a run that failed."""
@@ -167,7 +169,7 @@ def measured_row(table: str, case: str, method: str, setting: float, found: Solu
 
 def case_of(scene: Scene, duration: float) -> Case:
     """The motion of a scene for so long; a convolution of it has the kernel of its state space."""
-    spectrum, model = scene.spectrum, scene.plant.memory
+    system, spectrum, model = scene.system, scene.spectrum, scene.plant.memory
     assert spectrum is not None  # of a database
     assert model is not None
-    return Case(scene.plant, ModelKernel(spectrum.omega, spectrum.damping, model), duration)
+    return Case(system, ModelKernel(spectrum.omega, spectrum.damping, model), duration)

@@ -49,7 +49,7 @@ from vsb.integrators.exact import propagate
 from vsb.integrators.exponential import integrate
 from vsb.integrators.harmonic_balance import steady_power
 from vsb.integrators.trajectory import EXACT
-from vsb.motion.scene import Plant
+from vsb.motion.system import System
 from vsb.report.canvas import grid_of_axes, legend_above
 from vsb.scenes.automatic import absorbed, truncated
 from vsb.study.study import Study
@@ -90,16 +90,17 @@ LEAST = 1e-16
 
 def _attempts(case: Case) -> Iterator[tuple[str, float, Callable[[], Solution], int]]:
     """Method, setting, run and stride of everything a scene is followed by."""
-    plant, memory = case.plant, case.plant.memory
-    if plant.water:
+    system, scene = case.system, case.system.scene
+    if not system.linear:
         for tolerance in OURS:
-            run = partial(integrate, plant, case.time, case.start, tolerance)
+            run = partial(integrate, system, case.time, case.start, tolerance)
             yield EXPONENTIAL, tolerance, partial(case.ours, run), 1
-    elif memory:
+    elif memory := scene.memory:
         for order in (*range(2, memory.order, 2), memory.order):
-            exact = partial(propagate, remembering(plant, truncated(memory, order)), case.time, case.start)
+            small = System.of(remembering(scene, truncated(memory, order)))
+            exact = partial(propagate, small, case.time, case.start)
             yield EXACT, order, partial(case.ours, exact), 1
-    for method in (STEPS,) if plant.water else (STEPS, CONVOLUTION):
+    for method in (STEPS, CONVOLUTION) if system.linear else (STEPS,):
         for stride in STRIDES:
             per_period = PER_PERIOD / stride if stride > 0 else -PER_PERIOD * stride
             yield method, per_period, partial(case.stepped, method, stride), stride
@@ -123,19 +124,20 @@ def integrator_rows(case: Case, name: str) -> list[Row]:
     return [*rows, measured_row("reference", name, "DOP853", 1e-12, check, case.errors(check))]
 
 
-def power_rows(plant: Plant) -> list[Row]:
+def power_rows(system: System) -> list[Row]:
     """Return error and seconds of the mean power in a regular wave: harmonic balance, and motions of many periods.
 
     The setting is a tolerance; of a motion, followed at 1e-6, its number of periods, of which the last five tell.
     """
-    exact, rows, period = steady_power(plant, BALANCED[-1] / 1000), [], PERIOD
+    exact, rows, period = steady_power(system, BALANCED[-1] / 1000), [], PERIOD
 
     def mean(periods: int) -> float:
         time = np.linspace(0.0, periods * period, PER_PERIOD * periods + 1)
-        return absorbed(plant, integrate(plant, time, plant.start(0.0, 0.0), 1e-6)[0], time[-1] - 5 * period)
+        motion, _ = integrate(system, time, system.scene.start(0.0, 0.0), 1e-6)
+        return absorbed(system, motion, time[-1] - 5 * period)
 
     runs: list[tuple[str, float, Callable[[], float]]] = [
-        *((BALANCE, tol, partial(steady_power, plant, tol)) for tol in BALANCED),
+        *((BALANCE, tol, partial(steady_power, system, tol)) for tol in BALANCED),
         *((EXPONENTIAL, periods, partial(mean, periods)) for periods in PERIODS),
     ]
     for method, setting, run in runs:
@@ -189,9 +191,9 @@ def _run(case: Case, method: str) -> Solution:
     if method in (STEPS, CONVOLUTION):
         return case.stepped(method, 1)
     if method == EXACT:
-        return case.ours(partial(propagate, case.plant, case.time, case.start))
+        return case.ours(partial(propagate, case.system, case.time, case.start))
     if method == EXPONENTIAL:
-        return case.ours(partial(integrate, case.plant, case.time, case.start, SCALED_TOLERANCE))
+        return case.ours(partial(integrate, case.system, case.time, case.start, SCALED_TOLERANCE))
     return case.general(method, SCALED_TOLERANCE)
 
 
@@ -296,7 +298,7 @@ def measured(study: Study, design: str, folder: str) -> list[Row]:
             scene = scene_of(varied(study, design, model, sea, DURATION), folder)
             rows += integrator_rows(case_of(scene, DURATION), f"{model}, {sea}")
             if (model, sea) == ("body-exact", REGULAR):
-                rows += power_rows(scene.plant)
+                rows += power_rows(scene.system)
         _say(f"{model}, cost")
         rows += cost_rows(study, design, model, folder)
     return rows

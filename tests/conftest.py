@@ -18,9 +18,9 @@ from vsb.hydro.panels import rings as bem
 from vsb.hydro.panels import sweep as panelsweep
 from vsb.hydro.spectral import sweep as spectralsweep
 from vsb.hydro.statespace import fit_radiation
+from vsb.motion.forces import Spring
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
-from vsb.motion.scene import Damper, Spring
 from vsb.scenes.rest import reference_shell
 from vsb.shell.modes import study_basis
 from vsb.stages.coefficients import spectral_problem
@@ -44,11 +44,17 @@ def varied(study: Study, **changes) -> Study:
     return config.parse(data)
 
 
+def springs(plant):
+    """Stiffness of a scene without the tangent of the water's force, shape (free, free) [N/m]."""
+    matrices = [force.stiffness for force in plant.forces.values() if isinstance(force, Spring)]
+    return plant.motions.T @ sum(matrices, 0.0 * plant.mass) @ plant.motions
+
+
 def compiled_motion(plant, time, start, rtol=1e-11):
     """Motion of a scene under assumed pressure by an explicit method of order 8 in plain coordinates, (time, free)."""
     mass = np.linalg.inv(plant.motions.T @ plant.mass @ plant.motions)
-    stiffness, damping, n = plant.total(Spring), plant.total(Damper), plant.motions.shape[1]
-    water, weight = plant.water, plant.forces["weight"].force
+    stiffness, damping, n = springs(plant), plant.damping, plant.motions.shape[1]
+    water, weight = plant.water, plant.forces["weight"].value
 
     def rates(t, y):
         static, uniform, _ = water.shell.forces((plant.motions @ y[:n])[None])

@@ -27,6 +27,12 @@ OUTSIDE = {"benchmarks", "examples"}
 HEAVY = {"numpy", "scipy", "xarray", "capytaine", "matplotlib", "netCDF4"}
 
 
+NAMED = ast.Name | ast.Attribute
+FORCES = {"Force"} | {
+    node.name
+    for node in TREES["vsb.motion.forces"].body
+    if isinstance(node, ast.ClassDef) and "Force" in map(ast.unparse, node.bases)
+}
 WORKFLOW = {p.name: p for p in (HOME / "Snakefile", *sorted((HOME / "workflow").rglob("*.smk")))}
 PARSED = ("__init__", "errors", "study/study", "study/plan")  # read at every parse of the workflow
 STATEMENT = re.compile(r"^[ \t]*((?:import|from)[ \t]+(?:[^(\n\\]|\\\n|\([^)]*\))*)", re.MULTILINE)
@@ -82,6 +88,13 @@ def heavy(tree, trees):
     return packages & HEAVY
 
 
+def asked(tree):
+    """Names of the classes a tree asks objects for, by `isinstance` or `issubclass`."""
+    calls = [node for node in ast.walk(tree) if isinstance(node, ast.Call) and len(node.args) == 2]
+    kinds = [node.args[1] for node in calls if ast.unparse(node.func) in ("isinstance", "issubclass")]
+    return {re.split(r"\W", ast.unparse(n))[-1] for kind in kinds for n in ast.walk(kind) if isinstance(n, NAMED)}
+
+
 def functions(tree):
     return [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
 
@@ -120,6 +133,23 @@ def test_the_package_knows_neither_benchmarks_nor_examples(name):
 @pytest.mark.parametrize("name", PACKAGE)
 def test_only_the_room_of_panels_imports_capytaine(name):
     assert "capytaine" not in imported(TREES[name])[0] or name.startswith("vsb.hydro.panels.")
+
+
+@pytest.mark.parametrize("name", [name for name in PACKAGE if name.startswith("vsb.integrators.")])
+def test_integrators_see_systems_and_motions_alone(name):
+    own = {module for module in modules(TREES[name], TREES) if module.startswith("vsb.motion.")}
+    assert own <= {"vsb.motion.system", "vsb.motion.motion"}
+
+
+@pytest.mark.parametrize("name", [name for name in MODULES if not name.startswith("vsb.motion.")])
+def test_no_force_is_asked_for_its_type(name):
+    """What is asked of a force its methods say; only its own room knows kinds of forces."""
+    assert not asked(TREES[name]) & FORCES
+
+
+def test_the_checker_sees_who_is_asked():
+    tree = ast.parse("isinstance(f, Spring | forces.Damper)\nisinstance(x, (int, Excitation))\nSpring(1)")
+    assert asked(tree) & FORCES == {"Spring", "Damper", "Excitation"}
 
 
 @pytest.mark.parametrize("name", [name for name in PACKAGE if name.startswith("vsb.study.")])

@@ -2,6 +2,7 @@
 
 import csv
 import io
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ from conftest import varied
 
 from benchmarks import integrators as workprecision
 from benchmarks import quadrature as riemann
+from benchmarks.general_solvers import Equation, solved
 from benchmarks.integrators import (
     COLUMNS,
     EXPONENTIAL,
@@ -18,14 +20,11 @@ from benchmarks.integrators import (
     SOLVERS,
     TOLERANCES,
     Case,
-    Scene,
     as_csv,
     benchmark,
     integrator_precision,
     plain_rates,
     precision_figure,
-    rates,
-    solve,
 )
 from benchmarks.quadrature import (
     design_plant,
@@ -38,6 +37,7 @@ from benchmarks.quadrature import (
     typical_state,
 )
 from vsb.errors import ConfigError
+from vsb.motion.system import System
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import rigid_basis
 from vsb.study import study as config
@@ -192,7 +192,10 @@ def test_right_hand_sides_are_one(paper):
     plant = design_plant(paper, "VSWEC90")
     n = plant.motions.shape[1]
     state = 0.02 * np.random.default_rng(1).normal(size=2 * n)
-    fast, plain = rates(0.3, state, Scene.of(plant)), plain_rates(plant, gauss_force, 40)(0.3, state)
+    fast, plain = (
+        Equation.of(System.of(plant), plant.start(0.0, 0.0)).rates(0.3, state),
+        plain_rates(plant, gauss_force, 40)(0.3, state),
+    )
     assert np.abs(fast - plain).max() < 1e-12 * np.abs(fast).max()
     discs = plain_rates(plant, disc_force, 20000)(0.3, state)
     assert 1e-8 < np.abs(fast - discs).max() / np.abs(fast).max() < 1e-2
@@ -232,16 +235,18 @@ def test_failures_are_results(paper):
     def explodes(t, state):
         return 1e3 * (1 + state**2)
 
+    explosion = replace(case.equation, rates=explodes)
     for method in SOLVERS:
-        late = solve(case, method, 1e-6, explodes, len(case.time), limit=0.0)
+        late = solved(explosion, method, 1e-6, case.time, 0.0)
         assert late.status.startswith("stopped after its limit at t = "), late.status
         assert late.evaluations == 1
-    broken = solve(case, "RK45", 1e-6, explodes, len(case.time))
+    broken = solved(explosion, "RK45", 1e-6, case.time, 20.0)
     assert "step size" in broken.status
     row = case.row("RK45", 1e-6, broken)
     assert row["seconds"] >= 0.0
     assert "error" not in row
-    endless = solve(case, "RK45", 1e-6, lambda t, state: np.full(2, np.inf), len(case.time), limit=0.2)
+    endless = replace(case.equation, rates=lambda t, state: np.full(2, np.inf))
+    endless = solved(endless, "RK45", 1e-6, case.time, 0.2)
     assert endless.status != "completed"
     crushed = Case(varied(paper, hydro={"pressure": 1e12}), "VSWEC").exponential(1e-8)
     assert "cannot be followed" in crushed.status

@@ -33,6 +33,7 @@ from benchmarks.time_domain import (
     power_rows,
 )
 from vsb.errors import ConfigError, ConvergenceError
+from vsb.motion.system import System
 from vsb.study import study as config
 
 DURATION = 2.5
@@ -148,8 +149,8 @@ def test_exact_propagation_is_exact_and_few_memory_states_are_not(rows):
 def test_fixed_steps_have_their_order(case):
     """Two for the convolution, four for ours, of the rigid buoy, which has no stiff mode."""
     scene = case("linear", next(iter(SEAS)))
-    rigid = replace(scene.plant, motions=np.eye(len(scene.plant.labels), 1))
-    one = timecases.Case(rigid, scene.spectrum, DURATION)
+    rigid = replace(scene.system.scene, motions=np.eye(len(scene.system.scene.labels), 1))
+    one = timecases.Case(System.of(rigid), scene.spectrum, DURATION)
     for method, order, tolerance in ((CONVOLUTION, 2.0, 0.15), (STEPS, 4.0, 0.3)):
         found = [one.errors(one.stepped(method, stride), stride)["error"] for stride in STRIDES[:5]]
         orders = -np.diff(np.log2(found))
@@ -175,7 +176,7 @@ def test_a_run_of_ours_that_fails_is_a_row(case):
 
 def test_mean_power_without_a_transient_is_that_after_it(case, monkeypatch):
     monkeypatch.setattr(timeprecision, "PERIODS", (10, 20, 40))
-    found = power_rows(case("body-exact", next(iter(SEAS))).plant)
+    found = power_rows(case("body-exact", next(iter(SEAS))).system)
     balance = np.array([row["error"] for row in found if row["method"] == BALANCE])
     motion = np.array([row["error"] for row in found if row["method"] == EXPONENTIAL])
     assert np.all(balance < np.array(BALANCED))
@@ -184,14 +185,14 @@ def test_mean_power_without_a_transient_is_that_after_it(case, monkeypatch):
 
 
 def test_a_power_that_fails_is_a_row(case, monkeypatch):
-    def fails(plant, tolerance):
+    def fails(system, tolerance):
         if tolerance > 1e-9:
             raise ConvergenceError("no steady state is found")
         return 1.0
 
     monkeypatch.setattr(timeprecision, "PERIODS", ())
     monkeypatch.setattr(timeprecision, "steady_power", fails)
-    found = power_rows(case("linear", next(iter(SEAS))).plant)
+    found = power_rows(case("linear", next(iter(SEAS))).system)
     assert {row["status"] for row in found[:3]} == {"no steady state is found"}
     assert "error" not in found[0]
     error_figure(found)

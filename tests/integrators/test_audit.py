@@ -6,8 +6,10 @@ from hypothesis import strategies as st
 from vsb.integrators.audit import flow, step_integrals
 from vsb.integrators.exact import propagate
 from vsb.integrators.trajectory import energies, residual
+from vsb.motion.forces import Damper, Excitation, Spring
 from vsb.motion.motion import Motion
-from vsb.motion.scene import Damper, Excitation, Plant, Spring
+from vsb.motion.scene import Plant
+from vsb.motion.system import System
 
 
 def one_mass(**forces):
@@ -51,9 +53,9 @@ def test_the_integral_satisfies_lyapunovs_equation(states, size, seed):
 def test_what_a_damper_takes_is_the_kinetic_energy_lost(damping):
     """1/2 m v^2 (1 - exp(-2 c t/m)) at every record, be they thousands of time constants apart."""
     plant, time = one_mass(pto=Damper(np.array([[damping]]))), np.linspace(0.0, 3.0, 31)
-    motion = propagate(plant, time, (np.zeros(1), np.array([0.8])))
+    motion = propagate(System.of(plant), time, (np.zeros(1), np.array([0.8])))
     lost = -0.64 * np.expm1(-damping * time)
-    assert energies(plant, motion)["pto"] == pytest.approx(lost, rel=1e-12, abs=1e-15)
+    assert energies(System.of(plant), motion)["pto"] == pytest.approx(lost, rel=1e-12, abs=1e-15)
 
 
 @pytest.mark.parametrize("count", [6, 7, 8, 40])
@@ -63,8 +65,9 @@ def test_the_work_of_a_polynomial_force_is_exact(count):
     force = np.polynomial.Polynomial(np.random.default_rng(2).normal(size=6))
     velocity = (force / 2.0).integ()
     columns = [p(time)[:, None] for p in (velocity.integ(), velocity, force / 2.0)]
-    motion, push = Motion(time, *columns, np.zeros((count, 0)), 0.0), force(time)[:, None]
-    _, work = flow(one_mass(), motion, {"push": push}).works([], None, [push])
+    motion, system = Motion(time, *columns, np.zeros((count, 0)), 0.0), System.of(one_mass())
+    push = force(time)[:, None] @ system.shapes
+    _, work = flow(system, motion, push).works([], None, [push])
     assert work == pytest.approx(velocity(time) ** 2, abs=1e-12)
 
 
@@ -74,8 +77,8 @@ def test_the_work_of_a_wave_converges_with_the_sixth_power_of_the_records_distan
     counts = np.array([60, 120, 240, 480])
     errors = []
     for count in counts:
-        motion = propagate(plant, np.linspace(0.0, 20.0, count + 1), (np.array([0.2]), np.zeros(1)))
-        errors.append(residual(energies(plant, motion)))
+        motion = propagate(System.of(plant), np.linspace(0.0, 20.0, count + 1), (np.array([0.2]), np.zeros(1)))
+        errors.append(residual(energies(System.of(plant), motion)))
     slopes = -np.diff(np.log(errors)) / np.diff(np.log(counts))
     assert np.all(np.abs(slopes - 6.0) < 0.5), (errors, slopes)
 
@@ -83,5 +86,5 @@ def test_the_work_of_a_wave_converges_with_the_sixth_power_of_the_records_distan
 @pytest.mark.parametrize("count", [2, 3, 4, 5])
 def test_a_run_of_a_few_records_is_audited(count):
     plant = one_mass(hydrostatic=Spring(np.array([[50.0]])), pto=Damper(np.array([[1.2]])))
-    motion = propagate(plant, np.linspace(0.0, 5.0, count), (np.ones(1), np.zeros(1)))
-    assert residual(energies(plant, motion)) < 1e-13
+    motion = propagate(System.of(plant), np.linspace(0.0, 5.0, count), (np.ones(1), np.zeros(1)))
+    assert residual(energies(System.of(plant), motion)) < 1e-13

@@ -7,13 +7,13 @@ import sys
 
 import numpy as np
 import pytest
-from conftest import HERE, SEED, compiled_motion, varied
+from conftest import HERE, SEED, compiled_motion, springs, varied
 from scipy.integrate import solve_ivp
 
 from vsb.errors import VsbError
 from vsb.integrators.exponential import integrate
 from vsb.integrators.trajectory import energies, labelled, residual, simulate
-from vsb.motion.scene import Damper, Spring
+from vsb.motion.system import System
 from vsb.motion.wetted import WetShell, meridian_series, wet_intervals
 from vsb.results.comparison import comparison
 from vsb.results.power import merit
@@ -44,9 +44,9 @@ def independent(plant, time, start, method="DOP853", rtol=1e-8):
 
     Uniform pressure is left out: still water only.
     """
-    shell, n, weight = plant.water.shell, plant.motions.shape[1], plant.forces["weight"].force
+    shell, n, weight = plant.water.shell, plant.motions.shape[1], plant.forces["weight"].value
     inverse = np.linalg.inv(plant.motions.T @ plant.mass @ plant.motions)
-    stiffness, damping = plant.total(Spring), plant.total(Damper)
+    stiffness, damping = springs(plant), plant.damping
 
     def rates(_, y):
         wet = DeformedShell(shell.basis, shell.centre_height, plant.motions @ y[:n])
@@ -155,7 +155,7 @@ def test_a_ring_in_step_with_the_nodes_is_not_overlooked(paper, young_modulus, t
     plant, _ = ringing(paper, young_modulus)
     time, start = np.linspace(0.0, 0.4, 33), plant.start(-1.0, 0.0)
     truth = compiled_motion(plant, time, start, rtol=1e-9)
-    motion, _ = integrate(plant, time, start, tolerance)
+    motion, _ = integrate(System.of(plant), time, start, tolerance)
     shell = np.abs(truth[:, 1]).max()
     assert np.abs(motion.position - truth)[:, 1].max() < 0.01 * shell
 
@@ -177,7 +177,7 @@ def test_motion_against_plain_quadrature_and_a_general_integrator(paper, name):
     plant, _ = scene(paper, design, **{**changes, "waves": STILL})
     time, start = np.linspace(0.0, duration, 9), plant.start(heave, velocity)
     truth = independent(plant, time, start, rtol=1e-8)
-    motion, _ = integrate(plant, time, start, 1e-9)
+    motion, _ = integrate(System.of(plant), time, start, 1e-9)
     assert np.abs(motion.position - truth).max() < 3e-6 * np.abs(truth).max()
 
 
@@ -186,9 +186,9 @@ def test_any_duration_ends_where_a_longer_run_passes(paper, duration):
     """Shorter than a record, one record, no multiple of a step."""
     settings = {"duration": duration, "window": [0.0, duration], "tolerance": 1e-10}
     plant, study = scene(paper, "VSWEC", simulation=settings)
-    motion, _, _ = simulate(plant, NO_WAVES, study.simulation, None)
+    motion, _, _ = simulate(System.of(plant), NO_WAVES, study.simulation, None)
     assert motion.time[-1] == pytest.approx(duration, rel=1e-15)
-    longer, _ = integrate(plant, np.linspace(0.0, 2 * duration, 401), plant.start(0.0, -0.8), 1e-10)
+    longer, _ = integrate(System.of(plant), np.linspace(0.0, 2 * duration, 401), plant.start(0.0, -0.8), 1e-10)
     assert motion.position[-1] == pytest.approx(longer.position[200], abs=1e-8)
 
 
@@ -196,7 +196,7 @@ def test_heave_held_by_a_very_strong_take_off_creeps_as_it_should(paper):
     """1e9 N s/m: m v' is nothing beside c v, so c z' is the force on the buoy at rest there."""
     held = {"initial_velocity": 0.0, "initial_position": 1.0}
     plant, study = scene(paper, "FSB", pto={"damping": 1e9}, waves=STILL, simulation=held)
-    motion, _, _ = simulate(plant, NO_WAVES, study.simulation, None)
+    motion, _, _ = simulate(System.of(plant), NO_WAVES, study.simulation, None)
     force = 1024.7589 * 9.81 * np.pi * (4.0 - 1.0 / 3)  # of the water the buoy stands out of, one metre of it
     assert (1.0 - motion.position[-1, 0]) == pytest.approx(force * 60.0 / 1e9, rel=2e-2)
 
@@ -205,7 +205,7 @@ def test_heave_held_by_a_very_strong_take_off_creeps_as_it_should(paper):
 def test_a_clamp_holds_to_round_off_for_any_stiffness(paper, young_modulus):
     device, settings = {"young_modulus": young_modulus}, {"duration": 5.0, "window": [0.0, 5.0]}
     plant, study = scene(paper, "VSWEC0", device=device, simulation=settings)
-    motion, _, _ = simulate(plant, NO_WAVES, study.simulation, None)
+    motion, _, _ = simulate(System.of(plant), NO_WAVES, study.simulation, None)
     q = motion.position @ plant.motions.T
     rows = plant.water.shell.basis.clamp_rows([0.0])
     assert np.abs(q @ rows.T).max() < 1e-13 * max(np.abs(q[:, 1:]).max(), 1e-3)
@@ -216,7 +216,7 @@ def test_a_clamp_holds_to_round_off_for_any_stiffness(paper, young_modulus):
 
 def audited(paper, design, **changes):
     plant, study = scene(paper, design, **changes)
-    motion, stride, _ = simulate(plant, NO_WAVES, study.simulation, None)
+    motion, stride, _ = simulate(System.of(plant), NO_WAVES, study.simulation, None)
     return plant, motion, stride, study
 
 
@@ -228,28 +228,28 @@ SHORT = {"duration": 10.0, "window": [5.0, 10.0]}
 def test_free_motion_without_losses_passes_its_audit(paper, design):
     """No term but stored energy, and that constant: its error counts against what swings, not against itself."""
     plant, motion, _, _ = audited(paper, design, **LOSSLESS, simulation=SHORT)
-    assert residual(energies(plant, motion)) < 1e-5
+    assert residual(energies(System.of(plant), motion)) < 1e-5
 
 
 def test_a_buoy_at_rest_passes_its_audit(paper):
     plant, motion, _, _ = audited(paper, "FSB", waves=STILL, simulation={**SHORT, "initial_velocity": 0.0})
     assert np.abs(motion.position).max() < 1e-12
-    assert residual(energies(plant, motion)) < 1e-5
+    assert residual(energies(System.of(plant), motion)) < 1e-5
 
 
 def test_the_audit_still_sees_an_error_of_free_motion(paper):
     plant, motion, _, _ = audited(paper, "FSB", **LOSSLESS, simulation=SHORT)
     motion.velocity[-1] *= 1.01
-    assert residual(energies(plant, motion)) > 1e-3
+    assert residual(energies(System.of(plant), motion)) > 1e-3
 
 
 def test_free_heave_is_recorded_well_under_a_long_period(paper):
     """A period of 60 s, free heave of 2.3 s: the range of heave is that of a run recorded ten times as finely."""
     changes = {"waves": [{"kind": "regular", "amplitude": 0.1, "period": 60.0}], "simulation": {"window": [0.0, 60.0]}}
     plant, motion, stride, study = audited(paper, "VSWEC", **changes)
-    run = labelled(plant, motion, None, "VSWEC", study.waves[0].label, stride)
+    run = labelled(System.of(plant), motion, None, "VSWEC", study.waves[0].label, stride)
     ours = merit(run, study.waves[0], NO_WAVES, study.water, study.simulation.window)
-    fine, _ = integrate(plant, np.linspace(0.0, 60.0, 24_001), plant.start(0.0, -0.8), 1e-8)
+    fine, _ = integrate(System.of(plant), np.linspace(0.0, 60.0, 24_001), plant.start(0.0, -0.8), 1e-8)
     assert ours.displacement_pp == pytest.approx(np.ptp(fine.position[:, 0]), rel=1e-3)
     assert run.attrs["energy_residual"] < 1e-4
 
@@ -263,15 +263,15 @@ def test_no_gain_over_a_buoy_that_never_moves(paper):
     runs = {}
     for design in still.designs:
         plant, one = scene(still, design)
-        motion, stride, _ = simulate(plant, NO_WAVES, one.simulation, None)
-        runs[design, "still"] = labelled(plant, motion, None, design, "still", stride)
+        motion, stride, _ = simulate(System.of(plant), NO_WAVES, one.simulation, None)
+        runs[design, "still"] = labelled(System.of(plant), motion, None, design, "still", stride)
     rows = comparison(still, runs, {"still": NO_WAVES})
     assert all(row["energy_gain_percent"] is None or abs(row["energy_gain_percent"]) < 1e6 for row in rows)
 
 
 def test_a_window_between_two_records_is_a_mistake_told(paper):
     plant, motion, stride, study = audited(paper, "FSB", simulation={"duration": 10.0, "window": [5.001, 5.002]})
-    run = labelled(plant, motion, None, "FSB", "wave", stride)
+    run = labelled(System.of(plant), motion, None, "FSB", "wave", stride)
     with pytest.raises(VsbError, match=r"simulation\.window"):
         merit(run, study.waves[0], NO_WAVES, study.water, study.simulation.window)
 

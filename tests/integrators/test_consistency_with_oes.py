@@ -18,9 +18,10 @@ from vsb.hydro.statespace import fit_radiation
 from vsb.integrators.exact import propagate
 from vsb.integrators.exponential import integrate
 from vsb.integrators.trajectory import energies, residual
+from vsb.motion.builders import body_exact_plant, linear_plant
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
-from vsb.motion.scene import body_exact_plant, linear_plant
+from vsb.motion.system import System
 from vsb.scenes.rest import reference_shell
 from vsb.study.plan import StudyPlan
 from vsb.waves.seas import NO_WAVES
@@ -68,7 +69,7 @@ def decay(scenes):
 
     def run(height):
         if height not in cache:
-            cache[height] = integrate(scenes[1], TIME, scenes[1].start(height, 0.0), 1e-10)[0]
+            cache[height] = integrate(System.of(scenes[1]), TIME, scenes[1].start(height, 0.0), 1e-10)[0]
         return cache[height]
 
     return run
@@ -115,19 +116,19 @@ def test_the_decay_is_that_of_a_sphere_in_closed_form(height, scenes, decay, sph
 
 def test_the_closed_form_less_its_cube_is_linear_theory(scenes, sphere):
     """The check of the check, and of the hydrostatic stiffness."""
-    linear = propagate(scenes[0], TIME, scenes[0].start(1.0, 0.0))
+    linear = propagate(System.of(scenes[0]), TIME, scenes[0].start(1.0, 0.0))
     expected = closed_form(scenes[1], sphere.centre_height, 1.0, cubic=False)
     assert np.abs(linear.position[:, 0] - expected[0]).max() < 1e-9
 
 
 def test_linear_decay_has_the_published_extrema(scenes):
-    found = turns(propagate(scenes[0], TIME, scenes[0].start(1.0, 0.0)))[:6]
+    found = turns(propagate(System.of(scenes[0]), TIME, scenes[0].start(1.0, 0.0)))[:6]
     assert np.all(np.abs(found - PUBLISHED) < (0.02, 0.01)), found - PUBLISHED
 
 
 def test_from_one_metre_it_is_among_the_published_codes(scenes, decay):
     """Nearer to linear theory than the farthest of them, and later at every extremum, by less than 1 %."""
-    linear = propagate(scenes[0], TIME, scenes[0].start(1.0, 0.0))
+    linear = propagate(System.of(scenes[0]), TIME, scenes[0].start(1.0, 0.0))
     difference = decay(1.0).position[:, 0] - linear.position[:, 0]
     assert 1e-3 < np.sqrt(np.mean(difference**2)) < SPREAD
     late = turns(decay(1.0))[:6, 0] / turns(linear)[:6, 0] - 1
@@ -139,7 +140,7 @@ def test_the_error_of_linear_theory_is_of_second_order(scenes, decay):
     heights = 2.0 / 2.0 ** np.arange(5)
     errors = []
     for height in heights:
-        linear = propagate(scenes[0], TIME, scenes[0].start(height, 0.0))
+        linear = propagate(System.of(scenes[0]), TIME, scenes[0].start(height, 0.0))
         errors.append(np.abs(decay(height).position[:, 0] - linear.position[:, 0]).max() / height)
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert np.all(np.abs(orders - 2) < 0.15), orders
@@ -151,7 +152,7 @@ def test_the_first_half_period_is_longer_by_the_square_of_the_height(scenes, dec
     small = 0.05
     linear = closed_form(scenes[1], sphere.centre_height, small, cubic=False)
     third = (closed_form(scenes[1], sphere.centre_height, small)[1] - linear[1]) / small**3
-    first = turns(propagate(scenes[0], TIME, scenes[0].start(1.0, 0.0)))[0, 0]
+    first = turns(propagate(System.of(scenes[0]), TIME, scenes[0].start(1.0, 0.0)))[0, 0]
     velocity = CubicHermiteSpline(TIME, linear[1] / small, np.gradient(linear[1] / small, TIME))
     coefficient = -np.interp(first, TIME, third) / velocity(first, 1)
     heights = 2.0 / 2.0 ** np.arange(5)
@@ -174,7 +175,7 @@ def test_larger_decays_are_slower(decay):
 @pytest.mark.parametrize("height", [1.0, 3.0, 5.0, -3.0])
 def test_what_is_radiated_is_what_was_stored(height, scenes, decay, sphere):
     """Energy audit; and the energy at the start in closed form, rho g pi ((R^2 - c^2) z^2/2 - c z^3/3 - z^4/12)."""
-    energy = energies(scenes[1], decay(height))
+    energy = energies(System.of(scenes[1]), decay(height))
     c = sphere.centre_height
     start = WEIGHT * np.pi * ((RADIUS**2 - c**2) * height**2 / 2 - c * height**3 / 3 - height**4 / 12)
     assert residual(energy) < 1e-7

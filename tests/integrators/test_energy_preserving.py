@@ -14,7 +14,9 @@ from vsb.integrators.energy_preserving import fixed_step, structure_preserving
 from vsb.integrators.exact import propagate
 from vsb.integrators.exponential import integrate
 from vsb.integrators.trajectory import energies, residual, simulate
-from vsb.motion.scene import Plant, Spring
+from vsb.motion.forces import Spring
+from vsb.motion.scene import Plant
+from vsb.motion.system import System
 from vsb.scenes.build import SCENES
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
@@ -45,7 +47,7 @@ def instants(duration, steps):
 
 def stored(plant, motion):
     """Energy stored at every instant, relative to what went round."""
-    energy = energies(plant, motion)
+    energy = energies(System.of(plant), motion)
     return energy["stored"] / energy["turned"].max()
 
 
@@ -57,10 +59,12 @@ def test_order_is_four(scene, name):
     plant = scene(name, "FSB")
     start, duration = plant.start(0.1, -0.3), 10.0
     time = instants(duration, 320)
-    exact = integrate(plant, time, start, 1e-12)[0] if plant.water else propagate(plant, time, start)
+    exact = (
+        integrate(System.of(plant), time, start, 1e-12)[0] if plant.water else propagate(System.of(plant), time, start)
+    )
     errors = []
     for steps in REFINEMENTS:
-        found = fixed_step(plant, instants(duration, steps), start)
+        found = fixed_step(System.of(plant), instants(duration, steps), start)
         errors.append(np.abs(found.position - exact.position[:: 320 // steps]).max())
     orders = -np.diff(np.log2(errors))
     assert np.all(np.abs(orders - 4.0) < 0.3), orders
@@ -70,8 +74,8 @@ def test_substeps_are_steps(scene):
     plant = scene("body_exact", "FSB")
     start = plant.start(0.1, -0.3)
     fine, coarse = (
-        fixed_step(plant, instants(4.0, 80), start, 1),
-        fixed_step(plant, instants(4.0, 20), start, 4),
+        fixed_step(System.of(plant), instants(4.0, 80), start, 1),
+        fixed_step(System.of(plant), instants(4.0, 20), start, 4),
     )
     for name in ("position", "velocity", "acceleration", "memory"):
         assert getattr(coarse, name) == pytest.approx(getattr(fine, name)[::4], rel=1e-9, abs=1e-9)
@@ -91,10 +95,10 @@ def test_undamped_linear_scene_keeps_its_energy_for_ten_thousand_periods(per_per
     plant = Plant(("Heave", "Membrane0"), mass, {"elastic": Spring(springs)}, np.eye(2))
     steps = per_period * 10_000
     time = instants(10_000 * 2 * np.pi / np.sqrt(5.0), steps)
-    motion = fixed_step(plant, time, (np.array([0.3, 1e-4]), np.array([0.2, 0.5])))
+    motion = fixed_step(System.of(plant), time, (np.array([0.3, 1e-4]), np.array([0.2, 0.5])))
     q, v = motion.position, motion.velocity
     energy = 0.5 * (np.einsum("ti,ij,tj->t", v, mass, v) + np.einsum("ti,ij,tj->t", q, springs, q))
-    step = [fixed_step(plant, time[:2], (unit[:2], unit[2:])) for unit in np.eye(4)]
+    step = [fixed_step(System.of(plant), time[:2], (unit[:2], unit[2:])) for unit in np.eye(4)]
     propagator = np.column_stack([np.concatenate([s.position[1], s.velocity[1]]) for s in step])
     root = np.linalg.cholesky(block_diag(springs, mass)).T
     sums = np.linalg.norm(np.abs(root) @ np.abs(propagator) @ np.abs(np.linalg.inv(root)), 2)
@@ -106,14 +110,14 @@ def test_undamped_linear_scene_keeps_its_energy_for_ten_thousand_periods(per_per
 def test_undamped_sphere_on_nonlinear_water_keeps_its_energy_at_any_step(scene, step):
     """The water's force is a cubic of heave while the waterline stays on the sphere: four points are exact."""
     plant = scene("paper", "FSB", pto={"damping": 0.0}, waves=STILL)
-    motion = fixed_step(plant, instants(400 * step, 400), plant.start(1.2, -0.5))
+    motion = fixed_step(System.of(plant), instants(400 * step, 400), plant.start(1.2, -0.5))
     assert np.ptp(motion.position) > 2.0
     assert np.abs(stored(plant, motion)).max() < 1e-11
 
 
 def test_undamped_shell_on_nonlinear_water_keeps_its_energy(scene):
     plant = scene("paper", "VSWEC", pto={"damping": 0.0}, waves=STILL, device={"damping": {"alpha": 0.0, "beta": 0.0}})
-    motion = fixed_step(plant, instants(40.0, 800), plant.start(0.6, 0.0))
+    motion = fixed_step(System.of(plant), instants(40.0, 800), plant.start(0.6, 0.0))
     assert np.abs(stored(plant, motion)).max() < 1e-7  # no polynomial: the rule's own error
 
 
@@ -124,7 +128,7 @@ def test_energy_never_grows_without_waves_at_any_step_size(scene, name, design):
     @settings(max_examples=12)
     @given(step=st.floats(-2.5, 1.0), heave=st.floats(0.1, 0.5), velocity=st.floats(-1.0, 1.0))
     def passive(step, heave, velocity):
-        motion = fixed_step(plant, instants(30 * 10.0**step, 30), plant.start(heave, velocity))
+        motion = fixed_step(System.of(plant), instants(30 * 10.0**step, 30), plant.start(heave, velocity))
         energy = stored(plant, motion)
         assert np.diff(energy).max() < 1e-9
         assert np.abs(motion.position).max() < 5.0
@@ -137,14 +141,14 @@ def test_a_step_far_too_long_stays_bounded(scene, name):
     """Eight steps of 12 periods each, and two hundred of a period and a half, in waves."""
     plant = scene(name, "VSWEC")
     for steps, duration in ((8, 240.0), (200, 750.0)):
-        motion = fixed_step(plant, instants(duration, steps), plant.start(0.0, 0.0))
+        motion = fixed_step(System.of(plant), instants(duration, steps), plant.start(0.0, 0.0))
         assert np.abs(motion.position).max() < 2.0
 
 
 def test_the_audit_closes(scene):
     plant = scene("body_exact", "FSB")
-    motion, _ = structure_preserving(plant, instants(20.0, 1600), plant.start(0.0, -0.8), 1e-8)
-    assert residual(energies(plant, motion)) < 1e-6
+    motion, _ = structure_preserving(System.of(plant), instants(20.0, 1600), plant.start(0.0, -0.8), 1e-8)
+    assert residual(energies(System.of(plant), motion)) < 1e-6
 
 
 # agreement -----------------------------------------------------------------------------------------------------------
@@ -155,8 +159,10 @@ def test_the_audit_closes(scene):
 def test_the_error_is_within_the_tolerance(scene, name, design, tolerance):
     plant = scene(name, design)
     start, time = plant.start(0.1, -0.5), instants(8.0, 80)
-    found, steps = structure_preserving(plant, time, start, tolerance)
-    exact = integrate(plant, time, start, 1e-12)[0] if plant.water else propagate(plant, time, start)
+    found, steps = structure_preserving(System.of(plant), time, start, tolerance)
+    exact = (
+        integrate(System.of(plant), time, start, 1e-12)[0] if plant.water else propagate(System.of(plant), time, start)
+    )
     error = np.abs(found.position - exact.position).max()
     assert error < 2 * tolerance * np.abs(exact.velocity).max()
     assert steps % 80 == 0
@@ -169,16 +175,16 @@ def test_a_shell_that_rests_on_a_large_load_starts_to_move(scene):
         "seed", "VSWEC", device={"internal_pressure": 16.5e3}, modes={"degree": 2}, hydro={"model": "body_exact"}
     )
     time = instants(4.0, 256)
-    found = fixed_step(plant, time, plant.start(0.0, 0.0))
-    exact, _ = integrate(plant, time, plant.start(0.0, 0.0), 1e-10)
+    found = fixed_step(System.of(plant), time, plant.start(0.0, 0.0))
+    exact, _ = integrate(System.of(plant), time, plant.start(0.0, 0.0), 1e-10)
     assert np.abs(found.position - exact.position).max() < 1e-5
 
 
 def test_an_assumed_pressure_is_followed(scene):
     plant = scene("paper", "VSWEC0")
     time = instants(5.0, 200)
-    found, _ = structure_preserving(plant, time, plant.start(0.0, 0.0), 1e-8)
-    exact, _ = integrate(plant, time, plant.start(0.0, 0.0), 1e-12)
+    found, _ = structure_preserving(System.of(plant), time, plant.start(0.0, 0.0), 1e-8)
+    exact, _ = integrate(System.of(plant), time, plant.start(0.0, 0.0), 1e-12)
     assert np.abs(found.position - exact.position).max() < 1e-7
     assert np.abs(found.acceleration[:, 0] - exact.acceleration[:, 0]).max() < 1e-5
 
@@ -186,11 +192,11 @@ def test_an_assumed_pressure_is_followed(scene):
 def test_a_record_may_start_at_any_time(scene):
     plant = scene("body_exact", "FSB")
     time = instants(6.0, 120)
-    whole = fixed_step(plant, time, plant.start(0.0, 0.0), 2)
-    shifted = fixed_step(scene("seed", "FSB"), time + 2.5, scene("seed", "FSB").start(0.1, 0.0))
-    again = fixed_step(scene("seed", "FSB"), time, scene("seed", "FSB").start(0.1, 0.0))
+    whole = fixed_step(System.of(plant), time, plant.start(0.0, 0.0), 2)
+    shifted = fixed_step(System.of(scene("seed", "FSB")), time + 2.5, scene("seed", "FSB").start(0.1, 0.0))
+    again = fixed_step(System.of(scene("seed", "FSB")), time, scene("seed", "FSB").start(0.1, 0.0))
     assert shifted.position == pytest.approx(again.position, abs=1e-10)  # a period later
-    later = fixed_step(plant, time + 2.5, plant.start(0.0, 0.0), 2)
+    later = fixed_step(System.of(plant), time + 2.5, plant.start(0.0, 0.0), 2)
     assert later.position == pytest.approx(whole.position, abs=1e-10)
 
 
@@ -200,14 +206,14 @@ def test_a_record_may_start_at_any_time(scene):
 def test_a_step_without_a_solution_says_so(scene):
     plant = scene("body_exact", "VSWEC")
     with pytest.raises(ConvergenceError, match=r"a step of 50 s at t = 0 s: .*needs a shorter step"):
-        fixed_step(plant, instants(100.0, 2), plant.start(0.0, 1e200))
+        fixed_step(System.of(plant), instants(100.0, 2), plant.start(0.0, 1e200))
 
 
 def test_a_tolerance_out_of_reach_says_so(scene, monkeypatch):
     monkeypatch.setattr(gauss, "FINEST", 2)
     plant = scene("seed", "FSB")
     with pytest.raises(ConvergenceError, match=r"known to .*e-.*, needs 1e-12; raise simulation.tolerance"):
-        structure_preserving(plant, instants(10.0, 20), plant.start(0.1, 0.0), 1e-12)
+        structure_preserving(System.of(plant), instants(10.0, 20), plant.start(0.1, 0.0), 1e-12)
 
 
 # the workflow's own call ----------------------------------------------------------------------------------------------
@@ -227,6 +233,6 @@ def test_a_run_with_it_closes_its_audit(scene, name):
     settings = config.load(HERE.parent / "config" / f"{name}.yaml").simulation
     short = settings.model_copy(update={"duration": 10.0, "method": "structure_preserving", "tolerance": 1e-7})
     sea = Sea(plant.excitation.omega, np.array([0.179 + 0j]))
-    motion, _, method = simulate(plant, sea, short, None)
+    motion, _, method = simulate(System.of(plant), sea, short, None)
     assert method.startswith("structure-preserving, ")
-    assert residual(energies(plant, motion)) < 1e-7
+    assert residual(energies(System.of(plant), motion)) < 1e-7

@@ -8,9 +8,13 @@ from hypothesis import strategies as st
 
 from vsb.errors import StabilityError
 from vsb.hydro.kernel import DampingSpectrum
-from vsb.integrators.exact import convolve, propagate, transition
+from vsb.integrators.convolution import convolve
+from vsb.integrators.exact import propagate, transition
 from vsb.integrators.trajectory import energies, labelled, residual, simulate
-from vsb.motion.scene import Damper, Excitation, Plant, Spring, linear_plant
+from vsb.motion.builders import linear_plant
+from vsb.motion.forces import Damper, Excitation, Spring
+from vsb.motion.scene import Plant
+from vsb.motion.system import System
 from vsb.results.power import averaging_window
 from vsb.shell.modes import design_motions, study_basis
 from vsb.waves.seas import Sea, sea
@@ -34,7 +38,7 @@ def test_propagation_is_exact_for_any_step():
     plant = oscillator({"pto": Damper(np.array([[1.2]]))})
     for step in (0.01, 0.5, 7.0):
         time = np.arange(0.0, 21.0, step)
-        motion = propagate(plant, time, (np.array([1.0]), np.array([-0.5])))
+        motion = propagate(System.of(plant), time, (np.array([1.0]), np.array([-0.5])))
         assert motion.position[:, 0] == pytest.approx(damped(time), abs=1e-12)
 
 
@@ -55,19 +59,18 @@ def test_slow_decay_beside_a_fast_one_keeps_its_digits(fast, slow, coupling):
 def test_motion_starts_at_the_first_instant_whenever_that_is(instants, begin):
     plant = oscillator({"pto": Damper(np.array([[1.2]]))})
     time = np.linspace(begin, begin + 6.0, instants)
-    motion = propagate(plant, time, (np.array([1.0]), np.array([-0.5])))
+    motion = propagate(System.of(plant), time, (np.array([1.0]), np.array([-0.5])))
     assert motion.position[:, 0] == pytest.approx(damped(time - begin), abs=1e-13)
     wave = {"excitation": Excitation(np.array([2.0]), np.array([[30.0 + 5j]])), **plant.forces}
-    pushed = propagate(replace(plant, forces=wave), time, (np.array([1.0]), np.array([-0.5])))
+    pushed = propagate(System.of(replace(plant, forces=wave)), time, (np.array([1.0]), np.array([-0.5])))
     assert pushed.position[0, 0] == pytest.approx(1.0)
     assert pushed.velocity[0, 0] == pytest.approx(-0.5)
 
 
 def test_a_transient_that_is_over_is_nothing():
     """100 000 s of decay, exp(-30 000): no subnormal numbers, which are slow and wrong in every digit."""
-    motion = propagate(
-        oscillator({"pto": Damper(np.array([[1.2]]))}), np.arange(0.0, 1e5, 0.5), (np.ones(1), np.zeros(1))
-    )
+    system = System.of(oscillator({"pto": Damper(np.array([[1.2]]))}))
+    motion = propagate(system, np.arange(0.0, 1e5, 0.5), (np.ones(1), np.zeros(1)))
     assert np.all(motion.position[-1000:] == 0.0)
     assert np.abs(motion.position[motion.position != 0]).min() > 1e-300
 
@@ -76,7 +79,7 @@ def test_a_transient_keeps_its_digits_down_to_the_last():
     """Over 200 s heave falls by exp(-60); its error falls with it."""
     time = np.arange(0.0, 200.0, 0.05)
     plant = oscillator({"pto": Damper(np.array([[1.2]]))})
-    motion = propagate(plant, time, (np.array([1.0]), np.array([-0.5])))
+    motion = propagate(System.of(plant), time, (np.array([1.0]), np.array([-0.5])))
     assert np.all(np.abs(motion.position[:, 0] - damped(time)) < 1e-11 * np.exp(-0.3 * time))
 
 
@@ -87,10 +90,8 @@ def test_many_components_are_the_sum_of_each_alone():
     force = rng.normal(size=(200, 1)) + 1j * rng.normal(size=(200, 1))
 
     def motion(some):
-        return propagate(
-            replace(plant, forces={**plant.forces, "excitation": Excitation(omega[some], force[some])}),
-            time, (np.zeros(1), np.zeros(1)),
-        )  # fmt: skip
+        pushed = {**plant.forces, "excitation": Excitation(omega[some], force[some])}
+        return propagate(System.of(replace(plant, forces=pushed)), time, (np.zeros(1), np.zeros(1)))
 
     whole, parts = motion(slice(None)), [motion(slice(i, i + 8)) for i in range(0, 200, 8)]
     for name in ("position", "velocity", "acceleration"):
@@ -102,8 +103,8 @@ def test_forced_motion_satisfies_the_equation_of_motion():
     wave = Excitation(np.array([2.0, 3.3]), np.array([[30.0 + 5j], [-4j]]))
     plant = oscillator({"pto": Damper(np.array([[1.2]])), "excitation": wave})
     time = np.linspace(0.0, 10.0, 501)
-    motion = propagate(plant, time, (np.array([0.2]), np.zeros(1)))
-    push = np.real(np.exp(-1j * np.outer(time, wave.omega)) @ wave.force)[:, 0]
+    motion = propagate(System.of(plant), time, (np.array([0.2]), np.zeros(1)))
+    push = np.real(np.exp(-1j * np.outer(time, wave.omega)) @ wave.phasors)[:, 0]
     left = 2.0 * motion.acceleration[:, 0] + 1.2 * motion.velocity[:, 0] + 50.0 * motion.position[:, 0]
     assert left == pytest.approx(push, abs=1e-10)
     assert motion.position[0, 0] == pytest.approx(0.2)
@@ -115,7 +116,7 @@ def test_convolution_stepper_is_of_second_order():
     errors = []
     for step in steps:
         time = np.arange(0.0, 4.0 + step / 2, step)
-        motion = convolve(plant, CALM, time, (np.array([1.0]), np.array([-0.5])))
+        motion = convolve(System.of(plant), CALM, time, (np.array([1.0]), np.array([-0.5])))
         errors.append(np.abs(motion.position[:, 0] - damped(time)).max())
     slopes = np.diff(np.log(errors)) / np.diff(np.log(steps))
     assert np.all(np.abs(slopes[1:] - 2.0) < 0.1), slopes
@@ -124,12 +125,12 @@ def test_convolution_stepper_is_of_second_order():
 def test_undamped_resonance_has_no_steady_state():
     plant = oscillator({"excitation": Excitation(np.array([5.0]), np.array([[1.0 + 0j]]))})
     with pytest.raises(StabilityError, match=r"wave of 5 rad/s meets an undamped resonance.*add device.damping"):
-        propagate(plant, np.linspace(0, 1, 11), (np.zeros(1), np.zeros(1)))
+        propagate(System.of(plant), np.linspace(0, 1, 11), (np.zeros(1), np.zeros(1)))
 
 
 def test_undamped_shell_conserves_energy_over_a_thousand_periods():
     plant = oscillator({})
-    motion = propagate(plant, np.linspace(0.0, 1000 * 2 * np.pi / 5, 200_001), (np.ones(1), np.zeros(1)))
+    motion = propagate(System.of(plant), np.linspace(0.0, 1000 * 2 * np.pi / 5, 200_001), (np.ones(1), np.zeros(1)))
     energy = 25.0 * motion.position[:, 0] ** 2 + motion.velocity[:, 0] ** 2
     assert np.abs(energy / 25.0 - 1).max() < 1e-9
 
@@ -154,8 +155,8 @@ class TestOfTheSeed:
         expected = 0.04 * buoy.absorbed_power(waves.omega, buoy.rao(waves.omega, plant.motions))[0]
         for method in ("exact", "convolution"):
             settings = varied(study, simulation={"method": method, "tolerance": 1e-5}).simulation
-            motion, _, _ = simulate(plant, waves, settings, buoy.spectrum)
-            absorbed = energies(plant, motion)["pto"]
+            motion, _, _ = simulate(System.of(plant), waves, settings, buoy.spectrum)
+            absorbed = energies(System.of(plant), motion)["pto"]
             start, end = averaging_window(wave, settings.window)
             mean = np.diff(np.interp([start, end], motion.time, absorbed))[0] / (end - start)
             assert mean == pytest.approx(expected, rel=5e-3), method
@@ -164,25 +165,25 @@ class TestOfTheSeed:
     def test_energy_balance_closes(self, buoy_of, radiation_of, coarse, design):
         waves = sea(coarse.waves[0], coarse.hydro.omega_max, 60.0)
         plant = self.plant(buoy_of, radiation_of, coarse, design, waves)
-        motion, stride, _ = simulate(plant, waves, coarse.simulation, buoy_of(coarse).spectrum)
-        energy = energies(plant, motion)
+        motion, stride, _ = simulate(System.of(plant), waves, coarse.simulation, buoy_of(coarse).spectrum)
+        energy = energies(System.of(plant), motion)
         assert residual(energy) < 1e-6
         assert np.all(np.diff(energy["radiated"]) >= 0)  # the water never gives back more than it stores
-        run = labelled(plant, motion, waves, design, "wave", stride)
+        run = labelled(System.of(plant), motion, waves, design, "wave", stride)
         assert run.attrs["energy_residual"] < 1e-6
         assert ("elastic" in run) == (design != "FSB")
 
     def test_audit_sees_a_lost_force(self, buoy_of, radiation_of, coarse):
         waves = sea(coarse.waves[0], coarse.hydro.omega_max, 60.0)
         plant = self.plant(buoy_of, radiation_of, coarse, "FSB", waves)
-        motion, _, _ = simulate(plant, waves, coarse.simulation, buoy_of(coarse).spectrum)
+        motion, _, _ = simulate(System.of(plant), waves, coarse.simulation, buoy_of(coarse).spectrum)
         fewer = {name: force for name, force in plant.forces.items() if name != "pto"}
-        assert residual(energies(Plant(plant.labels, plant.mass, fewer, plant.motions), motion)) > 0.01
+        assert residual(energies(System.of(Plant(plant.labels, plant.mass, fewer, plant.motions)), motion)) > 0.01
 
     def test_clamp_holds_to_round_off(self, buoy_of, radiation_of, coarse):
         waves = sea(coarse.waves[0], coarse.hydro.omega_max, 60.0)
         plant = self.plant(buoy_of, radiation_of, coarse, "VSWEC90", waves)
-        motion, _, _ = simulate(plant, waves, coarse.simulation, buoy_of(coarse).spectrum)
+        motion, _, _ = simulate(System.of(plant), waves, coarse.simulation, buoy_of(coarse).spectrum)
         rows = study_basis(coarse).clamp_rows([np.pi / 2])
         assert np.abs(rows @ plant.motions @ motion.position.T).max() < 1e-13
 
@@ -195,8 +196,8 @@ class TestOfTheSeed:
         buoy = buoy_of(study)
         period = 2 * np.pi / width
         time = np.linspace(0.0, 2 * period, 40_001)
-        motion = propagate(plant, time, plant.start(0.0, 0.0))
-        absorbed = energies(plant, motion)["pto"]
+        motion = propagate(System.of(plant), time, plant.start(0.0, 0.0))
+        absorbed = energies(System.of(plant), motion)["pto"]
         mean = (absorbed[-1] - absorbed[20_000]) / period
         expected = short.mean_of(buoy.absorbed_power(short.omega, buoy.rao(short.omega, plant.motions)))
         assert mean == pytest.approx(expected, rel=5e-3)
@@ -219,7 +220,7 @@ class TestOfTheSeed:
         still = Sea(np.zeros(0), np.zeros(0, dtype=complex))
         plant = linear_plant(buoy_of(sphere), radiation_of(sphere), still, np.eye(1))
         time = np.linspace(0.0, 15.0, 15_001)
-        motion = propagate(plant, time, plant.start(1.0, 0.0))
+        motion = propagate(System.of(plant), time, plant.start(1.0, 0.0))
         heave, velocity = motion.position[:, 0], motion.velocity[:, 0]
         turns = np.flatnonzero(velocity[1:-1] * velocity[2:] < 0) + 1
         assert time[turns[:6]] == pytest.approx([t for t, _ in published], abs=0.02)

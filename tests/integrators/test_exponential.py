@@ -11,6 +11,7 @@ from vsb.integrators.exponential import ExponentialIntegrator, integrate
 from vsb.integrators.exponential_steps import EVALUATIONS, HISTORY, KEPT, STEPS, march
 from vsb.integrators.trajectory import energies, labelled, residual, simulate
 from vsb.motion.scene import Plant
+from vsb.motion.system import System
 from vsb.results.power import merit
 from vsb.scenes.build import assumed_pressure_scene
 from vsb.waves.seas import NO_WAVES
@@ -31,7 +32,7 @@ def scene(study, design="VSWEC", **changes):
 
 def fixed_steps(method, first, spacing, count):
     """State after `count` steps of one size, whatever their error; the past is that of a start at a tight tolerance."""
-    free = method.input.shape[1]
+    free = method.system.free
     fine = replace(method, dt=spacing)
     start = fine.run(first, KEPT, 1e-12)
     past, places = np.zeros((HISTORY, free)), np.zeros((HISTORY, free))
@@ -47,7 +48,7 @@ def fixed_steps(method, first, spacing, count):
 @pytest.mark.parametrize(("design", "fewest"), [("FSB", 48), ("VSWEC90", 576)])
 def test_order_is_six(assumed, design, fewest):
     plant, _ = scene(assumed, design, hydro={"pressure": 0.0})
-    method = ExponentialIntegrator(plant, plant.water, 0.01)
+    method = ExponentialIntegrator(System.of(plant), 0.01)
     first = np.zeros(len(method.system.matrix))
     first[plant.motions.shape[1]] = 50.0
     counts = fewest * np.array([8, 10, 12, 16, 20, 24]) // 8
@@ -61,10 +62,10 @@ def test_order_is_six(assumed, design, fewest):
 def test_error_follows_the_tolerance(assumed, design):
     plant, _ = scene(assumed, design)
     time, start = np.linspace(0.0, 20.0, 1601), plant.start(0.0, -0.8)
-    exact, _ = integrate(plant, time, start, 1e-12)
+    exact, _ = integrate(System.of(plant), time, start, 1e-12)
     errors = []
     for tolerance in (tolerances := 10.0 ** -np.arange(4, 10)):
-        motion, _ = integrate(plant, time, start, tolerance)
+        motion, _ = integrate(System.of(plant), time, start, tolerance)
         errors.append(np.abs(motion.position - exact.position).max() / np.ptp(exact.position[:, 0]))
     assert np.all(errors < 2 * tolerances), errors / tolerances
     assert np.all(errors > 1e-3 * tolerances), errors / tolerances  # nor is work wasted
@@ -76,7 +77,7 @@ def test_stiff_modes_do_not_limit_the_step(assumed, young_modulus):
     soft, _ = scene(assumed, "FSB")
     stiff, _ = scene(assumed, "VSWEC", device={"young_modulus": young_modulus})
     time = np.linspace(0.0, 10.0, 801)
-    (_, few), (_, many) = (integrate(plant, time, plant.start(0.0, -0.8), 1e-5) for plant in (soft, stiff))
+    (_, few), (_, many) = (integrate(System.of(plant), time, plant.start(0.0, -0.8), 1e-5) for plant in (soft, stiff))
     assert many < 3 * few
 
 
@@ -87,7 +88,7 @@ def test_motion_agrees_with_an_independent_integrator(assumed, design):
     start = plant.start(0.05, -0.8)
     reference = compiled_motion(plant, time, start)
     for tolerance, bound in ((1e-7, 2e-4), (1e-11, 1e-7)):
-        motion, _ = integrate(plant, time, start, tolerance)
+        motion, _ = integrate(System.of(plant), time, start, tolerance)
         assert np.abs(motion.position - reference).max() < bound * np.abs(reference).max()
 
 
@@ -98,8 +99,8 @@ def test_motion_agrees_with_an_independent_integrator(assumed, design):
 def test_rigid_buoy_of_the_paper(assumed, pressure, damping, published):
     """Displacement and velocity peak to peak, peak power, energy of a body-exact FSB, to the digits published."""
     plant, study = scene(assumed, "FSB", hydro={"pressure": pressure}, pto={"damping": damping})
-    motion, stride, _ = simulate(plant, NO_WAVES, study.simulation, None)
-    run = labelled(plant, motion, None, "FSB", "wave", stride)
+    motion, stride, _ = simulate(System.of(plant), NO_WAVES, study.simulation, None)
+    run = labelled(System.of(plant), motion, None, "FSB", "wave", stride)
     ours = merit(run, study.waves[0], NO_WAVES, study.water, study.simulation.window)
     assert f"{ours.displacement_pp:.4g}" == f"{published[0]:.4g}"
     assert ours.velocity_pp == pytest.approx(published[1], abs=1e-3)
@@ -112,15 +113,15 @@ def test_rigid_buoy_of_the_paper(assumed, pressure, damping, published):
 @pytest.mark.parametrize("design", ["FSB", "VSWEC", "VSWEC0"])
 def test_energy_audit_closes_to_the_tolerance(assumed, design):
     plant, study = scene(assumed, design)
-    motion, _, _ = simulate(plant, NO_WAVES, study.simulation, None)
-    assert residual(energies(plant, motion)) < 1e-6
+    motion, _, _ = simulate(System.of(plant), NO_WAVES, study.simulation, None)
+    assert residual(energies(System.of(plant), motion)) < 1e-6
 
 
 def test_audit_sees_a_lost_force(assumed):
     plant, study = scene(assumed, "FSB")
-    motion, _, _ = simulate(plant, NO_WAVES, study.simulation, None)
+    motion, _, _ = simulate(System.of(plant), NO_WAVES, study.simulation, None)
     fewer = {name: force for name, force in plant.forces.items() if name != "pto"}
-    assert residual(energies(Plant(plant.labels, plant.mass, fewer, plant.motions), motion)) > 0.01
+    assert residual(energies(System.of(Plant(plant.labels, plant.mass, fewer, plant.motions)), motion)) > 0.01
 
 
 def undamped(study, design="VSWEC"):
@@ -134,8 +135,8 @@ def test_undamped_free_shell_keeps_its_energy_over_a_thousand_periods(assumed):
     time = np.linspace(0.0, 1000 * 2 * np.pi / 51.434, 4001)
     drifts = []
     for tolerance in (1e-6, 1e-8):
-        motion, _ = integrate(plant, time, plant.start(0.1, 0.0), tolerance)
-        energy = energies(plant, motion)
+        motion, _ = integrate(System.of(plant), time, plant.start(0.1, 0.0), tolerance)
+        energy = energies(System.of(plant), motion)
         assert np.all(energy["wave"] == 0.0)
         kinetic = 0.5 * np.einsum("ti,ij,tj->t", motion.velocity, plant.mass, motion.velocity)
         drifts.append(np.abs(energy["stored"]).max() / kinetic.max())
@@ -150,7 +151,7 @@ def test_small_motion_is_linear(assumed):
     errors = []
     amplitudes = np.array([0.2, 0.1, 0.05, 0.025, 0.0125])
     for a in amplitudes:
-        motion, _ = integrate(plant, time, plant.start(a, 0.0), 1e-13)
+        motion, _ = integrate(System.of(plant), time, plant.start(a, 0.0), 1e-13)
         balance = motion.position[:, 0] - a * np.cos(np.sqrt(stiffness / mass) * time)
         errors.append(np.abs(balance).max() / a)
     slopes = np.diff(np.log(errors)) / np.diff(np.log(amplitudes))
@@ -159,9 +160,9 @@ def test_small_motion_is_linear(assumed):
 
 def test_stiff_shell_is_rigid(assumed):
     rigid, study = scene(assumed, "FSB")
-    motion = simulate(rigid, NO_WAVES, study.simulation, None)[0]
+    motion = simulate(System.of(rigid), NO_WAVES, study.simulation, None)[0]
     stiff, study = scene(assumed, "VSWEC", device={"young_modulus": 1e15})
-    flexible = simulate(stiff, NO_WAVES, study.simulation, None)[0]
+    flexible = simulate(System.of(stiff), NO_WAVES, study.simulation, None)[0]
     every = [m.position[:: (len(m.time) - 1) // 4800, 0] for m in (motion, flexible)]
     assert np.abs(every[0] - every[1]).max() < 1e-6 * np.abs(every[0]).max()
 
@@ -169,8 +170,8 @@ def test_stiff_shell_is_rigid(assumed):
 def test_recorded_instants_inside_a_long_step_are_as_good_as_its_end(assumed):
     plant, _ = scene(assumed, "FSB")
     start = plant.start(0.0, -0.8)
-    fine, _ = integrate(plant, np.linspace(0.0, 6.0, 961), start, 1e-9)
-    coarse, steps = integrate(plant, np.linspace(0.0, 6.0, 121), start, 1e-9)
+    fine, _ = integrate(System.of(plant), np.linspace(0.0, 6.0, 961), start, 1e-9)
+    coarse, steps = integrate(System.of(plant), np.linspace(0.0, 6.0, 121), start, 1e-9)
     assert steps < 961 / 2  # several recorded instants a step
     assert np.abs(fine.position[::8] - coarse.position).max() < 1e-5
 
@@ -179,7 +180,7 @@ def test_thrown_out_of_the_water_and_back(assumed):
     """Starting 3 m up, dry: free fall until the keel touches, then a splash the step size follows."""
     plant, _ = undamped(assumed, "FSB")
     time = np.linspace(0.0, 3.0, 301)
-    motion, _ = integrate(plant, time, plant.start(3.0, 0.0), 1e-9)
+    motion, _ = integrate(System.of(plant), time, plant.start(3.0, 0.0), 1e-9)
     dry = time < np.sqrt(2 * 1.0 / 9.81)
     assert motion.position[dry, 0] == pytest.approx(3.0 - 9.81 * time[dry] ** 2 / 2, abs=1e-8)
     assert np.abs(motion.position - compiled_motion(plant, time, plant.start(3.0, 0.0))).max() < 1e-5
@@ -190,11 +191,11 @@ def test_a_crushed_shell_is_an_error_not_garbage(assumed):
     crushing = replace(plant.water, assumed=replace(plant.water.assumed, amplitude=1e12))
     worse = replace(plant, forces={**plant.forces, "water": crushing})
     with pytest.raises(ConvergenceError, match=r"cannot be followed at t = .*loads that crush the shell"):
-        integrate(worse, np.linspace(0.0, 5.0, 401), plant.start(0.0, 0.0), 1e-8)
+        integrate(System.of(worse), np.linspace(0.0, 5.0, 401), plant.start(0.0, 0.0), 1e-8)
 
 
 def test_a_linear_scene_is_refused(assumed):
     plant, _ = scene(assumed, "FSB")
     dry = replace(plant, forces={"pto": plant.forces["pto"]})
     with pytest.raises(ValueError, match="needs a scene with water pressure"):
-        integrate(dry, np.linspace(0.0, 1.0, 11), plant.start(0.0, 0.0), 1e-8)
+        integrate(System.of(dry), np.linspace(0.0, 1.0, 11), plant.start(0.0, 0.0), 1e-8)

@@ -18,9 +18,12 @@ from vsb.integrators.exponential import integrate
 from vsb.integrators.floquet import largest, multipliers
 from vsb.integrators.harmonic_balance import continued, harmonic_balance, missed, steady_power
 from vsb.integrators.regular_wave import PeriodicScene
+from vsb.motion.builders import assumed_pressure_plant, body_exact_plant, linear_plant
+from vsb.motion.forces import AssumedPressure
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
-from vsb.motion.scene import AssumedPressure, Spring, assumed_pressure_plant, body_exact_plant, linear_plant
+from vsb.motion.scene import resting
+from vsb.motion.system import System
 from vsb.scenes.rest import reference_shell
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import design_motions, study_basis
@@ -90,9 +93,9 @@ def swell(amplitude, omega=OMEGA):
 
 def marched(plant, periods, tolerance=1e-9):
     """Times and motion of the last of many periods."""
-    period = 2 * np.pi / harmonic.regular_frequency(plant)
+    period = 2 * np.pi / harmonic.regular_frequency(System.of(plant))
     time = np.linspace(0.0, periods * period, 64 * periods + 1)
-    motion, _ = integrate(plant, time, plant.start(0.0, 0.0), tolerance)
+    motion, _ = integrate(System.of(plant), time, plant.start(0.0, 0.0), tolerance)
     return time[-65:], motion.position[-65:]
 
 
@@ -102,7 +105,7 @@ def marched(plant, periods, tolerance=1e-9):
 @pytest.mark.parametrize("design", ["FSB", "VSWEC"])
 def test_linear_scene_is_its_exact_steady_state(scene, design):
     plant, _ = scene(design, swell(0.3), "linear")
-    found, system, free = harmonic_balance(plant), plant.linear_system(), plant.motions.shape[1]
+    found, system, free = harmonic_balance(System.of(plant)), System.of(plant), plant.motions.shape[1]
     expected = steady_state(system)[0, :free] @ system.position.T
     assert np.abs(found.harmonics[1] - expected).max() < 1e-12 * np.abs(expected).max()
     assert np.abs(np.delete(found.harmonics, 1, axis=0)).max() == 0.0
@@ -114,7 +117,7 @@ def test_linear_scene_is_its_exact_steady_state(scene, design):
 def test_radiation_of_the_database_itself_gives_linear_theory_without_a_state_space(scene, design):
     plant, buoy = scene(design, swell(0.3), "linear")
     linear = buoy.absorbed_power(np.array([OMEGA]), buoy.rao(np.array([OMEGA]), plant.motions))[0] * 0.09
-    exact, fitted = steady_power(plant, transfer=buoy.spectrum.transfer), steady_power(plant)
+    exact, fitted = steady_power(System.of(plant), transfer=buoy.spectrum.transfer), steady_power(System.of(plant))
     assert exact == pytest.approx(linear, rel=1e-4)  # added mass by Kramers-Kronig
     assert fitted == pytest.approx(linear, rel=2e-3)  # tolerance of the state space: 1e-3
 
@@ -123,7 +126,7 @@ def test_radiation_of_the_database_itself_gives_linear_theory_without_a_state_sp
 def test_orbit_of_a_sphere_solves_its_equation_in_closed_form(paper, load, damping):
     """Half submerged: m z'' + c z' + pi rho g (r^2 z - z^3/3) = P cos(w t) pi (r^2 - z^2) while |z| < r."""
     plant = assumed(paper, hydro=load, pto={"damping": damping})
-    found = harmonic_balance(plant, 1e-11)
+    found = harmonic_balance(System.of(plant), 1e-11)
     time = np.random.default_rng(1).uniform(0.0, 2.5, 40)
     z, v = (values[:, 0] for values in found.at(time))
     order = found.omega * np.arange(len(found.harmonics))
@@ -137,7 +140,7 @@ def test_orbit_of_a_sphere_solves_its_equation_in_closed_form(paper, load, dampi
 
 def test_published_velocity_of_the_rigid_buoy(paper):
     """The paper's Table II, FSB: 0.9732 m/s peak to peak, and 1421 W at the peak, with the parameters it implies."""
-    found = harmonic_balance(assumed(paper, hydro=INFERRED, pto={"damping": 6000.0}))
+    found = harmonic_balance(System.of(assumed(paper, hydro=INFERRED, pto={"damping": 6000.0})))
     velocity = found.at(np.linspace(0.0, 2.5, 2001))[1][:, 0]
     assert np.ptp(velocity) == pytest.approx(0.9732, rel=5e-3)
     assert 6000.0 * np.max(velocity**2) == pytest.approx(1421.0, rel=1e-2)
@@ -146,7 +149,7 @@ def test_published_velocity_of_the_rigid_buoy(paper):
 @pytest.mark.parametrize("design", DESIGNS)
 def test_a_long_motion_under_assumed_pressure_ends_there(paper, design):
     plant = assumed(paper, design)
-    found = harmonic_balance(plant, 1e-9)
+    found = harmonic_balance(System.of(plant), 1e-9)
     time, position = marched(plant, 36)
     assert np.abs(position - found.at(time)[0]).max() < 3e-8 * np.abs(position).max()
 
@@ -154,7 +157,7 @@ def test_a_long_motion_under_assumed_pressure_ends_there(paper, design):
 @pytest.mark.parametrize(("design", "periods"), [("FSB", 25), ("VSWEC", 55)])
 def test_a_long_motion_in_waves_ends_there(scene, design, periods):
     plant, _ = scene(design, swell(0.179))
-    found = harmonic_balance(plant, 1e-9)
+    found = harmonic_balance(System.of(plant), 1e-9)
     time, position = marched(plant, periods)
     assert np.abs(position - found.at(time)[0]).max() < 1e-8 * largest(found.harmonics)
     assert found.error < 1e-9
@@ -163,9 +166,9 @@ def test_a_long_motion_in_waves_ends_there(scene, design, periods):
 def measured_multipliers(plant, u, wave, periods):
     """Of a small disturbance of an orbit of a scene with two states, seen once a period in a motion in time."""
     period, order = 2 * np.pi / wave.omega, -1j * wave.omega * np.arange(len(u))[:, None]
-    y, v = (np.real(part.sum(axis=0)) @ wave.system.velocity.T for part in (u, order * u))
+    y, v = (np.real(part.sum(axis=0)) @ wave.system.modes.T for part in (u, order * u))
     time = np.linspace(0.0, periods * period, 64 * periods + 1)
-    motion, _ = integrate(plant, time, (y + 1e-5, v), 1e-12)
+    motion, _ = integrate(System.of(plant), time, (y + 1e-5, v), 1e-12)
     away = np.hstack([motion.position[::64] - y, motion.velocity[::64] - v])
     return np.linalg.eigvals(np.linalg.lstsq(away[:-1], away[1:], rcond=None)[0])
 
@@ -173,8 +176,8 @@ def measured_multipliers(plant, u, wave, periods):
 @pytest.mark.parametrize("damping", [6000.0, 200.0])
 def test_multipliers_are_those_of_a_motion_in_time(paper, damping):
     plant = assumed(paper, hydro=INFERRED, pto={"damping": damping})
-    found = harmonic_balance(plant, 1e-11)
-    wave = PeriodicScene(plant, OMEGA, None)
+    found = harmonic_balance(System.of(plant), 1e-11)
+    wave = PeriodicScene(System.of(plant), OMEGA, None)
     measured = measured_multipliers(plant, continued(wave, plant.motions[0] * 0.0, 1e-11).harmonics, wave, 12)
     assert np.sort_complex(measured) == pytest.approx(np.sort_complex(found.multipliers), abs=1e-4)
 
@@ -185,19 +188,20 @@ def test_multipliers_are_those_of_a_motion_in_time(paper, damping):
 def with_harmonics(monkeypatch, plant, count):
     """Orbit of a given number of harmonics, and its scene."""
     monkeypatch.setattr(harmonic, "COUPLED", count)
-    wave = PeriodicScene(plant, harmonic.regular_frequency(plant), plant.memory.transfer if plant.memory else None)
-    return wave, continued(wave, plant.origin if plant.origin.size else harmonic.resting(plant), 1e-13)
+    system, memory = System.of(plant), plant.memory
+    wave = PeriodicScene(system, harmonic.regular_frequency(system), memory.transfer if memory else None)
+    return wave, continued(wave, plant.origin if plant.origin.size else resting(plant), 1e-13)
 
 
 def distance(wave, orbit, truth):
     """Largest difference of two motions, over the amplitude."""
-    u = orbit.harmonics @ wave.system.velocity.T
+    u = orbit.harmonics @ wave.system.modes.T
     return largest(np.concatenate([u, np.zeros((len(truth) - len(u), u.shape[1]))]) - truth) / largest(truth[1:])
 
 
 def test_harmonics_converge_exponentially_under_assumed_pressure_and_the_error_is_known(paper, monkeypatch):
     plant = assumed(paper, "VSWEC")
-    truth = harmonic_balance(plant, 1e-12).harmonics
+    truth = harmonic_balance(System.of(plant), 1e-12).harmonics
     counts, errors = np.array([2, 4, 6, 8, 10]), []
     for count in counts:
         wave, orbit = with_harmonics(monkeypatch, plant, count)
@@ -211,7 +215,9 @@ def test_harmonics_converge_exponentially_under_assumed_pressure_and_the_error_i
 def test_harmonics_in_waves_fall_with_the_sixth_power_and_grow_with_the_fourth_of_the_amplitude(scene):
     """Heave of the rigid buoy, odd ones. The force has a kink (y/r) k Z^3 where the wave Z at the shell changes sign."""
     order, amplitudes = np.array([7, 9, 11, 13, 15]), np.array([0.04, 0.08, 0.16, 0.32])
-    found = np.abs([harmonic_balance(scene("FSB", swell(a))[0], 1e-10).harmonics[order, 0] for a in amplitudes])
+    found = np.abs(
+        [harmonic_balance(System.of(scene("FSB", swell(a))[0]), 1e-10).harmonics[order, 0] for a in amplitudes]
+    )
     slopes = np.diff(np.log(found), axis=1) / np.diff(np.log(order))
     assert np.all((slopes < -5.8) & (slopes > -7.5)), slopes
     assert np.diff(np.log2(found), axis=0) == pytest.approx(4.0, abs=0.1)
@@ -219,7 +225,9 @@ def test_harmonics_in_waves_fall_with_the_sixth_power_and_grow_with_the_fourth_o
 
 def test_difference_to_linear_theory_is_of_second_order(scene):
     amplitudes = np.array([0.01, 0.02, 0.04, 0.08, 0.16, 0.32])
-    found = np.array([harmonic_balance(scene("FSB", swell(a))[0], 1e-11).harmonics[:3, 0] for a in amplitudes])
+    found = np.array(
+        [harmonic_balance(System.of(scene("FSB", swell(a))[0]), 1e-11).harmonics[:3, 0] for a in amplitudes]
+    )
     drift, first, second = np.abs(found[:, 0]), found[:, 1] / amplitudes, np.abs(found[:, 2])
     for values in (drift, second):
         assert np.diff(np.log(values)) / np.log(2) == pytest.approx(2.0, abs=0.1)
@@ -232,7 +240,7 @@ def test_difference_to_linear_theory_is_of_second_order(scene):
 @pytest.mark.parametrize("design", DESIGNS)
 def test_energy_balance_closes(paper, scene, design):
     for plant in (assumed(paper, design), scene(design, swell(0.179))[0]):
-        found = harmonic_balance(plant, 1e-9)
+        found = harmonic_balance(System.of(plant), 1e-9)
         assert found.power.residual < 1e-9
         assert min(found.power) >= 0.0
     order = OMEGA * np.arange(len(found.harmonics))
@@ -242,18 +250,18 @@ def test_energy_balance_closes(paper, scene, design):
 
 def test_energy_balance_sees_a_lost_force(scene):
     plant, _ = scene("FSB", swell(0.179))
-    found = harmonic_balance(plant)
+    found = harmonic_balance(System.of(plant))
     wrong = found.power._replace(pto=0.99 * found.power.pto)
     assert wrong.residual == pytest.approx(0.01 * found.power.pto / found.power.wave, rel=1e-3)
 
 
 def test_phase_of_the_wave_shifts_the_motion_and_nothing_else(scene):
-    found = harmonic_balance(scene("FSB", swell(0.179))[0], 1e-10).harmonics
+    found = harmonic_balance(System.of(scene("FSB", swell(0.179))[0]), 1e-10).harmonics
 
     @settings(max_examples=5)
     @given(st.floats(-np.pi, np.pi))
     def shifted(phase):
-        other = harmonic_balance(scene("FSB", swell(0.179 * np.exp(1j * phase)))[0], 1e-10).harmonics
+        other = harmonic_balance(System.of(scene("FSB", swell(0.179 * np.exp(1j * phase)))[0]), 1e-10).harmonics
         expected = found * np.exp(1j * phase * np.arange(len(found)))[:, None]
         assert np.abs(other[:17] - expected[:17]).max() < 1e-9 * np.abs(found[1]).max()
 
@@ -262,18 +270,18 @@ def test_phase_of_the_wave_shifts_the_motion_and_nothing_else(scene):
 
 def test_a_stiff_shell_is_rigid(paper):
     stiff = assumed(paper, "VSWEC", device={"young_modulus": 1e15})
-    assert steady_power(stiff) == pytest.approx(steady_power(assumed(paper)), rel=1e-7)
+    assert steady_power(System.of(stiff)) == pytest.approx(steady_power(System.of(assumed(paper))), rel=1e-7)
 
 
 @pytest.mark.parametrize("design", ["FSB", "VSWEC"])
 def test_still_water_is_rest(scene, paper, design):
     plant, _ = scene(design, NO_WAVES)
-    found = harmonic_balance(plant)
+    found = harmonic_balance(System.of(plant))
     assert found.at(np.array([0.0, 3.0]))[0] == pytest.approx(np.array([plant.origin, plant.origin]))
     assert (found.omega, found.power.pto, found.power.residual, found.decay) == (0.0, 0.0, 0.0, 0.0)
-    calm = harmonic_balance(assumed(paper, design, waves=[{"kind": "still"}]))
+    calm = harmonic_balance(System.of(assumed(paper, design, waves=[{"kind": "still"}])))
     assert calm.harmonics.shape == (1, plant.motions.shape[1])
-    assert steady_power(scene(design, NO_WAVES, "linear")[0]) == 0.0
+    assert steady_power(System.of(scene(design, NO_WAVES, "linear")[0])) == 0.0
 
 
 # several steady states, unstable ones, none --------------------------------------------------------------------------
@@ -282,12 +290,12 @@ def test_still_water_is_rest(scene, paper, design):
 def test_a_wave_too_high_for_newtons_method_is_raised_step_by_step(paper):
     """At resonance with little damping: the linear amplitude would be 47 m. The orbit solves its own equation."""
     plant = tuned(paper, 1.0, 200.0)
-    found = harmonic_balance(plant, 1e-9)
+    found = harmonic_balance(System.of(plant), 1e-9)
     assert found.iterations > harmonic.STEPS
     assert found.power.residual < 1e-8
     time = np.linspace(0.0, 2 * np.pi / found.omega, 65)
     start = tuple(values[0] for values in found.at(np.zeros(1)))
-    motion, _ = integrate(plant, time, start, 1e-11)
+    motion, _ = integrate(System.of(plant), time, start, 1e-11)
     assert np.abs(motion.position - found.at(time)[0]).max() < 1e-7
 
 
@@ -295,9 +303,9 @@ def test_parametric_resonance_is_refused_and_its_growth_is_that_of_a_motion_in_t
     """A light buoy pushed at twice its natural frequency: its waterplane varies with its draft."""
     plant = tuned(paper, 2.0, 200.0, device={"mass": 9000.0})
     with pytest.raises(StabilityError, match=r"the steady state is unstable: .*multiplied by 1\.061.*add damping"):
-        harmonic_balance(plant)
-    wave = PeriodicScene(plant, harmonic.regular_frequency(plant), None)
-    u = continued(wave, harmonic.resting(plant), 1e-11).harmonics
+        harmonic_balance(System.of(plant))
+    wave = PeriodicScene(System.of(plant), harmonic.regular_frequency(System.of(plant)), None)
+    u = continued(wave, resting(plant), 1e-11).harmonics
     found = multipliers(wave.system.matrix, lambda phase: wave.coupling(u, phase), 2 * np.pi / wave.omega)
     assert np.sort_complex(measured_multipliers(plant, u, wave, 12)) == pytest.approx(np.sort_complex(found), abs=1e-4)
     assert found[0].real < -1.06  # at twice the period
@@ -305,11 +313,11 @@ def test_parametric_resonance_is_refused_and_its_growth_is_that_of_a_motion_in_t
 
 def test_an_undamped_resonance_of_a_linear_scene_is_refused(scene):
     plant, _ = scene("FSB", swell(0.1), "linear")
-    natural = float(np.sqrt(plant.total(Spring)[0, 0] / plant.mass[0, 0]))
+    natural = float(np.sqrt(plant.stiffness[0, 0] / plant.mass[0, 0]))
     lossless = {name: force for name, force in plant.forces.items() if name not in ("pto", "radiation")}
     lossless["excitation"] = replace(plant.excitation, omega=np.array([natural]))
     with pytest.raises(StabilityError, match="undamped resonance"):
-        harmonic_balance(replace(plant, forces=lossless))
+        harmonic_balance(System.of(replace(plant, forces=lossless)))
 
 
 @pytest.mark.parametrize("kind", ["exact", "linear"])
@@ -318,24 +326,24 @@ def test_an_irregular_sea_has_no_steady_state(scene, kind):
     with pytest.raises(
         ConfigError, match=r"received 2 frequencies from 1 to 2 rad/s, needs one above zero: .*kind: regular"
     ):
-        harmonic_balance(scene("FSB", sea, kind)[0])
+        harmonic_balance(System.of(scene("FSB", sea, kind)[0]))
 
 
 def test_a_load_without_a_period_is_refused(paper):
     plant = assumed(paper)
     constant = replace(plant.water, assumed=replace(plant.water.assumed, omega=0.0))
     with pytest.raises(ConfigError, match=r"received 1 frequencies from 0 to 0 rad/s, needs one above zero"):
-        harmonic_balance(replace(plant, forces={**plant.forces, "water": constant}))
+        harmonic_balance(System.of(replace(plant, forces={**plant.forces, "water": constant})))
 
 
 def test_a_load_that_no_motion_answers_is_refused(paper):
     plant = assumed(paper, "VSWEC", hydro={"pressure": 1e9})
     with pytest.raises(ConvergenceError, match=r"no steady state is found beyond [\d.]+ % of the wave's amplitude"):
-        harmonic_balance(plant)
+        harmonic_balance(System.of(plant))
 
 
 def test_a_tolerance_below_round_off_is_refused(paper):
     with pytest.raises(
         ConvergenceError, match=r"the steady state is known to .* harmonics, needs 1e-18; use a gentler"
     ):
-        harmonic_balance(assumed(paper), 1e-18)
+        harmonic_balance(System.of(assumed(paper)), 1e-18)

@@ -10,9 +10,13 @@ from hypothesis import strategies as st
 from vsb.errors import ConvergenceError
 from vsb.hydro.statespace import RadiationModel
 from vsb.integrators import trajectory
-from vsb.integrators.exact import convolve, propagate
+from vsb.integrators.convolution import convolve
+from vsb.integrators.exact import propagate
 from vsb.integrators.trajectory import TERMS, energies, residual, simulate
-from vsb.motion.scene import Damper, Excitation, Plant, RadiationMemory, Spring, linear_plant
+from vsb.motion.builders import linear_plant
+from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring
+from vsb.motion.scene import Plant
+from vsb.motion.system import System
 from vsb.scenes.build import assumed_pressure_scene
 from vsb.shell.modes import design_motions, study_basis
 from vsb.study import resolution
@@ -52,8 +56,8 @@ def test_every_design_is_audited_to_round_off_in_one_run(scene, monkeypatch, des
     plant, waves, settings, spectrum = scene(design, pto={"damping": damping})
     runs = []
     monkeypatch.setattr(trajectory, "propagate", lambda *given: runs.append(given) or propagate(*given))
-    motion, stride, method = simulate(plant, waves, settings, spectrum)
-    energy = energies(plant, motion)
+    motion, stride, method = simulate(System.of(plant), waves, settings, spectrum)
+    energy = energies(System.of(plant), motion)
     assert (len(runs), stride, method) == (1, 1, trajectory.EXACT)
     assert unbalanced(energy) < 1e-9 * energy["pto"][-1]
     assert np.all(np.diff(energy["radiated"]) >= 0)
@@ -62,8 +66,8 @@ def test_every_design_is_audited_to_round_off_in_one_run(scene, monkeypatch, des
 
 def test_an_irregular_sea_is_audited_to_round_off(scene):
     plant, waves, settings, spectrum = scene(waves=[{"kind": "jonswap", "hs": 1.0, "tp": 4.0}])
-    motion, stride, _ = simulate(plant, waves, settings, spectrum)
-    energy = energies(plant, motion)
+    motion, stride, _ = simulate(System.of(plant), waves, settings, spectrum)
+    energy = energies(System.of(plant), motion)
     assert stride == 1
     assert unbalanced(energy) < 1e-9 * energy["pto"][-1]
 
@@ -72,7 +76,7 @@ def test_an_irregular_sea_is_audited_to_round_off(scene):
 def test_stiff_shells_cost_no_digits_of_the_audit(scene, modulus):
     for damping in ({"alpha": 0.0, "beta": 1e-3}, {"alpha": 0.0, "beta": 0.0}):
         plant, waves, settings, spectrum = scene(device={"young_modulus": modulus, "damping": damping})
-        assert residual(energies(plant, simulate(plant, waves, settings, spectrum)[0])) < 1e-10
+        assert residual(energies(System.of(plant), simulate(System.of(plant), waves, settings, spectrum)[0])) < 1e-10
 
 
 @settings(max_examples=25)
@@ -91,8 +95,8 @@ def test_any_passive_scene_is_balanced(dof, order, damping, step, seed):
         "radiation": RadiationMemory(memory),
     }
     plant = Plant(tuple("abcd"[:dof]), mass + np.eye(dof), forces, np.eye(dof))
-    motion = propagate(plant, 10.0**step * np.arange(60), tuple(rng.normal(size=(2, dof))))
-    assert residual(energies(plant, motion)) < 1e-10
+    motion = propagate(System.of(plant), 10.0**step * np.arange(60), tuple(rng.normal(size=(2, dof))))
+    assert residual(energies(System.of(plant), motion)) < 1e-10
 
 
 # what the audit sees ------------------------------------------------------------------------------------------------
@@ -105,7 +109,7 @@ def scaled(force, by):
     if isinstance(force, Damper):
         return Damper(by * force.damping)
     if isinstance(force, Excitation):
-        return Excitation(force.omega, by * force.force)
+        return Excitation(force.omega, by * force.phasors)
     return RadiationMemory(replace(force.model, input_matrix=by * force.model.input_matrix))
 
 
@@ -115,7 +119,7 @@ def scaled(force, by):
 def test_one_part_in_ten_thousand_of_any_force_shows(scene, name):
     """The audit of a motion in a scene that differs from its own by 1e-4 in one force, in mass or in what radiates."""
     plant, waves, settings, spectrum = scene()
-    motion, _, _ = simulate(plant, waves, settings, spectrum)
+    motion, _, _ = simulate(System.of(plant), waves, settings, spectrum)
     if name == "mass":
         other = replace(plant, mass=1.0001 * plant.mass)
     elif name == "channel":
@@ -125,33 +129,26 @@ def test_one_part_in_ten_thousand_of_any_force_shows(scene, name):
         other = replace(plant, forces={**plant.forces, "radiation": RadiationMemory(model)})
     else:
         other = replace(plant, forces={**plant.forces, name: scaled(plant.forces[name], 1.0001)})
-    sound = residual(energies(plant, motion))
-    assert residual(energies(other, motion)) > 1e4 * sound
-    assert residual(energies(other, motion)) > 1e-7
+    sound = residual(energies(System.of(plant), motion))
+    assert residual(energies(System.of(other), motion)) > 1e4 * sound
+    assert residual(energies(System.of(other), motion)) > 1e-7
 
 
 def test_a_record_off_by_a_millionth_shows(scene):
     plant, waves, settings, spectrum = scene()
-    motion, _, _ = simulate(plant, waves, settings, spectrum)
+    motion, _, _ = simulate(System.of(plant), waves, settings, spectrum)
     motion.velocity[2400] *= 1.0 + 1e-6
-    assert residual(energies(plant, motion)) > 1e-8
+    assert residual(energies(System.of(plant), motion)) > 1e-8
 
 
-def test_a_run_whose_audit_does_not_close_is_an_error(scene, monkeypatch):
+def test_a_run_whose_audit_does_not_close_is_an_error(scene):
     """The memory pushes the buoy by a thousandth less than the buoy pushes it."""
     plant, waves, settings, spectrum = scene("FSB")
-    right = Plant.linear_system
-
-    def wrong(self):
-        system = right(self)
-        n = self.motions.shape[1]
-        matrix = system.matrix.copy()
-        matrix[n : 2 * n, 2 * n :] *= 0.999
-        return system._replace(matrix=matrix)
-
-    monkeypatch.setattr(Plant, "linear_system", wrong)
+    system = System.of(plant)
+    matrix, n = system.matrix.copy(), system.free
+    matrix[n : 2 * n, 2 * n :] *= 0.999
     with pytest.raises(ConvergenceError, match=r"audit does not close.*of the energy is missing, needs 1e-06"):
-        simulate(plant, waves, settings, spectrum)
+        simulate(replace(system, matrix=matrix), waves, settings, spectrum)
 
 
 # long runs ----------------------------------------------------------------------------------------------------------
@@ -159,7 +156,7 @@ def test_a_run_whose_audit_does_not_close_is_an_error(scene, monkeypatch):
 
 def in_legs(plant, waves, settings, spectrum, longest):
     """A run in legs of so many instants: legs, and its motion and energies put together."""
-    parts = list(trajectory.legs(plant, waves, settings, spectrum, longest))
+    parts = list(trajectory.legs(System.of(plant), waves, settings, spectrum, longest))
     first = [0] + [1] * (len(parts) - 1)
     position = np.concatenate([leg.motion.position[i:] for i, leg in zip(first, parts, strict=True)])
     energy = {
@@ -175,8 +172,8 @@ def test_legs_of_a_run_are_the_run(scene, waves, method):
     """Memory of the waves included: without it every leg would start in calm water."""
     changes = {"duration": 20.0, "window": (10.0, 20.0), "method": method}
     plant, sea_, settings, spectrum = scene(waves=waves, simulation=changes)
-    motion, _, _ = simulate(plant, sea_, settings, spectrum)
-    energy = energies(plant, motion)
+    motion, _, _ = simulate(System.of(plant), sea_, settings, spectrum)
+    energy = energies(System.of(plant), motion)
     parts, position, pieced = in_legs(plant, sea_, settings, spectrum, 300)
     assert len(parts) >= len(motion.time) // 300
     exact = 1e-11 if method == "auto" else settings.tolerance  # each leg chooses its own steps
@@ -192,12 +189,12 @@ def test_legs_of_a_body_exact_run_are_the_run():
     study = varied(load(PAPER), simulation=changes, published=None)
     one = varied(study, designs={"FSB": study.designs["FSB"].model_dump()})
     plant = assumed_pressure_scene(one, {})[0]
-    motion, stride, _ = simulate(plant, NO_WAVES, one.simulation, None)
+    motion, stride, _ = simulate(System.of(plant), NO_WAVES, one.simulation, None)
     parts, position, pieced = in_legs(plant, NO_WAVES, one.simulation, None, 250)
     assert len(parts) > 3
     assert {leg.stride for leg in parts} == {stride}
     assert np.abs(position - motion.position).max() < 1e-8 * np.abs(motion.position).max()
-    assert pieced["pto"][-1] == pytest.approx(energies(plant, motion)["pto"][-1], rel=1e-8)
+    assert pieced["pto"][-1] == pytest.approx(energies(System.of(plant), motion)["pto"][-1], rel=1e-8)
     assert parts[-1].balance.residual < 1e-8
 
 
@@ -217,7 +214,7 @@ def test_a_longer_run_in_legs_takes_no_more_memory(scene):
     for duration in (30.0, 120.0):
         plant, waves, settings, spectrum = scene(simulation={"duration": duration, "window": (0.0, duration)})
         tracemalloc.start()
-        for _ in trajectory.legs(plant, waves, settings, spectrum, 1000):
+        for _ in trajectory.legs(System.of(plant), waves, settings, spectrum, 1000):
             pass
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
@@ -226,11 +223,11 @@ def test_a_longer_run_in_legs_takes_no_more_memory(scene):
 
 def test_a_long_run_records_a_part_and_its_extremes(scene, monkeypatch):
     plant, waves, settings, spectrum = scene()
-    (whole,) = trajectory.legs(plant, waves, settings, spectrum)
-    full = trajectory.recorded(plant, whole, waves, settings.window)
+    (whole,) = trajectory.legs(System.of(plant), waves, settings, spectrum)
+    full = trajectory.recorded(System.of(plant), whole, waves, settings.window)
     monkeypatch.setattr(resolution, "KEPT", 1000)
-    (leg,) = trajectory.legs(plant, waves, settings, spectrum)
-    run = trajectory.recorded(plant, leg, waves, settings.window)
+    (leg,) = trajectory.legs(System.of(plant), waves, settings, spectrum)
+    run = trajectory.recorded(System.of(plant), leg, waves, settings.window)
     assert leg.thinning == 5
     assert full.sizes["time"] // 5 < run.sizes["time"] < full.sizes["time"] // 5 + 50
     assert run.equals(full.sel(time=run.time))
@@ -253,8 +250,8 @@ def test_the_audit_of_the_convolution_is_of_its_own_second_order(scene):
     plant, _, _, spectrum = scene("FSB")
     counts, found = np.array([200, 400, 800, 1600]), []
     for count in counts:
-        motion = convolve(plant, spectrum, np.linspace(0.0, 10.0, count + 1), plant.start(0.0, -0.8))
-        found.append(residual(energies(plant, motion)))
+        motion = convolve(System.of(plant), spectrum, np.linspace(0.0, 10.0, count + 1), plant.start(0.0, -0.8))
+        found.append(residual(energies(System.of(plant), motion)))
     slopes = -np.diff(np.log(found)) / np.diff(np.log(counts))
     assert np.all(np.abs(slopes - 2.0) < 0.3), (found, slopes)
 
@@ -266,6 +263,6 @@ def test_a_body_exact_run_needs_its_records_halved_twice_at_most(damping):
     study = varied(load(PAPER), pto={"damping": damping}, simulation=short, published=None)
     one = varied(study, designs={"VSWEC": study.designs["VSWEC"].model_dump()})
     plant = assumed_pressure_scene(one, {})[0]
-    motion, stride, _ = simulate(plant, NO_WAVES, one.simulation, None)
-    assert residual(energies(plant, motion)) < 1e-6
+    motion, stride, _ = simulate(System.of(plant), NO_WAVES, one.simulation, None)
+    assert residual(energies(System.of(plant), motion)) < 1e-6
     assert stride <= 4

@@ -10,8 +10,10 @@ from hypothesis import strategies as st
 from vsb.errors import ConfigError
 from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.exact import propagate
-from vsb.motion.clamps import constrained_plant, constraint_drift, constraint_force, udwadia_kalaba
-from vsb.motion.scene import Damper, Excitation, Plant, RadiationMemory, Spring
+from vsb.motion.clamps import constrained, constraint_drift, constraint_force, udwadia_kalaba
+from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring
+from vsb.motion.scene import Plant
+from vsb.motion.system import System
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import check_rank, mode_basis
 
@@ -43,13 +45,14 @@ def scene(seed, basis_name="membrane", degree=6, damping=8000.0):
 
 
 def both_routes(seed, clamps, time, basis_name="membrane", degree=6, rate=0.0):
-    """Motion of all coordinates by the null space and by Eq. 90, their plants, and the rows."""
+    """Motion of all coordinates by the null space and by Eq. 90, their systems, and the rows."""
     basis, plant = scene(seed, basis_name, degree)
     colatitudes = np.deg2rad(clamps)
     rows = basis.clamp_rows(colatitudes)
-    reduced, full = replace(plant, motions=basis.clamped(colatitudes)), constrained_plant(plant, rows, rate)
-    motions = [propagate(p, time, p.start(0.0, -0.8)) for p in (reduced, full)]
-    return motions, (reduced, full), rows
+    reduced = System.of(replace(plant, motions=basis.clamped(colatitudes)))
+    systems = reduced, constrained(plant, rows, rate)
+    motions = [propagate(s, time, s.scene.start(0.0, -0.8)) for s in systems]
+    return motions, systems, rows
 
 
 def difference(a, b):
@@ -60,30 +63,31 @@ def difference(a, b):
 @pytest.mark.parametrize(("name", "degree"), [("membrane", 6), ("paper", 6), ("full", 6), ("full", 20)])
 def test_both_routes_are_one_motion_over_a_minute(seed, clamps, name, degree):
     time = np.linspace(0.0, 60.0, 3001)
-    (reduced, full), (plant, _), _ = both_routes(seed, clamps, time, name, degree)
+    (reduced, full), (system, _), _ = both_routes(seed, clamps, time, name, degree)
     for series in ("position", "velocity", "acceleration"):
-        null_space = getattr(reduced, series) @ plant.motions.T
+        null_space = getattr(reduced, series) @ system.scene.motions.T
         assert difference(null_space, getattr(full, series)) < 1e-10, series
-    assert np.abs(reduced.position @ plant.motions.T)[:, 1:].max() > 1e-3  # the shell does move
+    assert np.abs(reduced.position @ system.scene.motions.T)[:, 1:].max() > 1e-3  # the shell does move
 
 
 @pytest.mark.parametrize("clamps", CLAMPS.values(), ids=CLAMPS)
 def test_both_routes_give_the_clamps_the_same_forces(seed, clamps):
-    motions, plants, rows = both_routes(seed, clamps, np.linspace(0.0, 20.0, 1001))
-    null_space, eq_90 = (constraint_force(p, m, rows) for p, m in zip(plants, motions, strict=True))
+    motions, systems, rows = both_routes(seed, clamps, np.linspace(0.0, 20.0, 1001))
+    null_space, eq_90 = (constraint_force(s, m, rows) for s, m in zip(systems, motions, strict=True))
     assert np.abs(null_space).max() > 1e3
     assert difference(null_space, eq_90) < 1e-9
 
 
 def test_clamp_forces_close_the_equation_of_motion_and_do_no_work(seed):
-    (motion, _), (plant, _), rows = both_routes(seed, [0, 90], np.linspace(0.0, 20.0, 1001))
+    (motion, _), (system, _), rows = both_routes(seed, [0, 90], np.linspace(0.0, 20.0, 1001))
+    plant = system.scene
     q, v, a = (s @ plant.motions.T for s in (motion.position, motion.velocity, motion.acceleration))
     wave = plant.excitation
-    push = np.real(np.exp(-1j * np.outer(motion.time, wave.omega)) @ wave.force)
+    push = np.real(np.exp(-1j * np.outer(motion.time, wave.omega)) @ wave.phasors)
     matrices = {name: getattr(force, "stiffness", getattr(force, "damping", 0)) for name, force in plant.forces.items()}
     left = a @ plant.mass + q @ (matrices["hydrostatic"] + matrices["elastic"])
     left += v @ (matrices["structural_damping"] + matrices["pto"]) + motion.memory @ plant.memory.input_matrix - push
-    clamps = constraint_force(plant, motion, rows) @ rows
+    clamps = constraint_force(system, motion, rows) @ rows
     assert clamps == pytest.approx(left, abs=1e-9 * np.abs(left).max())
     assert np.abs(np.sum(clamps * v, axis=1)).max() < 1e-12 * np.abs(clamps).max()
     assert np.all(clamps[:, 0] == 0.0)  # an inner force: none on the heave of the buoy
@@ -94,9 +98,9 @@ def test_drift_after_ten_thousand_waves(seed):
     drift = {}
     for waves in (1000, 10000):
         time = np.arange(4 * waves + 1) * PERIOD / 4
-        (reduced, full), (plant, _), rows = both_routes(seed, [0, 90], time)
+        (reduced, full), (system, _), rows = both_routes(seed, [0, 90], time)
         drift[waves] = constraint_drift(full.position, rows)
-        assert constraint_drift(reduced.position @ plant.motions.T, rows) < 1e-16
+        assert constraint_drift(reduced.position @ system.scene.motions.T, rows) < 1e-16
         assert drift[waves] < 1e-12 * waves
     (_, held), _, rows = both_routes(seed, [0, 90], time, rate=1.0)
     assert drift[10000] > 1e-13  # it is there
@@ -109,11 +113,11 @@ def test_drift_of_a_time_stepper(seed, slip, rate):
     basis, plant = scene(seed)
     rows = basis.clamp_rows([0.0])
     constraint = udwadia_kalaba(plant.mass, rows)
-    k, d, wave, waves, step = plant.total(Spring), plant.total(Damper), plant.excitation, 20, PERIOD / 500
+    k, d, wave, waves, step = plant.stiffness, plant.damping, plant.excitation, 20, PERIOD / 500
 
     def rates(time, z):
         q, v = z
-        push = np.real(wave.force[0] * np.exp(-1j * wave.omega[0] * time))
+        push = np.real(wave.phasors[0] * np.exp(-1j * wave.omega[0] * time))
         return np.array([v, constraint.acceleration(push - k @ q - d @ v, constraint.baumgarte(q, v, rate))])
 
     z, worst = np.zeros((2, len(k))), 0.0
@@ -172,10 +176,10 @@ def test_no_clamp_changes_nothing(seed):
     basis, plant = scene(seed)
     rows = basis.clamp_rows([])
     time = np.linspace(0.0, 5.0, 101)
-    a, b = (propagate(p, time, p.start(0.1, 0.0)) for p in (plant, constrained_plant(plant, rows)))
+    a, b = (propagate(s, time, plant.start(0.1, 0.0)) for s in (System.of(plant), constrained(plant, rows)))
     assert np.array_equal(a.position, b.position)
     assert constraint_drift(a.position, rows) == 0.0
-    assert constraint_force(plant, a, rows).shape == (101, 0)
+    assert constraint_force(System.of(plant), a, rows).shape == (101, 0)
 
 
 @pytest.mark.parametrize("degree", [6, 20, 40, 80])

@@ -53,7 +53,7 @@ def test_what_it_leaves_out_changes_the_power_by_no_more_than_it_says(scenes_of,
     """Against body-exact motion of all modes with the radiation of the coefficients themselves."""
     scenes = scenes_of(design, swell(amplitude, period), **STIFF)
     choice = chosen(scenes, tolerance)
-    whole = steady_power(scenes.plant(scenes.full), 1e-8, scenes.buoy.spectrum.transfer)
+    whole = steady_power(scenes.system(scenes.full), 1e-8, scenes.buoy.spectrum.transfer)
     assert abs(scenes.power(choice.description) / whole - 1) <= choice.error + 1e-7
     assert choice.error <= tolerance
 
@@ -118,8 +118,8 @@ def test_where_nothing_is_periodic_a_record_is_compared_with_itself(scenes_of, w
 
 
 def test_linear_power_of_phasors_is_that_of_harmonic_balance(scenes_of):
-    plant = scenes_of("VSWEC", swell(0.1, 3.0)).plant(Description(6, 14, False))
-    assert linear_power(plant) == pytest.approx(harmonic_balance(plant).power.pto, rel=1e-9)
+    system = scenes_of("VSWEC", swell(0.1, 3.0)).system(Description(6, 14, False))
+    assert linear_power(system) == pytest.approx(harmonic_balance(system).power.pto, rel=1e-9)
 
 
 def test_every_rung_holds_the_one_below_and_the_clamps(seed):
@@ -181,6 +181,6 @@ def test_a_high_long_wave_wants_its_memory_measured_body_exact(scenes_of):
     """Where linear theory finds two states good enough by half: 0.5 % lost there, 1.3 % body-exact."""
     scenes = scenes_of("FSB", swell(0.36, 6.237), pto={"damping": 558.0})
     choice = chosen(scenes, 0.03)
-    whole = steady_power(scenes.plant(scenes.full), 1e-8, scenes.buoy.spectrum.transfer)
+    whole = steady_power(scenes.system(scenes.full), 1e-8, scenes.buoy.spectrum.transfer)
     assert choice.description.body_exact
     assert abs(scenes.power(choice.description) / whole - 1) <= choice.error

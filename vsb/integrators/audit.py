@@ -9,8 +9,7 @@ are known however fast a transient dies out or a mode rings. Each step starts fr
 gain in energy is compared with work they were not made from.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import factorial
 from typing import NamedTuple
 
@@ -18,7 +17,7 @@ import numpy as np
 
 from vsb.integrators.exact import series
 from vsb.motion.motion import Motion
-from vsb.motion.scene import Damper, Plant, RadiationMemory, Spring
+from vsb.motion.system import System
 from vsb.tools.units import FloatArray
 
 RECORDS = 6  # that make a polynomial, two before the step
@@ -72,12 +71,11 @@ class Flow:
     matrix: FloatArray  # A (state, state) [1/s]
     states: FloatArray  # z at the records (time, state)
     driven: FloatArray  # g at the records and two beyond either end, times dt (time + 4, free)
-    shapes: FloatArray  # q' = shapes p' (dof, free)
 
     @property
     def free(self) -> int:
         """Number of free coordinates."""
-        return int(self.shapes.shape[1])
+        return int(self.driven.shape[1])
 
     def generator(self) -> FloatArray:
         """Return X of w' = X w over a step, w = (z, derivatives of g), shape (state + free records, ...)."""
@@ -93,7 +91,8 @@ class Flow:
 
         Parameters
         ----------
-        dampers : list of ndarray, each shape (dof, dof) [kg/s]
+        dampers : list of ndarray, each shape (free, free) [1/s]
+            Between the modes.
         channel : ndarray, shape (memory,), or None
 
         Returns
@@ -106,7 +105,7 @@ class Flow:
         x = self.generator()
         forms = np.zeros((len(dampers) + 2, *x.shape))
         for form, damper in zip(forms, dampers, strict=False):
-            form[n : 2 * n, n : 2 * n] = self.dt * self.shapes.T @ damper @ self.shapes
+            form[n : 2 * n, n : 2 * n] = self.dt * damper
         if channel is not None:
             forms[-2, 2 * n : order, 2 * n : order] = 0.5 * self.dt * np.outer(channel, channel)
         forms[-1, order::RECORDS, n : 2 * n] = np.eye(n)
@@ -126,17 +125,19 @@ class Flow:
 
         Parameters
         ----------
-        dampers : list of ndarray, each shape (dof, dof) [kg/s]
+        dampers : list of ndarray, each shape (free, free) [1/s]
+            Between the modes.
         channel : ndarray, shape (memory,), or None
             Of the radiation memory, if the run has its states.
-        acting : list of ndarray, each shape (time, dof) [N]
+        acting : list of ndarray, each shape (time, free)
+            On the modes.
 
         Returns
         -------
         ndarray, shape (damper + 1 + acting, time)
         """
         factors, moments = self.integrals(dampers, channel)
-        pushes = [_extended(self.dt * force @ self.shapes) for force in acting]
+        pushes = [_extended(self.dt * force) for force in acting]
         rows = np.vstack([*(factor.rows for factor in factors), moments])
         ends = np.cumsum([len(factor.signs) for factor in factors])
         out = np.zeros((len(factors) + len(pushes), len(self.states)))
@@ -171,31 +172,17 @@ def _extended(force: FloatArray) -> FloatArray:
     return np.concatenate([beyond @ force[:count], force, (beyond @ force[: -count - 1 : -1])[::-1]])
 
 
-def flow(plant: Plant, motion: Motion, named: Mapping[str, FloatArray]) -> Flow:
+def flow(system: System, motion: Motion, driving: FloatArray) -> Flow:
     """Return the motion of a run between its records.
 
     Parameters
     ----------
-    plant : Plant
+    system : System
     motion : Motion
-    named : mapping of ndarray, each shape (time, dof) [N]
-        Forces at the records. Those without a spring, a damper or recorded memory states of their name drive the flow.
+        With the memory states of the system, or none.
+    driving : ndarray, shape (time, free)
+        g at the records: what the springs, dampers and recorded memory states leave out, see `System.driving`.
     """
-    remembered, q = motion.memory.size > 0, motion.position @ plant.motions.T
-    held = {
-        name: force
-        for name, force in plant.forces.items()
-        if isinstance(force, Spring | Damper) or (remembered and isinstance(force, RadiationMemory))
-    }
-    driving = sum((force for name, force in named.items() if name not in held), np.zeros_like(q))
-    if plant.water:
-        held["tangent"] = Spring(plant.water.tangent)
-        driving = driving + q @ plant.water.tangent.T
-    system = replace(plant, forces=held).linear_system()
-    shapes, dt = plant.motions @ system.velocity, float(motion.time[1] - motion.time[0])
-    states = np.hstack([
-        np.linalg.solve(system.position, motion.position.T).T,
-        np.linalg.solve(system.velocity, motion.velocity.T).T,
-        motion.memory,
-    ])  # fmt: skip
-    return Flow(dt, system.matrix, states, _extended(dt * driving @ shapes), shapes)
+    states, dt = system.states(motion), float(motion.time[1] - motion.time[0])
+    known = states.shape[1]
+    return Flow(dt, system.matrix[:known, :known], states, _extended(dt * driving))

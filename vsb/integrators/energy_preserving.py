@@ -1,6 +1,6 @@
 """Structure-preserving integration of a scene: collocation of order 4 that neither makes nor loses energy, any step.
 
-The scene is z' = A z + B n(t, z), as in `vsb.exponential`, and without waves a flow z' = D grad H with stored energy H
+The scene is z' = A z + B (n(t, z) + waves), and without waves a flow z' = D grad H with stored energy H
 and D + D^T <= 0: port-Hamiltonian, radiation memory included. On a step the motion is the polynomial of second degree
 whose rate has the same mean and the same first moment as the right-hand side:
 
@@ -13,21 +13,16 @@ methods"; Brugnano, Iavernaro & Trigiante (2010), "Hamiltonian boundary value me
 """
 
 import time as clock
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from vsb.errors import ConvergenceError
-from vsb.motion.froude_krylov import Incident, incident, wave_forces
 from vsb.motion.motion import Motion
-from vsb.motion.scene import AssumedPressure, ConstantForce, Excitation, LinearSystem, Plant, Spring
-from vsb.motion.wetted import Shape, wet_force
+from vsb.motion.system import Remainder, System, remainder
 from vsb.tools.compiled import njit
 from vsb.tools.units import FloatArray
-from vsb.waves.seas import NO_WAVES
-from vsb.waves.superposition import superposed
 
 NODES = 4
 FINEST = 10
@@ -41,8 +36,6 @@ LEAST_SHARE = 1e-4
 """Of a Newton step."""
 STALLED = 1e-11
 """Of the state: changes that do not get smaller any more are round-off below this."""
-GRAIN = 1e-14
-"""Round-off of the water's force, of rho g r^3."""
 _NODE, _WEIGHT = (0.5 * x for x in np.polynomial.legendre.leggauss(NODES))
 _NODE = _NODE + 0.5
 _P = np.array([np.ones(NODES), np.sqrt(3.0) * (2 * _NODE - 1)])
@@ -53,21 +46,6 @@ _MOMENT = np.array([[0.5, -0.5 / np.sqrt(3.0)], [0.5 / np.sqrt(3.0), 0.0]])
 """int P_i int_0^s P_j (2, 2)."""
 _AHEAD = np.vander(_NODE + 1, NODES) @ np.linalg.inv(np.vander(_NODE, NODES))
 """The polynomial through the nodes at the nodes of the next step (node, node)."""
-
-
-class Water(NamedTuple):
-    """What the compiled loops need for n = R^T (f_water + constant + C q) + push, q = L p."""
-
-    shape: Shape
-    rest: FloatArray  # (dof,)
-    position: FloatArray  # L^T (free, dof)
-    project: FloatArray  # R (dof, free)
-    constant: FloatArray  # (dof,)
-    tangent: FloatArray  # C (dof, dof)
-    specific_weight: float
-    amplitude: float  # of the assumed pressure
-    omega: float
-    waves: Incident  # none: no components
 
 
 class Step(NamedTuple):
@@ -108,19 +86,13 @@ def step_matrices(a: FloatArray, free: int, h: float) -> Step:
 
 
 @njit(cache=True)
-def added(w: Water, time: FloatArray, p: FloatArray) -> FloatArray:
-    """Return n without push at some instants, p and result of shape (instant, free); not finite beyond any shell."""
-    q = p @ w.position
-    if not np.abs(q).max() < FAR * w.shape.radius:
-        return np.full(p.shape, np.inf)
-    if len(w.waves.omega):
-        force = w.specific_weight * wave_forces(w.shape, w.rest + q, w.waves, time)
-    else:
-        force, uniform = np.empty(q.shape), np.empty(q.shape[1])
+def added(r: Remainder, time: FloatArray, p: FloatArray) -> FloatArray:
+    """Return n at some instants, p and result of shape (instant, free); not finite beyond any shell."""
+    out = np.full(p.shape, np.inf)
+    if np.abs(p @ r.position.T).max() < FAR * r.shape.radius:
         for i in range(len(time)):
-            wet_force(w.shape, w.rest + q[i], force[i], uniform)
-            force[i] = w.specific_weight * force[i] + w.amplitude * np.cos(w.omega * time[i]) * uniform
-    return (force + w.constant + q @ w.tangent) @ w.project
+            remainder(r, time[i], p[i], out[i])
+    return out
 
 
 @njit(cache=True)
@@ -150,7 +122,7 @@ def _tangent(step: Step, around: FloatArray, moved: float, nodes: int, free: int
 
 @njit(cache=True)
 def _settled(
-    w: Water, step: Step, time: FloatArray, carried: FloatArray, push: FloatArray, n: FloatArray, scale: float
+    r: Remainder, step: Step, time: FloatArray, carried: FloatArray, push: FloatArray, n: FloatArray, scale: float
 ) -> float:
     """Solve for n at the nodes; return the last change, over the scale.
 
@@ -163,7 +135,7 @@ def _settled(
     newton, share, least, change, sweep = False, 1.0, np.inf, np.inf, 0
     while sweep < SWEEPS + NEWTON:
         places, times = _places((carried + step.forced @ n.ravel()).reshape(n.shape), time, 1e-6 * scale, newton)
-        force = added(w, times, places)
+        force = added(r, times, places)
         missing = force[:nodes] + push - n
         size = np.sqrt(np.sum(missing**2))
         if newton and not size < least:
@@ -189,14 +161,14 @@ def _settled(
 
 
 @njit(cache=True)
-def _march(w: Water, step: Step, start: float, push: FloatArray, least: float, every: int, out: FloatArray) -> int:
+def _march(r: Remainder, step: Step, start: float, push: FloatArray, least: float, every: int, out: FloatArray) -> int:
     """Fill the states at every so many steps; return the steps made, all unless one cannot be solved."""
-    z, n = out[0].copy(), np.zeros((NODES, w.project.shape[1]))
+    z, n = out[0].copy(), np.zeros((NODES, len(r.constant)))
     scale = least
     for i in range(every * (len(out) - 1)):
         time = start + (i + _NODE) * step.size
         scale = max(scale, np.sqrt(z @ z))
-        if not _settled(w, step, time, step.free @ z, push[i], n, scale) < STALLED:
+        if not _settled(r, step, time, step.free @ z, push[i], n, scale) < STALLED:
             return i
         z = step.end_free @ z + step.end_forced @ n.ravel()
         n = _AHEAD @ (n - push[i])
@@ -219,45 +191,9 @@ def _march_linear(step: Step, push: FloatArray, every: int, out: FloatArray) -> 
 
 @dataclass(frozen=True)
 class GaussIntegrator:
-    """A scene, linear or body-exact, split into its linear part and the rest."""
+    """Equal steps of a scene, linear or body-exact."""
 
-    plant: Plant
-
-    @cached_property
-    def system(self) -> LinearSystem:
-        """Linear part, the tangent of the water's force among its springs."""
-        linear = {name: f for name, f in self.plant.forces.items() if not isinstance(f, Excitation)}
-        if self.plant.water:
-            linear["tangent"] = Spring(self.plant.water.tangent)
-        return replace(self.plant, forces=linear).linear_system()
-
-    @cached_property
-    def water(self) -> Water | None:
-        """Arguments of the compiled rest; none of a linear scene."""
-        water, dof = self.plant.water, len(self.plant.labels)
-        if water is None:
-            return None
-        constants = [force.force for force in self.plant.forces.values() if isinstance(force, ConstantForce)]
-        assumed = water.assumed or AssumedPressure(0.0, 0.0)
-        return Water(
-            water.shell.shape,
-            water.rest,
-            np.ascontiguousarray((self.plant.motions @ self.system.position).T),
-            np.ascontiguousarray(self.plant.motions @ self.system.velocity),
-            sum(constants, np.zeros(dof)),
-            np.ascontiguousarray(water.tangent.T),
-            water.specific_weight,
-            assumed.amplitude,
-            assumed.omega,
-            water.waves or incident(NO_WAVES, np.inf, 1.0, water.shell.shape.radius),
-        )
-
-    def push(self, time: FloatArray) -> FloatArray:
-        """Return linear wave forces in natural modes at equally spaced instants, shape (time, free)."""
-        waves = self.plant.excitation
-        if waves is None:
-            return np.zeros((len(time), self.plant.motions.shape[1]))
-        return superposed(waves.omega, waves.force @ self.plant.motions @ self.system.velocity, time)
+    system: System
 
     def run(self, first: FloatArray, time: FloatArray, substeps: int) -> FloatArray:
         """Return the states at recorded instants, shape (time, state), by so many steps between two of them.
@@ -269,16 +205,14 @@ class GaussIntegrator:
         """
         h, out = float(time[1] - time[0]) / substeps, np.empty((len(time), len(first)))
         out[0], count = first, substeps * (len(time) - 1)
-        step = step_matrices(self.system.matrix, self.plant.motions.shape[1], h)
+        step, r = step_matrices(self.system.matrix, self.system.free, h), self.system.remainder
         begins = time[0] + h * np.arange(count)
-        push = np.stack([self.push(begins + c * h) for c in _NODE], axis=1)
-        if self.water is None:
+        push = np.stack([self.system.push(begins + c * h) for c in _NODE], axis=1)
+        if r is None:
             _march_linear(step, push, substeps, out)
             return out
-        shell, weight = self.water.shape, self.water.specific_weight
-        grain = GRAIN * float(np.linalg.norm(self.water.project)) * weight * shell.radius**3
-        least = max(1e-6 * float(np.sqrt(weight) * shell.radius**2), h * grain / STALLED)
-        done = _march(self.water, step, float(time[0]), push, least, substeps, out)
+        least = max(self.system.least, h * r.round_off / STALLED)
+        done = _march(r, step, float(time[0]), push, least, substeps, out)
         if done < count:
             raise ConvergenceError(
                 f"a step of {h:.3g} s at t = {time[0] + done * h:.6g} s: its equations are not solved in {NEWTON} "
@@ -288,27 +222,15 @@ class GaussIntegrator:
 
     def motion(self, time: FloatArray, states: FloatArray, seconds: float) -> Motion:
         """Return recorded states as a motion."""
-        n = self.plant.motions.shape[1]
-        rates = states @ self.system.matrix.T
-        rates[:, n : 2 * n] += self.push(time)
-        if self.water:
-            rates[:, n : 2 * n] += added(self.water, time, np.ascontiguousarray(states[:, :n]))
-        return Motion(
-            time,
-            states[:, :n] @ self.system.position.T,
-            states[:, n : 2 * n] @ self.system.velocity.T,
-            rates[:, n : 2 * n] @ self.system.velocity.T,
-            states[:, 2 * n :],
-            seconds,
-        )
+        return self.system.motion(time, states, self.system.added(time, states) + self.system.push(time), seconds)
 
 
-def fixed_step(plant: Plant, time: FloatArray, start: tuple[FloatArray, ...], substeps: int = 1) -> Motion:
+def fixed_step(system: System, time: FloatArray, start: tuple[FloatArray, ...], substeps: int = 1) -> Motion:
     """Return the motion of a scene by equal steps, so many between two recorded instants.
 
     Parameters
     ----------
-    plant : Plant
+    system : System
         Linear or body-exact.
     time : ndarray, shape (time,) [s]
         Equally spaced.
@@ -322,19 +244,19 @@ def fixed_step(plant: Plant, time: FloatArray, start: tuple[FloatArray, ...], su
         If a step is too long for its equations to be solved.
     """
     begun = clock.perf_counter()
-    method = GaussIntegrator(plant)
-    states = method.run(method.system.first(start), time, substeps)
+    method = GaussIntegrator(system)
+    states = method.run(system.first(start), time, substeps)
     return method.motion(time, states, clock.perf_counter() - begun)
 
 
 def structure_preserving(
-    plant: Plant, time: FloatArray, start: tuple[FloatArray, ...], tolerance: float
+    system: System, time: FloatArray, start: tuple[FloatArray, ...], tolerance: float
 ) -> tuple[Motion, int]:
     """Return the motion of a scene with equal steps small enough, and the number of steps.
 
     Parameters
     ----------
-    plant : Plant
+    system : System
         Linear or body-exact.
     time : ndarray, shape (time,) [s]
         Equally spaced; a step is an interval or an equal part of it.
@@ -350,8 +272,8 @@ def structure_preserving(
         If 2^`FINEST` steps between two instants are not enough.
     """
     begun = clock.perf_counter()
-    method = GaussIntegrator(plant)
-    first, coarse, error = method.system.first(start), None, np.inf
+    method = GaussIntegrator(system)
+    first, coarse, error = system.first(start), None, np.inf
     for halving in range(FINEST + 1):
         try:
             states = method.run(first, time, 2**halving)

@@ -1,4 +1,4 @@
-"""Time integration of a linear plant: exact propagation, and Cummins' convolution as its reference."""
+"""Exact motion of a linear system at any instants."""
 
 import time as clock
 
@@ -6,9 +6,8 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from vsb.errors import StabilityError
-from vsb.hydro.kernel import DampingSpectrum
 from vsb.motion.motion import Motion
-from vsb.motion.scene import Damper, LinearSystem, Plant, Spring
+from vsb.motion.system import System
 from vsb.tools.units import ComplexArray, FloatArray
 from vsb.waves.superposition import superposed
 
@@ -19,8 +18,8 @@ SOLVED = 256  # components at a time
 AT_ONCE = 8  # blocks of a transient: they stay in the cache
 
 
-def steady_state(system: LinearSystem) -> ComplexArray:
-    """Return the phasors of the steady state, shape (component, state): (-i omega - A) z = b.
+def steady_state(system: System) -> ComplexArray:
+    """Return the phasors of the steady state, shape (component, state): (-i omega - A) z = B w.
 
     Raises
     ------
@@ -36,42 +35,48 @@ def steady_state(system: LinearSystem) -> ComplexArray:
                 f"the wave of {omega:.6g} rad/s meets an undamped resonance: no steady state exists; "
                 "add device.damping or pto.damping, or change the wave period."
             )
-    out = np.empty_like(system.input)
+    right = system.waves @ system.input.T
+    out = np.empty_like(right)
     for start in range(0, len(out), SOLVED):
         here = slice(start, start + SOLVED)
         matrices = -1j * system.omega[here, None, None] * np.eye(len(system.matrix)) - system.matrix
-        out[here] = np.linalg.solve(matrices, system.input[here, :, None])[..., 0]
+        out[here] = np.linalg.solve(matrices, right[here, :, None])[..., 0]
     return out
 
 
 def propagate(
-    plant: Plant, time: FloatArray, start: tuple[FloatArray, ...], steady: ComplexArray | None = None
+    system: System, time: FloatArray, start: tuple[FloatArray, ...], steady: ComplexArray | None = None
 ) -> Motion:
-    """Return the exact motion of a linear plant at equally spaced times.
+    """Return the exact motion of a linear system at equally spaced times.
 
     Parameters
     ----------
-    plant : Plant
+    system : System
     time : ndarray, shape (time,) [s]
     start : tuple of ndarray
         y [m] and y' [m/s] at the first instant, each shape (free,); then memory states, if the water is not at rest.
     steady : ndarray, shape (component, state), optional
-        `steady_state` of the plant, where it is known from a run before.
+        `steady_state` of the system, where it is known from a run before.
+
+    Raises
+    ------
+    ValueError
+        If the system is not linear.
 
     Notes
     -----
     z(t) = z_s(t) + exp(A t) (z(0) - z_s(0)) with the steady state z_s: no step-size error, stiff modes cost nothing.
     """
+    if not system.linear:
+        raise ValueError("exact propagation: received nonlinear forces, needs a linear scene; use `integrate`.")
     begun = clock.perf_counter()
-    system = plant.linear_system()
-    n, order = plant.motions.shape[1], len(system.matrix)
-    first = system.first(start)
+    n, order, first = system.free, len(system.matrix), system.first(start)
     phasors = steady_state(system) if steady is None else steady
-    read = block_diag(system.position, system.velocity, np.eye(order - 2 * n))  # y, y', memory of z
+    read = block_diag(system.position, system.modes, np.eye(order - 2 * n))  # y, y', memory of z
     swinging = phasors @ read.T
     swinging = np.hstack([swinging, -1j * system.omega[:, None] * swinging[:, n : 2 * n]])
     out = superposed(system.omega, swinging, time)
-    read = np.vstack([read, system.velocity @ system.matrix[n : 2 * n]])
+    read = np.vstack([read, system.modes @ system.matrix[n : 2 * n]])
     turn = np.exp(-1j * system.omega * time[0])
     _add_transient(out, read, transition(system.matrix * (time[1] - time[0])), first - np.real(turn @ phasors))
     parts = np.split(out, [n, 2 * n, order], axis=1)
@@ -117,37 +122,3 @@ def transition(x: FloatArray) -> FloatArray:
     for _ in range(halvings):
         change = 2 * change + change @ change
     return np.asarray(np.eye(len(x)) + change)
-
-
-def convolve(plant: Plant, spectrum: DampingSpectrum, time: FloatArray, start: tuple[FloatArray, FloatArray]) -> Motion:
-    """Return the motion with Cummins' convolution integral, by the average-acceleration method, second order.
-
-    The reference for the state space: memory is int K(t - s) v(s) ds by the trapezoidal rule over the whole past, the
-    kernel straight from the damping. The plant's own radiation memory is not used.
-    """
-    begun = clock.perf_counter()
-    dt, n, count = time[1] - time[0], plant.motions.shape[1], len(time)
-    kernel = plant.motions.T @ spectrum.kernel(time) @ plant.motions
-    mass = plant.motions.T @ plant.mass @ plant.motions
-    damping, stiffness = plant.total(Damper), plant.total(Spring)
-    push = _excitation(plant, time)
-    y, v, a = np.zeros((count, n)), np.zeros((count, n)), np.zeros((count, n))
-    y[0], v[0] = start
-    a[0] = np.linalg.solve(mass, push[0] - damping @ v[0] - stiffness @ y[0])
-    system = np.linalg.inv(mass + dt / 2 * (damping + dt / 2 * kernel[0]) + dt**2 / 4 * stiffness)
-    for i in range(1, count):
-        guess_v = v[i - 1] + dt / 2 * a[i - 1]
-        guess_y = y[i - 1] + dt * v[i - 1] + dt**2 / 4 * a[i - 1]
-        past = np.einsum("tij,tj->i", kernel[i - 1 : 0 : -1], v[1:i]) + 0.5 * kernel[i] @ v[0]
-        memory = dt * (past + 0.5 * kernel[0] @ guess_v)
-        a[i] = system @ (push[i] - memory - damping @ guess_v - stiffness @ guess_y)
-        v[i], y[i] = guess_v + dt / 2 * a[i], guess_y + dt**2 / 4 * a[i]
-    return Motion(time, y, v, a, np.zeros((count, 0)), clock.perf_counter() - begun)
-
-
-def _excitation(plant: Plant, time: FloatArray) -> FloatArray:
-    """Wave excitation of the free coordinates, shape (time, free) [N]; zero in still water."""
-    if plant.excitation is None:
-        return np.zeros((len(time), plant.motions.shape[1]))
-    phasors = plant.excitation.force @ plant.motions
-    return superposed(plant.excitation.omega, phasors, time)

@@ -14,10 +14,9 @@ import numpy as np
 from scipy.special import comb
 
 from vsb.integrators.phi import PhiIntegrals, lagrange
-from vsb.motion.froude_krylov import Incident, rotated, wave_force
-from vsb.motion.wetted import Shape, wet_force
+from vsb.motion.system import Remainder, remainder
 from vsb.tools.compiled import njit
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.units import FloatArray
 
 PAST = 5
 """Past values of n that predict; more, with one evaluation a step, are unstable with shell modes."""
@@ -58,24 +57,6 @@ _HALVED = _values(_BACK, _BACK / 2)
 _REVERSED = _values(-_BACK, _BACK)
 _AT_PROBE = _values(np.append(1.0, _BACK[:PAST]), np.array([PROBE]))[0]
 _SHIFT = np.ascontiguousarray(comb(np.arange(KEPT), np.arange(KEPT)[:, None]))  # of a polynomial by one
-
-
-class Remainder(NamedTuple):
-    """What the compiled loop needs for n(t, z) = R^T (f_water + constant + C q) + diffraction, q = L z."""
-
-    shape: Shape
-    rest: FloatArray  # (dof,)
-    position: FloatArray  # L (dof, free)
-    project: FloatArray  # R^T (free, dof)
-    constant: FloatArray  # R^T constant (free,)
-    tangent: FloatArray  # R^T C L (free, free)
-    specific_weight: float
-    amplitude: float  # of the assumed pressure
-    omega: float
-    waves: Incident  # none: no components
-    diffraction: ComplexArray  # modal phasors (component, free)
-    round_off: float  # of n
-    begin: float  # of the run [s]
 
 
 class Step(NamedTuple):
@@ -125,34 +106,6 @@ def _mixed(weights: FloatArray, rows: FloatArray) -> FloatArray:
     out = np.zeros(rows.shape[1])
     _add(out, rows[: len(weights)], weights)
     return out
-
-
-@njit(cache=True)
-def remainder(r: Remainder, t: float, p: FloatArray, out: FloatArray) -> None:
-    """Fill n at time t since the begin and scaled modal positions p."""
-    q = r.rest.copy()
-    static, uniform = np.empty(len(q)), np.empty(len(q))
-    for i in range(len(q)):
-        for j in range(len(p)):
-            q[i] += r.position[i, j] * p[j]
-    rotation = rotated(r.waves, r.begin + t)
-    if len(rotation):
-        wave_force(r.shape, q, r.waves, rotation, static)
-        static *= r.specific_weight
-    else:
-        wet_force(r.shape, q, static, uniform)
-        pressure = r.amplitude * np.cos(r.omega * (r.begin + t))
-        for i in range(len(q)):
-            static[i] = r.specific_weight * static[i] + pressure * uniform[i]
-    out[:] = r.constant
-    for i in range(len(out)):
-        for j in range(len(p)):
-            out[i] += r.tangent[i, j] * p[j]
-        for j in range(len(q)):
-            out[i] += r.project[i, j] * static[j]
-    for j in range(len(rotation)):
-        for i in range(len(out)):
-            out[i] += r.diffraction[j, i].real * rotation[j].real - r.diffraction[j, i].imag * rotation[j].imag
 
 
 @njit(cache=True)

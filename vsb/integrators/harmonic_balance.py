@@ -18,9 +18,9 @@ from scipy.linalg import lu_factor, lu_solve
 
 from vsb.errors import ConvergenceError, StabilityError
 from vsb.integrators.exact import steady_state
-from vsb.integrators.floquet import harmonics_of, hill_matrix, largest, multipliers, phases, synthesized
-from vsb.integrators.regular_wave import PeriodicScene, Transfer, raised, regular_frequency
-from vsb.motion.scene import Damper, Plant, resting
+from vsb.integrators.floquet import harmonics_of, hill_matrix, largest, multipliers, phases
+from vsb.integrators.regular_wave import PeriodicScene, Transfer, regular_frequency
+from vsb.motion.system import EXCITING, System
 from vsb.tools.units import ComplexArray, FloatArray
 
 COUPLED, HIGHEST = 16, 1024
@@ -83,8 +83,8 @@ class Newton:
 
     def __init__(self, scene: PeriodicScene, impedance: ComplexArray, harmonics: ComplexArray, samples: int) -> None:
         phase = phases(samples)
-        tangent = harmonics_of(scene.tangents(phase, synthesized(harmonics, phase)))
-        self.mean, free = np.real(tangent[0]), len(scene.scale)
+        tangent = harmonics_of(scene.tangents(phase, scene.states(harmonics, phase)))
+        self.mean, free = np.real(tangent[0]), scene.system.free
         matrix = -hill_matrix(tangent, COUPLED + 1)
         for h, z in enumerate(impedance[: COUPLED + 1]):
             matrix[0, h, :, 0, h] += z.real
@@ -127,11 +127,11 @@ def balanced(scene: PeriodicScene, orbit: Orbit, tolerance: float) -> Orbit | No
     phase, count, previous = phases(orbit.samples), len(orbit.harmonics), np.inf
     for _ in range(STEPS):
         step = orbit.newton.step(orbit.impedance, (scene.forced(orbit.harmonics, phase) - orbit.inertial)[:count])
-        u, change = orbit.harmonics + step, largest(step @ scene.system.velocity.T)
+        u, change = orbit.harmonics + step, largest(step @ scene.system.modes.T)
         orbit = orbit._replace(harmonics=u, iterations=orbit.iterations + 1)
         if change <= max(0.01 * tolerance * scene.amplitude(u), 1e-7 * scene.size):
             return orbit
-        if not largest(u @ scene.system.velocity.T) < scene.reach:
+        if not largest(u @ scene.system.modes.T) < scene.reach:
             return None
         if change > SLOW * previous:
             orbit = orbit._replace(newton=Newton(scene, orbit.impedance, u, 2 * COUPLED + 2))
@@ -149,7 +149,7 @@ def missed(scene: PeriodicScene, orbit: Orbit) -> tuple[float, float]:
     u = orbit.harmonics
     between = [scene.forced(u, phases(orbit.samples, offset)) for offset in (0.0, 0.5)]
     missing = (between[0] + between[1]) / 2 - orbit.inertial
-    step = orbit.newton.step(orbit.impedance, missing) @ scene.system.velocity.T
+    step = orbit.newton.step(orbit.impedance, missing) @ scene.system.modes.T
     amplitude = scene.amplitude(u)
     return largest(step[: len(u)]) / amplitude, largest(step[len(u) :]) / amplitude
 
@@ -174,7 +174,7 @@ def refined(scene: PeriodicScene, orbit: Orbit, tolerance: float) -> tuple[Orbit
             samples *= 2
         if count > HIGHEST + 1 or samples > MOST_SAMPLES:
             break
-        wider = np.concatenate([orbit.harmonics, np.zeros((count - len(orbit.harmonics), len(scene.scale)))])
+        wider = np.concatenate([orbit.harmonics, np.zeros((count - len(orbit.harmonics), scene.system.free))])
         found = balanced(scene, orbit._replace(harmonics=wider, impedance=scene.impedance(samples // 2)), tolerance)
         if found is None:
             break
@@ -194,12 +194,12 @@ def continued(scene: PeriodicScene, rest: FloatArray, tolerance: float) -> Orbit
         If the wave cannot be raised to its full height.
     """
     first = np.zeros((COUPLED + 1, len(rest)), dtype=complex)
-    first[0] = np.linalg.solve(scene.system.velocity, rest)
-    impedance, calm = scene.impedance(2 * COUPLED), replace(scene, plant=raised(scene.plant, 0.0))
+    first[0] = np.linalg.solve(scene.system.modes, rest)
+    impedance, calm = scene.impedance(2 * COUPLED), replace(scene, system=scene.system.raised(0.0))
     orbit, share, growth = Orbit(first, impedance, Newton(calm, impedance, first, 2), 0), 0.0, 1.0
     while share < 1.0:
         there = min(share + growth, 1.0)
-        lower = scene if there == 1.0 else replace(scene, plant=raised(scene.plant, there))
+        lower = scene if there == 1.0 else replace(scene, system=scene.system.raised(there))
         found = balanced(lower, orbit, tolerance)
         if found:
             orbit, share, growth = found, there, 2 * growth
@@ -229,31 +229,25 @@ def check_stable(found: ComplexArray, period: float) -> None:
 
 
 def mean_power(scene: PeriodicScene, orbit: Orbit) -> Power:
-    """Return the mean powers of an orbit: the water's from its samples, the others harmonic by harmonic."""
-    u, plant = orbit.harmonics, scene.plant
-    omega = scene.omega * np.arange(len(u))
-    rate = -1j * omega[:, None] * u
-    q = rate @ scene.shapes.T
-    wave = 0.5 * float(np.real(rate[1].conj() @ scene.push))
-    if plant.water:
-        phase = phases(orbit.samples, 0.5)  # between those in balance: what they miss is seen
-        force = scene.pressure(plant.water, phase, synthesized(u, phase))  # its static part does no work in a period
-        wave += float(np.mean(np.sum(force * synthesized(q, phase), axis=1)))
-    lost = {
-        name: 0.5 * float(np.real(np.einsum("hi,ij,hj", q.conj(), force.damping, q)))
-        for name, force in plant.forces.items()
-        if isinstance(force, Damper)
-    }
-    radiated = np.einsum("hi,hij,hj", rate[1:].conj(), scene.radiation(omega[1:]), rate[1:])
-    return Power(wave, lost.pop("pto", 0.0), 0.5 * float(np.real(radiated)), sum(lost.values()))
+    """Return the mean powers of an orbit: of radiation harmonic by harmonic, the others from its samples."""
+    system, phase = scene.system, phases(orbit.samples, 0.5)  # between those in balance: what they miss is seen
+    z = scene.states(orbit.harmonics, phase)
+    q, v = z[:, : system.free] @ (system.shapes / system.scale).T, z[:, system.free :] @ system.shapes.T
+    named = system.scene.named(phase / scene.omega, q, v)
+    wave = sum(float(np.mean(np.sum(named[name] * v, axis=1))) for name in EXCITING if name in named)
+    pto, structural = (float(np.mean(power)) for power in system.scene.lost(v))
+    omega = scene.omega * np.arange(1, len(orbit.harmonics))
+    rate = -1j * omega[:, None] * orbit.harmonics[1:]
+    radiated = np.einsum("hi,hij,hj", rate.conj(), scene.radiation(omega), rate)
+    return Power(wave, pto, 0.5 * float(np.real(radiated)), structural)
 
 
-def harmonic_balance(plant: Plant, tolerance: float = 1e-8, transfer: Transfer | None = None) -> SteadyState:
+def harmonic_balance(system: System, tolerance: float = 1e-8, transfer: Transfer | None = None) -> SteadyState:
     """Return the steady state of a scene in a regular wave, linear or body-exact; in still water, at rest.
 
     Parameters
     ----------
-    plant : Plant
+    system : System
     tolerance : float
         Of the motion's estimated error, relative to the largest amplitude of any coordinate or a millionth of the
         radius.
@@ -277,23 +271,20 @@ def harmonic_balance(plant: Plant, tolerance: float = 1e-8, transfer: Transfer |
     exponentially with the number of harmonics under an assumed pressure, as long as the waterline does not meet a
     pole; in waves as its sixth power, for the forces of crest and trough join with two derivatives only.
     """
-    omega = regular_frequency(plant)
-    rest = plant.origin if plant.origin.size else resting(plant) if plant.water else np.zeros(plant.motions.shape[1])
+    omega, rest, memory = regular_frequency(system), system.scene.rest, system.scene.memory
     if not omega:
         return SteadyState(
             0.0, rest[None].astype(complex), 0.0, 0, np.zeros(0, dtype=complex), Power(0.0, 0.0, 0.0, 0.0)
         )
-    if plant.water is None:
-        steady_state(plant.linear_system())  # refuses an undamped resonance
-    scene = PeriodicScene(plant, omega, transfer or (plant.memory.transfer if plant.memory else None))
+    if system.linear:
+        steady_state(system)  # refuses an undamped resonance
+    scene = PeriodicScene(system, omega, transfer or (memory.transfer if memory else None))
     orbit, error = refined(scene, continued(scene, rest, tolerance), tolerance)
-    disturbed = multipliers(
-        scene.system.matrix, lambda phase: scene.coupling(orbit.harmonics, phase), 2 * np.pi / omega
-    )
+    disturbed = multipliers(system.matrix, lambda phase: scene.coupling(orbit.harmonics, phase), 2 * np.pi / omega)
     check_stable(disturbed, 2 * np.pi / omega)
     return SteadyState(
         omega,
-        orbit.harmonics @ scene.system.velocity.T,
+        orbit.harmonics @ scene.system.modes.T,
         error,
         orbit.iterations,
         disturbed,
@@ -301,6 +292,6 @@ def harmonic_balance(plant: Plant, tolerance: float = 1e-8, transfer: Transfer |
     )
 
 
-def steady_power(plant: Plant, tolerance: float = 1e-8, transfer: Transfer | None = None) -> float:
+def steady_power(system: System, tolerance: float = 1e-8, transfer: Transfer | None = None) -> float:
     """Return the mean power absorbed in the steady state [W]; parameters and errors of `harmonic_balance`."""
-    return harmonic_balance(plant, tolerance, transfer).power.pto
+    return harmonic_balance(system, tolerance, transfer).power.pto

@@ -11,20 +11,17 @@ import xarray as xr
 from vsb.errors import ConvergenceError
 from vsb.hydro.kernel import DampingSpectrum
 from vsb.integrators.audit import flow
+from vsb.integrators.convolution import convolve
 from vsb.integrators.energy_preserving import structure_preserving
-from vsb.integrators.exact import convolve, propagate, steady_state
+from vsb.integrators.exact import propagate, steady_state
 from vsb.integrators.exponential import integrate
-from vsb.motion.froude_krylov import wave_forces
 from vsb.motion.motion import Motion
-from vsb.motion.scene import ConstantForce, Damper, Excitation, Plant, Spring, WaterPressure
+from vsb.motion.system import EXCITING, System
 from vsb.study.resolution import LEG, RECORDS_PER_PERIOD, thinning
 from vsb.study.study import Simulation
 from vsb.tools.units import FloatArray
 from vsb.waves.seas import Sea
-from vsb.waves.superposition import superposed
 
-EXCITING = ("excitation", "froude_krylov", "diffraction")
-DAMPERS = ("pto", "structural_damping")
 TERMS = ("wave", "pto", "radiated", "structural", "stored")
 EXACT = "exact propagation"
 CONVOLVED = 1e-4
@@ -35,68 +32,26 @@ FINEST = 2**5
 """Most samples per recorded step."""
 
 
-def forces(plant: Plant, motion: Motion) -> dict[str, FloatArray]:
-    """Return the forces of the scene by name, each shape (time, dof) [N].
-
-    Radiation is what remains of the equation of motion, M q'' - sum of the other forces, in the allowed motions: it is
-    the same line for the state space and for the convolution.
-    """
-    q, v = motion.position @ plant.motions.T, motion.velocity @ plant.motions.T
-    out: dict[str, FloatArray] = {}
-    for name, force in plant.forces.items():
-        if isinstance(force, Spring):
-            out[name] = -q @ force.stiffness.T
-        elif isinstance(force, Damper):
-            out[name] = -v @ force.damping.T
-        elif isinstance(force, ConstantForce):
-            out[name] = np.broadcast_to(force.force, q.shape)
-        elif isinstance(force, WaterPressure):
-            out |= _water_forces(force, motion.time, q)
-        elif isinstance(force, Excitation):
-            out[name] = superposed(force.omega, force.force, motion.time)
-        elif motion.memory.size:
-            out[name] = -motion.memory @ force.model.input_matrix
-    if "radiation" in plant.forces and "radiation" not in out:
-        inertia = motion.acceleration @ plant.motions.T @ plant.mass.T
-        out["radiation"] = inertia - sum(out.values(), np.zeros_like(q))
-    return out
-
-
-def _water_forces(water: WaterPressure, time: FloatArray, q: FloatArray) -> dict[str, FloatArray]:
-    """Hydrostatic force on the shell in still water, and what an assumed pressure or waves add, (time, dof) [N]."""
-    static, uniform, _ = water.shell.forces(water.rest + q)
-    out = {"hydrostatic": water.specific_weight * static}
-    if water.assumed and water.assumed.amplitude:
-        pressure = water.assumed.amplitude * np.cos(water.assumed.omega * time)
-        out["excitation"] = pressure[:, None] * uniform
-    if water.waves:
-        total = wave_forces(water.shell.shape, water.rest + q, water.waves, time)
-        out["froude_krylov"] = water.specific_weight * (total - static)
-    return out
-
-
-def energies(plant: Plant, motion: Motion) -> dict[str, FloatArray]:
+def energies(system: System, motion: Motion) -> dict[str, FloatArray]:
     """Return the energy of each term since the start, each shape (time,) [J]: wave = the sum of the others.
 
     Notes
     -----
-    Losses and the waves' work are integrated along the flow between records (`vsb.audit`), what is stored is read from
-    the records.
+    Losses and the waves' work are integrated along the flow between records (`vsb.integrators.audit`), what is stored
+    is read from the records.
     `turned` is no term of the sum: kinetic energy, and a billionth of the energy stored, below which all is round-off.
     With the state space, radiated power is (l.x)^2/2 and the memory stores x.x/2, both from the memory states alone:
     the audit is then a check on the whole chain. With the convolution the radiation force's work stands for both.
     """
-    named, remembered = forces(plant, motion), motion.memory.size > 0
-    none = np.zeros((len(motion.time), len(plant.labels)))
-    undamped = Damper(np.zeros((len(plant.labels), len(plant.labels))))
-    dampers = [plant.forces.get(name, undamped) for name in DAMPERS]
-    exciting = sum((named[name] for name in EXCITING if name in named), none)
-    pto, structural, radiated, wave, *convolved = flow(plant, motion, named).works(
-        [damper.damping for damper in dampers if isinstance(damper, Damper)],
-        plant.memory.channel if plant.memory and remembered else None,
-        [exciting] if remembered else [exciting, -named.get("radiation", none)],
+    named, remembered, memory = system.forces(motion), motion.memory.size > 0, system.scene.memory
+    none = np.zeros((len(motion.time), system.free))
+    acting: list[FloatArray] = [sum((named[name] @ system.shapes for name in EXCITING if name in named), none)]
+    if memory and not remembered:
+        acting.append(-named["radiation"] @ system.shapes)
+    pto, structural, radiated, wave, *convolved = flow(system, motion, system.driving(motion, named)).works(
+        system.dampers(), memory.channel if memory and remembered else None, acting
     )
-    stored, kinetic = _stored(plant, motion)
+    stored, kinetic = system.energy(motion)
     return {
         "wave": wave,
         "pto": pto,
@@ -105,21 +60,6 @@ def energies(plant: Plant, motion: Motion) -> dict[str, FloatArray]:
         "stored": stored - stored[0],
         "turned": kinetic + 1e-9 * np.abs(stored),
     }
-
-
-def _stored(plant: Plant, motion: Motion) -> tuple[FloatArray, FloatArray]:
-    """Energy at every record in mass, springs, weight, water and memory, and its kinetic part, each (time,) [J]."""
-    q, v = motion.position @ plant.motions.T, motion.velocity @ plant.motions.T
-    kinetic = 0.5 * np.einsum("ti,ti->t", v @ plant.mass, v)
-    stored = kinetic + 0.5 * np.einsum("ti,ti->t", motion.memory, motion.memory)
-    for force in plant.forces.values():
-        if isinstance(force, Spring):
-            stored += 0.5 * np.einsum("ti,ti->t", q @ force.stiffness, q)
-        elif isinstance(force, ConstantForce):
-            stored -= q @ force.force
-        elif isinstance(force, WaterPressure):
-            stored -= force.specific_weight * force.shell.forces(force.rest + q)[2]
-    return stored, kinetic
 
 
 class Balance(NamedTuple):
@@ -171,29 +111,29 @@ class Leg(NamedTuple):
         return self.motion.position[-1], self.motion.velocity[-1], self.motion.memory[-1]
 
 
-def labelled(plant: Plant, motion: Motion, sea: Sea | None, design: str, wave: str, stride: int) -> xr.Dataset:
+def labelled(system: System, motion: Motion, sea: Sea | None, design: str, wave: str, stride: int) -> xr.Dataset:
     """Return a run as a dataset, every `stride`-th instant, with the audit of all instants; see `recorded`."""
-    energy = energies(plant, motion)
+    energy = energies(system, motion)
     leg = Leg(motion, energy, START.after(energy), stride, 1, "", 0)
     attrs = {"design": design, "wave": wave, "energy_residual": leg.balance.residual, "status": "completed"}
-    return recorded(plant, leg, sea, (0.0, 0.0)).assign_attrs(attrs)
+    return recorded(system, leg, sea, (0.0, 0.0)).assign_attrs(attrs)
 
 
-def recorded(plant: Plant, leg: Leg, sea: Sea | None, window: tuple[float, float]) -> xr.Dataset:
+def recorded(system: System, leg: Leg, sea: Sea | None, window: tuple[float, float]) -> xr.Dataset:
     """Return the record of a leg: motion, forces by name, energies, elevation.
 
     Every readable instant of a short run. Of a long one a part of them, and those in the window [s] where a coordinate,
     a velocity or the power taken off is extreme: figures of merit are those of all instants.
     A rigid design carries heave alone, a flexible one heave and all shell modes; an assumed pressure has no elevation.
     """
-    motion, flexible = leg.motion, plant.motions.shape[1] > 1
-    labels = list(plant.labels if flexible else plant.labels[:1])
-    motions = plant.motions[: len(labels)]
-    named = {name: force[:, : len(labels)] for name, force in forces(plant, motion).items()}
+    motion, scene = leg.motion, system.scene
+    labels = list(scene.labels if system.free > 1 else scene.labels[:1])
+    motions = scene.motions[: len(labels)]
+    named = {name: force[:, : len(labels)] for name, force in system.forces(motion).items()}
     series = {"position": motion.position @ motions.T, "velocity": motion.velocity @ motions.T} | named
     kept = np.append(np.arange(0, len(motion.time) - 1, leg.stride * leg.thinning), len(motion.time) - 1)
     if leg.thinning > 1:
-        power = np.sum(named.get("pto", 0.0 * series["velocity"]) * series["velocity"], axis=1, keepdims=True)
+        power = np.sum(named.get(scene.take_off, 0.0 * series["velocity"]) * series["velocity"], axis=1, keepdims=True)
         watched = np.hstack([series["position"], series["velocity"], power])
         kept = np.union1d(kept, _extremes(watched, (motion.time > window[0] - 1e-9) & (motion.time < window[1] + 1e-9)))
     run = xr.Dataset(
@@ -213,12 +153,14 @@ def _extremes(series: FloatArray, inside: npt.NDArray[np.bool_]) -> npt.NDArray[
     return np.asarray(rows[np.ravel(extremes).astype(int)])
 
 
-def simulate(plant: Plant, sea: Sea, settings: Simulation, spectrum: DampingSpectrum | None) -> tuple[Motion, int, str]:
+def simulate(
+    system: System, sea: Sea, settings: Simulation, spectrum: DampingSpectrum | None
+) -> tuple[Motion, int, str]:
     """Return the whole motion of a scene at once, every how many instants make a readable record, and the method.
 
     See `legs`, which take no more memory for a longer run.
     """
-    (leg,) = legs(plant, sea, settings, spectrum, longest=None)
+    (leg,) = legs(system, sea, settings, spectrum, longest=None)
     return leg.motion, leg.stride, in_words(leg.method, leg.steps)
 
 
@@ -228,13 +170,13 @@ def in_words(method: str, steps: int) -> str:
 
 
 def legs(
-    plant: Plant, sea: Sea, settings: Simulation, spectrum: DampingSpectrum | None, longest: int | None = LEG
+    system: System, sea: Sea, settings: Simulation, spectrum: DampingSpectrum | None, longest: int | None = LEG
 ) -> Iterator[Leg]:
     """Yield the motion of a scene, its energy audit closed, in legs one after the other.
 
     Parameters
     ----------
-    plant : Plant
+    system : System
     sea : Sea
     settings : Simulation
         Duration, initial heave and velocity, method, tolerance. Exact propagation runs once. What is not linear is
@@ -250,17 +192,17 @@ def legs(
     ConvergenceError
         If the audit of an exact propagation does not close.
     """
-    count, convolved = recorded_steps(plant, sea, settings), settings.method == "convolution"
+    count, convolved = recorded_steps(system, sea, settings), settings.method == "convolution"
     enough = max(settings.tolerance, CONVOLVED if convolved else ROUND_OFF)
-    follow = _follower(plant, settings, spectrum)
-    start: tuple[FloatArray, ...] = plant.start(settings.initial_position, settings.initial_velocity)
+    follow = _follower(system, settings, spectrum)
+    start: tuple[FloatArray, ...] = system.scene.start(settings.initial_position, settings.initial_velocity)
     done, stride, balance, found = 0, 1, START, [np.inf, np.inf]
     while done < count:
         parts = 1 if convolved or longest is None else math.ceil((count - done) * stride / longest)
         last = done + math.ceil((count - done) / parts)
         begin, end = (settings.duration * (record / count) for record in (done, last))
         motion, method, steps = follow(np.linspace(begin, end, (last - done) * stride + 1), start)
-        own = energies(plant, motion)
+        own = energies(system, motion)
         energy = {term: own[term] + balance.ended.get(term, 0.0) for term in own}
         after = balance.after(energy)
         found.append(START.after(own).unbalanced / after.largest if after.largest else 0.0)
@@ -284,18 +226,18 @@ Followed = tuple[Motion, str, int]
 
 
 def _follower(
-    plant: Plant, settings: Simulation, spectrum: DampingSpectrum | None
+    system: System, settings: Simulation, spectrum: DampingSpectrum | None
 ) -> Callable[[FloatArray, tuple[FloatArray, ...]], Followed]:
     """What gives the motion at given times from a start, by the method that suits the scene."""
     tolerance = settings.tolerance
     if settings.method == "structure_preserving":
-        return lambda time, start: _named("structure-preserving", *structure_preserving(plant, time, start, tolerance))
-    if plant.water:
-        return lambda time, start: _named("exponential Adams", *integrate(plant, time, start, tolerance))
+        return lambda time, start: _named("structure-preserving", *structure_preserving(system, time, start, tolerance))
+    if not system.linear:
+        return lambda time, start: _named("exponential Adams", *integrate(system, time, start, tolerance))
     if settings.method == "convolution" and spectrum is not None:
-        return lambda time, start: _named("convolution", convolve(plant, spectrum, time, (start[0], start[1])))
-    steady = steady_state(plant.linear_system())
-    return lambda time, start: _named(EXACT, propagate(plant, time, start, steady))
+        return lambda time, start: _named("convolution", convolve(system, spectrum, time, (start[0], start[1])))
+    steady = steady_state(system)
+    return lambda time, start: _named(EXACT, propagate(system, time, start, steady))
 
 
 def _named(name: str, motion: Motion, steps: int = 0) -> Followed:
@@ -303,17 +245,13 @@ def _named(name: str, motion: Motion, steps: int = 0) -> Followed:
     return motion, name, steps
 
 
-def recorded_steps(plant: Plant, sea: Sea, settings: Simulation) -> int:
+def recorded_steps(system: System, sea: Sea, settings: Simulation) -> int:
     """Return the number of recorded steps, `RECORDS_PER_PERIOD` of the shortest wave that matters.
 
     Without waves, of the faster of free heave and the assumed pressure: the buoy heaves freely until that has died out.
     """
     if sea.omega.size:
-        strong = sea.omega[np.abs(sea.amplitude) > 0.05 * np.abs(sea.amplitude).max()]
-        omega = float(strong.max())
+        omega = float(sea.omega[np.abs(sea.amplitude) > 0.05 * np.abs(sea.amplitude).max()].max())
     else:
-        springs = plant.total(Spring)[0, 0] + (plant.water.tangent[0, 0] if plant.water else 0.0)
-        omega = float(np.sqrt(max(springs, 0.0) / (plant.motions.T @ plant.mass @ plant.motions)[0, 0])) or 1.0
-        if plant.water and plant.water.assumed and plant.water.assumed.amplitude:
-            omega = max(omega, plant.water.assumed.omega)
+        omega = max([system.heaving, *system.frequencies])
     return int(np.ceil(RECORDS_PER_PERIOD * omega / (2 * np.pi) * settings.duration))

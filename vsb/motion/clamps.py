@@ -5,14 +5,15 @@ keeps every coordinate and corrects the acceleration. Both are the same motion t
 drift of this route are what it adds.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from scipy.linalg import eigh, svd
 
 from vsb.motion.motion import Motion
-from vsb.motion.scene import Damper, LinearSystem, Plant, Spring
+from vsb.motion.scene import Plant
+from vsb.motion.system import System
 from vsb.shell.modes import check_rank
 from vsb.tools.units import FloatArray
 
@@ -85,35 +86,8 @@ def udwadia_kalaba(mass: FloatArray, rows: FloatArray) -> Constraint:
     return Constraint(mass, rows, root @ inverse)
 
 
-@dataclass(frozen=True)
-class ConstrainedPlant(Plant):
-    """A plant with all its coordinates whose clamps are enforced by Eq. 90; propagated like any other plant."""
-
-    rows: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))  # Phi (constraint, dof) [-]
-    rate: float = 0.0  # gamma of Baumgarte's stabilisation [1/s]; 0: the paper's b = 0
-
-    def linear_system(self) -> LinearSystem:
-        """Return the scene as one linear system in the natural modes p of the scene without clamps.
-
-        Notes
-        -----
-        There M = 1, so Eq. 90 is p'' = P a - (1 - P)(2 gamma p' + gamma^2 p) with a = M^-1 Q from the free system and
-        P = 1 - (Phi V)^+ (Phi V) of the shapes V: no mass matrix is inverted and no stiffness loses digits.
-        """
-        free = super().linear_system()
-        n = len(free.position)
-        constraint = udwadia_kalaba(np.eye(n), self.rows @ self.motions @ free.velocity)
-        matrix, push = free.matrix.copy(), free.input.copy()
-        rates, held = slice(n, 2 * n), np.eye(n) - constraint.projector
-        matrix[rates] = constraint.projector @ matrix[rates]
-        push[:, rates] = push[:, rates] @ constraint.projector.T
-        matrix[rates, rates] -= 2 * self.rate * held
-        matrix[rates, :n] -= self.rate**2 * held / np.diag(matrix[:n, rates])
-        return free._replace(matrix=matrix, input=push)
-
-
-def constrained_plant(plant: Plant, rows: FloatArray, rate: float = 0.0) -> ConstrainedPlant:
-    """Return a plant with all coordinates free but for the rows, Phi q = 0, enforced by Eq. 90.
+def constrained(plant: Plant, rows: FloatArray, rate: float = 0.0) -> System:
+    """Return a scene with all coordinates free but for the rows, Phi q = 0, enforced by Eq. 90.
 
     Parameters
     ----------
@@ -122,10 +96,32 @@ def constrained_plant(plant: Plant, rows: FloatArray, rate: float = 0.0) -> Cons
     rows : ndarray, shape (constraint, dof) [-]
         Phi, from `ModeBasis.clamp_rows`.
     rate : float
-        Rate gamma of Baumgarte's stabilisation [1/s]; 0 is the paper.
+        Rate gamma of Baumgarte's stabilisation [1/s]; 0 is the paper's b = 0.
+
+    Raises
+    ------
+    ValueError
+        If the scene is not linear: what is not would push at the clamps.
+
+    Notes
+    -----
+    In the natural modes p of the scene without clamps M = 1, so Eq. 90 is p'' = P a - (1 - P)(2 gamma p' + gamma^2 p)
+    with a = M^-1 Q from the free system and P = 1 - (Phi V)^+ (Phi V) of the modes V: no mass matrix is inverted and no
+    stiffness loses digits.
     """
     check_rank(rows)
-    return ConstrainedPlant(plant.labels, plant.mass, plant.forces, np.eye(len(plant.labels)), rows=rows, rate=rate)
+    free = System.of(replace(plant, motions=np.eye(len(plant.labels)), origin=np.zeros(0)))
+    if not free.linear:
+        names = ", ".join(name for name, part in plant.linear.items() if not part.whole)
+        raise ValueError(f"Eq. 90: received the nonlinear forces {names}, needs a linear scene; clamp its motions.")
+    n = free.free
+    constraint = udwadia_kalaba(np.eye(n), rows @ free.shapes)
+    matrix = free.matrix.copy()
+    rates, held = slice(n, 2 * n), np.eye(n) - constraint.projector
+    matrix[rates] = constraint.projector @ matrix[rates]
+    matrix[rates, rates] -= 2 * rate * held
+    matrix[rates, :n] -= rate**2 * held / free.scale
+    return replace(free, matrix=matrix, waves=free.waves @ constraint.projector.T)
 
 
 def constraint_drift(positions: FloatArray, rows: FloatArray) -> float:
@@ -140,15 +136,15 @@ def constraint_drift(positions: FloatArray, rows: FloatArray) -> float:
     return float(np.abs(positions @ rows.T).max(initial=0.0))
 
 
-def constraint_force(plant: Plant, motion: Motion, rows: FloatArray) -> FloatArray:
+def constraint_force(system: System, motion: Motion, rows: FloatArray) -> FloatArray:
     """Return the forces of the clamps on the shell, shape (time, constraint) [N].
 
     Parameters
     ----------
-    plant : Plant
+    system : System
         Clamped by either route.
     motion : Motion
-        Of that plant.
+        Of that system.
     rows : ndarray, shape (constraint, dof) [-]
         Phi; the order of the result: all radial rows, then all meridional ones.
 
@@ -157,20 +153,8 @@ def constraint_force(plant: Plant, motion: Motion, rows: FloatArray) -> FloatArr
     Multipliers of M q'' = Q + Phi^T lambda, of least norm: clamps given twice share their force. Each is the total
     force around the parallel circle, positive outwards and towards growing colatitude.
     """
-    missing = motion.acceleration @ plant.motions.T @ plant.mass - _applied(plant, motion)
+    inertia = motion.acceleration @ system.scene.motions.T @ system.scene.mass
+    missing = inertia - sum(system.forces(motion).values())
     left, singular, right = svd(rows, full_matrices=False)
     rank = check_rank(rows)
     return np.asarray(missing @ (right[:rank].T / singular[:rank]) @ left[:, :rank].T)
-
-
-def _applied(plant: Plant, motion: Motion) -> FloatArray:
-    """All forces but the constraint's over all degrees of freedom, shape (time, dof) [N]."""
-    full = replace(plant, motions=np.eye(len(plant.labels)))
-    q, v = motion.position @ plant.motions.T, motion.velocity @ plant.motions.T
-    out = -q @ full.total(Spring).T - v @ full.total(Damper).T
-    if plant.excitation is not None:
-        wave = plant.excitation
-        out = out + np.real(np.exp(-1j * np.outer(motion.time, wave.omega)) @ wave.force)
-    if plant.memory is not None:
-        out = out - motion.memory @ plant.memory.input_matrix
-    return np.asarray(out)

@@ -19,9 +19,11 @@ from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.exact import propagate, steady_state
 from vsb.integrators.exponential import integrate
 from vsb.integrators.harmonic_balance import steady_power
+from vsb.motion.builders import body_exact_plant, linear_plant
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.motion import Motion
-from vsb.motion.scene import Damper, Plant, body_exact_plant, linear_plant
+from vsb.motion.scene import Plant
+from vsb.motion.system import System
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import ModeBasis, design_motions, mode_basis
 from vsb.study.study import Simulation, Study
@@ -146,6 +148,10 @@ class Scenes:
             return body_exact_plant(self.buoy, self.shape, memory, self.sea, motions)
         return linear_plant(self.buoy, memory, self.sea, motions)
 
+    def system(self, d: Description) -> System:
+        """Return the system of a description."""
+        return System.of(self.plant(d))
+
     @cached_property
     def _powers(self) -> dict[Description, float]:
         """Powers computed so far."""
@@ -154,25 +160,25 @@ class Scenes:
     def power(self, d: Description) -> float:
         """Return the mean power a description absorbs [W]."""
         if d not in self._powers:
-            self._powers[d] = self._power(self.plant(d))
+            self._powers[d] = self._power(self.system(d))
         return self._powers[d]
 
-    def _power(self, plant: Plant) -> float:
+    def _power(self, system: System) -> float:
         """Steady mean power if there is a steady state, else that of a record."""
-        if self.sea.omega.size and plant.water is None:
-            return linear_power(plant)
-        return steady_power(plant, PRECISION) if self.sea.omega.size == 1 else self._recorded_power(plant)
+        if self.sea.omega.size and system.linear:
+            return linear_power(system)
+        return steady_power(system, PRECISION) if self.sea.omega.size == 1 else self._recorded_power(system)
 
-    def _recorded_power(self, plant: Plant) -> float:
+    def _recorded_power(self, system: System) -> float:
         """Mean power over a record of the sea; in still water over the whole run."""
         end, begin = self.settings.duration, 0.0
         if self.sea.omega.size:
             period = 2 * np.pi / self.sea.omega[np.argmax(np.abs(self.sea.amplitude))]
             begin, end = (min(part * period, share * end) for part, share in zip(RECORD, (0.25, 1.0), strict=True))
         time = np.linspace(0.0, end, int(np.ceil(end / self._sampling)) + 1)
-        start = plant.start(self.settings.initial_position, self.settings.initial_velocity)
-        motion = integrate(plant, time, start, PRECISION)[0] if plant.water else propagate(plant, time, start)
-        return absorbed(plant, motion, begin)
+        start = system.scene.start(self.settings.initial_position, self.settings.initial_velocity)
+        motion = propagate(system, time, start) if system.linear else integrate(system, time, start, PRECISION)[0]
+        return absorbed(system, motion, begin)
 
     @property
     def _sampling(self) -> float:
@@ -185,7 +191,7 @@ class Scenes:
         """Return the relative error of a linear description's power for being linear; on the same record, if on one."""
         exact = d._replace(body_exact=True)
         if self.sea.omega.size > 1:
-            return relative(self._recorded_power(self.plant(d)), self.power(exact))
+            return relative(self._recorded_power(self.system(d)), self.power(exact))
         return relative(self.power(d), self.power(exact))
 
     def power_of_coefficients(self, degree: int, body_exact: bool) -> float:
@@ -200,31 +206,22 @@ class Scenes:
             return self.sea.mean_of(self.buoy.absorbed_power(omega, self.buoy.rao(omega, self.ladder[degree])))
         ideal = whole._replace(memory=INFINITE)
         if ideal not in self._powers:
-            self._powers[ideal] = steady_power(self.plant(whole), PRECISION, self.buoy.spectrum.transfer)
+            self._powers[ideal] = steady_power(self.system(whole), PRECISION, self.buoy.spectrum.transfer)
         return self._powers[ideal]
 
 
-def linear_power(plant: Plant) -> float:
+def linear_power(system: System) -> float:
     """Return the mean power a linear scene takes off in its steady state, sum v^H D v/2 over the components [W]."""
-    system, n = plant.linear_system(), plant.motions.shape[1]
-    velocity = steady_state(system)[:, n : 2 * n] @ system.velocity.T
-    damping = _take_off(plant)
-    return 0.5 * float(np.real(np.einsum("ci,ij,cj->", velocity.conj(), damping, velocity)))
+    velocity = steady_state(system)[:, system.free : 2 * system.free] @ system.shapes.T
+    return 0.5 * float(sum(np.sum(system.scene.lost(part)[0]) for part in (velocity.real, velocity.imag)))
 
 
-def absorbed(plant: Plant, motion: Motion, begin: float) -> float:
+def absorbed(system: System, motion: Motion, begin: float) -> float:
     """Return the mean power taken off from a time on, by the trapezoidal rule [W]."""
     inside = motion.time >= begin
-    power = np.einsum("ti,ij,tj->t", motion.velocity, _take_off(plant), motion.velocity)[inside]
+    power, _ = system.scene.lost(motion.velocity[inside] @ system.scene.motions.T)
     time = motion.time[inside]
     return float(np.trapezoid(power, time) / (time[-1] - time[0]))
-
-
-def _take_off(plant: Plant) -> FloatArray:
-    """Damping of the power take-off in the free coordinates."""
-    pto = plant.forces["pto"]
-    assert isinstance(pto, Damper)
-    return np.asarray(plant.motions.T @ pto.damping @ plant.motions)
 
 
 def chosen(scenes: Scenes, tolerance: float) -> Choice:

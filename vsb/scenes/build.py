@@ -10,9 +10,12 @@ from vsb.hydro import database
 from vsb.hydro.dofs import flexible
 from vsb.hydro.kernel import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel
+from vsb.motion.builders import assumed_pressure_plant, body_exact_plant, linear_plant
+from vsb.motion.forces import AssumedPressure
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
-from vsb.motion.scene import AssumedPressure, Plant, assumed_pressure_plant, body_exact_plant, linear_plant
+from vsb.motion.scene import Plant
+from vsb.motion.system import System
 from vsb.scenes import automatic
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import ModeBasis, design_motions, mode_basis, rigid_basis, study_basis
@@ -30,6 +33,11 @@ class Scene(NamedTuple):
     sea: Sea
     spectrum: DampingSpectrum | None  # of the radiation damping, where there is one
     notes: dict[str, Any]  # what the run records of its model
+
+    @property
+    def system(self) -> System:
+        """The scene as integrators see it."""
+        return System.of(self.plant)
 
 
 def linear_buoy(study: Study, database_path: str) -> tuple[LinearBuoy, ModeBasis]:

@@ -10,7 +10,7 @@ from vsb.integrators import trajectory
 from vsb.integrators.exact import propagate
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.motion.clamps import constraint_drift
-from vsb.motion.scene import Plant
+from vsb.motion.system import System
 from vsb.scenes.build import SCENES
 from vsb.shell.deformed import DeformedShell, enclosed
 from vsb.stages.stage import partial_study
@@ -26,11 +26,12 @@ def simulate(spec: Spec, paths: dict[str, Any], out: str) -> None:
     study = partial_study(spec)
     (design,), (wave,) = study.designs, study.waves
     plant, shape, waves, spectrum, notes = SCENES[study.hydro.model](study, paths)
+    system = System.of(plant)
     clamps = shape.basis.clamp_rows(np.deg2rad(study.designs[design].clamp))
     records: list[xr.Dataset] = []
     taken: list[tuple[int, float, int, float]] = []
-    for leg in trajectory.legs(plant, waves, study.simulation, spectrum):
-        record = trajectory.recorded(plant, leg, waves if study.needs_bem else None, study.simulation.window)
+    for leg in trajectory.legs(system, waves, study.simulation, spectrum):
+        record = trajectory.recorded(system, leg, waves if study.needs_bem else None, study.simulation.window)
         records.append(with_enclosed(record, shape).isel(time=slice(1 if records else 0, None)))
         drift = constraint_drift(leg.motion.position @ plant.motions.T, clamps)
         taken.append((len(leg.motion.time) - 1, leg.motion.seconds, leg.steps, drift))
@@ -39,9 +40,9 @@ def simulate(spec: Spec, paths: dict[str, Any], out: str) -> None:
     attrs |= {"method": trajectory.in_words(leg.method, sum(steps)), "instants": 1 + sum(intervals)}
     attrs |= {"seconds": sum(seconds), **notes}
     if isinstance(wave, RegularWave):
-        attrs |= _steady(plant)
+        attrs |= _steady(system)
     if study.designs[design].clamp:
-        attrs["constraint_drift"] = max(*drifts, _linear_drift(study, plant, clamps))
+        attrs["constraint_drift"] = max(*drifts, _linear_drift(study, system, clamps))
     save(xr.concat(records, "time").assign_attrs(attrs), out)
 
 
@@ -53,19 +54,19 @@ def with_enclosed(run: xr.Dataset, shape: DeformedShell) -> xr.Dataset:
     return run.assign(volume=("time", volume), area=("time", area))
 
 
-def _steady(plant: Plant) -> dict[str, float | str]:
+def _steady(system: System) -> dict[str, float | str]:
     """Mean power of the steady state and what a period leaves of a transient; or why there is none."""
     try:
-        found = harmonic_balance(plant, 1e-6)
+        found = harmonic_balance(system, 1e-6)
     except (ConvergenceError, StabilityError) as error:
         return {"no_steady_state": str(error)}
     return {"steady_power": found.power.pto, "steady_decay": found.decay}
 
 
-def _linear_drift(study: Study, plant: Plant, clamps: FloatArray) -> float:
+def _linear_drift(study: Study, system: System, clamps: FloatArray) -> float:
     """Largest slip at the clamps [m] over 10 000 wave periods; motion that is not linear is followed once only."""
-    if plant.water or isinstance(study.waves[0], StillWater):
+    if not system.linear or isinstance(study.waves[0], StillWater):
         return 0.0
     time = np.linspace(0.0, 1e4 * 2 * np.pi / study.waves[0].omega, 20_001)
-    start = plant.start(study.simulation.initial_position, study.simulation.initial_velocity)
-    return constraint_drift(propagate(plant, time, start).position @ plant.motions.T, clamps)
+    start = system.scene.start(study.simulation.initial_position, study.simulation.initial_velocity)
+    return constraint_drift(propagate(system, time, start).position @ system.scene.motions.T, clamps)

@@ -1,0 +1,113 @@
+"""What every force says of itself agrees: value, tangent, stored energy, loss."""
+
+import numpy as np
+import pytest
+
+from vsb.hydro.statespace import RadiationModel
+from vsb.motion.forces import (
+    AssumedPressure,
+    ConstantForce,
+    Damper,
+    Excitation,
+    Linear,
+    RadiationMemory,
+    Spring,
+    WaterPressure,
+)
+from vsb.motion.froude_krylov import incident
+from vsb.motion.wetted import WetShell
+from vsb.shell.deformed import DeformedShell
+from vsb.shell.modes import mode_basis
+from vsb.waves.seas import Sea
+
+DOF, RNG = 5, np.random.default_rng(3)
+ROOT = RNG.normal(size=(DOF, DOF))
+TIME = np.linspace(0.0, 2.0, 9)
+SWELL = Sea(np.array([2.0, 3.0]), np.array([0.2 + 0.1j, 0.1 - 0.05j]))
+
+
+@pytest.fixture(scope="module")
+def water(seed):
+    """The seed's shell in still water, under an assumed pressure and in waves."""
+    basis = mode_basis(seed.device, "membrane", 3)
+    shell = WetShell(basis, seed.centre_height)
+    tangent = DeformedShell(basis, seed.centre_height).hydrostatic_stiffness(1025.0, 9.81)
+    parts = {
+        "still": {},
+        "assumed": {"assumed": AssumedPressure(500.0, 2.5)},
+        "waves": {"waves": incident(SWELL, np.inf, 9.81, 2.0)},
+    }
+    return {name: WaterPressure(shell, np.zeros(DOF), 1025.0 * 9.81, tangent, **part) for name, part in parts.items()}
+
+
+@pytest.fixture(params=["spring", "damper", "excitation", "constant", "still", "assumed", "waves"])
+def force(request, water):
+    plain = {
+        "spring": Spring(ROOT @ ROOT.T),
+        "damper": Damper(ROOT @ ROOT.T),
+        "excitation": Excitation(SWELL.omega, RNG.normal(size=(2, DOF)) + 0j),
+        "constant": ConstantForce(ROOT[0]),
+    }
+    return (plain | water)[request.param]
+
+
+def motion():
+    rng = np.random.default_rng(5)
+    return 0.02 * rng.normal(size=(len(TIME), DOF)), rng.normal(size=(len(TIME), DOF))
+
+
+def test_the_named_parts_add_up_to_the_force(force):
+    q, v = motion()
+    whole = force.force(TIME, q, v)
+    assert sum(force.named("it", TIME, q, v).values()) == pytest.approx(whole, abs=1e-12 * np.abs(whole).max())
+
+
+def test_without_waves_the_force_is_minus_the_gradient_of_what_it_stores_and_what_it_takes(force):
+    """f.w = -dU(q + s w)/ds - lost/2 derivative, for any direction w."""
+    calm = force.raised(0.0)
+    q, v = motion()
+    way, h = np.random.default_rng(7).normal(size=DOF), 1e-6
+    falls = -(calm.stored(q + h * way) - calm.stored(q - h * way)) / (2 * h)
+    takes = -(calm.lost(v + h * way) - calm.lost(v - h * way)) / (4 * h)
+    pushed = calm.force(TIME, q, v) @ way
+    assert falls + takes == pytest.approx(pushed, abs=1e-7 * (1.0 + np.abs(pushed).max()))
+
+
+def test_the_linear_part_is_the_tangent_at_rest(force):
+    """-K and -D by central differences about the reference shape in still water."""
+    part, calm, h = force.linear(), force.raised(0.0), 1e-6
+    zero = np.zeros((1, DOF))
+    for matrix, direction in ((part.stiffness, 0), (part.damping, 1)):
+        moved = [[zero, zero], [zero, zero]]
+        slope = np.zeros((DOF, DOF))
+        for j in range(DOF):
+            moved[0][direction], moved[1][direction] = h * np.eye(DOF)[j : j + 1], -h * np.eye(DOF)[j : j + 1]
+            ahead, behind = (calm.force(TIME[:1], *state) for state in moved)
+            slope[:, j] = -(ahead - behind)[0] / (2 * h)
+        expected = np.zeros((DOF, DOF)) if matrix is None else matrix
+        assert slope == pytest.approx(expected, abs=2e-6 * (1.0 + np.abs(expected).max()))
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5])
+def test_a_share_of_the_waves_is_a_share_of_what_they_add(force, share):
+    """Exactly of linear waves and an assumed pressure; of waves on the wet shell but for their height squared."""
+    q, v = motion()
+    calm, part, whole = (force.raised(s).force(TIME, q, v) for s in (0.0, share, 1.0))
+    exact = force.frequencies().size == 0 or getattr(force, "waves", None) is None or share == 0.0
+    tolerance = 1e-12 * np.abs(whole).max() if exact else 0.3 * np.abs(whole - calm).max()
+    assert part - calm == pytest.approx(share * (whole - calm), abs=tolerance)
+
+
+def test_frequencies_are_those_of_what_drives(water):
+    assert Excitation(SWELL.omega, np.zeros((2, DOF), dtype=complex)).frequencies() == pytest.approx(SWELL.omega)
+    found = {name: force.frequencies().tolist() for name, force in water.items()}
+    assert found == {"still": [], "assumed": [2.5], "waves": [2.0, 3.0]}
+    assert water["assumed"].raised(0.0).frequencies().size == 0
+
+
+def test_memory_pushes_through_its_states_alone():
+    channel = np.array([1.0, 0.5])
+    turning = np.array([[0.0, 1.0], [-1.0, 0.0]])
+    model = RadiationModel(turning - np.outer(channel, channel) / 2, np.ones((2, DOF)), channel)
+    assert RadiationMemory(model).linear() == Linear(memory=model)
+    assert not RadiationMemory(model).force(TIME, *motion()).any()

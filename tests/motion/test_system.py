@@ -1,0 +1,172 @@
+"""The door to integrators: z' = A z + B (n + waves) is M q'' = sum of forces, forwards and back."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import SEED, varied
+
+from vsb.hydro.statespace import RadiationModel
+from vsb.integrators.convolution import convolve
+from vsb.integrators.exact import propagate
+from vsb.integrators.exponential import ExponentialIntegrator
+from vsb.motion.clamps import constrained
+from vsb.motion.forces import ConstantForce, Damper, Excitation, RadiationMemory, Spring
+from vsb.motion.froude_krylov import incident
+from vsb.motion.scene import Plant
+from vsb.motion.system import System, remainder
+from vsb.scenes.build import assumed_pressure_scene
+from vsb.study.study import load
+from vsb.waves.seas import Sea
+
+OMEGA = np.array([1.3, 2.1])
+
+
+@pytest.fixture(scope="module")
+def wet():
+    """The paper's free shell under its assumed pressure."""
+    study = varied(load(SEED.parent / "paper.yaml"), published=None)
+    one = varied(study, designs={"VSWEC": study.designs["VSWEC"].model_dump()})
+    return assumed_pressure_scene(one, {}).plant
+
+
+@pytest.fixture(scope="module")
+def linear():
+    """Three coupled masses with springs, two dampers, waves and a memory of two states."""
+    rng = np.random.default_rng(11)
+    roots = rng.normal(size=(4, 3, 3))
+    mass, stiffness, pto, structural = (root @ root.T + np.eye(3) for root in roots)
+    channel, turning = np.array([1.0, 0.5]), np.array([[0.0, 1.0], [-1.0, 0.0]])
+    memory = RadiationModel(turning - np.outer(channel, channel) / 2, rng.normal(size=(2, 3)), channel)
+    forces = {
+        "hydrostatic": Spring(5 * stiffness),
+        "pto": Damper(0.3 * pto),
+        "structural_damping": Damper(0.1 * structural),
+        "excitation": Excitation(OMEGA, rng.normal(size=(2, 3)) + 1j * rng.normal(size=(2, 3))),
+        "radiation": RadiationMemory(memory),
+    }
+    return Plant(("Heave", "Radial2", "Radial3"), mass, forces, np.eye(3)[:, :2] + 0.1)
+
+
+@pytest.fixture
+def plants(linear, wet):
+    return {"linear": linear, "wet": wet}
+
+
+def moving(system, count=4):
+    """Times and random states of the size of a motion."""
+    time, rng = np.linspace(0.3, 1.7, count), np.random.default_rng(2)
+    positions = np.linalg.solve(system.position, 0.02 * rng.normal(size=(system.free, count))).T
+    return time, np.hstack([positions, rng.normal(size=(count, len(system.matrix) - system.free))])
+
+
+@pytest.mark.parametrize("name", ["linear", "wet"])
+def test_the_system_is_the_equation_of_motion(plants, name):
+    """N^T M N y'' = N^T of the named forces, and back to the same states."""
+    plant = plants[name]
+    system = System.of(plant)
+    time, z = moving(system)
+    motion = system.motion(time, z, system.added(time, z) + system.push(time), 0.0)
+    total = sum(system.forces(motion).values()) @ plant.motions
+    inertia = motion.acceleration @ (plant.motions.T @ plant.mass @ plant.motions)
+    assert inertia == pytest.approx(total, abs=1e-11 * np.abs(total).max())
+    assert system.states(motion) == pytest.approx(z, abs=1e-12 * np.abs(z).max())
+    assert system.first((motion.position[1], motion.velocity[1], motion.memory[1])) == pytest.approx(
+        z[1], abs=1e-12 * np.abs(z).max()
+    )
+
+
+@pytest.mark.parametrize("name", ["linear", "wet"])
+def test_what_drives_the_flow_is_what_the_integrators_add(plants, name):
+    system = System.of(plants[name])
+    time, z = moving(system)
+    added = system.added(time, z) + system.push(time)
+    motion = system.motion(time, z, added, 0.0)
+    assert system.driving(motion, system.forces(motion)) == pytest.approx(added, abs=1e-11 * np.abs(added).max())
+
+
+def test_without_memory_states_radiation_is_what_the_other_forces_leave(linear):
+    system = System.of(linear)
+    time, z = moving(system)
+    motion = system.motion(time, z, system.push(time), 0.0)
+    bare = replace(motion, memory=np.zeros((len(time), 0)))
+    known, found = (system.forces(m)["radiation"] @ linear.motions for m in (motion, bare))
+    assert found == pytest.approx(known, abs=1e-11 * np.abs(known).max())
+    expected = known @ system.modes + system.push(time)
+    assert system.driving(bare, system.forces(bare)) == pytest.approx(expected, abs=1e-11 * np.abs(expected).max())
+
+
+def test_the_compiled_remainder_is_the_forces_own(wet):
+    system = System.of(wet)
+    time, z = moving(system)
+    found = np.empty((len(time), system.free))
+    for i, t in enumerate(time):
+        remainder(system.remainder, t, z[i, : system.free].copy(), found[i])
+    expected = system.added(time, z)
+    assert np.abs(expected).max() > 1.0
+    assert found == pytest.approx(expected, abs=1e-12 * np.abs(system.shapes.T @ wet.constant).max())
+
+
+def test_losses_and_energies_are_those_of_the_matrices(linear):
+    system = System.of(linear)
+    time, z = moving(system)
+    motion = system.motion(time, z, system.push(time), 0.0)
+    q, v = motion.position @ linear.motions.T, motion.velocity @ linear.motions.T
+    pto, structural = (linear.forces[name].damping for name in ("pto", "structural_damping"))
+    p = np.linalg.solve(system.modes, motion.velocity.T).T
+    for found, form, damping in zip(linear.lost(v), system.dampers(), (pto, structural), strict=True):
+        assert found == pytest.approx(np.einsum("ti,ij,tj->t", v, damping, v))
+        assert found == pytest.approx(np.einsum("ti,ij,tj->t", p, form, p))
+    stored, kinetic = system.energy(motion)
+    assert kinetic == pytest.approx(0.5 * np.sum(p**2, axis=1))
+    springs = 0.5 * np.einsum("ti,ij,tj->t", q, linear.forces["hydrostatic"].stiffness, q)
+    assert stored - kinetic - springs == pytest.approx(0.5 * np.sum(motion.memory**2, axis=1))
+
+
+def test_a_scene_names_its_take_off(linear):
+    v = np.random.default_rng(1).normal(size=(3, 3))
+    pto, structural = linear.lost(v)
+    other = replace(linear, take_off="structural_damping")
+    assert other.lost(v)[0] == pytest.approx(structural)
+    assert other.lost(v)[1] == pytest.approx(pto)
+    assert [d.tolist() for d in System.of(other).dampers()] == [d.tolist() for d in System.of(linear).dampers()[::-1]]
+    assert not replace(linear, take_off="none").lost(v)[0].any()
+
+
+def test_a_share_of_the_waves(linear, wet):
+    half = System.of(linear).raised(0.5)
+    assert half.waves == pytest.approx(0.5 * System.of(linear).waves)
+    assert half.push(np.zeros(1)) @ half.modes.T @ (linear.motions.T @ linear.mass @ linear.motions) == pytest.approx(
+        half.scene.forces["excitation"].force(np.zeros(1), np.zeros((1, 3)), np.zeros((1, 3))) @ linear.motions
+    )
+    assert System.of(wet).raised(0.25).remainder.amplitude == 0.25 * System.of(wet).remainder.amplitude
+    assert System.of(linear).frequencies.tolist() == OMEGA.tolist()
+
+
+def test_only_whole_linear_parts_make_a_linear_system(linear, wet):
+    assert System.of(linear).linear
+    assert not System.of(wet).linear
+    assert not System.of(replace(linear, forces={**linear.forces, "weight": ConstantForce(np.ones(3))})).linear
+
+
+def test_methods_of_linear_systems_refuse_others(wet):
+    system, time = System.of(wet), np.linspace(0.0, 1.0, 5)
+    start = wet.start(0.0, 0.0)
+    with pytest.raises(ValueError, match=r"exact propagation: received nonlinear forces, needs a linear scene; use"):
+        propagate(system, time, start)
+    with pytest.raises(ValueError, match=r"convolution: received nonlinear forces, needs a linear scene; use"):
+        convolve(system, None, time, start)
+    with pytest.raises(ValueError, match=r"Eq. 90: received the nonlinear forces water, weight, needs a linear scene"):
+        constrained(wet, wet.water.shell.basis.clamp_rows([0.0]))
+
+
+def test_linear_waves_unlike_those_on_the_shell_are_refused(wet):
+    """The compiled loop turns one set of phasors."""
+    dof = len(wet.labels)
+    other = Excitation(OMEGA, np.ones((2, dof), dtype=complex))
+    lone = replace(wet, forces={**wet.forces, "diffraction": other})
+    with pytest.raises(ValueError, match="received linear waves unlike those on the wet shell, needs one sea"):
+        _ = ExponentialIntegrator(System.of(lone), 0.1).remainder
+    sea = incident(Sea(OMEGA, np.ones(2, dtype=complex)), np.inf, 9.81, 2.0)
+    same = replace(lone, forces={**lone.forces, "water": replace(wet.water, assumed=None, waves=sea)})
+    assert ExponentialIntegrator(System.of(same), 0.1).remainder.diffraction.shape == (2, wet.motions.shape[1])

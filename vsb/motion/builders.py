@@ -1,0 +1,138 @@
+"""Scenes of one design in one sea: linear, body-exact, and the paper's under an assumed pressure."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from vsb.hydro.statespace import RadiationModel
+from vsb.motion.forces import (
+    AssumedPressure,
+    ConstantForce,
+    Damper,
+    Excitation,
+    Force,
+    RadiationMemory,
+    Spring,
+    WaterPressure,
+)
+from vsb.motion.frequency import LinearBuoy
+from vsb.motion.froude_krylov import incident
+from vsb.motion.pto import LinearPto
+from vsb.motion.scene import Plant, resting
+from vsb.motion.wetted import WetShell
+from vsb.shell.deformed import DeformedShell
+from vsb.shell.modes import ModeBasis
+from vsb.tools.units import FloatArray
+from vsb.waves.seas import NO_WAVES, Sea
+
+
+def linear_plant(buoy: LinearBuoy, radiation: RadiationModel, sea: Sea, motions: FloatArray) -> Plant:
+    """Return the linear hydroelastic scene of one design in one sea, with the forces it has and no others."""
+    database = buoy.database
+    forces: dict[str, Force] = {
+        "hydrostatic": Spring(buoy.stiffness_parts["hydrostatic"]),
+        "radiation": RadiationMemory(radiation),
+    }
+    if buoy.pto.damping:
+        forces["pto"] = Damper(buoy.pto.matrix(len(buoy.mass)))
+    if motions.shape[1] > 1:
+        forces |= _shell_springs(buoy)
+    if sea.omega.size:
+        excitation = buoy.coefficients(sea.omega).excitation
+        forces["excitation"] = Excitation(sea.omega, sea.amplitude[:, None] * excitation)
+    labels = tuple(str(label) for label in database.influenced_dof.values)
+    return Plant(labels, buoy.mass + buoy.added_mass_inf, forces, motions)
+
+
+def _shell_springs(buoy: LinearBuoy) -> dict[str, Force]:
+    """Elastic, prestress and gas forces of a flexible design, and its structural damping."""
+    parts = {"elastic": "structural", "prestress": "prestress", "gas": "gas"}
+    springs: dict[str, Force] = {
+        force: Spring(buoy.stiffness_parts[name]) for force, name in parts.items() if name in buoy.stiffness_parts
+    }
+    if buoy.structural_damping.any():
+        springs["structural_damping"] = Damper(buoy.structural_damping)
+    return springs
+
+
+def body_exact_plant(
+    buoy: LinearBuoy, shape: DeformedShell, radiation: RadiationModel, sea: Sea, motions: FloatArray
+) -> Plant:
+    """Return the scene with hydrostatics and Froude-Krylov forces on the instantaneous wet shell of one design.
+
+    Radiation and diffraction stay linear about the reference shape.
+
+    Parameters
+    ----------
+    buoy : LinearBuoy
+    shape : DeformedShell
+        The reference shape of its database.
+    radiation : RadiationModel
+    sea : Sea
+    motions : ndarray, shape (dof, free)
+
+    Notes
+    -----
+    The shell is elastic about its reference shape. A prestressed one carries its mean load there (`preload`); the
+    vented sphere does not, and rests deformed: the motion starts from that rest.
+    """
+    basis, attrs = shape.basis, buoy.database.attrs
+    gravity, depth = float(attrs["gravity"]), float(attrs["water_depth"])
+    specific_weight = float(attrs["water_density"]) * gravity
+    linear = linear_plant(buoy, radiation, NO_WAVES, motions)
+    forces = {name: force for name, force in linear.forces.items() if name != "hydrostatic"}
+    waves = incident(sea, depth, gravity, basis.shell.radius) if sea.omega.size else None
+    wet = WetShell(basis, shape.centre_height)
+    water = WaterPressure(wet, shape.amplitudes, specific_weight, buoy.stiffness_parts["hydrostatic"], waves=waves)
+    weight = ConstantForce(-gravity * basis.inertia[0])
+    forces |= {"water": water, "weight": weight}
+    if "prestress" in forces:
+        at_rest = specific_weight * wet.forces(shape.amplitudes[None])[0][0]
+        forces["preload"] = ConstantForce(-at_rest - weight.value)
+    if sea.omega.size:
+        forces["diffraction"] = Excitation(sea.omega, sea.amplitude[:, None] * buoy.diffraction(sea.omega))
+    plant = Plant(linear.labels, linear.mass, forces, motions)
+    return replace(plant, origin=resting(plant))
+
+
+def assumed_pressure_plant(
+    shell: DeformedShell, pto: LinearPto, load: AssumedPressure, density: float, gravity: float, motions: FloatArray
+) -> Plant:
+    """Return the paper's scene of one design: static and assumed pressure on the instantaneous wet shell, no radiation.
+
+    Parameters
+    ----------
+    shell : DeformedShell
+        The shell about which stiff forces are linearised; undeformed.
+    pto : LinearPto
+    load : AssumedPressure
+    density, gravity : float
+        Of the water [kg/m^3], [m/s^2].
+    motions : ndarray, shape (dof, free)
+
+    Raises
+    ------
+    ConvergenceError
+        If the shell gives way under its static load. The motion itself starts undeformed, as the paper's.
+    """
+    basis = shell.basis
+    tangent = shell.hydrostatic_stiffness(density, gravity)
+    wet = WetShell(basis, shell.centre_height)
+    forces: dict[str, Force] = {
+        "water": WaterPressure(wet, np.zeros(len(basis.labels)), density * gravity, tangent, assumed=load),
+        "weight": ConstantForce(-gravity * basis.inertia[0]),
+    }
+    if pto.damping:
+        forces["pto"] = Damper(pto.matrix(len(basis.labels)))
+    forces |= _shell_forces(basis, motions)
+    plant = Plant(basis.labels, basis.inertia, forces, motions)
+    resting(plant)  # a shell that cannot carry its load collapses: no buoy, however well integrated
+    return plant
+
+
+def _shell_forces(basis: ModeBasis, motions: FloatArray) -> dict[str, Force]:
+    """Elastic force and structural damping of a flexible design; a rigid one has none."""
+    if motions.shape[1] < 2:
+        return {}
+    damping: dict[str, Force] = {"structural_damping": Damper(basis.damping)} if basis.damping.any() else {}
+    return {"elastic": Spring(basis.stiffness), **damping}

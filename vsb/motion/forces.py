@@ -1,0 +1,225 @@
+"""Forces of a scene: what of each is linear, its value along a motion, the energy it stores and takes.
+
+Knows no other force and no integrator. A force that is all linear says so by `linear` alone.
+"""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from vsb.hydro.statespace import RadiationModel
+from vsb.motion.froude_krylov import Incident, wave_forces
+from vsb.motion.wetted import WetShell
+from vsb.tools.units import ComplexArray, FloatArray
+from vsb.waves.superposition import superposed
+
+EXCITING = ("excitation", "froude_krylov", "diffraction")
+"""Names of what waves, or a pressure in their place, do to a buoy."""
+
+
+class Linear(NamedTuple):
+    """Linear part of a force: -K q - D v - G^T x with x' = A x + G v, and waves; a part it has not is none."""
+
+    stiffness: FloatArray | None = None  # K (dof, dof) [N/m]
+    damping: FloatArray | None = None  # D (dof, dof) [kg/s]
+    memory: RadiationModel | None = None  # A and G
+    waves: "Excitation | None" = None
+    whole: bool = True  # it is all of the force
+
+
+class Force(ABC):
+    """One force of a scene over all degrees of freedom, heave first."""
+
+    @abstractmethod
+    def linear(self) -> Linear:
+        """Return its linear part."""
+
+    def force(self, time: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Return the force along a motion, but for that of memory states.
+
+        Parameters
+        ----------
+        time : ndarray, shape (time,) [s]
+            Equally spaced.
+        q, v : ndarray, shape (time, dof) [m], [m/s]
+
+        Returns
+        -------
+        ndarray, shape (time, dof) [N]
+        """
+        part, out = self.linear(), np.zeros(q.shape)
+        if part.stiffness is not None:
+            out -= q @ part.stiffness.T
+        if part.damping is not None:
+            out -= v @ part.damping.T
+        return out
+
+    def named(self, name: str, time: FloatArray, q: FloatArray, v: FloatArray) -> dict[str, FloatArray]:
+        """Return the force as a run records it, under its own name or in parts with theirs; see `force`."""
+        return {name: self.force(time, q, v)}
+
+    def stored(self, q: FloatArray) -> FloatArray:
+        """Return its potential energy, shape (time,) [J]."""
+        k = self.linear().stiffness
+        return np.zeros(len(q)) if k is None else 0.5 * np.einsum("ti,ti->t", q @ k, q)
+
+    def lost(self, v: FloatArray) -> FloatArray:
+        """Return the power it takes, shape (time,) [W]."""
+        d = self.linear().damping
+        return np.zeros(len(v)) if d is None else np.einsum("ti,ti->t", v @ d, v)
+
+    def frequencies(self) -> FloatArray:
+        """Return the frequencies of what drives it, shape (component,) [rad/s]."""
+        return np.zeros(0)
+
+    def raised(self, share: float) -> Self:
+        """Return the force in a share of its waves."""
+        return self
+
+
+@dataclass(frozen=True)
+class Spring(Force):
+    """f = -K q."""
+
+    stiffness: FloatArray  # (dof, dof) [N/m]
+
+    def linear(self) -> Linear:
+        """All of it."""
+        return Linear(stiffness=self.stiffness)
+
+
+@dataclass(frozen=True)
+class Damper(Force):
+    """f = -D v."""
+
+    damping: FloatArray  # (dof, dof) [kg/s]
+
+    def linear(self) -> Linear:
+        """All of it."""
+        return Linear(damping=self.damping)
+
+
+@dataclass(frozen=True)
+class RadiationMemory(Force):
+    """f = -G^T x with memory states x' = A x + G v."""
+
+    model: RadiationModel
+
+    def linear(self) -> Linear:
+        """All of it."""
+        return Linear(memory=self.model)
+
+
+@dataclass(frozen=True)
+class Excitation(Force):
+    """f = Re sum F_j exp(-i omega_j t) (C1)."""
+
+    omega: FloatArray  # (component,) [rad/s]
+    phasors: ComplexArray  # F (component, dof) [N]
+
+    def linear(self) -> Linear:
+        """All of it."""
+        return Linear(waves=self)
+
+    def force(self, time: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Return the sum of its components."""
+        return superposed(self.omega, self.phasors, time)
+
+    def frequencies(self) -> FloatArray:
+        """Return those of its components."""
+        return self.omega
+
+    def raised(self, share: float) -> Self:
+        """Return it in a share of its waves."""
+        return replace(self, phasors=share * self.phasors)
+
+
+@dataclass(frozen=True)
+class ConstantForce(Force):
+    """A constant force."""
+
+    value: FloatArray  # (dof,) [N]
+
+    def linear(self) -> Linear:
+        """Nothing."""
+        return Linear(whole=False)
+
+    def force(self, time: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Return it at every instant."""
+        return np.broadcast_to(self.value, q.shape)
+
+    def stored(self, q: FloatArray) -> FloatArray:
+        """Return what it has yet to do, -f.q."""
+        return -q @ self.value
+
+
+@dataclass(frozen=True)
+class AssumedPressure:
+    """A uniform pressure P cos(omega t) on the wet shell, the paper's stand-in for waves."""
+
+    amplitude: float  # P [Pa]
+    omega: float  # [rad/s]
+
+    def at(self, time: FloatArray) -> FloatArray:
+        """Return the pressure, shape (time,) [Pa]."""
+        return np.asarray(self.amplitude * np.cos(self.omega * time))
+
+
+@dataclass(frozen=True)
+class WaterPressure(Force):
+    """f_j = -int p n.psi_j dS on the instantaneous wet part of the deformed shell.
+
+    The pressure is that of still water with an assumed P cos(omega t), or with waves (`vsb.motion.froude_krylov`).
+    """
+
+    shell: WetShell
+    rest: FloatArray  # amplitudes of the reference shape, about which q is measured (dof,) [m]
+    specific_weight: float  # rho g [N/m^3]
+    tangent: FloatArray  # -df/dq of the static part about the reference shape, (dof, dof) [N/m]
+    assumed: AssumedPressure | None = None
+    waves: Incident | None = None
+
+    def linear(self) -> Linear:
+        """Its tangent about the reference shape."""
+        return Linear(stiffness=self.tangent, whole=False)
+
+    def force(self, time: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Return the force on the wet shell."""
+        if self.waves:
+            total = wave_forces(self.shell.shape, self.rest + q, self.waves, time)
+            return np.asarray(self.specific_weight * total)
+        static, uniform, _ = self.shell.forces(self.rest + q)
+        pressure = self.assumed.at(time)[:, None] if self.assumed else 0.0
+        return np.asarray(self.specific_weight * static + pressure * uniform)
+
+    def named(self, name: str, time: FloatArray, q: FloatArray, v: FloatArray) -> dict[str, FloatArray]:
+        """Return the force in still water, and what an assumed pressure or waves add."""
+        static, uniform, _ = self.shell.forces(self.rest + q)
+        out = {"hydrostatic": self.specific_weight * static}
+        if self.assumed and self.assumed.amplitude:
+            out["excitation"] = self.assumed.at(time)[:, None] * uniform
+        if self.waves:
+            total = wave_forces(self.shell.shape, self.rest + q, self.waves, time)
+            out["froude_krylov"] = self.specific_weight * (total - static)
+        return out
+
+    def stored(self, q: FloatArray) -> FloatArray:
+        """Return the potential energy of the water displaced."""
+        moment = self.shell.forces(self.rest + q)[2]
+        return -self.specific_weight * moment
+
+    def frequencies(self) -> FloatArray:
+        """Return those of the waves, or of the assumed pressure."""
+        if self.waves:
+            return self.waves.omega
+        return np.array([self.assumed.omega] if self.assumed and self.assumed.amplitude else [])
+
+    def raised(self, share: float) -> Self:
+        """Return it in a share of its waves or assumed pressure."""
+        if self.waves:
+            return replace(self, waves=self.waves._replace(amplitude=share * self.waves.amplitude))
+        if self.assumed:
+            return replace(self, assumed=replace(self.assumed, amplitude=share * self.assumed.amplitude))
+        return self

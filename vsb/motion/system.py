@@ -1,0 +1,284 @@
+"""The door to every integrator: a scene as one equation in its natural modes, and back.
+
+    z' = A z + B (n(t, z) + Re sum w_j exp(-i omega_j t)),    z = (S p, p', x),
+
+p the natural modes, y = V p, S their frequencies, x the states of the radiation memory. A holds springs, dampers and
+memory, tangents of nonlinear forces among the springs; n is what these forces do beyond; w are the linear waves. Every
+entry of A is of the size of a frequency, so a shell of 1e15 Pa costs no digits of the slow motion.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple, Self
+
+import numpy as np
+from scipy.linalg import eigh
+
+from vsb.motion.forces import EXCITING, AssumedPressure
+from vsb.motion.froude_krylov import Incident, incident, rotated, wave_force
+from vsb.motion.motion import Motion
+from vsb.motion.scene import Plant
+from vsb.motion.wetted import Shape, wet_force
+from vsb.tools.compiled import njit
+from vsb.tools.units import ComplexArray, FloatArray
+from vsb.waves.seas import NO_WAVES
+from vsb.waves.superposition import superposed
+
+__all__ = ["EXCITING", "Remainder", "System", "remainder"]
+
+
+class Remainder(NamedTuple):
+    """What the compiled loops need for n(t, z) = R^T (f_water + constant + C q) + diffraction, q = L z."""
+
+    shape: Shape
+    rest: FloatArray  # (dof,)
+    position: FloatArray  # L (dof, free)
+    project: FloatArray  # R^T (free, dof)
+    constant: FloatArray  # R^T constant (free,)
+    tangent: FloatArray  # R^T C L (free, free)
+    specific_weight: float
+    amplitude: float  # of the assumed pressure
+    omega: float
+    waves: Incident  # none: no components
+    diffraction: ComplexArray  # modal phasors of its components (component, free), or none
+    round_off: float  # of n
+    begin: float  # of the run [s]
+
+
+@njit(cache=True)
+def remainder(r: Remainder, t: float, p: FloatArray, out: FloatArray) -> None:
+    """Fill n at time t since the begin and scaled modal positions p."""
+    q = r.rest.copy()
+    static, uniform = np.empty(len(q)), np.empty(len(q))
+    for i in range(len(q)):
+        for j in range(len(p)):
+            q[i] += r.position[i, j] * p[j]
+    rotation = rotated(r.waves, r.begin + t)
+    if len(rotation):
+        wave_force(r.shape, q, r.waves, rotation, static)
+        static *= r.specific_weight
+    else:
+        wet_force(r.shape, q, static, uniform)
+        pressure = r.amplitude * np.cos(r.omega * (r.begin + t))
+        for i in range(len(q)):
+            static[i] = r.specific_weight * static[i] + pressure * uniform[i]
+    out[:] = r.constant
+    for i in range(len(out)):
+        for j in range(len(p)):
+            out[i] += r.tangent[i, j] * p[j]
+        for j in range(len(q)):
+            out[i] += r.project[i, j] * static[j]
+    for j in range(len(r.diffraction)):
+        for i in range(len(out)):
+            out[i] += r.diffraction[j, i].real * rotation[j].real - r.diffraction[j, i].imag * rotation[j].imag
+
+
+@dataclass(frozen=True)
+class System:
+    """A scene in its natural modes."""
+
+    scene: Plant
+    matrix: FloatArray  # A (state, state) [1/s]
+    omega: FloatArray  # (component,) [rad/s]
+    waves: ComplexArray  # w (component, free)
+    scale: FloatArray  # diagonal of S (free,) [rad/s]
+    modes: FloatArray  # V (free, free)
+
+    @classmethod
+    def of(cls, scene: Plant) -> Self:
+        """Return a scene as a system."""
+        squares, modes = eigh(scene.stiffness, scene.motions.T @ scene.mass @ scene.motions)
+        scale = np.sqrt(np.maximum(np.abs(squares), 1.0))
+        n, order = len(scale), scene.memory.order if scene.memory else 0
+        a = np.zeros((2 * n + order, 2 * n + order))
+        a[:n, n : 2 * n] = np.diag(scale)
+        a[n : 2 * n, :n] = -np.diag(squares / scale)
+        a[n : 2 * n, n : 2 * n] = -modes.T @ scene.damping @ modes
+        if scene.memory:
+            g = scene.memory.input_matrix @ scene.motions @ modes
+            a[n : 2 * n, 2 * n :] = -g.T
+            a[2 * n :, n : 2 * n] = g
+            a[2 * n :, 2 * n :] = scene.memory.state_matrix
+        wave = scene.excitation
+        if wave is None:
+            return cls(scene, a, np.zeros(0), np.zeros((0, n), dtype=complex), scale, modes)
+        return cls(scene, a, wave.omega, wave.phasors @ scene.motions @ modes, scale, modes)
+
+    def raised(self, share: float) -> Self:
+        """Return the system in a share of its waves or assumed pressure."""
+        return replace(self, scene=self.scene.raised(share), waves=share * self.waves)
+
+    @property
+    def free(self) -> int:
+        """Number of modes."""
+        return len(self.scale)
+
+    @cached_property
+    def shapes(self) -> FloatArray:
+        """Natural modes in all degrees of freedom, q = shapes p, shape (dof, free)."""
+        return np.ascontiguousarray(self.scene.motions @ self.modes)
+
+    @property
+    def position(self) -> FloatArray:
+        """Y of the scaled modes, V S^-1: y = position @ z[:free], shape (free, free)."""
+        return self.modes / self.scale
+
+    @cached_property
+    def input(self) -> FloatArray:
+        """B: forces act on the rates of p', shape (state, free)."""
+        return np.eye(len(self.matrix), self.free, -self.free)
+
+    @property
+    def linear(self) -> bool:
+        """Whether n vanishes."""
+        return all(part.whole for part in self.scene.linear.values())
+
+    # forces ---------------------------------------------------------------------------------------------------------
+
+    def added(self, time: FloatArray, z: FloatArray) -> FloatArray:
+        """Return n along a motion, shape (time, free).
+
+        Parameters
+        ----------
+        time : ndarray, shape (time,) [s]
+        z : ndarray, shape (time, state)
+        """
+        q, v = z[:, : self.free] @ (self.shapes / self.scale).T, z[:, self.free : 2 * self.free] @ self.shapes.T
+        beyond = [self.scene.forces[name] for name, part in self.scene.linear.items() if not part.whole]
+        return sum((force.force(time, q, v) for force in beyond), self._tangential(q, v)) @ self.shapes
+
+    def push(self, time: FloatArray) -> FloatArray:
+        """Return the linear waves at equally spaced instants, shape (time, free)."""
+        return superposed(self.omega, self.waves, time)
+
+    @cached_property
+    def remainder(self) -> Remainder | None:
+        """Arguments of the compiled n, waves left out; none of a linear scene."""
+        scene, water = self.scene, self.scene.water
+        if water is None:
+            return None
+        assumed = water.assumed or AssumedPressure(0.0, 0.0)
+        position, project = scene.motions @ self.position, self.shapes.T
+        return Remainder(
+            water.shell.shape,
+            water.rest,
+            np.ascontiguousarray(position),
+            np.ascontiguousarray(project),
+            project @ scene.constant,
+            project @ water.tangent @ position,
+            water.specific_weight,
+            assumed.amplitude,
+            assumed.omega,
+            water.waves or incident(NO_WAVES, np.inf, 1.0, water.shell.shape.radius),
+            np.zeros((0, self.free), dtype=complex),
+            1e-14 * float(np.linalg.norm(project)) * water.specific_weight * water.shell.shape.radius**3,
+            0.0,
+        )
+
+    def forces(self, motion: Motion) -> dict[str, FloatArray]:
+        """Return the forces of the scene by name, each shape (time, dof) [N].
+
+        Radiation is that of the memory states, or what remains of the equation of motion, M q'' - sum of the other
+        forces, where the motion has none.
+        """
+        q, v = self._moved(motion)
+        out = self.scene.named(motion.time, q, v)
+        for name, part in self.scene.linear.items():
+            if part.memory and motion.memory.size:
+                out[name] = -motion.memory @ part.memory.input_matrix
+            elif part.memory:
+                inertia = motion.acceleration @ self.scene.motions.T @ self.scene.mass.T
+                out[name] = inertia - sum(out.values(), np.zeros_like(q))
+        return out
+
+    def driving(self, motion: Motion, named: dict[str, FloatArray]) -> FloatArray:
+        """Return what drives z' = A z + B g from the forces by name: n and waves, shape (time, free).
+
+        In a motion without memory states radiation drives, too.
+        """
+        held = {
+            name
+            for name, part in self.scene.linear.items()
+            if part.whole and part.waves is None and (part.memory is None or motion.memory.size)
+        }
+        q, v = self._moved(motion)
+        loose = sum((force for name, force in named.items() if name not in held), np.zeros_like(q))
+        return (loose + self._tangential(q, v)) @ self.shapes
+
+    def _moved(self, motion: Motion) -> tuple[FloatArray, FloatArray]:
+        """Q and v of a motion, each shape (time, dof)."""
+        return motion.position @ self.scene.motions.T, motion.velocity @ self.scene.motions.T
+
+    def _tangential(self, q: FloatArray, v: FloatArray) -> FloatArray:
+        """What A holds of the nonlinear forces, with the sign of n, shape (time, dof) [N]."""
+        out = np.zeros(q.shape)
+        for part in self.scene.linear.values():
+            if not part.whole and part.stiffness is not None:
+                out += q @ part.stiffness.T
+            if not part.whole and part.damping is not None:
+                out += v @ part.damping.T
+        return out
+
+    # states and motions ---------------------------------------------------------------------------------------------
+
+    def first(self, start: tuple[FloatArray, ...]) -> FloatArray:
+        """Return z of initial y and y', each shape (free,), and memory states x, if the water is not at rest."""
+        y, rate, *memory = start
+        rest = memory or [np.zeros(len(self.matrix) - 2 * len(y))]
+        return np.concatenate([np.linalg.solve(self.position, y), np.linalg.solve(self.modes, rate), *rest])
+
+    def states(self, motion: Motion) -> FloatArray:
+        """Return z of a motion, without memory states if it has none, shape (time, state)."""
+        positions = np.linalg.solve(self.position, motion.position.T).T
+        return np.hstack([positions, np.linalg.solve(self.modes, motion.velocity.T).T, motion.memory])
+
+    def motion(self, time: FloatArray, states: FloatArray, pushed: FloatArray, seconds: float) -> Motion:
+        """Return the motion of states z under n and waves `pushed`, shape (time, free)."""
+        n = self.free
+        rates = states @ self.matrix[n : 2 * n].T + pushed
+        return Motion(
+            time,
+            states[:, :n] @ self.position.T,
+            states[:, n : 2 * n] @ self.modes.T,
+            rates @ self.modes.T,
+            states[:, 2 * n :],
+            seconds,
+        )
+
+    def energy(self, motion: Motion) -> tuple[FloatArray, FloatArray]:
+        """Return the energy stored in mass, forces and memory, and its kinetic part, each shape (time,) [J]."""
+        q, v = self._moved(motion)
+        kinetic = 0.5 * np.einsum("ti,ti->t", v @ self.scene.mass, v)
+        remembered = 0.5 * np.einsum("ti,ti->t", motion.memory, motion.memory)
+        return sum((force.stored(q) for force in self.scene.forces.values()), kinetic + remembered), kinetic
+
+    def dampers(self) -> list[FloatArray]:
+        """Return the linear damping of the take-off and of all other forces, each shape (free, free) [1/s]."""
+        parts = self.scene.linear
+        ours = [part.damping for name, part in parts.items() if name == self.scene.take_off]
+        others = [part.damping for name, part in parts.items() if name != self.scene.take_off]
+        return [self.modes.T @ self.scene.projected(group) @ self.modes for group in (ours, others)]
+
+    # sizes ----------------------------------------------------------------------------------------------------------
+
+    @property
+    def size(self) -> float:
+        """Length no amplitude is measured against if smaller [m]: a millionth of the radius; 0 of a linear scene."""
+        return 1e-6 * self.remainder.shape.radius if self.remainder else 0.0
+
+    @property
+    def least(self) -> float:
+        """Norm of a state too small to matter: a millionth of the root of rho g r^4; 0 of a linear scene."""
+        r = self.remainder
+        return 1e-6 * float(np.sqrt(r.specific_weight) * r.shape.radius**2) if r else 0.0
+
+    @property
+    def heaving(self) -> float:
+        """Frequency of heave alone, without memory; 1 without a spring [rad/s]."""
+        mass = (self.scene.motions.T @ self.scene.mass @ self.scene.motions)[0, 0]
+        return float(np.sqrt(max(self.scene.stiffness[0, 0], 0.0) / mass)) or 1.0
+
+    @property
+    def frequencies(self) -> FloatArray:
+        """Frequencies of waves and assumed pressure, ascending, shape (component,) [rad/s]."""
+        return np.unique(np.concatenate([np.zeros(0), *(f.frequencies() for f in self.scene.forces.values())]))
