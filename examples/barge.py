@@ -24,7 +24,8 @@ from scipy.optimize import brentq, minimize_scalar
 from vsb.cli import answer, print_verdict
 from vsb.errors import ConfigError
 from vsb.hydro.bodies.body import FlexibleBody, IntArray, at_centres, joined
-from vsb.hydro.bodies.study import BodyStudy, read_config, run, solve, write_body
+from vsb.hydro.bodies.files import write_body
+from vsb.hydro.bodies.study import BodyStudy, read_config, run, solve
 from vsb.hydro.database import Check, stored_checks
 from vsb.report.canvas import grid_of_axes, legend_above, style
 from vsb.study.quantities import Count, Finite, Number, Positive, Section

@@ -7,6 +7,7 @@ from examples import barge
 from vsb.errors import ConfigError
 from vsb.hydro.bodies import body as bodies
 from vsb.hydro.bodies.body import FlexibleBody, at_centres, at_vertices
+from vsb.hydro.bodies.coarsening import CoarserBody
 from vsb.hydro.panels.mesh import graded_colatitudes, polygon_radius, revolved
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import Mode, ModeBasis, legendre
@@ -289,3 +290,56 @@ def test_a_body_of_millimetres_is_refused():
     vertices, faces = barge.box(LENGTH / 1000, BEAM / 1000, DRAUGHT / 1000, 1)
     with pytest.raises(ConfigError, match=r"mesh: body of 0.00748 m; needs at least 0.01 m: is it in metres"):
         made(vertices, faces, rigid(vertices)[2:3])
+
+
+def two_panels(left, right):
+    """Panels on both sides of the plane y = 0, of equal area and mirrored centres; they bound nothing."""
+    vertices = np.array([[x, y - 2.0, -1.0] for x, y in left] + [[x, y + 2.0, -1.0] for x, y in right])
+    faces, shapes = np.arange(8).reshape(2, 4), np.ones((1, 8, 3))
+    return CoarserBody(vertices, faces, ("Dof",), at_centres(vertices, faces, shapes), shapes)
+
+
+SQUARE = [(-1, -1), (1, -1), (1, 1), (-1, 1)]
+DIAMOND = [(0, -(2**0.5)), (2**0.5, 0), (0, 2**0.5), (-(2**0.5), 0)]
+WIDE = [(x, 3 * y) for x, y in SQUARE]
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "found"),
+    [
+        (SQUARE, SQUARE, "xOz"),
+        (SQUARE, SQUARE[2:] + SQUARE[:2], "xOz"),
+        (SQUARE, DIAMOND, "none"),  # centres are mirrored, corners are not
+        (WIDE, WIDE, "none"),  # across the plane
+        (SQUARE, [(x + 0.1, y) for x, y in SQUARE], "none"),
+    ],
+)
+def test_symmetry_is_of_corners_not_of_centres_alone(left, right, found):
+    body = two_panels(left, right)
+    assert bodies.detected_symmetry(body) == found
+    if found == "none":
+        with pytest.raises(ConfigError, match="symmetry xOz: the panels are not mirrored in the xOz plane"):
+            bodies.check_symmetry(body, "xOz")
+
+
+@pytest.mark.parametrize(("degree", "rows"), [(0, 20), (2, 24), (6, 40)])
+def test_panels_in_a_lobe_are_those_of_the_wavenumber(degree, rows):
+    """int |grad psi|^2 = (n(n + 1) + 2) int |psi|^2/r^2 of P_n e_r over half a sphere: e_r turns, too."""
+    body = revolved_body(shell_with(0.0), rows, (degree,), 2 * rows)
+    expected = np.pi / np.sqrt(degree * (degree + 1) + 2) / bodies.panel_size(body)
+    assert bodies.panels_per_lobe(body) == pytest.approx(expected, rel=6e-3)
+
+
+def test_rigid_motions_need_no_panels_and_the_shortest_mode_counts(box):
+    shapes = np.concatenate([rigid(box[0]), *(np.cos(k * box[0][:, :1])[None] * [0, 0, 1] for k in (0.3, 1.0))])
+    assert bodies.panels_per_lobe(made(*box, shapes[:6])) == np.inf
+    alone = [bodies.panels_per_lobe(made(*box, shapes[[i]])) for i in (6, 7)]
+    assert alone[1] < alone[0]
+    assert bodies.panels_per_lobe(made(*box, shapes)) == pytest.approx(alone[1])
+    assert bodies.panels_per_lobe(made(*box, 1e3 * shapes)) == pytest.approx(alone[1])
+
+
+@pytest.mark.parametrize("reach", [2e5, 1e9])
+def test_a_body_beyond_the_horizon_is_refused(box, reach):
+    with pytest.raises(ConfigError, match=r"mesh: reaches .* m; needs at most 100000 m: is it in metres"):
+        made(box[0] + [reach, 0.0, 0.0], box[1], rigid(box[0])[2:3])

@@ -2,6 +2,7 @@ import capytaine as cpt
 import numpy as np
 import pytest
 from hydro.bodies.test_body import made, revolved_body, rigid, shell_with
+from scipy.special import j0
 
 from examples import barge
 from vsb.hydro import dofs
@@ -12,7 +13,7 @@ from vsb.hydro.panels import rings as bem
 from vsb.hydro.panels.mesh import mean_mesh
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.study.study import Water
-from vsb.waves.seas import wavenumber
+from vsb.waves.seas import group_velocity, wavenumber
 
 UNIT = Water(density=1.0, gravity=1.0)
 SEA = Water(density=1025.0, gravity=9.81)
@@ -205,3 +206,20 @@ def test_added_mass_at_infinity_needs_no_bed_far_away_and_grows_over_a_near_one(
     heave = {"influenced_dof": "Heave", "radiating_dof": "Heave"}
     assert far.sel(heave).item() == pytest.approx(deep.sel(heave).item(), rel=1e-3)
     assert near.sel(heave) > 1.3 * deep.sel(heave)
+
+
+@pytest.mark.parametrize("kl", [1.0, 5.0, 20.0, 60.0, 200.0])
+def test_directions_are_enough_for_waves_however_short(green, box, kl):
+    """Energy sent in all directions, in closed form: the mean of exp(ik r cos b) around the circle is J_0(kr)."""
+    k = kl / box.size
+    flat = made(box.vertices * [1.0, 1.0, 1e-3], box.faces, box.shapes, box.labels)  # else waves do not reach the keel
+    problem, omega = BodyProblem(green, flat, SEA), float(np.sqrt(k * SEA.gravity))
+    noise = np.random.default_rng(0)
+    strength = noise.normal(size=(2, len(flat.faces))) + 1j * noise.normal(size=(2, len(flat.faces)))
+    at = np.asarray(problem._panels.whole.faces_centers)
+    apart = np.linalg.norm(at[:, None, :2] - at[None, :, :2], axis=2)
+    decay = np.exp(k * at[:, 2])
+    mean = (strength * decay) @ j0(k * apart) @ (strength * decay).conj().T
+    flux = 4 * SEA.density * SEA.gravity * group_velocity(omega, np.inf, SEA.gravity)
+    found = problem._far_field_damping(omega, strength)
+    assert np.abs(found - (k / flux * mean).real).max() < 1e-11 * np.abs(k / flux * mean).max()

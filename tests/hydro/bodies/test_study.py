@@ -1,6 +1,5 @@
 from pathlib import Path
 
-import meshio
 import numpy as np
 import pytest
 import xarray as xr
@@ -10,6 +9,7 @@ from hydro.bodies.test_body import made, rigid
 from examples import barge
 from vsb.errors import ConfigError
 from vsb.hydro import database
+from vsb.hydro.bodies import files as bodyfiles
 from vsb.hydro.bodies import study as bodystudy
 from vsb.hydro.bodies.coarsening import CoarserBody
 from vsb.hydro.bodies.study import BodyProblem, BodyStudy
@@ -30,7 +30,7 @@ def body():
 
 def files(folder, body, **changes):
     """A body file and what it names, in one folder."""
-    bodystudy.write_body(body, folder / "box.nc")
+    bodyfiles.write_body(body, folder / "box.nc")
     raw = {
         "body": "box",
         "mesh": "box.nc",
@@ -64,7 +64,7 @@ def counted(method, solved):
 def test_a_body_file_becomes_a_database_with_a_verdict(tmp_path, body, green_folder):
     checks = bodystudy.run(files(tmp_path, body), tmp_path / "out", green_folder)
     names = {"error_estimate", "symmetry", "far_field", "haskind", "positive_damping", "panels", "corners"}
-    names |= {"rigid_names", "one_resolution", "afloat"}
+    names |= {"rigid_names", "one_resolution", "afloat", "modes"}
     assert {check.name for check in checks} == names
     ds = load(tmp_path / "out/box.nc")
     assert database.stored_checks(ds) == checks
@@ -153,75 +153,28 @@ def test_the_verdict_sees_a_body_that_does_not_float_where_it_lies(tmp_path, bod
     assert {check.name: check.verdict for check in checks}["afloat"] == "fail"
 
 
-@pytest.mark.parametrize("kind", ["vtu", "stl", "gdf", "nc"])
-def test_mesh_files_of_other_programs_give_the_same_body(tmp_path, body, kind):
-    path = tmp_path / f"box.{kind}"
-    corners = body.vertices[body.faces]
-    if kind == "vtu":
-        meshio.Mesh(body.vertices, [("quad", body.faces)]).write(path)
-    elif kind == "stl":
-        triangles = np.concatenate([body.faces[:, :3], body.faces[:, [0, 2, 3]]])
-        meshio.Mesh(body.vertices, [("triangle", triangles)]).write(path)
-    elif kind == "gdf":
-        points = "\n".join(" ".join(f"{x:.12g}" for x in point) for point in corners.reshape(-1, 3))
-        path.write_text(f"box\n1.0 9.81\n0 0\n{len(corners)}\n{points}\n")
-    else:
-        bodystudy.write_body(body, path)
-    vertices, faces = bodystudy.read_mesh(path)
-    again = made(vertices, faces, rigid(vertices)[[2, 4]], LABELS[:2])
-    assert again.volumes == pytest.approx(body.volumes, rel=1e-6)
-    assert again.triangles.area.sum(axis=0) == pytest.approx(body.triangles.area.sum(axis=0), abs=1e-4)
+@pytest.mark.parametrize(("wave", "answer"), [(0.5, "ok"), (0.7, "doubt"), (1.5, "fail")])
+def test_the_verdict_sees_modes_the_panels_do_not_resolve(tmp_path, body, green_folder, wave, answer):
+    """Panels of the box are 1.4 m in size, lobes of cos(wave x) pi/wave long: 4.6, 2.7 and 1.5 panels."""
+    bend = np.zeros_like(body.vertices)
+    bend[:, 2] = np.cos(wave * body.vertices[:, 0])
+    lively = made(body.vertices, body.faces, np.concatenate([body.shapes[:1], bend[None]]), ("Heave", "Wave"))
+    checks = bodystudy.run(files(tmp_path, lively, omega=[1.0], lid=0), tmp_path / "out", green_folder)
+    assert {check.name: check.verdict for check in checks}["modes"] == answer
 
 
-def test_modes_at_panels_do_as_well_as_at_corners(tmp_path, body):
-    bodystudy.write_body(body, tmp_path / "box.nc")
-    by_panel = xr.Dataset(
-        {"mode_shape": (("dof", "panel", "xyz"), body.modes), "centre_of_mass": ("xyz", body.centre_of_mass)},
-        coords={"dof": list(LABELS)},
-    )
-    by_panel.to_netcdf(tmp_path / "modes.nc")
-    again = bodystudy.read_body(tmp_path / "box.nc", tmp_path / "modes.nc")
-    assert again.modes == pytest.approx(body.modes)
-    assert again.mass is None
-    assert again.labels == LABELS
-
-
-def written(tmp_path, body, **changes):
-    """Modes file with some variables changed."""
-    bodystudy.write_body(body, tmp_path / "box.nc")
-    shape = np.array(body.shapes)
-    data = {"mode_shape": (("dof", "vertex", "xyz"), shape), "centre_of_mass": ("xyz", body.centre_of_mass)}
-    xr.Dataset(data | changes, coords={"dof": list(LABELS)}).to_netcdf(tmp_path / "modes.nc")
-    return tmp_path / "box.nc", tmp_path / "modes.nc"
-
-
-def test_a_modes_file_that_does_not_fit_is_refused_by_name(tmp_path, body):
-    count = len(body.vertices)
-    with pytest.raises(ConfigError, match=rf"modes.nc: mode_shape .*{count - 1}.*with {count} vertices"):
-        bodystudy.read_body(*written(tmp_path, body, mode_shape=(("dof", "vertex", "xyz"), body.shapes[:, 1:])))
-    with pytest.raises(ConfigError, match=r"modes.nc: .*NaN"):
-        bodystudy.read_body(*written(tmp_path, body, mode_shape=(("dof", "vertex", "xyz"), np.nan * body.shapes)))
-    xr.Dataset({"shape": ("x", [1.0])}).to_netcdf(tmp_path / "other.nc")
-    with pytest.raises(ConfigError, match=r"other.nc: holds \['shape'\]; needs mode_shape"):
-        bodystudy.read_body(tmp_path / "box.nc", tmp_path / "other.nc")
-    (tmp_path / "text.nc").write_text("no netCDF")
-    with pytest.raises(ConfigError, match=r"text.nc: cannot be read as netCDF"):
-        bodystudy.read_body(tmp_path / "box.nc", tmp_path / "text.nc")
-
-
-@pytest.mark.parametrize("name", ["none.vtu", "garbage.vtu", "garbage.stl", "garbage.gdf", "garbage.nc", "garbage.foo"])
-def test_a_mesh_that_cannot_be_read_is_refused_in_one_line(tmp_path, name, capsys):
-    if not name.startswith("none"):
-        (tmp_path / name).write_text("garbage\n")
-    with pytest.raises(ConfigError, match=rf"{name}: (mesh not found|cannot be read as a mesh)") as error:
-        bodystudy.read_mesh(tmp_path / name)
-    assert "\n" not in str(error.value)
-
-
-def test_lines_and_points_are_no_panels(tmp_path):
-    meshio.Mesh(np.eye(3), [("line", [[0, 1]])]).write(tmp_path / "line.vtu")
-    with pytest.raises(ConfigError, match=r"line.vtu: holds \['line'\]; needs quadrilaterals"):
-        bodystudy.read_mesh(tmp_path / "line.vtu")
+def test_panels_without_area_are_dropped_and_the_repair_is_recorded(tmp_path, body, green_folder):
+    """Triangles of a closed fan, quadrilaterals that end in a line: the same numbers without them."""
+    faces = np.concatenate([body.faces[:3], [[0, 1, 1, 0], [2, 2, 2, 2]], body.faces[3:]])
+    config = files(tmp_path, body, omega=[1.0])
+    bodystudy.run(config, tmp_path / "clean", green_folder)
+    lean = xr.Dataset({"vertices": (("vertex", "xyz"), body.vertices), "faces": (("panel", "corner"), faces)})
+    lean.to_netcdf(tmp_path / "lean.nc")
+    config.write_text(config.read_text().replace("mesh: box.nc", "mesh: lean.nc"))
+    bodystudy.run(config, tmp_path / "out", green_folder)
+    clean, repaired = load(tmp_path / "clean/box.nc"), load(tmp_path / "out/box.nc")
+    assert repaired.attrs["history"] == f"panels without area dropped: 2 of {len(faces)}; {clean.attrs['history']}"
+    assert np.array_equal(repaired.added_mass, clean.added_mass)
 
 
 @pytest.mark.parametrize(
@@ -238,6 +191,10 @@ def test_lines_and_points_are_no_panels(tmp_path):
         ({"symmetry": "xyz"}, "symmetry"),
         ({"lid": True}, "a number is needed"),
         ({"tolerance": 0.0}, "tolerance"),
+        ({"omega": [1e-300]}, "omega.0: received 1e-300; .* greater than or equal to 0.001"),
+        ({"omega": [1e300]}, "omega.0: received 1e[+]300; .* less than or equal to 1000"),
+        ({"omega": [1.0, 400.0]}, "omega: received 400 rad/s, whose waves are 0.000385 m long and the largest panel"),
+        ({"wave_direction": [1e300]}, "wave_direction.0: received 1e[+]300; .* less than or equal to 360"),
         ({"mode": "x.nc"}, "unknown key"),
         ({"mesh": "gone.vtu"}, "gone.vtu: mesh not found"),
     ],
@@ -286,13 +243,3 @@ def test_the_table_of_the_green_function_is_made_whole_or_not_at_all(tmp_path, m
     faster.append(tmp_path / "late")
     bodystudy.bem.stored_green_function(tmp_path / "late")
     assert sorted(path.name for path in tmp_path.iterdir()) == [".green.dead", "green", "late"]
-
-
-@pytest.mark.parametrize("corner", [-1, 1_000_000])
-def test_a_panel_with_a_corner_that_does_not_exist_is_named(tmp_path, corner):
-    faces = np.array([[0, 1, 2, 3], [0, 1, corner, 3]])
-    xr.Dataset({"vertices": (("vertex", "xyz"), np.eye(4, 3)), "faces": (("panel", "corner"), faces)}).to_netcdf(
-        tmp_path / "mesh.nc"
-    )
-    with pytest.raises(ConfigError, match=rf"panel 1 has corners \[0, 1, {corner}, 3\]; needs numbers from 0 to 3"):
-        bodystudy.read_mesh(tmp_path / "mesh.nc")

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+import xarray as xr
 from hydro.bodies.test_body import made, revolved_body, rigid, shell_with
 
 from examples import barge
@@ -178,3 +179,42 @@ def test_coefficients_too_rough_to_be_interpolated_are_all_solved_once(green, bo
     assert sorted(each.own.omega.item() for each in solved) == omega
     assert found.error == 0.0
     assert found.coefficients.omega.values.tolist() == omega
+
+
+def synthetic(value, omega=(1.0,)):
+    """Coefficients of one motion in one direction, all one value."""
+    pair, wave = ("omega", "influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
+    n, dof = len(omega), {"influenced_dof": ["Heave"], "radiating_dof": ["Heave"]}
+    forces = {"Froude_Krylov_force": 0.25, "diffraction_force": 0.75, "excitation_force": 1.0}
+    matrices = {name: (pair, np.full((n, 1, 1), value)) for name in ("added_mass", "radiation_damping")}
+    return xr.Dataset(
+        matrices | {name: (wave, np.full((n, 1, 1), part * value + 0j)) for name, part in forces.items()},
+        {"omega": list(omega), "wave_direction": [0.0], **dof},
+    )
+
+
+@pytest.mark.parametrize(
+    ("part", "name", "expected"),
+    [
+        ("fewer", "added_mass", 0.1 / 0.6),
+        ("fewer", "radiation_damping", 0.1 / 0.6),
+        ("fewer", "excitation_force", 0.1 / 0.6),
+        ("infinite", "added_mass_inf", 0.1 / 0.6),
+        ("waves", "radiation_damping", 0.1),
+        ("waves", "excitation_force", 0.1),
+        ("none", "", 0.0),
+    ],
+)
+def test_every_part_of_the_estimate_counts_alone(part, name, expected):
+    """A tenth of the largest entry each: what fewer panels change over r - 1, and what both meshes have wrong."""
+    own = synthetic(1.0).drop_vars("excitation_force")
+    parts = {"fewer": synthetic(1.0), "waves": synthetic(1.0)[["radiation_damping", "excitation_force"]]}
+    pair = ("influenced_dof", "radiating_dof")
+    limits = [xr.Dataset({"added_mass_inf": (pair, [[1.0]])}) for _ in range(2)]
+    limits[0].attrs["resolution_ratio"] = 1.6
+    if part == "infinite":
+        limits[1] = limits[1] * 0.9
+    elif part != "none":
+        parts[part] = parts[part].assign({name: 0.9 * parts[part][name]})
+    found = error_estimate([Block(own, **parts)], Block(*limits, xr.Dataset()), np.ones(1))
+    assert found == pytest.approx(expected, abs=1e-15)

@@ -26,6 +26,7 @@ SYMMETRIES = {"none": (), "xOz": ("xOz",), "yOz": ("yOz",), "xOz+yOz": ("xOz", "
 _SAME = 1e-8  # of lengths, in lengths of the body
 _CLOSED = 1e-6  # of the three volumes of a closed surface, relatively
 _LEAST_BODY = 0.01  # [m], lengths below which capytaine's own tolerances drop panels
+_LARGEST_BODY = 1e5  # [m], beyond which no body lies
 _RIGID = 1e-9  # of the distance of a displacement from a rigid one, relatively
 
 
@@ -57,6 +58,7 @@ class FlexibleBody:
     mass: FloatArray | None = None
     stiffness: FloatArray | None = None
     centre_of_mass: FloatArray | None = None
+    history: str = ""  # of repairs
 
     def __post_init__(self) -> None:
         """Refuse what no solver can use."""
@@ -157,11 +159,18 @@ def owners(vertices: FloatArray) -> IntArray:
     return owner
 
 
+def check_vertices(x: FloatArray) -> None:
+    """Raise `ConfigError` unless points, shape (vertex, xyz) [m], can be those of a body in metres."""
+    if not np.isfinite(x).all():
+        raise ConfigError("mesh: a vertex is NaN or infinite; needs finite coordinates")
+    if np.abs(x).max(initial=0.0) > _LARGEST_BODY:
+        raise ConfigError(f"mesh: reaches {np.abs(x).max():.3g} m; needs at most {_LARGEST_BODY:g} m: is it in metres?")
+
+
 def _check_panels(body: FlexibleBody) -> None:
     """Panels must be finite, wet, and bound a volume of water from inside."""
     x, faces = body.vertices, body.faces
-    if not np.isfinite(x).all():
-        raise ConfigError("mesh: a vertex is NaN or infinite; needs finite coordinates")
+    check_vertices(x)
     if len(faces) == 0 or faces.min() < 0 or faces.max() >= len(x):
         raise ConfigError(f"mesh: {len(faces)} panels between {len(x)} vertices; needs panels whose corners are there")
     if body.size < _LEAST_BODY:
@@ -185,7 +194,7 @@ def _check_modes(body: FlexibleBody) -> None:
     """Every degree of freedom needs a name of its own, a finite shape, and rows in the matrices."""
     n = len(body.labels)
     if n == 0 or len(set(body.labels)) < n:
-        raise ConfigError(f"modes: labels {list(body.labels)}; needs at least one, and none twice")
+        raise ConfigError(f"modes: labels {str(list(body.labels))[:200]}; needs at least one, and none twice")
     needed = {"modes": (n, len(body.faces), 3), "shapes": (n, len(body.vertices), 3)}
     for name, shape in (needed | dict.fromkeys(("mass", "stiffness"), (n, n)) | {"centre_of_mass": (3,)}).items():
         values = getattr(body, name)
@@ -323,6 +332,28 @@ def panel_size(body: FlexibleBody) -> float:
     """Return the mean over the surface of the roots of its panels' areas [m]."""
     areas = np.linalg.norm(body.triangles.area, axis=1).reshape(2, -1).sum(axis=0)
     return float((areas**1.5).sum() / areas.sum())
+
+
+def panels_per_lobe(body: FlexibleBody) -> float:
+    """Return the panels in half a wavelength of the shortest of the displacements, infinite if all are rigid [-].
+
+    Notes
+    -----
+    The wavenumber of a displacement psi is k, k^2 = int |grad psi|^2 dS/int |psi|^2 dS, over the surface, psi linear in
+    every half of a panel: sqrt(n(n + 1) + 2)/r of P_n e_r on a sphere. Rigid motions are exact on any panels.
+    """
+    t, flexible = body.triangles, [i for i in range(len(body.labels)) if i not in body.rigid]
+    if not flexible:
+        return float("inf")
+    (e, f), moved = (t.corner[:, k] - t.corner[:, 0] for k in (1, 2)), t.moved[flexible]
+    de, df = (moved[:, :, k] - moved[:, :, 0] for k in (1, 2))
+    area = np.linalg.norm(t.area, axis=1)
+    whole = area > 1e-12 * area.max()
+    ee, ef, ff = ((a * b).sum(axis=1) for a, b in ((e, e), (e, f), (f, f)))
+    squared = ff * (de**2).sum(axis=2) - 2 * ef * (de * df).sum(axis=2) + ee * (df**2).sum(axis=2)
+    gradient = (squared[:, whole] / (4 * area[whole])).sum(axis=1)  # area |grad psi|^2
+    size = (((moved**2).sum(axis=(2, 3)) + (moved.sum(axis=2) ** 2).sum(axis=2)) / 12) @ area
+    return float(np.pi * np.sqrt((size / np.maximum(gradient, 1e-300)).min()) / panel_size(body))
 
 
 def panel_diameters(body: FlexibleBody) -> FloatArray:

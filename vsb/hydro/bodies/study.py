@@ -4,16 +4,13 @@ Every frequency is a file of its own under `blocks/`, named by the content of wh
 solved twice, and an interrupted run goes on where it stopped.
 """
 
-import contextlib
 import hashlib
-import io
 import time as clock
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, TypeVar
 
-import meshio
 import numpy as np
 import xarray as xr
 from pydantic import Field, model_validator
@@ -25,24 +22,25 @@ from vsb.hydro.bodies.body import (
     FlexibleBody,
     IntArray,
     at_centres,
-    at_vertices,
     check_symmetry,
     detected_symmetry,
     hydrostatic_stiffness,
     interior_lid,
     panel_diameters,
     panel_size,
+    panels_per_lobe,
     rigid_misfit,
 )
+from vsb.hydro.bodies.files import read_body
 from vsb.hydro.bodies.solver import BodyProblem
 from vsb.hydro.bodies.sweep import Block, Measure, Swept, error_estimate, least_sizes, sizes, swept
 from vsb.hydro.database import Check, as_json, check_at_most, with_excitation, with_symmetrized
 from vsb.hydro.panels import rings as bem
 from vsb.study.blocks import LEAST_DEPTH_IN_WAVENUMBERS, panel_solver
-from vsb.study.quantities import Count, Finite, Name, Number, Positive, Section
+from vsb.study.quantities import Count, Name, Number, Section
 from vsb.study.reading import read_yaml, validated
 from vsb.study.study import Water, canonical, content_id
-from vsb.tools.files import load, save, whole
+from vsb.tools.files import load, save
 from vsb.tools.units import ComplexArray, FloatArray
 from vsb.waves.seas import group_velocity, wavenumber
 
@@ -52,10 +50,14 @@ PHYSICS = 3
 """Hand-bumped version of the physics behind a block."""
 LARGEST_ERROR = 0.05
 """Estimated error above which there is doubt."""
-PANEL_FILES = {".gdf", ".pnl", ".hst", ".mar", ".nemoh", ".hams"}
-"""What capytaine reads and meshio does not; meshio keeps the numbers of the vertices, which displacements refer to."""
+FEWEST_PER_LOBE = 3.5
+"""Panels in half a wavelength of a displacement below which there is doubt: fewer, and the estimate says too little."""
+_UNRESOLVED = 2.0  # panels there, below which it fails
+_COARSEST = 4.0  # wavelengths in a panel from which on nothing is solved
 _GROUPS = ("fewer_panels", "radiated_waves")  # of a block's file
-_FAILED = (OSError, ValueError, KeyError, IndexError, TypeError, RuntimeError, meshio.ReadError, SystemExit)
+Frequency = Annotated[Number, Field(ge=1e-3, le=1e3)]
+"""Frequencies of gravity waves on Earth, tsunamis and ripples among them [rad/s]."""
+Direction = Annotated[Number, Field(ge=-360, le=360)]
 
 
 class BodyStudy(Section):
@@ -70,8 +72,8 @@ class BodyStudy(Section):
     mesh: str
     modes: str
     water: Water = Water()
-    omega: tuple[Positive, ...]
-    wave_direction: tuple[Finite, ...] = (0.0,)
+    omega: tuple[Frequency, ...]
+    wave_direction: tuple[Direction, ...] = (0.0,)
     symmetry: Literal["auto", "none", "xOz", "yOz", "xOz+yOz"] = "auto"
     lid: Annotated[Count, Field(ge=0, le=64)] = 8
     tolerance: Annotated[Number, Field(ge=1e-5, le=0.1)] | None = None
@@ -95,98 +97,6 @@ def read_config(path: str | Path, model: type[Model]) -> Model:
     return validated(model, read_yaml(path, "a file such as config/barge.yaml"), str(path))
 
 
-def read_mesh(path: str | Path) -> tuple[FloatArray, IntArray]:
-    """Return vertices (vertex, xyz) [m] and panels (panel, 4) of a mesh file.
-
-    Quadrilaterals and triangles of any format meshio reads, in the order of the file; WAMIT, NEMOH, Hydrostar and HAMS
-    panels; or netCDF with `vertices` (vertex, xyz) and `faces` (panel, corner).
-    """
-    vertices, faces = _panels(path)
-    if (wrong := np.flatnonzero(((faces < 0) | (faces >= len(vertices))).any(axis=-1))).size:
-        corners, last = faces[wrong[0]].tolist(), len(vertices) - 1
-        raise ConfigError(f"{path}: panel {wrong[0]} has corners {corners}; needs numbers from 0 to {last}")
-    return vertices, faces
-
-
-def _panels(path: str | Path) -> tuple[FloatArray, IntArray]:
-    """Vertices and panels as the file has them."""
-    if not Path(path).is_file():
-        raise ConfigError(f"{path}: mesh not found; needs the path of a mesh file, from the folder of the body file")
-    try:
-        if Path(path).suffix == ".nc":
-            with xr.open_dataset(path) as ds:
-                return np.array(ds.vertices.values, dtype=float), np.array(ds.faces.values, dtype=int)
-        if Path(path).suffix in PANEL_FILES:
-            return bem.read_panels(path)
-        # meshio prints what it raises, and takes the first bytes of an STL in plain text for a huge count
-        with np.errstate(over="ignore"), contextlib.redirect_stderr(io.StringIO()):
-            mesh = meshio.read(path)
-    except (*_FAILED, AttributeError) as error:
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise ConfigError(f"{path}: cannot be read as a mesh ({reason}); needs a format of meshio or netCDF") from None
-    cells = [block.data for block in mesh.cells if block.type in ("quad", "triangle")]
-    if not cells:
-        raise ConfigError(f"{path}: holds {[b.type for b in mesh.cells]}; needs quadrilaterals or triangles")
-    panels = [np.column_stack([c, c[:, 2]]) if c.shape[1] == 3 else c for c in cells]
-    points = np.asarray(mesh.points, dtype=float)
-    return np.pad(points, ((0, 0), (0, 3 - points.shape[1]))), np.concatenate(panels).astype(int)
-
-
-def read_body(mesh: str | Path, modes: str | Path) -> FlexibleBody:
-    """Return a body from a mesh file and a netCDF file of its displacements.
-
-    The latter holds `mode_shape` (dof, vertex or panel, xyz) with names on `dof`, and optionally `inertia_matrix` and
-    `structural_stiffness` (influenced_dof, radiating_dof) and `centre_of_mass` (xyz).
-    """
-    vertices, faces = read_mesh(mesh)
-    try:
-        with xr.open_dataset(modes, engine="netcdf4") as opened:
-            ds = opened.load()
-    except _FAILED as error:
-        raise ConfigError(f"{modes}: cannot be read as netCDF ({' '.join(str(error).split())})") from None
-    if "mode_shape" not in ds or "dof" not in ds.coords:
-        raise ConfigError(f"{modes}: holds {[*map(str, ds.variables)]}; needs mode_shape (dof, vertex, xyz) and dof")
-    dims = ds.mode_shape.dims
-    counts: dict[tuple[Any, ...], int] = {("dof", "vertex", "xyz"): len(vertices), ("dof", "panel", "xyz"): len(faces)}
-    if counts.get(dims) != ds.mode_shape.shape[1] or ds.mode_shape.shape[2] != 3:
-        raise ConfigError(
-            f"{modes}: mode_shape {dict(ds.mode_shape.sizes)}; needs (dof, vertex, xyz) or (dof, panel, xyz) with "
-            f"{len(vertices)} vertices or {len(faces)} panels, as {mesh} has"
-        )
-    values = np.array(ds.mode_shape.values, dtype=float)
-    known = {name: np.array(ds[name].values, dtype=float) for name in _MATRICES.values() if name in ds}
-    by_vertex = dims[1] == "vertex"
-    try:
-        return FlexibleBody(
-            vertices,
-            faces,
-            tuple(map(str, ds.dof.values)),
-            at_centres(vertices, faces, values) if by_vertex else values,
-            values if by_vertex else at_vertices(vertices, faces, values),
-            **{field: known.get(name) for field, name in _MATRICES.items()},
-        )
-    except (ConfigError, IndexError) as error:
-        raise ConfigError(f"{mesh}, {modes}: {error}") from None
-
-
-_MATRICES = {"mass": "inertia_matrix", "stiffness": "structural_stiffness", "centre_of_mass": "centre_of_mass"}
-
-
-def write_body(body: FlexibleBody, path: str | Path) -> None:
-    """Write a body as one netCDF file that is both the mesh and the modes `read_body` reads."""
-    pair = ("influenced_dof", "radiating_dof")
-    data: dict[str, Any] = {
-        "vertices": (("vertex", "xyz"), body.vertices),
-        "faces": (("panel", "corner"), body.faces),
-        "mode_shape": (("dof", "vertex", "xyz"), body.shapes),
-    }
-    for field, name in _MATRICES.items():
-        if getattr(body, field) is not None:
-            data[name] = (("xyz",) if name == "centre_of_mass" else pair, getattr(body, field))
-    with whole(path) as temporary:
-        xr.Dataset(data, coords={"dof": list(body.labels)}).to_netcdf(temporary, engine="netcdf4")
-
-
 def run(config: str | Path, out: str | Path, tables: str | Path | None = None) -> list[Check]:
     """Solve what a body file asks for into `out` and return the verdict; `tables` keeps the Green function's table."""
     study = read_config(config, BodyStudy)
@@ -202,6 +112,7 @@ def solve(study: BodyStudy, body: FlexibleBody, out: str | Path, tables: str | P
         raise ConfigError(
             f"water.depth: received {study.water.depth:g} m, needs more than the body's draught of {draught:.6g} m"
         )
+    _check_wavelengths(study, body)
     lid = interior_lid(body, study.lid) if study.lid else None
     table = Path(tables or Path(out, "green", panel_solver().replace(" ", "-")))
     blocks = Blocks(study, body, symmetry, lid, Path(out, "blocks"), table)
@@ -217,6 +128,18 @@ def solve(study: BodyStudy, body: FlexibleBody, out: str | Path, tables: str | P
     checks = verdict(study, body, infinite, found, size)
     _write_database(study, body, symmetry, infinite, found, checks, Path(out, f"{study.body}.nc"))
     return checks
+
+
+def _check_wavelengths(study: BodyStudy, body: FlexibleBody) -> None:
+    """Refuse waves of which a panel holds several: all that is found would be aliases, at a cost without bounds."""
+    water, longest = study.water, float(panel_diameters(body).max())
+    shortest = 2 * np.pi / wavenumber(study.omega[-1], water.depth, water.gravity)
+    if longest > _COARSEST * shortest:
+        needed = np.sqrt(2 * np.pi * water.gravity * _COARSEST / longest)  # in deep water, as such waves are
+        raise ConfigError(
+            f"omega: received {study.omega[-1]:g} rad/s, whose waves are {shortest:.3g} m long and the largest panel "
+            f"{longest:.3g} m; needs at most {needed:.3g} rad/s: smaller panels or lower frequencies"
+        )
 
 
 @dataclass(frozen=True)
@@ -314,6 +237,7 @@ def identities(ds: xr.Dataset, problem: BodyProblem) -> dict[str, float]:
 
 _ERROR = "estimated error of added mass, damping and excitation, relative to the largest entry; smaller panels lower it"
 _ALONE = "share of the surface without fewer panels to compare with, whose part of the error no estimate has"
+_LOBE = "panel in terms of half a wavelength of the shortest mode; beyond the limit the error may exceed its estimate"
 _MEANING = {
     "symmetry": "added mass and damping are symmetric matrices",
     "far_field": "damping is the energy of the waves sent in all directions",
@@ -326,6 +250,7 @@ def verdict(study: BodyStudy, body: FlexibleBody, infinite: Block, found: Swept,
     solved, error = found.solved, error_estimate(found.solved, infinite, size)
     longest = float(panel_diameters(body).max())
     k = wavenumber(study.omega[-1], study.water.depth, study.water.gravity)
+    lobe = 1 / panels_per_lobe(body)
     misfit = np.abs(at_centres(body.vertices, body.faces, body.shapes) - body.modes).max(axis=(1, 2))
     between = float((misfit / np.abs(body.modes).max(axis=(1, 2))).max())
     negative = quality.negative_damping(found.coefficients, np.outer(size, size))
@@ -338,6 +263,7 @@ def verdict(study: BodyStudy, body: FlexibleBody, infinite: Block, found: Swept,
         ),
         check_at_most("positive_damping", negative, 0.01, "-", "no motion can draw energy from calm water"),
         check_at_most("panels", longest * k / (2 * np.pi), 0.25, "-", "largest panel in wavelengths", doubt=True),
+        check_at_most("modes", lobe, 1 / FEWEST_PER_LOBE, "-", _LOBE, doubt=lobe <= 1 / _UNRESOLVED),
         check_at_most("corners", between, 0.05, "-", "displacement of panels agrees with that of corners", doubt=True),
     ]
     named = "displacements named Surge, ..., Yaw are unit rigid motions"
@@ -376,7 +302,9 @@ def _write_database(
     stiffness = hydrostatic_stiffness(body, study.water.density, study.water.gravity)
     structure = {"inertia_matrix": body.mass, "structural_stiffness": body.stiffness}
     matrices = {"hydrostatic_stiffness": stiffness, **{k: m for k, m in structure.items() if m is not None}}
-    ds = with_symmetrized(with_excitation(found.coefficients.assign(added_mass_inf=infinite.own.added_mass_inf)))
+    found_all = found.coefficients.assign(added_mass_inf=infinite.own.added_mass_inf)
+    repaired = {"history": body.history} if body.history else {}
+    ds = with_symmetrized(with_excitation(found_all.assign_attrs(repaired)))
     spec = {"stage": "body_database", "study": study.model_dump(), "blocks": [b.attrs["spec_id"] for b in blocks]}
     attrs = {
         "Conventions": "CF-1.8",

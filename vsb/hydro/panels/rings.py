@@ -335,9 +335,12 @@ def capytaine_solution(problem: AxisymmetricProblem, omegas: list[float], symmet
     return solved.sel(influenced_dof=list(dofs), radiating_dof=list(dofs)).assign_attrs(seconds=seconds)
 
 
-def read_panels(path: str | Path) -> tuple[FloatArray, IntArray]:
-    """Return vertices and panels of a file of WAMIT, NEMOH, Hydrostar or HAMS, mirrored where the file says so."""
-    mesh = cpt.load_mesh(path).merged()
+def read_panels(path: str | Path, form: str) -> tuple[FloatArray, IntArray]:
+    """Return vertices and panels of a file of WAMIT, NEMOH, Hydrostar or HAMS, mirrored where the file says so.
+
+    `form` is gdf, mar, hst or pnl, whatever the name of the file.
+    """
+    mesh = cpt.load_mesh(path, form).merged()
     return np.asarray(mesh.vertices), np.asarray(mesh.faces)
 
 

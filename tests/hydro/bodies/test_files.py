@@ -1,0 +1,253 @@
+"""Mesh and modes files from anywhere: read, or refused in one line."""
+
+import random
+import re
+import struct
+import warnings
+
+import meshio
+import numpy as np
+import pytest
+import xarray as xr
+from hydro.bodies.test_body import made, rigid
+
+from examples import barge
+from vsb.errors import ConfigError
+from vsb.hydro.bodies import files
+from vsb.hydro.panels.mesh import revolved
+
+LABELS = ("Heave", "Pitch")
+BOX = barge.box(6.0, 4.0, 2.0, 1)
+
+
+@pytest.fixture(scope="module")
+def body():
+    return made(*BOX, rigid(BOX[0])[[2, 4]], LABELS)
+
+
+def text_of(rows):
+    return "\n".join(" ".join(f"{value:.12g}" for value in row) for row in rows)
+
+
+def numbered(rows):
+    return text_of([[i + 1, *row] for i, row in enumerate(rows)])
+
+
+def mesh_file(folder, name):
+    """The box in a format of any program, by the name's end."""
+    (vertices, faces), path, kind = BOX, folder / name, name.split(".")[-1].lower()
+    if kind == "gdf":
+        path.write_text(f"box\n1.0 9.81\n0 0\n{len(faces)}\n{text_of(vertices[faces].reshape(-1, 3))}\n")
+    elif kind in ("dat", "mar"):
+        path.write_text(f"2 0\n{numbered(vertices)}\n0 0. 0. 0.\n{text_of(faces + 1)}\n0 0 0 0\n")
+    elif kind == "hst":
+        panels = f"PANEL TYPE 0\n{text_of(faces + 1)}\nENDPANEL\nENDFILE\n"
+        path.write_text(f"COORDINATES\n{numbered(vertices)}\nENDCOORDINATES\n{panels}")
+    elif kind == "nc":
+        files.write_body(made(*BOX, rigid(BOX[0])[[2, 4]], LABELS), path)
+    elif kind in ("stl", "off"):
+        triangles = np.concatenate([faces[:, :3], faces[:, [0, 2, 3]]])
+        meshio.Mesh(vertices, [("triangle", triangles)]).write(path)
+    else:
+        meshio.Mesh(vertices, [("quad", faces.astype(np.int32))]).write(path)
+    return path
+
+
+KINDS = ("gdf", "GDF", "dat", "mar", "hst", "nc", "NC", "stl", "STL", "off", "vtu", "vtk", "ply", "obj", "msh", "inp")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_mesh_files_of_other_programs_give_the_same_body(tmp_path, body, kind):
+    """Extensions in capitals, as on other systems, and NEMOH's .dat, which is Tecplot's as well, among them."""
+    vertices, faces = files.read_mesh(mesh_file(tmp_path, f"box.{kind}"))
+    again = made(vertices, faces, rigid(vertices)[[2, 4]], LABELS)
+    assert again.volumes == pytest.approx(body.volumes, rel=1e-6)
+    assert again.triangles.area.sum(axis=0) == pytest.approx(body.triangles.area.sum(axis=0), abs=1e-4)
+
+
+def test_tecplots_dat_is_read_as_such(tmp_path):
+    mesh_file(tmp_path, "box.tec").rename(tmp_path / "box.dat")
+    assert files.read_mesh(tmp_path / "box.dat")[0] == pytest.approx(BOX[0])
+
+
+def test_modes_at_panels_do_as_well_as_at_corners(tmp_path, body):
+    files.write_body(body, tmp_path / "box.nc")
+    by_panel = xr.Dataset(
+        {"mode_shape": (("dof", "panel", "xyz"), body.modes), "centre_of_mass": ("xyz", body.centre_of_mass)},
+        coords={"dof": list(LABELS)},
+    )
+    by_panel.to_netcdf(tmp_path / "modes.nc")
+    again = files.read_body(tmp_path / "box.nc", tmp_path / "modes.nc")
+    assert again.modes == pytest.approx(body.modes)
+    assert again.mass is None
+    assert again.labels == LABELS
+
+
+def written(tmp_path, body, **changes):
+    """Modes file with some variables changed."""
+    files.write_body(body, tmp_path / "box.nc")
+    shape = np.array(body.shapes)
+    data = {"mode_shape": (("dof", "vertex", "xyz"), shape), "centre_of_mass": ("xyz", body.centre_of_mass)}
+    xr.Dataset(data | changes, coords={"dof": list(LABELS)}).to_netcdf(tmp_path / "modes.nc")
+    return tmp_path / "box.nc", tmp_path / "modes.nc"
+
+
+def test_a_modes_file_that_does_not_fit_is_refused_by_name(tmp_path, body):
+    count = len(body.vertices)
+    with pytest.raises(ConfigError, match=rf"modes.nc: mode_shape .*{count - 1}.*with {count} vertices"):
+        files.read_body(*written(tmp_path, body, mode_shape=(("dof", "vertex", "xyz"), body.shapes[:, 1:])))
+    with pytest.raises(ConfigError, match=r"modes.nc: .*NaN"):
+        files.read_body(*written(tmp_path, body, mode_shape=(("dof", "vertex", "xyz"), np.nan * body.shapes)))
+    xr.Dataset({"shape": ("x", [1.0])}).to_netcdf(tmp_path / "other.nc")
+    with pytest.raises(ConfigError, match=r"other.nc: holds \['shape'\]; needs mode_shape"):
+        files.read_body(tmp_path / "box.nc", tmp_path / "other.nc")
+    (tmp_path / "text.nc").write_text("no netCDF")
+    with pytest.raises(ConfigError, match=r"text.nc: cannot be read as netCDF"):
+        files.read_body(tmp_path / "box.nc", tmp_path / "text.nc")
+
+
+@pytest.mark.parametrize("name", ["none.vtu", "garbage.vtu", "garbage.stl", "garbage.gdf", "garbage.nc", "garbage.foo"])
+def test_a_mesh_that_cannot_be_read_is_refused_in_one_line(tmp_path, name, capsys):
+    if not name.startswith("none"):
+        (tmp_path / name).write_text("garbage\n")
+    with pytest.raises(ConfigError, match=rf"{name}: (mesh not found|cannot be read as a mesh)") as error:
+        files.read_mesh(tmp_path / name)
+    assert "\n" not in str(error.value)
+
+
+def test_lines_and_points_are_no_panels(tmp_path):
+    meshio.Mesh(np.eye(3), [("line", [[0, 1]])]).write(tmp_path / "line.vtu")
+    with pytest.raises(ConfigError, match=r"line.vtu: holds \['line'\]; needs quadrilaterals"):
+        files.read_mesh(tmp_path / "line.vtu")
+
+
+def test_a_closed_cylinder_of_triangles_loses_those_without_area(tmp_path):
+    """Circles that end in a point leave triangles whose corners coincide, in single precision nearly."""
+    radius, height = np.array([0.0, 0.5, 1.0, 1.0, 0.5, 0.0]), np.array([-1.0, -1.0, -1.0, -3.0, -3.0, -3.0])
+    vertices, faces = revolved(radius, height, 12)
+    triangles = np.concatenate([faces[:, :3], faces[:, [0, 2, 3]]])
+    with np.errstate(invalid="ignore"):  # normals of nothing
+        meshio.Mesh(vertices + 0.1, [("triangle", triangles)]).write(tmp_path / "cylinder.stl")
+    corners, panels = files.read_mesh(tmp_path / "cylinder.stl")
+    for at, shape in {"vertex": len(corners), "panel": len(panels)}.items():
+        modes = xr.Dataset({"mode_shape": (("dof", at, "xyz"), np.tile([0.0, 0.0, 1.0], (1, shape, 1)))})
+        modes.assign_coords(dof=["Heave"]).to_netcdf(tmp_path / f"{at}.nc")
+        body = files.read_body(tmp_path / "cylinder.stl", tmp_path / f"{at}.nc")
+        assert len(body.faces) == len(triangles) - 24
+        assert body.history == f"panels without area dropped: 24 of {len(triangles)}"
+        assert body.volume == pytest.approx(12 / 2 * np.sin(2 * np.pi / 12) * 2.0, rel=1e-5)
+
+
+def test_a_body_without_such_panels_has_no_history(tmp_path):
+    path = mesh_file(tmp_path, "box.nc")
+    assert files.read_body(path, path).history == ""
+
+
+@pytest.mark.parametrize("corner", [-1, 1_000_000])
+def test_a_panel_with_a_corner_that_does_not_exist_is_named(tmp_path, corner):
+    faces = np.array([[0, 1, 2, 3], [0, 1, corner, 3]])
+    xr.Dataset({"vertices": (("vertex", "xyz"), np.eye(4, 3)), "faces": (("panel", "corner"), faces)}).to_netcdf(
+        tmp_path / "mesh.nc"
+    )
+    with pytest.raises(ConfigError, match=rf"panel 1 has corners \[0, 1, {corner}, 3\]; needs numbers from 0 to 3"):
+        files.read_mesh(tmp_path / "mesh.nc")
+
+
+@pytest.mark.parametrize(
+    ("variables", "message"),
+    [
+        ({"faces": (("panel", "corner"), [[0.0, 1.0, 2.5, 3.0]])}, "corners of panels that are no whole numbers"),
+        ({"faces": ("panel", [0, 1, 2])}, r"vertices \(4, 3\) and faces \(3,\); needs \(vertex, xyz\)"),
+        ({"vertices": (("vertex", "xy"), np.zeros((4, 2)))}, r"vertices \(4, 2\) and faces \(1, 4\); needs"),
+        ({"vertices": (("vertex", "xyz"), np.full((4, 3), np.nan))}, "a vertex is NaN or infinite"),
+        ({"vertices": (("vertex", "xyz"), np.full((4, 3), 1e300))}, r"reaches 1e\+300 m; needs at most 100000 m"),
+    ],
+)
+def test_a_mesh_of_other_shape_is_refused(tmp_path, variables, message):
+    usual = {"vertices": (("vertex", "xyz"), np.eye(4, 3)), "faces": (("panel", "corner"), [[0, 1, 2, 3]])}
+    xr.Dataset(usual | variables).to_netcdf(tmp_path / "mesh.nc")
+    with pytest.raises(ConfigError, match=rf"mesh.nc: .*{message}"):
+        files.read_mesh(tmp_path / "mesh.nc")
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (
+            {"mode_shape": (("dof", "vertex", "xyz"), 1e300 * rigid(BOX[0])[[2, 4]])},
+            "mode_shape reaches 3e[+]300; needs at most 1e[+]06",
+        ),
+        ({"centre_of_mass": ("xyz", [0.0, 0.0, -1e300])}, "centre_of_mass reaches 1e[+]300; needs at most 1e[+]06"),
+        ({"inertia_matrix": (("influenced_dof", "radiating_dof"), 1e300 * np.eye(2))}, "inertia_matrix reaches 1e"),
+    ],
+)
+def test_numbers_no_body_has_are_refused(tmp_path, body, changes, message):
+    with pytest.raises(ConfigError, match=rf"modes.nc: {message}"):
+        files.read_body(*written(tmp_path, body, **changes))
+
+
+HUGE = b"""ply
+format binary_little_endian 1.0
+element vertex 4000000000
+property float x
+property float y
+property float z
+element face 1
+property list uchar int vertex_indices
+end_header
+"""
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("huge.ply", HUGE + 100 * b"\0", r"cannot be read as a mesh \(it announces more than it holds\)"),
+        ("huge.stl", 80 * b"\0" + struct.pack("<I", 4_000_000_000) + 50 * b"\0", r"holds \[\]; needs quadrilaterals"),
+    ],
+)
+def test_a_header_that_announces_more_than_there_is_takes_no_memory(tmp_path, name, content, message):
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(ConfigError, match=f"{name}: {message}"):
+        files.read_mesh(tmp_path / name)
+
+
+def test_a_reader_that_waits_for_an_end_that_was_cut_off_is_ended(tmp_path, monkeypatch):
+    monkeypatch.setattr(files, "SECONDS", (0.3, 0.0))
+    whole = mesh_file(tmp_path, "box.tec").read_bytes()
+    (tmp_path / "cut.tec").write_bytes(whole[:200])  # of 75 vertices two
+    with pytest.raises(ConfigError, match=r"cut.tec: cannot be read as a mesh \(it takes more than 0.3 s\)"):
+        files.read_mesh(tmp_path / "cut.tec")
+
+
+def damaged(data, chance):
+    """A file with one bit turned, cut short, one number replaced, or eight bytes of anything."""
+    at = chance.randrange(len(data))
+    kind = chance.choice(["bit", "head", "cut", "number", "bytes"])
+    if kind == "cut":
+        return data[:at]
+    if kind == "bytes":
+        return data[:at] + chance.randbytes(8) + data[at + 8 :]
+    if kind == "number" and (numbers := list(re.finditer(rb"\d+", data))):
+        found = chance.choice(numbers[:40])
+        new = chance.choice([b"4000000000", b"-1", b"1e300", b"nan", b"0", b"99999999999999999999"])
+        return data[: found.start()] + new + data[found.end() :]
+    at = chance.randrange(min(400, len(data))) if kind == "head" else at
+    return data[:at] + bytes([data[at] ^ 1 << chance.randrange(8)]) + data[at + 1 :]
+
+
+@pytest.mark.parametrize("kind", [*KINDS, "modes.nc", "tec", "mdpa", "avs"])
+def test_damaged_files_are_read_or_refused_in_one_line(tmp_path, kind, monkeypatch):
+    """Ten of each kind: whatever other libraries make of them, no traceback, no warning, no end of memory or time."""
+    monkeypatch.setattr(files, "SECONDS", (1.0, 0.0))
+    mesh, chance = mesh_file(tmp_path, "box.nc"), random.Random(kind)
+    whole = mesh.read_bytes() if kind == "modes.nc" else mesh_file(tmp_path, f"box.{kind}").read_bytes()
+    for i in range(11):
+        broken = tmp_path / f"broken{i}.{kind}"
+        broken.write_bytes(damaged(whole, chance))
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            try:
+                files.read_body(mesh, broken) if kind == "modes.nc" else files.read_mesh(broken)
+            except ConfigError as error:
+                told = str(error)
+                assert broken.name in told and len(told) < 700 and "\n" not in told  # noqa: PT018

@@ -1,0 +1,62 @@
+import itertools
+import signal
+import sys
+import threading
+
+import numpy as np
+import pytest
+
+from vsb.tools.bounded import bounded_memory, bounded_time
+
+linux = pytest.mark.skipif(sys.platform != "linux", reason="memory is bounded on Linux only")
+
+
+@linux
+def test_what_takes_more_memory_than_it_may_is_told_so():
+    with bounded_memory(2**28):
+        small = np.zeros(2**20)
+        with pytest.raises(MemoryError):
+            np.zeros(2**28)
+    assert len(np.empty(2**28)) == 2**28  # the bound is gone
+    assert small.any() == 0
+
+
+@linux
+def test_the_bound_is_gone_after_an_error():
+    import resource
+
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    with pytest.raises(KeyError), bounded_memory(2**30):
+        raise KeyError
+    assert resource.getrlimit(resource.RLIMIT_AS) == before
+
+
+@linux
+def test_a_bound_that_is_there_already_stays_below():
+    import resource
+
+    with bounded_memory(2**28):
+        inner = resource.getrlimit(resource.RLIMIT_AS)[0]
+        with bounded_memory(2**40):
+            assert resource.getrlimit(resource.RLIMIT_AS)[0] == inner
+
+
+def test_what_has_no_end_is_ended_and_nothing_is_left_behind():
+    before = signal.getsignal(signal.SIGALRM)
+    with pytest.raises(TimeoutError, match=r"it takes more than 0.05 s"), bounded_time(0.05):
+        sum(1 for _ in itertools.count())
+    assert signal.getsignal(signal.SIGALRM) is before
+    assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
+
+
+def test_in_another_thread_time_has_no_bound_but_nothing_breaks():
+    done = []
+
+    def work():
+        with bounded_time(1e-9):
+            done.append(sum(range(1000)))
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    assert done == [499500]

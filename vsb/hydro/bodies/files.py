@@ -1,0 +1,196 @@
+"""Files of bodies: meshes of any program, displacements in netCDF.
+
+They come from anywhere and may be cut, damaged or something else: what other libraries make of that is one line.
+"""
+
+import contextlib
+import io
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+import xarray as xr
+
+from vsb.errors import ConfigError
+from vsb.hydro.bodies.body import FlexibleBody, IntArray, at_centres, at_vertices, check_vertices
+from vsb.hydro.panels import rings as bem
+from vsb.tools.bounded import bounded_memory, bounded_time
+from vsb.tools.files import whole
+from vsb.tools.units import FloatArray
+
+PANEL_FILES = {
+    ".gdf": "gdf", ".pnl": "pnl", ".hst": "hst", ".mar": "mar", ".nemoh": "mar", ".hams": "pnl",
+}  # fmt: skip
+"""What capytaine reads and meshio does not, in its words; meshio keeps the numbers of the vertices, which displacements
+refer to."""
+MEMORY = (2**30, 200)
+"""Bytes any file may take, libraries that are loaded only then among them, and a byte of it: lists of numbers."""
+SECONDS = (20.0, 2e-5)
+"""Seconds any file may take to be read, and a byte of it: some readers wait for an end that was cut off."""
+_FLAT = 1e-7
+"""Height of a panel, in lengths of the body, that single precision makes of none."""
+_LARGEST = {"mode_shape": 1e6, "centre_of_mass": 1e6, "inertia_matrix": 1e30, "structural_stiffness": 1e30}
+"""Beyond which no body has displacements per unit amplitude [-], a centre of mass [m], masses, stiffness [kg, N/m]."""
+_MATRICES = {"mass": "inertia_matrix", "stiffness": "structural_stiffness", "centre_of_mass": "centre_of_mass"}
+
+
+@contextlib.contextmanager
+def _one_line(path: str | Path, what: str, needed: str) -> Iterator[None]:
+    """Turn whatever a library makes of a file into one line: no two fail alike."""
+    try:
+        size, unheard = Path(path).stat().st_size, io.StringIO()  # meshio prints what it raises
+        memory, seconds = (least + per_byte * size for least, per_byte in (MEMORY, SECONDS))
+        with warnings.catch_warnings(), contextlib.redirect_stderr(unheard), contextlib.redirect_stdout(unheard):
+            warnings.simplefilter("ignore")
+            with bounded_memory(int(memory)), bounded_time(seconds):
+                yield
+    except ConfigError:
+        raise
+    except MemoryError:
+        raise ConfigError(
+            f"{path}: cannot be read as {what} (it announces more than it holds); needs {needed}"
+        ) from None
+    except (Exception, SystemExit) as error:
+        reason = " ".join(str(error).split())[:200] or type(error).__name__
+        raise ConfigError(f"{path}: cannot be read as {what} ({reason}); needs {needed}") from None
+
+
+def read_mesh(path: str | Path) -> tuple[FloatArray, IntArray]:
+    """Return vertices (vertex, xyz) [m] and panels (panel, 4) of a mesh file.
+
+    Quadrilaterals and triangles of any format meshio reads, in the order of the file; WAMIT, NEMOH, Hydrostar and HAMS
+    panels; or netCDF with `vertices` (vertex, xyz) and `faces` (panel, corner). Extensions may be capitals.
+
+    Raises
+    ------
+    ConfigError
+        In one line, whatever is wrong with the file.
+    """
+    if not Path(path).is_file():
+        raise ConfigError(f"{path}: mesh not found; needs the path of a mesh file, from the folder of the body file")
+    with _one_line(path, "a mesh", "a format of meshio or netCDF"):
+        vertices, faces = _panels(Path(path))
+    if vertices.ndim != 2 or vertices.shape[1] != 3 or faces.ndim != 2 or faces.shape[1] not in (3, 4):
+        raise ConfigError(
+            f"{path}: vertices {vertices.shape} and faces {faces.shape}; needs (vertex, xyz) and (panel, corner), 3 "
+            "or 4 corners"
+        )
+    if (wrong := np.flatnonzero(((faces < 0) | (faces >= len(vertices))).any(axis=-1))).size:
+        corners, last = faces[wrong[0]].tolist(), len(vertices) - 1
+        raise ConfigError(f"{path}: panel {wrong[0]} has corners {corners}; needs numbers from 0 to {last}")
+    try:
+        check_vertices(vertices)
+    except ConfigError as error:
+        raise ConfigError(f"{path}: {error}") from None
+    return vertices, np.column_stack([faces, faces[:, 2]]) if faces.shape[1] == 3 else faces
+
+
+def _panels(path: Path) -> tuple[FloatArray, IntArray]:
+    """Vertices and panels as the file has them."""
+    suffix = path.suffix.lower()
+    if suffix == ".nc":
+        with xr.open_dataset(path, engine="netcdf4") as ds:
+            faces = np.asarray(ds.faces.values)
+            if not np.array_equal(faces, whole_numbers := faces.astype(int)):
+                raise ValueError("corners of panels that are no whole numbers")
+            return np.array(ds.vertices.values, dtype=float), whole_numbers
+    if suffix in PANEL_FILES or (suffix == ".dat" and _is_nemoh(path)):
+        return bem.read_panels(path, PANEL_FILES.get(suffix, "mar"))
+    with np.errstate(all="ignore"):  # the first bytes of an STL in plain text are taken for a huge count
+        mesh = meshio.read(path)
+    cells = [block.data for block in mesh.cells if block.type in ("quad", "triangle")]
+    if not cells:
+        raise ConfigError(f"{path}: holds {[b.type for b in mesh.cells]}; needs quadrilaterals or triangles")
+    panels = [np.column_stack([c, c[:, 2]]) if c.shape[1] == 3 else c for c in cells]
+    points = np.asarray(mesh.points, dtype=float)
+    return np.pad(points, ((0, 0), (0, 3 - points.shape[1]))), np.concatenate(panels).astype(int)
+
+
+def _is_nemoh(path: Path) -> bool:
+    """Whether a .dat is NEMOH's, which begins with two numbers, not Tecplot's, which begins with words."""
+    with path.open(encoding="utf-8", errors="replace") as file:
+        return all(word.isdigit() for word in file.readline(200).split())
+
+
+def read_body(mesh: str | Path, modes: str | Path) -> FlexibleBody:
+    """Return a body from a mesh file and a netCDF file of its displacements.
+
+    The latter holds `mode_shape` (dof, vertex or panel, xyz) with names on `dof`, and optionally `inertia_matrix` and
+    `structural_stiffness` (influenced_dof, radiating_dof) and `centre_of_mass` (xyz). Panels without area are dropped,
+    which the body's `history` records.
+
+    Raises
+    ------
+    ConfigError
+        In one line, whatever is wrong with the files.
+    """
+    vertices, faces = read_mesh(mesh)
+    labels, values, by_vertex, known = _displacements(modes, (len(vertices), len(faces)), mesh)
+    kept = np.flatnonzero(~without_area(vertices, faces))
+    dropped = len(faces) - len(kept)
+    faces, values = faces[kept], values if by_vertex else values[:, kept]
+    try:
+        return FlexibleBody(
+            vertices,
+            faces,
+            labels,
+            at_centres(vertices, faces, values) if by_vertex else values,
+            values if by_vertex else at_vertices(vertices, faces, values),
+            **{field: known.get(name) for field, name in _MATRICES.items()},
+            history=f"panels without area dropped: {dropped} of {dropped + len(kept)}" if dropped else "",
+        )
+    except (ConfigError, IndexError) as error:
+        raise ConfigError(f"{mesh}, {modes}: {error}") from None
+
+
+def without_area(vertices: FloatArray, faces: IntArray) -> np.ndarray[Any, np.dtype[np.bool_]]:
+    """Return which panels have no area but round-off's, shape (panel,): files have them where a quadrilateral ends."""
+    corner = vertices[faces]
+    a, b, c = (corner[:, k] - corner[:, 0] for k in (1, 2, 3))
+    area = (np.linalg.norm(np.cross(a, b), axis=1) + np.linalg.norm(np.cross(b, c), axis=1)) / 2
+    longest = np.max([np.linalg.norm(corner[:, k] - corner[:, k - 1], axis=1) for k in range(4)], axis=0)
+    return np.asarray(area <= _FLAT * longest * np.linalg.norm(np.ptp(vertices, axis=0)))
+
+
+def _displacements(
+    modes: str | Path, counts: tuple[int, int], mesh: str | Path
+) -> tuple[tuple[str, ...], FloatArray, bool, dict[str, FloatArray]]:
+    """Labels, displacements of the vertices or else panels counted, which of them, and the matrices there are."""
+    names = ("mode_shape", "dof", *_MATRICES.values())
+    with _one_line(modes, "netCDF", "mode_shape (dof, vertex, xyz) and dof"):
+        with xr.open_dataset(modes, engine="netcdf4") as opened:
+            held = [str(name)[:40] for name in opened.variables]
+            ds = opened[[name for name in names if name in opened.variables]].load()
+        if "mode_shape" not in ds or "dof" not in ds.coords:
+            raise ConfigError(f"{modes}: holds {held[:20]}; needs mode_shape (dof, vertex, xyz) and dof")
+        arrays = {name: np.array(ds[name].values, dtype=float) for name in names if name in ds.data_vars}
+        labels, dims, sizes = tuple(map(str, ds.dof.values)), ds.mode_shape.dims, dict(ds.mode_shape.sizes)
+    for name, array in arrays.items():
+        if np.isfinite(array).all() and (largest := np.abs(array).max(initial=0.0)) > _LARGEST[name]:
+            raise ConfigError(f"{modes}: {name} reaches {largest:.3g}; needs at most {_LARGEST[name]:g}")
+    values, (vertices, panels) = arrays.pop("mode_shape"), counts
+    expected: dict[tuple[Any, ...], int] = {("dof", "vertex", "xyz"): vertices, ("dof", "panel", "xyz"): panels}
+    if expected.get(dims) != values.shape[1] or values.shape[2] != 3:
+        raise ConfigError(
+            f"{modes}: mode_shape {sizes}; needs (dof, vertex, xyz) or (dof, panel, xyz) with {vertices} vertices or "
+            f"{panels} panels, as {mesh} has"
+        )
+    return labels, values, dims[1] == "vertex", arrays
+
+
+def write_body(body: FlexibleBody, path: str | Path) -> None:
+    """Write a body as one netCDF file that is both the mesh and the modes `read_body` reads."""
+    pair = ("influenced_dof", "radiating_dof")
+    data: dict[str, Any] = {
+        "vertices": (("vertex", "xyz"), body.vertices),
+        "faces": (("panel", "corner"), body.faces),
+        "mode_shape": (("dof", "vertex", "xyz"), body.shapes),
+    }
+    for field, name in _MATRICES.items():
+        if getattr(body, field) is not None:
+            data[name] = (("xyz",) if name == "centre_of_mass" else pair, getattr(body, field))
+    with whole(path) as temporary:
+        xr.Dataset(data, coords={"dof": list(body.labels)}).to_netcdf(temporary, engine="netcdf4")
