@@ -5,7 +5,7 @@ Imports nothing heavy: the Snakefile reads a study at every parse.
 
 from typing import Annotated
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
 
 
 def number(value: object) -> object:
@@ -13,6 +13,18 @@ def number(value: object) -> object:
     if isinstance(value, bool):
         raise ValueError("a number is needed, not true/false")
     return value
+
+
+def within(least: float, most: float, unit: str, because: str) -> AfterValidator:
+    """Return what refuses a number beyond its physical range, and says why there is nothing."""
+
+    def checked(value: float) -> float:
+        if not least <= value <= most:
+            bound = f"at most {most:g}" if value > most else f"at least {least:g}"
+            raise ValueError(f"needs {bound} {unit}, because {because}")
+        return value
+
+    return AfterValidator(checked)
 
 
 Number = Annotated[float, BeforeValidator(number)]

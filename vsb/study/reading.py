@@ -74,8 +74,21 @@ def _one_line(error: ValidationError) -> str:
     """Say the first error of a validation in one line, and how many more: a misspelt key before the one it left out."""
     first, *more = sorted(error.errors(), key=lambda one: one["type"] != "extra_forbidden")
     key = ".".join(str(part) for part in first["loc"]) or error.title.lower()
-    received = "" if isinstance(first["input"], dict | BaseModel) else f" received {first['input']!r};"
+    received = "" if isinstance(first["input"], dict | BaseModel) else f" received {_shown(first['input'])};"
     what = first["msg"].removeprefix("Value error, ")
     if first["type"] == "extra_forbidden":
         what = "unknown key; remove it or correct its spelling"
     return " ".join(f"{key}:{received} {what}".split()) + (f" (and {len(more)} more)" if more else "")
+
+
+LONGEST = 80
+"""Characters of a value that are repeated."""
+
+
+def _shown(value: object) -> str:
+    """A value as it is repeated to people: no page of it."""
+    try:
+        text = repr(value)
+    except ValueError:  # more digits than Python prints
+        return "a number of too many digits"
+    return text if len(text) <= LONGEST else f"{text[:LONGEST]}... ({len(text)} characters)"

@@ -9,24 +9,30 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from vsb.study.quantities import Count, Finite, Name, NonNegative, Number, Positive, Section
+from vsb.study.quantities import Count, Finite, Name, NonNegative, Number, Positive, Section, within
 
 DEEPEST = 2e4
 """No sea is deeper [m]."""
+ATMOSPHERE = 101325.0
+"""Pressure of the atmosphere at the sea's surface [Pa]."""
+THINNEST_SHELL = 1 / 3e4
+"""Thickness over radius below which a sphere is a film."""
 
 
 class RayleighDamping(Section):
     """Structural damping D = alpha M + beta K, alpha [1/s], beta [s]."""
 
-    alpha: NonNegative = 0.0
-    beta: NonNegative = 0.0
+    alpha: Annotated[NonNegative, within(0.0, 1e4, "1/s", "what dies in a tenth of a millisecond does not move")] = 0.0
+    beta: Annotated[NonNegative, within(0.0, 100.0, "s", "a shell damped for minutes is rigid: flexible: false")] = 0.0
 
 
 class Gas(Section):
     """Gas trapped in the shell: adiabatic index [-], pressure of the atmosphere outside [Pa]."""
 
     adiabatic_index: Annotated[Number, Field(ge=1, le=2)] = 1.4
-    atmospheric_pressure: Positive = 101325.0
+    atmospheric_pressure: Annotated[Positive, within(1.0, 1e7, "Pa", "no atmosphere is denser than that of Venus")] = (
+        ATMOSPHERE
+    )
 
 
 class Device(Section):
@@ -35,13 +41,15 @@ class Device(Section):
     The internal pressure [Pa] is gauge and constant; with `gas` it is that of the undeformed volume.
     """
 
-    radius: Positive
+    radius: Annotated[Positive, within(0.01, 1e3, "m", "below surface tension matters, above nothing floats")]
     thickness: Positive
-    young_modulus: Positive
-    poisson_ratio: Annotated[Number, Field(gt=-1, lt=0.5)]
-    density: Positive
+    young_modulus: Annotated[Positive, within(1.0, 1e16, "Pa", "diamond has 1.2e12 Pa; flexible: false is rigid")]
+    poisson_ratio: Annotated[
+        Number, Field(gt=-1, lt=0.5), within(-0.99, 0.5, "", "no material keeps its shape so while it shrinks")
+    ]
+    density: Annotated[Positive, within(0.1, 2.5e4, "kg/m^3", "aerogel has 0.2 kg/m^3, osmium 22 590 kg/m^3")]
     mass: Positive
-    internal_pressure: Finite = 0.0
+    internal_pressure: Annotated[Finite, within(-1e8, 1e8, "Pa", "no vessel holds a thousand atmospheres")] = 0.0
     gas: Gas | None = None
     damping: RayleighDamping = RayleighDamping()
 
@@ -52,9 +60,20 @@ class Device(Section):
                 f"thickness {self.thickness:g} m: thin-shell theory (C3) needs less than "
                 f"radius/10 = {0.1 * self.radius:g} m"
             )
+        if not self.thickness >= THINNEST_SHELL * self.radius:
+            raise ValueError(
+                f"thickness {self.thickness:g} m: needs at least radius/3e4 = {THINNEST_SHELL * self.radius:.4g} m, "
+                "because a thinner sphere is a film that wrinkles under a billionth of its modulus, no shell"
+            )
         shell = 4 * math.pi * self.radius**2 * self.thickness * self.density
         if shell > self.mass:
             raise ValueError(f"mass {self.mass:g} kg: needs at least the mass of the shell itself, {shell:.6g} kg")
+        outside = self.gas.atmospheric_pressure if self.gas else ATMOSPHERE
+        if not self.internal_pressure > -outside:
+            raise ValueError(
+                f"internal_pressure {self.internal_pressure:g} Pa, gauge: needs more than {-outside:g} Pa, because "
+                "no gas is thinner than vacuum"
+            )
         return self
 
 
@@ -89,9 +108,9 @@ class Design(Section):
 class Water(Section):
     """Density [kg/m^3], depth [m] (`.inf` for deep water), gravity [m/s^2]."""
 
-    density: Positive = 1025.0
+    density: Annotated[Positive, within(1.0, 2e4, "kg/m^3", "mercury has 13 534 kg/m^3")] = 1025.0
     depth: Annotated[Number, Field(gt=0)] = math.inf
-    gravity: Positive = 9.81
+    gravity: Annotated[Positive, within(0.01, 300.0, "m/s^2", "on the sun it is 274 m/s^2")] = 9.81
 
     @field_validator("depth")
     @classmethod
@@ -113,7 +132,9 @@ class Hydro(Section):
     """
 
     model: Literal["linear", "body_exact", "assumed_pressure", "auto"] = "linear"
-    pressure: NonNegative | None = None
+    pressure: Annotated[NonNegative, within(0.0, 1e8, "Pa", "no wave presses like a thousand atmospheres")] | None = (
+        None
+    )
     power_tolerance: Annotated[Number, Field(gt=0, le=0.5)] | None = None
     solver: Literal["auto", "spectral", "panels"] = "auto"
     tolerance: Annotated[Number, Field(ge=1e-6, le=0.1)] = 1e-3
@@ -144,6 +165,10 @@ class Hydro(Section):
         return self
 
 
+Height = Annotated[Positive, within(1e-9, 100.0, "m", "the highest wave ever measured had 30 m, molecules have 1e-9 m")]
+Period = Annotated[Positive, within(1e-3, 1e7, "s", "waves of gravity take longer than ripples and less than seasons")]
+
+
 class StillWater(Section):
     """No waves: free decay."""
 
@@ -164,8 +189,8 @@ class RegularWave(Section):
     """Sine wave: amplitude [m], period [s]."""
 
     kind: Literal["regular"]
-    amplitude: Positive
-    period: Positive
+    amplitude: Height
+    period: Period
 
     @property
     def label(self) -> str:
@@ -194,7 +219,7 @@ class IrregularSea(Section):
     Realisations have seeds one after the other; a study lists each as a sea of its own and takes statistics over all.
     """
 
-    hs: Positive
+    hs: Height
     seed: Annotated[Count, Field(ge=0)] = 1
     realisations: Annotated[Count, Field(ge=1, le=1000)] = 1
 
@@ -239,7 +264,7 @@ class Jonswap(IrregularSea):
     """JONSWAP sea: significant height [m], peak period [s], peakedness [-], random seed."""
 
     kind: Literal["jonswap"]
-    tp: Positive
+    tp: Period
     gamma: Annotated[Number, Field(ge=1, le=10)] = 3.3
 
     @property
@@ -262,7 +287,7 @@ class PiersonMoskowitz(IrregularSea):
     """Fully developed sea of Pierson and Moskowitz: significant height [m], peak period [s], random seed."""
 
     kind: Literal["pierson_moskowitz"]
-    tp: Positive
+    tp: Period
 
     @property
     def family(self) -> str:
@@ -332,10 +357,10 @@ Wave = Annotated[StillWater | RegularWave | Irregular, Field(discriminator="kind
 class Simulation(Section):
     """Time-domain run: duration [s], window of the statistics [s], initial heave [m] and heave velocity [m/s]."""
 
-    duration: Positive = 60.0
+    duration: Annotated[Positive, within(1e-3, 2e5, "s", "no sea stays the same for two days")] = 60.0
     window: tuple[NonNegative, Positive] = (40.0, 60.0)
-    initial_position: Finite = 0.0
-    initial_velocity: Finite = 0.0
+    initial_position: Annotated[Finite, within(-1e4, 1e4, "m", "no buoy starts out of sight of the sea")] = 0.0
+    initial_velocity: Annotated[Finite, within(-1e3, 1e3, "m/s", "faster it would be a shell of another kind")] = 0.0
     tolerance: Annotated[Number, Field(ge=1e-12, le=0.1)] = 1e-6
     method: Literal["auto", "exact", "convolution", "exponential", "structure_preserving"] = "auto"
 

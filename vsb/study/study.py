@@ -14,6 +14,7 @@ from pydantic import BaseModel, Field, field_validator, model_validator
 from vsb.errors import ConfigError
 from vsb.study.quantities import Name, Section
 from vsb.study.reading import read_yaml, validated
+from vsb.study.resolution import RECORDS_PER_PERIOD
 from vsb.study.sections import (
     Design,
     Device,
@@ -62,6 +63,12 @@ __all__ = [
 ]
 CLEARANCE = 1.02
 """Least depth the spectral solver is given, in drafts."""
+LEAST_WINDOW = 0.02
+"""Of a period: least length of the window of the statistics, four instants recorded."""
+MOST_INSTANTS, MOST_CONVOLVED = 5e7, 2**16
+"""Instants a run records at most; a convolution, whose cost is their square."""
+NEAREST_POLE = 0.01
+"""Of the radius: least distance of the waterline from top and keel."""
 CHECKS = (
     "error_estimate", "interpolation_error", "limit_difference", "symmetry", "positive_damping", "rank_one", "haskind",
     "irregular_frequencies", "kramers_kronig",
@@ -112,6 +119,7 @@ class Study(Section):
         self._check_afloat()
         self._check_waves()
         self._check_model()
+        self._check_record()
         return self
 
     def _check_afloat(self) -> None:
@@ -121,6 +129,12 @@ class Study(Section):
             raise ValueError(
                 f"device.mass {self.device.mass:g} kg: the buoy would sink; needs less than {full:.6g} kg, "
                 "the mass of the water it displaces fully immersed"
+            )
+        low, high = (_cap(self.device.radius, part) * self.water.density for part in (NEAREST_POLE, 2 - NEAREST_POLE))
+        if not low <= self.device.mass <= high:
+            raise ValueError(
+                f"device.mass {self.device.mass:g} kg: needs {low:.6g} to {high:.6g} kg, because a waterline within "
+                f"{NEAREST_POLE:g} radii of a pole is a puddle"
             )
         if not self.water.depth > self.draft:
             raise ValueError(
@@ -186,6 +200,27 @@ class Study(Section):
         if self.published and (absent := sorted(set(self.published.values) - set(self.designs))):
             raise ValueError(f"published.values {absent}: no such design; needs some of {', '.join(self.designs)}")
 
+    def _check_record(self) -> None:
+        """Every run must be short enough to be recorded, the window long enough to see the motion."""
+        (start, end), duration = self.simulation.window, self.simulation.duration
+        convolved = self.simulation.method == "convolution"
+        most = MOST_CONVOLVED if convolved else MOST_INSTANTS
+        for i, wave in enumerate(self.waves):
+            period = 2 * math.pi / self.fastest(wave)
+            if RECORDS_PER_PERIOD * duration > most * period:
+                reason = "a convolution needs all of its past at every instant" if convolved else "it must be recorded"
+                raise ValueError(
+                    f"simulation.duration {duration:g} s: needs at most {most / RECORDS_PER_PERIOD * period:.4g} s in "
+                    f"waves.{i} {wave.label}, whose fastest motion takes {period:.3g} s, because {reason}"
+                )
+            slowest = 2 * math.pi / (self.heave_frequency if isinstance(wave, StillWater) else wave.omega)
+            if end - start < LEAST_WINDOW * slowest:
+                raise ValueError(
+                    f"simulation.window {list(self.simulation.window)} s: needs to be at least "
+                    f"{LEAST_WINDOW * slowest:.4g} s long, because the motion in waves.{i} {wave.label} takes "
+                    f"{slowest:.4g} s"
+                )
+
     @property
     def drawn_waves(self) -> tuple[Wave, ...]:
         """The seas figures are drawn of: of several realisations the first."""
@@ -239,6 +274,11 @@ class Study(Section):
     def reference_design(self) -> str | None:
         """The first rigid design: gains are measured against it."""
         return next((name for name, design in self.designs.items() if not design.flexible), None)
+
+
+def _cap(radius: float, height: float) -> float:
+    """Volume of a spherical cap, pi h^2 (3r - h)/3, its height in radii [m^3]."""
+    return math.pi * height**2 * (3 - height) / 3 * radius**3
 
 
 def _floating_height(radius: float, volume: float) -> float:

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Discriminator, Field, Tag, field_validator
 
-from vsb.study.quantities import NonNegative, Number, Section
+from vsb.study.quantities import NonNegative, Number, Section, within
 
 Colatitude = Annotated[Number, Field(ge=0, le=180)]
 
@@ -55,4 +55,6 @@ PortChoice = Annotated[
 class Pto(Section):
     """Linear power take-off: damping [N s/m] between the heaving plate and the sea bed."""
 
-    damping: NonNegative = 8000.0
+    damping: Annotated[
+        NonNegative, within(0.0, 1e12, "N s/m", "a take-off that holds a ship still does not take off")
+    ] = 8000.0

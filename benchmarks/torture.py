@@ -1,0 +1,277 @@
+"""Studies at random, broken ones and odd ones: each is refused in one line or runs to finite results.
+
+    python -m benchmarks torture [COUNT [SEED]]
+
+Broken studies are the seed's with a key taken out, renamed or given junk, or its text cut and altered. Odd ones are
+drawn from physical ranges: sizes, shells, depths, bands, seas, windows, methods, clamps, small enough to take a second.
+"""
+
+import copy
+import json
+import math
+import random
+import tempfile
+import traceback
+import warnings
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+import yaml
+
+from vsb.errors import VsbError
+from vsb.stages import coefficients, compare, database, meshes, modes, preview, radiation, response, simulate
+from vsb.study.plan import StudyPlan
+from vsb.study.study import Study, canonical, load
+
+Raw = dict[str, Any]
+SEED = Path(__file__).parent.parent / "config" / "seed.yaml"
+JUNK: tuple[Any, ...] = (
+    None, True, "", "x", "1e5", "é" * 3, "/etc", [], {}, [[]], {"a": {"b": 1}}, -1, 0, 0.5, 1e308, -1e308, 1e25, 1e-300,
+    math.nan, math.inf, -math.inf, 10**30, -(10**30), 16**5000, [1.0, "two"], "x" * 100_000, list(range(3000)),
+)  # fmt: skip
+"""Values that no key wants, or not of that size."""
+
+
+class Outcome(NamedTuple):
+    """What became of a study."""
+
+    verdict: str  # refused, completed; or what must not be: failed after check, traceback, not finite, long message
+    reason: str
+    text: str  # the study
+
+
+BAD = ("failed after check", "traceback", "not finite", "long message")
+
+
+# studies ------------------------------------------------------------------------------------------------------------
+
+
+def broken(rng: random.Random) -> str:
+    """Return the text of a study with one to three things wrong with it."""
+    raw: Raw = yaml.safe_load(SEED.read_text(encoding="utf-8"))
+    raw["modes"]["degree"], raw["hydro"] = 2, {"model": "linear", "tolerance": 0.01, "omega_max": 4.0}
+    raw["simulation"] |= {"duration": 6.0, "window": [3.0, 6.0]}
+    for _ in range(rng.randint(1, 3)):
+        _damage(rng, raw)
+    text = yaml.safe_dump(raw, sort_keys=False, allow_unicode=True)
+    if rng.random() < 0.15:
+        at = rng.randrange(len(text))
+        text = rng.choice([text[:at], text[:at] + rng.choice("{}[]:,&*#|>\t\x00\ufeff") + text[at:]])
+    return text
+
+
+def _damage(rng: random.Random, raw: Raw) -> None:
+    """Take a key out, misspell it, or give it junk, anywhere."""
+    here: Any = raw
+    while True:
+        keys = list(here) if isinstance(here, dict) else list(range(len(here)))
+        if not keys:
+            return
+        key = rng.choice(keys)
+        deeper = isinstance(here[key], dict | list) and rng.random() < 0.8
+        if not deeper:
+            break
+        here = here[key]
+    kind = rng.random()
+    if kind < 0.2:
+        here.pop(key)
+    elif kind < 0.3 and isinstance(here, dict):
+        here[str(key) + rng.choice("_x9 ")] = here.pop(key)
+    else:
+        here[key] = copy.deepcopy(rng.choice(JUNK))
+
+
+def odd(rng: random.Random) -> str:
+    """Return the text of a study from physical ranges, small enough to take a second or two; not all can be."""
+    radius, density, gravity = 10 ** rng.uniform(-0.7, 1.5), rng.choice([1025.0, 1000.0, 800.0]), 9.81
+    thickness = radius * 10 ** rng.uniform(-3.3, -1.05)
+    full, natural = 4 / 3 * math.pi * radius**3 * density, math.sqrt(gravity / radius)
+    mass = full * rng.choice([0.5, rng.uniform(0.02, 0.98)])
+    shell_density = min(rng.uniform(500.0, 8000.0), 0.9 * mass / (4 * math.pi * radius**2 * thickness))
+    weight = density * gravity * radius
+    model = rng.choice(["linear", "linear", "linear", "body_exact", "assumed_pressure", "auto"])
+    device = {
+        "radius": radius,
+        "thickness": thickness,
+        "young_modulus": weight * radius / thickness * 10 ** rng.uniform(0.5, 5.0),
+        "poisson_ratio": rng.uniform(-0.3, 0.49),
+        "density": shell_density,
+        "mass": mass,
+        "internal_pressure": 0.0 if rng.random() < 0.6 else weight * rng.uniform(-0.3, 1.5),
+        "damping": {"alpha": rng.choice([0.0, 0.1]), "beta": rng.choice([0.0, 1e-3, 0.1])},
+    }
+    if rng.random() < 0.2:
+        device["gas"] = {}
+    highest = natural * rng.uniform(0.6, 5.0)
+    hydro: Raw = {"model": model, "tolerance": rng.choice([1e-2, 1e-3, 3e-2]), "omega_max": highest}
+    if model == "assumed_pressure":
+        hydro = {"model": model, "pressure": weight * 10 ** rng.uniform(-3.0, -0.5)}
+    waves = [_wave(rng, radius, natural, highest) for _ in range(rng.choice([1, 1, 2]))]
+    slowest = max(2 * math.pi / natural, *(wave.get("period", wave.get("tp", 0.0)) for wave in waves))
+    duration = slowest * 10 ** rng.uniform(-1.0, 1.2)
+    begin, end = sorted(rng.uniform(0.0, duration) for _ in range(2))
+    method = {"linear": ["auto", "exact", "convolution", "structure_preserving"], "auto": ["auto"]}.get(
+        model, ["auto", "exponential", "structure_preserving"]
+    )
+    depth = math.inf if rng.random() < 0.6 else radius * 10 ** rng.uniform(-0.5, 1.5)
+    return yaml.safe_dump({
+        "study": "odd",
+        "device": device,
+        "modes": {"basis": rng.choice(["membrane", "full", "paper"]), "degree": rng.choice([0, 1, 2, 3, 4])},
+        "reference_shape": rng.choice(["undeformed"] * 3 + ["equilibrium"]),
+        "designs": _designs(rng),
+        "water": {"density": density, "depth": depth, "gravity": gravity},
+        "hydro": hydro,
+        "pto": {"damping": rng.choice([0.0, 1.0, 1.0, 1.0]) * density * radius**3 * natural * 10 ** rng.uniform(-3, 2)},
+        "waves": waves,
+        "simulation": {
+            "duration": duration,
+            "window": rng.choice([[begin, end], [0.0, duration], [0.5 * duration, duration]]),
+            "initial_position": rng.choice([0.0, radius * rng.uniform(-0.3, 0.3)]),
+            "initial_velocity": rng.choice([0.0, natural * radius * rng.uniform(-0.2, 0.2)]),
+            "tolerance": rng.choice([1e-4, 1e-6]),
+            "method": rng.choice(method),
+        },
+    })  # fmt: skip
+
+
+def _wave(rng: random.Random, radius: float, natural: float, highest: float) -> Raw:
+    """A sea of any kind within the band, or nearly."""
+    omega, height = (
+        min(natural * rng.uniform(0.15, 3.0), rng.choice([1.0, 1.05]) * highest),
+        radius * 10 ** rng.uniform(-3, -1),
+    )
+    kind = rng.choice(["regular", "regular", "regular", "jonswap", "pierson_moskowitz", "white_noise", "still"])
+    if kind == "regular":
+        return {"kind": kind, "amplitude": height, "period": 2 * math.pi / omega}
+    if kind == "still":
+        return {"kind": kind}
+    if kind == "white_noise":
+        return {"kind": kind, "hs": height, "band": [0.3 * omega, omega], "seed": rng.randrange(100)}
+    return {"kind": kind, "hs": height, "tp": 2 * math.pi / omega, "seed": rng.randrange(100)}
+
+
+def _designs(rng: random.Random) -> Raw:
+    """One to three designs with any clamps."""
+    clamps: list[Any] = [0, 90, 180, rng.uniform(0.0, 180.0), [0, 180], [rng.uniform(0.0, 180.0), 90.0]]
+    found: Raw = {"FSB": {"flexible": False}} if rng.random() < 0.8 else {}
+    if rng.random() < 0.7 or not found:
+        found["VSWEC"] = {}
+    if rng.random() < 0.4:
+        found["CLAMPED"] = {"clamp": rng.choice(clamps)}
+    return found
+
+
+# their fate ---------------------------------------------------------------------------------------------------------
+
+
+def fate(text: str, folder: Path, run: bool = True) -> Outcome:
+    """Return what becomes of a study: check it, run it if it passes, look at what it wrote."""
+    path, checked = folder / "study.yaml", False
+    path.write_text(text, encoding="utf-8")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", RuntimeWarning)
+        try:
+            study = load(path)
+            plan = StudyPlan(study, root=str(folder / "results"))
+            preview.summary(study, plan)
+            checked = True
+            worst = run_stages(study, plan) if run else ""
+        except VsbError as error:
+            message = str(error)
+            verdict = "failed after check" if checked else "refused"
+            if len(message) > 1000 or "\n" in message:
+                verdict = "long message"
+            return Outcome(verdict, message, text)
+        except Exception:
+            where = traceback.format_exc().strip().splitlines()
+            return Outcome("traceback", " | ".join(where[-3:]), text)
+    return Outcome("not finite" if worst else "completed", worst, text)
+
+
+def run_stages(study: Study, plan: StudyPlan) -> str:
+    """Run the stages of a study in this process, figures and report left out; return what is not finite, if anything."""
+    modes.shell_modes(_spec(plan.modes), f"{plan.folder}/modes.nc")
+    if study.needs_bem:
+        for block in plan.bem_blocks.values():
+            _solve(plan, block)
+        files = [plan.block_path(block) for block in plan.bem_blocks.values()]
+        database.build_database(_spec(plan.database), files, plan.database_path)
+        radiation.fit_radiation(_spec(plan.radiation), plan.database_path, plan.radiation_path)
+        response.frequency_response(_spec(plan.response), plan.database_path, plan.response_files["response"])
+    paths: Raw = {**plan.hydro_files, **plan.response_files}
+    runs = []
+    for wave in study.waves:
+        for design in study.designs:
+            runs.append(plan.trajectory_path(design, wave.label))
+            simulate.simulate(_spec(plan.simulation(design, wave)), paths, runs[-1])
+    names = {
+        "out": "comparison.csv",
+        "statistics": "statistics.csv",
+        "validity": "validity.json",
+        "study": "study.json",
+    }
+    paths |= {key: f"{plan.folder}/{name}" for key, name in names.items()}
+    compare.compare_designs(_spec(plan.comparison), paths, runs)
+    return _not_finite(Path(plan.folder))
+
+
+def _spec(spec: Raw) -> Raw:
+    """A spec as a rule hands it over."""
+    return dict(json.loads(canonical(spec)))
+
+
+def _solve(plan: StudyPlan, block: Raw) -> None:
+    """Solve one block by the solver its spec names."""
+    out = plan.block_path(block)
+    if Path(out).exists():
+        return
+    if "mesh" not in block:
+        coefficients.spectral_block(_spec(block), out)
+        return
+    green, mesh = plan.green_folder, plan.mesh_path(block["mesh"])
+    if not Path(green, "done").exists():
+        coefficients.green(green, f"{green}/done")
+    meshes.mesh(_spec(block["mesh"]), mesh)
+    coefficients.bem_block(_spec(block), mesh, green, out)
+
+
+def _not_finite(folder: Path) -> str:
+    """Where results hold what is no number."""
+    for path in sorted(folder.rglob("*.nc")):
+        with xr.open_dataset(path) as ds:
+            for name, values in ds.variables.items():
+                if np.issubdtype(values.dtype, np.number) and not np.isfinite(values.values).all():
+                    return f"{path.name}: {name}"
+    for path in [*sorted(folder.glob("*.csv")), folder / "validity.json"]:
+        cells = path.read_text(encoding="utf-8").replace("\n", ",").replace(": ", ",").lower().split(",")
+        if {"nan", "inf", "-inf", "infinity"} & set(cells):
+            return path.name
+    return ""
+
+
+def outcomes(count: int, seed: int, run: bool = True) -> Iterator[Outcome]:
+    """Yield the fates of broken and odd studies by turns."""
+    for i in range(count):
+        rng = random.Random(f"{seed}-{i}")
+        text = (odd if i % 2 else broken)(rng)
+        with tempfile.TemporaryDirectory() as folder:
+            yield fate(text, Path(folder), run)
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Torture so many studies and print what became of them; 1 if any ended as it must not."""
+    count, seed = (int(given) for given in [*arguments, *("1000", "0")[len(arguments) :]])
+    found: Counter[str] = Counter()
+    for i, outcome in enumerate(outcomes(count, seed)):
+        found[outcome.verdict] += 1
+        if outcome.verdict in BAD:
+            print(f"{i} {outcome.verdict}: {outcome.reason[:400]}\n{outcome.text[:1500]}", flush=True)
+    print(
+        f"{count} studies, seed {seed}: {', '.join(f'{number} {verdict}' for verdict, number in found.most_common())}"
+    )
+    return int(any(found[verdict] for verdict in BAD))
