@@ -141,10 +141,8 @@ def odd(rng: random.Random) -> str:
 
 def _wave(rng: random.Random, radius: float, natural: float, highest: float) -> Raw:
     """A sea of any kind within the band, or nearly."""
-    omega, height = (
-        min(natural * rng.uniform(0.15, 3.0), rng.choice([1.0, 1.05]) * highest),
-        radius * 10 ** rng.uniform(-3, -1),
-    )
+    omega = min(natural * rng.uniform(0.15, 3.0), rng.choice([1.0, 1.05]) * highest)
+    height = radius * 10 ** rng.uniform(-3, -1)
     kind = rng.choice(["regular", "regular", "regular", "jonswap", "pierson_moskowitz", "white_noise", "still"])
     if kind == "regular":
         return {"kind": kind, "amplitude": height, "period": 2 * math.pi / omega}
@@ -194,7 +192,7 @@ def fate(text: str, folder: Path, run: bool = True) -> Outcome:
 
 
 def run_stages(study: Study, plan: StudyPlan) -> str:
-    """Run the stages of a study in this process, figures and report left out; return what is not finite, if anything."""
+    """Run the stages of a study in this process, without figures and report; return what is not finite, if anything."""
     modes.shell_modes(_spec(plan.modes), f"{plan.folder}/modes.nc")
     if study.needs_bem:
         for block in plan.bem_blocks.values():
@@ -209,13 +207,9 @@ def run_stages(study: Study, plan: StudyPlan) -> str:
         for design in study.designs:
             runs.append(plan.trajectory_path(design, wave.label))
             simulate.simulate(_spec(plan.simulation(design, wave)), paths, runs[-1])
-    names = {
-        "out": "comparison.csv",
-        "statistics": "statistics.csv",
-        "validity": "validity.json",
-        "study": "study.json",
-    }
-    paths |= {key: f"{plan.folder}/{name}" for key, name in names.items()}
+    names = ("comparison.csv", "statistics.csv", "validity.json", "study.json")
+    tables = {name.split(".")[0]: f"{plan.folder}/{name}" for name in names}
+    paths |= tables | {"out": tables.pop("comparison")}
     compare.compare_designs(_spec(plan.comparison), paths, runs)
     return _not_finite(Path(plan.folder))
 
@@ -271,7 +265,6 @@ def main(arguments: Sequence[str]) -> int:
         found[outcome.verdict] += 1
         if outcome.verdict in BAD:
             print(f"{i} {outcome.verdict}: {outcome.reason[:400]}\n{outcome.text[:1500]}", flush=True)
-    print(
-        f"{count} studies, seed {seed}: {', '.join(f'{number} {verdict}' for verdict, number in found.most_common())}"
-    )
+    summary = ", ".join(f"{number} {verdict}" for verdict, number in found.most_common())
+    print(f"{count} studies, seed {seed}: {summary}")
     return int(any(found[verdict] for verdict in BAD))

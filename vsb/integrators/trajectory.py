@@ -26,6 +26,8 @@ TERMS = ("wave", "pto", "radiated", "structural", "stored")
 EXACT = "exact propagation"
 CONVOLVED = 1e-4
 """Energy residual of a convolution: its motion is of second order, and so is what it loses."""
+FEWEST_IN_WINDOW = 4
+"""Instants recorded in the window of the statistics, at least."""
 ROUND_OFF = 1e-9
 """Energy residual that is as good as none [-]."""
 FINEST = 2**5
@@ -254,4 +256,6 @@ def recorded_steps(system: System, sea: Sea, settings: Simulation) -> int:
         omega = float(sea.omega[np.abs(sea.amplitude) > 0.05 * np.abs(sea.amplitude).max()].max())
     else:
         omega = max([system.heaving, *system.frequencies])
-    return int(np.ceil(RECORDS_PER_PERIOD * omega / (2 * np.pi) * settings.duration))
+    start, end = settings.window
+    rate = max(RECORDS_PER_PERIOD * omega / (2 * np.pi), FEWEST_IN_WINDOW / (end - start))
+    return int(np.ceil(rate * settings.duration))

@@ -1,0 +1,116 @@
+"""Physical ranges: a number beyond one is refused with its reason, one inside is not."""
+
+import copy
+import json
+import math
+
+import pytest
+import yaml
+from conftest import SEED
+from hypothesis import given
+from hypothesis import strategies as st
+
+from vsb.errors import ConfigError
+from vsb.study import study as config
+from vsb.study.quantities import within
+
+BEYOND = [
+    ("device.radius", 1e200, r"needs at most 1000 m, because .* nothing floats"),
+    ("device.radius", 1e-3, r"needs at least 0.01 m, because below surface tension"),
+    ("device.thickness", 2e-5, r"needs at least radius/3e4 = 6.667e-05 m, because .* a film that wrinkles"),
+    ("device.young_modulus", 1e308, r"needs at most 1e\+16 Pa, because diamond has"),
+    ("device.young_modulus", 1e25, r"needs at most 1e\+16 Pa, because diamond has"),
+    ("device.young_modulus", 1e-3, r"needs at least 1 Pa, because"),
+    ("device.poisson_ratio", -0.999, r"needs at least -0.99 , because"),
+    ("device.density", 1e6, r"needs at most 25000 kg/m\^3, because .*osmium"),
+    ("device.density", 1e-300, r"needs at least 0.1 kg/m\^3, because aerogel"),
+    ("device.mass", 1e-300, r"needs at least the mass of the shell itself"),
+    ("device.internal_pressure", 1e308, r"needs at most 1e\+08 Pa, because no vessel"),
+    ("device.internal_pressure", -1e308, r"needs at least -1e\+08 Pa, because no vessel"),
+    ("device.internal_pressure", -10e6, r"needs more than -101325 Pa, because no gas is thinner than vacuum"),
+    ("device.gas", {"atmospheric_pressure": 1e9}, r"needs at most 1e\+07 Pa, because .*Venus"),
+    ("device.damping.alpha", 1e300, r"needs at most 10000 1/s, because"),
+    ("device.damping.beta", 1e300, r"needs at most 100 s, because"),
+    ("water.density", 1e300, r"needs at most 20000 kg/m\^3, because mercury"),
+    ("water.gravity", 1e-9, r"needs at least 0.01 m/s\^2, because"),
+    ("pto.damping", 1e300, r"needs at most 1e\+12 N s/m, because"),
+    ("waves.0.amplitude", 1e200, r"needs at most 100 m, because the highest wave"),
+    ("waves.0.period", 1e-9, r"needs at least 0.001 s, because"),
+    ("simulation.duration", 1e12, r"needs at most 200000 s, because no sea stays the same"),
+    ("simulation.initial_position", 1e300, r"needs at most 10000 m, because"),
+    ("simulation.initial_velocity", -1e300, r"needs at least -1000 m/s, because"),
+    (
+        "simulation.window",
+        [50.0, 50.01],
+        r"window \[50.0, 50.01\] s: needs to be at least 0.05 s long, because .*2.5 s",
+    ),
+]
+
+
+def changed(path, value):
+    """The seed study with one value changed."""
+    raw = copy.deepcopy(yaml.safe_load(SEED.read_text()))
+    *outer, last = (int(part) if part.isdigit() else part for part in path.split("."))
+    here = raw
+    for part in outer:
+        here = here[part]
+    here[last] = value
+    return raw
+
+
+@pytest.mark.parametrize(("path", "value", "message"), BEYOND, ids=[f"{path}={value}" for path, value, _ in BEYOND])
+def test_a_number_beyond_its_range_is_refused_with_the_reason(path, value, message):
+    with pytest.raises(ConfigError, match=message) as error:
+        config.parse(changed(path, value))
+    assert path.split(".")[0] in str(error.value)
+
+
+@given(st.floats(-10.0, 10.0), st.floats(0.0, 10.0), st.floats())
+def test_a_range_holds_its_ends_and_nothing_beyond(least, width, value):
+    limits = within(least, least + width, "m", "of the test")
+    if least <= value <= least + width:
+        assert limits.func(value) == value
+    else:
+        bound = "at most" if value > least + width else "at least"
+        with pytest.raises(ValueError, match=f"needs {bound} .* m, because of the test"):
+            limits.func(value)
+
+
+def test_long_runs_are_refused_by_what_they_would_record():
+    raw = changed("waves", [{"kind": "regular", "amplitude": 0.01, "period": 0.6}])
+    raw["simulation"] |= {"duration": 1.9e5, "window": [0.0, 1.9e5]}
+    with pytest.raises(ConfigError, match=r"duration 190000 s: needs at most 1.5e\+05 s in waves.0 .*must be recorded"):
+        config.parse(raw)
+    raw["simulation"] |= {"duration": 1000.0, "window": [0.0, 1000.0], "method": "convolution"}
+    with pytest.raises(
+        ConfigError, match=r"duration 1000 s: needs at most 196.6 s .* a convolution needs all of its past"
+    ):
+        config.parse(raw)
+
+
+@pytest.mark.parametrize("share", [5e-5, 0.99995])
+def test_a_waterline_at_a_pole_is_refused(share):
+    raw = changed("device.mass", share * 4 / 3 * math.pi * 8.0 * 1025.0)
+    raw["device"]["density"] = 0.1
+    with pytest.raises(
+        ConfigError, match=r"device.mass .* kg: needs .* because a waterline within 0.01 radii of a pole"
+    ):
+        config.parse(raw)
+
+
+def test_no_page_of_a_value_is_repeated(tmp_path):
+    with pytest.raises(ConfigError, match=r"received 'x{79}\.\.\. \(100002 characters\)") as error:
+        config.parse(changed("study", "x" * 100_000))
+    assert len(str(error.value)) < 400
+    file = tmp_path / "digits.yaml"
+    file.write_text(SEED.read_text().replace("radius: 2.0", f"radius: 0x{'f' * 20_000}"))
+    with pytest.raises(ConfigError, match=r"device.radius: received a number of too many digits"):
+        config.load(file)
+
+
+def test_junk_of_json_is_one_line():
+    for junk in (None, [], {}, "x", 10**5000, [[1]], {"a": json.loads("[[[]]]")}):
+        with pytest.raises(ConfigError) as error:
+            config.parse(changed("device.mass", junk))
+        assert "\n" not in str(error.value)
+        assert len(str(error.value)) < 400
