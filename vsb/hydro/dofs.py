@@ -79,9 +79,14 @@ def displacements(labels: Iterable[str], order: int = 0) -> tuple[Displacement, 
     return tuple(one(str(label)) for label in labels)
 
 
-def flexible(labels: Iterable[str]) -> bool:
-    """Return whether any of the degrees of freedom labelled is a shape of its own, no rigid motion."""
-    return not set(map(str, labels)) <= set(RIGID)
+def flexible(labels: Iterable[str], motions: FloatArray | None = None) -> bool:
+    """Return whether any of the degrees of freedom labelled is a shape of its own, no rigid motion.
+
+    Of those that `motions`, shape (dof, free), move, where they are given.
+    """
+    names = [str(label) for label in labels]
+    moved = names if motions is None else [name for name, row in zip(names, motions, strict=True) if row.any()]
+    return not set(moved) <= set(RIGID)
 
 
 def azimuthal_order(moved: Sequence[Displacement]) -> int:

@@ -126,12 +126,12 @@ def recorded(system: System, leg: Leg, sea: Sea | None, window: tuple[float, flo
 
     Every readable instant of a short run. Of a long one a part of them, and those in the window [s] where a coordinate,
     a velocity or the power taken off is extreme: figures of merit are those of all instants.
-    A rigid design carries heave alone, a flexible one heave and all shell modes; an assumed pressure has no elevation.
+    A rigid design carries its motions, a flexible one heave and all shell modes; an assumed pressure has no elevation.
     """
     motion, scene = leg.motion, system.scene
-    labels = list(scene.labels if system.free > 1 else scene.labels[:1])
-    motions = scene.motions[: len(labels)]
-    named = {name: force[:, : len(labels)] for name, force in system.forces(motion).items()}
+    carried = [i for i, row in enumerate(scene.motions) if scene.flexible or row.any()]
+    labels, motions = [scene.labels[i] for i in carried], scene.motions[carried]
+    named = {name: force[:, carried] for name, force in system.forces(motion).items()}
     series = {"position": motion.position @ motions.T, "velocity": motion.velocity @ motions.T} | named
     kept = np.append(np.arange(0, len(motion.time) - 1, leg.stride * leg.thinning), len(motion.time) - 1)
     if leg.thinning > 1:

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from vsb.hydro.dofs import flexible
 from vsb.hydro.statespace import RadiationModel
 from vsb.motion.forces import (
     AssumedPressure,
@@ -35,12 +36,12 @@ def linear_plant(buoy: LinearBuoy, radiation: RadiationModel, sea: Sea, motions:
     }
     if buoy.pto.damping:
         forces["pto"] = Damper(buoy.pto.matrix(len(buoy.mass)))
-    if motions.shape[1] > 1:
+    labels = tuple(str(label) for label in database.influenced_dof.values)
+    if flexible(labels, motions):
         forces |= _shell_springs(buoy)
     if sea.omega.size:
         excitation = buoy.coefficients(sea.omega).excitation
         forces["excitation"] = Excitation(sea.omega, sea.amplitude[:, None] * excitation)
-    labels = tuple(str(label) for label in database.influenced_dof.values)
     return Plant(labels, buoy.mass + buoy.added_mass_inf, forces, motions)
 
 
@@ -132,7 +133,7 @@ def assumed_pressure_plant(
 
 def _shell_forces(basis: ModeBasis, motions: FloatArray) -> dict[str, Force]:
     """Elastic force and structural damping of a flexible design; a rigid one has none."""
-    if motions.shape[1] < 2:
+    if not flexible(basis.labels, motions):
         return {}
     damping: dict[str, Force] = {"structural_damping": Damper(basis.damping)} if basis.damping.any() else {}
     return {"elastic": Spring(basis.stiffness), **damping}

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from vsb.errors import ConvergenceError
+from vsb.hydro.dofs import flexible
 from vsb.hydro.statespace import RadiationModel
 from vsb.motion.forces import ConstantForce, Excitation, Force, Linear, WaterPressure
 from vsb.shell.deformed import DeformedShell
@@ -29,6 +30,11 @@ class Plant:
     motions: FloatArray  # N (dof, free)
     origin: FloatArray = field(default_factory=lambda: np.zeros(0))  # y at rest (free,) [m]; empty: zero
     take_off: str = "pto"  # name of the force whose work is the power absorbed
+
+    @cached_property
+    def flexible(self) -> bool:
+        """Whether an allowed motion deforms the shell."""
+        return flexible(self.labels, self.motions)
 
     @cached_property
     def linear(self) -> dict[str, Linear]:
