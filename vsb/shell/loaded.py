@@ -214,7 +214,7 @@ class LoadedShell:
 
     @cached_property
     def first_order(self) -> FloatArray:
-        """Shell amplitudes to first order in the load, K_unloaded^-1 force(0), heave zero, shape (dof,) [m]."""
+        """Modal amplitudes to first order in the load, K_unloaded^-1 force(0), heave zero, shape (dof,) [m]."""
         q = np.zeros(len(self.basis.labels))
         q[1:] = np.linalg.solve(self.unloaded_stiffness[1:, 1:], self.force(q)[1:])
         return q
