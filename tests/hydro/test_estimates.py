@@ -1,0 +1,154 @@
+"""Every summand of an error estimate has a case in which it alone tells of the error."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from vsb.hydro import dofs, sweep
+from vsb.hydro.panels import rings
+from vsb.hydro.panels.mesh import deformed_mesh
+from vsb.hydro.panels.sweep import TwoMeshes
+from vsb.hydro.spectral import sweep as spectral_sweep
+from vsb.hydro.spectral.solver import SpectralProblem
+from vsb.hydro.sweep import FORCES, IncidentWave, adaptive, apart, largest
+from vsb.shell.deformed import rigid_sphere
+
+GRID = [round(0.1 * i, 10) for i in range(1, 65)]
+STILL = IncidentWave(lambda omega: 0 * omega, lambda omega: np.zeros((len(omega), 1, 1), dtype=complex), 0)
+
+
+def heave(nodes=16):
+    return SpectralProblem(rigid_sphere(2.0, 0.0), dofs.displacements(["Radial1"]), 1025.0, 9.81, nodes)
+
+
+class Bump:
+    """Smooth coefficients with one frequency that stands out of them, as an irregular one does."""
+
+    def __init__(self, at, height):
+        self.at, self.height, self.calls = at, height, []
+
+    def __call__(self, omegas):
+        self.calls += omegas
+        omega = np.asarray(omegas)
+        added = 1 / (1 + omega**2) + self.height * (np.abs(omega - self.at) < 0.05)
+        pair, wave = ("influenced_dof", "radiating_dof"), ("wave_direction", "influenced_dof")
+        values = {"added_mass": (("omega", *pair), added[:, None, None])}
+        values["radiation_damping"] = (("omega", *pair), (omega**2 / (1 + omega**2))[:, None, None])
+        values |= {name: (("omega", *wave), np.ones((len(omega), 1, 1), dtype=complex)) for name in FORCES}
+        return xr.Dataset(values, {"omega": omega})
+
+
+# the sweep -----------------------------------------------------------------------------------------------------------
+
+
+def blind(monkeypatch, chosen, errors):
+    """Let interpolants doubt one frequency after the other of a list, and be as sure of themselves as told."""
+    real, left, told = sweep.settled, list(chosen), list(errors)
+
+    def settled(omega, values, scale, grid, grid_scale):
+        doubt = np.zeros(len(grid))
+        doubt[[grid.tolist().index(w) for w in left if w not in omega][:1]] = 1.0
+        return real(omega, values, scale, grid, grid_scale)._replace(doubt=doubt, error=told.pop(0) if told else 0.0)
+
+    monkeypatch.setattr(sweep, "settled", settled)
+
+
+def test_only_the_surprise_tells_of_what_was_met_at_the_frequency_solved_last(monkeypatch):
+    """Interpolants before and after are sure of themselves; that they were off at 3.3 rad/s remains."""
+    blind(monkeypatch, [3.3], [])
+    solve = Bump(3.3, 0.2)
+    found = sweep._sampled(solve, GRID, 1e-3, STILL, (), most=9)
+    assert 3.3 in solve.calls
+    assert found.error > 0.15
+    blind(monkeypatch, [3.3], [])
+    assert sweep._sampled(Bump(3.3, 0.0), GRID, 1e-3, STILL, (), most=9).error < 1e-3
+
+
+def test_interpolants_must_agree_twice_in_a_row(monkeypatch):
+    """The first sure of themselves after unsure ones are not believed yet."""
+    blind(monkeypatch, [1.1, 2.3, 3.3, 4.7], [0.5, 0.5, 0.0, 0.0])
+    once = Bump(3.3, 0.0)
+    adaptive(once, GRID, 1e-3, STILL)
+    blind(monkeypatch, [1.1, 2.3, 3.3, 4.7], [0.0, 0.0, 0.0, 0.0])
+    sure = Bump(3.3, 0.0)
+    adaptive(sure, GRID, 1e-3, STILL)
+    assert len(once.calls) > len(sure.calls)
+
+
+# the spectral solver on a grid ---------------------------------------------------------------------------------------
+
+
+def errors_on(found, grid):
+    exact = heave(32).solve(grid)
+    return max(apart(found[n].values, exact[n].values) / apart(exact[n].values, 0) for n in ("added_mass", *FORCES))
+
+
+def test_only_the_splines_tell_of_a_grid_too_coarse():
+    grid = [round(0.4 * i, 10) for i in range(1, 17)]
+    found = spectral_sweep.converged_on_grid(heave(), grid, 1e-3, 1e-6)
+    told = found.attrs["interpolation_error"]
+    missed = sweep.GridSweep(found, None).spline_error(heave().solve)
+    assert missed > 100 * errors_on(found, grid)
+    assert missed <= told <= 1.5 * missed
+
+
+def test_only_the_sweep_tells_of_what_it_missed_on_the_grid():
+    grid = [round(0.025 * i, 10) for i in range(1, 257)]
+    found = spectral_sweep.converged_on_grid(heave(), grid, 1e-3, 0.05)
+    splines = sweep.GridSweep(heave().solve(grid), None).spline_error(heave().solve)
+    error = errors_on(found, grid)
+    assert error > 3 * splines
+    assert error <= found.attrs["interpolation_error"] <= 0.05 + splines
+
+
+@pytest.mark.parametrize("limit", ["at_infinity", "at_zero"])
+def test_either_limit_alone_is_compared_with_the_sweeps(monkeypatch, limit):
+    problem = heave()
+    true = spectral_sweep.converged_on_grid(problem, GRID, 1e-3, 5e-4).attrs["limit_difference"]
+    exact = getattr(SpectralProblem, limit)
+    monkeypatch.setattr(SpectralProblem, limit, lambda self: 1.05 * exact(self))
+    wrong = spectral_sweep.converged_on_grid(problem, GRID, 1e-3, 5e-4).attrs["limit_difference"]
+    assert true < 2e-3
+    assert wrong == pytest.approx(0.05 / 1.05, abs=3e-3)
+
+
+# panels --------------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def green(green_folder):
+    return rings.green_function(green_folder)
+
+
+def rows_of(green, rows):
+    mesh = deformed_mesh(rigid_sphere(2.0, 0.0), rows, 2 * rows, max(4, rows // 2))
+    return rings.AxisymmetricProblem(green, mesh, dofs.displacements(["Radial0", "Radial1"]), 1025.0, np.inf, 9.81)
+
+
+def test_only_interpolation_tells_of_what_a_sweep_of_panels_missed(green):
+    """Of a sweep told to be rough: what it adds to the error of the meshes is what it is off at the grid."""
+    two, grid = TwoMeshes(rows_of(green, 16), rows_of(green, 8)), GRID[:32]
+    found, direct = two.solve(grid, 0.2), two.solve(grid)
+    missed = max(
+        apart(ours, theirs) / size
+        for ours, theirs, size in zip(
+            sweep.coefficients(found), sweep.coefficients(direct), largest(direct, two.strongest), strict=True
+        )
+    )
+    meshes = two.error_estimate(two.fine.solve(grid), two.strongest)
+    assert missed > 0
+    assert found.attrs["error_estimate"] >= missed + 0.5 * meshes
+
+
+def test_at_infinity_each_of_two_meshes_and_asymmetry_tells_by_itself(green):
+    fine, coarse = rows_of(green, 16), rows_of(green, 8)
+    a, half = fine.at_infinity(), coarse.at_infinity()
+    skew, change = apart(a, a.T) / np.abs(a).max(), apart(a, half) / np.abs(a).max()
+    assert TwoMeshes(fine, fine).at_infinity().attrs["error_estimate"] == pytest.approx(skew, rel=1e-9)
+    symmetric = SimpleNamespace(at_infinity=lambda: (a + a.T) / 2, displacements=fine.displacements)
+    halved = SimpleNamespace(at_infinity=lambda: (half + half.T) / 2, displacements=fine.displacements)
+    told = TwoMeshes(symmetric, halved).at_infinity().attrs["error_estimate"]
+    assert skew > 0
+    assert told == pytest.approx(change, rel=0.2)
