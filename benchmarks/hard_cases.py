@@ -26,10 +26,11 @@ from vsb.errors import ConfigError, VsbError
 from vsb.hydro.database import load_database
 from vsb.hydro.kernel import DampingSpectrum
 from vsb.hydro.statespace import fit_radiation
+from vsb.integrators.audit import energies, residual
 from vsb.integrators.convolution import convolve
 from vsb.integrators.exact import propagate
 from vsb.integrators.exponential import integrate
-from vsb.integrators.trajectory import CONVOLVED, energies, residual, simulate
+from vsb.integrators.simulate import CONVOLVED, simulate
 from vsb.motion.clamps import constraint_drift
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.motion import Motion
@@ -242,9 +243,8 @@ def measured(
         error = reference_error(study, system, motion, name, spectrum)
     except VsbError as failed:
         error, note = None, f"{note}; no reference: {failed}".lstrip("; ")
-    least = CONVOLVED if name == "convolution" else ENERGY_LIMIT
-    unbalanced, balanced = residual(energies(system, motion)), max(least, tolerance)
-    return Result("completed", name, error, taken, unbalanced, note, allowed, balanced)
+    balanced = max(CONVOLVED if name == "convolution" else ENERGY_LIMIT, tolerance)
+    return Result("completed", name, error, taken, residual(energies(system, motion)), note, allowed, balanced)
 
 
 def reference_error(

@@ -48,7 +48,7 @@ from vsb.hydro.statespace import fit_order
 from vsb.integrators.exact import propagate
 from vsb.integrators.exponential import integrate
 from vsb.integrators.harmonic_balance import steady_power
-from vsb.integrators.trajectory import EXACT
+from vsb.integrators.simulate import EXACT
 from vsb.motion.system import System
 from vsb.report.canvas import grid_of_axes, legend_above
 from vsb.scenes.automatic import absorbed, truncated

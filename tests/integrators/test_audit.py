@@ -3,9 +3,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vsb.integrators.audit import flow, step_integrals
+from vsb.integrators.audit import energies, flow, residual, step_integrals
 from vsb.integrators.exact import propagate
-from vsb.integrators.trajectory import energies, residual
 from vsb.motion.forces import Damper, Excitation, Spring
 from vsb.motion.motion import Motion
 from vsb.motion.scene import Plant

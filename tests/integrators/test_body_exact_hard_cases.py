@@ -11,8 +11,10 @@ from conftest import HERE, SEED, compiled_motion, springs, varied
 from scipy.integrate import solve_ivp
 
 from vsb.errors import VsbError
+from vsb.integrators.audit import energies, residual
 from vsb.integrators.exponential import integrate
-from vsb.integrators.trajectory import energies, labelled, residual, simulate
+from vsb.integrators.simulate import simulate
+from vsb.integrators.trajectory import labelled
 from vsb.motion.system import System
 from vsb.motion.wetted import WetShell, meridian_series, wet_intervals
 from vsb.results.comparison import comparison

@@ -15,9 +15,9 @@ from scipy.optimize import brentq
 from vsb.hydro import database
 from vsb.hydro.kernel import DampingSpectrum
 from vsb.hydro.statespace import fit_radiation
+from vsb.integrators.audit import energies, residual
 from vsb.integrators.exact import propagate
 from vsb.integrators.exponential import integrate
-from vsb.integrators.trajectory import energies, residual
 from vsb.motion.builders import body_exact_plant, linear_plant
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto

@@ -10,10 +10,11 @@ from scipy.linalg import block_diag
 from benchmarks import hard_cases as hardcases
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.integrators import energy_preserving as gauss
+from vsb.integrators.audit import energies, residual
 from vsb.integrators.energy_preserving import fixed_step, structure_preserving
 from vsb.integrators.exact import propagate
 from vsb.integrators.exponential import integrate
-from vsb.integrators.trajectory import energies, residual, simulate
+from vsb.integrators.simulate import simulate
 from vsb.motion.forces import Spring
 from vsb.motion.scene import Plant
 from vsb.motion.system import System

@@ -8,9 +8,11 @@ from hypothesis import strategies as st
 
 from vsb.errors import StabilityError
 from vsb.hydro.kernel import DampingSpectrum
+from vsb.integrators.audit import energies, residual
 from vsb.integrators.convolution import convolve
 from vsb.integrators.exact import propagate, transition
-from vsb.integrators.trajectory import energies, labelled, residual, simulate
+from vsb.integrators.simulate import simulate
+from vsb.integrators.trajectory import labelled
 from vsb.motion.builders import linear_plant
 from vsb.motion.forces import Damper, Excitation, Spring
 from vsb.motion.scene import Plant

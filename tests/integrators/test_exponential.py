@@ -7,9 +7,11 @@ import pytest
 from conftest import compiled_motion, varied
 
 from vsb.errors import ConvergenceError
+from vsb.integrators.audit import energies, residual
 from vsb.integrators.exponential import ExponentialIntegrator, integrate
 from vsb.integrators.exponential_steps import EVALUATIONS, HISTORY, KEPT, STEPS, march
-from vsb.integrators.trajectory import energies, labelled, residual, simulate
+from vsb.integrators.simulate import simulate
+from vsb.integrators.trajectory import labelled
 from vsb.motion.scene import Plant
 from vsb.motion.system import System
 from vsb.results.power import merit

@@ -9,10 +9,12 @@ from hypothesis import strategies as st
 
 from vsb.errors import ConvergenceError
 from vsb.hydro.statespace import RadiationModel
-from vsb.integrators import trajectory
+from vsb.integrators import simulate as simulating
+from vsb.integrators.audit import TERMS, energies, residual
 from vsb.integrators.convolution import convolve
 from vsb.integrators.exact import propagate
-from vsb.integrators.trajectory import TERMS, energies, residual, simulate
+from vsb.integrators.simulate import EXACT, legs, simulate
+from vsb.integrators.trajectory import recorded
 from vsb.motion.builders import linear_plant
 from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring
 from vsb.motion.scene import Plant
@@ -55,10 +57,10 @@ def unbalanced(energy):
 def test_every_design_is_audited_to_round_off_in_one_run(scene, monkeypatch, design, damping):
     plant, waves, settings, spectrum = scene(design, pto={"damping": damping})
     runs = []
-    monkeypatch.setattr(trajectory, "propagate", lambda *given: runs.append(given) or propagate(*given))
+    monkeypatch.setattr(simulating, "propagate", lambda *given: runs.append(given) or propagate(*given))
     motion, stride, method = simulate(System.of(plant), waves, settings, spectrum)
     energy = energies(System.of(plant), motion)
-    assert (len(runs), stride, method) == (1, 1, trajectory.EXACT)
+    assert (len(runs), stride, method) == (1, 1, EXACT)
     assert unbalanced(energy) < 1e-9 * energy["pto"][-1]
     assert np.all(np.diff(energy["radiated"]) >= 0)
     assert np.all(np.diff(energy["pto"]) >= 0)
@@ -156,7 +158,7 @@ def test_a_run_whose_audit_does_not_close_is_an_error(scene):
 
 def in_legs(plant, waves, settings, spectrum, longest):
     """A run in legs of so many instants: legs, and its motion and energies put together."""
-    parts = list(trajectory.legs(System.of(plant), waves, settings, spectrum, longest))
+    parts = list(legs(System.of(plant), waves, settings, spectrum, longest))
     first = [0] + [1] * (len(parts) - 1)
     position = np.concatenate([leg.motion.position[i:] for i, leg in zip(first, parts, strict=True)])
     energy = {
@@ -214,7 +216,7 @@ def test_a_longer_run_in_legs_takes_no_more_memory(scene):
     for duration in (30.0, 120.0):
         plant, waves, settings, spectrum = scene(simulation={"duration": duration, "window": (0.0, duration)})
         tracemalloc.start()
-        for _ in trajectory.legs(System.of(plant), waves, settings, spectrum, 1000):
+        for _ in legs(System.of(plant), waves, settings, spectrum, 1000):
             pass
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
@@ -223,11 +225,11 @@ def test_a_longer_run_in_legs_takes_no_more_memory(scene):
 
 def test_a_long_run_records_a_part_and_its_extremes(scene, monkeypatch):
     plant, waves, settings, spectrum = scene()
-    (whole,) = trajectory.legs(System.of(plant), waves, settings, spectrum)
-    full = trajectory.recorded(System.of(plant), whole, waves, settings.window)
+    (whole,) = legs(System.of(plant), waves, settings, spectrum)
+    full = recorded(System.of(plant), whole, waves, settings.window)
     monkeypatch.setattr(resolution, "KEPT", 1000)
-    (leg,) = trajectory.legs(System.of(plant), waves, settings, spectrum)
-    run = trajectory.recorded(System.of(plant), leg, waves, settings.window)
+    (leg,) = legs(System.of(plant), waves, settings, spectrum)
+    run = recorded(System.of(plant), leg, waves, settings.window)
     assert leg.thinning == 5
     assert full.sizes["time"] // 5 < run.sizes["time"] < full.sizes["time"] // 5 + 50
     assert run.equals(full.sel(time=run.time))

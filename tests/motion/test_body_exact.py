@@ -7,9 +7,10 @@ import pytest
 from conftest import springs, varied
 
 from vsb.errors import ConvergenceError
+from vsb.integrators.audit import energies, residual
 from vsb.integrators.exact import propagate
 from vsb.integrators.exponential import integrate
-from vsb.integrators.trajectory import energies, residual, simulate
+from vsb.integrators.simulate import simulate
 from vsb.motion.builders import body_exact_plant, linear_plant
 from vsb.motion.forces import Excitation
 from vsb.motion.system import System

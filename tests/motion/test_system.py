@@ -66,7 +66,7 @@ def test_the_system_is_the_equation_of_motion(plants, name):
     plant = plants[name]
     system = System.of(plant)
     time, z = moving(system)
-    motion = system.motion(time, z, system.added(time, z) + system.push(time), 0.0)
+    motion = system.motion(time, z, system.forcing(time, z), 0.0)
     total = sum(system.forces(motion).values()) @ plant.motions
     inertia = motion.acceleration @ (plant.motions.T @ plant.mass @ plant.motions)
     assert inertia == pytest.approx(total, abs=1e-11 * np.abs(total).max())

@@ -9,6 +9,7 @@ are known however fast a transient dies out or a mode rings. Each step starts fr
 gain in energy is compared with work they were not made from.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import factorial
 from typing import NamedTuple
@@ -17,9 +18,10 @@ import numpy as np
 
 from vsb.integrators.exact import series
 from vsb.motion.motion import Motion
-from vsb.motion.system import System
+from vsb.motion.system import EXCITING, System
 from vsb.tools.units import FloatArray
 
+TERMS = ("wave", "pto", "radiated", "structural", "stored")
 RECORDS = 6  # that make a polynomial, two before the step
 GAUSS = 6
 BLOCK = 512  # steps at a time: they stay in the cache
@@ -186,3 +188,65 @@ def flow(system: System, motion: Motion, driving: FloatArray) -> Flow:
     states, dt = system.states(motion), float(motion.time[1] - motion.time[0])
     known = states.shape[1]
     return Flow(dt, system.matrix[:known, :known], states, _extended(dt * driving))
+
+
+def energies(system: System, motion: Motion) -> dict[str, FloatArray]:
+    """Return the energy of each term since the start, each shape (time,) [J]: wave = the sum of the others.
+
+    Notes
+    -----
+    Losses and the waves' work are integrated along the flow between records (`Flow`), what is stored is read from the
+    records.
+    `turned` is no term of the sum: kinetic energy, and a billionth of the energy stored, below which all is round-off.
+    With the state space, radiated power is (l.x)^2/2 and the memory stores x.x/2, both from the memory states alone:
+    the audit is then a check on the whole chain. With the convolution the radiation force's work stands for both.
+    """
+    named, remembered, memory = system.forces(motion), motion.memory.size > 0, system.scene.memory
+    none = np.zeros((len(motion.time), system.free))
+    acting: list[FloatArray] = [sum((named[name] @ system.shapes for name in EXCITING if name in named), none)]
+    if not remembered:
+        acting += [-named[name] @ system.shapes for name, part in system.scene.linear.items() if part.memory]
+    pto, structural, radiated, wave, *convolved = flow(system, motion, system.driving(motion, named)).works(
+        system.dampers(), memory.channel if memory and remembered else None, acting
+    )
+    stored, kinetic = system.energy(motion)
+    return {
+        "wave": wave,
+        "pto": pto,
+        "radiated": sum(convolved, radiated),
+        "structural": structural,
+        "stored": stored - stored[0],
+        "turned": kinetic + 1e-9 * np.abs(stored),
+    }
+
+
+class Balance(NamedTuple):
+    """Energy audit of a run so far."""
+
+    ended: Mapping[str, float]  # energy of each term at the end [J]
+    unbalanced: float  # the largest so far [J]
+    largest: float  # of all terms and of the kinetic energy so far [J]
+
+    def after(self, energy: Mapping[str, FloatArray]) -> "Balance":
+        """Return the audit after one more leg; `energy` since the start of the run."""
+        unbalanced = energy["wave"] - sum(energy[term] for term in TERMS[1:])
+        largest = max(float(np.abs(energy[term]).max()) for term in (*TERMS, "turned"))
+        ended = {term: float(energy[term][-1]) for term in TERMS}
+        return Balance(ended, max(self.unbalanced, float(np.abs(unbalanced).max())), max(self.largest, largest))
+
+    @property
+    def residual(self) -> float:
+        """`residual` of the run so far."""
+        return self.unbalanced / self.largest if self.largest else 0.0
+
+
+START = Balance(dict.fromkeys(TERMS, 0.0), 0.0, 0.0)
+
+
+def residual(energy: Mapping[str, FloatArray]) -> float:
+    """Return the largest unbalanced energy relative to the energy that went round [-].
+
+    |wave - pto - radiated - structural - stored| over the largest of the terms and of the kinetic energy: in free
+    motion without losses every term is zero but for errors.
+    """
+    return START.after(energy).residual

@@ -222,7 +222,7 @@ class GaussIntegrator:
 
     def motion(self, time: FloatArray, states: FloatArray, seconds: float) -> Motion:
         """Return recorded states as a motion."""
-        return self.system.motion(time, states, self.system.added(time, states) + self.system.push(time), seconds)
+        return self.system.motion(time, states, self.system.forcing(time, states), seconds)
 
 
 def fixed_step(system: System, time: FloatArray, start: tuple[FloatArray, ...], substeps: int = 1) -> Motion:

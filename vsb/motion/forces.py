@@ -49,12 +49,9 @@ class Force(ABC):
         -------
         ndarray, shape (time, dof) [N]
         """
-        part, out = self.linear(), np.zeros(q.shape)
-        if part.stiffness is not None:
-            out -= q @ part.stiffness.T
-        if part.damping is not None:
-            out -= v @ part.damping.T
-        return out
+        part = self.linear()
+        terms = [x @ matrix.T for x, matrix in ((q, part.stiffness), (v, part.damping)) if matrix is not None]
+        return -sum(terms[1:], terms[0]) if terms else np.zeros(q.shape)
 
     def named(self, name: str, time: FloatArray, q: FloatArray, v: FloatArray) -> dict[str, FloatArray]:
         """Return the force as a run records it, under its own name or in parts with theirs; see `force`."""

@@ -151,6 +151,10 @@ class System:
         """Return the linear waves at equally spaced instants, shape (time, free)."""
         return superposed(self.omega, self.waves, time)
 
+    def forcing(self, time: FloatArray, z: FloatArray) -> FloatArray:
+        """Return n and the linear waves along a motion, shape (time, free): z' = A z + B forcing; see `added`."""
+        return self.added(time, z) + self.push(time)
+
     @cached_property
     def remainder(self) -> Remainder | None:
         """Arguments of the compiled n, waves left out; none of a linear scene."""
@@ -201,9 +205,9 @@ class System:
             for name, part in self.scene.linear.items()
             if part.whole and part.waves is None and (part.memory is None or motion.memory.size)
         }
-        q, v = self._moved(motion)
-        loose = sum((force for name, force in named.items() if name not in held), np.zeros_like(q))
-        return (loose + self._tangential(q, v)) @ self.shapes
+        none = np.zeros((len(motion.time), len(self.shapes)))
+        loose = sum((force for name, force in named.items() if name not in held), none)
+        return (loose if self.linear else loose + self._tangential(*self._moved(motion))) @ self.shapes
 
     def _moved(self, motion: Motion) -> tuple[FloatArray, FloatArray]:
         """Q and v of a motion, each shape (time, dof)."""

@@ -11,7 +11,7 @@ import xarray as xr
 from vsb.errors import ConvergenceError
 from vsb.hydro.database import Check, check_at_most, stored_checks
 from vsb.hydro.dofs import flexible
-from vsb.integrators.trajectory import CONVOLVED
+from vsb.integrators.simulate import CONVOLVED
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
 from vsb.results.comparison import Row, Runs

@@ -38,7 +38,7 @@ def averaging_window(wave: Wave, window: tuple[float, float]) -> tuple[float, fl
 
 
 def merit(run: xr.Dataset, wave: Wave, sea: Sea, water: Water, window: tuple[float, float]) -> Merit:
-    """Return the figures of merit of a run (see `vsb.trajectory.labelled`)."""
+    """Return the figures of merit of a run (see `vsb.integrators.trajectory.labelled`)."""
     time = run.time.values
     inside = (time >= window[0] - 1e-9) & (time <= window[1] + 1e-9)
     if not inside.any():

@@ -6,9 +6,10 @@ import numpy as np
 import xarray as xr
 
 from vsb.errors import ConvergenceError, StabilityError
-from vsb.integrators import trajectory
 from vsb.integrators.exact import propagate
 from vsb.integrators.harmonic_balance import harmonic_balance
+from vsb.integrators.simulate import in_words, legs
+from vsb.integrators.trajectory import recorded
 from vsb.motion.clamps import constraint_drift
 from vsb.motion.system import System
 from vsb.scenes.build import SCENES
@@ -30,14 +31,14 @@ def simulate(spec: Spec, paths: dict[str, Any], out: str) -> None:
     clamps = shape.basis.clamp_rows(np.deg2rad(study.designs[design].clamp))
     records: list[xr.Dataset] = []
     taken: list[tuple[int, float, int, float]] = []
-    for leg in trajectory.legs(system, waves, study.simulation, spectrum):
-        record = trajectory.recorded(system, leg, waves if study.needs_bem else None, study.simulation.window)
+    for leg in legs(system, waves, study.simulation, spectrum):
+        record = recorded(system, leg, waves if study.needs_bem else None, study.simulation.window)
         records.append(with_enclosed(record, shape).isel(time=slice(1 if records else 0, None)))
         drift = constraint_drift(leg.motion.position @ plant.motions.T, clamps)
         taken.append((len(leg.motion.time) - 1, leg.motion.seconds, leg.steps, drift))
     intervals, seconds, steps, drifts = zip(*taken, strict=True)
     attrs = {"design": design, "wave": wave.label, "energy_residual": leg.balance.residual, "status": "completed"}
-    attrs |= {"method": trajectory.in_words(leg.method, sum(steps)), "instants": 1 + sum(intervals)}
+    attrs |= {"method": in_words(leg.method, sum(steps)), "instants": 1 + sum(intervals)}
     attrs |= {"seconds": sum(seconds), **notes}
     if isinstance(wave, RegularWave):
         attrs |= _steady(system)

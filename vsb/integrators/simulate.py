@@ -1,0 +1,149 @@
+"""A run from its beginning to its end by one of the methods, in legs of bounded memory, its energy audit closed."""
+
+import math
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from vsb.errors import ConvergenceError
+from vsb.hydro.kernel import DampingSpectrum
+from vsb.integrators.audit import START, energies
+from vsb.integrators.convolution import convolve
+from vsb.integrators.energy_preserving import structure_preserving
+from vsb.integrators.exact import propagate, steady_state
+from vsb.integrators.exponential import integrate
+from vsb.integrators.trajectory import Leg
+from vsb.motion.motion import Motion
+from vsb.motion.system import System
+from vsb.study.resolution import LEG, RECORDS_PER_PERIOD, thinning
+from vsb.study.study import Simulation
+from vsb.tools.units import FloatArray
+from vsb.waves.seas import Sea
+
+EXACT = "exact propagation"
+CONVOLVED = 1e-4
+"""Energy residual of a convolution: its motion is of second order, and so is what it loses."""
+FEWEST_IN_WINDOW = 4
+"""Instants recorded in the window of the statistics, at least."""
+ROUND_OFF = 1e-9
+"""Energy residual that is as good as none [-]."""
+FINEST = 2**5
+"""Most samples per recorded step."""
+Follow = Callable[[FloatArray, tuple[FloatArray, ...]], tuple[Motion, int]]
+"""Equally spaced instants, y, y' and memory at the first of them -> the motion, and the steps it took or 0."""
+
+
+class Method(NamedTuple):
+    """A way to follow a motion."""
+
+    words: str
+    follower: Callable[[System, float, DampingSpectrum | None], Follow]  # of a system, to a tolerance
+
+
+def _exactly(system: System, tolerance: float, spectrum: DampingSpectrum | None) -> Follow:
+    """Exact propagation; the steady state serves all legs."""
+    steady = steady_state(system)
+    return lambda time, start: (propagate(system, time, start, steady), 0)
+
+
+def _convolved(system: System, tolerance: float, spectrum: DampingSpectrum | None) -> Follow:
+    """Cummins' convolution with the damping itself."""
+    if spectrum is None:
+        raise ValueError("convolution: received no radiation damping, needs a scene with a hydro database.")
+    return lambda time, start: (convolve(system, spectrum, time, (start[0], start[1])), 0)
+
+
+METHODS: dict[str, Method] = {
+    "exact": Method(EXACT, _exactly),
+    "convolution": Method("convolution", _convolved),
+    "exponential": Method("exponential Adams", lambda s, tol, _: lambda time, start: integrate(s, time, start, tol)),
+    "structure_preserving": Method(
+        "structure-preserving", lambda s, tol, _: lambda time, start: structure_preserving(s, time, start, tol)
+    ),
+}
+"""`simulation.method` -> how a motion is followed; `auto` is the first of these or, where forces are nonlinear,
+`exponential`."""
+
+
+def simulate(
+    system: System, sea: Sea, settings: Simulation, spectrum: DampingSpectrum | None
+) -> tuple[Motion, int, str]:
+    """Return the whole motion of a scene at once, every how many instants make a readable record, and the method.
+
+    See `legs`, which take no more memory for a longer run.
+    """
+    (leg,) = legs(system, sea, settings, spectrum, longest=None)
+    return leg.motion, leg.stride, in_words(leg.method, leg.steps)
+
+
+def in_words(method: str, steps: int) -> str:
+    """Return how a motion was followed; only some methods take steps of their own."""
+    return f"{method}, {steps} steps" if steps else method
+
+
+def legs(
+    system: System, sea: Sea, settings: Simulation, spectrum: DampingSpectrum | None, longest: int | None = LEG
+) -> Iterator[Leg]:
+    """Yield the motion of a scene, its energy audit closed, in legs one after the other.
+
+    Parameters
+    ----------
+    system : System
+    sea : Sea
+    settings : Simulation
+        Duration, initial heave and velocity, method, tolerance. Exact propagation runs once. What is not linear is
+        recorded at half the distance until the audit closes to the tolerance: this sharpens the audit, not the
+        motion. For the convolution that distance is the step.
+    spectrum : DampingSpectrum or None
+        Only the convolution reads it.
+    longest : int or None
+        Most instants of a leg; None: one leg, as the convolution, which needs its whole past, always has.
+
+    Raises
+    ------
+    ConvergenceError
+        If the audit of an exact propagation does not close.
+    """
+    count, convolved = recorded_steps(system, sea, settings), settings.method == "convolution"
+    enough = max(settings.tolerance, CONVOLVED if convolved else ROUND_OFF)
+    name = {"auto": "exact" if system.linear else "exponential"}.get(settings.method, settings.method)
+    method, follow = METHODS[name].words, METHODS[name].follower(system, settings.tolerance, spectrum)
+    start: tuple[FloatArray, ...] = system.scene.start(settings.initial_position, settings.initial_velocity)
+    done, stride, balance, found = 0, 1, START, [np.inf, np.inf]
+    while done < count:
+        parts = 1 if convolved or longest is None else math.ceil((count - done) * stride / longest)
+        last = done + math.ceil((count - done) / parts)
+        begin, end = (settings.duration * (record / count) for record in (done, last))
+        motion, steps = follow(np.linspace(begin, end, (last - done) * stride + 1), start)
+        own = energies(system, motion)
+        energy = {term: own[term] + balance.ended.get(term, 0.0) for term in own}
+        after = balance.after(energy)
+        found.append(START.after(own).unbalanced / after.largest if after.largest else 0.0)
+        closed = found[-1] <= enough
+        if closed or found[-1] > 0.9 * found[-3] or stride == FINEST:  # or finer records do not help
+            leg = Leg(motion, energy, after, stride, thinning(count), method, steps)
+            yield leg
+            done, start, balance = last, leg.end, after
+            found = [np.inf, np.inf] if closed else found
+        elif name == "exact":
+            raise ConvergenceError(
+                f"the energy audit does not close: {found[-1]:.1e} of the energy is missing, needs {enough:.0e}; "
+                "near an undamped resonance add device.damping or pto.damping, else raise simulation.tolerance."
+            )
+        else:
+            stride *= 2
+
+
+def recorded_steps(system: System, sea: Sea, settings: Simulation) -> int:
+    """Return the number of recorded steps, `RECORDS_PER_PERIOD` of the shortest wave that matters.
+
+    Without waves, of the faster of free heave and the assumed pressure: the buoy heaves freely until that has died out.
+    """
+    if sea.omega.size:
+        omega = float(sea.omega[np.abs(sea.amplitude) > 0.05 * np.abs(sea.amplitude).max()].max())
+    else:
+        omega = max([system.heaving, *system.frequencies])
+    start, end = settings.window
+    rate = max(RECORDS_PER_PERIOD * omega / (2 * np.pi), FEWEST_IN_WINDOW / (end - start))
+    return int(np.ceil(rate * settings.duration))
