@@ -40,14 +40,12 @@ from vsb.motion.system import System
 from vsb.scenes.build import SCENES
 from vsb.scenes.rest import check_stable, reference_shell
 from vsb.shell.modes import design_motions, rigid_basis, study_basis
-from vsb.stages import radiation
-from vsb.stages.coefficients import spectral_block
-from vsb.stages.database import build_database
+from vsb.stages import database, radiation, spectral
 from vsb.stages.stage import partial_study
-from vsb.study.blocks import Spec
 from vsb.study.plan import StudyPlan
 from vsb.study.reading import read_yaml
 from vsb.study.sections import Device
+from vsb.study.specs import SpectralSpec
 from vsb.study.study import Study, parse
 from vsb.tools.files import write_text
 from vsb.tools.units import FloatArray
@@ -76,7 +74,7 @@ class Case:
     expected: Literal["completed", "refused"] = "completed"
     base: str = ""  # study file, beside the file of the cases
     designs: tuple[str, ...] = ("-",)
-    overrides: Spec = field(default_factory=dict)
+    overrides: dict[str, Any] = field(default_factory=dict)
     wet_mode: int | None = None  # the wave gets the period of this natural mode, 0: the slowest
     probe: str = "simulation"
 
@@ -150,7 +148,7 @@ def load_cases(path: str | Path) -> list[Case]:
     return [Case.of(name, given, Path(path).parent) for name, given in entries.items()]
 
 
-def changed(base: Spec, overrides: Mapping[str, Any]) -> Spec:
+def changed(base: dict[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
     """Return nested mappings with some values replaced; designs are replaced as a whole."""
     out = dict(base)
     for key, value in overrides.items():
@@ -177,11 +175,11 @@ def hydro_files(study: Study, folder: str | Path) -> dict[str, Any]:
     if not study.needs_bem:
         return {}
     plan.check_waves()
-    paths = {block: plan.block_path(spec) for block, spec in plan.bem_blocks.items()}
-    for block, spec in plan.bem_blocks.items():
-        _once(paths[block], partial(spectral_block, spec))
-    _once(plan.database_path, partial(build_database, plan.database, plan.block_folder))
-    _once(plan.radiation_path, partial(radiation.fit_radiation, plan.radiation, plan.database_path))
+    for block in plan.bem_blocks.values():
+        if isinstance(block, SpectralSpec):
+            _once(plan.block_path(block), partial(spectral.run, block))
+    _once(plan.database_path, partial(database.run, plan.database, plan.block_folder))
+    _once(plan.radiation_path, partial(radiation.run, plan.radiation, plan.database_path))
     return dict(plan.hydro_files)
 
 

@@ -23,10 +23,11 @@ from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
 from vsb.scenes.rest import reference_shell
 from vsb.shell.modes import study_basis
-from vsb.stages.coefficients import spectral_problem
-from vsb.stages.meshes import mean_mesh
+from vsb.stages.mesh import mean_mesh
+from vsb.stages.spectral import spectral_problem
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
+from vsb.study.specs import SpectralSpec
 from vsb.study.study import Study, canonical
 
 settings.register_profile("vsb", deadline=None)  # a machine may be busy
@@ -96,11 +97,11 @@ def green_folder(tmp_path_factory, worker_id) -> Path:
     return folder
 
 
-def solved_block(study: Study, spec, green_folder):
+def solved_block(spec, green_folder):
     """One BEM job, by the solver its spec names."""
-    if "mesh" not in spec:
-        return spectralsweep.converged(spectral_problem(spec), spec["omega"], spec["tolerance"])
-    return panelsweep.solve_block(spec, mean_mesh(spec["mesh"]), mean_mesh(spec["mesh"], coarser=2), green_folder)
+    if isinstance(spec, SpectralSpec):
+        return spectralsweep.converged(spectral_problem(spec), list(spec.omega), spec.tolerance)
+    return panelsweep.solve_block(spec, mean_mesh(spec.mesh), mean_mesh(spec.mesh, coarser=2), green_folder)
 
 
 @pytest.fixture(scope="session")
@@ -113,7 +114,7 @@ def solved(green_folder):
         for block in blocks:
             key = canonical(block)
             if key not in cache:
-                cache[key] = solved_block(study, json.loads(key), green_folder)
+                cache[key] = solved_block(block, green_folder)
         return database.with_excitation(database.merged_blocks([cache[canonical(block)] for block in blocks]))
 
     return solve

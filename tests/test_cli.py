@@ -1,5 +1,4 @@
 import io
-import json
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -11,11 +10,13 @@ from conftest import SEED
 from vsb import cli
 from vsb.cli import main, parser
 from vsb.stages import run as launcher
-from vsb.study.study import canonical
+from vsb.stages.stage import STAGES
+from vsb.study.plan import StudyPlan
+from vsb.study.study import canonical, load
 
 COMMANDS = (
-    "run", "check", "shell", "modes", "mesh", "display-meshes", "green", "bem", "database", "radiation", "response", "simulate",
-    "compare", "figures", "report", "spectral", "body", "shape-dependence", "export", "import-wamit", "import-bemio",
+    "run", "check", "shell", "body", "shape-dependence", "export", "import-wamit", "import-bemio",
+    *(stage.name for stage in STAGES),
 )  # fmt: skip
 
 
@@ -152,8 +153,7 @@ def test_a_folder_in_place_of_a_result_is_told_before_any_work(workplace, capsys
 
 
 def test_a_result_of_a_rule_that_cannot_be_written_is_one_line(workplace, capsys, monkeypatch):
-    raw = yaml.safe_load(SEED.read_text())
-    spec = json.dumps({key: raw[key] for key in ("device", "modes")})
+    spec = canonical(StudyPlan(load(SEED)).modes)
     (workplace / "folder").mkdir()
     for out in ("folder", "file/modes.nc"):
         given(monkeypatch, spec)

@@ -1,15 +1,16 @@
-"""The command line: `vsb run`, `vsb check`, `vsb shell`, and one command per workflow rule."""
+"""The command line: commands for people, and one per stage of the workflow, built from the table of stages."""
 
 import argparse
 import json
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from vsb import __version__
 from vsb.errors import ConfigError, VsbError
 from vsb.stages.run import ERROR, cores, run
+from vsb.stages.stage import STAGES, Stage
 from vsb.study.plan import StudyPlan
 from vsb.study.study import load
 
@@ -17,48 +18,7 @@ if TYPE_CHECKING:
     from vsb.hydro.database import Check
 
 Handler = Callable[[argparse.Namespace], int]
-
-
-def _spec() -> dict[str, Any]:
-    """The specification of a rule, as JSON on standard input: of any length, unlike an argument."""
-    if sys.stdin.isatty():
-        raise ConfigError("standard input: received a terminal, needs the specification of the rule as JSON")
-    text = sys.stdin.read()
-    try:
-        spec = json.loads(text)
-    except ValueError as error:
-        raise ConfigError(f"standard input: not valid JSON ({error}); needs the specification of the rule") from None
-    if not isinstance(spec, dict):
-        raise ConfigError(f"standard input: received {text[:40]}, needs a mapping")
-    return spec
-
-
-def _rule(name: str) -> Handler:
-    """Handler of a rule's command: imports the science only when it is needed."""
-
-    def handle(args: argparse.Namespace) -> int:
-        from vsb.stages import coefficients, compare, database, meshes, modes, radiation, response, simulate
-        from vsb.stages import report as publish
-
-        calls: dict[str, Callable[[], None]] = {
-            "modes": lambda: modes.shell_modes(_spec(), args.out),
-            "mesh": lambda: meshes.mesh(_spec(), args.out),
-            "display-meshes": lambda: meshes.display_meshes(_spec(), args.out),
-            "green": lambda: coefficients.green(args.folder, args.out),
-            "bem": lambda: coefficients.bem_block(_spec(), args.mesh, args.green, args.out),
-            "spectral": lambda: coefficients.spectral_block(_spec(), args.out),
-            "database": lambda: database.build_database(_spec(), args.blocks, args.out),
-            "radiation": lambda: radiation.fit_radiation(_spec(), args.database, args.out),
-            "response": lambda: response.frequency_response(_spec(), args.database, args.out),
-            "simulate": lambda: simulate.simulate(_spec(), vars(args), args.out),
-            "compare": lambda: compare.compare_designs(_spec(), vars(args)),
-            "figures": lambda: publish.figures(_spec(), vars(args)),
-            "report": lambda: publish.report(_spec(), vars(args)),
-        }
-        calls[name]()
-        return 0
-
-    return handle
+AXISYMMETRIC = "the body and its generalized modes are: more can be checked"
 
 
 def check(args: argparse.Namespace) -> int:
@@ -143,85 +103,89 @@ def shape_dependence(args: argparse.Namespace) -> int:
     return 0
 
 
-AXISYMMETRIC = "the body and its generalized modes are: more can be checked"
-BEM_FILES = ("database", "radiation", "response")
-"""Options a model without BEM does not have."""
+def stage(args: argparse.Namespace) -> int:
+    """Run a stage on its specification, as JSON on standard input: of any length, unlike an argument."""
+    one: Stage = args.stage
+    if one.spec and sys.stdin.isatty():
+        raise ConfigError("standard input: received a terminal, needs the specification of the rule as JSON")
+    one.run(vars(args), sys.stdin.read() if one.spec else "")
+    return 0
 
 
-def _add_rule(commands: Any, name: str, text: str, *options: str) -> None:
-    """Declare the command of one rule with its options."""
-    parser = commands.add_parser(name, help=text, description=text)
-    for option in options:
-        needed = option not in BEM_FILES or name in ("radiation", "response")
-        parser.add_argument(f"--{option}", required=needed, metavar="PATH")
-    parser.set_defaults(handler=_rule(name))
+class Parser(argparse.ArgumentParser):
+    """A parser that tells a mistake in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong with the arguments; exit with 2."""
+        self.exit(2, f"{ERROR} {' '.join(message.split())}; see {self.prog} --help\n")
 
 
 def parser() -> argparse.ArgumentParser:
     """Return the argument parser of the command line."""
-    top = argparse.ArgumentParser(prog="vsb", description=__doc__)
+    rules = "\n".join(f"  {one.name:10} {one.text}" for one in STAGES)
+    top = Parser(
+        prog="vsb",
+        description="Does a flexible wave-energy buoy absorb more than a rigid one?",
+        epilog=f"rules of the workflow, each a command that reads its specification from standard input:\n{rules}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
     top.set_defaults(writes=())
     top.add_argument("--version", action="version", version=f"vsb {__version__}")
     commands = top.add_subparsers(title="commands", required=True, metavar="COMMAND")
-    more = "Further options, such as -n, go to snakemake."
-    one = commands.add_parser("run", help="run a whole study through Snakemake", description=run.__doc__, epilog=more)
-    one.add_argument("config", metavar="CONFIG")
-    one.add_argument("--profile", default="default", help="folder under profiles/ (default: default)")
+    _add_commands(commands)
+    _add_imports(commands)
+    for one in STAGES:
+        rule = commands.add_parser(one.name, description=f"Rule {one.name}: {one.text}.")  # no help: not in the list
+        for name in (*one.files, *one.optional):
+            rule.add_argument(f"--{name}", required=name in one.files, metavar="PATH")
+        rule.set_defaults(handler=stage, stage=one)
+    return top
+
+
+def _command(commands: Any, name: str, text: str, handler: Handler, /, **places: str) -> argparse.ArgumentParser:
+    """Declare a command for people with its positional arguments and how these are called in its help."""
+    one: argparse.ArgumentParser = commands.add_parser(name, help=text, description=handler.__doc__)
+    for place, metavar in places.items():
+        one.add_argument(place, metavar=metavar)
+    one.set_defaults(handler=handler)
+    return one
+
+
+def _add_commands(commands: Any) -> None:
+    """Declare what is done with a study or a body."""
+    one = _command(commands, "run", "run a whole study through Snakemake", run, config="CONFIG")
+    one.epilog = "Further options, such as -n, go to snakemake."
+    one.add_argument("--profile", default="default", help="default, slurm, or the path of a folder of your own")
     one.add_argument("--cores", "-c", type=cores, metavar="N", help="processor cores to use, or all")
-    one.set_defaults(handler=run)  # what it does not know goes to snakemake, see main
-    one = commands.add_parser("check", help="validate a study, solve nothing", description=check.__doc__)
-    one.add_argument("config", metavar="CONFIG")
-    one.set_defaults(handler=check)
-    one = commands.add_parser("shell", help="natural frequencies of the dry shell", description=shell.__doc__)
-    one.add_argument("config", metavar="CONFIG")
+    _command(commands, "check", "validate a study, solve nothing", check, config="CONFIG")
+    one = _command(commands, "shell", "natural frequencies of the dry shell", shell, config="CONFIG")
     one.add_argument("--json", action="store_true", help="print JSON")
-    one.set_defaults(handler=shell)
-    one = commands.add_parser("export", help="database as WAMIT files and WEC-Sim .h5", description=export.__doc__)
-    one.add_argument("config", metavar="CONFIG|DATABASE.nc", help="a study, or a database of body, barge or import")
-    one.add_argument("folder", metavar="FOLDER")
-    one.set_defaults(handler=export, writes=("{folder}/",))
-    one = commands.add_parser(
-        "import-wamit", help="hydro database from WAMIT's output", description=import_wamit.__doc__
-    )
-    one.add_argument("folder", metavar="FOLDER")
-    one.add_argument("name", metavar="NAME", help="of NAME.1, NAME.3, NAME.hst")
-    one.add_argument("out", metavar="DATABASE.nc")
+    words = "how much the coefficients depend on the shape"
+    one = _command(commands, "shape-dependence", words, shape_dependence, config="CONFIG", out="OUT")
+    one.set_defaults(writes=("{out}.nc", "{out}.svg"))
+    words = "hydro database of any mesh with any displacements"
+    one = _command(commands, "body", words, body, config="CONFIG", out="FOLDER")
+    one.set_defaults(writes=("{out}/",))
+
+
+def _add_imports(commands: Any) -> None:
+    """Declare what exchanges databases with other codes."""
+    words = "database as WAMIT files and WEC-Sim .h5"
+    one = _command(commands, "export", words, export, config="CONFIG|DATABASE.nc", folder="FOLDER")
+    one.set_defaults(writes=("{folder}/",))
+    words, places = "hydro database from WAMIT's output", {"folder": "FOLDER", "name": "NAME", "out": "DATABASE.nc"}
+    one = _command(commands, "import-wamit", words, import_wamit, **places)
     one.add_argument("--density", type=float, default=1025.0, help="of the water [kg/m^3] (default: 1025)")
     one.add_argument("--gravity", type=float, default=9.81, help="GRAV [m/s^2] (default: 9.81)")
     one.add_argument("--length", type=float, default=1.0, help="ULEN [m] (default: 1)")
     one.add_argument("--depth", type=float, default=float("inf"), help="HBOT [m] (default: deep water)")
-    one.set_defaults(handler=import_wamit, writes=("{out}",))
+    one.set_defaults(writes=("{out}",))
     one.add_argument("--axisymmetric", action="store_true", help=AXISYMMETRIC)
-    one = commands.add_parser("import-bemio", help="hydro database from BEMIO's .h5", description=import_bemio.__doc__)
-    one.add_argument("file", metavar="FILE.h5")
-    one.add_argument("out", metavar="DATABASE.nc")
+    one = _command(
+        commands, "import-bemio", "hydro database from BEMIO's .h5", import_bemio, file="FILE.h5", out="DATABASE.nc"
+    )
     one.add_argument("--axisymmetric", action="store_true", help=AXISYMMETRIC)
-    one.set_defaults(handler=import_bemio, writes=("{out}",))
-    words = "hydro database of any mesh with any displacements"
-    one = commands.add_parser("body", help=words, description=body.__doc__)
-    one.add_argument("config", metavar="CONFIG")
-    one.add_argument("out", metavar="FOLDER")
-    one.set_defaults(handler=body, writes=("{out}/",))
-    words = "how much the coefficients depend on the shape"
-    one = commands.add_parser("shape-dependence", help=words, description=shape_dependence.__doc__)
-    one.add_argument("config", metavar="CONFIG")
-    one.add_argument("out", metavar="OUT", help="of OUT.nc and OUT.svg")
-    one.set_defaults(handler=shape_dependence, writes=("{out}.nc", "{out}.svg"))
-    _add_rule(commands, "modes", "rule: shell modes", "out")
-    _add_rule(commands, "mesh", "rule: mean wetted mesh", "out")
-    _add_rule(commands, "display-meshes", "rule: viewable deformed meshes", "out")
-    _add_rule(commands, "green", "rule: Green-function table", "folder", "out")
-    _add_rule(commands, "bem", "rule: one block of frequencies", "mesh", "green", "out")
-    _add_rule(commands, "spectral", "rule: one block of frequencies without panels", "out")
-    _add_rule(commands, "database", "rule: hydro database from blocks", "blocks", "out")
-    _add_rule(commands, "radiation", "rule: radiation model", "database", "out")
-    _add_rule(commands, "response", "rule: frequency response", "database", "out")
-    _add_rule(commands, "simulate", "rule: one design in one sea", "database", "radiation", "out")
-    runs = (*BEM_FILES, "trajectories", "out")
-    _add_rule(commands, "compare", "rule: comparison and validity", *runs, "statistics", "validity", "study")
-    _add_rule(commands, "figures", "rule: all figures", *runs, "modes")
-    _add_rule(commands, "report", "rule: HTML report", *runs, "table", "statistics", "validity", "figures")
-    return top
+    one.set_defaults(writes=("{out}",))
 
 
 def _check_writable(names: Sequence[str]) -> None:

@@ -52,7 +52,7 @@ def sphere(seed):
 def scenes(sphere):
     """The linear scene, and that on the instantaneous wet surface."""
     reference = reference_shell(sphere)
-    blocks = [solved_block(sphere, block, None) for block in StudyPlan(sphere).sweep_blocks]
+    blocks = [solved_block(block, None) for block in StudyPlan(sphere).sweep_blocks]
     raw = database.in_modes(database.with_excitation(database.merged_blocks(blocks)), reference.basis)
     ds = database.with_structure(database.with_symmetrized(raw), reference)
     attrs = {"gravity": GRAVITY, "water_depth": "inf", "water_density": DENSITY}

@@ -1,6 +1,5 @@
 """Steady state in a regular wave: closed forms, long motion in time, order, energy, invariance, stability, limits."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
@@ -29,7 +28,6 @@ from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import design_motions, study_basis
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
-from vsb.study.study import canonical
 from vsb.waves.seas import NO_WAVES, Sea
 
 OMEGA = 2 * np.pi / 2.5
@@ -70,7 +68,7 @@ def scene():
     """Function (design, sea, kind) -> body-exact or linear plant of the body-exact study, and its buoy; no panels."""
     study = config.load(HERE.parent / "config" / "body_exact.yaml")
     basis = study_basis(study)
-    blocks = [solved_block(study, json.loads(canonical(block)), None) for block in StudyPlan(study).sweep_blocks]
+    blocks = [solved_block(block, None) for block in StudyPlan(study).sweep_blocks]
     raw = database.in_modes(database.with_excitation(database.merged_blocks(blocks)), basis)
     ds = database.with_structure(database.with_symmetrized(raw), reference_shell(study))
     ds = ds.assign_attrs({"gravity": 9.81, "water_depth": "inf", "water_density": 1025.0})

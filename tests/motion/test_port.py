@@ -13,7 +13,7 @@ from vsb.motion.pto import LinearPto
 from vsb.scenes.rest import reference_shell
 from vsb.shell.deformed import DeformedShell, enclosed
 from vsb.shell.modes import design_motions, study_basis
-from vsb.stages.coefficients import spectral_problem
+from vsb.stages.spectral import spectral_problem
 from vsb.study.plan import StudyPlan
 from vsb.study.take_off import BetweenPort, ShellPort
 from vsb.waves.seas import power_limit
@@ -31,7 +31,7 @@ SHELL_PORTS = (
 def solved(study):
     """The linear buoy of a study as a run makes it: few frequencies solved, the rest of the grid interpolated."""
     (block,), basis = StudyPlan(study).sweep_blocks, study_basis(study)
-    found = converged_on_grid(spectral_problem(block), block["omega"], block["tolerance"], block["interpolation"])
+    found = converged_on_grid(spectral_problem(block), list(block.omega), block.tolerance, block.interpolation)
     raw = database.with_symmetrized(database.in_modes(database.with_excitation(found), basis))
     return LinearBuoy(database.with_structure(raw, reference_shell(study)), basis.damping, LinearPto(0.0))
 

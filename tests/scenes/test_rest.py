@@ -178,8 +178,8 @@ class TestBem:
         pressurised = varied(pressurised, hydro={"solver": "panels"})
         plan = StudyPlan(pressurised)
         block = plan.sweep_blocks[1]
-        assert "Meridional4" in block["displacements"]
-        assert block["mesh"]["reference_shape"] == "equilibrium"
-        assert "damping" not in block["mesh"]["device"]
+        assert "Meridional4" in block.displacements
+        assert block.mesh.reference_shape == "equilibrium"
+        assert "damping" not in block.mesh.model_dump()["device"]
         vented = StudyPlan(varied(pressurised, reference_shape="undeformed"))
-        assert block["mesh"]["rows"] == 1.5 * vented.sweep_blocks[1]["mesh"]["rows"]
+        assert block.mesh.rows == 1.5 * vented.sweep_blocks[1].mesh.rows

@@ -13,6 +13,7 @@ from vsb.hydro.panels.mesh import graded_colatitudes
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan, figure_names
 from vsb.study.resolution import frequency_step, tolerance_rows, wave_rows
+from vsb.study.specs import SpectralSpec
 from vsb.study.study import content_id
 
 
@@ -75,7 +76,7 @@ def test_another_wetted_shape_needs_other_blocks(seed, changes):
 
 
 def test_grid_is_absolute_and_round(seed):
-    grid = [w for block in StudyPlan(seed).sweep_blocks[1:] for w in block["omega"]]
+    grid = [w for block in StudyPlan(seed).sweep_blocks[1:] for w in block.omega]
     assert grid[:3] == [0.1, 0.2, 0.3]
     assert grid == [round(0.1 * i, 1) for i in range(1, 129)]
 
@@ -135,7 +136,7 @@ def test_an_assumed_pressure_needs_no_bem(seed):
     plan = StudyPlan(varied(seed, hydro={"model": "assumed_pressure", "pressure": 100.0}))
     assert plan.bem_blocks == plan.hydro_files == plan.response_files == {}
     assert not [path for path in plan.products if "/hydro/db" in path or "response" in path]
-    assert plan.simulation("FSB", plan.study.waves[0])["hydro"]["pressure"] == 100.0
+    assert plan.simulation("FSB", plan.study.waves[0]).hydro.pressure == 100.0
 
 
 @pytest.mark.parametrize("wider", [13.0, 14.0, 16.0, 19.2])
@@ -150,8 +151,8 @@ def test_blocks_of_a_wider_band_begin_with_those_of_the_narrow_one(seed, wider):
 @given(st.floats(0.3, 16.0))
 def test_sweep_covers_the_band_without_gap_or_repetition(seed, omega_max):
     infinite, *blocks = StudyPlan(varied(seed, hydro={"omega_max": omega_max}, waves=[{"kind": "still"}])).sweep_blocks
-    grid = [w for block in blocks for w in block["omega"]]
-    assert infinite["omega"] == [math.inf]
+    grid = [w for block in blocks for w in block.omega]
+    assert infinite.omega == (math.inf,)
     assert grid == [round(0.1 * i, 1) for i in range(1, len(grid) + 1)]
     assert omega_max <= grid[-1] + 1e-6
     assert grid[-1] < omega_max + 3.2 + 1e-6
@@ -227,8 +228,8 @@ def test_database_does_not_see_the_name_of_the_study(seed):
 def test_tabulated_frequencies_are_kept_in_blocks_of_32(seed):
     omega = [0.1 * i for i in range(1, 71)]
     blocks = StudyPlan(varied(seed, hydro={"omega": omega})).tabulated_blocks
-    assert [len(block["omega"]) for block in blocks] == [32, 32, 6]
-    assert list(itertools.chain.from_iterable(block["omega"] for block in blocks)) == omega
+    assert [len(block.omega) for block in blocks] == [32, 32, 6]
+    assert list(itertools.chain.from_iterable(block.omega for block in blocks)) == omega
     assert StudyPlan(seed).tabulated_blocks == []
 
 
@@ -266,13 +267,13 @@ def test_six_rows_lie_within_half_a_wavelength_of_the_surface(radius, wavelength
 @pytest.mark.parametrize(("rows", "azimuth"), [(20, 40), (48, 96)])
 def test_rows_of_a_study_are_used_as_given(seed, rows, azimuth):
     resolution = StudyPlan(varied(seed, hydro={"rows": rows, "omega_max": 6.0})).resolution(6.0)
-    assert (resolution["rows"], resolution["azimuth"]) == (rows, azimuth)
-    assert resolution["lid_rows"] >= 16
+    assert (resolution.rows, resolution.azimuth) == (rows, azimuth)
+    assert resolution.lid_rows >= 16
 
 
 def test_finer_tolerance_needs_more_rows(seed):
     rows = [
-        StudyPlan(varied(seed, modes={"degree": 2}, hydro={"tolerance": t})).resolution(3.0)["rows"]
+        StudyPlan(varied(seed, modes={"degree": 2}, hydro={"tolerance": t})).resolution(3.0).rows
         for t in (4e-3, 1e-3, 2.5e-4)
     ]
     assert rows == [20, 40, 80]
@@ -283,7 +284,7 @@ def test_paths_lie_under_the_root_and_name_their_ids(seed):
     block = plan.sweep_blocks[0]
     assert plan.database_path == f"elsewhere/hydro/db/{database_id(seed)}.nc"
     assert plan.block_path(block) == f"elsewhere/hydro/blocks/{content_id(block)}.nc"
-    assert plan.mesh_path(block["mesh"]) == f"elsewhere/hydro/mesh/{content_id(block['mesh'])}/mean.nc"
+    assert plan.mesh_path(block.mesh) == f"elsewhere/hydro/mesh/{content_id(block.mesh)}/mean.nc"
     assert plan.trajectory_path("FSB", "still") == "elsewhere/seed/trajectories/FSB-still.nc"
     assert len(set(plan.display_paths)) == 1 + 2 * 7
 
@@ -304,9 +305,9 @@ def test_solver_follows_from_depth_and_rows(seed):
 def test_spectral_plan_is_one_job_without_a_mesh(seed):
     plan = StudyPlan(varied(seed, hydro={"solver": "spectral"}))
     (block,) = plan.sweep_blocks
-    assert "mesh" not in block
-    assert block["omega"] == [round(0.1 * i, 1) for i in range(1, 129)]
-    assert block["omega"][0] == plan.first_omega == plan.step
+    assert isinstance(block, SpectralSpec)
+    assert list(block.omega) == [round(0.1 * i, 1) for i in range(1, 129)]
+    assert block.omega[0] == plan.first_omega == plan.step
     wide = StudyPlan(varied(seed, hydro={"solver": "spectral", "omega_max": 15.0}))
     with pytest.raises(ConfigError, match=r"hydro.omega_max: received 15 rad/s, needs at most 14.01 rad/s"):
         wide.check_waves()
@@ -316,12 +317,12 @@ def test_spectral_plan_is_one_job_without_a_mesh(seed):
 def test_the_sweep_is_interpolated_to_half_the_tolerance_and_what_is_tabulated_is_not(seed, tolerance, half):
     hydro = {"solver": "spectral", "tolerance": tolerance, "omega": [1.0, 2.0]}
     plan = StudyPlan(varied(seed, hydro=hydro))
-    assert plan.sweep_blocks[0]["interpolation"] == half
-    assert "interpolation" not in plan.tabulated_blocks[0]
+    assert plan.sweep_blocks[0].interpolation == half
+    assert "interpolation" not in plan.tabulated_blocks[0].model_dump()
     by_panels = StudyPlan(varied(seed, hydro={"tolerance": max(tolerance, 1e-3), "omega": [1.0, 2.0]}))
     infinite, *blocks = by_panels.sweep_blocks
-    assert {block["interpolation"] for block in blocks} == {max(half, 5e-4)}
-    assert not [block for block in (infinite, *by_panels.tabulated_blocks) if "interpolation" in block]
+    assert {block.interpolation for block in blocks} == {max(half, 5e-4)}
+    assert not [block for block in (infinite, *by_panels.tabulated_blocks) if "interpolation" in block.model_dump()]
 
 
 @pytest.mark.parametrize(("omega_max", "shared"), [(9.7, True), (12.8, True), (12.9, False), (9.6, False)])
@@ -343,15 +344,15 @@ def test_a_tight_tolerance_refines_the_grid_that_is_interpolated(seed, depth, to
     hydro = {"solver": "spectral", "tolerance": tolerance}
     plan = StudyPlan(varied(seed, hydro=hydro, water={"depth": depth}))
     assert plan.step == pytest.approx(0.1 / finer)
-    grid = [w for block in plan.sweep_blocks for w in block["omega"]]
+    grid = [w for block in plan.sweep_blocks for w in block.omega]
     assert np.diff(grid) == pytest.approx(np.full(len(grid) - 1, 0.1 / finer))
 
 
 def test_the_spectral_solver_tabulates_frequencies_below_its_grid_and_panels_do_not(seed):
     asked = {"omega": [0.01, 2.0]}
     plan = StudyPlan(varied(seed, hydro={"solver": "spectral", **asked}))
-    assert plan.tabulated_blocks[0]["omega"] == [0.01, 2.0]
-    assert plan.response["omega"] == sorted({2.0, *(w.omega for w in plan.study.waves)})
+    assert plan.tabulated_blocks[0].omega == (0.01, 2.0)
+    assert plan.response.omega == tuple(sorted({2.0, *(w.omega for w in plan.study.waves)}))
     with pytest.raises(ConfigError, match=r"hydro.omega: received 0.01 rad/s, needs at least 0.1 rad/s with panels in"):
         StudyPlan(varied(seed, hydro=asked)).tabulated_blocks  # noqa: B018
 
@@ -375,7 +376,7 @@ def test_a_sea_below_the_lowest_frequency_solved_is_refused(seed, wave):
 def test_the_tolerance_of_the_automatic_model_reaches_the_run(seed):
     plans = [StudyPlan(varied(seed, hydro={"model": "auto", "power_tolerance": t})) for t in (0.1, 0.01)]
     specs = [plan.simulation("VSWEC", seed.waves[0]) for plan in plans]
-    assert [spec["hydro"]["power_tolerance"] for spec in specs] == [0.1, 0.01]
+    assert [spec.hydro.power_tolerance for spec in specs] == [0.1, 0.01]
 
 
 def test_memory_grows_with_the_record_not_with_what_is_followed(seed):

@@ -1,5 +1,6 @@
 """Frequency domain: response amplitude operators, absorbed power, wet natural frequencies."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -210,7 +211,7 @@ def allowed_part(direction: FloatArray, motions: FloatArray) -> FloatArray:
     return np.where(np.abs(part) > ROUND_OFF * np.linalg.norm(direction), part, 0.0)
 
 
-def frequency_grid(step: float, lowest: float, omega_max: float, extra: list[float]) -> FloatArray:
+def frequency_grid(step: float, lowest: float, omega_max: float, extra: Iterable[float]) -> FloatArray:
     """Return the frequencies of a response: a fine grid of a fifth of the solved step, and the ones asked for."""
     first, last = int(np.ceil(5 * lowest / step - 1e-9)), int(np.floor(5 * omega_max / step + 1e-9))
     grid = [round(step / 5 * i, 10) for i in range(first, last + 1)]

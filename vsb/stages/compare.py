@@ -1,41 +1,48 @@
 """Rule compare: comparison table, statistics, validity ledger."""
 
 from pathlib import Path
-from typing import Any
 
-from vsb.hydro import database
-from vsb.results import comparison as compare
-from vsb.results import ledger
-from vsb.results import statistics as seastatistics
-from vsb.stages.stage import stored_runs
-from vsb.study.study import canonical, parse
+from vsb.hydro.database import load_database
+from vsb.results import comparison, ledger
+from vsb.results import statistics as irregular
+from vsb.stages.trajectories import stored_runs
+from vsb.study.specs import CompareSpec
+from vsb.study.study import canonical
 from vsb.tools.files import load, write_text
 from vsb.waves.seas import NO_WAVES, sea
 
-Spec = dict[str, Any]
 
-
-def compare_designs(spec: Spec, paths: dict[str, Any]) -> None:
+def run(
+    spec: CompareSpec,
+    trajectories: str,
+    out: str,
+    statistics: str,
+    validity: str,
+    study: str,
+    database: str = "",
+    radiation: str = "",
+    response: str = "",
+) -> None:
     """Write the comparison table, statistics of irregular seas, the validity ledger and the study in canonical form."""
-    study = parse(spec["study"], source="spec")
-    runs = stored_runs(study, paths["trajectories"])
-    bem = study.needs_bem
+    compared = spec.study
+    runs = stored_runs(compared, trajectories)
+    bem = compared.needs_bem
     seas = {
-        wave.label: sea(wave, study.hydro.omega_max, study.simulation.duration) if bem else NO_WAVES
-        for wave in study.waves
+        wave.label: sea(wave, compared.hydro.omega_max, compared.simulation.duration) if bem else NO_WAVES
+        for wave in compared.waves
     }
-    rows = compare.comparison(study, runs, seas)
-    checks, lines = [*ledger.run_ledger(study, runs), *ledger.transient_checks(runs, rows)], []
+    rows = comparison.comparison(compared, runs, seas)
+    checks, lines = [*ledger.run_ledger(compared, runs), *ledger.transient_checks(runs, rows)], []
     if bem:
-        ds = database.load_database(paths["database"], Path(paths["database"]).stem)
-        frequency = load(paths["response"])
-        lines = seastatistics.statistics(study, runs, seas, frequency)
-        checks += ledger.linear_ledger(study, ds, load(paths["radiation"]), frequency, rows, runs)
-        checks += seastatistics.statistical_checks(study, lines)
+        ds = load_database(database, Path(database).stem)
+        frequency = load(response)
+        lines = irregular.statistics(compared, runs, seas, frequency)
+        checks += ledger.linear_ledger(compared, ds, load(radiation), frequency, rows, runs)
+        checks += irregular.statistical_checks(compared, lines)
     else:
-        checks += ledger.assumed_pressure_checks(study, rows)
+        checks += ledger.assumed_pressure_checks(compared, rows)
     checks = ledger.worst_first(checks)
-    write_text(paths["out"], compare.as_csv(rows))
-    write_text(paths["statistics"], seastatistics.as_csv(lines))
-    write_text(paths["validity"], ledger.ledger_json(study.study, checks))
-    write_text(paths["study"], canonical(study) + "\n")
+    write_text(out, comparison.as_csv(rows))
+    write_text(statistics, irregular.as_csv(lines))
+    write_text(validity, ledger.ledger_json(compared.study, checks))
+    write_text(study, canonical(compared) + "\n")

@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Sequence
-from typing import Any
 
 import xarray as xr
 
@@ -12,13 +11,12 @@ from vsb.hydro import database, quality
 from vsb.scenes.rest import reference_shell
 from vsb.stages.stage import partial_study
 from vsb.study.blocks import COARSEST_SWEEP
+from vsb.study.specs import DatabaseSpec
 from vsb.study.study import canonical, content_id
 from vsb.tools.files import load
 
-Spec = dict[str, Any]
 
-
-def build_database(spec: Spec, blocks: str, out: str) -> None:
+def run(spec: DatabaseSpec, blocks: str, out: str) -> None:
     """Merge the blocks in a folder, express them in the modes, check them, and store them with their verdict.
 
     Raises
@@ -29,7 +27,7 @@ def build_database(spec: Spec, blocks: str, out: str) -> None:
     study = partial_study(spec)
     reference = reference_shell(study)
     basis, water = reference.basis, study.water
-    found = {name: _block(f"{blocks}/{name}.nc", name) for name in (*spec["sweep"], *spec["tabulated"])}
+    found = {name: _block(f"{blocks}/{name}.nc", name) for name in (*spec.sweep, *spec.tabulated)}
 
     def in_modes(ids: Sequence[str]) -> xr.Dataset:
         return database.with_excitation(database.in_modes(database.merged_blocks([found[i] for i in ids]), basis))
@@ -37,13 +35,13 @@ def build_database(spec: Spec, blocks: str, out: str) -> None:
     def complete(raw: xr.Dataset) -> xr.Dataset:
         return database.with_structure(database.with_symmetrized(raw), reference)
 
-    everywhere = in_modes(spec["sweep"])
-    infinite = [block for block in spec["sweep"] if "omega" not in found[block].dims]
-    tabulated = in_modes([*spec["tabulated"], *infinite]) if spec["tabulated"] else None
+    everywhere = in_modes(spec.sweep)
+    infinite = [block for block in spec.sweep if "omega" not in found[block].dims]
+    tabulated = in_modes([*spec.tabulated, *infinite]) if spec.tabulated else None
     solver = str(json.loads(next(iter(found.values())).attrs["spec"])["solver"])
-    precision = min(1.0, spec["tolerance"] / COARSEST_SWEEP) if solver == "spectral" else 1.0
+    precision = min(1.0, spec.tolerance / COARSEST_SWEEP) if solver == "spectral" else 1.0
     checks = [
-        *quality.estimate_checks([block.attrs for block in found.values()], spec["tolerance"]),
+        *quality.estimate_checks([block.attrs for block in found.values()], spec.tolerance),
         *quality.verdict(everywhere, tabulated, water.depth, water.density, water.gravity, precision),
     ]
     attrs = {
@@ -51,11 +49,11 @@ def build_database(spec: Spec, blocks: str, out: str) -> None:
         "source": f"vsb {__version__}",
         "spec": canonical(spec),
         "spec_id": content_id(spec),
-        "quality": database.as_json(quality.judged(checks, spec["accept"])),
+        "quality": database.as_json(quality.judged(checks, spec.accept)),
         "radius": study.device.radius,
         "centre_height": study.centre_height,
-        "basis": spec["modes"]["basis"] if spec["modes"] else "rigid",
-        "degree": spec["modes"]["degree"] if spec["modes"] else 1,
+        "basis": spec.modes.basis if spec.modes else "rigid",
+        "degree": spec.modes.degree if spec.modes else 1,
         "water_density": water.density,
         "water_depth": str(water.depth),
         "gravity": water.gravity,
@@ -63,7 +61,7 @@ def build_database(spec: Spec, blocks: str, out: str) -> None:
         "bem_seconds": sum(block.attrs["seconds"] for block in found.values()),
     }
     if tabulated is None:
-        asked = complete(everywhere).sel(omega=slice(None, spec["omega_max"] + 1e-9))
+        asked = complete(everywhere).sel(omega=slice(None, spec.omega_max + 1e-9))
         database.save_database(asked.assign_attrs(asked.attrs, **attrs), None, out)
     else:
         asked = complete(tabulated)

@@ -1,19 +1,17 @@
 """Rule modes: the shell modes of a study."""
 
-from typing import Any
-
 import numpy as np
 import xarray as xr
 
 from vsb.scenes.rest import check_stable, reference_shell
 from vsb.stages.stage import partial_study
+from vsb.study.specs import ModesSpec
 from vsb.tools.files import save
 
-Spec = dict[str, Any]
 COLATITUDES = np.linspace(0.0, np.pi, 181)
 
 
-def shell_modes(spec: Spec, out: str) -> None:
+def run(spec: ModesSpec, out: str) -> None:
     """Write the shell modes of a study, after checking that every design has motions left."""
     study = partial_study(spec)
     reference = reference_shell(study)

@@ -1,5 +1,6 @@
 """What can be said of a study before anything is solved: its checks, its cost, its shell."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +9,9 @@ from vsb.results import ledger
 from vsb.scenes.rest import check_stable, reference_shell
 from vsb.shell.modes import mode_basis
 from vsb.shell.sphere import Shell, natural_frequencies
+from vsb.study.blocks import BlockSpec
 from vsb.study.plan import StudyPlan
+from vsb.study.specs import PanelsSpec
 from vsb.study.study import Study, content_id
 from vsb.tools.files import load
 
@@ -60,23 +63,24 @@ def _bem_lines(study: Study, plan: StudyPlan) -> list[str]:
     how = _panel_words(blocks) if study.uses_panels else f"spectral, to {study.hydro.tolerance:g}"
     seconds = sum(_block_seconds(block) for block in todo)
     return [
-        f"hydro        {sum(len(block['omega']) for block in blocks)} frequencies up to {study.hydro.omega_max:g} "
+        f"hydro        {sum(len(block.omega) for block in blocks)} frequencies up to {study.hydro.omega_max:g} "
         f"rad/s, {how}",
         f"BEM jobs     {len(todo)} of {len(blocks)} to do, at most about {seconds:.0f} s on one core",
         f"database     {plan.database_path}" + (" (there)" if Path(plan.database_path).exists() else ""),
     ]
 
 
-def _panel_words(blocks: list[dict[str, Any]]) -> str:
+def _panel_words(blocks: Sequence[BlockSpec]) -> str:
     """The finest mesh in words."""
-    return f"{blocks[-1]['mesh']['rows']} rows of {blocks[-1]['mesh']['azimuth']} panels"
+    meshes = [block.mesh for block in blocks if isinstance(block, PanelsSpec)]
+    return f"{meshes[-1].rows} rows of {meshes[-1].azimuth} panels"
 
 
-def _block_seconds(block: dict[str, Any]) -> float:
+def _block_seconds(block: BlockSpec) -> float:
     """Seconds one BEM job takes on one core."""
-    if "mesh" not in block:
+    if not isinstance(block, PanelsSpec):
         return SECONDS_PER_SPECTRAL_JOB
-    return SECONDS_PER_PANEL_ROW2 * len(block["omega"]) * float(block["mesh"]["rows"] + block["mesh"]["lid_rows"]) ** 2
+    return SECONDS_PER_PANEL_ROW2 * len(block.omega) * float(block.mesh.rows + block.mesh.lid_rows) ** 2
 
 
 def shell_table(study: Study) -> dict[str, Any]:

@@ -1,26 +1,24 @@
 """Rule radiation: the passive radiation model."""
 
 import time as clock
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from vsb.hydro import database
-from vsb.hydro import statespace as radiation
+from vsb.hydro.database import load_database
 from vsb.hydro.kernel import DampingSpectrum
+from vsb.hydro.statespace import fit_radiation
+from vsb.study.specs import RadiationSpec
 from vsb.study.study import canonical, content_id
 from vsb.tools.files import save
 
-Spec = dict[str, Any]
 
-
-def fit_radiation(spec: Spec, database_path: str, out: str) -> None:
+def run(spec: RadiationSpec, database: str, out: str) -> None:
     """Fit and store the passive state-space radiation model, with the kernels to compare."""
-    ds = database.load_database(database_path, spec["database"])
+    ds = load_database(database, spec.database)
     spectrum = DampingSpectrum(ds.omega.values, ds.radiation_damping.values)
     begun = clock.perf_counter()
-    model, error = radiation.fit_radiation(spectrum, spec["tolerance"])
+    model, error = fit_radiation(spectrum, spec.tolerance)
     time = np.linspace(0.0, 40 / np.sqrt(float(ds.attrs["gravity"]) / float(ds.attrs["radius"])), 401)
     pair = ("influenced_dof", "radiating_dof")
     labels = ds.influenced_dof.values

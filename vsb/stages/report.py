@@ -1,85 +1,56 @@
-"""The last two rules: all figures of a study, and its report."""
+"""Rule report: the report of a study."""
 
 import csv
-import io
 import json
 import time as clock
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from vsb import __version__
-from vsb.hydro import database
-from vsb.report.canvas import StudyData
-from vsb.report.figures import draw
+from vsb.hydro.database import load_database
 from vsb.report.page import Report, render
 from vsb.results.statistics import families
-from vsb.stages.stage import stored_runs
+from vsb.stages.trajectories import stored_runs
 from vsb.study.plan import figure_names
-from vsb.study.study import StillWater, Study, Wave, parse
+from vsb.study.study import StillWater, Study
 from vsb.tools.files import load, write_text
 
-Spec = dict[str, Any]
+ASSUMED = "hydrostatic and assumed uniform pressure of {:g} Pa on the instantaneous wet shell; no radiation"
 
 
-def study_data(study: Study, paths: dict[str, Any]) -> StudyData:
-    """Return everything the figures are drawn from."""
-    bem = study.needs_bem
-    response = load(paths["response"]) if bem else xr.Dataset()
-    return StudyData(
-        designs=tuple(study.designs),
-        reference=study.reference_design,
-        wave_frequencies=tuple(wave.omega for wave in study.waves if not isinstance(wave, StillWater)),
-        periods={wave.label: _period(study, wave, response) for wave in study.waves},
-        window=study.simulation.window,
-        modes=load(paths["modes"]),
-        database=database.load_database(paths["database"], Path(paths["database"]).stem) if bem else xr.Dataset(),
-        radiation=load(paths["radiation"]) if bem else xr.Dataset(),
-        response=response,
-        runs=stored_runs(study, paths["trajectories"]),
-    )
-
-
-def _period(study: Study, wave: Wave, response: xr.Dataset) -> float:
-    """Period of a sea, in still water of the slowest free motion [s]."""
-    return 2 * np.pi / (_slowest(study, response) if isinstance(wave, StillWater) else wave.omega)
-
-
-def _slowest(study: Study, response: xr.Dataset) -> float:
-    """Lowest natural frequency [rad/s]; without BEM that of heave, sqrt(rho g pi r_w^2/m)."""
-    return float(response.wet_natural_frequency.min()) if study.needs_bem else study.heave_frequency
-
-
-def figures(spec: Spec, paths: dict[str, Any]) -> None:
-    """Draw and write all figures of a study as SVG."""
-    study = parse(spec, source="spec")
-    data = study_data(study, paths)
-    for name in figure_names(study):
-        text = io.StringIO()
-        draw(name, data).savefig(text, format="svg", metadata={"Date": None})
-        write_text(Path(paths["out"]) / f"{name}.svg", text.getvalue())
-
-
-def report(spec: Spec, paths: dict[str, Any]) -> None:
+def run(
+    study: Study,
+    table: str,
+    statistics: str,
+    validity: str,
+    trajectories: str,
+    figures: str,
+    out: str,
+    database: str = "",
+    radiation: str = "",
+    response: str = "",
+) -> None:
     """Write the report of a study."""
-    study = parse(spec, source="spec")
-    names = figure_names(study)
+    if study.needs_bem:
+        hydrodynamics = _bem_facts(database, radiation)
+    else:
+        hydrodynamics = {"Hydrodynamics": ASSUMED.format(study.hydro.pressure)}
     page = Report(
         study=study.model_dump(),
         seas=_seas(study),
-        rows=_rows(paths["table"]),
+        rows=_rows(table),
         irregular=[wave.label for waves in families(study).values() for wave in waves],
-        statistics=_rows(paths["statistics"]),
-        checks=json.loads(Path(paths["validity"]).read_text(encoding="utf-8"))["checks"],
-        response=load(paths["response"]) if study.needs_bem else None,
+        statistics=_rows(statistics),
+        checks=json.loads(Path(validity).read_text(encoding="utf-8"))["checks"],
+        response=load(response) if study.needs_bem else None,
         reference=study.reference_design,
-        figures={name: (Path(paths["figures"]) / f"{name}.svg").read_text(encoding="utf-8") for name in names},
-        facts=_facts(study, paths, list(stored_runs(study, paths["trajectories"]).values())),
+        figures={name: (Path(figures) / f"{name}.svg").read_text(encoding="utf-8") for name in figure_names(study)},
+        facts=_facts(study, hydrodynamics, list(stored_runs(study, trajectories).values())),
     )
-    write_text(paths["out"], render(page))
+    write_text(out, render(page))
 
 
 def _rows(path: str) -> list[dict[str, str]]:
@@ -99,11 +70,11 @@ def _seas(study: Study) -> dict[str, str]:
     }
 
 
-def _facts(study: Study, paths: dict[str, Any], runs: Sequence[xr.Dataset]) -> dict[str, str]:
+def _facts(study: Study, hydrodynamics: dict[str, str], runs: Sequence[xr.Dataset]) -> dict[str, str]:
     """How the results were made, in words."""
     return {
         "Program": f"vsb {__version__}, {clock.strftime('%Y-%m-%d')}",
-        **(_bem_facts(paths) if study.needs_bem else {"Hydrodynamics": ASSUMED.format(study.hydro.pressure)}),
+        **hydrodynamics,
         "Time domain": f"{runs[0].attrs['method']}, {study.simulation.duration:g} s of motion in "
         f"{max(run.attrs['seconds'] for run in runs):.3f} s or less per design and sea",
         "Largest energy residual": f"{max(run.attrs['energy_residual'] for run in runs):.1e}",
@@ -111,18 +82,14 @@ def _facts(study: Study, paths: dict[str, Any], runs: Sequence[xr.Dataset]) -> d
     }
 
 
-ASSUMED = "hydrostatic and assumed uniform pressure of {:g} Pa on the instantaneous wet shell; no radiation"
-
-
-def _bem_facts(paths: dict[str, Any]) -> dict[str, str]:
+def _bem_facts(database: str, radiation: str) -> dict[str, str]:
     """Where the hydrodynamic coefficients come from."""
-    ds = database.load_database(paths["database"], Path(paths["database"]).stem)
-    radiation = load(paths["radiation"]).attrs
+    ds, model = load_database(database, Path(database).stem), load(radiation).attrs
     return {
         "BEM": "spectral integral equation" if ds.attrs["solver"] == "spectral" else ds.attrs["solver"],
-        "Hydro database": f"{Path(paths['database']).name}: {ds.sizes['omega']} frequencies up to "
+        "Hydro database": f"{Path(database).name}: {ds.sizes['omega']} frequencies up to "
         f"{float(ds.omega[-1]):g} rad/s, {ds.sizes['influenced_dof']} degrees of freedom",
         "Seconds of BEM": f"{ds.attrs['bem_seconds']:.1f} on one core",
-        "Radiation model": f"{radiation['order']} states, rms error {radiation['fit_error']:.1e}, "
-        f"fitted in {radiation['seconds']:.1f} s",
+        "Radiation model": f"{model['order']} states, rms error {model['fit_error']:.1e}, "
+        f"fitted in {model['seconds']:.1f} s",
     }

@@ -1,7 +1,5 @@
 """Rule response: the frequency response of all designs."""
 
-from typing import Any
-
 import numpy as np
 import xarray as xr
 
@@ -9,17 +7,16 @@ from vsb.motion import frequency as response
 from vsb.scenes.build import linear_buoy
 from vsb.shell.modes import design_motions
 from vsb.stages.stage import partial_study
+from vsb.study.specs import ResponseSpec
 from vsb.tools.files import save
 from vsb.waves.seas import power_limit
 
-Spec = dict[str, Any]
 
-
-def frequency_response(spec: Spec, database_path: str, out: str) -> None:
+def run(spec: ResponseSpec, database: str, out: str) -> None:
     """Write response amplitude operators, absorbed power, its limit, and wet natural frequencies of all designs."""
     study = partial_study(spec)
-    buoy, basis = linear_buoy(study, database_path)
-    omega = response.frequency_grid(spec["step"], spec["lowest"], spec["omega_max"], spec["omega"])
+    buoy, basis = linear_buoy(study, database)
+    omega = response.frequency_grid(spec.step, spec.lowest, spec.omega_max, spec.omega)
     rao, power, wet = [], [], []
     for design in study.designs:
         motions = design_motions(study, basis, design)

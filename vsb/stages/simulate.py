@@ -1,7 +1,5 @@
 """Rule simulate: one design in one sea."""
 
-from typing import Any
-
 import numpy as np
 import xarray as xr
 
@@ -15,18 +13,18 @@ from vsb.motion.system import System
 from vsb.scenes.build import SCENES
 from vsb.shell.deformed import DeformedShell, enclosed
 from vsb.stages.stage import partial_study
+from vsb.study.specs import SimulateSpec
 from vsb.study.study import RegularWave, StillWater, Study
 from vsb.tools.files import save
 from vsb.tools.units import FloatArray
 
-Spec = dict[str, Any]
 
-
-def simulate(spec: Spec, paths: dict[str, Any], out: str) -> None:
-    """Run one design in one sea and write its trajectory."""
+def run(spec: SimulateSpec, out: str, database: str = "", radiation: str = "") -> None:
+    """Simulate one design in one sea and write its trajectory."""
     study = partial_study(spec)
     (design,), (wave,) = study.designs, study.waves
-    plant, shape, waves, spectrum, notes = SCENES[study.hydro.model](study, paths)
+    files = {"database": database, "radiation": radiation}
+    plant, shape, waves, spectrum, notes = SCENES[study.hydro.model](study, files)
     system = System.of(plant)
     clamps = shape.basis.clamp_rows(np.deg2rad(study.designs[design].clamp))
     records: list[xr.Dataset] = []

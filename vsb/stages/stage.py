@@ -1,28 +1,95 @@
-"""A stage of the workflow: the study its specification describes, and the runs of a study."""
+"""The stages of the workflow: of one name are a rule, a command, a file of this folder and its function `run`."""
 
+import importlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
-import xarray as xr
+from pydantic import TypeAdapter, ValidationError
 
-from vsb.study.plan import trajectory_name
+from vsb.errors import ConfigError
+from vsb.study import specs
+from vsb.study.reading import one_line
+from vsb.study.specs import Spec
 from vsb.study.study import Study, parse
-from vsb.tools.files import load
 
-Spec = dict[str, Any]
+BEM_FILES = ("database", "radiation", "response")
+"""What a model without BEM does not have."""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A stage: what it makes, the type of its specification, its files in and out; `optional` ones may be absent."""
+
+    name: str
+    text: str
+    spec: Any  # a type, or a union of types; None of a stage without specification
+    files: tuple[str, ...]
+    optional: tuple[str, ...] = ()
+
+    def run(self, files: Mapping[str, str | None], text: str) -> None:
+        """Run the stage on files by option, with a specification as JSON; imports the science only now."""
+        module = importlib.import_module(f"vsb.stages.{self.name}")
+        named = {name: files[name] or "" for name in (*self.files, *self.optional)}
+        module.run(*[self.read(text)] * bool(self.spec), **named)
+
+    def read(self, text: str) -> Any:
+        """Return the specification of a text.
+
+        Raises
+        ------
+        ConfigError
+        """
+        source = "standard input"
+        try:
+            raw = json.loads(text)
+        except (ValueError, RecursionError) as error:
+            raise ConfigError(f"{source}: not valid JSON ({error}); needs the specification of the rule") from None
+        if not isinstance(raw, dict):
+            raise ConfigError(f"{source}: received {text[:40]}, needs a mapping")
+        try:
+            return TypeAdapter(self.spec).validate_python(raw)
+        except ValidationError as error:
+            raise ConfigError(f"{source}: {one_line(error)}") from None
+
+
+STAGES = (
+    Stage("modes", "shell modes", specs.ModesSpec, ("out",)),
+    Stage("display", "viewable deformed meshes", specs.DisplaySpec, ("out",)),
+    Stage("mesh", "mean wetted mesh", specs.SphereMesh | specs.LoadedMesh, ("out",)),
+    Stage("green", "Green-function table", None, ("folder", "out")),
+    Stage("panels", "one block of frequencies by panels", specs.PanelsSpec, ("mesh", "green", "out")),
+    Stage("spectral", "one block of frequencies without panels", specs.SpectralSpec, ("out",)),
+    Stage("database", "hydro database from blocks", specs.DatabaseSpec, ("blocks", "out")),
+    Stage("radiation", "radiation model", specs.RadiationSpec, ("database", "out")),
+    Stage("response", "frequency response", specs.ResponseSpec, ("database", "out")),
+    Stage("simulate", "one design in one sea", specs.SimulateSpec, ("out",), BEM_FILES[:2]),
+    Stage(
+        "compare",
+        "comparison and validity",
+        specs.CompareSpec,
+        ("trajectories", "out", "statistics", "validity", "study"),
+        BEM_FILES,
+    ),
+    Stage("figures", "all figures", Study, ("modes", "trajectories", "out"), BEM_FILES),
+    Stage(
+        "report",
+        "HTML report",
+        Study,
+        ("table", "statistics", "validity", "trajectories", "figures", "out"),
+        BEM_FILES,
+    ),
+)
+"""In the order of the workflow."""
 
 
 def partial_study(spec: Spec) -> Study:
-    """Return a study from the sections a stage's spec holds; what the stage does not read takes harmless values."""
-    defaults: Spec = {
+    """Return a study from the sections a specification holds; what its stage does not read takes harmless values."""
+    found = spec.model_dump(exclude_none=True)
+    defaults = {
         "study": "stage",
-        "designs": {"any": {"flexible": bool(spec.get("modes"))}},
+        "designs": {"any": {"flexible": "modes" in found}},
         "waves": [{"kind": "still"}],
     }
-    keys = [key for key in Study.model_fields if spec.get(key) is not None]
-    return parse({**defaults, **{key: spec[key] for key in keys}}, source="spec")
-
-
-def stored_runs(study: Study, folder: str) -> dict[tuple[str, str], xr.Dataset]:
-    """Return the trajectories of a study in a folder, by design and sea."""
-    pairs = [(design, wave.label) for wave in study.waves for design in study.designs]
-    return {pair: load(f"{folder}/{trajectory_name(*pair)}") for pair in pairs}
+    return parse({**defaults, **{key: found[key] for key in Study.model_fields if key in found}}, source="spec")

@@ -8,11 +8,11 @@ from typing import Any
 
 from vsb.errors import ConfigError
 from vsb.study.resolution import frequency_step, mode_rows, tolerance_rows, wave_rows
+from vsb.study.sections import Modes
+from vsb.study.specs import LoadedMesh, LoadedShape, PanelsSpec, Rows, SpectralSpec, Sphere, SphereMesh
 from vsb.study.study import IrregularSea, RegularWave, Study, content_id
 
-Spec = dict[str, Any]
-PHYSICS = {"mesh": 2, "bem": 7, "database": 6, "radiation": 1, "response": 2, "simulate": 4, "compare": 6}
-"""Hand-bumped version of the physics behind each stage: a library edit alone never reruns anything."""
+BlockSpec = PanelsSpec | SpectralSpec
 BLOCK = 32
 """Frequencies per job of panels: large enough to hide the second an import costs, small enough to spread over cores.
 
@@ -46,12 +46,7 @@ class HydroPlan:
 
     study: Study
 
-    def stage(self, name: str, *sections: str) -> Spec:
-        """Spec of a stage of this study: the sections of the study it reads, nothing else."""
-        dump = self.study.model_dump()
-        return {"stage": name, "physics": PHYSICS[name], **{key: dump[key] for key in sections}}
-
-    def resolution(self, omega: float) -> Spec:
+    def resolution(self, omega: float) -> Rows:
         """Panel rows, azimuthal panels and lid rows for frequencies up to omega [rad/s].
 
         Raises
@@ -80,26 +75,27 @@ class HydroPlan:
             )
         rows = study.hydro.rows or min(wanted, MAX_ROWS)
         waterline = math.sqrt(radius**2 - study.centre_height**2)
-        return {
-            "rows": rows,
-            "azimuth": 2 * rows,
-            "lid_rows": max(FEWEST_LID_ROWS, math.ceil(LID_ROWS_PER_WAVE * waterline / self._wavelength(omega))),
-        }
+        lid_rows = max(FEWEST_LID_ROWS, math.ceil(LID_ROWS_PER_WAVE * waterline / self._wavelength(omega)))
+        return Rows(rows=rows, azimuth=2 * rows, lid_rows=lid_rows)
 
     def _wavelength(self, omega: float) -> float:
         """Length of a deep-water wave [m]: the shortest a frequency can have."""
         return 2 * math.pi * self.study.water.gravity / omega**2
 
     @property
-    def shape(self) -> Spec:
-        """Mean wetted shape: radius and height of the sphere centre [m], and what deforms it at rest, if anything."""
-        sphere = {"radius": self.study.device.radius, "centre_height": self.study.centre_height}
-        if not self.study.at_equilibrium:
-            return sphere
-        sections = self.stage("mesh", "device", "modes", "water", "reference_shape")
-        sections["device"].pop("damping")
-        sections["water"].pop("depth")
-        return {**sphere, **sections}
+    def shape(self) -> Sphere | LoadedShape:
+        """Mean wetted shape: of the sphere, or of what its load makes of it at rest."""
+        study, radius, height = self.study, self.study.device.radius, self.study.centre_height
+        if not study.at_equilibrium:
+            return Sphere(radius=radius, centre_height=height)
+        return LoadedShape(
+            radius=radius,
+            centre_height=height,
+            device=study.device,
+            modes=study.modes,
+            water=study.water,
+            reference_shape="equilibrium",
+        )
 
     @property
     def displacements(self) -> tuple[str, ...]:
@@ -111,24 +107,27 @@ class HydroPlan:
         meridional = tuple(f"Meridional{n}" for n in range(1, highest + 1))
         return (*radial, *meridional) if self.study.at_equilibrium else radial
 
-    def mesh(self, omega: float) -> Spec:
+    def mesh(self, omega: float) -> SphereMesh | LoadedMesh:
         """Spec of the mesh that serves frequencies up to omega."""
-        return {"stage": "mesh", "physics": PHYSICS["mesh"], **self.shape, **self.resolution(omega)}
+        parts = {**dict(self.shape), **dict(self.resolution(omega))}
+        return LoadedMesh(**parts) if self.study.at_equilibrium else SphereMesh(**parts)
 
     @property
-    def _modes(self) -> Spec | None:
+    def _modes(self) -> Modes | None:
         """The mode section, if any design is flexible."""
-        return self.study.modes.model_dump() if self.study.flexible else None
+        return self.study.modes if self.study.flexible else None
 
-    def _block(self, omega: list[float], highest: float, **sweep: float) -> Spec:
+    def _block(self, omega: list[float], highest: float, interpolation: float | None = None) -> BlockSpec:
         """Spec of one BEM job; of a sweep with the tolerance of interpolation, which lets it leave frequencies out."""
-        study = self.study
-        if study.uses_panels:
-            solver: Spec = {"solver": panel_solver(), "mesh": self.mesh(highest)}
-        else:
-            solver = {"solver": "spectral", "shape": self.shape, "tolerance": study.hydro.tolerance}
-        asked = {"water": study.water.model_dump(), "displacements": list(self.displacements), "omega": omega}
-        return {"stage": "bem", "physics": PHYSICS["bem"], **solver, **asked, **sweep}
+        asked: dict[str, Any] = {
+            "water": self.study.water,
+            "displacements": self.displacements,
+            "omega": omega,
+            "interpolation": interpolation,
+        }
+        if self.study.uses_panels:
+            return PanelsSpec(solver=panel_solver(), mesh=self.mesh(highest), **asked)
+        return SpectralSpec(solver="spectral", shape=self.shape, tolerance=self.study.hydro.tolerance, **asked)
 
     @property
     def refinement(self) -> int:
@@ -191,7 +190,7 @@ class HydroPlan:
         return self._grid(last, last)[0]
 
     @cached_property
-    def sweep_blocks(self) -> list[Spec]:
+    def sweep_blocks(self) -> list[BlockSpec]:
         """Blocks of the absolute grid that cover (0, omega_max].
 
         Of each is solved what interpolation to half the tolerance needs; the other half is left for the splines through
@@ -210,10 +209,10 @@ class HydroPlan:
     @property
     def first_omega(self) -> float:
         """Lowest frequency of the sweep [rad/s]."""
-        return float(min(block["omega"][0] for block in self.sweep_blocks))
+        return float(min(block.omega[0] for block in self.sweep_blocks))
 
     @cached_property
-    def tabulated_blocks(self) -> list[Spec]:
+    def tabulated_blocks(self) -> list[BlockSpec]:
         """Blocks of the frequencies the study asks to tabulate, if it does."""
         omega = self.study.hydro.omega
         if self.study.uses_panels and omega and omega[0] < self.lowest_omega:
@@ -226,7 +225,7 @@ class HydroPlan:
         return [self._block(chunk, chunk[-1]) for chunk in chunks]
 
     @property
-    def bem_blocks(self) -> dict[str, Spec]:
+    def bem_blocks(self) -> dict[str, BlockSpec]:
         """All BEM jobs of the study by content id; none without BEM."""
         blocks = [*self.sweep_blocks, *self.tabulated_blocks] if self.study.needs_bem else []
         return {content_id(block): block for block in blocks}

@@ -5,9 +5,22 @@ The Snakefile builds its graph from this module alone, so a dry run shows the tr
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
-from vsb.study.blocks import PHYSICS, HydroPlan, Spec, panel_solver
+from vsb.study.blocks import BlockSpec, HydroPlan, panel_solver
 from vsb.study.resolution import RECORDS_PER_PERIOD, thinning
+from vsb.study.specs import (
+    CompareSpec,
+    DatabaseSpec,
+    DisplaySpec,
+    Dynamics,
+    LoadedMesh,
+    ModesSpec,
+    RadiationSpec,
+    ResponseSpec,
+    SimulateSpec,
+    SphereMesh,
+)
 from vsb.study.study import IrregularSea, RegularWave, Study, Wave, content_id, parse
 
 FIGURES_PER_WAVE = ("heave_excitation", "velocity_pto", "power_energy", "energy_audit", "snapshots")
@@ -39,75 +52,72 @@ class StudyPlan(HydroPlan):
     root: str = "results"
 
     @classmethod
-    def of(cls, raw: Spec) -> "StudyPlan":
+    def of(cls, raw: dict[str, Any]) -> "StudyPlan":
         """Return the plan of a study given as nested mappings, with the results folder, if not `results`, as `root`."""
         study = parse({key: value for key, value in raw.items() if key != "root"}, source="study file")
         return cls(study, root=raw.get("root", "results"))
 
     @property
-    def display(self) -> Spec:
-        """Spec of the viewable meshes: mean and deformed wetted shells."""
-        return {**self.stage("mesh", "device", "modes", "water", "reference_shape"), "modes": self._modes}
+    def display(self) -> DisplaySpec:
+        """Spec of the viewable meshes."""
+        return DisplaySpec(modes=self._modes, **self._sections("device", "water", "reference_shape"))
 
     @property
-    def database(self) -> Spec:
-        """Spec of the hydro database: the blocks in use, the modes and the structure."""
-        study = self.study
-        return {
-            "stage": "database",
-            "physics": PHYSICS["database"],
-            "sweep": [content_id(block) for block in self.sweep_blocks],
-            "tabulated": [content_id(block) for block in self.tabulated_blocks],
-            "omega": list(study.hydro.omega),
-            "omega_max": self.highest_omega,
-            "device": study.device.model_dump(),
-            "modes": self._modes,
-            "reference_shape": study.reference_shape,
-            "water": study.water.model_dump(),
-            "tolerance": study.hydro.tolerance,
-            "accept": sorted(study.hydro.accept),
-        }
+    def database(self) -> DatabaseSpec:
+        """Spec of the hydro database."""
+        hydro = self.study.hydro
+        return DatabaseSpec(
+            sweep=tuple(map(content_id, self.sweep_blocks)),
+            tabulated=tuple(map(content_id, self.tabulated_blocks)),
+            omega=hydro.omega,
+            omega_max=self.highest_omega,
+            modes=self._modes,
+            tolerance=hydro.tolerance,
+            accept=tuple(sorted(hydro.accept)),
+            **self._sections("device", "reference_shape", "water"),
+        )
 
     @property
-    def radiation(self) -> Spec:
+    def radiation(self) -> RadiationSpec:
         """Spec of the radiation model."""
-        return {
-            "stage": "radiation",
-            "physics": PHYSICS["radiation"],
-            "database": content_id(self.database),
-            "tolerance": self.study.hydro.tolerance,
-        }
+        return RadiationSpec(database=content_id(self.database), tolerance=self.study.hydro.tolerance)
 
     @property
-    def modes(self) -> Spec:
+    def modes(self) -> ModesSpec:
         """Spec of the shell modes."""
-        return self.stage("mesh", "device", "modes", "reference_shape", "designs", "water")
+        return ModesSpec(**self._sections("device", "modes", "reference_shape", "designs", "water"))
 
     @property
-    def response(self) -> Spec:
+    def response(self) -> ResponseSpec:
         """Spec of the frequency response."""
         waves = [wave.omega for wave in self.study.waves if isinstance(wave, RegularWave)]
-        sections = self.stage("response", "device", "modes", "designs", "water", "pto")
         extra = sorted({*waves, *(omega for omega in self.study.hydro.omega if omega >= self.first_omega)})
-        return {
-            **sections,
-            "step": self.step,
-            "lowest": self.first_omega,
-            "omega_max": self.study.hydro.omega_max,
-            "omega": extra,
-        }
+        return ResponseSpec(
+            step=self.step,
+            lowest=self.first_omega,
+            omega_max=self.study.hydro.omega_max,
+            omega=tuple(extra),
+            **self._sections("device", "modes", "designs", "water", "pto"),
+        )
 
-    def simulation(self, design: str, wave: Wave) -> Spec:
+    def simulation(self, design: str, wave: Wave) -> SimulateSpec:
         """Spec of one time-domain run."""
-        sections = self.stage("simulate", "device", "modes", "reference_shape", "water", "pto", "simulation")
-        hydro = {key: getattr(self.study.hydro, key) for key in ("model", "pressure", "power_tolerance", "omega_max")}
-        chosen = {"designs": {design: self.study.designs[design].model_dump()}, "waves": [wave.model_dump()]}
-        return {**sections, **chosen, "hydro": hydro}
+        hydro = self.study.hydro.model_dump(include=set(Dynamics.model_fields))
+        return SimulateSpec(
+            designs={design: self.study.designs[design]},
+            waves=(wave,),
+            hydro=Dynamics(**hydro),
+            **self._sections("device", "modes", "reference_shape", "water", "pto", "simulation"),
+        )
 
     @property
-    def comparison(self) -> Spec:
-        """Spec of the comparison: the whole study."""
-        return {"stage": "compare", "physics": PHYSICS["compare"], "study": self.study.model_dump()}
+    def comparison(self) -> CompareSpec:
+        """Spec of the comparison."""
+        return CompareSpec(study=self.study)
+
+    def _sections(self, *names: str) -> dict[str, Any]:
+        """Sections of the study a stage reads."""
+        return {name: getattr(self.study, name) for name in names}
 
     # memory ---------------------------------------------------------------------------------------------------------
 
@@ -130,11 +140,11 @@ class StudyPlan(HydroPlan):
 
     # file names -----------------------------------------------------------------------------------------------------
 
-    def mesh_path(self, spec: Spec) -> str:
+    def mesh_path(self, spec: SphereMesh | LoadedMesh) -> str:
         """Mesh of a block."""
         return f"{self.root}/hydro/mesh/{content_id(spec)}/mean.nc"
 
-    def block_path(self, spec: Spec) -> str:
+    def block_path(self, spec: BlockSpec) -> str:
         """Result of one BEM job."""
         return f"{self.block_folder}/{content_id(spec)}.nc"
 

@@ -67,11 +67,11 @@ def validated(model: type[Model], raw: object, source: str) -> Model:
     try:
         return model.model_validate(raw)
     except ValidationError as error:
-        raise ConfigError(f"{source}: {_one_line(error)}") from None
+        raise ConfigError(f"{source}: {one_line(error)}") from None
 
 
-def _one_line(error: ValidationError) -> str:
-    """Say the first error of a validation in one line, and how many more: a misspelt key before the one it left out."""
+def one_line(error: ValidationError) -> str:
+    """Return the first error of a validation in one line, and how many more: a misspelt key before what it left out."""
     first, *more = sorted(error.errors(), key=lambda one: one["type"] != "extra_forbidden")
     key = ".".join(str(part) for part in first["loc"]) or error.title.lower()
     received = "" if isinstance(first["input"], dict | BaseModel) else f" received {_shown(first['input'])};"

@@ -17,6 +17,7 @@ ATMOSPHERE = 101325.0
 """Pressure of the atmosphere at the sea's surface [Pa]."""
 THINNEST_SHELL = 1 / 3e4
 """Thickness over radius below which a sphere is a film."""
+RestShape = Literal["undeformed", "equilibrium"]
 
 
 class RayleighDamping(Section):

@@ -7,7 +7,7 @@ import hashlib
 import json
 import math
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Self
 
 from pydantic import BaseModel, Field, field_validator, model_validator
 
@@ -28,6 +28,7 @@ from vsb.study.sections import (
     Published,
     RayleighDamping,
     RegularWave,
+    RestShape,
     Simulation,
     StillWater,
     Water,
@@ -83,7 +84,7 @@ class Study(Section):
     study: Name
     device: Device
     modes: Modes = Modes()
-    reference_shape: Literal["undeformed", "equilibrium"] = "undeformed"
+    reference_shape: RestShape = "undeformed"
     designs: Annotated[dict[Name, Design], Field(min_length=1)]
     water: Water = Water()
     hydro: Hydro = Hydro()

@@ -19,7 +19,7 @@ rule modes:
         "vsb modes --out {output} <<< {params.spec:q} > {log} 2>&1"
 
 
-rule display_meshes:
+rule display:
     output:
         PLAN.display_paths,
     log:
@@ -30,4 +30,4 @@ rule display_meshes:
         spec=canonical(PLAN.display),
         folder=subpath(output[0], parent=True),
     shell:
-        "vsb display-meshes --out {params.folder} <<< {params.spec:q} > {log} 2>&1"
+        "vsb display --out {params.folder} <<< {params.spec:q} > {log} 2>&1"

@@ -1,5 +1,5 @@
 # Panels: mean wetted mesh, Green-function table, BEM blocks on an absolute frequency grid.
-MESHES = {content_id(block["mesh"]): block["mesh"] for block in BLOCKS.values()}
+MESHES = {content_id(block.mesh): block.mesh for block in BLOCKS.values()}
 
 
 rule mesh:
@@ -30,16 +30,16 @@ rule green:
         "vsb green --folder {params.folder:q} --out {output} > {log} 2>&1"
 
 
-rule bem:
+rule panels:
     input:
-        mesh=lambda wildcards: PLAN.mesh_path(BLOCKS[wildcards.id]["mesh"]),
+        mesh=lambda wildcards: PLAN.mesh_path(BLOCKS[wildcards.id].mesh),
         green=f"{PLAN.green_folder}.done",
     output:
         f"{ROOT}/hydro/blocks/{{id}}.nc",
     log:
-        f"{ROOT}/logs/bem/{{id}}.log",
+        f"{ROOT}/logs/panels/{{id}}.log",
     benchmark:
-        f"{ROOT}/benchmarks/bem/{{id}}.tsv"
+        f"{ROOT}/benchmarks/panels/{{id}}.tsv"
     conda:
         "../envs/vsb.yaml"
     threads: 1
@@ -50,4 +50,4 @@ rule bem:
         spec=lambda wildcards: canonical(BLOCKS[wildcards.id]),
         green=subpath(input.green, strip_suffix=".done"),
     shell:
-        "vsb bem --mesh {input.mesh} --green {params.green:q} --out {output} <<< {params.spec:q} > {log} 2>&1"
+        "vsb panels --mesh {input.mesh} --green {params.green:q} --out {output} <<< {params.spec:q} > {log} 2>&1"

@@ -5,9 +5,9 @@ rule spectral:
     output:
         f"{ROOT}/hydro/blocks/{{id}}.nc",
     log:
-        f"{ROOT}/logs/bem/{{id}}.log",
+        f"{ROOT}/logs/spectral/{{id}}.log",
     benchmark:
-        f"{ROOT}/benchmarks/bem/{{id}}.tsv"
+        f"{ROOT}/benchmarks/spectral/{{id}}.tsv"
     conda:
         "../envs/vsb.yaml"
     threads: 1

@@ -1,9 +1,9 @@
 """A block of frequencies by rings of panels, on two meshes: coefficients, and how far they may be off."""
 
+import math
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -16,6 +16,7 @@ from vsb.hydro.sweep import apart, coefficients, joined, largest, on_grid
 from vsb.hydro.witness import Runs, Waves, runs
 from vsb.shell.modes import ModeBasis
 from vsb.study.blocks import LEAST_DEPTH_IN_WAVENUMBERS
+from vsb.study.specs import PanelsSpec
 
 STRONGEST_KA = 0.5
 """k R of a wave near which damping is largest: a block of high frequencies measures its errors by that, too."""
@@ -93,17 +94,16 @@ class TwoMeshes:
         return found.assign_attrs(error_estimate=error, solves=solved.sizes["omega"], frequencies=len(frequencies))
 
 
-def solve_block(spec: dict[str, Any], fine: xr.Dataset, coarse: xr.Dataset, green_folder: str | Path) -> xr.Dataset:
+def solve_block(spec: PanelsSpec, fine: xr.Dataset, coarse: xr.Dataset, green_folder: str | Path) -> xr.Dataset:
     """Solve one block of frequencies (`vsb.study.plan`) on two meshes; infinite frequency is a block of its own."""
-    water, moved = spec["water"], displacements(spec["displacements"])
-    depth, green = float(water["depth"]), green_function(green_folder)
+    water, moved, green = spec.water, displacements(spec.displacements), green_function(green_folder)
     meshes = (
-        AxisymmetricProblem(green, mesh, moved, water["density"], depth, water["gravity"]) for mesh in (fine, coarse)
+        AxisymmetricProblem(green, mesh, moved, water.density, water.depth, water.gravity) for mesh in (fine, coarse)
     )
     problem = TwoMeshes(*meshes)
-    if spec["omega"] == ["inf"]:
+    if spec.omega == (math.inf,):
         return problem.at_infinity()
-    return problem.solve(spec["omega"], spec.get("interpolation"))
+    return problem.solve(list(spec.omega), spec.interpolation)
 
 
 def witness_runs(

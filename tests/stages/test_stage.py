@@ -1,0 +1,88 @@
+"""Rule, stage, command and file have one name, and their files the same names."""
+
+import importlib
+import inspect
+import json
+import re
+
+import pytest
+from conftest import SEED, varied
+
+from vsb.errors import ConfigError
+from vsb.stages.stage import STAGES, partial_study
+from vsb.study.plan import StudyPlan
+from vsb.study.study import canonical, load
+
+RULES = {
+    name: text
+    for path in sorted((SEED.parent.parent / "workflow" / "rules").glob("*.smk"))
+    for name, text in re.findall(r"^rule (\w+):\n((?:    .*\n|\n)*)", path.read_text(encoding="utf-8"), re.MULTILINE)
+}
+BY_NAME = {stage.name: stage for stage in STAGES}
+
+
+def test_every_rule_is_a_stage_and_every_stage_a_rule():
+    assert set(RULES) == set(BY_NAME)
+
+
+@pytest.mark.parametrize("stage", STAGES, ids=lambda stage: stage.name)
+def test_a_rule_calls_the_command_of_its_name_with_its_files(stage):
+    command = "".join(re.findall(r'"(.*)"', RULES[stage.name].partition("shell:")[2]))
+    assert command.startswith(f"vsb {stage.name} ")
+    said = set(re.findall(r"--(\w+) ", command))
+    assert said == set(stage.files)
+    assert ("{params.hydro}" in command) == bool(stage.optional)
+    assert bool(stage.spec) == bool(re.search(r" <<< \{params.spec:q\} | < \{input.study\} ", command))
+
+
+@pytest.mark.parametrize("stage", STAGES, ids=lambda stage: stage.name)
+def test_a_file_of_the_name_runs_it(stage):
+    names = list(inspect.signature(importlib.import_module(f"vsb.stages.{stage.name}").run).parameters)
+    assert set(names[bool(stage.spec) :]) == {*stage.files, *stage.optional}
+
+
+def specifications(study):
+    """What is said to the stages of a study, by name."""
+    plan = StudyPlan(study)
+    found = {
+        "modes": plan.modes,
+        "display": plan.display,
+        "compare": plan.comparison,
+        "figures": study,
+        "report": study,
+    }
+    found["simulate"] = plan.simulation(next(iter(study.designs)), study.waves[0])
+    if not study.needs_bem:
+        return found
+    found |= {"database": plan.database, "radiation": plan.radiation, "response": plan.response}
+    block = plan.sweep_blocks[0]
+    return found | ({"panels": block, "mesh": block.mesh} if study.uses_panels else {"spectral": block})
+
+
+@pytest.mark.parametrize("name", ["seed", "paper", "pressurised", "automatic"])
+@pytest.mark.parametrize("solver", ["auto", "panels"])
+def test_what_a_plan_says_a_stage_reads(name, solver):
+    study = load(SEED.with_name(f"{name}.yaml"))
+    if study.needs_bem:
+        study = varied(study, hydro={"solver": solver})
+    for stage, spec in specifications(study).items():
+        text = canonical(spec)
+        assert canonical(BY_NAME[stage].read(text)) == text
+
+
+def test_a_wrong_specification_is_one_line():
+    spec = json.loads(canonical(StudyPlan(load(SEED)).radiation))
+    with pytest.raises(ConfigError, match=r"^standard input: tolerance: received 'x'; Input should be a valid number"):
+        BY_NAME["radiation"].read(canonical({**spec, "tolerance": "x"}))
+    with pytest.raises(ConfigError, match=r"^standard input: not valid JSON \(maximum recursion depth"):
+        BY_NAME["radiation"].read("[" * 100_000)
+
+
+def test_a_stage_takes_what_it_reads_and_harmless_values_else(seed):
+    plan = StudyPlan(seed)
+    study = partial_study(plan.simulation("VSWEC0", seed.waves[0]))
+    assert (study.device, study.waves, study.pto) == (seed.device, seed.waves, seed.pto)
+    assert study.designs == {"VSWEC0": seed.designs["VSWEC0"]}
+    assert partial_study(plan.database).flexible
+    rigid = StudyPlan(varied(seed, designs={"FSB": {"flexible": False}}))
+    assert not partial_study(rigid.database).flexible

@@ -1,0 +1,62 @@
+"""Specifications: their text says all they are, and nothing else can be read from it."""
+
+import json
+
+import pytest
+from conftest import SEED, varied
+from pydantic import ValidationError
+
+from vsb.study import specs
+from vsb.study.plan import StudyPlan
+from vsb.study.study import canonical, content_id, load
+
+
+@pytest.fixture(scope="module")
+def pressurised():
+    """A study about its equilibrium, whose shapes and meshes hold the shell."""
+    return load(SEED.with_name("pressurised.yaml"))
+
+
+@pytest.mark.parametrize("kind", [specs.ModesSpec, specs.CompareSpec, specs.RadiationSpec])
+def test_a_specification_of_another_stage_or_version_is_refused(seed, kind):
+    plan = StudyPlan(seed)
+    (spec,) = (one for one in (plan.modes, plan.comparison, plan.radiation) if isinstance(one, kind))
+    raw = json.loads(canonical(spec))
+    assert kind.model_validate(raw) == spec
+    for key, value in (("stage", "other"), ("physics", spec.physics + 1)):
+        with pytest.raises(ValidationError, match=f"{key} .*: needs .*, of this version; run vsb run CONFIG again"):
+            kind.model_validate({**raw, key: value})
+    with pytest.raises(ValidationError, match="Extra inputs"):
+        kind.model_validate({**raw, "more": 1})
+
+
+@pytest.mark.parametrize("tag", specs.PHYSICS)
+def test_the_version_of_its_physics_names_a_stage(seed, tag, monkeypatch):
+    def ids():
+        plan = StudyPlan(varied(seed, hydro={"rows": 30}))
+        block = plan.sweep_blocks[0]
+        found = (block.mesh, plan.modes, block, plan.database, plan.radiation, plan.response, plan.comparison)
+        return [content_id(spec) for spec in (*found, plan.simulation("FSB", seed.waves[0]))]
+
+    before = ids()
+    monkeypatch.setitem(specs.PHYSICS, tag, specs.PHYSICS[tag] + 1)
+    changed = {
+        "mesh": {0, 1, 2, 3, 4}, "bem": {2, 3, 4}, "database": {3, 4}, "radiation": {4}, "response": {5}, "compare": {6},
+        "simulate": {7},
+    }  # fmt: skip
+    assert {i for i, (old, new) in enumerate(zip(before, ids(), strict=True)) if old != new} == changed[tag]
+
+
+def test_a_loaded_shape_sees_neither_damping_nor_depth(pressurised):
+    shape = StudyPlan(pressurised).shape
+    assert isinstance(shape, specs.LoadedShape)
+    other = varied(pressurised, device={"damping": {"alpha": 1.0}}, water={"depth": 30.0})
+    assert content_id(StudyPlan(other).shape) == content_id(shape)
+    stiffer = varied(pressurised, device={"young_modulus": 2e7})
+    assert content_id(StudyPlan(stiffer).shape) != content_id(shape)
+
+
+def test_what_is_not_interpolated_does_not_say_so(seed):
+    swept, tabulated = StudyPlan(varied(seed, hydro={"omega": [1.0]})).bem_blocks.values()
+    assert json.loads(canonical(swept))["interpolation"] == 5e-4
+    assert "interpolation" not in json.loads(canonical(tabulated))

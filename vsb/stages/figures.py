@@ -1,0 +1,54 @@
+"""Rule figures: all figures of a study."""
+
+import io
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from vsb.hydro.database import load_database
+from vsb.report.canvas import StudyData
+from vsb.report.figures import draw
+from vsb.stages.trajectories import stored_runs
+from vsb.study.plan import figure_names
+from vsb.study.study import StillWater, Study, Wave
+from vsb.tools.files import load, write_text
+
+
+def run(
+    study: Study,
+    modes: str,
+    trajectories: str,
+    out: str,
+    database: str = "",
+    radiation: str = "",
+    response: str = "",
+) -> None:
+    """Draw and write all figures of a study as SVG into a folder."""
+    frequency = load(response) if study.needs_bem else xr.Dataset()
+    data = StudyData(
+        designs=tuple(study.designs),
+        reference=study.reference_design,
+        wave_frequencies=tuple(wave.omega for wave in study.waves if not isinstance(wave, StillWater)),
+        periods={wave.label: _period(study, wave, frequency) for wave in study.waves},
+        window=study.simulation.window,
+        modes=load(modes),
+        database=load_database(database, Path(database).stem) if study.needs_bem else xr.Dataset(),
+        radiation=load(radiation) if study.needs_bem else xr.Dataset(),
+        response=frequency,
+        runs=stored_runs(study, trajectories),
+    )
+    for name in figure_names(study):
+        text = io.StringIO()
+        draw(name, data).savefig(text, format="svg", metadata={"Date": None})
+        write_text(Path(out) / f"{name}.svg", text.getvalue())
+
+
+def _period(study: Study, wave: Wave, response: xr.Dataset) -> float:
+    """Period of a sea, in still water of the slowest free motion [s]."""
+    return 2 * np.pi / (_slowest(study, response) if isinstance(wave, StillWater) else wave.omega)
+
+
+def _slowest(study: Study, response: xr.Dataset) -> float:
+    """Lowest natural frequency [rad/s]; without BEM that of heave, sqrt(rho g pi r_w^2/m)."""
+    return float(response.wet_natural_frequency.min()) if study.needs_bem else study.heave_frequency

@@ -1,0 +1,36 @@
+"""Rule spectral: hydrodynamic coefficients of one block of frequencies without panels."""
+
+import time as clock
+
+from vsb.hydro.dofs import displacements
+from vsb.hydro.spectral import solver
+from vsb.hydro.spectral.sweep import FEWEST_NODES, converged, converged_on_grid
+from vsb.scenes.rest import reference_shell
+from vsb.shell.deformed import rigid_sphere
+from vsb.stages.stage import partial_study
+from vsb.study.specs import LoadedShape, SpectralSpec
+from vsb.study.study import canonical, content_id
+from vsb.tools.files import save
+
+
+def run(spec: SpectralSpec, out: str) -> None:
+    """Solve one block of frequencies, as finely as the tolerance needs."""
+    begun = clock.perf_counter()
+    problem, omega = spectral_problem(spec), list(spec.omega)
+    if spec.interpolation:
+        solved = converged_on_grid(problem, omega, spec.tolerance, spec.interpolation)
+    else:
+        solved = converged(problem, omega, spec.tolerance)
+    attrs = {"spec": canonical(spec), "spec_id": content_id(spec), "seconds": clock.perf_counter() - begun}
+    save(solved.assign_attrs(attrs), out)
+
+
+def spectral_problem(spec: SpectralSpec) -> solver.SpectralProblem:
+    """Return the problem of a block: the shape at rest and its displacements."""
+    shape, water = spec.shape, spec.water
+    if isinstance(shape, LoadedShape):
+        shell = reference_shell(partial_study(shape)).shape
+    else:
+        shell = rigid_sphere(shape.radius, shape.centre_height)
+    moved = displacements(spec.displacements)
+    return solver.SpectralProblem(shell, moved, water.density, water.gravity, FEWEST_NODES, depth=water.depth)

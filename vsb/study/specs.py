@@ -1,0 +1,202 @@
+"""What the stages compute from: frozen values, whose canonical JSON travels to a job and names its result.
+
+Only what a stage reads stands in its specification. The words under `stage` are historical tags: results already there
+keep their names, whatever rules and commands are called.
+"""
+
+from typing import Any, ClassVar, Literal
+
+from pydantic import SerializerFunctionWrapHandler, field_serializer, model_serializer, model_validator
+
+from vsb.study.quantities import Name, Section
+from vsb.study.sections import Design, Device, Modes, RestShape, Simulation, Water, Wave
+from vsb.study.study import Study
+from vsb.study.take_off import Pto
+
+PHYSICS = {"mesh": 2, "bem": 7, "database": 6, "radiation": 1, "response": 2, "simulate": 4, "compare": 6}
+"""Hand-bumped version of the physics behind each tag: a library edit alone never reruns anything."""
+
+
+class Spec(Section):
+    """Specification of one stage, with the version of its physics."""
+
+    TAG: ClassVar[str]
+    stage: str = ""
+    physics: int = 0
+
+    @model_validator(mode="before")
+    @classmethod
+    def _tagged(cls, raw: Any) -> Any:
+        """Tag a specification made here; one that was read must be of this stage and of today's physics."""
+        tags: dict[str, Any] = {"stage": cls.TAG, "physics": PHYSICS[cls.TAG]}
+        if not isinstance(raw, dict):
+            return raw
+        for key, value in tags.items():
+            if (received := raw.get(key, value)) != value:
+                raise ValueError(f"{key} {received!r}: needs {value!r}, of this version; run vsb run CONFIG again")
+        return {**raw, **tags}
+
+
+class Sphere(Section):
+    """Undeformed wetted shape: radius of the sphere and height of its centre above still water [m]."""
+
+    radius: float
+    centre_height: float
+
+
+class LoadedShape(Spec):
+    """Wetted shape of a shell that its load deforms at rest; neither its damping nor the depth matters."""
+
+    TAG = "mesh"
+    radius: float
+    centre_height: float
+    device: Device
+    modes: Modes
+    water: Water
+    reference_shape: Literal["equilibrium"]
+
+    @field_serializer("device")
+    def _without_damping(self, device: Device) -> dict[str, Any]:
+        return device.model_dump(exclude={"damping"})
+
+    @field_serializer("water")
+    def _without_depth(self, water: Water) -> dict[str, Any]:
+        return water.model_dump(exclude={"depth"})
+
+
+class Rows(Section):
+    """Resolution of a mean mesh: rows of panels from keel to waterline, panels around, rows of the lid."""
+
+    rows: int
+    azimuth: int
+    lid_rows: int
+
+
+class SphereMesh(Spec, Sphere, Rows):
+    """Mean wetted mesh of a sphere."""
+
+    TAG = "mesh"
+
+
+class LoadedMesh(LoadedShape, Rows):
+    """Mean wetted mesh of a shell deformed by its load."""
+
+
+class DisplaySpec(Spec):
+    """Viewable meshes: mean and deformed wetted shells."""
+
+    TAG = "mesh"
+    device: Device
+    modes: Modes | None
+    water: Water
+    reference_shape: RestShape
+
+
+class ModesSpec(Spec):
+    """Shell modes of a study."""
+
+    TAG = "mesh"
+    device: Device
+    modes: Modes
+    reference_shape: RestShape
+    designs: dict[Name, Design]
+    water: Water
+
+
+class Block(Spec):
+    """Coefficients of displacements at frequencies [rad/s], as many of them solved as `interpolation` [-] asks for."""
+
+    TAG = "bem"
+    solver: str
+    water: Water
+    displacements: tuple[str, ...]
+    omega: tuple[float, ...]
+    interpolation: float | None = None
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_not_asked(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        found: dict[str, Any] = dump(self)
+        return {key: value for key, value in found.items() if value is not None}
+
+
+class PanelsSpec(Block):
+    """A block of frequencies by panels."""
+
+    mesh: SphereMesh | LoadedMesh
+
+
+class SpectralSpec(Block):
+    """A block of frequencies without panels."""
+
+    shape: Sphere | LoadedShape
+    tolerance: float
+
+
+class DatabaseSpec(Spec):
+    """Hydro database: ids of the blocks in use, the modes and the structure, the checks whose failure is accepted."""
+
+    TAG = "database"
+    sweep: tuple[str, ...]
+    tabulated: tuple[str, ...]
+    omega: tuple[float, ...]
+    omega_max: float
+    device: Device
+    modes: Modes | None
+    reference_shape: RestShape
+    water: Water
+    tolerance: float
+    accept: tuple[str, ...]
+
+
+class RadiationSpec(Spec):
+    """Radiation model of a database, by its id."""
+
+    TAG = "radiation"
+    database: str
+    tolerance: float
+
+
+class ResponseSpec(Spec):
+    """Frequency response of all designs: step, ends and further frequencies of its grid [rad/s]."""
+
+    TAG = "response"
+    device: Device
+    modes: Modes
+    designs: dict[Name, Design]
+    water: Water
+    pto: Pto
+    step: float
+    lowest: float
+    omega_max: float
+    omega: tuple[float, ...]
+
+
+class Dynamics(Section):
+    """What a run in time reads of the section `hydro`."""
+
+    model: str
+    pressure: float | None
+    power_tolerance: float | None
+    omega_max: float
+
+
+class SimulateSpec(Spec):
+    """One design in one sea."""
+
+    TAG = "simulate"
+    device: Device
+    modes: Modes
+    reference_shape: RestShape
+    water: Water
+    pto: Pto
+    simulation: Simulation
+    designs: dict[Name, Design]
+    waves: tuple[Wave, ...]
+    hydro: Dynamics
+
+
+class CompareSpec(Spec):
+    """Comparison of all designs in all seas: the whole study."""
+
+    TAG = "compare"
+    study: Study
