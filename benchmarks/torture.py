@@ -7,7 +7,6 @@ drawn from physical ranges: sizes, shells, depths, bands, seas, windows, methods
 """
 
 import copy
-import json
 import math
 import random
 import tempfile
@@ -23,8 +22,11 @@ import xarray as xr
 import yaml
 
 from vsb.errors import VsbError
-from vsb.stages import coefficients, compare, database, meshes, modes, preview, radiation, response, simulate
+from vsb.stages import preview
+from vsb.stages.stage import STAGES
+from vsb.study.blocks import BlockSpec
 from vsb.study.plan import StudyPlan
+from vsb.study.specs import Spec, SpectralSpec
 from vsb.study.study import Study, canonical, load
 
 Raw = dict[str, Any]
@@ -111,7 +113,8 @@ def odd(rng: random.Random) -> str:
     if model == "assumed_pressure":
         hydro = {"model": model, "pressure": weight * 10 ** rng.uniform(-3.0, -0.5)}
     waves = [_wave(rng, radius, natural, highest) for _ in range(rng.choice([1, 1, 2]))]
-    slowest = max(2 * math.pi / natural, *(wave.get("period", wave.get("tp", 0.0)) for wave in waves))
+    periods = [float(wave.get("period") or wave.get("tp") or 0.0) for wave in waves]
+    slowest = max(2 * math.pi / natural, *periods)
     duration = slowest * 10 ** rng.uniform(-1.0, 1.2)
     begin, end = sorted(rng.uniform(0.0, duration) for _ in range(2))
     method = {"linear": ["auto", "exact", "convolution", "structure_preserving"], "auto": ["auto"]}.get(
@@ -193,45 +196,47 @@ def fate(text: str, folder: Path, run: bool = True) -> Outcome:
 
 def run_stages(study: Study, plan: StudyPlan) -> str:
     """Run the stages of a study in this process, without figures and report; return what is not finite, if anything."""
-    modes.shell_modes(_spec(plan.modes), f"{plan.folder}/modes.nc")
+    _stage("modes", plan.modes, out=f"{plan.folder}/modes.nc")
     if study.needs_bem:
         for block in plan.bem_blocks.values():
             _solve(plan, block)
-        files = [plan.block_path(block) for block in plan.bem_blocks.values()]
-        database.build_database(_spec(plan.database), files, plan.database_path)
-        radiation.fit_radiation(_spec(plan.radiation), plan.database_path, plan.radiation_path)
-        response.frequency_response(_spec(plan.response), plan.database_path, plan.response_files["response"])
-    paths: Raw = {**plan.hydro_files, **plan.response_files}
-    runs = []
+        _stage("database", plan.database, blocks=plan.block_folder, out=plan.database_path)
+        _stage("radiation", plan.radiation, database=plan.database_path, out=plan.radiation_path)
+        _stage("response", plan.response, database=plan.database_path, out=plan.response_files["response"])
     for wave in study.waves:
         for design in study.designs:
-            runs.append(plan.trajectory_path(design, wave.label))
-            simulate.simulate(_spec(plan.simulation(design, wave)), paths, runs[-1])
-    names = ("comparison.csv", "statistics.csv", "validity.json", "study.json")
-    tables = {name.split(".")[0]: f"{plan.folder}/{name}" for name in names}
-    paths |= tables | {"out": tables.pop("comparison")}
-    compare.compare_designs(_spec(plan.comparison), paths, runs)
+            out = plan.trajectory_path(design, wave.label)
+            _stage("simulate", plan.simulation(design, wave), **plan.hydro_files, out=out)
+    files = {
+        "out": "comparison.csv",
+        "statistics": "statistics.csv",
+        "validity": "validity.json",
+        "study": "study.json",
+    }
+    named = {key: f"{plan.folder}/{name}" for key, name in {**files, "trajectories": "trajectories"}.items()}
+    _stage("compare", plan.comparison, **named, **plan.hydro_files, **plan.response_files)
     return _not_finite(Path(plan.folder))
 
 
-def _spec(spec: Raw) -> Raw:
-    """A spec as a rule hands it over."""
-    return dict(json.loads(canonical(spec)))
+def _stage(name: str, spec: Spec | None, **files: str) -> None:
+    """Run a stage on its specification as text, as a rule hands it over."""
+    (stage,) = (stage for stage in STAGES if stage.name == name)
+    stage.run({**dict.fromkeys(stage.optional), **files}, canonical(spec) if spec else "")
 
 
-def _solve(plan: StudyPlan, block: Raw) -> None:
+def _solve(plan: StudyPlan, block: BlockSpec) -> None:
     """Solve one block by the solver its spec names."""
     out = plan.block_path(block)
     if Path(out).exists():
         return
-    if "mesh" not in block:
-        coefficients.spectral_block(_spec(block), out)
+    if isinstance(block, SpectralSpec):
+        _stage("spectral", block, out=out)
         return
-    green, mesh = plan.green_folder, plan.mesh_path(block["mesh"])
+    green, mesh = plan.green_folder, plan.mesh_path(block.mesh)
     if not Path(green, "done").exists():
-        coefficients.green(green, f"{green}/done")
-    meshes.mesh(_spec(block["mesh"]), mesh)
-    coefficients.bem_block(_spec(block), mesh, green, out)
+        _stage("green", None, folder=green, out=f"{green}/done")
+    _stage("mesh", block.mesh, out=mesh)
+    _stage("panels", block, mesh=mesh, green=green, out=out)
 
 
 def _not_finite(folder: Path) -> str:

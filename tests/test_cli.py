@@ -15,7 +15,7 @@ from vsb.study.plan import StudyPlan
 from vsb.study.study import canonical, load
 
 COMMANDS = (
-    "run", "check", "shell", "body", "shape-dependence", "export", "import-wamit", "import-bemio",
+    "init", "run", "check", "shell", "body", "shape-dependence", "export", "import-wamit", "import-bemio",
     *(stage.name for stage in STAGES),
 )  # fmt: skip
 

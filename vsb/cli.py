@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from vsb import __version__
 from vsb.errors import ConfigError, VsbError
+from vsb.stages.init import init
 from vsb.stages.run import ERROR, cores, run
 from vsb.stages.stage import STAGES, Stage
 from vsb.study.plan import StudyPlan
@@ -19,6 +20,13 @@ if TYPE_CHECKING:
 
 Handler = Callable[[argparse.Namespace], int]
 AXISYMMETRIC = "the body and its generalized modes are: more can be checked"
+
+
+def begin(args: argparse.Namespace) -> int:
+    """Write a commented study, named after its file, to change and run; nothing is overwritten."""
+    init(args.config, args.radius)
+    print(f"{args.config}: change it, then vsb check {args.config} and vsb run {args.config}")
+    return 0
 
 
 def check(args: argparse.Namespace) -> int:
@@ -153,6 +161,8 @@ def _command(commands: Any, name: str, text: str, handler: Handler, /, **places:
 
 def _add_commands(commands: Any) -> None:
     """Declare what is done with a study or a body."""
+    one = _command(commands, "init", "write a study to begin with", begin, config="STUDY.yaml")
+    one.add_argument("--radius", type=float, metavar="R", help="scale the buoy, its sea and times by Froude [m]")
     one = _command(commands, "run", "run a whole study through Snakemake", run, config="CONFIG")
     one.epilog = "Further options, such as -n, go to snakemake."
     one.add_argument("--profile", default="default", help="default, slurm, or the path of a folder of your own")

@@ -13,10 +13,10 @@ from pathlib import Path
 from vsb.errors import VsbError
 from vsb.study.plan import StudyPlan
 from vsb.study.study import load
+from vsb.tools.shipped import HOME
 
 ERROR = "vsb: error:"
-HOME = Path(__file__).resolve().parents[2]
-"""Of the workflow and its profiles: they belong to the package; what lies in the current folder is never run."""
+SNAKEFILE = HOME / "workflow" / "Snakefile"
 
 
 def run(args: argparse.Namespace) -> int:
@@ -30,7 +30,7 @@ def run(args: argparse.Namespace) -> int:
     for folder in (".", plan.root):  # snakemake writes to both
         check_folder(folder)
     profile = ["--profile", str(_profile(args.profile)), "--workflow-profile", "none"]
-    command = [sys.executable, "-m", "snakemake", "--snakefile", str(HOME / "Snakefile"), "--configfile", args.config]
+    command = [sys.executable, "-m", "snakemake", "--snakefile", str(SNAKEFILE), "--configfile", args.config]
     command += ["--nolock", *profile, *(["--cores", args.cores] if args.cores else []), *args.snakemake]
     paths = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     environment = {**os.environ, "PATH": paths, "PYTHONSAFEPATH": "1"}  # nor modules of the current folder

@@ -1,0 +1,76 @@
+"""A study to begin with, at any size."""
+
+import pytest
+import yaml
+from conftest import SEED
+
+from vsb.cli import main
+from vsb.errors import ConfigError
+from vsb.shell.sphere import Shell, natural_frequencies
+from vsb.stages.init import init
+from vsb.study.study import load
+
+
+def test_it_is_the_shipped_study_under_its_own_name(tmp_path, capsys):
+    path = tmp_path / "my_buoy.yaml"
+    assert main(["init", str(path)]) == 0
+    assert f"vsb run {path}" in capsys.readouterr().out
+    assert load(path) == load(SEED).model_copy(update={"study": "my_buoy"})
+    assert path.read_text().count("#") == SEED.read_text().count("#")
+
+
+@pytest.mark.parametrize("radius", [0.02, 2.0, 8.0, 100.0])
+def test_size_changes_nothing_without_dimension(tmp_path, radius):
+    """By Froude: same draft over radius, frequencies times sqrt(r/g), stiffness and damping over the water's."""
+    init(str(tmp_path / "b.yaml"), radius)
+    found, seed = load(tmp_path / "b.yaml"), load(SEED)
+    assert found.device.radius == pytest.approx(radius)
+
+    def numbers(study):
+        device, water, run = study.device, study.water, study.simulation
+        length, time = device.radius, (device.radius / water.gravity) ** 0.5
+        (wave,) = study.waves
+        return [
+            study.draft / length,
+            device.thickness / length,
+            wave.amplitude / length,
+            run.initial_velocity / length * time,
+            study.hydro.omega_max * time,
+            wave.omega * time,
+            device.damping.beta / time,
+            run.duration / time,
+            run.window[0] / run.duration,
+            study.pto.damping * time / (water.density * length**3),
+            *(natural_frequencies(Shell.of(device), 3) * time),
+        ]
+
+    assert numbers(found) == pytest.approx(numbers(seed), rel=2e-5)
+
+
+@pytest.mark.parametrize(
+    ("name", "radius", "message"),
+    [
+        ("there.yaml", None, "there.yaml: exists already; give a new name"),
+        ("study", None, "study: received a name without .yaml, needs one such as my_buoy.yaml"),
+        ("9x.yaml", None, "9x.yaml: study: received '9x'; String should match"),
+        ("hydro.yaml", None, "hydro.yaml: study: received 'hydro'; 'hydro' is the name of a results folder"),
+        ("a.yaml", float("nan"), "--radius: received nan m, needs 0.01 to 100 m"),
+        ("a.yaml", 1e300, r"--radius: received 1e\+300 m, needs 0.01 to 100 m"),
+        ("a.yaml", -1.0, "--radius: received -1 m"),
+    ],
+)
+def test_what_cannot_be_begun_is_one_line_and_writes_nothing(tmp_path, monkeypatch, name, radius, message):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "there.yaml").write_text("kept")
+    with pytest.raises(ConfigError, match=f"^{message}"):
+        init(name, radius)
+    assert [path.read_text() for path in tmp_path.iterdir()] == ["kept"]
+
+
+def test_every_scaled_key_is_in_the_study():
+    from vsb.stages.init import FROUDE
+
+    keys = {
+        key for section in yaml.safe_load(SEED.read_text()).values() if isinstance(section, dict) for key in section
+    }
+    assert set(FROUDE) - keys == {"amplitude", "period", "alpha", "beta"}  # of the sea, and of the shell's damping
