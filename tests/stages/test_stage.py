@@ -55,6 +55,7 @@ def specifications(study):
     if not study.needs_bem:
         return found
     found |= {"database": plan.database, "radiation": plan.radiation, "response": plan.response}
+    found |= {"deformed": plan.witness.meshes, "witness": plan.witness}
     block = plan.sweep_blocks[0]
     return found | ({"panels": block, "mesh": block.mesh} if study.uses_panels else {"spectral": block})
 

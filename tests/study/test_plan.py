@@ -125,8 +125,8 @@ def test_labels_are_those_of_the_basis(seed):
 def test_figures_are_known_beforehand(seed):
     waves = [{"kind": "still"}, {"kind": "regular", "amplitude": 0.1, "period": 3.0}]
     study = varied(seed, waves=waves)
-    assert len(figure_names(study)) == 4 + 2 * 8
-    assert len(figure_names(varied(study, designs={"FSB": {"flexible": False}}))) == 4 + 2 * 5
+    assert len(figure_names(study)) == 5 + 2 * 8
+    assert len(figure_names(varied(study, designs={"FSB": {"flexible": False}}))) == 5 + 2 * 5
     assumed = varied(study, hydro={"model": "assumed_pressure", "pressure": 100.0})
     assert len(figure_names(assumed)) == 1 + 2 * 8
     assert not {"absorbed_power", "radiation_kernel"} & set(figure_names(assumed))
@@ -399,6 +399,6 @@ def test_the_database_reaches_any_highest_frequency_asked_for(seed, radius, high
     study = varied(seed, device=device, water=water, hydro={"omega_max": highest, "tolerance": tolerance})
     plan = StudyPlan(study)
     assert highest - 1e-9 <= plan.highest_omega < highest + plan.step
-    assert plan.highest_omega in plan.sweep_blocks[-1]["omega"]
+    assert plan.highest_omega in plan.sweep_blocks[-1].omega
     on_grid = StudyPlan(varied(study, hydro={"omega_max": plan.highest_omega}))
     assert content_id(on_grid.database) == content_id(plan.database)  # what is solved names it, not what was asked

@@ -41,6 +41,7 @@ class StudyData:
     radiation: xr.Dataset
     response: xr.Dataset
     runs: dict[tuple[str, str], xr.Dataset]  # (design, wave label) -> trajectory
+    witness: xr.Dataset  # empty without a second solver
 
 
 def style(design: str, designs: Sequence[str]) -> dict[str, Any]:

@@ -20,6 +20,7 @@ from vsb.report.canvas import (
     zero_axis,
 )
 from vsb.report.shell_figures import extreme_shapes, mode_shapes, shapes_3d, snapshots, volume_area
+from vsb.report.witness_figure import witness
 from vsb.tools.units import FloatArray
 
 
@@ -173,7 +174,7 @@ def energy_audit(data: StudyData, wave: str) -> Figure:
 def draw(name: str, data: StudyData) -> Figure:
     """Return the figure of a name from `vsb.study.plan.figure_names`."""
     kind, _, wave = name.partition("-")
-    per_study = {f.__name__: f for f in (absorbed_power, mode_shapes, added_mass_damping, radiation_kernel)}
+    per_study = {f.__name__: f for f in (absorbed_power, mode_shapes, added_mass_damping, radiation_kernel, witness)}
     per_wave = {
         f.__name__: f
         for f in (

@@ -16,6 +16,10 @@ CAPTIONS = {
     "mode_shapes": "Shapes of the shell modes and their natural frequencies in vacuum.",
     "added_mass_damping": "Added mass (dashed: at infinite frequency) and radiation damping of heave and modes.",
     "radiation_kernel": "Retardation kernel: from the damping, and of the passive state space the time domain uses.",
+    "witness": "Two solvers that share nothing but the shape, capytaine's panels and the spectral integral equation: "
+    "how far apart they are on the mean shell and on shells deformed by each mode, in terms of the largest entry at "
+    "each frequency, beside what their own estimates allow; what deformation does to heave's coefficients (panels "
+    "dots, spectral solver open); in deep water also how far apart derivatives of the coefficients by the modes are.",
     "heave_excitation": "Heave and the heave component of the excitation force.",
     "velocity_pto": "Heave velocity and power take-off force.",
     "power_energy": "Instantaneous absorbed power, and absorbed energy since the start.",

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.errors import ConvergenceError
+from vsb.hydro import witness
 from vsb.hydro.database import Check, check_at_most, stored_checks
 from vsb.hydro.dofs import flexible
 from vsb.integrators.simulate import CONVOLVED
@@ -21,8 +22,12 @@ from vsb.shell.modes import ModeBasis, design_motions, mode_basis, study_basis
 from vsb.shell.rest import ReferenceShell
 from vsb.shell.sphere import Shell
 from vsb.study.study import IrregularSea, RegularWave, StillWater, Study, Water, Wave
+from vsb.study.witness import no_witness
 from vsb.tools.units import FloatArray
 from vsb.waves.seas import power_limit, spectrum, wavenumber
+
+_OWN_ERRORS = ("error_estimate", "interpolation_error")
+"""Checks of a hydro database that say how far its coefficients may be off."""
 
 
 def shell_checks(study: Study, reference: ReferenceShell) -> list[Check]:
@@ -319,6 +324,16 @@ def linear_ledger(
                 check = linearity_check if body_exact else steady_state_check
                 checks.append(check(study, wave, power, means[design, wave.label], design))
     return checks + [replace(check, name=f"hydro {check.name}") for check in stored_checks(database)]
+
+
+def witness_checks(study: Study, database: xr.Dataset, found: xr.Dataset | None) -> list[Check]:
+    """Return whether a second solver agrees, on all shapes and with the database; in doubt where it cannot be asked."""
+    if found is not None:
+        own = sum(check.value for check in stored_checks(database) if check.name in _OWN_ERRORS)
+        return [*witness.witness_checks(found), *witness.database_checks(found, database, own)]
+    if study.hydro.witness == "none":
+        return []
+    return [Check("witness", 1.0, 0.0, "-", "doubt", f"no second solver: {no_witness(study)}")]
 
 
 def assumed_pressure_checks(study: Study, rows: Sequence[Row]) -> list[Check]:

@@ -22,6 +22,7 @@ def run(
     database: str = "",
     radiation: str = "",
     response: str = "",
+    witness: str = "",
 ) -> None:
     """Write the comparison table, statistics of irregular seas, the validity ledger and the study in canonical form."""
     compared = spec.study
@@ -38,6 +39,7 @@ def run(
         frequency = load(response)
         lines = irregular.statistics(compared, runs, seas, frequency)
         checks += ledger.linear_ledger(compared, ds, load(radiation), frequency, rows, runs)
+        checks += ledger.witness_checks(compared, ds, load(witness) if witness else None)
         checks += irregular.statistical_checks(compared, lines)
     else:
         checks += ledger.assumed_pressure_checks(compared, rows)

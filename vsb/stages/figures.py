@@ -23,6 +23,7 @@ def run(
     database: str = "",
     radiation: str = "",
     response: str = "",
+    witness: str = "",
 ) -> None:
     """Draw and write all figures of a study as SVG into a folder."""
     frequency = load(response) if study.needs_bem else xr.Dataset()
@@ -37,6 +38,7 @@ def run(
         radiation=load(radiation) if study.needs_bem else xr.Dataset(),
         response=frequency,
         runs=stored_runs(study, trajectories),
+        witness=load(witness) if witness else xr.Dataset(),
     )
     for name in figure_names(study):
         text = io.StringIO()

@@ -13,11 +13,14 @@ from vsb.study.blocks import BlockSpec
 from vsb.study.plan import StudyPlan
 from vsb.study.specs import PanelsSpec
 from vsb.study.study import Study, content_id
+from vsb.study.witness import no_witness
 from vsb.tools.files import load
 
 SECONDS_PER_SPECTRAL_JOB = 2.0
 SECONDS_PER_PANEL_ROW2 = 3e-5
 """Seconds a frequency costs per squared row count, lid included; measured with 40 + 8 rows."""
+SECONDS_PER_WITNESS_ROW2 = 8e-4
+"""Seconds a shape costs both solvers per squared row count; measured with 32 rows, 7 modes and derivatives by them."""
 
 
 def check_before_run(study: Study, plan: StudyPlan) -> None:
@@ -67,7 +70,18 @@ def _bem_lines(study: Study, plan: StudyPlan) -> list[str]:
         f"rad/s, {how}",
         f"BEM jobs     {len(todo)} of {len(blocks)} to do, at most about {seconds:.0f} s on one core",
         f"database     {plan.database_path}" + (" (there)" if Path(plan.database_path).exists() else ""),
+        f"witness      {_witness_words(plan)}",
     ]
+
+
+def _witness_words(plan: StudyPlan) -> str:
+    """What a second solver would be asked, and how long both would take."""
+    if not plan.witness:
+        return f"none: {no_witness(plan.study)}"
+    shapes, rows = len(plan.deformed_paths), plan.witness.meshes.rows
+    there = all(Path(path).exists() for path in plan.witness_files.values())
+    seconds = "there" if there else f"about {shapes * SECONDS_PER_WITNESS_ROW2 * rows**2:.0f} s on one core"
+    return f"{shapes} shapes at {len(plan.witness.omega)} frequencies by {rows} rows and the spectral solver, {seconds}"
 
 
 def _panel_words(blocks: Sequence[BlockSpec]) -> str:

@@ -16,6 +16,7 @@ from vsb.results.statistics import families
 from vsb.stages.trajectories import stored_runs
 from vsb.study.plan import figure_names
 from vsb.study.study import StillWater, Study
+from vsb.study.witness import no_witness
 from vsb.tools.files import load, write_text
 
 ASSUMED = "hydrostatic and assumed uniform pressure of {:g} Pa on the instantaneous wet shell; no radiation"
@@ -32,10 +33,11 @@ def run(
     database: str = "",
     radiation: str = "",
     response: str = "",
+    witness: str = "",
 ) -> None:
     """Write the report of a study."""
     if study.needs_bem:
-        hydrodynamics = _bem_facts(database, radiation)
+        hydrodynamics = _bem_facts(database, radiation) | _witness_facts(study, witness)
     else:
         hydrodynamics = {"Hydrodynamics": ASSUMED.format(study.hydro.pressure)}
     page = Report(
@@ -92,4 +94,16 @@ def _bem_facts(database: str, radiation: str) -> dict[str, str]:
         "Seconds of BEM": f"{ds.attrs['bem_seconds']:.1f} on one core",
         "Radiation model": f"{model['order']} states, rms error {model['fit_error']:.1e}, "
         f"fitted in {model['seconds']:.1f} s",
+    }
+
+
+def _witness_facts(study: Study, witness: str) -> dict[str, str]:
+    """What the second solver was, and took."""
+    if not witness:
+        return {"Witness": f"none ({no_witness(study)})"}
+    ds = load(witness)
+    panels, spectral = (float(ds.witness_seconds.sel(solver=solver).sum()) for solver in ("panels", "spectral"))
+    return {
+        "Witness": f"{Path(witness).name}: {ds.sizes['shape']} shapes at {ds.sizes['omega']} frequencies by "
+        f"{ds.attrs['panels']} on {ds.attrs['rows']} rows ({panels:.1f} s) and the spectral solver ({spectral:.1f} s)"
     }

@@ -14,7 +14,7 @@ from vsb.study.reading import one_line
 from vsb.study.specs import Spec
 from vsb.study.study import Study, parse
 
-BEM_FILES = ("database", "radiation", "response")
+BEM_FILES = ("database", "radiation", "response", "witness")
 """What a model without BEM does not have."""
 
 
@@ -59,6 +59,8 @@ STAGES = (
     Stage("display", "viewable deformed meshes", specs.DisplaySpec, ("out",)),
     Stage("mesh", "mean wetted mesh", specs.SphereMesh | specs.LoadedMesh, ("out",)),
     Stage("green", "Green-function table", None, ("folder", "out")),
+    Stage("deformed", "meshes of the mean and of deformed shells", specs.DeformedSpec, ("out",)),
+    Stage("witness", "two solvers on the mean and on deformed shells", specs.WitnessSpec, ("meshes", "green", "out")),
     Stage("panels", "one block of frequencies by panels", specs.PanelsSpec, ("mesh", "green", "out")),
     Stage("spectral", "one block of frequencies without panels", specs.SpectralSpec, ("out",)),
     Stage("database", "hydro database from blocks", specs.DatabaseSpec, ("blocks", "out")),

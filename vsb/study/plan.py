@@ -20,8 +20,10 @@ from vsb.study.specs import (
     ResponseSpec,
     SimulateSpec,
     SphereMesh,
+    WitnessSpec,
 )
 from vsb.study.study import IrregularSea, RegularWave, Study, Wave, content_id, parse
+from vsb.study.witness import no_witness, witness_spec
 
 FIGURES_PER_WAVE = ("heave_excitation", "velocity_pto", "power_energy", "energy_audit", "snapshots")
 FIGURES_OF_THE_SHELL = ("extreme_shapes", "shapes_3d", "volume_area")
@@ -31,6 +33,8 @@ def figure_names(study: Study) -> list[str]:
     """Return the names of all figures of a study."""
     of_bem = ("absorbed_power", "mode_shapes", "added_mass_damping", "radiation_kernel")
     names = of_bem if study.needs_bem else ("mode_shapes",)
+    if not no_witness(study):
+        names = (*names, "witness")
     per_wave = (*FIGURES_PER_WAVE, *(FIGURES_OF_THE_SHELL if study.flexible else ()))
     return [*names, *(f"{name}-{wave.label}" for wave in study.drawn_waves for name in per_wave)]
 
@@ -76,6 +80,11 @@ class StudyPlan(HydroPlan):
             accept=tuple(sorted(hydro.accept)),
             **self._sections("device", "reference_shape", "water"),
         )
+
+    @property
+    def witness(self) -> WitnessSpec | None:
+        """Spec of the second solver; none where there is none (`vsb.study.witness`)."""
+        return None if no_witness(self.study) else witness_spec(self)
 
     @property
     def radiation(self) -> RadiationSpec:
@@ -193,6 +202,8 @@ class StudyPlan(HydroPlan):
             *(self.trajectory_path(design, wave) for wave in waves for design in self.study.designs),
             *self.hydro_files.values(),
             *self.response_files.values(),
+            *self.witness_files.values(),
+            *self.deformed_paths,
             *self.display_paths,
         ]
 
@@ -207,7 +218,25 @@ class StudyPlan(HydroPlan):
         return {"response": f"{self.folder}/response.nc"} if self.study.needs_bem else {}
 
     @property
+    def witness_files(self) -> dict[str, str]:
+        """What two solvers say of the same shapes, by the option that names it; none without a second solver."""
+        return {"witness": f"{self.root}/hydro/witness/{content_id(self.witness)}.nc"} if self.witness else {}
+
+    @property
+    def deformed_paths(self) -> list[str]:
+        """Meshes the second solver is asked about: the mean wetted shell, and one for each of its modes and signs."""
+        if not self.witness:
+            return []
+        meshes = self.witness.meshes
+        folder = f"{self.root}/hydro/mesh/{content_id(meshes)}"
+        return [f"{folder}/{name}.nc" for name in ("mean", *_either_sign(meshes.deformed))]
+
+    @property
     def display_paths(self) -> list[str]:
         """Viewable meshes: the mean wetted shell, and one per degree of freedom and sign."""
-        names = ["mean", *(f"{label}_{sign}" for label in self.mode_labels for sign in ("minus", "plus"))]
-        return [f"{self.display_folder}/{name}.vtu" for name in names]
+        return [f"{self.display_folder}/{name}.vtu" for name in ("mean", *_either_sign(self.mode_labels))]
+
+
+def _either_sign(modes: tuple[str, ...]) -> list[str]:
+    """Names of the shapes deformed by modes."""
+    return [f"{mode}_{sign}" for mode in modes for sign in ("minus", "plus")]

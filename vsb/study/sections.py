@@ -5,9 +5,9 @@ Imports nothing heavy: the Snakefile reads a study at every parse.
 
 import math
 from abc import abstractmethod
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, field_validator, model_serializer, model_validator
 
 from vsb.study.quantities import Count, Finite, Name, NonNegative, Number, Positive, Section, within
 
@@ -129,7 +129,8 @@ class Hydro(Section):
     pressure [Pa] of the wave's period on the instantaneous wet shell, no radiation: the paper's loading. `auto`: for
     every design and sea the cheapest of linear and body-exact, shell modes and memory order, that changes mean absorbed
     power by less than `power_tolerance` [-], 0.01 if not given. The solver is `spectral` (no mesh) or `panels`
-    (capytaine); `auto` takes panels with `rows`, or where the keel nearly touches the bottom.
+    (capytaine); `auto` takes panels with `rows`, or where the keel nearly touches the bottom. By default the
+    other solver is `witness`, on the mean and on deformed shapes; `none` leaves it out.
     """
 
     model: Literal["linear", "body_exact", "assumed_pressure", "auto"] = "linear"
@@ -143,6 +144,12 @@ class Hydro(Section):
     omega: tuple[Positive, ...] = ()
     rows: Annotated[Count, Field(ge=6, le=160)] | None = None
     accept: tuple[Name, ...] = ()
+    witness: Literal["auto", "none"] = "auto"
+
+    @model_serializer(mode="wrap")
+    def _without_default_witness(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """What a study computes is what it was before there was a witness."""
+        return {key: value for key, value in dump(self).items() if (key, value) != ("witness", "auto")}
 
     @property
     def allowed_power_error(self) -> float:

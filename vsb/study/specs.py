@@ -13,7 +13,7 @@ from vsb.study.sections import Design, Device, Modes, RestShape, Simulation, Wat
 from vsb.study.study import Study
 from vsb.study.take_off import Pto
 
-PHYSICS = {"mesh": 2, "bem": 7, "database": 6, "radiation": 1, "response": 2, "simulate": 4, "compare": 6}
+PHYSICS = {"mesh": 2, "bem": 7, "database": 6, "radiation": 1, "response": 2, "simulate": 4, "compare": 6, "witness": 1}
 """Hand-bumped version of the physics behind each tag: a library edit alone never reruns anything."""
 
 
@@ -42,6 +42,14 @@ class Sphere(Section):
 
     radius: float
     centre_height: float
+
+
+class Shapes(Sphere):
+    """Undeformed shell, and all that the shapes of its modes follow from."""
+
+    thickness: float
+    poisson_ratio: float
+    basis: Literal["paper", "membrane", "full"]
 
 
 class LoadedShape(Spec):
@@ -80,6 +88,25 @@ class SphereMesh(Spec, Sphere, Rows):
 
 class LoadedMesh(LoadedShape, Rows):
     """Mean wetted mesh of a shell deformed by its load."""
+
+
+class DeformedSpec(Spec, Rows):
+    """Meshes of a shell at rest and deformed by either sign of each mode, clear of the bottom."""
+
+    TAG = "mesh"
+    shape: Sphere | Shapes | LoadedShape
+    deformed: tuple[str, ...]
+    depth: float
+
+
+class WitnessSpec(Spec):
+    """What panels and the spectral solver are both asked: shapes, water, frequencies [rad/s]."""
+
+    TAG = "witness"
+    solver: str
+    meshes: DeformedSpec
+    water: Water
+    omega: tuple[float, ...]
 
 
 class DisplaySpec(Spec):

@@ -4,13 +4,14 @@ TRAJECTORIES = [
 ]
 
 
-HYDRO = options({**PLAN.hydro_files, **PLAN.response_files})
+HYDRO = options({**PLAN.hydro_files, **PLAN.response_files, **PLAN.witness_files})
 
 
 rule compare:
     input:
         **PLAN.hydro_files,
         **PLAN.response_files,
+        **PLAN.witness_files,
         trajectories=TRAJECTORIES,
     output:
         table=f"{PLAN.folder}/comparison.csv",

@@ -6,6 +6,7 @@ rule figures:
     input:
         **PLAN.hydro_files,
         **PLAN.response_files,
+        **PLAN.witness_files,
         modes=f"{PLAN.folder}/modes.nc",
         study=f"{PLAN.folder}/study.json",
         trajectories=TRAJECTORIES,
@@ -32,6 +33,7 @@ rule report:
     input:
         **PLAN.hydro_files,
         **PLAN.response_files,
+        **PLAN.witness_files,
         study=f"{PLAN.folder}/study.json",
         table=f"{PLAN.folder}/comparison.csv",
         statistics=f"{PLAN.folder}/statistics.csv",

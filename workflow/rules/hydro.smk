@@ -2,6 +2,16 @@
 include: "panels.smk" if STUDY.uses_panels else "spectral.smk"
 
 
+if STUDY.uses_panels or PLAN.witness:
+
+    include: "green.smk"
+
+
+if PLAN.witness:
+
+    include: "witness.smk"
+
+
 rule database:
     input:
         [PLAN.block_path(block) for block in BLOCKS.values()],

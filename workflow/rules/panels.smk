@@ -1,4 +1,4 @@
-# Panels: mean wetted mesh, Green-function table, BEM blocks on an absolute frequency grid.
+# Panels: mean wetted mesh, BEM blocks on an absolute frequency grid.
 MESHES = {content_id(block.mesh): block.mesh for block in BLOCKS.values()}
 
 
@@ -13,21 +13,6 @@ rule mesh:
         spec=lambda wildcards: canonical(MESHES[wildcards.id]),
     shell:
         "vsb mesh --out {output} <<< {params.spec:q} > {log} 2>&1"
-
-
-rule green:
-    output:
-        f"{PLAN.green_folder}.done",
-    log:
-        f"{ROOT}/logs/green.log",
-    benchmark:
-        f"{ROOT}/benchmarks/green.tsv"
-    conda:
-        "../envs/vsb.yaml"
-    params:
-        folder=subpath(output[0], strip_suffix=".done"),
-    shell:
-        "vsb green --folder {params.folder:q} --out {output} > {log} 2>&1"
 
 
 rule panels:
