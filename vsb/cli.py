@@ -68,22 +68,21 @@ def import_wamit(args: argparse.Namespace) -> int:
 
     names = ("density", "gravity", "length", "depth", "axisymmetric")
     found = exchange.import_wamit(args.folder, args.name, args.out, **{name: getattr(args, name) for name in names})
-    causes = "--length ULEN, --density and --gravity those of the run, and PER a column of periods (IPEROUT = 1)"
-    return _imported(*found, args.out, causes)
+    return _imported(*found, args.out)
 
 
 def import_bemio(args: argparse.Namespace) -> int:
     """Read a BEMIO .h5 file of one body into a hydro database with the verdict of its identities."""
     from vsb.stages import exchange
 
-    found = exchange.import_bemio(args.file, args.out, axisymmetric=args.axisymmetric)
-    return _imported(*found, args.out, "scaled and rho in the file those its numbers were divided by")
+    return _imported(*exchange.import_bemio(args.file, args.out, axisymmetric=args.axisymmetric), args.out)
 
 
-def _imported(checks: "list[Check]", notes: list[str], out: str, causes: str) -> int:
-    """Print the verdict on numbers of others, and where it fails what to look at."""
-    if code := print_verdict(checks, "\n".join([*notes, out])):
-        print(f"a check fails: are {causes}?")
+def _imported(checks: "list[Check]", notes: list[str], causes: list[str], out: str) -> int:
+    """Print the verdict on numbers of others, and what to look at where a check does not hold."""
+    code = print_verdict(checks, "\n".join([*notes, out]))
+    for line in causes:
+        print(f"look at {line}")
     return code
 
 

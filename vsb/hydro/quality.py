@@ -33,8 +33,8 @@ def _scale(ds: xr.Dataset) -> FloatArray:
     return np.outer(root, root)
 
 
-def _scaled_eigenvalues(ds: xr.Dataset, scale: FloatArray) -> FloatArray:
-    """Eigenvalues of the scaled damping, ascending, relative to the largest of the band, shape (omega, dof)."""
+def scaled_eigenvalues(ds: xr.Dataset, scale: FloatArray) -> FloatArray:
+    """Return the eigenvalues of the damping over `scale`, ascending, in terms of the band's largest, (omega, dof)."""
     b = ds.radiation_damping.values
     values = np.linalg.eigvalsh(0.5 * (b + b.transpose(0, 2, 1)) / scale)
     return np.asarray(values / np.abs(values).max())
@@ -51,12 +51,15 @@ def negative_damping(ds: xr.Dataset, scale: FloatArray | None = None) -> float:
 
     Entries are divided by `scale`, shape (dof, dof); by default the largest damping of every motion becomes one.
     """
-    return float(max(0.0, -_scaled_eigenvalues(ds, _scale(ds) if scale is None else scale).min()))
+    return float(max(0.0, -scaled_eigenvalues(ds, _scale(ds) if scale is None else scale).min()))
 
 
-def second_channel(ds: xr.Dataset) -> float:
-    """Return the largest second eigenvalue of the damping: an axisymmetric body has one radiation channel, rank one."""
-    values = np.sort(np.abs(_scaled_eigenvalues(ds, _scale(ds))), axis=1)
+def second_channel(ds: xr.Dataset, scale: FloatArray | None = None) -> float:
+    """Return the largest second eigenvalue of the damping: an axisymmetric body has one radiation channel, rank one.
+
+    Scaled as in `negative_damping`.
+    """
+    values = np.sort(np.abs(scaled_eigenvalues(ds, _scale(ds) if scale is None else scale)), axis=1)
     return float(values[:, -2].max()) if values.shape[1] > 1 else 0.0
 
 
@@ -76,16 +79,28 @@ def haskind_difference(ds: xr.Dataset, depth: float, density: float, gravity: fl
     return float(np.abs((haskind - ds.radiation_damping.values) / _scale(ds)).max())
 
 
-def largest_kink(ds: xr.Dataset) -> float:
-    """Return the largest distance of a damping value from the cubic through its four neighbours in frequency.
+def kinks(omega: FloatArray, values: FloatArray) -> FloatArray:
+    """Return the distances of values from the cubic through their four neighbours in frequency, (omega - 4, ...).
 
     An irregular frequency is a spike a few hundredths of a rad/s wide: it stands out of its neighbours.
     """
+    place = np.array([0, 1, 3, 4])
+    windows = np.lib.stride_tricks.sliding_window_view(omega, 5)
+    x, here = windows[:, place], windows[:, 2]
+    weights = np.array(
+        [np.prod([(here - x[:, m]) / (x[:, n] - x[:, m]) for m in range(4) if m != n], 0) for n in range(4)]
+    )
+    neighbours = sum(
+        weight[(...,) + (None,) * (values.ndim - 1)] * values[k : k + len(here)]
+        for k, weight in zip(place, weights, strict=True)
+    )
+    return np.asarray(np.abs(values[2:-2] - neighbours))
+
+
+def largest_kink(ds: xr.Dataset) -> float:
+    """Return the largest kink of the damping, in terms of its largest value."""
     b = np.einsum("wii->wi", ds.radiation_damping.values / _scale(ds))
-    if len(b) < 5:
-        return 0.0
-    neighbours = (-b[:-4] + 4 * b[1:-3] + 4 * b[3:-1] - b[4:]) / 6  # equal steps
-    return float(np.abs(b[2:-2] - neighbours).max())
+    return float(kinks(ds.omega.values, b).max()) if len(b) >= 5 else 0.0
 
 
 def added_mass_difference(ds: xr.Dataset) -> float:

@@ -1,17 +1,16 @@
 """Databases from other codes' files."""
 
 from pathlib import Path
-from typing import Any
 
 import xarray as xr
 
 from vsb.hydro import database
-from vsb.hydro.formats import bemio, wamit
-from vsb.hydro.formats import exchange as interchange
+from vsb.hydro.formats import bemio, foreign, wamit
 from vsb.hydro.formats.modes import check_positive
 from vsb.tools.files import save
 
-Spec = dict[str, Any]
+Verdict = tuple[list[database.Check], list[str], list[str]]
+"""Checks, what was left out of the file or of the checks, and what to look at where a check does not hold."""
 
 
 def import_wamit(
@@ -24,24 +23,24 @@ def import_wamit(
     length: float,
     depth: float,
     axisymmetric: bool,
-) -> tuple[list[database.Check], list[str]]:
-    """Read WAMIT's output into a database file; return its verdict and what was left out."""
+) -> Verdict:
+    """Read WAMIT's output into a database file and return the verdict on it."""
     values = (density, "kg/m^3"), (gravity, "m/s^2"), (length, "m"), (depth, "m")
     for option, (value, unit) in zip(("density", "gravity", "length", "depth"), values, strict=True):
         check_positive(f"--{option}", value, unit, infinite=option == "depth")
     ds = wamit.import_wamit(folder, name, density=density, gravity=gravity, length=length, depth=depth)
-    return _store_foreign(ds, out, axisymmetric)
+    return _store_foreign(ds, out, axisymmetric, foreign.WAMIT_WORDS)
 
 
-def import_bemio(path: str, out: str, *, axisymmetric: bool) -> tuple[list[database.Check], list[str]]:
-    """Read BEMIO's .h5 into a database file; return its verdict and what was left out."""
-    return _store_foreign(bemio.read_bemio(path), out, axisymmetric)
+def import_bemio(path: str, out: str, *, axisymmetric: bool) -> Verdict:
+    """Read BEMIO's .h5 into a database file and return the verdict on it."""
+    return _store_foreign(bemio.read_bemio(path), out, axisymmetric, foreign.BEMIO_WORDS)
 
 
-def _store_foreign(ds: xr.Dataset, out: str, axisymmetric: bool) -> tuple[list[database.Check], list[str]]:
+def _store_foreign(ds: xr.Dataset, out: str, axisymmetric: bool, words: dict[str, str]) -> Verdict:
     """Store a database of another code with the verdict of the identities that need no other data."""
-    checks, missing = interchange.foreign_checks(ds, axisymmetric=axisymmetric)
-    notes = [ds.attrs["history"], *[missing] * bool(missing)]
+    checks, missing = foreign.foreign_checks(ds, axisymmetric=axisymmetric)
+    notes = [ds.attrs["history"], *missing]
     attrs = {"quality": database.as_json(checks), "spec_id": Path(out).stem, "separate_sweep": 0}
     save(ds.assign_attrs(**attrs, history="; ".join(notes)), out)
-    return checks, notes
+    return checks, notes, [foreign.causes(check, words) for check in checks if check.verdict != "ok"]

@@ -11,7 +11,7 @@ rigid modes from its own input.
 
 import math
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import netCDF4
 import numpy as np
@@ -50,6 +50,7 @@ _UNITS = (
     "g=m/s^2 rho=kg/m^3 T=s w=rad/s wave_dir=deg disp_vol=m^3 cg=m cb=m mass=kg damping=kg/s stiffness=N/m t=s f=m^2/s"
 )
 _UNITS += " all=m^3 inf_freq=m^3 K=m^3/s^2 linear_restoring_stiffness=m^2 re=m^2 im=m^2 mag=m^2 phase=rad water_depth=m"
+LARGEST_DATASET, LARGEST_MODES = 10**8, 1000
 _NODE, _WEIGHT = np.polynomial.legendre.leggauss(8)
 
 
@@ -206,45 +207,103 @@ def read_bemio(path: str | Path) -> xr.Dataset:
     """Return the hydro database of a BEMIO .h5 file of one body: all its modes, dimensional.
 
     Parts of the excitation with NaN, BEMIO's mark of what was not computed, are left out; `structural_stiffness` is all
-    stiffness but the water's; labels are Surge, ..., Yaw, Mode7, ... where the file does not name those it holds.
+    stiffness but the water's; labels are Surge, ..., Yaw, Mode7, ... where the file does not name those it holds. Only
+    datasets of these names are read, and only of the shapes the numbers of modes, frequencies and headings ask for.
+
+    Raises
+    ------
+    DatabaseError
+        If the file cannot be read, is damaged, or is not one of one body.
     """
     try:
-        with netCDF4.Dataset(path) as file:
+        with netCDF4.Dataset(path) as file, np.errstate(over="ignore", invalid="ignore"):  # checked in the end
             file.set_auto_mask(False)
-            return _from_bemio(_datasets(file), str(path))
-    except (OSError, KeyError, ValueError, IndexError) as error:
-        raise DatabaseError(f"{path}: cannot be read: {error}; needs BEMIO's .h5 file with all its datasets.") from None
+            return _from_bemio(_Entries(file, str(path)), str(path))
+    except DatabaseError:
+        raise
+    except _DAMAGE as error:
+        why = " ".join(str(error).split()) or type(error).__name__
+        raise DatabaseError(f"{path}: cannot be read: {why}; needs BEMIO's .h5 file with all its datasets.") from None
 
 
-def _datasets(group: Any) -> dict[str, Any]:
-    """All datasets of a file by path."""
-    found = {f"{group.path.rstrip('/')}/{name}": variable[...] for name, variable in group.variables.items()}
-    return found | {place: value for child in group.groups.values() for place, value in _datasets(child).items()}
+_DAMAGE = (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError, ArithmeticError, MemoryError)
+"""What netCDF4 and numpy say of a damaged file."""
 
 
-def _from_bemio(found: dict[str, Any], source: str) -> xr.Dataset:
+class _Entries(NamedTuple):
+    """Datasets of an .h5 file by path, read one by one."""
+
+    file: Any
+    source: str
+
+    def find(self, place: str) -> Any:
+        """Return the variable at a path, or None."""
+        group = self.file
+        *groups, name = place.strip("/").split("/")
+        for part in groups:
+            if (group := group.groups.get(part)) is None:
+                return None
+        return group.variables.get(name)
+
+    def numbers(self, place: str, *shape: int) -> FloatArray:
+        """Return the numbers at a path, in a given shape; without one as a list."""
+        if (variable := self.find(place)) is None:
+            raise DatabaseError(f"{self.source}: holds no {place}; needs BEMIO's .h5 file with all its datasets.")
+        found = tuple(int(size) for size in variable.shape)
+        if shape and tuple(n for n in found if n != 1) != tuple(n for n in shape if n != 1):
+            raise DatabaseError(f"{self.source}: {place} has shape {found}; needs {shape}.")
+        if math.prod(found) > LARGEST_DATASET:
+            raise DatabaseError(f"{self.source}: {place} has shape {found}; needs at most {LARGEST_DATASET} numbers.")
+        return np.asarray(variable[...], dtype=float).reshape(shape or -1)
+
+    def number(self, place: str) -> float:
+        """Return the one number at a path."""
+        return float(self.numbers(place, 1)[0])
+
+    def text(self, place: str) -> str:
+        """Return the short text, or number as text, at a path; empty if there is none."""
+        variable = self.find(place)
+        if variable is not None and math.prod(variable.shape) > 1000:
+            raise DatabaseError(f"{self.source}: {place} has shape {variable.shape}; needs a short text.")
+        return "" if variable is None else "".join(map(str, np.ravel(variable[...])))
+
+
+def _from_bemio(found: _Entries, source: str) -> xr.Dataset:
     """The database in the datasets of an .h5 file."""
-    if bodies := sorted({place.split("/")[1] for place in found if place.startswith("/body")} - {"body1"}):
+    if bodies := sorted({name for name in found.file.groups if name.startswith("body")} - {"body1"}):
         raise DatabaseError(f"{source}: holds {', '.join(['body1', *bodies])}; needs the file of one body.")
-    rho, g, dof = (np.asarray(found[key]).item() for key in (f"{_WAVES}rho", f"{_WAVES}g", f"{_BODY}dof"))
-    omega, headings, depth, scaled = (found[f"{_WAVES}{name}"] for name in ("w", "wave_dir", "water_depth", "scaled"))
-    labels = str(found.get(f"{_BODY}mode_labels", "")).splitlines() or mode_labels(range(1, int(dof) + 1))
-    index = np.array(mode_numbers(labels)) - 1
-    if (last := max(6, *(index + 1))) != dof:
-        raise DatabaseError(f"{source}: holds {dof:g} degrees of freedom; needs {last} for its mode_labels {labels}.")
+    rho, g, dof = (found.number(key) for key in (f"{_WAVES}rho", f"{_WAVES}g", f"{_BODY}dof"))
+    omega, headings = (found.numbers(f"{_WAVES}{name}") for name in ("w", "wave_dir"))
+    labels, size = _labels(found, dof), int(dof)
+    index, scaled = np.array(mode_numbers(labels)) - 1, bool(np.all(found.numbers(f"{_WAVES}scaled")))
     variables = {}
     for place, (name, by) in _MATRICES.items():
-        if place in found or place.startswith(_HYDRO):
-            block = np.moveaxis(np.atleast_3d(found[place])[np.ix_(index, index)], -1, 0)
-            value = block if "omega" in ATTRS[name].dims else block[0]
-            variables[name] = value * (1.0 if np.all(scaled) else _divisor(by, rho, g, np.ravel(omega)))
+        if place.startswith(_HYDRO) or found.find(place) is not None:
+            swept = "omega" in ATTRS[name].dims
+            value = found.numbers(place, *(size, size, len(omega))[: 2 + swept])[np.ix_(index, index)]
+            value = np.moveaxis(value, -1, 0) if swept else value
+            variables[name] = value * (1.0 if scaled else _divisor(by, rho, g, omega))
     for name, folder in _FOLDERS.items():
-        if not folder or f"{_HYDRO}excitation/{folder}re" in found:
-            re, im = (found[f"{_HYDRO}excitation/{folder}{part}"][index] for part in ("re", "im"))
+        if not folder or found.find(f"{_HYDRO}excitation/{folder}re") is not None:
+            shape = size, len(headings), len(omega)
+            re, im = (found.numbers(f"{_HYDRO}excitation/{folder}{part}", *shape)[index] for part in ("re", "im"))
             if not folder or np.isfinite(re + im).all():
-                variables[name] = (re - 1j * im).T * (1.0 if np.all(scaled) else rho * g)
-    water = rho, g, "inf" if "inf" in str(depth) else str(np.asarray(depth).item())
-    facts = {key: np.ravel(found[f"{_BODY}{name}"]).astype(float) for key, name in _FACTS.items()}
-    facts["displaced_volume"] = facts["displaced_volume"].item()
+                variables[name] = (re - 1j * im).T * (1.0 if scaled else rho * g)
+    depth = found.text(f"{_WAVES}water_depth")
+    water = rho, g, "inf" if "inf" in depth else str(float(depth))
+    facts: dict[str, Any] = {key: found.numbers(f"{_BODY}{name}", 3) for key, name in list(_FACTS.items())[1:]}
+    facts["displaced_volume"] = found.number(f"{_BODY}disp_vol")
     attrs = dict(zip(WATER, water, strict=True), source="BEMIO", history=f"read from {Path(source).name}", **facts)
-    return assembled(source, (labels, np.ravel(omega), np.ravel(headings)), variables, attrs)
+    return assembled(source, (labels, omega, headings), variables, attrs)
+
+
+def _labels(found: _Entries, dof: float) -> list[str]:
+    """Names of the modes the file holds, which fill its degrees of freedom."""
+    if not (dof == int(dof) and 6 <= dof <= LARGEST_MODES):
+        raise DatabaseError(f"{found.source}: holds {dof:g} degrees of freedom; needs six rigid and a few more.")
+    labels = found.text(f"{_BODY}mode_labels").splitlines() or mode_labels(range(1, int(dof) + 1))
+    if (last := max(6, *mode_numbers(labels))) != dof:
+        raise DatabaseError(
+            f"{found.source}: holds {dof:g} degrees of freedom; needs {last} for its mode_labels {labels}."
+        )
+    return labels

@@ -21,6 +21,10 @@ GENERALIZED = 7
 """Number of the first generalized mode."""
 WATER = ("water_density", "gravity", "water_depth")
 """Facts every database holds."""
+RANGE = (1e-6, 1e6)
+"""Of density, gravity, length, depth and frequency in SI units: beyond, products of coefficients leave the numbers."""
+LARGEST = 1e40
+"""Coefficient of any body in SI units, squared far from overflow."""
 DRY = ("structural_stiffness", "prestress_stiffness", "gas_stiffness")
 """All stiffness but the water's."""
 
@@ -60,23 +64,55 @@ def rotations(modes: Sequence[int]) -> FloatArray:
 
 
 def check_positive(name: str, value: float, unit: str, *, infinite: bool = False) -> None:
-    """Raise `ConfigError` unless a value is positive and, but for those that may be infinite, finite."""
-    if not value > 0 or not (infinite or math.isfinite(value)):
+    """Raise `ConfigError` unless a value is positive and in `RANGE`, or infinite where it may be."""
+    low, high = RANGE
+    if not (low <= value <= high or (infinite and value == math.inf)):
         needed = f"a positive number of {unit}" + (", or inf" if infinite else "")
-        raise ConfigError(f"{name}: received {value}, needs {needed}.")
+        beyond = f" from {low:g} to {high:g}" if 0 < value < math.inf else ""
+        raise ConfigError(f"{name}: received {value}, needs {needed}{beyond}.")
 
 
 def checked(ds: xr.Dataset, source: str, needed: Sequence[str] = ()) -> xr.Dataset:
-    """Return the dataset with dimensions in order, after checking that it holds what is needed, and no NaN.
+    """Return the dataset with dimensions in order, after checking that it holds what is needed, and nothing absurd.
 
-    Errors name the source.
+    Checked are variables, coordinates and the facts about water and body among the attributes. Errors name the source.
     """
     if missing := [name for name in (*WATER, *needed) if name not in ds and name not in ds.attrs]:
         raise DatabaseError(f"{source}: holds no {', '.join(missing)}; needs a complete hydro database.")
+    _check_facts(ds, source)
+    _check_axes(ds, source)
     check_finite(ds, source)
-    if not (np.isfinite(omega := ds.omega.values).all() and omega[0] >= 0 and np.all(np.diff(omega) > 0)):
-        raise DatabaseError(f"{source}: frequencies {omega} rad/s; needs finite, ascending ones, none negative.")
+    for name, variable in ds.data_vars.items():
+        if np.abs(variable.values).max(initial=0.0) > LARGEST:
+            raise DatabaseError(f"{source}: {name} holds {np.abs(variable.values).max():.3g}; no body has that.")
     return described(ds)
+
+
+def _check_axes(ds: xr.Dataset, source: str) -> None:
+    """Frequencies finite, ascending, in `RANGE` or zero; headings finite and none twice."""
+    omega, headings = ds.omega.values, ds.wave_direction.values
+    if not (omega.size and np.isfinite(omega).all() and omega[0] >= 0 and np.all(np.diff(omega) > 0)):
+        raise DatabaseError(f"{source}: frequencies {omega} rad/s; needs finite, ascending ones, none negative.")
+    if np.any(omega[omega > 0] < RANGE[0]) or omega[-1] > RANGE[1]:
+        raise DatabaseError(f"{source}: frequencies {omega} rad/s; needs them from {RANGE[0]:g} to {RANGE[1]:g}.")
+    if not (headings.size and np.isfinite(headings).all() and len(np.unique(headings)) == headings.size):
+        raise DatabaseError(f"{source}: wave directions {np.degrees(headings)} degrees; needs finite ones, none twice.")
+
+
+def _check_facts(ds: xr.Dataset, source: str) -> None:
+    """Water positive and in `RANGE`, displaced volume not negative, centres three finite numbers."""
+    for name, unit in zip(WATER, ("kg/m^3", "m/s^2", "m"), strict=True):
+        try:
+            check_positive(name, float(ds.attrs[name]), unit, infinite=name == "water_depth")
+        except (ConfigError, TypeError, ValueError) as error:
+            raise DatabaseError(f"{source}: {error}") from None
+    volume = np.asarray(ds.attrs.get("displaced_volume", 0.0), dtype=float)
+    if volume.shape or not 0 <= volume <= LARGEST:
+        raise DatabaseError(f"{source}: displaced_volume {volume} m^3; needs a finite one, not negative.")
+    for name in ("centre_of_buoyancy", "centre_of_mass"):
+        centre = np.asarray(ds.attrs.get(name, np.zeros(3)), dtype=float)
+        if centre.shape != (3,) or not np.all(np.abs(centre) <= LARGEST):
+            raise DatabaseError(f"{source}: {name} {centre} m; needs three finite numbers.")
 
 
 def assembled(source: str, axes: tuple[Any, Any, Any], variables: dict[str, Any], attrs: dict[str, Any]) -> xr.Dataset:

@@ -177,7 +177,10 @@ def import_wamit(
     waves, radiated = _radiation(f"{path}.1", table, modes)
     variables: dict[str, Any] = {key: mass * values for key, values in radiated.items()}
     restoring = _table(f"{path}.hst", _lines(f"{path}.hst", "I J C"), (0, 1), (3,), "I J C")
-    variables["hydrostatic_stiffness"] = stiffness * _values(f"{path}.hst", restoring, modes, modes)[..., 0]
+    springs = _values(f"{path}.hst", restoring, modes, modes)[..., 0]
+    if not Path(f"{path}.mmx").is_file():  # which would say how many bodies there are
+        _check_one_body(path, modes, springs)
+    variables["hydrostatic_stiffness"] = stiffness * springs
     headings, forces = _read_forces(path, waves, modes)
     variables |= {key: force * x for key, x in forces.items()}
     matrices, facts = _read_dry(f"{path}.mmx", modes, gravity, length) if Path(f"{path}.mmx").is_file() else ({}, {})
@@ -185,6 +188,26 @@ def import_wamit(
     history = f"read from WAMIT's files {name}" + "; left out: zero frequency, not of all pairs" * dropped
     attrs = dict(zip(WATER, (density, gravity, str(depth)), strict=True), source="WAMIT", history=history, **facts)
     return assembled(path, (names, 2 * np.pi / np.array(waves), headings), variables | matrices, attrs)
+
+
+def _check_one_body(path: str, modes: list[int], stiffness: FloatArray) -> None:
+    """Refuse modes from 7 on that restore like rigid bodies: in heave, roll and pitch, apart from those of other sixes.
+
+    Only modes that come in sixes, or leave out numbers, as no generalized ones do, are looked at.
+    """
+    body, kind = divmod(np.array(modes) - 1, 6)
+    beyond = body > 0
+    count = int(np.count_nonzero(beyond))
+    consecutive = modes[len(modes) - count :] == list(range(GENERALIZED, GENERALIZED + count))
+    if not count or (count % 6 and consecutive):
+        return
+    apart = not stiffness[body[:, None] != body].any()
+    still = not stiffness[beyond & np.isin(kind, (0, 1, 5))].any()
+    if apart and still and all(stiffness[body == k].any() for k in set(body[beyond])):
+        raise DatabaseError(
+            f"{path}.hst: modes {modes[-count]} to {modes[-1]} restore in heave, roll or pitch, apart from modes 1 "
+            "to 6, like another rigid body; needs the files of one body (or .mmx, with NBODY = 1, if they bend it)."
+        )
 
 
 def _radiation(path: str, table: _Table, modes: list[int]) -> tuple[list[float], dict[str, FloatArray]]:

@@ -1,0 +1,466 @@
+"""Verdicts on numbers of other codes: sound ones pass, every limit is crossed from both sides, and causes are named."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from vsb.errors import ConfigError, DatabaseError
+from vsb.hydro.formats.foreign import BEMIO_WORDS, WAMIT_WORDS, causes, foreign_checks, sizes
+from vsb.hydro.formats.haskind import fitting_depth
+from vsb.hydro.quality import kinks
+from vsb.tools import units
+from vsb.waves.seas import group_velocity, wavenumber
+
+PAIR, WAVE = ("influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
+RHO, G = 1000.0, 9.81
+CIRCLE = tuple(np.arange(0.0, 360.0, 30.0))
+LABELS = ("Surge", "Heave", "Pitch", "Bend")
+MASS = {"Surge": 3e6, "Heave": 2e6, "Pitch": 4e8, "Roll": 4e8, "Yaw": 4e8, "Bend": 1e6}
+ORDER = {"Heave": 0, "Surge": 1, "Pitch": 2, "Bend": 3, "Yaw": 4}  # of the waves sent around the body
+
+
+def narrowness(omega, depth):
+    return np.array([wavenumber(w, depth, G) / (4 * RHO * G * group_velocity(w, depth, G)) for w in omega])
+
+
+def sound(labels=LABELS, headings=CIRCLE, *, omega=None, depth=np.inf, **facts):
+    """Uncoupled modes with damping of a resonance, K(s) = c s/(s^2 + s + 1), and all that follows from it.
+
+    Damping is Re K(i omega), added mass A(inf) + Im K(i omega)/omega (Kramers and Kronig), excitation that of Haskind,
+    heave stiffness the excitation in the longest wave.
+    """
+    omega, headings = np.array(np.linspace(0.1, 8.0, 80) if omega is None else omega), np.radians(headings)
+    mass = np.array([MASS[label] for label in labels])
+    memory = 1j * omega / (1 - omega**2 + 1j * omega)
+    damping = 0.5 * memory.real[:, None] * mass
+    wave = np.stack(
+        [np.cos(ORDER.get(name, 0) * headings) * np.sqrt(2.0 if ORDER.get(name) else 1.0) for name in labels], 1
+    )
+    force = (
+        np.sqrt(damping / narrowness(omega, depth)[:, None])[:, None, :] * wave * np.exp(0.3j * omega)[:, None, None]
+    )
+    stiffness = np.diag([float(abs(force[0, 0, i])) if name == "Heave" else 0.0 for i, name in enumerate(labels)])
+    added = mass + 0.5 * (memory.imag / omega)[:, None] * mass
+    data = {
+        "added_mass": (("omega", *PAIR), added[:, :, None] * np.eye(len(labels))),
+        "radiation_damping": (("omega", *PAIR), damping[:, :, None] * np.eye(len(labels))),
+        "added_mass_inf": (PAIR, np.diag(mass)),
+        "excitation_force": (WAVE, force),
+        "hydrostatic_stiffness": (PAIR, stiffness),
+        "inertia_matrix": (PAIR, np.diag(np.where(np.array(labels) == "Heave", 4e6, 1e6))),
+    }
+    attrs = {"water_density": RHO, "gravity": G, "water_depth": str(depth), "displaced_volume": 4000.0, **facts}
+    coords = {"omega": omega, "wave_direction": headings, **{dof: list(labels) for dof in PAIR}}
+    return units.described(xr.Dataset(data, coords, attrs))
+
+
+def edited(ds, name, change):
+    """The database with one variable changed in place, by a function of its values."""
+    values = ds[name].values.copy()
+    change(values)
+    return ds.assign({name: (ds[name].dims, values)})
+
+
+def judged(ds, **options):
+    return {check.name: check for check in foreign_checks(ds, **options)[0]}
+
+
+def verdicts(ds, **options):
+    return {name: check.verdict for name, check in judged(ds, **options).items()}
+
+
+ALL = {"symmetry", "afloat", "positive_damping", "irregular_frequencies", "kramers_kronig", "long_waves"}
+HASKIND = {"haskind", "haskind_scale", "haskind_long_waves"}
+
+
+@pytest.mark.parametrize(
+    "headings", [CIRCLE, np.roll(CIRCLE, 5) - 100.0, (*CIRCLE, 360.0), np.arange(-180.0, 181.0, 10.0)]
+)
+@pytest.mark.parametrize("depth", [np.inf, 30.0])
+def test_sound_numbers_pass(headings, depth):
+    checks, notes = foreign_checks(sound(headings=headings, depth=depth))
+    assert notes == []
+    assert {check.name for check in checks} == ALL | HASKIND
+    assert {check.verdict for check in checks} == {"ok"}
+    assert max(check.value for check in checks if check.name in HASKIND) < 1e-12
+
+
+# --- every limit from both sides
+
+
+def _asymmetric(ds, size):
+    def change(a):
+        a[40, 0, 1] += size * np.sqrt(np.prod([abs(b[40, i, i] / omega + 1j * a[40, i, i]) for i in (0, 1)]))
+
+    omega, b = ds.omega.values[40], ds.radiation_damping.values
+    return edited(ds, "added_mass", change)
+
+
+def _heavier(ds, size):
+    return ds.assign_attrs(displaced_volume=4000.0 / (1 + size))
+
+
+def _lively(ds, size):
+    def change(b):
+        b[60, 1, 1] = -size * b[:, 1, 1].max()
+
+    return edited(ds, "radiation_damping", change)
+
+
+def _spiky(ds, size):
+    """Of added mass and of damping, as a resonance between two frequencies would be."""
+
+    def heavy(a):
+        a[20, 1, 1] += size * np.median(a[:, 1, 1])
+
+    def wavy(b):
+        b[20, 1, 1] += size * ds.omega.values[20] * np.median(ds.added_mass.values[:, 1, 1])
+
+    return edited(edited(ds, "added_mass", heavy), "radiation_damping", wavy)
+
+
+def _spiky_alone(ds, size):
+    def change(a):
+        a[20, 1, 1] += size * np.median(a[:, 1, 1])
+
+    return edited(ds, "added_mass", change)
+
+
+def _other_limit(ds, size):
+    def change(a):
+        a[1, 1] -= size * np.median(ds.added_mass.values[:, 1, 1])
+
+    return edited(ds, "added_mass_inf", change)
+
+
+def _stiff(ds, size):
+    limit = judged(ds)["long_waves"].limit
+
+    def change(c):
+        c[1, 1] /= 1 + size * limit
+
+    return edited(ds, "hydrostatic_stiffness", change)
+
+
+def _pushed(ds, size):
+    def change(x):
+        x[9, :, 1] *= np.sqrt(1 + size)  # where damping is largest
+
+    return edited(ds, "excitation_force", change)
+
+
+def _scaled(ds, size):
+    return ds.assign(excitation_force=np.sqrt(1 + size) * ds.excitation_force)
+
+
+def _pushed_by_long_waves(ds, size):
+    def change(x):
+        x[1, :, 1] *= np.sqrt(1 + size)  # the first of 3 % of the largest damping
+
+    return edited(ds, "excitation_force", change)
+
+
+LIMITS = [
+    ("symmetry", _asymmetric, 0.0199, 0.0201, "doubt"),
+    ("symmetry", _asymmetric, 0.099, 0.101, "fail"),
+    ("afloat", _heavier, 0.0099, 0.0101, "doubt"),
+    ("afloat", _heavier, -0.0099, -0.0101, "doubt"),
+    ("afloat", _heavier, 0.049, 0.051, "fail"),
+    ("positive_damping", _lively, 0.0099, 0.0101, "fail"),
+    ("irregular_frequencies", _spiky_alone, 0.099, 0.101, "fail"),
+    ("irregular_frequencies", _spiky_alone, 0.018, 0.022, "doubt"),
+    ("irregular_frequencies", _spiky, 0.0045, 0.0053, "doubt"),
+    ("kramers_kronig", _other_limit, 0.018, 0.022, "doubt"),
+    ("kramers_kronig", _other_limit, 0.097, 0.103, "fail"),
+    ("long_waves", _stiff, 0.9, 1.1, "fail"),
+    ("haskind", _pushed, 0.0499, 0.0501, "fail"),
+    ("haskind_scale", _scaled, 0.0099, 0.0101, "doubt"),
+    ("haskind_scale", _scaled, -0.0099, -0.0101, "doubt"),
+    ("haskind_scale", _scaled, 0.0499, 0.0501, "fail"),
+    ("haskind_long_waves", _pushed_by_long_waves, 0.0499, 0.0501, "doubt"),
+    ("haskind_long_waves", _pushed_by_long_waves, 0.249, 0.251, "fail"),
+]
+
+
+@pytest.mark.parametrize(("name", "damage", "below", "above", "verdict"), LIMITS)
+def test_a_limit_from_both_sides(name, damage, below, above, verdict):
+    better = {"doubt": "ok", "fail": "ok" if name in ("positive_damping", "long_waves", "haskind") else "doubt"}[
+        verdict
+    ]
+    held, broken = (judged(damage(sound(), size))[name] for size in (below, above))
+    assert (held.verdict, broken.verdict) == (better, verdict), (held, broken)
+
+
+def test_a_second_channel_from_both_sides():
+    """Two ring motions of one damping: what is not shared is a second channel, in terms of the first."""
+    ds = sound(["Heave", "Bend"], [0.0])
+    for share, verdict in ((0.0199, "ok"), (0.0202, "fail")):
+        coupling = (1 - share) / (1 + share)  # eigenvalues 1 + c and 1 - c
+        b = ds.radiation_damping.values + 0.0
+        b[:, 0, 1] = b[:, 1, 0] = coupling * np.sqrt(b[:, 0, 0] * b[:, 1, 1])
+        found = judged(ds.assign(radiation_damping=(("omega", *PAIR), b)), axisymmetric=True)["rank_one"]
+        assert (found.verdict, found.value) == (verdict, pytest.approx(share, rel=1e-6))
+
+
+# --- spikes and Kramers-Kronig
+
+
+def test_a_resonance_the_frequencies_miss_is_a_doubt_and_a_spike_alone_fails():
+    ds = sound()
+    both, alone = judged(_spiky(ds, 0.5)), judged(_spiky_alone(ds, 0.5))
+    assert both["irregular_frequencies"].verdict == "doubt"
+    assert alone["irregular_frequencies"].verdict == "fail"
+    assert "of one without the other; most at 2.1 rad/s in Heave" in alone["irregular_frequencies"].explanation
+
+    def change(b):
+        b[20, 2, 2] *= 4
+
+    assert verdicts(edited(ds, "radiation_damping", change))["irregular_frequencies"] == "fail"
+
+
+def test_a_spike_of_added_mass_beyond_what_headings_resolve_is_seen():
+    """As a barge's A33, 92 times A33(inf) at one frequency, in 36 headings that do not resolve its surge there."""
+    ds = sound()
+
+    def spike(a):
+        a[33, 1, 1] *= 92
+
+    def ripple(x):
+        x[50:, :, 0] *= np.cos(5 * ds.wave_direction.values)
+
+    checks = verdicts(edited(edited(ds, "added_mass", spike), "excitation_force", ripple))
+    assert (checks["irregular_frequencies"], checks["kramers_kronig"]) == ("fail", "fail")
+    assert checks["haskind"] == "ok"  # of what is resolved
+
+
+def test_a_narrow_resonance_is_never_taken_for_a_spike():
+    """K(s) = c s/(s^2 + 2 z s + 1) as narrow as the steps, wherever they fall: at worst a doubt."""
+    rng = np.random.default_rng(1)
+    for width in np.geomspace(0.05, 0.3, 12):
+        omega = np.linspace(0.1, 6.0, 60) + rng.uniform(-0.02, 0.02, 60)
+        memory = 1j * omega / (1 - omega**2 + 2j * width * omega)
+        ds = sound(omega=omega)
+        size = 4e5 * np.eye(4)
+        ds = ds.assign(
+            radiation_damping=(("omega", *PAIR), memory.real[:, None, None] * size),
+            added_mass=(("omega", *PAIR), 2e6 * np.eye(4) + (memory.imag / omega)[:, None, None] * size),
+            added_mass_inf=(PAIR, 2e6 * np.eye(4)),
+        )
+        checks = verdicts(ds)
+        assert checks["irregular_frequencies"] in ("ok", "doubt"), width
+        assert checks.get("kramers_kronig", "ok") in ("ok", "doubt"), width
+
+
+def test_kinks_of_a_cubic_are_none_at_any_steps():
+    omega = np.array([0.1, 0.2, 0.5, 0.6, 1.1, 1.9, 2.0])
+    cubic = np.stack([omega**3 - omega, 2 - omega**2], axis=1)
+    assert kinks(omega, cubic) == pytest.approx(np.zeros((3, 2)), abs=1e-13)
+    cubic[3, 0] += 0.25
+    assert kinks(omega, cubic)[1] == pytest.approx([0.25, 0.0], abs=1e-13)
+
+
+def test_periods_taken_for_frequencies_are_seen_with_one_heading():
+    """Two ways: the excitation of the longest wave is not the stiffness, and added mass not that of the damping."""
+    ds = sound(headings=[0.0], omega=np.geomspace(0.02, 20.0, 120))
+    assert set(verdicts(ds).values()) == {"ok"}
+    wrong = ds.isel(omega=slice(None, None, -1)).assign_coords(omega=2 * np.pi / ds.omega.values[::-1] / 10)
+    checks = verdicts(wrong)
+    assert (checks["long_waves"], checks["kramers_kronig"]) == ("fail", "fail")
+
+
+def test_added_mass_at_infinity_may_be_missing():
+    ds = sound().drop_vars("added_mass_inf")
+    assert verdicts(ds)["kramers_kronig"] == "ok"
+    assert verdicts(_spiky_alone(ds, 0.5))["kramers_kronig"] == "fail"
+
+
+def test_what_kramers_kronig_cannot_judge_is_said():
+    ends = "not checked: kramers_kronig of Surge, Heave, Pitch, Bend, whose damping lasts beyond the band"
+    assert foreign_checks(sound(omega=np.linspace(0.1, 3.0, 30)))[1] == [ends]
+    steps = "not checked: kramers_kronig of Surge, Heave, Pitch, Bend, whose damping needs smaller steps of frequency"
+    assert foreign_checks(sound(omega=[*np.linspace(0.1, 8.0, 10)]))[1] == [steps]
+    few = foreign_checks(sound(omega=[0.1, 1.0, 2.0]))[1]
+    assert few == [
+        "not checked: irregular_frequencies, which needs five frequencies; received 3",
+        "not checked: kramers_kronig, which needs ten frequencies; received 3",
+    ]
+
+
+def test_long_waves_are_judged_only_where_they_are_long():
+    assert foreign_checks(sound(["Surge"]))[1][0] == "not checked: long_waves, which needs heave and a waterplane"
+    short = foreign_checks(sound(omega=np.linspace(2.0, 8.0, 60)))
+    assert "long_waves" not in {check.name for check in short[0]}
+    assert "not checked: long_waves, of which 2 rad/s is none for this body" in short[1]
+
+
+def test_zero_frequency_says_nothing_of_waves():
+    ds = sound()
+    still = ds.isel(omega=[0]).assign_coords(omega=[0.0])
+    both = xr.concat([still, ds], dim="omega", data_vars="minimal", coords="minimal", compat="override")
+    assert judged(both.assign_attrs(ds.attrs)) == judged(ds)
+
+
+# --- Haskind
+
+
+@pytest.mark.parametrize("headings", [(0.0,), (0.0, 180.0), CIRCLE[:-1], (*CIRCLE[:-1], 345.0), CIRCLE[::3]])
+def test_too_few_headings_are_said_to_be(headings):
+    checks, missing = foreign_checks(sound(headings=headings))
+    assert {check.name for check in checks} == ALL
+    assert missing[-1].startswith("not checked: haskind, the only check that sees a wrong length, gravity or depth")
+    assert missing[-1].endswith(f"received {len(headings)}")
+
+
+def test_haskind_is_judged_where_headings_resolve_it_and_the_rest_is_counted():
+    """Excitation of surge turns six times around the body from 0.6 to 1.5 rad/s, at twelve headings."""
+    ds = sound()
+
+    def ripple(x):
+        x[5:15, :, 0] *= np.cos(5 * ds.wave_direction.values)
+
+    checks, notes = foreign_checks(edited(ds, "excitation_force", ripple))
+    assert {check.verdict for check in checks} == {"ok"}
+    assert notes == [
+        "not checked: haskind of Surge (10 of 80 frequencies, from 0.6 rad/s), which 12 directions do not resolve"
+    ]
+    assert verdicts(_pushed(edited(ds, "excitation_force", ripple), 0.1))["haskind"] == "fail"
+
+    turning = np.cos(5 * ds.wave_direction.values)[:, None] * np.abs(ds.excitation_force.values).max(
+        axis=1, keepdims=True
+    )
+    few = foreign_checks(ds.assign(excitation_force=(WAVE, turning)))
+    assert HASKIND & {check.name for check in few[0]} == set()
+    assert few[1][-1].startswith("not checked: haskind, the only check")
+
+
+def test_length_and_gravity_are_told_to_a_per_cent_and_density_not_at_all():
+    ds = sound()
+    scale = judged(_scaled(ds, 0.02))["haskind_scale"]
+    assert scale.explanation.endswith("length/gravity is 1.02 times that of the run")
+    wrong = ds.assign_attrs(water_density=2 * RHO)
+    wrong = wrong.assign({name: 2 * ds[name] for name in ds.data_vars if name != "inertia_matrix"})
+    assert {name for name, verdict in verdicts(wrong).items() if verdict != "ok"} == {"afloat"}
+    unseen = foreign_checks(wrong.drop_vars("inertia_matrix"))
+    assert {check.verdict for check in unseen[0]} == {"ok"}
+    assert unseen[1] == [
+        "not checked: density, with which all coefficients grow alike; it needs mass in heave and displaced volume"
+    ]
+
+
+@pytest.mark.parametrize(("true", "given", "told"), [(30.0, np.inf, 30.0), (30.0, 60.0, 30.0), (np.inf, 30.0, np.inf)])
+def test_a_wrong_depth_is_seen_and_the_right_one_told(true, given, told):
+    ds = sound(depth=true).assign_attrs(water_depth=str(given))
+    found = judged(ds)["haskind_long_waves"]
+    assert found.verdict in ("doubt", "fail")
+    if np.isinf(told):
+        assert found.explanation.endswith("; deep water would fit")
+    else:
+        metres = float(found.explanation.rpartition("; ")[2].removesuffix(" m would fit"))
+        assert metres == pytest.approx(told, rel=0.1)
+
+
+def test_no_depth_is_told_where_none_would_fit():
+    omega = np.array([0.3, 0.5])
+    assert fitting_depth(np.array([3.0, 0.2]), omega, np.inf, G) is None
+    assert fitting_depth(np.ones(2), omega, np.inf, G) == np.inf
+
+
+def test_identities_of_axisymmetric_motions_only_where_they_hold():
+    """One heading of a ring wave: heave and mode, whatever surge does."""
+    ds = sound(["Heave", "Bend", "Surge"], [0.0])
+    b = ds.radiation_damping.values + 0.0
+    b[:, 0, 1] = b[:, 1, 0] = np.sqrt(b[:, 0, 0] * b[:, 1, 1])
+    x = ds.excitation_force.values + 0.0
+    x[:, :, 1] /= np.sqrt(2)  # a ring wave, too
+    ring = ds.assign(radiation_damping=(("omega", *PAIR), b), excitation_force=(WAVE, x))
+    assert "rank_one" not in verdicts(ring)
+    held = verdicts(ring, axisymmetric=True)
+    assert {held[name] for name in ("rank_one", *HASKIND)} == {"ok"}
+    wrong = verdicts(ring.assign(excitation_force=2 * ring.excitation_force), axisymmetric=True)
+    assert (wrong["rank_one"], wrong["haskind"], wrong["haskind_scale"]) == ("ok", "fail", "fail")
+    with pytest.raises(ConfigError, match="--axisymmetric: received Surge, Pitch; needs heave or modes"):
+        foreign_checks(sound(["Surge", "Pitch"]), axisymmetric=True)
+
+
+# --- modes that move no water
+
+
+def with_noise(ds, label, size):
+    """Added mass, damping and excitation of a mode that are round-off of a size, of any sign."""
+    rng, i = np.random.default_rng(3), list(ds.influenced_dof.values).index(label)
+
+    def change(values):
+        values[..., i] = values[..., i, :] = 0.0
+        values[..., i, i] = size * rng.normal(size=values.shape[:-2])
+
+    def push(x):
+        x[..., i] = size * rng.normal(size=x.shape[:-1])
+
+    for name in ("added_mass", "radiation_damping", "added_mass_inf"):
+        ds = edited(ds, name, change)
+    return edited(ds, "excitation_force", push)
+
+
+@pytest.mark.parametrize("size", [1e-9, 1e-6, 1.0])
+def test_round_off_of_a_mode_that_moves_no_water_is_no_fault(size):
+    """Yaw of a round body, beside pitch of 4e8 kg m^2."""
+    ds = with_noise(sound(("Surge", "Heave", "Pitch", "Yaw")), "Yaw", size)
+    checks, notes = foreign_checks(ds)
+    assert {check.verdict for check in checks} == {"ok"}, checks
+    assert notes == []
+    assert sizes(ds).wet.tolist() == [True, True, True, False]
+
+
+def test_rotations_of_a_sphere_about_its_centre_are_all_round_off():
+    ds = sound(("Heave", "Roll", "Pitch", "Yaw"))
+    for label in ("Roll", "Pitch", "Yaw"):
+        ds = with_noise(ds, label, 1e-3)
+    assert set(verdicts(ds).values()) == {"ok"}
+    bare = ds.drop_attrs().assign_attrs({k: v for k, v in ds.attrs.items() if k != "displaced_volume"})
+    assert {name for name, verdict in verdicts(bare).items() if verdict != "ok"} == set()
+
+
+def test_a_mode_that_moves_little_water_counts_by_itself():
+    """Heave of a spar, a thirtieth of surge: an error of its own size is a failure."""
+    ds = sound()
+    little = np.array([1.0, 1 / 30, 1.0, 1.0])
+    for name, power in (("added_mass", 1.0), ("added_mass_inf", 1.0), ("radiation_damping", 1.0)):
+        ds = ds.assign({name: ds[name] * np.diag(little**power)})
+    ds = ds.assign(excitation_force=ds.excitation_force * np.sqrt(little))
+    ds = units.described(ds.assign(hydrostatic_stiffness=ds.hydrostatic_stiffness / np.sqrt(30)))
+    assert set(verdicts(ds).values()) == {"ok"}
+    assert verdicts(_pushed(ds, 0.06))["haskind"] == "fail"
+    assert verdicts(_lively(ds, 0.02))["positive_damping"] == "fail"
+
+
+def test_motions_that_make_no_waves_at_all_do_no_harm():
+    ds = sound(("Surge", "Heave", "Pitch", "Yaw"))
+    moving = np.array([1.0, 1.0, 1.0, 0.0])
+    still = ds.assign(
+        {n: ds[n] * np.outer(moving, moving) for n in ("added_mass", "added_mass_inf", "radiation_damping")}
+    )
+    still = units.described(still.assign(excitation_force=ds.excitation_force * moving))
+    assert set(verdicts(still).values()) == {"ok"}
+    with pytest.raises(DatabaseError, match="radiation damping is zero for all motions"):
+        foreign_checks(still.assign(radiation_damping=0 * still.radiation_damping))
+
+
+def test_energy_from_nowhere_is_seen():
+    ds = sound()
+    assert verdicts(ds.assign(radiation_damping=-ds.radiation_damping))["positive_damping"] == "fail"
+
+
+# --- causes
+
+
+def test_every_check_that_does_not_hold_has_causes_of_its_own():
+    """Depth, the commonest, wherever it can be one; nothing of units where damping is negative."""
+    ds = sound(["Heave", "Bend"], CIRCLE)
+    for check in [*foreign_checks(ds)[0], *foreign_checks(ds, axisymmetric=True)[0]]:
+        for words in (WAMIT_WORDS, BEMIO_WORDS):
+            line = causes(check, words)
+            assert line.startswith(f"{check.name}: ")
+            assert (words["depth"] in line) == (check.name in ("haskind", "haskind_long_waves"))
+            assert (words["density"] in line) == (check.name == "afloat")
+            if check.name in ("positive_damping", "symmetry", "rank_one"):
+                assert not any(words[key] in line for key in ("length", "gravity", "period"))
