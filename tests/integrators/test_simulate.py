@@ -1,13 +1,17 @@
 """The table of methods: what `auto` is, and that a new method is a function and a row."""
 
+from dataclasses import dataclass, replace
+
 import numpy as np
 import pytest
-from conftest import SEED, varied
+from conftest import HERE, SEED, varied
 
 from vsb.hydro.kernel import DampingSpectrum
+from vsb.integrators.audit import energies, residual
+from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.phi import phi_integrals
 from vsb.integrators.simulate import METHODS, Method, legs, simulate
-from vsb.motion.forces import Damper, Excitation, Spring
+from vsb.motion.forces import ConstantForce, Damper, Excitation, Force, Linear, Spring
 from vsb.motion.scene import Plant
 from vsb.motion.system import System
 from vsb.scenes.build import assumed_pressure_scene
@@ -33,6 +37,26 @@ def exponential_time_differencing(system, tolerance, spectrum):
         return system.forcing(np.array([t]), state[None])[0]
 
     return follow
+
+
+@dataclass(frozen=True)
+class Hardening(Force):
+    """f = -k q - k3 q^3 on every coordinate: a law no module of the package knows."""
+
+    stiffness: float
+    cubic: float
+
+    def linear(self):
+        """Return its tangent at rest."""
+        return Linear(stiffness=np.array([[self.stiffness]]), whole=False)
+
+    def force(self, time, q, v):
+        """Return the force."""
+        return -self.stiffness * q - self.cubic * q**3
+
+    def stored(self, q):
+        """Return its potential energy."""
+        return (self.stiffness * q**2 / 2 + self.cubic * q**4 / 4).sum(axis=1)
 
 
 @pytest.fixture(scope="module")
@@ -94,3 +118,39 @@ def test_a_convolution_without_damping_is_refused(paper, oscillator):
     omega = np.linspace(0.1, 8.0, 80)
     calm = DampingSpectrum(omega, np.zeros((80, 1, 1)))
     assert simulate(oscillator, SWELL, settings, calm)[2] == "convolution"
+
+
+def test_a_new_force_is_followed_audited_and_balanced(oscillator):
+    """Duffing's oscillator: a method in time after its transient, and the steady state by harmonic balance."""
+    plant = replace(oscillator.scene, forces={**oscillator.scene.forces, "hydrostatic": Hardening(50.0, 40.0)})
+    system, period = System.of(plant), 2 * np.pi / 2.5
+    found = harmonic_balance(system, 1e-8)
+    linear = harmonic_balance(oscillator).harmonics[1, 0]
+    assert abs(abs(found.harmonics[1, 0] / linear) - 1) > 0.05  # the cube matters
+    assert found.power.residual < 1e-8
+    time = np.linspace(0.0, 20 * period, 20 * 256 + 1)
+    follow = exponential_time_differencing(system, 0.0, None)
+    motion, _ = follow(time, tuple(values[0] for values in found.at(np.zeros(1))))
+    assert np.abs(motion.position - found.at(time)[0]).max() < 2e-4 * np.abs(motion.position).max()
+    assert residual(energies(system, motion)) < 1e-3  # of the motion's own second order
+
+
+def test_a_constant_force_moves_the_mean_alone(oscillator):
+    forces = {**oscillator.scene.forces, "weight": ConstantForce(np.array([-3.0]))}
+    found, plain = (harmonic_balance(s) for s in (System.of(replace(oscillator.scene, forces=forces)), oscillator))
+    assert found.harmonics[0, 0] == pytest.approx(-3.0 / 50.0, rel=1e-9)
+    assert found.harmonics[1, 0] == pytest.approx(plain.harmonics[1, 0], rel=1e-9)
+
+
+def test_the_recipe_for_an_integrator_is_followed(oscillator, monkeypatch):
+    """The first block of `docs/extending.md`, at most 15 lines without its row, as it stands there."""
+    recipe = (HERE.parent / "docs" / "extending.md").read_text(encoding="utf-8").split("```python\n")[1].split("```")[0]
+    assert len(recipe.split("METHODS[")[0].strip().splitlines()) <= 15
+    rows = dict(METHODS)
+    exec(recipe, {"np": np, "phi_integrals": phi_integrals, "METHODS": rows, "Method": Method})
+    errors, start = [], (np.array([0.1]), np.array([-0.3]))
+    for count in (200, 400, 800):
+        time = np.linspace(0.0, 2.0, count + 1)
+        new, true = (rows[name].follower(oscillator, 0.0, None)(time, start)[0] for name in ("euler", "exact"))
+        errors.append(np.abs(new.position - true.position).max())
+    assert np.all(np.abs(-np.diff(np.log2(errors)) - 1.0) < 0.1), errors

@@ -267,8 +267,13 @@ class System:
 
     @property
     def size(self) -> float:
-        """Length no amplitude is measured against if smaller [m]: a millionth of the radius; 0 of a linear scene."""
-        return 1e-6 * self.remainder.shape.radius if self.remainder else 0.0
+        """Length no amplitude is measured against if smaller [m]: a millionth of the radius, of a metre without water.
+
+        Zero of a linear scene, which has no scale.
+        """
+        if self.linear:
+            return 0.0
+        return 1e-6 * (self.remainder.shape.radius if self.remainder else 1.0)
 
     @property
     def least(self) -> float:
