@@ -4,7 +4,7 @@ CONFIG ?= config/seed.yaml
 BIN := .venv/bin
 READY := .venv/.installed
 
-.PHONY: study benchmark barge hard-cases test lint unit format lock clean help
+.PHONY: study benchmark barge hard-cases torture test lint unit format lock clean help
 
 study: $(READY) ## run a study: make study [CONFIG=config/seed.yaml]
 	@$(BIN)/vsb run $(CONFIG)
@@ -19,6 +19,9 @@ barge: $(READY) ## any body by the general route: a flexible barge
 
 hard-cases: $(READY) ## table of the cases that break other codes
 	@$(BIN)/python -m benchmarks hard-cases config/hard_cases.yaml results/hard_cases.csv
+
+torture: $(READY) ## a thousand studies at random, broken and odd: refused in one line or run to finite results
+	@$(BIN)/python -m benchmarks torture 1000 results/torture.csv
 
 test: lint unit ## style, types, workflow lint, and all tests
 

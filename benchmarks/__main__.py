@@ -43,6 +43,15 @@ def hard_cases(args: argparse.Namespace) -> int:
     return int(any(row.verdict == "wrong" for row in rows))
 
 
+def torture(args: argparse.Namespace) -> int:
+    """So many studies at random: each is refused in one line or runs to finite results; 1 if any does not."""
+    from benchmarks import torture
+
+    found = torture.torture(int(args.count), args.out)
+    print(", ".join(f"{number} {verdict}" for verdict, number in found.most_common()))
+    return int(any(found[verdict] for verdict in torture.BAD))
+
+
 def _written(folder: str, names: str) -> int:
     """Print what was written; return 0."""
     print(*sorted(Path(folder).glob(names)), sep="\n")
@@ -54,6 +63,7 @@ COMMANDS = {
     "coefficients": (coefficients, ("folder",)),
     "time-domain": (time_domain, ("config", "folder")),
     "hard-cases": (hard_cases, ("config", "out")),
+    "torture": (torture, ("count", "out")),
 }
 """Handler and arguments of every benchmark."""
 WRITES = {"folder": "{folder}/", "out": "{out}"}

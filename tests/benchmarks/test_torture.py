@@ -1,0 +1,42 @@
+"""A small seeded part of `make torture`."""
+
+import random
+
+import pytest
+
+from benchmarks import torture
+from benchmarks.__main__ import main
+
+
+@pytest.mark.parametrize("block", range(2))
+def test_broken_studies_are_refused_in_one_line_or_are_none(tmp_path, block):
+    for seed in range(30 * block, 30 * block + 30):
+        outcome = torture.fate(torture.broken(random.Random(seed)), tmp_path, run=False)
+        assert outcome.verdict in ("refused", "completed"), (seed, outcome)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_odd_studies_are_refused_or_checked_in_one_line(tmp_path, seed):
+    outcome = torture.fate(torture.odd(random.Random(seed)), tmp_path, run=False)
+    assert outcome.verdict in ("refused", "completed"), outcome
+
+
+def test_what_breaks_is_told_from_what_is_refused(tmp_path, monkeypatch):
+    text = torture.SEED.read_text()
+    assert torture.fate("- no study\n", tmp_path).verdict == "refused"
+    monkeypatch.setattr(torture, "run_stages", lambda study, plan: "response.nc: rao")
+    assert torture.fate(text, tmp_path) == torture.Outcome("not finite", "response.nc: rao")
+    monkeypatch.setattr(torture, "run_stages", lambda study, plan: torture.load("nowhere.yaml"))
+    assert torture.fate(text, tmp_path).verdict == "failed after check"
+    monkeypatch.setattr(torture, "run_stages", lambda study, plan: 1 / 0)
+    assert torture.fate(text, tmp_path).verdict == "traceback"
+
+
+def test_a_table_of_fates_is_written(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(torture, "study_text", lambda index: "- no study" if index else torture.SEED.read_text())
+    monkeypatch.setattr(torture, "run_stages", lambda study, plan: "")
+    assert main(["torture", "3", str(tmp_path / "table.csv")]) == 0
+    assert (tmp_path / "table.csv").read_text().startswith("index,verdict,reason\n0,completed,\n1,refused,")
+    assert "2 refused, 1 completed" in capsys.readouterr().out
+    monkeypatch.setattr(torture, "run_stages", lambda study, plan: 1 / 0)
+    assert main(["torture", "1", str(tmp_path / "table.csv")]) == 1
