@@ -31,9 +31,11 @@ def check_before_run(study: Study, plan: StudyPlan) -> None:
     ConfigError, DatabaseError
     """
     check_stable(study, reference_shell(study))
+    if study.needs_bem:
+        plan.check_waves()
+    study.check_record()
     if not study.needs_bem:
         return
-    plan.check_waves()
     if Path(plan.database_path).exists():
         database.load_database(plan.database_path, content_id(plan.database))
     blocks = [plan.block_path(block) for block in plan.sweep_blocks + plan.tabulated_blocks]

@@ -120,7 +120,6 @@ class Study(Section):
         self._check_afloat()
         self._check_waves()
         self._check_model()
-        self._check_record()
         return self
 
     def _check_afloat(self) -> None:
@@ -201,23 +200,30 @@ class Study(Section):
         if self.published and (absent := sorted(set(self.published.values) - set(self.designs))):
             raise ValueError(f"published.values {absent}: no such design; needs some of {', '.join(self.designs)}")
 
-    def _check_record(self) -> None:
-        """Every run must be short enough to be recorded, the window long enough to see the motion."""
+    def check_record(self) -> None:
+        """Check that every run is short enough to be recorded, and the window long enough to see the motion.
+
+        Raises
+        ------
+        ConfigError
+        """
         (start, end), duration = self.simulation.window, self.simulation.duration
         convolved = self.simulation.method == "convolution"
-        most = MOST_CONVOLVED if convolved else MOST_INSTANTS
+        most, reason = MOST_INSTANTS, "it must be recorded"
+        if convolved:
+            most, reason = MOST_CONVOLVED, "a convolution needs all of its past at every instant"
         for i, wave in enumerate(self.waves):
             period = 2 * math.pi / self.fastest(wave)
             if RECORDS_PER_PERIOD * duration > most * period:
-                reason = "a convolution needs all of its past at every instant" if convolved else "it must be recorded"
-                raise ValueError(
-                    f"simulation.duration {duration:g} s: needs at most {most / RECORDS_PER_PERIOD * period:.4g} s in "
-                    f"waves.{i} {wave.label}, whose fastest motion takes {period:.3g} s, because {reason}"
+                raise ConfigError(
+                    f"simulation.duration: received {duration:g} s, needs at most "
+                    f"{most / RECORDS_PER_PERIOD * period:.4g} s in waves.{i} {wave.label}, whose fastest motion takes "
+                    f"{period:.3g} s, because {reason}"
                 )
             slowest = 2 * math.pi / (self.heave_frequency if isinstance(wave, StillWater) else wave.omega)
             if end - start < LEAST_WINDOW * slowest:
-                raise ValueError(
-                    f"simulation.window {list(self.simulation.window)} s: needs to be at least "
+                raise ConfigError(
+                    f"simulation.window: received {list(self.simulation.window)} s, needs to be at least "
                     f"{LEAST_WINDOW * slowest:.4g} s long, because the motion in waves.{i} {wave.label} takes "
                     f"{slowest:.4g} s"
                 )
@@ -250,10 +256,15 @@ class Study(Section):
         return self.device.radius - self.centre_height
 
     @property
+    def waterline_radius(self) -> float:
+        """Radius of the undeformed sphere at still water [m]."""
+        return math.sqrt(self.device.radius**2 - self.centre_height**2)
+
+    @property
     def heave_frequency(self) -> float:
         """Natural frequency of heave without the water's inertia, sqrt(rho g pi r_w^2/m) [rad/s]."""
-        water, waterplane = self.water, math.pi * (self.device.radius**2 - self.centre_height**2)
-        return math.sqrt(water.density * water.gravity * waterplane / self.device.mass)
+        weight = self.water.density * self.water.gravity
+        return math.sqrt(weight * math.pi * self.waterline_radius**2 / self.device.mass)
 
     def fastest(self, wave: Wave) -> float:
         """Frequency of the fastest motion a run in a sea must show [rad/s]; in still water that of heave."""
