@@ -170,10 +170,8 @@ class HydroPlan:
                 "with the spectral solver; lower it, or set hydro.solver: panels"
             )
         peak = BEYOND_THE_PEAK * math.sqrt(self.study.water.gravity / self.study.waterline_radius)
-        judged = (
-            self.study.uses_panels or "kramers_kronig" in self.study.hydro.accept
-        )  # with what error the blocks have
-        if self.sweep_blocks[-1]["omega"][-1] < peak and not judged:
+        judged = self.study.uses_panels or "kramers_kronig" in self.study.hydro.accept  # afterwards, or not at all
+        if self.sweep_blocks[-1].omega[-1] < peak and not judged:
             raise ConfigError(
                 f"hydro.omega_max: received {self.study.hydro.omega_max:g} rad/s, needs at least {peak:.4g} rad/s, "
                 "because the radiation memory rests on the damping to beyond its peak"
