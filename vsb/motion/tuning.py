@@ -1,0 +1,288 @@
+"""The best linear take-off of a port: a damper, or a spring and a damper, in regular waves and in seas.
+
+A sea is the squares of its components' amplitudes, shape (omega,) [m^2]; many seas are rows over the frequencies of one
+port, so that many dampers in many seas are one matrix product.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from vsb.motion.port import Port
+from vsb.tools.units import FloatArray
+
+IntArray = npt.NDArray[np.intp]
+BoolArray = npt.NDArray[np.bool_]
+
+LOG_STEP = 0.1
+"""Step of the logarithm of the dampers tried first. In it P''/P >= -1 (the sum of 1/(R + |Z| cosh(u - ln |Z|)) over
+frequencies): no maximum is more than a part LOG_STEP^2/8 above the nearest damper tried, and none can be missed."""
+PAIR_STEP = 0.4
+SPRINGS = 32, 160
+"""Where the spring is free as well, step of the dampers tried first, and springs, spread evenly and tuned to waves."""
+RIVALS = 0.1
+"""Local maxima of the pairs tried are followed if they come within this part of the best."""
+MARGIN = 1e-6
+"""Part of the stiffness of the resting buoy that a negative spring must leave it."""
+FINEST = 2e-4
+"""Step at which the climb ends, in the logarithm of the damper: power is then exact to the step's square and better."""
+
+
+class Load(NamedTuple):
+    """A damper and a spring in parallel for each sea, and the mean power they take."""
+
+    damping: FloatArray  # (sea,) [N s/m]
+    stiffness: FloatArray  # (sea,) [N/m]
+    power: FloatArray  # (sea,) [W]
+
+    def or_better(self, other: "Load") -> "Load":
+        """Return for each sea the better of two."""
+        better = other.power > self.power
+        return Load(*(np.where(better, b, a) for a, b in zip(self, other, strict=True)))
+
+
+def electrical_power(
+    damping: FloatArray, stiffness: FloatArray, speed: FloatArray, stroke: FloatArray, efficiency: float
+) -> FloatArray:
+    """Return the mean of e p+ + p-/e, p the power at the port, e the efficiency of both directions [W].
+
+    Parameters
+    ----------
+    damping, stiffness : ndarray [N s/m], [N/m]
+    speed, stroke : ndarray
+        Mean squares of velocity and displacement [m^2/s^2], [m^2].
+    efficiency : float
+
+    Notes
+    -----
+    With correlation rho between force and velocity the mean of the negative part of p is
+    s_F s_V (sqrt(1 - rho^2) - rho arccos rho)/pi: exact in a regular wave, and of the mean over all realisations of a
+    sea, in which force and velocity are jointly Gaussian.
+    """
+    power = damping * speed
+    if efficiency == 1.0:
+        return np.asarray(power)
+    size = np.sqrt((damping**2 * speed + stiffness**2 * stroke) * speed)
+    rho = np.clip(np.divide(power, size, out=np.ones_like(power), where=size > 0), 0.0, 1.0)
+    returned = size * (np.sqrt(1 - rho**2) - rho * np.arccos(rho)) / np.pi
+    return np.asarray(efficiency * power - (1 / efficiency - efficiency) * returned)
+
+
+def mean_power(
+    port: Port, squares: FloatArray, damping: FloatArray, stiffness: FloatArray, efficiency: float = 1.0
+) -> FloatArray:
+    """Return the mean power of loads, each in its own sea, shape (sea,) [W].
+
+    Parameters
+    ----------
+    port : Port
+    squares : ndarray, shape (sea, omega) [m^2]
+    damping, stiffness : ndarray, shape (sea,) [N s/m], [N/m]
+    efficiency : float
+    """
+    square = 0.5 * squares * np.abs(port.velocity_under(port.load(damping, stiffness))) ** 2
+    return electrical_power(damping, stiffness, square.sum(axis=1), (square / port.omega**2).sum(axis=1), efficiency)
+
+
+def powers_of_all(
+    port: Port, squares: FloatArray, damping: FloatArray, stiffness: FloatArray, efficiency: float
+) -> FloatArray:
+    """Return the mean power of every load in every sea, shape (load, sea) [W]; arguments as `mean_power`."""
+    square = 0.5 * np.abs(port.velocity_under(port.load(damping, stiffness))) ** 2
+    speed = square @ squares.T
+    stroke = speed if efficiency == 1.0 else (square / port.omega**2) @ squares.T
+    return electrical_power(damping[:, None], stiffness[:, None], speed, stroke, efficiency)
+
+
+def best_dampers(port: Port, squares: FloatArray, stiffness: float = 0.0, efficiency: float = 1.0) -> Load:
+    """Return the damper that takes most in each sea beside a given spring: the global optimum.
+
+    Parameters
+    ----------
+    port : Port
+        Without the spring.
+    squares : ndarray, shape (sea, omega) [m^2]
+    stiffness : float [N/m]
+    efficiency : float
+        Of both directions: a spring sends power back and forth.
+    """
+    count = len(squares)
+    if not port.moves or not squares.any():
+        return Load(np.zeros(count), np.full(count, stiffness), np.zeros(count))
+    sizes = port.beside(stiffness).best_damping[squares.any(axis=0)]
+    reach = 1.0 if efficiency == 1.0 else 100.0
+    tried = np.arange(np.log(sizes.min() / reach) - LOG_STEP, np.log(sizes.max() * reach) + 2 * LOG_STEP, LOG_STEP)
+    powers = powers_of_all(port, squares, np.exp(tried), np.full(len(tried), stiffness), efficiency)
+    rivals = powers >= powers.max(axis=0) * (1 - LOG_STEP**2 / 4)
+    at, sea = np.nonzero(rivals & _local_maxima(powers))
+
+    def power(x: FloatArray, start: IntArray) -> FloatArray:
+        return mean_power(port, squares[sea[start]], np.exp(x[:, 0]), spring[start], efficiency)
+
+    spring = np.full(len(at), stiffness)
+    x, found = climbed(power, tried[at, None], np.full((len(at), 1), LOG_STEP))
+    return _best_of_each(sea, count, np.exp(x[:, 0]), spring, found)
+
+
+def best_pairs(port: Port, squares: FloatArray, given: Load, efficiency: float = 1.0) -> Load:
+    """Return spring and damper that take most in each sea, among all the buoy rests stably with.
+
+    Parameters
+    ----------
+    port : Port
+    squares : ndarray, shape (sea, omega) [m^2]
+    given : Load
+        What must not be beaten downwards: a best damper beside the given spring.
+    efficiency : float
+    """
+    if not port.moves or not squares.any():
+        return given
+    single = (squares > 0).sum(axis=1) == 1  # regular waves: what spring they want is their own affair
+    best, searched = given, squares.any(axis=1)
+    if efficiency == 1.0:
+        best = given.or_better(_matched_pairs(port, squares, single))
+        searched &= ~single | (best.power < (1 - 1e-9) * (squares @ port.matched_power))
+    for seas in (np.flatnonzero(searched & ~single), *np.flatnonzero(searched & single)[:, None]):
+        if len(seas):
+            used = squares[seas].any(axis=0)
+            found = _searched_pairs(_at(port, used), squares[seas][:, used], efficiency)
+            best = _with(best, seas, found)
+    return best
+
+
+def _with(best: Load, seas: IntArray, found: Load) -> Load:
+    """The loads of all seas with better ones of some."""
+    whole = Load(*(values.copy() for values in best))
+    for values, new in zip(whole, Load(*(v[seas] for v in best)).or_better(found), strict=True):
+        values[seas] = new
+    return whole
+
+
+def _at(port: Port, used: BoolArray) -> Port:
+    """The port at some of its frequencies."""
+    return Port(port.omega[used], port.admittance[used], port.velocity[used], port.compliance)
+
+
+def _softest(port: Port) -> float:
+    """Least stiffness of a spring that leaves the buoy at rest [N/m]."""
+    return port.softest_spring * (1 - MARGIN)
+
+
+def _matched_pairs(port: Port, squares: FloatArray, alone: BoolArray) -> Load:
+    """Spring and damper that match the impedance, c = R and k = -omega X, where a sea is one wave and rests stably."""
+    at = squares.argmax(axis=1)
+    z, omega = port.impedance[at], port.omega[at]
+    stable = alone & (-omega * z.imag >= _softest(port))
+    damping, stiffness = np.where(stable, z.real, 0.0), np.where(stable, -omega * z.imag, 0.0)
+    return Load(damping, stiffness, mean_power(port, squares, damping, stiffness))
+
+
+def _searched_pairs(port: Port, squares: FloatArray, efficiency: float) -> Load:
+    """The best pairs by a table of them and a climb from its local maxima.
+
+    A spring beyond all that tune the buoy to one of the frequencies, k = -omega X, or to none, k = 0, only takes power.
+    """
+    tuned, softest = -port.omega * port.impedance.imag, _softest(port)
+    low, high = max(min(tuned.min(), 0.0), softest), max(tuned.max(), 0.0)
+    waves = np.unique(np.linspace(0, len(tuned) - 1, min(SPRINGS[1], len(tuned))).astype(int))
+    springs = np.unique(np.concatenate([np.clip(tuned[waves], low, high), np.linspace(low, high, SPRINGS[0])]))
+    largest = np.abs(port.impedance + 1j * np.array([[low], [high]]) / port.omega).max()
+    dampers = np.arange(np.log(0.5 * port.impedance.real.min()), np.log(2 * largest) + PAIR_STEP, PAIR_STEP)
+    u, k = (values.ravel() for values in np.meshgrid(dampers, springs, indexing="ij"))
+    powers = powers_of_all(port, squares, np.exp(u), k, efficiency)
+    table = powers.reshape(len(dampers), len(springs), -1)
+    i, j, sea = np.nonzero((table >= (1 - RIVALS) * table.max(axis=(0, 1))) & _local_maxima(table, axes=2))
+    left = springs[j] - port.softest_spring  # of the buoy's own stiffness: its logarithm has no bound to climb over
+    width = np.exp(dampers[i]) * np.exp(np.log(port.omega).mean()) / left  # of a resonance in k: omega (R + c)
+    start, step = np.stack([dampers[i], np.log(left)], axis=1), PAIR_STEP * np.stack([np.ones(len(i)), width], axis=1)
+    least = np.log(-MARGIN * port.softest_spring)
+
+    def stiffness(x: FloatArray) -> FloatArray:
+        return np.asarray(port.softest_spring + np.exp(np.maximum(x[:, 1], least)))
+
+    def power(x: FloatArray, start: IntArray) -> FloatArray:
+        return mean_power(port, squares[sea[start]], np.exp(x[:, 0]), stiffness(x), efficiency)
+
+    x, found = climbed(power, start, np.minimum(step, 1.0))
+    return _best_of_each(sea, len(squares), np.exp(x[:, 0]), stiffness(x), found)
+
+
+def _local_maxima(table: FloatArray, axes: int = 1) -> BoolArray:
+    """Whether an entry is no less than its neighbours along the first axes, diagonals included."""
+    padded = np.pad(table, [(1, 1)] * axes + [(0, 0)], constant_values=-np.inf)
+    best = np.ones(table.shape, dtype=bool)
+    for shift in np.ndindex(*(3,) * axes):
+        neighbour = tuple(slice(s, s + n) for s, n in zip(shift, table.shape, strict=False))
+        best &= table >= padded[neighbour]
+    return best
+
+
+def _best_of_each(sea: IntArray, count: int, *values: FloatArray) -> Load:
+    """The best of several finds for each sea; damping, stiffness, power."""
+    order = np.lexsort([values[2], sea])
+    last = order[np.searchsorted(sea[order], np.arange(count), side="right") - 1]
+    return Load(*(value[last] for value in values))
+
+
+def climbed(
+    function: Callable[[FloatArray, IntArray], FloatArray], start: FloatArray, step: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the local maxima reached from many points at once, and the values there.
+
+    Parameters
+    ----------
+    function : callable
+        Points, shape (point, dimension), and which start each belongs to, to values, shape (point,).
+    start, step : ndarray, shape (start, dimension)
+        One or two dimensions.
+
+    Notes
+    -----
+    Newton's method on the parabola through the neighbours a step away: none of its steps is longer or goes downhill,
+    and the distance shrinks as the maximum comes to lie between them.
+    """
+    left = np.arange(len(start))
+    x, value, step = start.copy(), function(start, left), step.copy()
+    offsets = np.array(list(np.ndindex(*(3,) * x.shape[1]))) - 1
+    while left.size:
+        here, size = x[left], step[left]
+        tried = [here + size * offset for offset in offsets]
+        found = [function(point, left) if o.any() else value[left] for o, point in zip(offsets, tried, strict=True)]
+        move = _ascent(offsets, np.array(found))
+        tried.append(here + size * move)
+        found.append(function(tried[-1], left))
+        best = np.argmax(found, axis=0)
+        between = (best == len(offsets)) & (np.abs(move).max(axis=1) < 0.5)
+        stays = best == len(offsets) // 2
+        x[left], value[left] = np.array(tried)[best, np.arange(len(left))], np.max(found, axis=0)
+        step[left] /= np.where(between, 8.0, np.where(stays, 2.0, 1.0))[:, None]
+        left = left[step[left].max(axis=1) > FINEST]
+    return x, value
+
+
+def _ascent(offsets: IntArray, values: FloatArray) -> FloatArray:
+    """Newton's step on the parabola through a stencil, at most one step long, uphill where it has no maximum.
+
+    Parameters
+    ----------
+    offsets : ndarray, shape (point, dimension)
+        Of the stencil, -1, 0 or 1.
+    values : ndarray, shape (point, start)
+
+    Returns
+    -------
+    ndarray, shape (start, dimension)
+    """
+    dimension = offsets.shape[1]
+    on_axis = (np.abs(offsets).sum(axis=1) <= 1)[:, None]
+    axis = offsets * on_axis
+    gradient = axis.T @ values / 2
+    hessian = np.einsum("pi,pj,ps->sij", offsets, offsets, np.where(on_axis, 0.0, values)) / 4
+    for i in range(dimension):
+        hessian[:, i, i] = (axis[:, i] ** 2) @ values - 2 * values[len(offsets) // 2]
+    curve, vectors = np.linalg.eigh(hessian)
+    along = np.einsum("sij,is->sj", vectors, gradient)
+    move = np.where(curve < 0, -along / np.where(curve < 0, curve, 1.0), np.sign(along))
+    return np.asarray(np.clip(np.einsum("sij,sj->si", vectors, move), -1.0, 1.0))
