@@ -164,7 +164,7 @@ def test_comments_order_and_spelling_rerun_nothing(folder):
 
 def test_a_pto_change_reruns_no_hydrodynamics(folder):
     rules = planned(folder, with_(pto={"damping": 5000.0}), "pto")
-    assert set(rules) == {"response", "simulate", "compare", "figures", "report"}
+    assert set(rules) == {"response", "ladder", "simulate", "compare", "figures", "report"}
     assert rules["simulate"] == 2
 
 

@@ -36,13 +36,13 @@ def test_the_version_of_its_physics_names_a_stage(seed, tag, monkeypatch):
         plan = StudyPlan(varied(seed, hydro={"rows": 30}))
         block = plan.sweep_blocks[0]
         found = (block.mesh, plan.modes, block, plan.database, plan.radiation, plan.response, plan.comparison)
-        return [content_id(spec) for spec in (*found, plan.simulation("FSB", seed.waves[0]), plan.witness)]
+        return [content_id(spec) for spec in (*found, plan.simulation("FSB", seed.waves[0]), plan.witness, plan.ladder)]
 
     before = ids()
     monkeypatch.setitem(specs.PHYSICS, tag, specs.PHYSICS[tag] + 1)
     changed = {
         "mesh": {0, 1, 2, 3, 4, 8}, "bem": {2, 3, 4}, "database": {3, 4}, "radiation": {4}, "response": {5}, "compare": {6},
-        "simulate": {7}, "witness": {8},
+        "simulate": {7}, "witness": {8}, "ladder": {9},
     }  # fmt: skip
     assert {i for i, (old, new) in enumerate(zip(before, ids(), strict=True)) if old != new} == changed[tag]
 

@@ -26,8 +26,10 @@ RIVALS = 0.1
 """Local maxima of the pairs tried are followed if they come within this part of the best."""
 MARGIN = 1e-6
 """Part of the stiffness of the resting buoy that a negative spring must leave it."""
-FINEST = 2e-4
+FINEST = 1e-4
 """Step at which the climb ends, in the logarithm of the damper: power is then exact to the step's square and better."""
+STEPS = 200
+"""Most steps of a climb: few are needed but on long narrow ridges."""
 
 
 class Load(NamedTuple):
@@ -246,19 +248,21 @@ def climbed(
     left = np.arange(len(start))
     x, value, step = start.copy(), function(start, left), step.copy()
     offsets = np.array(list(np.ndindex(*(3,) * x.shape[1]))) - 1
-    while left.size:
+    for _ in range(STEPS):
         here, size = x[left], step[left]
         tried = [here + size * offset for offset in offsets]
         found = [function(point, left) if o.any() else value[left] for o, point in zip(offsets, tried, strict=True)]
         move = _ascent(offsets, np.array(found))
         tried.append(here + size * move)
         found.append(function(tried[-1], left))
-        best = np.argmax(found, axis=0)
-        between = (best == len(offsets)) & (np.abs(move).max(axis=1) < 0.5)
+        best = np.where(np.max(found, axis=0) > value[left], np.argmax(found, axis=0), len(offsets) // 2)
+        between = (best == len(offsets)) & (np.abs(move).max(axis=1) < 0.25)
         stays = best == len(offsets) // 2
         x[left], value[left] = np.array(tried)[best, np.arange(len(left))], np.max(found, axis=0)
-        step[left] /= np.where(between, 8.0, np.where(stays, 2.0, 1.0))[:, None]
+        step[left] /= np.where(between, 4.0, np.where(stays, 2.0, 1.0))[:, None]
         left = left[step[left].max(axis=1) > FINEST]
+        if not left.size:
+            break
     return x, value
 
 

@@ -10,10 +10,12 @@ from typing import Any
 from vsb.study.blocks import BlockSpec, HydroPlan, panel_solver
 from vsb.study.resolution import RECORDS_PER_PERIOD, thinning
 from vsb.study.specs import (
+    Band,
     CompareSpec,
     DatabaseSpec,
     DisplaySpec,
     Dynamics,
+    LadderSpec,
     LoadedMesh,
     ModesSpec,
     RadiationSpec,
@@ -109,6 +111,12 @@ class StudyPlan(HydroPlan):
             **self._sections("device", "modes", "designs", "water", "pto"),
         )
 
+    @property
+    def ladder(self) -> LadderSpec:
+        """Spec of the tuning ladder."""
+        sections = self._sections("device", "modes", "designs", "water", "pto", "waves", "simulation")
+        return LadderSpec(hydro=Band(omega_max=self.study.hydro.omega_max), **sections)
+
     def simulation(self, design: str, wave: Wave) -> SimulateSpec:
         """Spec of one time-domain run."""
         hydro = self.study.hydro.model_dump(include=set(Dynamics.model_fields))
@@ -202,6 +210,7 @@ class StudyPlan(HydroPlan):
             *(self.trajectory_path(design, wave) for wave in waves for design in self.study.designs),
             *self.hydro_files.values(),
             *self.response_files.values(),
+            *([f"{self.folder}/ladder.csv"] if self.study.needs_bem else []),
             *self.witness_files.values(),
             *self.deformed_paths,
             *self.display_paths,

@@ -13,7 +13,10 @@ from vsb.study.sections import Design, Device, Modes, RestShape, Simulation, Wat
 from vsb.study.study import Study
 from vsb.study.take_off import Pto
 
-PHYSICS = {"mesh": 2, "bem": 7, "database": 6, "radiation": 1, "response": 2, "simulate": 4, "compare": 6, "witness": 1}
+PHYSICS = {
+    "mesh": 2, "bem": 7, "database": 6, "radiation": 1, "response": 2, "ladder": 1, "simulate": 4, "compare": 6,
+    "witness": 1,
+}  # fmt: skip
 """Hand-bumped version of the physics behind each tag: a library edit alone never reruns anything."""
 
 
@@ -205,6 +208,26 @@ class Dynamics(Section):
     pressure: float | None
     power_tolerance: float | None
     omega_max: float
+
+
+class Band(Section):
+    """What the tuning ladder reads of the section `hydro`."""
+
+    omega_max: float
+
+
+class LadderSpec(Spec):
+    """Tuning ladder of all designs in all seas."""
+
+    TAG = "ladder"
+    device: Device
+    modes: Modes
+    designs: dict[Name, Design]
+    water: Water
+    pto: Pto
+    waves: tuple[Wave, ...]
+    simulation: Simulation
+    hydro: Band
 
 
 class SimulateSpec(Spec):

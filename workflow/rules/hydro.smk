@@ -1,4 +1,4 @@
-# Hydro database, radiation model, frequency response; the coefficients from panels or from the spectral solver.
+# Hydro database, radiation model, frequency response, tuning ladder; coefficients from panels or from the spectral solver.
 include: "panels.smk" if STUDY.uses_panels else "spectral.smk"
 
 
@@ -61,3 +61,18 @@ rule response:
         spec=canonical(PLAN.response),
     shell:
         "vsb response --database {input} --out {output} <<< {params.spec:q} > {log} 2>&1"
+
+
+rule ladder:
+    input:
+        PLAN.database_path,
+    output:
+        f"{PLAN.folder}/ladder.csv",
+    log:
+        f"{ROOT}/logs/ladder/{STUDY.study}.log",
+    conda:
+        "../envs/vsb.yaml"
+    params:
+        spec=canonical(PLAN.ladder),
+    shell:
+        "vsb ladder --database {input} --out {output} <<< {params.spec:q} > {log} 2>&1"

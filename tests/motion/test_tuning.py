@@ -1,0 +1,116 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from vsb.motion.port import Port
+from vsb.motion.tuning import best_dampers, best_pairs, climbed, electrical_power, mean_power, powers_of_all
+
+
+def random_port(rng, count=40, motions=3):
+    """A passive buoy of a few coupled motions that radiate through one channel."""
+    omega = np.linspace(0.4, 4.0, count)
+    mass = 10 ** rng.uniform(-1, 1, motions)
+    stiffness = mass * rng.uniform(0.3, 6, motions) ** 2
+    push = rng.normal(size=motions) * np.exp(-(omega[:, None] ** 2) * rng.uniform(0, 0.3))
+    radiated = push[:, :, None] * push[:, None, :] * omega[:, None, None] ** 3 * 10 ** rng.uniform(-3, 0)
+    lost = radiated + 10 ** rng.uniform(-3, -1) * np.eye(motions)
+    w = omega[:, None, None]
+    dynamic = -(w**2) * np.diag(mass) - 1j * w * lost + np.diag(stiffness)
+    b, rate = rng.normal(size=motions), -1j * omega
+    free, forced = (np.linalg.solve(dynamic, x[..., None])[..., 0] @ b for x in (push, np.broadcast_to(b, push.shape)))
+    return Port(omega, rate * forced, rate * free, float(b @ (b / stiffness)))
+
+
+def random_seas(rng, omega, count=6):
+    """Regular waves, seas of one peak and of two."""
+    seas = np.zeros((count, len(omega)))
+    for i, sea in enumerate(seas):
+        if i % 3 == 0:
+            sea[rng.integers(len(omega))] = 1.0
+            continue
+        for share in (1.0, rng.uniform(0, 2))[: i % 3]:
+            sea += share * np.exp(-0.5 * ((omega - rng.uniform(0.6, 3.5)) / rng.uniform(0.05, 0.8)) ** 2)
+        sea[sea < 1e-9 * sea.max()] = 0.0
+    return seas
+
+
+def table(port, sea, efficiency, springs):
+    """Power of a fine table of dampers beside some springs [W]."""
+    dampers = np.geomspace(0.3 * port.impedance.real.min(), 30 * np.abs(port.impedance).max(), 120)
+    c, k = (values.ravel() for values in np.meshgrid(dampers, springs))
+    return powers_of_all(port, sea[None], c, k, efficiency).max()
+
+
+@pytest.mark.parametrize("efficiency", [1.0, 0.8])
+@pytest.mark.parametrize("seed", range(8))
+def test_no_take_off_of_a_fine_table_beats_the_best(seed, efficiency):
+    rng = np.random.default_rng(seed)
+    port = random_port(rng)
+    seas, given_spring = random_seas(rng, port.omega), (0.0, 0.3 / port.compliance)[seed % 2]
+    dampers = best_dampers(port, seas, given_spring, efficiency)
+    pairs = best_pairs(port, seas, dampers, efficiency)
+    tuned, softest = -port.omega * port.impedance.imag, port.softest_spring * (1 - 1e-6)
+    for i, sea in enumerate(seas):
+        assert table(port, sea, efficiency, np.array([given_spring])) <= dampers.power[i] * (1 + 1e-9)
+        low, high = max(min(tuned[sea > 0].min(), 0.0), softest), max(tuned[sea > 0].max(), 0.0)
+        springs = np.concatenate([np.linspace(low, high, 100), np.clip(tuned[sea > 0], low, high)])
+        assert table(port, sea, efficiency, springs) <= pairs.power[i] * (1 + 1e-9)
+    assert mean_power(port, seas, *pairs[:2], efficiency) == pytest.approx(pairs.power, rel=1e-12)
+    assert np.all(pairs.stiffness > port.softest_spring)
+
+
+def test_a_regular_wave_has_its_closed_forms():
+    rng = np.random.default_rng(5)
+    port, waves = random_port(rng), np.diag(np.linspace(0.5, 2.0, 40))
+    dampers = best_dampers(port, waves)
+    assert dampers.damping == pytest.approx(port.best_damping, rel=1e-5)  # flat optimum: power is exact
+    assert dampers.power == pytest.approx(np.diag(waves) * port.best_power, rel=1e-9)
+    pairs, stable = best_pairs(port, waves, dampers), -port.omega * port.impedance.imag > port.softest_spring
+    assert stable.any()
+    assert pairs.power[stable] == pytest.approx((np.diag(waves) * port.matched_power)[stable], rel=1e-9)
+
+
+def test_two_peaks_have_two_maxima_and_the_higher_is_found():
+    """One sea of two waves whose best dampers are decades apart."""
+    omega = np.array([1.0, 2.0])
+    port = Port(omega, 1 / np.array([1.0 + 0j, 1e4]), np.array([1.0 + 0j, 1e-2]), 1.0)
+    for share, best in ((2.0, 1.0), (0.5, 1e4)):
+        found = best_dampers(port, np.array([[share, 1.0]]) * np.array([1.0, 1.0]))
+        assert found.damping[0] == pytest.approx(best, rel=1e-3)
+
+
+@given(st.floats(0.1, 10), st.floats(-10, 10), st.floats(0.3, 1.0), st.floats(0.3, 3.0))
+def test_losses_of_reactive_power_are_those_of_the_time_signal(damping, stiffness, efficiency, omega):
+    """Mean of e p+ + p-/e over a period of v = cos(omega t)."""
+    phase = 2 * np.pi * (np.arange(20000) + 0.5) / 20000
+    power = (damping * np.cos(phase) + stiffness / omega * np.sin(phase)) * np.cos(phase)
+    expected = np.mean(np.where(power > 0, efficiency * power, power / efficiency))
+    args = (np.array(v) for v in (damping, stiffness, 0.5, 0.5 / omega**2))
+    assert electrical_power(*args, efficiency) == pytest.approx(expected, rel=1e-6, abs=1e-6)
+
+
+def test_losses_of_reactive_power_in_a_gaussian_sea():
+    """Force and velocity of correlation rho: sampled, 4 million times, the mean is met to its statistical error."""
+    rng = np.random.default_rng(0)
+    v, x = rng.normal(size=(2, 4_000_000)) * np.array([[1.3], [0.7]])
+    power = (2.0 * v + 3.0 * x) * v
+    sampled = np.where(power > 0, 0.7 * power, power / 0.7)
+    args = (np.array(value) for value in (2.0, 3.0, 1.3**2, 0.7**2))
+    assert electrical_power(*args, 0.7) == pytest.approx(sampled.mean(), abs=4 * sampled.std() / 2000)
+
+
+def test_a_port_that_cannot_move_takes_nothing():
+    still = Port(np.ones(1), np.zeros(1, dtype=complex), np.zeros(1, dtype=complex), 0.0)
+    dampers = best_dampers(still, np.ones((2, 1)))
+    assert not dampers.power.any()
+    assert best_pairs(still, np.ones((2, 1)), dampers) == dampers
+
+
+def test_a_climb_follows_a_bent_ridge_to_its_top():
+    def ridge(x, _):
+        return -((x[:, 0] - 1) ** 2) - 10 * (x[:, 1] - x[:, 0] ** 2) ** 2
+
+    x, value = climbed(ridge, np.array([[-1.0, 1.0], [2.0, 2.0]]), np.full((2, 2), 0.4))
+    assert x == pytest.approx(np.ones((2, 2)), abs=3e-3)
+    assert value == pytest.approx(np.zeros(2), abs=1e-5)

@@ -1,0 +1,85 @@
+import csv
+import io
+import itertools
+
+import numpy as np
+import pytest
+from conftest import varied
+
+from vsb.motion.port import Port, port_direction
+from vsb.results.ladder import Given, as_csv, frequencies, ladder
+from vsb.shell.deformed import DeformedShell
+from vsb.shell.modes import design_motions, study_basis
+from vsb.waves.seas import Sea
+
+
+def random_port(rng, omega):
+    """A passive buoy of one motion, with a shell in series: a second resonance."""
+    mass, loss, stiffness = 10 ** rng.uniform(-1, 1, (3, 2))
+    y = sum(1 / (-1j * omega * m + b + 1j * k / omega) for m, b, k in zip(mass, loss, stiffness, strict=True))
+    return Port(omega, y, rng.normal(size=len(omega)) + 1j * rng.normal(size=len(omega)), float(np.sum(1 / stiffness)))
+
+
+@pytest.mark.parametrize("start", range(0, 200, 50))
+def test_the_rungs_are_in_order_in_random_studies(start):
+    for number in range(start, start + 50):
+        rng = np.random.default_rng(number)
+        seas = {}
+        for name in "abcd":
+            omega = rng.uniform(0.4, 2.0) + 0.1 * np.arange(rng.integers(1, 12))
+            seas[name] = Sea(omega, rng.rayleigh(size=len(omega)) * np.exp(2j * np.pi * rng.uniform(size=len(omega))))
+        omega = frequencies(list(seas.values()))
+        ports = {"A": random_port(rng, omega), "B": random_port(rng, omega)}
+        spring = rng.uniform(-0.9, 2.0) / max(port.compliance for port in ports.values())
+        given = dict.fromkeys(ports, Given(10 ** rng.uniform(-2, 2), spring, 0.8 if number % 10 == 0 else 1.0))
+        rungs = {(r.design, r.wave, r.rung): r for r in ladder(ports, seas, [0, 1, 3], given, 30.0)}
+        assert len(rungs) == 2 * 4 * 5
+        for design in ports:
+            for wave in seas:
+                power = {rung: r.power_mean for (d, w, rung), r in rungs.items() if (d, w) == (design, wave)}
+                up = [power[name] for name in ("fixed", "best_damper", "best_spring_damper", "matched")]
+                assert all(a <= b * (1 + 1e-9) + 1e-12 for a, b in itertools.pairwise(up)), (number, up)
+                assert power["best_damper_all_seas"] <= power["best_damper"] * (1 + 1e-9) + 1e-12
+
+
+def test_forces_and_strokes_are_those_of_the_realisation():
+    """Sums of sines at many instants; a regular wave has its amplitudes."""
+    omega = np.array([1.0, 1.3])
+    port = Port(omega, 1 / np.array([2.0 + 1j, 1.0 - 2j]), np.array([1.0 + 0.5j, 0.3j]), 1.0)
+    seas = {"wave": Sea(omega[:1], np.array([0.5 + 0j])), "sea": Sea(omega, np.array([1.0 + 0j, 0.7j]))}
+    found = {(r.wave, r.rung): r for r in ladder({"A": port}, seas, [0, 1], {"A": Given(3.0)}, 200.0)}
+    velocity = port.velocity_under(port.load(3.0)) * seas["sea"].amplitude
+    time = np.linspace(0, 200, 20001)
+    force = np.real(3.0 * velocity @ np.exp(-1j * np.outer(omega, time)))
+    stroke = np.real((velocity / (-1j * omega)) @ np.exp(-1j * np.outer(omega, time)))
+    fixed = found["sea", "fixed"]
+    assert fixed.force_peak == pytest.approx(np.abs(force).max(), rel=0.02)  # eight instants a period
+    assert fixed.stroke_peak == pytest.approx(np.abs(stroke).max(), rel=0.02)
+    assert fixed.force_rms == pytest.approx(np.sqrt(np.mean(force**2)), rel=0.02)
+    assert fixed.power_mean == pytest.approx(np.mean(force**2) / 3.0, rel=0.03)
+    alone = found["wave", "fixed"]
+    assert alone.force_peak == pytest.approx(np.sqrt(2) * alone.force_rms, rel=1e-12)
+    assert alone.stroke_peak == pytest.approx(alone.force_peak / 3.0, rel=1e-12)
+
+
+def test_a_port_that_cannot_move_is_marked_by_empty_cells():
+    omega = np.ones(1)
+    still = Port(omega, np.zeros(1, dtype=complex), np.zeros(1, dtype=complex), 0.0)
+    text = as_csv(ladder({"A": still}, {"w": Sea(omega, np.ones(1, dtype=complex))}, [0], {"A": Given(None)}, 10.0))
+    rows = list(csv.DictReader(io.StringIO(text)))
+    assert [row["rung"] for row in rows] == ["best_damper", "best_damper_all_seas", "best_spring_damper", "matched"]
+    assert {(row["power_mean"], row["limit_fraction"], row["damping"]) for row in rows} == {("0", "", "")}
+
+
+def test_reference_cases_of_wec_sims_control_example(buoy_of, seed):
+    """Sphere of 10 m diameter, half immersed: best dampers and the reactive pair to three digits."""
+    device = {"radius": 5.0, "thickness": 0.02, "mass": 2 / 3 * np.pi * 5.0**3 * 1000.0}
+    hydro, water = {"omega_max": 3.0, "tolerance": 1e-4}, {"density": 1000.0}
+    wave = [{"kind": "regular", "amplitude": 1.0, "period": 9.6664}]
+    study = varied(seed, device=device, hydro=hydro, water=water, designs={"R": {"flexible": False}}, waves=wave)
+    basis, omega = study_basis(study), 2 * np.pi / np.array([9.6664, 3.5])
+    heave = port_direction("heave", DeformedShell(basis, study.centre_height))
+    port = buoy_of(study).port(omega, design_motions(study, basis, "R"), heave)
+    assert port.best_damping == pytest.approx([883448.0, 2.3202e5], rel=1e-3)
+    assert port.impedance.real[0] == pytest.approx(4.9181e4, rel=1e-3)
+    assert -omega[0] * port.impedance.imag[0] == pytest.approx(-5.7335e5, rel=1e-3)
