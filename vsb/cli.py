@@ -39,6 +39,14 @@ def check(args: argparse.Namespace) -> int:
     return 0
 
 
+def verify(args: argparse.Namespace) -> int:
+    """Check that results are what they should be: ids and contents of all files of a study, or of a folder."""
+    from vsb.stages import verify as stamps
+
+    print(*stamps.verify(args.config, heal=args.heal), sep="\n")
+    return 0
+
+
 def shell(args: argparse.Namespace) -> int:
     """Print dry natural frequencies of both branches, the paper's Ritz column, and the buckling pressure."""
     from vsb.stages import preview
@@ -167,6 +175,8 @@ def _add_commands(commands: Any) -> None:
     one.add_argument("--profile", default="default", help="default, slurm, or the path of a folder of your own")
     one.add_argument("--cores", "-c", type=cores, metavar="N", help="processor cores to use, or all")
     _command(commands, "check", "validate a study, solve nothing", check, config="CONFIG")
+    one = _command(commands, "verify", "whether results are what they should be", verify, config="CONFIG|FOLDER")
+    one.add_argument("--heal", action="store_true", help="remove what is not, so that the next run makes it anew")
     one = _command(commands, "shell", "natural frequencies of the dry shell", shell, config="CONFIG")
     one.add_argument("--json", action="store_true", help="print JSON")
     words = "how much the coefficients depend on the shape"

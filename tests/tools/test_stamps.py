@@ -104,7 +104,7 @@ def test_damage_is_found_also_with_the_old_time(place, name, damage, kind):
 def test_a_product_without_a_stamp_is_stale(place):
     (place / "manifest.json").unlink()
     assert read_manifest(place / "manifest.json") == {}
-    assert found(place) == {"table.csv": "stale", "power.svg": "stale"}
+    assert found(place) == {"table.csv": "nameless", "power.svg": "nameless"}
 
 
 def test_a_text_is_read_only_if_it_is_the_one_promised(place):

@@ -177,10 +177,15 @@ def save_database(tabulated: xr.Dataset, sweep: xr.Dataset | None, path: str | P
 
 def write_index(folder: Path) -> None:
     """Rewrite INDEX.tsv beside the database folder from the files that are there."""
-    columns = ("id", "radius_m", "basis", "degree", "frequencies", "omega_max", "water_depth_m", "verdict")
     with locked(folder / ".index.lock"):
-        lines = ["\t".join(columns), *(_index_line(path) for path in sorted(folder.glob("*.nc")))]
-        write_text(folder.parent / "INDEX.tsv", "\n".join(lines) + "\n")
+        write_text(folder.parent / "INDEX.tsv", index_text(folder))
+
+
+def index_text(folder: Path) -> str:
+    """Return the index of the databases in a folder."""
+    columns = ("id", "radius_m", "basis", "degree", "frequencies", "omega_max", "water_depth_m", "verdict")
+    lines = ["\t".join(columns), *(_index_line(path) for path in sorted(folder.glob("*.nc")))]
+    return "\n".join(lines) + "\n"
 
 
 def _index_line(path: Path) -> str:

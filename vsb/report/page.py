@@ -39,6 +39,8 @@ MEASURES = (
     ("energy_gain_percent", "energy gain [%]", 1.0, "+.1f"),
     ("energy_residual", "energy residual [-]", 1.0, ".1e"),
 )
+MISSING = ("", None)
+"""A quantity that does not exist, in a table for people and in data."""
 _MARGIN = 0.01  # a gain within 1 % either way is called none
 
 
@@ -64,7 +66,7 @@ class Report:
     figures: dict[str, str]  # name -> SVG
     facts: dict[str, str]  # how it was made
     irregular: Sequence[str] = ()  # labels of irregular seas
-    statistics: Sequence[dict[str, str]] = ()  # of irregular seas, realisations together
+    statistics: Sequence[dict[str, Any]] = ()  # of irregular seas, realisations together
 
 
 PUBLISHED = {
@@ -151,7 +153,7 @@ def sea_statements(rows: Sequence[dict[str, Any]], reference: str | None, seas: 
     return statements
 
 
-def irregular_statements(lines: Sequence[dict[str, str]], reference: str | None, seas: dict[str, str]) -> list[str]:
+def irregular_statements(lines: Sequence[dict[str, Any]], reference: str | None, seas: dict[str, str]) -> list[str]:
     """Return, for each irregular sea, the mean power of every design and its gain with the 95 % interval."""
     statements = []
     for name in dict.fromkeys(line["sea"] for line in lines):
@@ -163,11 +165,12 @@ def irregular_statements(lines: Sequence[dict[str, str]], reference: str | None,
     return statements
 
 
-def _gain_text(line: dict[str, str], reference: str | None) -> str:
+def _gain_text(line: dict[str, Any], reference: str | None) -> str:
     """Gain over the reference in brackets, with its interval if there is one."""
-    if line["design"] == reference or not line["gain_percent"]:
+    if line["design"] == reference or line["gain_percent"] in MISSING:
         return ""
-    bounds = f"; 95 %: {float(line['gain_low']):+.1f} to {float(line['gain_high']):+.1f} %" if line["gain_low"] else ""
+    known = line["gain_low"] not in MISSING
+    bounds = f"; 95 %: {float(line['gain_low']):+.1f} to {float(line['gain_high']):+.1f} %" if known else ""
     return f" ({float(line['gain_percent']):+.1f} %{bounds})"
 
 
@@ -198,8 +201,7 @@ def table(rows: Sequence[dict[str, Any]]) -> tuple[list[str], list[list[str]]]:
     body = []
     for row in rows:
         cells = [
-            "-" if row[key] in ("", None) else format(float(row[key]) * factor, spec)
-            for key, _, factor, spec in MEASURES
+            "-" if row[key] in MISSING else format(float(row[key]) * factor, spec) for key, _, factor, spec in MEASURES
         ]
         body.append([str(row["design"]), str(row["wave"]), *cells])
     return ["design", "sea", *(label for _, label, _, _ in MEASURES)], body
@@ -212,18 +214,19 @@ STATISTICS = (
 """Head of the table of irregular seas."""
 
 
-def statistics_table(lines: Sequence[dict[str, str]]) -> list[list[str]]:
+def statistics_table(lines: Sequence[dict[str, Any]]) -> list[list[str]]:
     """Return the cells of the table of irregular seas; a quantity that does not exist is a dash."""
 
-    def text(value: str, form: str) -> str:
-        return format(float(value), form) if value else "-"
+    def text(value: Any, form: str) -> str:
+        return "-" if value in MISSING else format(float(value), form)
 
-    def bounds(line: dict[str, str], name: str, form: str) -> str:
-        return " to ".join(text(line[f"{name}_{end}"], form) for end in ("low", "high")) if line[f"{name}_low"] else "-"
+    def bounds(line: dict[str, Any], name: str, form: str) -> str:
+        low, high = line[f"{name}_low"], line[f"{name}_high"]
+        return "-" if low in MISSING else f"{text(low, form)} to {text(high, form)}"
 
     return [
         [
-            *(line[key] for key in ("design", "sea", "realisations", "batches")),
+            *(str(line[key]) for key in ("design", "sea", "realisations", "batches")),
             text(line["power_mean"], ".4g"), bounds(line, "power", ".4g"), text(line["power_linear"], ".4g"),
             text(line["gain_percent"], "+.1f"), bounds(line, "gain", "+.1f"),
         ]

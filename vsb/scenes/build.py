@@ -78,7 +78,7 @@ def _from_bem(study: Study, paths: dict[str, Any]) -> tuple[LinearBuoy, Deformed
     """What a scene with BEM is made of: buoy, reference shape, radiation model, sea, motions of the design."""
     (design,), (wave,) = study.designs, study.waves
     buoy, basis = linear_buoy(study, paths["database"])
-    ds = load(paths["radiation"])
+    ds = load(paths["radiation"], expected=Path(paths["radiation"]).stem)
     model = RadiationModel(ds.state_matrix.values, ds.input_matrix.values, ds.channel.values)
     waves = sea(wave, study.hydro.omega_max, study.simulation.duration)
     shape = DeformedShell(basis, study.centre_height, buoy.database.reference_amplitude.values)

@@ -1,14 +1,18 @@
 """Rule compare: comparison table, statistics, validity ledger."""
 
+import json
+from dataclasses import asdict
 from pathlib import Path
 
 from vsb.hydro.database import load_database
 from vsb.results import comparison, ledger
 from vsb.results import statistics as irregular
 from vsb.stages.trajectories import stored_runs
+from vsb.study.plan import StudyPlan
 from vsb.study.specs import CompareSpec
 from vsb.study.study import canonical
 from vsb.tools.files import load, write_text
+from vsb.tools.stamps import record
 from vsb.waves.seas import NO_WAVES, sea
 
 
@@ -19,13 +23,18 @@ def run(
     statistics: str,
     validity: str,
     study: str,
+    tables: str,
+    manifest: str,
     database: str = "",
     radiation: str = "",
     response: str = "",
     witness: str = "",
 ) -> None:
-    """Write the comparison table, statistics of irregular seas, the validity ledger and the study in canonical form."""
-    compared = spec.study
+    """Write the comparison table, statistics of irregular seas, the validity ledger and the study in canonical form.
+
+    Those are for people; what the report reads is one file of checked data, `tables`.
+    """
+    compared, plan = spec.study, StudyPlan(spec.study)
     runs = stored_runs(compared, trajectories)
     bem = compared.needs_bem
     seas = {
@@ -36,10 +45,11 @@ def run(
     checks, lines = [*ledger.run_ledger(compared, runs), *ledger.transient_checks(runs, rows)], []
     if bem:
         ds = load_database(database, Path(database).stem)
-        frequency = load(response)
+        frequency = load(response, expected=plan.response_id)
         lines = irregular.statistics(compared, runs, seas, frequency)
-        checks += ledger.linear_ledger(compared, ds, load(radiation), frequency, rows, runs)
-        checks += ledger.witness_checks(compared, ds, load(witness) if witness else None)
+        model = load(radiation, expected=Path(radiation).stem)
+        checks += ledger.linear_ledger(compared, ds, model, frequency, rows, runs)
+        checks += ledger.witness_checks(compared, ds, load(witness, expected=Path(witness).stem) if witness else None)
         checks += irregular.statistical_checks(compared, lines)
     else:
         checks += ledger.assumed_pressure_checks(compared, rows)
@@ -48,3 +58,6 @@ def run(
     write_text(statistics, irregular.as_csv(lines))
     write_text(validity, ledger.ledger_json(compared.study, checks))
     write_text(study, canonical(compared) + "\n")
+    data = {"comparison": rows, "statistics": [line._asdict() for line in lines], "checks": [asdict(c) for c in checks]}
+    write_text(tables, json.dumps(data, indent=1, allow_nan=False) + "\n")
+    record(manifest, plan.study_id, [out, statistics, validity, study, tables])

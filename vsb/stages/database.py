@@ -9,10 +9,9 @@ from vsb import __version__
 from vsb.errors import DatabaseError
 from vsb.hydro import database, quality
 from vsb.scenes.rest import reference_shell
-from vsb.stages.stage import partial_study
+from vsb.stages.stage import partial_study, stamp
 from vsb.study.blocks import COARSEST_SWEEP
 from vsb.study.specs import DatabaseSpec
-from vsb.study.study import canonical, content_id
 from vsb.tools.files import load
 
 
@@ -47,8 +46,7 @@ def run(spec: DatabaseSpec, blocks: str, out: str) -> None:
     attrs = {
         "title": "hydro database of an axisymmetric shell in heave and its modes",
         "source": f"vsb {__version__}",
-        "spec": canonical(spec),
-        "spec_id": content_id(spec),
+        **stamp(spec),
         "quality": database.as_json(quality.judged(checks, spec.accept)),
         "radius": study.device.radius,
         "centre_height": study.centre_height,

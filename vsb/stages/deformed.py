@@ -11,7 +11,7 @@ from vsb.scenes.rest import reference_shell
 from vsb.shell.deformed import DeformedShell, rigid_sphere
 from vsb.shell.modes import ModeBasis, shell_modes
 from vsb.shell.sphere import Shell
-from vsb.stages.stage import partial_study
+from vsb.stages.stage import partial_study, stamp
 from vsb.study.specs import DeformedSpec, LoadedShape, Shapes
 from vsb.study.witness import degree
 from vsb.tools.files import save
@@ -20,7 +20,7 @@ from vsb.tools.files import save
 def run(spec: DeformedSpec, out: str) -> None:
     """Write the mesh of every shape into a folder."""
     for shape in shapes(spec):
-        mesh = shape_mesh(spec, shape).assign_attrs(deformed_by=shape.mode, amplitude=shape.amplitude)
+        mesh = shape_mesh(spec, shape).assign_attrs(**stamp(spec), deformed_by=shape.mode, amplitude=shape.amplitude)
         save(mesh, Path(out) / f"{shape.name}.nc")
 
 

@@ -10,9 +10,10 @@ from vsb.hydro.database import load_database
 from vsb.report.canvas import StudyData
 from vsb.report.figures import draw
 from vsb.stages.trajectories import stored_runs
-from vsb.study.plan import figure_names
-from vsb.study.study import StillWater, Study, Wave
+from vsb.study.plan import StudyPlan, figure_names
+from vsb.study.study import StillWater, Study, Wave, content_id
 from vsb.tools.files import load, write_text
+from vsb.tools.stamps import record
 
 
 def run(
@@ -20,30 +21,34 @@ def run(
     modes: str,
     trajectories: str,
     out: str,
+    manifest: str,
     database: str = "",
     radiation: str = "",
     response: str = "",
     witness: str = "",
 ) -> None:
     """Draw and write all figures of a study as SVG into a folder."""
-    frequency = load(response) if study.needs_bem else xr.Dataset()
+    plan = StudyPlan(study)
+    frequency = load(response, expected=plan.response_id) if study.needs_bem else xr.Dataset()
     data = StudyData(
         designs=tuple(study.designs),
         reference=study.reference_design,
         wave_frequencies=tuple(wave.omega for wave in study.waves if not isinstance(wave, StillWater)),
         periods={wave.label: _period(study, wave, frequency) for wave in study.waves},
         window=study.simulation.window,
-        modes=load(modes),
+        modes=load(modes, expected=content_id(plan.modes)),
         database=load_database(database, Path(database).stem) if study.needs_bem else xr.Dataset(),
-        radiation=load(radiation) if study.needs_bem else xr.Dataset(),
+        radiation=load(radiation, expected=Path(radiation).stem) if study.needs_bem else xr.Dataset(),
         response=frequency,
         runs=stored_runs(study, trajectories),
-        witness=load(witness) if witness else xr.Dataset(),
+        witness=load(witness, expected=Path(witness).stem) if witness else xr.Dataset(),
     )
-    for name in figure_names(study):
+    files = {name: f"{out}/{name}.svg" for name in figure_names(study)}
+    for name, path in files.items():
         text = io.StringIO()
         draw(name, data).savefig(text, format="svg", metadata={"Date": None})
-        write_text(Path(out) / f"{name}.svg", text.getvalue())
+        write_text(path, text.getvalue())
+    record(manifest, plan.study_id, files.values())
 
 
 def _period(study: Study, wave: Wave, response: xr.Dataset) -> float:

@@ -6,14 +6,14 @@ import xarray as xr
 
 from vsb.hydro.panels import mesh as meshing
 from vsb.scenes.rest import reference_shell
-from vsb.stages.stage import partial_study
+from vsb.stages.stage import partial_study, stamp
 from vsb.study.specs import LoadedMesh, SphereMesh
 from vsb.tools.files import save
 
 
 def run(spec: SphereMesh | LoadedMesh, out: str) -> None:
     """Write the mean wetted mesh and lid."""
-    save(mean_mesh(spec), out)
+    save(mean_mesh(spec).assign_attrs(stamp(spec)), out)
 
 
 def mean_mesh(spec: SphereMesh | LoadedMesh, coarser: int = 1) -> xr.Dataset:

@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.scenes.rest import check_stable, reference_shell
-from vsb.stages.stage import partial_study
+from vsb.stages.stage import partial_study, stamp
 from vsb.study.specs import ModesSpec
 from vsb.tools.files import save
 
@@ -31,6 +31,7 @@ def run(spec: ModesSpec, out: str) -> None:
             "radius": study.device.radius,
             "centre_height": study.centre_height + reference.amplitudes[0],
             "basis": study.modes.basis,
+            **stamp(spec),
         },
     )
     save(modes, out)

@@ -8,8 +8,8 @@ import xarray as xr
 from vsb.hydro.database import load_database
 from vsb.hydro.kernel import DampingSpectrum
 from vsb.hydro.statespace import fit_radiation
+from vsb.stages.stage import stamp
 from vsb.study.specs import RadiationSpec
-from vsb.study.study import canonical, content_id
 from vsb.tools.files import save
 
 
@@ -37,8 +37,7 @@ def run(spec: RadiationSpec, database: str, out: str) -> None:
             },
             coords={"time": time, "omega": ds.omega.values, "influenced_dof": labels, "radiating_dof": labels},
             attrs={
-                "spec": canonical(spec),
-                "spec_id": content_id(spec),
+                **stamp(spec),
                 "order": model.order,
                 "fit_error": error,
                 "passivity_margin": margin,

@@ -1,6 +1,5 @@
 """Rule report: the report of a study."""
 
-import csv
 import json
 import time as clock
 from collections.abc import Sequence
@@ -14,28 +13,30 @@ from vsb.hydro.database import load_database
 from vsb.report.page import Report, render
 from vsb.results.statistics import families
 from vsb.stages.trajectories import stored_runs
-from vsb.study.plan import figure_names
+from vsb.study.plan import StudyPlan, figure_names
 from vsb.study.study import StillWater, Study
 from vsb.study.witness import no_witness
 from vsb.tools.files import load, write_text
+from vsb.tools.stamps import read_text, record
 
 ASSUMED = "hydrostatic and assumed uniform pressure of {:g} Pa on the instantaneous wet shell; no radiation"
 
 
 def run(
     study: Study,
-    table: str,
-    statistics: str,
-    validity: str,
+    tables: str,
     trajectories: str,
     figures: str,
     out: str,
+    manifest: str,
     database: str = "",
     radiation: str = "",
     response: str = "",
     witness: str = "",
 ) -> None:
-    """Write the report of a study."""
+    """Write the report of a study, from its checked results alone."""
+    plan = StudyPlan(study)
+    found = json.loads(read_text(tables, manifest, plan.study_id))
     if study.needs_bem:
         hydrodynamics = _bem_facts(database, radiation) | _witness_facts(study, witness)
     else:
@@ -43,22 +44,17 @@ def run(
     page = Report(
         study=study.model_dump(),
         seas=_seas(study),
-        rows=_rows(table),
+        rows=found["comparison"],
         irregular=[wave.label for waves in families(study).values() for wave in waves],
-        statistics=_rows(statistics),
-        checks=json.loads(Path(validity).read_text(encoding="utf-8"))["checks"],
-        response=load(response) if study.needs_bem else None,
+        statistics=found["statistics"],
+        checks=found["checks"],
+        response=load(response, expected=plan.response_id) if study.needs_bem else None,
         reference=study.reference_design,
-        figures={name: (Path(figures) / f"{name}.svg").read_text(encoding="utf-8") for name in figure_names(study)},
+        figures={n: read_text(f"{figures}/{n}.svg", manifest, plan.study_id) for n in figure_names(study)},
         facts=_facts(study, hydrodynamics, list(stored_runs(study, trajectories).values())),
     )
     write_text(out, render(page))
-
-
-def _rows(path: str) -> list[dict[str, str]]:
-    """The rows of a table."""
-    with Path(path).open(encoding="utf-8", newline="") as handle:
-        return list(csv.DictReader(handle))
+    record(manifest, plan.study_id, [out])
 
 
 def _seas(study: Study) -> dict[str, str]:
@@ -86,7 +82,7 @@ def _facts(study: Study, hydrodynamics: dict[str, str], runs: Sequence[xr.Datase
 
 def _bem_facts(database: str, radiation: str) -> dict[str, str]:
     """Where the hydrodynamic coefficients come from."""
-    ds, model = load_database(database, Path(database).stem), load(radiation).attrs
+    ds, model = load_database(database, Path(database).stem), load(radiation, expected=Path(radiation).stem).attrs
     return {
         "BEM": "spectral integral equation" if ds.attrs["solver"] == "spectral" else ds.attrs["solver"],
         "Hydro database": f"{Path(database).name}: {ds.sizes['omega']} frequencies up to "
@@ -101,7 +97,7 @@ def _witness_facts(study: Study, witness: str) -> dict[str, str]:
     """What the second solver was, and took."""
     if not witness:
         return {"Witness": f"none ({no_witness(study)})"}
-    ds = load(witness)
+    ds = load(witness, expected=Path(witness).stem)
     panels, spectral = (float(ds.witness_seconds.sel(solver=solver).sum()) for solver in ("panels", "spectral"))
     return {
         "Witness": f"{Path(witness).name}: {ds.sizes['shape']} shapes at {ds.sizes['omega']} frequencies by "

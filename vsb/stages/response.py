@@ -8,7 +8,7 @@ from vsb.motion.port import port_direction
 from vsb.scenes.build import linear_buoy
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import design_motions
-from vsb.stages.stage import partial_study
+from vsb.stages.stage import partial_study, stamp
 from vsb.study.specs import ResponseSpec
 from vsb.tools.files import save
 from vsb.waves.seas import power_limit
@@ -49,6 +49,7 @@ def run(spec: ResponseSpec, database: str, out: str) -> None:
                 "dof": list(basis.labels),
                 "wet_design": ("wet_mode", list(designs)),
             },
+            attrs=stamp(spec, database),
         ),
         out,
     )

@@ -1,16 +1,15 @@
 """Command run: a whole study through Snakemake, alone in its results folder."""
 
 import argparse
-import fcntl
 import os
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 
 from vsb.errors import VsbError
+from vsb.stages.alone import alone
 from vsb.study.plan import StudyPlan
 from vsb.study.study import load
 from vsb.tools.shipped import HOME
@@ -21,7 +20,7 @@ SNAKEFILE = HOME / "workflow" / "Snakefile"
 
 def run(args: argparse.Namespace) -> int:
     """Run a whole study through Snakemake, after validating everything that can be known beforehand."""
-    from vsb.stages import preview
+    from vsb.stages import preview, verify
     from vsb.tools.files import check_folder
 
     study = load(args.config)
@@ -31,12 +30,13 @@ def run(args: argparse.Namespace) -> int:
         check_folder(folder)
     profile = ["--profile", str(_profile(args.profile)), "--workflow-profile", "none"]
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(SNAKEFILE), "--configfile", args.config]
-    command += ["--nolock", *profile, *(["--cores", args.cores] if args.cores else []), *args.snakemake]
+    command += ["--nolock", *profile, *(["--cores", args.cores] if args.cores else [])]
     paths = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     environment = {**os.environ, "PATH": paths, "PYTHONSAFEPATH": "1"}  # nor modules of the current folder
     begun = time.time()
     dry = bool({"-n", "--dry-run", "--dryrun"} & set(args.snakemake))
-    with _alone(Path(plan.root), waits=not dry) as lock:
+    with alone(Path(plan.root), waits=not dry) as lock:
+        command += _forced(args.snakemake, verify.stale_products(plan, dry=dry))
         code = subprocess.run(command, env=environment, check=False, pass_fds=lock).returncode
     if code:
         return _failed(plan, begun)
@@ -58,19 +58,13 @@ def _profile(name: str) -> Path:
     return folder
 
 
-@contextmanager
-def _alone(root: Path, *, waits: bool) -> Iterator[list[int]]:
-    """Hold the results folder; the lock goes with the processes that hold it, so a killed run leaves none behind."""
-    if not waits:  # a dry run writes nothing
-        yield []
-        return
-    root.mkdir(parents=True, exist_ok=True)
-    with (root / ".lock").open("w") as handle:
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise VsbError(f"{root}: another run is at work in this folder; wait for it to end") from None
-        yield [handle.fileno()]
+def _forced(options: Sequence[str], stale: Sequence[str]) -> list[str]:
+    """Options for Snakemake, and what it must make anew beside what the user asked it to."""
+    flags = [option for option in options if option in ("-R", "--forcerun")]
+    if not stale or not flags:
+        return [*options, *(["--forcerun", *stale] if stale else [])]
+    place = options.index(flags[-1]) + 1
+    return [*options[:place], *stale, *options[place:]]
 
 
 def _failed(plan: StudyPlan, begun: float) -> int:

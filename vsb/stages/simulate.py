@@ -12,7 +12,7 @@ from vsb.motion.clamps import constraint_drift
 from vsb.motion.system import System
 from vsb.scenes.build import SCENES
 from vsb.shell.deformed import DeformedShell, enclosed
-from vsb.stages.stage import partial_study
+from vsb.stages.stage import partial_study, stamp
 from vsb.study.specs import SimulateSpec
 from vsb.study.study import RegularWave, StillWater, Study
 from vsb.tools.files import save
@@ -37,7 +37,7 @@ def run(spec: SimulateSpec, out: str, database: str = "", radiation: str = "") -
     intervals, seconds, steps, drifts = zip(*taken, strict=True)
     attrs = {"design": design, "wave": wave.label, "energy_residual": leg.balance.residual, "status": "completed"}
     attrs |= {"method": in_words(leg.method, sum(steps)), "instants": 1 + sum(intervals)}
-    attrs |= {"seconds": sum(seconds), **notes}
+    attrs |= {"seconds": sum(seconds), **notes, **stamp(spec, database, radiation)}
     if isinstance(wave, RegularWave):
         attrs |= _steady(system)
     if study.designs[design].clamp:

@@ -7,9 +7,8 @@ from vsb.hydro.spectral import solver
 from vsb.hydro.spectral.sweep import FEWEST_NODES, converged, converged_on_grid
 from vsb.scenes.rest import reference_shell
 from vsb.shell.deformed import rigid_sphere
-from vsb.stages.stage import partial_study
+from vsb.stages.stage import partial_study, stamp
 from vsb.study.specs import LoadedShape, SpectralSpec
-from vsb.study.study import canonical, content_id
 from vsb.tools.files import save
 
 
@@ -21,8 +20,7 @@ def run(spec: SpectralSpec, out: str) -> None:
         solved = converged_on_grid(problem, omega, spec.tolerance, spec.interpolation)
     else:
         solved = converged(problem, omega, spec.tolerance)
-    attrs = {"spec": canonical(spec), "spec_id": content_id(spec), "seconds": clock.perf_counter() - begun}
-    save(solved.assign_attrs(attrs), out)
+    save(solved.assign_attrs(**stamp(spec), seconds=clock.perf_counter() - begun), out)
 
 
 def spectral_problem(spec: SpectralSpec) -> solver.SpectralProblem:

@@ -4,6 +4,7 @@ import importlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
@@ -12,7 +13,7 @@ from vsb.errors import ConfigError
 from vsb.study import specs
 from vsb.study.reading import one_line
 from vsb.study.specs import Spec
-from vsb.study.study import Study, parse
+from vsb.study.study import Study, canonical, parse, result_id
 
 BEM_FILES = ("database", "radiation", "response", "witness")
 """What a model without BEM does not have."""
@@ -56,7 +57,7 @@ class Stage:
 
 STAGES = (
     Stage("modes", "shell modes", specs.ModesSpec, ("out",)),
-    Stage("display", "viewable deformed meshes", specs.DisplaySpec, ("out",)),
+    Stage("display", "viewable deformed meshes", specs.DisplaySpec, ("out", "manifest")),
     Stage("mesh", "mean wetted mesh", specs.SphereMesh | specs.LoadedMesh, ("out",)),
     Stage("green", "Green-function table", None, ("folder", "out")),
     Stage("deformed", "meshes of the mean and of deformed shells", specs.DeformedSpec, ("out",)),
@@ -72,19 +73,25 @@ STAGES = (
         "compare",
         "comparison and validity",
         specs.CompareSpec,
-        ("trajectories", "out", "statistics", "validity", "study"),
+        ("trajectories", "out", "statistics", "validity", "study", "tables", "manifest"),
         BEM_FILES,
     ),
-    Stage("figures", "all figures", Study, ("modes", "trajectories", "out"), BEM_FILES),
+    Stage("figures", "all figures", Study, ("modes", "trajectories", "out", "manifest"), BEM_FILES),
     Stage(
         "report",
         "HTML report",
         Study,
-        ("table", "statistics", "validity", "trajectories", "figures", "out"),
+        ("tables", "trajectories", "figures", "out", "manifest"),
         BEM_FILES,
     ),
 )
 """In the order of the workflow."""
+
+
+def stamp(spec: Spec, *inputs: str) -> dict[str, str]:
+    """Return the stamp of a netCDF file: its specification, and its id by that and the ids its inputs are named by."""
+    ids = [Path(path).stem for path in inputs if path]
+    return {"spec": canonical(spec), "spec_id": result_id(spec, *ids)}
 
 
 def partial_study(spec: Spec) -> Study:

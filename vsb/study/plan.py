@@ -4,7 +4,10 @@ The Snakefile builds its graph from this module alone, so a dry run shows the tr
 """
 
 import math
+import re
 from dataclasses import dataclass
+from functools import cached_property
+from pathlib import PurePosixPath
 from typing import Any
 
 from vsb.study.blocks import BlockSpec, HydroPlan, panel_solver
@@ -18,13 +21,14 @@ from vsb.study.specs import (
     LadderSpec,
     LoadedMesh,
     ModesSpec,
+    PanelsSpec,
     RadiationSpec,
     ResponseSpec,
     SimulateSpec,
     SphereMesh,
     WitnessSpec,
 )
-from vsb.study.study import IrregularSea, RegularWave, Study, Wave, content_id, parse
+from vsb.study.study import IrregularSea, RegularWave, Study, Wave, content_id, parse, result_id
 from vsb.study.witness import no_witness, witness_spec
 
 FIGURES_PER_WAVE = ("heave_excitation", "velocity_pto", "power_energy", "energy_audit", "snapshots")
@@ -136,6 +140,60 @@ class StudyPlan(HydroPlan):
         """Sections of the study a stage reads."""
         return {name: getattr(self.study, name) for name in names}
 
+    # content ids ----------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def hydro_ids(self) -> tuple[str, ...]:
+        """Ids of the hydrodynamic files the time domain reads."""
+        return (content_id(self.database), content_id(self.radiation)) if self.study.needs_bem else ()
+
+    def trajectory_id(self, design: str, wave: Wave) -> str:
+        """Id of one time-domain run."""
+        return result_id(self.simulation(design, wave), *self.hydro_ids)
+
+    @property
+    def response_id(self) -> str:
+        """Id of the frequency response."""
+        return result_id(self.response, self.hydro_ids[0])
+
+    @cached_property
+    def study_id(self) -> str:
+        """Id of what is made of all results together: tables, figures, report."""
+        response = [self.response_id] if self.study.needs_bem else []
+        runs = [self.trajectory_id(design, wave) for wave in self.study.waves for design in self.study.designs]
+        witness = [content_id(self.witness)] if self.witness else []
+        return result_id(self.comparison, content_id(self.modes), *self.hydro_ids, *witness, *response, *runs)
+
+    @cached_property
+    def ids(self) -> dict[str, str]:
+        """Id every file of the study must carry, blocks and meshes of panels included: a new product needs no entry.
+
+        Files under `hydro` are named by theirs; what is not of one stage of its own is of the whole study.
+        """
+        blocks = self.bem_blocks.values()
+        meshes = [self.mesh_path(block.mesh) for block in blocks if isinstance(block, PanelsSpec)]
+        own = {
+            self.trajectory_path(d, w.label): self.trajectory_id(d, w)
+            for w in self.study.waves
+            for d in self.study.designs
+        }
+        own[f"{self.folder}/modes.nc"] = content_id(self.modes)
+        own |= dict.fromkeys(self.display_paths, content_id(self.display))
+        own |= dict.fromkeys(self.response_files.values(), self.response_id)
+        files = [*self.products, *map(self.block_path, blocks), *meshes]
+        return {path: own.get(path) or self._named_id(path) for path in files}
+
+    def _named_id(self, path: str) -> str:
+        """Id in the name of a shared file or of its folder; of any other that of the study."""
+        if not self.is_shared(path):
+            return self.study_id
+        name = PurePosixPath(path)
+        return name.stem if re.fullmatch("[0-9a-f]{16}", name.stem) else name.parent.name
+
+    def is_shared(self, path: str) -> bool:
+        """Whether studies share a file."""
+        return path.startswith(f"{self.root}/hydro/")
+
     # memory ---------------------------------------------------------------------------------------------------------
 
     def record_megabytes(self, wave: Wave) -> int:
@@ -195,6 +253,11 @@ class StudyPlan(HydroPlan):
         """Folder of the study's own results."""
         return f"{self.root}/{self.study.study}"
 
+    @property
+    def manifest(self) -> str:
+        """Stamps of the study's products that are no netCDF files."""
+        return f"{self.folder}/manifest.json"
+
     def trajectory_path(self, design: str, wave: str) -> str:
         """Time series of one design in one sea."""
         return f"{self.folder}/trajectories/{trajectory_name(design, wave)}"
@@ -203,7 +266,8 @@ class StudyPlan(HydroPlan):
     def products(self) -> list[str]:
         """All files a run of the study promises."""
         waves = [wave.label for wave in self.study.waves]
-        names = ["report.html", "comparison.csv", "statistics.csv", "validity.json", "study.json", "modes.nc"]
+        tables = ["comparison.csv", "statistics.csv", "validity.json", "study.json", "tables.json"]
+        names = ["report.html", *tables, "modes.nc"]
         return [
             *(f"{self.folder}/{name}" for name in names),
             *(f"{self.folder}/figures/{name}.svg" for name in figure_names(self.study)),

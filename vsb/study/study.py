@@ -346,3 +346,8 @@ def _plain(data: object) -> object:
 def content_id(data: object) -> str:
     """Return the content id (16 hex digits of sha256 over the canonical JSON) of a spec."""
     return hashlib.sha256(canonical(data).encode()).hexdigest()[:16]
+
+
+def result_id(spec: object, *inputs: str) -> str:
+    """Return the content id of a result: of its specification and the ids of its inputs it does not name itself."""
+    return content_id({"spec": spec, "inputs": inputs} if inputs else spec)

@@ -39,12 +39,12 @@ class Stamp:
 class Fault(NamedTuple):
     """Why a file is not what it should be.
 
-    `unstamped` files are of before the stamps and agree with their specification, `stale` ones are of another one or
-    of none, `damaged` ones do not hold what they were written with.
+    `unstamped` files are of before the stamps and agree with their specification, `nameless` ones are of none, `stale`
+    ones of another, `damaged` ones do not hold what they were written with.
     """
 
     path: str
-    kind: Literal["unstamped", "stale", "damaged"]
+    kind: Literal["unstamped", "nameless", "stale", "damaged"]
     reason: str
 
 
@@ -121,7 +121,7 @@ def text_fault(path: str | Path, expected: str, manifest: Manifest) -> Fault | N
     """Return why a product that is no netCDF file is not what it should be."""
     stamp = manifest.get(os.path.normpath(path))
     if stamp is None:
-        return Fault(str(path), "stale", "is not in the manifest")
+        return Fault(str(path), "nameless", "is not in the manifest")
     if stamp.spec_id != expected:
         return Fault(str(path), "stale", f"is of {stamp.spec_id!r}, needs {expected!r}")
     if os.stat(path).st_size != stamp.size or Stamp.of(path, expected) != stamp:
@@ -136,7 +136,7 @@ def netcdf_fault(path: str | Path, expected: str, _: Manifest) -> Fault | None:
     except DatabaseError as error:
         return Fault(str(path), "damaged", str(error).removeprefix(f"{path}: "))
     if "spec_id" not in attrs:
-        return Fault(str(path), "stale", "carries no stamp")
+        return Fault(str(path), "nameless", "carries no stamp")
     if attrs["spec_id"] != expected:
         return Fault(str(path), "stale", f"is of {attrs['spec_id']!r}, needs {expected!r}")
     if "checksum" in attrs:

@@ -18,6 +18,7 @@ rule compare:
         statistics=f"{PLAN.folder}/statistics.csv",
         validity=f"{PLAN.folder}/validity.json",
         study=f"{PLAN.folder}/study.json",
+        tables=f"{PLAN.folder}/tables.json",
     log:
         f"{ROOT}/logs/compare/{STUDY.study}.log",
     conda:
@@ -27,10 +28,12 @@ rule compare:
     params:
         spec=canonical(PLAN.comparison),
         hydro=HYDRO,
+        manifest=PLAN.manifest,
         trajectories=subpath(
             lambda wildcards, input: input.trajectories[0], parent=True
         ),
     shell:
         "vsb compare {params.hydro} --trajectories {params.trajectories}"
         " --out {output.table} --statistics {output.statistics} --validity {output.validity} --study {output.study}"
+        " --tables {output.tables} --manifest {params.manifest}"
         " <<< {params.spec:q} > {log} 2>&1"

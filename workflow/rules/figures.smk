@@ -8,7 +8,6 @@ rule figures:
         **PLAN.response_files,
         **PLAN.witness_files,
         modes=f"{PLAN.folder}/modes.nc",
-        study=f"{PLAN.folder}/study.json",
         trajectories=TRAJECTORIES,
     output:
         FIGURES,
@@ -19,6 +18,8 @@ rule figures:
     resources:
         mem_mb=PLAN.study_megabytes,
     params:
+        spec=canonical(STUDY),
+        manifest=PLAN.manifest,
         folder=subpath(output[0], parent=True),
         hydro=HYDRO,
         trajectories=subpath(
@@ -26,7 +27,7 @@ rule figures:
         ),
     shell:
         "vsb figures --modes {input.modes} {params.hydro} --trajectories {params.trajectories} --out {params.folder}"
-        " < {input.study} > {log} 2>&1"
+        " --manifest {params.manifest} <<< {params.spec:q} > {log} 2>&1"
 
 
 rule report:
@@ -34,10 +35,7 @@ rule report:
         **PLAN.hydro_files,
         **PLAN.response_files,
         **PLAN.witness_files,
-        study=f"{PLAN.folder}/study.json",
-        table=f"{PLAN.folder}/comparison.csv",
-        statistics=f"{PLAN.folder}/statistics.csv",
-        validity=f"{PLAN.folder}/validity.json",
+        tables=f"{PLAN.folder}/tables.json",
         trajectories=TRAJECTORIES,
         figures=FIGURES,
     output:
@@ -49,12 +47,14 @@ rule report:
     resources:
         mem_mb=PLAN.study_megabytes,
     params:
+        spec=canonical(STUDY),
+        manifest=PLAN.manifest,
         hydro=HYDRO,
         trajectories=subpath(
             lambda wildcards, input: input.trajectories[0], parent=True
         ),
         figures=subpath(lambda wildcards, input: input.figures[0], parent=True),
     shell:
-        "vsb report --table {input.table} --statistics {input.statistics} --validity {input.validity} {params.hydro}"
+        "vsb report --tables {input.tables} {params.hydro}"
         " --trajectories {params.trajectories} --figures {params.figures} --out {output}"
-        " < {input.study} > {log} 2>&1"
+        " --manifest {params.manifest} <<< {params.spec:q} > {log} 2>&1"

@@ -28,6 +28,7 @@ rule display:
         "../envs/vsb.yaml"
     params:
         spec=canonical(PLAN.display),
+        manifest=PLAN.manifest,
         folder=subpath(output[0], parent=True),
     shell:
-        "vsb display --out {params.folder} <<< {params.spec:q} > {log} 2>&1"
+        "vsb display --out {params.folder} --manifest {params.manifest} <<< {params.spec:q} > {log} 2>&1"

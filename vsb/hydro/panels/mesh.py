@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.shell.deformed import DeformedShell
+from vsb.tools.files import whole
 from vsb.tools.units import FloatArray
 
 DISPLAY_AMPLITUDE = 0.1
@@ -106,8 +107,9 @@ def write_wet_shell(shell: DeformedShell, path: str | Path, rows: int = 40, azim
         vertices, quads = revolved(meridian.x, meridian.z, azimuth)
         faces.append(quads + sum(len(p) for p in points))
         points.append(vertices)
-    Path(path).parent.mkdir(parents=True, exist_ok=True)
-    meshio.Mesh(np.concatenate(points), [("quad", np.concatenate(faces))]).write(path)
+    mesh = meshio.Mesh(np.concatenate(points), [("quad", np.concatenate(faces))])
+    with whole(path) as temporary:
+        mesh.write(temporary, file_format=Path(path).suffix.removeprefix("."))
 
 
 def display_shapes(shell: DeformedShell) -> dict[str, DeformedShell]:

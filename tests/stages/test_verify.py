@@ -1,0 +1,367 @@
+"""Results that are not what they should be: one small finished study, damaged in every way anybody thought of."""
+
+import json
+import os
+import shutil
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+import pytest
+import yaml
+from stages.test_workflow import with_
+from tools.test_files import rewritten
+
+from vsb.cli import main
+from vsb.errors import DatabaseError, VsbError
+from vsb.stages import figures, report, simulate
+from vsb.stages.verify import stale_products, study_faults, verify
+from vsb.study import study as config
+from vsb.study.plan import StudyPlan
+from vsb.study.study import content_id
+from vsb.tools.files import load, read_groups
+from vsb.tools.stamps import record
+
+RAW = with_(study="small", hydro={}, simulation={"duration": 8.0, "window": [4.0, 8.0]})
+RAW["hydro"] = {"omega_max": 5.0, "tolerance": 1.0e-3, "witness": "none"}
+TOGETHER = ("report.html", "comparison.csv", "statistics.csv", "validity.json", "study.json", "tables.json")
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """A folder with the study file and its results."""
+    place = tmp_path_factory.mktemp("finished")
+    (place / "small.yaml").write_text(yaml.safe_dump(RAW))
+    here = Path.cwd()
+    os.chdir(place)
+    try:
+        assert main(["run", "small.yaml", "--quiet", "all"]) == 0
+    finally:
+        os.chdir(here)
+    return place
+
+
+@pytest.fixture
+def place(finished, tmp_path, monkeypatch):
+    """A copy of it, without what Snakemake remembers, as the current folder."""
+    shutil.copytree(finished, tmp_path / "copy", ignore=shutil.ignore_patterns(".snakemake", "logs", "benchmarks"))
+    monkeypatch.chdir(tmp_path / "copy")
+    return tmp_path / "copy"
+
+
+def plan_of(**changes):
+    return StudyPlan(config.parse({**RAW, **changes}))
+
+
+PLAN = plan_of()
+(WAVE,) = PLAN.study.waves
+FSB, VSWEC = (PLAN.trajectory_path(design, WAVE.label) for design in ("FSB", "VSWEC"))
+RESPONSE, TABLE = f"{PLAN.folder}/response.nc", f"{PLAN.folder}/comparison.csv"
+
+
+def scaled(name, factor):
+    def change(file):
+        file[name][...] = factor * file[name][...]
+
+    return lambda path: rewritten(path, change)
+
+
+def to_nan(path):
+    def change(file):
+        file["position"][3, 0] = np.nan
+
+    rewritten(path, change)
+
+
+def replaced(old, new):
+    def change(path):
+        text = Path(path).read_text()
+        assert old in text
+        Path(path).write_text(text.replace(old, new, 1))
+
+    return change
+
+
+def cut(path):
+    content = Path(path).read_bytes()
+    Path(path).write_bytes(content[: len(content) // 2])
+
+
+def first_power(text):
+    return next(csv_row.split(",")[5] for csv_row in text.splitlines()[1:])
+
+
+def nan_power(path):
+    text = Path(path).read_text()
+    Path(path).write_text(text.replace(first_power(text), "nan", 1))
+
+
+def without_a_design(path):
+    Path(path).write_text("\n".join(line for line in Path(path).read_text().splitlines() if "VSWEC" not in line))
+
+
+DAMAGE = [
+    (FSB, scaled("energy", 2.0)),
+    (FSB, scaled("velocity", 2.0)),
+    (FSB, to_nan),
+    (FSB, lambda path: shutil.copy(VSWEC, path)),
+    (FSB, lambda path: Path(path).write_bytes(b"")),
+    (FSB, cut),
+    (RESPONSE, scaled("absorbed_power", 1.5)),
+    (RESPONSE, cut),
+    (f"{PLAN.folder}/modes.nc", scaled("radial", -1.0)),
+    (TABLE, nan_power),
+    (TABLE, without_a_design),
+    (TABLE, cut),
+    (f"{PLAN.folder}/validity.json", replaced('"verdict": "fail"', '"verdict": "ok"')),
+    (f"{PLAN.folder}/tables.json", replaced('"verdict": "fail"', '"verdict": "ok"')),
+    (f"{PLAN.folder}/study.json", replaced("8000", "5000")),
+    (f"{PLAN.folder}/report.html", replaced("absorbs", "wastes")),
+    (f"{PLAN.folder}/figures/absorbed_power.svg", cut),
+    (PLAN.display_paths[0], cut),
+]
+SHARED = [
+    (PLAN.database_path, scaled("hydrostatic_stiffness", 1.3)),
+    (PLAN.database_path, lambda path: shutil.copy(PLAN.radiation_path, path)),
+    (PLAN.radiation_path, scaled("input_matrix", 1.1)),
+    (PLAN.radiation_path, lambda path: shutil.copy(FSB, path)),
+    (PLAN.radiation_path, cut),
+    (PLAN.block_path(PLAN.sweep_blocks[0]), scaled("added_mass", 1.01)),
+]
+"""Files studies share: a run does not remove them by itself."""
+
+
+def with_old_time(path, damage):
+    times = os.stat(path)
+    damage(path)
+    os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
+
+
+def test_a_copy_means_the_same_without_snakemakes_memory(place):
+    assert not (place / ".snakemake").exists()
+    assert study_faults(PLAN) == []
+    assert verify("small.yaml", heal=False) == [f"small.yaml: {len(PLAN.ids)} files are what they should be"]
+    for folder in ("results", "results/small"):
+        assert verify(folder, heal=False) == [f"{folder}: {len(PLAN.ids)} files are what they should be"]
+
+
+def test_every_file_promised_carries_a_stamp(place):
+    promised = json.loads(Path(PLAN.manifest).read_text())
+    for path in PLAN.products:
+        if path.endswith(".nc"):
+            attrs = load(path).attrs
+            assert attrs["spec_id"] == PLAN.ids[path]
+            assert len(attrs["checksum"]) == 64
+        else:
+            assert promised[os.path.relpath(path, PLAN.folder)]["spec_id"] == PLAN.ids[path]
+
+
+@pytest.mark.parametrize(("path", "damage"), DAMAGE)
+def test_damage_of_a_studys_own_files_is_computed_anew(place, path, damage, capsys):
+    with_old_time(path, damage)
+    assert stale_products(PLAN, dry=True) == [path]
+    assert f"vsb: {path}: " in capsys.readouterr().out
+    with pytest.raises(VsbError, match=rf"{path}: .*vsb verify small.yaml --heal removes what is wrong, vsb run small"):
+        verify("small.yaml", heal=False)
+    assert verify("small.yaml", heal=True)[-1] == "vsb run small.yaml makes 1 files"
+    assert not Path(path).exists()
+
+
+@pytest.mark.parametrize(("path", "damage"), SHARED)
+def test_damage_of_what_studies_share_is_refused(place, path, damage, capsys):
+    with_old_time(path, damage)
+    assert main(["run", "small.yaml"]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith(f"vsb: error: {path}: ")
+    assert err.count("\n") == 1
+    assert "vsb verify --heal" in err or "delete" in err
+    verify("small.yaml", heal=True)
+    assert not Path(path).exists()
+
+
+@pytest.mark.parametrize(
+    ("changes", "stale"),
+    [
+        ({"pto": {"damping": 5000.0}}, {FSB, VSWEC, RESPONSE}),
+        ({"simulation": {**RAW["simulation"], "duration": 9.0}}, {FSB, VSWEC}),
+        (
+            {"designs": {"FSB": {"flexible": False}, "VSWEC": {"clamp": 0}}},
+            {VSWEC, RESPONSE, f"{PLAN.folder}/modes.nc"},
+        ),
+    ],
+)
+def test_a_changed_study_finds_its_old_results_stale(place, changes, stale):
+    found = set(stale_products(plan_of(**changes), dry=True))
+    assert {path for path in found if path.endswith(".nc")} == stale
+    assert {f"{PLAN.folder}/{name}" for name in TOGETHER} < found
+    assert set(PLAN.display_paths).isdisjoint(found)
+
+
+def test_a_changed_damping_is_computed_also_without_snakemakes_memory(place):
+    Path("small.yaml").write_text(yaml.safe_dump({**RAW, "pto": {"damping": 5000.0}}))
+    before = load(FSB)
+    assert main(["run", "small.yaml", "--quiet", "all"]) == 0
+    assert np.abs(load(FSB).position - before.position).max() > 1e-3
+    assert study_faults(plan_of(pto={"damping": 5000.0})) == []
+    assert {FSB, VSWEC, RESPONSE, TABLE} < set(stale_products(PLAN, dry=True))
+
+
+def report_files(**others):
+    files = {
+        "tables": f"{PLAN.folder}/tables.json",
+        "trajectories": f"{PLAN.folder}/trajectories",
+        "figures": f"{PLAN.folder}/figures",
+        "manifest": PLAN.manifest,
+        **PLAN.hydro_files,
+        "response": RESPONSE,
+    }
+    return {**files, **others}  # fmt: skip
+
+
+@pytest.mark.parametrize("path", [TABLE, f"{PLAN.folder}/validity.json", f"{PLAN.folder}/statistics.csv"])
+def test_tables_for_people_are_never_read_back(place, path):
+    Path(path).write_text("nonsense")
+    text = Path(f"{PLAN.folder}/report.html").read_text()
+    report.run(PLAN.study, out="again.html", **report_files())
+    assert Path("again.html").read_text() == text
+
+
+@pytest.mark.parametrize(
+    ("path", "damage"),
+    [case for case in DAMAGE if case[0] in (FSB, RESPONSE) or "tables.json" in case[0] or ".svg" in case[0]]
+    + SHARED[:5],
+)
+def test_a_stage_reads_nothing_that_is_not_what_it_should_be(place, path, damage):
+    damage(path)
+    with pytest.raises(DatabaseError, match=rf"{path}: .*delete"):
+        report.run(PLAN.study, out="again.html", **report_files())
+    assert not Path("again.html").exists()
+
+
+def test_a_run_does_not_take_the_radiation_model_of_another_study(place):
+    other = f"results/hydro/radiation/{'0' * 16}.nc"
+    shutil.copy(PLAN.radiation_path, other)
+    files = {"database": PLAN.database_path, "radiation": other}
+    with pytest.raises(DatabaseError, match=rf"{other}: holds '\w+', needs '0+': stale or foreign"):
+        simulate.run(PLAN.simulation("FSB", WAVE), "out.nc", **files)
+
+
+def test_figures_do_not_take_the_modes_of_another_study(place):
+    other = plan_of(modes={"basis": "full", "degree": 2})
+    bem = {**PLAN.hydro_files, "response": RESPONSE}
+    with pytest.raises(
+        DatabaseError, match=f"modes.nc: holds '{content_id(PLAN.modes)}', needs '{content_id(other.modes)}'"
+    ):
+        figures.run(
+            config.parse({**RAW, "modes": {"basis": "full", "degree": 2}, "designs": RAW["designs"]}),
+            f"{PLAN.folder}/modes.nc", f"{PLAN.folder}/trajectories", "figures", "manifest.json",
+            PLAN.database_path, PLAN.radiation_path,
+            response=relabelled(bem["response"], other.response_id),
+        )  # fmt: skip
+
+
+def relabelled(path, identity):
+    """A response that claims to be of another study, checksum and all."""
+    from vsb.tools.files import save
+
+    save(load(path).assign_attrs(spec_id=identity), "claims.nc")
+    return "claims.nc"
+
+
+def test_files_of_before_are_stamped_if_they_are_as_specified(place):
+    def bare(path):
+        rewritten(path, lambda file: file.delncattr("checksum"))
+
+    for path in (PLAN.database_path, PLAN.radiation_path):
+        bare(path)
+    assert [fault.kind for fault in study_faults(PLAN)] == ["unstamped"] * 2
+    assert stale_products(PLAN, dry=True) == []
+    assert len(study_faults(PLAN)) == 2  # a dry run changes nothing
+    assert stale_products(PLAN, dry=False) == []
+    assert "checksum" in load(PLAN.database_path).attrs
+    assert study_faults(PLAN) == []
+    bare(FSB)  # never was without
+    assert stale_products(PLAN, dry=False) == [FSB]
+
+
+def test_results_of_before_the_stamps_are_computed_anew(place):
+    for path in (FSB, RESPONSE):
+        rewritten(path, lambda file: [file.delncattr(name) for name in ("checksum", "spec_id", "spec")])
+    Path(PLAN.manifest).unlink()
+    found = stale_products(PLAN, dry=True)
+    assert {FSB, RESPONSE, TABLE} < set(found)
+    assert VSWEC not in found
+
+
+def test_a_folder_is_verified_whole(place):
+    old = Path(PLAN.folder, "trajectories", "of_before.nc")
+    shutil.copy(FSB, old)
+    verify("results", heal=False)
+    scaled("velocity", 2.0)(old)
+    with pytest.raises(VsbError, match=r"of_before.nc: its contents are not .*vsb verify results --heal"):
+        verify("results", heal=False)
+    Path(PLAN.manifest).write_text("{")
+    with pytest.raises(VsbError, match=r"is not in the manifest \(and \d+ more\)"):
+        verify("results/small", heal=False)
+    Path("results/hydro/INDEX.tsv").write_text("id\n")
+    verify("results", heal=True)
+    assert Path("results/hydro/INDEX.tsv").read_text().count("\n") == 2
+    assert not Path(PLAN.manifest).exists()
+    with pytest.raises(VsbError, match=r": is not there \(and \d+ more\); vsb run small.yaml makes it anew"):
+        verify("small.yaml", heal=False)
+
+
+def test_an_edited_study_does_not_condemn_its_results(place):
+    """What it is of is read from the folder itself: healing must not take the word of a file somebody edited."""
+    replaced("8000", "5000")(f"{PLAN.folder}/study.json")
+    assert len(verify("results", heal=True)) == 2
+    assert Path(FSB).exists()
+    assert not Path(PLAN.folder, "study.json").exists()
+
+
+def test_a_new_product_needs_no_entry_of_its_own(place):
+    class Wider(StudyPlan):
+        @property
+        def products(self):
+            return [*super().products, f"{self.folder}/ladder.csv", f"{self.root}/hydro/witness/{'a' * 16}.nc"]
+
+    wider = Wider(PLAN.study)
+    assert wider.ids[f"{PLAN.folder}/ladder.csv"] == PLAN.study_id
+    assert wider.ids[f"results/hydro/witness/{'a' * 16}.nc"] == "a" * 16
+    ladder = Path(PLAN.folder, "ladder.csv")
+    ladder.write_text("rung\n")
+    assert [fault.path for fault in study_faults(wider)] == [str(ladder)]
+    record(PLAN.manifest, PLAN.study_id, [ladder])
+    assert study_faults(wider) == []
+
+
+def contents(path):
+    return read_groups(path) if path.endswith(".nc") else Path(path).read_bytes()
+
+
+def same(one, other):
+    if isinstance(one, bytes):
+        return one == other
+    return one.keys() == other.keys() and all(one[name].identical(other[name]) for name in one)
+
+
+def test_no_flipped_bit_of_any_file_is_silent(place):
+    rng, files = np.random.default_rng(11), [*PLAN.ids, "results/hydro/INDEX.tsv"]
+    sizes = [os.path.getsize(path) for path in files]
+    for path in rng.choice(files, size=60, p=np.array(sizes) ** 0.5 / np.sum(np.array(sizes) ** 0.5)):
+        good = Path(path).read_bytes()
+        bit, bad = int(rng.integers(8 * len(good))), bytearray(good)
+        bad[bit // 8] ^= 1 << (bit % 8)
+        before = contents(str(path))
+        Path(path).write_bytes(bad)
+        try:
+            verify("small.yaml", heal=False)
+        except VsbError as error:
+            assert str(path) in str(error)  # noqa: PT017
+            assert "\n" not in str(error)  # noqa: PT017
+        else:
+            assert same(contents(str(path)), before), (path, bit)
+        Path(path).write_bytes(good)
+    with netCDF4.Dataset(FSB) as file:
+        assert file.spec_id == PLAN.ids[FSB]

@@ -1,0 +1,172 @@
+"""Command verify: whether results are what they should be; and what a run does about those that are not."""
+
+import json
+import os
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from vsb.errors import DatabaseError, VsbError
+from vsb.hydro.database import index_text, write_index
+from vsb.stages.alone import alone
+from vsb.study.plan import StudyPlan
+from vsb.study.study import load, parse
+from vsb.tools.files import CHANGED, DELETE, attributes
+from vsb.tools.stamps import MANIFEST, Fault, Manifest, Stamp, faults, read_manifest, stamp_file
+
+STUDY = "study.json"
+"""The study a folder of results is of."""
+
+
+def verify(target: str, *, heal: bool) -> list[str]:
+    """Check the results of a study file or of a folder, contents included; return what to tell.
+
+    Parameters
+    ----------
+    target : str
+        A study file, a study's folder of results, or the folder of all results.
+    heal : bool
+        Whether to remove what is not what it should be, and to stamp files of before the stamps.
+
+    Raises
+    ------
+    VsbError
+        If something is not what it should be, or missing, and is not to be healed.
+    """
+    plans = _plans(target)
+    root = Path(plans[0].root if plans else target)
+    ids = {path: identity for plan in plans for path, identity in plan.ids.items()}
+    missing = sorted({path for plan in plans for path in plan.products if not Path(path).exists()})
+    found = [*faults(ids, manifests(root)), *_index_faults(root)]
+    if Path(target).is_dir():
+        found += _other_faults(Path(target), set(ids))
+    command = f"vsb run {target}" if Path(target).is_file() else "vsb run CONFIG"
+    if heal:
+        with alone(root):
+            healed = _healed(root, found)
+        makes = f"{command} makes {len(missing) + len(found)} files" if missing or found else f"{target}: all is sound"
+        return [*healed, makes]
+    lines = [f"{fault.path}: {fault.reason}" for fault in found] + [f"{path}: is not there" for path in missing]
+    if lines:
+        heals = f"vsb verify {target} --heal removes what is wrong, " if found else ""
+        raise VsbError(f"{lines[0]}{_more(lines)}; {heals}{command} makes it anew")
+    return [f"{target}: {len(ids)} files are what they should be"]
+
+
+def _more(lines: Sequence[object]) -> str:
+    """How many others there are."""
+    return f" (and {len(lines) - 1} more)" if len(lines) > 1 else ""
+
+
+def _plans(target: str) -> list[StudyPlan]:
+    """The plans of a study file, or of the studies in a folder."""
+    place = Path(target)
+    if not place.is_dir():
+        return [StudyPlan(load(target))]
+    folders = [folder for folder in (place, *sorted(place.iterdir())) if (folder / STUDY).is_file()]
+    return [plan for folder in folders if (plan := _plan(folder))]
+
+
+def _plan(folder: Path) -> StudyPlan | None:
+    """The plan of the study a folder is of; none if the folder does not know it any more, which is a fault."""
+    path = folder / STUDY
+    stamp = manifests(folder.parent).get(os.path.normpath(path))
+    if stamp and Stamp.of(path, stamp.spec_id) != stamp:
+        return None
+    try:
+        return StudyPlan(parse(json.loads(path.read_text(encoding="utf-8"))), root=str(folder.parent))
+    except (ValueError, RecursionError, VsbError):
+        return None
+
+
+def _other_faults(folder: Path, known: set[str]) -> list[Fault]:
+    """Damage among the files of a folder that no plan names: of other studies, of seas and designs of before."""
+    found = []
+    for path in sorted(folder.rglob("*.nc")):
+        if str(path) in known or path.name.startswith("."):
+            continue
+        name = path.stem if re.fullmatch("[0-9a-f]{16}", path.stem) else None
+        try:
+            identity = attributes(path).get("spec_id")
+        except DatabaseError as error:
+            found.append(Fault(str(path), "damaged", str(error).removeprefix(f"{path}: ")))
+            continue
+        if name and identity != name:
+            found.append(Fault(str(path), "damaged", f"holds {identity!r}"))
+    for path in sorted(folder.rglob(MANIFEST)):
+        try:
+            stamps = {name: stamp for name, stamp in read_manifest(path).items() if name not in known}
+            found += faults({name: stamp.spec_id for name, stamp in stamps.items()}, stamps)
+        except DatabaseError as error:
+            found.append(Fault(str(path), "damaged", str(error).removeprefix(f"{path}: ")))
+    return found
+
+
+def _index_faults(root: Path) -> list[Fault]:
+    """Whether the index of the databases is what they make it."""
+    index, folder = root / "hydro" / "INDEX.tsv", root / "hydro" / "db"
+    if not index.is_file() or index.read_bytes() == index_text(folder).encode():
+        return []
+    return [Fault(str(index), "damaged", CHANGED)]
+
+
+def _healed(root: Path, found: Sequence[Fault]) -> list[str]:
+    """Stamp files of before the stamps, remove the others; say so."""
+    lines = []
+    for fault in found:
+        if fault.kind == "unstamped":
+            stamp_file(fault.path)
+        else:
+            Path(fault.path).unlink()
+        lines.append(f"{'stamped' if fault.kind == 'unstamped' else 'removed'} {fault.path}: {fault.reason}")
+    if (root / "hydro" / "db").is_dir():
+        write_index(root / "hydro" / "db")
+    return lines
+
+
+def manifests(root: Path) -> Manifest:
+    """Return the stamps in all manifests of a results folder: studies share the viewable meshes.
+
+    One that cannot be read promises nothing: what stands in it is computed again.
+    """
+    found: Manifest = {}
+    for path in sorted(root.glob(f"*/{MANIFEST}")):
+        try:
+            found |= read_manifest(path)
+        except DatabaseError:
+            continue
+    return found
+
+
+def study_faults(plan: StudyPlan) -> list[Fault]:
+    """Return which files of a study that are there are not what they should be."""
+    return faults(plan.ids, manifests(Path(plan.root)))
+
+
+def stale_products(plan: StudyPlan, *, dry: bool) -> list[str]:
+    """Return the products a run must make anew, and say so.
+
+    Files of before the stamps that are as specified are stamped; meshes of panels of before, which say nothing of
+    themselves, are removed: they are made again where one is needed. A dry run changes nothing.
+
+    Raises
+    ------
+    DatabaseError
+        If a file that studies share is damaged or foreign: other results rest on it and it may have taken hours, so it
+        is for the user to remove.
+    """
+    stale = []
+    for fault in study_faults(plan):
+        if fault.kind == "unstamped":
+            if not dry:
+                stamp_file(fault.path)
+        elif not plan.is_shared(fault.path) or not fault.path.endswith(".nc"):
+            stale.append(fault)
+        elif fault.kind == "nameless" and fault.path not in plan.products:
+            if not dry:
+                Path(fault.path).unlink()
+        else:
+            raise DatabaseError(f"{fault.path}: {fault.reason}; {DELETE}")
+    if stale:
+        print(f"vsb: {stale[0].path}: {stale[0].reason}{_more(stale)}; computed anew", flush=True)
+    return [fault.path for fault in stale]
