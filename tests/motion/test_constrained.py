@@ -2,13 +2,17 @@
 
 import numpy as np
 import pytest
+from conftest import varied
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog, minimize
 
-from vsb.errors import ConvergenceError, StabilityError
+from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.motion import constrained
-from vsb.motion.constrained import Harmonics, constrained_optimum
+from vsb.motion.constrained import constrained_optimum
+from vsb.motion.harmonics import Harmonics
+from vsb.motion.port import Port
+from vsb.waves.seas import sea
 
 
 def buoy(harmonics, resonance=1.6, seed=0, loss=500.0):
@@ -213,3 +217,31 @@ def test_an_optimum_not_found_in_time_is_an_error(monkeypatch):
     velocity, admittance = buoy(SEA)
     with pytest.raises(ConvergenceError, match=r"the optimum under limits is not found to 1e-06 in 2 steps"):
         constrained_optimum(SEA, velocity, admittance, 1e3)
+
+
+@pytest.mark.parametrize(
+    "wave",
+    [
+        {"kind": "regular", "amplitude": 0.1, "period": 2.5},
+        {"kind": "jonswap", "hs": 0.5, "tp": 3.0},
+        {"kind": "white_noise", "hs": 0.5, "band": [1.0, 3.0]},
+    ],
+)
+def test_harmonics_of_a_sea_hold_its_components_and_fill_the_band(seed, wave):
+    (chosen,) = varied(seed, waves=[wave]).waves
+    waves = sea(chosen, 12.0, 60.0)
+    harmonics = Harmonics.of_sea(waves.omega, 0.1, 12.0)
+    at = np.searchsorted(harmonics.omega, waves.omega - 1e-9)
+    np.testing.assert_allclose(harmonics.omega[at], waves.omega, rtol=1e-9)
+    assert 0.1 - 1e-9 <= harmonics.omega[0] < 0.1 + harmonics.spacing
+    assert 12.0 - harmonics.spacing < harmonics.omega[-1] <= 12.0 + 1e-9
+    velocity, admittance = buoy(harmonics)
+    port = Port(harmonics.omega, admittance, velocity, 0.0)
+    power = np.sum(np.abs(velocity[at] * waves.amplitude) ** 2 / (8 * admittance.real[at]))
+    assert constrained.optimum_in_sea(port, waves, harmonics).power == pytest.approx(power, rel=1e-12)
+
+
+@pytest.mark.parametrize("omega", [np.array([1.03, 1.13, 1.23]), np.array([1.05, 1.15, 1.275])])
+def test_a_sea_that_never_repeats_has_no_harmonics(omega):
+    with pytest.raises(ConfigError, match=r"waves: received components 0.1 rad/s apart from .* which never repeat"):
+        Harmonics.of_sea(omega, 0.1, 12.0)

@@ -19,82 +19,20 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
-from scipy.fft import fft, ifft, next_fast_len
 from scipy.linalg import cho_factor, cho_solve
 
 from vsb.errors import ConvergenceError, StabilityError
+from vsb.motion.harmonics import Harmonics
+from vsb.motion.port import Port
 from vsb.tools.units import ComplexArray, FloatArray
+from vsb.waves.seas import Sea
 
-POINTS_PER_WAVE = 4
-"""Instants of collocation in the shortest period."""
-FEWEST_POINTS = 64
 BETWEEN = 8
 """Times finer are the instants on which the excess between those of collocation is looked for."""
 SHARE_OF_THE_WAY = 0.995  # to the boundary
 MOST_STEPS = 80
 KEPT = 1e-9
 """A limit is kept if it is exceeded by no more than this part of it."""
-
-
-@dataclass(frozen=True)
-class Harmonics:
-    """Equally spaced frequencies (first + k) spacing and the instants of collocation in 2 pi/spacing.
-
-    Raises
-    ------
-    ValueError
-        If twice the first order is no whole number above 0: a signal and its limits would not repeat.
-    """
-
-    spacing: float  # [rad/s]
-    first: float  # order of the lowest, a multiple of 1/2 [-]
-    count: int
-
-    def __post_init__(self) -> None:
-        """Check that signals repeat, if only with the other sign."""
-        if self.first <= 0 or 2 * self.first % 1 or self.spacing <= 0 or self.count < 1:
-            raise ValueError(
-                f"harmonics: received first order {self.first:g}, spacing {self.spacing:g} rad/s and {self.count} of "
-                "them; needs a first order of 1/2, 1, 3/2, ..., a spacing above 0 and at least one"
-            )
-
-    @property
-    def omega(self) -> FloatArray:
-        """Angular frequencies, shape (harmonic,) [rad/s]."""
-        return (self.first + np.arange(self.count)) * self.spacing
-
-    @cached_property
-    def instants(self) -> int:
-        """Number of instants of collocation."""
-        return int(next_fast_len(max(FEWEST_POINTS, int(np.ceil(POINTS_PER_WAVE * (self.first + self.count))))))
-
-    def signal(self, phasors: ComplexArray, finer: int = 1) -> FloatArray:
-        """Return Re sum c_k exp(-i omega_k t) on the instants or some times as many, shape (instant,)."""
-        count = finer * self.instants
-        padded = np.zeros(count, dtype=complex)
-        whole = int(self.first)
-        padded[whole : whole + self.count] = phasors
-        values = fft(padded)
-        return np.asarray((values * self._turn(count) if self.first % 1 else values).real)
-
-    def _turn(self, count: int) -> ComplexArray:
-        """exp(-i t spacing/2), what half whole orders need beside a Fourier transform."""
-        return np.asarray(np.exp(-2j * np.pi * (self.first % 1) * np.arange(count) / count))
-
-    def phasors(self, weights: FloatArray) -> ComplexArray:
-        """Return sum_j w_j exp(i omega_k t_j), shape (harmonic,): the adjoint of `signal`."""
-        turned = ifft(weights * self._turn(len(weights)).conj() if self.first % 1 else weights) * len(weights)
-        whole = int(self.first)
-        return np.asarray(turned[whole : whole + self.count])
-
-    def products(self, weights: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-        """Return sum_j w_j e_k conj(e_l) and sum_j w_j e_k e_l of e_k = exp(i omega_k t_j): Toeplitz and Hankel."""
-        hat = np.asarray(ifft(weights) * len(weights))
-        n, start = self.count, int(2 * self.first)
-        toeplitz = sliding_window_view(hat[np.arange(1 - n, n)[::-1]], n)[::-1]
-        hankel = sliding_window_view(hat[np.arange(start, start + 2 * n - 1) % len(hat)], n)
-        return toeplitz, hankel
 
 
 @dataclass(frozen=True)
@@ -285,6 +223,15 @@ def _solved(programme: _Programme, tolerance: float) -> tuple[ComplexArray, floa
         f"pto: the optimum under limits is not found to {tolerance:g} in {MOST_STEPS} steps (gap "
         f"{(best - power) / abs(best):.2g}); needs limits that leave more room"
     )
+
+
+def optimum_in_sea(
+    port: Port, sea: Sea, harmonics: Harmonics, force_limit: float = np.inf, stroke_limit: float = np.inf
+) -> ConstrainedOptimum:
+    """Return the optimum of a port known at the harmonics of a sea; see `constrained_optimum`."""
+    amplitude = np.zeros(harmonics.count, dtype=complex)
+    amplitude[np.rint(sea.omega / harmonics.spacing - harmonics.first).astype(int)] = sea.amplitude
+    return constrained_optimum(harmonics, port.velocity * amplitude, port.admittance, force_limit, stroke_limit)
 
 
 def constrained_optimum(

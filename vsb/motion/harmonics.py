@@ -1,0 +1,105 @@
+"""Signals of equally spaced frequencies: their values at instants, and what a quadratic programme needs of them."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from scipy.fft import fft, ifft, next_fast_len
+
+from vsb.errors import ConfigError
+from vsb.tools.units import ComplexArray, FloatArray
+
+POINTS_PER_WAVE = 4
+"""Instants of collocation in the shortest period."""
+FEWEST_POINTS = 64
+SPACING = 1e-6
+"""Part of the spacing by which a frequency may miss its order."""
+
+
+@dataclass(frozen=True)
+class Harmonics:
+    """Equally spaced frequencies (first + k) spacing and the instants of collocation in 2 pi/spacing.
+
+    Raises
+    ------
+    ValueError
+        If twice the first order is no whole number above 0: a signal and its limits would not repeat.
+    """
+
+    spacing: float  # [rad/s]
+    first: float  # order of the lowest, a multiple of 1/2 [-]
+    count: int
+
+    def __post_init__(self) -> None:
+        """Check that signals repeat, if only with the other sign."""
+        if self.first <= 0 or 2 * self.first % 1 or self.spacing <= 0 or self.count < 1:
+            raise ValueError(
+                f"harmonics: received first order {self.first:g}, spacing {self.spacing:g} rad/s and {self.count} of "
+                "them; needs a first order of 1/2, 1, 3/2, ..., a spacing above 0 and at least one"
+            )
+
+    @classmethod
+    def of_sea(cls, omega: FloatArray, lowest: float, highest: float) -> Self:
+        """Return the harmonics of a sea's components in a band: of a regular wave its own, of others their grid.
+
+        Parameters
+        ----------
+        omega : ndarray, shape (component,) [rad/s]
+            Ascending.
+        lowest, highest : float [rad/s]
+            The band, the sea within it.
+
+        Raises
+        ------
+        ConfigError
+            If the components are no multiples of half their spacing: the sea does not repeat.
+        """
+        spacing = float(np.diff(omega).min()) if len(omega) > 1 else float(omega[0])
+        orders = omega / spacing
+        if np.abs(2 * orders - np.rint(2 * orders)).max() > SPACING or np.ptp(orders % 1) > SPACING:
+            raise ConfigError(
+                f"waves: received components {spacing:.4g} rad/s apart from {omega[0]:.4g} rad/s on, which never "
+                "repeat; an optimum under limits needs multiples of half that: change the band or simulation.duration"
+            )
+        part = float(np.rint(2 * orders[0]) / 2 % 1)
+        first = part + max(np.ceil(lowest / spacing - part - SPACING), 0.0 if part else 1.0)
+        return cls(spacing, float(first), int(np.floor(highest / spacing - first + SPACING)) + 1)
+
+    @property
+    def omega(self) -> FloatArray:
+        """Angular frequencies, shape (harmonic,) [rad/s]."""
+        return (self.first + np.arange(self.count)) * self.spacing
+
+    @cached_property
+    def instants(self) -> int:
+        """Number of instants of collocation."""
+        return int(next_fast_len(max(FEWEST_POINTS, int(np.ceil(POINTS_PER_WAVE * (self.first + self.count))))))
+
+    def signal(self, phasors: ComplexArray, finer: int = 1) -> FloatArray:
+        """Return Re sum c_k exp(-i omega_k t) on the instants or some times as many, shape (instant,)."""
+        count = finer * self.instants
+        padded = np.zeros(count, dtype=complex)
+        whole = int(self.first)
+        padded[whole : whole + self.count] = phasors
+        values = fft(padded)
+        return np.asarray((values * self._turn(count) if self.first % 1 else values).real)
+
+    def _turn(self, count: int) -> ComplexArray:
+        """exp(-i t spacing/2), what half whole orders need beside a Fourier transform."""
+        return np.asarray(np.exp(-2j * np.pi * (self.first % 1) * np.arange(count) / count))
+
+    def phasors(self, weights: FloatArray) -> ComplexArray:
+        """Return sum_j w_j exp(i omega_k t_j), shape (harmonic,): the adjoint of `signal`."""
+        turned = ifft(weights * self._turn(len(weights)).conj() if self.first % 1 else weights) * len(weights)
+        whole = int(self.first)
+        return np.asarray(turned[whole : whole + self.count])
+
+    def products(self, weights: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        """Return sum_j w_j e_k conj(e_l) and sum_j w_j e_k e_l of e_k = exp(i omega_k t_j): Toeplitz and Hankel."""
+        hat = np.asarray(ifft(weights) * len(weights))
+        n, start = self.count, int(2 * self.first)
+        toeplitz = sliding_window_view(hat[np.arange(1 - n, n)[::-1]], n)[::-1]
+        hankel = sliding_window_view(hat[np.arange(start, start + 2 * n - 1) % len(hat)], n)
+        return toeplitz, hankel
