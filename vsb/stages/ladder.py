@@ -5,14 +5,15 @@ from vsb.results.ladder import Given, as_csv, frequencies, ladder
 from vsb.scenes.build import linear_buoy
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import design_motions
-from vsb.stages.stage import partial_study
+from vsb.stages.stage import partial_study, stamp
 from vsb.study.specs import LadderSpec
 from vsb.study.study import IrregularSea, StillWater
 from vsb.tools.files import write_text
+from vsb.tools.stamps import record
 from vsb.waves.seas import sea
 
 
-def run(spec: LadderSpec, database: str, out: str) -> None:
+def run(spec: LadderSpec, database: str, out: str, manifest: str) -> None:
     """Write the ladder of a study; still water has no rungs."""
     study = partial_study(spec)
     buoy, basis = linear_buoy(study, database)
@@ -27,3 +28,4 @@ def run(spec: LadderSpec, database: str, out: str) -> None:
     }
     given = {design: Given(study.pto.damping) for design in study.designs}
     write_text(out, as_csv(ladder(ports, seas, families, given, study.simulation.duration)))
+    record(manifest, stamp(spec, database)["spec_id"], [out])

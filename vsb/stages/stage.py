@@ -67,7 +67,7 @@ STAGES = (
     Stage("database", "hydro database from blocks", specs.DatabaseSpec, ("blocks", "out")),
     Stage("radiation", "radiation model", specs.RadiationSpec, ("database", "out")),
     Stage("response", "frequency response", specs.ResponseSpec, ("database", "out")),
-    Stage("ladder", "power under ever better take-offs", specs.LadderSpec, ("database", "out")),
+    Stage("ladder", "power under ever better take-offs", specs.LadderSpec, ("database", "out", "manifest")),
     Stage("simulate", "one design in one sea", specs.SimulateSpec, ("out",), BEM_FILES[:2]),
     Stage(
         "compare",

@@ -74,5 +74,6 @@ rule ladder:
         "../envs/vsb.yaml"
     params:
         spec=canonical(PLAN.ladder),
+        manifest=PLAN.manifest,
     shell:
-        "vsb ladder --database {input} --out {output} <<< {params.spec:q} > {log} 2>&1"
+        "vsb ladder --database {input} --out {output} --manifest {params.manifest} <<< {params.spec:q} > {log} 2>&1"
