@@ -324,12 +324,12 @@ def test_a_new_product_needs_no_entry_of_its_own(place):
     class Wider(StudyPlan):
         @property
         def products(self):
-            return [*super().products, f"{self.folder}/ladder.csv", f"{self.root}/hydro/witness/{'a' * 16}.nc"]
+            return [*super().products, f"{self.folder}/rungs.csv", f"{self.root}/hydro/witness/{'a' * 16}.nc"]
 
     wider = Wider(PLAN.study)
-    assert wider.ids[f"{PLAN.folder}/ladder.csv"] == PLAN.study_id
+    assert wider.ids[f"{PLAN.folder}/rungs.csv"] == PLAN.study_id
     assert wider.ids[f"results/hydro/witness/{'a' * 16}.nc"] == "a" * 16
-    ladder = Path(PLAN.folder, "ladder.csv")
+    ladder = Path(PLAN.folder, "rungs.csv")
     ladder.write_text("rung\n")
     assert [fault.path for fault in study_faults(wider)] == [str(ladder)]
     record(PLAN.manifest, PLAN.study_id, [ladder])

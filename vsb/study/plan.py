@@ -178,6 +178,8 @@ class StudyPlan(HydroPlan):
             for d in self.study.designs
         }
         own[f"{self.folder}/modes.nc"] = content_id(self.modes)
+        if self.study.needs_bem:
+            own[f"{self.folder}/ladder.csv"] = result_id(self.ladder, self.hydro_ids[0])
         own |= dict.fromkeys(self.display_paths, content_id(self.display))
         own |= dict.fromkeys(self.response_files.values(), self.response_id)
         files = [*self.products, *map(self.block_path, blocks), *meshes]
