@@ -1,8 +1,10 @@
 import io
+import signal
+import subprocess
 import sys
 from pathlib import Path
-from types import SimpleNamespace
 
+import psutil
 import pytest
 import yaml
 from conftest import SEED
@@ -109,7 +111,7 @@ def written(name, **changes):
         ({"hydro": {"omega_max": 20.0}}, "hydro.omega_max: received 20 rad/s, needs at most"),
         ({"hydro": {"tolerance": 1e-5, "solver": "panels"}}, "hydro.tolerance: received 1e-05, needs at least"),
         ({"hydro": {"omega": [1e-9], "solver": "panels"}}, "hydro.omega: received 1e-09 rad/s, needs at least"),
-        ({"waves": [{"kind": "regular", "amplitude": 1, "period": 900.0}]}, "waves.0.period: received 900 s"),
+        ({"waves": [{"kind": "regular", "amplitude": 1, "period": 500.0}]}, "waves.0.period: received 500 s"),
         ({"reference_shape": "equilibrium"}, "reference_shape: received 'equilibrium', but the shell buckles"),
         ({"hydro": {"accept": ["nonsense"]}}, "study: hydro.accept ['nonsense']: no such check; needs some of"),
     ],
@@ -214,8 +216,7 @@ def test_a_run_without_cores_would_wait_for_ever(workplace, capsys, cores):
 def test_cores_go_to_snakemake(workplace, monkeypatch):
     seen = []
 
-    done = SimpleNamespace(returncode=0)
-    monkeypatch.setattr(launcher.subprocess, "run", lambda command, **_: seen.append(command) or done)
+    monkeypatch.setattr(launcher, "finished", lambda command, **_: seen.append(command) or 0)
     for options in (["-c", "2"], ["--cores", "all"], []):
         assert main(["run", written("study.yaml"), *options, "-n"]) == 0
     assert [command[command.index("none") + 1 :] for command in seen] == [
@@ -237,9 +238,56 @@ def test_an_unknown_profile_is_one_line(workplace, capsys, name):
 
 def test_a_profile_of_the_users_own_is_named_by_its_path(workplace, monkeypatch):
     seen = []
-    done = SimpleNamespace(returncode=0)
-    monkeypatch.setattr(launcher.subprocess, "run", lambda command, **_: seen.extend(command) or done)
+    monkeypatch.setattr(launcher, "finished", lambda command, **_: seen.extend(command) or 0)
     Path("mine").mkdir()
     Path("mine/config.yaml").write_text("cores: 1")
     assert main(["run", written("study.yaml"), "--profile", "./mine", "-n"]) == 0
     assert seen[seen.index("--profile") + 1] == "mine"
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--frobnicate"], "unrecognized arguments: --frobnicate, of snakemake"),
+        (["--jobs", "many"], "Error parsing number of jobs (--jobs, -j): must be integer., of snakemake"),
+        (
+            ["nowhere"],
+            "target: received nowhere, needs one of all, compare, database, ",
+        ),
+    ],
+)
+def test_what_snakemake_would_answer_with_pages_is_one_line(workplace, capsys, options, message):
+    assert told(["run", written("study.yaml"), *options], capsys).startswith(message)
+    assert not Path("results").exists()
+
+
+def test_nobody_reading_on_is_no_mistake():
+    """The reader of `vsb check | head` goes away after a line."""
+    command = f"{sys.executable} -m vsb.cli check {SEED} | head -1; exit ${{PIPESTATUS[0]}}"
+    done = subprocess.run(["bash", "-c", command], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+    closed = f"{sys.executable} -m vsb.cli shell {SEED} | true; exit ${{PIPESTATUS[0]}}"
+    done = subprocess.run(["bash", "-c", closed], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize(("number", "code"), [("TERM", 143), ("INT", 130), ("HUP", 129)])
+def test_a_command_told_to_end_ends_all_it_started(tmp_path, number, code):
+    """Its children too, which would go on for minutes and hold the lock."""
+    job = f"echo $$ > {tmp_path}/job; sleep 100; echo over"
+    program = (
+        "import signal, sys\nfrom vsb import cli\nfrom vsb.stages.run import finished\n"
+        "signal.signal(signal.SIGHUP, signal.SIG_DFL)\n"
+        f"command = ['bash', '-c', 'trap : TERM; ({job}) & wait; wait']\n"
+        "cli.run = lambda args: finished(command, None)\nsys.exit(cli.main(['run', 'study.yaml']))"
+    )
+    process = subprocess.Popen([sys.executable, "-c", program], stderr=subprocess.PIPE, text=True)
+    while not (tmp_path / "job").exists() or not (tmp_path / "job").read_text():
+        assert process.poll() is None
+    process.send_signal(getattr(signal, f"SIG{number}"))
+    _, told = process.communicate(timeout=20)
+    assert process.returncode == code
+    assert told.count("\n") == 1
+    assert "run the same command again" in told
+    children = [one for one in psutil.process_iter(["cmdline"]) if str(tmp_path) in " ".join(one.info["cmdline"] or [])]
+    assert children == []

@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import os
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -239,7 +240,12 @@ def answer(line: argparse.ArgumentParser, argv: Sequence[str] | None) -> int:
     args.snakemake = rest
     try:
         _check_writable([name.format(**vars(args)) for name in args.writes])
-        return handler(args)
+        code = handler(args)
+        sys.stdout.flush()
+        return code
+    except BrokenPipeError:  # of `| head`: nobody reads on
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
     except VsbError as error:
         return _mistake(str(error), vars(args).get("config") if isinstance(error, ConfigError) else None)
     except OSError as error:

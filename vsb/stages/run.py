@@ -1,15 +1,22 @@
 """Command run: a whole study through Snakemake, alone in its results folder."""
 
 import argparse
+import contextlib
+import io
 import os
+import signal
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import NoReturn
+
+import psutil
 
 from vsb.errors import VsbError
 from vsb.stages.alone import alone
+from vsb.stages.stage import STAGES
 from vsb.study.plan import StudyPlan
 from vsb.study.study import load
 from vsb.tools.shipped import HOME
@@ -28,6 +35,7 @@ def run(args: argparse.Namespace) -> int:
     preview.check_before_run(study, plan)
     for folder in (".", plan.root):  # snakemake writes to both
         check_folder(folder)
+    check_options(args.snakemake, plan)
     profile = ["--profile", str(_profile(args.profile)), "--workflow-profile", "none"]
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(SNAKEFILE), "--configfile", args.config]
     command += ["--nolock", *profile, *(["--cores", args.cores] if args.cores else [])]
@@ -37,12 +45,45 @@ def run(args: argparse.Namespace) -> int:
     dry = bool({"-n", "--dry-run", "--dryrun"} & set(args.snakemake))
     with alone(Path(plan.root), waits=not dry) as lock:
         command += _forced(args.snakemake, verify.stale_products(plan, dry=dry))
-        code = subprocess.run(command, env=environment, check=False, pass_fds=lock).returncode
+        code = finished(command, env=environment, pass_fds=lock)
     if code:
         return _failed(plan, begun)
     if not dry and (report := Path(plan.folder) / "report.html").is_file():
         print(f"{study.study}: {report}")
     return 0
+
+
+TARGETS = {"all", *(stage.name for stage in STAGES if stage.name not in ("mesh", "panels", "spectral", "simulate"))}
+"""Rules that are asked for by name; the others make a file of many."""
+
+
+def check_options(options: Sequence[str], plan: StudyPlan) -> None:
+    """Check what is handed on to snakemake, which would answer a mistake with pages.
+
+    Raises
+    ------
+    VsbError
+        If it is no option of snakemake, no rule, and no file among the results.
+    """
+    if not set(options) - {"-n", "--dry-run", "--dryrun"}:
+        return
+    from snakemake.cli import get_argument_parser
+    from snakemake.exceptions import CliException
+
+    told = io.StringIO()
+    try:
+        with contextlib.redirect_stderr(told), contextlib.redirect_stdout(told):
+            given = get_argument_parser().parse_args(list(options))
+    except SystemExit as stop:
+        if not stop.code:  # of --help and --version
+            return
+        raise VsbError(f"{told.getvalue().strip().splitlines()[-1].partition('error: ')[2]}, of snakemake") from None
+    except CliException as error:
+        raise VsbError(f"{error}, of snakemake") from None
+    for target in given.targets:
+        if target not in TARGETS and not target.startswith(f"{plan.root}/"):
+            names = ", ".join(sorted(TARGETS))
+            raise VsbError(f"target: received {target}, needs one of {names}, or a file in {plan.root}")
 
 
 def _profile(name: str) -> Path:
@@ -65,6 +106,47 @@ def _forced(options: Sequence[str], stale: Sequence[str]) -> list[str]:
         return [*options, *(["--forcerun", *stale] if stale else [])]
     place = options.index(flags[-1]) + 1
     return [*options[:place], *stale, *options[place:]]
+
+
+def finished(command: Sequence[str], env: Mapping[str, str], pass_fds: Sequence[int] = ()) -> int:
+    """Return the exit code of a command; told to end, or interrupted, end all that it started before anything else."""
+    heard = [number for number in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(number) != signal.SIG_IGN]
+    before = {number: signal.signal(number, _told_to_end) for number in heard}
+    interrupt = signal.signal(signal.SIGINT, signal.SIG_IGN)  # of it and its jobs: they are ended here, without a word
+    try:
+        process = subprocess.Popen(command, env=env, pass_fds=pass_fds)
+        signal.signal(signal.SIGINT, interrupt)
+        try:
+            return process.wait()
+        except BaseException:
+            _end(process.pid)
+            process.wait()
+            raise
+    finally:
+        signal.signal(signal.SIGINT, interrupt)
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _told_to_end(number: int, _: object) -> NoReturn:
+    """End as a shell reports it, after one line."""
+    print("vsb: ended; run the same command again to go on from here", file=sys.stderr)
+    raise SystemExit(128 + number)
+
+
+def _end(pid: int) -> None:
+    """Kill a process and all that it started: files are written whole or not at all, so nothing is lost."""
+    tree: list[psutil.Process] = []
+    with contextlib.suppress(psutil.NoSuchProcess):
+        root = psutil.Process(pid)
+        while new := [one for one in (root, *root.children(recursive=True)) if one not in tree]:
+            for one in new:  # stopped, so that they start nothing more
+                with contextlib.suppress(psutil.NoSuchProcess):
+                    one.suspend()
+            tree += new
+    for one in tree:
+        with contextlib.suppress(psutil.NoSuchProcess):
+            one.kill()
 
 
 def _failed(plan: StudyPlan, begun: float) -> int:
