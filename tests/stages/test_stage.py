@@ -87,3 +87,13 @@ def test_a_stage_takes_what_it_reads_and_harmless_values_else(seed):
     assert partial_study(plan.database).flexible
     rigid = StudyPlan(varied(seed, designs={"FSB": {"flexible": False}}))
     assert not partial_study(rigid.database).flexible
+
+
+def test_a_stage_without_specification_reads_none(monkeypatch, tmp_path):
+    """The Green-function table depends on no study: nothing stands on its standard input."""
+    seen = []
+    monkeypatch.setattr("vsb.stages.green.stored_green_function", seen.append)
+    (green,) = (stage for stage in STAGES if stage.name == "green")
+    green.run({"folder": "table", "out": str(tmp_path / "table.done")}, "")
+    assert seen == ["table"]
+    assert (tmp_path / "table.done").read_text().endswith(" s\n")

@@ -33,7 +33,7 @@ class Stage:
         """Run the stage on files by option, with a specification as JSON; imports the science only now."""
         module = importlib.import_module(f"vsb.stages.{self.name}")
         named = {name: files[name] or "" for name in (*self.files, *self.optional)}
-        module.run(*[self.read(text)] * bool(self.spec), **named)
+        module.run(*([self.read(text)] if self.spec else []), **named)
 
     def read(self, text: str) -> Any:
         """Return the specification of a text.
