@@ -179,9 +179,9 @@ class StudyPlan(HydroPlan):
         }
         own[f"{self.folder}/modes.nc"] = content_id(self.modes)
         if self.study.needs_bem:
+            own |= dict.fromkeys(self.response_files.values(), self.response_id)
             own[f"{self.folder}/ladder.csv"] = result_id(self.ladder, self.hydro_ids[0])
         own |= dict.fromkeys(self.display_paths, content_id(self.display))
-        own |= dict.fromkeys(self.response_files.values(), self.response_id)
         files = [*self.products, *map(self.block_path, blocks), *meshes]
         return {path: own.get(path) or self._named_id(path) for path in files}
 
