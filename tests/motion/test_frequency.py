@@ -1,9 +1,11 @@
 import numpy as np
 import pytest
+import xarray as xr
 from conftest import varied
 
 from vsb.errors import DatabaseError
-from vsb.motion.frequency import frequency_grid
+from vsb.motion.frequency import LinearBuoy, frequency_grid
+from vsb.motion.pto import LinearPto
 from vsb.shell.modes import design_motions, study_basis
 from vsb.waves.seas import power_limit
 
@@ -64,6 +66,32 @@ def test_rigid_wet_frequency_solves_its_own_equation(buoy_of, coarse):
     added = buoy.coefficients(np.array([frequency])).added_mass[0, 0, 0]
     assert frequency == pytest.approx(np.sqrt(buoy.stiffness[0, 0] / (buoy.mass[0, 0] + added)), rel=1e-3)
     assert 0.1 < ratio < 0.2
+
+
+@pytest.mark.parametrize("structural", [0.0, 70.0])
+@pytest.mark.parametrize("pto", [0.0, 250.0])
+@pytest.mark.parametrize("radiated", [0.0, 400.0])
+def test_wet_damping_ratio_is_all_damping_over_twice_the_frequency_times_the_mass(structural, pto, radiated):
+    """(B + D + c)/(2 w (M + A)), of heave and of a mode that nothing couples to it."""
+    omega, pair = np.linspace(0.1, 12.0, 240), ("influenced_dof", "radiating_dof")
+    curve = (omega / 2) ** 3 * np.exp(3 - 1.5 * omega)
+    damping = radiated * curve[:, None, None] * np.diag([1.0, 0.1])
+    ds = xr.Dataset(
+        {
+            "inertia_matrix": (pair, np.diag([500.0, 30.0])), "added_mass_inf": (pair, np.diag([300.0, 10.0])),
+            "hydrostatic_stiffness": (pair, np.diag([3000.0, 0.0])), "structural_stiffness": (pair, np.diag([0.0, 900.0])),
+            "radiation_damping": (("omega", *pair), damping),
+        },
+        coords={"omega": omega},
+    )  # fmt: skip
+    buoy = LinearBuoy(ds, np.diag([0.0, structural]), LinearPto(pto))
+    frequencies, ratios = buoy.natural_modes(np.eye(2))
+    for at, (frequency, ratio) in enumerate(zip(frequencies, ratios, strict=True)):
+        here = np.array([frequency])
+        mass = (buoy.mass + buoy.added_mass_inf + buoy.spectrum.added_mass_difference(here)[0])[at, at]
+        lost = buoy.spectrum.at(here)[0][at, at] + (pto, structural)[at]
+        assert frequency == pytest.approx(np.sqrt((3000.0, 900.0)[at] / mass), rel=1e-9)
+        assert ratio == pytest.approx(lost / (2 * frequency * mass), rel=1e-9, abs=1e-15)
 
 
 def test_water_lowers_the_breathing_mode_to_the_published_range(buoy_of, coarse):

@@ -1,0 +1,159 @@
+"""A scene is its buoy: stiffness, damping and mass add up to the same, and what rests stays at rest."""
+
+import itertools
+
+import numpy as np
+import pytest
+import xarray as xr
+from conftest import SEED, varied
+
+from vsb.hydro.statespace import RadiationModel
+from vsb.motion.builders import assumed_pressure_plant, body_exact_plant, linear_plant
+from vsb.motion.forces import AssumedPressure
+from vsb.motion.frequency import LinearBuoy
+from vsb.motion.pto import LinearPto
+from vsb.scenes.rest import reference_shell
+from vsb.shell.modes import design_motions, study_basis
+from vsb.study.study import load
+from vsb.waves.seas import NO_WAVES, Sea
+
+SEA = Sea(np.array([1.5, 2.5]), np.array([0.05 + 0.02j, 0.03j]))
+OMEGA = np.linspace(0.5, 6.0, 12)
+DESIGNS = {"FSB": {"flexible": False}, "VSWEC": {}, "VSWEC90": {"clamp": 90}}
+PARTS = {"structural": "elastic", "hydrostatic": "hydrostatic", "prestress": "prestress", "gas": "gas"}
+
+
+@pytest.fixture(scope="module")
+def studies():
+    """A vented shell about its sphere, one at its equilibrium full of gas under pressure; the shell of each at rest."""
+    vented = varied(load(SEED), designs=DESIGNS, modes={"degree": 3}, device={"young_modulus": 3e7})
+    gas = {"internal_pressure": 30e3, "gas": {"adiabatic_index": 1.4}}
+    pressurised = varied(vented, reference_shape="equilibrium", device=gas)
+    return {"vented": (vented, reference_shell(vented)), "pressurised": (pressurised, reference_shell(pressurised))}
+
+
+def buoy_of(study, reference, parts=tuple(PARTS), *, structural=True, pto=8000.0):
+    """A buoy with the shell of a study and made-up coefficients, and its shape at rest."""
+    dof, rng = len(reference.basis.labels), np.random.default_rng(4)
+    root, pair = rng.normal(size=(dof, dof)), ("influenced_dof", "radiating_dof")
+    push = 1e4 * (rng.normal(size=(len(OMEGA), 1, dof)) + 1j * rng.normal(size=(len(OMEGA), 1, dof)))
+    steady = {"inertia_matrix": reference.basis.inertia, "added_mass_inf": 1e3 * (root @ root.T)}
+    steady |= {f"{name}_stiffness": k for name, k in reference.stiffness.items() if name in parts}
+    swept = {
+        "added_mass": 2e3 * (root @ root.T) / (1 + OMEGA[:, None, None]),
+        "radiation_damping": 1e3 * (root @ root.T),
+    }
+    forces = {"excitation_force": push, "diffraction_force": 0.4 * push, "Froude_Krylov_force": 0.6 * push}
+    ds = xr.Dataset(
+        {name: (pair, value) for name, value in steady.items()}
+        | {name: (("omega", *pair), np.broadcast_to(v, (len(OMEGA), dof, dof))) for name, v in swept.items()}
+        | {name: (("omega", "wave_direction", pair[0]), value) for name, value in forces.items()},
+        coords={"omega": OMEGA, "influenced_dof": list(reference.basis.labels)},
+        attrs={"water_density": study.water.density, "gravity": study.water.gravity, "water_depth": study.water.depth},
+    )
+    damping = reference.basis.damping if structural else 0 * reference.basis.damping
+    return LinearBuoy(ds, damping, LinearPto(pto)), reference.shape
+
+
+def memory(dof):
+    """A radiation memory of two states."""
+    channel = np.array([1.0, 0.5])
+    return RadiationModel(
+        np.array([[0.0, 2.0], [-2.0, 0.0]]) - np.outer(channel, channel) / 2, np.ones((2, dof)), channel
+    )
+
+
+def scenes(study, buoy, shape, design, sea=NO_WAVES):
+    """The linear and the body-exact scene of a design, as functions: not every buoy comes to rest."""
+    motions = design_motions(study, shape.basis, design)
+    radiation = memory(len(motions))
+    return {
+        "linear": lambda: linear_plant(buoy, radiation, sea, motions),
+        "body_exact": lambda: body_exact_plant(buoy, shape, radiation, sea, motions),
+    }
+
+
+@pytest.mark.parametrize("design", DESIGNS)
+@pytest.mark.parametrize("name", ["vented", "pressurised"])
+@pytest.mark.parametrize("model", ["linear", "body_exact"])
+def test_a_scene_has_all_the_stiffness_damping_and_mass_of_its_buoy(studies, name, model, design):
+    """Of a rigid design that of heave: shell, prestress and gas do not feel it."""
+    buoy, shape = buoy_of(*studies[name])
+    assert set(buoy.stiffness_parts) == ({"structural", "hydrostatic"} if name == "vented" else set(PARTS))
+    plant = scenes(studies[name][0], buoy, shape, design, SEA)[model]()
+    n = plant.motions
+    assert plant.stiffness == pytest.approx(n.T @ buoy.stiffness @ n, rel=1e-9, abs=1e-9 * np.abs(buoy.stiffness).max())
+    assert plant.damping == pytest.approx(n.T @ buoy.damping @ n, rel=1e-12, abs=1e-12 * np.abs(buoy.damping).max())
+    assert plant.mass == pytest.approx(buoy.mass + buoy.added_mass_inf, rel=1e-15)
+    assert plant.memory.order == 2
+
+
+@pytest.mark.parametrize(
+    "kept", [c for n in range(4) for c in itertools.combinations(("structural", "prestress", "gas"), n)]
+)
+@pytest.mark.parametrize(("structural", "pto"), [(True, 0.0), (False, 8000.0)])
+def test_a_linear_scene_has_the_forces_of_its_buoy_and_no_others(studies, kept, structural, pto):
+    study, reference = studies["pressurised"]
+    buoy, shape = buoy_of(study, reference, ("hydrostatic", *kept), structural=structural, pto=pto)
+    plant = scenes(study, buoy, shape, "VSWEC", SEA)["linear"]()
+    damped = {"structural_damping"} if structural else {"pto"}
+    assert plant.forces.keys() == {PARTS[k] for k in kept} | {"hydrostatic", "radiation", "excitation"} | damped
+    assert plant.stiffness == pytest.approx(plant.projected(buoy.stiffness_parts.values()), rel=1e-15)
+    assert plant.damping == pytest.approx(plant.projected([buoy.damping]), rel=1e-15)
+    for part in kept:
+        assert plant.forces[PARTS[part]].stiffness == pytest.approx(buoy.stiffness_parts[part], rel=1e-15)
+
+
+@pytest.mark.parametrize("design", DESIGNS)
+@pytest.mark.parametrize("name", ["vented", "pressurised"])
+def test_a_body_exact_scene_stays_where_it_rests_in_still_water(studies, name, design):
+    """All named forces cancel there, weight and preload among them; a shell at its equilibrium rests where it is."""
+    buoy, shape = buoy_of(*studies[name])
+    plant = scenes(studies[name][0], buoy, shape, design)["body_exact"]()
+    weight = 9.81 * studies[name][0].device.mass
+    assert plant.forces["weight"].value[0] == pytest.approx(-weight, rel=1e-12)
+    rest = (plant.motions @ plant.rest)[None]
+    at_rest = plant.named(np.zeros(1), rest, np.zeros_like(rest))
+    total = sum(at_rest.values()) @ plant.motions
+    assert np.abs(total).max() < 1e-9 * weight
+    assert at_rest["hydrostatic"][0, 0] == pytest.approx(weight, rel=1e-6)
+    start, rate = plant.start(0.0, 0.0)
+    assert not rate.any()
+    assert np.abs(plant.motions @ start - rest).max() < 1e-9
+    if name == "pressurised":
+        assert np.abs(rest).max() < 1e-9
+
+
+@pytest.mark.parametrize("design", DESIGNS)
+def test_waves_of_a_body_exact_scene_are_froude_krylov_and_diffraction(studies, design):
+    """To first order in the waves; linear theory has their sum as excitation."""
+    study, reference = studies["vented"]
+    buoy, shape = buoy_of(study, reference)
+    linear, exact = (scenes(study, buoy, shape, design, SEA)[name]() for name in ("linear", "body_exact"))
+    expected = buoy.coefficients(SEA.omega).excitation * SEA.amplitude[:, None]
+    assert linear.excitation.phasors == pytest.approx(expected, rel=1e-12)
+    assert exact.excitation.phasors == pytest.approx(0.4 * expected, rel=1e-9)
+    assert exact.water.waves.omega == pytest.approx(SEA.omega)
+    assert linear.excitation.omega == pytest.approx(SEA.omega)
+
+
+@pytest.mark.parametrize("damped", [True, False])
+@pytest.mark.parametrize("design", DESIGNS)
+def test_a_scene_under_an_assumed_pressure_has_the_shell_the_water_and_the_damper(studies, design, damped):
+    study, _ = studies["vented"]
+    device = {"damping": {"alpha": 0.0, "beta": 1e-3 if damped else 0.0}}
+    basis = study_basis(varied(study, device=device))
+    shape = reference_shell(study, basis).shape
+    motions = design_motions(study, basis, design)
+    load_, pto = AssumedPressure(100.0, 2.0), LinearPto(8000.0 if damped else 0.0)
+    plant = assumed_pressure_plant(shape, pto, load_, 1025.0, 9.81, motions)
+    stiffness = basis.stiffness + shape.hydrostatic_stiffness(1025.0, 9.81)
+    assert plant.stiffness == pytest.approx(plant.projected([stiffness]), rel=1e-12, abs=1e-6)
+    assert plant.damping == pytest.approx(
+        plant.projected([basis.damping, pto.matrix(len(motions))]), rel=1e-12, abs=1e-9
+    )
+    assert plant.mass == pytest.approx(basis.inertia, rel=1e-15)
+    assert plant.forces["weight"].value == pytest.approx(-9.81 * basis.inertia[0], rel=1e-15)
+    moving = {"elastic"} if design != "FSB" else set()
+    lossy = {"pto", *({"structural_damping"} if design != "FSB" else set())} if damped else set()
+    assert plant.forces.keys() == {"water", "weight"} | moving | lossy
