@@ -64,6 +64,14 @@ def test_each_check_sees_its_own_damage(perfect, name):
     assert name in failed(damaged(perfect, *DAMAGES[name]))
 
 
+@pytest.mark.parametrize("matrix", ["added_mass", "radiation_damping"])
+def test_either_matrix_alone_may_lack_symmetry(perfect, matrix):
+    def skew(m):
+        m += 0.02 * np.abs(m).max() * np.array([[0.0, 1.0], [-1.0, 0.0]])
+
+    assert "symmetry" in failed(damaged(perfect, matrix, skew))
+
+
 def test_a_failure_is_one_line_and_can_be_accepted_by_name(perfect):
     wrong = damaged(perfect, *DAMAGES["haskind"])
     with pytest.raises(DatabaseError, match=r"check 'haskind' failed: 0.21, needs at most 0.05 \(damping follows"):

@@ -1,8 +1,14 @@
 import csv
 import io
 
+import numpy as np
+import pytest
+import xarray as xr
+from conftest import varied
+
 from vsb.results import comparison as compare
 from vsb.results.comparison import as_csv
+from vsb.waves.seas import NO_WAVES
 
 CONTRACT = "design,wave,displacement_pp,velocity_pp,power_peak,power_mean,energy,capture_width,energy_gain_percent,energy_residual"
 
@@ -14,3 +20,25 @@ def test_table_has_the_promised_columns_and_no_nan():
     (back,) = csv.DictReader(io.StringIO(text))
     assert back["capture_width"] == ""
     assert back["energy"] == "1"
+
+
+def still_run(energy, residual):
+    """A buoy at rest whose take-off is said to have absorbed some energy [J]."""
+    time = np.linspace(0.0, 60.0, 601)
+    motion = {name: (("time", "dof"), np.zeros((len(time), 1))) for name in ("position", "velocity")}
+    absorbed = (("time", "term"), energy * (time / time[-1])[:, None])
+    coords = {"time": time, "dof": ["Heave"], "term": ["pto"]}
+    return xr.Dataset(motion | {"energy": absorbed}, coords, {"energy_residual": residual})
+
+
+@pytest.mark.parametrize(("rigid", "gain"), [(1e3, 50.0), (1e-7, None), (0.0, None)])
+def test_each_row_is_of_its_own_run_and_no_gain_is_over_round_off(seed, rigid, gain):
+    """1500 J against 1000 J; a rigid buoy at rest absorbs nothing gains could be measured against."""
+    designs = {"R": {"flexible": False}, "S": {"flexible": True}}
+    two = varied(seed, designs=designs, waves=[{"kind": "still"}], published=None)
+    runs = {("R", "still"): still_run(rigid, 1e-7), ("S", "still"): still_run(1.5e3, 3e-6)}
+    rows = compare.comparison(two, runs, {"still": NO_WAVES})
+    assert [row["design"] for row in rows] == ["R", "S"]
+    assert [row["energy_residual"] for row in rows] == [1e-7, 3e-6]
+    assert [row["energy"] for row in rows] == pytest.approx([rigid, 1.5e3])
+    assert rows[1]["energy_gain_percent"] == (pytest.approx(gain) if gain else None)

@@ -7,6 +7,7 @@ import pytest
 from conftest import varied
 
 from vsb.motion.port import Port, port_direction
+from vsb.motion.tuning import mean_power
 from vsb.results.ladder import Given, as_csv, frequencies, ladder
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import design_motions, study_basis
@@ -83,3 +84,27 @@ def test_reference_cases_of_wec_sims_control_example(buoy_of, seed):
     assert port.best_damping == pytest.approx([883448.0, 2.3202e5], rel=1e-3)
     assert port.impedance.real[0] == pytest.approx(4.9181e4, rel=1e-3)
     assert -omega[0] * port.impedance.imag[0] == pytest.approx(-5.7335e5, rel=1e-3)
+
+
+def test_every_rung_is_paid_the_losses_of_its_own_take_off():
+    """Power of damper and spring of each rung at the efficiency given, and no rung but the matched one without."""
+    rng = np.random.default_rng(3)
+    omega = 0.5 + 0.1 * np.arange(8)
+    port, sea = random_port(rng, omega), Sea(omega, rng.rayleigh(size=len(omega)) + 0j)
+    found = ladder({"A": port}, {"sea": sea}, [0], {"A": Given(2.0, 0.0, 0.8)}, 30.0)
+    squares = np.abs(sea.amplitude[None]) ** 2
+    for rung in (rung for rung in found if rung.rung != "matched"):
+        damping, stiffness = np.array([rung.damping]), np.array([rung.stiffness])
+        assert rung.power_mean == pytest.approx(mean_power(port, squares, damping, stiffness, 0.8)[0], rel=1e-9)
+
+
+def test_the_best_force_moves_the_port_by_the_conjugate_of_its_admittance():
+    """V0 - Y V0 / (2 Re Y) = V0 conj(Y) / (2 Re Y): half of the power the force takes is lost in the port."""
+    omega, y, v = np.array([1.7]), np.array([0.4 - 0.9j]), np.array([0.6 + 0.2j])
+    found = ladder(
+        {"A": Port(omega, y, v, 1.0)}, {"w": Sea(omega, np.array([0.5 + 0j]))}, [0], {"A": Given(None)}, 10.0
+    )
+    (best,) = (rung for rung in found if rung.rung == "matched")
+    assert best.force_peak == pytest.approx(0.5 * abs(v[0]) / 0.8, rel=1e-12)
+    assert best.stroke_peak == pytest.approx(0.5 * abs(v[0] * y[0]) / 0.8 / 1.7, rel=1e-12)
+    assert best.power_mean == pytest.approx(0.25 * abs(v[0]) ** 2 / 8 / 0.4, rel=1e-12)

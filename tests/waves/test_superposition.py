@@ -40,6 +40,14 @@ def test_an_hour_of_a_sea_costs_no_digits():
     assert np.abs(found - direct(waves.omega, waves.amplitude[:, None], time[some])).max() < 1e-11
 
 
+def test_components_that_are_nearly_of_one_spacing_keep_their_own_frequencies():
+    """Off by a millionth: after an hour their phases are."""
+    omega = np.linspace(0.3, 9.0, 3 * FEW)
+    omega[FEW] *= 1 + 1e-6
+    phasors, time = random_phasors(len(omega), 1), np.linspace(0.0, 3600.0, 7201)
+    assert superposed(omega, phasors, time) == pytest.approx(direct(omega, phasors, time), abs=1e-9)
+
+
 def test_no_components_make_no_signal():
     assert not superposed(np.zeros(0), np.zeros((0, 2), dtype=complex), np.linspace(0.0, 1.0, 5)).any()
 
