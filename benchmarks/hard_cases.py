@@ -40,12 +40,11 @@ from vsb.motion.system import System
 from vsb.scenes.build import SCENES
 from vsb.scenes.rest import check_stable, reference_shell
 from vsb.shell.modes import design_motions, rigid_basis, study_basis
-from vsb.stages import database, radiation, spectral
+from vsb.stages.make import make
 from vsb.stages.stage import partial_study
 from vsb.study.plan import StudyPlan
 from vsb.study.reading import read_yaml
 from vsb.study.sections import Device
-from vsb.study.specs import SpectralSpec
 from vsb.study.study import Study, parse
 from vsb.tools.files import write_text
 from vsb.tools.units import FloatArray
@@ -166,27 +165,16 @@ def case_study(case: Case) -> Study:
 
 
 def hydro_files(study: Study, folder: str | Path) -> dict[str, Any]:
-    """Return database and radiation model of a study by name, made by the workflow's commands if not there yet.
+    """Return database and radiation model of a study by name, made if not there yet.
 
     Files are named by content, so cases share them.
     """
     plan = StudyPlan(study, root=str(folder))
     check_stable(study, reference_shell(study))
-    if not study.needs_bem:
-        return {}
-    plan.check_waves()
-    for block in plan.bem_blocks.values():
-        if isinstance(block, SpectralSpec):
-            _once(plan.block_path(block), partial(spectral.run, block))
-    _once(plan.database_path, partial(database.run, plan.database, plan.block_folder))
-    _once(plan.radiation_path, partial(radiation.run, plan.radiation, plan.database_path))
+    if study.needs_bem:
+        plan.check_waves()
+    make(plan, plan.hydro_files.values())
     return dict(plan.hydro_files)
-
-
-def _once(path: str, make: Callable[[str], None]) -> None:
-    """Make a file that is not there."""
-    if not Path(path).exists():
-        make(path)
 
 
 # simulation ---------------------------------------------------------------------------------------------------------

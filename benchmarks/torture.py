@@ -13,6 +13,7 @@ import tempfile
 import traceback
 import warnings
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -22,11 +23,9 @@ import yaml
 
 from vsb.errors import VsbError
 from vsb.stages import preview
-from vsb.stages.stage import STAGES
-from vsb.study.blocks import BlockSpec
+from vsb.stages.make import make
 from vsb.study.plan import StudyPlan
-from vsb.study.specs import Spec, SpectralSpec
-from vsb.study.study import Study, canonical, load
+from vsb.study.study import Study, load
 from vsb.tools.files import write_text
 
 Raw = dict[str, Any]
@@ -196,48 +195,14 @@ def fate(text: str, folder: Path, run: bool = True) -> Outcome:
 
 
 def run_stages(study: Study, plan: StudyPlan) -> str:
-    """Run the stages of a study in this process, without figures and report; return what is not finite, if anything."""
-    _stage("modes", plan.modes, out=f"{plan.folder}/modes.nc")
-    if study.needs_bem:
-        for block in plan.bem_blocks.values():
-            _solve(plan, block)
-        _stage("database", plan.database, blocks=plan.block_folder, out=plan.database_path)
-        _stage("radiation", plan.radiation, database=plan.database_path, out=plan.radiation_path)
-        _stage("response", plan.response, database=plan.database_path, out=plan.response_files["response"])
-    for wave in study.waves:
-        for design in study.designs:
-            out = plan.trajectory_path(design, wave.label)
-            _stage("simulate", plan.simulation(design, wave), **plan.hydro_files, out=out)
-    files = {
-        "out": "comparison.csv",
-        "statistics": "statistics.csv",
-        "validity": "validity.json",
-        "study": "study.json",
-    }
-    named = {key: f"{plan.folder}/{name}" for key, name in {**files, "trajectories": "trajectories"}.items()}
-    _stage("compare", plan.comparison, **named, **plan.hydro_files, **plan.response_files)
+    """Run a study in this process, without second solver, figures and report; return what is not finite, if anything.
+
+    A second solver takes far longer than all the rest.
+    """
+    alone = study.model_copy(update={"hydro": study.hydro.model_copy(update={"witness": "none"})})
+    plan = replace(plan, study=alone)
+    make(plan, [path for path in plan.products if not path.endswith((".html", ".svg", ".vtu"))])
     return _not_finite(Path(plan.folder))
-
-
-def _stage(name: str, spec: Spec | None, **files: str) -> None:
-    """Run a stage on its specification as text, as a rule hands it over."""
-    (stage,) = (stage for stage in STAGES if stage.name == name)
-    stage.run({**dict.fromkeys(stage.optional), **files}, canonical(spec) if spec else "")
-
-
-def _solve(plan: StudyPlan, block: BlockSpec) -> None:
-    """Solve one block by the solver its spec names."""
-    out = plan.block_path(block)
-    if Path(out).exists():
-        return
-    if isinstance(block, SpectralSpec):
-        _stage("spectral", block, out=out)
-        return
-    green, mesh = plan.green_folder, plan.mesh_path(block.mesh)
-    if not Path(green, "done").exists():
-        _stage("green", None, folder=green, out=f"{green}/done")
-    _stage("mesh", block.mesh, out=mesh)
-    _stage("panels", block, mesh=mesh, green=green, out=out)
 
 
 def _not_finite(folder: Path) -> str:

@@ -5,6 +5,7 @@ import csv
 import fcntl
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -18,10 +19,11 @@ import yaml
 from conftest import SEED
 from snakemake.shell import shell
 
+import vsb
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
 from vsb.study.study import canonical
-from vsb.tools.files import load
+from vsb.tools.files import load, read_groups
 
 BASE = yaml.safe_load(SEED.read_text())
 BASE["study"] = "base"
@@ -150,6 +152,33 @@ def test_a_lost_product_is_made_again(folder):
 
 def test_a_second_run_has_nothing_to_do(folder):
     assert planned(folder, BASE) == {}
+
+
+SECONDS = re.compile(r"\d[\d.e+-]*(?= s\b| on one core)")
+
+
+def contents(path):
+    """What a file of results says, without the seconds it took."""
+    if path.suffix != ".nc":
+        text = path.read_text(encoding="utf-8")
+        return SECONDS.sub("", text) if path.suffix == ".html" else text
+    said = {name: ds.drop_vars([key for key in ds if "seconds" in key]) for name, ds in read_groups(path).items()}
+    for ds in said.values():
+        ds.attrs = {key: value for key, value in ds.attrs.items() if "seconds" not in key and key != "checksum"}
+    return repr([(name, ds.to_dict()) for name, ds in said.items()])
+
+
+def test_in_one_process_the_same_files_say_the_same(folder, tmp_path, monkeypatch):
+    """`vsb.run` beside the workflow: by panels, with the second solver; nothing is left to do for the workflow."""
+    monkeypatch.chdir(tmp_path)
+    shutil.copytree(folder / "results/hydro/green", "results/hydro/green")
+    results = vsb.run(vsb.load(folder / "base.yaml"))
+    for path in results.plan.ids:
+        assert contents(tmp_path / path) == contents(folder / path), path
+    rows = csv.DictReader((folder / "results/base/comparison.csv").open())
+    assert [row["power_mean"] for row in rows] == [f"{row['power_mean']:.10g}" for row in results.comparison]
+    dry = run(tmp_path, folder / "base.yaml", "-n")
+    assert "Nothing to be done" in dry.stdout + dry.stderr
 
 
 def test_comments_order_and_spelling_rerun_nothing(folder):

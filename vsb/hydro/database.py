@@ -147,6 +147,20 @@ def stored_checks(ds: xr.Dataset) -> list[Check]:
     return [Check(**item) for item in json.loads(ds.attrs["quality"])]
 
 
+def open_database(path: str | Path) -> xr.Dataset:
+    """Return the frequency sweep of a stored database: of a study, of a body, or read from another code's files.
+
+    Raises
+    ------
+    DatabaseError
+        If the file is unreadable, or no hydro database.
+    """
+    ds = load(path)
+    if "separate_sweep" not in ds.attrs:
+        raise DatabaseError(f"{path}: holds no hydro database; needs one of results/hydro/db, or an imported one.")
+    return _sweep(ds, path)
+
+
 def load_database(path: str | Path, expected_id: str) -> xr.Dataset:
     """Return the frequency sweep of a stored database after checking that it is the one expected.
 
@@ -161,11 +175,15 @@ def load_database(path: str | Path, expected_id: str) -> xr.Dataset:
         raise DatabaseError(
             f"{path}: holds the database {found!r}, needs {expected_id!r}; delete or move the file and run again."
         )
-    if ds.attrs["separate_sweep"]:
-        sweep = load(path, group=SWEEP)
-        constant = [name for name in ds.data_vars if "omega" not in ds[name].dims]
-        return sweep.assign({name: ds[name] for name in constant}).assign_attrs(ds.attrs)
-    return ds
+    return _sweep(ds, path)
+
+
+def _sweep(ds: xr.Dataset, path: str | Path) -> xr.Dataset:
+    """The frequency sweep of a file: in a group of its own if other frequencies are tabulated."""
+    if not ds.attrs["separate_sweep"]:
+        return ds
+    constant = [name for name in ds.data_vars if "omega" not in ds[name].dims]
+    return load(path, group=SWEEP).assign({name: ds[name] for name in constant}).assign_attrs(ds.attrs)
 
 
 def save_database(tabulated: xr.Dataset, sweep: xr.Dataset | None, path: str | Path) -> None:

@@ -3,6 +3,7 @@
 import io
 from pathlib import Path
 
+import matplotlib as mpl
 import numpy as np
 import xarray as xr
 
@@ -44,10 +45,11 @@ def run(
         witness=load(witness, expected=Path(witness).stem) if witness else xr.Dataset(),
     )
     files = {name: f"{out}/{name}.svg" for name in figure_names(study)}
-    for name, path in files.items():
-        text = io.StringIO()
-        draw(name, data).savefig(text, format="svg", metadata={"Date": None})
-        write_text(path, text.getvalue())
+    with mpl.rc_context():  # the caller's own figures keep their looks
+        for name, path in files.items():
+            text = io.StringIO()
+            draw(name, data).savefig(text, format="svg", metadata={"Date": None})
+            write_text(path, text.getvalue())
     record(manifest, plan.study_id, files.values())
 
 

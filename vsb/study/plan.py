@@ -158,9 +158,9 @@ class StudyPlan(HydroPlan):
 
     @cached_property
     def study_id(self) -> str:
-        """Id of what is made of all results together: tables, figures, report."""
+        """Id of what is made of all results together: tables, figures, report; designs in any order."""
         response = [self.response_id] if self.study.needs_bem else []
-        runs = [self.trajectory_id(design, wave) for wave in self.study.waves for design in self.study.designs]
+        runs = [self.trajectory_id(design, wave) for wave in self.study.waves for design in sorted(self.study.designs)]
         witness = [content_id(self.witness)] if self.witness else []
         return result_id(self.comparison, content_id(self.modes), *self.hydro_ids, *witness, *response, *runs)
 

@@ -1,0 +1,49 @@
+import re
+
+import pytest
+from conftest import HERE, SEED, varied
+
+from vsb.stages.make import due, jobs
+from vsb.study import study as config
+from vsb.study.plan import StudyPlan
+
+STUDIES = {
+    "spectral": {},
+    "without witness": {"hydro": {"witness": "none"}},
+    "panels": {"hydro": {"rows": 16, "omega_max": 5.0, "omega": (1.0, 2.0)}},
+    "shallow": {"water": {"depth": 2.02}},
+    "assumed pressure": {"hydro": {"model": "assumed_pressure", "pressure": 1800.0}},
+}
+
+
+@pytest.fixture(params=STUDIES)
+def plan(request, tmp_path):
+    return StudyPlan(varied(config.load(SEED), **STUDIES[request.param]), root=str(tmp_path))
+
+
+def test_jobs_make_all_products_each_once_after_what_it_needs(plan):
+    made = []
+    for job in jobs(plan):
+        assert set(job.needs) <= set(made), job.stage
+        made += job.makes
+    assert len(made) == len(set(made))
+    assert set(plan.products) <= set(made)
+    assert set(made) - set(plan.ids) <= {f"{plan.green_folder}.done"}
+
+
+def test_every_rule_of_the_workflow_is_a_job_of_some_study(tmp_path):
+    rules = "".join(path.read_text() for path in (HERE.parent / "workflow" / "rules").glob("*.smk"))
+    plans = [StudyPlan(varied(config.load(SEED), **changes)) for changes in STUDIES.values()]
+    assert {job.stage for plan in plans for job in jobs(plan)} == set(re.findall(r"^rule (\w+):", rules, re.MULTILINE))
+
+
+def test_only_what_is_missing_or_stale_and_wanted_is_due(tmp_path):
+    plan = StudyPlan(varied(config.load(SEED), hydro={"witness": "none"}), root=str(tmp_path))
+    ordered, targets = jobs(plan), [plan.radiation_path]
+    named = [job.stage for job in due(ordered, targets)]
+    assert named[-2:] == ["database", "radiation"]
+    assert set(named[:-2]) == {"spectral"}
+    (tmp_path / "hydro" / "db").mkdir(parents=True)
+    (tmp_path / "hydro" / "db" / plan.database_path.split("/")[-1]).touch()
+    assert [job.stage for job in due(ordered, targets)] == ["radiation"]
+    assert [job.stage for job in due(ordered, targets, stale=[plan.database_path])] == named

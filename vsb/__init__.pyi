@@ -1,0 +1,35 @@
+"""The public names, described in docs/api.md: `vsb/__init__.py` reads here where each is, type checkers what it is."""
+
+from vsb.errors import VsbError as VsbError
+from vsb.hydro.bodies.body import FlexibleBody as FlexibleBody
+from vsb.hydro.bodies.solver import BodyProblem as BodyProblem
+from vsb.hydro.database import open_database as open_database
+from vsb.hydro.dofs import Displacement as Displacement
+from vsb.hydro.spectral.solver import SpectralProblem as SpectralProblem
+from vsb.integrators.harmonic_balance import harmonic_balance as harmonic_balance
+from vsb.integrators.simulate import simulate as simulate
+from vsb.motion.frequency import LinearBuoy as LinearBuoy
+from vsb.motion.port import Port as Port
+from vsb.motion.pto import LinearPto as LinearPto
+from vsb.motion.system import System as System
+from vsb.scenes.build import Scene as Scene
+from vsb.shell.deformed import DeformedShell as DeformedShell
+from vsb.shell.modes import ModeBasis as ModeBasis
+from vsb.shell.sphere import Shell as Shell
+from vsb.stages.make import run as run
+from vsb.stages.stored import Results as Results
+from vsb.study.study import Design as Design
+from vsb.study.study import Device as Device
+from vsb.study.study import Hydro as Hydro
+from vsb.study.study import Jonswap as Jonswap
+from vsb.study.study import Modes as Modes
+from vsb.study.study import PiersonMoskowitz as PiersonMoskowitz
+from vsb.study.study import Pto as Pto
+from vsb.study.study import RegularWave as RegularWave
+from vsb.study.study import Simulation as Simulation
+from vsb.study.study import StillWater as StillWater
+from vsb.study.study import Study as Study
+from vsb.study.study import Water as Water
+from vsb.study.study import load as load
+
+__version__: str

@@ -1,0 +1,150 @@
+"""A study in this process: its stages in the order of their inputs, finished files kept, without Snakemake."""
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from vsb.stages.alone import alone
+from vsb.stages.preview import check_before_run
+from vsb.stages.stage import STAGES
+from vsb.stages.stored import Results
+from vsb.stages.verify import stale_products
+from vsb.study.plan import StudyPlan, figure_names
+from vsb.study.specs import PanelsSpec
+from vsb.study.study import Study, canonical
+from vsb.tools.files import check_folder
+
+
+@dataclass(frozen=True)
+class Job:
+    """One stage at work: its specification, none where it has none, and its files."""
+
+    stage: str
+    spec: Any
+    files: dict[str, str]  # by option, as on the command line
+    makes: tuple[str, ...]
+    needs: tuple[str, ...] = ()
+
+    def run(self) -> None:
+        """Run the stage on its specification as text, as a rule hands it over."""
+        (stage,) = (stage for stage in STAGES if stage.name == self.stage)
+        stage.run({**dict.fromkeys(stage.optional), **self.files}, canonical(self.spec) if self.spec else "")
+
+
+def run(study: Study, folder: str | Path = "results") -> Results:
+    """Run a whole study in this process: files and numbers are those of `vsb run`, finished ones are kept.
+
+    Parameters
+    ----------
+    study : Study
+    folder : str or Path
+        Folder of all results; studies in it share their hydrodynamics.
+
+    Raises
+    ------
+    VsbError
+        If the study cannot be run, a check of its hydrodynamics fails, or another run is at work in the folder.
+    """
+    plan = StudyPlan(study, root=str(folder))
+    check_before_run(study, plan)
+    check_folder(folder)
+    with alone(Path(folder)):
+        make(plan, plan.products, stale=stale_products(plan, dry=False))
+    return Results(study, str(folder))
+
+
+def make(plan: StudyPlan, targets: Collection[str], stale: Collection[str] = ()) -> None:
+    """Make files of a study, and what they need; those that are there, and not stale, are kept."""
+    for job in due(jobs(plan), targets, stale):
+        job.run()
+
+
+def due(ordered: Sequence[Job], targets: Collection[str], stale: Collection[str] = ()) -> list[Job]:
+    """Return the jobs that make what is wanted and missing or stale: targets, and what other such jobs need."""
+    wanted, found = set(targets), []
+    for job in reversed(ordered):
+        if any(path in wanted and (path in stale or not Path(path).exists()) for path in job.makes):
+            found.append(job)
+            wanted.update(job.needs)
+    return found[::-1]
+
+
+def jobs(plan: StudyPlan) -> list[Job]:
+    """Return the jobs of a study, the rules of the workflow, each after those whose files it needs."""
+    hydrodynamics = [*_blocks(plan), *_witness(plan), *_coefficients(plan)] if plan.study.needs_bem else []
+    return [*_shell(plan), *hydrodynamics, *_runs(plan), *_answers(plan)]
+
+
+def _shell(plan: StudyPlan) -> Iterator[Job]:
+    """Shell modes and viewable meshes."""
+    modes, display = f"{plan.folder}/modes.nc", {"out": plan.display_folder, "manifest": plan.manifest}
+    yield Job("modes", plan.modes, {"out": modes}, (modes,))
+    yield Job("display", plan.display, display, tuple(plan.display_paths))
+
+
+def _blocks(plan: StudyPlan) -> Iterator[Job]:
+    """Blocks of frequencies; the Green-function table and meshes if by panels."""
+    green = f"{plan.green_folder}.done"
+    if plan.study.uses_panels or plan.witness:
+        yield Job("green", None, {"folder": plan.green_folder, "out": green}, (green,))
+    by_panels = [block for block in plan.bem_blocks.values() if isinstance(block, PanelsSpec)]
+    for mesh, spec in {plan.mesh_path(block.mesh): block.mesh for block in by_panels}.items():
+        yield Job("mesh", spec, {"out": mesh}, (mesh,))
+    for block in plan.bem_blocks.values():
+        out = plan.block_path(block)
+        if isinstance(block, PanelsSpec):
+            mesh = plan.mesh_path(block.mesh)
+            yield Job("panels", block, {"mesh": mesh, "green": plan.green_folder, "out": out}, (out,), (mesh, green))
+        else:
+            yield Job("spectral", block, {"out": out}, (out,))
+
+
+def _witness(plan: StudyPlan) -> Iterator[Job]:
+    """The second solver."""
+    if plan.witness:
+        meshes, out = tuple(plan.deformed_paths), plan.witness_files["witness"]
+        files = {"meshes": str(Path(meshes[0]).parent), "green": plan.green_folder, "out": out}
+        yield Job("deformed", plan.witness.meshes, {"out": files["meshes"]}, meshes)
+        yield Job("witness", plan.witness, files, (out,), (*meshes, f"{plan.green_folder}.done"))
+
+
+def _coefficients(plan: StudyPlan) -> Iterator[Job]:
+    """The hydro database, and what follows from it alone."""
+    stored, radiation = plan.database_path, plan.radiation_path
+    response, ladder = plan.response_files["response"], f"{plan.folder}/ladder.csv"
+    blocks, read = tuple(map(plan.block_path, plan.bem_blocks.values())), {"database": stored}
+    yield Job("database", plan.database, {"blocks": plan.block_folder, "out": stored}, (stored,), blocks)
+    yield Job("radiation", plan.radiation, {**read, "out": radiation}, (radiation,), (stored,))
+    yield Job("response", plan.response, {**read, "out": response}, (response,), (stored,))
+    yield Job("ladder", plan.ladder, {**read, "out": ladder, "manifest": plan.manifest}, (ladder,), (stored,))
+
+
+def _runs(plan: StudyPlan) -> Iterator[Job]:
+    """One run in time per design and sea."""
+    hydro = plan.hydro_files
+    for wave in plan.study.waves:
+        for design in plan.study.designs:
+            out = plan.trajectory_path(design, wave.label)
+            yield Job("simulate", plan.simulation(design, wave), {**hydro, "out": out}, (out,), tuple(hydro.values()))
+
+
+def _answers(plan: StudyPlan) -> Iterator[Job]:
+    """Tables, figures, report."""
+    folder, study = plan.folder, plan.study
+    files = {**plan.hydro_files, **plan.response_files, **plan.witness_files}
+    runs = tuple(plan.trajectory_path(design, wave.label) for wave in study.waves for design in study.designs)
+    read, modes = (*files.values(), *runs), f"{folder}/modes.nc"
+    files |= {"trajectories": f"{folder}/trajectories", "manifest": plan.manifest}
+    tables = {
+        "out": f"{folder}/comparison.csv",
+        "statistics": f"{folder}/statistics.csv",
+        "validity": f"{folder}/validity.json",
+        "study": f"{folder}/study.json",
+        "tables": f"{folder}/tables.json",
+    }
+    yield Job("compare", plan.comparison, files | tables, tuple(tables.values()), read)
+    figures = tuple(f"{folder}/figures/{name}.svg" for name in figure_names(study))
+    yield Job("figures", study, {**files, "modes": modes, "out": f"{folder}/figures"}, figures, (*read, modes))
+    report, drawn = f"{folder}/report.html", {"tables": tables["tables"], "figures": f"{folder}/figures"}
+    yield Job("report", study, {**files, **drawn, "out": report}, (report,), (*read, drawn["tables"], *figures))
