@@ -1,0 +1,150 @@
+"""Every limit of the ledger is crossed: a hundredth below it a check is ok, a hundredth above it is not."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from conftest import varied
+
+from vsb.results import ledger
+from vsb.results.statistics import FEWEST_BATCHES, Line, statistical_checks
+from vsb.shell.modes import mode_basis, study_basis
+from vsb.study.study import PiersonMoskowitz, RegularWave, Water
+from vsb.waves.seas import power_limit
+
+WAVE = RegularWave(kind="regular", amplitude=0.5, period=4.0)
+LENGTH = 2 * np.pi * 9.81 / WAVE.omega**2
+TIME = np.linspace(0.0, 60.0, 61)
+
+
+def run(heave=0.0, breathing=0.0, residual=0.0, **attrs):
+    """A run that only breathes and heaves, at its most at 50 s."""
+    position = np.zeros((61, 8))
+    position[50, :2] = heave, breathing
+    labels = ["Heave", *(f"Membrane{n}" for n in range(7))]
+    attrs = {"design": "VSWEC", "wave": "w", "energy_residual": residual, **attrs}
+    return xr.Dataset({"position": (("time", "dof"), position)}, coords={"time": TIME, "dof": labels}, attrs=attrs)
+
+
+def of_run(study, **motion):
+    return ledger.run_checks(study, study_basis(study), run(**motion))
+
+
+def of_auto(study, errors):
+    """What the automatic model left out of both designs."""
+    two = varied(study, hydro={"model": "auto"}, designs={"FSB": {"flexible": False}, "VSWEC": {}})
+    attrs = {"description": "linear", "left_out": "[]"}
+    label = two.waves[0].label
+    runs = {(d, label): xr.Dataset(attrs={"power_error": e, **attrs}) for d, e in zip(two.designs, errors, strict=True)}
+    return ledger.simplification_checks(two, two.waves[0], runs)
+
+
+def of_wave(height):
+    return ledger.wave_checks(RegularWave(kind="regular", amplitude=height / 2, period=4.0), Water(), 12.0)
+
+
+def of_band(share):
+    """A fully developed sea of which 1 - exp(-1.25 (omega_p/omega)^4) lies above 2 rad/s."""
+    peak = 2.0 * (-np.log(1 - share) / 1.25) ** 0.25
+    return ledger.wave_checks(PiersonMoskowitz(kind="pierson_moskowitz", hs=0.01, tp=2 * np.pi / peak), Water(), 2.0)
+
+
+def of_lines(study, half=1.0, apart=0.0, batches=20):
+    low, high = (None, None) if batches < FEWEST_BATCHES else (100.0 - half, 100.0 + half)
+    line = Line("FSB", "sea", 1, batches, 100.0, low, high, 100.0 + apart, None, None, None)
+    return statistical_checks(study, [line])
+
+
+def of_radiation(study, error=0.0, margin=0.0):
+    attrs = {"order": 8, "fit_error": error, "passivity_margin": margin}
+    return ledger.radiation_checks(xr.Dataset(attrs=attrs), study)
+
+
+def of_limit(share):
+    ds = xr.Dataset({"absorbed_power": (("design", "omega"), [[1.0, share]]), "power_limit": ("omega", [2.0, 1.0])})
+    return [ledger.limit_check(ds)]
+
+
+def of_pressure(study, share):
+    """Mean power of a share of what a wave of the same pressure could give."""
+    assumed = varied(study, hydro={"model": "assumed_pressure", "pressure": 1025 * 9.81}, waves=[WAVE.model_dump()])
+    best = share * power_limit(WAVE.omega, np.inf, 1025.0, 9.81)
+    rows = [{"design": d, "wave": WAVE.label, "power_mean": p} for d, p in (("FSB", 0.5 * best), ("VSWEC", best))]
+    return ledger.assumed_pressure_checks(assumed, rows)
+
+
+def of_transient(difference):
+    runs = {("FSB", "w"): xr.Dataset(attrs={"steady_power": 100.0, "steady_decay": 0.1})}
+    return ledger.transient_checks(runs, [{"design": "FSB", "wave": "w", "power_mean": 100.0 * (1 + difference)}])
+
+
+CASES = {
+    "energy_residual": (1e-6, "-", lambda s, x: of_run(s, residual=x)),
+    "heave": (0.3, "-", lambda s, x: of_run(s, heave=2.0 * x)),
+    "constraint_drift": (1e-9, "m", lambda s, x: of_run(s, constraint_drift=x)),
+    "deformation": (0.1, "-", lambda s, x: of_run(s, breathing=2.0 * x)),
+    "strain": (0.02, "-", lambda s, x: of_run(s, breathing=2.0 * x)),
+    "steepness": (0.05, "-", lambda s, x: of_wave(x * LENGTH)),
+    "spectrum_cut": (0.01, "-", lambda s, x: of_band(x)),
+    "transient": (0.005, "-", lambda s, x: of_transient(x)),
+    "time_and_frequency_domain": (0.005, "-", lambda s, x: [ledger.steady_state_check(s, WAVE, 4.0, 1.0 + x, "FSB")]),
+    "linearity": (0.05, "-", lambda s, x: [ledger.linearity_check(s, WAVE, 4.0, 1.0 - x, "FSB")]),
+    "left_out": (0.01, "-", lambda s, x: of_auto(s, (0.0, x))),
+    "gain_error": (0.02, "-", lambda s, x: of_auto(s, (0.009, x - 0.009))),
+    "power_limit": (1.01, "-", lambda s, x: of_limit(x)),
+    "radiation_fit": (1e-3, "-", lambda s, x: of_radiation(s, error=x)),
+    "passivity": (1e-12, "-", lambda s, x: of_radiation(s, margin=-x)),
+    "assumed_pressure": (1.0, "-", of_pressure),
+    "statistical_error": (0.1, "-", lambda s, x: of_lines(s, half=100 * x)),
+    "spectral_prediction": (1.5, "-", lambda s, x: of_lines(s, half=2.0, apart=2.0 * x)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_limit_lies_where_it_is_stated(seed, name):
+    limit, unit, checks = CASES[name]
+    below, above = (
+        next(check for check in reversed(checks(seed, x * limit)) if check.name == name) for x in (0.99, 1.01)
+    )
+    assert (below.verdict, above.verdict != "ok") == ("ok", True)
+    for check, share in ((below, 0.99), (above, 1.01)):
+        assert (check.limit, check.unit) == (pytest.approx(limit, rel=1e-12), unit)
+        assert check.value == pytest.approx(share * limit, rel=2e-3)
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-9])
+def test_energy_is_balanced_to_the_tolerance_of_the_run_but_no_better_than_a_millionth(seed, tolerance):
+    limit = max(tolerance, 1e-6)
+    study = varied(seed, simulation={"tolerance": tolerance})
+    verdicts = [of_run(study, residual=x * limit)[0].verdict for x in (0.99, 1.01, 5.1)]
+    assert verdicts == ["ok", "doubt", "fail"]
+
+
+def test_a_record_is_long_enough_from_the_fewest_batches_on(seed):
+    assert [c.name for c in of_lines(seed, batches=6)] == ["statistical_error", "spectral_prediction"]
+    (short,) = of_lines(seed, batches=5)
+    assert (short.name, short.verdict, short.value) == ("record_length", "doubt", 1.2)
+
+
+def test_only_the_window_counts(seed):
+    study = varied(seed, simulation={"window": [51.0, 60.0]})
+    values = {check.name: check.value for check in of_run(study, heave=5.0, breathing=1.0)}
+    assert (values["heave"], values["deformation"], values["strain"]) == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    "mode", ["Membrane0", "Membrane2", "Membrane3", "Membrane4", "Bending2", "Bending3", "Bending4"]
+)
+def test_strain_is_that_of_circles_and_meridians(seed, mode):
+    """How much longer parallels and meridians get, from where the shell's points go; some modes strain one far more."""
+    basis = mode_basis(seed.device, "full", 4)
+    amplitudes = 1e-6 * (np.array(basis.labels) == mode)
+    phi, r, h = np.linspace(0.01, np.pi - 0.01, 361), basis.shell.radius, 1e-5
+
+    def moved(at):
+        v, u = (amplitudes @ part for part in basis.displacement(at))
+        return (r + v) * np.sin(at) + u * np.cos(at), (r + v) * np.cos(at) - u * np.sin(at)
+
+    (x, _), (x1, z1), (x0, z0) = (moved(phi + d) for d in (0.0, h, -h))
+    hoop, meridional = x / (r * np.sin(phi)) - 1, np.hypot(x1 - x0, z1 - z0) / (2 * h * r) - 1
+    expected = max(np.abs(hoop).max(), np.abs(meridional).max())
+    assert ledger.largest_strain(basis, amplitudes) == pytest.approx(expected, rel=1e-3)
