@@ -1,0 +1,63 @@
+"""The map of when flexibility pays, on one shell and two periods."""
+
+import csv
+import itertools
+
+import numpy as np
+import pytest
+from conftest import varied
+
+from examples import when_flexibility_pays as example
+from vsb.study.study import canonical
+
+
+@pytest.fixture(scope="module")
+def rows(tmp_path_factory, seed):
+    folder = tmp_path_factory.mktemp("map")
+    small = varied(seed, modes={"degree": 2}, hydro={"omega_max": 6.0})
+    (folder / "small.yaml").write_text(canonical(small.model_dump(exclude_none=True)))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(example, "PERIODS", (3.06, 5.0))
+        patch.setattr(example, "SOFTNESS", (1.0, 4.0))
+        found = example.mapped({"vented": str(folder / "small.yaml")}, folder)
+        figure = example.drawn(found)
+    assert len(figure.axes) == 2 * len(example.LIMITS) + 1
+    return found
+
+
+def test_with_force_free_no_shell_takes_more_and_none_much_less(rows):
+    """One radiation channel: the matched power is the same whatever the shell, less its structural loss."""
+    free = [row.gain_percent for row in rows if np.isinf(row.force_limit)]
+    assert len(free) == 8
+    assert all(-1.0 < gain < 0.0 for gain in free)
+
+
+def test_more_force_takes_more_and_with_little_the_shell_helps(rows):
+    cases = {(row.young_modulus, row.wave, row.period) for row in rows}
+    for case in cases:
+        here = [row for row in rows if (row.young_modulus, row.wave, row.period) == case]
+        assert [row.force_limit for row in here] == list(example.LIMITS)
+        for name in ("rigid_power", "flexible_power"):
+            powers = [getattr(row, name) for row in here]
+            assert all(less < more for less, more in itertools.pairwise(powers))
+        assert here[0].gain_percent > 1.0
+        assert max(row.gap for row in here) <= 1e-6
+
+
+def test_a_stiffer_shell_gains_less_and_buckles_later(rows):
+    soft, stiff = ([row for row in rows if row.young_modulus == e] for e in (10e6, 40e6))
+    assert all(a.gain_percent > b.gain_percent for a, b in zip(soft, stiff, strict=True) if a.force_limit == 0.1)
+    assert stiff[0].buckling_factor == pytest.approx(4 * soft[0].buckling_factor, rel=1e-9)
+    table = list(csv.reader(example.as_csv(rows).splitlines()))
+    assert tuple(table[0]) == example.Row._fields
+    assert len(table) == len(rows) + 1
+
+
+def test_the_damper_found_is_the_best(seed):
+    """The unit of force, against the closed form of a regular wave: |Z| |V| at c = |Z|."""
+    omega = np.array([2.0])
+    port = example.Port(omega, np.array([1e-5 + 2e-5j]), np.array([0.3 + 0.1j]), 0.0)
+    velocity = port.velocity / (1 + port.admittance * port.best_damping)
+    exact = float(np.abs(port.best_damping * velocity)[0] / np.sqrt(2))
+    waves = example.Sea(omega, np.array([1.0 + 0j]))
+    assert example.best_damper_force(port, waves, np.array([0])) == pytest.approx(exact, rel=0.02)
