@@ -111,3 +111,12 @@ def test_separate_sweep_is_what_the_models_read(tmp_path):
     save_database(block([7.0]).assign_attrs(facts), block([1.0, 2.0, 3.0]), tmp_path / "db" / "d.nc")
     assert load_database(tmp_path / "db" / "d.nc", "d" * 16).omega.values.tolist() == [1.0, 2.0, 3.0]
     assert xr.open_dataset(tmp_path / "db" / "d.nc").omega.values.tolist() == [7.0]
+
+
+@pytest.mark.parametrize("name", ["added_mass", "radiation_damping", "added_mass_inf", "added_mass_zero"])
+def test_every_matrix_of_the_water_is_symmetrized(name):
+    pair = ("influenced_dof", "radiating_dof")
+    skew = xr.DataArray([[1.0, 3.0], [2.0, 4.0]], {dim: ["a", "b"] for dim in pair}, pair)
+    even = with_symmetrized(xr.Dataset({name: skew, "inertia_matrix": skew}))
+    assert even[name].values.tolist() == [[1.0, 2.5], [2.5, 4.0]]
+    assert even.inertia_matrix.equals(skew)

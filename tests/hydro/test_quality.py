@@ -130,3 +130,10 @@ def test_identities_are_held_to_the_precision_asked_for(size, verdicts):
 def test_a_failure_says_what_to_change(name, advice):
     with pytest.raises(DatabaseError, match=rf"check '{name}' failed: .*; {advice}.*, or list the name under"):
         quality.judged([Check(name, 1.0, 0.1, "-", "fail", "why")], ())
+
+
+def test_the_second_channel_is_the_second_of_many():
+    """Eigenvalues 1, 0.1 and 0 of three motions."""
+    damping = np.diag([1.0, 0.1, 0.0])[None]
+    ds = xr.Dataset({"radiation_damping": (("omega", "influenced_dof", "radiating_dof"), damping)})
+    assert quality.second_channel(ds, np.ones((3, 3))) == pytest.approx(0.1)

@@ -12,6 +12,7 @@ from vsb.results import ledger
 from vsb.results.ledger import largest_displacement, largest_strain, static_amplitudes, with_full_basis
 from vsb.scenes.rest import reference_shell
 from vsb.shell.deformed import DeformedShell
+from vsb.shell.loaded import ElasticShell
 from vsb.shell.modes import mode_basis, study_basis
 from vsb.study.study import Jonswap, RegularWave, StillWater, Water, WhiteNoise
 
@@ -68,6 +69,27 @@ def test_strain_and_displacement_of_breathing(seed):
     breathing = np.array([9.9, 0.1, 0, 0, 0, 0, 0, 0])  # heave does not strain
     assert largest_strain(basis, breathing) == pytest.approx(0.05)
     assert largest_displacement(basis, breathing) == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize("mode", range(1, 8))
+def test_the_largest_strain_is_that_of_the_elastic_shell(seed, mode):
+    """Of every mode, along the meridian and around: to first order in its amplitude."""
+    basis = study_basis(seed)
+    q = 1e-7 * np.eye(len(basis.labels))[mode]
+    strains = ElasticShell(basis).strains(q, np.linspace(0.01, np.pi - 0.01, 361))
+    assert largest_strain(basis, q) == pytest.approx(np.abs(strains).max(), rel=1e-5)
+
+
+def test_pressure_inside_carries_its_part_of_the_water_at_the_keel(seed):
+    study = varied(seed, device={"internal_pressure": 5000.0})
+    check = ledger.classical_check(study, reference_shell(study), carried=False)
+    assert check.value == pytest.approx((1025 * 9.81 * seed.draft - 5000.0) / 302.6138, rel=1e-4)
+
+
+def test_what_was_accepted_stands_before_what_is_in_doubt():
+    verdicts = ("ok", "doubt", "accepted", "fail", "ok")
+    checks = [Check(str(i), 0.0, 1.0, "-", verdict, "") for i, verdict in enumerate(verdicts)]
+    assert [check.name for check in ledger.worst_first(checks)] == ["3", "2", "1", "0", "4"]
 
 
 def test_waves_are_checked_for_steepness_and_band():

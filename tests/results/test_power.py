@@ -54,3 +54,11 @@ def test_still_water_has_no_capture_width():
 def test_means_are_over_whole_periods_at_the_end(window, expected):
     assert averaging_window(WAVE, window) == pytest.approx(expected)
     assert averaging_window(StillWater(kind="still"), window) == window
+
+
+def test_a_take_off_that_drives_absorbs_at_no_instant():
+    run = harmonic_run()
+    driven = run.assign(pto=-run.pto, energy=-run.energy)
+    found = merit(driven, WAVE, regular(WAVE), Water(), (21.0, 39.9))
+    assert found.power_peak == pytest.approx(0.0, abs=1e-3)
+    assert found.power_mean == pytest.approx(-200.0, rel=1e-8)

@@ -46,3 +46,53 @@ def test_every_variable_has_a_unit_and_a_meaning(name):
     assert quantity.units
     assert quantity.long_name
     assert len(set(quantity.dims)) == len(quantity.dims)
+
+
+def dimension(units):
+    """Powers of metre, kilogram and second of a unit without prefix, "kg/(m^2 s)", shape (3,)."""
+    known = {"1": (0, 0, 0), "rad": (0, 0, 0), "m": (1, 0, 0), "kg": (0, 1, 0), "s": (0, 0, 1), "N": (1, 1, -2)}
+    known |= {"W": (2, 1, -3), "J": (2, 1, -2)}
+    over, _, under = units.partition("/")
+    parts = [(part, sign) for text, sign in ((over, 1), (under, -1)) for part in text.strip("()").split()]
+    powers = [(*part.partition("^")[::2], sign) for part, sign in parts]
+    return sum((sign * float(power or 1) * np.array(known[name]) for name, power, sign in powers), np.zeros(3))
+
+
+@pytest.mark.parametrize(
+    ("left", "right"),
+    [
+        ("hydrostatic_stiffness position", "excitation"),
+        ("excitation_force position", "excitation"),
+        ("structural_stiffness", "hydrostatic_stiffness"),
+        ("prestress_stiffness", "hydrostatic_stiffness"),
+        ("gas_stiffness", "hydrostatic_stiffness"),
+        ("added_mass omega omega", "hydrostatic_stiffness"),
+        ("inertia_matrix", "added_mass"),
+        ("added_mass omega", "radiation_damping"),
+        ("structural_damping_matrix velocity", "excitation"),
+        ("kernel time", "radiation_damping"),
+        ("kernel_state_space", "kernel"),
+        ("input_matrix input_matrix time", "radiation_damping"),
+        ("input_matrix channel velocity time input_matrix channel velocity time", "pto velocity"),
+        ("state_matrix time", "rao"),
+        ("rao excitation_force omega", "absorbed_power"),
+        ("power_limit", "absorbed_power"),
+        ("port_impedance port_velocity port_velocity", "matched_power"),
+        ("best_damping port_velocity port_velocity", "best_power"),
+        ("power_slope position", "absorbed_power"),
+        ("excitation velocity time", "energy"),
+        ("power_at_rest time", "energy"),
+    ],
+)
+def test_units_are_those_of_the_equations_the_quantities_stand_in(left, right):
+    both = (sum(dimension(ATTRS[name].units) for name in side.split()) for side in (left, right))
+    assert np.array_equal(*both)
+
+
+def test_derivatives_by_the_shape_are_per_metre():
+    for name, quantity in ATTRS.items():
+        for end, order in (("_slope", 1), ("_curvature", 2)):
+            base = "absorbed_power" if name == "power_slope" else name.removesuffix(end)
+            if name.endswith(end) and base in ATTRS:
+                apart = dimension(ATTRS[base].units) - dimension(quantity.units)
+                assert apart.tolist() == [order, 0, 0], name

@@ -136,6 +136,11 @@ def test_a_closed_cylinder_of_triangles_loses_those_without_area(tmp_path):
         assert len(body.faces) == len(triangles) - 24
         assert body.history == f"panels without area dropped: 24 of {len(triangles)}"
         assert body.volume == pytest.approx(12 / 2 * np.sin(2 * np.pi / 12) * 2.0, rel=1e-5)
+    own = np.linspace(1.0, 2.0, len(panels))  # each panel keeps its own displacement
+    modes = xr.Dataset({"mode_shape": (("dof", "panel", "xyz"), own[None, :, None] * [0.0, 0.0, 1.0])})
+    modes.assign_coords(dof=["Stretch"]).to_netcdf(tmp_path / "own.nc")
+    body = files.read_body(tmp_path / "cylinder.stl", tmp_path / "own.nc")
+    assert body.modes[0, :, 2].tolist() == own[~files.without_area(corners, panels)].tolist()
 
 
 def test_a_body_without_such_panels_has_no_history(tmp_path):
