@@ -131,13 +131,12 @@ def test_only_the_window_counts(seed):
     assert (values["heave"], values["deformation"], values["strain"]) == (0.0, 0.0, 0.0)
 
 
-@pytest.mark.parametrize(
-    "mode", ["Membrane0", "Membrane2", "Membrane3", "Membrane4", "Bending2", "Bending3", "Bending4"]
-)
+@pytest.mark.parametrize("mode", ["Membrane0", "Membrane3", "Bending2", "Bending3", "all"])
 def test_strain_is_that_of_circles_and_meridians(seed, mode):
-    """How much longer parallels and meridians get, from where the shell's points go; some modes strain one far more."""
+    """How much longer both get, from where the shell's points go; now the one strains more, now the other."""
     basis = mode_basis(seed.device, "full", 4)
-    amplitudes = 1e-6 * (np.array(basis.labels) == mode)
+    mixed = np.array([0.0, *np.random.default_rng(0).normal(size=len(basis.labels) - 1)])
+    amplitudes = 1e-6 * (mixed if mode == "all" else np.array(basis.labels) == mode)
     phi, r, h = np.linspace(0.01, np.pi - 0.01, 361), basis.shell.radius, 1e-5
 
     def moved(at):
