@@ -3,6 +3,8 @@
 import random
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from benchmarks import torture
 from benchmarks.__main__ import main
@@ -18,6 +20,13 @@ def test_broken_studies_are_refused_in_one_line_or_are_none(tmp_path, block):
 @pytest.mark.parametrize("seed", range(12))
 def test_odd_studies_are_refused_or_checked_in_one_line(tmp_path, seed):
     outcome = torture.fate(torture.odd(random.Random(seed)), tmp_path, run=False)
+    assert outcome.verdict in ("refused", "completed"), outcome
+
+
+@settings(max_examples=12, derandomize=True)
+@given(seed=st.integers(0, 10**6))
+def test_what_passes_the_check_runs(tmp_path_factory, seed):
+    outcome = torture.fate(torture.odd(random.Random(seed)), tmp_path_factory.mktemp("odd"))
     assert outcome.verdict in ("refused", "completed"), outcome
 
 

@@ -65,6 +65,13 @@ def test_what_no_order_can_fit_is_an_error(monkeypatch):
         fit_radiation(spectrum, 1e-6)
 
 
+def test_a_coarse_tolerance_is_no_excuse_for_a_model_that_is_refused(monkeypatch):
+    spectrum = DampingSpectrum(np.arange(1, 65) * 0.1, np.ones((64, 1, 1)))
+    errors = iter((0.025, 0.015))
+    monkeypatch.setattr(radiation, "fit_order", lambda *_: ("model", next(errors)))
+    assert fit_radiation(spectrum, 0.03) == ("model", 0.015)
+
+
 class TestOfTheSeed:
     def test_error_falls_with_order(self, buoy_of, coarse):
         spectrum = buoy_of(coarse).spectrum

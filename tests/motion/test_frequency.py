@@ -1,9 +1,11 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import xarray as xr
 from conftest import varied
 
-from vsb.errors import DatabaseError
+from vsb.errors import DatabaseError, StabilityError
 from vsb.motion.frequency import LinearBuoy, frequency_grid
 from vsb.motion.pto import LinearPto
 from vsb.shell.modes import design_motions, study_basis
@@ -101,6 +103,36 @@ def test_water_lowers_the_breathing_mode_to_the_published_range(buoy_of, coarse)
     full = varied(coarse, modes={"basis": "full"})
     soft, _ = buoy_of(full).natural_modes(np.eye(13))
     assert np.sum((soft > 5) & (soft < 11)) >= 2
+
+
+def changed(buoy, **factors):
+    """A buoy with variables of its database multiplied."""
+    return replace(buoy, database=buoy.database.assign({name: buoy.database[name] * f for name, f in factors.items()}))
+
+
+def test_light_shells_swing_though_their_inertia_is_negative_somewhere(buoy_of, seed):
+    """The added mass of what is nearly immersed is negative at some frequencies: M + A(w) of a light shell as well."""
+    device = {"mass": 29.5e3, "thickness": 0.003, "density": 800.0}
+    study = varied(seed, device=device, modes={"degree": 3}, hydro={"tolerance": 1e-2, "omega_max": 9.0})
+    buoy = buoy_of(study)
+    free = np.eye(len(buoy.mass))
+    omega = buoy.database.omega.values
+    assert np.linalg.eigvalsh(buoy.mass + buoy.coefficients(omega).added_mass).min() < 0.0
+    frequencies, ratios = buoy.natural_modes(free)
+    assert (np.diff(frequencies) > 0).all()
+    assert (ratios > 0).all()
+    added = buoy.added_mass_inf + buoy.spectrum.added_mass_difference(frequencies)
+    scale = np.sqrt(np.diag(buoy.stiffness))
+    for w, a in zip(frequencies, added, strict=True):
+        left = np.linalg.eigvalsh((buoy.stiffness - w**2 * (buoy.mass + a)) / np.outer(scale, scale))
+        assert np.abs(left).min() < 1e-8 * np.abs(left).max()
+
+
+def test_what_gives_way_or_has_no_inertia_has_no_frequency(buoy_of, coarse):
+    with pytest.raises(StabilityError, match=r"gives way at rest: received a stiffness of -.* needs more than 0"):
+        changed(buoy_of(coarse), structural_stiffness=-1.0).natural_modes(np.eye(8))
+    with pytest.raises(DatabaseError, match=r"takes a mode's inertia; lower hydro.tolerance"):
+        changed(buoy_of(coarse), added_mass_inf=-1.0).natural_modes(np.eye(8))
 
 
 def test_clamped_shells_do_not_move_at_the_clamp(buoy_of, coarse):

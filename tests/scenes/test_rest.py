@@ -10,7 +10,7 @@ from vsb.errors import ConfigError
 from vsb.hydro import database, dofs, quality
 from vsb.hydro.panels import mesh as meshing
 from vsb.hydro.panels import rings as bem
-from vsb.scenes.rest import check_equilibrium, check_stable, loaded_shell, reference_shell
+from vsb.scenes.rest import check_equilibrium, check_rests, check_stable, loaded_shell, reference_shell
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import mode_basis, rigid_basis, study_basis
 from vsb.study.plan import StudyPlan
@@ -89,6 +89,19 @@ def test_an_unstable_design_is_refused(seed):
         ConfigError, match=r"design FSB is unstable|design VSWEC is unstable .* internal_pressure -60000 Pa"
     ):
         check_stable(crushed, reference_shell(crushed))
+
+
+@pytest.mark.parametrize(
+    "model", [{"model": "body_exact"}, {"model": "assumed_pressure", "pressure": 10.0}, {"model": "auto"}]
+)
+def test_a_shell_that_gives_way_in_the_water_as_it_is_is_refused(seed, model):
+    soft = varied(seed, device={"young_modulus": 1e6}, modes={"degree": 2})
+    check_rests(soft, reference_shell(soft))  # linear: it needs no rest
+    carried = varied(seed, modes={"degree": 2}, hydro=model)
+    check_rests(carried, reference_shell(carried))
+    yields = varied(soft, hydro=model)
+    with pytest.raises(ConfigError, match=r"hydro.model: received '.*' for design VSWEC, but the loaded buoy does not"):
+        check_rests(yields, reference_shell(yields))
 
 
 def test_assumed_pressure_is_for_the_vented_sphere(seed):

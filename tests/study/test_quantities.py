@@ -126,6 +126,9 @@ def test_no_page_of_a_value_is_repeated(tmp_path):
     with pytest.raises(ConfigError, match=r"received 'x{79}\.\.\. \(100002 characters\)") as error:
         config.parse(changed("study", "x" * 100_000))
     assert len(str(error.value)) < 400
+    with pytest.raises(ConfigError, match=r"waves.0: Input tag 'x{80}\.\.\. \(100000 characters\)") as error:
+        config.parse(changed("waves", [{"kind": "x" * 100_000}]))
+    assert len(str(error.value)) < 400
     file = tmp_path / "digits.yaml"
     file.write_text(SEED.read_text().replace("radius: 2.0", f"radius: 0x{'f' * 20_000}"))
     with pytest.raises(ConfigError, match=r"device.radius: received a number of too many digits"):

@@ -6,6 +6,7 @@ import pytest
 from conftest import SEED, varied
 from pydantic import ValidationError
 
+from vsb.stages.stage import partial_study
 from vsb.study import specs
 from vsb.study.plan import StudyPlan
 from vsb.study.study import canonical, content_id, load
@@ -45,6 +46,13 @@ def test_the_version_of_its_physics_names_a_stage(seed, tag, monkeypatch):
         "simulate": {7}, "witness": {8}, "ladder": {9},
     }  # fmt: skip
     assert {i for i, (old, new) in enumerate(zip(before, ids(), strict=True)) if old != new} == changed[tag]
+
+
+def test_the_ladder_of_a_study_is_read_whatever_the_method_of_its_model(seed):
+    followed = varied(seed, hydro={"model": "body_exact"}, simulation={"method": "exponential"})
+    plan = StudyPlan(followed)
+    assert partial_study(plan.ladder).simulation.duration == followed.simulation.duration
+    assert content_id(plan.ladder) == content_id(StudyPlan(seed).ladder)
 
 
 def test_a_loaded_shape_sees_neither_damping_nor_depth(pressurised):

@@ -242,7 +242,7 @@ def fit_radiation(spectrum: DampingSpectrum, tolerance: float) -> tuple[Radiatio
     omega = np.concatenate([[0.2 * band[0]], band[:: max(1, len(band) // 60)], band[-1] * np.array([1.1, 1.4, 2.0])])
     best, idle = fit_order(spectrum, omega, ORDERS[0]), 0
     for order in ORDERS[1:]:
-        if best[1] <= tolerance or idle == 2:
+        if best[1] <= min(tolerance, UNUSABLE) or idle == 2:
             break
         larger = fit_order(spectrum, omega, order)
         idle = 0 if larger[1] < 0.9 * best[1] else idle + 1

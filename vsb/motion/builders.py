@@ -1,5 +1,6 @@
 """Scenes of one design in one sea: linear, body-exact, and the paper's under an assumed pressure."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -17,12 +18,13 @@ from vsb.motion.forces import (
     WaterPressure,
 )
 from vsb.motion.frequency import LinearBuoy
-from vsb.motion.froude_krylov import incident
+from vsb.motion.froude_krylov import Incident, incident
 from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Plant, resting
 from vsb.motion.wetted import WetShell
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import ModeBasis
+from vsb.shell.rest import ReferenceShell
 from vsb.tools.units import FloatArray
 from vsb.waves.seas import NO_WAVES, Sea
 
@@ -38,21 +40,19 @@ def linear_plant(buoy: LinearBuoy, radiation: RadiationModel, sea: Sea, motions:
         forces["pto"] = Damper(buoy.pto.matrix(len(buoy.mass)))
     labels = tuple(str(label) for label in database.influenced_dof.values)
     if flexible(labels, motions):
-        forces |= _shell_springs(buoy)
+        forces |= _shell_springs(buoy.stiffness_parts, buoy.structural_damping)
     if sea.omega.size:
         excitation = buoy.coefficients(sea.omega).excitation
         forces["excitation"] = Excitation(sea.omega, sea.amplitude[:, None] * excitation)
     return Plant(labels, buoy.mass + buoy.added_mass_inf, forces, motions)
 
 
-def _shell_springs(buoy: LinearBuoy) -> dict[str, Force]:
+def _shell_springs(stiffness: Mapping[str, FloatArray], damping: FloatArray) -> dict[str, Force]:
     """Elastic, prestress and gas forces of a flexible design, and its structural damping."""
     parts = {"elastic": "structural", "prestress": "prestress", "gas": "gas"}
-    springs: dict[str, Force] = {
-        force: Spring(buoy.stiffness_parts[name]) for force, name in parts.items() if name in buoy.stiffness_parts
-    }
-    if buoy.structural_damping.any():
-        springs["structural_damping"] = Damper(buoy.structural_damping)
+    springs: dict[str, Force] = {force: Spring(stiffness[name]) for force, name in parts.items() if name in stiffness}
+    if damping.any():
+        springs["structural_damping"] = Damper(damping)
     return springs
 
 
@@ -77,23 +77,58 @@ def body_exact_plant(
     The shell is elastic about its reference shape. A prestressed one carries its mean load there (`preload`); the
     vented sphere does not, and rests deformed: the motion starts from that rest.
     """
-    basis, attrs = shape.basis, buoy.database.attrs
+    attrs = buoy.database.attrs
     gravity, depth = float(attrs["gravity"]), float(attrs["water_depth"])
     specific_weight = float(attrs["water_density"]) * gravity
     linear = linear_plant(buoy, radiation, NO_WAVES, motions)
-    forces = {name: force for name, force in linear.forces.items() if name != "hydrostatic"}
-    waves = incident(sea, depth, gravity, basis.shell.radius) if sea.omega.size else None
-    wet = WetShell(basis, shape.centre_height)
-    water = WaterPressure(wet, shape.amplitudes, specific_weight, buoy.stiffness_parts["hydrostatic"], waves=waves)
-    weight = ConstantForce(-gravity * basis.inertia[0])
-    forces |= {"water": water, "weight": weight}
-    if "prestress" in forces:
-        at_rest = specific_weight * wet.forces(shape.amplitudes[None])[0][0]
-        forces["preload"] = ConstantForce(-at_rest - weight.value)
+    waves = incident(sea, depth, gravity, shape.basis.shell.radius) if sea.omega.size else None
+    others = {name: force for name, force in linear.forces.items() if name != "hydrostatic"}
+    forces = _loaded(others, shape, buoy.stiffness_parts["hydrostatic"], specific_weight, gravity, waves)
     if sea.omega.size:
         forces["diffraction"] = Excitation(sea.omega, sea.amplitude[:, None] * buoy.diffraction(sea.omega))
     plant = Plant(linear.labels, linear.mass, forces, motions)
     return replace(plant, origin=resting(plant))
+
+
+def still_plant(reference: ReferenceShell, density: float, gravity: float, motions: FloatArray) -> Plant:
+    """Return the body-exact scene of one design in still water, without what moving water does: all that rest needs.
+
+    Parameters
+    ----------
+    reference : ReferenceShell
+    density, gravity : float
+        Of the water [kg/m^3], [m/s^2].
+    motions : ndarray, shape (dof, free)
+
+    Raises
+    ------
+    ConvergenceError
+        If the shell gives way under its static load.
+    """
+    basis = reference.basis
+    springs = _shell_springs(reference.stiffness, basis.damping) if flexible(basis.labels, motions) else {}
+    forces = _loaded(springs, reference.shape, reference.stiffness["hydrostatic"], density * gravity, gravity, None)
+    plant = Plant(basis.labels, basis.inertia, forces, motions)
+    return replace(plant, origin=resting(plant))
+
+
+def _loaded(
+    others: Mapping[str, Force],
+    shape: DeformedShell,
+    hydrostatic: FloatArray,
+    specific_weight: float,
+    gravity: float,
+    waves: Incident | None,
+) -> dict[str, Force]:
+    """Forces of a scene with water on the instantaneous wet shell and weight; a prestressed shell carries both."""
+    wet = WetShell(shape.basis, shape.centre_height)
+    water = WaterPressure(wet, shape.amplitudes, specific_weight, hydrostatic, waves=waves)
+    weight = ConstantForce(-gravity * shape.basis.inertia[0])
+    forces = {**others, "water": water, "weight": weight}
+    if "prestress" in forces:
+        at_rest = specific_weight * wet.forces(shape.amplitudes[None])[0][0]
+        forces["preload"] = ConstantForce(-at_rest - weight.value)
+    return forces
 
 
 def assumed_pressure_plant(

@@ -10,13 +10,15 @@ from scipy.interpolate import CubicSpline
 from scipy.linalg import eigh
 from scipy.optimize import brentq
 
-from vsb.errors import DatabaseError
+from vsb.errors import DatabaseError, StabilityError
 from vsb.hydro.coefficients import Coefficients
 from vsb.hydro.kernel import DampingSpectrum
 from vsb.motion.port import ROUND_OFF, Port
 from vsb.motion.pto import LinearPto
 from vsb.tools.units import ComplexArray, FloatArray
 
+FASTEST = 1e9
+"""Frequency [rad/s] beyond which nothing that has inertia swings."""
 STIFFNESS = ("structural", "hydrostatic", "prestress", "gas")
 
 
@@ -173,12 +175,25 @@ class LinearBuoy:
     def natural_modes(self, motions: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return wet natural frequencies [rad/s] and damping ratios [-], ascending, each shape (free,).
 
+        Raises
+        ------
+        StabilityError
+            If the shell gives way at rest.
+
         Notes
         -----
-        w_i solves w^2 = lambda_i(w), the i-th eigenvalue of K + C against M + A(w); A beyond the solved band comes from
-        Kramers-Kronig. The ratio counts radiation, structure and power take-off on the mode's diagonal.
+        w_i solves 1 = w^2 mu_i(w), the i-th eigenvalue, largest first, of M + A(w) against K + C: stiffness of what
+        rests stably is positive definite, inertia need not be, as the added mass of what is nearly immersed is negative
+        at some frequencies. A beyond the solved band comes from Kramers-Kronig. The ratio counts radiation, structure
+        and power take-off on the mode's diagonal.
         """
         k = motions.T @ self.stiffness @ motions
+        softest = float(np.linalg.eigvalsh(k)[0])
+        if softest <= 0.0:
+            raise StabilityError(
+                f"the buoy gives way at rest: received a stiffness of {softest:.4g} N/m, needs more than 0; "
+                "raise device.young_modulus, device.thickness or device.internal_pressure"
+            )
         results = [self._natural_mode(k, motions, i) for i in range(motions.shape[1])]
         frequency, ratio = np.array(results).T
         order = np.argsort(frequency)
@@ -186,16 +201,20 @@ class LinearBuoy:
 
     def _natural_mode(self, k: FloatArray, motions: FloatArray, i: int) -> tuple[float, float]:
         """One wet natural frequency and its damping ratio."""
+        place = len(k) - 1 - i
 
         def eigen(omega: float) -> tuple[float, FloatArray]:
-            at = np.array([omega])
-            added = self.added_mass_inf + self.spectrum.added_mass_difference(at)[0]
-            values, vectors = eigh(k, motions.T @ (self.mass + added) @ motions, subset_by_index=[i, i])
-            return float(values[0]), vectors[:, 0]
+            added = self.added_mass_inf + self.spectrum.added_mass_difference(np.array([omega]))[0]
+            values, vectors = eigh(motions.T @ (self.mass + added) @ motions, k, subset_by_index=[place, place])
+            return float(omega**2 * values[0]), vectors[:, 0]
 
-        upper = 2 * np.sqrt(max(eigen(1e4)[0], eigen(1e-3)[0], 1e-4))
-        omega = float(brentq(lambda w: eigen(w)[0] - w**2, 1e-3, upper, xtol=1e-10))
-        shape = motions @ eigen(omega)[1]  # unit modal mass
+        upper = 1.0
+        while eigen(upper)[0] <= 1.0:
+            upper *= 2
+            if upper > FASTEST:
+                raise DatabaseError("added mass at infinite frequency takes a mode's inertia; lower hydro.tolerance")
+        omega = float(brentq(lambda w: eigen(w)[0] - 1.0, 1e-3, upper, xtol=1e-10))
+        shape = omega * motions @ eigen(omega)[1]  # unit modal mass
         total = self.damping + self.spectrum.at(np.array([omega]))[0]
         return omega, float(shape @ total @ shape / (2 * omega))
 

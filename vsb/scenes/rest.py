@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from vsb.errors import ConfigError, ConvergenceError
+from vsb.motion.builders import still_plant
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.loaded import Buckling, ElasticShell, LoadedShell, buckling, complete_shell, equilibrium
 from vsb.shell.modes import ModeBasis, design_motions, study_basis
@@ -94,6 +95,24 @@ def check_stable(study: Study, reference: ReferenceShell) -> None:
                 f"young_modulus {study.device.young_modulus:g} Pa, thickness {study.device.thickness:g} m and "
                 f"internal_pressure {study.device.internal_pressure:g} Pa; needs more of one of them"
             )
+
+
+def check_rests(study: Study, reference: ReferenceShell) -> None:
+    """Check that every design comes to rest where the water acts on the shell as it is; a linear model needs no rest.
+
+    Raises
+    ------
+    ConfigError
+    """
+    if study.hydro.model == "linear":
+        return
+    for design in study.designs:
+        try:
+            still_plant(
+                reference, study.water.density, study.water.gravity, design_motions(study, reference.basis, design)
+            )
+        except ConvergenceError as error:
+            raise ConfigError(f"hydro.model: received {study.hydro.model!r} for design {design}, but {error}") from None
 
 
 def computed_buckling(study: Study) -> Buckling:

@@ -6,7 +6,7 @@ from typing import Any
 
 from vsb.hydro import database
 from vsb.results import ledger
-from vsb.scenes.rest import check_stable, reference_shell
+from vsb.scenes.rest import check_rests, check_stable, reference_shell
 from vsb.shell.modes import mode_basis
 from vsb.shell.sphere import Shell, natural_frequencies
 from vsb.study.blocks import BlockSpec
@@ -24,13 +24,15 @@ SECONDS_PER_WITNESS_ROW2 = 8e-4
 
 
 def check_before_run(study: Study, plan: StudyPlan) -> None:
-    """Raise what would fail later: clamps that leave nothing free, unreadable or foreign files among the results.
+    """Raise what would fail later: shells that give way, clamps that leave nothing free, unreadable or foreign files.
 
     Raises
     ------
     ConfigError, DatabaseError
     """
-    check_stable(study, reference_shell(study))
+    reference = reference_shell(study)
+    check_stable(study, reference)
+    check_rests(study, reference)
     if study.needs_bem:
         plan.check_waves()
     study.check_record()

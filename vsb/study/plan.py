@@ -117,9 +117,10 @@ class StudyPlan(HydroPlan):
 
     @property
     def ladder(self) -> LadderSpec:
-        """Spec of the tuning ladder."""
-        sections = self._sections("device", "modes", "designs", "water", "pto", "waves", "simulation")
-        return LadderSpec(hydro=Band(omega_max=self.study.hydro.omega_max), **sections)
+        """Spec of the tuning ladder; it follows no motion, so a method of the study's model is none of its own."""
+        sections = self._sections("device", "modes", "designs", "water", "pto", "waves")
+        simulation = self.study.simulation.model_copy(update={"method": "auto"})
+        return LadderSpec(hydro=Band(omega_max=self.study.hydro.omega_max), simulation=simulation, **sections)
 
     def simulation(self, design: str, wave: Wave) -> SimulateSpec:
         """Spec of one time-domain run."""

@@ -76,6 +76,9 @@ def one_line(error: ValidationError) -> str:
     key = ".".join(str(part) for part in first["loc"]) or error.title.lower()
     received = "" if isinstance(first["input"], dict | BaseModel) else f" received {_shown(first['input'])};"
     what = first["msg"].removeprefix("Value error, ")
+    tag = str(first.get("ctx", {}).get("tag", ""))
+    if len(tag) > LONGEST:
+        what = what.replace(tag, _cut(tag))
     if first["type"] == "extra_forbidden":
         what = "unknown key; remove it or correct its spelling"
     return " ".join(f"{key}:{received} {what}".split()) + (f" (and {len(more)} more)" if more else "")
@@ -91,4 +94,9 @@ def _shown(value: object) -> str:
         text = repr(value)
     except ValueError:  # more digits than Python prints
         return "a number of too many digits"
+    return _cut(text)
+
+
+def _cut(text: str) -> str:
+    """A text, or its beginning and how long it is."""
     return text if len(text) <= LONGEST else f"{text[:LONGEST]}... ({len(text)} characters)"
