@@ -262,3 +262,17 @@ def test_splines_through_the_grid_converge_at_fourth_order(cases):
 def test_a_tolerance_out_of_reach_is_said():
     with pytest.raises(ConvergenceError, match=r"hydro.tolerance: received 1e-20, the spectral solver reaches .* 128"):
         resolved(problem(64), OMEGA, 1e-20)
+
+
+@pytest.mark.parametrize("name", ["added_mass", "radiation_damping", *FORCES])
+def test_splines_through_any_one_coefficient_may_tell_of_the_error(name):
+    """All are constant; between the frequencies of the grid one of them is 1.25, not 1."""
+    grid = np.arange(1.0, 9.0)
+    names = ("added_mass", "radiation_damping", *FORCES)
+    flat = xr.Dataset({each: (("omega", "dof"), np.ones((len(grid), 2))) for each in names}, {"omega": grid})
+
+    def exact(omega):
+        between = flat.isel(omega=slice(len(omega))).assign_coords(omega=omega)
+        return between.assign({name: 1.25 * between[name]})
+
+    assert GridSweep(flat, None).spline_error(exact) == pytest.approx(0.2, rel=1e-12)

@@ -242,6 +242,12 @@ def test_structure_of_a_spec_and_without_one():
     assert found.damping == pytest.approx(np.diag([0.0, 0.0, 0.1 * 3e6 + 5e4, 0.0]))
     assert not structure(ds.assign_attrs(spec=json.dumps({"stage": "body"})), "memory").damping.any()
     assert structure(ds.drop_vars("inertia_matrix"), "memory") is None
+    coupled = ds.assign(inertia_matrix=ds.inertia_matrix + 1e4).assign_attrs(spec=json.dumps(device))
+    rigid = np.isin(ds.influenced_dof.values, RIGID)
+    damping = structure(coupled, "memory").damping  # masses couple rigid motions and modes, structural damping does not
+    assert damping[np.ix_(~rigid, ~rigid)] == pytest.approx(0.1 * (3e6 + 1e4) + 5e4)
+    assert not damping[rigid].any()
+    assert not damping[:, rigid].any()
 
 
 def test_a_rigid_body_needs_no_structure_and_a_flexible_one_does():
