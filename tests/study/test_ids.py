@@ -62,9 +62,13 @@ STUDIES = {
     },
     "panels": {"hydro": {**TABULATED, "rows": 40, "witness": "none"}, "waves": [SWELL, SEAS["pierson_moskowitz"]]},
     "assumed": {"hydro": {"model": "assumed_pressure", "pressure": 100.0}, "waves": [SWELL]},
+    "law": {"pto": {"law": "saturated", "force_limit": 3e3, "stroke_limit": 0.5}, "hydro": TABULATED, "waves": [SWELL]},
     "auto": {"hydro": {**TABULATED, "model": "auto", "power_tolerance": 0.01}, "waves": [SWELL]},
 }  # fmt: skip
-OTHERS = {"hydro.model": ["body_exact", "auto"], "hydro.tolerance": [6.25e-5], "hydro.accept.0": ["haskind"]}
+OTHERS = {
+    "hydro.model": ["body_exact", "auto"], "hydro.tolerance": [6.25e-5], "hydro.accept.0": ["haskind"],
+    "pto.law": ["coulomb"],
+}  # fmt: skip
 """Values of leaves whose next value is not near."""
 
 

@@ -200,7 +200,12 @@ def energies(system: System, motion: Motion) -> dict[str, FloatArray]:
     `turned` is no term of the sum: kinetic energy, and a billionth of the energy stored, below which all is round-off.
     With the state space, radiated power is (l.x)^2/2 and the memory stores x.x/2, both from the memory states alone:
     the audit is then a check on the whole chain. With the convolution the radiation force's work stands for both.
+    Where forces jump between records the motion brings its works along.
     """
+    stored, kinetic = system.energy(motion)
+    held = {"stored": stored - stored[0], "turned": kinetic + 1e-9 * np.abs(stored)}
+    if motion.works:
+        return {**motion.works, **held}
     named, remembered, memory = system.forces(motion), motion.memory.size > 0, system.scene.memory
     none = np.zeros((len(motion.time), system.free))
     acting: list[FloatArray] = [sum((named[name] @ system.shapes for name in EXCITING if name in named), none)]
@@ -209,15 +214,7 @@ def energies(system: System, motion: Motion) -> dict[str, FloatArray]:
     pto, structural, radiated, wave, *convolved = flow(system, motion, system.driving(motion, named)).works(
         system.dampers(), memory.channel if memory and remembered else None, acting
     )
-    stored, kinetic = system.energy(motion)
-    return {
-        "wave": wave,
-        "pto": pto,
-        "radiated": sum(convolved, radiated),
-        "structural": structural,
-        "stored": stored - stored[0],
-        "turned": kinetic + 1e-9 * np.abs(stored),
-    }
+    return {"wave": wave, "pto": pto, "radiated": sum(convolved, radiated), "structural": structural, **held}
 
 
 class Balance(NamedTuple):

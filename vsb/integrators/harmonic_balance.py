@@ -272,6 +272,8 @@ def harmonic_balance(system: System, tolerance: float = 1e-8, transfer: Transfer
     pole; in waves as its sixth power, for the forces of crest and trough join with two derivatives only.
     """
     omega, rest, memory = regular_frequency(system), system.scene.rest, system.scene.memory
+    if system.switching:
+        raise ValueError("harmonic balance: received a take-off that switches, needs smooth forces; follow it in time.")
     if not omega:
         return SteadyState(
             0.0, rest[None].astype(complex), 0.0, 0, np.zeros(0, dtype=complex), Power(0.0, 0.0, 0.0, 0.0)

@@ -13,6 +13,7 @@ from vsb.integrators.convolution import convolve
 from vsb.integrators.energy_preserving import structure_preserving
 from vsb.integrators.exact import propagate, steady_state
 from vsb.integrators.exponential import integrate
+from vsb.integrators.switching import Switching
 from vsb.integrators.trajectory import Leg
 from vsb.motion.motion import Motion
 from vsb.motion.system import System
@@ -57,13 +58,14 @@ def _convolved(system: System, tolerance: float, spectrum: DampingSpectrum | Non
 METHODS: dict[str, Method] = {
     "exact": Method(EXACT, _exactly),
     "convolution": Method("convolution", _convolved),
+    "switching": Method("exact propagation between switches", lambda s, _tol, _: Switching(s).follow),
     "exponential": Method("exponential Adams", lambda s, tol, _: lambda time, start: integrate(s, time, start, tol)),
     "structure_preserving": Method(
         "structure-preserving", lambda s, tol, _: lambda time, start: structure_preserving(s, time, start, tol)
     ),
 }
-"""`simulation.method` -> how a motion is followed; `auto` is the first of these or, where forces are nonlinear,
-`exponential`."""
+"""`simulation.method` -> how a motion is followed; `auto` is the first of these or, where a take-off switches,
+`switching`, where other forces are nonlinear, `exponential`."""
 
 
 def simulate(
@@ -107,7 +109,8 @@ def legs(
     """
     count, convolved = recorded_steps(system, sea, settings), settings.method == "convolution"
     enough = max(settings.tolerance, CONVOLVED if convolved else ROUND_OFF)
-    name = {"auto": "exact" if system.linear else "exponential"}.get(settings.method, settings.method)
+    suited = "exact" if system.linear else "switching" if system.switching else "exponential"
+    name = {"auto": suited}.get(settings.method, settings.method)
     method, follow = METHODS[name].words, METHODS[name].follower(system, settings.tolerance, spectrum)
     start: tuple[FloatArray, ...] = system.scene.start(settings.initial_position, settings.initial_velocity)
     done, stride, balance, found = 0, 1, START, [np.inf, np.inf]

@@ -1,6 +1,7 @@
 """What an integrator gives: the motion of the free coordinates."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from vsb.tools.units import FloatArray
 
@@ -15,3 +16,5 @@ class Motion:
     acceleration: FloatArray  # (time, free) [m/s^2]
     memory: FloatArray  # x (time, state), empty for the convolution
     seconds: float  # wall time [s]
+    forces: Mapping[str, FloatArray] = field(default_factory=dict)  # q and v do not tell, each (time, dof) [N]
+    works: Mapping[str, FloatArray] = field(default_factory=dict)  # from the start, where forces jump, (time,) [J]

@@ -18,13 +18,14 @@ from vsb.motion.forces import EXCITING, AssumedPressure
 from vsb.motion.froude_krylov import Incident, incident, rotated, wave_force
 from vsb.motion.motion import Motion
 from vsb.motion.scene import Plant
+from vsb.motion.take_off import EndStop, TakeOff
 from vsb.motion.wetted import Shape, wet_force
 from vsb.tools.compiled import njit
 from vsb.tools.units import ComplexArray, FloatArray
 from vsb.waves.seas import NO_WAVES
 from vsb.waves.superposition import superposed
 
-__all__ = ["EXCITING", "Remainder", "System", "remainder"]
+__all__ = ["EXCITING", "EndStop", "Remainder", "System", "TakeOff", "remainder"]
 
 
 class Remainder(NamedTuple):
@@ -133,6 +134,11 @@ class System:
         """Whether n vanishes."""
         return all(part.whole for part in self.scene.linear.values())
 
+    @property
+    def switching(self) -> bool:
+        """Whether a take-off or an end stop switches between pieces of its law."""
+        return any(isinstance(force, TakeOff | EndStop) for force in self.scene.forces.values())
+
     # forces ---------------------------------------------------------------------------------------------------------
 
     def added(self, time: FloatArray, z: FloatArray) -> FloatArray:
@@ -157,7 +163,15 @@ class System:
 
     @cached_property
     def remainder(self) -> Remainder | None:
-        """Arguments of the compiled n, waves left out; none of a linear scene."""
+        """Arguments of the compiled n, waves left out; none of a linear scene.
+
+        Raises
+        ------
+        ValueError
+            If the take-off switches: the compiled loops know smooth forces only.
+        """
+        if self.switching:
+            raise ValueError("received a take-off that switches, needs smooth forces; use a linear scene.")
         scene, water = self.scene, self.scene.water
         if water is None:
             return None
@@ -186,7 +200,7 @@ class System:
         forces, where the motion has none.
         """
         q, v = self._moved(motion)
-        out = self.scene.named(motion.time, q, v)
+        out = self.scene.named(motion.time, q, v) | dict(motion.forces)
         for name, part in self.scene.linear.items():
             if part.memory and motion.memory.size:
                 out[name] = -motion.memory @ part.memory.input_matrix

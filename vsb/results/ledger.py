@@ -316,7 +316,7 @@ def linear_ledger(
     means = {(row["design"], row["wave"]): row["power_mean"] for row in rows}
     for wave in study.waves:
         checks += wave_checks(wave, study.water, study.hydro.omega_max)
-        if isinstance(wave, RegularWave):
+        if isinstance(wave, RegularWave) and not study.pto.switches:
             at = frequency.absorbed_power.sel(omega=wave.omega, method="nearest")
             for design in study.designs:
                 power = float(at.sel(design=design))

@@ -17,6 +17,7 @@ from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Plant
 from vsb.motion.system import System
 from vsb.scenes import automatic
+from vsb.scenes.take_off import with_take_off
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import ModeBasis, design_motions, mode_basis, rigid_basis, study_basis
 from vsb.study.study import RegularWave, Study
@@ -52,7 +53,8 @@ def linear_buoy(study: Study, database_path: str) -> tuple[LinearBuoy, ModeBasis
 def linear_scene(study: Study, paths: dict[str, Any]) -> Scene:
     """Return the scene of linear hydrodynamics about the mean shape."""
     buoy, shape, model, waves, motions = _from_bem(study, paths)
-    return Scene(linear_plant(buoy, model, waves, motions), shape, waves, buoy.spectrum, {"model": "linear"})
+    plant = with_take_off(linear_plant(buoy, model, waves, motions), study.pto)
+    return Scene(plant, shape, waves, buoy.spectrum, {"model": "linear"})
 
 
 def body_exact_scene(study: Study, paths: dict[str, Any]) -> Scene:

@@ -38,7 +38,7 @@ def run(spec: SimulateSpec, out: str, database: str = "", radiation: str = "") -
     attrs = {"design": design, "wave": wave.label, "energy_residual": leg.balance.residual, "status": "completed"}
     attrs |= {"method": in_words(leg.method, sum(steps)), "instants": 1 + sum(intervals)}
     attrs |= {"seconds": sum(seconds), **notes, **stamp(spec, database, radiation)}
-    if isinstance(wave, RegularWave):
+    if isinstance(wave, RegularWave) and not system.switching:
         attrs |= _steady(system)
     if study.designs[design].clamp:
         attrs["constraint_drift"] = max(*drifts, _linear_drift(study, system, clamps))

@@ -197,6 +197,14 @@ class Study(Section):
         )
         if method not in suitable:
             raise ValueError(f"simulation.method {method!r}: hydro.model {model!r} needs one of {', '.join(suitable)}")
+        if self.pto.switches and model != "linear":
+            raise ValueError(
+                f"pto: received law {self.pto.law} with force_limit {self.pto.force_limit:g} N and stroke_limit "
+                f"{self.pto.stroke_limit:g} m, which hydro.model {model!r} cannot follow; needs hydro.model: "
+                "linear, or law: linear without limits"
+            )
+        if self.pto.switches and method != "auto":
+            raise ValueError(f"simulation.method {method!r}: cannot follow a take-off that switches; needs auto")
         if self.published and (absent := sorted(set(self.published.values) - set(self.designs))):
             raise ValueError(f"published.values {absent}: no such design; needs some of {', '.join(self.designs)}")
 

@@ -3,9 +3,18 @@
 Imports nothing heavy: the Snakefile reads a study at every parse.
 """
 
-from typing import Annotated, Literal
+import math
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Discriminator, Field, Tag, field_validator
+from pydantic import (
+    Discriminator,
+    Field,
+    SerializerFunctionWrapHandler,
+    Tag,
+    field_validator,
+    model_serializer,
+    model_validator,
+)
 
 from vsb.study.quantities import NonNegative, Number, Section, within
 
@@ -52,9 +61,41 @@ PortChoice = Annotated[
 """What the take-off acts on: heave against the sea bed, the enclosed volume (pressure against flow), or the shell."""
 
 
+Law = Literal["linear", "saturated", "coulomb"]
+Limit = Annotated[Number, Field(gt=0)]
+
+
 class Pto(Section):
-    """Linear power take-off: damping [N s/m] between the heaving plate and the sea bed."""
+    """Power take-off between the heaving plate and the sea bed: damping [N s/m], its law in time, limits of both.
+
+    `linear`: a damper, whose force saturates at a force limit [N] if there is one; `saturated` insists on the limit.
+    `coulomb`: friction of the force limit, the pressure of a hydraulic take-off; the damping is then that of the linear
+    response alone. At the stroke limit [m] an end stop begins.
+    """
 
     damping: Annotated[
         NonNegative, within(0.0, 1e12, "N s/m", "a take-off that holds a ship still does not take off")
     ] = 8000.0
+    law: Law = "linear"
+    force_limit: Limit = math.inf
+    stroke_limit: Limit = math.inf
+
+    @property
+    def switches(self) -> bool:
+        """Whether its force in time is not that of a damper alone."""
+        return self.law != "linear" or self.force_limit < math.inf or self.stroke_limit < math.inf
+
+    @model_validator(mode="after")
+    def _limited(self) -> Self:
+        if self.law != "linear" and math.isinf(self.force_limit):
+            raise ValueError(f"force_limit: missing; law {self.law} needs one in N")
+        return self
+
+    @model_serializer(mode="wrap")
+    def _without_defaults(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Leave out what a take-off of before did not have: results of before keep their names."""
+        said: dict[str, Any] = handler(self)
+        return {key: value for key, value in said.items() if key == "damping" or value != _DEFAULTS[key]}
+
+
+_DEFAULTS = {name: field.default for name, field in Pto.model_fields.items()}

@@ -133,6 +133,7 @@ ATTRS: dict[str, Quantity] = {
     "velocity": Quantity(_MOTION, "m/s", "rates of heave and modal amplitudes"),
     "excitation": Quantity(_MOTION, "N", "wave excitation force"),
     "pto": Quantity(_MOTION, "N", "power take-off force"),
+    "end_stop": Quantity(_MOTION, "N", "force of the end stop"),
     "hydrostatic": Quantity(_MOTION, "N", "hydrostatic force"),
     "froude_krylov": Quantity(_MOTION, "N", "Froude-Krylov force on the instantaneous wet shell"),
     "diffraction": Quantity(_MOTION, "N", "diffraction force"),

@@ -1,0 +1,295 @@
+"""Take-offs that switch: exact between events, against closed forms, an independent integrator and the linear answer."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from vsb.errors import ConvergenceError
+from vsb.hydro.statespace import RadiationModel
+from vsb.integrators.audit import energies, residual
+from vsb.integrators.energy_preserving import structure_preserving
+from vsb.integrators.exact import propagate
+from vsb.integrators.harmonic_balance import harmonic_balance
+from vsb.integrators.simulate import legs, simulate
+from vsb.integrators.switching import Switching, switched
+from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring
+from vsb.motion.scene import Plant
+from vsb.motion.system import System
+from vsb.motion.take_off import EndStop, TakeOff
+from vsb.study.sections import Simulation
+from vsb.waves.seas import Sea
+
+B, MASS, SPRING, DRAG = np.array([1.0]), 2.0, 50.0, 0.3
+TIME = np.linspace(0.0, 12.0, 801)
+START = np.array([0.1]), np.array([0.3])
+WAVES = Excitation(np.array([2.0, 3.3]), np.array([[30.0 + 5j], [-4j]]))
+LAWS = {
+    "saturated": (TakeOff(B, 4.0, 5.0, 8.0), None),
+    "negative spring": (TakeOff(B, 4.0, -20.0, 12.0), None),
+    "coulomb": (TakeOff(B, np.inf, limit=8.0), None),
+    "end stop": (TakeOff(B, 4.0), EndStop(B, 0.4, 5e3, 200.0)),
+    "latching": (TakeOff(B, 4.0, pause=0.3), None),
+    "latching within a force": (TakeOff(B, 4.0, limit=15.0, pause=0.3), EndStop(B, 0.8, 5e3, 200.0)),
+    "declutching": (TakeOff(B, 4.0, limit=8.0, pause=0.3, paused_damping=0.0), None),
+    "hydraulic, declutched": (TakeOff(B, np.inf, limit=9.0, pause=0.3, paused_damping=0.0), None),
+}
+
+
+def oscillator(law, stop=None, waves=WAVES, drag=DRAG):
+    """2 y'' + drag y' + 50 y = waves + take-off + stop."""
+    forces = {"hydrostatic": Spring(np.array([[SPRING]])), "pto": law}
+    forces |= {"structural_damping": Damper(np.array([[drag]]))} if drag else {}
+    forces |= {"excitation": waves} if waves else {}
+    forces |= {"end_stop": stop} if stop else {}
+    return System.of(Plant(("Heave",), np.array([[MASS]]), forces, np.eye(1)))
+
+
+@pytest.fixture(scope="module")
+def shell():
+    """Three coupled motions with two dampers, waves and a memory of two states; a take-off on a mixture of them."""
+    rng = np.random.default_rng(11)
+    mass, stiffness, damping = (root @ root.T + np.eye(3) for root in rng.normal(size=(3, 3, 3)))
+    channel, turning = np.array([1.0, 0.5]), np.array([[0.0, 1.0], [-1.0, 0.0]])
+    memory = RadiationModel(turning - np.outer(channel, channel) / 2, rng.normal(size=(2, 3)), channel)
+    forces = {
+        "hydrostatic": Spring(5 * stiffness),
+        "structural_damping": Damper(0.1 * damping),
+        "excitation": Excitation(np.array([1.3, 2.1]), rng.normal(size=(2, 3)) + 1j * rng.normal(size=(2, 3))),
+        "radiation": RadiationMemory(memory),
+    }
+    return Plant(("Heave", "Radial2", "Radial3"), mass, forces, np.eye(3))
+
+
+def reference(law, stop, time, rtol=1e-12):
+    """The oscillator by an explicit method of order 8 from event to event, pieces chosen by its own few lines."""
+    position, velocity = float(START[0][0]), float(START[1][0])
+
+    def wave(t):
+        return np.real(np.exp(-1j * WAVES.omega * t) @ WAVES.phasors[:, 0])
+
+    def stopped(y, v):
+        beyond = np.sign(y) * max(abs(y) - stop.stroke, 0.0) if stop else 0.0
+        return -stop.stiffness * beyond - stop.damping * v * (beyond * v > 0) if beyond else 0.0
+
+    def net(t, y):
+        return wave(t) - SPRING * y + stopped(y, 0.0)
+
+    out, t, until, way = np.full(len(time), np.nan), float(time[0]), -1.0, int(np.sign(velocity))
+    while t < time[-1]:
+        paused = until > t + 1e-12
+        friction = np.isinf(law.paused_damping if paused else law.damping)
+
+        def rates(s, z, paused=paused, friction=friction, way=way):
+            if friction and way == 0:
+                return [0.0, 0.0]
+            c, k = (law.paused_damping, 0.0) if paused else (law.damping, law.stiffness)
+            taken = law.limit * way if friction else np.clip(c * z[1] + k * z[0], -law.limit, law.limit)
+            return [z[1], (wave(s) - SPRING * z[0] - DRAG * z[1] - taken + stopped(z[0], z[1])) / MASS]
+
+        events = [lambda s, z, until=until, paused=paused: until - s if paused else 1.0]
+        if friction and way == 0:
+            events.append(lambda s, z: law.limit - abs(net(s, z[0])) if np.isfinite(law.limit) else 1.0)
+        else:
+            events.append(lambda s, z, way=way: way * z[1])
+            if np.isfinite(law.limit) and not friction:
+                c, k = law.damping, law.stiffness
+                events.append(lambda s, z, c=c, k=k: law.limit - abs(c * z[1] + k * z[0]))
+        if stop:
+            events.append(lambda s, z: abs(z[0]) - stop.stroke)
+        for event in events[:2]:
+            event.terminal, event.direction = True, -1
+        found = solve_ivp(rates, (t, time[-1]), [position, velocity], "DOP853", rtol=rtol, atol=1e-14, events=events,
+                          dense_output=True, max_step=0.02)  # fmt: skip
+        inside = (time >= t) & (time <= found.t[-1])
+        if inside.any():
+            out[inside] = found.sol(time[inside])[0]
+        t, (position, velocity) = float(found.t[-1]), found.y[:, -1]
+        if found.status == 0:
+            break
+        if len(found.t_events[0]):  # the pause is over
+            until, way = -1.0, way or int(np.sign(net(t, position)))
+        else:
+            if law.pause and until < 0 and way:
+                until = t + law.pause
+            friction = np.isinf(law.paused_damping if until > t + 1e-12 else law.damping)
+            push = net(t, position)
+            if way == 0:
+                way = int(np.sign(push))
+            elif friction:
+                way, velocity = (0 if abs(push) <= law.limit else int(np.sign(push))), 0.0
+            else:
+                way, velocity = -way, 0.0
+    return out
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_motion_is_that_of_an_independent_integrator(name):
+    """Events and pieces found by scipy's at 1e-12; steps over kinks limit it to some 1e-8."""
+    law, stop = LAWS[name]
+    system = oscillator(law, stop)
+    motion, switches = switched(system, TIME, START)
+    expected = reference(law, stop, TIME)
+    assert switches > 5
+    assert np.abs(motion.position[:, 0] - expected).max() < (2e-7 if stop else 1e-9) * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_the_audit_closes_and_forces_stay_within_their_limits(name):
+    law, stop = LAWS[name]
+    system = oscillator(law, stop)
+    motion, _ = switched(system, TIME, START)
+    assert residual(energies(system, motion)) < 1e-8
+    total = sum(system.forces(motion).values())
+    assert MASS * motion.acceleration == pytest.approx(total, abs=1e-10)
+    assert np.abs(motion.forces["pto"]).max() <= law.limit * (1 + 1e-12)
+    assert not stop or np.abs(motion.position).max() < 1.1 * stop.stroke
+    if np.isfinite(law.limit):
+        assert np.abs(motion.forces["pto"]).max() > 0.999 * law.limit
+
+
+@pytest.mark.parametrize("law", [TakeOff(B, 0.8, 1.5), TakeOff(B, 0.8, -0.2)], ids=["spring", "negative spring"])
+def test_a_law_without_limits_is_the_linear_take_off(shell, law):
+    """Memory, three motions, port on a mixture of them."""
+    law = replace(law, direction=np.array([1.0, 0.3, -0.2]))
+    outer = np.outer(law.direction, law.direction)
+    linear = {"pto": Damper(law.damping * outer), "spring": Spring(law.stiffness * outer)}
+    time, start = np.linspace(0.0, 20.0, 1001), (np.array([0.1, 0.2, -0.1]), np.array([0.3, 0.0, 0.1]))
+    system = System.of(replace(shell, forces={**shell.forces, "pto": law}))
+    motion, _ = switched(system, time, start)
+    expected = propagate(System.of(replace(shell, forces={**shell.forces, **linear})), time, start)
+    for part in ("position", "velocity", "acceleration", "memory"):
+        assert getattr(motion, part) == pytest.approx(getattr(expected, part), abs=1e-11)
+    force = -(expected.velocity @ outer * law.damping + expected.position @ outer * law.stiffness)
+    assert motion.forces["pto"] == pytest.approx(force, abs=1e-10)
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_laws_on_a_shell_with_memory_close_their_audit(shell, name):
+    law, stop = (part and replace(part, direction=np.array([1.0, 0.3, -0.2])) for part in LAWS[name])
+    law = replace(law, limit=law.limit / 20)  # of the size of this scene's forces
+    forces = {**shell.forces, "pto": law} | ({"end_stop": replace(stop, stroke=0.05)} if stop else {})
+    system = System.of(replace(shell, forces=forces))
+    motion, switches = switched(system, np.linspace(0.0, 20.0, 1001), (np.zeros(3), np.zeros(3)))
+    assert switches > 5
+    assert residual(energies(system, motion)) < 1e-7
+
+
+def test_friction_takes_its_share_of_every_swing_and_then_holds():
+    """2 y'' + 50 y = -F sign y': every half swing ends 2 F/50 nearer to the middle, until the spring is too weak."""
+    system = oscillator(TakeOff(B, np.inf, limit=3.0), waves=None, drag=0.0)
+    half = np.pi / 5
+    motion, switches = switched(system, np.arange(0, 201) * half / 20, (np.ones(1), np.zeros(1)))
+    turning = motion.position[::20, 0]
+    left = 1.0 - 2 * 0.06 * np.arange(len(turning))
+    left = np.where(left > 0, left, left[left > 0][-1])
+    assert turning[:9] == pytest.approx(((-1.0) ** np.arange(9)) * left[:9], abs=1e-12)
+    assert np.all(motion.position[-40:] == motion.position[-1])
+    assert np.abs(motion.velocity[-40:]).max() < 1e-30
+    assert motion.forces["pto"][-1] == pytest.approx(50 * motion.position[-1])
+    assert switches == 8
+
+
+def test_no_step_enters_but_the_lookout_and_that_not_either():
+    """Motion and events at twice and half the recorded step, at twice the lookout: equal to round-off."""
+    for law, stop in LAWS.values():
+        system = oscillator(law, stop)
+        whole = Switching(system)
+        motion, _ = whole.follow(TIME, START)
+        coarse, _ = switched(system, TIME[::2], START)
+        assert coarse.position == pytest.approx(motion.position[::2], abs=1e-10)
+        twice = Switching(system)
+        track, _ = twice.track(TIME, system.first(START), 2 * whole.finer(TIME[1]))
+        again, _ = whole.track(TIME, system.first(START), whole.finer(TIME[1]))
+        events = [np.concatenate(part.times)[~np.concatenate(part.regular)] for part in (track, again)]
+        assert events[0] == pytest.approx(events[1], abs=1e-9)
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_a_run_in_legs_is_the_whole_run(name):
+    """The mode, held or paused, goes over the border of a leg."""
+    system, sea = oscillator(*LAWS[name]), Sea(WAVES.omega, np.array([0.1, 0.1]))
+    setting = Simulation(duration=12.0, window=(6.0, 12.0), initial_position=0.1, initial_velocity=0.3)
+    whole, stride, method = simulate(system, sea, setting, None)
+    assert method.startswith("exact propagation between switches, ")
+    parts = list(legs(system, sea, setting, None, longest=150))
+    assert len(parts) > 3
+    position = np.concatenate([part.motion.position[bool(i) :: part.stride] for i, part in enumerate(parts)])
+    assert position == pytest.approx(whole.position[::stride], abs=1e-9)
+    assert parts[-1].balance.residual < 1e-7
+
+
+@settings(max_examples=15)
+@given(st.floats(0.5, 20.0), st.floats(0.5, 30.0), st.floats(0.2, 1.0), st.integers(0, 2**32 - 1))
+def test_any_law_keeps_its_limits_and_its_energy(damping, limit, stroke, seed):
+    rng = np.random.default_rng(seed)
+    law = TakeOff(B, damping if rng.random() < 0.7 else np.inf, 0.0, limit, rng.random() * 0.5 * (rng.random() < 0.6),
+                  np.inf if rng.random() < 0.5 else 0.0)  # fmt: skip
+    stop = EndStop(B, stroke, 5e3, 200.0) if rng.random() < 0.5 else None
+    system = oscillator(law, stop, drag=float(rng.random()))
+    motion, _ = switched(system, TIME[:401], (rng.normal(size=1) * 0.3, rng.normal(size=1)))
+    assert residual(energies(system, motion)) < 1e-6
+    assert np.abs(motion.forces["pto"]).max() <= limit * (1 + 1e-12)
+    assert np.all(motion.forces["pto"] * motion.velocity <= 1e-9)
+
+
+def steady_power(law, omega, force):
+    """Mean power of the last of many periods in a regular wave [W], and the amplitude of the velocity."""
+    system = oscillator(law, waves=Excitation(np.array([omega]), np.array([[force + 0j]])))
+    period = 2 * np.pi / omega
+    motion, _ = switched(system, np.linspace(0.0, 60 * period, 60 * 64 + 1), (np.zeros(1), np.zeros(1)))
+    return (motion.works["pto"][-1] - motion.works["pto"][-65]) / period, np.abs(motion.velocity[-65:]).max()
+
+
+def test_a_damper_below_its_limit_is_the_linear_answer():
+    """P = c |V|^2/2, V = F/Z."""
+    power, velocity = steady_power(TakeOff(B, 4.0, limit=100.0), 3.0, 30.0)
+    expected = 30.0 / abs(DRAG + 4.0 + 1j * (50.0 / 3.0 - 3.0 * MASS))
+    assert velocity == pytest.approx(expected, rel=1e-3)
+    assert power == pytest.approx(2.0 * expected**2, rel=1e-9)
+
+
+@pytest.mark.parametrize("share", [0.9, 0.5, 0.2])
+def test_a_saturated_damper_is_near_its_describing_function(share):
+    """c_eq = 2c/pi (asin x + x sqrt(1 - x^2)), x = limit/(c V); the third harmonic it neglects is some per cent."""
+    omega, force, damping = 3.0, 30.0, 8.0
+    x_over = 30.0 / abs(DRAG + damping + 1j * (50.0 / omega - omega * MASS)) * damping * share
+
+    def equivalent(v):
+        x = min(1.0, x_over / (damping * v))
+        return 2 * damping / np.pi * (np.arcsin(x) + x * np.sqrt(1 - x * x))
+
+    def unbalanced(v):
+        return v * abs(DRAG + equivalent(v) + 1j * (50.0 / omega - omega * MASS)) - force
+
+    v = brentq(unbalanced, 1e-3, 100.0)
+    power, _ = steady_power(TakeOff(B, damping, limit=x_over), omega, force)
+    assert power == pytest.approx(0.5 * equivalent(v) * v * v, rel=0.03)
+
+
+def test_a_latched_port_does_not_move_and_a_declutched_one_feels_nothing():
+    held, _ = switched(oscillator(TakeOff(B, 4.0, pause=0.3)), TIME, START)
+    still = held.velocity[:, 0] == 0.0
+    assert 0.15 < still.mean() < 0.8
+    loose, _ = switched(oscillator(TakeOff(B, 4.0, pause=0.3, paused_damping=0.0)), TIME, START)
+    nothing = (loose.forces["pto"][:, 0] == 0.0) & (np.abs(loose.velocity[:, 0]) > 0.01)
+    assert 0.2 < nothing.mean() < 0.8
+
+
+def test_who_cannot_follow_switches_says_so(monkeypatch):
+    system = oscillator(TakeOff(B, 4.0, limit=8.0))
+    with pytest.raises(ValueError, match="exact propagation: received nonlinear forces"):
+        propagate(system, TIME, START)
+    with pytest.raises(ValueError, match="received a take-off that switches, needs smooth forces; use a linear scene"):
+        structure_preserving(system, TIME, START, 1e-6)
+    with pytest.raises(ValueError, match="harmonic balance: received a take-off that switches, needs smooth forces"):
+        harmonic_balance(oscillator(TakeOff(B, 4.0, limit=8.0), waves=Excitation(np.ones(1), np.ones((1, 1)) + 0j)))
+    with pytest.raises(ValueError, match="switching: received the nonlinear forces none, needs a linear scene with a"):
+        Switching(oscillator(Damper(np.eye(1))))
+    monkeypatch.setattr("vsb.integrators.switching.MOST_EVENTS", 0)
+    with pytest.raises(ConvergenceError, match=r"the take-off switches without end at t = 0.*larger force_limit"):
+        switched(system, TIME, START)

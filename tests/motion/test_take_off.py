@@ -1,0 +1,46 @@
+"""Laws of take-offs and end stops as forces of stroke and velocity."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from vsb.motion.take_off import EndStop, TakeOff
+
+B = np.array([1.0, 0.5])
+small = st.floats(-3.0, 3.0)
+
+
+@given(small, small, small, small)
+def test_a_law_is_a_limited_spring_and_damper_at_its_port(y, x, vy, vx):
+    q, v = np.array([[y, x]]), np.array([[vy, vx]])
+    force = TakeOff(B, 4.0, 10.0, 5.0).force(np.zeros(1), q, v)
+    wanted = 4.0 * (v @ B)[0] + 10.0 * (q @ B)[0]
+    assert force[0] == pytest.approx(-np.clip(wanted, -5.0, 5.0) * B)
+
+
+def test_friction_has_the_sign_of_the_velocity():
+    force = TakeOff(B, np.inf, limit=5.0).force(np.zeros(3), np.zeros((3, 2)), np.array([[2.0, 0], [-1e-9, 0], [0, 0]]))
+    assert force[:, 0].tolist() == [-5.0, 5.0, 0.0]
+
+
+@pytest.mark.parametrize("limit", [0.0, np.inf])
+def test_friction_without_a_limit_is_refused(limit):
+    with pytest.raises(ValueError, match=f"friction: received a limit of {limit:g} N, needs a finite one above 0"):
+        TakeOff(B, np.inf, limit=limit)
+
+
+@given(small, small)
+def test_an_end_stop_pushes_and_never_pulls(stroke, speed):
+    """It gives back what its spring stores, by its gradient, and no more."""
+    stop = EndStop(np.array([1.0]), 0.7, 100.0, 30.0)
+    q, v = np.array([[stroke]]), np.array([[speed]])
+    force = stop.force(np.zeros(1), q, v)[0, 0]
+    assert force * stroke <= 0.0
+    assert force == 0.0 or abs(stroke) > 0.7
+    step = np.array([[1e-6]])
+    gradient = (stop.stored(q + step) - stop.stored(q - step))[0] / 2e-6
+    if abs(abs(stroke) - 0.7) > 1e-5:
+        lost = -(force + gradient) * speed
+        loading = abs(stroke) > 0.7 and stroke * speed > 0
+        assert lost == pytest.approx(30.0 * speed**2 if loading else 0.0, abs=1e-5)

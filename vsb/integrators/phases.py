@@ -1,0 +1,131 @@
+"""One linear regime of a switching take-off: its exact motion over any span, and what its switches watch.
+
+While a take-off keeps to one piece of its law, F = -(c V + k S) + f at the port, or holds it at rest, the scene is
+
+    z' = A z + B (beta f + Re sum w_j exp(-i omega_j t)),    S = (beta/s).z,  V = beta.p',
+
+with beta = shapes^T b, s the scale of the modes and constant c, k, f: z - z_s = exp(A (t - t_0)) (z - z_s)(t_0) about
+the swing z_s of the waves has no step-size error. f is carried as one more state, which never changes.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from vsb.integrators.exact import SERIES, steady_state, transition
+from vsb.motion.system import System
+from vsb.tools.units import ComplexArray, FloatArray
+from vsb.waves.superposition import superposed
+
+AHEAD = 32
+"""Instants looked ahead at a time."""
+
+
+class Signals(NamedTuple):
+    """What switches watch, each shape (time,)."""
+
+    stroke: FloatArray  # S [m]
+    velocity: FloatArray  # V [m/s]
+    push: FloatArray  # net force of all but the take-off on a port that is held [N]
+
+
+@dataclass(frozen=True, eq=False)
+class Phase:
+    """A scene with a damper and a spring at its port, or with the port held; states are (z, f)."""
+
+    system: System  # without the take-off
+    port: FloatArray  # beta (free,)
+    damping: float  # c [kg/s]
+    stiffness: float  # k [N/m]
+    held: bool
+    step: float  # between the instants of a run, the longest span [s]
+
+    @cached_property
+    def loose(self) -> FloatArray:
+        """Rates of p' of a port that is not held, shape (free, state + 1)."""
+        n = self.system.free
+        rates = np.column_stack([self.system.matrix[n : 2 * n], self.port])
+        rates[:, :n] -= self.stiffness * np.outer(self.port, self.port / self.system.scale)
+        rates[:, n : 2 * n] -= self.damping * np.outer(self.port, self.port)
+        return rates
+
+    @property
+    def allowed(self) -> FloatArray:
+        """What the port lets through of any rate of p', shape (free, free)."""
+        unit = self.port / np.linalg.norm(self.port) * self.held
+        return np.eye(self.system.free) - np.outer(unit, unit)
+
+    @cached_property
+    def matrix(self) -> FloatArray:
+        """A of (z, f), shape (state + 1, state + 1)."""
+        n, order = self.system.free, len(self.system.matrix)
+        out = np.zeros((order + 1, order + 1))
+        out[:order, :order] = self.system.matrix
+        out[n : 2 * n] = self.allowed @ self.loose
+        return out
+
+    @cached_property
+    def swing(self) -> ComplexArray:
+        """Phasors of z_s, shape (component, state)."""
+        regime = replace(self.system, matrix=self.matrix[:-1, :-1], waves=self.system.waves @ self.allowed)
+        return steady_state(regime)
+
+    @cached_property
+    def signals(self) -> FloatArray:
+        """Rows of the signals over (z, f), shape (3, state + 1)."""
+        n, out = self.system.free, np.zeros((3, len(self.matrix)))
+        out[0, :n] = self.port / self.system.scale
+        out[1, n : 2 * n] = self.port
+        out[2] = self.port @ self.loose / (self.port @ self.port)
+        return out
+
+    def transient(self, t: float, state: FloatArray) -> FloatArray:
+        """Return (z - z_s, f) at an instant of (z, f), shape (state + 1,)."""
+        return np.asarray(state - np.append(np.real(np.exp(-1j * self.system.omega * t) @ self.swing), 0.0))
+
+    def states(self, time: FloatArray, transients: FloatArray) -> FloatArray:
+        """Return (z, f) at equally spaced instants, of transients (z - z_s, f) there, shape (time, state + 1)."""
+        out = transients.copy()
+        out[:, :-1] += superposed(self.system.omega, self.swing, time)
+        return out
+
+    def watched(self, time: FloatArray, states: FloatArray) -> Signals:
+        """Return the signals of (z, f) at equally spaced instants."""
+        wave = superposed(self.system.omega, (self.system.waves @ self.port)[:, None], time)[:, 0]
+        stroke, velocity, push = self.signals @ states.T
+        return Signals(stroke, velocity, push + wave / (self.port @ self.port))
+
+    def push(self, states: FloatArray, waves: FloatArray, constant: float) -> FloatArray:
+        """Return the net push of states z under waves on the modes, shape (time,) [N]."""
+        row = self.signals[2]
+        return np.asarray(states @ row[:-1] + waves @ self.port / (self.port @ self.port) + row[-1] * constant)
+
+    @cached_property
+    def ladder(self) -> list[FloatArray]:
+        """exp(A step/2^j), j = 0, 1, ..., down to where a series needs no scaling."""
+        size = np.abs(self.matrix).sum(axis=0).max() * self.step
+        rungs = max(1, int(np.ceil(np.log2(max(2 * size, 1.0)))) + 1)
+        return [transition(self.matrix * (self.step / 2**j)) for j in range(rungs)]
+
+    @cached_property
+    def ahead(self) -> FloatArray:
+        """exp(A step)^m, m = 1.. `AHEAD`, shape (AHEAD, state + 1, state + 1)."""
+        powers = [self.ladder[0]]
+        while len(powers) < AHEAD:
+            powers.append(powers[-1] @ self.ladder[0])
+        return np.array(powers)
+
+    def later(self, transient: FloatArray, span: float) -> FloatArray:
+        """Return a transient after any span up to a step: rungs of the ladder, and a series for the rest."""
+        part = self.step
+        for rung in self.ladder:
+            if span >= part:
+                transient, span = rung @ transient, span - part
+            part /= 2
+        term = out = transient
+        for k in range(1, SERIES + 2):
+            term = self.matrix @ term * (span / k)
+            out = out + term
+        return out

@@ -1,0 +1,356 @@
+"""Motion under a switching take-off in a linear scene: exact between events, the events located to round-off.
+
+A take-off's law and an end stop (`vsb.motion.take_off`) are piecewise linear, so from one switch to the next the scene
+is one linear regime (`vsb.integrators.phases`) whose motion is known exactly. What switches watch is looked at on
+instants fine enough for every motion the port can feel; where a guard has changed sign between two of them its zero is
+found by Brent's method on the exact motion. No step size enters but that of the lookout.
+"""
+
+import time as clock
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy.linalg import eigh
+from scipy.optimize import brentq
+
+from vsb.errors import ConvergenceError
+from vsb.integrators.phases import AHEAD, Phase, Signals
+from vsb.integrators.works import TERMS, Load, Piece, account
+from vsb.motion.motion import Motion
+from vsb.motion.system import EndStop, System, TakeOff
+from vsb.tools.units import FloatArray
+
+RESOLVED = 0.25
+"""Of a radian: how far apart the instants of the lookout are at most, for the fastest motion the port feels."""
+FELT = 1e-3
+"""A mode whose answer to a kick at the port is a smaller part of the largest is not felt."""
+FINEST = 10  # halvings of a recorded step
+MOST_EVENTS = 1000
+"""In one recorded step, before a run is given up."""
+
+
+class Mode(NamedTuple):
+    """Which pieces of the laws are in force."""
+
+    way: int  # sign of V; 0: the port is held at rest
+    limited: int = 0  # sign of the spring-damper's force where it is at its limit; else 0
+    contact: int = 0  # side of the stop that is pressed, or 0
+    paused: bool = False
+    until: float = np.inf  # end of the pause [s]
+
+
+@dataclass
+class Track:
+    """Nodes of a run as they are found; each with the mode from there on."""
+
+    step: float  # between instants of the lookout [s]
+    times: list[FloatArray]
+    states: list[FloatArray]
+    regular: list[npt.NDArray[np.bool_]]
+    modes: list[Mode]
+
+    def add(self, times: FloatArray, states: FloatArray, mode: Mode, regular: bool) -> None:
+        """Add nodes of one mode."""
+        self.times.append(times)
+        self.states.append(states)
+        self.regular.append(np.full(len(times), regular))
+        self.modes += [mode] * len(times)
+
+
+def _sign(value: FloatArray | float) -> int:
+    """Sign of a number, 1 of zero."""
+    return 1 if value >= 0 else -1
+
+
+@dataclass(frozen=True)
+class Switching:
+    """A linear scene with a take-off that switches, and perhaps an end stop.
+
+    Raises
+    ------
+    ValueError
+        If the scene has no such take-off, or forces that are not piecewise linear.
+    """
+
+    system: System
+    modes: dict[float, Mode] = field(default_factory=dict)  # at the ends of legs
+    phases: dict[tuple[float, float, bool, float], Phase] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Check that all forces are piecewise linear and act at one port."""
+        others = [name for name, part in self.system.scene.linear.items() if not part.whole and name not in self.laws]
+        if others or not isinstance(self.system.scene.forces.get(self.system.scene.take_off), TakeOff):
+            raise ValueError(
+                f"switching: received the nonlinear forces {', '.join(others) or 'none'}, needs a linear scene with a "
+                "take-off that switches"
+            )
+
+    @property
+    def laws(self) -> dict[str, TakeOff | EndStop]:
+        """The piecewise linear forces by name."""
+        return {k: f for k, f in self.system.scene.forces.items() if isinstance(f, TakeOff | EndStop)}
+
+    @cached_property
+    def law(self) -> TakeOff:
+        """The take-off."""
+        return next(force for force in self.laws.values() if isinstance(force, TakeOff))
+
+    @cached_property
+    def stop(self) -> EndStop | None:
+        """The end stop, if there is one."""
+        return next((force for force in self.laws.values() if isinstance(force, EndStop)), None)
+
+    @cached_property
+    def port(self) -> FloatArray:
+        """Beta, the port in natural modes, shape (free,)."""
+        return self.system.shapes.T @ self.law.direction
+
+    def rate(self) -> float:
+        """Return the fastest rate the port feels [rad/s]: of modes under each spring, of the laws' dampers."""
+        n = self.system.free
+        squares = -self.system.matrix[n : 2 * n, :n] * self.system.scale
+        springs = {0.0, self.law.stiffness, self.stop.stiffness if self.stop else 0.0}
+        dampers = [c for c in (self.law.damping, self.law.paused_damping) if np.isfinite(c)]
+        rates = [c * float(self.port @ self.port) for c in (*dampers, self.stop.damping if self.stop else 0.0)]
+        for spring in springs:
+            values, vectors = eigh((squares + squares.T) / 2 + spring * np.outer(self.port, self.port))
+            omega = np.sqrt(np.maximum(np.abs(values), 1e-6))
+            kick = (self.port @ vectors) ** 2 / omega
+            rates.append(float(omega[kick > FELT * kick.max()].max()))
+        return max(rates)
+
+    def finer(self, dt: float) -> int:
+        """Return how many instants of the lookout there are in a recorded step, a power of 2."""
+        return int(2 ** min(max(0, int(np.ceil(np.log2(self.rate() * dt / RESOLVED)))), FINEST))
+
+    # pieces ---------------------------------------------------------------------------------------------------------
+
+    def friction(self, mode: Mode) -> bool:
+        """Whether the take-off is friction now."""
+        return bool(np.isinf(self.law.coefficients(mode.paused)[0]))
+
+    def taken(self, mode: Mode) -> Load:
+        """Force of the take-off, but for that which holds the port."""
+        c, k = self.law.coefficients(mode.paused)
+        if np.isinf(c):
+            return Load(0.0, 0.0, -mode.way * self.law.limit if mode.way else 0.0)
+        return Load(0.0, 0.0, -mode.limited * self.law.limit) if mode.limited else Load(c, k, 0.0)
+
+    def stopped(self, mode: Mode) -> Load:
+        """Force of the end stop."""
+        if not (self.stop and mode.contact):
+            return Load(0.0, 0.0, 0.0)
+        loading = mode.way == mode.contact
+        return Load(
+            self.stop.damping if loading else 0.0,
+            self.stop.stiffness,
+            mode.contact * self.stop.stiffness * self.stop.stroke,
+        )
+
+    def phase(self, mode: Mode, step: float) -> tuple[Phase, float]:
+        """Return the regime of a mode, and its constant force."""
+        c, k, f = (a + b for a, b in zip(self.taken(mode), self.stopped(mode), strict=True))
+        key = c, k, mode.way == 0, step
+        if key not in self.phases:
+            self.phases[key] = Phase(self.system, self.port, *key)
+        return self.phases[key], f
+
+    # events ---------------------------------------------------------------------------------------------------------
+
+    def guards(self, mode: Mode, at: Signals, time: FloatArray) -> dict[str, FloatArray]:
+        """Return what must not become negative, by the event it stands for."""
+        out, law = {"resume": mode.until - time} if mode.paused else {}, self.law
+        if mode.way:
+            out["turn"] = mode.way * at.velocity
+        if np.isfinite(law.limit):
+            if not mode.way:
+                out["slip"] = law.limit - np.abs(at.push)
+            elif not self.friction(mode):
+                out["limit"] = self._within(mode, at) * (-1 if mode.limited else 1)
+        if self.stop:
+            out["stop"] = mode.contact * at.stroke - self.stop.stroke if mode.contact else (
+                self.stop.stroke - np.abs(at.stroke)
+            )  # fmt: skip
+        return out
+
+    def _within(self, mode: Mode, at: Signals) -> FloatArray:
+        """By how much the spring-damper's force is below its limit [N]; of a limited one on its side."""
+        c, k = self.law.coefficients(mode.paused)
+        wanted = c * at.velocity + k * at.stroke
+        return self.law.limit - (mode.limited * wanted if mode.limited else np.abs(wanted))
+
+    def after(self, event: str, mode: Mode, t: float, at: Signals) -> Mode:
+        """Return the mode after an event."""
+        if event == "turn":
+            pauses = self.law.pause > 0 and not mode.paused
+            mode = mode._replace(paused=True, until=t + self.law.pause, limited=0) if pauses else mode
+            return self.stuck(mode, at) if self.friction(mode) else mode._replace(way=-mode.way)
+        if event == "slip":
+            return mode._replace(way=_sign(at.push))
+        if event == "resume":
+            engaged = mode._replace(paused=False, until=np.inf, way=mode.way or _sign(at.push))
+            return self.limited(engaged, at)
+        if event == "limit":
+            return mode._replace(limited=0) if mode.limited else self.limited(mode, at, crossed=True)
+        return mode._replace(contact=0 if mode.contact else _sign(at.stroke))
+
+    def limited(self, mode: Mode, at: Signals, crossed: bool = False) -> Mode:
+        """Return the mode with the piece of the spring-damper that its force asks for."""
+        c, k = self.law.coefficients(mode.paused)
+        if np.isinf(c):
+            return mode._replace(limited=0)
+        wanted = float(c * at.velocity + k * at.stroke)
+        return mode._replace(limited=_sign(wanted) if crossed or abs(wanted) > self.law.limit else 0)
+
+    def stuck(self, mode: Mode, at: Signals) -> Mode:
+        """Return the mode of friction at rest: held, or pushed on."""
+        return mode._replace(way=0 if abs(at.push) <= self.law.limit else _sign(at.push))
+
+    def pushed(self, mode: Mode, t: float, z: FloatArray, step: float) -> Signals:
+        """Return the signals of the port if friction held it."""
+        phase, f = self.phase(mode._replace(way=0, limited=0, paused=True) if mode.way else mode, step)
+        return Signals(*(signal[0] for signal in phase.watched(np.array([t]), np.append(z, f)[None])))
+
+    def first(self, t: float, z: FloatArray, step: float) -> Mode:
+        """Return the mode a run begins with."""
+        n = self.system.free
+        stroke, speed = self.port / self.system.scale @ z[:n], self.port @ z[n : 2 * n]
+        outside = self.stop is not None and abs(stroke) > self.stop.stroke
+        mode = Mode(_sign(speed), contact=_sign(stroke) if outside else 0)
+        at = self.pushed(mode, t, z, step)
+        if speed == 0:
+            mode = self.stuck(mode, at) if self.friction(mode) else mode._replace(way=_sign(at.push))
+        return self.limited(mode, at)
+
+    def held(self, z: FloatArray) -> FloatArray:
+        """Return z with the port at rest, which friction has brought it to but for round-off."""
+        n, out = self.system.free, z.copy()
+        out[n : 2 * n] -= self.port * (self.port @ z[n : 2 * n]) / (self.port @ self.port)
+        return out
+
+    # runs -----------------------------------------------------------------------------------------------------------
+
+    def track(self, time: FloatArray, z: FloatArray, finer: int) -> tuple[Track, Mode]:
+        """Return the motion from node to node, the instants of the lookout and the events, and the mode at its end.
+
+        Raises
+        ------
+        ConvergenceError
+            If events come without end.
+        """
+        count = (len(time) - 1) * finer
+        grid = np.linspace(time[0], time[-1], count + 1)
+        step = float(grid[-1] - grid[0]) / count
+        mode = self.modes.get(float(time[0])) or self.first(float(time[0]), z, step)
+        track, t, i, events = Track(step, [grid[:1]], [z[None]], [np.ones(1, dtype=bool)], [mode]), float(grid[0]), 0, 0
+        while i < count:
+            phase, f = self.phase(mode, step)
+            transient = phase.transient(t, np.append(z, f))
+            ahead = grid[i + 1 : i + 1 + (AHEAD if t == grid[i] else 1)]
+            transients = phase.ahead[: len(ahead)] @ transient if t == grid[i] else (
+                phase.later(transient, float(ahead[0]) - t)[None]
+            )  # fmt: skip
+            states = phase.states(ahead, transients)
+            passed, broken = self.undisturbed(mode, phase, ahead, states)
+            track.add(ahead[:passed], states[:passed, :-1], mode, regular=True)
+            if passed:
+                t, i = float(ahead[passed - 1]), i + passed
+                z, transient = states[passed - 1, :-1], transients[passed - 1]
+            if broken:
+                span, event = self.next_event(broken, mode, phase, t, transient, float(ahead[passed]) - t)
+                t += span
+                z = phase.states(np.array([t]), phase.later(transient, span)[None])[0, :-1]
+                mode = self.after(event, mode, t, self.pushed(mode, t, z, step))
+                z, events = z if mode.way else self.held(z), events + 1
+                track.add(np.array([t]), z[None], mode, regular=False)
+                if events > MOST_EVENTS * (1 + i / finer):
+                    raise ConvergenceError(
+                        f"the take-off switches without end at t = {t:.6g} s; use a larger force_limit or a softer law"
+                    )
+        return track, mode
+
+    def undisturbed(self, mode: Mode, phase: Phase, time: FloatArray, states: FloatArray) -> tuple[int, list[str]]:
+        """Return the number of instants before the first in which guards are negative, and the events of these."""
+        guards = self.guards(mode, phase.watched(time, states), time)
+        broken = np.array(list(guards.values())) < 0
+        first = int(np.argmax(broken.any(axis=0))) if broken.any() else len(time)
+        return first, [
+            name for name, value in zip(guards, broken.T[first], strict=True) if value
+        ] if broken.any() else []
+
+    def next_event(
+        self, broken: list[str], mode: Mode, phase: Phase, t: float, transient: FloatArray, span: float
+    ) -> tuple[float, str]:
+        """Return when within a span the first of some guards vanishes that are negative at its end, and its event."""
+
+        def guard(s: float, name: str) -> float:
+            at, here = np.array([t + s]), phase.later(transient, s)[None]
+            return float(self.guards(mode, phase.watched(at, phase.states(at, here)), at)[name][0])
+
+        zeros = []
+        for name in broken:
+            if guard(0.0, name) <= 0:
+                zero = 0.0
+            elif guard(span, name) >= 0:  # negative by round-off alone
+                zero = span
+            else:
+                zero = float(brentq(guard, 0.0, span, (name,), xtol=1e-16 * span, rtol=1e-15))
+            zeros.append((zero, name))
+        return min(zeros)
+
+    def follow(self, time: FloatArray, start: tuple[FloatArray, ...]) -> tuple[Motion, int]:
+        """Return the motion at equally spaced instants, from where a leg left it or its start, and the switches."""
+        begun, finer = clock.perf_counter(), self.finer(float(time[1] - time[0]))
+        track, self.modes[float(time[-1])] = self.track(time, self.system.first(start), finer)
+        nodes, states = np.concatenate(track.times), np.concatenate(track.states)
+        regular, pieces = np.concatenate(track.regular), self.pieces(track)
+        found = account(self.system, nodes, states, pieces, regular)
+        kept = np.flatnonzero(regular)[::finer]
+        n, z, name = self.system.free, states[kept], self.system.scene.take_off
+        forces = {
+            key: np.outer(found.taken[kept] if key == name else found.stopped[kept], law.direction)
+            for key, law in self.laws.items()
+        }
+        motion = Motion(
+            time,
+            z[:, :n] @ self.system.position.T,
+            z[:, n : 2 * n] @ self.system.modes.T,
+            found.rates[kept] @ self.system.modes.T,
+            z[:, 2 * n :],
+            clock.perf_counter() - begun,
+            forces,
+            dict(zip(TERMS, found.works[:, kept], strict=True)),
+        )
+        return motion, len(nodes) - int(regular.sum())
+
+    def pieces(self, track: Track) -> dict[Piece, list[int]]:
+        """Return which pieces are in force from which nodes on."""
+        out: dict[Piece, list[int]] = {}
+        for k, mode in enumerate(track.modes):
+            phase, _ = self.phase(mode, track.step)
+            out.setdefault(Piece(phase, self.taken(mode), self.stopped(mode)), []).append(k)
+        return out
+
+
+def switched(system: System, time: FloatArray, start: tuple[FloatArray, ...]) -> tuple[Motion, int]:
+    """Return the motion of a scene with a switching take-off at equally spaced instants, and the number of switches.
+
+    Parameters
+    ----------
+    system : System
+        Linear but for a `TakeOff` and perhaps an `EndStop`.
+    time : ndarray, shape (time,) [s]
+    start : tuple of ndarray
+        y [m] and y' [m/s] at the first instant, each shape (free,); then memory states, if the water is not at rest.
+
+    Raises
+    ------
+    ConvergenceError
+        If switches come without end.
+    ValueError
+        If the scene is none of the kind.
+    """
+    return Switching(system).follow(time, start)

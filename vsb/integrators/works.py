@@ -1,0 +1,145 @@
+"""Forces and energy audit of a switching run: powers integrated between its nodes, on the pieces in force.
+
+Nodes are the instants of the lookout and the events. Between two of them every force is smooth, and states and their
+first two derivatives are known at both, z' = A z + B g and z'' = A z' + B g'. Power P has then a rule of order six,
+
+    int P dt = h/2 (P0 + P1) + h^2/10 (P0' - P1') + h^3/120 (P0'' + P1''):
+
+work along the exact motion, against which what the states store is audited.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from vsb.integrators.phases import Phase
+from vsb.motion.system import System
+from vsb.tools.units import FloatArray
+from vsb.waves.superposition import superposed
+
+TERMS = ("wave", "pto", "structural", "radiated")
+
+
+class Load(NamedTuple):
+    """A force -(c V + k S) + f at the port."""
+
+    damping: float  # c [kg/s]
+    stiffness: float  # k [N/m]
+    constant: float  # f [N]
+
+
+class Piece(NamedTuple):
+    """What is in force between two events."""
+
+    phase: Phase
+    taken: Load  # by the take-off, but for what holds the port
+    stopped: Load  # by the end stop
+
+    def jet(self, states: FloatArray, driven: FloatArray) -> FloatArray:
+        """Return z, z', z'' of nodes, shape (3, node, state).
+
+        Parameters
+        ----------
+        states : ndarray, shape (node, state)
+        driven : ndarray, shape (3, node, free)
+            Waves and their derivatives.
+        """
+        matrix, n = self.phase.matrix, self.phase.system.free
+        constant = np.full((len(states), 1), self.taken.constant + self.stopped.constant)
+        out = [np.hstack([states, constant])]
+        for push in driven[:2]:
+            rates = out[-1] @ matrix.T
+            rates[:, n : 2 * n] += push @ self.phase.allowed
+            out.append(rates)
+        return np.array(out)[:, :, :-1]
+
+    def at_port(self, load: Load, jet: FloatArray) -> FloatArray:
+        """Return a force on the port and its derivatives, shape (3, node)."""
+        stroke, velocity = (jet @ row[:-1] for row in self.phase.signals[:2])
+        out = -(load.damping * velocity + load.stiffness * stroke)
+        out[0] += load.constant
+        return np.asarray(out)
+
+    def powers(self, jet: FloatArray, driven: FloatArray, damper: FloatArray, channel: FloatArray) -> FloatArray:
+        """Return the powers of `TERMS` and their derivatives, shape (term, 3, node)."""
+        n, phase = self.phase.system.free, self.phase
+        rate, memory = jet[:, :, n : 2 * n], jet[:, :, 2 * n :]
+        velocity = (rate @ phase.port)[:, :, None]
+        taken = self.at_port(self.taken, jet)[:, :, None]
+        stopped = -self.stopped.damping * velocity  # what its spring takes is stored
+        radiated = (memory @ channel)[:, :, None]
+        return np.array([
+            product(rate, driven),
+            -product(velocity, taken),
+            product(rate, rate @ damper) - product(velocity, stopped),
+            0.5 * product(radiated, radiated),
+        ])  # fmt: skip
+
+
+def product(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Return a.b and its first two derivatives from those of a and b, shape (3, node)."""
+    zero, one, two, cross = (np.einsum("ki,ki->k", a[i], b[j]) for i, j in ((0, 0), (1, 0), (2, 0), (1, 1)))
+    return np.array([
+        zero,
+        one + np.einsum("ki,ki->k", a[0], b[1]),
+        two + 2 * cross + np.einsum("ki,ki->k", a[0], b[2]),
+    ])  # fmt: skip
+
+
+def integrated(before: FloatArray, after: FloatArray, spans: FloatArray) -> FloatArray:
+    """Return the integrals of P over spans from P, P', P'' at both ends, shape (..., 3, node) to (..., node)."""
+    plus, minus = before + after, before - after
+    return np.asarray(spans / 2 * plus[..., 0, :] + spans**2 / 10 * minus[..., 1, :] + spans**3 / 120 * plus[..., 2, :])
+
+
+def driven_at(system: System, time: FloatArray, regular: npt.NDArray[np.bool_]) -> FloatArray:
+    """Return the waves and two derivatives at nodes, some equally spaced, on the modes, shape (3, node, free)."""
+    phasors = np.hstack([system.waves * (-1j * system.omega[:, None]) ** k for k in range(3)])
+    out = np.empty((len(time), phasors.shape[1]))
+    out[regular] = superposed(system.omega, phasors, time[regular])
+    out[~regular] = np.real(np.exp(-1j * np.outer(time[~regular], system.omega)) @ phasors)
+    return out.reshape(len(time), 3, -1).transpose(1, 0, 2)
+
+
+class Account(NamedTuple):
+    """A run at its nodes."""
+
+    rates: FloatArray  # p'' (node, free)
+    taken: FloatArray  # force of the take-off on the port (node,) [N]
+    stopped: FloatArray  # of the end stop (node,) [N]
+    works: FloatArray  # of `TERMS` since the start (term, node) [J]
+
+
+def account(
+    system: System, time: FloatArray, states: FloatArray, pieces: dict[Piece, list[int]], regular: npt.NDArray[np.bool_]
+) -> Account:
+    """Return accelerations, forces and works of a run.
+
+    Parameters
+    ----------
+    system : System
+    time : ndarray, shape (node,) [s]
+    states : ndarray, shape (node, state)
+    pieces : mapping of Piece to the nodes from which on it is in force
+    regular : ndarray of bool, shape (node,)
+        Which nodes are equally spaced.
+    """
+    n, last, driven = system.free, len(time) - 1, driven_at(system, time, regular)
+    memory, damper = system.scene.memory, np.sum(system.dampers(), axis=0)
+    channel = memory.channel if memory else np.zeros(0)
+    rates, works = np.empty((last + 1, n)), np.zeros((len(TERMS), last + 1))
+    taken, stopped = np.empty((2, last + 1))
+    for piece, nodes in pieces.items():
+        at = np.array(nodes)
+        jet = piece.jet(states[at], driven[:, at])
+        rates[at], stopped[at] = jet[1][:, n : 2 * n], piece.at_port(piece.stopped, jet)[0]
+        taken[at] = piece.at_port(piece.taken, jet)[0]
+        if piece.phase.held:
+            taken[at] = -piece.phase.push(states[at], driven[0, at], piece.stopped.constant)
+        at = at[at < last]
+        ends = piece.jet(states[at + 1], driven[:, at + 1])
+        before = piece.powers(jet[:, : len(at)], driven[:, at], damper, channel)
+        after = piece.powers(ends, driven[:, at + 1], damper, channel)
+        works[:, at + 1] = integrated(before, after, time[at + 1] - time[at])
+    return Account(rates, taken, stopped, np.cumsum(works, axis=1))
