@@ -2,6 +2,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.report.page import (
+    DETAILS,
     Report,
     band_statements,
     irregular_statements,
@@ -20,9 +21,8 @@ def response(**gains):
     """Absorbed power: rigid a bump at 2 rad/s, the others times (1 + gain)."""
     base = np.exp(-((OMEGA - 2.0) ** 2))
     power = np.array([base, *((1 + gain) * base for gain in gains.values())])
-    return xr.Dataset(
-        {"absorbed_power": (("design", "omega"), power)}, coords={"design": ["FSB", *gains], "omega": OMEGA}
-    )
+    dims, coords = ("design", "omega"), {"design": ["FSB", *gains], "omega": OMEGA}
+    return xr.Dataset({"absorbed_power": (dims, power), "best_power": (dims, power[:1] + 0 * power)}, coords=coords)
 
 
 def row(design, power, wave="w"):
@@ -33,6 +33,8 @@ def row(design, power, wave="w"):
         "power_mean": str(power),
         "capture_width": "",
         "energy_gain_percent": "2",
+        "power_gain_percent": "3",
+        "damping": "10",
         **values,
     }
 
@@ -70,7 +72,7 @@ def test_winning_bands_are_the_intervals_above_the_threshold():
 
 
 def test_statements_name_gains_losses_and_ties():
-    text = band_statements(response(wins=0.3, loses=-0.2, same=0.001), "FSB")
+    text = band_statements(response(wins=0.3, loses=-0.2, same=0.001).absorbed_power, "FSB")
     assert text[0].startswith("wins absorbs more in waves of")
     assert "+30 %" in text[0]
     assert "less" not in text[0]
@@ -80,8 +82,8 @@ def test_statements_name_gains_losses_and_ties():
 
 
 def test_no_reference_and_no_power_are_said_plainly():
-    assert "No rigid design" in band_statements(response(a=0.1), None)[0]
-    assert "no power take-off damping" in band_statements(0 * response(a=0.1), "FSB")[0]
+    assert "No rigid design" in band_statements(response(a=0.1).absorbed_power, None)[0]
+    assert "no power take-off damping" in band_statements(0 * response(a=0.1).absorbed_power, "FSB")[0]
 
 
 def test_the_best_design_of_each_sea():
@@ -94,9 +96,12 @@ def test_the_best_design_of_each_sea():
         row("A", 0, "z"),
     ]
     text = sea_statements(rows, "FSB", {"w": "a swell", "v": "a chop", "z": "still water"})
-    assert text[0] == "In a swell, A absorbs most: 120 W on average (against FSB: A +20.0 %)."
-    assert text[1] == "In a chop, the rigid FSB absorbs most: 50 W on average (against FSB: A -20.0 %)."
-    assert text[2] == "In still water, no design absorbs power on average."
+    assert text[0] == "At the given damper, in a swell, A absorbs most: 120 W on average (against FSB: A +20.0 %)."
+    assert (
+        text[1]
+        == "At the given damper, in a chop, the rigid FSB absorbs most: 50 W on average (against FSB: A -20.0 %)."
+    )
+    assert text[2] == "At the given damper, in still water, no design absorbs power on average."
 
 
 def test_failures_are_for_the_head_of_the_page():
@@ -107,6 +112,8 @@ def test_what_does_not_exist_is_a_dash():
     head, body = table([row("FSB", 100)])
     assert len(head) == len(body[0])
     assert body[0][head.index("capture width [m]")] == "-"
+    assert body[0][head.index("gain of mean power [%]")] == "+3.0"
+    head, body = table([row("FSB", 100)], DETAILS)
     assert body[0][head.index("energy gain [%]")] == "+2.0"
 
 
@@ -121,6 +128,9 @@ def test_page_is_self_contained_and_escaped():
     assert "&lt;p&gt; &amp; why" in page
     assert "<?xml" not in page
     assert "src=" not in page
+    assert page.index("Over the whole band, each design at its own best damper") < page.index("A absorbs most")
+    assert page.index("A absorbs most") < page.index("Over the whole band, all at the given damper")
+    assert page.index("A: the same within 1 %") < page.index("A absorbs more in waves of")
     assert "1 further point is in doubt" in page
 
 
@@ -134,8 +144,13 @@ SHORT = {**LINE, "power_low": "", "power_high": "", "gain_low": "", "gain_high":
 
 def test_irregular_seas_are_answered_with_the_interval_of_the_gain():
     (text,) = irregular_statements([BASE, LINE], "FSB", {"noise": "white noise"})
-    assert text == "In white noise, FSB absorbs 100 W, A absorbs 120 W (+20.0 %; 95 %: +18.0 to +22.0 %)."
-    assert irregular_statements([SHORT], "FSB", {"noise": "it"}) == ["In it, A absorbs 120 W (+20.0 %)."]
+    assert (
+        text
+        == "At the given damper, in white noise, FSB absorbs 100 W, A absorbs 120 W (+20.0 %; 95 %: +18.0 to +22.0 %)."
+    )
+    assert irregular_statements([SHORT], "FSB", {"noise": "it"}) == [
+        "At the given damper, in it, A absorbs 120 W (+20.0 %)."
+    ]
 
 
 def test_table_of_irregular_seas_has_a_dash_for_what_does_not_exist():
@@ -149,6 +164,6 @@ def test_realisations_of_a_sea_are_not_answered_one_by_one():
         Report({"study": "s", "published": None, "pto": {"damping": 10.0}}, {"noise": "white noise"},
                [{**row("FSB", 100), "wave": "noise_s1"}], CHECKS, None, "FSB", {}, {}, ["noise_s1"], [BASE, LINE])
     )  # fmt: skip
-    assert "In white noise, FSB absorbs 100 W" in page
+    assert "in white noise, FSB absorbs 100 W" in page
     assert "Irregular seas" in page
-    assert "In noise_s1" not in page
+    assert "in noise_s1" not in page

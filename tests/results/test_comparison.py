@@ -10,7 +10,7 @@ from vsb.results import comparison as compare
 from vsb.results.comparison import as_csv
 from vsb.waves.seas import NO_WAVES
 
-CONTRACT = "design,wave,displacement_pp,velocity_pp,power_peak,power_mean,energy,capture_width,energy_gain_percent,energy_residual"
+CONTRACT = "design,wave,displacement_pp,velocity_pp,power_peak,power_mean,energy,capture_width,energy_gain_percent,energy_residual,damping,stiffness,power_gain_percent"
 
 
 def test_table_has_the_promised_columns_and_no_nan():
@@ -42,3 +42,9 @@ def test_each_row_is_of_its_own_run_and_no_gain_is_over_round_off(seed, rigid, g
     assert [row["energy_residual"] for row in rows] == [1e-7, 3e-6]
     assert [row["energy"] for row in rows] == pytest.approx([rigid, 1.5e3])
     assert rows[1]["energy_gain_percent"] == (pytest.approx(gain) if gain else None)
+
+
+def test_a_gain_is_over_the_reference_and_over_nothing_there_is_none():
+    assert compare.gains({"FSB": 200.0, "A": 220.0}, "FSB") == {"FSB": 0.0, "A": pytest.approx(10.0)}
+    assert compare.gains({"FSB": 1e-8, "A": 220.0}, "FSB") == {"FSB": None, "A": None}
+    assert compare.gains({"A": 220.0}, None) == {"A": None}

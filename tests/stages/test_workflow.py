@@ -102,6 +102,9 @@ def test_everything_promised_is_there(folder):
     assert [row["design"] for row in rows] == ["FSB", "VSWEC"]
     assert float(rows[0]["energy_gain_percent"]) == 0.0
     assert all(float(row["energy_residual"]) < 1e-4 for row in rows)
+    assert [(float(row["damping"]), float(row["stiffness"])) for row in rows] == [(8000.0, 0.0)] * 2
+    rigid, shell = (float(row["power_mean"]) for row in rows)
+    assert float(rows[1]["power_gain_percent"]) == pytest.approx(100 * (shell / rigid - 1), rel=1e-6)
     response = load(results / "response.nc")
     assert response.rao.dims == ("design", "omega", "dof")
     assert 2 * np.pi / 2.5 in response.omega.values
@@ -113,7 +116,7 @@ def test_everything_promised_is_there(folder):
     for name in ("witness", "witness_derivatives", "witness_database"):
         assert verdicts[name] == "ok"
     report = (results / "report.html").read_text()
-    assert report.count("<svg") == 13
+    assert report.count("<svg") == 14
     assert "http://" not in report.replace("http://www.w3.org", "").replace("http://purl.org", "").replace(
         "http://creativecommons.org", ""
     )

@@ -1,9 +1,12 @@
 """Figures of power, hydrodynamics and motion; any figure by its name. Datasets in, Figure out; computes nothing."""
 
 import math
+from collections.abc import Iterable
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -20,35 +23,82 @@ from vsb.report.canvas import (
     zero_axis,
 )
 from vsb.report.shell_figures import extreme_shapes, mode_shapes, shapes_3d, snapshots, volume_area
+from vsb.report.tuned import LOWEST
 from vsb.report.witness_figure import witness
 from vsb.tools.units import FloatArray
 
 
 def absorbed_power(data: StudyData) -> Figure:
-    """Draw absorbed power over the band with its limit, and the gain of each flexible design over the rigid one."""
+    """Draw absorbed power over the band with its limit, and the gain of each flexible design over the rigid one.
+
+    Left with each design at its own best damper, right at the given one.
+    """
     response = data.response
-    omega = response.omega.values
-    figure, axes = grid_of_axes(5.2, 2, 1, sharex=True, height_ratios=[3, 2])
+    omega, limit = response.omega.values, response.power_limit / 1e3
+    figure, axes = grid_of_axes(5.2, 2, 2, sharex=True, sharey="row", height_ratios=[3, 2])
+    powers = {"each at its own best damper": response.best_power, "all at the given damper": response.absorbed_power}
+    for (title, power), (top, bottom) in zip(powers.items(), axes.T, strict=True):
+        top.plot(omega, limit, color="#999999", linewidth=3, alpha=0.6, label="limit λ/2π")
+        for design in data.designs:
+            top.plot(omega, power.sel(design=design) / 1e3, **style(design, data.designs))
+        _gain(data, power, bottom)
+        bottom.set(xlabel="wave frequency [rad/s]")
+        top.set_title(title, fontsize=9)
+        _period_axis(top)
+        _mark_waves(data, (top, bottom))
+    largest = max(float(power.where(_shown(data)).max()) for power in powers.values()) / 1e3
+    axes[0, 0].set(ylabel="absorbed power\nper amplitude² [kW/m²]", xlim=(LOWEST, _band_end(data)))
+    axes[0, 0].set_ylim(0, 1.25 * largest or float(limit.median()))
+    _limit_gain(data, powers.values(), axes[1, 0])
+    if data.wave_frequencies:
+        waves = "wave" if len(data.wave_frequencies) == 1 else "waves"
+        axes[0, 0].plot([], [], label=f"study's {waves}", **WAVE)
+    legend_above(figure, axes[0, 0])
+    return figure
+
+
+def reactance(data: StudyData) -> Figure:
+    """Draw Q = |X|/R of each design's impedance over the band, and the share of the limit its best damper takes."""
+    impedance = data.response.port_impedance
+    quality = np.abs(impedance.imag) / impedance.real
+    figure, axes = grid_of_axes(4.6, 2, 1, sharex=True)
     top, bottom = axes[:, 0]
-    top.plot(omega, response.power_limit / 1e3, color="#999999", linewidth=3, alpha=0.6, label="limit λ/2π")
     for design in data.designs:
-        top.plot(omega, response.absorbed_power.sel(design=design) / 1e3, **style(design, data.designs))
-    largest = float(response.absorbed_power.max()) / 1e3
-    ceiling = 1.25 * largest or float(response.power_limit.median()) / 1e3
-    top.set(ylabel="absorbed power\nper amplitude² [kW/m²]", ylim=(0, ceiling))
-    _gain(data, bottom)
-    bottom.set(xlabel="wave frequency [rad/s]", xlim=(0.3, _band_end(data)))
-    for omega_wave in data.wave_frequencies:
-        for ax in (top, bottom):
-            ax.axvline(omega_wave, color="#E69F00", linewidth=0.9, linestyle=":", zorder=0)
-    if inside := [w for w in data.wave_frequencies if 0.3 < w < _band_end(data)]:
-        mark = " study's wave" if len(data.wave_frequencies) == 1 else " study's waves"
-        top.text(max(inside), 0.96 * ceiling, mark, color="#B07800", fontsize=8, va="top")
-    period = top.secondary_xaxis("top", functions=(_period, _period))
-    period.set_xlabel("wave period [s]")
-    period.set_xticks([t for t in (1.5, 2, 2.5, 3, 4, 6, 10) if 2 * math.pi / t > 0.3])
+        line, q = style(design, data.designs), quality.sel(design=design)
+        top.plot(q.omega, q, **line)
+        bottom.plot(q.omega, 2 / (1 + np.sqrt(1 + q**2)), **line)
+    shown = quality.where(_shown(data))
+    top.set(ylabel="Q = |X|/R [-]", yscale="log", ylim=(0.05, 1.5 * float(shown.max())))
+    top.set_xlim(LOWEST, _band_end(data))
+    bottom.set(xlabel="wave frequency [rad/s]", ylabel="best damper's share\n2/(1 + √(1 + Q²)) [-]", ylim=(0, 1.02))
+    _period_axis(top)
+    _mark_waves(data, (top, bottom))
     legend_above(figure, top)
     return figure
+
+
+WAVE: dict[str, Any] = {"color": "#E69F00", "linewidth": 0.9, "linestyle": ":", "zorder": 0}
+
+
+def _shown(data: StudyData) -> xr.DataArray:
+    """Which frequencies figures over the band show."""
+    omega = data.response.omega
+    shown: xr.DataArray = (omega > LOWEST) & (omega < _band_end(data))
+    return shown
+
+
+def _mark_waves(data: StudyData, axes: Iterable[Axes]) -> None:
+    """Mark the study's waves."""
+    for ax in axes:
+        for omega in data.wave_frequencies:
+            ax.axvline(omega, **WAVE)
+
+
+def _period_axis(ax: Any) -> None:
+    """Put an axis of wave periods above one of frequencies."""
+    period = ax.secondary_xaxis("top", functions=(_period, _period))
+    period.set_xlabel("wave period [s]")
+    period.set_xticks([t for t in (1.5, 2, 2.5, 3, 4, 6, 10) if 2 * math.pi / t > LOWEST])
 
 
 def _period(omega: FloatArray) -> FloatArray:
@@ -64,9 +114,8 @@ def _band_end(data: StudyData) -> float:
     return float(power.omega[power > 0.01 * power.max()].max())
 
 
-def _gain(data: StudyData, ax: Axes) -> None:
+def _gain(data: StudyData, power: xr.DataArray, ax: Axes) -> None:
     """Draw the gain of each flexible design over the rigid one [%]."""
-    power = data.response.absorbed_power
     if data.reference is None or len(data.designs) < 2:
         return note(ax, "no rigid design to compare with" if data.reference is None else "no other design to compare")
     if not float(power.sel(design=data.reference).min()) > 0:
@@ -78,9 +127,18 @@ def _gain(data: StudyData, ax: Axes) -> None:
     ax.axhspan(0, 1e4, color="#009E73", alpha=0.06)
     ax.axhspan(-100, 0, color="#D55E00", alpha=0.06)
     ax.axhline(0, color="black", linewidth=0.8)
-    inside = (power.omega > 0.3) & (power.omega < _band_end(data))
-    gain = 100 * (power / base - 1).where(inside, drop=True).values
-    ax.set(ylabel=f"gain over {data.reference} [%]", ylim=(-100, float(np.clip(1.15 * gain.max(), 20, 250))))
+
+
+def _limit_gain(data: StudyData, powers: Iterable[xr.DataArray], ax: Axes) -> None:
+    """Give axes of gains their label, and bounds that show all gains of some powers."""
+    if data.reference is None or len(data.designs) < 2:
+        return
+    bases = [power.sel(design=data.reference) for power in powers]
+    largest = [
+        float((100 * (power / base - 1)).where(_shown(data) & (base > 0)).max())
+        for power, base in zip(powers, bases, strict=True)
+    ]
+    ax.set(ylabel=f"gain over {data.reference} [%]", ylim=(-100, float(np.clip(1.15 * np.nanmax(largest), 20, 250))))
 
 
 def added_mass_damping(data: StudyData) -> Figure:
@@ -174,7 +232,9 @@ def energy_audit(data: StudyData, wave: str) -> Figure:
 def draw(name: str, data: StudyData) -> Figure:
     """Return the figure of a name from `vsb.study.plan.figure_names`."""
     kind, _, wave = name.partition("-")
-    per_study = {f.__name__: f for f in (absorbed_power, mode_shapes, added_mass_damping, radiation_kernel, witness)}
+    per_study = {
+        f.__name__: f for f in (absorbed_power, reactance, mode_shapes, added_mass_damping, radiation_kernel, witness)
+    }
     per_wave = {
         f.__name__: f
         for f in (

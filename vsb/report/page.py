@@ -8,11 +8,16 @@ import jinja2
 import numpy as np
 import xarray as xr
 
+from vsb.report.tuned import LOWEST, NO_BEST_DAMPER, TUNING, shares_text, tuned_statements, tuning_table
 from vsb.tools.units import FloatArray
 
 CAPTIONS = {
-    "absorbed_power": "Mean absorbed power per squared wave amplitude over the whole band, with the limit of an "
-    "axisymmetric heaving body (capture width of a wavelength over 2π), and the gain over the rigid design.",
+    "absorbed_power": "Mean absorbed power per squared wave amplitude over the whole band, and the gain over the rigid "
+    "design: left with each design at its own best damper at every frequency, right at the given damper; with the "
+    "limit of an axisymmetric heaving body (capture width of a wavelength over 2π).",
+    "reactance": "Why: the take-off sees a design as one impedance R + iX. The best damper takes the share "
+    "2/(1 + √(1 + Q²)) of what any take-off could, Q = |X|/R, and that limit is the same for all shells but for their "
+    "structural loss: under a best damper flexibility pays if and only if it lowers Q.",
     "mode_shapes": "Shapes of the shell modes and their natural frequencies in vacuum.",
     "added_mass_damping": "Added mass (dashed: at infinite frequency) and radiation damping of heave and modes.",
     "radiation_kernel": "Retardation kernel: from the damping, and of the passive state space the time domain uses.",
@@ -34,11 +39,16 @@ MEASURES = (
     ("velocity_pp", "velocity, peak to peak [m/s]", 1.0, ".4g"),
     ("power_peak", "peak power [W]", 1.0, ".4g"),
     ("power_mean", "mean power [W]", 1.0, ".4g"),
-    ("energy", "energy of the run [kJ]", 1e-3, ".4g"),
     ("capture_width", "capture width [m]", 1.0, ".3g"),
+    ("damping", "damper [N s/m]", 1.0, "g"),
+    ("power_gain_percent", "gain of mean power [%]", 1.0, "+.1f"),
+)
+DETAILS = (
+    ("energy", "energy of the run [kJ]", 1e-3, ".4g"),
     ("energy_gain_percent", "energy gain [%]", 1.0, "+.1f"),
     ("energy_residual", "energy residual [-]", 1.0, ".1e"),
 )
+"""Measures of the whole run, start-up included."""
 MISSING = ("", None)
 """A quantity that does not exist, in a table for people and in data."""
 _MARGIN = 0.01  # a gain within 1 % either way is called none
@@ -67,6 +77,7 @@ class Report:
     facts: dict[str, str]  # how it was made
     irregular: Sequence[str] = ()  # labels of irregular seas
     statistics: Sequence[dict[str, Any]] = ()  # of irregular seas, realisations together
+    equal_tuning: Sequence[dict[str, Any]] = ()  # designs at their own best dampers; empty without BEM
 
 
 PUBLISHED = {
@@ -98,23 +109,29 @@ def winning_bands(omega: FloatArray, gain: FloatArray, threshold: float = 100 * 
     return bands
 
 
-def _useful(response: xr.Dataset) -> xr.DataArray:
+def _useful(power: xr.DataArray) -> xr.DataArray:
     """Absorbed power where some design absorbs at least 5 % of the largest power: a gain elsewhere is of no use."""
-    power = response.absorbed_power
     best = power.max(dim="design")
-    useful: xr.DataArray = power.where(best >= 0.05 * best.max(), drop=True)
+    useful: xr.DataArray = power.where((best >= 0.05 * best.max()) & (power.omega >= LOWEST), drop=True)
     return useful
 
 
-def band_statements(response: xr.Dataset, reference: str | None) -> list[str]:
-    """Return, for each other design, where over the useful band it absorbs more or less than the reference."""
+def band_statements(power: xr.DataArray, reference: str | None) -> list[str]:
+    """Return, for each other design, where over the useful band it absorbs more or less than the reference.
+
+    Parameters
+    ----------
+    power : DataArray, dims (design, omega) [W/m^2]
+        At the best dampers, or at the given one.
+    reference : str or None
+    """
     if reference is None:
         return ["No rigid design is part of this study, so no gain can be given."]
-    if not float(response.absorbed_power.max()) > 0:
+    if not float(power.max()) > 0:
         return ["No design absorbs power: the study has no power take-off damping."]
-    if response.sizes["design"] < 2:
+    if power.sizes["design"] < 2:
         return [f"{reference} is the only design of this study, so there is no gain to give."]
-    power = _useful(response)
+    power = _useful(power)
     omega, base = power.omega.values, power.sel(design=reference).values
     statements = []
     for design in (str(d) for d in power.design.values if d != reference):
@@ -135,8 +152,13 @@ def _band_text(direction: str, band: Band) -> str:
     )
 
 
-def sea_statements(rows: Sequence[dict[str, Any]], reference: str | None, seas: dict[str, str]) -> list[str]:
-    """Return, for each sea of the study, which design absorbs most on average, and by how much."""
+def sea_statements(
+    rows: Sequence[dict[str, Any]],
+    reference: str | None,
+    seas: dict[str, str],
+    tuned: Sequence[dict[str, Any]] = (),
+) -> list[str]:
+    """Return, for each sea, which design absorbs most at the given damper, and how far from its own best each is."""
     statements = []
     for wave in dict.fromkeys(row["wave"] for row in rows):
         sea = [row for row in rows if row["wave"] == wave]
@@ -144,24 +166,31 @@ def sea_statements(rows: Sequence[dict[str, Any]], reference: str | None, seas: 
         key, scale, unit = ("energy", 1e-3, "kJ from the start") if still else ("power_mean", 1.0, "W on average")
         best = max(sea, key=lambda row: float(row[key]))
         if float(best[key]) <= 0:
-            statements.append(f"In {seas[wave]}, no design absorbs power on average.")
+            statements.append(f"At the given damper, in {seas[wave]}, no design absorbs power on average.")
             continue
         rigid, most = "the rigid " if best["design"] == reference else "", " most" if len(sea) > 1 else ""
-        text = f"In {seas[wave]}, {rigid}{best['design']} absorbs{most}: {scale * float(best[key]):.4g} {unit}"
+        text = f"At the given damper, in {seas[wave]}, {rigid}{best['design']} absorbs{most}: "
+        text += f"{scale * float(best[key]):.4g} {unit}"
         base = next((row for row in sea if row["design"] == reference), None)
-        statements.append(text + (_against(sea, base, key) if base is not None else "") + ".")
+        against = _against(sea, base, key) if base is not None else ""
+        statements.append(f"{text}{against}{shares_text(tuned, wave)}.")
     return statements
 
 
-def irregular_statements(lines: Sequence[dict[str, Any]], reference: str | None, seas: dict[str, str]) -> list[str]:
-    """Return, for each irregular sea, the mean power of every design and its gain with the 95 % interval."""
+def irregular_statements(
+    lines: Sequence[dict[str, Any]],
+    reference: str | None,
+    seas: dict[str, str],
+    tuned: Sequence[dict[str, Any]] = (),
+) -> list[str]:
+    """Return, for each irregular sea, mean power at the given damper and its gain with the 95 % interval."""
     statements = []
     for name in dict.fromkeys(line["sea"] for line in lines):
         sea = [line for line in lines if line["sea"] == name]
         parts = [
             f"{line['design']} absorbs {float(line['power_mean']):.4g} W{_gain_text(line, reference)}" for line in sea
         ]
-        statements.append(f"In {seas[name]}, {', '.join(parts)}.")
+        statements.append(f"At the given damper, in {seas[name]}, {', '.join(parts)}{shares_text(tuned, name)}.")
     return statements
 
 
@@ -196,15 +225,17 @@ def _subject(check: dict[str, Any]) -> str:
     return str(check["name"]).replace("_", " ") + of + where
 
 
-def table(rows: Sequence[dict[str, Any]]) -> tuple[list[str], list[list[str]]]:
+def table(
+    rows: Sequence[dict[str, Any]], measures: Sequence[tuple[str, str, float, str]] = MEASURES
+) -> tuple[list[str], list[list[str]]]:
     """Return head and body of the comparison table as text; a quantity that does not exist is a dash."""
     body = []
     for row in rows:
         cells = [
-            "-" if row[key] in MISSING else format(float(row[key]) * factor, spec) for key, _, factor, spec in MEASURES
+            "-" if row[key] in MISSING else format(float(row[key]) * factor, spec) for key, _, factor, spec in measures
         ]
         body.append([str(row["design"]), str(row["wave"]), *cells])
-    return ["design", "sea", *(label for _, label, _, _ in MEASURES)], body
+    return ["design", "sea", *(label for _, label, _, _ in measures)], body
 
 
 STATISTICS = (
@@ -256,7 +287,8 @@ def render(report: Report) -> str:
         loader=jinja2.PackageLoader("vsb.report"), autoescape=True, undefined=jinja2.StrictUndefined
     )
     head, body = table(report.rows)
-    irregular = report.irregular
+    details_head, details = table(report.rows, DETAILS)
+    irregular, tuned, response = report.irregular, report.equal_tuning, report.response
     figures = [
         {
             "name": name,
@@ -268,13 +300,19 @@ def render(report: Report) -> str:
     ]
     return environment.get_template("report.html.j2").render(
         study=report.study["study"],
+        answer=tuned_statements(tuned, report.reference, report.seas) if response is not None else [NO_BEST_DAMPER],
         seas=[
             *sea_statements(
-                [row for row in report.rows if row["wave"] not in irregular], report.reference, report.seas
+                [row for row in report.rows if row["wave"] not in irregular], report.reference, report.seas, tuned
             ),
-            *irregular_statements(report.statistics, report.reference, report.seas),
+            *irregular_statements(report.statistics, report.reference, report.seas, tuned),
         ],
-        bands=band_statements(report.response, report.reference) if report.response is not None else [],
+        best_bands=[] if response is None else band_statements(response.best_power, report.reference),
+        bands=[] if response is None else band_statements(response.absorbed_power, report.reference),
+        tuning_head=TUNING,
+        tuning=tuning_table(tuned),
+        details_head=details_head,
+        details=details,
         statistics_head=STATISTICS,
         statistics=statistics_table(report.statistics),
         published=published_table(report.study, report.rows),

@@ -8,24 +8,29 @@ from typing import Any
 import xarray as xr
 
 from vsb.results.power import Merit, merit
-from vsb.study.study import Study
+from vsb.study.study import StillWater, Study
 from vsb.waves.seas import Sea
 
-COLUMNS = ("design", "wave", *Merit._fields, "energy_gain_percent", "energy_residual")
+TAKE_OFF = ("damping", "stiffness", "power_gain_percent")
+COLUMNS = ("design", "wave", *Merit._fields, "energy_gain_percent", "energy_residual", *TAKE_OFF)
 NOTHING = 1e-9
-"""An energy below this part of the best design's is round-off of a buoy at rest: no gain is measured against it."""
+"""Energy or power below this part of the best design's is round-off of a buoy at rest: no gain is over it."""
 Row = dict[str, Any]
 Runs = Mapping[tuple[str, str], xr.Dataset]
 
 
 def comparison(study: Study, runs: Runs, seas: Mapping[str, Sea]) -> list[Row]:
-    """Return one row per design and sea; the gain is of absorbed energy over the first rigid design's.
+    """Return one row per design and sea; gains of energy and of mean power are over the first rigid design's.
 
     Parameters
     ----------
     study : Study
     runs : mapping (design, wave label) -> trajectory
     seas : mapping wave label -> Sea
+
+    Notes
+    -----
+    Energy is that of the whole run, start-up included; in still water there is nothing else, and no gain of mean power.
     """
     rows: list[Row] = []
     for wave in study.waves:
@@ -33,15 +38,22 @@ def comparison(study: Study, runs: Runs, seas: Mapping[str, Sea]) -> list[Row]:
             design: merit(runs[design, wave.label], wave, seas[wave.label], study.water, study.simulation.window)
             for design in study.designs
         }
-        base = merits[study.reference_design].energy if study.reference_design else None
-        if base is not None and base <= NOTHING * max(values.energy for values in merits.values()):
-            base = None
+        energy = gains({d: m.energy for d, m in merits.items()}, study.reference_design)
+        power = gains({d: m.power_mean for d, m in merits.items()}, study.reference_design)
         for design, values in merits.items():
-            gain = 100 * (values.energy / base - 1) if base else None
-            residual = float(runs[design, wave.label].attrs["energy_residual"])
-            row = {"design": design, "wave": wave.label, **values._asdict()}
-            rows.append({**row, "energy_gain_percent": gain, "energy_residual": residual})
+            row = {"design": design, "wave": wave.label, **values._asdict(), "energy_gain_percent": energy[design]}
+            row["energy_residual"] = float(runs[design, wave.label].attrs["energy_residual"])
+            gain = None if isinstance(wave, StillWater) else power[design]
+            rows.append({**row, **dict(zip(TAKE_OFF, (study.pto.damping, 0.0, gain), strict=True))})
     return rows
+
+
+def gains(values: Mapping[str, float], reference: str | None) -> dict[str, float | None]:
+    """Return the gain of each design over the reference [%]; nothing over nothing."""
+    base = values[reference] if reference else None
+    if base is None or base <= NOTHING * max(values.values()):
+        return dict.fromkeys(values)
+    return {design: 100 * (value / base - 1) for design, value in values.items()}
 
 
 def as_csv(rows: Sequence[Row]) -> str:

@@ -7,10 +7,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vsb.motion.port import Port
+from vsb.motion.port import Port, port_direction
 from vsb.motion.tuning import IntArray, Load, best_dampers, best_pairs, mean_power
+from vsb.scenes.build import linear_buoy
+from vsb.shell.deformed import DeformedShell
+from vsb.shell.modes import design_motions
+from vsb.study.study import IrregularSea, StillWater, Study
 from vsb.tools.units import ComplexArray, FloatArray
-from vsb.waves.seas import Sea
+from vsb.waves.seas import Sea, sea
 from vsb.waves.superposition import superposed
 
 RUNGS = ("fixed", "best_damper", "best_damper_all_seas", "best_spring_damper", "constrained", "matched")
@@ -51,8 +55,8 @@ def frequencies(seas: Sequence[Sea]) -> FloatArray:
 def squares(seas: Sequence[Sea], omega: FloatArray) -> FloatArray:
     """Return the squared amplitudes of the components of seas, shape (sea, omega) [m^2]; zero where a sea has none."""
     out = np.zeros((len(seas), len(omega)))
-    for row, sea in zip(out, seas, strict=True):
-        row[np.searchsorted(omega, sea.omega)] = np.abs(sea.amplitude) ** 2
+    for row, waves in zip(out, seas, strict=True):
+        row[np.searchsorted(omega, waves.omega)] = np.abs(waves.amplitude) ** 2
     return out
 
 
@@ -104,10 +108,10 @@ def ladder(
     for design, port in ports.items():
         waves = squares(list(seas.values()), port.omega)
         matched, loads = waves @ port.matched_power, linear_rungs(port, waves, families, given[design])
-        for i, (label, sea) in enumerate(seas.items()):
-            at = np.searchsorted(port.omega, sea.omega)
-            forces, strokes = _phasors(port, at, [Load(*(v[[i]] for v in load)) for load in loads.values()], sea)
-            peaks = _peaks(sea, np.concatenate([forces, strokes]), time)
+        for i, (label, here) in enumerate(seas.items()):
+            at = np.searchsorted(port.omega, here.omega)
+            forces, strokes = _phasors(port, at, [Load(*(v[[i]] for v in load)) for load in loads.values()], here)
+            peaks = _peaks(here, np.concatenate([forces, strokes]), time)
             rms = np.sqrt(0.5 * np.sum(np.abs(forces) ** 2, axis=1))
             names = [*loads, "matched"]
             for j, name in enumerate(names):
@@ -119,6 +123,29 @@ def ladder(
                 sizes = (float(rms[j]), float(peaks[j]), float(peaks[len(names) + j]))
                 found.append(Rung(design, label, name, damping, stiffness, power, share, *sizes, None))
     return found
+
+
+def study_ladder(study: Study, database: str) -> list[Rung]:
+    """Return the rungs of every design of a study in every sea; still water has none.
+
+    Parameters
+    ----------
+    study : Study
+    database : str
+        Path of its hydro database.
+    """
+    buoy, basis = linear_buoy(study, database)
+    waves = [wave for wave in study.waves if not isinstance(wave, StillWater)]
+    if not waves:
+        return []
+    seas = {wave.label: sea(wave, study.hydro.omega_max, study.simulation.duration) for wave in waves}
+    names = [wave.family if isinstance(wave, IrregularSea) else wave.label for wave in waves]
+    families = [names.index(name) for name in dict.fromkeys(names)]
+    direction = port_direction("heave", DeformedShell(basis, study.centre_height))
+    omega = frequencies(list(seas.values()))
+    ports = {design: buoy.port(omega, design_motions(study, basis, design), direction) for design in study.designs}
+    given = {design: Given(study.pto.damping) for design in study.designs}
+    return ladder(ports, seas, families, given, study.simulation.duration)
 
 
 def _phasors(port: Port, at: IntArray, loads: Sequence[Load], sea: Sea) -> tuple[ComplexArray, ComplexArray]:

@@ -7,6 +7,8 @@ from pathlib import Path
 from vsb.hydro.database import load_database
 from vsb.results import comparison, ledger
 from vsb.results import statistics as irregular
+from vsb.results.equal_tuning import equal_tuning, fair_damping_checks
+from vsb.results.ladder import study_ladder
 from vsb.stages.trajectories import stored_runs
 from vsb.study.plan import StudyPlan
 from vsb.study.specs import CompareSpec
@@ -42,7 +44,7 @@ def run(
         for wave in compared.waves
     }
     rows = comparison.comparison(compared, runs, seas)
-    checks, lines = [*ledger.run_ledger(compared, runs), *ledger.transient_checks(runs, rows)], []
+    checks, lines, tuned = [*ledger.run_ledger(compared, runs), *ledger.transient_checks(runs, rows)], [], []
     if bem:
         ds = load_database(database, Path(database).stem)
         frequency = load(response, expected=plan.response_id)
@@ -51,6 +53,8 @@ def run(
         checks += ledger.linear_ledger(compared, ds, model, frequency, rows, runs)
         checks += ledger.witness_checks(compared, ds, load(witness, expected=Path(witness).stem) if witness else None)
         checks += irregular.statistical_checks(compared, lines)
+        tuned = equal_tuning(compared, study_ladder(compared, database))
+        checks += fair_damping_checks(tuned)
     else:
         checks += ledger.assumed_pressure_checks(compared, rows)
     checks = ledger.worst_first(checks)
@@ -58,6 +62,11 @@ def run(
     write_text(statistics, irregular.as_csv(lines))
     write_text(validity, ledger.ledger_json(compared.study, checks))
     write_text(study, canonical(compared) + "\n")
-    data = {"comparison": rows, "statistics": [line._asdict() for line in lines], "checks": [asdict(c) for c in checks]}
+    data = {
+        "comparison": rows,
+        "statistics": [line._asdict() for line in lines],
+        "equal_tuning": [line._asdict() for line in tuned],
+        "checks": [asdict(check) for check in checks],
+    }
     write_text(tables, json.dumps(data, indent=1, allow_nan=False) + "\n")
     record(manifest, plan.study_id, [out, statistics, validity, study, tables])

@@ -47,6 +47,7 @@ def run(
         rows=found["comparison"],
         irregular=[wave.label for waves in families(study).values() for wave in waves],
         statistics=found["statistics"],
+        equal_tuning=found["equal_tuning"],
         checks=found["checks"],
         response=load(response, expected=plan.response_id) if study.needs_bem else None,
         reference=study.reference_design,

@@ -3,6 +3,7 @@
 import argparse
 import contextlib
 import io
+import json
 import os
 import signal
 import subprocess
@@ -49,8 +50,17 @@ def run(args: argparse.Namespace) -> int:
     if code:
         return _failed(plan, begun)
     if not dry and (report := Path(plan.folder) / "report.html").is_file():
-        print(f"{study.study}: {report}")
+        print(f"{study.study}: {_answer(plan)}{report}")
     return 0
+
+
+def _answer(plan: StudyPlan) -> str:
+    """The gain at equal tuning and at the given damper, to go before the report's path."""
+    from vsb.report.tuned import closing_line
+    from vsb.tools.stamps import read_text
+
+    found = json.loads(read_text(f"{plan.folder}/tables.json", plan.manifest, plan.study_id))
+    return closing_line(found["equal_tuning"], plan.study.reference_design)
 
 
 TARGETS = {"all", *(stage.name for stage in STAGES if stage.name not in ("mesh", "panels", "spectral", "simulate"))}

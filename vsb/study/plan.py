@@ -37,7 +37,7 @@ FIGURES_OF_THE_SHELL = ("extreme_shapes", "shapes_3d", "volume_area")
 
 def figure_names(study: Study) -> list[str]:
     """Return the names of all figures of a study."""
-    of_bem = ("absorbed_power", "mode_shapes", "added_mass_damping", "radiation_kernel")
+    of_bem = ("absorbed_power", "reactance", "mode_shapes", "added_mass_damping", "radiation_kernel")
     names = of_bem if study.needs_bem else ("mode_shapes",)
     if not no_witness(study):
         names = (*names, "witness")
@@ -157,10 +157,15 @@ class StudyPlan(HydroPlan):
         """Id of the frequency response."""
         return result_id(self.response, self.hydro_ids[0])
 
+    @property
+    def ladder_id(self) -> str:
+        """Id of the tuning ladder."""
+        return result_id(self.ladder, self.hydro_ids[0])
+
     @cached_property
     def study_id(self) -> str:
         """Id of what is made of all results together: tables, figures, report; designs in any order."""
-        response = [self.response_id] if self.study.needs_bem else []
+        response = [self.response_id, self.ladder_id] if self.study.needs_bem else []
         runs = [self.trajectory_id(design, wave) for wave in self.study.waves for design in sorted(self.study.designs)]
         witness = [content_id(self.witness)] if self.witness else []
         return result_id(self.comparison, content_id(self.modes), *self.hydro_ids, *witness, *response, *runs)
@@ -181,7 +186,7 @@ class StudyPlan(HydroPlan):
         own[f"{self.folder}/modes.nc"] = content_id(self.modes)
         if self.study.needs_bem:
             own |= dict.fromkeys(self.response_files.values(), self.response_id)
-            own[f"{self.folder}/ladder.csv"] = result_id(self.ladder, self.hydro_ids[0])
+            own[f"{self.folder}/ladder.csv"] = self.ladder_id
         own |= dict.fromkeys(self.display_paths, content_id(self.display))
         files = [*self.products, *map(self.block_path, blocks), *meshes]
         return {path: own.get(path) or self._named_id(path) for path in files}

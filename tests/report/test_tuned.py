@@ -1,0 +1,56 @@
+import pytest
+
+from vsb.report.page import sea_statements
+from vsb.report.tuned import TUNING, closing_line, shares_text, tuned_statements, tuning_table
+
+SEAS = {"w": "a swell", "v": "a chop"}
+
+
+def line(design, power, gain, given=None, sea="w", share=None, given_gain=None):
+    return {
+        "design": design, "sea": sea, "best_damping": 64282.0, "best_power": power, "best_gain_percent": gain,
+        "damping": None if given is None else 8000.0, "power": given, "gain_percent": given_gain, "share": share,
+    }  # fmt: skip
+
+
+SWELL = [line("FSB", 781.1, 0.0, 207.0, share=0.265, given_gain=0.0), line("A", 705.8, -9.64, 227.0, "w", 0.322, 9.5)]
+CHOP = [line("FSB", 100.0, 0.0, sea="v"), line("A", 112.8, 12.8, sea="v"), line("B", 100.0, 0.01, sea="v")]
+
+
+def test_the_answer_is_the_gain_at_own_best_dampers():
+    assert tuned_statements([*SWELL, *CHOP], "FSB", SEAS) == [
+        "In a swell, each design at its own best damper: A absorbs 9.6 % less than the rigid FSB (705.8 against 781.1 W).",
+        "In a chop, each design at its own best damper: A absorbs 12.8 % more than the rigid FSB (112.8 against 100 W); "
+        "B absorbs as much as the rigid FSB (100 against 100 W).",
+    ]
+
+
+@pytest.mark.parametrize("lines", [SWELL[:1], [line("FSB", 781.1, None)]])
+def test_without_a_gain_powers_are_given(lines):
+    text = "In a swell, each design at its own best damper: FSB absorbs 781.1 W."
+    assert tuned_statements(lines, "FSB" if lines is SWELL[:1] else None, SEAS) == [text]
+
+
+def test_what_the_given_damper_takes_of_the_optimum_stands_beside_its_gain():
+    assert shares_text(SWELL, "w") == "; at 8000 N s/m FSB reaches 26 % of its own best, A 32 %"
+    assert shares_text(CHOP, "v") == ""
+    rows = [{"design": "FSB", "wave": "w", "power_mean": 207.0}, {"design": "A", "wave": "w", "power_mean": 226.7}]
+    assert sea_statements(rows, "FSB", SEAS, SWELL) == [
+        "At the given damper, in a swell, A absorbs most: 226.7 W on average (against FSB: A +9.5 %); "
+        "at 8000 N s/m FSB reaches 26 % of its own best, A 32 %."
+    ]
+
+
+def test_the_run_closes_with_the_fair_answer():
+    assert closing_line(SWELL, "FSB") == (
+        "mean power against the rigid FSB -9.6 % at own best dampers, +9.5 % at the given damper; "
+    )
+    assert closing_line([*SWELL, *CHOP], "FSB").startswith("mean power against the rigid FSB -9.6 to +12.8 % at own")
+    assert closing_line(SWELL[:1], "FSB") == ""
+
+
+def test_table_has_a_dash_for_what_does_not_exist():
+    first, second = tuning_table([SWELL[1], CHOP[0]])
+    assert first == ["A", "w", "6.428e+04", "705.8", "-9.6", "8000", "227", "+9.5", "32.2"]
+    assert second == ["FSB", "v", "6.428e+04", "100", "+0.0", "-", "-", "-", "-"]
+    assert len(first) == len(TUNING)

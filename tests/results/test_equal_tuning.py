@@ -1,0 +1,58 @@
+import pytest
+from conftest import varied
+
+from vsb.results.equal_tuning import equal_tuning, fair_damping_checks
+from vsb.results.ladder import Rung
+
+REGULAR = {"kind": "regular", "amplitude": 0.5, "period": 5.0}
+NOISE = {"kind": "jonswap", "hs": 1.0, "tp": 5.0, "realisations": 2}
+
+
+def rung(design, wave, name, damping, power):
+    return Rung(design, wave, name, damping, 0.0, power, None, 0.0, 0.0, 0.0, None)
+
+
+@pytest.fixture
+def study(seed):
+    return varied(seed, designs={"FSB": {"flexible": False}, "VSWEC": {}}, waves=[REGULAR, NOISE])
+
+
+@pytest.fixture
+def rungs(study):
+    """Powers in the regular wave, and in two realisations of a sea."""
+    best = {"FSB": (800.0, 100.0, 300.0), "VSWEC": (720.0, 150.0, 250.0)}
+    fixed = {"FSB": (200.0, 96.0, 290.0), "VSWEC": (240.0, 140.0, 250.0)}
+    rows = []
+    for i, wave in enumerate(study.waves):
+        for design in study.designs:
+            rows.append(rung(design, wave.label, "fixed", 8000.0, fixed[design][i]))
+            rows.append(rung(design, wave.label, "best_damper", 1e4 * (i + 1), best[design][i]))
+            rows.append(rung(design, wave.label, "matched", None, 1e3))
+    return rows
+
+
+def test_gains_are_between_best_powers_realisations_together(study, rungs):
+    rigid, shell, rigid_sea, shell_sea = equal_tuning(study, rungs)
+    assert (rigid.best_gain_percent, rigid.share) == (0.0, 0.25)
+    assert shell.best_gain_percent == pytest.approx(-10.0)
+    assert shell.gain_percent == pytest.approx(20.0)
+    assert rigid_sea.sea == study.waves[1].family
+    assert (rigid_sea.best_power, rigid_sea.power, rigid_sea.best_damping) == (200.0, 193.0, 2.5e4)
+    assert (shell_sea.best_gain_percent, shell_sea.damping) == (0.0, 8000.0)
+
+
+def test_power_lost_at_the_given_damper_is_doubted_above_five_per_cent(study, rungs):
+    checks = fair_damping_checks(equal_tuning(study, rungs))
+    assert [(check.name, check.verdict) for check in checks] == [
+        ("fair_damping", "doubt"), ("fair_damping", "doubt"), ("fair_damping", "ok"), ("fair_damping", "ok"),
+    ]  # fmt: skip
+    assert checks[0].value == 0.75
+    assert checks[0].explanation == (
+        "power lost against the own best damper: 200 W at 8000 N s/m, 800 W at 1e+04 N s/m, by linear theory"
+    )
+
+
+def test_where_no_damper_is_given_nothing_is_lost(study, rungs):
+    lines = equal_tuning(study, [rung for rung in rungs if rung.rung != "fixed"])
+    assert {(line.power, line.gain_percent, line.share) for line in lines} == {(None, None, None)}
+    assert fair_damping_checks(lines) == []

@@ -1,0 +1,95 @@
+"""What the report says first: gains at equal tuning, each design at its own best damper, the given damper beside it."""
+
+from collections.abc import Sequence
+from typing import Any
+
+NO_BEST_DAMPER = (
+    "An assumed pressure does not answer to the buoy's motion, so no best damper is known: all gains here are at the "
+    "given damper."
+)
+TUNING = (
+    "design", "sea", "own best damper [N s/m]", "mean power [W]", "gain [%]", "given damper [N s/m]", "mean power [W]",
+    "gain [%]", "share of own best [%]",
+)  # fmt: skip
+"""Head of the table of designs at equal tuning."""
+LOWEST = 0.3
+"""Least frequency shown, of waves of 21 s [rad/s]: longer ones are not seas."""
+_SAME = 0.05  # a gain that is +-0.0 % when printed
+
+
+def tuned_statements(lines: Sequence[dict[str, Any]], reference: str | None, seas: dict[str, str]) -> list[str]:
+    """Return, for each sea, what the designs take at their own best dampers.
+
+    Parameters
+    ----------
+    lines : sequence of dict
+        Of `vsb.results.equal_tuning.Tuned`.
+    reference : str or None
+        The rigid design gains are measured against.
+    seas : mapping of sea to words
+    """
+    statements = []
+    for name in dict.fromkeys(line["sea"] for line in lines):
+        sea = [line for line in lines if line["sea"] == name]
+        base = next((line for line in sea if line["design"] == reference), None)
+        others = [line for line in sea if line is not base and line["best_gain_percent"] is not None]
+        if base is None or not others:
+            parts = [f"{line['design']} absorbs {line['best_power']:.4g} W" for line in sea]
+        else:
+            parts = [f"{line['design']} absorbs {_gain(line, base)}" for line in others]
+        statements.append(f"In {seas[name]}, each design at its own best damper: {'; '.join(parts)}.")
+    return statements
+
+
+def _gain(line: dict[str, Any], base: dict[str, Any]) -> str:
+    """How a design stands against the reference at equal tuning, in words."""
+    gain, rigid = line["best_gain_percent"], f"the rigid {base['design']}"
+    powers = f"({line['best_power']:.4g} against {base['best_power']:.4g} W)"
+    if abs(gain) < _SAME:
+        return f"as much as {rigid} {powers}"
+    return f"{abs(gain):.1f} % {'more' if gain > 0 else 'less'} than {rigid} {powers}"
+
+
+def shares_text(lines: Sequence[dict[str, Any]], sea: str) -> str:
+    """Return what part of its own optimum each design reaches in a sea at the given damper; nothing if not known."""
+    known = [line for line in lines if line["sea"] == sea and line["share"] is not None]
+    if not known:
+        return ""
+    dampers = " and ".join(dict.fromkeys(f"{line['damping']:g} N s/m" for line in known))
+    first, *others = (f"{100 * line['share']:.0f} %" for line in known)
+    rest = "".join(f", {line['design']} {share}" for line, share in zip(known[1:], others, strict=True))
+    return f"; at {dampers} {known[0]['design']} reaches {first} of its own best{rest}"
+
+
+def tuning_table(lines: Sequence[dict[str, Any]]) -> list[list[str]]:
+    """Return the cells of the table of designs at equal tuning; a quantity that does not exist is a dash."""
+
+    def text(value: float | None, form: str, factor: float = 1.0) -> str:
+        return "-" if value is None else format(factor * value, form)
+
+    return [
+        [
+            line["design"], line["sea"],
+            text(line["best_damping"], ".4g"), text(line["best_power"], ".4g"), text(line["best_gain_percent"], "+.1f"),
+            text(line["damping"], "g"), text(line["power"], ".4g"), text(line["gain_percent"], "+.1f"),
+            text(line["share"], ".1f", 100.0),
+        ]
+        for line in lines
+    ]  # fmt: skip
+
+
+def closing_line(lines: Sequence[dict[str, Any]], reference: str | None) -> str:
+    """Return the answer of a study in one line, with a comma to go on from; empty if there is no gain to give."""
+    others = [line for line in lines if line["design"] != reference]
+    parts = [
+        f"{_range(gains)} at {where}"
+        for key, where in (("best_gain_percent", "own best dampers"), ("gain_percent", "the given damper"))
+        if (gains := [line[key] for line in others if line[key] is not None])
+    ]
+    return f"mean power against the rigid {reference} {', '.join(parts)}; " if parts else ""
+
+
+def _range(gains: Sequence[float]) -> str:
+    """One gain, or the least and the largest of several [%]."""
+    low, high = (f"{bound:+.1f}" for bound in (min(gains), max(gains)))
+    return f"{low} %" if low == high else f"{low} to {high} %"

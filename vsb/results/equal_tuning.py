@@ -1,0 +1,73 @@
+"""Designs at equal tuning: each at its own best damper, and how much of that the given damper takes."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from vsb.hydro.database import Check, Verdict
+from vsb.results.comparison import gains
+from vsb.results.ladder import Rung
+from vsb.study.study import IrregularSea, Study
+
+LOST = 0.05
+"""Part of its best damper's power that a design may lose before a comparison at the given damper is in doubt."""
+
+
+class Tuned(NamedTuple):
+    """One design in one sea by linear theory, all realisations together: at its own best damper, and at the given one.
+
+    Gains are over the first rigid design's power, none without one.
+    """
+
+    design: str
+    sea: str
+    best_damping: float | None  # mean over realisations [N s/m]; none of a port that cannot move
+    best_power: float  # [W]
+    best_gain_percent: float | None
+    damping: float | None  # as given [N s/m]; this and the next are none where tuning decides
+    power: float | None  # [W]
+    gain_percent: float | None
+    share: float | None  # power over best power [-]; none where there is none to take
+
+
+def equal_tuning(study: Study, rungs: Sequence[Rung]) -> list[Tuned]:
+    """Return one line per sea and design, from the ladder of a study."""
+    seas = {wave.label: wave.family if isinstance(wave, IrregularSea) else wave.label for wave in study.waves}
+    found: list[Tuned] = []
+    for sea in dict.fromkeys(seas[rung.wave] for rung in rungs):
+        here = [rung for rung in rungs if seas[rung.wave] == sea]
+        best, fixed = _means(here, "best_damper"), _means(here, "fixed")
+        best_gains = gains({d: power for d, (_, power) in best.items()}, study.reference_design)
+        fixed_gains = gains({d: power for d, (_, power) in fixed.items()}, study.reference_design) if fixed else {}
+        for design, (damper, power) in best.items():
+            given, taken = fixed.get(design, (None, None))
+            share = taken / power if taken is not None and power > 0 else None
+            at_best = (damper, power, best_gains[design])
+            found.append(Tuned(design, sea, *at_best, given, taken, fixed_gains.get(design), share))
+    return found
+
+
+def _means(rungs: Sequence[Rung], name: str) -> dict[str, tuple[float | None, float]]:
+    """Damper and power of a rung by design, means over the realisations of a sea."""
+    of_design: dict[str, list[Rung]] = {}
+    for rung in rungs:
+        if rung.rung == name:
+            of_design.setdefault(rung.design, []).append(rung)
+    dampers = {d: [rung.damping for rung in found if rung.damping is not None] for d, found in of_design.items()}
+    powers = {d: float(np.mean([rung.power_mean for rung in found])) for d, found in of_design.items()}
+    return {d: (float(np.mean(dampers[d])) if dampers[d] else None, power) for d, power in powers.items()}
+
+
+def fair_damping_checks(lines: Sequence[Tuned]) -> list[Check]:
+    """Return the power each design loses at the given damper: designs that lose unequally are not compared fairly."""
+    checks = []
+    for line in lines:
+        if line.share is None or line.power is None:
+            continue
+        text = f"power lost against the own best damper: {line.power:.4g} W at {line.damping:.4g} N s/m, "
+        text += f"{line.best_power:.4g} W at {line.best_damping:.4g} N s/m, by linear theory"
+        lost = max(0.0, 1 - line.share)
+        verdict: Verdict = "doubt" if lost > LOST else "ok"  # never wrong: an answer to another question
+        checks.append(Check("fair_damping", lost, LOST, "-", verdict, text, line.design, line.sea))
+    return checks
