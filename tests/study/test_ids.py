@@ -164,10 +164,7 @@ def results(study):
 def stamped(changed, study):
     """Results of which the specification or what they are made from is among the stages changed."""
     solved = {"database", "radiation"}
-    shown = reads(study).keys() - {
-        "display",
-        "ladder",
-    }  # meshes are looked at with other tools, the ladder in its table
+    shown = reads(study).keys() - {"display"}  # meshes are looked at with other tools
     made_from = {"report": shown, "modes": set(), "response": {"database"}}
     return {stage for stage in results(study) if changed & ({stage} | made_from.get(stage, solved))}
 
