@@ -114,6 +114,7 @@ def reads(study):
     if study.hydro.witness == "auto":
         shapes = [*(loaded if study.at_equilibrium else sphere), "device.thickness", "device.poisson_ratio", "modes.*"]
         found |= {"witness": ["water.*", "device.radius"], "shapes": [*shapes, "water.depth", "reference_shape"]}
+    without_method = [f"simulation.{key}*" for key in type(study.simulation).model_fields if key != "method"]
     return found | {
         "sphere": sphere,
         "loaded": [*(loaded if study.at_equilibrium else []), "reference_shape"],
@@ -122,7 +123,7 @@ def reads(study):
         "database": [*shell, "reference_shape", *grid[:2], "hydro.tolerance", "hydro.accept.*"],
         "radiation": ["hydro.tolerance"],
         "response": [*shell, "designs.*", "pto.*", *grid],
-        "ladder": [*shell, "designs.*", "pto.*", "waves.*", "simulation.*", "hydro.omega_max"],
+        "ladder": [*shell, "designs.*", "pto.*", "waves.*", *without_method, "hydro.omega_max"],
     }
 
 
