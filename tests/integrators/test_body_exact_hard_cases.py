@@ -10,7 +10,6 @@ import pytest
 from conftest import HERE, SEED, compiled_motion, springs, varied
 from scipy.integrate import solve_ivp
 
-from vsb.errors import VsbError
 from vsb.integrators.audit import energies, residual
 from vsb.integrators.exponential import integrate
 from vsb.integrators.simulate import simulate
@@ -183,7 +182,7 @@ def test_motion_against_plain_quadrature_and_a_general_integrator(paper, name):
     assert np.abs(motion.position - truth).max() < 3e-6 * np.abs(truth).max()
 
 
-@pytest.mark.parametrize("duration", [1e-4, 0.0125, 0.013, 1.2345])
+@pytest.mark.parametrize("duration", [1e-3, 0.0125, 0.013, 1.2345])
 def test_any_duration_ends_where_a_longer_run_passes(paper, duration):
     """Shorter than a record, one record, no multiple of a step."""
     settings = {"duration": duration, "window": [0.0, duration], "tolerance": 1e-10}
@@ -271,11 +270,13 @@ def test_no_gain_over_a_buoy_that_never_moves(paper):
     assert all(row["energy_gain_percent"] is None or abs(row["energy_gain_percent"]) < 1e6 for row in rows)
 
 
-def test_a_window_between_two_records_is_a_mistake_told(paper):
+def test_a_short_window_holds_instants_of_its_own(paper):
     plant, motion, stride, study = audited(paper, "FSB", simulation={"duration": 10.0, "window": [5.001, 5.002]})
     run = labelled(System.of(plant), motion, None, "FSB", "wave", stride)
-    with pytest.raises(VsbError, match=r"simulation\.window"):
-        merit(run, study.waves[0], NO_WAVES, study.water, study.simulation.window)
+    inside = (run.time.values >= 5.001 - 1e-9) & (run.time.values <= 5.002 + 1e-9)
+    assert inside.sum() >= 4
+    found = merit(run, study.waves[0], NO_WAVES, study.water, study.simulation.window)
+    assert 0 < found.velocity_pp < np.ptp(run.velocity.values[:, 0])
 
 
 # compiled loops ----------------------------------------------------------------------------------------------------
