@@ -188,10 +188,10 @@ def simulated(case: Case, design: str, folder: str | Path) -> Result:
         omega = natural_frequency(study, design, paths, case.wet_mode)
         study, note = with_period(study, 2 * math.pi / omega), f"wave at the natural frequency {omega:.6g} rad/s"
     one = partial_study(StudyPlan(study).simulation(design, study.waves[0]))
-    plant, shape, waves, spectrum, _ = SCENES[one.hydro.model](one, paths)
-    motion, _, method = simulate(system := System.of(plant), waves, one.simulation, spectrum)
+    scene, shape, waves, spectrum, _ = SCENES[one.hydro.model](one, paths)
+    motion, _, method = simulate(system := System.of(scene), waves, one.simulation, spectrum)
     rows = shape.basis.clamp_rows(np.deg2rad(one.designs[design].clamp))
-    moved = motion.position @ plant.motions.T
+    moved = motion.position @ scene.motions.T
     if rows.size:
         note = f"clamps slip {constraint_drift(moved, rows):.1e} m"
     if (far := float(np.abs(moved).max()) / study.device.radius) > FAR:
@@ -264,7 +264,7 @@ def _difference(found: FloatArray, reference: FloatArray) -> float:
 def turned(attitude: Literal["quaternion", "euler321"], case: Case, design: str, folder: str | Path) -> Result:
     """Pitch a free rigid sphere through a right angle; it turns steadily, so the attitude is known."""
     device = Device(radius=2.0, thickness=0.01, young_modulus=1e7, poisson_ratio=0.3, density=2700.0, mass=17170.0)
-    scene = multibody.Scene(multibody.Body(rigid_basis(device)), {}, "free", attitude)
+    scene = multibody.GeneralScene(multibody.Body(rigid_basis(device)), {}, "free", attitude)
     time, w = np.linspace(0.0, 4.0, 41), np.array([0.0, 1.0, 0.0])
     motion = multibody.integrate(scene, scene.start(angular_velocity=w), time)
     exact = Rotation.from_rotvec(time[:, None] * w).as_matrix()

@@ -21,16 +21,16 @@ from scipy.integrate import simpson
 from benchmarks.general_solvers import Equation, Rates, Solution, solved
 from benchmarks.quadrature import (
     Row,
-    design_plant,
     disc_force,
     gauss_force,
     quadrature_precision,
     regular_wave,
+    scene_of_design,
 )
 from vsb.errors import ConvergenceError
 from vsb.integrators.exponential import integrate
 from vsb.motion.motion import Motion
-from vsb.motion.scene import Plant
+from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.report.canvas import grid_of_axes, legend_above
 from vsb.shell.deformed import DeformedShell
@@ -75,18 +75,18 @@ STYLES = {
 # integrators --------------------------------------------------------------------------------------------------------
 
 
-def plain_rates(plant: Plant, rule: Rule, points: int) -> Rates:
+def plain_rates(scene: Scene, rule: Rule, points: int) -> Rates:
     """Return y'' = R (f_water + weight) - K y - D y', q = N y, with forces by `gauss_force` or `disc_force`."""
-    water, n, free = plant.water, plant.motions, plant.motions.shape[1]
-    assert water is not None  # built by `design_plant`
+    water, n, free = scene.water, scene.motions, scene.motions.shape[1]
+    assert water is not None  # built by `scene_of_design`
     assert water.assumed is not None
     shell, pressure = water.shell, water.assumed
-    inverse, springs = np.linalg.inv(n.T @ plant.mass @ n), (p.stiffness for p in plant.linear.values() if p.whole)
-    stiffness, damping = inverse @ plant.projected(springs), inverse @ plant.damping
+    inverse, springs = np.linalg.inv(n.T @ scene.mass @ n), (p.stiffness for p in scene.linear.values() if p.whole)
+    stiffness, damping = inverse @ scene.projected(springs), inverse @ scene.damping
 
     def function(t: float, state: FloatArray) -> FloatArray:
         static, uniform = rule(DeformedShell(shell.basis, shell.centre_height, n @ state[:free]), points)
-        force = water.specific_weight * static + pressure.at(np.array(t)) * uniform + plant.constant
+        force = water.specific_weight * static + pressure.at(np.array(t)) * uniform + scene.constant
         rate = inverse @ n.T @ force - stiffness @ state[:free] - damping @ state[free:]
         return np.concatenate([state[free:], rate])
 
@@ -101,14 +101,14 @@ class Case:
     design: str
 
     @cached_property
-    def plant(self) -> Plant:
+    def scene(self) -> Scene:
         """The scene."""
-        return design_plant(self.study, self.design)
+        return scene_of_design(self.study, self.design)
 
     @cached_property
     def system(self) -> System:
         """The scene as integrators see it."""
-        return System.of(self.plant)
+        return System.of(self.scene)
 
     @cached_property
     def equation(self) -> Equation:
@@ -125,7 +125,7 @@ class Case:
     def start(self) -> tuple[FloatArray, FloatArray]:
         """Initial y and y'."""
         settings = self.study.simulation
-        return self.plant.start(settings.initial_position, settings.initial_velocity)
+        return self.scene.start(settings.initial_position, settings.initial_velocity)
 
     @cached_property
     def reference(self) -> Motion:
@@ -188,7 +188,7 @@ def plain_rows(case: Case, compiled: Row) -> list[Row]:
     count = min(len(case.time), int(np.searchsorted(case.time, PLAIN_SPAN)) + 1)
     rows = []
     for method, (rule, points) in PLAIN.items():
-        plain = replace(case.equation, rates=plain_rates(case.plant, rule, points))
+        plain = replace(case.equation, rates=plain_rates(case.scene, rule, points))
         attempt = solved(plain, "RK45", PLAIN_TOLERANCE, case.time[:count], TIME_LIMIT)
         seconds = attempt.seconds / (attempt.evaluations or 1) * compiled["evaluations"]
         note = f"{attempt.status}: {case.time[count - 1]:.3g} s of motion, seconds for the evaluations of compiled RK45"

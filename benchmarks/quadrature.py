@@ -10,10 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vsb.errors import ConfigError
-from vsb.motion.builders import assumed_pressure_plant
+from vsb.motion.builders import assumed_pressure_scene
 from vsb.motion.forces import AssumedPressure
 from vsb.motion.pto import LinearPto
-from vsb.motion.scene import Plant
+from vsb.motion.scene import Scene
 from vsb.motion.wetted import WetShell
 from vsb.shell.deformed import DeformedShell, Meridian
 from vsb.shell.modes import design_motions, study_basis
@@ -133,25 +133,25 @@ def regular_wave(study: Study) -> RegularWave:
     return wave
 
 
-def design_plant(study: Study, design: str) -> Plant:
+def scene_of_design(study: Study, design: str) -> Scene:
     """Return the body-exact scene of one design in the first regular wave of a study."""
     wave, basis, water = regular_wave(study), study_basis(study), study.water
     shell, load = DeformedShell(basis, study.centre_height), AssumedPressure(study.hydro.pressure or 0.0, wave.omega)
     motions = design_motions(study, basis, design)
-    return assumed_pressure_plant(shell, LinearPto(study.pto.damping), load, water.density, water.gravity, motions)
+    return assumed_pressure_scene(shell, LinearPto(study.pto.damping), load, water.density, water.gravity, motions)
 
 
-def typical_state(plant: Plant) -> FloatArray:
+def typical_state(scene: Scene) -> FloatArray:
     """Return heave and modal amplitudes in mid-wave, shape (dof,) [m].
 
     The linear static ones, plus a fifth of the radius in heave and a hundredth, alternating and falling, in the modes.
     """
-    water, n, free = plant.water, plant.motions, plant.motions.shape[1]
-    assert water is not None  # built by `design_plant`
-    still = water.shell.forces(np.zeros((1, len(plant.labels))))[0][0]
+    water, n, free = scene.water, scene.motions, scene.motions.shape[1]
+    assert water is not None  # built by `scene_of_design`
+    still = water.shell.forces(np.zeros((1, len(scene.labels))))[0][0]
     wave = 0.01 * (-1.0) ** np.arange(free) / np.maximum(np.arange(free), 1)
     wave[0] = 0.2
-    static = np.linalg.solve(plant.stiffness, n.T @ (water.specific_weight * still + plant.constant))
+    static = np.linalg.solve(scene.stiffness, n.T @ (water.specific_weight * still + scene.constant))
     return n @ (static + water.shell.basis.shell.radius * wave)
 
 
@@ -179,9 +179,9 @@ def quadrature_precision(study: Study) -> list[Row]:
     batch of 1000, as the integrators use it. Its volume is the heave component of its force; it gives no area.
     """
     design = next((name for name, d in study.designs.items() if d.flexible and not d.clamp), next(iter(study.designs)))
-    plant = design_plant(study, design)
-    assert plant.water is not None
-    wet, q = plant.water.shell, typical_state(plant)
+    scene = scene_of_design(study, design)
+    assert scene.water is not None
+    wet, q = scene.water.shell, typical_state(scene)
 
     def fresh() -> DeformedShell:  # it caches its waterline
         return DeformedShell(wet.basis, wet.centre_height, q)

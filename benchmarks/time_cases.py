@@ -23,9 +23,9 @@ from vsb.integrators.energy_preserving import fixed_step
 from vsb.integrators.exponential import integrate
 from vsb.motion.forces import RadiationMemory
 from vsb.motion.motion import Motion
-from vsb.motion.scene import Plant
+from vsb.motion.scene import Scene
 from vsb.motion.system import System
-from vsb.scenes.build import SCENES, Scene
+from vsb.scenes.build import SCENES, DesignInSea
 from vsb.stages.stage import partial_study
 from vsb.study.plan import StudyPlan
 from vsb.study.study import Study, parse
@@ -63,12 +63,12 @@ class ModelKernel(DampingSpectrum):
         return self.model.kernel(time)
 
 
-def remembering(plant: Plant, model: RadiationModel) -> Plant:
+def remembering(scene: Scene, model: RadiationModel) -> Scene:
     """Return a scene with another radiation memory."""
-    return replace(plant, forces={**plant.forces, "radiation": RadiationMemory(model)})
+    return replace(scene, forces={**scene.forces, "radiation": RadiationMemory(model)})
 
 
-def scene_of(study: Study, folder: str | Path) -> Scene:
+def scene_of(study: Study, folder: str | Path) -> DesignInSea:
     """Return the scene of the only design in the only sea of a study; its hydro files are made in a folder."""
     (design,), (wave,) = study.designs, study.waves
     paths = hydro_files(study, folder)
@@ -167,9 +167,9 @@ def measured_row(table: str, case: str, method: str, setting: float, found: Solu
     return {"table": table, "case": case, "method": method, "setting": setting, **errors, **measured}
 
 
-def case_of(scene: Scene, duration: float) -> Case:
+def case_of(scene: DesignInSea, duration: float) -> Case:
     """The motion of a scene for so long; a convolution of it has the kernel of its state space."""
-    system, spectrum, model = scene.system, scene.spectrum, scene.plant.memory
+    system, spectrum, model = scene.system, scene.spectrum, scene.scene.memory
     assert spectrum is not None  # of a database
     assert model is not None
     return Case(system, ModelKernel(spectrum.omega, spectrum.damping, model), duration)

@@ -174,7 +174,7 @@ def series(study: Study, design: str, model: str, folder: str) -> Iterator[Size]
     for degree in DEGREES:
         larger = varied(study, design, model, REGULAR, 10.0, device=CARRYING, modes={"degree": degree})
         scene = scene_of(larger, folder)
-        yield Size("modes", scene.plant.motions.shape[1] - 1, case_of(scene, 10.0))
+        yield Size("modes", scene.scene.motions.shape[1] - 1, case_of(scene, 10.0))
     scene = scene_of(varied(study, design, model, REGULAR, 10.0), folder)
     for duration in DURATIONS:
         yield Size("duration", duration, case_of(scene, duration))
@@ -182,8 +182,8 @@ def series(study: Study, design: str, model: str, folder: str) -> Iterator[Size]
     assert spectrum is not None  # of a database
     richest = fit_order(spectrum, spectrum.omega, max(ORDERS))[0]
     for order in ORDERS:
-        plant = remembering(scene.plant, truncated(richest, order))
-        yield Size("memory", order, case_of(scene._replace(plant=plant), 10.0))
+        plain = remembering(scene.scene, truncated(richest, order))
+        yield Size("memory", order, case_of(scene._replace(scene=plain), 10.0))
 
 
 def _run(case: Case, method: str) -> Solution:

@@ -8,7 +8,7 @@ from conftest import HERE
 
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.motion.forces import Damper, Excitation, Force, Linear, Spring
-from vsb.motion.scene import Plant
+from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.study.sections import WhiteNoise
 from vsb.waves import seas
@@ -29,7 +29,7 @@ def test_a_take_off_law_takes_what_the_wave_brings():
     wave, spring = Excitation(np.array([2.5]), np.array([[30.0 + 5j]])), Spring(np.array([[50.0]]))
     forces = {"hydrostatic": spring, "damper": Damper(np.array([[1.2]])), "excitation": wave, "square": law}
     found = harmonic_balance(
-        System.of(Plant(("Heave",), np.array([[2.0]]), forces, np.eye(1), take_off="square")), 1e-8
+        System.of(Scene(("Heave",), np.array([[2.0]]), forces, np.eye(1), take_off="square")), 1e-8
     )
     _, rate = found.at(np.linspace(0.0, 2 * np.pi / 2.5, 4097)[:-1])
     assert found.power.pto == pytest.approx(float(np.mean(0.5 * np.abs(rate[:, 0]) ** 3)), rel=1e-5)

@@ -85,7 +85,7 @@ def test_results_are_tables_series_and_scenes(results):
         steady = vsb.harmonic_balance(scene.system)
         assert steady.power.pto == pytest.approx(run.attrs["steady_power"], rel=1e-9)
         again, _, _ = vsb.simulate(scene.system, scene.sea, results.study.simulation, scene.spectrum)
-        end = again.position[-1] @ scene.plant.motions.T
+        end = again.position[-1] @ scene.scene.motions.T
         assert run.position.values[-1] == pytest.approx(end[: run.sizes["dof"]], rel=1e-12)
     assert results.statistics == []
     assert {"buckling", "power_limit", "hydro haskind"} <= {check["name"] for check in results.checks}

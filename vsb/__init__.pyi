@@ -11,8 +11,8 @@ from vsb.integrators.simulate import simulate as simulate
 from vsb.motion.frequency import LinearBuoy as LinearBuoy
 from vsb.motion.port import Port as Port
 from vsb.motion.pto import LinearPto as LinearPto
+from vsb.motion.scene import Scene as Scene
 from vsb.motion.system import System as System
-from vsb.scenes.build import Scene as Scene
 from vsb.shell.deformed import DeformedShell as DeformedShell
 from vsb.shell.modes import ModeBasis as ModeBasis
 from vsb.shell.sphere import Shell as Shell

@@ -27,13 +27,13 @@ from benchmarks.integrators import (
     precision_figure,
 )
 from benchmarks.quadrature import (
-    design_plant,
     disc_area,
     disc_force,
     disc_volume,
     fitted_order,
     gauss_force,
     quadrature_precision,
+    scene_of_design,
     typical_state,
 )
 from vsb.errors import ConfigError
@@ -63,8 +63,8 @@ def paper():
 @pytest.fixture(scope="module")
 def deformed(paper):
     """The free shell in a typical deformed state."""
-    plant = design_plant(paper, "VSWEC")
-    return DeformedShell(plant.water.shell.basis, paper.centre_height, typical_state(plant))
+    scene = scene_of_design(paper, "VSWEC")
+    return DeformedShell(scene.water.shell.basis, paper.centre_height, typical_state(scene))
 
 
 @pytest.fixture(scope="module")
@@ -134,7 +134,7 @@ def test_discs_are_of_first_order(deformed):
 
 def test_equation_95_taken_literally_diverges_on_the_modes(paper):
     """Weight of the water of a disc over cos psi, along the normal: what `disc_force` says of it."""
-    sphere = DeformedShell(design_plant(paper, "VSWEC").water.shell.basis, 0.0)
+    sphere = DeformedShell(scene_of_design(paper, "VSWEC").water.shell.basis, 0.0)
     true, found = sphere.hydrostatic_force(1.0, 1.0, 60), []
     for discs in (100, 1000, 10_000, 100_000):
         m = sphere.meridian(np.linspace(0.0, np.pi, discs + 1)[discs // 2 + 1 :])
@@ -149,7 +149,7 @@ def test_equation_95_taken_literally_diverges_on_the_modes(paper):
 
 
 def test_rectangle_gauss_and_compiled_forces_agree(paper, deformed):
-    wet = design_plant(paper, "VSWEC").water.shell
+    wet = scene_of_design(paper, "VSWEC").water.shell
     static, uniform, _ = (values[0] for values in wet.forces(deformed.amplitudes[None]))
     for rule, points, bound in ((gauss_force, 40, 1e-13), (disc_force, 20000, 2e-4)):
         ours = rule(deformed, points)
@@ -189,15 +189,15 @@ def test_quadrature_of_a_rigid_study(paper):
 
 
 def test_right_hand_sides_are_one(paper):
-    plant = design_plant(paper, "VSWEC90")
-    n = plant.motions.shape[1]
+    scene = scene_of_design(paper, "VSWEC90")
+    n = scene.motions.shape[1]
     state = 0.02 * np.random.default_rng(1).normal(size=2 * n)
     fast, plain = (
-        Equation.of(System.of(plant), plant.start(0.0, 0.0)).rates(0.3, state),
-        plain_rates(plant, gauss_force, 40)(0.3, state),
+        Equation.of(System.of(scene), scene.start(0.0, 0.0)).rates(0.3, state),
+        plain_rates(scene, gauss_force, 40)(0.3, state),
     )
     assert np.abs(fast - plain).max() < 1e-12 * np.abs(fast).max()
-    discs = plain_rates(plant, disc_force, 20000)(0.3, state)
+    discs = plain_rates(scene, disc_force, 20000)(0.3, state)
     assert 1e-8 < np.abs(fast - discs).max() / np.abs(fast).max() < 1e-2
 
 

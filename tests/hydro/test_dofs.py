@@ -12,7 +12,7 @@ from vsb.errors import ConfigError
 from vsb.hydro.azimuthal import legendre_function
 from vsb.hydro.dofs import RIGID, Displacement, azimuthal_order, displacements, flexible, normal_velocities
 from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.motion.scene import Plant
+from vsb.motion.scene import Scene
 from vsb.shell.deformed import rigid_sphere
 from vsb.study.plan import StudyPlan
 
@@ -44,7 +44,7 @@ def test_only_what_motions_move_is_flexible(rows, answer):
     """However many there are: planar motion has three and is rigid."""
     motions = np.eye(3)[:, list(rows)]
     assert flexible(("Heave", "Membrane2", "Pitch"), motions) is answer
-    assert Plant(("Heave", "Membrane2", "Pitch"), np.eye(3), {}, motions).flexible is answer
+    assert Scene(("Heave", "Membrane2", "Pitch"), np.eye(3), {}, motions).flexible is answer
 
 
 @given(shapes() | st.sampled_from([SURGE, HEAVE, PITCH]))

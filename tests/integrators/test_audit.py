@@ -7,12 +7,12 @@ from vsb.integrators.audit import energies, flow, residual, step_integrals
 from vsb.integrators.exact import propagate
 from vsb.motion.forces import Damper, Excitation, Spring
 from vsb.motion.motion import Motion
-from vsb.motion.scene import Plant
+from vsb.motion.scene import Scene
 from vsb.motion.system import System
 
 
 def one_mass(**forces):
-    return Plant(("Heave",), np.array([[2.0]]), forces, np.eye(1))
+    return Scene(("Heave",), np.array([[2.0]]), forces, np.eye(1))
 
 
 @settings(max_examples=40)

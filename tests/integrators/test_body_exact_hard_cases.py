@@ -18,7 +18,7 @@ from vsb.motion.system import System
 from vsb.motion.wetted import WetShell, meridian_series, wet_intervals
 from vsb.results.comparison import comparison
 from vsb.results.power import merit
-from vsb.scenes.build import assumed_pressure_scene
+from vsb.scenes.build import assumed_pressure_design
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import mode_basis
 from vsb.study import study as config
@@ -34,10 +34,10 @@ def paper():
 
 
 def scene(study, design="VSWEC", **changes):
-    """Plant of one design of a study, and that study."""
+    """Scene of one design of a study, and that study."""
     designs = {design: study.designs[design].model_dump()}
     one = varied(study, **{"designs": designs, **changes})
-    return assumed_pressure_scene(one, {})[0], one
+    return assumed_pressure_design(one, {})[0], one
 
 
 def independent(plant, time, start, method="DOP853", rtol=1e-8):

@@ -18,7 +18,7 @@ from vsb.hydro.statespace import fit_radiation
 from vsb.integrators.audit import energies, residual
 from vsb.integrators.exact import propagate
 from vsb.integrators.exponential import integrate
-from vsb.motion.builders import body_exact_plant, linear_plant
+from vsb.motion.builders import body_exact_scene, linear_scene
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
 from vsb.motion.system import System
@@ -58,8 +58,8 @@ def scenes(sphere):
     attrs = {"gravity": GRAVITY, "water_depth": "inf", "water_density": DENSITY}
     buoy = LinearBuoy(ds.assign_attrs(attrs), reference.basis.damping, LinearPto(0.0))
     model, _ = fit_radiation(DampingSpectrum(ds.omega.values, ds.radiation_damping.values), 1e-3)
-    exact = body_exact_plant(buoy, reference.shape, model, NO_WAVES, np.eye(1))
-    return linear_plant(buoy, model, NO_WAVES, np.eye(1)), exact
+    exact = body_exact_scene(buoy, reference.shape, model, NO_WAVES, np.eye(1))
+    return linear_scene(buoy, model, NO_WAVES, np.eye(1)), exact
 
 
 @pytest.fixture(scope="module")

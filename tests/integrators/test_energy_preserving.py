@@ -16,7 +16,7 @@ from vsb.integrators.exact import propagate
 from vsb.integrators.exponential import integrate
 from vsb.integrators.simulate import simulate
 from vsb.motion.forces import Spring
-from vsb.motion.scene import Plant
+from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.scenes.build import SCENES
 from vsb.study import study as config
@@ -37,7 +37,7 @@ def scene(tmp_path_factory):
         paths = hardcases.hydro_files(study, folder)
         one = varied(study, designs={design: study.designs[design].model_dump()})
         StudyPlan(one)
-        return SCENES[one.hydro.model](one, paths).plant
+        return SCENES[one.hydro.model](one, paths).scene
 
     return build
 
@@ -93,7 +93,7 @@ def test_undamped_linear_scene_keeps_its_energy_for_ten_thousand_periods(per_per
     4 eps || |L| |P| |L^-1| ||, with the propagator P.
     """
     mass, springs = np.array([[2e4, 300.0], [300.0, 80.0]]), np.diag([1e5, 4e8])
-    plant = Plant(("Heave", "Membrane0"), mass, {"elastic": Spring(springs)}, np.eye(2))
+    plant = Scene(("Heave", "Membrane0"), mass, {"elastic": Spring(springs)}, np.eye(2))
     steps = per_period * 10_000
     time = instants(10_000 * 2 * np.pi / np.sqrt(5.0), steps)
     motion = fixed_step(System.of(plant), time, (np.array([0.3, 1e-4]), np.array([0.2, 0.5])))

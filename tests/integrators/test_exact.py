@@ -14,9 +14,9 @@ from vsb.integrators.convolution import convolve
 from vsb.integrators.exact import propagate, transition
 from vsb.integrators.simulate import simulate
 from vsb.integrators.trajectory import labelled
-from vsb.motion.builders import linear_plant
+from vsb.motion.builders import linear_scene
 from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring
-from vsb.motion.scene import Plant
+from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.results.power import averaging_window
 from vsb.shell.modes import design_motions, study_basis
@@ -26,7 +26,7 @@ CALM = DampingSpectrum(np.arange(1, 11) * 1.0, np.zeros((10, 1, 1)))
 
 
 def oscillator(forces):
-    return Plant(("Heave",), np.array([[2.0]]), {"hydrostatic": Spring(np.array([[50.0]])), **forces}, np.eye(1))
+    return Scene(("Heave",), np.array([[2.0]]), {"hydrostatic": Spring(np.array([[50.0]])), **forces}, np.eye(1))
 
 
 def damped(time, heave=1.0, velocity=-0.5):
@@ -162,7 +162,7 @@ def test_undamped_shell_conserves_energy_over_a_thousand_periods():
 class TestOfTheSeed:
     def plant(self, buoy_of, radiation_of, study, design, waves):
         motions = design_motions(study, study_basis(study), design)
-        return linear_plant(buoy_of(study), radiation_of(study), waves, motions)
+        return linear_scene(buoy_of(study), radiation_of(study), waves, motions)
 
     @pytest.mark.parametrize("design", ["FSB", "VSWEC", "VSWEC0", "VSWEC90"])
     @pytest.mark.parametrize("period", [2.5, np.pi, 5.0])
@@ -174,7 +174,7 @@ class TestOfTheSeed:
         )
         wave = study.waves[0]
         waves = sea(wave, study.hydro.omega_max, 60.0)
-        plant = self.plant(buoy_of, radiation_of, study, design, waves)
+        plant = self.scene(buoy_of, radiation_of, study, design, waves)
         buoy = buoy_of(study)
         expected = 0.04 * buoy.absorbed_power(waves.omega, buoy.rao(waves.omega, plant.motions))[0]
         for method in ("exact", "convolution"):
@@ -188,7 +188,7 @@ class TestOfTheSeed:
     @pytest.mark.parametrize("design", ["FSB", "VSWEC", "VSWEC90"])
     def test_energy_balance_closes(self, buoy_of, radiation_of, coarse, design):
         waves = sea(coarse.waves[0], coarse.hydro.omega_max, 60.0)
-        plant = self.plant(buoy_of, radiation_of, coarse, design, waves)
+        plant = self.scene(buoy_of, radiation_of, coarse, design, waves)
         motion, stride, _ = simulate(System.of(plant), waves, coarse.simulation, buoy_of(coarse).spectrum)
         energy = energies(System.of(plant), motion)
         assert residual(energy) < 1e-6
@@ -199,14 +199,14 @@ class TestOfTheSeed:
 
     def test_audit_sees_a_lost_force(self, buoy_of, radiation_of, coarse):
         waves = sea(coarse.waves[0], coarse.hydro.omega_max, 60.0)
-        plant = self.plant(buoy_of, radiation_of, coarse, "FSB", waves)
+        plant = self.scene(buoy_of, radiation_of, coarse, "FSB", waves)
         motion, _, _ = simulate(System.of(plant), waves, coarse.simulation, buoy_of(coarse).spectrum)
         fewer = {name: force for name, force in plant.forces.items() if name != "pto"}
-        assert residual(energies(System.of(Plant(plant.labels, plant.mass, fewer, plant.motions)), motion)) > 0.01
+        assert residual(energies(System.of(Scene(plant.labels, plant.mass, fewer, plant.motions)), motion)) > 0.01
 
     def test_clamp_holds_to_round_off(self, buoy_of, radiation_of, coarse):
         waves = sea(coarse.waves[0], coarse.hydro.omega_max, 60.0)
-        plant = self.plant(buoy_of, radiation_of, coarse, "VSWEC90", waves)
+        plant = self.scene(buoy_of, radiation_of, coarse, "VSWEC90", waves)
         motion, _, _ = simulate(System.of(plant), waves, coarse.simulation, buoy_of(coarse).spectrum)
         rows = study_basis(coarse).clamp_rows([np.pi / 2])
         assert np.abs(rows @ plant.motions @ motion.position.T).max() < 1e-13
@@ -216,7 +216,7 @@ class TestOfTheSeed:
         study = varied(coarse, waves=[{"kind": "jonswap", "hs": 1.0, "tp": 4.0}])
         short = sea(study.waves[0], study.hydro.omega_max, 200.0)
         width = short.omega[1] - short.omega[0]
-        plant = self.plant(buoy_of, radiation_of, study, "VSWEC", short)
+        plant = self.scene(buoy_of, radiation_of, study, "VSWEC", short)
         buoy = buoy_of(study)
         period = 2 * np.pi / width
         time = np.linspace(0.0, 2 * period, 40_001)
@@ -242,7 +242,7 @@ class TestOfTheSeed:
             simulation={"initial_position": 1.0, "initial_velocity": 0.0, "duration": 15.0, "window": (0.0, 15.0)},
         )
         still = Sea(np.zeros(0), np.zeros(0, dtype=complex))
-        plant = linear_plant(buoy_of(sphere), radiation_of(sphere), still, np.eye(1))
+        plant = linear_scene(buoy_of(sphere), radiation_of(sphere), still, np.eye(1))
         time = np.linspace(0.0, 15.0, 15_001)
         motion = propagate(System.of(plant), time, plant.start(1.0, 0.0))
         heave, velocity = motion.position[:, 0], motion.velocity[:, 0]

@@ -12,10 +12,10 @@ from vsb.integrators.exponential import ExponentialIntegrator, integrate
 from vsb.integrators.exponential_steps import EVALUATIONS, HISTORY, KEPT, STEPS, march
 from vsb.integrators.simulate import simulate
 from vsb.integrators.trajectory import labelled
-from vsb.motion.scene import Plant
+from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.results.power import merit
-from vsb.scenes.build import assumed_pressure_scene
+from vsb.scenes.build import assumed_pressure_design
 from vsb.waves.seas import NO_WAVES
 
 ASSUMED = {"model": "assumed_pressure", "pressure": 1800.0}
@@ -27,9 +27,9 @@ def assumed(seed):
 
 
 def scene(study, design="VSWEC", **changes):
-    """Plant of one design."""
+    """Scene of one design."""
     one = varied(study, designs={design: study.designs[design].model_dump()}, **changes)
-    return assumed_pressure_scene(one, {})[0], one
+    return assumed_pressure_design(one, {})[0], one
 
 
 def fixed_steps(method, first, spacing, count):
@@ -123,7 +123,7 @@ def test_audit_sees_a_lost_force(assumed):
     plant, study = scene(assumed, "FSB")
     motion, _, _ = simulate(System.of(plant), NO_WAVES, study.simulation, None)
     fewer = {name: force for name, force in plant.forces.items() if name != "pto"}
-    assert residual(energies(System.of(Plant(plant.labels, plant.mass, fewer, plant.motions)), motion)) > 0.01
+    assert residual(energies(System.of(Scene(plant.labels, plant.mass, fewer, plant.motions)), motion)) > 0.01
 
 
 def undamped(study, design="VSWEC"):
@@ -191,7 +191,7 @@ def test_thrown_out_of_the_water_and_back(assumed):
 def test_a_crushed_shell_is_an_error_not_garbage(assumed):
     plant, _ = scene(assumed, "VSWEC")
     crushing = replace(plant.water, assumed=replace(plant.water.assumed, amplitude=1e12))
-    worse = replace(plant, forces={**plant.forces, "water": crushing})
+    worse = replace(scene, forces={**scene.forces, "water": crushing})
     with pytest.raises(ConvergenceError, match=r"cannot be followed at t = .*loads that crush the shell"):
         integrate(System.of(worse), np.linspace(0.0, 5.0, 401), plant.start(0.0, 0.0), 1e-8)
 

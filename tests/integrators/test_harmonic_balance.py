@@ -17,7 +17,7 @@ from vsb.integrators.exponential import integrate
 from vsb.integrators.floquet import largest, multipliers
 from vsb.integrators.harmonic_balance import continued, harmonic_balance, missed, steady_power
 from vsb.integrators.regular_wave import PeriodicScene
-from vsb.motion.builders import assumed_pressure_plant, body_exact_plant, linear_plant
+from vsb.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene
 from vsb.motion.forces import AssumedPressure
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
@@ -42,7 +42,7 @@ def paper():
 
 
 def assumed(study, design="FSB", period=None, **changes):
-    """Plant of one design under an assumed pressure."""
+    """Scene of one design under an assumed pressure."""
     if period:
         changes["waves"] = [{"kind": "regular", "amplitude": 0.1, "period": period}]
     one = varied(study, designs={design: study.designs[design].model_dump()}, **changes)
@@ -53,7 +53,7 @@ def assumed(study, design="FSB", period=None, **changes):
         DeformedShell(basis, one.centre_height, np.zeros(len(basis.labels))),
         design_motions(one, basis, design),
     )
-    return assumed_pressure_plant(shell, LinearPto(one.pto.damping), load, water.density, water.gravity, motions)
+    return assumed_pressure_scene(shell, LinearPto(one.pto.damping), load, water.density, water.gravity, motions)
 
 
 def tuned(paper, ratio, damping, **changes):
@@ -79,8 +79,8 @@ def scene():
     def build(design, sea, kind="exact"):
         motions = design_motions(study, basis, design)
         if kind == "linear":
-            return linear_plant(buoy, radiation, sea, motions), buoy
-        return body_exact_plant(buoy, shape, radiation, sea, motions), buoy
+            return linear_scene(buoy, radiation, sea, motions), buoy
+        return body_exact_scene(buoy, shape, radiation, sea, motions), buoy
 
     return build
 
@@ -331,7 +331,7 @@ def test_a_load_without_a_period_is_refused(paper):
     plant = assumed(paper)
     constant = replace(plant.water, assumed=replace(plant.water.assumed, omega=0.0))
     with pytest.raises(ConfigError, match=r"received 1 frequencies from 0 to 0 rad/s, needs one above zero"):
-        harmonic_balance(System.of(replace(plant, forces={**plant.forces, "water": constant})))
+        harmonic_balance(System.of(replace(scene, forces={**scene.forces, "water": constant})))
 
 
 def test_a_load_that_no_motion_answers_is_refused(paper):

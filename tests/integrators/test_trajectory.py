@@ -15,11 +15,11 @@ from vsb.integrators.convolution import convolve
 from vsb.integrators.exact import propagate
 from vsb.integrators.simulate import EXACT, legs, simulate
 from vsb.integrators.trajectory import recorded
-from vsb.motion.builders import linear_plant
+from vsb.motion.builders import linear_scene
 from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring
-from vsb.motion.scene import Plant
+from vsb.motion.scene import Scene
 from vsb.motion.system import System
-from vsb.scenes.build import assumed_pressure_scene
+from vsb.scenes.build import assumed_pressure_design
 from vsb.shell.modes import design_motions, study_basis
 from vsb.study import resolution
 from vsb.study.study import load
@@ -38,7 +38,7 @@ def scene(buoy_of, radiation_of, seed):
         study = varied(seed, **changes)
         waves = sea(study.waves[0], study.hydro.omega_max, study.simulation.duration)
         motions = design_motions(study, study_basis(study), design)
-        plant = linear_plant(buoy_of(study), radiation_of(seed), waves, motions)  # no change here is of the water
+        plant = linear_scene(buoy_of(study), radiation_of(seed), waves, motions)  # no change here is of the water
         return plant, waves, study.simulation, buoy_of(study).spectrum
 
     return build
@@ -96,7 +96,7 @@ def test_any_passive_scene_is_balanced(dof, order, damping, step, seed):
         "structural_damping": Damper(0.1 * structural),
         "radiation": RadiationMemory(memory),
     }
-    plant = Plant(tuple("abcd"[:dof]), mass + np.eye(dof), forces, np.eye(dof))
+    plant = Scene(tuple("abcd"[:dof]), mass + np.eye(dof), forces, np.eye(dof))
     motion = propagate(System.of(plant), 10.0**step * np.arange(60), tuple(rng.normal(size=(2, dof))))
     assert residual(energies(System.of(plant), motion)) < 1e-10
 
@@ -128,9 +128,9 @@ def test_one_part_in_ten_thousand_of_any_force_shows(scene, name):
         model = plant.memory
         lost = np.outer(model.channel, model.channel) / 2
         model = replace(model, channel=1.0001 * model.channel, state_matrix=model.state_matrix - (1.0001**2 - 1) * lost)
-        other = replace(plant, forces={**plant.forces, "radiation": RadiationMemory(model)})
+        other = replace(scene, forces={**scene.forces, "radiation": RadiationMemory(model)})
     else:
-        other = replace(plant, forces={**plant.forces, name: scaled(plant.forces[name], 1.0001)})
+        other = replace(scene, forces={**scene.forces, name: scaled(plant.forces[name], 1.0001)})
     sound = residual(energies(System.of(plant), motion))
     assert residual(energies(System.of(other), motion)) > 1e4 * sound
     assert residual(energies(System.of(other), motion)) > 1e-7
@@ -190,7 +190,7 @@ def test_legs_of_a_body_exact_run_are_the_run():
     changes = {"duration": 10.0, "window": (5.0, 10.0), "tolerance": 1e-9}
     study = varied(load(PAPER), simulation=changes, published=None)
     one = varied(study, designs={"FSB": study.designs["FSB"].model_dump()})
-    plant = assumed_pressure_scene(one, {})[0]
+    plant = assumed_pressure_design(one, {})[0]
     motion, stride, _ = simulate(System.of(plant), NO_WAVES, one.simulation, None)
     parts, position, pieced = in_legs(plant, NO_WAVES, one.simulation, None, 250)
     assert len(parts) > 3
@@ -264,7 +264,7 @@ def test_a_body_exact_run_needs_its_records_halved_twice_at_most(damping):
     short = {"duration": 10.0, "window": (5.0, 10.0)}
     study = varied(load(PAPER), pto={"damping": damping}, simulation=short, published=None)
     one = varied(study, designs={"VSWEC": study.designs["VSWEC"].model_dump()})
-    plant = assumed_pressure_scene(one, {})[0]
+    plant = assumed_pressure_design(one, {})[0]
     motion, stride, _ = simulate(System.of(plant), NO_WAVES, one.simulation, None)
     assert residual(energies(System.of(plant), motion)) < 1e-6
     assert stride <= 4

@@ -11,7 +11,7 @@ from vsb.integrators.audit import energies, residual
 from vsb.integrators.exact import propagate
 from vsb.integrators.exponential import integrate
 from vsb.integrators.simulate import simulate
-from vsb.motion.builders import body_exact_plant, linear_plant
+from vsb.motion.builders import body_exact_scene, linear_scene
 from vsb.motion.forces import Excitation
 from vsb.motion.system import System
 from vsb.scenes.rest import reference_shell
@@ -42,15 +42,15 @@ def swell(amplitude):
 
 def scene(parts, study, design, sea):
     buoy, shape, radiation, motions = parts(study, design)
-    return body_exact_plant(buoy, shape, radiation, sea, motions)
+    return body_exact_scene(buoy, shape, radiation, sea, motions)
 
 
 def exact_linear(parts, study, design, amplitude):
     """The linear scene with the Froude-Krylov force of the smooth shell in place of the panels'."""
     buoy, shape, radiation, motions = parts(study, design)
-    linear = linear_plant(buoy, radiation, swell(amplitude), motions)
+    linear = linear_scene(buoy, radiation, swell(amplitude), motions)
     tiny = 1e-6
-    water = body_exact_plant(buoy, shape, radiation, swell(tiny), motions).water
+    water = body_exact_scene(buoy, shape, radiation, swell(tiny), motions).water
 
     def head(wave, time):
         from vsb.motion.froude_krylov import wave_forces
@@ -119,13 +119,13 @@ def test_a_shell_too_soft_to_rest_is_refused(parts, coarse):
     buoy, shape, radiation, motions = parts(coarse, "VSWEC")
     soft = buoy.database.assign(structural_stiffness=1e-3 * buoy.database.structural_stiffness)
     with pytest.raises(ConvergenceError, match=r"does not come to rest.*internal_pressure"):
-        body_exact_plant(replace(buoy, database=soft), shape, radiation, NO_WAVES, motions)
+        body_exact_scene(replace(buoy, database=soft), shape, radiation, NO_WAVES, motions)
 
 
 def test_springs_and_dampers_are_those_of_the_linear_scene(parts, coarse):
     buoy, shape, radiation, motions = parts(coarse, "VSWEC0")
-    exact = body_exact_plant(buoy, shape, radiation, NO_WAVES, motions)
-    linear = linear_plant(buoy, radiation, NO_WAVES, motions)
+    exact = body_exact_scene(buoy, shape, radiation, NO_WAVES, motions)
+    linear = linear_scene(buoy, radiation, NO_WAVES, motions)
     assert linear.stiffness - springs(exact) == pytest.approx(motions.T @ exact.water.tangent @ motions)
     assert exact.stiffness == pytest.approx(linear.stiffness)
     assert linear.damping == pytest.approx(exact.damping)

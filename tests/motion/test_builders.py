@@ -8,7 +8,7 @@ import xarray as xr
 from conftest import SEED, varied
 
 from vsb.hydro.statespace import RadiationModel
-from vsb.motion.builders import assumed_pressure_plant, body_exact_plant, linear_plant
+from vsb.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene
 from vsb.motion.forces import AssumedPressure
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
@@ -68,8 +68,8 @@ def scenes(study, buoy, shape, design, sea=NO_WAVES):
     motions = design_motions(study, shape.basis, design)
     radiation = memory(len(motions))
     return {
-        "linear": lambda: linear_plant(buoy, radiation, sea, motions),
-        "body_exact": lambda: body_exact_plant(buoy, shape, radiation, sea, motions),
+        "linear": lambda: linear_scene(buoy, radiation, sea, motions),
+        "body_exact": lambda: body_exact_scene(buoy, shape, radiation, sea, motions),
     }
 
 
@@ -146,7 +146,7 @@ def test_a_scene_under_an_assumed_pressure_has_the_shell_the_water_and_the_dampe
     shape = reference_shell(study, basis).shape
     motions = design_motions(study, basis, design)
     load_, pto = AssumedPressure(100.0, 2.0), LinearPto(8000.0 if damped else 0.0)
-    plant = assumed_pressure_plant(shape, pto, load_, 1025.0, 9.81, motions)
+    plant = assumed_pressure_scene(shape, pto, load_, 1025.0, 9.81, motions)
     stiffness = basis.stiffness + shape.hydrostatic_stiffness(1025.0, 9.81)
     assert plant.stiffness == pytest.approx(plant.projected([stiffness]), rel=1e-12, abs=1e-6)
     assert plant.damping == pytest.approx(

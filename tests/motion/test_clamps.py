@@ -12,7 +12,7 @@ from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.exact import propagate
 from vsb.motion.clamps import constrained, constraint_drift, constraint_force, udwadia_kalaba
 from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring
-from vsb.motion.scene import Plant
+from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import check_rank, mode_basis
@@ -41,7 +41,7 @@ def scene(seed, basis_name="membrane", degree=6, damping=8000.0):
         "excitation": wave,
         "radiation": RadiationMemory(memory),
     }
-    return basis, Plant(basis.labels, basis.inertia + added, forces, np.eye(dof))
+    return basis, Scene(basis.labels, basis.inertia + added, forces, np.eye(dof))
 
 
 def both_routes(seed, clamps, time, basis_name="membrane", degree=6, rate=0.0):

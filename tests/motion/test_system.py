@@ -13,9 +13,9 @@ from vsb.integrators.exponential import ExponentialIntegrator
 from vsb.motion.clamps import constrained
 from vsb.motion.forces import ConstantForce, Damper, Excitation, RadiationMemory, Spring
 from vsb.motion.froude_krylov import incident
-from vsb.motion.scene import Plant
+from vsb.motion.scene import Scene
 from vsb.motion.system import System, remainder
-from vsb.scenes.build import assumed_pressure_scene
+from vsb.scenes.build import assumed_pressure_design
 from vsb.study.study import load
 from vsb.waves.seas import Sea
 
@@ -27,7 +27,7 @@ def wet():
     """The paper's free shell under its assumed pressure."""
     study = varied(load(SEED.parent / "paper.yaml"), published=None)
     one = varied(study, designs={"VSWEC": study.designs["VSWEC"].model_dump()})
-    return assumed_pressure_scene(one, {}).plant
+    return assumed_pressure_design(one, {}).scene
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +45,7 @@ def linear():
         "excitation": Excitation(OMEGA, rng.normal(size=(2, 3)) + 1j * rng.normal(size=(2, 3))),
         "radiation": RadiationMemory(memory),
     }
-    return Plant(("Heave", "Radial2", "Radial3"), mass, forces, np.eye(3)[:, :2] + 0.1)
+    return Scene(("Heave", "Radial2", "Radial3"), mass, forces, np.eye(3)[:, :2] + 0.1)
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ import pytest
 
 from vsb.integrators.switching import switched
 from vsb.motion.forces import Damper, Excitation, Spring
-from vsb.motion.scene import Plant
+from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.motion.take_off import EndStop, TakeOff
 from vsb.scenes.take_off import LAWS, STIFFER, with_take_off
@@ -19,7 +19,7 @@ def plant():
         "pto": Damper(np.diag([4.0, 0.0])),
         "excitation": Excitation(np.array([2.0]), np.array([[60.0 + 0j, 0.0]])),
     }
-    return Plant(("Heave", "Membrane2"), np.array([[2.0, 0.3], [0.3, 1.0]]), forces, np.eye(2))
+    return Scene(("Heave", "Membrane2"), np.array([[2.0, 0.3], [0.3, 1.0]]), forces, np.eye(2))
 
 
 def test_a_linear_take_off_leaves_the_scene_as_it_is(plant):

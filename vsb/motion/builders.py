@@ -20,7 +20,7 @@ from vsb.motion.forces import (
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.froude_krylov import Incident, incident
 from vsb.motion.pto import LinearPto
-from vsb.motion.scene import Plant, resting
+from vsb.motion.scene import Scene, resting
 from vsb.motion.wetted import WetShell
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import ModeBasis
@@ -29,7 +29,7 @@ from vsb.tools.units import FloatArray
 from vsb.waves.seas import NO_WAVES, Sea
 
 
-def linear_plant(buoy: LinearBuoy, radiation: RadiationModel, sea: Sea, motions: FloatArray) -> Plant:
+def linear_scene(buoy: LinearBuoy, radiation: RadiationModel, sea: Sea, motions: FloatArray) -> Scene:
     """Return the linear hydroelastic scene of one design in one sea, with the forces it has and no others."""
     database = buoy.database
     forces: dict[str, Force] = {
@@ -44,7 +44,7 @@ def linear_plant(buoy: LinearBuoy, radiation: RadiationModel, sea: Sea, motions:
     if sea.omega.size:
         excitation = buoy.coefficients(sea.omega).excitation
         forces["excitation"] = Excitation(sea.omega, sea.amplitude[:, None] * excitation)
-    return Plant(labels, buoy.mass + buoy.added_mass_inf, forces, motions)
+    return Scene(labels, buoy.mass + buoy.added_mass_inf, forces, motions)
 
 
 def _shell_springs(stiffness: Mapping[str, FloatArray], damping: FloatArray) -> dict[str, Force]:
@@ -56,9 +56,9 @@ def _shell_springs(stiffness: Mapping[str, FloatArray], damping: FloatArray) -> 
     return springs
 
 
-def body_exact_plant(
+def body_exact_scene(
     buoy: LinearBuoy, shape: DeformedShell, radiation: RadiationModel, sea: Sea, motions: FloatArray
-) -> Plant:
+) -> Scene:
     """Return the scene with hydrostatics and Froude-Krylov forces on the instantaneous wet shell of one design.
 
     Radiation and diffraction stay linear about the reference shape.
@@ -80,17 +80,17 @@ def body_exact_plant(
     attrs = buoy.database.attrs
     gravity, depth = float(attrs["gravity"]), float(attrs["water_depth"])
     specific_weight = float(attrs["water_density"]) * gravity
-    linear = linear_plant(buoy, radiation, NO_WAVES, motions)
+    linear = linear_scene(buoy, radiation, NO_WAVES, motions)
     waves = incident(sea, depth, gravity, shape.basis.shell.radius) if sea.omega.size else None
     others = {name: force for name, force in linear.forces.items() if name != "hydrostatic"}
     forces = _loaded(others, shape, buoy.stiffness_parts["hydrostatic"], specific_weight, gravity, waves)
     if sea.omega.size:
         forces["diffraction"] = Excitation(sea.omega, sea.amplitude[:, None] * buoy.diffraction(sea.omega))
-    plant = Plant(linear.labels, linear.mass, forces, motions)
-    return replace(plant, origin=resting(plant))
+    scene = Scene(linear.labels, linear.mass, forces, motions)
+    return replace(scene, origin=resting(scene))
 
 
-def still_plant(reference: ReferenceShell, density: float, gravity: float, motions: FloatArray) -> Plant:
+def still_scene(reference: ReferenceShell, density: float, gravity: float, motions: FloatArray) -> Scene:
     """Return the body-exact scene of one design in still water, without what moving water does: all that rest needs.
 
     Parameters
@@ -108,8 +108,8 @@ def still_plant(reference: ReferenceShell, density: float, gravity: float, motio
     basis = reference.basis
     springs = _shell_springs(reference.stiffness, basis.damping) if flexible(basis.labels, motions) else {}
     forces = _loaded(springs, reference.shape, reference.stiffness["hydrostatic"], density * gravity, gravity, None)
-    plant = Plant(basis.labels, basis.inertia, forces, motions)
-    return replace(plant, origin=resting(plant))
+    scene = Scene(basis.labels, basis.inertia, forces, motions)
+    return replace(scene, origin=resting(scene))
 
 
 def _loaded(
@@ -131,9 +131,9 @@ def _loaded(
     return forces
 
 
-def assumed_pressure_plant(
+def assumed_pressure_scene(
     shell: DeformedShell, pto: LinearPto, load: AssumedPressure, density: float, gravity: float, motions: FloatArray
-) -> Plant:
+) -> Scene:
     """Return the paper's scene of one design: static and assumed pressure on the instantaneous wet shell, no radiation.
 
     Parameters
@@ -161,9 +161,9 @@ def assumed_pressure_plant(
     if pto.damping:
         forces["pto"] = Damper(pto.matrix(len(basis.labels)))
     forces |= _shell_forces(basis, motions)
-    plant = Plant(basis.labels, basis.inertia, forces, motions)
-    resting(plant)  # a shell that cannot carry its load collapses: no buoy, however well integrated
-    return plant
+    scene = Scene(basis.labels, basis.inertia, forces, motions)
+    resting(scene)  # a shell that cannot carry its load collapses: no buoy, however well integrated
+    return scene
 
 
 def _shell_forces(basis: ModeBasis, motions: FloatArray) -> dict[str, Force]:

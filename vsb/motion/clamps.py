@@ -12,7 +12,7 @@ import numpy as np
 from scipy.linalg import eigh, svd
 
 from vsb.motion.motion import Motion
-from vsb.motion.scene import Plant
+from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.shell.modes import check_rank
 from vsb.tools.units import FloatArray
@@ -86,12 +86,12 @@ def udwadia_kalaba(mass: FloatArray, rows: FloatArray) -> Constraint:
     return Constraint(mass, rows, root @ inverse)
 
 
-def constrained(plant: Plant, rows: FloatArray, rate: float = 0.0) -> System:
+def constrained(scene: Scene, rows: FloatArray, rate: float = 0.0) -> System:
     """Return a scene with all coordinates free but for the rows, Phi q = 0, enforced by Eq. 90.
 
     Parameters
     ----------
-    plant : Plant
+    scene : Scene
         Its own motions are replaced by all of them.
     rows : ndarray, shape (constraint, dof) [-]
         Phi, from `ModeBasis.clamp_rows`.
@@ -110,9 +110,9 @@ def constrained(plant: Plant, rows: FloatArray, rate: float = 0.0) -> System:
     stiffness loses digits.
     """
     check_rank(rows)
-    free = System.of(replace(plant, motions=np.eye(len(plant.labels)), origin=np.zeros(0)))
+    free = System.of(replace(scene, motions=np.eye(len(scene.labels)), origin=np.zeros(0)))
     if not free.linear:
-        names = ", ".join(name for name, part in plant.linear.items() if not part.whole)
+        names = ", ".join(name for name, part in scene.linear.items() if not part.whole)
         raise ValueError(f"Eq. 90: received the nonlinear forces {names}, needs a linear scene; clamp its motions.")
     n = free.free
     constraint = udwadia_kalaba(np.eye(n), rows @ free.shapes)

@@ -21,7 +21,7 @@ from vsb.tools.units import FloatArray
 
 
 @dataclass(frozen=True)
-class Plant:
+class Scene:
     """A scene: mass including added mass at infinite frequency, named forces, allowed motions."""
 
     labels: tuple[str, ...]  # dof
@@ -118,7 +118,7 @@ class Plant:
         return replace(self, forces={name: force.raised(share) for name, force in self.forces.items()})
 
 
-def resting(plant: Plant) -> FloatArray:
+def resting(scene: Scene) -> FloatArray:
     """Return y of a body-exact scene at rest in still water, shape (free,) [m], by Newton's method.
 
     Raises
@@ -126,16 +126,16 @@ def resting(plant: Plant) -> FloatArray:
     ConvergenceError
         If the scene does not come to rest.
     """
-    water, y = plant.water, np.zeros(plant.motions.shape[1])
+    water, y = scene.water, np.zeros(scene.motions.shape[1])
     assert water is not None
-    stiffness = plant.projected(part.stiffness for part in plant.linear.values() if part.whole)
-    load = plant.constant
+    stiffness = scene.projected(part.stiffness for part in scene.linear.values() if part.whole)
+    load = scene.constant
     for _ in range(50):
-        shell = DeformedShell(water.shell.basis, water.shell.centre_height, water.rest + plant.motions @ y)
+        shell = DeformedShell(water.shell.basis, water.shell.centre_height, water.rest + scene.motions @ y)
         static = water.specific_weight * water.shell.forces(shell.amplitudes[None])[0][0]
-        tangent = plant.motions.T @ shell.hydrostatic_stiffness(water.specific_weight, 1.0) @ plant.motions
+        tangent = scene.motions.T @ shell.hydrostatic_stiffness(water.specific_weight, 1.0) @ scene.motions
         try:
-            step = cho_solve(cho_factor(stiffness + tangent), plant.motions.T @ (static + load) - stiffness @ y)
+            step = cho_solve(cho_factor(stiffness + tangent), scene.motions.T @ (static + load) - stiffness @ y)
         except np.linalg.LinAlgError:  # unstable
             break
         largest, y = np.abs(step).max() / shell.basis.shell.radius, y + step

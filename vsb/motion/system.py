@@ -17,7 +17,7 @@ from scipy.linalg import eigh
 from vsb.motion.forces import EXCITING, AssumedPressure
 from vsb.motion.froude_krylov import Incident, incident, rotated, wave_force
 from vsb.motion.motion import Motion
-from vsb.motion.scene import Plant
+from vsb.motion.scene import Scene
 from vsb.motion.take_off import EndStop, TakeOff
 from vsb.motion.wetted import Shape, wet_force
 from vsb.tools.compiled import njit
@@ -78,7 +78,7 @@ def remainder(r: Remainder, t: float, p: FloatArray, out: FloatArray) -> None:
 class System:
     """A scene in its natural modes."""
 
-    scene: Plant
+    scene: Scene
     matrix: FloatArray  # A (state, state) [1/s]
     omega: FloatArray  # (component,) [rad/s]
     waves: ComplexArray  # w (component, free)
@@ -86,7 +86,7 @@ class System:
     modes: FloatArray  # V (free, free)
 
     @classmethod
-    def of(cls, scene: Plant) -> Self:
+    def of(cls, scene: Scene) -> Self:
         """Return a scene as a system."""
         squares, modes = eigh(scene.stiffness, scene.motions.T @ scene.mass @ scene.motions)
         scale = np.sqrt(np.maximum(np.abs(squares), 1.0))

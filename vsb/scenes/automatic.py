@@ -19,10 +19,10 @@ from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.exact import propagate, steady_state
 from vsb.integrators.exponential import integrate
 from vsb.integrators.harmonic_balance import steady_power
-from vsb.motion.builders import body_exact_plant, linear_plant
+from vsb.motion.builders import body_exact_scene, linear_scene
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.motion import Motion
-from vsb.motion.scene import Plant
+from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import ModeBasis, design_motions, mode_basis
@@ -71,7 +71,7 @@ class Choice:
 
     description: Description
     left_out: tuple[LeftOut, ...]
-    plant: Plant
+    scene: Scene
     unmeasured: str = ""  # why body-exact powers could not be had
 
     @property
@@ -141,16 +141,16 @@ class Scenes:
         """The richest description."""
         return Description(max(self.ladder), self.radiation.order, True)
 
-    def plant(self, d: Description) -> Plant:
+    def scene(self, d: Description) -> Scene:
         """Return the scene of a description."""
         memory, motions = truncated(self.radiation, d.memory), self.ladder[d.degree]
         if d.body_exact:
-            return body_exact_plant(self.buoy, self.shape, memory, self.sea, motions)
-        return linear_plant(self.buoy, memory, self.sea, motions)
+            return body_exact_scene(self.buoy, self.shape, memory, self.sea, motions)
+        return linear_scene(self.buoy, memory, self.sea, motions)
 
     def system(self, d: Description) -> System:
         """Return the system of a description."""
-        return System.of(self.plant(d))
+        return System.of(self.scene(d))
 
     @cached_property
     def _powers(self) -> dict[Description, float]:
@@ -248,7 +248,7 @@ def chosen(scenes: Scenes, tolerance: float) -> Choice:
             scenes.power(full._replace(body_exact=False)), scenes.power_of_coefficients(full.degree, False)
         )
         left_out = (LeftOut(f"memory_beyond_{full.memory}_states", memory),)
-        return Choice(full, left_out, scenes.plant(full), str(error))
+        return Choice(full, left_out, scenes.scene(full), str(error))
 
 
 def _chosen(scenes: Scenes, share: float) -> Choice:
@@ -282,7 +282,7 @@ def _chosen(scenes: Scenes, share: float) -> Choice:
     if not body_exact:
         left_out.append(LeftOut("body_exact_forces", nonlinear))
     description = Description(degree, order, body_exact)
-    return Choice(description, tuple(left_out), scenes.plant(description))
+    return Choice(description, tuple(left_out), scenes.scene(description))
 
 
 def relative(value: float, exact: float) -> float:

@@ -10,11 +10,11 @@ from vsb.hydro import database
 from vsb.hydro.dofs import flexible
 from vsb.hydro.kernel import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel
-from vsb.motion.builders import assumed_pressure_plant, body_exact_plant, linear_plant
+from vsb.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene
 from vsb.motion.forces import AssumedPressure
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
-from vsb.motion.scene import Plant
+from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.scenes import automatic
 from vsb.scenes.take_off import with_take_off
@@ -26,10 +26,10 @@ from vsb.tools.units import FloatArray
 from vsb.waves.seas import NO_WAVES, Sea, sea
 
 
-class Scene(NamedTuple):
+class DesignInSea(NamedTuple):
     """One design in one sea."""
 
-    plant: Plant
+    scene: Scene
     shape: DeformedShell  # reference shape
     sea: Sea
     spectrum: DampingSpectrum | None  # of the radiation damping, where there is one
@@ -38,7 +38,7 @@ class Scene(NamedTuple):
     @property
     def system(self) -> System:
         """The scene as integrators see it."""
-        return System.of(self.plant)
+        return System.of(self.scene)
 
 
 def linear_buoy(study: Study, database_path: str) -> tuple[LinearBuoy, ModeBasis]:
@@ -50,21 +50,21 @@ def linear_buoy(study: Study, database_path: str) -> tuple[LinearBuoy, ModeBasis
     return LinearBuoy(ds, basis.damping, LinearPto(study.pto.damping)), basis
 
 
-def linear_scene(study: Study, paths: dict[str, Any]) -> Scene:
+def linear_design(study: Study, paths: dict[str, Any]) -> DesignInSea:
     """Return the scene of linear hydrodynamics about the mean shape."""
     buoy, shape, model, waves, motions = _from_bem(study, paths)
-    plant = with_take_off(linear_plant(buoy, model, waves, motions), study.pto)
-    return Scene(plant, shape, waves, buoy.spectrum, {"model": "linear"})
+    scene = with_take_off(linear_scene(buoy, model, waves, motions), study.pto)
+    return DesignInSea(scene, shape, waves, buoy.spectrum, {"model": "linear"})
 
 
-def body_exact_scene(study: Study, paths: dict[str, Any]) -> Scene:
+def body_exact_design(study: Study, paths: dict[str, Any]) -> DesignInSea:
     """Return the scene with static and Froude-Krylov forces on the instantaneous wet shell, the rest linear."""
     buoy, shape, model, waves, motions = _from_bem(study, paths)
-    plant = body_exact_plant(buoy, shape, model, waves, motions)
-    return Scene(plant, shape, waves, buoy.spectrum, {"model": "body_exact"})
+    scene = body_exact_scene(buoy, shape, model, waves, motions)
+    return DesignInSea(scene, shape, waves, buoy.spectrum, {"model": "body_exact"})
 
 
-def automatic_scene(study: Study, paths: dict[str, Any]) -> Scene:
+def automatic_design(study: Study, paths: dict[str, Any]) -> DesignInSea:
     """Return the cheapest scene that gives the mean absorbed power to the tolerance of the study."""
     begun = clock.perf_counter()
     buoy, shape, model, waves, _ = _from_bem(study, paths)
@@ -73,7 +73,7 @@ def automatic_scene(study: Study, paths: dict[str, Any]) -> Scene:
     scenes = automatic.Scenes(buoy, shape, model, waves, ladder, study.simulation)
     choice = automatic.chosen(scenes, study.hydro.allowed_power_error)
     notes = {**choice.notes, "choice_seconds": clock.perf_counter() - begun}
-    return Scene(choice.plant, shape, waves, buoy.spectrum, notes)
+    return DesignInSea(choice.scene, shape, waves, buoy.spectrum, notes)
 
 
 def _from_bem(study: Study, paths: dict[str, Any]) -> tuple[LinearBuoy, DeformedShell, RadiationModel, Sea, FloatArray]:
@@ -87,7 +87,7 @@ def _from_bem(study: Study, paths: dict[str, Any]) -> tuple[LinearBuoy, Deformed
     return buoy, shape, model, waves, design_motions(study, basis, design)
 
 
-def assumed_pressure_scene(study: Study, _: dict[str, Any]) -> Scene:
+def assumed_pressure_design(study: Study, _: dict[str, Any]) -> DesignInSea:
     """Return the scene with static and assumed pressure on the wet shell; a rigid design needs no shell modes."""
     (design,), (wave,) = study.designs, study.waves
     basis = study_basis(study)
@@ -95,14 +95,14 @@ def assumed_pressure_scene(study: Study, _: dict[str, Any]) -> Scene:
     load = AssumedPressure(study.hydro.pressure or 0.0 if omega else 0.0, omega)
     shell, water = DeformedShell(basis, study.centre_height, np.zeros(len(basis.labels))), study.water
     motions = design_motions(study, basis, design)
-    plant = assumed_pressure_plant(shell, LinearPto(study.pto.damping), load, water.density, water.gravity, motions)
-    return Scene(plant, shell, NO_WAVES, None, {"model": "assumed_pressure"})
+    scene = assumed_pressure_scene(shell, LinearPto(study.pto.damping), load, water.density, water.gravity, motions)
+    return DesignInSea(scene, shell, NO_WAVES, None, {"model": "assumed_pressure"})
 
 
 SCENES = {
-    "linear": linear_scene,
-    "body_exact": body_exact_scene,
-    "assumed_pressure": assumed_pressure_scene,
-    "auto": automatic_scene,
+    "linear": linear_design,
+    "body_exact": body_exact_design,
+    "assumed_pressure": assumed_pressure_design,
+    "auto": automatic_design,
 }
 """Hydrodynamic model -> the scene of one design in one sea."""

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from vsb.errors import ConfigError, ConvergenceError
-from vsb.motion.builders import still_plant
+from vsb.motion.builders import still_scene
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.loaded import Buckling, ElasticShell, LoadedShell, buckling, complete_shell, equilibrium
 from vsb.shell.modes import ModeBasis, design_motions, study_basis
@@ -108,7 +108,7 @@ def check_rests(study: Study, reference: ReferenceShell) -> None:
         return
     for design in study.designs:
         try:
-            still_plant(
+            still_scene(
                 reference, study.water.density, study.water.gravity, design_motions(study, reference.basis, design)
             )
         except ConvergenceError as error:

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from vsb.motion.scene import Plant
+from vsb.motion.scene import Scene
 from vsb.motion.take_off import EndStop, TakeOff
 from vsb.study.take_off import Law, Pto
 from vsb.tools.units import FloatArray
@@ -21,28 +21,28 @@ LAWS: Mapping[Law, Callable[[Pto, FloatArray], TakeOff]] = {
 """`pto.law` -> its force at a port."""
 
 
-def with_take_off(plant: Plant, pto: Pto) -> Plant:
+def with_take_off(scene: Scene, pto: Pto) -> Scene:
     """Return a linear scene with the take-off of a study, and its end stop, if it switches; else the scene as it is."""
     if not pto.switches:
-        return plant
-    port = np.eye(len(plant.labels))[0]
-    forces = {**plant.forces, plant.take_off: LAWS[pto.law](pto, port)}
+        return scene
+    port = np.eye(len(scene.labels))[0]
+    forces = {**scene.forces, scene.take_off: LAWS[pto.law](pto, port)}
     if pto.stroke_limit < np.inf:
-        forces["end_stop"] = end_stop(plant, port, pto.stroke_limit)
-    return replace(plant, forces=forces)
+        forces["end_stop"] = end_stop(scene, port, pto.stroke_limit)
+    return replace(scene, forces=forces)
 
 
-def end_stop(plant: Plant, port: FloatArray, stroke: float) -> EndStop:
+def end_stop(scene: Scene, port: FloatArray, stroke: float) -> EndStop:
     """Return the stop of a port: much stiffer than the buoy, critically damped with all that moves with the port.
 
     Parameters
     ----------
-    plant : Plant
+    scene : Scene
     port : ndarray, shape (dof,)
         b.
     stroke : float [m]
     """
-    b = plant.motions.T @ port
-    mass = 1 / float(b @ np.linalg.solve(plant.motions.T @ plant.mass @ plant.motions, b))
-    stiffness = STIFFER / float(b @ np.linalg.solve(plant.stiffness, b))
+    b = scene.motions.T @ port
+    mass = 1 / float(b @ np.linalg.solve(scene.motions.T @ scene.mass @ scene.motions, b))
+    stiffness = STIFFER / float(b @ np.linalg.solve(scene.stiffness, b))
     return EndStop(port, stroke, stiffness, 2 * float(np.sqrt(stiffness * mass)))

@@ -24,15 +24,15 @@ def run(spec: SimulateSpec, out: str, database: str = "", radiation: str = "") -
     study = partial_study(spec)
     (design,), (wave,) = study.designs, study.waves
     files = {"database": database, "radiation": radiation}
-    plant, shape, waves, spectrum, notes = SCENES[study.hydro.model](study, files)
-    system = System.of(plant)
+    scene, shape, waves, spectrum, notes = SCENES[study.hydro.model](study, files)
+    system = System.of(scene)
     clamps = shape.basis.clamp_rows(np.deg2rad(study.designs[design].clamp))
     records: list[xr.Dataset] = []
     taken: list[tuple[int, float, int, float]] = []
     for leg in legs(system, waves, study.simulation, spectrum):
         record = recorded(system, leg, waves if study.needs_bem else None, study.simulation.window)
         records.append(with_enclosed(record, shape).isel(time=slice(1 if records else 0, None)))
-        drift = constraint_drift(leg.motion.position @ plant.motions.T, clamps)
+        drift = constraint_drift(leg.motion.position @ scene.motions.T, clamps)
         taken.append((len(leg.motion.time) - 1, leg.motion.seconds, leg.steps, drift))
     intervals, seconds, steps, drifts = zip(*taken, strict=True)
     attrs = {"design": design, "wave": wave.label, "energy_residual": leg.balance.residual, "status": "completed"}

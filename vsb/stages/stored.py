@@ -16,7 +16,7 @@ from vsb.errors import ConfigError
 from vsb.hydro.database import load_database
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.port import Port, port_direction
-from vsb.scenes.build import SCENES, Scene, linear_buoy
+from vsb.scenes.build import SCENES, DesignInSea, linear_buoy
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import ModeBasis, design_motions
 from vsb.stages.stage import partial_study
@@ -92,7 +92,7 @@ class Results:
         path = self.plan.trajectory_path(self._design(design), found.label)
         return load(path, expected=self.plan.trajectory_id(design, found))
 
-    def scene(self, design: str, wave: str | None = None) -> Scene:
+    def scene(self, design: str, wave: str | None = None) -> DesignInSea:
         """Return the scene of a design in a sea, as it was simulated: what integrators and harmonic balance take."""
         one = partial_study(self.plan.simulation(self._design(design), self._wave(wave)))
         return SCENES[one.hydro.model](one, dict(self.plan.hydro_files))

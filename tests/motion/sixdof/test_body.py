@@ -11,8 +11,8 @@ from vsb.motion.sixdof.body import (
     AXIS,
     Body,
     Elastic,
+    GeneralScene,
     PointDamper,
-    Scene,
     StructuralDamping,
     Weight,
     integrate,
@@ -137,7 +137,7 @@ def test_when_the_couplings_dropped_in_eq_17_vanish(basis):
 @given(data=st.data())
 def test_mass_matrix_is_symmetric_positive_definite(data):
     basis = BASES[data.draw(st.sampled_from(list(BASES)))]
-    scene = Scene(Body(basis), {}, "free")
+    scene = GeneralScene(Body(basis), {}, "free")
     number = st.floats(-0.4, 0.4)
     modal_amplitudes = data.draw(st.lists(number, min_size=len(basis.modes), max_size=len(basis.modes)))
     quaternion = np.array([1.0, *data.draw(st.tuples(*[st.floats(-9, 9)] * 3))])
@@ -215,7 +215,7 @@ def eq_79(angles, rates):
 @pytest.mark.parametrize("seed", [0, 1])
 def test_rates_satisfy_lagranges_equation_of_the_particles(basis, seed):
     forces = {"weight": Weight(basis, G), "elastic": Elastic(basis)}
-    scene, model = Scene(body_of(basis), forces, "free", "euler321"), Particles(basis)
+    scene, model = GeneralScene(body_of(basis), forces, "free", "euler321"), Particles(basis)
     y = tumbling(scene, seed)
     half = len(y) // 2
     q, angles = y[:half], y[3:6]
@@ -233,7 +233,7 @@ def test_rates_satisfy_lagranges_equation_of_the_particles(basis, seed):
 
 def test_energies_and_momenta_are_those_of_the_particles(basis):
     forces = {"weight": Weight(basis, G), "elastic": Elastic(basis)}
-    scene, model = Scene(body_of(basis), forces, "free", "euler321"), Particles(basis)
+    scene, model = GeneralScene(body_of(basis), forces, "free", "euler321"), Particles(basis)
     y = tumbling(scene, 2)
     half = len(y) // 2
     q, qd = y[:half], scene.rates(0.0, y)[:half]
@@ -282,7 +282,7 @@ def lifted(scene, y, general):
 @pytest.mark.parametrize("motion", ["heave", "planar"])
 def test_a_scene_is_the_general_one_restricted(basis, motion):
     forces = all_forces(basis)
-    scene, general = Scene(body_of(basis), forces, motion), Scene(body_of(basis), forces, "free")
+    scene, general = GeneralScene(body_of(basis), forces, motion), GeneralScene(body_of(basis), forces, "free")
     y = tumbling(scene, 3)
     dof = len(basis.modes)
     general_rates = general.rates(0.0, lifted(scene, y, general))
@@ -299,7 +299,7 @@ def test_a_scene_is_the_general_one_restricted(basis, motion):
 def test_a_restricted_trajectory_is_the_general_one(motion):
     basis = BASES["paper"]
     forces = all_forces(basis)
-    scene, general = Scene(body_of(basis), forces, motion), Scene(body_of(basis), forces, "free")
+    scene, general = GeneralScene(body_of(basis), forces, motion), GeneralScene(body_of(basis), forces, "free")
     start, time = tumbling(scene, 4), np.array([0.0, 0.4])
     end = lifted(scene, integrate(scene, start, time, 1e-11)[-1], general)
     general_end = integrate(general, lifted(scene, start, general), time, 1e-11)[-1]
@@ -310,17 +310,17 @@ def test_a_restricted_trajectory_is_the_general_one(motion):
 def test_a_scene_carries_no_coordinate_it_does_not_need():
     body, rigid = Body(BASES["full"]), Body(RIGID)
     modes = len(BASES["full"].modes)
-    lengths = {m: len(Scene(body, {}, m).start()) for m in ("heave", "planar", "free")}
+    lengths = {m: len(GeneralScene(body, {}, m).start()) for m in ("heave", "planar", "free")}
     assert lengths == {"heave": 2 + 2 * modes, "planar": 6 + 2 * modes, "free": 13 + 2 * modes}
-    assert len(Scene(body, {}, "free", "euler321").start()) == 12 + 2 * modes
-    assert len(Scene(rigid).start()) == 2
-    assert len(Scene(body, motions=np.eye(modes + 1, 1)).start()) == 2
+    assert len(GeneralScene(body, {}, "free", "euler321").start()) == 12 + 2 * modes
+    assert len(GeneralScene(rigid).start()) == 2
+    assert len(GeneralScene(body, motions=np.eye(modes + 1, 1)).start()) == 2
 
 
 def test_a_clamped_scene_carries_only_what_the_clamp_allows():
     basis = BASES["full"]
     allowed = basis.clamped([0.0])
-    scene = Scene(Body(basis), {"elastic": Elastic(basis)}, "planar", motions=allowed)
+    scene = GeneralScene(Body(basis), {"elastic": Elastic(basis)}, "planar", motions=allowed)
     start = tumbling(scene, 5)
     assert len(start) == 6 + 2 * (allowed.shape[1] - 1)
     states = [scene.state(y) for y in integrate(scene, start, np.linspace(0, 0.3, 4))]
@@ -334,8 +334,8 @@ def test_null_space_and_udwadia_kalaba_agree(basis, colatitudes):
     """Eq. 90 with b = 0, for the clamps are linear in the modal amplitudes."""
     forces = all_forces(basis)
     allowed = basis.clamped(colatitudes)
-    scene = Scene(body_of(basis), forces, "free", motions=allowed)
-    free = Scene(body_of(basis), forces, "free")
+    scene = GeneralScene(body_of(basis), forces, "free", motions=allowed)
+    free = GeneralScene(body_of(basis), forces, "free")
     y = tumbling(scene, 6)
     state = scene.state(y)
     unclamped = lifted_amplitudes(scene, y, free, allowed[1:, 1:])
@@ -362,7 +362,7 @@ def lifted_amplitudes(scene, y, free, null_space):
 
 @pytest.mark.parametrize("attitude", ["quaternion", "euler321"])
 def test_a_rigid_sphere_turns_steadily(attitude):
-    scene = Scene(Body(RIGID), {}, "free", attitude)
+    scene = GeneralScene(Body(RIGID), {}, "free", attitude)
     w = np.array([0.2, -0.3, 0.4])
     time = np.linspace(0, 3, 7)
     for t, y in zip(time, integrate(scene, scene.start(angular_velocity=w), time, 1e-11), strict=True):
@@ -374,7 +374,7 @@ def test_a_rigid_sphere_turns_steadily(attitude):
 def test_an_axisymmetric_body_precesses():
     """R = exp(H t/Jt) R0 exp(-l t e3), w = (A cos l t, A sin l t, n) with l = n (Ja - Jt)/Jt."""
     body = Body(RIGID, (4000.0, 7000.0))
-    scene = Scene(body, {}, "free")
+    scene = GeneralScene(body, {}, "free")
     amplitude, n = 0.7, 1.3
     start = scene.start(angular_velocity=np.array([amplitude, 0.0, n]))
     momentum = body.angular_momentum(scene.state(start))
@@ -392,7 +392,7 @@ def test_an_axisymmetric_body_precesses():
 
 def test_free_fall_is_a_parabola_and_the_shell_does_not_notice(basis):
     forces = {"weight": Weight(basis, G), "elastic": Elastic(basis)}
-    scene = Scene(body_of(basis), forces, "free")
+    scene = GeneralScene(body_of(basis), forces, "free")
     tilt = np.array([0.8, 0.6, 0.0, 0.0])
     start = scene.start(attitude=tilt, velocity=np.array([1.0, 0.0, 5.0]), position=np.array([0.0, 2.0, 3.0]))
     time = np.linspace(0, 2, 5)
@@ -406,7 +406,7 @@ def test_free_fall_is_a_parabola_and_the_shell_does_not_notice(basis):
 
 def test_a_tumbling_body_falls_with_its_centre_of_mass(basis):
     forces = {"weight": Weight(basis, G), "elastic": Elastic(basis)}
-    scene = Scene(body_of(basis), forces, "free")
+    scene = GeneralScene(body_of(basis), forces, "free")
     body, start, time = scene.body, tumbling(scene, 7), np.linspace(0, 0.5, 4)
     states = [scene.state(y) for y in integrate(scene, start, time, 1e-11)]
     first = states[0]
@@ -425,7 +425,7 @@ def test_a_tumbling_body_falls_with_its_centre_of_mass(basis):
 @pytest.mark.parametrize("name", ["membrane", "full"])
 def test_heave_scene_is_the_linear_oscillator_of_each_mode(name):
     basis = mode_basis(DEVICE, name, 2)
-    scene = Scene(Body(basis), {"elastic": Elastic(basis)})
+    scene = GeneralScene(Body(basis), {"elastic": Elastic(basis)})
     for mode, omega in enumerate(basis.dry_frequencies):
         start = scene.start(modal_amplitudes=0.1 * np.eye(len(basis.modes))[mode])
         time = np.linspace(0, 10 * 2 * np.pi / omega, 13)
@@ -437,7 +437,7 @@ def test_heave_scene_is_the_linear_oscillator_of_each_mode(name):
 
 def test_heave_scene_has_the_eigenfrequencies_of_heave_and_modes(basis):
     """The accelerations of a shape at rest are -omega^2 times it, the slipped n = 1 shape coupled to heave included."""
-    scene = Scene(Body(basis), {"elastic": Elastic(basis)})
+    scene = GeneralScene(Body(basis), {"elastic": Elastic(basis)})
     squares, shapes = eigh(basis.stiffness, basis.inertia)
     dof = len(squares)
     for square, shape in zip(squares, shapes.T, strict=True):
@@ -448,7 +448,7 @@ def test_heave_scene_has_the_eigenfrequencies_of_heave_and_modes(basis):
 def test_a_spinning_shell_stays_in_its_bulged_equilibrium(basis):
     """(K - n^2 Q) eta = n^2 b/2 with Ja = J0 + b eta + eta.Q eta: the equator grows, and nothing moves."""
     n, body = 3.0, body_of(basis)
-    scene = Scene(body, {"elastic": Elastic(basis)}, "free")
+    scene = GeneralScene(body, {"elastic": Elastic(basis)}, "free")
     zero = np.zeros(len(basis.modes))
     slope = body.inertia_gradient(zero)[2]
     form = np.array([body.inertia_gradient(e)[2] - slope for e in np.eye(len(zero))]) / 2
@@ -460,7 +460,7 @@ def test_a_spinning_shell_stays_in_its_bulged_equilibrium(basis):
 
 
 def test_the_damper_slows_heave_only():
-    scene = Scene(Body(RIGID), {"pto": PointDamper(8000.0)}, "planar")
+    scene = GeneralScene(Body(RIGID), {"pto": PointDamper(8000.0)}, "planar")
     start = scene.start(velocity=np.array([1.0, 2.0]), angular_velocity=np.array([0.5]))
     end = scene.state(integrate(scene, start, np.array([0.0, 3.0]))[-1])
     slowed = 2.0 * np.exp(-8000.0 * 3.0 / RIGID.total_mass)
@@ -470,7 +470,7 @@ def test_the_damper_slows_heave_only():
 
 def test_structural_damping_damps_the_shell_as_rayleigh_says():
     basis = BASES["membrane"]
-    scene = Scene(Body(basis), {"elastic": Elastic(basis), "structural_damping": StructuralDamping(basis)})
+    scene = GeneralScene(Body(basis), {"elastic": Elastic(basis), "structural_damping": StructuralDamping(basis)})
     omega = basis.dry_frequencies[0]
     ratio = basis.beta * omega / 2
     damped = omega * np.sqrt(1 - ratio**2)
@@ -484,7 +484,7 @@ def test_structural_damping_damps_the_shell_as_rayleigh_says():
 
 def test_rigid_motion_has_no_structural_damping():
     basis = BASES["full"]
-    scene = Scene(Body(basis), {"structural_damping": StructuralDamping(basis)}, "free")
+    scene = GeneralScene(Body(basis), {"structural_damping": StructuralDamping(basis)}, "free")
     start = scene.start(velocity=np.ones(3))
     np.testing.assert_array_equal(scene.rates(0.0, start)[-(6 + len(basis.modes)) :], 0.0)
 
@@ -505,7 +505,7 @@ def drifts(scene, start, rtol):
 
 
 def test_a_tumbling_vibrating_body_keeps_energy_and_momenta(basis):
-    scene = Scene(body_of(basis), {"elastic": Elastic(basis)}, "free")
+    scene = GeneralScene(body_of(basis), {"elastic": Elastic(basis)}, "free")
     start = tumbling(scene, 8)
     loose, tight = drifts(scene, start, 1e-6), drifts(scene, start, 1e-10)
     assert tight.max() < 1e-8
@@ -515,7 +515,7 @@ def test_a_tumbling_vibrating_body_keeps_energy_and_momenta(basis):
 
 def test_the_motion_converges_with_the_tolerance():
     basis = BASES["paper"]
-    scene = Scene(body_of(basis), {"elastic": Elastic(basis)}, "free")
+    scene = GeneralScene(body_of(basis), {"elastic": Elastic(basis)}, "free")
     start, time = tumbling(scene, 9), np.array([0.0, 0.6])
     ends = [integrate(scene, start, time, rtol, rtol * 1e-3)[-1] for rtol in (1e-5, 1e-7, 1e-9, 1e-12)]
     errors = [np.abs(end - ends[-1]).max() for end in ends[:-1]]
@@ -524,7 +524,7 @@ def test_the_motion_converges_with_the_tolerance():
 
 
 def test_energy_is_kept_under_weight_too(basis):
-    scene = Scene(body_of(basis), {"weight": Weight(basis, G), "elastic": Elastic(basis)}, "planar")
+    scene = GeneralScene(body_of(basis), {"weight": Weight(basis, G), "elastic": Elastic(basis)}, "planar")
     start = tumbling(scene, 10)
     energies = [sum(scene.energy(y)) for y in integrate(scene, start, np.linspace(0, 0.6, 4), 1e-10)]
     np.testing.assert_allclose(energies, energies[0], rtol=1e-8)
@@ -535,7 +535,7 @@ def test_energy_is_kept_under_weight_too(basis):
 def test_a_conservative_force_is_minus_the_gradient_of_its_potential(basis, force):
     """Power of the force = -d(potential)/dt along the motion of a free body."""
     named = force(basis, G)
-    scene = Scene(body_of(basis), {}, "free")
+    scene = GeneralScene(body_of(basis), {}, "free")
     y, h = tumbling(scene, 11), 1e-3
     state = scene.state(y)
     run = solve_ivp(scene.rates, (0, 4 * h), y, "DOP853", t_eval=h * np.arange(5), rtol=1e-13, atol=1e-14)
@@ -551,11 +551,11 @@ def test_a_conservative_force_is_minus_the_gradient_of_its_potential(basis, forc
 
 def test_the_quaternion_passes_where_euler_angles_lock():
     w, time = np.array([0.0, 1.0, 0.0]), np.linspace(0, np.pi, 5)
-    free = Scene(Body(RIGID), {}, "free")
+    free = GeneralScene(Body(RIGID), {}, "free")
     motion = integrate(free, free.start(angular_velocity=w), time, 1e-12)
     half = time / 2
     np.testing.assert_allclose(motion[:, 3:7], np.array([np.cos(half), 0 * half, np.sin(half), 0 * half]).T, atol=1e-10)
-    euler = Scene(Body(RIGID), {}, "free", "euler321")
+    euler = GeneralScene(Body(RIGID), {}, "free", "euler321")
     with pytest.raises(StabilityError, match=r"t = 1\.56.*gimbal lock.*quaternion"):
         integrate(euler, euler.start(angular_velocity=w), time)
     with pytest.raises(StabilityError, match=r"t = 0 s.*gimbal lock"):
@@ -567,7 +567,7 @@ def test_the_quaternion_passes_where_euler_angles_lock():
 def test_quaternion_and_euler_angles_agree_before_the_lock():
     basis = BASES["paper"]
     forces = {"weight": Weight(basis, G), "elastic": Elastic(basis)}
-    scenes = [Scene(body_of(basis), forces, "free", attitude) for attitude in ("quaternion", "euler321")]
+    scenes = [GeneralScene(body_of(basis), forces, "free", attitude) for attitude in ("quaternion", "euler321")]
     moving = {
         "angular_velocity": np.array([0.9, 0.8, -0.7]),
         "modal_amplitudes": np.linspace(-0.05, 0.05, len(basis.modes)),
@@ -580,7 +580,7 @@ def test_quaternion_and_euler_angles_agree_before_the_lock():
 
 
 def test_the_norm_of_the_quaternion_is_watched_not_patched():
-    scene = Scene(Body(RIGID, (4000.0, 7000.0)), {}, "free")
+    scene = GeneralScene(Body(RIGID, (4000.0, 7000.0)), {}, "free")
     moving = {"angular_velocity": np.array([2.0, -1.0, 3.0])}
     fine = integrate(scene, scene.start(**moving), np.linspace(0, 30, 4), 1e-11)
     drift = np.abs(np.linalg.norm(fine[:, 3:7], axis=1) - 1)
@@ -604,16 +604,16 @@ def test_impossible_ballast_is_refused(pair):
 def test_motions_that_mix_heave_and_modes_are_refused(motions):
     basis = mode_basis(DEVICE, "membrane", 2)
     with pytest.raises(ValueError, match=r"motions: received .*needs \(4, free\).*ModeBasis.clamped"):
-        Scene(Body(basis), motions=motions)
+        GeneralScene(Body(basis), motions=motions)
 
 
 def test_a_start_of_the_wrong_size_is_refused():
-    scene = Scene(Body(RIGID), {}, "planar")
+    scene = GeneralScene(Body(RIGID), {}, "planar")
     with pytest.raises(ValueError, match=r"received velocity \(3,\), a planar scene needs .*'velocity': 2"):
         scene.start(velocity=np.ones(3))
     with pytest.raises(ValueError, match=r"received speed \(2,\), a planar scene needs"):
         scene.start(speed=np.ones(2))
-    with pytest.raises(ValueError, match=r"received state \(5,\), a planar scene needs \(6,\): use Scene.start"):
+    with pytest.raises(ValueError, match=r"received state \(5,\), a planar scene needs \(6,\): use GeneralScene.start"):
         scene.rates(0.0, np.zeros(5))
 
 
@@ -621,6 +621,6 @@ def test_a_motion_that_blows_up_is_reported():
     def runaway(time, state):
         return RIGID.total_mass * state.velocity[2] ** 3 * np.eye(6)[2]
 
-    scene = Scene(Body(RIGID), {"runaway": runaway})
+    scene = GeneralScene(Body(RIGID), {"runaway": runaway})
     with pytest.raises(StabilityError, match=r"no step reaches t = 1 s .*bounded forces"):
         integrate(scene, scene.start(velocity=np.ones(1)), np.array([0.0, 1.0]))

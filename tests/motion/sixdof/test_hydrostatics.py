@@ -6,7 +6,7 @@ from conftest import SEED
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
-from vsb.motion.sixdof.body import Body, Elastic, Scene, State, Weight, integrate, skew
+from vsb.motion.sixdof.body import Body, Elastic, GeneralScene, State, Weight, integrate, skew
 from vsb.motion.sixdof.hydrostatics import Hydrostatic
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import ModeBasis, mode_basis, rigid_basis
@@ -167,7 +167,7 @@ def test_a_sphere_tilted_or_not_has_the_potential_of_a_cap():
 def test_a_tumbling_floating_shell_keeps_its_energy():
     basis = mode_basis(DEVICE, "membrane", 2)
     forces = {"weight": Weight(basis, G), "elastic": Elastic(basis), "hydrostatic": Hydrostatic(basis, RHO, G, 24)}
-    scene = Scene(Body(basis, (3000.0, 2000.0)), forces, "free")
+    scene = GeneralScene(Body(basis, (3000.0, 2000.0)), forces, "free")
     moving = {
         "modal_amplitudes": np.array([-0.05, 0.02, 0.04]),
         "velocity": np.array([0.4, 0.0, -0.8]),
@@ -185,7 +185,7 @@ def test_a_tumbling_floating_shell_keeps_its_energy():
 
 def test_the_planar_scene_is_the_free_one_restricted():
     forces = {"weight": Weight(FULL, G), "elastic": Elastic(FULL), "hydrostatic": Hydrostatic(FULL, RHO, G)}
-    planar, free = (Scene(Body(FULL), forces, motion) for motion in ("planar", "free"))
+    planar, free = (GeneralScene(Body(FULL), forces, motion) for motion in ("planar", "free"))
     pitch, modes = 0.9, len(FULL.modes)
     y = planar.start(position=np.array([1.0, 0.2]), attitude=np.array([pitch]), modal_amplitudes=SHAPE)
     turned = np.array([np.cos(pitch / 2), 0.0, np.sin(pitch / 2), 0.0])

@@ -281,7 +281,7 @@ _PARTS = ("position", "attitude", "modal_amplitudes", "velocity", "angular_veloc
 
 
 @dataclass(frozen=True)
-class Scene:
+class GeneralScene:
     """One motion of one body under named forces, in the coordinates it needs and no others.
 
     The state vector is (translations, attitude, free modal amplitudes, their velocities): heave; surge, heave and
@@ -335,7 +335,9 @@ class Scene:
         """Take a state vector apart into position, attitude, modal amplitudes and the three kinds of velocities."""
         ends = np.cumsum(list(self.sizes.values()))
         if y.shape != (ends[-1],):
-            raise ValueError(f"received state {y.shape}, a {self.motion} scene needs ({ends[-1]},): use Scene.start.")
+            raise ValueError(
+                f"received state {y.shape}, a {self.motion} scene needs ({ends[-1]},): use GeneralScene.start."
+            )
         return np.split(y, ends[:-1])
 
     def state(self, y: FloatArray) -> State:
@@ -372,7 +374,9 @@ class Scene:
         return StabilityError(f"t = {time:.6g} s: received attitude {self._split(y)[1]}, needs {self._attitude.needs}.")
 
 
-def integrate(scene: Scene, start: FloatArray, time: FloatArray, rtol: float = 1e-9, atol: float = 1e-12) -> FloatArray:
+def integrate(
+    scene: GeneralScene, start: FloatArray, time: FloatArray, rtol: float = 1e-9, atol: float = 1e-12
+) -> FloatArray:
     """Return the motion of a scene from `start` at time[0], shape (time, state), by DOP853 with step control.
 
     Raises
