@@ -18,7 +18,7 @@ from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.simulate import legs, simulate
 from vsb.integrators.switching import Switching, switched
 from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring
-from vsb.motion.scene import Plant
+from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.motion.take_off import EndStop, TakeOff
 from vsb.study.sections import Simulation
@@ -46,7 +46,7 @@ def oscillator(law, stop=None, waves=WAVES, drag=DRAG):
     forces |= {"structural_damping": Damper(np.array([[drag]]))} if drag else {}
     forces |= {"excitation": waves} if waves else {}
     forces |= {"end_stop": stop} if stop else {}
-    return System.of(Plant(("Heave",), np.array([[MASS]]), forces, np.eye(1)))
+    return System.of(Scene(("Heave",), np.array([[MASS]]), forces, np.eye(1)))
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +62,7 @@ def shell():
         "excitation": Excitation(np.array([1.3, 2.1]), rng.normal(size=(2, 3)) + 1j * rng.normal(size=(2, 3))),
         "radiation": RadiationMemory(memory),
     }
-    return Plant(("Heave", "Radial2", "Radial3"), mass, forces, np.eye(3))
+    return Scene(("Heave", "Radial2", "Radial3"), mass, forces, np.eye(3))
 
 
 def reference(law, stop, time, rtol=1e-12):
@@ -223,7 +223,7 @@ def test_a_run_in_legs_is_the_whole_run(name):
     assert parts[-1].balance.residual < 1e-7
 
 
-@settings(max_examples=15, derandomize=True)  # one in a hundred laws drawn at random chatters, and is refused
+@settings(max_examples=15)
 @given(st.floats(0.5, 20.0), st.floats(0.5, 30.0), st.floats(0.2, 1.0), st.integers(0, 2**32 - 1))
 def test_any_law_keeps_its_limits_and_its_energy(damping, limit, stroke, seed):
     rng = np.random.default_rng(seed)
@@ -235,6 +235,14 @@ def test_any_law_keeps_its_limits_and_its_energy(damping, limit, stroke, seed):
     assert residual(energies(system, motion)) < 1e-6
     assert np.abs(motion.forces["pto"]).max() <= limit * (1 + 1e-12)
     assert np.all(motion.forces["pto"] * motion.velocity <= 1e-9)
+
+
+def test_a_limit_left_and_met_again_on_the_other_side_at_once_does_not_chatter():
+    """A guard that has just vanished is negative by round-off, and negative again at the end of its lookout."""
+    system = oscillator(TakeOff(B, 15.599975418751978, limit=0.5), drag=0.35912332)
+    motion, switches = switched(system, TIME[:401], (np.array([-0.02936286]), np.array([0.61980221])))
+    assert 5 < switches < 100
+    assert residual(energies(system, motion)) < 1e-7
 
 
 def steady_power(law, omega, force):

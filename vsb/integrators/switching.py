@@ -30,6 +30,8 @@ FELT = 1e-3
 FINEST = 10  # halvings of a recorded step
 MOST_EVENTS = 1000
 """In one recorded step, before a run is given up."""
+SOON = 2.0**-20
+"""Part of a span after which a guard that has just vanished shows, above round-off, which way it goes."""
 
 
 class Mode(NamedTuple):
@@ -292,12 +294,13 @@ class Switching:
 
         zeros = []
         for name in broken:
-            if guard(0.0, name) <= 0:
+            start = 0.0 if guard(0.0, name) > 0 else SOON * span  # a guard vanishes at the event that sets it up
+            if guard(start, name) <= 0:
                 zero = 0.0
             elif guard(span, name) >= 0:  # negative by round-off alone
                 zero = span
             else:
-                zero = float(brentq(guard, 0.0, span, (name,), xtol=1e-16 * span, rtol=1e-15))
+                zero = float(brentq(guard, start, span, (name,), xtol=1e-16 * span, rtol=1e-15))
             zeros.append((zero, name))
         return min(zeros)
 
