@@ -1,10 +1,12 @@
 """Files in and out: netCDF with the table of units applied, and text; written whole or not at all."""
 
 import fcntl
+import gzip
 import hashlib
 import json
 import os
 import tempfile
+import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from vsb.errors import DatabaseError
+from vsb.errors import ConfigError, DatabaseError
 from vsb.tools.units import check_finite, described, merged, separated
 
 ROOT = "/"
@@ -107,6 +109,28 @@ def write_text(path: str | Path, text: str) -> None:
     """Write a text file, complete or not at all; see `whole`."""
     with whole(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
+
+
+def read_text(path: str | Path) -> str:
+    """Read a text file as others write it: packed with gzip or not, in UTF-8 or UTF-16, with or without its mark.
+
+    Raises
+    ------
+    ConfigError
+        If it cannot be read or is no text.
+    """
+    try:
+        data = Path(path).read_bytes()
+        data = gzip.decompress(data) if data[:2] == b"\x1f\x8b" else data
+        return data.decode("utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig")
+    except (EOFError, zlib.error, gzip.BadGzipFile):
+        raise ConfigError(f"{path}: received a packed file that is cut or damaged, needs a whole one") from None
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read ({error.strerror})") from None
+    except UnicodeDecodeError as error:
+        raise ConfigError(
+            f"{path}: received byte {error.start} that is no text, needs UTF-8: save it as CSV UTF-8 or plain text"
+        ) from None
 
 
 def save(ds: xr.Dataset, path: str | Path, groups: Mapping[str, xr.Dataset] | None = None) -> None:

@@ -26,6 +26,8 @@ _MOTION = ("time", "dof")
 _SHAPE = ("mode", "colatitude")
 _SHAPE_PAIR = ("shape_dof", "other_shape_dof")
 _BY_COEFFICIENT = ("coefficient", "shape_dof")
+_YEAR = ("design", "tuning")
+_BINS = ("hs", "te")
 _BY_SHAPE = ("solver", "shape", "omega")
 
 ATTRS: dict[str, Quantity] = {
@@ -128,6 +130,24 @@ ATTRS: dict[str, Quantity] = {
         ("shape_dof", "omega", "coefficient"), "1", "relative difference of two solvers in the derivative by the shape"
     ),
     "slope_estimate": Quantity(("shape_dof", "coefficient"), "1", "relative difference to be expected there"),
+    # a site's year
+    "hs": Quantity(("hs",), "m", "significant wave height at the centres of bins"),
+    "te": Quantity(("te",), "s", "energy period at the centres of bins"),
+    "annual_mean_power": Quantity(_YEAR, "W", "mean power over the year"),
+    "annual_energy": Quantity(_YEAR, "MWh", "energy of a year of 8766 hours"),
+    "capture_width": Quantity(_YEAR, "m", "mean power of the year over its mean energy flux"),
+    "force_rms": Quantity(_YEAR, "N", "root mean square of the take-off's force over the year"),
+    "gain_percent": Quantity(_YEAR, "%", "gain of annual energy over the reference under the same tuning"),
+    "practice_power": Quantity(_YEAR, "W", "mean power if seas were JONSWAP at the centres of bins"),
+    "quadrature_error": Quantity(_YEAR, "W", "error of mean power by the quadrature over frequency"),
+    "damping": Quantity((*_YEAR, *_BINS), "N s/m", "mean damper of the seas of a bin"),
+    "power_matrix": Quantity((*_YEAR, *_BINS), "W", "mean power in a bin, 0 where there is no sea"),
+    "power_deviation": Quantity((*_YEAR, *_BINS), "W", "standard deviation of mean power within a bin"),
+    "capture_width_matrix": Quantity((*_YEAR, *_BINS), "m", "mean capture width in a bin, 0 where there is no sea"),
+    "capture_width_deviation": Quantity((*_YEAR, *_BINS), "m", "standard deviation of capture width within a bin"),
+    "count": Quantity(_BINS, "1", "number of seas in a bin"),
+    "occurrence": Quantity(_BINS, "1", "share of the year of a bin"),
+    "flux_matrix": Quantity(_BINS, "W/m", "mean energy flux in a bin, 0 where there is no sea"),
     # trajectories
     "position": Quantity(_MOTION, "m", "heave and modal amplitudes"),
     "velocity": Quantity(_MOTION, "m/s", "rates of heave and modal amplitudes"),
@@ -166,6 +186,7 @@ _LABELS = (
     "expansion",
     "solver",
     "shape",
+    "tuning",
 )
 
 

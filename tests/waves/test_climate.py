@@ -1,0 +1,54 @@
+"""A site's climate: moments, energy flux, what is left out and said."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from vsb.errors import ConfigError
+from vsb.study.study import Water
+from vsb.waves.climate import Climate, height_and_period, of_records
+
+HOME = Path(__file__).parents[2]
+
+
+def flat(seas=1, hours=None):
+    """Seas of one density over 11 bands 0.1 rad/s wide."""
+    omega, density = 0.5 + 0.1 * np.arange(11), np.full((seas, 11), 0.25)
+    return Climate.of_spectra(omega, density, np.full(seas, 1 / seas) if hours is None else hours, "flat")
+
+
+def test_moments_are_sums_over_bands():
+    climate = flat()
+    assert climate.hs == pytest.approx([4 * np.sqrt(0.25 * 1.1)], rel=1e-14)
+    assert climate.te == pytest.approx([2 * np.pi * 0.1 * np.sum(1 / climate.omega) / 1.1], rel=1e-14)
+
+
+def test_energy_flux_in_deep_water():
+    """J = rho g^2 Hs^2 Te/(64 pi), the closed form of deep water."""
+    climate, water = flat(), Water()
+    closed = 1025 * 9.81**2 / (64 * np.pi) * climate.hs**2 * climate.te
+    assert climate.flux(water) == pytest.approx(closed, rel=1e-13)
+
+
+def test_shares_that_do_not_sum_to_one():
+    with pytest.raises(ConfigError, match=r"received shares that sum to 0\.9, needs 1"):
+        flat(2, np.array([0.5, 0.4]))
+
+
+def test_heights_that_are_not_those_of_the_spectra():
+    climate = flat()
+    with pytest.raises(ConfigError, match=r"received Hs 4 m of sea 0, its spectrum holds 2\.098 m"):
+        Climate(climate.omega, climate.density, climate.hours, np.array([4.0]), climate.te, "wrong")
+
+
+def test_records_without_a_spectrum_are_left_out_and_counted():
+    omega = 0.5 + 0.1 * np.arange(11)
+    density = np.vstack([np.linspace(0.1, 0.2, 11), np.full(11, np.nan), np.zeros(11), np.linspace(0.2, 0.1, 11)])
+    density[1, 1:] = 0.1  # one missing band is enough
+    climate = of_records(omega, density, "file")
+    assert climate.density.shape == (2, 11)
+    assert climate.hours.tolist() == [0.5, 0.5]
+    assert climate.hs == pytest.approx(height_and_period(omega, density[[0, 3]])[0])
+    assert "4 records, 1 with missing values left out" in climate.notes
+    assert any(note.startswith("1 records of one value throughout left out") for note in climate.notes)

@@ -1,0 +1,304 @@
+"""A site's year: what every design takes of every measured sea, under every tuning; matrices by IEC TS 62600-100.
+
+Mean power of one sea is int 2 S(w) P(w; c) dw, P the power of a damper c per squared wave amplitude. A spectrum is
+known as means over bands, so this is one product of the spectra with P integrated over each band: P goes on straight
+lines between the frequencies of a port, which is a rule of positive weights, whose error is a third of what every other
+frequency would change.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal, NamedTuple
+
+import numpy as np
+import xarray as xr
+from scipy.interpolate import make_interp_spline
+
+from vsb.errors import ConfigError
+from vsb.motion.damping_curve import best_of_table, dampers
+from vsb.motion.port import Port
+from vsb.motion.tuning import best_dampers
+from vsb.results.bins import Bins
+from vsb.study.study import Water
+from vsb.tools.units import FloatArray, described
+from vsb.waves.climate import YEAR_HOURS, Climate
+from vsb.waves.scatter import climate_of_cells
+
+Tuning = Literal["fixed", "one", "each"]
+TUNINGS: tuple[Tuning, ...] = ("fixed", "one", "each")
+"""As given; one best damper for the year; the best in each sea."""
+POINTS = 16
+"""Frequencies of a port per band of a climate."""
+OUTSIDE = 0.01
+"""Part of a year's variance that may lie at frequencies no port is known at."""
+PRACTICE_GAMMA = 3.3
+"""Peakedness of the JONSWAP seas at bin centres which usual practice puts in the place of spectra."""
+
+
+def frequencies(climate: Climate, lowest: float, highest: float) -> FloatArray:
+    """Return frequencies at which to take a port for a climate, ascending [rad/s].
+
+    Parameters
+    ----------
+    climate : Climate
+    lowest, highest : float [rad/s]
+        The band the hydrodynamics are known in.
+    """
+    edges = np.unique(np.clip(climate.edges, lowest, highest))
+    between = edges[:-1, None] + np.diff(edges)[:, None] * np.arange(POINTS) / POINTS
+    return np.append(between.ravel(), edges[-1])
+
+
+def band_weights(omega: FloatArray, climate: Climate) -> FloatArray:
+    """Return int 2 h_j(w) dw over each band, h_j the broken line of 1 at one frequency, shape (band, omega) [rad/s].
+
+    Parameters
+    ----------
+    omega : ndarray, shape (omega,) [rad/s]
+        Frequencies of a port; beyond them there is nothing.
+    climate : Climate
+    """
+    integral = make_interp_spline(omega, np.eye(len(omega)), k=1).antiderivative()
+    return np.asarray(2 * np.diff(integral(np.clip(climate.edges, omega[0], omega[-1])), axis=0))
+
+
+def variance_outside(omega: FloatArray, climate: Climate) -> float:
+    """Return the part of a year's variance beyond the frequencies of a port [-]."""
+    inside = np.diff(np.clip(climate.edges, omega[0], omega[-1]))
+    variance = climate.mean_density()
+    return max(0.0, 1 - float(variance @ inside) / float(variance @ np.diff(climate.edges)))
+
+
+class Take(NamedTuple):
+    """What one design takes under one tuning."""
+
+    damping: FloatArray  # (sea,) [N s/m]
+    power: FloatArray  # (sea,) [W]
+
+
+@dataclass(frozen=True)
+class DesignYear:
+    """One design over a climate: its port, and the weights of the port's frequencies in each band."""
+
+    port: Port
+    climate: Climate
+
+    @cached_property
+    def weights(self) -> FloatArray:
+        """See `band_weights`."""
+        return band_weights(self.port.omega, self.climate)
+
+    def table(self, damping: FloatArray) -> FloatArray:
+        """Return the mean power of every damper in every sea, shape (damper, sea) [W]."""
+        return np.asarray((self.port.power(damping) @ self.weights.T) @ self.climate.density.T)
+
+    def take(self, tuning: Tuning, given: float | None) -> Take:
+        """Return what it takes under a tuning."""
+        seas = len(self.climate.hours)
+        if not self.port.moves:
+            return Take(np.zeros(seas), np.zeros(seas))
+        if tuning == "each":
+            tried = dampers(self.port)
+            return Take(*best_of_table(tried, self.table(tried)))
+        damping = self.best_for_all() if tuning == "one" or given is None else given
+        return Take(np.full(seas, damping), self.table(np.array([damping]))[0])
+
+    def best_for_all(self) -> float:
+        """Return the one damper that takes most over the year [N s/m]."""
+        squares = (self.climate.mean_density() @ self.weights)[None]
+        return float(best_dampers(self.port, squares).damping[0])
+
+    def coarser(self) -> "DesignYear":
+        """Return the same with every other frequency of the port."""
+        kept = np.unique(np.append(np.arange(0, len(self.port.omega), 2), len(self.port.omega) - 1))
+        port = self.port
+        return DesignYear(
+            Port(port.omega[kept], port.admittance[kept], port.velocity[kept], port.compliance), self.climate
+        )
+
+
+@dataclass(frozen=True)
+class Year:
+    """What every design takes of a site's year under every tuning."""
+
+    climate: Climate
+    water: Water
+    designs: tuple[str, ...]
+    tunings: tuple[str, ...]
+    damping: FloatArray  # (design, tuning, sea) [N s/m]
+    power: FloatArray  # (design, tuning, sea) [W]
+    practice: FloatArray  # mean power of JONSWAP seas at the centres of the occupied bins (design, tuning) [W]
+    quadrature_error: FloatArray  # of the mean power (design, tuning) [W]
+    reference: str | None = None  # design gains are over
+    notes: tuple[str, ...] = ()
+
+    @cached_property
+    def bins(self) -> Bins:
+        """Bins of the seas."""
+        return Bins(self.climate.hs, self.climate.te, self.climate.hours)
+
+    @cached_property
+    def flux(self) -> FloatArray:
+        """Energy flux of each sea, shape (sea,) [W/m]."""
+        return self.climate.flux(self.water)
+
+    @cached_property
+    def annual_mean_power(self) -> FloatArray:
+        """Mean over the year, every sea by itself, shape (design, tuning) [W]."""
+        return np.asarray(self.power @ self.climate.hours)
+
+    @property
+    def annual_energy(self) -> FloatArray:
+        """Energy of 8766 hours, shape (design, tuning) [MWh]."""
+        return self.annual_mean_power * YEAR_HOURS / 1e6
+
+    @property
+    def capture_width(self) -> FloatArray:
+        """Mean power over mean energy flux, shape (design, tuning) [m]."""
+        return np.asarray(self.annual_mean_power / float(self.flux @ self.climate.hours))
+
+    @property
+    def force_rms(self) -> FloatArray:
+        """Root mean square of the take-off's force over the year, sqrt(mean of c P), shape (design, tuning) [N]."""
+        return np.sqrt((self.damping * self.power) @ self.climate.hours)
+
+    @property
+    def gain_percent(self) -> FloatArray | None:
+        """Gain of the mean power over the reference under the same tuning, shape (design, tuning) [%]."""
+        if self.reference is None:
+            return None
+        base = self.annual_mean_power[self.designs.index(self.reference)]
+        return np.asarray(100 * (self.annual_mean_power / base - 1))
+
+    @property
+    def of_matrices(self) -> FloatArray:
+        """Mean power by the product of matrices, sum of L J f over bins, shape (design, tuning) [W] (62600-100)."""
+        flux = self.bins.mean(self.flux) * self.bins.share
+        return np.array([[float(np.sum(self.bins.mean(p / self.flux) * flux)) for p in row] for row in self.power])
+
+    def matrices(self, values: FloatArray, of: str = "mean") -> FloatArray:
+        """Return means (or `deviation`s) within bins of values by design, tuning and sea, (design, tuning, hs, te)."""
+        matrix = self.bins.mean if of == "mean" else self.bins.deviation
+        return np.array([[matrix(row) for row in rows] for rows in values])
+
+    @property
+    def sentence(self) -> str:
+        """What usual practice would have said."""
+        over = 100 * (self.practice / np.where(self.annual_mean_power > 0, self.annual_mean_power, np.inf) - 1)
+        over = over[self.annual_mean_power > 0]
+        if not over.size:
+            return "No design takes power."
+        low, high = float(over.min()), float(over.max())
+        return (
+            f"JONSWAP seas (gamma {PRACTICE_GAMMA:g}) at the centres of the bins, the usual practice, would have said "
+            f"{low:+.1f} to {high:+.1f} % of the annual energy of {self.climate.name}."
+        )
+
+    def dataset(self) -> xr.Dataset:
+        """Return all figures with units: by design and tuning, and matrices by bins of Hs and Te."""
+        by = ("design", "tuning")
+        matrices = (*by, "hs", "te")
+        width = self.power / self.flux
+        values = {
+            "annual_mean_power": (by, self.annual_mean_power),
+            "annual_energy": (by, self.annual_energy),
+            "capture_width": (by, self.capture_width),
+            "force_rms": (by, self.force_rms),
+            "practice_power": (by, self.practice),
+            "quadrature_error": (by, self.quadrature_error),
+            "damping": (matrices, self.matrices(self.damping)),
+            "power_matrix": (matrices, self.matrices(self.power)),
+            "capture_width_matrix": (matrices, self.matrices(width)),
+            "power_deviation": (matrices, self.matrices(self.power, "deviation")),
+            "capture_width_deviation": (matrices, self.matrices(width, "deviation")),
+            "count": (("hs", "te"), self.bins.count),
+            "occurrence": (("hs", "te"), self.bins.share),
+            "flux_matrix": (("hs", "te"), self.bins.mean(self.flux)),
+        }
+        if (gain := self.gain_percent) is not None:
+            values["gain_percent"] = (by, gain)
+        at = {"hs": self.bins.hs_centres, "te": self.bins.te_centres}
+        names = {"design": list(self.designs), "tuning": list(self.tunings)}
+        return described(xr.Dataset(values, coords=names | at, attrs={"notes": list(self.notes)}))
+
+
+def year(
+    ports: Mapping[str, Port],
+    climate: Climate,
+    water: Water,
+    tunings: Sequence[Tuning] = TUNINGS,
+    dampings: Mapping[str, float] | None = None,
+    reference: str | None = None,
+) -> Year:
+    """Return a site's year of some designs.
+
+    Parameters
+    ----------
+    ports : mapping design -> Port
+        Over any frequencies, those of `frequencies` for choice; a spring of the take-off built in (`Port.beside`).
+    climate : Climate
+    water : Water
+        Of the energy flux.
+    tunings : sequence of {'fixed', 'one', 'each'}
+    dampings : mapping design -> float, optional
+        Dampers of the tuning `fixed` [N s/m].
+    reference : str, optional
+        Design gains are over.
+
+    Raises
+    ------
+    ConfigError
+        If `fixed` lacks a damper, or more than a hundredth of the waves lie beyond the frequencies of a port.
+    """
+    given = dict(dampings or {})
+    _check_given(ports, tunings, given)
+    outside = max(variance_outside(port.omega, climate) for port in ports.values())
+    if outside > OUTSIDE:
+        low, high = (f(p.omega[k] for p in ports.values()) for f, k in ((max, 0), (min, -1)))
+        raise ConfigError(
+            f"climate {climate.name}: received {outside:.2%} of its variance outside {low:.4g} to {high:.4g} rad/s, "
+            f"which hydrodynamics are known in, needs at most {OUTSIDE:.0%}; raise hydro.omega_max"
+        )
+    at_centres = _practice(climate)
+    found, errors, practice = [], [], []
+    for design, port in ports.items():
+        here, fine = DesignYear(port, climate), given.get(design)
+        takes = [here.take(tuning, fine) for tuning in tunings]
+        found.append(takes)
+        errors.append([_error(here, take) for take in takes])
+        there = DesignYear(port, at_centres)
+        practice.append([_of_practice(there, tuning, take) for tuning, take in zip(tunings, takes, strict=True)])
+    damping, power = (np.array([[take[k] for take in takes] for takes in found]) for k in (0, 1))
+    notes = (*climate.notes, f"{outside:.3%} of the variance lies outside the frequencies solved and is not counted")
+    names = (tuple(ports), tuple(tunings))
+    return Year(climate, water, *names, damping, power, np.array(practice), np.array(errors), reference, notes)
+
+
+def _check_given(designs: Iterable[str], tunings: Sequence[str], given: Mapping[str, float]) -> None:
+    """Check that tunings are known and `fixed` has its dampers."""
+    if unknown := [tuning for tuning in tunings if tuning not in TUNINGS]:
+        raise ConfigError(f"tuning: received {unknown[0]!r}, needs one of {', '.join(TUNINGS)}")
+    if lacking := [design for design in designs if "fixed" in tunings and design not in given]:
+        raise ConfigError(f"tuning: received fixed without a damping of {lacking[0]}, needs pto.damping")
+
+
+def _practice(climate: Climate) -> Climate:
+    """JONSWAP seas at the centres of the occupied bins."""
+    bins = Bins(climate.hs, climate.te, climate.hours)
+    share = bins.share.ravel()[bins.occupied]
+    return climate_of_cells(*bins.centres, share, PRACTICE_GAMMA, f"{climate.name}, JONSWAP at bin centres")
+
+
+def _of_practice(there: DesignYear, tuning: Tuning, take: Take) -> float:
+    """Mean power of a year of seas at bin centres under the tuning: the same damper, or each its own best one."""
+    at = there.take("each" if tuning == "each" else "fixed", float(take.damping[0]))
+    return float(at.power @ there.climate.hours)
+
+
+def _error(here: DesignYear, take: Take) -> float:
+    """Error of the quadrature of the mean power: a third of what the double step changes, rule of order 2."""
+    mean = np.unique(take.damping) if take.damping.size and np.ptp(take.damping) == 0 else None
+    at = mean if mean is not None else np.array([float(take.damping @ here.climate.hours)])
+    both = [float(year.table(at)[0] @ year.climate.hours) for year in (here, here.coarser())]
+    return abs(both[0] - both[1]) / 3

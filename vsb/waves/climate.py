@@ -1,0 +1,196 @@
+"""A site's climate: the spectra of all seas of a year, each with its share of it.
+
+Spectra are known as means over bands of frequency, as a buoy measures them. Moments and energy flux are the sums over
+bands of IEC TS 62600-101 and 62600-100.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+
+from vsb.errors import ConfigError
+from vsb.study.study import Water
+from vsb.tools.units import FloatArray
+from vsb.waves.seas import group_velocity
+
+YEAR_HOURS = 8766.0
+"""Hours of a mean year, as in IEC TS 62600-100 [h]."""
+STANDARD_GRAVITY = 9.81
+STEEPEST = 0.1
+"""No sea has a steepness Hs over g Te^2/(2 pi) above this: waves of a seventh of their length break [-]."""
+FAULTY = 0.01
+"""Part of the records that may be impossible seas; of more, the file is not what it is taken for."""
+HIGHEST = 40.0
+"""No sea has a higher Hs [m]."""
+AGREEMENT = 0.02
+"""Part by which Hs may miss that of the spectrum: tables round, bands cut tails."""
+
+
+@dataclass(frozen=True)
+class Climate:
+    """All seas of a site's year.
+
+    Raises
+    ------
+    ConfigError
+        If shapes, signs or shares are wrong, or heights and spectra contradict each other.
+    """
+
+    omega: FloatArray  # centres of the bands, ascending (omega,) [rad/s]
+    density: FloatArray  # mean spectral density over each band (sea, omega) [m^2 s]
+    hours: FloatArray  # share of the year each sea stands for (sea,), sums to 1 [-]
+    hs: FloatArray  # significant wave height (sea,) [m]
+    te: FloatArray  # energy period (sea,) [s]
+    name: str
+    notes: tuple[str, ...] = ()  # what was left out, and what is not known
+
+    def __post_init__(self) -> None:
+        """Check shapes, signs, shares, and that heights are those of the spectra."""
+        seas = len(self.density)
+        if self.density.shape != (seas, len(self.omega)) or len(self.omega) < 2 or not seas:
+            raise ConfigError(
+                f"climate {self.name}: received spectra of shape {self.density.shape} over {len(self.omega)} "
+                "frequencies; needs at least one sea and two frequencies"
+            )
+        self._check("omega", self.omega, bool(np.all(np.diff(self.omega) > 0) and self.omega[0] > 0), "ascending, > 0")
+        self._check("density", self.density, bool(np.all(self.density >= 0)), "no number below 0")
+        self._check("hours", self.hours, bool(np.all(self.hours >= 0)), "no share below 0")
+        self._check("hs", self.hs, bool(np.all(self.hs > 0)), "heights above 0")
+        self._check("te", self.te, bool(np.all(self.te > 0)), "periods above 0")
+        if len(self.hs) != seas or len(self.te) != seas or len(self.hours) != seas:
+            raise ConfigError(f"climate {self.name}: received {seas} spectra, needs as many hours, hs and te")
+        if abs(float(self.hours.sum()) - 1) > 1e-9:
+            raise ConfigError(f"climate {self.name}: received shares that sum to {self.hours.sum():.6g}, needs 1")
+        off = np.abs(4 * np.sqrt(self.variance) / self.hs - 1)
+        if off.max() > AGREEMENT:
+            at = int(off.argmax())
+            raise ConfigError(
+                f"climate {self.name}: received Hs {self.hs[at]:.4g} m of sea {at}, its spectrum holds "
+                f"{4 * np.sqrt(self.variance[at]):.4g} m; needs both within {AGREEMENT:.0%}: more bands, or other units"
+            )
+
+    def _check(self, field: str, values: FloatArray, right: bool, needed: str) -> None:
+        """Raise unless numbers are finite and right."""
+        if not (right and np.all(np.isfinite(values))):
+            worst = values[~np.isfinite(values)]
+            received = float(worst[0]) if worst.size else float(values.min())
+            raise ConfigError(f"climate {self.name}: received {field} with {received:.6g}, needs {needed}, all finite")
+
+    @classmethod
+    def of_spectra(
+        cls, omega: FloatArray, density: FloatArray, hours: FloatArray, name: str, notes: Sequence[str] = ()
+    ) -> Self:
+        """Return the climate of some spectra, heights and periods from their moments."""
+        hs, te = height_and_period(omega, density)
+        return cls(omega, density, hours, hs, te, name, tuple(notes))
+
+    @property
+    def edges(self) -> FloatArray:
+        """Edges of the bands, shape (omega + 1,) [rad/s]."""
+        return band_edges(self.omega)
+
+    @cached_property
+    def variance(self) -> FloatArray:
+        """m0 of each sea, shape (sea,) [m^2]."""
+        return np.asarray(self.density @ np.diff(self.edges))
+
+    @property
+    def steepness(self) -> FloatArray:
+        """Hs over the deep-water length of Te, shape (sea,) [-]."""
+        return np.asarray(2 * np.pi * self.hs / (STANDARD_GRAVITY * self.te**2))
+
+    def flux(self, water: Water) -> FloatArray:
+        """Return the energy flux J = rho g sum v_g S dw of each sea per metre of crest, shape (sea,) [W/m]."""
+        speed = np.array([group_velocity(w, water.depth, water.gravity) for w in self.omega])
+        return np.asarray(water.density * water.gravity * (self.density @ (speed * np.diff(self.edges))))
+
+    def mean_density(self) -> FloatArray:
+        """Return the mean spectrum of the year, shape (omega,) [m^2 s]."""
+        return np.asarray(self.hours @ self.density)
+
+
+def band_edges(omega: FloatArray) -> FloatArray:
+    """Return the edges of bands halfway between their centres, the outermost as wide inwards as outwards."""
+    middle = (omega[1:] + omega[:-1]) / 2
+    first, last = 2 * omega[0] - middle[0], 2 * omega[-1] - middle[-1]
+    return np.concatenate([[max(first, 0.0)], middle, [last]])
+
+
+def height_and_period(omega: FloatArray, density: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return Hs = 4 sqrt(m0) [m] and Te = 2 pi m_-1/m_0 [s] of spectra, each shape (sea,).
+
+    Parameters
+    ----------
+    omega : ndarray, shape (omega,) [rad/s]
+    density : ndarray, shape (sea, omega) [m^2 s]
+        None without energy.
+    """
+    width = np.diff(band_edges(omega))
+    m0, before = density @ width, density @ (width / omega)
+    return 4 * np.sqrt(m0), 2 * np.pi * before / m0
+
+
+def of_records(omega: FloatArray, density: FloatArray, source: str, notes: Sequence[str] = ()) -> Climate:
+    """Return the climate of measured records of equal shares; those that cannot be used are left out and counted.
+
+    Parameters
+    ----------
+    omega : ndarray, shape (omega,) [rad/s]
+    density : ndarray, shape (record, omega) [m^2 s]
+        NaN where nothing was measured.
+    source : str
+        File it comes from.
+    notes : sequence of str
+
+    Raises
+    ------
+    ConfigError
+        If no record is left, or many are no possible seas.
+    """
+    missing = np.isnan(density).any(axis=1)
+    flat = ~missing & (np.ptp(density, axis=1) == 0)
+    kept = ~missing & ~flat
+    if not kept.any():
+        raise ConfigError(f"{source}: received {len(density)} records, none with a spectrum; needs at least one")
+    found = [*notes, f"{len(density)} records, {int(missing.sum())} with missing values left out"]
+    if flat.any():
+        found.append(
+            f"{int(flat.sum())} records of one value throughout left out: calm or faulty, the file cannot tell"
+        )
+    omega_, spectra = omega, density[kept]
+    if (low := float(spectra.min())) < 0:
+        raise ConfigError(f"{source}: received a spectral density of {low:.4g} m^2 s, needs 0 or more")
+    hs, te = height_and_period(omega_, spectra)
+    wrong = _impossible(hs, te, source)
+    if wrong.any():
+        found.append(f"{int(wrong.sum())} records steeper than any sea left out")
+    spectra, count = spectra[~wrong], int((~wrong).sum())
+    found += [f"{count} spectra used", _tail(omega_, spectra)]
+    return Climate.of_spectra(omega_, spectra, np.full(count, 1 / count), source, found)
+
+
+def _impossible(hs: FloatArray, te: FloatArray, source: str) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
+    """Whether seas are steeper or higher than there are; many of them are wrong units."""
+    steepness = 2 * np.pi * hs / (STANDARD_GRAVITY * te**2)
+    wrong = (steepness > STEEPEST) | (hs > HIGHEST)
+    if wrong.mean() > FAULTY:
+        at = int(steepness.argmax())
+        raise ConfigError(
+            f"{source}: received {wrong.mean():.1%} of seas that cannot be, as Hs {hs[at]:.4g} m with Te "
+            f"{te[at]:.4g} s; needs frequencies in Hz and densities in m^2/Hz"
+        )
+    return np.asarray(wrong)
+
+
+def _tail(omega: FloatArray, density: FloatArray) -> str:
+    """What may lie beyond the bands, from a tail S ~ w^-5."""
+    first, last = band_edges(omega)[[0, -1]]
+    beyond = density[:, -1] * (omega[-1] / last) ** 5 * last / 4
+    share = float(beyond.sum() / (density @ np.diff(band_edges(omega))).sum())
+    return (
+        f"bands from {first / 2 / np.pi:.4g} to {last / 2 / np.pi:.4g} Hz: a tail falling with the fifth power of "
+        f"frequency would add {share:.2%} to the variance, which is not counted"
+    )

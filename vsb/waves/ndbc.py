@@ -1,0 +1,186 @@
+"""Measured spectra from files: text of the National Data Buoy Center, netCDF with wavespectra's names."""
+
+from collections import Counter
+from datetime import datetime
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from vsb.errors import ConfigError
+from vsb.tools.files import read_text
+from vsb.tools.units import FloatArray
+from vsb.waves.climate import Climate, of_records
+
+MISSING = 999.0
+"""From here on a number of the text stands for none."""
+HIGHEST_HZ = 5.0
+"""No band of a sea lies higher [Hz]: the header is something else."""
+DATE = ("YY", "MM", "DD", "hh", "mm")
+FREQUENCY = {"hz", "s-1", "s^-1", "s^{-1}", "1/s"}
+DENSITY = {
+    False: {"m2/hz", "m^2/hz", "m2s", "m^2s", "m^{2}s", "m**2/hz", "m2hz-1", "m**2s"},
+    True: {"m2/hz/degree", "m^2/hz/degree", "m2s/degree", "m^{2}.s.degree^{-1}", "m2hz-1degree-1", "m2/hz/deg"},
+}
+"""Units of spectral density by whether it is one over directions as well."""
+
+
+def read_ndbc(path: str | Path) -> Climate:
+    """Return the climate of a text file of spectral densities, packed with gzip or not.
+
+    Parameters
+    ----------
+    path : path
+        Header `YY MM DD hh [mm]` and the frequencies [Hz]; rows of a date and densities [m^2/Hz], 999 for none.
+
+    Raises
+    ------
+    ConfigError
+        With file, line, value received and value needed.
+    """
+    lines = [(i, line.split()) for i, line in enumerate(read_text(path).splitlines(), 1) if line.strip()]
+    if len(lines) < 2:
+        raise ConfigError(f"{path}: received {len(lines)} lines, needs a header with frequencies and rows of spectra")
+    dates, hertz = _header(path, lines[0][1])
+    rows = [(i, row) for i, row in lines[1:] if not row[0].startswith("#")]
+    times = [_time(path, i, row[:dates]) for i, row in rows]
+    for i, row in rows:
+        if len(row) != dates + len(hertz):
+            raise ConfigError(
+                f"{path}, line {i}: received {len(row)} columns, needs {dates + len(hertz)} as the header has; "
+                "a cut line, or frequencies written beside densities"
+            )
+    values = _numbers(path, [(i, row[dates:]) for i, row in rows])
+    density = np.where(values >= MISSING, np.nan, values) / (2 * np.pi)
+    kept, notes = _calendar(times)
+    return of_records(2 * np.pi * hertz, density[kept], Path(path).name, notes)
+
+
+def _header(path: str | Path, words: list[str]) -> tuple[int, FloatArray]:
+    """Number of columns of the date, and the frequencies [Hz]."""
+    names = [words[0].lstrip("#").replace("YYYY", "YY"), *words[1:]]
+    dates = 5 if names[:5] == list(DATE) else 4
+    if names[:dates] != list(DATE[:dates]):
+        raise ConfigError(
+            f"{path}, line 1: received {' '.join(words[:6])!r}, needs YY MM DD hh [mm] and the frequencies in Hz"
+        )
+    hertz = _numbers(path, [(1, names[dates:])])[0]
+    if len(hertz) < 2 or hertz[0] <= 0 or np.any(np.diff(hertz) <= 0) or hertz[-1] > HIGHEST_HZ:
+        received = f"{len(hertz)} frequencies" + (f" from {hertz[0]:g} to {hertz[-1]:g}" if len(hertz) else "")
+        raise ConfigError(f"{path}, line 1: received {received}, needs them ascending, above 0, in Hz")
+    return dates, hertz
+
+
+def _numbers(path: str | Path, rows: list[tuple[int, list[str]]]) -> FloatArray:
+    """Rows of words as numbers, shape (row, column)."""
+    try:
+        values: FloatArray = np.array([row for _, row in rows], dtype=float)
+    except ValueError:
+        values = np.array([[_number(path, i, word) for word in row] for i, row in rows])
+    if not np.all(np.isfinite(values)) or (values.size and values.min() < 0):
+        at, column = np.argwhere(~(values >= 0) | ~np.isfinite(values))[0]
+        raise ConfigError(
+            f"{path}, line {rows[at][0]}: received {rows[at][1][column]}, needs a number of 0 or more (999 for none)"
+        )
+    return values
+
+
+def _number(path: str | Path, line: int, word: str) -> float:
+    """One word as a number."""
+    try:
+        return float(word)
+    except ValueError:
+        raise ConfigError(f"{path}, line {line}: received {word!r}, needs a number") from None
+
+
+def _time(path: str | Path, line: int, words: list[str]) -> datetime:
+    """Date of a row; of two digits of the year, 70 and above are of the last century."""
+    try:
+        year, month, day, *hour = (int(word) for word in words)
+        century = 1900 if 70 <= year < 100 else 2000 if year < 70 else 0
+        return datetime(century + year, month, day, hour[0], hour[1] if len(hour) > 1 else 0)
+    except (TypeError, ValueError):
+        raise ConfigError(
+            f"{path}, line {line}: received the date {' '.join(words)!r}, needs YY MM DD hh [mm]"
+        ) from None
+
+
+def _calendar(times: list[datetime]) -> tuple[list[int], list[str]]:
+    """Which records to keep, the first of each instant, and what the calendar lacks."""
+    first = {time: i for i, time in reversed(list(enumerate(times)))}
+    order = sorted(first)
+    notes = [f"{order[0]:%Y-%m-%d %H:%M} to {order[-1]:%Y-%m-%d %H:%M}"]
+    if len(first) < len(times):
+        notes.append(f"{len(times) - len(first)} records of an instant that has one already left out")
+    steps = [(b - a).total_seconds() for a, b in pairwise(order)]
+    if steps:
+        usual = Counter(steps).most_common(1)[0][0]
+        lacking = sum(round(step / usual) - 1 for step in steps if step > usual)
+        notes.append(f"one record per {usual / 3600:g} h, {lacking} of them not in the file")
+        if (uneven := sum(step < usual for step in steps)) > 0:
+            notes.append(f"{uneven} records closer than that count as much as the others")
+        days = (order[-1] - order[0]).total_seconds() / 86400
+        if days < 360:
+            notes.append(f"{days:.0f} days stand for a year: seasons are missing")
+    return sorted(first.values()), notes
+
+
+def read_spectra(path: str | Path) -> Climate:
+    """Return the climate of a netCDF file of spectra with the names of wavespectra.
+
+    Parameters
+    ----------
+    path : path
+        `efth(time, freq, dir)` [m^2/Hz/degree] or `efth(time, freq)` [m^2/Hz], `freq` [Hz], `dir` [degree]; one site.
+
+    Raises
+    ------
+    ConfigError
+        With file, name, value received and value needed.
+    """
+    try:
+        with xr.open_dataset(path, engine="netcdf4") as ds:
+            stored = ds.load()
+    except (OSError, ValueError, RuntimeError) as error:
+        raise ConfigError(f"{path}: cannot be read as netCDF ({' '.join(str(error).split())})") from None
+    for name in ("efth", "freq"):
+        if name not in stored.variables:
+            raise ConfigError(f"{path}: received variables {sorted(map(str, stored.variables))}, needs {name}")
+    spectra = stored.efth
+    for name in [name for name in spectra.dims if name not in ("time", "freq", "dir")]:
+        if spectra.sizes[name] != 1:
+            raise ConfigError(f"{path}: received {spectra.sizes[name]} along {name}, needs one: select a site")
+        spectra = spectra.isel({name: 0})
+    directional = "dir" in spectra.dims
+    _check_units(path, stored, directional)
+    if directional:
+        spectra = spectra * _direction_widths(path, stored.dir.values)
+        spectra = spectra.sum("dir", skipna=False)
+    hertz = np.asarray(stored.freq.values, dtype=float)
+    if "time" not in spectra.dims or len(hertz) < 2 or hertz[0] <= 0 or np.any(np.diff(hertz) <= 0):
+        raise ConfigError(f"{path}: received efth over {spectra.dims}, needs time and ascending freq above 0 Hz")
+    density = spectra.transpose("time", "freq").values.astype(float) / (2 * np.pi)
+    times = [datetime.fromisoformat(str(time)[:19]) for time in stored.time.values.astype("datetime64[s]")]
+    kept, notes = _calendar(times)
+    return of_records(2 * np.pi * hertz, density[kept], Path(path).name, notes)
+
+
+def _check_units(path: str | Path, ds: xr.Dataset, directional: bool) -> None:
+    """Check units where the file states them."""
+    for name, known in (("freq", FREQUENCY), ("efth", DENSITY[directional])):
+        units = str(ds[name].attrs.get("units", ""))
+        if units and units.lower().replace(" ", "").replace("degrees", "degree") not in known:
+            needed = "Hz" if name == "freq" else "m2/Hz/degree" if directional else "m2/Hz"
+            raise ConfigError(f"{path}: received {name} in {units!r}, needs {needed}")
+
+
+def _direction_widths(path: str | Path, degrees: FloatArray) -> xr.DataArray:
+    """Widths of bands of direction [degree]: equal ones all around."""
+    steps = np.diff(np.sort(np.asarray(degrees, dtype=float) % 360), append=np.sort(degrees % 360)[0] + 360)
+    if np.ptp(steps) > 1e-3 * steps.mean():
+        raise ConfigError(
+            f"{path}: received directions {steps.min():.4g} to {steps.max():.4g} degrees apart, needs equal distances "
+            "all around"
+        )
+    return xr.DataArray(np.full(len(degrees), 360 / len(degrees)), dims="dir")
