@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from conftest import varied
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -16,6 +17,8 @@ from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import check_rank, mode_basis
+from vsb.stages.preview import check_before_run
+from vsb.study.plan import StudyPlan
 
 PERIOD = 2.5
 CLAMPS = {"VSWEC0": [0], "VSWEC90": [90], "two": [0, 90], "pair": [60, 120], "repeated": [0, 90, 90, 0, 180]}
@@ -203,12 +206,24 @@ def test_clamps_side_by_side_are_one_or_two(seed, degree, apart, rank):
     assert check_rank(mode_basis(seed.device, "full", degree).clamp_rows([1.0, 1.0 + apart])) == rank
 
 
-@pytest.mark.parametrize("route", [check_rank, lambda rows: udwadia_kalaba(np.eye(rows.shape[1]), rows)])
+ROUTES = {
+    "rank": lambda basis, clamps: check_rank(basis.clamp_rows(clamps)),
+    "null space": lambda basis, clamps: basis.clamped(clamps),
+    "Eq. 90": lambda basis, clamps: udwadia_kalaba(np.eye(len(basis.labels)), basis.clamp_rows(clamps)),
+}
+
+
+@pytest.mark.parametrize("route", ROUTES.values(), ids=ROUTES)
 @pytest.mark.parametrize("apart", [1e-9, 1e-10, 3e-11])
 def test_clamps_that_cannot_be_told_apart_are_refused(seed, route, apart):
-    rows = mode_basis(seed.device, "membrane", 12).clamp_rows([1.0, 1.0 + apart])
     with pytest.raises(ConfigError, match=r"clamps so near each other .* \(relative singular value \d.\de-\d\d; needs"):
-        route(rows)
+        route(mode_basis(seed.device, "membrane", 12), [1.0, 1.0 + apart])
+
+
+def test_a_study_with_clamps_a_billionth_apart_is_refused_before_anything_is_solved(seed):
+    study = varied(seed, designs={"A": {"clamp": [60.0, 60.0 + np.rad2deg(1e-9)]}})
+    with pytest.raises(ConfigError, match=r"clamps so near each other"):
+        check_before_run(study, StudyPlan(study))
 
 
 def test_drift_is_the_displacement_of_the_worst_clamp(seed):

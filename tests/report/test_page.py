@@ -6,6 +6,7 @@ from vsb.report.page import (
     Report,
     band_statements,
     irregular_statements,
+    published_table,
     render,
     sea_statements,
     statistics_table,
@@ -81,6 +82,37 @@ def test_statements_name_gains_losses_and_ties():
     assert text[2] == "same: the same within 1 % everywhere."
 
 
+def test_bands_are_told_to_the_word():
+    """A gain of 20 % peaks at 2 rad/s, 3.14 s, from 1.6 to 2.4 rad/s, 2.62 to 3.93 s; beyond, a loss."""
+    gain = np.where(np.abs(OMEGA - 2.0) < 0.405, 0.2 - 0.1 * np.abs(OMEGA - 2.0), -0.1 - 0.01 * OMEGA)
+    shown = OMEGA[np.exp(-((OMEGA - 2.0) ** 2)) * np.maximum(1, 1 + gain) >= 0.05 * 1.2]
+    longest, shortest = 2 * np.pi / shown[0], 2 * np.pi / shown[-1]
+    (text,) = band_statements(response(A=gain).absorbed_power, "FSB")
+    assert text == (
+        "A absorbs more in waves of 2.62 to 3.93 s (up to +20 % at 3.14 s); "
+        f"less in waves of 3.95 to {longest:.2f} s (up to -12 % at 3.95 s); "
+        f"less in waves of {shortest:.2f} to 2.61 s (up to -14 % at {shortest:.2f} s) than FSB."
+    )
+
+
+def test_what_is_published_stands_beside_ours_and_other_designs_have_no_line():
+    study = {
+        "pto": {"damping": 10.0},
+        "published": {"source": "x", "values": {
+            "A": {"energy": 4000.0, "velocity_pp": 2.0, "pto_force_pp": 50.0, "power_mean": 0.0}, "C": {}, "D": {"energy": 1.0},
+        }},
+    }  # fmt: skip
+    ours = {"velocity_pp": 3.0, "energy": 5000.0, "power_mean": 1.0}
+    rows = [{"design": d, "wave": w, **ours} for d in "ABC" for w in ("w", "still")]
+    assert published_table(study, rows) == [
+        ["A", "w", "velocity [m/s peak to peak]", "2", "3", "+50.0 %"],
+        ["A", "w", "control force [N peak to peak]", "50", "30", "-40.0 %"],
+        ["A", "w", "mean power [W]", "0", "1", "-"],
+        ["A", "w", "energy of the run [kJ]", "4", "5", "+25.0 %"],
+    ]
+    assert published_table({**study, "published": None}, rows) == []
+
+
 def test_no_reference_and_no_power_are_said_plainly():
     assert "No rigid design" in band_statements(response(a=0.1).absorbed_power, None)[0]
     assert "no power take-off damping" in band_statements(0 * response(a=0.1).absorbed_power, "FSB")[0]
@@ -106,6 +138,9 @@ def test_the_best_design_of_each_sea():
 
 def test_failures_are_for_the_head_of_the_page():
     assert warnings(CHECKS) == ["buckling: 66.4, limit 1 (<p> & why)"]
+    accepted = {**CHECKS[1], "verdict": "accepted"}
+    assert warnings([accepted]) == ["heave of A in w: 0.4, limit 0.3 (large)"]
+    assert warnings([{**CHECKS[1], "verdict": "ok"}]) == []
 
 
 def test_what_does_not_exist_is_a_dash():

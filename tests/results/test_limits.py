@@ -1,12 +1,20 @@
 """Every limit of the ledger is crossed: a hundredth below it a check is ok, a hundredth above it is not."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+from unittest.mock import patch
+
 import numpy as np
 import pytest
 import xarray as xr
 from conftest import varied
+from scipy.optimize import brentq
 
+from vsb.hydro import witness
 from vsb.results import ledger
+from vsb.results.equal_tuning import Tuned, fair_damping_checks
 from vsb.results.statistics import FEWEST_BATCHES, Line, statistical_checks
+from vsb.scenes.rest import reference_shell
 from vsb.shell.modes import mode_basis, study_basis
 from vsb.study.study import PiersonMoskowitz, RegularWave, Water
 from vsb.waves.seas import power_limit
@@ -77,7 +85,80 @@ def of_transient(difference):
     return ledger.transient_checks(runs, [{"design": "FSB", "wave": "w", "power_mean": 100.0 * (1 + difference)}])
 
 
+def of_keel(study, share):
+    """Pressure inside that leaves a share of the classical buckling pressure at the keel."""
+    keel = study.water.density * study.water.gravity * reference_shell(study).keel_depth
+    inside = keel - share * ledger.Shell.of(study.device).buckling_pressure
+    pressed = varied(study, device={"internal_pressure": inside})
+    return [ledger.classical_check(pressed, reference_shell(pressed), carried=False)]
+
+
+def of_buckling(study, share):
+    """A shell as much stiffer as its load is beyond what the seed's buckles under."""
+    modulus = study.device.young_modulus * ledger.viability_checks(study)[0].value
+    return ledger.viability_checks(varied(study, device={"young_modulus": modulus / share}))
+
+
+def of_static_load(study, name, value):
+    """A shell as much softer as it takes to move or strain so far under the static load."""
+    shell = reference_shell(study)
+
+    def checks(softness):
+        stiffness = {part: matrix / softness for part, matrix in shell.stiffness.items()}
+        return {check.name: check for check in ledger.static_checks(study, replace(shell, stiffness=stiffness))}
+
+    softness = brentq(lambda s: checks(s)[name].value - value, 1e-3, 10.0)
+    return [checks(softness)[name]]
+
+
+def at_rest(study, breathing):
+    """A shell that rests squeezed."""
+    resting, shape = varied(study, reference_shape="equilibrium"), reference_shell(study).shape
+    squeezed = replace(shape, amplitudes=-2.0 * breathing * np.eye(8)[1])
+    return ledger.static_checks(resting, replace(reference_shell(study), shape=squeezed))
+
+
+def of_bending(study, change):
+    """Power of the wider basis so much beside that of the study's."""
+    powers = iter([np.array([4.0]), np.array([4.0 * (1 + change)])])
+    buoy = SimpleNamespace(rao=lambda *_: None, absorbed_power=lambda *_: next(powers))
+    one = varied(study, designs={"VSWEC": {}}, waves=[WAVE.model_dump()])
+    with patch.object(ledger, "LinearBuoy", lambda *_: buoy), patch.object(ledger, "with_full_basis", none_wider):
+        return ledger.bending_checks(one, xr.Dataset())
+
+
+def none_wider(database, study):
+    return database, study_basis(study)
+
+
+def of_witness(share, parts):
+    """Two solvers, or derivatives by one mode, that are a share of what their estimates allow apart."""
+    where = {"shape": ["mean"], "shape_dof": ["Membrane0"], "omega": [1.0, 2.0], "coefficient": ["added_mass"]}
+    apart, estimate = np.array([[[0.1], [share * 0.3]]]), np.array([[[0.1]], [[0.2]]])
+    if parts == "derivatives":
+        half = {"witness_difference": (("shape", "omega", "coefficient"), 0 * apart)}
+        half |= {"slope_difference": (("shape_dof", "omega", "coefficient"), apart)}
+        half |= {"slope_estimate": (("shape_dof", "coefficient"), [[0.3]])}
+    else:
+        half = {"witness_difference": (("shape", "omega", "coefficient"), apart)}
+    told = {"witness_estimate": (("solver", "shape", "coefficient"), estimate)}
+    return witness.witness_checks(xr.Dataset(half | told, {"solver": list(witness.SOLVERS), **where}))
+
+
+def of_tuning(lost):
+    return fair_damping_checks([Tuned("A", "w", 2e4, 100.0, 0.0, 8e3, 100 * (1 - lost), 0.0, 1 - lost)])
+
+
 CASES = {
+    "buckling": (1.0, "-", of_keel),
+    "computed_buckling": (1.0, "-", of_buckling),
+    "static_deformation": (0.05, "-", lambda s, x: of_static_load(s, "static_deformation", x)),
+    "static_deformation at rest": (0.2, "-", at_rest),
+    "static_strain": (0.02, "-", lambda s, x: of_static_load(s, "static_strain", x)),
+    "bending_modes": (0.05, "-", of_bending),
+    "witness": (1.0, "-", lambda s, x: of_witness(x, "shapes")),
+    "witness_derivatives": (1.0, "-", lambda s, x: of_witness(x, "derivatives")),
+    "fair_damping": (0.05, "-", lambda s, x: of_tuning(x)),
     "energy_residual": (1e-6, "-", lambda s, x: of_run(s, residual=x)),
     "heave": (0.3, "-", lambda s, x: of_run(s, heave=2.0 * x)),
     "constraint_drift": (1e-9, "m", lambda s, x: of_run(s, constraint_drift=x)),
@@ -99,13 +180,19 @@ CASES = {
 }  # fmt: skip
 
 
+FAILS = ("buckling", "computed_buckling", "constraint_drift", "left_out", "gain_error", "power_limit", "passivity",
+         "assumed_pressure")  # fmt: skip
+"""What cannot be lived with; the rest is in doubt first."""
+
+
 @pytest.mark.parametrize("name", CASES)
 def test_a_limit_lies_where_it_is_stated(seed, name):
     limit, unit, checks = CASES[name]
     below, above = (
-        next(check for check in reversed(checks(seed, x * limit)) if check.name == name) for x in (0.99, 1.01)
+        next(check for check in reversed(checks(seed, x * limit)) if check.name == name.split()[0])
+        for x in (0.99, 1.01)
     )
-    assert (below.verdict, above.verdict != "ok") == ("ok", True)
+    assert (below.verdict, above.verdict) == ("ok", "fail" if name in FAILS else "doubt")
     for check, share in ((below, 0.99), (above, 1.01)):
         assert (check.limit, check.unit) == (pytest.approx(limit, rel=1e-12), unit)
         assert check.value == pytest.approx(share * limit, rel=2e-3)

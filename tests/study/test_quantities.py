@@ -129,10 +129,26 @@ def test_no_page_of_a_value_is_repeated(tmp_path):
     with pytest.raises(ConfigError, match=r"waves.0: Input tag 'x{80}\.\.\. \(100000 characters\)") as error:
         config.parse(changed("waves", [{"kind": "x" * 100_000}]))
     assert len(str(error.value)) < 400
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key"),
+    [
+        ("radius: 2.0", "radius: {}", "device.radius"),
+        ("kind: regular", "kind: {}", "waves.0.kind"),
+        ("clamp: 90", "clamp: [0, {}]", "designs.VSWEC90.clamp.1"),
+        ("FSB: {", "? {}\n  : {", "designs.a key"),
+    ],
+)
+def test_no_integer_of_more_digits_than_can_be_printed_reaches_a_library(tmp_path, monkeypatch, old, new, key):
+    """It would be worded in vain, and not even one line would come of that."""
+    unraised = []
+    monkeypatch.setattr("sys.unraisablehook", unraised.append)
     file = tmp_path / "digits.yaml"
-    file.write_text(SEED.read_text().replace("radius: 2.0", f"radius: 0x{'f' * 20_000}"))
-    with pytest.raises(ConfigError, match=r"device.radius: received a number of too many digits"):
+    file.write_text(SEED.read_text().replace(old, new.replace("{}", f"0x{'f' * 20_000}")))
+    with pytest.raises(ConfigError, match=rf"{key}: received a number of too many digits; needs at most 4300$"):
         config.load(file)
+    assert unraised == []
 
 
 def test_junk_of_json_is_one_line():

@@ -280,17 +280,50 @@ def test_reference_is_the_first_rigid_design(seed):
 
 
 @pytest.mark.parametrize(
-    ("wave", "label"),
+    ("wave", "label", "words"),
     [
-        ({"kind": "still"}, "still"),
-        ({"kind": "regular", "amplitude": 0.179, "period": 2.5}, "regular_A0.179_T2.5"),
-        ({"kind": "jonswap", "hs": 0.5, "tp": 4, "seed": 7}, "jonswap_Hs0.5_Tp4_g3.3_s7"),
+        ({"kind": "still"}, "still", "still water"),
+        (
+            {"kind": "regular", "amplitude": 0.179, "period": 2.5},
+            "regular_A0.179_T2.5",
+            "regular waves of 0.179 m amplitude and 2.5 s period",
+        ),
+        (
+            {"kind": "jonswap", "hs": 0.5, "tp": 4, "seed": 7},
+            "jonswap_Hs0.5_Tp4_g3.3_s7",
+            "a JONSWAP sea of Hs = 0.5 m and Tp = 4 s",
+        ),
+        (
+            {"kind": "pierson_moskowitz", "hs": 0.5, "tp": 4, "seed": 7},
+            "pierson_moskowitz_Hs0.5_Tp4_s7",
+            "a Pierson-Moskowitz sea of Hs = 0.5 m and Tp = 4 s",
+        ),
+        (
+            {"kind": "white_noise", "hs": 0.5, "band": [1, 3], "seed": 7},
+            "white_noise_Hs0.5_w1-3_s7",
+            "white noise of 1 to 3 rad/s and Hs = 0.5 m",
+        ),
     ],
 )
-def test_labels_of_seas(seed, wave, label):
+def test_labels_and_words_of_seas(seed, wave, label, words):
     (read,) = varied(seed, waves=[wave]).waves
-    assert read.label == label
-    assert read.description
+    assert (read.label, read.description) == (label, words)
+
+
+@pytest.mark.parametrize("mass", [6000.0, 17170.0, 28000.0])
+def test_heave_feels_the_waterplane_where_the_buoy_floats(seed, mass):
+    """Natural frequency without the water's inertia: the force of the water, by how it changes with draft."""
+    study = varied(seed, device={"mass": mass})
+    h = 1e-4
+    low, high = ((3 * study.device.radius - d) * d**2 / 3 for d in (study.draft - h, study.draft + h))
+    stiffness = study.water.density * study.water.gravity * np.pi * (high - low) / (2 * h)
+    assert study.heave_frequency == pytest.approx(np.sqrt(stiffness / mass), rel=1e-7)
+
+
+def test_figures_are_published_of_designs_there_are(seed):
+    published = {"source": "x", "values": {"FSB": {"energy": 1.0}, "VSWEC45": {"energy": 2.0}}}
+    with pytest.raises(ConfigError, match=r"published.values \['VSWEC45'\]: no such design; needs some of FSB, VSWEC"):
+        config.parse({**seed.model_dump(), "published": published})
 
 
 def test_checks_a_study_may_accept_are_those_there_are():

@@ -1,6 +1,8 @@
+import fcntl
 import os
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import netCDF4
@@ -19,6 +21,7 @@ from vsb.tools.files import (
     check_folder,
     checksum,
     load,
+    locked,
     read_groups,
     save,
     sealed,
@@ -88,6 +91,63 @@ def test_text_is_replaced_whole(tmp_path):
     write_text(tmp_path / "sub" / "a.txt", "two")
     assert (tmp_path / "sub" / "a.txt").read_text() == "two"
     assert [p.name for p in (tmp_path / "sub").iterdir()] == ["a.txt"]
+
+
+@pytest.mark.parametrize("write", [lambda path, x: write_text(path, x * 10**5), lambda path, x: save(longer(x), path)])
+def test_whoever_reads_a_file_while_it_is_replaced_reads_the_old_one_whole(tmp_path, write, monkeypatch):
+    """The new one is another file, complete when it takes the name: never the old one written over."""
+    path, moved = tmp_path / "a", []
+    write(path, "1")
+    old, number, replace = path.read_bytes(), path.stat().st_ino, os.replace
+
+    def moves(source, target):
+        moved.append((Path(source).read_bytes(), Path(source).parent, os.fspath(target)))
+        replace(source, target)
+
+    monkeypatch.setattr("vsb.tools.files.os.replace", moves)
+    with path.open("rb") as reader:
+        write(path, "2")
+        assert reader.read() == old
+    assert path.stat().st_ino != number
+    assert moved == [(path.read_bytes(), tmp_path, os.fspath(path))]
+    assert moved[0][0] != old
+
+
+def longer(x):
+    return rao(np.full((1, 3, 2), float(x)))
+
+
+HOLDER = """
+import fcntl, sys
+with open("a.lock", "a") as file:
+    fcntl.flock(file, fcntl.LOCK_EX)
+    print("held", flush=True)
+    sys.stdin.read()
+"""
+
+
+def test_a_lock_keeps_another_process_waiting(tmp_path):
+    """One that reads, changes and writes a file the others also refresh."""
+    other = subprocess.Popen(
+        [sys.executable, "-c", HOLDER], cwd=tmp_path, text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    )
+    assert other.stdout.readline() == "held\n"
+    done = []
+
+    def refresh():
+        with locked(tmp_path / "a.lock"):
+            done.append("refreshed")
+
+    waiting = threading.Thread(target=refresh)
+    waiting.start()
+    waiting.join(0.3)
+    assert waiting.is_alive()
+    other.stdin.close()
+    waiting.join(60)
+    other.wait(60)
+    assert done == ["refreshed"]
+    with locked(tmp_path / "a.lock"), (tmp_path / "a.lock").open() as another, pytest.raises(BlockingIOError):
+        fcntl.flock(another, fcntl.LOCK_SH | fcntl.LOCK_NB)
 
 
 @settings(max_examples=15)

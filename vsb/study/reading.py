@@ -64,10 +64,27 @@ def validated(model: type[Model], raw: object, source: str) -> Model:
         raise ConfigError(
             f"{source}: received {type(raw).__name__}, needs a mapping with keys {', '.join(model.model_fields)}"
         )
+    if key := _unprintable(raw):
+        raise ConfigError(f"{source}: {key}: received a number of too many digits; needs at most {DIGITS}")
     try:
         return model.model_validate(raw)
     except ValidationError as error:
         raise ConfigError(f"{source}: {one_line(error)}") from None
+
+
+def _unprintable(raw: object) -> str:
+    """Key of the first integer Python does not print: libraries that word a mistake would fail in doing so."""
+    items = (
+        list(raw.items()) if isinstance(raw, dict) else list(enumerate(raw)) if isinstance(raw, list | tuple) else []
+    )
+    for key, value in items:
+        if isinstance(key, int) and abs(key) >= 10**DIGITS:
+            return "a key"
+        if isinstance(value, int) and abs(value) >= 10**DIGITS:
+            return str(key)
+        if below := _unprintable(value):
+            return f"{key}.{below}"
+    return ""
 
 
 def one_line(error: ValidationError) -> str:
@@ -86,15 +103,13 @@ def one_line(error: ValidationError) -> str:
 
 LONGEST = 80
 """Characters of a value that are repeated."""
+DIGITS = 4300
+"""Digits of an integer, more of which Python does not print."""
 
 
 def _shown(value: object) -> str:
     """A value as it is repeated to people: no page of it."""
-    try:
-        text = repr(value)
-    except ValueError:  # more digits than Python prints
-        return "a number of too many digits"
-    return _cut(text)
+    return _cut(repr(value))
 
 
 def _cut(text: str) -> str:
