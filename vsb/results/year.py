@@ -1,19 +1,19 @@
 """A site's year: what every design takes of every measured sea, under every tuning; matrices by IEC TS 62600-100.
 
 Mean power of one sea is int 2 S(w) P(w; c) dw, P the power of a damper c per squared wave amplitude. A spectrum is
-known as means over bands, so this is one product of the spectra with P integrated over each band: P goes on straight
-lines between the frequencies of a port, which is a rule of positive weights, whose error is a third of what every other
-frequency would change.
+known as means over bands, so this is one product of the spectra with P integrated over each band. P goes on straight
+lines between the frequencies of a port: the weights are positive, the order is two, and the error is a third of what
+the answer changes by with every other frequency.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Literal, NamedTuple
 
 import numpy as np
 import xarray as xr
-from scipy.interpolate import make_interp_spline
 
 from vsb.errors import ConfigError
 from vsb.motion.damping_curve import best_of_table, dampers
@@ -28,8 +28,8 @@ from vsb.waves.scatter import climate_of_cells
 Tuning = Literal["fixed", "one", "each"]
 TUNINGS: tuple[Tuning, ...] = ("fixed", "one", "each")
 """As given; one best damper for the year; the best in each sea."""
-POINTS = 16
-"""Frequencies of a port per band of a climate."""
+PART = 0.005
+"""Distance of the frequencies of a port, as a part of them: every band of a climate is cut evenly into such parts."""
 OUTSIDE = 0.01
 """Part of a year's variance that may lie at frequencies no port is known at."""
 PRACTICE_GAMMA = 3.3
@@ -46,8 +46,10 @@ def frequencies(climate: Climate, lowest: float, highest: float) -> FloatArray:
         The band the hydrodynamics are known in.
     """
     edges = np.unique(np.clip(climate.edges, lowest, highest))
-    between = edges[:-1, None] + np.diff(edges)[:, None] * np.arange(POINTS) / POINTS
-    return np.append(between.ravel(), edges[-1])
+    parts = [
+        np.linspace(a, b, int(np.ceil((b - a) / (PART * (a + b) / 2))), endpoint=False) for a, b in pairwise(edges)
+    ]
+    return np.concatenate([*parts, edges[-1:]])
 
 
 def band_weights(omega: FloatArray, climate: Climate) -> FloatArray:
@@ -59,8 +61,17 @@ def band_weights(omega: FloatArray, climate: Climate) -> FloatArray:
         Frequencies of a port; beyond them there is nothing.
     climate : Climate
     """
-    integral = make_interp_spline(omega, np.eye(len(omega)), k=1).antiderivative()
-    return np.asarray(2 * np.diff(integral(np.clip(climate.edges, omega[0], omega[-1])), axis=0))
+    edges = climate.edges
+    cuts = np.unique(np.concatenate([omega, edges[(edges > omega[0]) & (edges < omega[-1])]]))
+    middle, width = (cuts[1:] + cuts[:-1]) / 2, np.diff(cuts)
+    left = np.searchsorted(omega, middle) - 1
+    share = (middle - omega[left]) / (omega[left + 1] - omega[left])  # of the frequency to the right
+    band = np.searchsorted(edges, middle) - 1
+    inside = (band >= 0) & (band < len(climate.omega))
+    out = np.zeros((len(climate.omega), len(omega)))
+    np.add.at(out, (band[inside], left[inside]), (2 * width * (1 - share))[inside])
+    np.add.at(out, (band[inside], left[inside] + 1), (2 * width * share)[inside])
+    return out
 
 
 def variance_outside(omega: FloatArray, climate: Climate) -> float:
@@ -165,11 +176,9 @@ class Year:
 
     @property
     def gain_percent(self) -> FloatArray | None:
-        """Gain of the mean power over the reference under the same tuning, shape (design, tuning) [%]."""
-        if self.reference is None:
-            return None
-        base = self.annual_mean_power[self.designs.index(self.reference)]
-        return np.asarray(100 * (self.annual_mean_power / base - 1))
+        """Gain of the mean power over the reference under the same tuning, (design, tuning) [%]; none over nothing."""
+        base = self.annual_mean_power[self.designs.index(self.reference)] if self.reference else np.zeros(1)
+        return np.asarray(100 * (self.annual_mean_power / base - 1)) if np.all(base > 0) else None
 
     @property
     def of_matrices(self) -> FloatArray:
@@ -185,14 +194,14 @@ class Year:
     @property
     def sentence(self) -> str:
         """What usual practice would have said."""
-        over = 100 * (self.practice / np.where(self.annual_mean_power > 0, self.annual_mean_power, np.inf) - 1)
-        over = over[self.annual_mean_power > 0]
-        if not over.size:
+        takes = self.annual_mean_power.all(axis=1)
+        over = 100 * (self.practice[takes] / self.annual_mean_power[takes] - 1)
+        if not takes.any():
             return "No design takes power."
-        low, high = float(over.min()), float(over.max())
+        ranges = [f"{min(v):+.1f} to {max(v):+.1f} % ({t})" for t, v in zip(self.tunings, over.T, strict=True)]
         return (
-            f"JONSWAP seas (gamma {PRACTICE_GAMMA:g}) at the centres of the bins, the usual practice, would have said "
-            f"{low:+.1f} to {high:+.1f} % of the annual energy of {self.climate.name}."
+            f"JONSWAP seas (gamma {PRACTICE_GAMMA:g}) at the centres of the bins, the usual practice, would be off by "
+            f"{', '.join(ranges)} of the annual energy."
         )
 
     def dataset(self) -> xr.Dataset:
@@ -266,7 +275,10 @@ def year(
         here, fine = DesignYear(port, climate), given.get(design)
         takes = [here.take(tuning, fine) for tuning in tunings]
         found.append(takes)
-        errors.append([_error(here, take) for take in takes])
+        rough = here.coarser()
+        errors.append(
+            [_error(climate, take, rough.take(tuning, fine)) for tuning, take in zip(tunings, takes, strict=True)]
+        )
         there = DesignYear(port, at_centres)
         practice.append([_of_practice(there, tuning, take) for tuning, take in zip(tunings, takes, strict=True)])
     damping, power = (np.array([[take[k] for take in takes] for takes in found]) for k in (0, 1))
@@ -296,9 +308,6 @@ def _of_practice(there: DesignYear, tuning: Tuning, take: Take) -> float:
     return float(at.power @ there.climate.hours)
 
 
-def _error(here: DesignYear, take: Take) -> float:
-    """Error of the quadrature of the mean power: a third of what the double step changes, rule of order 2."""
-    mean = np.unique(take.damping) if take.damping.size and np.ptp(take.damping) == 0 else None
-    at = mean if mean is not None else np.array([float(take.damping @ here.climate.hours)])
-    both = [float(year.table(at)[0] @ year.climate.hours) for year in (here, here.coarser())]
-    return abs(both[0] - both[1]) / 3
+def _error(climate: Climate, take: Take, rough: Take) -> float:
+    """Error of the mean power by the quadrature: a third of what twice the step changes."""
+    return abs(float((take.power - rough.power) @ climate.hours)) / 3

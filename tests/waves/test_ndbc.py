@@ -1,0 +1,189 @@
+"""Measured spectra: the shipped year, other ways of writing them, and files that are refused in one line."""
+
+import gzip
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from vsb.errors import ConfigError
+from vsb.study.study import Water
+from vsb.waves.ndbc import read_ndbc, read_spectra
+
+SHIPPED = Path(__file__).parents[2] / "config" / "climate" / "ndbc46042_1996_spectra.txt.gz"
+HEADER = "YY MM DD hh   .050   .100   .150\n"
+ROWS = "96 01 01 00   1.00   2.00   0.50\n96 01 01 01   1.50   2.50   0.25\n"
+BANDS = 0.05 * np.array([1.0, 2.0, 3.0])
+
+
+@pytest.fixture
+def written(tmp_path):
+    def write(text):
+        path = tmp_path / "buoy.txt"
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        return path
+
+    return write
+
+
+def test_the_shipped_year():
+    """Counts seen in the file itself, variance of its first row, sum S df."""
+    first = gzip.decompress(SHIPPED.read_bytes()).decode().splitlines()[1].split()[4:]
+    climate = read_ndbc(SHIPPED)
+    assert climate.density.shape == (8600, 38)
+    assert {"one record per 1 h, 72 of them not in the file", "8712 records, 112 with missing values left out"} <= set(
+        climate.notes
+    )
+    assert climate.omega[[0, -1]] / (2 * np.pi) == pytest.approx([0.03, 0.40])
+    assert climate.variance[0] == pytest.approx(sum(map(float, first)) * 0.01, rel=1e-12)
+    assert float(climate.flux(Water()) @ climate.hours) == pytest.approx(26.5e3, rel=1e-3)
+
+
+def test_units_of_the_text_are_per_hertz(written):
+    climate = read_ndbc(written(HEADER + ROWS))
+    assert climate.hs == pytest.approx(4 * np.sqrt(0.05 * np.array([3.5, 4.25])), rel=1e-14)
+    assert climate.te[0] == pytest.approx((1 / 0.05 + 2 / 0.10 + 0.5 / 0.15) / 3.5, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        HEADER + ROWS,
+        HEADER.replace("YY", "YYYY") + ROWS.replace("96 01", "1996 01"),
+        HEADER.replace("YY MM DD hh", "#YY MM DD hh mm") + ROWS.replace(" 00  ", " 00 00 ").replace(" 01  ", " 01 00 "),
+        (HEADER + ROWS).replace("\n", "\r\n"),
+        b"\xef\xbb\xbf" + (HEADER + ROWS).encode(),
+        gzip.compress((HEADER + ROWS).encode()),
+        HEADER + ROWS + "96 01 01 01   9.99   9.99   9.99\n",  # an instant once more
+        HEADER + ROWS + "96 01 01 02   999.0   9.99   9.99\n96 01 01 03   0.00   0.00   0.00\n",
+    ],
+)
+def test_the_same_seas_in_other_ways_of_writing(written, text):
+    climate = read_ndbc(written(text))
+    assert climate.density * 2 * np.pi == pytest.approx(np.array([[1.0, 2.0, 0.5], [1.5, 2.5, 0.25]]), rel=1e-14)
+
+
+def test_what_is_left_out_is_said(written):
+    rows = ROWS + "96 01 01 01 1 1 2\n96 01 01 05 999.00 1 2\n96 01 01 06 .00 .00 .00\n"
+    notes = "; ".join(read_ndbc(written(HEADER + rows)).notes)
+    for said in (
+        "1 records of an instant that has one already left out",
+        "3 of them not in the file",
+        "1 with missing values left out",
+        "1 records of one value throughout left out",
+        "0 days stand for a year: seasons are missing",
+    ):
+        assert said in notes
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "received 0 lines, needs a header"),
+        ("hello\nworld\n", "line 1: received 'hello', needs YY MM DD hh"),
+        ("YY MM DD hh WDIR WSPD\n96 01 01 00 1 2\n", "line 1: received 'WDIR', needs a number"),
+        (
+            "YY MM DD hh 20. 10. 6.7\n96 01 01 00 1 2 3\n",
+            "line 1: received 3 frequencies from 20 to 6.7, needs them asc",
+        ),
+        ("YY MM DD hh 10 20\n96 01 01 00 1 2\n", "received 2 frequencies from 10 to 20, needs them ascending"),
+        ("YY MM DD hh\n96 01 01 00\n", "received 0 frequencies"),
+        (HEADER + ROWS + "96 01 01 02 1.0\n", "line 4: received 5 columns, needs 7 as the header has"),
+        (HEADER + ROWS + "96 01 01 02 1.0 x 2\n", "line 4: received 'x', needs a number"),
+        (HEADER + ROWS + "96 01 01 02 1.0 nan 2\n", "line 4: received nan, needs a number of 0 or more"),
+        (HEADER + ROWS + "96 01 01 02 1.0 -1 2\n", "line 4: received -1, needs a number of 0 or more"),
+        (HEADER + ROWS + "96 13 01 02 1.0 1 2\n", "line 4: received the date '96 13 01 02', needs YY MM DD"),
+        (HEADER + ROWS + "96 1.5 01 02 1.0 1 2\n", "line 4: received the date"),
+        (HEADER + "96 01 01 00 999 999 999\n", "received 1 records, none with a spectrum"),
+        (HEADER + ROWS.replace("0.50", "900.").replace("0.25", "900."), "seas that cannot be, as Hs .* needs frequenc"),
+        (gzip.compress((HEADER + ROWS).encode())[:-12], "a packed file that is cut or damaged, needs a whole one"),
+        (b"\x89HDF\xff\xfe\x80\x81", "that is no text, needs UTF-8"),
+    ],
+)
+def test_refused_in_one_line(written, text, message):
+    with pytest.raises(ConfigError, match=message) as caught:
+        read_ndbc(written(text))
+    assert "\n" not in str(caught.value)
+    assert "buoy.txt" in str(caught.value)
+
+
+def test_a_file_that_is_not_there():
+    with pytest.raises(ConfigError, match=r"nowhere\.txt: cannot be read"):
+        read_ndbc("nowhere.txt")
+
+
+def spectra(**changes):
+    """Two seas at one site in wavespectra's names, spread over four directions as 1 to 4."""
+    spread = np.array([1.0, 2.0, 3.0, 4.0]) / 10 / 90
+    density = np.array([[1.0, 2.0, 0.5], [1.5, 2.5, 0.25]])
+    ds = xr.Dataset(
+        {"efth": (("time", "site", "freq", "dir"), density[:, None, :, None] * spread)},
+        coords={
+            "time": np.array(["2020-01-01T00", "2020-01-01T01"], dtype="datetime64[ns]"),
+            "site": [7],
+            "freq": BANDS,
+            "dir": [0.0, 90.0, 180.0, 270.0],
+        },
+    )
+    ds.efth.attrs["units"] = "m^{2}.s.degree^{-1}"
+    ds.freq.attrs["units"] = "Hz"
+    return ds.assign(changes)
+
+
+def test_directional_spectra_of_netcdf(tmp_path):
+    spectra().to_netcdf(tmp_path / "s.nc")
+    climate = read_spectra(tmp_path / "s.nc")
+    assert climate.density * 2 * np.pi == pytest.approx(np.array([[1.0, 2.0, 0.5], [1.5, 2.5, 0.25]]), rel=1e-14)
+
+
+def test_missing_numbers_of_netcdf_are_counted(tmp_path):
+    ds = spectra()
+    ds.efth[0, 0, 1, 2] = np.nan
+    ds.to_netcdf(tmp_path / "s.nc")
+    climate = read_spectra(tmp_path / "s.nc")
+    assert len(climate.hs) == 1
+    assert "2 records, 1 with missing values left out" in climate.notes
+
+
+def uneven(ds):
+    return ds.assign_coords(dir=[0.0, 90.0, 180.0, 200.0])
+
+
+def per_radian(ds):
+    ds.efth.attrs["units"] = "m2/Hz/rad"
+    return ds
+
+
+def periods(ds):
+    ds.freq.attrs["units"] = "s"
+    return ds
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        (lambda ds: ds.rename(efth="S"), r"received variables .*'S'.*, needs efth"),
+        (lambda ds: xr.concat([ds, ds], dim="site"), "received 2 along site, needs one: select a site"),
+        (uneven, "received directions 20 to 160 degrees apart, needs equal distances"),
+        (per_radian, "received efth in 'm2/Hz/rad', needs m2/Hz/degree"),
+        (periods, "received freq in 's', needs Hz"),
+        (lambda ds: ds.isel(freq=slice(None, None, -1)), "needs time and ascending freq"),
+        (lambda ds: ds.isel(time=0), "needs time and ascending freq"),
+        (
+            lambda ds: ds.assign(efth=-ds.efth.assign_attrs(units="")),
+            "received a spectral density of -.* needs 0 or more",
+        ),
+    ],
+)
+def test_netcdf_refused_in_one_line(tmp_path, changed, message):
+    changed(spectra()).to_netcdf(tmp_path / "s.nc")
+    with pytest.raises(ConfigError, match=message) as caught:
+        read_spectra(tmp_path / "s.nc")
+    assert "\n" not in str(caught.value)
+
+
+def test_no_netcdf_at_all(tmp_path):
+    (tmp_path / "s.nc").write_text("hello")
+    with pytest.raises(ConfigError, match=r"s\.nc: cannot be read as netCDF"):
+        read_spectra(tmp_path / "s.nc")

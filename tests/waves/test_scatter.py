@@ -1,0 +1,135 @@
+"""Scatter tables in the dialects of spreadsheets, and the seas made of them."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.special import gamma as gamma_function
+
+from vsb.errors import ConfigError
+from vsb.waves.scatter import climate_of_cells, energy_over_peak_period, jonswap_bands, read_scatter, read_table
+from vsb.waves.seas import jonswap_spectrum
+
+SHIPPED = Path(__file__).parents[2] / "config" / "climate" / "PacWave-South_Oregon_Wave-Resource.csv"
+FULL = "Hs/Te,6.5,7.5\n0.25,10,20\n0.75,0,70\n"
+HS, TE, SHARE = [0.25, 0.25, 0.75], [6.5, 7.5, 7.5], [0.1, 0.2, 0.7]
+
+
+@pytest.fixture
+def written(tmp_path):
+    def write(text):
+        path = tmp_path / "site.csv"
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        return path
+
+    return write
+
+
+def test_the_shipped_table():
+    """122 cells above zero; the file's own sum of percent."""
+    climate = read_scatter(SHIPPED)
+    assert climate.notes[0] == "122 occupied cells of Hs and Te, which sum to 99.82 (percent of 100)"
+    assert len(climate.hs) == 122
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        FULL,
+        "some words, about the site\n\n" + FULL,
+        "some words; about the site,\n" + FULL,
+        "\ufeff" + FULL,
+        FULL.encode("utf-16"),
+        FULL.replace("\n", "\r\n"),
+        FULL.replace(",", "\t"),
+        FULL.replace(",", ";").replace(".", ","),
+        FULL.replace(",", " ; ").replace(".", ","),
+        'Hs/Te,"6,5","7,5"\n"0,25",10,20\n"0,75",0,70\n',
+        "Hm0 [m] \\ Te [s],6.5,7.5\n0.25,10%,20 %\n0.75,0%,70%\n",
+        "Hs (m) / T_e (s);6,5;7,5;\n0,25;10,0;20,0;\n0,75;;70,0;\n",
+        "Te/Hs,0.25,0.75\n6.5,10,0\n7.5,20,70\n",
+        "Hs/Te,6-7,7-8\n0-0.5,0.1,0.2\n0.5-1,0,0.7\n",
+        "Hs/Te;6,0-7,0;7 \u2013 8\n0-0,5;100;200\n0,5-1;0;700\n",
+        "Hs,Te,Occurrence [%]\n0.25,6.5,10\n0.25,7.5,20\n0.75,7.5,70\n0.75,6.5,0\n",
+        "Te (s);Hs (m);Hours\n6,5;0,25;876,6\n7,5;0,25;1753,2\n7,5;0,75;6136,2\n",
+        "significant wave height,energy period,share\n0.25,6.5,0.1\n0.25,7.5,0.2\n0.75,7.5,0.7\n",
+        "Hs,Te,n\n0.25,6.5,1\n0.25,7.5,2\n0.75,7.5,7\n",
+    ],
+)
+def test_one_table_in_many_dialects(written, text):
+    climate = read_scatter(written(text))
+    order = np.lexsort([climate.te, climate.hs])
+    assert climate.hs[order] == pytest.approx(HS)
+    assert climate.te[order] == pytest.approx(TE)
+    assert climate.hours[order] == pytest.approx(SHARE)
+
+
+def test_empty_cells_are_said(written):
+    table = read_table(written("Hs/Te,6.5,7.5\n0.25,10,20\n0.75,,70\n"))
+    assert table.blank == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("hello", "received no line that names Hs and Te or Tp"),
+        ("a,b,c\n1,2,3\n", "received no line that names Hs and Te or Tp"),
+        ("Hs/Tz,6.5,7.5\n0.25,10,90\n", "line 1: received the corner 'Hs/Tz', needs Hs/Te or Hs/Tp"),
+        ("Hs [ft]/Te,6.5,7.5\n0.25,10,90\n", r"line 1: received the unit 'ft' in 'Hs \[ft\]', needs m and s"),
+        ("Hs/Te,6.5,7.5,Total\n0.25,10,90,100\n", "line 1: received 'Total', needs the centre of a bin"),
+        ("Hs/Te,6.5,7.5\n0.25,10,90\nSum,10,90\n", "line 3: received 'Sum', needs the centre of a bin"),
+        ("Hs/Te,6.5,7.5\n0,10,90\n", "line 2: received the bin '0', needs the centre of a bin above 0"),
+        ("Hs/Te,6.5,7.5\n0.25,10\n", "line 2: received 2 cells, needs 3 as the header has"),
+        ("Hs/Te,6.5,7.5\n0.25,10,80,10\n", "line 2: received 4 cells, needs 3 as the header has"),
+        ("Hs/Te,6.5,7.5\n0.25,10,x\n", "line 2: received 'x', needs an occurrence of 0 or more"),
+        ("Hs/Te,6.5,7.5\n0.25,110,-10\n", "line 2: received '-10', needs an occurrence of 0 or more"),
+        ('Hs/Te,6.5,7.5\n0.25,1.000,5\n0.75,"1,000.5",1\n', "line 3: received '1,000.5', needs an occurrence"),
+        ("Hs/Te,6.5,6.5\n0.25,10,90\n", "received columns labelled 6.5 twice, needs every bin once"),
+        ("Hs/Te,6.5,7.5\n0.25,10,40\n0.25,10,40\n", "received rows labelled 0.25 twice, needs every bin once"),
+        ("Hs/Te,6.5,7.5\n", "line 1: received a header without rows"),
+        ("Hs/Te,6.5,7.5\n0.25,0,0\n", "received no occurrence above 0"),
+        ("Hs/Te,6.5,7.5\n0.25,10,47.3\n", r"received occurrences that sum to 57\.3, needs 1, 100 \(percent\)"),
+        ("Hs/Te,6.5,7.5\n0.25,10%,47%\n", r"received occurrences that sum to 57, needs 100 \(percent\)"),
+        ("Hs,Te,hours\n0.25,6.5,100\n", r"received occurrences that sum to 100, needs 8766 \(hours\)"),
+        ("Hs,Te,Tp,count\n0.25,6.5,7,100\n", "line 1: received both Te and Tp, needs one of them"),
+        ("Hs,Te,count\n0.25,6.5,1\n0.25,6.5,2\n", r"received pairs labelled \(0.25, 6.5\) twice"),
+        ("Hs,Te,count\n0.25,6.5\n", "line 2: received 2 cells, needs 3 as the header has"),
+        ("Hs,Te [min],count\n0.25,6.5,1\n", "line 1: received the unit 'min'"),
+        (b"Hs/Te;6\xb0;7\n", "byte 7 that is no text, needs UTF-8"),
+    ],
+)
+def test_refused_in_one_line(written, text, message):
+    with pytest.raises(ConfigError, match=message) as caught:
+        read_scatter(written(text))
+    assert "\n" not in str(caught.value)
+    assert "site.csv" in str(caught.value)
+
+
+def test_energy_over_peak_period():
+    """Pierson-Moskowitz in closed form, Gamma(5/4) 1.25^(-1/4); JONSWAP by DNV-RP-C205's (4.2 + g)/(5 + g)."""
+    assert energy_over_peak_period(1.0) == pytest.approx(gamma_function(1.25) * 1.25**-0.25, abs=1e-5)
+    assert energy_over_peak_period(3.3) == pytest.approx(7.5 / 8.3, abs=1e-3)
+
+
+@pytest.mark.parametrize("gamma", [1.0, 3.3])
+def test_bands_hold_the_variance_of_the_spectrum(gamma):
+    """Mean of a fine sampling of each band; the bands of a table hold all of the sea."""
+    omega = np.linspace(0.3, 2.0, 18)
+    fine = (omega[:, None] + np.linspace(-0.05, 0.05, 2001)[None]).ravel()
+    sampled = np.trapezoid(jonswap_spectrum(fine, 2.0, 9.0, gamma).reshape(18, 2001), dx=0.1 / 2000, axis=1) / 0.1
+    assert jonswap_bands(omega, np.array([2.0]), np.array([9.0]), gamma)[0] == pytest.approx(
+        sampled, abs=2e-5 * sampled.max()
+    )
+    climate = climate_of_cells(np.array([2.0, 1.0]), np.array([9.0, 5.0]), np.array([0.5, 0.5]), gamma, "two")
+    assert 4 * np.sqrt(climate.variance) == pytest.approx(climate.hs, rel=2e-4)
+
+
+def test_peak_periods_become_energy_periods(written):
+    climate = read_scatter(written("Hs/Tp,8\n1.25,100\n"), gamma=2.0)
+    assert climate.te == pytest.approx([8 * energy_over_peak_period(2.0)])
+    assert climate.omega[climate.density[0].argmax()] == pytest.approx(2 * np.pi / 8, rel=0.02)
+
+
+def test_pierson_moskowitz_is_jonswap_without_its_peak(written):
+    path = written("Hs/Tp,8\n1.25,100\n")
+    assert read_scatter(path, "pierson_moskowitz").density == pytest.approx(read_scatter(path, gamma=1.0).density)
