@@ -36,8 +36,8 @@ def test_each_row_is_of_its_own_run_and_no_gain_is_over_round_off(seed, rigid, g
     """1500 J against 1000 J; a rigid buoy at rest absorbs nothing gains could be measured against."""
     designs = {"R": {"flexible": False}, "S": {"flexible": True}}
     two = varied(seed, designs=designs, waves=[{"kind": "still"}], published=None)
-    runs = {("R", "still"): still_run(rigid, 1e-7), ("S", "still"): still_run(1.5e3, 3e-6)}
-    rows = compare.comparison(two, runs, {"still": NO_WAVES})
+    runs = {"R": still_run(rigid, 1e-7), "S": still_run(1.5e3, 3e-6)}
+    rows = compare.comparison(two, two.waves[0], runs, NO_WAVES)
     assert [row["design"] for row in rows] == ["R", "S"]
     assert [row["energy_residual"] for row in rows] == [1e-7, 3e-6]
     assert [row["energy"] for row in rows] == pytest.approx([rigid, 1.5e3])

@@ -132,8 +132,8 @@ def run_with(**attrs):
 
 
 def test_a_transient_left_in_the_window_shows():
-    runs = {(d, "w"): run_with(steady_power=100.0, steady_decay=0.5) for d in "AB"} | {
-        ("C", "w"): run_with(no_steady_state="grows"), ("D", "w"): run_with()
+    runs = {(d, "w"): {"steady_power": 100.0, "steady_decay": 0.5} for d in "AB"} | {
+        ("C", "w"): {"no_steady_state": "grows"}, ("D", "w"): {}
     }  # fmt: skip
     rows = [{"design": d, "wave": "w", "power_mean": p} for d, p in zip("ABCD", (100.1, 103.0, 5.0, 5.0), strict=True)]
     near, far, none = ledger.transient_checks(runs, rows)
@@ -148,10 +148,7 @@ def test_what_the_automatic_model_left_out_is_in_the_ledger_with_its_error(seed)
     (wave,) = study.waves
     left_out = json.dumps([{"what": "shell_modes", "error": 0.002}])
     common = {"description": "linear, rigid, 8 memory states", "left_out": left_out}
-    runs = {
-        ("FSB", wave.label): run_with(power_error=0.002, **common),
-        ("VSWEC", wave.label): run_with(power_error=0.02, **common),
-    }
+    runs = {"FSB": run_with(power_error=0.002, **common), "VSWEC": run_with(power_error=0.02, **common)}
     fixed, flexible, gain = ledger.simplification_checks(study, wave, runs)
     assert (fixed.verdict, flexible.verdict) == ("ok", "fail")
     assert fixed.explanation.endswith("described as linear, rigid, 8 memory states; left out: shell modes 2.0e-03")

@@ -41,8 +41,7 @@ def of_auto(study, errors):
     """What the automatic model left out of both designs."""
     two = varied(study, hydro={"model": "auto"}, designs={"FSB": {"flexible": False}, "VSWEC": {}})
     attrs = {"description": "linear", "left_out": "[]"}
-    label = two.waves[0].label
-    runs = {(d, label): xr.Dataset(attrs={"power_error": e, **attrs}) for d, e in zip(two.designs, errors, strict=True)}
+    runs = {d: xr.Dataset(attrs={"power_error": e, **attrs}) for d, e in zip(two.designs, errors, strict=True)}
     return ledger.simplification_checks(two, two.waves[0], runs)
 
 
@@ -81,7 +80,7 @@ def of_pressure(study, share):
 
 
 def of_transient(difference):
-    runs = {("FSB", "w"): xr.Dataset(attrs={"steady_power": 100.0, "steady_decay": 0.1})}
+    runs = {("FSB", "w"): {"steady_power": 100.0, "steady_decay": 0.1}}
     return ledger.transient_checks(runs, [{"design": "FSB", "wave": "w", "power_mean": 100.0 * (1 + difference)}])
 
 

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vsb.results import statistics as seastatistics
-from vsb.results.statistics import Line, batch_means, gain_percent, interval, ratio_interval, statistics
+from vsb.results.statistics import Line, batch_means, gain_percent, interval, ratio_interval, sample, statistics
 from vsb.study import study as config
 from vsb.waves.seas import Sea, sea
 
@@ -100,7 +100,7 @@ def test_batches_fill_the_window_and_average_to_its_mean():
 
 @pytest.fixture
 def many(coarse):
-    """A study of three realisations and made-up runs in which VSWEC takes 1.2 times what FSB takes."""
+    """A study of three realisations, samples of made-up runs in which VSWEC takes 1.2 times what FSB takes, the seas."""
     study = varied(
         coarse,
         designs=DESIGNS,
@@ -118,11 +118,13 @@ def many(coarse):
         {"absorbed_power": (("design", "omega"), [transfer, 1.2 * transfer])},
         coords={"design": ["FSB", "VSWEC"], "omega": omega},
     )
-    return study, runs, seas, response
+    waves = {wave.label: wave for wave in study.waves}
+    samples = {(d, w): sample(study, waves[w], d, run, seas[w], response) for (d, w), run in runs.items()}
+    return study, samples, seas
 
 
 def test_realisations_are_pooled_and_the_spectral_prediction_agrees(many):
-    fixed, flexible = statistics(*many)
+    fixed, flexible = statistics(*many[:2])
     assert (fixed.realisations, fixed.batches) == (3, 27)
     assert fixed.power_low < fixed.power_linear < fixed.power_high
     assert fixed.power_linear == pytest.approx(
@@ -133,7 +135,7 @@ def test_realisations_are_pooled_and_the_spectral_prediction_agrees(many):
 
 
 def test_the_ledger_says_how_sharp_the_statistics_are(many):
-    study, lines = many[0], statistics(*many)
+    study, lines = many[0], statistics(*many[:2])
     checks = {(c.name, c.design): c for c in seastatistics.statistical_checks(study, lines)}
     assert checks["spectral_prediction", "FSB"].verdict == "ok"
     assert checks["statistical_error", "FSB"].value < 0.3

@@ -3,6 +3,7 @@
 import json
 import os
 import shutil
+from contextlib import chdir
 from pathlib import Path
 
 import netCDF4
@@ -12,6 +13,7 @@ import yaml
 from stages.test_workflow import with_
 from tools.test_files import rewritten
 
+import vsb
 from vsb.cli import main
 from vsb.errors import DatabaseError, VsbError
 from vsb.stages import figures, report, simulate
@@ -29,22 +31,18 @@ TOGETHER = ("report.html", "comparison.csv", "statistics.csv", "validity.json", 
 
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory):
-    """A folder with the study file and its results."""
+    """A folder with the study file and its results; those of the workflow are judged beside the workflow."""
     place = tmp_path_factory.mktemp("finished")
     (place / "small.yaml").write_text(yaml.safe_dump(RAW))
-    here = Path.cwd()
-    os.chdir(place)
-    try:
-        assert main(["run", "small.yaml", "--quiet", "all"]) == 0
-    finally:
-        os.chdir(here)
+    with chdir(place):
+        vsb.run(vsb.load("small.yaml"))
     return place
 
 
 @pytest.fixture
 def place(finished, tmp_path, monkeypatch):
-    """A copy of it, without what Snakemake remembers, as the current folder."""
-    shutil.copytree(finished, tmp_path / "copy", ignore=shutil.ignore_patterns(".snakemake", "logs", "benchmarks"))
+    """A copy of it, of which Snakemake remembers nothing, as the current folder."""
+    shutil.copytree(finished, tmp_path / "copy")
     monkeypatch.chdir(tmp_path / "copy")
     return tmp_path / "copy"
 

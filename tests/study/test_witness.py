@@ -3,6 +3,7 @@
 import math
 
 import pytest
+import xarray as xr
 from conftest import SEED, varied
 
 from vsb.errors import ConfigError
@@ -86,7 +87,7 @@ def test_where_there_is_none_the_reason_is_said(name, change, reason, checks):
     assert plan.witness_files == {}
     assert "witness" not in figure_names(study)
     if checks is not None:
-        found = witness_checks(study, None, None)
+        found = witness_checks(study, xr.Dataset(), xr.Dataset())
         assert [check.verdict for check in found] == ["doubt"] * checks
         assert all(reason in check.explanation for check in found)
 

@@ -5,7 +5,7 @@ The same design always has the same colour and line style.
 
 import math
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -40,7 +40,7 @@ class StudyData:
     database: xr.Dataset  # this and the next two are empty without BEM
     radiation: xr.Dataset
     response: xr.Dataset
-    runs: dict[tuple[str, str], xr.Dataset]  # (design, wave label) -> trajectory
+    runs: Mapping[tuple[str, str], xr.Dataset]  # (design, wave label) -> trajectory
     witness: xr.Dataset  # empty without a second solver
 
 

@@ -56,11 +56,8 @@ def snapshots(data: StudyData, wave: str) -> Figure:
 
 def _magnification(data: StudyData, wave: str) -> float:
     """Round factor that makes the largest shell displacement about 0.2 radii."""
-    largest = max(
-        (float(abs(run.position.sel(time=slice(*data.window))[:, 1:]).max()) for (_, w), run in data.runs.items()
-         if w == wave and flexible(run.dof.values)),
-        default=0.0,
-    )  # fmt: skip
+    settled = (data.runs[design, wave].sel(time=slice(*data.window)) for design in data.designs)
+    largest = max((float(abs(run.position[:, 1:]).max()) for run in settled if flexible(run.dof.values)), default=0.0)
     if largest == 0.0:
         return 1.0
     raw = 0.2 * float(data.modes.attrs["radius"]) / largest

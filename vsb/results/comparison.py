@@ -8,7 +8,7 @@ from typing import Any
 import xarray as xr
 
 from vsb.results.power import Merit, merit
-from vsb.study.study import StillWater, Study
+from vsb.study.study import StillWater, Study, Wave
 from vsb.waves.seas import Sea
 
 TAKE_OFF = ("damping", "stiffness", "power_gain_percent")
@@ -16,35 +16,35 @@ COLUMNS = ("design", "wave", *Merit._fields, "energy_gain_percent", "energy_resi
 NOTHING = 1e-9
 """Energy or power below this part of the best design's is round-off of a buoy at rest: no gain is over it."""
 Row = dict[str, Any]
-Runs = Mapping[tuple[str, str], xr.Dataset]
+Runs = Mapping[str, xr.Dataset]
+"""Design -> its trajectory in a sea."""
 
 
-def comparison(study: Study, runs: Runs, seas: Mapping[str, Sea]) -> list[Row]:
-    """Return one row per design and sea; gains of energy and of mean power are over the first rigid design's.
+def comparison(study: Study, wave: Wave, runs: Runs, sea: Sea) -> list[Row]:
+    """Return one row per design in a sea; gains of energy and of mean power are over the first rigid design's.
 
     Parameters
     ----------
     study : Study
-    runs : mapping (design, wave label) -> trajectory
-    seas : mapping wave label -> Sea
+    wave : Wave
+        One of the study's.
+    runs : mapping design -> trajectory in this sea
+    sea : Sea
 
     Notes
     -----
     Energy is that of the whole run, start-up included; in still water there is nothing else, and no gain of mean power.
     """
+    window = study.simulation.window
+    merits = {design: merit(runs[design], wave, sea, study.water, window) for design in study.designs}
+    energy = gains({d: m.energy for d, m in merits.items()}, study.reference_design)
+    power = gains({d: m.power_mean for d, m in merits.items()}, study.reference_design)
     rows: list[Row] = []
-    for wave in study.waves:
-        merits = {
-            design: merit(runs[design, wave.label], wave, seas[wave.label], study.water, study.simulation.window)
-            for design in study.designs
-        }
-        energy = gains({d: m.energy for d, m in merits.items()}, study.reference_design)
-        power = gains({d: m.power_mean for d, m in merits.items()}, study.reference_design)
-        for design, values in merits.items():
-            row = {"design": design, "wave": wave.label, **values._asdict(), "energy_gain_percent": energy[design]}
-            row["energy_residual"] = float(runs[design, wave.label].attrs["energy_residual"])
-            gain = None if isinstance(wave, StillWater) else power[design]
-            rows.append({**row, **dict(zip(TAKE_OFF, (study.pto.damping, 0.0, gain), strict=True))})
+    for design, values in merits.items():
+        row = {"design": design, "wave": wave.label, **values._asdict(), "energy_gain_percent": energy[design]}
+        row["energy_residual"] = float(runs[design].attrs["energy_residual"])
+        gain = None if isinstance(wave, StillWater) else power[design]
+        rows.append({**row, **dict(zip(TAKE_OFF, (study.pto.damping, 0.0, gain), strict=True))})
     return rows
 
 

@@ -2,8 +2,9 @@
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -26,6 +27,8 @@ from vsb.study.witness import no_witness
 from vsb.tools.units import FloatArray
 from vsb.waves.seas import power_limit, spectrum, wavenumber
 
+Attributes = Mapping[tuple[str, str], Mapping[str, Any]]
+"""What runs say of themselves, by design and label of the sea."""
 _OWN_ERRORS = ("error_estimate", "interpolation_error")
 """Checks of a hydro database that say how far its coefficients may be off."""
 
@@ -178,11 +181,11 @@ def run_checks(study: Study, basis: ModeBasis, run: xr.Dataset) -> list[Check]:
     return checks
 
 
-def transient_checks(runs: Runs, rows: Sequence[Row]) -> list[Check]:
+def transient_checks(runs: Attributes, rows: Sequence[Row]) -> list[Check]:
     """Return by how much mean power in the window differs from the steady state's: what the transient still does."""
     checks = []
     for row in rows:
-        attrs, where = runs[row["design"], row["wave"]].attrs, {"design": row["design"], "wave": row["wave"]}
+        attrs, where = runs[row["design"], row["wave"]], {"design": row["design"], "wave": row["wave"]}
         if "no_steady_state" in attrs:
             text = f"no steady state to compare with, the mean depends on the window: {attrs['no_steady_state']}"
             checks.append(Check("transient", 1.0, 0.0, "-", "doubt", text, **where))
@@ -272,23 +275,17 @@ def limit_check(frequency: xr.Dataset) -> Check:
     return check_at_most("power_limit", float(share), 1.01, "-", text)
 
 
-def run_ledger(study: Study, runs: Runs) -> list[Check]:
-    """Return the checks of the shell and of every run."""
-    reference = reference_shell(study)
-    basis, checks = reference.basis, shell_checks(study, reference)
-    for wave in study.waves:
-        for design in study.designs:
-            checks += run_checks(study, basis, runs[design, wave.label])
-        if study.hydro.model == "auto":
-            checks += simplification_checks(study, wave, runs)
-    return checks
+def sea_checks(study: Study, basis: ModeBasis, wave: Wave, runs: Runs) -> list[Check]:
+    """Return the checks of every run in a sea, and of what the automatic model left out there."""
+    checks = [check for design in study.designs for check in run_checks(study, basis, runs[design])]
+    return checks + (simplification_checks(study, wave, runs) if study.hydro.model == "auto" else [])
 
 
 def simplification_checks(study: Study, wave: Wave, runs: Runs) -> list[Check]:
     """Return what the automatic model left out in a sea, and the error of powers and gains that causes."""
     limit, checks, errors = study.hydro.allowed_power_error, [], {}
     for design in study.designs:
-        attrs = runs[design, wave.label].attrs
+        attrs = runs[design].attrs
         errors[design] = float(attrs["power_error"])
         parts = [f"{item['what'].replace('_', ' ')} {item['error']:.1e}" for item in json.loads(attrs["left_out"])]
         text = (
@@ -309,7 +306,12 @@ def simplification_checks(study: Study, wave: Wave, runs: Runs) -> list[Check]:
 
 
 def linear_ledger(
-    study: Study, database: xr.Dataset, radiation: xr.Dataset, frequency: xr.Dataset, rows: Sequence[Row], runs: Runs
+    study: Study,
+    database: xr.Dataset,
+    radiation: xr.Dataset,
+    frequency: xr.Dataset,
+    rows: Sequence[Row],
+    runs: Attributes,
 ) -> list[Check]:
     """Return the checks of linear hydrodynamics: waves, coefficients, radiation model, time and frequency domain."""
     checks = [*bending_checks(study, database), limit_check(frequency), *radiation_checks(radiation, study)]
@@ -320,20 +322,20 @@ def linear_ledger(
             at = frequency.absorbed_power.sel(omega=wave.omega, method="nearest")
             for design in study.designs:
                 power = float(at.sel(design=design))
-                body_exact = runs[design, wave.label].attrs["model"] == "body_exact"
+                body_exact = runs[design, wave.label]["model"] == "body_exact"
                 check = linearity_check if body_exact else steady_state_check
                 checks.append(check(study, wave, power, means[design, wave.label], design))
     return checks + [replace(check, name=f"hydro {check.name}") for check in stored_checks(database)]
 
 
-def witness_checks(study: Study, database: xr.Dataset, found: xr.Dataset | None) -> list[Check]:
+def witness_checks(study: Study, database: xr.Dataset, found: xr.Dataset) -> list[Check]:
     """Return whether a second solver agrees, on all shapes and with the database; in doubt where it cannot be asked."""
-    if found is not None:
-        own = sum(check.value for check in stored_checks(database) if check.name in _OWN_ERRORS)
-        return [*witness.witness_checks(found), *witness.database_checks(found, database, own)]
     if study.hydro.witness == "none":
         return []
-    return [Check("witness", 1.0, 0.0, "-", "doubt", f"no second solver: {no_witness(study)}")]
+    if reason := no_witness(study):
+        return [Check("witness", 1.0, 0.0, "-", "doubt", f"no second solver: {reason}")]
+    own = sum(check.value for check in stored_checks(database) if check.name in _OWN_ERRORS)
+    return [*witness.witness_checks(found), *witness.database_checks(found, database, own)]
 
 
 def assumed_pressure_checks(study: Study, rows: Sequence[Row]) -> list[Check]:

@@ -95,38 +95,41 @@ def families(study: Study) -> dict[str, list[Irregular]]:
     return found
 
 
-def statistics(
-    study: Study, runs: Mapping[tuple[str, str], xr.Dataset], seas: Mapping[str, Sea], response: xr.Dataset
-) -> list[Line]:
+class Sample(NamedTuple):
+    """What statistics keep of a run in an irregular sea."""
+
+    batches: FloatArray  # mean power of each (batch,) [W]
+    linear: float  # mean power linear theory predicts [W]
+
+
+def sample(study: Study, wave: Irregular, design: str, run: xr.Dataset, sea: Sea, response: xr.Dataset) -> Sample:
+    """Return what statistics keep of the run of a design in a realisation of a sea."""
+    return Sample(batch_means(run, study.simulation.window, wave.memory), linear_power(response, design, sea))
+
+
+def statistics(study: Study, samples: Mapping[tuple[str, str], Sample]) -> list[Line]:
     """Return one line per design and irregular sea.
 
     Parameters
     ----------
     study : Study
-    runs : mapping (design, wave label) -> trajectory
-    seas : mapping wave label -> Sea
-    response : xarray.Dataset
-        Absorbed power over frequency.
+    samples : mapping (design, wave label) -> Sample
     """
     lines = []
     for name, waves in families(study).items():
-        length = waves[0].memory
-        means = {
-            design: np.concatenate([batch_means(runs[design, w.label], study.simulation.window, length) for w in waves])
-            for design in study.designs
-        }
+        means = {d: np.concatenate([samples[d, w.label].batches for w in waves]) for d in study.designs}
         base = means.get(study.reference_design or "")  # has no gain over itself
         for design, batches in means.items():
-            power, predicted = interval(batches), linear_power(response, design, [seas[w.label] for w in waves])
+            predicted = float(np.mean([samples[design, w.label].linear for w in waves]))
             gain = gain_percent(batches, None if design == study.reference_design else base)
-            lines.append(Line(design, name, len(waves), len(batches), *power, predicted, *gain))
+            lines.append(Line(design, name, len(waves), len(batches), *interval(batches), predicted, *gain))
     return lines
 
 
-def linear_power(response: xr.Dataset, design: str, seas: Sequence[Sea]) -> float:
+def linear_power(response: xr.Dataset, design: str, sea: Sea) -> float:
     """Return the mean power linear theory predicts, sum of P(omega) |a|^2 over the components [W]."""
     power = CubicSpline(response.omega.values, response.absorbed_power.sel(design=design).values)
-    return float(np.mean([sea.mean_of(power(sea.omega)) for sea in seas]))
+    return float(sea.mean_of(power(sea.omega)))
 
 
 def gain_percent(batches: FloatArray, base: FloatArray | None) -> tuple[float | None, float | None, float | None]:

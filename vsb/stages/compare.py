@@ -2,18 +2,19 @@
 
 import json
 from dataclasses import asdict
-from pathlib import Path
+from typing import Any, NamedTuple
 
-from vsb.hydro.database import load_database
+from vsb.hydro.database import Check
 from vsb.results import comparison, ledger
 from vsb.results import statistics as irregular
-from vsb.results.equal_tuning import equal_tuning, fair_damping_checks
+from vsb.results.equal_tuning import Tuned, equal_tuning, fair_damping_checks
 from vsb.results.ladder import study_ladder
-from vsb.stages.trajectories import stored_runs
-from vsb.study.plan import StudyPlan
+from vsb.scenes.rest import reference_shell
+from vsb.shell.modes import ModeBasis
+from vsb.stages.inputs import Inputs
 from vsb.study.specs import CompareSpec
-from vsb.study.study import canonical
-from vsb.tools.files import load, write_text
+from vsb.study.study import IrregularSea, Wave, canonical
+from vsb.tools.files import write_text
 from vsb.tools.stamps import record
 from vsb.waves.seas import NO_WAVES, sea
 
@@ -36,22 +37,20 @@ def run(
 
     Those are for people; what the report reads is one file of checked data, `tables`.
     """
-    compared, plan = spec.study, StudyPlan(spec.study)
-    runs = stored_runs(compared, trajectories)
-    bem = compared.needs_bem
-    seas = {
-        wave.label: sea(wave, compared.hydro.omega_max, compared.simulation.duration) if bem else NO_WAVES
-        for wave in compared.waves
-    }
-    rows = comparison.comparison(compared, runs, seas)
-    checks, lines, tuned = [*ledger.run_ledger(compared, runs), *ledger.transient_checks(runs, rows)], [], []
-    if bem:
-        ds = load_database(database, Path(database).stem)
-        frequency = load(response, expected=plan.response_id)
-        lines = irregular.statistics(compared, runs, seas, frequency)
-        model = load(radiation, expected=Path(radiation).stem)
-        checks += ledger.linear_ledger(compared, ds, model, frequency, rows, runs)
-        checks += ledger.witness_checks(compared, ds, load(witness, expected=Path(witness).stem) if witness else None)
+    compared = spec.study
+    found = Inputs(compared, trajectories, database, radiation, response, witness)
+    reference = reference_shell(compared)
+    met = [in_a_sea(found, reference.basis, wave) for wave in compared.waves]
+    rows = [row for one in met for row in one.rows]
+    runs = {run: attrs for one in met for run, attrs in one.runs.items()}
+    checks = [*ledger.shell_checks(compared, reference), *(check for one in met for check in one.checks)]
+    checks += ledger.transient_checks(runs, rows)
+    lines: list[irregular.Line] = []
+    tuned: list[Tuned] = []
+    if compared.needs_bem:
+        lines = irregular.statistics(compared, {run: kept for one in met for run, kept in one.samples.items()})
+        checks += ledger.linear_ledger(compared, found.database, found.radiation, found.response, rows, runs)
+        checks += ledger.witness_checks(compared, found.database, found.witness)
         checks += irregular.statistical_checks(compared, lines)
         tuned = equal_tuning(compared, study_ladder(compared, database))
         checks += fair_damping_checks(tuned)
@@ -69,4 +68,30 @@ def run(
         "checks": [asdict(check) for check in checks],
     }
     write_text(tables, json.dumps(data, indent=1, allow_nan=False) + "\n")
-    record(manifest, plan.study_id, [out, statistics, validity, study, tables])
+    record(manifest, found.plan.study_id, [out, statistics, validity, study, tables])
+
+
+class InASea(NamedTuple):
+    """What the runs in a sea leave for the comparison; all runs at a time may be more than memory holds."""
+
+    rows: list[comparison.Row]
+    checks: list[Check]
+    runs: dict[tuple[str, str], dict[str, Any]]  # their attributes
+    samples: dict[tuple[str, str], irregular.Sample]  # of an irregular sea
+
+
+def in_a_sea(found: Inputs, basis: ModeBasis, wave: Wave) -> InASea:
+    """Return what the runs of all designs in a sea leave."""
+    study, label = found.study, wave.label
+    waves = sea(wave, study.hydro.omega_max, study.simulation.duration) if study.needs_bem else NO_WAVES
+    runs = {design: found.runs[design, label] for design in study.designs}
+    samples = {}
+    if study.needs_bem and isinstance(wave, IrregularSea):
+        response = found.response
+        samples = {(d, label): irregular.sample(study, wave, d, run, waves, response) for d, run in runs.items()}
+    return InASea(
+        comparison.comparison(study, wave, runs, waves),
+        ledger.sea_checks(study, basis, wave, runs),
+        {(design, label): run.attrs for design, run in runs.items()},
+        samples,
+    )

@@ -1,17 +1,15 @@
 """Rule figures: all figures of a study."""
 
 import io
-from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
 
-from vsb.hydro.database import load_database
 from vsb.report.canvas import StudyData
 from vsb.report.figures import draw
-from vsb.stages.trajectories import stored_runs
-from vsb.study.plan import StudyPlan, figure_names
+from vsb.stages.inputs import Inputs
+from vsb.study.plan import figure_names
 from vsb.study.study import StillWater, Study, Wave, content_id
 from vsb.tools.files import load, write_text
 from vsb.tools.stamps import record
@@ -29,20 +27,19 @@ def run(
     witness: str = "",
 ) -> None:
     """Draw and write all figures of a study as SVG into a folder."""
-    plan = StudyPlan(study)
-    frequency = load(response, expected=plan.response_id) if study.needs_bem else xr.Dataset()
+    found = Inputs(study, trajectories, database, radiation, response, witness)
     data = StudyData(
         designs=tuple(study.designs),
         reference=study.reference_design,
         wave_frequencies=tuple(wave.omega for wave in study.waves if not isinstance(wave, StillWater)),
-        periods={wave.label: _period(study, wave, frequency) for wave in study.waves},
+        periods={wave.label: _period(study, wave, found.response) for wave in study.waves},
         window=study.simulation.window,
-        modes=load(modes, expected=content_id(plan.modes)),
-        database=load_database(database, Path(database).stem) if study.needs_bem else xr.Dataset(),
-        radiation=load(radiation, expected=Path(radiation).stem) if study.needs_bem else xr.Dataset(),
-        response=frequency,
-        runs=stored_runs(study, trajectories),
-        witness=load(witness, expected=Path(witness).stem) if witness else xr.Dataset(),
+        modes=load(modes, expected=content_id(found.plan.modes)),
+        database=found.database,
+        radiation=found.radiation,
+        response=found.response,
+        runs=found.runs,
+        witness=found.witness,
     )
     files = {name: f"{out}/{name}.svg" for name in figure_names(study)}
     with mpl.rc_context():  # the caller's own figures keep their looks
@@ -50,7 +47,7 @@ def run(
             text = io.StringIO()
             draw(name, data).savefig(text, format="svg", metadata={"Date": None})
             write_text(path, text.getvalue())
-    record(manifest, plan.study_id, files.values())
+    record(manifest, found.plan.study_id, files.values())
 
 
 def _period(study: Study, wave: Wave, response: xr.Dataset) -> float:

@@ -2,21 +2,20 @@
 
 import json
 import time as clock
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-import xarray as xr
 
 from vsb import __version__
-from vsb.hydro.database import load_database
 from vsb.report.page import Report, render
 from vsb.results.statistics import families
-from vsb.stages.trajectories import stored_runs
-from vsb.study.plan import StudyPlan, figure_names
+from vsb.stages.inputs import Inputs
+from vsb.study.plan import figure_names
 from vsb.study.study import StillWater, Study
 from vsb.study.witness import no_witness
-from vsb.tools.files import load, write_text
+from vsb.tools.files import write_text
 from vsb.tools.stamps import read_text, record
 
 ASSUMED = "hydrostatic and assumed uniform pressure of {:g} Pa on the instantaneous wet shell; no radiation"
@@ -35,10 +34,11 @@ def run(
     witness: str = "",
 ) -> None:
     """Write the report of a study, from its checked results alone."""
-    plan = StudyPlan(study)
-    found = json.loads(read_text(tables, manifest, plan.study_id))
+    stored = Inputs(study, trajectories, database, radiation, response, witness)
+    study_id = stored.plan.study_id
+    found = json.loads(read_text(tables, manifest, study_id))
     if study.needs_bem:
-        hydrodynamics = _bem_facts(database, radiation) | _witness_facts(study, witness)
+        hydrodynamics = _bem_facts(stored) | _witness_facts(stored)
     else:
         hydrodynamics = {"Hydrodynamics": ASSUMED.format(study.hydro.pressure)}
     page = Report(
@@ -49,13 +49,13 @@ def run(
         statistics=found["statistics"],
         equal_tuning=found["equal_tuning"],
         checks=found["checks"],
-        response=load(response, expected=plan.response_id) if study.needs_bem else None,
+        response=stored.response if study.needs_bem else None,
         reference=study.reference_design,
-        figures={n: read_text(f"{figures}/{n}.svg", manifest, plan.study_id) for n in figure_names(study)},
-        facts=_facts(study, hydrodynamics, list(stored_runs(study, trajectories).values())),
+        figures={n: read_text(f"{figures}/{n}.svg", manifest, study_id) for n in figure_names(study)},
+        facts=_facts(study, hydrodynamics, stored.runs.attributes()),
     )
     write_text(out, render(page))
-    record(manifest, plan.study_id, [out])
+    record(manifest, study_id, [out])
 
 
 def _seas(study: Study) -> dict[str, str]:
@@ -69,24 +69,24 @@ def _seas(study: Study) -> dict[str, str]:
     }
 
 
-def _facts(study: Study, hydrodynamics: dict[str, str], runs: Sequence[xr.Dataset]) -> dict[str, str]:
-    """How the results were made, in words."""
+def _facts(study: Study, hydrodynamics: dict[str, str], runs: Sequence[Mapping[str, Any]]) -> dict[str, str]:
+    """How the results were made, in words; by what runs say of themselves."""
     return {
         "Program": f"vsb {__version__}, {clock.strftime('%Y-%m-%d')}",
         **hydrodynamics,
-        "Time domain": f"{runs[0].attrs['method']}, {study.simulation.duration:g} s of motion in "
-        f"{max(run.attrs['seconds'] for run in runs):.3f} s or less per design and sea",
-        "Largest energy residual": f"{max(run.attrs['energy_residual'] for run in runs):.1e}",
+        "Time domain": f"{runs[0]['method']}, {study.simulation.duration:g} s of motion in "
+        f"{max(run['seconds'] for run in runs):.3f} s or less per design and sea",
+        "Largest energy residual": f"{max(run['energy_residual'] for run in runs):.1e}",
         "Study": json.dumps(study.model_dump(mode="json"), default=str),
     }
 
 
-def _bem_facts(database: str, radiation: str) -> dict[str, str]:
+def _bem_facts(stored: Inputs) -> dict[str, str]:
     """Where the hydrodynamic coefficients come from."""
-    ds, model = load_database(database, Path(database).stem), load(radiation, expected=Path(radiation).stem).attrs
+    ds, model = stored.database, stored.radiation.attrs
     return {
         "BEM": "spectral integral equation" if ds.attrs["solver"] == "spectral" else ds.attrs["solver"],
-        "Hydro database": f"{Path(database).name}: {ds.sizes['omega']} frequencies up to "
+        "Hydro database": f"{Path(stored.database_path).name}: {ds.sizes['omega']} frequencies up to "
         f"{float(ds.omega[-1]):g} rad/s, {ds.sizes['influenced_dof']} degrees of freedom",
         "Seconds of BEM": f"{ds.attrs['bem_seconds']:.1f} on one core",
         "Radiation model": f"{model['order']} states, rms error {model['fit_error']:.1e}, "
@@ -94,13 +94,13 @@ def _bem_facts(database: str, radiation: str) -> dict[str, str]:
     }
 
 
-def _witness_facts(study: Study, witness: str) -> dict[str, str]:
+def _witness_facts(stored: Inputs) -> dict[str, str]:
     """What the second solver was, and took."""
-    if not witness:
-        return {"Witness": f"none ({no_witness(study)})"}
-    ds = load(witness, expected=Path(witness).stem)
+    if reason := no_witness(stored.study):
+        return {"Witness": f"none ({reason})"}
+    ds, name = stored.witness, Path(stored.witness_path).name
     panels, spectral = (float(ds.witness_seconds.sel(solver=solver).sum()) for solver in ("panels", "spectral"))
     return {
-        "Witness": f"{Path(witness).name}: {ds.sizes['shape']} shapes at {ds.sizes['omega']} frequencies by "
+        "Witness": f"{name}: {ds.sizes['shape']} shapes at {ds.sizes['omega']} frequencies by "
         f"{ds.attrs['panels']} on {ds.attrs['rows']} rows ({panels:.1f} s) and the spectral solver ({spectral:.1f} s)"
     }

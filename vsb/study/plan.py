@@ -217,9 +217,9 @@ class StudyPlan(HydroPlan):
 
     @property
     def study_megabytes(self) -> int:
-        """Memory that all time series of the study take at one time [MB], and what drawing them takes."""
-        records = [self.record_megabytes(wave) for wave in self.study.waves]
-        return 800 + math.ceil(1.2 * len(self.study.designs) * sum(records))
+        """Memory that the time series of all designs in a sea take at one time [MB], and what drawing them takes."""
+        largest = max(self.record_megabytes(wave) for wave in self.study.waves)
+        return 800 + math.ceil(1.2 * len(self.study.designs) * largest)
 
     # file names -----------------------------------------------------------------------------------------------------
 

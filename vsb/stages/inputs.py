@@ -1,0 +1,66 @@
+"""What the stages of a whole study read of the stages before them."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import xarray as xr
+
+from vsb.hydro.database import load_database
+from vsb.stages.trajectories import StoredRuns
+from vsb.study.plan import StudyPlan
+from vsb.study.study import Study
+from vsb.study.witness import no_witness
+from vsb.tools.files import load
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """Results of a study, each read when asked for; empty where the study has none.
+
+    Raises
+    ------
+    DatabaseError
+        By everything here: if a file is missing, damaged, or of another specification.
+    """
+
+    study: Study
+    trajectories: str  # folder
+    database_path: str = ""
+    radiation_path: str = ""
+    response_path: str = ""
+    witness_path: str = ""
+
+    @cached_property
+    def plan(self) -> StudyPlan:
+        """Names and content ids."""
+        return StudyPlan(self.study)
+
+    @cached_property
+    def runs(self) -> StoredRuns:
+        """Time series by design and sea."""
+        return StoredRuns(self.study, self.trajectories)
+
+    @cached_property
+    def database(self) -> xr.Dataset:
+        """The hydro database."""
+        path = self.database_path
+        return load_database(path, Path(path).stem) if self.study.needs_bem else xr.Dataset()
+
+    @cached_property
+    def radiation(self) -> xr.Dataset:
+        """The radiation model."""
+        path = self.radiation_path
+        return load(path, expected=Path(path).stem) if self.study.needs_bem else xr.Dataset()
+
+    @cached_property
+    def response(self) -> xr.Dataset:
+        """The frequency response."""
+        needed = self.study.needs_bem
+        return load(self.response_path, expected=self.plan.response_id) if needed else xr.Dataset()
+
+    @cached_property
+    def witness(self) -> xr.Dataset:
+        """What two solvers say of the same shapes."""
+        path = self.witness_path
+        return xr.Dataset() if no_witness(self.study) else load(path, expected=Path(path).stem)
