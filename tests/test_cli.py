@@ -1,4 +1,5 @@
 import io
+import re
 import signal
 import subprocess
 import sys
@@ -17,7 +18,7 @@ from vsb.study.plan import StudyPlan
 from vsb.study.study import canonical, load
 
 COMMANDS = (
-    "init", "run", "check", "shell", "body", "shape-dependence", "export", "import-wamit", "import-bemio",
+    "init", "run", "check", "schema", "completion", "verify", "shell", "body", "shape-dependence", "export", "import-wamit", "import-bemio",
     *(stage.name for stage in STAGES),
 )  # fmt: skip
 
@@ -58,6 +59,62 @@ def test_unknown_command_is_two():
     with pytest.raises(SystemExit) as stop:
         parser().parse_args(["simulat"])
     assert stop.value.code == 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "meant"),
+    [
+        (["chek", "x.yaml"], "COMMAND: received chek, did you mean check?; see vsb --help"),
+        (["shell", "x.yaml", "--jsn"], "unrecognized arguments: --jsn; did you mean --json?; see vsb --help"),
+        (["completion", "basch"], "shell: received basch, did you mean bash?; see vsb completion --help"),
+        (["frobnicate"], "argument COMMAND: invalid choice: 'frobnicate' (choose from 'init', "),
+    ],
+)
+def test_a_misspelt_command_or_option_is_told_what_was_meant(capsys, arguments, meant):
+    with pytest.raises(SystemExit) as stop:
+        main(arguments)
+    assert stop.value.code == 2
+    assert capsys.readouterr().err.startswith(f"vsb: error: {meant}")
+
+
+def test_all_mistakes_of_a_file_are_told_each_in_a_line(workplace, capsys):
+    """With the line it stands in, and what was probably meant; then those that several sections make together."""
+    text = SEED.read_text().replace("thickness", "thicknes").replace("{basis: membrane", "{basis: membran")
+    Path("several.yaml").write_text(text.replace("amplitude", "hs"))
+    assert main(["check", "several.yaml"]) == 2
+    start, lines = "vsb: error: several.yaml:", capsys.readouterr().err.splitlines()
+    at = {name: 1 + text[: text.index(name)].count("\n") for name in ("device:", "thicknes:", "basis:", "amplitude:")}
+    assert lines == [
+        f"{start}{at['thicknes:']}: device.thicknes: received 0.01; unknown key; did you mean thickness?",
+        f"{start}{at['amplitude:']}: waves.0.regular.hs: received 0.179; unknown key; did you mean waves.hs?",
+        f"{start}{at['device:']}: device.thickness: missing, but required: "
+        "thickness of the shell; thin-shell theory needs less than radius/10 [m]",
+        f"{start}{at['basis:']}: modes.basis: received 'membran'; Input should be 'paper', 'membrane' or 'full'; "
+        "did you mean membrane?",
+        f"{start}{at['amplitude:']}: waves.0.regular.amplitude: missing, but required: "
+        "half the height from trough to crest [m]",
+    ]
+    assert main(["check", written("heavy.yaml", device={**yaml.safe_load(SEED.read_text())["device"], "mass": 1e9},
+                 waves=[{"kind": "regular", "amplitude": 0.1, "period": 0.1}])]) == 2  # fmt: skip
+    heavy, short = capsys.readouterr().err.splitlines()
+    assert "device.mass 1e+09 kg: the buoy would sink" in heavy
+    assert "waves.0 regular_A0.1_T0.1: the wave is too short" in short
+
+
+def test_completion_offers_commands_options_choices_and_files(workplace, capsys):
+    assert main(["completion", "bash"]) == 0
+    Path("completion.sh").write_text(capsys.readouterr().out)
+
+    def offered(*words):
+        line = f"COMP_WORDS=({' '.join(['vsb', *words])}); COMP_CWORD={len(words)}"
+        ask = f'source completion.sh; {line}; _vsb; echo "${{COMPREPLY[@]}}"'
+        return subprocess.run(["bash", "-c", ask], capture_output=True, text=True, check=True).stdout.split()
+
+    assert offered("che") == ["check"]
+    assert offered("sim") == []  # rules are for the workflow
+    assert offered("run", "--p") == ["--profile"]
+    assert offered("schema", "bo") == ["body"]
+    assert offered("check", "fi") == ["file"]
 
 
 def test_interruption_says_how_to_go_on(monkeypatch, capsys):
@@ -121,7 +178,7 @@ def test_a_mistake_of_the_plan_names_the_study_file_once(workplace, capsys, chan
     Path(name).parent.mkdir(exist_ok=True)
     for command in ("check", "run"):
         line = told([command, written(name, **changes)], capsys)
-        assert line.startswith(f"{name}: {message}")
+        assert re.sub(r":\d+", "", line, count=1).startswith(f"{name}: {message}")
         assert line.count(name) == 1
 
 

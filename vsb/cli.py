@@ -3,6 +3,7 @@
 import argparse
 import json
 import os
+import re
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -14,7 +15,10 @@ from vsb.stages.init import init
 from vsb.stages.run import ERROR, cores, run
 from vsb.stages.stage import STAGES, Stage
 from vsb.study.plan import StudyPlan
-from vsb.study.study import load
+from vsb.study.quantities import Section
+from vsb.study.schema import nearest
+from vsb.study.study import Study, load
+from vsb.tools import completion
 
 if TYPE_CHECKING:
     from vsb.hydro.database import Check
@@ -37,6 +41,22 @@ def check(args: argparse.Namespace) -> int:
     study = load(args.config)
     for line in preview.summary(study, StudyPlan(study)):
         print(line)
+    return 0
+
+
+def schema(args: argparse.Namespace) -> int:
+    """Print the JSON schema of study or body files, by which editors complete, explain and check them."""
+    from vsb.hydro.bodies.study import BodyStudy
+    from vsb.study.schema import schema_of
+
+    model: type[Section] = BodyStudy if args.kind == "body" else Study
+    print(json.dumps(schema_of(model), indent=1, allow_nan=False))
+    return 0
+
+
+def complete(args: argparse.Namespace) -> int:
+    """Print what makes a shell complete commands, options and files: source <(vsb completion bash)."""
+    print(completion.script(parser(), args.shell), end="")
     return 0
 
 
@@ -132,8 +152,12 @@ class Parser(argparse.ArgumentParser):
     """A parser that tells a mistake in one line."""
 
     def error(self, message: str) -> NoReturn:
-        """Say what is wrong with the arguments; exit with 2."""
-        self.exit(2, f"{ERROR} {' '.join(message.split())}; see {self.prog} --help\n")
+        """Say what is wrong with the arguments, and what was probably meant; exit with 2."""
+        text = " ".join(message.split())
+        choice = re.search(r"^argument (\S+): invalid choice: '(.*)' \(choose from (.*)\)$", text)
+        if choice and (near := nearest(choice[2], re.findall("'(.*?)'", choice[3]))):
+            text = f"{choice[1]}: received {choice[2]}, did you mean {near}?"
+        self.exit(2, f"{ERROR} {text}; see {self.prog} --help\n")
 
 
 def parser() -> argparse.ArgumentParser:
@@ -163,7 +187,7 @@ def _command(commands: Any, name: str, text: str, handler: Handler, /, **places:
     one: argparse.ArgumentParser = commands.add_parser(name, help=text, description=handler.__doc__)
     for place, metavar in places.items():
         one.add_argument(place, metavar=metavar)
-    one.set_defaults(handler=handler)
+    one.set_defaults(handler=handler, command=one)
     return one
 
 
@@ -176,6 +200,10 @@ def _add_commands(commands: Any) -> None:
     one.add_argument("--profile", default="default", help="default, slurm, or the path of a folder of your own")
     one.add_argument("--cores", "-c", type=cores, metavar="N", help="processor cores to use, or all")
     _command(commands, "check", "validate a study, solve nothing", check, config="CONFIG")
+    one = _command(commands, "schema", "JSON schema of study files, for editors", schema)
+    one.add_argument("kind", nargs="?", choices=("study", "body"), default="study", help="of which files")
+    one = _command(commands, "completion", "completion for a shell", complete)
+    one.add_argument("shell", choices=tuple(completion.SHELLS), help="which")
     one = _command(commands, "verify", "whether results are what they should be", verify, config="CONFIG|FOLDER")
     one.add_argument("--heal", action="store_true", help="remove what is not, so that the next run makes it anew")
     one = _command(commands, "shell", "natural frequencies of the dry shell", shell, config="CONFIG")
@@ -236,7 +264,8 @@ def answer(line: argparse.ArgumentParser, argv: Sequence[str] | None) -> int:
     args, rest = line.parse_known_args(argv)
     handler: Handler = args.handler
     if rest and handler is not run:
-        line.error(f"unrecognized arguments: {' '.join(rest)}")
+        near = nearest(rest[0], completion.options(vars(args).get("command", line)))
+        line.error(f"unrecognized arguments: {' '.join(rest)}" + (f"; did you mean {near}?" if near else ""))
     args.snakemake = rest
     try:
         _check_writable([name.format(**vars(args)) for name in args.writes])
@@ -246,8 +275,10 @@ def answer(line: argparse.ArgumentParser, argv: Sequence[str] | None) -> int:
     except BrokenPipeError:  # of `| head`: nobody reads on
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except ConfigError as error:
+        return max(_mistake(text, vars(args).get("config")) for text in error.mistakes)
     except VsbError as error:
-        return _mistake(str(error), vars(args).get("config") if isinstance(error, ConfigError) else None)
+        return _mistake(str(error))
     except OSError as error:
         if error.filename is None:  # of no file: not the user's
             raise

@@ -1,12 +1,21 @@
 """The errors a user can meet; every one says what was received, what is needed and what to do."""
 
+from collections.abc import Sequence
+
 
 class VsbError(Exception):
     """Base of all errors that are the user's to mend: reported as one line, exit code 2."""
 
 
 class ConfigError(VsbError):
-    """The study file cannot be used: names the file, the key, the value received and the value needed."""
+    """The study file cannot be used: names the file, the key, the value received and the value needed.
+
+    `mistakes` are all that were found, one line each; the error itself tells the first.
+    """
+
+    def __init__(self, message: str, mistakes: Sequence[str] = ()) -> None:
+        super().__init__(message)
+        self.mistakes = tuple(mistakes) or (message,)
 
 
 class DatabaseError(VsbError):

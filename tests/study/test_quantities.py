@@ -126,7 +126,7 @@ def test_no_page_of_a_value_is_repeated(tmp_path):
     with pytest.raises(ConfigError, match=r"received 'x{79}\.\.\. \(100002 characters\)") as error:
         config.parse(changed("study", "x" * 100_000))
     assert len(str(error.value)) < 400
-    with pytest.raises(ConfigError, match=r"waves.0: Input tag 'x{80}\.\.\. \(100000 characters\)") as error:
+    with pytest.raises(ConfigError, match=r"waves.0: kind 'x{79}\.\.\. \(100002 characters\)") as error:
         config.parse(changed("waves", [{"kind": "x" * 100_000}]))
     assert len(str(error.value)) < 400
 

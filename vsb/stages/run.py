@@ -19,7 +19,9 @@ from vsb.errors import VsbError
 from vsb.stages.alone import alone
 from vsb.stages.stage import STAGES
 from vsb.study.plan import StudyPlan
+from vsb.study.schema import nearest
 from vsb.study.study import load
+from vsb.tools import completion
 from vsb.tools.shipped import HOME
 
 ERROR = "vsb: error:"
@@ -80,20 +82,24 @@ def check_options(options: Sequence[str], plan: StudyPlan) -> None:
     from snakemake.cli import get_argument_parser
     from snakemake.exceptions import CliException
 
-    told = io.StringIO()
+    told, parser = io.StringIO(), get_argument_parser()
     try:
         with contextlib.redirect_stderr(told), contextlib.redirect_stdout(told):
-            given = get_argument_parser().parse_args(list(options))
+            given = parser.parse_args(list(options))
     except SystemExit as stop:
         if not stop.code:  # of --help and --version
             return
-        raise VsbError(f"{told.getvalue().strip().splitlines()[-1].partition('error: ')[2]}, of snakemake") from None
+        what = told.getvalue().strip().splitlines()[-1].partition("error: ")[2]
+        known = [*completion.options(parser), "--profile", "--cores"]
+        near = nearest(what.rpartition(" ")[2], known) if what.startswith("unrecognized arguments") else ""
+        raise VsbError(f"{what}, of snakemake" + (f"; did you mean {near}?" if near else "")) from None
     except CliException as error:
         raise VsbError(f"{error}, of snakemake") from None
     for target in given.targets:
         if target not in TARGETS and not target.startswith(f"{plan.root}/"):
-            names = ", ".join(sorted(TARGETS))
-            raise VsbError(f"target: received {target}, needs one of {names}, or a file in {plan.root}")
+            names, near = ", ".join(sorted(TARGETS)), nearest(target, TARGETS)
+            meant = f"; did you mean {near}?" if near else ""
+            raise VsbError(f"target: received {target}, needs one of {names}, or a file in {plan.root}{meant}")
 
 
 def _profile(name: str) -> Path:

@@ -143,6 +143,33 @@ def study_faults(plan: StudyPlan) -> list[Fault]:
     return faults(plan.ids, manifests(Path(plan.root)))
 
 
+MOST_CHANGES = 6
+"""Changes of a study that are told."""
+
+
+def differences(plan: StudyPlan) -> str:
+    """Return what a study changes of the one whose results it replaces; empty if there is none, or the same."""
+    before = _plan(Path(plan.folder)) if Path(plan.folder, STUDY).is_file() else None
+    if before is None:
+        return ""
+    old, new = (leaves(study.model_dump()) for study in (before.study, plan.study))
+    changes = [
+        f"{key} {old.get(key, 'nothing')} -> {new.get(key, 'nothing')}"
+        for key in {**old, **new}
+        if old.get(key) != new.get(key)
+    ]
+    more = f" (and {len(changes) - MOST_CHANGES} more)" if len(changes) > MOST_CHANGES else ""
+    return ", ".join(changes[:MOST_CHANGES]) + more
+
+
+def leaves(data: object, name: str = "") -> dict[str, object]:
+    """Return the values of nested mappings and lists by their names with dots."""
+    below = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list | tuple) else None
+    if not below:
+        return {name: data}
+    return {key: leaf for part, inner in below for key, leaf in leaves(inner, f"{name}.{part}".lstrip(".")).items()}
+
+
 def stale_products(plan: StudyPlan, *, dry: bool) -> list[str]:
     """Return the products a run must make anew, and say so.
 
@@ -155,6 +182,8 @@ def stale_products(plan: StudyPlan, *, dry: bool) -> list[str]:
         If a file that studies share is damaged or foreign: other results rest on it and it may have taken hours, so it
         is for the user to remove.
     """
+    if changes := differences(plan):
+        print(f"vsb: {plan.folder} {'holds' if dry else 'held'} another study of this name: {changes}", flush=True)
     stale = []
     for fault in study_faults(plan):
         if fault.kind == "unstamped":

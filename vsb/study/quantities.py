@@ -3,9 +3,11 @@
 Imports nothing heavy: the Snakefile reads a study at every parse.
 """
 
-from typing import Annotated
+from dataclasses import dataclass
+from typing import Annotated, Any
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, GetJsonSchemaHandler
+from pydantic_core import CoreSchema
 
 
 def number(value: object) -> object:
@@ -15,7 +17,19 @@ def number(value: object) -> object:
     return value
 
 
-def within(least: float, most: float, unit: str, because: str) -> AfterValidator:
+@dataclass(frozen=True)
+class Range(AfterValidator):
+    """A check that a number lies in a range, and the range for those who write the number down."""
+
+    least: float
+    most: float
+
+    def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        """Return the number's JSON schema with its range."""
+        return {**handler(core), "minimum": self.least, "maximum": self.most}
+
+
+def within(least: float, most: float, unit: str, because: str) -> Range:
     """Return what refuses a number beyond its physical range, and says why there is nothing."""
 
     def checked(value: float) -> float:
@@ -24,7 +38,7 @@ def within(least: float, most: float, unit: str, because: str) -> AfterValidator
             raise ValueError(f"needs {bound} {unit}, because {because}")
         return value
 
-    return AfterValidator(checked)
+    return Range(checked, least, most)
 
 
 Number = Annotated[float, BeforeValidator(number)]

@@ -1,19 +1,22 @@
-"""Reading of YAML files into checked values: one line for every mistake."""
+"""Reading of YAML files into checked values: one line for every mistake, with the file's line it stands in."""
 
-from collections.abc import Hashable
+import re
+from collections.abc import Hashable, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import yaml
 from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
 
 from vsb.errors import ConfigError
+from vsb.study.schema import hint, keys_at, nearest, schema_of
 
 Model = TypeVar("Model", bound=BaseModel)
 
 
 class _UniqueKeyLoader(yaml.SafeLoader):
-    """YAML loader that refuses a key given twice."""
+    """YAML loader that refuses a key given twice, and knows the lines of the keys of what it read."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
         """Build a mapping; a repeated key is an error."""
@@ -28,8 +31,46 @@ class _UniqueKeyLoader(yaml.SafeLoader):
         return super().construct_mapping(node, deep)
 
 
+Place = Sequence[str | int]
+"""Keys and indices from the top of a file to something in it."""
+MOST_TOLD = 20
+"""Mistakes of one file that are told."""
+LONGEST = 80
+"""Characters of a value that are repeated."""
+DIGITS = 4300
+"""Digits of an integer, more of which Python does not print."""
+
+
+class Located(dict[str, Any]):
+    """The mapping a YAML file holds, which knows the lines its parts stand in."""
+
+    def __init__(self, data: dict[str, Any], node: yaml.MappingNode) -> None:
+        super().__init__(data)
+        self.node = node
+
+    def line(self, place: Place) -> int | None:
+        """Return the line, from 1, of the innermost part of a place there is; None of one outside."""
+        node: yaml.Node = self.node
+        found = None
+        for part in place:
+            below = _below(node, part)
+            if below is not None:
+                key, node = below
+                found = key.start_mark.line + 1
+        return found
+
+
+def _below(node: yaml.Node, part: str | int) -> tuple[yaml.Node, yaml.Node] | None:
+    """The nodes of a key, or an item, and of its value."""
+    if isinstance(node, yaml.MappingNode):
+        return next((pair for pair in node.value if pair[0].value == part), None)
+    if isinstance(node, yaml.SequenceNode) and isinstance(part, int) and part < len(node.value):
+        return node.value[part], node.value[part]
+    return None
+
+
 def read_yaml(path: str | Path, wanted: str) -> object:
-    """Return what a YAML file holds.
+    """Return what a YAML file holds; a mapping at its top knows the lines of the file.
 
     Parameters
     ----------
@@ -43,13 +84,34 @@ def read_yaml(path: str | Path, wanted: str) -> object:
         If it cannot be read, is not YAML, or gives a key twice.
     """
     try:
-        return yaml.load(Path(path).read_text(encoding="utf-8"), Loader=_UniqueKeyLoader)  # noqa: S506 (a SafeLoader)
+        return _loaded(Path(path).read_text(encoding="utf-8"))
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read ({error.strerror}); give the path of {wanted}") from None
     except RecursionError:
         raise ConfigError(f"{path}: not valid YAML (nested too deeply); give {wanted}") from None
     except (yaml.YAMLError, TypeError, ValueError) as error:
-        raise ConfigError(f"{path}: not valid YAML ({' '.join(str(error).split())})") from None
+        line, words = _yaml_words(error)
+        raise ConfigError(f"{path}{line}: not valid YAML ({words})") from None
+
+
+def _loaded(text: str) -> object:
+    """What a YAML text holds."""
+    loader = _UniqueKeyLoader(text)
+    try:
+        node = loader.get_single_node()
+        data = None if node is None else loader.construct_document(node)
+        return Located(data, node) if isinstance(node, yaml.MappingNode) and isinstance(data, dict) else data
+    finally:
+        loader.dispose()
+
+
+def _yaml_words(error: Exception) -> tuple[str, str]:
+    """The line an error of YAML is in, as it follows a file's name, and what it says."""
+    if not isinstance(error, yaml.MarkedYAMLError) or error.problem_mark is None:
+        return "", " ".join(str(error).split())
+    said = [(error.problem, error.problem_mark), (error.context, error.context_mark)]
+    words = [f"{text}, line {mark.line + 1}, column {mark.column + 1}" for text, mark in said if text and mark]
+    return f":{error.problem_mark.line + 1}", " ".join(", ".join(words).split())
 
 
 def validated(model: type[Model], raw: object, source: str) -> Model:
@@ -58,7 +120,8 @@ def validated(model: type[Model], raw: object, source: str) -> Model:
     Raises
     ------
     ConfigError
-        One line with the source, the key, the value received and the value needed.
+        One line with the source, its line if it is a YAML file, the key, the value received and the value needed; all
+        mistakes there are as `mistakes`.
     """
     if not isinstance(raw, dict):
         raise ConfigError(
@@ -69,7 +132,11 @@ def validated(model: type[Model], raw: object, source: str) -> Model:
     try:
         return model.model_validate(raw)
     except ValidationError as error:
-        raise ConfigError(f"{source}: {one_line(error)}") from None
+        found = _ordered(error)
+        told = [f"{source}{_line_of(one, raw)}: {_told(one, error.title, model)}" for one in found[:MOST_TOLD]]
+        rest = len(found) - len(told)
+        last = [f"{source}: and {rest} more mistakes like these"] if rest else []
+        raise ConfigError(told[0] + _more(found), [*told, *last]) from None
 
 
 def _unprintable(raw: object) -> str:
@@ -89,29 +156,87 @@ def _unprintable(raw: object) -> str:
 
 def one_line(error: ValidationError) -> str:
     """Return the first error of a validation in one line, and how many more: a misspelt key before what it left out."""
-    first, *more = sorted(error.errors(), key=lambda one: one["type"] != "extra_forbidden")
-    key = ".".join(str(part) for part in first["loc"]) or error.title.lower()
-    received = "" if isinstance(first["input"], dict | BaseModel) else f" received {_shown(first['input'])};"
-    what = first["msg"].removeprefix("Value error, ")
-    tag = str(first.get("ctx", {}).get("tag", ""))
-    if len(tag) > LONGEST:
-        what = what.replace(tag, _cut(tag))
-    if first["type"] == "extra_forbidden":
-        what = "unknown key; remove it or correct its spelling"
-    return " ".join(f"{key}:{received} {what}".split()) + (f" (and {len(more)} more)" if more else "")
+    found = _ordered(error)
+    return _told(found[0], error.title) + _more(found)
 
 
-LONGEST = 80
-"""Characters of a value that are repeated."""
-DIGITS = 4300
-"""Digits of an integer, more of which Python does not print."""
+def _ordered(error: ValidationError) -> list[ErrorDetails]:
+    """All mistakes, misspelt keys first; a check across sections may tell several, a line each."""
+    found = [cast(ErrorDetails, {**one, "msg": text}) for one in error.errors() for text in _lines(one)]
+    inner = {one["loc"][:n] for one in found for n in range(len(one["loc"]))}
+    found = [one for one in found if one["type"] != "too_short" or one["loc"] not in inner]  # not of wrong items
+    return sorted(found, key=lambda one: one["type"] != "extra_forbidden")
+
+
+def _lines(error: ErrorDetails) -> list[str]:
+    """What a mistake is told in: only texts of this project have lines."""
+    text = error["msg"].removeprefix("Value error, ")
+    return text.splitlines() if error["type"] == "value_error" else [text]
+
+
+def _more(found: Sequence[object]) -> str:
+    """How many there are beside the first."""
+    return f" (and {len(found) - 1} more)" if len(found) > 1 else ""
+
+
+def _line_of(error: ErrorDetails, raw: dict[str, Any]) -> str:
+    """The line a mistake stands in, as it follows a file's name; a check of a whole section begins with its key."""
+    if not isinstance(raw, Located):
+        return ""
+    words = re.match(r"\w+(\.\w+)*", error["msg"]) if error["type"] == "value_error" else None
+    named = [int(part) if part.isdigit() else part for part in words[0].split(".")] if words else []
+    line = raw.line([*error["loc"], *named])
+    return "" if line is None else f":{line}"
+
+
+def _told(error: ErrorDetails, title: str, model: type[BaseModel] | None = None) -> str:
+    """A mistake in one line: key, value received, what is needed."""
+    key = ".".join(str(part) for part in error["loc"]) or title.lower()
+    received = "" if isinstance(error["input"], dict | BaseModel) else f" received {_shown(error['input'])};"
+    return " ".join(f"{key}:{received} {_needed(error, schema_of(model) if model else {})}".split())
+
+
+_WORDS = {
+    "model_type": "needs a mapping of keys and values",
+    "dict_type": "needs a mapping of keys and values",
+    "tuple_type": "needs a list",
+    "string_type": "needs a word or a text",
+    "bool_type": "needs true or false",
+    "bool_parsing": "needs true or false",
+    "float_parsing": "Input should be a valid number",
+    "int_parsing": "Input should be a valid integer",
+    "too_short": "needs at least {min_length} item(s), not {actual_length}",
+    "too_long": "needs at most {max_length} item(s), not {actual_length}",
+    "string_pattern_mismatch": "String should match pattern {pattern!r}: letters, digits and _, first a letter",
+}
+"""Mistakes in words of this project, by pydantic's name."""
+
+
+def _needed(error: ErrorDetails, schema: dict[str, Any]) -> str:
+    """What is needed in place of what was received, and what was probably meant."""
+    kind, place, ctx = error["type"], error["loc"], error.get("ctx", {})
+    if kind == "extra_forbidden":
+        meant = hint(schema, place[:-1], str(place[-1])) if schema else ""
+        return "unknown key; " + (f"did you mean {meant}?" if meant else "remove it or correct its spelling")
+    if kind == "missing":
+        what = keys_at(schema, place[:-1]).get(str(place[-1]), {}).get("description", "") if schema else ""
+        return f"missing, but required{what and ': '}{what}"
+    if kind == "union_tag_invalid":
+        tag, choices = str(ctx["tag"]), str(ctx["expected_tags"])
+        return f"kind {_shown(tag)}: needs one of {choices}{_meant(tag, choices)}"
+    if kind == "union_tag_not_found":
+        return "kind: missing, but required"
+    what = _WORDS[kind].format(**ctx) if kind in _WORDS else error["msg"]
+    return what + (_meant(error["input"], str(ctx["expected"])) if kind == "literal_error" else "")
+
+
+def _meant(received: object, choices: str) -> str:
+    """Ask for the choice that was probably meant."""
+    near = nearest(received, re.findall("'(.*?)'", choices)) if isinstance(received, str) else ""
+    return f"; did you mean {near}?" if near and len(str(received)) <= LONGEST else ""
 
 
 def _shown(value: object) -> str:
     """A value as it is repeated to people: no page of it."""
-    return _cut(repr(value))
-
-
-def _cut(text: str) -> str:
-    """A text, or its beginning and how long it is."""
+    text = repr(value)
     return text if len(text) <= LONGEST else f"{text[:LONGEST]}... ({len(text)} characters)"

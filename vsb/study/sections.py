@@ -18,6 +18,7 @@ ATMOSPHERE = 101325.0
 THINNEST_SHELL = 1 / 3e4
 """Thickness over radius below which a sphere is a film."""
 RestShape = Literal["undeformed", "equilibrium"]
+Colatitude = Annotated[Number, Field(ge=0, le=180)]
 
 
 class RayleighDamping(Section):
@@ -89,9 +90,9 @@ class Design(Section):
     """One buoy of the comparison: rigid or flexible, clamped at colatitudes [degrees] from the top pole."""
 
     flexible: bool = True
-    clamp: tuple[Annotated[Number, Field(ge=0, le=180)], ...] = ()
+    clamp: tuple[Colatitude, ...] = ()
 
-    @field_validator("clamp", mode="before")
+    @field_validator("clamp", mode="before", json_schema_input_type=Colatitude | tuple[Colatitude, ...])
     @classmethod
     def _one_or_many(cls, value: object) -> object:
         return value if isinstance(value, list | tuple) else (value,)

@@ -117,9 +117,14 @@ class Study(Section):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        self._check_afloat()
-        self._check_waves()
-        self._check_model()
+        mistakes = []
+        for check in (self._check_afloat, self._check_waves, self._check_model):
+            try:
+                check()
+            except ValueError as mistake:
+                mistakes.append(str(mistake))
+        if mistakes:
+            raise ValueError("\n".join(mistakes))
         return self
 
     def _check_afloat(self) -> None:

@@ -210,7 +210,7 @@ def test_what_is_no_yaml_file_is_refused(tmp_path):
     with pytest.raises(ConfigError, match=r"gone.yaml: cannot be read"):
         bodystudy.read_config(tmp_path / "gone.yaml", BodyStudy)
     (tmp_path / "bad.yaml").write_text("a: [1\n")
-    with pytest.raises(ConfigError, match=r"bad.yaml: not valid YAML"):
+    with pytest.raises(ConfigError, match=r"bad.yaml:2: not valid YAML"):
         bodystudy.read_config(tmp_path / "bad.yaml", BodyStudy)
 
 

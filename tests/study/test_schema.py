@@ -1,0 +1,126 @@
+"""Keys that are all described, a schema that takes what a study takes, and hints."""
+
+import json
+
+import jsonschema
+import pytest
+import yaml
+from conftest import SEED
+
+from vsb.hydro.bodies.study import BodyStudy
+from vsb.study.keys import KEYS
+from vsb.study.reading import read_yaml
+from vsb.study.schema import dotted, hint, keys_at, nearest, schema_of
+from vsb.study.study import Study
+
+MODELS = {"study": Study, "body": BodyStudy}
+STUDIES = sorted(path for path in SEED.parent.glob("*.yaml") if "\nstudy:" in path.read_text())
+
+
+def sections(schema):
+    return {schema["title"]: schema, **schema["$defs"]}
+
+
+@pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)
+def test_every_key_says_what_it_means_and_gives_an_example_it_takes(model):
+    schema = schema_of(model)
+    for name, section in sections(schema).items():
+        for key, its in section["properties"].items():
+            assert its.get("description"), f"say in vsb.study.keys what {name}.{key} means"
+            checker = jsonschema.Draft202012Validator({**its, "$defs": schema["$defs"]})
+            assert [error.message for example in its["examples"] for error in checker.iter_errors(example)] == []
+
+
+def test_no_key_is_described_that_is_none():
+    known = {}
+    for model in MODELS.values():
+        known |= {name: set(section["properties"]) for name, section in sections(schema_of(model)).items()}
+    described = {name: set(keys) for name, keys in KEYS.items()}
+    left = {name: keys - known.get(name, set()) for name, keys in described.items() if name in known}
+    assert not any(left.values()), left
+    assert described.keys() - known.keys() <= {"ShellPort", "BetweenPort"}
+
+
+def numbers(data):
+    """Numbers as an editor reads them, where PyYAML sees text: 10.0e6."""
+    if isinstance(data, dict):
+        return {key: numbers(value) for key, value in data.items()}
+    if isinstance(data, list):
+        return [numbers(value) for value in data]
+    return float(data) if isinstance(data, str) and data[0].isdigit() else data
+
+
+@pytest.mark.parametrize("path", STUDIES, ids=lambda path: path.stem)
+def test_shipped_studies_are_valid_by_the_schema(path):
+    jsonschema.validate(numbers(yaml.safe_load(path.read_text())), schema_of(Study))
+
+
+@pytest.mark.parametrize(
+    ("place", "value"),
+    [
+        (("device", "radius"), 2000.0),
+        (("device", "thicknes"), 0.01),
+        (("designs", "VSWEC", "clamp"), 181),
+        (("modes", "basis"), "membran"),
+        (("waves", 0, "kind"), "tsunami"),
+        (("hydro", "tolerance"), 1.0),
+    ],
+)
+def test_the_schema_refuses_what_a_study_refuses(place, value):
+    raw = numbers(yaml.safe_load(SEED.read_text()))
+    *outer, last = place
+    here = raw
+    for part in outer:
+        here = here[part]
+    here[last] = value
+    assert not jsonschema.Draft202012Validator(schema_of(Study)).is_valid(raw)
+
+
+def test_it_is_json_of_its_dialect():
+    for model in MODELS.values():
+        schema = json.loads(json.dumps(schema_of(model), allow_nan=False))
+        jsonschema.Draft202012Validator.check_schema(schema)
+    assert schema["$defs"]["Water"]["properties"]["depth"]["default"] == ".inf"
+
+
+def test_keys_of_a_place():
+    schema = schema_of(Study)
+    assert set(keys_at(schema, ("device", "damping"))) == {"alpha", "beta"}
+    assert set(keys_at(schema, ("designs", "any"))) == {"flexible", "clamp"}
+    assert set(keys_at(schema, ("waves", 3, "regular"))) == {"kind", "amplitude", "period"}
+    assert {"hs", "amplitude", "band"} < set(keys_at(schema, ("waves", 3)))
+    assert {"device.gas.adiabatic_index", "waves.gamma", "study"} < set(dotted(schema))
+
+
+@pytest.mark.parametrize(
+    ("place", "key", "meant"),
+    [
+        (("device",), "youngs_modulus", "young_modulus"),
+        (("waves", 0, "jonswap"), "Hs", "hs"),
+        ((), "radius", "device.radius"),
+        ((), "beta", "device.damping.beta"),
+        (("device",), "colour", ""),
+    ],
+)
+def test_what_was_probably_meant(place, key, meant):
+    assert hint(schema_of(Study), place, key) == meant
+
+
+def test_nothing_is_near_to_nothing():
+    assert nearest("x", []) == ""
+
+
+def test_lines_of_a_file(tmp_path):
+    path = tmp_path / "a.yaml"
+    path.write_text("a: 1\nb:\n  - c: 2\n  - {d: [3,\n    4]}\n")
+    found = read_yaml(path, "any")
+    places = [("a",), ("b",), ("b", 0, "c"), ("b", 1, "d", 1), ("b", "kind", 1, "x"), ("b", 7), ("no",), ()]
+    assert [found.line(place) for place in places] == [1, 2, 3, 5, 4, 2, None, None]
+
+
+def test_a_file_of_many_aliases_is_read_as_fast_as_it_is_short(tmp_path):
+    """Ten to the ninth items, if each were counted."""
+    lines = ["a0: &a0 [x, x]"] + [f"a{i}: &a{i} [{', '.join(10 * [f'*a{i - 1}'])}]" for i in range(1, 10)]
+    (tmp_path / "laughs.yaml").write_text("\n".join(lines))
+    line = read_yaml(tmp_path / "laughs.yaml", "any").line(("a9", 0, 0, 0))
+    assert line == 7

@@ -1,0 +1,172 @@
+"""What every key of a study and of a body file means, once: for editors, the reference of the keys, and help."""
+
+from typing import NamedTuple
+
+
+class Key(NamedTuple):
+    """Unit (`-` of pure numbers, empty of words and sections), an example as YAML, and the meaning in one line."""
+
+    unit: str
+    example: str
+    meaning: str
+
+
+_SEA = {
+    "hs": Key("m", "1.0", "significant wave height, four times the root of the spectrum's area"),
+    "seed": Key("-", "1", "seed of the random phases"),
+    "realisations": Key("-", "8", "how many seas of this spectrum are followed, seeds one after the other"),
+}
+"""Of every irregular sea."""
+
+KEYS: dict[str, dict[str, Key]] = {
+    "Study": {
+        "study": Key("", "my_buoy", "name of the study and of its folder of results"),
+        "device": Key(
+            "",
+            "{radius: 2.0, thickness: 0.01, young_modulus: 1.0e+7, poisson_ratio: 0.3, density: 2700.0, mass: 17170.0}",
+            "the spherical buoy, shell and ballast",
+        ),
+        "modes": Key("", "{basis: full, degree: 6}", "shell modes the motion is made of"),
+        "reference_shape": Key(
+            "", "equilibrium", "shape the coefficients are about: the sphere, or that of the loaded shell at rest"
+        ),
+        "designs": Key(
+            "", "{FSB: {flexible: false}, VSWEC: {}}", "buoys compared, by name; the first rigid one is the reference"
+        ),
+        "water": Key("", "{density: 1025.0, depth: 50.0}", "the sea without its waves"),
+        "hydro": Key("", "{model: linear, tolerance: 1.0e-3}", "hydrodynamic model and its accuracy"),
+        "pto": Key("", "{damping: 8000.0}", "power take-off"),
+        "waves": Key("", "[{kind: jonswap, hs: 1.0, tp: 5.0}]", "seas; every design is followed in each"),
+        "simulation": Key("", "{duration: 600.0, window: [100.0, 600.0]}", "runs in time"),
+        "published": Key(
+            "",
+            "{source: a paper, values: {FSB: {energy: 43420.0}}}",
+            "figures from elsewhere, printed beside the study's own",
+        ),
+    },
+    "Device": {
+        "radius": Key("m", "2.0", "radius of the undeformed sphere"),
+        "thickness": Key("m", "0.01", "thickness of the shell; thin-shell theory needs less than radius/10"),
+        "young_modulus": Key("Pa", "1.0e+7", "Young's modulus of the shell"),
+        "poisson_ratio": Key("-", "0.3", "Poisson's ratio of the shell"),
+        "density": Key("kg/m^3", "2700.0", "density of the shell's material"),
+        "mass": Key("kg", "17170.0", "mass of shell and ballast together; it decides the draft"),
+        "internal_pressure": Key(
+            "Pa", "20000.0", "gauge pressure inside: prestress that keeps the shell from buckling"
+        ),
+        "gas": Key("", "{adiabatic_index: 1.4}", "gas trapped inside; without it the pressure is constant (vented)"),
+        "damping": Key("", "{beta: 1.0e-3}", "structural damping of the shell"),
+    },
+    "RayleighDamping": {
+        "alpha": Key("1/s", "0.0", "damping per modal mass"),
+        "beta": Key("s", "1.0e-3", "damping per modal stiffness"),
+    },
+    "Gas": {
+        "adiabatic_index": Key("-", "1.4", "ratio of specific heats; 1 is isothermal"),
+        "atmospheric_pressure": Key("Pa", "101325.0", "pressure of the air outside"),
+    },
+    "Modes": {
+        "basis": Key(
+            "", "full", "membrane: stretching alone; full: stretching and bending; paper: the publication's own"
+        ),
+        "degree": Key("-", "6", "highest Legendre degree"),
+    },
+    "Design": {
+        "flexible": Key("", "false", "whether the shell deforms; false is the rigid buoy"),
+        "clamp": Key(
+            "degrees", "[0, 90]", "colatitudes from the top pole where the shell cannot move against the ballast"
+        ),
+    },
+    "Water": {
+        "density": Key("kg/m^3", "1025.0", "density of the water"),
+        "depth": Key("m", "50.0", "depth of the sea; .inf is deep water"),
+        "gravity": Key("m/s^2", "9.81", "acceleration of gravity"),
+    },
+    "Hydro": {
+        "model": Key(
+            "",
+            "body_exact",
+            "linear; body_exact: hydrostatics and Froude-Krylov forces on the instantaneous wet shell; auto: as simple "
+            "as power_tolerance allows; assumed_pressure: the paper's loading, without radiation",
+        ),
+        "pressure": Key("Pa", "1800.0", "amplitude of the pressure of model assumed_pressure, which needs it"),
+        "power_tolerance": Key(
+            "-", "0.01", "error of mean absorbed power that model auto may cause; 0.01 if not given"
+        ),
+        "solver": Key(
+            "", "panels", "spectral: no mesh; panels: capytaine; auto: panels with rows or in very shallow water"
+        ),
+        "tolerance": Key("-", "1.0e-3", "error of the coefficients, relative to the largest"),
+        "omega_max": Key("rad/s", "12.0", "highest frequency solved"),
+        "omega": Key("rad/s", "[1.0, 2.0]", "frequencies tabulated in the database, beside those the study chooses"),
+        "rows": Key("-", "40", "rows of panels between keel and waterline; asks for panels"),
+        "accept": Key("", "[haskind]", "checks of the database whose failure is accepted"),
+        "witness": Key("", "none", "auto: a second solver vouches for the first; none leaves it out"),
+    },
+    "Pto": {
+        "damping": Key("N s/m", "8000.0", "damping of the power take-off between plate and sea bed"),
+        "law": Key(
+            "", "coulomb", "linear: a damper; saturated: one with a force limit; coulomb: friction of the force limit"
+        ),
+        "force_limit": Key("N", "5000.0", "largest force of the take-off; .inf is none"),
+        "stroke_limit": Key("m", "0.5", "motion from rest at which an end stop begins; .inf is none"),
+    },
+    "ShellPort": {
+        "colatitude": Key("degrees", "90", "ring of the shell the take-off acts on, from the top pole"),
+        "direction": Key("", "radial", "direction of the port's motion"),
+        "against": Key("", "frame", "what the take-off stands on: the sea bed, or sphere centre and ballast"),
+    },
+    "BetweenPort": {"between": Key("degrees", "[0, 180]", "colatitudes of two points the take-off acts between")},
+    "StillWater": {"kind": Key("", "still", "no waves: free decay")},
+    "RegularWave": {
+        "kind": Key("", "regular", "a sine wave"),
+        "amplitude": Key("m", "0.179", "half the height from trough to crest"),
+        "period": Key("s", "2.5", "period of the wave"),
+    },
+    "Jonswap": {
+        **_SEA,
+        "kind": Key("", "jonswap", "a growing wind sea"),
+        "tp": Key("s", "5.0", "period at the spectrum's peak"),
+        "gamma": Key("-", "3.3", "peakedness; 1 is Pierson and Moskowitz's sea"),
+    },
+    "PiersonMoskowitz": {
+        **_SEA,
+        "kind": Key("", "pierson_moskowitz", "a fully developed sea"),
+        "tp": Key("s", "8.0", "period at the spectrum's peak"),
+    },
+    "WhiteNoise": {
+        **_SEA,
+        "kind": Key("", "white_noise", "constant spectral density over a band"),
+        "band": Key("rad/s", "[1.0, 3.0]", "lowest and highest frequency"),
+    },
+    "Simulation": {
+        "duration": Key("s", "60.0", "time followed"),
+        "window": Key("s", "[40.0, 60.0]", "part of it that means and extremes are taken from, after the transient"),
+        "initial_position": Key("m", "0.0", "heave at the start, from rest"),
+        "initial_velocity": Key("m/s", "-0.8", "heave velocity at the start"),
+        "tolerance": Key("-", "1.0e-6", "error of the motion in time, relative to its largest value"),
+        "method": Key(
+            "", "convolution", "auto: the exact or fastest of the model; convolution: Cummins' integral, the reference"
+        ),
+    },
+    "Published": {
+        "source": Key("", "Table II of a paper", "where the figures are from"),
+        "values": Key("", "{FSB: {energy: 43420.0}}", "design, measure and value, SI units"),
+    },
+    "BodyStudy": {
+        "body": Key("", "raft", "name of the body and of its database"),
+        "mesh": Key(
+            "", "raft.stl", "wetted surface, closed by the waterline, normals outward; path from the file's folder"
+        ),
+        "modes": Key("", "raft_modes.nc", "displacements of the mesh's corners, rigid motions among them"),
+        "water": Key("", "{depth: 20.0}", "the sea without its waves"),
+        "omega": Key("rad/s", "[0.5, 1.0, 1.5]", "frequencies of the database"),
+        "wave_direction": Key("degrees", "[0.0, 45.0]", "directions the waves go to, from the x axis"),
+        "symmetry": Key("", "xOz+yOz", "planes of symmetry used; auto finds them"),
+        "lid": Key("-", "8", "belts of panels on the water inside, against irregular frequencies; 0 is none"),
+        "tolerance": Key(
+            "-", "0.01", "error of interpolation between as few frequencies solved as it needs; without it all are"
+        ),
+    },
+}
+"""Section of the models -> key -> what it means."""

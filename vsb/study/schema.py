@@ -1,0 +1,103 @@
+"""JSON schema of the files a study is read from: for editors, for the reference of the keys, and for hints.
+
+Made from the models themselves, with units and meanings of `vsb.study.keys`.
+"""
+
+import difflib
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
+
+import yaml
+from pydantic import BaseModel
+
+from vsb.study.keys import KEYS
+
+Schema = dict[str, Any]
+DIALECT = "https://json-schema.org/draft/2020-12/schema"
+_BOUNDS = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum"}
+"""JSON's words for the bounds of numbers."""
+
+
+def schema_of(model: type[BaseModel]) -> Schema:
+    """Return the JSON schema of a model: types, ranges, defaults, choices, and what every key means."""
+    found: Schema = _with_bounds(model.model_json_schema())
+    for name, section in {model.__name__: found, **found.get("$defs", {})}.items():
+        for key, place in section.get("properties", {}).items():
+            place.pop("title", None)
+            if said := KEYS.get(name, {}).get(key):
+                unit = f" [{said.unit}]" if said.unit else ""
+                place |= {"description": said.meaning + unit, "examples": [yaml.safe_load(said.example)]}
+    return {"$schema": DIALECT, **found}
+
+
+def _with_bounds(node: Any) -> Any:
+    """The same with bounds in JSON's words, where a number is checked after it was read, and infinity in YAML's."""
+    if isinstance(node, list):
+        return [_with_bounds(item) for item in node]
+    if not isinstance(node, dict):
+        return ".inf" if node == math.inf else node
+    number = node.get("type") in ("number", "integer")
+    return {(_BOUNDS.get(key, key) if number else key): _with_bounds(value) for key, value in node.items()}
+
+
+def keys_at(schema: Schema, place: Sequence[str | int]) -> dict[str, Schema]:
+    """Return the keys a mapping may have, by name: at a place such as ("waves", 0); names of kinds may be among it."""
+    nodes = [schema]
+    for part in place:
+        nodes = [child for node in nodes for child in _below(schema, node, part)] or nodes
+    forms = [form for node in nodes for form in _forms(schema, node)]
+    return {key: its for form in forms for key, its in form.get("properties", {}).items()}
+
+
+def _forms(schema: Schema, node: Schema) -> Iterator[Schema]:
+    """What a node may be."""
+    if "$ref" in node:
+        node = schema["$defs"][node["$ref"].rpartition("/")[2]]
+    several = node.get("anyOf") or node.get("oneOf")
+    if several:
+        for one in several:
+            yield from _forms(schema, one)
+    else:
+        yield node
+
+
+def _below(schema: Schema, node: Schema, part: str | int) -> Iterator[Schema]:
+    """What stands below a node: a key, any key, an item, or one of several kinds."""
+    if isinstance(part, str) and part in (kinds := node.get("discriminator", {}).get("mapping", {})):
+        yield {"$ref": kinds[part]}
+        return
+    for form in _forms(schema, node):
+        if isinstance(part, str) and part in (known := form.get("properties", {})):
+            yield known[part]
+        else:
+            yield from _unnamed(form)
+
+
+def _unnamed(form: Schema) -> list[Schema]:
+    """What stands in a list, or in a mapping of names of one's own."""
+    inner = [form.get("items"), form.get("additionalProperties"), *form.get("patternProperties", {}).values()]
+    return [one for one in inner if isinstance(one, dict)]
+
+
+def dotted(schema: Schema, node: Schema | None = None, prefix: str = "") -> Iterator[str]:
+    """Yield the names of all keys, those of sections within sections with dots; lists and own names are left out."""
+    for form in _forms(schema, node or schema):
+        for key, its in form.get("properties", {}).items():
+            yield prefix + key
+            yield from dotted(schema, its, f"{prefix}{key}.")
+        for inner in _unnamed(form):
+            yield from dotted(schema, inner, prefix)
+
+
+def hint(schema: Schema, place: Sequence[str | int], key: str) -> str:
+    """Return the key that was probably meant: of the same section, or as it is named in another; empty if none is."""
+    if near := nearest(key, keys_at(schema, place)):
+        return near
+    return next((name for name in dotted(schema) if name.rpartition(".")[2] == key), "")
+
+
+def nearest(word: str, words: Iterable[str]) -> str:
+    """Return the word that looks most like another, capitals or not; empty if none does."""
+    small = {one.lower(): one for one in words}
+    return next((small[one] for one in difflib.get_close_matches(word.lower(), list(small), n=1)), "")
