@@ -78,13 +78,10 @@ class Bins:
         return np.divide(self.total(self.hours * values), self.share, out=np.zeros(self.shape), where=self.share > 0)
 
     def deviation(self, values: FloatArray) -> FloatArray:
-        """Return standard deviations within each bin, shape (hs, te); 0 where there is one sea or none.
+        """Return standard deviations within each bin, weighted by hours, shape (hs, te); 0 where there are none.
 
         Notes
         -----
-        sum w (x - mean)^2 over sum w - sum w^2/sum w: with equal weights the sample's, n - 1 below the line.
+        Of the bin's own seas, N below the line: Formula D.5 of Edition 2.
         """
-        apart = values - self.mean(values).ravel()[self.index]
-        squares, share = self.total(self.hours * apart**2), self.share
-        left = share - np.divide(self.total(self.hours**2), share, out=np.zeros(self.shape), where=share > 0)
-        return np.sqrt(np.divide(squares, left, out=np.zeros(self.shape), where=self.count > 1))
+        return np.sqrt(self.mean((values - self.mean(values).ravel()[self.index]) ** 2))
