@@ -14,7 +14,7 @@ import numpy as np
 from vsb.errors import ConfigError
 from vsb.study.study import Water
 from vsb.tools.units import FloatArray
-from vsb.waves.seas import group_velocity
+from vsb.waves.seas import Sea, group_velocity
 
 YEAR_HOURS = 8766.0
 """Hours of a mean year, as in IEC TS 62600-100 [h]."""
@@ -110,6 +110,29 @@ class Climate:
     def mean_density(self) -> FloatArray:
         """Return the mean spectrum of the year, shape (omega,) [m^2 s]."""
         return np.asarray(self.hours @ self.density)
+
+
+def realised(climate: Climate, sea: int, duration: float, seed: int, highest: float = np.inf) -> Sea:
+    """Return a realisation of one sea that does not repeat within a run; see `vsb.waves.seas.irregular`.
+
+    Parameters
+    ----------
+    climate : Climate
+    sea : int
+    duration : float [s]
+    seed : int
+        Of the phases; amplitudes are those of the spectrum.
+    highest : float [rad/s]
+        No component lies above it.
+    """
+    edges = climate.edges
+    low, high = float(edges[0]), min(float(edges[-1]), highest)
+    cuts = np.linspace(low, high, int(np.ceil((high - low) * 1.1 * duration / (2 * np.pi))) + 1)
+    below = np.concatenate([[0.0], np.cumsum(climate.density[sea] * np.diff(edges))])
+    amplitude = np.sqrt(2 * np.diff(np.interp(cuts, edges, below)))
+    phase = np.random.default_rng(seed).uniform(0.0, 2 * np.pi, len(amplitude))
+    kept = amplitude > 1e-12 * amplitude.max()
+    return Sea(((cuts[1:] + cuts[:-1]) / 2)[kept], (amplitude * np.exp(1j * phase))[kept])
 
 
 def band_edges(omega: FloatArray) -> FloatArray:

@@ -1,0 +1,148 @@
+"""Few runs in time correct a year: unbiased, with intervals that hold what they promise."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from results.test_year import WATER, climate, port
+
+from vsb.errors import ConfigError
+from vsb.results.validity import stroke_rms
+from vsb.results.verification import Sample, Verification, contributions, drawn, linear_power, verified
+from vsb.results.year import frequencies, year
+from vsb.waves.climate import realised
+from vsb.waves.ndbc import read_ndbc
+
+SPECTRA = Path(__file__).parents[2] / "config" / "climate" / "ndbc46042_1996_spectra.txt.gz"
+
+
+@pytest.fixture(scope="module")
+def measured():
+    """A measured year of two bodies, each at its own best damper."""
+    seas = read_ndbc(SPECTRA)
+    grid = frequencies(seas, 0.1, 4.0)
+    ports = {"A": port(grid), "B": port(grid, mass=25000.0)}
+    found = year(ports, seas, WATER, ["one"], reference="A")
+    strokes = [stroke_rms(p, seas, found.damping[i, 0, 0]) for i, p in enumerate(ports.values())]
+    return found, np.array(strokes)
+
+
+def test_draws_follow_the_energy():
+    """Every stratum brings the same energy, and each of its seas is as likely as its part of it."""
+    share, hours = np.array([0.1, 0.2, 0.3, 0.4]), np.full(4, 0.25)
+    seas = np.array([drawn(share, hours, 4, seed).sea for seed in range(4000)])
+    assert set(seas[:, :2].ravel()) == {0, 1, 2}  # 0.1 + 0.2 + a part of 0.3
+    assert set(seas[:, 2:].ravel()) == {2, 3}
+    found = np.bincount(seas.ravel()) / seas.size
+    assert found == pytest.approx(share, abs=4 * np.sqrt(0.25 / seas.size))
+
+
+def test_the_same_seed_draws_the_same_seas():
+    share, hours = np.full(50, 0.02), np.full(50, 0.02)
+    a, b, other = (drawn(share, hours, 12, seed) for seed in (1, 1, 2))
+    assert a.sea.tolist() == b.sea.tolist()
+    assert a.seed.tolist() == b.seed.tolist()
+    assert a.sea.tolist() != other.sea.tolist()
+    assert len(set(a.seed)) == 12
+
+
+def test_a_loss_in_proportion_is_found_exactly(measured):
+    """Each design loses its own part of all seas: any two draws say the same of one design."""
+    found, _ = measured
+    share = found.power[0, 0] * found.climate.hours / found.annual_mean_power[0, 0]
+    sample = drawn(share, found.climate.hours, 4, 7)
+    linear = found.power[:1, 0, sample.sea]
+    seas = found.power[:1, 0]
+    checked = Verification(found.annual_mean_power[:1, 0], seas, found.climate.hours, sample, 0.9 * linear, linear)
+    mean, low, high = checked.power(0)
+    assert mean == pytest.approx(0.9 * found.annual_mean_power[0, 0], rel=1e-12)
+    assert low == pytest.approx(mean, rel=1e-9)
+    assert high == pytest.approx(mean, rel=1e-9)
+
+
+@pytest.mark.parametrize("seas", [12, 24])
+def test_intervals_cover_the_truth_of_a_thousand_campaigns(measured, seas):
+    """A model that takes less the further a body moves; records scatter by 12 %, the same waves leave 1 % of it."""
+    found, strokes = measured
+    linear = found.power[:, 0]
+    better = linear / (1 + np.array([[0.2], [0.3]]) * strokes**2)
+    truth = better @ found.climate.hours
+    gain = 100 * (truth[1] / truth[0] - 1)
+    share, covered, means = contributions(found, "one"), np.zeros(3), []
+    for campaign in range(1000):
+        sample, random = drawn(share, found.climate.hours, seas, campaign), np.random.default_rng(10**6 + campaign)
+        record = random.normal(1.0, 0.12, seas)
+        left = random.normal(0.0, 0.01, (2, seas))
+        checked = verified(
+            found, "one", sample, better[:, sample.sea] * (record + left), linear[:, sample.sea] * record
+        )
+        estimates = [checked.power(0), checked.power(1), checked.gain(1, 0)]
+        covered += [low <= value <= high for (_, low, high), value in zip(estimates, (*truth, gain), strict=True)]
+        means.append(checked.corrected)
+    assert np.all((covered >= 930) & (covered <= 970)), covered
+    apart = np.mean(means, axis=0) - truth
+    assert np.all(np.abs(apart) < 4 * np.std(means, axis=0) / np.sqrt(1000))
+
+
+def test_far_fewer_hours_than_plain_averaging(measured):
+    """What is said of one campaign against the scatter of a hundred, and of a hundred plain averages."""
+    found, strokes = measured
+    linear, hours = found.power[:, 0], found.climate.hours
+    better = linear / (1 + np.array([[0.2], [0.3]]) * strokes**2)
+    share, ours, plain, said = contributions(found, "one"), [], [], []
+    for campaign in range(200):
+        sample, random = drawn(share, hours, 12, campaign), np.random.default_rng(10**6 + campaign)
+        record = random.normal(1.0, 0.12, 12)
+        checked = verified(found, "one", sample, better[:, sample.sea] * record, linear[:, sample.sea] * record)
+        ours.append(checked.corrected[1])
+        said.append(checked.fewer_hours(1))
+        any_seas = random.integers(len(hours), size=12)
+        plain.append(float(np.mean(better[1, any_seas] * random.normal(1.0, 0.12, 12))))
+    true = np.var(plain) / np.var(ours)
+    assert true > 100
+    assert 0.3 * true < np.median(said) < 1.2 * true
+
+
+@pytest.mark.parametrize("seas", [2, 7])
+def test_seas_come_in_pairs(seas):
+    with pytest.raises(ConfigError, match=rf"verify\.seas: received {seas}, needs an even number of at least 4"):
+        drawn(np.full(5, 0.2), np.full(5, 0.2), seas, 0)
+
+
+def test_what_cannot_be_verified(measured):
+    found, _ = measured
+    with pytest.raises(ConfigError, match="received the tuning 'each', needs one of one"):
+        contributions(found, "each")
+    sample = drawn(contributions(found, "one"), found.climate.hours, 4, 0)
+    powers = np.ones((2, 4))
+    with pytest.raises(ConfigError, match=r"received better powers of shape \(2, 3\), 0 of them"):
+        verified(found, "one", sample, powers[:, :3], powers)
+    with pytest.raises(ConfigError, match=r"received linear powers of shape \(2, 4\), 2 of them not finite"):
+        verified(found, "one", sample, powers, np.where(np.arange(4) == 2, np.nan, powers))
+
+
+def test_a_gain_over_itself_is_none(measured):
+    found, _ = measured
+    sample = Sample(np.arange(4), np.arange(4), np.full(4, 1e-3))
+    powers = found.power[:, 0, :4]
+    checked = verified(found, "one", sample, powers, powers)
+    assert checked.gain(0, 0) is None
+    assert checked.correction(0, None).gain_percent is None
+    assert checked.correction(1, 0).gain_percent.mean == pytest.approx(
+        100 * (found.annual_mean_power[1, 0] / found.annual_mean_power[0, 0] - 1)
+    )
+
+
+def test_realisations_hold_the_variance_and_the_power_of_their_sea():
+    """Elevation and mean power over the whole period of the components, where no two of them beat."""
+    seas = climate()
+    duration = 2000.0
+    sea = realised(seas, 3, duration, seed=5)
+    assert float(np.sum(np.abs(sea.amplitude) ** 2)) / 2 == pytest.approx(seas.variance[3], rel=1e-9)
+    period = 2 * np.pi / np.diff(sea.omega).min()
+    assert period > duration
+    here = port(sea.omega)
+    mean = linear_power(here, sea, 2e4, (0.0, period))
+    assert mean == pytest.approx(sea.mean_of(here.power(2e4)), rel=1e-3)
+    assert np.abs(realised(seas, 3, duration, seed=6).amplitude) == pytest.approx(np.abs(sea.amplitude))
+    assert realised(seas, 3, duration, seed=5, highest=1.0).omega.max() < 1.0
