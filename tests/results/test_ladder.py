@@ -7,8 +7,8 @@ import pytest
 from conftest import varied
 
 from vsb.motion.port import Port, port_direction
-from vsb.motion.tuning import mean_power
-from vsb.results.ladder import Given, as_csv, frequencies, ladder
+from vsb.motion.tuning import frequencies, mean_power
+from vsb.results.ladder import Given, as_csv, ladder
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import design_motions, study_basis
 from vsb.waves.seas import Sea

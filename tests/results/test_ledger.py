@@ -120,11 +120,12 @@ def test_full_basis_without_bem_equals_the_full_database(buoy_of, coarse):
 
 
 def test_leaving_the_bending_modes_out_is_reported(buoy_of, coarse):
-    checks = ledger.bending_checks(coarse, buoy_of(coarse).database)
+    runs = {(design, wave.label): {} for design in coarse.designs for wave in coarse.waves}
+    checks = ledger.bending_checks(coarse, buoy_of(coarse).database, runs)
     assert [check.design for check in checks] == ["VSWEC", "VSWEC0", "VSWEC90"]
     assert checks[0].verdict == "fail"
     assert "with modes.basis: full" in checks[0].explanation
-    assert ledger.bending_checks(varied(coarse, modes={"basis": "full"}), buoy_of(coarse).database) == []
+    assert ledger.bending_checks(varied(coarse, modes={"basis": "full"}), buoy_of(coarse).database, runs) == []
 
 
 def run_with(**attrs):

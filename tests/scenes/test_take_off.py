@@ -5,11 +5,14 @@ import pytest
 
 from vsb.integrators.switching import switched
 from vsb.motion.forces import Damper, Excitation, Spring
+from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.motion.take_off import EndStop, TakeOff
 from vsb.scenes.take_off import LAWS, STIFFER, with_take_off
 from vsb.study.take_off import Pto
+
+DAMPER = LinearPto(4.0)
 
 
 @pytest.fixture
@@ -23,12 +26,12 @@ def plant():
 
 
 def test_a_linear_take_off_leaves_the_scene_as_it_is(plant):
-    assert with_take_off(plant, Pto(damping=4.0)) is plant
+    assert with_take_off(plant, Pto(damping=4.0), DAMPER) is plant
 
 
 @pytest.mark.parametrize("law", [law for law in LAWS if law != "linear"])
 def test_every_law_acts_on_heave_within_its_limit(plant, law):
-    scene = with_take_off(plant, Pto(law=law, damping=4.0, force_limit=3.0))
+    scene = with_take_off(plant, Pto(law=law, damping=4.0, force_limit=3.0), DAMPER)
     force = scene.forces["pto"]
     assert isinstance(force, TakeOff)
     assert force.direction.tolist() == [1.0, 0.0]
@@ -38,7 +41,7 @@ def test_every_law_acts_on_heave_within_its_limit(plant, law):
 
 
 def test_the_end_stop_is_stiff_and_critically_damped_with_what_moves(plant):
-    scene = with_take_off(plant, Pto(damping=4.0, stroke_limit=0.2))
+    scene = with_take_off(plant, Pto(damping=4.0, stroke_limit=0.2), DAMPER)
     stop, inverse = scene.forces["end_stop"], np.linalg.inv(plant.mass)[0, 0]
     assert isinstance(stop, EndStop)
     assert stop.stiffness == pytest.approx(STIFFER * 50.0)

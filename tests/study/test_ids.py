@@ -63,11 +63,17 @@ STUDIES = {
     "panels": {"hydro": {**TABULATED, "rows": 40, "witness": "none"}, "waves": [SWELL, SEAS["pierson_moskowitz"]]},
     "assumed": {"hydro": {"model": "assumed_pressure", "pressure": 100.0}, "waves": [SWELL]},
     "law": {"pto": {"law": "saturated", "force_limit": 3e3, "stroke_limit": 0.5}, "hydro": TABULATED, "waves": [SWELL]},
+    "pto": {
+        "pto": {"port": {"colatitude": 90}, "efficiency": 0.8, "stiffness": 500.0, "tuning": "each"},
+        "hydro": TABULATED, "waves": [SWELL, SEAS["jonswap"]],
+    },
+    "between": {"pto": {"port": {"between": [0, 90]}}, "hydro": TABULATED, "waves": [SWELL]},
     "auto": {"hydro": {**TABULATED, "model": "auto", "power_tolerance": 0.01}, "waves": [SWELL]},
 }  # fmt: skip
 OTHERS = {
     "hydro.model": ["body_exact", "auto"], "hydro.tolerance": [6.25e-5], "hydro.accept.0": ["haskind"],
-    "pto.law": ["coulomb"],
+    "pto.law": ["coulomb"], "pto.tuning": ["each", "one"], "pto.port": ["volume"],
+    "pto.port.direction": ["radial"], "pto.port.against": ["frame"],
 }  # fmt: skip
 """Values of leaves whose next value is not near."""
 
@@ -97,7 +103,8 @@ def reads(study):
     for design, (i, wave) in product(study.designs, enumerate(study.waves)):
         sea = [f"waves.{i}.{key}*" for key in type(wave).model_fields if key != "realisations"]
         dynamics = [f"hydro.{key}" for key in ("model", "pressure", "power_tolerance", "omega_max")]
-        sections = ["reference_shape", "pto.*", "simulation.*", f"designs.{design}.*"]
+        pto = [f"pto.{key}*" for key in type(study.pto).model_fields if key != "damping" or study.pto.tuning == "fixed"]
+        sections = ["reference_shape", *pto, "simulation.*", f"designs.{design}.*"]
         found["simulate", design, i] = [*shell, *sections, *sea, *dynamics]
     if not study.needs_bem:
         return found

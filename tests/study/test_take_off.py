@@ -4,7 +4,8 @@ import pytest
 from conftest import SEED, varied
 
 from vsb.errors import ConfigError
-from vsb.study.study import canonical, load
+from vsb.study.plan import StudyPlan
+from vsb.study.study import canonical, load, parse
 from vsb.study.take_off import Pto
 
 
@@ -62,3 +63,116 @@ def test_a_method_that_cannot_follow_a_law_is_refused(seed):
         ConfigError, match=r"simulation.method .exact.: cannot follow a take-off that switches; needs a"
     ):
         varied(seed, pto={"stroke_limit": 0.5}, simulation={"method": "exact"})
+
+
+# tuning -------------------------------------------------------------------------------------------------------------
+
+SEA = {"kind": "jonswap", "hs": 0.5, "tp": 4.0, "realisations": 2}
+SWELL, STILL = {"kind": "regular", "amplitude": 0.1, "period": 3.0}, {"kind": "still"}
+
+
+@pytest.mark.parametrize(
+    ("keys", "form"),
+    [
+        ({}, '{"tuning":"each"}'),
+        ({"damping": None}, '{"tuning":"each"}'),
+        ({"tuning": "one"}, '{"tuning":"one"}'),
+        ({"damping": 8000, "tuning": "fixed"}, '{"damping":8000.0}'),
+        ({"damping": 8000, "tuning": "each"}, '{"damping":8000.0,"tuning":"each"}'),
+        ({"damping": {"B": 2, "A": 1}}, '{"damping":{"A":1.0,"B":2.0}}'),
+        ({"damping": 1, "stiffness": -3, "efficiency": 0.8}, '{"damping":1.0,"efficiency":0.8,"stiffness":-3.0}'),
+        (
+            {"damping": 1, "port": {"colatitude": 90}},
+            '{"damping":1.0,"port":{"against":"sea_bed","colatitude":90.0,"direction":"vertical"}}',
+        ),
+        ({"damping": 1, "port": "heave", "stiffness": 0, "efficiency": 1}, '{"damping":1.0}'),
+    ],
+)
+def test_what_is_meant_stands_in_the_canonical_form(keys, form):
+    """Without a damping tuning decides, and says so; keys at their default are absent."""
+    pto = Pto(**keys)
+    assert canonical(pto) == form
+    assert Pto(**pto.model_dump()) == pto
+
+
+@pytest.mark.parametrize(
+    ("keys", "wrong"),
+    [
+        ({"damping": -1}, r"pto.damping: received -1; Input should be greater than or equal to 0"),
+        ({"damping": {"FSB": -1}}, r"pto.damping.design.FSB: received -1; Input should be greater than or equal to 0"),
+        ({"damping": {"FSB": 1}}, r"pto.damping: received dampers of FSB, needs one for every design: FSB, VSWEC"),
+        ({"damping": {}}, r"pto.damping: received dampers of no design, needs one for every design: FSB, VSWEC"),
+        ({"damping": None, "tuning": "fixed"}, r"pto: damping: missing; tuning fixed needs one in N s/m"),
+        ({"tuning": "best"}, r"pto.tuning: received 'best'; Input should be 'fixed', 'each' or 'one'"),
+        ({"stiffness": float("inf")}, r"pto.stiffness: received inf; Input should be a finite number"),
+        ({"stiffness": -1e13}, r"pto.stiffness: received -10000000000000.0; needs at least -1e\+12 N/m, because a spring that holds"),
+        ({"efficiency": 1.1}, r"pto.efficiency: received 1.1; Input should be less than or equal to 1"),
+        ({"efficiency": 0}, r"pto.efficiency: received 0; Input should be greater than 0"),
+        ({"port": "surge"}, r"pto.port.name: received 'surge'; Input should be 'heave' or 'volume'"),
+    ],
+)  # fmt: skip
+def test_a_take_off_that_makes_no_sense_is_one_line(seed, keys, wrong):
+    raw = {**seed.model_dump(), "pto": keys, "designs": {"FSB": {"flexible": False}, "VSWEC": {}}}
+    with pytest.raises(ConfigError, match=wrong):
+        parse(raw)
+
+
+@pytest.mark.parametrize(
+    ("changes", "wrong"),
+    [
+        (
+            {"pto": {"damping": None}, "hydro": {"model": "assumed_pressure", "pressure": 9.0}},
+            r"pto.tuning 'each': an assumed pressure does not answer to the motion, so no damper is best; needs",
+        ),
+        (
+            {"pto": {"port": "volume"}, "hydro": {"model": "body_exact"}},
+            r"pto.port: hydro.model 'body_exact' has no other port than heave; needs hydro.model: linear",
+        ),
+        (
+            {"pto": {"port": "volume"}, "device": {"gas": {"adiabatic_index": 1.4}}},
+            r"pto.port 'volume': the chamber's gas is not part of it; remove device.gas",
+        ),
+        (
+            {"pto": {"damping": {"FSB": 0.0, "VSWEC": 1.0, "VSWEC0": 1.0, "VSWEC90": 1.0}}, "hydro": {"model": "auto"}},
+            r"hydro.model 'auto': judges by mean absorbed power; needs pto.damping above 0",
+        ),
+    ],
+)
+def test_what_a_model_cannot_do_with_a_take_off_is_refused(seed, changes, wrong):
+    with pytest.raises(ConfigError, match=wrong):
+        varied(seed, **changes)
+
+
+@pytest.mark.parametrize(("tuning", "wave"), [("each", "still"), ("one", "still")])
+def test_where_nothing_comes_in_no_damper_is_best(seed, tuning, wave):
+    study = varied(seed, pto={"damping": None, "tuning": tuning}, waves=[STILL])
+    with pytest.raises(
+        ConfigError, match=r"waves.0 still: no damper is best where nothing comes in; needs pto.damping"
+    ):
+        study.check_dampers()
+    varied(study, pto={"damping": 8000.0}).check_dampers()
+
+
+def test_a_run_knows_its_own_damper_or_how_to_find_it(seed):
+    """Of a damper per design its own, of one for all seas a realisation of each, in still water the given one."""
+    designs, dampers = {"A": {"flexible": False}, "B": {}}, {"A": 1.0, "B": 2.0}
+    study = varied(seed, designs=designs, pto={"damping": dampers}, waves=[SEA, SWELL, STILL])
+    sea, again, swell, still = study.waves
+
+    def pto(design, wave, **keys):
+        return StudyPlan(varied(study, pto=keys)).simulation(design, wave).pto.model_dump()
+
+    assert pto("B", sea) == {"damping": 2.0}
+    assert pto("B", sea, tuning="each") == {"tuning": "each"}
+    assert pto("B", still, tuning="each") == {"damping": 2.0}
+    assert pto("B", still, tuning="one") == {"tuning": "one"}
+    one = StudyPlan(varied(study, pto={"tuning": "one"})).simulation("A", again)
+    assert one.seas == (sea, swell)
+    assert StudyPlan(varied(study, pto={"tuning": "each"})).simulation("A", again).seas == ()
+
+
+def test_a_damper_of_each_design_makes_the_runs_of_one_for_all(seed):
+    same = varied(seed, pto={"damping": dict.fromkeys(seed.designs, 8000.0)})
+    for design in seed.designs:
+        wave = seed.waves[0]
+        assert StudyPlan(same).simulation(design, wave) == StudyPlan(seed).simulation(design, wave)

@@ -15,6 +15,7 @@ from vsb.motion.forces import (
     Force,
     RadiationMemory,
     Spring,
+    SpringDamper,
     WaterPressure,
 )
 from vsb.motion.frequency import LinearBuoy
@@ -36,8 +37,7 @@ def linear_scene(buoy: LinearBuoy, radiation: RadiationModel, sea: Sea, motions:
         "hydrostatic": Spring(buoy.stiffness_parts["hydrostatic"]),
         "radiation": RadiationMemory(radiation),
     }
-    if buoy.pto.damping:
-        forces["pto"] = Damper(buoy.pto.matrix(len(buoy.mass)))
+    forces |= _take_off(buoy.pto, len(buoy.mass))
     labels = tuple(str(label) for label in database.influenced_dof.values)
     if flexible(labels, motions):
         forces |= _shell_springs(buoy.stiffness_parts, buoy.structural_damping)
@@ -45,6 +45,13 @@ def linear_scene(buoy: LinearBuoy, radiation: RadiationModel, sea: Sea, motions:
         excitation = buoy.coefficients(sea.omega).excitation
         forces["excitation"] = Excitation(sea.omega, sea.amplitude[:, None] * excitation)
     return Scene(labels, buoy.mass + buoy.added_mass_inf, forces, motions)
+
+
+def _take_off(pto: LinearPto, dof: int) -> dict[str, Force]:
+    """Force of a take-off that is there, its spring slack about the reference shape."""
+    if pto.stiffness:
+        return {"pto": SpringDamper(pto.spring(dof), pto.matrix(dof), np.zeros(dof))}
+    return {"pto": Damper(pto.matrix(dof))} if pto.damping else {}
 
 
 def _shell_springs(stiffness: Mapping[str, FloatArray], damping: FloatArray) -> dict[str, Force]:
@@ -86,8 +93,12 @@ def body_exact_scene(
     forces = _loaded(others, shape, buoy.stiffness_parts["hydrostatic"], specific_weight, gravity, waves)
     if sea.omega.size:
         forces["diffraction"] = Excitation(sea.omega, sea.amplitude[:, None] * buoy.diffraction(sea.omega))
+    spring = forces.pop("pto") if buoy.pto.stiffness else None
     scene = Scene(linear.labels, linear.mass, forces, motions)
-    return replace(scene, origin=resting(scene))
+    rest = resting(scene)
+    if isinstance(spring, SpringDamper):  # slack where the buoy rests without it
+        forces["pto"] = replace(spring, rest=motions @ rest)
+    return replace(scene, forces=forces, origin=rest)
 
 
 def still_scene(reference: ReferenceShell, density: float, gravity: float, motions: FloatArray) -> Scene:
@@ -158,8 +169,7 @@ def assumed_pressure_scene(
         "water": WaterPressure(wet, np.zeros(len(basis.labels)), density * gravity, tangent, assumed=load),
         "weight": ConstantForce(-gravity * basis.inertia[0]),
     }
-    if pto.damping:
-        forces["pto"] = Damper(pto.matrix(len(basis.labels)))
+    forces |= _take_off(pto, len(basis.labels))
     forces |= _shell_forces(basis, motions)
     scene = Scene(basis.labels, basis.inertia, forces, motions)
     resting(scene)  # a shell that cannot carry its load collapses: no buoy, however well integrated

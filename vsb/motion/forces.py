@@ -99,6 +99,27 @@ class Damper(Force):
 
 
 @dataclass(frozen=True)
+class SpringDamper(Force):
+    """f = -K (q - q0) - D v."""
+
+    stiffness: FloatArray  # (dof, dof) [N/m]
+    damping: FloatArray  # (dof, dof) [kg/s]
+    rest: FloatArray  # q0, where the spring is slack (dof,) [m]
+
+    def linear(self) -> Linear:
+        """All of it, if the spring is slack at q = 0."""
+        return Linear(stiffness=self.stiffness, damping=self.damping, whole=not self.rest.any())
+
+    def force(self, time: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Return it along a motion."""
+        return super().force(time, q - self.rest, v)
+
+    def stored(self, q: FloatArray) -> FloatArray:
+        """Return the energy of its spring."""
+        return super().stored(q - self.rest)
+
+
+@dataclass(frozen=True)
 class RadiationMemory(Force):
     """f = -G^T x with memory states x' = A x + G v."""
 

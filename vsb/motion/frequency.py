@@ -58,8 +58,13 @@ class LinearBuoy:
 
     @cached_property
     def damping(self) -> FloatArray:
-        """Structural and power take-off damping, shape (dof, dof) [kg/s]."""
+        """Structural and power take-off damping, shape ([omega,] dof, dof) [kg/s]."""
         return self.structural_damping + self.pto.matrix(len(self.mass))
+
+    @cached_property
+    def held(self) -> FloatArray:
+        """Stiffness of the reference shell and of the power take-off, shape (dof, dof) [N/m]."""
+        return self.stiffness + self.pto.spring(len(self.mass))
 
     @cached_property
     def _splines(self) -> tuple[CubicSpline, CubicSpline]:
@@ -114,7 +119,7 @@ class LinearBuoy:
         return np.asarray(force(omega), dtype=complex)
 
     def rao(self, omega: FloatArray, motions: FloatArray) -> ComplexArray:
-        """Return displacement per unit wave amplitude, shape (omega, dof) [m/m].
+        """Return displacement per unit wave amplitude under the take-off, shape (omega, dof) [m/m].
 
         Parameters
         ----------
@@ -127,13 +132,15 @@ class LinearBuoy:
         [-w^2 (M + A) - i w (B + D) + K + C] q = X (C1), projected on the motions.
         """
         c = self.coefficients(omega)
-        projected = motions.T @ self._dynamic_stiffness(omega, c, self.damping) @ motions
+        projected = motions.T @ self._dynamic_stiffness(omega, c, self.damping, self.held) @ motions
         return np.linalg.solve(projected, (c.excitation @ motions)[..., None])[..., 0] @ motions.T
 
-    def _dynamic_stiffness(self, omega: FloatArray, c: Coefficients, damping: FloatArray) -> ComplexArray:
+    def _dynamic_stiffness(
+        self, omega: FloatArray, c: Coefficients, damping: FloatArray, stiffness: FloatArray
+    ) -> ComplexArray:
         """-w^2 (M + A) - i w (B + D) + K + C, shape (omega, dof, dof) [N/m]."""
         w = omega[:, None, None]
-        stiff = -(w**2) * (self.mass + c.added_mass) - 1j * w * (c.damping + damping) + self.stiffness
+        stiff = -(w**2) * (self.mass + c.added_mass) - 1j * w * (c.damping + damping) + stiffness
         return np.asarray(stiff, dtype=complex)
 
     def free_motion(
@@ -155,7 +162,7 @@ class LinearBuoy:
             A take-off's force F against the motion leaves free - F forced.
         """
         c = self.coefficients(omega)
-        projected = motions.T @ self._dynamic_stiffness(omega, c, self.structural_damping) @ motions
+        projected = motions.T @ self._dynamic_stiffness(omega, c, self.structural_damping, self.stiffness) @ motions
         pushed = np.broadcast_to(allowed_part(direction, motions), (len(omega), motions.shape[1]))
         solved = np.linalg.solve(projected, np.stack([c.excitation @ motions, pushed], axis=-1))
         return solved[..., 0] @ motions.T, solved[..., 1] @ motions.T
@@ -169,11 +176,12 @@ class LinearBuoy:
         return Port(omega, rate * (forced @ along), rate * (free @ along), compliance)
 
     def absorbed_power(self, omega: FloatArray, rao: ComplexArray) -> FloatArray:
-        """Return the mean power taken off per squared wave amplitude, c w^2 |heave|^2/2, shape (omega,) [W/m^2]."""
-        return np.asarray(0.5 * self.pto.damping * omega**2 * np.abs(rao[:, 0]) ** 2)
+        """Return the mean power taken off per squared wave amplitude, c w^2 |b.q|^2/2, shape (omega,) [W/m^2]."""
+        stroke = rao @ self.pto.direction(len(self.mass))
+        return np.asarray(0.5 * self.pto.damping * omega**2 * np.abs(stroke) ** 2)
 
     def natural_modes(self, motions: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return wet natural frequencies [rad/s] and damping ratios [-], ascending, each shape (free,).
+        """Return wet natural frequencies [rad/s] and damping ratios [-] with the take-off, ascending, each (free,).
 
         Raises
         ------
@@ -187,7 +195,7 @@ class LinearBuoy:
         at some frequencies. A beyond the solved band comes from Kramers-Kronig. The ratio counts radiation, structure
         and power take-off on the mode's diagonal.
         """
-        k = motions.T @ self.stiffness @ motions
+        k = motions.T @ self.held @ motions
         softest = float(np.linalg.eigvalsh(k)[0])
         if softest <= 0.0:
             raise StabilityError(

@@ -15,7 +15,7 @@ from scipy.linalg import cho_factor, cho_solve
 from vsb.errors import ConvergenceError
 from vsb.hydro.dofs import flexible
 from vsb.hydro.statespace import RadiationModel
-from vsb.motion.forces import ConstantForce, Excitation, Force, Linear, WaterPressure
+from vsb.motion.forces import ConstantForce, Excitation, Force, Linear, SpringDamper, WaterPressure
 from vsb.shell.deformed import DeformedShell
 from vsb.tools.units import FloatArray
 
@@ -73,8 +73,9 @@ class Scene:
 
     @property
     def constant(self) -> FloatArray:
-        """Sum of the constant forces, shape (dof,) [N]."""
-        values = (force.value for force in self.forces.values() if isinstance(force, ConstantForce))
+        """Sum of the constant forces, what springs pull at q = 0 among them, shape (dof,) [N]."""
+        values = [force.value for force in self.forces.values() if isinstance(force, ConstantForce)]
+        values += [force.stiffness @ force.rest for force in self.forces.values() if isinstance(force, SpringDamper)]
         return sum(values, np.zeros(len(self.labels)))
 
     @cached_property

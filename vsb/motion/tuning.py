@@ -4,7 +4,7 @@ A sea is the squares of its components' amplitudes, shape (omega,) [m^2]; many s
 port, so that many dampers in many seas are one matrix product.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from vsb.motion.port import Port
 from vsb.tools.units import FloatArray
+from vsb.waves.seas import Sea
 
 IntArray = npt.NDArray[np.intp]
 BoolArray = npt.NDArray[np.bool_]
@@ -43,6 +44,19 @@ class Load(NamedTuple):
         """Return for each sea the better of two."""
         better = other.power > self.power
         return Load(*(np.where(better, b, a) for a, b in zip(self, other, strict=True)))
+
+
+def frequencies(seas: Sequence[Sea]) -> FloatArray:
+    """Return the frequencies of all components of some seas, ascending [rad/s]."""
+    return np.unique(np.concatenate([sea.omega for sea in seas]))
+
+
+def squares(seas: Sequence[Sea], omega: FloatArray) -> FloatArray:
+    """Return the squared amplitudes of the components of seas, shape (sea, omega) [m^2]; zero where a sea has none."""
+    out = np.zeros((len(seas), len(omega)))
+    for row, waves in zip(out, seas, strict=True):
+        row[np.searchsorted(omega, waves.omega)] = np.abs(waves.amplitude) ** 2
+    return out
 
 
 def electrical_power(
@@ -115,7 +129,8 @@ def best_dampers(port: Port, squares: FloatArray, stiffness: float = 0.0, effici
         return Load(np.zeros(count), np.full(count, stiffness), np.zeros(count))
     sizes = port.beside(stiffness).best_damping[squares.any(axis=0)]
     reach = 1.0 if efficiency == 1.0 else 100.0
-    tried = np.arange(np.log(sizes.min() / reach) - LOG_STEP, np.log(sizes.max() * reach) + 2 * LOG_STEP, LOG_STEP)
+    least, most = np.floor(np.log([sizes.min() / reach, sizes.max() * reach]) / LOG_STEP)
+    tried = LOG_STEP * np.arange(least - 1, most + 3)  # of a grid for all seas: what is found in one knows no other
     powers = powers_of_all(port, squares, np.exp(tried), np.full(len(tried), stiffness), efficiency)
     rivals = powers >= powers.max(axis=0) * (1 - LOG_STEP**2 / 4)
     at, sea = np.nonzero(rivals & _local_maxima(powers))

@@ -42,6 +42,7 @@ class StudyData:
     response: xr.Dataset
     runs: Mapping[tuple[str, str], xr.Dataset]  # (design, wave label) -> trajectory
     witness: xr.Dataset  # empty without a second solver
+    tuned: bool = False  # no damper is given
 
 
 def style(design: str, designs: Sequence[str]) -> dict[str, Any]:
@@ -112,6 +113,11 @@ def shown_window(data: StudyData, wave: str) -> tuple[float, float]:
     """The study's window; the whole run in still water, where the motion is over by then."""
     time = data.runs[data.designs[0], wave].time
     return (float(time[0]), float(time[-1])) if wave == "still" else data.window
+
+
+def force_of(run: xr.Dataset, name: str) -> xr.DataArray:
+    """A force [kN]; zero where the scene has no such force."""
+    return run[name] / 1e3 if name in run else 0.0 * run.velocity
 
 
 def heave_force(run: xr.Dataset, name: str) -> xr.DataArray:

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from vsb.report.canvas import (
     StudyData,
     folded,
+    force_of,
     grid_of_axes,
     heave_force,
     legend_above,
@@ -31,12 +32,13 @@ from vsb.tools.units import FloatArray
 def absorbed_power(data: StudyData) -> Figure:
     """Draw absorbed power over the band with its limit, and the gain of each flexible design over the rigid one.
 
-    Left with each design at its own best damper, right at the given one.
+    Left with each design at its own best damper, right at the given one, if there is one.
     """
     response = data.response
     omega, limit = response.omega.values, response.power_limit / 1e3
-    figure, axes = grid_of_axes(5.2, 2, 2, sharex=True, sharey="row", height_ratios=[3, 2])
-    powers = {"each at its own best damper": response.best_power, "all at the given damper": response.absorbed_power}
+    given = {} if data.tuned else {"all at the given damper": response.absorbed_power}
+    powers = {"each at its own best damper": response.best_power} | given
+    figure, axes = grid_of_axes(5.2, 2, len(powers), sharex=True, sharey="row", height_ratios=[3, 2])
     for (title, power), (top, bottom) in zip(powers.items(), axes.T, strict=True):
         top.plot(omega, limit, color="#999999", linewidth=3, alpha=0.6, label="limit λ/2π")
         for design in data.designs:
@@ -198,7 +200,7 @@ def power_energy(data: StudyData, wave: str) -> Figure:
     for design in data.designs:
         run, line = data.runs[design, wave], style(design, data.designs)
         inside = run.sel(time=slice(*shown_window(data, wave)))
-        top.plot(inside.time, -heave_force(inside, "pto") * inside.velocity.isel(dof=0), **line)
+        top.plot(inside.time, -(force_of(inside, "pto") * inside.velocity).sum("dof"), **line)
         bottom.plot(run.time, run.energy.sel(term="pto") / 1e3, **line)
     top.set(ylabel="absorbed power [kW]", xlabel="time [s]", xlim=shown_window(data, wave))
     bottom.set(ylabel="absorbed energy [kJ]", xlabel="time [s]", xlim=(0, float(run.time[-1])))

@@ -8,7 +8,16 @@ import jinja2
 import numpy as np
 import xarray as xr
 
-from vsb.report.tuned import LOWEST, NO_BEST_DAMPER, TUNING, shares_text, tuned_statements, tuning_table
+from vsb.report.tuned import (
+    GIVEN,
+    LOWEST,
+    NO_BEST_DAMPER,
+    TUNING,
+    dampers_in_words,
+    shares_text,
+    tuned_statements,
+    tuning_table,
+)
 from vsb.tools.units import FloatArray
 
 CAPTIONS = {
@@ -157,8 +166,9 @@ def sea_statements(
     reference: str | None,
     seas: dict[str, str],
     tuned: Sequence[dict[str, Any]] = (),
+    where: str = GIVEN,
 ) -> list[str]:
-    """Return, for each sea, which design absorbs most at the given damper, and how far from its own best each is."""
+    """Return, for each sea, which design absorbs most in time, and how far the given damper is from its own best."""
     statements = []
     for wave in dict.fromkeys(row["wave"] for row in rows):
         sea = [row for row in rows if row["wave"] == wave]
@@ -166,10 +176,10 @@ def sea_statements(
         key, scale, unit = ("energy", 1e-3, "kJ from the start") if still else ("power_mean", 1.0, "W on average")
         best = max(sea, key=lambda row: float(row[key]))
         if float(best[key]) <= 0:
-            statements.append(f"At the given damper, in {seas[wave]}, no design absorbs power on average.")
+            statements.append(f"{where}, in {seas[wave]}, no design absorbs power on average.")
             continue
         rigid, most = "the rigid " if best["design"] == reference else "", " most" if len(sea) > 1 else ""
-        text = f"At the given damper, in {seas[wave]}, {rigid}{best['design']} absorbs{most}: "
+        text = f"{where}, in {seas[wave]}, {rigid}{best['design']} absorbs{most}: "
         text += f"{scale * float(best[key]):.4g} {unit}"
         base = next((row for row in sea if row["design"] == reference), None)
         against = _against(sea, base, key) if base is not None else ""
@@ -182,15 +192,16 @@ def irregular_statements(
     reference: str | None,
     seas: dict[str, str],
     tuned: Sequence[dict[str, Any]] = (),
+    where: str = GIVEN,
 ) -> list[str]:
-    """Return, for each irregular sea, mean power at the given damper and its gain with the 95 % interval."""
+    """Return, for each irregular sea, mean power in time and its gain with the 95 % interval."""
     statements = []
     for name in dict.fromkeys(line["sea"] for line in lines):
         sea = [line for line in lines if line["sea"] == name]
         parts = [
             f"{line['design']} absorbs {float(line['power_mean']):.4g} W{_gain_text(line, reference)}" for line in sea
         ]
-        statements.append(f"At the given damper, in {seas[name]}, {', '.join(parts)}{shares_text(tuned, name)}.")
+        statements.append(f"{where}, in {seas[name]}, {', '.join(parts)}{shares_text(tuned, name)}.")
     return statements
 
 
@@ -270,7 +281,7 @@ def published_table(study: dict[str, Any], rows: Sequence[dict[str, Any]]) -> li
     lines = []
     published = (study["published"] or {"values": {}})["values"]
     for row in (row for row in rows if row["design"] in published and row["wave"] != "still"):
-        values = {**row, "pto_force_pp": study["pto"]["damping"] * float(row["velocity_pp"])}
+        values = {**row, "pto_force_pp": float(row["damping"]) * float(row["velocity_pp"])}
         for key, (name, unit, factor) in PUBLISHED.items():
             if (theirs := published[row["design"]].get(key)) is None:
                 continue
@@ -289,6 +300,7 @@ def render(report: Report) -> str:
     head, body = table(report.rows)
     details_head, details = table(report.rows, DETAILS)
     irregular, tuned, response = report.irregular, report.equal_tuning, report.response
+    where, given = dampers_in_words(report.study["pto"]), report.study["pto"].get("damping") is not None
     figures = [
         {
             "name": name,
@@ -303,12 +315,17 @@ def render(report: Report) -> str:
         answer=tuned_statements(tuned, report.reference, report.seas) if response is not None else [NO_BEST_DAMPER],
         seas=[
             *sea_statements(
-                [row for row in report.rows if row["wave"] not in irregular], report.reference, report.seas, tuned
+                [row for row in report.rows if row["wave"] not in irregular],
+                report.reference,
+                report.seas,
+                tuned,
+                where,
             ),
-            *irregular_statements(report.statistics, report.reference, report.seas, tuned),
+            *irregular_statements(report.statistics, report.reference, report.seas, tuned, where),
         ],
         best_bands=[] if response is None else band_statements(response.best_power, report.reference),
-        bands=[] if response is None else band_statements(response.absorbed_power, report.reference),
+        bands=band_statements(response.absorbed_power, report.reference) if given and response is not None else [],
+        dampers=where[0].lower() + where[1:],
         tuning_head=TUNING,
         tuning=tuning_table(tuned),
         details_head=details_head,

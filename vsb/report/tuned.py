@@ -7,6 +7,9 @@ NO_BEST_DAMPER = (
     "An assumed pressure does not answer to the buoy's motion, so no best damper is known: all gains here are at the "
     "given damper."
 )
+GIVEN = "At the given damper"
+DAMPERS = {"fixed": GIVEN, "each": "In time, at their own best dampers", "one": "In time, at their best for all seas"}
+"""`pto.tuning` -> which dampers simulated designs have."""
 TUNING = (
     "design", "sea", "own best damper [N s/m]", "mean power [W]", "gain [%]", "given damper [N s/m]", "mean power [W]",
     "gain [%]", "share of own best [%]",
@@ -15,6 +18,12 @@ TUNING = (
 LOWEST = 0.3
 """Least frequency shown, of waves of 21 s [rad/s]: longer ones are not seas."""
 _SAME = 0.05  # a gain that is +-0.0 % when printed
+
+
+def dampers_in_words(pto: dict[str, Any]) -> str:
+    """Return which dampers simulated designs have, from the take-off of a study in canonical form."""
+    words = DAMPERS[pto.get("tuning", "fixed")]
+    return f"{words}s" if isinstance(pto.get("damping"), dict) and words == GIVEN else words
 
 
 def tuned_statements(lines: Sequence[dict[str, Any]], reference: str | None, seas: dict[str, str]) -> list[str]:

@@ -7,7 +7,7 @@ from typing import Any
 
 import xarray as xr
 
-from vsb.results.power import Merit, merit
+from vsb.results.power import Merit, damper_of, merit
 from vsb.study.study import StillWater, Study, Wave
 from vsb.waves.seas import Sea
 
@@ -44,7 +44,8 @@ def comparison(study: Study, wave: Wave, runs: Runs, sea: Sea) -> list[Row]:
         row = {"design": design, "wave": wave.label, **values._asdict(), "energy_gain_percent": energy[design]}
         row["energy_residual"] = float(runs[design].attrs["energy_residual"])
         gain = None if isinstance(wave, StillWater) else power[design]
-        rows.append({**row, **dict(zip(TAKE_OFF, (study.pto.damping, 0.0, gain), strict=True))})
+        take_off = (damper_of(study, design, runs[design].attrs), study.pto.stiffness, gain)
+        rows.append({**row, **dict(zip(TAKE_OFF, take_off, strict=True))})
     return rows
 
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vsb.motion.port import Port, port_direction
-from vsb.motion.tuning import IntArray, Load, best_dampers, best_pairs, mean_power
+from vsb.motion.tuning import IntArray, Load, best_dampers, best_pairs, frequencies, mean_power, squares
 from vsb.scenes.build import linear_buoy
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import design_motions
@@ -45,19 +45,6 @@ class Given(NamedTuple):
     damping: float | None
     stiffness: float = 0.0
     efficiency: float = 1.0
-
-
-def frequencies(seas: Sequence[Sea]) -> FloatArray:
-    """Return the frequencies of all components of some seas, ascending [rad/s]."""
-    return np.unique(np.concatenate([sea.omega for sea in seas]))
-
-
-def squares(seas: Sequence[Sea], omega: FloatArray) -> FloatArray:
-    """Return the squared amplitudes of the components of seas, shape (sea, omega) [m^2]; zero where a sea has none."""
-    out = np.zeros((len(seas), len(omega)))
-    for row, waves in zip(out, seas, strict=True):
-        row[np.searchsorted(omega, waves.omega)] = np.abs(waves.amplitude) ** 2
-    return out
 
 
 def linear_rungs(port: Port, waves: FloatArray, families: Sequence[int], given: Given) -> dict[str, Load]:
@@ -141,10 +128,11 @@ def study_ladder(study: Study, database: str) -> list[Rung]:
     seas = {wave.label: sea(wave, study.hydro.omega_max, study.simulation.duration) for wave in waves}
     names = [wave.family if isinstance(wave, IrregularSea) else wave.label for wave in waves]
     families = [names.index(name) for name in dict.fromkeys(names)]
-    direction = port_direction("heave", DeformedShell(basis, study.centre_height))
+    direction = port_direction(study.pto.port, DeformedShell(basis, study.centre_height))
     omega = frequencies(list(seas.values()))
     ports = {design: buoy.port(omega, design_motions(study, basis, design), direction) for design in study.designs}
-    given = {design: Given(study.pto.damping) for design in study.designs}
+    pto = study.pto
+    given = {design: Given(pto.damper(design), pto.stiffness, pto.efficiency) for design in study.designs}
     return ladder(ports, seas, families, given, study.simulation.duration)
 
 

@@ -17,6 +17,7 @@ from vsb.integrators.simulate import CONVOLVED
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
 from vsb.results.comparison import Row, Runs
+from vsb.results.power import damper_of, power_response
 from vsb.scenes.rest import computed_buckling, loaded_shell, reference_shell
 from vsb.shell.loaded import ElasticShell, viable_pressure
 from vsb.shell.modes import ModeBasis, design_motions, mode_basis, study_basis
@@ -242,9 +243,9 @@ def with_full_basis(database: xr.Dataset, study: Study) -> tuple[xr.Dataset, Mod
     return xr.Dataset(out, attrs=database.attrs), full
 
 
-def bending_checks(study: Study, database: xr.Dataset) -> list[Check]:
+def bending_checks(study: Study, database: xr.Dataset, runs: Attributes) -> list[Check]:
     """Return by how much the bending modes, where the basis leaves them out, would change the absorbed power."""
-    if not (study.flexible and study.pto.damping) or study.modes.basis == "full" or study.modes.degree < 2:
+    if study.pto.idle or study.modes.basis == "full" or study.modes.degree < 2:
         return []
     if study.at_equilibrium:  # bending modes move other water there: only BEM can tell
         return []
@@ -254,9 +255,9 @@ def bending_checks(study: Study, database: xr.Dataset) -> list[Check]:
     for wave in (w for w in study.waves if isinstance(w, RegularWave)):
         at = np.array([wave.omega])
         for design in (name for name, d in study.designs.items() if d.flexible):
-            powers = []
+            powers, damper = [], damper_of(study, design, runs[design, wave.label])
             for ds, basis in ((database, old), (wider, full)):
-                buoy = LinearBuoy(ds, basis.damping, LinearPto(study.pto.damping))
+                buoy = LinearBuoy(ds, basis.damping, LinearPto(damper, study.pto.stiffness))
                 powers.append(buoy.absorbed_power(at, buoy.rao(at, design_motions(study, basis, design)))[0])
             checks.append(
                 check_at_most(
@@ -314,15 +315,15 @@ def linear_ledger(
     runs: Attributes,
 ) -> list[Check]:
     """Return the checks of linear hydrodynamics: waves, coefficients, radiation model, time and frequency domain."""
-    checks = [*bending_checks(study, database), limit_check(frequency), *radiation_checks(radiation, study)]
+    checks = [*bending_checks(study, database, runs), limit_check(frequency), *radiation_checks(radiation, study)]
     means = {(row["design"], row["wave"]): row["power_mean"] for row in rows}
     for wave in study.waves:
         checks += wave_checks(wave, study.water, study.hydro.omega_max)
         if isinstance(wave, RegularWave) and not study.pto.switches:
-            at = frequency.absorbed_power.sel(omega=wave.omega, method="nearest")
             for design in study.designs:
-                power = float(at.sel(design=design))
-                body_exact = runs[design, wave.label]["model"] == "body_exact"
+                run = runs[design, wave.label]
+                power = float(power_response(study, frequency, design, run).sel(omega=wave.omega, method="nearest"))
+                body_exact = run["model"] == "body_exact"
                 check = linearity_check if body_exact else steady_state_check
                 checks.append(check(study, wave, power, means[design, wave.label], design))
     return checks + [replace(check, name=f"hydro {check.name}") for check in stored_checks(database)]

@@ -1,13 +1,15 @@
 """Figures of merit of a run: ranges of motion, absorbed power and energy, capture width."""
 
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 from scipy.interpolate import CubicSpline
 
 from vsb.errors import ConfigError
-from vsb.study.study import RegularWave, Water, Wave
+from vsb.scenes.build import TUNED
+from vsb.study.study import RegularWave, Study, Water, Wave
 from vsb.tools.units import FloatArray
 from vsb.waves.seas import Sea, group_velocity
 
@@ -37,6 +39,42 @@ def averaging_window(wave: Wave, window: tuple[float, float]) -> tuple[float, fl
     return end - np.floor((end - start) / wave.period + 1e-9) * wave.period, end
 
 
+def damper_of(study: Study, design: str, run: Mapping[str, Any]) -> float:
+    """Return the damper of a design in a run, by its attributes: given or tuned [N s/m]."""
+    return float(run.get(TUNED, study.pto.damper(design) or 0.0))
+
+
+def power_response(study: Study, response: xr.Dataset, design: str, run: Mapping[str, Any]) -> xr.DataArray:
+    """Return the mean power that linear theory gives the take-off of a run, per squared wave amplitude [W/m^2].
+
+    Parameters
+    ----------
+    study : Study
+    response : xarray.Dataset
+        The frequency response of the study.
+    design : str
+    run : mapping
+        Attributes of a run of the design.
+
+    Returns
+    -------
+    DataArray, dims (omega,)
+
+    Notes
+    -----
+    Of a damper c that was not given c |Z V0|^2/|Z + c + ik/omega|^2/2, Z and V0 of the port.
+    """
+    here = response.sel(design=design)
+    given: xr.DataArray = here.absorbed_power
+    if TUNED not in run:
+        return given
+    impedance, damper = here.port_impedance, run[TUNED]
+    through = np.abs(impedance + damper + 1j * study.pto.stiffness / here.omega) ** 2
+    pushed = 0.5 * damper * np.abs(impedance * here.port_velocity) ** 2
+    found: xr.DataArray = pushed / through.where(impedance != 0, 1.0)
+    return found
+
+
 def merit(run: xr.Dataset, wave: Wave, sea: Sea, water: Water, window: tuple[float, float]) -> Merit:
     """Return the figures of merit of a run (see `vsb.integrators.trajectory.labelled`)."""
     time = run.time.values
@@ -46,17 +84,17 @@ def merit(run: xr.Dataset, wave: Wave, sea: Sea, water: Water, window: tuple[flo
             f"simulation.window: received {list(window)} s, which holds none of the instants recorded, "
             f"{time[1] - time[0]:.4g} s apart; needs to be longer than that"
         )
-    heave, velocity = run.position.values[inside, 0], run.velocity.values[inside, 0]
+    heave, velocity = run.position.values[inside, 0], run.velocity.values[inside]
     absorbed: FloatArray = run.energy.sel(term="pto").values
-    force = run.pto.values[inside, 0] if "pto" in run else np.zeros_like(velocity)
+    force = run.pto.values[inside] if "pto" in run else np.zeros_like(velocity)
     start, end = averaging_window(wave, window)
     gained = np.diff(CubicSpline(time, absorbed)([start, end]))[0]
     mean = float(gained / (end - start))
     flux = energy_flux(sea, water)
     return Merit(
         float(np.ptp(heave)),
-        float(np.ptp(velocity)),
-        float(np.max(-force * velocity)) + 0.0,  # no negative zero
+        float(np.ptp(velocity[:, 0])),
+        float(np.max(-np.sum(force * velocity, axis=1))) + 0.0,  # no negative zero
         mean,
         float(absorbed[-1]) + 0.0,
         mean / flux if flux else None,

@@ -16,6 +16,7 @@ from scipy.interpolate import CubicSpline
 from scipy.stats import t as student
 
 from vsb.hydro.database import Check, check_at_most
+from vsb.results.power import power_response
 from vsb.study.study import Irregular, IrregularSea, Study
 from vsb.tools.units import FloatArray
 from vsb.waves.seas import Sea
@@ -104,7 +105,8 @@ class Sample(NamedTuple):
 
 def sample(study: Study, wave: Irregular, design: str, run: xr.Dataset, sea: Sea, response: xr.Dataset) -> Sample:
     """Return what statistics keep of the run of a design in a realisation of a sea."""
-    return Sample(batch_means(run, study.simulation.window, wave.memory), linear_power(response, design, sea))
+    power = power_response(study, response, design, run.attrs)
+    return Sample(batch_means(run, study.simulation.window, wave.memory), linear_power(power, sea))
 
 
 def statistics(study: Study, samples: Mapping[tuple[str, str], Sample]) -> list[Line]:
@@ -126,10 +128,9 @@ def statistics(study: Study, samples: Mapping[tuple[str, str], Sample]) -> list[
     return lines
 
 
-def linear_power(response: xr.Dataset, design: str, sea: Sea) -> float:
+def linear_power(power: xr.DataArray, sea: Sea) -> float:
     """Return the mean power linear theory predicts, sum of P(omega) |a|^2 over the components [W]."""
-    power = CubicSpline(response.omega.values, response.absorbed_power.sel(design=design).values)
-    return float(sea.mean_of(power(sea.omega)))
+    return float(sea.mean_of(CubicSpline(power.omega.values, power.values)(sea.omega)))
 
 
 def gain_percent(batches: FloatArray, base: FloatArray | None) -> tuple[float | None, float | None, float | None]:

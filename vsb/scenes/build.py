@@ -1,6 +1,8 @@
 """The scene of one design in one sea, from the files of a study, by its hydrodynamic model."""
 
 import time as clock
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,17 +15,21 @@ from vsb.hydro.statespace import RadiationModel
 from vsb.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene
 from vsb.motion.forces import AssumedPressure
 from vsb.motion.frequency import LinearBuoy
+from vsb.motion.port import port_direction
 from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.scenes import automatic
-from vsb.scenes.take_off import with_take_off
+from vsb.scenes.take_off import linear_take_off, with_take_off
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import ModeBasis, design_motions, mode_basis, rigid_basis, study_basis
-from vsb.study.study import RegularWave, Study
+from vsb.study.study import RegularWave, Study, Wave
 from vsb.tools.files import load
 from vsb.tools.units import FloatArray
 from vsb.waves.seas import NO_WAVES, Sea, sea
+
+TUNED = "tuned_damping"
+"""What a run records of its damper, if it was not given [N s/m]."""
 
 
 class DesignInSea(NamedTuple):
@@ -42,52 +48,69 @@ class DesignInSea(NamedTuple):
 
 
 def linear_buoy(study: Study, database_path: str) -> tuple[LinearBuoy, ModeBasis]:
-    """Return the linear buoy of a study from its database, and the shell modes."""
+    """Return the linear buoy of a study, without take-off, from its database, and the shell modes."""
     ds = database.load_database(database_path, Path(database_path).stem)
     shell_moves = flexible(ds.influenced_dof.values)  # of the database: a rigid design may share it with flexible ones
     modes = study.modes
     basis = mode_basis(study.device, modes.basis, modes.degree) if shell_moves else rigid_basis(study.device)
-    return LinearBuoy(ds, basis.damping, LinearPto(study.pto.damping)), basis
+    return LinearBuoy(ds, basis.damping, LinearPto(0.0)), basis
 
 
-def linear_design(study: Study, paths: dict[str, Any]) -> DesignInSea:
+def linear_design(study: Study, paths: dict[str, Any], seas: Sequence[Wave] = ()) -> DesignInSea:
     """Return the scene of linear hydrodynamics about the mean shape."""
-    buoy, shape, model, waves, motions = _from_bem(study, paths)
-    scene = with_take_off(linear_scene(buoy, model, waves, motions), study.pto)
-    return DesignInSea(scene, shape, waves, buoy.spectrum, {"model": "linear"})
+    at = _from_bem(study, paths, seas)
+    scene = with_take_off(linear_scene(at.buoy, at.radiation, at.sea, at.motions), study.pto, at.buoy.pto)
+    return at.with_scene(scene, {"model": "linear"})
 
 
-def body_exact_design(study: Study, paths: dict[str, Any]) -> DesignInSea:
+def body_exact_design(study: Study, paths: dict[str, Any], seas: Sequence[Wave] = ()) -> DesignInSea:
     """Return the scene with static and Froude-Krylov forces on the instantaneous wet shell, the rest linear."""
-    buoy, shape, model, waves, motions = _from_bem(study, paths)
-    scene = body_exact_scene(buoy, shape, model, waves, motions)
-    return DesignInSea(scene, shape, waves, buoy.spectrum, {"model": "body_exact"})
+    at = _from_bem(study, paths, seas)
+    scene = body_exact_scene(at.buoy, at.shape, at.radiation, at.sea, at.motions)
+    return at.with_scene(scene, {"model": "body_exact"})
 
 
-def automatic_design(study: Study, paths: dict[str, Any]) -> DesignInSea:
+def automatic_design(study: Study, paths: dict[str, Any], seas: Sequence[Wave] = ()) -> DesignInSea:
     """Return the cheapest scene that gives the mean absorbed power to the tolerance of the study."""
     begun = clock.perf_counter()
-    buoy, shape, model, waves, _ = _from_bem(study, paths)
+    at = _from_bem(study, paths, seas)
     (design,) = study.designs
-    ladder = automatic.motion_ladder(study, shape.basis, design)
-    scenes = automatic.Scenes(buoy, shape, model, waves, ladder, study.simulation)
+    ladder = automatic.motion_ladder(study, at.shape.basis, design)
+    scenes = automatic.Scenes(at.buoy, at.shape, at.radiation, at.sea, ladder, study.simulation)
     choice = automatic.chosen(scenes, study.hydro.allowed_power_error)
-    notes = {**choice.notes, "choice_seconds": clock.perf_counter() - begun}
-    return DesignInSea(choice.scene, shape, waves, buoy.spectrum, notes)
+    return at.with_scene(choice.scene, {**choice.notes, "choice_seconds": clock.perf_counter() - begun})
 
 
-def _from_bem(study: Study, paths: dict[str, Any]) -> tuple[LinearBuoy, DeformedShell, RadiationModel, Sea, FloatArray]:
-    """What a scene with BEM is made of: buoy, reference shape, radiation model, sea, motions of the design."""
+class _FromBem(NamedTuple):
+    """What a scene with BEM is made of."""
+
+    buoy: LinearBuoy  # with the take-off of the run
+    shape: DeformedShell  # reference shape
+    radiation: RadiationModel
+    sea: Sea
+    motions: FloatArray  # of the design
+    notes: dict[str, Any]  # of the take-off
+
+    def with_scene(self, scene: Scene, notes: dict[str, Any]) -> DesignInSea:
+        """The design in its sea by a scene."""
+        return DesignInSea(scene, self.shape, self.sea, self.buoy.spectrum, notes | self.notes)
+
+
+def _from_bem(study: Study, paths: dict[str, Any], seas: Sequence[Wave]) -> _FromBem:
+    """What a scene of one design in one sea is made of; a damper to be tuned is to suit that sea, or seas if given."""
     (design,), (wave,) = study.designs, study.waves
-    buoy, basis = linear_buoy(study, paths["database"])
+    bare, basis = linear_buoy(study, paths["database"])
     ds = load(paths["radiation"], expected=Path(paths["radiation"]).stem)
     model = RadiationModel(ds.state_matrix.values, ds.input_matrix.values, ds.channel.values)
-    waves = sea(wave, study.hydro.omega_max, study.simulation.duration)
-    shape = DeformedShell(basis, study.centre_height, buoy.database.reference_amplitude.values)
-    return buoy, shape, model, waves, design_motions(study, basis, design)
+    waves, *others = (sea(w, study.hydro.omega_max, study.simulation.duration) for w in (wave, *seas))
+    shape = DeformedShell(basis, study.centre_height, bare.database.reference_amplitude.values)
+    motions, port = design_motions(study, basis, design), port_direction(study.pto.port, shape)
+    pto = linear_take_off(study.pto, design, bare, motions, port, others or [waves])
+    notes = {} if study.pto.tuning == "fixed" else {TUNED: float(pto.damping)}
+    return _FromBem(replace(bare, pto=pto), shape, model, waves, motions, notes)
 
 
-def assumed_pressure_design(study: Study, _: dict[str, Any]) -> DesignInSea:
+def assumed_pressure_design(study: Study, _: dict[str, Any], seas: Sequence[Wave] = ()) -> DesignInSea:
     """Return the scene with static and assumed pressure on the wet shell; a rigid design needs no shell modes."""
     (design,), (wave,) = study.designs, study.waves
     basis = study_basis(study)
@@ -95,7 +118,8 @@ def assumed_pressure_design(study: Study, _: dict[str, Any]) -> DesignInSea:
     load = AssumedPressure(study.hydro.pressure or 0.0 if omega else 0.0, omega)
     shell, water = DeformedShell(basis, study.centre_height, np.zeros(len(basis.labels))), study.water
     motions = design_motions(study, basis, design)
-    scene = assumed_pressure_scene(shell, LinearPto(study.pto.damping), load, water.density, water.gravity, motions)
+    pto = LinearPto(study.pto.damper(design) or 0.0, study.pto.stiffness)
+    scene = assumed_pressure_scene(shell, pto, load, water.density, water.gravity, motions)
     return DesignInSea(scene, shell, NO_WAVES, None, {"model": "assumed_pressure"})
 
 
@@ -105,4 +129,4 @@ SCENES = {
     "assumed_pressure": assumed_pressure_design,
     "auto": automatic_design,
 }
-"""Hydrodynamic model -> the scene of one design in one sea."""
+"""Hydrodynamic model -> the scene of one design in one sea, of seas one damper is to suit."""

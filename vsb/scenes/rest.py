@@ -6,6 +6,8 @@ import numpy as np
 
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.motion.builders import still_scene
+from vsb.motion.frequency import allowed_part
+from vsb.motion.port import port_direction
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.loaded import Buckling, ElasticShell, LoadedShell, buckling, complete_shell, equilibrium
 from vsb.shell.modes import ModeBasis, design_motions, study_basis
@@ -95,6 +97,27 @@ def check_stable(study: Study, reference: ReferenceShell) -> None:
                 f"young_modulus {study.device.young_modulus:g} Pa, thickness {study.device.thickness:g} m and "
                 f"internal_pressure {study.device.internal_pressure:g} Pa; needs more of one of them"
             )
+
+
+def check_spring(study: Study, reference: ReferenceShell) -> None:
+    """Check that the take-off's spring does not push a buoy out of its rest.
+
+    Raises
+    ------
+    ConfigError
+    """
+    direction = port_direction(study.pto.port, reference.shape)
+    least = -np.inf
+    for design in study.designs:
+        motions = design_motions(study, reference.basis, design)
+        along = allowed_part(direction, motions)
+        compliance = float(along @ np.linalg.solve(motions.T @ reference.total @ motions, along))
+        least = max(least, -1 / compliance if compliance > 0 else -np.inf)
+    if not study.pto.stiffness > least:
+        raise ConfigError(
+            f"pto.stiffness: received {study.pto.stiffness:g} N/m, with which a buoy does not rest; needs more than "
+            f"{least:.6g} N/m"
+        )
 
 
 def check_rests(study: Study, reference: ReferenceShell) -> None:

@@ -28,7 +28,7 @@ from vsb.scenes.rest import loaded_shell, reference_shell
 from vsb.shell.loaded import equilibrium
 from vsb.shell.modes import design_motions
 from vsb.shell.rest import ReferenceShell
-from vsb.study.study import RegularWave, StillWater, Study
+from vsb.study.study import RegularWave, StillWater, Study, canonical
 from vsb.tools.units import FloatArray, described
 from vsb.waves.seas import Sea, sea
 
@@ -51,8 +51,17 @@ _EXPANSIONS = {"first": ("first order", "#000000", "o"), "second": ("second orde
 
 
 def linear_buoy(study: Study, reference: ReferenceShell, family: ShapeFamily) -> LinearBuoy:
-    """Return the buoy of a study with the coefficients of the family's reference shape."""
-    return LinearBuoy(with_structure(family.centre, reference), reference.basis.damping, LinearPto(study.pto.damping))
+    """Return the buoy of a study with the coefficients of the family's reference shape; see `given_damper`."""
+    pto = LinearPto(given_damper(study))
+    return LinearBuoy(with_structure(family.centre, reference), reference.basis.damping, pto)
+
+
+def given_damper(study: Study) -> float:
+    """Return the damper of a study whose take-off is one given damper on heave; `ConfigError` if it is another."""
+    pto = study.pto
+    if not isinstance(pto.damping, float) or (pto.tuning, pto.stiffness, pto.port) != ("fixed", 0.0, "heave"):
+        raise ConfigError(f"pto: received {canonical(pto)}; shape dependence needs one damping, on heave, and no more")
+    return pto.damping
 
 
 def power_slope(buoy: LinearBuoy, slopes: xr.Dataset, motions: FloatArray) -> FloatArray:

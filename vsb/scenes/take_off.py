@@ -1,32 +1,84 @@
-"""The take-off of a study as forces of a scene."""
+"""The take-off of a study as forces of a scene, its damper as given or as the linear port wants it."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from vsb.errors import ConfigError
+from vsb.motion.frequency import LinearBuoy
+from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.take_off import EndStop, TakeOff
+from vsb.motion.tuning import best_dampers, frequencies, squares
 from vsb.study.take_off import Law, Pto
 from vsb.tools.units import FloatArray
+from vsb.waves.seas import Sea
 
 STIFFER = 100.0
 """Spring of an end stop over the buoy's own stiffness at the port: it gives way by some per cent of what it stops."""
 
-LAWS: Mapping[Law, Callable[[Pto, FloatArray], TakeOff]] = {
-    "linear": lambda pto, port: TakeOff(port, pto.damping, limit=pto.force_limit),
-    "saturated": lambda pto, port: TakeOff(port, pto.damping, limit=pto.force_limit),
-    "coulomb": lambda pto, port: TakeOff(port, np.inf, limit=pto.force_limit),
+LAWS: Mapping[Law, Callable[[Pto, FloatArray, float], TakeOff]] = {
+    "linear": lambda pto, port, damper: TakeOff(port, damper, pto.stiffness, pto.force_limit),
+    "saturated": lambda pto, port, damper: TakeOff(port, damper, pto.stiffness, pto.force_limit),
+    "coulomb": lambda pto, port, _: TakeOff(port, np.inf, limit=pto.force_limit),
 }
-"""`pto.law` -> its force at a port."""
+"""`pto.law`, at a port, with a damper [kg/s] -> its force."""
 
 
-def with_take_off(scene: Scene, pto: Pto) -> Scene:
-    """Return a linear scene with the take-off of a study, and its end stop, if it switches; else the scene as it is."""
+def linear_take_off(
+    pto: Pto, design: str, buoy: LinearBuoy, motions: FloatArray, port: FloatArray, seas: Sequence[Sea]
+) -> LinearPto:
+    """Return spring and damper of a run: the damper given, or the one that takes most of seas by linear theory.
+
+    Parameters
+    ----------
+    pto : Pto
+    design : str
+    buoy : LinearBuoy
+    motions : ndarray, shape (dof, free)
+        The motions the design allows.
+    port : ndarray, shape (dof,)
+        b.
+    seas : sequence of Sea
+        What a damper that is not given is to suit: the sum of these.
+
+    Raises
+    ------
+    ConfigError
+        If no damper is given and nothing comes in.
+    """
+    damper = pto.damper(design)
+    if pto.tuning != "fixed":
+        damper = best_damper(pto, buoy, motions, port, [sea for sea in seas if sea.omega.size])
+    assert damper is not None  # a Pto's own check
+    return LinearPto(damper, pto.stiffness, port)
+
+
+def best_damper(pto: Pto, buoy: LinearBuoy, motions: FloatArray, port: FloatArray, seas: Sequence[Sea]) -> float:
+    """Return the damper beside a take-off's spring that takes most of the sum of seas; see `linear_take_off`."""
+    if not seas:
+        raise ConfigError(f"pto.tuning: received {pto.tuning!r}, but nothing comes in; needs pto.damping in N s/m")
+    omega = frequencies(seas)
+    together = squares(seas, omega).sum(axis=0, keepdims=True)
+    best = best_dampers(buoy.port(omega, motions, port), together, pto.stiffness, pto.efficiency)
+    return float(best.damping[0])
+
+
+def with_take_off(scene: Scene, pto: Pto, linear: LinearPto) -> Scene:
+    """Return a linear scene with the take-off of a study, and its end stop, if it switches; else the scene as it is.
+
+    Parameters
+    ----------
+    scene : Scene
+    pto : Pto
+    linear : LinearPto
+        Its damper and its port.
+    """
     if not pto.switches:
         return scene
-    port = np.eye(len(scene.labels))[0]
-    forces = {**scene.forces, scene.take_off: LAWS[pto.law](pto, port)}
+    port = linear.direction(len(scene.labels))
+    forces = {**scene.forces, scene.take_off: LAWS[pto.law](pto, port, float(linear.damping))}
     if pto.stroke_limit < np.inf:
         forces["end_stop"] = end_stop(scene, port, pto.stroke_limit)
     return replace(scene, forces=forces)

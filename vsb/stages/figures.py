@@ -40,6 +40,7 @@ def run(
         response=found.response,
         runs=found.runs,
         witness=found.witness,
+        tuned=study.pto.damping is None,
     )
     files = {name: f"{out}/{name}.svg" for name in figure_names(study)}
     with mpl.rc_context():  # the caller's own figures keep their looks

@@ -6,7 +6,7 @@ from typing import Any
 
 from vsb.hydro import database
 from vsb.results import ledger
-from vsb.scenes.rest import check_rests, check_stable, reference_shell
+from vsb.scenes.rest import check_rests, check_spring, check_stable, reference_shell
 from vsb.shell.modes import mode_basis
 from vsb.shell.sphere import Shell, natural_frequencies
 from vsb.study.blocks import BlockSpec
@@ -32,10 +32,12 @@ def check_before_run(study: Study, plan: StudyPlan) -> None:
     """
     reference = reference_shell(study)
     check_stable(study, reference)
+    check_spring(study, reference)
     check_rests(study, reference)
     if study.needs_bem:
         plan.check_waves()
     study.check_record()
+    study.check_dampers()
     if not study.needs_bem:
         return
     if Path(plan.database_path).exists():

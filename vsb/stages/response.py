@@ -1,10 +1,13 @@
 """Rule response: the frequency response of all designs."""
 
+from dataclasses import replace
+
 import numpy as np
 import xarray as xr
 
 from vsb.motion import frequency as response
 from vsb.motion.port import port_direction
+from vsb.motion.pto import LinearPto
 from vsb.scenes.build import linear_buoy
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import design_motions
@@ -13,20 +16,32 @@ from vsb.study.specs import ResponseSpec
 from vsb.tools.files import save
 from vsb.waves.seas import power_limit
 
+TAKE_OFF = {True: "best_damping at each frequency", False: "the given damping"}
+"""Whether tuning decides -> under what `rao` and `absorbed_power` are."""
+
 
 def run(spec: ResponseSpec, database: str, out: str) -> None:
-    """Write response amplitude operators, ports, powers, their limits, and wet natural frequencies of all designs."""
+    """Write response amplitude operators, ports, powers, their limits, and wet natural frequencies of all designs.
+
+    Best dampers are those beside the take-off's spring. Without a given damper `rao` and `absorbed_power` are at the
+    best one of each frequency, natural frequencies and damping ratios without any.
+    """
     study = partial_study(spec)
-    buoy, basis = linear_buoy(study, database)
+    bare, basis = linear_buoy(study, database)
     omega = response.frequency_grid(spec.step, spec.lowest, spec.omega_max, spec.omega)
-    heave = port_direction("heave", DeformedShell(basis, study.centre_height))
-    rao, power, wet, ports = [], [], [], []
+    pto = study.pto
+    direction = port_direction(pto.port, DeformedShell(basis, study.centre_height))
+    rao, power, wet, ports, best = [], [], [], [], []
     for design in study.designs:
-        motions = design_motions(study, basis, design)
-        ports.append(buoy.port(omega, motions, heave))
+        motions, damper = design_motions(study, basis, design), pto.damper(design)
+        ports.append(bare.port(omega, motions, direction))
+        best.append(ports[-1].beside(pto.stiffness) if pto.stiffness else ports[-1])
+        damping = best[-1].best_damping if damper is None else damper
+        buoy = replace(bare, pto=LinearPto(damping, pto.stiffness, direction))
         rao.append(buoy.rao(omega, motions))
         power.append(buoy.absorbed_power(omega, rao[-1]))
-        wet += [(design, *pair) for pair in zip(*buoy.natural_modes(motions), strict=True)]
+        swinging = replace(buoy, pto=LinearPto(damper or 0.0, pto.stiffness, direction))
+        wet += [(design, *pair) for pair in zip(*swinging.natural_modes(motions), strict=True)]
     water = study.water
     designs, frequency, ratio = zip(*wet, strict=True)
     save(
@@ -36,8 +51,8 @@ def run(spec: ResponseSpec, database: str, out: str) -> None:
                 "absorbed_power": (("design", "omega"), np.array(power)),
                 "port_impedance": (("design", "omega"), np.array([port.impedance for port in ports])),
                 "port_velocity": (("design", "omega"), np.array([port.velocity for port in ports])),
-                "best_damping": (("design", "omega"), np.array([port.best_damping for port in ports])),
-                "best_power": (("design", "omega"), np.array([port.best_power for port in ports])),
+                "best_damping": (("design", "omega"), np.array([port.best_damping for port in best])),
+                "best_power": (("design", "omega"), np.array([port.best_power for port in best])),
                 "matched_power": (("design", "omega"), np.array([port.matched_power for port in ports])),
                 "power_limit": ("omega", [power_limit(w, water.depth, water.density, water.gravity) for w in omega]),
                 "wet_natural_frequency": ("wet_mode", list(frequency)),
@@ -49,7 +64,7 @@ def run(spec: ResponseSpec, database: str, out: str) -> None:
                 "dof": list(basis.labels),
                 "wet_design": ("wet_mode", list(designs)),
             },
-            attrs=stamp(spec, database),
+            attrs={"take_off": TAKE_OFF[pto.damping is None], **stamp(spec, database)},
         ),
         out,
     )

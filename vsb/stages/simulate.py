@@ -24,7 +24,7 @@ def run(spec: SimulateSpec, out: str, database: str = "", radiation: str = "") -
     study = partial_study(spec)
     (design,), (wave,) = study.designs, study.waves
     files = {"database": database, "radiation": radiation}
-    scene, shape, waves, spectrum, notes = SCENES[study.hydro.model](study, files)
+    scene, shape, waves, spectrum, notes = SCENES[study.hydro.model](study, files, spec.seas)
     system = System.of(scene)
     clamps = shape.basis.clamp_rows(np.deg2rad(study.designs[design].clamp))
     records: list[xr.Dataset] = []

@@ -94,15 +94,17 @@ class Results:
 
     def scene(self, design: str, wave: str | None = None) -> DesignInSea:
         """Return the scene of a design in a sea, as it was simulated: what integrators and harmonic balance take."""
-        one = partial_study(self.plan.simulation(self._design(design), self._wave(wave)))
-        return SCENES[one.hydro.model](one, dict(self.plan.hydro_files))
+        spec = self.plan.simulation(self._design(design), self._wave(wave))
+        return SCENES[spec.hydro.model](partial_study(spec), dict(self.plan.hydro_files), spec.seas)
 
     def port(self, design: str, omega: npt.ArrayLike | None = None) -> Port:
         """Return what the take-off sees of a design, at the database's frequencies or at others [rad/s]."""
         buoy, basis = self._buoy
         at = buoy.database.omega.values if omega is None else np.asarray(omega, dtype=float)
         motions = design_motions(self.study, basis, self._design(design))
-        return buoy.port(at, motions, port_direction("heave", DeformedShell(basis, self.study.centre_height)))
+        return buoy.port(
+            at, motions, port_direction(self.study.pto.port, DeformedShell(basis, self.study.centre_height))
+        )
 
     @cached_property
     def _tables(self) -> dict[str, list[dict[str, Any]]]:

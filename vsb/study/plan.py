@@ -123,13 +123,16 @@ class StudyPlan(HydroPlan):
         return LadderSpec(hydro=Band(omega_max=self.study.hydro.omega_max), simulation=simulation, **sections)
 
     def simulation(self, design: str, wave: Wave) -> SimulateSpec:
-        """Spec of one time-domain run."""
-        hydro = self.study.hydro.model_dump(include=set(Dynamics.model_fields))
+        """Spec of one time-domain run: of the take-off its own damper, or how to find it."""
+        study, tuning = self.study, self.study.tuning(wave)
+        damping = study.pto.damper(design) if tuning == "fixed" else None
         return SimulateSpec(
-            designs={design: self.study.designs[design]},
+            designs={design: study.designs[design]},
             waves=(wave,),
-            hydro=Dynamics(**hydro),
-            **self._sections("device", "modes", "reference_shape", "water", "pto", "simulation"),
+            hydro=Dynamics(**study.hydro.model_dump(include=set(Dynamics.model_fields))),
+            pto=study.pto.model_copy(update={"damping": damping, "tuning": tuning}),
+            seas=study.one_of_each_sea if tuning == "one" else (),
+            **self._sections("device", "modes", "reference_shape", "water", "simulation"),
         )
 
     @property

@@ -191,7 +191,7 @@ def _line_of(error: ErrorDetails, raw: dict[str, Any]) -> str:
 
 def _told(error: ErrorDetails, title: str, model: type[BaseModel] | None = None) -> str:
     """A mistake in one line: key, value received, what is needed."""
-    key = ".".join(str(part) for part in error["loc"]) or title.lower()
+    key = ".".join(str(part) for part in error["loc"] if part != "") or title.lower()
     received = "" if isinstance(error["input"], dict | BaseModel) else f" received {_shown(error['input'])};"
     return " ".join(f"{key}:{received} {_needed(error, schema_of(model) if model else {})}".split())
 

@@ -231,7 +231,7 @@ class LadderSpec(Spec):
 
 
 class SimulateSpec(Spec):
-    """One design in one sea."""
+    """One design in one sea; `seas` are those its damper is to suit, where one is for all."""
 
     TAG = "simulate"
     device: Device
@@ -243,6 +243,12 @@ class SimulateSpec(Spec):
     designs: dict[Name, Design]
     waves: tuple[Wave, ...]
     hydro: Dynamics
+    seas: tuple[Wave, ...] = ()
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_not_read(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        found: dict[str, Any] = dump(self)
+        return {key: value for key, value in found.items() if key != "seas" or value}
 
 
 class CompareSpec(Spec):

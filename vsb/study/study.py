@@ -12,6 +12,7 @@ from typing import Annotated, Self
 from pydantic import BaseModel, Field, field_validator, model_validator
 
 from vsb.errors import ConfigError
+from vsb.study.floating import cap_volume, floating_height
 from vsb.study.quantities import Name, Section
 from vsb.study.reading import read_yaml, validated
 from vsb.study.resolution import RECORDS_PER_PERIOD
@@ -35,7 +36,7 @@ from vsb.study.sections import (
     Wave,
     WhiteNoise,
 )
-from vsb.study.take_off import Pto
+from vsb.study.take_off import Pto, Tuning
 
 __all__ = [
     "Design",
@@ -118,7 +119,7 @@ class Study(Section):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         mistakes = []
-        for check in (self._check_afloat, self._check_waves, self._check_model):
+        for check in (self._check_afloat, self._check_waves, self._check_model, self._check_take_off):
             try:
                 check()
             except ValueError as mistake:
@@ -135,7 +136,8 @@ class Study(Section):
                 f"device.mass {self.device.mass:g} kg: the buoy would sink; needs less than {full:.6g} kg, "
                 "the mass of the water it displaces fully immersed"
             )
-        low, high = (_cap(self.device.radius, part) * self.water.density for part in (NEAREST_POLE, 2 - NEAREST_POLE))
+        radius, density = self.device.radius, self.water.density
+        low, high = (cap_volume(radius, part) * density for part in (NEAREST_POLE, 2 - NEAREST_POLE))
         if not low <= self.device.mass <= high:
             raise ValueError(
                 f"device.mass {self.device.mass:g} kg: needs {low:.6g} to {high:.6g} kg, because a waterline within "
@@ -187,7 +189,7 @@ class Study(Section):
             raise ValueError(f"hydro.{idle[0]}: hydro.model {model!r} has no coefficients to solve or judge; remove it")
         if unknown := [name for name in self.hydro.accept if name not in CHECKS]:
             raise ValueError(f"hydro.accept {unknown}: no such check; needs some of {', '.join(CHECKS)}")
-        if model == "auto" and not self.pto.damping:
+        if model == "auto" and self.pto.idle:
             raise ValueError("hydro.model 'auto': judges by mean absorbed power; needs pto.damping above 0")
         if self.hydro.solver == "spectral" and self.hydro.rows:
             raise ValueError("hydro.solver 'spectral': has no rows; remove hydro.rows, or use 'panels'")
@@ -202,16 +204,52 @@ class Study(Section):
         )
         if method not in suitable:
             raise ValueError(f"simulation.method {method!r}: hydro.model {model!r} needs one of {', '.join(suitable)}")
-        if self.pto.switches and model != "linear":
-            raise ValueError(
-                f"pto: received law {self.pto.law} with force_limit {self.pto.force_limit:g} N and stroke_limit "
-                f"{self.pto.stroke_limit:g} m, which hydro.model {model!r} cannot follow; needs hydro.model: "
-                "linear, or law: linear without limits"
-            )
-        if self.pto.switches and method != "auto":
-            raise ValueError(f"simulation.method {method!r}: cannot follow a take-off that switches; needs auto")
         if self.published and (absent := sorted(set(self.published.values) - set(self.designs))):
             raise ValueError(f"published.values {absent}: no such design; needs some of {', '.join(self.designs)}")
+
+    def _check_take_off(self) -> None:
+        """Dampers must be those of the designs, and model and method able to follow the take-off."""
+        model, method, pto = self.hydro.model, self.simulation.method, self.pto
+        if isinstance(pto.damping, dict) and set(pto.damping) != set(self.designs):
+            raise ValueError(
+                f"pto.damping: received dampers of {', '.join(pto.damping) or 'no design'}, needs one for every "
+                f"design: {', '.join(self.designs)}"
+            )
+        if model == "assumed_pressure" and pto.tuning != "fixed":
+            raise ValueError(
+                f"pto.tuning {pto.tuning!r}: an assumed pressure does not answer to the motion, so no damper is best; "
+                "needs pto.damping and tuning: fixed"
+            )
+        if pto.port != "heave" and model != "linear":
+            raise ValueError(f"pto.port: hydro.model {model!r} has no other port than heave; needs hydro.model: linear")
+        if pto.port == "volume" and self.device.gas:
+            raise ValueError("pto.port 'volume': the chamber's gas is not part of it; remove device.gas")
+        if pto.switches and model != "linear":
+            raise ValueError(
+                f"pto: received law {pto.law} with force_limit {pto.force_limit:g} N and stroke_limit "
+                f"{pto.stroke_limit:g} m, which hydro.model {model!r} cannot follow; needs hydro.model: "
+                "linear, or law: linear without limits"
+            )
+        if pto.switches and method != "auto":
+            raise ValueError(f"simulation.method {method!r}: cannot follow a take-off that switches; needs auto")
+
+    def tuning(self, wave: Wave) -> Tuning:
+        """Return how the damper of a run is found; none is best where nothing comes in: there the given one holds."""
+        alone = isinstance(wave, StillWater) and (self.pto.tuning == "each" or not self.one_of_each_sea)
+        return "fixed" if alone else self.pto.tuning
+
+    def check_dampers(self) -> None:
+        """Check that every run has a damper.
+
+        Raises
+        ------
+        ConfigError
+        """
+        for i, wave in enumerate(self.waves):
+            if self.tuning(wave) == "fixed" and self.pto.damping is None:
+                raise ConfigError(
+                    f"waves.{i} {wave.label}: no damper is best where nothing comes in; needs pto.damping in N s/m"
+                )
 
     def check_record(self) -> None:
         """Check that every run is short enough to be recorded, and the window long enough to see the motion.
@@ -242,6 +280,11 @@ class Study(Section):
                 )
 
     @property
+    def one_of_each_sea(self) -> tuple[Wave, ...]:
+        """The seas one damper is to suit: of several realisations the first, still water left out."""
+        return tuple(wave for wave in self.drawn_waves if not isinstance(wave, StillWater))
+
+    @property
     def drawn_waves(self) -> tuple[Wave, ...]:
         """The seas figures are drawn of: of several realisations the first."""
         first = {wave.family if isinstance(wave, IrregularSea) else wave.label: wave for wave in reversed(self.waves)}
@@ -261,7 +304,7 @@ class Study(Section):
     @property
     def centre_height(self) -> float:
         """Height of the sphere centre above still water at rest [m], from mass = rho V(immersed cap)."""
-        return _floating_height(self.device.radius, self.device.mass / self.water.density)
+        return floating_height(self.device.radius, self.device.mass / self.water.density)
 
     @property
     def draft(self) -> float:
@@ -299,22 +342,6 @@ class Study(Section):
     def reference_design(self) -> str | None:
         """The first rigid design: gains are measured against it."""
         return next((name for name, design in self.designs.items() if not design.flexible), None)
-
-
-def _cap(radius: float, height: float) -> float:
-    """Volume of a spherical cap, pi h^2 (3r - h)/3, its height in radii [m^3]."""
-    return math.pi * height**2 * (3 - height) / 3 * radius**3
-
-
-def _floating_height(radius: float, volume: float) -> float:
-    """Height of the centre at which the immersed cap, pi h^2 (3r - h)/3, has the given volume."""
-    low, high = 0.0, 2 * radius
-    while high - low > 1e-15 * radius:
-        h = 0.5 * (low + high)
-        if h in (low, high):
-            break
-        low, high = (h, high) if math.pi * h * h * (3 * radius - h) / 3 < volume else (low, h)
-    return radius - 0.5 * (low + high)
 
 
 def load(path: str | Path) -> Study:

@@ -16,7 +16,7 @@ from pydantic import (
     model_validator,
 )
 
-from vsb.study.quantities import NonNegative, Number, Section, within
+from vsb.study.quantities import Finite, Name, NonNegative, Number, Section, within
 
 Colatitude = Annotated[Number, Field(ge=0, le=180)]
 
@@ -62,20 +62,37 @@ PortChoice = Annotated[
 
 
 Law = Literal["linear", "saturated", "coulomb"]
+Tuning = Literal["fixed", "each", "one"]
 Limit = Annotated[Number, Field(gt=0)]
+STIFFEST = 1e12
+"""Damper [N s/m] and spring [N/m] beyond which nothing moves."""
+Damper = Annotated[NonNegative, within(0.0, STIFFEST, "N s/m", "a take-off that holds a ship still does not take off")]
+Dampers = Annotated[
+    Annotated[Damper, Tag("")] | Annotated[dict[Name, Damper], Tag("design")],
+    Discriminator(lambda value: "design" if isinstance(value, dict) else ""),
+]
+"""One damper for all designs, or one for each."""
 
 
 class Pto(Section):
-    """Power take-off between the heaving plate and the sea bed: damping [N s/m], its law in time, limits of both.
+    """Power take-off: damping [N s/m] of all designs or of each, stiffness [N/m] of a spring beside it, its port.
 
-    `linear`: a damper, whose force saturates at a force limit [N] if there is one; `saturated` insists on the limit.
-    `coulomb`: friction of the force limit, the pressure of a hydraulic take-off; the damping is then that of the linear
-    response alone. At the stroke limit [m] an end stop begins.
+    `tuning` says which damper a run has: `fixed`, as given; `each`, the design's own best in its sea; `one`, the
+    design's best for the sum of all seas; best by linear theory, beside the spring. Without a damping it is `each`.
+    `efficiency` [-] of both directions of power judges the dampers and springs of the tuning ladder.
+
+    The law in time: `linear`, whose force saturates at a force limit [N] if there is one; `saturated` insists on the
+    limit. `coulomb`: friction of the force limit, the pressure of a hydraulic take-off; the damping is then that of the
+    linear response alone. At the stroke limit [m] an end stop begins.
     """
 
-    damping: Annotated[
-        NonNegative, within(0.0, 1e12, "N s/m", "a take-off that holds a ship still does not take off")
-    ] = 8000.0
+    damping: Dampers | None = None
+    stiffness: Annotated[
+        Finite, within(-STIFFEST, STIFFEST, "N/m", "a spring that holds a ship still takes nothing off")
+    ] = 0.0
+    tuning: Tuning = "fixed"
+    efficiency: Annotated[Number, Field(gt=0, le=1)] = 1.0
+    port: PortChoice = "heave"
     law: Law = "linear"
     force_limit: Limit = math.inf
     stroke_limit: Limit = math.inf
@@ -84,6 +101,30 @@ class Pto(Section):
     def switches(self) -> bool:
         """Whether its force in time is not that of a damper alone."""
         return self.law != "linear" or self.force_limit < math.inf or self.stroke_limit < math.inf
+
+    @property
+    def idle(self) -> bool:
+        """Whether the damper given to some design takes nothing."""
+        given = self.damping.values() if isinstance(self.damping, dict) else [self.damping]
+        return 0.0 in given
+
+    def damper(self, design: str) -> float | None:
+        """Return the damping given to a design [N s/m]; none where there is none."""
+        return self.damping[design] if isinstance(self.damping, dict) else self.damping
+
+    @model_validator(mode="before")
+    @classmethod
+    def _tuned_by_default(cls, raw: Any) -> Any:
+        """Without a damping, tuning decides."""
+        if isinstance(raw, dict) and raw.get("damping") is None:
+            return {"tuning": "each", **raw}
+        return raw
+
+    @model_validator(mode="after")
+    def _given(self) -> Self:
+        if self.tuning == "fixed" and self.damping is None:
+            raise ValueError("damping: missing; tuning fixed needs one in N s/m")
+        return self
 
     @model_validator(mode="after")
     def _limited(self) -> Self:
@@ -95,7 +136,7 @@ class Pto(Section):
     def _without_defaults(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
         """Leave out what a take-off of before did not have: results of before keep their names."""
         said: dict[str, Any] = handler(self)
-        return {key: value for key, value in said.items() if key == "damping" or value != _DEFAULTS[key]}
+        return {key: value for key, value in said.items() if value != _DEFAULTS[key]}
 
 
 _DEFAULTS = {name: field.default for name, field in Pto.model_fields.items()}
