@@ -104,7 +104,17 @@ KEYS: dict[str, dict[str, Key]] = {
         "witness": Key("", "none", "auto: a second solver vouches for the first; none leaves it out"),
     },
     "Pto": {
-        "damping": Key("N s/m", "8000.0", "damping of the power take-off between plate and sea bed"),
+        "damping": Key("N s/m", "8000.0", "damper of all designs, or of each; without it tuning decides"),
+        "stiffness": Key("N/m", "-5000.0", "spring beside the damper; below zero while the buoy rests stably"),
+        "tuning": Key(
+            "",
+            "one",
+            "fixed: the damper given; each: every design's own best in each sea; one: its best for all seas together",
+        ),
+        "efficiency": Key("-", "0.9", "of both directions of power, in the tuning ladder's dampers and springs"),
+        "port": Key(
+            "", "{colatitude: 90}", "what the take-off acts on: heave, a ring of the shell, two points, or its volume"
+        ),
         "law": Key(
             "", "coulomb", "linear: a damper; saturated: one with a force limit; coulomb: friction of the force limit"
         ),
