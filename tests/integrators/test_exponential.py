@@ -191,7 +191,7 @@ def test_thrown_out_of_the_water_and_back(assumed):
 def test_a_crushed_shell_is_an_error_not_garbage(assumed):
     plant, _ = scene(assumed, "VSWEC")
     crushing = replace(plant.water, assumed=replace(plant.water.assumed, amplitude=1e12))
-    worse = replace(scene, forces={**scene.forces, "water": crushing})
+    worse = replace(plant, forces={**plant.forces, "water": crushing})
     with pytest.raises(ConvergenceError, match=r"cannot be followed at t = .*loads that crush the shell"):
         integrate(System.of(worse), np.linspace(0.0, 5.0, 401), plant.start(0.0, 0.0), 1e-8)
 

@@ -331,7 +331,7 @@ def test_a_load_without_a_period_is_refused(paper):
     plant = assumed(paper)
     constant = replace(plant.water, assumed=replace(plant.water.assumed, omega=0.0))
     with pytest.raises(ConfigError, match=r"received 1 frequencies from 0 to 0 rad/s, needs one above zero"):
-        harmonic_balance(System.of(replace(scene, forces={**scene.forces, "water": constant})))
+        harmonic_balance(System.of(replace(plant, forces={**plant.forces, "water": constant})))
 
 
 def test_a_load_that_no_motion_answers_is_refused(paper):

@@ -128,9 +128,9 @@ def test_one_part_in_ten_thousand_of_any_force_shows(scene, name):
         model = plant.memory
         lost = np.outer(model.channel, model.channel) / 2
         model = replace(model, channel=1.0001 * model.channel, state_matrix=model.state_matrix - (1.0001**2 - 1) * lost)
-        other = replace(scene, forces={**scene.forces, "radiation": RadiationMemory(model)})
+        other = replace(plant, forces={**plant.forces, "radiation": RadiationMemory(model)})
     else:
-        other = replace(scene, forces={**scene.forces, name: scaled(plant.forces[name], 1.0001)})
+        other = replace(plant, forces={**plant.forces, name: scaled(plant.forces[name], 1.0001)})
     sound = residual(energies(System.of(plant), motion))
     assert residual(energies(System.of(other), motion)) > 1e4 * sound
     assert residual(energies(System.of(other), motion)) > 1e-7
