@@ -27,6 +27,8 @@ def superposed(omega: FloatArray, phasors: ComplexArray, time: FloatArray) -> Fl
     Components of one spacing, such as those of a sea, are summed by fast Fourier transforms (Bluestein's chirp
     transform), blockwise in time so that the chirp's phase stays small. Others are summed as they stand.
     """
+    if len(time) == 1:
+        return np.asarray(np.real(np.exp(-1j * omega * time[0]) @ phasors)[None])
     out = np.empty((len(time), phasors.shape[1]))
     dt = float(time[-1] - time[0]) / max(len(time) - 1, 1)
     spacing = _spacing(omega)

@@ -1,0 +1,42 @@
+"""Power of a take-off that switches in a regular wave once its motion repeats."""
+
+import numpy as np
+import pytest
+
+from vsb.errors import ConfigError
+from vsb.integrators.settled import settled_power
+from vsb.motion.forces import Damper, Excitation, Spring
+from vsb.motion.scene import Scene
+from vsb.motion.system import System
+from vsb.motion.take_off import TakeOff
+
+B = np.ones(1)
+
+
+def system(law, omega=(2.0,), drag=0.3):
+    """2 y'' + drag y' + 50 y = 30 cos omega t + take-off."""
+    waves = Excitation(np.array(omega), np.full((len(omega), 1), 30.0 + 0j))
+    forces = {"hydrostatic": Spring(np.array([[50.0]])), "structural_damping": Damper(np.array([[drag]]))}
+    return System.of(Scene(("Heave",), np.array([[2.0]]), {**forces, "pto": law, "excitation": waves}, np.eye(1)))
+
+
+@pytest.mark.parametrize("omega", [2.0, 7.0])
+def test_a_law_without_switches_settles_at_the_linear_answer(omega):
+    power, unsettled = settled_power(system(TakeOff(B, 4.0), (omega,)), 1e-9)
+    assert unsettled < 1e-9
+    assert power == pytest.approx(2.0 * 30.0**2 / abs(4.3 + 1j * (50 / omega - 2 * omega)) ** 2, rel=1e-8)
+
+
+def test_friction_stronger_than_the_wave_takes_nothing_and_is_settled():
+    assert settled_power(system(TakeOff(B, np.inf, limit=31.0))) == (0.0, 0.0)
+
+
+def test_a_transient_that_outlasts_the_run_is_told():
+    """Nothing but a weak take-off damps: at the end most of the transient is left."""
+    _, unsettled = settled_power(system(TakeOff(B, 2e-4), (4.7,), 0.0))
+    assert unsettled > 1e-3
+
+
+def test_a_sea_has_no_settled_power():
+    with pytest.raises(ConfigError, match="received 2 frequencies"):
+        settled_power(system(TakeOff(B, 4.0), (2.0, 3.0)))

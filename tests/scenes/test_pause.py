@@ -1,0 +1,117 @@
+"""The best pause of latching and declutching: above every damper, below what any force can do."""
+
+import numpy as np
+import pytest
+
+from vsb.integrators.settled import settled_power
+from vsb.integrators.simulate import simulate
+from vsb.integrators.switching import switched
+from vsb.motion.constrained import constrained_optimum
+from vsb.motion.forces import Damper, Excitation, Spring
+from vsb.motion.harmonics import Harmonics
+from vsb.motion.scene import Scene
+from vsb.motion.system import System
+from vsb.motion.take_off import TakeOff
+from vsb.scenes.pause import KNOWN, SETTLED, best_pause, best_pause_in_sea, windowed_power, with_pause
+from vsb.study.sections import Simulation
+from vsb.waves.seas import NO_WAVES, Sea
+
+B, MASS, SPRING, LOSS = np.ones(1), 2.0, 50.0, 0.3
+SETTINGS = Simulation(duration=60.0, window=(20.0, 60.0), initial_position=0.0, initial_velocity=0.0)
+IRREGULAR = Sea(np.array([1.6, 1.9, 2.3]), np.array([0.3, 0.5 + 0.4j, -0.3j]))
+
+
+def scene(law, sea):
+    """2 y'' + 0.3 y' + 50 y = 30 times the elevation + take-off: natural frequency 5 rad/s."""
+    waves = {"excitation": Excitation(sea.omega, 30.0 * sea.amplitude[:, None])} if sea.omega.size else {}
+    forces = {"hydrostatic": Spring(np.array([[SPRING]])), "structural_damping": Damper(np.array([[LOSS]]))}
+    return Scene(("Heave",), np.array([[MASS]]), {**forces, "pto": law, **waves}, np.eye(1))
+
+
+def regular(omega):
+    return Sea(np.array([omega]), np.array([1.0 + 0j]))
+
+
+def impedance(omega):
+    return LOSS + 1j * (SPRING / omega - omega * MASS)
+
+
+def matched(sea):
+    return float(np.sum(np.abs(30.0 * sea.amplitude) ** 2) / (8 * LOSS))
+
+
+def passive(sea, damping):
+    """Mean power of dampers, shape (damper,)."""
+    per_component = (
+        0.5 * damping[:, None] * np.abs(30.0 * sea.amplitude / (impedance(sea.omega) + damping[:, None])) ** 2
+    )
+    return per_component.sum(axis=1)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def coarse():
+    """Fewer pauses tried: these powers have one maximum."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("vsb.scenes.pause.SCANNED", 8)
+        yield
+
+
+@pytest.fixture(scope="module")
+def latched(coarse):
+    """Latching in a regular wave far below resonance, its best pause."""
+    law, sea = TakeOff(B, 2.0, pause=0.0, paused_damping=np.inf), regular(2.0)
+    return scene(law, sea), sea, best_pause_in_sea(scene(law, sea), sea, SETTINGS)
+
+
+def test_latching_is_far_above_the_best_damper_and_below_every_force_of_its_size(latched):
+    """The port is held for what half the wave's period is longer than half its own."""
+    held, sea, best = latched
+    assert best.pause == pytest.approx(np.pi / 2 - np.pi / 5, rel=0.12)
+    assert 5 * passive(sea, np.abs(impedance(sea.omega)))[0] < best.power < matched(sea)
+    system = System.of(with_pause(held, best.pause))
+    motion, _ = switched(system, np.linspace(0.0, 40 * np.pi, 40 * 64 + 1), (np.zeros(1), np.zeros(1)))
+    taken = (motion.works["pto"][-1] - motion.works["pto"][-641]) / (10 * np.pi)
+    assert best.power == pytest.approx(taken, rel=1e-3)  # of 40 periods the transient leaves so much
+    force, stroke = (np.abs(x[-641:]).max() for x in (motion.forces["pto"], motion.position))
+    harmonics = Harmonics(2.0, 1.0, 15)
+    admittance = 1 / impedance(harmonics.omega)
+    velocity = np.where(np.arange(15) == 0, 30.0 * admittance, 0.0)
+    assert best.power < constrained_optimum(harmonics, velocity, admittance, force, stroke).power
+
+
+def test_the_best_pause_is_no_worse_than_any_other(latched):
+    held, _, best = latched
+    for pause in (0.5, 0.9, 0.98):
+        assert settled_power(System.of(with_pause(held, pause)), SETTLED)[0] <= best.power * (1 + 2 * SETTLED)
+
+
+def test_latching_in_a_sea_is_above_every_damper_and_is_the_mean_of_the_run():
+    law = TakeOff(B, 2.0, pause=0.0)
+    best = best_pause_in_sea(scene(law, IRREGULAR), IRREGULAR, SETTINGS)
+    assert 1.5 * passive(IRREGULAR, np.geomspace(0.1, 100.0, 200)).max() < best.power < matched(IRREGULAR)
+    system = System.of(with_pause(scene(law, IRREGULAR), best.pause))
+    motion, *_ = simulate(system, IRREGULAR, SETTINGS, None)
+    taken = np.interp(SETTINGS.window, motion.time, motion.works["pto"])
+    assert best.power == pytest.approx(np.diff(taken)[0] / 40.0, rel=1e-9)
+    parts = [windowed_power(system, IRREGULAR, SETTINGS.model_copy(update={"window": w})) for w in ((20, 45), (45, 60))]
+    assert 25 * parts[0] + 15 * parts[1] == pytest.approx(40 * best.power, rel=1e-9)
+
+
+def test_declutching_helps_a_damper_that_is_too_strong():
+    sea = regular(2.0)
+    best = best_pause_in_sea(scene(TakeOff(B, 60.0, pause=0.0, paused_damping=0.0), sea), sea, SETTINGS)
+    assert best.power > 1.5 * passive(sea, np.array([60.0]))[0]
+    assert best.power > passive(sea, np.abs(impedance(sea.omega)))[0]
+
+
+@pytest.mark.parametrize("top", [0.0, 0.37, 0.7311, 1.0])
+def test_a_maximum_is_found_within_what_is_stated(top):
+    best = best_pause(lambda pause: 5.0 - (pause - top) ** 2, 1.0)
+    assert best.pause == pytest.approx(top, abs=KNOWN)
+    assert best.within == KNOWN
+    steps = best_pause(lambda pause: float(pause >= 0.95), 1.0)
+    assert (steps.pause, steps.power) == (1.0, 1.0)
+
+
+def test_still_water_needs_no_pause():
+    assert best_pause_in_sea(scene(TakeOff(B, 2.0), NO_WAVES), NO_WAVES, SETTINGS) == (0.0, 0.0, 0.0)
