@@ -121,7 +121,7 @@ def _tangent(step: Step, around: FloatArray, moved: float, nodes: int, free: int
 
 
 @njit(cache=True)
-def _settled(
+def settled(
     r: Remainder, step: Step, time: FloatArray, carried: FloatArray, push: FloatArray, n: FloatArray, scale: float
 ) -> float:
     """Solve for n at the nodes; return the last change, over the scale.
@@ -168,7 +168,7 @@ def _march(r: Remainder, step: Step, start: float, push: FloatArray, least: floa
     for i in range(every * (len(out) - 1)):
         time = start + (i + _NODE) * step.size
         scale = max(scale, np.sqrt(z @ z))
-        if not _settled(r, step, time, step.free @ z, push[i], n, scale) < STALLED:
+        if not settled(r, step, time, step.free @ z, push[i], n, scale) < STALLED:
             return i
         z = step.end_free @ z + step.end_forced @ n.ravel()
         n = _AHEAD @ (n - push[i])
@@ -203,6 +203,7 @@ class GaussIntegrator:
         ConvergenceError
             If the equations of a step have no solution that is found.
         """
+        self.system.check_smooth()
         h, out = float(time[1] - time[0]) / substeps, np.empty((len(time), len(first)))
         out[0], count = first, substeps * (len(time) - 1)
         step, r = step_matrices(self.system.matrix, self.system.free, h), self.system.remainder

@@ -41,6 +41,12 @@ class Phase:
     stiffness: float  # k [N/m]
     held: bool
     step: float  # between the instants of a run, the longest span [s]
+    rest: float = 0.0  # S at rest, from where it is watched [m]
+
+    carried = 0
+    """Further states per mode: none of a linear scene (`vsb.integrators.wet_phases`)."""
+    reach = AHEAD
+    """Steps that are known ahead."""
 
     @cached_property
     def loose(self) -> FloatArray:
@@ -67,6 +73,17 @@ class Phase:
         return out
 
     @cached_property
+    def flow(self) -> FloatArray:
+        """Generator of (z, f, ...), what is carried beyond f being a force and its derivatives in units of the step."""
+        n, count = self.system.free, len(self.matrix)
+        out = np.zeros((count + self.carried * n, count + self.carried * n))
+        out[:count, :count] = self.matrix
+        if self.carried:
+            out[n : 2 * n, count : count + n] = self.allowed
+            out[count:, count:] = np.kron(np.eye(self.carried, k=1), np.eye(n)) / self.step
+        return out
+
+    @cached_property
     def swing(self) -> ComplexArray:
         """Phasors of z_s, shape (component, state)."""
         regime = replace(self.system, matrix=self.matrix[:-1, :-1], waves=self.system.waves @ self.allowed)
@@ -82,38 +99,57 @@ class Phase:
         return out
 
     def transient(self, t: float, state: FloatArray) -> FloatArray:
-        """Return (z - z_s, f) at an instant of (z, f), shape (state + 1,)."""
-        return np.asarray(state - np.append(np.real(np.exp(-1j * self.system.omega * t) @ self.swing), 0.0))
+        """Return (z - z_s, f, ...) at an instant of (z, f, ...)."""
+        out, order = state.copy(), len(self.system.matrix)
+        out[:order] -= np.real(np.exp(-1j * self.system.omega * t) @ self.swing)
+        return out
 
     def states(self, time: FloatArray, transients: FloatArray) -> FloatArray:
-        """Return (z, f) at equally spaced instants, of transients (z - z_s, f) there, shape (time, state + 1)."""
-        out = transients.copy()
-        out[:, :-1] += superposed(self.system.omega, self.swing, time)
+        """Return (z, f, ...) at equally spaced instants, of transients (z - z_s, f, ...), shape (time, state + ...)."""
+        out, order = transients.copy(), len(self.system.matrix)
+        out[:, :order] += superposed(self.system.omega, self.swing, time)
         return out
 
     def watched(self, time: FloatArray, states: FloatArray) -> Signals:
-        """Return the signals of (z, f) at equally spaced instants."""
+        """Return the signals of (z, f, ...) at equally spaced instants."""
+        count, n = len(self.matrix), self.system.free
         wave = superposed(self.system.omega, (self.system.waves @ self.port)[:, None], time)[:, 0]
-        stroke, velocity, push = self.signals @ states.T
-        return Signals(stroke, velocity, push + wave / (self.port @ self.port))
+        stroke, velocity, push = self.signals @ states[:, :count].T
+        if self.carried:
+            wave = wave + states[:, count : count + n] @ self.port
+        return Signals(stroke - self.rest, velocity, push + wave / (self.port @ self.port))
+
+    def begun(self, t: float, state: FloatArray) -> tuple[FloatArray, float]:
+        """Return (z, f, ...) at the begin of a step, and the error of what is carried: here nothing is."""
+        return state, 0.0
+
+    def added(self, states: FloatArray) -> FloatArray:
+        """Return the forces carried and two derivatives in time, shape (3, node, free): here none."""
+        return np.zeros((3, len(states), self.system.free))
+
+    def reset(self, state: FloatArray, t: float) -> FloatArray:
+        """Return a state no step came before: here as it is."""
+        return state
 
     def push(self, states: FloatArray, waves: FloatArray, constant: float) -> FloatArray:
         """Return the net push of states z under waves on the modes, shape (time,) [N]."""
         row = self.signals[2]
-        return np.asarray(states @ row[:-1] + waves @ self.port / (self.port @ self.port) + row[-1] * constant)
+        return np.asarray(
+            states[:, : len(row) - 1] @ row[:-1] + waves @ self.port / (self.port @ self.port) + row[-1] * constant
+        )
 
     @cached_property
     def ladder(self) -> list[FloatArray]:
         """exp(A step/2^j), j = 0, 1, ..., down to where a series needs no scaling."""
-        size = np.abs(self.matrix).sum(axis=0).max() * self.step
+        size = np.abs(self.flow).sum(axis=0).max() * self.step
         rungs = max(1, int(np.ceil(np.log2(max(2 * size, 1.0)))) + 1)
-        return [transition(self.matrix * (self.step / 2**j)) for j in range(rungs)]
+        return [transition(self.flow * (self.step / 2**j)) for j in range(rungs)]
 
     @cached_property
     def ahead(self) -> FloatArray:
-        """exp(A step)^m, m = 1.. `AHEAD`, shape (AHEAD, state + 1, state + 1)."""
+        """exp(A step)^m, m = 1.. `reach`, shape (reach, state + ..., state + ...)."""
         powers = [self.ladder[0]]
-        while len(powers) < AHEAD:
+        while len(powers) < self.reach:
             powers.append(powers[-1] @ self.ladder[0])
         return np.array(powers)
 
@@ -126,6 +162,6 @@ class Phase:
             part /= 2
         term = out = transient
         for k in range(1, SERIES + 2):
-            term = self.matrix @ term * (span / k)
+            term = self.flow @ term * (span / k)
             out = out + term
         return out

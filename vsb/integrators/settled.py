@@ -5,6 +5,7 @@ import numpy as np
 from vsb.integrators.regular_wave import regular_frequency
 from vsb.integrators.switching import Switching
 from vsb.motion.system import System
+from vsb.tools.units import FloatArray
 
 RECORDED = 16
 """Instants of a period; the lookout is finer where it must be."""
@@ -36,7 +37,8 @@ def settled_power(system: System, tolerance: float = 1e-6) -> tuple[float, float
         If the sea is none of one frequency.
     """
     period, runner = 2 * np.pi / regular_frequency(system), Switching(system)
-    start, begin, count = system.scene.start(0.0, 0.0), 0.0, FEWEST
+    start: tuple[FloatArray, ...] = system.scene.start(0.0, 0.0)
+    begin, count = 0.0, FEWEST
     while True:
         end = begin + count * period
         motion, _ = runner.follow(np.linspace(begin, end, count * RECORDED + 1), start)

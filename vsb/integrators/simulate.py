@@ -58,7 +58,7 @@ def _convolved(system: System, tolerance: float, spectrum: DampingSpectrum | Non
 METHODS: dict[str, Method] = {
     "exact": Method(EXACT, _exactly),
     "convolution": Method("convolution", _convolved),
-    "switching": Method("exact propagation between switches", lambda s, _tol, _: Switching(s).follow),
+    "switching": Method("exact propagation between switches", lambda s, tol, _: Switching(s, tol).follow),
     "exponential": Method("exponential Adams", lambda s, tol, _: lambda time, start: integrate(s, time, start, tol)),
     "structure_preserving": Method(
         "structure-preserving", lambda s, tol, _: lambda time, start: structure_preserving(s, time, start, tol)

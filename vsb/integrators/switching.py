@@ -1,23 +1,25 @@
-"""Motion under a switching take-off in a linear scene: exact between events, the events located to round-off.
+"""Motion under a switching take-off: in a linear scene exact between events, the events located to round-off.
 
-A take-off's law and an end stop (`vsb.motion.take_off`) are piecewise linear, so from one switch to the next the scene
-is one linear regime (`vsb.integrators.phases`) whose motion is known exactly. What switches watch is looked at on
-instants fine enough for every motion the port can feel; where a guard has changed sign between two of them its zero is
-found by Brent's method on the exact motion. No step size enters but that of the lookout.
+A take-off's law and an end stop (`vsb.motion.take_off`) are piecewise linear, so from one switch to the next a linear
+scene is one linear regime (`vsb.integrators.phases`) whose motion is known exactly. In a body-exact scene the rest of
+the water's force is added by steps of order 6 (`vsb.integrators.wet_phases`), known inside to the same order. What
+switches watch is looked at on instants fine enough for every motion the port can feel; where a guard has changed sign
+between two of them its zero is found by Brent's method on that motion. No step size enters a linear scene but that of
+the lookout.
 """
 
 import time as clock
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from scipy.linalg import eigh
 from scipy.optimize import brentq
 
 from vsb.errors import ConvergenceError
-from vsb.integrators.phases import AHEAD, Phase, Signals
+from vsb.integrators.phases import Phase, Signals
+from vsb.integrators.track import Mode, Track
+from vsb.integrators.wet_phases import WetPhase
 from vsb.integrators.works import TERMS, Load, Piece, account
 from vsb.motion.motion import Motion
 from vsb.motion.system import EndStop, System, TakeOff
@@ -34,34 +36,6 @@ SOON = 2.0**-20
 """Part of a span after which a guard that has just vanished shows, above round-off, which way it goes."""
 
 
-class Mode(NamedTuple):
-    """Which pieces of the laws are in force."""
-
-    way: int  # sign of V; 0: the port is held at rest
-    limited: int = 0  # sign of the spring-damper's force where it is at its limit; else 0
-    contact: int = 0  # side of the stop that is pressed, or 0
-    paused: bool = False
-    until: float = np.inf  # end of the pause [s]
-
-
-@dataclass
-class Track:
-    """Nodes of a run as they are found; each with the mode from there on."""
-
-    step: float  # between instants of the lookout [s]
-    times: list[FloatArray]
-    states: list[FloatArray]
-    regular: list[npt.NDArray[np.bool_]]
-    modes: list[Mode]
-
-    def add(self, times: FloatArray, states: FloatArray, mode: Mode, regular: bool) -> None:
-        """Add nodes of one mode."""
-        self.times.append(times)
-        self.states.append(states)
-        self.regular.append(np.full(len(times), regular))
-        self.modes += [mode] * len(times)
-
-
 def _sign(value: FloatArray | float) -> int:
     """Sign of a number, 1 of zero."""
     return 1 if value >= 0 else -1
@@ -69,7 +43,7 @@ def _sign(value: FloatArray | float) -> int:
 
 @dataclass(frozen=True)
 class Switching:
-    """A linear scene with a take-off that switches, and perhaps an end stop.
+    """A linear or body-exact scene with a take-off that switches, and perhaps an end stop.
 
     Raises
     ------
@@ -78,16 +52,17 @@ class Switching:
     """
 
     system: System
+    tolerance: float = 1e-6  # of a body-exact motion, relative to the largest norm of the state
     modes: dict[float, Mode] = field(default_factory=dict)  # at the ends of legs
     phases: dict[tuple[float, float, bool, float], Phase] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Check that all forces are piecewise linear and act at one port."""
-        others = [name for name, part in self.system.scene.linear.items() if not part.whole and name not in self.laws]
-        if others or not isinstance(self.system.scene.forces.get(self.system.scene.take_off), TakeOff):
+        """Check that all forces but the water's are piecewise linear and act at one port."""
+        scene, others = self.system.scene, [name for name in self.system.foreign if name not in self.laws]
+        if others or not isinstance(scene.forces.get(scene.take_off), TakeOff):
             raise ValueError(
-                f"switching: received the nonlinear forces {', '.join(others) or 'none'}, needs a linear scene with a "
-                "take-off that switches"
+                f"switching: received the nonlinear forces {', '.join(others) or 'none'}, needs a linear or body-exact "
+                "scene with a take-off that switches"
             )
 
     @property
@@ -139,7 +114,7 @@ class Switching:
         c, k = self.law.coefficients(mode.paused)
         if np.isinf(c):
             return Load(0.0, 0.0, -mode.way * self.law.limit if mode.way else 0.0)
-        return Load(0.0, 0.0, -mode.limited * self.law.limit) if mode.limited else Load(c, k, 0.0)
+        return Load(0.0, 0.0, -mode.limited * self.law.limit) if mode.limited else Load(c, k, k * self.law.rest)
 
     def stopped(self, mode: Mode) -> Load:
         """Force of the end stop."""
@@ -149,7 +124,7 @@ class Switching:
         return Load(
             self.stop.damping if loading else 0.0,
             self.stop.stiffness,
-            mode.contact * self.stop.stiffness * self.stop.stroke,
+            self.stop.stiffness * (mode.contact * self.stop.stroke + self.stop.rest),
         )
 
     def phase(self, mode: Mode, step: float) -> tuple[Phase, float]:
@@ -157,7 +132,8 @@ class Switching:
         c, k, f = (a + b for a, b in zip(self.taken(mode), self.stopped(mode), strict=True))
         key = c, k, mode.way == 0, step
         if key not in self.phases:
-            self.phases[key] = Phase(self.system, self.port, *key)
+            kind = Phase if self.system.scene.water is None else WetPhase
+            self.phases[key] = kind(self.system, self.port, *key, self.law.rest)
         return self.phases[key], f
 
     # events ---------------------------------------------------------------------------------------------------------
@@ -211,18 +187,30 @@ class Switching:
         """Return the mode of friction at rest: held, or pushed on."""
         return mode._replace(way=0 if abs(at.push) <= self.law.limit else _sign(at.push))
 
-    def pushed(self, mode: Mode, t: float, z: FloatArray, step: float) -> Signals:
+    def pushed(self, mode: Mode, t: float, state: FloatArray, step: float) -> Signals:
         """Return the signals of the port if friction held it."""
         phase, f = self.phase(mode._replace(way=0, limited=0, paused=True) if mode.way else mode, step)
-        return Signals(*(signal[0] for signal in phase.watched(np.array([t]), np.append(z, f)[None])))
+        return Signals(*(signal[0] for signal in phase.watched(np.array([t]), self.under(f, state)[None])))
 
-    def first(self, t: float, z: FloatArray, step: float) -> Mode:
+    def under(self, constant: float, state: FloatArray) -> FloatArray:
+        """Return (z, f, ...) with another constant force f."""
+        out = state.copy()
+        out[len(self.system.matrix)] = constant
+        return out
+
+    def fresh(self, t: float, z: FloatArray, step: float) -> FloatArray:
+        """Return (z, 0, ...) of a run that begins."""
+        phase, _ = self.phase(Mode(1), step)
+        return phase.reset(np.append(z, np.zeros(len(phase.flow) - len(z))), t)
+
+    def first(self, t: float, state: FloatArray, step: float) -> Mode:
         """Return the mode a run begins with."""
         n = self.system.free
-        stroke, speed = self.port / self.system.scale @ z[:n], self.port @ z[n : 2 * n]
+        stroke = self.port / self.system.scale @ state[:n] - self.law.rest
+        speed = self.port @ state[n : 2 * n]
         outside = self.stop is not None and abs(stroke) > self.stop.stroke
         mode = Mode(_sign(speed), contact=_sign(stroke) if outside else 0)
-        at = self.pushed(mode, t, z, step)
+        at = self.pushed(mode, t, state, step)
         if speed == 0:
             mode = self.stuck(mode, at) if self.friction(mode) else mode._replace(way=_sign(at.push))
         return self.limited(mode, at)
@@ -245,34 +233,58 @@ class Switching:
         """
         count = (len(time) - 1) * finer
         grid = np.linspace(time[0], time[-1], count + 1)
-        step = float(grid[-1] - grid[0]) / count
-        mode = self.modes.get(float(time[0])) or self.first(float(time[0]), z, step)
-        track, t, i, events = Track(step, [grid[:1]], [z[None]], [np.ones(1, dtype=bool)], [mode]), float(grid[0]), 0, 0
-        while i < count:
+        step, t, i, events = float(grid[-1] - grid[0]) / count, float(grid[0]), 0, 0
+        state, track = self.fresh(t, z, step), Track(step)
+        mode = self.modes.get(t) or self.first(t, state, step)
+        track.add(grid[:1], state[None], mode, regular=True)
+        while i < count and np.isfinite(track.error):
             phase, f = self.phase(mode, step)
-            transient = phase.transient(t, np.append(z, f))
-            ahead = grid[i + 1 : i + 1 + (AHEAD if t == grid[i] else 1)]
+            state, error = phase.begun(t, self.under(f, state))
+            track.leave(state, error)
+            transient = phase.transient(t, state)
+            ahead = grid[i + 1 : i + 1 + (phase.reach if t == grid[i] else 1)]
             transients = phase.ahead[: len(ahead)] @ transient if t == grid[i] else (
                 phase.later(transient, float(ahead[0]) - t)[None]
             )  # fmt: skip
             states = phase.states(ahead, transients)
             passed, broken = self.undisturbed(mode, phase, ahead, states)
-            track.add(ahead[:passed], states[:passed, :-1], mode, regular=True)
+            track.add(ahead[:passed], states[:passed], mode, regular=True)
             if passed:
                 t, i = float(ahead[passed - 1]), i + passed
-                z, transient = states[passed - 1, :-1], transients[passed - 1]
+                state, transient = states[passed - 1], transients[passed - 1]
             if broken:
                 span, event = self.next_event(broken, mode, phase, t, transient, float(ahead[passed]) - t)
                 t += span
-                z = phase.states(np.array([t]), phase.later(transient, span)[None])[0, :-1]
-                mode = self.after(event, mode, t, self.pushed(mode, t, z, step))
-                z, events = z if mode.way else self.held(z), events + 1
-                track.add(np.array([t]), z[None], mode, regular=False)
+                state = phase.states(np.array([t]), phase.later(transient, span)[None])[0]
+                mode = self.after(event, mode, t, self.pushed(mode, t, state, step))
+                state, events = state if mode.way else self.held(state), events + 1
+                track.add(np.array([t]), state[None], mode, regular=False)
                 if events > MOST_EVENTS * (1 + i / finer):
                     raise ConvergenceError(
                         f"the take-off switches without end at t = {t:.6g} s; use a larger force_limit or a softer law"
                     )
         return track, mode
+
+    def tracked(self, time: FloatArray, start: tuple[FloatArray, ...]) -> tuple[Track, int]:
+        """Return the motion from node to node, and how many instants of the lookout make a recorded step.
+
+        Raises
+        ------
+        ConvergenceError
+            If the finest lookout does not follow a body-exact motion to the tolerance.
+        """
+        finer, z = self.finer(float(time[1] - time[0])), self.system.first(start)
+        while True:
+            track, mode = self.track(time, z, finer)
+            if track.error <= self.tolerance * max(track.largest, self.system.least):
+                self.modes[float(time[-1])] = mode
+                return track, finer
+            if finer >= 2**FINEST:
+                raise ConvergenceError(
+                    f"the motion under a take-off that switches is not followed to {self.tolerance:g} by steps of "
+                    f"{track.step:.2g} s; raise simulation.tolerance"
+                )
+            finer *= 2
 
     def undisturbed(self, mode: Mode, phase: Phase, time: FloatArray, states: FloatArray) -> tuple[int, list[str]]:
         """Return the number of instants before the first in which guards are negative, and the events of these."""
@@ -306,26 +318,28 @@ class Switching:
 
     def follow(self, time: FloatArray, start: tuple[FloatArray, ...]) -> tuple[Motion, int]:
         """Return the motion at equally spaced instants, from where a leg left it or its start, and the switches."""
-        begun, finer = clock.perf_counter(), self.finer(float(time[1] - time[0]))
-        track, self.modes[float(time[-1])] = self.track(time, self.system.first(start), finer)
-        nodes, states = np.concatenate(track.times), np.concatenate(track.states)
-        regular, pieces = np.concatenate(track.regular), self.pieces(track)
-        found = account(self.system, nodes, states, pieces, regular)
+        begun = clock.perf_counter()
+        track, finer = self.tracked(time, start)
+        nodes, states, leaving = (np.concatenate(part) for part in (track.times, track.states, track.leaving))
+        regular = np.concatenate(track.regular)
+        found = account(self.system, nodes, states, leaving, self.pieces(track), regular)
         kept = np.flatnonzero(regular)[::finer]
         n, z, name = self.system.free, states[kept], self.system.scene.take_off
         forces = {
             key: np.outer(found.taken[kept] if key == name else found.stopped[kept], law.direction)
             for key, law in self.laws.items()
         }
+        position, works = z[:, :n] @ self.system.position.T, dict(zip(TERMS, found.works[:, kept], strict=True))
+        held = self.system.beyond_tangents(position)
         motion = Motion(
             time,
-            z[:, :n] @ self.system.position.T,
+            position,
             z[:, n : 2 * n] @ self.system.modes.T,
             found.rates[kept] @ self.system.modes.T,
-            z[:, 2 * n :],
+            z[:, 2 * n : len(self.system.matrix)],
             clock.perf_counter() - begun,
             forces,
-            dict(zip(TERMS, found.works[:, kept], strict=True)),
+            works | {"wave": works["wave"] + held - held[0]},
         )
         return motion, len(nodes) - int(regular.sum())
 
@@ -338,22 +352,27 @@ class Switching:
         return out
 
 
-def switched(system: System, time: FloatArray, start: tuple[FloatArray, ...]) -> tuple[Motion, int]:
+def switched(
+    system: System, time: FloatArray, start: tuple[FloatArray, ...], tolerance: float = 1e-6
+) -> tuple[Motion, int]:
     """Return the motion of a scene with a switching take-off at equally spaced instants, and the number of switches.
 
     Parameters
     ----------
     system : System
-        Linear but for a `TakeOff` and perhaps an `EndStop`.
+        Linear or body-exact but for a `TakeOff` and perhaps an `EndStop`.
     time : ndarray, shape (time,) [s]
     start : tuple of ndarray
         y [m] and y' [m/s] at the first instant, each shape (free,); then memory states, if the water is not at rest.
 
+    tolerance : float
+        Of a body-exact motion, relative to the largest norm of the state.
+
     Raises
     ------
     ConvergenceError
-        If switches come without end.
+        If switches come without end, or a body-exact motion is not followed to the tolerance.
     ValueError
         If the scene is none of the kind.
     """
-    return Switching(system).follow(time, start)
+    return Switching(system, tolerance).follow(time, start)

@@ -5,7 +5,8 @@ first two derivatives are known at both, z' = A z + B g and z'' = A z' + B g'. P
 
     int P dt = h/2 (P0 + P1) + h^2/10 (P0' - P1') + h^3/120 (P0'' + P1''):
 
-work along the exact motion, against which what the states store is audited.
+work along the exact motion, against which what the states store is audited. What the water does beyond its tangent is
+the waves' work but for the part that is stored.
 """
 
 from typing import NamedTuple
@@ -41,13 +42,13 @@ class Piece(NamedTuple):
 
         Parameters
         ----------
-        states : ndarray, shape (node, state)
+        states : ndarray, shape (node, state + ...)
         driven : ndarray, shape (3, node, free)
-            Waves and their derivatives.
+            Waves, what the water does beyond its tangent, and their derivatives.
         """
         matrix, n = self.phase.matrix, self.phase.system.free
         constant = np.full((len(states), 1), self.taken.constant + self.stopped.constant)
-        out = [np.hstack([states, constant])]
+        out = [np.hstack([states[:, : len(matrix) - 1], constant])]
         for push in driven[:2]:
             rates = out[-1] @ matrix.T
             rates[:, n : 2 * n] += push @ self.phase.allowed
@@ -112,7 +113,12 @@ class Account(NamedTuple):
 
 
 def account(
-    system: System, time: FloatArray, states: FloatArray, pieces: dict[Piece, list[int]], regular: npt.NDArray[np.bool_]
+    system: System,
+    time: FloatArray,
+    states: FloatArray,
+    leaving: FloatArray,
+    pieces: dict[Piece, list[int]],
+    regular: npt.NDArray[np.bool_],
 ) -> Account:
     """Return accelerations, forces and works of a run.
 
@@ -120,7 +126,8 @@ def account(
     ----------
     system : System
     time : ndarray, shape (node,) [s]
-    states : ndarray, shape (node, state)
+    states, leaving : ndarray, shape (node, state + ...)
+        As steps end at the nodes, and as they begin there: what is carried beyond z and f differs.
     pieces : mapping of Piece to the nodes from which on it is in force
     regular : ndarray of bool, shape (node,)
         Which nodes are equally spaced.
@@ -132,14 +139,16 @@ def account(
     taken, stopped = np.empty((2, last + 1))
     for piece, nodes in pieces.items():
         at = np.array(nodes)
-        jet = piece.jet(states[at], driven[:, at])
+        pushed = driven[:, at] + piece.phase.added(leaving[at])
+        jet = piece.jet(states[at], pushed)
         rates[at], stopped[at] = jet[1][:, n : 2 * n], piece.at_port(piece.stopped, jet)[0]
         taken[at] = piece.at_port(piece.taken, jet)[0]
         if piece.phase.held:
-            taken[at] = -piece.phase.push(states[at], driven[0, at], piece.stopped.constant)
+            taken[at] = -piece.phase.push(states[at], pushed[0], piece.stopped.constant)
         at = at[at < last]
-        ends = piece.jet(states[at + 1], driven[:, at + 1])
-        before = piece.powers(jet[:, : len(at)], driven[:, at], damper, channel)
-        after = piece.powers(ends, driven[:, at + 1], damper, channel)
+        received = driven[:, at + 1] + piece.phase.added(states[at + 1])
+        ends = piece.jet(states[at + 1], received)
+        before = piece.powers(jet[:, : len(at)], pushed[:, : len(at)], damper, channel)
+        after = piece.powers(ends, received, damper, channel)
         works[:, at + 1] = integrated(before, after, time[at + 1] - time[at])
     return Account(rates, taken, stopped, np.cumsum(works, axis=1))

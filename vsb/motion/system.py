@@ -14,7 +14,7 @@ from typing import NamedTuple, Self
 import numpy as np
 from scipy.linalg import eigh
 
-from vsb.motion.forces import EXCITING, AssumedPressure
+from vsb.motion.forces import EXCITING, AssumedPressure, ConstantForce, WaterPressure
 from vsb.motion.froude_krylov import Incident, incident, rotated, wave_force
 from vsb.motion.motion import Motion
 from vsb.motion.scene import Scene
@@ -139,6 +139,23 @@ class System:
         """Whether a take-off or an end stop switches between pieces of its law."""
         return any(isinstance(force, TakeOff | EndStop) for force in self.scene.forces.values())
 
+    @property
+    def foreign(self) -> list[str]:
+        """Names of nonlinear forces that are neither constant nor the water's: the compiled n does not know them."""
+        known = (ConstantForce, WaterPressure)
+        parts, forces = self.scene.linear, self.scene.forces
+        return [name for name, part in parts.items() if not part.whole and not isinstance(forces[name], known)]
+
+    def check_smooth(self) -> None:
+        """Check that no force switches: compiled steps know smooth forces only.
+
+        Raises
+        ------
+        ValueError
+        """
+        if self.switching:
+            raise ValueError("received a take-off that switches, needs smooth forces; use `switched`.")
+
     # forces ---------------------------------------------------------------------------------------------------------
 
     def added(self, time: FloatArray, z: FloatArray) -> FloatArray:
@@ -163,15 +180,7 @@ class System:
 
     @cached_property
     def remainder(self) -> Remainder | None:
-        """Arguments of the compiled n, waves left out; none of a linear scene.
-
-        Raises
-        ------
-        ValueError
-            If the take-off switches: the compiled loops know smooth forces only.
-        """
-        if self.switching:
-            raise ValueError("received a take-off that switches, needs smooth forces; use a linear scene.")
+        """Arguments of the compiled n, waves and laws that switch left out; none without water."""
         scene, water = self.scene, self.scene.water
         if water is None:
             return None
@@ -269,6 +278,21 @@ class System:
         kinetic = 0.5 * np.einsum("ti,ti->t", v @ self.scene.mass, v)
         remembered = 0.5 * np.einsum("ti,ti->t", motion.memory, motion.memory)
         return sum((force.stored(q) for force in self.scene.forces.values()), kinetic + remembered), kinetic
+
+    def beyond_tangents(self, position: FloatArray) -> FloatArray:
+        """Return the energy smooth nonlinear forces store beyond that of their tangents, shape (time,) [J].
+
+        Parameters
+        ----------
+        position : ndarray, shape (time, free) [m]
+        """
+        q, out = position @ self.scene.motions.T, np.zeros(len(position))
+        for name, part in self.scene.linear.items():
+            force = self.scene.forces[name]
+            if not part.whole and not isinstance(force, TakeOff | EndStop):
+                out += force.stored(q)
+                out -= 0.0 if part.stiffness is None else 0.5 * np.einsum("ti,ti->t", q @ part.stiffness, q)
+        return out
 
     def dampers(self) -> list[FloatArray]:
         """Return the linear damping of the take-off and of all other forces, each shape (free, free) [1/s]."""

@@ -32,6 +32,7 @@ class TakeOff(Force):
     limit: float = np.inf  # [N]
     pause: float = 0.0  # length [s]
     paused_damping: float = np.inf  # c in the pause [kg/s]; infinite: latched, 0: declutched
+    rest: float = 0.0  # S at rest, from where the spring counts [m]
 
     def __post_init__(self) -> None:
         """Check that the port moves."""
@@ -52,7 +53,9 @@ class TakeOff(Force):
         if np.isinf(self.damping):
             wanted = self.limit * np.sign(speed)
         else:
-            wanted = np.clip(self.damping * speed + self.stiffness * (q @ self.direction), -self.limit, self.limit)
+            wanted = np.clip(
+                self.damping * speed + self.stiffness * (q @ self.direction - self.rest), -self.limit, self.limit
+            )
         return np.asarray(-np.outer(wanted, self.direction))
 
 
@@ -64,6 +67,7 @@ class EndStop(Force):
     stroke: float  # [m]
     stiffness: float  # [N/m]
     damping: float  # [kg/s]
+    rest: float = 0.0  # S at rest, from where the stroke counts [m]
 
     def linear(self) -> Linear:
         """Nothing: most of the time it is not there."""
@@ -71,7 +75,7 @@ class EndStop(Force):
 
     def beyond(self, q: FloatArray) -> FloatArray:
         """Return how far the stop is pressed in, with the sign of the stroke, shape (time,) [m]."""
-        stroke = q @ self.direction
+        stroke = q @ self.direction - self.rest
         return np.asarray(np.sign(stroke) * np.maximum(np.abs(stroke) - self.stroke, 0.0))
 
     def force(self, time: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:

@@ -1,0 +1,156 @@
+"""Take-offs that switch on the instantaneous wet shell: smooth and independent methods, order across events, audit."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import springs
+from scipy.integrate import solve_ivp
+
+from vsb.errors import ConvergenceError
+from vsb.integrators.audit import energies, residual
+from vsb.integrators.exponential import integrate
+from vsb.integrators.simulate import legs, simulate
+from vsb.integrators.switching import Switching, switched
+from vsb.motion.builders import assumed_pressure_scene
+from vsb.motion.forces import AssumedPressure
+from vsb.motion.pto import LinearPto
+from vsb.motion.system import System
+from vsb.motion.take_off import EndStop, TakeOff
+from vsb.shell.deformed import DeformedShell
+from vsb.shell.modes import mode_basis, rigid_basis
+from vsb.study.sections import Simulation
+from vsb.waves.seas import NO_WAVES
+
+B, START, DURATION = np.ones(1), (0.1, 0.2), 5.0
+LAWS = {
+    "saturated": (TakeOff(B, 8e3, 2e4, 4e3), None),
+    "coulomb": (TakeOff(B, np.inf, limit=4e3), None),
+    "latching": (TakeOff(B, 8e3, pause=0.4), None),
+    "declutching": (TakeOff(B, 3e4, pause=0.4, paused_damping=0.0), None),
+    "end stop": (TakeOff(B, 8e3), EndStop(B, 0.3, 1e6, 1e4)),
+}
+
+
+def scene(seed, degree, law=None, stop=None, damping=0.0):
+    """The paper's buoy under an assumed pressure; degree 0: rigid."""
+    basis = mode_basis(seed.device, "membrane", degree) if degree else rigid_basis(seed.device)
+    shell = DeformedShell(basis, seed.centre_height, np.zeros(len(basis.labels)))
+    motions = np.eye(len(basis.labels))
+    found = assumed_pressure_scene(shell, LinearPto(damping), AssumedPressure(1800.0, 2.5), 1025.0, 9.81, motions)
+    port = np.eye(len(basis.labels))[0]
+    laws = {"pto": law, "end_stop": stop}
+    forces = {name: replace(force, direction=port) for name, force in laws.items() if force}
+    return replace(found, forces={**found.forces, **forces})
+
+
+@pytest.mark.parametrize("degree", [0, 2])
+def test_a_law_that_never_switches_is_the_smooth_damper(seed, degree):
+    """The exponential Adams method, at 1e-11; the port turns round all the same."""
+    time = np.linspace(0.0, DURATION, 101)
+    smooth = scene(seed, degree, damping=8e3)
+    expected, _ = integrate(System.of(smooth), time, smooth.start(*START), 1e-11)
+    found, switches = switched(System.of(scene(seed, degree, TakeOff(B, 8e3))), time, smooth.start(*START), 1e-8)
+    assert switches >= 3
+    for part in ("position", "velocity", "acceleration"):
+        scale = np.abs(getattr(expected, part)).max()
+        assert getattr(found, part) == pytest.approx(getattr(expected, part), abs=1e-8 * scale)
+
+
+@pytest.mark.parametrize("name", ["saturated", "end stop"])
+def test_motion_is_that_of_an_explicit_method_in_plain_coordinates(seed, name):
+    """DOP853 steps over the kinks, which limits it; jumps it would need events for."""
+    one, time = scene(seed, 0, *LAWS[name]), np.linspace(0.0, DURATION, 101)
+    water, weight, mass, stiffness = one.water, one.forces["weight"].value, one.mass[0, 0], springs(one)[0, 0]
+
+    def rates(t, y):
+        q, v = np.array([[y[0]]]), np.array([[y[1]]])
+        laws = sum(one.forces[k].force(t, q, v)[0, 0] for k in ("pto", "end_stop") if k in one.forces)
+        still, uniform, _ = water.shell.forces(q)
+        pressure = water.assumed.amplitude * np.cos(2.5 * t)
+        force = water.specific_weight * still[0, 0] + pressure * uniform[0, 0] + weight[0] - stiffness * y[0] + laws
+        return [y[1], force / mass]
+
+    expected = solve_ivp(rates, (0.0, DURATION), START, "DOP853", rtol=1e-11, atol=1e-12, t_eval=time, max_step=0.02)
+    found, switches = switched(System.of(one), time, one.start(*START), 1e-9)
+    assert switches > 8
+    assert found.position[:, 0] == pytest.approx(expected.y[0], abs=2e-7 * np.abs(expected.y[0]).max())
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_the_audit_closes_and_forces_balance(seed, name):
+    """Shell modes, too, from rest on: laws are far from smooth, and what is stored is read from the exact shape."""
+    law, stop = LAWS[name]
+    one = scene(seed, 2, law, stop)
+    system, time = System.of(one), np.linspace(0.0, DURATION, 401)
+    y, rate = one.start(*START)
+    motion, switches = switched(system, time, (one.rest + y, rate), 1e-7)
+    assert switches > 3
+    assert residual(energies(system, motion)) < 1e-6
+    assert motion.acceleration @ one.mass == pytest.approx(sum(system.forces(motion).values()), abs=1e-5)
+    assert np.abs(motion.forces["pto"]).max() <= law.limit * (1 + 1e-12)
+    if stop:  # without losses V sqrt(m/k)
+        lossless = np.abs(motion.velocity[:, 0]).max() * np.sqrt(one.mass[0, 0] / stop.stiffness)
+        assert 0.3 * lossless < np.abs(motion.position[:, 0]).max() - stop.stroke < lossless
+
+
+@pytest.mark.parametrize("name", ["saturated", "coulomb", "latching", "end stop"])
+def test_order_is_six_across_events(seed, name, monkeypatch):
+    """Of a step nothing is known before it begins, so an event costs no order; the audit's is six, too."""
+    monkeypatch.setattr("vsb.integrators.switching.RESOLVED", 1e9)
+    one, steps = scene(seed, 0, *LAWS[name]), np.array([25, 50, 100, 200])
+    system, starts = System.of(one), [(0.1, 0.2), (0.12, 0.15), (0.08, 0.25), (0.11, 0.3)]
+
+    def run(start, count):
+        motion, switches = Switching(system, np.inf).follow(np.linspace(0.0, DURATION, count + 1), one.start(*start))
+        return motion.position[:: count // 25], residual(energies(system, motion)), switches
+
+    exact = [run(start, 1600) for start in starts]
+    errors, audits = np.empty((2, len(steps)))
+    for k, count in enumerate(steps):
+        found = [run(start, count) for start in starts]
+        assert [f[2] for f in found] == [e[2] for e in exact]
+        errors[k] = max(np.abs(f[0] - e[0]).max() for f, e in zip(found, exact, strict=True))
+        audits[k] = max(f[1] for f in found)
+    assert abs(np.log2(errors[0] / errors[-1]) / 3 - 6.0) < 0.8, np.diff(np.log2(errors))
+    assert abs(np.log2(audits[1] / audits[-1]) / 2 - 6.0) < 0.5, np.diff(np.log2(audits))
+
+
+def test_steps_are_halved_until_the_tolerance_is_met(seed, monkeypatch):
+    monkeypatch.setattr("vsb.integrators.switching.RESOLVED", 1.0)
+    one, time = scene(seed, 0, *LAWS["saturated"]), np.linspace(0.0, DURATION, 11)
+    exact, _ = switched(System.of(one), np.linspace(0.0, DURATION, 401), one.start(*START), 1e-10)
+    for tolerance in (1e-4, 1e-6, 1e-8):
+        found, _ = switched(System.of(one), time, one.start(*START), tolerance)
+        assert np.abs(found.position - exact.position[::40]).max() < tolerance * np.abs(exact.position).max()
+    monkeypatch.setattr("vsb.integrators.switching.FINEST", 1)
+    with pytest.raises(ConvergenceError, match=r"is not followed to 1e-14 by steps of .* raise simulation.tolerance"):
+        switched(System.of(one), time, one.start(*START), 1e-14)
+
+
+def test_springs_and_stops_count_from_rest(seed):
+    """A buoy that rests elsewhere moves as one whose zero is there."""
+    law, stop = LAWS["saturated"][0], replace(LAWS["end stop"][1], stroke=0.25)
+    moved = [replace(x, rest=0.05) for x in (law, stop)]
+    q, v = np.array([[0.2], [0.35], [-0.4]]), np.array([[0.1], [-0.2], [-0.3]])
+    for there, here in zip(moved, (law, stop), strict=True):
+        assert there.force(0.0, q + 0.05, v) == pytest.approx(here.force(0.0, q, v), rel=1e-12)
+    one = scene(seed, 0, *moved)
+    system, time = System.of(one), np.linspace(0.0, DURATION, 201)
+    motion, _ = switched(system, time, one.start(*START))
+    named = one.named(time, motion.position, motion.velocity)
+    for name in ("pto", "end_stop"):
+        assert motion.forces[name] == pytest.approx(named[name], abs=1e-6)
+    assert np.abs(motion.forces["end_stop"]).max() > 100.0
+
+
+def test_a_study_follows_them_by_the_same_door_in_legs(seed):
+    one = scene(seed, 0, *LAWS["latching"])
+    setting = Simulation(duration=6.0, window=(3.0, 6.0), initial_position=0.1, initial_velocity=0.2)
+    whole, stride, method = simulate(System.of(one), NO_WAVES, setting, None)
+    assert method.startswith("exact propagation between switches, ")
+    parts = list(legs(System.of(one), NO_WAVES, setting, None, longest=60))
+    assert len(parts) > 2
+    position = np.concatenate([part.motion.position[bool(i) :: part.stride] for i, part in enumerate(parts)])
+    assert position == pytest.approx(whole.position[::stride], abs=1e-6)
+    assert parts[-1].balance.residual < 1e-7
