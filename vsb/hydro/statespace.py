@@ -1,17 +1,17 @@
-"""State-space radiation model that is passive by construction and has the single channel of an axisymmetric body.
+"""State-space radiation model that is passive by construction, and its fit with the single channel of a round body.
 
-All axisymmetric motions radiate one ring wave, so B(omega) has rank one. A model with that structure is
+    x' = A x + G v,   f = -G^T x,   A = J - L L^T/2,   J = -J^T:
 
-    x' = A x + G v,   f = -G^T x,   A = J - l l^T/2,   J = -J^T:
-
-its stored energy is x.x/2 and it radiates (l.x)^2/2 >= 0, whatever G. The memory of N modes costs as many states as
-that of one.
+its stored energy is x.x/2 and it radiates |L^T x|^2/2 >= 0, whatever G. Every passive memory can be written so
+(`vsb.hydro.passive` fits those of any body). All axisymmetric motions radiate one ring wave, so B(omega) has rank one
+and L is one column l: the memory of N modes costs as many states as that of one.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from scipy.linalg import cholesky, expm, solve_continuous_lyapunov, solve_triangular
+from scipy.linalg import cholesky, eigh, expm, solve_continuous_lyapunov, solve_triangular
 from scipy.optimize import least_squares
 
 from vsb.errors import ConvergenceError, StabilityError
@@ -27,15 +27,15 @@ _POLISHED = 2  # starts that are polished, best first
 
 @dataclass(frozen=True)
 class RadiationModel:
-    """Passive single-channel state space of the radiation memory."""
+    """Passive state space of the radiation memory, of one or several channels."""
 
     state_matrix: FloatArray  # A (state, state) [1/s]
     input_matrix: FloatArray  # G (state, dof) [kg^0.5/s]
-    channel: FloatArray  # l (state,) [s^-0.5]
+    channel: FloatArray  # L (state, channel), or l (state,) of one [s^-0.5]
 
     def __post_init__(self) -> None:
-        """Check passivity: A + A^T = -l l^T and A stable."""
-        defect = np.abs(self.state_matrix + self.state_matrix.T + np.outer(self.channel, self.channel)).max()
+        """Check passivity: A + A^T = -L L^T and A stable."""
+        defect = np.abs(self.state_matrix + self.state_matrix.T + 2 * self.radiated).max()
         growth = np.linalg.eigvals(self.state_matrix).real.max()
         if defect > 1e-8 * np.abs(self.state_matrix).max() or growth >= 0:
             raise StabilityError(
@@ -48,15 +48,22 @@ class RadiationModel:
         """Number of memory states."""
         return len(self.channel)
 
+    @cached_property
+    def radiated(self) -> FloatArray:
+        """Form of the radiated power x^T L L^T x/2, shape (state, state) [1/s]."""
+        channels = self.channel.reshape(self.order, -1)
+        return np.asarray(0.5 * channels @ channels.T)
+
     def transfer(self, omega: FloatArray) -> ComplexArray:
         """Return K(i omega) = G^T (i omega - A)^-1 G, shape (omega, dof, dof) [kg/s]."""
         g = self.input_matrix
         return np.asarray(np.einsum("ni,wnm,mj->wij", g, _resolvent(self.state_matrix, omega), g))
 
     def damping(self, omega: FloatArray) -> FloatArray:
-        """Return B(omega) = h h^H/2 with h = l^T (i omega - A)^-1 G, shape (omega, dof, dof): never negative [kg/s]."""
-        h = np.einsum("n,wnm,mj->wj", self.channel, _resolvent(self.state_matrix, omega), self.input_matrix)
-        return np.asarray(0.5 * np.real(h[:, :, None] * h[:, None, :].conj()))
+        """Return B(omega) = H^H H/2, H = L^T (i omega - A)^-1 G, shape (omega, dof, dof): never negative [kg/s]."""
+        resolvent, channels = _resolvent(self.state_matrix, omega), self.channel.reshape(self.order, -1)
+        h = np.einsum("nr,wnm,mj->wrj", channels, resolvent, self.input_matrix)
+        return np.asarray(0.5 * np.real(h.conj().transpose(0, 2, 1) @ h))
 
     def kernel(self, time: FloatArray) -> FloatArray:
         """Return K(t) = G^T exp(A t) G on equally spaced times from 0, shape (time, dof, dof) [kg/s^2]."""
@@ -70,6 +77,24 @@ class RadiationModel:
 def _resolvent(a: FloatArray, omega: FloatArray) -> ComplexArray:
     """(i omega - A)^-1 at every frequency, shape (omega, state, state)."""
     return np.linalg.inv(1j * omega[:, None, None] * np.eye(len(a)) - a)
+
+
+def truncated(model: RadiationModel, order: int) -> RadiationModel:
+    """Return the model's balanced truncation to `order` states: passive whatever is cut.
+
+    Notes
+    -----
+    A + A^T = -L L^T makes the observability Gramian of L the identity. In the eigenvectors of the controllability
+    Gramian, A W + W A^T = -G G^T with every mode's input alike in size, both are diagonal; cutting rows and columns
+    keeps A + A^T = -L L^T.
+    """
+    if order >= model.order:
+        return model
+    a, g = model.state_matrix, model.input_matrix
+    inputs = g / np.maximum(np.linalg.norm(g, axis=0), 1e-12 * np.linalg.norm(g))
+    _, vectors = eigh(solve_continuous_lyapunov(a, -inputs @ inputs.T))
+    kept = vectors[:, ::-1][:, :order]
+    return RadiationModel(kept.T @ a @ kept, kept.T @ g, kept.T @ model.channel)
 
 
 def vector_fit(omega: FloatArray, values: ComplexArray, order: int, iterations: int = 15) -> ComplexArray:
@@ -91,7 +116,7 @@ def vector_fit(omega: FloatArray, values: ComplexArray, order: int, iterations: 
     start = np.geomspace(0.1, 0.7, order // 2) * omega.max() / 2
     poles = np.concatenate([(-0.3 + 1j) * start, (-0.3 - 1j) * start])
     for _ in range(iterations):
-        basis, block, ones = _partial_fractions(s, poles)
+        basis, block, ones = partial_fractions(s, poles)
         rows, right = [], []
         for f in values.T:
             system = np.hstack([basis, -f[:, None] * basis, f[:, None]])
@@ -104,8 +129,8 @@ def vector_fit(omega: FloatArray, values: ComplexArray, order: int, iterations: 
     return poles
 
 
-def _partial_fractions(s: ComplexArray, poles: ComplexArray) -> tuple[ComplexArray, FloatArray, FloatArray]:
-    """Real partial-fraction basis (s, order), its block-diagonal matrix and input vector."""
+def partial_fractions(s: ComplexArray, poles: ComplexArray) -> tuple[ComplexArray, FloatArray, FloatArray]:
+    """Return a real partial-fraction basis, shape (s, order), its block-diagonal matrix and input vector."""
     basis, order = [], len(poles)
     block, ones, i = np.zeros((order, order)), np.zeros(order), 0
     for p in poles[np.abs(poles.imag) < 1e-9].real:
@@ -121,7 +146,7 @@ def _partial_fractions(s: ComplexArray, poles: ComplexArray) -> tuple[ComplexArr
 
 def _dissipative(poles: ComplexArray) -> tuple[FloatArray, FloatArray]:
     """Return A and l with the given stable poles and A + A^T = -l l^T."""
-    _, block, ones = _partial_fractions(np.zeros(1, dtype=complex), poles)
+    _, block, ones = partial_fractions(np.zeros(1, dtype=complex), poles)
     observed = np.where(ones > 0, 1.0, 0.0)
     energy = solve_continuous_lyapunov(block.T, -np.outer(observed, observed))
     root = cholesky(0.5 * (energy + energy.T))

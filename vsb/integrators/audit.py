@@ -88,14 +88,14 @@ class Flow:
         out[n : 2 * n, order::RECORDS] = np.eye(n)
         return out
 
-    def integrals(self, dampers: list[FloatArray], channel: FloatArray | None) -> tuple[list[Factor], FloatArray]:
+    def integrals(self, dampers: list[FloatArray], radiated: FloatArray | None) -> tuple[list[Factor], FloatArray]:
         """Return factors of the losses over a step, and the moments of the velocity against the records of a force.
 
         Parameters
         ----------
         dampers : list of ndarray, each shape (free, free) [1/s]
             Between the modes.
-        channel : ndarray, shape (memory,), or None
+        radiated : ndarray, shape (memory, memory), or None
 
         Returns
         -------
@@ -108,8 +108,8 @@ class Flow:
         forms = np.zeros((len(dampers) + 2, *x.shape))
         for form, damper in zip(forms, dampers, strict=False):
             form[n : 2 * n, n : 2 * n] = self.dt * damper
-        if channel is not None:
-            forms[-2, 2 * n : order, 2 * n : order] = 0.5 * self.dt * np.outer(channel, channel)
+        if radiated is not None:
+            forms[-2, 2 * n : order, 2 * n : order] = self.dt * radiated
         forms[-1, order::RECORDS, n : 2 * n] = np.eye(n)
         to_derivatives = np.eye(len(x))
         to_derivatives[order:, order:] = np.kron(np.eye(n), DERIVATIVES)
@@ -122,15 +122,15 @@ class Flow:
         stop = min(start + BLOCK, len(self.states) - 1)
         return windows[start:stop].reshape(stop - start, -1)
 
-    def works(self, dampers: list[FloatArray], channel: FloatArray | None, acting: list[FloatArray]) -> FloatArray:
+    def works(self, dampers: list[FloatArray], radiated: FloatArray | None, acting: list[FloatArray]) -> FloatArray:
         """Return losses, radiated energy and the work of acting forces since the start [J].
 
         Parameters
         ----------
         dampers : list of ndarray, each shape (free, free) [1/s]
             Between the modes.
-        channel : ndarray, shape (memory,), or None
-            Of the radiation memory, if the run has its states.
+        radiated : ndarray, shape (memory, memory), or None
+            Form of the power the radiation memory radiates, if the run has its states [1/s].
         acting : list of ndarray, each shape (time, free)
             On the modes.
 
@@ -138,7 +138,7 @@ class Flow:
         -------
         ndarray, shape (damper + 1 + acting, time)
         """
-        factors, moments = self.integrals(dampers, channel)
+        factors, moments = self.integrals(dampers, radiated)
         pushes = [_extended(self.dt * force) for force in acting]
         rows = np.vstack([*(factor.rows for factor in factors), moments])
         ends = np.cumsum([len(factor.signs) for factor in factors])
@@ -198,7 +198,7 @@ def energies(system: System, motion: Motion) -> dict[str, FloatArray]:
     Losses and the waves' work are integrated along the flow between records (`Flow`), what is stored is read from the
     records.
     `turned` is no term of the sum: kinetic energy, and a billionth of the energy stored, below which all is round-off.
-    With the state space, radiated power is (l.x)^2/2 and the memory stores x.x/2, both from the memory states alone:
+    With the state space, radiated power is |L^T x|^2/2 and the memory stores x.x/2, both from the memory states alone:
     the audit is then a check on the whole chain. With the convolution the radiation force's work stands for both.
     Where forces jump between records the motion brings its works along.
     """
@@ -212,7 +212,7 @@ def energies(system: System, motion: Motion) -> dict[str, FloatArray]:
     if not remembered:
         acting += [-named[name] @ system.shapes for name, part in system.scene.linear.items() if part.memory]
     pto, structural, radiated, wave, *convolved = flow(system, motion, system.driving(motion, named)).works(
-        system.dampers(), memory.channel if memory and remembered else None, acting
+        system.dampers(), memory.radiated if memory and remembered else None, acting
     )
     return {"wave": wave, "pto": pto, "radiated": sum(convolved, radiated), "structural": structural, **held}
 

@@ -69,7 +69,7 @@ class Piece(NamedTuple):
         velocity = (rate @ phase.port)[:, :, None]
         taken = self.at_port(self.taken, jet)[:, :, None]
         stopped = -self.stopped.damping * velocity  # what its spring takes is stored
-        radiated = (memory @ channel)[:, :, None]
+        radiated = memory @ channel
         return np.array([
             product(rate, driven),
             -product(velocity, taken),
@@ -134,7 +134,7 @@ def account(
     """
     n, last, driven = system.free, len(time) - 1, driven_at(system, time, regular)
     memory, damper = system.scene.memory, np.sum(system.dampers(), axis=0)
-    channel = memory.channel if memory else np.zeros(0)
+    channel = memory.channel.reshape(memory.order, -1) if memory else np.zeros((0, 1))
     rates, works = np.empty((last + 1, n)), np.zeros((len(TERMS), last + 1))
     taken, stopped = np.empty((2, last + 1))
     for piece, nodes in pieces.items():

@@ -12,10 +12,9 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import eigh, solve_continuous_lyapunov
 
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
-from vsb.hydro.statespace import RadiationModel
+from vsb.hydro.statespace import RadiationModel, truncated
 from vsb.integrators.exact import propagate, steady_state
 from vsb.integrators.exponential import integrate
 from vsb.integrators.harmonic_balance import steady_power
@@ -86,24 +85,6 @@ class Choice:
     def error(self) -> float:
         """Estimated error of mean absorbed power by everything left out together [-]."""
         return INTERPLAY * sum(item.error for item in self.left_out)
-
-
-def truncated(model: RadiationModel, order: int) -> RadiationModel:
-    """Return the model's balanced truncation to `order` states: passive whatever is cut.
-
-    Notes
-    -----
-    A + A^T = -l l^T makes the observability Gramian of l the identity. In the eigenvectors of the controllability
-    Gramian, A W + W A^T = -G G^T with every mode's input alike in size, both are diagonal; cutting rows and columns
-    keeps A + A^T = -l l^T.
-    """
-    if order >= model.order:
-        return model
-    a, g = model.state_matrix, model.input_matrix
-    inputs = g / np.maximum(np.linalg.norm(g, axis=0), 1e-12 * np.linalg.norm(g))
-    _, vectors = eigh(solve_continuous_lyapunov(a, -inputs @ inputs.T))
-    kept = vectors[:, ::-1][:, :order]
-    return RadiationModel(kept.T @ a @ kept, kept.T @ g, kept.T @ model.channel)
 
 
 def motion_ladder(study: Study, basis: ModeBasis, design: str) -> dict[int, FloatArray]:

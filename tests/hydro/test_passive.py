@@ -1,0 +1,270 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from vsb.errors import ConvergenceError, DatabaseError, StabilityError
+from vsb.hydro import passive
+from vsb.hydro.kernel import DampingSpectrum
+from vsb.hydro.passive import (
+    RadiationSamples,
+    entry_error,
+    fit_passive,
+    leading_directions,
+    levenberg_marquardt,
+    sizes,
+)
+from vsb.hydro.passivity import least_damping
+from vsb.hydro.realisation import StateSpace
+from vsb.hydro.statespace import RadiationModel, truncated
+
+OMEGA = np.linspace(0.05, 6.0, 80)
+
+
+def reciprocal(order, channels, dof, seed, ring=0.8):
+    """A random passive model with symmetric K: coupled oscillators, their rates driven, seen and damped."""
+    rng, half = np.random.default_rng(seed), order // 2
+    omega, zero = np.diag(np.sort(rng.uniform(0.3, 4.0, half))), np.zeros((half, half))
+    channel, g = ring * rng.normal(size=(half, channels)), rng.normal(size=(half, dof))
+    a = np.block([[zero, omega], [-omega, -channel @ channel.T / 2]])
+    return RadiationModel(a, np.vstack([np.zeros_like(g), g]), np.vstack([np.zeros_like(channel), channel]))
+
+
+def samples(model, omega=OMEGA, noise=0.0, **changes):
+    """Added mass and damping of a model, with noise relative to each motion's largest damping."""
+    k = model.transfer(omega)
+    inertia = 50.0 * np.ones(k.shape[1])
+    size = sizes(omega, k.real, inertia)
+    random = np.random.default_rng(5).normal(size=(2, *k.shape)) * noise * np.outer(size, size)
+    random = (random + random.swapaxes(-1, -2)) / 2
+    added_mass = np.diag(inertia) + (k.imag + random[0]) / omega[:, None, None]
+    made = RadiationSamples(omega, added_mass, k.real + random[1], np.diag(inertia), size)
+    return replace(made, **changes)
+
+
+def narrow(seed=7):
+    """A body's memory, and one of its motions coupled to a gap whose water swings with hardly any damping."""
+    one = reciprocal(8, 3, 3, seed)
+    gap = np.array([[0.0, 2.2], [-2.2, -5e-3]])
+    g = np.vstack([one.input_matrix, [[0.0, 0.0, 0.0], [0.3, 0.0, 0.2]]])
+    a = np.block([[one.state_matrix, np.zeros((8, 2))], [np.zeros((2, 8)), gap]])
+    channel = np.block([[one.channel, np.zeros((8, 1))], [np.zeros((2, 3)), np.array([[0.0], [0.1]])]])
+    return RadiationModel(a, g, channel)
+
+
+def is_passive(model):
+    """Whether a Hamiltonian matrix proves a model's damping, scaled, nowhere negative."""
+    scale = np.linalg.norm(model.input_matrix, axis=0)
+    g = model.input_matrix / np.where(scale > 0, scale, 1.0)
+    found = least_damping(StateSpace(model.state_matrix, g, g.T))
+    return found.value > 0.5 * found.bound  # what there is is round-off of the proof
+
+
+@settings(max_examples=6, deadline=None)
+@given(st.integers(3, 5), st.integers(1, 3), st.integers(1, 4), st.integers(0, 10**6))
+def test_random_passive_memories_are_recovered_with_their_poles(half, channels, dof, seed):
+    true = reciprocal(2 * half, channels, dof, seed)
+    given_ = samples(true)
+    fit = fit_passive(given_, 1e-4)
+    assert fit.error < 1e-4
+    assert is_passive(fit.model)
+    found, poles = (np.linalg.eigvals(model.state_matrix) for model in (fit.model, true))
+    if fit.model.order == true.order and fit.error < 1e-7:
+        assert np.abs(found[:, None] - poles).min(axis=0).max() < 1e-3
+
+
+def test_poles_order_and_kernel_of_a_known_memory():
+    true = reciprocal(8, 4, 3, 0)
+    fit = fit_passive(samples(true), 1e-5)
+    found, poles = (np.linalg.eigvals(model.state_matrix) for model in (fit.model, true))
+    assert fit.model.order == 8
+    assert np.abs(found[:, None] - poles).min(axis=0).max() < 1e-8
+    time = np.linspace(0.0, 20.0, 101)
+    assert fit.model.kernel(time) == pytest.approx(true.kernel(time), abs=1e-4)
+    assert fit.model.kernel(time)[0] == pytest.approx(true.input_matrix.T @ true.input_matrix, rel=1e-4)
+
+
+def smooth(dof=3):
+    """Samples of damping that no state space has: two channels, B = h h^T/2 summed, with its added mass."""
+    omega = np.arange(1, 161) * 0.05
+    n = np.arange(1.0, dof + 1)
+    one, other = omega[:, None] ** 2 * np.exp(-omega[:, None] * n / dof), omega[:, None] * np.exp(-omega[:, None] / n)
+    damping = one[:, :, None] * one[:, None, :] + other[:, :, None] * other[:, None, :] * (-1) ** (n[:, None] + n)
+    change = DampingSpectrum(omega, damping).added_mass_difference(omega)
+    return RadiationSamples(omega, np.eye(dof) + change, damping, np.eye(dof), sizes(omega, damping, np.zeros(dof)))
+
+
+def test_error_falls_and_order_grows_with_the_tolerance():
+    tolerances = (1e-2, 5e-3, 2e-3, 1e-3)
+    fits = [fit_passive(smooth(), tolerance) for tolerance in tolerances]
+    assert all(fit.error <= tolerance for fit, tolerance in zip(fits, tolerances, strict=True))
+    orders = [fit.model.order for fit in fits]
+    assert orders == sorted(orders)
+    assert orders[0] < orders[-1]
+    assert all(is_passive(fit.model) for fit in fits)
+
+
+def test_added_mass_and_damping_of_the_model_are_of_one_causal_function():
+    """Kramers and Kronig between both parts of K, by quadrature."""
+    fit = fit_passive(samples(reciprocal(8, 3, 2, 4)), 1e-3)
+    omega = np.linspace(0.0, 60.0, 6001)[1:]
+    spectrum = DampingSpectrum(omega, fit.model.damping(omega))
+    at = np.array([0.5, 1.5, 3.0])
+    expected = fit.model.transfer(at).imag
+    found = at[:, None, None] * spectrum.added_mass_difference(at)
+    uneven = 0.5 * (expected + expected.swapaxes(1, 2))
+    assert found == pytest.approx(uneven, abs=5e-3 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("noise", [1e-4, 1e-3, 5e-3])
+def test_noise_is_repaired_and_told(noise):
+    true = reciprocal(8, 4, 3, 0)
+    fit = fit_passive(samples(true, noise=noise), 1e-5)
+    assert fit.error < 3 * noise
+    assert is_passive(fit.model)
+    assert fit.drawn < 0 < fit.changed < 3 * noise
+    assert "made passive by a change of" in fit.history
+    size = samples(true).size
+    assert entry_error((fit.model.transfer(OMEGA) - true.transfer(OMEGA)) / np.outer(size, size)) < 2 * noise
+
+
+def test_damping_sampled_slightly_negative_is_repaired_and_told():
+    model = samples(reciprocal(8, 4, 3, 0))
+    lowest = model.drawn - 0.01
+    damping = model.damping - 0.01 * np.diag(model.size**2)
+    fit = fit_passive(replace(model, damping=damping), 1e-3)
+    assert fit.sampled < lowest + 0.01
+    assert 3e-3 < fit.error < 0.02
+    assert "least eigenvalue of the damping given" in fit.history
+    assert is_passive(fit.model)
+
+
+def test_what_needs_no_repair_tells_of_none():
+    assert passive.PassiveFit(reciprocal(4, 1, 1, 0), 1e-4, 0.0, 0.0, 0.0).history == ""
+
+
+class TestHardCases:
+    def test_yaw_of_a_round_body_radiates_nothing_but_round_off(self):
+        true = reciprocal(8, 3, 3, 1)
+        model = samples(replace(true, input_matrix=true.input_matrix * np.array([1.0, 1.0, 1e-9])))
+        noise = 1e-9 * np.random.default_rng(1).normal(size=model.damping.shape)
+        given_ = replace(model, damping=model.damping + noise + noise.swapaxes(1, 2))
+        fit = fit_passive(given_, 1e-3)
+        assert fit.error < 1e-3
+        assert not fit.model.input_matrix[:, 2].any()
+
+    def test_motions_without_inertia_are_measured_by_their_damping(self):
+        k = reciprocal(6, 2, 2, 3).transfer(OMEGA)
+        size = sizes(OMEGA, k.real, np.zeros(2))
+        assert size == pytest.approx(np.sqrt(np.einsum("wii->wi", k.real).max(axis=0)))
+
+    def test_thirty_motions_of_two_channels_cost_the_states_of_few(self):
+        fit = fit_passive(samples(reciprocal(8, 2, 30, 4)), 1e-3)
+        assert fit.error < 1e-3
+        assert fit.model.order == 8
+        assert fit.model.input_matrix.shape == (8, 30)
+
+    def test_a_gap_between_two_bodies_rings(self):
+        fine = np.union1d(OMEGA, np.linspace(2.1, 2.3, 41))
+        fit = fit_passive(samples(narrow(), fine), 1e-3)
+        assert fit.error < 1e-3
+        slowest = np.linalg.eigvals(fit.model.state_matrix)
+        assert np.abs(slowest - (-2.5e-3 + 2.2j)).min() < 1e-3
+        assert is_passive(fit.model)
+
+    def test_groups_that_do_not_couple_are_fitted_apart(self):
+        one, other = reciprocal(6, 2, 2, 1), reciprocal(4, 1, 1, 2)
+        k = np.zeros((len(OMEGA), 3, 3), dtype=complex)
+        k[:, :2, :2], k[:, 2:, 2:] = one.transfer(OMEGA), other.transfer(OMEGA)
+        model = RadiationSamples(
+            OMEGA, k.imag / OMEGA[:, None, None], k.real, np.zeros((3, 3)), sizes(OMEGA, k.real, np.zeros(3))
+        )
+        fit = fit_passive(model, 1e-4)
+        assert fit.model.order == 10
+        assert not fit.model.input_matrix[:6, 2].any()
+        assert not fit.model.input_matrix[6:, :2].any()
+
+    def test_what_is_above_the_band_is_free_but_passive(self):
+        """A band that ends before damping does: a plain fit of it draws energy above."""
+        given_ = samples(reciprocal(20, 3, 3, 6), OMEGA[OMEGA < 2.5])
+        fit = fit_passive(given_, 1e-3)
+        assert fit.error < 5e-3
+        assert is_passive(fit.model)
+
+
+def test_a_truncated_model_of_many_channels_is_passive():
+    model = reciprocal(12, 4, 3, 0)
+    short = truncated(model, 7)
+    assert short.order == 7
+    assert short.channel.shape == (7, 4)
+    assert is_passive(short)
+
+
+def test_directions_that_matter():
+    rng = np.random.default_rng(0)
+    mixing = rng.normal(size=(2, 5))
+    inner = rng.normal(size=(30, 2, 2)) + 0j
+    k = mixing.T @ (inner + inner.swapaxes(1, 2)) @ mixing
+    lead = leading_directions(k, 1e-8)
+    assert lead.shape == (5, 2)
+    assert lead @ lead.T @ k == pytest.approx(k)
+    assert leading_directions(k, 1e3).shape == (5, 0)
+
+
+def test_least_squares_follow_a_curved_valley():
+    def residual(x):
+        return np.array([10.0 * (x[1] - x[0] ** 2), 1.0 - x[0]])
+
+    def jacobian(x):
+        return np.array([[-20.0 * x[0], 10.0], [-1.0, 0.0]])
+
+    assert levenberg_marquardt(residual, jacobian, np.array([-1.2, 1.0])) == pytest.approx([1.0, 1.0], abs=1e-3)
+    near = levenberg_marquardt(residual, jacobian, np.array([-1.2, 1.0]), 1.0)
+    assert 1e-3 < residual(near) @ residual(near) <= 1.0
+
+
+class TestRefused:
+    def test_samples(self):
+        good = samples(reciprocal(6, 2, 2, 0))
+        with pytest.raises(DatabaseError, match=r"damping: received shape \(80, 2\), needs \(80, 2, 2\)"):
+            replace(good, damping=good.damping[:, 0])
+        with pytest.raises(DatabaseError, match="added_mass: received NaN or infinite values"):
+            replace(good, added_mass=good.added_mass * np.nan)
+        uneven = good.damping + np.array([[0.0, 1.0], [0.0, 0.0]])
+        with pytest.raises(DatabaseError, match=r"damping: received an asymmetry of .* use `with_symmetrized`"):
+            replace(good, damping=uneven)
+        with pytest.raises(DatabaseError, match="received 80 frequencies, needs four or more, positive and ascending"):
+            replace(good, omega=OMEGA[::-1])
+        with pytest.raises(DatabaseError, match="size: received values that are not positive"):
+            replace(good, size=np.array([1.0, 0.0]))
+
+    def test_damping_that_draws_energy(self):
+        good = samples(reciprocal(6, 2, 2, 0))
+        with pytest.raises(
+            StabilityError, match=r"received a least eigenvalue of -1.* would draw energy from calm water"
+        ):
+            fit_passive(replace(good, damping=-good.damping), 1e-3)
+
+    @pytest.mark.parametrize("tolerance", [0.0, 0.5, np.nan])
+    def test_tolerances(self, tolerance):
+        with pytest.raises(ConvergenceError, match=r"tolerance: received .*, needs 1e-9 to 0.1"):
+            fit_passive(samples(reciprocal(6, 2, 2, 0)), tolerance)
+
+    def test_no_waves(self):
+        good = samples(reciprocal(6, 2, 2, 0))
+        with pytest.raises(DatabaseError, match="received damping of no motion"):
+            fit_passive(
+                replace(good, damping=0 * good.damping, added_mass=0 * good.added_mass + good.added_mass_inf), 1e-3
+            )
+
+    def test_what_no_passive_memory_is_near(self):
+        good = samples(reciprocal(6, 2, 2, 0))
+        with pytest.raises(ConvergenceError, match=r"reaches an error of .* needs 0.02; refine the mesh"):
+            fit_passive(replace(good, added_mass_inf=good.added_mass_inf * 1.2), 1e-3)
+
+    def test_a_start_that_does_not_exist(self, monkeypatch):
+        monkeypatch.setattr(passive, "_STARTS", 0)
+        with pytest.raises(ConvergenceError, match="received no start with"):
+            fit_passive(samples(reciprocal(6, 2, 2, 0)), 1e-3)

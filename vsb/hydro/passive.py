@@ -1,0 +1,389 @@
+"""Passive state space of the radiation memory of any body: many motions, many channels, order by tolerance.
+
+1. Common stable poles of all entries of K(i omega) = B + i omega (A - A_inf) by vector fitting, residues by least
+   squares; balanced truncation to as few states as the tolerance allows: (A, G, C), stable, perhaps not passive.
+2. All passive K with the same A and G have C = G^T P, A^T P + P A = -F F^T for some F (positive-real lemma; F needs as
+   many columns as there are motions). F starts from Riccati's equation of K + epsilon, which is passive, and least
+   squares bring K back to the samples: what comes out is passive whatever F is.
+3. In coordinates in which P = 1 that is a `RadiationModel`.
+
+K(0+) = G^T P G, added mass and damping come from one K: they are consistent by construction.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy.linalg import block_diag, cho_factor, cho_solve, eigh, solve_continuous_are
+from scipy.sparse.csgraph import connected_components
+
+from vsb.errors import ConvergenceError, DatabaseError, StabilityError
+from vsb.hydro.passivity import least_damping
+from vsb.hydro.realisation import Balanced, StateSpace, rational_fit
+from vsb.hydro.statespace import UNUSABLE, RadiationModel, partial_fractions, truncated
+from vsb.tools.units import ComplexArray, FloatArray
+
+IntArray = npt.NDArray[np.integer[Any]]
+
+POLES = (4, 6, 8, 10, 12, 14, 16, 20, 24, 30)
+"""Numbers of common poles tried, one after the other."""
+_ABOVE = np.array([-0.3 + 1.2j, -0.6 + 1.8j])
+"""Poles above the band, in terms of its end: what the samples leave open there is chosen so that K is passive."""
+_UNEVEN = 1e-6  # asymmetry, in terms of the largest entry, that is round-off
+_REST = 0.1  # of the tolerance: what may be left out, of couplings and of combinations of motions
+_FREE = 0.5  # of the tolerance: error of the rational functions before they are passive
+_REDUCED = 0.7  # of the tolerance: error of them with fewer states
+_STEPS = 200  # of the least squares
+_STARTS = 12  # values of epsilon, each four times the one before
+_SHORTER = 1.02  # error of fewer states, in terms of that of all of them, where the tolerance is not met
+_ENOUGH = 1e-3  # gain of a step, in terms of what is left, that ends them
+_ROUND_OFF = 1e-13  # least damping of a step, in terms of the largest entry of the normal equations
+_EMPTY = 1e-12  # of the largest energy of a state: it stores none
+
+
+@dataclass(frozen=True)
+class RadiationSamples:
+    """Added mass and damping of a body at some frequencies; checked when made."""
+
+    omega: FloatArray  # ascending, positive (omega,) [rad/s]
+    added_mass: FloatArray  # (omega, dof, dof) [kg]
+    damping: FloatArray  # (omega, dof, dof) [kg/s]
+    added_mass_inf: FloatArray  # (dof, dof) [kg]
+    size: FloatArray  # s (dof,) [kg^0.5/s^0.5]: K_ij is measured in s_i s_j; see `sizes`
+
+    def __post_init__(self) -> None:
+        """Refuse what is no radiation."""
+        count, dof = len(self.omega), len(self.size)
+        if not (np.isfinite(self.size).all() and (self.size > 0).all()):
+            raise DatabaseError("size: received values that are not positive, needs one above 0 for each motion.")
+        shapes = {"added_mass": (count, dof, dof), "damping": (count, dof, dof), "added_mass_inf": (dof, dof)}
+        for name, shape in shapes.items():
+            values = getattr(self, name)
+            if np.shape(values) != shape:
+                raise DatabaseError(f"{name}: received shape {np.shape(values)}, needs {shape}.")
+            if not np.isfinite(values).all():
+                raise DatabaseError(f"{name}: received NaN or infinite values; solve these frequencies again.")
+            scaled = values / np.outer(self.size, self.size)
+            uneven, largest = np.abs(scaled - scaled.swapaxes(-1, -2)).max(), np.abs(scaled).max()
+            if uneven > _UNEVEN * largest:
+                raise DatabaseError(
+                    f"{name}: received an asymmetry of {uneven / largest:.1e} of its largest entry, needs symmetric "
+                    "matrices; use `with_symmetrized`."
+                )
+        if count < 4 or not (np.isfinite(self.omega).all() and self.omega[0] > 0 and (np.diff(self.omega) > 0).all()):
+            raise DatabaseError(f"omega: received {count} frequencies, needs four or more, positive and ascending.")
+
+    @cached_property
+    def transfer(self) -> ComplexArray:
+        """K(i omega) = B + i omega (A - A_inf), scaled, shape (omega, dof, dof) [-]."""
+        k = self.damping + 1j * self.omega[:, None, None] * (self.added_mass - self.added_mass_inf)
+        return np.asarray(k / np.outer(self.size, self.size))
+
+    @cached_property
+    def drawn(self) -> float:
+        """Least eigenvalue of the scaled damping at the samples, 0 if there is no negative one [-]."""
+        return min(0.0, float(np.linalg.eigvalsh(self.transfer.real).min()))
+
+
+def sizes(omega: FloatArray, damping: FloatArray, inertia: FloatArray, least: float = 1e-4) -> FloatArray:
+    """Return what K is measured in, roots of each motion's largest damping, shape (dof,) [kg^0.5/s^0.5].
+
+    Parameters
+    ----------
+    omega : ndarray, shape (omega,) [rad/s]
+    damping : ndarray, shape (omega, dof, dof) [kg/s]
+    inertia : ndarray, shape (dof,) [kg]
+        Of each motion, the water's share included: yaw of a round body radiates nothing but round-off.
+    least : float
+        Least damping that counts, in terms of inertia times the frequency of the largest [-].
+    """
+    own = np.einsum("wii->wi", damping)
+    floor = least * omega[np.abs(own).argmax(axis=0)] * np.abs(inertia)
+    size = np.maximum(own.max(axis=0), floor)
+    return np.sqrt(np.where(size > 0, size, 1.0))
+
+
+class PassiveFit(NamedTuple):
+    """A passive radiation model, how far it is from the samples, and what it took to make it passive."""
+
+    model: RadiationModel
+    error: float  # largest rms over the samples of an entry of K, in terms of its size [-]
+    sampled: float  # least eigenvalue of the damping sampled, never positive [-]
+    drawn: float  # of the rational functions over all frequencies, before they were made passive [-]
+    changed: float  # largest rms change of an entry by that [-]
+
+    @property
+    def history(self) -> str:
+        """What was repaired, in words; empty if nothing was."""
+        told = []
+        if self.sampled < 0:
+            told.append(f"least eigenvalue of the damping given {self.sampled:.1e}")
+        if self.drawn < 0:
+            told.append(f"of its rational fit {self.drawn:.1e}, made passive by a change of {self.changed:.1e}")
+        return f"radiation memory, in terms of each motion's largest damping: {', '.join(told)}" if told else ""
+
+
+def fit_passive(samples: RadiationSamples, tolerance: float) -> PassiveFit:
+    """Return the passive model with the fewest states found within a tolerance, or the best there is.
+
+    Parameters
+    ----------
+    samples : RadiationSamples
+    tolerance : float
+        Largest rms over the samples of an entry of K, in terms of its size [-].
+
+    Raises
+    ------
+    StabilityError
+        If the damping sampled draws energy from calm water by more than `UNUSABLE`: no passive model is near it.
+    ConvergenceError
+        If the best model is further off than `UNUSABLE`, or the tolerance is not within 1e-9 and 0.1.
+    """
+    if not 1e-9 <= tolerance <= 0.1:
+        raise ConvergenceError(f"tolerance: received {tolerance:g}, needs 1e-9 to 0.1.")
+    if samples.drawn < -UNUSABLE:
+        raise StabilityError(
+            f"radiation damping: received a least eigenvalue of {samples.drawn:.2g} relative to each motion's largest "
+            f"damping, needs at least {-UNUSABLE:g}; motion would draw energy from calm water: solve these "
+            "coefficients again."
+        )
+    k = samples.transfer
+    groups = coupled(k, _REST * tolerance)
+    parts = [_fit_block(samples.omega, k[:, group[:, None], group], tolerance) for group in groups]
+    if not any(part.model for part in parts):
+        raise DatabaseError("radiation: received damping of no motion, needs one that makes waves.")
+    model = _scaled(samples.size, groups, [part.model for part in parts])
+    found = model.transfer(samples.omega) / np.outer(samples.size, samples.size)
+    error = entry_error(found - k)
+    if error > UNUSABLE:
+        raise ConvergenceError(
+            f"the radiation state space reaches an error of {error:.1e} with {model.order} states, needs {UNUSABLE:g}; "
+            "refine the mesh or the frequencies, or remove irregular ones."
+        )
+    return PassiveFit(
+        model, error, samples.drawn, min(part.drawn for part in parts), max(part.changed for part in parts)
+    )
+
+
+def entry_error(difference: ComplexArray) -> float:
+    """Return the largest rms over frequencies of an entry of a matrix (omega, dof, dof)."""
+    return float(np.sqrt((np.abs(difference) ** 2).mean(axis=0)).max())
+
+
+def coupled(k: ComplexArray, least: float) -> list[IntArray]:
+    """Return groups of motions that radiate together, each an array of their numbers: what couples others is less."""
+    graph = np.sqrt((np.abs(k) ** 2).mean(axis=0)) > least
+    count, group = connected_components(graph, directed=False)
+    return [np.flatnonzero(group == i) for i in range(count)]
+
+
+class _Part(NamedTuple):
+    """Fit of motions that radiate together."""
+
+    model: RadiationModel | None  # none: they radiate nothing
+    error: float
+    drawn: float
+    changed: float
+
+
+def _fit_block(omega: FloatArray, k: ComplexArray, tolerance: float) -> _Part:
+    """Passive fit of scaled K (omega, dof, dof) in as few combinations of its motions as it takes."""
+    lead = leading_directions(k, _REST * tolerance)
+    best = _Part(None, np.inf, 0.0, 0.0)
+    if not lead.shape[1]:
+        return best
+    inside = lead.T @ k @ lead
+    for free in _candidates(omega, inside, tolerance):
+        drawn = least_damping(free)
+        above = _ABOVE * omega[-1] if drawn.value < -_REST * tolerance else _ABOVE[:0]
+        outputs = _PassiveOutputs(*_widened(free.state_matrix, free.input_matrix, above))
+        start = np.pad(free.output_matrix, ((0, 0), (0, len(outputs.a) - len(free.state_matrix))))
+        factor = outputs.fitted(omega, inside, outputs.start(start, -drawn.bound), _REST * tolerance)
+        model = outputs.model(factor, lead)
+        error = entry_error(model.transfer(omega) - k)
+        if error < best.error:
+            model = shortest(model, omega, k, max(tolerance, _SHORTER * error))
+            found = model.transfer(omega)
+            changed = entry_error(found - lead @ free.transfer(omega) @ lead.T)
+            best = _Part(model, entry_error(found - k), drawn.value, changed)
+        if error <= tolerance:
+            break
+    return best
+
+
+def _widened(a: FloatArray, b: FloatArray, poles: ComplexArray) -> tuple[FloatArray, FloatArray]:
+    """State and input matrix with further poles, reached by all motions: passive K needs freedom above the band."""
+    if not poles.size:
+        return a, b
+    dof = b.shape[1]
+    _, block, ones = partial_fractions(np.zeros(1, dtype=complex), np.concatenate([poles, poles.conj()]))
+    return block_diag(a, np.kron(block, np.eye(dof))), np.vstack([b, np.kron(ones[:, None], np.eye(dof))])
+
+
+def shortest(model: RadiationModel, omega: FloatArray, k: ComplexArray, tolerance: float) -> RadiationModel:
+    """Return the shortest of a model's truncations within a tolerance of K, passive like all of them."""
+    low, high = 1, model.order
+    while low < high:
+        middle = (low + high) // 2
+        good = entry_error(truncated(model, middle).transfer(omega) - k) <= tolerance
+        low, high = (low, middle) if good else (middle + 1, high)
+    return truncated(model, low)
+
+
+def leading_directions(k: ComplexArray, least: float) -> FloatArray:
+    """Return orthonormal combinations of motions outside of which K is less than `least` (rms), shape (dof, direction).
+
+    Motions that radiate alike, two modes of one degree, are fitted once; those that radiate nothing, not at all.
+    """
+    rows = np.concatenate([k.real, k.imag]).reshape(-1, k.shape[1])
+    _, singular, right = np.linalg.svd(rows, full_matrices=False)
+    rest = np.sqrt(np.cumsum(singular[::-1] ** 2)[::-1] / len(k))  # of all from this one on
+    return np.asarray(right[rest > least].T)
+
+
+def _candidates(omega: FloatArray, k: ComplexArray, tolerance: float) -> Iterator[StateSpace]:
+    """Rational functions near K, with more states from one to the next."""
+    best, idle = (np.inf, 0), 0
+    for poles in [count for count in POLES if count <= max(4, len(omega) // 2)]:
+        whole = rational_fit(omega, k, poles)
+        error = entry_error(whole.transfer(omega) - k)
+        idle = 0 if error < 0.9 * best[0] else idle + 1
+        best = min(best, (error, poles))
+        if error <= _FREE * tolerance:
+            yield from _reductions(omega, k, whole, tolerance)
+        if idle == 2:
+            break
+    if best[0] > _FREE * tolerance:  # noise, or what no rational function is: as good as it gets
+        yield from _reductions(omega, k, rational_fit(omega, k, best[1]), max(tolerance, 1.5 * best[0]))
+
+
+def _reductions(omega: FloatArray, k: ComplexArray, whole: StateSpace, tolerance: float) -> Iterator[StateSpace]:
+    """Balanced truncations of a state space, from the smallest within the tolerance on."""
+    balanced = Balanced.of(whole)
+
+    def error(order: int) -> float:
+        return entry_error(balanced.truncated(order).transfer(omega) - k)
+
+    low, high = 1, balanced.order
+    while low < high:
+        middle = (low + high) // 2
+        low, high = (low, middle) if error(middle) <= _REDUCED * tolerance else (middle + 1, high)
+    for order in sorted({low, min(low + max(1, low // 4), balanced.order)}):
+        yield balanced.truncated(order)
+
+
+class _PassiveOutputs:
+    """Outputs C = B^T P with A^T P + P A = -F F^T, in the eigenvectors of A: all that make K passive."""
+
+    def __init__(self, a: FloatArray, b: FloatArray) -> None:
+        """A stable and diagonalisable."""
+        self.a, self.b = a, b
+        self.poles, self.vectors = np.linalg.eig(a)
+        self.inverse = np.linalg.inv(self.vectors)
+        self.cauchy = -1 / (self.poles.conj()[:, None] + self.poles)
+        self.reads = b.T @ self.inverse.conj().T
+
+    def energy(self, factor: FloatArray) -> FloatArray:
+        """Return P of F, shape (state, state)."""
+        inside = self.vectors.T @ factor
+        p = self.inverse.conj().T @ (self.cauchy * (inside.conj() @ inside.T)) @ self.inverse
+        return np.asarray(0.5 * (p + p.T).real)
+
+    def start(self, output: FloatArray, epsilon: float) -> FloatArray:
+        """Return F of the passive K + epsilon by Riccati's equation, shape (state, dof).
+
+        A^T P + P A + (C^T - P B)(C - B^T P)/(2 epsilon) = 0 is solved for -P.
+        """
+        zero, one = np.zeros_like(self.a), np.eye(len(output))
+        for _ in range(_STARTS):
+            try:
+                p = -solve_continuous_are(self.a, self.b, zero, 2 * epsilon * one, s=output.T)
+                return np.asarray((output.T - p @ self.b) / np.sqrt(2 * epsilon))
+            except np.linalg.LinAlgError:
+                epsilon *= 4
+        raise ConvergenceError(
+            f"radiation state space: received no start with {len(self.a)} states; refine the frequencies."
+        )
+
+    def fitted(self, omega: FloatArray, k: ComplexArray, start: FloatArray, enough: float) -> FloatArray:
+        """Return F of the K nearest to that sampled, or as near as `enough` (rms), from a start, shape (state, dof)."""
+        inside = 1 / (1j * omega[:, None] - self.poles)
+        states = np.einsum("mn,wn,nj->wjm", self.vectors, inside, self.inverse @ self.b, optimize=True)
+        rows, right = states.reshape(-1, len(self.a)), k.transpose(0, 2, 1).reshape(-1, k.shape[1])
+        q, r = np.linalg.qr(np.vstack([rows.real, rows.imag]))
+        target = q.T @ np.vstack([right.real, right.imag])
+
+        def residual(entries: FloatArray) -> FloatArray:
+            return np.asarray((r @ self.energy(entries.reshape(start.shape)) @ self.b - target).ravel())
+
+        def jacobian(entries: FloatArray) -> FloatArray:
+            slope = self.slope(entries.reshape(start.shape))
+            return np.asarray((r @ slope.reshape(len(r), -1)).reshape(start.size, -1))
+
+        near = len(omega) * enough**2
+        return levenberg_marquardt(residual, jacobian, start.ravel(), near).reshape(start.shape)
+
+    @cached_property
+    def _sides(self) -> tuple[ComplexArray, ComplexArray]:
+        """What the conjugate of F and F itself are multiplied by in C, (dof, state, state) and (state, state, dof)."""
+        one = np.einsum("ai,ij,ci->ajc", self.reads, self.cauchy, self.vectors.conj())
+        return one, np.einsum("jb,ij,cj->ibc", self.inverse, self.cauchy, self.vectors)
+
+    def slope(self, factor: FloatArray) -> FloatArray:
+        """Return the derivative of C^T by the entries of F, shape (state, dof, state, dof)."""
+        inside, (one, two) = factor.T @ self.vectors, self._sides
+        conjugate = np.einsum("ajc,kj,jb->back", one, inside, self.inverse, optimize=True)
+        return np.real(conjugate + np.einsum("ai,ki,ibc->back", self.reads, inside.conj(), two, optimize=True))
+
+    def model(self, factor: FloatArray, lead: FloatArray) -> RadiationModel:
+        """Return the model in states whose energy is x.x/2; K of its motions is lead K lead^T."""
+        energy, vectors = eigh(self.energy(factor))
+        kept = energy > _EMPTY * energy[-1]
+        root = np.sqrt(energy[kept])
+        to, back = root[:, None] * vectors[:, kept].T, vectors[:, kept] / root
+        a, channel = to @ self.a @ back, back.T @ factor
+        return RadiationModel(0.5 * (a - a.T) - 0.5 * channel @ channel.T, to @ self.b @ lead.T, channel)
+
+
+def levenberg_marquardt(
+    residual: Callable[[FloatArray], FloatArray],
+    jacobian: Callable[[FloatArray], FloatArray],
+    x: FloatArray,
+    enough: float = 0.0,
+) -> FloatArray:
+    """Return where a sum of squares is least, or no more than enough, from a start; damped as Nielsen (1999) does.
+
+    The normal equations are solved: they stand a Jacobian without full rank, as rotations of F change nothing.
+    """
+    r, j = residual(x), jacobian(x)
+    damping, growth = 1e-3 * float((j**2).sum(axis=0).max()), 2.0
+    for _ in range(_STEPS):
+        slope, square = j.T @ r, j.T @ j
+        damping = max(damping, _ROUND_OFF * float(np.diag(square).max()))
+        step = -cho_solve(cho_factor(square + damping * np.eye(len(x))), slope)
+        moved = residual(x + step)
+        gained, promised = r @ r - moved @ moved, step @ (damping * step - slope)
+        if gained > 0:
+            x, r, j = x + step, moved, jacobian(x + step)
+            damping, growth = damping * max(1 / 3, 1 - float(2 * gained / promised - 1) ** 3), 2.0
+            if gained < _ENOUGH * (r @ r) or r @ r <= enough:
+                break
+        elif promised < _ENOUGH * (r @ r):
+            break
+        else:
+            damping, growth = damping * growth, 2 * growth
+    return x
+
+
+def _scaled(size: FloatArray, groups: Sequence[IntArray], models: Sequence[RadiationModel | None]) -> RadiationModel:
+    """One model of all groups of motions, in their own units."""
+    parts = [(group, model) for group, model in zip(groups, models, strict=True) if model]
+    inputs = [model.input_matrix @ np.eye(len(size))[group] * size for group, model in parts]
+    return RadiationModel(
+        block_diag(*(model.state_matrix for _, model in parts)),
+        np.concatenate(inputs),
+        block_diag(*(model.channel for _, model in parts)),
+    )
