@@ -1,3 +1,5 @@
+import urllib.parse
+
 import numpy as np
 import xarray as xr
 
@@ -191,6 +193,26 @@ def test_table_of_irregular_seas_has_a_dash_for_what_does_not_exist():
     first, short = statistics_table([LINE, SHORT])
     assert first == ["A", "noise", "4", "40", "120", "110 to 130", "125", "+20.0", "+18.0 to +22.0"]
     assert (short[5], short[8]) == ("-", "-")
+
+
+def test_what_holds_is_folded_and_tables_can_be_kept():
+    """Data stand inside the page: it fetches nothing, runs no script."""
+    holds = {**CHECKS[0], "name": "thin_shell", "verdict": "ok"}
+    page = render(
+        Report({"study": "s", "published": None, "pto": {"damping": 10.0}}, {"w": "a swell"}, [row("FSB", 18720.0)], [*CHECKS, holds],
+               None, "FSB", {}, {})
+    )  # fmt: skip
+    open_part, _, folded = page.partition("1 check holds")
+    assert "thin shell" in folded
+    assert "thin shell" not in open_part
+    assert "buckling" in open_part
+    assert "18.72 kW on average" in page
+    assert "e+0" not in open_part.replace("1.0e+00", "")  # energy residual
+    assert "<script" not in page
+    data = page.split('download="given_damper.csv" href="data:text/csv;charset=utf-8,')[1].split('"')[0]
+    lines = urllib.parse.unquote(data.replace("&amp;", "&")).splitlines()
+    assert lines[0].startswith("design,sea,")
+    assert lines[1].startswith("FSB,w,1,1,1,18720,")
 
 
 def test_realisations_of_a_sea_are_not_answered_one_by_one():

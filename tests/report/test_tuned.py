@@ -51,6 +51,6 @@ def test_the_run_closes_with_the_fair_answer():
 
 def test_table_has_a_dash_for_what_does_not_exist():
     first, second = tuning_table([SWELL[1], CHOP[0]])
-    assert first == ["A", "w", "6.428e+04", "705.8", "-9.6", "8000", "227", "+9.5", "32.2"]
-    assert second == ["FSB", "v", "6.428e+04", "100", "+0.0", "-", "-", "-", "-"]
+    assert first == ["A", "w", "64280", "705.8", "-9.6", "8000", "227", "+9.5", "32.2"]
+    assert second == ["FSB", "v", "64280", "100", "+0.0", "-", "-", "-", "-"]
     assert len(first) == len(TUNING)

@@ -48,7 +48,7 @@ def test_power_lost_at_the_given_damper_is_doubted_above_five_per_cent(study, ru
     ]  # fmt: skip
     assert checks[0].value == 0.75
     assert checks[0].explanation == (
-        "power lost against the own best damper: 200 W at 8000 N s/m, 800 W at 1e+04 N s/m, by linear theory"
+        "power lost against the own best damper: 200 W at 8000 N s/m, 800 W at 10000 N s/m, by linear theory"
     )
 
 

@@ -211,6 +211,19 @@ def test_a_record_is_long_enough_from_the_fewest_batches_on(seed):
     assert (short.name, short.verdict, short.value) == ("record_length", "doubt", 1.2)
 
 
+def test_a_gain_known_sharply_is_not_doubted_for_the_power_it_is_of(seed):
+    """In the same waves: power to 60 %, its ratio to 0.2 %; that of the reference is asked for the gain, too."""
+    rigid = Line("FSB", "sea", 1, 20, 100.0, 40.0, 160.0, 100.0, None, None, None)
+    soft = Line("VSWEC", "sea", 1, 20, 120.0, 50.0, 190.0, 120.0, 20.0, 19.76, 20.24)
+    other = Line("FSB", "other", 1, 20, 100.0, 40.0, 160.0, 100.0, None, None, None)
+    checks = {
+        (c.design, c.wave): c for c in statistical_checks(seed, [rigid, soft, other]) if c.name == "statistical_error"
+    }
+    assert checks["VSWEC", "sea"].value == checks["FSB", "sea"].value == pytest.approx(0.002)
+    assert "of the gain in the same waves; that of mean power is 58 %" in checks["VSWEC", "sea"].explanation
+    assert (checks["FSB", "other"].value, checks["FSB", "other"].verdict) == (pytest.approx(0.6), "fail")
+
+
 def test_only_the_window_counts(seed):
     study = varied(seed, simulation={"window": [51.0, 60.0]})
     values = {check.name: check.value for check in of_run(study, heave=5.0, breathing=1.0)}

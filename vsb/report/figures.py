@@ -10,6 +10,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from vsb.report.band import LOWEST, useful_band
 from vsb.report.canvas import (
     StudyData,
     folded,
@@ -24,7 +25,6 @@ from vsb.report.canvas import (
     zero_axis,
 )
 from vsb.report.shell_figures import extreme_shapes, mode_shapes, shapes_3d, snapshots, volume_area
-from vsb.report.tuned import LOWEST
 from vsb.report.witness_figure import witness
 from vsb.tools.units import FloatArray
 
@@ -52,9 +52,6 @@ def absorbed_power(data: StudyData) -> Figure:
     axes[0, 0].set(ylabel="absorbed power\nper amplitude² [kW/m²]", xlim=(LOWEST, _band_end(data)))
     axes[0, 0].set_ylim(0, 1.25 * largest or float(limit.median()))
     _limit_gain(data, powers.values(), axes[1, 0])
-    if data.wave_frequencies:
-        waves = "wave" if len(data.wave_frequencies) == 1 else "waves"
-        axes[0, 0].plot([], [], label=f"study's {waves}", **WAVE)
     legend_above(figure, axes[0, 0])
     return figure
 
@@ -79,7 +76,7 @@ def reactance(data: StudyData) -> Figure:
     return figure
 
 
-WAVE: dict[str, Any] = {"color": "#E69F00", "linewidth": 0.9, "linestyle": ":", "zorder": 0}
+WAVE: dict[str, Any] = {"color": "#E69F00", "linestyle": "none", "marker": "^", "markersize": 6, "clip_on": False}
 
 
 def _shown(data: StudyData) -> xr.DataArray:
@@ -90,10 +87,11 @@ def _shown(data: StudyData) -> xr.DataArray:
 
 
 def _mark_waves(data: StudyData, axes: Iterable[Axes]) -> None:
-    """Mark the study's waves."""
-    for ax in axes:
-        for omega in data.wave_frequencies:
-            ax.axvline(omega, **WAVE)
+    """Mark the study's waves on the axis of frequencies, where the mark crosses no curve."""
+    omegas = data.wave_frequencies
+    for ax in axes if omegas else ():
+        label = "study's wave" if len(omegas) == 1 else "study's waves"
+        ax.plot(omegas, 0 * np.array(omegas), transform=ax.get_xaxis_transform(), zorder=5, label=label, **WAVE)
 
 
 def _period_axis(ax: Any) -> None:
@@ -122,10 +120,10 @@ def _gain(data: StudyData, power: xr.DataArray, ax: Axes) -> None:
         return note(ax, "no rigid design to compare with" if data.reference is None else "no other design to compare")
     if not float(power.sel(design=data.reference).min()) > 0:
         return note(ax, "no absorbed power to compare with")
-    base = power.sel(design=data.reference)
+    gain = 100 * (power / power.sel(design=data.reference) - 1).where(useful_band(power))
     for design in data.designs:
         if design != data.reference:
-            ax.plot(power.omega, 100 * (power.sel(design=design) / base - 1), **style(design, data.designs))
+            ax.plot(power.omega, gain.sel(design=design), **style(design, data.designs))
     ax.axhspan(0, 1e4, color="#009E73", alpha=0.06)
     ax.axhspan(-100, 0, color="#D55E00", alpha=0.06)
     ax.axhline(0, color="black", linewidth=0.8)
@@ -135,12 +133,11 @@ def _limit_gain(data: StudyData, powers: Iterable[xr.DataArray], ax: Axes) -> No
     """Give axes of gains their label, and bounds that show all gains of some powers."""
     if data.reference is None or len(data.designs) < 2:
         return
-    bases = [power.sel(design=data.reference) for power in powers]
-    largest = [
-        float((100 * (power / base - 1)).where(_shown(data) & (base > 0)).max())
-        for power, base in zip(powers, bases, strict=True)
-    ]
-    ax.set(ylabel=f"gain over {data.reference} [%]", ylim=(-100, float(np.clip(1.15 * np.nanmax(largest), 20, 250))))
+    shown = [power.where(_shown(data) & useful_band(power)) for power in powers]
+    gains = [100 * (power / power.sel(design=data.reference) - 1) for power in shown]
+    low, high = (float(f([f(gain) for gain in gains])) for f in (np.nanmin, np.nanmax))
+    ends = float(np.clip(1.15 * low, -100, -20)), float(np.clip(1.15 * high, 20, 250))
+    ax.set(ylabel=f"gain over {data.reference} [%]", ylim=ends)
 
 
 def added_mass_damping(data: StudyData) -> Figure:
@@ -153,6 +150,8 @@ def added_mass_damping(data: StudyData) -> Figure:
     for i, label in enumerate(labels):
         own = {"influenced_dof": label, "radiating_dof": label}
         line = {"color": "black" if i == 0 else colours(i - 1), "label": label}
+        if i == 0:  # above a mode that moves the same water, which is seen between its dots
+            line |= {"linestyle": (0, (1, 1.5)), "linewidth": 2.2, "zorder": 3}
         top.plot(database.omega, database.added_mass.sel(own), **line)
         top.axhline(float(database.added_mass_inf.sel(own)), color=line["color"], linewidth=0.7, linestyle="--")
         bottom.plot(database.omega, database.radiation_damping.sel(own).clip(min=1e-3), **line)
@@ -226,7 +225,10 @@ def energy_audit(data: StudyData, wave: str) -> Figure:
         ax.plot(float(final.sel(term="wave")), row, "k|", markersize=16, label="work of the wave" if row == 0 else None)
     ax.set_yticks(range(len(data.designs)), [folded(design, 24) for design in data.designs])
     ax.invert_yaxis()
-    ax.set(xlabel="energy over the run [kJ]")
+    ax.use_sticky_edges = False  # room beside the longest bar
+    ax.margins(x=0.06)
+    ax.axvline(0, color="black", linewidth=0.8)
+    ax.set(xlabel="energy over the run [kJ]; stored below 0: given up by the motion it started with")
     legend_above(figure, ax)
     return figure
 

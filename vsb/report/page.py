@@ -1,16 +1,20 @@
 """The self-contained HTML report: the answer first, then the evidence, then what to doubt."""
 
+import csv
+import io
+import urllib.parse
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import jinja2
+import markupsafe
 import numpy as np
 import xarray as xr
 
+from vsb.report.band import useful_band
 from vsb.report.tuned import (
     GIVEN,
-    LOWEST,
     NO_BEST_DAMPER,
     TUNING,
     dampers_in_words,
@@ -19,16 +23,20 @@ from vsb.report.tuned import (
     tuning_table,
 )
 from vsb.tools.units import FloatArray
+from vsb.tools.words import plain, power
 
 CAPTIONS = {
     "absorbed_power": "Mean absorbed power per squared wave amplitude over the whole band, and the gain over the rigid "
     "design: left with each design at its own best damper at every frequency, right at the given damper; with the "
-    "limit of an axisymmetric heaving body (capture width of a wavelength over 2π).",
+    "limit of an axisymmetric heaving body (capture width of a wavelength over 2π). Gains are drawn where at least "
+    "5 % of the largest power is absorbed.",
     "reactance": "Why: the take-off sees a design as one impedance R + iX. The best damper takes the share "
     "2/(1 + √(1 + Q²)) of what any take-off could, Q = |X|/R, and that limit is the same for all shells but for their "
     "structural loss: under a best damper flexibility pays if and only if it lowers Q.",
-    "mode_shapes": "Shapes of the shell modes and their natural frequencies in vacuum.",
-    "added_mass_damping": "Added mass (dashed: at infinite frequency) and radiation damping of heave and modes.",
+    "mode_shapes": "Shapes of the shell modes and their natural frequencies in vacuum. Points of the shell also move "
+    "along it, which crowds them where the meridian is drawn narrow.",
+    "added_mass_damping": "Added mass (dashed: at infinite frequency) and radiation damping of heave and modes. Heave "
+    "(dotted) lies upon the mode of degree 1 where that moves the surface as heave does.",
     "radiation_kernel": "Retardation kernel: from the damping, and of the passive state space the time domain uses.",
     "witness": "Two solvers that share nothing but the shape, capytaine's panels and the spectral integral equation: "
     "how far apart they are on the mean shell and on shells deformed by each mode, in terms of the largest entry at "
@@ -38,22 +46,26 @@ CAPTIONS = {
     "velocity_pto": "Heave velocity and power take-off force.",
     "power_energy": "Instantaneous absorbed power, and absorbed energy since the start.",
     "extreme_shapes": "Shells of all designs at their least height from pole to pole, displacement magnified.",
-    "shapes_3d": "The first flexible design: start, most oblate and most prolate, displacement magnified.",
+    "shapes_3d": "The first flexible design: at the start and at its least and greatest height from pole to pole in "
+    "the window, displacement magnified. A shell that breathes is small at the one and large at the other.",
     "volume_area": "Volume enclosed by the shell and its surface area.",
-    "energy_audit": "Where the work of the wave or the assumed pressure went, start-up transient included.",
-    "snapshots": "The buoys over the last period (dotted: undeformed).",
+    "energy_audit": "Where the work of the wave or the assumed pressure (black mark) went, start-up transient "
+    "included. Stored is what motion, water and shell hold at the end beyond what they held at the start; below "
+    "zero, they have given up what the run was started with.",
+    "snapshots": "The buoys over the last period (dotted: undeformed). Shell displacement is magnified as said above "
+    "the figure, heave and wave are to scale.",
 }
 MEASURES = (
-    ("displacement_pp", "heave, peak to peak [m]", 1.0, ".4g"),
-    ("velocity_pp", "velocity, peak to peak [m/s]", 1.0, ".4g"),
-    ("power_peak", "peak power [W]", 1.0, ".4g"),
-    ("power_mean", "mean power [W]", 1.0, ".4g"),
-    ("capture_width", "capture width [m]", 1.0, ".3g"),
-    ("damping", "damper [N s/m]", 1.0, "g"),
+    ("displacement_pp", "heave, peak to peak [m]", 1.0, ""),
+    ("velocity_pp", "velocity, peak to peak [m/s]", 1.0, ""),
+    ("power_peak", "peak power [W]", 1.0, ""),
+    ("power_mean", "mean power [W]", 1.0, ""),
+    ("capture_width", "capture width [m]", 1.0, ""),
+    ("damping", "damper [N s/m]", 1.0, ""),
     ("power_gain_percent", "gain of mean power [%]", 1.0, "+.1f"),
 )
 DETAILS = (
-    ("energy", "energy of the run [kJ]", 1e-3, ".4g"),
+    ("energy", "energy of the run [kJ]", 1e-3, ""),
     ("energy_gain_percent", "energy gain [%]", 1.0, "+.1f"),
     ("energy_residual", "energy residual [-]", 1.0, ".1e"),
 )
@@ -118,33 +130,32 @@ def winning_bands(omega: FloatArray, gain: FloatArray, threshold: float = 100 * 
     return bands
 
 
-def _useful(power: xr.DataArray) -> xr.DataArray:
-    """Absorbed power where some design absorbs at least 5 % of the largest power: a gain elsewhere is of no use."""
-    best = power.max(dim="design")
-    useful: xr.DataArray = power.where((best >= 0.05 * best.max()) & (power.omega >= LOWEST), drop=True)
-    return useful
+def _useful(absorbed: xr.DataArray) -> xr.DataArray:
+    """Absorbed power where a gain is of use."""
+    found: xr.DataArray = absorbed.where(useful_band(absorbed), drop=True)
+    return found
 
 
-def band_statements(power: xr.DataArray, reference: str | None) -> list[str]:
+def band_statements(absorbed: xr.DataArray, reference: str | None) -> list[str]:
     """Return, for each other design, where over the useful band it absorbs more or less than the reference.
 
     Parameters
     ----------
-    power : DataArray, dims (design, omega) [W/m^2]
+    absorbed : DataArray, dims (design, omega) [W/m^2]
         At the best dampers, or at the given one.
     reference : str or None
     """
     if reference is None:
         return ["No rigid design is part of this study, so no gain can be given."]
-    if not float(power.max()) > 0:
+    if not float(absorbed.max()) > 0:
         return ["No design absorbs power: the study has no power take-off damping."]
-    if power.sizes["design"] < 2:
+    if absorbed.sizes["design"] < 2:
         return [f"{reference} is the only design of this study, so there is no gain to give."]
-    power = _useful(power)
-    omega, base = power.omega.values, power.sel(design=reference).values
+    useful = _useful(absorbed)
+    omega, base = useful.omega.values, useful.sel(design=reference).values
     statements = []
-    for design in (str(d) for d in power.design.values if d != reference):
-        gain = 100 * (power.sel(design=design).values / base - 1)
+    for design in (str(d) for d in useful.design.values if d != reference):
+        gain = 100 * (useful.sel(design=design).values / base - 1)
         wins = [_band_text("more", band) for band in winning_bands(omega, gain)]
         losses = [_band_text("less", band) for band in winning_bands(omega, -gain)]
         text = "; ".join([*wins, *losses]) or "the same within 1 % everywhere"
@@ -173,14 +184,15 @@ def sea_statements(
     for wave in dict.fromkeys(row["wave"] for row in rows):
         sea = [row for row in rows if row["wave"] == wave]
         still = wave == "still"  # nothing comes in: what counts is the run
-        key, scale, unit = ("energy", 1e-3, "kJ from the start") if still else ("power_mean", 1.0, "W on average")
+        key = "energy" if still else "power_mean"
         best = max(sea, key=lambda row: float(row[key]))
         if float(best[key]) <= 0:
             statements.append(f"{where}, in {seas[wave]}, no design absorbs power on average.")
             continue
         rigid, most = "the rigid " if best["design"] == reference else "", " most" if len(sea) > 1 else ""
         text = f"{where}, in {seas[wave]}, {rigid}{best['design']} absorbs{most}: "
-        text += f"{scale * float(best[key]):.4g} {unit}"
+        value = float(best[key])
+        text += f"{plain(1e-3 * value)} kJ from the start" if still else f"{power(value)} on average"
         base = next((row for row in sea if row["design"] == reference), None)
         against = _against(sea, base, key) if base is not None else ""
         statements.append(f"{text}{against}{shares_text(tuned, wave)}.")
@@ -199,7 +211,7 @@ def irregular_statements(
     for name in dict.fromkeys(line["sea"] for line in lines):
         sea = [line for line in lines if line["sea"] == name]
         parts = [
-            f"{line['design']} absorbs {float(line['power_mean']):.4g} W{_gain_text(line, reference)}" for line in sea
+            f"{line['design']} absorbs {power(float(line['power_mean']))}{_gain_text(line, reference)}" for line in sea
         ]
         statements.append(f"{where}, in {seas[name]}, {', '.join(parts)}{shares_text(tuned, name)}.")
     return statements
@@ -216,10 +228,10 @@ def _gain_text(line: dict[str, Any], reference: str | None) -> str:
 
 def _against(sea: Sequence[dict[str, Any]], base: dict[str, Any], key: str) -> str:
     """How the other designs stand against the reference in one sea, in brackets."""
-    power = float(base[key])
-    if power <= 0 or len(sea) < 2:
+    own = float(base[key])
+    if own <= 0 or len(sea) < 2:
         return ""
-    gains = (f"{row['design']} {100 * (float(row[key]) / power - 1):+.1f} %" for row in sea if row is not base)
+    gains = (f"{row['design']} {100 * (float(row[key]) / own - 1):+.1f} %" for row in sea if row is not base)
     return f" (against {base['design']}: {', '.join(gains)})"
 
 
@@ -242,11 +254,16 @@ def table(
     """Return head and body of the comparison table as text; a quantity that does not exist is a dash."""
     body = []
     for row in rows:
-        cells = [
-            "-" if row[key] in MISSING else format(float(row[key]) * factor, spec) for key, _, factor, spec in measures
-        ]
+        cells = [_cell(row[key], spec, factor) for key, _, factor, spec in measures]
         body.append([str(row["design"]), str(row["wave"]), *cells])
     return ["design", "sea", *(label for _, label, _, _ in measures)], body
+
+
+def _cell(value: Any, form: str = "", factor: float = 1.0) -> str:
+    """A number in a form, or to four digits without an exponent; a dash for none."""
+    if value in MISSING:
+        return "-"
+    return format(factor * float(value), form) if form else plain(factor * float(value))
 
 
 STATISTICS = (
@@ -259,18 +276,15 @@ STATISTICS = (
 def statistics_table(lines: Sequence[dict[str, Any]]) -> list[list[str]]:
     """Return the cells of the table of irregular seas; a quantity that does not exist is a dash."""
 
-    def text(value: Any, form: str) -> str:
-        return "-" if value in MISSING else format(float(value), form)
-
-    def bounds(line: dict[str, Any], name: str, form: str) -> str:
+    def bounds(line: dict[str, Any], name: str, form: str = "") -> str:
         low, high = line[f"{name}_low"], line[f"{name}_high"]
-        return "-" if low in MISSING else f"{text(low, form)} to {text(high, form)}"
+        return "-" if low in MISSING else f"{_cell(low, form)} to {_cell(high, form)}"
 
     return [
         [
             *(str(line[key]) for key in ("design", "sea", "realisations", "batches")),
-            text(line["power_mean"], ".4g"), bounds(line, "power", ".4g"), text(line["power_linear"], ".4g"),
-            text(line["gain_percent"], "+.1f"), bounds(line, "gain", "+.1f"),
+            _cell(line["power_mean"]), bounds(line, "power"), _cell(line["power_linear"]),
+            _cell(line["gain_percent"], "+.1f"), bounds(line, "gain", "+.1f"),
         ]
         for line in lines
     ]  # fmt: skip
@@ -290,6 +304,16 @@ def published_table(study: dict[str, Any], rows: Sequence[dict[str, Any]]) -> li
             cells = (f"{theirs * factor:.5g}", f"{ours * factor:.5g}", difference)
             lines.append([row["design"], row["wave"], f"{name} [{unit}]", *cells])
     return lines
+
+
+def csv_link(name: str, head: Sequence[str], body: Sequence[Sequence[str]]) -> str:
+    """Return a link that keeps a table as a CSV file: the data are inside it, nothing is fetched."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows([head, *body])
+    data = urllib.parse.quote(text.getvalue())
+    return markupsafe.Markup('<a class="csv" download="{}.csv" href="data:text/csv;charset=utf-8,{}">CSV</a>').format(
+        name, data
+    )
 
 
 def render(report: Report) -> str:
@@ -339,6 +363,8 @@ def render(report: Report) -> str:
         head=head,
         body=body,
         figures=figures,
-        checks=report.checks,
+        checks=[check for check in report.checks if check["verdict"] != "ok"],
+        passed=[check for check in report.checks if check["verdict"] == "ok"],
+        csv=csv_link,
         facts=report.facts,
     )

@@ -25,8 +25,10 @@ def mode_shapes(data: StudyData) -> Figure:
         ax.set_aspect("equal")
     for ax, mode in zip(axes.flat, modes.mode.values, strict=False):
         shape = modes.sel(mode=mode)
-        amplitude = 0.25 / max(1.0, float(shape.degree) / 2) ** 0.7  # smaller where the shape is steeper
-        v, u = amplitude * shape.radial.values, amplitude * shape.meridional.values
+        v, u = shape.radial.values, shape.meridional.values
+        shortened = float(-(v + np.gradient(u, phi)).min())  # of the meridian: drawn larger, it would fold into cusps
+        amplitude = min(0.25 / max(1.0, float(shape.degree) / 2) ** 0.7, 0.4 / max(shortened, 1e-9))
+        v, u = amplitude * v, amplitude * u
         x, z = (1 + v) * np.sin(phi) + u * np.cos(phi), (1 + v) * np.cos(phi) - u * np.sin(phi)
         ax.plot(np.sin(2 * phi), np.cos(2 * phi), color="black", linewidth=0.8)
         ax.plot([*x, *-x[::-1]], [*z, *z[::-1]], color="#D55E00")
@@ -49,8 +51,8 @@ def snapshots(data: StudyData, wave: str) -> Figure:
             if row == 0:
                 ax.set_title(f"t = {instant:.2f} s", fontsize=8)
         axes[row, 0].set_ylabel(folded(design), fontsize=7)
-    scale = f"Shell displacement magnified {factor:g} times; heave and wave" if factor > 1 else "All"
-    figure.suptitle(f"{scale} to scale", fontsize=9)
+    scale = f"Shell displacement times {factor:g}, heave and wave times 1" if factor > 1 else "All to scale"
+    figure.suptitle(f"{scale} (dotted: undeformed)", fontsize=9)
     return figure
 
 
@@ -109,23 +111,23 @@ def extreme_shapes(data: StudyData, wave: str) -> Figure:
     figure.suptitle(
         f"Least height from pole to pole in the window; shell displacement magnified {factor:g} times", fontsize=9
     )
-    figure.legend(*ax.get_legend_handles_labels(), loc="outside right center", fontsize=8)
+    ax.legend(loc="center left", bbox_to_anchor=(1.02, 0.5), fontsize=8)
     return figure
 
 
 def shapes_3d(data: StudyData, wave: str) -> Figure:
-    """Draw the first flexible design at the start and where it is most oblate and most prolate, the paper's Fig. 8."""
+    """Draw the first flexible design at the start and at its least and greatest height, the paper's Fig. 8."""
     design = next(d for d in data.designs if flexible(data.runs[d, wave].dof.values))
     run, factor = data.runs[design, wave], _magnification(data, wave)
     settled = run.sel(time=slice(*data.window))
     height = _height(data, settled)
     extremes = (int(np.argmin(height.values)), int(np.argmax(height.values)))
     instants = [0.0, *(float(height.time[i]) for i in extremes)]
-    figure, _ = grid_of_axes(2.5)
+    figure, _ = grid_of_axes(3.0)
     figure.clear()
     azimuth = np.linspace(0, 2 * np.pi, 41)
     limit = 1.1 * float(data.modes.attrs["radius"])
-    for i, (instant, name) in enumerate(zip(instants, ("start", "most oblate", "most prolate"), strict=True)):
+    for i, (instant, name) in enumerate(zip(instants, ("start", "least height", "greatest height"), strict=True)):
         ax: Any = figure.add_subplot(1, 3, i + 1, projection="3d")
         x, z = (a[::6] for a in _meridian(data, run.sel(time=instant, method="nearest"), factor))
         surface = np.outer(x, np.cos(azimuth)), np.outer(x, np.sin(azimuth)), np.outer(z, np.ones_like(azimuth))
@@ -134,8 +136,9 @@ def shapes_3d(data: StudyData, wave: str) -> Figure:
         ax.set(xlim=(-limit, limit), ylim=(-limit, limit), zlim=(-limit, limit), xticks=[], yticks=[])
         ax.set_box_aspect((1, 1, 1))
         ax.tick_params(labelsize=6, pad=-2)
-        ax.set_title(f"{name}\nt = {instant:.2f} s", fontsize=8)
-    figure.suptitle(f"{design}, shell displacement magnified {factor:g} times; height in m", fontsize=9)
+        ax.set_title(f"{name}\nt = {instant:.2f} s", fontsize=8, y=0.98)
+    title = f"{design}, heights from pole to pole, shell displacement magnified {factor:g} times; z in m"
+    figure.suptitle(title, fontsize=9)
     return figure
 
 

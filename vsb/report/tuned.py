@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from typing import Any
 
+from vsb.tools.words import plain, power, watts
+
 NO_BEST_DAMPER = (
     "An assumed pressure does not answer to the buoy's motion, so no best damper is known: all gains here are at the "
     "given damper."
@@ -15,8 +17,6 @@ TUNING = (
     "gain [%]", "share of own best [%]",
 )  # fmt: skip
 """Head of the table of designs at equal tuning."""
-LOWEST = 0.3
-"""Least frequency shown, of waves of 21 s [rad/s]: longer ones are not seas."""
 _SAME = 0.05  # a gain that is +-0.0 % when printed
 
 
@@ -43,7 +43,7 @@ def tuned_statements(lines: Sequence[dict[str, Any]], reference: str | None, sea
         base = next((line for line in sea if line["design"] == reference), None)
         others = [line for line in sea if line is not base and line["best_gain_percent"] is not None]
         if base is None or not others:
-            parts = [f"{line['design']} absorbs {line['best_power']:.4g} W" for line in sea]
+            parts = [f"{line['design']} absorbs {power(line['best_power'])}" for line in sea]
         else:
             parts = [f"{line['design']} absorbs {_gain(line, base)}" for line in others]
         statements.append(f"In {seas[name]}, each design at its own best damper: {'; '.join(parts)}.")
@@ -53,7 +53,8 @@ def tuned_statements(lines: Sequence[dict[str, Any]], reference: str | None, sea
 def _gain(line: dict[str, Any], base: dict[str, Any]) -> str:
     """How a design stands against the reference at equal tuning, in words."""
     gain, rigid = line["best_gain_percent"], f"the rigid {base['design']}"
-    powers = f"({line['best_power']:.4g} against {base['best_power']:.4g} W)"
+    (own, its), unit = watts([line["best_power"], base["best_power"]])
+    powers = f"({own} against {its} {unit})"
     if abs(gain) < _SAME:
         return f"as much as {rigid} {powers}"
     return f"{abs(gain):.1f} % {'more' if gain > 0 else 'less'} than {rigid} {powers}"
@@ -73,14 +74,14 @@ def shares_text(lines: Sequence[dict[str, Any]], sea: str) -> str:
 def tuning_table(lines: Sequence[dict[str, Any]]) -> list[list[str]]:
     """Return the cells of the table of designs at equal tuning; a quantity that does not exist is a dash."""
 
-    def text(value: float | None, form: str, factor: float = 1.0) -> str:
-        return "-" if value is None else format(factor * value, form)
+    def text(value: float | None, form: str = "", factor: float = 1.0) -> str:
+        return "-" if value is None else format(factor * value, form) if form else plain(value)
 
     return [
         [
             line["design"], line["sea"],
-            text(line["best_damping"], ".4g"), text(line["best_power"], ".4g"), text(line["best_gain_percent"], "+.1f"),
-            text(line["damping"], "g"), text(line["power"], ".4g"), text(line["gain_percent"], "+.1f"),
+            text(line["best_damping"]), text(line["best_power"]), text(line["best_gain_percent"], "+.1f"),
+            text(line["damping"]), text(line["power"]), text(line["gain_percent"], "+.1f"),
             text(line["share"], ".1f", 100.0),
         ]
         for line in lines

@@ -9,6 +9,7 @@ from vsb.hydro.database import Check, Verdict
 from vsb.results.comparison import gains
 from vsb.results.ladder import Rung
 from vsb.study.study import IrregularSea, Study
+from vsb.tools.words import plain
 
 LOST = 0.05
 """Part of its best damper's power that a design may lose before a comparison at the given damper is in doubt."""
@@ -63,10 +64,10 @@ def fair_damping_checks(lines: Sequence[Tuned]) -> list[Check]:
     """Return the power each design loses at the given damper: designs that lose unequally are not compared fairly."""
     checks = []
     for line in lines:
-        if line.share is None or line.power is None:
+        if line.share is None or line.power is None or line.damping is None or line.best_damping is None:
             continue
-        text = f"power lost against the own best damper: {line.power:.4g} W at {line.damping:.4g} N s/m, "
-        text += f"{line.best_power:.4g} W at {line.best_damping:.4g} N s/m, by linear theory"
+        text = f"power lost against the own best damper: {plain(line.power)} W at {plain(line.damping)} N s/m, "
+        text += f"{plain(line.best_power)} W at {plain(line.best_damping)} N s/m, by linear theory"
         lost = max(0.0, 1 - line.share)
         verdict: Verdict = "doubt" if lost > LOST else "ok"  # never wrong: an answer to another question
         checks.append(Check("fair_damping", lost, LOST, "-", verdict, text, line.design, line.sea))

@@ -26,6 +26,7 @@ from vsb.shell.sphere import Shell
 from vsb.study.study import IrregularSea, RegularWave, StillWater, Study, Water, Wave
 from vsb.study.witness import no_witness
 from vsb.tools.units import FloatArray
+from vsb.tools.words import plain
 from vsb.waves.seas import power_limit, spectrum, wavenumber
 
 Attributes = Mapping[tuple[str, str], Mapping[str, Any]]
@@ -50,7 +51,7 @@ def classical_check(study: Study, reference: ReferenceShell, carried: bool) -> C
     shell, water = Shell.of(study.device), study.water
     keel = max(0.0, water.density * water.gravity * reference.keel_depth - study.device.internal_pressure)
     classical = shell.buckling_pressure
-    text = f"net pressure at the keel {keel:.4g} Pa over the classical buckling pressure {classical:.4g} Pa"
+    text = f"net pressure at the keel {plain(keel)} Pa over the classical buckling pressure {plain(classical)} Pa"
     consequence = "above 1 the shell would buckle and the design is not viable"
     if carried:
         consequence = "of a uniform pressure; a remark, for the shell is computed to carry its own load"
@@ -81,7 +82,7 @@ def viable_text(study: Study) -> str:
     strain = f"{100 * found.linear_strain:.2g} % linear strain at rest"
     least = float(f"{pressure:.3e}")
     least += 10.0 ** (math.floor(math.log10(least)) - 3) if 0 < least < pressure else 0.0  # rounded up: it holds there
-    return f"; viable from device.internal_pressure = {least:.4g} Pa, at {strain}"
+    return f"; viable from device.internal_pressure = {plain(least)} Pa, at {strain}"
 
 
 def static_checks(study: Study, reference: ReferenceShell) -> list[Check]:
@@ -214,7 +215,7 @@ def linearity_check(study: Study, wave: RegularWave, power: float, mean: float, 
     """Return the difference of body-exact mean power from linear theory: what nonlinearity does."""
     expected = power * wave.amplitude**2
     difference = abs(mean / expected - 1) if expected else abs(mean)
-    text = f"mean power is {mean:.4g} W body-exact, {expected:.4g} W in linear theory"
+    text = f"mean power is {plain(mean)} W body-exact, {plain(expected)} W in linear theory"
     return check_at_most("linearity", difference, 0.05, "-", text, doubt=True, design=design, wave=wave.label)
 
 
@@ -259,10 +260,11 @@ def bending_checks(study: Study, database: xr.Dataset, runs: Attributes) -> list
             for ds, basis in ((database, old), (wider, full)):
                 buoy = LinearBuoy(ds, basis.damping, LinearPto(damper, study.pto.stiffness))
                 powers.append(buoy.absorbed_power(at, buoy.rao(at, design_motions(study, basis, design)))[0])
+            before, after = map(plain, powers)
             checks.append(
                 check_at_most(
                     "bending_modes", abs(powers[1] / powers[0] - 1), 0.05, "-",
-                    f"absorbed power would change from {powers[0]:.4g} to {powers[1]:.4g} W/m^2 with modes.basis: full",
+                    f"absorbed power would change from {before} to {after} W/m^2 with modes.basis: full",
                     doubt=True, design=design, wave=wave.label,
                 )
             )  # fmt: skip

@@ -19,6 +19,7 @@ from vsb.hydro.database import Check, check_at_most
 from vsb.results.power import power_response
 from vsb.study.study import Irregular, IrregularSea, Study
 from vsb.tools.units import FloatArray
+from vsb.tools.words import plain
 from vsb.waves.seas import Sea
 
 FEWEST_BATCHES = 6
@@ -155,14 +156,32 @@ def statistical_checks(study: Study, lines: Sequence[Line]) -> list[Check]:
             )
             continue
         half = 0.5 * (line.power_high - line.power_low)
-        text = f"half the 95 % confidence interval of mean power, {line.power_mean:.4g} W, over it"
-        share = half / line.power_mean if line.power_mean else 0.0
+        share, text = _sharpness(line, [other for other in lines if other.sea == line.sea])
         checks.append(check_at_most("statistical_error", share, 0.1, "-", text, doubt=True, **where))
         if study.hydro.model == "linear" and half:
             apart = abs(line.power_mean - line.power_linear) / half
-            text = f"distance from the spectral prediction, {line.power_linear:.4g} W, in halves of the interval"
+            text = f"distance from the spectral prediction, {plain(line.power_linear)} W, in halves of the interval"
             checks.append(check_at_most("spectral_prediction", apart, 1.5, "-", text, doubt=True, **where))
     return checks
+
+
+def _sharpness(line: Line, sea: Sequence[Line]) -> tuple[float, str]:
+    """Relative error of what is asked, and its words: of gains in the same waves, if they are known; else of power."""
+    low, mean, high = line.power_low or 0.0, line.power_mean, line.power_high or 0.0
+    share = 0.5 * (high - low) / mean if mean else 0.0
+    gains = [_half_gain(one) for one in ([line] if line.gain_low is not None else sea)]
+    known = [half for half in gains if half is not None]
+    if not known:
+        return share, f"half the 95 % confidence interval of mean power, {plain(mean)} W, over it"
+    text = f"half the 95 % confidence interval of the gain in the same waves; that of mean power is {100 * share:.2g} %"
+    return max(known), text
+
+
+def _half_gain(line: Line) -> float | None:
+    """Half the interval of a design's power over the reference's, over it; None if it is not known."""
+    if line.gain_percent is None or line.gain_low is None or line.gain_high is None:
+        return None
+    return 0.5 * (line.gain_high - line.gain_low) / (100 + line.gain_percent)
 
 
 def as_csv(lines: Sequence[Line]) -> str:

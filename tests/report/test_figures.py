@@ -1,0 +1,93 @@
+"""What figures show, and what they leave out."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from vsb.report.band import USEFUL
+from vsb.report.canvas import StudyData
+from vsb.report.figures import absorbed_power, added_mass_damping, energy_audit
+from vsb.report.shell_figures import mode_shapes
+
+OMEGA = np.linspace(0.1, 6.0, 600)
+NONE = xr.Dataset()
+
+
+def data(**changes):
+    """A rigid and a flexible design; what a figure is drawn of is put in."""
+    given = dict.fromkeys(("modes", "database", "radiation", "response", "witness"), NONE)
+    return StudyData(**{
+        "designs": ("FSB", "VSWEC"), "reference": "FSB", "wave_frequencies": (2.5,), "periods": {}, "window": (0.0, 1.0),
+        "runs": {}, **given, **changes,
+    })  # fmt: skip
+
+
+@pytest.fixture
+def responding():
+    """A bump of power at 2 rad/s; the gain runs away where nothing is absorbed any more."""
+    power = np.exp(-4 * (OMEGA - 2.0) ** 2) * np.array([np.ones_like(OMEGA), 1 + 0.01 * OMEGA**4])
+    pair = (("design", "omega"), 1e3 * power)
+    response = xr.Dataset(
+        {"best_power": pair, "absorbed_power": pair, "power_limit": ("omega", 5e3 / OMEGA)},
+        coords={"design": ["FSB", "VSWEC"], "omega": OMEGA},
+    )
+    return data(response=response)
+
+
+def test_gains_are_drawn_where_power_is_absorbed_and_the_axis_fits_them(responding):
+    (_, _, low, _) = absorbed_power(responding).axes[:4]
+    drawn = next(line for line in low.get_lines() if line.get_label() == "VSWEC")
+    best = responding.response.best_power.max("design").values
+    shown = ~np.isnan(drawn.get_ydata())
+    assert shown.any()
+    assert (best[shown] >= USEFUL * best.max()).all()
+    assert low.get_ylim()[1] < 250  # beyond the bump it is a thousand
+
+
+def test_the_studys_wave_is_marked_on_the_axis_and_crosses_nothing(responding):
+    for ax in absorbed_power(responding).axes[:4]:
+        (mark,) = (line for line in ax.get_lines() if line.get_label() == "study's wave")
+        assert mark.get_linestyle() == "None"
+        assert list(mark.get_ydata()) == [0.0]
+        assert mark.get_transform() == ax.get_xaxis_transform()
+
+
+def test_heave_is_seen_where_a_mode_lies_under_it():
+    labels = ["Heave", "Membrane0", "Membrane1"]
+    value = (("omega", "influenced_dof", "radiating_dof"), np.ones((2, 3, 3)))
+    coords = {"omega": [0.0, 1.0], "influenced_dof": labels, "radiating_dof": labels}
+    database = xr.Dataset({"added_mass": value, "radiation_damping": value}, coords=coords)
+    database["added_mass_inf"] = database.added_mass.isel(omega=0)
+    for ax in added_mass_damping(data(database=database)).axes:
+        heave, under = (
+            next(line for line in ax.get_lines() if line.get_label() == one) for one in ("Heave", "Membrane1")
+        )
+        assert heave.get_zorder() > under.get_zorder()
+        assert (heave.get_linestyle(), under.get_linestyle()) == (":", "-") or heave.is_dashed()
+
+
+def test_no_bar_of_energies_ends_at_the_edge():
+    terms = ["pto", "radiated", "structural", "stored", "wave"]
+    energy = (("time", "term"), 1e3 * np.array([[24.0, 24.0, 0.0, -7.0, 41.0]]))
+    run = xr.Dataset({"energy": energy}, coords={"term": terms, "time": [1.0]})
+    ax = energy_audit(data(runs={(design, "w"): run for design in ("FSB", "VSWEC")}), "w").axes[0]
+    left, right = ax.get_xlim()
+    assert left < -7.0 * 1.05
+    assert right > 48.0 * 1.02
+
+
+@pytest.mark.parametrize("degree", [2, 3, 6])
+def test_no_meridian_of_a_mode_folds(degree):
+    """Points of the shell keep their order along it, however much they move along it."""
+    phi = np.linspace(0.0, np.pi, 181)
+    v, u = np.cos(degree * phi) / degree, np.sin(degree * phi)
+    modes = xr.Dataset(
+        {"radial": (("mode", "colatitude"), [v]), "meridional": (("mode", "colatitude"), [u]),
+         "degree": ("mode", [degree]), "dry_frequency": ("mode", [10.0])},
+        coords={"mode": ["M"], "colatitude": phi},
+    )  # fmt: skip
+    circle, meridian = mode_shapes(data(modes=modes)).axes[0].get_lines()
+    x, z = (np.asarray(a[:181], dtype=float) for a in meridian.get_data())
+    along = np.diff(x) * np.cos(phi[:-1]) - np.diff(z) * np.sin(phi[:-1])
+    assert (along > 0).all()
+    assert np.hypot(*circle.get_data()) == pytest.approx(1.0)

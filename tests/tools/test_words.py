@@ -1,0 +1,28 @@
+"""Numbers as people read them."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from vsb.tools.words import plain, power, watts
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(18720.4, "18720"), (271.04, "271"), (0.19349, "0.1935"), (1e-7, "1e-07"), (-12345.0, "-12340")]
+)
+def test_numbers_have_four_digits_and_no_exponent(value, text):
+    assert plain(value) == text
+
+
+@given(st.floats(1e-3, 1e14))
+def test_what_is_printed_is_the_number(value):
+    assert "e" not in plain(value)
+    assert float(plain(value)) == pytest.approx(value, rel=5.1e-4)
+
+
+def test_powers_that_are_compared_have_one_unit():
+    assert power(18720.0) == "18.72 kW"
+    assert power(9999.0) == "9999 W"
+    assert power(3.2e7) == "32 MW"
+    assert watts([18720.0, 380.0]) == (["18.72", "0.38"], "kW")
+    assert power(0.0) == "0 W"

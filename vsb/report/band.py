@@ -1,0 +1,15 @@
+"""The band of wave frequencies that is shown, and that counts."""
+
+import xarray as xr
+
+LOWEST = 0.3
+"""Least frequency shown, of waves of 21 s [rad/s]: longer ones are not seas."""
+USEFUL = 0.05
+"""Part of the largest absorbed power, less than which is of no use: nor is a gain there."""
+
+
+def useful_band(absorbed: xr.DataArray) -> xr.DataArray:
+    """Return at which frequencies some design absorbs a useful power; dims of the argument (design, omega)."""
+    best = absorbed.max(dim="design")
+    found: xr.DataArray = (best >= USEFUL * best.max()) & (absorbed.omega >= LOWEST)
+    return found

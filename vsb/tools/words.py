@@ -1,0 +1,24 @@
+"""Numbers as people read them."""
+
+from collections.abc import Sequence
+
+POWERS = ((1e7, 1e-6, "MW"), (1e4, 1e-3, "kW"), (0.0, 1.0, "W"))
+"""From which power on [W], factor to its unit, unit."""
+
+
+def plain(value: float, digits: int = 4) -> str:
+    """Return a number of some significant digits without an exponent, if it has no more than 15 digits."""
+    return f"{float(f'{value:.{digits}g}'):.15g}"
+
+
+def watts(values: Sequence[float]) -> tuple[list[str], str]:
+    """Return powers [W] to four digits in one unit that suits the largest, and the unit."""
+    largest = max(map(abs, values))
+    factor, unit = next((factor, unit) for least, factor, unit in POWERS if largest >= least)
+    return [plain(factor * value) for value in values], unit
+
+
+def power(value: float) -> str:
+    """Return a power [W] to four digits with a unit that suits it."""
+    (text,), unit = watts([value])
+    return f"{text} {unit}"
