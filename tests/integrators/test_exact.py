@@ -8,14 +8,12 @@ from hypothesis import strategies as st
 
 from vsb.errors import StabilityError
 from vsb.hydro.kernel import DampingSpectrum
-from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.audit import energies, residual
-from vsb.integrators.convolution import convolve
 from vsb.integrators.exact import propagate, transition
 from vsb.integrators.simulate import simulate
 from vsb.integrators.trajectory import labelled
 from vsb.motion.builders import linear_scene
-from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring
+from vsb.motion.forces import Damper, Excitation, Spring
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.results.power import averaging_window
@@ -113,39 +111,6 @@ def test_forced_motion_satisfies_the_equation_of_motion():
     assert motion.position[0, 0] == pytest.approx(0.2)
 
 
-def test_convolution_stepper_is_of_second_order():
-    plant = oscillator({"pto": Damper(np.array([[1.2]]))})
-    steps = [0.08, 0.04, 0.02, 0.01, 0.005]
-    errors = []
-    for step in steps:
-        time = np.arange(0.0, 4.0 + step / 2, step)
-        motion = convolve(System.of(plant), CALM, time, (np.array([1.0]), np.array([-0.5])))
-        errors.append(np.abs(motion.position[:, 0] - damped(time)).max())
-    slopes = np.diff(np.log(errors)) / np.diff(np.log(steps))
-    assert np.all(np.abs(slopes[1:] - 2.0) < 0.1), slopes
-
-
-class Fading:
-    """A spectrum by its kernel alone, K(t) = k exp(-t)."""
-
-    def kernel(self, time):
-        return 6.0 * np.exp(-time)[:, None, None]
-
-
-@pytest.mark.parametrize("start", [(1.0, -0.5), (0.0, 1.0), (0.3, 2.0)])
-def test_convolution_of_a_motion_begun_at_speed_is_second_order(start):
-    """The memory of one state in closed form; the first velocity counts half, else it would be of first order."""
-    memory = RadiationModel(np.array([[-1.0]]), np.array([[np.sqrt(6.0)]]), np.array([np.sqrt(2.0)]))
-    plant = oscillator({"pto": Damper(np.array([[1.2]])), "radiation": RadiationMemory(memory)})
-    begin, errors = tuple(np.array([value]) for value in start), []
-    for count in (100, 200, 400):
-        time = np.linspace(0.0, 4.0, count + 1)
-        exact, found = propagate(System.of(plant), time, begin), convolve(System.of(plant), Fading(), time, begin)
-        errors.append([np.abs(getattr(found, of) - getattr(exact, of)).max() for of in ("position", "velocity")])
-    slopes = np.diff(np.log(errors), axis=0) / np.log(0.5)
-    assert np.all(np.abs(slopes - 2.0) < 0.1), slopes
-
-
 def test_undamped_resonance_has_no_steady_state():
     plant = oscillator({"excitation": Excitation(np.array([5.0]), np.array([[1.0 + 0j]]))})
     with pytest.raises(StabilityError, match=r"wave of 5 rad/s meets an undamped resonance.*add device.damping"):
@@ -160,7 +125,7 @@ def test_undamped_shell_conserves_energy_over_a_thousand_periods():
 
 
 class TestOfTheSeed:
-    def plant(self, buoy_of, radiation_of, study, design, waves):
+    def scene(self, buoy_of, radiation_of, study, design, waves):
         motions = design_motions(study, study_basis(study), design)
         return linear_scene(buoy_of(study), radiation_of(study), waves, motions)
 

@@ -2,55 +2,19 @@
 
 import numpy as np
 import pytest
-from conftest import varied
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from motion.test_harmonics import SEA, WAVES, buoy, instants
 from scipy.optimize import linprog, minimize
 
-from vsb.errors import ConfigError, ConvergenceError, StabilityError
+from vsb.errors import ConvergenceError, StabilityError
 from vsb.motion import constrained
 from vsb.motion.constrained import constrained_optimum
 from vsb.motion.harmonics import Harmonics
-from vsb.motion.port import Port
-from vsb.waves.seas import sea
-
-
-def buoy(harmonics, resonance=1.6, seed=0, loss=500.0):
-    """Admittance of a mass on a spring with radiation, and free velocity in a sea of random phases."""
-    w, mass = harmonics.omega, 3e4
-    resistance = loss + 8e3 * w**2 * np.exp(-w)
-    admittance = 1 / (resistance - 1j * (w * mass - mass * resonance**2 / w))
-    phase = np.random.default_rng(seed).uniform(0, 2 * np.pi, len(w))
-    force = 2e4 * np.exp(-(((w - 1.3) / 0.6) ** 2) + 1j * phase)
-    return admittance * force, admittance
-
-
-SEA = Harmonics(0.13, 0.5, 40)
-WAVES = Harmonics(0.8, 1.0, 9)
 
 
 def power(velocity, admittance, force):
     return float(np.sum((force.conj() * velocity).real - admittance.real * np.abs(force) ** 2) / 2)
-
-
-def instants(harmonics, count):
-    return np.arange(count) * 2 * np.pi / harmonics.spacing / count
-
-
-@pytest.mark.parametrize("harmonics", [SEA, WAVES, Harmonics(0.3, 2.5, 7), Harmonics(0.3, 4.0, 1)])
-def test_signals_products_and_adjoint_are_the_sums_they_stand_for(harmonics):
-    rng = np.random.default_rng(3)
-    time = instants(harmonics, harmonics.instants)
-    waves = np.exp(1j * np.outer(harmonics.omega, time))  # e_k(t_j)
-    c = rng.normal(size=harmonics.count) + 1j * rng.normal(size=harmonics.count)
-    w = rng.uniform(size=len(time))
-    np.testing.assert_allclose(harmonics.signal(c), (c @ waves.conj()).real, atol=1e-12)
-    np.testing.assert_allclose(harmonics.phasors(w), waves @ w, atol=1e-12)
-    toeplitz, hankel = harmonics.products(w)
-    np.testing.assert_allclose(toeplitz, (waves * w) @ waves.conj().T, atol=1e-11)
-    np.testing.assert_allclose(hankel, (waves * w) @ waves.T, atol=1e-11)
-    finer = (c @ np.exp(-1j * np.outer(harmonics.omega, instants(harmonics, 3 * harmonics.instants)))).real
-    np.testing.assert_allclose(harmonics.signal(c, 3), finer, atol=1e-12)
 
 
 @pytest.mark.parametrize("harmonics", [SEA, WAVES])
@@ -200,12 +164,6 @@ def test_the_bound_holds_for_any_multipliers():
         assert programme.bound([upper], [lower]) >= best
 
 
-@pytest.mark.parametrize(("spacing", "first", "count"), [(0.1, 0.0, 3), (0.1, 0.7, 3), (0.0, 1.0, 3), (0.1, 1.0, 0)])
-def test_harmonics_that_do_not_repeat_are_refused(spacing, first, count):
-    with pytest.raises(ValueError, match="needs a first order of 1/2, 1, 3/2"):
-        Harmonics(spacing, first, count)
-
-
 def test_a_port_that_gives_out_energy_is_refused():
     velocity, admittance = buoy(WAVES)
     with pytest.raises(ValueError, match=r"port: received Re Y = -1e-05 .* at 4 rad/s, needs more than 0"):
@@ -217,31 +175,3 @@ def test_an_optimum_not_found_in_time_is_an_error(monkeypatch):
     velocity, admittance = buoy(SEA)
     with pytest.raises(ConvergenceError, match=r"the optimum under limits is not found to 1e-06 in 2 steps"):
         constrained_optimum(SEA, velocity, admittance, 1e3)
-
-
-@pytest.mark.parametrize(
-    "wave",
-    [
-        {"kind": "regular", "amplitude": 0.1, "period": 2.5},
-        {"kind": "jonswap", "hs": 0.5, "tp": 3.0},
-        {"kind": "white_noise", "hs": 0.5, "band": [1.0, 3.0]},
-    ],
-)
-def test_harmonics_of_a_sea_hold_its_components_and_fill_the_band(seed, wave):
-    (chosen,) = varied(seed, waves=[wave]).waves
-    waves = sea(chosen, 12.0, 60.0)
-    harmonics = Harmonics.of_sea(waves.omega, 0.1, 12.0)
-    at = np.searchsorted(harmonics.omega, waves.omega - 1e-9)
-    np.testing.assert_allclose(harmonics.omega[at], waves.omega, rtol=1e-9)
-    assert 0.1 - 1e-9 <= harmonics.omega[0] < 0.1 + harmonics.spacing
-    assert 12.0 - harmonics.spacing < harmonics.omega[-1] <= 12.0 + 1e-9
-    velocity, admittance = buoy(harmonics)
-    port = Port(harmonics.omega, admittance, velocity, 0.0)
-    power = np.sum(np.abs(velocity[at] * waves.amplitude) ** 2 / (8 * admittance.real[at]))
-    assert constrained.optimum_in_sea(port, waves, harmonics).power == pytest.approx(power, rel=1e-12)
-
-
-@pytest.mark.parametrize("omega", [np.array([1.03, 1.13, 1.23]), np.array([1.05, 1.15, 1.275])])
-def test_a_sea_that_never_repeats_has_no_harmonics(omega):
-    with pytest.raises(ConfigError, match=r"waves: received components 0.1 rad/s apart from .* which never repeat"):
-        Harmonics.of_sea(omega, 0.1, 12.0)

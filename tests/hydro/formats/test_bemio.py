@@ -1,0 +1,273 @@
+"""BEMIO's .h5 file written and read."""
+
+import netCDF4
+import numpy as np
+import pytest
+from hydro.formats.test_exchange import DAMPING, PAIR, WATER, WAVE, random_database, with_structure
+from scipy.integrate import quad
+
+from vsb.errors import DatabaseError
+from vsb.hydro.formats.bemio import bemio_entries, excitation_response, impulse_times, read_bemio, write_h5
+from vsb.hydro.kernel import DampingSpectrum
+
+
+@pytest.fixture
+def bemio(elastic, tmp_path):
+    write_h5(bemio_entries(elastic, "memory"), tmp_path / "buoy.h5")
+    with netCDF4.Dataset(tmp_path / "buoy.h5") as file:
+        file.set_auto_mask(False)
+        yield file
+
+
+def test_h5_has_the_layout_wec_sim_reads(bemio):
+    """Dimensions as in a file of MATLAB's writeBEMIOH5: reversed when MATLAB shows them."""
+    shapes = {
+        "/simulation_parameters/scaled": (1, 1), "/simulation_parameters/g": (1, 1), "/simulation_parameters/rho": (1, 1),
+        "/simulation_parameters/w": (6, 1), "/simulation_parameters/T": (6, 1), "/simulation_parameters/wave_dir": (2, 1),
+        "/simulation_parameters/water_depth": (), "/bem_data/code": (), "/body1/properties/name": (),
+        "/body1/properties/body_number": (1, 1), "/body1/properties/cb": (3, 1), "/body1/properties/cg": (3, 1),
+        "/body1/properties/disp_vol": (1, 1), "/body1/properties/dof": (1, 1), "/body1/properties/dof_start": (1, 1),
+        "/body1/properties/dof_end": (1, 1), "/body1/properties/mass": (8, 8), "/body1/properties/stiffness": (8, 8),
+        "/body1/properties/damping": (8, 8), "/body1/hydro_coeffs/linear_restoring_stiffness": (8, 8),
+        "/body1/hydro_coeffs/added_mass/all": (8, 8, 6), "/body1/hydro_coeffs/added_mass/inf_freq": (8, 8),
+        "/body1/hydro_coeffs/radiation_damping/all": (8, 8, 6),
+        "/body1/hydro_coeffs/radiation_damping/impulse_response_fun/K": (8, 8, 1001),
+        "/body1/hydro_coeffs/radiation_damping/impulse_response_fun/t": (1001, 1),
+        "/body1/hydro_coeffs/excitation/impulse_response_fun/f": (8, 2, 2001),
+        "/body1/hydro_coeffs/excitation/impulse_response_fun/t": (2001, 1),
+        **{f"/body1/hydro_coeffs/excitation/{part}{key}": (8, 2, 6) for part in ("", "froude-krylov/", "scattering/") for key in ("re", "im", "mag", "phase")},
+    }  # fmt: skip
+    assert {place: bemio[place].shape for place in shapes} == shapes
+    assert {bemio[place].dtype for place, shape in shapes.items() if shape} == {np.dtype("f8")}
+    numbers = {"scaled": 0.0, "g": 10.0, "rho": 1000.0}
+    assert {key: bemio[f"/simulation_parameters/{key}"][0, 0] for key in numbers} == numbers
+    facts = {"body_number": 1.0, "dof": 8.0, "dof_start": 1.0, "dof_end": 8.0}
+    assert {key: bemio[f"/body1/properties/{key}"][0, 0] for key in facts} == facts
+    assert bemio["/simulation_parameters/water_depth"][...] == "infinite"
+    assert bemio["/body1/properties/name"][...] == "buoy"
+
+
+def test_h5_normalization_and_places(bemio, elastic):
+    """Indices from 0: heave is 2, the modes 6 and 7; A/rho, B/(rho omega), C/(rho g), structure in SI."""
+    place = [2, 6, 7]
+    hydro, body = bemio["/body1/hydro_coeffs"], bemio["/body1/properties"]
+    for i, row in enumerate(place):
+        for j, column in enumerate(place):
+            a, b = elastic.added_mass.values[:, i, j], elastic.radiation_damping.values[:, i, j]
+            assert hydro["added_mass/all"][row, column] == pytest.approx(a / 1000)
+            assert hydro["radiation_damping/all"][row, column] == pytest.approx(b / 1000 / elastic.omega.values)
+            assert hydro["added_mass/inf_freq"][row, column] == pytest.approx(
+                elastic.added_mass_inf.values[i, j] / 1000
+            )
+            assert hydro["linear_restoring_stiffness"][row, column] == pytest.approx(
+                elastic.hydrostatic_stiffness.values[i, j] / 1e4
+            )
+    for name in ("added_mass/all", "radiation_damping/all", "added_mass/inf_freq", "linear_restoring_stiffness"):
+        held = np.delete(np.delete(hydro[name][...], place, axis=0), place, axis=1)
+        assert not held.any()
+        assert np.count_nonzero(hydro[name][...]) == elastic.added_mass.values[0].size * (6 if "all" in name else 1)
+    assert body["mass"][6:, 6:] == pytest.approx(np.diag([100.0, 200.0]))
+    assert body["stiffness"][6:, 6:] == pytest.approx(np.array([[1.02e5, 3e3], [3e3, 2.04e5]]))
+    assert body["damping"][6:, 6:] == pytest.approx(np.diag([0.5 * 100 + 100.0, 0.5 * 200 + 200.0]))
+    assert np.count_nonzero(body["damping"][...]) == 2
+    assert (body["mass"][2, 2], body["disp_vol"][0, 0]) == (4000.0, 4.0)
+    assert body["cb"][:, 0] == pytest.approx([0, 0, -3 / 8 * 2.0])  # half a ball of radius 2
+    assert body["cg"][:, 0] == pytest.approx([0, 0, 0])
+    assert bemio["/simulation_parameters/T"][:, 0] == pytest.approx(2 * np.pi / elastic.omega.values)
+    assert bemio["/simulation_parameters/wave_dir"][:, 0] == pytest.approx(np.degrees([-1.0, 2.0]))
+
+
+def test_h5_force_in_time(bemio, elastic):
+    """WEC-Sim forms re cos(omega t) - im sin(omega t), C1 Re(X e^{-i omega t})."""
+    parts = {"": "excitation_force", "froude-krylov/": "Froude_Krylov_force", "scattering/": "diffraction_force"}
+    t, omega = 0.81, elastic.omega.values
+    for folder, name in parts.items():
+        re, im, mag, phase = (
+            bemio[f"/body1/hydro_coeffs/excitation/{folder}{k}"] for k in ("re", "im", "mag", "phase")
+        )
+        ours = np.real(elastic[name].values[:, 1, 2] * np.exp(-1j * omega * t)) / 1e4
+        assert re[7, 1] * np.cos(omega * t) - im[7, 1] * np.sin(omega * t) == pytest.approx(ours)
+        assert mag[7, 1] * np.cos(omega * t + phase[7, 1]) == pytest.approx(ours)
+
+
+def test_h5_impulse_response_is_the_retardation_kernel(bemio, elastic):
+    response = bemio["/body1/hydro_coeffs/radiation_damping/impulse_response_fun"]
+    time = response["t"][:, 0]
+    assert (time[0], time[1], time[-1], len(time)) == (0.0, 0.05, 50.0, 1001)  # 4 m^3
+    early = time < 10 / np.diff(elastic.omega.values, prepend=0.0).max()
+    spectrum = DampingSpectrum(elastic.omega.values, elastic.radiation_damping.values)
+    assert response["K"][2, 7, early] == pytest.approx(spectrum.kernel(time[early])[:, 0, 2] / 1000, abs=1e-8)
+    assert response["K"][7, 7, 0] > 0
+
+
+def test_late_impulse_response_of_few_frequencies_is_no_artefact(bemio, elastic):
+    """At 49 s the eight points between two frequencies 1 rad/s apart are too few; against adaptive quadrature."""
+    spectrum = DampingSpectrum(elastic.omega.values, elastic.radiation_damping.values)
+    top, late = elastic.omega.values[-1], 973
+    time = 0.05 * late
+
+    def integral(place, upper, weight=lambda w: 1.0):
+        options = {"weight": "cos", "wvar": time, "limit": 500, "limlst": 500, "epsabs": 1e-6}
+        return quad(lambda w: spectrum.at(np.array([w]))[0][place], *upper, **options)[0]
+
+    expected = 2 / np.pi * (integral((0, 2), (0.0, top)) + integral((0, 2), (top, np.inf)))
+    assert bemio["/body1/hydro_coeffs/radiation_damping/impulse_response_fun/K"][2, 7, late] == pytest.approx(
+        expected / 1000, rel=1e-5, abs=1e-6 * abs(spectrum.damping).max() / 1000
+    )
+
+
+@pytest.mark.parametrize(("radius", "step"), [(2.0, 0.1), (0.02, 0.01), (0.2, 0.02), (20.0, 0.2), (50.0, 0.5)])
+def test_impulse_responses_last_as_long_as_the_body_is_large(radius, step):
+    """A 2 m buoy has 0.1 s and 100 s; the steps fall between 0.09 and 0.23 sqrt(radius/g)."""
+    time = impulse_times(radius, 9.81)
+    assert (time[0], time[1], time[-1], len(time)) == (0.0, pytest.approx(step), pytest.approx(1000 * step), 1001)
+    assert 0.4 * 0.23 <= step / np.sqrt(radius / 9.81) <= 0.23
+
+
+def test_excitation_is_the_transform_of_its_impulse_response():
+    """As WEC-Sim convolves it: force = sum f(s) eta(t - s) dt, eta = Re e^{i omega t}."""
+    omega = np.linspace(0.05, 5.0, 100)
+    pulses = np.exp(-((omega / 1.5) ** 2))[:, None] * np.exp(1j * omega[:, None] * [[1.3, -0.4]])  # two headings
+    ds = with_structure(random_database(modes=2, frequencies=100, headings=2)).assign_coords(omega=omega)
+    ds = ds.assign(excitation_force=(WAVE, pulses[:, :, None] * np.array([4e4, 1e4, -3e3])))
+    entries, place = bemio_entries(ds, "memory"), "/body1/hydro_coeffs/excitation/"
+    time, f = entries[f"{place}impulse_response_fun/t"][:, 0], entries[f"{place}impulse_response_fun/f"]
+    assert (f.shape, time[0], time[1000], time[-1]) == ((8, 2, 2001), -50.0, 0.0, 50.0)
+    x = entries[f"{place}re"] + 1j * entries[f"{place}im"]
+    back = f @ np.exp(-1j * np.outer(time, omega)) * (time[1] - time[0])
+    assert back == pytest.approx(x, abs=1e-4 * np.abs(x).max())
+    assert time[np.abs(f[2, 0]).argmax()] == pytest.approx(1.3)  # force of heading 0 lags by 1.3 s
+
+
+def test_impulse_response_of_a_force_known_in_closed_form():
+    """X = conj of exp(-(omega/2)^2 - i omega t0): f is a Gaussian about t0."""
+    omega, delay = np.linspace(0.05, 14.0, 400), 1.7
+    force = np.conj(np.exp(-((omega / 2) ** 2) - 1j * omega * delay))[:, None, None]
+    time = np.linspace(-30.0, 30.0, 601)
+    expected = np.exp(-((time - delay) ** 2)) / np.sqrt(np.pi)
+    assert excitation_response(omega, force, time)[:, 0, 0] == pytest.approx(expected, abs=1e-6)
+
+
+def test_centre_of_buoyancy_of_a_cap(elastic):
+    """By quadrature over the discs of the wet part."""
+    radius, height = 2.0, 0.7
+    z = np.linspace(height - radius, 0.0, 20001)
+    area = radius**2 - (z - height) ** 2
+    entries = bemio_entries(elastic.assign_attrs(centre_height=height), "memory")
+    expected = np.trapezoid(z * area, z) / np.trapezoid(area, z)
+    assert entries["/body1/properties/cb"][2, 0] == pytest.approx(expected, rel=1e-6)
+    assert entries["/body1/properties/cg"][2, 0] == height
+
+
+def test_h5_reads_back(bemio, elastic):
+    back = read_bemio(bemio.filepath())
+    assert set(back.data_vars) == set(elastic.data_vars) - {"prestress_stiffness", "gas_stiffness"} | {DAMPING}
+    damping = 0.5 * elastic.inertia_matrix + 1e-3 * elastic.structural_stiffness
+    assert back[DAMPING].values[1:] == pytest.approx(damping.values[1:])
+    assert not back[DAMPING].values[0].any()
+    back = back.drop_vars(DAMPING)
+    dry = elastic.structural_stiffness + elastic.prestress_stiffness + elastic.gas_stiffness
+    for name in back.data_vars:
+        expected = dry if name == "structural_stiffness" else elastic[name]
+        assert back[name].values == pytest.approx(expected.values, rel=1e-12, abs=1e-12)
+        assert (back[name].dims, back[name].attrs) == (elastic[name].dims, elastic[name].attrs)
+    assert back.influenced_dof.values.tolist() == ["Heave", "Membrane0", "Membrane1"]
+    assert back.omega.values == pytest.approx(elastic.omega.values)
+    assert back.wave_direction.values == pytest.approx(elastic.wave_direction.values)
+    assert {name: back.attrs[name] for name in WATER} == WATER
+    assert back.attrs["displaced_volume"] == 4.0
+    assert back.attrs["centre_of_buoyancy"] == pytest.approx([0.0, 0.0, -0.75])
+    assert back.attrs["centre_of_mass"] == pytest.approx([0.0, 0.0, 0.0])
+    entries, again = (
+        bemio_entries(elastic, "memory"),
+        bemio_entries(back.assign({DAMPING: (PAIR, damping.values * [[0], [1], [1]])}), "memory"),
+    )
+    numbers = [place for place, value in entries.items() if not isinstance(value, str)]
+    for place in numbers:
+        assert again[place] == pytest.approx(entries[place], rel=1e-9, abs=1e-9)
+
+
+def changed(entries, **changes):
+    """Entries with some replaced, or taken away by None; keys are the ends of paths."""
+    ends = {place: next((end for end in changes if place.endswith(f"/{end}")), None) for place in entries}
+    replaced = {place: changes[end] if end else entries[place] for place, end in ends.items()}
+    assert {end for end in ends.values() if end} == set(changes)
+    return {place: value for place, value in replaced.items() if value is not None}
+
+
+def test_files_of_others_are_read(elastic, tmp_path):
+    """No names of modes, no structure, a finite depth, scattering not computed."""
+    nan = np.full((8, 2, 6), np.nan)
+    entries = bemio_entries(elastic, "memory")
+    entries = changed(entries, mode_labels=None, mass=None, stiffness=None, water_depth=np.array([[30.0]]))
+    entries |= {f"/body1/hydro_coeffs/excitation/scattering/{part}": nan for part in ("re", "im", "mag", "phase")}
+    write_h5(entries, tmp_path / "other.h5")
+    back = read_bemio(tmp_path / "other.h5")
+    labels = ["Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw", "Mode7", "Mode8"]
+    assert back.influenced_dof.values.tolist() == labels
+    assert back.attrs["water_depth"] == "30.0"
+    assert set(back.data_vars) & {"diffraction_force", "inertia_matrix", "structural_stiffness"} == set()
+    assert back.Froude_Krylov_force.values[..., [2, 6, 7]] == pytest.approx(elastic.Froude_Krylov_force.values)
+    assert not back.Froude_Krylov_force.values[..., [0, 1, 3, 4, 5]].any()
+
+
+def test_scaled_files_are_dimensional_already(elastic, tmp_path):
+    write_h5(changed(bemio_entries(elastic, "memory"), scaled=np.array([[1.0]])), tmp_path / "scaled.h5")
+    back = read_bemio(tmp_path / "scaled.h5")
+    assert back.added_mass.values == pytest.approx(elastic.added_mass.values / 1000)
+    assert back.radiation_damping.values[:, 0, 0] == pytest.approx(
+        elastic.radiation_damping.values[:, 0, 0] / 1000 / elastic.omega.values
+    )
+    assert back.excitation_force.values == pytest.approx(elastic.excitation_force.values / 1e4)
+    assert back.hydrostatic_stiffness.values == pytest.approx(elastic.hydrostatic_stiffness.values / 1e4)
+    assert back.inertia_matrix.values == pytest.approx(elastic.inertia_matrix.values)
+
+
+def test_rigid_buoy_has_six_degrees_of_freedom(tmp_path):
+    ds = with_structure(random_database(modes=0))
+    entries = bemio_entries(ds.assign_attrs(water_depth=12.5), "memory")
+    assert entries["/body1/properties/dof"].item() == 6
+    assert entries["/body1/hydro_coeffs/added_mass/all"].shape == (6, 6, 4)
+    assert entries["/simulation_parameters/water_depth"].item() == 12.5
+    write_h5(entries, tmp_path / "rigid.h5")
+    assert read_bemio(tmp_path / "rigid.h5").added_mass.values == pytest.approx(ds.added_mass.values)
+
+
+def test_h5_that_cannot_be_read_is_refused(elastic, tmp_path):
+    path = tmp_path / "buoy.h5"
+    with pytest.raises(DatabaseError, match=r"buoy\.h5: cannot be read: .*No such file.*; needs BEMIO's \.h5 file"):
+        read_bemio(path)
+    path.write_bytes(b"no HDF5")
+    with pytest.raises(DatabaseError, match=r"buoy\.h5: cannot be read: .*Unknown file format"):
+        read_bemio(path)
+    entries = bemio_entries(elastic, "memory")
+    write_h5(changed(entries, inf_freq=None), path)
+    with pytest.raises(DatabaseError, match=r"buoy\.h5: holds no /body1/hydro_coeffs/added_mass/inf_freq; needs"):
+        read_bemio(path)
+    write_h5(changed(entries, dof=np.array([[9.0]])), path)
+    with pytest.raises(DatabaseError, match=r"holds 9 degrees of freedom; needs 8 for its mode_labels \['Heave', 'Mem"):
+        read_bemio(path)
+    write_h5(changed(entries, mode_labels=None, dof=np.array([[9.0]])), path)
+    with pytest.raises(DatabaseError, match=r"added_mass/all has shape \(8, 8, 6\); needs \(9, 9, 6\)"):
+        read_bemio(path)
+    write_h5(entries | {"/body2/properties/name": "other"}, path)
+    with pytest.raises(DatabaseError, match=r"buoy\.h5: holds body1, body2; needs the file of one body"):
+        read_bemio(path)
+    write_h5(changed(entries, inf_freq=np.full((8, 8), np.nan)), path)
+    with pytest.raises(DatabaseError, match=r"buoy\.h5: variable added_mass_inf holds NaN"):
+        read_bemio(path)
+
+
+def test_h5_of_an_unfit_database_is_refused(elastic):
+    bare = elastic.drop_vars("inertia_matrix").drop_attrs().assign_attrs(WATER, radius=2.0, centre_height=0.0)
+    with pytest.raises(DatabaseError, match="memory: holds no inertia_matrix and structural_stiffness; generalized"):
+        bemio_entries(bare, "memory")
+    with pytest.raises(DatabaseError, match="memory: holds no added_mass_inf; needs a complete hydro database"):
+        bemio_entries(elastic.drop_vars("added_mass_inf"), "memory")
+    with pytest.raises(DatabaseError, match="memory: holds zero frequency"):
+        bemio_entries(elastic.assign_coords(omega=np.arange(6.0)), "memory")
+    for name in ("inertia_matrix", "gas_stiffness"):
+        coupled = elastic[name] + 10.0 * (np.eye(3, k=1) + np.eye(3, k=-1))
+        total = "inertia_matrix" if name == "inertia_matrix" else "structural_stiffness"
+        with pytest.raises(DatabaseError, match=f"memory: {total} couples rigid and generalized modes, which WEC-Sim"):
+            bemio_entries(elastic.assign({name: coupled}), "memory")

@@ -1,0 +1,327 @@
+"""WAMIT's files written and read."""
+
+import numpy as np
+import pytest
+from hydro.formats.test_exchange import (
+    HALF_DIGIT,
+    PAIR,
+    WATER,
+    WAVE,
+    assembled,
+    random_database,
+    read_back,
+    relative,
+    rows,
+    written,
+)
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from vsb.errors import ConfigError, DatabaseError
+from vsb.hydro.formats.wamit import import_wamit, wamit_texts
+from vsb.tools import files
+
+
+def two_modes(**more):
+    """Period 4 s, rho = 1000, g = 10: every number of the files can be worked out in the head."""
+    omega = 2 * np.pi / 4
+    return assembled(
+        ["Heave", "Membrane0"],
+        [omega],
+        added=np.array([[[2000.0, -500.0], [-500.0, 4000.0]]]),
+        damping=omega * np.array([[[1000.0, 250.0], [250.0, 3000.0]]]),
+        force=1e4 * np.array([[[3.0 - 4.0j, 0.0 + 2.0j]]]),
+        stiffness=1e4 * np.array([[4.0, -1.0], [-2.0, 8.0]]),
+        added_mass_inf=(PAIR, np.array([[1000.0, 0.0], [0.0, 1000.0]])),
+        **more,
+    )
+
+
+def test_files_are_these():
+    texts = wamit_texts(two_modes(), "memory")
+    assert set(texts) == {".1", ".3", ".hst"}
+    assert texts[".1"].splitlines()[1:] == [
+        "  0.000000E+00     3     3  1.000000E+00",
+        "  0.000000E+00     3     7  0.000000E+00",
+        "  0.000000E+00     7     3  0.000000E+00",
+        "  0.000000E+00     7     7  1.000000E+00",
+        "  4.000000E+00     3     3  2.000000E+00  1.000000E+00",
+        "  4.000000E+00     3     7 -5.000000E-01  2.500000E-01",
+        "  4.000000E+00     7     3 -5.000000E-01  2.500000E-01",
+        "  4.000000E+00     7     7  4.000000E+00  3.000000E+00",
+    ]
+    assert texts[".3"].splitlines()[1:] == [
+        "  4.000000E+00  0.000000E+00     3  5.000000E+00  5.313010E+01  3.000000E+00  4.000000E+00",
+        "  4.000000E+00  0.000000E+00     7  2.000000E+00 -9.000000E+01  0.000000E+00 -2.000000E+00",
+    ]
+    assert texts[".hst"].splitlines()[1:] == [
+        "     3     3  4.000000E+00",
+        "     3     7 -1.000000E+00",
+        "     7     3 -2.000000E+00",
+        "     7     7  8.000000E+00",
+    ]
+    for text in texts.values():
+        assert "ULEN 1 density 1000 gravity 10 depth inf modes 3=Heave 7=Membrane0" in text.splitlines()[0]
+
+
+def test_length_scale_divides_as_translations_do():
+    one, two = (wamit_texts(two_modes(), "memory", length) for length in (1.0, 2.0))
+    assert rows(one[".hst"])[:, 2] == pytest.approx(4 * rows(two[".hst"])[:, 2])
+    assert rows(one[".3"])[:, [3, 5, 6]] == pytest.approx(4 * rows(two[".3"])[:, [3, 5, 6]])
+    assert rows(one[".3"])[:, 4] == pytest.approx(rows(two[".3"])[:, 4])
+    for one_line, two_line in zip(one[".1"].splitlines()[1:], two[".1"].splitlines()[1:], strict=True):
+        a, b = (np.array([float(word) for word in line.split()]) for line in (one_line, two_line))
+        assert a[:3] == pytest.approx(b[:3])
+        assert a[3:] == pytest.approx(8 * b[3:])
+
+
+def test_force_in_time_is_the_same_in_both_conventions():
+    ds = random_database(headings=2)
+    for extension, name in ((".3", "excitation_force"), (".3fk", "Froude_Krylov_force"), (".3sc", "diffraction_force")):
+        period, heading, mode, modulus, phase, re, im = rows(wamit_texts(ds, "memory")[extension]).T
+        t, omega = 0.37, 2 * np.pi / period
+        flat = ds[name].values[::-1].ravel()  # periods ascend, frequencies descend
+        ours = np.real(flat * np.exp(-1j * omega * t)) / 1e4
+        assert modulus * np.cos(omega * t + np.radians(phase)) == pytest.approx(ours, rel=1e-4)
+        assert re * np.cos(omega * t) - im * np.sin(omega * t) == pytest.approx(ours, rel=1e-4)
+        assert mode.astype(int).tolist() == [3, 7, 8] * 8
+        assert np.unique(heading) == pytest.approx(np.degrees([-1.0, 2.0]))
+
+
+def test_long_waves():
+    """A long wave lifts the water like the body lowered: C, - omega^2 A and, leading by a quarter, omega B per metre."""
+    radius, omega = 2.0, np.array([0.05, 0.1])
+    stiffness, added, damping = 1e4 * np.pi * radius**2, 1.5e4, 900.0 * omega
+    full = stiffness - omega**2 * added - 1j * omega * damping  # water moves with -i omega here
+    ds = assembled(
+        ["Heave"],
+        omega,
+        added=np.full((2, 1, 1), added),
+        damping=damping[:, None, None],
+        force=full[:, None, None],
+        stiffness=[[stiffness]],
+        Froude_Krylov_force=(WAVE, np.full((2, 1, 1), stiffness + 0j)),
+    )
+    texts = wamit_texts(ds, "memory")
+    assert rows(texts[".3fk"])[:, 3:] == pytest.approx(np.tile([4 * np.pi, 0.0, 4 * np.pi, 0.0], (2, 1)), rel=1e-6)
+    assert rows(texts[".1"])[:, 4] == pytest.approx([0.9, 0.9])
+    im, bar, period = rows(texts[".3"])[:, 6], rows(texts[".1"])[:, 4], rows(texts[".3"])[:, 0]
+    assert im == pytest.approx((2 * np.pi / period) ** 2 * bar / 10.0, rel=1e-5)
+    assert np.all(rows(texts[".3"])[:, 4] > 0)
+
+
+def test_zero_frequency_is_written_and_read_as_a_limit(tmp_path):
+    ds = random_database(modes=1, frequencies=2).assign_coords(omega=[0.0, np.pi])
+    texts = wamit_texts(ds, "memory")
+    lines = texts[".1"].splitlines()[1:]
+    periods = ["-1.000000E+00", "0.000000E+00", "2.000000E+00"]
+    assert [line.split()[0] for line in lines] == np.repeat(periods, 4).tolist()
+    assert [len(line.split()) for line in lines] == [4] * 8 + [5] * 4
+    assert float(lines[1].split()[3]) == pytest.approx(ds.added_mass.values[0, 0, 1] / 1000, rel=1e-6)
+    assert len(rows(texts[".3"])) == 2
+    back = import_wamit(written(tmp_path, texts), "buoy", density=1000.0, gravity=10.0)
+    assert back.sizes["omega"] == 1
+    assert back.added_mass_zero.values == pytest.approx(ds.added_mass.values[0], rel=1e-6)
+    again = wamit_texts(back, "memory")
+    assert again[".1"].splitlines()[1:] == lines
+    assert back.attrs["history"] == "read from WAMIT's files buoy"
+
+
+@settings(max_examples=25)
+@given(st.integers(0, 3), st.integers(1, 5), st.integers(1, 3), st.integers(0, 10**6), st.sampled_from([0.3, 1.0, 7.0]))
+def test_round_trip_is_exact_to_the_digits_printed(tmp_path_factory, modes, frequencies, headings, seed, length):
+    ds = random_database(modes, frequencies, headings, seed, spread=8.0)
+    folder = tmp_path_factory.mktemp("wamit")
+    back = read_back(folder, ds, length)
+    assert relative(back.omega.values, ds.omega.values) <= HALF_DIGIT * 1.0001
+    for name in ("added_mass", "added_mass_inf", "hydrostatic_stiffness"):
+        assert relative(back[name].values, ds[name].values) <= HALF_DIGIT * 1.0001
+    assert relative(back.radiation_damping.values, ds.radiation_damping.values) <= 2 * HALF_DIGIT * 1.0001
+    for name in ("excitation_force", "Froude_Krylov_force", "diffraction_force"):
+        assert relative(back[name].values.real, ds[name].values.real) <= HALF_DIGIT * 1.0001
+        assert relative(back[name].values.imag, ds[name].values.imag) <= HALF_DIGIT * 1.0001
+    assert set(back.data_vars) == set(ds.data_vars)
+    for name in ("influenced_dof", "radiating_dof"):
+        assert back[name].values.tolist() == ds[name].values.tolist()
+    assert np.abs(back.wave_direction.values - ds.wave_direction.values).max() <= HALF_DIGIT * 2.0
+    for name in ds.variables:
+        assert (back[name].dims, back[name].attrs) == (ds[name].dims, ds[name].attrs)
+    again = wamit_texts(back, "memory", length)
+    for extension, text in wamit_texts(ds, "memory", length).items():
+        kept = [0, 1, 2, 5, 6] if extension.startswith(".3") else slice(None)  # modulus and phase are of rounded parts
+        for line, second in zip(text.splitlines()[1:], again[extension].splitlines()[1:], strict=True):
+            assert np.array(line.split())[kept].tolist() == np.array(second.split())[kept].tolist()
+
+
+def test_numbers_stay_apart_however_small(tmp_path):
+    ds = two_modes()
+    tiny = ds.assign(added_mass=-1e-140 * ds.added_mass, hydrostatic_stiffness=-1e-120 * ds.hydrostatic_stiffness)
+    back = read_back(tmp_path, tiny.assign_attrs(WATER))
+    assert relative(back.added_mass.values, tiny.added_mass.values) <= HALF_DIGIT * 1.0001
+    assert relative(back.hydrostatic_stiffness.values, tiny.hydrostatic_stiffness.values) <= HALF_DIGIT * 1.0001
+
+
+FOREIGN = {
+    ".1": """ WAMIT Numeric Output -- Filename  barge.1      01-Jan-2001  00:00:00
+ -1.000000E+00     3     3  9.000000E+00
+  0.000000E+00     1     1  5.000000E-01
+  0.000000E+00     3     3  1.500000E+00
+  0.000000E+00     3     9 -2.500000E-01
+  0.000000E+00     9     9  1.000000E+00
+  2.000000E+00     1     1  1.000000E+00  1.000000E+00
+  2.000000E+00     3     3  2.000000E+00  3.000000E-01
+  2.000000E+00     3     9  4.000000E-01  5.000000E-02
+  2.000000E+00     9     9  6.000000D-01  7.000000D-02
+  4.000000E+00     1     1  1.000000E+00  1.000000E+00
+  4.000000E+00     3     3  2.500000E+00  3.500000E-01
+  4.000000E+00     3     9  4.500000E-01  5.500000E-02
+  4.000000E+00     9     9  6.500000E-01  7.500000E-02
+""",
+    ".3": """ WAMIT Numeric Output -- Filename  barge.3      01-Jan-2001  00:00:00
+  2.000000E+00  9.000000E+01     1  1.000000E+00  9.000000E+01  0.000000E+00  1.000000E+00
+  2.000000E+00  9.000000E+01     3  5.000000E+00  5.313010E+01  3.000000E+00  4.000000E+00
+  2.000000E+00  9.000000E+01     9  2.000000E+00  1.800000E+02 -2.000000E+00  0.000000E+00
+  4.000001E+00  9.000000E+01     1  1.000000E+00  9.000000E+01  0.000000E+00  1.000000E+00
+  4.000001E+00  9.000000E+01     3  1.000000E+01 -5.313010E+01  6.000000E+00 -8.000000E+00
+  4.000001E+00  9.000000E+01     9  1.000000E+00 -9.000000E+01  0.000000E+00 -1.000000E+00
+""",
+    ".hst": """ WAMIT -- Force Output File -- barge.hst      01-Jan-2001  00:00:00
+     1     1   0.000000E+00
+     3     3   7.000000E+00
+     3     9   1.000000E+00
+     9     3  -1.000000E+00
+     9     9   2.000000E+00
+     1     3   0.000000E+00
+     1     9   0.000000E+00
+     3     1   0.000000E+00
+     9     1   5.000000E-01
+""",
+}
+
+
+def test_output_of_others_with_generalized_modes(tmp_path):
+    """ULEN = 2, rho = 1000, g = 10: rho L^3 = 8000 kg, rho g L^2 = 40000 N/m; of modes 1, 3 and 9, 1 is uncoupled."""
+    ds = import_wamit(written(tmp_path, FOREIGN), "buoy", density=1000.0, gravity=10.0, length=2.0, depth=30.0)
+    assert ds.influenced_dof.values.tolist() == ["Surge", "Heave", "Mode9"]
+    assert ds.omega.values == pytest.approx([np.pi / 2, np.pi])
+    assert ds.wave_direction.values == pytest.approx([np.pi / 2])
+    assert ds.added_mass.values == pytest.approx(
+        8000 * np.array([[[1, 0, 0], [0, 2.5, 0.45], [0, 0, 0.65]], [[1, 0, 0], [0, 2.0, 0.4], [0, 0, 0.6]]])
+    )
+    assert ds.added_mass_inf.values == pytest.approx(8000 * np.array([[0.5, 0, 0], [0, 1.5, -0.25], [0, 0, 1.0]]))
+    long, short = ds.radiation_damping.values / np.pi
+    assert short == pytest.approx(8000 * np.array([[1, 0, 0], [0, 0.3, 0.05], [0, 0, 0.07]]))
+    assert long == pytest.approx(4000 * np.array([[1, 0, 0], [0, 0.35, 0.055], [0, 0, 0.075]]))
+    assert ds.excitation_force.values[:, 0] == pytest.approx(4e4 * np.array([[-1j, 6 + 8j, 1j], [-1j, 3 - 4j, -2]]))
+    assert ds.hydrostatic_stiffness.values == pytest.approx(4e4 * np.array([[0, 0, 0], [0, 7, 1], [0.5, -1, 2]]))
+    assert ds.attrs["history"] == "read from WAMIT's files buoy; left out: zero frequency, not of all pairs"
+    assert {name: ds.attrs[name] for name in WATER} == {**WATER, "water_depth": "30.0"}
+    assert {name: ds[name].attrs["units"] for name in ds.data_vars} == {
+        "added_mass": "kg",
+        "added_mass_inf": "kg",
+        "radiation_damping": "kg/s",
+        "excitation_force": "N/m",
+        "hydrostatic_stiffness": "N/m",
+    }
+    files.save(ds, tmp_path / "imported.nc")
+    assert files.load(tmp_path / "imported.nc").equals(ds)
+
+
+def test_a_header_may_be_missing_and_infinite_frequency_too(tmp_path):
+    bare = {extension: text.partition("\n")[2] for extension, text in FOREIGN.items()}
+    bare[".1"] = "".join(line + "\n" for line in bare[".1"].splitlines() if not line.startswith("  0.0"))
+    ds = import_wamit(written(tmp_path, bare), "buoy", density=1000.0, gravity=10.0)
+    assert "added_mass_inf" not in ds
+    assert ds.added_mass.values[1, 1] == pytest.approx([0.0, 2000.0, 400.0])
+
+
+def edited(extension, old, new):
+    assert old in FOREIGN[extension]
+    return {**FOREIGN, extension: FOREIGN[extension].replace(old, new, 1)}
+
+
+LINE = "  2.000000E+00     3     9  4.000000E-01  5.000000E-02\n"
+
+
+FORCE = "  2.000000E+00  9.000000E+01     9  2.000000E+00  1.800000E+02 -2.000000E+00  0.000000E+00\n"
+
+
+BROKEN = {
+    "nan": (edited(".1", "4.000000E-01", "nan"), r"buoy\.1, line 9: '2.000000E\+00.*' is not of 4 or 5 finite numbers; needs"),
+    "words": (edited(".1", "4.000000E-01", "********"), r"buoy\.1, line 9: .*is not of 4 or 5 finite numbers"),
+    "columns": (edited(".1", "5.000000E-02", "1 2"), r"buoy\.1, line 9: .*needs numbers PER I J A, and B where PER > 0"),
+    "no damping": (edited(".1", "  5.000000E-02", ""), r"buoy\.1, line 9: .*has no damping"),
+    "half a mode": (edited(".1", "     3     9  4.0", "   3.5     9  4.0"), r"line 9: .*mode numbers that are not whole"),
+    "mode zero": (edited(".1", "     3     9  4.0", "     0     9  4.0"), r"line 9: .*mode numbers that are not whole"),
+    "repeated": (edited(".1", LINE, 2 * LINE), r"buoy\.1, line 10: .*repeats an earlier line"),
+    "missing pair": (edited(".1", LINE, ""), r"buoy\.1: no line starts with \(2\.0, 3, 9\)"),
+    "period": (edited(".1", "-1.000000E+00", "-2.000000E+00"), r"buoy\.1: holds period -2; needs periods > 0, 0 or -1"),
+    "no waves": ({**FOREIGN, ".1": "".join(FOREIGN[".1"].splitlines(True)[:6])}, r"buoy\.1: holds no period > 0; needs lines PER I J A B"),
+    "nothing": ({**FOREIGN, ".1": "header\n"}, r"buoy\.1: holds no data; needs lines PER I J A"),
+    "no force": (edited(".3", FORCE, ""), r"buoy\.3: no line starts with \(2\.0, 90\.0, 9\)"),
+    "force nan": (edited(".3", "-2.000000E+00", "inf"), r"buoy\.3, line 4: .*is not of 7 finite numbers"),
+    "modulus": (edited(".3", "  2.000000E+00  1.8", "  2.100000E+00  1.8"), r"buoy\.3, line 4: .*modulus that contradicts"),
+    "force twice": (edited(".3", FORCE, 2 * FORCE), r"buoy\.3, line 5: .*repeats an earlier line"),
+    "other periods": ({**FOREIGN, ".3": FOREIGN[".3"].replace("4.000001E+00", "4.001000E+00")}, r"buoy\.3: its periods are not those of .*buoy\.1"),
+    "same periods": ({**FOREIGN, ".3": FOREIGN[".3"].replace("4.000001E+00", "2.000001E+00")}, r"buoy\.3: its periods are not those of"),
+    "parts of another run": ({**FOREIGN, ".3fk": FOREIGN[".3"].replace("9.000000E+01  ", "0.000000E+00  ")}, r"buoy\.3fk: no line starts with"),
+    "empty": ({**FOREIGN, ".3": "header\n"}, r"buoy\.3: holds no data; needs lines PER BETA I"),
+    "stiffness": (edited(".hst", "     9     3  -1.000000E+00\n", ""), r"buoy\.hst: no line starts with \(9, 3\)"),
+    "stiffness twice": (edited(".hst", "     9     3", "     3     9"), r"buoy\.hst, line 5: .*repeats an earlier line"),
+    "stiffness nan": (edited(".hst", "7.000000E+00", "NaN"), r"buoy\.hst, line 3: .*is not of 3 finite numbers; needs numbers I J C"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", BROKEN)
+def test_broken_files_are_refused_by_name_and_line(tmp_path, case):
+    texts, message = BROKEN[case]
+    with pytest.raises(DatabaseError, match=message) as error:
+        import_wamit(written(tmp_path, texts), "buoy", density=1000.0, gravity=10.0)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("extension", [".1", ".3", ".hst"])
+def test_missing_files_are_refused(tmp_path, extension):
+    written(tmp_path, {name: text for name, text in FOREIGN.items() if name != extension})
+    with pytest.raises(DatabaseError, match=rf"buoy\{extension}: cannot be read \(No such file or directory\); needs"):
+        import_wamit(tmp_path, "buoy", density=1000.0, gravity=10.0)
+
+
+@pytest.mark.parametrize(
+    ("facts", "message"),
+    [
+        ({"density": 0.0}, "density: received 0.0, needs a positive number"),
+        ({"gravity": -9.81}, "gravity: received -9.81, needs a positive number"),
+        ({"length": np.nan}, "length: received nan, needs a positive number"),
+        ({"depth": 0.0}, "depth: received 0.0, needs a positive number of m, or inf"),
+        ({"depth": np.nan}, "depth: received nan, needs"),
+        ({"labels": ["Heave"]}, r"holds modes \[1, 3, 9\]; needs as many labels of these, received \['Heave'\]"),
+        ({"labels": ["Surge", "Membrane0", "Heave"]}, "needs as many labels of these, received"),
+        ({"labels": ["Heave", "Heave"]}, "needs at least one, and none twice"),
+    ],
+)
+def test_facts_that_do_not_fit_the_files_are_refused(tmp_path, facts, message):
+    with pytest.raises((ConfigError, DatabaseError), match=message):
+        import_wamit(written(tmp_path, FOREIGN), "buoy", **{"density": 1000.0, "gravity": 10.0, **facts})
+
+
+def test_labels_of_the_modes_may_be_given(tmp_path):
+    labels = ["Surge", "Heave", "Bending1"]
+    ds = import_wamit(written(tmp_path, FOREIGN), "buoy", density=1000.0, gravity=10.0, labels=labels)
+    assert ds.radiating_dof.values.tolist() == labels
+
+
+def test_what_cannot_be_written_is_refused():
+    ds = random_database()
+    bare = ds.drop_vars("excitation_force").drop_attrs()
+    with pytest.raises(
+        DatabaseError, match="memory: holds no gravity, excitation_force; needs a complete hydro database"
+    ):
+        wamit_texts(bare.assign_attrs(water_density=1.0, water_depth=2.0), "memory")
+    with pytest.raises(DatabaseError, match="memory: variable added_mass holds NaN"):
+        wamit_texts(ds.assign(added_mass=ds.added_mass * np.nan).assign_attrs(WATER), "memory")
+    for omega in ([1.0, 2.0, np.nan, 4.0], [1.0, 2.0, 3.0, np.inf], [-1.0, 2.0, 3.0, 4.0], [1.0, 3.0, 2.0, 4.0]):
+        with pytest.raises(DatabaseError, match=r"memory: frequencies \[.*\] rad/s; needs finite, ascending ones"):
+            wamit_texts(ds.assign_coords(omega=omega), "memory")
+    with pytest.raises(DatabaseError, match="memory: periods equal to seven digits"):
+        wamit_texts(ds.assign_coords(omega=[1.0, 1.0 + 1e-9, 2.0, 3.0]), "memory")

@@ -1,0 +1,44 @@
+"""Cummins' convolution: second order, memory of the whole past."""
+
+import numpy as np
+import pytest
+from integrators.test_exact import CALM, damped, oscillator
+
+from vsb.hydro.statespace import RadiationModel
+from vsb.integrators.convolution import convolve
+from vsb.integrators.exact import propagate
+from vsb.motion.forces import Damper, RadiationMemory
+from vsb.motion.system import System
+
+
+def test_convolution_stepper_is_of_second_order():
+    plant = oscillator({"pto": Damper(np.array([[1.2]]))})
+    steps = [0.08, 0.04, 0.02, 0.01, 0.005]
+    errors = []
+    for step in steps:
+        time = np.arange(0.0, 4.0 + step / 2, step)
+        motion = convolve(System.of(plant), CALM, time, (np.array([1.0]), np.array([-0.5])))
+        errors.append(np.abs(motion.position[:, 0] - damped(time)).max())
+    slopes = np.diff(np.log(errors)) / np.diff(np.log(steps))
+    assert np.all(np.abs(slopes[1:] - 2.0) < 0.1), slopes
+
+
+class Fading:
+    """A spectrum by its kernel alone, K(t) = k exp(-t)."""
+
+    def kernel(self, time):
+        return 6.0 * np.exp(-time)[:, None, None]
+
+
+@pytest.mark.parametrize("start", [(1.0, -0.5), (0.0, 1.0), (0.3, 2.0)])
+def test_convolution_of_a_motion_begun_at_speed_is_second_order(start):
+    """The memory of one state in closed form; the first velocity counts half, else it would be of first order."""
+    memory = RadiationModel(np.array([[-1.0]]), np.array([[np.sqrt(6.0)]]), np.array([np.sqrt(2.0)]))
+    plant = oscillator({"pto": Damper(np.array([[1.2]])), "radiation": RadiationMemory(memory)})
+    begin, errors = tuple(np.array([value]) for value in start), []
+    for count in (100, 200, 400):
+        time = np.linspace(0.0, 4.0, count + 1)
+        exact, found = propagate(System.of(plant), time, begin), convolve(System.of(plant), Fading(), time, begin)
+        errors.append([np.abs(getattr(found, of) - getattr(exact, of)).max() for of in ("position", "velocity")])
+    slopes = np.diff(np.log(errors), axis=0) / np.log(0.5)
+    assert np.all(np.abs(slopes - 2.0) < 0.1), slopes

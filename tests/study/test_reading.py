@@ -1,0 +1,74 @@
+"""Reading of files: what is none is one line."""
+
+import pytest
+from study.test_sections import changed
+
+from vsb.errors import ConfigError
+from vsb.study import study as config
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("- a\n- b\n", "received list, needs a mapping"),
+        ("a: [1\n", "not valid YAML"),
+        ("a: 1\na: 2\n", "key 'a' is given twice"),
+        ("device: {radius: 2, mass: 1, radius: 3}\n", r"key 'radius' is given twice.* line 1, column 30"),
+        ("", "received NoneType, needs a mapping with keys study, device"),
+        ("a: !!python/object:os.system 1\n", "not valid YAML .*could not determine a constructor"),
+        ("study: alone\n", r"device: missing, but required: the spherical buoy, .* \(and 2 more\)"),
+        pytest.param("? [a, b]\n: 1\n", "not valid YAML"),
+        pytest.param("? {a: 1}\n: 1\n", "not valid YAML"),
+        pytest.param("a: 2020-99-99\n", "not valid YAML"),
+        pytest.param("a: " + 5000 * "[" + 5000 * "]", r"not valid YAML \(nested too deeply\); give a study file"),
+    ],
+)
+def test_what_is_no_study_at_all(tmp_path, text, message):
+    file = tmp_path / "odd.yaml"
+    file.write_text(text)
+    with pytest.raises(ConfigError, match=message) as error:
+        config.load(file)
+    assert "\n" not in str(error.value)
+
+
+def test_missing_file():
+    with pytest.raises(ConfigError, match=r"nowhere.yaml: cannot be read \(No such file"):
+        config.load("nowhere.yaml")
+
+
+def test_file_that_is_no_text(tmp_path):
+    file = tmp_path / "binary.yaml"
+    file.write_bytes(b"\xff\xfe\x00a")
+    with pytest.raises(ConfigError, match=r"binary.yaml: not valid YAML \('utf-8' codec can't decode"):
+        config.load(file)
+
+
+def test_folder_in_place_of_a_file(tmp_path):
+    with pytest.raises(ConfigError, match=r"cannot be read \(Is a directory\); give the path of a study file"):
+        config.load(tmp_path)
+
+
+@pytest.mark.parametrize("raw", [None, [], "seed", 3.0])
+def test_data_that_are_no_mapping_name_what_was_received(raw):
+    with pytest.raises(ConfigError, match=f"here: received {type(raw).__name__}, needs a mapping"):
+        config.parse(raw, source="here")
+
+
+def test_a_misspelt_key_is_named_before_the_key_it_left_out(seed):
+    data = seed.model_dump()
+    data["device"]["youngs_modulus"] = data["device"].pop("young_modulus")
+    with pytest.raises(ConfigError, match=r"device.youngs_modulus: received 10000000.0; unknown key; .*\(and 1 more\)"):
+        config.parse(data)
+
+
+def test_line_break_in_a_key_stays_in_one_line():
+    with pytest.raises(ConfigError) as error:
+        config.parse(changed(("designs",), {"A\n": {}}))
+    assert "\n" not in str(error.value)
+
+
+def test_first_of_several_errors_is_told_and_the_rest_counted():
+    raw = changed(("device", "thickness"), -1.0)
+    raw["pto"]["damping"] = -1.0
+    with pytest.raises(ConfigError, match=r"device.thickness: received -1.0; .* \(and 1 more\)$"):
+        config.parse(raw)

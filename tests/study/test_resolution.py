@@ -1,0 +1,52 @@
+"""How fine frequencies and panels must be."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from vsb.hydro.panels.mesh import graded_colatitudes
+from vsb.study.resolution import frequency_step, tolerance_rows, wave_rows
+
+
+@pytest.mark.parametrize(("radius", "step"), [(2.0, 0.1), (5.0, 0.05), (20.0, 0.02), (0.5, 0.2), (1.9, 0.1)])
+def test_step_scales_with_the_body(radius, step):
+    assert frequency_step(radius, 9.81) == step
+
+
+def test_resolution_follows_tolerance_and_wavelength():
+    assert [tolerance_rows(t) for t in (4e-3, 1e-3, 2.5e-4)] == [20, 40, 80]
+    assert wave_rows(2.0, 0.2) > wave_rows(2.0, 0.8) > wave_rows(2.0, 10.0)
+
+
+@given(st.floats(0.01, 1000.0), st.floats(1.0, 30.0))
+def test_step_is_the_largest_round_number_below_its_bound(radius, gravity):
+    step, bound = frequency_step(radius, gravity), 0.05 * math.sqrt(gravity / radius)
+    assert step <= bound * (1 + 1e-12)
+    assert bound < 2.5 * step * (1 + 1e-12)
+    assert f"{step:.0e}"[0] in "125"
+    assert float(f"{step:.0e}") == step
+
+
+@given(st.floats(0.02, 5.0), st.integers(-2, 2))
+def test_step_scales_with_the_root_of_the_radius(radius, decades):
+    bound = 0.05 * math.sqrt(9.81 / radius)
+    if abs(frequency_step(radius, 9.81) / bound - 1) > 1e-9:  # not on the edge between two steps
+        scaled = frequency_step(radius * 100.0**decades, 9.81)
+        assert scaled == pytest.approx(frequency_step(radius, 9.81) / 10.0**decades, rel=1e-12)
+
+
+@given(st.floats(1e-5, 0.1))
+def test_rows_grow_with_the_root_of_the_tolerance(tolerance):
+    rows = tolerance_rows(tolerance)
+    assert rows % 2 == 0
+    assert 1e-3 * (40 / rows) ** 2 <= tolerance * (1 + 1e-12)  # second order: the error is met
+
+
+@pytest.mark.parametrize(("radius", "wavelength"), [(2.0, 0.1), (2.0, 0.43), (2.0, 3.0), (5.0, 1.0)])
+def test_six_rows_lie_within_half_a_wavelength_of_the_surface(radius, wavelength):
+    rows = wave_rows(radius, wavelength)
+    depth = -radius * np.cos(graded_colatitudes(np.pi / 2, rows))
+    assert np.sum(depth[1:] <= wavelength / 2 * (1 + 1e-12)) >= 6

@@ -1,0 +1,30 @@
+"""Compiled loops go with their sources."""
+
+import os
+import shutil
+import subprocess
+import sys
+
+from conftest import HERE
+
+
+def test_an_edited_force_reaches_the_loops_that_call_it(tmp_path):
+    """A loop of `vsb.integrators.exponential_steps` holds what it calls from `vsb.motion.wetted`: it must not outlive an edit there.
+
+    In a copy of the package, with a force and a loop that compile in no time.
+    """
+    shutil.copytree(HERE.parent / "vsb", tmp_path / "vsb", ignore=shutil.ignore_patterns("__pycache__"))
+    force, loop = tmp_path / "vsb" / "motion" / "wetted.py", tmp_path / "vsb" / "integrators" / "exponential_steps.py"
+    compiled = "\n\n@njit(cache=True)\ndef {}():\n    return {}\n"
+    text = force.read_text()
+    loop.write_text(
+        loop.read_text() + "\nfrom vsb.motion.wetted import a_force\n" + compiled.format("a_loop", "a_force()")
+    )
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    found = []
+    for value in ("1.0", "2.0"):
+        force.write_text(text + compiled.format("a_force", value))
+        command = [sys.executable, "-c", "from vsb.integrators.exponential_steps import a_loop; print(a_loop())"]
+        done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True)
+        found.append(done.stdout.strip())
+    assert found == ["1.0", "2.0"]
