@@ -204,7 +204,7 @@ def _variance(draws: FloatArray) -> tuple[float, float]:
 def _estimate(mean: float, draws: FloatArray) -> Estimate:
     """An estimate with the interval its draws give."""
     variance, freedom = _variance(draws)
-    half = float(student.ppf(0.5 + CONFIDENCE / 2, freedom)) * np.sqrt(variance)
+    half = float(student.ppf(0.5 + CONFIDENCE / 2, freedom) * np.sqrt(variance))
     return Estimate(mean, mean - half, mean + half)
 
 

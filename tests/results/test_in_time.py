@@ -1,0 +1,56 @@
+"""Runs in time of a climate's seas: without what linear theory leaves out they say what it says."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import solved_block, varied
+from results.test_year import climate
+
+from vsb.hydro import database
+from vsb.hydro.statespace import fit_radiation
+from vsb.motion.frequency import LinearBuoy
+from vsb.motion.pto import LinearPto
+from vsb.results.in_time import DesignInTime
+from vsb.scenes.rest import reference_shell
+from vsb.shell.deformed import DeformedShell
+from vsb.shell.modes import design_motions, study_basis
+from vsb.study.plan import StudyPlan
+from vsb.study.study import Simulation
+from vsb.waves.climate import realised
+
+
+@pytest.fixture(scope="module")
+def rigid(seed):
+    """The seed's rigid buoy at 20 kN s/m."""
+    study = varied(seed, hydro={"omega_max": 6.0})
+    basis = study_basis(study)
+    blocks = [solved_block(block, None) for block in StudyPlan(study).sweep_blocks]
+    raw = database.in_modes(database.with_excitation(database.merged_blocks(blocks)), basis)
+    ds = database.with_structure(database.with_symmetrized(raw), reference_shell(study))
+    ds = ds.assign_attrs({"gravity": 9.81, "water_depth": "inf", "water_density": 1025.0})
+    buoy = LinearBuoy(ds, basis.damping, LinearPto(0.0))
+    radiation = fit_radiation(buoy.spectrum, 1e-3)[0]
+    shape = DeformedShell(basis, study.centre_height, reference_shell(study).amplitudes)
+    return DesignInTime(buoy, shape, radiation, design_motions(study, basis, "FSB"), 2e4)
+
+
+def test_a_linear_run_agrees_with_linear_theory(rigid):
+    """The transient of a body that radiates is gone after a minute: to the tolerance of the fitted memory."""
+    sea = realised(climate(), 3, 150.0, seed=1)
+    run, theory = rigid.powers(sea, Simulation(duration=150.0, window=(60.0, 150.0)), "linear")
+    assert run == pytest.approx(theory, rel=2e-3)
+
+
+def test_what_a_better_model_changes_grows_with_the_square_of_the_waves(rigid):
+    """Beside the linear run in the same waves; small waves need no better model."""
+    sea = realised(climate(), 3, 150.0, seed=1)
+    settings = Simulation(duration=150.0, window=(60.0, 150.0), tolerance=1e-8)
+    linear = rigid.powers(sea, settings, "linear")
+    apart = []
+    for part in (0.1, 0.2, 0.4):
+        run, theory = rigid.powers(replace(sea, amplitude=part * sea.amplitude), settings)
+        assert theory == pytest.approx(part**2 * linear[1], rel=1e-12)
+        apart.append(run / theory - linear[0] / linear[1])
+    assert abs(apart[0]) < 1e-3
+    assert np.log2(np.array(apart[1:]) / apart[:-1]) == pytest.approx([2.0, 2.0], abs=0.2)

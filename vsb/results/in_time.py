@@ -1,0 +1,61 @@
+"""Runs in time of the seas drawn from a climate: a better model beside linear theory, in the same waves."""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from vsb.hydro.statespace import RadiationModel
+from vsb.integrators.simulate import legs
+from vsb.motion.builders import body_exact_scene, linear_scene
+from vsb.motion.frequency import LinearBuoy
+from vsb.motion.port import port_direction
+from vsb.motion.pto import LinearPto
+from vsb.motion.system import System
+from vsb.results.verification import linear_power
+from vsb.shell.deformed import DeformedShell
+from vsb.study.study import Simulation
+from vsb.tools.units import FloatArray
+from vsb.waves.seas import Sea
+
+Model = Literal["linear", "body_exact"]
+
+
+@dataclass(frozen=True)
+class DesignInTime:
+    """One design with its take-off, ready for any sea."""
+
+    buoy: LinearBuoy
+    shape: DeformedShell
+    radiation: RadiationModel
+    motions: FloatArray  # the motions the design allows (dof, free)
+    damping: float  # [N s/m]
+
+    def powers(self, sea: Sea, settings: Simulation, model: Model = "body_exact") -> tuple[float, float]:
+        """Return mean power over the window, of the model and of linear theory in the same waves [W].
+
+        Parameters
+        ----------
+        sea : Sea
+            A realisation, see `vsb.waves.climate.realised`.
+        settings : Simulation
+            Its window after the transient, which linear theory has none of.
+        model : {'body_exact', 'linear'}
+        """
+        port = self.buoy.port(sea.omega, self.motions, port_direction("heave", self.shape))
+        return self._run(sea, settings, model), linear_power(port, sea, self.damping, settings.window)
+
+    def _run(self, sea: Sea, settings: Simulation, model: Model) -> float:
+        """Mean power over the window by a run [W]."""
+        buoy = replace(self.buoy, pto=LinearPto(self.damping))
+        if model == "linear":
+            scene = linear_scene(buoy, self.radiation, sea, self.motions)
+        else:
+            scene = body_exact_scene(buoy, self.shape, self.radiation, sea, self.motions)
+        taken = [(leg.motion.time, leg.energy["pto"]) for leg in legs(System.of(scene), sea, settings, buoy.spectrum)]
+        first = [0] + [1] * (len(taken) - 1)  # a leg begins where the one before ended
+        time, energy = (np.concatenate([one[k][i:] for one, i in zip(taken, first, strict=True)]) for k in (0, 1))
+        start, end = settings.window
+        gained = np.diff(CubicSpline(time, energy)([start, end]))[0]
+        return float(gained / (end - start))
