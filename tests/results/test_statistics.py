@@ -74,6 +74,16 @@ def test_gains_are_sharper_than_powers_because_designs_meet_the_same_waves():
     assert gain == pytest.approx(100 * (better.mean() / base.mean() - 1), rel=1e-12)
 
 
+def test_the_interval_of_a_gain_covers_it_as_often_as_it_says():
+    """Ratios of paired samples, partly alike: 95 in 100 intervals, neither wider nor narrower."""
+    rng = np.random.default_rng(3)
+    common, own = rng.normal(10.0, 1.0, (2000, 24)), rng.normal(0.0, 1.0, (2, 2000, 24))
+    found = [ratio_interval(1.2 * (c + a), c + b) for c, a, b in zip(common, *own, strict=True)]
+    assert np.mean([low < 1.2 < high for _, low, high in found]) == pytest.approx(0.95, abs=0.015)
+    widths = [high - low for _, low, high in found]
+    assert np.mean(widths) == pytest.approx(2 * 2.069 * 1.2 * np.sqrt(2) / 10 / np.sqrt(24), rel=0.02)
+
+
 @given(st.lists(st.floats(1.0, 1e6), min_size=6, max_size=30), st.floats(0.1, 10.0))
 def test_a_design_k_times_as_good_gains_exactly_that(values, factor):
     base = np.array(values)

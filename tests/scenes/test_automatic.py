@@ -169,6 +169,63 @@ def test_truncation_of_any_passive_model_is_passive(seed_of_numbers, order):
     assert np.abs(defect).max() < 1e-9 * np.abs(small.state_matrix).max()
 
 
+class Told:
+    """Descriptions whose powers are given: modes left out, memory cut, linearity are a factor each, all modes or not."""
+
+    full = Description(3, 8, True)
+    ladder = dict.fromkeys([RIGID, 0, 1, 2, 3], np.zeros(0))
+
+    def __init__(self, modes=0.0, memory=0.0, nonlinear=(0.0, 0.0)):
+        self.modes, self.memory, self.nonlinear = modes, memory, nonlinear
+
+    def power(self, d):
+        cut = self.memory * (d.memory not in (8, automatic.INFINITE))
+        lost = self.modes * (d.degree < 3)
+        exact = 1 + self.nonlinear[d.degree == 3] if d.body_exact else 1.0
+        return 100.0 * (1 + lost) * (1 + cut) / exact
+
+    def power_of_coefficients(self, degree, body_exact):
+        return self.power(Description(degree, automatic.INFINITE, body_exact))
+
+    def nonlinear_part(self, d):
+        return automatic.relative(self.power(d), self.power(d._replace(body_exact=True)))
+
+    def scene(self, d):
+        return d
+
+
+@pytest.mark.parametrize(
+    ("made_of", "description", "left_out"),
+    [
+        ({}, (RIGID, 2, False), {"memory_beyond_2_states": 0, "shell_modes": 0, "body_exact_forces": 0}),
+        ({"modes": 0.05}, (3, 2, False), {"memory_beyond_2_states": 0, "body_exact_forces": 0}),
+        ({"memory": 0.05}, (RIGID, 8, False), {"memory_beyond_8_states": 0, "shell_modes": 0, "body_exact_forces": 0}),
+        ({"nonlinear": (0.05, 0.05)}, (RIGID, 2, True), {"memory_beyond_2_states": 0, "shell_modes": 0}),
+        ({"nonlinear": (0.05, 0.0)}, (3, 2, True), {"memory_beyond_2_states": 0}),
+        ({"nonlinear": (0.0, 0.05)}, (3, 2, True), {"memory_beyond_2_states": 0}),
+        (
+            {"modes": 0.002, "memory": 0.001, "nonlinear": (0.0015, 0.0015)},
+            (RIGID, 2, False),
+            {"memory_beyond_2_states": 0.001, "shell_modes": 0.002, "body_exact_forces": 0.0015},
+        ),
+    ],
+)  # fmt: skip
+def test_each_simplification_is_judged_by_itself_and_said(made_of, description, left_out):
+    """Nonlinearity also with the modes left out, through which forces may act."""
+    choice = chosen(Told(**made_of), 0.01)
+    assert choice.description == description
+    assert {item.what: item.error for item in choice.left_out} == pytest.approx(left_out, abs=1e-6)
+    assert choice.error == pytest.approx(1.25 * sum(left_out.values()), abs=1e-6)
+
+
+def test_errors_that_work_together_are_more_than_their_sum_and_within_what_is_said():
+    scenes = Told(modes=0.07, memory=0.07, nonlinear=(0.07, 0.07))
+    choice = chosen(scenes, 0.3)
+    together = automatic.relative(scenes.power(choice.description), scenes.power_of_coefficients(3, True))
+    assert choice.description == (RIGID, 2, False)
+    assert sum(item.error for item in choice.left_out) < together < choice.error < 1.2 * together
+
+
 def test_notes_of_a_run_say_what_was_left_out(scenes_of):
     choice = chosen(scenes_of("FSB", swell(1e-3, 4.0)), 0.01)
     notes = choice.notes

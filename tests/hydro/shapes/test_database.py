@@ -1,12 +1,14 @@
+import copy
 import dataclasses
 
 import numpy as np
 import pytest
+import xarray as xr
 from conftest import varied
 
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro.database import with_structure
-from vsb.hydro.shapes.database import ShapeDatabase, measured_errors, phase_rates, shape_database, tried_shapes
+from vsb.hydro.shapes.database import SAFETY, ShapeDatabase, measured_errors, phase_rates, shape_database, tried_shapes
 from vsb.hydro.shapes.family import COEFFICIENTS, ShapeFamily, haskind_damping, misfit
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
@@ -77,6 +79,51 @@ def test_the_estimate_is_of_third_order(database):
     for name in COEFFICIENTS:
         assert large[name] / small[name] == pytest.approx(8.0, rel=1e-3)
     assert all(0 < error < 1e-8 for error in database.error(np.zeros(4)).values())
+
+
+def spoiled(family, **cached):
+    """The family with some of what it has found replaced."""
+    other = copy.copy(family)
+    other.__dict__.update(cached)
+    return other
+
+
+@pytest.mark.parametrize("name", COEFFICIENTS)
+def test_only_the_error_of_the_slope_tells_of_small_amplitudes(name, database, family):
+    """A derivative by draft a fifth off: its largest entry times the amplitude, whatever third order is left out."""
+    wrong = 0 * family.slope_errors
+    wrong[name].values[0] = 0.2
+    small = np.array([1e-6, 0.0, 0.0, 0.0])
+    told, base = (
+        shape_database(spoiled(family, slope_errors=wrong), REACH, samples=1).error(small),
+        database.error(small),
+    )
+    slope, size = (float(np.abs(ds[name]).max()) for ds in (family.slopes.isel(shape_dof=0), family.centre))
+    for each in COEFFICIENTS:
+        assert told[each] == pytest.approx(base[each] + (0.2e-6 * slope / size if each == name else 0.0), abs=1e-9)
+    assert told[name] > 100 * base[name]
+
+
+def test_only_the_error_of_the_reference_tells_of_what_its_own_relations_miss(family):
+    """Added mass a thousandth unsymmetric, excitation a per cent too large for the damping, thrice as SAFETY says."""
+    pair = ("influenced_dof", "radiating_dof")
+    uneven = family.centre.added_mass + 1e-3 * abs(family.centre.added_mass).max() * xr.DataArray(
+        np.eye(4, k=1), dims=pair
+    )
+    wrong = {"added_mass": uneven, "excitation_force": 1.01 * family.centre.excitation_force}
+    whole = {"centre": family.centre.assign(wrong), "derivatives": family.derivatives.assign(wrong)}
+    told = shape_database(spoiled(family, **whole), REACH, samples=1).error(np.zeros(4))
+    assert told["added_mass"] == pytest.approx(SAFETY * 0.5e-3, rel=0.1)
+    assert told["radiation_damping"] == pytest.approx(SAFETY * 0.0201, rel=1e-3)
+
+
+def test_the_scale_of_the_remainder_is_the_largest_of_the_errors_measured(database):
+    """Third orders alone would say less of shapes that mix amplitudes; thrice as much as is met is said, no more."""
+    ds, shapes = database.dataset, database.dataset.tried_shape.values
+    told = np.array([list(database.error(eta).values()) for eta in shapes])
+    share = ds.tried_error.values / told
+    np.testing.assert_allclose(share.max(axis=0), 1 / SAFETY, rtol=1e-4)
+    assert np.all(ds.remainder_scale.values > SAFETY)
 
 
 def test_damping_takes_energy_on_every_shape(database):
