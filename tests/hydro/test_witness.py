@@ -181,6 +181,17 @@ def test_a_database_is_judged_by_the_other_solver(compared, solver, least):
     assert check.verdict == "ok", check
 
 
+def test_a_database_may_be_off_by_what_it_says_of_the_bands_largest_entries(compared):
+    """Damping of the longest waves is a small part of the largest: as far off as that allows it is no doubt."""
+    sound = database("spectral")
+    off, b = sound.copy(deep=True), np.abs(sound.radiation_damping.values).max(axis=(1, 2))
+    off.radiation_damping.values[1] *= 1.02
+    assert b.max() > 1.8 * b[1]
+    for error, verdict in ((0.01, "ok"), (0.001, "doubt")):
+        (check,) = witness.database_checks(compared, off, error)
+        assert check.verdict == verdict, check
+
+
 def test_a_database_elsewhere_in_frequency_is_not_judged(compared):
     assert witness.database_checks(compared, database("spectral").sel(omega=[4.5, 5.5]), 1e-9) == []
 

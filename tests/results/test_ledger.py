@@ -156,7 +156,19 @@ def test_what_the_automatic_model_left_out_is_in_the_ledger_with_its_error(seed)
     assert (gain.design, gain.value, gain.verdict) == ("VSWEC", pytest.approx(0.022), "fail")
 
 
-def test_white_noise_beyond_the_band_is_cut():
-    wave = WhiteNoise(kind="white_noise", hs=0.5, band=(1.0, 3.0))
-    (_, cut) = ledger.wave_checks(wave, Water(), 2.0)
-    assert cut.value == pytest.approx(0.5, abs=0.01)
+@pytest.mark.parametrize(
+    ("band", "share"),
+    [
+        ((1.0, 3.0), 0.5),
+        ((1.0, 2.0), 0.0),
+        ((2.0, 3.0), 1.0),
+        ((2.5, 3.0), 1.0),
+        ((1.0, 2.001), 1e-3),
+        ((1.9, 2.0011), 0.011),
+    ],
+)
+def test_white_noise_beyond_the_band_is_cut(band, share):
+    """By as much as there is, however little: no quadrature would meet it."""
+    (_, cut) = ledger.wave_checks(WhiteNoise(kind="white_noise", hs=0.5, band=band), Water(), 2.0)
+    assert cut.value == pytest.approx(share, rel=0.02)
+    assert (cut.verdict == "ok") == (share < 0.01)

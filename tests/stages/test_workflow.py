@@ -16,6 +16,7 @@ from pathlib import Path
 from tempfile import TemporaryFile
 
 import numpy as np
+import psutil
 import pytest
 import yaml
 from conftest import SEED
@@ -293,6 +294,15 @@ def wait_until(condition, process):
     assert condition()
 
 
+def solvers(process):
+    """What a run has at work of panels."""
+    try:
+        started = psutil.Process(process.pid).children(recursive=True)
+        return [one for one in started if {"vsb", "panels"} <= {Path(word).name for word in one.cmdline()}]
+    except psutil.NoSuchProcess:
+        return []
+
+
 def test_killed_and_resumed_gives_identical_numbers(folder):
     raw = with_(
         study="killed",
@@ -312,6 +322,14 @@ def test_killed_and_resumed_gives_identical_numbers(folder):
     assert process.poll() is None
     os.killpg(process.pid, signal.SIGKILL)
     process.communicate()
+    told = start(folder, "run", folder / "killed.yaml")
+    wait_until(lambda: solvers(told), told)
+    started = psutil.Process(told.pid).children(recursive=True)
+    told.terminate()
+    assert told.communicate(timeout=60)[1].endswith("vsb: ended; run the same command again to go on from here\n")
+    assert told.returncode == 128 + signal.SIGTERM
+    assert psutil.wait_procs(started, timeout=5)[1] == []
+    assert not held(folder / "results/.lock")
     assert not (folder / "results/killed/report.html").exists()
     finished = run(folder, folder / "killed.yaml")
     assert finished.returncode == 0, finished.stderr

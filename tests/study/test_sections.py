@@ -49,7 +49,7 @@ BAD = [
     (("water", "depth"), 1.5, r"water.depth 1.5 m: needs more than the draft of the buoy, 2 m"),
     (("hydro", "model"), "magic", r"hydro.model: received 'magic'; Input should be 'linear'"),
     (("hydro", "omega"), [3.0, 2.0], r"hydro: omega \[3.0, 2.0\]: frequencies must ascend"),
-    (("hydro", "omega"), [13.0], r"hydro.omega 13 rad/s: needs at most hydro.omega_max = 12 rad/s"),
+    (("hydro", "omega"), [3.0, 13.0], r"hydro.omega 13 rad/s: needs at most hydro.omega_max = 12 rad/s"),
     (("simulation", "window"), [50, 70], r"simulation: window \[50.0, 70.0\]: needs 0 <= start < end <= duration = 60 s"),
     (("device", "poisson_ratio"), 0.5, r"device.poisson_ratio: received 0.5; Input should be less than 0.5"),
     (("device", "mass"), float("nan"), r"device.mass: received nan; Input should be"),

@@ -27,7 +27,7 @@ from vsb.study.study import IrregularSea, RegularWave, StillWater, Study, Water,
 from vsb.study.witness import no_witness
 from vsb.tools.units import FloatArray
 from vsb.tools.words import plain
-from vsb.waves.seas import power_limit, spectrum, wavenumber
+from vsb.waves.seas import power_limit, share_above, wavenumber
 
 Attributes = Mapping[tuple[str, str], Mapping[str, Any]]
 """What runs say of themselves, by design and label of the sea."""
@@ -135,19 +135,8 @@ def wave_checks(wave: Wave, water: Water, omega_max: float) -> list[Check]:
         check_at_most("steepness", steepness, 0.05, "-", "wave height over wavelength", doubt=True, wave=wave.label)
     ]
     if isinstance(wave, IrregularSea):
-        beyond = np.linspace(omega_max, 20 * omega_max, 4001)
-        lost = np.trapezoid(spectrum(wave, beyond), beyond) * 16 / wave.hs**2
-        checks.append(
-            check_at_most(
-                "spectrum_cut",
-                float(lost),
-                0.01,
-                "-",
-                "share of the sea above hydro.omega_max",
-                doubt=True,
-                wave=wave.label,
-            )
-        )
+        share, text = share_above(wave, omega_max), "share of the sea above hydro.omega_max"
+        checks.append(check_at_most("spectrum_cut", share, 0.01, "-", text, doubt=True, wave=wave.label))
     return checks
 
 

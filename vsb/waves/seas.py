@@ -94,6 +94,15 @@ def spectrum(wave: Irregular, omega: FloatArray) -> FloatArray:
     return jonswap_spectrum(omega, wave.hs, wave.tp, wave.gamma if isinstance(wave, Jonswap) else 1.0)
 
 
+def share_above(wave: Irregular, omega: float) -> float:
+    """Return the share of an irregular sea's energy above a frequency [rad/s]."""
+    if isinstance(wave, WhiteNoise):
+        low, high = wave.band
+        return min(1.0, max(0.0, (high - omega) / (high - low)))
+    beyond = np.linspace(omega, 20 * omega, 4001)
+    return float(np.trapezoid(spectrum(wave, beyond), beyond)) * 16 / wave.hs**2
+
+
 def irregular(wave: Irregular, omega_max: float, duration: float) -> Sea:
     """Return a realisation that does not repeat within the run: deterministic amplitudes, random phases.
 

@@ -1,16 +1,20 @@
+import io
+import shutil
 from math import factorial
+from pathlib import Path
 
 import capytaine as cpt
 import numpy as np
 import pytest
 from scipy.special import eval_legendre, legendre_p_all
 
-from vsb.errors import ConfigError
+from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro import dofs
 from vsb.hydro.panels import rings as bem
 from vsb.hydro.panels.mesh import mean_mesh
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.shell.deformed import rigid_sphere
+from vsb.tools.stamps import read_manifest
 from vsb.waves.seas import group_velocity
 
 DEGREES = tuple(range(7))
@@ -38,6 +42,38 @@ def errors(result, hemisphere, ka):
         (np.abs(at.Froude_Krylov_force + at.diffraction_force).values[0], hemisphere["abs_excitation"][i]),
     ]
     return [np.abs(ours - np.array(exact)).max() / np.abs(exact).max() for ours, exact in pairs]
+
+
+def tampered(content):
+    """Another table, whole and of the same name and size."""
+    with np.load(io.BytesIO(content)) as table:
+        arrays = dict(table)
+    arrays["values"] = 1.001 * arrays["values"]
+    changed = io.BytesIO()
+    np.savez_compressed(changed, **arrays)
+    return changed.getvalue()
+
+
+def flipped(content):
+    bad = bytearray(content)
+    bad[len(bad) // 2] ^= 4
+    return bytes(bad)
+
+
+@pytest.mark.parametrize("known", [True, False])
+@pytest.mark.parametrize("damage", [tampered, flipped])
+def test_a_table_that_is_not_the_one_written_is_one_line(green_folder, tmp_path, damage, known):
+    """But for another one put where none was known: of before the stamps, it is taken for what it is and stamped."""
+    place = tmp_path / "green"
+    shutil.copytree(green_folder, place, ignore=None if known else shutil.ignore_patterns("manifest.json"))
+    (table,) = place.glob("*.npz")
+    table.write_bytes(damage(table.read_bytes()))
+    if damage is tampered and not known:
+        bem.green_function(place)
+        assert [Path(path).name for path in read_manifest(place / "manifest.json")] == [table.name]
+        return
+    with pytest.raises(DatabaseError, match=r"its contents are not those it was .*; delete the folder .*green and run"):
+        bem.green_function(place)
 
 
 def test_rings_equal_capytaines_full_solution_to_round_off(green):

@@ -7,6 +7,8 @@ same holds for every azimuthal order m, where strengths go with cos(m theta): su
 """
 
 import tempfile
+import zipfile
+import zlib
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -17,11 +19,14 @@ import numpy as np
 import xarray as xr
 from scipy.special import j0, j1
 
-from vsb.errors import ConfigError
+from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro.azimuthal import wave_around
 from vsb.hydro.bodies.body import IntArray
 from vsb.hydro.dofs import Displacement, azimuthal_order, normal_velocities
 from vsb.hydro.sweep import IncidentWave
+from vsb.study.blocks import panel_solver
+from vsb.tools.files import CHANGED
+from vsb.tools.stamps import MANIFEST, read_manifest, record, text_fault
 from vsb.tools.units import ComplexArray, FloatArray
 from vsb.waves.seas import wavenumber
 
@@ -32,13 +37,32 @@ _LARGEST_DEPTH_IN_WAVENUMBERS = 9e4  # the finite-depth Green function has no in
 def green_function(folder: str | Path) -> cpt.Delhommeau:
     """Return capytaine's Green function; its table (16 s to compute) is read from or written to `folder`.
 
+    The table stands with its checksum in a manifest of the folder; one of before that can be read is put into it.
+
+    Raises
+    ------
+    DatabaseError
+        If the table is not the one that was written.
+
     Notes
     -----
     In finite depth the older Prony decomposition is taken: at kd = 50, where the bottom is not felt, it gives the
     damping of deep water to 0.3 %, capytaine 3.0's default one is 15 % off and turns heave damping negative.
     """
-    Path(folder).mkdir(parents=True, exist_ok=True)
-    return cpt.Delhommeau(tabulation_cache_dir=str(folder), finite_depth_prony_decomposition_method="fortran")
+    place, manifest = Path(folder), Path(folder, MANIFEST)
+    place.mkdir(parents=True, exist_ok=True)
+    known = {path: text_fault(path, panel_solver(), read_manifest(manifest)) for path in place.glob("*.npz")}
+    wrong = [f"{path}: {fault.reason}" for path, fault in known.items() if fault and fault.kind != "nameless"]
+    try:
+        if not wrong:
+            green = cpt.Delhommeau(tabulation_cache_dir=str(place), finite_depth_prony_decomposition_method="fortran")
+    except (zipfile.BadZipFile, zlib.error):
+        wrong = [f"{place}: {CHANGED}"]
+    if wrong:
+        raise DatabaseError(f"{wrong[0]}; delete the folder {place} and run again")
+    if not known or any(known.values()):
+        record(manifest, panel_solver(), place.glob("*.npz"))
+    return green
 
 
 def stored_green_function(folder: str | Path) -> cpt.Delhommeau:
