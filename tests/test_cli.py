@@ -121,7 +121,7 @@ def test_interruption_says_how_to_go_on(monkeypatch, capsys):
     def interrupted(path):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(cli, "load", interrupted)
+    monkeypatch.setattr(cli, "plan_of", interrupted)
     assert main(["check", "any.yaml"]) == 130
     assert "run the same command again" in capsys.readouterr().err
 
@@ -239,7 +239,7 @@ def test_an_error_of_no_file_is_not_the_users(monkeypatch):
     def exhausted(path):
         raise OSError(24, "Too many open files")
 
-    monkeypatch.setattr(cli, "load", exhausted)
+    monkeypatch.setattr(cli, "plan_of", exhausted)
     with pytest.raises(OSError, match="Too many open files"):
         main(["check", "any.yaml"])
 

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from vsb import __version__
 from vsb.errors import ConfigError, VsbError
 from vsb.stages.init import init
-from vsb.stages.run import ERROR, cores, run
+from vsb.stages.run import ERROR, check_name, cores, run
 from vsb.stages.stage import STAGES, Stage
+from vsb.study.campaign_plan import CampaignPlan, plan_of
 from vsb.study.plan import StudyPlan
 from vsb.study.quantities import Section
 from vsb.study.schema import nearest
@@ -35,12 +36,15 @@ def begin(args: argparse.Namespace) -> int:
 
 
 def check(args: argparse.Namespace) -> int:
-    """Validate a study, print what it would cost and what to doubt; solve nothing."""
+    """Validate a study or campaign, print what it would cost and what to doubt; solve nothing."""
     from vsb.stages import preview
 
-    study = load(args.config)
-    for line in preview.summary(study, StudyPlan(study)):
-        print(line)
+    plan = plan_of(args.config)
+    check_name(plan)
+    if isinstance(plan, CampaignPlan):
+        print(*preview.campaign_summary(plan), sep="\n")
+    else:
+        print(*preview.summary(plan.study, plan), sep="\n")
     return 0
 
 
@@ -195,11 +199,11 @@ def _add_commands(commands: Any) -> None:
     """Declare what is done with a study or a body."""
     one = _command(commands, "init", "write a study to begin with", begin, config="STUDY.yaml")
     one.add_argument("--radius", type=float, metavar="R", help="scale the buoy, its sea and times by Froude [m]")
-    one = _command(commands, "run", "run a whole study through Snakemake", run, config="CONFIG")
+    one = _command(commands, "run", "run a whole study or campaign through Snakemake", run, config="CONFIG")
     one.epilog = "Further options, such as -n, go to snakemake."
     one.add_argument("--profile", default="default", help="default, slurm, or the path of a folder of your own")
     one.add_argument("--cores", "-c", type=cores, metavar="N", help="processor cores to use, or all")
-    _command(commands, "check", "validate a study, solve nothing", check, config="CONFIG")
+    _command(commands, "check", "validate a study or campaign, solve nothing", check, config="CONFIG")
     one = _command(commands, "schema", "JSON schema of study files, for editors", schema)
     one.add_argument("kind", nargs="?", choices=("study", "body"), default="study", help="of which files")
     one = _command(commands, "completion", "completion for a shell", complete)

@@ -73,4 +73,5 @@ def test_every_scaled_key_is_in_the_study():
     keys = {
         key for section in yaml.safe_load(SEED.read_text()).values() if isinstance(section, dict) for key in section
     }
-    assert set(FROUDE) - keys == {"amplitude", "period", "alpha", "beta"}  # of the sea, and of the shell's damping
+    others = {"omega", "pressure", "stiffness", "force_limit", "stroke_limit"}  # of other studies
+    assert set(FROUDE) - keys == {"amplitude", "period", "alpha", "beta", *others}  # of the sea, of the shell's damping

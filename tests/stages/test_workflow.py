@@ -311,11 +311,11 @@ def test_killed_and_resumed_gives_identical_numbers(folder):
         simulation={"duration": 12.0, "window": [6.0, 12.0]},
     )
     process = start(folder, "run", write(folder, raw), start_new_session=True)
-    wait_until(lambda: held(folder / "results/.lock"), process)
+    wait_until(lambda: held(folder / "results/killed/.lock"), process)
     crowded = run(folder, folder / "killed.yaml")
     assert (crowded.returncode, crowded.stderr) == (
         2,
-        "vsb: error: results: another run is at work in this folder; wait for it to end\n",
+        "vsb: error: results/killed: another run is at work in this folder; wait for it to end\n",
     )
     blocks, before = folder / "results/hydro/blocks", len(list((folder / "results/hydro/blocks").glob("*.nc")))
     wait_until(lambda: len(list(blocks.glob("*.nc"))) > before, process)

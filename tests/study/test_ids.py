@@ -297,7 +297,7 @@ def test_every_key_of_a_study_is_changed_in_one_of_them(studies):
 TAGGED = {
     "mesh": {"mesh", "modes", "display", "shapes"}, "bem": {"sweep", "tabulated"}, "database": {"database"},
     "radiation": {"radiation"}, "response": {"response"}, "simulate": {"simulate"}, "compare": {"comparison"},
-    "witness": {"witness"}, "ladder": {"ladder"},
+    "witness": {"witness"}, "ladder": {"ladder"}, "member": set(), "members": set(), "campaign": set(),
 }  # fmt: skip
 """Version of the physics -> stages it stands in."""
 

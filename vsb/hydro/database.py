@@ -86,7 +86,18 @@ def in_modes(raw: xr.Dataset, basis: ModeBasis) -> xr.Dataset:
     BEM is linear in them, so on one shape every basis, every design and every material shares one BEM run. Where no
     meridional displacement was solved for, on the undeformed sphere, they move no water.
     """
-    solved = displacements(raw.influenced_dof.values)
+    transform = shares(displacements(raw.influenced_dof.values), basis)
+    return xr.Dataset({name: _transformed(data, transform, list(basis.labels)) for name, data in raw.items()})
+
+
+def shares(solved: Sequence[Displacement], basis: ModeBasis) -> FloatArray:
+    """Return of which displacements heave and modes are made, shape (dof, displacement) [-].
+
+    Raises
+    ------
+    DatabaseError
+        If a displacement they need was not solved for.
+    """
     if missing := {Displacement("radial", n) for n in basis.degrees} - set(solved):
         lacking, labels = sorted(each.label for each in missing), [each.label for each in solved]
         raise DatabaseError(f"displacements {lacking} of the modes are not among those solved, {labels}.")
@@ -95,8 +106,7 @@ def in_modes(raw: xr.Dataset, basis: ModeBasis) -> xr.Dataset:
         | ({Displacement("meridional", mode.degree): mode.meridional} if mode.degree else {})
         for mode in basis.shapes
     ]
-    transform = np.array([[of_mode.get(each, 0.0) for each in solved] for of_mode in share])
-    return xr.Dataset({name: _transformed(data, transform, list(basis.labels)) for name, data in raw.items()})
+    return np.array([[of_mode.get(each, 0.0) for each in solved] for of_mode in share])
 
 
 def _transformed(data: xr.DataArray, transform: FloatArray, labels: list[str]) -> xr.DataArray:

@@ -132,16 +132,8 @@ class LinearBuoy:
         [-w^2 (M + A) - i w (B + D) + K + C] q = X (C1), projected on the motions.
         """
         c = self.coefficients(omega)
-        projected = motions.T @ self._dynamic_stiffness(omega, c, self.damping, self.held) @ motions
+        projected = motions.T @ dynamic_stiffness(omega, c, self.mass, self.damping, self.held) @ motions
         return np.linalg.solve(projected, (c.excitation @ motions)[..., None])[..., 0] @ motions.T
-
-    def _dynamic_stiffness(
-        self, omega: FloatArray, c: Coefficients, damping: FloatArray, stiffness: FloatArray
-    ) -> ComplexArray:
-        """-w^2 (M + A) - i w (B + D) + K + C, shape (omega, dof, dof) [N/m]."""
-        w = omega[:, None, None]
-        stiff = -(w**2) * (self.mass + c.added_mass) - 1j * w * (c.damping + damping) + stiffness
-        return np.asarray(stiff, dtype=complex)
 
     def free_motion(
         self, omega: FloatArray, motions: FloatArray, direction: FloatArray
@@ -161,19 +153,13 @@ class LinearBuoy:
         free, forced : ndarray, each shape (omega, dof)
             A take-off's force F against the motion leaves free - F forced.
         """
-        c = self.coefficients(omega)
-        projected = motions.T @ self._dynamic_stiffness(omega, c, self.structural_damping, self.stiffness) @ motions
-        pushed = np.broadcast_to(allowed_part(direction, motions), (len(omega), motions.shape[1]))
-        solved = np.linalg.solve(projected, np.stack([c.excitation @ motions, pushed], axis=-1))
-        return solved[..., 0] @ motions.T, solved[..., 1] @ motions.T
+        matrices = (self.mass, self.structural_damping, self.stiffness)
+        return free_motion(omega, self.coefficients(omega), *matrices, motions, direction)
 
     def port(self, omega: FloatArray, motions: FloatArray, direction: FloatArray) -> Port:
         """Return what a take-off sees of a design, V0 = -i w b.q_free and Y = -i w b.q_forced; as `free_motion`."""
-        free, forced = self.free_motion(omega, motions, direction)
-        allowed, rate = allowed_part(direction, motions), -1j * omega
-        compliance = float(allowed @ np.linalg.solve(motions.T @ self.stiffness @ motions, allowed))
-        along = motions @ allowed
-        return Port(omega, rate * (forced @ along), rate * (free @ along), compliance)
+        matrices = (self.mass, self.structural_damping, self.stiffness)
+        return port_of(omega, self.coefficients(omega), *matrices, motions, direction)
 
     def absorbed_power(self, omega: FloatArray, rao: ComplexArray) -> FloatArray:
         """Return the mean power taken off per squared wave amplitude, c w^2 |b.q|^2/2, shape (omega,) [W/m^2]."""
@@ -225,6 +211,56 @@ class LinearBuoy:
         shape = omega * motions @ eigen(omega)[1]  # unit modal mass
         total = self.damping + self.spectrum.at(np.array([omega]))[0]
         return omega, float(shape @ total @ shape / (2 * omega))
+
+
+def dynamic_stiffness(
+    omega: FloatArray, c: Coefficients, mass: FloatArray, damping: FloatArray, stiffness: FloatArray
+) -> ComplexArray:
+    """Return -w^2 (M + A) - i w (B + D) + K, shape (omega, dof, dof) [N/m].
+
+    Parameters
+    ----------
+    omega : ndarray, shape (omega,) [rad/s]
+    c : Coefficients
+        At these frequencies.
+    mass, damping, stiffness : ndarray, shape (dof, dof) [kg], [kg/s], [N/m]
+        Of everything but radiation.
+    """
+    w = omega[:, None, None]
+    return np.asarray(-(w**2) * (mass + c.added_mass) - 1j * w * (c.damping + damping) + stiffness, dtype=complex)
+
+
+def free_motion(
+    omega: FloatArray,
+    c: Coefficients,
+    mass: FloatArray,
+    damping: FloatArray,
+    stiffness: FloatArray,
+    motions: FloatArray,
+    direction: FloatArray,
+) -> tuple[ComplexArray, ComplexArray]:
+    """Return `LinearBuoy.free_motion` from coefficients at hand; matrices as in `dynamic_stiffness`."""
+    projected = motions.T @ dynamic_stiffness(omega, c, mass, damping, stiffness) @ motions
+    pushed = np.broadcast_to(allowed_part(direction, motions), (len(omega), motions.shape[1]))
+    solved = np.linalg.solve(projected, np.stack([c.excitation @ motions, pushed], axis=-1))
+    return solved[..., 0] @ motions.T, solved[..., 1] @ motions.T
+
+
+def port_of(
+    omega: FloatArray,
+    c: Coefficients,
+    mass: FloatArray,
+    damping: FloatArray,
+    stiffness: FloatArray,
+    motions: FloatArray,
+    direction: FloatArray,
+) -> Port:
+    """Return `LinearBuoy.port` from coefficients at hand; matrices as in `dynamic_stiffness`."""
+    free, forced = free_motion(omega, c, mass, damping, stiffness, motions, direction)
+    allowed, rate = allowed_part(direction, motions), -1j * omega
+    compliance = float(allowed @ np.linalg.solve(motions.T @ stiffness @ motions, allowed))
+    along = motions @ allowed
+    return Port(omega, rate * (forced @ along), rate * (free @ along), compliance)
 
 
 def one_channel(excitation: ComplexArray) -> FloatArray:

@@ -89,14 +89,19 @@ def check_stable(study: Study, reference: ReferenceShell) -> None:
     ConfigError
     """
     for design in study.designs:
-        motions = design_motions(study, reference.basis, design)
-        least = float(np.linalg.eigvalsh(motions.T @ reference.total @ motions)[0])
+        least = design_stiffness(study, reference, design)
         if least <= 0:
             raise ConfigError(
                 f"device: the shell of design {design} is unstable (least stiffness {least:.3g} N/m) with "
                 f"young_modulus {study.device.young_modulus:g} Pa, thickness {study.device.thickness:g} m and "
                 f"internal_pressure {study.device.internal_pressure:g} Pa; needs more of one of them"
             )
+
+
+def design_stiffness(study: Study, reference: ReferenceShell, design: str) -> float:
+    """Return the least stiffness of a design about the reference shape [N/m]; what rests stably has more than 0."""
+    motions = design_motions(study, reference.basis, design)
+    return float(np.linalg.eigvalsh(motions.T @ reference.total @ motions)[0])
 
 
 def check_spring(study: Study, reference: ReferenceShell) -> None:

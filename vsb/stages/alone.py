@@ -1,23 +1,72 @@
-"""One run at a time in a results folder."""
+"""One run at a time of a study, and of what makes a file that studies share: other studies run side by side."""
 
 import fcntl
-from collections.abc import Iterator
-from contextlib import contextmanager
+import re
+from collections.abc import Iterable, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from vsb.errors import VsbError
 
+LOCKS = ".locks"
+"""Folder of the locks on what studies share, beside it."""
+
 
 @contextmanager
-def alone(root: Path, *, waits: bool = True) -> Iterator[list[int]]:
-    """Hold the results folder; the lock goes with the processes that hold it, so a killed run leaves none behind."""
+def alone(folder: Path, *, waits: bool = True) -> Iterator[list[int]]:
+    """Hold the folder of a study; the lock goes with the processes that hold it, so a killed run leaves none behind."""
     if not waits:  # a dry run writes nothing
         yield []
         return
-    root.mkdir(parents=True, exist_ok=True)
-    with (root / ".lock").open("w") as handle:
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / ".lock").open("w") as handle:
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            raise VsbError(f"{root}: another run is at work in this folder; wait for it to end") from None
+            raise VsbError(f"{folder}: another run is at work in this folder; wait for it to end") from None
         yield [handle.fileno()]
+
+
+@contextmanager
+def nobody_else(root: Path) -> Iterator[None]:
+    """Hold the folders of all studies at once."""
+    with ExitStack() as stack:
+        for lock in sorted(root.glob("*/.lock")):
+            stack.enter_context(alone(lock.parent))
+        yield
+
+
+@contextmanager
+def sharing(root: str | Path, paths: Iterable[str]) -> Iterator[list[int]]:
+    """Hold what is about to make files that studies share, until it is done; wait for another run that makes them now.
+
+    Parameters
+    ----------
+    root : str or Path
+        Folder of all results.
+    paths : iterable of str
+        Files, named by their content id or lying in a folder that is.
+    """
+    folder = Path(root, "hydro", LOCKS)
+    with ExitStack() as stack:
+        handles = []
+        for name in sorted({_shared_name(Path(path)) for path in paths}):  # in one order: nobody waits in a circle
+            folder.mkdir(parents=True, exist_ok=True)
+            handle = stack.enter_context((folder / name).open("w"))
+            _wait(handle.fileno(), name)
+            handles.append(handle.fileno())
+        yield handles
+
+
+def _shared_name(path: Path) -> str:
+    """Content id of a shared file, or the name of the folder it lies in."""
+    return path.stem if re.fullmatch("[0-9a-f]{16}", path.stem) else path.parent.name
+
+
+def _wait(handle: int, name: str) -> None:
+    """Take a lock; say so if it is another's first."""
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        print(f"vsb: waiting for another run that makes {name}", flush=True)
+        fcntl.flock(handle, fcntl.LOCK_EX)

@@ -6,6 +6,7 @@ from pathlib import Path
 import yaml
 
 from vsb.errors import ConfigError
+from vsb.study.froude import FROUDE
 from vsb.study.study import load, parse
 from vsb.tools.files import write_text
 from vsb.tools.shipped import HOME
@@ -14,12 +15,6 @@ SEED = HOME / "config" / "seed.yaml"
 SMALLEST, LARGEST = 0.01, 100.0
 """Radii asked for [m]."""
 NUMBER = r"-?\d+\.?\d*(?:e[-+]?\d+)?"
-FROUDE = {
-    "radius": 1.0, "thickness": 1.0, "young_modulus": 1.0, "mass": 3.0, "internal_pressure": 1.0, "alpha": -0.5,
-    "beta": 0.5, "omega_max": -0.5, "damping": 2.5, "amplitude": 1.0, "period": 0.5, "duration": 0.5,
-    "window": 0.5, "initial_position": 1.0, "initial_velocity": 0.5,
-}  # fmt: skip
-"""Power of the length scale each quantity goes with, at the same water and gravity."""
 
 
 def init(path: str, radius: float | None = None) -> None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from vsb.stages.alone import alone
+from vsb.stages.alone import alone, sharing
 from vsb.stages.preview import check_before_run
 from vsb.stages.stage import STAGES
 from vsb.stages.stored import Results
@@ -49,7 +49,7 @@ def run(study: Study, folder: str | Path = "results") -> Results:
     plan = StudyPlan(study, root=str(folder))
     check_before_run(study, plan)
     check_folder(folder)
-    with alone(Path(folder)):
+    with alone(Path(plan.folder)):
         make(plan, plan.products, stale=stale_products(plan, dry=False))
     return Results(study, str(folder))
 
@@ -57,7 +57,9 @@ def run(study: Study, folder: str | Path = "results") -> Results:
 def make(plan: StudyPlan, targets: Collection[str], stale: Collection[str] = ()) -> None:
     """Make files of a study, and what they need; those that are there, and not stale, are kept."""
     for job in due(jobs(plan), targets, stale):
-        job.run()
+        with sharing(plan.root, filter(plan.is_shared, job.makes)):
+            if not all(Path(path).exists() and path not in stale for path in job.makes):  # made meanwhile, by another
+                job.run()
 
 
 def due(ordered: Sequence[Job], targets: Collection[str], stale: Collection[str] = ()) -> list[Job]:

@@ -15,12 +15,12 @@ from typing import NoReturn
 
 import psutil
 
-from vsb.errors import VsbError
-from vsb.stages.alone import alone
+from vsb.errors import ConfigError, VsbError
+from vsb.stages.alone import alone, sharing
 from vsb.stages.stage import STAGES
+from vsb.study.campaign_plan import CampaignPlan, plan_of
 from vsb.study.plan import StudyPlan
 from vsb.study.schema import nearest
-from vsb.study.study import load
 from vsb.tools import completion
 from vsb.tools.shipped import HOME
 
@@ -29,13 +29,16 @@ SNAKEFILE = HOME / "workflow" / "Snakefile"
 
 
 def run(args: argparse.Namespace) -> int:
-    """Run a whole study through Snakemake, after validating everything that can be known beforehand."""
+    """Run a whole study or campaign through Snakemake, after validating everything that can be known beforehand."""
     from vsb.stages import preview, verify
     from vsb.tools.files import check_folder
 
-    study = load(args.config)
-    plan = StudyPlan(study)
-    preview.check_before_run(study, plan)
+    plan = plan_of(args.config)
+    check_name(plan)
+    if isinstance(plan, CampaignPlan):
+        preview.check_campaign(plan)
+    else:
+        preview.check_before_run(plan.study, plan)
     for folder in (".", plan.root):  # snakemake writes to both
         check_folder(folder)
     check_options(args.snakemake, plan)
@@ -46,18 +49,46 @@ def run(args: argparse.Namespace) -> int:
     environment = {**os.environ, "PATH": paths, "PYTHONSAFEPATH": "1"}  # nor modules of the current folder
     begun = time.time()
     dry = bool({"-n", "--dry-run", "--dryrun"} & set(args.snakemake))
-    with alone(Path(plan.root), waits=not dry) as lock:
+    with alone(Path(plan.folder), waits=not dry) as own, sharing(plan.root, () if dry else unmade(plan)) as shared:
         command += _forced(args.snakemake, verify.stale_products(plan, dry=dry))
-        code = finished(command, env=environment, pass_fds=lock)
+        code = finished(command, env=environment, pass_fds=[*own, *shared])
     if code:
         return _failed(plan, begun)
     if not dry and (report := Path(plan.folder) / "report.html").is_file():
-        print(f"{study.study}: {_answer(plan)}{report}")
+        print(f"{plan.name}: {_answer(plan)}{report}")
     return 0
 
 
-def _answer(plan: StudyPlan) -> str:
-    """The gain at equal tuning and at the given damper, to go before the report's path."""
+def check_name(plan: StudyPlan | CampaignPlan) -> None:
+    """Check that a campaign has not the name of a study whose results are there, nor a study that of a campaign.
+
+    Raises
+    ------
+    ConfigError
+    """
+    folder = Path(plan.folder)
+    own, other, marks = "study", "campaign", ("campaign.nc", "members")
+    if isinstance(plan, CampaignPlan):
+        own, other, marks = "campaign", "study", ("study.json", "modes.nc")
+    if any((folder / mark).exists() for mark in marks):
+        raise ConfigError(f"{own}: received {plan.name}, the name of a {other} with results in {folder}; needs another")
+
+
+def unmade(plan: StudyPlan | CampaignPlan) -> list[str]:
+    """Return the files a study shares with others and a run of it may make; members of a campaign make theirs."""
+    if isinstance(plan, CampaignPlan):
+        return []
+    green = [f"{plan.green_folder}.done"] if plan.study.needs_bem else []
+    return [path for path in (*plan.ids, *green) if plan.is_shared(path) and not Path(path).exists()]
+
+
+def _answer(plan: StudyPlan | CampaignPlan) -> str:
+    """The gain at equal tuning and at the given damper, to go before the report's path; of a campaign its answer."""
+    if isinstance(plan, CampaignPlan):
+        from vsb.report.campaign_page import closing_answer
+        from vsb.tools.files import load
+
+        return f"{closing_answer(load(plan.data_path, expected=plan.campaign_id))} "
     from vsb.report.tuned import closing_line
     from vsb.tools.stamps import read_text
 
@@ -65,11 +96,13 @@ def _answer(plan: StudyPlan) -> str:
     return closing_line(found["equal_tuning"], plan.study.reference_design)
 
 
-TARGETS = {"all", *(stage.name for stage in STAGES if stage.name not in ("mesh", "panels", "spectral", "simulate"))}
+OF_MANY = ("mesh", "panels", "spectral", "simulate", "members")
+OF_CAMPAIGNS = ("campaign", "answer")
+TARGETS = {"all", *(stage.name for stage in STAGES if stage.name not in (*OF_MANY, *OF_CAMPAIGNS))}
 """Rules that are asked for by name; the others make a file of many."""
 
 
-def check_options(options: Sequence[str], plan: StudyPlan) -> None:
+def check_options(options: Sequence[str], plan: StudyPlan | CampaignPlan) -> None:
     """Check what is handed on to snakemake, which would answer a mistake with pages.
 
     Raises
@@ -165,12 +198,12 @@ def _end(pid: int) -> None:
             one.kill()
 
 
-def _failed(plan: StudyPlan, begun: float) -> int:
+def _failed(plan: StudyPlan | CampaignPlan, begun: float) -> int:
     """Repeat the failing rule's own line last, where it is seen; 2 if it was the user's to mend, else 1."""
     logs = [path for path in Path(plan.root, "logs").rglob("*.log") if path.stat().st_mtime >= begun - 1.0]
     lines = [line for path in logs for line in path.read_text(encoding="utf-8").splitlines()]
     mistakes = [line for line in lines if line.startswith(ERROR)]
-    last = mistakes[-1] if mistakes else f"{ERROR} the run of {plan.study.study!r} did not complete, see above"
+    last = mistakes[-1] if mistakes else f"{ERROR} the run of {plan.name!r} did not complete, see above"
     print(last, file=sys.stderr)
     return 2 if mistakes else 1
 

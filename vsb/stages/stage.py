@@ -84,6 +84,9 @@ STAGES = (
         ("tables", "trajectories", "figures", "out", "manifest"),
         BEM_FILES,
     ),
+    Stage("members", "points of a campaign over the year", specs.MembersSpec, ("climate", "folder", "root", "out")),
+    Stage("campaign", "a whole campaign", specs.CampaignSpec, ("batches", "out", "table", "manifest")),
+    Stage("answer", "figures and report of a campaign", specs.CampaignSpec, ("data", "figures", "out", "manifest")),
 )
 """In the order of the workflow."""
 

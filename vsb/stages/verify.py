@@ -8,9 +8,10 @@ from pathlib import Path
 
 from vsb.errors import DatabaseError, VsbError
 from vsb.hydro.database import index_text, write_index
-from vsb.stages.alone import alone
+from vsb.stages.alone import nobody_else
+from vsb.study.campaign_plan import CampaignPlan, plan_of
 from vsb.study.plan import StudyPlan
-from vsb.study.study import load, parse
+from vsb.study.study import parse
 from vsb.tools.files import CHANGED, DELETE, attributes
 from vsb.tools.stamps import MANIFEST, Fault, Manifest, Stamp, faults, read_manifest, stamp_file
 
@@ -42,7 +43,7 @@ def verify(target: str, *, heal: bool) -> list[str]:
         found += _other_faults(Path(target), set(ids))
     command = f"vsb run {target}" if Path(target).is_file() else "vsb run CONFIG"
     if heal:
-        with alone(root):
+        with nobody_else(root):
             healed = _healed(root, found)
         makes = f"{command} makes {len(missing) + len(found)} files" if missing or found else f"{target}: all is sound"
         return [*healed, makes]
@@ -58,11 +59,11 @@ def _more(lines: Sequence[object]) -> str:
     return f" (and {len(lines) - 1} more)" if len(lines) > 1 else ""
 
 
-def _plans(target: str) -> list[StudyPlan]:
-    """The plans of a study file, or of the studies in a folder."""
+def _plans(target: str) -> Sequence[StudyPlan | CampaignPlan]:
+    """The plans of a study or campaign file, or of the studies in a folder."""
     place = Path(target)
     if not place.is_dir():
-        return [StudyPlan(load(target))]
+        return [plan_of(target)]
     folders = [folder for folder in (place, *sorted(place.iterdir())) if (folder / STUDY).is_file()]
     return [plan for folder in folders if (plan := _plan(folder))]
 
@@ -138,7 +139,7 @@ def manifests(root: Path) -> Manifest:
     return found
 
 
-def study_faults(plan: StudyPlan) -> list[Fault]:
+def study_faults(plan: StudyPlan | CampaignPlan) -> list[Fault]:
     """Return which files of a study that are there are not what they should be."""
     return faults(plan.ids, manifests(Path(plan.root)))
 
@@ -147,10 +148,10 @@ MOST_CHANGES = 6
 """Changes of a study that are told."""
 
 
-def differences(plan: StudyPlan) -> str:
+def differences(plan: StudyPlan | CampaignPlan) -> str:
     """Return what a study changes of the one whose results it replaces; empty if there is none, or the same."""
     before = _plan(Path(plan.folder)) if Path(plan.folder, STUDY).is_file() else None
-    if before is None:
+    if before is None or isinstance(plan, CampaignPlan):
         return ""
     old, new = (leaves(study.model_dump()) for study in (before.study, plan.study))
     changes = [
@@ -170,7 +171,7 @@ def leaves(data: object, name: str = "") -> dict[str, object]:
     return {key: leaf for part, inner in below for key, leaf in leaves(inner, f"{name}.{part}".lstrip(".")).items()}
 
 
-def stale_products(plan: StudyPlan, *, dry: bool) -> list[str]:
+def stale_products(plan: StudyPlan | CampaignPlan, *, dry: bool) -> list[str]:
     """Return the products a run must make anew, and say so.
 
     Files of before the stamps that are as specified are stamped; meshes of panels of before, which say nothing of

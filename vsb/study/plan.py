@@ -260,6 +260,11 @@ class StudyPlan(HydroPlan):
         return f"{self.root}/hydro/green/{panel_solver().replace(' ', '-')}"
 
     @property
+    def name(self) -> str:
+        """Name of the study."""
+        return self.study.study
+
+    @property
     def folder(self) -> str:
         """Folder of the study's own results."""
         return f"{self.root}/{self.study.study}"

@@ -9,13 +9,14 @@ from typing import Any, ClassVar, Literal
 from pydantic import SerializerFunctionWrapHandler, field_serializer, model_serializer, model_validator
 
 from vsb.study.quantities import Name, Section
-from vsb.study.sections import Design, Device, Modes, RestShape, Simulation, Water, Wave
+from vsb.study.sections import Design, Device, Hydro, Modes, RestShape, Simulation, Water, Wave
 from vsb.study.study import Study
 from vsb.study.take_off import Pto
+from vsb.study.vary import Vary
 
 PHYSICS = {
     "mesh": 2, "bem": 7, "database": 6, "radiation": 1, "response": 2, "ladder": 1, "simulate": 4, "compare": 7,
-    "witness": 1,
+    "witness": 1, "member": 1, "members": 1, "campaign": 1,
 }  # fmt: skip
 """Hand-bumped version of the physics behind each tag: a library edit alone never reruns anything."""
 
@@ -256,3 +257,56 @@ class CompareSpec(Spec):
 
     TAG = "compare"
     study: Study
+
+
+Tunings = Literal["fixed", "one", "each"]
+"""Damper as given, the best one of the year, the best one of each sea."""
+
+
+class ClimateSpec(Section):
+    """The seas of a year: sha256 of the file, and what it is read as."""
+
+    contents: str
+    form: Literal["spectra", "jonswap", "pierson_moskowitz"]  # of a table the spectrum of its cells
+    gamma: float | None = None
+
+
+class MemberSpec(Spec):
+    """One point of a campaign: a study without seas over a year, every design and tuning; blocks of its sweep by id."""
+
+    TAG = "member"
+    device: Device
+    modes: Modes
+    reference_shape: RestShape
+    designs: dict[Name, Design]
+    water: Water
+    pto: Pto
+    hydro: Hydro
+    sweep: tuple[str, ...]
+    climate: ClimateSpec
+    tuning: tuple[Tunings, ...]
+
+
+class MembersSpec(Spec):
+    """Some points of a campaign: sections of its study, and what each point sets in them."""
+
+    TAG = "members"
+    base: dict[str, Any]
+    points: tuple[dict[str, float | str], ...]
+    climate: ClimateSpec
+    tuning: tuple[Tunings, ...]
+
+
+class CampaignSpec(Spec):
+    """A whole campaign: what is varied of which sections, and its batches by id, each with the members it holds."""
+
+    TAG = "campaign"
+    campaign: str
+    study: str
+    base: dict[str, Any]
+    vary: Vary
+    climate: ClimateSpec
+    climate_name: str
+    tuning: tuple[Tunings, ...]
+    batches: tuple[str, ...]
+    members: tuple[str, ...]

@@ -26,7 +26,7 @@ _MOTION = ("time", "dof")
 _SHAPE = ("mode", "colatitude")
 _SHAPE_PAIR = ("shape_dof", "other_shape_dof")
 _BY_COEFFICIENT = ("coefficient", "shape_dof")
-_YEAR = ("design", "tuning")
+_YEAR = ("...", "design", "tuning")
 _BINS = ("hs", "te")
 _BY_SHAPE = ("solver", "shape", "omega")
 
@@ -138,6 +138,13 @@ ATTRS: dict[str, Quantity] = {
     "capture_width": Quantity(_YEAR, "m", "mean power of the year over its mean energy flux"),
     "force_rms": Quantity(_YEAR, "N", "root mean square of the take-off's force over the year"),
     "gain_percent": Quantity(_YEAR, "%", "gain of annual energy over the reference under the same tuning"),
+    "gain_low": Quantity(_YEAR, "%", "least gain by the errors of numbers, not of linear theory"),
+    "gain_high": Quantity(_YEAR, "%", "largest gain by the errors of numbers, not of linear theory"),
+    "tried_damping": Quantity(("...", "design", "damper"), "N s/m", "dampers that stay as they are all year"),
+    "power_of_damping": Quantity(("...", "design", "damper"), "W", "mean power over the year they take"),
+    "force_of_damping": Quantity(("...", "design", "damper"), "N", "root mean square of their force over the year"),
+    "viable": Quantity(("...", "design"), "1", "whether a design rests stably; results of others are missing"),
+    "margin": Quantity(("...",), "1", "1 - static load over buckling load; below 0 the shell would buckle"),
     "practice_power": Quantity(_YEAR, "W", "mean power if seas were JONSWAP at the centres of bins"),
     "quadrature_error": Quantity(_YEAR, "W", "error of mean power by the quadrature over frequency"),
     "damping": Quantity((*_YEAR, *_BINS), "N s/m", "mean damper of the seas of a bin"),
@@ -187,23 +194,28 @@ _LABELS = (
     "solver",
     "shape",
     "tuning",
+    "reason",
+    "member",
 )
 
 
 def described(ds: xr.Dataset) -> xr.Dataset:
     """Return the dataset with dimensions in order and units on everything.
 
+    Coordinates an attribute `varied` names, keys of a study, have units of their own; "..." are their dimensions.
+
     Raises
     ------
     DatabaseError
         If a variable is not in `ATTRS`.
     """
-    if unknown := {str(name) for name in ds.variables} - set(ATTRS) - set(_LABELS):
+    varied = set(str(ds.attrs.get("varied", "")).split())
+    if unknown := {str(name) for name in ds.variables} - set(ATTRS) - set(_LABELS) - varied:
         raise DatabaseError(f"variables {sorted(unknown)} are not in vsb.units.ATTRS; add them there first.")
     out = ds.copy()
-    for name in [name for name in ds.variables if name in ATTRS]:
+    for name in [name for name in ds.variables if name in ATTRS and name not in varied]:
         quantity = ATTRS[str(name)]
-        out[name] = ds[name].transpose(*quantity.dims)
+        out[name] = ds[name].transpose(*(... if dim == "..." else dim for dim in quantity.dims))
         out[name].attrs = {"units": quantity.units, "long_name": quantity.long_name}
     return out
 
@@ -231,7 +243,10 @@ def merged(ds: xr.Dataset) -> xr.Dataset:
 
 
 def check_finite(ds: xr.Dataset, source: str) -> None:
-    """Raise `DatabaseError` if any number of the dataset is NaN or infinite."""
+    """Raise `DatabaseError` if any number of the dataset is NaN or infinite, but of designs that are not `viable`."""
     for name, variable in ds.data_vars.items():
-        if np.issubdtype(variable.dtype, np.number) and not np.isfinite(variable.values).all():
+        if not np.issubdtype(variable.dtype, np.number):
+            continue
+        wrong = ~np.isfinite(variable)
+        if (wrong & ds.viable if "viable" in ds and "design" in variable.dims else wrong).any():
             raise DatabaseError(f"{source}: variable {name} holds NaN or infinite values; this result cannot be used.")

@@ -1,0 +1,190 @@
+"""A campaign in one process: members against a year computed apart, resumed, widened, damaged, not viable."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from conftest import SEED
+
+from vsb.errors import ConfigError
+from vsb.motion.frequency import LinearBuoy
+from vsb.results.year import frequencies, year
+from vsb.scenes.build import linear_buoy
+from vsb.shell.modes import design_motions
+from vsb.stages import answer, campaign, members
+from vsb.stages.climate import read_climate
+from vsb.stages.make import make
+from vsb.study.campaign_plan import plan_of
+from vsb.study.plan import StudyPlan
+from vsb.tools.files import load
+from vsb.tools.units import check_finite
+from vsb.waves.seas import jonswap_spectrum
+
+BASE = yaml.safe_load(SEED.read_text())
+BASE["modes"]["degree"] = 2
+BASE["designs"] = {"FSB": {"flexible": False}, "VSWEC": {}}
+BASE["hydro"] = {"omega_max": 5.0}
+HERTZ = np.linspace(0.04, 0.5, 24)
+MODULI = {"device.young_modulus": [1e6, 1e7]}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    place = tmp_path_factory.mktemp("campaign")
+    lines = ["YY MM DD hh " + " ".join(f"{f:.4f}" for f in HERTZ)]
+    for hour, (hs, tp) in enumerate([(1.0, 6.0), (2.2, 9.0), (2.3, 9.5), (3.1, 12.0)]):
+        density = 2 * np.pi * jonswap_spectrum(2 * np.pi * HERTZ, hs, tp, 2.0)
+        lines.append(f"1996 01 01 {hour:02d} " + " ".join(f"{s:.5f}" for s in density))
+    (place / "sea.txt").write_text("\n".join(lines) + "\n")
+    return place
+
+
+def planned(folder, vary=None, name="sweep", **sections):
+    raw = {**BASE, **sections, "study": f"{name}_study"}
+    (folder / f"{name}_study.yaml").write_text(yaml.safe_dump(raw))
+    given = {"campaign": name, "study": f"{name}_study.yaml", "vary": vary or {}, "climate": {"spectra": "sea.txt"}}
+    (folder / f"{name}.yaml").write_text(yaml.safe_dump(given))
+    plan = plan_of(str(folder / f"{name}.yaml"))
+    return type(plan)(plan.loaded, root=str(folder / "results"))
+
+
+def batches(plan):
+    for name, spec in plan.batches.items():
+        members.run(spec, plan.loaded.climate_path, f"{plan.folder}/members", plan.root, plan.batch_path(name))
+
+
+def run(plan):
+    batches(plan)
+    campaign.run(plan.campaign, f"{plan.folder}/batches", plan.data_path, plan.table_path, plan.manifest)
+    answer.run(plan.campaign, plan.data_path, f"{plan.folder}/figures", f"{plan.folder}/report.html", plan.manifest)
+    return load(plan.data_path, expected=plan.campaign_id)
+
+
+@pytest.fixture(scope="module")
+def swept(folder):
+    plan = planned(folder, MODULI)
+    return plan, run(plan)
+
+
+def test_a_member_is_the_year_of_its_study(folder, swept):
+    """The same study by its own database, the ordinary buoy and the year: a way that shares no coefficients."""
+    plan, found = swept
+    study = plan.members[1].study
+    one = StudyPlan(study, root=str(folder / "apart"))
+    make(one, [one.database_path])
+    buoy, basis = linear_buoy(study, one.database_path)
+    assert isinstance(buoy, LinearBuoy)
+    seas = read_climate(plan.climate, plan.loaded.climate_path)
+    omega = frequencies(seas, *buoy.database.omega.values[[0, -1]])
+    ports = {
+        name: buoy.port(omega, design_motions(study, basis, name), np.eye(len(basis.labels))[0])
+        for name in BASE["designs"]
+    }
+    apart = year(ports, seas, study.water, ("fixed", "one", "each"), dict.fromkeys(ports, 8000.0), "FSB").dataset()
+    at = found.sel(young_modulus=1e7)
+    for name in ("annual_mean_power", "annual_energy", "capture_width", "power_matrix"):
+        np.testing.assert_allclose(at[name].values, apart[name].values, rtol=1e-9, err_msg=name)
+    for name in ("damping", "force_rms"):  # where power is flat the best damper is known less well than the power
+        np.testing.assert_allclose(at[name].values, apart[name].values, rtol=1e-6, err_msg=name)
+    np.testing.assert_allclose(at.gain_percent.values, apart.gain_percent.values, atol=1e-7)
+
+
+def test_the_table_holds_the_dataset(swept):
+    plan, found = swept
+    rows = list(csv.DictReader(Path(plan.table_path).read_text().splitlines()))
+    assert len(rows) == 2 * 2 * 3
+    for row in rows:
+        at = found.sel(young_modulus=float(row["device.young_modulus"]), design=row["design"], tuning=row["tuning"])
+        assert float(row["annual_energy"]) == pytest.approx(float(at.annual_energy), rel=1e-11)
+        assert (row["damping"] == "") == (row["tuning"] == "each")
+        if row["tuning"] == "fixed":
+            assert float(row["damping"]) == 8000.0
+
+
+def test_every_variable_has_units(swept):
+    _, found = swept
+    numbers = [v for v in found.variables.values() if v.dtype.kind in "fi"]
+    assert all("units" in variable.attrs and "long_name" in variable.attrs for variable in numbers)
+    assert found.young_modulus.attrs["units"] == "Pa"
+    assert found.power_matrix.dims == ("young_modulus", "design", "tuning", "hs", "te")
+
+
+def test_the_curve_of_dampers_has_its_top_at_the_best_one(swept):
+    _, found = swept
+    best = found.sel(tuning="one").damping.where(found["count"] > 0).max(("hs", "te"))
+    middle = found.tried_damping.isel(damper=30)
+    np.testing.assert_allclose(middle, best, rtol=1e-9)
+    assert bool((found.power_of_damping.argmax("damper") == 30).all())
+    np.testing.assert_allclose(
+        found.power_of_damping.isel(damper=30), found.annual_mean_power.sel(tuning="one"), rtol=1e-9
+    )
+    np.testing.assert_allclose(found.force_of_damping.isel(damper=30), found.force_rms.sel(tuning="one"), rtol=1e-9)
+
+
+def test_a_widened_sweep_computes_new_points_alone(folder, swept, monkeypatch):
+    _, found = swept
+    made = []
+    monkeypatch.setattr(members.Work, "results", _counted(made, members.Work.results))
+    wide = planned(folder, {"device.young_modulus": [1e6, 3e6, 1e7]})
+    again = run(wide)
+    assert made == [wide.members[1].id]
+    np.testing.assert_array_equal(again.power_matrix.sel(young_modulus=[1e6, 1e7]), found.power_matrix)
+
+
+def test_what_is_damaged_is_computed_anew_to_the_same_bytes(folder, swept, capsys):
+    plan = planned(folder, MODULI)
+    path = folder / "results" / "sweep" / "members" / f"{plan.members[0].id}.nc"
+    before, data = path.read_bytes(), (folder / "results" / "sweep" / "campaign.nc")
+    batches(plan)
+    campaign.run(plan.campaign, f"{plan.folder}/batches", plan.data_path, plan.table_path, plan.manifest)
+    whole = data.read_bytes()
+    path.write_bytes(before[:-200] + b"x" + before[-199:])
+    batches(plan)
+    campaign.run(plan.campaign, f"{plan.folder}/batches", plan.data_path, plan.table_path, plan.manifest)
+    assert "computed anew" in capsys.readouterr().out
+    assert path.read_bytes() == before
+    assert data.read_bytes() == whole
+
+
+def test_what_is_not_viable_is_a_result(folder):
+    """At its equilibrium the vented seed buckles; with internal pressure it does not."""
+    plan = planned(
+        folder, {"device.internal_pressure": [0.0, 25e3]}, name="pressed", reference_shape="equilibrium"
+    )  # fmt: skip
+    found = run(plan)
+    assert found.viable.sel(internal_pressure=0.0).values.tolist() == [False, False]
+    assert found.viable.sel(internal_pressure=25e3).values.tolist() == [True, True]
+    assert (found.margin.values > 0).tolist() == [False, True]
+    lost = found.sel(internal_pressure=0.0)
+    assert all(np.isnan(lost[name]).all() for name in ("annual_energy", "power_matrix", "gain_percent", "damping"))
+    assert all(text.startswith("no equilibrium: the shell buckles") for text in lost.reason.values)
+    check_finite(found, "all that is viable")
+    rows = list(csv.DictReader(Path(plan.table_path).read_text().splitlines()))
+    assert {row["annual_energy"] == "" for row in rows if row["viable"] == "false"} == {True}
+
+
+def test_a_climate_that_changed_is_refused(folder):
+    plan = planned(folder)
+    with pytest.raises(ConfigError, match="changed since the run was planned"):
+        read_climate(plan.climate.model_copy(update={"contents": "0" * 16}), plan.loaded.climate_path)
+    with pytest.raises(ConfigError, match="cannot be read"):
+        read_climate(plan.climate, str(folder / "absent.txt"))
+
+
+def test_pairs_have_one_dimension_with_keys_as_coordinates(folder):
+    found = run(planned(folder, {**MODULI, "device.thickness": [0.01, 0.02], "pairs": True}, name="pairs"))
+    assert found.margin.dims == ("member",)
+    assert found.thickness.values.tolist() == [0.01, 0.02]
+    assert found.young_modulus.dims == ("member",)
+
+
+def _counted(made, results):
+    """The results of a member, its id noted."""
+
+    def counted(self, one):
+        made.append(one.id)
+        return results(self, one)
+
+    return counted

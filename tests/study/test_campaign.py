@@ -1,0 +1,134 @@
+"""A campaign file: the study it names, its points, what is refused."""
+
+import pytest
+import yaml
+from conftest import SEED
+
+from vsb.errors import ConfigError
+from vsb.study.campaign import load, sections, study_at
+from vsb.study.froude import scaled
+from vsb.study.study import content_id, parse
+from vsb.study.study import load as load_study
+
+RAW = {"campaign": "year", "study": "seed.yaml", "climate": {"spectra": "sea.txt"}}
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "seed.yaml").write_text(SEED.read_text())
+    (tmp_path / "sea.txt").write_text("spectra")
+    return tmp_path
+
+
+def written(folder, **changes):
+    raw = {key: value for key, value in {**RAW, **changes}.items() if value is not None}
+    (folder / "campaign.yaml").write_text(yaml.safe_dump(raw))
+    return folder / "campaign.yaml"
+
+
+def test_files_are_relative_to_the_campaign_s(folder, monkeypatch):
+    monkeypatch.chdir("/")
+    loaded = load(written(folder))
+    assert loaded.base == load_study(SEED)
+    assert loaded.climate_path == str(folder / "sea.txt")
+    assert loaded.tuning == ("fixed", "one", "each")
+
+
+def test_the_climate_counts_by_its_contents(folder):
+    before = load(written(folder)).climate_id
+    (folder / "other.txt").write_text("spectra")
+    assert load(written(folder, climate={"spectra": "other.txt"})).climate_id == before
+    (folder / "sea.txt").write_text("other spectra")
+    assert load(written(folder)).climate_id != before
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"campaign": "hydro"}, "campaign: received 'hydro'; 'hydro' is the name of a results folder"),
+        ({"campaign": "seed"}, "campaign: received 'seed', the name of its study; needs another"),
+        ({"study": "absent.yaml"}, "absent.yaml: cannot be read"),
+        ({"climate": {"spectra": "absent.txt"}}, "climate: received absent.txt, which cannot be read"),
+        ({"climate": {"spectra": "sea.txt", "gamma": 2}}, "gamma: received 2; unknown key"),
+        ({"climate": None}, "climate: "),
+        ({"climate": 5}, "climate.spectra: received 5"),
+        ({"climate": {"scatter": "sea.txt", "gamma": 20}}, "gamma: received 20"),
+        ({"tuning": ["each", "each"]}, "tuning: .*needs every tuning once"),
+        ({"tuning": ["best"]}, "tuning.0: received 'best'"),
+        ({"vary": {"device.mass": 3}}, "vary: device.mass: received 3, needs a list"),
+        ({"verify": {"seas": 12}}, "verify: seas are not simulated in time yet"),
+        ({"waves": []}, "waves: .*unknown key"),
+    ],
+)  # fmt: skip
+def test_mistakes_are_told_in_one_line(folder, changes, message):
+    with pytest.raises(ConfigError, match=message) as caught:
+        load(written(folder, **changes))
+    assert "\n" not in str(caught.value)
+
+
+def test_an_assumed_pressure_has_no_year(folder):
+    raw = yaml.safe_load(SEED.read_text())
+    raw["hydro"] = {"model": "assumed_pressure", "pressure": 1800.0}
+    (folder / "seed.yaml").write_text(yaml.safe_dump(raw))
+    with pytest.raises(ConfigError, match=r"hydro\.model 'assumed_pressure', which knows no waves"):
+        load(written(folder))
+
+
+def test_without_a_damper_no_tuning_is_fixed(folder):
+    raw = yaml.safe_load(SEED.read_text())
+    del raw["pto"]
+    (folder / "seed.yaml").write_text(yaml.safe_dump(raw))
+    assert load(written(folder)).tuning == ("one", "each")
+    with pytest.raises(ConfigError, match=r"tuning: received fixed, but seed\.yaml has no pto.damping"):
+        load(written(folder, tuning=["fixed"]))
+
+
+def test_a_point_sets_keys_and_nothing_else():
+    base = sections(load_study(SEED))
+    one = study_at(base, {"device.young_modulus": 5e6, "designs.VSWEC0.clamp": 10.0})
+    assert one.device.young_modulus == 5e6
+    assert one.designs["VSWEC0"].clamp == (10.0,)
+    assert one.device.model_copy(update={"young_modulus": 1e7}) == load_study(SEED).device
+    assert study_at(base, {}).hydro.model == "linear"
+
+
+@pytest.mark.parametrize(
+    ("point", "message"),
+    [
+        ({"device.stiff": 1.0}, "with device.stiff: 1.0: device.stiff: received 1.0; unknown key"),
+        ({"device.thickness": 1.0}, "with device.thickness: 1.0: device: thickness 1 m"),
+        ({"device.mass.of": 1.0}, "device.mass.of: mass is a value, which has no key of"),
+        ({"designs.NONE.clamp": 1.0}, "designs.NONE.clamp: the study has no NONE; needs one of FSB, VSWEC"),
+        ({"pto.force_limit": 1e4}, r"pto: received law linear, force_limit 10000 N, .*; a year needs law: linear"),
+        ({"pto.efficiency": 0.8}, "efficiency 0.8; a year needs"),
+        ({"scale": 0.0}, "scale: received 0.0, needs 0.001 to 1000"),
+        ({"scale": "big"}, "scale: received 'big'"),
+    ],
+)
+def test_a_point_without_a_study_is_told_in_one_line(point, message):
+    with pytest.raises(ConfigError, match=message):
+        study_at(sections(load_study(SEED)), point)
+
+
+def test_scaled_by_one_is_the_study_itself():
+    raw = load_study(SEED).model_dump()
+    assert content_id(parse(scaled(raw, 1.0))) == content_id(load_study(SEED))
+
+
+def test_froude_scales_everything_but_water_and_density():
+    """A buoy four times as large in the same water: sqrt(g/r), draft over radius, |Z|/(rho sqrt(g) r^2.5) stay."""
+    seed, large = load_study(SEED), study_at(sections(load_study(SEED)), {"scale": 4.0})
+    assert large.device.radius == 4 * seed.device.radius
+    assert large.draft / large.device.radius == pytest.approx(seed.draft / seed.device.radius, rel=1e-12)
+    assert large.hydro.omega_max == seed.hydro.omega_max / 2
+    assert large.pto.damping == 32 * seed.pto.damping
+    assert large.device.damping.beta == 2 * seed.device.damping.beta
+    assert (large.device.density, large.water) == (seed.device.density, seed.water)
+    assert study_at(sections(seed), {"scale": 4.0, "device.mass": 2e6}).device.mass == 2e6
+
+
+def test_dampers_of_designs_are_scaled_as_dampers():
+    assert scaled({"pto": {"damping": {"FSB": 1.0}, "law": "linear"}, "flexible": True}, 4.0) == {
+        "pto": {"damping": {"FSB": 32.0}, "law": "linear"},
+        "flexible": True,
+    }

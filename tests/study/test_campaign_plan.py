@@ -1,0 +1,130 @@
+"""Members and batches of a campaign: content ids, batches from the file alone, a sweep widened."""
+
+import itertools
+
+import pytest
+import yaml
+from conftest import SEED
+
+from vsb.errors import ConfigError
+from vsb.study.campaign_plan import MOST_BATCHES, CampaignPlan, plan_of
+from vsb.study.plan import StudyPlan
+from vsb.study.study import content_id
+
+
+@pytest.fixture
+def planned(tmp_path):
+    (tmp_path / "seed.yaml").write_text(SEED.read_text())
+    (tmp_path / "sea.txt").write_text("spectra")
+
+    def plan(vary=None, name="sweep", study=None, **changes):
+        if study:
+            raw = yaml.safe_load(SEED.read_text())
+            for section, update in study.items():
+                raw[section] = {**raw[section], **update} if isinstance(update, dict) else update
+            (tmp_path / "seed.yaml").write_text(yaml.safe_dump(raw))
+        raw = {"campaign": name, "study": "seed.yaml", "climate": {"spectra": "sea.txt"}, "vary": vary or {}, **changes}
+        (tmp_path / f"{name}.yaml").write_text(yaml.safe_dump(raw))
+        return plan_of(str(tmp_path / f"{name}.yaml"))
+
+    return plan
+
+
+def ids(plan):
+    return [one.id for one in plan.members]
+
+
+def test_members_do_not_know_what_a_year_does_not_depend_on(planned):
+    before = ids(planned({"device.mass": [16000.0, 17000.0]}))
+    other = planned(
+        {"device.mass": [17000.0, 16000.0]},
+        name="other",
+        study={"study": "renamed", "waves": [{"kind": "still"}], "simulation": {"duration": 100.0}},
+    )
+    assert set(ids(other)) == set(before)
+
+
+@pytest.mark.parametrize(
+    "study",
+    [
+        {"device": {"density": 2600.0}},
+        {"modes": {"degree": 5}},
+        {"water": {"gravity": 9.8}},
+        {"pto": {"damping": 1.0}},
+        {"hydro": {"tolerance": 1e-4}},
+        {"designs": {"NEW": {"clamp": 45.0}}},
+        {"reference_shape": "equilibrium"},
+    ],
+)
+def test_members_know_what_a_year_depends_on(planned, study):
+    before = ids(planned())
+    assert ids(planned(study={"reference_shape": "undeformed", **study})) != before
+
+
+def test_members_know_climate_and_tuning(planned, tmp_path):
+    before = ids(planned())
+    assert ids(planned(tuning=["each"])) != before
+    table = ids(planned(climate={"scatter": "sea.txt"}))
+    assert table != before
+    assert ids(planned(climate={"scatter": "sea.txt", "gamma": 1.0})) != table
+    (tmp_path / "sea.txt").write_text("others")
+    assert ids(planned()) != before
+
+
+def test_a_widened_sweep_keeps_its_members(planned):
+    narrow = planned({"device.young_modulus": {"log": [1e6, 1e9, 4]}})
+    wide = planned({"device.young_modulus": {"log": [1e6, 1e10, 5]}, "device.thickness": [0.01, 0.02]})
+    assert set(ids(narrow)) < set(ids(wide))
+
+
+def test_all_materials_and_clamps_of_a_sphere_share_its_water(planned):
+    vary = {"device.young_modulus": [1e6, 1e9], "device.thickness": [0.01, 0.02], "designs.VSWEC0.clamp": [0.0, 45.0]}
+    sphere = planned(vary)
+    assert {one.spec.sweep for one in sphere.members} == {
+        tuple(content_id(block) for block in StudyPlan(sphere.loaded.base).sweep_blocks)
+    }
+    assert len({one.spec.sweep for one in planned({**vary, "device.mass": [16000.0, 17000.0]}).members}) == 2
+    deformed = planned(vary, study={"reference_shape": "equilibrium"})
+    assert len({one.spec.sweep for one in deformed.members}) == 4  # clamps are of designs, not of the shape at rest
+
+
+def test_batches_follow_from_the_file_alone(planned, tmp_path, monkeypatch):
+    vary = {"device.young_modulus": {"log": [1e6, 1e9, 40]}, "device.thickness": {"linear": [0.01, 0.1, 25]}}
+    plan = planned(vary)
+    batches = {name: [str(point) for point in spec.points] for name, spec in plan.batches.items()}
+    monkeypatch.chdir(tmp_path)
+    again = CampaignPlan(plan.loaded, root="elsewhere")
+    assert {name: [str(point) for point in spec.points] for name, spec in again.batches.items()} == batches
+    assert sorted(itertools.chain(*batches.values())) == sorted(str(one.point) for one in plan.members)
+    assert len(set(ids(plan))) == 1000
+
+
+@pytest.mark.parametrize(
+    ("count", "most"),
+    [(1, 1), (100, 1), (1000, 8), (9000, MOST_BATCHES)],
+)
+def test_many_points_are_few_jobs(planned, count, most):
+    plan = planned({"device.young_modulus": {"linear": [1e6, 1e9, count]}})
+    assert 1 <= len(plan.batches) <= most
+    assert sum(len(spec.points) for spec in plan.batches.values()) == count
+
+
+def test_a_batch_is_named_by_its_members(planned):
+    (name,), (other,) = (planned({"device.mass": [mass]}).batches for mass in (16000.0, 17000.0))
+    assert name != other == next(iter(planned({"device.mass": [17000.0]}, name="other").batches))
+
+
+def test_points_without_a_study_are_told_with_the_file(planned):
+    with pytest.raises(ConfigError, match=r"sweep.yaml: vary: with device.thickness: 1.0: device: thickness 1 m"):
+        _ = planned({"device.thickness": [0.01, 1.0]}).members
+
+
+def test_a_study_file_is_a_study(planned, tmp_path):
+    planned()
+    assert plan_of(str(tmp_path / "seed.yaml")).name == "seed"
+
+
+def test_every_product_has_an_id(planned):
+    plan = planned({"device.mass": [16000.0, 17000.0]})
+    assert set(plan.ids) == set(plan.products)
+    assert not any(map(plan.is_shared, plan.products))

@@ -1,0 +1,98 @@
+"""What a campaign varies: values, points, names of dimensions."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from vsb.study.vary import Vary, read_vary
+
+TAKEN = ("damping", "hs")
+
+
+def test_a_product_has_the_last_key_vary_fastest():
+    vary = read_vary({"device.mass": [1.0, 2.0], "modes.basis": ["membrane", "full"]})
+    assert vary.shape == (2, 2)
+    assert vary.points[:2] == [
+        {"device.mass": 1.0, "modes.basis": "membrane"},
+        {"device.mass": 1.0, "modes.basis": "full"},
+    ]
+
+
+def test_pairs_go_together():
+    vary = read_vary({"device.mass": [1.0, 2.0], "device.radius": [3.0, 4.0], "pairs": True})
+    assert vary.points == [{"device.mass": 1.0, "device.radius": 3.0}, {"device.mass": 2.0, "device.radius": 4.0}]
+    assert vary.shape == (2,)
+
+
+def test_nothing_varied_is_one_point():
+    assert Vary().points == [{}]
+    assert Vary().shape == ()
+
+
+def test_numbers_as_yaml_does_not_know_them():
+    assert read_vary({"device.young_modulus": ["1.0e6", "1e7"]}).values["device.young_modulus"] == (1e6, 1e7)
+
+
+@pytest.mark.parametrize(
+    ("narrow", "wide"),
+    [
+        ({"log": [1e6, 1e9, 7]}, {"log": [1e5, 1e10, 11]}),
+        ({"linear": [0.1, 0.4, 4]}, {"linear": [0.1, 0.7, 7]}),
+    ],
+)
+def test_a_widened_sweep_holds_the_values_it_had(narrow, wide):
+    before, after = (read_vary({"device.thickness": each}).values["device.thickness"] for each in (narrow, wide))
+    assert set(before) <= set(after)
+
+
+@given(st.integers(1, 50), st.integers(0, 9))
+def test_a_latin_hypercube_has_one_value_in_every_stratum(samples, seed):
+    keys = {"device.radius": {"linear": [1.0, 3.0]}, "device.mass": {"linear": [10.0, 20.0]}}
+    vary = read_vary({**keys, "latin_hypercube": {"samples": samples, "seed": seed}})
+    assert vary.together
+    for low, high, key in ((1.0, 3.0, "device.radius"), (10.0, 20.0, "device.mass")):
+        strata = [int((value - low) / (high - low) * samples) for value in vary.values[key]]
+        assert sorted(strata) == list(range(samples))
+    again = read_vary({**keys, "latin_hypercube": {"samples": samples, "seed": seed}})
+    other = read_vary({**keys, "latin_hypercube": {"samples": samples, "seed": seed + 1}})
+    assert again == vary != other
+
+
+def test_dimensions_are_the_last_words_but_where_they_clash():
+    keys = ("device.mass", "pto.damping", "device.damping.beta", "hydro.tolerance", "simulation.tolerance", "scale")
+    names = Vary(values=dict.fromkeys(keys, (1.0,))).dimensions(TAKEN)
+    assert list(names.values()) == ["mass", "pto_damping", "beta", "hydro_tolerance", "simulation_tolerance", "scale"]
+
+
+@pytest.mark.parametrize(
+    ("raw", "message"),
+    [
+        ([1], r"received \[1\], needs keys of the study"),
+        ({"waves.0.hs": [1.0]}, "waves.0.hs: needs scale, reference_shape, or a key of device, "),
+        ({"device": [1.0]}, "device: needs scale"),
+        ({"device.mass": 5.0}, r"device.mass: received 5.0, needs a list of values, \{log"),
+        ({"device.mass": []}, r"device.mass: received \[\], needs a list"),
+        ({"device.mass": {"cubic": [1, 2, 3]}}, "device.mass: received .*cubic.*, needs a list"),
+        ({"device.mass": {"log": [1, 2]}}, r"device.mass: received .*, needs \{log: \[first, last, count\]\}"),
+        ({"device.mass": {"log": [1, 2, 2.5]}}, r"needs \{log: \[first, last, count\]\}"),
+        ({"device.mass": {"log": [0, 2, 3]}}, "needs ends above 0"),
+        ({"device.mass": {"log": [1, "much", 3]}}, "needs finite numbers"),
+        ({"device.mass": [1.0, True]}, "device.mass: received True, needs numbers or words"),
+        ({"device.mass": [float("nan")]}, "device.mass: received nan, needs numbers or words"),
+        ({"device.mass": [10**400]}, "number of too many digits"),
+        ({"device.mass": [1.0, 1]}, r"device.mass: received \[1.0, 1.0\], needs every value once"),
+        ({"device.mass": [1.0, "x"]}, "needs numbers, or words"),
+        ({"device.mass": [1, 2], "device.radius": [1], "pairs": True}, "pairs: received .*needs as many of every key"),
+        ({"device.mass": [1], "pairs": "yes"}, "pairs: received 'yes', needs true or false"),
+        ({"device.mass": {"linear": [1, 2, 100001]}}, "needs {linear"),
+        ({k: {"linear": [1, 2, 400]} for k in ("device.mass", "device.radius")}, "received 160000 points, needs at"),
+        ({"device.mass": [1], "latin_hypercube": {"samples": 3}}, r"device.mass: received \[1\], needs \{log"),
+        ({"device.mass": {"log": [1, 2]}, "latin_hypercube": {"samples": 0}}, "latin_hypercube: received"),
+        ({"device.mass": {"log": [1, 2]}, "latin_hypercube": {"samples": 3, "sede": 1}}, "latin_hypercube: received"),
+        ({"device.mass": {"log": [1, 2]}, "latin_hypercube": {"samples": 3}, "pairs": True}, "and no pairs"),
+    ],
+)  # fmt: skip
+def test_mistakes_are_told_in_one_line(raw, message):
+    with pytest.raises(ValueError, match=message) as caught:
+        read_vary(raw)
+    assert "\n" not in str(caught.value)

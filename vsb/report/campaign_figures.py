@@ -1,0 +1,201 @@
+"""Figures of a campaign: matrices of power, power over the damper and over its force, gains over what is varied."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from vsb.report.canvas import grid_of_axes, legend_above, note, style
+from vsb.results.campaign import damper
+
+GAIN = "RdBu"
+"""Colours of gains: blue more than the rigid design, red less."""
+HATCH = "////"
+
+
+def power_matrices(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
+    """Draw mean power over the bins of height and period, designs side by side in one scale."""
+    one, designs = shown_member(ds, tuning, reference), list(ds.design.values)
+    columns = min(2, len(designs))
+    rows = -(-len(designs) // columns)
+    figure, axes = grid_of_axes(0.6 + 2.3 * rows, rows, columns, sharex=True, sharey=True)
+    power = one.power_matrix.sel(tuning=tuning).where(one["count"] > 0) / 1e3
+    image = None
+    for ax, design in zip(axes.ravel(), designs, strict=False):
+        ax.grid(visible=False)
+        ax.set_title(design, fontsize=9, color=style(design, designs)["color"])
+        if not bool(one.viable.sel(design=design)):
+            note(ax, "not viable")
+            continue
+        edges = (_edges(ds.te.values), _edges(ds.hs.values))
+        image = ax.pcolormesh(*edges, power.sel(design=design), vmin=0, vmax=float(power.max()), cmap="viridis")
+    for ax in axes.ravel()[len(designs) :]:
+        ax.set_visible(False)
+    for ax in axes[-1]:
+        ax.set_xlabel("energy period Te [s]")
+    for ax in axes[:, 0]:
+        ax.set_ylabel("Hs [m]")
+    if image is not None:
+        occupied = (one["count"] > 0).any("hs").values
+        axes[0, 0].set_xlim(ds.te.values[occupied].min() - 0.5, ds.te.values[occupied].max() + 0.5)
+        figure.colorbar(image, ax=axes, label="mean power [kW]")
+    return figure
+
+
+def tuned_power(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
+    """Draw mean power of the year over a damper that stays as it is, with its optimum, and the damper of each sea."""
+    one, designs = shown_member(ds, tuning, reference), list(ds.design.values)
+    figure, axes = grid_of_axes(3.4)
+    ax, dampers = axes[0, 0], damper(one)
+    for design in designs:
+        line, at = style(design, designs), one.sel(design=design)
+        if not bool(at.viable):
+            continue
+        ax.plot(at.tried_damping, at.power_of_damping / 1e3, **line)
+        for name, marker in (("one", "o"), ("fixed", "s")):
+            if name in ds.tuning.values:
+                x, y = dampers.sel(design=design, tuning=name), at.annual_mean_power.sel(tuning=name) / 1e3
+                ax.plot(
+                    x, y, marker, color=line["color"], markerfacecolor="white" if name == "fixed" else line["color"]
+                )
+        if "each" in ds.tuning.values:
+            ax.axhline(float(at.annual_mean_power.sel(tuning="each")) / 1e3, color=line["color"], linewidth=0.8, ls=":")
+    ax.set(xscale="log", xlabel="damper [N s/m]", ylabel="mean power of the year [kW]")
+    ax.set_ylim(bottom=0)
+    legend_above(figure, ax)
+    return figure
+
+
+def pareto(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
+    """Draw mean power of the year against the rms force it takes, over the damper up to the best one."""
+    one, designs = shown_member(ds, tuning, reference), list(ds.design.values)
+    figure, axes = grid_of_axes(3.4)
+    ax = axes[0, 0]
+    for design in designs:
+        at = one.sel(design=design)
+        if bool(at.viable):
+            upto = int(np.argmax(at.power_of_damping.values)) + 1
+            force, power = at.force_of_damping[:upto] / 1e3, at.power_of_damping[:upto] / 1e3
+            ax.plot(force, power, **style(design, designs))
+            ax.plot(force[-1], power[-1], "o", color=style(design, designs)["color"])
+    ax.set(xlabel="rms force of the take-off [kN]", ylabel="mean power of the year [kW]")
+    ax.set_ylim(bottom=0)
+    ax.set_xlim(left=0)
+    legend_above(figure, ax)
+    return figure
+
+
+def sweep(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
+    """Draw gains over what is varied: lines over one key, a map over two, the line of buckling over it."""
+    varied = str(ds.attrs["varied"]).split()
+    keys = [name for name in varied if ds[name].size > 1]
+    others = [design for design in ds.design.values if design != reference]
+    if reference is None or not others:
+        figure, axes = grid_of_axes(1.5)
+        note(axes[0, 0], "no rigid design to compare with")
+        return figure
+    if "member" in ds.dims or len(keys) == 1:
+        return _lines(ds, tuning, keys[0], others)
+    return _maps(ds, tuning, keys, others)
+
+
+def _lines(ds: xr.Dataset, tuning: str, key: str, others: Sequence[str]) -> Figure:
+    """Gains over one key, with their intervals."""
+    figure, axes = grid_of_axes(3.4)
+    ax, ordered = axes[0, 0], ds.sortby(key) if ds[key].dtype.kind == "f" else ds
+    at = ordered.sel(tuning=tuning)
+    marker = "" if ds[key].size > 12 else "o"
+    for design in others:
+        line, one = style(design, list(ds.design.values)), at.sel(design=design).squeeze()
+        ax.plot(one[key], one.gain_percent, marker=marker, markersize=4, **line)
+        ax.fill_between(one[key], one.gain_low, one.gain_high, color=line["color"], alpha=0.2, linewidth=0)
+    ax.axhline(0, color="black", linewidth=0.8)
+    ax.set(xlabel=_label(ds, key), ylabel="gain [%]", xscale=_scale(ds, key))
+    legend_above(figure, ax)
+    return figure
+
+
+def _maps(ds: xr.Dataset, tuning: str, keys: Sequence[str], others: Sequence[str]) -> Figure:
+    """Gains over two keys, the others at their first values; the line of buckling, and hatches where none is sure."""
+    y, x, *rest = keys
+    at = ds.sel(tuning=tuning).isel(dict.fromkeys(rest, 0))
+    columns = min(2, len(others))
+    rows = -(-len(others) // columns)
+    figure, axes = grid_of_axes(0.8 + 2.5 * rows, rows, columns, sharex=True, sharey=True)
+    largest = max(1.0, float(np.nanpercentile(np.abs(at.gain_percent.sel(design=list(others))), 95)))
+    image = None
+    for ax, design in zip(axes.ravel(), others, strict=False):
+        one = at.sel(design=design).squeeze(drop=True).transpose(y, x, ...)
+        image = ax.pcolormesh(
+            _places(ds, x), _places(ds, y), one.gain_percent, cmap=GAIN, vmin=-largest, vmax=largest, shading="nearest"
+        )
+        _mark(ax, ds, one, x, y)
+        ax.set_title(design, fontsize=9, color=style(design, list(ds.design.values))["color"])
+        ax.grid(visible=False)
+        ax.set(xscale=_scale(ds, x), yscale=_scale(ds, y))
+    for ax in axes.ravel()[len(others) :]:
+        ax.set_visible(False)
+    for ax in axes[-1]:
+        ax.set_xlabel(_label(ds, x))
+    for ax in axes[:, 0]:
+        ax.set_ylabel(_label(ds, y))
+    if image is not None:
+        figure.colorbar(image, ax=axes, label="gain over the rigid design [%]", extend="both")
+    return figure
+
+
+def _mark(ax: Axes, ds: xr.Dataset, one: xr.Dataset, x: str, y: str) -> None:
+    """Hatch where the interval of the gain includes zero or nothing is viable; draw the line of buckling."""
+    places = (_places(ds, x), _places(ds, y))
+    unsure = ((one.gain_low <= 0) & (one.gain_high >= 0)).values.astype(float)
+    if unsure.any() and min(unsure.shape) > 1:
+        ax.contourf(*places, unsure, levels=[0.5, 1.5], colors="none", hatches=[HATCH])
+    margin = one.margin.values
+    if min(margin.shape) > 1 and margin.min() < 0 < margin.max():
+        ax.contour(*places, np.log10(1 - np.minimum(margin, 1 - 1e-6)), levels=[0.0], colors="black", linewidths=1.8)
+    if not one.viable.values.all():
+        ax.set_facecolor("#bbbbbb")
+
+
+def shown_member(ds: xr.Dataset, tuning: str, reference: str | None) -> xr.Dataset:
+    """Return the member whose curves are drawn: of most gain of a design that carries its load, else of the most."""
+    points = [str(dim) for dim in ds.margin.dims]
+    if not points:
+        return ds
+    gain = ds.annual_mean_power.sel(tuning=tuning) if reference is None else ds.gain_percent.sel(tuning=tuning)
+    others = gain if reference is None else gain.where(gain.design != reference)
+    best = others.max("design", skipna=True).fillna(-np.inf)
+    score = best.where(ds.margin >= 0, best - 1e6)
+    place = np.unravel_index(int(np.argmax(score.transpose(*points).values)), [ds.sizes[dim] for dim in points])
+    return ds.isel({dim: int(i) for dim, i in zip(points, place, strict=True)})
+
+
+def _edges(centres: np.ndarray) -> np.ndarray:
+    """Edges of bins."""
+    half = (centres[1] - centres[0]) / 2 if len(centres) > 1 else 0.5
+    return np.append(centres - half, centres[-1] + half)
+
+
+def _places(ds: xr.Dataset, key: str) -> np.ndarray:
+    """Where values of a key stand on an axis: words at whole numbers."""
+    values = ds[key].values
+    return values if values.dtype.kind == "f" else np.arange(len(values))
+
+
+def _scale(ds: xr.Dataset, key: str) -> str:
+    """Scale of the axis of a key: logarithmic if its values span more than a decade."""
+    values = ds[key].values
+    wide = values.dtype.kind == "f" and values.min() > 0 and values.max() > 10 * values.min()
+    return "log" if wide else "linear"
+
+
+def _label(ds: xr.Dataset, key: str) -> str:
+    """Label of the axis of a key."""
+    units = ds[key].attrs.get("units", "1")
+    return f"{key.replace('_', ' ')} [{'-' if units == '1' else units}]"
+
+
+DRAWN = {"power_matrices": power_matrices, "tuned_power": tuned_power, "pareto": pareto, "sweep": sweep}
+"""Figures by name, see `vsb.study.campaign_plan.figure_names`."""

@@ -1,0 +1,205 @@
+"""The report of a campaign: the site's answer first, then the figures, then what to doubt."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import jinja2
+import numpy as np
+import xarray as xr
+
+from vsb.report.campaign_figures import shown_member
+
+CAPTIONS = {
+    "power_matrices": "Mean power in bins of significant wave height and energy period (IEC TS 62600-100), "
+    "{tuned}{at}; white: no such sea in the year.",
+    "tuned_power": "Mean power of the year over one damper for all seas{at}; full: the best one, open: the given one, "
+    "dotted: the best damper in each sea.",
+    "pareto": "Mean power of the year against the root mean square of the take-off's force{at}, over the damper up to "
+    "the best one.",
+    "sweep": "Gain of annual energy over the rigid design, {tuned}. Black: the line on which the shell buckles under "
+    "its static load; hatched: the interval of the gain includes zero; grey: not viable.",
+}
+TUNED = {
+    "one": "each design at its own best damper of the year",
+    "each": "each design at its own best damper in each sea",
+    "fixed": "all at the given damper",
+}
+LEADING = ("one", "each", "fixed")
+"""Tunings by what the answer is told at, if the campaign has them."""
+HEAD = (
+    "point",
+    "design",
+    "tuning",
+    "energy [MWh/year]",
+    "capture width [m]",
+    "gain [%]",
+    "rms force [kN]",
+    "margin [-]",
+)
+MOST_ROWS = 24
+_SAME = 0.05  # a gain that is +-0.0 % when printed
+
+
+@dataclass(frozen=True)
+class CampaignReport:
+    """All a campaign's report is made of."""
+
+    data: xr.Dataset
+    figures: Mapping[str, str]  # name -> SVG
+
+
+def leading(ds: xr.Dataset) -> tuple[str, str | None]:
+    """Return the tuning the answer is told at, and the rigid design gains are over."""
+    return next(name for name in LEADING if name in ds.tuning.values), ds.attrs.get("reference") or None
+
+
+def closing_answer(ds: xr.Dataset) -> str:
+    """Return the answer of a campaign."""
+    tuning, reference = leading(ds)
+    return answer(ds, reference, tuning)
+
+
+def render(report: CampaignReport) -> str:
+    """Return the report as one HTML page."""
+    ds = report.data
+    tuning, reference = leading(ds)
+    at = where(shown_member(ds, tuning, reference))
+    words = {"tuned": TUNED[tuning], "at": f" at {at}" if at else ""}
+    figures = [
+        {"name": name, "caption": CAPTIONS[name].format(**words), "svg": svg[svg.index("<svg") :]}
+        for name, svg in report.figures.items()
+    ]
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("vsb.report"), autoescape=True, undefined=jinja2.StrictUndefined
+    )
+    return environment.get_template("campaign.html.j2").render(
+        campaign=ds.attrs["campaign"],
+        climate=ds.attrs["climate"],
+        answer=answer(ds, reference, tuning),
+        statements=statements(ds, reference, tuning),
+        warnings=warnings(ds),
+        head=HEAD,
+        body=rows(ds),
+        left_out=max(0, int(ds.annual_mean_power.size) - MOST_ROWS),
+        figures=figures,
+        facts={"Study": ds.attrs["study"], "Climate": ds.attrs["climate"], "Content id": ds.attrs["spec_id"]},
+    )
+
+
+def where(one: xr.Dataset) -> str:
+    """Return the values of what is varied of one member, in words; empty if nothing is."""
+    names = str(one.attrs["varied"]).split()
+    return ", ".join(f"{name.replace('_', ' ')} {_value(one[name])}" for name in names if one[name].ndim == 0)
+
+
+def _value(coordinate: xr.DataArray) -> str:
+    """A value with its units."""
+    value, units = coordinate.item(), coordinate.attrs.get("units", "1")
+    return f"{value:g}{'' if units == '1' else f' {units}'}" if isinstance(value, float) else str(value)
+
+
+def answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:
+    """Return the site's answer in one sentence."""
+    begins, ends = f"Over a year of {ds.attrs['climate']}", f", {TUNED[tuning]}"
+    best = best_flexible(ds, reference, tuning)
+    if best is None:
+        power = ds.annual_energy.sel(tuning=tuning)
+        if not bool(power.notnull().any()):
+            return f"{begins}, no design is viable."
+        one = power.where(power == power.max(), drop=True)
+        return f"{begins}{ends}, {one.design.values[0]} takes most: {float(power.max()):.4g} MWh."
+    one, design = best
+    gain = float(one.gain_percent)
+    energies = [float(one.annual_energy), float(one.annual_energy / (1 + gain / 100))]
+    many = (ds.sizes["design"] > 2) or ds.margin.size > 1
+    subject = f"the best flexible design, {design}{_at(one)}," if many else f"{design}"
+    sign = "as much as" if abs(gain) < _SAME else f"{abs(gain):.1f} % {'more' if gain > 0 else 'less'} than"
+    interval = f"{float(one.gain_low):+.1f} to {float(one.gain_high):+.1f} %"
+    buckles = ", and would buckle under its static load" if float(one.margin) < 0 else ""
+    return (
+        f"{begins}{ends}, {subject} takes {sign} the rigid {reference} ({interval}; {energies[0]:.4g} against "
+        f"{energies[1]:.4g} MWh){buckles}."
+    )
+
+
+def _at(one: xr.Dataset) -> str:
+    """At which point, in words."""
+    return f" at {text}" if (text := where(one)) else ""
+
+
+def best_flexible(ds: xr.Dataset, reference: str | None, tuning: str) -> tuple[xr.Dataset, str] | None:
+    """Return the flexible design of most gain and its member: one that carries its load before any that does not."""
+    if reference is None or ds.sizes["design"] < 2:
+        return None
+    one = shown_member(ds, tuning, reference).sel(tuning=tuning)
+    gains = one.gain_percent.where(one.design != reference)
+    if not bool(gains.notnull().any()):
+        return None
+    design = str(gains.design.values[int(np.nanargmax(gains.values))])
+    return one.sel(design=design), design
+
+
+def statements(ds: xr.Dataset, reference: str | None, tuning: str) -> list[str]:
+    """Return what else is to be said: the best design for each further tuning, what usual practice would have said."""
+    found = []
+    for other in (name for name in LEADING if name in ds.tuning.values and name != tuning):
+        if best := best_flexible(ds, reference, other):
+            one, design = best
+            found.append(
+                f"{TUNED[other].capitalize()}, it is {design}{_at(one)} with {float(one.gain_percent):+.1f} %."
+            )
+    if ds.margin.size > 1 and reference is not None:
+        gains = ds.gain_percent.sel(tuning=tuning).where(ds.design != reference)
+        carries, pays = ds.margin >= 0, gains.max("design") > 0
+        found.append(
+            f"Of {ds.margin.size} points {int(carries.sum())} carry their static load; flexibility pays at "
+            f"{int(pays.sum())} of all and at {int((pays & carries).sum())} of those."
+        )
+    over = 100 * (ds.practice_power / ds.annual_mean_power.where(ds.annual_mean_power > 0) - 1)
+    if bool(over.notnull().any()):
+        found.append(
+            f"JONSWAP seas at the centres of the bins, the usual practice, would have said {float(over.min()):+.1f} to "
+            f"{float(over.max()):+.1f} % of the annual energy."
+        )
+    return found
+
+
+def warnings(ds: xr.Dataset) -> list[str]:
+    """Return what makes the answer doubtful."""
+    found = ["All of this is linear theory; intervals are those of the numbers, not of the theory."]
+    buckled = int((ds.margin < 0).sum())
+    if buckled and ds.margin.size > 1:
+        share = f"{buckled} of {ds.margin.size} points"
+        found.append(f"At {share} the shell would buckle under its static load (margin below 0).")
+    elif buckled:
+        found.append(f"The shell would buckle under its static load, {1 - float(ds.margin):.3g} times what it carries.")
+    if lost := int((~ds.viable).sum()):
+        reasons = sorted({str(text).partition(":")[0] for text in ds.reason.values.ravel() if text})
+        found.append(f"{lost} of {ds.viable.size} designs at their points are not viable: {', '.join(reasons)}.")
+    return found
+
+
+def rows(ds: xr.Dataset) -> list[list[str]]:
+    """Return the cells of the table, the first `MOST_ROWS` of them."""
+    points = [str(dim) for dim in ds.margin.dims]
+    stacked = ds.stack(point=points, create_index=False) if points else ds.expand_dims("point")
+    found: list[list[str]] = []
+    for i in range(stacked.sizes["point"]):
+        one = stacked.isel(point=i)
+        for design in ds.design.values:
+            for tuning in ds.tuning.values:
+                if len(found) == MOST_ROWS:
+                    return found
+                found.append(_row(one.sel(design=design, tuning=tuning), str(design), str(tuning)))
+    return found
+
+
+def _row(one: xr.Dataset, design: str, tuning: str) -> list[str]:
+    """Cells of one design under one tuning."""
+    gain = float(one.gain_percent) if "gain_percent" in one else np.nan
+    numbers = [
+        (float(one.annual_energy), ".4g"), (float(one.capture_width), ".3g"), (gain, "+.1f"),
+        (float(one.force_rms) / 1e3, ".4g"), (float(one.margin), ".3g"),
+    ]  # fmt: skip
+    cells = ["-" if np.isnan(value) else format(value, form) for value, form in numbers]
+    return [where(one) or "-", design, tuning, *cells]

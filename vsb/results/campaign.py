@@ -1,0 +1,114 @@
+"""All members of a campaign together: one dimension for each varied key, and the same as a tidy table."""
+
+import csv
+import io
+import itertools
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from vsb.study.campaign_plan import VARIABLES
+from vsb.study.specs import CampaignSpec
+from vsb.study.vary import MEMBER, UNITS, Vary
+
+BY = ("design", "tuning")
+TABLE = (
+    "viable", "margin", "annual_mean_power", "annual_energy", "capture_width", "gain_percent", "gain_low", "gain_high",
+    "force_rms", "practice_power", "quadrature_error",
+)  # fmt: skip
+"""Variables of a table with a row for each point, design and tuning; dampers and reasons stand beside them."""
+
+
+def stacked(members: Sequence[xr.Dataset], ids: Sequence[str]) -> xr.Dataset:
+    """Return members along a dimension of their ids; how many seas a bin holds is the same for all."""
+    first = members[0]
+    names = [name for name in first.data_vars if name != "count"]
+    values = {name: ((MEMBER, *first[name].dims), np.stack([one[name].values for one in members])) for name in names}
+    return xr.Dataset({**values, "count": first["count"]}, coords={**first.coords, MEMBER: list(ids)})
+
+
+def gathered(spec: CampaignSpec, batches: Sequence[xr.Dataset]) -> xr.Dataset:
+    """Return the results of all members over the dimensions of what is varied.
+
+    Parameters
+    ----------
+    spec : CampaignSpec
+    batches : sequence of Dataset
+        Each with the dimension `member`, whose coordinate holds ids.
+    """
+    whole = xr.concat(batches, dim=MEMBER, data_vars="minimal", coords="minimal", compat="override")
+    ordered = whole.sel(member=list(spec.members)).drop_vars(MEMBER)
+    names = spec.vary.dimensions(VARIABLES)
+    coordinates = {
+        names[key]: (MEMBER if spec.vary.together else names[key], _values(values), _attributes(key))
+        for key, values in spec.vary.values.items()
+    }
+    attrs = {"varied": " ".join(names.values()), **_told(spec)}
+    return _unfolded(ordered, spec.vary, list(names.values())).assign_coords(coordinates).assign_attrs(attrs)
+
+
+def _told(spec: CampaignSpec) -> dict[str, str]:
+    """What a reader of the file must know of the campaign."""
+    rigid = (name for name, design in spec.base["designs"].items() if not design["flexible"])
+    names = {"campaign": spec.campaign, "study": spec.study, "climate": spec.climate_name}
+    return {**names, "reference": next(rigid, ""), "Conventions": "CF-1.8"}
+
+
+def _values(values: Sequence[float | str]) -> npt.NDArray[Any]:
+    """Values of a key as a coordinate."""
+    return np.array(values, dtype=object if isinstance(values[0], str) else float)
+
+
+def _attributes(key: str) -> dict[str, str]:
+    """Units of a key, and its full name."""
+    return {"units": UNITS.get(key.rpartition(".")[2], "1"), "long_name": key}
+
+
+def _unfolded(ds: xr.Dataset, vary: Vary, names: Sequence[str]) -> xr.Dataset:
+    """The dataset with a dimension for each key in place of the one of members, or none if there is but one member."""
+    if vary.together and names:
+        return ds
+
+    def unfolded(variable: xr.DataArray) -> xr.Variable:
+        rest = [str(dim) for dim in variable.dims if dim != MEMBER]
+        values = variable.transpose(MEMBER, *rest).values
+        return xr.Variable((*names, *rest), values.reshape(*vary.shape, *values.shape[1:]))
+
+    kept = ds.drop_dims(MEMBER)
+    return kept.assign({name: unfolded(v) for name, v in ds.data_vars.items() if MEMBER in v.dims})
+
+
+def as_csv(spec: CampaignSpec, ds: xr.Dataset) -> str:
+    """Return a row for each point, design and tuning; an empty cell is a result a design that is not viable has not."""
+    points = [str(dim) for dim in ds.margin.dims]
+    columns = {name: ds[name] for name in TABLE if name in ds} | {"damping": damper(ds), "reason": ds.reason}
+    by = xr.zeros_like(ds.annual_mean_power, dtype=bool)
+    cells = [each.broadcast_like(by).transpose(*points, *BY).values.ravel().tolist() for each in columns.values()]
+    names = itertools.product(ds.design.values, ds.tuning.values)
+    labels = ([*point.values(), *name] for point, name in itertools.product(spec.vary.points, list(names)))
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([*spec.vary.values, *BY, *columns])
+    writer.writerows(
+        [_cell(value) for value in (*label, *row)] for label, row in zip(labels, zip(*cells, strict=True), strict=True)
+    )
+    return text.getvalue()
+
+
+def damper(ds: xr.Dataset) -> xr.DataArray:
+    """Return the damper of every tuning that has one for all seas [N s/m]; NaN of the others."""
+    occupied = ds["damping"].where(ds["count"] > 0)
+    lowest, highest = occupied.min(("hs", "te")), occupied.max(("hs", "te"))
+    return highest.where(highest - lowest <= 1e-9 * highest)
+
+
+def _cell(value: object) -> object:
+    """A value as it stands in a table: whole digits, nothing for what is missing."""
+    if isinstance(value, bool | np.bool_):
+        return "true" if value else "false"
+    if isinstance(value, float):
+        return "" if np.isnan(value) else f"{value:.12g}"
+    return value

@@ -1,0 +1,80 @@
+"""Whether a study's shell carries its load: what a sweep reports of a point instead of failing."""
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from vsb.errors import ConfigError, ConvergenceError
+from vsb.motion.port import port_direction
+from vsb.scenes.rest import computed_buckling, design_stiffness, reference_shell
+from vsb.shell.rest import ReferenceShell
+from vsb.study.study import Study, canonical, parse
+
+MODULUS = 1e9
+"""Young's modulus buckling is computed at: its load is proportional to it, and results must not depend on the order."""
+
+
+@dataclass(frozen=True)
+class Viability:
+    """The shell of a study at rest, if there is one, how far it is from buckling, and why designs are not viable."""
+
+    reference: ReferenceShell | None
+    margin: float  # 1 - static load over buckling load: 0 on the line, 1 where no load buckles [-]
+    reasons: Mapping[str, str]  # by design; of viable ones none
+
+
+def viability(study: Study) -> Viability:
+    """Return whether the designs of a study rest stably; a shell that buckles about the sphere has a margin below 0."""
+    margin = buckling_margin(study)
+    try:
+        reference = reference_shell(study)
+    except (ConfigError, ConvergenceError) as error:
+        if not study.at_equilibrium:
+            raise
+        return Viability(None, margin, dict.fromkeys(study.designs, _no_equilibrium(error)))
+    port = port_direction(study.pto.port, reference.shape)
+    spring = {"take_off": study.pto.stiffness * np.outer(port, port)}
+    held = replace(reference, stiffness={**reference.stiffness, **spring})
+    least = {design: design_stiffness(study, held, design) for design in study.designs}
+    reasons = {design: f"unstable: least stiffness {k:.3g} N/m" for design, k in least.items() if k <= 0}
+    return Viability(reference, margin, reasons)
+
+
+def _no_equilibrium(error: Exception) -> str:
+    """Why there is no shape at rest, in few words."""
+    text = str(error).removeprefix("reference_shape: received 'equilibrium', but ")
+    return f"no equilibrium: {text.partition(';')[0]}"
+
+
+def buckling_margin(study: Study) -> float:
+    """Return 1 - static load over computed buckling load [-]; 1 of a study without flexible designs.
+
+    Notes
+    -----
+    Without trapped gas the load is that of weight, water and internal pressure, which does not know the modulus: the
+    buckling load is proportional to it.
+    """
+    if not study.flexible:
+        return 1.0
+    if study.device.gas:
+        return 1.0 - 1.0 / computed_buckling(study).load_factor
+    return 1.0 - MODULUS / study.device.young_modulus * _load_share(_at_modulus(study))
+
+
+def _at_modulus(study: Study) -> str:
+    """All that buckling depends on, as text, with the modulus it is computed at."""
+    device = study.device.model_copy(update={"young_modulus": MODULUS})
+    water = study.water.model_copy(update={"depth": math.inf})
+    return canonical({"device": device.model_dump(exclude={"damping"}), "water": water})
+
+
+@lru_cache(maxsize=4096)
+def _load_share(text: str) -> float:
+    """Static load over buckling load of the shell of a text of `_at_modulus` [-]."""
+    raw = json.loads(text)
+    study = parse({"study": "shell", "designs": {"shell": {}}, "waves": [{"kind": "still"}], **raw}, source="shell")
+    return 1.0 / computed_buckling(study).load_factor

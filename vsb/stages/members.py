@@ -1,0 +1,99 @@
+"""Rule members: a batch of members of a campaign, finished ones kept; what members share is solved once."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from vsb.errors import DatabaseError
+from vsb.hydro import database, quality
+from vsb.hydro.dofs import displacements
+from vsb.motion.frequency import LinearBuoy
+from vsb.motion.pto import LinearPto
+from vsb.results.campaign import stacked
+from vsb.results.member import member
+from vsb.results.year import frequencies
+from vsb.scenes.ports import ShapeWater
+from vsb.shell.modes import ModeBasis
+from vsb.stages.climate import read_climate
+from vsb.stages.make import make
+from vsb.study.blocks import COARSEST_SWEEP
+from vsb.study.campaign_plan import Member, members
+from vsb.study.plan import StudyPlan
+from vsb.study.specs import MembersSpec
+from vsb.study.study import Study, canonical, content_id
+from vsb.tools.files import load, save
+from vsb.waves.climate import Climate
+
+
+def run(spec: MembersSpec, climate: str, folder: str, root: str, out: str) -> None:
+    """Write the members of a batch, each to a file of its own as soon as it is finished, then all together."""
+    batch = members(spec.base, spec.points, spec.climate, spec.tuning)
+    work = Work(read_climate(spec.climate, climate), spec, root)
+    found = [finished(Path(folder) / f"{one.id}.nc", one, work) for one in batch]
+    ids = [one.id for one in batch]
+    save(stacked(found, ids).assign_attrs(spec_id=content_id(ids)), out)
+
+
+@dataclass
+class Work:
+    """What the members of a batch have in common."""
+
+    climate: Climate
+    spec: MembersSpec
+    root: str
+    _shape: dict[tuple[str, ...], ShapeWater] = field(default_factory=dict)  # of the last shape alone
+
+    def results(self, one: Member) -> xr.Dataset:
+        """Return the results of a member."""
+        return member(one.study, lambda basis: self.water(one, basis), self.climate, self.spec.tuning)
+
+    def water(self, one: Member, basis: ModeBasis) -> ShapeWater:
+        """Return the coefficients of the shape of a member, kept while members of the same shape follow."""
+        if one.spec.sweep not in self._shape:
+            self._shape = {one.spec.sweep: shape_water(one.study, basis, self.root, self.climate)}
+        return self._shape[one.spec.sweep]
+
+
+def finished(path: Path, one: Member, work: Work) -> xr.Dataset:
+    """Return the results of a member from its file, written now if it is not there or not what it should be."""
+    try:
+        return load(path, expected=one.id)
+    except DatabaseError as error:
+        if path.exists():
+            print(f"{error} It is computed anew.")
+    found = work.results(one).assign_attrs(spec=canonical(one.spec), spec_id=one.id)
+    save(found, path)
+    return found
+
+
+def shape_water(study: Study, basis: ModeBasis, root: str, climate: Climate) -> ShapeWater:
+    """Return the coefficients of a shape at the frequencies of a climate, solved if they are not there.
+
+    Raises
+    ------
+    DatabaseError
+        If a check on them fails that the study does not accept.
+    """
+    plan = StudyPlan(study, root=root)
+    paths = [plan.block_path(block) for block in plan.sweep_blocks]
+    make(plan, paths)
+    blocks = [load(path, expected=Path(path).stem) for path in paths]
+    whole = database.with_excitation(database.merged_blocks(blocks))
+    _judge(study, blocks, database.in_modes(whole, basis))
+    raw = database.with_symmetrized(whole)
+    omega = frequencies(climate, *raw.omega.values[[0, -1]])
+    count = raw.sizes["influenced_dof"]
+    buoy = LinearBuoy(raw, np.zeros((count, count)), LinearPto(0.0))
+    return ShapeWater(displacements(raw.influenced_dof.values), omega, buoy.coefficients(omega))
+
+
+def _judge(study: Study, blocks: Sequence[xr.Dataset], sweep: xr.Dataset) -> None:
+    """Judge coefficients as those of a database are."""
+    water, tolerance = study.water, study.hydro.tolerance
+    precision = min(1.0, tolerance / COARSEST_SWEEP) if not study.uses_panels else 1.0
+    checks = quality.estimate_checks([block.attrs for block in blocks], tolerance)
+    checks += quality.verdict(sweep, None, water.depth, water.density, water.gravity, precision)
+    quality.judged(checks, study.hydro.accept)

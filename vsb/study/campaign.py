@@ -1,0 +1,208 @@
+"""A campaign: a study over a site's whole year, and over what is varied of it; validated and frozen.
+
+Imports nothing heavy: the Snakefile reads a campaign at every parse.
+"""
+
+import hashlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Discriminator, Field, Tag, field_validator
+
+from vsb.errors import ConfigError
+from vsb.study.froude import scaled
+from vsb.study.quantities import Count, Name, Number, Section
+from vsb.study.reading import read_yaml, validated
+from vsb.study.specs import Tunings
+from vsb.study.study import RESERVED_NAMES, Study, parse
+from vsb.study.study import load as load_study
+from vsb.study.vary import SCALE, Point, Value, Vary, read_vary
+
+SMALLEST, LARGEST = 1e-3, 1e3
+"""Scales of a study by Froude."""
+
+
+class Spectra(Section):
+    """Measured spectra: NDBC's spectral text, plain or gz, or netCDF with wavespectra's names."""
+
+    spectra: str
+
+    @property
+    def file(self) -> str:
+        """The file, as it is named."""
+        return self.spectra
+
+
+class Scatter(Section):
+    """Table of occurrences over significant height and period, each cell a spectrum of one form."""
+
+    scatter: str
+    spectrum: Literal["jonswap", "pierson_moskowitz"] = "jonswap"
+    gamma: Annotated[Number, Field(ge=1, le=10)] = 3.3
+
+    @property
+    def file(self) -> str:
+        """The file, as it is named."""
+        return self.scatter
+
+
+def _climate_kind(value: object) -> str:
+    """Which kind of file is meant, by its key."""
+    return "scatter" if isinstance(value, Scatter) or (isinstance(value, dict) and "scatter" in value) else "spectra"
+
+
+ClimateFile = Annotated[
+    Annotated[Spectra, Tag("spectra")] | Annotated[Scatter, Tag("scatter")],
+    Discriminator(_climate_kind),
+]
+"""Where the seas of a year are from."""
+
+
+class Verify(Section):
+    """Seas of the year to be simulated in time, drawn by their share of its energy."""
+
+    seas: Annotated[Count, Field(ge=2, le=1000)] = 12
+    model: Literal["linear", "body_exact"] = "body_exact"
+    seed: Annotated[Count, Field(ge=0, lt=2**32)] = 1
+
+
+class Campaign(Section):
+    """One campaign file; names of files are relative to it."""
+
+    campaign: Name
+    study: str
+    vary: Annotated[Vary, BeforeValidator(read_vary)] = Vary()
+    climate: ClimateFile
+    tuning: Annotated[tuple[Tunings, ...], Field(min_length=1)] | None = None  # none: all the study has
+    verify: Verify | None = None
+
+    @field_validator("campaign")
+    @classmethod
+    def _not_reserved(cls, value: str) -> str:
+        if value in RESERVED_NAMES:
+            raise ValueError(
+                f"{value!r} is the name of a results folder; choose another than {', '.join(RESERVED_NAMES)}"
+            )
+        return value
+
+    @field_validator("tuning")
+    @classmethod
+    def _each_once(cls, value: tuple[str, ...] | None) -> tuple[str, ...] | None:
+        if value and len(set(value)) < len(value):
+            raise ValueError("needs every tuning once")
+        return value
+
+
+def is_campaign(raw: object) -> bool:
+    """Whether what a file holds is a campaign, and no study."""
+    return isinstance(raw, dict) and "campaign" in raw
+
+
+def load(path: str | Path) -> "LoadedCampaign":
+    """Read and validate a campaign file, the study it names, and every point of it.
+
+    Raises
+    ------
+    ConfigError
+        One line with the file, the key, the value received and the value needed.
+    """
+    return read(read_yaml(path, "a campaign file such as config/year.yaml"), str(path))
+
+
+def read(raw: object, source: str) -> "LoadedCampaign":
+    """Validate a campaign given as nested mappings, its files relative to that of its source; see `load`."""
+    campaign = validated(Campaign, raw, source)
+    folder = Path(source).parent
+    study = load_study(folder / campaign.study)
+    climate = folder / campaign.climate.file
+    if campaign.campaign == study.study:
+        raise ConfigError(f"{source}: campaign: received {campaign.campaign!r}, the name of its study; needs another")
+    if study.hydro.model == "assumed_pressure":
+        raise ConfigError(
+            f"{source}: study: {campaign.study} has hydro.model 'assumed_pressure', which knows no waves; needs a "
+            "study with coefficients"
+        )
+    if study.pto.damping is None and "fixed" in (campaign.tuning or ()):
+        raise ConfigError(
+            f"{source}: tuning: received fixed, but {campaign.study} has no pto.damping; needs one in N s/m"
+        )
+    if campaign.verify:
+        raise ConfigError(f"{source}: verify: seas are not simulated in time yet; remove it")
+    try:
+        digest = hashlib.sha256(climate.read_bytes()).hexdigest()[:16]
+    except OSError as error:
+        raise ConfigError(
+            f"{source}: climate: received {campaign.climate.file}, which cannot be read ({error.strerror}); needs the "
+            "path of a file, relative to this one"
+        ) from None
+    return LoadedCampaign(campaign=campaign, source=source, base=study, climate_path=str(climate), climate_id=digest)
+
+
+class LoadedCampaign(Section):
+    """A campaign, the study it names and its climate file, by content."""
+
+    campaign: Campaign
+    source: str
+    base: Study
+    climate_path: str
+    climate_id: str
+
+    @property
+    def tuning(self) -> tuple[Tunings, ...]:
+        """Tunings asked for; if none are, those for which the study says enough."""
+        return self.campaign.tuning or (*(() if self.base.pto.damping is None else ("fixed",)), "one", "each")
+
+
+def sections(study: Study) -> dict[str, Any]:
+    """Return what a year depends on of a study: linear, its waves, its run in time and its name left out."""
+    found = study.model_dump(exclude={"study", "waves", "simulation", "published"})
+    found["hydro"] |= {"model": "linear", "power_tolerance": None}
+    return {key: value for key, value in found.items() if value is not None}
+
+
+def study_at(base: Mapping[str, Any], point: Point) -> Study:
+    """Return a study with values of a point: scaled first, then each key set; linear, in no sea of its own.
+
+    Raises
+    ------
+    ConfigError
+        If it has no such key, or no study has such a value.
+    """
+    raw = dict(base)
+    if SCALE in point:
+        raw = scaled(raw, _scale(point[SCALE]))
+    where = "with " + (", ".join(f"{key}: {value}" for key, value in point.items()) or "nothing varied")
+    for key, value in point.items():
+        if key != SCALE:
+            raw = _with(raw, key.split("."), value, key)
+    study = parse({"study": "member", "waves": [{"kind": "still"}], **raw}, source=where)
+    _check_linear(study, where)
+    return study
+
+
+def _check_linear(study: Study, where: str) -> None:
+    """Check that its take-off is a damper and a spring without loss: a year is of such alone."""
+    if study.pto.switches or study.pto.efficiency != 1.0:
+        raise ConfigError(
+            f"{where}: pto: received law {study.pto.law}, force_limit {study.pto.force_limit:g} N, stroke_limit "
+            f"{study.pto.stroke_limit:g} m, efficiency {study.pto.efficiency:g}; a year needs law: linear without "
+            "limits, efficiency: 1"
+        )
+
+
+def _scale(value: Value) -> float:
+    """A scale of lengths."""
+    if isinstance(value, str) or not SMALLEST <= value <= LARGEST:
+        raise ConfigError(f"{SCALE}: received {value!r}, needs {SMALLEST:g} to {LARGEST:g}")
+    return value
+
+
+def _with(raw: dict[str, Any], path: list[str], value: object, key: str) -> dict[str, Any]:
+    """Nested mappings with one value set; the last word may be new: an option that is off by default."""
+    first, *rest = path
+    if rest and not isinstance(raw.get(first) or {}, dict):
+        raise ConfigError(f"{key}: {first} is a value, which has no key {rest[0]}")
+    if rest and first not in raw:
+        raise ConfigError(f"{key}: the study has no {first}; needs one of {', '.join(raw)}")
+    return {**raw, first: _with(raw[first] or {}, rest, value, key) if rest else value}

@@ -1,0 +1,230 @@
+"""What a campaign computes: members, batches, content ids and file names. Pure Python, read at every parse.
+
+A member is one point of what is varied, over the whole year, every design and tuning inside it. Batches follow from the
+campaign's files alone, so that a dry run shows the true plan; within a batch finished members are kept.
+"""
+
+import itertools
+import math
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path, PurePosixPath
+from typing import Any, NamedTuple
+
+from vsb.errors import ConfigError
+from vsb.study.blocks import HydroPlan
+from vsb.study.campaign import LoadedCampaign, Scatter, is_campaign, read, sections, study_at
+from vsb.study.plan import StudyPlan
+from vsb.study.reading import read_yaml
+from vsb.study.specs import CampaignSpec, ClimateSpec, MemberSpec, MembersSpec, Tunings
+from vsb.study.study import Study, canonical, content_id, parse
+from vsb.study.vary import Point
+
+MOST_BATCHES = 32
+BATCH_SECONDS = 8.0
+"""What a batch is to take at least, so that starting it, 2 s, does not count."""
+MEMBER_SECONDS, BLOCK_SECONDS = 0.03, 2.0
+"""Of a member whose coefficients are there, of coefficients of a shape."""
+VARIABLES = (
+    "annual_mean_power", "annual_energy", "capture_width", "gain_percent", "gain_low", "gain_high", "damping",
+    "force_rms", "viable", "margin", "reason", "practice_power", "quadrature_error", "power_matrix", "power_deviation",
+    "capture_width_matrix", "capture_width_deviation", "count", "tried_damping", "power_of_damping",
+    "force_of_damping", "damper", "design", "tuning", "hs", "te",
+)  # fmt: skip
+"""Names in the results that no varied key can have."""
+
+
+class Member(NamedTuple):
+    """One point of a campaign."""
+
+    point: Point
+    study: Study
+    spec: MemberSpec
+
+    @property
+    def id(self) -> str:
+        """Content id."""
+        return content_id(self.spec)
+
+
+def members(
+    base: Mapping[str, Any], points: Iterable[Point], climate: ClimateSpec, tuning: Sequence[Tunings]
+) -> list[Member]:
+    """Return the members of some points.
+
+    Parameters
+    ----------
+    base : mapping
+        `vsb.study.campaign.sections` of the study.
+    points : iterable of Point
+    climate : ClimateSpec
+    tuning : sequence of {'fixed', 'one', 'each'}
+    """
+    swept: dict[str, tuple[str, ...]] = {}  # members of one shape share it
+    found = []
+    for point in points:
+        study = study_at(base, point)
+        if (shape := _shape(study)) not in swept:
+            swept[shape] = tuple(content_id(block) for block in HydroPlan(study).sweep_blocks)
+        parts = {name: getattr(study, name) for name in MemberSpec.model_fields if name in Study.model_fields}
+        spec = MemberSpec(**parts, sweep=swept[shape], climate=climate, tuning=tuple(tuning))
+        found.append(Member(point, study, spec))
+    return found
+
+
+def _shape(study: Study) -> str:
+    """All that the blocks of a sweep depend on: of the undeformed sphere neither its material nor its clamps."""
+    device = study.device if study.at_equilibrium else (study.device.radius, study.device.mass)
+    degree = study.modes.degree if study.flexible else None
+    return canonical([device, study.modes if study.at_equilibrium else degree, study.water, study.hydro])
+
+
+@dataclass(frozen=True)
+class CampaignPlan:
+    """Everything a campaign needs computed, with content ids."""
+
+    loaded: LoadedCampaign
+    root: str = "results"
+
+    @classmethod
+    def of(cls, raw: Mapping[str, Any], source: str | Path) -> "CampaignPlan":
+        """Return the plan of a campaign given as nested mappings, `root` the results folder if it is not `results`."""
+        loaded = read({key: value for key, value in raw.items() if key != "root"}, os.path.relpath(source))
+        return cls(loaded, root=raw.get("root", "results"))
+
+    @property
+    def name(self) -> str:
+        """Name of the campaign."""
+        return self.loaded.campaign.campaign
+
+    @cached_property
+    def base(self) -> dict[str, Any]:
+        """Sections of its study."""
+        return sections(self.loaded.base)
+
+    @property
+    def climate(self) -> ClimateSpec:
+        """What the seas of the year are read from."""
+        given = self.loaded.campaign.climate
+        if isinstance(given, Scatter):
+            gamma = given.gamma if given.spectrum == "jonswap" else None
+            return ClimateSpec(contents=self.loaded.climate_id, form=given.spectrum, gamma=gamma)
+        return ClimateSpec(contents=self.loaded.climate_id, form="spectra")
+
+    @cached_property
+    def members(self) -> list[Member]:
+        """Members in the order of the points.
+
+        Raises
+        ------
+        ConfigError
+            If a point has no study; in one line with its values.
+        """
+        campaign = self.loaded.campaign
+        try:
+            return members(self.base, campaign.vary.points, self.climate, self.loaded.tuning)
+        except ConfigError as error:
+            raise ConfigError(f"{self.loaded.source}: vary: {error}") from None
+
+    @cached_property
+    def batches(self) -> dict[str, MembersSpec]:
+        """Specs of the batches by id: of as many members each, those of one shape together."""
+        ordered = sorted(self.members, key=lambda one: one.spec.sweep)
+        shapes = len({one.spec.sweep for one in ordered})
+        seconds = MEMBER_SECONDS * len(ordered) + BLOCK_SECONDS * shapes
+        count = min(MOST_BATCHES, len(ordered), math.ceil(seconds / BATCH_SECONDS))
+        ends = [len(ordered) * i // count for i in range(count + 1)]
+        return dict(self._batch(ordered[first:last]) for first, last in itertools.pairwise(ends))
+
+    def _batch(self, some: Sequence[Member]) -> tuple[str, MembersSpec]:
+        """Id and spec of a batch."""
+        points, tuning = tuple(one.point for one in some), self.loaded.tuning
+        spec = MembersSpec(base=self.base, points=points, climate=self.climate, tuning=tuning)
+        return content_id([one.id for one in some]), spec
+
+    @cached_property
+    def campaign(self) -> CampaignSpec:
+        """Spec of the whole campaign."""
+        given = self.loaded.campaign
+        return CampaignSpec(
+            campaign=self.name,
+            study=self.loaded.base.study,
+            base=self.base,
+            vary=given.vary,
+            climate=self.climate,
+            climate_name=PurePosixPath(given.climate.file).name.partition(".")[0],
+            tuning=self.loaded.tuning,
+            batches=tuple(self.batches),
+            members=tuple(one.id for one in self.members),
+        )
+
+    @property
+    def campaign_id(self) -> str:
+        """Id of what is made of all members together."""
+        return content_id(self.campaign)
+
+    # file names -----------------------------------------------------------------------------------------------------
+
+    @property
+    def folder(self) -> str:
+        """Folder of the campaign's results."""
+        return f"{self.root}/{self.name}"
+
+    @property
+    def manifest(self) -> str:
+        """Stamps of the campaign's products that are no netCDF files."""
+        return f"{self.folder}/manifest.json"
+
+    def batch_path(self, batch: str) -> str:
+        """Results of the members of a batch."""
+        return f"{self.folder}/batches/{batch}.nc"
+
+    @property
+    def data_path(self) -> str:
+        """All results."""
+        return f"{self.folder}/campaign.nc"
+
+    @property
+    def table_path(self) -> str:
+        """All results as a tidy table."""
+        return f"{self.folder}/campaign.csv"
+
+    @property
+    def figure_paths(self) -> list[str]:
+        """Figures of the report."""
+        return [f"{self.folder}/figures/{name}.svg" for name in figure_names(self.campaign)]
+
+    @property
+    def products(self) -> list[str]:
+        """All files a run of the campaign promises."""
+        return [f"{self.folder}/report.html", self.data_path, self.table_path, *self.figure_paths, *self.batch_paths]
+
+    @property
+    def batch_paths(self) -> list[str]:
+        """Results of all batches."""
+        return [self.batch_path(batch) for batch in self.batches]
+
+    @property
+    def ids(self) -> dict[str, str]:
+        """Id every product must carry."""
+        return dict.fromkeys(self.products, self.campaign_id) | {
+            self.batch_path(batch): batch for batch in self.batches
+        }
+
+    def is_shared(self, path: str) -> bool:
+        """Whether studies share a file."""
+        return path.startswith(f"{self.root}/hydro/")
+
+
+def plan_of(path: str) -> StudyPlan | CampaignPlan:
+    """Return the plan of a study file or of a campaign file."""
+    raw = read_yaml(path, "a study file such as config/seed.yaml")
+    return CampaignPlan(read(raw, path)) if is_campaign(raw) else StudyPlan(parse(raw, source=path))
+
+
+def figure_names(spec: CampaignSpec) -> list[str]:
+    """Return the names of the figures of a campaign: one over what is varied, if anything is."""
+    varied = any(len(values) > 1 for values in spec.vary.values.values())
+    return [*(["sweep"] if varied else []), "power_matrices", "tuned_power", "pareto"]

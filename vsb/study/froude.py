@@ -1,0 +1,31 @@
+"""Froude's scaling of a study: the same buoy of another size, in the same water and gravity."""
+
+from typing import Any
+
+FROUDE = {
+    "radius": 1.0, "thickness": 1.0, "young_modulus": 1.0, "mass": 3.0, "internal_pressure": 1.0, "alpha": -0.5,
+    "beta": 0.5, "omega_max": -0.5, "omega": -0.5, "pressure": 1.0, "damping": 2.5, "stiffness": 2.0,
+    "force_limit": 3.0, "stroke_limit": 1.0, "amplitude": 1.0, "period": 0.5, "duration": 0.5, "window": 0.5,
+    "initial_position": 1.0, "initial_velocity": 0.5,
+}  # fmt: skip
+"""Power of the length scale each quantity goes with, at the same water and gravity."""
+
+
+def scaled(raw: Any, scale: float, power: float = 0.0) -> Any:
+    """Return a study, given as nested mappings, with every quantity scaled by Froude.
+
+    Parameters
+    ----------
+    raw : mapping, sequence or value
+    scale : float
+        Of lengths; times go with its root.
+    power : float
+        With which values go that stand under no key of `FROUDE` of their own, as the dampers of designs by name.
+    """
+    if isinstance(raw, dict):
+        return {key: scaled(value, scale, FROUDE.get(key, power)) for key, value in raw.items()}
+    if isinstance(raw, list | tuple):
+        return [scaled(value, scale, power) for value in raw]
+    if isinstance(raw, bool) or not isinstance(raw, int | float) or not power:
+        return raw
+    return scale**power * raw

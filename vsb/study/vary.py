@@ -1,0 +1,201 @@
+"""What a campaign varies: keys of a study, their values, and the points they make.
+
+Imports nothing heavy: the Snakefile reads a campaign at every parse.
+"""
+
+import itertools
+import json
+import math
+import random
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from pydantic import Field
+
+from vsb.study.quantities import Section
+
+Value = float | str
+Point = dict[str, Value]
+"""A value of every varied key, by key."""
+SCALE = "scale"
+"""The key that scales the whole study by Froude, no key of its own."""
+MEMBER = "member"
+"""Dimension of points that are no product."""
+MOST_POINTS = 100_000
+SECTIONS = ("device", "reference_shape", "modes", "designs", "water", "hydro", "pto")
+"""Sections of a study whose keys can be varied: its waves are the climate's, its simulation makes no year."""
+UNITS = {
+    "radius": "m", "thickness": "m", "young_modulus": "Pa", "density": "kg/m^3", "mass": "kg", "depth": "m",
+    "internal_pressure": "Pa", "alpha": "1/s", "beta": "s", "gravity": "m/s^2", "damping": "N s/m",
+    "stiffness": "N/m", "force_limit": "N", "stroke_limit": "m", "omega_max": "rad/s", "clamp": "degrees",
+    "atmospheric_pressure": "Pa",
+}  # fmt: skip
+"""Units of varied numbers by the last word of their key; others have none."""
+_FORMS = "a list of values, {log: [first, last, count]} or {linear: [first, last, count]}"
+_DIGITS = 12
+"""Digits of values spaced evenly: those of a sweep and of its widening are the same."""
+
+
+class Vary(Section):
+    """Values of the varied keys: every combination of them, or `together`, the first of each, the second, ..."""
+
+    values: dict[str, tuple[Value, ...]] = Field(default_factory=dict)
+    together: bool = False
+
+    @property
+    def points(self) -> list[Point]:
+        """All points, the last key varying fastest; one, of no keys, if nothing is varied."""
+        combined = (
+            zip(*self.values.values(), strict=True) if self.together else itertools.product(*self.values.values())
+        )
+        return [dict(zip(self.values, values, strict=True)) for values in combined]
+
+    def dimensions(self, taken: Iterable[str]) -> dict[str, str]:
+        """Return the dimension, or of points that are no product the coordinate, of each key.
+
+        Parameters
+        ----------
+        taken : iterable of str
+            Names of variables and other dimensions: the last word of a key is its name, or all of them where that is
+            taken, or the last word of another key as well.
+        """
+        last = [key.rpartition(".")[2] for key in self.values]
+        clashing = {word for word in last if last.count(word) > 1} | set(taken) | {MEMBER}
+        return {
+            key: key.replace(".", "_") if word in clashing else word
+            for key, word in zip(self.values, last, strict=True)
+        }
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of points along each dimension."""
+        lengths = tuple(len(values) for values in self.values.values())
+        return lengths[:1] if self.together else lengths
+
+
+def read_vary(raw: object) -> Vary:
+    """Return what is varied from the section of a campaign file.
+
+    Raises
+    ------
+    ValueError
+        One line with the key, what was received and what is needed.
+    """
+    if isinstance(raw, Vary):
+        return raw
+    if not isinstance(raw, Mapping):
+        raise ValueError(f"received {raw!r}, needs keys of the study, each with {_FORMS}")
+    keys = {str(key): value for key, value in raw.items() if key not in ("pairs", "latin_hypercube")}
+    for key in keys:
+        _check_key(key)
+    if "latin_hypercube" in raw:
+        return _hypercube(keys, raw["latin_hypercube"], raw.get("pairs", False))
+    if (pairs := raw.get("pairs", False)) not in (True, False):
+        raise ValueError(f"pairs: received {pairs!r}, needs true or false")
+    values = {key: _values(key, value) for key, value in keys.items()}
+    lengths = {key: len(each) for key, each in values.items()}
+    if pairs and len(set(lengths.values())) != 1:
+        raise ValueError(f"pairs: received {lengths} values, needs as many of every key")
+    if not pairs and math.prod(lengths.values()) > MOST_POINTS:
+        raise ValueError(f"received {math.prod(lengths.values())} points, needs at most {MOST_POINTS}")
+    return Vary(values=values, together=pairs)
+
+
+def _check_key(key: str) -> None:
+    """Check that a key can be varied; whether the study has it shows when it is set."""
+    section, dot, _ = key.partition(".")
+    if key in (SCALE, "reference_shape") or (dot and section in SECTIONS and section != "reference_shape"):
+        return
+    raise ValueError(f"{key}: needs {SCALE}, reference_shape, or a key of {', '.join(SECTIONS)} such as device.mass")
+
+
+def _values(key: str, raw: object) -> tuple[Value, ...]:
+    """The values of a key."""
+    if isinstance(raw, Mapping):
+        kind, (first, last, *count) = _spacing(key, raw)
+        if len(count) != 1 or count[0] != int(count[0]) or not 1 <= count[0] <= MOST_POINTS:
+            raise ValueError(f"{key}: received {dict(raw)}, needs {{{kind}: [first, last, count]}}")
+        steps = int(count[0]) - 1
+        return _distinct(key, [_between(kind, first, last, i / steps if steps else 0.0) for i in range(steps + 1)])
+    if not isinstance(raw, list | tuple) or not raw:
+        raise ValueError(f"{key}: received {raw!r}, needs {_FORMS}")
+    return _distinct(key, [_value(key, each) for each in raw])
+
+
+def _spacing(key: str, raw: Mapping[Any, Any]) -> tuple[str, list[float]]:
+    """Kind and numbers of values spaced evenly."""
+    ((kind, given),) = raw.items() if len(raw) == 1 else [("", None)]
+    if kind not in ("log", "linear") or not isinstance(given, list | tuple) or len(given) not in (2, 3):
+        raise ValueError(f"{key}: received {dict(raw)}, needs {_FORMS}")
+    numbers = [_value(key, each) for each in given]
+    if not all(isinstance(each, float) and math.isfinite(each) for each in numbers):
+        raise ValueError(f"{key}: received {dict(raw)}, needs finite numbers")
+    found = [float(each) for each in numbers]
+    if kind == "log" and min(found[:2]) <= 0:
+        raise ValueError(f"{key}: received {dict(raw)}, needs ends above 0 to be spaced by their logarithm")
+    return str(kind), found
+
+
+def _between(kind: str, first: float, last: float, part: float) -> float:
+    """A number some part of the way from one to another."""
+    value = first * (last / first) ** part if kind == "log" else first + (last - first) * part
+    return float(f"{value:.{_DIGITS}g}")
+
+
+def _value(key: str, raw: object) -> Value:
+    """One value: a number, written as YAML does not know it (1.0e6) as well, or a word."""
+    if isinstance(raw, bool) or not isinstance(raw, int | float | str):
+        raise ValueError(f"{key}: received {raw!r}, needs numbers or words")
+    try:
+        number = float(raw)
+    except ValueError:
+        return str(raw)
+    except OverflowError:
+        raise ValueError(f"{key}: received a number of too many digits, needs numbers or words") from None
+    if math.isnan(number):
+        raise ValueError(f"{key}: received {raw!r}, needs numbers or words")
+    return number
+
+
+def _distinct(key: str, values: list[Value] | list[float]) -> tuple[Value, ...]:
+    """Check that no value is given twice, nor numbers beside words."""
+    if len(set(values)) < len(values):
+        raise ValueError(f"{key}: received {_shown(values)}, needs every value once")
+    if len({type(value) for value in values}) > 1:
+        raise ValueError(f"{key}: received {_shown(values)}, needs numbers, or words")
+    return tuple(values)
+
+
+def _shown(values: object) -> str:
+    """Values, not pages of them."""
+    text = json.dumps(values)
+    return text if len(text) < 80 else f"{text[:80]}..."
+
+
+def _hypercube(keys: Mapping[str, object], raw: object, pairs: object) -> Vary:
+    """Points of a Latin hypercube: of each key one value in every of as many strata, in an order drawn at random."""
+    given = dict(raw) if isinstance(raw, Mapping) else {}
+    samples, seed = given.pop("samples", None), given.pop("seed", 1)
+    if (
+        type(samples) is not int
+        or type(seed) is not int
+        or not 1 <= samples <= MOST_POINTS
+        or given
+        or not keys
+        or pairs
+    ):
+        raise ValueError(
+            f"latin_hypercube: received {raw!r}, needs {{samples: n, seed: 1}} beside keys with {{log: [low, high]}} "
+            "or {linear: [low, high]}, and no pairs"
+        )
+    values: dict[str, tuple[Value, ...]] = {}
+    for key, ends in keys.items():
+        kind, numbers = _spacing(key, ends) if isinstance(ends, Mapping) else ("", [])
+        if len(numbers) != 2:
+            raise ValueError(f"{key}: received {ends!r}, needs {{log: [low, high]}} or {{linear: [low, high]}}")
+        drawn = random.Random(f"{seed} {key}")
+        strata = drawn.sample(range(samples), samples)
+        values[key] = tuple(
+            _between(kind, numbers[0], numbers[1], (stratum + drawn.random()) / samples) for stratum in strata
+        )
+    return Vary(values=values, together=True)

@@ -1,0 +1,66 @@
+# A campaign: batches of members, then all of them together, then the answer.
+
+
+rule members:
+    input:
+        PLAN.loaded.climate_path,
+    output:
+        PLAN.batch_path("{batch}"),
+    log:
+        f"{ROOT}/logs/members/{PLAN.name}-{{batch}}.log",
+    benchmark:
+        f"{ROOT}/benchmarks/members/{PLAN.name}-{{batch}}.tsv"
+    conda:
+        "../envs/vsb.yaml"
+    resources:
+        mem_mb=2000,
+        runtime=60,
+    params:
+        spec=lambda wildcards: canonical(PLAN.batches[wildcards.batch]),
+        folder=f"{PLAN.folder}/members",
+        root=ROOT,
+    shell:
+        "vsb members --climate {input:q} --folder {params.folder} --root {params.root} --out {output}"
+        " <<< {params.spec:q} > {log} 2>&1"
+
+
+rule campaign:
+    input:
+        PLAN.batch_paths,
+    output:
+        data=PLAN.data_path,
+        table=PLAN.table_path,
+    log:
+        f"{ROOT}/logs/campaign/{PLAN.name}.log",
+    conda:
+        "../envs/vsb.yaml"
+    resources:
+        mem_mb=4000,
+    params:
+        spec=canonical(PLAN.campaign),
+        batches=f"{PLAN.folder}/batches",
+        manifest=PLAN.manifest,
+    shell:
+        "vsb campaign --batches {params.batches} --out {output.data} --table {output.table}"
+        " --manifest {params.manifest} <<< {params.spec:q} > {log} 2>&1"
+
+
+rule answer:
+    input:
+        PLAN.data_path,
+    output:
+        report=f"{PLAN.folder}/report.html",
+        figures=PLAN.figure_paths,
+    log:
+        f"{ROOT}/logs/answer/{PLAN.name}.log",
+    conda:
+        "../envs/vsb.yaml"
+    resources:
+        mem_mb=4000,
+    params:
+        spec=canonical(PLAN.campaign),
+        figures=f"{PLAN.folder}/figures",
+        manifest=PLAN.manifest,
+    shell:
+        "vsb answer --data {input} --figures {params.figures} --out {output.report} --manifest {params.manifest}"
+        " <<< {params.spec:q} > {log} 2>&1"
