@@ -4,7 +4,7 @@ CONFIG ?= config/seed.yaml
 BIN := .venv/bin
 READY := .venv/.installed
 
-.PHONY: study benchmark barge hard-cases torture test lint unit format lock clean help
+.PHONY: study benchmark barge hard-cases torture test lint unit format docs lock docs-lock clean help
 
 study: $(READY) ## run a study: make study [CONFIG=config/seed.yaml]
 	@$(BIN)/vsb run $(CONFIG)
@@ -40,6 +40,18 @@ format: $(READY) ## put the code in its standard form
 	@$(BIN)/ruff format .
 	@$(BIN)/snakefmt Snakefile workflow
 
+docs: .venv-docs/.installed ## the documentation, to docs/_build/html/index.html; every warning is an error
+	@.venv-docs/bin/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
+	@echo docs/_build/html/index.html
+
+# Sphinx beside the package's own environment, which it sees through a path file: a study needs none of it.
+.venv-docs/.installed: docs/requirements.lock $(READY)
+	@$(PYTHON) -m venv --clear .venv-docs
+	@.venv-docs/bin/pip install --quiet --disable-pip-version-check --no-deps -r docs/requirements.lock
+	@$(BIN)/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))' \
+		> $$(.venv-docs/bin/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')/vsb.pth
+	@touch $@
+
 $(READY): requirements.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; v = sys.version_info[:2]; sys.exit(None if (3, 11) <= v < (3, 13) else "vsb needs Python 3.11 or 3.12, $(PYTHON) is %d.%d; set PYTHON=..." % v)'
 	@echo "creating .venv (once, about a minute)"
@@ -54,8 +66,14 @@ lock: ## resolve the dependencies anew into requirements.lock
 		--no-emit-index-url --no-emit-trusted-host --no-emit-find-links --output-file requirements.lock pyproject.toml
 	@rm -rf .venv-lock
 
+docs-lock: ## resolve the documentation's own tools anew into docs/requirements.lock
+	@$(PYTHON) -m venv .venv-lock && .venv-lock/bin/pip install --quiet pip-tools
+	@.venv-lock/bin/pip-compile --quiet --strip-extras --no-emit-index-url --no-emit-trusted-host --no-emit-find-links \
+		--output-file docs/requirements.lock docs/requirements.txt
+	@rm -rf .venv-lock
+
 clean: ## remove the environment and all results
-	@rm -rf .venv .snakemake
+	@rm -rf .venv .venv-docs docs/_build docs/reference .snakemake
 	@find results -mindepth 1 ! -name README.md -delete
 
 help: ## this list

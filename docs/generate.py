@@ -1,0 +1,155 @@
+"""Pages of reference written from the code itself: keys of the files, commands, public names of Python."""
+
+import argparse
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import vsb
+from vsb.cli import parser
+from vsb.hydro.bodies.study import BodyStudy
+from vsb.study.keys import KEYS
+from vsb.study.schema import Schema, schema_of
+from vsb.study.study import Study
+from vsb.tools.completion import commands
+
+DOCS = Path(__file__).parent
+FILES = {
+    "Study": (
+        Study,
+        "A study file",
+        "What `vsb run` and `vsb check` take; `vsb init my_buoy.yaml` writes one to begin with.",
+    ),
+    "BodyStudy": (
+        BodyStudy,
+        "A body file",
+        "What `vsb body` takes; [any body](../own-body.md) has a complete example.",
+    ),
+}
+
+KEYS_PREFACE = """\
+Written from the models that check a file: what stands here is what is accepted. Units are SI; numbers may be written
+`1.0e+7` or `10000000.0`, infinity `.inf`. Editors with a YAML language server complete and check files by `vsb schema`:
+save its output as `vsb.schema.json` and begin a study with `# yaml-language-server: $schema=vsb.schema.json`."""
+COMMANDS_PREFACE = """\
+`vsb COMMAND --help` says the same. Exit code 0 is success, 1 a check that fails, 2 a mistake of yours, told in one line
+each. `source <(vsb completion bash)` completes commands, options and files."""
+
+
+def write(folder: Path) -> None:
+    """Write all pages of reference into a folder."""
+    folder.mkdir(exist_ok=True)
+    for name, text in {"keys": keys_page(), "commands": commands_page(), "python": python_page()}.items():
+        path = folder / f"{name}.md"
+        if not path.exists() or path.read_text(encoding="utf-8") != text:  # else it would be built anew each time
+            path.write_text(text, encoding="utf-8")
+
+
+def keys_page() -> str:
+    """Return every key with unit, default, range, example and meaning, from the models."""
+    lines = ["# Every key", "", KEYS_PREFACE, ""]
+    for root, (model, title, text) in FILES.items():
+        schema = schema_of(model)
+        lines += [f"## {title}", "", text, ""]
+        for name, place, section in sections(schema, root):
+            lines += [*([f"### `{place}`", ""] if place else []), *key_table(name, section), ""]
+    return "\n".join(lines)
+
+
+def sections(schema: Schema, root: str) -> Iterator[tuple[str, str, Schema]]:
+    """Yield sections with the places they stand at, the top first, each once."""
+    pending, seen = [(root, "", {key: value for key, value in schema.items() if key != "$defs"})], set()
+    while pending:
+        name, place, section = pending.pop(0)
+        if name not in seen:
+            seen.add(name)
+            yield name, place, section
+            for key, its in section.get("properties", {}).items():
+                inner = dict.fromkeys(re.findall(r"#/\$defs/(\w+)", repr(its)))
+                own = [(one, f"{place}.{key}".lstrip("."), schema["$defs"][one]) for one in inner]
+                pending += [(one, f"{at}: {kind(one_section) or one}" if len(own) > 1 else at, one_section)
+                            for one, at, one_section in own]  # fmt: skip
+
+
+def kind(section: Schema) -> str:
+    """Name of a kind of wave, or nothing."""
+    return str(section.get("properties", {}).get("kind", {}).get("const", ""))
+
+
+def key_table(name: str, section: Schema) -> list[str]:
+    """Return a table of a section's keys."""
+    lines = ["| key | meaning | unit | default | range | example |", "|---|---|---|---|---|---|"]
+    for key, its in section["properties"].items():
+        said, required = KEYS[name][key], key in section.get("required", [])
+        default = "**required**" if required else shown(its.get("default"))
+        cells = (f"`{key}`", said.meaning, said.unit, default, allowed(its), f"`{said.example}`")
+        lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+    return lines
+
+
+def shown(value: Any) -> str:
+    """A default as YAML."""
+    if value is None or value in ([], {}):
+        return "none"
+    if isinstance(value, dict | list):
+        return "those of its keys" if isinstance(value, dict) else f"`{value}`"
+    return f"`{str(value).lower() if isinstance(value, bool) else value}`"
+
+
+def allowed(its: Schema) -> str:
+    """The range or the choices of a key in words."""
+    forms = its.get("anyOf") or its.get("oneOf") or [its]
+    return " or ".join(dict.fromkeys(text for form in forms if (text := bounds(form))))
+
+
+def bounds(form: Schema) -> str:
+    """The range or the choices of one form of a value."""
+    if "enum" in form:
+        return ", ".join(f"`{choice}`" for choice in form["enum"])
+    if form.get("type") == "array" and isinstance(form.get("items"), dict):
+        return f"list, each {inner}" if (inner := bounds(form["items"])) else "list"
+    low = [f"above {form['exclusiveMinimum']:g}"] if "exclusiveMinimum" in form else []
+    least = form.get("minimum")
+    if least is not None and least > form.get("exclusiveMinimum", least - 1):
+        low = [f"from {least:g}"]
+    below, most = form.get("exclusiveMaximum"), form.get("maximum")
+    high = [f"to {most:g}"] if most is not None and (below is None or most < below) else []
+    high = [f"below {below:g}"] if below is not None and not high else high
+    return " ".join([*(["whole"] if form.get("type") == "integer" else []), *low, *high])
+
+
+def commands_page() -> str:
+    """Return every command with its arguments and options, from the parser."""
+    lines = ["# Commands", "", COMMANDS_PREFACE, ""]
+    for name, one in commands(parser()).items():
+        lines += [f"## `vsb {name}`", "", str(one.description or "").strip(), "", "```", usage(one), "```", ""]
+        shown = [action for action in one._actions if action.dest != "help"]
+        told = [f"`{label(action)}`\n: {action.help}" for action in shown if action.help]
+        lines += ["\n\n".join(told), "", *([one.epilog, ""] if one.epilog else [])]
+    return "\n".join(lines)
+
+
+def usage(one: argparse.ArgumentParser) -> str:
+    """Usage in one line."""
+    return " ".join(one.format_usage().removeprefix("usage: ").split())
+
+
+def label(action: argparse.Action) -> str:
+    """How an argument or option is written."""
+    names = ", ".join(action.option_strings) or str(action.metavar or action.dest)
+    return f"{names} {action.metavar}" if action.option_strings and action.metavar else names
+
+
+def python_page() -> str:
+    """Return the docstrings of the public names."""
+    rows = [line for line in (DOCS / "api.md").read_text(encoding="utf-8").splitlines() if line.startswith("| `")]
+    names = re.findall(r"`(\w+)`", " ".join(line.split("|")[1] for line in rows))
+    lines = ["# Python", "", "[The public names](../api.md) in one table; here are their docstrings.", ""]
+    for name in names:
+        found = getattr(vsb, name)
+        what = "autoclass" if isinstance(found, type) else "autofunction"
+        members = [":members:"] if name in ("Results", "Port", "LinearBuoy", "DeformedShell") else []
+        lines += [f"## `{name}`", "", "```{eval-rst}", f".. {what}:: {found.__module__}.{found.__qualname__}"]
+        lines += [*(f"   {option}" for option in members), "```", ""]
+    return "\n".join(lines)

@@ -1,0 +1,107 @@
+"""The documentation: pages written from the code, links that lead somewhere, examples that run."""
+
+import importlib.util
+import re
+from pathlib import Path
+
+import pytest
+import yaml
+
+import vsb
+from vsb.cli import parser
+from vsb.hydro.bodies.body import detected_symmetry
+from vsb.hydro.bodies.files import read_body
+from vsb.hydro.bodies.study import BodyStudy, read_config
+from vsb.study.schema import dotted, schema_of
+from vsb.study.study import Study, load
+from vsb.tools.completion import commands, options
+
+HOME = Path(__file__).parent.parent
+PAGES = sorted([*HOME.glob("*.md"), *(HOME / "docs").glob("*.md"), *(HOME / "docs" / "decisions").glob("*.md")])
+GENERATED = {f"reference/{name}.md" for name in ("keys", "commands", "python")}
+
+
+@pytest.fixture(scope="module")
+def generate():
+    spec = importlib.util.spec_from_file_location("generate", HOME / "docs" / "generate.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_every_key_stands_in_the_reference_once_per_section(generate):
+    page = generate.keys_page()
+    for model in (Study, BodyStudy):
+        for name in dotted(schema_of(model)):
+            assert f"\n| `{name.rpartition('.')[2]}` |" in page
+    assert page.count("| `young_modulus` | Young's modulus of the shell | Pa | **required** | from 1 to 1e+16 |") == 1
+    assert "| `depth` | depth of the sea; .inf is deep water | m | `.inf` | above 0 |" in page
+    assert "### `device.damping`" in page
+    assert "### `waves: jonswap`" in page
+
+
+def test_ranges_are_those_that_are_checked(generate):
+    found = [generate.allowed(its) for its in (
+        {"type": "number", "exclusiveMinimum": 0}, {"type": "number", "exclusiveMinimum": 0, "minimum": 0.1, "maximum": 2},
+        {"type": "number", "exclusiveMinimum": -1, "minimum": -0.99, "exclusiveMaximum": 0.5, "maximum": 0.5},
+        {"enum": ["a", "b"]}, {"type": "integer", "minimum": 1}, {"type": "array", "items": {"type": "number", "minimum": 0}},
+        {"anyOf": [{"type": "number", "minimum": 0}, {"type": "null"}]}, {"type": "string"},
+    )]  # fmt: skip
+    assert found == ["above 0", "from 0.1 to 2", "from -0.99 below 0.5", "`a`, `b`", "whole from 1", "list, each from 0",
+                     "from 0", ""]  # fmt: skip
+
+
+def test_every_command_and_option_stands_in_the_reference(generate):
+    page = generate.commands_page()
+    for name, one in commands(parser()).items():
+        assert f"## `vsb {name}`" in page
+        assert all(option in page for option in options(one))
+
+
+def test_every_public_name_stands_in_the_reference(generate):
+    page = generate.python_page()
+    assert {name for name in vsb.__all__ if f"## `{name}`" not in page} == set()
+
+
+def anchors(path):
+    """Anchors of a page's headings, as GitHub and MyST make them."""
+    heads = re.findall(r"^#+ (.*)$", path.read_text(encoding="utf-8"), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(HOME)))
+def test_links_lead_somewhere(page):
+    for link in re.findall(r"\]\(([^)\s]+)\)", page.read_text(encoding="utf-8")):
+        target, _, anchor = link.partition("#")
+        if target.startswith(("http", "mailto:")) or target in GENERATED:
+            continue
+        place = (page.parent / target).resolve() if target else page
+        assert place.exists(), f"{page}: {link}"
+        assert not anchor or anchor in anchors(place), f"{page}: {link}"
+
+
+def blocks(page, language):
+    return re.findall(rf"^```{language}\n(.*?)^```", (HOME / "docs" / page).read_text(encoding="utf-8"), re.S | re.M)
+
+
+def test_the_body_of_the_documentation_is_one(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (program,), (file,) = blocks("own-body.md", "python"), blocks("own-body.md", "yaml")
+    exec(program, {})
+    Path("raft.yaml").write_text(file)
+    study = read_config("raft.yaml", BodyStudy)
+    body = read_body(study.mesh, study.modes)
+    assert body.labels == ("Heave", "Pitch", "Bending")
+    assert body.volume == pytest.approx(20.0 * 8.0 * 2.0)
+    assert detected_symmetry(body) == "xOz+yOz"
+
+
+def test_the_change_of_the_tutorial_is_a_study(tmp_path):
+    from vsb.stages.init import init
+
+    path = tmp_path / "my_buoy.yaml"
+    init(str(path))
+    (change,) = blocks("tutorial.md", "yaml")
+    text = re.sub(r"^waves:.*$", change.strip(), path.read_text(), flags=re.M)
+    path.write_text(text)
+    assert load(path).waves[0].period == yaml.safe_load(change)["waves"][0]["period"]
