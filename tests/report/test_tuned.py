@@ -1,7 +1,15 @@
 import pytest
 
 from vsb.report.page import sea_statements
-from vsb.report.tuned import TUNING, closing_line, shares_text, tuned_statements, tuning_table
+from vsb.report.tuned import (
+    TUNING,
+    closing_line,
+    dampers_in_words,
+    limited_statements,
+    shares_text,
+    tuned_statements,
+    tuning_table,
+)
 
 SEAS = {"w": "a swell", "v": "a chop"}
 
@@ -54,3 +62,28 @@ def test_table_has_a_dash_for_what_does_not_exist():
     assert first == ["A", "w", "64280", "705.8", "-9.6", "8000", "227", "+9.5", "32.2"]
     assert second == ["FSB", "v", "64280", "100", "+0.0", "-", "-", "-", "-"]
     assert len(first) == len(TUNING)
+
+
+def test_what_limits_leave_is_said_with_its_gain():
+    lines = [
+        {"design": "FSB", "sea": "w", "power": 100.0, "gain_percent": 0.0},
+        {"design": "A", "sea": "w", "power": 112.3, "gain_percent": 12.3},
+        {"design": "A", "sea": "v", "power": 5.0, "gain_percent": None},
+    ]
+    assert limited_statements(lines, "FSB", {"w": "a swell", "v": "a chop"}) == [
+        "In a swell, no take-off within its limits absorbs more than: FSB 100 W, A 112.3 W (+12.3 %).",
+        "In a chop, no take-off within its limits absorbs more than: A 5 W.",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("pto", "words"),
+    [
+        ({"damping": 1.0}, "At the given damper"),
+        ({"damping": {"A": 1.0}}, "At the given dampers"),
+        ({"tuning": "each"}, "In time, at their own best dampers"),
+        ({"tuning": "one", "damping": {"A": 1.0}}, "In time, at their best for all seas"),
+    ],
+)
+def test_dampers_of_runs_are_named(pto, words):
+    assert dampers_in_words(pto) == words

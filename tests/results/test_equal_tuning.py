@@ -1,7 +1,7 @@
 import pytest
 from conftest import varied
 
-from vsb.results.equal_tuning import equal_tuning, fair_damping_checks
+from vsb.results.equal_tuning import equal_tuning, fair_damping_checks, within_limits
 from vsb.results.ladder import Rung
 
 REGULAR = {"kind": "regular", "amplitude": 0.5, "period": 5.0}
@@ -56,3 +56,19 @@ def test_where_no_damper_is_given_nothing_is_lost(study, rungs):
     lines = equal_tuning(study, [rung for rung in rungs if rung.rung != "fixed"])
     assert {(line.power, line.gain_percent, line.share) for line in lines} == {(None, None, None)}
     assert fair_damping_checks(lines) == []
+
+
+def test_optima_under_limits_stand_side_by_side_where_they_are_known(study, rungs):
+    swell, first, second = (wave.label for wave in study.waves)
+    powers = {"FSB": (100.0, 50.0, 70.0), "VSWEC": (110.0, 66.0, 66.0)}
+    best = [
+        rung(design, wave, "constrained", None, power)
+        for design, all_powers in powers.items()
+        for wave, power in zip((swell, first, second), all_powers, strict=True)
+    ]
+    assert [(line.design, line.power, line.gain_percent) for line in within_limits(study, rungs + best)] == [
+        ("FSB", 100.0, 0.0), ("VSWEC", 110.0, pytest.approx(10.0)), ("FSB", 60.0, 0.0), ("VSWEC", 66.0, pytest.approx(10.0)),
+    ]  # fmt: skip
+    unknown = [one._replace(power_mean=None) if (one.design, one.wave) == ("FSB", second) else one for one in best]
+    assert [(line.design, line.gain_percent) for line in within_limits(study, unknown)][2:] == [("VSWEC", None)]
+    assert within_limits(study, rungs) == []

@@ -1,6 +1,7 @@
 import csv
 import io
 import itertools
+import re
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from conftest import varied
 
 from vsb.motion.port import Port, port_direction
 from vsb.motion.tuning import frequencies, mean_power
-from vsb.results.ladder import Given, as_csv, ladder
+from vsb.results.ladder import Given, Limits, as_csv, constrained_checks, constrained_rung, ladder
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import design_motions, study_basis
 from vsb.waves.seas import Sea
@@ -108,3 +109,94 @@ def test_the_best_force_moves_the_port_by_the_conjugate_of_its_admittance():
     assert best.force_peak == pytest.approx(0.5 * abs(v[0]) / 0.8, rel=1e-12)
     assert best.stroke_peak == pytest.approx(0.5 * abs(v[0] * y[0]) / 0.8 / 1.7, rel=1e-12)
     assert best.power_mean == pytest.approx(0.25 * abs(v[0]) ** 2 / 8 / 0.4, rel=1e-12)
+
+
+# the optimum under limits --------------------------------------------------------------------------------------------
+
+
+def oscillator(omega):
+    """A passive buoy of one motion, at any frequencies."""
+    y = 1 / (-1j * omega * 2.0 + 0.5 / (1 + omega**2) + 0.02 + 3j / omega)
+    return Port(omega, y, y * (1.0 + 0.3j) * np.exp(-omega / 2), 1 / 3)
+
+
+def sea_of_period(rng, spacing=0.05):
+    """A sea that repeats."""
+    omega = spacing * np.arange(12, 30)
+    return Sea(omega, 0.1 * rng.rayleigh(size=len(omega)) * np.exp(2j * np.pi * rng.uniform(size=len(omega))))
+
+
+def test_an_optimum_under_limits_that_do_not_bind_is_the_matched_one():
+    for number in range(5):
+        waves = sea_of_period(np.random.default_rng(number))
+        rung = constrained_rung("A", "w", waves, oscillator, Limits(1e6, 1e6, 0.05, 3.0))
+        port = oscillator(waves.omega)
+        assert rung.power_mean == pytest.approx(waves.mean_of(port.matched_power), rel=1e-9)
+        assert (rung.gap, rung.damping, rung.stiffness) == (pytest.approx(0.0, abs=1e-6), None, None)
+        assert rung.limit_fraction == pytest.approx(1.0, rel=1e-9)
+        force = port.matched_force * waves.amplitude
+        assert rung.force_rms == pytest.approx(np.linalg.norm(force) / np.sqrt(2), rel=1e-9)
+
+
+def test_an_optimum_under_limits_takes_at_least_what_any_damper_within_them_takes():
+    """Dampers whose force and stroke keep the limits at every instant of the sea's period."""
+    time = np.linspace(0.0, 2 * np.pi / 0.05, 4001)
+    for number in range(5):
+        rng = np.random.default_rng(number)
+        waves = sea_of_period(rng)
+        port, within, turning = oscillator(waves.omega), [], np.exp(-1j * np.outer(time, waves.omega))
+        free = np.abs((turning @ (port.velocity * waves.amplitude / (-1j * waves.omega))).real).max()
+        limits = Limits(0.3 * rng.uniform(0.5, 2.0), 1.02 * free, 0.05, 3.0)
+        rung = constrained_rung("A", "w", waves, oscillator, limits)
+        for damper in np.geomspace(1e-3, 1e2, 60):
+            velocity = port.velocity_under(port.load(damper)) * waves.amplitude
+            force, stroke = (turning @ (damper * velocity)).real, (turning @ (velocity / (-1j * waves.omega))).real
+            if np.abs(force).max() <= limits.force and np.abs(stroke).max() <= limits.stroke:
+                within.append(waves.mean_of(port.power(damper)))
+        assert len(within) > 5
+        assert rung.power_mean >= max(within) * (1 - 1e-6)
+        assert rung.gap <= 1e-6
+        assert rung.power_mean < waves.mean_of(port.matched_power)
+        assert rung.force_peak <= limits.force * (1 + 1e-8)
+        assert rung.note.startswith("between the instants limits are exceeded by up to ")
+
+
+@pytest.mark.parametrize(
+    ("limits", "omega", "wrong"),
+    [
+        (
+            Limits(1e-6, 1e-6, 0.05, 3.0),
+            0.05 * np.arange(12, 30),
+            r"no force within force_limit keeps stroke_limit in ",
+        ),
+        (Limits(1.0, 1.0, 0.05, 3.0), np.array([1.0, 1.013, 1.1]), r"which never repeat"),
+        (
+            Limits(1.0, 1.0, 0.001, 3.0),
+            0.001 * np.arange(500, 502),
+            r"a force of 3000 harmonics has no optimum in .* 1024",
+        ),
+    ],
+)
+def test_an_optimum_that_is_not_known_is_a_row_that_says_why(limits, omega, wrong):
+    rung = constrained_rung("A", "w", Sea(omega, np.ones(len(omega), dtype=complex)), oscillator, limits)
+    assert re.search(wrong, rung.note)
+    assert rung[3:-1] == (None,) * 8
+    (check,) = constrained_checks([rung])
+    assert (check.verdict, check.design, check.wave) == ("doubt", "A", "w")
+    assert check.explanation == f"no optimum: {rung.note}"
+    assert as_csv([rung]).splitlines()[1] == "A,w,constrained,,,,,,,,"
+
+
+def test_the_proof_of_an_optimum_stands_in_the_ledger():
+    rung = constrained_rung("A", "w", sea_of_period(np.random.default_rng(1)), oscillator, Limits(0.2, 1e6, 0.05, 3.0))
+    (check,) = constrained_checks([rung])
+    assert (check.value, check.limit, check.verdict) == (rung.gap, 1e-6, "ok")
+    assert constrained_checks([rung._replace(gap=2e-6)])[0].verdict == "doubt"
+
+
+def test_no_take_off_gets_anything_at_a_port_that_cannot_move():
+    def still(omega):
+        return Port(omega, np.zeros(len(omega), dtype=complex), np.zeros(len(omega), dtype=complex), 0.0)
+
+    rung = constrained_rung("A", "w", sea_of_period(np.random.default_rng(1)), still, Limits(0.2, 1.0, 0.05, 3.0))
+    assert (rung.power_mean, rung.limit_fraction, rung.note) == (0.0, None, "waves do not move this port")

@@ -18,6 +18,7 @@ from vsb.report.tuned import (
     NO_BEST_DAMPER,
     TUNING,
     dampers_in_words,
+    limited_statements,
     shares_text,
     tuned_statements,
     tuning_table,
@@ -99,6 +100,7 @@ class Report:
     irregular: Sequence[str] = ()  # labels of irregular seas
     statistics: Sequence[dict[str, Any]] = ()  # of irregular seas, realisations together
     equal_tuning: Sequence[dict[str, Any]] = ()  # designs at their own best dampers; empty without BEM
+    within_limits: Sequence[dict[str, Any]] = ()  # optima under limits, where the take-off has some
 
 
 PUBLISHED = {
@@ -336,7 +338,10 @@ def render(report: Report) -> str:
     ]
     return environment.get_template("report.html.j2").render(
         study=report.study["study"],
-        answer=tuned_statements(tuned, report.reference, report.seas) if response is not None else [NO_BEST_DAMPER],
+        answer=[
+            *(tuned_statements(tuned, report.reference, report.seas) if response is not None else [NO_BEST_DAMPER]),
+            *limited_statements(report.within_limits, report.reference, report.seas),
+        ],
         seas=[
             *sea_statements(
                 [row for row in report.rows if row["wave"] not in irregular],

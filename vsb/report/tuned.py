@@ -50,6 +50,28 @@ def tuned_statements(lines: Sequence[dict[str, Any]], reference: str | None, sea
     return statements
 
 
+def limited_statements(lines: Sequence[dict[str, Any]], reference: str | None, seas: dict[str, str]) -> list[str]:
+    """Return, for each sea, what the designs take at most within the limits of force and stroke.
+
+    Parameters
+    ----------
+    lines : sequence of dict
+        Of `vsb.results.equal_tuning.Limited`.
+    reference, seas
+        See `tuned_statements`.
+    """
+    statements = []
+    for name in dict.fromkeys(line["sea"] for line in lines):
+        parts = []
+        for line in (line for line in lines if line["sea"] == name):
+            known = line["gain_percent"] is not None and line["design"] != reference
+            parts.append(
+                f"{line['design']} {line['power']:.4g} W" + (f" ({line['gain_percent']:+.1f} %)" if known else "")
+            )
+        statements.append(f"In {seas[name]}, no take-off within its limits absorbs more than: {', '.join(parts)}.")
+    return statements
+
+
 def _gain(line: dict[str, Any], base: dict[str, Any]) -> str:
     """How a design stands against the reference at equal tuning, in words."""
     gain, rigid = line["best_gain_percent"], f"the rigid {base['design']}"

@@ -34,7 +34,7 @@ class Tuned(NamedTuple):
 
 def equal_tuning(study: Study, rungs: Sequence[Rung]) -> list[Tuned]:
     """Return one line per sea and design, from the ladder of a study."""
-    seas = {wave.label: wave.family if isinstance(wave, IrregularSea) else wave.label for wave in study.waves}
+    seas = _sea_of(study)
     found: list[Tuned] = []
     for sea in dict.fromkeys(seas[rung.wave] for rung in rungs):
         here = [rung for rung in rungs if seas[rung.wave] == sea]
@@ -49,14 +49,40 @@ def equal_tuning(study: Study, rungs: Sequence[Rung]) -> list[Tuned]:
     return found
 
 
+class Limited(NamedTuple):
+    """What no take-off within the limits of force and stroke can exceed, all realisations of a sea together."""
+
+    design: str
+    sea: str
+    power: float  # [W]
+    gain_percent: float | None
+
+
+def within_limits(study: Study, rungs: Sequence[Rung]) -> list[Limited]:
+    """Return one line per sea and design whose optimum under limits is known in all realisations."""
+    found = []
+    for sea in dict.fromkeys(_sea_of(study)[rung.wave] for rung in rungs):
+        here = [rung for rung in rungs if rung.rung == "constrained" and _sea_of(study)[rung.wave] == sea]
+        unknown = {rung.design for rung in here if rung.power_mean is None}
+        powers = {d: p for d, (_, p) in _means(here, "constrained").items() if d not in unknown}
+        over = gains(powers, study.reference_design if study.reference_design in powers else None)
+        found += [Limited(design, sea, power, over[design]) for design, power in powers.items()]
+    return found
+
+
+def _sea_of(study: Study) -> dict[str, str]:
+    """Label of a wave -> name of its sea, one for all realisations."""
+    return {wave.label: wave.family if isinstance(wave, IrregularSea) else wave.label for wave in study.waves}
+
+
 def _means(rungs: Sequence[Rung], name: str) -> dict[str, tuple[float | None, float]]:
     """Damper and power of a rung by design, means over the realisations of a sea."""
     of_design: dict[str, list[Rung]] = {}
     for rung in rungs:
-        if rung.rung == name:
+        if rung.rung == name and rung.power_mean is not None:
             of_design.setdefault(rung.design, []).append(rung)
     dampers = {d: [rung.damping for rung in found if rung.damping is not None] for d, found in of_design.items()}
-    powers = {d: float(np.mean([rung.power_mean for rung in found])) for d, found in of_design.items()}
+    powers = {d: float(np.mean([rung.power_mean or 0.0 for rung in found])) for d, found in of_design.items()}
     return {d: (float(np.mean(dampers[d])) if dampers[d] else None, power) for d, power in powers.items()}
 
 

@@ -2,11 +2,16 @@
 
 import csv
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
+from vsb.errors import ConfigError, VsbError
+from vsb.hydro.database import Check, check_at_most
+from vsb.motion.constrained import optimum_in_sea
+from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import Port, port_direction
 from vsb.motion.tuning import IntArray, Load, best_dampers, best_pairs, frequencies, mean_power, squares
 from vsb.scenes.build import linear_buoy
@@ -21,6 +26,11 @@ RUNGS = ("fixed", "best_damper", "best_damper_all_seas", "best_spring_damper", "
 """Each takes no less of a sea than those before it, but a damper for all seas no more than the best one."""
 INSTANTS = 8
 """Instants at which peaks are looked for, per shortest period of a sea."""
+MOST_HARMONICS = 1024
+"""Of the force of an optimum under limits: seconds of work and a tenth of a gigabyte."""
+STILL = "waves do not move this port"
+GAP = 1e-6
+"""Of an optimum under limits, as a part of its bound [-]."""
 
 
 class Rung(NamedTuple):
@@ -31,12 +41,17 @@ class Rung(NamedTuple):
     rung: str
     damping: float | None  # [N s/m]
     stiffness: float | None  # [N/m]
-    power_mean: float  # [W]
+    power_mean: float | None  # [W]; this and the next are none where an optimum under limits is not known
     limit_fraction: float | None  # of the matched power [-]
-    force_rms: float  # [N]
-    force_peak: float  # of the realisation [N]
-    stroke_peak: float  # likewise, from rest [m]
+    force_rms: float | None  # [N]
+    force_peak: float | None  # of the realisation [N]
+    stroke_peak: float | None  # likewise, from rest [m]
     gap: float | None  # by which a better one is not ruled out, of a constrained optimum [-]
+    note: str = ""  # why there is no optimum under limits, or what its limits are kept to
+
+
+COLUMNS = Rung._fields[:-1]
+"""Of `ladder.csv`."""
 
 
 class Given(NamedTuple):
@@ -45,6 +60,15 @@ class Given(NamedTuple):
     damping: float | None
     stiffness: float = 0.0
     efficiency: float = 1.0
+
+
+class Limits(NamedTuple):
+    """Limits of a take-off, and the band its force may be of."""
+
+    force: float  # [N]
+    stroke: float  # [m]
+    lowest: float  # [rad/s]
+    highest: float
 
 
 def linear_rungs(port: Port, waves: FloatArray, families: Sequence[int], given: Given) -> dict[str, Load]:
@@ -122,18 +146,70 @@ def study_ladder(study: Study, database: str) -> list[Rung]:
         Path of its hydro database.
     """
     buoy, basis = linear_buoy(study, database)
+    pto, hydro = study.pto, study.hydro
     waves = [wave for wave in study.waves if not isinstance(wave, StillWater)]
     if not waves:
         return []
-    seas = {wave.label: sea(wave, study.hydro.omega_max, study.simulation.duration) for wave in waves}
+    seas = {wave.label: sea(wave, hydro.omega_max, study.simulation.duration) for wave in waves}
     names = [wave.family if isinstance(wave, IrregularSea) else wave.label for wave in waves]
     families = [names.index(name) for name in dict.fromkeys(names)]
     direction = port_direction(study.pto.port, DeformedShell(basis, study.centre_height))
-    omega = frequencies(list(seas.values()))
-    ports = {design: buoy.port(omega, design_motions(study, basis, design), direction) for design in study.designs}
-    pto = study.pto
+    omega, motions = frequencies(list(seas.values())), {d: design_motions(study, basis, d) for d in study.designs}
+    ports = {design: buoy.port(omega, free, direction) for design, free in motions.items()}
     given = {design: Given(pto.damper(design), pto.stiffness, pto.efficiency) for design in study.designs}
-    return ladder(ports, seas, families, given, study.simulation.duration)
+    rungs = ladder(ports, seas, families, given, study.simulation.duration)
+    if not pto.limited:
+        return rungs
+    limits = Limits(pto.force_limit, pto.stroke_limit, float(buoy.database.omega[0]), hydro.omega_max)
+    for design, free in motions.items():
+        seen = partial(buoy.port, motions=free, direction=direction)
+        rungs += [constrained_rung(design, label, waves, seen, limits) for label, waves in seas.items()]
+    designs, labels = list(motions), list(seas)
+    return sorted(rungs, key=lambda r: (designs.index(r.design), labels.index(r.wave), RUNGS.index(r.rung)))
+
+
+def constrained_rung(design: str, label: str, sea: Sea, seen: Callable[[FloatArray], Port], limits: Limits) -> Rung:
+    """Return what no take-off within limits can exceed in a sea, or why that is not known.
+
+    Parameters
+    ----------
+    design, label : str
+    sea : Sea
+    seen : callable
+        Frequencies -> port of the design.
+    limits : Limits
+    """
+    named = (design, label, "constrained", None, None)
+    try:
+        harmonics = Harmonics.of_sea(sea.omega, limits.lowest, limits.highest)
+        if harmonics.count > MOST_HARMONICS:
+            raise ConfigError(
+                f"a force of {harmonics.count} harmonics has no optimum in reasonable time, needs at most "
+                f"{MOST_HARMONICS}; lower simulation.duration or hydro.omega_max"
+            )
+        port = seen(harmonics.omega)
+        if not port.moves:
+            return Rung(*named, 0.0, None, 0.0, 0.0, 0.0, 0.0, STILL)
+        best = optimum_in_sea(port, sea, harmonics, limits.force, limits.stroke)
+    except VsbError as error:
+        return Rung(*named, None, None, None, None, None, None, str(error))
+    at = np.rint(sea.omega / harmonics.spacing - harmonics.first).astype(int)
+    matched = sea.mean_of(port.matched_power[at])
+    note = f"between the instants limits are exceeded by up to {100 * best.excess:.2g} %"
+    return Rung(*named, best.power, best.power / matched, *best[4:7], best.gap, note)
+
+
+def constrained_checks(rungs: Sequence[Rung]) -> list[Check]:
+    """Return how far each optimum under limits is from its proof; in doubt where there is none."""
+    checks = []
+    for rung in (rung for rung in rungs if rung.rung == "constrained"):
+        where = {"design": rung.design, "wave": rung.wave}
+        if rung.gap is None:
+            checks.append(Check("constrained", 1.0, GAP, "-", "doubt", f"no optimum: {rung.note}", **where))
+        else:
+            text = f"distance of the optimum under limits from the bound that proves it; {rung.note}"
+            checks.append(check_at_most("constrained", rung.gap, GAP, "-", text, doubt=True, **where))
+    return checks
 
 
 def _phasors(port: Port, at: IntArray, loads: Sequence[Load], sea: Sea) -> tuple[ComplexArray, ComplexArray]:
@@ -159,6 +235,7 @@ def as_csv(rungs: Sequence[Rung]) -> str:
     """Return the ladder as CSV; an empty cell is a quantity that does not exist, as of a port that cannot move."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(Rung._fields)
-    writer.writerows(["" if v is None else f"{v:.12g}" if isinstance(v, float) else v for v in rung] for rung in rungs)
+    writer.writerow(COLUMNS)
+    rows = (rung[: len(COLUMNS)] for rung in rungs)
+    writer.writerows(["" if v is None else f"{v:.12g}" if isinstance(v, float) else v for v in row] for row in rows)
     return text.getvalue()

@@ -7,15 +7,15 @@ from typing import Any, NamedTuple
 from vsb.hydro.database import Check
 from vsb.results import comparison, ledger
 from vsb.results import statistics as irregular
-from vsb.results.equal_tuning import Tuned, equal_tuning, fair_damping_checks
-from vsb.results.ladder import study_ladder
+from vsb.results.equal_tuning import Limited, Tuned, equal_tuning, fair_damping_checks, within_limits
+from vsb.results.ladder import Rung, constrained_checks
 from vsb.scenes.rest import reference_shell
 from vsb.shell.modes import ModeBasis
 from vsb.stages.inputs import Inputs
 from vsb.study.specs import CompareSpec
 from vsb.study.study import IrregularSea, Wave, canonical
 from vsb.tools.files import write_text
-from vsb.tools.stamps import record
+from vsb.tools.stamps import read_text, record
 from vsb.waves.seas import NO_WAVES, sea
 
 
@@ -32,6 +32,7 @@ def run(
     radiation: str = "",
     response: str = "",
     witness: str = "",
+    rungs: str = "",
 ) -> None:
     """Write the comparison table, statistics of irregular seas, the validity ledger and the study in canonical form.
 
@@ -47,13 +48,15 @@ def run(
     checks += ledger.transient_checks(runs, rows)
     lines: list[irregular.Line] = []
     tuned: list[Tuned] = []
+    limited: list[Limited] = []
     if compared.needs_bem:
         lines = irregular.statistics(compared, {run: kept for one in met for run, kept in one.samples.items()})
         checks += ledger.linear_ledger(compared, found.database, found.radiation, found.response, rows, runs)
         checks += ledger.witness_checks(compared, found.database, found.witness)
         checks += irregular.statistical_checks(compared, lines)
-        tuned = equal_tuning(compared, study_ladder(compared, database))
-        checks += fair_damping_checks(tuned)
+        ladder = [Rung(**row) for row in json.loads(read_text(rungs, manifest, found.plan.ladder_id))]
+        tuned, limited = equal_tuning(compared, ladder), within_limits(compared, ladder)
+        checks += [*fair_damping_checks(tuned), *constrained_checks(ladder)]
     else:
         checks += ledger.assumed_pressure_checks(compared, rows)
     checks = ledger.worst_first(checks)
@@ -65,6 +68,7 @@ def run(
         "comparison": rows,
         "statistics": [line._asdict() for line in lines],
         "equal_tuning": [line._asdict() for line in tuned],
+        "within_limits": [line._asdict() for line in limited],
         "checks": [asdict(check) for check in checks],
     }
     write_text(tables, json.dumps(data, indent=1, allow_nan=False) + "\n")

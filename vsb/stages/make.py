@@ -115,11 +115,13 @@ def _coefficients(plan: StudyPlan) -> Iterator[Job]:
     """The hydro database, and what follows from it alone."""
     stored, radiation = plan.database_path, plan.radiation_path
     response, ladder = plan.response_files["response"], f"{plan.folder}/ladder.csv"
+    rungs = plan.ladder_files["rungs"]
     blocks, read = tuple(map(plan.block_path, plan.bem_blocks.values())), {"database": stored}
     yield Job("database", plan.database, {"blocks": plan.block_folder, "out": stored}, (stored,), blocks)
     yield Job("radiation", plan.radiation, {**read, "out": radiation}, (radiation,), (stored,))
     yield Job("response", plan.response, {**read, "out": response}, (response,), (stored,))
-    yield Job("ladder", plan.ladder, {**read, "out": ladder, "manifest": plan.manifest}, (ladder,), (stored,))
+    climbed = {**read, "out": ladder, "rungs": rungs, "manifest": plan.manifest}
+    yield Job("ladder", plan.ladder, climbed, (ladder, rungs), (stored,))
 
 
 def _runs(plan: StudyPlan) -> Iterator[Job]:
@@ -145,7 +147,8 @@ def _answers(plan: StudyPlan) -> Iterator[Job]:
         "study": f"{folder}/study.json",
         "tables": f"{folder}/tables.json",
     }
-    yield Job("compare", plan.comparison, files | tables, tuple(tables.values()), read)
+    rungs = plan.ladder_files
+    yield Job("compare", plan.comparison, files | rungs | tables, tuple(tables.values()), (*read, *rungs.values()))
     figures = tuple(f"{folder}/figures/{name}.svg" for name in figure_names(study))
     yield Job("figures", study, {**files, "modes": modes, "out": f"{folder}/figures"}, figures, (*read, modes))
     report, drawn = f"{folder}/report.html", {"tables": tables["tables"], "figures": f"{folder}/figures"}

@@ -48,6 +48,7 @@ def run(
         irregular=[wave.label for waves in families(study).values() for wave in waves],
         statistics=found["statistics"],
         equal_tuning=found["equal_tuning"],
+        within_limits=found["within_limits"],
         checks=found["checks"],
         response=stored.response if study.needs_bem else None,
         reference=study.reference_design,

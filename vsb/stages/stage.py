@@ -67,14 +67,14 @@ STAGES = (
     Stage("database", "hydro database from blocks", specs.DatabaseSpec, ("blocks", "out")),
     Stage("radiation", "radiation model", specs.RadiationSpec, ("database", "out")),
     Stage("response", "frequency response", specs.ResponseSpec, ("database", "out")),
-    Stage("ladder", "power under ever better take-offs", specs.LadderSpec, ("database", "out", "manifest")),
+    Stage("ladder", "power under ever better take-offs", specs.LadderSpec, ("database", "out", "rungs", "manifest")),
     Stage("simulate", "one design in one sea", specs.SimulateSpec, ("out",), BEM_FILES[:2]),
     Stage(
         "compare",
         "comparison and validity",
         specs.CompareSpec,
         ("trajectories", "out", "statistics", "validity", "study", "tables", "manifest"),
-        BEM_FILES,
+        (*BEM_FILES, "rungs"),
     ),
     Stage("figures", "all figures", Study, ("modes", "trajectories", "out", "manifest"), BEM_FILES),
     Stage(

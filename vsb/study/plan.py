@@ -189,7 +189,7 @@ class StudyPlan(HydroPlan):
         own[f"{self.folder}/modes.nc"] = content_id(self.modes)
         if self.study.needs_bem:
             own |= dict.fromkeys(self.response_files.values(), self.response_id)
-            own[f"{self.folder}/ladder.csv"] = self.ladder_id
+            own |= dict.fromkeys((f"{self.folder}/ladder.csv", *self.ladder_files.values()), self.ladder_id)
         own |= dict.fromkeys(self.display_paths, content_id(self.display))
         files = [*self.products, *map(self.block_path, blocks), *meshes]
         return {path: own.get(path) or self._named_id(path) for path in files}
@@ -291,6 +291,7 @@ class StudyPlan(HydroPlan):
             *self.hydro_files.values(),
             *self.response_files.values(),
             *([f"{self.folder}/ladder.csv"] if self.study.needs_bem else []),
+            *self.ladder_files.values(),
             *self.witness_files.values(),
             *self.deformed_paths,
             *self.display_paths,
@@ -305,6 +306,11 @@ class StudyPlan(HydroPlan):
     def response_files(self) -> dict[str, str]:
         """The frequency response, by the option that names it; none without BEM."""
         return {"response": f"{self.folder}/response.nc"} if self.study.needs_bem else {}
+
+    @property
+    def ladder_files(self) -> dict[str, str]:
+        """The tuning ladder with all digits, by the option that names it; none without BEM."""
+        return {"rungs": f"{self.folder}/ladder.json"} if self.study.needs_bem else {}
 
     @property
     def witness_files(self) -> dict[str, str]:

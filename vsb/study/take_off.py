@@ -98,9 +98,14 @@ class Pto(Section):
     stroke_limit: Limit = math.inf
 
     @property
+    def limited(self) -> bool:
+        """Whether its force or its stroke has a limit."""
+        return self.force_limit < math.inf or self.stroke_limit < math.inf
+
+    @property
     def switches(self) -> bool:
         """Whether its force in time is not that of a damper alone."""
-        return self.law != "linear" or self.force_limit < math.inf or self.stroke_limit < math.inf
+        return self.law != "linear" or self.limited
 
     @property
     def idle(self) -> bool:

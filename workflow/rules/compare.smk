@@ -12,6 +12,7 @@ rule compare:
         **PLAN.hydro_files,
         **PLAN.response_files,
         **PLAN.witness_files,
+        **PLAN.ladder_files,
         trajectories=TRAJECTORIES,
     output:
         table=f"{PLAN.folder}/comparison.csv",
@@ -27,7 +28,7 @@ rule compare:
         mem_mb=PLAN.study_megabytes,
     params:
         spec=canonical(PLAN.comparison),
-        hydro=HYDRO,
+        hydro=" ".join([HYDRO, options(PLAN.ladder_files)]),
         manifest=PLAN.manifest,
         trajectories=subpath(
             lambda wildcards, input: input.trajectories[0], parent=True

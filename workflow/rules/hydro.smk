@@ -67,7 +67,8 @@ rule ladder:
     input:
         PLAN.database_path,
     output:
-        f"{PLAN.folder}/ladder.csv",
+        **PLAN.ladder_files,
+        table=f"{PLAN.folder}/ladder.csv",
     log:
         f"{ROOT}/logs/ladder/{STUDY.study}.log",
     conda:
@@ -76,4 +77,5 @@ rule ladder:
         spec=canonical(PLAN.ladder),
         manifest=PLAN.manifest,
     shell:
-        "vsb ladder --database {input} --out {output} --manifest {params.manifest} <<< {params.spec:q} > {log} 2>&1"
+        "vsb ladder --database {input} --out {output.table} --rungs {output.rungs} --manifest {params.manifest}"
+        " <<< {params.spec:q} > {log} 2>&1"
