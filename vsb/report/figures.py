@@ -59,7 +59,7 @@ def absorbed_power(data: StudyData) -> Figure:
 def reactance(data: StudyData) -> Figure:
     """Draw Q = |X|/R of each design's impedance over the band, and the share of the limit its best damper takes."""
     impedance = data.response.port_impedance
-    quality = np.abs(impedance.imag) / impedance.real
+    quality = np.abs(impedance.imag) / impedance.real.where(impedance.real > 0)
     figure, axes = grid_of_axes(4.6, 2, 1, sharex=True)
     top, bottom = axes[:, 0]
     for design in data.designs:
@@ -67,7 +67,8 @@ def reactance(data: StudyData) -> Figure:
         top.plot(q.omega, q, **line)
         bottom.plot(q.omega, 2 / (1 + np.sqrt(1 + q**2)), **line)
     shown = quality.where(_shown(data))
-    top.set(ylabel="Q = |X|/R [-]", yscale="log", ylim=(0.05, 1.5 * float(shown.max())))
+    largest = max(0.1, float(shown.max().fillna(0.0)))
+    top.set(ylabel="Q = |X|/R [-]", yscale="log", ylim=(0.05, 1.5 * largest))
     top.set_xlim(LOWEST, _band_end(data))
     bottom.set(xlabel="wave frequency [rad/s]", ylabel="best damper's share\n2/(1 + √(1 + Q²)) [-]", ylim=(0, 1.02))
     _period_axis(top)
@@ -133,9 +134,10 @@ def _limit_gain(data: StudyData, powers: Iterable[xr.DataArray], ax: Axes) -> No
     """Give axes of gains their label, and bounds that show all gains of some powers."""
     if data.reference is None or len(data.designs) < 2:
         return
-    shown = [power.where(_shown(data) & useful_band(power)) for power in powers]
+    moved = [power for power in powers if float(power.sel(design=data.reference).max()) > 0]
+    shown = [power.where(_shown(data) & useful_band(power)) for power in moved]
     gains = [100 * (power / power.sel(design=data.reference) - 1) for power in shown]
-    low, high = (float(f([f(gain) for gain in gains])) for f in (np.nanmin, np.nanmax))
+    low, high = (float(f([0.0, *(f(gain) for gain in gains)])) for f in (np.nanmin, np.nanmax))
     ends = float(np.clip(1.15 * low, -100, -20)), float(np.clip(1.15 * high, 20, 250))
     ax.set(ylabel=f"gain over {data.reference} [%]", ylim=ends)
 

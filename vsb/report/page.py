@@ -153,6 +153,8 @@ def band_statements(absorbed: xr.DataArray, reference: str | None) -> list[str]:
         return ["No design absorbs power: the study has no power take-off damping."]
     if absorbed.sizes["design"] < 2:
         return [f"{reference} is the only design of this study, so there is no gain to give."]
+    if not float(absorbed.sel(design=reference).max()) > 0:
+        return [f"{reference} does not move this port, so no gain can be given."]
     useful = _useful(absorbed)
     omega, base = useful.omega.values, useful.sel(design=reference).values
     statements = []

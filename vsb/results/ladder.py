@@ -12,10 +12,9 @@ from vsb.errors import ConfigError, VsbError
 from vsb.hydro.database import Check, check_at_most
 from vsb.motion.constrained import optimum_in_sea
 from vsb.motion.harmonics import Harmonics
-from vsb.motion.port import Port, port_direction
+from vsb.motion.port import Port
 from vsb.motion.tuning import IntArray, Load, best_dampers, best_pairs, frequencies, mean_power, squares
-from vsb.scenes.build import linear_buoy
-from vsb.shell.deformed import DeformedShell
+from vsb.scenes.build import linear_buoy, study_port
 from vsb.shell.modes import design_motions
 from vsb.study.study import IrregularSea, StillWater, Study
 from vsb.tools.units import ComplexArray, FloatArray
@@ -153,7 +152,7 @@ def study_ladder(study: Study, database: str) -> list[Rung]:
     seas = {wave.label: sea(wave, hydro.omega_max, study.simulation.duration) for wave in waves}
     names = [wave.family if isinstance(wave, IrregularSea) else wave.label for wave in waves]
     families = [names.index(name) for name in dict.fromkeys(names)]
-    direction = port_direction(study.pto.port, DeformedShell(basis, study.centre_height))
+    direction = study_port(study, buoy, basis)
     omega, motions = frequencies(list(seas.values())), {d: design_motions(study, basis, d) for d in study.designs}
     ports = {design: buoy.port(omega, free, direction) for design, free in motions.items()}
     given = {design: Given(pto.damper(design), pto.stiffness, pto.efficiency) for design in study.designs}

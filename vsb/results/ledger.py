@@ -15,10 +15,12 @@ from vsb.hydro.database import Check, check_at_most, stored_checks
 from vsb.hydro.dofs import flexible
 from vsb.integrators.simulate import CONVOLVED
 from vsb.motion.frequency import LinearBuoy
+from vsb.motion.port import port_direction
 from vsb.motion.pto import LinearPto
 from vsb.results.comparison import Row, Runs
 from vsb.results.power import damper_of, power_response
 from vsb.scenes.rest import computed_buckling, loaded_shell, reference_shell
+from vsb.shell.deformed import DeformedShell
 from vsb.shell.loaded import ElasticShell, viable_pressure
 from vsb.shell.modes import ModeBasis, design_motions, mode_basis, study_basis
 from vsb.shell.rest import ReferenceShell
@@ -247,7 +249,8 @@ def bending_checks(study: Study, database: xr.Dataset, runs: Attributes) -> list
         for design in (name for name, d in study.designs.items() if d.flexible):
             powers, damper = [], damper_of(study, design, runs[design, wave.label])
             for ds, basis in ((database, old), (wider, full)):
-                buoy = LinearBuoy(ds, basis.damping, LinearPto(damper, study.pto.stiffness))
+                port = port_direction(study.pto.port, DeformedShell(basis, study.centre_height))
+                buoy = LinearBuoy(ds, basis.damping, LinearPto(damper, study.pto.stiffness, port))
                 powers.append(buoy.absorbed_power(at, buoy.rao(at, design_motions(study, basis, design)))[0])
             before, after = map(plain, powers)
             checks.append(

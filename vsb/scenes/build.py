@@ -56,6 +56,16 @@ def linear_buoy(study: Study, database_path: str) -> tuple[LinearBuoy, ModeBasis
     return LinearBuoy(ds, basis.damping, LinearPto(0.0)), basis
 
 
+def rest_shape(study: Study, buoy: LinearBuoy, basis: ModeBasis) -> DeformedShell:
+    """Return the shell a linear buoy moves about."""
+    return DeformedShell(basis, study.centre_height, buoy.database.reference_amplitude.values)
+
+
+def study_port(study: Study, buoy: LinearBuoy, basis: ModeBasis) -> FloatArray:
+    """Return b of the take-off of a study, shape (dof,); see `vsb.motion.port.port_direction`."""
+    return port_direction(study.pto.port, rest_shape(study, buoy, basis))
+
+
 def linear_design(study: Study, paths: dict[str, Any], seas: Sequence[Wave] = ()) -> DesignInSea:
     """Return the scene of linear hydrodynamics about the mean shape."""
     at = _from_bem(study, paths, seas)
@@ -103,7 +113,7 @@ def _from_bem(study: Study, paths: dict[str, Any], seas: Sequence[Wave]) -> _Fro
     ds = load(paths["radiation"], expected=Path(paths["radiation"]).stem)
     model = RadiationModel(ds.state_matrix.values, ds.input_matrix.values, ds.channel.values)
     waves, *others = (sea(w, study.hydro.omega_max, study.simulation.duration) for w in (wave, *seas))
-    shape = DeformedShell(basis, study.centre_height, bare.database.reference_amplitude.values)
+    shape = rest_shape(study, bare, basis)
     motions, port = design_motions(study, basis, design), port_direction(study.pto.port, shape)
     pto = linear_take_off(study.pto, design, bare, motions, port, others or [waves])
     notes = {} if study.pto.tuning == "fixed" else {TUNED: float(pto.damping)}

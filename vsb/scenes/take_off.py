@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from vsb.errors import ConfigError
-from vsb.motion.frequency import LinearBuoy
+from vsb.motion.frequency import LinearBuoy, allowed_part
 from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.take_off import EndStop, TakeOff
@@ -78,6 +78,8 @@ def with_take_off(scene: Scene, pto: Pto, linear: LinearPto) -> Scene:
     if not pto.switches:
         return scene
     port = linear.direction(len(scene.labels))
+    if not allowed_part(port, scene.motions).any():
+        return scene  # nothing there moves
     forces = {**scene.forces, scene.take_off: LAWS[pto.law](pto, port, float(linear.damping))}
     if pto.stroke_limit < np.inf:
         forces["end_stop"] = end_stop(scene, port, pto.stroke_limit)

@@ -6,18 +6,24 @@ import numpy as np
 import xarray as xr
 
 from vsb.motion import frequency as response
-from vsb.motion.port import port_direction
 from vsb.motion.pto import LinearPto
-from vsb.scenes.build import linear_buoy
-from vsb.shell.deformed import DeformedShell
+from vsb.scenes.build import linear_buoy, study_port
 from vsb.shell.modes import design_motions
 from vsb.stages.stage import partial_study, stamp
 from vsb.study.specs import ResponseSpec
+from vsb.study.study import canonical
+from vsb.study.take_off import Pto
 from vsb.tools.files import save
 from vsb.waves.seas import power_limit
 
 TAKE_OFF = {True: "best_damping at each frequency", False: "the given damping"}
 """Whether tuning decides -> under what `rao` and `absorbed_power` are."""
+
+
+def port_in_words(pto: Pto) -> str:
+    """Return what the take-off acts on; of the volume, whose impedance is no mechanical one, with its units."""
+    units = ": pressure against volume flow, impedance in Pa s/m^3, velocity in m^2/s" if pto.port == "volume" else ""
+    return canonical(pto.port).strip('"') + units
 
 
 def run(spec: ResponseSpec, database: str, out: str) -> None:
@@ -30,7 +36,7 @@ def run(spec: ResponseSpec, database: str, out: str) -> None:
     bare, basis = linear_buoy(study, database)
     omega = response.frequency_grid(spec.step, spec.lowest, spec.omega_max, spec.omega)
     pto = study.pto
-    direction = port_direction(pto.port, DeformedShell(basis, study.centre_height))
+    direction = study_port(study, bare, basis)
     rao, power, wet, ports, best = [], [], [], [], []
     for design in study.designs:
         motions, damper = design_motions(study, basis, design), pto.damper(design)
@@ -64,7 +70,7 @@ def run(spec: ResponseSpec, database: str, out: str) -> None:
                 "dof": list(basis.labels),
                 "wet_design": ("wet_mode", list(designs)),
             },
-            attrs={"take_off": TAKE_OFF[pto.damping is None], **stamp(spec, database)},
+            attrs={"take_off": TAKE_OFF[pto.damping is None], "port": port_in_words(pto), **stamp(spec, database)},
         ),
         out,
     )

@@ -15,9 +15,8 @@ import xarray as xr
 from vsb.errors import ConfigError
 from vsb.hydro.database import load_database
 from vsb.motion.frequency import LinearBuoy
-from vsb.motion.port import Port, port_direction
-from vsb.scenes.build import SCENES, DesignInSea, linear_buoy
-from vsb.shell.deformed import DeformedShell
+from vsb.motion.port import Port
+from vsb.scenes.build import SCENES, DesignInSea, linear_buoy, study_port
 from vsb.shell.modes import ModeBasis, design_motions
 from vsb.stages.stage import partial_study
 from vsb.study.plan import StudyPlan
@@ -102,9 +101,7 @@ class Results:
         buoy, basis = self._buoy
         at = buoy.database.omega.values if omega is None else np.asarray(omega, dtype=float)
         motions = design_motions(self.study, basis, self._design(design))
-        return buoy.port(
-            at, motions, port_direction(self.study.pto.port, DeformedShell(basis, self.study.centre_height))
-        )
+        return buoy.port(at, motions, study_port(self.study, buoy, basis))
 
     @cached_property
     def _tables(self) -> dict[str, list[dict[str, Any]]]:
