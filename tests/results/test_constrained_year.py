@@ -1,0 +1,93 @@
+"""The year within limits of force and stroke, bin by bin."""
+
+import numpy as np
+import pytest
+from results.test_year import WATER, climate, port
+
+from vsb.errors import ConfigError
+from vsb.motion.harmonics import Harmonics
+from vsb.results.constrained_year import Limits, affordable, constrained_year
+from vsb.results.year import year
+
+SEAS = climate()
+HARMONICS = Harmonics(0.05, 4.0, 45)  # 0.2 to 2.4 rad/s
+PORT = port(HARMONICS.omega)
+
+
+def limited(limits, seconds=10.0, **changes):
+    return constrained_year(
+        **{"port": PORT, "climate": SEAS, "water": WATER, "harmonics": HARMONICS} | changes,
+        limits=limits,
+        seconds=seconds,
+    )
+
+
+def test_without_limits_it_is_the_matched_year():
+    """Matched power of every sea by itself, with no bins: power is linear in the spectrum."""
+    fine = Harmonics(0.005, 40.0, 441)
+    found = limited(Limits(), harmonics=fine, port=port(fine.omega), seconds=1e3)
+    inside = np.arange(0.25, 2.25, 0.001) + 0.0005
+    exact, band = port(inside).matched_power, np.searchsorted(SEAS.edges, inside) - 1
+    each = [2 * 0.001 * float(exact @ s[band]) for s in SEAS.density]
+    mean, low, high = found.annual_mean_power
+    assert mean == pytest.approx(float(np.dot(each, SEAS.hours)), rel=2e-3)
+    assert low == pytest.approx(mean, rel=1e-12)
+    assert high == pytest.approx(mean, rel=1e-5)
+    assert found.flux_share == pytest.approx(1.0)
+    assert found.reached.sum() == len(found.bins.occupied)
+
+
+def test_limits_take_power_and_dampers_take_less():
+    """Matched, two limits one tighter than the other; a damper of less force at all times takes less than the optimum."""
+    free, loose, tight = (limited(Limits(force=f)) for f in (np.inf, 3e4, 1e4))
+    powers = [one.annual_mean_power.mean for one in (free, loose, tight)]
+    assert powers[0] > powers[1] > powers[2] > 0
+    assert tight.force_rms < 1e4 < free.force_rms
+    assert max(optimum.force_peak for optimum in tight.optima) <= 1e4 * (1 + 1e-8)
+    assert 0 < tight.excess < 0.3
+
+
+def test_a_budget_brackets_the_rest():
+    whole, part = limited(Limits(force=2e4)), limited(Limits(force=2e4), seconds=0.05)
+    assert len(part.solved) == affordable(HARMONICS, 0.05) < len(whole.solved)
+    mean, low, high = part.annual_mean_power
+    assert low < whole.annual_mean_power.mean < high
+    assert low < mean < high
+    assert part.flux_share < 1
+    assert part.power_matrix[part.reached] == pytest.approx(whole.power_matrix[part.reached], rel=1e-12)
+    assert part.flux_share > len(part.solved) / len(whole.solved)  # those that bring most come first
+
+
+def test_the_budget_is_no_clock():
+    assert affordable(HARMONICS, 1e-9) == 1
+    assert affordable(HARMONICS, 2.0) == 2 * affordable(HARMONICS, 1.0)
+
+
+def test_seas_no_force_can_hold():
+    found = limited(Limits(force=1e2, stroke=0.05))
+    assert 0 < found.impossible <= 1
+    none = [optimum is None for optimum in found.optima]
+    assert found.impossible == pytest.approx(float(found.bins.share.ravel()[found.solved[none]].sum()))
+    assert np.all(found.power_matrix.ravel()[found.solved[none]] == 0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"port": port(HARMONICS.omega[:-1])}, r"received a port at 44 frequencies up to 2\.35 rad/s, needs the 45"),
+        ({"port": port(HARMONICS.omega + 0.01)}, r"up to 2\.41 rad/s, needs the 45 harmonics up to 2\.4 rad/s"),
+        (
+            {"harmonics": Harmonics(0.05, 20.0, 29), "port": port(Harmonics(0.05, 20.0, 29).omega)},
+            r"harmonics from 0\.975 to 2\.425 rad/s, which leave out .* of the variance of random seas, needs at most 1%",
+        ),
+    ],
+)
+def test_what_cannot_be_solved(changes, message):
+    with pytest.raises(ConfigError, match=message):
+        limited(Limits(), **changes)
+
+
+def test_a_best_damper_lies_below_the_matched_year_and_above_one_of_scarce_force():
+    free, scarce = limited(Limits()), limited(Limits(force=5e3))
+    damped = year({"A": PORT}, SEAS, WATER, ["each"]).annual_mean_power[0, 0]
+    assert scarce.annual_mean_power.mean < damped < free.annual_mean_power.mean
