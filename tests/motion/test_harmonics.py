@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from conftest import varied
+from scipy.linalg import hankel, toeplitz
 
 from vsb.errors import ConfigError
 from vsb.motion import constrained
@@ -39,9 +40,10 @@ def test_signals_products_and_adjoint_are_the_sums_they_stand_for(harmonics):
     w = rng.uniform(size=len(time))
     np.testing.assert_allclose(harmonics.signal(c), (c @ waves.conj()).real, atol=1e-12)
     np.testing.assert_allclose(harmonics.phasors(w), waves @ w, atol=1e-12)
-    toeplitz, hankel = harmonics.products(w)
-    np.testing.assert_allclose(toeplitz, (waves * w) @ waves.conj().T, atol=1e-11)
-    np.testing.assert_allclose(hankel, (waves * w) @ waves.T, atol=1e-11)
+    apart, together = harmonics.products(w)
+    n = harmonics.count
+    np.testing.assert_allclose(toeplitz(apart), (waves * w) @ waves.conj().T, atol=1e-11)
+    np.testing.assert_allclose(hankel(together[:n], together[n - 1 :]), (waves * w) @ waves.T, atol=1e-11)
     finer = (c @ np.exp(-1j * np.outer(harmonics.omega, instants(harmonics, 3 * harmonics.instants)))).real
     np.testing.assert_allclose(harmonics.signal(c, 3), finer, atol=1e-12)
 

@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from conftest import SEED, varied
 
+from benchmarks.hard_cases import hydro_files
 from vsb.integrators.settled import settled_power
-from vsb.integrators.simulate import simulate
+from vsb.integrators.simulate import legs, simulate
 from vsb.integrators.switching import switched
 from vsb.motion.constrained import constrained_optimum
 from vsb.motion.forces import Damper, Excitation, Spring
@@ -12,7 +14,9 @@ from vsb.motion.harmonics import Harmonics
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.motion.take_off import TakeOff
+from vsb.scenes.build import SCENES
 from vsb.scenes.pause import KNOWN, SETTLED, best_pause, best_pause_in_sea, windowed_power, with_pause
+from vsb.study import study as config
 from vsb.study.sections import Simulation
 from vsb.waves.seas import NO_WAVES, Sea
 
@@ -115,3 +119,30 @@ def test_a_maximum_is_found_within_what_is_stated(top):
 
 def test_still_water_needs_no_pause():
     assert best_pause_in_sea(scene(TakeOff(B, 2.0), NO_WAVES), NO_WAVES, SETTINGS) == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("model", ["linear", "body_exact"])
+def test_a_study_pauses_as_long_as_takes_most_of_its_sea_and_says_so(model, tmp_path_factory, monkeypatch):
+    monkeypatch.setattr("vsb.scenes.pause.SCANNED", 4)
+    monkeypatch.setattr("vsb.scenes.pause.KNOWN", 0.1)
+    study = varied(
+        config.load(SEED),
+        designs={"FSB": {"flexible": False}},
+        hydro={"model": model, "omega_max": 4.5, "tolerance": 1e-2},
+        pto={"damping": 8000.0, "law": "latching", "force_limit": 5e4, "stroke_limit": 1.5},
+        waves=[{"kind": "regular", "amplitude": 0.1, "period": 5.0}],
+        simulation={"initial_velocity": 0.0},
+    )
+    files = hydro_files(study, tmp_path_factory.getbasetemp() / "pause")
+    design = SCENES[model](study, files)
+    assert 0.5 < design.notes["pause"] < 1.5
+    assert design.scene.forces["pto"].pause == design.notes["pause"]
+    assert design.notes["pause_within"] == pytest.approx(0.25)
+    parts = list(legs(design.system, design.sea, study.simulation, None))
+    assert max(part.balance.residual for part in parts) < 1e-6
+    absorbed = np.diff(np.interp([50.0, 60.0], parts[-1].motion.time, parts[-1].energy["pto"]))[0] / 10.0
+    assert absorbed == pytest.approx(design.notes["pause_power"], rel=0.05)
+    free = settled_power(
+        System.of(with_pause(SCENES["linear"](varied(study, hydro={"model": "linear"}), files).scene, 0.0))
+    )
+    assert absorbed > 3 * free[0]

@@ -48,14 +48,29 @@ def test_limits_are_positive(seed, keys):
         varied(seed, pto=keys)
 
 
-@pytest.mark.parametrize("model", ["body_exact", "auto"])
-def test_a_model_that_cannot_follow_a_law_is_refused(seed, model):
+def test_a_model_that_cannot_follow_a_law_is_refused(seed):
     wrong = (
-        f"pto: received law saturated with force_limit 3000 N and stroke_limit inf m, which hydro.model '{model}' "
-        "cannot follow; needs hydro.model: linear, or law: linear without limits"
+        "pto: received law saturated with force_limit 3000 N and stroke_limit inf m, for which hydro.model 'auto' "
+        "cannot choose; needs hydro.model: linear or body_exact, or law: linear without limits"
     )
+    keys = {"law": "saturated", "force_limit": 3e3}
     with pytest.raises(ConfigError, match=wrong):
-        varied(seed, pto={"law": "saturated", "force_limit": 3e3}, hydro={"model": model})
+        varied(seed, pto=keys, hydro={"model": "auto"})
+    for model in ("linear", "body_exact"):
+        assert varied(seed, pto=keys, hydro={"model": model}).pto.law == "saturated"
+
+
+@pytest.mark.parametrize("law", ["latching", "declutching"])
+def test_laws_that_pause_need_no_limit_but_waves(seed, law):
+    study = varied(seed, pto={"law": law})
+    assert study.pto.pauses
+    assert study.pto.switches
+    assert canonical(study.pto) == f'{{"damping":8000.0,"law":"{law}"}}'
+    assert not seed.pto.pauses
+    with pytest.raises(
+        ConfigError, match=rf"pto.law '{law}': how long it pauses is found in waves, which hydro.model "
+    ):
+        varied(study, hydro={"model": "assumed_pressure", "pressure": 100.0})
 
 
 def test_a_method_that_cannot_follow_a_law_is_refused(seed):

@@ -15,7 +15,6 @@ exponentials it is a Toeplitz and a Hankel matrix, whose entries are one Fourier
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +23,7 @@ from scipy.linalg import cho_factor, cho_solve
 from vsb.errors import ConvergenceError, StabilityError
 from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import Port
+from vsb.tools.compiled import njit
 from vsb.tools.units import ComplexArray, FloatArray
 from vsb.waves.seas import Sea
 
@@ -48,12 +48,6 @@ class Limit:
         """Whether it is the force itself that is limited."""
         return bool(np.all(self.gain == 1)) and not self.offset.any()
 
-    @cached_property
-    def outer(self) -> tuple[ComplexArray | float, ComplexArray | float]:
-        """Products of the gains of two harmonics: conj(g_k) g_l and conj(g_k g_l); 1 of the force itself."""
-        back = self.gain.conj()
-        return (1.0, 1.0) if self.plain else (np.outer(back, self.gain), np.outer(back, back))
-
 
 class ConstrainedOptimum(NamedTuple):
     """The best force within limits, its power, and the bound that proves it."""
@@ -72,6 +66,30 @@ class ConstrainedOptimum(NamedTuple):
     def gap(self) -> float:
         """Distance of the power from its bound, as a part of the bound [-]."""
         return (self.bound - self.power) / max(abs(self.bound), np.finfo(float).tiny)
+
+
+@njit(cache=True)
+def add_weighted(out: FloatArray, toeplitz: ComplexArray, hankel: ComplexArray, gain: ComplexArray) -> None:
+    """Add the lower half of C^T W C over real and imaginary parts: of conj(g_k) (T_(k-j) g_j +- H_(k+j) conj(g_j)).
+
+    Parameters
+    ----------
+    out : ndarray, shape (2 harmonic, 2 harmonic)
+        Its first index runs fastest.
+    toeplitz, hankel : ndarray, shape (harmonic,), (2 harmonic - 1,)
+        See `Harmonics.products`.
+    gain : ndarray, shape (harmonic,)
+    """
+    n = len(gain)
+    for j in range(n):
+        for k in range(n):
+            apart = toeplitz[k - j] if k >= j else np.conj(toeplitz[j - k])
+            plain = np.conj(gain[k]) * gain[j] * apart
+            mirrored = np.conj(gain[k] * gain[j]) * hankel[k + j]
+            out[n + k, j] += plain.imag + mirrored.imag
+            if k >= j:
+                out[k, j] += plain.real + mirrored.real
+                out[n + k, n + j] += plain.real - mirrored.real
 
 
 @dataclass(frozen=True)
@@ -114,13 +132,9 @@ class _Programme:
     def matrix(self, weights: Sequence[FloatArray]) -> FloatArray:
         """G + C^T W C over real and imaginary parts of the force, its lower half, (2 harmonic, 2 harmonic)."""
         n = self.harmonics.count
-        plain = mirrored = np.zeros((1, 1), dtype=complex)
+        out = np.zeros((2 * n, 2 * n), order="F")
         for limit, weight in zip(self.limits, weights, strict=True):
-            toeplitz, hankel = self.harmonics.products(weight / 2)
-            plain, mirrored = plain + limit.outer[0] * toeplitz, mirrored + limit.outer[1] * hankel
-        sums, out = plain + mirrored, np.empty((2 * n, 2 * n), order="F")
-        out[:n, :n], out[n:, :n] = sums.real, sums.imag
-        np.subtract(plain.real, mirrored.real, out=out[n:, n:])
+            add_weighted(out, *self.harmonics.products(weight / 2), limit.gain)
         out[np.diag_indices(2 * n)] += np.tile(self.loss, 2)
         return out
 

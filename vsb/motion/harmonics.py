@@ -1,11 +1,10 @@
 """Signals of equally spaced frequencies: their values at instants, and what a quadratic programme needs of them."""
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Self
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from scipy.fft import fft, ifft, next_fast_len
 
 from vsb.errors import ConfigError
@@ -84,22 +83,25 @@ class Harmonics:
         whole = int(self.first)
         padded[whole : whole + self.count] = phasors
         values = fft(padded)
-        return np.asarray((values * self._turn(count) if self.first % 1 else values).real)
-
-    def _turn(self, count: int) -> ComplexArray:
-        """exp(-i t spacing/2), what half whole orders need beside a Fourier transform."""
-        return np.asarray(np.exp(-2j * np.pi * (self.first % 1) * np.arange(count) / count))
+        return np.asarray((values * _half_turns(count) if self.first % 1 else values).real)
 
     def phasors(self, weights: FloatArray) -> ComplexArray:
         """Return sum_j w_j exp(i omega_k t_j), shape (harmonic,): the adjoint of `signal`."""
-        turned = ifft(weights * self._turn(len(weights)).conj() if self.first % 1 else weights) * len(weights)
+        turned = ifft(weights * _half_turns(len(weights)).conj() if self.first % 1 else weights) * len(weights)
         whole = int(self.first)
         return np.asarray(turned[whole : whole + self.count])
 
     def products(self, weights: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-        """Return sum_j w_j e_k conj(e_l) and sum_j w_j e_k e_l of e_k = exp(i omega_k t_j): Toeplitz and Hankel."""
+        """Return sums of w_j e_k conj(e_l) over k - l, of w_j e_k e_l over k + l, e_k = exp(i omega_k t_j).
+
+        A Toeplitz and a Hankel matrix: shapes (harmonic,), the others being conjugates, and (2 harmonic - 1,).
+        """
         hat = np.asarray(ifft(weights) * len(weights))
         n, start = self.count, int(2 * self.first)
-        toeplitz = sliding_window_view(hat[np.arange(1 - n, n)[::-1]], n)[::-1]
-        hankel = sliding_window_view(hat[np.arange(start, start + 2 * n - 1) % len(hat)], n)
-        return toeplitz, hankel
+        return hat[:n], hat[np.arange(start, start + 2 * n - 1) % len(hat)]
+
+
+@cache
+def _half_turns(count: int) -> ComplexArray:
+    """exp(-i t spacing/2) on so many instants, what half whole orders need beside a Fourier transform."""
+    return np.asarray(np.exp(-1j * np.pi * np.arange(count) / count))

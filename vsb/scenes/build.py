@@ -18,8 +18,9 @@ from vsb.motion.frequency import LinearBuoy
 from vsb.motion.port import port_direction
 from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
-from vsb.motion.system import System
+from vsb.motion.system import System, TakeOff
 from vsb.scenes import automatic
+from vsb.scenes.pause import best_pause_in_sea, with_pause
 from vsb.scenes.take_off import linear_take_off, with_take_off
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import ModeBasis, design_motions, mode_basis, rigid_basis, study_basis
@@ -69,15 +70,15 @@ def study_port(study: Study, buoy: LinearBuoy, basis: ModeBasis) -> FloatArray:
 def linear_design(study: Study, paths: dict[str, Any], seas: Sequence[Wave] = ()) -> DesignInSea:
     """Return the scene of linear hydrodynamics about the mean shape."""
     at = _from_bem(study, paths, seas)
-    scene = with_take_off(linear_scene(at.buoy, at.radiation, at.sea, at.motions), study.pto, at.buoy.pto)
-    return at.with_scene(scene, {"model": "linear"})
+    return at.with_scene(*_released(_linear(study, at), study, at), {"model": "linear"})
 
 
 def body_exact_design(study: Study, paths: dict[str, Any], seas: Sequence[Wave] = ()) -> DesignInSea:
     """Return the scene with static and Froude-Krylov forces on the instantaneous wet shell, the rest linear."""
     at = _from_bem(study, paths, seas)
     scene = body_exact_scene(at.buoy, at.shape, at.radiation, at.sea, at.motions)
-    return at.with_scene(scene, {"model": "body_exact"})
+    scene = with_take_off(scene, study.pto, at.buoy.pto)
+    return at.with_scene(*_released(scene, study, at), {"model": "body_exact"})
 
 
 def automatic_design(study: Study, paths: dict[str, Any], seas: Sequence[Wave] = ()) -> DesignInSea:
@@ -101,9 +102,27 @@ class _FromBem(NamedTuple):
     motions: FloatArray  # of the design
     notes: dict[str, Any]  # of the take-off
 
-    def with_scene(self, scene: Scene, notes: dict[str, Any]) -> DesignInSea:
+    def with_scene(self, scene: Scene, *notes: dict[str, Any]) -> DesignInSea:
         """The design in its sea by a scene."""
-        return DesignInSea(scene, self.shape, self.sea, self.buoy.spectrum, notes | self.notes)
+        said = {key: value for note in (*notes, self.notes) for key, value in note.items()}
+        return DesignInSea(scene, self.shape, self.sea, self.buoy.spectrum, said)
+
+
+def _linear(study: Study, at: _FromBem) -> Scene:
+    """The linear scene with the take-off of a study."""
+    return with_take_off(linear_scene(at.buoy, at.radiation, at.sea, at.motions), study.pto, at.buoy.pto)
+
+
+def _released(scene: Scene, study: Study, at: _FromBem) -> tuple[Scene, dict[str, Any]]:
+    """A scene whose law pauses as long as takes most of its sea by linear hydrodynamics, and notes of it."""
+    if not (study.pto.pauses and isinstance(scene.forces.get(scene.take_off), TakeOff)):  # or nothing there moves
+        return scene, {}
+    best = best_pause_in_sea(_linear(study, at), at.sea, study.simulation)
+    return with_pause(scene, best.pause), {f"pause{part}": value for part, value in zip(_PAUSE, best, strict=True)}
+
+
+_PAUSE = ("", "_power", "_within")
+"""What a run records of its pause: its length [s], the linear mean power [W] it takes, what it is known to [s]."""
 
 
 def _from_bem(study: Study, paths: dict[str, Any], seas: Sequence[Wave]) -> _FromBem:
@@ -130,6 +149,7 @@ def assumed_pressure_design(study: Study, _: dict[str, Any], seas: Sequence[Wave
     motions = design_motions(study, basis, design)
     pto = LinearPto(study.pto.damper(design) or 0.0, study.pto.stiffness)
     scene = assumed_pressure_scene(shell, pto, load, water.density, water.gravity, motions)
+    scene = with_take_off(scene, study.pto, pto)
     return DesignInSea(scene, shell, NO_WAVES, None, {"model": "assumed_pressure"})
 
 

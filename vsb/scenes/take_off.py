@@ -22,8 +22,10 @@ LAWS: Mapping[Law, Callable[[Pto, FloatArray, float], TakeOff]] = {
     "linear": lambda pto, port, damper: TakeOff(port, damper, pto.stiffness, pto.force_limit),
     "saturated": lambda pto, port, damper: TakeOff(port, damper, pto.stiffness, pto.force_limit),
     "coulomb": lambda pto, port, _: TakeOff(port, np.inf, limit=pto.force_limit),
+    "latching": lambda pto, port, damper: TakeOff(port, damper, pto.stiffness, pto.force_limit),
+    "declutching": lambda pto, port, damper: TakeOff(port, damper, pto.stiffness, pto.force_limit, paused_damping=0.0),
 }
-"""`pto.law`, at a port, with a damper [kg/s] -> its force."""
+"""`pto.law`, at a port, with a damper [kg/s] -> its force; how long it pauses is found in a sea (`scenes.pause`)."""
 
 
 def linear_take_off(
@@ -66,7 +68,9 @@ def best_damper(pto: Pto, buoy: LinearBuoy, motions: FloatArray, port: FloatArra
 
 
 def with_take_off(scene: Scene, pto: Pto, linear: LinearPto) -> Scene:
-    """Return a linear scene with the take-off of a study, and its end stop, if it switches; else the scene as it is.
+    """Return a scene with the take-off of a study, and its end stop, if it switches; else the scene as it is.
+
+    Spring and stroke count from where the buoy rests.
 
     Parameters
     ----------
@@ -80,9 +84,11 @@ def with_take_off(scene: Scene, pto: Pto, linear: LinearPto) -> Scene:
     port = linear.direction(len(scene.labels))
     if not allowed_part(port, scene.motions).any():
         return scene  # nothing there moves
-    forces = {**scene.forces, scene.take_off: LAWS[pto.law](pto, port, float(linear.damping))}
+    rest = float(port @ scene.motions @ scene.rest)
+    law = replace(LAWS[pto.law](pto, port, float(linear.damping)), rest=rest)
+    forces = {**scene.forces, scene.take_off: law}
     if pto.stroke_limit < np.inf:
-        forces["end_stop"] = end_stop(scene, port, pto.stroke_limit)
+        forces["end_stop"] = replace(end_stop(scene, port, pto.stroke_limit), rest=rest)
     return replace(scene, forces=forces)
 
 

@@ -116,7 +116,10 @@ KEYS: dict[str, dict[str, Key]] = {
             "", "{colatitude: 90}", "what the take-off acts on: heave, a ring of the shell, two points, or its volume"
         ),
         "law": Key(
-            "", "coulomb", "linear: a damper; saturated: one with a force limit; coulomb: friction of the force limit"
+            "",
+            "coulomb",
+            "linear: a damper; saturated: one with a force limit; coulomb: friction of the force limit; latching, "
+            "declutching: a damper that holds the port, or lets it go, after each reversal, as long as takes most",
         ),
         "force_limit": Key("N", "5000.0", "largest force of the take-off; .inf is none"),
         "stroke_limit": Key("m", "0.5", "motion from rest at which an end stop begins; .inf is none"),

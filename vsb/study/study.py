@@ -224,11 +224,16 @@ class Study(Section):
             raise ValueError(f"pto.port: hydro.model {model!r} has no other port than heave; needs hydro.model: linear")
         if pto.port == "volume" and self.device.gas:
             raise ValueError("pto.port 'volume': the chamber's gas is not part of it; remove device.gas")
-        if pto.switches and model != "linear":
+        if pto.switches and model == "auto":
             raise ValueError(
                 f"pto: received law {pto.law} with force_limit {pto.force_limit:g} N and stroke_limit "
-                f"{pto.stroke_limit:g} m, which hydro.model {model!r} cannot follow; needs hydro.model: "
-                "linear, or law: linear without limits"
+                f"{pto.stroke_limit:g} m, for which hydro.model 'auto' cannot choose; needs hydro.model: "
+                "linear or body_exact, or law: linear without limits"
+            )
+        if pto.pauses and model == "assumed_pressure":
+            raise ValueError(
+                f"pto.law {pto.law!r}: how long it pauses is found in waves, which hydro.model {model!r} does not "
+                "have; needs hydro.model: linear or body_exact"
             )
         if pto.switches and method != "auto":
             raise ValueError(f"simulation.method {method!r}: cannot follow a take-off that switches; needs auto")

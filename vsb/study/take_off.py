@@ -61,7 +61,9 @@ PortChoice = Annotated[
 """What the take-off acts on: heave against the sea bed, the enclosed volume (pressure against flow), or the shell."""
 
 
-Law = Literal["linear", "saturated", "coulomb"]
+Law = Literal["linear", "saturated", "coulomb", "latching", "declutching"]
+NEED_A_LIMIT = ("saturated", "coulomb")
+PAUSE = ("latching", "declutching")
 Tuning = Literal["fixed", "each", "one"]
 Limit = Annotated[Number, Field(gt=0)]
 STIFFEST = 1e12
@@ -83,7 +85,8 @@ class Pto(Section):
 
     The law in time: `linear`, whose force saturates at a force limit [N] if there is one; `saturated` insists on the
     limit. `coulomb`: friction of the force limit, the pressure of a hydraulic take-off; the damping is then that of the
-    linear response alone. At the stroke limit [m] an end stop begins.
+    linear response alone. `latching` holds the port after each reversal of its velocity, `declutching` lets it go, both
+    as long as takes most of each sea. At the stroke limit [m] an end stop begins.
     """
 
     damping: Dampers | None = None
@@ -106,6 +109,11 @@ class Pto(Section):
     def switches(self) -> bool:
         """Whether its force in time is not that of a damper alone."""
         return self.law != "linear" or self.limited
+
+    @property
+    def pauses(self) -> bool:
+        """Whether its law pauses after each reversal of the velocity."""
+        return self.law in PAUSE
 
     @property
     def idle(self) -> bool:
@@ -133,7 +141,7 @@ class Pto(Section):
 
     @model_validator(mode="after")
     def _limited(self) -> Self:
-        if self.law != "linear" and math.isinf(self.force_limit):
+        if self.law in NEED_A_LIMIT and math.isinf(self.force_limit):
             raise ValueError(f"force_limit: missing; law {self.law} needs one in N")
         return self
 
