@@ -15,18 +15,18 @@ from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.motion.take_off import TakeOff
 from vsb.scenes.build import SCENES
-from vsb.scenes.pause import KNOWN, SETTLED, best_pause, best_pause_in_sea, windowed_power, with_pause
+from vsb.scenes.pause import SETTLED, best_pause, best_pause_in_sea, windowed_power, with_pause
 from vsb.study import study as config
 from vsb.study.sections import Simulation
 from vsb.waves.seas import NO_WAVES, Sea
 
-B, MASS, SPRING, LOSS = np.ones(1), 2.0, 50.0, 0.3
+B, MASS, SPRING, LOSS = np.ones(1), 2.0, 50.0, 0.6
 SETTINGS = Simulation(duration=60.0, window=(20.0, 60.0), initial_position=0.0, initial_velocity=0.0)
 IRREGULAR = Sea(np.array([1.6, 1.9, 2.3]), np.array([0.3, 0.5 + 0.4j, -0.3j]))
 
 
 def scene(law, sea):
-    """2 y'' + 0.3 y' + 50 y = 30 times the elevation + take-off: natural frequency 5 rad/s."""
+    """2 y'' + 0.6 y' + 50 y = 30 times the elevation + take-off: natural frequency 5 rad/s."""
     waves = {"excitation": Excitation(sea.omega, 30.0 * sea.amplitude[:, None])} if sea.omega.size else {}
     forces = {"hydrostatic": Spring(np.array([[SPRING]])), "structural_damping": Damper(np.array([[LOSS]]))}
     return Scene(("Heave",), np.array([[MASS]]), {**forces, "pto": law, **waves}, np.eye(1))
@@ -54,9 +54,10 @@ def passive(sea, damping):
 
 @pytest.fixture(scope="module", autouse=True)
 def coarse():
-    """Fewer pauses tried: these powers have one maximum."""
+    """Fewer pauses tried: these powers have one maximum, and a flat one."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("vsb.scenes.pause.SCANNED", 8)
+        patch.setattr("vsb.scenes.pause.SCANNED", 6)
+        patch.setattr("vsb.scenes.pause.KNOWN", 0.01)
         yield
 
 
@@ -73,9 +74,9 @@ def test_latching_is_far_above_the_best_damper_and_below_every_force_of_its_size
     assert best.pause == pytest.approx(np.pi / 2 - np.pi / 5, rel=0.12)
     assert 5 * passive(sea, np.abs(impedance(sea.omega)))[0] < best.power < matched(sea)
     system = System.of(with_pause(held, best.pause))
-    motion, _ = switched(system, np.linspace(0.0, 40 * np.pi, 40 * 64 + 1), (np.zeros(1), np.zeros(1)))
+    motion, _ = switched(system, np.linspace(0.0, 80 * np.pi, 80 * 64 + 1), (np.zeros(1), np.zeros(1)))
     taken = (motion.works["pto"][-1] - motion.works["pto"][-641]) / (10 * np.pi)
-    assert best.power == pytest.approx(taken, rel=1e-3)  # of 40 periods the transient leaves so much
+    assert best.power == pytest.approx(taken, rel=2 * SETTLED)
     force, stroke = (np.abs(x[-641:]).max() for x in (motion.forces["pto"], motion.position))
     harmonics = Harmonics(2.0, 1.0, 15)
     admittance = 1 / impedance(harmonics.omega)
@@ -111,8 +112,8 @@ def test_declutching_helps_a_damper_that_is_too_strong():
 @pytest.mark.parametrize("top", [0.0, 0.37, 0.7311, 1.0])
 def test_a_maximum_is_found_within_what_is_stated(top):
     best = best_pause(lambda pause: 5.0 - (pause - top) ** 2, 1.0)
-    assert best.pause == pytest.approx(top, abs=KNOWN)
-    assert best.within == KNOWN
+    assert best.pause == pytest.approx(top, abs=0.01)
+    assert best.within == 0.01
     steps = best_pause(lambda pause: float(pause >= 0.95), 1.0)
     assert (steps.pause, steps.power) == (1.0, 1.0)
 
@@ -125,11 +126,12 @@ def test_still_water_needs_no_pause():
 def test_a_study_pauses_as_long_as_takes_most_of_its_sea_and_says_so(model, tmp_path_factory, monkeypatch):
     monkeypatch.setattr("vsb.scenes.pause.SCANNED", 4)
     monkeypatch.setattr("vsb.scenes.pause.KNOWN", 0.1)
+    monkeypatch.setattr("vsb.integrators.settled.MOST", 16)
     study = varied(
         config.load(SEED),
         designs={"FSB": {"flexible": False}},
         hydro={"model": model, "omega_max": 4.5, "tolerance": 1e-2},
-        pto={"damping": 8000.0, "law": "latching", "force_limit": 5e4, "stroke_limit": 1.5},
+        pto={"damping": 8000.0, "law": "latching", "force_limit": 5e4, "stroke_limit": 3.0},
         waves=[{"kind": "regular", "amplitude": 0.1, "period": 5.0}],
         simulation={"initial_velocity": 0.0},
     )
@@ -142,7 +144,3 @@ def test_a_study_pauses_as_long_as_takes_most_of_its_sea_and_says_so(model, tmp_
     assert max(part.balance.residual for part in parts) < 1e-6
     absorbed = np.diff(np.interp([50.0, 60.0], parts[-1].motion.time, parts[-1].energy["pto"]))[0] / 10.0
     assert absorbed == pytest.approx(design.notes["pause_power"], rel=0.05)
-    free = settled_power(
-        System.of(with_pause(SCENES["linear"](varied(study, hydro={"model": "linear"}), files).scene, 0.0))
-    )
-    assert absorbed > 3 * free[0]

@@ -21,15 +21,15 @@ def settled_power(system: System, tolerance: float = 1e-6) -> tuple[float, float
     system : System
         Linear but for a take-off that switches.
     tolerance : float
-        Largest relative difference between the last two quarters of what is followed at a time.
+        Largest relative difference between the periods of the last half of what is followed at a time.
 
     Returns
     -------
     power : float
         Of the last quarter, whole periods [W].
     unsettled : float
-        Its relative difference to the quarter before: above the tolerance the motion does not repeat, or its transient
-        outlasts all periods followed.
+        Relative difference between periods: above the tolerance the motion does not repeat, or its transient outlasts
+        all periods followed.
 
     Raises
     ------
@@ -42,9 +42,8 @@ def settled_power(system: System, tolerance: float = 1e-6) -> tuple[float, float
     while True:
         end = begin + count * period
         motion, _ = runner.follow(np.linspace(begin, end, count * RECORDED + 1), start)
-        taken = motion.works["pto"][:: count * RECORDED // 4]
-        before, last = np.diff(taken)[-2:] * 4 / (count * period)
-        unsettled = abs(last - before) / max(abs(last), abs(before)) if last or before else 0.0
-        if unsettled <= tolerance or count == MOST:
-            return float(last), float(unsettled)
+        half = (np.diff(motion.works["pto"][::RECORDED]) / period)[count // 2 :]
+        unsettled = float(np.ptp(half) / max(np.abs(half).max(), np.finfo(float).tiny))
+        if unsettled <= tolerance or count >= MOST:
+            return float(half[count // 4 :].mean()), unsettled
         start, begin, count = (motion.position[-1], motion.velocity[-1], motion.memory[-1]), end, 2 * count

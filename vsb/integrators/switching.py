@@ -312,7 +312,7 @@ class Switching:
             elif guard(span, name) >= 0:  # negative by round-off alone
                 zero = span
             else:
-                zero = float(brentq(guard, start, span, (name,), xtol=1e-16 * span, rtol=1e-15))
+                zero = float(brentq(guard, start, span, (name,), xtol=1e-15 * span, rtol=1e-15, maxiter=1000))
             zeros.append((zero, name))
         return min(zeros)
 
@@ -345,11 +345,14 @@ class Switching:
 
     def pieces(self, track: Track) -> dict[Piece, list[int]]:
         """Return which pieces are in force from which nodes on."""
-        out: dict[Piece, list[int]] = {}
+        nodes: dict[Mode, list[int]] = {}
         for k, mode in enumerate(track.modes):
+            nodes.setdefault(mode, []).append(k)
+        out: dict[Piece, list[int]] = {}
+        for mode, own in nodes.items():
             phase, _ = self.phase(mode, track.step)
-            out.setdefault(Piece(phase, self.taken(mode), self.stopped(mode)), []).append(k)
-        return out
+            out.setdefault(Piece(phase, self.taken(mode), self.stopped(mode)), []).extend(own)
+        return {piece: sorted(own) for piece, own in out.items()}
 
 
 def switched(
