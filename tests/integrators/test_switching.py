@@ -15,6 +15,7 @@ from vsb.integrators.audit import energies, residual
 from vsb.integrators.energy_preserving import structure_preserving
 from vsb.integrators.exact import propagate
 from vsb.integrators.harmonic_balance import harmonic_balance
+from vsb.integrators.settled import settled_power
 from vsb.integrators.simulate import legs, simulate
 from vsb.integrators.switching import Switching, switched
 from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring
@@ -262,21 +263,42 @@ def test_a_damper_below_its_limit_is_the_linear_answer():
 
 
 @pytest.mark.parametrize("share", [0.9, 0.5, 0.2])
-def test_a_saturated_damper_is_near_its_describing_function(share):
-    """c_eq = 2c/pi (asin x + x sqrt(1 - x^2)), x = limit/(c V); the third harmonic it neglects is some per cent."""
-    omega, force, damping = 3.0, 30.0, 8.0
-    x_over = 30.0 / abs(DRAG + damping + 1j * (50.0 / omega - omega * MASS)) * damping * share
+def test_a_saturated_damper_takes_what_its_describing_function_says_within_its_harmonics(share):
+    """c_eq = 2c/pi (asin x + x sqrt(1 - x^2)), x = limit/(c V), and a bound of what it neglects.
+
+    The law g is c-Lipschitz, so beyond the first harmonic v = v1 + w has |w| <= h/(z - c), with h the rms of g(v1)
+    there and z the least impedance there. Hence |Z + c_eq| V is within sqrt(2) c |w| of the wave's force, and the power
+    within (c |v| + h) |w| of c_eq V^2/2.
+    """
+    omega, force, damping, drag = 5.0, 30.0, 0.5, 1.0
+    limit = share * damping * force / (drag + damping)
+    first, higher = (drag + 1j * (SPRING / w - w * MASS) for w in (omega, 3 * omega))
 
     def equivalent(v):
-        x = min(1.0, x_over / (damping * v))
+        x = min(1.0, limit / (damping * v))
         return 2 * damping / np.pi * (np.arcsin(x) + x * np.sqrt(1 - x * x))
 
-    def unbalanced(v):
-        return v * abs(DRAG + equivalent(v) + 1j * (50.0 / omega - omega * MASS)) - force
+    def beyond(v):
+        """Rms of the harmonics of the force that the describing function leaves out, and of their velocity."""
+        samples = np.clip(damping * v * np.cos(np.linspace(0.0, 2 * np.pi, 4096, endpoint=False)), -limit, limit)
+        h = np.sqrt(max(np.mean(samples**2) - (equivalent(v) * v) ** 2 / 2, 0.0))
+        return h, h / (abs(higher) - damping)
 
-    v = brentq(unbalanced, 1e-3, 100.0)
-    power, _ = steady_power(TakeOff(B, damping, limit=x_over), omega, force)
-    assert power == pytest.approx(0.5 * equivalent(v) * v * v, rel=0.03)
+    def velocity(sign):
+        def unbalanced(v):
+            return v * abs(first + equivalent(v)) + sign * np.sqrt(2) * damping * beyond(v)[1] - force
+
+        return brentq(unbalanced, 1e-3, 100.0)
+
+    low, high = velocity(1.0), velocity(-1.0)
+    h, w = beyond(high)
+    slack = (damping * np.hypot(high / np.sqrt(2), w) + h) * w
+    bounds = [0.5 * equivalent(v) * v * v + sign * slack for v, sign in ((low, -1.0), (high, 1.0))]
+    waves = Excitation(np.array([omega]), np.array([[force + 0j]]))
+    power, unsettled = settled_power(oscillator(TakeOff(B, damping, limit=limit), waves=waves, drag=drag))
+    assert unsettled <= 1e-6
+    assert bounds[0] < power < bounds[1]
+    assert bounds[1] - bounds[0] < 0.03 * power
 
 
 def test_a_latched_port_does_not_move_and_a_declutched_one_feels_nothing():
