@@ -56,7 +56,7 @@ def passive(sea, damping):
 def coarse():
     """Fewer pauses tried: these powers have one maximum, and a flat one."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("vsb.scenes.pause.SCANNED", 6)
+        patch.setattr("vsb.scenes.pause.SCANNED", 8)
         patch.setattr("vsb.scenes.pause.KNOWN", 0.01)
         yield
 
