@@ -10,24 +10,26 @@
 K(0+) = G^T P G, added mass and damping come from one K: they are consistent by construction.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import block_diag, cho_factor, cho_solve, eigh, solve_continuous_are
+from scipy.linalg import block_diag, eigh, solve_continuous_are
 from scipy.sparse.csgraph import connected_components
 
 from vsb.errors import ConvergenceError, DatabaseError, StabilityError
 from vsb.hydro.passivity import least_damping
 from vsb.hydro.realisation import Balanced, StateSpace, rational_fit
 from vsb.hydro.statespace import UNUSABLE, RadiationModel, partial_fractions, truncated
+from vsb.tools.least_squares import levenberg_marquardt
 from vsb.tools.units import ComplexArray, FloatArray
 
 IntArray = npt.NDArray[np.integer[Any]]
 
+Limit = Literal["given", "fitted"]
 POLES = (4, 6, 8, 10, 12, 14, 16, 20, 24, 30)
 """Numbers of common poles tried, one after the other."""
 _ABOVE = np.array([-0.3 + 1.2j, -0.6 + 1.8j])
@@ -36,11 +38,8 @@ _UNEVEN = 1e-6  # asymmetry, in terms of the largest entry, that is round-off
 _REST = 0.1  # of the tolerance: what may be left out, of couplings and of combinations of motions
 _FREE = 0.5  # of the tolerance: error of the rational functions before they are passive
 _REDUCED = 0.7  # of the tolerance: error of them with fewer states
-_STEPS = 200  # of the least squares
 _STARTS = 12  # values of epsilon, each four times the one before
 _SHORTER = 1.02  # error of fewer states, in terms of that of all of them, where the tolerance is not met
-_ENOUGH = 1e-3  # gain of a step, in terms of what is left, that ends them
-_ROUND_OFF = 1e-13  # least damping of a step, in terms of the largest entry of the normal equations
 _EMPTY = 1e-12  # of the largest energy of a state: it stores none
 
 
@@ -114,6 +113,8 @@ class PassiveFit(NamedTuple):
     sampled: float  # least eigenvalue of the damping sampled, never positive [-]
     drawn: float  # of the rational functions over all frequencies, before they were made passive [-]
     changed: float  # largest rms change of an entry by that [-]
+    added_mass_inf: FloatArray  # that given, or that fitted (dof, dof) [kg]
+    shifted: float = 0.0  # largest change of it by the fit, in terms of the inertia of both motions [-]
 
     @property
     def history(self) -> str:
@@ -123,10 +124,12 @@ class PassiveFit(NamedTuple):
             told.append(f"least eigenvalue of the damping given {self.sampled:.1e}")
         if self.drawn < 0:
             told.append(f"of its rational fit {self.drawn:.1e}, made passive by a change of {self.changed:.1e}")
+        if self.shifted:
+            told.append(f"added mass at infinite frequency fitted, a change of {self.shifted:.1e} of the diagonal's")
         return f"radiation memory, in terms of each motion's largest damping: {', '.join(told)}" if told else ""
 
 
-def fit_passive(samples: RadiationSamples, tolerance: float) -> PassiveFit:
+def fit_passive(samples: RadiationSamples, tolerance: float, *, limit: Limit = "given") -> PassiveFit:
     """Return the passive model with the fewest states found within a tolerance, or the best there is.
 
     Parameters
@@ -134,6 +137,9 @@ def fit_passive(samples: RadiationSamples, tolerance: float) -> PassiveFit:
     samples : RadiationSamples
     tolerance : float
         Largest rms over the samples of an entry of K, in terms of its size [-].
+    limit : "given" or "fitted"
+        Added mass at infinite frequency. A mesh gives it another error than finite frequencies: where no passive K is
+        as near to both as wanted, fitted it is what suits the samples.
 
     Raises
     ------
@@ -152,20 +158,26 @@ def fit_passive(samples: RadiationSamples, tolerance: float) -> PassiveFit:
         )
     k = samples.transfer
     groups = coupled(k, _REST * tolerance)
-    parts = [_fit_block(samples.omega, k[:, group[:, None], group], tolerance) for group in groups]
+    fit = _fit_limit if limit == "fitted" else _fit_block
+    parts = [fit(samples.omega, k[:, group[:, None], group], tolerance) for group in groups]
     if not any(part.model for part in parts):
         raise DatabaseError("radiation: received damping of no motion, needs one that makes waves.")
     model = _scaled(samples.size, groups, [part.model for part in parts])
+    shift = np.zeros_like(samples.added_mass_inf)
+    for group, part in zip(groups, parts, strict=True):
+        shift[group[:, None], group] = part.shift
     found = model.transfer(samples.omega) / np.outer(samples.size, samples.size)
-    error = entry_error(found - k)
+    error = entry_error(found - k + 1j * samples.omega[:, None, None] * shift)
     if error > UNUSABLE:
         raise ConvergenceError(
             f"the radiation state space reaches an error of {error:.1e} with {model.order} states, needs {UNUSABLE:g}; "
-            "refine the mesh or the frequencies, or remove irregular ones."
+            "refine the mesh or the frequencies, remove irregular ones, or fit added mass at infinite frequency."
         )
-    return PassiveFit(
-        model, error, samples.drawn, min(part.drawn for part in parts), max(part.changed for part in parts)
-    )
+    shift *= np.outer(samples.size, samples.size)
+    own = np.sqrt(np.maximum(np.abs(np.diag(samples.added_mass_inf)), np.abs(np.diag(shift)))) + 1e-100
+    drawn, changed = min(part.drawn for part in parts), max(part.changed for part in parts)
+    shifted = float(np.abs(shift / np.outer(own, own)).max())
+    return PassiveFit(model, error, samples.drawn, drawn, changed, samples.added_mass_inf + shift, shifted)
 
 
 def entry_error(difference: ComplexArray) -> float:
@@ -187,31 +199,46 @@ class _Part(NamedTuple):
     error: float
     drawn: float
     changed: float
+    shift: FloatArray  # of added mass at infinite frequency (dof, dof) [-]
 
 
-def _fit_block(omega: FloatArray, k: ComplexArray, tolerance: float) -> _Part:
+def _fit_limit(omega: FloatArray, k: ComplexArray, tolerance: float) -> _Part:
+    """Passive fit and its limit: once to find the limit, once more with the poles of what is left."""
+    first = _fit_block(omega, k, tolerance, "fitted")
+    second = _fit_block(omega, k - 1j * omega[:, None, None] * first.shift, tolerance, "fitted")
+    return second._replace(shift=first.shift + second.shift) if second.error < first.error else first
+
+
+def _fit_block(omega: FloatArray, k: ComplexArray, tolerance: float, limit: Limit = "given") -> _Part:
     """Passive fit of scaled K (omega, dof, dof) in as few combinations of its motions as it takes."""
     lead = leading_directions(k, _REST * tolerance)
-    best = _Part(None, np.inf, 0.0, 0.0)
+    best = _Part(None, np.inf, 0.0, 0.0, np.zeros(k.shape[1:]))
     if not lead.shape[1]:
         return best
-    inside = lead.T @ k @ lead
+    inside, rate = lead.T @ k @ lead, 1j * omega[:, None, None]
     for free in _candidates(omega, inside, tolerance):
         drawn = least_damping(free)
         above = _ABOVE * omega[-1] if drawn.value < -_REST * tolerance else _ABOVE[:0]
         outputs = _PassiveOutputs(*_widened(free.state_matrix, free.input_matrix, above))
         start = np.pad(free.output_matrix, ((0, 0), (0, len(outputs.a) - len(free.state_matrix))))
-        factor = outputs.fitted(omega, inside, outputs.start(start, -drawn.bound), _REST * tolerance)
+        factor = outputs.fitted(omega, inside, outputs.start(start, -drawn.bound), _REST * tolerance, limit)
         model = outputs.model(factor, lead)
-        error = entry_error(model.transfer(omega) - k)
+        shift = limit_shift(omega, k - model.transfer(omega)) if limit == "fitted" else np.zeros(k.shape[1:])
+        error = entry_error(model.transfer(omega) - (own := k - rate * shift))
         if error < best.error:
-            model = shortest(model, omega, k, max(tolerance, _SHORTER * error))
+            model = shortest(model, omega, own, max(tolerance, _SHORTER * error))
             found = model.transfer(omega)
-            changed = entry_error(found - lead @ free.transfer(omega) @ lead.T)
-            best = _Part(model, entry_error(found - k), drawn.value, changed)
+            changed = entry_error(found - lead @ free.transfer(omega) @ lead.T + rate * shift)
+            best = _Part(model, entry_error(found - own), drawn.value, changed, shift)
         if error <= tolerance:
             break
     return best
+
+
+def limit_shift(omega: FloatArray, missed: ComplexArray) -> FloatArray:
+    """Return the symmetric D that brings i omega D nearest to what is missed, (omega, dof, dof) -> (dof, dof)."""
+    shift = np.einsum("w,wij->ij", omega, missed.imag) / (omega @ omega)
+    return np.asarray(0.5 * (shift + shift.T))
 
 
 def _widened(a: FloatArray, b: FloatArray, poles: ComplexArray) -> tuple[FloatArray, FloatArray]:
@@ -308,11 +335,19 @@ class _PassiveOutputs:
             f"radiation state space: received no start with {len(self.a)} states; refine the frequencies."
         )
 
-    def fitted(self, omega: FloatArray, k: ComplexArray, start: FloatArray, enough: float) -> FloatArray:
-        """Return F of the K nearest to that sampled, or as near as `enough` (rms), from a start, shape (state, dof)."""
+    def fitted(
+        self, omega: FloatArray, k: ComplexArray, start: FloatArray, enough: float, limit: Limit = "given"
+    ) -> FloatArray:
+        """Return F of the K nearest to that sampled, or as near as `enough` (rms), from a start, shape (state, dof).
+
+        With a fitted limit, what i omega D can make good with a matrix D does not count.
+        """
         inside = 1 / (1j * omega[:, None] - self.poles)
         states = np.einsum("mn,wn,nj->wjm", self.vectors, inside, self.inverse @ self.b, optimize=True)
-        rows, right = states.reshape(-1, len(self.a)), k.transpose(0, 2, 1).reshape(-1, k.shape[1])
+        right = k.transpose(0, 2, 1)
+        if limit == "fitted":
+            states, right = (_without_rate(omega, part) for part in (states, right))
+        rows, right = states.reshape(-1, len(self.a)), right.reshape(-1, k.shape[1])
         q, r = np.linalg.qr(np.vstack([rows.real, rows.imag]))
         target = q.T @ np.vstack([right.real, right.imag])
 
@@ -348,34 +383,10 @@ class _PassiveOutputs:
         return RadiationModel(0.5 * (a - a.T) - 0.5 * channel @ channel.T, to @ self.b @ lead.T, channel)
 
 
-def levenberg_marquardt(
-    residual: Callable[[FloatArray], FloatArray],
-    jacobian: Callable[[FloatArray], FloatArray],
-    x: FloatArray,
-    enough: float = 0.0,
-) -> FloatArray:
-    """Return where a sum of squares is least, or no more than enough, from a start; damped as Nielsen (1999) does.
-
-    The normal equations are solved: they stand a Jacobian without full rank, as rotations of F change nothing.
-    """
-    r, j = residual(x), jacobian(x)
-    damping, growth = 1e-3 * float((j**2).sum(axis=0).max()), 2.0
-    for _ in range(_STEPS):
-        slope, square = j.T @ r, j.T @ j
-        damping = max(damping, _ROUND_OFF * float(np.diag(square).max()))
-        step = -cho_solve(cho_factor(square + damping * np.eye(len(x))), slope)
-        moved = residual(x + step)
-        gained, promised = r @ r - moved @ moved, step @ (damping * step - slope)
-        if gained > 0:
-            x, r, j = x + step, moved, jacobian(x + step)
-            damping, growth = damping * max(1 / 3, 1 - float(2 * gained / promised - 1) ** 3), 2.0
-            if gained < _ENOUGH * (r @ r) or r @ r <= enough:
-                break
-        elif promised < _ENOUGH * (r @ r):
-            break
-        else:
-            damping, growth = damping * growth, 2 * growth
-    return x
+def _without_rate(omega: FloatArray, values: ComplexArray) -> ComplexArray:
+    """Values less their part along i omega, which shift of added mass would be, shape (omega, ...)."""
+    part = np.einsum("w,w...->...", omega, values.imag) / (omega @ omega)
+    return np.asarray(values - 1j * omega[:, None, None] * part)
 
 
 def _scaled(size: FloatArray, groups: Sequence[IntArray], models: Sequence[RadiationModel | None]) -> RadiationModel:

@@ -19,6 +19,8 @@ from vsb.tools.units import ComplexArray, FloatArray
 
 FASTEST = 1e9
 """Frequency [rad/s] beyond which nothing that has inertia swings."""
+ADRIFT = 1e-6
+"""Share of a steady force that no spring holds, from which on the port drifts [-]."""
 STIFFNESS = ("structural", "hydrostatic", "prestress", "gas")
 
 
@@ -258,9 +260,25 @@ def port_of(
     """Return `LinearBuoy.port` from coefficients at hand; matrices as in `dynamic_stiffness`."""
     free, forced = free_motion(omega, c, mass, damping, stiffness, motions, direction)
     allowed, rate = allowed_part(direction, motions), -1j * omega
-    compliance = float(allowed @ np.linalg.solve(motions.T @ stiffness @ motions, allowed))
     along = motions @ allowed
-    return Port(omega, rate * (forced @ along), rate * (free @ along), compliance)
+    yields = compliance(motions.T @ stiffness @ motions, allowed)
+    return Port(omega, rate * (forced @ along), rate * (free @ along), yields)
+
+
+def compliance(stiffness: FloatArray, force: FloatArray) -> float:
+    """Return the displacement of a port under a steady unit force along it, infinite if nothing holds it [m/N].
+
+    Parameters
+    ----------
+    stiffness : ndarray, shape (free, free) [N/m]
+    force : ndarray, shape (free,)
+    """
+    size = np.sqrt(np.abs(np.diag(stiffness)))
+    if size.all() and np.linalg.cond(stiffness / np.outer(size, size)) < 1 / ROUND_OFF:
+        return float(force @ np.linalg.solve(stiffness, force))
+    moved = np.linalg.lstsq(stiffness, force, rcond=ROUND_OFF)[0]
+    adrift = np.abs(stiffness @ moved - force).max(initial=0.0) > ADRIFT * np.abs(force).max(initial=0.0)
+    return np.inf if adrift else float(force @ moved)
 
 
 def one_channel(excitation: ComplexArray) -> FloatArray:

@@ -32,7 +32,7 @@ class Port:
     omega: FloatArray  # (omega,) [rad/s]
     admittance: ComplexArray  # Y (omega,) [m/(N s)]
     velocity: ComplexArray  # V0 per wave amplitude (omega,) [1/s]
-    compliance: float  # displacement under a steady force [m/N]; 0: the port cannot move
+    compliance: float  # displacement under a steady force [m/N]; 0: the port cannot move, infinite: it drifts
 
     def __post_init__(self) -> None:
         """Check that the port is passive, Re Y >= 0."""
@@ -120,7 +120,8 @@ class Port:
     def beside(self, stiffness: float) -> "Port":
         """Return the port with a spring built in: what a damper in parallel with the spring sees."""
         loaded = 1 + self.admittance * self.load(0.0, stiffness)
-        compliance = self.compliance / (1 + stiffness * self.compliance)
+        adrift = np.inf if stiffness == 0.0 else 1 / stiffness
+        compliance = adrift if np.isinf(self.compliance) else self.compliance / (1 + stiffness * self.compliance)
         return replace(
             self, admittance=self.admittance / loaded, velocity=self.velocity / loaded, compliance=compliance
         )

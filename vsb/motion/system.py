@@ -322,8 +322,9 @@ class System:
     @property
     def heaving(self) -> float:
         """Frequency of heave alone, without memory; 1 without a spring [rad/s]."""
-        mass = (self.scene.motions.T @ self.scene.mass @ self.scene.motions)[0, 0]
-        return float(np.sqrt(max(self.scene.stiffness[0, 0], 0.0) / mass)) or 1.0
+        lead = self.scene.lead, self.scene.lead
+        mass = (self.scene.motions.T @ self.scene.mass @ self.scene.motions)[lead]
+        return float(np.sqrt(max(self.scene.stiffness[lead], 0.0) / mass)) or 1.0
 
     @property
     def frequencies(self) -> FloatArray:

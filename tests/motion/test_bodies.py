@@ -1,0 +1,237 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from examples.barge import Barge, box
+from vsb.errors import ConfigError, DatabaseError, StabilityError
+from vsb.hydro.bodies.body import FlexibleBody, at_centres
+from vsb.hydro.bodies.study import BodyStudy, solve
+from vsb.hydro.database import open_database
+from vsb.hydro.dofs import RIGID
+from vsb.integrators.simulate import simulate
+from vsb.integrators.trajectory import labelled
+from vsb.motion.bodies import LinearBody, body_scene, combination, linear_body, together, with_added_mass_inf
+from vsb.motion.pto import LinearPto
+from vsb.motion.system import System
+from vsb.study.study import Simulation
+from vsb.waves.seas import NO_WAVES, Sea
+
+BARGE = Barge(length=20.0, beam=8.0, draught=3.0, centre_of_mass=-1.5, bending_stiffness=2e8, modes=2)
+DENSITY = 1025.0
+OMEGA = tuple(round(0.2 + 0.1 * i, 1) for i in range(17))
+OBLIQUE = np.pi / 4
+
+
+def six(vertices):
+    """Unit rigid motions, turning about the centre of mass."""
+    arm = vertices - [0.0, 0.0, BARGE.centre_of_mass]
+    return [*(np.tile(e, (len(vertices), 1)) for e in np.eye(3)), *(np.cross(e, arm) for e in np.eye(3))]
+
+
+@pytest.fixture(scope="module")
+def database(tmp_path_factory, green_folder):
+    """A barge on 144 panels: six rigid motions and two bending modes in waves from two sides."""
+    vertices, faces = box(BARGE.length, BARGE.beam, BARGE.draught, 2)
+    shapes = np.array([*six(vertices), *BARGE.displacement(vertices)[2:]])
+    m = DENSITY * BARGE.length * BARGE.beam * BARGE.draught
+    turning = m / 12 * np.array([8.0**2 + 3.0**2, 20.0**2 + 3.0**2, 20.0**2 + 8.0**2])
+    mass, stiffness = np.diag([m, m, m, *turning, m / 4, m / 4]), np.zeros((8, 8))
+    stiffness[6:, 6:] = BARGE.stiffness[2:, 2:]
+    centre = np.array([0.0, 0.0, BARGE.centre_of_mass])
+    panels = at_centres(vertices, faces, shapes)
+    body = FlexibleBody(vertices, faces, (*RIGID, *BARGE.labels[2:]), panels, shapes, mass, stiffness, centre)
+    made = {"body": "barge", "mesh": "-", "modes": "-", "omega": OMEGA, "wave_direction": (0.0, 45.0), "lid": 0}
+    folder = tmp_path_factory.mktemp("barge")
+    solve(BodyStudy(**made), body, folder, green_folder)
+    return open_database(folder / "barge.nc")
+
+
+def moored(database, **changes):
+    """The barge on soft springs, its take-off on the bending between bow and middle."""
+    labels = [str(label) for label in database.influenced_dof.values]
+    springs = np.diag([2e4, 2e4, 0.0, 0.0, 0.0, 5e6, 0.0, 0.0])
+    stiffness = database.structural_stiffness.values + springs
+    pto = LinearPto(3e5, 1e4, combination(labels, {"Heave": 1.0, "Bending1": -0.6}))
+    return linear_body(
+        database, **{"stiffness": stiffness, "damping": 1e-3 * stiffness + 5.0 * springs, "pto": pto} | changes
+    )
+
+
+@pytest.fixture(scope="module")
+def fit(database):
+    return moored(database).memory(1e-3, limit="fitted")
+
+
+def test_memory_of_a_solved_body_is_near_its_samples(database, fit):
+    assert fit.error < 5e-3
+    assert 0 < fit.shifted < 0.05
+    samples = moored(database).samples
+    shift = 1j * samples.omega[:, None, None] * (fit.added_mass_inf - samples.added_mass_inf)
+    found = (fit.model.transfer(samples.omega) + shift) / np.outer(samples.size, samples.size)
+    assert np.abs(found - samples.transfer).max() < 0.01
+
+
+WAVES = {0.0: Sea(np.array([0.9, 1.4]), np.array([0.3, 0.1 + 0.1j])), OBLIQUE: Sea(np.array([1.1]), np.array([0.2j]))}
+
+
+def run(scene, sea, duration=300.0, **settings):
+    """Motion of a scene and its labelled record."""
+    system = System.of(scene)
+    motion, stride, _ = simulate(system, sea, Simulation(duration=duration, window=(0.0, duration), **settings), None)
+    return motion, labelled(system, motion, sea, "barge", "waves", stride)
+
+
+def test_time_domain_agrees_with_the_frequency_domain_in_waves_from_several_sides(database, fit):
+    body = moored(database)
+    motion, record = run(body_scene(body, fit, WAVES), together(WAVES))
+    late = motion.time > 250.0
+    expected = np.zeros((late.sum(), len(body.labels)))
+    for direction, sea in WAVES.items():
+        phasors = sea.amplitude[:, None] * body.rao(sea.omega, direction, np.eye(len(body.labels)))
+        expected += np.real(np.exp(-1j * np.outer(motion.time[late], sea.omega)) @ phasors)
+    missed = np.abs(motion.position[late] - expected).max(axis=0) / np.abs(expected).max(axis=0)
+    assert missed.max() < 5e-3
+    assert record.attrs["energy_residual"] < 1e-9
+    lost = record.energy.isel(time=-1)
+    assert float(lost.sel(term="pto")) > 0 < float(lost.sel(term="radiated"))
+
+
+def test_free_decay_is_of_heave_and_loses_no_energy_unseen(database, fit):
+    body = moored(database)
+    motion, record = run(body_scene(body, fit, {}), NO_WAVES, 60.0, initial_position=0.5)
+    assert motion.position[0] == pytest.approx(0.5 * np.eye(8)[2])
+    assert np.abs(motion.position[:, 2]).max() == pytest.approx(0.5, rel=1e-6)
+    assert record.attrs["energy_residual"] < 1e-9
+    assert float(record.energy.isel(time=-1).sum()) == pytest.approx(0.0, abs=1e-6 * float(record.energy.max()))
+
+
+def test_state_space_and_convolution_follow_the_same_decay(database):
+    """Added mass by Kramers and Kronig, as the convolution has it."""
+    spectrum = linear_body(database).spectrum
+    added = database.added_mass_inf.values + spectrum.added_mass_difference(spectrum.omega)
+    causal = database.assign(added_mass=(database.added_mass.dims, added))
+    body = linear_body(causal, ["Heave", "Pitch"])
+    scene = body_scene(body, body.memory(1e-3), {})
+    system = System.of(scene)
+    settings = Simulation(duration=20.0, window=(0.0, 20.0), initial_position=0.5)
+    exact, _, _ = simulate(system, NO_WAVES, settings, None)
+    convolved, _, _ = simulate(system, NO_WAVES, settings.model_copy(update={"method": "convolution"}), body.spectrum)
+    at = np.interp(exact.time, convolved.time, convolved.position[:, 0])
+    assert np.abs(at - exact.position[:, 0]).max() < 0.01 * 0.5
+
+
+def test_a_stiff_barge_moves_as_the_rigid_one(database):
+    """Free-free modes of a beam a thousand times as stiff: its rigid motions are those without the modes."""
+    omega = np.linspace(0.3, 1.8, 16)
+    rigid = linear_body(database, ["Surge", "Heave", "Pitch"])
+    expected = rigid.rao(omega, 0.0, np.eye(3))
+    missed = []
+    for factor in (1e3, 1e4):
+        stiffness = factor * database.structural_stiffness.values
+        whole = linear_body(database, stiffness=stiffness).rao(omega, 0.0, np.eye(8))[:, [0, 2, 4]]
+        missed.append(np.abs(whole - expected).max() / np.abs(expected).max())
+    assert missed[1] < 1e-3
+    assert missed[0] / missed[1] == pytest.approx(10.0, rel=0.05)
+
+
+def test_held_motions_are_those_left_out(database):
+    omega = np.array([0.7, 1.3])
+    motions = np.eye(8)[:, [2, 4, 6]]
+    some = linear_body(database, ["Heave", "Pitch", "Bending1"])
+    whole = linear_body(database)
+    assert whole.rao(omega, 0.0, motions)[:, [2, 4, 6]] == pytest.approx(some.rao(omega, 0.0, np.eye(3)), rel=1e-12)
+
+
+def test_the_port_takes_what_the_damper_absorbs(database):
+    omega, free = np.linspace(0.4, 1.8, 8), np.eye(8)
+    body = moored(database)
+    port = body.port(omega, OBLIQUE, free)
+    stroke = body.rao(omega, OBLIQUE, free) @ body.pto.direction(8)
+    absorbed = 0.5 * body.pto.damping * omega**2 * np.abs(stroke) ** 2
+    assert port.power(body.pto.damping, body.pto.stiffness) == pytest.approx(absorbed, rel=1e-9)
+    assert (absorbed <= port.matched_power * (1 + 1e-9)).all()
+
+
+def test_a_port_that_drifts_gives_way_without_end(database):
+    labels = [str(label) for label in database.influenced_dof.values]
+    adrift = linear_body(database, pto=LinearPto(1e4, 0.0, combination(labels, {"Surge": 1.0})))
+    port = adrift.port(np.array([0.8]), 0.0, np.eye(8))
+    assert np.isinf(port.compliance)
+    held = port.beside(5e3)
+    assert held.compliance == pytest.approx(1 / 5e3)
+    assert port.beside(0.0).compliance == np.inf
+    assert held.power(1e4) == pytest.approx(port.power(1e4, 5e3))
+
+
+def test_the_buoy_by_the_general_route(buoy_of, radiation_of, coarse):
+    """The database of the axisymmetric chain, its one channel not made use of."""
+    buoy = buoy_of(coarse)
+    omega, free = buoy.spectrum.omega[4:-4:7], np.eye(len(buoy.mass))
+    dry = buoy.stiffness - buoy.stiffness_parts["hydrostatic"]
+    pto = replace(buoy.pto, port=free[0])
+    body = linear_body(buoy.database, mass=buoy.mass, damping=buoy.structural_damping, stiffness=dry, pto=pto)
+    assert body.rao(omega, 0.0, free) == pytest.approx(buoy.rao(omega, free), rel=1e-9)
+    some = linear_body(
+        buoy.database, ["Heave", "Membrane0"], mass=buoy.mass[:2, :2], damping=free[:2, :2], stiffness=dry[:2, :2]
+    )
+    k, other = (m.transfer(omega)[:, :2, :2] for m in (some.memory(5e-3).model, radiation_of(coarse)))
+    size = np.sqrt(np.einsum("wii->wi", some.spectrum.damping).max(axis=0))
+    even = 0.5 * (k - other + (k - other).swapaxes(1, 2)) / np.outer(size, size)
+    assert np.sqrt(np.mean(np.abs(even) ** 2, axis=0)).max() < 1e-2
+
+
+def test_added_mass_at_infinity_follows_from_damping_where_it_is_missing(database):
+    found = with_added_mass_inf(database.drop_vars("added_mass_inf"))
+    heave = {"influenced_dof": "Heave", "radiating_dof": "Heave"}
+    known = float(database.added_mass_inf.sel(heave))
+    assert float(found.added_mass_inf.sel(heave)) == pytest.approx(known, rel=0.1)
+    assert found.attrs["history"].endswith("added mass at infinite frequency from damping")
+    assert with_added_mass_inf(database) is database
+
+
+class TestRefused:
+    def test_bodies_that_cannot_be(self, database):
+        with pytest.raises(ConfigError, match=r"received Heave, Roof; needs some of Surge, Sway"):
+            linear_body(database, ["Heave", "Roof"])
+        with pytest.raises(ConfigError, match=r"mass: received shape \(2, 2\), needs finite numbers, shape \(1, 1\)"):
+            linear_body(database, ["Heave"], mass=np.eye(2))
+        with pytest.raises(ConfigError, match="stiffness: received a matrix that is not symmetric"):
+            linear_body(database, ["Heave", "Pitch"], stiffness=np.array([[1.0, 2.0], [0.0, 1.0]]))
+        with pytest.raises(ConfigError, match="mass: received Heave without inertia"):
+            linear_body(database, ["Surge", "Heave"], mass=np.diag([1e5, -1e9]))
+        dry = database.drop_vars(["inertia_matrix"])
+        with pytest.raises(ConfigError, match="mass: received none, and the database holds no structure"):
+            linear_body(dry)
+
+    def test_take_offs_of_nothing(self, database):
+        with pytest.raises(ConfigError, match="pto: received no port, needs the motion it takes off"):
+            linear_body(database, pto=LinearPto(1.0))
+        with pytest.raises(ConfigError, match=r"pto: received a port of \(3,\), needs \(8,\)"):
+            linear_body(database, pto=LinearPto(1.0, 0.0, np.ones(3)))
+        with pytest.raises(ConfigError, match="port: received Lid; needs some of Heave, Pitch"):
+            combination(["Heave", "Pitch"], {"Lid": 1.0})
+        with pytest.raises(ConfigError, match="needs finite shares, not all zero"):
+            combination(["Heave", "Pitch"], {"Heave": 0.0})
+
+    def test_waves_that_were_not_solved(self, database):
+        body = linear_body(database)
+        with pytest.raises(DatabaseError, match=r"received 0.1 to 3 rad/s, the database holds 0.2 to 1.8 rad/s"):
+            body.coefficients(np.array([0.1, 3.0]), 0.0)
+        with pytest.raises(DatabaseError, match=r"received 30 degrees, needs one of 0, 45"):
+            body.coefficients(np.array([1.0]), np.pi / 6)
+
+    def test_a_body_that_falls_over(self, database):
+        stiffness = database.structural_stiffness.values - 1e9 * np.eye(8)[3] * np.eye(8)[:, [3]]
+        with pytest.raises(StabilityError, match=r"received a negative stiffness of Roll, growing by"):
+            body_scene(linear_body(database, stiffness=stiffness), None, {})
+
+
+def test_a_body_that_makes_no_waves_rings_on(database):
+    body = linear_body(database, ["Heave"])
+    motion, record = run(body_scene(body, None, {}), NO_WAVES, 30.0, initial_position=1.0)
+    omega = np.sqrt(body.hydrostatic[0, 0] / (body.mass + body.added_mass_inf)[0, 0])
+    assert motion.position[:, 0] == pytest.approx(np.cos(omega * motion.time), abs=1e-9)
+    assert isinstance(body, LinearBody)
+    assert isinstance(record, xr.Dataset)

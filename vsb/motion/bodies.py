@@ -1,0 +1,286 @@
+"""A body of any shape in linear waves: from a hydro database of any source to response, port, memory and scene.
+
+The database may be a body's own, or come from WAMIT, BEMIO or capytaine (`vsb.hydro.formats`); mass, damping and
+stiffness of the dry body are the database's where they are not given.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import xarray as xr
+from scipy.interpolate import CubicSpline
+from scipy.linalg import eigh
+
+from vsb.errors import ConfigError, DatabaseError, StabilityError
+from vsb.hydro.coefficients import Coefficients
+from vsb.hydro.formats.modes import Structure, structure
+from vsb.hydro.kernel import DampingSpectrum
+from vsb.hydro.passive import Limit, PassiveFit, RadiationSamples, fit_passive, sizes
+from vsb.motion.forces import Damper, Excitation, Force, RadiationMemory, Spring, SpringDamper
+from vsb.motion.frequency import dynamic_stiffness, port_of
+from vsb.motion.port import Port
+from vsb.motion.pto import LinearPto
+from vsb.motion.scene import Scene
+from vsb.tools.units import ComplexArray, FloatArray
+from vsb.waves.seas import Sea
+
+_SAME_DIRECTION = 1e-6  # [rad]
+_UNEVEN = 1e-6  # asymmetry of a matrix, in terms of its largest entry, that is round-off
+_ADRIFT = 1e-9  # square of a growth rate, in terms of the largest of a frequency, that is round-off
+NO_TAKE_OFF = LinearPto(0.0)
+
+
+@dataclass(frozen=True)
+class LinearBody:
+    """Degrees of freedom of one or more bodies about their rest; made by `linear_body`, checked when made."""
+
+    database: xr.Dataset  # of these degrees of freedom, frequencies positive
+    mass: FloatArray  # M (dof, dof) [kg]
+    damping: FloatArray  # D of the dry body (dof, dof) [kg/s]
+    stiffness: FloatArray  # C of the dry body and its mooring (dof, dof) [N/m]
+    pto: LinearPto
+
+    def __post_init__(self) -> None:
+        """Refuse what cannot move."""
+        dof = len(self.labels)
+        for name in ("mass", "damping", "stiffness"):
+            matrix = getattr(self, name)
+            if np.shape(matrix) != (dof, dof) or not np.isfinite(matrix).all():
+                raise ConfigError(
+                    f"{name}: received shape {np.shape(matrix)}, needs finite numbers, shape {(dof, dof)}."
+                )
+            if np.abs(matrix - matrix.T).max() > _UNEVEN * np.abs(matrix).max():
+                raise ConfigError(f"{name}: received a matrix that is not symmetric, needs a symmetric one.")
+        inertia = self.mass + self.added_mass_inf
+        scale = np.sqrt(np.abs(np.diag(inertia)))
+        if not (scale > 0).all() or np.linalg.eigvalsh(inertia / np.outer(scale, scale))[0] <= 0:
+            still = [label for label, own in zip(self.labels, np.diag(inertia), strict=True) if own <= 0]
+            raise ConfigError(
+                f"mass: received {', '.join(still) or 'motions'} without inertia, the water's at infinite frequency "
+                "included; needs a positive definite mass, or other degrees of freedom."
+            )
+        if self.pto.port is None and (self.pto.damping or self.pto.stiffness):
+            raise ConfigError("pto: received no port, needs the motion it takes off; see `combination`.")
+        if self.pto.port is not None and self.pto.port.shape != (dof,):
+            raise ConfigError(f"pto: received a port of {self.pto.port.shape}, needs {(dof,)}.")
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Names of the degrees of freedom."""
+        return tuple(map(str, self.database.influenced_dof.values))
+
+    @cached_property
+    def added_mass_inf(self) -> FloatArray:
+        """Added mass at infinite frequency, shape (dof, dof) [kg]."""
+        return np.asarray(self.database.added_mass_inf.values)
+
+    @cached_property
+    def hydrostatic(self) -> FloatArray:
+        """Stiffness of still water, shape (dof, dof) [N/m]."""
+        return np.asarray(self.database.hydrostatic_stiffness.values)
+
+    @cached_property
+    def spectrum(self) -> DampingSpectrum:
+        """Radiation damping over frequency."""
+        return DampingSpectrum(self.database.omega.values, self.database.radiation_damping.values)
+
+    @cached_property
+    def samples(self) -> RadiationSamples:
+        """Radiation at the frequencies of the database, each motion measured by its damping."""
+        omega, damping = self.spectrum.omega, self.spectrum.damping
+        size = sizes(omega, damping, np.diag(self.mass + self.added_mass_inf))
+        return RadiationSamples(omega, self.database.added_mass.values, damping, self.added_mass_inf, size)
+
+    def memory(self, tolerance: float, *, limit: Limit = "given") -> PassiveFit:
+        """Return the passive radiation memory; see `vsb.hydro.passive.fit_passive`."""
+        return fit_passive(self.samples, tolerance, limit=limit)
+
+    @cached_property
+    def _splines(self) -> tuple[CubicSpline, CubicSpline, CubicSpline]:
+        """Added mass, damping and excitation of all directions between the frequencies solved."""
+        names = ("added_mass", "radiation_damping", "excitation_force")
+        mass, damping, force = (CubicSpline(self.database.omega.values, self.database[name].values) for name in names)
+        return mass, damping, force
+
+    def coefficients(self, omega: FloatArray, direction: float) -> Coefficients:
+        """Return the coefficients by cubic splines, in waves of one of the database's directions [rad].
+
+        Raises
+        ------
+        DatabaseError
+            Outside the band, or of a direction that is not there.
+        """
+        first, last = self.database.omega.values[[0, -1]]
+        if omega.size and (omega.min() < first - 1e-9 or omega.max() > last + 1e-9):
+            raise DatabaseError(
+                f"frequencies: received {omega.min():.4g} to {omega.max():.4g} rad/s, the database holds {first:g} to "
+                f"{last:g} rad/s; solve a wider band, or use waves within it."
+            )
+        known = self.database.wave_direction.values
+        near = int(np.argmin(np.abs(known - direction)))
+        if abs(known[near] - direction) > _SAME_DIRECTION:
+            raise DatabaseError(
+                f"wave direction: received {np.degrees(direction):g} degrees, needs one of "
+                f"{', '.join(f'{d:g}' for d in np.degrees(known))}."
+            )
+        added_mass, damping, force = (spline(omega) for spline in self._splines)
+        return Coefficients(added_mass, damping, np.asarray(force[:, near], dtype=complex))
+
+    def rao(self, omega: FloatArray, direction: float, motions: FloatArray) -> ComplexArray:
+        """Return displacement per unit wave amplitude under the take-off, shape (omega, dof) [m/m].
+
+        Parameters
+        ----------
+        omega : ndarray, shape (omega,) [rad/s]
+        direction : float [rad]
+        motions : ndarray, shape (dof, free)
+            The motions allowed.
+        """
+        c, dof = self.coefficients(omega, direction), len(self.labels)
+        held = self.hydrostatic + self.stiffness + self.pto.spring(dof)
+        dynamic = dynamic_stiffness(omega, c, self.mass, self.damping + self.pto.matrix(dof), held)
+        moved = np.linalg.solve(motions.T @ dynamic @ motions, (c.excitation @ motions)[..., None])
+        return np.asarray(moved[..., 0] @ motions.T)
+
+    def port(self, omega: FloatArray, direction: float, motions: FloatArray) -> Port:
+        """Return what the take-off sees, its own damper and spring left out; parameters of `rao`."""
+        c, held = self.coefficients(omega, direction), self.hydrostatic + self.stiffness
+        return port_of(omega, c, self.mass, self.damping, held, motions, self.pto.direction(len(self.labels)))
+
+
+def linear_body(
+    database: xr.Dataset,
+    dofs: Sequence[str] | None = None,
+    *,
+    mass: FloatArray | None = None,
+    damping: FloatArray | None = None,
+    stiffness: FloatArray | None = None,
+    pto: LinearPto = NO_TAKE_OFF,
+) -> LinearBody:
+    """Return a body from a hydro database.
+
+    Parameters
+    ----------
+    database : xarray.Dataset
+    dofs : sequence of str, optional
+        Degrees of freedom in the order wanted, the others held; all of them.
+    mass, damping, stiffness : ndarray, shape (dof, dof), optional
+        Of the dry body, in the degrees of freedom wanted; of the database. Without structure: no damping, no stiffness.
+    pto : LinearPto
+        With its port over the degrees of freedom wanted; see `combination`.
+
+    Raises
+    ------
+    ConfigError, DatabaseError
+        If something is missing or makes no sense.
+    """
+    labels = [str(label) for label in database.influenced_dof.values]
+    wanted = labels if dofs is None else [str(label) for label in dofs]
+    if not wanted or len(set(wanted)) < len(wanted) or not set(wanted) <= set(labels):
+        raise ConfigError(
+            f"degrees of freedom: received {', '.join(wanted) or 'none'}; needs some of {', '.join(labels)}."
+        )
+    index = [labels.index(label) for label in wanted]
+    chosen = database.isel(influenced_dof=index, radiating_dof=index)
+    chosen = with_added_mass_inf(chosen.sel(omega=chosen.omega > 0))
+    given = (mass, damping, stiffness)
+    dry = None if all(matrix is not None for matrix in given) else structure(chosen, "database")
+    if mass is None and dry is None:
+        raise ConfigError("mass: received none, and the database holds no structure; needs the mass matrix.")
+    none = np.zeros((len(index), len(index)))
+    own = dry or Structure(none, none, none)
+    chosen_mass, chosen_damping, chosen_stiffness = (
+        held if matrix is None else np.asarray(matrix, dtype=float) for held, matrix in zip(own, given, strict=True)
+    )
+    return LinearBody(chosen, chosen_mass, chosen_damping, chosen_stiffness, pto)
+
+
+def with_added_mass_inf(ds: xr.Dataset) -> xr.Dataset:
+    """Return a database with the added mass at infinite frequency, by Kramers and Kronig if it had none: `history`."""
+    if "added_mass_inf" in ds:
+        return ds
+    omega = ds.omega.values
+    change = DampingSpectrum(omega, ds.radiation_damping.values).added_mass_difference(omega)
+    limit = np.median(ds.added_mass.values - change, axis=0)
+    told = f"{ds.attrs.get('history', '')}; added mass at infinite frequency from damping".lstrip("; ")
+    return ds.assign(added_mass_inf=(("influenced_dof", "radiating_dof"), limit)).assign_attrs(history=told)
+
+
+def combination(labels: Sequence[str], shares: Mapping[str, float]) -> FloatArray:
+    """Return b of a port that moves with a combination of degrees of freedom, b.q = sum of share times amplitude.
+
+    Raises
+    ------
+    ConfigError
+        If a degree of freedom is not there, or the combination is none.
+    """
+    if unknown := sorted(set(shares) - set(labels)):
+        raise ConfigError(f"port: received {', '.join(unknown)}; needs some of {', '.join(labels)}.")
+    b = np.array([float(shares.get(label, 0.0)) for label in labels])
+    if not (np.isfinite(b).all() and b.any()):
+        raise ConfigError(f"port: received {dict(shares)}; needs finite shares, not all zero.")
+    return b
+
+
+def body_scene(
+    body: LinearBody, radiation: PassiveFit | None, waves: Mapping[float, Sea], motions: FloatArray | None = None
+) -> Scene:
+    """Return the linear scene of a body in seas from several directions, with the forces it has and no others.
+
+    Parameters
+    ----------
+    body : LinearBody
+    radiation : PassiveFit or None
+        Of `LinearBody.memory`, its added mass at infinite frequency included; None: the body makes no waves.
+    waves : mapping of float to Sea
+        Direction [rad] -> sea; none: still water.
+    motions : ndarray, shape (dof, free), optional
+        Those allowed; all. An initial position is one of the first motion that heaves, or of the first.
+
+    Raises
+    ------
+    StabilityError
+        If the body does not rest stably.
+    """
+    dof = len(body.labels)
+    free = np.eye(dof) if motions is None else motions
+    _check_rest(body, free)
+    forces: dict[str, Force] = {"hydrostatic": Spring(body.hydrostatic)}
+    if radiation:
+        forces["radiation"] = RadiationMemory(radiation.model)
+    if body.stiffness.any():
+        forces["elastic"] = Spring(body.stiffness)
+    if body.damping.any():
+        forces["structural_damping"] = Damper(body.damping)
+    if body.pto.stiffness:
+        forces["pto"] = SpringDamper(body.pto.spring(dof), body.pto.matrix(dof), np.zeros(dof))
+    elif body.pto.damping:
+        forces["pto"] = Damper(body.pto.matrix(dof))
+    if seas := {direction: sea for direction, sea in waves.items() if sea.omega.size}:
+        parts = [sea.amplitude[:, None] * body.coefficients(sea.omega, at).excitation for at, sea in seas.items()]
+        forces["excitation"] = Excitation(together(seas).omega, np.concatenate(parts))
+    heaving = free[body.labels.index("Heave")] if "Heave" in body.labels else free[0]
+    lead = int(np.argmax(np.abs(heaving) > 0))
+    added = radiation.added_mass_inf if radiation else body.added_mass_inf
+    return Scene(body.labels, body.mass + added, forces, free, lead=lead)
+
+
+def _check_rest(body: LinearBody, motions: FloatArray) -> None:
+    """Raise `StabilityError` if a motion allowed falls over; one that nothing holds drifts, which may be."""
+    held = body.hydrostatic + body.stiffness + body.pto.spring(len(body.labels))
+    values, shapes = eigh(motions.T @ held @ motions, motions.T @ (body.mass + body.added_mass_inf) @ motions)
+    if values[0] < -_ADRIFT * max(abs(values[-1]), 1e-300):
+        most = np.abs(motions @ shapes[:, 0]) * np.sqrt(np.diag(body.mass + body.added_mass_inf))
+        raise StabilityError(
+            f"the body does not rest: received a negative stiffness of {body.labels[int(most.argmax())]}, growing by "
+            f"{np.sqrt(-values[0]):.3g}/s; needs a lower centre of mass, a mooring, or this motion held."
+        )
+
+
+def together(waves: Mapping[float, Sea]) -> Sea:
+    """Return seas of several directions as one, the elevation at the origin."""
+    none = Sea(np.zeros(0), np.zeros(0, dtype=complex))
+    seas = list(waves.values()) or [none]
+    return Sea(np.concatenate([sea.omega for sea in seas]), np.concatenate([sea.amplitude for sea in seas]))
