@@ -1,13 +1,13 @@
 # Two commands do everything: `make study` (the seed study, or CONFIG=...), `make test`.
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
-CONFIG ?= config/seed.yaml
+CONFIG ?= config/seed.yaml config/year.yaml
 BIN := .venv/bin
 READY := .venv/.installed
 
 .PHONY: study benchmark barge hard-cases torture test lint unit format docs lock docs-lock clean help
 
-study: $(READY) ## run a study: make study [CONFIG=config/seed.yaml]
-	@$(BIN)/vsb run $(CONFIG)
+study: $(READY) ## run the seed's study and its year, or others: make study [CONFIG=config/seed.yaml]
+	@for one in $(CONFIG); do $(BIN)/vsb run $$one || exit; done
 
 benchmark: $(READY) ## error against seconds of every method: integrators on the paper's study, hydrodynamic coefficients
 	@$(BIN)/python -m benchmarks integrators config/paper.yaml results/paper

@@ -348,3 +348,31 @@ def test_a_command_told_to_end_ends_all_it_started(tmp_path, number, code):
     assert "run the same command again" in told
     children = [one for one in psutil.process_iter(["cmdline"]) if str(tmp_path) in " ".join(one.info["cmdline"] or [])]
     assert children == []
+
+
+def test_a_profile_whose_executor_is_not_installed_says_what_to_install(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("vsb.stages.run.find_spec", lambda name: None)
+    assert main(["run", str(SEED), "--profile", "slurm"]) == 2
+    assert "executor: received slurm, which is not installed; needs pip install 'vsb[slurm]'" in capsys.readouterr().err
+
+
+def test_campaigns_and_studies_have_names_of_their_own(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    year = SEED.parent / "year.yaml"
+    (tmp_path / "results" / "year").mkdir(parents=True)
+    (tmp_path / "results" / "year" / "study.json").touch()
+    assert main(["check", str(year)]) == 2
+    assert "campaign: received year, the name of a study with results in results/year" in capsys.readouterr().err
+    (tmp_path / "results" / "seed" / "members").mkdir(parents=True)
+    assert main(["check", str(SEED)]) == 2
+    assert "study: received seed, the name of a campaign with results in results/seed" in capsys.readouterr().err
+
+
+def test_check_tells_of_a_campaign_what_it_is_and_what_is_left(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["check", str(SEED.parent / "when_it_pays.yaml")]) == 0
+    out = capsys.readouterr().out
+    assert "seed.yaml over 8600 seas, tuning one" in out
+    assert "78 of device.young_modulus x device.thickness, 0 done" in out
+    assert "1 of 1 batches to do, 1 shapes of the water" in out

@@ -16,8 +16,10 @@ from vsb.shell.modes import design_motions
 from vsb.stages import answer, campaign, members
 from vsb.stages.climate import read_climate
 from vsb.stages.make import make
+from vsb.stages.stage import STAGES
 from vsb.study.campaign_plan import plan_of
 from vsb.study.plan import StudyPlan
+from vsb.study.study import canonical
 from vsb.tools.files import load
 from vsb.tools.units import check_finite
 from vsb.waves.seas import jonswap_spectrum
@@ -28,6 +30,7 @@ BASE["designs"] = {"FSB": {"flexible": False}, "VSWEC": {}}
 BASE["hydro"] = {"omega_max": 5.0}
 HERTZ = np.linspace(0.04, 0.5, 24)
 MODULI = {"device.young_modulus": [1e6, 1e7]}
+THICKER = {**MODULI, "device.thickness": [0.01, 0.02, 0.04]}
 
 
 @pytest.fixture(scope="module")
@@ -45,20 +48,36 @@ def planned(folder, vary=None, name="sweep", **sections):
     raw = {**BASE, **sections, "study": f"{name}_study"}
     (folder / f"{name}_study.yaml").write_text(yaml.safe_dump(raw))
     given = {"campaign": name, "study": f"{name}_study.yaml", "vary": vary or {}, "climate": {"spectra": "sea.txt"}}
-    (folder / f"{name}.yaml").write_text(yaml.safe_dump(given))
+    (folder / f"{name}.yaml").write_text(yaml.safe_dump(given, sort_keys=False))
     plan = plan_of(str(folder / f"{name}.yaml"))
     return type(plan)(plan.loaded, root=str(folder / "results"))
 
 
+def told(stage, spec):
+    """A specification as a job reads it."""
+    (one,) = (each for each in STAGES if each.name == stage)
+    return one.read(canonical(spec))
+
+
 def batches(plan):
     for name, spec in plan.batches.items():
-        members.run(spec, plan.loaded.climate_path, f"{plan.folder}/members", plan.root, plan.batch_path(name))
+        members.run(
+            told("members", spec), plan.loaded.climate_path, f"{plan.folder}/members", plan.root, plan.batch_path(name)
+        )
 
 
 def run(plan):
     batches(plan)
-    campaign.run(plan.campaign, f"{plan.folder}/batches", plan.data_path, plan.table_path, plan.manifest)
-    answer.run(plan.campaign, plan.data_path, f"{plan.folder}/figures", f"{plan.folder}/report.html", plan.manifest)
+    campaign.run(
+        told("campaign", plan.campaign), f"{plan.folder}/batches", plan.data_path, plan.table_path, plan.manifest
+    )
+    answer.run(
+        told("answer", plan.campaign),
+        plan.data_path,
+        f"{plan.folder}/figures",
+        f"{plan.folder}/report.html",
+        plan.manifest,
+    )
     return load(plan.data_path, expected=plan.campaign_id)
 
 
@@ -133,16 +152,31 @@ def test_a_widened_sweep_computes_new_points_alone(folder, swept, monkeypatch):
     np.testing.assert_array_equal(again.power_matrix.sel(young_modulus=[1e6, 1e7]), found.power_matrix)
 
 
+def test_a_map_has_every_point_in_its_place(folder):
+    plan = planned(folder, THICKER, name="map")
+    found = run(plan)
+    assert found.annual_energy.dims[:2] == ("young_modulus", "thickness")
+    for one in plan.members:
+        point = {key.rpartition(".")[2]: value for key, value in one.point.items()}
+        stored = load(f"{plan.folder}/members/{one.id}.nc", expected=one.id)
+        assert float(found.margin.sel(point)) == float(stored.margin)
+        np.testing.assert_array_equal(found.annual_energy.sel(point), stored.annual_energy)
+
+
 def test_what_is_damaged_is_computed_anew_to_the_same_bytes(folder, swept, capsys):
     plan = planned(folder, MODULI)
     path = folder / "results" / "sweep" / "members" / f"{plan.members[0].id}.nc"
     before, data = path.read_bytes(), (folder / "results" / "sweep" / "campaign.nc")
     batches(plan)
-    campaign.run(plan.campaign, f"{plan.folder}/batches", plan.data_path, plan.table_path, plan.manifest)
+    campaign.run(
+        told("campaign", plan.campaign), f"{plan.folder}/batches", plan.data_path, plan.table_path, plan.manifest
+    )
     whole = data.read_bytes()
     path.write_bytes(before[:-200] + b"x" + before[-199:])
     batches(plan)
-    campaign.run(plan.campaign, f"{plan.folder}/batches", plan.data_path, plan.table_path, plan.manifest)
+    campaign.run(
+        told("campaign", plan.campaign), f"{plan.folder}/batches", plan.data_path, plan.table_path, plan.manifest
+    )
     assert "computed anew" in capsys.readouterr().out
     assert path.read_bytes() == before
     assert data.read_bytes() == whole

@@ -1,9 +1,12 @@
 """What a campaign varies: values, points, names of dimensions."""
 
+import json
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from vsb.study.study import canonical
 from vsb.study.vary import Vary, read_vary
 
 TAKEN = ("damping", "hs")
@@ -16,6 +19,13 @@ def test_a_product_has_the_last_key_vary_fastest():
         {"device.mass": 1.0, "modes.basis": "membrane"},
         {"device.mass": 1.0, "modes.basis": "full"},
     ]
+
+
+def test_the_order_of_keys_survives_canonical_json():
+    """Which sorts mappings: a map over two keys was drawn with its points in the order of the other."""
+    vary = read_vary({"device.young_modulus": [1.0, 2.0], "device.mass": [3.0, 4.0, 5.0]})
+    assert Vary.model_validate(json.loads(canonical(vary))) == vary
+    assert Vary.model_validate(json.loads(canonical(vary))).points == vary.points
 
 
 def test_pairs_go_together():
@@ -60,7 +70,7 @@ def test_a_latin_hypercube_has_one_value_in_every_stratum(samples, seed):
 
 def test_dimensions_are_the_last_words_but_where_they_clash():
     keys = ("device.mass", "pto.damping", "device.damping.beta", "hydro.tolerance", "simulation.tolerance", "scale")
-    names = Vary(values=dict.fromkeys(keys, (1.0,))).dimensions(TAKEN)
+    names = Vary.of(dict.fromkeys(keys, (1.0,))).dimensions(TAKEN)
     assert list(names.values()) == ["mass", "pto_damping", "beta", "hydro_tolerance", "simulation_tolerance", "scale"]
 
 

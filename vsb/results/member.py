@@ -79,12 +79,13 @@ def _curves(ports: Mapping[str, Port], climate: Climate) -> dict[str, tuple[tupl
     return {name: (("design", "damper"), values) for name, values in zip(CURVES, found, strict=True)}
 
 
-def _gain_interval(of: xr.Dataset, reference: str, tolerance: float) -> dict[str, xr.DataArray]:
+def _gain_interval(of: xr.Dataset, reference: str, tolerance: float) -> dict[str, tuple[tuple[str, ...], FloatArray]]:
     """Where gains lie by the errors of numbers: quadrature over frequency, tolerance of the coefficients."""
-    error = of.quadrature_error / of.annual_mean_power + tolerance
-    both = (error + error.sel(design=reference, drop=True)) * (of.design != reference)
-    width = both * (100 + of.gain_percent)
-    return {"gain_low": of.gain_percent - width, "gain_high": of.gain_percent + width}
+    gain, at = of.gain_percent.values, list(of.design.values).index(reference)
+    error = of.quadrature_error.values / of.annual_mean_power.values + tolerance
+    width = (error + error[at]) * (100 + gain)
+    width[at] = 0.0
+    return {"gain_low": (BY, gain - width), "gain_high": (BY, gain + width)}
 
 
 def _missing(study: Study, climate: Climate, tunings: Sequence[Tuning]) -> xr.Dataset:

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Mapping, Sequence
+from importlib.util import find_spec
 from pathlib import Path
 from typing import NoReturn
 
@@ -20,6 +21,7 @@ from vsb.stages.alone import alone, sharing
 from vsb.stages.stage import STAGES
 from vsb.study.campaign_plan import CampaignPlan, plan_of
 from vsb.study.plan import StudyPlan
+from vsb.study.reading import read_yaml
 from vsb.study.schema import nearest
 from vsb.tools import completion
 from vsb.tools.shipped import HOME
@@ -145,7 +147,17 @@ def _profile(name: str) -> Path:
             f"--profile: received {name}, needs {known}, or the path of a folder of your own (./{Path(name).name}) "
             "with a config.yaml"
         )
+    _check_executor(folder / "config.yaml")
     return folder
+
+
+def _check_executor(profile: Path) -> None:
+    """Check that what a profile hands jobs to is installed: Snakemake would answer with pages."""
+    given = read_yaml(profile, "a profile of snakemake")
+    name = str(given.get("executor", "local")) if isinstance(given, dict) else "local"
+    if name != "local" and not find_spec(f"snakemake_executor_plugin_{name.replace('-', '_')}"):
+        extra = "'vsb[slurm]'" if name == "slurm" else f"snakemake-executor-plugin-{name}"
+        raise VsbError(f"{profile}: executor: received {name}, which is not installed; needs pip install {extra}")
 
 
 def _forced(options: Sequence[str], stale: Sequence[str]) -> list[str]:

@@ -7,10 +7,8 @@ import itertools
 import json
 import math
 import random
-from collections.abc import Iterable, Mapping
-from typing import Any
-
-from pydantic import Field
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Self
 
 from vsb.study.quantities import Section
 
@@ -37,10 +35,24 @@ _DIGITS = 12
 
 
 class Vary(Section):
-    """Values of the varied keys: every combination of them, or `together`, the first of each, the second, ..."""
+    """Values of the varied keys: every combination of them, or `together`, the first of each, the second, ...
 
-    values: dict[str, tuple[Value, ...]] = Field(default_factory=dict)
+    Lists, not a mapping: canonical JSON sorts mappings, and the order of keys is that of dimensions and points.
+    """
+
+    keys: tuple[str, ...] = ()
+    lists: tuple[tuple[Value, ...], ...] = ()
     together: bool = False
+
+    @classmethod
+    def of(cls, values: Mapping[str, Sequence[Value]], *, together: bool = False) -> Self:
+        """Return what is varied from the values of each key."""
+        return cls(keys=tuple(values), lists=tuple(map(tuple, values.values())), together=together)
+
+    @property
+    def values(self) -> dict[str, tuple[Value, ...]]:
+        """Values of each key."""
+        return dict(zip(self.keys, self.lists, strict=True))
 
     @property
     def points(self) -> list[Point]:
@@ -98,7 +110,7 @@ def read_vary(raw: object) -> Vary:
         raise ValueError(f"pairs: received {lengths} values, needs as many of every key")
     if not pairs and math.prod(lengths.values()) > MOST_POINTS:
         raise ValueError(f"received {math.prod(lengths.values())} points, needs at most {MOST_POINTS}")
-    return Vary(values=values, together=pairs)
+    return Vary.of(values, together=pairs)
 
 
 def _check_key(key: str) -> None:
@@ -198,4 +210,4 @@ def _hypercube(keys: Mapping[str, object], raw: object, pairs: object) -> Vary:
         values[key] = tuple(
             _between(kind, numbers[0], numbers[1], (stratum + drawn.random()) / samples) for stratum in strata
         )
-    return Vary(values=values, together=True)
+    return Vary.of(values, together=True)

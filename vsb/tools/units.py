@@ -212,12 +212,17 @@ def described(ds: xr.Dataset) -> xr.Dataset:
     varied = set(str(ds.attrs.get("varied", "")).split())
     if unknown := {str(name) for name in ds.variables} - set(ATTRS) - set(_LABELS) - varied:
         raise DatabaseError(f"variables {sorted(unknown)} are not in vsb.units.ATTRS; add them there first.")
-    out = ds.copy()
-    for name in [name for name in ds.variables if name in ATTRS and name not in varied]:
-        quantity = ATTRS[str(name)]
-        out[name] = ds[name].transpose(*(... if dim == "..." else dim for dim in quantity.dims))
-        out[name].attrs = {"units": quantity.units, "long_name": quantity.long_name}
-    return out
+    known = {name: _told(ds.variables[name], ATTRS[str(name)]) for name in ds.variables if name in ATTRS}
+    known = {name: variable for name, variable in known.items() if name not in varied}
+    coordinates = {name: variable for name, variable in known.items() if name in ds.coords}
+    return ds.assign({name: v for name, v in known.items() if name not in ds.coords}).assign_coords(coordinates)
+
+
+def _told(variable: xr.Variable, quantity: Quantity) -> xr.Variable:
+    """A variable with its dimensions in order, its units and its meaning."""
+    ordered = variable.transpose(*(... if dim == "..." else dim for dim in quantity.dims))
+    ordered.attrs = {"units": quantity.units, "long_name": quantity.long_name}
+    return ordered
 
 
 def separated(ds: xr.Dataset) -> xr.Dataset:
@@ -245,8 +250,8 @@ def merged(ds: xr.Dataset) -> xr.Dataset:
 def check_finite(ds: xr.Dataset, source: str) -> None:
     """Raise `DatabaseError` if any number of the dataset is NaN or infinite, but of designs that are not `viable`."""
     for name, variable in ds.data_vars.items():
-        if not np.issubdtype(variable.dtype, np.number):
+        if not np.issubdtype(variable.dtype, np.number) or np.isfinite(variable.values).all():
             continue
-        wrong = ~np.isfinite(variable)
-        if (wrong & ds.viable if "viable" in ds and "design" in variable.dims else wrong).any():
+        missing = ~ds.viable if "viable" in ds and "design" in variable.dims else False
+        if not (np.isfinite(variable) | missing).all():
             raise DatabaseError(f"{source}: variable {name} holds NaN or infinite values; this result cannot be used.")
