@@ -8,11 +8,13 @@ with beta = shapes^T b, s the scale of the modes and constant c, k, f: z - z_s =
 the swing z_s of the waves has no step-size error. f is carried as one more state, which never changes.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg import eigh
 
 from vsb.integrators.exact import SERIES, steady_state, transition
 from vsb.motion.system import System
@@ -21,6 +23,10 @@ from vsb.waves.superposition import superposed
 
 AHEAD = 32
 """Instants looked ahead at a time."""
+
+
+FELT = 1e-3
+"""A mode whose answer to a kick at the port is a smaller part of the largest is not felt."""
 
 
 class Signals(NamedTuple):
@@ -165,3 +171,24 @@ class Phase:
             term = self.flow @ term * (span / k)
             out = out + term
         return out
+
+
+def felt_rate(system: System, port: FloatArray, springs: Iterable[float], dampers: Iterable[float]) -> float:
+    """Return the fastest rate a port feels [rad/s]: of modes under each of some springs at it, and of its dampers.
+
+    Parameters
+    ----------
+    system : System
+    port : ndarray, shape (free,)
+        Beta.
+    springs, dampers : iterable of float [N/m], [kg/s]
+    """
+    n = system.free
+    squares = -system.matrix[n : 2 * n, :n] * system.scale
+    rates = [c * float(port @ port) for c in dampers]
+    for spring in springs:
+        values, vectors = eigh((squares + squares.T) / 2 + spring * np.outer(port, port))
+        omega = np.sqrt(np.maximum(np.abs(values), 1e-6))
+        kick = (port @ vectors) ** 2 / omega
+        rates.append(float(omega[kick > FELT * kick.max()].max()))
+    return max(rates)

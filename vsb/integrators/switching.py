@@ -13,12 +13,11 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import eigh
 from scipy.optimize import brentq
 
 from vsb.errors import ConvergenceError
-from vsb.integrators.phases import Phase, Signals
-from vsb.integrators.track import Mode, Track
+from vsb.integrators.phases import Phase, Signals, felt_rate
+from vsb.integrators.track import Mode, Track, dips
 from vsb.integrators.wet_phases import WetPhase
 from vsb.integrators.works import TERMS, Load, Piece, account
 from vsb.motion.motion import Motion
@@ -27,8 +26,6 @@ from vsb.tools.units import FloatArray
 
 RESOLVED = 0.25
 """Of a radian: how far apart the instants of the lookout are at most, for the fastest motion the port feels."""
-FELT = 1e-3
-"""A mode whose answer to a kick at the port is a smaller part of the largest is not felt."""
 FINEST = 10  # halvings of a recorded step
 MOST_EVENTS = 1000
 """In one recorded step, before a run is given up."""
@@ -87,17 +84,9 @@ class Switching:
 
     def rate(self) -> float:
         """Return the fastest rate the port feels [rad/s]: of modes under each spring, of the laws' dampers."""
-        n = self.system.free
-        squares = -self.system.matrix[n : 2 * n, :n] * self.system.scale
         springs = {0.0, self.law.stiffness, self.stop.stiffness if self.stop else 0.0}
-        dampers = [c for c in (self.law.damping, self.law.paused_damping) if np.isfinite(c)]
-        rates = [c * float(self.port @ self.port) for c in (*dampers, self.stop.damping if self.stop else 0.0)]
-        for spring in springs:
-            values, vectors = eigh((squares + squares.T) / 2 + spring * np.outer(self.port, self.port))
-            omega = np.sqrt(np.maximum(np.abs(values), 1e-6))
-            kick = (self.port @ vectors) ** 2 / omega
-            rates.append(float(omega[kick > FELT * kick.max()].max()))
-        return max(rates)
+        dampers = (self.law.damping, self.law.paused_damping, self.stop.damping if self.stop else 0.0)
+        return felt_rate(self.system, self.port, springs, [c for c in dampers if np.isfinite(c)])
 
     def finer(self, dt: float) -> int:
         """Return how many instants of the lookout there are in a recorded step, a power of 2."""
@@ -247,7 +236,8 @@ class Switching:
                 phase.later(transient, float(ahead[0]) - t)[None]
             )  # fmt: skip
             states = phase.states(ahead, transients)
-            passed, broken = self.undisturbed(mode, phase, ahead, states)
+            ends = np.append(t, ahead), np.vstack([state, states]), np.vstack([transient, transients])
+            passed, broken = self.undisturbed(mode, phase, *ends)
             track.add(ahead[:passed], states[:passed], mode, regular=True)
             if passed:
                 t, i = float(ahead[passed - 1]), i + passed
@@ -286,33 +276,62 @@ class Switching:
                 )
             finer *= 2
 
-    def undisturbed(self, mode: Mode, phase: Phase, time: FloatArray, states: FloatArray) -> tuple[int, list[str]]:
-        """Return the number of instants before the first in which guards are negative, and the events of these."""
-        guards = self.guards(mode, phase.watched(time, states), time)
-        broken = np.array(list(guards.values())) < 0
-        first = int(np.argmax(broken.any(axis=0))) if broken.any() else len(time)
-        return first, [
-            name for name, value in zip(guards, broken.T[first], strict=True) if value
-        ] if broken.any() else []
+    def undisturbed(
+        self, mode: Mode, phase: Phase, time: FloatArray, states: FloatArray, transients: FloatArray
+    ) -> tuple[int, dict[str, float]]:
+        """Return how many spans no event falls into, and the guards that are negative in the next one: after what part.
+
+        Guards are negative at the end of a span, or at the bottom of a dip inside it. Time, states and transients are
+        those from the begin of the first span on.
+        """
+        at, span = phase.watched(time, states), time[-1] - time[-2]
+        guards = self.guards(mode, at, time)
+        parts = np.where(np.array(list(guards.values()))[:, 1:] < 0, 1.0, np.nan)
+        for name, rate in self.rates(mode, at).items():
+            for k, part in dips(guards[name], span * rate):
+                bottom = self.guard(name, mode, phase, float(time[k]), transients[k], part * span)
+                parts[list(guards).index(name), k] = part if bottom < 0 else np.nan
+        first = int(np.argmax(np.append(np.isfinite(parts).any(axis=0), True)))
+        found = zip(guards, parts[:, first], strict=True) if first < parts.shape[1] else ()
+        return first, {name: float(part) for name, part in found if np.isfinite(part)}
+
+    def rates(self, mode: Mode, at: Signals) -> dict[str, FloatArray]:
+        """Return the rates of those guards whose signals tell them."""
+        out, law = {}, self.law
+        gained = at.push * float(self.port @ self.port)  # V'
+        if mode.way:
+            out["turn"] = mode.way * gained
+            if np.isfinite(law.limit) and not self.friction(mode):
+                c, k = law.coefficients(mode.paused)
+                sign = mode.limited or -np.sign(c * at.velocity + k * at.stroke)
+                out["limit"] = sign * (c * gained + k * at.velocity)
+        if self.stop:
+            out["stop"] = at.velocity * (mode.contact or -np.sign(at.stroke))
+        return out
+
+    def guard(self, name: str, mode: Mode, phase: Phase, t: float, transient: FloatArray, s: float) -> float:
+        """Return a guard so long after an instant whose transient is given."""
+        at, here = np.array([t + s]), phase.later(transient, s)[None]
+        return float(self.guards(mode, phase.watched(at, phase.states(at, here)), at)[name][0])
 
     def next_event(
-        self, broken: list[str], mode: Mode, phase: Phase, t: float, transient: FloatArray, span: float
+        self, broken: dict[str, float], mode: Mode, phase: Phase, t: float, transient: FloatArray, span: float
     ) -> tuple[float, str]:
-        """Return when within a span the first of some guards vanishes that are negative at its end, and its event."""
+        """Return when in a span the first of some guards vanishes, negative after a part of it, and its event."""
 
         def guard(s: float, name: str) -> float:
-            at, here = np.array([t + s]), phase.later(transient, s)[None]
-            return float(self.guards(mode, phase.watched(at, phase.states(at, here)), at)[name][0])
+            return self.guard(name, mode, phase, t, transient, s)
 
         zeros = []
-        for name in broken:
-            start = 0.0 if guard(0.0, name) > 0 else SOON * span  # a guard vanishes at the event that sets it up
+        for name, part in broken.items():
+            end = part * span
+            start = 0.0 if guard(0.0, name) > 0 else SOON * end  # a guard vanishes at the event that sets it up
             if guard(start, name) <= 0:
                 zero = 0.0
-            elif guard(span, name) >= 0:  # negative by round-off alone
-                zero = span
+            elif guard(end, name) >= 0:  # negative by round-off alone
+                zero = end
             else:
-                zero = float(brentq(guard, start, span, (name,), xtol=1e-15 * span, rtol=1e-15, maxiter=1000))
+                zero = float(brentq(guard, start, end, (name,), xtol=1e-15 * span, rtol=1e-15, maxiter=1000))
             zeros.append((zero, name))
         return min(zeros)
 

@@ -48,3 +48,32 @@ class Track:
     def largest(self) -> float:
         """Largest norm of the states."""
         return max(float(np.linalg.norm(states, axis=1).max(initial=0.0)) for states in self.states)
+
+
+def dips(values: FloatArray, rates: FloatArray) -> list[tuple[int, float]]:
+    """Return the spans in which a guard, positive at both ends, is likely to dip below zero, and where it is lowest.
+
+    Parameters
+    ----------
+    values, rates : ndarray, shape (span + 1,)
+        At the ends of spans; rates per span.
+
+    Returns
+    -------
+    list of (span, part of it)
+
+    Notes
+    -----
+    Of the cubic through values and rates; where the rates are of one sign there is no bottom inside.
+    """
+    found = []
+    for k in np.flatnonzero((values[:-1] > 0) & (values[1:] >= 0) & (rates[:-1] < 0) & (rates[1:] > 0)):
+        low, high, falling, rising = values[k], values[k + 1], rates[k], rates[k + 1]
+        cubic = np.polynomial.Polynomial([
+            low, falling, 3 * (high - low) - 2 * falling - rising, 2 * (low - high) + falling + rising
+        ])  # fmt: skip
+        for bottom in cubic.deriv().roots():
+            part = float(np.real(bottom))
+            if np.isreal(bottom) and 0 < part < 1 and cubic(part) < 0:
+                found.append((int(k), part))
+    return found
