@@ -76,7 +76,9 @@ def test_harmonics_of_a_sea_hold_its_components_and_fill_the_band(seed, wave):
     assert constrained.optimum_in_sea(port, waves, harmonics).power == pytest.approx(power, rel=1e-12)
 
 
-@pytest.mark.parametrize("omega", [np.array([1.03, 1.13, 1.23]), np.array([1.05, 1.15, 1.275])])
+@pytest.mark.parametrize(
+    "omega", [np.array([1.03, 1.13, 1.23]), np.array([1.05, 1.15, 1.275]), np.array([1.0, 1.1, 1.2001])]
+)
 def test_a_sea_that_never_repeats_has_no_harmonics(omega):
     with pytest.raises(ConfigError, match=r"waves: received components 0.1 rad/s apart from .* which never repeat"):
         Harmonics.of_sea(omega, 0.1, 12.0)

@@ -71,6 +71,26 @@ def test_a_regular_wave_has_its_closed_forms():
     assert pairs.power[stable] == pytest.approx((np.diag(waves) * port.matched_power)[stable], rel=1e-9)
 
 
+def test_a_maximum_between_the_dampers_tried_may_be_the_higher_one():
+    """By 3e-4: the table has it 6e-4 too low, the other one exactly."""
+    z, omega = np.array([np.exp(0.05), np.exp(8.0)]), np.array([1.0, 2.0])
+    port = Port(omega, 1 / z + 0j, np.sqrt(8 / z) + 0j, 1.0)
+    found = best_dampers(port, np.array([[1.0003, 1.0]]))
+    assert found.damping[0] == pytest.approx(z[0], rel=0.01)
+    others = powers_of_all(port, np.array([[1.0003, 1.0]]), z, np.zeros(2), 1.0)
+    assert found.power[0] >= others.max() > others[1, 0]
+
+
+def test_a_pair_between_the_dampers_tried_may_be_the_better_one():
+    """Two waves, each with a spring of its own; the table has the better one's damper a tenth off."""
+    z = np.array([1.0 - 1e3j, 0.5 * np.exp(1.6) - 3e3j])
+    port = Port(np.array([1.0, 2.0]), 1 / z, z.real**0.5 / z, 1e-3)
+    waves = np.array([[1.001, 1.0]])
+    found = best_pairs(port, waves, best_dampers(port, waves))
+    assert found.stiffness[0] == pytest.approx(1e3, rel=1e-2)
+    assert found.power[0] >= 1.001 / 8
+
+
 def test_two_peaks_have_two_maxima_and_the_higher_is_found():
     """One sea of two waves whose best dampers are decades apart."""
     omega = np.array([1.0, 2.0])

@@ -151,6 +151,7 @@ def test_what_does_not_exist_is_a_dash():
     assert body[0][head.index("gain of mean power [%]")] == "+3.0"
     head, body = table([row("FSB", 100)], DETAILS)
     assert body[0][head.index("energy gain [%]")] == "+2.0"
+    assert body[0][head.index("energy of the run [kJ]")] == "0.001"
 
 
 def test_page_is_self_contained_and_escaped():
@@ -163,6 +164,8 @@ def test_page_is_self_contained_and_escaped():
     )
     assert "&lt;p&gt; &amp; why" in page
     assert "<?xml" not in page
+    assert "<svg>x</svg>" in page
+    assert page.index("Program") < page.index("vsb", page.index("Program"))
     assert "src=" not in page
     assert page.index("Over the whole band, each design at its own best damper") < page.index("A absorbs most")
     assert page.index("A absorbs most") < page.index("Over the whole band, all at the given damper")

@@ -33,6 +33,15 @@ def test_the_answer_is_the_gain_at_own_best_dampers():
     ]
 
 
+@pytest.mark.parametrize(
+    ("gain", "words"),
+    [(0.04, "as much as"), (-0.04, "as much as"), (0.06, "0.1 % more than"), (-0.06, "0.1 % less than")],
+)
+def test_a_gain_is_none_where_it_would_be_printed_as_nothing(gain, words):
+    (text,) = tuned_statements([SWELL[0], line("A", 781.1, gain)], "FSB", SEAS)
+    assert f"A absorbs {words} the rigid FSB" in text
+
+
 @pytest.mark.parametrize("lines", [SWELL[:1], [line("FSB", 781.1, None)]])
 def test_without_a_gain_powers_are_given(lines):
     text = "In a swell, each design at its own best damper: FSB absorbs 781.1 W."

@@ -8,7 +8,7 @@ from conftest import varied
 
 from vsb.results import comparison as compare
 from vsb.results.comparison import as_csv
-from vsb.waves.seas import NO_WAVES
+from vsb.waves.seas import NO_WAVES, sea
 
 CONTRACT = "design,wave,displacement_pp,velocity_pp,power_peak,power_mean,energy,capture_width,energy_gain_percent,energy_residual,damping,stiffness,power_gain_percent"
 
@@ -42,6 +42,21 @@ def test_each_row_is_of_its_own_run_and_no_gain_is_over_round_off(seed, rigid, g
     assert [row["energy_residual"] for row in rows] == [1e-7, 3e-6]
     assert [row["energy"] for row in rows] == pytest.approx([rigid, 1.5e3])
     assert rows[1]["energy_gain_percent"] == (pytest.approx(gain) if gain else None)
+    assert rows[1]["power_gain_percent"] is None  # no mean power to gain
+
+
+def test_a_gain_of_mean_power_is_over_whole_periods_and_of_energy_over_the_whole_run(seed):
+    """A rigid buoy that takes 10 W throughout; the other one 20 W, but nothing before the window."""
+    designs = {"R": {"flexible": False}, "S": {"flexible": True}}
+    two = varied(seed, designs=designs, pto={"damping": 8000.0, "stiffness": 500.0})
+    time, (wave,) = np.linspace(0.0, 60.0, 601), two.waves
+    runs = {name: still_run(600.0, 0.0) for name in designs}
+    runs["S"]["energy"] = (("time", "term"), 20.0 * np.maximum(time - 40.0, 0.0)[:, None])
+    rigid, shell = compare.comparison(two, wave, runs, sea(wave, 12.0, 60.0))
+    assert (rigid["power_gain_percent"], rigid["energy_gain_percent"]) == (0.0, 0.0)
+    assert shell["power_gain_percent"] == pytest.approx(100.0, rel=1e-3)
+    assert shell["energy_gain_percent"] == pytest.approx(-100 / 3, rel=1e-9)
+    assert (shell["damping"], shell["stiffness"]) == (8000.0, 500.0)
 
 
 def test_a_gain_is_over_the_reference_and_over_nothing_there_is_none():

@@ -80,6 +80,8 @@ def test_a_shell_that_buckles_has_no_equilibrium_to_be_linear_about(seed):
     """Seven membrane modes alone would not notice."""
     with pytest.raises(ConfigError, match=r"reference_shape: received 'equilibrium', but the shell buckles at 0\.01"):
         check_equilibrium(varied(seed, reference_shape="equilibrium"))
+    with pytest.raises(ConfigError, match=r"reference_shape: received 'equilibrium', but the shell buckles at 0\.01"):
+        reference_shell(varied(seed, reference_shape="equilibrium"))
 
 
 def test_an_unstable_design_is_refused(seed):

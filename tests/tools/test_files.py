@@ -331,6 +331,13 @@ def test_the_seal_is_behind_what_others_read_and_they_drop_it(tmp_path):
         attributes(path)
 
 
+def test_words_of_a_file_that_begin_like_its_seal_are_none(tmp_path):
+    ds = rao(np.ones((1, 3, 2))).assign_attrs(remark="sha256:" + "a" * 64)
+    save(ds, tmp_path / "a.nc")
+    assert sealed(tmp_path / "a.nc")
+    assert load(tmp_path / "a.nc").attrs["remark"] == ds.attrs["remark"]
+
+
 @pytest.mark.parametrize("lost", [1, 40, 70, 71, 500])
 def test_a_cut_file_is_found_or_has_lost_nothing(tmp_path, lost):
     path = tmp_path / "a.nc"

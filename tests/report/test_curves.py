@@ -1,0 +1,260 @@
+"""Every curve is the quantity of the dataset its axis names, in the unit the axis states."""
+
+import re
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from vsb.report.canvas import StudyData, style
+from vsb.report.figures import draw
+
+TIME = np.linspace(0.0, 20.0, 401)
+WINDOW = (10.0, 20.0)
+PHI = np.linspace(0.0, np.pi, 181)
+DESIGNS = ("FSB", "VSWEC")
+NONE = xr.Dataset()
+MODES = xr.Dataset(
+    {
+        "radial": (("mode", "colatitude"), [np.ones_like(PHI), np.cos(PHI), np.cos(2 * PHI)]),
+        "meridional": (("mode", "colatitude"), [0 * PHI, -np.sin(PHI), np.sin(2 * PHI)]),
+        "degree": ("mode", [0, 1, 2]),
+        "dry_frequency": ("mode", [51.434, 62.994, 86.824]),
+        "static_amplitude": ("mode", [0.0, 0.0, 0.0]),
+    },
+    {"mode": ["Membrane0", "Membrane1", "Membrane2"], "colatitude": PHI},
+    {"radius": 2.0, "centre_height": 0.3},
+)
+"""A breathing mode, one that moves the shell as a whole, and one more."""
+
+
+def run(design, scale):
+    """Signals without any likeness to each other, in SI units."""
+    dofs = ["Heave"] if design == "FSB" else ["Heave", *MODES.mode.values]
+    names = ("position", "velocity", "excitation", "froude_krylov", "diffraction", "pto", "radiation")
+    sizes = (0.3, 0.7, 2e4, 3e3, 5e2, 6e3, 1e3)
+    signals = {
+        name: (("time", "dof"), scale * size * np.sin(np.outer(TIME, 1.0 + 0.1 * k + 0.01 * np.arange(len(dofs)))))
+        for k, (name, size) in enumerate(zip(names, sizes, strict=True))
+    }
+    scalars = {"volume": 30 + np.sin(TIME), "area": 50 + np.cos(TIME), "elevation": 0.2 * np.sin(3 * TIME)}
+    terms = ["pto", "radiated", "structural", "stored", "wave"]
+    energy = (("time", "term"), scale * 1e3 * np.outer(TIME, np.arange(1, 6)))
+    plain = {name: ("time", values) for name, values in scalars.items()}
+    ds = xr.Dataset({**signals, **plain, "energy": energy}, {"time": TIME, "dof": dofs, "term": terms})
+    ds.position.values[:, 1:] *= 0.01
+    return ds
+
+
+def data(**changes):
+    runs = {(design, wave): run(design, k + 1) for k, design in enumerate(DESIGNS) for wave in ("w", "still")}
+    given = dict.fromkeys(("database", "radiation", "response", "witness"), NONE) | {"modes": MODES, "runs": runs}
+    place = {"wave_frequencies": (2.5,), "periods": {"w": 2.5, "still": 2.5}, "window": WINDOW}
+    return StudyData(**{"designs": DESIGNS, "reference": "FSB", **place, **given, **changes})
+
+
+def curve(ax, label):
+    """Data of the line of a label."""
+    return next(line for line in ax.get_lines() if line.get_label() == label).get_data()
+
+
+FACTOR = {"kN": 1e3, "kW": 1e3, "kJ": 1e3, "m": 1.0, "m/s": 1.0, "m³": 1.0, "m²": 1.0}
+SERIES = {
+    "heave_excitation": [
+        ("heave [m]", lambda r: r.position[:, 0]),
+        ("excitation force [kN]", lambda r: (r.excitation + r.froude_krylov + r.diffraction)[:, 0]),
+    ],
+    "velocity_pto": [
+        ("heave velocity [m/s]", lambda r: r.velocity[:, 0]),
+        ("power take-off force [kN]", lambda r: r.pto[:, 0]),
+    ],
+    "power_energy": [
+        ("absorbed power [kW]", lambda r: -(r.pto * r.velocity).sum("dof")),
+        ("absorbed energy [kJ]", lambda r: r.energy[:, 0]),
+    ],
+    "volume_area": [("enclosed volume [m³]", lambda r: r.volume), ("surface area [m²]", lambda r: r.area)],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("wave", ["w", "still"])
+@pytest.mark.parametrize("name", SERIES)
+def test_time_series_are_those_of_the_run_in_the_unit_of_their_axis(name, wave):
+    """In the window; in still water, and of energy always, from the start."""
+    given = data()
+    axes = draw(f"{name}-{wave}", given).axes
+    assert [ax.get_ylabel() for ax in axes] == [label for label, _ in SERIES[name]]
+    for ax, (label, quantity) in zip(axes, SERIES[name], strict=True):
+        whole = wave == "still" or "energy" in label
+        factor = FACTOR[re.search(r"\[(.*)\]", label).group(1)]
+        for design in DESIGNS:
+            expected = quantity(given.runs[design, wave]).sel(time=slice(*(TIME[[0, -1]] if whole else WINDOW)))
+            x, y = curve(ax, design)
+            np.testing.assert_array_equal(x, expected.time)
+            np.testing.assert_allclose(factor * np.asarray(y, dtype=float), expected.values, rtol=1e-12, atol=1e-9)
+
+
+def test_energies_of_the_audit_are_kilojoules_at_the_end_of_the_run():
+    ax = draw("energy_audit-w", data()).axes[0]
+    widths = [bar.get_width() for bar in ax.patches]
+    assert widths == pytest.approx([20, 40, 60, 80, 40, 80, 120, 160])
+    works = [float(np.ravel(line.get_xdata())[0]) for line in ax.get_lines() if line.get_marker() == "|"]
+    assert works == pytest.approx([100, 200])
+
+
+OMEGA = np.linspace(0.4, 4.0, 37)
+
+
+def responding():
+    shape = np.exp(-((OMEGA - 2.0) ** 2))
+    pair = ("design", "omega")
+    best, given = 1e3 * np.array([2 * shape, 3 * shape]), 1e3 * np.array([shape, 1.2 * shape])
+    impedance = np.array([3.0 + 4.0j + 0 * OMEGA, 1.0 - 2.0j * OMEGA])
+    response = {"best_power": (pair, best), "absorbed_power": (pair, given), "power_limit": ("omega", 9e3 / OMEGA)}
+    response["port_impedance"] = (pair, impedance)
+    return data(response=xr.Dataset(response, {"design": list(DESIGNS), "omega": OMEGA}))
+
+
+def test_powers_are_kilowatts_left_at_best_dampers_and_right_at_the_given_one():
+    given = responding()
+    axes = draw("absorbed_power", given).axes
+    for ax, name in ((axes[0], "best_power"), (axes[1], "absorbed_power")):
+        for design in DESIGNS:
+            np.testing.assert_allclose(curve(ax, design)[1], given.response[name].sel(design=design) / 1e3)
+        np.testing.assert_allclose(curve(ax, "limit λ/2π")[1], 9 / OMEGA)
+    assert "[kW/m²]" in axes[0].get_ylabel()
+    for ax, gain in ((axes[2], 50.0), (axes[3], 20.0)):
+        y = np.asarray(curve(ax, "VSWEC")[1], dtype=float)
+        assert y[~np.isnan(y)] == pytest.approx(gain)
+    assert "[%]" in axes[2].get_ylabel()
+
+
+def test_an_axis_of_periods_stands_over_one_of_frequencies():
+    ax = draw("absorbed_power", responding()).axes[0]
+    above = next(child for child in ax.child_axes if child.get_xlabel() == "wave period [s]")
+    there, back = above._functions
+    assert there(np.array([2.0]))[0] == pytest.approx(np.pi)
+    assert back(there(np.array([2.0])))[0] == pytest.approx(2.0)
+
+
+def test_the_best_dampers_share_is_what_its_reactance_leaves():
+    """|X|/R of 4/3 leaves 2/(1 + 5/3) = 3/4."""
+    quality, share = draw("reactance", responding()).axes[:2]
+    np.testing.assert_allclose(curve(quality, "FSB")[1], 4 / 3)
+    np.testing.assert_allclose(curve(share, "FSB")[1], 0.75)
+    np.testing.assert_allclose(curve(quality, "VSWEC")[1], 2 * OMEGA)
+
+
+def test_two_kernels_are_drawn_in_thousands():
+    labels = ["Heave", "Membrane0"]
+    dims, own = ("time", "influenced_dof", "radiating_dof"), np.ones((401, 2, 2))
+    kernels = {"kernel": (dims, 5e3 * own), "kernel_state_space": (dims, 7e3 * own)}
+    kernel = xr.Dataset(kernels, {"time": TIME, "influenced_dof": labels, "radiating_dof": labels})
+    for ax in draw("radiation_kernel", data(radiation=kernel)).axes:
+        assert ax.get_ylabel().endswith("[10³ kg/s²]")
+        assert set(curve(ax, "convolution kernel")[1]) == {5.0}
+        assert set(curve(ax, "state space")[1]) == {7.0}
+
+
+# the shell ----------------------------------------------------------------------------------------------------------
+
+
+def posed(*amplitudes, heave=0.0):
+    """Both designs at an instant of 15 s as told, else at rest."""
+    given = data()
+    for design in DESIGNS:
+        position = given.runs[design, "w"].position.values
+        position[:] = 0.0
+        position[300, : len(amplitudes) + 1] = (heave, *amplitudes)[: position.shape[1]]
+    return given
+
+
+def outline(ax, label):
+    """Points of a shell, at colatitudes from the top and back again."""
+    x, z = (np.asarray(values, dtype=float) for values in curve(ax, label))
+    return x[: len(PHI)], z[: len(PHI)]
+
+
+def test_a_shell_is_drawn_where_its_points_go():
+    """Lowest where it breathes in; the mode that moves it as a whole shifts it up; both magnified alike."""
+    x, z = outline(draw("extreme_shapes-w", posed(-0.04, 0.02)).axes[0], "VSWEC")
+    np.testing.assert_allclose(x, (2.0 - 10 * 0.04) * np.sin(PHI), atol=1e-12)
+    np.testing.assert_allclose(z, (2.0 - 10 * 0.04) * np.cos(PHI) + 10 * 0.02, atol=1e-12)
+
+
+@pytest.mark.parametrize(("amplitude", "factor"), [(0.013, 20), (0.04, 10), (0.05, 5), (0.3, 1), (1.0, 1), (0.0, 1)])
+def test_displacements_are_magnified_to_a_fifth_of_the_radius_at_most_and_never_made_smaller(amplitude, factor):
+    title = draw("extreme_shapes-w", posed(amplitude)).get_suptitle()
+    assert title.endswith(f"shell displacement magnified {factor} times")
+
+
+def test_the_extreme_shape_is_the_lowest_in_the_window():
+    given = posed(0.04)
+    given.runs["VSWEC", "w"].position.values[310, 1] = -0.03
+    x, _ = outline(draw("extreme_shapes-w", given).axes[0], "VSWEC")
+    assert x.max() == pytest.approx(2.0 - 10 * 0.03)
+
+
+def test_snapshots_show_the_buoy_at_its_height_and_the_water_at_its_level():
+    """The last of five instants is a fifth of a period before the end of the window."""
+    given = posed()
+    for design in DESIGNS:
+        given.runs[design, "w"].position.values[390, 0] = 0.5
+    ax = draw("snapshots-w", given).axes[4]
+    (level,) = {float(line.get_ydata()[0]) for line in ax.get_lines() if line.get_color() == "#0072B2"}
+    assert level == pytest.approx(0.2 * np.sin(3 * 19.5))
+    circle = next(line for line in ax.get_lines() if line.get_linestyle() == ":")
+    assert np.mean([circle.get_ydata().min(), circle.get_ydata().max()]) == pytest.approx(0.3 + 0.5)
+    shell = next(line for line in ax.get_lines() if line.get_color() == style("FSB", DESIGNS)["color"])
+    assert np.max(shell.get_ydata()) == pytest.approx(2.8)
+
+
+def test_three_shapes_are_those_at_the_start_and_at_both_extremes():
+    given = posed(0.04)
+    given.runs["VSWEC", "w"].position.values[310, 1] = -0.03
+    titles = [ax.get_title() for ax in draw("shapes_3d-w", given).axes]
+    assert titles == ["start\nt = 0.00 s", "least height\nt = 15.50 s", "greatest height\nt = 15.00 s"]
+
+
+def test_modes_are_titled_by_their_dry_frequencies():
+    titles = [ax.get_title() for ax in draw("mode_shapes", data()).axes]
+    assert titles[:3] == ["Membrane0\n51.43 rad/s dry", "Membrane1\n62.99 rad/s dry", "Membrane2\n86.82 rad/s dry"]
+
+
+@pytest.mark.parametrize("count", [5, 9, 16])
+def test_designs_beyond_the_colours_differ_in_their_lines(count):
+    names = [f"D{i}" for i in range(count)]
+    assert len({tuple(style(name, names)[key] for key in ("color", "linestyle")) for name in names}) == count
+
+
+# the second solver --------------------------------------------------------------------------------------------------
+
+
+def test_the_witness_is_drawn_in_per_cent_of_the_mean_shape_and_by_its_solver():
+    shapes, omegas = ["mean", "Membrane0_minus", "Membrane0_plus"], [1.0, 2.0, 3.0]
+    pair = ("solver", "shape", "omega", "influenced_dof", "radiating_dof")
+    heave = np.array([[1.0, 0.9, 1.1], [1.0, 0.8, 1.2]])[:, :, None, None, None] * np.ones((2, 3, 3, 1, 1))
+    names = ["added_mass", "radiation_damping", "excitation_force"]
+    apart = np.arange(1.0, 28.0).reshape(3, 3, 3) * 1e-4
+    ds = xr.Dataset(
+        {
+            "shape_added_mass": (pair, heave), "shape_radiation_damping": (pair, heave),
+            "witness_difference": (("shape", "omega", "coefficient"), apart),
+            "witness_estimate": (("solver", "shape", "coefficient"), np.full((2, 3, 3), 2e-3)),
+        },
+        {"solver": ["panels", "spectral"], "shape": shapes, "omega": omegas, "coefficient": names},
+    )  # fmt: skip
+    differences, changes = draw("witness", data(witness=ds)).axes
+    for name, label in zip(names, ("added mass", "radiation damping", "excitation"), strict=True):
+        largest = ds.witness_difference.sel(coefficient=name).max("omega")
+        np.testing.assert_allclose(curve(differences, label)[1], largest)
+    assert {bar.get_height() for bar in differences.patches} == {4e-3}
+    np.testing.assert_allclose(curve(changes, "added mass, 1 rad/s")[1], [0.0, -20.0, 20.0], atol=1e-9)
+    dots = [line for line in changes.get_lines() if line.get_marker() == "." and len(line.get_ydata())]
+    for line in dots:
+        np.testing.assert_allclose(line.get_ydata(), [0.0, -10.0, 10.0], atol=1e-9)
+    assert len(dots) == 6
+    assert [text.get_text() for text in changes.get_xticklabels()] == [
+        "mean",
+        "Membrane0 \N{MINUS SIGN}",
+        "Membrane0 +",
+    ]
