@@ -90,6 +90,7 @@ def test_what_is_left_out_is_said(written):
         ("YY MM DD hh 10 20\n96 01 01 00 1 2\n", "received 2 frequencies from 10 to 20, needs them ascending"),
         ("YY MM DD hh\n96 01 01 00\n", "received 0 frequencies"),
         (HEADER + ROWS + "96 01 01 02 1.0\n", "line 4: received 5 columns, needs 7 as the header has"),
+        (HEADER + ROWS + "96 01 01\n", "line 4: received 3 columns, needs 7 as the header has"),
         (HEADER + ROWS + "96 01 01 02 1.0 x 2\n", "line 4: received 'x', needs a number"),
         (HEADER + ROWS + "96 01 01 02 1.0 nan 2\n", "line 4: received nan, needs a number of 0 or more"),
         (HEADER + ROWS + "96 01 01 02 1.0 -1 2\n", "line 4: received -1, needs a number of 0 or more"),

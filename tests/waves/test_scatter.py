@@ -95,6 +95,10 @@ def test_empty_cells_are_said(written):
         ("Hs,Te,count\n0.25,6.5,1\n0.25,6.5,2\n", r"received pairs labelled \(0.25, 6.5\) twice"),
         ("Hs,Te,count\n0.25,6.5\n", "line 2: received 2 cells, needs 3 as the header has"),
         ("Hs,Te [min],count\n0.25,6.5,1\n", "line 1: received the unit 'min'"),
+        (
+            "Te/Hs,6.5,7.5\n2.5,10,20\n3.5,0,70\n",
+            "100.0% of seas that cannot be, as Hs 7.5 m with Te 2.5 s; needs Hs in m",
+        ),
         (b"Hs/Te;6\xb0;7\n", "byte 7 that is no text, needs UTF-8"),
     ],
 )

@@ -10,6 +10,7 @@ from functools import cached_property
 from typing import Self
 
 import numpy as np
+import numpy.typing as npt
 
 from vsb.errors import ConfigError
 from vsb.study.study import Water
@@ -187,7 +188,13 @@ def of_records(omega: FloatArray, density: FloatArray, source: str, notes: Seque
     if (low := float(spectra.min())) < 0:
         raise ConfigError(f"{source}: received a spectral density of {low:.4g} m^2 s, needs 0 or more")
     hs, te = height_and_period(omega_, spectra)
-    wrong = _impossible(hs, te, source)
+    wrong = impossible(hs, te)
+    if wrong.mean() > FAULTY:
+        at = int((hs / te**2).argmax())
+        raise ConfigError(
+            f"{source}: received {wrong.mean():.1%} of seas that cannot be, as Hs {hs[at]:.4g} m with Te "
+            f"{te[at]:.4g} s; needs frequencies in Hz and densities in m^2/Hz"
+        )
     if wrong.any():
         found.append(f"{int(wrong.sum())} records steeper than any sea left out")
     spectra, count = spectra[~wrong], int((~wrong).sum())
@@ -195,17 +202,9 @@ def of_records(omega: FloatArray, density: FloatArray, source: str, notes: Seque
     return Climate.of_spectra(omega_, spectra, np.full(count, 1 / count), source, found)
 
 
-def _impossible(hs: FloatArray, te: FloatArray, source: str) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
-    """Whether seas are steeper or higher than there are; many of them are wrong units."""
-    steepness = 2 * np.pi * hs / (STANDARD_GRAVITY * te**2)
-    wrong = (steepness > STEEPEST) | (hs > HIGHEST)
-    if wrong.mean() > FAULTY:
-        at = int(steepness.argmax())
-        raise ConfigError(
-            f"{source}: received {wrong.mean():.1%} of seas that cannot be, as Hs {hs[at]:.4g} m with Te "
-            f"{te[at]:.4g} s; needs frequencies in Hz and densities in m^2/Hz"
-        )
-    return np.asarray(wrong)
+def impossible(hs: FloatArray, te: FloatArray) -> npt.NDArray[np.bool_]:
+    """Return whether seas are steeper or higher than there are, shape (sea,); many of them are wrong units."""
+    return np.asarray((2 * np.pi * hs / (STANDARD_GRAVITY * te**2) > STEEPEST) | (hs > HIGHEST))
 
 
 def _tail(omega: FloatArray, density: FloatArray) -> str:

@@ -44,13 +44,13 @@ def read_ndbc(path: str | Path) -> Climate:
         raise ConfigError(f"{path}: received {len(lines)} lines, needs a header with frequencies and rows of spectra")
     dates, hertz = _header(path, lines[0][1])
     rows = [(i, row) for i, row in lines[1:] if not row[0].startswith("#")]
-    times = [_time(path, i, row[:dates]) for i, row in rows]
     for i, row in rows:
         if len(row) != dates + len(hertz):
             raise ConfigError(
                 f"{path}, line {i}: received {len(row)} columns, needs {dates + len(hertz)} as the header has; "
                 "a cut line, or frequencies written beside densities"
             )
+    times = [_time(path, i, row[:dates]) for i, row in rows]
     values = _numbers(path, [(i, row[dates:]) for i, row in rows])
     density = np.where(values >= MISSING, np.nan, values) / (2 * np.pi)
     kept, notes = _calendar(times)

@@ -16,7 +16,7 @@ from scipy.integrate import cumulative_trapezoid
 from vsb.errors import ConfigError
 from vsb.tools.files import read_text
 from vsb.tools.units import FloatArray
-from vsb.waves.climate import YEAR_HOURS, Climate, band_edges
+from vsb.waves.climate import FAULTY, YEAR_HOURS, Climate, band_edges, impossible
 from vsb.waves.seas import jonswap_spectrum
 
 Spectrum = Literal["jonswap", "pierson_moskowitz"]
@@ -73,6 +73,13 @@ def read_scatter(path: str | Path, spectrum: Spectrum = "jonswap", gamma: float 
     gamma = gamma if spectrum == "jonswap" else 1.0
     shape = f"JONSWAP spectra, gamma {gamma:g}" if spectrum == "jonswap" else "Pierson-Moskowitz spectra"
     te = table.period if table.kind == "te" else table.period * energy_over_peak_period(gamma)
+    wrong = impossible(table.hs, te)
+    if share[wrong].sum() > FAULTY:
+        at = int((table.hs / te**2).argmax())
+        raise ConfigError(
+            f"{path}: received {share[wrong].sum():.1%} of seas that cannot be, as Hs {table.hs[at]:.4g} m with "
+            f"{table.kind.capitalize()} {table.period[at]:.4g} s; needs Hs in m, periods in s, the corner the right way"
+        )
     return climate_of_cells(table.hs, te, share, gamma, Path(path).name, (*notes, shape))
 
 
