@@ -14,7 +14,8 @@ from vsb.study.schema import dotted, hint, keys_at, nearest, schema_of
 from vsb.study.study import Study
 
 MODELS = {"study": Study, "body": BodyStudy}
-STUDIES = sorted(path for path in SEED.parent.glob("*.yaml") if "\nstudy:" in path.read_text())
+FILES = {path: path.read_text() for path in SEED.parent.glob("*.yaml")}
+STUDIES = sorted(path for path, text in FILES.items() if "\nstudy:" in text and "\ncampaign:" not in text)
 
 
 def sections(schema):
