@@ -1,7 +1,9 @@
 """The documentation: pages written from the code, links that lead somewhere, examples that run."""
 
 import importlib.util
+import json
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -105,3 +107,23 @@ def test_the_change_of_the_tutorial_is_a_study(tmp_path):
     text = re.sub(r"^waves:.*$", change.strip(), path.read_text(), flags=re.M)
     path.write_text(text)
     assert load(path).waves[0].period == yaml.safe_load(change)["waves"][0]["period"]
+
+
+def test_what_others_cite_is_this_version():
+    citation, meta = (
+        yaml.safe_load((HOME / "CITATION.cff").read_text()),
+        json.loads((HOME / "codemeta.json").read_text()),
+    )
+    project = tomllib.loads((HOME / "pyproject.toml").read_text())["project"]
+    assert citation["version"] == meta["version"] == project["version"] == vsb.__version__
+    assert citation["license"] == project["license"] == meta["license"].rpartition("/")[2]
+    assert {"cff-version", "message", "title", "authors"} <= set(citation)
+    assert meta["description"] == project["description"]
+
+
+def test_captions_of_the_workflow_report_are_there_and_used():
+    rules = "".join(
+        path.read_text() for path in (HOME / "workflow").rglob("*") if path.name == "Snakefile" or path.suffix == ".smk"
+    )
+    used = set(re.findall(r'"(?:\.\./)?report/(\w+\.rst)"', rules))
+    assert used == {path.name for path in (HOME / "workflow" / "report").iterdir()}

@@ -15,9 +15,24 @@ rule compare:
         **PLAN.ladder_files,
         trajectories=TRAJECTORIES,
     output:
-        table=f"{PLAN.folder}/comparison.csv",
-        statistics=f"{PLAN.folder}/statistics.csv",
-        validity=f"{PLAN.folder}/validity.json",
+        table=report(
+            f"{PLAN.folder}/comparison.csv",
+            caption="../report/comparison.rst",
+            category="Numbers",
+            labels={"table": "designs side by side"},
+        ),
+        statistics=report(
+            f"{PLAN.folder}/statistics.csv",
+            caption="../report/statistics.rst",
+            category="Numbers",
+            labels={"table": "irregular seas"},
+        ),
+        validity=report(
+            f"{PLAN.folder}/validity.json",
+            caption="../report/validity.rst",
+            category="What to doubt",
+            labels={"table": "ledger"},
+        ),
         study=f"{PLAN.folder}/study.json",
         tables=f"{PLAN.folder}/tables.json",
     log:

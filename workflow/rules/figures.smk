@@ -10,7 +10,16 @@ rule figures:
         modes=f"{PLAN.folder}/modes.nc",
         trajectories=TRAJECTORIES,
     output:
-        FIGURES,
+        [
+            report(
+                path,
+                caption="../report/figures.rst",
+                category="Figures",
+                subcategory=name.partition("-")[2] or "the whole band",
+                labels={"figure": name.partition("-")[0].replace("_", " ")},
+            )
+            for name, path in zip(figure_names(STUDY), FIGURES)
+        ],
     log:
         f"{ROOT}/logs/figures/{STUDY.study}.log",
     conda:
@@ -39,7 +48,12 @@ rule report:
         trajectories=TRAJECTORIES,
         figures=FIGURES,
     output:
-        f"{PLAN.folder}/report.html",
+        report(
+            f"{PLAN.folder}/report.html",
+            caption="../report/report.rst",
+            category="The answer",
+            labels={"page": "report"},
+        ),
     log:
         f"{ROOT}/logs/report/{STUDY.study}.log",
     conda:

@@ -68,7 +68,12 @@ rule ladder:
         PLAN.database_path,
     output:
         **PLAN.ladder_files,
-        table=f"{PLAN.folder}/ladder.csv",
+        table=report(
+            f"{PLAN.folder}/ladder.csv",
+            caption="../report/ladder.rst",
+            category="Numbers",
+            labels={"table": "tuning ladder"},
+        ),
     log:
         f"{ROOT}/logs/ladder/{STUDY.study}.log",
     conda:

@@ -4,6 +4,9 @@ BLOCKS = PLAN.bem_blocks
 WAVES = {wave.label: wave for wave in STUDY.waves}
 
 
+report: "../report/workflow.rst"
+
+
 include: "mesh.smk"
 
 
