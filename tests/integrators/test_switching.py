@@ -320,6 +320,43 @@ def test_a_saturated_damper_takes_what_its_describing_function_says_within_its_h
     assert bounds[1] - bounds[0] < 0.03 * power
 
 
+def in_regular_wave(law, stop=None, omega=3.0):
+    return oscillator(law, stop, Excitation(np.array([omega]), np.array([[30.0 + 0j]])), drag=1.0)
+
+
+@pytest.mark.parametrize(
+    ("law", "stop"),
+    [
+        (TakeOff(B, 8.0, limit=100.0), None),
+        (TakeOff(B, 8.0, limit=8.0), None),
+        (TakeOff(B, 8.0, 10.0, limit=4.0), None),
+        (TakeOff(B, 8.0, -20.0, limit=12.0), None),
+        (TakeOff(B, 2.0), EndStop(B, 0.8, 100.0, 0.0)),
+    ],
+    ids=["linear", "saturated", "spring", "negative spring", "end stop"],
+)
+def test_harmonic_balance_is_what_a_run_settles_at(law, stop):
+    """A tangent in the velocity, too: where the law rules, Newton's method needs it."""
+    system = in_regular_wave(law, stop)
+    expected, unsettled = settled_power(system)
+    found = harmonic_balance(system, 1e-5)
+    assert unsettled < 1e-6
+    assert found.error <= 1e-5
+    assert found.power.pto == pytest.approx(expected, rel=5e-5)
+    assert found.power.residual < 1e-4
+    assert 0 < found.decay < 1
+
+
+def test_harmonic_balance_of_friction_is_coarse_and_refused_beyond():
+    """A force that jumps: its harmonics fall slowly."""
+    system = in_regular_wave(TakeOff(B, np.inf, limit=2.0))
+    assert harmonic_balance(system, 3e-3).power.pto == pytest.approx(settled_power(system)[0], rel=1e-2)
+    with pytest.raises(
+        ConvergenceError, match=r"the steady state is known to .* harmonics, needs 1e-06; use a gentler"
+    ):
+        harmonic_balance(system, 1e-6)
+
+
 def test_a_latched_port_does_not_move_and_a_declutched_one_feels_nothing():
     held, _ = switched(oscillator(TakeOff(B, 4.0, pause=0.3)), TIME, START)
     still = np.abs(held.velocity[:, 0]) < 1e-14
@@ -335,8 +372,10 @@ def test_who_cannot_follow_switches_says_so(monkeypatch):
         propagate(system, TIME, START)
     with pytest.raises(ValueError, match=r"received a take-off that switches, needs smooth forces; use .switched."):
         structure_preserving(system, TIME, START, 1e-6)
-    with pytest.raises(ValueError, match="harmonic balance: received a take-off that switches, needs smooth forces"):
-        harmonic_balance(oscillator(TakeOff(B, 4.0, limit=8.0), waves=Excitation(np.ones(1), np.ones((1, 1)) + 0j)))
+    with pytest.raises(
+        ValueError, match="harmonic balance: received a take-off that pauses, needs one without; follow"
+    ):
+        harmonic_balance(oscillator(TakeOff(B, 4.0, pause=0.3), waves=Excitation(np.ones(1), np.ones((1, 1)) + 0j)))
     with pytest.raises(
         ValueError, match="switching: received the nonlinear forces none, needs a linear or body-exact scene"
     ):

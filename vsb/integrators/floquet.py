@@ -107,24 +107,24 @@ def monodromy(matrix: FloatArray, coupling: FloatArray, period: float) -> FloatA
     ----------
     matrix : ndarray, shape (state, state) [1/s]
         A.
-    coupling : ndarray, shape (sample, free, free) [1/s]
-        W at equally spaced instants, a multiple of four of them: rates of z[free:2 free] per unit z[:free].
+    coupling : ndarray, shape (sample, free, seen) [1/s]
+        W at equally spaced instants, a multiple of four of them: rates of z[free:2 free] per unit z[:seen].
     period : float [s]
 
     Notes
     -----
     Exponential collocation: W P z is a polynomial through the five instants of a step, the rest exact. Order 6, where
-    A is stiff 5; positions at the nodes solve p_i = exp(i d A) z + sum_j F_ij W_j p_j.
+    A is stiff 5; what is seen at the nodes solves p_i = exp(i d A) z + sum_j F_ij W_j p_j.
     """
-    free, size, inner = coupling.shape[1], len(matrix), NODES - 1
+    (_, free, seen), size, inner = coupling.shape, len(matrix), NODES - 1
     steps = len(coupling) // inner
     exact, forced = _step(matrix, free, period / len(coupling))
     nodes = coupling[(inner * np.arange(steps)[:, None] + np.arange(NODES)) % len(coupling)]
-    first = np.concatenate([nodes[:, 0], np.zeros((steps, free, size - free))], axis=2)  # W P z at the start
-    mutual = np.einsum("iajf,sjfg->siajg", forced[:, :free, 1:], nodes[:, 1:]).reshape(steps, inner * free, -1)
-    alone = exact[:, :free] + np.einsum("iaf,sfz->siaz", forced[:, :free, 0], first)
-    position = np.linalg.solve(np.eye(inner * free) - mutual, alone.reshape(steps, inner * free, size))
-    acting = nodes[:, 1:] @ position.reshape(steps, inner, free, size)
+    first = np.concatenate([nodes[:, 0], np.zeros((steps, free, size - seen))], axis=2)  # W P z at the start
+    mutual = np.einsum("iajf,sjfg->siajg", forced[:, :seen, 1:], nodes[:, 1:]).reshape(steps, inner * seen, -1)
+    alone = exact[:, :seen] + np.einsum("iaf,sfz->siaz", forced[:, :seen, 0], first)
+    there = np.linalg.solve(np.eye(inner * seen) - mutual, alone.reshape(steps, inner * seen, size))
+    acting = nodes[:, 1:] @ there.reshape(steps, inner, seen, size)
     ends = exact[-1] + forced[-1, :, 0] @ first + np.einsum("ajf,sjfz->saz", forced[-1, :, 1:], acting)
     whole: FloatArray = reduce(np.matmul, ends[::-1])
     return whole

@@ -84,8 +84,13 @@ class Newton:
     def __init__(self, scene: PeriodicScene, impedance: ComplexArray, harmonics: ComplexArray, samples: int) -> None:
         phase = phases(samples)
         tangent = harmonics_of(scene.tangents(phase, scene.states(harmonics, phase)))
-        self.mean, free = np.real(tangent[0]), scene.system.free
-        matrix = -hill_matrix(tangent, COUPLED + 1)
+        free, self.omega = scene.system.free, scene.omega
+        mean = np.real(tangent[0])
+        self.spring, self.damper = mean[:, :free], mean[:, free:] if mean.shape[1] > free else np.zeros((free, free))
+        matrix = -hill_matrix(tangent[..., :free], COUPLED + 1)
+        if mean.shape[1] > free:  # u' = -i h omega u
+            rates = hill_matrix(tangent[..., free:], COUPLED + 1) * self.omega * np.arange(COUPLED + 1.0)[:, None]
+            matrix -= np.stack([-rates[:, :, :, 1], rates[:, :, :, 0]], axis=3)
         for h, z in enumerate(impedance[: COUPLED + 1]):
             matrix[0, h, :, 0, h] += z.real
             matrix[1, h, :, 1, h] += z.real if h else np.eye(free)  # there is no Im U_0
@@ -97,7 +102,9 @@ class Newton:
         """Return the change of the harmonics that takes a residual away, shape (count, free), count > `COUPLED`."""
         low, high = missing[: COUPLED + 1], missing[COUPLED + 1 :]
         solved = lu_solve(self.factors, np.concatenate([low.real, low.imag]).ravel()).reshape(2, *low.shape)
-        rest = np.linalg.solve(impedance[COUPLED + 1 : len(missing)] - self.mean, high[:, :, None])[..., 0]
+        order = self.omega * np.arange(COUPLED + 1, len(missing))[:, None, None]
+        tangent = self.spring - 1j * order * self.damper
+        rest = np.linalg.solve(impedance[COUPLED + 1 : len(missing)] - tangent, high[:, :, None])[..., 0]
         return np.concatenate([solved[0] + 1j * solved[1], rest])
 
 
@@ -235,7 +242,11 @@ def mean_power(scene: PeriodicScene, orbit: Orbit) -> Power:
     q, v = z[:, : system.free] @ (system.shapes / system.scale).T, z[:, system.free :] @ system.shapes.T
     named = system.scene.named(phase / scene.omega, q, v)
     wave = sum(float(np.mean(np.sum(named[name] * v, axis=1))) for name in EXCITING if name in named)
-    pto, structural = (float(np.mean(power)) for power in system.scene.lost(v))
+    losses = {name: force.lost(v) for name, force in system.scene.forces.items()}
+    losses |= {name: -np.sum(named[name] * v, axis=1) for name in system.foreign}
+    means = {name: float(np.mean(loss)) for name, loss in losses.items()}
+    pto = means.pop(system.scene.take_off, 0.0)
+    structural = sum(means.values())
     omega = scene.omega * np.arange(1, len(orbit.harmonics))
     rate = -1j * omega[:, None] * orbit.harmonics[1:]
     radiated = np.einsum("hi,hij,hj", rate.conj(), scene.radiation(omega), rate)
@@ -272,8 +283,8 @@ def harmonic_balance(system: System, tolerance: float = 1e-8, transfer: Transfer
     pole; in waves as its sixth power, for the forces of crest and trough join with two derivatives only.
     """
     omega, rest, memory = regular_frequency(system), system.scene.rest, system.scene.memory
-    if system.switching:
-        raise ValueError("harmonic balance: received a take-off that switches, needs smooth forces; follow it in time.")
+    if system.pauses:
+        raise ValueError("harmonic balance: received a take-off that pauses, needs one without; follow it in time.")
     if not omega:
         return SteadyState(
             0.0, rest[None].astype(complex), 0.0, 0, np.zeros(0, dtype=complex), Power(0.0, 0.0, 0.0, 0.0)

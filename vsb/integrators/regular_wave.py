@@ -87,19 +87,27 @@ class PeriodicScene:
         return self.system.added(phase / self.omega, z)
 
     def tangents(self, phase: FloatArray, z: FloatArray) -> FloatArray:
-        """Return E = d remainder/du along an orbit by central differences, shape (phase, free, free)."""
+        """Return E = d remainder/d(u, u') along an orbit by central differences, shape (phase, free, free or 2 free).
+
+        Rates count only where a force beyond the water's depends on them.
+        """
         count, free = len(z), self.system.free
         if self.system.linear:
             return np.zeros((count, free, free))
         step = self.size / np.abs(self.system.shapes).max(axis=0)
-        away = np.eye(free, z.shape[1])[:, None] * (step * self.system.scale)[:, None, None]
+        steps, moves = step, step * self.system.scale
+        if self.system.foreign:
+            steps, moves = (np.append(x, self.omega * step) for x in (steps, moves))
+        away = np.eye(len(moves), z.shape[1])[:, None] * moves[:, None, None]
         moved = np.concatenate([z + away, z - away]).reshape(-1, z.shape[1])
-        force = self.remainder(np.tile(phase, 2 * free), moved).reshape(2, free, count, free)
-        return np.asarray(((force[0] - force[1]) / (2 * step[:, None, None])).transpose(1, 2, 0))
+        force = self.remainder(np.tile(phase, 2 * len(moves)), moved).reshape(2, len(moves), count, free)
+        return np.asarray(((force[0] - force[1]) / (2 * steps[:, None, None])).transpose(1, 2, 0))
 
     def coupling(self, harmonics: ComplexArray, phase: FloatArray) -> FloatArray:
-        """Return E along an orbit as it acts in the linear system, shape (phase, free, free) [1/s]."""
-        return self.tangents(phase, self.states(harmonics, phase)) / self.system.scale
+        """Return E along an orbit as it acts in the linear system, shape (phase, free, free or 2 free) [1/s]."""
+        out = self.tangents(phase, self.states(harmonics, phase))
+        out[..., : self.system.free] /= self.system.scale
+        return out
 
     def forced(self, harmonics: ComplexArray, phase: FloatArray) -> ComplexArray:
         """Return G of an orbit, sampled at phases a whole period long, shape (sample/2, free)."""

@@ -140,6 +140,11 @@ class System:
         return any(isinstance(force, TakeOff | EndStop) for force in self.scene.forces.values())
 
     @property
+    def pauses(self) -> bool:
+        """Whether a take-off pauses: its force is then none of position and velocity."""
+        return any(isinstance(force, TakeOff) and force.pause > 0 for force in self.scene.forces.values())
+
+    @property
     def foreign(self) -> list[str]:
         """Names of nonlinear forces that are neither constant nor the water's: the compiled n does not know them."""
         known = (ConstantForce, WaterPressure)
