@@ -51,6 +51,7 @@ KEYS: dict[str, dict[str, Key]] = {
         "poisson_ratio": Key("-", "0.3", "Poisson's ratio of the shell"),
         "density": Key("kg/m^3", "2700.0", "density of the shell's material"),
         "mass": Key("kg", "17170.0", "mass of shell and ballast together; it decides the draft"),
+        "draft": Key("m", "2.0", "in place of the mass: depth of the keel; without both the sphere is half immersed"),
         "internal_pressure": Key(
             "Pa", "20000.0", "gauge pressure inside: prestress that keeps the shell from buckling"
         ),
@@ -97,7 +98,7 @@ KEYS: dict[str, dict[str, Key]] = {
             "", "panels", "spectral: no mesh; panels: capytaine; auto: panels with rows or in very shallow water"
         ),
         "tolerance": Key("-", "1.0e-3", "error of the coefficients, relative to the largest"),
-        "omega_max": Key("rad/s", "12.0", "highest frequency solved"),
+        "omega_max": Key("rad/s", "12.0", "highest frequency solved; auto: 5.4 sqrt(gravity/radius), two digits"),
         "omega": Key("rad/s", "[1.0, 2.0]", "frequencies tabulated in the database, beside those the study chooses"),
         "rows": Key("-", "40", "rows of panels between keel and waterline; asks for panels"),
         "accept": Key("", "[haskind]", "checks of the database whose failure is accepted"),

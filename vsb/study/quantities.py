@@ -6,7 +6,7 @@ Imports nothing heavy: the Snakefile reads a study at every parse.
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, GetJsonSchemaHandler
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, GetJsonSchemaHandler, WithJsonSchema
 from pydantic_core import CoreSchema
 
 
@@ -47,6 +47,16 @@ Positive = Annotated[Number, Field(gt=0, allow_inf_nan=False)]
 NonNegative = Annotated[Number, Field(ge=0, allow_inf_nan=False)]
 Finite = Annotated[Number, Field(allow_inf_nan=False)]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=64)]  # of files, too
+
+
+OR_AUTO = WithJsonSchema({"anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"const": "auto"}], "default": "auto"})
+"""Of a number that a study tells by the size of its buoy if it is not given: what editors are told."""
+
+
+def mass_or_draft(schema: dict[str, Any]) -> None:
+    """Tell editors that a draft may stand for a mass, or nothing."""
+    schema["required"].remove("mass")
+    schema["properties"]["draft"] = {"type": "number", "exclusiveMinimum": 0}
 
 
 class Section(BaseModel):

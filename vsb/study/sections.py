@@ -7,9 +7,13 @@ import math
 from abc import abstractmethod
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, SerializerFunctionWrapHandler, field_validator, model_serializer, model_validator
+from pydantic import (
+    ConfigDict, Field, SerializerFunctionWrapHandler, field_validator, model_serializer, model_validator,
+)  # fmt: skip
 
-from vsb.study.quantities import Count, Finite, Name, NonNegative, Number, Positive, Section, within
+from vsb.study.quantities import (
+    OR_AUTO, Count, Finite, Name, NonNegative, Number, Positive, Section, mass_or_draft, within,
+)  # fmt: skip
 
 DEEPEST = 2e4
 """No sea is deeper [m]."""
@@ -40,8 +44,11 @@ class Gas(Section):
 class Device(Section):
     """Spherical buoy: radius [m], shell thickness [m], E [Pa], nu [-], shell density [kg/m^3], total mass [kg].
 
-    The internal pressure [Pa] is gauge and constant; with `gas` it is that of the undeformed volume.
+    In a study file a `draft` [m] may stand for the mass, half immersion for both. The internal pressure [Pa] is gauge
+    and constant; with `gas` it is that of the undeformed volume.
     """
+
+    model_config = ConfigDict(json_schema_extra=mass_or_draft)
 
     radius: Annotated[Positive, within(0.01, 1e3, "m", "below surface tension matters, above nothing floats")]
     thickness: Positive
@@ -141,7 +148,7 @@ class Hydro(Section):
     power_tolerance: Annotated[Number, Field(gt=0, le=0.5)] | None = None
     solver: Literal["auto", "spectral", "panels"] = "auto"
     tolerance: Annotated[Number, Field(ge=1e-6, le=0.1)] = 1e-3
-    omega_max: Positive = 12.0
+    omega_max: Annotated[Positive, OR_AUTO] = 12.0
     omega: tuple[Positive, ...] = ()
     rows: Annotated[Count, Field(ge=6, le=160)] | None = None
     accept: tuple[Name, ...] = ()

@@ -7,12 +7,12 @@ import hashlib
 import json
 import math
 from pathlib import Path
-from typing import Annotated, Self
+from typing import Annotated, Any, Self
 
 from pydantic import BaseModel, Field, field_validator, model_validator
 
 from vsb.errors import ConfigError
-from vsb.study.floating import cap_volume, floating_height
+from vsb.study.floating import cap_volume, floating_height, resolved
 from vsb.study.quantities import Name, Section
 from vsb.study.reading import read_yaml, validated
 from vsb.study.resolution import RECORDS_PER_PERIOD
@@ -93,6 +93,12 @@ class Study(Section):
     waves: Annotated[tuple[Wave, ...], Field(min_length=1)]
     simulation: Simulation = Simulation()
     published: Published | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _to_size(cls, raw: Any) -> Any:
+        """What is left to the size of the buoy is said before anything is named by it."""
+        return resolved(raw) if isinstance(raw, dict) else raw
 
     @field_validator("study")
     @classmethod

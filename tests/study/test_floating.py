@@ -1,0 +1,77 @@
+"""What a study leaves to the size of its buoy: mass by draft or half immersion, the band of frequencies."""
+
+import math
+
+import pytest
+import yaml
+from conftest import SEED
+
+import vsb
+from vsb.errors import ConfigError
+from vsb.study.study import canonical, load, parse
+
+
+@pytest.fixture
+def raw():
+    return yaml.safe_load(SEED.read_text())
+
+
+def without(section, *keys, **others):
+    return {key: value for key, value in section.items() if key not in keys} | others
+
+
+def test_the_seeds_band_is_that_of_its_size(raw):
+    """What is said by number or by word has one canonical form, so results keep their names."""
+    said = canonical(load(SEED))
+    for hydro in (without(raw["hydro"], "omega_max"), raw["hydro"] | {"omega_max": "auto"}):
+        assert canonical(parse(raw | {"hydro": hydro})) == said
+
+
+@pytest.mark.parametrize(("radius", "gravity", "omega_max"), [(2.0, 9.81, 12.0), (8.0, 9.81, 6.0), (5.0, 1.62, 3.1)])
+def test_the_band_scales_with_the_root_of_gravity_over_radius(raw, radius, gravity, omega_max):
+    device = without(raw["device"], "mass", radius=radius, thickness=radius / 200)
+    swell = {"kind": "regular", "amplitude": 0.1, "period": 10.0}
+    others = {"device": device, "hydro": {}, "water": {"gravity": gravity}, "waves": [swell]}
+    assert parse(raw | others).hydro.omega_max == omega_max
+    assert omega_max == pytest.approx(5.4 * math.sqrt(gravity / radius), rel=0.02)
+
+
+def test_a_band_that_is_given_stays(raw):
+    assert parse(raw | {"hydro": {"omega_max": 7.0}}).hydro.omega_max == 7.0
+
+
+def test_sections_made_in_python_are_told_their_band_by_the_study(raw):
+    device, wave = vsb.Device(**raw["device"]), vsb.RegularWave(kind="regular", amplitude=0.1, period=3.0)
+    wide = vsb.Device(**without(raw["device"], radius=8.0, thickness=0.04, mass=1e6))
+    for known, hydro, omega_max in (
+        (device, vsb.Hydro(), 12.0), (wide, vsb.Hydro(), 6.0), (wide, vsb.Hydro(omega_max=5.0), 5.0),
+    ):  # fmt: skip
+        study = vsb.Study(study="a", device=known, designs={"A": vsb.Design()}, hydro=hydro, waves=(wave,))
+        assert study.hydro.omega_max == omega_max
+
+
+@pytest.mark.parametrize("draft", [None, 1.0, 2.5])
+def test_the_mass_is_that_of_the_water_displaced(raw, draft):
+    """Without mass and draft half the sphere is immersed."""
+    device = without(raw["device"], "mass", **({} if draft is None else {"draft": draft}))
+    study, sunk = parse(raw | {"device": device}), draft or 2.0
+    assert study.device.mass == pytest.approx(1025 * math.pi * sunk**2 * (6 - sunk) / 3, rel=1e-12)
+    assert study.draft == pytest.approx(sunk, rel=1e-12)
+    assert "draft" not in canonical(study)
+
+
+@pytest.mark.parametrize(
+    ("device", "wrong"),
+    [
+        ({"mass": 1e4, "draft": 1.0}, r"device: received mass and draft, needs one of them"),
+        ({"draft": 4.0}, r"device.draft: received 4.0, needs more than 0 and less than two radii, 4 m"),
+        ({"draft": -1}, r"device.draft: received -1, needs more than 0"),
+        ({"draft": "deep"}, r"device.draft: received 'deep', needs more than 0"),
+        ({"draft": True}, r"device.draft: received True, needs more than 0"),
+        ({"mass": 1e4, "radius": "x"}, r"device.radius: received 'x'; Input should be a valid number$"),
+        ({"mass": 1e4, "radius": True}, r"device.radius: received True; a number is needed, not true/false$"),
+    ],
+)
+def test_a_draft_that_makes_no_sense_is_one_line(raw, device, wrong):
+    with pytest.raises(ConfigError, match=wrong):
+        parse(raw | {"device": without(raw["device"], "mass") | device, "hydro": {"omega_max": "auto"}})
