@@ -53,7 +53,7 @@ OR_AUTO = WithJsonSchema({"anyOf": [{"type": "number", "exclusiveMinimum": 0}, {
 """Of a number that a study tells by the size of its buoy if it is not given: what editors are told."""
 
 
-def mass_or_draft(schema: dict[str, Any]) -> None:
+def _mass_or_draft(schema: dict[str, Any]) -> None:
     """Tell editors that a draft may stand for a mass, or nothing."""
     schema["required"].remove("mass")
     schema["properties"]["draft"] = {"type": "number", "exclusiveMinimum": 0}
@@ -63,3 +63,9 @@ class Section(BaseModel):
     """A part of a study: unknown keys are errors, values never change."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Sized(Section):
+    """A section whose mass a study may leave to a draft, or to half immersion (`vsb.study.floating`)."""
+
+    model_config = ConfigDict(json_schema_extra=_mass_or_draft)

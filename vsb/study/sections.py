@@ -7,13 +7,9 @@ import math
 from abc import abstractmethod
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import (
-    ConfigDict, Field, SerializerFunctionWrapHandler, field_validator, model_serializer, model_validator,
-)  # fmt: skip
+from pydantic import Field, SerializerFunctionWrapHandler, field_validator, model_serializer, model_validator
 
-from vsb.study.quantities import (
-    OR_AUTO, Count, Finite, Name, NonNegative, Number, Positive, Section, mass_or_draft, within,
-)  # fmt: skip
+from vsb.study.quantities import OR_AUTO, Count, Finite, Name, NonNegative, Number, Positive, Section, Sized, within
 
 DEEPEST = 2e4
 """No sea is deeper [m]."""
@@ -41,14 +37,12 @@ class Gas(Section):
     )
 
 
-class Device(Section):
+class Device(Sized):
     """Spherical buoy: radius [m], shell thickness [m], E [Pa], nu [-], shell density [kg/m^3], total mass [kg].
 
     In a study file a `draft` [m] may stand for the mass, half immersion for both. The internal pressure [Pa] is gauge
     and constant; with `gas` it is that of the undeformed volume.
     """
-
-    model_config = ConfigDict(json_schema_extra=mass_or_draft)
 
     radius: Annotated[Positive, within(0.01, 1e3, "m", "below surface tension matters, above nothing floats")]
     thickness: Positive
