@@ -7,7 +7,7 @@ import pytest
 
 from vsb.errors import ConfigError
 from vsb.motion.port import Port
-from vsb.results.year import frequencies, year
+from vsb.results.year import DesignYear, frequencies, year
 from vsb.study.study import Water
 from vsb.waves.climate import Climate
 
@@ -65,3 +65,58 @@ def test_too_much_beyond_the_port():
     seas = climate()
     with pytest.raises(ConfigError, match=r"of its variance outside 0\.1 to 1 rad/s, .* raise hydro\.omega_max"):
         year({"A": port(np.linspace(0.1, 1.0, 100))}, seas, WATER, tunings=["one"])
+
+
+def test_tunings_that_are_none():
+    ports = {"A": port(np.arange(0.1, 3.0, 0.05))}
+    with pytest.raises(ConfigError, match="tuning: received 'best', needs one of fixed, one, each"):
+        year(ports, climate(), WATER, ["best"])
+    with pytest.raises(ConfigError, match=r"tuning: received fixed without a damping of A, needs pto\.damping"):
+        year(ports, climate(), WATER, ["fixed"], {"B": 1.0})
+
+
+def test_a_fixed_damper_is_given():
+    with pytest.raises(ValueError, match="fixed: received no damper, needs one"):
+        DesignYear(port(np.arange(0.1, 3.0, 0.05)), climate()).take("fixed", None)
+
+
+def test_a_port_that_waves_do_not_move_takes_nothing():
+    grid = np.arange(0.1, 3.0, 0.05)
+    still = Port(grid, np.zeros(len(grid), dtype=complex), np.zeros(len(grid), dtype=complex), 0.0)
+    found = year(
+        {"rigid": still, "A": port(grid)}, climate(), WATER, dampings={"rigid": 1e3, "A": 1e4}, reference="rigid"
+    )
+    assert found.annual_mean_power[0].tolist() == [0.0, 0.0, 0.0]
+    assert found.gain_percent is None
+    assert "gain_percent" not in found.dataset()
+    alone = year({"rigid": still}, climate(), WATER, ["one"])
+    assert alone.sentence == "No design takes power."
+
+
+def test_the_dataset_says_what_the_year_says():
+    """Units on everything, no missing number, matrices that sum to the year."""
+    grid = np.arange(0.1, 3.0, 0.02)
+    found = year({"A": port(grid), "B": port(grid, mass=9e3)}, climate(), WATER, ["one", "each"], reference="A")
+    ds = found.dataset()
+    assert all(variable.attrs["units"] and np.isfinite(variable).all() for variable in ds.data_vars.values())
+    by_bins = (ds.power_matrix * ds.occurrence).sum(["hs", "te"])
+    assert by_bins.values == pytest.approx(found.annual_mean_power, rel=1e-12)
+    assert ds.annual_energy.values == pytest.approx(found.annual_mean_power * 8766 / 1e6)
+    assert ds.gain_percent.sel(design="B", tuning="one").item() == pytest.approx(
+        100 * (found.annual_mean_power[1, 0] / found.annual_mean_power[0, 0] - 1)
+    )
+    assert int(ds["count"].sum()) == 40
+    width = ds.annual_mean_power / float((ds.flux_matrix * ds.occurrence).sum())
+    assert ds.capture_width.values == pytest.approx(width.values, rel=1e-12)
+
+
+def test_the_rms_force_is_that_of_the_waves():
+    """Mean square of c V over the year, from the spectra themselves."""
+    seas, grid = climate(), np.arange(0.1, 3.0, 0.01)
+    here = port(grid)
+    found = year({"A": here}, seas, WATER, ["fixed"], {"A": 2e4})
+    squared = np.abs(2e4 * here.velocity_under(here.load(2e4))) ** 2
+    inside = np.arange(0.25, 2.25, 0.001) + 0.0005
+    density = (seas.hours @ seas.density)[np.searchsorted(seas.edges, inside) - 1]
+    mean = 0.001 * float(np.interp(inside, grid, squared) @ density)
+    assert found.force_rms[0, 0] == pytest.approx(np.sqrt(mean), rel=1e-5)

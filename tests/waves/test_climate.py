@@ -52,3 +52,24 @@ def test_records_without_a_spectrum_are_left_out_and_counted():
     assert climate.hs == pytest.approx(height_and_period(omega, density[[0, 3]])[0])
     assert "4 records, 1 with missing values left out" in climate.notes
     assert any(note.startswith("1 records of one value throughout left out") for note in climate.notes)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"density": np.ones((2, 10))}, r"received spectra of shape \(2, 10\) over 11 frequencies"),
+        ({"density": np.ones((0, 11))}, "needs at least one sea and two frequencies"),
+        ({"omega": np.linspace(1.5, 0.5, 11)}, "received omega with 0.5, needs ascending, > 0, all finite"),
+        ({"density": np.full((2, 11), np.nan)}, "received density with nan, needs no number below 0, all finite"),
+        ({"density": np.full((2, 11), -1.0)}, "received density with -1, needs no number below 0"),
+        ({"hours": np.array([1.5, -0.5])}, "received hours with -0.5, needs no share below 0"),
+        ({"hs": np.zeros(2)}, "received hs with 0, needs heights above 0"),
+        ({"te": np.array([8.0, np.inf])}, "received te with inf, needs periods above 0, all finite"),
+        ({"te": np.array([8.0])}, "received 2 spectra, needs as many hours, hs and te"),
+    ],
+)
+def test_what_is_no_climate(changes, message):
+    right = flat(2)
+    fields = {name: getattr(right, name) for name in ("omega", "density", "hours", "hs", "te", "name")}
+    with pytest.raises(ConfigError, match=message):
+        Climate(**{**fields, **changes})

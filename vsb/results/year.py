@@ -105,7 +105,15 @@ class DesignYear:
         return np.asarray((self.port.power(damping) @ self.weights.T) @ self.climate.density.T)
 
     def take(self, tuning: Tuning, given: float | None) -> Take:
-        """Return what it takes under a tuning."""
+        """Return what it takes under a tuning, `fixed` with the damper given [N s/m].
+
+        Raises
+        ------
+        ValueError
+            If `fixed` has no damper.
+        """
+        if tuning == "fixed" and given is None:
+            raise ValueError("fixed: received no damper, needs one")
         seas = len(self.climate.hours)
         if not self.port.moves:
             return Take(np.zeros(seas), np.zeros(seas))
