@@ -1,16 +1,24 @@
 """The take-off of a study in a scene: its law, its limits, its end stop."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from conftest import varied
 
+from vsb.errors import ConfigError
 from vsb.integrators.switching import switched
-from vsb.motion.forces import Damper, Excitation, Spring
+from vsb.motion.forces import Damper, Excitation, Spring, SpringDamper
+from vsb.motion.port import Port
 from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.motion.take_off import EndStop, TakeOff
-from vsb.scenes.take_off import LAWS, STIFFER, with_take_off
+from vsb.motion.tuning import best_dampers, frequencies, squares
+from vsb.scenes.rest import check_spring, reference_shell
+from vsb.scenes.take_off import LAWS, STIFFER, linear_take_off, with_take_off
 from vsb.study.take_off import Pto
+from vsb.waves.seas import NO_WAVES, Sea
 
 DAMPER = LinearPto(4.0)
 
@@ -51,3 +59,84 @@ def test_the_end_stop_is_stiff_and_critically_damped_with_what_moves(plant):
     given_way = np.abs(motion.position[:, 0]).max() - 0.2
     lossless = np.abs(motion.velocity[:, 0]).max() / np.sqrt(stop.stiffness * inverse)  # V sqrt(m/k)
     assert 0.2 * lossless < given_way < 0.6 * lossless  # 1/e of it where damping is critical, the waves' push besides
+
+
+# springs and tuned dampers -------------------------------------------------------------------------------------------
+
+
+class OnePort:
+    """Stands for a linear buoy: its port is an oscillator, whatever the direction."""
+
+    def port(self, omega, motions, direction):
+        y = 1 / (-1j * omega * 2.0 + 0.7 + 5j / omega)
+        return Port(omega, y, y * (1 + 0.2j), 1 / 5.0)
+
+
+def tuned(seas, **keys):
+    return linear_take_off(Pto(**keys), "A", OnePort(), np.eye(1), np.ones(1), seas)
+
+
+def regular(omega, amplitude=1.0):
+    return Sea(np.array([omega]), np.array([amplitude + 0j]))
+
+
+def test_the_damper_of_a_regular_wave_is_the_size_of_the_impedance_it_sees():
+    """|Z|, with a spring beside it |Z + i k/omega|; a damper that is given stays."""
+    for omega, k in ((0.7, 0.0), (2.0, 3.0), (2.0, -4.0)):
+        z = 1 / OnePort().port(np.array([omega]), None, None).admittance[0] + 1j * k / omega
+        found = tuned([regular(omega)], stiffness=k)
+        assert found.damping == pytest.approx(abs(z), rel=1e-6)
+        assert found.stiffness == k
+    assert tuned([], damping={"A": 3.0, "B": 4.0}).damping == 3.0
+
+
+def test_the_damper_of_a_sea_knows_no_other_sea():
+    """What a run finds alone is what the ladder finds among all seas."""
+    seas = [Sea(np.array([0.8, 1.1]), np.array([1.0, 0.5j])), regular(2.5), regular(0.3)]
+    omega = frequencies(seas)
+    together = best_dampers(OnePort().port(omega, None, None), squares(seas, omega)).damping
+    for waves, damper in zip(seas, together, strict=True):
+        assert tuned([waves]).damping == pytest.approx(damper, rel=1e-9)
+
+
+def test_one_damper_suits_the_sum_of_all_seas():
+    seas = [regular(0.7), regular(2.5, 0.4)]
+    omega = frequencies(seas)
+    port, dampers = OnePort().port(omega, None, None), np.geomspace(0.1, 50.0, 20001)
+    power = port.power(dampers) @ squares(seas, omega).sum(axis=0)
+    assert tuned([*seas, NO_WAVES], tuning="one").damping == pytest.approx(dampers[np.argmax(power)], rel=1e-3)
+
+
+def test_where_nothing_comes_in_there_is_no_best_damper():
+    with pytest.raises(ConfigError, match=r"pto.tuning: received 'each', but nothing comes in; needs pto.damping"):
+        tuned([NO_WAVES])
+
+
+def test_a_take_off_on_what_does_not_move_leaves_the_scene_as_it_is(plant):
+    still = LinearPto(4.0, port=np.array([0.0, 1.0]))
+    rigid = replace(plant, motions=np.eye(2, 1))
+    assert with_take_off(rigid, Pto(damping=4.0, force_limit=3.0, stroke_limit=0.1), still) is rigid
+
+
+def test_a_spring_pulls_back_to_where_it_is_slack_and_stores_what_it_takes():
+    k, c, q0 = np.diag([3.0, 0.0]), np.diag([2.0, 0.0]), np.array([0.5, 0.0])
+    force = SpringDamper(k, c, q0)
+    q, v = np.array([[0.7, 1.0], [0.5, 0.0]]), np.array([[1.0, 1.0], [0.0, 0.0]])
+    assert force.force(np.arange(2.0), q, v) == pytest.approx(np.array([[-3.0 * 0.2 - 2.0, 0.0], [0.0, 0.0]]))
+    assert force.stored(q) == pytest.approx([0.5 * 3.0 * 0.04, 0.0])
+    assert not force.linear().whole
+    assert replace(force, rest=0 * q0).linear().whole
+    scene = Scene(("Heave", "Membrane2"), np.eye(2), {"pto": force}, np.eye(2))
+    assert scene.constant == pytest.approx([1.5, 0.0])
+
+
+def test_a_spring_that_pushes_a_buoy_out_of_its_rest_is_refused(seed):
+    """The border is that of heave: minus the waterplane's stiffness of a rigid buoy."""
+    rigid = varied(seed, designs={"FSB": {"flexible": False}}, pto={"stiffness": -1e3})
+    reference = reference_shell(rigid)
+    border = float(reference.total[0, 0])
+    check_spring(varied(rigid, pto={"stiffness": -0.999 * border}), reference)
+    with pytest.raises(
+        ConfigError, match=rf"pto.stiffness: received -.* N/m, with which .* more than -{border:.6g} N/m"
+    ):
+        check_spring(varied(rigid, pto={"stiffness": -1.001 * border}), reference)
