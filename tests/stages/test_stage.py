@@ -9,7 +9,7 @@ import pytest
 from conftest import SEED, varied
 
 from vsb.errors import ConfigError
-from vsb.stages.stage import STAGES, partial_study
+from vsb.stages.stage import STAGES, partial_study, stamp
 from vsb.study.plan import StudyPlan
 from vsb.study.study import canonical, load
 
@@ -97,3 +97,14 @@ def test_a_stage_without_specification_reads_none(monkeypatch, tmp_path):
     green.run({"folder": "table", "out": str(tmp_path / "table.done")}, "")
     assert seen == ["table"]
     assert (tmp_path / "table.done").read_text().endswith(" s\n")
+
+
+def test_a_stamp_is_of_the_specification_and_of_the_files_it_was_made_of():
+    plan = StudyPlan(load(SEED))
+    ids = [
+        stamp(plan.radiation, *files)["spec_id"]
+        for files in ((), ("a/one.nc",), ("b/one.nc", ""), ("one.nc", "two.nc"))
+    ]
+    assert ids[1] == ids[2]
+    assert len(set(ids)) == 3
+    assert stamp(plan.response, "a/one.nc")["spec_id"] != ids[1]

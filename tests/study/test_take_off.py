@@ -191,3 +191,8 @@ def test_a_damper_of_each_design_makes_the_runs_of_one_for_all(seed):
     for design in seed.designs:
         wave = seed.waves[0]
         assert StudyPlan(same).simulation(design, wave) == StudyPlan(seed).simulation(design, wave)
+
+
+def test_a_port_between_two_points_needs_two():
+    with pytest.raises(ConfigError, match=r"between.*needs two different colatitudes"):
+        parse({**load(SEED).model_dump(), "pto": {"damping": 8000.0, "port": {"between": [30.0, 30.0]}}})

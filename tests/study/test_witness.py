@@ -8,9 +8,11 @@ from conftest import SEED, varied
 
 from vsb.errors import ConfigError
 from vsb.results.ledger import witness_checks
+from vsb.study.blocks import LEAST_DEPTH_IN_WAVENUMBERS
 from vsb.study.plan import StudyPlan, figure_names
 from vsb.study.study import canonical, content_id, load
-from vsb.study.witness import lowest_modes, no_witness
+from vsb.study.witness import LONGEST, lowest_modes, no_witness
+from vsb.waves.seas import wavenumber
 
 
 def identity(study):
@@ -113,3 +115,12 @@ def test_waves_lie_around_the_resonance_of_heave_and_in_reach_of_both_solvers(se
         assert wavenumbers[0] * 2.0 == pytest.approx(0.3, rel=1e-5)
     else:
         assert spec.omega[0] >= math.sqrt(9.81 * 0.3 / depth * math.tanh(0.3)) - 1e-5
+
+
+@pytest.mark.parametrize("depth", [3.0, 10.0, math.inf])
+def test_the_three_waves_are_in_geometric_progression_as_waves_of_that_depth(seed, depth):
+    """Lengths, not frequencies: k of omega^2 = g k tanh(k d)."""
+    spec = StudyPlan(varied(seed, water={"depth": depth})).witness
+    low, middle, high = (wavenumber(w, depth, 9.81) for w in spec.omega)
+    assert middle**2 == pytest.approx(low * high, rel=1e-4)
+    assert low == pytest.approx(max(LONGEST / 2.0, LEAST_DEPTH_IN_WAVENUMBERS / depth), rel=1e-4)

@@ -293,6 +293,23 @@ def test_long_waves_are_judged_only_where_they_are_long():
     assert "not checked: long_waves, of which 2 rad/s is none for this body" in short[1]
 
 
+@pytest.mark.parametrize("start", [0.2, 0.9])
+def test_the_limit_of_long_waves_is_a_twentieth_and_twice_their_second_order(start):
+    """The longer the waves, the nearer the lift is to the hydrostatic stiffness; beyond a fifth nothing is said."""
+    ds = sound(omega=np.linspace(start, 8.0, 60))
+    checks, notes = foreign_checks(ds)
+    i = ds.influenced_dof.values.tolist().index("Heave")
+    added, stiffness = (float(np.abs(v).max()) for v in (ds.added_mass[:, i, i], ds.hydrostatic_stiffness[i, i]))
+    least, most = (start**2 * share * added / stiffness for share in (1.0, 2.0))
+    limits = [check.limit for check in checks if check.name == "long_waves"]
+    if limits:
+        assert 0.05 + 1.5 * least <= limits[0] <= 0.05 + 2 * most + 0.02
+        assert limits[0] <= 0.45 + 1e-9
+    else:
+        assert any(note.startswith("not checked: long_waves, of which") for note in notes)
+        assert most > 0.1
+
+
 def test_zero_frequency_says_nothing_of_waves():
     ds = sound()
     still = ds.isel(omega=[0]).assign_coords(omega=[0.0])
