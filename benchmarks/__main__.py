@@ -26,6 +26,14 @@ def coefficients(args: argparse.Namespace) -> int:
     return int(any(row["status"].startswith("failed") for row in rows))
 
 
+def memories(args: argparse.Namespace) -> int:
+    """Passivity, error and order against seconds of radiation memories of many motions by three fits: a table."""
+    from benchmarks import memories
+
+    memories.benchmark(args.folder)
+    return _written(args.folder, "memories*")
+
+
 def time_domain(args: argparse.Namespace) -> int:
     """Error against seconds of every integrator and radiation model, cost against size: a table and two figures."""
     from benchmarks import time_domain
@@ -61,6 +69,7 @@ def _written(folder: str, names: str) -> int:
 COMMANDS = {
     "integrators": (integrators, ("config", "folder")),
     "coefficients": (coefficients, ("folder",)),
+    "memories": (memories, ("folder",)),
     "time-domain": (time_domain, ("config", "folder")),
     "hard-cases": (hard_cases, ("config", "out")),
     "torture": (torture, ("count", "out")),
