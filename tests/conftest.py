@@ -5,13 +5,17 @@ Workers take whole files (--dist loadfile), the longest first, and share the tab
 
 import fcntl
 import json
+from contextlib import chdir, contextmanager
 from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from hypothesis import settings
 from scipy.integrate import solve_ivp
 
+import vsb
+from vsb.cli import main
 from vsb.hydro import database
 from vsb.hydro.kernel import DampingSpectrum
 from vsb.hydro.panels import rings as bem
@@ -70,6 +74,23 @@ def compiled_motion(plant, time, start, rtol=1e-11):
     return solve_ivp(rates, (0, time[-1]), y0, method="DOP853", rtol=rtol, atol=1e-13, t_eval=time).y[:n].T
 
 
+def told(arguments, capsys, run=main) -> str:
+    """The one line a mistake is told in, after nothing was printed."""
+    assert run(arguments) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.count("\n") == 1
+    return captured.err.removeprefix("vsb: error: ").removesuffix("\n")
+
+
+@pytest.fixture
+def workplace(tmp_path, monkeypatch) -> Path:
+    """An empty current folder with a file in it."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").write_text("kept")
+    return tmp_path
+
+
 @pytest.fixture(scope="session")
 def seed() -> Study:
     return config.load(SEED)
@@ -86,15 +107,51 @@ def pytest_collection_modifyitems(items):
     items.sort(key=lambda item: item.path.name != "test_workflow.py")
 
 
+@contextmanager
+def shared_by_workers(tmp_path_factory, worker_id, name):
+    """A folder of all workers, held by one of them."""
+    base = tmp_path_factory.getbasetemp()
+    folder = (base if worker_id == "master" else base.parent) / name
+    with folder.with_suffix(".lock").open("w") as handle:
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        yield folder
+
+
 @pytest.fixture(scope="session")
 def green_folder(tmp_path_factory, worker_id) -> Path:
     """The Green-function table, computed by whichever worker asks first."""
-    base = tmp_path_factory.getbasetemp()
-    folder = (base if worker_id == "master" else base.parent) / "green"
-    with folder.with_suffix(".lock").open("w") as handle:
-        fcntl.flock(handle, fcntl.LOCK_EX)
+    with shared_by_workers(tmp_path_factory, worker_id, "green") as folder:
         bem.green_function(folder)
     return folder
+
+
+SMALL = yaml.safe_load(SEED.read_text()) | {
+    "study": "small",
+    "modes": {"basis": "membrane", "degree": 2},
+    "designs": {"FSB": {"flexible": False}, "VSWEC": {}},
+    "hydro": {"omega_max": 5.0, "tolerance": 1.0e-3, "witness": "none"},
+}
+"""A study whose results are there in seconds."""
+SMALL["simulation"] |= {"duration": 8.0, "window": [4.0, 8.0]}
+SMALL_PLAN = StudyPlan(config.parse(SMALL))
+
+
+@pytest.fixture(scope="session")
+def finished(tmp_path_factory, worker_id) -> Path:
+    """A folder with the small study's file and its results, made by whichever worker asks first; not to be changed."""
+    with shared_by_workers(tmp_path_factory, worker_id, "finished") as folder:
+        folder.mkdir(exist_ok=True)
+        with chdir(folder):
+            Path("small.yaml").write_text(yaml.safe_dump(SMALL))
+            vsb.run(vsb.load("small.yaml"))
+    return folder
+
+
+@pytest.fixture
+def small(finished, monkeypatch) -> StudyPlan:
+    """The small study, in whose folder results are read."""
+    monkeypatch.chdir(finished)
+    return SMALL_PLAN
 
 
 def solved_block(spec, green_folder):

@@ -1,18 +1,15 @@
 import io
 import re
-import signal
 import subprocess
 import sys
 from pathlib import Path
 
-import psutil
 import pytest
 import yaml
-from conftest import SEED
+from conftest import SEED, told
 
 from vsb import cli
 from vsb.cli import main, parser
-from vsb.stages import run as launcher
 from vsb.stages.stage import STAGES
 from vsb.study.plan import StudyPlan
 from vsb.study.study import canonical, load
@@ -136,23 +133,6 @@ def test_a_missing_file_of_any_command_is_one_line_and_writes_nothing(command, t
     assert not list(tmp_path.iterdir())
 
 
-def told(arguments, capsys):
-    """The one line a mistake is told in, after nothing was printed."""
-    assert main(arguments) == 2
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    assert captured.err.count("\n") == 1
-    return captured.err.removeprefix("vsb: error: ").removesuffix("\n")
-
-
-@pytest.fixture
-def workplace(tmp_path, monkeypatch):
-    """An empty current folder with a file in it."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "file").write_text("kept")
-    return tmp_path
-
-
 def written(name, **changes):
     """A copy of the seed study with some sections updated."""
     raw = yaml.safe_load(SEED.read_text())
@@ -262,62 +242,6 @@ def test_a_rule_does_not_wait_for_somebody_to_type(workplace, capsys, monkeypatc
     assert told(["modes", "--out", "out.nc"], capsys).startswith("standard input: received a terminal, needs the spec")
 
 
-@pytest.mark.parametrize("cores", ["0", "-3", "x", "1.5", ""])
-def test_a_run_without_cores_would_wait_for_ever(workplace, capsys, cores):
-    with pytest.raises(SystemExit) as stop:
-        main(["run", written("study.yaml"), f"--cores={cores}"])
-    assert stop.value.code == 2
-    assert f"argument --cores/-c: received {cores}, needs a whole number above 0, or all" in capsys.readouterr().err
-
-
-def test_cores_go_to_snakemake(workplace, monkeypatch):
-    seen = []
-
-    monkeypatch.setattr(launcher, "finished", lambda command, **_: seen.append(command) or 0)
-    for options in (["-c", "2"], ["--cores", "all"], []):
-        assert main(["run", written("study.yaml"), *options, "-n"]) == 0
-    assert [command[command.index("none") + 1 :] for command in seen] == [
-        ["--cores", "2", "-n"],
-        ["--cores", "all", "-n"],
-        ["-n"],
-    ]
-
-
-@pytest.mark.parametrize("name", ["nowhere", "mine", "./nowhere"])
-def test_an_unknown_profile_is_one_line(workplace, capsys, name):
-    for folder in (Path("mine"), Path("profiles/mine")):  # of the current folder only if told so
-        folder.mkdir(parents=True)
-        (folder / "config.yaml").write_text("cores: 1")
-    line = told(["run", written("study.yaml"), "--profile", name], capsys)
-    assert line.startswith(f"--profile: received {name}, needs default, slurm, or the path of a folder of your own (./")
-    assert not Path("results").exists()
-
-
-def test_a_profile_of_the_users_own_is_named_by_its_path(workplace, monkeypatch):
-    seen = []
-    monkeypatch.setattr(launcher, "finished", lambda command, **_: seen.extend(command) or 0)
-    Path("mine").mkdir()
-    Path("mine/config.yaml").write_text("cores: 1")
-    assert main(["run", written("study.yaml"), "--profile", "./mine", "-n"]) == 0
-    assert seen[seen.index("--profile") + 1] == "mine"
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (["--frobnicate"], "unrecognized arguments: --frobnicate, of snakemake"),
-        (["--jobs", "many"], "Error parsing number of jobs (--jobs, -j): must be integer., of snakemake"),
-        (
-            ["nowhere"],
-            "target: received nowhere, needs one of all, compare, database, ",
-        ),
-    ],
-)
-def test_what_snakemake_would_answer_with_pages_is_one_line(workplace, capsys, options, message):
-    assert told(["run", written("study.yaml"), *options], capsys).startswith(message)
-    assert not Path("results").exists()
-
-
 def test_nobody_reading_on_is_no_mistake():
     """The reader of `vsb check | head` goes away after a line."""
     command = f"{sys.executable} -m vsb.cli check {SEED} | head -1; exit ${{PIPESTATUS[0]}}"
@@ -326,28 +250,6 @@ def test_nobody_reading_on_is_no_mistake():
     closed = f"{sys.executable} -m vsb.cli shell {SEED} | true; exit ${{PIPESTATUS[0]}}"
     done = subprocess.run(["bash", "-c", closed], capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (0, "")
-
-
-@pytest.mark.parametrize(("number", "code"), [("TERM", 143), ("INT", 130), ("HUP", 129)])
-def test_a_command_told_to_end_ends_all_it_started(tmp_path, number, code):
-    """Its children too, which would go on for minutes and hold the lock."""
-    job = f"echo $$ > {tmp_path}/job; sleep 100; echo over"
-    program = (
-        "import signal, sys\nfrom vsb import cli\nfrom vsb.stages.run import finished\n"
-        "signal.signal(signal.SIGHUP, signal.SIG_DFL)\n"
-        f"command = ['bash', '-c', 'trap : TERM; ({job}) & wait; wait']\n"
-        "cli.run = lambda args: finished(command, None)\nsys.exit(cli.main(['run', 'study.yaml']))"
-    )
-    process = subprocess.Popen([sys.executable, "-c", program], stderr=subprocess.PIPE, text=True)
-    while not (tmp_path / "job").exists() or not (tmp_path / "job").read_text():
-        assert process.poll() is None
-    process.send_signal(getattr(signal, f"SIG{number}"))
-    _, told = process.communicate(timeout=20)
-    assert process.returncode == code
-    assert told.count("\n") == 1
-    assert "run the same command again" in told
-    children = [one for one in psutil.process_iter(["cmdline"]) if str(tmp_path) in " ".join(one.info["cmdline"] or [])]
-    assert children == []
 
 
 def test_a_profile_whose_executor_is_not_installed_says_what_to_install(tmp_path, monkeypatch, capsys):

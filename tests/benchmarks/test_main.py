@@ -4,27 +4,10 @@ from pathlib import Path
 
 import pytest
 import yaml
-from conftest import SEED
+from conftest import SEED, told
 
 from benchmarks.__main__ import COMMANDS, main
 from examples import barge
-
-
-def told(run, arguments, capsys):
-    """The one line a mistake is told in, after nothing was printed."""
-    assert run(arguments) == 2
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    assert captured.err.count("\n") == 1
-    return captured.err.removeprefix("vsb: error: ").removesuffix("\n")
-
-
-@pytest.fixture
-def workplace(tmp_path, monkeypatch):
-    """An empty current folder with a file in it."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "file").write_text("kept")
-    return tmp_path
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -45,7 +28,7 @@ def test_every_command_explains_itself(command, capsys):
     ],
 )
 def test_a_missing_file_is_one_line_and_writes_nothing(workplace, capsys, run, command):
-    assert told(run, command, capsys).startswith("missing.yaml: cannot be read")
+    assert told(command, capsys, run).startswith("missing.yaml: cannot be read")
     assert [path.name for path in workplace.iterdir()] == ["file"]
 
 
@@ -60,14 +43,14 @@ def test_a_missing_file_is_one_line_and_writes_nothing(workplace, capsys, run, c
     ],
 )
 def test_what_cannot_be_written_is_told_before_any_work(workplace, capsys, run, command):
-    assert told(run, command, capsys).startswith("file/out: cannot be written (")
+    assert told(command, capsys, run).startswith("file/out: cannot be written (")
     assert Path("file").read_text() == "kept"
 
 
 def test_a_rigid_study_has_no_integrators_to_compare(workplace, capsys):
     study = {**yaml.safe_load(SEED.read_text()), "designs": {"A": {"flexible": False}}}
     Path("rigid.yaml").write_text(yaml.safe_dump(study))
-    line = told(main, ["time-domain", "rigid.yaml", "out"], capsys)
+    line = told(["time-domain", "rigid.yaml", "out"], capsys, main)
     assert line.startswith("rigid.yaml: designs: received only rigid ones, A")
     assert "needs a flexible one" in line
     assert not Path("out").exists()

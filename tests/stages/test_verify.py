@@ -3,17 +3,16 @@
 import json
 import os
 import shutil
-from contextlib import chdir
 from pathlib import Path
 
 import netCDF4
 import numpy as np
 import pytest
 import yaml
-from stages.test_workflow import with_
+from conftest import SMALL as RAW
+from conftest import SMALL_PLAN as PLAN
 from tools.test_files import rewritten
 
-import vsb
 from vsb.cli import main
 from vsb.errors import DatabaseError, VsbError
 from vsb.stages import figures, report, simulate
@@ -24,19 +23,7 @@ from vsb.study.study import content_id
 from vsb.tools.files import load, read_groups
 from vsb.tools.stamps import record
 
-RAW = with_(study="small", hydro={}, simulation={"duration": 8.0, "window": [4.0, 8.0]})
-RAW["hydro"] = {"omega_max": 5.0, "tolerance": 1.0e-3, "witness": "none"}
 TOGETHER = ("report.html", "comparison.csv", "statistics.csv", "validity.json", "study.json", "tables.json")
-
-
-@pytest.fixture(scope="module")
-def finished(tmp_path_factory):
-    """A folder with the study file and its results; those of the workflow are judged beside the workflow."""
-    place = tmp_path_factory.mktemp("finished")
-    (place / "small.yaml").write_text(yaml.safe_dump(RAW))
-    with chdir(place):
-        vsb.run(vsb.load("small.yaml"))
-    return place
 
 
 @pytest.fixture
@@ -51,7 +38,6 @@ def plan_of(**changes):
     return StudyPlan(config.parse({**RAW, **changes}))
 
 
-PLAN = plan_of()
 (WAVE,) = PLAN.study.waves
 FSB, VSWEC = (PLAN.trajectory_path(design, WAVE.label) for design in ("FSB", "VSWEC"))
 RESPONSE, TABLE = f"{PLAN.folder}/response.nc", f"{PLAN.folder}/comparison.csv"

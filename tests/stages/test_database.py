@@ -1,0 +1,53 @@
+"""Rule database: its blocks and no others, in the modes, with a verdict."""
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from vsb.errors import DatabaseError
+from vsb.hydro.database import load_database
+from vsb.stages import database
+from vsb.study.specs import DatabaseSpec
+from vsb.study.study import content_id
+from vsb.tools.files import load, save
+
+
+def test_a_database_made_again_is_the_same(small, tmp_path):
+    out = tmp_path / "db" / Path(small.database_path).name
+    database.run(small.database, small.block_folder, str(out))
+    again = load_database(out, content_id(small.database))
+    assert again.identical(load_database(small.database_path, content_id(small.database)))
+    assert again.attrs["solver"] == "spectral"
+    assert (again.attrs["basis"], again.attrs["degree"]) == ("membrane", 2)
+    assert float(again.omega[-1]) == small.database.omega_max
+    assert {check["verdict"] for check in json.loads(again.attrs["quality"])} <= {"ok", "doubt"}
+    stiffness = again.hydrostatic_stiffness.values
+    np.testing.assert_allclose(stiffness, stiffness.T, atol=1e-6 * np.abs(stiffness).max())
+
+
+def test_a_block_that_is_missing_or_another_is_refused(small, tmp_path):
+    (name,) = small.database.sweep
+    with pytest.raises(DatabaseError, match=rf"{name}.nc: file not found"):
+        database.run(small.database, str(tmp_path), str(tmp_path / "out.nc"))
+    save(load(f"{small.block_folder}/{name}.nc").assign_attrs(spec_id="0" * 16), tmp_path / f"{name}.nc")
+    with pytest.raises(DatabaseError, match=rf"{name}.nc: holds block 0+, needs {name}; delete it and run again"):
+        database.run(small.database, str(tmp_path), str(tmp_path / "out.nc"))
+    assert not (tmp_path / "out.nc").exists()
+
+
+def test_a_check_that_fails_stops_it_unless_it_is_accepted(small, tmp_path):
+    """Damping of the wrong size satisfies Haskind's relation no more."""
+    (name,) = small.database.sweep
+    shutil.copy(f"{small.block_folder}/{name}.nc", tmp_path)
+    block = load(tmp_path / f"{name}.nc")
+    save(block.assign(radiation_damping=1.3 * block.radiation_damping), tmp_path / f"{name}.nc")
+    out = str(tmp_path / "db" / "out.nc")
+    with pytest.raises(DatabaseError, match=r"hydro database: check '\w+' failed: .*list the name under hydro.accept"):
+        database.run(small.database, str(tmp_path), out)
+    assert not Path(out).exists()
+    spec = DatabaseSpec(**{**small.database.model_dump(), "accept": ("haskind", "kramers_kronig")})
+    database.run(spec, str(tmp_path), out)
+    assert "accepted" in load(out).attrs["quality"]

@@ -1,0 +1,57 @@
+"""Rule deformed: meshes of the shell at rest and deformed, of all three kinds of shapes."""
+
+import numpy as np
+import pytest
+from conftest import SEED, varied
+
+from vsb.scenes.rest import reference_shell
+from vsb.stages import deformed
+from vsb.study.plan import StudyPlan
+from vsb.study.specs import LoadedShape, Shapes, Sphere
+from vsb.study.study import content_id, load
+from vsb.tools import files
+
+KINDS = {
+    "rigid": (Sphere, "seed", {"designs": {"FSB": {"flexible": False}}}),
+    "shell": (Shapes, "seed", {"modes": {"degree": 2}}),
+    "loaded": (LoadedShape, "pressurised", {"modes": {"degree": 2}}),
+}
+
+
+@pytest.fixture(params=KINDS)
+def case(request):
+    kind, name, changes = KINDS[request.param]
+    study = varied(load(SEED.with_name(f"{name}.yaml")), **changes)
+    return kind, study, StudyPlan(study).witness.meshes
+
+
+def test_shapes_are_the_one_at_rest_and_each_mode_to_either_side(case):
+    kind, study, spec = case
+    assert type(spec.shape) is kind
+    rest, *moved = deformed.shapes(spec)
+    assert [shape.name for shape in moved] == [f"{m}_{side}" for m in spec.deformed for side in ("minus", "plus")]
+    assert rest.name == "mean"
+    keel = -rest.shell.meridian(np.array([np.pi])).z[0]
+    assert keel == pytest.approx(reference_shell(study).keel_depth, rel=1e-12)
+    for shape in moved:
+        left = (shape.shell.amplitudes - (rest.shell.amplitudes if rest.shell.amplitudes.size else 0.0)).tolist()
+        assert left.count(0.0) == len(left) - 1
+        assert sum(left) == pytest.approx(shape.amplitude)
+
+
+def test_only_modes_that_deform_are_compared(case):
+    _, _, spec = case
+    rest = deformed.shapes(spec)[0]
+    assert deformed.compared_basis(spec, rest.shell).labels == ("Heave", *spec.deformed)
+
+
+def test_every_mesh_is_stored_by_name_with_what_deforms_it(tmp_path):
+    study = varied(load(SEED), modes={"degree": 0})
+    spec = StudyPlan(study).witness.meshes
+    deformed.run(spec, str(tmp_path))
+    assert {path.name for path in tmp_path.iterdir()} == {"mean.nc", "Membrane0_minus.nc", "Membrane0_plus.nc"}
+    minus = files.load(tmp_path / "Membrane0_minus.nc", expected=content_id(spec))
+    assert (minus.attrs["deformed_by"], minus.attrs["amplitude"]) == ("Membrane0", pytest.approx(-0.1))
+    shape = deformed.shapes(spec)[1]
+    coarse = deformed.shape_mesh(spec, shape, coarser=2)
+    assert sum(v.size for v in coarse.data_vars.values()) < 0.7 * sum(v.size for v in minus.data_vars.values())

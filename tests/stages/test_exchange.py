@@ -1,0 +1,40 @@
+"""Databases from other codes' files, stored with a verdict."""
+
+import json
+
+import pytest
+
+from tests.hydro.formats.test_foreign import sound
+from vsb.errors import ConfigError
+from vsb.hydro.formats.bemio import bemio_entries, write_h5
+from vsb.hydro.formats.wamit import wamit_texts
+from vsb.stages.exchange import import_bemio, import_wamit
+from vsb.tools.files import load
+
+WATER = {"density": 1000.0, "gravity": 9.81, "length": 1.0, "depth": float("inf")}
+
+
+def test_either_form_is_stored_with_its_verdict_and_what_was_left_out(tmp_path):
+    centres = {"centre_of_buoyancy": [0.0, 0.0, -2.0], "centre_of_mass": [0.0, 0.0, -3.0]}
+    ds = sound(("Surge", "Heave", "Pitch")).assign_attrs(centres)
+    for extension, text in wamit_texts(ds, "memory").items():
+        (tmp_path / f"buoy{extension}").write_text(text)
+    write_h5(bemio_entries(ds, "memory"), tmp_path / "buoy.h5")
+    checks, notes, causes = import_wamit(str(tmp_path), "buoy", str(tmp_path / "a.nc"), axisymmetric=False, **WATER)
+    again, _, _ = import_bemio(str(tmp_path / "buoy.h5"), str(tmp_path / "b.nc"), axisymmetric=False)
+    assert {check.name for check in again} >= {check.name for check in checks} >= {"symmetry", "haskind"}
+    assert {check.verdict for check in checks} == {"ok"}
+    assert causes == []
+    for name in ("a", "b"):
+        stored = load(tmp_path / f"{name}.nc")
+        assert stored.attrs["spec_id"] == name
+        assert {check["verdict"] for check in json.loads(stored.attrs["quality"])} == {"ok"}
+    assert load(tmp_path / "a.nc").attrs["history"] == "; ".join(notes)
+
+
+@pytest.mark.parametrize(("option", "unit"), [("density", "kg/m"), ("gravity", "m/s"), ("length", "m"), ("depth", "m")])
+def test_facts_that_cannot_be_are_refused_before_any_file_is_read(tmp_path, option, unit):
+    facts = {**WATER, option: -1.0}
+    with pytest.raises(ConfigError, match=rf"--{option}: received -1.0, needs a positive number of {unit}"):
+        import_wamit(str(tmp_path), "none", str(tmp_path / "a.nc"), axisymmetric=False, **facts)
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,40 @@
+"""Rule figures: all figures of a study, and nothing else of the caller's changed."""
+
+import json
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+import xarray as xr
+from conftest import varied
+
+from vsb.stages import figures
+from vsb.study.plan import figure_names
+
+
+def test_every_figure_is_drawn_as_before_and_the_callers_looks_stay(small, tmp_path):
+    looks = dict(mpl.rcParams)
+    files = {**small.hydro_files, **small.response_files}
+    figures.run(
+        small.study, f"{small.folder}/modes.nc", f"{small.folder}/trajectories", str(tmp_path / "figures"),
+        str(tmp_path / "manifest.json"), **files,
+    )  # fmt: skip
+    assert dict(mpl.rcParams) == looks
+    names = {f"{name}.svg" for name in figure_names(small.study)}
+    assert {path.name for path in (tmp_path / "figures").iterdir()} == names
+    assert {entry["spec_id"] for entry in json.loads((tmp_path / "manifest.json").read_text()).values()} == {
+        small.study_id
+    }
+    for name in names:
+        drawn = (tmp_path / "figures" / name).read_text()
+        assert drawn.count("<path") > 5, name
+        assert "nan" not in drawn.lower().replace("dominant", ""), name
+
+
+def test_the_period_of_still_water_is_that_of_the_slowest_free_motion(seed):
+    still, wave = varied(seed, waves=[{"kind": "still"}]).waves[0], seed.waves[0]
+    response = xr.Dataset({"wet_natural_frequency": ("wet_mode", [3.0, 1.5])})
+    assert figures._period(seed, still, response) == pytest.approx(2 * np.pi / 1.5)
+    assert figures._period(seed, wave, response) == pytest.approx(wave.period)
+    dry = varied(seed, hydro={"model": "assumed_pressure", "pressure": 1800.0})
+    assert figures._period(dry, still, xr.Dataset()) == pytest.approx(2 * np.pi / dry.heave_frequency)

@@ -1,0 +1,34 @@
+"""Rule panels: a block by panels, on the mesh of its specification and no other."""
+
+import numpy as np
+import pytest
+from conftest import varied
+
+from vsb.errors import DatabaseError
+from vsb.stages import mesh, panels
+from vsb.study.plan import StudyPlan
+from vsb.study.study import content_id
+from vsb.tools.files import load
+
+
+def plan_of(study, rows):
+    return StudyPlan(varied(study, hydro={"rows": rows, "omega": [1.0, 2.0], "omega_max": 3.0}, modes={"degree": 1}))
+
+
+def test_a_block_holds_its_frequencies_its_id_and_its_seconds(seed, green_folder, tmp_path):
+    (spec,) = plan_of(seed, 12).tabulated_blocks
+    mesh.run(spec.mesh, str(tmp_path / "mean.nc"))
+    panels.run(spec, str(tmp_path / "mean.nc"), str(green_folder), str(tmp_path / "block.nc"))
+    ds = load(tmp_path / "block.nc", expected=content_id(spec))
+    assert ds.omega.values.tolist() == [1.0, 2.0]
+    assert np.linalg.eigvalsh(ds.radiation_damping.values + ds.radiation_damping.values.transpose(0, 2, 1)).min() > -1.0
+    assert ds.attrs["error_estimate"] > 0
+    assert ds.attrs["seconds"] > 0
+
+
+def test_a_mesh_of_another_specification_is_refused(seed, tmp_path):
+    (spec,), (other,) = plan_of(seed, 12).tabulated_blocks, plan_of(seed, 14).tabulated_blocks
+    mesh.run(other.mesh, str(tmp_path / "mean.nc"))
+    with pytest.raises(DatabaseError, match=f"mean.nc: holds '{content_id(other.mesh)}', needs"):
+        panels.run(spec, str(tmp_path / "mean.nc"), "none", str(tmp_path / "block.nc"))
+    assert not (tmp_path / "block.nc").exists()

@@ -1,0 +1,57 @@
+"""What is known of a study before anything is solved."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+from conftest import SMALL_PLAN, varied
+
+from vsb.errors import ConfigError, DatabaseError
+from vsb.stages import preview
+from vsb.study.plan import StudyPlan
+
+
+def test_finished_work_is_counted_as_there(small, tmp_path, monkeypatch):
+    there = preview.summary(small.study, small)
+    monkeypatch.chdir(tmp_path)
+    before = preview.summary(small.study, small)
+    blocks = len(small.bem_blocks)
+    assert any(f"BEM jobs     {blocks} of {blocks} to do" in line for line in before)
+    assert any(f"BEM jobs     0 of {blocks} to do" in line for line in there)
+    assert any(line.endswith("(there)") for line in there)
+    assert not any(line.endswith("(there)") for line in before)
+    assert any("witness      none: hydro.witness: none" in line for line in there)
+    assert there[0].startswith("study        small: FSB, VSWEC in ")
+
+
+def test_files_that_cannot_be_read_are_found_before_any_job(small, finished, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    shutil.copytree(finished / "results", "results")
+    preview.check_before_run(small.study, small)
+    for path in (small.radiation_path, small.block_path(small.sweep_blocks[0]), small.database_path):
+        Path(path).write_bytes(b"none")
+        with pytest.raises(DatabaseError, match=f"{path}: cannot be read as netCDF"):
+            preview.check_before_run(small.study, small)
+
+
+def test_designs_that_leave_nothing_free_are_found_before_any_job():
+    study = varied(SMALL_PLAN.study, designs={"A": {"clamp": list(range(0, 181, 30))}})
+    with pytest.raises(ConfigError, match="clamp"):
+        preview.check_before_run(study, StudyPlan(study))
+
+
+def test_panels_are_counted_by_rows(seed):
+    study = varied(seed, hydro={"rows": 20, "omega_max": 6.0})
+    lines = preview.summary(study, StudyPlan(study))
+    assert any("20 rows of 40 panels" in line for line in lines)
+    assert any("shapes at 3 frequencies by 32 rows" in line for line in lines)
+
+
+def test_the_shell_in_words_is_the_shell_in_numbers(seed):
+    table = preview.shell_table(seed)
+    text = preview.shell_text(table).splitlines()
+    assert len(text) == len(table["membrane"]) + 2
+    assert [int(line.split()[0]) for line in text[1:-1]] == [row["degree"] for row in table["membrane"]]
+    assert text[1].split()[2] == "-"  # no bending of degree 0
+    assert float(text[3].split()[2]) == pytest.approx(table["bending"][0]["omega"], rel=1e-9)
+    assert text[-1] == f"classical buckling pressure {table['buckling_pressure']:.6g} Pa"

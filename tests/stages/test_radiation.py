@@ -1,0 +1,38 @@
+"""Rule radiation: the model in a file is passive, and its kernel that of the database."""
+
+import numpy as np
+import pytest
+
+from vsb.errors import DatabaseError
+from vsb.hydro.database import load_database
+from vsb.hydro.statespace import RadiationModel
+from vsb.stages import radiation
+from vsb.study.specs import RadiationSpec
+from vsb.study.study import content_id
+from vsb.tools.files import load
+
+
+def test_the_model_is_passive_and_as_good_as_it_says(small):
+    ds = load(small.radiation_path, expected=content_id(small.radiation))
+    model = RadiationModel(ds.state_matrix.values, ds.input_matrix.values, ds.channel.values)
+    assert ds.attrs["order"] == model.order
+    assert np.linalg.eigvals(model.state_matrix).real.max() < 0
+    assert ds.attrs["fit_error"] <= small.radiation.tolerance
+    np.testing.assert_allclose(ds.damping_state_space.values, model.damping(ds.omega.values))
+    assert np.linalg.eigvalsh(ds.damping_state_space.values).min() > -1e-9 * ds.damping_state_space.values.max()
+    off = np.abs(ds.kernel - ds.kernel_state_space).max(dim="time") / np.abs(ds.kernel).max(dim="time")
+    assert float(off.sel(influenced_dof="Heave", radiating_dof="Heave")) < 0.01
+
+
+def test_its_damping_is_the_databases(small):
+    ds, database = load(small.radiation_path), load_database(small.database_path, content_id(small.database))
+    heave = {"influenced_dof": "Heave", "radiating_dof": "Heave"}
+    truth = database.radiation_damping.sel(heave)
+    assert float(np.abs(ds.damping_state_space.sel(heave) - truth).max()) < 0.01 * float(truth.max())
+
+
+def test_another_database_is_refused(small, tmp_path):
+    spec = RadiationSpec(database="0" * 16, tolerance=1e-3)
+    with pytest.raises(DatabaseError, match=r"needs '?0{16}"):
+        radiation.run(spec, small.database_path, str(tmp_path / "out.nc"))
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,40 @@
+"""Rule response: what a damper takes is half c |w X|^2, never more than its best, that never more than matched."""
+
+import numpy as np
+import pytest
+
+from vsb.stages import response
+from vsb.tools.files import load
+
+
+@pytest.fixture
+def ds(small):
+    return load(small.response_files["response"], expected=small.response_id)
+
+
+def test_power_is_that_of_the_damper_on_heave(small, ds):
+    heave = np.abs(ds.rao.sel(dof="Heave").values)
+    taken = 0.5 * small.study.pto.damping * (ds.omega.values * heave) ** 2
+    np.testing.assert_allclose(ds.absorbed_power.values, taken, rtol=1e-9, atol=1e-12)
+
+
+def test_the_given_damper_the_best_one_and_matched_take_ever_more_and_the_limit_most(ds):
+    slack = 1 + 1e-9
+    assert (ds.absorbed_power <= slack * ds.best_power).all()
+    assert (ds.best_power <= slack * ds.matched_power).all()
+    assert (ds.matched_power.sel(design="FSB") <= 1.005 * ds.power_limit).all()  # within the solver's error
+
+
+def test_a_port_moves_without_take_off_as_its_velocity_says(ds):
+    """The best damper is |Z|, and the wave pushes with V Z."""
+    np.testing.assert_allclose(ds.best_damping.values, np.abs(ds.port_impedance.values), rtol=1e-9)
+    matched = np.abs(ds.port_velocity * ds.port_impedance) ** 2 / (8 * ds.port_impedance.real)
+    np.testing.assert_allclose(ds.matched_power.values, matched.values, rtol=1e-9)
+
+
+def test_wave_frequencies_are_of_the_grid_and_a_response_made_again_is_the_same(small, ds, tmp_path):
+    (wave,) = small.study.waves
+    assert wave.omega in ds.omega.values
+    response.run(small.response, small.database_path, str(tmp_path / "again.nc"))
+    assert load(tmp_path / "again.nc").identical(ds)
+    assert set(ds.wet_design.values) == {"FSB", "VSWEC"}

@@ -1,0 +1,118 @@
+"""Command run: what goes to Snakemake, what never does, and how all of it ends."""
+
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import psutil
+import pytest
+from conftest import SEED, told
+from test_cli import written
+
+from vsb.cli import main
+from vsb.stages import run as launcher
+from vsb.study.plan import StudyPlan
+from vsb.study.study import load
+
+
+@pytest.mark.parametrize("cores", ["0", "-3", "x", "1.5", ""])
+def test_a_run_without_cores_would_wait_for_ever(workplace, capsys, cores):
+    with pytest.raises(SystemExit) as stop:
+        main(["run", written("study.yaml"), f"--cores={cores}"])
+    assert stop.value.code == 2
+    assert f"argument --cores/-c: received {cores}, needs a whole number above 0, or all" in capsys.readouterr().err
+
+
+def test_cores_go_to_snakemake(workplace, monkeypatch):
+    seen = []
+
+    monkeypatch.setattr(launcher, "finished", lambda command, **_: seen.append(command) or 0)
+    for options in (["-c", "2"], ["--cores", "all"], []):
+        assert main(["run", written("study.yaml"), *options, "-n"]) == 0
+    assert [command[command.index("none") + 1 :] for command in seen] == [
+        ["--cores", "2", "-n"],
+        ["--cores", "all", "-n"],
+        ["-n"],
+    ]
+
+
+@pytest.mark.parametrize("name", ["nowhere", "mine", "./nowhere"])
+def test_an_unknown_profile_is_one_line(workplace, capsys, name):
+    for folder in (Path("mine"), Path("profiles/mine")):  # of the current folder only if told so
+        folder.mkdir(parents=True)
+        (folder / "config.yaml").write_text("cores: 1")
+    line = told(["run", written("study.yaml"), "--profile", name], capsys)
+    assert line.startswith(f"--profile: received {name}, needs default, slurm, or the path of a folder of your own (./")
+    assert not Path("results").exists()
+
+
+def test_a_profile_of_the_users_own_is_named_by_its_path(workplace, monkeypatch):
+    seen = []
+    monkeypatch.setattr(launcher, "finished", lambda command, **_: seen.extend(command) or 0)
+    Path("mine").mkdir()
+    Path("mine/config.yaml").write_text("cores: 1")
+    assert main(["run", written("study.yaml"), "--profile", "./mine", "-n"]) == 0
+    assert seen[seen.index("--profile") + 1] == "mine"
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--frobnicate"], "unrecognized arguments: --frobnicate, of snakemake"),
+        (["--jobs", "many"], "Error parsing number of jobs (--jobs, -j): must be integer., of snakemake"),
+        (
+            ["nowhere"],
+            "target: received nowhere, needs one of all, compare, database, ",
+        ),
+    ],
+)
+def test_what_snakemake_would_answer_with_pages_is_one_line(workplace, capsys, options, message):
+    assert told(["run", written("study.yaml"), *options], capsys).startswith(message)
+    assert not Path("results").exists()
+
+
+@pytest.mark.parametrize(("number", "code"), [("TERM", 143), ("INT", 130), ("HUP", 129)])
+def test_a_command_told_to_end_ends_all_it_started(tmp_path, number, code):
+    """Its children too, which would go on for minutes and hold the lock."""
+    job = f"echo $$ > {tmp_path}/job; sleep 100; echo over"
+    program = (
+        "import signal, sys\nfrom vsb import cli\nfrom vsb.stages.run import finished\n"
+        "signal.signal(signal.SIGHUP, signal.SIG_DFL)\n"
+        f"command = ['bash', '-c', 'trap : TERM; ({job}) & wait; wait']\n"
+        "cli.run = lambda args: finished(command, None)\nsys.exit(cli.main(['run', 'study.yaml']))"
+    )
+    process = subprocess.Popen([sys.executable, "-c", program], stderr=subprocess.PIPE, text=True)
+    while not (tmp_path / "job").exists() or not (tmp_path / "job").read_text():
+        assert process.poll() is None
+    process.send_signal(getattr(signal, f"SIG{number}"))
+    _, told = process.communicate(timeout=20)
+    assert process.returncode == code
+    assert told.count("\n") == 1
+    assert "run the same command again" in told
+    children = [one for one in psutil.process_iter(["cmdline"]) if str(tmp_path) in " ".join(one.info["cmdline"] or [])]
+    assert children == []
+
+
+def test_what_is_stale_is_made_anew_beside_what_the_user_asks_for():
+    assert launcher._forced(["-n"], []) == ["-n"]
+    assert launcher._forced(["-n"], ["a.nc"]) == ["-n", "--forcerun", "a.nc"]
+    assert launcher._forced(["-R", "simulate", "-n"], ["a.nc"]) == ["-R", "a.nc", "simulate", "-n"]
+    assert launcher._forced(["--forcerun", "simulate"], ["a", "b"]) == ["--forcerun", "a", "b", "simulate"]
+
+
+def test_of_a_run_that_failed_the_rules_own_line_comes_last(workplace, capsys):
+    plan, logs = StudyPlan(load(SEED)), Path("results/logs")
+    assert launcher._failed(plan, 0.0) == 1
+    assert capsys.readouterr().err == "vsb: error: the run of 'seed' did not complete, see above\n"
+    logs.mkdir(parents=True)
+    (logs / "simulate.log").write_text("a step\nvsb: error: device.mass: too heavy\n")
+    assert launcher._failed(plan, 0.0) == 2
+    assert capsys.readouterr().err == "vsb: error: device.mass: too heavy\n"
+    assert launcher._failed(plan, (logs / "simulate.log").stat().st_mtime + 10.0) == 1  # of a run before
+
+
+def test_the_exit_code_of_a_command_is_returned_and_signals_are_heard_as_before():
+    before = [signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT)]
+    assert launcher.finished(["bash", "-c", "exit 3"], {}) == 3
+    assert [signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT)] == before

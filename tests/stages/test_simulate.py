@@ -1,0 +1,59 @@
+"""Rule simulate: a run in a file is that of its scene, with what a shell encloses."""
+
+import numpy as np
+import pytest
+from conftest import SMALL_PLAN, varied
+
+from vsb.integrators.exact import propagate
+from vsb.motion.system import System
+from vsb.scenes.build import linear_design
+from vsb.shell.deformed import DeformedShell, enclosed
+from vsb.stages import simulate
+from vsb.stages.stage import partial_study
+from vsb.study.plan import StudyPlan
+from vsb.tools.files import load
+
+(WAVE,) = SMALL_PLAN.study.waves
+
+
+def stored(plan, design):
+    return load(plan.trajectory_path(design, WAVE.label), expected=plan.trajectory_id(design, WAVE))
+
+
+@pytest.mark.parametrize("design", ["FSB", "VSWEC"])
+def test_the_motion_is_that_of_the_scene_from_its_start(small, design):
+    run = stored(small, design)
+    one = partial_study(small.simulation(design, WAVE))
+    scene = linear_design(one, small.hydro_files).scene
+    start = scene.start(one.simulation.initial_position, one.simulation.initial_velocity)
+    exact = propagate(System.of(scene), run.time.values, start).position @ scene.motions.T
+    np.testing.assert_allclose(run.position.values, exact[:, : run.sizes["dof"]], atol=1e-10)
+    assert run.attrs["status"] == "completed"
+    assert run.attrs["instants"] == run.sizes["time"]
+    assert run.attrs["energy_residual"] < 1e-9
+    assert run.attrs["steady_power"] > 0
+
+
+def test_volume_and_area_are_those_the_moving_shell_encloses(small):
+    rigid, shell = (stored(small, design) for design in ("FSB", "VSWEC"))
+    radius = small.study.device.radius
+    assert rigid.volume.values == pytest.approx(4 / 3 * np.pi * radius**3, rel=1e-9)
+    assert rigid.area.values == pytest.approx(4 * np.pi * radius**2, rel=1e-9)
+    one = partial_study(small.simulation("VSWEC", WAVE))
+    shape = linear_design(one, small.hydro_files).shape
+    volume, area = enclosed(shape.basis, shell.position.values)
+    np.testing.assert_allclose(shell.volume.values, volume)
+    np.testing.assert_allclose(shell.area.values, area)
+    assert np.ptp(shell.volume.values) > 0
+    moved = DeformedShell(shape.basis, shape.centre_height, shell.position.values[-1])
+    np.testing.assert_allclose(simulate.with_enclosed(shell, moved).volume.values, enclosed(
+        shape.basis, moved.amplitudes + shell.position.values)[0])  # fmt: skip
+
+
+def test_still_water_has_no_steady_power_and_clamps_hold(small, tmp_path):
+    plan = StudyPlan(varied(small.study, designs={"C": {"clamp": 0}}, waves=[{"kind": "still"}]))
+    (wave,) = plan.study.waves
+    simulate.run(plan.simulation("C", wave), str(tmp_path / "run.nc"), **small.hydro_files)
+    run = load(tmp_path / "run.nc", expected=plan.trajectory_id("C", wave))
+    assert "steady_power" not in run.attrs
+    assert run.attrs["constraint_drift"] < 1e-12

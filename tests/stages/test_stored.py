@@ -1,0 +1,57 @@
+"""Results of a study, each read when it is asked for and against its id."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import varied
+
+from vsb.errors import ConfigError, DatabaseError
+from vsb.stages.stored import Results
+
+
+@pytest.fixture
+def results(small):
+    return Results(small.study)
+
+
+def test_tables_have_a_row_for_every_design_and_sea(results):
+    assert [row["design"] for row in results.comparison] == ["FSB", "VSWEC"]
+    assert results.statistics == []
+    verdicts = [check["verdict"] for check in results.checks]
+    assert verdicts == sorted(verdicts, key=("fail", "accepted", "doubt", "ok").index)
+    assert {row["rung"] for row in results.ladder} >= {"fixed", "best_damper", "best_spring_damper", "matched"}
+    assert all(isinstance(row["power_mean"], float) for row in results.ladder)
+
+
+def test_a_port_is_the_responses_at_its_frequencies(results):
+    omega = results.response.omega.values[5:20]
+    for design in results.study.designs:
+        stored = results.response.sel(design=design, omega=omega)
+        port = results.port(design, omega)
+        np.testing.assert_allclose(port.impedance, stored.port_impedance.values, rtol=1e-12)
+        np.testing.assert_allclose(port.matched_power, stored.matched_power.values, rtol=1e-12)
+
+
+def test_a_scene_is_that_of_its_design_in_its_sea(results):
+    assert results.scene("VSWEC").scene.flexible
+    assert not results.scene("FSB").scene.flexible
+    assert results.trajectory("FSB").attrs["design"] == "FSB"
+    assert results.report == Path("results/small/report.html")
+
+
+def test_what_the_study_has_not_is_refused(results):
+    with pytest.raises(ConfigError, match=r"design: received 'none', needs one of FSB, VSWEC"):
+        results.trajectory("none")
+    with pytest.raises(ConfigError, match=r"wave: received 'none', needs one of regular_A0.179_T2.5"):
+        results.trajectory("FSB", "none")
+    dry = Results(varied(results.study, hydro={"model": "assumed_pressure", "pressure": 1800.0}))
+    with pytest.raises(ConfigError, match=r"hydro.model: received 'assumed_pressure', which has no frequency response"):
+        _ = dry.response
+
+
+def test_results_of_another_study_in_the_folder_are_refused(results):
+    other = Results(varied(results.study, pto={"damping": 5000.0}))
+    for name in ("comparison", "ladder", "response"):
+        with pytest.raises(DatabaseError, match=r"small/\w+.\w+: "):
+            getattr(other, name)
