@@ -116,3 +116,18 @@ def test_the_exit_code_of_a_command_is_returned_and_signals_are_heard_as_before(
     before = [signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT)]
     assert launcher.finished(["bash", "-c", "exit 3"], {}) == 3
     assert [signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT)] == before
+
+
+def test_an_interruption_while_the_command_begins_is_not_lost(monkeypatch):
+    """A moment in which it is ignored, so that what is started ignores it, must not swallow it."""
+    begun, popen = [], subprocess.Popen
+
+    def interrupted(*args, **options):
+        begun.append(popen(*args, **options))
+        signal.raise_signal(signal.SIGINT)
+        return begun[0]
+
+    monkeypatch.setattr(launcher.subprocess, "Popen", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        launcher.finished(["sleep", "100"], {"PATH": "/usr/bin:/bin"})
+    assert begun[0].returncode == -signal.SIGKILL

@@ -173,11 +173,13 @@ def finished(command: Sequence[str], env: Mapping[str, str], pass_fds: Sequence[
     """Return the exit code of a command; told to end, or interrupted, end all that it started before anything else."""
     heard = [number for number in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(number) != signal.SIG_IGN]
     before = {number: signal.signal(number, _told_to_end) for number in heard}
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # one that comes meanwhile waits
     interrupt = signal.signal(signal.SIGINT, signal.SIG_IGN)  # of it and its jobs: they are ended here, without a word
     try:
         process = subprocess.Popen(command, env=env, pass_fds=pass_fds)
         signal.signal(signal.SIGINT, interrupt)
         try:
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
             return process.wait()
         except BaseException:
             _end(process.pid)
@@ -185,6 +187,7 @@ def finished(command: Sequence[str], env: Mapping[str, str], pass_fds: Sequence[
             raise
     finally:
         signal.signal(signal.SIGINT, interrupt)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
         for number, handler in before.items():
             signal.signal(number, handler)
 
