@@ -27,6 +27,21 @@ OUTSIDE = {"benchmarks", "examples"}
 HEAVY = {"numpy", "scipy", "xarray", "capytaine", "matplotlib", "netCDF4"}
 
 
+AWAITED = {
+    "vsb.errors",
+    "vsb.report.campaign_figures",
+    "vsb.report.campaign_page",
+    "vsb.results.campaign",
+    "vsb.results.member",
+    "vsb.scenes.ports",
+    "vsb.scenes.viability",
+    "vsb.stages.answer",
+    "vsb.stages.campaign",
+    "vsb.stages.climate",
+    "vsb.study.canonical",
+    "vsb.study.froude",
+}
+"""Modules tested through others alone: this set may only shrink."""
 NAMED = ast.Name | ast.Attribute
 FORCES = {"Force"} | {
     node.name
@@ -102,6 +117,11 @@ def functions(tree):
     return [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
 
 
+def asks_for_tests(tree):
+    """Whether a module does something."""
+    return any(isinstance(node, ast.FunctionDef) for node in ast.walk(tree))
+
+
 def body_lines(function):
     """Lines of a function without its signature and docstring."""
     body = function.body[1:] if ast.get_docstring(function) else function.body
@@ -117,6 +137,25 @@ def test_a_room_imports_only_from_rooms_before_it(name):
     own = name.split(".")[1]
     after = rooms(TREES[name]) - set(ROOMS[: ROOMS.index(own) + 1])
     assert not after, f"{name} imports from {sorted(after)}, which come after {own}"
+
+
+@pytest.mark.parametrize("name", PACKAGE)
+def test_every_module_that_does_something_has_tests_of_its_name(name):
+    """One without a function, such as `vsb.motion.motion`, names things that other modules' tests meet."""
+    room, _, module = name.removeprefix("vsb.").rpartition(".")
+    own = HOME / "tests" / room.replace(".", "/") / f"test_{module}.py"
+    excused = name in AWAITED or not asks_for_tests(TREES[name])
+    assert own.is_file() or excused, f"{name} has functions, but there is no {own.relative_to(HOME)}"
+
+
+def test_modules_whose_tests_are_awaited_are_there():
+    assert set(PACKAGE) >= AWAITED
+
+
+def test_the_checker_sees_what_asks_for_tests():
+    assert asks_for_tests(ast.parse("def f():\n    return 1"))
+    assert asks_for_tests(ast.parse("class A:\n    @property\n    def x(self):\n        return 1"))
+    assert not asks_for_tests(ast.parse("class E(Exception):\n    'why'\nX: int = 1"))
 
 
 def test_modules_import_each_other_in_no_circle():

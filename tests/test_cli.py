@@ -98,22 +98,6 @@ def test_all_mistakes_of_a_file_are_told_each_in_a_line(workplace, capsys):
     assert "waves.0 regular_A0.1_T0.1: the wave is too short" in short
 
 
-def test_completion_offers_commands_options_choices_and_files(workplace, capsys):
-    assert main(["completion", "bash"]) == 0
-    Path("completion.sh").write_text(capsys.readouterr().out)
-
-    def offered(*words):
-        line = f"COMP_WORDS=({' '.join(['vsb', *words])}); COMP_CWORD={len(words)}"
-        ask = f'source completion.sh; {line}; _vsb; echo "${{COMPREPLY[@]}}"'
-        return subprocess.run(["bash", "-c", ask], capture_output=True, text=True, check=True).stdout.split()
-
-    assert offered("che") == ["check"]
-    assert offered("sim") == []  # rules are for the workflow
-    assert offered("run", "--p") == ["--profile"]
-    assert offered("schema", "bo") == ["body"]
-    assert offered("check", "fi") == ["file"]
-
-
 def test_interruption_says_how_to_go_on(monkeypatch, capsys):
     def interrupted(path):
         raise KeyboardInterrupt

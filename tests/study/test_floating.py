@@ -5,9 +5,12 @@ import math
 import pytest
 import yaml
 from conftest import SEED
+from hypothesis import given
+from hypothesis import strategies as st
 
 import vsb
 from vsb.errors import ConfigError
+from vsb.study.floating import cap_volume, floating_height
 from vsb.study.study import canonical, load, parse
 
 
@@ -75,3 +78,18 @@ def test_the_mass_is_that_of_the_water_displaced(raw, draft):
 def test_a_draft_that_makes_no_sense_is_one_line(raw, device, wrong):
     with pytest.raises(ConfigError, match=wrong):
         parse(raw | {"device": without(raw["device"], "mass") | device, "hydro": {"omega_max": "auto"}})
+
+
+def test_caps_are_nothing_half_and_all_of_the_sphere():
+    assert cap_volume(2.0, 0.0) == 0.0
+    assert cap_volume(2.0, 1.0) == pytest.approx(2 / 3 * math.pi * 8)
+    assert cap_volume(2.0, 2.0) == pytest.approx(4 / 3 * math.pi * 8)
+
+
+@given(st.floats(0.01, 100.0), st.floats(0.01, 1.99))
+def test_the_cap_under_water_has_the_volume_asked_for(radius, height):
+    """Its height in radii and what is left of the sphere above are one radius apart."""
+    centre = floating_height(radius, cap_volume(radius, height))
+    assert centre == pytest.approx(radius * (1 - height), abs=1e-7 * radius)
+    below = cap_volume(radius, height) + cap_volume(radius, 2 - height)
+    assert below == pytest.approx(4 / 3 * math.pi * radius**3, rel=1e-12)

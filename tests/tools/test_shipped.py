@@ -37,6 +37,7 @@ def test_a_wheel_holds_every_file(installed):
     names = [path.relative_to(CHECKOUT) for path in shipped if "__pycache__" not in path.parts]
     inside = [name if name.parts[0] == "vsb" else "vsb" / name for name in names]
     assert len(inside) > 120
+    assert {Path("vsb/py.typed"), Path("vsb/__init__.pyi")} <= set(inside)
     assert [name for name in inside if not (installed / name).is_file()] == []
     assert {path.name for path in installed.iterdir() if path.is_dir() and "dist-info" not in path.name} == {"vsb"}
 

@@ -165,10 +165,7 @@ def open_database(path: str | Path) -> xr.Dataset:
     DatabaseError
         If the file is unreadable, or no hydro database.
     """
-    ds = load(path)
-    if "separate_sweep" not in ds.attrs:
-        raise DatabaseError(f"{path}: holds no hydro database; needs one of results/hydro/db, or an imported one.")
-    return _sweep(ds, path)
+    return _sweep(load(path), path)
 
 
 def load_database(path: str | Path, expected_id: str) -> xr.Dataset:
@@ -190,6 +187,8 @@ def load_database(path: str | Path, expected_id: str) -> xr.Dataset:
 
 def _sweep(ds: xr.Dataset, path: str | Path) -> xr.Dataset:
     """The frequency sweep of a file: in a group of its own if other frequencies are tabulated."""
+    if "separate_sweep" not in ds.attrs:
+        raise DatabaseError(f"{path}: holds no hydro database; needs one of results/hydro/db, or an imported one.")
     if not ds.attrs["separate_sweep"]:
         return ds
     constant = [name for name in ds.data_vars if "omega" not in ds[name].dims]

@@ -6,7 +6,6 @@ import xarray as xr
 
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro.formats.foreign import BEMIO_WORDS, WAMIT_WORDS, causes, foreign_checks, sizes
-from vsb.hydro.formats.haskind import fitting_depth
 from vsb.hydro.quality import kinks
 from vsb.tools import units
 from vsb.waves.seas import group_velocity, wavenumber
@@ -374,12 +373,6 @@ def test_a_wrong_depth_is_seen_and_the_right_one_told(true, given, told):
     else:
         metres = float(found.explanation.rpartition("; ")[2].removesuffix(" m would fit"))
         assert metres == pytest.approx(told, rel=0.1)
-
-
-def test_no_depth_is_told_where_none_would_fit():
-    omega = np.array([0.3, 0.5])
-    assert fitting_depth(np.array([3.0, 0.2]), omega, np.inf, G) is None
-    assert fitting_depth(np.ones(2), omega, np.inf, G) == np.inf
 
 
 def test_identities_of_axisymmetric_motions_only_where_they_hold():

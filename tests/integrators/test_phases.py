@@ -1,0 +1,63 @@
+"""One regime of a switching take-off: exact over any span, with a port that is held at rest there."""
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from vsb.integrators.phases import Phase
+from vsb.motion.forces import Damper, Excitation, Spring
+from vsb.motion.scene import Scene
+from vsb.motion.system import System
+
+PORT = np.array([1.0, 0.5])
+
+
+@pytest.fixture(scope="module")
+def system():
+    """Two masses, coupled, in a regular wave, without take-off."""
+    forces = {
+        "hydrostatic": Spring(np.array([[50.0, -10.0], [-10.0, 30.0]])),
+        "structural_damping": Damper(np.diag([0.4, 0.2])),
+        "excitation": Excitation(np.array([1.5]), np.array([[3.0 - 1.0j, 0.5j]])),
+    }
+    return System.of(Scene(("Heave", "Membrane0"), np.diag([2.0, 1.0]), forces, np.eye(2)))
+
+
+def phase(system, held=False, **law):
+    return Phase(system, system.shapes.T @ PORT, law.get("damping", 0.0), law.get("stiffness", 0.0), held, 0.1)
+
+
+def test_damper_and_spring_at_the_port_are_those_of_the_scene_with_them(system):
+    with_both = dict(system.scene.forces)
+    with_both["hydrostatic"] = Spring(with_both["hydrostatic"].stiffness + 7.0 * np.outer(PORT, PORT))
+    with_both["pto"] = Damper(4.0 * np.outer(PORT, PORT))
+    whole = System.of(Scene(system.scene.labels, system.scene.mass, with_both, np.eye(2)))
+    ours = np.linalg.eigvals(phase(system, damping=4.0, stiffness=7.0).matrix[:-1, :-1])
+    np.testing.assert_allclose(np.sort_complex(ours), np.sort_complex(np.linalg.eigvals(whole.matrix)), rtol=1e-10)
+
+
+def test_a_port_that_is_held_does_not_move_whatever_pushes(system):
+    held = phase(system, held=True)
+    velocity = held.signals[1]
+    np.testing.assert_allclose(velocity @ held.matrix, 0.0, atol=1e-12)
+    np.testing.assert_allclose(velocity[:-1] @ held.swing.T, 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("span", [0.1, 0.037, 1e-7])
+def test_a_transient_is_followed_exactly_over_any_part_of_a_step(system, span):
+    one, state = phase(system, damping=4.0), np.array([0.2, -0.1, 0.5, 0.3, 1.0])
+    np.testing.assert_allclose(one.later(state, span), expm(span * one.matrix) @ state, rtol=1e-12, atol=1e-14)
+
+
+def test_states_are_transients_about_the_swing_of_the_wave(system):
+    one, time = phase(system, damping=4.0), np.array([0.0, 0.1, 0.2])
+    states = np.arange(15.0).reshape(3, 5)
+    transients = np.array([one.transient(t, state) for t, state in zip(time, states, strict=True)])
+    np.testing.assert_allclose(one.states(time, transients), states, atol=1e-12)
+    assert (transients[:, -1] == states[:, -1]).all()  # the constant force is no swing
+
+
+def test_what_is_known_ahead_are_powers_of_a_step(system):
+    one = phase(system)
+    for m in (1, 2, 7):
+        np.testing.assert_allclose(one.ahead[m - 1], expm(m * one.step * one.matrix), atol=1e-11)

@@ -1,0 +1,60 @@
+"""A scene: sums of its forces in the motions it allows, its start, and losses by who takes them."""
+
+import numpy as np
+import pytest
+
+from vsb.motion.forces import ConstantForce, Damper, Excitation, Spring
+from vsb.motion.scene import Scene
+
+STIFFNESS, MORE, DAMPING = np.diag([3.0, 5.0]), np.array([[1.0, 0.5], [0.5, 2.0]]), np.array([[2.0, 0.0], [0.0, 1.0]])
+
+
+def scene(motions=None, **more):
+    forces = {
+        "hydrostatic": Spring(STIFFNESS),
+        "elastic": Spring(MORE),
+        "structural_damping": Damper(0.1 * DAMPING),
+        "pto": Damper(np.diag([4.0, 0.0])),
+        "weight": ConstantForce(np.array([7.0, -1.0])),
+    }
+    return Scene(("Heave", "Membrane0"), np.eye(2), forces, np.eye(2) if motions is None else motions, **more)
+
+
+def test_matrices_are_sums_over_forces_in_the_allowed_motions():
+    along = np.array([[1.0], [2.0]])
+    one = scene(along)
+    np.testing.assert_allclose(one.stiffness, along.T @ (STIFFNESS + MORE) @ along)
+    np.testing.assert_allclose(one.damping, along.T @ (0.1 * DAMPING + np.diag([4.0, 0.0])) @ along)
+    np.testing.assert_array_equal(one.constant, [7.0, -1.0])
+    assert one.memory is one.excitation is one.water is None
+
+
+def test_it_is_flexible_if_an_allowed_motion_deforms_the_shell():
+    assert scene().flexible
+    assert not scene(np.array([[1.0], [0.0]])).flexible
+
+
+def test_the_start_is_heave_from_where_it_rests():
+    y, rate = scene(origin=np.array([0.1, 0.2])).start(0.5, -0.8)
+    assert (y.tolist(), rate.tolist()) == (pytest.approx([0.6, 0.2]), [-0.8, 0.0])
+    assert scene().start(0.5, 0.0)[0].tolist() == [0.5, 0.0]
+    assert scene().rest.tolist() == [0.0, 0.0]
+    assert scene(origin=np.array([0.1, 0.2])).rest.tolist() == [0.1, 0.2]
+
+
+def test_losses_are_of_the_take_off_it_names_and_of_all_others():
+    v = np.array([[1.0, 2.0], [0.0, 3.0]])
+    taken, lost = scene().lost(v)
+    np.testing.assert_allclose(taken, [4.0, 0.0])
+    np.testing.assert_allclose(lost, [0.1 * (2.0 + 4.0), 0.1 * 9.0])
+    other, rest = scene(take_off="structural_damping").lost(v)
+    np.testing.assert_allclose((other, rest), (lost, taken))
+
+
+def test_a_share_of_the_waves_leaves_all_other_forces():
+    wave = Excitation(np.array([1.0]), np.array([[2.0 + 1.0j, 0.0]]))
+    one = Scene(("Heave", "Membrane0"), np.eye(2), {**scene().forces, "excitation": wave}, np.eye(2))
+    half = one.raised(0.5)
+    np.testing.assert_allclose(half.excitation.phasors, 0.5 * wave.phasors)
+    np.testing.assert_array_equal(half.stiffness, one.stiffness)
+    assert one.excitation is wave

@@ -1,0 +1,66 @@
+"""Figures of the shell: closed outlines in their place, magnified by a round factor."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from vsb.report import shell_figures as figures
+from vsb.report.canvas import StudyData
+
+PHI = np.linspace(0.0, np.pi, 19)
+TIME = np.linspace(0.0, 10.0, 101)
+
+
+def run(breathing, heave=0.0):
+    """A buoy that heaves and breathes in a period of 5 s; a rigid one has heave alone."""
+    labels = ["Heave", "Membrane0"] if breathing else ["Heave"]
+    motion = np.sin(2 * np.pi * TIME / 5.0)[:, None] * np.array([heave, breathing])[: len(labels)]
+    variables = {"position": (("time", "dof"), motion), "volume": ("time", 33.5 + 0 * TIME)}
+    variables |= {"area": ("time", 50.3 + 0 * TIME), "elevation": ("time", 0.1 * np.cos(TIME))}
+    return xr.Dataset(variables, coords={"time": TIME, "dof": labels})
+
+
+def data(breathing=0.01):
+    shape = np.ones((1, len(PHI)))
+    modes = xr.Dataset(
+        {"radial": (("mode", "colatitude"), shape), "meridional": (("mode", "colatitude"), 0 * shape),
+         "degree": ("mode", [0]), "dry_frequency": ("mode", [51.4]), "static_amplitude": ("mode", [0.0])},
+        coords={"mode": ["Membrane0"], "colatitude": PHI}, attrs={"radius": 2.0, "centre_height": 0.0},
+    )  # fmt: skip
+    empty = xr.Dataset()
+    runs = {("FSB", "w"): run(0.0, 0.2), ("VSWEC", "w"): run(breathing, 0.2)}
+    return StudyData(("FSB", "VSWEC"), "FSB", (1.0,), {"w": 5.0}, (0.0, 10.0), modes, empty, empty, empty, runs, empty)
+
+
+@pytest.mark.parametrize(("breathing", "factor"), [(0.01, 20.0), (0.05, 5.0), (0.4, 1.0), (3.0, 1.0)])
+def test_the_largest_displacement_is_magnified_to_a_fifth_of_the_radius_by_a_round_factor(breathing, factor):
+    assert figures._magnification(data(breathing), "w") == factor
+
+
+def test_five_instants_of_the_last_period_of_every_design():
+    figure = figures.snapshots(data(), "w")
+    assert len(figure.axes) == 10
+    assert [ax.get_title() for ax in figure.axes[:5]] == [f"t = {t:.2f} s" for t in (5.0, 6.0, 7.0, 8.0, 9.0)]
+    outline = figure.axes[6].get_lines()[-1]
+    x, z = outline.get_xdata(), outline.get_ydata()
+    swell = 20.0 * 0.01 * np.sin(2 * np.pi * 6.0 / 5.0)
+    centre = 0.2 * np.sin(2 * np.pi * 6.0 / 5.0)
+    np.testing.assert_allclose(np.hypot(x, z - centre), 2.0 + swell, rtol=1e-9)
+
+
+def test_modes_are_drawn_about_the_sphere_and_a_rigid_study_says_it_has_none():
+    figure = figures.mode_shapes(data())
+    assert figure.axes[0].get_title().startswith("Membrane0\n51.40 rad/s")
+    x, z = figure.axes[0].get_lines()[1].get_data()
+    np.testing.assert_allclose(np.hypot(x, z), 1.25, rtol=1e-9)
+
+
+def test_shapes_are_extreme_where_the_poles_are_closest():
+    figure = figures.extreme_shapes(data(), "w")
+    rigid, shell = (line.get_data() for line in figure.axes[0].get_lines())
+    np.testing.assert_allclose(np.hypot(*rigid), 2.0, rtol=1e-9)
+    np.testing.assert_allclose(np.hypot(*shell), 2.0 - 20.0 * 0.01, rtol=1e-2)
+    assert [ax.get_title().split("\n")[0] for ax in figures.shapes_3d(data(), "w").axes] == [
+        "start", "least height", "greatest height"
+    ]  # fmt: skip
+    assert len(figures.volume_area(data(), "w").axes) == 2

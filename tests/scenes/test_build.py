@@ -1,0 +1,49 @@
+"""The scene of one design in one sea, from the files of a finished study, by its model."""
+
+import numpy as np
+import pytest
+from conftest import varied
+
+from vsb.errors import DatabaseError
+from vsb.scenes.build import SCENES, linear_buoy
+from vsb.shell.modes import design_motions
+from vsb.stages.stage import partial_study
+from vsb.study.plan import StudyPlan
+
+
+def built(plan, design, **changes):
+    study = varied(plan.study, **changes)
+    one = partial_study(StudyPlan(study).simulation(design, study.waves[0]))
+    return SCENES[one.hydro.model](one, dict(plan.hydro_files))
+
+
+@pytest.mark.parametrize("design", ["FSB", "VSWEC"])
+@pytest.mark.parametrize("model", ["linear", "body_exact"])
+def test_a_scene_moves_as_its_design_may_in_its_sea(small, design, model):
+    found = built(small, design, hydro={"model": model})
+    _, basis = linear_buoy(small.study, small.database_path)
+    np.testing.assert_array_equal(found.scene.motions, design_motions(small.study, basis, design))
+    assert found.scene.flexible == small.study.designs[design].flexible
+    assert found.scene.linear["pto"].damping[0, 0] == small.study.pto.damping
+    assert found.sea.omega.tolist() == [small.study.waves[0].omega]
+    assert found.notes["model"] == model
+    assert (found.scene.water is not None) == (model == "body_exact")
+    assert found.system.free == found.scene.motions.shape[1]
+    assert found.spectrum.kernel(np.array([0.0])).shape == (1, len(basis.labels), len(basis.labels))
+
+
+def test_without_bem_there_is_no_sea_and_no_radiation(small):
+    found = built(small, "VSWEC", hydro={"model": "assumed_pressure", "pressure": 1800.0, "omega_max": 12.0})
+    assert found.spectrum is None
+    assert found.scene.memory is None
+    assert found.sea.omega.size == 0
+    assert found.scene.water.assumed.amplitude == 1800.0
+
+
+def test_files_of_another_study_are_refused(small):
+    one = partial_study(small.simulation("FSB", small.study.waves[0]))
+    swapped = {"database": small.radiation_path, "radiation": small.database_path}
+    with pytest.raises(
+        DatabaseError, match=r"radiation/\w+.nc: holds no hydro database; needs one of results/hydro/db"
+    ):
+        SCENES["linear"](one, swapped)

@@ -1,0 +1,31 @@
+"""The shell a study is linearised about: amplitudes counted from the sphere, stiffness by name."""
+
+import numpy as np
+import pytest
+
+from vsb.shell.deformed import DeformedShell
+from vsb.shell.modes import study_basis
+from vsb.shell.rest import ReferenceShell
+
+
+def test_an_undeformed_shell_has_amplitudes_of_zero_and_a_deformed_one_its_own(seed):
+    basis = study_basis(seed)
+    size = len(basis.labels)
+    assert ReferenceShell(DeformedShell(basis, 0.0), {}).amplitudes.tolist() == [0.0] * size
+    moved = np.linspace(0.0, 0.1, size)
+    reference = ReferenceShell(DeformedShell(basis, 0.0, moved), {})
+    assert reference.amplitudes is moved
+    assert reference.basis is basis
+
+
+def test_the_total_is_the_sum_of_what_there_is(seed):
+    parts = {"structural": np.diag([0.0, 2.0]), "hydrostatic": np.array([[1.0, 0.5], [0.5, 3.0]]), "gas": np.eye(2)}
+    reference = ReferenceShell(DeformedShell(study_basis(seed), 0.0), parts)
+    np.testing.assert_array_equal(reference.total, [[2.0, 0.5], [0.5, 6.0]])
+
+
+@pytest.mark.parametrize("heave", [0.0, -0.3])
+def test_the_keel_is_a_radius_below_the_centre(seed, heave):
+    basis = study_basis(seed)
+    shape = DeformedShell(basis, 0.4, heave * np.eye(len(basis.labels))[0])
+    assert ReferenceShell(shape, {}).keel_depth == pytest.approx(2.0 - 0.4 - heave)
