@@ -278,6 +278,8 @@ def test_deep_water_without_rows_needs_no_panels(folder, tabulated):
 
 def held(lock):
     """Whether a process holds a lock."""
+    if not lock.exists():
+        return False
     with lock.open() as handle:
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
