@@ -148,7 +148,7 @@ def test_a_study_follows_them_by_the_same_door_in_legs(seed):
     one = scene(seed, 0, *LAWS["latching"])
     setting = Simulation(duration=6.0, window=(3.0, 6.0), initial_position=0.1, initial_velocity=0.2)
     whole, stride, method = simulate(System.of(one), NO_WAVES, setting, None)
-    assert method.startswith("exact propagation between switches, ")
+    assert method.startswith("exponential collocation between switches, ")
     parts = list(legs(System.of(one), NO_WAVES, setting, None, longest=60))
     assert len(parts) > 2
     position = np.concatenate([part.motion.position[bool(i) :: part.stride] for i, part in enumerate(parts)])

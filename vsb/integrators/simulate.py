@@ -23,6 +23,7 @@ from vsb.tools.units import FloatArray
 from vsb.waves.seas import Sea
 
 EXACT = "exact propagation"
+WET_SWITCHING = "exponential collocation between switches"
 CONVOLVED = 1e-4
 """Energy residual of a convolution: its motion is of second order, and so is what it loses."""
 FEWEST_IN_WINDOW = 4
@@ -111,7 +112,8 @@ def legs(
     enough = max(settings.tolerance, CONVOLVED if convolved else ROUND_OFF)
     suited = "exact" if system.linear else "switching" if system.switching else "exponential"
     name = {"auto": suited}.get(settings.method, settings.method)
-    method, follow = METHODS[name].words, METHODS[name].follower(system, settings.tolerance, spectrum)
+    follow = METHODS[name].follower(system, settings.tolerance, spectrum)
+    method = WET_SWITCHING if name == "switching" and system.scene.water else METHODS[name].words
     start: tuple[FloatArray, ...] = system.scene.start(settings.initial_position, settings.initial_velocity)
     done, stride, balance, found = 0, 1, START, [np.inf, np.inf]
     while done < count:
