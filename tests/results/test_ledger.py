@@ -126,6 +126,8 @@ def test_leaving_the_bending_modes_out_is_reported(buoy_of, coarse):
     assert checks[0].verdict == "fail"
     assert "with modes.basis: full" in checks[0].explanation
     assert ledger.bending_checks(varied(coarse, modes={"basis": "full"}), buoy_of(coarse).database, runs) == []
+    rigid = varied(coarse, designs={"FSB": {"flexible": False}})
+    assert ledger.bending_checks(rigid, buoy_of(coarse).database, runs) == []
 
 
 def run_with(**attrs):

@@ -237,7 +237,7 @@ def with_full_basis(database: xr.Dataset, study: Study) -> tuple[xr.Dataset, Mod
 
 def bending_checks(study: Study, database: xr.Dataset, runs: Attributes) -> list[Check]:
     """Return by how much the bending modes, where the basis leaves them out, would change the absorbed power."""
-    if study.pto.idle or study.modes.basis == "full" or study.modes.degree < 2:
+    if not study.flexible or study.pto.idle or study.modes.basis == "full" or study.modes.degree < 2:
         return []
     if study.at_equilibrium:  # bending modes move other water there: only BEM can tell
         return []
