@@ -80,7 +80,7 @@ def _first_within(fit: Callable[..., StateSpace], omega: FloatArray, k: ComplexA
 
 
 METHODS = {"passive": passive, "vector fit": vector_fitted, "entry by entry": entry_by_entry}
-CASES = {
+CASES: dict[str, Callable[[], RadiationSamples]] = {
     "smooth": lambda: smooth(6),
     "with noise 1e-3": lambda: smooth(6, noise=1e-3),
     "band ends early": lambda: smooth(6, last=4.0),
@@ -98,8 +98,8 @@ def measured(case: str, samples: RadiationSamples, method: str, tolerance: float
         return row | {"status": " ".join(str(error).split())}
     row["seconds"] = time.perf_counter() - begun
     least = least_damping(system)
-    error = entry_error(system.transfer(samples.omega) - samples.transfer)
-    return row | {"order": len(system.state_matrix), "error": error, "least_damping": least.value, "at": least.omega}
+    missed = entry_error(system.transfer(samples.omega) - samples.transfer)
+    return row | {"order": len(system.state_matrix), "error": missed, "least_damping": least.value, "at": least.omega}
 
 
 def benchmark(folder: str | Path) -> list[dict[str, Any]]:

@@ -138,7 +138,9 @@ def scene_of_design(study: Study, design: str) -> Scene:
     wave, basis, water = regular_wave(study), study_basis(study), study.water
     shell, load = DeformedShell(basis, study.centre_height), AssumedPressure(study.hydro.pressure or 0.0, wave.omega)
     motions = design_motions(study, basis, design)
-    return assumed_pressure_scene(shell, LinearPto(study.pto.damping), load, water.density, water.gravity, motions)
+    return assumed_pressure_scene(
+        shell, LinearPto(study.pto.damper(design) or 0.0), load, water.density, water.gravity, motions
+    )
 
 
 def typical_state(scene: Scene) -> FloatArray:

@@ -44,14 +44,14 @@ from benchmarks.time_cases import (
     varied,
 )
 from vsb.errors import ConfigError, VsbError
-from vsb.hydro.statespace import fit_order
+from vsb.hydro.statespace import fit_order, truncated
 from vsb.integrators.exact import propagate
 from vsb.integrators.exponential import integrate
 from vsb.integrators.harmonic_balance import steady_power
 from vsb.integrators.simulate import EXACT
 from vsb.motion.system import System
 from vsb.report.canvas import grid_of_axes, legend_above
-from vsb.scenes.automatic import absorbed, truncated
+from vsb.scenes.automatic import absorbed
 from vsb.study.study import Study
 from vsb.tools.files import write_text
 
