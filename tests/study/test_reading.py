@@ -1,5 +1,7 @@
 """Reading of files: what is none is one line."""
 
+from itertools import pairwise
+
 import pytest
 from study.test_sections import changed
 
@@ -20,6 +22,12 @@ from vsb.study import study as config
         pytest.param("? [a, b]\n: 1\n", "not valid YAML"),
         pytest.param("? {a: 1}\n: 1\n", "not valid YAML"),
         pytest.param("a: 2020-99-99\n", "not valid YAML"),
+        pytest.param(
+            "a: &a [0, 0, 0, 0]\n"
+            + "".join(f"{k}: &{k} [{', '.join(9 * [f'*{j}'])}]\n" for j, k in pairwise("abcdefgh")),
+            "aliases stand for more than 100000 values",
+        ),
+        pytest.param("study: me\ndevice: &d {radius: 2.0, more: *d}", "aliases stand for more than 100000 values"),
         pytest.param("a: " + 5000 * "[" + 5000 * "]", r"not valid YAML \(nested too deeply\); give a study file"),
     ],
 )

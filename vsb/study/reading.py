@@ -39,6 +39,8 @@ LONGEST = 80
 """Characters of a value that are repeated."""
 DIGITS = 4300
 """Digits of an integer, more of which Python does not print."""
+MOST_NODES = 100_000
+"""Values of a file with its aliases written out; a few lines of aliases within aliases stand for any number."""
 
 
 class Located(dict[str, Any]):
@@ -99,10 +101,21 @@ def _loaded(text: str) -> object:
     loader = _UniqueKeyLoader(text)
     try:
         node = loader.get_single_node()
+        if node is not None and _written_out(node, {}) > MOST_NODES:
+            raise ValueError(f"its aliases stand for more than {MOST_NODES} values")
         data = None if node is None else loader.construct_document(node)
         return Located(data, node) if isinstance(node, yaml.MappingNode) and isinstance(data, dict) else data
     finally:
         loader.dispose()
+
+
+def _written_out(node: yaml.Node, known: dict[int, float]) -> float:
+    """How many values a node stands for with its aliases written out; infinitely many of one that holds itself."""
+    if id(node) not in known:
+        known[id(node)] = float("inf")
+        parts = (part for pair in node.value for part in (pair if isinstance(pair, tuple) else (pair,)))
+        known[id(node)] = 1 + sum(_written_out(part, known) for part in parts if isinstance(part, yaml.Node))
+    return known[id(node)]
 
 
 def _yaml_words(error: Exception) -> tuple[str, str]:
