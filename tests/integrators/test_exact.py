@@ -139,7 +139,7 @@ class TestOfTheSeed:
         )
         wave = study.waves[0]
         waves = sea(wave, study.hydro.omega_max, 60.0)
-        plant = self.plant(buoy_of, radiation_of, study, design, waves)
+        plant = self.scene(buoy_of, radiation_of, study, design, waves)
         buoy = buoy_of(study)
         expected = 0.04 * buoy.absorbed_power(waves.omega, buoy.rao(waves.omega, plant.motions))[0]
         for method in ("exact", "convolution"):
@@ -153,7 +153,7 @@ class TestOfTheSeed:
     @pytest.mark.parametrize("design", ["FSB", "VSWEC", "VSWEC90"])
     def test_energy_balance_closes(self, buoy_of, radiation_of, coarse, design):
         waves = sea(coarse.waves[0], coarse.hydro.omega_max, 60.0)
-        plant = self.plant(buoy_of, radiation_of, coarse, design, waves)
+        plant = self.scene(buoy_of, radiation_of, coarse, design, waves)
         motion, stride, _ = simulate(System.of(plant), waves, coarse.simulation, buoy_of(coarse).spectrum)
         energy = energies(System.of(plant), motion)
         assert residual(energy) < 1e-6
@@ -164,14 +164,14 @@ class TestOfTheSeed:
 
     def test_audit_sees_a_lost_force(self, buoy_of, radiation_of, coarse):
         waves = sea(coarse.waves[0], coarse.hydro.omega_max, 60.0)
-        plant = self.plant(buoy_of, radiation_of, coarse, "FSB", waves)
+        plant = self.scene(buoy_of, radiation_of, coarse, "FSB", waves)
         motion, _, _ = simulate(System.of(plant), waves, coarse.simulation, buoy_of(coarse).spectrum)
         fewer = {name: force for name, force in plant.forces.items() if name != "pto"}
         assert residual(energies(System.of(Scene(plant.labels, plant.mass, fewer, plant.motions)), motion)) > 0.01
 
     def test_clamp_holds_to_round_off(self, buoy_of, radiation_of, coarse):
         waves = sea(coarse.waves[0], coarse.hydro.omega_max, 60.0)
-        plant = self.plant(buoy_of, radiation_of, coarse, "VSWEC90", waves)
+        plant = self.scene(buoy_of, radiation_of, coarse, "VSWEC90", waves)
         motion, _, _ = simulate(System.of(plant), waves, coarse.simulation, buoy_of(coarse).spectrum)
         rows = study_basis(coarse).clamp_rows([np.pi / 2])
         assert np.abs(rows @ plant.motions @ motion.position.T).max() < 1e-13
@@ -181,7 +181,7 @@ class TestOfTheSeed:
         study = varied(coarse, waves=[{"kind": "jonswap", "hs": 1.0, "tp": 4.0}])
         short = sea(study.waves[0], study.hydro.omega_max, 200.0)
         width = short.omega[1] - short.omega[0]
-        plant = self.plant(buoy_of, radiation_of, study, "VSWEC", short)
+        plant = self.scene(buoy_of, radiation_of, study, "VSWEC", short)
         buoy = buoy_of(study)
         period = 2 * np.pi / width
         time = np.linspace(0.0, 2 * period, 40_001)

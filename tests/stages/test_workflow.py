@@ -379,7 +379,7 @@ def test_bad_input_ends_with_two_and_one_line(folder):
         wrong = run(folder, write(folder, raw), command=command)
         assert wrong.returncode == 2
         assert wrong.stderr.count("\n") == 1
-        assert "bad.yaml: device.thickness: received -1;" in wrong.stderr
+        assert "bad.yaml:14: device.thickness: received -1;" in wrong.stderr
         assert not (folder / "results" / "bad").exists()
 
 
