@@ -211,6 +211,18 @@ def test_no_step_enters_but_the_lookout_and_that_not_either():
         assert events[0] == pytest.approx(events[1], abs=1e-9)
 
 
+@pytest.mark.parametrize("part", [0, 1, 38, 39])
+def test_friction_that_lets_go_does_so_once(part):
+    """It begins without velocity and acceleration: round-off alone made it turn round, and stick again, at once."""
+    law, stop = LAWS["coulomb"]
+    start = tuple(value * (1 + part * 1e-13) for value in START)
+    whole = Switching(oscillator(law, stop))
+    track, _ = whole.track(TIME, whole.system.first(start), 2 * whole.finer(TIME[1]))
+    events = np.concatenate(track.times)[~np.concatenate(track.regular)]
+    assert len(events) == 13
+    assert np.diff(events).min() > 0.3
+
+
 def test_two_switches_between_instants_of_the_lookout_are_seen(monkeypatch):
     """Spans of more than half a radian of the buoy's own motion: a limit met and left between two instants."""
     system, time = oscillator(*LAWS["saturated"]), np.linspace(0.0, 12.0, 97)

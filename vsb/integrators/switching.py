@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 
 from vsb.errors import ConvergenceError
 from vsb.integrators.phases import Phase, Signals, felt_rate
-from vsb.integrators.track import Mode, Track, dips
+from vsb.integrators.track import SOON, Mode, Track, dips
 from vsb.integrators.wet_phases import WetPhase
 from vsb.integrators.works import TERMS, Load, Piece, account
 from vsb.motion.motion import Motion
@@ -29,8 +29,6 @@ RESOLVED = 0.25
 FINEST = 10  # halvings of a recorded step
 MOST_EVENTS = 1000
 """In one recorded step, before a run is given up."""
-SOON = 2.0**-20
-"""Part of a span after which a guard that has just vanished shows, above round-off, which way it goes."""
 
 
 def _sign(value: FloatArray | float) -> int:

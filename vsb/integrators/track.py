@@ -8,6 +8,9 @@ import numpy.typing as npt
 
 from vsb.tools.units import FloatArray
 
+SOON = 2.0**-20
+"""Part of a span after which a guard that has just vanished shows, above round-off, which way it goes."""
+
 
 class Mode(NamedTuple):
     """Which pieces of the laws are in force."""
@@ -64,7 +67,8 @@ def dips(values: FloatArray, rates: FloatArray) -> list[tuple[int, float]]:
 
     Notes
     -----
-    Of the cubic through values and rates; where the rates are of one sign there is no bottom inside.
+    Of the cubic through values and rates; where the rates are of one sign there is no bottom inside. A bottom right
+    behind the begin is round-off of the event there: friction lets go with neither velocity nor acceleration.
     """
     found = []
     for k in np.flatnonzero((values[:-1] > 0) & (values[1:] >= 0) & (rates[:-1] < 0) & (rates[1:] > 0)):
@@ -74,6 +78,6 @@ def dips(values: FloatArray, rates: FloatArray) -> list[tuple[int, float]]:
         ])  # fmt: skip
         for bottom in cubic.deriv().roots():
             part = float(np.real(bottom))
-            if np.isreal(bottom) and 0 < part < 1 and cubic(part) < 0:
+            if np.isreal(bottom) and SOON < part < 1 and cubic(part) < 0:
                 found.append((int(k), part))
     return found
