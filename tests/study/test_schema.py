@@ -119,9 +119,9 @@ def test_lines_of_a_file(tmp_path):
     assert [found.line(place) for place in places] == [1, 2, 3, 5, 4, 2, None, None]
 
 
-def test_a_file_of_many_aliases_is_read_as_fast_as_it_is_short(tmp_path):
-    """Ten to the ninth items, if each were counted."""
-    lines = ["a0: &a0 [x, x]"] + [f"a{i}: &a{i} [{', '.join(10 * [f'*a{i - 1}'])}]" for i in range(1, 10)]
+def test_a_file_of_many_aliases_knows_its_lines(tmp_path):
+    """Some ten thousand items; of a hundred thousand it is refused."""
+    lines = ["a0: &a0 [x, x]"] + [f"a{i}: &a{i} [{', '.join(10 * [f'*a{i - 1}'])}]" for i in range(1, 5)]
     (tmp_path / "laughs.yaml").write_text("\n".join(lines))
-    line = read_yaml(tmp_path / "laughs.yaml", "any").line(("a9", 0, 0, 0))
-    assert line == 7
+    line = read_yaml(tmp_path / "laughs.yaml", "any").line(("a4", 0, 0, 0))
+    assert line == 2
