@@ -32,7 +32,7 @@ def rigid(seed):
     buoy = LinearBuoy(ds, basis.damping, LinearPto(0.0))
     radiation = fit_radiation(buoy.spectrum, 1e-3)[0]
     shape = DeformedShell(basis, study.centre_height, reference_shell(study).amplitudes)
-    return DesignInTime(buoy, shape, radiation, design_motions(study, basis, "FSB"), 2e4)
+    return DesignInTime(buoy, shape, radiation, design_motions(study, basis, "FSB"), LinearPto(2e4))
 
 
 def test_a_linear_run_agrees_with_linear_theory(rigid):

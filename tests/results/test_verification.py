@@ -146,3 +146,4 @@ def test_realisations_hold_the_variance_and_the_power_of_their_sea():
     assert mean == pytest.approx(sea.mean_of(here.power(2e4)), rel=1e-3)
     assert np.abs(realised(seas, 3, duration, seed=6).amplitude) == pytest.approx(np.abs(sea.amplitude))
     assert realised(seas, 3, duration, seed=5, highest=1.0).omega.max() < 1.0
+    assert realised(seas, 3, duration, seed=5, lowest=0.6).omega.min() > 0.6

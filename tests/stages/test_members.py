@@ -66,11 +66,14 @@ def batches(plan):
         )
 
 
+def gather(plan):
+    folders, files = (f"{plan.folder}/batches", f"{plan.folder}/verification"), (plan.data_path, plan.table_path)
+    campaign.run(told("campaign", plan.campaign), *folders, *files, plan.manifest)
+
+
 def run(plan):
     batches(plan)
-    campaign.run(
-        told("campaign", plan.campaign), f"{plan.folder}/batches", plan.data_path, plan.table_path, plan.manifest
-    )
+    gather(plan)
     answer.run(
         told("answer", plan.campaign),
         plan.data_path,
@@ -168,15 +171,11 @@ def test_what_is_damaged_is_computed_anew_to_the_same_bytes(folder, swept, capsy
     path = folder / "results" / "sweep" / "members" / f"{plan.members[0].id}.nc"
     before, data = path.read_bytes(), (folder / "results" / "sweep" / "campaign.nc")
     batches(plan)
-    campaign.run(
-        told("campaign", plan.campaign), f"{plan.folder}/batches", plan.data_path, plan.table_path, plan.manifest
-    )
+    gather(plan)
     whole = data.read_bytes()
     path.write_bytes(before[:-200] + b"x" + before[-199:])
     batches(plan)
-    campaign.run(
-        told("campaign", plan.campaign), f"{plan.folder}/batches", plan.data_path, plan.table_path, plan.manifest
-    )
+    gather(plan)
     assert "computed anew" in capsys.readouterr().out
     assert path.read_bytes() == before
     assert data.read_bytes() == whole
@@ -212,6 +211,12 @@ def test_pairs_have_one_dimension_with_keys_as_coordinates(folder):
     assert found.margin.dims == ("member",)
     assert found.thickness.values.tolist() == [0.01, 0.02]
     assert found.young_modulus.dims == ("member",)
+
+
+def test_a_campaign_may_vary_nothing(folder):
+    found = run(planned(folder, name="single"))
+    assert found.annual_energy.dims == ("design", "tuning")
+    assert found.margin.dims == ()
 
 
 def _counted(made, results):

@@ -56,7 +56,13 @@ def test_the_climate_counts_by_its_contents(folder):
         ({"tuning": ["each", "each"]}, "tuning: .*needs every tuning once"),
         ({"tuning": ["best"]}, "tuning.0: received 'best'"),
         ({"vary": {"device.mass": 3}}, "vary: device.mass: received 3, needs a list"),
-        ({"verify": {"seas": 12}}, "verify: seas are not simulated in time yet"),
+        ({"verify": {"seas": 5}}, "verify.seas: received 5"),
+        ({"verify": {"seas": 2}}, "verify.seas: received 2"),
+        ({"verify": {"model": "auto"}}, "verify.model: received 'auto'"),
+        (
+            {"verify": {}, "vary": {"device.mass": [1.6e4, 1.65e4, 1.7e4, 1.72e4, 1.75e4]}},
+            "verify: received a campaign of 5 points, each of which is simulated in time; needs at most 4",
+        ),
         ({"waves": []}, "waves: .*unknown key"),
     ],
 )  # fmt: skip

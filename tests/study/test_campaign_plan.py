@@ -128,3 +128,37 @@ def test_every_product_has_an_id(planned):
     plan = planned({"device.mass": [16000.0, 17000.0]})
     assert set(plan.ids) == set(plan.products)
     assert not any(map(plan.is_shared, plan.products))
+
+
+def verified(planned, name="sweep", study=None, **changes):
+    """Ids of the runs in time of a campaign."""
+    given = {"verify": {"seas": 4}, **changes}
+    return list(planned({"device.mass": [16000.0, 17000.0]}, name=name, study=study, **given).verifications)
+
+
+def test_runs_in_time_know_what_they_depend_on(planned):
+    before = verified(planned)
+    assert len(set(before)) == 2
+    assert verified(planned, name="other", study={"study": "renamed"}, tuning=["each", "one"]) == before
+    for changes in ({"verify": {"seas": 6}}, {"verify": {"seas": 4, "seed": 2}}, {"tuning": ["each", "fixed"]}):
+        assert not set(verified(planned, **changes)) & set(before)
+    linear = planned({"device.mass": [16000.0, 17000.0]}, verify={"seas": 4, "model": "linear"})
+    assert {spec.hydro.model for spec in linear.verifications.values()} == {"linear"}
+    assert not set(linear.verifications) & set(before)
+    members = ids(linear)
+    longer = verified(planned, study={"simulation": {"duration": 100.0}})
+    assert not set(longer) & set(before)
+    assert ids(planned({"device.mass": [16000.0, 17000.0]})) == members
+
+
+def test_a_campaign_without_verify_has_the_id_it_had(planned):
+    plan = planned()
+    assert "verifications" not in plan.campaign.model_dump()
+    assert plan.verification_paths == []
+    assert planned(verify={"seas": 4}).campaign_id != plan.campaign_id
+
+
+def test_a_run_in_time_its_study_cannot_have_is_told_with_the_file(planned):
+    plan = planned(verify={"seas": 4}, study={"simulation": {"method": "exact"}})
+    with pytest.raises(ConfigError, match=r"sweep.yaml: verify: .*simulation.method 'exact': hydro.model 'body_exact'"):
+        _ = plan.verifications

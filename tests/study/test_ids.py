@@ -298,6 +298,7 @@ TAGGED = {
     "mesh": {"mesh", "modes", "display", "shapes"}, "bem": {"sweep", "tabulated"}, "database": {"database"},
     "radiation": {"radiation"}, "response": {"response"}, "simulate": {"simulate"}, "compare": {"comparison"},
     "witness": {"witness"}, "ladder": {"ladder"}, "member": set(), "members": set(), "campaign": set(),
+    "verification": set(),
 }  # fmt: skip
 """Version of the physics -> stages it stands in."""
 

@@ -109,7 +109,9 @@ def _lines(ds: xr.Dataset, tuning: str, key: str, others: Sequence[str]) -> Figu
     marker = "" if ds[key].size > 12 else "o"
     for design in others:
         line, one = style(design, list(ds.design.values)), at.sel(design=design).squeeze()
-        ax.plot(one[key], one.gain_percent, marker=marker, markersize=4, **line)
+        ax.plot(one[key], told_gain(one, tuning), marker=marker, markersize=4, **line)
+        if is_verified(one, tuning):
+            ax.plot(one[key], one.gain_percent, color=line["color"], linewidth=0.8, ls=":")
         ax.fill_between(one[key], one.gain_low, one.gain_high, color=line["color"], alpha=0.2, linewidth=0)
     ax.axhline(0, color="black", linewidth=0.8)
     ax.set(xlabel=_label(ds, key), ylabel="gain [%]", xscale=_scale(ds, key))
@@ -124,12 +126,13 @@ def _maps(ds: xr.Dataset, tuning: str, keys: Sequence[str], others: Sequence[str
     columns = min(2, len(others))
     rows = -(-len(others) // columns)
     figure, axes = grid_of_axes(0.8 + 2.5 * rows, rows, columns, sharex=True, sharey=True)
-    largest = max(1.0, float(np.nanpercentile(np.abs(at.gain_percent.sel(design=list(others))), 95)))
+    largest = max(1.0, float(np.nanpercentile(np.abs(told_gain(at, tuning).sel(design=list(others))), 95)))
     image = None
     for ax, design in zip(axes.ravel(), others, strict=False):
         one = at.sel(design=design).squeeze(drop=True).transpose(y, x, ...)
+        shown = told_gain(one, tuning)
         image = ax.pcolormesh(
-            _places(ds, x), _places(ds, y), one.gain_percent, cmap=GAIN, vmin=-largest, vmax=largest, shading="nearest"
+            _places(ds, x), _places(ds, y), shown, cmap=GAIN, vmin=-largest, vmax=largest, shading="nearest"
         )
         _mark(ax, ds, one, x, y)
         ax.set_title(design, fontsize=9, color=style(design, list(ds.design.values))["color"])
@@ -159,12 +162,22 @@ def _mark(ax: Axes, ds: xr.Dataset, one: xr.Dataset, x: str, y: str) -> None:
         ax.set_facecolor("#bbbbbb")
 
 
+def is_verified(ds: xr.Dataset, tuning: str) -> bool:
+    """Return whether gains under a tuning are corrected by runs in time."""
+    return ds.attrs.get("verified_tuning") == tuning and "corrected_gain_percent" in ds
+
+
+def told_gain(ds: xr.Dataset, tuning: str) -> xr.DataArray:
+    """Return the gains to be told of results under one tuning: corrected by runs in time, or else of linear theory."""
+    return ds["corrected_gain_percent" if is_verified(ds, tuning) else "gain_percent"]
+
+
 def shown_member(ds: xr.Dataset, tuning: str, reference: str | None) -> xr.Dataset:
     """Return the member whose curves are drawn: of most gain of a design that carries its load, else of the most."""
     points = [str(dim) for dim in ds.margin.dims]
     if not points:
         return ds
-    gain = ds.annual_mean_power.sel(tuning=tuning) if reference is None else ds.gain_percent.sel(tuning=tuning)
+    gain = ds.annual_mean_power.sel(tuning=tuning) if reference is None else told_gain(ds.sel(tuning=tuning), tuning)
     others = gain if reference is None else gain.where(gain.design != reference)
     best = others.max("design", skipna=True).fillna(-np.inf)
     score = best.where(ds.margin >= 0, best - 1e6)

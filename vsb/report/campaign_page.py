@@ -7,7 +7,9 @@ import jinja2
 import numpy as np
 import xarray as xr
 
-from vsb.report.campaign_figures import shown_member
+from vsb.report.campaign_figures import is_verified, shown_member, told_gain
+from vsb.study.specs import leading_tuning
+from vsb.waves.climate import YEAR_HOURS
 
 CAPTIONS = {
     "power_matrices": "Mean power in bins of significant wave height and energy period (IEC TS 62600-100), "
@@ -24,8 +26,7 @@ TUNED = {
     "each": "each design at its own best damper in each sea",
     "fixed": "all at the given damper",
 }
-LEADING = ("one", "each", "fixed")
-"""Tunings by what the answer is told at, if the campaign has them."""
+MODELS = {"body_exact": "body-exact", "linear": "linear"}
 HEAD = (
     "point",
     "design",
@@ -50,7 +51,7 @@ class CampaignReport:
 
 def leading(ds: xr.Dataset) -> tuple[str, str | None]:
     """Return the tuning the answer is told at, and the rigid design gains are over."""
-    return next(name for name in LEADING if name in ds.tuning.values), ds.attrs.get("reference") or None
+    return leading_tuning(ds.tuning.values), ds.attrs.get("reference") or None
 
 
 def closing_answer(ds: xr.Dataset) -> str:
@@ -64,9 +65,14 @@ def render(report: CampaignReport) -> str:
     ds = report.data
     tuning, reference = leading(ds)
     at = where(shown_member(ds, tuning, reference))
+    told = (
+        {"sweep": " Gains are corrected by runs in time; a dotted line is linear theory."}
+        if is_verified(ds, tuning)
+        else {}
+    )
     words = {"tuned": TUNED[tuning], "at": f" at {at}" if at else ""}
     figures = [
-        {"name": name, "caption": CAPTIONS[name].format(**words), "svg": svg[svg.index("<svg") :]}
+        {"name": name, "caption": CAPTIONS[name].format(**words) + told.get(name, ""), "svg": svg[svg.index("<svg") :]}
         for name, svg in report.figures.items()
     ]
     environment = jinja2.Environment(
@@ -109,12 +115,16 @@ def answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:
         one = power.where(power == power.max(), drop=True)
         return f"{begins}{ends}, {one.design.values[0]} takes most: {float(power.max()):.4g} MWh."
     one, design = best
-    gain = float(one.gain_percent)
-    energies = [float(one.annual_energy), float(one.annual_energy / (1 + gain / 100))]
+    gain, energy, from_what = float(told_gain(one, tuning)), float(one.annual_energy), ""
+    if is_verified(one, tuning):
+        energy = float(one.corrected_mean_power) * YEAR_HOURS / 1e6
+        runs = f"{MODELS[ds.attrs['verified_model']]} runs"
+        from_what = f" by {runs}, where linear theory says {float(one.gain_percent):+.1f} %"
+    energies = [energy, energy / (1 + gain / 100)]
     many = (ds.sizes["design"] > 2) or ds.margin.size > 1
     subject = f"the best flexible design, {design}{_at(one)}," if many else f"{design}"
     sign = "as much as" if abs(gain) < _SAME else f"{abs(gain):.1f} % {'more' if gain > 0 else 'less'} than"
-    interval = f"{float(one.gain_low):+.1f} to {float(one.gain_high):+.1f} %"
+    interval = f"{float(one.gain_low):+.1f} to {float(one.gain_high):+.1f} %{from_what}"
     buckles = ", and would buckle under its static load" if float(one.margin) < 0 else ""
     return (
         f"{begins}{ends}, {subject} takes {sign} the rigid {reference} ({interval}; {energies[0]:.4g} against "
@@ -132,7 +142,7 @@ def best_flexible(ds: xr.Dataset, reference: str | None, tuning: str) -> tuple[x
     if reference is None or ds.sizes["design"] < 2:
         return None
     one = shown_member(ds, tuning, reference).sel(tuning=tuning)
-    gains = one.gain_percent.where(one.design != reference)
+    gains = told_gain(one, tuning).where(one.design != reference)
     if not bool(gains.notnull().any()):
         return None
     design = str(gains.design.values[int(np.nanargmax(gains.values))])
@@ -142,14 +152,14 @@ def best_flexible(ds: xr.Dataset, reference: str | None, tuning: str) -> tuple[x
 def statements(ds: xr.Dataset, reference: str | None, tuning: str) -> list[str]:
     """Return what else is to be said: the best design for each further tuning, what usual practice would have said."""
     found = []
-    for other in (name for name in LEADING if name in ds.tuning.values and name != tuning):
+    for other in (name for name in TUNED if name in ds.tuning.values and name != tuning):
         if best := best_flexible(ds, reference, other):
             one, design = best
             found.append(
                 f"{TUNED[other].capitalize()}, it is {design}{_at(one)} with {float(one.gain_percent):+.1f} %."
             )
     if ds.margin.size > 1 and reference is not None:
-        gains = ds.gain_percent.sel(tuning=tuning).where(ds.design != reference)
+        gains = told_gain(ds.sel(tuning=tuning), tuning).where(ds.design != reference)
         carries, pays = ds.margin >= 0, gains.max("design") > 0
         found.append(
             f"Of {ds.margin.size} points {int(carries.sum())} carry their static load; flexibility pays at "
@@ -167,6 +177,14 @@ def statements(ds: xr.Dataset, reference: str | None, tuning: str) -> list[str]:
 def warnings(ds: xr.Dataset) -> list[str]:
     """Return what makes the answer doubtful."""
     found = ["All of this is linear theory; intervals are those of the numbers, not of the theory."]
+    if "verification" in ds.attrs:
+        runs = str(ds.attrs["verification"]).partition(";")[0]
+        found = [
+            f"Runs in time correct {runs}. Table, figures of power and other tunings are "
+            "linear theory, their intervals those of the numbers.",
+            f"By linear theory {_shares(ds, 'steepness')} of the energy is from seas too steep for linear waves, "
+            f"{_shares(ds, 'breaking')} from seas whose highest of a thousand waves breaks.",
+        ]
     buckled = int((ds.margin < 0).sum())
     if buckled and ds.margin.size > 1:
         share = f"{buckled} of {ds.margin.size} points"
@@ -177,6 +195,13 @@ def warnings(ds: xr.Dataset) -> list[str]:
         reasons = sorted({str(text).partition(":")[0] for text in ds.reason.values.ravel() if text})
         found.append(f"{lost} of {ds.viable.size} designs at their points are not viable: {', '.join(reasons)}.")
     return found
+
+
+def _shares(ds: xr.Dataset, limit: str) -> str:
+    """Range of the shares of energy beyond a limit over designs and points."""
+    share = 100 * ds.energy_beyond.sel(limit=limit)
+    least, most = f"{float(share.min()):.0f}", f"{float(share.max()):.0f}"
+    return f"{most} %" if least == most else f"{least} to {most} %"
 
 
 def rows(ds: xr.Dataset) -> list[list[str]]:

@@ -20,6 +20,8 @@ TABLE = (
     "force_rms", "practice_power", "quadrature_error",
 )  # fmt: skip
 """Variables of a table with a row for each point, design and tuning; dampers and reasons stand beside them."""
+VERIFIED = ("corrected_mean_power", "corrected_gain_percent")
+"""Variables only the tuning has that runs in time are of."""
 
 
 def stacked(members: Sequence[xr.Dataset], ids: Sequence[str]) -> xr.Dataset:
@@ -75,7 +77,7 @@ def _unfolded(ds: xr.Dataset, vary: Vary, names: Sequence[str]) -> xr.Dataset:
     def unfolded(variable: xr.DataArray) -> xr.Variable:
         rest = [str(dim) for dim in variable.dims if dim != MEMBER]
         values = variable.transpose(MEMBER, *rest).values
-        return xr.Variable((*names, *rest), values.reshape(*vary.shape, *values.shape[1:]))
+        return xr.Variable((*names, *rest), values.reshape((*vary.shape, *values.shape[1:])))
 
     kept = ds.drop_dims(MEMBER)
     return kept.assign({name: unfolded(v) for name, v in ds.data_vars.items() if MEMBER in v.dims})
@@ -84,7 +86,9 @@ def _unfolded(ds: xr.Dataset, vary: Vary, names: Sequence[str]) -> xr.Dataset:
 def as_csv(spec: CampaignSpec, ds: xr.Dataset) -> str:
     """Return a row for each point, design and tuning; an empty cell is a result a design that is not viable has not."""
     points = [str(dim) for dim in ds.margin.dims]
+    verified = ds.tuning == ds.attrs.get("verified_tuning")
     columns = {name: ds[name] for name in TABLE if name in ds} | {"damping": damper(ds), "reason": ds.reason}
+    columns |= {name: ds[name].where(verified) for name in VERIFIED if name in ds}
     by = xr.zeros_like(ds.annual_mean_power, dtype=bool)
     cells = [each.broadcast_like(by).transpose(*points, *BY).values.ravel().tolist() for each in columns.values()]
     names = itertools.product(ds.design.values, ds.tuning.values)

@@ -10,7 +10,6 @@ from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.simulate import legs
 from vsb.motion.builders import body_exact_scene, linear_scene
 from vsb.motion.frequency import LinearBuoy
-from vsb.motion.port import port_direction
 from vsb.motion.pto import LinearPto
 from vsb.motion.system import System
 from vsb.results.verification import linear_power
@@ -30,7 +29,11 @@ class DesignInTime:
     shape: DeformedShell
     radiation: RadiationModel
     motions: FloatArray  # the motions the design allows (dof, free)
-    damping: float  # [N s/m]
+    take_off: LinearPto
+
+    def under(self, damping: float) -> "DesignInTime":
+        """Return the design under another damper [N s/m]."""
+        return replace(self, take_off=replace(self.take_off, damping=damping))
 
     def powers(self, sea: Sea, settings: Simulation, model: Model = "body_exact") -> tuple[float, float]:
         """Return mean power over the window, of the model and of linear theory in the same waves [W].
@@ -43,12 +46,13 @@ class DesignInTime:
             Its window after the transient, which linear theory has none of.
         model : {'body_exact', 'linear'}
         """
-        port = self.buoy.port(sea.omega, self.motions, port_direction("heave", self.shape))
-        return self._run(sea, settings, model), linear_power(port, sea, self.damping, settings.window)
+        direction = self.take_off.direction(len(self.buoy.mass))
+        port = self.buoy.port(sea.omega, self.motions, direction).beside(self.take_off.stiffness)
+        return self._run(sea, settings, model), linear_power(port, sea, float(self.take_off.damping), settings.window)
 
     def _run(self, sea: Sea, settings: Simulation, model: Model) -> float:
         """Mean power over the window by a run [W]."""
-        buoy = replace(self.buoy, pto=LinearPto(self.damping))
+        buoy = replace(self.buoy, pto=self.take_off)
         if model == "linear":
             scene = linear_scene(buoy, self.radiation, sea, self.motions)
         else:

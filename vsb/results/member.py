@@ -7,7 +7,7 @@ import xarray as xr
 
 from vsb.motion.port import Port
 from vsb.results.bins import Bins
-from vsb.results.year import DesignYear, Tuning, year
+from vsb.results.year import DesignYear, Tuning, Year, year
 from vsb.scenes.ports import ShapeWater, design_ports
 from vsb.scenes.viability import viability
 from vsb.shell.modes import ModeBasis
@@ -60,14 +60,24 @@ def _of_viable(
     tunings: Sequence[Tuning],
 ) -> xr.Dataset:
     """The year of the designs that are viable."""
-    some = study.model_copy(update={"designs": {design: study.designs[design] for design in viable}})
+    some = with_designs(study, viable)
     ports = design_ports(some, at_rest, water)
-    dampers = {design: study.pto.damper(design) for design in viable}
-    given = {design: damping for design, damping in dampers.items() if damping is not None}
-    reference = some.reference_design
-    of = year(ports, climate, study.water, tunings, given, reference).dataset()
-    of = of.assign(_curves(ports, climate))
+    found = ports_year(some, ports, climate, tunings)
+    of = found.dataset().assign(_curves(ports, climate))
+    reference = found.reference
     return of if reference is None else of.assign(_gain_interval(of, reference, study.hydro.tolerance))
+
+
+def with_designs(study: Study, designs: Sequence[str]) -> Study:
+    """Return a study of some of its designs."""
+    return study.model_copy(update={"designs": {design: study.designs[design] for design in designs}})
+
+
+def ports_year(study: Study, ports: Mapping[str, Port], climate: Climate, tunings: Sequence[Tuning]) -> Year:
+    """Return the year of the designs of a study from their ports."""
+    dampers = {design: study.pto.damper(design) for design in study.designs}
+    given = {design: damping for design, damping in dampers.items() if damping is not None}
+    return year(ports, climate, study.water, tunings, given, study.reference_design)
 
 
 def _curves(ports: Mapping[str, Port], climate: Climate) -> dict[str, tuple[tuple[str, ...], FloatArray]]:

@@ -62,6 +62,12 @@ def rest_shape(study: Study, buoy: LinearBuoy, basis: ModeBasis) -> DeformedShel
     return DeformedShell(basis, study.centre_height, buoy.database.reference_amplitude.values)
 
 
+def radiation_model(path: str) -> RadiationModel:
+    """Return a radiation model as it was stored."""
+    ds = load(path, expected=Path(path).stem)
+    return RadiationModel(ds.state_matrix.values, ds.input_matrix.values, ds.channel.values)
+
+
 def study_port(study: Study, buoy: LinearBuoy, basis: ModeBasis) -> FloatArray:
     """Return b of the take-off of a study, shape (dof,); see `vsb.motion.port.port_direction`."""
     return port_direction(study.pto.port, rest_shape(study, buoy, basis))
@@ -129,8 +135,7 @@ def _from_bem(study: Study, paths: dict[str, Any], seas: Sequence[Wave]) -> _Fro
     """What a scene of one design in one sea is made of; a damper to be tuned is to suit that sea, or seas if given."""
     (design,), (wave,) = study.designs, study.waves
     bare, basis = linear_buoy(study, paths["database"])
-    ds = load(paths["radiation"], expected=Path(paths["radiation"]).stem)
-    model = RadiationModel(ds.state_matrix.values, ds.input_matrix.values, ds.channel.values)
+    model = radiation_model(paths["radiation"])
     waves, *others = (sea(w, study.hydro.omega_max, study.simulation.duration) for w in (wave, *seas))
     shape = rest_shape(study, bare, basis)
     motions, port = design_motions(study, basis, design), port_direction(study.pto.port, shape)

@@ -11,9 +11,11 @@ from vsb.hydro import database
 from vsb.results import ledger
 from vsb.results.year import OUTSIDE, variance_outside
 from vsb.scenes.rest import check_rests, check_spring, check_stable, reference_shell
+from vsb.scenes.viability import viability
 from vsb.shell.modes import mode_basis
 from vsb.shell.sphere import Shell, natural_frequencies
 from vsb.stages.climate import read_climate
+from vsb.stages.stage import partial_study
 from vsb.study.blocks import BlockSpec
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.plan import StudyPlan
@@ -89,6 +91,19 @@ def check_campaign(plan: CampaignPlan) -> None:
                 f"{one.study.hydro.omega_max:.4g} rad/s, which a point solves; needs at most {OUTSIDE:.0%}, a larger "
                 "hydro.omega_max in the study"
             )
+    for spec in plan.verifications.values():
+        _check_runs(partial_study(spec), plan.loaded.source)
+
+
+def _check_runs(study: Study, source: str) -> None:
+    """Raise what would fail in the runs in time of a member; designs that are not viable are not run."""
+    rest = viability(study)
+    viable = {name: design for name, design in study.designs.items() if name not in rest.reasons}
+    if rest.reference and viable:
+        try:
+            check_rests(study.model_copy(update={"designs": viable}), rest.reference)
+        except ConfigError as error:
+            raise ConfigError(f"{source}: verify: {error}") from None
 
 
 def campaign_summary(plan: CampaignPlan) -> list[str]:
@@ -102,8 +117,20 @@ def campaign_summary(plan: CampaignPlan) -> list[str]:
     return [
         f"campaign     {plan.name}: {given.study} over {len(seas.hours)} seas, tuning {', '.join(plan.loaded.tuning)}",
         f"points       {len(plan.members)} of {' x '.join(given.vary.values) or 'nothing varied'}, {done} done",
+        *_runs_lines(plan),
         f"jobs         {jobs} of {len(plan.batches)} batches to do, {shapes} shapes of the water",
         *(f"climate      {note}" for note in seas.notes),
+    ]
+
+
+def _runs_lines(plan: CampaignPlan) -> list[str]:
+    """What is simulated in time."""
+    if not (verify := plan.loaded.campaign.verify):
+        return []
+    done = sum(Path(path).exists() for path in plan.verification_paths)
+    return [
+        f"verify       {verify.seas} seas of {plan.loaded.base.simulation.duration:g} s, {verify.model}, of each of "
+        f"{len(plan.verifications)} points, {done} done"
     ]
 
 

@@ -98,7 +98,7 @@ def _answer(plan: StudyPlan | CampaignPlan) -> str:
     return closing_line(found["equal_tuning"], plan.study.reference_design)
 
 
-OF_MANY = ("mesh", "panels", "spectral", "simulate", "members")
+OF_MANY = ("mesh", "panels", "spectral", "simulate", "members", "verification")
 OF_CAMPAIGNS = ("campaign", "answer")
 TARGETS = {"all", *(stage.name for stage in STAGES if stage.name not in (*OF_MANY, *OF_CAMPAIGNS))}
 """Rules that are asked for by name; the others make a file of many."""

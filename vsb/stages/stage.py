@@ -85,7 +85,13 @@ STAGES = (
         BEM_FILES,
     ),
     Stage("members", "points of a campaign over the year", specs.MembersSpec, ("climate", "folder", "root", "out")),
-    Stage("campaign", "a whole campaign", specs.CampaignSpec, ("batches", "out", "table", "manifest")),
+    Stage("verification", "seas of the year in time", specs.VerificationSpec, ("climate", "root", "out")),
+    Stage(
+        "campaign",
+        "a whole campaign",
+        specs.CampaignSpec,
+        ("batches", "verifications", "out", "table", "manifest"),
+    ),
     Stage("answer", "figures and report of a campaign", specs.CampaignSpec, ("data", "figures", "out", "manifest")),
 )
 """In the order of the workflow."""

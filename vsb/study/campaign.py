@@ -12,15 +12,17 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, field_validator
 
 from vsb.errors import ConfigError
 from vsb.study.froude import scaled
-from vsb.study.quantities import Count, Name, Number, Section
+from vsb.study.quantities import Name, Number, Section
 from vsb.study.reading import read_yaml, validated
-from vsb.study.specs import Tunings
+from vsb.study.specs import Tunings, Verify
 from vsb.study.study import RESERVED_NAMES, Study, parse
 from vsb.study.study import load as load_study
 from vsb.study.vary import SCALE, Point, Value, Vary, read_vary
 
 SMALLEST, LARGEST = 1e-3, 1e3
 """Scales of a study by Froude."""
+MOST_VERIFIED = 4
+"""Points whose seas are simulated in time: each takes a minute or more, where a point of a linear year takes none."""
 
 
 class Spectra(Section):
@@ -57,14 +59,6 @@ ClimateFile = Annotated[
     Discriminator(_climate_kind),
 ]
 """Where the seas of a year are from."""
-
-
-class Verify(Section):
-    """Seas of the year to be simulated in time, drawn by their share of its energy."""
-
-    seas: Annotated[Count, Field(ge=2, le=1000)] = 12
-    model: Literal["linear", "body_exact"] = "body_exact"
-    seed: Annotated[Count, Field(ge=0, lt=2**32)] = 1
 
 
 class Campaign(Section):
@@ -127,8 +121,11 @@ def read(raw: object, source: str) -> "LoadedCampaign":
         raise ConfigError(
             f"{source}: tuning: received fixed, but {campaign.study} has no pto.damping; needs one in N s/m"
         )
-    if campaign.verify:
-        raise ConfigError(f"{source}: verify: seas are not simulated in time yet; remove it")
+    if campaign.verify and len(campaign.vary.points) > MOST_VERIFIED:
+        raise ConfigError(
+            f"{source}: verify: received a campaign of {len(campaign.vary.points)} points, each of which is simulated "
+            f"in time; needs at most {MOST_VERIFIED}, or no verify"
+        )
     try:
         digest = hashlib.sha256(climate.read_bytes()).hexdigest()[:16]
     except OSError as error:

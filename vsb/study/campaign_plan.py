@@ -18,7 +18,16 @@ from vsb.study.blocks import HydroPlan
 from vsb.study.campaign import LoadedCampaign, Scatter, is_campaign, read, sections, study_at
 from vsb.study.plan import StudyPlan
 from vsb.study.reading import read_yaml
-from vsb.study.specs import CampaignSpec, ClimateSpec, MemberSpec, MembersSpec, Tunings
+from vsb.study.specs import (
+    CampaignSpec,
+    ClimateSpec,
+    MemberSpec,
+    MembersSpec,
+    Spec,
+    Tunings,
+    VerificationSpec,
+    leading_tuning,
+)
 from vsb.study.study import Study, canonical, content_id, parse
 from vsb.study.vary import Point
 
@@ -31,7 +40,8 @@ VARIABLES = (
     "annual_mean_power", "annual_energy", "capture_width", "gain_percent", "gain_low", "gain_high", "damping",
     "force_rms", "viable", "margin", "reason", "practice_power", "quadrature_error", "power_matrix", "power_deviation",
     "capture_width_matrix", "capture_width_deviation", "count", "tried_damping", "power_of_damping",
-    "force_of_damping", "damper", "design", "tuning", "hs", "te",
+    "force_of_damping", "damper", "design", "tuning", "hs", "te", "corrected_mean_power", "corrected_power_low",
+    "corrected_power_high", "corrected_gain_percent", "energy_beyond", "limit",
 )  # fmt: skip
 """Names in the results that no varied key can have."""
 
@@ -145,6 +155,32 @@ class CampaignPlan:
         return content_id([one.id for one in some]), spec
 
     @cached_property
+    def verifications(self) -> dict[str, VerificationSpec]:
+        """Specs of the runs in time of every member by id, in the order of the members; none without `verify`.
+
+        Raises
+        ------
+        ConfigError
+            If the study's `simulation` cannot follow the model.
+        """
+        found = [self._verification(one) for one in self.members] if self.loaded.campaign.verify else []
+        return {content_id(spec): spec for spec in found}
+
+    def _verification(self, one: Member) -> VerificationSpec:
+        """Spec of the runs in time of a member: its study by the better model, with the run in time of the base."""
+        verify = self.loaded.campaign.verify
+        assert verify is not None
+        raw = one.study.model_dump(exclude_none=True)
+        raw |= {"simulation": self.loaded.base.simulation, "hydro": {**raw["hydro"], "model": verify.model}}
+        try:
+            study = parse(raw, source="with the study's simulation")
+        except ConfigError as error:
+            raise ConfigError(f"{self.loaded.source}: verify: {error}") from None
+        parts = {name: value for name, value in one.spec if name not in Spec.model_fields}
+        parts |= {"hydro": study.hydro, "simulation": study.simulation, "verify": verify}
+        return VerificationSpec(**parts | {"tuning": (leading_tuning(self.loaded.tuning),)})
+
+    @cached_property
     def campaign(self) -> CampaignSpec:
         """Spec of the whole campaign."""
         given = self.loaded.campaign
@@ -158,6 +194,7 @@ class CampaignPlan:
             tuning=self.loaded.tuning,
             batches=tuple(self.batches),
             members=tuple(one.id for one in self.members),
+            verifications=tuple(self.verifications),
         )
 
     @property
@@ -181,6 +218,15 @@ class CampaignPlan:
         """Results of the members of a batch."""
         return f"{self.folder}/batches/{batch}.nc"
 
+    def verification_path(self, verification: str) -> str:
+        """What runs in time say about a member."""
+        return f"{self.folder}/verification/{verification}.nc"
+
+    @property
+    def verification_paths(self) -> list[str]:
+        """What runs in time say about all members."""
+        return [self.verification_path(one) for one in self.verifications]
+
     @property
     def data_path(self) -> str:
         """All results."""
@@ -199,7 +245,8 @@ class CampaignPlan:
     @property
     def products(self) -> list[str]:
         """All files a run of the campaign promises."""
-        return [f"{self.folder}/report.html", self.data_path, self.table_path, *self.figure_paths, *self.batch_paths]
+        answers = [f"{self.folder}/report.html", self.data_path, self.table_path, *self.figure_paths]
+        return [*answers, *self.batch_paths, *self.verification_paths]
 
     @property
     def batch_paths(self) -> list[str]:
@@ -209,9 +256,9 @@ class CampaignPlan:
     @property
     def ids(self) -> dict[str, str]:
         """Id every product must carry."""
-        return dict.fromkeys(self.products, self.campaign_id) | {
-            self.batch_path(batch): batch for batch in self.batches
-        }
+        parts = {self.batch_path(batch): batch for batch in self.batches}
+        parts |= {self.verification_path(one): one for one in self.verifications}
+        return dict.fromkeys(self.products, self.campaign_id) | parts
 
     def is_shared(self, path: str) -> bool:
         """Whether studies share a file."""

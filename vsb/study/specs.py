@@ -4,11 +4,12 @@ Only what a stage reads stands in its specification. The words under `stage` are
 keep their names, whatever rules and commands are called.
 """
 
-from typing import Any, ClassVar, Literal
+from collections.abc import Sequence
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import SerializerFunctionWrapHandler, field_serializer, model_serializer, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, field_serializer, model_serializer, model_validator
 
-from vsb.study.quantities import Name, Section
+from vsb.study.quantities import Count, Name, Section
 from vsb.study.sections import Design, Device, Hydro, Modes, RestShape, Simulation, Water, Wave
 from vsb.study.study import Study
 from vsb.study.take_off import Pto
@@ -16,7 +17,7 @@ from vsb.study.vary import Vary
 
 PHYSICS = {
     "mesh": 2, "bem": 7, "database": 6, "radiation": 1, "response": 2, "ladder": 1, "simulate": 4, "compare": 7,
-    "witness": 1, "member": 1, "members": 1, "campaign": 1,
+    "witness": 1, "member": 1, "members": 1, "campaign": 1, "verification": 1,
 }  # fmt: skip
 """Hand-bumped version of the physics behind each tag: a library edit alone never reruns anything."""
 
@@ -261,6 +262,13 @@ class CompareSpec(Spec):
 
 Tunings = Literal["fixed", "one", "each"]
 """Damper as given, the best one of the year, the best one of each sea."""
+LEADING: tuple[Tunings, ...] = ("one", "each", "fixed")
+"""Tunings by what a campaign's answer is told at, if it has them."""
+
+
+def leading_tuning(tunings: Sequence[str]) -> Tunings:
+    """Return the tuning a campaign's answer is told at."""
+    return next(name for name in LEADING if name in tunings)
 
 
 class ClimateSpec(Section):
@@ -287,6 +295,27 @@ class MemberSpec(Spec):
     tuning: tuple[Tunings, ...]
 
 
+class Verify(Section):
+    """Seas of the year to be simulated in time, two of each stratum of its energy; seed of the draw."""
+
+    seas: Annotated[Count, Field(ge=4, le=1000, multiple_of=2)] = 12
+    model: Literal["linear", "body_exact"] = "body_exact"
+    seed: Annotated[Count, Field(ge=0, lt=2**32)] = 1
+
+
+RUN_BY = ("member", "database", "radiation", "simulate")
+"""Tags of the physics runs in time of a member rest on, beside their own."""
+
+
+class VerificationSpec(MemberSpec):
+    """One point of a campaign under one tuning, and the runs in time its year is corrected by."""
+
+    TAG = "verification"
+    simulation: Simulation
+    verify: Verify
+    versions: dict[str, int] = Field(default_factory=lambda: {tag: PHYSICS[tag] for tag in RUN_BY})
+
+
 class MembersSpec(Spec):
     """Some points of a campaign: sections of its study, and what each point sets in them."""
 
@@ -310,3 +339,9 @@ class CampaignSpec(Spec):
     tuning: tuple[Tunings, ...]
     batches: tuple[str, ...]
     members: tuple[str, ...]
+    verifications: tuple[str, ...] = ()  # by id, in the order of the members; none if nothing is simulated in time
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_not_asked(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        found: dict[str, Any] = dump(self)
+        return {key: value for key, value in found.items() if key != "verifications" or value}

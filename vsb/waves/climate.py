@@ -113,7 +113,9 @@ class Climate:
         return np.asarray(self.hours @ self.density)
 
 
-def realised(climate: Climate, sea: int, duration: float, seed: int, highest: float = np.inf) -> Sea:
+def realised(
+    climate: Climate, sea: int, duration: float, seed: int, lowest: float = 0.0, highest: float = np.inf
+) -> Sea:
     """Return a realisation of one sea that does not repeat within a run; see `vsb.waves.seas.irregular`.
 
     Parameters
@@ -123,11 +125,11 @@ def realised(climate: Climate, sea: int, duration: float, seed: int, highest: fl
     duration : float [s]
     seed : int
         Of the phases; amplitudes are those of the spectrum.
-    highest : float [rad/s]
-        No component lies above it.
+    lowest, highest : float [rad/s]
+        No component lies beyond them.
     """
     edges = climate.edges
-    low, high = float(edges[0]), min(float(edges[-1]), highest)
+    low, high = max(float(edges[0]), lowest), min(float(edges[-1]), highest)
     cuts = np.linspace(low, high, int(np.ceil((high - low) * 1.1 * duration / (2 * np.pi))) + 1)
     below = np.concatenate([[0.0], np.cumsum(climate.density[sea] * np.diff(edges))])
     amplitude = np.sqrt(2 * np.diff(np.interp(cuts, edges, below)))

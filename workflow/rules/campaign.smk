@@ -24,9 +24,33 @@ rule members:
         " <<< {params.spec:q} > {log} 2>&1"
 
 
+rule verification:
+    input:
+        climate=PLAN.loaded.climate_path,
+        batches=PLAN.batch_paths,
+    output:
+        PLAN.verification_path("{verification}"),
+    log:
+        f"{ROOT}/logs/verification/{PLAN.name}-{{verification}}.log",
+    benchmark:
+        f"{ROOT}/benchmarks/verification/{PLAN.name}-{{verification}}.tsv"
+    conda:
+        "../envs/vsb.yaml"
+    resources:
+        mem_mb=2000,
+        runtime=240,
+    params:
+        spec=lambda wildcards: canonical(PLAN.verifications[wildcards.verification]),
+        root=ROOT,
+    shell:
+        "vsb verification --climate {input.climate:q} --root {params.root} --out {output}"
+        " <<< {params.spec:q} > {log} 2>&1"
+
+
 rule campaign:
     input:
         PLAN.batch_paths,
+        PLAN.verification_paths,
     output:
         data=PLAN.data_path,
         table=PLAN.table_path,
@@ -39,9 +63,10 @@ rule campaign:
     params:
         spec=canonical(PLAN.campaign),
         batches=f"{PLAN.folder}/batches",
+        verifications=f"{PLAN.folder}/verification",
         manifest=PLAN.manifest,
     shell:
-        "vsb campaign --batches {params.batches} --out {output.data} --table {output.table}"
+        "vsb campaign --batches {params.batches} --verifications {params.verifications} --out {output.data} --table {output.table}"
         " --manifest {params.manifest} <<< {params.spec:q} > {log} 2>&1"
 
 

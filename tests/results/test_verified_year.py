@@ -1,0 +1,69 @@
+"""What runs in time say of a year, as a dataset: by design, with what is not viable, with what has no gain."""
+
+import numpy as np
+import pytest
+from results.test_year import WATER, climate, port
+
+from vsb.errors import ConfigError
+from vsb.results.validity import wave_limits
+from vsb.results.verification import contributions, drawn, verified
+from vsb.results.verified_year import GAIN, POWER, verified_dataset, with_lost
+from vsb.results.year import frequencies, year
+
+
+@pytest.fixture(scope="module")
+def known():
+    """A year of two bodies and a sample of its seas."""
+    seas = climate()
+    grid = frequencies(seas, 0.1, 4.0)
+    found = year({"A": port(grid), "B": port(grid, mass=9000.0)}, seas, WATER, ("each", "one"), reference="A")
+    return found, drawn(contributions(found, "one"), seas.hours, 8, 1)
+
+
+def corrected(known, part):
+    """The year whose designs take a part of what linear theory says."""
+    found, sample = known
+    linear = found.power[:, 1][:, sample.sea]
+    return verified_dataset(found, "one", verified(found, "one", sample, np.array(part)[:, None] * linear, linear))
+
+
+def test_losses_of_each_design_are_those_of_its_year_and_gain(known):
+    """The first design's mean contribution is not its own: only both alike are known without scatter."""
+    found, sample = known
+    ds = corrected(known, [0.8, 0.8])
+    linear = found.annual_mean_power[:, 1]
+    differences = sample.weight * -0.2 * found.power[:, 1][:, sample.sea]
+    np.testing.assert_allclose(ds.corrected_mean_power, linear + differences.mean(axis=1), rtol=1e-12)
+    assert bool((ds.corrected_power_low < ds.corrected_mean_power).all())
+    assert bool((ds.corrected_power_high > ds.corrected_mean_power).all())
+    assert [float(ds[name].sel(design="A")) for name in GAIN] == [0.0, 0.0, 0.0]
+    ratio = float(ds.corrected_mean_power.sel(design="B") / ds.corrected_mean_power.sel(design="A"))
+    assert float(ds.corrected_gain_percent.sel(design="B")) == pytest.approx(100 * (ratio - 1), rel=1e-12)
+    np.testing.assert_array_equal(ds.drawn_hs, found.climate.hs[sample.sea])
+
+
+def test_energy_beyond_the_limits_of_waves_is_that_of_the_tuning(known):
+    found, _ = known
+    ds = corrected(known, [1.0, 1.0])
+    for limit in wave_limits(found.climate, found.water):
+        taken = found.power[:, 1] * found.climate.hours
+        share = taken[:, limit.seas].sum(axis=1) / taken.sum(axis=1)
+        np.testing.assert_allclose(ds.energy_beyond.sel(limit=limit.name), share, rtol=1e-12)
+
+
+def test_designs_that_are_not_viable_have_no_values(known):
+    ds = with_lost(corrected(known, [0.9, 0.9]), ["A", "C", "B"], "A")
+    assert ds.viable.values.tolist() == [True, False, True]
+    for name in (*POWER, *GAIN, "energy_beyond", "run_power"):
+        assert np.isnan(ds[name].sel(design="C")).all()
+        assert np.isfinite(ds[name].sel(design=["A", "B"])).all()
+
+
+def test_without_a_rigid_design_there_is_no_gain(known):
+    ds = with_lost(corrected(known, [0.9, 0.9]).drop_vars(GAIN), ["A", "B"], None)
+    assert not set(GAIN) & set(ds)
+
+
+def test_nothing_is_gained_over_a_reference_that_takes_nothing(known):
+    with pytest.raises(ConfigError, match=r"corrected power of -[\d.e+]+ W of the rigid A; needs more than 0 W"):
+        corrected(known, [-3.0, 1.0])

@@ -1,0 +1,201 @@
+"""Runs in time of a campaign: the correction they say, where it stands, what is kept, what is refused."""
+
+import csv
+from contextlib import chdir
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from stages.test_members import BASE, HERTZ, batches, gather, told
+
+from vsb.cli import main
+from vsb.errors import ConfigError, ConvergenceError
+from vsb.report.campaign_figures import sweep
+from vsb.report.campaign_page import closing_answer, warnings
+from vsb.results.in_time import DesignInTime
+from vsb.stages import answer, verification
+from vsb.stages.preview import check_campaign
+from vsb.study.campaign_plan import plan_of
+from vsb.tools.files import load
+from vsb.waves.seas import jonswap_spectrum
+
+RUNS = {"duration": 60.0, "window": [40.0, 60.0], "tolerance": 1e-4}
+VERIFY = {"seas": 4, "seed": 3}
+MASSES = {"device.mass": [17170.0, 17000.0]}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    place = tmp_path_factory.mktemp("verified")
+    lines = ["YY MM DD hh " + " ".join(f"{f:.4f}" for f in HERTZ)]
+    for hour, (hs, tp) in enumerate([(0.6, 5.0), (1.0, 6.0), (1.3, 6.5), (1.6, 7.0)]):
+        density = 2 * np.pi * jonswap_spectrum(2 * np.pi * HERTZ, hs, tp, 2.0)
+        lines.append(f"1996 01 01 {hour:02d} " + " ".join(f"{s:.5f}" for s in density))
+    (place / "sea.txt").write_text("\n".join(lines) + "\n")
+    return place
+
+
+def planned(folder, name="checked", vary=None, verify=None, **sections):
+    raw = {**BASE, **sections, "study": f"{name}_study", "simulation": {**BASE["simulation"], **RUNS}}
+    (folder / f"{name}_study.yaml").write_text(yaml.safe_dump(raw))
+    given = {"campaign": name, "study": f"{name}_study.yaml", "climate": {"spectra": "sea.txt"}, "vary": vary or {}}
+    given |= {"tuning": ["fixed", "one"], "verify": verify or VERIFY}
+    (folder / f"{name}.yaml").write_text(yaml.safe_dump(given, sort_keys=False))
+    with chdir(folder):
+        return plan_of(f"{name}.yaml")
+
+
+def simulated(plan):
+    for name, spec in plan.verifications.items():
+        verification.run(
+            told("verification", spec), plan.loaded.climate_path, plan.root, plan.verification_path(name)
+        )  # fmt: skip
+    return [load(path, expected=name) for name, path in zip(plan.verifications, plan.verification_paths, strict=True)]
+
+
+def run(plan):
+    batches(plan)
+    found = simulated(plan)
+    gather(plan)
+    files = (plan.data_path, f"{plan.folder}/figures", f"{plan.folder}/report.html", plan.manifest)
+    answer.run(told("answer", plan.campaign), *files)
+    return found, load(plan.data_path, expected=plan.campaign_id)
+
+
+@pytest.fixture(scope="module")
+def checked(folder):
+    plan = planned(folder, vary=MASSES)
+    with chdir(folder):
+        return plan, *run(plan)
+
+
+def test_the_correction_is_the_mean_of_weighted_differences(checked):
+    """Sum h (N - L) is the mean of h (N - L)/q over the draws: by hand, from the runs that are stored."""
+    _, runs, found = checked
+    for i, one in enumerate(runs):
+        at = found.isel(mass=i)
+        difference = (one.drawn_weight * (one.run_power - one.linear_run_power)).mean("draw")
+        expected = at.annual_mean_power.sel(tuning="one") + difference
+        np.testing.assert_allclose(at.corrected_mean_power, expected, rtol=1e-9)
+        assert float(np.abs(difference / expected).max()) > 1e-2
+        rigid, shell = at.corrected_mean_power.values
+        assert float(at.corrected_gain_percent.sel(design="VSWEC")) == pytest.approx(100 * (shell / rigid - 1))
+
+
+def test_the_interval_of_the_gain_is_that_of_the_runs_under_their_tuning_alone(folder, checked):
+    plan, runs, found = checked
+    with chdir(folder):
+        linear = [load(f"{plan.folder}/members/{one.id}.nc") for one in plan.members]
+    for i, (one, before) in enumerate(zip(runs, linear, strict=True)):
+        at = found.isel(mass=i)
+        for end in ("gain_low", "gain_high"):
+            np.testing.assert_array_equal(at[end].sel(tuning="one"), one[f"corrected_{end}"])
+            np.testing.assert_array_equal(at[end].sel(tuning="fixed"), before[end].sel(tuning="fixed"))
+        np.testing.assert_array_equal(at.gain_percent, before.gain_percent)
+        low, gain, high = (
+            float(one[f"corrected_gain_{part}"].sel(design="VSWEC")) for part in ("low", "percent", "high")
+        )
+        assert low < gain < high
+    assert found.attrs["verification"] == (
+        "tuning one: 4 seas of 60 s, body_exact, means from 40 to 60 s; there gain_low and gain_high are the 95 % "
+        "interval of the corrected gain"
+    )
+
+
+def test_table_and_report_say_which(folder, checked):
+    plan, _, found = checked
+    rows = list(csv.DictReader((folder / plan.table_path).read_text().splitlines()))
+    for row in rows:
+        at = found.sel(mass=float(row["device.mass"]), design=row["design"])
+        assert (row["corrected_mean_power"] == "") == (row["tuning"] == "fixed")
+        if row["tuning"] == "one":
+            assert float(row["corrected_mean_power"]) == pytest.approx(float(at.corrected_mean_power), rel=1e-11)
+            assert float(row["gain_low"]) == pytest.approx(float(at.gain_low.sel(tuning="one")), abs=1e-9)
+    best = found.isel(mass=int(found.corrected_gain_percent.sel(design="VSWEC").argmax("mass"))).sel(design="VSWEC")
+    one, gain = best.sel(tuning="one"), float(best.corrected_gain_percent)
+    sentence = closing_answer(found)
+    assert f"takes {abs(gain):.1f} % {'more' if gain > 0 else 'less'} than the rigid FSB" in sentence
+    assert f"({float(one.gain_low):+.1f} to {float(one.gain_high):+.1f} % by body-exact runs" in sentence
+    assert (
+        f"linear theory says {float(one.gain_percent):+.1f} %; {float(best.corrected_mean_power) * 8766e-6:.4g}"
+        in sentence
+    )
+    assert sentence in (folder / plan.folder / "report.html").read_text()
+    assert any("too steep for linear waves" in line for line in warnings(found))
+
+
+def test_the_figure_of_a_sweep_shows_the_corrected_gain_beside_the_linear_one(checked):
+    _, _, found = checked
+    shell = found.sel(design="VSWEC").sortby("mass")
+    axes = sweep(found, "one", "FSB").axes[0]
+    corrected, linear = (line.get_ydata() for line in axes.lines[:2])
+    np.testing.assert_array_equal(corrected, shell.corrected_gain_percent)
+    np.testing.assert_array_equal(linear, shell.gain_percent.sel(tuning="one"))
+    np.testing.assert_array_equal(
+        sweep(found, "fixed", "FSB").axes[0].lines[0].get_ydata(), shell.gain_percent.sel(tuning="fixed")
+    )
+
+
+def test_a_map_shows_the_corrected_gain(checked):
+    _, _, found = checked
+    wide = found.expand_dims(thickness=[0.01, 0.02]).assign_attrs(varied="thickness mass")
+    drawn = sweep(wide, "one", "FSB").axes[0].collections[0].get_array()
+    np.testing.assert_array_equal(drawn, wide.corrected_gain_percent.sel(design="VSWEC"))
+
+
+def test_linear_runs_correct_nothing(folder):
+    """What is left of linear theory beside itself is the fitted memory and the end of the transient."""
+    plan = planned(folder, "same", verify={**VERIFY, "model": "linear"})
+    with chdir(folder):
+        _, found = run(plan)
+    assert found.corrected_mean_power.dims == ("design",)
+    np.testing.assert_allclose(found.corrected_mean_power, found.annual_mean_power.sel(tuning="one"), rtol=2e-3)
+    assert " by linear runs" in closing_answer(found)
+
+
+def test_a_run_goes_on_from_the_runs_in_time_that_are_there(folder, checked, capsys):
+    """What is missing is made by the workflow, to the same bytes; what is there is kept."""
+    plan, _, _ = checked
+    kept, lost = (folder / path for path in plan.verification_paths)
+    data = folder / plan.data_path
+    before, stamp = {path: path.read_bytes() for path in (kept, lost, data)}, kept.stat().st_mtime_ns
+    lost.unlink(), data.unlink()
+    with chdir(folder):
+        assert main(["run", "checked.yaml"]) == 0, capsys.readouterr()
+    assert {path: path.read_bytes() for path in before} == before
+    assert kept.stat().st_mtime_ns == stamp
+
+
+def test_designs_that_are_not_viable_are_not_run(folder):
+    """At its equilibrium the vented seed buckles; nothing of it is simulated."""
+    plan = planned(folder, "lost", reference_shape="equilibrium", device={**BASE["device"], "internal_pressure": 0.0})
+    with chdir(folder):
+        (found,) = simulated(plan)
+    assert not found.viable.any()
+    assert np.isnan(found.corrected_mean_power).all()
+    assert np.isnan(found.corrected_gain_low).all()
+
+
+def test_a_shell_that_finds_no_rest_on_the_water_is_refused_before_the_run(folder):
+    plan = planned(folder, "soft", device={**BASE["device"], "young_modulus": 1e6})
+    with chdir(folder), pytest.raises(ConfigError, match=r"soft.yaml: verify: .*for design VSWEC, but"):
+        check_campaign(plan)
+
+
+def test_a_run_that_fails_names_its_sea(folder, checked, monkeypatch):
+    plan, _, _ = checked
+
+    def fails(*_):
+        raise ConvergenceError("the buoy has left the water")
+
+    monkeypatch.setattr(DesignInTime, "powers", fails)
+    expected = r"verify: FSB in a sea of Hs [\d.]+ m and Te [\d.]+ s: the buoy has left the water"
+    with chdir(folder), pytest.raises(ConvergenceError, match=expected):
+        simulated(plan)
+
+
+def test_check_tells_of_the_runs(folder, checked, capsys):
+    with chdir(folder):
+        assert main(["check", str(Path("checked.yaml"))]) == 0
+    assert "verify       4 seas of 60 s, body_exact, of each of 2 points, 2 done" in capsys.readouterr().out

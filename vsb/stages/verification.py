@@ -1,0 +1,92 @@
+"""Rule verification: runs in time of few seas of a member's year beside linear theory, and the year they correct."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+
+from vsb.errors import ConvergenceError, StabilityError
+from vsb.motion.pto import LinearPto
+from vsb.results.in_time import DesignInTime
+from vsb.results.member import ports_year, with_designs
+from vsb.results.verification import Sample, contributions, drawn, verified
+from vsb.results.verified_year import verified_dataset, with_lost
+from vsb.results.year import Year
+from vsb.scenes.build import linear_buoy, radiation_model, rest_shape, study_port
+from vsb.scenes.ports import design_ports
+from vsb.scenes.viability import viability
+from vsb.shell.modes import design_motions
+from vsb.shell.rest import ReferenceShell
+from vsb.stages.climate import read_climate
+from vsb.stages.make import make
+from vsb.stages.members import shape_water
+from vsb.stages.stage import partial_study, stamp
+from vsb.study.plan import StudyPlan
+from vsb.study.specs import VerificationSpec
+from vsb.study.study import Study
+from vsb.tools.files import save
+from vsb.tools.units import FloatArray
+from vsb.waves.climate import Climate, realised
+
+
+def run(spec: VerificationSpec, climate: str, root: str, out: str) -> None:
+    """Simulate the seas drawn from a member's year and write what they say about its designs that are viable."""
+    study, seas = partial_study(spec), read_climate(spec.climate, climate)
+    rest = viability(study)
+    viable = with_designs(study, [design for design in study.designs if design not in rest.reasons])
+    found = xr.Dataset(coords={"design": []})
+    if rest.reference and viable.designs:
+        found = _of_viable(spec, viable, rest.reference, seas, root)
+    found = with_lost(found, list(study.designs), study.reference_design)
+    save(found.assign_attrs(runs=_in_words(spec), model=spec.verify.model, **stamp(spec)), out)
+
+
+def _in_words(spec: VerificationSpec) -> str:
+    """Which runs these are."""
+    start, end = spec.simulation.window
+    return (
+        f"{spec.verify.seas} seas of {spec.simulation.duration:g} s, {spec.verify.model}, means from {start:g} to "
+        f"{end:g} s"
+    )
+
+
+def _of_viable(spec: VerificationSpec, study: Study, rest: ReferenceShell, seas: Climate, root: str) -> xr.Dataset:
+    """The corrected year of designs that are viable."""
+    (tuning,) = spec.tuning
+    water = shape_water(study, rest.basis, root, seas)
+    year = ports_year(study, design_ports(study, rest, water), seas, spec.tuning)
+    sample = drawn(contributions(year, tuning), seas.hours, spec.verify.seas, spec.verify.seed)
+    better, linear = _powers(spec, year, sample, in_time(study, root))
+    return verified_dataset(year, tuning, verified(year, tuning, sample, better, linear))
+
+
+def in_time(study: Study, root: str) -> Mapping[str, DesignInTime]:
+    """Return the designs of a study ready for any sea, without a damper yet; its database made if it is not there."""
+    plan = StudyPlan(study, root=root)
+    make(plan, [plan.database_path, plan.radiation_path])
+    buoy, basis = linear_buoy(study, plan.database_path)
+    radiation, shape = radiation_model(plan.radiation_path), rest_shape(study, buoy, basis)
+    take_off = LinearPto(0.0, study.pto.stiffness, study_port(study, buoy, basis))
+    return {
+        design: DesignInTime(buoy, shape, radiation, design_motions(study, basis, design), take_off)
+        for design in study.designs
+    }
+
+
+def _powers(
+    spec: VerificationSpec, year: Year, sample: Sample, designs: Mapping[str, DesignInTime]
+) -> tuple[FloatArray, FloatArray]:
+    """Mean powers of the better model and of linear theory in the drawn seas, each shape (design, draw) [W]."""
+    found = np.empty((2, len(designs), len(sample.sea)))
+    for j, (index, seed) in enumerate(zip(sample.sea, sample.seed, strict=True)):
+        for i, (name, design) in enumerate(designs.items()):
+            low, high = design.buoy.database.omega.values[[0, -1]]
+            sea = realised(year.climate, int(index), spec.simulation.duration, int(seed), low, high)
+            damped = design.under(float(year.damping[i, 0, index]))
+            where = f"{name} in a sea of Hs {year.climate.hs[index]:.3g} m and Te {year.climate.te[index]:.3g} s"
+            try:
+                found[:, i, j] = damped.powers(sea, spec.simulation, spec.verify.model)
+            except (ConvergenceError, StabilityError) as error:
+                raise type(error)(f"verify: {where}: {error}") from None
+            print(f"{where}: {found[0, i, j]:.5g} W, {found[1, i, j]:.5g} W by linear theory", flush=True)
+    return found[0], found[1]
