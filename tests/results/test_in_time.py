@@ -42,6 +42,15 @@ def test_a_linear_run_agrees_with_linear_theory(rigid):
     assert run == pytest.approx(theory, rel=2e-3)
 
 
+def test_a_spring_of_the_take_off_is_in_both(rigid):
+    """It takes nothing, and moves the resonance of the run as of the theory."""
+    sea, settings = realised(climate(), 3, 150.0, seed=1), Simulation(duration=150.0, window=(60.0, 150.0))
+    held = replace(rigid, take_off=replace(rigid.take_off, stiffness=2e4))
+    run, theory = held.powers(sea, settings, "linear")
+    assert run == pytest.approx(theory, rel=2e-3)
+    assert abs(theory / rigid.powers(sea, settings, "linear")[1] - 1) > 0.05
+
+
 def test_what_a_better_model_changes_grows_with_the_square_of_the_waves(rigid):
     """Beside the linear run in the same waves; small waves need no better model."""
     sea = realised(climate(), 3, 150.0, seed=1)
