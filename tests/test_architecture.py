@@ -28,18 +28,13 @@ HEAVY = {"numpy", "scipy", "xarray", "capytaine", "matplotlib", "netCDF4"}
 
 
 AWAITED = {
-    "vsb.errors",
     "vsb.report.campaign_figures",
     "vsb.report.campaign_page",
     "vsb.results.campaign",
     "vsb.results.member",
     "vsb.scenes.ports",
-    "vsb.scenes.viability",
     "vsb.stages.answer",
     "vsb.stages.campaign",
-    "vsb.stages.climate",
-    "vsb.study.canonical",
-    "vsb.study.froude",
 }
 """Modules tested through others alone: this set may only shrink."""
 NAMED = ast.Name | ast.Attribute

@@ -1,0 +1,43 @@
+"""Canonical JSON: one text for one meaning, and the ids made of it."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from vsb.study.canonical import canonical, content_id, result_id
+
+PLAIN = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(),
+    lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner),
+    max_leaves=8,
+)
+
+
+@given(st.dictionaries(st.text(), PLAIN))
+def test_the_order_of_keys_means_nothing(data):
+    assert canonical(dict(reversed(data.items()))) == canonical(data)
+    assert content_id(dict(reversed(data.items()))) == content_id(data)
+
+
+def test_infinity_is_a_word_and_zero_has_no_sign():
+    assert canonical({"b": (math.inf, -math.inf), "a": -0.0}) == '{"a":0.0,"b":["inf","-inf"]}'
+
+
+def test_nan_is_no_value():
+    with pytest.raises(ValueError, match="Out of range float values"):
+        canonical({"a": math.nan})
+
+
+def test_an_id_is_sixteen_digits_of_a_published_hash():
+    """sha256 of '{}', as any other tool gives it."""
+    assert content_id({}) == "44136fa355b3678a"
+
+
+def test_a_result_without_inputs_has_the_id_of_its_specification():
+    assert result_id({"a": 1}) == content_id({"a": 1})
+    assert (
+        len({result_id({"a": 1}), result_id({"a": 1}, "x"), result_id({"a": 1}, "x", "y"), result_id({"a": 2}, "x")})
+        == 4
+    )

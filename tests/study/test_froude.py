@@ -1,0 +1,71 @@
+"""Froude's scaling: the same buoy of another size, for every quantity a study can have."""
+
+import inspect
+import typing
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pydantic import BaseModel
+
+from vsb.shell.modes import mode_basis
+from vsb.study import study as config
+from vsb.study.froude import FROUDE, scaled
+
+SEED = Path(__file__).parents[2] / "config" / "seed.yaml"
+KEPT = {
+    "poisson_ratio", "density", "adiabatic_index", "atmospheric_pressure", "degree", "clamp", "depth",
+    "gravity", "power_tolerance", "tolerance", "rows", "efficiency", "colatitude", "between", "seed", "realisations",
+    "gamma", "values",
+}  # fmt: skip
+"""Numbers without dimension, angles, and what stays as it is: material, water, air, figures published elsewhere."""
+
+
+def numbers(model):
+    """Names of all keys of a model, and of the sections below it, that may hold numbers."""
+    found = set()
+
+    def look(name, annotation):
+        if inspect.isclass(annotation) and issubclass(annotation, BaseModel):
+            found.update(numbers(annotation))
+        elif annotation in {int, float}:
+            found.add(name)
+        for part in typing.get_args(annotation):
+            if not isinstance(part, str):
+                look(name, part)
+
+    for name, field in model.model_fields.items():
+        look(name, field.annotation)
+    return found
+
+
+def test_every_number_of_a_study_scales_or_is_known_to_stay():
+    """A key added later would scale in silence by nothing."""
+    found = numbers(config.Study)
+    assert found > {"radius", "damping", "stroke_limit"}
+    assert found - set(FROUDE) == KEPT
+
+
+def test_scaling_there_and_back_is_nothing():
+    study = config.load(SEED).model_dump(exclude={"study"})
+    twice = scaled(scaled(study, 4.0), 0.25)
+    assert config.parse({"study": "seed", **twice}, source="twice").model_dump() == config.load(SEED).model_dump()
+
+
+def test_dampers_by_name_and_lists_go_with_their_key():
+    raw = {"pto": {"damping": {"FSB": 2.0, "VSWEC": 3.0}}, "simulation": {"window": [4.0, 8.0]}, "hydro": {"rows": 40}}
+    assert scaled(raw, 4.0) == {
+        "pto": {"damping": {"FSB": 64.0, "VSWEC": 96.0}}, "simulation": {"window": [8.0, 16.0]}, "hydro": {"rows": 40}
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("scale", [0.25, 4.0])
+def test_a_scaled_shell_swings_more_slowly_by_the_root(scale):
+    """Stiffness over inertia of every mode goes as gravity over length."""
+    study = config.load(SEED)
+    larger = config.parse(scaled(study.model_dump(), scale), source="larger")
+    own, other = (
+        np.linalg.eigvals(np.linalg.solve(basis.inertia, basis.stiffness)).real
+        for basis in (mode_basis(one.device, "full", 4) for one in (study, larger))
+    )
+    assert np.sort(other) == pytest.approx(np.sort(own) / scale, rel=1e-9, abs=1e-6)
