@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from vsb.errors import ConvergenceError, DatabaseError, StabilityError
@@ -61,10 +61,12 @@ def is_passive(model):
     return found.value > 0.5 * found.bound  # what there is is round-off of the proof
 
 
-@settings(max_examples=6, deadline=None)
-@given(st.integers(3, 5), st.integers(1, 3), st.integers(1, 4), st.integers(0, 10**6))
+@settings(max_examples=20, deadline=None)
+@given(st.integers(3, 5), st.integers(2, 4), st.integers(1, 4), st.integers(0, 10**6))
 def test_random_passive_memories_are_recovered_with_their_poles(half, channels, dof, seed):
+    """All poles at least half as far below the axis as samples are apart: narrower peaks fall between these."""
     true = reciprocal(2 * half, channels, dof, seed)
+    assume(-np.linalg.eigvals(true.state_matrix).real.max() > 0.5 * (OMEGA[1] - OMEGA[0]))
     given_ = samples(true)
     fit = fit_passive(given_, 1e-4)
     assert fit.error < 1e-4
