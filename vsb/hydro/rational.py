@@ -152,6 +152,8 @@ def settled(
         raise ConvergenceError(
             f"omega: received {len(omega)} samples, rational interpolation needs {FEWEST_SAMPLES}; solve more of them"
         )
+    ascending = np.argsort(omega)  # round-off, and what it decides, must not depend on the order of solving
+    omega, values, size = omega[ascending], values[ascending], size[ascending]
     found = interpolants(omega, values, size)
     on = [r(grid) for r in found]
     steps = [np.abs(b - a).max(axis=1) * on_grid for a, b in itertools.pairwise(on)]
