@@ -172,13 +172,18 @@ def _forced(options: Sequence[str], stale: Sequence[str]) -> list[str]:
 def finished(command: Sequence[str], env: Mapping[str, str], pass_fds: Sequence[int] = ()) -> int:
     """Return the exit code of a command; told to end, or interrupted, end all that it started before anything else."""
     heard = [number for number in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(number) != signal.SIG_IGN]
-    before = {number: signal.signal(number, _told_to_end) for number in heard}
+    early: list[int] = []  # told while the command begins: ended once it is known
+    before = {number: signal.signal(number, lambda told, _: early.append(told)) for number in heard}
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # one that comes meanwhile waits
     interrupt = signal.signal(signal.SIGINT, signal.SIG_IGN)  # of it and its jobs: they are ended here, without a word
     try:
         process = subprocess.Popen(command, env=env, pass_fds=pass_fds)
         signal.signal(signal.SIGINT, interrupt)
         try:
+            for number in heard:
+                signal.signal(number, _told_to_end)
+            for told in early:
+                _told_to_end(told, None)
             signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
             return process.wait()
         except BaseException:
