@@ -102,6 +102,11 @@ def hemisphere() -> dict:
     return json.loads((HERE / "data" / "hemisphere.json").read_text())
 
 
+def pytest_make_parametrize_id(config, val, argname):
+    """Name a test by its argument where the value is bytes: packed ones hold their time, so two workers named it twice."""
+    return argname if isinstance(val, bytes) else None
+
+
 def pytest_collection_modifyitems(items):
     """Run the workflow's tests first: they are the longest."""
     items.sort(key=lambda item: item.path.name != "test_workflow.py")
