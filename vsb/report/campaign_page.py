@@ -3,11 +3,11 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import jinja2
 import numpy as np
 import xarray as xr
 
 from vsb.report.campaign_figures import is_verified, shown_member, told_gain
+from vsb.report.html import captioned, page
 from vsb.study.specs import leading_tuning
 from vsb.waves.climate import YEAR_HOURS
 
@@ -71,23 +71,18 @@ def render(report: CampaignReport) -> str:
         else {}
     )
     words = {"tuned": TUNED[tuning], "at": f" at {at}" if at else ""}
-    figures = [
-        {"name": name, "caption": CAPTIONS[name].format(**words) + told.get(name, ""), "svg": svg[svg.index("<svg") :]}
-        for name, svg in report.figures.items()
-    ]
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("vsb.report"), autoescape=True, undefined=jinja2.StrictUndefined
-    )
-    return environment.get_template("campaign.html.j2").render(
+    captions = {name: text.format(**words) + told.get(name, "") for name, text in CAPTIONS.items()}
+    return page(
+        "campaign.html.j2",
         campaign=ds.attrs["campaign"],
         climate=ds.attrs["climate"],
-        answer=answer(ds, reference, tuning),
+        answer=[answer(ds, reference, tuning)],
         statements=statements(ds, reference, tuning),
         warnings=warnings(ds),
         head=HEAD,
         body=rows(ds),
         left_out=max(0, int(ds.annual_mean_power.size) - MOST_ROWS),
-        figures=figures,
+        figures=captioned(report.figures, captions),
         facts={"Study": ds.attrs["study"], "Climate": ds.attrs["climate"], "Content id": ds.attrs["spec_id"]},
     )
 

@@ -1,18 +1,14 @@
 """The self-contained HTML report: the answer first, then the evidence, then what to doubt."""
 
-import csv
-import io
-import urllib.parse
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-import jinja2
-import markupsafe
 import numpy as np
 import xarray as xr
 
 from vsb.report.band import useful_band
+from vsb.report.html import captioned, page
 from vsb.report.tuned import (
     GIVEN,
     NO_BEST_DAMPER,
@@ -112,6 +108,7 @@ PUBLISHED = {
     "energy": ("energy of the run", "kJ", 1e-3),
 }
 """Measures that may be published elsewhere: name, unit as printed, factor to it."""
+PUBLISHED_HEAD = ("design", "sea", "measure", "published", "ours", "difference")
 
 
 def winning_bands(omega: FloatArray, gain: FloatArray, threshold: float = 100 * _MARGIN) -> list[Band]:
@@ -310,35 +307,14 @@ def published_table(study: dict[str, Any], rows: Sequence[dict[str, Any]]) -> li
     return lines
 
 
-def csv_link(name: str, head: Sequence[str], body: Sequence[Sequence[str]]) -> str:
-    """Return a link that keeps a table as a CSV file: the data are inside it, nothing is fetched."""
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows([head, *body])
-    data = urllib.parse.quote(text.getvalue())
-    return markupsafe.Markup('<a class="csv" download="{}.csv" href="data:text/csv;charset=utf-8,{}">CSV</a>').format(
-        name, data
-    )
-
-
 def render(report: Report) -> str:
     """Return the report as one HTML page with everything inside."""
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("vsb.report"), autoescape=True, undefined=jinja2.StrictUndefined
-    )
     head, body = table(report.rows)
     details_head, details = table(report.rows, DETAILS)
     irregular, tuned, response = report.irregular, report.equal_tuning, report.response
     where, given = dampers_in_words(report.study["pto"]), report.study["pto"].get("damping") is not None
-    figures = [
-        {
-            "name": name,
-            "caption": CAPTIONS[name.partition("-")[0]],
-            "sea": name.partition("-")[2],
-            "svg": svg[svg.index("<svg") :],
-        }
-        for name, svg in report.figures.items()
-    ]
-    return environment.get_template("report.html.j2").render(
+    return page(
+        "report.html.j2",
         study=report.study["study"],
         answer=[
             *(tuned_statements(tuned, report.reference, report.seas) if response is not None else [NO_BEST_DAMPER]),
@@ -363,15 +339,15 @@ def render(report: Report) -> str:
         details=details,
         statistics_head=STATISTICS,
         statistics=statistics_table(report.statistics),
+        published_head=PUBLISHED_HEAD,
         published=published_table(report.study, report.rows),
         source=(report.study["published"] or {"source": ""})["source"],
         warnings=warnings(report.checks),
         doubts=sum(check["verdict"] == "doubt" for check in report.checks),
         head=head,
         body=body,
-        figures=figures,
+        figures=captioned(report.figures, CAPTIONS),
         checks=[check for check in report.checks if check["verdict"] != "ok"],
         passed=[check for check in report.checks if check["verdict"] == "ok"],
-        csv=csv_link,
         facts=report.facts,
     )
