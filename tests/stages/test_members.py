@@ -33,15 +33,19 @@ MODULI = {"device.young_modulus": [1e6, 1e7]}
 THICKER = {**MODULI, "device.thickness": [0.01, 0.02, 0.04]}
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    place = tmp_path_factory.mktemp("campaign")
+def with_seas(place, *seas):
+    """A folder with the spectra of an hour of each sea, (Hs, Tp), as a buoy would measure them."""
     lines = ["YY MM DD hh " + " ".join(f"{f:.4f}" for f in HERTZ)]
-    for hour, (hs, tp) in enumerate([(1.0, 6.0), (2.2, 9.0), (2.3, 9.5), (3.1, 12.0)]):
+    for hour, (hs, tp) in enumerate(seas):
         density = 2 * np.pi * jonswap_spectrum(2 * np.pi * HERTZ, hs, tp, 2.0)
         lines.append(f"1996 01 01 {hour:02d} " + " ".join(f"{s:.5f}" for s in density))
     (place / "sea.txt").write_text("\n".join(lines) + "\n")
     return place
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return with_seas(tmp_path_factory.mktemp("campaign"), (1.0, 6.0), (2.2, 9.0), (2.3, 9.5), (3.1, 12.0))
 
 
 def planned(folder, vary=None, name="sweep", **sections):

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from stages.test_members import BASE, HERTZ, batches, gather, told
+from stages.test_members import BASE, batches, gather, told, with_seas
 
 from vsb.cli import main
 from vsb.errors import ConfigError, ConvergenceError
@@ -18,7 +18,6 @@ from vsb.stages import answer, verification
 from vsb.stages.preview import check_campaign
 from vsb.study.campaign_plan import plan_of
 from vsb.tools.files import load
-from vsb.waves.seas import jonswap_spectrum
 
 RUNS = {"duration": 60.0, "window": [40.0, 60.0], "tolerance": 1e-4}
 VERIFY = {"seas": 4, "seed": 3}
@@ -27,13 +26,7 @@ MASSES = {"device.mass": [17170.0, 17000.0]}
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    place = tmp_path_factory.mktemp("verified")
-    lines = ["YY MM DD hh " + " ".join(f"{f:.4f}" for f in HERTZ)]
-    for hour, (hs, tp) in enumerate([(0.6, 5.0), (1.0, 6.0), (1.3, 6.5), (1.6, 7.0)]):
-        density = 2 * np.pi * jonswap_spectrum(2 * np.pi * HERTZ, hs, tp, 2.0)
-        lines.append(f"1996 01 01 {hour:02d} " + " ".join(f"{s:.5f}" for s in density))
-    (place / "sea.txt").write_text("\n".join(lines) + "\n")
-    return place
+    return with_seas(tmp_path_factory.mktemp("verified"), (0.6, 5.0), (1.0, 6.0), (1.3, 6.5), (1.6, 7.0))
 
 
 def planned(folder, name="checked", vary=None, verify=None, **sections):

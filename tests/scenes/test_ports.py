@@ -1,0 +1,97 @@
+"""The ports of a study's designs from coefficients of its shape: closed forms, in place of any solver's."""
+
+import numpy as np
+import pytest
+from conftest import varied
+
+from vsb.hydro.coefficients import Coefficients
+from vsb.hydro.dofs import displacements
+from vsb.scenes.ports import ShapeWater, design_ports
+from vsb.scenes.rest import reference_shell
+from vsb.study.blocks import HydroPlan
+
+OMEGA = np.linspace(0.5, 3.0, 26)
+SPRING = 3e4
+
+
+def water(study, colatitude=2.0, mass=4e3, loss=1e3, pull=5e4, omega=OMEGA):
+    """A body that moves water, radiates and is pulled at one ring alone: all coefficients are products there."""
+    solved = displacements(HydroPlan(study).displacements)
+    at_ring = np.polynomial.legendre.legvander(np.cos([colatitude]), len(solved) - 1)[0]
+    at_ring = at_ring if len(solved) > 1 else np.cos([colatitude])  # of a rigid study Radial1 alone
+    product = np.outer(at_ring, at_ring)
+    every = omega[:, None, None]
+    excitation = np.tile(pull * at_ring, (len(omega), 1)).astype(complex)
+    return ShapeWater(solved, omega, Coefficients(mass * product + 0 * every, loss * every * product, excitation))
+
+
+@pytest.fixture(scope="module")
+def study(seed):
+    """The seed with a spring at its port."""
+    return varied(seed, pto={"damping": 8e3, "stiffness": SPRING}, modes={"degree": 4})
+
+
+def test_coefficients_of_modes_are_those_of_what_their_ring_does(study):
+    """A mode moves the ring by its own normal displacement, which is all such water knows of it."""
+    basis, found = reference_shell(study).basis, water(study)
+    radial = basis.displacement(np.array([2.0]))[0][:, 0]
+    modes = found.in_modes(basis)
+    np.testing.assert_allclose(modes.added_mass[3], 4e3 * np.outer(radial, radial), rtol=1e-12, atol=1e-9)
+    np.testing.assert_allclose(modes.damping[3], 1e3 * OMEGA[3] * np.outer(radial, radial), rtol=1e-12, atol=1e-9)
+    np.testing.assert_allclose(modes.excitation[3], 5e4 * radial, rtol=1e-12, atol=1e-9)
+
+
+def test_a_rigid_design_is_a_mass_on_two_springs(study):
+    """V0 = F/Z and Y = 1/Z: the mass and the water's, its loss, the waterplane and the spring of the take-off."""
+    rest = reference_shell(study)
+    port = design_ports(study, rest, water(study))["FSB"]
+    heave, squared = np.cos(2.0), study.device.radius**2 - study.centre_height**2
+    waterplane = study.water.density * study.water.gravity * np.pi * squared
+    inertia = study.device.mass + 4e3 * heave**2
+    impedance = -1j * OMEGA * inertia + 1e3 * OMEGA * heave**2 + (waterplane + SPRING) / (-1j * OMEGA)
+    np.testing.assert_allclose(port.admittance, 1 / impedance, rtol=1e-9)
+    np.testing.assert_allclose(port.velocity, 5e4 * heave / impedance, rtol=1e-9)
+    assert port.compliance == pytest.approx(1 / (waterplane + SPRING), rel=1e-9)
+
+
+def test_shells_of_other_materials_share_the_water(study):
+    """The stiffer the shell, the nearer its port to that of the rigid design, by the first order of 1/E."""
+    shared = water(study)
+    far = []
+    for modulus in (1e12, 1e13):
+        stiff = varied(study, device={"young_modulus": modulus})
+        ports = design_ports(stiff, reference_shell(stiff), shared)
+        far.append(np.abs(ports["VSWEC"].velocity / ports["FSB"].velocity - 1).max())
+    assert far[0] / far[1] == pytest.approx(10, rel=0.05)
+    assert far[0] < 0.05
+
+
+def test_a_port_may_be_elsewhere(study):
+    """At its top a rigid buoy moves as it heaves, its shell does not; between its own points it does not move."""
+    rest, shared = reference_shell(study), water(study)
+    heave = design_ports(study, rest, shared)
+    at_top = design_ports(
+        varied(study, pto={"port": {"colatitude": 0, "direction": "vertical", "against": "sea_bed"}}), rest, shared
+    )
+    np.testing.assert_allclose(at_top["FSB"].velocity, heave["FSB"].velocity, rtol=1e-12)
+    assert np.abs(at_top["VSWEC"].velocity / heave["VSWEC"].velocity - 1).max() > 0.1
+    across = design_ports(varied(study, pto={"port": {"between": [0, 180]}}), rest, shared)
+    assert not across["FSB"].moves
+    assert across["VSWEC"].moves
+
+
+def test_every_design_has_its_own_motions(study):
+    """Clamped to its equator a shell still moves, but not as one that is free."""
+    ports = design_ports(study, reference_shell(study), water(study))
+    assert list(ports) == list(study.designs)
+    velocity = {design: port.velocity for design, port in ports.items()}
+    for design in ("FSB", "VSWEC"):
+        assert np.abs(velocity["VSWEC90"] / velocity[design] - 1).max() > 1e-2
+
+
+def test_a_rigid_study_is_solved_for_heave_alone(seed):
+    rigid = varied(seed, designs={"FSB": {"flexible": False}}, pto={"damping": 8e3})
+    rest = reference_shell(rigid)
+    (port,) = design_ports(rigid, rest, water(rigid)).values()
+    assert rest.basis.labels == ("Heave",)
+    assert port.compliance == pytest.approx(1 / float(rest.total[0, 0]), rel=1e-12)

@@ -1,0 +1,80 @@
+"""What gathers a campaign: every member where its point says, stamped, and nothing of another campaign."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from stages.test_members import gather, planned, with_seas
+
+from vsb.errors import DatabaseError
+from vsb.results.campaign import stacked
+from vsb.study.campaign_plan import members
+from vsb.study.study import canonical
+from vsb.tools.files import load, save
+from vsb.tools.stamps import faults, read_manifest
+
+VARIED = {"device.young_modulus": [3e6, 1e6], "device.thickness": [0.01, 0.02, 0.04]}
+BY, BINS = ("design", "tuning"), ("hs", "te")
+
+
+def made_up(one):
+    """Results that tell of which member they are: its power is the product of what it varies."""
+    power = np.prod(list(one.point.values())) * np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]])
+    return xr.Dataset(
+        {
+            "annual_mean_power": (BY, power),
+            "damping": ((*BY, *BINS), np.broadcast_to(power[..., None, None], (2, 3, 1, 2))),
+            "margin": ((), 0.5),
+            "viable": ("design", [True, True]),
+            "reason": ("design", np.array(["", ""], dtype=object)),
+            "count": (BINS, [[2, 0]]),
+        },
+        coords={"design": ["FSB", "VSWEC"], "tuning": ["fixed", "one", "each"], "hs": [1.25], "te": [4.5, 5.5]},
+    )
+
+
+@pytest.fixture
+def plan(tmp_path):
+    """A plan whose batches are there."""
+    one = planned(with_seas(tmp_path, (1.0, 6.0)), VARIED)
+    for batch, spec in one.batches.items():
+        held = members(spec.base, spec.points, spec.climate, spec.tuning)
+        whole = stacked([made_up(each) for each in held], [each.id for each in held])
+        save(whole.assign_attrs(spec_id=batch), one.batch_path(batch))
+    return one
+
+
+def test_every_member_stands_at_its_point(plan):
+    gather(plan)
+    found = load(plan.data_path, expected=plan.campaign_id)
+    assert found.annual_mean_power.dims == ("young_modulus", "thickness", *BY)
+    for modulus in VARIED["device.young_modulus"]:
+        for thickness in VARIED["device.thickness"]:
+            power = found.annual_mean_power.sel(young_modulus=modulus, thickness=thickness)
+            np.testing.assert_allclose(power.sel(design="VSWEC", tuning="fixed"), 4 * modulus * thickness, rtol=1e-15)
+    assert found.attrs["spec"] == canonical(plan.campaign)
+    assert found.attrs["campaign"] == "sweep"
+
+
+def test_the_table_is_stamped_and_says_the_same(plan):
+    gather(plan)
+    assert faults({plan.table_path: plan.campaign_id}, read_manifest(plan.manifest)) == []
+    rows = list(csv.DictReader(Path(plan.table_path).read_text().splitlines()))
+    assert len(rows) == 6 * 2 * 3
+    for row in rows:
+        factor = {"FSB": 0, "VSWEC": 3}[row["design"]] + 1 + ["fixed", "one", "each"].index(row["tuning"])
+        product = float(row["device.young_modulus"]) * float(row["device.thickness"])
+        assert float(row["annual_mean_power"]) == pytest.approx(factor * product, rel=1e-11)
+
+
+def test_a_batch_of_another_campaign_is_refused(plan):
+    """Under its name lies what was computed of other members."""
+    (batch,) = plan.batches
+    other = load(plan.batch_path(batch)).assign_attrs(spec_id="0" * 16)
+    save(other, plan.batch_path(batch))
+    with pytest.raises(DatabaseError, match=f"{batch}.nc: holds '0{{16}}', needs '{batch}'"):
+        gather(plan)
+    assert not Path(plan.data_path).exists()
+    assert not Path(plan.table_path).exists()
