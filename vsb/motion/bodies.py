@@ -5,8 +5,9 @@ stiffness of the dry body are the database's where they are not given.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple, final
 
 import numpy as np
 import xarray as xr
@@ -15,15 +16,16 @@ from scipy.linalg import eigh
 
 from vsb.errors import ConfigError, DatabaseError, StabilityError
 from vsb.hydro.coefficients import Coefficients
-from vsb.hydro.formats.modes import Structure, structure
+from vsb.hydro.formats.modes import DRY, Structure, structure
 from vsb.hydro.kernel import DampingSpectrum
 from vsb.hydro.passive import Limit, PassiveFit, RadiationSamples, fit_passive, sizes
-from vsb.motion.forces import Damper, Excitation, Force, RadiationMemory, Spring, SpringDamper
-from vsb.motion.frequency import dynamic_stiffness, port_of
-from vsb.motion.port import Port
+from vsb.hydro.statespace import RadiationModel
+from vsb.motion.builders import take_off
+from vsb.motion.forces import Damper, Excitation, Force, RadiationMemory, Spring
+from vsb.motion.frequency import LinearMotion
 from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.units import FloatArray
 from vsb.waves.seas import Sea
 
 _SAME_DIRECTION = 1e-6  # [rad]
@@ -32,21 +34,18 @@ _ADRIFT = 1e-9  # square of a growth rate, in terms of the largest of a frequenc
 NO_TAKE_OFF = LinearPto(0.0)
 
 
+@final
 @dataclass(frozen=True)
-class LinearBody:
-    """Degrees of freedom of one or more bodies about their rest; made by `linear_body`, checked when made."""
+class LinearBody(LinearMotion):
+    """Degrees of freedom of one or more bodies in waves of one direction; made by `linear_body`, checked when made."""
 
-    database: xr.Dataset  # of these degrees of freedom, frequencies positive
-    mass: FloatArray  # M (dof, dof) [kg]
-    damping: FloatArray  # D of the dry body (dof, dof) [kg/s]
-    stiffness: FloatArray  # C of the dry body and its mooring (dof, dof) [N/m]
-    pto: LinearPto
+    direction: float = 0.0  # the waves go to [rad]
 
     def __post_init__(self) -> None:
         """Refuse what cannot move."""
         dof = len(self.labels)
-        for name in ("mass", "damping", "stiffness"):
-            matrix = getattr(self, name)
+        dry = {"mass": self.mass, "damping": self.structural_damping, "stiffness": self.dry_stiffness}
+        for name, matrix in dry.items():
             if np.shape(matrix) != (dof, dof) or not np.isfinite(matrix).all():
                 raise ConfigError(
                     f"{name}: received shape {np.shape(matrix)}, needs finite numbers, shape {(dof, dof)}."
@@ -61,7 +60,7 @@ class LinearBody:
                 f"mass: received {', '.join(still) or 'motions'} without inertia, the water's at infinite frequency "
                 "included; needs a positive definite mass, or other degrees of freedom."
             )
-        if self.pto.port is None and (self.pto.damping or self.pto.stiffness):
+        if self.pto.port is None and (np.any(self.pto.damping) or self.pto.stiffness):
             raise ConfigError("pto: received no port, needs the motion it takes off; see `combination`.")
         if self.pto.port is not None and self.pto.port.shape != (dof,):
             raise ConfigError(f"pto: received a port of {self.pto.port.shape}, needs {(dof,)}.")
@@ -71,20 +70,10 @@ class LinearBody:
         """Names of the degrees of freedom."""
         return tuple(map(str, self.database.influenced_dof.values))
 
-    @cached_property
-    def added_mass_inf(self) -> FloatArray:
-        """Added mass at infinite frequency, shape (dof, dof) [kg]."""
-        return np.asarray(self.database.added_mass_inf.values)
-
-    @cached_property
-    def hydrostatic(self) -> FloatArray:
-        """Stiffness of still water, shape (dof, dof) [N/m]."""
-        return np.asarray(self.database.hydrostatic_stiffness.values)
-
-    @cached_property
-    def spectrum(self) -> DampingSpectrum:
-        """Radiation damping over frequency."""
-        return DampingSpectrum(self.database.omega.values, self.database.radiation_damping.values)
+    @property
+    def dry_stiffness(self) -> FloatArray:
+        """Stiffness of the dry body and its mooring, shape (dof, dof) [N/m]."""
+        return self.stiffness_parts["structural"]
 
     @cached_property
     def samples(self) -> RadiationSamples:
@@ -104,13 +93,13 @@ class LinearBody:
         mass, damping, force = (CubicSpline(self.database.omega.values, self.database[name].values) for name in names)
         return mass, damping, force
 
-    def coefficients(self, omega: FloatArray, direction: float) -> Coefficients:
-        """Return the coefficients by cubic splines, in waves of one of the database's directions [rad].
+    def coefficients(self, omega: FloatArray) -> Coefficients:
+        """Return the coefficients by cubic splines, in waves of one of the database's directions.
 
         Raises
         ------
         DatabaseError
-            Outside the band, or of a direction that is not there.
+            Outside the band, or if the direction is not there.
         """
         first, last = self.database.omega.values[[0, -1]]
         if omega.size and (omega.min() < first - 1e-9 or omega.max() > last + 1e-9):
@@ -118,36 +107,46 @@ class LinearBody:
                 f"frequencies: received {omega.min():.4g} to {omega.max():.4g} rad/s, the database holds {first:g} to "
                 f"{last:g} rad/s; solve a wider band, or use waves within it."
             )
-        known = self.database.wave_direction.values
-        near = int(np.argmin(np.abs(known - direction)))
-        if abs(known[near] - direction) > _SAME_DIRECTION:
-            raise DatabaseError(
-                f"wave direction: received {np.degrees(direction):g} degrees, needs one of "
-                f"{', '.join(f'{d:g}' for d in np.degrees(known))}."
-            )
         added_mass, damping, force = (spline(omega) for spline in self._splines)
+        near = direction_index(self.database.wave_direction.values, self.direction)
         return Coefficients(added_mass, damping, np.asarray(force[:, near], dtype=complex))
 
-    def rao(self, omega: FloatArray, direction: float, motions: FloatArray) -> ComplexArray:
-        """Return displacement per unit wave amplitude under the take-off, shape (omega, dof) [m/m].
+    def added_mass_at(self, omega: float) -> FloatArray:
+        """Return the added mass, beyond the band as constant below and as it nears its limit above, (dof, dof) [kg]."""
+        first, last = self.database.omega.values[[0, -1]]
+        inside = np.asarray(self._splines[0](np.clip(omega, first, last)))
+        return self.added_mass_inf + (inside - self.added_mass_inf) * min(1.0, float(last / omega)) ** 2
 
-        Parameters
-        ----------
-        omega : ndarray, shape (omega,) [rad/s]
-        direction : float [rad]
-        motions : ndarray, shape (dof, free)
-            The motions allowed.
-        """
-        c, dof = self.coefficients(omega, direction), len(self.labels)
-        held = self.hydrostatic + self.stiffness + self.pto.spring(dof)
-        dynamic = dynamic_stiffness(omega, c, self.mass, self.damping + self.pto.matrix(dof), held)
-        moved = np.linalg.solve(motions.T @ dynamic @ motions, (c.excitation @ motions)[..., None])
-        return np.asarray(moved[..., 0] @ motions.T)
+    def drifting(self, stiffness: FloatArray, motions: FloatArray) -> FloatArray:
+        """Return the motions nothing holds; see `LinearMotion.drifting`."""
+        inertia = motions.T @ (self.mass + self.added_mass_inf) @ motions
+        values, shapes = eigh(stiffness, inertia)
+        size = _ADRIFT * max(abs(values[-1]), 1e-300)
+        if values[0] < -size:
+            most = np.abs(motions @ shapes[:, 0]) * np.sqrt(np.diag(self.mass + self.added_mass_inf))
+            raise StabilityError(
+                f"the body does not rest: received a negative stiffness of {self.labels[int(most.argmax())]}, growing "
+                f"by {np.sqrt(-values[0]):.3g}/s; needs a lower centre of mass, a mooring, or this motion held."
+            )
+        return np.asarray(shapes[:, values <= size])
 
-    def port(self, omega: FloatArray, direction: float, motions: FloatArray) -> Port:
-        """Return what the take-off sees, its own damper and spring left out; parameters of `rao`."""
-        c, held = self.coefficients(omega, direction), self.hydrostatic + self.stiffness
-        return port_of(omega, c, self.mass, self.damping, held, motions, self.pto.direction(len(self.labels)))
+
+def direction_index(known: FloatArray, direction: float) -> int:
+    """Return the place of a wave direction [rad] among those known, full turns left out.
+
+    Raises
+    ------
+    DatabaseError
+        If it is not there.
+    """
+    apart = np.abs((known - direction + np.pi) % (2 * np.pi) - np.pi)
+    near = int(np.argmin(apart))
+    if apart[near] > _SAME_DIRECTION:
+        raise DatabaseError(
+            f"wave direction: received {np.degrees(direction):g} degrees, needs one of "
+            f"{', '.join(f'{d:g}' for d in np.degrees(known))}."
+        )
+    return near
 
 
 def linear_body(
@@ -194,7 +193,14 @@ def linear_body(
     chosen_mass, chosen_damping, chosen_stiffness = (
         held if matrix is None else np.asarray(matrix, dtype=float) for held, matrix in zip(own, given, strict=True)
     )
-    return LinearBody(chosen, chosen_mass, chosen_damping, chosen_stiffness, pto)
+    pair = ("influenced_dof", "radiating_dof")
+    for name, matrix in (("mass", chosen_mass), ("damping", chosen_damping), ("stiffness", chosen_stiffness)):
+        if matrix.shape != none.shape:
+            raise ConfigError(f"{name}: received shape {matrix.shape}, needs finite numbers, shape {none.shape}.")
+    complete = chosen.drop_vars([name for name in DRY if name in chosen]).assign(
+        inertia_matrix=(pair, chosen_mass), structural_stiffness=(pair, chosen_stiffness)
+    )
+    return LinearBody(complete, chosen_damping, pto)
 
 
 def with_added_mass_inf(ds: xr.Dataset) -> xr.Dataset:
@@ -208,31 +214,25 @@ def with_added_mass_inf(ds: xr.Dataset) -> xr.Dataset:
     return ds.assign(added_mass_inf=(("influenced_dof", "radiating_dof"), limit)).assign_attrs(history=told)
 
 
-def combination(labels: Sequence[str], shares: Mapping[str, float]) -> FloatArray:
-    """Return b of a port that moves with a combination of degrees of freedom, b.q = sum of share times amplitude.
+class Memory(NamedTuple):
+    """What a scene needs of a `PassiveFit`."""
 
-    Raises
-    ------
-    ConfigError
-        If a degree of freedom is not there, or the combination is none.
-    """
-    if unknown := sorted(set(shares) - set(labels)):
-        raise ConfigError(f"port: received {', '.join(unknown)}; needs some of {', '.join(labels)}.")
-    b = np.array([float(shares.get(label, 0.0)) for label in labels])
-    if not (np.isfinite(b).all() and b.any()):
-        raise ConfigError(f"port: received {dict(shares)}; needs finite shares, not all zero.")
-    return b
+    model: RadiationModel
+    added_mass_inf: FloatArray  # (dof, dof) [kg]
 
 
 def body_scene(
-    body: LinearBody, radiation: PassiveFit | None, waves: Mapping[float, Sea], motions: FloatArray | None = None
+    body: LinearBody,
+    radiation: Memory | PassiveFit | None,
+    waves: Mapping[float, Sea],
+    motions: FloatArray | None = None,
 ) -> Scene:
-    """Return the linear scene of a body in seas from several directions, with the forces it has and no others.
+    """Return the linear scene of a body in seas of several directions, with the forces it has and no others.
 
     Parameters
     ----------
     body : LinearBody
-    radiation : PassiveFit or None
+    radiation : Memory, PassiveFit or None
         Of `LinearBody.memory`, its added mass at infinite frequency included; None: the body makes no waves.
     waves : mapping of float to Sea
         Direction [rad] -> sea; none: still water.
@@ -246,37 +246,23 @@ def body_scene(
     """
     dof = len(body.labels)
     free = np.eye(dof) if motions is None else motions
-    _check_rest(body, free)
-    forces: dict[str, Force] = {"hydrostatic": Spring(body.hydrostatic)}
+    body.drifting(free.T @ body.held @ free, free)
+    forces: dict[str, Force] = {"hydrostatic": Spring(body.stiffness_parts["hydrostatic"])}
     if radiation:
         forces["radiation"] = RadiationMemory(radiation.model)
-    if body.stiffness.any():
-        forces["elastic"] = Spring(body.stiffness)
-    if body.damping.any():
-        forces["structural_damping"] = Damper(body.damping)
-    if body.pto.stiffness:
-        forces["pto"] = SpringDamper(body.pto.spring(dof), body.pto.matrix(dof), np.zeros(dof))
-    elif body.pto.damping:
-        forces["pto"] = Damper(body.pto.matrix(dof))
+    if body.dry_stiffness.any():
+        forces["elastic"] = Spring(body.dry_stiffness)
+    if body.structural_damping.any():
+        forces["structural_damping"] = Damper(body.structural_damping)
+    forces |= take_off(body.pto, dof)
     if seas := {direction: sea for direction, sea in waves.items() if sea.omega.size}:
-        parts = [sea.amplitude[:, None] * body.coefficients(sea.omega, at).excitation for at, sea in seas.items()]
+        towards = {direction: replace(body, direction=direction) for direction in seas}
+        parts = [sea.amplitude[:, None] * towards[at].coefficients(sea.omega).excitation for at, sea in seas.items()]
         forces["excitation"] = Excitation(together(seas).omega, np.concatenate(parts))
     heaving = free[body.labels.index("Heave")] if "Heave" in body.labels else free[0]
     lead = int(np.argmax(np.abs(heaving) > 0))
     added = radiation.added_mass_inf if radiation else body.added_mass_inf
     return Scene(body.labels, body.mass + added, forces, free, lead=lead)
-
-
-def _check_rest(body: LinearBody, motions: FloatArray) -> None:
-    """Raise `StabilityError` if a motion allowed falls over; one that nothing holds drifts, which may be."""
-    held = body.hydrostatic + body.stiffness + body.pto.spring(len(body.labels))
-    values, shapes = eigh(motions.T @ held @ motions, motions.T @ (body.mass + body.added_mass_inf) @ motions)
-    if values[0] < -_ADRIFT * max(abs(values[-1]), 1e-300):
-        most = np.abs(motions @ shapes[:, 0]) * np.sqrt(np.diag(body.mass + body.added_mass_inf))
-        raise StabilityError(
-            f"the body does not rest: received a negative stiffness of {body.labels[int(most.argmax())]}, growing by "
-            f"{np.sqrt(-values[0]):.3g}/s; needs a lower centre of mass, a mooring, or this motion held."
-        )
 
 
 def together(waves: Mapping[float, Sea]) -> Sea:

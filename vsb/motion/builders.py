@@ -37,7 +37,7 @@ def linear_scene(buoy: LinearBuoy, radiation: RadiationModel, sea: Sea, motions:
         "hydrostatic": Spring(buoy.stiffness_parts["hydrostatic"]),
         "radiation": RadiationMemory(radiation),
     }
-    forces |= _take_off(buoy.pto, len(buoy.mass))
+    forces |= take_off(buoy.pto, len(buoy.mass))
     labels = tuple(str(label) for label in database.influenced_dof.values)
     if flexible(labels, motions):
         forces |= _shell_springs(buoy.stiffness_parts, buoy.structural_damping)
@@ -47,8 +47,8 @@ def linear_scene(buoy: LinearBuoy, radiation: RadiationModel, sea: Sea, motions:
     return Scene(labels, buoy.mass + buoy.added_mass_inf, forces, motions)
 
 
-def _take_off(pto: LinearPto, dof: int) -> dict[str, Force]:
-    """Force of a take-off that is there, its spring slack about the reference shape."""
+def take_off(pto: LinearPto, dof: int) -> dict[str, Force]:
+    """Return the force of a take-off that is there, its spring slack about the rest, by name."""
     if pto.stiffness:
         return {"pto": SpringDamper(pto.spring(dof), pto.matrix(dof), np.zeros(dof))}
     return {"pto": Damper(pto.matrix(dof))} if pto.damping else {}
@@ -169,7 +169,7 @@ def assumed_pressure_scene(
         "water": WaterPressure(wet, np.zeros(len(basis.labels)), density * gravity, tangent, assumed=load),
         "weight": ConstantForce(-gravity * basis.inertia[0]),
     }
-    forces |= _take_off(pto, len(basis.labels))
+    forces |= take_off(pto, len(basis.labels))
     forces |= _shell_forces(basis, motions)
     scene = Scene(basis.labels, basis.inertia, forces, motions)
     resting(scene)  # a shell that cannot carry its load collapses: no buoy, however well integrated

@@ -1,13 +1,15 @@
 """Frequency domain: response amplitude operators, absorbed power, wet natural frequencies."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import final
 
 import numpy as np
 import xarray as xr
 from scipy.interpolate import CubicSpline
-from scipy.linalg import eigh
+from scipy.linalg import eigh, null_space
 from scipy.optimize import brentq
 
 from vsb.errors import DatabaseError, StabilityError
@@ -25,12 +27,20 @@ STIFFNESS = ("structural", "hydrostatic", "prestress", "gas")
 
 
 @dataclass(frozen=True)
-class LinearBuoy:
-    """Heave and modes about the mean shape, from a hydro database; every design moves in a subspace of it."""
+class LinearMotion(ABC):
+    """Degrees of freedom about the mean shape, from a hydro database; every design moves in a subspace of them."""
 
     database: xr.Dataset
     structural_damping: FloatArray  # (dof, dof) [kg/s]
     pto: LinearPto
+
+    @abstractmethod
+    def coefficients(self, omega: FloatArray) -> Coefficients:
+        """Return the coefficients between the frequencies solved; `DatabaseError` outside their band."""
+
+    @abstractmethod
+    def added_mass_at(self, omega: float) -> FloatArray:
+        """Return the added mass at any frequency, in the band or not, shape (dof, dof) [kg]."""
 
     @cached_property
     def spectrum(self) -> DampingSpectrum:
@@ -67,6 +77,120 @@ class LinearBuoy:
     def held(self) -> FloatArray:
         """Stiffness of the reference shell and of the power take-off, shape (dof, dof) [N/m]."""
         return self.stiffness + self.pto.spring(len(self.mass))
+
+    def rao(self, omega: FloatArray, motions: FloatArray) -> ComplexArray:
+        """Return displacement per unit wave amplitude under the take-off, shape (omega, dof) [m/m].
+
+        Parameters
+        ----------
+        omega : ndarray, shape (omega,) [rad/s]
+        motions : ndarray, shape (dof, free)
+            The motions the design allows.
+
+        Notes
+        -----
+        [-w^2 (M + A) - i w (B + D) + K + C] q = X (C1), projected on the motions.
+        """
+        c = self.coefficients(omega)
+        projected = motions.T @ dynamic_stiffness(omega, c, self.mass, self.damping, self.held) @ motions
+        return np.linalg.solve(projected, (c.excitation @ motions)[..., None])[..., 0] @ motions.T
+
+    def free_motion(
+        self, omega: FloatArray, motions: FloatArray, direction: FloatArray
+    ) -> tuple[ComplexArray, ComplexArray]:
+        """Return displacements without take-off, per wave amplitude [m/m], and under its unit force [m/N].
+
+        Parameters
+        ----------
+        omega : ndarray, shape (omega,) [rad/s]
+        motions : ndarray, shape (dof, free)
+            The motions the design allows.
+        direction : ndarray, shape (dof,)
+            b: the take-off moves with b.q.
+
+        Returns
+        -------
+        free, forced : ndarray, each shape (omega, dof)
+            A take-off's force F against the motion leaves free - F forced.
+        """
+        matrices = (self.mass, self.structural_damping, self.stiffness)
+        return free_motion(omega, self.coefficients(omega), *matrices, motions, direction)
+
+    def port(self, omega: FloatArray, motions: FloatArray, direction: FloatArray) -> Port:
+        """Return what a take-off sees of a design, V0 = -i w b.q_free and Y = -i w b.q_forced; as `free_motion`."""
+        matrices = (self.mass, self.structural_damping, self.stiffness)
+        return port_of(omega, self.coefficients(omega), *matrices, motions, direction)
+
+    def absorbed_power(self, omega: FloatArray, rao: ComplexArray) -> FloatArray:
+        """Return the mean power taken off per squared wave amplitude, c w^2 |b.q|^2/2, shape (omega,) [W/m^2]."""
+        stroke = rao @ self.pto.direction(len(self.mass))
+        return np.asarray(0.5 * self.pto.damping * omega**2 * np.abs(stroke) ** 2)
+
+    @abstractmethod
+    def drifting(self, stiffness: FloatArray, motions: FloatArray) -> FloatArray:
+        """Return the motions nothing holds, in those a design allows, shape (free, drifting).
+
+        Parameters
+        ----------
+        stiffness : ndarray, shape (free, free) [N/m]
+        motions : ndarray, shape (dof, free)
+
+        Raises
+        ------
+        StabilityError
+            If the body gives way at rest.
+        """
+
+    def natural_modes(self, motions: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return wet natural frequencies [rad/s] and damping ratios [-] with the take-off, ascending, each (held,).
+
+        Raises
+        ------
+        StabilityError
+            If the body gives way at rest.
+
+        Notes
+        -----
+        w_i solves 1 = w^2 mu_i(w), the i-th eigenvalue, largest first, of M + A(w) against K + C: stiffness of what
+        rests stably is positive definite, inertia need not be, as the added mass of what is nearly immersed is negative
+        at some frequencies. Motions nothing holds have no frequency; the others carry them along without force. The
+        ratio counts radiation, structure and power take-off on the mode's diagonal.
+        """
+        k = motions.T @ self.held @ motions
+        loose = self.drifting(k, motions)
+        held = null_space(loose.T) if loose.size else np.eye(len(k))
+        results = [self._natural_mode(held.T @ k @ held, motions, loose, held, i) for i in range(held.shape[1])]
+        frequency, ratio = np.array(results).reshape(-1, 2).T
+        order = np.argsort(frequency)
+        return frequency[order], ratio[order]
+
+    def _natural_mode(
+        self, k: FloatArray, motions: FloatArray, loose: FloatArray, held: FloatArray, i: int
+    ) -> tuple[float, float]:
+        """One wet natural frequency and its damping ratio."""
+        place = len(k) - 1 - i
+
+        def eigen(omega: float) -> tuple[float, FloatArray]:
+            inertia = motions.T @ (self.mass + self.added_mass_at(omega)) @ motions
+            along = held - loose @ np.linalg.solve(loose.T @ inertia @ loose, loose.T @ inertia @ held)
+            values, vectors = eigh(along.T @ inertia @ along, k, subset_by_index=[place, place])
+            return float(omega**2 * values[0]), along @ vectors[:, 0]
+
+        upper = 1.0
+        while eigen(upper)[0] <= 1.0:
+            upper *= 2
+            if upper > FASTEST:
+                raise DatabaseError("added mass at infinite frequency takes a mode's inertia; lower hydro.tolerance")
+        omega = float(brentq(lambda w: eigen(w)[0] - 1.0, 1e-3, upper, xtol=1e-10))
+        shape = omega * motions @ eigen(omega)[1]  # unit modal mass
+        total = self.damping + self.spectrum.at(np.array([omega]))[0]
+        return omega, float(shape @ total @ shape / (2 * omega))
+
+
+@final
+@dataclass(frozen=True)
+class LinearBuoy(LinearMotion):
+    """Heave and modes of a shell of revolution, which radiate through one channel."""
 
     @cached_property
     def _splines(self) -> tuple[CubicSpline, CubicSpline]:
@@ -120,99 +244,19 @@ class LinearBuoy:
         force = CubicSpline(self.database.omega.values, self.database.diffraction_force.values[:, 0, :])
         return np.asarray(force(omega), dtype=complex)
 
-    def rao(self, omega: FloatArray, motions: FloatArray) -> ComplexArray:
-        """Return displacement per unit wave amplitude under the take-off, shape (omega, dof) [m/m].
+    def added_mass_at(self, omega: float) -> FloatArray:
+        """Return the added mass at any frequency by Kramers and Kronig, shape (dof, dof) [kg]."""
+        return np.asarray(self.added_mass_inf + self.spectrum.added_mass_difference(np.array([omega]))[0])
 
-        Parameters
-        ----------
-        omega : ndarray, shape (omega,) [rad/s]
-        motions : ndarray, shape (dof, free)
-            The motions the design allows.
-
-        Notes
-        -----
-        [-w^2 (M + A) - i w (B + D) + K + C] q = X (C1), projected on the motions.
-        """
-        c = self.coefficients(omega)
-        projected = motions.T @ dynamic_stiffness(omega, c, self.mass, self.damping, self.held) @ motions
-        return np.linalg.solve(projected, (c.excitation @ motions)[..., None])[..., 0] @ motions.T
-
-    def free_motion(
-        self, omega: FloatArray, motions: FloatArray, direction: FloatArray
-    ) -> tuple[ComplexArray, ComplexArray]:
-        """Return displacements without take-off, per wave amplitude [m/m], and under its unit force [m/N].
-
-        Parameters
-        ----------
-        omega : ndarray, shape (omega,) [rad/s]
-        motions : ndarray, shape (dof, free)
-            The motions the design allows.
-        direction : ndarray, shape (dof,)
-            b: the take-off moves with b.q.
-
-        Returns
-        -------
-        free, forced : ndarray, each shape (omega, dof)
-            A take-off's force F against the motion leaves free - F forced.
-        """
-        matrices = (self.mass, self.structural_damping, self.stiffness)
-        return free_motion(omega, self.coefficients(omega), *matrices, motions, direction)
-
-    def port(self, omega: FloatArray, motions: FloatArray, direction: FloatArray) -> Port:
-        """Return what a take-off sees of a design, V0 = -i w b.q_free and Y = -i w b.q_forced; as `free_motion`."""
-        matrices = (self.mass, self.structural_damping, self.stiffness)
-        return port_of(omega, self.coefficients(omega), *matrices, motions, direction)
-
-    def absorbed_power(self, omega: FloatArray, rao: ComplexArray) -> FloatArray:
-        """Return the mean power taken off per squared wave amplitude, c w^2 |b.q|^2/2, shape (omega,) [W/m^2]."""
-        stroke = rao @ self.pto.direction(len(self.mass))
-        return np.asarray(0.5 * self.pto.damping * omega**2 * np.abs(stroke) ** 2)
-
-    def natural_modes(self, motions: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return wet natural frequencies [rad/s] and damping ratios [-] with the take-off, ascending, each (free,).
-
-        Raises
-        ------
-        StabilityError
-            If the shell gives way at rest.
-
-        Notes
-        -----
-        w_i solves 1 = w^2 mu_i(w), the i-th eigenvalue, largest first, of M + A(w) against K + C: stiffness of what
-        rests stably is positive definite, inertia need not be, as the added mass of what is nearly immersed is negative
-        at some frequencies. A beyond the solved band comes from Kramers-Kronig. The ratio counts radiation, structure
-        and power take-off on the mode's diagonal.
-        """
-        k = motions.T @ self.held @ motions
-        softest = float(np.linalg.eigvalsh(k)[0])
+    def drifting(self, stiffness: FloatArray, motions: FloatArray) -> FloatArray:
+        """Return none: a buoy's water and shell hold all of its motions."""
+        softest = float(np.linalg.eigvalsh(stiffness)[0])
         if softest <= 0.0:
             raise StabilityError(
                 f"the buoy gives way at rest: received a stiffness of {softest:.4g} N/m, needs more than 0; "
                 "raise device.young_modulus, device.thickness or device.internal_pressure"
             )
-        results = [self._natural_mode(k, motions, i) for i in range(motions.shape[1])]
-        frequency, ratio = np.array(results).T
-        order = np.argsort(frequency)
-        return frequency[order], ratio[order]
-
-    def _natural_mode(self, k: FloatArray, motions: FloatArray, i: int) -> tuple[float, float]:
-        """One wet natural frequency and its damping ratio."""
-        place = len(k) - 1 - i
-
-        def eigen(omega: float) -> tuple[float, FloatArray]:
-            added = self.added_mass_inf + self.spectrum.added_mass_difference(np.array([omega]))[0]
-            values, vectors = eigh(motions.T @ (self.mass + added) @ motions, k, subset_by_index=[place, place])
-            return float(omega**2 * values[0]), vectors[:, 0]
-
-        upper = 1.0
-        while eigen(upper)[0] <= 1.0:
-            upper *= 2
-            if upper > FASTEST:
-                raise DatabaseError("added mass at infinite frequency takes a mode's inertia; lower hydro.tolerance")
-        omega = float(brentq(lambda w: eigen(w)[0] - 1.0, 1e-3, upper, xtol=1e-10))
-        shape = omega * motions @ eigen(omega)[1]  # unit modal mass
-        total = self.damping + self.spectrum.at(np.array([omega]))[0]
-        return omega, float(shape @ total @ shape / (2 * omega))
+        return np.zeros((len(stiffness), 0))
 
 
 def dynamic_stiffness(
@@ -241,7 +285,7 @@ def free_motion(
     motions: FloatArray,
     direction: FloatArray,
 ) -> tuple[ComplexArray, ComplexArray]:
-    """Return `LinearBuoy.free_motion` from coefficients at hand; matrices as in `dynamic_stiffness`."""
+    """Return `LinearMotion.free_motion` from coefficients at hand; matrices as in `dynamic_stiffness`."""
     projected = motions.T @ dynamic_stiffness(omega, c, mass, damping, stiffness) @ motions
     pushed = np.broadcast_to(allowed_part(direction, motions), (len(omega), motions.shape[1]))
     solved = np.linalg.solve(projected, np.stack([c.excitation @ motions, pushed], axis=-1))
@@ -257,7 +301,7 @@ def port_of(
     motions: FloatArray,
     direction: FloatArray,
 ) -> Port:
-    """Return `LinearBuoy.port` from coefficients at hand; matrices as in `dynamic_stiffness`."""
+    """Return `LinearMotion.port` from coefficients at hand; matrices as in `dynamic_stiffness`."""
     free, forced = free_motion(omega, c, mass, damping, stiffness, motions, direction)
     allowed, rate = allowed_part(direction, motions), -1j * omega
     along = motions @ allowed

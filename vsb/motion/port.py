@@ -5,12 +5,13 @@ frequency and unit wave amplitude V = V0 - Y F: a free velocity and an admittanc
 Every law of this module is for phasors Re(. exp(-i omega t)) (C1).
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from vsb.errors import DatabaseError
+from vsb.errors import ConfigError, DatabaseError
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.loaded import ElasticShell
 from vsb.study.take_off import BetweenPort, PortChoice
@@ -170,3 +171,19 @@ def port_direction(choice: PortChoice, shape: DeformedShell) -> FloatArray:
         direction = direction * (1 - heave)  # these do not see the buoy heave as a whole
     kept = np.abs(direction) > ROUND_OFF * np.abs(direction).max()
     return np.asarray(np.where(kept, direction, 0.0))
+
+
+def combination(labels: Sequence[str], shares: Mapping[str, float]) -> FloatArray:
+    """Return b of a port that moves with a combination of degrees of freedom, b.q = sum of share times amplitude.
+
+    Raises
+    ------
+    ConfigError
+        If a degree of freedom is not there, or the combination is none.
+    """
+    if unknown := sorted(set(shares) - set(labels)):
+        raise ConfigError(f"port: received {', '.join(unknown)}; needs some of {', '.join(labels)}.")
+    b = np.array([float(shares.get(label, 0.0)) for label in labels])
+    if not (np.isfinite(b).all() and b.any()):
+        raise ConfigError(f"port: received {dict(shares)}; needs finite shares, not all zero.")
+    return b
