@@ -10,8 +10,10 @@ from vsb.errors import ConfigError
 from vsb.hydro import database, dofs, quality
 from vsb.hydro.panels import mesh as meshing
 from vsb.hydro.panels import rings as bem
+from vsb.scenes import rest
 from vsb.scenes.rest import check_equilibrium, check_rests, check_stable, loaded_shell, reference_shell
 from vsb.shell.deformed import DeformedShell
+from vsb.shell.loaded import equilibrium
 from vsb.shell.modes import mode_basis, rigid_basis, study_basis
 from vsb.study.plan import StudyPlan
 
@@ -198,3 +200,14 @@ class TestBem:
         assert "damping" not in block.mesh.model_dump()["device"]
         vented = StudyPlan(varied(pressurised, reference_shape="undeformed"))
         assert block.mesh.rows == 1.5 * vented.sweep_blocks[1].mesh.rows
+
+
+def test_water_and_year_rest_on_one_equilibrium(pressurised, monkeypatch):
+    study = varied(pressurised, device={"internal_pressure": 17.1e3})
+    undamped = varied(study, device={"damping": {"alpha": 0.0, "beta": 0.0}})
+    solved = []
+    monkeypatch.setattr(rest, "equilibrium", lambda loaded: solved.append(loaded) or equilibrium(loaded))
+    first, second = reference_shell(study), reference_shell(undamped)
+    assert len(solved) == 2  # in the study's modes, and in those that resolve its buckling
+    np.testing.assert_array_equal(first.amplitudes, second.amplitudes)
+    assert first.basis.beta > 0 == second.basis.beta

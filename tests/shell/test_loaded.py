@@ -423,6 +423,24 @@ def test_the_pressurised_seed_floats(pressurised, seed):
     assert largest == pytest.approx(0.1767, abs=1e-3)
 
 
+def test_a_step_of_newton_is_one_meridian_in_the_water(pressurised, monkeypatch):
+    calls = []
+    monkeypatch.setattr(DeformedShell, "hydrostatics", _counted(DeformedShell.hydrostatics, calls))
+    monkeypatch.setattr(LoadedShell, "force_and_stiffness", _counted(LoadedShell.force_and_stiffness, calls))
+    equilibrium(pressurised[0])
+    assert calls.count("hydrostatics") == calls.count("force_and_stiffness") == len(calls) / 2 > 4
+
+
+def _counted(function, calls):
+    """The function, whose name goes to a list with every call."""
+
+    def counted(*args):
+        calls.append(function.__name__)
+        return function(*args)
+
+    return counted
+
+
 def test_newton_converges_quadratically(pressurised):
     loaded, exact = pressurised
     q, errors = exact + 0.02 * np.cos(np.arange(exact.size)), []

@@ -1,6 +1,7 @@
 """The shell a study is linearised about: its shape at rest, and its stiffness by name."""
 
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from vsb.shell.loaded import Buckling, ElasticShell, LoadedShell, buckling, comp
 from vsb.shell.modes import ModeBasis, design_motions, study_basis
 from vsb.shell.rest import ReferenceShell
 from vsb.study.study import Study
+from vsb.tools.units import FloatArray
 
 
 def loaded_shell(study: Study, basis: ModeBasis) -> LoadedShell:
@@ -52,7 +54,8 @@ def reference_shell(study: Study, basis: ModeBasis | None = None) -> ReferenceSh
     loaded = loaded_shell(study, basis)
     if study.at_equilibrium:
         check_equilibrium(study)
-        q = equilibrium(loaded)
+        undamped = replace(basis, alpha=0.0, beta=0.0)  # at rest nothing moves
+        q = _at_rest(replace(loaded, elastic=ElasticShell(undamped)))
     else:
         q = np.zeros(len(basis.labels))
     shape = DeformedShell(basis, study.centre_height, q)
@@ -68,6 +71,14 @@ def reference_shell(study: Study, basis: ModeBasis | None = None) -> ReferenceSh
     return ReferenceShell(shape, {name: (k + k.T) / 2 for name, k in stiffness.items()})
 
 
+@lru_cache(maxsize=4)
+def _at_rest(loaded: LoadedShell) -> FloatArray:
+    """The equilibrium of a shell, once for its water and for its year, not to be written to."""
+    q = equilibrium(loaded)
+    q.setflags(write=False)
+    return q
+
+
 def check_equilibrium(study: Study) -> None:
     """Check that the loaded shell rests stably in a basis that resolves its buckling; few modes would hide it.
 
@@ -76,7 +87,7 @@ def check_equilibrium(study: Study) -> None:
     ConfigError
     """
     try:
-        equilibrium(complete_loaded_shell(study))
+        _at_rest(complete_loaded_shell(study))
     except ConvergenceError as error:
         raise ConfigError(f"reference_shape: received 'equilibrium', but {error}") from None
 

@@ -3,7 +3,7 @@
 import itertools
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache, cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -32,6 +32,15 @@ AT_ONCE = 512
 """Points at which shapes are tabulated at one time: of thousands of shapes these are some 100 MB."""
 
 
+@cache
+def gauss_rule(points: int) -> tuple[FloatArray, FloatArray]:
+    """Return nodes and weights of Gauss-Legendre quadrature on [-1, 1], each shape (points,), not to be written to."""
+    rule = np.polynomial.legendre.leggauss(points)
+    for values in rule:
+        values.setflags(write=False)
+    return rule
+
+
 def _parts(points: FloatArray) -> list[FloatArray]:
     """Points in parts of at most `AT_ONCE`, at least one."""
     return np.array_split(points, max(1, -(-len(points) // AT_ONCE)))
@@ -54,8 +63,7 @@ class DeformedShell:
     def meridian(self, colatitude: FloatArray) -> Meridian:
         """Return x = (r+v) sin + u cos, z = centre + (r+v) cos - u sin at colatitudes, shape (point,) [rad]."""
         r, sin, cos = self.basis.shell.radius, np.sin(colatitude), np.cos(colatitude)
-        v, u = self.basis.displacement(colatitude)
-        dv, du = self.basis.displacement(colatitude, derivative=1)
+        v, u, dv, du = self.basis.displacement_and_slope(colatitude)
         shape_x, shape_z = v * sin + u * cos, v * cos - u * sin
         dshape_x, dshape_z = dv * sin + v * cos + du * cos - u * sin, dv * cos - v * sin - du * sin - u * cos
         q = self._amplitudes
@@ -114,7 +122,7 @@ class DeformedShell:
 
     def _wet_points(self, points: int) -> Iterator[tuple[FloatArray, FloatArray]]:
         """Colatitudes and weights of Gauss-Legendre quadrature, `points` per wet segment, some at a time."""
-        rule = np.polynomial.legendre.leggauss(points)
+        rule = gauss_rule(points)
         for a, b in self.wet_segments:
             for node, weight in zip(*map(_parts, rule), strict=True):
                 yield (a + b) / 2 + (b - a) / 2 * node, (b - a) / 2 * weight
@@ -135,37 +143,34 @@ class DeformedShell:
         return float(self._wet_integral(lambda m: 2 * np.pi * m.x * np.hypot(m.dx, m.dz), points))
 
     def hydrostatic_force(self, density: float, gravity: float, points: int = 60) -> FloatArray:
-        """Return the generalized hydrostatic force, shape (dof,) [N].
+        """Return the generalized hydrostatic force, shape (dof,) [N]; see `hydrostatics`."""
+        return self.hydrostatics(density, gravity, points)[0]
+
+    def hydrostatic_stiffness(self, density: float, gravity: float, points: int = 60) -> FloatArray:
+        """Return the exact Jacobian -dQ_j/dq_k of `hydrostatic_force`, shape (dof, dof) [N/m]; see `hydrostatics`."""
+        return self.hydrostatics(density, gravity, points)[1]
+
+    def hydrostatics(self, density: float, gravity: float, points: int = 60) -> tuple[FloatArray, FloatArray]:
+        """Return the generalized hydrostatic force, shape (dof,) [N], and its stiffness, shape (dof, dof) [N/m].
 
         Notes
         -----
         Q_j = -int p n.psi_j dS with p = -rho g z and n dS = 2 pi x (-z', x') dphi on the deformed surface.
-        """
 
-        def integrand(m: Meridian) -> FloatArray:
-            return m.z * m.x * (-m.dz * m.shape_x + m.dx * m.shape_z)
-
-        force = 2 * np.pi * density * gravity * self._wet_integral(integrand, points)
-        return np.broadcast_to(force, len(self.basis.labels)).copy()
-
-    def hydrostatic_stiffness(self, density: float, gravity: float, points: int = 60) -> FloatArray:
-        """Return the exact Jacobian -dQ_j/dq_k of `hydrostatic_force`, shape (dof, dof) [N/m].
-
-        Notes
-        -----
-        The waterline moves too, but the pressure vanishes there, so only the integrand is differentiated: height
-        (buoyancy), radius and the turning and stretching of n dS (follower pressure). Symmetric, for a pressure
-        field has a potential; capytaine's own matrix drops terms of it and is not.
+        The stiffness is the exact Jacobian -dQ_j/dq_k. The waterline moves too, but the pressure vanishes there, so
+        only the integrand is differentiated: height (buoyancy), radius and the turning and stretching of n dS (follower
+        pressure). Symmetric, for a pressure field has a potential; capytaine's own matrix drops terms of it and is not.
         """
         dof = len(self.basis.labels)
-        jacobian = np.zeros((dof, dof))
+        force, jacobian = np.zeros(dof), np.zeros((dof, dof))
         for phi, weight in self._wet_points(points):
             m = self.meridian(phi)
             ring, column = weight * m.x, weight * m.z * m.x
             normal_j = -m.dz * m.shape_x + m.dx * m.shape_z
             turned = -(m.shape_x * column) @ m.dshape_z.T + (m.shape_z * column) @ m.dshape_x.T
+            force += (m.z * m.x * normal_j) @ weight
             jacobian += normal_j @ (ring * m.shape_z + weight * m.z * m.shape_x).T + turned
-        return -2 * np.pi * density * gravity * jacobian
+        return 2 * np.pi * density * gravity * force, -2 * np.pi * density * gravity * jacobian
 
 
 def check_meridian(shell: DeformedShell) -> None:
@@ -232,7 +237,7 @@ def enclosed(basis: ModeBasis, amplitudes: FloatArray, points: int = 0) -> tuple
     volume, area : ndarray, shape (time,)
         -int pi x^2 dz and int 2 pi x ds over the deformed meridian.
     """
-    node, weight = np.polynomial.legendre.leggauss(points or 4 * basis.highest_degree + 24)
+    node, weight = gauss_rule(points or 4 * basis.highest_degree + 24)
     m = DeformedShell(basis, 0.0).meridian(np.arccos(node))
     weight = weight / np.sqrt(1 - node**2)
     x, dx, dz = m.x + amplitudes @ m.shape_x, m.dx + amplitudes @ m.dshape_x, m.dz + amplitudes @ m.dshape_z

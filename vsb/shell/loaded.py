@@ -14,7 +14,7 @@ from scipy.linalg import cho_factor, cho_solve, eigh
 from scipy.optimize import brentq, minimize_scalar
 
 from vsb.errors import ConvergenceError
-from vsb.shell.deformed import DeformedShell, Meridian
+from vsb.shell.deformed import DeformedShell, Meridian, gauss_rule
 from vsb.shell.modes import Mode, ModeBasis, bending_block, legendre
 from vsb.shell.sphere import Shell
 from vsb.study.study import Device, Gas, Water
@@ -58,7 +58,7 @@ class ElasticShell:
     @cached_property
     def _tables(self) -> Tables:
         prestress = converged_degree(self.basis.shell) // 2  # points for membrane forces of more degrees than the basis
-        cos, weight = np.polynomial.legendre.leggauss(2 * self.basis.highest_degree + 2 + prestress)
+        cos, weight = gauss_rule(2 * self.basis.highest_degree + 2 + prestress)
         colatitude, area = np.arccos(cos), 2 * np.pi * self.basis.shell.radius**2 * weight
         meridian = DeformedShell(self.basis, 0.0).meridian(colatitude)
         return Tables(colatitude, area, weight / np.sin(colatitude), strain_shapes(self.basis, colatitude), meridian)
@@ -181,10 +181,7 @@ class LoadedShell:
         The weight acts as -g times the heave row of the inertia: a mode orthogonal to rigid heave feels none. So the
         ballast hangs from the shell as the shell's own weight does, evenly over its area.
         """
-        shell, points = self._water(q)
-        water = shell.hydrostatic_force(self.water_density, self.gravity, points)
-        pressure = self.pressure(q) * self.elastic.volume_gradient(q)
-        return np.asarray(self.elastic.force(q) + pressure + water - self.gravity * self.basis.inertia[0])
+        return self.force_and_stiffness(q)[0]
 
     def pressure_stiffness(self, q: FloatArray) -> FloatArray:
         """Return the follower part of a constant internal pressure, -p d2V/dq2, shape (dof, dof) [N/m]."""
@@ -197,14 +194,25 @@ class LoadedShell:
 
     def hydrostatic_stiffness(self, q: FloatArray) -> FloatArray:
         """Return the stiffness of the water, shape (dof, dof) [N/m]; its round-off asymmetry removed."""
+        return self._hydrostatics(q)[1]
+
+    def _hydrostatics(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Force and stiffness of the water."""
         shell, points = self._water(q)
-        stiffness = shell.hydrostatic_stiffness(self.water_density, self.gravity, points)
-        return (stiffness + stiffness.T) / 2
+        force, stiffness = shell.hydrostatics(self.water_density, self.gravity, points)
+        return force, (stiffness + stiffness.T) / 2
 
     def stiffness(self, q: FloatArray) -> FloatArray:
         """Return the Hessian of the total potential, the tangent stiffness, shape (dof, dof) [N/m]."""
+        return self.force_and_stiffness(q)[1]
+
+    def force_and_stiffness(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return `force` and `stiffness`: most of the work is the meridian in the water, which both are sums over."""
+        water, stiffness = self._hydrostatics(q)
+        pressure = self.pressure(q) * self.elastic.volume_gradient(q)
+        force = self.elastic.force(q) + pressure + water - self.gravity * self.basis.inertia[0]
         contents = self.pressure_stiffness(q) + self.gas_stiffness(q)
-        return self.elastic.stiffness(q) + contents + self.hydrostatic_stiffness(q)
+        return force, self.elastic.stiffness(q) + contents + stiffness
 
     @cached_property
     def unloaded_stiffness(self) -> FloatArray:
@@ -292,7 +300,8 @@ def _newton(loaded: LoadedShell, n: FloatArray, q: FloatArray) -> FloatArray | N
     """Newton's method in the motions n; none if it leaves the stable region or does not converge."""
     for _ in range(12):
         try:
-            correction = n @ cho_solve(cho_factor(n.T @ loaded.stiffness(q) @ n), n.T @ loaded.force(q))
+            force, stiffness = loaded.force_and_stiffness(q)
+            correction = n @ cho_solve(cho_factor(n.T @ stiffness @ n), n.T @ force)
         except np.linalg.LinAlgError:
             return None
         largest, q = np.abs(correction).max() / loaded.basis.shell.radius, q + correction

@@ -108,7 +108,7 @@ class ModeBasis:
         """Names of the degrees of freedom."""
         return tuple(mode.label for mode in self.shapes)
 
-    @property
+    @cached_property
     def degrees(self) -> tuple[int, ...]:
         """Legendre degree of each degree of freedom."""
         return tuple(mode.degree for mode in self.shapes)
@@ -168,11 +168,19 @@ class ModeBasis:
         -------
         radial, meridional : ndarray, shape (dof, point) [-]
         """
-        p = legendre(self.highest_degree, colatitude)
-        index = list(self.degrees)
-        radial = np.array([mode.radial for mode in self.shapes])[:, None] * p[derivative][index]
-        meridional = np.array([mode.meridional for mode in self.shapes])[:, None] * p[derivative + 1][index]
-        return radial, meridional
+        radial, meridional, *slopes = self.displacement_and_slope(colatitude)
+        return (slopes[0], slopes[1]) if derivative else (radial, meridional)
+
+    def displacement_and_slope(self, colatitude: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Return radial and meridional shapes at points, then their slopes by colatitude, each (dof, point) [-]."""
+        p, dp, ddp = (table[list(self.degrees)] for table in legendre(self.highest_degree, colatitude))
+        radial, meridional = self._amplitudes
+        return radial * p, meridional * dp, radial * dp, meridional * ddp
+
+    @cached_property
+    def _amplitudes(self) -> FloatArray:
+        """Radial and meridional amplitude of each shape, shape (2, dof, 1) [-]."""
+        return np.array([[mode.radial, mode.meridional] for mode in self.shapes]).T[:, :, None]
 
     def clamp_rows(self, colatitudes: Iterable[float]) -> FloatArray:
         """Return the constraint matrix Phi_c with Phi_c q = 0, shape (2 * clamp, dof) [-].
