@@ -82,3 +82,23 @@ def test_harmonics_of_a_sea_hold_its_components_and_fill_the_band(seed, wave):
 def test_a_sea_that_never_repeats_has_no_harmonics(omega):
     with pytest.raises(ConfigError, match=r"waves: received components 0.1 rad/s apart from .* which never repeat"):
         Harmonics.of_sea(omega, 0.1, 12.0)
+
+
+@pytest.mark.parametrize("first", [10.0, 10.5])
+def test_components_may_miss_their_order_by_a_millionth_of_their_spacing(first):
+    """Round-off of a grid is far less; what is off by more would be out of step within the run."""
+    orders = first + np.arange(4.0)
+    for part, kept in ((0.4e-6, True), (-0.4e-6, True), (3e-6, False), (-3e-6, False)):
+        omega = 0.1 * np.append(orders, 20.0 + first + part)
+        if kept:
+            assert Harmonics.of_sea(omega, 0.1 * first, 2.0) == Harmonics(pytest.approx(0.1), first, int(20 - first) + 1)
+        else:
+            with pytest.raises(ConfigError, match="which never repeat"):
+                Harmonics.of_sea(omega, 0.1 * first, 2.0)
+
+
+@pytest.mark.parametrize(("part", "count"), [(0.4e-6, 11), (3e-6, 9)])
+def test_a_band_may_miss_a_harmonic_by_a_millionth_of_their_spacing(part, count):
+    """Both ends: a frequency at the end of the band is in it, one beyond is not."""
+    omega = np.array([1.4, 1.5, 1.6])
+    assert Harmonics.of_sea(omega, 1.0 + 0.1 * part, 2.0 - 0.1 * part).count == count

@@ -11,7 +11,14 @@ from vsb.hydro import database, dofs, quality
 from vsb.hydro.panels import mesh as meshing
 from vsb.hydro.panels import rings as bem
 from vsb.scenes import rest
-from vsb.scenes.rest import check_equilibrium, check_rests, check_stable, loaded_shell, reference_shell
+from vsb.scenes.rest import (
+    check_equilibrium,
+    check_rests,
+    check_stable,
+    computed_buckling,
+    loaded_shell,
+    reference_shell,
+)
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.loaded import equilibrium
 from vsb.shell.modes import mode_basis, rigid_basis, study_basis
@@ -84,6 +91,16 @@ def test_a_shell_that_buckles_has_no_equilibrium_to_be_linear_about(seed):
         check_equilibrium(varied(seed, reference_shape="equilibrium"))
     with pytest.raises(ConfigError, match=r"reference_shape: received 'equilibrium', but the shell buckles at 0\.01"):
         reference_shell(varied(seed, reference_shape="equilibrium"))
+
+
+def test_trapped_gas_carries_a_soft_shell_less_than_a_reservoir_does(seed):
+    """It loses its pressure as the shell gives way: in the basis that resolves buckling as in the study's own."""
+    carried = varied(seed, device={"internal_pressure": 2e4})
+    trapped = varied(carried, device={"gas": {}})
+    check_equilibrium(carried)
+    with pytest.raises(ConfigError, match=r"reference_shape: received 'equilibrium', but the shell buckles at 0\.03"):
+        check_equilibrium(trapped)
+    assert computed_buckling(trapped).load_factor < 0.1 < 1.0 < computed_buckling(carried).load_factor
 
 
 def test_an_unstable_design_is_refused(seed):

@@ -278,6 +278,6 @@ def largest_mode(ds: xr.Dataset) -> str | None:
 
 def shapes_of_study(study: Study, family: ShapeFamily, samples: int = 20) -> int:
     """Return the number of shapes `shape_dataset` looks at, where every design has a shape at rest."""
-    checks = 2 * len(family.labels) + samples + len(SIZES) * SAMPLES
+    checks = 1 + 2 * len(family.labels) + samples + len(SIZES) * SAMPLES
     seas = sum(not isinstance(wave, StillWater) for wave in study.waves)
     return family.shapes_of_derivatives + checks + seas * len(study.designs)

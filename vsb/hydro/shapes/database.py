@@ -10,8 +10,8 @@ excitation by Haskind's relation: it takes energy from every motion on every sha
     c (sum_k (a_k^(1/3) eta_k)^2)^(3/2) + sum_k s_k |eta_k| + e,
 
 a_k a sixth of the third derivative along each amplitude, c three times the largest ratio to it of errors on shapes
-tried within reach, s_k the error of the first derivative, e three times that of the reference shape's own symmetry and
-Haskind's relation; all relative, as of `misfit`.
+tried within reach, s_k the error of the first derivative, e three times what the database misses on the reference shape
+of a solution with a third more points; all relative, as of `misfit`.
 """
 
 from dataclasses import dataclass
@@ -230,6 +230,6 @@ def shape_database(family: ShapeFamily, reach: FloatArray, samples: int = 20) ->
     bare = bare.assign_coords(coefficient=list(COEFFICIENTS))
     errors = measured_errors(ShapeDatabase(bare), family, shapes)
     scale = SAFETY * np.max(errors / _cubic_size(np.array(cubic), shapes), axis=0)
-    own = SAFETY * np.array(_measured(ShapeDatabase(bare), np.zeros(len(reach)), family.centre))
-    found = {"remainder_scale": ("coefficient", scale), "reference_error": ("coefficient", own)}
+    points = SAFETY * np.array(_measured(ShapeDatabase(bare), np.zeros(len(reach)), family.finer.centre))
+    found = {"remainder_scale": ("coefficient", scale), "reference_error": ("coefficient", points)}
     return ShapeDatabase(bare.assign(found).assign(tried_error=(("tried", "coefficient"), errors)))

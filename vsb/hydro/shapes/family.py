@@ -10,6 +10,7 @@ steps along eta_k + eta_l; the error comes out of the same run.
 """
 
 import itertools
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -112,6 +113,11 @@ class ShapeFamily:
         """Number of shapes the first and second derivatives need."""
         dof = len(self.labels)
         return 1 + 6 * dof + 2 * dof * (dof - 1)
+
+    @property
+    def finer(self) -> "ShapeFamily":
+        """The same family solved with a third more points: their errors are far smaller, convergence is spectral."""
+        return replace(self, nodes=math.ceil(4 * self.nodes / 3))
 
     def about(self, amplitudes: FloatArray) -> "ShapeFamily":
         """Return the family around another shape, `amplitudes` (dof,) [m] away; `ConfigError` for another length."""
