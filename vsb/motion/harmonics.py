@@ -57,12 +57,13 @@ class Harmonics:
         """
         spacing = float(np.diff(omega).min()) if len(omega) > 1 else float(omega[0])
         orders = omega / spacing
-        if np.abs(2 * orders - np.rint(2 * orders)).max() > SPACING or np.ptp(orders % 1) > SPACING:
+        halves = np.rint(2 * orders)
+        if np.abs(2 * orders - halves).max() > SPACING or np.ptp(halves % 2) > 0:
             raise ConfigError(
                 f"waves: received components {spacing:.4g} rad/s apart from {omega[0]:.4g} rad/s on, which never "
                 "repeat; an optimum under limits needs multiples of half that: change the band or simulation.duration"
             )
-        part = float(np.rint(2 * orders[0]) / 2 % 1)
+        part = float(halves[0] / 2 % 1)
         first = part + max(np.ceil(lowest / spacing - part - SPACING), 0.0 if part else 1.0)
         return cls(spacing, float(first), int(np.floor(highest / spacing - first + SPACING)) + 1)
 
