@@ -11,6 +11,11 @@ from hypothesis import strategies as st
 from study.test_plan import block_ids
 
 from vsb.errors import ConfigError
+from vsb.hydro.database import displacements_of, in_modes
+from vsb.hydro.quality import added_mass_difference
+from vsb.hydro.spectral.solver import SpectralProblem
+from vsb.shell.deformed import DeformedShell
+from vsb.shell.modes import study_basis
 from vsb.study.plan import StudyPlan
 from vsb.study.specs import SpectralSpec
 from vsb.study.study import content_id
@@ -108,6 +113,37 @@ def test_spectral_plan_is_one_job_without_a_mesh(seed):
     wide = StudyPlan(varied(seed, hydro={"solver": "spectral", "omega_max": 15.0}))
     with pytest.raises(ConfigError, match=r"hydro.omega_max: received 15 rad/s, needs at most 14.01 rad/s"):
         wide.check_waves()
+
+
+@pytest.mark.parametrize(
+    ("draft", "degree", "least"),
+    [(0.2, 2, 0.7), (0.45, 4, 0.7), (0.8, 2, 0.7), (1.0, 8, 0.7), (1.3, 12, 0.7), (1.8, 4, 0.5)],
+)
+def test_the_band_asked_for_is_what_ogilvies_relation_needs(draft, degree, least, seed):
+    """Held to 2 % from there on, a shallow cap by waves as short as its draft; not from a part `least` of it on."""
+    radius, depth = seed.device.radius, draft * seed.device.radius
+    mass = seed.water.density * math.pi * depth**2 * (3 * radius - depth) / 3
+    device = {"mass": mass, "thickness": 1e-4, "density": 1000.0}
+    plan = StudyPlan(varied(seed, device=device, modes={"degree": degree}, designs={"VSWEC": {}}))
+    basis, at = study_basis(plan.study), np.arange(1, 61) / 60
+    problem = SpectralProblem(DeformedShell(basis, plan.study.centre_height), displacements_of(basis), 1025.0, 9.81, 24)
+    infinite = {"added_mass_inf": (("influenced_dof", "radiating_dof"), problem.at_infinity())}
+
+    def missed(part):
+        return added_mass_difference(in_modes(problem.solve(list(part * plan.least_band * at)).assign(infinite), basis))
+
+    assert missed(1.0) < 0.02 < missed(least)
+
+
+@pytest.mark.parametrize(
+    ("depth", "advice"),
+    [(0.15, "needs at least 11.72 rad/s, .*; raise it"), (0.1, "needs .*; set hydro.solver: panels")],
+)
+def test_a_band_too_narrow_for_a_shallow_draft_is_refused(depth, advice, seed):
+    device = {"mass": 1025.0 * math.pi * (2 * depth) ** 2 * (6 - 2 * depth) / 3, "thickness": 1e-4, "density": 1000.0}
+    plan = StudyPlan(varied(seed, device=device, modes={"degree": 2}, hydro={"solver": "spectral", "omega_max": 9.0}))
+    with pytest.raises(ConfigError, match=rf"hydro.omega_max: received 9 rad/s, {advice}$"):
+        plan.check_waves()
 
 
 @pytest.mark.parametrize(("tolerance", "half"), [(1e-1, 5e-4), (1e-3, 5e-4), (1e-4, 5e-5)])

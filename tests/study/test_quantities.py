@@ -107,7 +107,7 @@ def test_a_band_that_ends_before_the_peak_of_damping_is_refused():
             plan.check_waves()
         else:
             with pytest.raises(
-                ConfigError, match=r"omega_max: received 2 rad/s, needs at least 4.429 .* beyond its peak"
+                ConfigError, match=r"omega_max: received 2 rad/s, needs at least 5.515 .* beyond its peak; raise it"
             ):
                 plan.check_waves()
 

@@ -27,9 +27,11 @@ COARSEST_SWEEP = 1e-3
 """Largest tolerance of interpolation: of small modes, measured by the largest, more would be felt."""
 LARGEST_KA = 40.0
 """Largest omega^2 r/g the spectral solver is asked for: beyond, its points grow with the frequency."""
-BEYOND_THE_PEAK = 2.0
-"""omega sqrt(a/g) to which radiation damping must be known, a the waterline's radius: Ogilvie's relation is off by up
-to 2.6 % at 1.3, by less than 1 % at 2.5 (hemisphere, cap and nearly immersed sphere, modes to degree 4)."""
+BEYOND_THE_PEAK = 4.2
+"""omega^2 l/g to which radiation damping must be known, l the draft or the waterline's radius, the smaller: Ogilvie's
+relation is then off by less than 2 % (drafts of 0.1 to 1.9 radii, modes to degree 2, in 0.06 sqrt(g/l))."""
+HIGHER_DEGREES = 5.2
+"""What every degree beyond 2 adds to the square of omega^2 a/g, a the waterline's radius (likewise, to degree 12)."""
 MAX_ROWS = 160
 LID_ROWS_PER_WAVE = 6
 ROWS_OF_A_DEFORMED_SHELL = 1.5
@@ -156,6 +158,14 @@ class HydroPlan:
         kd, depth = LEAST_DEPTH_IN_WAVENUMBERS, self.study.water.depth
         return max(self.step, math.sqrt(kd * math.tanh(kd) * self.study.water.gravity / depth))
 
+    @property
+    def least_band(self) -> float:
+        """Frequency to which the damping must be known [rad/s]."""
+        study, radius = self.study, self.study.waterline_radius
+        higher = HIGHER_DEGREES * max(0, study.modes.degree - 2) if study.flexible else 0.0
+        k = math.hypot(BEYOND_THE_PEAK / min(radius, study.draft), math.sqrt(higher) / radius)
+        return math.sqrt(k * study.water.gravity)
+
     def check_waves(self) -> None:
         """Check that no wave is longer than the lowest frequency solved, nor the band too wide for the solver.
 
@@ -169,12 +179,12 @@ class HydroPlan:
                 f"hydro.omega_max: received {self.study.hydro.omega_max:g} rad/s, needs at most {largest:.4g} rad/s "
                 "with the spectral solver; lower it, or set hydro.solver: panels"
             )
-        peak = BEYOND_THE_PEAK * math.sqrt(self.study.water.gravity / self.study.waterline_radius)
         judged = self.study.uses_panels or "kramers_kronig" in self.study.hydro.accept  # afterwards, or not at all
-        if self.sweep_blocks[-1].omega[-1] < peak and not judged:
+        if self.sweep_blocks[-1].omega[-1] < self.least_band and not judged:
             raise ConfigError(
-                f"hydro.omega_max: received {self.study.hydro.omega_max:g} rad/s, needs at least {peak:.4g} rad/s, "
-                "because the radiation memory rests on the damping to beyond its peak"
+                f"hydro.omega_max: received {self.study.hydro.omega_max:g} rad/s, needs at least "
+                f"{self.least_band:.4g} rad/s, because the radiation memory rests on the damping to beyond its peak; "
+                + ("raise it" if self.least_band < largest else "set hydro.solver: panels")
             )
         for i, wave in enumerate(self.study.waves):
             if isinstance(wave, RegularWave) and wave.omega < self.first_omega:
