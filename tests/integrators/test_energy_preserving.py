@@ -181,6 +181,17 @@ def test_a_shell_that_rests_on_a_large_load_starts_to_move(scene):
     assert np.abs(found.position - exact.position).max() < 1e-5
 
 
+@pytest.mark.parametrize("design", ["FSB", "VSWEC"])
+def test_what_stays_at_rest_is_followed_by_the_longest_steps(scene, design):
+    """Its motion is round-off, which no shorter step knows better: measured against itself it would need all of them."""
+    rests = {"device": {"internal_pressure": 16.5e3}, "modes": {"basis": "full", "degree": 3}, "waves": STILL}
+    plant = scene("seed", design, **rests, reference_shape="equilibrium", hydro={"model": "body_exact"})
+    time = instants(4.0, 100)
+    found, steps = structure_preserving(System.of(plant), time, plant.start(0.0, 0.0), 1e-9)
+    assert steps <= 400
+    assert np.abs(found.position).max() < 1e-9
+
+
 def test_an_assumed_pressure_is_followed(scene):
     plant = scene("paper", "VSWEC0")
     time = instants(5.0, 200)

@@ -264,8 +264,8 @@ def structure_preserving(
     start : tuple of ndarray
         y [m] and y' [m/s] at the first instant, each shape (free,); then memory states, if the water is not at rest.
     tolerance : float
-        Of the state at every instant, relative to its largest norm, the root of twice the energy. The error is a
-        fifteenth of the difference to steps twice as long.
+        Of the state at every instant, relative to its largest norm, the root of twice the energy, or to
+        `System.least` if that is larger. The error is a fifteenth of the difference to steps twice as long.
 
     Raises
     ------
@@ -281,7 +281,8 @@ def structure_preserving(
         except ConvergenceError:  # a step so long that it cannot be solved
             continue
         if coarse is not None:
-            error = float(np.abs(states - coarse).max() / 15 / max(np.linalg.norm(states, axis=1).max(), 1e-300))
+            largest = max(float(np.linalg.norm(states, axis=1).max()), system.least, 1e-300)
+            error = float(np.abs(states - coarse).max() / 15 / largest)
         if error <= tolerance:
             return method.motion(time, states, clock.perf_counter() - begun), 2**halving * (len(time) - 1)
         coarse = states
