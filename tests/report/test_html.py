@@ -20,9 +20,22 @@ def test_a_table_can_be_kept_as_it_is_read():
 
 
 def test_figures_are_told_by_their_kind_and_their_sea():
-    one, other = html.captioned({"a-w-1": "<?xml?><svg/>", "b": "<svg>2</svg>"}, {"a": "of a sea", "b": "of all"})
-    assert one == {"name": "a-w-1", "caption": "of a sea", "sea": "w-1", "svg": "<svg/>"}
-    assert (other["sea"], other["caption"]) == ("", "of all")
+    svgs = {"b": "<svg>2</svg>", "a-w-1": "<?xml?><svg/>", "a-v": "<svg/>"}
+    of_all, first, second = html.captioned(svgs, {"a": "of a sea", "b": "of all"}, {"v": "a chop"})
+    assert of_all == {
+        "sea": "", "open": False,
+        "figures": [{"name": "b", "number": 1, "caption": "of all", "svg": "<svg>2</svg>"}],
+    }  # fmt: skip
+    assert [(group["sea"], group["open"]) for group in (first, second)] == [("w-1", True), ("a chop", False)]
+    assert first["figures"] == [{"name": "a-w-1", "number": 2, "caption": "of a sea", "svg": "<svg/>"}]
+
+
+def test_a_page_stays_light_whatever_the_number_of_figures(monkeypatch):
+    monkeypatch.setattr(html, "INLINE", 20)
+    ((drawn, left),) = (
+        group["figures"] for group in html.captioned(dict.fromkeys("ab", "<svg>....</svg>"), {"a": "", "b": ""})
+    )
+    assert (drawn["svg"], left["svg"]) == ("<svg>....</svg>", "")
 
 
 def test_a_value_a_page_lacks_raises():
@@ -32,4 +45,5 @@ def test_a_value_a_page_lacks_raises():
 
 def test_looks_are_said_once():
     assert [path.name for path in TEMPLATES.iterdir() if "<style" in path.read_text()] == ["page.html.j2"]
+    assert [path.name for path in TEMPLATES.iterdir() if path.suffix == ".css"] == ["style.css"]
     assert [path.name for path in TEMPLATES.iterdir() if "<table>" in path.read_text()] == ["cells.html.j2"]

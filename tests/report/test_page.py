@@ -13,7 +13,6 @@ from vsb.report.page import (
     sea_statements,
     statistics_table,
     table,
-    warnings,
     winning_bands,
 )
 
@@ -137,13 +136,6 @@ def test_the_best_design_of_each_sea():
     assert text[2] == "At the given damper, in still water, no design absorbs power on average."
 
 
-def test_failures_are_for_the_head_of_the_page():
-    assert warnings(CHECKS) == ["buckling: 66.4, limit 1 (<p> & why)"]
-    accepted = {**CHECKS[1], "verdict": "accepted"}
-    assert warnings([accepted]) == ["heave of A in w: 0.4, limit 0.3 (large)"]
-    assert warnings([{**CHECKS[1], "verdict": "ok"}]) == []
-
-
 def test_what_does_not_exist_is_a_dash():
     head, body = table([row("FSB", 100)])
     assert len(head) == len(body[0])
@@ -156,7 +148,7 @@ def test_what_does_not_exist_is_a_dash():
 
 def test_page_is_self_contained_and_escaped():
     page = render(
-        Report({"study": "s", "published": None, "pto": {"damping": 10.0}}, {"w": "a swell"}, [row("FSB", 100), row("A", 120)], CHECKS, response(A=0.2), "FSB",
+        Report({"study": "s", "published": None, "pto": {"damping": 10.0}, "hydro": {"tolerance": 1e-3}}, {"w": "a swell"}, [row("FSB", 100), row("A", 120)], CHECKS, response(A=0.2), "FSB",
                {"absorbed_power": "<?xml?><svg>x</svg>"}, {"Program": "vsb"})
     )  # fmt: skip
     assert (
@@ -167,8 +159,8 @@ def test_page_is_self_contained_and_escaped():
     assert "<svg>x</svg>" in page
     assert page.index("Program") < page.index("vsb", page.index("Program"))
     assert "src=" not in page
-    assert page.index("Over the whole band, each design at its own best damper") < page.index("A absorbs most")
-    assert page.index("A absorbs most") < page.index("Over the whole band, all at the given damper")
+    assert page.index("Over the whole band, each design at its own best damper") < page.rindex("A absorbs most")
+    assert page.rindex("A absorbs most") < page.index("Over the whole band, all at the given damper")
     assert page.index("A: the same within 1 %") < page.index("A absorbs more in waves of")
     assert "1 further point is in doubt" in page
 
@@ -202,7 +194,7 @@ def test_what_holds_is_folded_and_tables_can_be_kept():
     """Data stand inside the page: it fetches nothing, runs no script."""
     holds = {**CHECKS[0], "name": "thin_shell", "verdict": "ok"}
     page = render(
-        Report({"study": "s", "published": None, "pto": {"damping": 10.0}}, {"w": "a swell"}, [row("FSB", 18720.0)], [*CHECKS, holds],
+        Report({"study": "s", "published": None, "pto": {"damping": 10.0}, "hydro": {"tolerance": 1e-3}}, {"w": "a swell"}, [row("FSB", 18720.0)], [*CHECKS, holds],
                None, "FSB", {}, {})
     )  # fmt: skip
     open_part, _, folded = page.partition("1 check holds")
@@ -220,7 +212,7 @@ def test_what_holds_is_folded_and_tables_can_be_kept():
 
 def test_realisations_of_a_sea_are_not_answered_one_by_one():
     page = render(
-        Report({"study": "s", "published": None, "pto": {"damping": 10.0}}, {"noise": "white noise"},
+        Report({"study": "s", "published": None, "pto": {"damping": 10.0}, "hydro": {"tolerance": 1e-3}}, {"noise": "white noise"},
                [{**row("FSB", 100), "wave": "noise_s1"}], CHECKS, None, "FSB", {}, {}, ["noise_s1"], [BASE, LINE])
     )  # fmt: skip
     assert "in white noise, FSB absorbs 100 W" in page

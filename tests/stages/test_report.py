@@ -1,6 +1,8 @@
 """Rule report: the page says what its checked data say."""
 
 import json
+import re
+from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
@@ -31,7 +33,54 @@ def test_the_page_says_its_powers_its_solver_and_its_figures(small):
         assert f"{row['power_mean']:.4g}" in page
     assert "spectral integral equation" in page
     assert "none (hydro.witness: none)" in page
-    assert page.count("<svg") == len(list(Path(f"{small.folder}/figures").glob("*.svg")))
+    assert page.count('<div class="drawn"><svg') == len(list(Path(f"{small.folder}/figures").glob("*.svg")))
+
+
+VOID = {"meta", "br", "hr", "input", "link", "img"}
+
+
+class Page(HTMLParser):
+    """A page as tags: those that do not match, identifiers, addresses, drawings."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.wrong, self.ids, self.addresses, self.drawings = [], [], [], [], []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag, attributes):
+        found = dict(attributes)
+        self.open += [] if tag in VOID else [tag]
+        self.ids += [found["id"]] if "id" in found else []
+        self.addresses += [found[key] for key in ("href", "src", "xlink:href") if key in found]
+        self.drawings += [found] if tag == "svg" else []
+
+    def handle_startendtag(self, tag, attributes):
+        self.handle_starttag(tag, attributes)
+        self.open = self.open if tag in VOID else self.open[:-1]
+
+    def handle_endtag(self, tag):
+        self.wrong += [] if self.open and self.open.pop() == tag else [tag]
+
+
+def test_the_page_is_whole_light_and_needs_nothing_from_outside(small):
+    text = Path(f"{small.folder}/report.html").read_text()
+    page = Page(text)
+    assert (page.wrong, page.open) == ([], [])
+    assert len(set(page.ids)) == len(page.ids)
+    assert {one[1:] for one in page.addresses if one.startswith("#")} <= set(page.ids)
+    outside = [one for one in page.addresses if not one.startswith(("#", "data:text/csv", "figures/"))]
+    assert outside == []
+    assert not re.findall(r"url\((?!#)|@import|fetch\(|XMLHttpRequest|import\(", text)
+    assert all((Path(small.folder) / one).is_file() for one in page.addresses if one.startswith("figures/"))
+    assert len(text) < 1.5e6
+
+
+def test_every_drawing_says_in_words_and_numbers_what_it_shows(small):
+    page = Page(Path(f"{small.folder}/report.html").read_text())
+    assert all(one["role"] == "img" and one["aria-label"] for one in page.drawings)
+    power = next(one["aria-label"] for one in page.drawings if "absorbed power per amplitude" in one["aria-label"])
+    assert re.search(r"over wave frequency \[rad/s\]: .*FSB [\d.]+ to [\d.]+", power)
 
 
 def test_tables_that_are_in_no_manifest_are_refused(small, tmp_path):

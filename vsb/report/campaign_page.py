@@ -77,6 +77,7 @@ def render(report: CampaignReport) -> str:
         campaign=ds.attrs["campaign"],
         climate=ds.attrs["climate"],
         answer=[answer(ds, reference, tuning)],
+        sketches=[],
         statements=statements(ds, reference, tuning),
         warnings=warnings(ds),
         head=HEAD,

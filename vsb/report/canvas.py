@@ -17,6 +17,8 @@ from matplotlib.figure import Figure
 
 WIDTH = 6.3
 """Width of a figure [inch]: a page of text."""
+PERIODS = 15
+"""Most periods of a sea that time series show: more of them are a band of ink."""
 # Okabe & Ito's colour-blind-safe palette; the paper's designs first, others in the order of the study.
 STYLES = {
     "FSB": ("#000000", "-"),
@@ -110,9 +112,11 @@ def panels(
 
 
 def shown_window(data: StudyData, wave: str) -> tuple[float, float]:
-    """The study's window; the whole run in still water, where the motion is over by then."""
-    time = data.runs[data.designs[0], wave].time
-    return (float(time[0]), float(time[-1])) if wave == "still" else data.window
+    """The study's window, its last `PERIODS` if it is longer; in still water, where motion dies out, the whole run."""
+    time, (start, end) = data.runs[data.designs[0], wave].time, data.window
+    if wave == "still":
+        return float(time[0]), float(time[-1])
+    return max(start, end - PERIODS * data.periods[wave]), end
 
 
 def force_of(run: xr.Dataset, name: str) -> xr.DataArray:

@@ -217,14 +217,16 @@ def energy_audit(data: StudyData, wave: str) -> Figure:
     ax = axes[0, 0]
     colours = {"pto": "#0072B2", "radiated": "#56B4E9", "structural": "#E69F00", "stored": "#999999"}
     names = {"pto": "power take-off", "radiated": "radiated", "structural": "structural damping", "stored": "stored"}
-    for row, design in enumerate(data.designs):
-        final = data.runs[design, wave].energy.isel(time=-1) / 1e3
-        left = {True: 0.0, False: 0.0}
-        for term, colour in colours.items():
-            value = float(final.sel(term=term))
-            ax.barh(row, value, left=left[value >= 0], color=colour, label=names[term] if row == 0 else None)
-            left[value >= 0] += value
-        ax.plot(float(final.sel(term="wave")), row, "k|", markersize=16, label="work of the wave" if row == 0 else None)
+    rows = np.arange(len(data.designs))
+    final = [data.runs[design, wave].energy.isel(time=-1) / 1e3 for design in data.designs]
+    left = {True: np.zeros(len(rows)), False: np.zeros(len(rows))}
+    for term, colour in colours.items():
+        values = np.array([float(one.sel(term=term)) for one in final])
+        gone = values >= 0
+        ax.barh(rows, values, left=np.where(gone, left[True], left[False]), color=colour, label=names[term])
+        for sign in left:
+            left[sign] += np.where(gone == sign, values, 0.0)
+    ax.plot([float(one.sel(term="wave")) for one in final], rows, "k|", markersize=16, label="work of the wave")
     ax.set_yticks(range(len(data.designs)), [folded(design, 24) for design in data.designs])
     ax.invert_yaxis()
     ax.use_sticky_edges = False  # room beside the longest bar

@@ -1,6 +1,7 @@
 """One page of HTML with everything inside: what the reports of studies and of campaigns have in common."""
 
 import csv
+import importlib.resources
 import io
 import urllib.parse
 from collections.abc import Mapping, Sequence
@@ -9,14 +10,26 @@ from typing import Any
 import jinja2
 import markupsafe
 
+from vsb.report.doubts import advice
+from vsb.study.plan import FIGURE_KINDS
+
+INLINE = 1_000_000
+"""Most bytes of figures inside a page; further ones stand beside it."""
+NO_SEAS: Mapping[str, str] = {}
+
 
 def page(template: str, **values: Any) -> str:
     """Return a page from a template of this package, which knows `csv` for `csv_link`; a value it lacks raises."""
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("vsb.report"), autoescape=True, undefined=jinja2.StrictUndefined
     )
-    environment.globals["csv"] = csv_link
+    environment.globals |= {"csv": csv_link, "text_of": text_of, "advice": advice, "kinds": FIGURE_KINDS}
     return environment.get_template(template).render(**values)
+
+
+def text_of(name: str) -> str:
+    """Return a file of the templates as it is."""
+    return markupsafe.Markup((importlib.resources.files("vsb.report") / "templates" / name).read_text(encoding="utf-8"))
 
 
 def csv_link(name: str, head: Sequence[str], body: Sequence[Sequence[str]]) -> str:
@@ -29,18 +42,27 @@ def csv_link(name: str, head: Sequence[str], body: Sequence[Sequence[str]]) -> s
     )
 
 
-def captioned(figures: Mapping[str, str], captions: Mapping[str, str]) -> list[dict[str, str]]:
-    """Return figures as a page shows them: name, caption, sea and SVG without its head.
+def captioned(
+    figures: Mapping[str, str], captions: Mapping[str, str], seas: Mapping[str, str] = NO_SEAS
+) -> list[dict[str, Any]]:
+    """Return figures as a page shows them, in groups: those of no sea, then those of each, the first sea's unfolded.
 
     Parameters
     ----------
     figures : mapping name -> str
-        SVG; of one sea, its label stands behind a dash in the name.
+        SVG; of one sea, its label stands behind a dash in the name. Beyond `INLINE` they are left to their files.
     captions : mapping kind -> str
         By what stands before the dash.
+    seas : mapping label -> str
+        Every sea in words.
     """
-    named = [(name, *name.partition("-")[::2], svg) for name, svg in figures.items()]
-    return [
-        {"name": name, "caption": captions[kind], "sea": sea, "svg": svg[svg.index("<svg") :]}
-        for name, kind, sea, svg in named
-    ]
+    groups: dict[str, list[dict[str, Any]]] = {}
+    room = INLINE
+    for number, (name, svg) in enumerate(figures.items(), 1):
+        kind, _, sea = name.partition("-")
+        drawn = svg[svg.index("<svg") :]
+        room -= len(drawn.encode())
+        shown = {"name": name, "number": number, "caption": captions[kind], "svg": drawn if room >= 0 else ""}
+        groups.setdefault(sea, []).append(shown)
+    first = next((sea for sea in groups if sea), "")
+    return [{"sea": seas.get(sea, sea), "open": sea == first, "figures": of} for sea, of in groups.items()]

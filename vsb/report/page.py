@@ -8,6 +8,8 @@ import numpy as np
 import xarray as xr
 
 from vsb.report.band import useful_band
+from vsb.report.doubts import warnings
+from vsb.report.headline import headline
 from vsb.report.html import captioned, page
 from vsb.report.tuned import (
     GIVEN,
@@ -69,6 +71,8 @@ DETAILS = (
 """Measures of the whole run, start-up included."""
 MISSING = ("", None)
 """A quantity that does not exist, in a table for people and in data."""
+TOLD = 3
+"""Failed checks the head of a page tells."""
 _MARGIN = 0.01  # a gain within 1 % either way is called none
 
 
@@ -97,6 +101,7 @@ class Report:
     statistics: Sequence[dict[str, Any]] = ()  # of irregular seas, realisations together
     equal_tuning: Sequence[dict[str, Any]] = ()  # designs at their own best dampers; empty without BEM
     within_limits: Sequence[dict[str, Any]] = ()  # optima under limits, where the take-off has some
+    sketches: Sequence[dict[str, str]] = ()  # of each design: name, words, SVG
 
 
 PUBLISHED = {
@@ -236,19 +241,6 @@ def _against(sea: Sequence[dict[str, Any]], base: dict[str, Any], key: str) -> s
     return f" (against {base['design']}: {', '.join(gains)})"
 
 
-def warnings(checks: Sequence[dict[str, Any]]) -> list[str]:
-    """Return the checks that failed, in words for the head of the page; doubts are left to the ledger."""
-    failed = [check for check in checks if check["verdict"] in ("fail", "accepted")]
-    return [f"{_subject(c)}: {c['value']:.3g}, limit {c['limit']:g} ({c['explanation']})" for c in failed]
-
-
-def _subject(check: dict[str, Any]) -> str:
-    """What a check is about, in words: name, design, sea."""
-    of = f" of {check['design']}" if check["design"] else ""
-    where = f" in {check['wave']}" if check["wave"] else ""
-    return str(check["name"]).replace("_", " ") + of + where
-
-
 def table(
     rows: Sequence[dict[str, Any]], measures: Sequence[tuple[str, str, float, str]] = MEASURES
 ) -> tuple[list[str], list[list[str]]]:
@@ -307,29 +299,38 @@ def published_table(study: dict[str, Any], rows: Sequence[dict[str, Any]]) -> li
     return lines
 
 
+def _answer(report: Report, in_seas: Sequence[str]) -> list[str]:
+    """The answer of a study in two sentences: at equal tuning if it is known, else as it was simulated."""
+    if report.response is None:
+        return [NO_BEST_DAMPER, *in_seas[:1]]
+    tolerance = float(report.study["hydro"]["tolerance"])
+    found = headline(report.equal_tuning, report.response.best_power, report.reference, report.seas, tolerance)
+    return found or tuned_statements(report.equal_tuning, report.reference, report.seas)[:1] or list(in_seas[:1])
+
+
 def render(report: Report) -> str:
     """Return the report as one HTML page with everything inside."""
     head, body = table(report.rows)
     details_head, details = table(report.rows, DETAILS)
     irregular, tuned, response = report.irregular, report.equal_tuning, report.response
     where, given = dampers_in_words(report.study["pto"]), report.study["pto"].get("damping") is not None
+    in_seas = [
+        *sea_statements(
+            [row for row in report.rows if row["wave"] not in irregular], report.reference, report.seas, tuned, where
+        ),
+        *irregular_statements(report.statistics, report.reference, report.seas, tuned, where),
+    ]
+    failed = warnings(report.checks)
     return page(
         "report.html.j2",
         study=report.study["study"],
-        answer=[
-            *(tuned_statements(tuned, report.reference, report.seas) if response is not None else [NO_BEST_DAMPER]),
+        answer=_answer(report, in_seas),
+        sketches=report.sketches,
+        tuned=[
+            *([] if response is None else tuned_statements(tuned, report.reference, report.seas)),
             *limited_statements(report.within_limits, report.reference, report.seas),
         ],
-        seas=[
-            *sea_statements(
-                [row for row in report.rows if row["wave"] not in irregular],
-                report.reference,
-                report.seas,
-                tuned,
-                where,
-            ),
-            *irregular_statements(report.statistics, report.reference, report.seas, tuned, where),
-        ],
+        seas=in_seas,
         best_bands=[] if response is None else band_statements(response.best_power, report.reference),
         bands=band_statements(response.absorbed_power, report.reference) if given and response is not None else [],
         dampers=where[0].lower() + where[1:],
@@ -342,11 +343,12 @@ def render(report: Report) -> str:
         published_head=PUBLISHED_HEAD,
         published=published_table(report.study, report.rows),
         source=(report.study["published"] or {"source": ""})["source"],
-        warnings=warnings(report.checks),
+        warnings=failed[:TOLD],
+        more_failed=len(failed[TOLD:]),
         doubts=sum(check["verdict"] == "doubt" for check in report.checks),
         head=head,
         body=body,
-        figures=captioned(report.figures, CAPTIONS),
+        figures=captioned(report.figures, CAPTIONS, report.seas),
         checks=[check for check in report.checks if check["verdict"] != "ok"],
         passed=[check for check in report.checks if check["verdict"] == "ok"],
         facts=report.facts,

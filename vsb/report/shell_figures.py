@@ -125,14 +125,11 @@ def shapes_3d(data: StudyData, wave: str) -> Figure:
     instants = [0.0, *(float(height.time[i]) for i in extremes)]
     figure, _ = grid_of_axes(3.0)
     figure.clear()
-    azimuth = np.linspace(0, 2 * np.pi, 41)
     limit = 1.1 * float(data.modes.attrs["radius"])
     for i, (instant, name) in enumerate(zip(instants, ("start", "least height", "greatest height"), strict=True)):
         ax: Any = figure.add_subplot(1, 3, i + 1, projection="3d")
-        x, z = (a[::6] for a in _meridian(data, run.sel(time=instant, method="nearest"), factor))
-        surface = np.outer(x, np.cos(azimuth)), np.outer(x, np.sin(azimuth)), np.outer(z, np.ones_like(azimuth))
-        colour = style(design, data.designs)["color"]
-        ax.plot_wireframe(*surface, color=colour, linewidth=0.5, rstride=1, cstride=2)
+        x, z = (a[::3] for a in _meridian(data, run.sel(time=instant, method="nearest"), factor))
+        _draw_wires(ax, x, z, style(design, data.designs)["color"])
         ax.set(xlim=(-limit, limit), ylim=(-limit, limit), zlim=(-limit, limit), xticks=[], yticks=[])
         ax.set_box_aspect((1, 1, 1))
         ax.tick_params(labelsize=6, pad=-2)
@@ -140,6 +137,15 @@ def shapes_3d(data: StudyData, wave: str) -> Figure:
     title = f"{design}, heights from pole to pole, shell displacement magnified {factor:g} times; z in m"
     figure.suptitle(title, fontsize=9)
     return figure
+
+
+def _draw_wires(ax: Any, x: FloatArray, z: FloatArray, colour: str) -> None:
+    """Draw a body of revolution as meridians and rings."""
+    for azimuth in np.pi * np.arange(12) / 6:
+        ax.plot(x * np.cos(azimuth), x * np.sin(azimuth), z, color=colour, linewidth=0.5)
+    around = np.linspace(0, 2 * np.pi, 49)
+    for radius, height in zip(x[5:-1:5], z[5:-1:5], strict=True):
+        ax.plot(radius * np.cos(around), radius * np.sin(around), height, color=colour, linewidth=0.5)
 
 
 def volume_area(data: StudyData, wave: str) -> Figure:

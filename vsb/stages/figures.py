@@ -1,17 +1,16 @@
 """Rule figures: all figures of a study."""
 
-import io
-
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
 
 from vsb.report.canvas import StudyData
 from vsb.report.figures import draw
+from vsb.report.svg import drawn
 from vsb.stages.inputs import Inputs
 from vsb.study.plan import figure_names
 from vsb.study.study import StillWater, Study, Wave, content_id
-from vsb.tools.files import load, write_text
+from vsb.tools.files import load
 from vsb.tools.stamps import record
 
 
@@ -26,7 +25,7 @@ def run(
     response: str = "",
     witness: str = "",
 ) -> None:
-    """Draw and write all figures of a study as SVG into a folder."""
+    """Draw and write all figures of a study into a folder: SVG, PDF, and their data as CSV."""
     found = Inputs(study, trajectories, database, radiation, response, witness)
     data = StudyData(
         designs=tuple(study.designs),
@@ -42,13 +41,11 @@ def run(
         witness=found.witness,
         tuned=study.pto.damping is None,
     )
-    files = {name: f"{out}/{name}.svg" for name in figure_names(study)}
+    files: list[str] = []
     with mpl.rc_context():  # the caller's own figures keep their looks
-        for name, path in files.items():
-            text = io.StringIO()
-            draw(name, data).savefig(text, format="svg", metadata={"Date": None})
-            write_text(path, text.getvalue())
-    record(manifest, found.plan.study_id, files.values())
+        for name in figure_names(study):
+            files += drawn(draw(name, data), name).write(out, name)
+    record(manifest, found.plan.study_id, files)
 
 
 def _period(study: Study, wave: Wave, response: xr.Dataset) -> float:

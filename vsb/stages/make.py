@@ -10,7 +10,7 @@ from vsb.stages.preview import check_before_run
 from vsb.stages.stage import STAGES
 from vsb.stages.stored import Results
 from vsb.stages.verify import stale_products
-from vsb.study.plan import StudyPlan, figure_names
+from vsb.study.plan import StudyPlan, figure_names, figure_paths
 from vsb.study.specs import PanelsSpec
 from vsb.study.study import Study, canonical
 from vsb.tools.files import check_folder
@@ -149,7 +149,7 @@ def _answers(plan: StudyPlan) -> Iterator[Job]:
     }
     rungs = plan.ladder_files
     yield Job("compare", plan.comparison, files | rungs | tables, tuple(tables.values()), (*read, *rungs.values()))
-    figures = tuple(f"{folder}/figures/{name}.svg" for name in figure_names(study))
+    figures = tuple(figure_paths(folder, figure_names(study)))
     yield Job("figures", study, {**files, "modes": modes, "out": f"{folder}/figures"}, figures, (*read, modes))
     report, drawn = f"{folder}/report.html", {"tables": tables["tables"], "figures": f"{folder}/figures"}
     yield Job("report", study, {**files, **drawn, "out": report}, (report,), (*read, drawn["tables"], *figures))

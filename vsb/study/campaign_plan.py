@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 from vsb.errors import ConfigError
 from vsb.study.blocks import HydroPlan
 from vsb.study.campaign import LoadedCampaign, Scatter, is_campaign, read, sections, study_at
-from vsb.study.plan import StudyPlan
+from vsb.study.plan import StudyPlan, figure_paths
 from vsb.study.reading import read_yaml
 from vsb.study.specs import (
     CampaignSpec,
@@ -240,7 +240,7 @@ class CampaignPlan:
     @property
     def figure_paths(self) -> list[str]:
         """Figures of the report."""
-        return [f"{self.folder}/figures/{name}.svg" for name in figure_names(self.campaign)]
+        return figure_paths(self.folder, figure_names(self.campaign))
 
     @property
     def products(self) -> list[str]:

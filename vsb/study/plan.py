@@ -5,6 +5,7 @@ The Snakefile builds its graph from this module alone, so a dry run shows the tr
 
 import math
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import PurePosixPath
@@ -33,6 +34,15 @@ from vsb.study.witness import no_witness, witness_spec
 
 FIGURES_PER_WAVE = ("heave_excitation", "velocity_pto", "power_energy", "energy_audit", "snapshots")
 FIGURES_OF_THE_SHELL = ("extreme_shapes", "shapes_3d", "volume_area")
+
+
+FIGURE_KINDS = ("svg", "pdf", "csv")
+"""Files of every figure: for a page, for print, and the data behind it."""
+
+
+def figure_paths(folder: str, names: Iterable[str]) -> list[str]:
+    """Return the paths of all files of some figures of the results in a folder."""
+    return [f"{folder}/figures/{name}.{kind}" for name in names for kind in FIGURE_KINDS]
 
 
 def figure_names(study: Study) -> list[str]:
@@ -286,7 +296,7 @@ class StudyPlan(HydroPlan):
         names = ["report.html", *tables, "modes.nc"]
         return [
             *(f"{self.folder}/{name}" for name in names),
-            *(f"{self.folder}/figures/{name}.svg" for name in figure_names(self.study)),
+            *figure_paths(self.folder, figure_names(self.study)),
             *(self.trajectory_path(design, wave) for wave in waves for design in self.study.designs),
             *self.hydro_files.values(),
             *self.response_files.values(),

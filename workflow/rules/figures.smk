@@ -1,5 +1,6 @@
 # Figures and the self-contained report.
-FIGURES = [f"{PLAN.folder}/figures/{name}.svg" for name in figure_names(STUDY)]
+FIGURES = figure_paths(PLAN.folder, figure_names(STUDY))
+DRAWN = {name: f"{PLAN.folder}/figures/{name}.svg" for name in figure_names(STUDY)}
 
 
 rule figures:
@@ -18,8 +19,9 @@ rule figures:
                 subcategory=name.partition("-")[2] or "the whole band",
                 labels={"figure": name.partition("-")[0].replace("_", " ")},
             )
-            for name, path in zip(figure_names(STUDY), FIGURES)
+            for name, path in DRAWN.items()
         ],
+        [path for path in FIGURES if path not in DRAWN.values()],
     log:
         f"{ROOT}/logs/figures/{STUDY.study}.log",
     conda:

@@ -1,0 +1,42 @@
+"""The head of a page: failures by name, the worst of each, and what to change first."""
+
+from vsb.report.doubts import ADVICE, advice, warnings
+
+BUCKLING = {
+    "name": "buckling",
+    "design": "",
+    "wave": "",
+    "value": 66.4,
+    "limit": 1.0,
+    "verdict": "fail",
+    "explanation": "<p> & why",
+}
+HEAVE = {
+    "name": "heave",
+    "design": "A",
+    "wave": "w",
+    "value": 0.4,
+    "limit": 0.3,
+    "verdict": "doubt",
+    "explanation": "large",
+}
+
+
+def test_failures_are_for_the_head_of_the_page():
+    assert warnings([BUCKLING, HEAVE]) == [f"buckling: 66.4, limit 1 (<p> & why). Change first: {ADVICE['buckling']}"]
+    (accepted,) = warnings([{**HEAVE, "verdict": "accepted"}])
+    assert accepted.startswith("heave of A in w: 0.4, limit 0.3 (large)")
+    assert warnings([{**HEAVE, "verdict": "ok"}]) == []
+
+
+def test_of_one_name_the_worst_is_told_and_the_others_are_counted():
+    bad, worse = ({**HEAVE, "verdict": "fail", "value": value} for value in (0.4, 0.9))
+    (text,) = warnings([bad, worse, bad])
+    assert text.startswith("heave of A in w: 0.9, limit 0.3 (large); so in 2 more. Change first: ")
+
+
+def test_what_holds_needs_no_advice_and_an_unknown_check_has_none():
+    assert advice(BUCKLING) == ADVICE["buckling"]
+    assert advice({**BUCKLING, "verdict": "ok"}) == ""
+    assert advice({**BUCKLING, "name": "weather"}) == ""
+    assert "Change" not in warnings([{**BUCKLING, "name": "weather"}])[0]

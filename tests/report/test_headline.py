@@ -1,0 +1,57 @@
+"""The fair answer in two sentences."""
+
+import numpy as np
+import xarray as xr
+
+from vsb.report.headline import headline
+
+OMEGA = np.linspace(0.5, 4.0, 351)
+SEAS = {"w": "a swell", "v": "a chop"}
+
+
+def line(design, gain, sea="w", power=100.0):
+    return {"design": design, "sea": sea, "best_power": power * (1 + (gain or 0) / 100), "best_gain_percent": gain}
+
+
+def best_power(**gains):
+    base = np.exp(-((OMEGA - 2.0) ** 2))
+    values = np.array([base, *((1 + np.asarray(gain)) * base for gain in gains.values())])
+    return xr.DataArray(values, dims=("design", "omega"), coords={"design": ["FSB", *gains], "omega": OMEGA})
+
+
+def test_the_best_design_its_interval_and_the_band():
+    gain = 0.2 - 0.1 * np.abs(OMEGA - 2.0)
+    first, second = headline([line("FSB", 0.0), line("A", 20.0)], best_power(A=gain), "FSB", SEAS, 1e-3)
+    assert first == (
+        "In a swell, each design at its own best damper, A absorbs 20.0 % more than the rigid FSB (+19.8 to +20.2 % by "
+        "the numbers' tolerance; 120 against 100 W)."
+    )
+    assert (
+        second == "Over all waves that carry power, tuned wave by wave, A absorbs up to 20 % more (in waves of 3.14 s)."
+    )
+
+
+def test_of_many_designs_and_seas_the_most_favourable_and_the_cost_are_told():
+    lines = [
+        line("FSB", 0.0),
+        line("A", -20.0),
+        line("B", -5.0),
+        line("FSB", 0.0, "v"),
+        line("A", 3.0, "v"),
+        line("B", 0.0, "v"),
+    ]
+    first, second = headline(lines, best_power(A=-0.2, B=0.04), "FSB", SEAS, 0.0)
+    assert first.startswith(
+        "In a chop, the most favourable of 2 seas, each design at its own best damper, the best flexible"
+    )
+    assert "design, A, absorbs 3.0 % more" in first
+    assert first.endswith("flexibility pays in 1 of the 2, and costs up to 20.0 %.")
+    assert "flexible designs absorb up to 4 % more (B in" in second
+    assert "up to 20 % less (A in" in second
+
+
+def test_without_a_rigid_design_or_power_there_is_no_gain_to_tell():
+    assert headline([line("A", None)], best_power(A=0.1), None, SEAS, 1e-3) == []
+    assert headline([line("FSB", 0.0), line("A", None)], best_power(A=0.1), "FSB", SEAS, 1e-3) == []
+    (only,) = headline([line("FSB", 0.0), line("A", 0.0)], 0 * best_power(A=0.1), "FSB", SEAS, 1e-3)
+    assert "as much as the rigid FSB" in only

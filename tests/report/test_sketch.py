@@ -1,0 +1,41 @@
+"""Sketches of designs: valid, named, held where they are held, in the colour of their curves."""
+
+import xml.etree.ElementTree as ET
+
+import pytest
+
+from vsb.report.canvas import style
+from vsb.report.sketch import design_in_words, sketch
+
+DESIGNS = {
+    "FSB": {"flexible": False, "clamp": []},
+    "VSWEC": {"flexible": True, "clamp": []},
+    "VSWEC0": {"flexible": True, "clamp": [0.0]},
+    "two": {"flexible": True, "clamp": [30.0, 180.0]},
+}
+
+
+def test_designs_are_said_in_words():
+    assert [design_in_words(design) for design in DESIGNS.values()] == [
+        "rigid", "elastic shell, free", "elastic shell, held at the top",
+        "elastic shell, held 30° from the top and at the keel",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", DESIGNS)
+def test_a_sketch_has_the_colour_and_the_marks_of_its_design(name):
+    text = sketch(name, DESIGNS, 0.2)
+    root = ET.fromstring(text)
+    assert root.get("aria-label").startswith(f"{name}, ")
+    assert style(name, list(DESIGNS))["color"] in text
+    assert text.count('class="clamp"') == 2 * len(DESIGNS[name]["clamp"])
+    assert ("stroke-dasharray" in text) == DESIGNS[name]["flexible"]
+
+
+def test_the_shell_stays_where_it_is_held():
+    """At the clamp on top swollen and squeezed meridians meet: both start there."""
+    path = next(
+        e.get("d") for e in ET.fromstring(sketch("VSWEC0", DESIGNS, 0.0)).iter("path") if "stroke-dasharray" in e.attrib
+    )
+    swollen, squeezed = (part.split("L")[0] for part in path.split("M")[1:])
+    assert swollen == squeezed == "70.0 28.0"

@@ -1,0 +1,111 @@
+"""Files of figures: small SVG with real text and identifiers of its own, PDF with text, data, words."""
+
+import csv
+import io
+import re
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+
+from vsb.report.canvas import grid_of_axes, legend_above
+from vsb.report.svg import data_csv, drawn, in_words
+
+X = np.linspace(0.0, 10.0, 400)
+
+
+@pytest.fixture
+def figure():
+    """Two pairs of axes over the same time, one of them logarithmic, and a curve without a name."""
+    figure, axes = grid_of_axes(4.0, 2, 1, sharex=True)
+    axes[0, 0].plot(X, np.sin(X), label="A")
+    axes[0, 0].plot(X, 2 + 0 * X)
+    axes[1, 0].semilogy(X, np.exp(X), label="A")
+    axes[0, 0].set(ylabel="heave\n[m]", xlim=(0, 10))
+    axes[1, 0].set(xlabel="time [s]", ylabel="power [W]", ylim=(1, 1e5))
+    legend_above(figure, axes[0, 0])
+    return figure
+
+
+def test_text_is_text_on_screen_and_in_print(figure):
+    files = drawn(figure, "wave")
+    texts = {
+        "".join(element.itertext()) for element in ET.fromstring(files.svg).iter("{http://www.w3.org/2000/svg}text")
+    }
+    assert {"time [s]", "power [W]", "A"} <= texts
+    assert b"/TrueType" in files.pdf or b"/Type42" in files.pdf or b"/CIDFontType2" in files.pdf
+    assert drawn(figure, "wave").pdf == files.pdf, "the same figure is the same file"
+
+
+def test_identifiers_are_of_the_figure_and_all_references_are_met(figure):
+    text = drawn(figure, "wave").svg
+    identities = re.findall(r'\bid="([^"]+)"', text)
+    assert len(set(identities)) == len(identities)
+    assert identities
+    assert all(identity.startswith("wave-") for identity in identities)
+    assert set(re.findall(r'(?:href="|url\()#([^")]+)', text)) == set(identities)
+
+
+def test_values_can_be_read_off_the_drawn_curve(figure):
+    """Place and scale of the axes lead from the path back to the data, to a hundredth of a point."""
+    root = ET.fromstring(drawn(figure, "w").svg)
+    top, bottom = (g for g in root.iter("{http://www.w3.org/2000/svg}g") if "data-x" in g.attrib)
+    assert (bottom.get("data-x-label"), top.get("data-x-label")) == ("time [s]", "time [s]")
+    (curve,) = (g for g in bottom.iter() if "data-curve" in g.attrib)
+    assert curve.get("data-curve") == "A"
+    x, y = _points(next(child.get("d") for child in curve.iter() if "d" in child.attrib))
+    left, right, low, high = map(float, bottom.get("data-x").split()[:4])
+    foot, head, least, most, scale = bottom.get("data-y").split()
+    assert scale == "log"
+    time = low + (x - left) / (right - left) * (high - low)
+    share = (y - float(foot)) / (float(head) - float(foot))
+    value = float(least) * (float(most) / float(least)) ** share
+    assert np.allclose(np.log(value), time, atol=5e-3)
+
+
+def _points(path):
+    """Corners of a path of one M and steps."""
+    numbers = [np.array(re.findall(r"-?\d*\.?\d+", part), dtype=float) for part in re.split(r"[Ml]", path)[1:]]
+    return np.cumsum(numbers, axis=0).T
+
+
+def test_words_have_the_numbers_of_named_curves(figure):
+    assert in_words(figure) == ("heave [m] over time [s]: A -1 to 1. power [W] over time [s]: A 1 to 22030")
+
+
+def test_bars_are_told_by_their_names():
+    figure, axes = grid_of_axes(3.0)
+    axes[0, 0].barh([0, 1], [3.0, -4.0], label="stored")
+    axes[0, 0].set_yticks([0, 1], ["A", "B"])
+    axes[0, 0].set_xlabel("energy [kJ]")
+    assert in_words(figure) == "energy [kJ]: stored: A 3, B -4"
+
+
+def test_data_are_those_of_the_figure(figure):
+    figure.axes[0].set_xlim(0, 5)
+    rows = list(csv.DictReader(io.StringIO(data_csv(figure))))
+    named = [row for row in rows if row["axes"] == "heave [m]" and row["series"] == "A"]
+    x, y = (np.array([float(row[key]) for row in named]) for key in "xy")
+    assert len(x) == np.sum(X <= 5)
+    assert np.allclose(y, np.sin(x), atol=1e-5)
+    assert {row["series"] for row in rows if row["axes"] == "heave [m]"} == {"A", "line 2"}
+
+
+def test_bars_and_maps_have_data_too():
+    figure, axes = grid_of_axes(3.0, 1, 2)
+    axes[0, 0].bar([1, 2], [3.0, 4.0], label="mass")
+    axes[0, 1].pcolormesh([0, 1, 2], [0, 1], [[5.0, np.nan]])
+    rows = list(csv.reader(io.StringIO(data_csv(figure))))[1:]
+    assert [row[1:4:2] for row in rows if row[1] == "mass"] == [["mass", "3"], ["mass", "4"]]
+    assert [row[2:] for row in rows if row[1] == "map"] == [["0.5", "0.5", "5"], ["1.5", "0.5", "nan"]]
+
+
+def test_a_figure_is_small_on_a_page(figure):
+    """Glyphs as paths alone took 30 kB."""
+    assert len(drawn(figure, "w").svg) < 16_000
+
+
+def test_its_files_are_written_together(figure, tmp_path):
+    paths = drawn(figure, "wave").write(str(tmp_path), "wave")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["wave.csv", "wave.pdf", "wave.svg"]
+    assert [path.rsplit(".")[-1] for path in paths] == ["svg", "pdf", "csv"]
