@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from vsb.errors import ConvergenceError, DatabaseError, StabilityError
 from vsb.hydro import statespace as radiation
 from vsb.hydro.kernel import DampingSpectrum
-from vsb.hydro.statespace import RadiationModel, fit_order, fit_radiation, vector_fit
+from vsb.hydro.statespace import RadiationModel, fit_order, fit_radiation, joined, vector_fit
 
 
 def chain(order: int, dof: int, seed: int) -> RadiationModel:
@@ -116,3 +116,13 @@ def test_damping_that_is_no_number_is_refused():
     damping[3] = np.nan
     with pytest.raises(DatabaseError, match="received NaN or infinite values"):
         DampingSpectrum(np.arange(1.0, 11.0), damping)
+
+
+def test_memories_joined_act_side_by_side():
+    one = RadiationModel(np.array([[-0.5]]), np.array([[1.2, 0.4]]), np.ones(1))
+    other = RadiationModel(np.array([[-2.0]]), np.array([[0.0, 3.0]]), np.array([2.0]))
+    both, omega = joined([one, other]), np.array([0.3, 2.0])
+    assert both.order == 2
+    assert both.transfer(omega) == pytest.approx(one.transfer(omega) + other.transfer(omega))
+    assert both.damping(omega) == pytest.approx(one.damping(omega) + other.damping(omega))
+    assert joined([one]) is one

@@ -8,12 +8,17 @@ from hypothesis import strategies as st
 
 from vsb.errors import StabilityError
 from vsb.hydro.kernel import DampingSpectrum
+from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.audit import energies, residual
-from vsb.integrators.exact import propagate, transition
+from vsb.integrators.convolution import convolve
+from vsb.integrators.energy_preserving import structure_preserving
+from vsb.integrators.exact import propagate, steady_state, transition
+from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.simulate import simulate
 from vsb.integrators.trajectory import labelled
 from vsb.motion.builders import linear_scene
-from vsb.motion.forces import Damper, Excitation, Spring
+from vsb.motion.forces import Damper, Excitation, RadiationMemory, RelaxingDamper, Spring
+from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.results.power import averaging_window
@@ -214,3 +219,57 @@ class TestOfTheSeed:
         turns = np.flatnonzero(velocity[1:-1] * velocity[2:] < 0) + 1
         assert time[turns[:6]] == pytest.approx([t for t, _ in published], abs=0.02)
         assert heave[turns[:6]] == pytest.approx([z for _, z in published], abs=0.01)
+
+
+OMEGA, PORT, CHAMBER = 1.7, np.array([0.8, -0.6]), 0.4
+TAKE_OFFS = (LinearPto(3.0, 0.0, PORT), LinearPto(3.0, 5.0, PORT), LinearPto(3.0, -1.0, PORT))
+
+
+def chambered(pto):
+    """Two motions that radiate, under a wave, with a take-off behind a chamber."""
+    beside, own = pto.relaxed(CHAMBER)
+    forces = {
+        "hydrostatic": Spring(np.array([[9.0, 1.0], [1.0, 20.0]])),
+        "radiation": RadiationMemory(RadiationModel(np.array([[-0.5]]), np.array([[1.2, 0.4]]), np.ones(1))),
+        "pto": RelaxingDamper(beside.spring(2), PORT, beside.damping, own),
+        "excitation": Excitation(np.array([OMEGA]), np.array([[4.0 + 1j, -2.0]])),
+    }
+    return Scene(("Heave", "Membrane2"), np.array([[2.0, 0.3], [0.3, 1.0]]), forces, np.eye(2))
+
+
+def swinging(pto):
+    """Force F and velocity V - dF/dt C of the take-off as phasors, of motion, chamber and damper written out (C1)."""
+    scene = chambered(pto)
+    radiation = scene.forces["radiation"].model.transfer(np.array([OMEGA]))[0].conj()
+    moving = -(OMEGA**2) * scene.mass - 1j * OMEGA * radiation + scene.forces["hydrostatic"].stiffness
+    whole = np.zeros((4, 4), dtype=complex)  # of q, F, flow
+    whole[:2, :2], whole[:2, 2] = moving, PORT
+    whole[2, 2:] = [1.0, -(pto.damping + 1j * pto.stiffness / OMEGA)]
+    whole[3] = [*(1j * OMEGA * PORT), -1j * OMEGA * CHAMBER, 1.0]
+    return np.linalg.solve(whole, [*scene.forces["excitation"].phasors[0], 0.0, 0.0])[2:]
+
+
+@pytest.mark.parametrize("pto", TAKE_OFFS, ids=["damper", "spring", "negative spring"])
+def test_a_take_off_behind_a_chamber_takes_in_time_what_it_takes_at_one_frequency(pto):
+    force, flow = swinging(pto)
+    mean, system, period = 0.5 * pto.damping * abs(flow) ** 2, System.of(chambered(pto)), 2 * np.pi / OMEGA
+    time, (swing,) = np.linspace(0.0, 3 * period, 481), steady_state(system).real
+    motion = propagate(system, time, (system.position @ swing[:2], system.modes @ swing[2:4], swing[4:]))
+    energy = energies(system, motion)
+    assert residual(energy) < 1e-10
+    assert energy["pto"][-1] / (3 * period) == pytest.approx(mean, rel=1e-9)
+    expected = np.real(force * np.exp(-1j * OMEGA * time))
+    assert system.forces(motion)["pto"] == pytest.approx(-np.outer(expected, PORT), abs=1e-9 * abs(force))
+    steady = harmonic_balance(system)
+    assert steady.power.pto == pytest.approx(mean, rel=1e-9)
+    assert steady.power.residual < 1e-9
+
+
+def test_other_integrators_follow_a_chamber_and_the_convolution_refuses_it():
+    system, time = System.of(chambered(TAKE_OFFS[0])), np.linspace(0.0, 10.0, 201)
+    exact = propagate(system, time, (np.ones(2), np.zeros(2)))
+    other, _ = structure_preserving(system, time, (np.ones(2), np.zeros(2)), 1e-6)
+    assert other.position == pytest.approx(exact.position, abs=1e-4)
+    assert residual(energies(system, other)) < 1e-6
+    with pytest.raises(ValueError, match="convolution: received forces that remember besides radiation"):
+        convolve(system, CALM, time, (np.ones(2), np.zeros(2)))

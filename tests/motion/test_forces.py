@@ -11,6 +11,7 @@ from vsb.motion.forces import (
     Excitation,
     Linear,
     RadiationMemory,
+    RelaxingDamper,
     Spring,
     WaterPressure,
 )
@@ -111,3 +112,14 @@ def test_memory_pushes_through_its_states_alone():
     model = RadiationModel(turning - np.outer(channel, channel) / 2, np.ones((2, DOF)), channel)
     assert RadiationMemory(model).linear() == Linear(memory=model)
     assert not RadiationMemory(model).force(TIME, *motion()).any()
+
+
+def test_a_damper_behind_a_compliance_relaxes():
+    """Dragged at a speed from rest on its force is c V (1 - exp(-t/cC)); it holds what it stores, it loses the rest."""
+    relaxing = RelaxingDamper(np.zeros((2, 2)), np.array([3.0, 4.0]), damping=2.0, compliance=0.4)
+    model, speed, t = relaxing.linear().memory, 3.0 * 0.1 + 4.0 * 0.2, np.linspace(0.0, 5.0, 6)
+    state = model.input_matrix @ [0.1, 0.2] * (1 - np.exp(t * model.state_matrix[0, 0])) / -model.state_matrix[0, 0]
+    force = 2.0 * speed * (1 - np.exp(-t / 0.8))
+    assert state[:, None] @ model.input_matrix == pytest.approx(np.outer(force, [3.0, 4.0]))
+    assert 0.5 * state**2 == pytest.approx(0.5 * 0.4 * force**2)
+    assert model.radiated[0, 0] * state**2 == pytest.approx(force**2 / 2.0)

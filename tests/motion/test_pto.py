@@ -2,7 +2,10 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+from vsb.errors import ConfigError
 from vsb.motion.pto import LinearPto
 
 
@@ -20,3 +23,22 @@ def test_force_is_along_the_port_and_power_is_that_of_its_velocity(port):
 def test_a_damper_of_each_frequency_has_a_matrix_of_each():
     matrices = LinearPto(np.array([1.0, 2.0])).matrix(2)
     np.testing.assert_array_equal(matrices, [[[1.0, 0.0], [0.0, 0.0]], [[2.0, 0.0], [0.0, 0.0]]])
+
+
+@given(st.floats(0.01, 100.0), st.floats(-0.9, 20.0), st.floats(0.01, 1.0))
+def test_behind_a_compliance_damper_and_spring_are_in_series_with_it(damping, stiffness, compliance):
+    """1/Z of the series is 1/(c + i k/omega) - i omega C; so is that of the spring beside what relaxes."""
+    omega = np.array([0.3, 1.0, 4.0])
+    series = 1 / (1 / (damping + 1j * stiffness / omega) - 1j * omega * compliance)
+    pto = LinearPto(damping, stiffness)
+    felt = pto.behind(compliance, omega)
+    size = np.abs(series).max()
+    assert felt.damping + 1j * felt.stiffness / omega == pytest.approx(series, rel=1e-9, abs=1e-9 * size)
+    beside, own = pto.relaxed(compliance)
+    relaxing = 1j * beside.stiffness / omega + 1 / (1 / beside.damping - 1j * omega * own)
+    assert relaxing == pytest.approx(series, rel=1e-9, abs=1e-9 * size)
+
+
+def test_a_spring_that_runs_away_with_the_gas_is_refused():
+    with pytest.raises(ConfigError, match=r"pto.stiffness: received -2, with which the gas .*; needs more than -2$"):
+        LinearPto(1.0, -2.0).relaxed(0.5)

@@ -3,6 +3,7 @@ from conftest import varied
 
 from vsb.results.equal_tuning import equal_tuning, fair_damping_checks, within_limits
 from vsb.results.ladder import Rung
+from vsb.study.take_off import damper_unit
 
 REGULAR = {"kind": "regular", "amplitude": 0.5, "period": 5.0}
 NOISE = {"kind": "jonswap", "hs": 1.0, "tp": 5.0, "realisations": 2}
@@ -42,7 +43,7 @@ def test_gains_are_between_best_powers_realisations_together(study, rungs):
 
 
 def test_power_lost_at_the_given_damper_is_doubted_above_five_per_cent(study, rungs):
-    checks = fair_damping_checks(equal_tuning(study, rungs))
+    checks = fair_damping_checks(equal_tuning(study, rungs), "N s/m")
     assert [(check.name, check.verdict) for check in checks] == [
         ("fair_damping", "doubt"), ("fair_damping", "doubt"), ("fair_damping", "ok"), ("fair_damping", "ok"),
     ]  # fmt: skip
@@ -52,10 +53,15 @@ def test_power_lost_at_the_given_damper_is_doubted_above_five_per_cent(study, ru
     )
 
 
+def test_power_lost_is_said_in_the_unit_of_the_damper(study, rungs):
+    first, *_ = fair_damping_checks(equal_tuning(study, rungs), damper_unit("volume"))
+    assert "200 W at 8000 Pa s/m³, 800 W at 10000 Pa s/m³" in first.explanation
+
+
 def test_where_no_damper_is_given_nothing_is_lost(study, rungs):
     lines = equal_tuning(study, [rung for rung in rungs if rung.rung != "fixed"])
     assert {(line.power, line.gain_percent, line.share) for line in lines} == {(None, None, None)}
-    assert fair_damping_checks(lines) == []
+    assert fair_damping_checks(lines, "N s/m") == []
 
 
 def test_optima_under_limits_stand_side_by_side_where_they_are_known(study, rungs):

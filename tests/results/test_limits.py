@@ -145,7 +145,7 @@ def of_witness(share, parts):
 
 
 def of_tuning(lost):
-    return fair_damping_checks([Tuned("A", "w", 2e4, 100.0, 0.0, 8e3, 100 * (1 - lost), 0.0, 1 - lost)])
+    return fair_damping_checks([Tuned("A", "w", 2e4, 100.0, 0.0, 8e3, 100 * (1 - lost), 0.0, 1 - lost)], "N s/m")
 
 
 CASES = {

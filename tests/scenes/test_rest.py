@@ -10,14 +10,17 @@ from vsb.errors import ConfigError
 from vsb.hydro import database, dofs, quality
 from vsb.hydro.panels import mesh as meshing
 from vsb.hydro.panels import rings as bem
+from vsb.motion.port import port_direction
 from vsb.scenes import rest
 from vsb.scenes.rest import (
     check_equilibrium,
     check_rests,
+    check_spring,
     check_stable,
     computed_buckling,
     loaded_shell,
     reference_shell,
+    seen_by_take_off,
 )
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.loaded import equilibrium
@@ -228,3 +231,36 @@ def test_water_and_year_rest_on_one_equilibrium(pressurised, monkeypatch):
     assert len(solved) == 2  # in the study's modes, and in those that resolve its buckling
     np.testing.assert_array_equal(first.amplitudes, second.amplitudes)
     assert first.basis.beta > 0 == second.basis.beta
+
+
+def test_gas_that_a_take_off_lets_out_holds_the_shell_no_more(seed):
+    study = varied(seed, device={"gas": {"adiabatic_index": 1.4}}, modes={"degree": 2}, pto={"port": "volume"})
+    whole = reference_shell(study)
+    opened, chamber = seen_by_take_off(study, whole)
+    volume = 4 / 3 * np.pi * 2.0**3
+    assert chamber == pytest.approx(volume / (1.4 * 101325.0), rel=1e-9)  # V/(kappa p)
+    assert opened.total + whole.stiffness["gas"] == pytest.approx(whole.total, rel=1e-12)
+    elsewhere = varied(study, pto={"port": "heave"})
+    assert seen_by_take_off(elsewhere, whole) == (whole, 0.0)
+
+
+def test_a_spring_behind_a_chamber_may_be_as_soft_as_shell_and_gas_together(seed):
+    study = varied(seed, device={"gas": {"adiabatic_index": 1.4}}, modes={"degree": 2}, pto={"port": "volume"})
+    reference = reference_shell(study)
+    opened, chamber = seen_by_take_off(study, reference)
+    b = port_direction("volume", reference.shape)
+    least = -1 / (chamber + b @ np.linalg.solve(opened.total, b))
+    check_spring(varied(study, pto={"stiffness": float(0.999 * least)}), reference)
+    with pytest.raises(ConfigError, match=r"pto.stiffness: received -[\d.]+ N/m, with which a buoy does not rest"):
+        check_spring(varied(study, pto={"stiffness": float(1.001 * least)}), reference)
+
+
+def test_a_shell_that_only_its_gas_holds_does_not_rest_once_that_can_leave(seed):
+    crushed = varied(
+        seed, device={"gas": {"adiabatic_index": 1.4}, "young_modulus": 1e5, "internal_pressure": -9e4},
+        modes={"degree": 0}, designs={"VSWEC": {}},
+    )  # fmt: skip
+    check_stable(crushed, reference_shell(crushed))
+    opened = varied(crushed, pto={"port": "volume"})
+    with pytest.raises(ConfigError, match=r"device: the shell of design VSWEC is unstable"):
+        check_stable(opened, reference_shell(opened))

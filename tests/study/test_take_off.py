@@ -110,6 +110,15 @@ def test_what_is_meant_stands_in_the_canonical_form(keys, form):
     assert Pto(**pto.model_dump()) == pto
 
 
+GAS = {"gas": {"adiabatic_index": 1.4}}
+
+
+def test_a_take_off_of_the_volume_opens_the_chamber(seed):
+    assert varied(seed, pto={"port": "volume"}, device=GAS).opens_chamber
+    assert not varied(seed, pto={"port": "volume"}).opens_chamber
+    assert not varied(seed, device=GAS).opens_chamber
+
+
 @pytest.mark.parametrize(
     ("keys", "wrong"),
     [
@@ -144,8 +153,12 @@ def test_a_take_off_that_makes_no_sense_is_one_line(seed, keys, wrong):
             r"pto.port: hydro.model 'body_exact' has no other port than heave; needs hydro.model: linear",
         ),
         (
-            {"pto": {"port": "volume"}, "device": {"gas": {"adiabatic_index": 1.4}}},
-            r"pto.port 'volume': the chamber's gas is not part of it; remove device.gas",
+            {"pto": {"port": "volume", "force_limit": 9.0}, "device": GAS},
+            r"pto.port 'volume': a take-off behind the gas of device.gas is a damper and a spring in time; needs law",
+        ),
+        (
+            {"pto": {"port": "volume"}, "device": GAS, "simulation": {"method": "convolution"}},
+            r"simulation.method 'convolution': knows no chamber's pressure beside the motion's past; needs auto",
         ),
         (
             {"pto": {"damping": {"FSB": 0.0, "VSWEC": 1.0, "VSWEC0": 1.0, "VSWEC90": 1.0}}, "hydro": {"model": "auto"}},

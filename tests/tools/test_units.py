@@ -1,9 +1,10 @@
 import numpy as np
 import pytest
+import xarray as xr
 from tools.test_files import rao
 
 from vsb.errors import DatabaseError
-from vsb.tools.units import ATTRS, check_finite, described, merged, separated
+from vsb.tools.units import AT_VOLUME, ATTRS, check_finite, described, merged, separated
 
 
 def test_separated_form_is_the_one_capytaine_writes():
@@ -32,6 +33,14 @@ def test_dimensions_are_put_in_order():
     assert out.rao.dims == ATTRS["rao"].dims
     assert out.equals(rao(np.arange(6.0).reshape(1, 3, 2)))
     assert ds.rao.dims == ("dof", "omega", "design")  # the input stays
+
+
+def test_what_a_take_off_sees_of_a_volume_is_in_units_of_pressure_and_flow():
+    found = xr.Dataset({"port_velocity": ("omega", [1.0]), "best_power": ("omega", [2.0])}).expand_dims("design")
+    units = {name: v.attrs["units"] for name, v in described(found.assign_attrs(port="volume: pressure")).items()}
+    assert units == {"port_velocity": "m^2/s", "best_power": "W/m^2"}
+    assert described(found.assign_attrs(port="heave")).port_velocity.attrs["units"] == "1/s"
+    assert all(unit != ATTRS[name].units for name, unit in AT_VOLUME.items())
 
 
 def test_real_datasets_are_left_as_they_are():

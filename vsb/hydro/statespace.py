@@ -7,11 +7,12 @@ its stored energy is x.x/2 and it radiates |L^T x|^2/2 >= 0, whatever G. Every p
 and L is one column l: the memory of N modes costs as many states as that of one.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import cholesky, eigh, expm, solve_continuous_lyapunov, solve_triangular
+from scipy.linalg import block_diag, cholesky, eigh, expm, solve_continuous_lyapunov, solve_triangular
 from scipy.optimize import least_squares
 
 from vsb.errors import ConvergenceError, StabilityError
@@ -72,6 +73,18 @@ class RadiationModel:
         for _ in time[1:]:
             states.append(step @ states[-1])
         return np.asarray(np.einsum("ni,tnj->tij", self.input_matrix, np.array(states)))
+
+
+def joined(models: Sequence[RadiationModel]) -> RadiationModel:
+    """Return several memories as one, the states of each after those of the one before it."""
+    if len(models) == 1:
+        return models[0]
+    channels = [model.channel.reshape(model.order, -1) for model in models]
+    return RadiationModel(
+        block_diag(*(model.state_matrix for model in models)),
+        np.vstack([model.input_matrix for model in models]),
+        block_diag(*channels),
+    )
 
 
 def _resolvent(a: FloatArray, omega: FloatArray) -> ComplexArray:

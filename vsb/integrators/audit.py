@@ -88,28 +88,23 @@ class Flow:
         out[n : 2 * n, order::RECORDS] = np.eye(n)
         return out
 
-    def integrals(self, dampers: list[FloatArray], radiated: FloatArray | None) -> tuple[list[Factor], FloatArray]:
+    def integrals(self, losses: FloatArray) -> tuple[list[Factor], FloatArray]:
         """Return factors of the losses over a step, and the moments of the velocity against the records of a force.
 
         Parameters
         ----------
-        dampers : list of ndarray, each shape (free, free) [1/s]
-            Between the modes.
-        radiated : ndarray, shape (memory, memory), or None
+        losses : ndarray, shape (loss, state, state) [1/s]
 
         Returns
         -------
         factors : list of Factor
-            Of the energy lost; the last one is of that radiated.
+            Of the energy lost.
         moments : ndarray, shape (free records, state + free records)
         """
         n, order = self.free, self.states.shape[1]
         x = self.generator()
-        forms = np.zeros((len(dampers) + 2, *x.shape))
-        for form, damper in zip(forms, dampers, strict=False):
-            form[n : 2 * n, n : 2 * n] = self.dt * damper
-        if radiated is not None:
-            forms[-2, 2 * n : order, 2 * n : order] = self.dt * radiated
+        forms = np.zeros((len(losses) + 1, *x.shape))
+        forms[:-1, :order, :order] = self.dt * losses
         forms[-1, order::RECORDS, n : 2 * n] = np.eye(n)
         to_derivatives = np.eye(len(x))
         to_derivatives[order:, order:] = np.kron(np.eye(n), DERIVATIVES)
@@ -122,23 +117,21 @@ class Flow:
         stop = min(start + BLOCK, len(self.states) - 1)
         return windows[start:stop].reshape(stop - start, -1)
 
-    def works(self, dampers: list[FloatArray], radiated: FloatArray | None, acting: list[FloatArray]) -> FloatArray:
-        """Return losses, radiated energy and the work of acting forces since the start [J].
+    def works(self, losses: FloatArray, acting: list[FloatArray]) -> FloatArray:
+        """Return losses and the work of acting forces since the start [J].
 
         Parameters
         ----------
-        dampers : list of ndarray, each shape (free, free) [1/s]
-            Between the modes.
-        radiated : ndarray, shape (memory, memory), or None
-            Form of the power the radiation memory radiates, if the run has its states [1/s].
+        losses : ndarray, shape (loss, state, state) [1/s]
+            Forms of the power lost, of the states the run has.
         acting : list of ndarray, each shape (time, free)
             On the modes.
 
         Returns
         -------
-        ndarray, shape (damper + 1 + acting, time)
+        ndarray, shape (loss + acting, time)
         """
-        factors, moments = self.integrals(dampers, radiated)
+        factors, moments = self.integrals(losses)
         pushes = [_extended(self.dt * force) for force in acting]
         rows = np.vstack([*(factor.rows for factor in factors), moments])
         ends = np.cumsum([len(factor.signs) for factor in factors])
@@ -206,14 +199,13 @@ def energies(system: System, motion: Motion) -> dict[str, FloatArray]:
     held = {"stored": stored - stored[0], "turned": kinetic + 1e-9 * np.abs(stored)}
     if motion.works:
         return {**motion.works, **held}
-    named, remembered, memory = system.forces(motion), motion.memory.size > 0, system.scene.memory
-    none = np.zeros((len(motion.time), system.free))
+    named, none = system.forces(motion), np.zeros((len(motion.time), system.free))
     acting: list[FloatArray] = [sum((named[name] @ system.shapes for name in EXCITING if name in named), none)]
-    if not remembered:
-        acting += [-named[name] @ system.shapes for name, part in system.scene.linear.items() if part.memory]
-    pto, structural, radiated, wave, *convolved = flow(system, motion, system.driving(motion, named)).works(
-        system.dampers(), memory.radiated if memory and remembered else None, acting
-    )
+    if not motion.memory.size:
+        acting += [-named[name] @ system.shapes for name in system.scene.memories]
+    run = flow(system, motion, system.driving(motion, named))
+    known = run.states.shape[1]
+    pto, structural, radiated, wave, *convolved = run.works(system.losses()[:, :known, :known], acting)
     return {"wave": wave, "pto": pto, "radiated": sum(convolved, radiated), "structural": structural, **held}
 
 

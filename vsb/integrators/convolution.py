@@ -31,10 +31,12 @@ def convolve(
     Raises
     ------
     ValueError
-        If the system is not linear.
+        If the system is not linear, or remembers more than radiation.
     """
     if not system.linear:
         raise ValueError("convolution: received nonlinear forces, needs a linear scene; use `integrate`.")
+    if len(system.scene.memories) > 1:
+        raise ValueError("convolution: received forces that remember besides radiation, needs none; use `propagate`.")
     begun = clock.perf_counter()
     dt, n, count = time[1] - time[0], system.free, len(time)
     kernel = system.shapes.T @ spectrum.kernel(time) @ system.shapes

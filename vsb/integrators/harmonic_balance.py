@@ -249,8 +249,11 @@ def mean_power(scene: PeriodicScene, orbit: Orbit) -> Power:
     structural = sum(means.values())
     omega = scene.omega * np.arange(1, len(orbit.harmonics))
     rate = -1j * omega[:, None] * orbit.harmonics[1:]
-    radiated = np.einsum("hi,hij,hj", rate.conj(), scene.radiation(omega), rate)
-    return Power(wave, pto, 0.5 * float(np.real(radiated)), structural)
+    radiated, relaxed = (
+        0.5 * float(np.real(np.einsum("hi,hij,hj", rate.conj(), transfer(omega), rate)))
+        for transfer in (scene.radiation, scene.relaxation)
+    )
+    return Power(wave, pto + relaxed, radiated, structural)
 
 
 def harmonic_balance(system: System, tolerance: float = 1e-8, transfer: Transfer | None = None) -> SteadyState:
@@ -282,7 +285,7 @@ def harmonic_balance(system: System, tolerance: float = 1e-8, transfer: Transfer
     exponentially with the number of harmonics under an assumed pressure, as long as the waterline does not meet a
     pole; in waves as its sixth power, for the forces of crest and trough join with two derivatives only.
     """
-    omega, rest, memory = regular_frequency(system), system.scene.rest, system.scene.memory
+    omega, rest, memory = regular_frequency(system), system.scene.rest, system.scene.radiation
     if system.pauses:
         raise ValueError("harmonic balance: received a take-off that pauses, needs one without; follow it in time.")
     if not omega:

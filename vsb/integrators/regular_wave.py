@@ -48,17 +48,26 @@ class PeriodicScene:
 
     def radiation(self, omega: FloatArray) -> ComplexArray:
         """Return conj K between the modes: radiation force -conj K U' (C1), shape (omega, free, free)."""
+        return self._between_modes(self.transfer, omega)
+
+    def relaxation(self, omega: FloatArray) -> ComplexArray:
+        """Return the same of a take-off that remembers, one behind a chamber."""
+        memory = self.system.scene.memories.get(self.system.scene.take_off)
+        return self._between_modes(memory.transfer if memory else None, omega)
+
+    def _between_modes(self, transfer: Transfer | None, omega: FloatArray) -> ComplexArray:
+        """Conjugate of a transfer function between the modes."""
         shapes = self.system.shapes
-        if self.transfer is None:
+        if transfer is None:
             return np.zeros((len(omega), self.system.free, self.system.free), dtype=complex)
-        return np.asarray(shapes.T @ self.transfer(omega).conj() @ shapes)
+        return np.asarray(shapes.T @ transfer(omega).conj() @ shapes)
 
     def impedance(self, count: int) -> ComplexArray:
         """Return Z of the harmonics below `count`, shape (count, free, free) [1/s^2]."""
         free = self.system.free
         squares = -np.diag(self.system.matrix[free : 2 * free, :free]) * self.system.scale
         omega = self.omega * np.arange(1, count)
-        damping = -self.system.matrix[free : 2 * free, free : 2 * free] + self.radiation(omega)
+        damping = -self.system.matrix[free : 2 * free, free : 2 * free] + self.radiation(omega) + self.relaxation(omega)
         moving = np.diag(squares) - omega[:, None, None] ** 2 * np.eye(free) - 1j * omega[:, None, None] * damping
         return np.concatenate([np.diag(squares)[None].astype(complex), moving])
 

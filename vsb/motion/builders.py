@@ -14,6 +14,7 @@ from vsb.motion.forces import (
     Excitation,
     Force,
     RadiationMemory,
+    RelaxingDamper,
     Spring,
     SpringDamper,
     WaterPressure,
@@ -37,7 +38,7 @@ def linear_scene(buoy: LinearBuoy, radiation: RadiationModel, sea: Sea, motions:
         "hydrostatic": Spring(buoy.stiffness_parts["hydrostatic"]),
         "radiation": RadiationMemory(radiation),
     }
-    forces |= take_off(buoy.pto, len(buoy.mass))
+    forces |= _behind_chamber(buoy) if buoy.chamber else take_off(buoy.pto, len(buoy.mass))
     labels = tuple(str(label) for label in database.influenced_dof.values)
     if flexible(labels, motions):
         forces |= _shell_springs(buoy.stiffness_parts, buoy.structural_damping)
@@ -52,6 +53,14 @@ def take_off(pto: LinearPto, dof: int) -> dict[str, Force]:
     if pto.stiffness:
         return {"pto": SpringDamper(pto.spring(dof), pto.matrix(dof), np.zeros(dof))}
     return {"pto": Damper(pto.matrix(dof))} if pto.damping else {}
+
+
+def _behind_chamber(buoy: LinearBuoy) -> dict[str, Force]:
+    """Force of a take-off behind a chamber; without a damper a spring is left, if there is one."""
+    dof, (beside, compliance) = len(buoy.mass), buoy.pto.relaxed(buoy.chamber)
+    if not beside.damping:
+        return take_off(beside, dof)
+    return {"pto": RelaxingDamper(beside.spring(dof), beside.direction(dof), float(beside.damping), compliance)}
 
 
 def _shell_springs(stiffness: Mapping[str, FloatArray], damping: FloatArray) -> dict[str, Force]:

@@ -5,6 +5,7 @@ Knows no other force and no integrator. A force that is all linear says so by `l
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -24,7 +25,7 @@ class Linear(NamedTuple):
 
     stiffness: FloatArray | None = None  # K (dof, dof) [N/m]
     damping: FloatArray | None = None  # D (dof, dof) [kg/s]
-    memory: RadiationModel | None = None  # A and G
+    memory: RadiationModel | None = None  # A and G; what it takes is |L^T x|^2/2
     waves: "Excitation | None" = None
     whole: bool = True  # it is all of the force
 
@@ -128,6 +129,31 @@ class RadiationMemory(Force):
     def linear(self) -> Linear:
         """All of it."""
         return Linear(memory=self.model)
+
+
+@dataclass(frozen=True)
+class RelaxingDamper(Force):
+    """f = -K q - b x/sqrt(C) with C p' = b.v - p/c, x = sqrt(C) p: a spring, and a damper behind a compliance.
+
+    The state of the compliance, the pressure of a chamber's gas, remembers; the damper takes |x|^2/(c C) = p^2/c.
+    """
+
+    stiffness: FloatArray  # K (dof, dof) [N/m]
+    direction: FloatArray  # b (dof,) [-]; of a volume [m^2]
+    damping: float  # c [kg/s]; of a volume [Pa s/m^3]
+    compliance: float  # C [m/N]; of a volume [m^3/Pa]
+
+    @cached_property
+    def model(self) -> RadiationModel:
+        """Its memory."""
+        rate = 1 / (self.damping * self.compliance)
+        return RadiationModel(
+            np.array([[-rate]]), self.direction[None] / np.sqrt(self.compliance), np.array([np.sqrt(2 * rate)])
+        )
+
+    def linear(self) -> Linear:
+        """All of it."""
+        return Linear(stiffness=self.stiffness, memory=self.model)
 
 
 @dataclass(frozen=True)

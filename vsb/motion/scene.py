@@ -14,7 +14,7 @@ from scipy.linalg import cho_factor, cho_solve
 
 from vsb.errors import ConvergenceError
 from vsb.hydro.dofs import flexible
-from vsb.hydro.statespace import RadiationModel
+from vsb.hydro.statespace import RadiationModel, joined
 from vsb.motion.forces import ConstantForce, Excitation, Force, Linear, SpringDamper, WaterPressure
 from vsb.shell.deformed import DeformedShell
 from vsb.tools.units import FloatArray
@@ -57,10 +57,27 @@ class Scene:
         """Damping in the allowed motions, shape (free, free) [kg/s]."""
         return self.projected(part.damping for part in self.linear.values())
 
-    @property
+    @cached_property
+    def memories(self) -> dict[str, RadiationModel]:
+        """The memory of every force that has one."""
+        return {name: part.memory for name, part in self.linear.items() if part.memory}
+
+    @cached_property
     def memory(self) -> RadiationModel | None:
-        """The radiation memory of the scene, if it has one."""
-        return next((part.memory for part in self.linear.values() if part.memory), None)
+        """All memories of the scene as one, in their order, if it has any."""
+        return joined(list(self.memories.values())) if self.memories else None
+
+    @property
+    def radiation(self) -> RadiationModel | None:
+        """The memory of all but the take-off, if there is one."""
+        others = [model for name, model in self.memories.items() if name != self.take_off]
+        return joined(others) if others else None
+
+    @cached_property
+    def remembered(self) -> dict[str, slice]:
+        """Which states of `memory` are whose."""
+        ends = np.cumsum([model.order for model in self.memories.values()])
+        return {name: slice(end - m.order, end) for (name, m), end in zip(self.memories.items(), ends, strict=True)}
 
     @property
     def excitation(self) -> Excitation | None:

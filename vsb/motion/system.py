@@ -2,9 +2,10 @@
 
     z' = A z + B (n(t, z) + Re sum w_j exp(-i omega_j t)),    z = (S p, p', x),
 
-p the natural modes, y = V p, S their frequencies, x the states of the radiation memory. A holds springs, dampers and
-memory, tangents of nonlinear forces among the springs; n is what these forces do beyond; w are the linear waves. Every
-entry of A is of the size of a frequency, so a shell of 1e15 Pa costs no digits of the slow motion.
+p the natural modes, y = V p, S their frequencies, x the states of what remembers: of radiation, of a chamber's gas. A
+holds springs, dampers and memory, tangents of nonlinear forces among the springs; n is what these forces do beyond; w
+are the linear waves. Every entry of A is of the size of a frequency, so a shell of 1e15 Pa costs no digits of the slow
+motion.
 """
 
 from dataclasses import dataclass, replace
@@ -210,15 +211,16 @@ class System:
     def forces(self, motion: Motion) -> dict[str, FloatArray]:
         """Return the forces of the scene by name, each shape (time, dof) [N].
 
-        Radiation is that of the memory states, or what remains of the equation of motion, M q'' - sum of the other
-        forces, where the motion has none.
+        Of what remembers, that of the memory states; radiation is what remains of the equation of motion, M q'' - sum
+        of the other forces, where the motion has none.
         """
         q, v = self._moved(motion)
         out = self.scene.named(motion.time, q, v) | dict(motion.forces)
-        for name, part in self.scene.linear.items():
-            if part.memory and motion.memory.size:
-                out[name] = -motion.memory @ part.memory.input_matrix
-            elif part.memory:
+        for name, memory in self.scene.memories.items():
+            if motion.memory.size:
+                states = motion.memory[:, self.scene.remembered[name]]
+                out[name] = self.scene.forces[name].force(motion.time, q, v) - states @ memory.input_matrix
+            else:
                 inertia = motion.acceleration @ self.scene.motions.T @ self.scene.mass.T
                 out[name] = inertia - sum(out.values(), np.zeros_like(q))
         return out
@@ -305,6 +307,18 @@ class System:
         ours = [part.damping for name, part in parts.items() if name == self.scene.take_off]
         others = [part.damping for name, part in parts.items() if name != self.scene.take_off]
         return [self.modes.T @ self.scene.projected(group) @ self.modes for group in (ours, others)]
+
+    def losses(self) -> FloatArray:
+        """Return the powers z.Q z the take-off, all other dampers and radiation take, Q (3, state, state) [1/s]."""
+        n, scene = self.free, self.scene
+        out = np.zeros((3, len(self.matrix), len(self.matrix)))
+        for form, damper in zip(out, self.dampers(), strict=False):
+            form[n : 2 * n, n : 2 * n] = damper
+        for name, memory in scene.memories.items():
+            own = scene.remembered[name]
+            at = slice(2 * n + own.start, 2 * n + own.stop)
+            out[0 if name == scene.take_off else 2, at, at] = memory.radiated
+        return out
 
     # sizes ----------------------------------------------------------------------------------------------------------
 

@@ -16,6 +16,7 @@ from vsb.report.tuned import (
     NO_BEST_DAMPER,
     TUNING,
     dampers_in_words,
+    in_its_units,
     limited_statements,
     shares_text,
     tuned_statements,
@@ -311,9 +312,10 @@ def _answer(report: Report, in_seas: Sequence[str]) -> list[str]:
 def render(report: Report) -> str:
     """Return the report as one HTML page with everything inside."""
     head, body = table(report.rows)
+    pto = report.study["pto"]
     details_head, details = table(report.rows, DETAILS)
     irregular, tuned, response = report.irregular, report.equal_tuning, report.response
-    where, given = dampers_in_words(report.study["pto"]), report.study["pto"].get("damping") is not None
+    where, given = dampers_in_words(pto), pto.get("damping") is not None
     in_seas = [
         *sea_statements(
             [row for row in report.rows if row["wave"] not in irregular], report.reference, report.seas, tuned, where
@@ -330,11 +332,11 @@ def render(report: Report) -> str:
             *([] if response is None else tuned_statements(tuned, report.reference, report.seas)),
             *limited_statements(report.within_limits, report.reference, report.seas),
         ],
-        seas=in_seas,
+        seas=in_its_units(in_seas, pto),
         best_bands=[] if response is None else band_statements(response.best_power, report.reference),
         bands=band_statements(response.absorbed_power, report.reference) if given and response is not None else [],
         dampers=where[0].lower() + where[1:],
-        tuning_head=TUNING,
+        tuning_head=in_its_units(TUNING, pto),
         tuning=tuning_table(tuned),
         details_head=details_head,
         details=details,
@@ -346,7 +348,7 @@ def render(report: Report) -> str:
         warnings=failed[:TOLD],
         more_failed=len(failed[TOLD:]),
         doubts=sum(check["verdict"] == "doubt" for check in report.checks),
-        head=head,
+        head=in_its_units(head, pto),
         body=body,
         figures=captioned(report.figures, CAPTIONS, report.seas),
         checks=[check for check in report.checks if check["verdict"] != "ok"],

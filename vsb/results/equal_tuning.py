@@ -86,14 +86,14 @@ def _means(rungs: Sequence[Rung], name: str) -> dict[str, tuple[float | None, fl
     return {d: (float(np.mean(dampers[d])) if dampers[d] else None, power) for d, power in powers.items()}
 
 
-def fair_damping_checks(lines: Sequence[Tuned]) -> list[Check]:
+def fair_damping_checks(lines: Sequence[Tuned], unit: str) -> list[Check]:
     """Return the power each design loses at the given damper: designs that lose unequally are not compared fairly."""
     checks = []
     for line in lines:
         if line.share is None or line.power is None or line.damping is None or line.best_damping is None:
             continue
-        text = f"power lost against the own best damper: {plain(line.power)} W at {plain(line.damping)} N s/m, "
-        text += f"{plain(line.best_power)} W at {plain(line.best_damping)} N s/m, by linear theory"
+        text = f"power lost against the own best damper: {plain(line.power)} W at {plain(line.damping)} {unit}, "
+        text += f"{plain(line.best_power)} W at {plain(line.best_damping)} {unit}, by linear theory"
         lost = max(0.0, 1 - line.share)
         verdict: Verdict = "doubt" if lost > LOST else "ok"  # never wrong: an answer to another question
         checks.append(Check("fair_damping", lost, LOST, "-", verdict, text, line.design, line.sea))

@@ -47,7 +47,7 @@ class DesignInTime:
         model : {'body_exact', 'linear'}
         """
         direction = self.take_off.direction(len(self.buoy.mass))
-        port = self.buoy.port(sea.omega, self.motions, direction).beside(self.take_off.stiffness)
+        port = self.buoy.port(sea.omega, self.motions, direction).beside(float(self.take_off.stiffness))
         return self._run(sea, settings, model), linear_power(port, sea, float(self.take_off.damping), settings.window)
 
     def _run(self, sea: Sea, settings: Simulation, model: Model) -> float:

@@ -14,7 +14,7 @@ from vsb.hydro import witness
 from vsb.hydro.database import Check, check_at_most, stored_checks
 from vsb.hydro.dofs import flexible
 from vsb.integrators.simulate import CONVOLVED
-from vsb.motion.frequency import LinearBuoy
+from vsb.motion.frequency import LinearBuoy, with_open_chamber
 from vsb.motion.port import port_direction
 from vsb.motion.pto import LinearPto
 from vsb.results.comparison import Row, Runs
@@ -251,6 +251,7 @@ def bending_checks(study: Study, database: xr.Dataset, runs: Attributes) -> list
             for ds, basis in ((database, old), (wider, full)):
                 port = port_direction(study.pto.port, DeformedShell(basis, study.centre_height))
                 buoy = LinearBuoy(ds, basis.damping, LinearPto(damper, study.pto.stiffness, port))
+                buoy = with_open_chamber(buoy, port) if study.opens_chamber else buoy
                 powers.append(buoy.absorbed_power(at, buoy.rao(at, design_motions(study, basis, design)))[0])
             before, after = map(plain, powers)
             checks.append(

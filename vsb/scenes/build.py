@@ -14,7 +14,7 @@ from vsb.hydro.kernel import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel
 from vsb.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene
 from vsb.motion.forces import AssumedPressure
-from vsb.motion.frequency import LinearBuoy
+from vsb.motion.frequency import LinearBuoy, with_open_chamber
 from vsb.motion.port import port_direction
 from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
@@ -49,12 +49,16 @@ class DesignInSea(NamedTuple):
 
 
 def linear_buoy(study: Study, database_path: str) -> tuple[LinearBuoy, ModeBasis]:
-    """Return the linear buoy of a study, without take-off, from its database, and the shell modes."""
+    """Return the linear buoy of a study, without take-off, from its database, and the shell modes.
+
+    To a take-off of the volume trapped gas is a chamber before it.
+    """
     ds = database.load_database(database_path, Path(database_path).stem)
     shell_moves = flexible(ds.influenced_dof.values)  # of the database: a rigid design may share it with flexible ones
     modes = study.modes
     basis = mode_basis(study.device, modes.basis, modes.degree) if shell_moves else rigid_basis(study.device)
-    return LinearBuoy(ds, basis.damping, LinearPto(0.0)), basis
+    buoy = LinearBuoy(ds, basis.damping, LinearPto(0.0))
+    return (with_open_chamber(buoy, study_port(study, buoy, basis)) if study.opens_chamber else buoy), basis
 
 
 def rest_shape(study: Study, buoy: LinearBuoy, basis: ModeBasis) -> DeformedShell:

@@ -7,6 +7,7 @@ from vsb.hydro.database import shares
 from vsb.hydro.dofs import Displacement
 from vsb.motion.frequency import port_of
 from vsb.motion.port import Port, port_direction
+from vsb.scenes.rest import seen_by_take_off
 from vsb.shell.modes import ModeBasis, design_motions
 from vsb.shell.rest import ReferenceShell
 from vsb.study.study import Study
@@ -35,7 +36,8 @@ def design_ports(study: Study, reference: ReferenceShell, water: ShapeWater) -> 
     basis = reference.basis
     coefficients = water.in_modes(basis)
     direction = port_direction(study.pto.port, reference.shape)
-    matrices = (basis.inertia, basis.damping, reference.total)
+    seen, chamber = seen_by_take_off(study, reference)
+    matrices = (basis.inertia, basis.damping, seen.total)
     motions = {design: design_motions(study, basis, design) for design in study.designs}
     ports = {design: port_of(water.omega, coefficients, *matrices, free, direction) for design, free in motions.items()}
-    return {design: port.beside(study.pto.stiffness) for design, port in ports.items()}
+    return {design: port.behind(chamber).beside(study.pto.stiffness) for design, port in ports.items()}

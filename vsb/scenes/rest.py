@@ -7,7 +7,7 @@ import numpy as np
 
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.motion.builders import still_scene
-from vsb.motion.frequency import allowed_part
+from vsb.motion.frequency import allowed_part, gas_compliance
 from vsb.motion.port import port_direction
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.loaded import Buckling, ElasticShell, LoadedShell, buckling, complete_shell, equilibrium
@@ -79,6 +79,18 @@ def _at_rest(loaded: LoadedShell) -> FloatArray:
     return q
 
 
+def seen_by_take_off(study: Study, reference: ReferenceShell) -> tuple[ReferenceShell, float]:
+    """Return the shell at rest as the port finds it, and the compliance of the chamber before the take-off [m^3/Pa].
+
+    Gas that a take-off of the volume lets out stands in series with it, and no longer holds the shell.
+    """
+    if not (study.opens_chamber and "gas" in reference.stiffness):
+        return reference, 0.0
+    others = {name: stiffness for name, stiffness in reference.stiffness.items() if name != "gas"}
+    chamber = gas_compliance(reference.stiffness["gas"], port_direction(study.pto.port, reference.shape))
+    return replace(reference, stiffness=others), chamber
+
+
 def check_equilibrium(study: Study) -> None:
     """Check that the loaded shell rests stably in a basis that resolves its buckling; few modes would hide it.
 
@@ -99,6 +111,7 @@ def check_stable(study: Study, reference: ReferenceShell) -> None:
     ------
     ConfigError
     """
+    reference, _ = seen_by_take_off(study, reference)
     for design in study.designs:
         least = design_stiffness(study, reference, design)
         if least <= 0:
@@ -123,11 +136,12 @@ def check_spring(study: Study, reference: ReferenceShell) -> None:
     ConfigError
     """
     direction = port_direction(study.pto.port, reference.shape)
+    reference, chamber = seen_by_take_off(study, reference)
     least = -np.inf
     for design in study.designs:
         motions = design_motions(study, reference.basis, design)
         along = allowed_part(direction, motions)
-        compliance = float(along @ np.linalg.solve(motions.T @ reference.total @ motions, along))
+        compliance = chamber + float(along @ np.linalg.solve(motions.T @ reference.total @ motions, along))
         least = max(least, -1 / compliance if compliance > 0 else -np.inf)
     if not study.pto.stiffness > least:
         raise ConfigError(

@@ -22,7 +22,7 @@ from vsb.hydro.coefficients import Coefficients
 from vsb.hydro.database import with_structure
 from vsb.hydro.shapes.database import ShapeDatabase, shape_database
 from vsb.hydro.shapes.family import ShapeFamily
-from vsb.motion.frequency import LinearBuoy
+from vsb.motion.frequency import LinearBuoy, dynamic_stiffness
 from vsb.motion.pto import LinearPto
 from vsb.scenes.rest import loaded_shell, reference_shell
 from vsb.shell.loaded import equilibrium
@@ -72,7 +72,7 @@ def power_slope(buoy: LinearBuoy, slopes: xr.Dataset, motions: FloatArray) -> Fl
     """
     omega = buoy.database.omega.values
     c, w, q = buoy.coefficients(omega), omega[:, None, None], buoy.rao(omega, motions)
-    impedance = -(w**2) * (buoy.mass + c.added_mass) - 1j * w * (c.damping + buoy.damping) + buoy.stiffness
+    impedance = dynamic_stiffness(omega, c, buoy.mass, buoy.damping_at(omega), buoy.stiffness)
     change = -(w**2) * slopes.added_mass.values - 1j * w * slopes.radiation_damping.values
     load = slopes.excitation_force.values[:, :, 0] - np.einsum("kwij,wj->kwi", change, q)
     response = np.linalg.solve(motions.T @ impedance @ motions, (load @ motions)[..., None])[..., 0] @ motions.T
@@ -116,8 +116,7 @@ def study_family(study: Study, reference: ReferenceShell, frequencies: int = 60)
 
 def mean_power(buoy: LinearBuoy, c: Coefficients, waves: Sea, motions: FloatArray) -> float:
     """Return the mean absorbed power in a sea [W] of a buoy with other coefficients, those at the sea's frequencies."""
-    w = waves.omega[:, None, None]
-    impedance = -(w**2) * (buoy.mass + c.added_mass) - 1j * w * (c.damping + buoy.damping) + buoy.stiffness
+    impedance = dynamic_stiffness(waves.omega, c, buoy.mass, buoy.damping_at(waves.omega), buoy.stiffness)
     load = (c.excitation @ motions)[..., None]
     rao = np.linalg.solve(motions.T @ impedance @ motions, load)[..., 0] @ motions.T
     return waves.mean_of(buoy.absorbed_power(waves.omega, rao))

@@ -6,11 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
-import numpy as np
-
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.motion.port import port_direction
-from vsb.scenes.rest import computed_buckling, design_stiffness, reference_shell
+from vsb.motion.pto import LinearPto
+from vsb.scenes.rest import computed_buckling, design_stiffness, reference_shell, seen_by_take_off
 from vsb.shell.rest import ReferenceShell
 from vsb.study.study import Study, canonical, parse
 
@@ -37,8 +36,9 @@ def viability(study: Study) -> Viability:
             raise
         return Viability(None, margin, dict.fromkeys(study.designs, _no_equilibrium(error)))
     port = port_direction(study.pto.port, reference.shape)
-    spring = {"take_off": study.pto.stiffness * np.outer(port, port)}
-    held = replace(reference, stiffness={**reference.stiffness, **spring})
+    seen, chamber = seen_by_take_off(study, reference)
+    spring = {"take_off": LinearPto(0.0, study.pto.stiffness, port).relaxed(chamber)[0].spring(len(port))}
+    held = replace(seen, stiffness={**seen.stiffness, **spring})
     least = {design: design_stiffness(study, held, design) for design in study.designs}
     reasons = {design: f"unstable: least stiffness {k:.3g} N/m" for design, k in least.items() if k <= 0}
     return Viability(reference, margin, reasons)

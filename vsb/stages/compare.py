@@ -14,6 +14,7 @@ from vsb.shell.modes import ModeBasis
 from vsb.stages.inputs import Inputs
 from vsb.study.specs import CompareSpec
 from vsb.study.study import IrregularSea, Wave, canonical
+from vsb.study.take_off import damper_unit
 from vsb.tools.files import write_text
 from vsb.tools.stamps import read_text, record
 from vsb.waves.seas import NO_WAVES, sea
@@ -56,7 +57,7 @@ def run(
         checks += irregular.statistical_checks(compared, lines)
         ladder = [Rung(**row) for row in json.loads(read_text(rungs, manifest, found.plan.ladder_id))]
         tuned, limited = equal_tuning(compared, ladder), within_limits(compared, ladder)
-        checks += [*fair_damping_checks(tuned), *constrained_checks(ladder)]
+        checks += [*fair_damping_checks(tuned, damper_unit(compared.pto.port)), *constrained_checks(ladder)]
     else:
         checks += ledger.assumed_pressure_checks(compared, rows)
     checks = ledger.worst_first(checks)

@@ -228,8 +228,15 @@ class Study(Section):
             )
         if pto.port != "heave" and model != "linear":
             raise ValueError(f"pto.port: hydro.model {model!r} has no other port than heave; needs hydro.model: linear")
-        if pto.port == "volume" and self.device.gas:
-            raise ValueError("pto.port 'volume': the chamber's gas is not part of it; remove device.gas")
+        if self.opens_chamber and pto.switches:
+            raise ValueError(
+                "pto.port 'volume': a take-off behind the gas of device.gas is a damper and a spring in time; needs "
+                "law: linear without force_limit and stroke_limit"
+            )
+        if self.opens_chamber and method == "convolution":
+            raise ValueError(
+                "simulation.method 'convolution': knows no chamber's pressure beside the motion's past; needs auto"
+            )
         if pto.switches and model == "auto":
             raise ValueError(
                 f"pto: received law {pto.law} with force_limit {pto.force_limit:g} N and stroke_limit "
@@ -348,6 +355,11 @@ class Study(Section):
     def at_equilibrium(self) -> bool:
         """Whether the study is about the shape the loaded shell takes at rest; a rigid buoy has no other shape."""
         return self.flexible and self.reference_shape == "equilibrium"
+
+    @property
+    def opens_chamber(self) -> bool:
+        """Whether the take-off lets trapped gas in and out: the gas is then a chamber before it, and no spring."""
+        return self.device.gas is not None and self.pto.port == "volume"
 
     @property
     def reference_design(self) -> str | None:

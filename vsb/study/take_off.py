@@ -76,8 +76,16 @@ Dampers = Annotated[
 """One damper for all designs, or one for each."""
 
 
+def damper_unit(port: object) -> str:
+    """Return the unit of a damper at a port, as `pto.port` says it; at a volume a pressure over a flow."""
+    return "Pa s/m³" if port == "volume" else "N s/m"
+
+
 class Pto(Section):
     """Power take-off: damping [N s/m] of all designs or of each, stiffness [N/m] of a spring beside it, its port.
+
+    At the volume damping is in Pa s/m^3, stiffness in Pa/m^3: pressure over flow, over volume. Gas that `device.gas`
+    traps is then a chamber between shell and take-off.
 
     `tuning` says which damper a run has: `fixed`, as given; `each`, the design's own best in its sea; `one`, the
     design's best for the sum of all seas; best by linear theory, beside the spring. Without a damping it is `each`.

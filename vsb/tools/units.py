@@ -214,10 +214,15 @@ _LABELS = (
 )
 
 
+AT_VOLUME = {"port_impedance": "Pa s/m^3", "port_velocity": "m^2/s", "best_damping": "Pa s/m^3"}
+"""Units of what a take-off sees of a volume: pressure against volume flow."""
+
+
 def described(ds: xr.Dataset) -> xr.Dataset:
     """Return the dataset with dimensions in order and units on everything.
 
-    Coordinates an attribute `varied` names, keys of a study, have units of their own; "..." are their dimensions.
+    Coordinates an attribute `varied` names, keys of a study, have units of their own; "..." are their dimensions. Where
+    an attribute `port` says that a take-off acts on the volume, what it sees has units of that port.
 
     Raises
     ------
@@ -227,16 +232,21 @@ def described(ds: xr.Dataset) -> xr.Dataset:
     varied = set(str(ds.attrs.get("varied", "")).split())
     if unknown := {str(name) for name in ds.variables} - set(ATTRS) - set(_LABELS) - varied:
         raise DatabaseError(f"variables {sorted(unknown)} are not in vsb.units.ATTRS; add them there first.")
-    known = {name: _told(ds.variables[name], ATTRS[str(name)]) for name in ds.variables if name in ATTRS}
+    units = AT_VOLUME if str(ds.attrs.get("port", "")).startswith("volume") else {}
+    known = {
+        name: _told(ds.variables[name], ATTRS[str(name)], units.get(str(name)))
+        for name in ds.variables
+        if name in ATTRS
+    }
     known = {name: variable for name, variable in known.items() if name not in varied}
     coordinates = {name: variable for name, variable in known.items() if name in ds.coords}
     return ds.assign({name: v for name, v in known.items() if name not in ds.coords}).assign_coords(coordinates)
 
 
-def _told(variable: xr.Variable, quantity: Quantity) -> xr.Variable:
-    """A variable with its dimensions in order, its units and its meaning."""
+def _told(variable: xr.Variable, quantity: Quantity, units: str | None = None) -> xr.Variable:
+    """A variable with its dimensions in order, its units or others in their place, and its meaning."""
     ordered = variable.transpose(*(... if dim == "..." else dim for dim in quantity.dims))
-    ordered.attrs = {"units": quantity.units, "long_name": quantity.long_name}
+    ordered.attrs = {"units": units or quantity.units, "long_name": quantity.long_name}
     return ordered
 
 
