@@ -66,7 +66,7 @@ def test_the_work_of_a_polynomial_force_is_exact(count):
     columns = [p(time)[:, None] for p in (velocity.integ(), velocity, force / 2.0)]
     motion, system = Motion(time, *columns, np.zeros((count, 0)), 0.0), System.of(one_mass())
     push = force(time)[:, None] @ system.shapes
-    _, work = flow(system, motion, push).works(np.zeros((0, len(system.matrix), len(system.matrix))), [push])
+    _, work = flow(system, motion, push).works(np.zeros((1, len(system.matrix), len(system.matrix))), [push])
     assert work == pytest.approx(velocity(time) ** 2, abs=1e-12)
 
 
