@@ -82,8 +82,13 @@ class LinearMotion(ABC):
         return self.stiffness + self.pto_at(omega).spring(len(self.mass))
 
     @property
+    def damping(self) -> FloatArray:
+        """Damping where no chamber relaxes, at frequency zero, shape ([omega,] dof, dof) [kg/s]."""
+        return self.damping_at(np.zeros(()))
+
+    @property
     def held(self) -> FloatArray:
-        """The same at rest, shape (dof, dof) [N/m]."""
+        """Stiffness at rest, shape (dof, dof) [N/m]."""
         return self.held_at(np.zeros(()))
 
     def rao(self, omega: FloatArray, motions: FloatArray) -> ComplexArray:
