@@ -2,16 +2,26 @@ import csv
 import io
 import itertools
 import re
+from functools import partial
 
 import numpy as np
 import pytest
 from conftest import varied
 
+from vsb.hydro import database
+from vsb.hydro.dofs import displacements
+from vsb.hydro.spectral.sweep import converged_on_grid
+from vsb.motion.frequency import LinearBuoy
 from vsb.motion.port import Port, port_direction
+from vsb.motion.pto import LinearPto
 from vsb.motion.tuning import frequencies, mean_power
 from vsb.results.ladder import Given, Limits, as_csv, constrained_checks, constrained_rung, ladder
+from vsb.scenes.ports import ShapeWater, design_ports
+from vsb.scenes.rest import reference_shell
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import design_motions, study_basis
+from vsb.stages.spectral import spectral_problem
+from vsb.study.plan import StudyPlan
 from vsb.waves.seas import Sea
 
 
@@ -200,3 +210,94 @@ def test_no_take_off_gets_anything_at_a_port_that_cannot_move():
 
     rung = constrained_rung("A", "w", sea_of_period(np.random.default_rng(1)), still, Limits(0.2, 1.0, 0.05, 3.0))
     assert (rung.power_mean, rung.limit_fraction, rung.note) == (0.0, None, "waves do not move this port")
+
+
+# ports of real studies -----------------------------------------------------------------------------------------------
+
+GRID = 0.1 * np.arange(1, 46)
+"""Frequencies of all seas below and of the force under limits [rad/s]."""
+PORTS = ("heave", "ring", "between", "volume", "chamber")
+
+
+@pytest.fixture(scope="module")
+def water(seed):
+    """Coefficients of the seed's sphere, which all materials, clamps and ports share."""
+    study = varied(seed, modes={"degree": 4}, hydro={"omega_max": 5.0})
+    (block,) = StudyPlan(study).sweep_blocks
+    found = converged_on_grid(spectral_problem(block), list(block.omega), block.tolerance, block.interpolation)
+    raw = database.with_symmetrized(database.with_excitation(found))
+    count = raw.sizes["influenced_dof"]
+    coefficients = LinearBuoy(raw, np.zeros((count, count)), LinearPto(0.0)).coefficients(GRID)
+    return study, ShapeWater(displacements(raw.influenced_dof.values), GRID, coefficients)
+
+
+def random_study(study, number):
+    """A shell of another material, with another clamp, port and spring."""
+    rng, kind = np.random.default_rng(number), PORTS[number % len(PORTS)]
+    one, other = rng.uniform(0, 180, 2)
+    ring = {"direction": str(rng.choice(["vertical", "radial"])), "against": str(rng.choice(["sea_bed", "frame"]))}
+    port = {"ring": {"colatitude": one, **ring}, "between": {"between": [one, other]}, "chamber": "volume"}
+    device = {"young_modulus": 10 ** rng.uniform(6.5, 9), "thickness": rng.uniform(0.005, 0.03)}
+    device |= {"damping": {"alpha": 0.0, "beta": 10 ** rng.uniform(-4, -2)}}
+    device |= {"gas": {"adiabatic_index": 1.4}} if kind == "chamber" else {}
+    designs = {"FSB": {"flexible": False}, "free": {}, "clamped": {"clamp": float(rng.choice([0.0, 90.0, 180.0]))}}
+    return varied(study, device=device, designs=designs, pto={"port": port.get(kind, kind)})
+
+
+def random_seas(rng):
+    """A regular wave and two seas that repeat."""
+    waves = [GRID[[rng.integers(5, 40)]], *(GRID[k : k + rng.integers(5, 20)] for k in rng.integers(5, 25, 2))]
+    amplitudes = [0.1 * rng.rayleigh(size=len(w)) * np.exp(2j * np.pi * rng.uniform(size=len(w))) for w in waves]
+    return {f"sea{i}": Sea(w, a) for i, (w, a) in enumerate(zip(waves, amplitudes, strict=True))}
+
+
+def at(port, omega):
+    """The port at some of its frequencies."""
+    kept = np.searchsorted(GRID, omega - 1e-9)
+    return Port(omega, port.admittance[kept], port.velocity[kept], port.compliance)
+
+
+def dampers_within(port, sea, limits):
+    """Mean power of those of many dampers that keep the limits at every instant of a long time [W]."""
+    here, time = at(port, sea.omega), np.linspace(0.0, 20 * np.pi, 1201)
+    turning, dampers = np.exp(-1j * np.outer(sea.omega, time)), np.geomspace(1e-3, 1e3, 61) * here.best_damping.mean()
+    velocity = here.velocity_under(here.load(dampers)) * sea.amplitude
+    force = np.abs((dampers[:, None] * velocity @ turning).real).max(axis=1)
+    stroke = np.abs((velocity / (-1j * sea.omega) @ turning).real).max(axis=1)
+    kept = (force <= limits.force) & (stroke <= limits.stroke)
+    return here.power(dampers[kept]) @ np.abs(sea.amplitude) ** 2
+
+
+def check_order(water, number):
+    """All rungs of a random study in their order, the optimum under limits among them; how many of these are known."""
+    (study, shared), rng, known = water, np.random.default_rng(10_000 + number), 0
+    study = random_study(study, number)
+    ports, seas = design_ports(study, reference_shell(study), shared), random_seas(rng)
+    omega = frequencies(list(seas.values()))
+    softest = max(port.softest_spring for port in ports.values())
+    sizes = [size for port in ports.values() if (size := float(np.median(port.best_damping)))]
+    given = Given(np.median(sizes) * 10 ** rng.uniform(-2, 2), rng.uniform(-0.9, 1.0) * abs(softest))
+    rungs = ladder({d: at(p, omega) for d, p in ports.items()}, seas, [0, 1, 2], dict.fromkeys(ports, given), 60.0)
+    for design, wave in itertools.product(ports, seas):
+        power = {r.rung: r.power_mean for r in rungs if (r.design, r.wave) == (design, wave)}
+        up = [power[name] for name in ("fixed", "best_damper", "best_spring_damper", "matched")]
+        assert all(a <= b * (1 + 1e-9) + 1e-12 for a, b in itertools.pairwise(up)), (number, design, wave, up)
+        assert power["best_damper_all_seas"] <= power["best_damper"] * (1 + 1e-9) + 1e-12
+        peaks = {r.rung: r.force_peak for r in rungs if (r.design, r.wave) == (design, wave)}
+        force = peaks["best_damper"] * 10 ** rng.uniform(-1.5, 0.5) or 1.0
+        limits = Limits(force, np.inf, GRID[0], GRID[-1])
+        best = constrained_rung(design, wave, seas[wave], partial(at, ports[design]), limits)
+        assert best.power_mean is not None, (number, design, wave, best.note)
+        assert best.power_mean <= power["matched"] * (1 + 1e-9) + 1e-12
+        if ports[design].moves:
+            within = dampers_within(ports[design], seas[wave], limits)
+            assert best.power_mean >= within.max(initial=0.0) * (1 - 2e-6), (number, design, wave)
+            known += within.size > 0
+            free = peaks["matched"] <= 0.99 * limits.force
+            assert not free or best.power_mean == pytest.approx(power["matched"], rel=1e-6)
+    return known
+
+
+@pytest.mark.parametrize("start", range(0, 40, 10))
+def test_the_rungs_of_real_ports_are_in_order_with_the_optimum_under_limits(water, start):
+    assert sum(check_order(water, number) for number in range(start, start + 10)) > 20
