@@ -4,7 +4,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vsb.motion.port import Port
-from vsb.motion.tuning import best_dampers, best_pairs, climbed, electrical_power, mean_power, powers_of_all
+from vsb.motion.tuning import (
+    best_damper_of_each,
+    best_dampers,
+    best_pairs,
+    climbed,
+    electrical_power,
+    mean_power,
+    powers_of_all,
+)
 
 
 def random_port(rng, count=40, motions=3):
@@ -58,6 +66,19 @@ def test_no_take_off_of_a_fine_table_beats_the_best(seed, efficiency):
         assert table(port, sea, efficiency, springs) <= pairs.power[i] * (1 + 1e-9)
     assert mean_power(port, seas, *pairs[:2], efficiency) == pytest.approx(pairs.power, rel=1e-12)
     assert np.all(pairs.stiffness > port.softest_spring)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_dampers_of_many_ports_are_those_of_each(seed):
+    """To the last digit, one that does not move among them, whatever others are looked for."""
+    rng = np.random.default_rng(seed)
+    ports = [random_port(rng) for _ in range(5)]
+    still = np.zeros_like(ports[0].velocity)
+    ports.insert(2, Port(ports[0].omega, still, still, 0.0))
+    sea = random_seas(rng, ports[0].omega)[seed % 6]
+    found = best_damper_of_each(ports, sea)
+    assert found.tolist() == [float(best_dampers(port, sea[None]).damping[0]) for port in ports]
+    assert best_damper_of_each(ports[::-1], 0 * sea).tolist() == [0.0] * 6
 
 
 def test_a_regular_wave_has_its_closed_forms():

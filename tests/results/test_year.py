@@ -7,7 +7,7 @@ import pytest
 
 from vsb.errors import ConfigError
 from vsb.motion.port import Port
-from vsb.results.year import DesignYear, frequencies, year
+from vsb.results.year import DesignYear, band_weights, frequencies, year
 from vsb.study.study import Water
 from vsb.waves.climate import Climate
 
@@ -78,6 +78,25 @@ def test_tunings_that_are_none():
 def test_a_fixed_damper_is_given():
     with pytest.raises(ValueError, match="fixed: received no damper, needs one"):
         DesignYear(port(np.arange(0.1, 3.0, 0.05)), climate()).take("fixed", None)
+
+
+def test_annual_power_of_a_damper_is_the_mean_of_its_seas():
+    one, tried = DesignYear(port(np.arange(0.1, 3.0, 0.05)), climate()), np.geomspace(1e2, 1e6, 9)
+    assert one.annual(tried) == pytest.approx(one.table(tried) @ one.climate.hours, rel=1e-13)
+
+
+def test_weights_are_shared_by_all_ports_over_the_same_frequencies():
+    seas, grid = climate(), np.arange(0.1, 3.0, 0.05)
+    assert band_weights(grid, seas) is band_weights(grid.copy(), climate())
+    assert band_weights(grid[::2], seas).shape == (len(seas.omega), len(grid[::2]))
+
+
+def test_designs_of_different_frequencies_keep_their_own():
+    seas, fine, rough = climate(), np.arange(0.1, 3.0, 0.02), np.arange(0.1, 3.0, 0.05)
+    together = year({"A": port(fine), "B": port(rough)}, seas, WATER, ["one"])
+    for i, grid in enumerate((fine, rough)):
+        alone = year({"A": port(grid)}, seas, WATER, ["one"])
+        assert together.damping[i].tolist() == alone.damping[0].tolist()
 
 
 def test_a_port_that_waves_do_not_move_takes_nothing():

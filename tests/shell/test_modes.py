@@ -7,8 +7,17 @@ from scipy.linalg import eigh
 from shell.test_sphere import LOWER, TABLE_I
 
 from vsb.errors import ConfigError
-from vsb.shell.modes import bending_block, design_motions, legendre, mass_block, membrane_block, mode_basis, study_basis
-from vsb.shell.sphere import natural_frequencies
+from vsb.shell.modes import (
+    bending_block,
+    design_motions,
+    legendre,
+    mass_block,
+    membrane_block,
+    mode_basis,
+    shell_modes,
+    study_basis,
+)
+from vsb.shell.sphere import Shell, natural_frequencies
 
 PAPER_RITZ = [51.434449987, 62.153777189, 86.525263883, 115.855327968, 146.580164630, 177.820039783, 209.298426663]
 
@@ -210,3 +219,9 @@ def test_a_design_allows_its_own_motions(seed):
     basis = study_basis(seed)
     free = {name: design_motions(seed, basis, name).shape[1] for name in seed.designs}
     assert free == {"FSB": 1, "VSWEC": 8, "VSWEC0": 7, "VSWEC90": 6}
+
+
+def test_shapes_are_the_same_of_every_material():
+    shells = [Shell(2.0, 0.01, modulus, 0.3, density) for modulus, density in ((1e7, 2700.0), (3e10, 950.0))]
+    first, second = (shell_modes(shell, "full", 4) for shell in shells)
+    assert first is second

@@ -8,7 +8,7 @@ import pytest
 import yaml
 from conftest import SEED
 
-from vsb.errors import ConfigError
+from vsb.errors import ConfigError, VsbError
 from vsb.motion.frequency import LinearBuoy
 from vsb.results.year import frequencies, year
 from vsb.scenes.build import linear_buoy
@@ -17,9 +17,11 @@ from vsb.stages import answer, campaign, members
 from vsb.stages.climate import read_climate
 from vsb.stages.make import make
 from vsb.stages.stage import STAGES
+from vsb.stages.verify import verify
 from vsb.study.campaign_plan import plan_of
 from vsb.study.plan import StudyPlan
 from vsb.study.study import canonical
+from vsb.tools import packed
 from vsb.tools.files import load
 from vsb.tools.units import check_finite
 from vsb.waves.seas import jonswap_spectrum
@@ -165,19 +167,21 @@ def test_a_map_has_every_point_in_its_place(folder):
     assert found.annual_energy.dims[:2] == ("young_modulus", "thickness")
     for one in plan.members:
         point = {key.rpartition(".")[2]: value for key, value in one.point.items()}
-        stored = load(f"{plan.folder}/members/{one.id}.nc", expected=one.id)
+        stored = packed.load(f"{plan.folder}/members/{one.id}.npz", expected=one.id)
         assert float(found.margin.sel(point)) == float(stored.margin)
         np.testing.assert_array_equal(found.annual_energy.sel(point), stored.annual_energy)
 
 
 def test_what_is_damaged_is_computed_anew_to_the_same_bytes(folder, swept, capsys):
     plan = planned(folder, MODULI)
-    path = folder / "results" / "sweep" / "members" / f"{plan.members[0].id}.nc"
+    path = folder / "results" / "sweep" / "members" / f"{plan.members[0].id}.npz"
     before, data = path.read_bytes(), (folder / "results" / "sweep" / "campaign.nc")
     batches(plan)
     gather(plan)
     whole = data.read_bytes()
     path.write_bytes(before[:-200] + b"x" + before[-199:])
+    with pytest.raises(VsbError, match="its contents are not those it was written with"):
+        verify(plan.folder, heal=False)
     batches(plan)
     gather(plan)
     assert "computed anew" in capsys.readouterr().out

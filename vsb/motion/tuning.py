@@ -127,6 +127,18 @@ def best_dampers(port: Port, squares: FloatArray, stiffness: float = 0.0, effici
     count = len(squares)
     if not port.moves or not squares.any():
         return Load(np.zeros(count), np.full(count, stiffness), np.zeros(count))
+    start, sea = _rivals(port, squares, stiffness, efficiency)
+
+    def power(x: FloatArray, start: IntArray) -> FloatArray:
+        return mean_power(port, squares[sea[start]], np.exp(x[:, 0]), spring[start], efficiency)
+
+    spring = np.full(len(sea), stiffness)
+    x, found = climbed(power, start[:, None], np.full((len(sea), 1), LOG_STEP))
+    return _best_of_each(sea, count, np.exp(x[:, 0]), spring, found)
+
+
+def _rivals(port: Port, squares: FloatArray, stiffness: float, efficiency: float) -> tuple[FloatArray, IntArray]:
+    """Logarithms of tried dampers from which a climb may end at the best one, and the sea of each, (start,)."""
     sizes = port.beside(stiffness).best_damping[squares.any(axis=0)]
     reach = 1.0 if efficiency == 1.0 else 100.0
     least, most = np.floor(np.log([sizes.min() / reach, sizes.max() * reach]) / LOG_STEP)
@@ -134,13 +146,38 @@ def best_dampers(port: Port, squares: FloatArray, stiffness: float = 0.0, effici
     powers = powers_of_all(port, squares, np.exp(tried), np.full(len(tried), stiffness), efficiency)
     rivals = powers >= powers.max(axis=0) * (1 - LOG_STEP**2 / 4)
     at, sea = np.nonzero(rivals & _local_maxima(powers))
+    return tried[at], sea
+
+
+def best_damper_of_each(ports: Sequence[Port], squares: FloatArray) -> FloatArray:
+    """Return the damper that takes most in one sea at each of some ports, shape (port,) [N s/m]; see `best_dampers`.
+
+    Parameters
+    ----------
+    ports : sequence of Port
+        Over the same frequencies.
+    squares : ndarray, shape (omega,) [m^2]
+
+    Notes
+    -----
+    All climb together: a climb is some twenty steps, and a step costs the same for one port and for many.
+    """
+    moving = [i for i, port in enumerate(ports) if port.moves and squares.any()]
+    found = np.zeros(len(ports))
+    if not moving:
+        return found
+    starts = [_rivals(ports[i], squares[None], 0.0, 1.0)[0] for i in moving]
+    which = np.repeat(np.arange(len(moving)), [len(start) for start in starts])
+    admittance, velocity = (np.array([getattr(ports[i], name) for i in moving]) for name in ("admittance", "velocity"))
 
     def power(x: FloatArray, start: IntArray) -> FloatArray:
-        return mean_power(port, squares[sea[start]], np.exp(x[:, 0]), spring[start], efficiency)
+        at, damping = which[start], np.exp(x)
+        moved = np.abs(velocity[at] / (1 + admittance[at] * damping)) ** 2
+        return np.asarray(damping[:, 0] * (0.5 * squares * moved).sum(axis=1))
 
-    spring = np.full(len(at), stiffness)
-    x, found = climbed(power, tried[at, None], np.full((len(at), 1), LOG_STEP))
-    return _best_of_each(sea, count, np.exp(x[:, 0]), spring, found)
+    x, powers = climbed(power, np.concatenate(starts)[:, None], np.full((len(which), 1), LOG_STEP))
+    found[moving] = _best_of_each(which, len(moving), np.exp(x[:, 0]), 0 * powers, powers).damping
+    return found
 
 
 def best_pairs(port: Port, squares: FloatArray, given: Load, efficiency: float = 1.0) -> Load:
@@ -301,7 +338,7 @@ def _ascent(offsets: IntArray, values: FloatArray) -> FloatArray:
     hessian = np.einsum("pi,pj,ps->sij", offsets, offsets, np.where(on_axis, 0.0, values)) / 4
     for i in range(dimension):
         hessian[:, i, i] = (axis[:, i] ** 2) @ values - 2 * values[len(offsets) // 2]
-    curve, vectors = np.linalg.eigh(hessian)
+    curve, vectors = np.linalg.eigh(hessian) if dimension > 1 else (hessian[:, 0], np.ones_like(hessian))
     along = np.einsum("sij,is->sj", vectors, gradient)
     move = np.where(curve < 0, -along / np.where(curve < 0, curve, 1.0), np.sign(along))
     return np.asarray(np.clip(np.einsum("sij,sj->si", vectors, move), -1.0, 1.0))

@@ -7,7 +7,7 @@ import xarray as xr
 
 from vsb.motion.port import Port
 from vsb.results.bins import Bins
-from vsb.results.year import DesignYear, Tuning, Year, year
+from vsb.results.year import DesignYear, Tuning, Year, best_for_all, year
 from vsb.scenes.ports import ShapeWater, design_ports
 from vsb.scenes.viability import viability
 from vsb.shell.modes import ModeBasis
@@ -83,8 +83,8 @@ def ports_year(study: Study, ports: Mapping[str, Port], climate: Climate, tuning
 def _curves(ports: Mapping[str, Port], climate: Climate) -> dict[str, tuple[tuple[str, ...], FloatArray]]:
     """Mean power of the year and rms force of dampers that stay as they are, each shape (design, damper)."""
     years = [DesignYear(port, climate) for port in ports.values()]
-    tried = np.array([TRIED * one.best_for_all() for one in years])
-    power = np.array([one.table(dampers) @ climate.hours for one, dampers in zip(years, tried, strict=True)])
+    tried = np.outer(best_for_all(years), TRIED)
+    power = np.array([one.annual(dampers) for one, dampers in zip(years, tried, strict=True)])
     found = (tried, power, np.sqrt(tried * power))
     return {name: (("design", "damper"), values) for name, values in zip(CURVES, found, strict=True)}
 

@@ -8,7 +8,7 @@ the answer changes by with every other frequency.
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import Literal, NamedTuple
 
@@ -18,7 +18,7 @@ import xarray as xr
 from vsb.errors import ConfigError
 from vsb.motion.damping_curve import best_of_table, dampers
 from vsb.motion.port import Port
-from vsb.motion.tuning import best_dampers
+from vsb.motion.tuning import best_damper_of_each
 from vsb.results.bins import Bins
 from vsb.study.study import Water
 from vsb.tools.units import FloatArray, described
@@ -61,23 +61,30 @@ def band_weights(omega: FloatArray, climate: Climate) -> FloatArray:
         Frequencies of a port; beyond them there is nothing.
     climate : Climate
     """
-    edges = climate.edges
+    return _band_weights(*(np.asarray(values, dtype=float).tobytes() for values in (omega, climate.edges)))
+
+
+@lru_cache(maxsize=16)
+def _band_weights(frequencies: bytes, limits: bytes) -> FloatArray:
+    """The same of values as they lie in memory: all designs and members over one climate share them."""
+    omega, edges = np.frombuffer(frequencies), np.frombuffer(limits)
     cuts = np.unique(np.concatenate([omega, edges[(edges > omega[0]) & (edges < omega[-1])]]))
     middle, width = (cuts[1:] + cuts[:-1]) / 2, np.diff(cuts)
     left = np.searchsorted(omega, middle) - 1
     share = (middle - omega[left]) / (omega[left + 1] - omega[left])  # of the frequency to the right
     band = np.searchsorted(edges, middle) - 1
-    inside = (band >= 0) & (band < len(climate.omega))
-    out = np.zeros((len(climate.omega), len(omega)))
+    inside = (band >= 0) & (band < len(edges) - 1)
+    out = np.zeros((len(edges) - 1, len(omega)))
     np.add.at(out, (band[inside], left[inside]), (2 * width * (1 - share))[inside])
     np.add.at(out, (band[inside], left[inside] + 1), (2 * width * share)[inside])
+    out.setflags(write=False)
     return out
 
 
 def variance_outside(omega: FloatArray, climate: Climate) -> float:
     """Return the part of a year's variance beyond the frequencies of a port [-]."""
     inside = np.diff(np.clip(climate.edges, omega[0], omega[-1]))
-    variance = climate.mean_density()
+    variance = climate.mean_density
     return max(0.0, 1 - float(variance @ inside) / float(variance @ np.diff(climate.edges)))
 
 
@@ -104,29 +111,32 @@ class DesignYear:
         """Return the mean power of every damper in every sea, shape (damper, sea) [W]."""
         return np.asarray((self.port.power(damping) @ self.weights.T) @ self.climate.density.T)
 
-    def take(self, tuning: Tuning, given: float | None) -> Take:
-        """Return what it takes under a tuning, `fixed` with the damper given [N s/m].
+    def annual(self, damping: FloatArray) -> FloatArray:
+        """Return the mean power of every damper over the year, shape (damper,) [W]."""
+        return np.asarray(self.port.power(damping) @ self.squares)
+
+    @cached_property
+    def squares(self) -> FloatArray:
+        """Squared amplitudes of the year's mean spectrum at the frequencies of the port, shape (omega,) [m^2]."""
+        return np.asarray(self.climate.mean_density @ self.weights)
+
+    def take(self, tuning: Tuning, damping: float | None) -> Take:
+        """Return what it takes under a tuning, `fixed` and `one` with a damper [N s/m].
 
         Raises
         ------
         ValueError
-            If `fixed` has no damper.
+            If they have none.
         """
-        if tuning == "fixed" and given is None:
-            raise ValueError("fixed: received no damper, needs one")
         seas = len(self.climate.hours)
         if not self.port.moves:
             return Take(np.zeros(seas), np.zeros(seas))
         if tuning == "each":
             tried = dampers(self.port)
             return Take(*best_of_table(tried, self.table(tried)))
-        damping = self.best_for_all() if tuning == "one" or given is None else given
+        if damping is None:
+            raise ValueError(f"{tuning}: received no damper, needs one")
         return Take(np.full(seas, damping), self.table(np.array([damping]))[0])
-
-    def best_for_all(self) -> float:
-        """Return the one damper that takes most over the year [N s/m]."""
-        squares = (self.climate.mean_density() @ self.weights)[None]
-        return float(best_dampers(self.port, squares).damping[0])
 
     def coarser(self) -> "DesignYear":
         """Return the same with every other frequency of the port."""
@@ -135,6 +145,19 @@ class DesignYear:
         return DesignYear(
             Port(port.omega[kept], port.admittance[kept], port.velocity[kept], port.compliance), self.climate
         )
+
+
+def best_for_all(years: Sequence[DesignYear]) -> FloatArray:
+    """Return the one damper that takes most over the year for each of some designs, shape (design,) [N s/m].
+
+    Parameters
+    ----------
+    years : sequence of DesignYear
+        Over one climate.
+    """
+    shared = all(np.array_equal(one.port.omega, years[0].port.omega) for one in years)
+    together = [list(years)] if shared else [[one] for one in years]
+    return np.concatenate([best_damper_of_each([one.port for one in some], some[0].squares) for some in together])
 
 
 @dataclass(frozen=True)
@@ -277,22 +300,27 @@ def year(
             f"climate {climate.name}: received {outside:.2%} of its variance outside {low:.4g} to {high:.4g} rad/s, "
             f"which hydrodynamics are known in, needs at most {OUTSIDE:.0%}; raise hydro.omega_max"
         )
-    at_centres = _practice(climate)
-    found, errors, practice = [], [], []
-    for design, port in ports.items():
-        here, fine = DesignYear(port, climate), given.get(design)
-        takes = [here.take(tuning, fine) for tuning in tunings]
-        found.append(takes)
-        rough = here.coarser()
-        errors.append(
-            [_error(climate, take, rough.take(tuning, fine)) for tuning, take in zip(tunings, takes, strict=True)]
-        )
-        there = DesignYear(port, at_centres)
-        practice.append([_of_practice(there, tuning, take) for tuning, take in zip(tunings, takes, strict=True)])
-    damping, power = (np.array([[take[k] for take in takes] for takes in found]) for k in (0, 1))
+    here = [DesignYear(port, climate) for port in ports.values()]
+    rough, there = [one.coarser() for one in here], [DesignYear(port, _practice(climate)) for port in ports.values()]
+    fine, coarse = (_takes(ports, years, tunings, given) for years in (here, rough))
+    errors = [[_error(climate, *both) for both in zip(*rows, strict=True)] for rows in zip(fine, coarse, strict=True)]
+    practice = [
+        [_of_practice(one, tuning, take) for tuning, take in zip(tunings, takes, strict=True)]
+        for one, takes in zip(there, fine, strict=True)
+    ]
+    damping, power = (np.array([[take[k] for take in takes] for takes in fine]) for k in (0, 1))
     notes = (*climate.notes, f"{outside:.3%} of the variance lies outside the frequencies solved and is not counted")
     names = (tuple(ports), tuple(tunings))
     return Year(climate, water, *names, damping, power, np.array(practice), np.array(errors), reference, notes)
+
+
+def _takes(
+    designs: Iterable[str], years: Sequence[DesignYear], tunings: Sequence[Tuning], given: Mapping[str, float]
+) -> list[list[Take]]:
+    """What each design takes under each tuning."""
+    best = best_for_all(years) if "one" in tunings else np.zeros(len(years))
+    dampers = [{"fixed": given.get(design), "one": float(one)} for design, one in zip(designs, best, strict=True)]
+    return [[one.take(t, damper.get(t)) for t in tunings] for one, damper in zip(years, dampers, strict=True)]
 
 
 def _check_given(designs: Iterable[str], tunings: Sequence[str], given: Mapping[str, float]) -> None:
@@ -303,6 +331,7 @@ def _check_given(designs: Iterable[str], tunings: Sequence[str], given: Mapping[
         raise ConfigError(f"tuning: received fixed without a damping of {lacking[0]}, needs pto.damping")
 
 
+@lru_cache(maxsize=2)
 def _practice(climate: Climate) -> Climate:
     """JONSWAP seas at the centres of the occupied bins."""
     bins = Bins(climate.hs, climate.te, climate.hours)

@@ -6,7 +6,7 @@ is the shape n = 1, V = U = 1. Degrees are orthogonal, so mass and energy are cl
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Literal
 
 import numpy as np
@@ -349,6 +349,12 @@ def shell_modes(shell: Shell, basis: Basis, degree: int) -> tuple[Mode, ...]:
 
     Mass and stiffness scale with them, so shapes follow from Poisson's ratio and thickness over radius alone.
     """
+    return _shapes(replace(shell, young_modulus=1.0, density=1.0), basis, degree)
+
+
+@lru_cache(maxsize=64)
+def _shapes(shell: Shell, basis: Basis, degree: int) -> tuple[Mode, ...]:
+    """The same, once for all materials."""
     modes = [mode for n in range(degree + 1) for mode in _degree_modes(shell, basis, n)]
     return tuple(sorted(modes, key=lambda mode: mode.label.startswith("Bending")))
 

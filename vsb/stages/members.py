@@ -24,6 +24,7 @@ from vsb.study.campaign_plan import Member, members
 from vsb.study.plan import StudyPlan
 from vsb.study.specs import MembersSpec
 from vsb.study.study import Study, canonical, content_id
+from vsb.tools import packed
 from vsb.tools.files import load, save
 from vsb.waves.climate import Climate
 
@@ -32,7 +33,7 @@ def run(spec: MembersSpec, climate: str, folder: str, root: str, out: str) -> No
     """Write the members of a batch, each to a file of its own as soon as it is finished, then all together."""
     batch = members(spec.base, spec.points, spec.climate, spec.tuning)
     work = Work(read_climate(spec.climate, climate), spec, root)
-    found = [finished(Path(folder) / f"{one.id}.nc", one, work) for one in batch]
+    found = [finished(Path(folder) / f"{one.id}{packed.SUFFIX}", one, work) for one in batch]
     ids = [one.id for one in batch]
     save(stacked(found, ids).assign_attrs(spec_id=content_id(ids)), out)
 
@@ -60,12 +61,12 @@ class Work:
 def finished(path: Path, one: Member, work: Work) -> xr.Dataset:
     """Return the results of a member from its file, written now if it is not there or not what it should be."""
     try:
-        return load(path, expected=one.id)
+        return packed.load(path, expected=one.id)
     except DatabaseError as error:
         if path.exists():
             print(f"{error} It is computed anew.")
     found = work.results(one).assign_attrs(spec=canonical(one.spec), spec_id=one.id)
-    save(found, path)
+    packed.save(found, path)
     return found
 
 

@@ -12,6 +12,7 @@ from vsb.stages.alone import nobody_else
 from vsb.study.campaign_plan import CampaignPlan, plan_of
 from vsb.study.plan import StudyPlan
 from vsb.study.study import parse
+from vsb.tools import packed
 from vsb.tools.files import CHANGED, DELETE, attributes
 from vsb.tools.stamps import MANIFEST, Fault, Manifest, Stamp, faults, read_manifest, stamp_file
 
@@ -94,6 +95,11 @@ def _other_faults(folder: Path, known: set[str]) -> list[Fault]:
             continue
         if name and identity != name:
             found.append(Fault(str(path), "damaged", f"holds {identity!r}"))
+    for path in sorted(folder.rglob(f"*{packed.SUFFIX}")):
+        try:
+            packed.load(path, expected=path.stem)
+        except DatabaseError as error:
+            found.append(Fault(str(path), "damaged", str(error).removeprefix(f"{path}: ")))
     for path in sorted(folder.rglob(MANIFEST)):
         try:
             stamps = {name: stamp for name, stamp in read_manifest(path).items() if name not in known}

@@ -30,7 +30,7 @@ AGREEMENT = 0.02
 """Part by which Hs may miss that of the spectrum: tables round, bands cut tails."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # one climate is itself: what is made of it is kept with it
 class Climate:
     """All seas of a site's year.
 
@@ -108,8 +108,9 @@ class Climate:
         speed = np.array([group_velocity(w, water.depth, water.gravity) for w in self.omega])
         return np.asarray(water.density * water.gravity * (self.density @ (speed * np.diff(self.edges))))
 
+    @cached_property
     def mean_density(self) -> FloatArray:
-        """Return the mean spectrum of the year, shape (omega,) [m^2 s]."""
+        """The mean spectrum of the year, shape (omega,) [m^2 s]."""
         return np.asarray(self.hours @ self.density)
 
 

@@ -1,0 +1,77 @@
+"""Packed datasets: the same after they were on disk, the same bytes, and refused when they are not what they should be."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from vsb.errors import DatabaseError
+from vsb.tools import packed
+
+
+@pytest.fixture
+def dataset():
+    values = {
+        "margin": ((), -0.25),
+        "viable": ("design", np.array([True, False])),
+        "reason": ("design", np.array(["", "unstable: 3 N/m"], dtype=object)),
+        "annual_energy": (("design", "tuning"), np.array([[1.5], [np.nan]])),
+        "count": (("hs", "te"), np.arange(6).reshape(2, 3)),
+    }
+    at = {"design": ["FSB", "VSWEC"], "tuning": ["one"], "hs": [0.25, 0.75]}
+    return xr.Dataset(values, coords=at, attrs={"spec_id": "0123456789abcdef", "spec": "{}"})
+
+
+def test_a_dataset_comes_back_as_it_was(dataset, tmp_path):
+    packed.save(dataset, tmp_path / "one.npz")
+    found = packed.load(tmp_path / "one.npz", expected="0123456789abcdef")
+    assert found.attrs == dataset.attrs
+    assert set(found.coords) == set(dataset.coords)
+    for name, variable in dataset.variables.items():
+        assert found[name].dims == variable.dims
+        np.testing.assert_array_equal(found[name].values, variable.values)
+
+
+def test_bytes_depend_on_contents_alone(dataset, tmp_path):
+    for name in ("one", "two"):
+        packed.save(dataset, tmp_path / name)
+    assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
+    assert [path.name for path in sorted(tmp_path.iterdir())] == ["one", "two"]
+
+
+@pytest.mark.parametrize("at", [10, -300, -10])
+def test_one_byte_changed_is_seen(dataset, tmp_path, at):
+    path = tmp_path / "one.npz"
+    packed.save(dataset, path)
+    data = bytearray(path.read_bytes())
+    data[at] ^= 1
+    path.write_bytes(data)
+    with pytest.raises(DatabaseError, match="its contents are not those it was written with"):
+        packed.read(path)
+
+
+def test_a_cut_file_is_seen(dataset, tmp_path):
+    path = tmp_path / "one.npz"
+    packed.save(dataset, path)
+    path.write_bytes(path.read_bytes()[:-100])
+    with pytest.raises(DatabaseError, match="its contents are not those"):
+        packed.read(path)
+
+
+def test_what_is_not_there_stale_or_no_dataset_is_refused(dataset, tmp_path):
+    path = tmp_path / "one.npz"
+    with pytest.raises(DatabaseError, match="file not found"):
+        packed.read(path)
+    packed.save(dataset, path)
+    with pytest.raises(DatabaseError, match="stale or foreign"):
+        packed.load(path, expected="f" * 16)
+    path.write_bytes(b"text\n")
+    packed.seal(path)
+    with pytest.raises(DatabaseError, match="no packed dataset"):
+        packed.read(path)
+
+
+def test_nothing_is_written_of_what_is_not_finite(dataset, tmp_path):
+    dataset["annual_energy"].values[0] = np.nan  # of a viable design
+    with pytest.raises(DatabaseError, match="annual_energy holds NaN"):
+        packed.save(dataset, tmp_path / "one.npz")
+    assert not list(tmp_path.iterdir())
