@@ -38,10 +38,9 @@ from vsb.motion.pto import LinearPto
 from vsb.motion.sixdof import body as multibody
 from vsb.motion.system import System
 from vsb.scenes.build import SCENES
-from vsb.scenes.rest import check_stable, reference_shell
-from vsb.shell.modes import design_motions, rigid_basis, study_basis
+from vsb.scenes.rest import check_stable, design_motions, reference_shell, study_basis
+from vsb.shell.modes import rigid_basis
 from vsb.stages.make import make
-from vsb.stages.stage import partial_study
 from vsb.study.plan import StudyPlan
 from vsb.study.reading import read_yaml
 from vsb.study.sections import Device
@@ -187,7 +186,7 @@ def simulated(case: Case, design: str, folder: str | Path) -> Result:
     if case.wet_mode is not None:
         omega = natural_frequency(study, design, paths, case.wet_mode)
         study, note = with_period(study, 2 * math.pi / omega), f"wave at the natural frequency {omega:.6g} rad/s"
-    one = partial_study(StudyPlan(study).simulation(design, study.waves[0]))
+    one = StudyPlan(study).simulation(design, study.waves[0])
     scene, shape, waves, spectrum, _ = SCENES[one.hydro.model](one, paths)
     motion, _, method = simulate(system := System.of(scene), waves, one.simulation, spectrum)
     rows = shape.basis.clamp_rows(np.deg2rad(one.designs[design].clamp))
@@ -196,7 +195,7 @@ def simulated(case: Case, design: str, folder: str | Path) -> Result:
         note = f"clamps slip {constraint_drift(moved, rows):.1e} m"
     if (far := float(np.abs(moved).max()) / study.device.radius) > FAR:
         note = f"{note}; moves by {far:.2g} radii".lstrip("; ")
-    return measured(one, system, motion, method, spectrum, note)
+    return measured(study, system, motion, method, spectrum, note)
 
 
 def with_period(study: Study, period: float) -> Study:

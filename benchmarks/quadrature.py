@@ -15,8 +15,8 @@ from vsb.motion.forces import AssumedPressure
 from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.wetted import WetShell
+from vsb.scenes.rest import design_motions, study_basis
 from vsb.shell.deformed import DeformedShell, Meridian
-from vsb.shell.modes import design_motions, study_basis
 from vsb.study.study import RegularWave, Study
 from vsb.tools.units import FloatArray
 

@@ -26,7 +26,6 @@ from vsb.motion.motion import Motion
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.scenes.build import SCENES, DesignInSea
-from vsb.stages.stage import partial_study
 from vsb.study.plan import StudyPlan
 from vsb.study.study import Study, parse
 from vsb.tools.units import FloatArray
@@ -72,7 +71,7 @@ def scene_of(study: Study, folder: str | Path) -> DesignInSea:
     """Return the scene of the only design in the only sea of a study; its hydro files are made in a folder."""
     (design,), (wave,) = study.designs, study.waves
     paths = hydro_files(study, folder)
-    one = partial_study(StudyPlan(study).simulation(design, wave))
+    one = StudyPlan(study).simulation(design, wave)
     return SCENES[one.hydro.model](one, paths)
 
 

@@ -25,8 +25,7 @@ from vsb.hydro.statespace import fit_radiation
 from vsb.motion.forces import Spring
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
-from vsb.scenes.rest import reference_shell
-from vsb.shell.modes import study_basis
+from vsb.scenes.rest import reference_shell, study_basis
 from vsb.stages.mesh import mean_mesh
 from vsb.stages.spectral import spectral_problem
 from vsb.study import study as config
@@ -47,6 +46,11 @@ def varied(study: Study, **changes) -> Study:
     for section, update in changes.items():
         data[section] = {**data[section], **update} if isinstance(update, dict) and section != "designs" else update
     return config.parse(data)
+
+
+def only_run(study: Study):
+    """What is simulated of the only design of a study in its first sea."""
+    return StudyPlan(study).simulation(*study.designs, study.waves[0])
 
 
 def springs(plant):

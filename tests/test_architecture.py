@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from vsb.stages.stage import STAGES
+
 HOME = Path(__file__).parent.parent
 ROOMS = (
     "errors", "tools", "study", "shell", "waves", "hydro", "motion", "integrators", "scenes", "results", "report",
@@ -33,6 +35,8 @@ AWAITED = {
     "vsb.results.campaign",
 }
 """Modules tested through others alone: this set may only shrink."""
+WHOLE = {"study.study.Study", "study.specs.Designed", "study.specs.AtRest"}
+"""A study, and what may be one."""
 NAMED = ast.Name | ast.Attribute
 FORCES = {"Force"} | {
     node.name
@@ -172,6 +176,19 @@ def test_only_the_room_of_panels_imports_capytaine(name):
 def test_integrators_see_systems_and_motions_alone(name):
     own = {module for module in modules(TREES[name], TREES) if module.startswith("vsb.motion.")}
     assert own <= {"vsb.motion.system", "vsb.motion.motion"}
+
+
+@pytest.mark.parametrize("name", [name for name in PACKAGE if name.split(".")[1] in ROOMS[1 : ROOMS.index("scenes")]])
+def test_below_scenes_nobody_sees_a_study(name):
+    """Rooms below are told sections and numbers; the room `study` alone knows what it makes of them."""
+    assert name.startswith("vsb.study.") or not imported(TREES[name])[1] & WHOLE
+
+
+@pytest.mark.parametrize("name", [f"vsb.stages.{stage.name}" for stage in STAGES])
+def test_no_stage_makes_up_a_study(name):
+    """It reads its specification, or the study itself where that is what it works on."""
+    calls = (node.func for node in ast.walk(TREES[name]) if isinstance(node, ast.Call))
+    assert not {"Study", "parse"} & {ast.unparse(each).split(".")[-1] for each in calls}
 
 
 @pytest.mark.parametrize("name", [name for name in MODULES if not name.startswith("vsb.motion.")])

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import HERE, varied
+from conftest import HERE, only_run, varied
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import block_diag
@@ -37,7 +37,7 @@ def scene(tmp_path_factory):
         paths = hardcases.hydro_files(study, folder)
         one = varied(study, designs={design: study.designs[design].model_dump()})
         StudyPlan(one)
-        return SCENES[one.hydro.model](one, paths).scene
+        return SCENES[one.hydro.model](only_run(one), paths).scene
 
     return build
 

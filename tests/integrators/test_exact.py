@@ -22,7 +22,7 @@ from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.results.power import averaging_window
-from vsb.shell.modes import design_motions, study_basis
+from vsb.scenes.rest import design_motions, study_basis
 from vsb.waves.seas import Sea, sea
 
 CALM = DampingSpectrum(np.arange(1, 11) * 1.0, np.zeros((10, 1, 1)))

@@ -23,9 +23,8 @@ from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
 from vsb.motion.scene import resting
 from vsb.motion.system import System
-from vsb.scenes.rest import reference_shell
+from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import design_motions, study_basis
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
 from vsb.waves.seas import NO_WAVES, Sea

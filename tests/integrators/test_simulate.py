@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from conftest import HERE, SEED, varied
+from conftest import HERE, SEED, only_run, varied
 
 from vsb.hydro.kernel import DampingSpectrum
 from vsb.integrators.audit import energies, residual
@@ -81,7 +81,7 @@ def added(monkeypatch, settings):
 
 def test_a_new_method_is_a_function_and_a_row(paper, monkeypatch):
     """Body-exact heave of the paper's rigid buoy; it closes its audit and says its name."""
-    system = assumed_pressure_design(paper, {}).system
+    system = assumed_pressure_design(only_run(paper), {}).system
     exact, _, words = simulate(system, NO_WAVES, paper.simulation, None)
     motion, _, name = simulate(system, NO_WAVES, added(monkeypatch, paper.simulation), None)
     assert words.startswith("exponential Adams, ")
@@ -92,7 +92,7 @@ def test_a_new_method_is_a_function_and_a_row(paper, monkeypatch):
 
 @pytest.mark.parametrize("name", ["linear", "body-exact"])
 def test_the_new_method_has_its_order(paper, oscillator, name):
-    system = oscillator if name == "linear" else assumed_pressure_design(paper, {}).system
+    system = oscillator if name == "linear" else assumed_pressure_design(only_run(paper), {}).system
     errors, counts, start = [], np.array([100, 200, 400, 800]), (np.array([0.1]), np.array([-0.3]))
     best = "exact" if system.linear else "exponential"
     for count in counts:
@@ -108,7 +108,7 @@ def test_auto_is_exact_where_all_is_linear_and_exponential_elsewhere(paper, osci
     assert simulate(oscillator, SWELL, paper.simulation, None)[2] == "exact propagation"
     forced = paper.simulation.model_copy(update={"method": "exact"})
     with pytest.raises(ValueError, match="exact propagation: received nonlinear forces"):
-        next(legs(assumed_pressure_design(paper, {}).system, NO_WAVES, forced, None))
+        next(legs(assumed_pressure_design(only_run(paper), {}).system, NO_WAVES, forced, None))
 
 
 def test_a_convolution_without_damping_is_refused(paper, oscillator):

@@ -3,7 +3,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import SEED, varied
+from conftest import SEED, only_run, varied
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -20,7 +20,7 @@ from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.scenes.build import assumed_pressure_design
-from vsb.shell.modes import design_motions, study_basis
+from vsb.scenes.rest import design_motions, study_basis
 from vsb.study import resolution
 from vsb.study.study import load
 from vsb.waves.seas import NO_WAVES, sea
@@ -190,7 +190,7 @@ def test_legs_of_a_body_exact_run_are_the_run():
     changes = {"duration": 10.0, "window": (5.0, 10.0), "tolerance": 1e-9}
     study = varied(load(PAPER), simulation=changes, published=None)
     one = varied(study, designs={"FSB": study.designs["FSB"].model_dump()})
-    plant = assumed_pressure_design(one, {})[0]
+    plant = assumed_pressure_design(only_run(one), {})[0]
     motion, stride, _ = simulate(System.of(plant), NO_WAVES, one.simulation, None)
     parts, position, pieced = in_legs(plant, NO_WAVES, one.simulation, None, 250)
     assert len(parts) > 3
@@ -264,7 +264,7 @@ def test_a_body_exact_run_needs_its_records_halved_twice_at_most(damping):
     short = {"duration": 10.0, "window": (5.0, 10.0)}
     study = varied(load(PAPER), pto={"damping": damping}, simulation=short, published=None)
     one = varied(study, designs={"VSWEC": study.designs["VSWEC"].model_dump()})
-    plant = assumed_pressure_design(one, {})[0]
+    plant = assumed_pressure_design(only_run(one), {})[0]
     motion, stride, _ = simulate(System.of(plant), NO_WAVES, one.simulation, None)
     assert residual(energies(System.of(plant), motion)) < 1e-6
     assert stride <= 4

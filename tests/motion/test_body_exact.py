@@ -14,9 +14,8 @@ from vsb.integrators.simulate import simulate
 from vsb.motion.builders import body_exact_scene, linear_scene
 from vsb.motion.forces import Excitation
 from vsb.motion.system import System
-from vsb.scenes.rest import reference_shell
+from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import design_motions, study_basis
 from vsb.waves.seas import NO_WAVES, Sea
 
 OMEGA = 2 * np.pi / 3.0

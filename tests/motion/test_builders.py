@@ -12,8 +12,7 @@ from vsb.motion.builders import assumed_pressure_scene, body_exact_scene, linear
 from vsb.motion.forces import AssumedPressure
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
-from vsb.scenes.rest import reference_shell
-from vsb.shell.modes import design_motions, study_basis
+from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.study.study import load
 from vsb.waves.seas import NO_WAVES, Sea
 

@@ -8,7 +8,7 @@ from conftest import varied
 from vsb.errors import DatabaseError, StabilityError
 from vsb.motion.frequency import LinearBuoy, frequency_grid
 from vsb.motion.pto import LinearPto
-from vsb.shell.modes import design_motions, study_basis
+from vsb.scenes.rest import design_motions, study_basis
 from vsb.waves.seas import power_limit
 
 

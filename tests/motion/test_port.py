@@ -16,9 +16,8 @@ from vsb.motion.frequency import LinearBuoy, with_open_chamber
 from vsb.motion.port import Port, port_direction
 from vsb.motion.pto import LinearPto
 from vsb.motion.system import System
-from vsb.scenes.rest import reference_shell
+from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell, enclosed
-from vsb.shell.modes import design_motions, study_basis
 from vsb.stages.spectral import spectral_problem
 from vsb.study.plan import StudyPlan
 from vsb.study.take_off import BetweenPort, ShellPort

@@ -12,9 +12,8 @@ from vsb.hydro.statespace import fit_radiation
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
 from vsb.results.in_time import DesignInTime
-from vsb.scenes.rest import reference_shell
+from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import design_motions, study_basis
 from vsb.study.plan import StudyPlan
 from vsb.study.study import Simulation
 from vsb.waves.climate import realised

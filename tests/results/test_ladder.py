@@ -17,9 +17,8 @@ from vsb.motion.pto import LinearPto
 from vsb.motion.tuning import frequencies, mean_power
 from vsb.results.ladder import Given, Limits, as_csv, constrained_checks, constrained_rung, ladder
 from vsb.scenes.ports import ShapeWater, design_ports
-from vsb.scenes.rest import reference_shell
+from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import design_motions, study_basis
 from vsb.stages.spectral import spectral_problem
 from vsb.study.plan import StudyPlan
 from vsb.waves.seas import Sea

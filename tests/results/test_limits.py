@@ -14,8 +14,8 @@ from vsb.hydro import witness
 from vsb.results import ledger
 from vsb.results.equal_tuning import Tuned, fair_damping_checks
 from vsb.results.statistics import FEWEST_BATCHES, Line, statistical_checks
-from vsb.scenes.rest import reference_shell
-from vsb.shell.modes import mode_basis, study_basis
+from vsb.scenes.rest import reference_shell, study_basis
+from vsb.shell.modes import mode_basis
 from vsb.study.study import PiersonMoskowitz, RegularWave, Water
 from vsb.waves.seas import power_limit
 

@@ -13,8 +13,7 @@ from vsb.motion.pto import LinearPto
 from vsb.results import year as years
 from vsb.results.bins import Bins
 from vsb.results.year import frequencies, year
-from vsb.scenes.rest import reference_shell
-from vsb.shell.modes import design_motions, study_basis
+from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.study.plan import StudyPlan
 from vsb.study.study import Water
 from vsb.waves.ndbc import read_ndbc

@@ -15,8 +15,8 @@ from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.harmonic_balance import harmonic_balance, steady_power
 from vsb.scenes import automatic
 from vsb.scenes.automatic import RIGID, Description, Scenes, chosen, linear_power, motion_ladder, truncated
+from vsb.scenes.rest import study_basis
 from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import study_basis
 from vsb.waves.seas import sea
 
 DESIGNS = {"FSB": {"flexible": False}, "VSWEC": {}, "VSWEC0": {"clamp": 0}}

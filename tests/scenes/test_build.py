@@ -6,14 +6,13 @@ from conftest import varied
 
 from vsb.errors import DatabaseError
 from vsb.scenes.build import SCENES, linear_buoy
-from vsb.shell.modes import design_motions
-from vsb.stages.stage import partial_study
+from vsb.scenes.rest import design_motions
 from vsb.study.plan import StudyPlan
 
 
 def built(plan, design, **changes):
     study = varied(plan.study, **changes)
-    one = partial_study(StudyPlan(study).simulation(design, study.waves[0]))
+    one = StudyPlan(study).simulation(design, study.waves[0])
     return SCENES[one.hydro.model](one, dict(plan.hydro_files))
 
 
@@ -41,7 +40,7 @@ def test_without_bem_there_is_no_sea_and_no_radiation(small):
 
 
 def test_files_of_another_study_are_refused(small):
-    one = partial_study(small.simulation("FSB", small.study.waves[0]))
+    one = small.simulation("FSB", small.study.waves[0])
     swapped = {"database": small.radiation_path, "radiation": small.database_path}
     with pytest.raises(
         DatabaseError, match=r"radiation/\w+.nc: holds no hydro database; needs one of results/hydro/db"

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import SEED, varied
+from conftest import SEED, only_run, varied
 
 from benchmarks.hard_cases import hydro_files
 from vsb.integrators.settled import settled_power
@@ -136,7 +136,7 @@ def test_a_study_pauses_as_long_as_takes_most_of_its_sea_and_says_so(model, tmp_
         simulation={"initial_velocity": 0.0},
     )
     files = hydro_files(study, tmp_path_factory.getbasetemp() / "pause")
-    design = SCENES[model](study, files)
+    design = SCENES[model](only_run(study), files)
     assert 0.5 < design.notes["pause"] < 1.5
     assert design.scene.forces["pto"].pause == design.notes["pause"]
     assert design.notes["pause_within"] == pytest.approx(0.25)

@@ -21,10 +21,12 @@ from vsb.scenes.rest import (
     loaded_shell,
     reference_shell,
     seen_by_take_off,
+    study_basis,
 )
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.loaded import equilibrium
-from vsb.shell.modes import mode_basis, rigid_basis, study_basis
+from vsb.shell.modes import mode_basis, rigid_basis
+from vsb.stages.preview import check_before_run
 from vsb.study.plan import StudyPlan
 
 RHO, G = 1025.0, 9.81
@@ -263,4 +265,6 @@ def test_a_shell_that_only_its_gas_holds_does_not_rest_once_that_can_leave(seed)
     check_stable(crushed, reference_shell(crushed))
     opened = varied(crushed, pto={"port": "volume"})
     with pytest.raises(ConfigError, match=r"device: the shell of design VSWEC is unstable"):
-        check_stable(opened, reference_shell(opened))
+        check_stable(opened, seen_by_take_off(opened, reference_shell(opened))[0])
+    with pytest.raises(ConfigError, match=r"device: the shell of design VSWEC is unstable"):
+        check_before_run(opened, StudyPlan(opened))

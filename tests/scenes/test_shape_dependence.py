@@ -15,10 +15,9 @@ from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
 from vsb.report.shape_figures import shape_figure
 from vsb.scenes import shape_dependence as shapedependence
-from vsb.scenes.rest import loaded_shell, reference_shell
+from vsb.scenes.rest import design_motions, loaded_shell, reference_shell
 from vsb.scenes.shape_dependence import INSTANTS, StudyMotion, answer, power_effects
 from vsb.shell.loaded import equilibrium
-from vsb.shell.modes import design_motions
 from vsb.stages import shape_dependence as stage
 from vsb.study import study as config
 from vsb.tools import files

@@ -7,16 +7,8 @@ from scipy.linalg import eigh
 from shell.test_sphere import LOWER, TABLE_I
 
 from vsb.errors import ConfigError
-from vsb.shell.modes import (
-    bending_block,
-    design_motions,
-    legendre,
-    mass_block,
-    membrane_block,
-    mode_basis,
-    shell_modes,
-    study_basis,
-)
+from vsb.scenes.rest import design_motions, study_basis
+from vsb.shell.modes import bending_block, legendre, mass_block, membrane_block, mode_basis, shell_modes
 from vsb.shell.sphere import Shell, natural_frequencies
 
 PAPER_RITZ = [51.434449987, 62.153777189, 86.525263883, 115.855327968, 146.580164630, 177.820039783, 209.298426663]

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from vsb.scenes.rest import study_basis
 from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import study_basis
 from vsb.shell.rest import ReferenceShell
 
 

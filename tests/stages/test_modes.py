@@ -5,7 +5,7 @@ import pytest
 from conftest import varied
 
 from vsb.errors import ConfigError
-from vsb.shell.modes import study_basis
+from vsb.scenes.rest import study_basis
 from vsb.stages import modes
 from vsb.study.plan import StudyPlan
 from vsb.tools.files import load

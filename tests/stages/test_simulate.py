@@ -9,7 +9,6 @@ from vsb.motion.system import System
 from vsb.scenes.build import linear_design
 from vsb.shell.deformed import DeformedShell, enclosed
 from vsb.stages import simulate
-from vsb.stages.stage import partial_study
 from vsb.study.plan import StudyPlan
 from vsb.tools.files import load
 
@@ -23,7 +22,7 @@ def stored(plan, design):
 @pytest.mark.parametrize("design", ["FSB", "VSWEC"])
 def test_the_motion_is_that_of_the_scene_from_its_start(small, design):
     run = stored(small, design)
-    one = partial_study(small.simulation(design, WAVE))
+    one = small.simulation(design, WAVE)
     scene = linear_design(one, small.hydro_files).scene
     start = scene.start(one.simulation.initial_position, one.simulation.initial_velocity)
     exact = propagate(System.of(scene), run.time.values, start).position @ scene.motions.T
@@ -39,7 +38,7 @@ def test_volume_and_area_are_those_the_moving_shell_encloses(small):
     radius = small.study.device.radius
     assert rigid.volume.values == pytest.approx(4 / 3 * np.pi * radius**3, rel=1e-9)
     assert rigid.area.values == pytest.approx(4 * np.pi * radius**2, rel=1e-9)
-    one = partial_study(small.simulation("VSWEC", WAVE))
+    one = small.simulation("VSWEC", WAVE)
     shape = linear_design(one, small.hydro_files).shape
     volume, area = enclosed(shape.basis, shell.position.values)
     np.testing.assert_allclose(shell.volume.values, volume)

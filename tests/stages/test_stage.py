@@ -9,7 +9,7 @@ import pytest
 from conftest import SEED, varied
 
 from vsb.errors import ConfigError
-from vsb.stages.stage import STAGES, partial_study, stamp
+from vsb.stages.stage import STAGES, stamp
 from vsb.study.plan import StudyPlan
 from vsb.study.study import canonical, load
 
@@ -77,16 +77,6 @@ def test_a_wrong_specification_is_one_line():
         BY_NAME["radiation"].read(canonical({**spec, "tolerance": "x"}))
     with pytest.raises(ConfigError, match=r"^standard input: not valid JSON \(maximum recursion depth"):
         BY_NAME["radiation"].read("[" * 100_000)
-
-
-def test_a_stage_takes_what_it_reads_and_harmless_values_else(seed):
-    plan = StudyPlan(seed)
-    study = partial_study(plan.simulation("VSWEC0", seed.waves[0]))
-    assert (study.device, study.waves, study.pto) == (seed.device, seed.waves, seed.pto)
-    assert study.designs == {"VSWEC0": seed.designs["VSWEC0"]}
-    assert partial_study(plan.database).flexible
-    rigid = StudyPlan(varied(seed, designs={"FSB": {"flexible": False}}))
-    assert not partial_study(rigid.database).flexible
 
 
 def test_a_stage_without_specification_reads_none(monkeypatch, tmp_path):

@@ -14,8 +14,8 @@ from vsb.errors import ConfigError
 from vsb.hydro.database import displacements_of, in_modes
 from vsb.hydro.quality import added_mass_difference
 from vsb.hydro.spectral.solver import SpectralProblem
+from vsb.scenes.rest import study_basis
 from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import study_basis
 from vsb.study.plan import StudyPlan
 from vsb.study.specs import SpectralSpec
 from vsb.study.study import content_id

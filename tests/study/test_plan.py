@@ -73,7 +73,7 @@ def test_rigid_study_solves_heave_alone(seed):
 
 
 def test_labels_are_those_of_the_basis(seed):
-    from vsb.shell.modes import study_basis
+    from vsb.scenes.rest import study_basis
 
     for basis in ("paper", "membrane", "full"):
         study = varied(seed, modes={"basis": basis, "degree": 4})

@@ -6,7 +6,6 @@ import pytest
 from conftest import SEED, varied
 from pydantic import ValidationError
 
-from vsb.stages.stage import partial_study
 from vsb.study import specs
 from vsb.study.plan import StudyPlan
 from vsb.study.study import canonical, content_id, load
@@ -49,10 +48,37 @@ def test_the_version_of_its_physics_names_a_stage(seed, tag, monkeypatch):
     assert {i for i, (old, new) in enumerate(zip(before, ids(), strict=True)) if old != new} == changed[tag]
 
 
+@pytest.mark.parametrize(
+    "changes",
+    [{}, {"designs": {"FSB": {"flexible": False}}}, {"reference_shape": "equilibrium"}, {"device": {"mass": 12e3}}],
+)
+def test_a_specification_says_what_its_study_says(seed, changes):
+    """Whether a shell moves, in which shape and how high it rests is asked of either."""
+    study = varied(seed, **changes)
+    plan = StudyPlan(study)
+    for spec in (plan.modes, plan.display, plan.database):
+        assert (spec.flexible, spec.at_equilibrium) == (study.flexible, study.at_equilibrium)
+        assert spec.centre_height == study.centre_height
+    for name, design in study.designs.items():
+        run = plan.simulation(name, study.waves[0])
+        assert run.flexible == design.flexible
+        assert run.centre_height == plan.response.centre_height == plan.ladder.centre_height == study.centre_height
+
+
+def test_what_is_simulated_of_a_member_is_its_study_in_no_sea(seed):
+    """As it stands after a journey as text."""
+    parts = {name: part for name, part in seed if name in specs.VerificationSpec.model_fields}
+    climate = specs.ClimateSpec(contents="0" * 16, form="spectra")
+    spec = specs.VerificationSpec(sweep=("a",), climate=climate, tuning=("one",), verify=specs.Verify(), **parts)
+    read = specs.VerificationSpec.model_validate_json(canonical(spec))
+    whole = varied(seed, waves=[{"kind": "still"}]).model_copy(update={"study": "member"})
+    assert canonical(spec.simulated) == canonical(read.simulated) == canonical(whole)
+
+
 def test_the_ladder_of_a_study_is_read_whatever_the_method_of_its_model(seed):
     followed = varied(seed, hydro={"model": "body_exact"}, simulation={"method": "exponential"})
     plan = StudyPlan(followed)
-    assert partial_study(plan.ladder).simulation.duration == followed.simulation.duration
+    assert plan.ladder.simulation.duration == followed.simulation.duration
     assert content_id(plan.ladder) == content_id(StudyPlan(seed).ladder)
 
 

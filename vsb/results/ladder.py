@@ -15,8 +15,9 @@ from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import Port
 from vsb.motion.tuning import IntArray, Load, best_dampers, best_pairs, frequencies, mean_power, squares
 from vsb.scenes.build import linear_buoy, study_port
-from vsb.shell.modes import design_motions
-from vsb.study.study import IrregularSea, StillWater, Study
+from vsb.scenes.rest import design_motions
+from vsb.study.specs import LadderSpec
+from vsb.study.study import IrregularSea, StillWater
 from vsb.tools.units import ComplexArray, FloatArray
 from vsb.waves.seas import Sea, sea
 from vsb.waves.superposition import superposed
@@ -135,28 +136,28 @@ def ladder(
     return found
 
 
-def study_ladder(study: Study, database: str) -> list[Rung]:
+def study_ladder(spec: LadderSpec, database: str) -> list[Rung]:
     """Return the rungs of every design of a study in every sea; still water has none.
 
     Parameters
     ----------
-    study : Study
+    spec : LadderSpec
     database : str
         Path of its hydro database.
     """
-    buoy, basis = linear_buoy(study, database)
-    pto, hydro = study.pto, study.hydro
-    waves = [wave for wave in study.waves if not isinstance(wave, StillWater)]
+    buoy, basis = linear_buoy(spec, database)
+    pto, hydro = spec.pto, spec.hydro
+    waves = [wave for wave in spec.waves if not isinstance(wave, StillWater)]
     if not waves:
         return []
-    seas = {wave.label: sea(wave, hydro.omega_max, study.simulation.duration) for wave in waves}
+    seas = {wave.label: sea(wave, hydro.omega_max, spec.simulation.duration) for wave in waves}
     names = [wave.family if isinstance(wave, IrregularSea) else wave.label for wave in waves]
     families = [names.index(name) for name in dict.fromkeys(names)]
-    direction = study_port(study, buoy, basis)
-    omega, motions = frequencies(list(seas.values())), {d: design_motions(study, basis, d) for d in study.designs}
+    direction = study_port(spec, buoy, basis)
+    omega, motions = frequencies(list(seas.values())), {d: design_motions(spec, basis, d) for d in spec.designs}
     ports = {design: buoy.port(omega, free, direction) for design, free in motions.items()}
-    given = {design: Given(pto.damper(design), pto.stiffness, pto.efficiency) for design in study.designs}
-    rungs = ladder(ports, seas, families, given, study.simulation.duration)
+    given = {design: Given(pto.damper(design), pto.stiffness, pto.efficiency) for design in spec.designs}
+    rungs = ladder(ports, seas, families, given, spec.simulation.duration)
     if not pto.limited:
         return rungs
     limits = Limits(pto.force_limit, pto.stroke_limit, float(buoy.database.omega[0]), hydro.omega_max)

@@ -19,12 +19,13 @@ from vsb.motion.port import port_direction
 from vsb.motion.pto import LinearPto
 from vsb.results.comparison import Row, Runs
 from vsb.results.power import damper_of, power_response
-from vsb.scenes.rest import computed_buckling, loaded_shell, reference_shell
+from vsb.scenes.rest import computed_buckling, design_motions, loaded_shell, reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.loaded import ElasticShell, viable_pressure
-from vsb.shell.modes import ModeBasis, design_motions, mode_basis, study_basis
+from vsb.shell.modes import ModeBasis, mode_basis
 from vsb.shell.rest import ReferenceShell
 from vsb.shell.sphere import Shell
+from vsb.study.sections import POWER_TOLERANCE
 from vsb.study.study import IrregularSea, RegularWave, StillWater, Study, Water, Wave
 from vsb.study.witness import no_witness
 from vsb.tools.units import FloatArray
@@ -279,7 +280,7 @@ def sea_checks(study: Study, basis: ModeBasis, wave: Wave, runs: Runs) -> list[C
 
 def simplification_checks(study: Study, wave: Wave, runs: Runs) -> list[Check]:
     """Return what the automatic model left out in a sea, and the error of powers and gains that causes."""
-    limit, checks, errors = study.hydro.allowed_power_error, [], {}
+    limit, checks, errors = study.hydro.power_tolerance or POWER_TOLERANCE, [], {}
     for design in study.designs:
         attrs = runs[design].attrs
         errors[design] = float(attrs["power_error"])

@@ -23,9 +23,11 @@ from vsb.motion.frequency import LinearBuoy
 from vsb.motion.motion import Motion
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
+from vsb.scenes.rest import design_motions
 from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import ModeBasis, design_motions, mode_basis
-from vsb.study.study import Simulation, Study
+from vsb.shell.modes import ModeBasis, mode_basis
+from vsb.study.specs import Designed
+from vsb.study.study import Simulation
 from vsb.tools.units import FloatArray
 from vsb.waves.seas import Sea
 
@@ -87,7 +89,7 @@ class Choice:
         return INTERPLAY * sum(item.error for item in self.left_out)
 
 
-def motion_ladder(study: Study, basis: ModeBasis, design: str) -> dict[int, FloatArray]:
+def motion_ladder(study: Designed, basis: ModeBasis, design: str) -> dict[int, FloatArray]:
     """Return the motions of a design, shape (dof, free), by the highest degree of the shell modes they use.
 
     `RIGID` is always among them; degrees at which clamps leave no mode free are not.

@@ -1,7 +1,6 @@
 """The scene of one design in one sea, from the files of a study, by its hydrodynamic model."""
 
 import time as clock
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -21,10 +20,13 @@ from vsb.motion.scene import Scene
 from vsb.motion.system import System, TakeOff
 from vsb.scenes import automatic
 from vsb.scenes.pause import best_pause_in_sea, with_pause
+from vsb.scenes.rest import design_motions, study_basis
 from vsb.scenes.take_off import linear_take_off, with_take_off
 from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import ModeBasis, design_motions, mode_basis, rigid_basis, study_basis
-from vsb.study.study import RegularWave, Study, Wave
+from vsb.shell.modes import ModeBasis, mode_basis, rigid_basis
+from vsb.study.sections import POWER_TOLERANCE
+from vsb.study.specs import Driven, SimulateSpec
+from vsb.study.study import RegularWave
 from vsb.tools.files import load
 from vsb.tools.units import FloatArray
 from vsb.waves.seas import NO_WAVES, Sea, sea
@@ -48,7 +50,7 @@ class DesignInSea(NamedTuple):
         return System.of(self.scene)
 
 
-def linear_buoy(study: Study, database_path: str) -> tuple[LinearBuoy, ModeBasis]:
+def linear_buoy(study: Driven, database_path: str) -> tuple[LinearBuoy, ModeBasis]:
     """Return the linear buoy of a study, without take-off, from its database, and the shell modes.
 
     To a take-off of the volume trapped gas is a chamber before it.
@@ -61,7 +63,7 @@ def linear_buoy(study: Study, database_path: str) -> tuple[LinearBuoy, ModeBasis
     return (with_open_chamber(buoy, study_port(study, buoy, basis)) if study.opens_chamber else buoy), basis
 
 
-def rest_shape(study: Study, buoy: LinearBuoy, basis: ModeBasis) -> DeformedShell:
+def rest_shape(study: Driven, buoy: LinearBuoy, basis: ModeBasis) -> DeformedShell:
     """Return the shell a linear buoy moves about."""
     return DeformedShell(basis, study.centre_height, buoy.database.reference_amplitude.values)
 
@@ -72,33 +74,33 @@ def radiation_model(path: str) -> RadiationModel:
     return RadiationModel(ds.state_matrix.values, ds.input_matrix.values, ds.channel.values)
 
 
-def study_port(study: Study, buoy: LinearBuoy, basis: ModeBasis) -> FloatArray:
+def study_port(study: Driven, buoy: LinearBuoy, basis: ModeBasis) -> FloatArray:
     """Return b of the take-off of a study, shape (dof,); see `vsb.motion.port.port_direction`."""
     return port_direction(study.pto.port, rest_shape(study, buoy, basis))
 
 
-def linear_design(study: Study, paths: dict[str, Any], seas: Sequence[Wave] = ()) -> DesignInSea:
+def linear_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
     """Return the scene of linear hydrodynamics about the mean shape."""
-    at = _from_bem(study, paths, seas)
-    return at.with_scene(*_released(_linear(study, at), study, at), {"model": "linear"})
+    at = _from_bem(run, paths)
+    return at.with_scene(*_released(_linear(run, at), run, at), {"model": "linear"})
 
 
-def body_exact_design(study: Study, paths: dict[str, Any], seas: Sequence[Wave] = ()) -> DesignInSea:
+def body_exact_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
     """Return the scene with static and Froude-Krylov forces on the instantaneous wet shell, the rest linear."""
-    at = _from_bem(study, paths, seas)
+    at = _from_bem(run, paths)
     scene = body_exact_scene(at.buoy, at.shape, at.radiation, at.sea, at.motions)
-    scene = with_take_off(scene, study.pto, at.buoy.pto)
-    return at.with_scene(*_released(scene, study, at), {"model": "body_exact"})
+    scene = with_take_off(scene, run.pto, at.buoy.pto)
+    return at.with_scene(*_released(scene, run, at), {"model": "body_exact"})
 
 
-def automatic_design(study: Study, paths: dict[str, Any], seas: Sequence[Wave] = ()) -> DesignInSea:
-    """Return the cheapest scene that gives the mean absorbed power to the tolerance of the study."""
+def automatic_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
+    """Return the cheapest scene that gives the mean absorbed power to the tolerance of the run."""
     begun = clock.perf_counter()
-    at = _from_bem(study, paths, seas)
-    (design,) = study.designs
-    ladder = automatic.motion_ladder(study, at.shape.basis, design)
-    scenes = automatic.Scenes(at.buoy, at.shape, at.radiation, at.sea, ladder, study.simulation)
-    choice = automatic.chosen(scenes, study.hydro.allowed_power_error)
+    at = _from_bem(run, paths)
+    (design,) = run.designs
+    ladder = automatic.motion_ladder(run, at.shape.basis, design)
+    scenes = automatic.Scenes(at.buoy, at.shape, at.radiation, at.sea, ladder, run.simulation)
+    choice = automatic.chosen(scenes, run.hydro.power_tolerance or POWER_TOLERANCE)
     return at.with_scene(choice.scene, {**choice.notes, "choice_seconds": clock.perf_counter() - begun})
 
 
@@ -118,16 +120,16 @@ class _FromBem(NamedTuple):
         return DesignInSea(scene, self.shape, self.sea, self.buoy.spectrum, said)
 
 
-def _linear(study: Study, at: _FromBem) -> Scene:
-    """The linear scene with the take-off of a study."""
-    return with_take_off(linear_scene(at.buoy, at.radiation, at.sea, at.motions), study.pto, at.buoy.pto)
+def _linear(run: SimulateSpec, at: _FromBem) -> Scene:
+    """The linear scene with the take-off of a run."""
+    return with_take_off(linear_scene(at.buoy, at.radiation, at.sea, at.motions), run.pto, at.buoy.pto)
 
 
-def _released(scene: Scene, study: Study, at: _FromBem) -> tuple[Scene, dict[str, Any]]:
+def _released(scene: Scene, run: SimulateSpec, at: _FromBem) -> tuple[Scene, dict[str, Any]]:
     """A scene whose law pauses as long as takes most of its sea by linear hydrodynamics, and notes of it."""
-    if not (study.pto.pauses and isinstance(scene.forces.get(scene.take_off), TakeOff)):  # or nothing there moves
+    if not (run.pto.pauses and isinstance(scene.forces.get(scene.take_off), TakeOff)):  # or nothing there moves
         return scene, {}
-    best = best_pause_in_sea(_linear(study, at), at.sea, study.simulation)
+    best = best_pause_in_sea(_linear(run, at), at.sea, run.simulation)
     return with_pause(scene, best.pause), {f"pause{part}": value for part, value in zip(_PAUSE, best, strict=True)}
 
 
@@ -135,30 +137,30 @@ _PAUSE = ("", "_power", "_within")
 """What a run records of its pause: its length [s], the linear mean power [W] it takes, what it is known to [s]."""
 
 
-def _from_bem(study: Study, paths: dict[str, Any], seas: Sequence[Wave]) -> _FromBem:
-    """What a scene of one design in one sea is made of; a damper to be tuned is to suit that sea, or seas if given."""
-    (design,), (wave,) = study.designs, study.waves
-    bare, basis = linear_buoy(study, paths["database"])
+def _from_bem(run: SimulateSpec, paths: dict[str, Any]) -> _FromBem:
+    """What a scene of one design in one sea is made of; a damper to be tuned is to suit that sea, or those named."""
+    (design,), (wave,) = run.designs, run.waves
+    bare, basis = linear_buoy(run, paths["database"])
     model = radiation_model(paths["radiation"])
-    waves, *others = (sea(w, study.hydro.omega_max, study.simulation.duration) for w in (wave, *seas))
-    shape = rest_shape(study, bare, basis)
-    motions, port = design_motions(study, basis, design), port_direction(study.pto.port, shape)
-    pto = linear_take_off(study.pto, design, bare, motions, port, others or [waves])
-    notes = {} if study.pto.tuning == "fixed" else {TUNED: float(pto.damping)}
+    waves, *others = (sea(w, run.hydro.omega_max, run.simulation.duration) for w in (wave, *run.seas))
+    shape = rest_shape(run, bare, basis)
+    motions, port = design_motions(run, basis, design), port_direction(run.pto.port, shape)
+    pto = linear_take_off(run.pto, design, bare, motions, port, others or [waves])
+    notes = {} if run.pto.tuning == "fixed" else {TUNED: float(pto.damping)}
     return _FromBem(replace(bare, pto=pto), shape, model, waves, motions, notes)
 
 
-def assumed_pressure_design(study: Study, _: dict[str, Any], seas: Sequence[Wave] = ()) -> DesignInSea:
+def assumed_pressure_design(run: SimulateSpec, _: dict[str, Any]) -> DesignInSea:
     """Return the scene with static and assumed pressure on the wet shell; a rigid design needs no shell modes."""
-    (design,), (wave,) = study.designs, study.waves
-    basis = study_basis(study)
+    (design,), (wave,) = run.designs, run.waves
+    basis = study_basis(run)
     omega = wave.omega if isinstance(wave, RegularWave) else 0.0
-    load = AssumedPressure(study.hydro.pressure or 0.0 if omega else 0.0, omega)
-    shell, water = DeformedShell(basis, study.centre_height, np.zeros(len(basis.labels))), study.water
-    motions = design_motions(study, basis, design)
-    pto = LinearPto(study.pto.damper(design) or 0.0, study.pto.stiffness)
+    load = AssumedPressure(run.hydro.pressure or 0.0 if omega else 0.0, omega)
+    shell, water = DeformedShell(basis, run.centre_height, np.zeros(len(basis.labels))), run.water
+    motions = design_motions(run, basis, design)
+    pto = LinearPto(run.pto.damper(design) or 0.0, run.pto.stiffness)
     scene = assumed_pressure_scene(shell, pto, load, water.density, water.gravity, motions)
-    scene = with_take_off(scene, study.pto, pto)
+    scene = with_take_off(scene, run.pto, pto)
     return DesignInSea(scene, shell, NO_WAVES, None, {"model": "assumed_pressure"})
 
 
@@ -168,4 +170,4 @@ SCENES = {
     "assumed_pressure": assumed_pressure_design,
     "auto": automatic_design,
 }
-"""Hydrodynamic model -> the scene of one design in one sea, of seas one damper is to suit."""
+"""Hydrodynamic model -> the scene of one design in one sea."""

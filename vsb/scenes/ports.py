@@ -7,8 +7,8 @@ from vsb.hydro.database import shares
 from vsb.hydro.dofs import Displacement
 from vsb.motion.frequency import port_of
 from vsb.motion.port import Port, port_direction
-from vsb.scenes.rest import seen_by_take_off
-from vsb.shell.modes import ModeBasis, design_motions
+from vsb.scenes.rest import design_motions, seen_by_take_off
+from vsb.shell.modes import ModeBasis
 from vsb.shell.rest import ReferenceShell
 from vsb.study.study import Study
 from vsb.tools.units import FloatArray

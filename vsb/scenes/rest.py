@@ -11,31 +11,59 @@ from vsb.motion.frequency import allowed_part, gas_compliance
 from vsb.motion.port import port_direction
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.loaded import Buckling, ElasticShell, LoadedShell, buckling, complete_shell, equilibrium
-from vsb.shell.modes import ModeBasis, design_motions, study_basis
+from vsb.shell.modes import ModeBasis, mode_basis, rigid_basis
 from vsb.shell.rest import ReferenceShell
+from vsb.study.specs import AtRest, Designed
 from vsb.study.study import Study
 from vsb.tools.units import FloatArray
 
 
-def loaded_shell(study: Study, basis: ModeBasis) -> LoadedShell:
+def study_basis(study: AtRest) -> ModeBasis:
+    """Return the union of the modes of all designs of a study."""
+    if not study.flexible or study.modes is None:
+        return rigid_basis(study.device)
+    return mode_basis(study.device, study.modes.basis, study.modes.degree)
+
+
+def design_motions(study: Designed, basis: ModeBasis, design: str) -> FloatArray:
+    """Return the motions a design allows, shape (dof, free) [-]: heave alone, or heave and the unclamped modes.
+
+    Raises
+    ------
+    ConfigError
+        If the clamps leave no shell mode free.
+    """
+    chosen = study.designs[design]
+    if not chosen.flexible:
+        return np.eye(len(basis.labels), 1)
+    free = basis.clamped(np.deg2rad(chosen.clamp)) if chosen.clamp else np.eye(len(basis.labels))
+    if free.shape[1] < 2:
+        raise ConfigError(
+            f"designs.{design}.clamp: received {list(chosen.clamp)}, which leaves none of the {len(basis.modes)} shell "
+            f"modes free; use fewer clamps, a larger modes.degree, or flexible: false"
+        )
+    return free
+
+
+def loaded_shell(study: AtRest, basis: ModeBasis) -> LoadedShell:
     """Return the shell of a study under weight, water and internal pressure."""
     device, water = study.device, study.water
     elastic = ElasticShell(basis)
     return LoadedShell(elastic, study.centre_height, water.density, water.gravity, device.internal_pressure, device.gas)
 
 
-def complete_loaded_shell(study: Study) -> LoadedShell:
+def complete_loaded_shell(study: AtRest) -> LoadedShell:
     """Return the same in a basis that resolves buckling, whatever the modes of the study."""
     complete = complete_shell(study.device, study.centre_height, study.water, study.device.internal_pressure)
     return replace(complete, gas=study.device.gas)
 
 
-def reference_shell(study: Study, basis: ModeBasis | None = None) -> ReferenceShell:
+def reference_shell(study: AtRest, basis: ModeBasis | None = None) -> ReferenceShell:
     """Return the shell a study is linearised about.
 
     Parameters
     ----------
-    study : Study
+    study : Study, or a specification with its sections
     basis : ModeBasis, optional
         Another basis than the study's own.
 
@@ -91,7 +119,7 @@ def seen_by_take_off(study: Study, reference: ReferenceShell) -> tuple[Reference
     return replace(reference, stiffness=others), chamber
 
 
-def check_equilibrium(study: Study) -> None:
+def check_equilibrium(study: AtRest) -> None:
     """Check that the loaded shell rests stably in a basis that resolves its buckling; few modes would hide it.
 
     Raises
@@ -104,14 +132,13 @@ def check_equilibrium(study: Study) -> None:
         raise ConfigError(f"reference_shape: received 'equilibrium', but {error}") from None
 
 
-def check_stable(study: Study, reference: ReferenceShell) -> None:
+def check_stable(study: Designed, reference: ReferenceShell) -> None:
     """Check that every design rests stably about the reference shape: a linear model of it grows without bound else.
 
     Raises
     ------
     ConfigError
     """
-    reference, _ = seen_by_take_off(study, reference)
     for design in study.designs:
         least = design_stiffness(study, reference, design)
         if least <= 0:
@@ -122,7 +149,7 @@ def check_stable(study: Study, reference: ReferenceShell) -> None:
             )
 
 
-def design_stiffness(study: Study, reference: ReferenceShell, design: str) -> float:
+def design_stiffness(study: Designed, reference: ReferenceShell, design: str) -> float:
     """Return the least stiffness of a design about the reference shape [N/m]; what rests stably has more than 0."""
     motions = design_motions(study, reference.basis, design)
     return float(np.linalg.eigvalsh(motions.T @ reference.total @ motions)[0])
@@ -168,6 +195,6 @@ def check_rests(study: Study, reference: ReferenceShell) -> None:
             raise ConfigError(f"hydro.model: received {study.hydro.model!r} for design {design}, but {error}") from None
 
 
-def computed_buckling(study: Study) -> Buckling:
+def computed_buckling(study: AtRest) -> Buckling:
     """Return the linear buckling of the loaded shell in a basis that resolves it."""
     return buckling(complete_loaded_shell(study))

@@ -24,9 +24,8 @@ from vsb.hydro.shapes.database import ShapeDatabase, shape_database
 from vsb.hydro.shapes.family import ShapeFamily
 from vsb.motion.frequency import LinearBuoy, dynamic_stiffness
 from vsb.motion.pto import LinearPto
-from vsb.scenes.rest import loaded_shell, reference_shell
+from vsb.scenes.rest import design_motions, loaded_shell, reference_shell
 from vsb.shell.loaded import equilibrium
-from vsb.shell.modes import design_motions
 from vsb.shell.rest import ReferenceShell
 from vsb.study.study import RegularWave, StillWater, Study, canonical
 from vsb.tools.units import FloatArray, described

@@ -16,7 +16,7 @@ from scipy.special import legendre_p_all
 
 from vsb.errors import ConfigError
 from vsb.shell.sphere import Shell, frequency_parameter
-from vsb.study.study import Device, Study
+from vsb.study.study import Device
 from vsb.tools.units import FloatArray
 
 Basis = Literal["paper", "membrane", "full"]
@@ -362,30 +362,3 @@ def _shapes(shell: Shell, basis: Basis, degree: int) -> tuple[Mode, ...]:
 def rigid_basis(device: Device) -> ModeBasis:
     """Return the basis of a study without a flexible design: heave alone."""
     return ModeBasis(Shell.of(device), (), device.mass, bending=False)
-
-
-def study_basis(study: Study) -> ModeBasis:
-    """Return the union of the modes of all designs of a study."""
-    if not study.flexible:
-        return rigid_basis(study.device)
-    return mode_basis(study.device, study.modes.basis, study.modes.degree)
-
-
-def design_motions(study: Study, basis: ModeBasis, design: str) -> FloatArray:
-    """Return the motions a design allows, shape (dof, free) [-]: heave alone, or heave and the unclamped modes.
-
-    Raises
-    ------
-    ConfigError
-        If the clamps leave no shell mode free.
-    """
-    chosen = study.designs[design]
-    if not chosen.flexible:
-        return np.eye(len(basis.labels), 1)
-    free = basis.clamped(np.deg2rad(chosen.clamp)) if chosen.clamp else np.eye(len(basis.labels))
-    if free.shape[1] < 2:
-        raise ConfigError(
-            f"designs.{design}.clamp: received {list(chosen.clamp)}, which leaves none of the {len(basis.modes)} shell "
-            f"modes free; use fewer clamps, a larger modes.degree, or flexible: false"
-        )
-    return free

@@ -9,7 +9,7 @@ from vsb import __version__
 from vsb.errors import DatabaseError
 from vsb.hydro import database, quality
 from vsb.scenes.rest import reference_shell
-from vsb.stages.stage import partial_study, stamp
+from vsb.stages.stage import stamp
 from vsb.study.blocks import COARSEST_SWEEP
 from vsb.study.specs import DatabaseSpec
 from vsb.tools.files import load
@@ -23,9 +23,8 @@ def run(spec: DatabaseSpec, blocks: str, out: str) -> None:
     DatabaseError
         If a block is missing or foreign, or a check fails that the study does not accept.
     """
-    study = partial_study(spec)
-    reference = reference_shell(study)
-    basis, water = reference.basis, study.water
+    reference = reference_shell(spec)
+    basis, water = reference.basis, spec.water
     found = {name: _block(f"{blocks}/{name}.nc", name) for name in (*spec.sweep, *spec.tabulated)}
 
     def in_modes(ids: Sequence[str]) -> xr.Dataset:
@@ -48,8 +47,8 @@ def run(spec: DatabaseSpec, blocks: str, out: str) -> None:
         "source": f"vsb {__version__}",
         **stamp(spec),
         "quality": database.as_json(quality.judged(checks, spec.accept)),
-        "radius": study.device.radius,
-        "centre_height": study.centre_height,
+        "radius": spec.device.radius,
+        "centre_height": spec.centre_height,
         "basis": spec.modes.basis if spec.modes else "rigid",
         "degree": spec.modes.degree if spec.modes else 1,
         "water_density": water.density,

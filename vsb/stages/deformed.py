@@ -11,7 +11,7 @@ from vsb.scenes.rest import reference_shell
 from vsb.shell.deformed import DeformedShell, rigid_sphere
 from vsb.shell.modes import ModeBasis, shell_modes
 from vsb.shell.sphere import Shell
-from vsb.stages.stage import partial_study, stamp
+from vsb.stages.stage import stamp
 from vsb.study.specs import DeformedSpec, LoadedShape, Shapes
 from vsb.study.witness import degree
 from vsb.tools.files import save
@@ -43,7 +43,7 @@ def _at_rest(spec: DeformedSpec) -> DeformedShell:
     """The shell at rest; of one without load the modes that deform it are all there is."""
     shape = spec.shape
     if isinstance(shape, LoadedShape):
-        return reference_shell(partial_study(shape)).shape
+        return reference_shell(shape).shape
     rigid = rigid_sphere(shape.radius, shape.centre_height)
     if not isinstance(shape, Shapes):
         return rigid

@@ -10,12 +10,11 @@ from vsb.errors import ConfigError
 from vsb.hydro import database
 from vsb.results import ledger
 from vsb.results.year import OUTSIDE, variance_outside
-from vsb.scenes.rest import check_rests, check_spring, check_stable, reference_shell
+from vsb.scenes.rest import check_rests, check_spring, check_stable, reference_shell, seen_by_take_off
 from vsb.scenes.viability import viability
 from vsb.shell.modes import mode_basis
 from vsb.shell.sphere import Shell, natural_frequencies
 from vsb.stages.climate import read_climate
-from vsb.stages.stage import partial_study
 from vsb.study.blocks import BlockSpec
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.plan import StudyPlan
@@ -39,7 +38,7 @@ def check_before_run(study: Study, plan: StudyPlan) -> None:
     ConfigError, DatabaseError
     """
     reference = reference_shell(study)
-    check_stable(study, reference)
+    check_stable(study, seen_by_take_off(study, reference)[0])
     check_spring(study, reference)
     check_rests(study, reference)
     if study.needs_bem:
@@ -92,7 +91,7 @@ def check_campaign(plan: CampaignPlan) -> None:
                 "hydro.omega_max in the study"
             )
     for spec in plan.verifications.values():
-        _check_runs(partial_study(spec), plan.loaded.source)
+        _check_runs(spec.simulated, plan.loaded.source)
 
 
 def _check_runs(study: Study, source: str) -> None:

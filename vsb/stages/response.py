@@ -8,8 +8,8 @@ import xarray as xr
 from vsb.motion import frequency as response
 from vsb.motion.pto import LinearPto
 from vsb.scenes.build import linear_buoy, study_port
-from vsb.shell.modes import design_motions
-from vsb.stages.stage import partial_study, stamp
+from vsb.scenes.rest import design_motions
+from vsb.stages.stage import stamp
 from vsb.study.specs import ResponseSpec
 from vsb.study.study import canonical
 from vsb.study.take_off import Pto
@@ -32,14 +32,13 @@ def run(spec: ResponseSpec, database: str, out: str) -> None:
     Best dampers are those beside the take-off's spring. Without a given damper `rao` and `absorbed_power` are at the
     best one of each frequency, natural frequencies and damping ratios without any.
     """
-    study = partial_study(spec)
-    bare, basis = linear_buoy(study, database)
+    bare, basis = linear_buoy(spec, database)
     omega = response.frequency_grid(spec.step, spec.lowest, spec.omega_max, spec.omega)
-    pto = study.pto
-    direction = study_port(study, bare, basis)
+    pto = spec.pto
+    direction = study_port(spec, bare, basis)
     rao, power, wet, ports, best = [], [], [], [], []
-    for design in study.designs:
-        motions, damper = design_motions(study, basis, design), pto.damper(design)
+    for design in spec.designs:
+        motions, damper = design_motions(spec, basis, design), pto.damper(design)
         ports.append(bare.port(omega, motions, direction))
         best.append(ports[-1].beside(pto.stiffness) if pto.stiffness else ports[-1])
         damping = best[-1].best_damping if damper is None else damper
@@ -48,7 +47,7 @@ def run(spec: ResponseSpec, database: str, out: str) -> None:
         power.append(buoy.absorbed_power(omega, rao[-1]))
         swinging = replace(buoy, pto=LinearPto(damper or 0.0, pto.stiffness, direction))
         wet += [(design, *pair) for pair in zip(*swinging.natural_modes(motions), strict=True)]
-    water = study.water
+    water = spec.water
     designs, frequency, ratio = zip(*wet, strict=True)
     save(
         xr.Dataset(
@@ -65,7 +64,7 @@ def run(spec: ResponseSpec, database: str, out: str) -> None:
                 "wet_damping_ratio": ("wet_mode", list(ratio)),
             },
             coords={
-                "design": list(study.designs),
+                "design": list(spec.designs),
                 "omega": omega,
                 "dof": list(basis.labels),
                 "wet_design": ("wet_mode", list(designs)),

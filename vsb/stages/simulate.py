@@ -12,25 +12,24 @@ from vsb.motion.clamps import constraint_drift
 from vsb.motion.system import System
 from vsb.scenes.build import SCENES
 from vsb.shell.deformed import DeformedShell, enclosed
-from vsb.stages.stage import partial_study, stamp
+from vsb.stages.stage import stamp
 from vsb.study.specs import SimulateSpec
-from vsb.study.study import RegularWave, StillWater, Study
+from vsb.study.study import RegularWave, StillWater
 from vsb.tools.files import save
 from vsb.tools.units import FloatArray
 
 
 def run(spec: SimulateSpec, out: str, database: str = "", radiation: str = "") -> None:
     """Simulate one design in one sea and write its trajectory."""
-    study = partial_study(spec)
-    (design,), (wave,) = study.designs, study.waves
+    (design,), (wave,) = spec.designs, spec.waves
     files = {"database": database, "radiation": radiation}
-    scene, shape, waves, spectrum, notes = SCENES[study.hydro.model](study, files, spec.seas)
+    scene, shape, waves, spectrum, notes = SCENES[spec.hydro.model](spec, files)
     system = System.of(scene)
-    clamps = shape.basis.clamp_rows(np.deg2rad(study.designs[design].clamp))
+    clamps = shape.basis.clamp_rows(np.deg2rad(spec.designs[design].clamp))
     records: list[xr.Dataset] = []
     taken: list[tuple[int, float, int, float]] = []
-    for leg in legs(system, waves, study.simulation, spectrum):
-        record = recorded(system, leg, waves if study.needs_bem else None, study.simulation.window)
+    for leg in legs(system, waves, spec.simulation, spectrum):
+        record = recorded(system, leg, waves if database else None, spec.simulation.window)
         records.append(with_enclosed(record, shape).isel(time=slice(1 if records else 0, None)))
         drift = constraint_drift(leg.motion.position @ scene.motions.T, clamps)
         taken.append((len(leg.motion.time) - 1, leg.motion.seconds, leg.steps, drift))
@@ -40,8 +39,8 @@ def run(spec: SimulateSpec, out: str, database: str = "", radiation: str = "") -
     attrs |= {"seconds": sum(seconds), **notes, **stamp(spec, database, radiation)}
     if isinstance(wave, RegularWave) and not system.switching:
         attrs |= _steady(system)
-    if study.designs[design].clamp:
-        attrs["constraint_drift"] = max(*drifts, _linear_drift(study, system, clamps))
+    if spec.designs[design].clamp:
+        attrs["constraint_drift"] = max(*drifts, _linear_drift(spec, system, clamps))
     save(xr.concat(records, "time").assign_attrs(attrs), out)
 
 
@@ -62,10 +61,10 @@ def _steady(system: System) -> dict[str, float | str]:
     return {"steady_power": found.power.pto, "steady_decay": found.decay}
 
 
-def _linear_drift(study: Study, system: System, clamps: FloatArray) -> float:
+def _linear_drift(spec: SimulateSpec, system: System, clamps: FloatArray) -> float:
     """Largest slip at the clamps [m] over 10 000 wave periods; motion that is not linear is followed once only."""
-    if not system.linear or isinstance(study.waves[0], StillWater):
+    if not system.linear or isinstance(spec.waves[0], StillWater):
         return 0.0
-    time = np.linspace(0.0, 1e4 * 2 * np.pi / study.waves[0].omega, 20_001)
-    start = system.scene.start(study.simulation.initial_position, study.simulation.initial_velocity)
+    time = np.linspace(0.0, 1e4 * 2 * np.pi / spec.waves[0].omega, 20_001)
+    start = system.scene.start(spec.simulation.initial_position, spec.simulation.initial_velocity)
     return constraint_drift(propagate(system, time, start).position @ system.scene.motions.T, clamps)

@@ -7,7 +7,7 @@ from vsb.hydro.spectral import solver
 from vsb.hydro.spectral.sweep import FEWEST_NODES, converged, converged_on_grid
 from vsb.scenes.rest import reference_shell
 from vsb.shell.deformed import rigid_sphere
-from vsb.stages.stage import partial_study, stamp
+from vsb.stages.stage import stamp
 from vsb.study.specs import LoadedShape, SpectralSpec
 from vsb.tools.files import save
 
@@ -27,7 +27,7 @@ def spectral_problem(spec: SpectralSpec) -> solver.SpectralProblem:
     """Return the problem of a block: the shape at rest and its displacements."""
     shape, water = spec.shape, spec.water
     if isinstance(shape, LoadedShape):
-        shell = reference_shell(partial_study(shape)).shape
+        shell = reference_shell(shape).shape
     else:
         shell = rigid_sphere(shape.radius, shape.centre_height)
     moved = displacements(spec.displacements)

@@ -13,7 +13,7 @@ from vsb.errors import ConfigError
 from vsb.study import specs
 from vsb.study.reading import one_line
 from vsb.study.specs import Spec
-from vsb.study.study import Study, canonical, parse, result_id
+from vsb.study.study import Study, canonical, result_id
 
 BEM_FILES = ("database", "radiation", "response", "witness")
 """What a model without BEM does not have."""
@@ -101,14 +101,3 @@ def stamp(spec: Spec, *inputs: str) -> dict[str, str]:
     """Return the stamp of a netCDF file: its specification, and its id by that and the ids its inputs are named by."""
     ids = [Path(path).stem for path in inputs if path]
     return {"spec": canonical(spec), "spec_id": result_id(spec, *ids)}
-
-
-def partial_study(spec: Spec) -> Study:
-    """Return a study from the sections a specification holds; what its stage does not read takes harmless values."""
-    found = spec.model_dump(exclude_none=True)
-    defaults = {
-        "study": "stage",
-        "designs": {"any": {"flexible": "modes" in found}},
-        "waves": [{"kind": "still"}],
-    }
-    return parse({**defaults, **{key: found[key] for key in Study.model_fields if key in found}}, source="spec")

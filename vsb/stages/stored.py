@@ -17,8 +17,8 @@ from vsb.hydro.database import load_database
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.port import Port
 from vsb.scenes.build import SCENES, DesignInSea, linear_buoy, study_port
-from vsb.shell.modes import ModeBasis, design_motions
-from vsb.stages.stage import partial_study
+from vsb.scenes.rest import design_motions
+from vsb.shell.modes import ModeBasis
 from vsb.study.plan import StudyPlan
 from vsb.study.study import Study, Wave
 from vsb.tools.files import load
@@ -94,7 +94,7 @@ class Results:
     def scene(self, design: str, wave: str | None = None) -> DesignInSea:
         """Return the scene of a design in a sea, as it was simulated: what integrators and harmonic balance take."""
         spec = self.plan.simulation(self._design(design), self._wave(wave))
-        return SCENES[spec.hydro.model](partial_study(spec), dict(self.plan.hydro_files), spec.seas)
+        return SCENES[spec.hydro.model](spec, dict(self.plan.hydro_files))
 
     def port(self, design: str, omega: npt.ArrayLike | None = None) -> Port:
         """Return what the take-off sees of a design, at the database's frequencies or at others [rad/s]."""

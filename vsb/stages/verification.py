@@ -14,13 +14,13 @@ from vsb.results.verified_year import verified_dataset, with_lost
 from vsb.results.year import Year
 from vsb.scenes.build import linear_buoy, radiation_model, rest_shape, study_port
 from vsb.scenes.ports import design_ports
+from vsb.scenes.rest import design_motions
 from vsb.scenes.viability import viability
-from vsb.shell.modes import design_motions
 from vsb.shell.rest import ReferenceShell
 from vsb.stages.climate import read_climate
 from vsb.stages.make import make
 from vsb.stages.members import shape_water
-from vsb.stages.stage import partial_study, stamp
+from vsb.stages.stage import stamp
 from vsb.study.plan import StudyPlan
 from vsb.study.specs import VerificationSpec
 from vsb.study.study import Study
@@ -31,7 +31,7 @@ from vsb.waves.climate import Climate, realised
 
 def run(spec: VerificationSpec, climate: str, root: str, out: str) -> None:
     """Simulate the seas drawn from a member's year and write what they say about its designs that are viable."""
-    study, seas = partial_study(spec), read_climate(spec.climate, climate)
+    study, seas = spec.simulated, read_climate(spec.climate, climate)
     rest = viability(study)
     viable = with_designs(study, [design for design in study.designs if design not in rest.reasons])
     found = xr.Dataset(coords={"design": []})

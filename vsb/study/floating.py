@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from vsb.study.sections import Hydro, Water
+from vsb.study.sections import Device, Hydro, Water
 
 
 def cap_volume(radius: float, height: float) -> float:
@@ -21,6 +21,11 @@ def floating_height(radius: float, volume: float) -> float:
             break
         low, high = (h, high) if math.pi * h * h * (3 * radius - h) / 3 < volume else (low, h)
     return radius - 0.5 * (low + high)
+
+
+def centre_height(device: Device, water: Water) -> float:
+    """Return the height of the sphere's centre above still water at rest [m], from mass = rho V(immersed cap)."""
+    return floating_height(device.radius, device.mass / water.density)
 
 
 BAND = 5.4

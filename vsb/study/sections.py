@@ -123,6 +123,10 @@ class Water(Section):
         return value
 
 
+POWER_TOLERANCE = 0.01
+"""Error of mean absorbed power that model auto may cause, unless another is given [-]."""
+
+
 class Hydro(Section):
     """Hydrodynamic model, tolerance [-], highest frequency solved [rad/s], optional tabulated frequencies [rad/s].
 
@@ -152,11 +156,6 @@ class Hydro(Section):
     def _without_default_witness(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
         """What a study computes is what it was before there was a witness."""
         return {key: value for key, value in dump(self).items() if (key, value) != ("witness", "auto")}
-
-    @property
-    def allowed_power_error(self) -> float:
-        """Error of mean absorbed power that model auto may cause [-]."""
-        return self.power_tolerance or 0.01
 
     @model_validator(mode="after")
     def _keys_of_the_model(self) -> Self:

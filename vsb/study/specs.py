@@ -9,10 +9,11 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, SerializerFunctionWrapHandler, field_serializer, model_serializer, model_validator
 
+from vsb.study.floating import centre_height
 from vsb.study.quantities import Count, Name, Section
-from vsb.study.sections import Design, Device, Hydro, Modes, RestShape, Simulation, Water, Wave
+from vsb.study.sections import Design, Device, Hydro, Modes, RestShape, Simulation, StillWater, Water, Wave
 from vsb.study.study import Study
-from vsb.study.take_off import Pto
+from vsb.study.take_off import Pto, opens_chamber
 from vsb.study.vary import Vary
 
 PHYSICS = {
@@ -57,6 +58,64 @@ class Shapes(Sphere):
     basis: Literal["paper", "membrane", "full"]
 
 
+class AfloatSpec(Spec):
+    """Specification of what floats."""
+
+    device: Device
+    water: Water
+
+    @property
+    def centre_height(self) -> float:
+        """Height of the sphere's centre above still water at rest [m]."""
+        return centre_height(self.device, self.water)
+
+
+class RestSpec(AfloatSpec):
+    """Specification of what rests in a shape of its own; without modes it is rigid."""
+
+    modes: Modes | None
+    reference_shape: RestShape
+
+    @property
+    def flexible(self) -> bool:
+        """Whether the shell has modes."""
+        return self.modes is not None
+
+    @property
+    def at_equilibrium(self) -> bool:
+        """Whether it is about the shape the loaded shell takes at rest."""
+        return self.flexible and self.reference_shape == "equilibrium"
+
+
+class DesignsSpec(AfloatSpec):
+    """Specification of designs that share a shell."""
+
+    modes: Modes
+    designs: dict[Name, Design]
+
+    @property
+    def flexible(self) -> bool:
+        """Whether any design needs shell modes."""
+        return any(design.flexible for design in self.designs.values())
+
+
+class DesignsAtRest(DesignsSpec, RestSpec):
+    """Specification of designs that share a shape at rest."""
+
+    modes: Modes
+
+
+class DrivenSpec(DesignsSpec):
+    """Specification of designs with a take-off."""
+
+    pto: Pto
+
+    @property
+    def opens_chamber(self) -> bool:
+        """Whether the take-off lets trapped gas in and out."""
+        return opens_chamber(self.device, self.pto)
+
+
 class LoadedShape(Spec):
     """Wetted shape of a shell that its load deforms at rest; neither its damping nor the depth matters."""
 
@@ -67,6 +126,8 @@ class LoadedShape(Spec):
     modes: Modes
     water: Water
     reference_shape: Literal["equilibrium"]
+    flexible: ClassVar[bool] = True
+    at_equilibrium: ClassVar[bool] = True
 
     @field_serializer("device")
     def _without_damping(self, device: Device) -> dict[str, Any]:
@@ -75,6 +136,14 @@ class LoadedShape(Spec):
     @field_serializer("water")
     def _without_depth(self, water: Water) -> dict[str, Any]:
         return water.model_dump(exclude={"depth"})
+
+
+Designed = Study | DesignsSpec
+"""What has designs."""
+Driven = Study | DrivenSpec
+"""What has a take-off, too."""
+AtRest = Study | RestSpec | LoadedShape
+"""What a shape at rest follows from."""
 
 
 class Rows(Section):
@@ -114,25 +183,16 @@ class WitnessSpec(Spec):
     omega: tuple[float, ...]
 
 
-class DisplaySpec(Spec):
+class DisplaySpec(RestSpec):
     """Viewable meshes: mean and deformed wetted shells."""
 
     TAG = "mesh"
-    device: Device
-    modes: Modes | None
-    water: Water
-    reference_shape: RestShape
 
 
-class ModesSpec(Spec):
+class ModesSpec(DesignsAtRest):
     """Shell modes of a study."""
 
     TAG = "mesh"
-    device: Device
-    modes: Modes
-    reference_shape: RestShape
-    designs: dict[Name, Design]
-    water: Water
 
 
 class Block(Spec):
@@ -164,7 +224,7 @@ class SpectralSpec(Block):
     tolerance: float
 
 
-class DatabaseSpec(Spec):
+class DatabaseSpec(RestSpec):
     """Hydro database: ids of the blocks in use, the modes and the structure, the checks whose failure is accepted."""
 
     TAG = "database"
@@ -172,10 +232,6 @@ class DatabaseSpec(Spec):
     tabulated: tuple[str, ...]
     omega: tuple[float, ...]
     omega_max: float
-    device: Device
-    modes: Modes | None
-    reference_shape: RestShape
-    water: Water
     tolerance: float
     accept: tuple[str, ...]
 
@@ -188,15 +244,10 @@ class RadiationSpec(Spec):
     tolerance: float
 
 
-class ResponseSpec(Spec):
+class ResponseSpec(DrivenSpec):
     """Frequency response of all designs: step, ends and further frequencies of its grid [rad/s]."""
 
     TAG = "response"
-    device: Device
-    modes: Modes
-    designs: dict[Name, Design]
-    water: Water
-    pto: Pto
     step: float
     lowest: float
     omega_max: float
@@ -218,31 +269,20 @@ class Band(Section):
     omega_max: float
 
 
-class LadderSpec(Spec):
+class LadderSpec(DrivenSpec):
     """Tuning ladder of all designs in all seas."""
 
     TAG = "ladder"
-    device: Device
-    modes: Modes
-    designs: dict[Name, Design]
-    water: Water
-    pto: Pto
     waves: tuple[Wave, ...]
     simulation: Simulation
     hydro: Band
 
 
-class SimulateSpec(Spec):
+class SimulateSpec(DesignsAtRest, DrivenSpec):
     """One design in one sea; `seas` are those its damper is to suit, where one is for all."""
 
     TAG = "simulate"
-    device: Device
-    modes: Modes
-    reference_shape: RestShape
-    water: Water
-    pto: Pto
     simulation: Simulation
-    designs: dict[Name, Design]
     waves: tuple[Wave, ...]
     hydro: Dynamics
     seas: tuple[Wave, ...] = ()
@@ -279,16 +319,10 @@ class ClimateSpec(Section):
     gamma: float | None = None
 
 
-class MemberSpec(Spec):
+class MemberSpec(DesignsAtRest, DrivenSpec):
     """One point of a campaign: a study without seas over a year, every design and tuning; blocks of its sweep by id."""
 
     TAG = "member"
-    device: Device
-    modes: Modes
-    reference_shape: RestShape
-    designs: dict[Name, Design]
-    water: Water
-    pto: Pto
     hydro: Hydro
     sweep: tuple[str, ...]
     climate: ClimateSpec
@@ -314,6 +348,12 @@ class VerificationSpec(MemberSpec):
     simulation: Simulation
     verify: Verify
     versions: dict[str, int] = Field(default_factory=lambda: {tag: PHYSICS[tag] for tag in RUN_BY})
+
+    @property
+    def simulated(self) -> Study:
+        """The study of the member, in no sea of its own."""
+        parts = {name: value for name, value in self if name in Study.model_fields}
+        return Study(study="member", waves=(StillWater(kind="still"),), **parts)
 
 
 class MembersSpec(Spec):

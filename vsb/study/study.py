@@ -11,7 +11,7 @@ from pydantic import Field, field_validator, model_validator
 
 from vsb.errors import ConfigError
 from vsb.study.canonical import canonical, content_id, result_id
-from vsb.study.floating import cap_volume, floating_height, resolved
+from vsb.study.floating import cap_volume, centre_height, resolved
 from vsb.study.quantities import Name, Section
 from vsb.study.reading import read_yaml, validated
 from vsb.study.resolution import RECORDS_PER_PERIOD
@@ -35,7 +35,7 @@ from vsb.study.sections import (
     Wave,
     WhiteNoise,
 )
-from vsb.study.take_off import Pto, Tuning
+from vsb.study.take_off import Pto, Tuning, opens_chamber
 
 __all__ = [
     "Design",
@@ -321,8 +321,8 @@ class Study(Section):
 
     @property
     def centre_height(self) -> float:
-        """Height of the sphere centre above still water at rest [m], from mass = rho V(immersed cap)."""
-        return floating_height(self.device.radius, self.device.mass / self.water.density)
+        """Height of the sphere's centre above still water at rest [m]."""
+        return centre_height(self.device, self.water)
 
     @property
     def draft(self) -> float:
@@ -358,8 +358,8 @@ class Study(Section):
 
     @property
     def opens_chamber(self) -> bool:
-        """Whether the take-off lets trapped gas in and out: the gas is then a chamber before it, and no spring."""
-        return self.device.gas is not None and self.pto.port == "volume"
+        """Whether the take-off lets trapped gas in and out."""
+        return opens_chamber(self.device, self.pto)
 
     @property
     def reference_design(self) -> str | None:

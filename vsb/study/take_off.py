@@ -17,6 +17,7 @@ from pydantic import (
 )
 
 from vsb.study.quantities import Finite, Name, NonNegative, Number, Section, within
+from vsb.study.sections import Device
 
 Colatitude = Annotated[Number, Field(ge=0, le=180)]
 
@@ -161,3 +162,8 @@ class Pto(Section):
 
 
 _DEFAULTS = {name: field.default for name, field in Pto.model_fields.items()}
+
+
+def opens_chamber(device: Device, pto: Pto) -> bool:
+    """Return whether a take-off lets trapped gas in and out: the gas is then a chamber before it, and no spring."""
+    return device.gas is not None and pto.port == "volume"

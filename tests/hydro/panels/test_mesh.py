@@ -11,8 +11,9 @@ from vsb.hydro.panels.mesh import (
     revolved,
     write_wet_shell,
 )
+from vsb.scenes.rest import study_basis
 from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import mode_basis, study_basis
+from vsb.shell.modes import mode_basis
 from vsb.study import study as config
 
 
