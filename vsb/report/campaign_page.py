@@ -78,6 +78,8 @@ def render(report: CampaignReport) -> str:
         climate=ds.attrs["climate"],
         answer=[answer(ds, reference, tuning)],
         sketches=[],
+        kind="campaign",
+        living="",
         statements=statements(ds, reference, tuning),
         warnings=warnings(ds),
         head=HEAD,

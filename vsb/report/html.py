@@ -15,6 +15,8 @@ from vsb.study.plan import FIGURE_KINDS
 
 INLINE = 1_000_000
 """Most bytes of figures inside a page; further ones stand beside it."""
+SCRIPTS = ("algebra.js", "chart.js", "living.js")
+"""Of every page, in this order; without them it can be read all the same."""
 NO_SEAS: Mapping[str, str] = {}
 
 
@@ -23,7 +25,13 @@ def page(template: str, **values: Any) -> str:
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("vsb.report"), autoescape=True, undefined=jinja2.StrictUndefined
     )
-    environment.globals |= {"csv": csv_link, "text_of": text_of, "advice": advice, "kinds": FIGURE_KINDS}
+    environment.globals |= {
+        "csv": csv_link,
+        "text_of": text_of,
+        "advice": advice,
+        "kinds": FIGURE_KINDS,
+        "scripts": SCRIPTS,
+    }
     return environment.get_template(template).render(**values)
 
 

@@ -11,6 +11,7 @@ from vsb.report.band import useful_band
 from vsb.report.doubts import warnings
 from vsb.report.headline import headline
 from vsb.report.html import captioned, page
+from vsb.report.living import as_script
 from vsb.report.tuned import (
     GIVEN,
     NO_BEST_DAMPER,
@@ -103,6 +104,7 @@ class Report:
     equal_tuning: Sequence[dict[str, Any]] = ()  # designs at their own best dampers; empty without BEM
     within_limits: Sequence[dict[str, Any]] = ()  # optima under limits, where the take-off has some
     sketches: Sequence[dict[str, str]] = ()  # of each design: name, words, SVG
+    living: dict[str, Any] | None = None  # what the page computes with, see `vsb.report.living`
 
 
 PUBLISHED = {
@@ -328,6 +330,8 @@ def render(report: Report) -> str:
         study=report.study["study"],
         answer=_answer(report, in_seas),
         sketches=report.sketches,
+        kind="study",
+        living=as_script(report.living) if report.living else "",
         tuned=[
             *([] if response is None else tuned_statements(tuned, report.reference, report.seas)),
             *limited_statements(report.within_limits, report.reference, report.seas),

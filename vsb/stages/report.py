@@ -13,6 +13,7 @@ from vsb.report.page import Report, render
 from vsb.report.sketch import design_in_words, sketch
 from vsb.results.statistics import families
 from vsb.stages.inputs import Inputs
+from vsb.stages.living import living_study
 from vsb.study.plan import figure_names
 from vsb.study.study import StillWater, Study
 from vsb.study.witness import no_witness
@@ -54,6 +55,7 @@ def run(
         response=stored.response if study.needs_bem else None,
         reference=study.reference_design,
         sketches=_sketches(study),
+        living=living_study(study, database, stored.response, found["within_limits"]),
         figures={n: read_text(f"{figures}/{n}.svg", manifest, study_id) for n in figure_names(study)},
         facts=_facts(study, hydrodynamics, stored.runs.attributes()),
     )

@@ -103,11 +103,11 @@ def share_above(wave: Irregular, omega: float) -> float:
     return float(np.trapezoid(spectrum(wave, beyond), beyond)) * 16 / wave.hs**2
 
 
-def irregular(wave: Irregular, omega_max: float, duration: float) -> Sea:
-    """Return a realisation that does not repeat within the run: deterministic amplitudes, random phases.
+def components(wave: Irregular, omega_max: float, duration: float) -> tuple[FloatArray, FloatArray]:
+    """Return frequencies and amplitudes of components of a sea that does not repeat within a run, each (component,).
 
-    Components lie at the centres of equal bands no wider than 2 pi/(1.1 duration), up to omega_max. Amplitudes follow
-    the spectrum exactly, so every seed carries the same energy.
+    Components lie at the centres of equal bands no wider than 2 pi/(1.1 duration), up to omega_max [rad/s]. Amplitudes
+    [m] follow the spectrum exactly, so every seed carries the same energy.
     """
     low, high = wave.band if isinstance(wave, WhiteNoise) else (0.0, omega_max)
     count = int(np.ceil((high - low) * 1.1 * duration / (2 * np.pi)))
@@ -115,8 +115,13 @@ def irregular(wave: Irregular, omega_max: float, duration: float) -> Sea:
     omega = low + (np.arange(count) + 0.5) * width
     inside = int(np.ceil(width / (0.02 * wave.omega)))  # the spectrum may peak within a band of a short record
     fine = low + (np.arange(count * inside) + 0.5) * width / inside
-    amplitude = np.sqrt(2 * spectrum(wave, fine).reshape(count, inside).mean(axis=1) * width)
-    phase = np.random.default_rng(wave.seed).uniform(0.0, 2 * np.pi, count)
+    return omega, np.sqrt(2 * spectrum(wave, fine).reshape(count, inside).mean(axis=1) * width)
+
+
+def irregular(wave: Irregular, omega_max: float, duration: float) -> Sea:
+    """Return a realisation that does not repeat within the run: amplitudes of `components`, random phases."""
+    omega, amplitude = components(wave, omega_max, duration)
+    phase = np.random.default_rng(wave.seed).uniform(0.0, 2 * np.pi, len(omega))
     kept = amplitude > 1e-12 * amplitude.max()
     return Sea(omega[kept], (amplitude * np.exp(1j * phase))[kept])
 

@@ -1,0 +1,200 @@
+"""The page's own algebra beside Python's, and the page in a browser."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from browser import asked, evaluated
+
+from vsb.motion.port import Port
+from vsb.motion.tuning import best_dampers, mean_power
+from vsb.report import html
+from vsb.report.living import Grid, LivingSea, as_script, packed, port_data, study_data, thinned
+from vsb.study.study import Jonswap, PiersonMoskowitz
+from vsb.waves.seas import components, jonswap_spectrum
+
+TEMPLATES = Path(html.__file__).parent / "templates"
+ALGEBRA = (TEMPLATES / "algebra.js").read_text(encoding="utf-8")
+MASS, SPRING = 25e3, np.array([120e3, 90e3])
+DAMPERS = [300.0, 8e3, 4e5]
+AGREE = {"rtol": 1e-6, "atol": 0.0}
+
+
+def ports(omega):
+    """Two floating oscillators with radiation damping, excited as Haskind has it."""
+    loss = 8e3 * np.exp(-(((omega - 1.8) / 1.2) ** 2)) + 200.0
+    impedance = [loss + 1j * (stiffness / omega - MASS * omega) for stiffness in SPRING]
+    drive = np.sqrt(8 * loss * 1e4 / omega**3)
+    return {
+        name: Port(omega, 1 / z, drive / z, 1 / k)
+        for name, z, k in zip(("FSB", "VSWEC"), impedance, SPRING, strict=True)
+    }
+
+
+def grid(omega):
+    return Grid(omega, 5e3 / omega, ports(omega))
+
+
+def integral(gamma):
+    """Of the shape of a JONSWAP spectrum over frequencies in terms of the peak's."""
+    return math.exp(-1.25) * gamma / jonswap_spectrum(np.array([1.0]), 4.0, 2 * math.pi, gamma)[0]
+
+
+SWELL = np.array([2.5])
+OMEGA, _ = components(Jonswap(kind="jonswap", hs=1.0, tp=5.0), 12.0, 100.0)
+KNOWN = OMEGA[OMEGA > 0.2]
+WIDTH = 2 * float(OMEGA[0])
+
+
+def sea_of(tp, gamma=3.3):
+    own = {"hs": 1.0, "tp": tp, "gamma": gamma, "width": WIDTH, "integral": integral(gamma)}
+    return LivingSea(
+        "a sea", 1, None, own | {"shortest": 2.0, "longest": 12.0}, {"FSB": 8e3, "VSWEC": 8e3}, {"FSB": 40.0}
+    )
+
+
+@pytest.fixture
+def data():
+    """A swell and a JONSWAP sea."""
+    swell = LivingSea("a swell", 0, np.array([0.04]), None, {"FSB": 8e3, "VSWEC": 8e3})
+    band = grid(np.linspace(0.4, 3.5, 60))
+    return study_data([grid(SWELL), grid(KNOWN)], [swell, sea_of(5.0)], band, 1e4 / band.omega**3, "FSB")
+
+
+def powers(omega, squares):
+    """Python's answer: mean power of every damper, design by design."""
+    rows = np.repeat(squares[None], len(DAMPERS), axis=0)
+    return [mean_power(port, rows, np.array(DAMPERS), np.zeros(len(DAMPERS))) for port in ports(omega).values()]
+
+
+def test_powers_and_best_dampers_of_the_page_are_those_of_python(data, tmp_path):
+    expression = """data.seas.map((sea) => {
+      const grid = unpackedGrid(data.grids[sea.grid]);
+      const squares = seaSquares(sea, grid);
+      const own = grid.ports.map((port) => bestDamper(port, squares));
+      return {
+        powers: grid.ports.map((port) => [300, 8e3, 4e5].map((c) => power(port, squares, c))),
+        own, best: grid.ports.map((port, i) => power(port, squares, own[i])),
+        matched: grid.ports.map((port) => dot(squares, port.matched)), flux: dot(squares, grid.flux),
+      };
+    })"""
+    found = evaluated([ALGEBRA], expression, data, tmp_path)
+    amplitude = components(Jonswap(kind="jonswap", hs=1.0, tp=5.0), 12.0, 100.0)[1][OMEGA > 0.2]
+    for said, omega, squares in zip(found, (SWELL, KNOWN), (np.array([0.04]), amplitude**2), strict=True):
+        np.testing.assert_allclose(said["powers"], powers(omega, squares), **AGREE)
+        best = [best_dampers(port, squares[None]) for port in ports(omega).values()]
+        np.testing.assert_allclose(said["best"], [one.power[0] for one in best], **AGREE)
+        np.testing.assert_allclose(said["own"], [one.damping[0] for one in best], rtol=1e-4)
+        np.testing.assert_allclose(said["matched"], [squares @ p.matched_power for p in ports(omega).values()], **AGREE)
+        assert said["flux"] == pytest.approx(float(squares @ (5e3 / omega)), rel=1e-6)
+
+
+@pytest.mark.parametrize(("tp", "gamma"), [(2.5, 3.3), (5.0, 7.0), (11.0, 3.3), (7.0, 1.0)])
+def test_another_peak_period_is_another_sea_of_python(tp, gamma, tmp_path):
+    """Whatever the period of the sea as stored; a spectrum of Pierson and Moskowitz is one of gamma 1."""
+    stored = study_data([grid(KNOWN)] * 2, [sea_of(5.0, gamma)], grid(SWELL), np.ones(1), None)
+    expression = f"[...seaSquares(data.seas[0], unpackedGrid(data.grids[1]), {tp})]"
+    wave = (
+        Jonswap(kind="jonswap", hs=1.0, tp=tp, gamma=gamma)
+        if gamma > 1
+        else PiersonMoskowitz(kind="pierson_moskowitz", hs=1.0, tp=tp)
+    )
+    expected = components(wave, 12.0, 100.0)[1][OMEGA > 0.2] ** 2
+    found = np.array(evaluated([ALGEBRA], expression, stored, tmp_path))
+    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-12 * expected.max())
+    np.testing.assert_allclose(powers(KNOWN, found), powers(KNOWN, expected), **AGREE)
+
+
+def test_a_port_that_does_not_move_takes_nothing(tmp_path):
+    still = Port(SWELL, np.zeros(1, dtype=complex), np.zeros(1, dtype=complex), 0.0)
+    expression = (
+        "[power(unpackedPort(data), [1], 5), power(unpackedPort(data), [1], 0), bestDamper(unpackedPort(data), [1])]"
+    )
+    assert evaluated([ALGEBRA], expression, port_data(still), tmp_path) == [0, 0, 0]
+
+
+def test_numbers_travel_whole(tmp_path):
+    values = np.array([0.0, -1.5, math.pi, 1e-300])
+    assert evaluated([ALGEBRA], "[...unpacked(data, 8)]", packed(values, "<f8"), tmp_path) == values.tolist()
+    found = evaluated([ALGEBRA], "[...unpacked(data)]", packed(values), tmp_path)
+    np.testing.assert_array_equal(found, values.astype(np.float32).astype(float))
+
+
+def test_data_cannot_end_their_script():
+    text = as_script({"words": "</script><b>"})
+    assert "<" not in text
+    assert json.loads(text) == {"words": "</script><b>"}
+
+
+def test_curves_keep_their_ends():
+    kept = thinned(np.linspace(0, 1, 1000))
+    assert (kept[0], kept[-1], len(kept)) == (0, 999, 240)
+    assert list(thinned(np.zeros(3))) == [0, 1, 2]
+
+
+@pytest.fixture
+def page(data):
+    """A page with nothing but what moves."""
+    words = ("study", "published", "source", "dampers")
+    lists = (
+        "answer", "tuned", "best_bands", "bands", "seas", "tuning", "tuning_head", "statistics_head", "statistics",
+        "published_head", "warnings", "sketches", "figures", "checks", "passed",
+    )  # fmt: skip
+    values = dict.fromkeys(words, "") | {name: [] for name in lists}
+    head = ["design", "power"]
+    body = [["B", "20"], ["A", "100"], ["C", "-3"]]
+    return html.page(
+        "report.html.j2", living=as_script(data), kind="study", facts={}, head=head, body=body, details_head=head, details=body,
+        more_failed=0, doubts=0, **values,
+    )  # fmt: skip
+
+
+def test_a_reader_drags_the_damper_and_the_table_follows(page, tmp_path):
+    """Sliders, take-offs, sorted tables and values under the pointer, in one visit."""
+    script = """
+      const part = (name) => document.querySelector(`#live [data-part="${name}"]`);
+      const rows = () => [...part("rows").rows].map((row) => [...row.cells].map((cell) => cell.textContent));
+      const drag = (name, value) => { part(name).value = value; part(name).dispatchEvent(new Event("input")); };
+      const pick = (name, value) => { part(name).value = value; part(name).dispatchEvent(new Event("change")); };
+      const found = { errors, hidden: document.getElementById("live").hidden, own: rows() };
+      drag("damper", Math.log(8000));
+      found.dragged = rows();
+      pick("take-off", "matched");
+      found.matched = rows();
+      pick("sea", 1);
+      drag("period", 9);
+      part("given").click();
+      found.sea = rows();
+      found.within = part("within").disabled;
+      const curve = part("over-damper").querySelector("[data-curve]").getBoundingClientRect();
+      const at = { bubbles: true, clientX: curve.x + curve.width / 2, clientY: curve.y + curve.height / 2 };
+      part("over-damper").dispatchEvent(new PointerEvent("pointermove", at));
+      found.tip = document.querySelector(".tip").innerText;
+      document.querySelectorAll("#comparison th button")[1].click();
+      found.sorted = [...document.querySelectorAll("#comparison table tbody tr")].slice(0, 3).map((row) => row.cells[1].textContent);
+      return found;"""
+    found = asked(page, script, tmp_path)
+    assert found["errors"] == []
+    assert not found["hidden"]
+    swell = np.array([0.04])
+    best = [best_dampers(port, swell[None]) for port in ports(SWELL).values()]
+    assert [float(row[2]) for row in found["own"]] == pytest.approx([one.power[0] for one in best], rel=1e-3)
+    assert [float(row[2]) for row in found["dragged"]] == pytest.approx([p[1] for p in powers(SWELL, swell)], rel=1e-3)
+    matched = [0.04 * float(port.matched_power[0]) for port in ports(SWELL).values()]
+    assert [float(row[2]) for row in found["matched"]] == pytest.approx(matched, rel=1e-3)
+    assert [row[1] for row in found["matched"]] == ["\N{EN DASH}"] * 2
+    longer = components(Jonswap(kind="jonswap", hs=1.0, tp=9.0), 12.0, 100.0)[1][OMEGA > 0.2] ** 2
+    expected = [p[1] for p in powers(KNOWN, longer)]
+    assert [float(row[2]) for row in found["sea"]] == pytest.approx(expected, rel=1e-3)
+    gain = 100 * (expected[1] / expected[0] - 1)
+    assert float(found["sea"][1][4].replace("\N{MINUS SIGN}", "-")) == pytest.approx(gain, abs=0.051)
+    assert found["within"], "a stored optimum is of the sea as it was"
+    assert found["tip"].startswith("damper [N s/m]: ")
+    assert "FSB: " in found["tip"]
+    assert found["sorted"] == ["-3", "20", "100"]
+
+
+def test_without_scripts_nothing_is_asked_of_the_reader(page):
+    assert '<section id="live" class="screen" hidden>' in page

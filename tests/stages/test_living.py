@@ -1,0 +1,75 @@
+"""The page of a study computes with the numbers the study was computed with."""
+
+import json
+
+import numpy as np
+import pytest
+from browser import asked, evaluated
+from conftest import varied
+
+from vsb.report import html
+from vsb.stages.living import MOST, _longest, living_study
+from vsb.tools.files import load
+
+
+def living(plan, study=None, limited=()):
+    """Data of the page of a study, or of another one of the same buoy."""
+    return living_study(study or plan.study, plan.database_path, load(plan.response_files["response"]), limited)
+
+
+@pytest.fixture
+def tables(small):
+    with open(f"{small.folder}/tables.json", encoding="utf-8") as file:
+        return json.load(file)
+
+
+def test_the_page_finds_the_optima_of_the_ladder(small, tables, tmp_path):
+    data = living(small, limited=tables["within_limits"])
+    expression = """data.seas.map((sea) => {
+      const grid = unpackedGrid(data.grids[sea.grid]);
+      const squares = seaSquares(sea, grid);
+      return grid.ports.map((port) => power(port, squares, bestDamper(port, squares)));
+    })"""
+    found = evaluated([html.text_of("algebra.js")], expression, data, tmp_path)
+    assert np.ravel(found) == pytest.approx([line["best_power"] for line in tables["equal_tuning"]], rel=1e-6)
+    assert [design["name"] for design in data["designs"]] == list(small.study.designs)
+    assert [design["name"] for design in data["designs"] if design["reference"]] == [small.study.reference_design]
+
+
+def test_seas_of_one_grid_share_its_ports(small):
+    """Realisations are one sea, spectra are parameters, noise is not, still water is no sea."""
+    waves = [
+        {"kind": "jonswap", "hs": 1, "tp": 4, "realisations": 2}, {"kind": "pierson_moskowitz", "hs": 1, "tp": 4},
+        {"kind": "white_noise", "hs": 1, "band": [1.0, 2.0]}, {"kind": "still"},
+    ]  # fmt: skip
+    data = living(
+        small, varied(small.study, waves=waves), [{"design": "FSB", "sea": "jonswap_Hs1_Tp4_g3.3", "power": 7.0}]
+    )
+    assert [sea["grid"] for sea in data["seas"]] == [0, 0, 1]
+    assert [sea["jonswap"] and sea["jonswap"]["gamma"] for sea in data["seas"]] == [3.3, 1.0, None]
+    assert [sea["squares"] is None for sea in data["seas"]] == [True, True, False]
+    assert [sea["limited"][0] for sea in data["seas"]] == [7.0, None, None]
+
+
+def test_a_long_run_has_no_more_components_on_its_page(small):
+    long = varied(small.study, simulation={"duration": 1e5, "window": [0.0, 1e5]})
+    assert _longest(long) * 1.1 * long.hydro.omega_max / (2 * np.pi) * len(long.designs) == pytest.approx(MOST)
+    data = living(small, varied(long, waves=[{"kind": "jonswap", "hs": 1, "tp": 4}]))
+    assert len(data["grids"][0]["omega"]) * len(long.designs) <= 11 * MOST
+
+
+def test_what_no_damper_says_is_not_offered(small):
+    still = varied(small.study, waves=[{"kind": "still"}])
+    lossy = varied(small.study, pto={"damping": 8000.0, "stiffness": 100.0, "efficiency": 0.8})
+    dry = varied(small.study, hydro={"model": "assumed_pressure", "pressure": 1800.0})
+    for study in (still, lossy, dry):
+        assert living(small, study) is None
+
+
+def test_the_whole_page_has_no_errors_and_fits_a_phone(small, tmp_path):
+    with open(f"{small.folder}/report.html", encoding="utf-8") as file:
+        page = file.read()
+    script = (
+        "return { errors, wide: document.documentElement.scrollWidth, hidden: document.getElementById('live').hidden };"
+    )
+    assert asked(page, script, tmp_path, width=360) == {"errors": [], "wide": 360, "hidden": False}

@@ -1,0 +1,130 @@
+"""The numbers a page computes with: ports and seas, so that a reader can drag the damper.
+
+The page's algebra is that of `vsb.motion.port`: a damper c takes c |Z V0|^2 / (2 |Z + c|^2) per squared amplitude, and
+of a sea the sum of that over its components. Numbers travel as base64 of little-endian floats.
+"""
+
+import base64
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import markupsafe
+import numpy as np
+
+from vsb.motion.port import Port
+from vsb.report.canvas import style
+from vsb.tools.units import FloatArray
+
+DASHES = {"-": "", "--": "7 3", "-.": "8 3 2 3", ":": "2 3"}
+"""Line styles of designs as SVG has them."""
+SHOWN = 240
+"""Most frequencies of the curves over the band."""
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Components that seas share, and the ports at their frequencies, the take-off's spring built in."""
+
+    omega: FloatArray  # (component,) [rad/s]
+    flux: FloatArray  # energy flux per squared amplitude, rho g v_g/2 (component,) [W/m^3]
+    ports: Mapping[str, Port]  # by design
+
+
+@dataclass(frozen=True)
+class LivingSea:
+    """A sea of a study as a page needs it: on one of its grids, by squared amplitudes or by parameters."""
+
+    words: str
+    grid: int
+    squares: FloatArray | None  # of the components' amplitudes (component,) [m^2]; none of a sea by parameters
+    jonswap: dict[str, float] | None = None  # of its spectrum, see `algebra.js`
+    given: Mapping[str, float | None] | None = None  # dampers as given [N s/m]
+    limited: Mapping[str, float] | None = None  # power of the optimum within limits by design, where known [W]
+
+
+def packed(values: FloatArray, kind: str = "<f4") -> str:
+    """Return numbers as base64 of little-endian floats, by default of four bytes."""
+    return base64.b64encode(np.ascontiguousarray(values, dtype=kind).tobytes()).decode()
+
+
+def port_data(port: Port) -> dict[str, str]:
+    """Return what a damper's power follows from: |Z V0|^2, R and X, packed."""
+    impedance = port.impedance
+    return {
+        "drive": packed(np.abs(impedance * port.velocity) ** 2),
+        "resistance": packed(impedance.real),
+        "reactance": packed(impedance.imag),
+    }
+
+
+def designs_data(designs: Sequence[str], reference: str | None) -> list[dict[str, Any]]:
+    """Return names and looks of designs, those of all figures, and which one gains are over."""
+    looks = {name: style(name, designs) for name in designs}
+    return [
+        {"name": name, "colour": look["color"], "dash": DASHES[look["linestyle"]], "reference": name == reference}
+        for name, look in looks.items()
+    ]
+
+
+def study_data(
+    grids: Sequence[Grid],
+    seas: Sequence[LivingSea],
+    band: Grid,
+    limit: FloatArray,
+    reference: str | None,
+    efficiency: float = 1.0,
+) -> dict[str, Any]:
+    """Return the data of a study's page.
+
+    Parameters
+    ----------
+    grids : sequence of Grid
+    seas : sequence of LivingSea
+        On those grids.
+    band : Grid
+        Over the band figures show.
+    limit : ndarray, shape (omega,) [W/m^2]
+        Over the same frequencies, the most an axisymmetric heaving body takes.
+    reference : str or None
+        The design gains are over.
+    efficiency : float
+        Of the take-off [-].
+    """
+    designs = list(band.ports)
+    return {
+        "kind": "study",
+        "efficiency": efficiency,
+        "designs": designs_data(designs, reference),
+        "band": {**_grid_data(band), "limit": packed(limit)},
+        "grids": [_grid_data(grid) for grid in grids],
+        "seas": [
+            {
+                "words": sea.words,
+                "grid": sea.grid,
+                "squares": None if sea.squares is None else packed(sea.squares),
+                "jonswap": sea.jonswap,
+                "given": [(sea.given or {}).get(design) for design in designs],
+                "limited": [(sea.limited or {}).get(design) for design in designs],
+            }
+            for sea in seas
+        ],
+    }
+
+
+def _grid_data(grid: Grid) -> dict[str, Any]:
+    """A grid, packed; frequencies to all digits, because spectra are steep."""
+    ports = [{**port_data(port), "matched": packed(port.matched_power)} for port in grid.ports.values()]
+    return {"omega": packed(grid.omega, "<f8"), "flux": packed(grid.flux), "ports": ports}
+
+
+def thinned(omega: FloatArray, most: int = SHOWN) -> FloatArray:
+    """Return every so-many-th index of frequencies, the last included."""
+    return np.unique(np.linspace(0, len(omega) - 1, min(most, len(omega))).astype(int))
+
+
+def as_script(data: Mapping[str, Any]) -> markupsafe.Markup:
+    """Return data as JSON that may stand inside a script element."""
+    text = json.dumps(data, allow_nan=False, separators=(",", ":"))
+    return markupsafe.Markup(text.replace("<", "\\u003c"))

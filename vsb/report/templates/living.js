@@ -1,0 +1,190 @@
+// A study's page: drag the damper or a sea's peak period, and powers, capture widths and gains follow.
+"use strict";
+
+/** Everything the page shows of a study, from its data and from what the reader chose. */
+class LivingStudy {
+  constructor(data, root) {
+    this.data = data;
+    this.root = root;
+    this.grids = data.grids.map(unpackedGrid);
+    this.band = { ...unpackedGrid(data.band), limit: unpacked(data.band.limit) };
+    this.reference = data.designs.findIndex((design) => design.reference);
+    this.damping = null; // each design at its own best damper
+    this.part = (name) => root.querySelector(`[data-part="${name}"]`);
+    this.listen();
+    this.choose(0);
+    root.hidden = false;
+  }
+
+  /** Connect the controls. */
+  listen() {
+    const words = this.data.seas.map((sea) => sea.words);
+    this.part("sea").replaceChildren(...words.map((text, i) => new Option(text, i)));
+    this.part("seas").hidden = words.length < 2;
+    this.part("sea").addEventListener("change", (event) => this.choose(Number(event.target.value)));
+    this.part("damper").addEventListener("input", (event) => {
+      this.damping = Math.exp(Number(event.target.value));
+      this.show();
+    });
+    this.part("own").addEventListener("click", () => {
+      this.damping = null;
+      this.show();
+    });
+    this.part("given").addEventListener("click", () => {
+      this.damping = this.sea.given[0];
+      this.show();
+    });
+    this.part("period").addEventListener("input", (event) => this.swell(Number(event.target.value)));
+    this.part("take-off").addEventListener("change", () => this.show());
+  }
+
+  /** Go to a sea as the study has it. */
+  choose(index) {
+    this.sea = this.data.seas[index];
+    this.grid = this.grids[this.sea.grid];
+    const { jonswap, limited, given } = this.sea;
+    this.part("periods").hidden = !jonswap;
+    if (jonswap) {
+      Object.assign(this.part("period"), { min: jonswap.shortest, max: jonswap.longest, step: 0.01 });
+      this.part("period").value = jonswap.tp;
+    }
+    this.part("given").hidden = given[0] === null || given.some((value) => value !== given[0]);
+    this.part("within").hidden = limited.every((value) => value === null);
+    this.part("within").disabled = this.part("within").hidden;
+    this.part("take-off").value = "damper";
+    this.swell(jonswap ? jonswap.tp : null);
+  }
+
+  /** Take the sea with a peak period: what its components and best dampers are. */
+  swell(tp) {
+    this.tp = tp;
+    this.squares = seaSquares(this.sea, this.grid, tp);
+    this.flux = dot(this.squares, this.grid.flux);
+    this.own = this.grid.ports.map((port) => bestDamper(port, this.squares));
+    const known = this.own.filter((value) => value > 0);
+    const [low, high] = known.length ? [Math.min(...known) / 30, Math.max(...known) * 30] : [1, 1e6];
+    Object.assign(this.part("damper"), { min: Math.log(low), max: Math.log(high), step: "any" });
+    this.reach = { low, high };
+    this.curves = this.powerOverDamper();
+    this.show();
+  }
+
+  /** Mean power over the damper, of every design. */
+  powerOverDamper() {
+    const { low, high } = this.reach;
+    const dampers = Float64Array.from({ length: 61 }, (_, i) => low * (high / low) ** (i / 60));
+    return this.grid.ports.map((port) => ({ x: dampers, y: dampers.map((c) => this.powerUnder(port, c)) }));
+  }
+
+  /** Mean electrical power of a damper in the sea [W]. */
+  powerUnder(port, damping) {
+    return this.data.efficiency * power(port, this.squares, damping);
+  }
+
+  /** What each design takes under the take-off chosen: its damper, if it has one, and its power [W]. */
+  takes() {
+    const how = this.part("take-off").value;
+    return this.grid.ports.map((port, i) => {
+      if (how === "matched") return { damping: null, power: this.data.efficiency * dot(this.squares, port.matched) };
+      if (how === "within") return { damping: null, power: this.sea.limited[i] };
+      const damping = this.damping ?? this.own[i];
+      return { damping, power: this.powerUnder(port, damping) };
+    });
+  }
+
+  /** Show all of it. */
+  show() {
+    const moved = this.tp !== null && this.tp !== this.sea.jonswap.tp;
+    this.part("within").disabled = this.part("within").hidden || moved;
+    if (moved && this.part("take-off").value === "within") this.part("take-off").value = "damper";
+    const found = this.takes();
+    const shown = this.damping ?? Math.max(...this.own);
+    this.part("damper").value = Math.log(shown || 1);
+    this.part("damper-says").textContent = this.damping === null ? "each at its own best" : `${plain(this.damping)} N s/m`;
+    this.part("period-says").textContent = this.tp === null ? "" : `${this.tp.toFixed(2)} s`;
+    this.table(found);
+    this.overDamper(found);
+    this.overBand(found);
+  }
+
+  /** The table: damper, power, capture width, gain, share of the own best. */
+  table(found) {
+    const over = gains(found.map((take) => take.power), this.reference);
+    const rows = found.map((take, i) => {
+      const best = this.powerUnder(this.grid.ports[i], this.own[i]);
+      const gain = over[i] === null ? "–" : `${over[i] < 0 ? "−" : "+"}${Math.abs(over[i]).toFixed(1)}`;
+      const width = take.power === null ? null : take.power / this.flux;
+      const share = take.power === null || !(best > 0) ? null : (100 * take.power) / best;
+      return [this.data.designs[i].name, plain(take.damping), plain(take.power), plain(width), gain, plain(share)];
+    });
+    this.part("rows").replaceChildren(...rows.map((cells) => {
+      const row = document.createElement("tr");
+      row.append(...cells.map((text, i) => Object.assign(document.createElement("td"), { textContent: text, className: i ? "" : "text" })));
+      return row;
+    }));
+  }
+
+  /** Mean power of the sea over the damper. */
+  overDamper(found) {
+    const top = Math.max(...this.curves.flatMap((curve) => [...curve.y]), 1e-9);
+    const marks = found.flatMap((take, i) => {
+      const colour = this.data.designs[i].colour;
+      return take.damping === null ? [] : [{ x: take.damping, y: take.power / 1e3, colour }];
+    });
+    if (this.damping !== null) marks.unshift({ x: this.damping });
+    const curves = this.curves.map((curve, i) => ({ ...this.data.designs[i], x: curve.x, y: curve.y.map((v) => v / 1e3) }));
+    chart(this.part("over-damper"), {
+      x: { label: "damper [N s/m]", log: true, ...this.reach },
+      y: { label: "mean power [kW]", low: 0, high: (1.08 * top) / 1e3 },
+      curves,
+      marks,
+      words: `Mean power over the damper: ${this.data.designs.map((d, i) => `${d.name} at most ${plain(Math.max(...this.curves[i].y))} W at ${plain(this.own[i])} N s/m`).join(", ")}`,
+    });
+  }
+
+  /** Absorbed power per squared amplitude over the band at these dampers, with the limit and the sea. */
+  overBand(found) {
+    const { omega, limit, ports } = this.band;
+    const curves = ports.map((port, i) => {
+      const damping = found[i].damping;
+      const value = (_, j) => (damping === null ? port.matched[j] : powerAt(port, j, damping)) / 1e3;
+      return { ...this.data.designs[i], x: omega, y: Float64Array.from(omega, value) };
+    });
+    const top = 1.15 * Math.max(...this.curvesTop(), 1e-9);
+    const low = [...omega.keys()].filter((j) => limit[j] / 1e3 <= top);
+    const bound = { x: low.map((j) => omega[j]), y: low.map((j) => limit[j] / 1e3) };
+    const clipped = { name: "limit λ/2π", colour: "#999999", dash: "", ...bound };
+    const largest = Math.max(...this.squares);
+    const sea = this.squares.length > 1 ? [{ x: this.grid.omega, y: this.squares.map((v) => (0.3 * top * v) / largest) }] : [];
+    const inside = sea.map((area) => {
+      const kept = [...area.x.keys()].filter((j) => area.x[j] >= omega[0] && area.x[j] <= omega.at(-1));
+      return { x: kept.map((j) => area.x[j]), y: kept.map((j) => area.y[j]) };
+    });
+    const marks = this.squares.length === 1 ? [{ x: this.grid.omega[0] }] : [];
+    chart(this.part("over-band"), {
+      x: { label: "wave frequency [rad/s]", low: omega[0], high: omega.at(-1) },
+      y: { label: "power per amplitude² [kW/m²]", low: 0, high: top },
+      curves: [clipped, ...curves.map((curve) => ({ ...curve, y: curve.y.map((v) => Math.min(v, top)) }))],
+      areas: inside,
+      marks,
+      words: `Absorbed power per squared amplitude over wave frequency: ${curves.map((c) => `${c.name} at most ${plain(Math.max(...c.y))} kW/m²`).join(", ")}`,
+    });
+  }
+
+  /** Largest powers of any damper over the band [kW/m^2]: the axis stays where it is. */
+  curvesTop() {
+    this.highest ??= this.band.ports.map((port) => {
+      const best = (_, j) => powerAt(port, j, Math.hypot(port.resistance[j], port.reactance[j]));
+      return Math.max(...Float64Array.from(this.band.omega, best)) / 1e3;
+    });
+    return this.highest;
+  }
+}
+
+if (typeof document !== "undefined") {
+  const stored = document.getElementById("living-data");
+  const root = document.getElementById("live");
+  if (stored && root && JSON.parse(stored.textContent).kind === "study") {
+    globalThis.living = new LivingStudy(JSON.parse(stored.textContent), root);
+  }
+}
