@@ -136,11 +136,14 @@ def run_with(**attrs):
 
 def test_a_transient_left_in_the_window_shows():
     runs = {(d, "w"): {"steady_power": 100.0, "steady_decay": 0.5} for d in "AB"} | {
-        ("C", "w"): {"no_steady_state": "grows"}, ("D", "w"): {}
+        ("C", "w"): {"no_steady_state": "grows"}, ("D", "w"): {},
+        ("E", "w"): {"steady_power": 100.0, "steady_unsettled": 2e-5},
     }  # fmt: skip
-    rows = [{"design": d, "wave": "w", "power_mean": p} for d, p in zip("ABCD", (100.1, 103.0, 5.0, 5.0), strict=True)]
-    near, far, none = ledger.transient_checks(runs, rows)
-    assert (near.verdict, far.verdict, none.verdict) == ("ok", "fail", "doubt")
+    powers = (100.1, 103.0, 5.0, 5.0, 101.0)
+    rows = [{"design": d, "wave": "w", "power_mean": p} for d, p in zip("ABCDE", powers, strict=True)]
+    near, far, none, settled = ledger.transient_checks(runs, rows)
+    assert (near.verdict, far.verdict, none.verdict, settled.verdict) == ("ok", "fail", "doubt", "doubt")
+    assert settled.explanation.endswith("100 W in the steady state; its periods differ by 2.0e-05")
     assert near.value == pytest.approx(1e-3)
     assert "a period leaves 0.5 of a transient" in far.explanation
     assert "grows" in none.explanation

@@ -5,8 +5,11 @@ import pytest
 from conftest import SMALL_PLAN, varied
 
 from vsb.integrators.exact import propagate
+from vsb.integrators.settled import settled_power
 from vsb.motion.system import System
+from vsb.scenes import build
 from vsb.scenes.build import linear_design
+from vsb.scenes.pause import BestPause
 from vsb.shell.deformed import DeformedShell, enclosed
 from vsb.stages import simulate
 from vsb.study.plan import StudyPlan
@@ -56,3 +59,35 @@ def test_still_water_has_no_steady_power_and_clamps_hold(small, tmp_path):
     run = load(tmp_path / "run.nc", expected=plan.trajectory_id("C", wave))
     assert "steady_power" not in run.attrs
     assert run.attrs["constraint_drift"] < 1e-12
+
+
+LAWS = {"saturated": "steady_decay", "coulomb": "steady_unsettled", "latching": "steady_unsettled"}
+"""Law -> what a run records beside its steady power: of harmonic balance, or of a motion followed until it repeats."""
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_run_that_switches_knows_its_steady_power(small, tmp_path, monkeypatch, law):
+    """As the window of a long run shows, and of a saturated damper as its settled motion does, a second method."""
+    monkeypatch.setattr(build, "best_pause_in_sea", lambda *_: BestPause(0.9, 0.0, 0.0))
+    pto = {"damping": 8000.0, "law": law, "force_limit": 2e3}
+    waves = [{"kind": "regular", "amplitude": 0.1, "period": 5.0}]
+    simulation = {"duration": 100.0, "window": [75.0, 100.0], "initial_velocity": 0.0}
+    plan = StudyPlan(varied(small.study, pto=pto, waves=waves, simulation=simulation))
+    (wave,) = plan.study.waves
+    simulate.run(plan.simulation("FSB", wave), str(tmp_path / "run.nc"), **small.hydro_files)
+    run = load(tmp_path / "run.nc", expected=plan.trajectory_id("FSB", wave))
+    assert LAWS[law] in run.attrs
+    window = run.energy.sel(term="pto").interp(time=[75.0, 100.0]).values
+    assert run.attrs["steady_power"] == pytest.approx(np.diff(window)[0] / 25.0, rel=5e-3)
+    scene = linear_design(plan.simulation("FSB", wave), small.hydro_files).system
+    assert run.attrs["steady_power"] == pytest.approx(settled_power(scene, 1e-6)[0], rel=1e-4)
+
+
+def test_a_motion_that_never_repeats_has_no_steady_power(small, tmp_path, monkeypatch):
+    monkeypatch.setattr(simulate, "settled_power", lambda *_: (1.0, 0.02))
+    monkeypatch.setattr(build, "best_pause_in_sea", lambda *_: BestPause(0.9, 0.0, 0.0))
+    plan = StudyPlan(varied(small.study, pto={"damping": 8000.0, "law": "latching"}))
+    simulate.run(plan.simulation("FSB", WAVE), str(tmp_path / "run.nc"), **small.hydro_files)
+    attrs = load(tmp_path / "run.nc", expected=plan.trajectory_id("FSB", WAVE)).attrs
+    assert attrs["no_steady_state"] == "powers of periods from rest on differ by up to 2 %"
+    assert "steady_power" not in attrs

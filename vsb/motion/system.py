@@ -146,6 +146,11 @@ class System:
         return any(isinstance(force, TakeOff) and force.pause > 0 for force in self.scene.forces.values())
 
     @property
+    def jumps(self) -> bool:
+        """Whether a take-off is friction: its force jumps where the motion turns round."""
+        return any(isinstance(force, TakeOff) and np.isinf(force.damping) for force in self.scene.forces.values())
+
+    @property
     def foreign(self) -> list[str]:
         """Names of nonlinear forces that are neither constant nor the water's: the compiled n does not know them."""
         known = (ConstantForce, WaterPressure)

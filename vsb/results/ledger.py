@@ -185,8 +185,11 @@ def transient_checks(runs: Attributes, rows: Sequence[Row]) -> list[Check]:
             checks.append(Check("transient", 1.0, 0.0, "-", "doubt", text, **where))
         elif "steady_power" in attrs:
             steady, mean = attrs["steady_power"], row["power_mean"]
-            text = f"mean power is {mean:.6g} W in the window, {steady:.6g} W in the steady state; a period leaves "
-            text += f"{attrs['steady_decay']:.3g} of a transient"
+            text = f"mean power is {mean:.6g} W in the window, {steady:.6g} W in the steady state; "
+            if "steady_decay" in attrs:
+                text += f"a period leaves {attrs['steady_decay']:.3g} of a transient"
+            else:
+                text += f"its periods differ by {attrs['steady_unsettled']:.1e}"
             difference = abs(mean / steady - 1) if steady else abs(mean)
             checks.append(check_at_most("transient", difference, 0.005, "-", text, doubt=True, **where))
     return checks

@@ -6,17 +6,22 @@ import xarray as xr
 from vsb.errors import ConvergenceError, StabilityError
 from vsb.integrators.exact import propagate
 from vsb.integrators.harmonic_balance import harmonic_balance
+from vsb.integrators.settled import settled_power
 from vsb.integrators.simulate import in_words, legs
 from vsb.integrators.trajectory import recorded
 from vsb.motion.clamps import constraint_drift
 from vsb.motion.system import System
 from vsb.scenes.build import SCENES
+from vsb.scenes.pause import SETTLED
 from vsb.shell.deformed import DeformedShell, enclosed
 from vsb.stages.stage import stamp
 from vsb.study.specs import SimulateSpec
 from vsb.study.study import RegularWave, StillWater
 from vsb.tools.files import save
 from vsb.tools.units import FloatArray
+
+UNSETTLED = 1e-3
+"""Relative difference between the powers of late periods above which a motion does not repeat [-]."""
 
 
 def run(spec: SimulateSpec, out: str, database: str = "", radiation: str = "") -> None:
@@ -37,7 +42,7 @@ def run(spec: SimulateSpec, out: str, database: str = "", radiation: str = "") -
     attrs = {"design": design, "wave": wave.label, "energy_residual": leg.balance.residual, "status": "completed"}
     attrs |= {"method": in_words(leg.method, sum(steps)), "instants": 1 + sum(intervals)}
     attrs |= {"seconds": sum(seconds), **notes, **stamp(spec, database, radiation)}
-    if isinstance(wave, RegularWave) and not system.switching:
+    if isinstance(wave, RegularWave):
         attrs |= _steady(system)
     if spec.designs[design].clamp:
         attrs["constraint_drift"] = max(*drifts, _linear_drift(spec, system, clamps))
@@ -53,12 +58,28 @@ def with_enclosed(run: xr.Dataset, shape: DeformedShell) -> xr.Dataset:
 
 
 def _steady(system: System) -> dict[str, float | str]:
-    """Mean power of the steady state and what a period leaves of a transient; or why there is none."""
+    """Mean power of the steady state and what a period leaves of a transient; or why there is none.
+
+    Of a law that pauses, or whose force jumps, the power of a motion followed until its periods agree.
+    """
     try:
+        if system.pauses or system.jumps:
+            return _settled(system)
         found = harmonic_balance(system, 1e-6)
     except (ConvergenceError, StabilityError) as error:
-        return {"no_steady_state": str(error)}
+        return _settled(system) if system.switching else {"no_steady_state": str(error)}
     return {"steady_power": found.power.pto, "steady_decay": found.decay}
+
+
+def _settled(system: System) -> dict[str, float | str]:
+    """Mean power of a law that switches once its periods agree; or that they do not."""
+    try:
+        power, unsettled = settled_power(system, SETTLED)
+    except ConvergenceError as error:
+        return {"no_steady_state": str(error)}
+    if unsettled > UNSETTLED:
+        return {"no_steady_state": f"powers of periods from rest on differ by up to {100 * unsettled:.2g} %"}
+    return {"steady_power": power, "steady_unsettled": unsettled}
 
 
 def _linear_drift(spec: SimulateSpec, system: System, clamps: FloatArray) -> float:
