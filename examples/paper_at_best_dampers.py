@@ -1,0 +1,104 @@
+"""The paper's own loading with every design at its own best damper: what its gains become under fair tuning.
+
+An assumed pressure does not answer to the motion, so no port tells the best damper: the settled power of each design,
+by harmonic balance on the instantaneous wet shell, is searched over its damper. Where no steady state is found from
+rest, or it is unstable, a damper is left out.
+
+    python -m examples.paper_at_best_dampers config/paper_inferred.yaml results/paper_inferred/best_dampers.csv
+"""
+
+import argparse
+import csv
+import io
+import sys
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from vsb.cli import answer
+from vsb.errors import ConfigError, ConvergenceError, StabilityError
+from vsb.integrators.harmonic_balance import steady_power
+from vsb.scenes.build import assumed_pressure_design
+from vsb.study.plan import StudyPlan
+from vsb.study.study import Study, load
+from vsb.tools.files import write_text
+
+DAMPERS = np.geomspace(500.0, 50_000.0, 17)
+"""Tried first [N s/m]."""
+TOLERANCE = 1e-6
+
+
+class Row(NamedTuple):
+    """One design at the given damper and at its own best one; mean powers of the settled motion."""
+
+    design: str
+    damping: float  # [N s/m]
+    power: float  # [W]
+    gain_percent: float  # over the first design, here and below
+    best_damping: float  # [N s/m]
+    best_power: float  # [W]
+    best_gain_percent: float
+
+
+def power_of(study: Study, design: str) -> Callable[[float], float]:
+    """Return the settled mean power of a design over its damper, none of it where nothing settles [W]."""
+    run = StudyPlan(study).simulation(design, study.waves[0])
+
+    def power(damping: float) -> float:
+        damped = run.model_copy(update={"pto": run.pto.model_copy(update={"damping": damping})})
+        try:
+            return steady_power(assumed_pressure_design(damped, {}).system, TOLERANCE)
+        except (ConvergenceError, StabilityError):
+            return 0.0
+
+    return power
+
+
+def best_damper(power: Callable[[float], float]) -> tuple[float, float]:
+    """Return the damper that takes most and what it takes: the best of a scan, refined between its neighbours."""
+    k = int(np.argmax([power(float(damping)) for damping in DAMPERS]))
+    between = np.log(DAMPERS[[max(k - 1, 0), min(k + 1, len(DAMPERS) - 1)]])
+    found = minimize_scalar(
+        lambda u: -power(float(np.exp(u))), bounds=tuple(between), method="bounded", options={"xatol": 1e-4}
+    )
+    return float(np.exp(found.x)), -float(found.fun)
+
+
+def rows_of(study: Study) -> list[Row]:
+    """Return all designs of a study under an assumed pressure."""
+    if study.hydro.model != "assumed_pressure":
+        raise ConfigError(f"hydro.model: received {study.hydro.model!r}, needs 'assumed_pressure', the paper's loading")
+    rows: list[Row] = []
+    for design in study.designs:
+        power, given = power_of(study, design), study.pto.damper(design) or 0.0
+        here, (best, most) = power(given), best_damper(power)
+        first = rows[0] if rows else Row(design, given, here, 0.0, best, most, 0.0)
+        gains = (100 * (here / first.power - 1), 100 * (most / first.best_power - 1))
+        rows.append(Row(design, given, here, gains[0], best, most, gains[1]))
+    return rows
+
+
+def run(args: argparse.Namespace) -> int:
+    """Write the table."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(Row._fields)
+    writer.writerows([f"{v:.6g}" if isinstance(v, float) else v for v in row] for row in rows_of(load(args.config)))
+    write_text(args.out, text.getvalue())
+    print(text.getvalue(), end="")
+    return 0
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run from the command line."""
+    parser = argparse.ArgumentParser(prog="python -m examples.paper_at_best_dampers", description=__doc__)
+    parser.add_argument("config", metavar="CONFIG")
+    parser.add_argument("out", metavar="OUT.csv")
+    parser.set_defaults(handler=run, writes=("{out}",))
+    return answer(parser, argv)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
