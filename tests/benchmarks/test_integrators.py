@@ -82,7 +82,7 @@ def errors(rows, case, method):
 
 
 def test_the_state_is_deformed_and_half_out_of_the_water(deformed):
-    q = deformed.amplitudes
+    q = deformed.modal_amplitude
     assert 0.01 < abs(q[0]) < 0.4
     assert np.all(np.abs(q[1:]) > 1e-4)
     assert abs(q[1]) == pytest.approx(0.08, abs=0.03)  # breathing under the static load
@@ -150,7 +150,7 @@ def test_equation_95_taken_literally_diverges_on_the_modes(paper):
 
 def test_rectangle_gauss_and_compiled_forces_agree(paper, deformed):
     wet = scene_of_design(paper, "VSWEC").water.shell
-    static, uniform, _ = (values[0] for values in wet.forces(deformed.amplitudes[None]))
+    static, uniform, _ = (values[0] for values in wet.forces(deformed.modal_amplitude[None]))
     for rule, points, bound in ((gauss_force, 40, 1e-13), (disc_force, 20000, 2e-4)):
         ours = rule(deformed, points)
         assert np.linalg.norm(ours[0] - static) < bound * np.linalg.norm(static)

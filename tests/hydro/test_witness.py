@@ -199,13 +199,13 @@ def test_a_database_elsewhere_in_frequency_is_not_judged(compared):
 def test_shapes_have_the_names_of_their_modes_and_signs(shapes):
     assert [(s.name, s.amplitude) for s in shapes] == [("mean", 0.0), (f"{MODE}_minus", -0.1), (f"{MODE}_plus", 0.1)]
     for s in shapes[1:]:
-        np.testing.assert_array_equal(s.shell.amplitudes, s.amplitude * np.eye(len(BASIS.labels))[4])
+        np.testing.assert_array_equal(s.shell.modal_amplitude, s.amplitude * np.eye(len(BASIS.labels))[4])
 
 
 def test_shapes_are_counted_from_the_one_at_rest():
-    rest = replace(afloat(), amplitudes=np.array([0.02, -0.05, 0.0, 0.01, 0.03]))
+    rest = replace(afloat(), modal_amplitude=np.array([0.02, -0.05, 0.0, 0.01, 0.03]))
     for s in deformed_shapes(rest, [MODE], np.inf):
-        moved = s.shell.amplitudes - rest.amplitudes
+        moved = s.shell.modal_amplitude - rest.modal_amplitude
         np.testing.assert_allclose(moved, s.amplitude * np.eye(len(BASIS.labels))[4], atol=1e-15)
 
 

@@ -73,7 +73,7 @@ def scene():
     ds = ds.assign_attrs({"gravity": 9.81, "water_depth": "inf", "water_density": 1025.0})
     buoy = LinearBuoy(ds, basis.damping, LinearPto(study.pto.damping))
     radiation = fit_radiation(buoy.spectrum, 1e-3)[0]
-    shape = DeformedShell(basis, study.centre_height, reference_shell(study).amplitudes)
+    shape = DeformedShell(basis, study.centre_height, reference_shell(study).modal_amplitude)
 
     def build(design, sea, kind="exact"):
         motions = design_motions(study, basis, design)

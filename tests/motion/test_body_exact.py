@@ -29,7 +29,7 @@ def parts(coarse, buoy_of, radiation_of):
         buoy, basis = buoy_of(study), study_basis(study)
         attrs = {"gravity": 9.81, "water_depth": "inf", "water_density": 1025.0}
         buoy = replace(buoy, database=buoy.database.assign_attrs(attrs))
-        shape = DeformedShell(basis, study.centre_height, reference_shell(study).amplitudes)
+        shape = DeformedShell(basis, study.centre_height, reference_shell(study).modal_amplitude)
         return buoy, shape, radiation_of(study), design_motions(study, basis, design)
 
     return build

@@ -155,7 +155,7 @@ def test_directions_are_what_points_and_volume_do(seed):
         return shell.meridian(np.deg2rad([70.0])).z[0]
 
     def volume(shell):
-        return enclosed(basis, shell.amplitudes[None])[0][0]
+        return enclosed(basis, shell.modal_amplitude[None])[0][0]
 
     for choice, quantity in (
         (BetweenPort(between=(30, 140)), apart), (ShellPort(colatitude=70), height), ("volume", volume)

@@ -30,7 +30,7 @@ def rigid(seed):
     ds = ds.assign_attrs({"gravity": 9.81, "water_depth": "inf", "water_density": 1025.0})
     buoy = LinearBuoy(ds, basis.damping, LinearPto(0.0))
     radiation = fit_radiation(buoy.spectrum, 1e-3)[0]
-    shape = DeformedShell(basis, study.centre_height, reference_shell(study).amplitudes)
+    shape = DeformedShell(basis, study.centre_height, reference_shell(study).modal_amplitude)
     return DesignInTime(buoy, shape, radiation, design_motions(study, basis, "FSB"), LinearPto(2e4))
 
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from vsb.hydro.database import Check
 from vsb.results import ledger
-from vsb.results.ledger import largest_displacement, largest_strain, static_amplitudes, with_full_basis
+from vsb.results.ledger import largest_displacement, largest_strain, static_modal_amplitude, with_full_basis
 from vsb.scenes.rest import reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.loaded import ElasticShell
@@ -50,9 +50,9 @@ def test_the_pressure_advised_is_one_that_passes(seed, radius, slenderness, modu
     assert ledger.viability_checks(below)[0].verdict == "fail"
 
 
-def test_static_amplitudes_balance_the_load_to_first_order(seed):
+def test_static_modal_amplitude_balance_the_load_to_first_order(seed):
     basis = study_basis(seed)
-    static = static_amplitudes(seed, reference_shell(seed))
+    static = static_modal_amplitude(seed, reference_shell(seed))
     assert static[1] == pytest.approx(-0.06, abs=0.02)  # the breathing mode is squeezed by about 6 cm
 
     def unbalance(scale):

@@ -113,7 +113,7 @@ def of_static_load(study, name, value):
 def at_rest(study, breathing):
     """A shell that rests squeezed."""
     resting, shape = varied(study, reference_shape="equilibrium"), reference_shell(study).shape
-    squeezed = replace(shape, amplitudes=-2.0 * breathing * np.eye(8)[1])
+    squeezed = replace(shape, modal_amplitude=-2.0 * breathing * np.eye(8)[1])
     return ledger.static_checks(resting, replace(reference_shell(study), shape=squeezed))
 
 

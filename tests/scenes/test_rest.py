@@ -50,7 +50,7 @@ def test_vented_and_undeformed_is_the_papers_shell(seed):
     assert reference.stiffness["structural"] == pytest.approx(basis.stiffness, rel=1e-14)
     hydrostatic = DeformedShell(basis, seed.centre_height).hydrostatic_stiffness(RHO, G)
     assert reference.stiffness["hydrostatic"] == pytest.approx(hydrostatic, abs=1e-9 * np.abs(hydrostatic).max())
-    assert np.all(reference.amplitudes == 0.0)
+    assert np.all(reference.modal_amplitude == 0.0)
     assert reference.keel_depth == pytest.approx(seed.draft, rel=1e-14)
 
 
@@ -73,9 +73,9 @@ def test_at_the_equilibrium_forces_vanish_and_the_stiffness_is_the_tangent(press
     reference = reference_shell(pressurised)
     loaded = loaded_shell(pressurised, reference.basis)
     weight = pressurised.device.mass * G
-    assert np.abs(loaded.force(reference.amplitudes)).max() < 1e-9 * weight
+    assert np.abs(loaded.force(reference.modal_amplitude)).max() < 1e-9 * weight
     assert reference.shape.volume() * RHO == pytest.approx(pressurised.device.mass, rel=1e-10)
-    tangent = loaded.stiffness(reference.amplitudes)
+    tangent = loaded.stiffness(reference.modal_amplitude)
     assert reference.total == pytest.approx(tangent, abs=1e-10 * np.abs(tangent).max())
     check_stable(pressurised, reference)
 
@@ -85,7 +85,7 @@ def test_a_stiff_shell_rests_as_a_sphere(pressurised):
     moduli = np.array([1e10, 1e11, 1e12, 1e13])
     for modulus in moduli:
         reference = reference_shell(varied(pressurised, device={"young_modulus": float(modulus)}))
-        sizes.append(np.abs(reference.amplitudes[1:]).max())
+        sizes.append(np.abs(reference.modal_amplitude[1:]).max())
     slopes = np.diff(np.log(sizes)) / np.diff(np.log(moduli))
     assert np.all(np.abs(slopes + 1.0) < 0.05), slopes
 
@@ -204,10 +204,10 @@ class TestBem:
         wide = deformed(seed, Membrane2=0.2)
         more = mode_basis(seed.device, "full", 6)
         q = np.array(
-            [dict(zip(wide.basis.labels, wide.amplitudes, strict=True)).get(label, 0.0) for label in more.labels]
+            [dict(zip(wide.basis.labels, wide.modal_amplitude, strict=True)).get(label, 0.0) for label in more.labels]
         )
         results = []
-        for shell in (wide, replace(wide, basis=more, amplitudes=q)):
+        for shell in (wide, replace(wide, basis=more, modal_amplitude=q)):
             raw = self.problem(green_folder, shell).solve([2.0])
             heave = database.in_modes(raw, rigid_basis(seed.device))
             results.append([heave.added_mass.item(), heave.radiation_damping.item()])
@@ -231,7 +231,7 @@ def test_water_and_year_rest_on_one_equilibrium(pressurised, monkeypatch):
     monkeypatch.setattr(rest, "equilibrium", lambda loaded: solved.append(loaded) or equilibrium(loaded))
     first, second = reference_shell(study), reference_shell(undamped)
     assert len(solved) == 2  # in the study's modes, and in those that resolve its buckling
-    np.testing.assert_array_equal(first.amplitudes, second.amplitudes)
+    np.testing.assert_array_equal(first.modal_amplitude, second.modal_amplitude)
     assert first.basis.beta > 0 == second.basis.beta
 
 

@@ -96,7 +96,7 @@ def test_power_of_the_undeformed_sphere(small, reference, family):
     """None about the sphere itself; about another shape, minus its amplitudes times the slope."""
     assert np.all(shapedependence.power_changes(small, reference, family).power_undeformed == 0)
     q = np.array([0.1, 0.05, 0.0, -0.02])
-    moved = dataclasses.replace(reference, shape=dataclasses.replace(reference.shape, amplitudes=q))
+    moved = dataclasses.replace(reference, shape=dataclasses.replace(reference.shape, modal_amplitude=q))
     changes = shapedependence.power_changes(small, moved, family)
     np.testing.assert_allclose(
         changes.power_undeformed, -np.einsum("k,dkw->dw", q, changes.power_slope.values), rtol=1e-12

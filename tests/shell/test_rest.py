@@ -11,10 +11,10 @@ from vsb.shell.rest import ReferenceShell
 def test_an_undeformed_shell_has_amplitudes_of_zero_and_a_deformed_one_its_own(seed):
     basis = study_basis(seed)
     size = len(basis.labels)
-    assert ReferenceShell(DeformedShell(basis, 0.0), {}).amplitudes.tolist() == [0.0] * size
+    assert ReferenceShell(DeformedShell(basis, 0.0), {}).modal_amplitude.tolist() == [0.0] * size
     moved = np.linspace(0.0, 0.1, size)
     reference = ReferenceShell(DeformedShell(basis, 0.0, moved), {})
-    assert reference.amplitudes is moved
+    assert reference.modal_amplitude is moved
     assert reference.basis is basis
 
 

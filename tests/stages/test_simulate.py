@@ -49,7 +49,7 @@ def test_volume_and_area_are_those_the_moving_shell_encloses(small):
     assert np.ptp(shell.volume.values) > 0
     moved = DeformedShell(shape.basis, shape.centre_height, shell.position.values[-1])
     np.testing.assert_allclose(simulate.with_enclosed(shell, moved).volume.values, enclosed(
-        shape.basis, moved.amplitudes + shell.position.values)[0])  # fmt: skip
+        shape.basis, moved.modal_amplitude + shell.position.values)[0])  # fmt: skip
 
 
 def test_still_water_has_no_steady_power_and_clamps_hold(small, tmp_path):

@@ -143,7 +143,7 @@ def with_structure(ds: xr.Dataset, reference: ReferenceShell) -> xr.Dataset:
     return ds.assign(stiffness).assign(
         inertia_matrix=(pair, basis.inertia),
         pole_radial_displacement=("influenced_dof", basis.pole_radial_displacement),
-        reference_amplitude=("influenced_dof", reference.amplitudes),
+        reference_amplitude=("influenced_dof", reference.modal_amplitude),
     )
 
 

@@ -83,9 +83,8 @@ def deformed_shapes(shell: DeformedShell, modes: Sequence[str], depth: float) ->
 
 def _deformed(shell: DeformedShell, mode: str, amplitude: float) -> Deformed:
     """A shell deformed further by one mode."""
-    start = shell.amplitudes if shell.amplitudes.size else np.zeros(len(shell.basis.labels))
-    along = np.eye(len(start))[shell.basis.labels.index(mode)]
-    return Deformed(replace(shell, amplitudes=start + amplitude * along), mode, amplitude)
+    along = np.eye(len(shell.modal_amplitude))[shell.basis.labels.index(mode)]
+    return Deformed(replace(shell, modal_amplitude=shell.modal_amplitude + amplitude * along), mode, amplitude)
 
 
 def _afloat_once(shell: DeformedShell) -> bool:

@@ -142,11 +142,11 @@ def _loaded(
 ) -> dict[str, Force]:
     """Forces of a scene with water on the instantaneous wet shell and weight; a prestressed shell carries both."""
     wet = WetShell(shape.basis, shape.centre_height)
-    water = WaterPressure(wet, shape.amplitudes, specific_weight, hydrostatic, waves=waves)
+    water = WaterPressure(wet, shape.modal_amplitude, specific_weight, hydrostatic, waves=waves)
     weight = ConstantForce(-gravity * shape.basis.inertia[0])
     forces = {**others, "water": water, "weight": weight}
     if "prestress" in forces:
-        at_rest = specific_weight * wet.forces(shape.amplitudes[None])[0][0]
+        at_rest = specific_weight * wet.forces(shape.modal_amplitude[None])[0][0]
         forces["preload"] = ConstantForce(-at_rest - weight.value)
     return forces
 

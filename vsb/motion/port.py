@@ -156,8 +156,7 @@ def port_direction(choice: PortChoice, shape: DeformedShell) -> FloatArray:
     if choice == "heave":
         return np.asarray(heave)
     if choice == "volume":
-        rest = shape.amplitudes if shape.amplitudes.size else np.zeros_like(heave)
-        direction: FloatArray = ElasticShell(shape.basis).volume_gradient(rest)
+        direction: FloatArray = ElasticShell(shape.basis).volume_gradient(shape.modal_amplitude)
     elif isinstance(choice, BetweenPort):
         m = shape.meridian(np.deg2rad(choice.between))
         chord = np.array([np.diff(m.x)[0], np.diff(m.z)[0]])

@@ -151,7 +151,7 @@ def resting(scene: Scene) -> FloatArray:
     load = scene.constant
     for _ in range(50):
         shell = DeformedShell(water.shell.basis, water.shell.centre_height, water.rest + scene.motions @ y)
-        static = water.specific_weight * water.shell.forces(shell.amplitudes[None])[0][0]
+        static = water.specific_weight * water.shell.forces(shell.modal_amplitude[None])[0][0]
         tangent = scene.motions.T @ shell.hydrostatic_stiffness(water.specific_weight, 1.0) @ scene.motions
         try:
             step = cho_solve(cho_factor(stiffness + tangent), scene.motions.T @ (static + load) - stiffness @ y)

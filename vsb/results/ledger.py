@@ -90,7 +90,7 @@ def viable_text(study: Study) -> str:
 
 def static_checks(study: Study, reference: ReferenceShell) -> list[Check]:
     """Return displacement and strain of the shell at rest, about which motion is linearised or which is left out."""
-    basis, static = reference.basis, static_amplitudes(study, reference)
+    basis, static = reference.basis, static_modal_amplitude(study, reference)
     left_out = "" if study.at_equilibrium else "; the reference shape is undeformed"
     moved = largest_displacement(basis, static) / basis.shell.radius
     strain = float(np.abs(ElasticShell(basis).strains(static)).max())
@@ -104,27 +104,27 @@ def static_checks(study: Study, reference: ReferenceShell) -> list[Check]:
     ]  # fmt: skip
 
 
-def static_amplitudes(study: Study, reference: ReferenceShell) -> FloatArray:
+def static_modal_amplitude(study: Study, reference: ReferenceShell) -> FloatArray:
     """Return heave and modal amplitudes at rest, shape (dof,) [m]: of the equilibrium, or linear about the sphere."""
     if study.at_equilibrium:
-        return reference.amplitudes
-    load = loaded_shell(study, reference.basis).force(reference.amplitudes)
+        return reference.modal_amplitude
+    load = loaded_shell(study, reference.basis).force(reference.modal_amplitude)
     return np.asarray(np.linalg.solve(reference.total, load))
 
 
-def largest_displacement(basis: ModeBasis, amplitudes: FloatArray) -> float:
+def largest_displacement(basis: ModeBasis, modal_amplitude: FloatArray) -> float:
     """Return the largest displacement of the shell relative to its centre [m]."""
     u = basis.displacement(np.linspace(0.0, np.pi, 361))
-    amplitudes = np.concatenate([[0.0], amplitudes[1:]])
-    return float(np.hypot(amplitudes @ u[0], amplitudes @ u[1]).max())
+    modal_amplitude = np.concatenate([[0.0], modal_amplitude[1:]])
+    return float(np.hypot(modal_amplitude @ u[0], modal_amplitude @ u[1]).max())
 
 
-def largest_strain(basis: ModeBasis, amplitudes: FloatArray) -> float:
+def largest_strain(basis: ModeBasis, modal_amplitude: FloatArray) -> float:
     """Return the largest membrane strain, |(u' + v)/r| or |(u cot phi + v)/r| [-]."""
     phi = np.linspace(0.01, np.pi - 0.01, 361)
     (v, u), (_, du) = basis.displacement(phi), basis.displacement(phi, derivative=1)
-    amplitudes = np.concatenate([[0.0], amplitudes[1:]])
-    meridional, hoop = amplitudes @ (du + v), amplitudes @ (u / np.tan(phi) + v)
+    modal_amplitude = np.concatenate([[0.0], modal_amplitude[1:]])
+    meridional, hoop = modal_amplitude @ (du + v), modal_amplitude @ (u / np.tan(phi) + v)
     return float(np.maximum(np.abs(meridional), np.abs(hoop)).max() / basis.shell.radius)
 
 

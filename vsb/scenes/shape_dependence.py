@@ -91,7 +91,7 @@ def power_changes(study: Study, reference: ReferenceShell, family: ShapeFamily) 
     raos = np.array([buoy.rao(omega, free) for free in motions])
     slope = np.array([power_slope(buoy, family.slopes, free) for free in motions])
     wave, swing = ("design", "omega"), np.abs(np.einsum("dkw,dwk->dw", slope, raos))
-    undeformed = -np.einsum("dkw,k->dw", slope, reference.amplitudes)
+    undeformed = -np.einsum("dkw,k->dw", slope, reference.modal_amplitude)
     return xr.Dataset(
         {
             "absorbed_power": (wave, [buoy.absorbed_power(omega, rao) for rao in raos], {"units": "W/m^2"}),
@@ -193,7 +193,7 @@ def _run_powers(motion: StudyMotion, database: ShapeDatabase, run: tuple[str, st
     """Mean power [W] with coefficients of the reference shape, and of every shape passed through."""
     waves, motions = motion.runs[run]
     shapes = [np.zeros(len(database.labels)), *motion.shapes(*run)]
-    reference, *passed = (mean_power(motion.buoy, database.at(waves.omega, eta), waves, motions) for eta in shapes)
+    reference, *passed = (mean_power(motion.buoy, database.at(waves.omega, shape), waves, motions) for shape in shapes)
     return reference, passed
 
 

@@ -52,13 +52,12 @@ class DeformedShell:
 
     basis: ModeBasis
     centre_height: float  # height of the sphere centre above still water at zero heave [m]
-    amplitudes: FloatArray = field(
-        default_factory=lambda: np.zeros(0)
-    )  # heave and modes, shape (dof,) [m]; empty: zero
+    modal_amplitude: FloatArray = field(default_factory=lambda: np.zeros(0))  # heave and modes (dof,) [m]; empty: zero
 
-    @cached_property
-    def _amplitudes(self) -> FloatArray:
-        return self.amplitudes if self.amplitudes.size else np.zeros(len(self.basis.labels))
+    def __post_init__(self) -> None:
+        """An undeformed shell has amplitudes of zero."""
+        if not self.modal_amplitude.size:
+            object.__setattr__(self, "modal_amplitude", np.zeros(len(self.basis.labels)))
 
     def meridian(self, colatitude: FloatArray) -> Meridian:
         """Return x = (r+v) sin + u cos, z = centre + (r+v) cos - u sin at colatitudes, shape (point,) [rad]."""
@@ -66,7 +65,7 @@ class DeformedShell:
         v, u, dv, du = self.basis.displacement_and_slope(colatitude)
         shape_x, shape_z = v * sin + u * cos, v * cos - u * sin
         dshape_x, dshape_z = dv * sin + v * cos + du * cos - u * sin, dv * cos - v * sin - du * sin - u * cos
-        q = self._amplitudes
+        q = self.modal_amplitude
         return Meridian(
             r * sin + q @ shape_x,
             self.centre_height + r * cos + q @ shape_z,
@@ -178,7 +177,7 @@ def check_meridian(shell: DeformedShell) -> None:
 
     Seen at 40 points per degree, and by the slope at the poles.
     """
-    if not np.isfinite([shell.centre_height, *shell.amplitudes]).all():
+    if not np.isfinite([shell.centre_height, *shell.modal_amplitude]).all():
         raise ConfigError("reference_shape: received a shape with NaN or infinite amplitudes; needs finite ones")
     phi, (x, z, dx) = shell._grid, shell._on_grid
     x, z = x.copy(), z - shell.centre_height
@@ -221,13 +220,13 @@ def _crossing(x: FloatArray, z: FloatArray) -> tuple[int, int] | None:
     return None
 
 
-def enclosed(basis: ModeBasis, amplitudes: FloatArray, points: int = 0) -> tuple[FloatArray, FloatArray]:
+def enclosed(basis: ModeBasis, modal_amplitude: FloatArray, points: int = 0) -> tuple[FloatArray, FloatArray]:
     """Return the volume the whole shell encloses [m^3] and its surface area [m^2] along a motion.
 
     Parameters
     ----------
     basis : ModeBasis
-    amplitudes : ndarray, shape (time, dof) [m]
+    modal_amplitude : ndarray, shape (time, dof) [m]
         Heave and modal amplitudes; heave is without effect.
     points : int
         Of the quadrature; by default enough for the volume to be exact.
@@ -240,7 +239,11 @@ def enclosed(basis: ModeBasis, amplitudes: FloatArray, points: int = 0) -> tuple
     node, weight = gauss_rule(points or 4 * basis.highest_degree + 24)
     m = DeformedShell(basis, 0.0).meridian(np.arccos(node))
     weight = weight / np.sqrt(1 - node**2)
-    x, dx, dz = m.x + amplitudes @ m.shape_x, m.dx + amplitudes @ m.dshape_x, m.dz + amplitudes @ m.dshape_z
+    x, dx, dz = (
+        m.x + modal_amplitude @ m.shape_x,
+        m.dx + modal_amplitude @ m.dshape_x,
+        m.dz + modal_amplitude @ m.dshape_z,
+    )
     return -np.pi * (x**2 * dz) @ weight, 2 * np.pi * (x * np.hypot(dx, dz)) @ weight
 
 

@@ -28,9 +28,9 @@ class ReferenceShell:
         return np.asarray(sum(self.stiffness.values()))
 
     @property
-    def amplitudes(self) -> FloatArray:
+    def modal_amplitude(self) -> FloatArray:
         """Heave and modal amplitudes of the shape at rest, shape (dof,) [m]; zero if undeformed."""
-        return self.shape.amplitudes if self.shape.amplitudes.size else np.zeros(len(self.basis.labels))
+        return self.shape.modal_amplitude
 
     @property
     def keel_depth(self) -> float:

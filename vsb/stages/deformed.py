@@ -34,9 +34,9 @@ def shape_mesh(spec: DeformedSpec, shape: Deformed, coarser: int = 1) -> xr.Data
     return deformed_mesh(shape.shell, spec.rows // coarser, spec.azimuth // coarser, spec.lid_rows // coarser)
 
 
-def compared_basis(spec: DeformedSpec, shell: DeformedShell) -> ModeBasis:
+def compared_basis(spec: DeformedSpec, basis: ModeBasis) -> ModeBasis:
     """Return heave and the modes whose coefficients are compared."""
-    return replace(shell.basis, modes=tuple(mode for mode in shell.basis.modes if mode.label in spec.deformed))
+    return replace(basis, modes=tuple(mode for mode in basis.modes if mode.label in spec.deformed))
 
 
 def _at_rest(spec: DeformedSpec) -> DeformedShell:
@@ -50,5 +50,4 @@ def _at_rest(spec: DeformedSpec) -> DeformedShell:
     shell = Shell(shape.radius, shape.thickness, 1.0, shape.poisson_ratio, 1.0)
     modes = shell_modes(shell, shape.basis, max(map(degree, spec.deformed)))
     basis = ModeBasis(shell, modes, 1.0, bending=False)
-    whole = DeformedShell(basis, shape.centre_height)
-    return replace(whole, basis=compared_basis(spec, whole))
+    return DeformedShell(compared_basis(spec, basis), shape.centre_height)

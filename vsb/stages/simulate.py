@@ -51,9 +51,9 @@ def run(spec: SimulateSpec, out: str, database: str = "", radiation: str = "") -
 
 def with_enclosed(run: xr.Dataset, shape: DeformedShell) -> xr.Dataset:
     """Return a record with the volume the shell encloses and its area."""
-    moved = np.zeros((run.sizes["time"], len(shape.amplitudes)))
+    moved = np.zeros((run.sizes["time"], len(shape.modal_amplitude)))
     moved[:, : run.sizes["dof"]] = run.position.values
-    volume, area = enclosed(shape.basis, shape.amplitudes + moved)
+    volume, area = enclosed(shape.basis, shape.modal_amplitude + moved)
     return run.assign(volume=("time", volume), area=("time", area))
 
 

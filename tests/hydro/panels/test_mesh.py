@@ -134,8 +134,8 @@ def test_viewable_shapes_are_a_tenth_of_the_radius(seed):
     for name, shape in shapes.items():
         assert shape.centre_height == 0.1
         if name != "mean":
-            assert np.abs(shape.amplitudes).sum() == pytest.approx(0.2)
-    assert [np.argmax(np.abs(s.amplitudes)) for n, s in shapes.items() if n.endswith("plus")] == [1, 2, 3, 4, 5, 6]
+            assert np.abs(shape.modal_amplitude).sum() == pytest.approx(0.2)
+    assert [np.argmax(np.abs(s.modal_amplitude)) for n, s in shapes.items() if n.endswith("plus")] == [1, 2, 3, 4, 5, 6]
 
 
 def test_every_viewable_shape_of_a_very_light_buoy_is_written(seed, tmp_path):

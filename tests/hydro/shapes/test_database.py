@@ -244,7 +244,7 @@ def test_shapes_tried_are_within_reach():
 @pytest.mark.parametrize(
     ("call", "error", "match"),
     [
-        (lambda d: d.at(GRID, np.zeros(3)), ConfigError, r"amplitudes: received shape \(3,\); needs \(4,\)"),
+        (lambda d: d.at(GRID, np.zeros(3)), ConfigError, r"modal_amplitude: received shape \(3,\); needs \(4,\)"),
         (lambda d: d.at(GRID, 1.01 * REACH), ConfigError, "received Heave = 0.2525 m; the shape database holds 0.25 m"),
         (lambda d: d.error(np.array([0, np.nan, 0, 0])), ConfigError, "received Membrane0 = nan m"),
         (lambda d: d.added_mass_inf(np.array([0, 0, 0, -0.2])), ConfigError, "received Membrane2 = -0.2 m"),

@@ -100,7 +100,7 @@ def test_the_breathing_mode_of_a_sphere_is_a_change_of_radius(reference):
 
 def test_all_amplitudes_together_scale_the_shape(strained, strained_family):
     """Euler's identity: lengths of the shape times derivatives by them, heave and all modes of the strained shell."""
-    lengths = strained.amplitudes.copy()
+    lengths = strained.modal_amplitude.copy()
     lengths[0] += strained.shape.centre_height
     lengths[1] += strained.basis.shell.radius
     assert np.count_nonzero(np.abs(lengths) > 1e-3) == 5
@@ -189,7 +189,7 @@ def test_mixed_derivatives_are_differences_of_slopes(family, reference):
 
 def test_second_derivatives_scale_twice(strained, strained_family):
     """Euler's identity once more: lengths l_k (A_kj l_j + ...) of a homogeneous function, at infinite frequency."""
-    lengths = strained.amplitudes.copy()
+    lengths = strained.modal_amplitude.copy()
     lengths[0] += strained.shape.centre_height
     lengths[1] += strained.basis.shell.radius
     eta = xr.DataArray(lengths, dims="shape_dof", coords={"shape_dof": strained_family.labels})
@@ -235,7 +235,7 @@ def test_the_number_of_shapes(reference):
 @pytest.mark.parametrize(
     ("call", "match"),
     [
-        (lambda f: f.at(np.zeros(3)), r"amplitudes: received shape \(3,\); needs \(4,\)"),
+        (lambda f: f.at(np.zeros(3)), r"modal_amplitude: received shape \(3,\); needs \(4,\)"),
         (lambda f: f.at(np.array([3.0, 0, 0, 0])), "reference_shape: received a shape"),
         (lambda f: f.expansion(np.zeros(4), 3), "order: received 3; needs 1 or 2"),
         (lambda f: f.interpolation_error(0.0), "amplitude: received 0 m"),

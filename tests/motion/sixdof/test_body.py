@@ -63,7 +63,7 @@ def tumbling(scene, seed=0, spin=2.0):
     """A state vector with everything displaced and everything moving."""
     rng = np.random.default_rng(seed)
     parts = {name: rng.normal(size=size) for name, size in scene.sizes.items()}
-    parts["modal_amplitudes"] *= 0.05
+    parts["modal_amplitude"] *= 0.05
     parts["angular_velocity"] *= spin
     if scene.motion == "free" and scene.attitude == "quaternion":
         parts["attitude"] /= np.linalg.norm(parts["attitude"])
@@ -85,11 +85,11 @@ def test_inertia_of_the_undeformed_shell():
 def test_inertia_polynomial_is_that_of_the_deformed_particles(basis):
     body, (mass, place, shapes) = body_of(basis), particles(basis)
     rng = np.random.default_rng(1)
-    for modal_amplitudes in rng.normal(scale=0.3, size=(5, len(basis.modes))):
-        x = place + np.einsum("pjk,j->pk", shapes, modal_amplitudes)
+    for modal_amplitude in rng.normal(scale=0.3, size=(5, len(basis.modes))):
+        x = place + np.einsum("pjk,j->pk", shapes, modal_amplitude)
         tensor = np.einsum("p,pkl->kl", mass, (x**2).sum(1)[:, None, None] * np.eye(3) - x[:, :, None] * x[:, None, :])
         np.testing.assert_allclose(
-            np.diag(body.inertia(modal_amplitudes)), tensor, rtol=1e-12, atol=1e-12 * tensor.max()
+            np.diag(body.inertia(modal_amplitude)), tensor, rtol=1e-12, atol=1e-12 * tensor.max()
         )
 
 
@@ -139,9 +139,9 @@ def test_mass_matrix_is_symmetric_positive_definite(data):
     basis = BASES[data.draw(st.sampled_from(list(BASES)))]
     scene = GeneralScene(Body(basis), {}, "free")
     number = st.floats(-0.4, 0.4)
-    modal_amplitudes = data.draw(st.lists(number, min_size=len(basis.modes), max_size=len(basis.modes)))
+    modal_amplitude = data.draw(st.lists(number, min_size=len(basis.modes), max_size=len(basis.modes)))
     quaternion = np.array([1.0, *data.draw(st.tuples(*[st.floats(-9, 9)] * 3))])
-    y = scene.start(modal_amplitudes=np.array(modal_amplitudes), attitude=quaternion / np.linalg.norm(quaternion))
+    y = scene.start(modal_amplitude=np.array(modal_amplitude), attitude=quaternion / np.linalg.norm(quaternion))
     matrix = scene.body.mass_matrix(scene.state(y))
     np.testing.assert_allclose(matrix, matrix.T, rtol=0, atol=1e-15 * matrix.max())
     assert np.linalg.eigvalsh(matrix).min() > 1.0
@@ -161,7 +161,7 @@ def turn(axis, angle):
 
 
 class Particles:
-    """The buoy as particles placed by q = (centre, yaw, pitch, roll, modal_amplitudes): it knows no quasi-velocity."""
+    """The buoy as particles placed by q = (centre, yaw, pitch, roll, modal_amplitude): it knows no quasi-velocity."""
 
     def __init__(self, basis):
         self.basis = basis
@@ -272,10 +272,10 @@ def lifted(scene, y, general):
     return general.start(
         position=state.position,
         attitude=np.array([np.cos(pitch / 2), 0.0, np.sin(pitch / 2), 0.0]),
-        modal_amplitudes=parts["modal_amplitudes"],
+        modal_amplitude=parts["modal_amplitude"],
         velocity=state.velocity,
         angular_velocity=state.angular_velocity,
-        modal_amplitude_rates=parts["modal_amplitude_rates"],
+        modal_amplitude_rate=parts["modal_amplitude_rate"],
     )
 
 
@@ -324,9 +324,9 @@ def test_a_clamped_scene_carries_only_what_the_clamp_allows():
     start = tumbling(scene, 5)
     assert len(start) == 6 + 2 * (allowed.shape[1] - 1)
     states = [scene.state(y) for y in integrate(scene, start, np.linspace(0, 0.3, 4))]
-    pole = np.array([basis.pole_radial_displacement[1:] @ state.modal_amplitudes for state in states])
+    pole = np.array([basis.pole_radial_displacement[1:] @ state.modal_amplitude for state in states])
     assert np.abs(pole).max() < 1e-14
-    assert np.abs(states[-1].modal_amplitudes - states[0].modal_amplitudes).max() > 1e-3
+    assert np.abs(states[-1].modal_amplitude - states[0].modal_amplitude).max() > 1e-3
 
 
 @pytest.mark.parametrize("colatitudes", [[0.0], [np.pi / 2], [0.0, 0.0]])
@@ -352,7 +352,7 @@ def test_null_space_and_udwadia_kalaba_agree(basis, colatitudes):
 
 def lifted_amplitudes(scene, y, free, null_space):
     parts = dict(zip(scene.sizes, np.split(y, np.cumsum(list(scene.sizes.values()))[:-1]), strict=True))
-    for name in ("modal_amplitudes", "modal_amplitude_rates"):
+    for name in ("modal_amplitude", "modal_amplitude_rate"):
         parts[name] = null_space @ parts[name]
     return free.start(**parts)
 
@@ -401,7 +401,7 @@ def test_free_fall_is_a_parabola_and_the_shell_does_not_notice(basis):
         state = scene.state(y)
         np.testing.assert_allclose(state.position, [t, 2.0, 3.0 + 5.0 * t - G * t**2 / 2], atol=1e-9)
         np.testing.assert_allclose(y[3:7], tilt, atol=1e-12)
-        np.testing.assert_allclose(state.modal_amplitudes, 0.0, atol=1e-12)
+        np.testing.assert_allclose(state.modal_amplitude, 0.0, atol=1e-12)
 
 
 def test_a_tumbling_body_falls_with_its_centre_of_mass(basis):
@@ -427,7 +427,7 @@ def test_heave_scene_is_the_linear_oscillator_of_each_mode(name):
     basis = mode_basis(DEVICE, name, 2)
     scene = GeneralScene(Body(basis), {"elastic": Elastic(basis)})
     for mode, omega in enumerate(basis.dry_frequencies):
-        start = scene.start(modal_amplitudes=0.1 * np.eye(len(basis.modes))[mode])
+        start = scene.start(modal_amplitude=0.1 * np.eye(len(basis.modes))[mode])
         time = np.linspace(0, 10 * 2 * np.pi / omega, 13)
         motion = integrate(scene, start, time, 1e-10)
         expected = np.outer(0.1 * np.cos(omega * time), np.eye(len(basis.modes))[mode])
@@ -453,7 +453,7 @@ def test_a_spinning_shell_stays_in_its_bulged_equilibrium(basis):
     slope = body.inertia_gradient(zero)[2]
     form = np.array([body.inertia_gradient(e)[2] - slope for e in np.eye(len(zero))]) / 2
     eta = np.linalg.solve(basis.stiffness[1:, 1:] - n**2 * form, n**2 * slope / 2)
-    start = scene.start(modal_amplitudes=eta, angular_velocity=n * AXIS)
+    start = scene.start(modal_amplitude=eta, angular_velocity=n * AXIS)
     rates = scene.rates(0.0, start)
     np.testing.assert_allclose(rates[-(6 + len(zero)) :], 0.0, atol=1e-11)
     assert body.inertia(eta)[2] > body.inertia(zero)[2] + 1.0
@@ -474,7 +474,7 @@ def test_structural_damping_damps_the_shell_as_rayleigh_says():
     omega = basis.dry_frequencies[0]
     ratio = basis.beta * omega / 2
     damped = omega * np.sqrt(1 - ratio**2)
-    start = scene.start(modal_amplitudes=0.1 * np.eye(len(basis.modes))[0])
+    start = scene.start(modal_amplitude=0.1 * np.eye(len(basis.modes))[0])
     time = np.linspace(0, 1, 5)
     tail = np.cos(damped * time) + ratio * omega / damped * np.sin(damped * time)
     expected = 0.1 * np.exp(-ratio * omega * time) * tail
@@ -570,7 +570,7 @@ def test_quaternion_and_euler_angles_agree_before_the_lock():
     scenes = [GeneralScene(body_of(basis), forces, "free", attitude) for attitude in ("quaternion", "euler321")]
     moving = {
         "angular_velocity": np.array([0.9, 0.8, -0.7]),
-        "modal_amplitudes": np.linspace(-0.05, 0.05, len(basis.modes)),
+        "modal_amplitude": np.linspace(-0.05, 0.05, len(basis.modes)),
     }
     time = np.array([0.0, 0.8])
     one, other = (s.state(integrate(s, s.start(**moving), time, 1e-11)[-1]) for s in scenes)

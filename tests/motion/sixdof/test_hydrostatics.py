@@ -20,11 +20,11 @@ SHAPE = np.array([0.05, -0.03, 0.06, 0.04, -0.02, 0.08, -0.05, 0.04])
 TILTS = [0.0, 1e-7, 0.4, 1.2, np.pi / 2, 2.6, np.pi]
 
 
-def at(height, tilt=0.0, basis: ModeBasis = FULL, modal_amplitudes=None) -> State:
+def at(height, tilt=0.0, basis: ModeBasis = FULL, modal_amplitude=None) -> State:
     """A buoy turned by yaw, pitch and roll; the tilt of its axis is `tilt`, in a direction that is no axis."""
     rotation = Rotation.from_euler("ZYZ", [0.3, tilt, 0.8]).as_matrix()
     modes = len(basis.modes)
-    shape = np.zeros(modes) if modal_amplitudes is None else modal_amplitudes
+    shape = np.zeros(modes) if modal_amplitude is None else modal_amplitude
     return State(np.array([3.0, -2.0, height]), rotation, shape, np.zeros(3), np.zeros(3), np.zeros(modes))
 
 
@@ -63,7 +63,7 @@ def test_an_upside_down_buoy_is_the_mirrored_one(height):
 
 def by_azimuths(basis, state, columns=160, points=40):
     """The same force as a sum over meridians: trapezoid in azimuth, Gauss between the waterlines of each meridian."""
-    shell = DeformedShell(basis, 0.0, np.concatenate([[0.0], state.modal_amplitudes]))
+    shell = DeformedShell(basis, 0.0, np.concatenate([[0.0], state.modal_amplitude]))
     up = state.rotation[2]
     node, weight = np.polynomial.legendre.leggauss(points)
     force, torque, modal = np.zeros(3), np.zeros(3), np.zeros(len(basis.modes))
@@ -106,10 +106,10 @@ def test_it_is_the_sum_over_meridians(height, tilt):
 
 def moved(state, coordinate, step):
     """The state displaced along one quasi-velocity: a turn is about a body axis."""
-    push = step * np.eye(6 + len(state.modal_amplitudes))[coordinate]
+    push = step * np.eye(6 + len(state.modal_amplitude))[coordinate]
     turned = state.rotation @ Rotation.from_rotvec(push[3:6]).as_matrix()
     return state._replace(
-        position=state.position + push[:3], rotation=turned, modal_amplitudes=state.modal_amplitudes + push[6:]
+        position=state.position + push[:3], rotation=turned, modal_amplitude=state.modal_amplitude + push[6:]
     )
 
 
@@ -169,7 +169,7 @@ def test_a_tumbling_floating_shell_keeps_its_energy():
     forces = {"weight": Weight(basis, G), "elastic": Elastic(basis), "hydrostatic": Hydrostatic(basis, RHO, G, 24)}
     scene = GeneralScene(Body(basis, (3000.0, 2000.0)), forces, "free")
     moving = {
-        "modal_amplitudes": np.array([-0.05, 0.02, 0.04]),
+        "modal_amplitude": np.array([-0.05, 0.02, 0.04]),
         "velocity": np.array([0.4, 0.0, -0.8]),
         "angular_velocity": np.array([1.5, -2.0, 0.7]),
     }
@@ -187,9 +187,9 @@ def test_the_planar_scene_is_the_free_one_restricted():
     forces = {"weight": Weight(FULL, G), "elastic": Elastic(FULL), "hydrostatic": Hydrostatic(FULL, RHO, G)}
     planar, free = (GeneralScene(Body(FULL), forces, motion) for motion in ("planar", "free"))
     pitch, modes = 0.9, len(FULL.modes)
-    y = planar.start(position=np.array([1.0, 0.2]), attitude=np.array([pitch]), modal_amplitudes=SHAPE)
+    y = planar.start(position=np.array([1.0, 0.2]), attitude=np.array([pitch]), modal_amplitude=SHAPE)
     turned = np.array([np.cos(pitch / 2), 0.0, np.sin(pitch / 2), 0.0])
-    whole = free.start(position=np.array([1.0, 0.0, 0.2]), attitude=turned, modal_amplitudes=SHAPE)
+    whole = free.start(position=np.array([1.0, 0.0, 0.2]), attitude=turned, modal_amplitude=SHAPE)
     acceleration = free.rates(0.0, whole)[-(6 + modes) :]
     scale = np.abs(acceleration).max()
     own = planar.rates(0.0, y)[-(3 + modes) :]

@@ -1,5 +1,6 @@
 """Panels of the wetted mean shell and of its deformed shapes."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import meshio
@@ -119,7 +120,7 @@ def display_shapes(shell: DeformedShell) -> dict[str, DeformedShell]:
     size = DISPLAY_AMPLITUDE * min(radius, 2 * (radius - shell.centre_height))
     for j, label in enumerate(shell.basis.labels[1:], start=1):
         for name, sign in (("minus", -1.0), ("plus", 1.0)):
-            amplitudes = shell.amplitudes.copy() if shell.amplitudes.size else np.zeros(len(shell.basis.labels))
-            amplitudes[j] += sign * size
-            shapes[f"{label}_{name}"] = DeformedShell(shell.basis, shell.centre_height, amplitudes)
+            moved = shell.modal_amplitude.copy()
+            moved[j] += sign * size
+            shapes[f"{label}_{name}"] = replace(shell, modal_amplitude=moved)
     return shapes

@@ -2,12 +2,12 @@
 
 Values are second-order expansions about the reference shape, mixed terms included (`shapefamily.py`). Of excitation
 
-    X(eta) = exp(i sum_k b_k eta_k) (X + ...),   b_k = Im X^H X_k/|X|^2,
+    X(q) = exp(i sum_k b_k q_k) (X + ...),   b_k = Im X^H X_k/|X|^2,
 
 since a wider shell meets the waves earlier: short ones turn its phase by far more than its size. Damping follows from
 excitation by Haskind's relation: it takes energy from every motion on every shape. The third order left out is about
 
-    c (sum_k (a_k^(1/3) eta_k)^2)^(3/2) + sum_k s_k |eta_k| + e,
+    c (sum_k (a_k^(1/3) q_k)^2)^(3/2) + sum_k s_k |q_k| + e,
 
 a_k a sixth of the third derivative along each amplitude, c three times the largest ratio to it of errors on shapes
 tried within reach, s_k the error of the first derivative, e three times what the database misses on the reference shape
@@ -35,7 +35,7 @@ _EXPANDED = ("added_mass", "excitation_force", "added_mass_inf")
 
 @dataclass(frozen=True)
 class ShapeDatabase:
-    """Coefficients A(omega; eta), B, X about one reference shape; `dataset` as of `shape_database`."""
+    """Coefficients A(omega; q), B, X about one reference shape; `dataset` as of `shape_database`."""
 
     dataset: xr.Dataset
 
@@ -66,7 +66,7 @@ class ShapeDatabase:
 
     @cached_property
     def _phase_rates(self) -> FloatArray:
-        """Rates at which the excitation's phase turns with the amplitudes, shape (dof, omega) [rad/m]."""
+        """Rates at which the excitation's phase turns with modal amplitudes, shape (dof, omega) [rad/m]."""
         return phase_rates(self._array("excitation_force"), self._array("excitation_force_slope"))
 
     def _array(self, name: str) -> ComplexArray | FloatArray:
@@ -75,33 +75,33 @@ class ShapeDatabase:
             return np.asarray(data.isel(wave_direction=0).values)
         return np.asarray((data.values + data.values.swapaxes(-1, -2)) / 2)
 
-    def _checked(self, amplitudes: FloatArray) -> FloatArray:
+    def _checked(self, modal_amplitude: FloatArray) -> FloatArray:
         """Amplitudes that are one for each degree of freedom and within reach."""
-        eta, dof = np.asarray(amplitudes, dtype=float), len(self.labels)
-        if eta.shape != (dof,):
-            raise ConfigError(f"amplitudes: received shape {eta.shape}; needs ({dof},), heave and all modes")
-        beyond = ~(np.abs(eta) <= self.reach * (1 + 1e-9))
+        q, dof = np.asarray(modal_amplitude, dtype=float), len(self.labels)
+        if q.shape != (dof,):
+            raise ConfigError(f"modal_amplitude: received shape {q.shape}; needs ({dof},), heave and all modes")
+        beyond = ~(np.abs(q) <= self.reach * (1 + 1e-9))
         if beyond.any():
             k = int(np.argmax(beyond))
             raise ConfigError(
-                f"amplitudes: received {self.labels[k]} = {eta[k]:.4g} m; the shape database holds "
+                f"modal_amplitude: received {self.labels[k]} = {q[k]:.4g} m; the shape database holds "
                 f"{self.reach[k]:.4g} m either way: build it with more reach"
             )
-        return eta
+        return q
 
-    def _expanded(self, name: str, eta: FloatArray) -> ComplexArray | FloatArray:
+    def _expanded(self, name: str, q: FloatArray) -> ComplexArray | FloatArray:
         """Second-order expansion of one coefficient at the frequencies solved."""
         value, slope, curvature = self._terms[name]
-        gradient = slope + np.tensordot(eta, curvature, 1) / 2
-        return np.asarray(value + np.tensordot(eta, gradient, 1))
+        gradient = slope + np.tensordot(q, curvature, 1) / 2
+        return np.asarray(value + np.tensordot(q, gradient, 1))
 
-    def at(self, omega: FloatArray, amplitudes: FloatArray) -> Coefficients:
+    def at(self, omega: FloatArray, modal_amplitude: FloatArray) -> Coefficients:
         """Return the coefficients on a shape by cubic splines between solved frequencies.
 
         Parameters
         ----------
         omega : ndarray, shape (omega,) [rad/s]
-        amplitudes : ndarray, shape (dof,) [m]
+        modal_amplitude : ndarray, shape (dof,) [m]
             Of heave and modes, from the reference shape.
 
         Raises
@@ -111,30 +111,30 @@ class ShapeDatabase:
         DatabaseError
             Outside the band solved.
         """
-        eta, (first, last) = self._checked(amplitudes), self.omega[[0, -1]]
+        q, (first, last) = self._checked(modal_amplitude), self.omega[[0, -1]]
         if not (np.all(omega >= first - 1e-9) and np.all(omega <= last + 1e-9)):
             raise DatabaseError(
                 f"frequencies {np.min(omega):.4g} to {np.max(omega):.4g} rad/s are asked for, the shape database "
                 f"holds {first:g} to {last:g} rad/s; build it for a wider band."
             )
         weights = CubicSpline(self.omega, np.eye(len(self.omega)))(omega)
-        phase = np.exp(1j * eta @ self._phase_rates)[:, None]
-        added = np.tensordot(weights, self._expanded("added_mass", eta), 1)
-        force = np.asarray(weights @ (phase * self._expanded("excitation_force", eta)), dtype=complex)
+        phase = np.exp(1j * q @ self._phase_rates)[:, None]
+        added = np.tensordot(weights, self._expanded("added_mass", q), 1)
+        force = np.asarray(weights @ (phase * self._expanded("excitation_force", q)), dtype=complex)
         return Coefficients(added.real, self._damping(omega, force), force)
 
-    def added_mass_inf(self, amplitudes: FloatArray) -> FloatArray:
+    def added_mass_inf(self, modal_amplitude: FloatArray) -> FloatArray:
         """Return added mass at infinite frequency on a shape, shape (dof, dof) [kg]; errors as of `at`."""
-        return np.asarray(self._expanded("added_mass_inf", self._checked(amplitudes)).real)
+        return np.asarray(self._expanded("added_mass_inf", self._checked(modal_amplitude)).real)
 
     def _damping(self, omega: FloatArray, force: ComplexArray) -> FloatArray:
         attrs = self.dataset.attrs
         return haskind_damping(np.asarray(omega), force, float(attrs["water_density"]), float(attrs["gravity"]))
 
-    def error(self, amplitudes: FloatArray) -> dict[str, float]:
+    def error(self, modal_amplitude: FloatArray) -> dict[str, float]:
         """Return estimated errors of `COEFFICIENTS` on a shape at the frequencies solved, as of `misfit` [-]."""
-        eta, ds = np.abs(self._checked(amplitudes)), self.dataset
-        estimates = _cubic_size(ds.remainder.values, eta) * ds.remainder_scale.values + ds.slope_noise.values @ eta
+        q, ds = np.abs(self._checked(modal_amplitude)), self.dataset
+        estimates = _cubic_size(ds.remainder.values, q) * ds.remainder_scale.values + ds.slope_noise.values @ q
         return dict(zip(COEFFICIENTS, map(float, estimates + ds.reference_error.values), strict=True))
 
     def save(self, path: str | Path) -> None:
@@ -157,9 +157,9 @@ def phase_rates(force: ComplexArray | FloatArray, slopes: ComplexArray | FloatAr
     return np.asarray(np.einsum("wi,kwi->kw", force.conj(), slopes).imag / size)
 
 
-def _cubic_size(remainder: FloatArray, eta: FloatArray) -> FloatArray:
-    """(sum_k (a_k^(1/3) eta_k)^2)^(3/2) of each coefficient, shape (..., coefficient); remainder (coefficient, dof)."""
-    return np.asarray((np.cbrt(remainder) ** 2 @ np.square(eta).T) ** 1.5).T
+def _cubic_size(remainder: FloatArray, q: FloatArray) -> FloatArray:
+    """(sum_k (a_k^(1/3) q_k)^2)^(3/2) of each coefficient, shape (..., coefficient); remainder (coefficient, dof)."""
+    return np.asarray((np.cbrt(remainder) ** 2 @ np.square(q).T) ** 1.5).T
 
 
 def tried_shapes(reach: FloatArray, samples: int, seed: int = 0) -> FloatArray:
@@ -175,7 +175,7 @@ def tried_shapes(reach: FloatArray, samples: int, seed: int = 0) -> FloatArray:
 
 def measured_errors(database: ShapeDatabase, family: ShapeFamily, shapes: FloatArray) -> FloatArray:
     """Return errors against direct solutions on shapes (shape, dof) [m], as of `misfit`, (shape, coefficient) [-]."""
-    return np.array([_measured(database, eta, family.at(eta)) for eta in shapes])
+    return np.array([_measured(database, q, family.at(q)) for q in shapes])
 
 
 def _left_out(family: ShapeFamily) -> list[xr.Dataset]:
@@ -194,10 +194,10 @@ def _left_out(family: ShapeFamily) -> list[xr.Dataset]:
     return left_out
 
 
-def _measured(database: ShapeDatabase, eta: FloatArray, direct: xr.Dataset) -> list[float]:
+def _measured(database: ShapeDatabase, q: FloatArray, direct: xr.Dataset) -> list[float]:
     """Errors of `COEFFICIENTS` on one shape."""
-    added, damping, force = database.at(database.omega, eta)
-    values = (added, damping, force[:, None], database.added_mass_inf(eta))
+    added, damping, force = database.at(database.omega, q)
+    values = (added, damping, force[:, None], database.added_mass_inf(q))
     return [
         misfit(direct[name].copy(data=value), direct[name]) for name, value in zip(COEFFICIENTS, values, strict=True)
     ]

@@ -2,11 +2,11 @@
 
 A linear model takes its coefficients on one shape while the shell moves. Here they are solved on shapes around it,
 
-    A(eta) = A + sum_k A_k eta_k + 1/2 sum_kl A_kl eta_k eta_l + O(eta^3),
+    A(q) = A + sum_k A_k q_k + 1/2 sum_kl A_kl q_k q_l + O(q^3),
 
 always for displacements of material points, so a mode is the same motion on every shape; by heave, the draft changes.
-A_k and A_kk are central differences at three steps along eta_k, extrapolated twice, A_kl follows from those at two
-steps along eta_k + eta_l; the error comes out of the same run.
+A_k and A_kk are central differences at three steps along q_k, extrapolated twice, A_kl follows from those at two
+steps along q_k + q_l; the error comes out of the same run.
 """
 
 import itertools
@@ -119,21 +119,22 @@ class ShapeFamily:
         """The same family solved with a third more points: their errors are far smaller, convergence is spectral."""
         return replace(self, nodes=math.ceil(4 * self.nodes / 3))
 
-    def about(self, amplitudes: FloatArray) -> "ShapeFamily":
-        """Return the family around another shape, `amplitudes` (dof,) [m] away; `ConfigError` for another length."""
+    def about(self, modal_amplitude: FloatArray) -> "ShapeFamily":
+        """Return the family around a shape `modal_amplitude` (dof,) [m] away; `ConfigError` for another length."""
         dof = len(self.labels)
-        if np.shape(amplitudes) != (dof,):
-            raise ConfigError(f"amplitudes: received shape {np.shape(amplitudes)}; needs ({dof},), heave and all modes")
-        start = self.shape.amplitudes if self.shape.amplitudes.size else np.zeros(dof)
-        return replace(self, shape=replace(self.shape, amplitudes=start + amplitudes))
+        if np.shape(modal_amplitude) != (dof,):
+            raise ConfigError(
+                f"modal_amplitude: received shape {np.shape(modal_amplitude)}; needs ({dof},), heave and all modes"
+            )
+        return replace(self, shape=replace(self.shape, modal_amplitude=self.shape.modal_amplitude + modal_amplitude))
 
-    def at(self, amplitudes: FloatArray) -> xr.Dataset:
+    def at(self, modal_amplitude: FloatArray) -> xr.Dataset:
         """Return `COEFFICIENTS` of heave and modes on the shape deformed further, dimensions as of a hydro database.
 
-        `amplitudes`, shape (dof,) [m], count from the reference shape. `ConfigError` if they are not one for each
+        `modal_amplitude`, shape (dof,) [m], count from the reference shape. `ConfigError` if they are not one for each
         degree of freedom, or if the shape does not cross the water once.
         """
-        moved = self.about(amplitudes)
+        moved = self.about(modal_amplitude)
         path = self.store / f"{moved.identity}.nc" if self.store else None
         if path and path.is_file():
             solved = load(path)[list(COEFFICIENTS)]
@@ -152,7 +153,7 @@ class ShapeFamily:
             "modes": [[mode.degree, float(mode.radial), float(mode.meridional)] for mode in basis.shapes],
             "radius": float(basis.shell.radius),
             "centre_height": float(shape.centre_height),
-            "amplitudes": shape.amplitudes.tolist(),
+            "amplitudes": shape.modal_amplitude.tolist(),
             "omega": [float(omega) for omega in self.omegas],
             "water": [float(self.density), float(self.gravity)],
             "nodes": self.nodes,
@@ -198,7 +199,7 @@ class ShapeFamily:
 
     @cached_property
     def curvatures(self) -> xr.Dataset:
-        """Second derivatives by all pairs of amplitudes, (shape_dof, other_shape_dof, ...) [unit per m^2]."""
+        """Second derivatives by all pairs of modal amplitudes, (shape_dof, other_shape_dof, ...) [unit per m^2]."""
         unit, dofs = np.eye(len(self.labels)), range(len(self.labels))
         table = {(i, i): line.curvature for i, line in enumerate(self.axes)}
         for i, j in itertools.combinations(dofs, 2):  # along both: A_ii + 2 A_ij + A_jj
@@ -244,16 +245,16 @@ class ShapeFamily:
         errors = {f"{name}_slope_error": e.assign_attrs(units="1") for name, e in self.slope_errors.items()}
         return xr.Dataset({**named, **errors})
 
-    def expansion(self, amplitudes: FloatArray, order: int) -> xr.Dataset:
+    def expansion(self, modal_amplitude: FloatArray, order: int) -> xr.Dataset:
         """Return the coefficients at amplitudes (dof,) [m] to order 1 or 2; else `ConfigError`."""
         if order not in (1, 2):
             raise ConfigError(f"order: received {order}; needs 1 or 2")
-        eta = xr.DataArray(amplitudes, coords={"shape_dof": self.labels}, dims="shape_dof")
-        linear = self.centre + (eta * self.slopes).sum("shape_dof")
+        q = xr.DataArray(modal_amplitude, coords={"shape_dof": self.labels}, dims="shape_dof")
+        linear = self.centre + (q * self.slopes).sum("shape_dof")
         if order == 1:
             return linear
-        other = eta.rename(shape_dof="other_shape_dof")
-        return linear + self.curvatures.map(lambda curvature: xr.dot(curvature, eta, other)) / 2
+        other = q.rename(shape_dof="other_shape_dof")
+        return linear + self.curvatures.map(lambda curvature: xr.dot(curvature, q, other)) / 2
 
     def interpolation_error(self, amplitude: float, *, samples: int = 8, seed: int = 0) -> xr.Dataset:
         """Return the largest errors of `expansion` against direct solution, as of `misfit`, shape (order,) [-].
@@ -265,7 +266,7 @@ class ShapeFamily:
             raise ConfigError(f"amplitude: received {amplitude:g} m; needs a positive size of the deformation")
         vectors = np.random.default_rng(seed).standard_normal((samples, len(self.labels)))
         errors = np.zeros((len(COEFFICIENTS), 2))
-        for eta in amplitude * vectors / np.linalg.norm(vectors, axis=1, keepdims=True):
-            direct, models = self.at(eta), [self.expansion(eta, order) for order in (1, 2)]
+        for q in amplitude * vectors / np.linalg.norm(vectors, axis=1, keepdims=True):
+            direct, models = self.at(q), [self.expansion(q, order) for order in (1, 2)]
             errors = np.maximum(errors, [[misfit(m[name], direct[name]) for m in models] for name in COEFFICIENTS])
         return xr.Dataset({n: ("order", e) for n, e in zip(COEFFICIENTS, errors, strict=True)}, {"order": [1, 2]})

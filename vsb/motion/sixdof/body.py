@@ -38,15 +38,15 @@ class State(NamedTuple):
 
     position: FloatArray  # centre, inertial axes, (3,) [m]
     rotation: FloatArray  # R, body to inertial axes, (3, 3) [-]
-    modal_amplitudes: FloatArray  # eta (mode,) [m]
+    modal_amplitude: FloatArray  # eta (mode,) [m]
     velocity: FloatArray  # of the centre, inertial axes, (3,) [m/s]
     angular_velocity: FloatArray  # w, body axes, (3,) [rad/s]
-    modal_amplitude_rates: FloatArray  # (mode,) [m/s]
+    modal_amplitude_rate: FloatArray  # (mode,) [m/s]
 
     @property
     def quasi_velocities(self) -> FloatArray:
         """Velocity, angular velocity and modal rates, shape (6 + mode,)."""
-        return np.concatenate([self.velocity, self.angular_velocity, self.modal_amplitude_rates])
+        return np.concatenate([self.velocity, self.angular_velocity, self.modal_amplitude_rate])
 
 
 class Force(Protocol):
@@ -78,15 +78,13 @@ class Weight:
         """Return the generalized force, shape (6 + mode,) [N, N m, N]."""
         mass, moments = self.basis.inertia[0, 0], self.basis.inertia[0, 1:]
         up = state.rotation[2]  # the vertical in body axes
-        torque = moments @ state.modal_amplitudes * skew(AXIS) @ up
+        torque = moments @ state.modal_amplitude * skew(AXIS) @ up
         return -self.gravity * np.concatenate([[0.0, 0.0, mass], torque, moments * up[2]])
 
     def potential(self, state: State) -> float:
         """Return g times mass times the height of the centre of mass [J]."""
         mass, moments = self.basis.inertia[0, 0], self.basis.inertia[0, 1:]
-        return float(
-            self.gravity * (mass * state.position[2] + moments @ state.modal_amplitudes * state.rotation[2, 2])
-        )
+        return float(self.gravity * (mass * state.position[2] + moments @ state.modal_amplitude * state.rotation[2, 2]))
 
 
 @dataclass(frozen=True)
@@ -97,11 +95,11 @@ class Elastic:
 
     def __call__(self, time: float, state: State) -> FloatArray:
         """Return the generalized force, shape (6 + mode,) [N, N m, N]."""
-        return np.concatenate([np.zeros(6), -self.basis.stiffness[1:, 1:] @ state.modal_amplitudes])
+        return np.concatenate([np.zeros(6), -self.basis.stiffness[1:, 1:] @ state.modal_amplitude])
 
     def potential(self, state: State) -> float:
         """Return the strain energy [J]."""
-        return float(0.5 * state.modal_amplitudes @ self.basis.stiffness[1:, 1:] @ state.modal_amplitudes)
+        return float(0.5 * state.modal_amplitude @ self.basis.stiffness[1:, 1:] @ state.modal_amplitude)
 
 
 @dataclass(frozen=True)
@@ -112,7 +110,7 @@ class StructuralDamping:
 
     def __call__(self, time: float, state: State) -> FloatArray:
         """Return the generalized force, shape (6 + mode,) [N, N m, N]."""
-        return np.concatenate([np.zeros(6), -self.basis.damping[1:, 1:] @ state.modal_amplitude_rates])
+        return np.concatenate([np.zeros(6), -self.basis.damping[1:, 1:] @ state.modal_amplitude_rate])
 
 
 @dataclass(frozen=True)
@@ -123,7 +121,7 @@ class PointDamper:
 
     def __call__(self, time: float, state: State) -> FloatArray:
         """Return the generalized force, shape (6 + mode,) [N, N m, N]."""
-        return np.asarray(-self.damping * state.velocity[2] * np.eye(6 + len(state.modal_amplitudes))[2])
+        return np.asarray(-self.damping * state.velocity[2] * np.eye(6 + len(state.modal_amplitude))[2])
 
 
 @dataclass(frozen=True)
@@ -173,24 +171,24 @@ class Body:
         form = np.stack([axial / 2 + along, axial / 2 + along, axial])
         return form[:, 0, 0] + np.take(self.ballast_inertia, [0, 0, 1]), 2.0 * form[:, 0, 1:], form[:, 1:, 1:]
 
-    def inertia(self, modal_amplitudes: FloatArray) -> FloatArray:
+    def inertia(self, modal_amplitude: FloatArray) -> FloatArray:
         """Return the diagonal (Jt, Jt, Ja) of J about the centre in body axes, shape (3,) [kg m^2]."""
         constant, linear, quadratic = self._inertia_polynomial
-        return constant + (linear + quadratic @ modal_amplitudes) @ modal_amplitudes
+        return constant + (linear + quadratic @ modal_amplitude) @ modal_amplitude
 
-    def inertia_gradient(self, modal_amplitudes: FloatArray) -> FloatArray:
+    def inertia_gradient(self, modal_amplitude: FloatArray) -> FloatArray:
         """Return the derivative of `inertia` by the modal amplitudes, shape (3, mode) [kg m]."""
         _, linear, quadratic = self._inertia_polynomial
-        return linear + 2.0 * quadratic @ modal_amplitudes
+        return linear + 2.0 * quadratic @ modal_amplitude
 
     def mass_matrix(self, state: State) -> FloatArray:
         """Return M(R, eta) of T = 1/2 V.M V over the quasi-velocities V, shape (6 + mode, 6 + mode) [kg, kg m^2]."""
         matrix = np.zeros((6 + len(self.moments), 6 + len(self.moments)))
         matrix[:3, :3] = self.basis.total_mass * np.eye(3)
-        matrix[:3, 3:6] = -(self.moments @ state.modal_amplitudes) * state.rotation @ skew(AXIS)
+        matrix[:3, 3:6] = -(self.moments @ state.modal_amplitude) * state.rotation @ skew(AXIS)
         matrix[:3, 6:] = np.outer(state.rotation @ AXIS, self.moments)
         matrix[3:, :3] = matrix[:3, 3:].T
-        matrix[3:6, 3:6] = np.diag(self.inertia(state.modal_amplitudes))
+        matrix[3:6, 3:6] = np.diag(self.inertia(state.modal_amplitude))
         matrix[6:, 6:] = self.basis.inertia[1:, 1:]
         return matrix
 
@@ -204,10 +202,10 @@ class Body:
         conserved. Modal Coriolis forces vanish: int psi_j.(w x psi_k) dm = 0.
         """
         w, spin = state.angular_velocity, skew(state.angular_velocity)
-        moment, moment_rate = self.moments @ state.modal_amplitudes, self.moments @ state.modal_amplitude_rates
-        gradient = self.inertia_gradient(state.modal_amplitudes)
+        moment, moment_rate = self.moments @ state.modal_amplitude, self.moments @ state.modal_amplitude_rate
+        gradient = self.inertia_gradient(state.modal_amplitude)
         force = state.rotation @ (2.0 * moment_rate * spin + moment * spin @ spin) @ AXIS
-        torque = (gradient @ state.modal_amplitude_rates) * w + spin @ (self.inertia(state.modal_amplitudes) * w)
+        torque = (gradient @ state.modal_amplitude_rate) * w + spin @ (self.inertia(state.modal_amplitude) * w)
         return np.concatenate([force, torque, -0.5 * w**2 @ gradient])
 
     def kinetic_energy(self, state: State) -> float:
@@ -216,7 +214,7 @@ class Body:
 
     def centre_of_mass(self, state: State) -> FloatArray:
         """Return the centre of mass, r + R S e3/m, in inertial axes, shape (3,) [m]."""
-        offset = self.moments @ state.modal_amplitudes / self.basis.total_mass
+        offset = self.moments @ state.modal_amplitude / self.basis.total_mass
         return np.asarray(state.position + offset * state.rotation @ AXIS)
 
     def linear_momentum(self, state: State) -> FloatArray:
@@ -277,7 +275,7 @@ _ATTITUDES = {
     ),
 }
 _RIGID = {"heave": ((2,), ()), "planar": ((0, 2), (4,)), "free": ((0, 1, 2), (3, 4, 5))}  # among quasi-velocities
-_PARTS = ("position", "attitude", "modal_amplitudes", "velocity", "angular_velocity", "modal_amplitude_rates")
+_PARTS = ("position", "attitude", "modal_amplitude", "velocity", "angular_velocity", "modal_amplitude_rate")
 
 
 @dataclass(frozen=True)
@@ -342,20 +340,20 @@ class GeneralScene:
 
     def state(self, y: FloatArray) -> State:
         """Return the state of the body in full, from a state vector."""
-        position, attitude, modal_amplitudes, *velocities = self._split(y)
+        position, attitude, modal_amplitude, *velocities = self._split(y)
         turned = np.zeros(self.sizes["angular_velocity"])  # the attitude is no integral of w
-        place = self._directions @ np.concatenate([position, turned, modal_amplitudes])
+        place = self._directions @ np.concatenate([position, turned, modal_amplitude])
         moving = self._directions @ np.concatenate(velocities)
         return State(place[:3], self._attitude.rotation(attitude), place[6:], moving[:3], moving[3:6], moving[6:])
 
     def rates(self, time: float, y: FloatArray) -> FloatArray:
         """Return dy/dt: N^T M N a = N^T (forces - velocity terms), and the kinematics of the attitude."""
-        state, (_, attitude, _, velocity, _, modal_amplitude_rates) = self.state(y), self._split(y)
+        state, (_, attitude, _, velocity, _, modal_amplitude_rate) = self.state(y), self._split(y)
         drive = sum((force(time, state) for force in self.forces.values()), -self.body.velocity_terms(state))
         allowed = self._directions
         acceleration = solve(allowed.T @ self.body.mass_matrix(state) @ allowed, allowed.T @ drive, assume_a="pos")
         turning = self._attitude.rates(attitude, state.angular_velocity)
-        return np.concatenate([velocity, turning, modal_amplitude_rates, acceleration])
+        return np.concatenate([velocity, turning, modal_amplitude_rate, acceleration])
 
     def energy(self, y: FloatArray) -> tuple[float, float]:
         """Return the kinetic energy and the potential energy of all conservative forces of the scene [J]."""

@@ -34,7 +34,7 @@ class _Tilted(NamedTuple):
         up = state.rotation[2]  # the vertical in body axes
         azimuth = np.arctan2(up[1], up[0])
         upward = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
-        shell = DeformedShell(basis, 0.0, np.concatenate([[0.0], state.modal_amplitudes]))
+        shell = DeformedShell(basis, 0.0, np.concatenate([[0.0], state.modal_amplitude]))
         return cls(shell, float(state.position[2]), float(up[2]), float(np.hypot(up[0], up[1])), upward)
 
     def heights(self, colatitude: FloatArray, side: int) -> FloatArray:
