@@ -4,7 +4,7 @@ CONFIG ?= config/seed.yaml config/year.yaml
 BIN := .venv/bin
 READY := .venv/.installed
 
-.PHONY: study benchmark barge hard-cases torture test lint unit format docs lock docs-lock clean help
+.PHONY: study benchmark barge hard-cases torture cluster-test test lint unit format docs lock docs-lock clean help
 
 study: $(READY) ## run the seed's study and its year, or others: make study [CONFIG=config/seed.yaml]
 	@for one in $(CONFIG); do $(BIN)/vsb run $$one || exit; done
@@ -22,6 +22,9 @@ hard-cases: $(READY) ## table of the cases that break other codes
 
 torture: $(READY) ## a thousand studies at random, broken and odd: refused in one line or run to finite results
 	@$(BIN)/python -m benchmarks torture 1000 results/torture.csv
+
+cluster-test: .venv-cluster/.installed ## a campaign on a real Slurm of one node, killed and resumed (Debian: slurm-wlm, munge)
+	@PATH="$(CURDIR)/$(BIN):$$PATH" .venv-cluster/bin/python -m benchmarks cluster results/cluster
 
 test: lint unit ## style, types, workflow lint, and all tests
 
@@ -52,6 +55,14 @@ docs: .venv-docs/.installed ## the documentation, to docs/_build/html/index.html
 		> $$(.venv-docs/bin/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')/vsb.pth
 	@touch $@
 
+# Likewise Snakemake's plug-in for Slurm: every start of snakemake would import it, and it brings pandas along.
+.venv-cluster/.installed: profiles/slurm/requirements.lock $(READY)
+	@$(PYTHON) -m venv --clear .venv-cluster
+	@.venv-cluster/bin/pip install --quiet --disable-pip-version-check --no-deps -r profiles/slurm/requirements.lock
+	@$(BIN)/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))' \
+		> $$(.venv-cluster/bin/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')/vsb.pth
+	@touch $@
+
 $(READY): requirements.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; v = sys.version_info[:2]; sys.exit(None if (3, 11) <= v < (3, 13) else "vsb needs Python 3.11 or 3.12, $(PYTHON) is %d.%d; set PYTHON=..." % v)'
 	@echo "creating .venv (once, about a minute)"
@@ -73,7 +84,7 @@ docs-lock: ## resolve the documentation's own tools anew into docs/requirements.
 	@rm -rf .venv-lock
 
 clean: ## remove the environment and all results
-	@rm -rf .venv .venv-docs docs/_build docs/reference .snakemake
+	@rm -rf .venv .venv-docs .venv-cluster docs/_build docs/reference .snakemake
 	@find results -mindepth 1 ! -name README.md -delete
 
 help: ## this list

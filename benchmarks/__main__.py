@@ -60,6 +60,14 @@ def torture(args: argparse.Namespace) -> int:
     return int(any(found[verdict] for verdict in torture.BAD))
 
 
+def cluster(args: argparse.Namespace) -> int:
+    """A campaign on a Slurm of one node, killed and resumed: seconds, and whether bytes are the same; 1 if not."""
+    from benchmarks import cluster
+
+    rows = cluster.benchmark(args.folder)
+    return int(any(row.verdict.startswith("other") for row in rows))
+
+
 def _written(folder: str, names: str) -> int:
     """Print what was written; return 0."""
     print(*sorted(Path(folder).glob(names)), sep="\n")
@@ -73,6 +81,7 @@ COMMANDS = {
     "time-domain": (time_domain, ("config", "folder")),
     "hard-cases": (hard_cases, ("config", "out")),
     "torture": (torture, ("count", "out")),
+    "cluster": (cluster, ("folder",)),
 }
 """Handler and arguments of every benchmark."""
 WRITES = {"folder": "{folder}/", "out": "{out}"}

@@ -1,6 +1,8 @@
 """A campaign in one process: members against a year computed apart, resumed, widened, damaged, not viable."""
 
 import csv
+import time
+from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
@@ -187,6 +189,29 @@ def test_what_is_damaged_is_computed_anew_to_the_same_bytes(folder, swept, capsy
     assert "computed anew" in capsys.readouterr().out
     assert path.read_bytes() == before
     assert data.read_bytes() == whole
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_killed_anywhere_and_resumed_it_ends_in_the_same_bytes(folder, seed):
+    """Killed five times on its way, each time at another point drawn at random."""
+    plan = planned(folder, {"device.young_modulus": {"log": [1e6, 1e9, 12]}}, name="killed")
+    whole, cut = (type(plan)(plan.loaded, root=str(folder / name)) for name in ("whole", f"cut{seed}"))
+    begun = time.perf_counter()
+    batches(whole)
+    gather(whole)
+    seconds, random = time.perf_counter() - begun, np.random.default_rng(seed)
+    for _ in range(5):
+        job = get_context("fork").Process(target=batches, args=(cut,))
+        job.start()
+        time.sleep(random.uniform(0.0, 0.5 * seconds))
+        job.kill()
+        job.join()
+    batches(cut)
+    gather(cut)
+    for batch in plan.batches:
+        assert Path(cut.batch_path(batch)).read_bytes() == Path(whole.batch_path(batch)).read_bytes()
+    for name in ("data_path", "table_path"):
+        assert Path(getattr(cut, name)).read_bytes() == Path(getattr(whole, name)).read_bytes()
 
 
 def test_what_is_not_viable_is_a_result(folder):

@@ -9,7 +9,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from typing import NoReturn
@@ -17,6 +17,7 @@ from typing import NoReturn
 import psutil
 
 from vsb.errors import ConfigError, VsbError
+from vsb.stages import slurm
 from vsb.stages.alone import alone, sharing
 from vsb.stages.stage import STAGES
 from vsb.study.campaign_plan import CampaignPlan, plan_of
@@ -44,16 +45,20 @@ def run(args: argparse.Namespace) -> int:
     for folder in (".", plan.root):  # snakemake writes to both
         check_folder(folder)
     check_options(args.snakemake, plan)
-    profile = ["--profile", str(_profile(args.profile)), "--workflow-profile", "none"]
+    place, executor = _profile(args.profile)
+    profile = ["--profile", str(place), "--workflow-profile", "none"]
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(SNAKEFILE), "--configfile", args.config]
     command += ["--nolock", *profile, *(["--cores", args.cores] if args.cores else [])]
     paths = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     environment = {**os.environ, "PATH": paths, "PYTHONSAFEPATH": "1"}  # nor modules of the current folder
+    if executor == "slurm":
+        command += ["--slurm-jobname-prefix", slurm.job_name(plan.name)]
     begun = time.time()
     dry = bool({"-n", "--dry-run", "--dryrun"} & set(args.snakemake))
     with alone(Path(plan.folder), waits=not dry) as own, sharing(plan.root, () if dry else unmade(plan)) as shared:
         command += _forced(args.snakemake, verify.stale_products(plan, dry=dry))
-        code = finished(command, env=environment, pass_fds=[*own, *shared])
+        with ended(slurm.job_name(plan.name)) if executor == "slurm" else contextlib.nullcontext():
+            code = finished(command, env=environment, pass_fds=[*own, *shared])
     if code:
         return _failed(plan, begun)
     if not dry and (report := Path(plan.folder) / "report.html").is_file():
@@ -137,8 +142,18 @@ def check_options(options: Sequence[str], plan: StudyPlan | CampaignPlan) -> Non
             raise VsbError(f"target: received {target}, needs one of {names}, or a file in {plan.root}{meant}")
 
 
-def _profile(name: str) -> Path:
-    """Folder of a profile: of the package by name, of the user's own by a path with a separator in it."""
+@contextlib.contextmanager
+def ended(prefix: str) -> Iterator[None]:
+    """End a run on Slurm as one here is: told to end, or interrupted, it leaves no jobs behind."""
+    try:
+        yield
+    except BaseException:
+        print(f"vsb: {slurm.cancel(prefix)} jobs on Slurm cancelled", file=sys.stderr)
+        raise
+
+
+def _profile(name: str) -> tuple[Path, str]:
+    """Folder of a profile, of the package by name, of the user's own by a path with a separator in it; its executor."""
     own = os.sep in name
     folder = Path(name) if own else HOME / "profiles" / name
     if not (folder / "config.yaml").is_file():
@@ -147,17 +162,17 @@ def _profile(name: str) -> Path:
             f"--profile: received {name}, needs {known}, or the path of a folder of your own (./{Path(name).name}) "
             "with a config.yaml"
         )
-    _check_executor(folder / "config.yaml")
-    return folder
+    return folder, _executor(folder / "config.yaml")
 
 
-def _check_executor(profile: Path) -> None:
-    """Check that what a profile hands jobs to is installed: Snakemake would answer with pages."""
+def _executor(profile: Path) -> str:
+    """What a profile hands jobs to, checked to be installed: Snakemake would answer with pages."""
     given = read_yaml(profile, "a profile of snakemake")
     name = str(given.get("executor", "local")) if isinstance(given, dict) else "local"
     if name != "local" and not find_spec(f"snakemake_executor_plugin_{name.replace('-', '_')}"):
         extra = "'vsb[slurm]'" if name == "slurm" else f"snakemake-executor-plugin-{name}"
         raise VsbError(f"{profile}: executor: received {name}, which is not installed; needs pip install {extra}")
+    return name
 
 
 def _forced(options: Sequence[str], stale: Sequence[str]) -> list[str]:

@@ -1,6 +1,9 @@
 # A campaign: batches of members, then all of them together, then the answer.
 
 
+report: "../report/campaign_workflow.rst"
+
+
 rule members:
     input:
         PLAN.loaded.climate_path,
@@ -53,7 +56,12 @@ rule campaign:
         PLAN.verification_paths,
     output:
         data=PLAN.data_path,
-        table=PLAN.table_path,
+        table=report(
+            PLAN.table_path,
+            caption="../report/campaign_table.rst",
+            category="Numbers",
+            labels={"table": "every point, design and tuning"},
+        ),
     log:
         f"{ROOT}/logs/campaign/{PLAN.name}.log",
     conda:
@@ -70,12 +78,33 @@ rule campaign:
         " --manifest {params.manifest} <<< {params.spec:q} > {log} 2>&1"
 
 
+DRAWN = {
+    path.rpartition("/")[2].removesuffix(".svg"): path
+    for path in PLAN.figure_paths
+    if path.endswith(".svg")
+}
+
+
 rule answer:
     input:
         PLAN.data_path,
     output:
-        report=f"{PLAN.folder}/report.html",
-        figures=PLAN.figure_paths,
+        report=report(
+            f"{PLAN.folder}/report.html",
+            caption="../report/campaign_report.rst",
+            category="The answer",
+            labels={"page": "report"},
+        ),
+        drawn=[
+            report(
+                path,
+                caption="../report/campaign_figures.rst",
+                category="Figures",
+                labels={"figure": name.replace("_", " ")},
+            )
+            for name, path in DRAWN.items()
+        ],
+        others=[path for path in PLAN.figure_paths if path not in DRAWN.values()],
     log:
         f"{ROOT}/logs/answer/{PLAN.name}.log",
     conda:

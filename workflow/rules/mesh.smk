@@ -6,6 +6,11 @@ wildcard_constraints:
     design="[A-Za-z0-9_]+",
 
 
+localrules:  # of a second or less: no queue, no second snakemake
+    modes,
+    display,
+
+
 rule modes:
     output:
         f"{PLAN.folder}/modes.nc",

@@ -2,6 +2,10 @@
 MESHES = {content_id(block.mesh): block.mesh for block in BLOCKS.values()}
 
 
+localrules:
+    mesh,
+
+
 rule mesh:
     output:
         f"{ROOT}/hydro/mesh/{{id}}/mean.nc",

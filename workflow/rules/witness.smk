@@ -1,6 +1,10 @@
 # A second solver: meshes of the mean and of deformed shells, and both solvers on them.
 
 
+localrules:
+    deformed,
+
+
 rule deformed:
     output:
         PLAN.deformed_paths,

@@ -1,0 +1,69 @@
+"""A campaign as a user runs it: the dry run tells the truth, a second run does nothing, Snakemake's report has it all."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+from stages.test_members import BASE, with_seas
+
+from vsb.tools.shipped import HOME
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    place = with_seas(tmp_path_factory.mktemp("year"), (1.0, 6.0), (2.2, 9.0), (3.1, 12.0))
+    (place / "seed.yaml").write_text(yaml.safe_dump(BASE))
+    write(place, [1e6, 1e7])
+    return place
+
+
+def write(place, moduli):
+    given = {"campaign": "soft", "study": "seed.yaml", "climate": {"spectra": "sea.txt"}, "tuning": ["one"]}
+    given["vary"] = {"device.young_modulus": moduli, "device.thickness": [0.01, 0.02]}
+    (place / "soft.yaml").write_text(yaml.safe_dump(given, sort_keys=False))
+
+
+def told(place, *command):
+    """What a command says, which must succeed."""
+    environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+    done = subprocess.run(command, cwd=place, env=environment, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr + done.stdout
+    return done.stdout + done.stderr
+
+
+def vsb(place, *options):
+    return told(place, sys.executable, "-m", "vsb.cli", "run", "soft.yaml", *options)
+
+
+def jobs(text):
+    """How many jobs of each rule a dry run counts."""
+    rows = re.findall(r"^(members|campaign|answer|all|total) +(\d+)$", text, re.MULTILINE)
+    return {rule: int(count) for rule, count in rows}
+
+
+def test_a_campaign_from_its_plan_to_its_report(folder):
+    planned = jobs(vsb(folder, "-n"))
+    assert planned == {"members": 1, "campaign": 1, "answer": 1, "all": 1, "total": 4}
+    assert not (folder / "results").exists()
+    out = vsb(folder, "--cores", "2")
+    assert len(re.findall(r"Finished jobid", out)) == planned["total"]
+    assert "\x1b" not in out  # progress is for terminals
+    assert "results/soft/report.html" in out
+    assert "Nothing to be done" in vsb(folder, "-n")
+    _report(folder)
+    write(folder, [1e6, 3e6, 1e7])
+    assert jobs(vsb(folder, "-n")) == planned
+
+
+def _report(folder):
+    """Snakemake's own report of a finished campaign holds its outputs with captions and categories."""
+    options = ("--snakefile", str(HOME / "workflow" / "Snakefile"), "--configfile", "soft.yaml", "--cores", "1")
+    told(folder, sys.executable, "-m", "snakemake", *options, "--workflow-profile", "none", "--report", "all.html")
+    text = (folder / "all.html").read_text()
+    for part in ("The answer of campaign soft", "A figure of campaign soft", "every point, design and tuning"):
+        assert part in text
+    assert all(f'"{category}"' in text for category in ("The answer", "Numbers", "Figures"))
