@@ -60,6 +60,14 @@ def torture(args: argparse.Namespace) -> int:
     return int(any(found[verdict] for verdict in torture.BAD))
 
 
+def campaigns(args: argparse.Namespace) -> int:
+    """Year, dampers and sweep of a campaign against plain loops: a table with seconds of both and their difference."""
+    from benchmarks import campaigns
+
+    campaigns.benchmark(args.config, args.folder)
+    return _written(args.folder, "campaigns*")
+
+
 def cluster(args: argparse.Namespace) -> int:
     """A campaign on a Slurm of one node, killed and resumed: seconds, and whether bytes are the same; 1 if not."""
     from benchmarks import cluster
@@ -81,6 +89,7 @@ COMMANDS = {
     "time-domain": (time_domain, ("config", "folder")),
     "hard-cases": (hard_cases, ("config", "out")),
     "torture": (torture, ("count", "out")),
+    "campaigns": (campaigns, ("config", "folder")),
     "cluster": (cluster, ("folder",)),
 }
 """Handler and arguments of every benchmark."""
