@@ -206,8 +206,9 @@ def _run(
     command = [sys.executable, "-m", "vsb.cli", "run", f"../{config}", "--profile", profile]
     with (folder / f"{name}.log").open("a") as log:
         return subprocess.Popen(
-            command, cwd=folder / name, env=environment, stdout=log, stderr=log, start_new_session=True
-        )
+            command, cwd=folder / name, env=environment, stdout=log, stderr=log, start_new_session=True,
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # ignored of what a shell runs aside
+        )  # fmt: skip
 
 
 def _ran(
@@ -215,14 +216,18 @@ def _ran(
 ) -> float:
     """Seconds of a run."""
     begun, process = time.monotonic(), _run(folder, name, environment, profile, config)
-    try:
-        code = process.wait(PATIENCE)
-    except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGKILL)
-        raise VsbError(f"cluster: {folder / name}: not done in {PATIENCE:g} s; see {name}.log beside it") from None
-    if code:
+    if code := _ended(process, PATIENCE, f"{folder / name}: not done in {PATIENCE:g} s; see {name}.log beside it"):
         raise VsbError(f"cluster: {folder / name}: ended with {code}; see {name}.log beside it")
     return time.monotonic() - begun
+
+
+def _ended(process: "subprocess.Popen[bytes]", seconds: float, failure: str) -> int:
+    """Exit code of a run, which is killed if it does not end."""
+    try:
+        return process.wait(seconds)
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGKILL)
+        raise VsbError(f"cluster: {failure}") from None
 
 
 def _killed(folder: Path, name: str, environment: Mapping[str, str], number: signal.Signals) -> None:
@@ -234,7 +239,7 @@ def _killed(folder: Path, name: str, environment: Mapping[str, str], number: sig
         os.killpg(process.pid, number)
     else:
         process.send_signal(number)
-    process.wait(60.0)
+    _ended(process, 60.0, f"{name}: goes on after {number.name}")
 
 
 def _left(environment: Mapping[str, str]) -> int:
