@@ -56,9 +56,9 @@ docs: .venv-docs/.installed ## the documentation, to docs/_build/html/index.html
 	@touch $@
 
 # Likewise Snakemake's plug-in for Slurm: every start of snakemake would import it, and it brings pandas along.
-.venv-cluster/.installed: profiles/slurm/requirements.lock $(READY)
+.venv-cluster/.installed: benchmarks/cluster-requirements.lock $(READY)
 	@$(PYTHON) -m venv --clear .venv-cluster
-	@.venv-cluster/bin/pip install --quiet --disable-pip-version-check --no-deps -r profiles/slurm/requirements.lock
+	@.venv-cluster/bin/pip install --quiet --disable-pip-version-check --no-deps -r benchmarks/cluster-requirements.lock
 	@$(BIN)/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))' \
 		> $$(.venv-cluster/bin/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')/vsb.pth
 	@touch $@

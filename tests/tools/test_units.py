@@ -105,3 +105,14 @@ def test_derivatives_by_the_shape_are_per_metre():
             if name.endswith(end) and base in ATTRS:
                 apart = dimension(ATTRS[base].units) - dimension(quantity.units)
                 assert apart.tolist() == [order, 0, 0], name
+
+
+def test_what_is_told_leaves_the_original_as_it_was():
+    ds = xr.Dataset({"annual_energy": (("tuning", "design"), np.eye(2))}, coords={"design": ["A", "B"], "hs": [0.25]})
+    found = described(ds)
+    assert found.annual_energy.dims == ("design", "tuning")
+    assert found.annual_energy.attrs["units"] == "MWh"
+    assert found.hs.attrs["units"] == "m"
+    assert not ds.annual_energy.attrs
+    assert not ds.hs.attrs
+    assert ds.annual_energy.dims == ("tuning", "design")

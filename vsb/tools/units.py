@@ -236,11 +236,13 @@ def described(ds: xr.Dataset) -> xr.Dataset:
     known = {
         name: _told(ds.variables[name], ATTRS[str(name)], units.get(str(name)))
         for name in ds.variables
-        if name in ATTRS
+        if name in ATTRS and name not in varied
     }
-    known = {name: variable for name, variable in known.items() if name not in varied}
-    coordinates = {name: variable for name, variable in known.items() if name in ds.coords}
-    return ds.assign({name: v for name, v in known.items() if name not in ds.coords}).assign_coords(coordinates)
+    turned = {name: variable for name, variable in known.items() if variable.dims != ds.variables[name].dims}
+    out = ds.assign(turned).set_coords(set(turned) & set(ds.coords)) if turned else ds.copy()
+    for name, variable in known.items():
+        out.variables[name].attrs = variable.attrs
+    return out
 
 
 def _told(variable: xr.Variable, quantity: Quantity, units: str | None = None) -> xr.Variable:
