@@ -95,6 +95,18 @@ def workplace(tmp_path, monkeypatch) -> Path:
     return tmp_path
 
 
+@pytest.fixture
+def written(tmp_path):
+    """Function text, or bytes -> path of the file that holds it, given.txt."""
+
+    def write(text) -> Path:
+        path = tmp_path / "given.txt"
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        return path
+
+    return write
+
+
 @pytest.fixture(scope="session")
 def seed() -> Study:
     return config.load(SEED)
@@ -184,6 +196,18 @@ def solved(green_folder):
         return database.with_excitation(database.merged_blocks([cache[canonical(block)] for block in blocks]))
 
     return solve
+
+
+@pytest.fixture(scope="session")
+def spectral_seed(seed) -> LinearBuoy:
+    """The seed up to 6 rad/s by the spectral solver, without a take-off."""
+    study = varied(seed, hydro={"omega_max": 6.0})
+    basis = study_basis(study)
+    blocks = [solved_block(block, None) for block in StudyPlan(study).sweep_blocks]
+    raw = database.in_modes(database.with_excitation(database.merged_blocks(blocks)), basis)
+    ds = database.with_structure(database.with_symmetrized(raw), reference_shell(study))
+    ds = ds.assign_attrs(gravity=9.81, water_depth="inf", water_density=1025.0)
+    return LinearBuoy(ds, basis.damping, LinearPto(0.0))
 
 
 @pytest.fixture(scope="session")

@@ -1,16 +1,34 @@
-"""Recipes of `docs/extending.md` as they stand there; the integrator's is followed in `integrators/test_simulate.py`."""
+"""Recipes of `docs/extending.md` as they stand there; an integrator in a study is `integrators/test_simulate.py`'s."""
 
+import sys
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import xarray as xr
 from conftest import HERE
 
+from vsb.errors import ConfigError
+from vsb.hydro.dofs import Displacement
+from vsb.hydro.spectral.solver import SpectralProblem
+from vsb.integrators.exact import propagate
 from vsb.integrators.harmonic_balance import harmonic_balance
+from vsb.integrators.phi import phi_integrals
+from vsb.integrators.simulate import METHODS, Method
 from vsb.motion.forces import Damper, Excitation, Force, Linear, Spring
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
+from vsb.report.canvas import grid_of_axes, style
+from vsb.scenes.rest import study_basis
+from vsb.shell.deformed import DeformedShell, rigid_sphere
+from vsb.shell.modes import Mode, ModeBasis
+from vsb.shell.sphere import Shell, natural_frequencies
+from vsb.stages.stage import Stage
+from vsb.study import specs
 from vsb.study.sections import WhiteNoise
+from vsb.study.study import canonical
+from vsb.tools.files import write_text
 from vsb.waves import seas
 
 
@@ -42,3 +60,70 @@ def test_a_spectrum_carries_its_significant_height(monkeypatch):
     sea = seas.irregular(WhiteNoise(kind="white_noise", hs=1.5, band=(0.5, 1.5)), 3.0, 600.0)
     assert 16 * np.sum(np.abs(sea.amplitude) ** 2) / 2 == pytest.approx(1.5**2, rel=1e-6)
     assert sea.omega[np.argmax(np.abs(sea.amplitude))] == pytest.approx(1.0, abs=0.01)
+
+
+def test_an_integrator_is_a_function_and_a_row(monkeypatch):
+    """Waves held over a step: half the step, half the error."""
+    monkeypatch.setitem(METHODS, "euler", METHODS["exact"])
+    recipe("An integrator", np=np, phi_integrals=phi_integrals, METHODS=METHODS, Method=Method)
+    forces = {"hydrostatic": Spring(np.array([[50.0]])), "pto": Damper(np.array([[1.2]]))}
+    forces["excitation"] = Excitation(np.array([2.5]), np.array([[30.0 + 5j]]))
+    system = System.of(Scene(("Heave",), np.array([[2.0]]), forces, np.eye(1)))
+    start, errors = (np.array([0.1]), np.array([0.0])), []
+    for count in (801, 1601):
+        time = np.linspace(0.0, 4.0, count)
+        motion, steps = METHODS["euler"].follower(system, 1e-6, None)(time, start)
+        errors.append(np.abs(motion.position - propagate(system, time, start).position).max())
+        assert steps == count - 1
+    assert errors[0] / errors[1] == pytest.approx(2, abs=0.05)
+
+
+def test_the_water_around_a_rest_shape_follows_from_it(seed):
+    """A sphere blown up is a larger sphere to the solver."""
+    shape = recipe("A rest shape", np=np, DeformedShell=DeformedShell)["inflated"](study_basis(seed), 0.2, 0.3)
+    assert shape.volume() == pytest.approx(rigid_sphere(2.3, 0.2).volume(), rel=1e-12)
+    blown, larger = (
+        SpectralProblem(s, (Displacement("heave"),), 1025.0, 9.81, 24).solve([1.5])
+        for s in (shape, rigid_sphere(2.3, 0.2))
+    )
+    for name in ("added_mass", "radiation_damping"):
+        np.testing.assert_allclose(blown[name], larger[name], rtol=1e-9)
+
+
+def test_modes_without_meridional_motion_lie_between_both_branches(seed):
+    """Ritz values of one coordinate where there are two; breathing has no meridional part and is exact."""
+    shell = Shell.of(seed.device)
+    modes = recipe("A mode or a direction", Mode=Mode)["radial_modes"](4)
+    breathing, *others = ModeBasis(shell, modes, seed.device.mass, bending=False).dry_frequencies
+    exact = [natural_frequencies(shell, mode.degree) for mode in modes]
+    assert breathing == pytest.approx(max(exact[0]), rel=1e-9)
+    for found, (lower, upper) in zip(others, exact[1:], strict=True):
+        assert 1.05 * lower < found < 0.995 * upper
+
+
+def test_a_figure_draws_what_its_data_say():
+    time = np.linspace(0.0, 1.0, 5)
+    runs = {
+        (d, "sea"): xr.Dataset({"position": (("time", "dof"), k * time[:, None])}, {"time": time})
+        for k, d in ((1, "A"), (3, "B"))
+    }
+    data = SimpleNamespace(designs=("A", "B"), runs=runs)
+    figure = recipe("A figure", grid_of_axes=grid_of_axes, style=style)["heave"](data, "sea")
+    assert [line.get_ydata()[-1] for line in figure.axes[0].lines] == [1.0, 3.0]
+
+
+def test_a_stage_is_a_specification_and_a_function(seed, tmp_path, monkeypatch):
+    """From its text alone; that of another version is refused, and what it does not name it does not have."""
+    monkeypatch.setitem(specs.PHYSICS, "draft", 1)
+    made = recipe("A stage", AfloatSpec=specs.AfloatSpec, write_text=write_text)
+    monkeypatch.setitem(sys.modules, "vsb.stages.draft", SimpleNamespace(run=made["run"]))
+    stage, spec = (
+        Stage("draft", "how deep a buoy lies", made["DraftSpec"], ("out",)),
+        made["DraftSpec"](device=seed.device, water=seed.water),
+    )
+    stage.run({"out": str(tmp_path / "draft.txt")}, canonical(spec))
+    assert float((tmp_path / "draft.txt").read_text().split()[0]) == pytest.approx(seed.draft, rel=1e-5)
+    assert not hasattr(spec, "waves")
+    monkeypatch.setitem(specs.PHYSICS, "draft", 2)
+    with pytest.raises(ConfigError, match="physics 1: needs 2, of this version"):
+        stage.read(canonical(spec))

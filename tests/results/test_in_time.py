@@ -4,34 +4,23 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import solved_block, varied
 from results.test_year import climate
 
-from vsb.hydro import database
 from vsb.hydro.statespace import fit_radiation
-from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
 from vsb.results.in_time import DesignInTime
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
-from vsb.shell.deformed import DeformedShell
-from vsb.study.plan import StudyPlan
 from vsb.study.study import Simulation
 from vsb.waves.climate import realised
 
 
 @pytest.fixture(scope="module")
-def rigid(seed):
+def rigid(seed, spectral_seed):
     """The seed's rigid buoy at 20 kN s/m."""
-    study = varied(seed, hydro={"omega_max": 6.0})
-    basis = study_basis(study)
-    blocks = [solved_block(block, None) for block in StudyPlan(study).sweep_blocks]
-    raw = database.in_modes(database.with_excitation(database.merged_blocks(blocks)), basis)
-    ds = database.with_structure(database.with_symmetrized(raw), reference_shell(study))
-    ds = ds.assign_attrs({"gravity": 9.81, "water_depth": "inf", "water_density": 1025.0})
-    buoy = LinearBuoy(ds, basis.damping, LinearPto(0.0))
-    radiation = fit_radiation(buoy.spectrum, 1e-3)[0]
-    shape = DeformedShell(basis, study.centre_height, reference_shell(study).modal_amplitude)
-    return DesignInTime(buoy, shape, radiation, design_motions(study, basis, "FSB"), LinearPto(2e4))
+    radiation, basis = fit_radiation(spectral_seed.spectrum, 1e-3)[0], study_basis(seed)
+    return DesignInTime(
+        spectral_seed, reference_shell(seed).shape, radiation, design_motions(seed, basis, "FSB"), LinearPto(2e4)
+    )
 
 
 def test_a_linear_run_agrees_with_linear_theory(rigid):

@@ -4,17 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import solved_block, varied
 
-from vsb.hydro import database
-from vsb.motion.frequency import LinearBuoy
 from vsb.motion.port import Port
-from vsb.motion.pto import LinearPto
 from vsb.results import year as years
 from vsb.results.bins import Bins
 from vsb.results.year import frequencies, year
-from vsb.scenes.rest import design_motions, reference_shell, study_basis
-from vsb.study.plan import StudyPlan
+from vsb.scenes.rest import design_motions, study_basis
 from vsb.study.study import Water
 from vsb.waves.ndbc import read_ndbc
 
@@ -24,21 +19,16 @@ GIVEN = 8000.0
 
 
 @pytest.fixture(scope="module")
-def rigid(seed):
+def rigid(seed, spectral_seed):
     """Function scale -> port of the seed's rigid buoy, all lengths so many times as large (Froude)."""
-    study = varied(seed, hydro={"omega_max": 6.0})
-    basis = study_basis(study)
-    blocks = [solved_block(block, None) for block in StudyPlan(study).sweep_blocks]
-    raw = database.in_modes(database.with_excitation(database.merged_blocks(blocks)), basis)
-    ds = database.with_structure(database.with_symmetrized(raw), reference_shell(study))
-    buoy, motions = LinearBuoy(ds, basis.damping, LinearPto(0.0)), design_motions(study, basis, "FSB")
+    motions = design_motions(seed, study_basis(seed), "FSB")
     heave = np.eye(len(motions))[0]
 
     def of(scale):
         root = np.sqrt(scale)
-        first, last = ds.omega.values[[0, -1]]
+        first, last = spectral_seed.database.omega.values[[0, -1]]
         omega = frequencies(SEAS, first / root, last / root)
-        port = buoy.port(omega * root, motions, heave)
+        port = spectral_seed.port(omega * root, motions, heave)
         return Port(omega, port.admittance / scale**2.5, port.velocity / root, port.compliance / scale**2)
 
     return of

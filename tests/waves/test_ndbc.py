@@ -17,16 +17,6 @@ ROWS = "96 01 01 00   1.00   2.00   0.50\n96 01 01 01   1.50   2.50   0.25\n"
 BANDS = 0.05 * np.array([1.0, 2.0, 3.0])
 
 
-@pytest.fixture
-def written(tmp_path):
-    def write(text):
-        path = tmp_path / "buoy.txt"
-        path.write_bytes(text if isinstance(text, bytes) else text.encode())
-        return path
-
-    return write
-
-
 def test_the_shipped_year():
     """Counts seen in the file itself, variance of its first row, sum S df."""
     first = gzip.decompress(SHIPPED.read_bytes()).decode().splitlines()[1].split()[4:]
@@ -106,7 +96,7 @@ def test_refused_in_one_line(written, text, message):
     with pytest.raises(ConfigError, match=message) as caught:
         read_ndbc(written(text))
     assert "\n" not in str(caught.value)
-    assert "buoy.txt" in str(caught.value)
+    assert "given.txt" in str(caught.value)
 
 
 def test_a_file_that_is_not_there():

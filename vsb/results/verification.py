@@ -193,7 +193,9 @@ def _variance(draws: FloatArray) -> tuple[float, float]:
     Satterthwaite's F = (sum v)^2/sum v^2 of S strata with one degree each is about (S + 2)/3 where all scatter alike:
     3 F - 2 would be right there. But a storm that is not drawn is missing in mean and variance at once. Of 2000
     campaigns each of ten models 5/2 F - 3/2 covered the truth in 93.0 to 96.6 % (12 seas), 3 F - 2 in 92.8 to 96.2 %, F
-    itself in up to 98 %; of differences that begin above a threshold only storms reach, in 90 %.
+    itself in up to 98 %. Differences that begin above a threshold of height, power or steepness are covered in 87 to
+    93 % while seas above it hold 15 to 26 % of the energy (year of NDBC 46042), in 49 to 75 % where they hold 5 to
+    11 %: every fifth to second draw has none of them.
     """
     parts = (draws[0::2] - draws[1::2]) ** 2 / len(draws) ** 2
     squares = float(np.sum(parts**2))
