@@ -76,6 +76,15 @@ def cluster(args: argparse.Namespace) -> int:
     return int(any(row.verdict.startswith("other") for row in rows))
 
 
+def damage(args: argparse.Namespace) -> int:
+    """So many flipped bits, and half as many edits of JSON, in finished results: none is silent; 1 if one is."""
+    from benchmarks import damage
+
+    found = damage.damage(int(args.count), int(args.count) // 2, args.out)
+    print(", ".join(f"{number} {verdict}" for verdict, number in found.most_common()))
+    return int(any(found[verdict] for verdict in damage.BAD))
+
+
 def _written(folder: str, names: str) -> int:
     """Print what was written; return 0."""
     print(*sorted(Path(folder).glob(names)), sep="\n")
@@ -91,6 +100,7 @@ COMMANDS = {
     "torture": (torture, ("count", "out")),
     "campaigns": (campaigns, ("config", "folder")),
     "cluster": (cluster, ("folder",)),
+    "damage": (damage, ("count", "out")),
 }
 """Handler and arguments of every benchmark."""
 WRITES = {"folder": "{folder}/", "out": "{out}"}

@@ -131,3 +131,15 @@ def test_an_interruption_while_the_command_begins_is_not_lost(monkeypatch):
     with pytest.raises(KeyboardInterrupt):
         launcher.finished(["sleep", "100"], {"PATH": "/usr/bin:/bin"})
     assert begun[0].returncode == -signal.SIGKILL
+
+
+def test_records_snakemake_cannot_read_are_forgotten_and_the_others_kept(tmp_path):
+    """It ends in a traceback over them; what results are, they know themselves."""
+    good = [b'{"input": ["a.nc"], "params": ["x"], "log": []}', b'{"code": null, "params": null}', b"{}"]
+    bad = [b"", b"{", b"\xff\xfe", b"[]", b'"x"', b"[" * 100_000, b"9" * 100_000, b'{"params": 5}', b'{"input": "a"}']
+    (tmp_path / "@deeper").mkdir()
+    for number, content in enumerate([*good, *bad]):
+        (tmp_path / ("@deeper" if number % 2 else ".") / str(number)).write_bytes(content)
+    launcher.forget_damaged(tmp_path)
+    assert sorted(path.name for path in tmp_path.rglob("*") if path.is_file()) == ["0", "1", "2"]
+    launcher.forget_damaged(tmp_path / "nowhere")

@@ -120,15 +120,48 @@ def test_a_text_is_read_only_if_it_is_the_one_promised(place):
         read_text(table, manifest, ID)
 
 
-@pytest.mark.parametrize("content", ["", "{", "[]", '{"a": 1}', '{"a": {"size": 1}}'])
+def entry(name="table.csv", **changes):
+    return json.dumps({name: {"spec_id": ID, "checksum": "0" * 64, "size": 1, **changes}})
+
+
+UNREADABLE = [
+    *("", "{", "[]", "[" * 100_000, "9" * 100_000, '{"a": 1}', '{"a": {"size": 1}}', '{"\\u0000": {}}'),
+    *(entry(spec_id="x"), entry(spec_id=5), entry(checksum=ID), entry(checksum=None), entry(size=-1), entry(size=True)),
+    *(
+        entry("../../precious.txt"),
+        entry("/etc/hosts"),
+        entry("figures/../../../precious.txt"),
+        entry(**{"x" * 9999: 1}),
+    ),
+]
+
+
+@pytest.mark.parametrize("content", UNREADABLE, ids=range(len(UNREADABLE)))
 def test_a_damaged_manifest_is_one_line_and_begun_anew_by_the_next_product(place, content):
     manifest = place / "manifest.json"
     manifest.write_text(content)
     with pytest.raises(DatabaseError, match=r"manifest.json: cannot be read as a manifest .*; delete it") as error:
         read_manifest(manifest)
     assert "\n" not in str(error.value)
+    assert len(str(error.value)) < 400
     record(manifest, ID, [place / "table.csv"])
     assert read_manifest(manifest) == {str(place / "table.csv"): Stamp.of(place / "table.csv", ID)}
+
+
+def test_what_is_no_file_is_no_manifest(place):
+    (place / "manifest.json").unlink()
+    (place / "manifest.json").mkdir()
+    with pytest.raises(DatabaseError, match=r"manifest.json: cannot be read as a manifest .*Is a directory"):
+        read_manifest(place / "manifest.json")
+
+
+def test_meshes_of_all_studies_stand_beside_the_folder(place):
+    """A manifest names what is in its study's folder, or beside that; `..` alone is no reason to doubt it."""
+    shared = place.parent / "hydro" / "mean.vtu"
+    write_text(shared, "<vtu/>")
+    record(place / "manifest.json", ID, [shared])
+    assert "../hydro/mean.vtu" in json.loads((place / "manifest.json").read_text())
+    assert str(shared) in read_manifest(place / "manifest.json")
 
 
 def test_products_that_are_gone_leave_the_manifest(place):

@@ -53,6 +53,7 @@ def run(args: argparse.Namespace) -> int:
     environment = {**os.environ, "PATH": paths, "PYTHONSAFEPATH": "1"}  # nor modules of the current folder
     if executor == "slurm":
         command += ["--slurm-jobname-prefix", slurm.job_name(plan.name)]
+    forget_damaged(Path(".snakemake", "metadata"))
     begun = time.time()
     dry = bool({"-n", "--dry-run", "--dryrun"} & set(args.snakemake))
     with alone(Path(plan.folder), waits=not dry) as own, sharing(plan.root, () if dry else unmade(plan)) as shared:
@@ -64,6 +65,22 @@ def run(args: argparse.Namespace) -> int:
     if not dry and (report := Path(plan.folder) / "report.html").is_file():
         print(f"{plan.name}: {_answer(plan)}{report}")
     return 0
+
+
+def forget_damaged(records: Path) -> None:
+    """Remove what Snakemake noted of jobs and cannot read any more; results themselves know what they are.
+
+    It would end in a traceback, a dry run too.
+    """
+    for path in records.rglob("*"):
+        if path.is_file():
+            try:
+                record = json.loads(path.read_bytes().decode("utf-8"))
+                sound = all(isinstance(record.get(name) or [], list) for name in ("input", "log", "params"))
+            except (ValueError, RecursionError, AttributeError):
+                sound = False
+            if not sound:
+                path.unlink(missing_ok=True)
 
 
 def check_name(plan: StudyPlan | CampaignPlan) -> None:

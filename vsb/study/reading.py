@@ -11,6 +11,7 @@ from pydantic_core import ErrorDetails
 
 from vsb.errors import ConfigError
 from vsb.study.schema import hint, keys_at, nearest, schema_of
+from vsb.tools.words import LONGEST, shortened
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -35,8 +36,6 @@ Place = Sequence[str | int]
 """Keys and indices from the top of a file to something in it."""
 MOST_TOLD = 20
 """Mistakes of one file that are told."""
-LONGEST = 80
-"""Characters of a value that are repeated."""
 DIGITS = 4300
 """Digits of an integer, more of which Python does not print."""
 MOST_NODES = 100_000
@@ -205,7 +204,7 @@ def _line_of(error: ErrorDetails, raw: dict[str, Any]) -> str:
 def _told(error: ErrorDetails, title: str, model: type[BaseModel] | None = None) -> str:
     """A mistake in one line: key, value received, what is needed."""
     key = ".".join(str(part) for part in error["loc"] if part != "") or title.lower()
-    received = "" if isinstance(error["input"], dict | BaseModel) else f" received {_shown(error['input'])};"
+    received = "" if isinstance(error["input"], dict | BaseModel) else f" received {shortened(repr(error['input']))};"
     return " ".join(f"{key}:{received} {_needed(error, schema_of(model) if model else {})}".split())
 
 
@@ -236,7 +235,7 @@ def _needed(error: ErrorDetails, schema: dict[str, Any]) -> str:
         return f"missing, but required{what and ': '}{what}"
     if kind == "union_tag_invalid":
         tag, choices = str(ctx["tag"]), str(ctx["expected_tags"])
-        return f"kind {_shown(tag)}: needs one of {choices}{_meant(tag, choices)}"
+        return f"kind {shortened(repr(tag))}: needs one of {choices}{_meant(tag, choices)}"
     if kind == "union_tag_not_found":
         return "kind: missing, but required"
     what = _WORDS[kind].format(**ctx) if kind in _WORDS else error["msg"]
@@ -247,9 +246,3 @@ def _meant(received: object, choices: str) -> str:
     """Ask for the choice that was probably meant."""
     near = nearest(received, re.findall("'(.*?)'", choices)) if isinstance(received, str) else ""
     return f"; did you mean {near}?" if near and len(str(received)) <= LONGEST else ""
-
-
-def _shown(value: object) -> str:
-    """A value as it is repeated to people: no page of it."""
-    text = repr(value)
-    return text if len(text) <= LONGEST else f"{text[:LONGEST]}... ({len(text)} characters)"

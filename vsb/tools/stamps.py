@@ -7,6 +7,7 @@ its manifest.
 import hashlib
 import json
 import os
+import re
 import shutil
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
@@ -17,6 +18,7 @@ import netCDF4
 
 from vsb.errors import DatabaseError
 from vsb.tools.files import CHANGED, DELETE, attributes, checksum, locked, read_groups, seal, whole, write_text
+from vsb.tools.words import shortened
 
 MANIFEST = "manifest.json"
 
@@ -28,6 +30,13 @@ class Stamp:
     spec_id: str
     checksum: str  # sha256 of its bytes
     size: int
+
+    def __post_init__(self) -> None:
+        """Check that it can be of a file: a manifest may have been edited."""
+        known = isinstance(self.spec_id, str) and re.fullmatch("[0-9a-f]{16}", self.spec_id)
+        summed = isinstance(self.checksum, str) and re.fullmatch("[0-9a-f]{64}", self.checksum)
+        if not (known and summed and type(self.size) is int and self.size >= 0):
+            raise ValueError("no stamp of an id, a checksum and a size")
 
     @classmethod
     def of(cls, path: str | Path, spec_id: str) -> "Stamp":
@@ -58,18 +67,25 @@ def read_manifest(path: str | Path) -> Manifest:
     Raises
     ------
     DatabaseError
-        If it is no manifest.
+        If it is no manifest, or names files outside the results: healing removes what a manifest says is damaged.
     """
     folder = Path(path).parent
     try:
         stored = json.loads(Path(path).read_text(encoding="utf-8"))
-        return {os.path.normpath(folder / name): Stamp(**entry) for name, entry in stored.items()}
+        return {_inside(folder, name): Stamp(**entry) for name, entry in stored.items()}
     except FileNotFoundError:
         return {}
-    except (ValueError, TypeError, AttributeError) as error:
-        raise DatabaseError(
-            f"{path}: cannot be read as a manifest ({' '.join(str(error).split())}); {DELETE}."
-        ) from None
+    except (OSError, ValueError, TypeError, AttributeError, RecursionError) as error:
+        reason = shortened(" ".join(str(error).split()))
+        raise DatabaseError(f"{path}: cannot be read as a manifest ({reason}); {DELETE}.") from None
+
+
+def _inside(folder: Path, name: str) -> str:
+    """The path of a product by its name in the manifest of a study's folder: there, or beside it among the results."""
+    results = os.path.abspath(folder / os.pardir)
+    if os.path.isabs(name) or os.path.commonpath([results, os.path.abspath(folder / name)]) != results:
+        raise ValueError(f"{name!r} is outside the results")
+    return os.path.normpath(folder / name)
 
 
 def record(manifest: str | Path, spec_id: str, paths: Iterable[str | Path]) -> None:

@@ -1,9 +1,17 @@
-"""Numbers as people read them."""
+"""Numbers and values as people read them."""
 
 from collections.abc import Sequence
 
 POWERS = ((1e7, 1e-6, "MW"), (1e4, 1e-3, "kW"), (0.0, 1.0, "W"))
 """From which power on [W], factor to its unit, unit."""
+
+LONGEST = 80
+"""Characters of a value that are repeated."""
+
+
+def shortened(text: str) -> str:
+    """Return a text as it is repeated to people: no page of it."""
+    return text if len(text) <= LONGEST else f"{text[:LONGEST]}... ({len(text)} characters)"
 
 
 def plain(value: float, digits: int = 4) -> str:

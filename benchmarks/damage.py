@@ -1,0 +1,213 @@
+"""Damage to finished results at random: flipped bits in any file, cuts and edits of those that hold JSON.
+
+Each is told in one line, by `vsb verify` and by a run that decides what is to be done, or changes nothing that is read.
+`--heal` then leaves results that are what they should be, but for files to be made anew.
+"""
+
+import copy
+import csv
+import io
+import json
+import os
+import random
+import shutil
+import tempfile
+import traceback
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import chdir, redirect_stdout
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import yaml
+
+from vsb.errors import VsbError
+from vsb.stages.make import make
+from vsb.stages.verify import stale_products, verify
+from vsb.study.plan import StudyPlan
+from vsb.study.study import parse
+from vsb.tools.files import read_groups, write_text
+
+SEED = Path(__file__).parent.parent / "config" / "seed.yaml"
+STUDY = "small.yaml"
+JUNK: tuple[Any, ...] = (
+    None, True, "", "x", "../../small.yaml", "/nowhere", "\ud800", "a\x00b", [], {}, [[]], {"size": 1}, -1, 0.5, 10**30,
+    "9" * 100_000,
+)  # fmt: skip
+TOKENS = ("{", "}", "[", "]", ",", ":", '"', "\\", "\x00", "\ufeff", "NaN", "-Infinity", "1e999", "[" * 100_000)
+"""What is put into a text anywhere; the last is deeper than anybody reads."""
+BAD = ("silent", "traceback", "long message", "not healed", "lost")
+"""What must not become of damage: changed values unseen, ..., files gone that have nothing to do with the results."""
+
+
+class Damage(NamedTuple):
+    """What was done to a file."""
+
+    path: str
+    what: str
+    content: bytes
+
+
+class Outcome(NamedTuple):
+    """What became of it: told, harmless; or one of `BAD`."""
+
+    verdict: str
+    reason: str
+
+
+def small_study() -> StudyPlan:
+    """Return a study that takes seconds, in the current folder."""
+    raw = yaml.safe_load(SEED.read_text(encoding="utf-8"))
+    raw |= {"study": "small", "modes": {"basis": "membrane", "degree": 2}}
+    raw |= {"designs": {"FSB": {"flexible": False}, "VSWEC": {}}}
+    raw["hydro"] = {"omega_max": 5.0, "tolerance": 1.0e-3, "witness": "none"}
+    raw["simulation"] |= {"duration": 8.0, "window": [4.0, 8.0]}
+    return StudyPlan(parse(raw))
+
+
+def finish(plan: StudyPlan) -> None:
+    """Put the study and its results into the current folder."""
+    write_text(STUDY, yaml.safe_dump(plan.study.model_dump(mode="json", exclude_none=True), sort_keys=False))
+    make(plan, plan.products)
+
+
+# damage -------------------------------------------------------------------------------------------------------------
+
+
+def flipped(rng: random.Random, files: list[str]) -> Damage:
+    """Flip one bit of one file, of larger ones more often."""
+    (path,) = rng.choices(files, [os.path.getsize(each) ** 0.5 for each in files])
+    content = bytearray(Path(path).read_bytes())
+    bit = rng.randrange(8 * len(content))
+    content[bit // 8] ^= 1 << (bit % 8)
+    return Damage(path, f"bit {bit}", bytes(content))
+
+
+def edited(rng: random.Random, files: list[str]) -> Damage:
+    """Cut a text anywhere, put something into it anywhere, or change one of the values it holds."""
+    path = rng.choice(files)
+    content = Path(path).read_bytes()
+    at, kind = rng.randrange(len(content)), rng.randrange(3)
+    if kind == 0:
+        return Damage(path, f"cut at {at}", content[:at])
+    if kind == 1:
+        token = rng.choice(TOKENS)
+        return Damage(path, f"{token[:12]!r} at {at}", content[:at] + token.encode() + content[at:])
+    data, what = changed(rng, json.loads(content))
+    return Damage(path, what, json.dumps(data, indent=1).encode())
+
+
+def changed(rng: random.Random, data: Any) -> tuple[Any, str]:
+    """Return a copy of a value with one thing in it taken out, renamed or replaced, and where."""
+    found = copy.deepcopy(data)
+    here, place = found, ""
+    while True:
+        key = rng.choice(list(here) if isinstance(here, dict) else range(len(here)))
+        place += f".{key}"
+        if not (isinstance(here[key], dict | list) and here[key]) or rng.random() < 0.1:
+            break
+        here = here[key]
+    kind = rng.random()
+    if kind < 0.2:
+        here.pop(key)
+    elif kind < 0.4 and isinstance(here, dict):
+        here[str(rng.choice(JUNK))[:200]] = here.pop(key)
+    else:
+        here[key] = copy.deepcopy(rng.choice(JUNK))
+    return found, place[1:]
+
+
+# its fate -----------------------------------------------------------------------------------------------------------
+
+
+def fate(plan: StudyPlan, damage: Damage, heals: bool = True) -> Outcome:
+    """Return what becomes of damage to results in the current folder, which is put right again afterwards.
+
+    The file keeps its old time: it is not to be found by that. `heals`: also whether healing leaves sound results.
+    """
+    path, kept, study = Path(damage.path), Path("kept"), Path(STUDY).read_bytes()
+    good, read, times = path.read_bytes(), _read(path), path.stat()
+    path.write_bytes(damage.content)
+    os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
+    try:
+        told = [_answer(lambda: verify(STUDY, heal=False)), _answer(lambda: _decided(plan))]
+        worst = next((one for one in told if one.verdict in BAD), None)
+        if worst or told[0].verdict == "told":
+            if heals:
+                shutil.copytree("results", kept)
+            return worst or (_healed(told[0]) if heals else told[0])
+        return Outcome("harmless", "") if _read(path) == read else Outcome("silent", damage.what)
+    finally:
+        if kept.is_dir():
+            shutil.rmtree("results")
+            kept.rename("results")
+        path.write_bytes(good)
+        Path(STUDY).write_bytes(study)
+
+
+def _read(path: Path) -> object:
+    """What is read of a sound file: of a netCDF file its values and names, of others their bytes."""
+    if path.suffix == ".nc":
+        return {name: ds.to_dict() for name, ds in read_groups(path).items()}
+    return path.read_bytes()
+
+
+def _decided(plan: StudyPlan) -> None:
+    """What a run makes anew is told by it in one line, like a mistake."""
+    said = io.StringIO()
+    with redirect_stdout(said):
+        stale = stale_products(plan, dry=True)
+    if stale:
+        raise VsbError(said.getvalue().strip())
+
+
+def _answer(ask: Callable[[], object]) -> Outcome:
+    """What a command answers."""
+    try:
+        ask()
+    except VsbError as error:
+        message = str(error)
+        return Outcome("long message" if len(message) > 1000 or message.count("\n") > 1 else "told", message)
+    except Exception:
+        return Outcome("traceback", " | ".join(traceback.format_exc().strip().splitlines()[-3:]))
+    return Outcome("harmless", "")
+
+
+def _healed(told: Outcome) -> Outcome:
+    """Heal, and look whether what is left is as it should be, and all else still there."""
+    healing, left = _answer(lambda: verify("results", heal=True)), _answer(lambda: verify(STUDY, heal=False))
+    if healing.verdict != "harmless":
+        return Outcome("not healed", healing.reason)
+    if not Path(STUDY).is_file():
+        return Outcome("lost", told.reason)
+    gone = left.verdict == "harmless" or ": is not there" in left.reason
+    return told if gone else Outcome("not healed", left.reason)
+
+
+def trials(flips: int, edits: int) -> Iterator[Damage]:
+    """Give damage to the finished study in the current folder, always the same."""
+    files = sorted(str(path) for path in Path("results").rglob("*") if path.is_file() and path.stat().st_size)
+    texts = [path for path in files if path.endswith(".json")]
+    for index in range(flips):
+        yield flipped(random.Random(index), files)
+    for index in range(edits):
+        yield edited(random.Random(index), texts)
+
+
+def damage(flips: int, edits: int, out: str) -> Counter[str]:
+    """Damage the results of a small study so often; write a table, return how often each verdict fell."""
+    found: Counter[str] = Counter()
+    lines, target = io.StringIO(), os.path.abspath(out)
+    table = csv.writer(lines, lineterminator="\n")
+    table.writerow(("file", "damage", "verdict", "reason"))
+    with tempfile.TemporaryDirectory() as folder, chdir(folder):
+        plan = small_study()
+        finish(plan)
+        for one in trials(flips, edits):
+            outcome = fate(plan, one, heals=one.path.endswith(".json"))
+            found[outcome.verdict] += 1
+            table.writerow((one.path, one.what, outcome.verdict, outcome.reason.replace("\n", " ")))
+            if outcome.verdict in BAD:
+                print(f"{one.path}, {one.what}: {outcome.verdict}: {outcome.reason[:400]}", flush=True)
+    write_text(target, lines.getvalue())
+    return found
