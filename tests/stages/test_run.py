@@ -79,6 +79,7 @@ def test_a_command_told_to_end_ends_all_it_started(tmp_path, number, code):
     program = (
         "import signal, sys\nfrom vsb import cli\nfrom vsb.stages.run import finished\n"
         "signal.signal(signal.SIGHUP, signal.SIG_DFL)\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # ignored by what runs behind a shell
         f"command = ['bash', '-c', 'trap : TERM; ({job}) & wait; wait']\n"
         "cli.run = lambda args: finished(command, None)\nsys.exit(cli.main(['run', 'study.yaml']))"
     )
@@ -128,8 +129,12 @@ def test_an_interruption_while_the_command_begins_is_not_lost(monkeypatch):
         return begun[0]
 
     monkeypatch.setattr(launcher.subprocess, "Popen", interrupted)
-    with pytest.raises(KeyboardInterrupt):
-        launcher.finished(["sleep", "100"], {"PATH": "/usr/bin:/bin"})
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored by what runs behind a shell
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            launcher.finished(["sleep", "100"], {"PATH": "/usr/bin:/bin"})
+    finally:
+        signal.signal(signal.SIGINT, before)
     assert begun[0].returncode == -signal.SIGKILL
 
 
