@@ -7,12 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from browser import asked, evaluated
+from results.test_year import climate
 
 from vsb.motion.port import Port
 from vsb.motion.tuning import best_dampers, mean_power
 from vsb.report import html
-from vsb.report.living import Grid, LivingSea, as_script, packed, port_data, study_data, thinned
-from vsb.study.study import Jonswap, PiersonMoskowitz
+from vsb.report.living import Grid, LivingSea, as_script, packed, port_data, study_data, thinned, year_data
+from vsb.results.year import frequencies, year
+from vsb.study.study import Jonswap, PiersonMoskowitz, Water
 from vsb.waves.seas import components, jonswap_spectrum
 
 TEMPLATES = Path(html.__file__).parent / "templates"
@@ -105,6 +107,33 @@ def test_another_peak_period_is_another_sea_of_python(tp, gamma, tmp_path):
     found = np.array(evaluated([ALGEBRA], expression, stored, tmp_path))
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-12 * expected.max())
     np.testing.assert_allclose(powers(KNOWN, found), powers(KNOWN, expected), **AGREE)
+
+
+def test_a_year_of_the_page_is_that_of_python(tmp_path):
+    """Matrices, annual means and best dampers of two designs; a third is not viable."""
+    seas = climate(30)
+    at = frequencies(seas, 0.25, 2.2)
+    point = {"words": "soft", "ports": ports(at), "given": {"FSB": 8e3}, "flux": np.full(30, 7.0)}
+    stored = year_data(seas, [point], ["FSB", "VSWEC", "lost"], "FSB")
+    expression = """(() => {
+      const bins = unpackedBins(data.bins);
+      const point = unpackedPoint(data.points[0]);
+      const squares = yearSquares(bins, point);
+      const there = point.ports.filter((port) => port);
+      return {
+        matrices: there.map((port) => [...binPowers(bins, point.weights, port, 8e3)]),
+        means: there.map((port) => power(port, squares, 8e3)),
+        best: there.map((port) => power(port, squares, bestDamper(port, squares))), lost: point.ports[2],
+      };
+    })()"""
+    found = evaluated([ALGEBRA], expression, stored, tmp_path)
+    expected = year(ports(at), seas, Water(), ["fixed", "one"], {"FSB": 8e3, "VSWEC": 8e3}, "FSB")
+    occupied = [expected.bins.mean(row).ravel()[expected.bins.occupied] for row in expected.power[:, 0]]
+    np.testing.assert_allclose(found["matrices"], occupied, **AGREE)
+    np.testing.assert_allclose(found["means"], expected.annual_mean_power[:, 0], **AGREE)
+    np.testing.assert_allclose(found["best"], expected.annual_mean_power[:, 1], **AGREE)
+    assert found["lost"] is None
+    assert (stored["points"][0]["given"], stored["points"][0]["flux"]) == ([8e3, None, None], pytest.approx(7.0))
 
 
 def test_a_port_that_does_not_move_takes_nothing(tmp_path):

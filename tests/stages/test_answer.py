@@ -41,8 +41,8 @@ def plan(tmp_path_factory):
 
 def answered(plan):
     """The files of an answer, as they are written."""
-    files = (plan.data_path, f"{plan.folder}/figures", f"{plan.folder}/report.html", plan.manifest)
-    answer.run(plan.campaign, *files)
+    files = (f"{plan.folder}/figures", f"{plan.folder}/report.html", plan.manifest)
+    answer.run(plan.campaign, plan.data_path, plan.loaded.climate_path, plan.root, *files)
     paths = [f"{plan.folder}/report.html", *plan.figure_paths]
     return {path: Path(path).read_bytes() for path in paths}
 
@@ -79,6 +79,7 @@ def test_figures_are_the_same_every_time_and_leave_the_callers_alone(plan, writt
 def test_data_of_another_campaign_are_refused(plan, tmp_path):
     other = tmp_path / "campaign.nc"
     save(load(plan.data_path).assign_attrs(spec_id="0" * 16), other)
+    files = (str(tmp_path), str(tmp_path / "report.html"), str(tmp_path / "m.json"))
     with pytest.raises(DatabaseError, match=f"holds '0{{16}}', needs '{plan.campaign_id}'"):
-        answer.run(plan.campaign, str(other), str(tmp_path), str(tmp_path / "report.html"), str(tmp_path / "m.json"))
+        answer.run(plan.campaign, str(other), plan.loaded.climate_path, plan.root, *files)
     assert [path.name for path in tmp_path.iterdir()] == ["campaign.nc"]

@@ -85,6 +85,8 @@ def run(plan):
     answer.run(
         told("answer", plan.campaign),
         plan.data_path,
+        plan.loaded.climate_path,
+        plan.root,
         f"{plan.folder}/figures",
         f"{plan.folder}/report.html",
         plan.manifest,

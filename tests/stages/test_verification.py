@@ -51,8 +51,8 @@ def run(plan):
     batches(plan)
     found = simulated(plan)
     gather(plan)
-    files = (plan.data_path, f"{plan.folder}/figures", f"{plan.folder}/report.html", plan.manifest)
-    answer.run(told("answer", plan.campaign), *files)
+    files = (f"{plan.folder}/figures", f"{plan.folder}/report.html", plan.manifest)
+    answer.run(told("answer", plan.campaign), plan.data_path, plan.loaded.climate_path, plan.root, *files)
     return found, load(plan.data_path, expected=plan.campaign_id)
 
 

@@ -174,15 +174,20 @@ def told_gain(ds: xr.Dataset, tuning: str) -> xr.DataArray:
 
 def shown_member(ds: xr.Dataset, tuning: str, reference: str | None) -> xr.Dataset:
     """Return the member whose curves are drawn: of most gain of a design that carries its load, else of the most."""
+    return ds.isel(shown_place(ds, tuning, reference))
+
+
+def shown_place(ds: xr.Dataset, tuning: str, reference: str | None) -> dict[str, int]:
+    """Return where that member stands along the dimensions of what is varied."""
     points = [str(dim) for dim in ds.margin.dims]
     if not points:
-        return ds
+        return {}
     gain = ds.annual_mean_power.sel(tuning=tuning) if reference is None else told_gain(ds.sel(tuning=tuning), tuning)
     others = gain if reference is None else gain.where(gain.design != reference)
     best = others.max("design", skipna=True).fillna(-np.inf)
     score = best.where(ds.margin >= 0, best - 1e6)
     place = np.unravel_index(int(np.argmax(score.transpose(*points).values)), [ds.sizes[dim] for dim in points])
-    return ds.isel({dim: int(i) for dim, i in zip(points, place, strict=True)})
+    return {dim: int(i) for dim, i in zip(points, place, strict=True)}
 
 
 def _edges(centres: np.ndarray) -> np.ndarray:

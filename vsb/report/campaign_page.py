@@ -1,13 +1,15 @@
 """The report of a campaign: the site's answer first, then the figures, then what to doubt."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from vsb.report.campaign_figures import is_verified, shown_member, told_gain
 from vsb.report.html import captioned, page
+from vsb.report.living import as_script
 from vsb.study.specs import leading_tuning
 from vsb.waves.climate import YEAR_HOURS
 
@@ -47,6 +49,8 @@ class CampaignReport:
 
     data: xr.Dataset
     figures: Mapping[str, str]  # name -> SVG
+    living: Mapping[str, Any] | None = None  # what the page computes with, see `vsb.report.living`
+    sketches: Sequence[Mapping[str, str]] = ()  # of each design: name, words, SVG
 
 
 def leading(ds: xr.Dataset) -> tuple[str, str | None]:
@@ -77,9 +81,9 @@ def render(report: CampaignReport) -> str:
         campaign=ds.attrs["campaign"],
         climate=ds.attrs["climate"],
         answer=[answer(ds, reference, tuning)],
-        sketches=[],
-        kind="campaign",
-        living="",
+        sketches=report.sketches,
+        kind="year",
+        living=as_script(report.living) if report.living else "",
         statements=statements(ds, reference, tuning),
         warnings=warnings(ds),
         head=HEAD,

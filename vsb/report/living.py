@@ -12,10 +12,14 @@ from typing import Any
 
 import markupsafe
 import numpy as np
+import numpy.typing as npt
 
 from vsb.motion.port import Port
 from vsb.report.canvas import style
+from vsb.results.bins import Bins
+from vsb.results.year import band_weights
 from vsb.tools.units import FloatArray
+from vsb.waves.climate import YEAR_HOURS, Climate
 
 DASHES = {"-": "", "--": "7 3", "-.": "8 3 2 3", ":": "2 3"}
 """Line styles of designs as SVG has them."""
@@ -44,9 +48,9 @@ class LivingSea:
     limited: Mapping[str, float] | None = None  # power of the optimum within limits by design, where known [W]
 
 
-def packed(values: FloatArray, kind: str = "<f4") -> str:
+def packed(values: npt.ArrayLike, kind: str = "<f4") -> str:
     """Return numbers as base64 of little-endian floats, by default of four bytes."""
-    return base64.b64encode(np.ascontiguousarray(values, dtype=kind).tobytes()).decode()
+    return base64.b64encode(np.asarray(values, dtype=kind).tobytes()).decode()
 
 
 def port_data(port: Port) -> dict[str, str]:
@@ -117,6 +121,58 @@ def _grid_data(grid: Grid) -> dict[str, Any]:
     """A grid, packed; frequencies to all digits, because spectra are steep."""
     ports = [{**port_data(port), "matched": packed(port.matched_power)} for port in grid.ports.values()]
     return {"omega": packed(grid.omega, "<f8"), "flux": packed(grid.flux), "ports": ports}
+
+
+def year_data(
+    climate: Climate, points: Sequence[Mapping[str, Any]], designs: Sequence[str], reference: str | None
+) -> dict[str, Any]:
+    """Return the data of a campaign's page: mean spectra of the bins of a year, and ports of some of its points.
+
+    Parameters
+    ----------
+    climate : Climate
+    points : sequence of mapping
+        `words`; `ports` by design, at frequencies that hold the edges of the climate's bands; dampers `given` by
+        design [N s/m]; energy `flux` of every sea [W/m].
+    designs : sequence of str
+    reference : str or None
+        The design gains are over.
+
+    Notes
+    -----
+    Power is linear in the spectrum, so the mean power of the seas of a bin is that of their mean spectrum.
+    """
+    bins = Bins(climate.hs, climate.te, climate.hours)
+    share = bins.share.ravel()[bins.occupied]
+    density = np.array(
+        [bins.total(climate.hours * band).ravel()[bins.occupied] / share for band in climate.density.T]
+    ).T
+    row, column = np.unravel_index(bins.occupied, bins.shape)
+    return {
+        "kind": "year",
+        "name": climate.name,
+        "hours": YEAR_HOURS,
+        "designs": designs_data(designs, reference),
+        "bins": {
+            "hs": list(bins.hs_centres), "te": list(bins.te_centres), "row": row.tolist(), "column": column.tolist(),
+            "share": packed(share, "<f8"), "density": packed(density.ravel(), "<f8"), "bands": len(climate.omega),
+        },
+        "points": [_point_data(point, climate, designs) for point in points],
+    }  # fmt: skip
+
+
+def _point_data(point: Mapping[str, Any], climate: Climate, designs: Sequence[str]) -> dict[str, Any]:
+    """A point, packed; weights of frequencies in bands are few, so each stands with its place."""
+    ports: Mapping[str, Port] = point["ports"]
+    weights = band_weights(next(iter(ports.values())).omega, climate)
+    band, at = np.nonzero(weights)
+    return {
+        "words": point["words"],
+        "flux": float(point["flux"] @ climate.hours),
+        "given": [point["given"].get(design) for design in designs],
+        "ports": [port_data(ports[design]) if design in ports else None for design in designs],
+        "weights": {"band": packed(band), "at": packed(at), "value": packed(weights[band, at], "<f8")},
+    }
 
 
 def thinned(omega: FloatArray, most: int = SHOWN) -> FloatArray:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from vsb.report.canvas import style
+from vsb.study.study import Study
 
 _WATERLINE, _BED = 62.0, 118.0
 _SCALE = 34.0  # of a radius
@@ -18,6 +19,16 @@ def design_in_words(design: dict[str, Any]) -> str:
         return "rigid"
     held = [_POLES.get(float(clamp), f"{clamp:g}° from the top") for clamp in design["clamp"]]
     return f"elastic shell, held {' and '.join(held)}" if held else "elastic shell, free"
+
+
+def sketches(study: Study) -> list[dict[str, str]]:
+    """Return a sketch of each design of a study with its name, and what it is in words."""
+    designs = study.model_dump()["designs"]
+    height = study.centre_height / study.device.radius
+    return [
+        {"name": name, "words": design_in_words(one), "svg": sketch(name, designs, height)}
+        for name, one in designs.items()
+    ]
 
 
 def sketch(name: str, designs: dict[str, dict[str, Any]], height: float) -> str:

@@ -4,20 +4,29 @@ import matplotlib as mpl
 
 from vsb.report.campaign_figures import DRAWN
 from vsb.report.campaign_page import CampaignReport, leading, render
+from vsb.report.sketch import sketches
 from vsb.report.svg import drawn
-from vsb.study.campaign_plan import figure_names
+from vsb.stages.living_year import living_year
+from vsb.study.campaign_plan import figure_names, members
 from vsb.study.specs import CampaignSpec
 from vsb.study.study import content_id
 from vsb.tools.files import load, write_text
 from vsb.tools.stamps import record
 
 
-def run(spec: CampaignSpec, data: str, figures: str, out: str, manifest: str) -> None:
+def run(spec: CampaignSpec, data: str, climate: str, root: str, figures: str, out: str, manifest: str) -> None:
     """Draw the figures of a campaign and write its report."""
     identity = content_id(spec)
     ds = load(data, expected=identity)
     with mpl.rc_context():  # the caller's own figures keep their looks
         found = {name: drawn(DRAWN[name](ds, *leading(ds)), name) for name in figure_names(spec)}
+    living = living_year(spec, ds, *leading(ds), climate, root)
     files = [path for name, one in found.items() for path in one.write(figures, name)]
-    write_text(out, render(CampaignReport(ds, {name: one.svg for name, one in found.items()})))
+    svgs = {name: one.svg for name, one in found.items()}
+    write_text(out, render(CampaignReport(ds, svgs, living, _sketches(spec))))
     record(manifest, identity, [out, *files])
+
+
+def _sketches(spec: CampaignSpec) -> list[dict[str, str]]:
+    """A sketch of each design of the first point."""
+    return sketches(members(spec.base, spec.vary.points[:1], spec.climate, spec.tuning)[0].study)

@@ -10,7 +10,7 @@ import numpy as np
 
 from vsb import __version__
 from vsb.report.page import Report, render
-from vsb.report.sketch import design_in_words, sketch
+from vsb.report.sketch import sketches
 from vsb.results.statistics import families
 from vsb.stages.inputs import Inputs
 from vsb.stages.living import living_study
@@ -54,23 +54,13 @@ def run(
         checks=found["checks"],
         response=stored.response if study.needs_bem else None,
         reference=study.reference_design,
-        sketches=_sketches(study),
+        sketches=sketches(study),
         living=living_study(study, database, stored.response, found["within_limits"]),
         figures={n: read_text(f"{figures}/{n}.svg", manifest, study_id) for n in figure_names(study)},
         facts=_facts(study, hydrodynamics, stored.runs.attributes()),
     )
     write_text(out, render(page))
     record(manifest, study_id, [out])
-
-
-def _sketches(study: Study) -> list[dict[str, str]]:
-    """A sketch of each design, and what it is in words."""
-    designs = study.model_dump()["designs"]
-    height = study.centre_height / study.device.radius
-    return [
-        {"name": name, "words": design_in_words(one), "svg": sketch(name, designs, height)}
-        for name, one in designs.items()
-    ]
 
 
 def _seas(study: Study) -> dict[str, str]:

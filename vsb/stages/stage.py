@@ -92,7 +92,12 @@ STAGES = (
         specs.CampaignSpec,
         ("batches", "verifications", "out", "table", "manifest"),
     ),
-    Stage("answer", "figures and report of a campaign", specs.CampaignSpec, ("data", "figures", "out", "manifest")),
+    Stage(
+        "answer",
+        "figures and report of a campaign",
+        specs.CampaignSpec,
+        ("data", "climate", "root", "figures", "out", "manifest"),
+    ),
 )
 """In the order of the workflow."""
 

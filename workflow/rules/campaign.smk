@@ -87,7 +87,8 @@ DRAWN = {
 
 rule answer:
     input:
-        PLAN.data_path,
+        data=PLAN.data_path,
+        climate=PLAN.loaded.climate_path,
     output:
         report=report(
             f"{PLAN.folder}/report.html",
@@ -115,6 +116,7 @@ rule answer:
         spec=canonical(PLAN.campaign),
         figures=f"{PLAN.folder}/figures",
         manifest=PLAN.manifest,
+        root=ROOT,
     shell:
-        "vsb answer --data {input} --figures {params.figures} --out {output.report} --manifest {params.manifest}"
+        "vsb answer --data {input.data} --climate {input.climate:q} --root {params.root} --figures {params.figures} --out {output.report} --manifest {params.manifest}"
         " <<< {params.spec:q} > {log} 2>&1"

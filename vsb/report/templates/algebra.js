@@ -116,6 +116,38 @@ function dot(a, b) {
   return sum;
 }
 
+/** Mean spectra of the bins of a year, one after the other, and the share of each, unpacked. */
+function unpackedBins(stored) {
+  return { ...stored, share: unpacked(stored.share, 8), density: unpacked(stored.density, 8) };
+}
+
+/** A point of a campaign, unpacked; the weight of a frequency in a band is 2 int h dw (vsb.results.year). */
+function unpackedPoint(stored) {
+  const { band, at, value } = stored.weights;
+  const weights = { band: unpacked(band), at: unpacked(at), value: unpacked(value, 8) };
+  return { ...stored, weights, ports: stored.ports.map((port) => port && unpackedPort(port)) };
+}
+
+/** Squared amplitudes of the year's mean spectrum at the frequencies of a point's ports [m^2]. */
+function yearSquares(bins, { weights, ports }) {
+  const mean = new Float64Array(bins.bands);
+  bins.share.forEach((share, i) => {
+    for (let b = 0; b < bins.bands; b++) mean[b] += share * bins.density[i * bins.bands + b];
+  });
+  const squares = new Float64Array(ports.find((port) => port).drive.length);
+  for (let k = 0; k < weights.value.length; k++) squares[weights.at[k]] += weights.value[k] * mean[weights.band[k]];
+  return squares;
+}
+
+/** Mean power of a damper in every bin of the year [W]: one small product. */
+function binPowers(bins, weights, port, damping) {
+  const taken = new Float64Array(bins.bands);
+  for (let k = 0; k < weights.value.length; k++) {
+    taken[weights.band[k]] += weights.value[k] * powerAt(port, weights.at[k], damping);
+  }
+  return bins.share.map((_, i) => dot(taken, bins.density.subarray(i * bins.bands, (i + 1) * bins.bands)));
+}
+
 /** Gains over one of some powers [%]; none over nothing. */
 function gains(powers, reference) {
   const base = reference < 0 ? 0 : powers[reference];
@@ -123,5 +155,6 @@ function gains(powers, reference) {
 }
 
 if (typeof module !== "undefined") {
-  module.exports = { unpacked, unpackedGrid, seaSquares, powerAt, power, bestDamper, dot, gains };
+  const ofSeas = { unpacked, unpackedGrid, seaSquares, powerAt, power, bestDamper, dot, gains };
+  module.exports = { ...ofSeas, unpackedBins, unpackedPoint, yearSquares, binPowers };
 }

@@ -146,6 +146,18 @@ function forwards(line) {
   return line.x.every((v, i) => i === 0 || v >= line.x[i - 1] - 0.02);
 }
 
+/** A row of a table, its first cell words. */
+function tableRow(cells) {
+  const row = document.createElement("tr");
+  row.append(
+    ...cells.map((text, i) => {
+      const cell = document.createElement("td");
+      return Object.assign(cell, { textContent: text, className: i ? "" : "text" });
+    }),
+  );
+  return row;
+}
+
 /** Show values under the pointer on all drawings of the page. */
 function showValues() {
   const tip = document.createElement("div");
@@ -194,8 +206,4 @@ function sortTables() {
   }
 }
 
-if (typeof document !== "undefined") {
-  showValues();
-  sortTables();
-}
 if (typeof module !== "undefined") module.exports = { plain, ticks, polylines, heightAt, onAxis };

@@ -117,11 +117,7 @@ class LivingStudy {
       const share = take.power === null || !(best > 0) ? null : (100 * take.power) / best;
       return [this.data.designs[i].name, plain(take.damping), plain(take.power), plain(width), gain, plain(share)];
     });
-    this.part("rows").replaceChildren(...rows.map((cells) => {
-      const row = document.createElement("tr");
-      row.append(...cells.map((text, i) => Object.assign(document.createElement("td"), { textContent: text, className: i ? "" : "text" })));
-      return row;
-    }));
+    this.part("rows").replaceChildren(...rows.map(tableRow));
   }
 
   /** Mean power of the sea over the damper. */
@@ -178,13 +174,5 @@ class LivingStudy {
       return Math.max(...Float64Array.from(this.band.omega, best)) / 1e3;
     });
     return this.highest;
-  }
-}
-
-if (typeof document !== "undefined") {
-  const stored = document.getElementById("living-data");
-  const root = document.getElementById("live");
-  if (stored && root && JSON.parse(stored.textContent).kind === "study") {
-    globalThis.living = new LivingStudy(JSON.parse(stored.textContent), root);
   }
 }

@@ -1,0 +1,72 @@
+"""What a campaign's page computes with: ports of its members, and the mean spectra of the bins of the year."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from vsb.report.campaign_figures import shown_place
+from vsb.report.campaign_page import where
+from vsb.report.living import year_data
+from vsb.results.member import with_designs
+from vsb.scenes.ports import design_ports
+from vsb.scenes.viability import viability
+from vsb.stages.climate import read_climate
+from vsb.stages.members import shape_water
+from vsb.study.campaign_plan import members
+from vsb.study.specs import CampaignSpec
+from vsb.waves.climate import Climate
+
+MOST = 6
+"""Most points of a campaign a page computes with; of more, the one its figures show."""
+
+
+def living_year(
+    spec: CampaignSpec, ds: xr.Dataset, tuning: str, reference: str | None, climate: str, root: str
+) -> dict[str, Any] | None:
+    """Return the data of a campaign's page; none where no design is viable.
+
+    Parameters
+    ----------
+    spec : CampaignSpec
+    ds : Dataset
+        Results of the campaign.
+    tuning : str
+        That the answer is told at.
+    reference : str or None
+        The design gains are over.
+    climate : str
+        Path of the seas of the year.
+    root : str
+        Folder of all results.
+    """
+    seas = read_climate(spec.climate, climate)
+    points = [str(dim) for dim in ds.margin.dims]
+    shape = tuple(ds.sizes[dim] for dim in points)
+    shown = shown_place(ds, tuning, reference)
+    places = [dict(zip(points, map(int, place), strict=True)) for place in np.ndindex(shape)]
+    others = [place for place in places if place != shown] if len(places) <= MOST else []
+    looked_at = [_point(spec, ds, places.index(place), place, seas, root) for place in [shown, *others]]
+    found = [one for one in looked_at if one]
+    return year_data(seas, found, list(map(str, ds.design.values)), reference) if found else None
+
+
+def _point(
+    spec: CampaignSpec, ds: xr.Dataset, index: int, place: Mapping[str, int], seas: Climate, root: str
+) -> dict[str, Any] | None:
+    """Words, ports, flux of the seas and given dampers of one point; none if no design is viable there."""
+    (one,) = members(spec.base, [spec.vary.points[index]], spec.climate, spec.tuning)
+    rest = viability(one.study)
+    viable = [design for design in one.study.designs if design not in rest.reasons]
+    if rest.reference is None or not viable:
+        return None
+    study = with_designs(one.study, viable)
+    ports = design_ports(study, rest.reference, shape_water(study, rest.reference.basis, root, seas))
+    given = {design: study.pto.damper(design) for design in viable}
+    return {
+        "words": where(ds.isel(place)) or "the study",
+        "ports": ports,
+        "given": given,
+        "flux": seas.flux(study.water),
+    }
