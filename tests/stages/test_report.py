@@ -16,6 +16,7 @@ from vsb.study.study import load
 def made(plan, out, **changes):
     files = {
         "tables": f"{plan.folder}/tables.json",
+        "modes": f"{plan.folder}/modes.nc",
         "trajectories": f"{plan.folder}/trajectories",
         "figures": f"{plan.folder}/figures",
         **plan.hydro_files,

@@ -83,6 +83,7 @@ def render(report: CampaignReport) -> str:
         answer=[answer(ds, reference, tuning)],
         sketches=report.sketches,
         kind="year",
+        buoys=None,
         living=as_script(report.living) if report.living else "",
         statements=statements(ds, reference, tuning),
         warnings=warnings(ds),

@@ -15,7 +15,7 @@ from vsb.study.plan import FIGURE_KINDS
 
 INLINE = 1_000_000
 """Most bytes of figures inside a page; further ones stand beside it."""
-SCRIPTS = ("algebra.js", "chart.js", "living.js", "living_year.js", "start.js")
+SCRIPTS = ("algebra.js", "chart.js", "living.js", "living_year.js", "buoys.js", "start.js")
 """Of every page, in this order; without them it can be read all the same."""
 NO_SEAS: Mapping[str, str] = {}
 

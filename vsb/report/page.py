@@ -1,6 +1,6 @@
 """The self-contained HTML report: the answer first, then the evidence, then what to doubt."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -105,6 +105,7 @@ class Report:
     within_limits: Sequence[dict[str, Any]] = ()  # optima under limits, where the take-off has some
     sketches: Sequence[dict[str, str]] = ()  # of each design: name, words, SVG
     living: dict[str, Any] | None = None  # what the page computes with, see `vsb.report.living`
+    buoys: dict[str, Any] | None = None  # what it draws in motion, see `vsb.report.animation`
 
 
 PUBLISHED = {
@@ -302,6 +303,16 @@ def published_table(study: dict[str, Any], rows: Sequence[dict[str, Any]]) -> li
     return lines
 
 
+def _buoys(motion: Mapping[str, Any] | None) -> dict[str, str] | None:
+    """What is said of the moving buoys, and their data."""
+    if not motion:
+        return None
+    factor = float(motion["factor"])
+    scale = f"shell displacement is magnified {factor:g} times, heave and waves are" if factor > 1 else "all is"
+    names = ", ".join(design["name"] for design in motion["designs"])
+    return {"words": f"{names} side by side; {scale} to scale.", "data": as_script(motion)}
+
+
 def _answer(report: Report, in_seas: Sequence[str]) -> list[str]:
     """The answer of a study in two sentences: at equal tuning if it is known, else as it was simulated."""
     if report.response is None:
@@ -332,6 +343,7 @@ def render(report: Report) -> str:
         sketches=report.sketches,
         kind="study",
         living=as_script(report.living) if report.living else "",
+        buoys=_buoys(report.buoys),
         tuned=[
             *([] if response is None else tuned_statements(tuned, report.reference, report.seas)),
             *limited_statements(report.within_limits, report.reference, report.seas),

@@ -60,9 +60,14 @@ def _magnification(data: StudyData, wave: str) -> float:
     """Round factor that makes the largest shell displacement about 0.2 radii."""
     settled = (data.runs[design, wave].sel(time=slice(*data.window)) for design in data.designs)
     largest = max((float(abs(run.position[:, 1:]).max()) for run in settled if flexible(run.dof.values)), default=0.0)
+    return round_factor(largest, float(data.modes.attrs["radius"]))
+
+
+def round_factor(largest: float, radius: float) -> float:
+    """Return the round factor, at least one, that makes a largest displacement about a fifth of the radius."""
     if largest == 0.0:
         return 1.0
-    raw = 0.2 * float(data.modes.attrs["radius"]) / largest
+    raw = 0.2 * radius / largest
     decade = 10.0 ** math.floor(math.log10(raw))
     return max(1.0, max(m * decade for m in (1, 2, 5) if m * decade <= raw))
 

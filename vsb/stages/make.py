@@ -151,5 +151,8 @@ def _answers(plan: StudyPlan) -> Iterator[Job]:
     yield Job("compare", plan.comparison, files | rungs | tables, tuple(tables.values()), (*read, *rungs.values()))
     figures = tuple(figure_paths(folder, figure_names(study)))
     yield Job("figures", study, {**files, "modes": modes, "out": f"{folder}/figures"}, figures, (*read, modes))
-    report, drawn = f"{folder}/report.html", {"tables": tables["tables"], "figures": f"{folder}/figures"}
-    yield Job("report", study, {**files, **drawn, "out": report}, (report,), (*read, drawn["tables"], *figures))
+    report, drawn = (
+        f"{folder}/report.html",
+        {"tables": tables["tables"], "modes": modes, "figures": f"{folder}/figures"},
+    )
+    yield Job("report", study, {**files, **drawn, "out": report}, (report,), (*read, modes, drawn["tables"], *figures))

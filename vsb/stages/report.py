@@ -14,10 +14,11 @@ from vsb.report.sketch import sketches
 from vsb.results.statistics import families
 from vsb.stages.inputs import Inputs
 from vsb.stages.living import living_study
+from vsb.stages.moving import moving_study
 from vsb.study.plan import figure_names
-from vsb.study.study import StillWater, Study
+from vsb.study.study import StillWater, Study, content_id
 from vsb.study.witness import no_witness
-from vsb.tools.files import write_text
+from vsb.tools.files import load, write_text
 from vsb.tools.stamps import read_text, record
 
 ASSUMED = "hydrostatic and assumed uniform pressure of {:g} Pa on the instantaneous wet shell; no radiation"
@@ -26,6 +27,7 @@ ASSUMED = "hydrostatic and assumed uniform pressure of {:g} Pa on the instantane
 def run(
     study: Study,
     tables: str,
+    modes: str,
     trajectories: str,
     figures: str,
     out: str,
@@ -55,6 +57,7 @@ def run(
         response=stored.response if study.needs_bem else None,
         reference=study.reference_design,
         sketches=sketches(study),
+        buoys=moving_study(stored, load(modes, expected=content_id(stored.plan.modes))),
         living=living_study(study, database, stored.response, found["within_limits"]),
         figures={n: read_text(f"{figures}/{n}.svg", manifest, study_id) for n in figure_names(study)},
         facts=_facts(study, hydrodynamics, stored.runs.attributes()),

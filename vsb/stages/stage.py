@@ -81,7 +81,7 @@ STAGES = (
         "report",
         "HTML report",
         Study,
-        ("tables", "trajectories", "figures", "out", "manifest"),
+        ("tables", "modes", "trajectories", "figures", "out", "manifest"),
         BEM_FILES,
     ),
     Stage("members", "points of a campaign over the year", specs.MembersSpec, ("climate", "folder", "root", "out")),

@@ -47,6 +47,7 @@ rule report:
         **PLAN.response_files,
         **PLAN.witness_files,
         tables=f"{PLAN.folder}/tables.json",
+        modes=f"{PLAN.folder}/modes.nc",
         trajectories=TRAJECTORIES,
         figures=FIGURES,
     output:
@@ -71,6 +72,6 @@ rule report:
         ),
         figures=subpath(lambda wildcards, input: input.figures[0], parent=True),
     shell:
-        "vsb report --tables {input.tables} {params.hydro}"
+        "vsb report --tables {input.tables} --modes {input.modes} {params.hydro}"
         " --trajectories {params.trajectories} --figures {params.figures} --out {output}"
         " --manifest {params.manifest} <<< {params.spec:q} > {log} 2>&1"

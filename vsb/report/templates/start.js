@@ -2,12 +2,15 @@
 "use strict";
 
 {
-  const stored = document.getElementById("living-data");
-  const root = document.getElementById("live");
+  const held = (name) => {
+    const stored = document.getElementById(name);
+    return stored && JSON.parse(stored.textContent);
+  };
   showValues();
   sortTables();
-  if (stored && root) {
-    const data = JSON.parse(stored.textContent);
-    globalThis.living = data.kind === "study" ? new LivingStudy(data, root) : new LivingYear(data, root);
-  }
+  const data = held("living-data");
+  const root = document.getElementById("live");
+  if (data) globalThis.living = data.kind === "study" ? new LivingStudy(data, root) : new LivingYear(data, root);
+  const motion = held("buoys-data");
+  if (motion) globalThis.buoys = new Buoys(motion, document.getElementById("buoys"));
 }

@@ -1,0 +1,118 @@
+"""Frames of the moving buoys: those of the runs, in the waves they were run in; and a page that plays them."""
+
+import base64
+
+import numpy as np
+import pytest
+import xarray as xr
+from browser import asked
+
+from vsb.report import html
+from vsb.report.animation import COLATITUDES, PER_PERIOD, PERIODS, frames_data, shapes_data, surface
+from vsb.report.living import as_script, designs_data
+from vsb.study.study import Water
+from vsb.waves.seas import NO_WAVES, Sea
+
+PERIOD = 4.0
+SWELL = Sea(np.array([2 * np.pi / PERIOD]), np.array([0.3 + 0.0j]))
+TIME = np.linspace(0.0, 60.0, 6001)
+LABELS = ["Heave", "Membrane0", "Membrane2"]
+
+
+def unpacked(text):
+    return np.frombuffer(base64.b64decode(text), dtype="<f4")
+
+
+def run(labels):
+    position = np.array([(n + 1) * np.cos(2 * np.pi / PERIOD * TIME) for n in range(len(labels))]).T
+    return xr.Dataset({"position": (("time", "dof"), position)}, coords={"time": TIME, "dof": labels})
+
+
+@pytest.fixture
+def modes():
+    colatitude = np.linspace(0.0, np.pi, 181)
+    shapes = np.array([np.ones(181), np.cos(2 * colatitude)])
+    return xr.Dataset(
+        {
+            "radial": (("mode", "colatitude"), shapes), "meridional": (("mode", "colatitude"), 0 * shapes),
+            "static_amplitude": ("mode", [0.1, 0.0]),
+        },
+        coords={"colatitude": colatitude, "mode": LABELS[1:]},
+        attrs={"radius": 2.0, "centre_height": 0.5},
+    )  # fmt: skip
+
+
+def frames(water=None, waves=SWELL):
+    runs = {"FSB": run(LABELS[:1]), "VSWEC": run(LABELS)}
+    return frames_data("a swell", runs, waves, (0.0, 60.0), PERIOD, 3.4, water or Water())
+
+
+def test_frames_are_the_run_of_its_last_periods():
+    found = frames()
+    time = found["start"] + found["step"] * np.arange(found["frames"])
+    assert (time[0], time[-1]) == (pytest.approx(60.0 - PERIODS * PERIOD), pytest.approx(60.0))
+    assert found["frames"] == pytest.approx(PER_PERIOD * PERIODS, abs=2)
+    rigid, shell = found["designs"]
+    assert (rigid["modes"], shell["modes"], rigid["shell"]) == (0, 2, "")
+    np.testing.assert_allclose(unpacked(rigid["heave"]), np.cos(2 * np.pi / PERIOD * time), atol=1e-4)
+    amplitudes = unpacked(shell["shell"]).reshape(-1, 2)
+    np.testing.assert_allclose(amplitudes, np.cos(2 * np.pi / PERIOD * time)[:, None] * [2, 3], atol=1e-3)
+
+
+@pytest.mark.parametrize("depth", [np.inf, 3.0])
+def test_the_surface_travels_and_is_the_runs_own_at_the_axis(depth):
+    """At the buoy's axis it is the elevation of C1; a quarter wavelength on it comes a quarter period later."""
+    water = Water(depth=depth)
+    time, place = np.linspace(0, 8, 80, endpoint=False), np.array([0.0, 1.0])
+    found = surface(SWELL, time, place, water)
+    np.testing.assert_allclose(found[:, 0], SWELL.elevation(time), atol=1e-12)
+    omega = SWELL.omega[0]
+    delay = np.angle(np.exp(-1j * omega * time) @ found[:, 1] / (np.exp(-1j * omega * time) @ found[:, 0]))
+    number = abs(delay)
+    assert number * np.tanh(number * min(depth, 1e3)) == pytest.approx(omega**2 / 9.81, rel=1e-9)
+    assert not surface(NO_WAVES, time, place, water).any()
+
+
+def test_shapes_are_those_of_the_modes_thinned(modes):
+    found = shapes_data(modes)
+    angle = unpacked(found["colatitude"])
+    assert (len(angle), angle[0], angle[-1]) == (COLATITUDES, 0.0, pytest.approx(np.pi))
+    radial = unpacked(found["radial"]).reshape(2, -1)
+    np.testing.assert_allclose(radial, [np.ones(COLATITUDES), np.cos(2 * angle)], atol=1e-6)
+    np.testing.assert_allclose(unpacked(found["rest"]), [0.1, 0.0], atol=1e-8)
+
+
+def test_a_reader_plays_pauses_and_steps(modes, tmp_path):
+    data = {
+        "designs": designs_data(["FSB", "VSWEC"], "FSB"), "width": 3.4, "factor": 0.1, "shapes": shapes_data(modes),
+        "seas": [frames()],
+    }  # fmt: skip
+    scripts = "".join(f"<script>{html.text_of(name)}</script>" for name in html.SCRIPTS)
+    body = html.page("buoys.html.j2", buoys={"words": "two buoys"})
+    stored = f'<script type="application/json" id="buoys-data">{as_script(data)}</script>'
+    page = f"<!doctype html><html><head></head><body>{body}{stored}{scripts}</body></html>"
+    script = """
+      const part = (name) => document.querySelector(`#buoys [data-part="${name}"]`);
+      const found = { errors, begins: buoys.playing, says: part("play").textContent };
+      buoys.play(false);
+      const due = [];
+      globalThis.requestAnimationFrame = (step) => due.push(step);
+      buoys.play(true);
+      for (let now = 0; now <= 1000; now += 100) due.shift()(now);
+      found.played = buoys.frame;
+      part("moment").value = 12;
+      part("moment").dispatchEvent(new Event("input"));
+      const held = buoys.frame;
+      while (due.length) due.shift()(9000);
+      const [top, equator] = [buoys.meridian(buoys.sea.designs[1], 0)[0], buoys.meridian(buoys.sea.designs[1], 0)[23]];
+      const pixels = part("canvas").getContext("2d").getImageData(0, 0, part("canvas").width, part("canvas").height).data;
+      return { ...found, held, stays: buoys.frame, stopped: buoys.playing, moment: part("moment-says").textContent, top, equator, inked: pixels.some((v) => v > 0) };"""
+    found = asked(page, script, tmp_path)
+    stored_frames = frames()
+    assert (found["errors"], found["begins"], found["says"]) == ([], True, "pause")
+    assert found["played"] == int(1.0 / stored_frames["step"]), "a second is a second"
+    assert (found["held"], found["stays"], found["stopped"]) == (12, 12, False)
+    assert found["moment"] == f"{stored_frames['start'] + 12 * stored_frames['step']:.2f} s"
+    amplitudes = np.array([0.1, 0.0]) + 0.1 * unpacked(stored_frames["designs"][1]["shell"])[:2]
+    assert found["top"] == pytest.approx([0.0, 2.0 + amplitudes.sum()], abs=1e-5)
+    assert found["inked"]

@@ -1,0 +1,128 @@
+// The buoys in the waves, side by side and to scale, their shells magnified: played, paused, or stepped by hand.
+"use strict";
+
+class Buoys {
+  constructor(data, root) {
+    const { shapes } = data;
+    this.data = data;
+    this.shape = Object.fromEntries(
+      Object.entries(shapes).map(([name, value]) => [name, typeof value === "string" ? unpacked(value) : value]),
+    );
+    this.part = (name) => root.querySelector(`[data-part="${name}"]`);
+    this.canvas = this.part("canvas");
+    this.part("sea").replaceChildren(...data.seas.map((sea, i) => new Option(sea.words, i)));
+    this.part("seas").hidden = data.seas.length < 2;
+    this.part("sea").addEventListener("change", (event) => this.choose(Number(event.target.value)));
+    this.part("play").addEventListener("click", () => this.play(!this.playing));
+    this.part("moment").addEventListener("input", (event) => {
+      this.play(false);
+      this.draw(Number(event.target.value));
+    });
+    root.hidden = false;
+    this.choose(0);
+    addEventListener("resize", () => this.draw(this.frame));
+    this.play(!matchMedia("(prefers-reduced-motion: reduce)").matches);
+  }
+
+  /** Go to the first frame of a sea. */
+  choose(index) {
+    const stored = this.data.seas[index];
+    const designs = stored.designs.map((design) => ({ ...design, heave: unpacked(design.heave), shell: unpacked(design.shell) }));
+    this.sea = { ...stored, surface: unpacked(stored.surface), designs };
+    this.across = this.sea.surface.length / this.sea.frames;
+    Object.assign(this.part("moment"), { min: 0, max: this.sea.frames - 1, step: 1, value: 0 });
+    this.draw(0);
+  }
+
+  /** Play, or pause. */
+  play(on) {
+    this.playing = on;
+    this.part("play").textContent = on ? "pause" : "play";
+    if (!on) return;
+    let [last, moment] = [null, this.frame];
+    const step = (now) => {
+      if (!this.playing) return;
+      moment += last === null ? 0 : Math.min(now - last, 100) / 1000 / this.sea.step;
+      last = now;
+      if (moment >= this.sea.frames - 1) moment = 0;
+      if (Math.floor(moment) !== this.frame) this.draw(Math.floor(moment));
+      requestAnimationFrame(step);
+    };
+    requestAnimationFrame(step);
+  }
+
+  /** Points of a meridian about the sphere's centre: x = (r + v) sin + u cos, z = (r + v) cos - u sin. */
+  meridian(design, frame) {
+    const { radius, colatitude, radial, meridional, rest } = this.shape;
+    const count = colatitude.length;
+    return Array.from(colatitude, (angle, i) => {
+      let [v, u] = [0, 0];
+      for (let n = 0; n < rest.length; n++) {
+        const moved = n < design.modes ? this.data.factor * design.shell[frame * design.modes + n] : 0;
+        v += (rest[n] + moved) * radial[n * count + i];
+        u += (rest[n] + moved) * meridional[n * count + i];
+      }
+      const [sine, cosine] = [Math.sin(angle), Math.cos(angle)];
+      return [(radius + v) * sine + u * cosine, (radius + v) * cosine - u * sine];
+    });
+  }
+
+  /** Draw a frame: every design in its piece of water. */
+  draw(frame) {
+    this.frame = frame;
+    this.part("moment").value = frame;
+    this.part("moment-says").textContent = `${(this.sea.start + frame * this.sea.step).toFixed(2)} s`;
+    const { designs, width } = this.data;
+    const columns = this.canvas.clientWidth < 480 ? Math.min(2, designs.length) : designs.length;
+    const cell = Math.min(this.canvas.clientWidth / columns, 260);
+    const ratio = globalThis.devicePixelRatio || 1;
+    this.canvas.style.height = `${(cell + 18) * Math.ceil(designs.length / columns)}px`;
+    this.canvas.width = this.canvas.clientWidth * ratio;
+    this.canvas.height = this.canvas.clientHeight * ratio;
+    const pen = this.canvas.getContext("2d");
+    pen.scale(ratio, ratio);
+    designs.forEach((design, i) => {
+      pen.save();
+      pen.translate((i % columns) * cell + cell / 2, Math.floor(i / columns) * (cell + 18) + cell / 2 + 14);
+      this.drawBuoy(pen, design, this.sea.designs[i], frame, (cell / 2 - 4) / width);
+      pen.restore();
+    });
+  }
+
+  /** One buoy in its water; up is up. */
+  drawBuoy(pen, look, design, frame, scale) {
+    const half = this.data.width * scale;
+    pen.fillStyle = "#1c2430";
+    pen.font = '12px "DejaVu Sans", Verdana, sans-serif';
+    pen.textAlign = "center";
+    pen.fillText(look.name, 0, -half - 3);
+    pen.beginPath();
+    pen.rect(-half, -half, 2 * half, 2 * half);
+    pen.clip();
+    pen.beginPath();
+    pen.moveTo(-half, half);
+    for (let k = 0; k < this.across; k++) {
+      pen.lineTo(half * ((2 * k) / (this.across - 1) - 1), -scale * this.sea.surface[frame * this.across + k]);
+    }
+    pen.lineTo(half, half);
+    pen.fillStyle = "#d5ebf8";
+    pen.fill();
+    const height = this.shape.centre + design.heave[frame];
+    const points = this.meridian(design, frame);
+    pen.beginPath();
+    for (const [x, z] of points) pen.lineTo(scale * x, -scale * (height + z));
+    for (const [x, z] of [...points].reverse()) pen.lineTo(-scale * x, -scale * (height + z));
+    pen.closePath();
+    pen.fillStyle = `${look.colour}22`;
+    pen.fill();
+    pen.strokeStyle = look.colour;
+    pen.lineWidth = design.modes ? 2 : 4;
+    pen.stroke();
+    pen.setLineDash([2, 4]);
+    pen.lineWidth = 1;
+    pen.beginPath();
+    pen.arc(0, -scale * height, scale * this.shape.radius, 0, 2 * Math.PI);
+    pen.strokeStyle = "#566170";
+    pen.stroke();
+  }
+}

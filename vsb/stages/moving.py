@@ -1,0 +1,53 @@
+"""What a study's page draws in motion, gathered from its runs."""
+
+import itertools
+import math
+from typing import Any
+
+import xarray as xr
+
+from vsb.hydro.dofs import flexible
+from vsb.report.animation import PERIODS, SEEN, frames_data, shapes_data
+from vsb.report.living import designs_data
+from vsb.report.shell_figures import round_factor
+from vsb.stages.inputs import Inputs
+from vsb.study.study import StillWater
+from vsb.waves.seas import NO_WAVES, sea
+
+SEAS = 4
+"""Most seas whose motion a page holds."""
+
+
+def moving_study(stored: Inputs, modes: xr.Dataset) -> dict[str, Any]:
+    """Return the motion of all designs in the first seas of a study, its still water left out where there are waves.
+
+    Parameters
+    ----------
+    stored : Inputs
+    modes : Dataset
+        Of rule `modes`.
+    """
+    study = stored.study
+    waves = [wave for wave in study.drawn_waves if not isinstance(wave, StillWater)]
+    shown = waves or study.drawn_waves
+    width = SEEN * study.device.radius
+    seas, largest, duration = [], 0.0, study.simulation.duration
+    for wave in itertools.islice(shown, SEAS):
+        runs = {design: stored.runs[design, wave.label] for design in study.designs}
+        largest = max(largest, *(_shell(run, study.simulation.window) for run in runs.values()))
+        moved = sea(wave, study.hydro.omega_max, duration) if study.needs_bem else NO_WAVES
+        period = duration / PERIODS if isinstance(wave, StillWater) else 2 * math.pi / wave.omega
+        seas.append(frames_data(wave.description, runs, moved, study.simulation.window, period, width, study.water))
+    return {
+        "designs": designs_data(list(study.designs), study.reference_design),
+        "width": width,
+        "factor": round_factor(largest, study.device.radius),
+        "shapes": shapes_data(modes),
+        "seas": seas,
+    }
+
+
+def _shell(run: xr.Dataset, window: tuple[float, float]) -> float:
+    """Largest modal amplitude of a run in its window [m]; zero of a rigid design."""
+    settled = run.position.sel(time=slice(*window))[:, 1:]
+    return float(abs(settled).max()) if flexible(run.dof.values) else 0.0
