@@ -44,7 +44,9 @@ def varied(study: Study, **changes) -> Study:
     """A study with some sections updated: device={"mass": ...}, designs={...}."""
     data = study.model_dump()
     for section, update in changes.items():
-        data[section] = {**data[section], **update} if isinstance(update, dict) and section != "designs" else update
+        data[section] = (
+            {**(data.get(section) or {}), **update} if isinstance(update, dict) and section != "designs" else update
+        )
     return config.parse(data)
 
 

@@ -107,6 +107,10 @@ def test_a_point_sets_keys_and_nothing_else():
         ({"designs.NONE.clamp": 1.0}, "designs.NONE.clamp: the study has no NONE; needs one of FSB, VSWEC"),
         ({"pto.force_limit": 1e4}, r"pto: received law linear, force_limit 10000 N, .*; a year needs law: linear"),
         ({"pto.efficiency": 0.8}, "efficiency 0.8; a year needs"),
+        (
+            {"drag": {"heave": {"coefficient": 1.0, "area": 3.0}}},
+            "drag: a year is of linear theory, in which what waves",
+        ),
         ({"scale": 0.0}, "scale: received 0.0, needs 0.001 to 1000"),
         ({"scale": "big"}, "scale: received 'big'"),
     ],

@@ -65,7 +65,7 @@ STUDIES = {
     "law": {"pto": {"law": "saturated", "force_limit": 3e3, "stroke_limit": 0.5}, "hydro": TABULATED, "waves": [SWELL]},
     "pto": {
         "pto": {"port": {"colatitude": 90}, "efficiency": 0.8, "stiffness": 500.0, "tuning": "each"},
-        "hydro": TABULATED, "waves": [SWELL, SEAS["jonswap"]],
+        "hydro": TABULATED, "waves": [SWELL, SEAS["jonswap"]], "drag": {"heave": {"coefficient": 0.5, "area": 3.0}},
     },
     "between": {"pto": {"port": {"between": [0, 90]}}, "hydro": TABULATED, "waves": [SWELL]},
     "auto": {"hydro": {**TABULATED, "model": "auto", "power_tolerance": 0.01}, "waves": [SWELL]},
@@ -104,7 +104,7 @@ def reads(study):
         sea = [f"waves.{i}.{key}*" for key in type(wave).model_fields if key != "realisations"]
         dynamics = [f"hydro.{key}" for key in ("model", "pressure", "power_tolerance", "omega_max")]
         pto = [f"pto.{key}*" for key in type(study.pto).model_fields if key != "damping" or study.pto.tuning == "fixed"]
-        sections = ["reference_shape", *pto, "simulation.*", f"designs.{design}.*"]
+        sections = ["reference_shape", *pto, "drag.*", "simulation.*", f"designs.{design}.*"]
         found["simulate", design, i] = [*shell, *sections, *sea, *dynamics]
     if not study.needs_bem:
         return found
@@ -130,7 +130,7 @@ def reads(study):
         "database": [*shell, "reference_shape", *grid[:2], "hydro.tolerance", "hydro.accept.*"],
         "radiation": ["hydro.tolerance"],
         "response": [*shell, "designs.*", "pto.*", *grid],
-        "ladder": [*shell, "designs.*", "pto.*", "waves.*", *without_method, "hydro.omega_max"],
+        "ladder": [*shell, "designs.*", "pto.*", "drag.*", "waves.*", *without_method, "hydro.omega_max"],
     }
 
 

@@ -4,7 +4,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vsb.study.study import Jonswap, RegularWave, StillWater
-from vsb.waves.seas import Sea, group_velocity, irregular, jonswap_spectrum, power_limit, sea, wavenumber
+from vsb.waves.seas import (
+    Sea,
+    group_velocity,
+    irregular,
+    jonswap_spectrum,
+    power_limit,
+    sea,
+    vertical_velocity,
+    wavenumber,
+)
 
 G = 9.81
 
@@ -156,3 +165,15 @@ def test_peakedness_acts_over_the_published_widths(relative, width):
     assert raised[0] / raised[1] == pytest.approx(
         3.3 ** (np.exp(-((relative - 1) ** 2) / (2 * width**2)) - 1), rel=1e-12
     )
+
+
+@pytest.mark.parametrize("depth", [np.inf, 3.0])
+def test_the_vertical_velocity_is_that_of_the_surface_and_of_the_bottom(depth):
+    """-i omega at the surface, zero at the bottom, and w'' = k^2 w in between (Laplace)."""
+    omega, step = np.array([0.8, 2.0]), 1e-3
+    k = np.array([wavenumber(w, depth, 9.81) for w in omega])
+    at = [vertical_velocity(omega, z, depth, 9.81) for z in (0.0, -1.0 - step, -1.0, -1.0 + step)]
+    assert at[0] == pytest.approx(-1j * omega)
+    assert (at[1] - 2 * at[2] + at[3]) / step**2 == pytest.approx(k**2 * at[2], rel=1e-4)
+    if np.isfinite(depth):
+        assert np.abs(vertical_velocity(omega, -depth, depth, 9.81)).max() < 1e-15

@@ -22,6 +22,7 @@ from vsb.motion.system import EXCITING, System
 from vsb.tools.units import FloatArray
 
 TERMS = ("wave", "pto", "radiated", "structural", "stored")
+"""Of every run; see `terms`."""
 RECORDS = 6  # that make a polynomial, two before the step
 GAUSS = 6
 BLOCK = 512  # steps at a time: they stay in the cache
@@ -193,7 +194,8 @@ def energies(system: System, motion: Motion) -> dict[str, FloatArray]:
     `turned` is no term of the sum: kinetic energy, and a billionth of the energy stored, below which all is round-off.
     With the state space, radiated power is |L^T x|^2/2 and the memory stores x.x/2, both from the memory states alone:
     the audit is then a check on the whole chain. With the convolution the radiation force's work stands for both.
-    Where forces jump between records the motion brings its works along.
+    Where forces jump between records the motion brings its works along. A nonlinear force that is not the water's
+    takes what it does not store: the take-off `pto`, others a term of their own name.
     """
     stored, kinetic = system.energy(motion)
     held = {"stored": stored - stored[0], "turned": kinetic + 1e-9 * np.abs(stored)}
@@ -201,12 +203,26 @@ def energies(system: System, motion: Motion) -> dict[str, FloatArray]:
         return {**motion.works, **held}
     named, none = system.forces(motion), np.zeros((len(motion.time), system.free))
     acting: list[FloatArray] = [sum((named[name] @ system.shapes for name in EXCITING if name in named), none)]
+    first = len(acting)
     if not motion.memory.size:
         acting += [-named[name] @ system.shapes for name in system.scene.memories]
+    radiating, foreign, q = len(acting) - first, system.foreign, motion.position @ system.scene.motions.T
+    acting += [-named[name] @ system.shapes for name in foreign]
     run = flow(system, motion, system.driving(motion, named))
     known = run.states.shape[1]
-    pto, structural, radiated, wave, *convolved = run.works(system.losses()[:, :known, :known], acting)
-    return {"wave": wave, "pto": pto, "radiated": sum(convolved, radiated), "structural": structural, **held}
+    pto, structural, radiated, wave, *others = run.works(system.losses()[:, :known, :known], acting)
+    energy = {"wave": wave, "pto": pto, "radiated": sum(others[:radiating], radiated), "structural": structural}
+    for name, taken in zip(foreign, others[radiating:], strict=True):
+        kept = system.scene.forces[name].stored(q)
+        term = "pto" if name == system.scene.take_off else name
+        energy[term] = energy.get(term, 0.0) + taken - (kept - kept[0])
+    return {**energy, **held}
+
+
+def terms(energy: Mapping[str, FloatArray]) -> tuple[str, ...]:
+    """Return the terms of an audit, the waves' work first, what is stored last: `TERMS` and forces of their own."""
+    others = [term for term in energy if term not in (*TERMS, "turned")]
+    return (*TERMS[:-1], *others, TERMS[-1])
 
 
 class Balance(NamedTuple):
@@ -218,9 +234,9 @@ class Balance(NamedTuple):
 
     def after(self, energy: Mapping[str, FloatArray]) -> "Balance":
         """Return the audit after one more leg; `energy` since the start of the run."""
-        unbalanced = energy["wave"] - sum(energy[term] for term in TERMS[1:])
-        largest = max(float(np.abs(energy[term]).max()) for term in (*TERMS, "turned"))
-        ended = {term: float(energy[term][-1]) for term in TERMS}
+        unbalanced = energy["wave"] - sum(energy[term] for term in terms(energy)[1:])
+        largest = max(float(np.abs(part).max()) for part in energy.values())
+        ended = {term: float(energy[term][-1]) for term in terms(energy)}
         return Balance(ended, max(self.unbalanced, float(np.abs(unbalanced).max())), max(self.largest, largest))
 
     @property

@@ -203,7 +203,7 @@ class GaussIntegrator:
         ConvergenceError
             If the equations of a step have no solution that is found.
         """
-        self.system.check_smooth()
+        self.system.check_compiled()
         h, out = float(time[1] - time[0]) / substeps, np.empty((len(time), len(first)))
         out[0], count = first, substeps * (len(time) - 1)
         step, r = step_matrices(self.system.matrix, self.system.free, h), self.system.remainder

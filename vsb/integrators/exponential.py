@@ -141,7 +141,7 @@ def integrate(system: System, time: FloatArray, start: tuple[FloatArray, ...], t
     ValueError
         If the scene is linear.
     """
-    system.check_smooth()
+    system.check_compiled()
     method = ExponentialIntegrator(system, float(time[1] - time[0]), float(time[0]))
     if not march.signatures:  # compile or load: no part of the motion's seconds
         method.run(np.zeros(len(system.matrix)), 2, 1.0)

@@ -9,6 +9,7 @@ import numpy as np
 from vsb.errors import ConvergenceError
 from vsb.hydro.kernel import DampingSpectrum
 from vsb.integrators.audit import START, energies
+from vsb.integrators.collocation import collocated
 from vsb.integrators.convolution import convolve
 from vsb.integrators.energy_preserving import structure_preserving
 from vsb.integrators.exact import propagate, steady_state
@@ -61,12 +62,22 @@ METHODS: dict[str, Method] = {
     "convolution": Method("convolution", _convolved),
     "switching": Method("exact propagation between switches", lambda s, tol, _: Switching(s, tol).follow),
     "exponential": Method("exponential Adams", lambda s, tol, _: lambda time, start: integrate(s, time, start, tol)),
+    "collocation": Method(
+        "exponential collocation", lambda s, tol, _: lambda time, start: collocated(s, time, start, tol)
+    ),
     "structure_preserving": Method(
         "structure-preserving", lambda s, tol, _: lambda time, start: structure_preserving(s, time, start, tol)
     ),
 }
 """`simulation.method` -> how a motion is followed; `auto` is the first of these or, where a take-off switches,
-`switching`, where other forces are nonlinear, `exponential`."""
+`switching`, where the water's force is nonlinear, `exponential`, where another one is, `collocation`."""
+
+
+def suited(system: System) -> str:
+    """Return the method that suits a system, of `METHODS`."""
+    if system.linear:
+        return "exact"
+    return "switching" if system.switching else "collocation" if system.foreign else "exponential"
 
 
 def simulate(
@@ -110,8 +121,7 @@ def legs(
     """
     count, convolved = recorded_steps(system, sea, settings), settings.method == "convolution"
     enough = max(settings.tolerance, CONVOLVED if convolved else ROUND_OFF)
-    suited = "exact" if system.linear else "switching" if system.switching else "exponential"
-    name = {"auto": suited}.get(settings.method, settings.method)
+    name = {"auto": suited(system)}.get(settings.method, settings.method)
     follow = METHODS[name].follower(system, settings.tolerance, spectrum)
     method = WET_SWITCHING if name == "switching" and system.scene.water else METHODS[name].words
     start: tuple[FloatArray, ...] = system.scene.start(settings.initial_position, settings.initial_velocity)

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from vsb.integrators.audit import START, TERMS, Balance, energies
+from vsb.integrators.audit import START, Balance, energies, terms
 from vsb.motion.motion import Motion
 from vsb.motion.system import System
 from vsb.tools.units import FloatArray
@@ -56,12 +56,13 @@ def recorded(system: System, leg: Leg, sea: Sea | None, window: tuple[float, flo
         power = np.sum(named.get(scene.take_off, 0.0 * series["velocity"]) * series["velocity"], axis=1, keepdims=True)
         watched = np.hstack([series["position"], series["velocity"], power])
         kept = np.union1d(kept, _extremes(watched, (motion.time > window[0] - 1e-9) & (motion.time < window[1] + 1e-9)))
+    balance = terms(leg.energy)
     run = xr.Dataset(
         {
             **{name: (("time", "dof"), values[kept]) for name, values in series.items()},
-            "energy": (("time", "term"), np.stack([leg.energy[term][kept] for term in TERMS], axis=1)),
+            "energy": (("time", "term"), np.stack([leg.energy[term][kept] for term in balance], axis=1)),
         },
-        coords={"time": motion.time[kept], "dof": labels, "term": list(TERMS)},
+        coords={"time": motion.time[kept], "dof": labels, "term": list(balance)},
     )
     return run.assign(elevation=("time", sea.elevation(motion.time)[kept])) if sea else run
 

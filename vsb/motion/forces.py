@@ -6,7 +6,7 @@ Knows no other force and no integrator. A force that is all linear says so by `l
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple, Self
+from typing import NamedTuple, Protocol, Self
 
 import numpy as np
 
@@ -28,6 +28,13 @@ class Linear(NamedTuple):
     memory: RadiationModel | None = None  # A and G; what it takes is |L^T x|^2/2
     waves: "Excitation | None" = None
     whole: bool = True  # it is all of the force
+
+
+class During(Protocol):
+    """A force at rows of the instants it was asked for, by q and v there, shape (row, dof)."""
+
+    def __call__(self, q: FloatArray, v: FloatArray, rows: slice = ...) -> FloatArray:
+        """Return the force, shape (row, dof) [N]."""
 
 
 class Force(ABC):
@@ -53,6 +60,10 @@ class Force(ABC):
         part = self.linear()
         terms = [x @ matrix.T for x, matrix in ((q, part.stiffness), (v, part.damping)) if matrix is not None]
         return -sum(terms[1:], terms[0]) if terms else np.zeros(q.shape)
+
+    def during(self, time: FloatArray) -> "During":
+        """Return the force at some of these instants by q and v there: what time alone decides is found once."""
+        return lambda q, v, rows=slice(None): self.force(np.ascontiguousarray(time[rows]), q, v)  # compiled once
 
     def named(self, name: str, time: FloatArray, q: FloatArray, v: FloatArray) -> dict[str, FloatArray]:
         """Return the force as a run records it, under its own name or in parts with theirs; see `force`."""
@@ -197,6 +208,41 @@ class ConstantForce(Force):
     def stored(self, q: FloatArray) -> FloatArray:
         """Return what it has yet to do, -f.q."""
         return -q @ self.value
+
+
+@dataclass(frozen=True)
+class QuadraticDrag(Force):
+    """f = -c |u| u b with c = rho C A/2 and the velocity u = b.q' - w past the water, w = Re sum W_j exp(-i omega_j t).
+
+    Morison's drag on one rigid direction of the buoy; w is the undisturbed flow of the waves along it.
+    """
+
+    direction: FloatArray  # b (dof,) [-]
+    coefficient: float  # c [kg/m]
+    omega: FloatArray  # of the waves (component,) [rad/s]
+    flow: ComplexArray  # W (component,) [m/s]
+
+    def linear(self) -> Linear:
+        """Nothing: it vanishes with the velocity, and so does its slope."""
+        return Linear(whole=False)
+
+    def force(self, time: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Return it along a motion."""
+        return self.during(time)(q, v)
+
+    def during(self, time: FloatArray) -> "During":
+        """Return it at some of these instants, the water's flow at hand."""
+        flow = superposed(self.omega, self.flow[:, None], time)[:, 0]
+
+        def force(q: FloatArray, v: FloatArray, rows: slice = slice(None)) -> FloatArray:
+            past = v @ self.direction - flow[rows]
+            return np.asarray(-self.coefficient * np.outer(np.abs(past) * past, self.direction))
+
+        return force
+
+    def raised(self, share: float) -> Self:
+        """Return it in a share of its waves."""
+        return replace(self, flow=share * self.flow)
 
 
 @dataclass(frozen=True)

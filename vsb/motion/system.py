@@ -8,6 +8,7 @@ are the linear waves. Every entry of A is of the size of a frequency, so a shell
 motion.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple, Self
@@ -167,6 +168,19 @@ class System:
         if self.switching:
             raise ValueError("received a take-off that switches, needs smooth forces; use `switched`.")
 
+    def check_compiled(self) -> None:
+        """Check that the compiled n holds all nonlinear forces.
+
+        Raises
+        ------
+        ValueError
+        """
+        self.check_smooth()
+        if self.foreign:
+            raise ValueError(
+                f"received the force {', '.join(self.foreign)}, which compiled steps do not know; use `collocated`."
+            )
+
     # forces ---------------------------------------------------------------------------------------------------------
 
     def added(self, time: FloatArray, z: FloatArray) -> FloatArray:
@@ -177,9 +191,18 @@ class System:
         time : ndarray, shape (time,) [s]
         z : ndarray, shape (time, state)
         """
-        q, v = z[:, : self.free] @ (self.shapes / self.scale).T, z[:, self.free : 2 * self.free] @ self.shapes.T
-        beyond = [self.scene.forces[name] for name, part in self.scene.linear.items() if not part.whole]
-        return sum((force.force(time, q, v) for force in beyond), self._tangential(q, v)) @ self.shapes
+        return self.added_during(time)(z, slice(None))
+
+    def added_during(self, time: FloatArray) -> Callable[[FloatArray, slice], FloatArray]:
+        """Return n at rows of some instants as a function of z there; see `added`."""
+        beyond = [self.scene.forces[name].during(time) for name, part in self.scene.linear.items() if not part.whole]
+        position = (self.shapes / self.scale).T
+
+        def n(z: FloatArray, rows: slice) -> FloatArray:
+            q, v = z[:, : self.free] @ position, z[:, self.free : 2 * self.free] @ self.shapes.T
+            return sum((force(q, v, rows) for force in beyond), self._tangential(q, v)) @ self.shapes
+
+        return n
 
     def push(self, time: FloatArray) -> FloatArray:
         """Return the linear waves at equally spaced instants, shape (time, free)."""

@@ -215,15 +215,17 @@ def energy_audit(data: StudyData, wave: str) -> Figure:
     """Draw where the energy of each run went: wave work = take-off + radiated + structural + stored."""
     figure, axes = grid_of_axes(0.9 + 0.45 * len(data.designs))
     ax = axes[0, 0]
-    colours = {"pto": "#0072B2", "radiated": "#56B4E9", "structural": "#E69F00", "stored": "#999999"}
-    names = {"pto": "power take-off", "radiated": "radiated", "structural": "structural damping", "stored": "stored"}
+    colours = {"pto": "#0072B2", "radiated": "#56B4E9", "structural": "#E69F00", "drag": "#009E73", "stored": "#999999"}
+    names = {"pto": "power take-off", "structural": "structural damping"}
     rows = np.arange(len(data.designs))
     final = [data.runs[design, wave].energy.isel(time=-1) / 1e3 for design in data.designs]
     left = {True: np.zeros(len(rows)), False: np.zeros(len(rows))}
-    for term, colour in colours.items():
+    there = set.intersection(*(set(one.term.values) for one in final))
+    for term, colour in ((term, colour) for term, colour in colours.items() if term in there):
         values = np.array([float(one.sel(term=term)) for one in final])
         gone = values >= 0
-        ax.barh(rows, values, left=np.where(gone, left[True], left[False]), color=colour, label=names[term])
+        label = names.get(term, term)
+        ax.barh(rows, values, left=np.where(gone, left[True], left[False]), color=colour, label=label)
         for sign in left:
             left[sign] += np.where(gone == sign, values, 0.0)
     ax.plot([float(one.sel(term="wave")) for one in final], rows, "k|", markersize=16, label="work of the wave")

@@ -3,7 +3,7 @@
 import csv
 import io
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from functools import partial, reduce
 from typing import NamedTuple
 
 import numpy as np
@@ -11,10 +11,12 @@ import numpy as np
 from vsb.errors import ConfigError, VsbError
 from vsb.hydro.database import Check, check_at_most
 from vsb.motion.constrained import optimum_in_sea
+from vsb.motion.drag import DraggedPort, best_damper, best_pair, under
 from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import Port
 from vsb.motion.tuning import IntArray, Load, best_dampers, best_pairs, frequencies, mean_power, squares
 from vsb.scenes.build import linear_buoy, study_port
+from vsb.scenes.drag import dragged_port
 from vsb.scenes.rest import design_motions
 from vsb.study.specs import LadderSpec
 from vsb.study.study import IrregularSea, StillWater
@@ -98,8 +100,29 @@ def linear_rungs(port: Port, waves: FloatArray, families: Sequence[int], given: 
     return rungs | {"best_damper": best, "best_damper_all_seas": one, "best_spring_damper": pairs}
 
 
+def dragged_rungs(port: DraggedPort, waves: FloatArray, families: Sequence[int], given: Given) -> dict[str, Load]:
+    """Return the rungs of dampers and springs of one design beside quadratic drag; see `linear_rungs`."""
+    spring, efficiency = given.stiffness, given.efficiency
+    one = under(port, waves, best_damper(port, waves[list(families)], spring, efficiency), spring, efficiency)
+    rungs = {} if given.damping is None else {"fixed": under(port, waves, given.damping, spring, efficiency)}
+    best, pairs = [], []
+    for i, here in enumerate(waves[:, None]):
+        known = [Load(*(v[[i]] for v in load)) for load in (one, *rungs.values())]
+        found = under(port, here, best_damper(port, here, spring, efficiency), spring, efficiency)
+        best.append(reduce(Load.or_better, known, found))
+        pairs.append(best_pair(port, here, best[-1], efficiency))
+    together = (Load(*map(np.concatenate, zip(*loads, strict=True))) for loads in (best, pairs))
+    names = ("best_damper", "best_damper_all_seas", "best_spring_damper")
+    return rungs | dict(zip(names, (next(together), one, next(together)), strict=True))
+
+
 def ladder(
-    ports: Mapping[str, Port], seas: Mapping[str, Sea], families: Sequence[int], given: Mapping[str, Given], time: float
+    ports: Mapping[str, Port],
+    seas: Mapping[str, Sea],
+    families: Sequence[int],
+    given: Mapping[str, Given],
+    time: float,
+    dragged: Mapping[str, DraggedPort] | None = None,
 ) -> list[Rung]:
     """Return the rungs of every design in every sea.
 
@@ -114,14 +137,22 @@ def ladder(
     given : mapping design -> Given
     time : float
         How long a realisation is looked at for its peaks [s].
+    dragged : mapping design -> DraggedPort, optional
+        Where there is drag: dampers and springs are judged beside it, the matched power knows none.
     """
     found: list[Rung] = []
     for design, port in ports.items():
         waves = squares(list(seas.values()), port.omega)
-        matched, loads = waves @ port.matched_power, linear_rungs(port, waves, families, given[design])
+        matched, beside = waves @ port.matched_power, dragged[design] if dragged else None
+        if beside is None:
+            loads = linear_rungs(port, waves, families, given[design])
+        else:
+            loads = dragged_rungs(beside, waves, families, given[design])
         for i, (label, here) in enumerate(seas.items()):
             at = np.searchsorted(port.omega, here.omega)
-            forces, strokes = _phasors(port, at, [Load(*(v[[i]] for v in load)) for load in loads.values()], here)
+            own = [Load(*(v[[i]] for v in load)) for load in loads.values()]
+            braked = [port if beside is None else _braked(beside, waves[[i]], load) for load in own]
+            forces, strokes = _phasors(port, at, list(zip(braked, own, strict=True)), here)
             peaks = _peaks(here, np.concatenate([forces, strokes]), time)
             rms = np.sqrt(0.5 * np.sum(np.abs(forces) ** 2, axis=1))
             names = [*loads, "matched"]
@@ -157,7 +188,10 @@ def study_ladder(spec: LadderSpec, database: str) -> list[Rung]:
     omega, motions = frequencies(list(seas.values())), {d: design_motions(spec, basis, d) for d in spec.designs}
     ports = {design: buoy.port(omega, free, direction) for design, free in motions.items()}
     given = {design: Given(pto.damper(design), pto.stiffness, pto.efficiency) for design in spec.designs}
-    rungs = ladder(ports, seas, families, given, spec.simulation.duration)
+    dragged = None
+    if spec.drag is not None:
+        dragged = {d: dragged_port(spec, buoy, omega, free, direction) for d, free in motions.items()}
+    rungs = ladder(ports, seas, families, given, spec.simulation.duration, dragged)
     if not pto.limited:
         return rungs
     limits = Limits(pto.force_limit, pto.stroke_limit, float(buoy.database.omega[0]), hydro.omega_max)
@@ -212,13 +246,19 @@ def constrained_checks(rungs: Sequence[Rung]) -> list[Check]:
     return checks
 
 
-def _phasors(port: Port, at: IntArray, loads: Sequence[Load], sea: Sea) -> tuple[ComplexArray, ComplexArray]:
-    """Forces and displacements under loads and under the matched force, each shape (load, component) [N], [m]."""
-    damping, stiffness = (np.concatenate([load[k] for load in loads]) for k in (0, 1))
-    impedance = port.load(damping, stiffness)
-    velocity = port.velocity_under(impedance)
-    forces = np.concatenate([impedance * velocity, port.matched_force[None]])
-    velocities = np.concatenate([velocity, (port.velocity - port.admittance * port.matched_force)[None]])
+def _braked(port: DraggedPort, squares: FloatArray, load: Load) -> Port:
+    """The port beside the linear drag of one load in one sea."""
+    return port.beside(float(port.settled(squares, load.damping, load.stiffness)[0, 0]))
+
+
+def _phasors(
+    port: Port, at: IntArray, loads: Sequence[tuple[Port, Load]], sea: Sea
+) -> tuple[ComplexArray, ComplexArray]:
+    """Forces and displacements under loads at their ports and under the matched force, (load, component) [N], [m]."""
+    impedance = [seen.load(*load[:2]) for seen, load in loads]
+    velocity = [seen.velocity_under(z) for (seen, _), z in zip(loads, impedance, strict=True)]
+    forces = np.concatenate([*(z * v for z, v in zip(impedance, velocity, strict=True)), port.matched_force[None]])
+    velocities = np.concatenate([*velocity, (port.velocity - port.admittance * port.matched_force)[None]])
     return forces[:, at] * sea.amplitude, (velocities / (-1j * port.omega))[:, at] * sea.amplitude
 
 

@@ -19,6 +19,7 @@ from vsb.motion.port import port_direction
 from vsb.motion.pto import LinearPto
 from vsb.results.comparison import Row, Runs
 from vsb.results.power import damper_of, power_response
+from vsb.scenes.drag import LINEARISED
 from vsb.scenes.rest import computed_buckling, design_motions, loaded_shell, reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.loaded import ElasticShell, viable_pressure
@@ -214,6 +215,15 @@ def linearity_check(study: Study, wave: RegularWave, power: float, mean: float, 
     return check_at_most("linearity", difference, 0.05, "-", text, doubt=True, design=design, wave=wave.label)
 
 
+def drag_check(study: Study, wave: RegularWave, run: Mapping[str, Any], mean: float, design: str) -> Check:
+    """Return the difference of mean power with quadratic drag from that beside its equivalent damper."""
+    expected = float(run[LINEARISED])
+    difference = abs(mean / expected - 1) if expected else abs(mean)
+    text = f"mean power is {plain(mean)} W with quadratic drag, {plain(expected)} W beside its equivalent damper of "
+    text += f"{plain(float(run['drag_damping']))} N s/m; the frequency response and the matched limit know no drag"
+    return check_at_most("drag", difference, 0.05, "-", text, doubt=True, design=design, wave=wave.label)
+
+
 def with_full_basis(database: xr.Dataset, study: Study) -> tuple[xr.Dataset, ModeBasis]:
     """Return the database and basis with both branches of the shell, from one that has a mode of every degree.
 
@@ -321,6 +331,9 @@ def linear_ledger(
         if isinstance(wave, RegularWave) and not study.pto.switches:
             for design in study.designs:
                 run = runs[design, wave.label]
+                if LINEARISED in run:
+                    checks.append(drag_check(study, wave, run, means[design, wave.label], design))
+                    continue
                 power = float(power_response(study, frequency, design, run).sel(omega=wave.omega, method="nearest"))
                 body_exact = run["model"] == "body_exact"
                 check = linearity_check if body_exact else steady_state_check

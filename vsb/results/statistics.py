@@ -17,6 +17,7 @@ from scipy.stats import t as student
 
 from vsb.hydro.database import Check, check_at_most
 from vsb.results.power import power_response
+from vsb.scenes.drag import LINEARISED
 from vsb.study.study import Irregular, IrregularSea, Study
 from vsb.tools.units import FloatArray
 from vsb.tools.words import plain
@@ -106,8 +107,11 @@ class Sample(NamedTuple):
 
 def sample(study: Study, wave: Irregular, design: str, run: xr.Dataset, sea: Sea, response: xr.Dataset) -> Sample:
     """Return what statistics keep of the run of a design in a realisation of a sea."""
-    power = power_response(study, response, design, run.attrs)
-    return Sample(batch_means(run, study.simulation.window, wave.memory), linear_power(power, sea))
+    if LINEARISED in run.attrs:
+        linear = float(run.attrs[LINEARISED])
+    else:
+        linear = linear_power(power_response(study, response, design, run.attrs), sea)
+    return Sample(batch_means(run, study.simulation.window, wave.memory), linear)
 
 
 def statistics(study: Study, samples: Mapping[tuple[str, str], Sample]) -> list[Line]:

@@ -2,6 +2,7 @@
 
 import time as clock
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -19,6 +20,7 @@ from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.system import System, TakeOff
 from vsb.scenes import automatic
+from vsb.scenes.drag import dragged_port, linearised, with_drag
 from vsb.scenes.pause import best_pause_in_sea, with_pause
 from vsb.scenes.rest import design_motions, study_basis
 from vsb.scenes.take_off import linear_take_off, with_take_off
@@ -82,15 +84,16 @@ def study_port(study: Driven, buoy: LinearBuoy, basis: ModeBasis) -> FloatArray:
 def linear_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
     """Return the scene of linear hydrodynamics about the mean shape."""
     at = _from_bem(run, paths)
-    return at.with_scene(*_released(_linear(run, at), run, at), {"model": "linear"})
+    scene, notes = _released(_linear(run, at), run, at)
+    return at.with_scene(with_drag(scene, run, at.sea), notes, {"model": "linear"})
 
 
 def body_exact_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
     """Return the scene with static and Froude-Krylov forces on the instantaneous wet shell, the rest linear."""
     at = _from_bem(run, paths)
     scene = body_exact_scene(at.buoy, at.shape, at.radiation, at.sea, at.motions)
-    scene = with_take_off(scene, run.pto, at.buoy.pto)
-    return at.with_scene(*_released(scene, run, at), {"model": "body_exact"})
+    scene, notes = _released(with_take_off(scene, run.pto, at.buoy.pto), run, at)
+    return at.with_scene(with_drag(scene, run, at.sea), notes, {"model": "body_exact"})
 
 
 def automatic_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
@@ -145,8 +148,10 @@ def _from_bem(run: SimulateSpec, paths: dict[str, Any]) -> _FromBem:
     waves, *others = (sea(w, run.hydro.omega_max, run.simulation.duration) for w in (wave, *run.seas))
     shape = rest_shape(run, bare, basis)
     motions, port = design_motions(run, basis, design), port_direction(run.pto.port, shape)
-    pto = linear_take_off(run.pto, design, bare, motions, port, others or [waves])
+    dragged = None if run.drag is None else partial(dragged_port, run, bare)
+    pto = linear_take_off(run.pto, design, bare, motions, port, others or [waves], dragged)
     notes = {} if run.pto.tuning == "fixed" else {TUNED: float(pto.damping)}
+    notes |= linearised(run, bare, motions, pto, waves)
     return _FromBem(replace(bare, pto=pto), shape, model, waves, motions, notes)
 
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from vsb.errors import ConfigError
+from vsb.motion import drag
 from vsb.motion.frequency import LinearBuoy, allowed_part
 from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
@@ -18,6 +19,8 @@ from vsb.waves.seas import Sea
 STIFFER = 100.0
 """Spring of an end stop over the buoy's own stiffness at the port: it gives way by some per cent of what it stops."""
 
+Dragged = Callable[[FloatArray, FloatArray, FloatArray], drag.DraggedPort]
+
 LAWS: Mapping[Law, Callable[[Pto, FloatArray, float], TakeOff]] = {
     "linear": lambda pto, port, damper: TakeOff(port, damper, pto.stiffness, pto.force_limit),
     "saturated": lambda pto, port, damper: TakeOff(port, damper, pto.stiffness, pto.force_limit),
@@ -29,7 +32,13 @@ LAWS: Mapping[Law, Callable[[Pto, FloatArray, float], TakeOff]] = {
 
 
 def linear_take_off(
-    pto: Pto, design: str, buoy: LinearBuoy, motions: FloatArray, port: FloatArray, seas: Sequence[Sea]
+    pto: Pto,
+    design: str,
+    buoy: LinearBuoy,
+    motions: FloatArray,
+    port: FloatArray,
+    seas: Sequence[Sea],
+    dragged: Dragged | None = None,
 ) -> LinearPto:
     """Return spring and damper of a run: the damper given, or the one that takes most of seas by linear theory.
 
@@ -44,6 +53,8 @@ def linear_take_off(
         b.
     seas : sequence of Sea
         What a damper that is not given is to suit: the sum of these.
+    dragged : callable, optional
+        Frequencies, motions and b -> the port beside a drag, where there is one.
 
     Raises
     ------
@@ -52,16 +63,26 @@ def linear_take_off(
     """
     damper = pto.damper(design)
     if pto.tuning != "fixed":
-        damper = best_damper(pto, buoy, motions, port, [sea for sea in seas if sea.omega.size])
+        damper = best_damper(pto, buoy, motions, port, [sea for sea in seas if sea.omega.size], dragged)
     assert damper is not None  # a Pto's own check
     return LinearPto(damper, pto.stiffness, port)
 
 
-def best_damper(pto: Pto, buoy: LinearBuoy, motions: FloatArray, port: FloatArray, seas: Sequence[Sea]) -> float:
+def best_damper(
+    pto: Pto,
+    buoy: LinearBuoy,
+    motions: FloatArray,
+    port: FloatArray,
+    seas: Sequence[Sea],
+    dragged: Dragged | None = None,
+) -> float:
     """Return the damper beside a take-off's spring that takes most of the sum of seas; see `linear_take_off`."""
     if not seas:
         raise ConfigError(f"pto.tuning: received {pto.tuning!r}, but nothing comes in; needs pto.damping in N s/m")
     omega = frequencies(seas)
+    if dragged:
+        at = dragged(omega, motions, port)
+        return drag.best_damper(at, squares(seas, omega), pto.stiffness, pto.efficiency)
     together = squares(seas, omega).sum(axis=0, keepdims=True)
     best = best_dampers(buoy.port(omega, motions, port), together, pto.stiffness, pto.efficiency)
     return float(best.damping[0])

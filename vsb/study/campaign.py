@@ -180,6 +180,8 @@ def study_at(base: Mapping[str, Any], point: Point) -> Study:
 
 def _check_linear(study: Study, where: str) -> None:
     """Check that its take-off is a damper and a spring without loss: a year is of such alone."""
+    if study.drag is not None:
+        raise ConfigError(f"{where}: drag: a year is of linear theory, in which what waves do adds up; remove it")
     if study.pto.switches or study.pto.efficiency != 1.0:
         raise ConfigError(
             f"{where}: pto: received law {study.pto.law}, force_limit {study.pto.force_limit:g} N, stroke_limit "

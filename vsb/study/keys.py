@@ -36,6 +36,7 @@ KEYS: dict[str, dict[str, Key]] = {
         "water": Key("", "{density: 1025.0, depth: 50.0}", "the sea without its waves"),
         "hydro": Key("", "{model: linear, tolerance: 1.0e-3}", "hydrodynamic model and its accuracy"),
         "pto": Key("", "{damping: 8000.0}", "power take-off"),
+        "drag": Key("", "{heave: {coefficient: 0.5, area: 12.57}}", "quadratic drag on rigid motion past the water"),
         "waves": Key("", "[{kind: jonswap, hs: 1.0, tp: 5.0}]", "seas; every design is followed in each"),
         "simulation": Key("", "{duration: 600.0, window: [100.0, 600.0]}", "runs in time"),
         "published": Key(
@@ -65,6 +66,13 @@ KEYS: dict[str, dict[str, Key]] = {
     "Gas": {
         "adiabatic_index": Key("-", "1.4", "ratio of specific heats; 1 is isothermal"),
         "atmospheric_pressure": Key("Pa", "101325.0", "pressure of the air outside"),
+    },
+    "Drag": {
+        "heave": Key("", "{coefficient: 0.5, area: 12.57}", "drag on heave, past the waves' flow at half the draft")
+    },
+    "Plate": {
+        "coefficient": Key("-", "0.5", "C of the force rho C A |u| u/2, u the velocity past the water"),
+        "area": Key("m^2", "12.57", "A of that force, for heave usually that of the waterplane"),
     },
     "Modes": {
         "basis": Key(

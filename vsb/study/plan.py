@@ -128,7 +128,7 @@ class StudyPlan(HydroPlan):
     @property
     def ladder(self) -> LadderSpec:
         """Spec of the tuning ladder; it follows no motion, so a method of the study's model is none of its own."""
-        sections = self._sections("device", "modes", "designs", "water", "pto", "waves")
+        sections = self._sections("device", "modes", "designs", "water", "pto", "drag", "waves")
         simulation = self.study.simulation.model_copy(update={"method": "auto"})
         return LadderSpec(hydro=Band(omega_max=self.study.hydro.omega_max), simulation=simulation, **sections)
 
@@ -142,7 +142,7 @@ class StudyPlan(HydroPlan):
             hydro=Dynamics(**study.hydro.model_dump(include=set(Dynamics.model_fields))),
             pto=study.pto.model_copy(update={"damping": damping, "tuning": tuning}),
             seas=study.one_of_each_sea if tuning == "one" else (),
-            **self._sections("device", "modes", "reference_shape", "water", "simulation"),
+            **self._sections("device", "modes", "reference_shape", "water", "drag", "simulation"),
         )
 
     @property

@@ -9,6 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, SerializerFunctionWrapHandler, field_serializer, model_serializer, model_validator
 
+from vsb.study.drag import Drag
 from vsb.study.floating import centre_height
 from vsb.study.quantities import Count, Name, Section
 from vsb.study.sections import Design, Device, Hydro, Modes, RestShape, Simulation, StillWater, Water, Wave
@@ -114,6 +115,22 @@ class DrivenSpec(DesignsSpec):
     def opens_chamber(self) -> bool:
         """Whether the take-off lets trapped gas in and out."""
         return opens_chamber(self.device, self.pto)
+
+
+class DraggedSpec(DrivenSpec):
+    """Specification of designs whose motion a drag may brake."""
+
+    drag: Drag | None = None
+
+    @property
+    def draft(self) -> float:
+        """Depth of the keel below still water [m]."""
+        return self.device.radius - self.centre_height
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_not_there(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        found: dict[str, Any] = dump(self)
+        return {key: value for key, value in found.items() if key != "drag" or value}
 
 
 class LoadedShape(Spec):
@@ -269,7 +286,7 @@ class Band(Section):
     omega_max: float
 
 
-class LadderSpec(DrivenSpec):
+class LadderSpec(DraggedSpec):
     """Tuning ladder of all designs in all seas."""
 
     TAG = "ladder"
@@ -278,7 +295,7 @@ class LadderSpec(DrivenSpec):
     hydro: Band
 
 
-class SimulateSpec(DesignsAtRest, DrivenSpec):
+class SimulateSpec(DesignsAtRest, DraggedSpec):
     """One design in one sea; `seas` are those its damper is to suit, where one is for all."""
 
     TAG = "simulate"
@@ -290,7 +307,7 @@ class SimulateSpec(DesignsAtRest, DrivenSpec):
     @model_serializer(mode="wrap")
     def _without_what_is_not_read(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
         found: dict[str, Any] = dump(self)
-        return {key: value for key, value in found.items() if key != "seas" or value}
+        return {key: value for key, value in found.items() if key not in ("seas", "drag") or value}
 
 
 class CompareSpec(Spec):

@@ -7,10 +7,11 @@ import math
 from pathlib import Path
 from typing import Annotated, Any, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, field_validator, model_serializer, model_validator
 
 from vsb.errors import ConfigError
 from vsb.study.canonical import canonical, content_id, result_id
+from vsb.study.drag import Drag, check_followed
 from vsb.study.floating import cap_volume, centre_height, resolved
 from vsb.study.quantities import Name, Section
 from vsb.study.reading import read_yaml, validated
@@ -90,9 +91,16 @@ class Study(Section):
     water: Water = Water()
     hydro: Hydro = Hydro()
     pto: Pto = Pto()
+    drag: Drag | None = None
     waves: Annotated[tuple[Wave, ...], Field(min_length=1)]
     simulation: Simulation = Simulation()
     published: Published | None = None
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_not_there(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Leave out what studies of before did not have: results of before keep their names."""
+        found: dict[str, Any] = dump(self)
+        return {key: value for key, value in found.items() if key != "drag" or value}
 
     @model_validator(mode="before")
     @classmethod
@@ -250,6 +258,8 @@ class Study(Section):
             )
         if pto.switches and method != "auto":
             raise ValueError(f"simulation.method {method!r}: cannot follow a take-off that switches; needs auto")
+        if self.drag is not None:
+            check_followed(model, method, pto)
 
     def tuning(self, wave: Wave) -> Tuning:
         """Return how the damper of a run is found; none is best where nothing comes in: there the given one holds."""

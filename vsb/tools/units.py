@@ -174,6 +174,7 @@ ATTRS: dict[str, Quantity] = {
     "velocity": Quantity(_MOTION, "m/s", "rates of heave and modal amplitudes"),
     "excitation": Quantity(_MOTION, "N", "wave excitation force"),
     "pto": Quantity(_MOTION, "N", "power take-off force"),
+    "drag": Quantity(_MOTION, "N", "quadratic drag"),
     "end_stop": Quantity(_MOTION, "N", "force of the end stop"),
     "hydrostatic": Quantity(_MOTION, "N", "hydrostatic force"),
     "froude_krylov": Quantity(_MOTION, "N", "Froude-Krylov force on the instantaneous wet shell"),

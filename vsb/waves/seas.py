@@ -26,6 +26,18 @@ def group_velocity(omega: float, depth: float, gravity: float) -> float:
     return float(omega / (2 * k) * (1 + finite))
 
 
+def vertical_velocity(omega: FloatArray, height: float, depth: float, gravity: float) -> ComplexArray:
+    """Return the vertical velocity of waves at a height below still water per amplitude, shape (omega,) [1/s].
+
+    -i w sinh k(z + d)/sinh kd; -i w exp kz in deep water.
+    """
+    k = np.array([wavenumber(w, depth, gravity) for w in omega])
+    share = np.exp(k * height)
+    if np.isfinite(depth):
+        share = share * np.expm1(-2 * k * (height + depth)) / np.expm1(-2 * k * depth)
+    return np.asarray(-1j * omega * share)
+
+
 def power_limit(omega: float, depth: float, density: float, gravity: float) -> float:
     """Return the largest mean power an axisymmetric heaving body can absorb, per squared wave amplitude [W/m^2].
 

@@ -1,0 +1,132 @@
+"""Equivalent linearisation of quadratic drag: its laws by quadrature, the dragged port against the whole buoy."""
+
+import numpy as np
+import pytest
+
+from vsb.motion.drag import GAUSSIAN, REGULAR, DraggedPort, best_damper, best_pair, under
+from vsb.motion.port import Port
+from vsb.motion.tuning import best_dampers, best_pairs
+
+DRAG = 0.4
+
+
+class Buoy:
+    """A few coupled motions that radiate through one channel, with every matrix at hand."""
+
+    def __init__(self, seed, coefficient=DRAG, count=30, motions=3):
+        rng = np.random.default_rng(seed)
+        self.omega = np.linspace(0.5, 3.0, count)
+        mass, stiffness = 10 ** rng.uniform(-0.5, 0.5, (2, motions))
+        self.push = rng.normal(size=motions) * np.exp(-0.1 * self.omega[:, None] ** 2) + 0j
+        radiated = 0.3 * np.real(self.push[:, :, None] * self.push[:, None, :].conj()) * self.omega[:, None, None] ** 3
+        w = self.omega[:, None, None]
+        self.dynamic = -(w**2) * np.diag(mass) - 1j * w * (radiated + 0.02 * np.eye(motions)) + np.diag(stiffness)
+        self.b, self.d = rng.normal(size=motions), np.eye(motions)[0]
+        self.flow = -1j * self.omega * np.exp(-0.1 * self.omega**2)
+        rate = -1j * self.omega
+        moved = {name: self.solved(self.dynamic, x) for name, x in (("free", self.push), ("b", self.b), ("d", self.d))}
+        compliance = float(self.b @ (self.b / stiffness))
+        port = Port(self.omega, rate * (moved["b"] @ self.b), rate * (moved["free"] @ self.b), compliance)
+        past = rate * (moved["free"] @ self.d) - self.flow
+        self.port = DraggedPort(port, rate * (moved["d"] @ self.b), rate * (moved["d"] @ self.d), past, coefficient)
+
+    def solved(self, dynamic, force):
+        return np.linalg.solve(dynamic, np.broadcast_to(force, self.push.shape)[..., None])[..., 0]
+
+    def velocities(self, damping, stiffness, drag):
+        """Of the port and past the water, per wave amplitude, by the whole equation of motion under a linear drag."""
+        w = self.omega[:, None, None]
+        held = -1j * w * (drag * np.outer(self.d, self.d) + damping * np.outer(self.b, self.b))
+        moved = self.solved(
+            self.dynamic + held + stiffness * np.outer(self.b, self.b),
+            self.push + drag * self.flow[:, None] * self.d,
+        )
+        rate = -1j * self.omega
+        return rate * (moved @ self.b), rate * (moved @ self.d) - self.flow
+
+
+def seas(omega):
+    """A regular wave and two seas, squared amplitudes."""
+    peak = np.exp(-0.5 * ((omega - 1.3) / 0.3) ** 2)
+    return np.array([np.eye(len(omega))[9], 0.1 * peak, 0.03 * np.ones_like(omega)])
+
+
+def test_the_laws_of_linearisation():
+    """First harmonic of |cos| cos; of a Gaussian the mean of |u| u u over that of u u, by quadrature."""
+    phase = 2 * np.pi * (np.arange(4096) + 0.5) / 4096
+    assert 2 * np.mean(np.abs(np.cos(phase)) * np.cos(phase) ** 2) == pytest.approx(REGULAR, rel=1e-6)
+    u = np.linspace(-12.0, 12.0, 4097)
+    weight = np.exp(-(u**2) / 2)
+    assert weight @ np.abs(u) ** 3 / (weight @ u**2) == pytest.approx(GAUSSIAN, rel=1e-5)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_dragged_port_is_the_buoy_with_a_damper(seed):
+    buoy = Buoy(seed)
+    port = buoy.port.beside(0.7)
+    velocity, past = buoy.velocities(0.5, 0.2, 0.7)
+    assert port.velocity_under(port.load(0.5, 0.2)) == pytest.approx(velocity, rel=1e-10)
+    seen = buoy.port.seen(np.array([0.5]), np.array([0.2]))
+    assert seen.flow[0] / (1 + 0.7 * seen.admittance[0]) == pytest.approx(past, rel=1e-10)
+    assert port.compliance == buoy.port.port.compliance
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_drag_is_settled_with_the_motion_it_brakes(seed):
+    """D from the motion under that very D, of the whole equation; power is that motion's."""
+    buoy = Buoy(seed)
+    waves, dampers, springs = seas(buoy.omega), np.array([0.1, 2.0]), np.array([0.0, 0.3])
+    drag, power = buoy.port.settled(waves, dampers, springs), buoy.port.powers(waves, dampers, springs)
+    for i, (c, k) in enumerate(zip(dampers, springs, strict=True)):
+        for j, (square, factor) in enumerate(zip(waves, (REGULAR * np.sqrt(2), GAUSSIAN, GAUSSIAN), strict=True)):
+            velocity, past = buoy.velocities(c, k, drag[i, j])
+            spread = np.sqrt(0.5 * square @ np.abs(past) ** 2)
+            assert drag[i, j] == pytest.approx(DRAG * factor * spread, rel=1e-10)
+            assert power[i, j] == pytest.approx(0.5 * c * square @ np.abs(velocity) ** 2, rel=1e-10)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_without_drag_the_best_take_offs_are_those_without(seed):
+    buoy = Buoy(seed, coefficient=1e-12)
+    for square in seas(buoy.omega)[:, None]:
+        free = best_dampers(buoy.port.port, square)
+        damper = best_damper(buoy.port, square, 0.0, 1.0)
+        assert damper == pytest.approx(free.damping[0], rel=1e-3)
+        one = under(buoy.port, square, damper, 0.0, 1.0)
+        assert one.power == pytest.approx(free.power, rel=1e-6)
+        pair = best_pair(buoy.port, square, one, 1.0)
+        assert pair.power == pytest.approx(best_pairs(buoy.port.port, square, free).power, rel=1e-6)
+
+
+@pytest.mark.parametrize("efficiency", [1.0, 0.8])
+@pytest.mark.parametrize("seed", range(2))
+def test_no_take_off_of_a_table_beats_the_best_beside_drag(seed, efficiency):
+    buoy = Buoy(seed)
+    waves, softest = seas(buoy.omega), buoy.port.port.softest_spring
+    c, k = (x.ravel() for x in np.meshgrid(np.geomspace(0.02, 50, 30), np.linspace(0.98 * softest, -3 * softest, 31)))
+    table, alone = buoy.port.powers(waves, c, k, efficiency), buoy.port.powers(waves, c[:30], 0 * c[:30], efficiency)
+    for j, square in enumerate(waves[:, None]):
+        one = under(buoy.port, square, best_damper(buoy.port, square, 0.0, efficiency), 0.0, efficiency)
+        assert alone[:, j].max() <= one.power[0] * (1 + 1e-9)
+        pair = best_pair(buoy.port, square, one, efficiency)
+        assert one.power[0] <= pair.power[0]
+        assert table[:, j].max() <= pair.power[0] * (1 + 1e-6)
+    together = best_damper(buoy.port, waves, 0.0, efficiency)
+    assert alone.sum(axis=1).max() <= under(buoy.port, waves, together, 0.0, efficiency).power.sum() * (1 + 1e-9)
+
+
+def test_more_drag_takes_more():
+    waves = seas(Buoy(0).omega)
+    power = [Buoy(0, c).port.powers(waves, np.array([0.5]), np.zeros(1))[0] for c in (0.0, 0.1, 1.0, 10.0)]
+    assert np.all(np.diff(power, axis=0)[0] < 0)
+
+
+def test_a_port_that_stands_still_takes_nothing():
+    buoy = Buoy(0)
+    none = np.zeros_like(buoy.omega) + 0j
+    still = DraggedPort(Port(buoy.omega, none, none, 0.0), none, buoy.port.own, buoy.port.past, DRAG)
+    waves = seas(buoy.omega)[[1]]
+    assert best_damper(still, waves, 0.0, 1.0) == 0.0
+    one = under(still, waves, 0.0, 0.0, 1.0)
+    assert best_pair(still, waves, one, 1.0) is one
+    assert one.power == [0.0]

@@ -1,0 +1,108 @@
+"""The drag of a study in its scenes, its linear theory, its ladder and its ledger."""
+
+import itertools
+
+import numpy as np
+import pytest
+from conftest import varied
+
+from vsb.integrators.harmonic_balance import harmonic_balance
+from vsb.integrators.simulate import suited
+from vsb.results.ladder import study_ladder
+from vsb.results.ledger import drag_check
+from vsb.scenes.build import TUNED, body_exact_design, linear_design
+from vsb.scenes.drag import LINEARISED, flow
+from vsb.study.plan import StudyPlan
+from vsb.study.study import parse
+
+WAVE = {"kind": "regular", "amplitude": 0.5, "period": 4.0}
+PLATE = {"heave": {"coefficient": 1.0, "area": 12.57}}
+
+
+def study_of(small, design="VSWEC", drag=PLATE, wave=WAVE, **sections):
+    """The small study with one design, one wave and drag."""
+    data = small.study.model_dump()
+    data |= {"designs": {design: data["designs"][design]}, "waves": [wave], **({"drag": drag} if drag else {})}
+    return varied(parse(data), **sections)
+
+
+def run_of(study):
+    """The specification of the run of a study of one design in one wave."""
+    (design,), (wave,) = study.designs, study.waves
+    return StudyPlan(study).simulation(design, wave)
+
+
+@pytest.mark.parametrize("design", ["FSB", "VSWEC"])
+def test_quadratic_drag_takes_what_its_equivalent_damper_takes(small, design):
+    """Steady state with all harmonics against equivalent linearisation: drag is a tenth of all damping here."""
+    at = linear_design(run_of(study_of(small, design)), small.hydro_files)
+    found = harmonic_balance(at.system)
+    assert at.notes[LINEARISED] == pytest.approx(found.power.pto, rel=2e-3)
+    free = linear_design(run_of(study_of(small, design, drag=None)), small.hydro_files)
+    assert LINEARISED not in free.notes
+    assert harmonic_balance(free.system).power.pto > 1.01 * found.power.pto
+    assert suited(at.system) == "collocation"
+    assert suited(free.system) == "exact"
+
+
+def test_the_water_it_moves_in_counts(small):
+    """Its undisturbed flow at half the draft: a buoy in long waves goes with the water, and drag does nothing."""
+    study = study_of(small)
+    omega = np.array([0.7, 2.0])
+    deep = -1j * omega * np.exp(-(omega**2) / 9.81 * study.draft / 2)
+    assert flow(run_of(study), omega) == pytest.approx(deep, rel=1e-12)
+    shallow = varied(study, water={"depth": 10.0})
+    assert abs(flow(run_of(shallow), omega)[0]) < abs(flow(run_of(study), omega)[0])
+
+
+def test_a_tuned_damper_is_the_best_beside_drag(small):
+    """No damper around it takes more, by linear theory and in the steady state."""
+
+    def taken(damping):
+        return linear_design(run_of(study_of(small, pto={"damping": damping, "tuning": "fixed"})), small.hydro_files)
+
+    best = linear_design(run_of(study_of(small, pto={"tuning": "each"})), small.hydro_files)
+    for factor in (0.8, 1.25):
+        assert taken(best.notes[TUNED] * factor).notes[LINEARISED] < best.notes[LINEARISED]
+        assert harmonic_balance(taken(best.notes[TUNED] * factor).system).power.pto < (
+            harmonic_balance(best.system).power.pto
+        )
+
+
+def test_a_body_exact_scene_has_it_too(small):
+    study = study_of(small, "FSB", wave={**WAVE, "amplitude": 0.02}, hydro={"model": "body_exact"})
+    at = body_exact_design(run_of(study), small.hydro_files)
+    linear = linear_design(run_of(varied(study, hydro={"model": "linear"})), small.hydro_files)
+    assert suited(at.system) == "collocation"
+    assert at.notes[LINEARISED] == linear.notes[LINEARISED]
+    assert harmonic_balance(at.system).power.pto == pytest.approx(harmonic_balance(linear.system).power.pto, rel=1e-3)
+
+
+def test_the_ladder_is_climbed_beside_drag(small):
+    sea = {"kind": "jonswap", "hs": 1.0, "tp": 4.0, "gamma": 3.3, "seed": 1}
+    data = small.study.model_dump() | {"waves": [WAVE, sea]}
+    free, dragged = (
+        study_ladder(StudyPlan(parse(data | extra)).ladder, small.database_path) for extra in ({}, {"drag": PLATE})
+    )
+    for before, after in zip(free, dragged, strict=True):
+        assert before[:3] == after[:3]
+        lost = 1 - after.power_mean / before.power_mean
+        assert lost == 0 if after.rung == "matched" else 1e-3 < lost < 0.7
+    for one, many in itertools.product(("best_damper",), ("fixed", "best_damper_all_seas")):
+        power = {(r.design, r.wave, r.rung): r.power_mean for r in dragged}
+        for design, wave, rung in list(power):
+            if rung == one:
+                assert power[design, wave, many] <= power[design, wave, one] * (1 + 1e-9)
+                assert power[design, wave, one] <= power[design, wave, "best_spring_damper"] * (1 + 1e-9)
+    fixed = next(r for r in dragged if r.design == "VSWEC" and r.rung == "fixed")
+    run = linear_design(run_of(study_of(small)), small.hydro_files)
+    assert fixed.power_mean == pytest.approx(run.notes[LINEARISED], rel=1e-9)
+    assert fixed.force_peak == pytest.approx(8000.0 * fixed.stroke_peak * 2 * np.pi / 4.0, rel=1e-9)
+
+
+@pytest.mark.parametrize(("mean", "verdict"), [(1049.0, "ok"), (951.0, "ok"), (1051.0, "doubt"), (949.0, "doubt")])
+def test_the_ledger_compares_drag_with_its_damper(small, mean, verdict):
+    study = study_of(small)
+    check = drag_check(study, study.waves[0], {LINEARISED: 1000.0, "drag_damping": 500.0}, mean, "VSWEC")
+    assert check.verdict == verdict
+    assert "1000 W beside its equivalent damper of 500 N s/m" in check.explanation

@@ -1,0 +1,50 @@
+"""The drag of a study file: absent where it is not asked for, refused where it cannot be followed."""
+
+import pytest
+from conftest import SEED, varied
+
+from vsb.errors import ConfigError
+from vsb.study.plan import StudyPlan
+from vsb.study.study import canonical, load
+
+PLATE = {"heave": {"coefficient": 0.5, "area": 12.57}}
+
+
+@pytest.fixture(scope="module")
+def seed():
+    return load(SEED)
+
+
+def test_what_has_no_drag_says_nothing_of_it(seed):
+    assert '"drag"' not in canonical(seed)
+    assert '"drag":{"heave":{"area":12.57,"coefficient":0.5}}' in canonical(varied(seed, drag=PLATE))
+
+
+def test_drag_concerns_runs_ladder_and_study_alone(seed):
+    before, after = StudyPlan(seed), StudyPlan(varied(seed, drag=PLATE))
+    wave = seed.waves[0]
+    assert before.hydro_ids == after.hydro_ids
+    assert before.response_id == after.response_id
+    assert before.trajectory_id("FSB", wave) != after.trajectory_id("FSB", wave)
+    assert before.ladder_id != after.ladder_id
+    assert before.study_id != after.study_id
+
+
+@pytest.mark.parametrize(
+    ("sections", "message"),
+    [
+        ({"hydro": {"model": "auto"}}, "drag: hydro.model 'auto' knows none; needs linear or body_exact"),
+        (
+            {"pto": {"force_limit": 1e3}},
+            "drag: cannot be followed beside a take-off that switches, received law linear",
+        ),
+        ({"simulation": {"method": "exact"}}, "simulation.method 'exact': cannot follow a drag; needs auto"),
+        ({"drag": {"heave": {"coefficient": -1.0, "area": 1.0}}}, "drag.heave.coefficient"),
+        ({"drag": {"heave": {"coefficient": 1e3, "area": 1.0}}}, "needs at most 100"),
+        ({"drag": {"heave": {"coefficient": 1.0}}}, "drag.heave.area"),
+        ({"drag": {"pitch": {"coefficient": 1.0, "area": 1.0}}}, "drag.pitch"),
+    ],
+)
+def test_refused_in_one_line(seed, sections, message):
+    with pytest.raises(ConfigError, match=message):
+        varied(seed, **{"drag": PLATE, **sections})

@@ -1,0 +1,42 @@
+"""The viscous drag of a study: on which rigid direction, how large.
+
+Imports nothing heavy: the Snakefile reads a study at every parse.
+"""
+
+from typing import Annotated
+
+from vsb.study.quantities import NonNegative, Positive, Section, within
+from vsb.study.take_off import Pto
+
+Coefficient = Annotated[NonNegative, within(0.0, 100.0, "", "no body of any shape drags more")]
+
+
+class Plate(Section):
+    """Quadratic drag rho C A |u| u/2 on one direction: coefficient C [-] and area A [m^2] it is told by."""
+
+    coefficient: Coefficient
+    area: Positive
+
+
+class Drag(Section):
+    """Quadratic drag on the buoy's rigid motion past the water, whose flow is that of the undisturbed waves."""
+
+    heave: Plate
+
+
+def check_followed(model: str, method: str, pto: Pto) -> None:
+    """Check that the hydrodynamic model, the method in time and the take-off of a study can follow a drag.
+
+    Raises
+    ------
+    ValueError
+    """
+    if model not in ("linear", "body_exact"):
+        raise ValueError(f"drag: hydro.model {model!r} knows none; needs linear or body_exact")
+    if pto.switches:
+        raise ValueError(
+            f"drag: cannot be followed beside a take-off that switches, received law {pto.law} with force_limit "
+            f"{pto.force_limit:g} N and stroke_limit {pto.stroke_limit:g} m; needs law: linear without limits"
+        )
+    if method != "auto":
+        raise ValueError(f"simulation.method {method!r}: cannot follow a drag; needs auto")
