@@ -28,6 +28,7 @@ class Spec(Section):
     """Specification of one stage, with the version of its physics."""
 
     TAG: ClassVar[str]
+    UNSAID: ClassVar = ("drag", "seas", "verifications")  # where there is none: results of before keep their names
     stage: str = ""
     physics: int = 0
 
@@ -42,6 +43,11 @@ class Spec(Section):
             if (received := raw.get(key, value)) != value:
                 raise ValueError(f"{key} {received!r}: needs {value!r}, of this version; run vsb run CONFIG again")
         return {**raw, **tags}
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_unsaid(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        found: dict[str, Any] = dump(self)
+        return {key: value for key, value in found.items() if key not in self.UNSAID or value}
 
 
 class Sphere(Section):
@@ -126,11 +132,6 @@ class DraggedSpec(DrivenSpec):
     def draft(self) -> float:
         """Depth of the keel below still water [m]."""
         return self.device.radius - self.centre_height
-
-    @model_serializer(mode="wrap")
-    def _without_what_is_not_there(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        found: dict[str, Any] = dump(self)
-        return {key: value for key, value in found.items() if key != "drag" or value}
 
 
 class LoadedShape(Spec):
@@ -304,11 +305,6 @@ class SimulateSpec(DesignsAtRest, DraggedSpec):
     hydro: Dynamics
     seas: tuple[Wave, ...] = ()
 
-    @model_serializer(mode="wrap")
-    def _without_what_is_not_read(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        found: dict[str, Any] = dump(self)
-        return {key: value for key, value in found.items() if key not in ("seas", "drag") or value}
-
 
 class CompareSpec(Spec):
     """Comparison of all designs in all seas: the whole study."""
@@ -397,8 +393,3 @@ class CampaignSpec(Spec):
     batches: tuple[str, ...]
     members: tuple[str, ...]
     verifications: tuple[str, ...] = ()  # by id, in the order of the members; none if nothing is simulated in time
-
-    @model_serializer(mode="wrap")
-    def _without_what_is_not_asked(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        found: dict[str, Any] = dump(self)
-        return {key: value for key, value in found.items() if key != "verifications" or value}
