@@ -60,7 +60,7 @@ docs: .venv-docs/.installed ## the documentation, to docs/_build/html/index.html
 .venv-cluster/.installed: benchmarks/cluster-requirements.lock $(READY)
 	@$(PYTHON) -m venv --clear .venv-cluster
 	@.venv-cluster/bin/pip install --quiet --disable-pip-version-check --no-deps -r benchmarks/cluster-requirements.lock
-	@$(BIN)/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))' \
+	@$(BIN)/python -c 'import sysconfig; print("$(CURDIR)", sysconfig.get_path("purelib"), sep="\n")' \
 		> $$(.venv-cluster/bin/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')/vsb.pth
 	@touch $@
 
