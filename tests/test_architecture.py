@@ -32,7 +32,6 @@ HEAVY = {"numpy", "scipy", "xarray", "capytaine", "matplotlib", "netCDF4"}
 AWAITED = {
     "vsb.report.campaign_figures",
     "vsb.report.campaign_page",
-    "vsb.results.campaign",
 }
 """Modules tested through others alone: this set may only shrink."""
 WHOLE = {"study.study.Study", "study.specs.Designed", "study.specs.AtRest"}
@@ -40,7 +39,9 @@ WHOLE = {"study.study.Study", "study.specs.Designed", "study.specs.AtRest"}
 NAMED = ast.Name | ast.Attribute
 FORCES = {"Force"} | {
     node.name
-    for node in TREES["vsb.motion.forces"].body
+    for name in PACKAGE
+    if name.startswith("vsb.motion.")
+    for node in TREES[name].body
     if isinstance(node, ast.ClassDef) and "Force" in map(ast.unparse, node.bases)
 }
 WORKFLOW = {

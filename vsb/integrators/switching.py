@@ -53,27 +53,25 @@ class Switching:
 
     def __post_init__(self) -> None:
         """Check that all forces but the water's are piecewise linear and act at one port."""
-        scene, others = self.system.scene, [name for name in self.system.foreign if name not in self.laws]
-        if others or not isinstance(scene.forces.get(scene.take_off), TakeOff):
+        scene = self.system.scene
+        others = [name for name in self.system.foreign if name not in scene.laws]
+        if others or scene.law is None or scene.law is not scene.forces.get(scene.take_off):
             raise ValueError(
                 f"switching: received the nonlinear forces {', '.join(others) or 'none'}, needs a linear or body-exact "
                 "scene with a take-off that switches"
             )
 
-    @property
-    def laws(self) -> dict[str, TakeOff | EndStop]:
-        """The piecewise linear forces by name."""
-        return {k: f for k, f in self.system.scene.forces.items() if isinstance(f, TakeOff | EndStop)}
-
     @cached_property
     def law(self) -> TakeOff:
         """The take-off."""
-        return next(force for force in self.laws.values() if isinstance(force, TakeOff))
+        law = self.system.scene.law
+        assert law is not None  # checked when made
+        return law
 
     @cached_property
     def stop(self) -> EndStop | None:
         """The end stop, if there is one."""
-        return next((force for force in self.laws.values() if isinstance(force, EndStop)), None)
+        return self.system.scene.stop
 
     @cached_property
     def port(self) -> FloatArray:
@@ -344,7 +342,7 @@ class Switching:
         n, z, name = self.system.free, states[kept], self.system.scene.take_off
         forces = {
             key: np.outer(found.taken[kept] if key == name else found.stopped[kept], law.direction)
-            for key, law in self.laws.items()
+            for key, law in self.system.scene.laws.items()
         }
         position, works = z[:, :n] @ self.system.position.T, dict(zip(TERMS, found.works[:, kept], strict=True))
         held = self.system.beyond_tangents(position)

@@ -16,6 +16,7 @@ from vsb.errors import ConvergenceError
 from vsb.hydro.dofs import flexible
 from vsb.hydro.statespace import RadiationModel, joined
 from vsb.motion.forces import ConstantForce, Excitation, Force, Linear, SpringDamper, WaterPressure
+from vsb.motion.take_off import EndStop, TakeOff
 from vsb.shell.deformed import DeformedShell
 from vsb.tools.units import FloatArray
 
@@ -31,6 +32,21 @@ class Scene:
     origin: FloatArray = field(default_factory=lambda: np.zeros(0))  # y at rest (free,) [m]; empty: zero
     take_off: str = "pto"  # name of the force whose work is the power absorbed
     lead: int = 0  # free coordinate an initial position and velocity are of: heave
+
+    @property
+    def laws(self) -> dict[str, TakeOff | EndStop]:
+        """Forces that switch between pieces of their law, by name."""
+        return {name: force for name, force in self.forces.items() if isinstance(force, TakeOff | EndStop)}
+
+    @property
+    def law(self) -> TakeOff | None:
+        """The take-off, if it switches."""
+        return next((force for force in self.laws.values() if isinstance(force, TakeOff)), None)
+
+    @property
+    def stop(self) -> EndStop | None:
+        """The end stop, if there is one."""
+        return next((force for force in self.laws.values() if isinstance(force, EndStop)), None)
 
     @cached_property
     def flexible(self) -> bool:

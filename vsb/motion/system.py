@@ -139,17 +139,17 @@ class System:
     @property
     def switching(self) -> bool:
         """Whether a take-off or an end stop switches between pieces of its law."""
-        return any(isinstance(force, TakeOff | EndStop) for force in self.scene.forces.values())
+        return bool(self.scene.laws)
 
     @property
     def pauses(self) -> bool:
         """Whether a take-off pauses: its force is then none of position and velocity."""
-        return any(isinstance(force, TakeOff) and force.pause > 0 for force in self.scene.forces.values())
+        return self.scene.law is not None and self.scene.law.pause > 0
 
     @property
     def jumps(self) -> bool:
         """Whether a take-off is friction: its force jumps where the motion turns round."""
-        return any(isinstance(force, TakeOff) and np.isinf(force.damping) for force in self.scene.forces.values())
+        return self.scene.law is not None and bool(np.isinf(self.scene.law.damping))
 
     @property
     def foreign(self) -> list[str]:

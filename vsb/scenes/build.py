@@ -18,7 +18,7 @@ from vsb.motion.frequency import LinearBuoy, with_open_chamber
 from vsb.motion.port import port_direction
 from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
-from vsb.motion.system import System, TakeOff
+from vsb.motion.system import System
 from vsb.scenes import automatic
 from vsb.scenes.drag import dragged_port, linearised, with_drag
 from vsb.scenes.pause import best_pause_in_sea, with_pause
@@ -130,7 +130,7 @@ def _linear(run: SimulateSpec, at: _FromBem) -> Scene:
 
 def _released(scene: Scene, run: SimulateSpec, at: _FromBem) -> tuple[Scene, dict[str, Any]]:
     """A scene whose law pauses as long as takes most of its sea by linear hydrodynamics, and notes of it."""
-    if not (run.pto.pauses and isinstance(scene.forces.get(scene.take_off), TakeOff)):  # or nothing there moves
+    if not (run.pto.pauses and scene.law):  # or nothing there moves
         return scene, {}
     best = best_pause_in_sea(_linear(run, at), at.sea, run.simulation)
     return with_pause(scene, best.pause), {f"pause{part}": value for part, value in zip(_PAUSE, best, strict=True)}

@@ -17,7 +17,6 @@ from vsb.integrators.settled import settled_power
 from vsb.integrators.simulate import legs
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
-from vsb.motion.take_off import TakeOff
 from vsb.study.study import Simulation
 from vsb.waves.seas import Sea
 
@@ -57,8 +56,8 @@ def best_pause(power: Callable[[float], float], longest: float) -> BestPause:
 
 def with_pause(scene: Scene, pause: float) -> Scene:
     """Return a scene whose take-off pauses so long after each reversal."""
-    law = scene.forces[scene.take_off]
-    assert isinstance(law, TakeOff)
+    law = scene.law
+    assert law is not None
     return replace(scene, forces={**scene.forces, scene.take_off: replace(law, pause=pause)})
 
 

@@ -1,0 +1,54 @@
+"""Members of a campaign together: their order, one damper or many, what a cell of the table says of what is missing."""
+
+import csv
+
+import numpy as np
+import pytest
+import xarray as xr
+from stages.test_campaign import made_up
+from stages.test_members import planned, with_seas
+
+from vsb.results.campaign import as_csv, damper, gathered, stacked
+from vsb.study.campaign_plan import members
+
+
+@pytest.fixture
+def held(tmp_path):
+    """A plan of two moduli and its members."""
+    plan = planned(with_seas(tmp_path, (1.0, 6.0)), {"device.young_modulus": [3e6, 1e6]})
+    (spec,) = plan.batches.values()
+    return plan, members(spec.base, spec.points, spec.climate, spec.tuning)
+
+
+def test_batches_in_any_order_make_the_same_campaign(held):
+    """Members stand by their ids, not by when they were done."""
+    plan, found = held
+    parts = [stacked([made_up(one)], [one.id]) for one in found]
+    one, other = (gathered(plan.campaign, some) for some in (parts, parts[::-1]))
+    xr.testing.assert_identical(one, other)
+    assert one.young_modulus.values.tolist() == [3e6, 1e6]
+    assert one.young_modulus.attrs == {"units": "Pa", "long_name": "device.young_modulus"}
+    assert one.attrs["reference"] == "FSB"
+
+
+def test_a_tuning_has_one_damper_if_all_its_seas_have_it():
+    """Bins without a sea say nothing; dampers apart by less than 1e-9 are one."""
+    dampers = [[[1.0, 7.0, np.nan]], [[2.0, 2.0 + 1e-10, 9.0]], [[3.0, 4.0, 9.0]]]
+    ds = xr.Dataset({"damping": (("tuning", "hs", "te"), dampers), "count": (("hs", "te"), [[1, 1, 0]])})
+    np.testing.assert_array_equal(damper(ds), [np.nan, 2.0 + 1e-10, np.nan])
+
+
+def test_what_is_missing_is_an_empty_cell_and_truth_a_word(held):
+    plan, found = held
+    lost = made_up(found[1]).assign(
+        viable=("design", [True, False]), reason=("design", np.array(["", "buckles"], dtype=object))
+    )
+    lost["annual_mean_power"] = lost.annual_mean_power.where(lost.viable)
+    ds = gathered(plan.campaign, [stacked([made_up(found[0]), lost], [one.id for one in found])])
+    rows = list(csv.DictReader(as_csv(plan.campaign, ds).splitlines()))
+    missing = [row for row in rows if row["annual_mean_power"] == ""]
+    assert {(row["device.young_modulus"], row["design"], row["viable"], row["reason"]) for row in missing} == {
+        ("1000000", "VSWEC", "false", "buckles")
+    }
+    assert [row["tuning"] for row in missing] == ["fixed", "one", "each"]
+    assert len(rows) == 12
