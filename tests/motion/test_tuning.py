@@ -92,6 +92,20 @@ def test_a_regular_wave_has_its_closed_forms():
     assert pairs.power[stable] == pytest.approx((np.diag(waves) * port.matched_power)[stable], rel=1e-9)
 
 
+def test_a_wave_that_wants_a_spring_the_buoy_does_not_rest_with_gets_the_softest():
+    """Matched it would take all there is, beside a rest it leaves at once."""
+    z = np.array([500.0 + 2500.0j])  # wants -omega X = -5000 N/m
+    port = Port(np.array([2.0]), 1 / z, np.array([1.0 + 0.0j]), 1e-3)  # rests with more than -1000 N/m
+    squares = np.array([[1.0]])
+    dampers = best_dampers(port, squares)
+    best = best_pairs(port, squares, dampers)
+    assert -1000.0 < best.stiffness[0] < -990.0
+    assert dampers.power[0] < best.power[0] < 0.9 * squares[0] @ port.matched_power
+    rests = best_pairs(Port(port.omega, port.admittance, port.velocity, 1e-4), squares, dampers)
+    assert rests.stiffness == pytest.approx(-5000.0)
+    assert rests.power == pytest.approx(squares @ port.matched_power)
+
+
 def test_a_maximum_between_the_dampers_tried_may_be_the_higher_one():
     """By 3e-4: the table has it 6e-4 too low, the other one exactly."""
     z, omega = np.array([np.exp(0.05), np.exp(8.0)]), np.array([1.0, 2.0])
