@@ -43,7 +43,7 @@ from vsb.shell.modes import rigid_basis
 from vsb.stages.make import make
 from vsb.study.plan import StudyPlan
 from vsb.study.reading import read_yaml
-from vsb.study.sections import Device
+from vsb.study.device import Device
 from vsb.study.study import Study, parse
 from vsb.tools.files import write_text
 from vsb.tools.units import FloatArray

@@ -16,7 +16,7 @@ SEED = Path(__file__).parents[2] / "config" / "seed.yaml"
 KEPT = {
     "poisson_ratio", "density", "adiabatic_index", "atmospheric_pressure", "degree", "clamp", "depth",
     "gravity", "power_tolerance", "tolerance", "rows", "efficiency", "colatitude", "between", "seed", "realisations",
-    "gamma", "values", "coefficient",
+    "gamma", "values", "coefficient", "order",
 }  # fmt: skip
 """Numbers without dimension, angles, and what stays as it is: material, water, air, figures published elsewhere."""
 
@@ -47,7 +47,16 @@ def test_every_number_of_a_study_scales_or_is_known_to_stay():
     """A key added later would scale in silence by nothing."""
     found = numbers(config.Study)
     assert found > {"radius", "damping", "stroke_limit"}
-    assert found - set(FROUDE) == KEPT | NOWHERE
+    assert found - set(FROUDE) == KEPT | NOWHERE | {"mooring"}
+
+
+def test_a_mooring_scales_by_force_and_moment_per_length_and_angle():
+    """Forces go with the cube of lengths, moments with the fourth power."""
+    raw = {"mooring": [1.0] * 6}
+    assert scaled(raw, 2.0) == {"mooring": [4.0] * 3 + [16.0] * 3}
+    rows = scaled({"mooring": [[1.0] * 6] * 6}, 2.0)["mooring"]
+    assert rows == [[4.0] * 3 + [8.0] * 3] * 3 + [[8.0] * 3 + [16.0] * 3] * 3
+    assert scaled({"mooring": None}, 2.0) == {"mooring": None}
 
 
 def test_scaling_there_and_back_is_nothing():

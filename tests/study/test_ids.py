@@ -68,10 +68,19 @@ STUDIES = {
         "hydro": TABULATED, "waves": [SWELL, SEAS["jonswap"]], "drag": {"heave": {"coefficient": 0.5, "area": 3.0}},
     },
     "between": {"pto": {"port": {"between": [0, 90]}}, "hydro": TABULATED, "waves": [SWELL]},
+    "planar": {
+        "motion": "planar", "device": {"centre_of_mass": -0.3, "ballast_inertia": 5e3}, "modes": {"order": 2},
+        "mooring": [[2e4, 0, 0, 0, 1e3, 0], *([0] * 6,) * 3, [1e3, 0, 0, 0, 3e4, 0], [0] * 6], "hydro": TABULATED,
+        "pto": {"port": {"line_to": [9.0, -20.0], "line_from": [0.0, -1.0]}}, "waves": [SWELL, SEAS["jonswap"]],
+    },
+    "drifting": {
+        "motion": "planar", "device": {"centre_of_mass": -0.3, "ballast_inertia": 5e3}, "hydro": TABULATED,
+        "waves": [SWELL],
+    },
     "auto": {"hydro": {**TABULATED, "model": "auto", "power_tolerance": 0.01}, "waves": [SWELL]},
 }  # fmt: skip
 OTHERS = {
-    "hydro.model": ["body_exact", "auto"], "hydro.tolerance": [6.25e-5], "hydro.accept.0": ["haskind"],
+    "motion": ["heave"], "hydro.model": ["body_exact", "auto"], "hydro.tolerance": [6.25e-5], "hydro.accept.0": ["haskind"],
     "pto.law": ["coulomb"], "pto.tuning": ["each", "one"], "pto.port": ["volume"],
     "pto.port.direction": ["radial"], "pto.port.against": ["frame"],
 }  # fmt: skip
@@ -95,23 +104,26 @@ HELD = {
 def reads(study):
     """Leaves of a study that the specification of each stage reads itself, as patterns; see `specifications`."""
     sphere, shell = ["device.radius", "device.mass", "water.density"], ["device.*", "modes.*", "water.*"]
+    directed = ["motion", "mooring.*"]
     found = {
-        "modes": [*shell, "reference_shape", "designs.*"],
-        "display": [*shell, "reference_shape"],
+        "modes": [*shell, *directed, "reference_shape", "designs.*"],
+        "display": [*shell[:1], "modes.basis", "modes.degree", *shell[2:], "reference_shape"],
         "comparison": ["*"],
     }
     for design, (i, wave) in product(study.designs, enumerate(study.waves)):
         sea = [f"waves.{i}.{key}*" for key in type(wave).model_fields if key != "realisations"]
         dynamics = [f"hydro.{key}" for key in ("model", "pressure", "power_tolerance", "omega_max")]
         pto = [f"pto.{key}*" for key in type(study.pto).model_fields if key != "damping" or study.pto.tuning == "fixed"]
-        sections = ["reference_shape", *pto, "drag.*", "simulation.*", f"designs.{design}.*"]
+        sections = [*directed, "reference_shape", *pto, "drag.*", "simulation.*", f"designs.{design}.*"]
         found["simulate", design, i] = [*shell, *sections, *sea, *dynamics]
     if not study.needs_bem:
         return found
     loaded = [f"device.{key}" for key in type(study.device).model_fields if key != "damping"]
     loaded += ["device.gas.*", "modes.*", "water.density", "water.gravity"]
     bem = ["water.*", "modes.degree", "reference_shape"]  # the last two are the displacements
-    bem += [] if study.uses_panels else ["hydro.tolerance", "hydro.solver"]
+    bem += ["motion", "modes.order"]  # of as many orders
+    bem += [] if study.uses_panels else ["hydro.tolerance"]
+    bem += [] if study.uses_panels or study.motion == "planar" else ["hydro.solver"]  # one alone knows all orders
     grid = ["hydro.omega.*", "hydro.omega_max"]
     grid += [f"waves.{i}.period" for i, wave in enumerate(study.waves) if isinstance(wave, RegularWave)]
     grid += [] if study.uses_panels else ["hydro.tolerance"]  # refines it
@@ -119,7 +131,8 @@ def reads(study):
     if study.uses_panels:
         found["mesh"] = [*sphere, "reference_shape", "hydro.rows"]
     if study.hydro.witness == "auto":
-        shapes = [*(loaded if study.at_equilibrium else sphere), "device.thickness", "device.poisson_ratio", "modes.*"]
+        shapes = [*(loaded if study.at_equilibrium else sphere), "device.thickness", "device.poisson_ratio"]
+        shapes += ["modes.basis", "modes.degree"]
         found |= {"witness": ["water.*", "device.radius"], "shapes": [*shapes, "water.depth", "reference_shape"]}
     without_method = [f"simulation.{key}*" for key in type(study.simulation).model_fields if key != "method"]
     return found | {
@@ -127,10 +140,10 @@ def reads(study):
         "loaded": [*(loaded if study.at_equilibrium else []), "reference_shape"],
         "sweep": [*bem, "hydro.omega_max", "hydro.tolerance"],
         "tabulated": [*bem, "hydro.omega.*"],
-        "database": [*shell, "reference_shape", *grid[:2], "hydro.tolerance", "hydro.accept.*"],
+        "database": [*shell, *directed, "reference_shape", *grid[:2], "hydro.tolerance", "hydro.accept.*"],
         "radiation": ["hydro.tolerance"],
-        "response": [*shell, "designs.*", "pto.*", *grid],
-        "ladder": [*shell, "designs.*", "pto.*", "drag.*", "waves.*", *without_method, "hydro.omega_max"],
+        "response": [*shell, *directed, "designs.*", "pto.*", *grid],
+        "ladder": [*shell, *directed, "designs.*", "pto.*", "drag.*", "waves.*", *without_method, "hydro.omega_max"],
     }
 
 

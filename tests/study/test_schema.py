@@ -39,7 +39,7 @@ def test_no_key_is_described_that_is_none():
     described = {name: set(keys) for name, keys in KEYS.items()}
     left = {name: keys - known.get(name, set()) for name, keys in described.items() if name in known}
     assert not any(left.values()), left
-    assert described.keys() - known.keys() <= {"ShellPort", "BetweenPort"}
+    assert described.keys() - known.keys() <= {"ShellPort", "BetweenPort", "LinePort"}
 
 
 def numbers(data):

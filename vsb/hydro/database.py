@@ -86,8 +86,12 @@ def in_modes(raw: xr.Dataset, basis: ModeBasis) -> xr.Dataset:
     BEM is linear in them, so on one shape every basis, every design and every material shares one BEM run. Where no
     meridional displacement was solved for, on the undeformed sphere, they move no water.
     """
-    transform = shares(displacements(raw.influenced_dof.values), basis)
-    return xr.Dataset({name: _transformed(data, transform, list(basis.labels)) for name, data in raw.items()})
+    return transformed(raw, shares(displacements(raw.influenced_dof.values), basis), basis.labels)
+
+
+def transformed(raw: xr.Dataset, transform: FloatArray, labels: Sequence[str]) -> xr.Dataset:
+    """Return coefficients of displacements as those of the labelled combinations of them, (dof, displacement) each."""
+    return xr.Dataset({name: _transformed(data, transform, list(labels)) for name, data in raw.items()})
 
 
 def shares(solved: Sequence[Displacement], basis: ModeBasis) -> FloatArray:

@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.errors import DatabaseError
+from vsb.hydro.azimuthal import multiplicity
 from vsb.hydro.database import Check, check_at_most
 from vsb.hydro.kernel import DampingSpectrum
 from vsb.tools.units import ComplexArray, FloatArray
@@ -63,19 +64,20 @@ def second_channel(ds: xr.Dataset, scale: FloatArray | None = None) -> float:
     return float(values[:, -2].max()) if values.shape[1] > 1 else 0.0
 
 
-def haskind_damping(ds: xr.Dataset, depth: float, density: float, gravity: float) -> ComplexArray:
-    """Return Haskind's damping k X X^H/(4 rho g v_g) from the excitation, shape (omega, dof, dof) [kg/s]."""
+def haskind_damping(ds: xr.Dataset, depth: float, density: float, gravity: float, order: int = 0) -> ComplexArray:
+    """Return Haskind's damping k X X^H/(4 rho g v_g) from the excitation, shape (omega, dof, dof) [kg/s].
+
+    Half of it for motions of an azimuthal order m >= 1, which waves from other directions excite by cos(m beta).
+    """
     x = ds.excitation_force.values[:, 0, :]
-    factor = [
-        wavenumber(w, depth, gravity) / (4 * density * gravity * group_velocity(w, depth, gravity))
-        for w in ds.omega.values
-    ]
+    flux = 4 * multiplicity(order) * density * gravity
+    factor = [wavenumber(w, depth, gravity) / (flux * group_velocity(w, depth, gravity)) for w in ds.omega.values]
     return np.asarray(np.array(factor)[:, None, None] * x[:, :, None] * x[:, None, :].conj())
 
 
-def haskind_difference(ds: xr.Dataset, depth: float, density: float, gravity: float) -> float:
+def haskind_difference(ds: xr.Dataset, depth: float, density: float, gravity: float, order: int = 0) -> float:
     """Return the largest difference between the damping and Haskind's."""
-    haskind = haskind_damping(ds, depth, density, gravity)
+    haskind = haskind_damping(ds, depth, density, gravity, order)
     return float(np.abs((haskind - ds.radiation_damping.values) / _scale(ds)).max())
 
 
@@ -125,10 +127,10 @@ def identity_check(name: str, value: float, limit: float, precision: float, expl
 
 
 def pointwise_checks(
-    ds: xr.Dataset, depth: float, density: float, gravity: float, precision: float = 1.0
+    ds: xr.Dataset, depth: float, density: float, gravity: float, precision: float = 1.0, order: int = 0
 ) -> list[Check]:
     """Return the checks that hold at every frequency by itself, to a fraction `precision` of what panels hold them."""
-    haskind = haskind_difference(ds, depth, density, gravity)
+    haskind = haskind_difference(ds, depth, density, gravity, order)
     held = [
         ("symmetry", asymmetry(ds), 0.01, "added mass and damping are symmetric matrices"),
         ("positive_damping", negative_damping(ds), 0.01, "no motion can draw energy from calm water"),
@@ -193,11 +195,19 @@ def verdict(
     density: float,
     gravity: float,
     precision: float = 1.0,
+    order: int = 0,
 ) -> list[Check]:
-    """Return the checks of a database, before it is symmetrized: its sweep and any frequencies tabulated."""
+    """Return the checks of a database, before it is symmetrized: its sweep and any frequencies tabulated.
+
+    Of one azimuthal order, and of what moves water; checks of orders m >= 1 say which.
+    """
     everywhere = sweep
     if tabulated is not None:
         everywhere = xr.concat(
             [sweep, tabulated], dim="omega", data_vars="minimal", coords="minimal", compat="override"
         )
-    return [*pointwise_checks(everywhere, depth, density, gravity, precision), *sweep_checks(sweep, precision)]
+    checks = [
+        *pointwise_checks(everywhere, depth, density, gravity, precision, order),
+        *sweep_checks(sweep, precision),
+    ]
+    return [replace(c, explanation=f"order {order}: {c.explanation}") for c in checks] if order else checks

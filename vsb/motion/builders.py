@@ -42,6 +42,8 @@ def linear_scene(buoy: LinearBuoy, radiation: RadiationModel, sea: Sea, motions:
     labels = tuple(str(label) for label in database.influenced_dof.values)
     if flexible(labels, motions):
         forces |= _shell_springs(buoy.stiffness_parts, buoy.structural_damping)
+    if "mooring" in buoy.stiffness_parts:
+        forces["mooring"] = Spring(buoy.stiffness_parts["mooring"])
     if sea.omega.size:
         excitation = buoy.coefficients(sea.omega).excitation
         forces["excitation"] = Excitation(sea.omega, sea.amplitude[:, None] * excitation)

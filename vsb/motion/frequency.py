@@ -4,9 +4,10 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import final
+from typing import Any, final
 
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 from scipy.interpolate import CubicSpline
 from scipy.linalg import eigh, null_space
@@ -15,6 +16,8 @@ from scipy.optimize import brentq
 from vsb.errors import DatabaseError, StabilityError
 from vsb.hydro.coefficients import Coefficients
 from vsb.hydro.kernel import DampingSpectrum
+from vsb.hydro.orders import ORDER, order_groups
+from vsb.motion.channel import Channel
 from vsb.motion.port import ROUND_OFF, Port
 from vsb.motion.pto import LinearPto
 from vsb.tools.units import ComplexArray, FloatArray
@@ -23,7 +26,7 @@ FASTEST = 1e9
 """Frequency [rad/s] beyond which nothing that has inertia swings."""
 ADRIFT = 1e-6
 """Share of a steady force that no spring holds, from which on the port drifts [-]."""
-STIFFNESS = ("structural", "hydrostatic", "prestress", "gas")
+STIFFNESS = ("structural", "hydrostatic", "prestress", "gas", "mooring")
 
 
 @dataclass(frozen=True)
@@ -207,7 +210,17 @@ class LinearMotion(ABC):
 @final
 @dataclass(frozen=True)
 class LinearBuoy(LinearMotion):
-    """Heave and modes of a shell of revolution, which radiate through one channel."""
+    """Heave and modes of a shell of revolution, or all motions of orders up to some m; each has one channel."""
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Names of the degrees of freedom."""
+        return tuple(map(str, self.database.influenced_dof.values))
+
+    @property
+    def orders(self) -> npt.NDArray[np.integer[Any]]:
+        """Azimuthal order of each degree of freedom, shape (dof,)."""
+        return np.asarray(self.database[ORDER].values) if ORDER in self.database else np.zeros(len(self.labels), int)
 
     @cached_property
     def _splines(self) -> tuple[CubicSpline, CubicSpline]:
@@ -217,17 +230,9 @@ class LinearBuoy(LinearMotion):
         return CubicSpline(omega, self.database.added_mass.values), excitation
 
     @cached_property
-    def _channel(self) -> tuple[CubicSpline, int]:
-        """Haskind's factor tr B/|X|^2 over a power of frequency, and that power.
-
-        The factor leaves zero with omega^3 in deep water, with omega in shallow: divided by that power it is smooth.
-        """
-        omega, damping = self.database.omega.values, self.database.radiation_damping.values
-        radiated = one_channel(self.database.excitation_force.values[:, 0, :])
-        factor = np.einsum("wii->w", damping) / np.einsum("wii->w", radiated)
-        slope = np.log(factor[1] / factor[0]) / np.log(omega[1] / omega[0])
-        power = int(np.clip(np.rint(slope), 1, 3))
-        return CubicSpline(omega, factor / omega**power), power
+    def _channels(self) -> list[Channel]:
+        """The radiation channel of each azimuthal order."""
+        return [Channel.of(self.database, group) for group in order_groups(self.database).values()]
 
     def coefficients(self, omega: FloatArray) -> Coefficients:
         """Return the coefficients by cubic splines between solved frequencies.
@@ -239,9 +244,10 @@ class LinearBuoy(LinearMotion):
 
         Notes
         -----
-        Axisymmetric motions radiate through one channel, B = h X X^H (Haskind). Taken as such, what a take-off can get,
-        |V0|^2/(8 Re Y), is the same at every port, as exactly as h: what the solver leaves beside the channel is its
-        error, which `rank_one` of the database judges, and outweighs the channel where a port hardly radiates.
+        Motions of one azimuthal order radiate through one channel, B = h X X^H (Haskind). Taken as such, what a
+        take-off can get, |V0|^2/(8 Re Y), is the same at every port, as exactly as h: what the solver leaves beside the
+        channel is its error, which `rank_one` of the database judges, and outweighs the channel where a port hardly
+        radiates.
         """
         first, last = self.database.omega.values[[0, -1]]
         if omega.size and (omega.min() < first - 1e-9 or omega.max() > last + 1e-9):
@@ -250,9 +256,8 @@ class LinearBuoy(LinearMotion):
                 f"{first:g} to {last:g} rad/s; raise hydro.omega_max, or use waves below {2 * np.pi / first:.4g} s."
             )
         added_mass, excitation = self._splines
-        factor, power = self._channel
         force = excitation(omega).astype(complex)
-        damping = (factor(omega) * omega**power)[:, None, None] * one_channel(force)
+        damping = np.sum([channel.damping(omega, force) for channel in self._channels], axis=0)
         return Coefficients(added_mass(omega), damping, force)
 
     def diffraction(self, omega: FloatArray) -> ComplexArray:
@@ -266,14 +271,15 @@ class LinearBuoy(LinearMotion):
         return np.asarray(self.added_mass_inf + self.spectrum.added_mass_difference(np.array([omega]))[0])
 
     def drifting(self, stiffness: FloatArray, motions: FloatArray) -> FloatArray:
-        """Return none: a buoy's water and shell hold all of its motions."""
-        softest = float(np.linalg.eigvalsh(stiffness)[0])
+        """Return those without any stiffness, as surge without a mooring; water and shell hold the others."""
+        loose = ~stiffness.any(axis=0)
+        softest = float(np.linalg.eigvalsh(stiffness[np.ix_(~loose, ~loose)])[0])
         if softest <= 0.0:
             raise StabilityError(
                 f"the buoy gives way at rest: received a stiffness of {softest:.4g} N/m, needs more than 0; "
                 "raise device.young_modulus, device.thickness or device.internal_pressure"
             )
-        return np.zeros((len(stiffness), 0))
+        return np.eye(len(stiffness))[:, loose]
 
 
 def with_open_chamber(buoy: LinearBuoy, direction: FloatArray) -> LinearBuoy:
@@ -372,11 +378,6 @@ def compliance(stiffness: FloatArray, force: FloatArray) -> float:
     moved = np.linalg.lstsq(stiffness, force, rcond=ROUND_OFF)[0]
     adrift = np.abs(stiffness @ moved - force).max(initial=0.0) > ADRIFT * np.abs(force).max(initial=0.0)
     return np.inf if adrift else float(force @ moved)
-
-
-def one_channel(excitation: ComplexArray) -> FloatArray:
-    """Return Re X X^H of excitation forces (omega, dof), shape (omega, dof, dof)."""
-    return np.real(excitation[:, :, None] * excitation[:, None, :].conj())
 
 
 def allowed_part(direction: FloatArray, motions: FloatArray) -> FloatArray:

@@ -5,16 +5,21 @@ frequency and unit wave amplitude V = V0 - Y F: a free velocity and an admittanc
 Every law of this module is for phasors Re(. exp(-i omega t)) (C1).
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any, Literal
 
 import numpy as np
+import numpy.typing as npt
 
 from vsb.errors import ConfigError, DatabaseError
+from vsb.hydro.azimuthal import multiplicity
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.loaded import ElasticShell
-from vsb.study.take_off import BetweenPort, PortChoice
+from vsb.shell.orders import OrderBasis
+from vsb.study.take_off import BetweenPort, LinePort, PortChoice, ShellPort
 from vsb.tools.units import ComplexArray, FloatArray
 
 
@@ -138,20 +143,75 @@ ROUND_OFF = 1e-12
 """A share of a motion below this is none [-]."""
 
 
-def port_direction(choice: PortChoice, shape: DeformedShell) -> FloatArray:
-    """Return b of a port, whose velocity is b.q', shape (dof,) [-]; of the volume [m^2].
+def port_direction(choice: PortChoice, shape: DeformedShell, orders: Sequence[OrderBasis] = ()) -> FloatArray:
+    """Return b of a port, whose velocity is b.q', shape (dof,) [-]; of the volume [m^2], per rad of pitch [m].
 
     Parameters
     ----------
-    choice : "heave", "volume", ShellPort or BetweenPort
+    choice : "heave", "surge", "pitch", "volume", ShellPort, BetweenPort or LinePort
     shape : DeformedShell
         The shape at rest.
+    orders : sequence of OrderBasis
+        Degrees of freedom beside the axisymmetric ones; surge, pitch and lines need those of order 1.
 
     Notes
     -----
-    A point moves radially by v and vertically by v cos phi - u sin phi, heave included; between two points of a
-    meridian counts what lengthens the line that joins them; of the volume, its gradient int n.psi dS.
+    A ring of points moves radially by v and vertically by v cos phi - u sin phi, heave included, m >= 1 on average not;
+    between two points of the meridian theta = 0 counts what lengthens the line that joins them, of a line to the sea
+    bed likewise, attached to the frame; of the volume, its gradient int n.psi dS.
     """
+    labels = [*shape.basis.labels, *(label for basis in orders for label in basis.labels)]
+    if isinstance(choice, LinePort):
+        return combination(labels, line_shares(choice, shape.centre_height))
+    if choice == "surge" or choice == "pitch":
+        return combination(labels, {choice.capitalize(): 1.0})
+    beyond = [_between(choice, shape, basis) for basis in orders]
+    return np.concatenate([_axisymmetric_port(choice, shape), *beyond])
+
+
+def channels_reached(direction: FloatArray, orders: npt.NDArray[np.integer[Any]]) -> int:
+    """Return what the power of a port is limited to in terms of lambda/(2 pi), 1 of order 0 and 2 of each m >= 1 [-].
+
+    Parameters
+    ----------
+    direction : ndarray, shape (dof,)
+        b.
+    orders : ndarray, shape (dof,)
+        Azimuthal order of each degree of freedom.
+    """
+    return sum(multiplicity(int(order)) for order in np.unique(orders[direction != 0.0]))
+
+
+def line_shares(line: LinePort, centre_height: float) -> dict[str, float]:
+    """Return what lengthens a line to the sea bed per unit of each rigid motion [-], of pitch [m].
+
+    The attachment at (x, z) from the sphere's centre moves by (surge + z pitch, heave - x pitch); the line's tension at
+    rest, which would be stiff across it, is no part of the take-off.
+    """
+    x, z = line.line_from
+    along_x, along_z = x - line.line_to[0], centre_height + z - line.line_to[1]
+    length = math.hypot(along_x, along_z)
+    along_x, along_z = along_x / length, along_z / length
+    return {"Surge": along_x, "Heave": along_z, "Pitch": along_x * z - along_z * x}
+
+
+def _between(choice: PortChoice, shape: DeformedShell, basis: OrderBasis) -> FloatArray:
+    """Share of an order in a port: in one between two points of the meridian theta = 0, else none."""
+    if not isinstance(choice, BetweenPort):
+        return np.zeros(len(basis.labels))
+    at = np.deg2rad(choice.between)
+    v, u, _ = basis.field(at)
+    m, sin, cos = shape.meridian(at), np.sin(at), np.cos(at)
+    chord = np.array([np.diff(m.x)[0], np.diff(m.z)[0]])
+    apart = np.array([np.diff(v * sin + u * cos)[:, 0], np.diff(v * cos - u * sin)[:, 0]])
+    apart[:, : basis.rigid] = 0.0
+    return np.asarray(chord @ apart / np.linalg.norm(chord))
+
+
+def _axisymmetric_port(
+    choice: Literal["heave", "volume"] | ShellPort | BetweenPort, shape: DeformedShell
+) -> FloatArray:
+    """Share of heave and axisymmetric modes in a port."""
     heave = np.eye(len(shape.basis.labels))[0]
     if choice == "heave":
         return np.asarray(heave)

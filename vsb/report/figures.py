@@ -10,6 +10,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from vsb.hydro.dofs import RIGID
 from vsb.report.band import LOWEST, useful_band
 from vsb.report.canvas import (
     StudyData,
@@ -151,6 +152,8 @@ def added_mass_damping(data: StudyData) -> Figure:
     colours = mpl.colormaps["viridis"].resampled(max(2, len(labels)))
     for i, label in enumerate(labels):
         own = {"influenced_dof": label, "radiating_dof": label}
+        if not database.added_mass.sel(own).any():  # pitch about a sphere's centre moves no water
+            continue
         line = {"color": "black" if i == 0 else colours(i - 1), "label": label}
         if i == 0:  # above a mode that moves the same water, which is seen between its dots
             line |= {"linestyle": (0, (1, 1.5)), "linewidth": 2.2, "zorder": 3}
@@ -168,7 +171,9 @@ def added_mass_damping(data: StudyData) -> Figure:
 def radiation_kernel(data: StudyData) -> Figure:
     """Draw the retardation kernel from the damping and from the state space, heave and two modes."""
     kernel = data.radiation
-    labels = kernel.influenced_dof.values[:3]
+    moving = [i for i, label in enumerate(kernel.influenced_dof.values) if label != "Pitch"]
+    rigid = [i for i in moving if kernel.influenced_dof.values[i] in RIGID]
+    labels = kernel.influenced_dof.values[[*rigid, *(i for i in moving if i not in rigid)][:3]]
     figure, axes = grid_of_axes(1.3 + 1.3 * len(labels), len(labels), 1, sharex=True)
     for ax, label in zip(axes[:, 0], labels, strict=True):
         own = {"influenced_dof": label, "radiating_dof": label}
@@ -186,6 +191,18 @@ def heave_excitation(data: StudyData, wave: str) -> Figure:
     """Draw heave and excitation force, the paper's Fig. 5."""
     heave = ("heave [m]", lambda run: run.position.isel(dof=0))
     return panels(data, wave, [heave, ("excitation force [kN]", lambda run: heave_force(run, "excitation"))])
+
+
+def directions(data: StudyData, wave: str) -> Figure:
+    """Draw surge, heave and pitch."""
+
+    def angle(run: xr.Dataset) -> xr.DataArray:
+        turned: xr.DataArray = np.rad2deg(run.position.sel(dof="Pitch"))
+        return turned
+
+    surge = ("surge [m]", lambda run: run.position.sel(dof="Surge"))
+    heave = ("heave [m]", lambda run: run.position.sel(dof="Heave"))
+    return panels(data, wave, [surge, heave, ("pitch [degrees]", angle)])
 
 
 def velocity_pto(data: StudyData, wave: str) -> Figure:
@@ -248,7 +265,7 @@ def draw(name: str, data: StudyData) -> Figure:
     per_wave = {
         f.__name__: f
         for f in (
-            heave_excitation, velocity_pto, power_energy, energy_audit, snapshots,
+            heave_excitation, directions, velocity_pto, power_energy, energy_audit, snapshots,
             extreme_shapes, shapes_3d, volume_area,
         )
     }  # fmt: skip

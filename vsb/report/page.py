@@ -44,6 +44,8 @@ CAPTIONS = {
     "each frequency, beside what their own estimates allow; what deformation does to heave's coefficients (panels "
     "dots, spectral solver open); in deep water also how far apart derivatives of the coefficients by the modes are.",
     "heave_excitation": "Heave and the heave component of the excitation force.",
+    "directions": "Surge, heave and pitch, of the top towards where the waves go. Without a mooring nothing holds "
+    "surge: what the start gives it, it keeps.",
     "velocity_pto": "Heave velocity and power take-off force.",
     "power_energy": "Instantaneous absorbed power, and absorbed energy since the start.",
     "extreme_shapes": "Shells of all designs at their least height from pole to pole, displacement magnified.",

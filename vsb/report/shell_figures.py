@@ -8,7 +8,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vsb.hydro.dofs import flexible
+from vsb.hydro.dofs import RIGID, flexible
 from vsb.report.canvas import StudyData, folded, grid_of_axes, panels, style
 from vsb.tools.units import FloatArray
 
@@ -29,9 +29,9 @@ def mode_shapes(data: StudyData) -> Figure:
         shortened = float(-(v + np.gradient(u, phi)).min())  # of the meridian: drawn larger, it would fold into cusps
         amplitude = min(0.25 / max(1.0, float(shape.degree) / 2) ** 0.7, 0.4 / max(shortened, 1e-9))
         v, u = amplitude * v, amplitude * u
-        x, z = (1 + v) * np.sin(phi) + u * np.cos(phi), (1 + v) * np.cos(phi) - u * np.sin(phi)
+        halves = [_half(1.0, phi, side * v, side * u) for side in (1.0, _opposite(modes.sel(mode=mode)))]
         ax.plot(np.sin(2 * phi), np.cos(2 * phi), color="black", linewidth=0.8)
-        ax.plot([*x, *-x[::-1]], [*z, *z[::-1]], color="#D55E00")
+        ax.plot(*_closed(*halves), color="#D55E00")
         ax.set_title(f"{mode}\n{float(shape.dry_frequency):.2f} rad/s dry", fontsize=8)
     title = "Shell modes (black: undeformed)" if count else "A rigid study has no shell modes"
     figure.suptitle(title, fontsize=9)
@@ -51,7 +51,8 @@ def snapshots(data: StudyData, wave: str) -> Figure:
             if row == 0:
                 ax.set_title(f"t = {instant:.2f} s", fontsize=8)
         axes[row, 0].set_ylabel(folded(design), fontsize=7)
-    scale = f"Shell displacement times {factor:g}, heave and wave times 1" if factor > 1 else "All to scale"
+    rest = "heave, pitch and wave" if "order" in data.modes else "heave and wave"
+    scale = f"Shell displacement times {factor:g}, {rest} times 1" if factor > 1 else "All to scale"
     figure.suptitle(f"{scale} (dotted: undeformed)", fontsize=9)
     return figure
 
@@ -59,7 +60,7 @@ def snapshots(data: StudyData, wave: str) -> Figure:
 def _magnification(data: StudyData, wave: str) -> float:
     """Round factor that makes the largest shell displacement about 0.2 radii."""
     settled = (data.runs[design, wave].sel(time=slice(*data.window)) for design in data.designs)
-    largest = max((float(abs(run.position[:, 1:]).max()) for run in settled if flexible(run.dof.values)), default=0.0)
+    largest = max((float(np.abs(_modal(run)).max()) for run in settled if flexible(run.dof.values)), default=0.0)
     return round_factor(largest, float(data.modes.attrs["radius"]))
 
 
@@ -72,14 +73,39 @@ def round_factor(largest: float, radius: float) -> float:
     return max(1.0, max(m * decade for m in (1, 2, 5) if m * decade <= raw))
 
 
-def _meridian(data: StudyData, run: xr.Dataset, factor: float) -> tuple[FloatArray, FloatArray]:
-    """Meridian about the sphere centre at one instant: x = (r+v) sin + u cos, z = (r+v) cos - u sin."""
+def _modal(run: xr.Dataset) -> FloatArray:
+    """Amplitudes of the shell modes of a run [m]; rigid motions left out."""
+    return np.asarray(run.position.sel(dof=[label for label in run.dof.values if label not in RIGID]).values)
+
+
+def _opposite(modes: xr.Dataset) -> Any:
+    """Sign of modes on the meridian theta = pi: (-1)^m; 1 of axisymmetric ones."""
+    return (-1.0) ** modes.order.values if "order" in modes else 1.0
+
+
+def _half(radius: float, phi: FloatArray, v: FloatArray, u: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Points of one meridian about the sphere centre: x = (r+v) sin + u cos, z = (r+v) cos - u sin."""
+    return (radius + v) * np.sin(phi) + u * np.cos(phi), (radius + v) * np.cos(phi) - u * np.sin(phi)
+
+
+def _closed(right: tuple[FloatArray, FloatArray], left: tuple[FloatArray, FloatArray]) -> tuple[FloatArray, FloatArray]:
+    """Two meridians as one line around the shell in the plane of the waves."""
+    return np.concatenate([right[0], -left[0][::-1]]), np.concatenate([right[1], left[1][::-1]])
+
+
+def _meridians(data: StudyData, run: xr.Dataset, factor: float) -> list[tuple[FloatArray, FloatArray]]:
+    """Both meridians in the plane of the waves at one instant, theta = 0 and pi."""
     modes = data.modes
     r, phi = float(modes.attrs["radius"]), modes.colatitude.values
     q = modes.static_amplitude.values.copy()
-    q[: run.sizes["dof"] - 1] += factor * run.position.values[1:]
-    v, u = (q @ modes[name].values if len(q) else np.zeros_like(phi) for name in ("radial", "meridional"))
-    return (r + v) * np.sin(phi) + u * np.cos(phi), (r + v) * np.cos(phi) - u * np.sin(phi)
+    if flexible(run.dof.values):
+        q += factor * _modal(run)
+    found = []
+    for side in (1.0, _opposite(modes)):
+        at = side * q
+        v, u = (at @ modes[name].values if len(q) else np.zeros_like(phi) for name in ("radial", "meridional"))
+        found.append(_half(r, phi, v, u))
+    return found
 
 
 def _snapshot(data: StudyData, ax: Axes, run: xr.Dataset, design: str, factor: float) -> None:
@@ -87,20 +113,28 @@ def _snapshot(data: StudyData, ax: Axes, run: xr.Dataset, design: str, factor: f
     modes = data.modes
     r, phi = float(modes.attrs["radius"]), modes.colatitude.values
     centre = float(modes.attrs["centre_height"]) + float(run.position[0])
-    x, z = _meridian(data, run, factor)
+    x, z = _tilted(run, *_closed(*_meridians(data, run, factor)))
     z, level = z + centre, float(run.elevation) if "elevation" in run else 0.0
     ax.axhspan(-3 * r, level, color="#56B4E9", alpha=0.25, linewidth=0)
     ax.axhline(level, color="#0072B2", linewidth=0.8)
     ax.plot(r * np.sin(2 * phi), centre + r * np.cos(2 * phi), color="#999999", linewidth=0.6, linestyle=":")
-    ax.plot([*x, *-x[::-1]], [*z, *z[::-1]], color=style(design, data.designs)["color"])
+    ax.plot(x, z, color=style(design, data.designs)["color"])
     ax.set(aspect="equal", xlim=(-1.5 * r, 1.5 * r), ylim=(-1.5 * r, 1.5 * r), xticks=[], yticks=[])
     ax.grid(visible=False)
+
+
+def _tilted(run: xr.Dataset, x: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Points about the sphere centre turned by the pitch of a run; surge, which may drift, is left out."""
+    if "Pitch" not in run.dof:
+        return x, z
+    angle = float(run.position.sel(dof="Pitch"))
+    return x * np.cos(angle) + z * np.sin(angle), z * np.cos(angle) - x * np.sin(angle)
 
 
 def _height(data: StudyData, run: xr.Dataset) -> xr.DataArray:
     """Distance between the poles of a run's shell over time [m]; the n-th mode changes it by V (1 + (-1)^n)."""
     at_poles = data.modes.radial.isel(colatitude=0) + data.modes.radial.isel(colatitude=-1)
-    change = run.position.values[:, 1:] @ at_poles.values if flexible(run.dof.values) else 0.0 * run.time.values
+    change = _modal(run) @ at_poles.values if flexible(run.dof.values) else 0.0 * run.time.values
     return xr.DataArray(2 * float(data.modes.attrs["radius"]) + change, coords={"time": run.time})
 
 
@@ -110,8 +144,8 @@ def extreme_shapes(data: StudyData, wave: str) -> Figure:
     ax, factor = axes[0, 0], _magnification(data, wave)
     for design in data.designs:
         run = data.runs[design, wave].sel(time=slice(*data.window))
-        x, z = _meridian(data, run.isel(time=int(np.argmin(_height(data, run).values))), factor)
-        ax.plot([*x, *-x[::-1]], [*z, *z[::-1]], **style(design, data.designs))
+        halves = _meridians(data, run.isel(time=int(np.argmin(_height(data, run).values))), factor)
+        ax.plot(*_closed(*halves), **style(design, data.designs))
     ax.set(aspect="equal", xlabel="radius [m]", ylabel="height above the sphere centre [m]")
     figure.suptitle(
         f"Least height from pole to pole in the window; shell displacement magnified {factor:g} times", fontsize=9
@@ -133,7 +167,7 @@ def shapes_3d(data: StudyData, wave: str) -> Figure:
     limit = 1.1 * float(data.modes.attrs["radius"])
     for i, (instant, name) in enumerate(zip(instants, ("start", "least height", "greatest height"), strict=True)):
         ax: Any = figure.add_subplot(1, 3, i + 1, projection="3d")
-        x, z = (a[::3] for a in _meridian(data, run.sel(time=instant, method="nearest"), factor))
+        x, z = (a[::3] for a in _meridians(data, run.sel(time=instant, method="nearest"), factor)[0])
         _draw_wires(ax, x, z, style(design, data.designs)["color"])
         ax.set(xlim=(-limit, limit), ylim=(-limit, limit), zlim=(-limit, limit), xticks=[], yticks=[])
         ax.set_box_aspect((1, 1, 1))

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from vsb.hydro import database
 from vsb.hydro.dofs import flexible
@@ -20,6 +21,7 @@ from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.scenes import automatic
+from vsb.scenes.directions import order_bases
 from vsb.scenes.drag import dragged_port, linearised, with_drag
 from vsb.scenes.pause import best_pause_in_sea, with_pause
 from vsb.scenes.rest import design_motions, study_basis
@@ -53,7 +55,7 @@ class DesignInSea(NamedTuple):
 
 
 def linear_buoy(study: Driven, database_path: str) -> tuple[LinearBuoy, ModeBasis]:
-    """Return the linear buoy of a study, without take-off, from its database, and the shell modes.
+    """Return the linear buoy of a study, without take-off, from its database, and its axisymmetric shell modes.
 
     To a take-off of the volume trapped gas is a chamber before it.
     """
@@ -61,13 +63,14 @@ def linear_buoy(study: Driven, database_path: str) -> tuple[LinearBuoy, ModeBasi
     shell_moves = flexible(ds.influenced_dof.values)  # of the database: a rigid design may share it with flexible ones
     modes = study.modes
     basis = mode_basis(study.device, modes.basis, modes.degree) if shell_moves else rigid_basis(study.device)
-    buoy = LinearBuoy(ds, basis.damping, LinearPto(0.0))
+    damping = block_diag(basis.damping, *(order.damping for order in order_bases(study, basis)))
+    buoy = LinearBuoy(ds, damping, LinearPto(0.0))
     return (with_open_chamber(buoy, study_port(study, buoy, basis)) if study.opens_chamber else buoy), basis
 
 
 def rest_shape(study: Driven, buoy: LinearBuoy, basis: ModeBasis) -> DeformedShell:
     """Return the shell a linear buoy moves about."""
-    return DeformedShell(basis, study.centre_height, buoy.database.reference_amplitude.values)
+    return DeformedShell(basis, study.centre_height, buoy.database.reference_amplitude.values[: len(basis.labels)])
 
 
 def radiation_model(path: str) -> RadiationModel:
@@ -78,7 +81,7 @@ def radiation_model(path: str) -> RadiationModel:
 
 def study_port(study: Driven, buoy: LinearBuoy, basis: ModeBasis) -> FloatArray:
     """Return b of the take-off of a study, shape (dof,); see `vsb.motion.port.port_direction`."""
-    return port_direction(study.pto.port, rest_shape(study, buoy, basis))
+    return port_direction(study.pto.port, rest_shape(study, buoy, basis), order_bases(study, basis))
 
 
 def linear_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
@@ -147,7 +150,7 @@ def _from_bem(run: SimulateSpec, paths: dict[str, Any]) -> _FromBem:
     model = radiation_model(paths["radiation"])
     waves, *others = (sea(w, run.hydro.omega_max, run.simulation.duration) for w in (wave, *run.seas))
     shape = rest_shape(run, bare, basis)
-    motions, port = design_motions(run, basis, design), port_direction(run.pto.port, shape)
+    motions, port = design_motions(run, basis, design), study_port(run, bare, basis)
     dragged = None if run.drag is None else partial(dragged_port, run, bare)
     pto = linear_take_off(run.pto, design, bare, motions, port, others or [waves], dragged)
     notes = {} if run.pto.tuning == "fixed" else {TUNED: float(pto.damping)}

@@ -4,11 +4,13 @@ from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.motion.builders import still_scene
-from vsb.motion.frequency import allowed_part, gas_compliance
+from vsb.motion.frequency import allowed_part, compliance, gas_compliance
 from vsb.motion.port import port_direction
+from vsb.scenes.directions import check_upright, order_bases, whole_stiffness
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.loaded import Buckling, ElasticShell, LoadedShell, buckling, complete_shell, equilibrium
 from vsb.shell.modes import ModeBasis, mode_basis, rigid_basis
@@ -28,21 +30,24 @@ def study_basis(study: AtRest) -> ModeBasis:
 def design_motions(study: Designed, basis: ModeBasis, design: str) -> FloatArray:
     """Return the motions a design allows, shape (dof, free) [-]: heave alone, or heave and the unclamped modes.
 
+    Likewise of the other azimuthal orders, where the buoy moves in more directions.
+
     Raises
     ------
     ConfigError
         If the clamps leave no shell mode free.
     """
-    chosen = study.designs[design]
+    chosen, clamps = study.designs[design], np.deg2rad(study.designs[design].clamp)
+    others = (order.allowed(chosen.flexible, clamps) for order in order_bases(study, basis))
     if not chosen.flexible:
-        return np.eye(len(basis.labels), 1)
-    free = basis.clamped(np.deg2rad(chosen.clamp)) if chosen.clamp else np.eye(len(basis.labels))
+        return np.asarray(block_diag(np.eye(len(basis.labels), 1), *others))
+    free = basis.clamped(clamps) if chosen.clamp else np.eye(len(basis.labels))
     if free.shape[1] < 2:
         raise ConfigError(
             f"designs.{design}.clamp: received {list(chosen.clamp)}, which leaves none of the {len(basis.modes)} shell "
             f"modes free; use fewer clamps, a larger modes.degree, or flexible: false"
         )
-    return free
+    return np.asarray(block_diag(free, *others))
 
 
 def loaded_shell(study: AtRest, basis: ModeBasis) -> LoadedShell:
@@ -139,6 +144,7 @@ def check_stable(study: Designed, reference: ReferenceShell) -> None:
     ------
     ConfigError
     """
+    check_upright(study, reference)
     for design in study.designs:
         least = design_stiffness(study, reference, design)
         if least <= 0:
@@ -150,9 +156,14 @@ def check_stable(study: Designed, reference: ReferenceShell) -> None:
 
 
 def design_stiffness(study: Designed, reference: ReferenceShell, design: str) -> float:
-    """Return the least stiffness of a design about the reference shape [N/m]; what rests stably has more than 0."""
+    """Return the least stiffness of a design about the reference shape [N/m]; what rests stably has more than 0.
+
+    Of what is held at all: surge without a mooring drifts, which may be.
+    """
     motions = design_motions(study, reference.basis, design)
-    return float(np.linalg.eigvalsh(motions.T @ reference.total @ motions)[0])
+    stiffness = motions.T @ whole_stiffness(study, reference) @ motions
+    held = np.flatnonzero(stiffness.any(axis=0))
+    return float(np.linalg.eigvalsh(stiffness[np.ix_(held, held)])[0])
 
 
 def check_spring(study: Study, reference: ReferenceShell) -> None:
@@ -162,15 +173,19 @@ def check_spring(study: Study, reference: ReferenceShell) -> None:
     ------
     ConfigError
     """
-    direction = port_direction(study.pto.port, reference.shape)
+    direction = port_direction(study.pto.port, reference.shape, order_bases(study, reference.basis))
     reference, chamber = seen_by_take_off(study, reference)
-    least = -np.inf
+    stiffness, least = whole_stiffness(study, reference), -np.inf
     for design in study.designs:
         motions = design_motions(study, reference.basis, design)
-        along = allowed_part(direction, motions)
-        compliance = chamber + float(along @ np.linalg.solve(motions.T @ reference.total @ motions, along))
-        least = max(least, -1 / compliance if compliance > 0 else -np.inf)
-    if not study.pto.stiffness > least:
+        yields = chamber + compliance(motions.T @ stiffness @ motions, allowed_part(direction, motions))
+        if yields == np.inf and study.pto.stroke_limit < np.inf:
+            raise ConfigError(
+                f"pto.stroke_limit: received {study.pto.stroke_limit:g} m, but nothing holds the port of design "
+                f"{design} at rest, from where it counts; needs a mooring that does"
+            )
+        least = max(least, -1 / yields if yields > 0 else -np.inf)
+    if not (study.pto.stiffness > least or study.pto.stiffness == least == 0.0):
         raise ConfigError(
             f"pto.stiffness: received {study.pto.stiffness:g} N/m, with which a buoy does not rest; needs more than "
             f"{least:.6g} N/m"

@@ -7,7 +7,7 @@ import numpy as np
 
 from vsb.errors import ConfigError
 from vsb.motion import drag
-from vsb.motion.frequency import LinearBuoy, allowed_part
+from vsb.motion.frequency import LinearBuoy, allowed_part, compliance
 from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.take_off import EndStop, TakeOff
@@ -125,5 +125,5 @@ def end_stop(scene: Scene, port: FloatArray, stroke: float) -> EndStop:
     """
     b = scene.motions.T @ port
     mass = 1 / float(b @ np.linalg.solve(scene.motions.T @ scene.mass @ scene.motions, b))
-    stiffness = STIFFER / float(b @ np.linalg.solve(scene.stiffness, b))
+    stiffness = STIFFER / compliance(scene.stiffness, b)
     return EndStop(port, stroke, stiffness, 2 * float(np.sqrt(stiffness * mass)))

@@ -1,14 +1,19 @@
 """Rule database: blocks merged, expressed in the modes, checked, stored with their verdict."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import xarray as xr
 
 from vsb import __version__
 from vsb.errors import DatabaseError
-from vsb.hydro import database, quality
+from vsb.hydro import database, orders, quality
+from vsb.hydro.database import Check
+from vsb.scenes.directions import mooring_stiffness, order_bases, order_stiffness
 from vsb.scenes.rest import reference_shell
+from vsb.shell.orders import OrderBasis
+from vsb.shell.rest import ReferenceShell
 from vsb.stages.stage import stamp
 from vsb.study.blocks import COARSEST_SWEEP
 from vsb.study.specs import DatabaseSpec
@@ -23,25 +28,18 @@ def run(spec: DatabaseSpec, blocks: str, out: str) -> None:
     DatabaseError
         If a block is missing or foreign, or a check fails that the study does not accept.
     """
-    reference = reference_shell(spec)
-    basis, water = reference.basis, spec.water
+    water = spec.water
     found = {name: _block(f"{blocks}/{name}.nc", name) for name in (*spec.sweep, *spec.tabulated)}
-
-    def in_modes(ids: Sequence[str]) -> xr.Dataset:
-        return database.with_excitation(database.in_modes(database.merged_blocks([found[i] for i in ids]), basis))
-
-    def complete(raw: xr.Dataset) -> xr.Dataset:
-        return database.with_structure(database.with_symmetrized(raw), reference)
-
-    everywhere = in_modes(spec.sweep)
-    infinite = [block for block in spec.sweep if "omega" not in found[block].dims]
-    tabulated = in_modes([*spec.tabulated, *infinite]) if spec.tabulated else None
     solver = str(json.loads(next(iter(found.values())).attrs["spec"])["solver"])
     precision = min(1.0, spec.tolerance / COARSEST_SWEEP) if solver == "spectral" else 1.0
-    checks = [
-        *quality.estimate_checks([block.attrs for block in found.values()], spec.tolerance),
-        *quality.verdict(everywhere, tabulated, water.depth, water.density, water.gravity, precision),
-    ]
+    reference = reference_shell(spec)
+    parts = [_Part(spec, reference, found, basis) for basis in (None, *order_bases(spec, reference.basis))]
+    swept = [part.in_modes(spec.sweep) for part in parts]
+    infinite = [name for name in spec.sweep if "omega" not in found[name].dims]
+    asked = [part.in_modes([*spec.tabulated, *infinite]) for part in parts] if spec.tabulated else None
+    checks = quality.estimate_checks([block.attrs for block in found.values()], spec.tolerance)
+    for i, part in enumerate(parts):
+        checks += part.verdict(swept[i], asked[i] if asked else None, precision)
     attrs = {
         "title": "hydro database of an axisymmetric shell in heave and its modes",
         "source": f"vsb {__version__}",
@@ -57,12 +55,67 @@ def run(spec: DatabaseSpec, blocks: str, out: str) -> None:
         "solver": solver,
         "bem_seconds": sum(block.attrs["seconds"] for block in found.values()),
     }
-    if tabulated is None:
-        asked = complete(everywhere).sel(omega=slice(None, spec.omega_max + 1e-9))
-        database.save_database(asked.assign_attrs(asked.attrs, **attrs), None, out)
+    everywhere = _whole(spec, parts, swept)
+    if asked is None:
+        kept = everywhere.sel(omega=slice(None, spec.omega_max + 1e-9))
+        database.save_database(kept.assign_attrs(kept.attrs, **attrs), None, out)
     else:
-        asked = complete(tabulated)
-        database.save_database(asked.assign_attrs(asked.attrs, **attrs), complete(everywhere), out)
+        tabulated = _whole(spec, parts, asked)
+        database.save_database(tabulated.assign_attrs(tabulated.attrs, **attrs), everywhere, out)
+
+
+@dataclass(frozen=True)
+class _Part:
+    """The degrees of freedom of one azimuthal order, from blocks to the database."""
+
+    spec: DatabaseSpec
+    reference: ReferenceShell
+    found: Mapping[str, xr.Dataset]
+    basis: OrderBasis | None = None  # of order m >= 1; none: heave and axisymmetric modes
+
+    @property
+    def order(self) -> int:
+        """Azimuthal order m."""
+        return self.basis.order if self.basis else 0
+
+    def in_modes(self, ids: Sequence[str]) -> xr.Dataset:
+        """Coefficients of blocks, those of other orders left out."""
+        own = [name for name in ids if json.loads(self.found[name].attrs["spec"]).get("order", 0) == self.order]
+        merged = database.merged_blocks([self.found[name] for name in own])
+        moved = (
+            orders.in_order_modes(merged, self.basis) if self.basis else database.in_modes(merged, self.reference.basis)
+        )
+        return database.with_excitation(moved)
+
+    def verdict(self, swept: xr.Dataset, asked: xr.Dataset | None, precision: float) -> list[Check]:
+        """Checks of what moves water, as pitch about the sphere's centre does not."""
+        still = [label for label in swept.influenced_dof.values if label == "Pitch"]
+        wet, tabulated = (
+            None if part is None else part.drop_sel(influenced_dof=still, radiating_dof=still)
+            for part in (swept, asked)
+        )
+        water = self.spec.water
+        assert wet is not None
+        return quality.verdict(wet, tabulated, water.depth, water.density, water.gravity, precision, self.order)
+
+    def complete(self, raw: xr.Dataset) -> xr.Dataset:
+        """Coefficients made symmetric, with the structure; those of orders m >= 1 also passive at all frequencies."""
+        water, even = self.spec.water, database.with_symmetrized(raw)
+        if not self.basis:
+            return database.with_structure(even, self.reference)
+        passive = orders.with_haskind_damping(even, self.order, water.depth, water.density, water.gravity)
+        return orders.with_order_structure(passive, self.basis, order_stiffness(self.spec, self.basis))
+
+
+def _whole(spec: DatabaseSpec, parts: Sequence[_Part], raw: Sequence[xr.Dataset]) -> xr.Dataset:
+    """All orders side by side, and what moors them."""
+    complete = [part.complete(one) for part, one in zip(parts, raw, strict=True)]
+    if len(parts) == 1:
+        return complete[0]
+    whole = orders.side_by_side(complete, [part.order for part in parts])
+    mooring = mooring_stiffness(spec, tuple(map(str, whole.influenced_dof.values)))
+    pair = ("influenced_dof", "radiating_dof")
+    return whole.assign({f"{name}_stiffness": (pair, matrix) for name, matrix in mooring.items()})
 
 
 def _block(path: str, name: str) -> xr.Dataset:

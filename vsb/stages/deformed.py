@@ -12,8 +12,8 @@ from vsb.shell.deformed import DeformedShell, rigid_sphere
 from vsb.shell.modes import ModeBasis, shell_modes
 from vsb.shell.sphere import Shell
 from vsb.stages.stage import stamp
+from vsb.study.blocks import degree
 from vsb.study.specs import DeformedSpec, LoadedShape, Shapes
-from vsb.study.witness import degree
 from vsb.tools.files import save
 
 

@@ -1,36 +1,68 @@
 """Rule modes: the shell modes of a study."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import xarray as xr
 
+from vsb.scenes.directions import order_bases
 from vsb.scenes.rest import check_stable, reference_shell
+from vsb.shell.modes import Mode
+from vsb.shell.orders import OrderBasis
+from vsb.shell.rest import ReferenceShell
 from vsb.stages.stage import stamp
 from vsb.study.specs import ModesSpec
 from vsb.tools.files import save
+from vsb.tools.units import FloatArray
 
 COLATITUDES = np.linspace(0.0, np.pi, 181)
+ORDER = "order"
+"""Azimuthal order of a mode; a study of heave alone has none but 0, and does not say so."""
 
 
 def run(spec: ModesSpec, out: str) -> None:
     """Write the shell modes of a study, after checking that every design has motions left."""
     reference = reference_shell(spec)
     check_stable(spec, reference)
-    basis = reference.basis
-    radial, meridional = basis.displacement(COLATITUDES)
-    modes = xr.Dataset(
+    orders = order_bases(spec, reference.basis)
+    parts = [_axisymmetric(reference), *map(_of_order, orders)]
+    modes = xr.concat(parts, "mode") if orders else parts[0].drop_vars(ORDER)
+    modes = modes.assign_attrs(
         {
-            "radial": (("mode", "colatitude"), radial[1:]),
-            "meridional": (("mode", "colatitude"), meridional[1:]),
-            "degree": ("mode", list(basis.degrees[1:])),
-            "dry_frequency": ("mode", basis.dry_frequencies),
-            "static_amplitude": ("mode", reference.modal_amplitude[1:]),
-        },
-        coords={"mode": list(basis.labels[1:]), "colatitude": COLATITUDES},
-        attrs={
             "radius": spec.device.radius,
             "centre_height": spec.centre_height + reference.modal_amplitude[0],
             "basis": spec.modes.basis,
             **stamp(spec),
-        },
+        }
     )
     save(modes, out)
+
+
+def _axisymmetric(reference: ReferenceShell) -> xr.Dataset:
+    """Shell modes of order 0."""
+    basis = reference.basis
+    radial, meridional = basis.displacement(COLATITUDES)
+    return _shapes(basis.modes, 0, radial[1:], meridional[1:], basis.dry_frequencies, reference.modal_amplitude[1:])
+
+
+def _of_order(basis: OrderBasis) -> xr.Dataset:
+    """Shell modes of an order m >= 1, in the plane of the waves."""
+    radial, meridional, _ = (part[basis.rigid :] for part in basis.field(COLATITUDES))
+    return _shapes(basis.modes, basis.order, radial, meridional, basis.dry_frequencies, np.zeros(len(basis.modes)))
+
+
+def _shapes(
+    modes: Sequence[Mode], order: int, radial: FloatArray, meridional: FloatArray, dry: FloatArray, static: FloatArray
+) -> xr.Dataset:
+    """Shapes of the modes of an order along the meridian theta = 0."""
+    return xr.Dataset(
+        {
+            "radial": (("mode", "colatitude"), radial),
+            "meridional": (("mode", "colatitude"), meridional),
+            "degree": ("mode", [mode.degree for mode in modes]),
+            ORDER: ("mode", np.full(len(modes), order)),
+            "dry_frequency": ("mode", dry),
+            "static_amplitude": ("mode", static),
+        },
+        coords={"mode": [mode.label for mode in modes], "colatitude": COLATITUDES},
+    )

@@ -1,13 +1,15 @@
 """Rule radiation: the passive radiation model."""
 
 import time as clock
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from vsb.hydro.database import load_database
 from vsb.hydro.kernel import DampingSpectrum
-from vsb.hydro.statespace import fit_radiation
+from vsb.hydro.orders import order_groups
+from vsb.hydro.statespace import RadiationModel, fit_radiation, joined
 from vsb.stages.stage import stamp
 from vsb.study.specs import RadiationSpec
 from vsb.tools.files import save
@@ -18,19 +20,19 @@ def run(spec: RadiationSpec, database: str, out: str) -> None:
     ds = load_database(database, spec.database)
     spectrum = DampingSpectrum(ds.omega.values, ds.radiation_damping.values)
     begun = clock.perf_counter()
-    model, error = fit_radiation(spectrum, spec.tolerance)
+    memory = fit_orders(ds, spec.tolerance)
+    model = memory.model
     time = np.linspace(0.0, 40 / np.sqrt(float(ds.attrs["gravity"]) / float(ds.attrs["radius"])), 401)
     pair = ("influenced_dof", "radiating_dof")
     labels = ds.influenced_dof.values
     damping = model.damping(ds.omega.values)
-    scale = np.sqrt(np.einsum("wii->wi", ds.radiation_damping.values).max(axis=0))
-    margin = float(np.linalg.eigvalsh(damping / np.outer(scale, scale)).min())
+    channels = ("state",) if model.channel.ndim == 1 else ("state", "channel_of_order")
     save(
         xr.Dataset(
             {
                 "state_matrix": (("state", "state_in"), model.state_matrix),
                 "input_matrix": (("state", "radiating_dof"), model.input_matrix),
-                "channel": ("state", model.channel),
+                "channel": (channels, model.channel),
                 "kernel": (("time", *pair), spectrum.kernel(time)),
                 "kernel_state_space": (("time", *pair), model.kernel(time)),
                 "damping_state_space": (("omega", *pair), damping),
@@ -39,10 +41,42 @@ def run(spec: RadiationSpec, database: str, out: str) -> None:
             attrs={
                 **stamp(spec),
                 "order": model.order,
-                "fit_error": error,
-                "passivity_margin": margin,
+                "fit_error": memory.error,
+                "passivity_margin": least_damping(spectrum, damping),
                 "seconds": clock.perf_counter() - begun,
             },
         ),
         out,
     )
+
+
+class Memory(NamedTuple):
+    """The radiation memory of all azimuthal orders."""
+
+    model: RadiationModel
+    error: float  # the largest of their fits [-]
+
+
+def fit_orders(ds: xr.Dataset, tolerance: float) -> Memory:
+    """Return the passive memory of a database, of each azimuthal order one of a single channel; see `fit_radiation`.
+
+    Motions that move no water, as pitch about a sphere's centre, are none of it.
+    """
+    omega, damping = ds.omega.values, ds.radiation_damping.values
+    models, errors = [], []
+    for group in order_groups(ds).values():
+        wet = group[np.einsum("wii->wi", damping[:, group[:, None], group]).any(axis=0)]
+        spectrum = DampingSpectrum(omega, damping[:, wet[:, None], wet])
+        model, error = fit_radiation(spectrum, tolerance)
+        inputs = np.zeros((model.order, damping.shape[1]))
+        inputs[:, wet] = model.input_matrix
+        models.append(RadiationModel(model.state_matrix, inputs, model.channel))
+        errors.append(error)
+    return Memory(joined(models), max(errors))
+
+
+def least_damping(spectrum: DampingSpectrum, damping: np.ndarray) -> float:
+    """Return the least eigenvalue of a model's damping, (omega, dof, dof), each motion in terms of its largest [-]."""
+    scale = np.sqrt(np.einsum("wii->wi", spectrum.damping).max(axis=0))
+    scale = np.where(scale > 0, scale, 1.0)  # of what moves no water
+    return float(np.linalg.eigvalsh(damping / np.outer(scale, scale)).min())

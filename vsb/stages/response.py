@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.motion import frequency as response
+from vsb.motion.port import channels_reached
 from vsb.motion.pto import LinearPto
 from vsb.scenes.build import linear_buoy, study_port
 from vsb.scenes.rest import design_motions
@@ -36,6 +37,7 @@ def run(spec: ResponseSpec, database: str, out: str) -> None:
     omega = response.frequency_grid(spec.step, spec.lowest, spec.omega_max, spec.omega)
     pto = spec.pto
     direction = study_port(spec, bare, basis)
+    reached = channels_reached(direction, bare.orders)
     rao, power, wet, ports, best = [], [], [], [], []
     for design in spec.designs:
         motions, damper = design_motions(spec, basis, design), pto.damper(design)
@@ -47,7 +49,10 @@ def run(spec: ResponseSpec, database: str, out: str) -> None:
         power.append(buoy.absorbed_power(omega, rao[-1]))
         swinging = replace(buoy, pto=LinearPto(damper or 0.0, pto.stiffness, direction))
         wet += [(design, *pair) for pair in zip(*swinging.natural_modes(motions), strict=True)]
-    water = spec.water
+    water, told = spec.water, {"take_off": TAKE_OFF[pto.damping is None], "port": port_in_words(pto)}
+    sea = (water.depth, water.density, water.gravity)
+    if reached > 1:
+        told["limit"] = f"{reached} λ/2π"
     designs, frequency, ratio = zip(*wet, strict=True)
     save(
         xr.Dataset(
@@ -59,17 +64,17 @@ def run(spec: ResponseSpec, database: str, out: str) -> None:
                 "best_damping": (("design", "omega"), np.array([port.best_damping for port in best])),
                 "best_power": (("design", "omega"), np.array([port.best_power for port in best])),
                 "matched_power": (("design", "omega"), np.array([port.matched_power for port in ports])),
-                "power_limit": ("omega", [power_limit(w, water.depth, water.density, water.gravity) for w in omega]),
+                "power_limit": ("omega", reached * np.array([power_limit(w, *sea) for w in omega])),
                 "wet_natural_frequency": ("wet_mode", list(frequency)),
                 "wet_damping_ratio": ("wet_mode", list(ratio)),
             },
             coords={
                 "design": list(spec.designs),
                 "omega": omega,
-                "dof": list(basis.labels),
+                "dof": list(bare.labels),
                 "wet_design": ("wet_mode", list(designs)),
             },
-            attrs={"take_off": TAKE_OFF[pto.damping is None], "port": port_in_words(pto), **stamp(spec, database)},
+            attrs={**told, **stamp(spec, database)},
         ),
         out,
     )

@@ -1,10 +1,12 @@
 """Rule simulate: one design in one sea."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import xarray as xr
 
 from vsb.errors import ConvergenceError, StabilityError
-from vsb.integrators.exact import propagate
+from vsb.integrators.exact import propagate, steady_state
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.settled import settled_power
 from vsb.integrators.simulate import in_words, legs
@@ -12,8 +14,11 @@ from vsb.integrators.trajectory import recorded
 from vsb.motion.clamps import constraint_drift
 from vsb.motion.system import System
 from vsb.scenes.build import SCENES
+from vsb.scenes.directions import order_bases
 from vsb.scenes.pause import SETTLED
 from vsb.shell.deformed import DeformedShell, enclosed
+from vsb.shell.orders import OrderBasis, all_clamp_rows
+from vsb.shell.surface import enclosed_in_orders
 from vsb.stages.stage import stamp
 from vsb.study.specs import SimulateSpec
 from vsb.study.study import RegularWave, StillWater
@@ -30,12 +35,13 @@ def run(spec: SimulateSpec, out: str, database: str = "", radiation: str = "") -
     files = {"database": database, "radiation": radiation}
     scene, shape, waves, spectrum, notes = SCENES[spec.hydro.model](spec, files)
     system = System.of(scene)
-    clamps = shape.basis.clamp_rows(np.deg2rad(spec.designs[design].clamp))
+    orders = order_bases(spec, shape.basis)
+    clamps = all_clamp_rows(spec.designs[design].clamp, shape.basis, orders)
     records: list[xr.Dataset] = []
     taken: list[tuple[int, float, int, float]] = []
     for leg in legs(system, waves, spec.simulation, spectrum):
         record = recorded(system, leg, waves if database else None, spec.simulation.window)
-        records.append(with_enclosed(record, shape).isel(time=slice(1 if records else 0, None)))
+        records.append(with_enclosed(record, shape, orders).isel(time=slice(1 if records else 0, None)))
         drift = constraint_drift(leg.motion.position @ scene.motions.T, clamps)
         taken.append((len(leg.motion.time) - 1, leg.motion.seconds, leg.steps, drift))
     intervals, seconds, steps, drifts = zip(*taken, strict=True)
@@ -49,11 +55,14 @@ def run(spec: SimulateSpec, out: str, database: str = "", radiation: str = "") -
     save(xr.concat(records, "time").assign_attrs(attrs), out)
 
 
-def with_enclosed(run: xr.Dataset, shape: DeformedShell) -> xr.Dataset:
+def with_enclosed(run: xr.Dataset, shape: DeformedShell, orders: Sequence[OrderBasis] = ()) -> xr.Dataset:
     """Return a record with the volume the shell encloses and its area."""
-    moved = np.zeros((run.sizes["time"], len(shape.modal_amplitude)))
-    moved[:, : run.sizes["dof"]] = run.position.values
-    volume, area = enclosed(shape.basis, shape.modal_amplitude + moved)
+    labels = [*shape.basis.labels, *(label for basis in orders for label in basis.labels)]
+    moved = run.position.reindex(dof=labels, fill_value=0.0).values
+    if orders:
+        volume, area = enclosed_in_orders(shape.basis, orders, moved)
+    else:
+        volume, area = enclosed(shape.basis, shape.modal_amplitude + moved)
     return run.assign(volume=("time", volume), area=("time", area))
 
 
@@ -62,6 +71,8 @@ def _steady(system: System) -> dict[str, float | str]:
 
     Of a law that pauses, or whose force jumps, the power of a motion followed until its periods agree.
     """
+    if system.linear and not system.scene.stiffness.any(axis=0).all():  # what nothing holds has no mean place
+        return {"steady_power": _swinging_power(system), "steady_decay": 1.0}
     try:
         if system.pauses or system.jumps:
             return _settled(system)
@@ -69,6 +80,12 @@ def _steady(system: System) -> dict[str, float | str]:
     except (ConvergenceError, StabilityError) as error:
         return _settled(system) if system.switching else {"no_steady_state": str(error)}
     return {"steady_power": found.power.pto, "steady_decay": found.decay}
+
+
+def _swinging_power(system: System) -> float:
+    """Mean power the take-off of a linear scene takes once transients are over [W]."""
+    swinging, (damper, _) = steady_state(system)[:, system.free : 2 * system.free], system.dampers()
+    return float(0.5 * np.real(np.einsum("wi,ij,wj->", swinging.conj(), damper, swinging)))
 
 
 def _settled(system: System) -> dict[str, float | str]:

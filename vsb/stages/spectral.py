@@ -30,5 +30,5 @@ def spectral_problem(spec: SpectralSpec) -> solver.SpectralProblem:
         shell = reference_shell(shape).shape
     else:
         shell = rigid_sphere(shape.radius, shape.centre_height)
-    moved = displacements(spec.displacements)
+    moved = displacements(spec.displacements, spec.order)
     return solver.SpectralProblem(shell, moved, water.density, water.gravity, FEWEST_NODES, depth=water.depth)

@@ -102,13 +102,15 @@ class HydroPlan:
             reference_shape="equilibrium",
         )
 
-    @property
-    def displacements(self) -> tuple[str, ...]:
-        """Displacements solved for: the sphere knows radial ones alone, its rigid heave degree 1 alone."""
+    def displacements(self, order: int = 0) -> tuple[str, ...]:
+        """Displacements of an order solved for: the sphere knows radial ones alone, its heave and surge degree 1 alone.
+
+        Pitch about its centre moves no water.
+        """
         highest = max(1, self.study.modes.degree)
         if not self.study.flexible:
             return ("Radial1",)
-        radial = tuple(f"Radial{n}" for n in range(highest + 1))
+        radial = tuple(f"Radial{n}" for n in range(order, highest + 1))
         meridional = tuple(f"Meridional{n}" for n in range(1, highest + 1))
         return (*radial, *meridional) if self.study.at_equilibrium else radial
 
@@ -122,13 +124,16 @@ class HydroPlan:
         """The mode section, if any design is flexible."""
         return self.study.modes if self.study.flexible else None
 
-    def _block(self, omega: list[float], highest: float, interpolation: float | None = None) -> BlockSpec:
+    def _block(
+        self, omega: list[float], highest: float, interpolation: float | None = None, order: int = 0
+    ) -> BlockSpec:
         """Spec of one BEM job; of a sweep with the tolerance of interpolation, which lets it leave frequencies out."""
         asked: dict[str, Any] = {
             "water": self.study.water,
-            "displacements": self.displacements,
+            "displacements": self.displacements(order),
             "omega": omega,
             "interpolation": interpolation,
+            "order": order,
         }
         if self.study.uses_panels:
             return PanelsSpec(solver=panel_solver(), mesh=self.mesh(highest), **asked)
@@ -214,14 +219,15 @@ class HydroPlan:
         """Blocks of the absolute grid that cover (0, omega_max].
 
         Of each is solved what interpolation to half the tolerance needs; the other half is left for the splines through
-        the grid. The spectral solver's is one. Panels have several, and one of their own for infinite frequency.
+        the grid. The spectral solver's is one for each azimuthal order. Panels have several, and one of their own for
+        infinite frequency.
         """
         size, interpolation = BLOCK * self.refinement, min(self.study.hydro.tolerance, COARSEST_SWEEP) / 2
         count = math.ceil(self.study.hydro.omega_max / self.step / size - 1e-9)
         first = math.ceil(self.lowest_omega / self.step - 1e-9)
         if not self.study.uses_panels:
             grid = self._grid(first, size * count)
-            return [self._block(grid, grid[-1], interpolation=interpolation)]
+            return [self._block(grid, grid[-1], interpolation, order) for order in self.study.orders]
         grids = [self._grid(max(first, size * k + 1), size * (k + 1)) for k in range(count)]
         swept = [self._block(grid, grid[-1], interpolation=interpolation) for grid in grids]
         return [self._block([math.inf], grids[0][-1]), *swept]
@@ -242,7 +248,7 @@ class HydroPlan:
             )
         size = BLOCK if self.study.uses_panels else SPECTRAL_BLOCK
         chunks = [list(omega[i : i + size]) for i in range(0, len(omega), size)]
-        return [self._block(chunk, chunk[-1]) for chunk in chunks]
+        return [self._block(chunk, chunk[-1], order=order) for order in self.study.orders for chunk in chunks]
 
     @property
     def bem_blocks(self) -> dict[str, BlockSpec]:
@@ -258,3 +264,14 @@ class HydroPlan:
         degree = self.study.modes.degree
         bending = range(2, degree + 1) if self.study.modes.basis == "full" else ()
         return (*(f"Membrane{n}" for n in range(degree + 1)), *(f"Bending{n}" for n in bending))
+
+    @property
+    def coordinates(self) -> int:
+        """Number of degrees of freedom of all azimuthal orders."""
+        of_order = (sum(degree(label) >= order for label in self.mode_labels) for order in self.study.orders)
+        return sum(of_order) + (1 if self.study.motion == "heave" else 3)
+
+
+def degree(mode: str) -> int:
+    """Return the degree of a mode by its label."""
+    return int(mode.removeprefix("Membrane").removeprefix("Bending"))

@@ -179,7 +179,9 @@ def study_at(base: Mapping[str, Any], point: Point) -> Study:
 
 
 def _check_linear(study: Study, where: str) -> None:
-    """Check that its take-off is a damper and a spring without loss: a year is of such alone."""
+    """Check that it heaves, its take-off a damper and a spring without loss: a year is of such alone."""
+    if study.motion != "heave":
+        raise ConfigError(f"{where}: motion: received {study.motion!r}; a year needs motion: heave")
     if study.drag is not None:
         raise ConfigError(f"{where}: drag: a year is of linear theory, in which what waves do adds up; remove it")
     if study.pto.switches or study.pto.efficiency != 1.0:

@@ -4,7 +4,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from vsb.study.sections import Device, Hydro, Water
+from vsb.study.device import Device
+from vsb.study.sections import Hydro, Water
 
 
 def cap_volume(radius: float, height: float) -> float:

@@ -7,6 +7,7 @@ FROUDE = {
     "beta": 0.5, "omega_max": -0.5, "omega": -0.5, "pressure": 1.0, "damping": 2.5, "stiffness": 2.0,
     "force_limit": 3.0, "stroke_limit": 1.0, "amplitude": 1.0, "period": 0.5, "duration": 0.5, "window": 0.5,
     "initial_position": 1.0, "initial_velocity": 0.5, "area": 2.0,
+    "centre_of_mass": 1.0, "ballast_inertia": 5.0, "line_to": 1.0, "line_from": 1.0,
 }  # fmt: skip
 """Power of the length scale each quantity goes with, at the same water and gravity."""
 
@@ -23,9 +24,22 @@ def scaled(raw: Any, scale: float, power: float = 0.0) -> Any:
         With which values go that stand under no key of `FROUDE` of their own, as the dampers of designs by name.
     """
     if isinstance(raw, dict):
-        return {key: scaled(value, scale, FROUDE.get(key, power)) for key, value in raw.items()}
+        return {
+            key: scaled_mooring(value, scale) if key == "mooring" else scaled(value, scale, FROUDE.get(key, power))
+            for key, value in raw.items()
+        }
     if isinstance(raw, list | tuple):
         return [scaled(value, scale, power) for value in raw]
     if isinstance(raw, bool) or not isinstance(raw, int | float) or not power:
         return raw
     return scale**power * raw
+
+
+def scaled_mooring(raw: Any, scale: float) -> Any:
+    """Return the stiffness of a mooring scaled by Froude: forces per length, per angle, moments per angle."""
+    if not isinstance(raw, list | tuple):
+        return raw
+    diagonal = not any(isinstance(row, list | tuple) for row in raw)
+    if diagonal:
+        return [scaled(one, scale, 2.0 if i < 3 else 4.0) for i, one in enumerate(raw)]
+    return [[scaled(one, scale, 2.0 + (i > 2) + (j > 2)) for j, one in enumerate(row)] for i, row in enumerate(raw)]

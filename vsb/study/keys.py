@@ -26,6 +26,7 @@ KEYS: dict[str, dict[str, Key]] = {
             "{radius: 2.0, thickness: 0.01, young_modulus: 1.0e+7, poisson_ratio: 0.3, density: 2700.0, mass: 17170.0}",
             "the spherical buoy, shell and ballast",
         ),
+        "motion": Key("", "planar", "directions of the buoy: heave alone, or planar: surge, heave and pitch"),
         "modes": Key("", "{basis: full, degree: 6}", "shell modes the motion is made of"),
         "reference_shape": Key(
             "", "equilibrium", "shape the coefficients are about: the sphere, or that of the loaded shell at rest"
@@ -34,6 +35,12 @@ KEYS: dict[str, dict[str, Key]] = {
             "", "{FSB: {flexible: false}, VSWEC: {}}", "buoys compared, by name; the first rigid one is the reference"
         ),
         "water": Key("", "{density: 1025.0, depth: 50.0}", "the sea without its waves"),
+        "mooring": Key(
+            "N/m, N, N m",
+            "[2.0e+4, 0, 0, 0, 0, 0]",
+            "spring over surge, sway, heave, roll, pitch, yaw about the sphere's centre: six rows of six numbers, or "
+            "the six of its diagonal",
+        ),
         "hydro": Key("", "{model: linear, tolerance: 1.0e-3}", "hydrodynamic model and its accuracy"),
         "pto": Key("", "{damping: 8000.0}", "power take-off"),
         "drag": Key("", "{heave: {coefficient: 0.5, area: 12.57}}", "quadratic drag on rigid motion past the water"),
@@ -58,6 +65,12 @@ KEYS: dict[str, dict[str, Key]] = {
         ),
         "gas": Key("", "{adiabatic_index: 1.4}", "gas trapped inside; without it the pressure is constant (vented)"),
         "damping": Key("", "{beta: 1.0e-3}", "structural damping of the shell"),
+        "centre_of_mass": Key(
+            "m", "-0.5", "height of the whole buoy's centre of mass above the sphere's; pitch needs it"
+        ),
+        "ballast_inertia": Key(
+            "kg m^2", "8000.0", "transverse inertia of the ballast about its own centre of mass; pitch needs it"
+        ),
     },
     "RayleighDamping": {
         "alpha": Key("1/s", "0.0", "damping per modal mass"),
@@ -78,6 +91,7 @@ KEYS: dict[str, dict[str, Key]] = {
         "basis": Key(
             "", "full", "membrane: stretching alone; full: stretching and bending; paper: the publication's own"
         ),
+        "order": Key("-", "2", "highest azimuthal order of shell modes, cos(order theta); of motion beside heave"),
         "degree": Key("-", "6", "highest Legendre degree"),
     },
     "Design": {
@@ -122,7 +136,10 @@ KEYS: dict[str, dict[str, Key]] = {
         ),
         "efficiency": Key("-", "0.9", "of both directions of power, in the tuning ladder's dampers and springs"),
         "port": Key(
-            "", "{colatitude: 90}", "what the take-off acts on: heave, a ring of the shell, two points, or its volume"
+            "",
+            "{colatitude: 90}",
+            "what the take-off acts on: heave, surge, pitch, a line to the sea bed, a ring of the shell, two points, "
+            "or its volume",
         ),
         "law": Key(
             "",
@@ -137,6 +154,10 @@ KEYS: dict[str, dict[str, Key]] = {
         "colatitude": Key("degrees", "90", "ring of the shell the take-off acts on, from the top pole"),
         "direction": Key("", "radial", "direction of the port's motion"),
         "against": Key("", "frame", "what the take-off stands on: the sea bed, or sphere centre and ballast"),
+    },
+    "LinePort": {
+        "line_to": Key("m", "[20.0, -50.0]", "anchor, x from the buoy's axis at rest and z from still water"),
+        "line_from": Key("m", "[0.0, -1.5]", "attachment to the frame, x and z from the sphere's centre"),
     },
     "BetweenPort": {"between": Key("degrees", "[0, 180]", "colatitudes of two points the take-off acts between")},
     "StillWater": {"kind": Key("", "still", "no waves: free decay")},

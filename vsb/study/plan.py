@@ -52,6 +52,8 @@ def figure_names(study: Study) -> list[str]:
     if not no_witness(study):
         names = (*names, "witness")
     per_wave = (*FIGURES_PER_WAVE, *(FIGURES_OF_THE_SHELL if study.flexible else ()))
+    if study.motion != "heave":  # in which no meridian stands for all of a shell
+        per_wave = ("directions", *(name for name in per_wave if name != "shapes_3d"))
     return [*names, *(f"{name}-{wave.label}" for wave in study.drawn_waves for name in per_wave)]
 
 
@@ -79,8 +81,9 @@ class StudyPlan(HydroPlan):
 
     @property
     def display(self) -> DisplaySpec:
-        """Spec of the viewable meshes."""
-        return DisplaySpec(modes=self._modes, **self._sections("device", "water", "reference_shape"))
+        """Spec of the viewable meshes, deformed by axisymmetric modes."""
+        modes = self._modes and self._modes.model_copy(update={"order": 1})
+        return DisplaySpec(modes=modes, **self._sections("device", "water", "reference_shape"))
 
     @property
     def database(self) -> DatabaseSpec:
@@ -94,7 +97,7 @@ class StudyPlan(HydroPlan):
             modes=self._modes,
             tolerance=hydro.tolerance,
             accept=tuple(sorted(hydro.accept)),
-            **self._sections("device", "reference_shape", "water"),
+            **self._sections("device", "reference_shape", "water", "motion", "mooring"),
         )
 
     @property
@@ -110,7 +113,8 @@ class StudyPlan(HydroPlan):
     @property
     def modes(self) -> ModesSpec:
         """Spec of the shell modes."""
-        return ModesSpec(**self._sections("device", "modes", "reference_shape", "designs", "water"))
+        names = ("device", "modes", "reference_shape", "designs", "water", "motion", "mooring")
+        return ModesSpec(**self._sections(*names))
 
     @property
     def response(self) -> ResponseSpec:
@@ -122,13 +126,13 @@ class StudyPlan(HydroPlan):
             lowest=self.first_omega,
             omega_max=self.study.hydro.omega_max,
             omega=tuple(extra),
-            **self._sections("device", "modes", "designs", "water", "pto"),
+            **self._sections("device", "modes", "designs", "water", "pto", "motion", "mooring"),
         )
 
     @property
     def ladder(self) -> LadderSpec:
         """Spec of the tuning ladder; it follows no motion, so a method of the study's model is none of its own."""
-        sections = self._sections("device", "modes", "designs", "water", "pto", "drag", "waves")
+        sections = self._sections("device", "modes", "designs", "water", "pto", "drag", "waves", "motion", "mooring")
         simulation = self.study.simulation.model_copy(update={"method": "auto"})
         return LadderSpec(hydro=Band(omega_max=self.study.hydro.omega_max), simulation=simulation, **sections)
 
@@ -142,7 +146,7 @@ class StudyPlan(HydroPlan):
             hydro=Dynamics(**study.hydro.model_dump(include=set(Dynamics.model_fields))),
             pto=study.pto.model_copy(update={"damping": damping, "tuning": tuning}),
             seas=study.one_of_each_sea if tuning == "one" else (),
-            **self._sections("device", "modes", "reference_shape", "water", "drag", "simulation"),
+            **self._sections("device", "modes", "reference_shape", "water", "drag", "simulation", "motion", "mooring"),
         )
 
     @property
@@ -219,7 +223,7 @@ class StudyPlan(HydroPlan):
 
     def record_megabytes(self, wave: Wave) -> int:
         """Memory that the time series of a design in a sea take [MB]: nine of every coordinate, ten others."""
-        duration, coordinates = self.study.simulation.duration, 1 + len(self.mode_labels)
+        duration, coordinates = self.study.simulation.duration, self.coordinates
         instants = int(RECORDS_PER_PERIOD * self.study.fastest(wave) * duration / (2 * math.pi))
         return math.ceil(8e-6 * (9 * coordinates + 10) * instants / thinning(instants + 1))
 

@@ -1,90 +1,32 @@
-"""The sections of a study: device, modes, designs, water, hydrodynamics, seas, simulation; validated and frozen.
+"""The sections of a study: modes, designs, water, hydrodynamics, seas, simulation; validated and frozen.
 
 Imports nothing heavy: the Snakefile reads a study at every parse.
 """
 
 import math
 from abc import abstractmethod
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
-from pydantic import Field, SerializerFunctionWrapHandler, field_validator, model_serializer, model_validator
+from pydantic import Field, field_validator, model_validator
 
-from vsb.study.quantities import OR_AUTO, Count, Finite, Name, NonNegative, Number, Positive, Section, Sized, within
+from vsb.study.quantities import OR_AUTO, Count, Extended, Finite, Name, NonNegative, Number, Positive, Section, within
 
 DEEPEST = 2e4
 """No sea is deeper [m]."""
-ATMOSPHERE = 101325.0
-"""Pressure of the atmosphere at the sea's surface [Pa]."""
-THINNEST_SHELL = 1 / 3e4
-"""Thickness over radius below which a sphere is a film."""
 RestShape = Literal["undeformed", "equilibrium"]
 Colatitude = Annotated[Number, Field(ge=0, le=180)]
 
 
-class RayleighDamping(Section):
-    """Structural damping D = alpha M + beta K, alpha [1/s], beta [s]."""
+class Modes(Extended):
+    """Ritz basis of the shell: `paper`, `membrane` or `full`, up to Legendre degree `degree`.
 
-    alpha: Annotated[NonNegative, within(0.0, 1e4, "1/s", "what dies in a tenth of a millisecond does not move")] = 0.0
-    beta: Annotated[NonNegative, within(0.0, 100.0, "s", "a shell damped for minutes is rigid: flexible: false")] = 0.0
-
-
-class Gas(Section):
-    """Gas trapped in the shell: adiabatic index [-], pressure of the atmosphere outside [Pa]."""
-
-    adiabatic_index: Annotated[Number, Field(ge=1, le=2)] = 1.4
-    atmospheric_pressure: Annotated[Positive, within(1.0, 1e7, "Pa", "no atmosphere is denser than that of Venus")] = (
-        ATMOSPHERE
-    )
-
-
-class Device(Sized):
-    """Spherical buoy: radius [m], shell thickness [m], E [Pa], nu [-], shell density [kg/m^3], total mass [kg].
-
-    In a study file a `draft` [m] may stand for the mass, half immersion for both. The internal pressure [Pa] is gauge
-    and constant; with `gas` it is that of the undeformed volume.
+    Beside axisymmetric shapes, where the buoy moves in more directions than heave, those up to azimuthal order `order`.
     """
 
-    radius: Annotated[Positive, within(0.01, 1e3, "m", "below surface tension matters, above nothing floats")]
-    thickness: Positive
-    young_modulus: Annotated[Positive, within(1.0, 1e16, "Pa", "diamond has 1.2e12 Pa; flexible: false is rigid")]
-    poisson_ratio: Annotated[
-        Number, Field(gt=-1, lt=0.5), within(-0.99, 0.5, "", "no material keeps its shape so while it shrinks")
-    ]
-    density: Annotated[Positive, within(0.1, 2.5e4, "kg/m^3", "aerogel has 0.2 kg/m^3, osmium 22 590 kg/m^3")]
-    mass: Positive
-    internal_pressure: Annotated[Finite, within(-1e8, 1e8, "Pa", "no vessel holds a thousand atmospheres")] = 0.0
-    gas: Gas | None = None
-    damping: RayleighDamping = RayleighDamping()
-
-    @model_validator(mode="after")
-    def _thin_and_light(self) -> Self:
-        if not self.thickness < 0.1 * self.radius:
-            raise ValueError(
-                f"thickness {self.thickness:g} m: thin-shell theory (C3) needs less than "
-                f"radius/10 = {0.1 * self.radius:g} m"
-            )
-        if not self.thickness >= THINNEST_SHELL * self.radius:
-            raise ValueError(
-                f"thickness {self.thickness:g} m: needs at least radius/3e4 = {THINNEST_SHELL * self.radius:.4g} m, "
-                "because a thinner sphere is a film that wrinkles under a billionth of its modulus, no shell"
-            )
-        shell = 4 * math.pi * self.radius**2 * self.thickness * self.density
-        if shell > self.mass:
-            raise ValueError(f"mass {self.mass:g} kg: needs at least the mass of the shell itself, {shell:.6g} kg")
-        outside = self.gas.atmospheric_pressure if self.gas else ATMOSPHERE
-        if not self.internal_pressure > -outside:
-            raise ValueError(
-                f"internal_pressure {self.internal_pressure:g} Pa, gauge: needs more than {-outside:g} Pa, because "
-                "no gas is thinner than vacuum"
-            )
-        return self
-
-
-class Modes(Section):
-    """Ritz basis of the shell: `paper`, `membrane` or `full`, up to Legendre degree `degree`."""
-
+    LATER = ("order",)
     basis: Literal["paper", "membrane", "full"] = "membrane"
     degree: Annotated[Count, Field(ge=0, le=40)] = 6
+    order: Annotated[Count, Field(ge=1, le=8)] = 1
 
 
 class Design(Section):
@@ -127,7 +69,7 @@ POWER_TOLERANCE = 0.01
 """Error of mean absorbed power that model auto may cause, unless another is given [-]."""
 
 
-class Hydro(Section):
+class Hydro(Extended):
     """Hydrodynamic model, tolerance [-], highest frequency solved [rad/s], optional tabulated frequencies [rad/s].
 
     `linear`: radiation, diffraction and hydrostatics about the mean shape, from BEM. `body_exact`: hydrostatics and
@@ -139,6 +81,7 @@ class Hydro(Section):
     other solver is `witness`, on the mean and on deformed shapes; `none` leaves it out.
     """
 
+    LATER = ("witness",)
     model: Literal["linear", "body_exact", "assumed_pressure", "auto"] = "linear"
     pressure: Annotated[NonNegative, within(0.0, 1e8, "Pa", "no wave presses like a thousand atmospheres")] | None = (
         None
@@ -151,11 +94,6 @@ class Hydro(Section):
     rows: Annotated[Count, Field(ge=6, le=160)] | None = None
     accept: tuple[Name, ...] = ()
     witness: Literal["auto", "none"] = "auto"
-
-    @model_serializer(mode="wrap")
-    def _without_default_witness(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """What a study computes is what it was before there was a witness."""
-        return {key: value for key, value in dump(self).items() if (key, value) != ("witness", "auto")}
 
     @model_validator(mode="after")
     def _keys_of_the_model(self) -> Self:

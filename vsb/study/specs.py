@@ -7,12 +7,14 @@ keep their names, whatever rules and commands are called.
 from collections.abc import Sequence
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field, SerializerFunctionWrapHandler, field_serializer, model_serializer, model_validator
+from pydantic import Field, field_serializer, model_validator
 
+from vsb.study.device import Device
+from vsb.study.directions import Mooring, Motion
 from vsb.study.drag import Drag
 from vsb.study.floating import centre_height
-from vsb.study.quantities import Count, Name, Section
-from vsb.study.sections import Design, Device, Hydro, Modes, RestShape, Simulation, StillWater, Water, Wave
+from vsb.study.quantities import Count, Extended, Name, Section
+from vsb.study.sections import Design, Hydro, Modes, RestShape, Simulation, StillWater, Water, Wave
 from vsb.study.study import Study
 from vsb.study.take_off import Pto, opens_chamber
 from vsb.study.vary import Vary
@@ -24,11 +26,10 @@ PHYSICS = {
 """Hand-bumped version of the physics behind each tag: a library edit alone never reruns anything."""
 
 
-class Spec(Section):
+class Spec(Extended):
     """Specification of one stage, with the version of its physics."""
 
     TAG: ClassVar[str]
-    UNSAID: ClassVar = ("drag", "seas", "verifications")  # where there is none: results of before keep their names
     stage: str = ""
     physics: int = 0
 
@@ -43,11 +44,6 @@ class Spec(Section):
             if (received := raw.get(key, value)) != value:
                 raise ValueError(f"{key} {received!r}: needs {value!r}, of this version; run vsb run CONFIG again")
         return {**raw, **tags}
-
-    @model_serializer(mode="wrap")
-    def _without_what_is_unsaid(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        found: dict[str, Any] = dump(self)
-        return {key: value for key, value in found.items() if key not in self.UNSAID or value}
 
 
 class Sphere(Section):
@@ -66,10 +62,13 @@ class Shapes(Sphere):
 
 
 class AfloatSpec(Spec):
-    """Specification of what floats."""
+    """Specification of what floats, in the directions it moves in."""
 
+    LATER: ClassVar[tuple[str, ...]] = ("motion", "mooring")
     device: Device
     water: Water
+    motion: Motion = "heave"
+    mooring: Mooring | None = None
 
     @property
     def centre_height(self) -> float:
@@ -126,6 +125,7 @@ class DrivenSpec(DesignsSpec):
 class DraggedSpec(DrivenSpec):
     """Specification of designs whose motion a drag may brake."""
 
+    LATER = (*AfloatSpec.LATER, "drag")
     drag: Drag | None = None
 
     @property
@@ -216,17 +216,13 @@ class ModesSpec(DesignsAtRest):
 class Block(Spec):
     """Coefficients of displacements at frequencies [rad/s], as many of them solved as `interpolation` [-] asks for."""
 
-    TAG = "bem"
+    TAG, LATER = "bem", ("interpolation", "order")
     solver: str
     water: Water
     displacements: tuple[str, ...]
     omega: tuple[float, ...]
     interpolation: float | None = None
-
-    @model_serializer(mode="wrap")
-    def _without_what_is_not_asked(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        found: dict[str, Any] = dump(self)
-        return {key: value for key, value in found.items() if value is not None}
+    order: int = 0
 
 
 class PanelsSpec(Block):
@@ -299,7 +295,7 @@ class LadderSpec(DraggedSpec):
 class SimulateSpec(DesignsAtRest, DraggedSpec):
     """One design in one sea; `seas` are those its damper is to suit, where one is for all."""
 
-    TAG = "simulate"
+    TAG, LATER = "simulate", (*DraggedSpec.LATER, "seas")
     simulation: Simulation
     waves: tuple[Wave, ...]
     hydro: Dynamics
@@ -382,7 +378,7 @@ class MembersSpec(Spec):
 class CampaignSpec(Spec):
     """A whole campaign: what is varied of which sections, and its batches by id, each with the members it holds."""
 
-    TAG = "campaign"
+    TAG, LATER = "campaign", ("verifications",)
     campaign: str
     study: str
     base: dict[str, Any]

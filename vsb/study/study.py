@@ -7,19 +7,19 @@ import math
 from pathlib import Path
 from typing import Annotated, Any, Self
 
-from pydantic import Field, SerializerFunctionWrapHandler, field_validator, model_serializer, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from vsb.errors import ConfigError
 from vsb.study.canonical import canonical, content_id, result_id
+from vsb.study.device import Device, Gas, RayleighDamping
+from vsb.study.directions import Mooring, Motion, check_directions
 from vsb.study.drag import Drag, check_followed
 from vsb.study.floating import cap_volume, centre_height, resolved
-from vsb.study.quantities import Name, Section
+from vsb.study.quantities import Extended, Name
 from vsb.study.reading import read_yaml, validated
 from vsb.study.resolution import RECORDS_PER_PERIOD
 from vsb.study.sections import (
     Design,
-    Device,
-    Gas,
     Hydro,
     Irregular,
     IrregularSea,
@@ -27,7 +27,6 @@ from vsb.study.sections import (
     Modes,
     PiersonMoskowitz,
     Published,
-    RayleighDamping,
     RegularWave,
     RestShape,
     Simulation,
@@ -80,27 +79,24 @@ CHECKS = (
 RESERVED_NAMES = ("hydro", "hydro_precision", "barge", "logs", "benchmarks")
 
 
-class Study(Section):
+class Study(Extended):
     """One study file."""
 
+    LATER = ("motion", "mooring", "drag")
     study: Name
+    motion: Motion = "heave"
     device: Device
     modes: Modes = Modes()
     reference_shape: RestShape = "undeformed"
     designs: Annotated[dict[Name, Design], Field(min_length=1)]
     water: Water = Water()
+    mooring: Mooring | None = None
     hydro: Hydro = Hydro()
     pto: Pto = Pto()
     drag: Drag | None = None
     waves: Annotated[tuple[Wave, ...], Field(min_length=1)]
     simulation: Simulation = Simulation()
     published: Published | None = None
-
-    @model_serializer(mode="wrap")
-    def _without_what_is_not_there(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Leave out what studies of before did not have: results of before keep their names."""
-        found: dict[str, Any] = dump(self)
-        return {key: value for key, value in found.items() if key != "drag" or value}
 
     @model_validator(mode="before")
     @classmethod
@@ -260,6 +256,7 @@ class Study(Section):
             raise ValueError(f"simulation.method {method!r}: cannot follow a take-off that switches; needs auto")
         if self.drag is not None:
             check_followed(model, method, pto)
+        check_directions(self)
 
     def tuning(self, wave: Wave) -> Tuning:
         """Return how the damper of a run is found; none is best where nothing comes in: there the given one holds."""
@@ -360,6 +357,11 @@ class Study(Section):
     def flexible(self) -> bool:
         """Whether any design needs shell modes."""
         return any(design.flexible for design in self.designs.values())
+
+    @property
+    def orders(self) -> tuple[int, ...]:
+        """Azimuthal orders of what moves: 0 of heave; 1 of surge and pitch; of shell modes as many as asked for."""
+        return tuple(range(1 + (0 if self.motion == "heave" else self.modes.order if self.flexible else 1)))
 
     @property
     def at_equilibrium(self) -> bool:

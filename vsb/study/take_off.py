@@ -16,8 +16,8 @@ from pydantic import (
     model_validator,
 )
 
+from vsb.study.device import Device
 from vsb.study.quantities import Finite, Name, NonNegative, Number, Section, within
-from vsb.study.sections import Device
 
 Colatitude = Annotated[Number, Field(ge=0, le=180)]
 
@@ -46,20 +46,33 @@ class BetweenPort(Section):
         return value
 
 
+class LinePort(Section):
+    """Port of a straight line to the sea bed, in the plane of the waves: anchor and attachment, each x and z [m].
+
+    The anchor counts from the buoy's axis at rest and still water, the attachment, to the frame, from the sphere's
+    centre.
+    """
+
+    line_to: tuple[Finite, Finite]
+    line_from: tuple[Finite, Finite] = (0.0, 0.0)
+
+
 def _port_kind(value: object) -> str:
     """Which kind of port is meant, by its form."""
     if isinstance(value, dict | Section):
-        return "between" if "between" in dict(value) else "shell"
+        keys = dict(value)
+        return "between" if "between" in keys else "line" if {"line_to", "line_from"} & keys.keys() else "shell"
     return "name"
 
 
 PortChoice = Annotated[
-    Annotated[Literal["heave", "volume"], Tag("name")]
+    Annotated[Literal["heave", "surge", "pitch", "volume"], Tag("name")]
     | Annotated[ShellPort, Tag("shell")]
-    | Annotated[BetweenPort, Tag("between")],
+    | Annotated[BetweenPort, Tag("between")]
+    | Annotated[LinePort, Tag("line")],
     Discriminator(_port_kind),
 ]
-"""What the take-off acts on: heave against the sea bed, the enclosed volume (pressure against flow), or the shell."""
+"""What the take-off acts on: rigid motion against the sea bed, enclosed volume (pressure against flow), shell, line."""
 
 
 Law = Literal["linear", "saturated", "coulomb", "latching", "declutching"]

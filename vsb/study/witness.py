@@ -5,7 +5,7 @@ Nothing here depends on what the buoy is made of, its dampers or its seas: studi
 
 import math
 
-from vsb.study.blocks import FEWEST_LID_ROWS, LEAST_DEPTH_IN_WAVENUMBERS, HydroPlan, panel_solver
+from vsb.study.blocks import FEWEST_LID_ROWS, LEAST_DEPTH_IN_WAVENUMBERS, HydroPlan, degree, panel_solver
 from vsb.study.resolution import mode_rows
 from vsb.study.specs import DeformedSpec, LoadedShape, Shapes, Sphere, WitnessSpec
 from vsb.study.study import CLEARANCE, Study
@@ -50,11 +50,6 @@ def lowest_modes(labels: tuple[str, ...]) -> tuple[str, ...]:
     """Return the `MOST_MODES` modes of the lowest degrees, in the order of the basis."""
     chosen = sorted(labels, key=degree)[:MOST_MODES]
     return tuple(label for label in labels if label in chosen)
-
-
-def degree(label: str) -> int:
-    """Degree of a mode."""
-    return int(label.removeprefix("Membrane").removeprefix("Bending"))
 
 
 def _shape(plan: HydroPlan) -> Sphere | Shapes | LoadedShape:

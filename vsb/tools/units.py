@@ -47,6 +47,7 @@ ATTRS: dict[str, Quantity] = {
     "radial": Quantity(_SHAPE, "1", "radial displacement per unit modal amplitude"),
     "meridional": Quantity(_SHAPE, "1", "meridional displacement per unit modal amplitude"),
     "degree": Quantity(("mode",), "1", "Legendre degree of the mode"),
+    "order": Quantity(("mode",), "1", "azimuthal order m of the mode, which goes with cos(m theta)"),
     "static_amplitude": Quantity(("mode",), "m", "modal amplitude of the shape at rest"),
     "dry_frequency": Quantity(("mode",), "rad/s", "natural angular frequency in vacuum"),
     # hydro database
@@ -59,6 +60,10 @@ ATTRS: dict[str, Quantity] = {
     "diffraction_force": Quantity(_EXCITATION, "N/m", "diffraction force per unit wave amplitude"),
     "hydrostatic_stiffness": Quantity(_PAIR, "N/m", "hydrostatic stiffness"),
     "inertia_matrix": Quantity(_PAIR, "kg", "inertia of buoy and shell"),
+    "mooring_stiffness": Quantity(_PAIR, "N/m", "stiffness of the mooring"),
+    "azimuthal_order": Quantity(
+        ("influenced_dof",), "1", "azimuthal order m of the motion, which goes with cos(m theta)"
+    ),
     "structural_stiffness": Quantity(_PAIR, "N/m", "structural stiffness of the shell"),
     "structural_damping_matrix": Quantity(_PAIR, "kg/s", "structural damping of body and shell"),
     "prestress_stiffness": Quantity(_PAIR, "N/m", "stiffness of the mean pressure difference"),
@@ -75,7 +80,7 @@ ATTRS: dict[str, Quantity] = {
     "damping_state_space": Quantity(("omega", *_PAIR), "kg/s", "radiation damping of the state space"),
     "state_matrix": Quantity(("state", "state_in"), "1/s", "state matrix A = J - l l^T/2"),
     "input_matrix": Quantity(("state", "radiating_dof"), "kg^0.5/s", "input matrix G; output G^T"),
-    "channel": Quantity(("state",), "s^-0.5", "radiation channel l: radiated power (l.x)^2/2"),
+    "channel": Quantity(("state", "..."), "s^-0.5", "radiation channels L: radiated power |L^T x|^2/2"),
     # frequency response
     "rao": Quantity(("design", "omega", "dof"), "m/m", "response amplitude operator"),
     "absorbed_power": Quantity(("design", "omega"), "W/m^2", "mean absorbed power per squared wave amplitude"),
@@ -183,6 +188,7 @@ ATTRS: dict[str, Quantity] = {
     "weight": Quantity(_MOTION, "N", "weight"),
     "radiation": Quantity(_MOTION, "N", "radiation memory force"),
     "elastic": Quantity(_MOTION, "N", "elastic force of the shell"),
+    "mooring": Quantity(_MOTION, "N", "force of the mooring"),
     "prestress": Quantity(_MOTION, "N", "force of the mean pressure difference"),
     "gas": Quantity(_MOTION, "N", "force of the trapped gas"),
     "structural_damping": Quantity(_MOTION, "N", "structural damping force"),

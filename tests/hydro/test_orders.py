@@ -1,0 +1,146 @@
+"""Orders side by side: surge against published coefficients, the limit (1 + 2N) lambda/2 pi, blocks of a database."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from vsb.errors import DatabaseError
+from vsb.hydro.dofs import Displacement
+from vsb.hydro.orders import (
+    ORDER,
+    in_order_modes,
+    of_order,
+    order_groups,
+    order_shares,
+    side_by_side,
+    with_haskind_damping,
+    with_order_structure,
+)
+from vsb.hydro.quality import haskind_difference
+from vsb.hydro.spectral.solver import SpectralProblem
+from vsb.shell.deformed import rigid_sphere
+from vsb.shell.modes import mode_basis
+from vsb.shell.orders import Ballast, order_basis
+from vsb.study.device import Device
+from vsb.waves.seas import power_limit
+
+RHO, G = 1025.0, 9.81
+DEVICE = Device(radius=2.0, thickness=0.01, young_modulus=1e7, poisson_ratio=0.3, density=2700.0, mass=17170.0)
+
+
+def solved(order, degrees, omegas, nodes=32, radius=2.0, height=0.0):
+    shell = rigid_sphere(radius, height)
+    moved = tuple(Displacement("radial", n, order) for n in degrees)
+    ds = SpectralProblem(shell, moved, RHO, G, nodes).solve(list(omegas))
+    return ds.assign(excitation_force=ds.Froude_Krylov_force + ds.diffraction_force)
+
+
+def basis(order, degree=3):
+    return order_basis(mode_basis(DEVICE, "membrane", degree), order, Ballast(17170.0, -0.4, 3000.0))
+
+
+HULME = [(0.5, 0.6439, 0.0987), (1.0, 0.5740, 0.3535), (1.2, 0.4860, 0.3978), (3.0, 0.1720, None), (5.0, 0.1679, None)]
+"""Surge of the floating hemisphere, Hulme, J. Fluid Mech. 121 (1982), table 2: Ka, A and B/omega over 2/3 pi rho a^3."""
+
+
+@pytest.mark.parametrize(("ka", "mass", "damping"), HULME)
+def test_surge_of_the_hemisphere_after_hulme_1982(ka, mass, damping):
+    omega = np.sqrt(ka * G / 2.0)
+    ds = in_order_modes(solved(1, range(1, 4), [omega]), basis(1))
+    displaced = 2 / 3 * np.pi * RHO * 8
+    surge = {"influenced_dof": "Surge", "radiating_dof": "Surge"}
+    assert ds.added_mass.sel(surge).item() / displaced == pytest.approx(mass, abs=1.5e-4)
+    if damping:
+        assert ds.radiation_damping.sel(surge).item() / (displaced * omega) == pytest.approx(damping, abs=1.5e-4)
+
+
+def test_pitch_about_the_centre_of_a_sphere_moves_no_water():
+    ds = in_order_modes(solved(1, range(1, 4), [1.5, 3.0], height=0.4), basis(1))
+    for name in ("added_mass", "radiation_damping", "excitation_force"):
+        assert not ds[name].sel(influenced_dof="Pitch").values.any()
+
+
+def test_in_long_waves_surge_is_pushed_by_displaced_and_added_mass():
+    """Excitation nears rho V (1 + C) times the water's acceleration g k."""
+    omega = 0.1
+    ds = solved(1, [1], [omega])
+    mass = 2 / 3 * np.pi * RHO * 8 + ds.added_mass.values[0, 0, 0]
+    force = ds.excitation_force.values[0, 0, 0]
+    assert abs(force) == pytest.approx(mass * omega**2, rel=2e-3)
+    assert np.angle(force) == pytest.approx(-np.pi / 2, abs=5e-3)  # against the slope of the surface, i k
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_haskind_holds_order_by_order_and_makes_damping_passive(order):
+    """To the solver's own error, which the repair takes away."""
+    omegas = np.linspace(1.0, 4.0, 7)
+    ds = in_order_modes(solved(order, range(order, 5), omegas), basis(order, 4))
+    ds = ds.drop_sel(influenced_dof=["Pitch"], radiating_dof=["Pitch"]) if order == 1 else ds
+    assert haskind_difference(ds, np.inf, RHO, G, order) < 1e-4
+    assert haskind_difference(ds, np.inf, RHO, G) > 0.5  # that of order 0 is another
+    made = with_haskind_damping(ds, order, np.inf, RHO, G)
+    np.testing.assert_allclose(made.radiation_damping, ds.radiation_damping, atol=1e-4 * ds.radiation_damping.max())
+    assert np.linalg.eigvalsh(made.radiation_damping.values).min() > -1e-12 * float(made.radiation_damping.max())
+    assert made.attrs["history"] == f"damping of order {order} from excitation (Haskind)"
+
+
+def test_matched_power_of_ports_with_orders_up_to_n_is_one_plus_twice_n_times_wavelength_over_two_pi():
+    """1/8 X^H B^-1 X of one motion of each order, B and X solved independently of each other."""
+    omegas = np.array([1.2, 2.0, 2.8])
+    limit = np.array([power_limit(w, np.inf, RHO, G) for w in omegas])
+    taken = 0.0
+    for order in range(4):
+        ds = solved(order, [max(order, 1)], omegas, nodes=64)
+        force, damping = ds.excitation_force.values[:, 0, 0], ds.radiation_damping.values[:, 0, 0]
+        taken = taken + np.abs(force) ** 2 / (8 * damping)
+        np.testing.assert_allclose(taken, (1 + 2 * order) * limit, rtol=1e-6)
+
+
+def test_a_displacement_that_was_not_solved_is_missed():
+    with pytest.raises(
+        DatabaseError, match=r"displacements \['Radial3'\] of order 1 are not among those solved, \['Rad"
+    ):
+        order_shares([Displacement("radial", n, 1) for n in (1, 2)], basis(1))
+
+
+def parts():
+    first = xr.Dataset(
+        {
+            "added_mass": (("omega", "influenced_dof", "radiating_dof"), np.ones((2, 1, 1))),
+            "excitation_force": (("omega", "wave_direction", "influenced_dof"), np.ones((2, 1, 1), complex)),
+            "hydrostatic_stiffness": (("influenced_dof", "radiating_dof"), np.full((1, 1), 5.0)),
+        },
+        {"omega": [1.0, 2.0], "wave_direction": [0.0], "influenced_dof": ["Heave"], "radiating_dof": ["Heave"]},
+        {"history": "symmetrized"},
+    )
+    second = first.assign_coords(influenced_dof=["Surge"], radiating_dof=["Surge"]) * 2
+    return [first, second.assign_attrs(history="from excitation")]
+
+
+def test_side_by_side_nothing_is_between_orders_and_each_can_be_taken_out_again():
+    whole = side_by_side(parts(), [0, 1])
+    assert list(whole.influenced_dof.values) == ["Heave", "Surge"]
+    np.testing.assert_array_equal(whole.added_mass[1], [[1.0, 0.0], [0.0, 2.0]])
+    np.testing.assert_array_equal(whole.hydrostatic_stiffness, [[5.0, 0.0], [0.0, 10.0]])
+    np.testing.assert_array_equal(whole.excitation_force[0, 0], [1.0, 2.0])
+    assert whole.attrs["history"] == "symmetrized; from excitation"
+    assert whole[ORDER].values.tolist() == [0, 1]
+    assert {order: list(group) for order, group in order_groups(whole).items()} == {0: [0], 1: [1]}
+    for order, part in enumerate(parts()):
+        assert of_order(whole, order).equals(part)
+
+
+def test_a_database_without_orders_is_of_order_zero():
+    assert list(order_groups(parts()[0])) == [0]
+    assert of_order(parts()[0], 0).equals(parts()[0])
+
+
+def test_structure_of_an_order_is_complete():
+    one = basis(2)
+    pair = ("influenced_dof", "radiating_dof")
+    bare = xr.Dataset({"added_mass_inf": (pair, np.eye(len(one.labels)))}, {dim: list(one.labels) for dim in pair})
+    ds = with_order_structure(bare, one, {"structural": one.stiffness})
+    np.testing.assert_array_equal(ds.inertia_matrix, one.inertia)
+    np.testing.assert_array_equal(ds.structural_stiffness, one.stiffness)
+    assert not ds.pole_radial_displacement.values.any()
+    assert not ds.reference_amplitude.values.any()

@@ -1,0 +1,41 @@
+"""Radiation channels: damping of one channel comes back between frequencies, orders stay apart."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from vsb.motion.channel import Channel, one_channel
+
+OMEGA = np.linspace(0.2, 6.0, 60)
+
+
+def force(omega):
+    """Excitation of two motions of one order and one of another."""
+    x = np.array([np.exp(-0.2 * omega), 0.3 * omega * np.exp(-0.4 * omega), omega**2 * np.exp(-omega)]).T
+    return x * np.exp(1j * np.outer(omega, [0.1, 0.1, 0.4]))
+
+
+@pytest.fixture
+def database():
+    damping = np.zeros((60, 3, 3))
+    for group, h in (([0, 1], 2.0), ([2], 1.0)):
+        pick = np.array(group)
+        damping[:, pick[:, None], pick] = h * OMEGA[:, None, None] ** 3 * one_channel(force(OMEGA)[:, pick])
+    dims = ("influenced_dof", "radiating_dof")
+    return xr.Dataset(
+        {
+            "radiation_damping": (("omega", *dims), damping),
+            "excitation_force": (("omega", "wave_direction", dims[0]), force(OMEGA)[:, None]),
+        },
+        {"omega": OMEGA},
+    )
+
+
+@pytest.mark.parametrize(("group", "factor"), [((0, 1), 2.0), ((2,), 1.0)])
+def test_damping_between_frequencies_is_of_the_one_channel_of_its_motions(database, group, factor):
+    channel, omega = Channel.of(database, np.array(group)), np.array([0.25, 1.234, 5.5])
+    assert channel.power == 3
+    found, pick = channel.damping(omega, force(omega)), np.array(group)
+    expected = np.zeros_like(found)
+    expected[:, pick[:, None], pick] = factor * omega[:, None, None] ** 3 * one_channel(force(omega)[:, pick])
+    np.testing.assert_allclose(found, expected, rtol=1e-10, atol=1e-12)

@@ -1,0 +1,257 @@
+"""A buoy that surges and pitches, from its study to its report: what couples with heave, what does not."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import SEED
+
+from vsb.errors import ConfigError
+from vsb.hydro.database import load_database
+from vsb.integrators.audit import energies, residual
+from vsb.integrators.simulate import simulate
+from vsb.motion.port import port_direction
+from vsb.scenes.build import linear_buoy, linear_design
+from vsb.scenes.directions import check_upright, mooring_stiffness, order_bases, whole_labels, whole_stiffness
+from vsb.scenes.rest import check_spring, check_stable, design_motions, reference_shell
+from vsb.stages import make
+from vsb.study.plan import StudyPlan
+from vsb.study.study import load, parse
+from vsb.tools.files import load as load_data
+from vsb.waves.seas import power_limit
+
+CALM = {"kind": "regular", "amplitude": 0.1, "period": 3.0}
+RAW = load(SEED).model_dump() | {
+    "study": "planar", "motion": "planar", "modes": {"basis": "membrane", "degree": 2, "order": 2},
+    "designs": {"FSB": {"flexible": False}, "VSWEC": {}, "VSWEC0": {"clamp": 0.0}}, "waves": [CALM],
+    "mooring": [2e4, 0, 0, 0, 0, 0], "simulation": {"duration": 60.0, "window": [48.0, 60.0]},
+}  # fmt: skip
+RAW["device"] |= {"centre_of_mass": -0.6, "ballast_inertia": 9e3, "damping": {"beta": 0.0}}
+RAW["hydro"] |= {"omega_max": 6.0, "witness": "none"}
+HYDRO = ("modes", "spectral", "database", "radiation")
+
+
+def study_with(**changes):
+    data = dict(RAW)
+    for name, update in changes.items():
+        data[name] = {**data[name], **update} if isinstance(update, dict) and name != "designs" else update
+    return parse(data)
+
+
+def made(study, folder, stages=HYDRO):
+    """The plan of a study of which some stages were run."""
+    plan = StudyPlan(study, root=str(folder))
+    for job in make.jobs(plan):
+        if job.stage in stages and not all(Path(path).exists() for path in job.makes):
+            job.run()
+    return plan
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("planar")
+
+
+@pytest.fixture(scope="module")
+def finished(folder):
+    """The whole chain of a moored buoy under a damper on heave."""
+    make.run(study_with(), folder)
+    return StudyPlan(study_with(), root=str(folder))
+
+
+@pytest.fixture(scope="module")
+def heaving(folder):
+    """The same buoy in heave alone."""
+    data = {key: value for key, value in RAW.items() if key not in ("motion", "mooring")}
+    data |= {"study": "heaving", "modes": {"basis": "membrane", "degree": 2}}
+    return made(parse(data), folder, (*HYDRO, "response", "simulate"))
+
+
+# the chain ----------------------------------------------------------------------------------------------------------
+
+
+def test_a_take_off_on_heave_sees_nothing_of_other_directions(finished, heaving):
+    """To round-off: orders do not mix, in response and in time."""
+    both, alone = (load_data(plan.response_files["response"]) for plan in (finished, heaving))
+    for name in ("absorbed_power", "port_impedance", "matched_power", "best_damping"):
+        np.testing.assert_allclose(both[name], alone[name], rtol=1e-9, atol=1e-9 * np.abs(alone[name]).max())
+    np.testing.assert_allclose(both.rao.sel(dof=alone.dof), alone.rao, atol=1e-11)
+    assert not both.attrs.get("limit")
+    for design in RAW["designs"]:
+        runs = [load_data(plan.trajectory_path(design, "regular_A0.1_T3")) for plan in (finished, heaving)]
+        np.testing.assert_allclose(*(run.position.sel(dof="Heave") for run in runs), atol=1e-6)  # memories fitted apart
+        np.testing.assert_allclose(*(run.attrs["steady_power"] for run in runs), rtol=1e-6)
+        assert runs[0].attrs["energy_residual"] < 1e-9
+
+
+def test_the_ledger_and_the_report_tell_of_directions(finished):
+    checks = json.loads(Path(finished.folder, "validity.json").read_text())["checks"]
+    named = {(check["name"], check["design"]): check for check in checks}
+    assert {
+        ("pitch", "FSB"),
+        ("surge", "VSWEC"),
+        ("deformation", "VSWEC"),
+        ("constraint_drift", "VSWEC0"),
+    } <= named.keys()
+    assert named["constraint_drift", "VSWEC0"]["verdict"] == "ok"
+    for design in RAW["designs"]:
+        assert named["time_and_frequency_domain", design]["value"] < 5e-3
+    orders = [check for check in checks if check["name"] == "hydro haskind"]
+    assert [check["explanation"][:8] for check in orders] == ["damping ", "order 1:", "order 2:"]
+    assert all(check["verdict"] == "ok" for check in orders)
+    page = Path(finished.folder, "report.html").read_text()
+    assert "Surge, heave and pitch" in page
+
+
+def test_modes_of_all_orders_are_written_and_drawn(finished):
+    modes = load_data(f"{finished.folder}/modes.nc")
+    assert modes.order.values.tolist() == [0, 0, 0, 1, 1, 2]
+    dry = dict(zip(modes.mode.values, modes.dry_frequency.values, strict=True))
+    assert dry["Membrane2c1"] == pytest.approx(dry["Membrane2"], rel=1e-12)  # degenerate in m
+    assert dry["Membrane2c2"] == pytest.approx(dry["Membrane2"], rel=1e-12)
+    assert Path(finished.folder, "figures", "directions-regular_A0.1_T3.svg").exists()
+
+
+# structure ----------------------------------------------------------------------------------------------------------
+
+
+def test_the_database_holds_pitch_of_the_weight_alone_and_the_mooring(finished):
+    ds = load_database(finished.database_path, Path(finished.database_path).stem)
+    pitch, surge = ({"influenced_dof": name, "radiating_dof": name} for name in ("Pitch", "Surge"))
+    mass = RAW["device"]["mass"]
+    assert ds.hydrostatic_stiffness.sel(pitch).item() == pytest.approx(mass * 9.81 * 0.6, rel=1e-10)
+    assert ds.mooring_stiffness.sel(surge).item() == 2e4
+    assert ds.mooring_stiffness.values.sum() == 2e4
+    assert ds.inertia_matrix.sel(influenced_dof="Surge", radiating_dof="Pitch").item() == pytest.approx(-0.6 * mass)
+    assert ds.azimuthal_order.values.tolist() == [0, 0, 0, 0, 1, 1, 1, 1, 2]
+    assert "order 2 from excitation" in ds.attrs["history"]
+    for matrix in (ds.inertia_matrix, ds.hydrostatic_stiffness, ds.added_mass[3]):
+        np.testing.assert_allclose(matrix, matrix.values.T, atol=1e-9 * np.abs(matrix).max())
+
+
+def test_mooring_acts_on_the_motions_it_names():
+    rows = np.zeros((6, 6))
+    rows[0, 0], rows[2, 2], rows[0, 4], rows[4, 0] = 1.0, 2.0, 3.0, 3.0
+    study = study_with(mooring=rows.tolist())
+    found = mooring_stiffness(study, ("Heave", "Membrane0", "Surge", "Pitch"))["mooring"]
+    np.testing.assert_array_equal(found, [[2.0, 0, 0, 0], [0, 0, 0, 0], [0, 0, 1.0, 3.0], [0, 0, 3.0, 0]])
+    assert mooring_stiffness(study_with(mooring=None), ("Heave",)) == {}
+
+
+def test_a_buoy_that_falls_over_is_refused_and_a_mooring_may_hold_it():
+    top = study_with(device={"centre_of_mass": 0.2}, mooring=None)
+    reference = reference_shell(top)
+    match = (
+        r"device.centre_of_mass: received 0.2 m above the sphere's centre, with which the buoy does not stay upright"
+    )
+    with pytest.raises(ConfigError, match=match):
+        check_stable(top, reference)
+    with pytest.raises(ConfigError, match=r"received 0 m .* \(stiffness of pitch 0 N m\)"):
+        check_upright(study_with(device={"centre_of_mass": 0.0}, mooring=None), reference)
+    held = study_with(device={"centre_of_mass": 0.2}, mooring=[0, 0, 0, 0, 5e5, 0])
+    check_upright(held, reference_shell(held))
+    check_stable(study_with(mooring=None), reference_shell(study_with(mooring=None)))  # surge alone may drift
+
+
+def test_stiffness_of_all_orders_is_over_all_labels(finished):
+    study = study_with()
+    reference = reference_shell(study)
+    ds = load_database(finished.database_path, Path(finished.database_path).stem)
+    assert list(whole_labels(study, reference)) == ds.influenced_dof.values.tolist()
+    parts = ds.structural_stiffness + ds.hydrostatic_stiffness + ds.mooring_stiffness
+    np.testing.assert_allclose(whole_stiffness(study, reference), parts, rtol=1e-12, atol=1e-6)
+
+
+def test_a_stroke_limit_needs_a_port_that_has_a_place():
+    study = study_with(pto={"port": "surge", "stroke_limit": 0.5}, mooring=None)
+    with pytest.raises(
+        ConfigError, match=r"pto.stroke_limit: received 0.5 m, but nothing holds the port of design FSB"
+    ):
+        check_spring(study, reference_shell(study))
+    check_spring(study_with(pto={"port": "surge"}, mooring=None), reference_shell(study))
+    with pytest.raises(ConfigError, match=r"pto.stiffness: received -1 N/m, .*needs more than -0 N/m"):
+        check_spring(study_with(pto={"port": "surge", "stiffness": -1.0}, mooring=None), reference_shell(study))
+
+
+# ports --------------------------------------------------------------------------------------------------------------
+
+PORTS = {
+    "surge": ("surge", 2), "pitch": ("pitch", 2), "heave": ("heave", 1), "volume": ("volume", 1),
+    "line": ({"line_to": [12.0, -9.0], "line_from": [0.0, -1.0]}, 3), "upright line": ({"line_to": [0.0, -9.0]}, 1),
+    "between": ({"between": [40.0, 130.0]}, 5),
+}  # fmt: skip
+"""Port, and the limit of its power in terms of wavelength/2 pi."""
+
+
+@pytest.mark.parametrize(("port", "limit"), PORTS.values(), ids=PORTS)
+def test_matched_power_is_limited_by_the_orders_a_port_reaches(finished, folder, port, limit):
+    """Without structural loss a port of one order takes all of it."""
+    plan = made(study_with(study="port", pto={"port": port}), folder, ("response",))
+    ds = load_data(plan.response_files["response"])
+    sharp = [power_limit(w, np.inf, RAW["water"]["density"], 9.81) for w in ds.omega.values]
+    np.testing.assert_allclose(ds.power_limit, limit * np.array(sharp), rtol=1e-12)
+    assert ds.attrs.get("limit") == (None if limit == 1 else f"{limit} λ/2π")
+    share = (ds.matched_power.sel(design="VSWEC") / ds.power_limit).values
+    assert (share < 1 + 2e-4).all()
+    if limit < 3:
+        np.testing.assert_allclose(share[20:], 1.0, rtol=2e-4)
+    Path(plan.response_files["response"]).unlink()
+
+
+def test_ports_of_all_orders_together_take_one_plus_twice_n(finished):
+    """1/8 V0^H (Re Y)^-1 V0 of one port of each order, radiated by the buoy as a whole."""
+    buoy, basis = linear_buoy(study_with(), finished.database_path)
+    motions, omega = design_motions(study_with(), basis, "VSWEC"), np.array([1.3, 2.1, 3.0])
+    ports = np.eye(len(buoy.labels))[[buoy.labels.index(name) for name in ("Heave", "Pitch", "Membrane2c2")]]
+    free = buoy.free_motion(omega, motions, ports[0])[0]
+    forced = np.stack([buoy.free_motion(omega, motions, port)[1] @ ports.T for port in ports], axis=-1)
+    velocity = -1j * omega[:, None] * (free @ ports.T)
+    admittance = -1j * omega[:, None, None] * forced
+    loss = (admittance + admittance.conj().transpose(0, 2, 1)) / 2
+    power = np.real(np.einsum("wi,wi->w", velocity.conj(), np.linalg.solve(loss, velocity[..., None])[..., 0])) / 8
+    for order, (w, found) in enumerate(zip(omega, power, strict=True)):
+        assert found == pytest.approx(5 * power_limit(w, np.inf, 1025.0, 9.81), rel=2e-4), order
+
+
+def test_a_line_lengthens_as_its_attachment_moves_away_from_its_anchor():
+    """By differences of distances."""
+    line = {"line_to": [12.0, -9.0], "line_from": [0.3, -1.0]}
+    study = study_with(pto={"port": line})
+    reference = reference_shell(study)
+    direction = port_direction(study.pto.port, reference.shape, order_bases(study, reference.basis))
+    b = dict(zip(whole_labels(study, reference), direction, strict=True))
+
+    def length(surge, heave, pitch):
+        x, z = 0.3 * np.cos(pitch) - 1.0 * np.sin(pitch), -1.0 * np.cos(pitch) - 0.3 * np.sin(pitch)
+        return np.hypot(surge + x - 12.0, study.centre_height + heave + z + 9.0)
+
+    h = 1e-6
+    for name, step in (("Surge", (h, 0, 0)), ("Heave", (0, h, 0)), ("Pitch", (0, 0, h))):
+        slope = (length(*step) - length(*(-s for s in step))) / (2 * h)
+        assert b[name] == pytest.approx(slope, rel=1e-8)
+    assert {name for name, share in b.items() if share} == {"Surge", "Heave", "Pitch"}
+
+
+# time ---------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("port", "mooring"), [("surge", None), ("pitch", [2e4, 0, 0, 0, 0, 0])])
+@pytest.mark.parametrize("design", ["FSB", "VSWEC"])
+def test_mean_power_in_time_is_that_of_the_response_and_the_audit_closes(folder, finished, port, mooring, design):
+    """A damper on surge or pitch, moored or adrift: 0.5 % and 1e-6 are promised."""
+    study = study_with(study="port", pto={"port": port, "damping": 6000.0}, mooring=mooring,
+                       designs=RAW["designs"], simulation={"duration": 120.0, "window": [90.0, 120.0]})  # fmt: skip
+    plan = made(study, folder)
+    at = linear_design(plan.simulation(design, study.waves[0]), plan.hydro_files)
+    motion, _, method = simulate(at.system, at.sea, study.simulation, at.spectrum)
+    assert method == "exact propagation"
+    energy = energies(at.system, motion)
+    assert residual(energy) < 1e-9
+    last = motion.time >= 90.0 - 1e-9
+    mean = np.polyfit(motion.time[last], energy["pto"][last], 1)[0]
+    buoy, basis = linear_buoy(study, plan.database_path)
+    omega = np.array([2 * np.pi / 3])
+    b = np.eye(len(buoy.labels))[buoy.labels.index(port.capitalize())]
+    power = buoy.port(omega, design_motions(study, basis, design), b).power(6000.0)[0] * 0.1**2
+    assert mean == pytest.approx(power, rel=5e-3)

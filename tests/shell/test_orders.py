@@ -1,0 +1,229 @@
+"""Shapes of orders m >= 1: energies of m = 0, hydrostatics as derivatives of forces, clamps all around."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
+from scipy.special import assoc_legendre_p
+
+from vsb.errors import ConfigError
+from vsb.shell.deformed import DeformedShell
+from vsb.shell.modes import mode_basis
+from vsb.shell.orders import Ballast, Field, OrderBasis, ballast_of, order_basis, semi_normalisation, semi_normalised
+from vsb.study.study import Device
+
+DEVICE = Device(
+    radius=2.0, thickness=0.02, young_modulus=3e7, poisson_ratio=0.3, density=2700.0, mass=17170.0,
+    centre_of_mass=-0.4, ballast_inertia=3000.0, damping={"alpha": 0.1, "beta": 1e-3},
+)  # fmt: skip
+BALLAST = Ballast(17170.0, -0.4, 3000.0)
+RHO, G, HEIGHT = 1025.0, 9.81, 0.15
+KINDS = ("paper", "membrane", "full")
+
+
+def at_order(order, basis="full", degree=4) -> OrderBasis:
+    return order_basis(mode_basis(DEVICE, basis, degree), order, BALLAST)
+
+
+@pytest.mark.parametrize(("n", "m"), [(1, 1), (2, 1), (2, 2), (5, 3), (6, 6)])
+def test_semi_normalised_functions_have_the_norm_of_order_zero(n, m):
+    norm, _ = quad(lambda phi: semi_normalised(n, m, np.array([phi]))[0, 0] ** 2 * np.sin(phi), 0, np.pi)
+    assert norm / 4 == pytest.approx(1 / (2 * n + 1), rel=1e-12)  # int cos^2(m theta) is half that of m = 0
+
+
+def test_they_are_legendre_functions_and_their_derivatives():
+    phi, h = np.array([0.3, 1.1, 2.8]), 1e-5
+    np.testing.assert_allclose(semi_normalised(2, 1, phi)[0], np.sqrt(3) * np.sin(phi) * np.cos(phi), rtol=1e-14)
+    assert semi_normalisation(2, 2) == pytest.approx(np.sqrt(1 / 12))
+    for k in (1, 2):
+        for n, m in ((5, 3), (4, 1), (3, 2)):
+            steps = semi_normalised(n, m, phi + h)[k - 1] - semi_normalised(n, m, phi - h)[k - 1]
+            np.testing.assert_allclose(semi_normalised(n, m, phi)[k], steps / (2 * h), rtol=1e-8, atol=1e-8)
+    for n, m in ((5, 3), (4, 1), (3, 2)):
+        value, slope, _, around, its = semi_normalised(n, m, phi)
+        np.testing.assert_allclose(around, value / np.sin(phi), rtol=1e-12)
+        np.testing.assert_allclose(its, slope / np.sin(phi) - value * np.cos(phi) / np.sin(phi) ** 2, rtol=1e-12)
+    ours, scipys = semi_normalised(8, 5, phi)[0], -assoc_legendre_p(8, 5, np.cos(phi))[0]
+    np.testing.assert_allclose(ours, semi_normalisation(8, 5) * scipys, rtol=1e-12)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_energies_are_those_of_order_zero_degree_by_degree(order, kind):
+    """The closed sphere's modes are degenerate in m."""
+    ring = mode_basis(DEVICE, kind, 4)
+    basis = order_basis(ring, order, BALLAST)
+    kept = [1 + i for i, mode in enumerate(ring.modes) if mode.degree >= order]
+    scale = [a.radial / b.radial for a, b in zip(basis.modes, np.array(ring.shapes, object)[kept], strict=True)]
+    for name in ("inertia", "stiffness", "damping"):
+        own = getattr(basis, name)[basis.rigid :, basis.rigid :]
+        zero = getattr(ring, name)[np.ix_(kept, kept)] * np.outer(scale, scale)
+        np.testing.assert_allclose(own, zero, rtol=1e-12, atol=1e-12 * np.abs(zero).max())
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_mass_and_elastic_energy_are_integrals_over_the_surface(order):
+    """Of strains by differentiation in space, bending left out."""
+    basis = order_basis(mode_basis(DEVICE, "membrane", 3), order, BALLAST)
+    basis = replace(basis, bending=False)
+    cos, weight = np.polynomial.legendre.leggauss(40)
+    phi, r, m, nu = np.arccos(cos), 2.0, order, 0.3
+    (v, u, w), (_, du, dw) = basis.field(phi), basis.field(phi, derivative=1)
+    cot, sin = cos / np.sin(phi), np.sin(phi)
+    along, around = (du + v) / r, (u * cot + v + m * w / sin) / r
+    shear = (dw - w * cot - m * u / sin) / r
+
+    def over(a, b):
+        return np.pi * r**2 * (a * weight) @ b.T
+
+    shell = basis.shell
+    kept = slice(basis.rigid, None)
+    mass = shell.density * shell.thickness * (over(v, v) + over(u, u) + over(w, w))
+    np.testing.assert_allclose(basis.inertia[kept, kept], mass[kept, kept], rtol=1e-10, atol=1e-8)
+    if order == 1:
+        np.testing.assert_allclose(mass[1, [0, *range(2, len(mass))]], 0.0, atol=1e-9)  # pitch and shapes are apart
+        assert mass[0, 0] == pytest.approx(shell.mass)
+        assert mass[1, 1] == pytest.approx(2 / 3 * shell.mass * r**2)
+    energy = over(along, along) + over(around, around) + nu * (over(along, around) + over(around, along))
+    energy += (1 - nu) / 2 * over(shear, shear)
+    np.testing.assert_allclose(basis.stiffness, shell.membrane_stiffness * energy, rtol=1e-9, atol=1e-6)
+
+
+def test_pitch_has_the_inertia_of_shell_and_ballast_and_couples_with_surge_by_the_centre_of_mass():
+    inertia = at_order(1).inertia
+    shell = at_order(1).shell.mass
+    arm = 17170.0 * -0.4 / (17170.0 - shell)
+    assert inertia[1, 1] == pytest.approx(2 / 3 * shell * 4 + 3000.0 + (17170.0 - shell) * arm**2)
+    assert inertia[0, 1] == inertia[1, 0] == pytest.approx(17170.0 * -0.4)
+    assert inertia[0, 0] == 17170.0
+    assert (np.linalg.eigvalsh(inertia) > 0).all()
+
+
+def test_without_ballast_the_centre_of_mass_is_the_spheres():
+    shell = at_order(1).shell.mass
+    empty = order_basis(mode_basis(DEVICE, "membrane", 2), 1, Ballast(shell, 0.0, 0.0))
+    assert empty.inertia[1, 1] == pytest.approx(2 / 3 * shell * 4)
+
+
+# hydrostatics -------------------------------------------------------------------------------------------------------
+
+AROUND = 2 * np.pi * np.arange(12) / 12
+
+
+def moved(basis, q, phi, theta):
+    """Points of the shell at amplitudes q, r(phi, theta), and their derivatives by q; pitch by the angle itself."""
+    f, m = basis.field(phi), basis.order
+    cos, sin, c, s = np.cos(phi), np.sin(phi), np.cos(theta), np.sin(theta)
+    e_r, e_phi = np.array([sin * c, sin * s, cos]), np.array([cos * c, cos * s, -sin])
+    e_theta = np.array([-s + 0 * phi, c + 0 * phi, 0 * phi])
+    shapes = (f.radial[:, None] * e_r + f.meridional[:, None] * e_phi) * np.cos(m * theta)
+    shapes = shapes + f.azimuthal[:, None] * e_theta * np.sin(m * theta)
+    body = basis.shell.radius * e_r
+    if not basis.rigid:
+        return body + np.tensordot(q, shapes, 1) + np.array([[0], [0], [HEIGHT]]), shapes
+    free, angle = np.array([0, 0, *q[2:]]), q[1]
+    turn = np.array([[np.cos(angle), 0, np.sin(angle)], [0, 1, 0], [-np.sin(angle), 0, np.cos(angle)]])
+    inside = turn @ (body + np.tensordot(free, shapes, 1))
+    along = np.einsum("ab,jbp->jap", turn, shapes)
+    along[0] = np.array([[1.0], [0], [0]])
+    along[1] = np.array([inside[2], 0 * phi, -inside[0]])
+    return inside + np.array([[q[0]], [0], [HEIGHT]]), along
+
+
+def force(basis, q):
+    """Generalized force of still water on the moved shell, meridian by meridian, and of its weight on pitch."""
+    node, weight = np.polynomial.legendre.leggauss(36)
+    total = np.zeros(len(q))
+    for theta in AROUND:
+        low = brentq(lambda phi, t=theta: moved(basis, q, np.array([phi]), t)[0][2, 0], 0.5, 2.8, xtol=1e-14)
+        phi, h = (low + np.pi) / 2 + (np.pi - low) / 2 * node, 1e-5
+        x, psi = moved(basis, q, phi, theta)
+        by_phi = (moved(basis, q, phi + h, theta)[0] - moved(basis, q, phi - h, theta)[0]) / (2 * h)
+        by_theta = (moved(basis, q, phi, theta + h)[0] - moved(basis, q, phi, theta - h)[0]) / (2 * h)
+        normal = np.cross(by_phi, by_theta, axis=0)
+        total += RHO * G * np.einsum("p,ap,jap->j", x[2] * weight, normal, psi) * (np.pi - low) / 2
+    total *= 2 * np.pi / len(AROUND)
+    if basis.rigid:
+        total[1] += G * 17170.0 * -0.4 * np.sin(q[1])
+    return total
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_hydrostatic_stiffness_is_the_derivative_of_the_force(order):
+    basis = order_basis(mode_basis(DEVICE, "full", 2), order, BALLAST)
+    found, h = basis.hydrostatic_stiffness(HEIGHT, RHO, G), 1e-4
+    steps = [(force(basis, h * e) - force(basis, -h * e)) / (2 * h) for e in np.eye(len(basis.labels))]
+    np.testing.assert_allclose(found, -np.transpose(steps), atol=2e-6 * np.abs(found).max())
+    np.testing.assert_allclose(found, found.T, atol=1e-12 * np.abs(found).max())
+
+
+def test_of_pitch_alone_the_weight_is_left_and_of_surge_nothing():
+    """A sphere that turns about its centre moves no water: -m g z_G, half immersed or not."""
+    for height in (-0.7, 0.0, 0.9):
+        stiffness = at_order(1).hydrostatic_stiffness(height, RHO, G)
+        assert stiffness[1, 1] == pytest.approx(17170.0 * G * 0.4, rel=1e-11)
+        assert not stiffness[0].any()
+
+
+def test_the_formula_is_that_of_axisymmetric_shapes():
+    """Written for m >= 1, where cos^2 has half the mean, it gives half of m = 0's with m = 0's shapes."""
+    ring = mode_basis(DEVICE, "full", 3)
+    basis = at_order(2)
+
+    class Zero(OrderBasis):
+        def field(self, colatitude, derivative=0):
+            v, u = ring.displacement(colatitude, derivative)
+            return Field(v, u, 0 * u)
+
+    zero = Zero(basis.shell, 0, ring.modes, BALLAST, True)
+    expected = DeformedShell(ring, HEIGHT).hydrostatic_stiffness(RHO, G)
+    np.testing.assert_allclose(2 * zero.hydrostatic_stiffness(HEIGHT, RHO, G), expected, atol=1e-9 * expected.max())
+
+
+# clamps -------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("clamps", [(90.0,), (60.0, 60.0), (0.0, 120.0)])
+def test_a_clamped_shell_does_not_move_along_its_clamps(order, clamps):
+    basis = order_basis(mode_basis(DEVICE, "full", 6), order, BALLAST)
+    at = np.deg2rad(clamps)
+    motions = basis.allowed(True, at)
+    np.testing.assert_allclose(motions.T @ motions, np.eye(motions.shape[1]), atol=1e-13)
+    assert motions.shape[1] < len(basis.labels)
+    np.testing.assert_allclose(basis.clamp_rows(at) @ motions, 0.0, atol=1e-12)
+    if order == 1:
+        np.testing.assert_array_equal(motions[:2], np.eye(2, motions.shape[1]))  # surge and pitch stay free
+        inside = (at > 0) & (at < np.pi)
+        moved = np.array(basis.field(at[inside]))[:, 2:]
+        np.testing.assert_allclose(np.einsum("ijp,jf->ifp", moved, motions[2:]), 0.0, atol=1e-12)
+
+
+def test_at_a_pole_only_order_one_is_held_and_by_one_condition():
+    for order, held in ((1, 1), (2, 0), (3, 0)):
+        basis = at_order(order, degree=6)
+        assert len(basis.labels) - basis.allowed(True, [0.0]).shape[1] == held
+    assert at_order(1).allowed(False).shape == (len(at_order(1).labels), 2)
+    assert at_order(2).allowed(False).shape == (len(at_order(2).labels), 0)
+
+
+def test_modes_move_the_shell_by_one_at_most_and_are_named_by_degree_and_order():
+    for order in (1, 2, 3):
+        basis = at_order(order)
+        v, u, w = basis.field(np.linspace(1e-6, np.pi - 1e-6, 4001))
+        largest = np.sqrt(np.maximum(v**2 + u**2, w**2)).max(axis=1)[basis.rigid :]
+        np.testing.assert_allclose(largest, 1.0, rtol=1e-6)
+        assert (v[basis.rigid :, 1] > 0).all()
+    assert at_order(2).labels[:2] == ("Membrane2c2", "Membrane3c2")
+    assert at_order(1, "membrane", 2).labels == ("Surge", "Pitch", "Membrane1c1", "Membrane2c1")
+
+
+def test_a_device_that_does_not_say_how_it_is_balanced_has_no_pitch():
+    assert ballast_of(DEVICE) == BALLAST
+    silent = DEVICE.model_copy(update={"centre_of_mass": None})
+    with pytest.raises(
+        ConfigError, match=r"device: received no centre_of_mass or no ballast_inertia; pitch needs both"
+    ):
+        ballast_of(silent)

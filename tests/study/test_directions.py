@@ -1,0 +1,123 @@
+"""What motion in several directions needs of a study; a heaving study is what it was."""
+
+import pytest
+from conftest import SEED
+
+from vsb.errors import ConfigError
+from vsb.study.campaign import sections, study_at
+from vsb.study.plan import StudyPlan
+from vsb.study.study import canonical, load, parse
+
+BALANCE = {"centre_of_mass": -0.5, "ballast_inertia": 8000.0}
+
+
+def raw(**changes):
+    """The seed's study as nested mappings, with sections updated."""
+    data = load(SEED).model_dump()
+    for name, update in changes.items():
+        data[name] = (
+            {**data[name], **update} if isinstance(update, dict) and isinstance(data.get(name), dict) else update
+        )
+    return data
+
+
+def planar(**changes):
+    device = {**BALANCE, **changes.pop("device", {})}
+    return raw(motion="planar", device=device, **changes)
+
+
+def test_heave_says_none_of_it():
+    told = canonical(load(SEED))
+    assert not any(word in told for word in ("motion", "mooring", "order", "centre_of_mass", "ballast_inertia"))
+    assert parse(raw(motion="heave", mooring=None)) == load(SEED)
+
+
+@pytest.mark.parametrize(("order", "orders"), [(1, (0, 1)), (3, (0, 1, 2, 3))])
+def test_orders_are_those_of_the_shell_or_of_a_rigid_buoy(order, orders):
+    study = parse(planar(modes={"order": order}))
+    assert study.orders == orders
+    rigid = parse(
+        planar(modes={"order": order}, designs={"FSB": {"flexible": False}}) | {"designs": {"FSB": {"flexible": False}}}
+    )
+    assert rigid.orders == (0, 1)
+    assert load(SEED).orders == (0,)
+    assert [block.order for block in StudyPlan(study).sweep_blocks] == list(orders)
+    assert StudyPlan(study).sweep_blocks[-1].displacements[0] == f"Radial{order}"
+
+
+def test_axisymmetric_blocks_are_those_of_heave():
+    """Studies of one shape share them."""
+    heave, both = StudyPlan(load(SEED)), StudyPlan(parse(planar()))
+    assert heave.sweep_blocks == both.sweep_blocks[:1]
+    assert both.coordinates == 1 + 7 + 2 + 6
+
+
+def test_a_mooring_may_be_its_diagonal():
+    rows = parse(planar(mooring=[1.0, 0, 2.0, 0, 3.0, 0])).mooring
+    assert [rows[i][i] for i in range(6)] == [1.0, 0.0, 2.0, 0.0, 3.0, 0.0]
+    assert sum(map(sum, rows)) == 6.0
+    assert parse(planar(mooring=rows)).mooring == rows
+
+
+UNEVEN = [[0.0] * 6 for _ in range(6)]
+UNEVEN[0][4] = 1.0
+ASIDE = [[0.0] * 6 for _ in range(6)]
+ASIDE[0][1] = ASIDE[1][0] = 5.0
+LINE = {"line_to": [9.0, -20.0]}
+
+
+@pytest.mark.parametrize(
+    ("changes", "match"),
+    [
+        ({"device": {"centre_of_mass": None}}, r"device.centre_of_mass: missing; .* has no pitch stiffness"),
+        ({"device": {"ballast_inertia": None}}, r"device.ballast_inertia: missing"),
+        ({"hydro": {"model": "body_exact"}}, r"hydro.model 'body_exact': follows heave alone; motion 'planar' needs linear"),
+        ({"hydro": {"model": "auto"}}, r"hydro.model 'auto': follows heave alone"),
+        ({"drag": {"heave": {"coefficient": 1.0, "area": 9.0}}}, r"drag: is known of heave alone; motion 'planar' needs"),
+        ({"hydro": {"rows": 30}}, r"hydro.solver: panels solve axisymmetric motions alone"),
+        ({"device": {"internal_pressure": 2e4}}, r"motion 'planar': knows vented shells about the undeformed sphere"),
+        ({"device": {"gas": {}}}, r"motion 'planar': knows vented shells"),
+        ({"reference_shape": "equilibrium"}, r"motion 'planar': knows vented shells"),
+        ({"modes": {"degree": 2, "order": 3}}, r"modes.order 3: needs at most modes.degree = 2"),
+        ({"modes": {"order": 0}}, r"modes.order: received 0; .*greater than or equal to 1"),
+        ({"mooring": UNEVEN}, r"mooring: received .*; needs a symmetric matrix, because a spring has an energy"),
+        ({"mooring": ASIDE}, r"mooring: received 5 between surge and sway, which motion 'planar' does not have; needs 0"),
+        ({"mooring": [1.0] * 5}, r"mooring: received .*; needs six rows of six numbers, or the six"),
+        ({"pto": {"port": {"line_to": [9.0, 1.0]}}}, r"pto.port.line_to: received z = 1 m; needs one below still water"),
+        ({"pto": {"port": LINE}, "water": {"depth": 10.0}}, r"pto.port.line_to: received z = -20 m; needs one below"),
+        ({"pto": {"port": {**LINE, "line_from": [0.0, -3.0]}}}, r"pto.port.line_from: .*needs a point inside the sphere"),
+        ({"pto": {"port": {"line_to": [0.0, -1.0]}}}, r"pto.port.line_to: .*needs an anchor outside the sphere"),
+    ],
+    ids=str,
+)  # fmt: skip
+def test_what_planar_motion_cannot_have_is_refused_in_a_line(changes, match):
+    with pytest.raises(ConfigError, match=match) as error:
+        parse(planar(**changes))
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("changes", "match"),
+    [
+        ({"motion": "sideways"}, r"motion: received 'sideways'; .*'heave' or 'planar'"),
+        ({"modes": {"order": 2}}, r"modes.order 2: motion 'heave' has axisymmetric modes; needs motion: planar"),
+        ({"mooring": [1.0] * 6}, r"mooring: motion 'heave' has none; needs motion: planar, or pto.stiffness"),
+        ({"pto": {"port": "surge"}}, r"pto.port: motion 'heave' moves it in no other direction; needs motion: planar"),
+        ({"pto": {"port": "pitch"}}, r"pto.port: motion 'heave' moves it"),
+        ({"pto": {"port": LINE}}, r"pto.port: motion 'heave' moves it"),
+    ],
+    ids=str,
+)  # fmt: skip
+def test_what_heave_cannot_have_is_refused_in_a_line(changes, match):
+    with pytest.raises(ConfigError, match=match):
+        parse(raw(**changes))
+
+
+def test_a_rigid_buoy_in_several_directions_may_have_pressure_inside():
+    data = planar(device={"internal_pressure": 2e4}) | {"designs": {"FSB": {"flexible": False}}}
+    assert parse(data).motion == "planar"
+
+
+def test_a_year_is_of_heave():
+    with pytest.raises(ConfigError, match=r"motion: received 'planar'; a year needs motion: heave"):
+        study_at(sections(parse(planar())), {})

@@ -1,0 +1,118 @@
+"""The hydro database of a buoy that moves in several directions: coefficients of every azimuthal order side by side.
+
+Orders do not mix on a body of revolution: all matrices are blocks, each with one radiation channel of its own.
+"""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+from scipy.linalg import block_diag
+
+from vsb.errors import DatabaseError
+from vsb.hydro.database import transformed
+from vsb.hydro.dofs import Displacement, displacements
+from vsb.hydro.quality import haskind_damping
+from vsb.shell.orders import OrderBasis, semi_normalisation
+from vsb.tools.units import FloatArray
+
+ORDER = "azimuthal_order"
+"""Variable of a database that says of which order m each degree of freedom is; without it all are of order 0."""
+_PAIR = ("influenced_dof", "radiating_dof")
+
+
+def order_shares(solved: Sequence[Displacement], basis: OrderBasis) -> FloatArray:
+    """Return of which displacements of the undeformed sphere a basis is made, shape (dof, displacement) [-].
+
+    Meridional ones, along the surface, move no water; nor does pitch, about the sphere's centre.
+
+    Raises
+    ------
+    DatabaseError
+        If a displacement they need was not solved for.
+    """
+    surge = [(1, 1.0), (1, 0.0)][: basis.rigid]  # and pitch
+    wanted = [*surge, *((mode.degree, mode.radial) for mode in basis.modes)]
+    needed = {Displacement("radial", degree, basis.order) for degree, _ in wanted}
+    if missing := sorted(each.label for each in needed - set(solved)):
+        labels = [each.label for each in solved]
+        raise DatabaseError(f"displacements {missing} of order {basis.order} are not among those solved, {labels}.")
+    rows = [
+        [share * semi_normalisation(degree, basis.order) * (each.degree == degree) for each in solved]
+        for degree, share in wanted
+    ]
+    return np.array(rows)
+
+
+def in_order_modes(raw: xr.Dataset, basis: OrderBasis) -> xr.Dataset:
+    """Return coefficients of radial displacements of an order as coefficients of rigid motions and modes."""
+    solved = displacements(raw.influenced_dof.values, basis.order)
+    return transformed(raw, order_shares(solved, basis), basis.labels)
+
+
+def with_haskind_damping(ds: xr.Dataset, order: int, depth: float, density: float, gravity: float) -> xr.Dataset:
+    """Return the dataset with the damping its excitation implies, the repair recorded in `history`.
+
+    What a motion of order m >= 1 radiates falls as a high power of frequency, below the errors of what is solved and
+    interpolated, which may be negative there; the check `haskind` bounds the change.
+    """
+    damping = haskind_damping(ds, depth, density, gravity, order).real
+    history = f"{ds.attrs.get('history', '')}; damping of order {order} from excitation (Haskind)".lstrip("; ")
+    return ds.assign(radiation_damping=(ds.radiation_damping.dims, damping)).assign_attrs(ds.attrs, history=history)
+
+
+def side_by_side(parts: Sequence[xr.Dataset], orders: Sequence[int]) -> xr.Dataset:
+    """Return datasets of several orders as one, nothing between them.
+
+    Parameters
+    ----------
+    parts : sequence of xarray.Dataset
+        Of the same frequencies and directions, each with all its matrices.
+    orders : sequence of int
+        Azimuthal order of each.
+    """
+    labels = [str(label) for part in parts for label in part.influenced_dof.values]
+    found = {name: _joined([part[name] for part in parts]) for name in parts[0].data_vars}
+    of = np.repeat(orders, [part.sizes["influenced_dof"] for part in parts])
+    kept = {str(dim): values for dim, values in parts[0].coords.items() if dim not in _PAIR}
+    history = "; ".join(dict.fromkeys(part.attrs["history"] for part in parts if part.attrs.get("history")))
+    together = xr.Dataset({**found, ORDER: (_PAIR[0], of)}, {**kept, **dict.fromkeys(_PAIR, labels)})
+    return together.assign_attrs({**parts[0].attrs, "history": history})
+
+
+def _joined(blocks: Sequence[xr.DataArray]) -> tuple[tuple[str, ...], npt.NDArray[np.inexact]]:
+    """Dims and values of one variable over all degrees of freedom, which its dims end with."""
+    dims = tuple(map(str, blocks[0].dims))
+    values = [np.asarray(block.values) for block in blocks]
+    if dims[-2:] != _PAIR:
+        return dims, np.concatenate(values, axis=-1)
+    lead = values[0].shape[:-2]
+    rows = [value.reshape(-1, *value.shape[-2:]) for value in values]
+    stacked = np.array([block_diag(*matrices) for matrices in zip(*rows, strict=True)])
+    return dims, stacked.reshape(*lead, *stacked.shape[-2:])
+
+
+def order_groups(ds: xr.Dataset) -> dict[int, npt.NDArray[np.intp]]:
+    """Return the numbers of the degrees of freedom of each azimuthal order, in ascending order."""
+    orders = ds[ORDER].values if ORDER in ds else np.zeros(ds.sizes["influenced_dof"], dtype=int)
+    return {int(order): np.flatnonzero(orders == order) for order in np.unique(orders)}
+
+
+def of_order(ds: xr.Dataset, order: int) -> xr.Dataset:
+    """Return the part of a database of one azimuthal order."""
+    group = order_groups(ds)[order]
+    dims = {dim: group for dim in _PAIR if dim in ds.dims}
+    return ds.isel(dims).drop_vars(ORDER, errors="ignore")
+
+
+def with_order_structure(ds: xr.Dataset, basis: OrderBasis, stiffness: Mapping[str, FloatArray]) -> xr.Dataset:
+    """Return the dataset of an order with inertia and stiffness by name; as of `vsb.hydro.database.with_structure`."""
+    nothing = (
+        "influenced_dof",
+        np.zeros(len(basis.labels)),
+    )  # orders m >= 1 neither move the pole radially nor rest bent
+    matrices = {f"{name}_stiffness": (_PAIR, matrix) for name, matrix in stiffness.items()}
+    return ds.assign(matrices).assign(
+        inertia_matrix=(_PAIR, basis.inertia), pole_radial_displacement=nothing, reference_amplitude=nothing
+    )

@@ -1,0 +1,46 @@
+"""The radiation channel of motions of one azimuthal order, B = h X X^H (Haskind), between the frequencies solved."""
+
+from typing import NamedTuple, Self
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+from scipy.interpolate import CubicSpline
+
+from vsb.tools.units import ComplexArray, FloatArray
+
+
+class Channel(NamedTuple):
+    """What some motions radiate by their excitation."""
+
+    group: npt.NDArray[np.intp]  # their numbers
+    factor: CubicSpline  # h over a power of frequency
+    power: int
+
+    @classmethod
+    def of(cls, database: xr.Dataset, group: npt.NDArray[np.intp]) -> Self:
+        """Return the channel of some motions of a database: Haskind's factor h = tr B/|X|^2 of them.
+
+        It leaves zero with omega^3 in deep water, with omega in shallow: divided by that power it is smooth.
+        """
+        omega, damping = database.omega.values, database.radiation_damping.values[:, group[:, None], group]
+        radiated = one_channel(database.excitation_force.values[:, 0, group])
+        factor = np.einsum("wii->w", damping) / np.einsum("wii->w", radiated)
+        slope = np.log(factor[1] / factor[0]) / np.log(omega[1] / omega[0])
+        power = int(np.clip(np.rint(slope), 1, 3))
+        return cls(group, CubicSpline(omega, factor / omega**power), power)
+
+    def damping(self, omega: FloatArray, excitation: ComplexArray) -> FloatArray:
+        """Return the damping at frequencies of which the excitation, (omega, dof), is known, (omega, dof, dof) [kg/s].
+
+        Of all degrees of freedom; those of other orders have none here.
+        """
+        found = np.zeros((len(omega), excitation.shape[1], excitation.shape[1]))
+        own = (self.factor(omega) * omega**self.power)[:, None, None] * one_channel(excitation[:, self.group])
+        found[:, self.group[:, None], self.group] = own
+        return found
+
+
+def one_channel(excitation: ComplexArray) -> FloatArray:
+    """Return Re X X^H of excitation forces (omega, dof), shape (omega, dof, dof)."""
+    return np.real(excitation[:, :, None] * excitation[:, None, :].conj())

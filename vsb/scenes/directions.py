@@ -1,0 +1,74 @@
+"""What holds a buoy that moves in several directions: stiffness of all azimuthal orders, and its mooring."""
+
+import numpy as np
+from scipy.linalg import block_diag
+
+from vsb.errors import ConfigError
+from vsb.shell.modes import ModeBasis
+from vsb.shell.orders import OrderBasis, ballast_of, order_basis
+from vsb.shell.rest import ReferenceShell
+from vsb.study.directions import RIGID
+from vsb.study.specs import DesignsSpec, RestSpec
+from vsb.study.study import Study
+from vsb.tools.units import FloatArray
+
+
+def order_bases(study: Study | RestSpec | DesignsSpec, basis: ModeBasis) -> tuple[OrderBasis, ...]:
+    """Return the degrees of freedom beside heave and axisymmetric modes, order by order; none of heave alone."""
+    if study.motion == "heave":
+        return ()
+    ballast, highest = ballast_of(study.device), study.modes.order if basis.modes and study.modes else 1
+    return tuple(order_basis(basis, order, ballast) for order in range(1, highest + 1))
+
+
+def order_stiffness(study: Study | RestSpec | DesignsSpec, basis: OrderBasis) -> dict[str, FloatArray]:
+    """Return the stiffness of one order about the undeformed sphere, by name as of `reference_shell`."""
+    water = study.water
+    still = basis.hydrostatic_stiffness(study.centre_height, water.density, water.gravity)
+    return {"structural": basis.stiffness, "hydrostatic": (still + still.T) / 2}
+
+
+def mooring_stiffness(study: Study | RestSpec | DesignsSpec, labels: tuple[str, ...]) -> dict[str, FloatArray]:
+    """Return the stiffness of the mooring over labelled degrees of freedom, by its name; nothing without one."""
+    if study.mooring is None:
+        return {}
+    names = [name.capitalize() for name in RIGID]
+    among = np.array([[float(label == name) for name in names] for label in labels])
+    return {"mooring": among @ np.array(study.mooring) @ among.T}
+
+
+def whole_labels(study: Study | RestSpec | DesignsSpec, reference: ReferenceShell) -> tuple[str, ...]:
+    """Return the names of the degrees of freedom of all orders, axisymmetric ones first."""
+    return (
+        *reference.basis.labels,
+        *(label for basis in order_bases(study, reference.basis) for label in basis.labels),
+    )
+
+
+def whole_stiffness(study: Study | RestSpec | DesignsSpec, reference: ReferenceShell) -> FloatArray:
+    """Return the sum of all stiffness over the degrees of freedom of all orders, shape (dof, dof) [N/m]."""
+    parts = [
+        np.sum(list(order_stiffness(study, basis).values()), axis=0) for basis in order_bases(study, reference.basis)
+    ]
+    whole = block_diag(reference.total, *parts)
+    return np.asarray(whole + sum(mooring_stiffness(study, whole_labels(study, reference)).values()))
+
+
+def check_upright(study: Study | RestSpec | DesignsSpec, reference: ReferenceShell) -> None:
+    """Check that the buoy as a rigid body does not fall over.
+
+    Raises
+    ------
+    ConfigError
+    """
+    labels = whole_labels(study, reference)
+    rigid = [labels.index(label) for label in ("Surge", "Heave", "Pitch") if label in labels]
+    stiffness = whole_stiffness(study, reference)[np.ix_(rigid, rigid)]
+    held = np.flatnonzero(stiffness.any(axis=0))
+    upright = "Pitch" not in labels or stiffness[-1, -1] > 0.0
+    if not upright or np.linalg.eigvalsh(stiffness[np.ix_(held, held)])[0] <= 0.0:
+        raise ConfigError(
+            f"device.centre_of_mass: received {study.device.centre_of_mass:g} m above the sphere's centre, with which "
+            f"the buoy does not stay upright (stiffness of pitch {stiffness[-1, -1]:.4g} N m); needs one below it, or "
+            "a mooring that holds pitch"
+        )
