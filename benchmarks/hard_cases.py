@@ -41,9 +41,9 @@ from vsb.scenes.build import SCENES
 from vsb.scenes.rest import check_stable, design_motions, reference_shell, study_basis
 from vsb.shell.modes import rigid_basis
 from vsb.stages.make import make
+from vsb.study.device import Device
 from vsb.study.plan import StudyPlan
 from vsb.study.reading import read_yaml
-from vsb.study.device import Device
 from vsb.study.study import Study, parse
 from vsb.tools.files import write_text
 from vsb.tools.units import FloatArray
