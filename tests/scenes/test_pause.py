@@ -15,7 +15,15 @@ from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.motion.take_off import TakeOff
 from vsb.scenes.build import SCENES
-from vsb.scenes.pause import SETTLED, best_pause, best_pause_in_sea, windowed_power, with_pause
+from vsb.scenes.pause import (
+    SETTLED,
+    best_pair,
+    best_pair_in_sea,
+    best_pause,
+    best_pause_in_sea,
+    windowed_power,
+    with_pause,
+)
 from vsb.study import study as config
 from vsb.study.sections import Simulation
 from vsb.waves.seas import NO_WAVES, Sea
@@ -102,6 +110,39 @@ def test_latching_in_a_sea_is_above_every_damper_and_is_the_mean_of_the_run():
     assert 25 * parts[0] + 15 * parts[1] == pytest.approx(40 * best.power, rel=1e-9)
 
 
+def test_damper_and_pause_together_are_above_the_best_damper_with_its_pause(latched, monkeypatch):
+    """Alone the best damper is the reactance, 21 kg/s; with the pause the resistance is left, 0.6 kg/s or a bit more."""
+    held, sea, given = latched
+    monkeypatch.setattr("vsb.scenes.pause.PAIRED", 4)
+    monkeypatch.setattr("vsb.scenes.pause.ROUNDS", 2)
+    monkeypatch.setattr("vsb.integrators.settled.MOST", 16)
+    alone = float(np.abs(impedance(sea.omega))[0])
+    paused = settled_power(System.of(with_pause(held, given.pause, alone)), SETTLED)[0]
+    damper, best = best_pair_in_sea(held, sea, SETTINGS, [LOSS, alone])
+    assert LOSS < damper < 2.0
+    assert best.pause == pytest.approx(np.pi / 2 - np.pi / 5, rel=0.12)
+    assert max(1.5 * paused, given.power) < best.power < matched(sea)
+    again = settled_power(System.of(with_pause(held, best.pause, damper)), SETTLED)[0]
+    assert best.power == pytest.approx(again, rel=1e-12)
+
+
+@pytest.mark.parametrize("top", [(0.3, 0.2), (2.0, 0.71), (40.0, 0.97)])
+def test_a_pair_is_found_that_no_pair_tried_beats(top):
+    """A hill whose ridge runs across damper and pause."""
+    tried = []
+
+    def power(damper, pause):
+        u, v = np.log(damper / top[0]), pause - top[1]
+        tried.append(9.0 - u**2 - 40 * v**2 - 4 * u * v)
+        return tried[-1]
+
+    damper, best = best_pair(power, [0.2, 3.0, 45.0], 1.0)
+    assert best.power == max(tried)
+    assert best.power == pytest.approx(9.0, abs=0.03)
+    assert best.pause == pytest.approx(top[1], abs=0.05)
+    assert damper == pytest.approx(top[0], rel=0.2)
+
+
 def test_declutching_helps_a_damper_that_is_too_strong():
     sea = regular(2.0)
     best = best_pause_in_sea(scene(TakeOff(B, 60.0, pause=0.0, paused_damping=0.0), sea), sea, SETTINGS)
@@ -144,3 +185,24 @@ def test_a_study_pauses_as_long_as_takes_most_of_its_sea_and_says_so(model, tmp_
     assert max(part.balance.residual for part in parts) < 1e-6
     absorbed = np.diff(np.interp([50.0, 60.0], parts[-1].motion.time, parts[-1].energy["pto"]))[0] / 10.0
     assert absorbed == pytest.approx(design.notes["pause_power"], rel=0.05)
+
+
+def test_a_damper_that_tuning_is_to_find_is_found_with_its_pause(tmp_path_factory, monkeypatch):
+    """It is recorded as the damper of the run, lighter than the best one alone, and takes more."""
+    monkeypatch.setattr("vsb.scenes.pause.PAIRED", 4)
+    monkeypatch.setattr("vsb.scenes.pause.ROUNDS", 1)
+    monkeypatch.setattr("vsb.integrators.settled.MOST", 16)
+    study = varied(
+        config.load(SEED),
+        designs={"FSB": {"flexible": False}},
+        hydro={"omega_max": 4.5, "tolerance": 1e-2},
+        pto={"damping": None, "tuning": "each", "law": "latching"},
+        waves=[{"kind": "regular", "amplitude": 0.1, "period": 5.0}],
+    )
+    files = hydro_files(study, tmp_path_factory.getbasetemp() / "pause")
+    design = SCENES["linear"](only_run(study), files)
+    law = design.scene.forces["pto"]
+    alone = SCENES["linear"](only_run(varied(study, pto={"law": "linear"})), files).notes["tuned_damping"]
+    assert law.damping == design.notes["tuned_damping"] < 0.5 * alone
+    assert law.pause == design.notes["pause"] > 0.5
+    assert design.notes["pause_power"] > 1.5 * settled_power(System.of(with_pause(design.scene, 0.0, alone)))[0]

@@ -23,7 +23,7 @@ from vsb.motion.system import System
 from vsb.scenes import automatic
 from vsb.scenes.directions import order_bases
 from vsb.scenes.drag import dragged_port, linearised, with_drag
-from vsb.scenes.pause import best_pause_in_sea, with_pause
+from vsb.scenes.pause import best_pair_in_sea, best_pause_in_sea, strongest, with_pause
 from vsb.scenes.rest import design_motions, study_basis
 from vsb.scenes.take_off import linear_take_off, with_take_off
 from vsb.shell.deformed import DeformedShell
@@ -35,6 +35,8 @@ from vsb.tools.files import load
 from vsb.tools.units import FloatArray
 from vsb.waves.seas import NO_WAVES, Sea, sea
 
+LIGHTEST = 0.01
+"""Of the best damper alone: the least one tried with a pause."""
 TUNED = "tuned_damping"
 """What a run records of its damper, if it was not given [N s/m]."""
 
@@ -122,7 +124,7 @@ class _FromBem(NamedTuple):
 
     def with_scene(self, scene: Scene, *notes: dict[str, Any]) -> DesignInSea:
         """The design in its sea by a scene."""
-        said = {key: value for note in (*notes, self.notes) for key, value in note.items()}
+        said = {key: value for note in (self.notes, *notes) for key, value in note.items()}
         return DesignInSea(scene, self.shape, self.sea, self.buoy.spectrum, said)
 
 
@@ -132,11 +134,30 @@ def _linear(run: SimulateSpec, at: _FromBem) -> Scene:
 
 
 def _released(scene: Scene, run: SimulateSpec, at: _FromBem) -> tuple[Scene, dict[str, Any]]:
-    """A scene whose law pauses as long as takes most of its sea by linear hydrodynamics, and notes of it."""
+    """A scene whose law pauses as long as takes most of its sea by linear hydrodynamics, and notes of it.
+
+    A damper tuned to its sea is tuned together with the pause.
+    """
     if not (run.pto.pauses and scene.law):  # or nothing there moves
         return scene, {}
-    best = best_pause_in_sea(_linear(run, at), at.sea, run.simulation)
-    return with_pause(scene, best.pause), {f"pause{part}": value for part, value in zip(_PAUSE, best, strict=True)}
+    together, damper = run.pto.tuning == "each" and at.sea.omega.size > 0, float(at.buoy.pto.damping)
+    if together:
+        damper, best = best_pair_in_sea(_linear(run, at), at.sea, run.simulation, _dampers(at))
+    else:
+        best = best_pause_in_sea(_linear(run, at), at.sea, run.simulation)
+    notes = {f"pause{part}": value for part, value in zip(_PAUSE, best, strict=True)}
+    return with_pause(scene, best.pause, damper), notes | ({TUNED: damper} if together else {})
+
+
+def _dampers(at: _FromBem) -> list[float]:
+    """Dampers from what the port loses at the strongest wave up to the best one alone, ascending [kg/s].
+
+    A law that pauses takes the reactance away: what is left to match is the resistance, or a little more.
+    """
+    alone, direction = float(at.buoy.pto.damping), at.buoy.pto.direction(len(at.buoy.mass))
+    impedance = at.buoy.port(np.array([strongest(at.sea)]), at.motions, direction).impedance
+    least = max(float(impedance.real[0]), LIGHTEST * alone)
+    return [float(damping) for damping in np.geomspace(min(least, alone), max(least, alone), 3)]
 
 
 _PAUSE = ("", "_power", "_within")

@@ -4,10 +4,14 @@ Latching holds the port from each reversal of its velocity on, declutching lets 
 it takes. In a regular wave the power is that of the settled motion, in an irregular sea the mean over the window of the
 study, from the run's own start: what the run will show. Both have several maxima, so pauses up to half a period are
 scanned, and the best is refined between its neighbours.
+
+The damper that takes most alone is far too heavy to latch with: it is as large as the reactance that the pause takes
+away. Where it is not given, damper and pause are found together.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -26,6 +30,18 @@ KNOWN = 1e-3
 """Of the longest pause: how well the best one is known."""
 SETTLED = 1e-4
 """Relative error of the power in a regular wave."""
+
+
+PAIRED = 8
+"""Pauses tried up to half a period with each of several dampers."""
+ROUNDS = 4
+"""Most times that pause and damper are refined in turn."""
+LEVEL = 1e-3
+"""Relative gain of power below which another round is not worth it."""
+
+
+COARSE = 0.02
+"""How well the logarithm of the damper is known: power is exact to its square."""
 
 
 class BestPause(NamedTuple):
@@ -48,17 +64,57 @@ def best_pause(power: Callable[[float], float], longest: float) -> BestPause:
     tried = np.linspace(0.0, longest, SCANNED + 1)
     powers = [power(float(pause)) for pause in tried]
     k, within = int(np.argmax(powers)), KNOWN * longest
-    between = tried[max(k - 1, 0)], tried[min(k + 1, SCANNED)]
-    found = minimize_scalar(lambda pause: -power(pause), bounds=between, method="bounded", options={"xatol": within})
-    best = (powers[k], float(tried[k])) if powers[k] >= -found.fun else (-float(found.fun), float(found.x))
-    return BestPause(best[1], float(best[0]), within)
+    between = float(tried[max(k - 1, 0)]), float(tried[min(k + 1, SCANNED)])
+    pause, most = _refined(power, (float(tried[k]), powers[k]), between, within)
+    return BestPause(pause, most, within)
 
 
-def with_pause(scene: Scene, pause: float) -> Scene:
-    """Return a scene whose take-off pauses so long after each reversal."""
+def _refined(
+    power: Callable[[float], float], at: tuple[float, float], between: tuple[float, float], within: float
+) -> tuple[float, float]:
+    """Where a power is largest between two bounds, and what it is there: no less than at the point given."""
+    found = minimize_scalar(lambda x: -power(float(x)), bounds=between, method="bounded", options={"xatol": within})
+    return at if at[1] >= -found.fun else (float(found.x), -float(found.fun))
+
+
+def best_pair(
+    power: Callable[[float, float], float], dampers: Sequence[float], longest: float
+) -> tuple[float, BestPause]:
+    """Return damper and pause at which a power is largest, no less than at any pair tried.
+
+    Parameters
+    ----------
+    power : callable
+        Damper [kg/s] and pause [s] -> mean power [W].
+    dampers : sequence of float
+        Tried with `PAIRED` pauses each, ascending; from the best of these pairs both are refined in turn.
+    longest : float [s]
+    """
+    pauses, within = np.linspace(0.0, longest, PAIRED + 1), KNOWN * longest
+    most, damper, pause = max((power(c, float(pause)), c, float(pause)) for c in dampers for pause in pauses)
+    step, spread = longest / PAIRED, float(np.log(dampers[-1] / dampers[0])) / max(len(dampers) - 1, 1) + LEVEL
+    for _ in range(ROUNDS):
+        before, here = most, (max(pause - step, 0.0), min(pause + step, longest))
+        pause, most = _refined(partial(power, damper), (pause, most), here, within)
+        at = float(np.log(damper))
+        u, most = _refined(partial(_of_logarithm, power, pause), (at, most), (at - spread, at + spread), COARSE)
+        damper, step, spread = float(np.exp(u)), step / 2, spread / 2
+        if most <= before * (1 + LEVEL):
+            break
+    return damper, BestPause(pause, most, within)
+
+
+def _of_logarithm(power: Callable[[float, float], float], pause: float, u: float) -> float:
+    """A power over the logarithm of the damper."""
+    return power(float(np.exp(u)), pause)
+
+
+def with_pause(scene: Scene, pause: float, damping: float | None = None) -> Scene:
+    """Return a scene whose take-off pauses so long after each reversal, perhaps with another damper [kg/s]."""
     law = scene.law
     assert law is not None
-    return replace(scene, forces={**scene.forces, scene.take_off: replace(law, pause=pause)})
+    damper = law.damping if damping is None else damping
+    return replace(scene, forces={**scene.forces, scene.take_off: replace(law, pause=pause, damping=damper)})
 
 
 def best_pause_in_sea(scene: Scene, sea: Sea, settings: Simulation) -> BestPause:
@@ -73,13 +129,35 @@ def best_pause_in_sea(scene: Scene, sea: Sea, settings: Simulation) -> BestPause
     """
     if not sea.omega.size:
         return BestPause(0.0, 0.0, 0.0)
+    return best_pause(lambda pause: _power(with_pause(scene, pause), sea, settings), np.pi / strongest(sea))
 
-    def power(pause: float) -> float:
-        system = System.of(with_pause(scene, pause))
-        return settled_power(system, SETTLED)[0] if sea.omega.size == 1 else windowed_power(system, sea, settings)
 
-    strongest = float(sea.omega[np.argmax(np.abs(sea.amplitude))])
-    return best_pause(power, np.pi / strongest)
+def best_pair_in_sea(scene: Scene, sea: Sea, settings: Simulation, dampers: Sequence[float]) -> tuple[float, BestPause]:
+    """Return damper [kg/s] and pause with which the take-off of a linear scene takes most of a sea.
+
+    Parameters
+    ----------
+    scene, sea, settings
+        See `best_pause_in_sea`.
+    dampers : sequence of float
+        Tried first, ascending.
+    """
+
+    def power(damping: float, pause: float) -> float:
+        return _power(with_pause(scene, pause, damping), sea, settings)
+
+    return best_pair(power, dampers, np.pi / strongest(sea))
+
+
+def strongest(sea: Sea) -> float:
+    """Return the frequency of the largest component of a sea [rad/s]."""
+    return float(sea.omega[np.argmax(np.abs(sea.amplitude))])
+
+
+def _power(scene: Scene, sea: Sea, settings: Simulation) -> float:
+    """Mean power of a scene in a sea: settled in a regular wave, else that of the run's window."""
+    system = System.of(scene)
+    return settled_power(system, SETTLED)[0] if sea.omega.size == 1 else windowed_power(system, sea, settings)
 
 
 def windowed_power(system: System, sea: Sea, settings: Simulation) -> float:
