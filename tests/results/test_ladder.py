@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 import pytest
 from conftest import varied
+from scipy.optimize import minimize, minimize_scalar
 
 from vsb.hydro import database
 from vsb.hydro.dofs import displacements
@@ -300,3 +301,70 @@ def check_order(water, number):
 @pytest.mark.parametrize("start", range(0, 40, 10))
 def test_the_rungs_of_real_ports_are_in_order_with_the_optimum_under_limits(water, start):
     assert sum(check_order(water, number) for number in range(start, start + 10)) > 20
+
+
+# held-back studies, a second method ----------------------------------------------------------------------------------
+
+HELD_BACK = {
+    "stiff, clamped, shallow": ({"radius": 3.3, "young_modulus": 7e7, "thickness": 0.02}, {"clamp": 40}, 9.0),
+    "small, soft, clamped twice": ({"radius": 1.1, "young_modulus": 6e6}, {"clamp": [0, 120]}, np.inf),
+    "large, rigid, shallow": ({"radius": 4.0, "thickness": 0.05}, {"flexible": False}, 6.0),
+}
+
+
+def held_back(seed, name):
+    """Its linear buoy straight from the solver, the motions its design allows, and frequencies that are solved."""
+    device, design, depth = HELD_BACK[name]
+    device = {**device, "mass": 2 / 3 * np.pi * device["radius"] ** 3 * 1025.0}
+    band = {"omega_max": round(6.0 / np.sqrt(device["radius"]), 1)}
+    study = varied(
+        seed, device=device, designs={"D": design}, water={"depth": depth}, hydro=band, modes={"degree": 3}, pto={}
+    )
+    (block,) = StudyPlan(study).sweep_blocks
+    found = converged_on_grid(spectral_problem(block), list(block.omega), block.tolerance, block.interpolation)
+    raw = database.with_symmetrized(database.in_modes(database.with_excitation(found), study_basis(study)))
+    ds, basis = database.with_structure(raw, reference_shell(study)), study_basis(study)
+    inside = np.flatnonzero(ds.omega.values > 0.15 * ds.omega.values[-1])
+    return LinearBuoy(ds, basis.damping, LinearPto(0.0)), design_motions(study, basis, "D"), inside[:: len(inside) // 9]
+
+
+def written_out(buoy, motions, kept, squares):
+    """Mean power over damper and spring in the matrices of the whole equation of motion, by a dense solve of each."""
+    ds, heave = buoy.database, np.eye(len(buoy.mass))[0]
+    omega = ds.omega.values[kept]
+    w = omega[:, None, None]
+    still = -(w**2) * (buoy.mass + ds.added_mass.values[kept]) + buoy.stiffness
+    still = still - 1j * w * (ds.radiation_damping.values[kept] + buoy.structural_damping)
+    along, push = np.outer(heave, heave), ds.excitation_force.values[kept, 0]
+
+    def power(damping, stiffness):
+        whole = motions.T @ (still + (stiffness - 1j * w * damping) * along) @ motions
+        moved = np.linalg.solve(whole, (push @ motions)[..., None])[..., 0] @ motions.T @ heave
+        return float(0.5 * damping * np.sum(squares * omega**2 * np.abs(moved) ** 2))
+
+    return power
+
+
+@pytest.mark.parametrize("name", HELD_BACK)
+def test_the_ladder_of_held_back_studies_by_a_second_method(seed, name):
+    """Other radius, stiffness, clamps and depth: dense matrices and a simplex search, no port, within the tolerance."""
+    buoy, motions, kept = held_back(seed, name)
+    omega, rng = buoy.database.omega.values[kept], np.random.default_rng(len(name))
+    sea = Sea(omega, 0.1 * rng.rayleigh(size=len(omega)) + 0j)
+    port = buoy.port(omega, motions, np.eye(len(buoy.mass))[0])
+    given = float(3 * np.median(port.best_damping))
+    rungs = {r.rung: r for r in ladder({"D": port}, {"sea": sea}, [0], {"D": Given(given)}, 60.0)}
+    power = written_out(buoy, motions, kept, np.abs(sea.amplitude) ** 2)
+    assert rungs["fixed"].power_mean == pytest.approx(power(given, 0.0), rel=1e-4)
+
+    def searched(x):
+        return -power(np.exp(x[0]), port.softest_spring + np.exp(x[1]))
+
+    dampers = np.log(given) + np.linspace(-5, 3, 33)
+    near = max(dampers, key=lambda u: power(np.exp(u), 0.0))
+    fine = minimize_scalar(lambda u: -power(np.exp(u), 0.0), bounds=(near - 0.25, near + 0.25), method="bounded")
+    assert rungs["best_damper"].power_mean == pytest.approx(-fine.fun, rel=1e-4)
+    springs = np.log(-port.softest_spring) + np.linspace(-5, 2, 29)
+    first = max((-searched((u, v)), u, v) for u in dampers for v in springs)
+    pair = minimize(searched, first[1:], method="Nelder-Mead", options={"xatol": 1e-4, "fatol": 1e-12})
+    assert rungs["best_spring_damper"].power_mean == pytest.approx(-pair.fun, rel=1e-4)
