@@ -34,6 +34,14 @@ def memories(args: argparse.Namespace) -> int:
     return _written(args.folder, "memories*")
 
 
+def take_offs(args: argparse.Namespace) -> int:
+    """Best take-offs of four designs in 200 seas against plain searches: seconds, ratio and error, a table."""
+    from benchmarks import take_offs
+
+    take_offs.benchmark(args.folder)
+    return _written(args.folder, "take_offs*")
+
+
 def time_domain(args: argparse.Namespace) -> int:
     """Error against seconds of every integrator and radiation model, cost against size: a table and two figures."""
     from benchmarks import time_domain
@@ -95,6 +103,7 @@ COMMANDS = {
     "integrators": (integrators, ("config", "folder")),
     "coefficients": (coefficients, ("folder",)),
     "memories": (memories, ("folder",)),
+    "take-offs": (take_offs, ("folder",)),
     "time-domain": (time_domain, ("config", "folder")),
     "hard-cases": (hard_cases, ("config", "out")),
     "torture": (torture, ("count", "out")),
