@@ -46,7 +46,7 @@ def run(
     rows = [row for one in met for row in one.rows]
     runs = {run: attrs for one in met for run, attrs in one.runs.items()}
     checks = [*ledger.shell_checks(compared, reference), *(check for one in met for check in one.checks)]
-    checks += ledger.transient_checks(runs, rows)
+    checks += [*ledger.transient_checks(runs, rows), *ledger.pause_checks(runs, rows)]
     lines: list[irregular.Line] = []
     tuned: list[Tuned] = []
     limited: list[Limited] = []
