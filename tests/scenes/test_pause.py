@@ -18,7 +18,6 @@ from vsb.scenes.build import SCENES
 from vsb.scenes.pause import (
     SETTLED,
     best_pair,
-    best_pair_in_sea,
     best_pause,
     best_pause_in_sea,
     windowed_power,
@@ -108,22 +107,6 @@ def test_latching_in_a_sea_is_above_every_damper_and_is_the_mean_of_the_run():
     assert best.power == pytest.approx(np.diff(taken)[0] / 40.0, rel=1e-9)
     parts = [windowed_power(system, IRREGULAR, SETTINGS.model_copy(update={"window": w})) for w in ((20, 45), (45, 60))]
     assert 25 * parts[0] + 15 * parts[1] == pytest.approx(40 * best.power, rel=1e-9)
-
-
-def test_damper_and_pause_together_are_above_the_best_damper_with_its_pause(latched, monkeypatch):
-    """Alone the best damper is the reactance, 21 kg/s; with the pause the resistance is left, 0.6 kg/s or a bit more."""
-    held, sea, given = latched
-    monkeypatch.setattr("vsb.scenes.pause.PAIRED", 4)
-    monkeypatch.setattr("vsb.scenes.pause.ROUNDS", 2)
-    monkeypatch.setattr("vsb.integrators.settled.MOST", 16)
-    alone = float(np.abs(impedance(sea.omega))[0])
-    paused = settled_power(System.of(with_pause(held, given.pause, alone)), SETTLED)[0]
-    damper, best = best_pair_in_sea(held, sea, SETTINGS, [LOSS, alone])
-    assert LOSS < damper < 2.0
-    assert best.pause == pytest.approx(np.pi / 2 - np.pi / 5, rel=0.12)
-    assert max(1.5 * paused, given.power) < best.power < matched(sea)
-    again = settled_power(System.of(with_pause(held, best.pause, damper)), SETTLED)[0]
-    assert best.power == pytest.approx(again, rel=1e-12)
 
 
 @pytest.mark.parametrize("top", [(0.3, 0.2), (2.0, 0.71), (40.0, 0.97)])
