@@ -149,22 +149,6 @@ def test_a_transient_left_in_the_window_shows():
     assert "grows" in none.explanation
 
 
-def test_a_pause_of_the_linear_scene_is_judged_on_the_wet_shell():
-    runs = {
-        ("A", "w"): {"model": "body_exact", "pause": 1.08, "pause_power": 864.0},
-        ("B", "w"): {"model": "body_exact", "pause": 1.08, "pause_power": 830.0},
-        ("C", "w"): {"model": "linear", "pause": 1.08, "pause_power": 830.0},
-        ("D", "w"): {"model": "body_exact", "pause": 0.0, "pause_power": 0.0},
-        ("E", "w"): {"model": "body_exact"},
-    }
-    powers = (860.0, 319.0, 1.0, 1.0, 1.0)
-    rows = [{"design": d, "wave": "w", "power_mean": p} for d, p in zip("ABCDE", powers, strict=True)]
-    rigid, shell = ledger.pause_checks(runs, rows)
-    assert (rigid.verdict, shell.verdict) == ("ok", "fail")
-    assert shell.value == pytest.approx(1 - 319 / 830)
-    assert "319 W body-exact, 830 W in the linear scene its pause of 1.08 s" in shell.explanation
-
-
 def test_what_the_automatic_model_left_out_is_in_the_ledger_with_its_error(seed):
     study = varied(seed, hydro={"model": "auto"}, designs={"FSB": {"flexible": False}, "VSWEC": {}})
     (wave,) = study.waves

@@ -195,20 +195,6 @@ def transient_checks(runs: Attributes, rows: Sequence[Row]) -> list[Check]:
     return checks
 
 
-def pause_checks(runs: Attributes, rows: Sequence[Row]) -> list[Check]:
-    """Return how far a body-exact run is from what its pause takes in the linear scene that the pause was found in."""
-    checks = []
-    for row in rows:
-        attrs, where = runs[row["design"], row["wave"]], {"design": row["design"], "wave": row["wave"]}
-        if attrs.get("model") != "body_exact" or not attrs.get("pause_power"):
-            continue
-        mean, linear = row["power_mean"], attrs["pause_power"]
-        text = f"mean power is {plain(mean)} W body-exact, {plain(linear)} W in the linear scene its pause of "
-        text += f"{attrs['pause']:.3g} s was found in: another may suit the wet shell better"
-        checks.append(check_at_most("pause", abs(mean / linear - 1), 0.05, "-", text, doubt=True, **where))
-    return checks
-
-
 def steady_state_check(study: Study, wave: RegularWave, power: float, mean: float, design: str) -> Check:
     """Return the difference of mean power between time and frequency domain."""
     expected = power * wave.amplitude**2

@@ -9,6 +9,7 @@ from vsb.results import comparison, ledger
 from vsb.results import statistics as irregular
 from vsb.results.equal_tuning import Limited, Tuned, equal_tuning, fair_damping_checks, within_limits
 from vsb.results.ladder import Rung, constrained_checks
+from vsb.results.pauses import pause_checks
 from vsb.scenes.rest import reference_shell
 from vsb.shell.modes import ModeBasis
 from vsb.stages.inputs import Inputs
@@ -46,7 +47,7 @@ def run(
     rows = [row for one in met for row in one.rows]
     runs = {run: attrs for one in met for run, attrs in one.runs.items()}
     checks = [*ledger.shell_checks(compared, reference), *(check for one in met for check in one.checks)]
-    checks += [*ledger.transient_checks(runs, rows), *ledger.pause_checks(runs, rows)]
+    checks += [*ledger.transient_checks(runs, rows), *pause_checks(runs, rows)]
     lines: list[irregular.Line] = []
     tuned: list[Tuned] = []
     limited: list[Limited] = []
