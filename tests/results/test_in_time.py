@@ -11,6 +11,7 @@ from vsb.motion.pto import LinearPto
 from vsb.results.in_time import DesignInTime
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.study.study import Simulation
+from vsb.study.take_off import Pto
 from vsb.waves.climate import realised
 
 
@@ -51,3 +52,24 @@ def test_what_a_better_model_changes_grows_with_the_square_of_the_waves(rigid):
         apart.append(run / theory - linear[0] / linear[1])
     assert abs(apart[0]) < 1e-3
     assert np.log2(np.array(apart[1:]) / apart[:-1]) == pytest.approx([2.0, 2.0], abs=0.2)
+
+
+def test_a_take_off_with_limits_is_followed_with_them(rigid):
+    """Beside the same linear theory: a limit no force reaches changes nothing, one that it does takes power away."""
+    sea, settings = realised(climate(), 3, 60.0, seed=1), Simulation(duration=60.0, window=(40.0, 60.0))
+    free, theory = rigid.powers(sea, settings, "linear")
+    wide, tight = (replace(rigid, pto=Pto(damping=2e4, force_limit=limit)) for limit in (1e9, 4e3))
+    assert wide.powers(sea, settings, "linear") == pytest.approx((free, theory), rel=1e-6)
+    held = tight.powers(sea, settings, "linear")
+    assert held[1] == theory
+    assert 0.1 * free < held[0] < 0.9 * free
+    stopped = replace(rigid, pto=Pto(damping=2e4, stroke_limit=0.3)).powers(sea, settings, "linear")
+    assert stopped[0] < 0.9 * free
+
+
+def test_a_law_that_pauses_pauses_as_long_as_is_best(rigid):
+    """With a damper far below the best, holding the port between its strokes takes more than the damper alone."""
+    weak = rigid.under(1e3)
+    sea, settings = realised(climate(), 3, 30.0, seed=1), Simulation(duration=30.0, window=(10.0, 30.0))
+    latched = replace(weak, pto=Pto(damping=1e3, law="latching")).powers(sea, settings, "linear")
+    assert latched[0] > 1.2 * weak.powers(sea, settings, "linear")[0]

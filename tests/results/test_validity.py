@@ -2,10 +2,14 @@
 
 import numpy as np
 import pytest
+from conftest import varied
 from results.test_year import climate, port
+from scenes.test_ports import water
 
-from vsb.results.validity import motion_limits, rms, stroke_rms, wave_limits
-from vsb.results.year import frequencies
+from vsb.results.validity import LIMITS, beyond_validity, motion_limits, motion_rms, rms, stroke_rms, wave_limits
+from vsb.results.year import band_weights, frequencies, year
+from vsb.scenes.ports import POINTS, designs_in_waves
+from vsb.scenes.rest import reference_shell
 from vsb.study.study import Water
 from vsb.waves.scatter import climate_of_cells
 
@@ -50,3 +54,78 @@ def test_motions_beyond_their_limits():
     assert heave.seas.tolist() == [False, True]
     assert deformation.seas.tolist() == [False, True]
     assert heave.largest == pytest.approx(0.372)
+
+
+@pytest.fixture(scope="module")
+def shells(seed):
+    """The seed's designs over a year of twelve seas, and how they move in them."""
+    study = varied(seed, modes={"degree": 2}, pto={"damping": 8e3, "stiffness": 2e4})
+    waves = designs_in_waves(study, reference_shell(study), water(study, omega=np.arange(0.1, 3.0, 0.01)))
+    return study, waves, climate(seas=12)
+
+
+def by_the_sea(one, seas, damping, stiffness):
+    """Heave and largest displacement of the shell, sea by sea, each under its own damper."""
+    omega, found = one.port.omega, []
+    for density, c in zip(seas.density, damping, strict=True):
+        load = c + 1j * stiffness / omega
+        force = load * one.port.velocity / (1 + one.port.admittance * load)
+        weights = band_weights(omega, seas).T @ density / 2
+        heave = one.motion.heave[0] - force * one.motion.heave[1]
+        shell = one.motion.shell[0] - force * one.motion.shell[1]
+        squares = (np.abs(shell) ** 2).sum(axis=0) @ weights
+        found.append([float(weights @ np.abs(heave) ** 2), float(squares.max())])
+    return np.sqrt(np.array(found).T)
+
+
+def test_motions_under_a_damper_of_each_sea_s_own(shells):
+    study, waves, seas = shells
+    each = year({d: w.port.beside(2e4) for d, w in waves.items()}, seas, study.water, ("each",))
+    for i, (design, one) in enumerate(waves.items()):
+        heave, deformation = by_the_sea(one, seas, each.damping[i, 0], 2e4)
+        found = motion_rms(one, seas, each.damping[i, 0], 2e4)
+        np.testing.assert_allclose(found["heave"], heave, rtol=2e-3, err_msg=design)
+        np.testing.assert_allclose(found["deformation"], deformation, rtol=2e-3, err_msg=design)
+        assert (deformation.max() > 0) == study.designs[design].flexible
+        same = motion_rms(one, seas, np.full(12, 3e3), 2e4)
+        np.testing.assert_allclose(same["heave"], by_the_sea(one, seas, np.full(12, 3e3), 2e4)[0], rtol=1e-12)
+
+
+def test_what_moves_with_a_port_is_its_own_motion(shells):
+    """Of heave: its rate is the port's velocity, and its yielding the port's admittance."""
+    _, waves, _ = shells
+    for one in waves.values():
+        rate = -1j * one.port.omega
+        np.testing.assert_allclose(rate * one.motion.heave[0], one.port.velocity, rtol=1e-12)
+        np.testing.assert_allclose(rate * one.motion.heave[1], one.port.admittance, rtol=1e-12)
+
+
+def test_a_clamped_point_does_not_move(shells):
+    """Of the points told the equator is the middle one."""
+    _, waves, _ = shells
+    shell = waves["VSWEC90"].motion.shell[0]
+    assert np.abs(shell[:, POINTS // 2]).max() < 1e-9 * np.abs(shell).max()
+
+
+def test_seas_beyond_are_marked_in_their_bins(shells):
+    """Sea by sea: a bin's share of its seas, and their energy; a radius small enough that some deform too much."""
+    study, waves, seas = shells
+    found = year({d: w.port.beside(2e4) for d, w in waves.items()}, seas, study.water, ("one",))
+    radius = float(np.median(by_the_sea(waves["VSWEC"], seas, found.damping[1, 0], 2e4)[1])) * 3.72 / 0.1
+    ds = beyond_validity(found, waves, 2e4, radius)
+    steep, breaking = wave_limits(seas, study.water)
+    for i, design in enumerate(waves):
+        heave, deformation = by_the_sea(waves[design], seas, found.damping[i, 0], 2e4) * 3.72 / radius
+        each = {"steepness": steep.seas, "breaking": breaking.seas, "deformation": deformation > 0.1}
+        marked = np.any(list(each.values()), axis=0)
+        taken = found.power[i, 0] * seas.hours
+        for name, which in {**each, "heave": heave > 0.3}.items():
+            share = float(taken[which].sum() / taken.sum())
+            assert float(ds.energy_beyond[i, 0].isel(limit=LIMITS.index(name))) == pytest.approx(share), (design, name)
+        assert float(ds.energy_beyond_validity[i, 0]) == pytest.approx(float(taken[marked].sum() / taken.sum()))
+        for bin_ in found.bins.occupied:
+            inside = found.bins.index == bin_
+            share = float(seas.hours[inside & marked].sum() / seas.hours[inside].sum())
+            assert ds.beyond_validity[i, 0].values.ravel()[bin_] == pytest.approx(share)
+    assert 0 < float(ds.energy_beyond_validity[1, 0]) < 1
+    assert not ds.beyond_validity.values[..., found.bins.count == 0].any()

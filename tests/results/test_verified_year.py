@@ -5,7 +5,6 @@ import pytest
 from results.test_year import WATER, climate, port
 
 from vsb.errors import ConfigError
-from vsb.results.validity import wave_limits
 from vsb.results.verification import contributions, drawn, verified
 from vsb.results.verified_year import GAIN, POWER, verified_dataset, with_lost
 from vsb.results.year import frequencies, year
@@ -42,19 +41,10 @@ def test_losses_of_each_design_are_those_of_its_year_and_gain(known):
     np.testing.assert_array_equal(ds.drawn_hs, found.climate.hs[sample.sea])
 
 
-def test_energy_beyond_the_limits_of_waves_is_that_of_the_tuning(known):
-    found, _ = known
-    ds = corrected(known, [1.0, 1.0])
-    for limit in wave_limits(found.climate, found.water):
-        taken = found.power[:, 1] * found.climate.hours
-        share = taken[:, limit.seas].sum(axis=1) / taken.sum(axis=1)
-        np.testing.assert_allclose(ds.energy_beyond.sel(limit=limit.name), share, rtol=1e-12)
-
-
 def test_designs_that_are_not_viable_have_no_values(known):
     ds = with_lost(corrected(known, [0.9, 0.9]), ["A", "C", "B"], "A")
     assert ds.viable.values.tolist() == [True, False, True]
-    for name in (*POWER, *GAIN, "energy_beyond", "run_power"):
+    for name in (*POWER, *GAIN, "run_power"):
         assert np.isnan(ds[name].sel(design="C")).all()
         assert np.isfinite(ds[name].sel(design=["A", "B"])).all()
 

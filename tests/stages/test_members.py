@@ -52,10 +52,11 @@ def folder(tmp_path_factory):
     return with_seas(tmp_path_factory.mktemp("campaign"), (1.0, 6.0), (2.2, 9.0), (2.3, 9.5), (3.1, 12.0))
 
 
-def planned(folder, vary=None, name="sweep", **sections):
+def planned(folder, vary=None, name="sweep", tuning=None, **sections):
     raw = {**BASE, **sections, "study": f"{name}_study"}
     (folder / f"{name}_study.yaml").write_text(yaml.safe_dump(raw))
     given = {"campaign": name, "study": f"{name}_study.yaml", "vary": vary or {}, "climate": {"spectra": "sea.txt"}}
+    given |= {"tuning": tuning} if tuning else {}
     (folder / f"{name}.yaml").write_text(yaml.safe_dump(given, sort_keys=False))
     plan = plan_of(str(folder / f"{name}.yaml"))
     return type(plan)(plan.loaded, root=str(folder / "results"))
@@ -262,3 +263,35 @@ def _counted(made, results):
         return results(self, one)
 
     return counted
+
+
+def test_limits_of_the_take_off_are_an_axis_of_the_best_force(folder):
+    """The best force within them takes the more the wider they are; a damper is told of none of them."""
+    plan = planned(folder, {"pto.force_limit": [2e3, 2e4]}, name="scarce", tuning=["constrained"])
+    found = run(plan)
+    assert found.force_limit.attrs["units"] == "N"
+    power = found.annual_mean_power.sel(tuning="constrained")
+    assert bool((power.sel(force_limit=2e4) > 2 * power.sel(force_limit=2e3)).all())
+    assert bool((found.power_bound >= power).all())
+    rows = list(csv.DictReader(Path(plan.table_path).read_text().splitlines()))
+    assert len(rows) == 2 * 2
+    for row in rows:
+        at = found.sel(force_limit=float(row["pto.force_limit"]), design=row["design"])
+        assert row["damping"] == row["practice_power"] == ""
+        assert float(row["power_bound"]) == pytest.approx(float(at.power_bound), rel=1e-11)
+    page = Path(f"{plan.folder}/report.html").read_text()
+    assert "under the best force there is within its limits" in page
+    assert "knows all waves beforehand" in page
+
+
+def test_seas_beyond_what_is_described_are_told(folder, swept):
+    plan, found = swept
+    assert found.beyond_validity.dims == found.power_matrix.dims
+    assert found.energy_beyond.limit.values.tolist() == ["steepness", "breaking", "deformation", "heave"]
+    union = found.energy_beyond.sel(limit=["steepness", "breaking", "deformation"])
+    assert bool((found.energy_beyond_validity <= union.sum("limit") + 1e-12).all())
+    assert bool((found.energy_beyond_validity >= union.max("limit") - 1e-12).all())
+    rows = csv.DictReader(Path(plan.table_path).read_text().splitlines())
+    shares = [float(row["energy_beyond_validity"]) for row in rows]
+    np.testing.assert_allclose(shares, found.energy_beyond_validity.values.ravel(), rtol=1e-9)
+    assert "of the energy is from seas beyond what is described" in Path(f"{plan.folder}/report.html").read_text()

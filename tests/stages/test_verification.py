@@ -12,7 +12,7 @@ from stages.test_members import BASE, batches, gather, told, with_seas
 from vsb.cli import main
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.report.campaign_figures import sweep
-from vsb.report.campaign_page import closing_answer, warnings
+from vsb.report.campaign_page import closing_answer, statements, warnings
 from vsb.results.in_time import DesignInTime
 from vsb.stages import answer, verification
 from vsb.stages.preview import check_campaign
@@ -115,7 +115,10 @@ def test_table_and_report_say_which(folder, checked):
         in sentence
     )
     assert sentence in (folder / plan.folder / "report.html").read_text()
-    assert any("too steep for linear waves" in line for line in warnings(found))
+    assert any(
+        "of the energy is from seas beyond what is described" in line for line in statements(found, "FSB", "one")
+    )
+    assert any("heaves by more than 0.3 of its radius" in line for line in warnings(found))
 
 
 def test_the_figure_of_a_sweep_shows_the_corrected_gain_beside_the_linear_one(checked):

@@ -64,6 +64,13 @@ def test_the_climate_counts_by_its_contents(folder):
             "verify: received a campaign of 5 points, each of which is simulated in time; needs at most 4",
         ),
         ({"waves": []}, "waves: .*unknown key"),
+        ({"constrained": {"seconds": 0}, "tuning": ["constrained"]}, "constrained.seconds: received 0"),
+        ({"constrained": {"seconds": 5}, "tuning": ["one"]}, "constrained: received without that tuning; needs const"),
+        ({"constrained": {"seconds": 5}}, "constrained: received without that tuning; needs constrained among tuning"),
+        (
+            {"verify": {}, "tuning": ["constrained"]},
+            "verify: received tuning constrained alone, whose forces are of no law in time; needs fixed, one or each",
+        ),
     ],
 )  # fmt: skip
 def test_mistakes_are_told_in_one_line(folder, changes, message):
@@ -89,6 +96,13 @@ def test_without_a_damper_no_tuning_is_fixed(folder):
         load(written(folder, tuning=["fixed"]))
 
 
+def test_a_budget_stands_for_itself_where_optima_are_asked_for(folder):
+    assert load(written(folder, tuning=["one"])).constrained is None
+    assert load(written(folder, tuning=["one", "constrained"])).constrained.seconds == 10.0
+    given = {"tuning": ["constrained"], "constrained": {"seconds": 3, "seed": 2}}
+    assert load(written(folder, **given)).constrained.model_dump() == {"seconds": 3.0, "seed": 2}
+
+
 def test_a_point_sets_keys_and_nothing_else():
     base = sections(load_study(SEED))
     one = study_at(base, {"device.young_modulus": 5e6, "designs.VSWEC0.clamp": 10.0})
@@ -105,8 +119,7 @@ def test_a_point_sets_keys_and_nothing_else():
         ({"device.thickness": 1.0}, "with device.thickness: 1.0: device: thickness 1 m"),
         ({"device.mass.of": 1.0}, "device.mass.of: mass is a value, which has no key of"),
         ({"designs.NONE.clamp": 1.0}, "designs.NONE.clamp: the study has no NONE; needs one of FSB, VSWEC"),
-        ({"pto.force_limit": 1e4}, r"pto: received law linear, force_limit 10000 N, .*; a year needs law: linear"),
-        ({"pto.efficiency": 0.8}, "efficiency 0.8; a year needs"),
+        ({"pto.efficiency": 0.8}, r"with pto.efficiency: 0.8: pto.efficiency: received 0.8; a year needs 1"),
         (
             {"drag": {"heave": {"coefficient": 1.0, "area": 3.0}}},
             "drag: a year is of linear theory, in which what waves",

@@ -7,7 +7,7 @@ import yaml
 from conftest import SEED
 
 from vsb.errors import ConfigError
-from vsb.study.campaign_plan import MOST_BATCHES, CampaignPlan, plan_of
+from vsb.study.campaign_plan import MOST_BATCHES, CampaignPlan, figure_names, plan_of
 from vsb.study.plan import StudyPlan
 from vsb.study.study import content_id
 
@@ -162,3 +162,59 @@ def test_a_run_in_time_its_study_cannot_have_is_told_with_the_file(planned):
     plan = planned(verify={"seas": 4}, study={"simulation": {"method": "exact"}})
     with pytest.raises(ConfigError, match=r"sweep.yaml: verify: .*simulation.method 'exact': hydro.model 'body_exact'"):
         _ = plan.verifications
+
+
+LIMITS = {"pto.force_limit": [1e4, 2e4]}
+
+
+@pytest.mark.parametrize(
+    ("vary", "changes", "blind"),
+    [
+        (LIMITS, {"tuning": ["one"]}, "one"),
+        (LIMITS, {}, "fixed"),
+        (LIMITS, {"tuning": ["one", "constrained"]}, "one"),
+        (LIMITS, {"tuning": ["one", "each", "constrained"], "verify": {}}, "each"),
+        ({"pto.stroke_limit": [1.0, 2.0]}, {"tuning": ["each"]}, "each"),
+        ({}, {"study": {"pto": {"law": "latching"}}, "tuning": ["fixed"]}, "fixed"),
+    ],
+)
+def test_what_linear_theory_does_not_see_is_not_told(planned, vary, changes, blind):
+    """Limits and laws need runs in time, or optima that know the limits."""
+    expected = rf"sweep\.yaml: vary: with .*: pto: received law .* linear theory of tuning {blind} does not see; needs"
+    with pytest.raises(ConfigError, match=expected):
+        planned(vary, **changes).members  # noqa: B018
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [{"tuning": ["constrained"]}, {"tuning": ["one", "constrained"], "verify": {}}, {"tuning": ["one"], "verify": {}}],
+)
+def test_limits_are_varied_where_they_are_seen(planned, changes):
+    plan = planned(LIMITS, **changes)
+    assert [one.study.pto.force_limit for one in plan.members] == [1e4, 2e4]
+    assert plan.member_seconds == pytest.approx(40.03 if "constrained" in changes["tuning"] else 0.03)
+
+
+def test_optima_have_batches_of_their_own_and_one_limit_each(planned):
+    """Four designs of ten seconds are no work of milliseconds; what batches share of a rigid design, they keep."""
+    vary = {"device.young_modulus": [float(i) * 1e7 for i in range(1, 21)], **LIMITS}
+    plan = planned(vary, tuning=["constrained"])
+    assert len(plan.batches) == MOST_BATCHES
+    limits = [{point["pto.force_limit"] for point in batch.points} for batch in plan.batches.values()]
+    assert sum(len(one) == 1 for one in limits) >= MOST_BATCHES - 1
+
+
+def test_optima_are_of_their_budget_and_their_waves(planned):
+    """A member within limits is another one for every budget and seed; a member under dampers knows neither."""
+    found = [
+        ids(planned(LIMITS, tuning=["constrained"], constrained=given)) for given in ({}, {"seconds": 5}, {"seed": 2})
+    ]
+    assert len({tuple(one) for one in found}) == 3
+    assert planned({}).members[0].spec.constrained is None
+
+
+def test_curves_over_dampers_are_of_take_offs_without_limits(planned):
+    assert "tuned_power" in figure_names(planned({}).campaign)
+    assert "tuned_power" not in figure_names(planned(LIMITS, tuning=["constrained"]).campaign)
+    limited = planned({}, name="own", study={"pto": {"force_limit": 1e4}}, tuning=["constrained"])
+    assert "tuned_power" not in figure_names(limited.campaign)

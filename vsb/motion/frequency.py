@@ -139,7 +139,9 @@ class LinearMotion(ABC):
         A chamber is in series with the port.
         """
         matrices = (self.mass, self.structural_damping, self.stiffness)
-        seen = port_of(omega, self.coefficients(omega), *matrices, motions, direction)
+        c = self.coefficients(omega)
+        moved = free_motion(omega, c, *matrices, motions, direction)
+        seen = port_of_motion(omega, *moved, c.damping + self.structural_damping, self.stiffness, motions, direction)
         return seen.behind(self.chamber) if self.chamber else seen
 
     def absorbed_power(self, omega: FloatArray, rao: ComplexArray) -> FloatArray:
@@ -340,26 +342,25 @@ def free_motion(
     return solved[..., 0] @ motions.T, solved[..., 1] @ motions.T
 
 
-def port_of(
+def port_of_motion(
     omega: FloatArray,
-    c: Coefficients,
-    mass: FloatArray,
-    damping: FloatArray,
+    free: ComplexArray,
+    forced: ComplexArray,
+    lossy: FloatArray,
     stiffness: FloatArray,
     motions: FloatArray,
     direction: FloatArray,
 ) -> Port:
-    """Return `LinearMotion.port` from coefficients at hand; matrices as in `dynamic_stiffness`.
+    """Return `LinearMotion.port` from the motions of `free_motion`; `lossy` is B + D.
 
     Notes
     -----
     Re Y is what a unit force loses, w^2 q^H (B + D) q: of a port that is nearly all spring, Re Y/|Y| down to 1e-13, the
     real part of b.q is round-off.
     """
-    free, forced = free_motion(omega, c, mass, damping, stiffness, motions, direction)
     allowed, rate = allowed_part(direction, motions), -1j * omega
     along = motions @ allowed
-    loss = omega**2 * np.einsum("wi,wij,wj->w", forced.conj(), c.damping + damping, forced).real
+    loss = omega**2 * np.einsum("wi,wij,wj->w", forced.conj(), lossy, forced).real
     yields = compliance(motions.T @ stiffness @ motions, allowed)
     return Port(omega, loss + 1j * (rate * (forced @ along)).imag, rate * (free @ along), yields)
 

@@ -139,6 +139,23 @@ class Port:
         )
 
 
+@dataclass(frozen=True)
+class PortMotion:
+    """Displacements that come with a port, of the buoy and of points of its shell, over the frequencies of the port.
+
+    A take-off's force F against the motion of the port leaves free - F forced.
+    """
+
+    heave: tuple[ComplexArray, ComplexArray]  # free, forced (omega,) [-], [m/N]
+    shell: tuple[ComplexArray, ComplexArray]  # both directions of points of a meridian (2, point, omega)
+
+    def under(self, port: Port, load: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+        """Return heave (..., omega) and shell (..., 2, point, omega) per wave amplitude under loads (..., omega)."""
+        force = load * port.velocity_under(load)
+        heave = self.heave[0] - force * self.heave[1]
+        return heave, self.shell[0] - force[..., None, None, :] * self.shell[1]
+
+
 ROUND_OFF = 1e-12
 """A share of a motion below this is none [-]."""
 

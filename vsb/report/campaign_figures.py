@@ -9,10 +9,14 @@ from matplotlib.figure import Figure
 
 from vsb.report.canvas import grid_of_axes, legend_above, note, style
 from vsb.results.campaign import damper
+from vsb.results.constrained_member import CONSTRAINED
 
 GAIN = "RdBu"
 """Colours of gains: blue more than the rigid design, red less."""
 HATCH = "////"
+LIMIT = "force_limit"
+MOST_ROWS = 6
+"""Values of a third key that have a map."""
 
 
 def power_matrices(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
@@ -31,6 +35,7 @@ def power_matrices(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure
             continue
         edges = (_edges(ds.te.values), _edges(ds.hs.values))
         image = ax.pcolormesh(*edges, power.sel(design=design), vmin=0, vmax=float(power.max()), cmap="viridis")
+        _mark_beyond(ax, one.beyond_validity.sel(design=design, tuning=tuning))
     for ax in axes.ravel()[len(designs) :]:
         ax.set_visible(False)
     for ax in axes[-1]:
@@ -42,6 +47,13 @@ def power_matrices(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure
         axes[0, 0].set_xlim(ds.te.values[occupied].min() - 0.5, ds.te.values[occupied].max() + 0.5)
         figure.colorbar(image, ax=axes, label="mean power [kW]")
     return figure
+
+
+def _mark_beyond(ax: Axes, share: xr.DataArray) -> None:
+    """Cross bins with seas beyond what is described: the larger, the more of them are."""
+    beyond = share.stack(bin=("hs", "te"), create_index=False)
+    beyond = beyond[(beyond > 0).values]
+    ax.scatter(beyond.te, beyond.hs, s=4 + 20 * beyond, marker="x", color="#d55e00", linewidths=0.9)
 
 
 def tuned_power(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
@@ -69,22 +81,35 @@ def tuned_power(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
 
 
 def pareto(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
-    """Draw mean power of the year against the rms force it takes, over the damper up to the best one."""
+    """Draw mean power of the year against the rms force it takes: dampers up to the best, optima within limits."""
     one, designs = shown_member(ds, tuning, reference), list(ds.design.values)
     figure, axes = grid_of_axes(3.4)
     ax = axes[0, 0]
     for design in designs:
-        at = one.sel(design=design)
+        at, line = one.sel(design=design), style(design, designs)
         if bool(at.viable):
             upto = int(np.argmax(at.power_of_damping.values)) + 1
             force, power = at.force_of_damping[:upto] / 1e3, at.power_of_damping[:upto] / 1e3
-            ax.plot(force, power, **style(design, designs))
-            ax.plot(force[-1], power[-1], "o", color=style(design, designs)["color"])
+            ax.plot(force, power, **line)
+            ax.plot(force[-1], power[-1], "o", color=line["color"])
+        if CONSTRAINED in ds.tuning.values:
+            within = _over_limits(ds, one).sel(design=design, tuning=CONSTRAINED)
+            finite = within.annual_mean_power.notnull()
+            force, power = within.force_rms[finite] / 1e3, within.annual_mean_power[finite] / 1e3
+            ax.plot(force, power, "-s", color=line["color"], markerfacecolor="white", markersize=5, linewidth=0.8)
+    wide = CONSTRAINED in ds.tuning.values
     ax.set(xlabel="rms force of the take-off [kN]", ylabel="mean power of the year [kW]")
-    ax.set_ylim(bottom=0)
-    ax.set_xlim(left=0)
+    ax.set(xscale="log", yscale="log") if wide else ax.set(xlim=(0, None), ylim=(0, None))
     legend_above(figure, ax)
     return figure
+
+
+def _over_limits(ds: xr.Dataset, one: xr.Dataset) -> xr.Dataset:
+    """The points that differ from one in the limit of the force alone, along it."""
+    if LIMIT not in ds.dims:
+        return one.expand_dims("point")
+    others = {name: one[name].item() for name in str(ds.attrs["varied"]).split() if name in ds.dims and name != LIMIT}
+    return ds.sel(others).sortby(LIMIT)
 
 
 def sweep(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
@@ -120,33 +145,44 @@ def _lines(ds: xr.Dataset, tuning: str, key: str, others: Sequence[str]) -> Figu
 
 
 def _maps(ds: xr.Dataset, tuning: str, keys: Sequence[str], others: Sequence[str]) -> Figure:
-    """Gains over two keys, the others at their first values; the line of buckling, and hatches where none is sure."""
+    """Gains over two keys, rows for a third, further ones at their first values; with marks, see `_mark`."""
     y, x, *rest = keys
-    at = ds.sel(tuning=tuning).isel(dict.fromkeys(rest, 0))
-    columns = min(2, len(others))
-    rows = -(-len(others) // columns)
+    third, at = rest[:1], ds.sel(tuning=tuning).isel(dict.fromkeys(rest[1:], 0))
+    rows_of: list[dict[str, int]] = [{name: i} for name in third for i in range(min(MOST_ROWS, ds.sizes[name]))] or [{}]
+    shown = [(design, place) for place in rows_of for design in others]
+    columns = len(others) if third else min(2, len(others))
+    rows = -(-len(shown) // columns)
     figure, axes = grid_of_axes(0.8 + 2.5 * rows, rows, columns, sharex=True, sharey=True)
-    largest = max(1.0, float(np.nanpercentile(np.abs(told_gain(at, tuning).sel(design=list(others))), 95)))
+    gains = told_gain(at, tuning).sel(design=list(others)).values
+    largest = max(1.0, float(np.nanpercentile(np.abs(gains), 95)))
     image = None
-    for ax, design in zip(axes.ravel(), others, strict=False):
-        one = at.sel(design=design).squeeze(drop=True).transpose(y, x, ...)
-        shown = told_gain(one, tuning)
+    for ax, (design, place) in zip(axes.ravel(), shown, strict=False):
+        one = at.sel(design=design).isel(place).squeeze(drop=True).transpose(y, x, ...)
+        places = (_places(ds, x), _places(ds, y))
         image = ax.pcolormesh(
-            _places(ds, x), _places(ds, y), shown, cmap=GAIN, vmin=-largest, vmax=largest, shading="nearest"
+            *places, told_gain(one, tuning), cmap=GAIN, vmin=-largest, vmax=largest, shading="nearest"
         )
         _mark(ax, ds, one, x, y)
-        ax.set_title(design, fontsize=9, color=style(design, list(ds.design.values))["color"])
+        if not any(place.values()):
+            ax.set_title(design, fontsize=9, color=style(design, list(ds.design.values))["color"])
         ax.grid(visible=False)
         ax.set(xscale=_scale(ds, x), yscale=_scale(ds, y))
-    for ax in axes.ravel()[len(others) :]:
+    for ax in axes.ravel()[len(shown) :]:
         ax.set_visible(False)
     for ax in axes[-1]:
         ax.set_xlabel(_label(ds, x))
-    for ax in axes[:, 0]:
-        ax.set_ylabel(_label(ds, y))
+    for i, ax in enumerate(axes[:, 0]):
+        ax.set_ylabel(_label(ds, y) + "".join(f"\n{_told(ds, name, i)}" for name in third))
     if image is not None:
         figure.colorbar(image, ax=axes, label="gain over the rigid design [%]", extend="both")
     return figure
+
+
+def _told(ds: xr.Dataset, key: str, i: int) -> str:
+    """A value of a key in words."""
+    value, units = ds[key].values[i], ds[key].attrs.get("units", "1")
+    text = f"{value:g}" if isinstance(value, float) else str(value)
+    return f"{key.replace('_', ' ')} {text}{'' if units == '1' else f' {units}'}"
 
 
 def _mark(ax: Axes, ds: xr.Dataset, one: xr.Dataset, x: str, y: str) -> None:
@@ -203,9 +239,9 @@ def _places(ds: xr.Dataset, key: str) -> np.ndarray:
 
 
 def _scale(ds: xr.Dataset, key: str) -> str:
-    """Scale of the axis of a key: logarithmic if its values span more than a decade."""
+    """Scale of the axis of a key: logarithmic if its values span a decade or more."""
     values = ds[key].values
-    wide = values.dtype.kind == "f" and values.min() > 0 and values.max() > 10 * values.min()
+    wide = values.dtype.kind == "f" and values.min() > 0 and values.max() >= 10 * values.min()
     return "log" if wide else "linear"
 
 

@@ -10,16 +10,19 @@ import xarray as xr
 from vsb.report.campaign_figures import is_verified, shown_member, told_gain
 from vsb.report.html import captioned, page
 from vsb.report.living import as_script
+from vsb.results.constrained_member import CONSTRAINED
 from vsb.study.specs import leading_tuning
 from vsb.waves.climate import YEAR_HOURS
 
 CAPTIONS = {
     "power_matrices": "Mean power in bins of significant wave height and energy period (IEC TS 62600-100), "
-    "{tuned}{at}; white: no such sea in the year.",
+    "{tuned}{at}; white: no such sea in the year; crosses: seas beyond what is described, the larger the more of the "
+    "bin (Hs over 0.05 of the length of the energy period, the highest of a thousand waves breaks or deforms the shell "
+    "by more than a tenth of its radius).",
     "tuned_power": "Mean power of the year over one damper for all seas{at}; full: the best one, open: the given one, "
     "dotted: the best damper in each sea.",
     "pareto": "Mean power of the year against the root mean square of the take-off's force{at}, over the damper up to "
-    "the best one.",
+    "the best one, without limits.{within}",
     "sweep": "Gain of annual energy over the rigid design, {tuned}. Black: the line on which the shell buckles under "
     "its static load; hatched: the interval of the gain includes zero; grey: not viable.",
 }
@@ -27,6 +30,7 @@ TUNED = {
     "one": "each design at its own best damper of the year",
     "each": "each design at its own best damper in each sea",
     "fixed": "all at the given damper",
+    "constrained": "each design under the best force there is within its limits",
 }
 MODELS = {"body_exact": "body-exact", "linear": "linear"}
 HEAD = (
@@ -75,6 +79,7 @@ def render(report: CampaignReport) -> str:
         else {}
     )
     words = {"tuned": TUNED[tuning], "at": f" at {at}" if at else ""}
+    words["within"] = " Squares: the best force within each limit." if CONSTRAINED in ds.tuning.values else ""
     captions = {name: text.format(**words) + told.get(name, "") for name, text in CAPTIONS.items()}
     return page(
         "campaign.html.j2",
@@ -168,6 +173,12 @@ def statements(ds: xr.Dataset, reference: str | None, tuning: str) -> list[str]:
             f"Of {ds.margin.size} points {int(carries.sum())} carry their static load; flexibility pays at "
             f"{int(pays.sum())} of all and at {int((pays & carries).sum())} of those."
         )
+    marked = 100 * ds.energy_beyond_validity.sel(tuning=tuning)
+    found.append(
+        f"{_range(marked)} of the energy is from seas beyond what is described, crossed in the matrices: "
+        f"{_shares(ds, 'steepness', tuning)} too steep, {_shares(ds, 'breaking', tuning)} with waves that break, "
+        f"{_shares(ds, 'deformation', tuning)} with shells deformed by more than a tenth of their radius."
+    )
     over = 100 * (ds.practice_power / ds.annual_mean_power.where(ds.annual_mean_power > 0) - 1)
     if bool(over.notnull().any()):
         found.append(
@@ -185,9 +196,14 @@ def warnings(ds: xr.Dataset) -> list[str]:
         found = [
             f"Runs in time correct {runs}. Table, figures of power and other tunings are "
             "linear theory, their intervals those of the numbers.",
-            f"By linear theory {_shares(ds, 'steepness')} of the energy is from seas too steep for linear waves, "
-            f"{_shares(ds, 'breaking')} from seas whose highest of a thousand waves breaks.",
         ]
+    tuning = leading(ds)[0]
+    found.append(
+        f"In seas that bring {_shares(ds, 'heave', tuning)} of the energy the buoy heaves by more than 0.3 of its "
+        "radius, where the water it moves is no longer that of its shape at rest."
+    )
+    if CONSTRAINED in ds.tuning.values:
+        found += _warned_of_optima(ds)
     buckled = int((ds.margin < 0).sum())
     if buckled and ds.margin.size > 1:
         share = f"{buckled} of {ds.margin.size} points"
@@ -200,9 +216,23 @@ def warnings(ds: xr.Dataset) -> list[str]:
     return found
 
 
-def _shares(ds: xr.Dataset, limit: str) -> str:
+def _warned_of_optima(ds: xr.Dataset) -> list[str]:
+    """What makes optima within limits doubtful."""
+    found = ["The best force within limits knows all waves beforehand: no control takes more, few come near."]
+    if (solved := float(ds.optimum_share.min())) < 1 - 1e-9:
+        found.append(f"Optima were found in bins of {solved:.1%} of the energy flux alone: raise constrained.seconds.")
+    if (none := float(ds.impossible_share.max())) > 0:
+        found.append(f"In up to {none:.1%} of the year no force keeps the stroke within its limit: counted as nothing.")
+    return found
+
+
+def _shares(ds: xr.Dataset, limit: str, tuning: str) -> str:
     """Range of the shares of energy beyond a limit over designs and points."""
-    share = 100 * ds.energy_beyond.sel(limit=limit)
+    return _range(100 * ds.energy_beyond.sel(limit=limit, tuning=tuning))
+
+
+def _range(share: xr.DataArray) -> str:
+    """Range of percentages, those of designs that are not viable left out."""
     least, most = f"{float(share.min()):.0f}", f"{float(share.max()):.0f}"
     return f"{most} %" if least == most else f"{least} to {most} %"
 

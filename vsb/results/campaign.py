@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from vsb.results.constrained_member import CONSTRAINED
 from vsb.study.campaign_plan import VARIABLES
 from vsb.study.specs import CampaignSpec
 from vsb.study.vary import MEMBER, UNITS, Vary
@@ -17,9 +18,11 @@ from vsb.study.vary import MEMBER, UNITS, Vary
 BY = ("design", "tuning")
 TABLE = (
     "viable", "margin", "annual_mean_power", "annual_energy", "capture_width", "gain_percent", "gain_low", "gain_high",
-    "force_rms", "practice_power", "quadrature_error",
+    "force_rms", "practice_power", "quadrature_error", "energy_beyond_validity",
 )  # fmt: skip
 """Variables of a table with a row for each point, design and tuning; dampers and reasons stand beside them."""
+OF_OPTIMA = ("power_bound", "impossible_share")
+"""Variables only the tuning `constrained` has."""
 VERIFIED = ("corrected_mean_power", "corrected_gain_percent")
 """Variables only the tuning has that runs in time are of."""
 
@@ -89,6 +92,7 @@ def as_csv(spec: CampaignSpec, ds: xr.Dataset) -> str:
     verified = ds.tuning == ds.attrs.get("verified_tuning")
     columns = {name: ds[name] for name in TABLE if name in ds} | {"damping": damper(ds), "reason": ds.reason}
     columns |= {name: ds[name].where(verified) for name in VERIFIED if name in ds}
+    columns |= {name: ds[name].where(ds.tuning == CONSTRAINED) for name in OF_OPTIMA if name in ds}
     by = xr.zeros_like(ds.annual_mean_power, dtype=bool)
     cells = [each.broadcast_like(by).transpose(*points, *BY).values.ravel().tolist() for each in columns.values()]
     names = itertools.product(ds.design.values, ds.tuning.values)
@@ -104,7 +108,7 @@ def as_csv(spec: CampaignSpec, ds: xr.Dataset) -> str:
 
 def damper(ds: xr.Dataset) -> xr.DataArray:
     """Return the damper of every tuning that has one for all seas [N s/m]; NaN of the others."""
-    occupied = ds["damping"].where(ds["count"] > 0)
+    occupied = ds["damping"].where((ds["count"] > 0) & (ds.tuning != CONSTRAINED))
     lowest, highest = occupied.min(("hs", "te")), occupied.max(("hs", "te"))
     return highest.where(highest - lowest <= 1e-9 * highest)
 

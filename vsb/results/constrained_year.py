@@ -3,9 +3,13 @@
 Bins are taken in the order of the energy flux they bring, as many as a budget of time allows; how many that is follows
 from the size of the programmes and no clock, so that an answer does not depend on how busy a machine is. The rest of
 the year is bracketed: nothing, and what the best force of all would take.
+
+A bin is two realisations of its mean spectrum, phases drawn apart and the same for all designs: what they differ by
+says how well few waves know the mean, and how well they know the gain of one design over another.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +20,7 @@ from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import Port
 from vsb.motion.tuning import BoolArray, IntArray
 from vsb.results.bins import Bins
-from vsb.results.statistics import Estimate
+from vsb.results.verification import half_width
 from vsb.results.year import OUTSIDE
 from vsb.study.study import Water
 from vsb.tools.units import ComplexArray, FloatArray
@@ -26,6 +30,10 @@ SECONDS_PER_CUBE = 4e-9
 """Time of one optimum over the third power of its harmonics, on one core of a usual machine [s]."""
 SECONDS_AT_LEAST = 5e-3
 """Time of the smallest one [s]."""
+REALISATIONS = 2
+"""Realisations of each bin."""
+SHORTEST, LONGEST = 4.0, 32.0
+"""Periods a sea may be taken to repeat in, over the mean energy period of the year [-]."""
 
 
 class Limits(NamedTuple):
@@ -35,26 +43,44 @@ class Limits(NamedTuple):
     stroke: float = np.inf  # [m]
 
 
+class Bracket(NamedTuple):
+    """A value and what it lies between."""
+
+    mean: float
+    low: float
+    high: float
+
+
 @dataclass(frozen=True)
 class ConstrainedYear:
     """Optima within limits of the bins that were reached."""
 
     bins: Bins
     solved: IntArray  # bins, by the energy flux they bring (bin,)
-    optima: tuple[ConstrainedOptimum | None, ...]  # of each; none where no force keeps the stroke within its limit
+    amplitude: ComplexArray  # of the waves (bin, realisation, harmonic) [m]
+    optima: tuple[tuple[ConstrainedOptimum | None, ...], ...]  # (bin, realisation); none: no force keeps the stroke
     matched: FloatArray  # mean power of the best force of all, of every bin (hs, te) [W]
     flux_share: float  # of the year's energy flux in the bins solved [-]
 
     def _each(self, field: str) -> FloatArray:
-        """A field of the optima, 0 where there is none, shape (bin,)."""
-        return np.array([getattr(optimum, field) if optimum else 0.0 for optimum in self.optima])
+        """A field of the optima, 0 where there is none, shape (bin, realisation)."""
+        return np.array([[getattr(one, field) if one else 0.0 for one in pair] for pair in self.optima])
+
+    @cached_property
+    def share(self) -> FloatArray:
+        """Share of the year of the solved bins, shape (bin,) [-]."""
+        return np.asarray(self.bins.share.ravel()[self.solved])
+
+    def matrix(self, values: FloatArray) -> FloatArray:
+        """Return values of the solved bins, shape (bin,), in their places, 0 elsewhere, shape (hs, te)."""
+        out = np.zeros(self.bins.shape)
+        out.ravel()[self.solved] = values
+        return out
 
     @property
     def power_matrix(self) -> FloatArray:
         """Mean power of the solved bins, 0 elsewhere, shape (hs, te) [W]."""
-        out = np.zeros(self.bins.shape)
-        out.ravel()[self.solved] = self._each("power")
-        return out
+        return self.matrix(self._each("power").mean(axis=1))
 
     @property
     def reached(self) -> BoolArray:
@@ -66,26 +92,55 @@ class ConstrainedYear:
     @property
     def impossible(self) -> float:
         """Share of the year in which no force keeps the stroke within its limit [-]."""
-        none = [at for at, optimum in zip(self.solved, self.optima, strict=True) if optimum is None]
-        return float(self.bins.share.ravel()[none].sum())
+        none = np.array([[one is None for one in pair] for pair in self.optima])
+        return float(self.share @ none.mean(axis=1))
 
     @property
-    def annual_mean_power(self) -> Estimate:
-        """Mean power of the year and its bracket [W].
+    def taken(self) -> float:
+        """Mean power of the year, nothing in the bins not reached [W]."""
+        return float(self.share @ self._each("power").mean(axis=1))
 
-        The mean takes the same part of the matched power in bins not reached as in those solved.
+    @property
+    def bound(self) -> float:
+        """What no force within the limits exceeds in these waves, nor any force in the bins not reached [W]."""
+        left = float(np.sum((self.bins.share * self.matched)[~self.reached]))
+        return float(self.share @ self._each("bound").mean(axis=1)) + left
+
+    @property
+    def _whole(self) -> float:
+        """The year over what is solved of it: bins not reached take the same part of the matched power."""
+        could, left = (float(np.sum((self.bins.share * self.matched)[at])) for at in (self.reached, ~self.reached))
+        return 1 + left / could if could else 1.0
+
+    @property
+    def annual_mean_power(self) -> Bracket:
+        """Mean power of the year, its bracket widened by what the realisations leave open [W]."""
+        half = half_width(self._draws)
+        return Bracket(self.taken * self._whole, max(0.0, self.taken - half), self.bound + half)
+
+    @property
+    def _draws(self) -> FloatArray:
+        """Draws whose mean is the power taken, two of each bin one after the other [W]."""
+        return np.asarray((len(self.share) * self.share[:, None] * self._each("power")).ravel())
+
+    def gain(self, over: "ConstrainedYear") -> Bracket | None:
+        """Return the gain over another design in the same waves [%]; none over nothing.
+
+        Its interval is that of differences within pairs of realisations, widened by what is not proved.
         """
-        share, reached = self.bins.share, self.reached
-        taken = float(np.sum(share * self.power_matrix))
-        bound = float(self.bins.share.ravel()[self.solved] @ self._each("bound"))
-        could, left = (float(np.sum((share * self.matched)[which])) for which in (reached, ~reached))
-        return Estimate(taken + (taken / could * left if could else 0.0), taken, bound + left)
+        base = over.annual_mean_power.mean
+        if not base > 0:
+            return None
+        ratio = self.annual_mean_power.mean / base
+        half = half_width((self._draws - ratio * over._draws) / over.taken)
+        least, most = self.taken / over.bound - half, self.bound / over.taken + half
+        return Bracket(100 * (ratio - 1), 100 * (least - 1), 100 * (most - 1))
 
     @property
     def force_rms(self) -> float:
         """Root mean square of the force over the bins solved [N]."""
-        share = self.bins.share.ravel()[self.solved]
-        return float(np.sqrt(share @ self._each("force_rms") ** 2 / share.sum()))
+        squares = (self._each("force_rms") ** 2).mean(axis=1)
+        return float(np.sqrt(self.share @ squares / self.share.sum()))
 
     @property
     def excess(self) -> float:
@@ -94,8 +149,29 @@ class ConstrainedYear:
 
 
 def affordable(harmonics: Harmonics, seconds: float) -> int:
-    """Return how many optima a budget of time allows, at least one."""
-    return max(1, int(seconds / (SECONDS_AT_LEAST + SECONDS_PER_CUBE * harmonics.count**3)))
+    """Return how many bins a budget of time allows, at least one."""
+    return max(1, int(seconds / (SECONDS_AT_LEAST + SECONDS_PER_CUBE * harmonics.count**3) / REALISATIONS))
+
+
+def harmonics_of_year(climate: Climate, lowest: float, highest: float, seconds: float) -> Harmonics:
+    """Return harmonics so near each other that a budget of time allows the optima of all bins of a year.
+
+    Parameters
+    ----------
+    climate : Climate
+    lowest, highest : float [rad/s]
+        The band the force may be of.
+    seconds : float
+        Budget of time [s].
+    """
+    bins = Bins(climate.hs, climate.te, climate.hours)
+    each = seconds / (REALISATIONS * len(bins.occupied)) - SECONDS_AT_LEAST
+    apart = np.cbrt(max(each, 0.0) / SECONDS_PER_CUBE) - 1  # of one harmonic more
+    te = float(climate.te @ climate.hours)
+    period = np.clip(2 * np.pi * apart / (highest - lowest), SHORTEST * te, LONGEST * te)
+    spacing = float(2 * np.pi / period)
+    first = max(1, int(np.ceil(lowest / spacing - 1e-9)))
+    return Harmonics(spacing, float(first), int(highest / spacing + 1e-9) - first + 1)
 
 
 def constrained_year(
@@ -122,7 +198,7 @@ def constrained_year(
     seconds : float
         Budget of time [s].
     seed : int
-        Of the phases, the same in every bin.
+        Of the phases, of each bin its own.
 
     Raises
     ------
@@ -136,15 +212,21 @@ def constrained_year(
         )
     bins = Bins(climate.hs, climate.te, climate.hours)
     squares = _squares(bins, climate, harmonics)
-    phase = np.exp(2j * np.pi * np.random.default_rng(seed).uniform(size=harmonics.count))
     flux = bins.total(climate.flux(water) * climate.hours).ravel()
     order = bins.occupied[np.argsort(-flux[bins.occupied], kind="stable")]
     solved = order[: affordable(harmonics, seconds)]
     rows = np.searchsorted(bins.occupied, solved)
-    optima = tuple(_optimum(port, harmonics, np.sqrt(squares[row]) * phase, limits) for row in rows)
+    amplitude = np.array([np.sqrt(squares[row]) * _phases(seed, int(bins.occupied[row]), harmonics) for row in rows])
+    optima = tuple(tuple(_optimum(port, harmonics, one, limits) for one in pair) for pair in amplitude)
     matched = np.zeros(bins.shape)
     matched.ravel()[bins.occupied] = squares @ port.matched_power
-    return ConstrainedYear(bins, solved, optima, matched, float(flux[solved].sum() / flux.sum()))
+    return ConstrainedYear(bins, solved, amplitude, optima, matched, float(flux[solved].sum() / flux.sum()))
+
+
+def _phases(seed: int, place: int, harmonics: Harmonics) -> ComplexArray:
+    """Random phases of the realisations of a bin, shape (realisation, harmonic)."""
+    drawn = np.random.default_rng([seed, place]).uniform(size=(REALISATIONS, harmonics.count))
+    return np.asarray(np.exp(2j * np.pi * drawn))
 
 
 def _squares(bins: Bins, climate: Climate, harmonics: Harmonics) -> FloatArray:
@@ -169,6 +251,9 @@ def _squares(bins: Bins, climate: Climate, harmonics: Harmonics) -> FloatArray:
 
 def _optimum(port: Port, harmonics: Harmonics, amplitude: ComplexArray, limits: Limits) -> ConstrainedOptimum | None:
     """The optimum of one sea; none where no force keeps the stroke within its limit."""
+    if not port.moves:
+        nothing = np.zeros(harmonics.count, dtype=complex)
+        return ConstrainedOptimum(nothing, nothing, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0)
     try:
         return constrained_optimum(harmonics, port.velocity * amplitude, port.admittance, limits.force, limits.stroke)
     except StabilityError:

@@ -12,13 +12,19 @@ from vsb.motion.builders import body_exact_scene, linear_scene
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
 from vsb.motion.system import System
+from vsb.motion.take_off import TakeOff
 from vsb.results.verification import linear_power
+from vsb.scenes.pause import best_pause_in_sea, with_pause
+from vsb.scenes.take_off import with_take_off
 from vsb.shell.deformed import DeformedShell
 from vsb.study.study import Simulation
+from vsb.study.take_off import Pto
 from vsb.tools.units import FloatArray
 from vsb.waves.seas import Sea
 
 Model = Literal["linear", "body_exact"]
+LINEAR = Pto()
+"""A take-off without limits: a spring and a damper."""
 
 
 @dataclass(frozen=True)
@@ -30,6 +36,7 @@ class DesignInTime:
     radiation: RadiationModel
     motions: FloatArray  # the motions the design allows (dof, free)
     take_off: LinearPto
+    pto: Pto = LINEAR  # its law and its limits in time
 
     def under(self, damping: float) -> "DesignInTime":
         """Return the design under another damper [N s/m]."""
@@ -53,10 +60,13 @@ class DesignInTime:
     def _run(self, sea: Sea, settings: Simulation, model: Model) -> float:
         """Mean power over the window by a run [W]."""
         buoy = replace(self.buoy, pto=self.take_off)
-        if model == "linear":
-            scene = linear_scene(buoy, self.radiation, sea, self.motions)
-        else:
+        scene = linear = linear_scene(buoy, self.radiation, sea, self.motions)
+        if model != "linear":
             scene = body_exact_scene(buoy, self.shape, self.radiation, sea, self.motions)
+        scene = with_take_off(scene, self.pto, self.take_off)
+        if self.pto.pauses and isinstance(scene.forces.get(scene.take_off), TakeOff):  # or nothing there moves
+            best = best_pause_in_sea(with_take_off(linear, self.pto, self.take_off), sea, settings)
+            scene = with_pause(scene, best.pause)
         taken = [(leg.motion.time, leg.energy["pto"]) for leg in legs(System.of(scene), sea, settings, buoy.spectrum)]
         first = [0] + [1] * (len(taken) - 1)  # a leg begins where the one before ended
         time, energy = (np.concatenate([one[k][i:] for one, i in zip(taken, first, strict=True)]) for k in (0, 1))

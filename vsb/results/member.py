@@ -7,11 +7,12 @@ import xarray as xr
 
 from vsb.motion.port import Port
 from vsb.results.bins import Bins
+from vsb.results.constrained_member import CONSTRAINED, OF_LIMITS, Constrained, Optima
+from vsb.results.validity import LIMITS, beyond_validity
 from vsb.results.year import DesignYear, Tuning, Year, best_for_all, year
-from vsb.scenes.ports import ShapeWater, design_ports
+from vsb.scenes.ports import InWaves, ShapeWater, designs_in_waves
 from vsb.scenes.viability import viability
 from vsb.shell.modes import ModeBasis
-from vsb.shell.rest import ReferenceShell
 from vsb.study.study import Study
 from vsb.tools.units import FloatArray
 from vsb.waves.climate import Climate
@@ -19,16 +20,22 @@ from vsb.waves.climate import Climate
 BY, BINS = ("design", "tuning"), ("hs", "te")
 OF_DESIGNS = (
     "annual_mean_power", "annual_energy", "capture_width", "gain_percent", "gain_low", "gain_high", "force_rms",
-    "practice_power", "quadrature_error",
+    "practice_power", "quadrature_error", "energy_beyond_validity",
 )  # fmt: skip
 CURVES = ("tried_damping", "power_of_damping", "force_of_damping")
 TRIED = np.geomspace(1 / 30, 30, 61)
 """Dampers the year's power is told of, in terms of the best one for the year."""
-MATRICES = ("damping", "power_matrix", "power_deviation", "capture_width_matrix", "capture_width_deviation")
+MATRICES = (
+    "damping", "power_matrix", "power_deviation", "capture_width_matrix", "capture_width_deviation", "beyond_validity",
+)  # fmt: skip
 
 
 def member(
-    study: Study, water: Callable[[ModeBasis], ShapeWater], climate: Climate, tunings: Sequence[Tuning]
+    study: Study,
+    water: Callable[[ModeBasis], ShapeWater],
+    climate: Climate,
+    tunings: Sequence[Tuning | Constrained],
+    optima: Optima | None = None,
 ) -> xr.Dataset:
     """Return what every design of a study takes of a year under every tuning; NaN of designs that are not viable.
 
@@ -38,32 +45,37 @@ def member(
     water : callable
         Of the modes, to the coefficients of its shape; not called where there is no shape at rest.
     climate : Climate
-    tunings : sequence of {'fixed', 'one', 'each'}
+    tunings : sequence of {'fixed', 'one', 'each', 'constrained'}
+    optima : Optima, optional
+        What finds the year within limits; needed for `constrained`.
     """
     rest = viability(study)
     found = _missing(study, climate, tunings)
     viable = [design for design in study.designs if design not in rest.reasons]
     if rest.reference and viable:
-        _fill(found, _of_viable(study, rest.reference, viable, water(rest.reference.basis), climate, tunings), viable)
+        some, shape = with_designs(study, viable), water(rest.reference.basis)
+        waves = designs_in_waves(some, rest.reference, shape)
+        damped = [tuning for tuning in tunings if tuning != CONSTRAINED]
+        if damped:
+            _fill(found, _damped(some, waves, climate, damped))
+        _fill(found, xr.Dataset(_curves(_ports(some, waves), climate), coords={"design": viable}))
+        if optima:
+            _fill(found, optima.years(some, rest.reference, climate, float(shape.omega[0])))
     found["viable"] = ("design", np.array([design in viable for design in study.designs]))
     found["reason"] = ("design", np.array([rest.reasons.get(design, "") for design in study.designs], dtype=object))
     found["margin"] = ((), rest.margin)
     return found
 
 
-def _of_viable(
-    study: Study,
-    at_rest: ReferenceShell,
-    viable: Sequence[str],
-    water: ShapeWater,
-    climate: Climate,
-    tunings: Sequence[Tuning],
-) -> xr.Dataset:
-    """The year of the designs that are viable."""
-    some = with_designs(study, viable)
-    ports = design_ports(some, at_rest, water)
-    found = ports_year(some, ports, climate, tunings)
-    of = found.dataset().assign(_curves(ports, climate))
+def _ports(study: Study, waves: Mapping[str, InWaves]) -> dict[str, Port]:
+    """Ports beside the spring of the take-off."""
+    return {design: one.port.beside(study.pto.stiffness) for design, one in waves.items()}
+
+
+def _damped(study: Study, waves: Mapping[str, InWaves], climate: Climate, tunings: Sequence[Tuning]) -> xr.Dataset:
+    """The year of designs under dampers."""
+    found = ports_year(study, _ports(study, waves), climate, tunings)
+    of = found.dataset().assign(beyond_validity(found, waves, study.pto.stiffness, study.device.radius).data_vars)
     reference = found.reference
     return of if reference is None else of.assign(_gain_interval(of, reference, study.hydro.tolerance))
 
@@ -98,21 +110,24 @@ def _gain_interval(of: xr.Dataset, reference: str, tolerance: float) -> dict[str
     return {"gain_low": (BY, gain - width), "gain_high": (BY, gain + width)}
 
 
-def _missing(study: Study, climate: Climate, tunings: Sequence[Tuning]) -> xr.Dataset:
+def _missing(study: Study, climate: Climate, tunings: Sequence[str]) -> xr.Dataset:
     """All variables without a value, and how many seas there are in each bin."""
     bins = Bins(climate.hs, climate.te, climate.hours)
-    sizes = (len(study.designs), len(tunings))
+    sizes = {"design": len(study.designs), "tuning": len(tunings), "limit": len(LIMITS), "damper": len(TRIED)}
+    sizes |= dict(zip(BINS, bins.shape, strict=True))
     names = [name for name in OF_DESIGNS if study.reference_design or not name.startswith("gain")]
-    values: dict[str, tuple[tuple[str, ...], FloatArray]] = {name: (BY, np.full(sizes, np.nan)) for name in names}
-    values |= {name: ((*BY, *BINS), np.full((*sizes, *bins.shape), np.nan)) for name in MATRICES}
-    values |= {name: (("design", "damper"), np.full((len(study.designs), len(TRIED)), np.nan)) for name in CURVES}
-    at = {"design": list(study.designs), "tuning": list(tunings), "hs": bins.hs_centres, "te": bins.te_centres}
-    return xr.Dataset({**values, "count": (BINS, bins.count)}, coords=at)
+    dims: dict[str, tuple[str, ...]] = dict.fromkeys(names, BY) | dict.fromkeys(MATRICES, (*BY, *BINS))
+    dims |= dict.fromkeys(CURVES, ("design", "damper")) | {"energy_beyond": (*BY, "limit")}
+    dims |= dict.fromkeys(OF_LIMITS if CONSTRAINED in tunings else (), ("design",))
+    values = {name: (of, np.full([sizes[dim] for dim in of], np.nan)) for name, of in dims.items()}
+    names_at = {"design": list(study.designs), "tuning": list(tunings), "limit": list(LIMITS)}
+    at = {"hs": bins.hs_centres, "te": bins.te_centres}
+    return xr.Dataset({**values, "count": (BINS, bins.count)}, coords={**names_at, **at})
 
 
-def _fill(found: xr.Dataset, of: xr.Dataset, viable: Sequence[str]) -> None:
-    """Put the values of some designs where they belong."""
-    rows = [list(found.design.values).index(design) for design in viable]
-    for name in (*OF_DESIGNS, *CURVES, *MATRICES):
-        if name in of and name in found:
-            found[name].values[rows] = of[name].values
+def _fill(found: xr.Dataset, of: xr.Dataset) -> None:
+    """Put the values of some designs, and of some tunings, where they belong."""
+    for name in set(of.data_vars) & set(found.data_vars) - {"count"}:
+        dims = [dim for dim in BY if dim in of[name].dims]
+        at = np.ix_(*([found.indexes[dim].get_loc(label) for label in of.indexes[dim]] for dim in dims))
+        found[name].values[at] = of[name].values

@@ -1,13 +1,16 @@
 """Which seas of a climate lie beyond what linear waves and small motions describe, and their share of the energy."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+import xarray as xr
 
 from vsb.motion.port import Port
-from vsb.results.year import band_weights
+from vsb.results.year import Year, band_weights
+from vsb.scenes.ports import InWaves
 from vsb.study.study import Water
 from vsb.tools.units import FloatArray
 from vsb.waves.climate import Climate
@@ -25,6 +28,11 @@ MOTION = 0.3
 """Heave over radius beyond which linear hydrodynamics are in doubt [-]."""
 DEFORMATION = 0.1
 """Displacement of the shell over radius beyond which small deformations are [-]."""
+LIMITS = ("steepness", "breaking", "deformation", "heave")
+MARKED = LIMITS[:3]
+"""Limits that mark a sea; heave does not: in long waves a buoy rides with the water, however far."""
+NODES = 8
+"""Dampers at which variances are computed to be known at all between: to 1e-3 of them."""
 
 BoolArray = npt.NDArray[np.bool_]
 
@@ -43,6 +51,7 @@ class Beyond(NamedTuple):
         return float((power * hours)[self.seas].sum()) / total if total > 0 else 0.0
 
 
+@lru_cache(maxsize=4)
 def wave_limits(climate: Climate, water: Water) -> list[Beyond]:
     """Return the seas too steep for linear waves, and those whose highest of a thousand waves breaks (Miche)."""
     numbers = np.array([wavenumber(2 * np.pi / te, water.depth, water.gravity) for te in climate.te])
@@ -82,6 +91,81 @@ def rms(climate: Climate, omega: FloatArray, response: FloatArray) -> FloatArray
         Squared size |H|^2 of its phasor per wave amplitude.
     """
     return np.sqrt(climate.density @ (band_weights(omega, climate) @ (response / 2)))
+
+
+def motion_rms(waves: InWaves, climate: Climate, damping: FloatArray, stiffness: float = 0.0) -> dict[str, FloatArray]:
+    """Return the root mean squares `motion_limits` takes, each shape (sea,) [m].
+
+    Parameters
+    ----------
+    waves : InWaves
+    climate : Climate
+    damping : ndarray, shape (sea,) [N s/m]
+        Of each sea.
+    stiffness : float [N/m]
+        Of the take-off's spring.
+
+    Notes
+    -----
+    Variances are smooth in the logarithm of the damper, see `vsb.motion.damping_curve`: a polynomial through few.
+    """
+    dampers, shares = _nodes(damping)
+    heave, shell = waves.motion.under(waves.port, waves.port.load(dampers, np.full(len(dampers), stiffness)))
+    squares = np.concatenate([np.abs(heave[:, None]) ** 2, (np.abs(shell) ** 2).sum(axis=1)], axis=1)
+    each = (squares / 2) @ band_weights(waves.port.omega, climate).T @ climate.density.T  # (damper, row, sea)
+    variance = np.maximum(np.einsum("nrs,ns->rs", each, shares), 0.0)
+    return {"heave": np.sqrt(variance[0]), "deformation": np.sqrt(variance[1:].max(axis=0))}
+
+
+def _nodes(damping: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Chebyshev's nodes between the least and the largest damper, and the share of each in every sea."""
+    low, high = float(damping.min()), float(damping.max())
+    if low <= 0 or high - low <= 1e-9 * high:
+        return np.array([high]), np.ones((1, len(damping)))
+    nodes = np.cos((np.arange(NODES) + 0.5) * np.pi / NODES)
+    middle, half = np.log(high * low) / 2, np.log(high / low) / 2
+    x = (np.log(damping) - middle) / half
+    others = [np.delete(nodes, k)[:, None] for k in range(NODES)]
+    shares = [np.prod((x - other) / (node - other), axis=0) for node, other in zip(nodes, others, strict=True)]
+    return np.exp(middle + half * nodes), np.array(shares)
+
+
+def seas_beyond(limits: Sequence[Beyond]) -> BoolArray:
+    """Return the seas some of the limits mark, shape (sea,)."""
+    return np.asarray(np.any([one.seas for one in limits if one.name in MARKED], axis=0))
+
+
+def beyond_validity(year: Year, waves: Mapping[str, InWaves], stiffness: float, radius: float) -> xr.Dataset:
+    """Return which part of the seas of each bin lies beyond what is described, and their shares of the energy.
+
+    Parameters
+    ----------
+    year : Year
+    waves : mapping design -> InWaves
+    stiffness : float [N/m]
+        Of the take-off's spring.
+    radius : float [m]
+    """
+    of_waves, hours = wave_limits(year.climate, year.water), year.climate.hours
+    sizes = (len(year.designs), len(year.tunings))
+    marked, energy = np.zeros((*sizes, *year.bins.shape)), np.zeros((*sizes, len(LIMITS)))
+    together = np.zeros(sizes)
+    for i, design in enumerate(year.designs):
+        for j in range(sizes[1]):
+            moved = motion_rms(waves[design], year.climate, year.damping[i, j], stiffness)
+            limits = sorted([*of_waves, *motion_limits(moved, radius)], key=lambda one: LIMITS.index(one.name))
+            power, beyond = year.power[i, j], seas_beyond(limits)
+            marked[i, j] = year.bins.mean(beyond.astype(float))
+            energy[i, j] = [one.energy(power, hours) for one in limits]
+            together[i, j] = Beyond("marked", 0.0, 0.0, beyond).energy(power, hours)
+    by = ("design", "tuning")
+    return xr.Dataset(
+        {
+            "beyond_validity": ((*by, "hs", "te"), marked),
+            "energy_beyond": ((*by, "limit"), energy),
+            "energy_beyond_validity": (by, together),
+        }
+    )
 
 
 def stroke_rms(port: Port, climate: Climate, damping: float) -> FloatArray:

@@ -203,10 +203,15 @@ def _variance(draws: FloatArray) -> tuple[float, float]:
     return float(parts.sum()), min(float(len(parts)), 2.5 * effective - 1.5)
 
 
+def half_width(draws: FloatArray) -> float:
+    """Return half the interval of the mean of draws, two of each stratum one after the other."""
+    variance, freedom = _variance(draws)
+    return float(student.ppf(0.5 + CONFIDENCE / 2, freedom) * np.sqrt(variance))
+
+
 def _estimate(mean: float, draws: FloatArray) -> Estimate:
     """An estimate with the interval its draws give."""
-    variance, freedom = _variance(draws)
-    half = float(student.ppf(0.5 + CONFIDENCE / 2, freedom) * np.sqrt(variance))
+    half = half_width(draws)
     return Estimate(mean, mean - half, mean + half)
 
 

@@ -9,14 +9,12 @@ import xarray as xr
 
 from vsb.errors import ConfigError
 from vsb.results.statistics import Estimate
-from vsb.results.validity import wave_limits
 from vsb.results.verification import Verification
 from vsb.results.year import Year
 from vsb.study.specs import CampaignSpec, leading_tuning
 from vsb.tools.units import FloatArray
 
 NumericArray = npt.NDArray[Any]
-LIMITS = ("steepness", "breaking")
 POWER = ("corrected_mean_power", "corrected_power_low", "corrected_power_high")
 GAIN = ("corrected_gain_percent", "corrected_gain_low", "corrected_gain_high")
 
@@ -36,16 +34,13 @@ def verified_dataset(year: Year, tuning: str, runs: Verification) -> xr.Dataset:
     if year.reference is not None:
         gains = np.array(_gains(year, runs)).T
         values |= {name: (("design",), column) for name, column in zip(GAIN, gains, strict=True)}
-    taken, hours = year.power[:, year.tunings.index(tuning)], year.climate.hours
-    beyond = [[limit.energy(power, hours) for limit in wave_limits(year.climate, year.water)] for power in taken]
     sea = runs.sample.sea
     drawn = {"sea": sea, "seed": runs.sample.seed, "weight": runs.sample.weight}
     drawn |= {"hs": year.climate.hs[sea], "te": year.climate.te[sea]}
     values |= {f"drawn_{name}": (("draw",), column) for name, column in drawn.items()}
     both = {"run_power": runs.better, "linear_run_power": runs.linear}
     values |= {name: (("design", "draw"), power) for name, power in both.items()}
-    values |= {"energy_beyond": (("design", "limit"), np.array(beyond))}
-    return xr.Dataset(values, coords={"design": list(year.designs), "limit": list(LIMITS)})
+    return xr.Dataset(values, coords={"design": list(year.designs)})
 
 
 def _gains(year: Year, runs: Verification) -> list[Estimate]:
@@ -63,8 +58,7 @@ def with_lost(found: xr.Dataset, designs: Sequence[str], reference: str | None) 
     """Return a dataset of viable designs with all designs, without values where a design is not viable."""
     names = (*POWER, *(GAIN if reference is not None else ()))
     lost = xr.Dataset({name: ("design", np.full(len(designs), np.nan)) for name in names})
-    lost["energy_beyond"] = ("design", "limit"), np.full((len(designs), len(LIMITS)), np.nan)
-    lost = lost.assign_coords(design=list(designs), limit=list(LIMITS))
+    lost = lost.assign_coords(design=list(designs))
     whole = lost.assign(found.reindex(design=list(designs)).data_vars)
     return whole.assign(viable=("design", np.isin(designs, found.design.values)))
 
@@ -82,9 +76,8 @@ def with_verification(spec: CampaignSpec, ds: xr.Dataset, runs: Sequence[xr.Data
     """
     if not runs:
         return ds
-    names = [name for name in (*POWER, *GAIN, "energy_beyond") if name in runs[0]]
+    names = [name for name in (*POWER, *GAIN) if name in runs[0]]
     found = ds.assign({name: _unfolded(ds, [one[name] for one in runs]) for name in names})
-    found = found.assign_coords(limit=runs[0].limit)
     tuning = leading_tuning(spec.tuning)
     told = f"tuning {tuning}: {runs[0].attrs['runs']}"
     if "gain_percent" in found:

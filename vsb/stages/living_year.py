@@ -13,7 +13,7 @@ from vsb.results.member import with_designs
 from vsb.scenes.ports import design_ports
 from vsb.scenes.viability import viability
 from vsb.stages.climate import read_climate
-from vsb.stages.members import shape_water
+from vsb.stages.members import swept_shape
 from vsb.study.campaign_plan import members
 from vsb.study.specs import CampaignSpec
 from vsb.waves.climate import Climate
@@ -25,7 +25,7 @@ MOST = 6
 def living_year(
     spec: CampaignSpec, ds: xr.Dataset, tuning: str, reference: str | None, climate: str, root: str
 ) -> dict[str, Any] | None:
-    """Return the data of a campaign's page; none where no design is viable.
+    """Return the data of a campaign's page; none where no design is viable or the take-off switches.
 
     Parameters
     ----------
@@ -55,14 +55,16 @@ def living_year(
 def _point(
     spec: CampaignSpec, ds: xr.Dataset, index: int, place: Mapping[str, int], seas: Climate, root: str
 ) -> dict[str, Any] | None:
-    """Words, ports, flux of the seas and given dampers of one point; none if no design is viable there."""
+    """Words, ports, flux of the seas and given dampers of one point; none if no design is viable, or limits are."""
     (one,) = members(spec.base, [spec.vary.points[index]], spec.climate, spec.tuning)
+    if one.study.pto.switches:
+        return None  # a damper of the page knows no limits
     rest = viability(one.study)
     viable = [design for design in one.study.designs if design not in rest.reasons]
     if rest.reference is None or not viable:
         return None
     study = with_designs(one.study, viable)
-    ports = design_ports(study, rest.reference, shape_water(study, rest.reference.basis, root, seas))
+    ports = design_ports(study, rest.reference, swept_shape(study, rest.reference.basis, root).of_year(seas))
     given = {design: study.pto.damper(design) for design in viable}
     return {
         "words": where(ds.isel(place)) or "the study",

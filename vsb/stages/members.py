@@ -13,6 +13,8 @@ from vsb.hydro.dofs import displacements
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
 from vsb.results.campaign import stacked
+from vsb.results.constrained_member import Optima
+from vsb.results.constrained_year import ConstrainedYear
 from vsb.results.member import member
 from vsb.results.year import frequencies
 from vsb.scenes.ports import ShapeWater
@@ -26,12 +28,13 @@ from vsb.study.specs import MembersSpec
 from vsb.study.study import Study, canonical, content_id
 from vsb.tools import packed
 from vsb.tools.files import load, save
+from vsb.tools.units import FloatArray
 from vsb.waves.climate import Climate
 
 
 def run(spec: MembersSpec, climate: str, folder: str, root: str, out: str) -> None:
     """Write the members of a batch, each to a file of its own as soon as it is finished, then all together."""
-    batch = members(spec.base, spec.points, spec.climate, spec.tuning)
+    batch = members(spec.base, spec.points, spec.climate, spec.tuning, spec.constrained)
     work = Work(read_climate(spec.climate, climate), spec, root)
     found = [finished(Path(folder) / f"{one.id}{packed.SUFFIX}", one, work) for one in batch]
     ids = [one.id for one in batch]
@@ -45,16 +48,26 @@ class Work:
     climate: Climate
     spec: MembersSpec
     root: str
-    _shape: dict[tuple[str, ...], ShapeWater] = field(default_factory=dict)  # of the last shape alone
+    _shape: dict[tuple[str, ...], "Swept"] = field(default_factory=dict)  # of the last shape alone
+    _optima: dict[bytes, ConstrainedYear] = field(default_factory=dict)  # of rigid designs
 
     def results(self, one: Member) -> xr.Dataset:
         """Return the results of a member."""
-        return member(one.study, lambda basis: self.water(one, basis), self.climate, self.spec.tuning)
+        optima = None
+        if given := self.spec.constrained:
+            optima = Optima(
+                lambda basis, omega: self.swept(one, basis).at(omega), given.seconds, given.seed, self._optima
+            )
+        return member(one.study, lambda basis: self.water(one, basis), self.climate, self.spec.tuning, optima)
 
     def water(self, one: Member, basis: ModeBasis) -> ShapeWater:
-        """Return the coefficients of the shape of a member, kept while members of the same shape follow."""
+        """Return the coefficients of the shape of a member at the frequencies of the climate."""
+        return self.swept(one, basis).of_year(self.climate)
+
+    def swept(self, one: Member, basis: ModeBasis) -> "Swept":
+        """Return the shape of a member, kept while members of the same shape follow."""
         if one.spec.sweep not in self._shape:
-            self._shape = {one.spec.sweep: shape_water(one.study, basis, self.root, self.climate)}
+            self._shape = {one.spec.sweep: swept_shape(one.study, basis, self.root)}
         return self._shape[one.spec.sweep]
 
 
@@ -70,8 +83,28 @@ def finished(path: Path, one: Member, work: Work) -> xr.Dataset:
     return found
 
 
-def shape_water(study: Study, basis: ModeBasis, root: str, climate: Climate) -> ShapeWater:
-    """Return the coefficients of a shape at the frequencies of a climate, solved if they are not there.
+@dataclass
+class Swept:
+    """A shape whose coefficients are solved, to be had at any frequencies of the band."""
+
+    buoy: LinearBuoy  # in displacements
+    _year: dict[str, ShapeWater] = field(default_factory=dict)  # at the frequencies of a climate
+
+    def at(self, omega: FloatArray) -> ShapeWater:
+        """Return the coefficients at frequencies."""
+        dofs = self.buoy.database.influenced_dof.values
+        return ShapeWater(displacements(dofs), omega, self.buoy.coefficients(omega))
+
+    def of_year(self, climate: Climate) -> ShapeWater:
+        """Return the coefficients at the frequencies of a climate."""
+        if climate.name not in self._year:
+            band = self.buoy.database.omega.values[[0, -1]]
+            self._year = {climate.name: self.at(frequencies(climate, *band))}
+        return self._year[climate.name]
+
+
+def swept_shape(study: Study, basis: ModeBasis, root: str) -> Swept:
+    """Return the coefficients of a shape, solved if they are not there.
 
     Raises
     ------
@@ -85,10 +118,8 @@ def shape_water(study: Study, basis: ModeBasis, root: str, climate: Climate) -> 
     whole = database.with_excitation(database.merged_blocks(blocks))
     _judge(study, blocks, database.in_modes(whole, basis))
     raw = database.with_symmetrized(whole)
-    omega = frequencies(climate, *raw.omega.values[[0, -1]])
     count = raw.sizes["influenced_dof"]
-    buoy = LinearBuoy(raw, np.zeros((count, count)), LinearPto(0.0))
-    return ShapeWater(displacements(raw.influenced_dof.values), omega, buoy.coefficients(omega))
+    return Swept(LinearBuoy(raw, np.zeros((count, count)), LinearPto(0.0)))
 
 
 def _judge(study: Study, blocks: Sequence[xr.Dataset], sweep: xr.Dataset) -> None:

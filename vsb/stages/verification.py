@@ -19,7 +19,7 @@ from vsb.scenes.viability import viability
 from vsb.shell.rest import ReferenceShell
 from vsb.stages.climate import read_climate
 from vsb.stages.make import make
-from vsb.stages.members import shape_water
+from vsb.stages.members import swept_shape
 from vsb.stages.stage import stamp
 from vsb.study.plan import StudyPlan
 from vsb.study.specs import VerificationSpec
@@ -53,8 +53,9 @@ def _in_words(spec: VerificationSpec) -> str:
 def _of_viable(spec: VerificationSpec, study: Study, rest: ReferenceShell, seas: Climate, root: str) -> xr.Dataset:
     """The corrected year of designs that are viable."""
     (tuning,) = spec.tuning
-    water = shape_water(study, rest.basis, root, seas)
-    year = ports_year(study, design_ports(study, rest, water), seas, spec.tuning)
+    assert tuning != "constrained"  # whose forces are of no law in time
+    water = swept_shape(study, rest.basis, root).of_year(seas)
+    year = ports_year(study, design_ports(study, rest, water), seas, (tuning,))
     sample = drawn(contributions(year, tuning), seas.hours, spec.verify.seas, spec.verify.seed)
     better, linear = _powers(spec, year, sample, in_time(study, root))
     return verified_dataset(year, tuning, verified(year, tuning, sample, better, linear))
@@ -68,7 +69,7 @@ def in_time(study: Study, root: str) -> Mapping[str, DesignInTime]:
     radiation, shape = radiation_model(plan.radiation_path), rest_shape(study, buoy, basis)
     take_off = LinearPto(0.0, study.pto.stiffness, study_port(study, buoy, basis))
     return {
-        design: DesignInTime(buoy, shape, radiation, design_motions(study, basis, design), take_off)
+        design: DesignInTime(buoy, shape, radiation, design_motions(study, basis, design), take_off, study.pto)
         for design in study.designs
     }
 

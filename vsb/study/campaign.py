@@ -14,10 +14,11 @@ from vsb.errors import ConfigError
 from vsb.study.froude import scaled
 from vsb.study.quantities import Name, Number, Section
 from vsb.study.reading import read_yaml, validated
-from vsb.study.specs import Tunings, Verify
+from vsb.study.specs import Tunings, leading_tuning
 from vsb.study.study import RESERVED_NAMES, Study, parse
 from vsb.study.study import load as load_study
 from vsb.study.vary import SCALE, Point, Value, Vary, read_vary
+from vsb.study.year_options import Constrained, Verify
 
 SMALLEST, LARGEST = 1e-3, 1e3
 """Scales of a study by Froude."""
@@ -69,6 +70,7 @@ class Campaign(Section):
     vary: Annotated[Vary, BeforeValidator(read_vary)] = Vary()
     climate: ClimateFile
     tuning: Annotated[tuple[Tunings, ...], Field(min_length=1)] | None = None  # none: all the study has
+    constrained: Constrained | None = None
     verify: Verify | None = None
 
     @field_validator("campaign")
@@ -126,6 +128,13 @@ def read(raw: object, source: str) -> "LoadedCampaign":
             f"{source}: verify: received a campaign of {len(campaign.vary.points)} points, each of which is simulated "
             f"in time; needs at most {MOST_VERIFIED}, or no verify"
         )
+    if campaign.constrained and "constrained" not in (campaign.tuning or ()):
+        raise ConfigError(f"{source}: constrained: received without that tuning; needs constrained among tuning")
+    if campaign.verify and campaign.tuning == ("constrained",):
+        raise ConfigError(
+            f"{source}: verify: received tuning constrained alone, whose forces are of no law in time; needs "
+            "fixed, one or each beside it"
+        )
     try:
         digest = hashlib.sha256(climate.read_bytes()).hexdigest()[:16]
     except OSError as error:
@@ -150,12 +159,38 @@ class LoadedCampaign(Section):
         """Tunings asked for; if none are, those for which the study says enough."""
         return self.campaign.tuning or (*(() if self.base.pto.damping is None else ("fixed",)), "one", "each")
 
+    @property
+    def constrained(self) -> Constrained | None:
+        """Budget of the optima within limits, if they are asked for."""
+        return (self.campaign.constrained or Constrained()) if "constrained" in self.tuning else None
+
+    def check_take_off(self, study: Study, where: str) -> None:
+        """Check that nothing is told of a take-off that switches by linear theory alone, which would not see it.
+
+        Raises
+        ------
+        ConfigError
+        """
+        checked = (leading_tuning(self.tuning), "constrained") if self.campaign.verify else ("constrained",)
+        blind = [tuning for tuning in self.tuning if tuning not in checked]
+        if study.pto.switches and blind:
+            raise ConfigError(
+                f"{where}: pto: received law {study.pto.law}, force_limit {study.pto.force_limit:g} N, stroke_limit "
+                f"{study.pto.stroke_limit:g} m, which linear theory of tuning {blind[0]} does not see; needs tuning: "
+                f"[constrained], or [{blind[0]}] with verify"
+            )
+
 
 def sections(study: Study) -> dict[str, Any]:
     """Return what a year depends on of a study: linear, its waves, its run in time and its name left out."""
     found = study.model_dump(exclude={"study", "waves", "simulation", "published"})
     found["hydro"] |= {"model": "linear", "power_tolerance": None}
     return {key: value for key, value in found.items() if value is not None}
+
+
+def where_of(point: Point) -> str:
+    """Return the values of a point in words."""
+    return "with " + (", ".join(f"{key}: {value}" for key, value in point.items()) or "nothing varied")
 
 
 def study_at(base: Mapping[str, Any], point: Point) -> Study:
@@ -169,7 +204,7 @@ def study_at(base: Mapping[str, Any], point: Point) -> Study:
     raw = dict(base)
     if SCALE in point:
         raw = scaled(raw, _scale(point[SCALE]))
-    where = "with " + (", ".join(f"{key}: {value}" for key, value in point.items()) or "nothing varied")
+    where = where_of(point)
     for key, value in point.items():
         if key != SCALE:
             raw = _with(raw, key.split("."), value, key)
@@ -179,17 +214,13 @@ def study_at(base: Mapping[str, Any], point: Point) -> Study:
 
 
 def _check_linear(study: Study, where: str) -> None:
-    """Check that it heaves, its take-off a damper and a spring without loss: a year is of such alone."""
+    """Check that it heaves, and that nothing is lost but at the take-off: a year counts power at the port."""
     if study.motion != "heave":
         raise ConfigError(f"{where}: motion: received {study.motion!r}; a year needs motion: heave")
     if study.drag is not None:
         raise ConfigError(f"{where}: drag: a year is of linear theory, in which what waves do adds up; remove it")
-    if study.pto.switches or study.pto.efficiency != 1.0:
-        raise ConfigError(
-            f"{where}: pto: received law {study.pto.law}, force_limit {study.pto.force_limit:g} N, stroke_limit "
-            f"{study.pto.stroke_limit:g} m, efficiency {study.pto.efficiency:g}; a year needs law: linear without "
-            "limits, efficiency: 1"
-        )
+    if study.pto.efficiency != 1.0:
+        raise ConfigError(f"{where}: pto.efficiency: received {study.pto.efficiency:g}; a year needs 1")
 
 
 def _scale(value: Value) -> float:

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 from vsb.errors import ConfigError
 from vsb.study.blocks import HydroPlan
-from vsb.study.campaign import LoadedCampaign, Scatter, is_campaign, read, sections, study_at
+from vsb.study.campaign import LoadedCampaign, Scatter, is_campaign, read, sections, study_at, where_of
 from vsb.study.plan import StudyPlan, figure_paths
 from vsb.study.reading import read_yaml
 from vsb.study.specs import (
@@ -30,6 +30,7 @@ from vsb.study.specs import (
 )
 from vsb.study.study import Study, canonical, content_id, parse
 from vsb.study.vary import Point
+from vsb.study.year_options import Constrained
 
 MOST_BATCHES = 32
 BATCH_SECONDS = 8.0
@@ -42,6 +43,8 @@ VARIABLES = (
     "capture_width_matrix", "capture_width_deviation", "count", "tried_damping", "power_of_damping",
     "force_of_damping", "damper", "design", "tuning", "hs", "te", "corrected_mean_power", "corrected_power_low",
     "corrected_power_high", "corrected_gain_percent", "energy_beyond", "limit",
+    "energy_beyond_validity", "beyond_validity", "power_bound", "optimum_gap", "optimum_share", "optimum_excess",
+    "impossible_share",
 )  # fmt: skip
 """Names in the results that no varied key can have."""
 
@@ -60,7 +63,11 @@ class Member(NamedTuple):
 
 
 def members(
-    base: Mapping[str, Any], points: Iterable[Point], climate: ClimateSpec, tuning: Sequence[Tunings]
+    base: Mapping[str, Any],
+    points: Iterable[Point],
+    climate: ClimateSpec,
+    tuning: Sequence[Tunings],
+    constrained: Constrained | None = None,
 ) -> list[Member]:
     """Return the members of some points.
 
@@ -70,7 +77,8 @@ def members(
         `vsb.study.campaign.sections` of the study.
     points : iterable of Point
     climate : ClimateSpec
-    tuning : sequence of {'fixed', 'one', 'each'}
+    tuning : sequence of {'fixed', 'one', 'each', 'constrained'}
+    constrained : Constrained, optional
     """
     swept: dict[str, tuple[str, ...]] = {}  # members of one shape share it
     found = []
@@ -79,7 +87,7 @@ def members(
         if (shape := _shape(study)) not in swept:
             swept[shape] = tuple(content_id(block) for block in HydroPlan(study).sweep_blocks)
         parts = {name: getattr(study, name) for name in MemberSpec.model_fields if name in Study.model_fields}
-        spec = MemberSpec(**parts, sweep=swept[shape], climate=climate, tuning=tuple(tuning))
+        spec = MemberSpec(**parts, sweep=swept[shape], climate=climate, tuning=tuple(tuning), constrained=constrained)
         found.append(Member(point, study, spec))
     return found
 
@@ -132,26 +140,41 @@ class CampaignPlan:
         ConfigError
             If a point has no study; in one line with its values.
         """
-        campaign = self.loaded.campaign
+        loaded = self.loaded
         try:
-            return members(self.base, campaign.vary.points, self.climate, self.loaded.tuning)
+            found = members(self.base, loaded.campaign.vary.points, self.climate, loaded.tuning, loaded.constrained)
+            for one in found:
+                loaded.check_take_off(one.study, where_of(one.point))
         except ConfigError as error:
-            raise ConfigError(f"{self.loaded.source}: vary: {error}") from None
+            raise ConfigError(f"{loaded.source}: vary: {error}") from None
+        return found
 
     @cached_property
     def batches(self) -> dict[str, MembersSpec]:
-        """Specs of the batches by id: of as many members each, those of one shape together."""
-        ordered = sorted(self.members, key=lambda one: one.spec.sweep)
+        """Specs of the batches by id: of as many members each, those of one shape and take-off together."""
+        ordered = sorted(self.members, key=lambda one: (one.spec.sweep, canonical(one.study.pto)))
         shapes = len({one.spec.sweep for one in ordered})
-        seconds = MEMBER_SECONDS * len(ordered) + BLOCK_SECONDS * shapes
+        seconds = self.member_seconds * len(ordered) + BLOCK_SECONDS * shapes
         count = min(MOST_BATCHES, len(ordered), math.ceil(seconds / BATCH_SECONDS))
         ends = [len(ordered) * i // count for i in range(count + 1)]
         return dict(self._batch(ordered[first:last]) for first, last in itertools.pairwise(ends))
 
+    @property
+    def member_seconds(self) -> float:
+        """What a member takes, its coefficients there [s]."""
+        constrained = self.loaded.constrained
+        return MEMBER_SECONDS + (constrained.seconds * len(self.loaded.base.designs) if constrained else 0.0)
+
     def _batch(self, some: Sequence[Member]) -> tuple[str, MembersSpec]:
         """Id and spec of a batch."""
         points, tuning = tuple(one.point for one in some), self.loaded.tuning
-        spec = MembersSpec(base=self.base, points=points, climate=self.climate, tuning=tuning)
+        spec = MembersSpec(
+            base=self.base,
+            points=points,
+            climate=self.climate,
+            tuning=tuning,
+            constrained=self.loaded.constrained,
+        )
         return content_id([one.id for one in some]), spec
 
     @cached_property
@@ -272,6 +295,8 @@ def plan_of(path: str) -> StudyPlan | CampaignPlan:
 
 
 def figure_names(spec: CampaignSpec) -> list[str]:
-    """Return the names of the figures of a campaign: one over what is varied, if anything is."""
+    """Return the names of the figures of a campaign: one over what is varied, if anything is; over dampers, if free."""
     varied = any(len(values) > 1 for values in spec.vary.values.values())
-    return [*(["sweep"] if varied else []), "power_matrices", "tuned_power", "pareto"]
+    switching = {"law", "force_limit", "stroke_limit"}
+    free = not switching & {*spec.base["pto"], *(key.removeprefix("pto.") for key in spec.vary.keys)}
+    return [*(["sweep"] if varied else []), "power_matrices", *(["tuned_power"] if free else []), "pareto"]

@@ -5,7 +5,7 @@ keep their names, whatever rules and commands are called.
 """
 
 from collections.abc import Sequence
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from pydantic import Field, field_serializer, model_validator
 
@@ -13,15 +13,16 @@ from vsb.study.device import Device
 from vsb.study.directions import Mooring, Motion
 from vsb.study.drag import Drag
 from vsb.study.floating import centre_height
-from vsb.study.quantities import Count, Extended, Name, Section
+from vsb.study.quantities import Extended, Name, Section
 from vsb.study.sections import Design, Hydro, Modes, RestShape, Simulation, StillWater, Water, Wave
 from vsb.study.study import Study
 from vsb.study.take_off import Pto, opens_chamber
 from vsb.study.vary import Vary
+from vsb.study.year_options import Constrained, Verify
 
 PHYSICS = {
     "mesh": 2, "bem": 7, "database": 6, "radiation": 1, "response": 2, "ladder": 1, "simulate": 4, "compare": 7,
-    "witness": 1, "member": 1, "members": 1, "campaign": 1, "verification": 1,
+    "witness": 1, "member": 2, "members": 2, "campaign": 2, "verification": 2,
 }  # fmt: skip
 """Hand-bumped version of the physics behind each tag: a library edit alone never reruns anything."""
 
@@ -309,9 +310,9 @@ class CompareSpec(Spec):
     study: Study
 
 
-Tunings = Literal["fixed", "one", "each"]
-"""Damper as given, the best one of the year, the best one of each sea."""
-LEADING: tuple[Tunings, ...] = ("one", "each", "fixed")
+Tunings = Literal["fixed", "one", "each", "constrained"]
+"""Damper as given, the best one of the year, the best one of each sea; the best force of any kind within limits."""
+LEADING: tuple[Tunings, ...] = ("one", "each", "fixed", "constrained")
 """Tunings by what a campaign's answer is told at, if it has them."""
 
 
@@ -336,14 +337,7 @@ class MemberSpec(DesignsAtRest, DrivenSpec):
     sweep: tuple[str, ...]
     climate: ClimateSpec
     tuning: tuple[Tunings, ...]
-
-
-class Verify(Section):
-    """Seas of the year to be simulated in time, two of each stratum of its energy; seed of the draw."""
-
-    seas: Annotated[Count, Field(ge=4, le=1000, multiple_of=2)] = 12
-    model: Literal["linear", "body_exact"] = "body_exact"
-    seed: Annotated[Count, Field(ge=0, lt=2**32)] = 1
+    constrained: Constrained | None = None
 
 
 RUN_BY = ("member", "database", "radiation", "simulate")
@@ -373,6 +367,7 @@ class MembersSpec(Spec):
     points: tuple[dict[str, float | str], ...]
     climate: ClimateSpec
     tuning: tuple[Tunings, ...]
+    constrained: Constrained | None = None
 
 
 class CampaignSpec(Spec):

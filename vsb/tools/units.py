@@ -151,7 +151,9 @@ ATTRS: dict[str, Quantity] = {
     "corrected_gain_percent": Quantity(_YEAR[:2], "%", "gain of corrected mean power over the reference"),
     "corrected_gain_low": Quantity(_YEAR[:2], "%", "least corrected gain, 95 % by the scatter of the seas run"),
     "corrected_gain_high": Quantity(_YEAR[:2], "%", "largest corrected gain, 95 % by that scatter"),
-    "energy_beyond": Quantity((*_YEAR[:2], "limit"), "1", "share of energy from seas beyond a limit of linear waves"),
+    "energy_beyond": Quantity((*_YEAR, "limit"), "1", "share of energy from seas beyond a limit of linear theory"),
+    "energy_beyond_validity": Quantity(_YEAR, "1", "share of energy from seas too steep, breaking or deforming much"),
+    "beyond_validity": Quantity((*_YEAR, *_BINS), "1", "share of the seas of a bin that are such"),
     "drawn_sea": Quantity(("draw",), "1", "index of the sea in the climate"),
     "drawn_seed": Quantity(("draw",), "1", "seed of its phases"),
     "drawn_hs": Quantity(("draw",), "m", "its significant wave height"),
@@ -165,8 +167,15 @@ ATTRS: dict[str, Quantity] = {
     "viable": Quantity(("...", "design"), "1", "whether a design rests stably; results of others are missing"),
     "margin": Quantity(("...",), "1", "1 - static load over buckling load; below 0 the shell would buckle"),
     "practice_power": Quantity(_YEAR, "W", "mean power if seas were JONSWAP at the centres of bins"),
-    "quadrature_error": Quantity(_YEAR, "W", "error of mean power by the quadrature over frequency"),
-    "damping": Quantity((*_YEAR, *_BINS), "N s/m", "mean damper of the seas of a bin"),
+    "quadrature_error": Quantity(
+        _YEAR, "W", "error of mean power by the quadrature over frequency; of optima half their 95 % interval"
+    ),
+    "power_bound": Quantity(_YEAR[:2], "W", "what no force within the limits takes of the year, proved"),
+    "optimum_gap": Quantity(_YEAR[:2], "1", "distance of the optima from that bound, over it"),
+    "optimum_share": Quantity(_YEAR[:2], "1", "share of the year's energy flux in the bins whose optima are known"),
+    "optimum_excess": Quantity(_YEAR[:2], "1", "largest part by which a limit is exceeded between instants"),
+    "impossible_share": Quantity(_YEAR[:2], "1", "share of the year in which no force keeps the stroke limit"),
+    "damping": Quantity((*_YEAR, *_BINS), "N s/m", "mean damper of the seas of a bin, 0 where there is none"),
     "power_matrix": Quantity((*_YEAR, *_BINS), "W", "mean power in a bin, 0 where there is no sea"),
     "power_deviation": Quantity((*_YEAR, *_BINS), "W", "standard deviation of mean power within a bin"),
     "capture_width_matrix": Quantity((*_YEAR, *_BINS), "m", "mean capture width in a bin, 0 where there is no sea"),
@@ -281,11 +290,20 @@ def merged(ds: xr.Dataset) -> xr.Dataset:
     return ds.assign(parts).drop_vars("complex")
 
 
+UNTOLD = {"practice_power": "constrained"}
+"""Variables that do not exist under a tuning: usual practice knows no optima."""
+
+
 def check_finite(ds: xr.Dataset, source: str) -> None:
-    """Raise `DatabaseError` if any number of the dataset is NaN or infinite, but of designs that are not `viable`."""
+    """Raise `DatabaseError` if any number of the dataset is NaN or infinite.
+
+    But of designs that are not `viable`, and of what a tuning has not (`UNTOLD`).
+    """
     for name, variable in ds.data_vars.items():
         if not np.issubdtype(variable.dtype, np.number) or np.isfinite(variable.values).all():
             continue
         missing = ~ds.viable if "viable" in ds and "design" in variable.dims else False
+        if "tuning" in variable.dims and name in UNTOLD:
+            missing = missing | (ds.tuning == UNTOLD[name])
         if not (np.isfinite(variable) | missing).all():
             raise DatabaseError(f"{source}: variable {name} holds NaN or infinite values; this result cannot be used.")

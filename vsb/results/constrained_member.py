@@ -1,0 +1,167 @@
+"""The tuning `constrained` of a member of a campaign: the best force of any kind within the take-off's limits."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+import xarray as xr
+
+from vsb.motion.harmonics import Harmonics
+from vsb.motion.port import PortMotion
+from vsb.results.constrained_year import ConstrainedYear, Limits, constrained_year, harmonics_of_year
+from vsb.results.validity import LIMITS, motion_limits, wave_limits
+from vsb.scenes.ports import InWaves, ShapeWater, designs_in_waves
+from vsb.shell.modes import ModeBasis
+from vsb.shell.rest import ReferenceShell
+from vsb.study.study import Study
+from vsb.tools.units import FloatArray
+from vsb.waves.climate import YEAR_HOURS, Climate
+
+Constrained = Literal["constrained"]
+CONSTRAINED: Constrained = "constrained"
+OF_LIMITS = ("power_bound", "optimum_gap", "optimum_share", "optimum_excess", "impossible_share")
+"""What is said of the optima of a design beside what every tuning has."""
+KEPT = 32
+"""Years of rigid designs that are kept: points of other shells share them."""
+
+
+@dataclass
+class Optima:
+    """What finds the years of designs within limits; a rigid design that points have in common is solved once."""
+
+    water: Callable[[ModeBasis, FloatArray], ShapeWater]  # coefficients of the member's shape at frequencies
+    seconds: float  # budget of each design [s]
+    seed: int
+    known: dict[bytes, ConstrainedYear] = field(default_factory=dict)
+
+    def years(self, study: Study, reference: ReferenceShell, climate: Climate, lowest: float) -> xr.Dataset:
+        """Return the years of designs that are viable within the limits of their take-off.
+
+        Parameters
+        ----------
+        study : Study
+            Of those designs alone.
+        reference : ReferenceShell
+        climate : Climate
+        lowest : float [rad/s]
+            From where on coefficients and waves are known.
+        """
+        harmonics = harmonics_of_year(climate, lowest, study.hydro.omega_max, self.seconds)
+        waves = designs_in_waves(study, reference, self.water(reference.basis, harmonics.omega))
+        found = {design: self._year(study, design, one, climate, harmonics) for design, one in waves.items()}
+        return constrained_dataset(study, found, waves, climate)
+
+    def _year(
+        self, study: Study, design: str, waves: InWaves, climate: Climate, harmonics: Harmonics
+    ) -> ConstrainedYear:
+        """The year of one design."""
+        limits = Limits(study.pto.force_limit, study.pto.stroke_limit)
+        port = waves.port
+        key = port.velocity.tobytes() + port.admittance.tobytes() + np.array(limits).tobytes()
+        if key in self.known:
+            return self.known[key]
+        one = constrained_year(port, climate, study.water, harmonics, limits, self.seconds, self.seed)
+        if not study.designs[design].flexible:
+            if len(self.known) == KEPT:
+                del self.known[next(iter(self.known))]
+            self.known[key] = one
+        return one
+
+
+def constrained_dataset(
+    study: Study, years: Mapping[str, ConstrainedYear], waves: Mapping[str, InWaves], climate: Climate
+) -> xr.Dataset:
+    """Return the years of designs within limits as other tunings have theirs, and how far they are proved."""
+    flux = climate.flux(study.water)
+    columns: dict[str, dict[str, float | FloatArray]] = {
+        design: _column(one, climate, flux) | _beyond(study, one, waves[design].motion, climate)
+        for design, one in years.items()
+    }
+    reference = study.reference_design
+    if reference is not None and (gains := _gains(years, reference, study.hydro.tolerance)):
+        columns = {design: {**column, **gains[design]} for design, column in columns.items()}
+    dims = {0: (), 1: ("limit",), 2: ("hs", "te")}
+    names = next(iter(columns.values()))
+    together = {name: np.stack([np.asarray(column[name]) for column in columns.values()]) for name in names}
+    ds = xr.Dataset(
+        {name: (("design", *dims[value.ndim - 1]), value) for name, value in together.items()},
+        coords={"design": list(years)},
+    )
+    of_tuning = [name for name in ds.data_vars if name not in OF_LIMITS]
+    return ds.assign({name: ds[name].expand_dims(tuning=[CONSTRAINED], axis=1) for name in of_tuning})
+
+
+def _column(one: ConstrainedYear, climate: Climate, flux: FloatArray) -> dict[str, float | FloatArray]:
+    """All of one design but what it does in too high seas."""
+    mean, low, high = one.annual_mean_power
+    of_bins = one.bins.mean(flux)
+    none = np.zeros(one.bins.shape)
+    return {
+        "annual_mean_power": mean,
+        "annual_energy": mean * YEAR_HOURS / 1e6,
+        "capture_width": mean / float(flux @ climate.hours),
+        "force_rms": one.force_rms,
+        "quadrature_error": (high - low) / 2,
+        "power_matrix": one.power_matrix,
+        "capture_width_matrix": np.divide(one.power_matrix, of_bins, out=none.copy(), where=of_bins > 0),
+        "damping": none,
+        "power_deviation": none,
+        "capture_width_deviation": none,
+        "power_bound": one.bound,
+        "optimum_gap": 1 - one.taken / one.bound if one.bound > 0 else 0.0,
+        "optimum_share": one.flux_share,
+        "optimum_excess": one.excess,
+        "impossible_share": one.impossible,
+    }
+
+
+def _gains(
+    years: Mapping[str, ConstrainedYear], reference: str, tolerance: float
+) -> dict[str, dict[str, float]] | None:
+    """Gains over the reference and their intervals, by what is proved, by few waves and by the coefficients' errors."""
+    found = {}
+    for design, one in years.items():
+        gain = one.gain(years[reference])
+        if gain is None:
+            return None
+        width = 2 * tolerance * (100 + gain.mean)
+        low, high = (gain.low - width, gain.high + width) if design != reference else (0.0, 0.0)
+        found[design] = {"gain_percent": gain.mean, "gain_low": low, "gain_high": high}
+    return found
+
+
+def _beyond(study: Study, one: ConstrainedYear, motion: PortMotion, climate: Climate) -> dict[str, float | FloatArray]:
+    """Which part of the seas of each bin lies beyond what is described, and their shares of the energy.
+
+    Steepness is that of every sea; the motion is that of the mean spectrum of a bin, which marks all of it.
+    """
+    bins = one.bins
+    shares = {limit.name: bins.mean(limit.seas.astype(float)) for limit in wave_limits(climate, study.water)}
+    steep = bins.mean(np.any([limit.seas for limit in wave_limits(climate, study.water)], axis=0).astype(float))
+    moved = {name: one.matrix(values) for name, values in _motion_rms(one, motion).items()}
+    for limit in motion_limits({name: v.ravel() for name, v in moved.items()}, study.device.radius):
+        shares[limit.name] = limit.seas.reshape(bins.shape).astype(float)
+    marked = np.where(shares["deformation"] > 0, 1.0, steep)
+    energy = bins.share * one.power_matrix
+    total = max(float(energy.sum()), np.finfo(float).tiny)
+    return {
+        "beyond_validity": marked,
+        "energy_beyond": np.array([float((energy * shares[name]).sum()) / total for name in LIMITS]),
+        "energy_beyond_validity": float((energy * marked).sum()) / total,
+    }
+
+
+def _motion_rms(one: ConstrainedYear, motion: PortMotion) -> dict[str, FloatArray]:
+    """Root mean squares of heave and shell in the bins solved, shape (bin,) [m]; 0 where no force keeps the limits."""
+    zero = np.zeros(one.amplitude.shape[-1], dtype=complex)
+    force = np.array([[o.force if o else zero for o in pair] for pair in one.optima])
+    held = np.array([[o is not None for o in pair] for pair in one.optima])[..., None]
+    waves = np.where(held, one.amplitude, 0.0)
+    heave = waves * motion.heave[0] - force * motion.heave[1]
+    variance = (np.abs(heave) ** 2).sum(axis=-1).mean(axis=1) / 2
+    largest = np.zeros(len(variance))
+    for free, forced in zip(*(np.moveaxis(part, 1, 0) for part in motion.shell), strict=True):  # points
+        both = waves[..., None, :] * free - force[..., None, :] * forced
+        largest = np.maximum(largest, (np.abs(both) ** 2).sum(axis=(-1, -2)).mean(axis=1) / 2)
+    return {"heave": np.sqrt(variance), "deformation": np.sqrt(largest)}

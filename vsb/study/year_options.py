@@ -1,0 +1,22 @@
+"""What a campaign may ask of a year beyond linear theory: optima within limits, runs in time."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from vsb.study.quantities import Count, Number, Section
+
+
+class Constrained(Section):
+    """Budget of the optima within limits of each design at each point [s], and the seed of their waves."""
+
+    seconds: Annotated[Number, Field(gt=0, le=86400)] = 10.0
+    seed: Annotated[Count, Field(ge=0, lt=2**32)] = 1
+
+
+class Verify(Section):
+    """Seas of the year to be simulated in time, two of each stratum of its energy; seed of the draw."""
+
+    seas: Annotated[Count, Field(ge=4, le=1000, multiple_of=2)] = 12
+    model: Literal["linear", "body_exact"] = "body_exact"
+    seed: Annotated[Count, Field(ge=0, lt=2**32)] = 1
