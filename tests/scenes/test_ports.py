@@ -16,7 +16,7 @@ SPRING = 3e4
 
 def water(study, colatitude=2.0, mass=4e3, loss=1e3, pull=5e4, omega=OMEGA):
     """A body that moves water, radiates and is pulled at one ring alone: all coefficients are products there."""
-    solved = displacements(HydroPlan(study).displacements)
+    solved = displacements(HydroPlan(study).displacements())
     at_ring = np.polynomial.legendre.legvander(np.cos([colatitude]), len(solved) - 1)[0]
     at_ring = at_ring if len(solved) > 1 else np.cos([colatitude])  # of a rigid study Radial1 alone
     product = np.outer(at_ring, at_ring)

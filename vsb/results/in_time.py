@@ -12,7 +12,6 @@ from vsb.motion.builders import body_exact_scene, linear_scene
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
 from vsb.motion.system import System
-from vsb.motion.take_off import TakeOff
 from vsb.results.verification import linear_power
 from vsb.scenes.pause import best_pause_in_sea, with_pause
 from vsb.scenes.take_off import with_take_off
@@ -64,7 +63,7 @@ class DesignInTime:
         if model != "linear":
             scene = body_exact_scene(buoy, self.shape, self.radiation, sea, self.motions)
         scene = with_take_off(scene, self.pto, self.take_off)
-        if self.pto.pauses and isinstance(scene.forces.get(scene.take_off), TakeOff):  # or nothing there moves
+        if self.pto.pauses and scene.law:  # or nothing there moves
             best = best_pause_in_sea(with_take_off(linear, self.pto, self.take_off), sea, settings)
             scene = with_pause(scene, best.pause)
         taken = [(leg.motion.time, leg.energy["pto"]) for leg in legs(System.of(scene), sea, settings, buoy.spectrum)]
