@@ -8,6 +8,7 @@ import pytest
 from tools.test_files import rao, rewritten
 
 from vsb.errors import DatabaseError
+from vsb.study.blocks import panel_solver
 from vsb.tools.files import load, save, write_text
 from vsb.tools.stamps import Stamp, faults, read_manifest, read_text, record, stamp_file
 
@@ -187,3 +188,11 @@ def test_a_file_of_before_that_agrees_with_its_specification_is_stamped(tmp_path
         file.delncattr("checksum")
     (fault,) = faults({str(path): identity}, {})
     assert fault.kind == "stale"
+
+
+def test_the_table_of_the_panel_solver_carries_its_name(tmp_path):
+    """It is of no specification: the solver and its version are what it should be."""
+    (tmp_path / "table.npz").write_bytes(b"table")
+    record(tmp_path / "manifest.json", panel_solver(), [tmp_path / "table.npz"])
+    (stamp,) = read_manifest(tmp_path / "manifest.json").values()
+    assert stamp.spec_id == panel_solver()

@@ -33,7 +33,7 @@ class Stamp:
 
     def __post_init__(self) -> None:
         """Check that it can be of a file: a manifest may have been edited."""
-        known = isinstance(self.spec_id, str) and re.fullmatch("[0-9a-f]{16}", self.spec_id)
+        known = isinstance(self.spec_id, str) and re.fullmatch(r"[0-9a-f]{16}|capytaine [\w.]+", self.spec_id)
         summed = isinstance(self.checksum, str) and re.fullmatch("[0-9a-f]{64}", self.checksum)
         if not (known and summed and type(self.size) is int and self.size >= 0):
             raise ValueError("no stamp of an id, a checksum and a size")
