@@ -194,7 +194,7 @@ def test_a_results_folder_that_is_none_is_told_before_any_work(workplace, capsys
 def test_a_file_that_cannot_be_used_is_one_line(workplace, capsys, monkeypatch):
     paper = yaml.safe_load(SEED.with_name("paper.yaml").read_text())
     given(monkeypatch, canonical(paper))
-    options = {"trajectories": "t", "figures": "f", "out": "r.html", "manifest": "m.json"}
+    options = {"modes": "m", "trajectories": "t", "figures": "f", "out": "r.html", "manifest": "m.json"}
     line = told(["report", "--tables", "none.json", *(f"--{key}={value}" for key, value in options.items())], capsys)
     assert line.startswith("none.json: ")
 
@@ -259,6 +259,6 @@ def test_check_tells_of_a_campaign_what_it_is_and_what_is_left(tmp_path, monkeyp
     monkeypatch.chdir(tmp_path)
     assert main(["check", str(SEED.parent / "when_it_pays.yaml")]) == 0
     out = capsys.readouterr().out
-    assert "seed.yaml over 8600 seas, tuning one" in out
-    assert "78 of device.young_modulus x device.thickness, 0 done" in out
-    assert "1 of 1 batches to do, 1 shapes of the water" in out
+    assert "seed.yaml over 8600 seas, tuning constrained" in out
+    assert "84 of device.young_modulus x device.thickness x pto.force_limit, 0 done" in out
+    assert "32 of 32 batches to do, 1 shapes of the water" in out

@@ -143,6 +143,24 @@ def shape_dependence(args: argparse.Namespace) -> int:
     return 0
 
 
+def compare(args: argparse.Namespace) -> int:
+    """Put finished studies and campaigns side by side: power, gain at equal tuning, dampers, capture width, energy.
+
+    Without a study it is the rule of that name, which puts the designs of one study side by side.
+    """
+    one: Stage = args.stage
+    if args.studies:
+        from vsb.stages import side_by_side
+
+        if odd := [name for name in (*one.files, *one.optional) if name != "out" and vars(args)[name]]:
+            args.command.error(f"--{odd[0]} is of the rule compare, which takes no studies")
+        print(side_by_side.compare(args.studies, args.out))
+        return 0
+    if missing := [name for name in one.files if vars(args)[name] is None]:
+        args.command.error(f"needs studies, or as a rule of the workflow --{' --'.join(missing)}")
+    return stage(args)
+
+
 def stage(args: argparse.Namespace) -> int:
     """Run a stage on its specification, as JSON on standard input: of any length, unlike an argument."""
     one: Stage = args.stage
@@ -178,7 +196,8 @@ def parser() -> argparse.ArgumentParser:
     commands = top.add_subparsers(title="commands", required=True, metavar="COMMAND")
     _add_commands(commands)
     _add_imports(commands)
-    for one in STAGES:
+    _add_compare(commands)
+    for one in (one for one in STAGES if one.name != "compare"):
         rule = commands.add_parser(one.name, description=f"Rule {one.name}: {one.text}.")  # no help: not in the list
         for name in (*one.files, *one.optional):
             rule.add_argument(f"--{name}", required=name in one.files, metavar="PATH")
@@ -218,6 +237,17 @@ def _add_commands(commands: Any) -> None:
     words = "hydro database of any mesh with any displacements"
     one = _command(commands, "body", words, body, config="CONFIG", out="FOLDER")
     one.set_defaults(writes=("{out}/",))
+
+
+def _add_compare(commands: Any) -> None:
+    """Declare what puts studies side by side, and is the rule of its name without any."""
+    (rule,) = (one for one in STAGES if one.name == "compare")
+    one = _command(commands, rule.name, "finished studies and campaigns side by side", compare)
+    one.add_argument("studies", nargs="*", metavar="CONFIG", help="their files; none: the rule")
+    one.add_argument("--out", metavar="FILE.csv", help="write the table as CSV, all of it")
+    for name in (name for name in (*rule.files, *rule.optional) if name != "out"):
+        one.add_argument(f"--{name}", metavar="PATH", help=argparse.SUPPRESS)
+    one.set_defaults(stage=rule)
 
 
 def _add_imports(commands: Any) -> None:

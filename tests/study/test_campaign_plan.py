@@ -218,3 +218,34 @@ def test_curves_over_dampers_are_of_take_offs_without_limits(planned):
     assert "tuned_power" not in figure_names(planned(LIMITS, tuning=["constrained"]).campaign)
     limited = planned({}, name="own", study={"pto": {"force_limit": 1e4}}, tuning=["constrained"])
     assert "tuned_power" not in figure_names(limited.campaign)
+
+
+RADII = {"device.radius": [2.0, 3.0]}
+
+
+def test_a_mass_that_would_stay_behind_is_refused(planned):
+    expected = (
+        r"sweep.yaml: vary: device.radius: received with device.mass 17170 as given in seed.yaml, with which other"
+    )
+    with pytest.raises(ConfigError, match=expected):
+        planned(RADII)
+    both = planned(RADII | {"device.mass": [17170.0, 57950.0], "pairs": True})
+    assert [one.study.device.mass for one in both.members] == [17170.0, 57950.0]
+
+
+def test_what_floats_by_its_draft_or_half_immersed_follows_the_radius(planned, tmp_path):
+    """As the file says it: half immersion at every radius and density, or the draft in metres."""
+    raw = yaml.safe_load(SEED.read_text())
+    del raw["device"]["mass"]
+    (tmp_path / "seed.yaml").write_text(yaml.safe_dump(raw))
+    for one in planned(RADII).members:
+        assert one.study.draft == pytest.approx(one.study.device.radius, rel=1e-9)
+    for one in planned({"water.density": [1000.0, 1025.0]}).members:
+        assert one.study.draft == pytest.approx(2.0, rel=1e-9)
+    raw["device"]["draft"] = 1.8
+    (tmp_path / "seed.yaml").write_text(yaml.safe_dump(raw))
+    for one in planned(RADII).members:
+        assert one.study.draft == pytest.approx(1.8, rel=1e-9)
+    assert [one.study.draft for one in planned({"device.draft": [1.5, 2.2]}).members] == pytest.approx([1.5, 2.2])
+    with pytest.raises(ConfigError, match=r"received with device.draft 1.8 as given"):
+        planned(RADII | {"scale": [1.0, 2.0]})

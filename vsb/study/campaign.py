@@ -135,6 +135,8 @@ def read(raw: object, source: str) -> "LoadedCampaign":
             f"{source}: verify: received tuning constrained alone, whose forces are of no law in time; needs "
             "fixed, one or each beside it"
         )
+    floats_by = _floats_by(folder / campaign.study, study)
+    _check_draft(campaign, floats_by, source)
     try:
         digest = hashlib.sha256(climate.read_bytes()).hexdigest()[:16]
     except OSError as error:
@@ -142,7 +144,30 @@ def read(raw: object, source: str) -> "LoadedCampaign":
             f"{source}: climate: received {campaign.climate.file}, which cannot be read ({error.strerror}); needs the "
             "path of a file, relative to this one"
         ) from None
-    return LoadedCampaign(campaign=campaign, source=source, base=study, climate_path=str(climate), climate_id=digest)
+    return LoadedCampaign(
+        campaign=campaign, source=source, base=study, climate_path=str(climate), climate_id=digest, floats_by=floats_by
+    )
+
+
+def _check_draft(campaign: Campaign, floats_by: Mapping[str, float], source: str) -> None:
+    """Check that neither mass nor draft stays behind when the radius varies: the answer would be of another buoy."""
+    varied = {*campaign.vary.keys}
+    stays = [key for key in floats_by if key == "mass" or SCALE in varied]
+    if "device.radius" in varied and stays and not {"device.mass", "device.draft"} & varied:
+        raise ConfigError(
+            f"{source}: vary: device.radius: received with device.{stays[0]} {floats_by[stays[0]]:g} as given in "
+            f"{campaign.study}, with which other radii float otherwise; needs device.{stays[0]} varied too, a study "
+            "that gives neither mass nor draft, or scale alone"
+        )
+
+
+def _floats_by(path: Path, study: Study) -> dict[str, float]:
+    """What decides the draft in a study file: its mass, its draft, or nothing, half immersion."""
+    raw = read_yaml(path, "a study file such as config/seed.yaml")
+    device = raw["device"] if isinstance(raw, Mapping) else {}
+    if "draft" in device:
+        return {"draft": study.draft}
+    return {"mass": study.device.mass} if "mass" in device else {}
 
 
 class LoadedCampaign(Section):
@@ -153,6 +178,7 @@ class LoadedCampaign(Section):
     base: Study
     climate_path: str
     climate_id: str
+    floats_by: dict[str, float]  # mass or draft as the study gives it; neither: half immersion
 
     @property
     def tuning(self) -> tuple[Tunings, ...]:
@@ -183,7 +209,7 @@ class LoadedCampaign(Section):
 
 def sections(study: Study) -> dict[str, Any]:
     """Return what a year depends on of a study: linear, its waves, its run in time and its name left out."""
-    found = study.model_dump(exclude={"study", "waves", "simulation", "published"})
+    found: dict[str, Any] = study.model_dump(exclude={"study", "waves", "simulation", "published"})
     found["hydro"] |= {"model": "linear", "power_tolerance": None}
     return {key: value for key, value in found.items() if value is not None}
 

@@ -119,8 +119,12 @@ class CampaignPlan:
 
     @cached_property
     def base(self) -> dict[str, Any]:
-        """Sections of its study."""
-        return sections(self.loaded.base)
+        """Sections of its study; where its draft may vary, with what decides it in the file."""
+        found = sections(self.loaded.base)
+        if not {"device.radius", "device.draft", "water.density"} & {*self.loaded.campaign.vary.keys}:
+            return found
+        others = {key: value for key, value in found["device"].items() if key != "mass"}
+        return {**found, "device": others | self.loaded.floats_by}
 
     @property
     def climate(self) -> ClimateSpec:

@@ -1,0 +1,122 @@
+"""Finished studies and campaigns side by side: their numbers, of checked results alone."""
+
+import csv
+import json
+from contextlib import chdir
+from pathlib import Path
+
+import pytest
+import yaml
+from conftest import SMALL_PLAN, varied
+from stages.test_members import batches, gather, planned, with_seas
+
+from vsb.cli import main
+from vsb.errors import ConfigError, DatabaseError
+from vsb.stages.side_by_side import HEAD, MOST_POINTS, Line, as_csv, as_text, compare, lines
+from vsb.study.study import canonical
+from vsb.tools.files import load
+
+
+@pytest.fixture(scope="module")
+def year(tmp_path_factory):
+    """A campaign over two moduli that was run."""
+    plan = planned(with_seas(tmp_path_factory.mktemp("beside"), (1.0, 6.0)), {"device.young_modulus": [1e8, 1e9]})
+    batches(plan)
+    gather(plan)
+    return plan
+
+
+def test_a_study_is_told_at_its_own_best_dampers(small):
+    found = lines([small])
+    tables = json.loads(Path(f"{small.folder}/tables.json").read_text())
+    assert [(one.design, one.sea) for one in found] == [(row["design"], row["sea"]) for row in tables["equal_tuning"]]
+    for one, row in zip(found, tables["equal_tuning"], strict=True):
+        assert (one.power_mean, one.gain_percent) == (row["best_power"], row["best_gain_percent"])
+        assert one.damping == row["best_damping"]
+        assert one.annual_energy is None
+
+
+def test_capture_width_is_that_of_the_power_told(small):
+    """The energy flux of a sea is one, whatever takes it."""
+    runs = {
+        (row["design"], row["wave"]): row
+        for row in json.loads(Path(f"{small.folder}/tables.json").read_text())["comparison"]
+    }
+    for one in lines([small]):
+        run = runs[one.design, one.sea]
+        flux = run["power_mean"] / run["capture_width"]
+        assert one.capture_width == pytest.approx(one.power_mean / flux, rel=1e-9)
+
+
+def test_a_campaign_is_told_over_its_year(year):
+    ds = load(year.data_path, expected=year.campaign_id).sel(tuning="one")
+    found = lines([year])
+    assert len(found) == ds.annual_energy.size
+    for one in found:
+        at = ds.sel(young_modulus=float(one.point.partition(" ")[2]), design=one.design)
+        assert one.annual_energy == pytest.approx(float(at.annual_energy))
+        assert one.power_mean == pytest.approx(float(at.annual_mean_power))
+        assert one.gain_percent == pytest.approx(float(at.gain_percent))
+        assert one.capture_width == pytest.approx(float(at.capture_width))
+        assert one.damping > 0
+
+
+def test_studies_and_campaigns_stand_in_one_table(small, year):
+    found = lines([small, year])
+    head, *body = as_text(found).splitlines()
+    assert head.split()[0] == "study"
+    assert "MWh/year" in head
+    assert [row.split()[0] for row in body] == [one.study for one in found]
+    assert "MWh/year" not in as_text(lines([small]))
+    rows = list(csv.DictReader(as_csv(found).splitlines()))
+    assert [row["design"] for row in rows] == [one.design for one in found]
+    assert rows[0]["annual_energy"] == ""
+    assert float(rows[-1]["annual_energy"]) == pytest.approx(found[-1].annual_energy, rel=1e-11)
+
+
+def test_a_long_sweep_is_cut_in_the_table_alone():
+    many = [Line("s", f"p {i}", "A", "sea", "one", 1.0, None, None, 1.0, 2.0) for i in range(MOST_POINTS + 5)]
+    text = as_text(many)
+    assert text.splitlines()[-1] == "5 more lines with --out FILE.csv"
+    assert "gain" not in text.splitlines()[0]
+    assert len(HEAD) == len(Line._fields)
+    assert len(as_csv(many).splitlines()) == len(many) + 1
+
+
+def test_results_of_another_state_of_the_file_are_refused(finished, tmp_path, year):
+    changed = type(SMALL_PLAN)(varied(SMALL_PLAN.study, pto={"damping": 7777.0}), root=SMALL_PLAN.root)
+    with chdir(finished), pytest.raises(DatabaseError, match=r"tables\.json: "):
+        lines([changed])
+    other = planned(Path(year.loaded.source).parent, {"device.young_modulus": [1e8, 2e9]})
+    with pytest.raises(DatabaseError, match=r"campaign\.nc"):
+        lines([other])
+
+
+def test_a_study_is_named_once(small):
+    with pytest.raises(ConfigError, match=f"compare: received {SMALL_PLAN.study.study} more than once"):
+        lines([small, small])
+
+
+def test_mistakes_are_one_line(tmp_path, capsys):
+    with pytest.raises(ConfigError, match=r"--out: received a\.txt, needs a file that ends in \.csv"):
+        compare(["any"], "a.txt")
+    assert main(["compare", str(tmp_path / "absent.yaml")]) == 2
+    assert "absent.yaml: cannot be read" in capsys.readouterr().err
+    for words, expected in (
+        (["compare"], "needs studies, or as a rule of the workflow --trajectories"),
+        (["compare", "a.yaml", "--rungs", "x"], "--rungs is of the rule compare, which takes no studies"),
+    ):
+        with pytest.raises(SystemExit) as stopped:
+            main(words)
+        assert stopped.value.code == 2
+        assert expected in capsys.readouterr().err
+
+
+def test_the_command_prints_and_writes_the_table(finished, tmp_path, capsys):
+    config = tmp_path / "small.yaml"
+    config.write_text(yaml.safe_dump(json.loads(canonical(SMALL_PLAN.study))))
+    with chdir(finished):
+        assert main(["compare", str(config), "--out", str(tmp_path / "table.csv")]) == 0
+    printed = capsys.readouterr().out
+    assert "VSWEC" in printed
+    assert len((tmp_path / "table.csv").read_text().splitlines()) == len(printed.splitlines())
