@@ -9,6 +9,7 @@ from typing import Any
 import vsb
 from vsb.cli import parser
 from vsb.hydro.bodies.study import BodyStudy
+from vsb.study.campaign import Campaign
 from vsb.study.keys import KEYS
 from vsb.study.schema import Schema, schema_of
 from vsb.study.study import Study
@@ -25,6 +26,11 @@ FILES = {
         BodyStudy,
         "A body file",
         "What `vsb body` takes; [any body](../own-body.md) has a complete example.",
+    ),
+    "Campaign": (
+        Campaign,
+        "A campaign file",
+        "What `vsb run` and `vsb check` take as well: a study over a site's year, and over what is varied of it.",
     ),
 }
 

@@ -49,12 +49,13 @@ def check(args: argparse.Namespace) -> int:
 
 
 def schema(args: argparse.Namespace) -> int:
-    """Print the JSON schema of study or body files, by which editors complete, explain and check them."""
+    """Print the JSON schema of study, body or campaign files, by which editors complete, explain and check them."""
     from vsb.hydro.bodies.study import BodyStudy
+    from vsb.study.campaign import Campaign
     from vsb.study.schema import schema_of
 
-    model: type[Section] = BodyStudy if args.kind == "body" else Study
-    print(json.dumps(schema_of(model), indent=1, allow_nan=False))
+    models: dict[str, type[Section]] = {"study": Study, "body": BodyStudy, "campaign": Campaign}
+    print(json.dumps(schema_of(models[args.kind]), indent=1, allow_nan=False))
     return 0
 
 
@@ -224,7 +225,7 @@ def _add_commands(commands: Any) -> None:
     one.add_argument("--cores", "-c", type=cores, metavar="N", help="processor cores to use, or all")
     _command(commands, "check", "validate a study or campaign, solve nothing", check, config="CONFIG")
     one = _command(commands, "schema", "JSON schema of study files, for editors", schema)
-    one.add_argument("kind", nargs="?", choices=("study", "body"), default="study", help="of which files")
+    one.add_argument("kind", nargs="?", choices=("study", "body", "campaign"), default="study", help="of which files")
     one = _command(commands, "completion", "completion for a shell", complete)
     one.add_argument("shell", choices=tuple(completion.SHELLS), help="which")
     one = _command(commands, "verify", "whether results are what they should be", verify, config="CONFIG|FOLDER")

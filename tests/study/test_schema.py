@@ -8,13 +8,15 @@ import yaml
 from conftest import SEED
 
 from vsb.hydro.bodies.study import BodyStudy
+from vsb.study.campaign import Campaign
 from vsb.study.keys import KEYS
 from vsb.study.reading import read_yaml
 from vsb.study.schema import dotted, hint, keys_at, nearest, schema_of
 from vsb.study.study import Study
 
-MODELS = {"study": Study, "body": BodyStudy}
+MODELS = {"campaign": Campaign, "study": Study, "body": BodyStudy}
 FILES = {path: path.read_text() for path in SEED.parent.glob("*.yaml")}
+CAMPAIGNS = sorted(path for path, text in FILES.items() if "\ncampaign:" in text)
 STUDIES = sorted(path for path, text in FILES.items() if "\nstudy:" in text and "\ncampaign:" not in text)
 
 
@@ -54,6 +56,16 @@ def numbers(data):
 @pytest.mark.parametrize("path", STUDIES, ids=lambda path: path.stem)
 def test_shipped_studies_are_valid_by_the_schema(path):
     jsonschema.validate(numbers(yaml.safe_load(path.read_text())), schema_of(Study))
+
+
+@pytest.mark.parametrize("path", CAMPAIGNS, ids=lambda path: path.stem)
+def test_shipped_campaigns_are_valid_by_the_schema(path):
+    given = numbers(yaml.safe_load(path.read_text()))
+    jsonschema.validate(given, schema_of(Campaign))
+    jsonschema.validate({**given, "vary": schema_of(Campaign)["properties"]["vary"]["default"]}, schema_of(Campaign))
+    for wrong in ({"vary": {"device.mass": {"log": [1.0]}}}, {"tuning": ["best"]}, {"years": 1}):
+        with pytest.raises(jsonschema.ValidationError):
+            jsonschema.validate(given | wrong, schema_of(Campaign))
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag, field_validator
+from pydantic import BeforeValidator, Discriminator, Field, Tag, WithJsonSchema, field_validator
 
 from vsb.errors import ConfigError
 from vsb.study.froude import scaled
@@ -17,7 +17,7 @@ from vsb.study.reading import read_yaml, validated
 from vsb.study.specs import Tunings, leading_tuning
 from vsb.study.study import RESERVED_NAMES, Study, parse
 from vsb.study.study import load as load_study
-from vsb.study.vary import SCALE, Point, Value, Vary, read_vary
+from vsb.study.vary import SCALE, VARIED, Point, Value, Vary, read_vary
 from vsb.study.year_options import Constrained, Verify
 
 SMALLEST, LARGEST = 1e-3, 1e3
@@ -62,12 +62,16 @@ ClimateFile = Annotated[
 """Where the seas of a year are from."""
 
 
+Varied = Annotated[Vary, BeforeValidator(read_vary), WithJsonSchema(VARIED), Field(json_schema_extra={"default": {}})]
+"""What is varied, as a file says it."""
+
+
 class Campaign(Section):
     """One campaign file; names of files are relative to it."""
 
     campaign: Name
     study: str
-    vary: Annotated[Vary, BeforeValidator(read_vary)] = Vary()
+    vary: Varied = Vary()
     climate: ClimateFile
     tuning: Annotated[tuple[Tunings, ...], Field(min_length=1)] | None = None  # none: all the study has
     constrained: Constrained | None = None

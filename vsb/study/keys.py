@@ -211,5 +211,37 @@ KEYS: dict[str, dict[str, Key]] = {
             "-", "0.01", "error of interpolation between as few frequencies solved as it needs; without it all are"
         ),
     },
+    "Campaign": {
+        "campaign": Key("", "softness", "name of the campaign and of its folder of results"),
+        "study": Key("", "seed.yaml", "study file, relative to this one; its waves are not used"),
+        "vary": Key(
+            "",
+            "{device.young_modulus: {log: [1.0e+6, 1.0e+9, 7]}, device.thickness: [0.01, 0.02]}",
+            "keys of the study, or scale, and their values: every combination; pairs, latin_hypercube",
+        ),
+        "climate": Key("", "{spectra: sea.txt}", "seas of the year: measured spectra, or a table of occurrences"),
+        "tuning": Key(
+            "", "[one, each]", "dampers of the year; constrained: the best force within the take-off's limits"
+        ),
+        "constrained": Key("", "{seconds: 10.0}", "work for the optima within limits"),
+        "verify": Key("", "{seas: 12}", "seas simulated in time beside linear theory, which they correct"),
+    },
+    "Spectra": {
+        "spectra": Key("", "sea.txt.gz", "NDBC's spectral text, plain or gz, or netCDF of wavespectra's names")
+    },
+    "Scatter": {
+        "scatter": Key("", "site.csv", "table of occurrences over significant height and period"),
+        "spectrum": Key("", "jonswap", "form of the spectra of its cells"),
+        "gamma": Key("-", "3.3", "peak enhancement of JONSWAP"),
+    },
+    "Constrained": {
+        "seconds": Key("s", "10.0", "budget of each design at each point, of a usual core; no clock is looked at"),
+        "seed": Key("-", "1", "seed of the phases of the waves"),
+    },
+    "Verify": {
+        "seas": Key("-", "12", "how many, two of each stratum of the year's energy"),
+        "model": Key("", "body_exact", "hydrodynamics of the runs"),
+        "seed": Key("-", "1", "seed of the draw and of the phases"),
+    },
 }
 """Section of the models -> key -> what it means."""

@@ -30,6 +30,24 @@ UNITS = {
 }  # fmt: skip
 """Units of varied numbers by the last word of their key; others have none."""
 _FORMS = "a list of values, {log: [first, last, count]} or {linear: [first, last, count]}"
+_SPACED = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 3}
+_SPACING = {"type": "object", "properties": {"log": _SPACED, "linear": _SPACED}, "additionalProperties": False}
+VARIED: dict[str, Any] = {
+    "type": "object",
+    "default": {},
+    "properties": {
+        "pairs": {"type": "boolean", "default": False, "description": "the first value of each key, the second, ..."},
+        "latin_hypercube": {
+            "type": "object",
+            "description": "points drawn evenly between the ends of each key",
+            "properties": {"samples": {"type": "integer", "minimum": 1}, "seed": {"type": "integer", "default": 1}},
+            "required": ["samples"],
+            "additionalProperties": False,
+        },
+    },
+    "additionalProperties": {"anyOf": [{"type": "array", "items": {"type": ["number", "string"]}}, _SPACING]},
+}
+"""What a file may say of what is varied, as JSON schema."""
 _DIGITS = 12
 """Digits of values spaced evenly: those of a sweep and of its widening are the same."""
 
