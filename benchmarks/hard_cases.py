@@ -189,6 +189,7 @@ def simulated(case: Case, design: str, folder: str | Path) -> Result:
     one = StudyPlan(study).simulation(design, study.waves[0])
     scene, shape, waves, spectrum, _ = SCENES[one.hydro.model](one, paths)
     motion, _, method = simulate(system := System.of(scene), waves, one.simulation, spectrum)
+    assert shape is not None  # of a buoy
     rows = shape.basis.clamp_rows(np.deg2rad(one.designs[design].clamp))
     moved = motion.position @ scene.motions.T
     if rows.size:

@@ -8,7 +8,8 @@ from typing import Any
 
 import vsb
 from vsb.cli import parser
-from vsb.hydro.bodies.study import BodyStudy
+from vsb.study.body import BodyStudy
+from vsb.study.body_file import BodyFile
 from vsb.study.campaign import Campaign
 from vsb.study.keys import KEYS
 from vsb.study.schema import Schema, schema_of
@@ -24,6 +25,11 @@ FILES = {
     ),
     "BodyStudy": (
         BodyStudy,
+        "A study file of a body",
+        "What `vsb run` and `vsb check` take of any other body; [any body](../own-body.md) has a complete example.",
+    ),
+    "BodyFile": (
+        BodyFile,
         "A body file",
         "What `vsb body` takes; [any body](../own-body.md) has a complete example.",
     ),

@@ -25,9 +25,10 @@ from vsb.cli import answer, print_verdict
 from vsb.errors import ConfigError
 from vsb.hydro.bodies.body import FlexibleBody, IntArray, at_centres, joined
 from vsb.hydro.bodies.files import write_body
-from vsb.hydro.bodies.study import BodyStudy, read_config, run, solve
+from vsb.hydro.bodies.study import read_config, run, solve
 from vsb.hydro.database import Check, stored_checks
 from vsb.report.canvas import grid_of_axes, legend_above, style
+from vsb.study.body_file import BodyFile
 from vsb.study.quantities import Count, Finite, Number, Positive, Section
 from vsb.study.reading import validated
 from vsb.study.sections import Water
@@ -164,7 +165,7 @@ class Convergence(Section):
 class BargeStudy(Section):
     """A barge in waves: frequencies [rad/s], directions [degrees], panels over the draught, and what to compare.
 
-    `tolerance` [-] of interpolation between the frequencies solved, as of `vsb.bodystudy.BodyStudy`.
+    `tolerance` [-] of interpolation between the frequencies solved, as of `vsb.bodystudy.BodyFile`.
     """
 
     barge: Barge
@@ -183,11 +184,11 @@ class BargeStudy(Section):
             raise ValueError(f"water.depth {self.water.depth:g} m: needs more than the draught")
         return self
 
-    def body_study(self, name: str, omega: tuple[float, ...]) -> BodyStudy:
+    def body_study(self, name: str, omega: tuple[float, ...]) -> BodyFile:
         """Body file of a mesh of this barge; below the first irregular frequency no lid is needed."""
         kept = {key: getattr(self, key) for key in ("water", "wave_direction", "tolerance")}
         file = {"body": name, "mesh": "body.nc", "modes": "body.nc", "omega": omega, "lid": 0, **kept}
-        return validated(BodyStudy, file, name)
+        return validated(BodyFile, file, name)
 
 
 def study(config: str | Path, out: str | Path, tables: str | Path | None = None) -> list[Check]:

@@ -13,7 +13,9 @@ import vsb
 from vsb.cli import parser
 from vsb.hydro.bodies.body import detected_symmetry
 from vsb.hydro.bodies.files import read_body
-from vsb.hydro.bodies.study import BodyStudy, read_config
+from vsb.hydro.bodies.study import read_config
+from vsb.study.body import BodyStudy
+from vsb.study.body_file import BodyFile
 from vsb.study.schema import dotted, schema_of
 from vsb.study.study import Study, load
 from vsb.tools.completion import commands, options
@@ -33,7 +35,7 @@ def generate():
 
 def test_every_key_stands_in_the_reference_once_per_section(generate):
     page = generate.keys_page()
-    for model in (Study, BodyStudy):
+    for model in (Study, BodyStudy, BodyFile):
         for name in dotted(schema_of(model)):
             assert f"\n| `{name.rpartition('.')[2]}` |" in page
     assert page.count("| `young_modulus` | Young's modulus of the shell | Pa | **required** | from 1 to 1e+16 |") == 1
@@ -91,7 +93,7 @@ def test_the_body_of_the_documentation_is_one(tmp_path, monkeypatch):
     (program,), (file,) = blocks("own-body.md", "python"), blocks("own-body.md", "yaml")
     exec(program, {})
     Path("raft.yaml").write_text(file)
-    study = read_config("raft.yaml", BodyStudy)
+    study = read_config("raft.yaml", BodyFile)
     body = read_body(study.mesh, study.modes)
     assert body.labels == ("Heave", "Pitch", "Bending")
     assert body.volume == pytest.approx(20.0 * 8.0 * 2.0)

@@ -26,8 +26,8 @@ from vsb.shell.modes import Mode, ModeBasis
 from vsb.shell.sphere import Shell, natural_frequencies
 from vsb.stages.stage import Stage
 from vsb.study import specs
-from vsb.study.sections import WhiteNoise
 from vsb.study.study import canonical
+from vsb.study.waves import WhiteNoise
 from vsb.tools.files import write_text
 from vsb.waves import seas
 

@@ -18,6 +18,7 @@ from vsb.shell.modes import ModeBasis as ModeBasis
 from vsb.shell.sphere import Shell as Shell
 from vsb.stages.make import run as run
 from vsb.stages.stored import Results as Results
+from vsb.study.body import load_body as load_body
 from vsb.study.study import Design as Design
 from vsb.study.study import Device as Device
 from vsb.study.study import Hydro as Hydro

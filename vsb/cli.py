@@ -14,6 +14,7 @@ from vsb.errors import ConfigError, VsbError
 from vsb.stages.init import init
 from vsb.stages.run import ERROR, check_name, cores, run
 from vsb.stages.stage import STAGES, Stage
+from vsb.study.body_plan import BodyPlan
 from vsb.study.campaign_plan import CampaignPlan, plan_of
 from vsb.study.plan import StudyPlan
 from vsb.study.quantities import Section
@@ -37,12 +38,14 @@ def begin(args: argparse.Namespace) -> int:
 
 def check(args: argparse.Namespace) -> int:
     """Validate a study or campaign, print what it would cost and what to doubt; solve nothing."""
-    from vsb.stages import preview
+    from vsb.stages import body_preview, preview
 
     plan = plan_of(args.config)
     check_name(plan)
     if isinstance(plan, CampaignPlan):
         print(*preview.campaign_summary(plan), sep="\n")
+    elif isinstance(plan, BodyPlan):
+        print(*body_preview.body_summary(plan), sep="\n")
     else:
         print(*preview.summary(plan.study, plan), sep="\n")
     return 0
@@ -50,11 +53,13 @@ def check(args: argparse.Namespace) -> int:
 
 def schema(args: argparse.Namespace) -> int:
     """Print the JSON schema of study, body or campaign files, by which editors complete, explain and check them."""
-    from vsb.hydro.bodies.study import BodyStudy
+    from vsb.study.body import BodyStudy
+    from vsb.study.body_file import BodyFile
     from vsb.study.campaign import Campaign
     from vsb.study.schema import schema_of
 
-    models: dict[str, type[Section]] = {"study": Study, "body": BodyStudy, "campaign": Campaign}
+    models: dict[str, type[Section]] = {"study": Study, "campaign": Campaign}
+    models |= {"body-study": BodyStudy, "body": BodyFile}
     print(json.dumps(schema_of(models[args.kind]), indent=1, allow_nan=False))
     return 0
 
@@ -225,7 +230,8 @@ def _add_commands(commands: Any) -> None:
     one.add_argument("--cores", "-c", type=cores, metavar="N", help="processor cores to use, or all")
     _command(commands, "check", "validate a study or campaign, solve nothing", check, config="CONFIG")
     one = _command(commands, "schema", "JSON schema of study files, for editors", schema)
-    one.add_argument("kind", nargs="?", choices=("study", "body", "campaign"), default="study", help="of which files")
+    kinds = ("study", "body-study", "body", "campaign")
+    one.add_argument("kind", nargs="?", choices=kinds, default="study", help="of which files")
     one = _command(commands, "completion", "completion for a shell", complete)
     one.add_argument("shell", choices=tuple(completion.SHELLS), help="which")
     one = _command(commands, "verify", "whether results are what they should be", verify, config="CONFIG|FOLDER")

@@ -7,15 +7,16 @@ import xarray as xr
 from examples.barge import Barge, box
 from vsb.errors import ConfigError, DatabaseError, StabilityError
 from vsb.hydro.bodies.body import FlexibleBody, at_centres
-from vsb.hydro.bodies.study import BodyStudy, solve
+from vsb.hydro.bodies.study import solve
 from vsb.hydro.database import open_database
-from vsb.hydro.dofs import RIGID
 from vsb.integrators.simulate import simulate
 from vsb.integrators.trajectory import labelled
 from vsb.motion.bodies import LinearBody, body_scene, linear_body, together, with_added_mass_inf
 from vsb.motion.port import combination
 from vsb.motion.pto import LinearPto
 from vsb.motion.system import System
+from vsb.study.body_file import BodyFile
+from vsb.study.quantities import RIGID
 from vsb.study.study import Simulation
 from vsb.waves.seas import NO_WAVES, Sea
 
@@ -45,7 +46,7 @@ def database(tmp_path_factory, green_folder):
     body = FlexibleBody(vertices, faces, (*RIGID, *BARGE.labels[2:]), panels, shapes, mass, stiffness, centre)
     made = {"body": "barge", "mesh": "-", "modes": "-", "omega": OMEGA, "wave_direction": (0.0, 45.0), "lid": 0}
     folder = tmp_path_factory.mktemp("barge")
-    solve(BodyStudy(**made), body, folder, green_folder)
+    solve(BodyFile(**made), body, folder, green_folder)
     return open_database(folder / "barge.nc")
 
 

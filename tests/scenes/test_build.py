@@ -5,7 +5,8 @@ import pytest
 from conftest import varied
 
 from vsb.errors import DatabaseError
-from vsb.scenes.build import SCENES, linear_buoy
+from vsb.scenes.afloat import linear_buoy
+from vsb.scenes.build import SCENES
 from vsb.scenes.rest import design_motions
 from vsb.study.plan import StudyPlan
 

@@ -9,7 +9,8 @@ import xarray as xr
 from conftest import varied
 
 from vsb.stages import figures
-from vsb.study.plan import FIGURE_KINDS, figure_names
+from vsb.study.plan import figure_names
+from vsb.study.results_plan import FIGURE_KINDS
 
 
 def test_every_figure_is_drawn_as_before_and_the_callers_looks_stay(small, tmp_path):

@@ -5,7 +5,10 @@ from conftest import HERE, SEED, varied
 
 from vsb.stages.make import due, jobs
 from vsb.study import study as config
+from vsb.study.body import BodyStudy
+from vsb.study.body_plan import plan_for
 from vsb.study.plan import StudyPlan
+from vsb.study.reading import validated
 
 STUDIES = {
     "spectral": {},
@@ -35,6 +38,10 @@ def test_every_rule_of_the_workflow_is_a_job_of_some_study(tmp_path):
     files = (HERE.parent / "workflow" / "rules").glob("*.smk")
     rules = "".join(path.read_text() for path in files if path.stem != "campaign")
     plans = [StudyPlan(varied(config.load(SEED), **changes)) for changes in STUDIES.values()]
+    body = {"file": {"body": "raft", "mesh": "-", "modes": "-", "omega": [0.5, 1.0]}}
+    raft = {"study": "raft", "body": body, "designs": {"a": {}}, "waves": [{"kind": "still"}]}
+    raft["pto"] = {"damping": 1.0}
+    plans.append(plan_for(validated(BodyStudy, raft, "raft.yaml")))
     assert {job.stage for plan in plans for job in jobs(plan)} == set(re.findall(r"^rule (\w+):", rules, re.MULTILINE))
 
 

@@ -13,7 +13,7 @@ from conftest import SEED
 from vsb.errors import ConfigError, VsbError
 from vsb.motion.frequency import LinearBuoy
 from vsb.results.year import frequencies, year
-from vsb.scenes.build import linear_buoy
+from vsb.scenes.afloat import linear_buoy
 from vsb.scenes.rest import design_motions
 from vsb.stages import answer, campaign, members
 from vsb.stages.climate import read_climate

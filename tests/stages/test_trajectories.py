@@ -7,7 +7,8 @@ from conftest import varied
 
 from vsb.errors import DatabaseError
 from vsb.stages.trajectories import StoredRuns
-from vsb.study.plan import StudyPlan, trajectory_name
+from vsb.study.plan import StudyPlan
+from vsb.study.results_plan import trajectory_name
 from vsb.tools.files import save
 
 SEAS = [{"kind": "regular", "amplitude": 0.1, "period": period} for period in (2.0, 3.0, 4.0)]

@@ -16,7 +16,7 @@ SEED = Path(__file__).parents[2] / "config" / "seed.yaml"
 KEPT = {
     "poisson_ratio", "density", "adiabatic_index", "atmospheric_pressure", "degree", "clamp", "depth",
     "gravity", "power_tolerance", "tolerance", "rows", "efficiency", "colatitude", "between", "seed", "realisations",
-    "gamma", "values", "coefficient", "order",
+    "gamma", "values", "coefficient", "order", "direction", "dofs",
 }  # fmt: skip
 """Numbers without dimension, angles, and what stays as it is: material, water, air, figures published elsewhere."""
 

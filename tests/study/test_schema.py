@@ -7,14 +7,15 @@ import pytest
 import yaml
 from conftest import SEED
 
-from vsb.hydro.bodies.study import BodyStudy
+from vsb.study.body import BodyStudy
+from vsb.study.body_file import BodyFile
 from vsb.study.campaign import Campaign
 from vsb.study.keys import KEYS
 from vsb.study.reading import read_yaml
 from vsb.study.schema import dotted, hint, keys_at, nearest, schema_of
 from vsb.study.study import Study
 
-MODELS = {"campaign": Campaign, "study": Study, "body": BodyStudy}
+MODELS = {"campaign": Campaign, "study": Study, "body-study": BodyStudy, "body": BodyFile}
 FILES = {path: path.read_text() for path in SEED.parent.glob("*.yaml")}
 CAMPAIGNS = sorted(path for path, text in FILES.items() if "\ncampaign:" in text)
 STUDIES = sorted(path for path, text in FILES.items() if "\nstudy:" in text and "\ncampaign:" not in text)
@@ -41,7 +42,7 @@ def test_no_key_is_described_that_is_none():
     described = {name: set(keys) for name, keys in KEYS.items()}
     left = {name: keys - known.get(name, set()) for name, keys in described.items() if name in known}
     assert not any(left.values()), left
-    assert described.keys() - known.keys() <= {"ShellPort", "BetweenPort", "LinePort"}
+    assert described.keys() - known.keys() <= {"ShellPort", "BetweenPort", "LinePort", "DofPort"}
 
 
 def numbers(data):
@@ -100,7 +101,7 @@ def test_keys_of_a_place():
     schema = schema_of(Study)
     assert set(keys_at(schema, ("device", "damping"))) == {"alpha", "beta"}
     assert set(keys_at(schema, ("designs", "any"))) == {"flexible", "clamp"}
-    assert set(keys_at(schema, ("waves", 3, "regular"))) == {"kind", "amplitude", "period"}
+    assert set(keys_at(schema, ("waves", 3, "regular"))) == {"kind", "amplitude", "period", "direction"}
     assert {"hs", "amplitude", "band"} < set(keys_at(schema, ("waves", 3)))
     assert {"device.gas.adiabatic_index", "waves.gamma", "study"} < set(dotted(schema))
 

@@ -224,7 +224,7 @@ def _index_line(path: Path) -> str:
     try:
         ds = load(path)
         a = ds.attrs
-        fields = [a[key] for key in ("radius", "basis", "degree")]
+        fields = [a.get(key, "-") for key in ("radius", "basis", "degree")]  # of a body none
         verdicts = {check.verdict for check in stored_checks(ds)}
     except (DatabaseError, KeyError, TypeError, ValueError):
         return "\t".join([path.stem, *["-"] * 6, "unreadable"])

@@ -12,11 +12,10 @@ import numpy as np
 
 from vsb.errors import ConfigError
 from vsb.hydro.azimuthal import legendre_function
+from vsb.study.quantities import is_rigid
 from vsb.tools.units import FloatArray
 
 Kind = Literal["radial", "meridional", "surge", "heave", "pitch"]
-RIGID = ("Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw")
-"""Labels of the six rigid motions, in everybody's order."""
 _ORDER = {"surge": 1, "heave": 0, "pitch": 1}
 """Azimuthal order of the rigid motions in the plane of the waves."""
 _NEEDED = (
@@ -86,7 +85,7 @@ def flexible(labels: Iterable[str], motions: FloatArray | None = None) -> bool:
     """
     names = [str(label) for label in labels]
     moved = names if motions is None else [name for name, row in zip(names, motions, strict=True) if row.any()]
-    return not set(moved) <= set(RIGID)
+    return not all(map(is_rigid, moved))
 
 
 def azimuthal_order(moved: Sequence[Displacement]) -> int:

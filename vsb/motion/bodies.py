@@ -108,7 +108,12 @@ class LinearBody(LinearMotion):
                 f"{last:g} rad/s; solve a wider band, or use waves within it."
             )
         added_mass, damping, force = (spline(omega) for spline in self._splines)
-        near = direction_index(self.database.wave_direction.values, self.direction)
+        known = self.database.wave_direction.values
+        if (near := direction_index(known, self.direction)) is None:
+            raise DatabaseError(
+                f"wave direction: received {np.degrees(self.direction):g} degrees, needs one of "
+                f"{', '.join(f'{d:g}' for d in np.degrees(known))}."
+            )
         return Coefficients(added_mass, damping, np.asarray(force[:, near], dtype=complex))
 
     def added_mass_at(self, omega: float) -> FloatArray:
@@ -131,22 +136,11 @@ class LinearBody(LinearMotion):
         return np.asarray(shapes[:, values <= size])
 
 
-def direction_index(known: FloatArray, direction: float) -> int:
-    """Return the place of a wave direction [rad] among those known, full turns left out.
-
-    Raises
-    ------
-    DatabaseError
-        If it is not there.
-    """
+def direction_index(known: FloatArray, direction: float) -> int | None:
+    """Return the place of a wave direction [rad] among those known, full turns left out; none if it is not there."""
     apart = np.abs((known - direction + np.pi) % (2 * np.pi) - np.pi)
     near = int(np.argmin(apart))
-    if apart[near] > _SAME_DIRECTION:
-        raise DatabaseError(
-            f"wave direction: received {np.degrees(direction):g} degrees, needs one of "
-            f"{', '.join(f'{d:g}' for d in np.degrees(known))}."
-        )
-    return near
+    return near if apart[near] <= _SAME_DIRECTION else None
 
 
 def linear_body(

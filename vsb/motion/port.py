@@ -19,7 +19,7 @@ from vsb.hydro.azimuthal import multiplicity
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.loaded import ElasticShell
 from vsb.shell.orders import OrderBasis
-from vsb.study.take_off import BetweenPort, LinePort, PortChoice, ShellPort
+from vsb.study.take_off import BetweenPort, DofPort, LinePort, PortChoice, ShellPort
 from vsb.tools.units import ComplexArray, FloatArray
 
 
@@ -165,7 +165,7 @@ def port_direction(choice: PortChoice, shape: DeformedShell, orders: Sequence[Or
 
     Parameters
     ----------
-    choice : "heave", "surge", "pitch", "volume", ShellPort, BetweenPort or LinePort
+    choice : "heave", "surge", "pitch", "volume", ShellPort, BetweenPort, LinePort or DofPort
     shape : DeformedShell
         The shape at rest.
     orders : sequence of OrderBasis
@@ -180,6 +180,8 @@ def port_direction(choice: PortChoice, shape: DeformedShell, orders: Sequence[Or
     labels = [*shape.basis.labels, *(label for basis in orders for label in basis.labels)]
     if isinstance(choice, LinePort):
         return combination(labels, line_shares(choice, shape.centre_height))
+    if isinstance(choice, DofPort):
+        return combination(labels, choice.dofs)
     if choice == "surge" or choice == "pitch":
         return combination(labels, {choice.capitalize(): 1.0})
     beyond = [_between(choice, shape, basis) for basis in orders]
@@ -258,8 +260,8 @@ def combination(labels: Sequence[str], shares: Mapping[str, float]) -> FloatArra
         If a degree of freedom is not there, or the combination is none.
     """
     if unknown := sorted(set(shares) - set(labels)):
-        raise ConfigError(f"port: received {', '.join(unknown)}; needs some of {', '.join(labels)}.")
+        raise ConfigError(f"pto.port: received {', '.join(unknown)}; needs some of {', '.join(labels)}.")
     b = np.array([float(shares.get(label, 0.0)) for label in labels])
     if not (np.isfinite(b).all() and b.any()):
-        raise ConfigError(f"port: received {dict(shares)}; needs finite shares, not all zero.")
+        raise ConfigError(f"pto.port: received {dict(shares)}; needs finite shares, not all zero.")
     return b

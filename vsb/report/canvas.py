@@ -45,6 +45,7 @@ class StudyData:
     runs: Mapping[tuple[str, str], xr.Dataset]  # (design, wave label) -> trajectory
     witness: xr.Dataset  # empty without a second solver
     tuned: bool = False  # no damper is given
+    limit: str = "limit λ/2π"  # what a capture width of a wavelength over 2 pi is called
 
 
 def style(design: str, designs: Sequence[str]) -> dict[str, Any]:

@@ -10,8 +10,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vsb.hydro.dofs import RIGID
 from vsb.report.band import LOWEST, useful_band
+from vsb.report.body_figures import degrees_of_freedom, port_motion
 from vsb.report.canvas import (
     StudyData,
     folded,
@@ -27,6 +27,7 @@ from vsb.report.canvas import (
 )
 from vsb.report.shell_figures import extreme_shapes, mode_shapes, shapes_3d, snapshots, volume_area
 from vsb.report.witness_figure import witness
+from vsb.study.quantities import RIGID
 from vsb.tools.units import FloatArray
 
 
@@ -41,7 +42,7 @@ def absorbed_power(data: StudyData) -> Figure:
     powers = {"each at its own best damper": response.best_power} | given
     figure, axes = grid_of_axes(5.2, 2, len(powers), sharex=True, sharey="row", height_ratios=[3, 2])
     for (title, power), (top, bottom) in zip(powers.items(), axes.T, strict=True):
-        top.plot(omega, limit, color="#999999", linewidth=3, alpha=0.6, label="limit λ/2π")
+        top.plot(omega, limit, color="#999999", linewidth=3, alpha=0.6, label=data.limit)
         for design in data.designs:
             top.plot(omega, power.sel(design=design) / 1e3, **style(design, data.designs))
         _gain(data, power, bottom)
@@ -266,7 +267,7 @@ def draw(name: str, data: StudyData) -> Figure:
         f.__name__: f
         for f in (
             heave_excitation, directions, velocity_pto, power_energy, energy_audit, snapshots,
-            extreme_shapes, shapes_3d, volume_area,
+            extreme_shapes, shapes_3d, volume_area, port_motion, degrees_of_freedom,
         )
     }  # fmt: skip
     return per_wave[kind](data, wave) if kind in per_wave else per_study[kind](data)

@@ -11,7 +11,7 @@ import jinja2
 import markupsafe
 
 from vsb.report.doubts import advice
-from vsb.study.plan import FIGURE_KINDS
+from vsb.study.results_plan import FIGURE_KINDS
 
 INLINE = 1_000_000
 """Most bytes of figures inside a page; further ones stand beside it."""

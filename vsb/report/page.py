@@ -43,6 +43,8 @@ CAPTIONS = {
     "how far apart they are on the mean shell and on shells deformed by each mode, in terms of the largest entry at "
     "each frequency, beside what their own estimates allow; what deformation does to heave's coefficients (panels "
     "dots, spectral solver open); in deep water also how far apart derivatives of the coefficients by the modes are.",
+    "port_motion": "Displacement and velocity of the take-off's port.",
+    "degrees_of_freedom": "How far every degree of freedom moves, take-off at work.",
     "heave_excitation": "Heave and the heave component of the excitation force.",
     "directions": "Surge, heave and pitch, of the top towards where the waves go. Without a mooring nothing holds "
     "surge: what the start gives it, it keeps.",
@@ -67,6 +69,8 @@ MEASURES = (
     ("damping", "damper [N s/m]", 1.0, ""),
     ("power_gain_percent", "gain of mean power [%]", 1.0, "+.1f"),
 )
+BODY_MEASURES = (("displacement_pp", "port, peak to peak [m]", 1.0, ""), *MEASURES[1:])
+"""Of a body, whose take-off acts on a port of its own."""
 DETAILS = (
     ("energy", "energy of the run [kJ]", 1e-3, ""),
     ("energy_gain_percent", "energy gain [%]", 1.0, "+.1f"),
@@ -105,6 +109,7 @@ class Report:
     statistics: Sequence[dict[str, Any]] = ()  # of irregular seas, realisations together
     equal_tuning: Sequence[dict[str, Any]] = ()  # designs at their own best dampers; empty without BEM
     within_limits: Sequence[dict[str, Any]] = ()  # optima under limits, where the take-off has some
+    thing: str = "buoy"  # what floats
     sketches: Sequence[dict[str, str]] = ()  # of each design: name, words, SVG
     living: dict[str, Any] | None = None  # what the page computes with, see `vsb.report.living`
     buoys: dict[str, Any] | None = None  # what it draws in motion, see `vsb.report.animation`
@@ -326,7 +331,7 @@ def _answer(report: Report, in_seas: Sequence[str]) -> list[str]:
 
 def render(report: Report) -> str:
     """Return the report as one HTML page with everything inside."""
-    head, body = table(report.rows)
+    head, body = table(report.rows, MEASURES if report.thing == "buoy" else BODY_MEASURES)
     pto = report.study["pto"]
     details_head, details = table(report.rows, DETAILS)
     irregular, tuned, response = report.irregular, report.equal_tuning, report.response
@@ -341,6 +346,7 @@ def render(report: Report) -> str:
     return page(
         "report.html.j2",
         study=report.study["study"],
+        thing=report.thing,
         answer=_answer(report, in_seas),
         sketches=report.sketches,
         kind="study",

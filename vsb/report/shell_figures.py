@@ -8,8 +8,9 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vsb.hydro.dofs import RIGID, flexible
+from vsb.hydro.dofs import flexible
 from vsb.report.canvas import StudyData, folded, grid_of_axes, panels, style
+from vsb.study.quantities import RIGID
 from vsb.tools.units import FloatArray
 
 

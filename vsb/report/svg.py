@@ -17,7 +17,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vsb.study.plan import FIGURE_KINDS
+from vsb.study.results_plan import FIGURE_KINDS
 from vsb.tools.files import whole
 from vsb.tools.units import FloatArray
 from vsb.tools.words import plain

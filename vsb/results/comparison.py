@@ -8,7 +8,8 @@ from typing import Any
 import xarray as xr
 
 from vsb.results.power import Merit, damper_of, merit
-from vsb.study.study import StillWater, Study, Wave
+from vsb.study.compared import Compared
+from vsb.study.study import StillWater, Wave
 from vsb.waves.seas import Sea
 
 TAKE_OFF = ("damping", "stiffness", "power_gain_percent")
@@ -20,7 +21,7 @@ Runs = Mapping[str, xr.Dataset]
 """Design -> its trajectory in a sea."""
 
 
-def comparison(study: Study, wave: Wave, runs: Runs, sea: Sea) -> list[Row]:
+def comparison(study: Compared, wave: Wave, runs: Runs, sea: Sea) -> list[Row]:
     """Return one row per design in a sea; gains of energy and of mean power are over the first rigid design's.
 
     Parameters

@@ -8,7 +8,8 @@ import numpy as np
 from vsb.hydro.database import Check, Verdict
 from vsb.results.comparison import gains
 from vsb.results.ladder import Rung
-from vsb.study.study import IrregularSea, Study
+from vsb.study.compared import Compared
+from vsb.study.study import IrregularSea
 from vsb.tools.words import plain
 
 LOST = 0.05
@@ -32,7 +33,7 @@ class Tuned(NamedTuple):
     share: float | None  # power over best power [-]; none where there is none to take
 
 
-def equal_tuning(study: Study, rungs: Sequence[Rung]) -> list[Tuned]:
+def equal_tuning(study: Compared, rungs: Sequence[Rung]) -> list[Tuned]:
     """Return one line per sea and design, from the ladder of a study."""
     seas = _sea_of(study)
     found: list[Tuned] = []
@@ -58,7 +59,7 @@ class Limited(NamedTuple):
     gain_percent: float | None
 
 
-def within_limits(study: Study, rungs: Sequence[Rung]) -> list[Limited]:
+def within_limits(study: Compared, rungs: Sequence[Rung]) -> list[Limited]:
     """Return one line per sea and design whose optimum under limits is known in all realisations."""
     found = []
     for sea in dict.fromkeys(_sea_of(study)[rung.wave] for rung in rungs):
@@ -70,7 +71,7 @@ def within_limits(study: Study, rungs: Sequence[Rung]) -> list[Limited]:
     return found
 
 
-def _sea_of(study: Study) -> dict[str, str]:
+def _sea_of(study: Compared) -> dict[str, str]:
     """Label of a wave -> name of its sea, one for all realisations."""
     return {wave.label: wave.family if isinstance(wave, IrregularSea) else wave.label for wave in study.waves}
 

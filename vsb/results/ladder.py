@@ -4,6 +4,7 @@ import csv
 import io
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial, reduce
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -12,16 +13,17 @@ from vsb.errors import ConfigError, VsbError
 from vsb.hydro.database import Check, check_at_most
 from vsb.motion.constrained import optimum_in_sea
 from vsb.motion.drag import DraggedPort, best_damper, best_pair, under
+from vsb.motion.frequency import LinearBuoy
 from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import Port
-from vsb.motion.tuning import IntArray, Load, best_dampers, best_pairs, frequencies, mean_power, squares
-from vsb.scenes.build import linear_buoy, study_port
+from vsb.motion.tuning import IntArray, Load, best_dampers, best_pairs, mean_power, squares
+from vsb.scenes.afloat import Met, afloat, band, met, study_sea
 from vsb.scenes.drag import dragged_port
-from vsb.scenes.rest import design_motions
+from vsb.study.body_specs import BodyLadderSpec
 from vsb.study.specs import LadderSpec
 from vsb.study.study import IrregularSea, StillWater
 from vsb.tools.units import ComplexArray, FloatArray
-from vsb.waves.seas import Sea, sea
+from vsb.waves.seas import Sea
 from vsb.waves.superposition import superposed
 
 RUNGS = ("fixed", "best_damper", "best_damper_all_seas", "best_spring_damper", "constrained", "matched")
@@ -124,12 +126,37 @@ def ladder(
     time: float,
     dragged: Mapping[str, DraggedPort] | None = None,
 ) -> list[Rung]:
-    """Return the rungs of every design in every sea.
+    """Return the rungs of every design in every sea of one direction.
 
     Parameters
     ----------
     ports : mapping design -> Port
         Over `frequencies` of the seas.
+    seas, families, given, time, dragged
+        See `rungs_of`.
+    """
+    waves = list(seas.values())
+    met = {
+        design: Met(port, squares(waves, port.omega), [np.searchsorted(port.omega, one.omega) for one in waves])
+        for design, port in ports.items()
+    }
+    return rungs_of(met, seas, families, given, time, dragged)
+
+
+def rungs_of(
+    ports: Mapping[str, Met],
+    seas: Mapping[str, Sea],
+    families: Sequence[int],
+    given: Mapping[str, Given],
+    time: float,
+    dragged: Mapping[str, DraggedPort] | None = None,
+) -> list[Rung]:
+    """Return the rungs of every design in every sea.
+
+    Parameters
+    ----------
+    ports : mapping design -> Met
+        In these seas.
     seas : mapping wave label -> Sea
         Without still water.
     families : sequence of int
@@ -141,18 +168,16 @@ def ladder(
         Where there is drag: dampers and springs are judged beside it, the matched power knows none.
     """
     found: list[Rung] = []
-    for design, port in ports.items():
-        waves = squares(list(seas.values()), port.omega)
+    for design, (port, waves, places) in ports.items():
         matched, beside = waves @ port.matched_power, dragged[design] if dragged else None
         if beside is None:
             loads = linear_rungs(port, waves, families, given[design])
         else:
             loads = dragged_rungs(beside, waves, families, given[design])
         for i, (label, here) in enumerate(seas.items()):
-            at = np.searchsorted(port.omega, here.omega)
             own = [Load(*(v[[i]] for v in load)) for load in loads.values()]
             braked = [port if beside is None else _braked(beside, waves[[i]], load) for load in own]
-            forces, strokes = _phasors(port, at, list(zip(braked, own, strict=True)), here)
+            forces, strokes = _phasors(port, places[i], list(zip(braked, own, strict=True)), here)
             peaks = _peaks(here, np.concatenate([forces, strokes]), time)
             rms = np.sqrt(0.5 * np.sum(np.abs(forces) ** 2, axis=1))
             names = [*loads, "matched"]
@@ -167,38 +192,40 @@ def ladder(
     return found
 
 
-def study_ladder(spec: LadderSpec, database: str) -> list[Rung]:
+def study_ladder(study: LadderSpec | BodyLadderSpec, database: str) -> list[Rung]:
     """Return the rungs of every design of a study in every sea; still water has none.
 
     Parameters
     ----------
-    spec : LadderSpec
+    study : LadderSpec or BodyLadderSpec
     database : str
         Path of its hydro database.
     """
-    buoy, basis = linear_buoy(spec, database)
-    pto, hydro = spec.pto, spec.hydro
-    waves = [wave for wave in spec.waves if not isinstance(wave, StillWater)]
+    floating, pto = afloat(study, database), study.pto
+    waves = [wave for wave in study.waves if not isinstance(wave, StillWater)]
     if not waves:
         return []
-    seas = {wave.label: sea(wave, hydro.omega_max, spec.simulation.duration) for wave in waves}
+    ds = floating.linear.database
+    seas = {wave.label: study_sea(study, wave, ds) for wave in waves}
     names = [wave.family if isinstance(wave, IrregularSea) else wave.label for wave in waves]
     families = [names.index(name) for name in dict.fromkeys(names)]
-    direction = study_port(spec, buoy, basis)
-    omega, motions = frequencies(list(seas.values())), {d: design_motions(spec, basis, d) for d in spec.designs}
-    ports = {design: buoy.port(omega, free, direction) for design, free in motions.items()}
-    given = {design: Given(pto.damper(design), pto.stiffness, pto.efficiency) for design in spec.designs}
-    dragged = None
-    if spec.drag is not None:
-        dragged = {d: dragged_port(spec, buoy, omega, free, direction) for d, free in motions.items()}
-    rungs = ladder(ports, seas, families, given, spec.simulation.duration, dragged)
+    pairs = list(zip(waves, seas.values(), strict=True))
+    ports = {design: met(floating, design, pairs) for design in study.designs}
+    given = {design: Given(pto.damper(design), pto.stiffness, pto.efficiency) for design in study.designs}
+    dragged, buoy = None, floating.linear
+    if isinstance(study, LadderSpec) and study.drag is not None and isinstance(buoy, LinearBuoy):
+        dragged = {
+            design: dragged_port(study, buoy, ports[design].port.omega, motions, floating.port)
+            for design, motions in floating.motions.items()
+        }
+    rungs = rungs_of(ports, seas, families, given, study.simulation.duration, dragged)
     if not pto.limited:
         return rungs
-    limits = Limits(pto.force_limit, pto.stroke_limit, float(buoy.database.omega[0]), hydro.omega_max)
-    for design, free in motions.items():
-        seen = partial(buoy.port, motions=free, direction=direction)
-        rungs += [constrained_rung(design, label, waves, seen, limits) for label, waves in seas.items()]
-    designs, labels = list(motions), list(seas)
+    limits = Limits(pto.force_limit, pto.stroke_limit, float(ds.omega[0]), band(study, ds)[1])
+    for design, wave in product(study.designs, waves):
+        seen = partial(floating.towards(wave).port, motions=floating.motions[design], direction=floating.port)
+        rungs.append(constrained_rung(design, wave.label, seas[wave.label], seen, limits))
+    designs, labels = list(study.designs), list(seas)
     return sorted(rungs, key=lambda r: (designs.index(r.design), labels.index(r.wave), RUNGS.index(r.rung)))
 
 

@@ -2,9 +2,8 @@
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, replace
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -12,17 +11,16 @@ import xarray as xr
 from vsb.errors import ConvergenceError
 from vsb.hydro import witness
 from vsb.hydro.database import Check, check_at_most, stored_checks
-from vsb.hydro.dofs import RIGID, flexible
+from vsb.hydro.dofs import flexible
 from vsb.hydro.orders import of_order
-from vsb.integrators.simulate import CONVOLVED
 from vsb.motion.frequency import LinearBuoy, with_open_chamber
 from vsb.motion.port import port_direction
 from vsb.motion.pto import LinearPto
+from vsb.results.agreement import Attributes, agreement_checks, drift_checks, energy_check
 from vsb.results.attitude import attitude_checks
 from vsb.results.comparison import Row, Runs
-from vsb.results.power import damper_of, power_response
+from vsb.results.power import damper_of
 from vsb.scenes.directions import order_bases
-from vsb.scenes.drag import LINEARISED
 from vsb.scenes.rest import computed_buckling, design_motions, loaded_shell, reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.loaded import ElasticShell, viable_pressure
@@ -30,16 +28,15 @@ from vsb.shell.modes import ModeBasis, mode_basis
 from vsb.shell.rest import ReferenceShell
 from vsb.shell.sphere import Shell
 from vsb.shell.surface import largest_deformation, largest_displacement, largest_strain
+from vsb.study.quantities import RIGID
 from vsb.study.sections import POWER_TOLERANCE
 from vsb.study.study import IrregularSea, RegularWave, StillWater, Study, Water, Wave
 from vsb.study.take_off import ShellPort
 from vsb.study.witness import no_witness
 from vsb.tools.units import FloatArray
 from vsb.tools.words import plain
-from vsb.waves.seas import power_limit, share_above, wavenumber
+from vsb.waves.seas import power_limit, share_above, share_below, wavenumber
 
-Attributes = Mapping[tuple[str, str], Mapping[str, Any]]
-"""What runs say of themselves, by design and label of the sea."""
 HEAVING = "an axisymmetric heaving body"
 _OWN_ERRORS = ("error_estimate", "interpolation_error")
 """Checks of a hydro database that say how far its coefficients may be off."""
@@ -119,8 +116,8 @@ def static_modal_amplitude(study: Study, reference: ReferenceShell) -> FloatArra
     return np.asarray(np.linalg.solve(reference.total, load))
 
 
-def wave_checks(wave: Wave, water: Water, omega_max: float) -> list[Check]:
-    """Return whether linear wave theory and the solved band cover a sea."""
+def wave_checks(wave: Wave, water: Water, omega_max: float, lowest: float = 0.0) -> list[Check]:
+    """Return whether linear wave theory and the solved band, from `lowest` [rad/s] on, cover a sea."""
     if isinstance(wave, StillWater):
         return []
     height = 2 * wave.amplitude if isinstance(wave, RegularWave) else wave.hs
@@ -130,6 +127,9 @@ def wave_checks(wave: Wave, water: Water, omega_max: float) -> list[Check]:
     ]
     if isinstance(wave, IrregularSea):
         share, text = share_above(wave, omega_max), "share of the sea above hydro.omega_max"
+        if lowest:
+            share += share_below(wave, lowest)
+            text = f"share of the sea left out, beyond {lowest:.4g} to {omega_max:.4g} rad/s of the database"
         checks.append(check_at_most("spectrum_cut", share, 0.01, "-", text, doubt=True, wave=wave.label))
     return checks
 
@@ -140,21 +140,12 @@ def run_checks(study: Study, basis: ModeBasis, run: xr.Dataset) -> list[Check]:
     start, end = study.simulation.window
     inside = run.sel(time=slice(start, end))
     heave = float(np.abs(inside.position.values[:, 0]).max()) / study.device.radius
-    closed = max(study.simulation.tolerance, CONVOLVED if study.simulation.method == "convolution" else 1e-6)
     checks = [
-        check_at_most(
-            "energy_residual", run.attrs["energy_residual"], closed, "-",
-            "unbalanced energy over the largest term", doubt=True, design=design, wave=wave,
-        ),
+        energy_check(study, run),
         check_at_most("heave", heave, 0.3, "-", "heave amplitude over radius", doubt=True, design=design, wave=wave),
-    ]  # fmt: skip
-    if "constraint_drift" in run.attrs:
-        linear = "over 10 000 wave periods" if study.needs_bem and wave != "still" else "over the run"
-        text = f"largest slip of the shell at its clamps {linear}"
-        checks.append(
-            check_at_most("constraint_drift", run.attrs["constraint_drift"], 1e-9, "m", text, design=design, wave=wave)
-        )
-    checks += attitude_checks(study, inside)
+        *drift_checks(study, run),
+        *attitude_checks(study, inside),
+    ]
     if flexible(run.dof.values):
         moved, strain = deformation(study, basis, inside)
         checks += [
@@ -193,34 +184,6 @@ def transient_checks(runs: Attributes, rows: Sequence[Row]) -> list[Check]:
             difference = abs(mean / steady - 1) if steady else abs(mean)
             checks.append(check_at_most("transient", difference, 0.005, "-", text, doubt=True, **where))
     return checks
-
-
-def steady_state_check(study: Study, wave: RegularWave, power: float, mean: float, design: str) -> Check:
-    """Return the difference of mean power between time and frequency domain."""
-    expected = power * wave.amplitude**2
-    difference = abs(mean / expected - 1) if expected else abs(mean)
-    return check_at_most(
-        "time_and_frequency_domain", difference, 0.005, "-",
-        "relative difference of mean absorbed power; large if the window still holds a transient",
-        doubt=True, design=design, wave=wave.label,
-    )  # fmt: skip
-
-
-def linearity_check(study: Study, wave: RegularWave, power: float, mean: float, design: str) -> Check:
-    """Return the difference of body-exact mean power from linear theory: what nonlinearity does."""
-    expected = power * wave.amplitude**2
-    difference = abs(mean / expected - 1) if expected else abs(mean)
-    text = f"mean power is {plain(mean)} W body-exact, {plain(expected)} W in linear theory"
-    return check_at_most("linearity", difference, 0.05, "-", text, doubt=True, design=design, wave=wave.label)
-
-
-def drag_check(study: Study, wave: RegularWave, run: Mapping[str, Any], mean: float, design: str) -> Check:
-    """Return the difference of mean power with quadratic drag from that beside its equivalent damper."""
-    expected = float(run[LINEARISED])
-    difference = abs(mean / expected - 1) if expected else abs(mean)
-    text = f"mean power is {plain(mean)} W with quadratic drag, {plain(expected)} W beside its equivalent damper of "
-    text += f"{plain(float(run['drag_damping']))} N s/m; the frequency response and the matched limit know no drag"
-    return check_at_most("drag", difference, 0.05, "-", text, doubt=True, design=design, wave=wave.label)
 
 
 def with_full_basis(database: xr.Dataset, study: Study) -> tuple[xr.Dataset, ModeBasis]:
@@ -325,20 +288,14 @@ def linear_ledger(
     runs: Attributes,
 ) -> list[Check]:
     """Return the checks of linear hydrodynamics: waves, coefficients, radiation model, time and frequency domain."""
-    checks = [*bending_checks(study, database, runs), limit_check(frequency), *radiation_checks(radiation, study)]
-    means = {(row["design"], row["wave"]): row["power_mean"] for row in rows}
+    checks = [
+        *bending_checks(study, database, runs),
+        limit_check(frequency),
+        *radiation_checks(radiation, study.hydro.tolerance),
+    ]
     for wave in study.waves:
         checks += wave_checks(wave, study.water, study.hydro.omega_max)
-        if isinstance(wave, RegularWave) and not study.pto.switches:
-            for design in study.designs:
-                run = runs[design, wave.label]
-                if LINEARISED in run:
-                    checks.append(drag_check(study, wave, run, means[design, wave.label], design))
-                    continue
-                power = float(power_response(study, frequency, design, run).sel(omega=wave.omega, method="nearest"))
-                body_exact = run["model"] == "body_exact"
-                check = linearity_check if body_exact else steady_state_check
-                checks.append(check(study, wave, power, means[design, wave.label], design))
+        checks += agreement_checks(study, wave, frequency, rows, runs)
     return checks + [replace(check, name=f"hydro {check.name}") for check in stored_checks(database)]
 
 
@@ -378,12 +335,12 @@ def worst_first(checks: Sequence[Check]) -> list[Check]:
     return sorted(checks, key=lambda check: ("fail", "accepted", "doubt", "ok").index(check.verdict))
 
 
-def radiation_checks(radiation: xr.Dataset, study: Study) -> list[Check]:
+def radiation_checks(radiation: xr.Dataset, tolerance: float) -> list[Check]:
     """Return the error and the passivity certificate of the radiation state space."""
     order, error = radiation.attrs["order"], radiation.attrs["fit_error"]
     return [
         check_at_most(
-            "radiation_fit", error, study.hydro.tolerance, "-",
+            "radiation_fit", error, tolerance, "-",
             f"rms error of the {order}-state radiation model, each mode relative to its largest damping", doubt=True,
         ),
         check_at_most(

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 
 from vsb.hydro.database import Check, check_at_most
+from vsb.results.agreement import Attributes
 from vsb.results.comparison import Row
-from vsb.results.ledger import Attributes
 from vsb.tools.words import plain
 
 

@@ -9,7 +9,8 @@ from scipy.interpolate import CubicSpline
 
 from vsb.errors import ConfigError
 from vsb.scenes.build import TUNED
-from vsb.study.study import RegularWave, Study, Water, Wave
+from vsb.study.compared import Compared
+from vsb.study.study import RegularWave, StillWater, Water, Wave
 from vsb.tools.units import FloatArray
 from vsb.waves.seas import Sea, group_velocity
 
@@ -17,8 +18,8 @@ from vsb.waves.seas import Sea, group_velocity
 class Merit(NamedTuple):
     """What one design does in one sea."""
 
-    displacement_pp: float  # heave, highest to lowest in the window [m]
-    velocity_pp: float  # heave velocity, likewise [m/s]
+    displacement_pp: float  # heave, of a body its port, highest to lowest in the window [m]
+    velocity_pp: float  # its velocity, likewise [m/s]
     power_peak: float  # largest absorbed power in the window [W]
     power_mean: float  # over whole wave periods at the end of the window [W]
     energy: float  # absorbed over the whole run [J]
@@ -39,12 +40,20 @@ def averaging_window(wave: Wave, window: tuple[float, float]) -> tuple[float, fl
     return end - np.floor((end - start) / wave.period + 1e-9) * wave.period, end
 
 
-def damper_of(study: Study, design: str, run: Mapping[str, Any]) -> float:
+def damper_of(study: Compared, design: str, run: Mapping[str, Any]) -> float:
     """Return the damper of a design in a run, by its attributes: given or tuned [N s/m]."""
     return float(run.get(TUNED, study.pto.damper(design) or 0.0))
 
 
-def power_response(study: Study, response: xr.Dataset, design: str, run: Mapping[str, Any]) -> xr.DataArray:
+def in_direction(response: xr.Dataset, wave: Wave) -> xr.Dataset:
+    """Return the frequency response in the direction of a sea; a buoy has one for all, in still water any will do."""
+    if "wave_direction" not in response.dims:
+        return response
+    going = 0.0 if isinstance(wave, StillWater) else float(np.deg2rad(wave.direction))
+    return response.sel(wave_direction=going, method="nearest")
+
+
+def power_response(study: Compared, response: xr.Dataset, design: str, run: Mapping[str, Any]) -> xr.DataArray:
     """Return the mean power that linear theory gives the take-off of a run, per squared wave amplitude [W/m^2].
 
     Parameters
@@ -75,6 +84,13 @@ def power_response(study: Study, response: xr.Dataset, design: str, run: Mapping
     return found
 
 
+def lead(run: xr.Dataset) -> tuple[FloatArray, FloatArray]:
+    """Return displacement and velocity of what a run is told by: of a body its port's, of a buoy heave."""
+    if "stroke" in run:
+        return run.stroke.values, run.stroke_rate.values
+    return run.position.values[:, 0], run.velocity.values[:, 0]
+
+
 def merit(run: xr.Dataset, wave: Wave, sea: Sea, water: Water, window: tuple[float, float]) -> Merit:
     """Return the figures of merit of a run (see `vsb.integrators.trajectory.labelled`)."""
     time = run.time.values
@@ -84,7 +100,8 @@ def merit(run: xr.Dataset, wave: Wave, sea: Sea, water: Water, window: tuple[flo
             f"simulation.window: received {list(window)} s, which holds none of the instants recorded, "
             f"{time[1] - time[0]:.4g} s apart; needs to be longer than that"
         )
-    heave, velocity = run.position.values[inside, 0], run.velocity.values[inside]
+    heave, rate = lead(run)
+    velocity = run.velocity.values[inside]
     absorbed: FloatArray = run.energy.sel(term="pto").values
     force = run.pto.values[inside] if "pto" in run else np.zeros_like(velocity)
     start, end = averaging_window(wave, window)
@@ -92,8 +109,8 @@ def merit(run: xr.Dataset, wave: Wave, sea: Sea, water: Water, window: tuple[flo
     mean = float(gained / (end - start))
     flux = energy_flux(sea, water)
     return Merit(
-        float(np.ptp(heave)),
-        float(np.ptp(velocity[:, 0])),
+        float(np.ptp(heave[inside])),
+        float(np.ptp(rate[inside])),
         float(np.max(-np.sum(force * velocity, axis=1))) + 0.0,  # no negative zero
         mean,
         float(absorbed[-1]) + 0.0,

@@ -16,9 +16,10 @@ from scipy.interpolate import CubicSpline
 from scipy.stats import t as student
 
 from vsb.hydro.database import Check, check_at_most
-from vsb.results.power import power_response
+from vsb.results.power import in_direction, power_response
 from vsb.scenes.drag import LINEARISED
-from vsb.study.study import Irregular, IrregularSea, Study
+from vsb.study.compared import Compared
+from vsb.study.study import Irregular, IrregularSea
 from vsb.tools.units import FloatArray
 from vsb.tools.words import plain
 from vsb.waves.seas import Sea
@@ -89,7 +90,7 @@ def batch_means(run: xr.Dataset, window: tuple[float, float], length: float) -> 
     return np.asarray(np.diff(energy) / np.diff(edges))
 
 
-def families(study: Study) -> dict[str, list[Irregular]]:
+def families(study: Compared) -> dict[str, list[Irregular]]:
     """Return the irregular seas of a study, realisations of one sea together, by the name without seed."""
     found: dict[str, list[Irregular]] = {}
     for wave in study.waves:
@@ -105,16 +106,16 @@ class Sample(NamedTuple):
     linear: float  # mean power linear theory predicts [W]
 
 
-def sample(study: Study, wave: Irregular, design: str, run: xr.Dataset, sea: Sea, response: xr.Dataset) -> Sample:
+def sample(study: Compared, wave: Irregular, design: str, run: xr.Dataset, sea: Sea, response: xr.Dataset) -> Sample:
     """Return what statistics keep of the run of a design in a realisation of a sea."""
     if LINEARISED in run.attrs:
         linear = float(run.attrs[LINEARISED])
     else:
-        linear = linear_power(power_response(study, response, design, run.attrs), sea)
+        linear = linear_power(power_response(study, in_direction(response, wave), design, run.attrs), sea)
     return Sample(batch_means(run, study.simulation.window, wave.memory), linear)
 
 
-def statistics(study: Study, samples: Mapping[tuple[str, str], Sample]) -> list[Line]:
+def statistics(study: Compared, samples: Mapping[tuple[str, str], Sample]) -> list[Line]:
     """Return one line per design and irregular sea.
 
     Parameters
@@ -147,7 +148,7 @@ def gain_percent(batches: FloatArray, base: FloatArray | None) -> tuple[float | 
     return 100 * (estimate.mean - 1), low, high
 
 
-def statistical_checks(study: Study, lines: Sequence[Line]) -> list[Check]:
+def statistical_checks(study: Compared, lines: Sequence[Line]) -> list[Check]:
     """Return whether records are long enough for the power they give, and agree with the spectral prediction."""
     checks = []
     for line in lines:

@@ -7,30 +7,27 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.linalg import block_diag
 
-from vsb.hydro import database
-from vsb.hydro.dofs import flexible
 from vsb.hydro.kernel import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel
+from vsb.motion.bodies import Memory, body_scene
 from vsb.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene
 from vsb.motion.forces import AssumedPressure
-from vsb.motion.frequency import LinearBuoy, with_open_chamber
-from vsb.motion.port import port_direction
+from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.scenes import automatic
-from vsb.scenes.directions import order_bases
+from vsb.scenes.afloat import body_afloat, linear_buoy, rest_shape, stored_body, study_port, study_sea
 from vsb.scenes.drag import dragged_port, linearised, with_drag
 from vsb.scenes.pause import best_pair_in_sea, best_pause_in_sea, strongest, with_pause
 from vsb.scenes.rest import design_motions, study_basis
-from vsb.scenes.take_off import linear_take_off, with_take_off
+from vsb.scenes.take_off import linear_take_off, tuned_take_off, with_take_off
 from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import ModeBasis, mode_basis, rigid_basis
+from vsb.study.body_specs import BodySimulateSpec
 from vsb.study.sections import POWER_TOLERANCE
-from vsb.study.specs import Driven, SimulateSpec
-from vsb.study.study import RegularWave
+from vsb.study.specs import SimulateSpec
+from vsb.study.study import RegularWave, StillWater
 from vsb.tools.files import load
 from vsb.tools.units import FloatArray
 from vsb.waves.seas import NO_WAVES, Sea, sea
@@ -45,7 +42,7 @@ class DesignInSea(NamedTuple):
     """One design in one sea."""
 
     scene: Scene
-    shape: DeformedShell  # reference shape
+    shape: DeformedShell | None  # reference shape; none of a body
     sea: Sea
     spectrum: DampingSpectrum | None  # of the radiation damping, where there is one
     notes: dict[str, Any]  # what the run records of its model
@@ -56,34 +53,24 @@ class DesignInSea(NamedTuple):
         return System.of(self.scene)
 
 
-def linear_buoy(study: Driven, database_path: str) -> tuple[LinearBuoy, ModeBasis]:
-    """Return the linear buoy of a study, without take-off, from its database, and its axisymmetric shell modes.
+def design_in_sea(run: SimulateSpec | BodySimulateSpec, paths: dict[str, Any]) -> DesignInSea:
+    """Return the scene of a run by what floats and its hydrodynamic model, and what goes with it.
 
-    To a take-off of the volume trapped gas is a chamber before it.
+    Parameters
+    ----------
+    run : SimulateSpec or BodySimulateSpec
+    paths : mapping of option to path
+        `database` and `radiation`, where the model has them.
     """
-    ds = database.load_database(database_path, Path(database_path).stem)
-    shell_moves = flexible(ds.influenced_dof.values)  # of the database: a rigid design may share it with flexible ones
-    modes = study.modes
-    basis = mode_basis(study.device, modes.basis, modes.degree) if shell_moves else rigid_basis(study.device)
-    damping = block_diag(basis.damping, *(order.damping for order in order_bases(study, basis)))
-    buoy = LinearBuoy(ds, damping, LinearPto(0.0))
-    return (with_open_chamber(buoy, study_port(study, buoy, basis)) if study.opens_chamber else buoy), basis
-
-
-def rest_shape(study: Driven, buoy: LinearBuoy, basis: ModeBasis) -> DeformedShell:
-    """Return the shell a linear buoy moves about."""
-    return DeformedShell(basis, study.centre_height, buoy.database.reference_amplitude.values[: len(basis.labels)])
+    if isinstance(run, BodySimulateSpec):
+        return body_design(run, paths)
+    return SCENES[run.hydro.model](run, paths)
 
 
 def radiation_model(path: str) -> RadiationModel:
     """Return a radiation model as it was stored."""
     ds = load(path, expected=Path(path).stem)
     return RadiationModel(ds.state_matrix.values, ds.input_matrix.values, ds.channel.values)
-
-
-def study_port(study: Driven, buoy: LinearBuoy, basis: ModeBasis) -> FloatArray:
-    """Return b of the take-off of a study, shape (dof,); see `vsb.motion.port.port_direction`."""
-    return port_direction(study.pto.port, rest_shape(study, buoy, basis), order_bases(study, basis))
 
 
 def linear_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
@@ -177,6 +164,32 @@ def _from_bem(run: SimulateSpec, paths: dict[str, Any]) -> _FromBem:
     notes = {} if run.pto.tuning == "fixed" else {TUNED: float(pto.damping)}
     notes |= linearised(run, bare, motions, pto, waves)
     return _FromBem(replace(bare, pto=pto), shape, model, waves, motions, notes)
+
+
+def body_design(run: BodySimulateSpec, paths: dict[str, Any]) -> DesignInSea:
+    """Return the scene of a body, linear about its rest; a damper to be tuned is to suit its sea, or those named."""
+    (design,), (wave,) = run.designs, run.waves
+    body = stored_body(paths["database"])
+    floating = body_afloat(run, body)
+    here, *others = ((one, study_sea(run, one, body.database)) for one in (wave, *run.seas))
+    pto = tuned_take_off(run.pto, design, floating, others or [here])
+    notes = {"model": "linear"} | ({} if run.pto.tuning == "fixed" else {TUNED: float(pto.damping)})
+    heading = 0.0 if isinstance(wave, StillWater) else float(np.deg2rad(wave.direction))
+    motions = floating.motions[design]
+    scene = body_scene(replace(body, pto=pto), body_memory(paths["radiation"]), {heading: here[1]}, motions)
+    scene = with_take_off(scene, run.pto, pto)
+    if run.pto.pauses and scene.law:
+        best = best_pause_in_sea(scene, here[1], run.simulation)
+        scene = with_pause(scene, best.pause, float(pto.damping))
+        notes |= {f"pause{part}": value for part, value in zip(_PAUSE, best, strict=True)}
+    return DesignInSea(scene, None, here[1], body.spectrum, notes)
+
+
+def body_memory(path: str) -> Memory:
+    """Return the radiation memory of a body as it was stored, with its added mass at infinite frequency."""
+    ds = load(path, expected=Path(path).stem)
+    model = RadiationModel(ds.state_matrix.values, ds.input_matrix.values, ds.channel.values)
+    return Memory(model, ds.added_mass_inf.values)
 
 
 def assumed_pressure_design(run: SimulateSpec, _: dict[str, Any]) -> DesignInSea:

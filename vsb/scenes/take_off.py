@@ -8,10 +8,13 @@ import numpy as np
 from vsb.errors import ConfigError
 from vsb.motion import drag
 from vsb.motion.frequency import LinearBuoy, allowed_part, compliance
+from vsb.motion.port import Port
 from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.take_off import EndStop, TakeOff
 from vsb.motion.tuning import best_dampers, frequencies, squares
+from vsb.scenes.afloat import Afloat, met
+from vsb.study.study import Wave
 from vsb.study.take_off import Law, Pto
 from vsb.tools.units import FloatArray
 from vsb.waves.seas import Sea
@@ -78,14 +81,42 @@ def best_damper(
 ) -> float:
     """Return the damper beside a take-off's spring that takes most of the sum of seas; see `linear_take_off`."""
     if not seas:
-        raise ConfigError(f"pto.tuning: received {pto.tuning!r}, but nothing comes in; needs pto.damping in N s/m")
+        raise ConfigError(_NOTHING.format(pto.tuning))
     omega = frequencies(seas)
     if dragged:
         at = dragged(omega, motions, port)
         return drag.best_damper(at, squares(seas, omega), pto.stiffness, pto.efficiency)
-    together = squares(seas, omega).sum(axis=0, keepdims=True)
-    best = best_dampers(buoy.port(omega, motions, port), together, pto.stiffness, pto.efficiency)
+    return best_of_all(pto, buoy.port(omega, motions, port), squares(seas, omega))
+
+
+_NOTHING = "pto.tuning: received {!r}, but nothing comes in; needs pto.damping in N s/m"
+
+
+def best_of_all(pto: Pto, port: Port, waves: FloatArray) -> float:
+    """Return the damper beside a take-off's spring that takes most of the sum of seas.
+
+    Parameters
+    ----------
+    pto : Pto
+    port : Port
+    waves : ndarray, shape (sea, omega) [m^2]
+        Squared amplitudes.
+    """
+    best = best_dampers(port, waves.sum(axis=0, keepdims=True), pto.stiffness, pto.efficiency)
     return float(best.damping[0])
+
+
+def tuned_take_off(pto: Pto, design: str, floating: Afloat, seas: Sequence[tuple[Wave, Sea]]) -> LinearPto:
+    """Return spring and damper of a run as `linear_take_off`, of seas from any directions."""
+    damper = pto.damper(design)
+    if pto.tuning != "fixed":
+        moving = [(wave, sea) for wave, sea in seas if sea.omega.size]
+        if not moving:
+            raise ConfigError(_NOTHING.format(pto.tuning))
+        seen = met(floating, design, moving)
+        damper = best_of_all(pto, seen.port, seen.squares)
+    assert damper is not None  # a Pto's own check
+    return LinearPto(damper, pto.stiffness, floating.port)
 
 
 def with_take_off(scene: Scene, pto: Pto, linear: LinearPto) -> Scene:
@@ -122,8 +153,16 @@ def end_stop(scene: Scene, port: FloatArray, stroke: float) -> EndStop:
     port : ndarray, shape (dof,)
         b.
     stroke : float [m]
+
+    Raises
+    ------
+    ConfigError
+        If the port drifts.
     """
     b = scene.motions.T @ port
     mass = 1 / float(b @ np.linalg.solve(scene.motions.T @ scene.mass @ scene.motions, b))
-    stiffness = STIFFER / compliance(scene.stiffness, b)
+    yields = compliance(scene.stiffness, b)
+    if np.isinf(yields):
+        raise ConfigError("pto.stroke_limit: nothing holds this port at rest, so that no stroke counts from there")
+    stiffness = STIFFER / yields
     return EndStop(port, stroke, stiffness, 2 * float(np.sqrt(stiffness * mass)))

@@ -7,22 +7,27 @@ from typing import Any, NamedTuple
 from vsb.hydro.database import Check
 from vsb.results import comparison, ledger
 from vsb.results import statistics as irregular
+from vsb.results.agreement import Attributes
+from vsb.results.body_ledger import body_ledger, runs_checks
 from vsb.results.equal_tuning import Limited, Tuned, equal_tuning, fair_damping_checks, within_limits
 from vsb.results.ladder import Rung, constrained_checks
 from vsb.results.pauses import pause_checks
+from vsb.scenes.afloat import study_sea
 from vsb.scenes.rest import reference_shell
 from vsb.shell.modes import ModeBasis
 from vsb.stages.inputs import Inputs
+from vsb.study.body import BodyStudy
+from vsb.study.body_specs import BodyCompareSpec
 from vsb.study.specs import CompareSpec
-from vsb.study.study import IrregularSea, Wave, canonical
+from vsb.study.study import IrregularSea, Study, Wave, canonical
 from vsb.study.take_off import damper_unit
 from vsb.tools.files import write_text
 from vsb.tools.stamps import read_text, record
-from vsb.waves.seas import NO_WAVES, sea
+from vsb.waves.seas import NO_WAVES
 
 
 def run(
-    spec: CompareSpec,
+    spec: CompareSpec | BodyCompareSpec,
     trajectories: str,
     out: str,
     statistics: str,
@@ -42,24 +47,25 @@ def run(
     """
     compared = spec.study
     found = Inputs(compared, trajectories, database, radiation, response, witness)
-    reference = reference_shell(compared)
-    met = [in_a_sea(found, reference.basis, wave) for wave in compared.waves]
+    reference = None if isinstance(compared, BodyStudy) else reference_shell(compared)
+    met = [in_a_sea(found, reference.basis if reference else None, wave) for wave in compared.waves]
     rows = [row for one in met for row in one.rows]
     runs = {run: attrs for one in met for run, attrs in one.runs.items()}
-    checks = [*ledger.shell_checks(compared, reference), *(check for one in met for check in one.checks)]
+    checks = [check for one in met for check in one.checks]
+    if reference and isinstance(compared, Study):
+        checks = [*ledger.shell_checks(compared, reference), *checks]
     checks += [*ledger.transient_checks(runs, rows), *pause_checks(runs, rows)]
     lines: list[irregular.Line] = []
     tuned: list[Tuned] = []
     limited: list[Limited] = []
     if compared.needs_bem:
         lines = irregular.statistics(compared, {run: kept for one in met for run, kept in one.samples.items()})
-        checks += ledger.linear_ledger(compared, found.database, found.radiation, found.response, rows, runs)
-        checks += ledger.witness_checks(compared, found.database, found.witness)
+        checks += of_the_water(found, rows, runs)
         checks += irregular.statistical_checks(compared, lines)
         ladder = [Rung(**row) for row in json.loads(read_text(rungs, manifest, found.plan.ladder_id))]
         tuned, limited = equal_tuning(compared, ladder), within_limits(compared, ladder)
         checks += [*fair_damping_checks(tuned, damper_unit(compared.pto.port)), *constrained_checks(ladder)]
-    else:
+    elif isinstance(compared, Study):
         checks += ledger.assumed_pressure_checks(compared, rows)
     checks = ledger.worst_first(checks)
     write_text(out, comparison.as_csv(rows))
@@ -77,6 +83,15 @@ def run(
     record(manifest, found.plan.study_id, [out, statistics, validity, study, tables])
 
 
+def of_the_water(found: Inputs, rows: list[comparison.Row], runs: Attributes) -> list[Check]:
+    """Return the checks of linear hydrodynamics, and of a second solver where there is one."""
+    study, hydro = found.study, (found.database, found.radiation, found.response)
+    if isinstance(study, BodyStudy):
+        return body_ledger(study, *hydro, rows, runs)
+    checks = ledger.linear_ledger(study, *hydro, rows, runs)
+    return checks + ledger.witness_checks(study, found.database, found.witness)
+
+
 class InASea(NamedTuple):
     """What the runs in a sea leave for the comparison; all runs at a time may be more than memory holds."""
 
@@ -86,18 +101,22 @@ class InASea(NamedTuple):
     samples: dict[tuple[str, str], irregular.Sample]  # of an irregular sea
 
 
-def in_a_sea(found: Inputs, basis: ModeBasis, wave: Wave) -> InASea:
+def in_a_sea(found: Inputs, basis: ModeBasis | None, wave: Wave) -> InASea:
     """Return what the runs of all designs in a sea leave."""
     study, label = found.study, wave.label
-    waves = sea(wave, study.hydro.omega_max, study.simulation.duration) if study.needs_bem else NO_WAVES
+    waves = study_sea(study, wave, found.database) if study.needs_bem else NO_WAVES
     runs = {design: found.runs[design, label] for design in study.designs}
     samples = {}
     if study.needs_bem and isinstance(wave, IrregularSea):
         response = found.response
         samples = {(d, label): irregular.sample(study, wave, d, run, waves, response) for d, run in runs.items()}
+    if basis and isinstance(study, Study):
+        checks = ledger.sea_checks(study, basis, wave, runs)
+    elif isinstance(study, BodyStudy):
+        checks = runs_checks(study, found.database, wave, runs)
     return InASea(
         comparison.comparison(study, wave, runs, waves),
-        ledger.sea_checks(study, basis, wave, runs),
+        checks,
         {(design, label): run.attrs for design, run in runs.items()},
         samples,
     )

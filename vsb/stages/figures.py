@@ -7,15 +7,17 @@ import xarray as xr
 from vsb.report.canvas import StudyData
 from vsb.report.figures import draw
 from vsb.report.svg import drawn
+from vsb.results.power import in_direction
+from vsb.scenes.afloat import AnyStudy
 from vsb.stages.inputs import Inputs
-from vsb.study.plan import figure_names
+from vsb.study.plan import StudyPlan
 from vsb.study.study import StillWater, Study, Wave, content_id
 from vsb.tools.files import load
 from vsb.tools.stamps import record
 
 
 def run(
-    study: Study,
+    study: AnyStudy,
     modes: str,
     trajectories: str,
     out: str,
@@ -33,26 +35,29 @@ def run(
         wave_frequencies=tuple(wave.omega for wave in study.waves if not isinstance(wave, StillWater)),
         periods={wave.label: _period(study, wave, found.response) for wave in study.waves},
         window=study.simulation.window,
-        modes=load(modes, expected=content_id(found.plan.modes)),
+        modes=load(modes, expected=content_id(found.plan.modes)) if isinstance(found.plan, StudyPlan) else xr.Dataset(),
         database=found.database,
         radiation=found.radiation,
-        response=found.response,
+        response=in_direction(found.response, study.waves[0]),
         runs=found.runs,
         witness=found.witness,
         tuned=study.pto.damping is None,
+        limit="limit λ/2π" if isinstance(study, Study) else "λ/2π",
     )
     files: list[str] = []
     with mpl.rc_context():  # the caller's own figures keep their looks
-        for name in figure_names(study):
+        for name in found.plan.figures:
             files += drawn(draw(name, data), name).write(out, name)
     record(manifest, found.plan.study_id, files)
 
 
-def _period(study: Study, wave: Wave, response: xr.Dataset) -> float:
+def _period(study: AnyStudy, wave: Wave, response: xr.Dataset) -> float:
     """Period of a sea, in still water of the slowest free motion [s]."""
     return 2 * np.pi / (_slowest(study, response) if isinstance(wave, StillWater) else wave.omega)
 
 
-def _slowest(study: Study, response: xr.Dataset) -> float:
-    """Lowest natural frequency [rad/s]; without BEM that of heave, sqrt(rho g pi r_w^2/m)."""
-    return float(response.wet_natural_frequency.min()) if study.needs_bem else study.heave_frequency
+def _slowest(study: AnyStudy, response: xr.Dataset) -> float:
+    """Lowest natural frequency [rad/s]; without BEM that of heave, sqrt(rho g pi r_w^2/m); 1 of what drifts alone."""
+    if isinstance(study, Study) and not study.needs_bem:
+        return study.heave_frequency
+    return float(response.wet_natural_frequency.min()) if response.wet_natural_frequency.size else 1.0

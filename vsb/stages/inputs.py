@@ -7,10 +7,10 @@ from pathlib import Path
 import xarray as xr
 
 from vsb.hydro.database import load_database
+from vsb.scenes.afloat import AnyStudy
 from vsb.stages.trajectories import StoredRuns
-from vsb.study.plan import StudyPlan
-from vsb.study.study import Study
-from vsb.study.witness import no_witness
+from vsb.study.body_plan import plan_for
+from vsb.study.results_plan import ResultsPlan
 from vsb.tools.files import load
 
 
@@ -24,7 +24,7 @@ class Inputs:
         By everything here: if a file is missing, damaged, or of another specification.
     """
 
-    study: Study
+    study: AnyStudy
     trajectories: str  # folder
     database_path: str = ""
     radiation_path: str = ""
@@ -32,9 +32,9 @@ class Inputs:
     witness_path: str = ""
 
     @cached_property
-    def plan(self) -> StudyPlan:
+    def plan(self) -> ResultsPlan:
         """Names and content ids."""
-        return StudyPlan(self.study)
+        return plan_for(self.study)
 
     @cached_property
     def runs(self) -> StoredRuns:
@@ -63,4 +63,4 @@ class Inputs:
     def witness(self) -> xr.Dataset:
         """What two solvers say of the same shapes."""
         path = self.witness_path
-        return xr.Dataset() if no_witness(self.study) else load(path, expected=Path(path).stem)
+        return load(path, expected=Path(path).stem) if self.plan.witness_files else xr.Dataset()

@@ -4,12 +4,13 @@ import json
 
 from vsb.results.ladder import as_csv, study_ladder
 from vsb.stages.stage import stamp
+from vsb.study.body_specs import BodyLadderSpec
 from vsb.study.specs import LadderSpec
 from vsb.tools.files import write_text
 from vsb.tools.stamps import record
 
 
-def run(spec: LadderSpec, database: str, out: str, rungs: str, manifest: str) -> None:
+def run(spec: LadderSpec | BodyLadderSpec, database: str, out: str, rungs: str, manifest: str) -> None:
     """Write the ladder of a study for people, and all its digits, with notes, for the stages after it."""
     found = study_ladder(spec, database)
     write_text(out, as_csv(found))

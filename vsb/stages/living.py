@@ -12,7 +12,7 @@ from vsb.motion.port import Port
 from vsb.report.band import LOWEST
 from vsb.report.living import Grid, LivingSea, study_data, thinned
 from vsb.results.statistics import families
-from vsb.scenes.build import linear_buoy, study_port
+from vsb.scenes.afloat import linear_buoy, study_port
 from vsb.scenes.rest import design_motions
 from vsb.study.study import IrregularSea, Jonswap, PiersonMoskowitz, RegularWave, Study, Wave
 from vsb.tools.units import FloatArray

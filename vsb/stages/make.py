@@ -6,11 +6,15 @@ from pathlib import Path
 from typing import Any
 
 from vsb.stages.alone import alone, sharing
+from vsb.stages.body_preview import body_before_run
 from vsb.stages.preview import check_before_run
 from vsb.stages.stage import STAGES
 from vsb.stages.stored import Results
 from vsb.stages.verify import stale_products
-from vsb.study.plan import StudyPlan, figure_names, figure_paths
+from vsb.study.body import LocatedBody
+from vsb.study.body_plan import AnyPlan, BodyPlan
+from vsb.study.plan import StudyPlan
+from vsb.study.results_plan import figure_paths
 from vsb.study.specs import PanelsSpec
 from vsb.study.study import Study, canonical
 from vsb.tools.files import check_folder
@@ -32,12 +36,13 @@ class Job:
         stage.run({**dict.fromkeys(stage.optional), **self.files}, canonical(self.spec) if self.spec else "")
 
 
-def run(study: Study, folder: str | Path = "results") -> Results:
+def run(study: Study | LocatedBody, folder: str | Path = "results") -> Results:
     """Run a whole study in this process: files and numbers are those of `vsb run`, finished ones are kept.
 
     Parameters
     ----------
-    study : Study
+    study : Study or LocatedBody
+        See `vsb.load`, `vsb.load_body`.
     folder : str or Path
         Folder of all results; studies in it share their hydrodynamics.
 
@@ -46,15 +51,24 @@ def run(study: Study, folder: str | Path = "results") -> Results:
     VsbError
         If the study cannot be run, a check of its hydrodynamics fails, or another run is at work in the folder.
     """
-    plan = StudyPlan(study, root=str(folder))
-    check_before_run(study, plan)
+    plan = _checked(study, str(folder))
     check_folder(folder)
     with alone(Path(plan.folder)):
         make(plan, plan.products, stale=stale_products(plan, dry=False))
-    return Results(study, str(folder))
+    return Results(plan.study, str(folder))
 
 
-def make(plan: StudyPlan, targets: Collection[str], stale: Collection[str] = ()) -> None:
+def _checked(study: Study | LocatedBody, root: str) -> AnyPlan:
+    """The plan of a study after its checks."""
+    if isinstance(study, LocatedBody):
+        plan = BodyPlan(study.study, root=root, files=study.files)
+        body_before_run(plan)
+        return plan
+    check_before_run(study, found := StudyPlan(study, root=root))
+    return found
+
+
+def make(plan: AnyPlan, targets: Collection[str], stale: Collection[str] = ()) -> None:
     """Make files of a study, and what they need; those that are there, and not stale, are kept."""
     for job in due(jobs(plan), targets, stale):
         with sharing(plan.root, filter(plan.is_shared, job.makes)):
@@ -72,10 +86,22 @@ def due(ordered: Sequence[Job], targets: Collection[str], stale: Collection[str]
     return found[::-1]
 
 
-def jobs(plan: StudyPlan) -> list[Job]:
+def jobs(plan: AnyPlan) -> list[Job]:
     """Return the jobs of a study, the rules of the workflow, each after those whose files it needs."""
-    hydrodynamics = [*_blocks(plan), *_witness(plan), *_coefficients(plan)] if plan.study.needs_bem else []
-    return [*_shell(plan), *hydrodynamics, *_runs(plan), *_answers(plan)]
+    if isinstance(plan, BodyPlan):
+        return [*_body(plan), *_coefficients(plan), *_runs(plan), *_answers(plan)]
+    solved = [*_blocks(plan), *_witness(plan), *_database(plan)] if plan.study.needs_bem else []
+    coefficients = _coefficients(plan) if plan.study.needs_bem else []
+    return [*_shell(plan), *solved, *coefficients, *_runs(plan), *_answers(plan)]
+
+
+def _body(plan: BodyPlan) -> Iterator[Job]:
+    """The hydro database of a body, solved or read."""
+    if plan.solves:
+        green = f"{plan.green_folder}.done"
+        yield Job("green", None, {"folder": plan.green_folder, "out": green}, (green,))
+    files = {**plan.sources, "out": plan.database_path}
+    yield Job("coefficients", plan.database, files, (plan.database_path,), tuple(plan.inputs))
 
 
 def _shell(plan: StudyPlan) -> Iterator[Job]:
@@ -111,20 +137,25 @@ def _witness(plan: StudyPlan) -> Iterator[Job]:
         yield Job("witness", plan.witness, files, (out,), (*meshes, f"{plan.green_folder}.done"))
 
 
-def _coefficients(plan: StudyPlan) -> Iterator[Job]:
-    """The hydro database, and what follows from it alone."""
+def _database(plan: StudyPlan) -> Iterator[Job]:
+    """The hydro database of a buoy."""
+    stored, blocks = plan.database_path, tuple(map(plan.block_path, plan.bem_blocks.values()))
+    yield Job("database", plan.database, {"blocks": plan.block_folder, "out": stored}, (stored,), blocks)
+
+
+def _coefficients(plan: AnyPlan) -> Iterator[Job]:
+    """What follows from the hydro database alone."""
     stored, radiation = plan.database_path, plan.radiation_path
     response, ladder = plan.response_files["response"], f"{plan.folder}/ladder.csv"
     rungs = plan.ladder_files["rungs"]
-    blocks, read = tuple(map(plan.block_path, plan.bem_blocks.values())), {"database": stored}
-    yield Job("database", plan.database, {"blocks": plan.block_folder, "out": stored}, (stored,), blocks)
+    read = {"database": stored}
     yield Job("radiation", plan.radiation, {**read, "out": radiation}, (radiation,), (stored,))
     yield Job("response", plan.response, {**read, "out": response}, (response,), (stored,))
     climbed = {**read, "out": ladder, "rungs": rungs, "manifest": plan.manifest}
     yield Job("ladder", plan.ladder, climbed, (ladder, rungs), (stored,))
 
 
-def _runs(plan: StudyPlan) -> Iterator[Job]:
+def _runs(plan: AnyPlan) -> Iterator[Job]:
     """One run in time per design and sea."""
     hydro = plan.hydro_files
     for wave in plan.study.waves:
@@ -133,12 +164,12 @@ def _runs(plan: StudyPlan) -> Iterator[Job]:
             yield Job("simulate", plan.simulation(design, wave), {**hydro, "out": out}, (out,), tuple(hydro.values()))
 
 
-def _answers(plan: StudyPlan) -> Iterator[Job]:
+def _answers(plan: AnyPlan) -> Iterator[Job]:
     """Tables, figures, report."""
     folder, study = plan.folder, plan.study
     files = {**plan.hydro_files, **plan.response_files, **plan.witness_files}
     runs = tuple(plan.trajectory_path(design, wave.label) for wave in study.waves for design in study.designs)
-    read, modes = (*files.values(), *runs), f"{folder}/modes.nc"
+    read = (*files.values(), *runs)
     files |= {"trajectories": f"{folder}/trajectories", "manifest": plan.manifest}
     tables = {
         "out": f"{folder}/comparison.csv",
@@ -149,10 +180,9 @@ def _answers(plan: StudyPlan) -> Iterator[Job]:
     }
     rungs = plan.ladder_files
     yield Job("compare", plan.comparison, files | rungs | tables, tuple(tables.values()), (*read, *rungs.values()))
-    figures = tuple(figure_paths(folder, figure_names(study)))
-    yield Job("figures", study, {**files, "modes": modes, "out": f"{folder}/figures"}, figures, (*read, modes))
-    report, drawn = (
-        f"{folder}/report.html",
-        {"tables": tables["tables"], "modes": modes, "figures": f"{folder}/figures"},
-    )
-    yield Job("report", study, {**files, **drawn, "out": report}, (report,), (*read, modes, drawn["tables"], *figures))
+    figures = tuple(figure_paths(folder, plan.figures))
+    needs = (*read, *plan.modes_files.values())
+    yield Job("figures", study, {**files, **plan.modes_files, "out": f"{folder}/figures"}, figures, needs)
+    report, drawn = f"{folder}/report.html", {"tables": tables["tables"], "figures": f"{folder}/figures"}
+    files = {**files, **plan.modes_files, **drawn, "out": report}
+    yield Job("report", study, files, (report,), (*needs, drawn["tables"], *figures))

@@ -11,7 +11,7 @@ from vsb.report.animation import PERIODS, SEEN, frames_data, shapes_data
 from vsb.report.living import designs_data
 from vsb.report.shell_figures import round_factor
 from vsb.stages.inputs import Inputs
-from vsb.study.study import StillWater
+from vsb.study.study import StillWater, Study
 from vsb.waves.seas import NO_WAVES, sea
 
 SEAS = 4
@@ -28,6 +28,7 @@ def moving_study(stored: Inputs, modes: xr.Dataset) -> dict[str, Any]:
         Of rule `modes`.
     """
     study = stored.study
+    assert isinstance(study, Study)  # a body has no shell to draw
     waves = [wave for wave in study.drawn_waves if not isinstance(wave, StillWater)]
     shown = waves or study.drawn_waves
     width = SEEN * study.device.radius

@@ -1,7 +1,7 @@
 """Rule radiation: the passive radiation model."""
 
 import time as clock
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -10,20 +10,34 @@ from vsb.hydro.database import load_database
 from vsb.hydro.kernel import DampingSpectrum
 from vsb.hydro.orders import order_groups
 from vsb.hydro.statespace import RadiationModel, fit_radiation, joined
+from vsb.scenes.afloat import stored_body
 from vsb.stages.stage import stamp
+from vsb.study.body_specs import BodyRadiationSpec
 from vsb.study.specs import RadiationSpec
 from vsb.tools.files import save
 
+PAIR = ("influenced_dof", "radiating_dof")
+LONGEST = 60.0
+"""Time the kernels of a body are shown for, times the end of its band [rad]."""
 
-def run(spec: RadiationSpec, database: str, out: str) -> None:
+
+def run(spec: RadiationSpec | BodyRadiationSpec, database: str, out: str) -> None:
     """Fit and store the passive state-space radiation model, with the kernels to compare."""
     ds = load_database(database, spec.database)
     spectrum = DampingSpectrum(ds.omega.values, ds.radiation_damping.values)
     begun = clock.perf_counter()
-    memory = fit_orders(ds, spec.tolerance)
+    own: dict[str, Any] = {}
+    repaired: dict[str, str] = {}
+    if isinstance(spec, BodyRadiationSpec):
+        fit = stored_body(database).memory(spec.tolerance, limit=spec.added_mass_inf)
+        memory = Memory(fit.model, fit.error)
+        own, repaired = {"added_mass_inf": (PAIR, fit.added_mass_inf)}, {"history": fit.history}
+        longest = LONGEST / float(ds.omega[-1])
+    else:
+        memory = fit_orders(ds, spec.tolerance)
+        longest = 40 / float(np.sqrt(float(ds.attrs["gravity"]) / float(ds.attrs["radius"])))
     model = memory.model
-    time = np.linspace(0.0, 40 / np.sqrt(float(ds.attrs["gravity"]) / float(ds.attrs["radius"])), 401)
-    pair = ("influenced_dof", "radiating_dof")
+    time = np.linspace(0.0, longest, 401)
     labels = ds.influenced_dof.values
     damping = model.damping(ds.omega.values)
     channels = ("state",) if model.channel.ndim == 1 else ("state", "channel_of_order")
@@ -33,9 +47,10 @@ def run(spec: RadiationSpec, database: str, out: str) -> None:
                 "state_matrix": (("state", "state_in"), model.state_matrix),
                 "input_matrix": (("state", "radiating_dof"), model.input_matrix),
                 "channel": (channels, model.channel),
-                "kernel": (("time", *pair), spectrum.kernel(time)),
-                "kernel_state_space": (("time", *pair), model.kernel(time)),
-                "damping_state_space": (("omega", *pair), damping),
+                "kernel": (("time", *PAIR), spectrum.kernel(time)),
+                "kernel_state_space": (("time", *PAIR), model.kernel(time)),
+                "damping_state_space": (("omega", *PAIR), damping),
+                **own,
             },
             coords={"time": time, "omega": ds.omega.values, "influenced_dof": labels, "radiating_dof": labels},
             attrs={
@@ -44,6 +59,7 @@ def run(spec: RadiationSpec, database: str, out: str) -> None:
                 "fit_error": memory.error,
                 "passivity_margin": least_damping(spectrum, damping),
                 "seconds": clock.perf_counter() - begun,
+                **repaired,
             },
         ),
         out,

@@ -7,15 +7,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from vsb import __version__
 from vsb.report.page import Report, render
 from vsb.report.sketch import sketches
+from vsb.results.power import in_direction
 from vsb.results.statistics import families
+from vsb.scenes.afloat import AnyStudy
 from vsb.stages.inputs import Inputs
 from vsb.stages.living import living_study
 from vsb.stages.moving import moving_study
-from vsb.study.plan import figure_names
+from vsb.study.body import BodyStudy
+from vsb.study.plan import StudyPlan
 from vsb.study.study import StillWater, Study, content_id
 from vsb.study.witness import no_witness
 from vsb.tools.files import load, write_text
@@ -25,7 +29,7 @@ ASSUMED = "hydrostatic and assumed uniform pressure of {:g} Pa on the instantane
 
 
 def run(
-    study: Study,
+    study: AnyStudy,
     tables: str,
     modes: str,
     trajectories: str,
@@ -41,8 +45,10 @@ def run(
     stored = Inputs(study, trajectories, database, radiation, response, witness)
     study_id = stored.plan.study_id
     found = json.loads(read_text(tables, manifest, study_id))
-    if study.needs_bem:
-        hydrodynamics = _bem_facts(stored) | _witness_facts(stored)
+    if isinstance(study, BodyStudy):
+        hydrodynamics = _body_facts(stored)
+    elif study.needs_bem:
+        hydrodynamics = _bem_facts(stored) | _witness_facts(stored, study)
     else:
         hydrodynamics = {"Hydrodynamics": ASSUMED.format(study.hydro.pressure)}
     page = Report(
@@ -54,21 +60,36 @@ def run(
         equal_tuning=found["equal_tuning"],
         within_limits=found["within_limits"],
         checks=found["checks"],
-        response=stored.response if study.needs_bem else None,
+        response=in_direction(stored.response, study.waves[0]) if study.needs_bem else None,
         reference=study.reference_design,
-        sketches=sketches(study),
-        buoys=moving_study(stored, load(modes, expected=content_id(stored.plan.modes))),
-        living=living_study(study, database, stored.response, found["within_limits"]),
-        figures={n: read_text(f"{figures}/{n}.svg", manifest, study_id) for n in figure_names(study)},
+        sketches=sketches(study) if isinstance(study, Study) else (),
+        thing="buoy" if isinstance(study, Study) else "body",
+        buoys=_buoys(stored, modes),
+        living=_living(study, database, stored.response, found["within_limits"]),
+        figures={n: read_text(f"{figures}/{n}.svg", manifest, study_id) for n in stored.plan.figures},
         facts=_facts(study, hydrodynamics, stored.runs.attributes()),
     )
     write_text(out, render(page))
     record(manifest, study_id, [out])
 
 
-def _seas(study: Study) -> dict[str, str]:
+def _buoys(stored: Inputs, modes: str) -> dict[str, Any] | None:
+    """Moving buoys of a page; of a body there are none."""
+    if not isinstance(stored.plan, StudyPlan):
+        return None
+    return moving_study(stored, load(modes, expected=content_id(stored.plan.modes)))
+
+
+def _living(
+    study: AnyStudy, database: str, response: xr.Dataset, limited: Sequence[Mapping[str, Any]]
+) -> dict[str, Any] | None:
+    """What a page computes with; a body's has seas of several directions, which it does not know."""
+    return living_study(study, database, response, limited) if isinstance(study, Study) else None
+
+
+def _seas(study: AnyStudy) -> dict[str, str]:
     """Every sea in words; an assumed pressure is no sea."""
-    if study.needs_bem:
+    if isinstance(study, BodyStudy) or study.needs_bem:
         names = {name: waves[0].description for name, waves in families(study).items()}
         return {wave.label: wave.description for wave in study.waves} | names
     words = f"an assumed uniform pressure of {study.hydro.pressure:g} Pa and {{:g}} s period"
@@ -77,7 +98,7 @@ def _seas(study: Study) -> dict[str, str]:
     }
 
 
-def _facts(study: Study, hydrodynamics: dict[str, str], runs: Sequence[Mapping[str, Any]]) -> dict[str, str]:
+def _facts(study: AnyStudy, hydrodynamics: dict[str, str], runs: Sequence[Mapping[str, Any]]) -> dict[str, str]:
     """How the results were made, in words; by what runs say of themselves."""
     return {
         "Program": f"vsb {__version__}, {clock.strftime('%Y-%m-%d')}",
@@ -86,6 +107,21 @@ def _facts(study: Study, hydrodynamics: dict[str, str], runs: Sequence[Mapping[s
         f"{max(run['seconds'] for run in runs):.3f} s or less per design and sea",
         "Largest energy residual": f"{max(run['energy_residual'] for run in runs):.1e}",
         "Study": json.dumps(study.model_dump(mode="json"), default=str),
+    }
+
+
+def _body_facts(stored: Inputs) -> dict[str, str]:
+    """Where the hydrodynamic coefficients of a body come from."""
+    ds, model = stored.database, stored.radiation.attrs
+    told = "; ".join(text for text in (ds.attrs.get("history", ""), model.get("history", "")) if text)
+    return {
+        "Coefficients": str(ds.attrs["solver"]),
+        "Hydro database": f"{Path(stored.database_path).name}: {ds.sizes['omega']} frequencies from "
+        f"{float(ds.omega[0]):g} to {float(ds.omega[-1]):g} rad/s, degrees of freedom "
+        f"{', '.join(map(str, ds.influenced_dof.values))}",
+        "Radiation memory": f"{model['order']} states, rms error {model['fit_error']:.1e}, "
+        f"fitted in {model['seconds']:.1f} s",
+        **({"History": told} if told else {}),
     }
 
 
@@ -102,9 +138,9 @@ def _bem_facts(stored: Inputs) -> dict[str, str]:
     }
 
 
-def _witness_facts(stored: Inputs) -> dict[str, str]:
+def _witness_facts(stored: Inputs, study: Study) -> dict[str, str]:
     """What the second solver was, and took."""
-    if reason := no_witness(stored.study):
+    if reason := no_witness(study):
         return {"Witness": f"none ({reason})"}
     ds, name = stored.witness, Path(stored.witness_path).name
     panels, spectral = (float(ds.witness_seconds.sel(solver=solver).sum()) for solver in ("panels", "spectral"))

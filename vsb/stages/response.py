@@ -1,20 +1,24 @@
 """Rule response: the frequency response of all designs."""
 
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import xarray as xr
 
 from vsb.motion import frequency as response
-from vsb.motion.port import channels_reached
+from vsb.motion.frequency import LinearBuoy, LinearMotion
+from vsb.motion.port import Port, channels_reached
 from vsb.motion.pto import LinearPto
-from vsb.scenes.build import linear_buoy, study_port
-from vsb.scenes.rest import design_motions
+from vsb.scenes.afloat import Afloat, afloat, towards
 from vsb.stages.stage import stamp
+from vsb.study.body_specs import BodyResponseSpec
 from vsb.study.specs import ResponseSpec
 from vsb.study.study import canonical
 from vsb.study.take_off import Pto
 from vsb.tools.files import save
+from vsb.tools.units import FloatArray
 from vsb.waves.seas import power_limit
 
 TAKE_OFF = {True: "best_damping at each frequency", False: "the given damping"}
@@ -27,54 +31,102 @@ def port_in_words(pto: Pto) -> str:
     return canonical(pto.port).strip('"') + units
 
 
-def run(spec: ResponseSpec, database: str, out: str) -> None:
+AnySpec = ResponseSpec | BodyResponseSpec
+PARTS = 5
+"""Steps of a response in one of the database."""
+
+
+def run(spec: ResponseSpec | BodyResponseSpec, database: str, out: str) -> None:
     """Write response amplitude operators, ports, powers, their limits, and wet natural frequencies of all designs.
 
     Best dampers are those beside the take-off's spring. Without a given damper `rao` and `absorbed_power` are at the
-    best one of each frequency, natural frequencies and damping ratios without any.
+    best one of each frequency, natural frequencies and damping ratios without any. Of a body all that depends on the
+    waves' direction has one more dimension.
     """
-    bare, basis = linear_buoy(spec, database)
-    omega = response.frequency_grid(spec.step, spec.lowest, spec.omega_max, spec.omega)
-    pto = spec.pto
-    direction = study_port(spec, bare, basis)
-    reached = channels_reached(direction, bare.orders)
-    rao, power, wet, ports, best = [], [], [], [], []
-    for design in spec.designs:
-        motions, damper = design_motions(spec, basis, design), pto.damper(design)
-        ports.append(bare.port(omega, motions, direction))
-        best.append(ports[-1].beside(pto.stiffness) if pto.stiffness else ports[-1])
-        damping = best[-1].best_damping if damper is None else damper
-        buoy = replace(bare, pto=LinearPto(damping, pto.stiffness, direction))
-        rao.append(buoy.rao(omega, motions))
-        power.append(buoy.absorbed_power(omega, rao[-1]))
-        swinging = replace(buoy, pto=LinearPto(damper or 0.0, pto.stiffness, direction))
-        wet += [(design, *pair) for pair in zip(*swinging.natural_modes(motions), strict=True)]
-    water, told = spec.water, {"take_off": TAKE_OFF[pto.damping is None], "port": port_in_words(pto)}
-    sea = (water.depth, water.density, water.gravity)
+    floating = afloat(spec, database)
+    if isinstance(spec, BodyResponseSpec):
+        omega = refined(floating.linear.database.omega.values, spec.omega)
+        moving = [towards(floating.linear, at) for at in spec.directions]
+        seen = [ports(floating, one, omega) for one in moving]
+        headings = [in_waves(spec, floating, one, its) for one, its in zip(moving, seen, strict=True)]
+        waves = xr.concat(headings, dim="wave_direction").assign_coords(wave_direction=np.deg2rad(spec.directions))
+    else:
+        omega = response.frequency_grid(spec.step, spec.lowest, spec.omega_max, spec.omega)
+        seen = [ports(floating, floating.linear, omega)]
+        waves = in_waves(spec, floating, floating.linear, seen[0])
+    told = {"take_off": TAKE_OFF[spec.pto.damping is None], "port": port_in_words(spec.pto)}
+    reached = channels_reached(floating.port, floating.linear.orders) if isinstance(floating.linear, LinearBuoy) else 1
     if reached > 1:
         told["limit"] = f"{reached} λ/2π"
-    designs, frequency, ratio = zip(*wet, strict=True)
-    save(
-        xr.Dataset(
-            {
-                "rao": (("design", "omega", "dof"), np.array(rao)),
-                "absorbed_power": (("design", "omega"), np.array(power)),
-                "port_impedance": (("design", "omega"), np.array([port.impedance for port in ports])),
-                "port_velocity": (("design", "omega"), np.array([port.velocity for port in ports])),
-                "best_damping": (("design", "omega"), np.array([port.best_damping for port in best])),
-                "best_power": (("design", "omega"), np.array([port.best_power for port in best])),
-                "matched_power": (("design", "omega"), np.array([port.matched_power for port in ports])),
-                "power_limit": ("omega", reached * np.array([power_limit(w, *sea) for w in omega])),
-                "wet_natural_frequency": ("wet_mode", list(frequency)),
-                "wet_damping_ratio": ("wet_mode", list(ratio)),
-            },
-            coords={
-                "design": list(spec.designs),
-                "omega": omega,
-                "dof": list(bare.labels),
-                "wet_design": ("wet_mode", list(designs)),
-            },
-            attrs={**told, **stamp(spec, database)},
-        ),
-        out,
+    found = xr.merge([waves, at_port(spec, seen[0], reached), natural(spec, floating)])
+    save(found.assign_attrs(told, **stamp(spec, database)), out)
+
+
+def refined(omega: FloatArray, extra: Iterable[float]) -> FloatArray:
+    """Return frequencies with others between them, `PARTS` to a step, and further ones [rad/s]."""
+    between = [float(w) for ends in pairwise(omega) for w in np.linspace(*ends, PARTS, endpoint=False)]
+    return np.array(sorted({*between, float(omega[-1]), *extra}))
+
+
+def ports(floating: Afloat, linear: LinearMotion, omega: FloatArray) -> dict[str, Port]:
+    """Return what the take-off sees of all designs in waves of one direction."""
+    return {design: linear.port(omega, motions, floating.port) for design, motions in floating.motions.items()}
+
+
+def beside_spring(spec: AnySpec, seen: Mapping[str, Port]) -> dict[str, Port]:
+    """Return what a damper beside the take-off's spring sees of all designs."""
+    spring = spec.pto.stiffness
+    return {design: port.beside(spring) if spring else port for design, port in seen.items()}
+
+
+def in_waves(spec: AnySpec, floating: Afloat, linear: LinearMotion, seen: Mapping[str, Port]) -> xr.Dataset:
+    """Return what all designs do in waves of one direction, by their ports."""
+    pto, rao, power, best = spec.pto, [], [], beside_spring(spec, seen)
+    omega = next(iter(seen.values())).omega
+    for design, motions in floating.motions.items():
+        damper = pto.damper(design)
+        damping = best[design].best_damping if damper is None else damper
+        moving = replace(linear, pto=LinearPto(damping, pto.stiffness, floating.port))
+        rao.append(moving.rao(omega, motions))
+        power.append(moving.absorbed_power(omega, rao[-1]))
+    labels = list(map(str, linear.database.influenced_dof.values))
+    return xr.Dataset(
+        {
+            "rao": (("design", "omega", "dof"), np.array(rao)),
+            "absorbed_power": (("design", "omega"), np.array(power)),
+            "port_velocity": (("design", "omega"), np.array([port.velocity for port in seen.values()])),
+            "best_power": (("design", "omega"), np.array([port.best_power for port in best.values()])),
+            "matched_power": (("design", "omega"), np.array([port.matched_power for port in seen.values()])),
+        },
+        coords={"design": list(spec.designs), "omega": omega, "dof": labels},
+    )
+
+
+def at_port(spec: AnySpec, seen: Mapping[str, Port], reached: int) -> xr.Dataset:
+    """Return what does not depend on where waves come from: impedances, best dampers, the limit of heave alone."""
+    water, best, omega = spec.water, beside_spring(spec, seen), next(iter(seen.values())).omega
+    limit = [reached * power_limit(w, water.depth, water.density, water.gravity) for w in omega]
+    return xr.Dataset(
+        {
+            "port_impedance": (("design", "omega"), np.array([port.impedance for port in seen.values()])),
+            "best_damping": (("design", "omega"), np.array([port.best_damping for port in best.values()])),
+            "power_limit": ("omega", limit),
+        },
+        coords={"design": list(spec.designs), "omega": omega},
+    )
+
+
+def natural(spec: AnySpec, floating: Afloat) -> xr.Dataset:
+    """Return wet natural frequencies and damping ratios of all designs; what drifts has none."""
+    wet: list[tuple[str, float, float]] = []
+    for design in spec.designs:
+        pto = LinearPto(spec.pto.damper(design) or 0.0, spec.pto.stiffness, floating.port)
+        modes = replace(floating.linear, pto=pto).natural_modes(floating.motions[design])
+        wet += [(design, float(frequency), float(ratio)) for frequency, ratio in zip(*modes, strict=True)]
+    return xr.Dataset(
+        {
+            "wet_natural_frequency": ("wet_mode", [frequency for _, frequency, _ in wet]),
+            "wet_damping_ratio": ("wet_mode", [ratio for *_, ratio in wet]),
+        },
+        coords={"wet_design": ("wet_mode", [design for design, *_ in wet])},
     )

@@ -20,26 +20,29 @@ from vsb.errors import ConfigError, VsbError
 from vsb.stages import slurm
 from vsb.stages.alone import alone, sharing
 from vsb.stages.stage import STAGES
+from vsb.study.body_plan import AnyPlan, BodyPlan
 from vsb.study.campaign_plan import CampaignPlan, plan_of
-from vsb.study.plan import StudyPlan
 from vsb.study.reading import read_yaml
 from vsb.study.schema import nearest
 from vsb.tools import completion
 from vsb.tools.shipped import HOME
 
+Plan = AnyPlan | CampaignPlan
 ERROR = "vsb: error:"
 SNAKEFILE = HOME / "workflow" / "Snakefile"
 
 
 def run(args: argparse.Namespace) -> int:
     """Run a whole study or campaign through Snakemake, after validating everything that can be known beforehand."""
-    from vsb.stages import preview, verify
+    from vsb.stages import body_preview, preview, verify
     from vsb.tools.files import check_folder
 
     plan = plan_of(args.config)
     check_name(plan)
     if isinstance(plan, CampaignPlan):
         preview.check_campaign(plan)
+    elif isinstance(plan, BodyPlan):
+        body_preview.body_before_run(plan)
     else:
         preview.check_before_run(plan.study, plan)
     for folder in (".", plan.root):  # snakemake writes to both
@@ -83,7 +86,7 @@ def forget_damaged(records: Path) -> None:
                 path.unlink(missing_ok=True)
 
 
-def check_name(plan: StudyPlan | CampaignPlan) -> None:
+def check_name(plan: Plan) -> None:
     """Check that a campaign has not the name of a study whose results are there, nor a study that of a campaign.
 
     Raises
@@ -98,7 +101,7 @@ def check_name(plan: StudyPlan | CampaignPlan) -> None:
         raise ConfigError(f"{own}: received {plan.name}, the name of a {other} with results in {folder}; needs another")
 
 
-def unmade(plan: StudyPlan | CampaignPlan) -> list[str]:
+def unmade(plan: Plan) -> list[str]:
     """Return the files a study shares with others and a run of it may make; members of a campaign make theirs."""
     if isinstance(plan, CampaignPlan):
         return []
@@ -106,7 +109,7 @@ def unmade(plan: StudyPlan | CampaignPlan) -> list[str]:
     return [path for path in (*plan.ids, *green) if plan.is_shared(path) and not Path(path).exists()]
 
 
-def _answer(plan: StudyPlan | CampaignPlan) -> str:
+def _answer(plan: Plan) -> str:
     """The gain at equal tuning and at the given damper, to go before the report's path; of a campaign its answer."""
     if isinstance(plan, CampaignPlan):
         from vsb.report.campaign_page import closing_answer
@@ -126,7 +129,7 @@ TARGETS = {"all", *(stage.name for stage in STAGES if stage.name not in (*OF_MAN
 """Rules that are asked for by name; the others make a file of many."""
 
 
-def check_options(options: Sequence[str], plan: StudyPlan | CampaignPlan) -> None:
+def check_options(options: Sequence[str], plan: Plan) -> None:
     """Check what is handed on to snakemake, which would answer a mistake with pages.
 
     Raises
@@ -250,7 +253,7 @@ def _end(pid: int) -> None:
             one.kill()
 
 
-def _failed(plan: StudyPlan | CampaignPlan, begun: float) -> int:
+def _failed(plan: Plan, begun: float) -> int:
     """Repeat the failing rule's own line last, where it is seen; 2 if it was the user's to mend, else 1."""
     logs = [path for path in Path(plan.root, "logs").rglob("*.log") if path.stat().st_mtime >= begun - 1.0]
     lines = [line for path in logs for line in path.read_text(encoding="utf-8").splitlines()]

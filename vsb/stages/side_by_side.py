@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from vsb.errors import ConfigError
+from vsb.study.body_plan import AnyPlan
 from vsb.study.campaign_plan import CampaignPlan, plan_of
-from vsb.study.plan import StudyPlan
 from vsb.study.specs import leading_tuning
 from vsb.tools.files import load, write_text
 from vsb.tools.stamps import read_text
@@ -54,7 +54,7 @@ def side_by_side(configs: Sequence[str]) -> list[Line]:
     return lines([plan_of(config) for config in configs])
 
 
-def lines(plans: Sequence[StudyPlan | CampaignPlan]) -> list[Line]:
+def lines(plans: Sequence[AnyPlan | CampaignPlan]) -> list[Line]:
     """Return the lines of plans that were run; see `side_by_side`."""
     names = [plan.name if isinstance(plan, CampaignPlan) else plan.study.study for plan in plans]
     if twice := [name for name in names if names.count(name) > 1]:
@@ -62,7 +62,7 @@ def lines(plans: Sequence[StudyPlan | CampaignPlan]) -> list[Line]:
     return [line for plan in plans for line in (_of_year(plan) if isinstance(plan, CampaignPlan) else _of_study(plan))]
 
 
-def _of_study(plan: StudyPlan) -> Iterator[Line]:
+def _of_study(plan: AnyPlan) -> Iterator[Line]:
     """Every design in every sea, at its own best damper; without BEM as it was run."""
     found = json.loads(read_text(f"{plan.folder}/tables.json", plan.manifest, plan.study_id))
     name = plan.study.study

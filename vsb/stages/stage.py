@@ -5,18 +5,21 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from pydantic import TypeAdapter, ValidationError
 
 from vsb.errors import ConfigError
-from vsb.study import specs
+from vsb.study import body_specs, specs
+from vsb.study.body import BodyStudy
 from vsb.study.reading import one_line
 from vsb.study.specs import Spec
 from vsb.study.study import Study, canonical, result_id
 
 BEM_FILES = ("database", "radiation", "response", "witness")
 """What a model without BEM does not have."""
+BODY_FILES = ("folder", "green", "mesh", "modes", "database", "wamit", "bemio")
+"""Where frequencies solved are kept and the Green function's table, and the files a body is read from."""
 
 
 @dataclass(frozen=True)
@@ -49,12 +52,18 @@ class Stage:
             raise ConfigError(f"{source}: not valid JSON ({error}); needs the specification of the rule") from None
         if not isinstance(raw, dict):
             raise ConfigError(f"{source}: received {text[:40]}, needs a mapping")
-        try:
-            return TypeAdapter(self.spec).validate_python(raw)
-        except ValidationError as error:
-            raise ConfigError(f"{source}: {one_line(error)}") from None
+        mistakes = []
+        for kind in get_args(self.spec) or (self.spec,):
+            try:
+                return TypeAdapter(kind).validate_python(raw)
+            except ValidationError as error:
+                mistakes.append(error)
+        raise ConfigError(
+            f"{source}: {one_line(min(mistakes, key=ValidationError.error_count))}"
+        )  # of the nearest type
 
 
+SIMULATE = specs.SimulateSpec | body_specs.BodySimulateSpec
 STAGES = (
     Stage("modes", "shell modes", specs.ModesSpec, ("out",)),
     Stage("display", "viewable deformed meshes", specs.DisplaySpec, ("out", "manifest")),
@@ -64,25 +73,39 @@ STAGES = (
     Stage("witness", "two solvers on the mean and on deformed shells", specs.WitnessSpec, ("meshes", "green", "out")),
     Stage("panels", "one block of frequencies by panels", specs.PanelsSpec, ("mesh", "green", "out")),
     Stage("spectral", "one block of frequencies without panels", specs.SpectralSpec, ("out",)),
+    Stage("coefficients", "hydro database of a body, solved or read", body_specs.BodySpec, ("out",), BODY_FILES),
     Stage("database", "hydro database from blocks", specs.DatabaseSpec, ("blocks", "out")),
-    Stage("radiation", "radiation model", specs.RadiationSpec, ("database", "out")),
-    Stage("response", "frequency response", specs.ResponseSpec, ("database", "out")),
-    Stage("ladder", "power under ever better take-offs", specs.LadderSpec, ("database", "out", "rungs", "manifest")),
-    Stage("simulate", "one design in one sea", specs.SimulateSpec, ("out",), BEM_FILES[:2]),
+    Stage("radiation", "radiation model", specs.RadiationSpec | body_specs.BodyRadiationSpec, ("database", "out")),
+    Stage("response", "frequency response", specs.ResponseSpec | body_specs.BodyResponseSpec, ("database", "out")),
+    Stage(
+        "ladder",
+        "power under ever better take-offs",
+        specs.LadderSpec | body_specs.BodyLadderSpec,
+        ("database", "out", "rungs", "manifest"),
+    ),
+    Stage(
+        "simulate", "one design in one sea", specs.SimulateSpec | body_specs.BodySimulateSpec, ("out",), BEM_FILES[:2]
+    ),
     Stage(
         "compare",
         "comparison and validity",
-        specs.CompareSpec,
+        specs.CompareSpec | body_specs.BodyCompareSpec,
         ("trajectories", "out", "statistics", "validity", "study", "tables", "manifest"),
         (*BEM_FILES, "rungs"),
     ),
-    Stage("figures", "all figures", Study, ("modes", "trajectories", "out", "manifest"), BEM_FILES),
+    Stage(
+        "figures",
+        "all figures",
+        Study | BodyStudy,
+        ("trajectories", "out", "manifest"),
+        ("modes", *BEM_FILES),
+    ),
     Stage(
         "report",
         "HTML report",
-        Study,
-        ("tables", "modes", "trajectories", "figures", "out", "manifest"),
-        BEM_FILES,
+        Study | BodyStudy,
+        ("tables", "trajectories", "figures", "out", "manifest"),
+        ("modes", *BEM_FILES),
     ),
     Stage("members", "points of a campaign over the year", specs.MembersSpec, ("climate", "folder", "root", "out")),
     Stage("verification", "seas of the year in time", specs.VerificationSpec, ("climate", "root", "out")),

@@ -14,13 +14,12 @@ import xarray as xr
 
 from vsb.errors import ConfigError
 from vsb.hydro.database import load_database
-from vsb.motion.frequency import LinearBuoy
 from vsb.motion.port import Port
-from vsb.scenes.build import SCENES, DesignInSea, linear_buoy, study_port
-from vsb.scenes.rest import design_motions
-from vsb.shell.modes import ModeBasis
-from vsb.study.plan import StudyPlan
-from vsb.study.study import Study, Wave
+from vsb.scenes.afloat import Afloat, AnyStudy, afloat, towards
+from vsb.scenes.build import DesignInSea, design_in_sea
+from vsb.study.body_plan import plan_for
+from vsb.study.results_plan import ResultsPlan
+from vsb.study.study import Wave
 from vsb.tools.files import load
 from vsb.tools.stamps import read_text
 
@@ -37,13 +36,13 @@ class Results:
         If the study has no such design or sea, or its model no such result.
     """
 
-    study: Study
+    study: AnyStudy
     folder: str = "results"  # of all results
 
     @cached_property
-    def plan(self) -> StudyPlan:
+    def plan(self) -> ResultsPlan:
         """Names and content ids of all files."""
-        return StudyPlan(self.study, root=self.folder)
+        return plan_for(self.study, self.folder)
 
     @property
     def comparison(self) -> list[dict[str, Any]]:
@@ -94,14 +93,16 @@ class Results:
     def scene(self, design: str, wave: str | None = None) -> DesignInSea:
         """Return the scene of a design in a sea, as it was simulated: what integrators and harmonic balance take."""
         spec = self.plan.simulation(self._design(design), self._wave(wave))
-        return SCENES[spec.hydro.model](spec, dict(self.plan.hydro_files))
+        return design_in_sea(spec, dict(self.plan.hydro_files))
 
-    def port(self, design: str, omega: npt.ArrayLike | None = None) -> Port:
-        """Return what the take-off sees of a design, at the database's frequencies or at others [rad/s]."""
-        buoy, basis = self._buoy
-        at = buoy.database.omega.values if omega is None else np.asarray(omega, dtype=float)
-        motions = design_motions(self.study, basis, self._design(design))
-        return buoy.port(at, motions, study_port(self.study, buoy, basis))
+    def port(self, design: str, omega: npt.ArrayLike | None = None, direction: float = 0.0) -> Port:
+        """Return what the take-off sees of a design, at the database's frequencies or at others [rad/s].
+
+        Of a body in waves of a direction [degrees].
+        """
+        motions, linear = self._afloat.motions[self._design(design)], towards(self._afloat.linear, direction)
+        at = linear.database.omega.values if omega is None else np.asarray(omega, dtype=float)
+        return linear.port(at, motions, self._afloat.port)
 
     @cached_property
     def _tables(self) -> dict[str, list[dict[str, Any]]]:
@@ -112,9 +113,9 @@ class Results:
         return found
 
     @cached_property
-    def _buoy(self) -> tuple[LinearBuoy, ModeBasis]:
-        """The linear buoy and its modes."""
-        return linear_buoy(self.study, self._of_bem("port", *self.plan.hydro_files.values()))
+    def _afloat(self) -> Afloat:
+        """What floats."""
+        return afloat(self.study, self._of_bem("port", *self.plan.hydro_files.values()))
 
     def _of_bem(self, what: str, *paths: str) -> str:
         """The first of the files that only a model with BEM has."""

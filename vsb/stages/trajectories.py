@@ -7,8 +7,9 @@ from typing import Any
 
 import xarray as xr
 
-from vsb.study.plan import StudyPlan, trajectory_name
-from vsb.study.study import Study
+from vsb.scenes.afloat import AnyStudy
+from vsb.study.body_plan import plan_for
+from vsb.study.results_plan import trajectory_name
 from vsb.tools.files import attributes, check_stamp, load
 
 
@@ -22,7 +23,7 @@ class StoredRuns(Mapping[tuple[str, str], xr.Dataset]):
         By every run that is missing, damaged, or of another specification.
     """
 
-    study: Study
+    study: AnyStudy
     folder: str
     _kept: dict[tuple[str, str], xr.Dataset] = field(default_factory=dict, repr=False)
 
@@ -50,7 +51,7 @@ class StoredRuns(Mapping[tuple[str, str], xr.Dataset]):
     @cached_property
     def _ids(self) -> dict[tuple[str, str], str]:
         """Content id of every run, sea by sea."""
-        study, plan = self.study, StudyPlan(self.study)
+        study, plan = self.study, plan_for(self.study)
         return {(d, wave.label): plan.trajectory_id(d, wave) for wave in study.waves for d in study.designs}
 
     def _path(self, design: str, wave: str) -> str:

@@ -12,7 +12,8 @@ from vsb.results.member import ports_year, with_designs
 from vsb.results.verification import Sample, contributions, drawn, verified
 from vsb.results.verified_year import verified_dataset, with_lost
 from vsb.results.year import Year
-from vsb.scenes.build import linear_buoy, radiation_model, rest_shape, study_port
+from vsb.scenes.afloat import linear_buoy, rest_shape, study_port
+from vsb.scenes.build import radiation_model
 from vsb.scenes.ports import design_ports
 from vsb.scenes.rest import design_motions
 from vsb.scenes.viability import viability

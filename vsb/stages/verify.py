@@ -9,13 +9,15 @@ from pathlib import Path
 from vsb.errors import DatabaseError, VsbError
 from vsb.hydro.database import index_text, write_index
 from vsb.stages.alone import nobody_else
+from vsb.study.body import is_body, located
+from vsb.study.body_plan import AnyPlan, plan_for
 from vsb.study.campaign_plan import CampaignPlan, plan_of
-from vsb.study.plan import StudyPlan
 from vsb.study.study import parse
 from vsb.tools import packed
 from vsb.tools.files import CHANGED, DELETE, attributes
 from vsb.tools.stamps import MANIFEST, Fault, Manifest, Stamp, faults, read_manifest, stamp_file
 
+Plan = AnyPlan | CampaignPlan
 STUDY = "study.json"
 """The study a folder of results is of."""
 
@@ -60,7 +62,7 @@ def _more(lines: Sequence[object]) -> str:
     return f" (and {len(lines) - 1} more)" if len(lines) > 1 else ""
 
 
-def _plans(target: str) -> Sequence[StudyPlan | CampaignPlan]:
+def _plans(target: str) -> Sequence[Plan]:
     """The plans of a study or campaign file, or of the studies in a folder."""
     place = Path(target)
     if not place.is_dir():
@@ -69,14 +71,16 @@ def _plans(target: str) -> Sequence[StudyPlan | CampaignPlan]:
     return [plan for folder in folders if (plan := _plan(folder))]
 
 
-def _plan(folder: Path) -> StudyPlan | None:
+def _plan(folder: Path) -> AnyPlan | None:
     """The plan of the study a folder is of; none if the folder does not know it any more, which is a fault."""
     path = folder / STUDY
     stamp = manifests(folder.parent).get(os.path.normpath(path))
     if stamp and Stamp.of(path, stamp.spec_id) != stamp:
         return None
     try:
-        return StudyPlan(parse(json.loads(path.read_text(encoding="utf-8"))), root=str(folder.parent))
+        raw = json.loads(path.read_text(encoding="utf-8"))
+        study = located(raw, str(path)).study if is_body(raw) else parse(raw)
+        return plan_for(study, str(folder.parent))
     except (ValueError, RecursionError, VsbError):
         return None
 
@@ -145,7 +149,7 @@ def manifests(root: Path) -> Manifest:
     return found
 
 
-def study_faults(plan: StudyPlan | CampaignPlan) -> list[Fault]:
+def study_faults(plan: Plan) -> list[Fault]:
     """Return which files of a study that are there are not what they should be."""
     return faults(plan.ids, manifests(Path(plan.root)))
 
@@ -154,7 +158,7 @@ MOST_CHANGES = 6
 """Changes of a study that are told."""
 
 
-def differences(plan: StudyPlan | CampaignPlan) -> str:
+def differences(plan: Plan) -> str:
     """Return what a study changes of the one whose results it replaces; empty if there is none, or the same."""
     before = _plan(Path(plan.folder)) if Path(plan.folder, STUDY).is_file() else None
     if before is None or isinstance(plan, CampaignPlan):
@@ -177,7 +181,7 @@ def leaves(data: object, name: str = "") -> dict[str, object]:
     return {key: leaf for part, inner in below for key, leaf in leaves(inner, f"{name}.{part}".lstrip(".")).items()}
 
 
-def stale_products(plan: StudyPlan | CampaignPlan, *, dry: bool) -> list[str]:
+def stale_products(plan: Plan, *, dry: bool) -> list[str]:
     """Return the products a run must make anew, and say so.
 
     Files of before the stamps that are as specified are stamped; meshes of panels of before, which say nothing of

@@ -11,11 +11,12 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Discriminator, Field, Tag, WithJsonSchema, field_validator
 
 from vsb.errors import ConfigError
+from vsb.study.compared import RESERVED_NAMES
 from vsb.study.froude import scaled
 from vsb.study.quantities import Name, Number, Section
 from vsb.study.reading import read_yaml, validated
 from vsb.study.specs import Tunings, leading_tuning
-from vsb.study.study import RESERVED_NAMES, Study, parse
+from vsb.study.study import Study, parse
 from vsb.study.study import load as load_study
 from vsb.study.vary import SCALE, VARIED, Point, Value, Vary, read_vary
 from vsb.study.year_options import Constrained, Verify

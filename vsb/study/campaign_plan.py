@@ -15,9 +15,12 @@ from typing import Any, NamedTuple
 
 from vsb.errors import ConfigError
 from vsb.study.blocks import HydroPlan
+from vsb.study.body import is_body
+from vsb.study.body_plan import BodyPlan
 from vsb.study.campaign import LoadedCampaign, Scatter, is_campaign, read, sections, study_at, where_of
-from vsb.study.plan import StudyPlan, figure_paths
+from vsb.study.plan import StudyPlan
 from vsb.study.reading import read_yaml
+from vsb.study.results_plan import figure_paths
 from vsb.study.specs import (
     CampaignSpec,
     ClimateSpec,
@@ -292,9 +295,18 @@ class CampaignPlan:
         return path.startswith(f"{self.root}/hydro/")
 
 
-def plan_of(path: str) -> StudyPlan | CampaignPlan:
-    """Return the plan of a study file or of a campaign file."""
+def planned(raw: dict[str, Any], source: str) -> StudyPlan | BodyPlan | CampaignPlan:
+    """Return the plan of a file as nested mappings, its results folder, if not `results`, as `root`."""
+    if "campaign" in raw:
+        return CampaignPlan.of(raw, source)
+    return BodyPlan.of(raw, source) if "body" in raw else StudyPlan.of(raw)
+
+
+def plan_of(path: str) -> StudyPlan | BodyPlan | CampaignPlan:
+    """Return the plan of a study file, of a buoy or of a body, or of a campaign file."""
     raw = read_yaml(path, "a study file such as config/seed.yaml")
+    if is_body(raw):
+        return BodyPlan.of(raw, path)
     return CampaignPlan(read(raw, path)) if is_campaign(raw) else StudyPlan(parse(raw, source=path))
 
 

@@ -17,6 +17,8 @@ _SEA = {
     "realisations": Key("-", "8", "how many seas of this spectrum are followed, seeds one after the other"),
 }
 """Of every irregular sea."""
+_GOING = {"direction": Key("degrees", "45.0", "direction the waves go to, from the x axis; only of a body")}
+"""Of all waves."""
 
 KEYS: dict[str, dict[str, Key]] = {
     "Study": {
@@ -160,24 +162,90 @@ KEYS: dict[str, dict[str, Key]] = {
         "line_from": Key("m", "[0.0, -1.5]", "attachment to the frame, x and z from the sphere's centre"),
     },
     "BetweenPort": {"between": Key("degrees", "[0, 180]", "colatitudes of two points the take-off acts between")},
+    "DofPort": {
+        "dofs": Key(
+            "-",
+            "{float__Heave: 1.0, spar__Heave: -1.0}",
+            "degrees of freedom the port moves with, each with its share",
+        ),
+        "dof": Key("", "Heave", "one degree of freedom the port moves with, in place of dofs"),
+    },
+    "BodyStudy": {
+        "study": Key("", "my_barge", "name of the study and of its folder of results"),
+        "body": Key(
+            "",
+            "{database: barge.nc, mass: {Heave: 4.0e+6}}",
+            "what floats, in place of a device: a body file, or a database of this project, capytaine, WAMIT or BEMIO",
+        ),
+        "designs": Key(
+            "",
+            "{rigid: {dofs: rigid}, flexible: {}}",
+            "variants compared; the first rigid one is the reference",
+        ),
+        "water": Key("", "{density: 1000.0}", "the sea without its waves; of a body file its own if it is left out"),
+        "hydro": Key("", "{tolerance: 0.01}", "radiation memory and checks of the coefficients"),
+        "pto": Key("", "{damping: 1.0e+6, port: {dof: Mode7}}", "power take-off; its port is of degrees of freedom"),
+        "waves": Key("", "[{kind: jonswap, hs: 1.0, tp: 7.0, direction: 45.0}]", "seas, each with a direction"),
+        "simulation": Key("", "{duration: 600.0, window: [100.0, 600.0]}", "runs in time"),
+        "published": Key(
+            "",
+            "{source: a paper, values: {rigid: {power_mean: 43420.0}}}",
+            "figures from elsewhere, printed beside the study's own",
+        ),
+    },
+    "Body": {
+        "file": Key("", "my_body.yaml", "a body file, as `vsb body` takes; `body: my_body.yaml` is the same"),
+        "database": Key("", "body.nc", "a hydro database of this project, or capytaine's, of several bodies too"),
+        "wamit": Key("", "folder/name", "WAMIT's files name.1, .3, .hst and, if there, .3fk, .3sc and .mmx"),
+        "bemio": Key("", "body.h5", "BEMIO's .h5, as WEC-Sim reads it"),
+        "length": Key("m", "1.0", "ULEN of WAMIT's run"),
+        "mass": Key(
+            "kg",
+            "{Heave: 4.0e+6, Pitch: 2.1e+9, Surge Pitch: 0.0}",
+            "entries of the mass matrix by one or two degrees of freedom, or all its rows; in place of the file's",
+        ),
+        "damping": Key("kg/s", "{Mode7: 1.0e+4}", "likewise of structural damping"),
+        "stiffness": Key("N/m", "{Surge: 4.0e+4}", "likewise of structure and mooring, without the water's"),
+    },
+    "BodyDesign": {
+        "dofs": Key("", "[Heave, Pitch, Mode7]", "degrees of freedom it moves in: all, rigid, or their names"),
+        "held": Key(
+            "-",
+            "[{float__Heave: 1.0, spar__Heave: -1.0}]",
+            "combinations of degrees of freedom that stay zero: clamps, locks and hinges held",
+        ),
+    },
+    "BodyHydro": {
+        "model": Key("", "linear", "the one there is of a body"),
+        "tolerance": Key("-", "0.01", "error of the radiation memory, relative to each motion's largest damping"),
+        "added_mass_inf": Key(
+            "", "given", "fitted: added mass at infinite frequency as suits all others; given: as the database has it"
+        ),
+        "omega_max": Key("rad/s", "3.0", "frequencies of the database above it are left out"),
+        "accept": Key("", "[haskind]", "checks of the database whose failure is accepted"),
+    },
     "StillWater": {"kind": Key("", "still", "no waves: free decay")},
     "RegularWave": {
+        **_GOING,
         "kind": Key("", "regular", "a sine wave"),
         "amplitude": Key("m", "0.179", "half the height from trough to crest"),
         "period": Key("s", "2.5", "period of the wave"),
     },
     "Jonswap": {
+        **_GOING,
         **_SEA,
         "kind": Key("", "jonswap", "a growing wind sea"),
         "tp": Key("s", "5.0", "period at the spectrum's peak"),
         "gamma": Key("-", "3.3", "peakedness; 1 is Pierson and Moskowitz's sea"),
     },
     "PiersonMoskowitz": {
+        **_GOING,
         **_SEA,
         "kind": Key("", "pierson_moskowitz", "a fully developed sea"),
         "tp": Key("s", "8.0", "period at the spectrum's peak"),
     },
     "WhiteNoise": {
+        **_GOING,
         **_SEA,
         "kind": Key("", "white_noise", "constant spectral density over a band"),
         "band": Key("rad/s", "[1.0, 3.0]", "lowest and highest frequency"),
@@ -196,7 +264,7 @@ KEYS: dict[str, dict[str, Key]] = {
         "source": Key("", "Table II of a paper", "where the figures are from"),
         "values": Key("", "{FSB: {energy: 43420.0}}", "design, measure and value, SI units"),
     },
-    "BodyStudy": {
+    "BodyFile": {
         "body": Key("", "raft", "name of the body and of its database"),
         "mesh": Key(
             "", "raft.stl", "wetted surface, closed by the waterline, normals outward; path from the file's folder"

@@ -3,16 +3,11 @@
 The Snakefile builds its graph from this module alone, so a dry run shows the true plan.
 """
 
-import math
-import re
-from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cached_property
-from pathlib import PurePosixPath
 from typing import Any
 
-from vsb.study.blocks import BlockSpec, HydroPlan, panel_solver
-from vsb.study.resolution import RECORDS_PER_PERIOD, thinning
+from vsb.study.blocks import BlockSpec, HydroPlan
+from vsb.study.results_plan import ResultsPlan
 from vsb.study.specs import (
     Band,
     CompareSpec,
@@ -29,20 +24,11 @@ from vsb.study.specs import (
     SphereMesh,
     WitnessSpec,
 )
-from vsb.study.study import IrregularSea, RegularWave, Study, Wave, content_id, parse, result_id
+from vsb.study.study import RegularWave, Study, Wave, content_id, parse
 from vsb.study.witness import no_witness, witness_spec
 
 FIGURES_PER_WAVE = ("heave_excitation", "velocity_pto", "power_energy", "energy_audit", "snapshots")
 FIGURES_OF_THE_SHELL = ("extreme_shapes", "shapes_3d", "volume_area")
-
-
-FIGURE_KINDS = ("svg", "pdf", "csv")
-"""Files of every figure: for a page, for print, and the data behind it."""
-
-
-def figure_paths(folder: str, names: Iterable[str]) -> list[str]:
-    """Return the paths of all files of some figures of the results in a folder."""
-    return [f"{folder}/figures/{name}.{kind}" for name in names for kind in FIGURE_KINDS]
 
 
 def figure_names(study: Study) -> list[str]:
@@ -57,19 +43,9 @@ def figure_names(study: Study) -> list[str]:
     return [*names, *(f"{name}-{wave.label}" for wave in study.drawn_waves for name in per_wave)]
 
 
-def trajectory_name(design: str, wave: str) -> str:
-    """Return the file name of the time series of one design in one sea."""
-    return f"{design}-{wave}.nc"
-
-
-def options(files: dict[str, str]) -> str:
-    """Return command-line options that name files; file names of this project need no quotes."""
-    return " ".join(f"--{name} {path}" for name, path in files.items())
-
-
 @dataclass(frozen=True)
-class StudyPlan(HydroPlan):
-    """Everything a study needs computed, as specs with content ids."""
+class StudyPlan(HydroPlan, ResultsPlan):
+    """Everything a study of a buoy needs computed, as specs with content ids."""
 
     root: str = "results"
 
@@ -158,85 +134,33 @@ class StudyPlan(HydroPlan):
         """Sections of the study a stage reads."""
         return {name: getattr(self.study, name) for name in names}
 
-    # content ids ----------------------------------------------------------------------------------------------------
-
-    @cached_property
-    def hydro_ids(self) -> tuple[str, ...]:
-        """Ids of the hydrodynamic files the time domain reads."""
-        return (content_id(self.database), content_id(self.radiation)) if self.study.needs_bem else ()
-
-    def trajectory_id(self, design: str, wave: Wave) -> str:
-        """Id of one time-domain run."""
-        return result_id(self.simulation(design, wave), *self.hydro_ids)
+    @property
+    def figures(self) -> list[str]:
+        """Names of all figures."""
+        return figure_names(self.study)
 
     @property
-    def response_id(self) -> str:
-        """Id of the frequency response."""
-        return result_id(self.response, self.hydro_ids[0])
+    def highest(self) -> float:
+        """Highest frequency a sea may have components at [rad/s]."""
+        return self.study.hydro.omega_max
 
     @property
-    def ladder_id(self) -> str:
-        """Id of the tuning ladder."""
-        return result_id(self.ladder, self.hydro_ids[0])
+    def shape_ids(self) -> dict[str, str]:
+        """Files that show the shapes of the motions, each with its id."""
+        own = {f"{self.folder}/modes.nc": content_id(self.modes)}
+        return own | dict.fromkeys(self.display_paths, content_id(self.display))
 
-    @cached_property
-    def study_id(self) -> str:
-        """Id of what is made of all results together: tables, figures, report; designs in any order."""
-        response = [self.response_id, self.ladder_id] if self.study.needs_bem else []
-        runs = [self.trajectory_id(design, wave) for wave in self.study.waves for design in sorted(self.study.designs)]
-        witness = [content_id(self.witness)] if self.witness else []
-        return result_id(self.comparison, content_id(self.modes), *self.hydro_ids, *witness, *response, *runs)
+    @property
+    def modes_files(self) -> dict[str, str]:
+        """Shapes of the shell modes, by the option that names them."""
+        return {"modes": f"{self.folder}/modes.nc"}
 
-    @cached_property
-    def ids(self) -> dict[str, str]:
-        """Id every file of the study must carry, blocks and meshes of panels included: a new product needs no entry.
-
-        Files under `hydro` are named by theirs; what is not of one stage of its own is of the whole study.
-        """
+    @property
+    def solved_files(self) -> list[str]:
+        """Blocks, and meshes of panels."""
         blocks = self.bem_blocks.values()
         meshes = [self.mesh_path(block.mesh) for block in blocks if isinstance(block, PanelsSpec)]
-        own = {
-            self.trajectory_path(d, w.label): self.trajectory_id(d, w)
-            for w in self.study.waves
-            for d in self.study.designs
-        }
-        own[f"{self.folder}/modes.nc"] = content_id(self.modes)
-        if self.study.needs_bem:
-            own |= dict.fromkeys(self.response_files.values(), self.response_id)
-            own |= dict.fromkeys((f"{self.folder}/ladder.csv", *self.ladder_files.values()), self.ladder_id)
-        own |= dict.fromkeys(self.display_paths, content_id(self.display))
-        files = [*self.products, *map(self.block_path, blocks), *meshes]
-        return {path: own.get(path) or self._named_id(path) for path in files}
-
-    def _named_id(self, path: str) -> str:
-        """Id in the name of a shared file or of its folder; of any other that of the study."""
-        if not self.is_shared(path):
-            return self.study_id
-        name = PurePosixPath(path)
-        return name.stem if re.fullmatch("[0-9a-f]{16}", name.stem) else name.parent.name
-
-    def is_shared(self, path: str) -> bool:
-        """Whether studies share a file."""
-        return path.startswith(f"{self.root}/hydro/")
-
-    # memory ---------------------------------------------------------------------------------------------------------
-
-    def record_megabytes(self, wave: Wave) -> int:
-        """Memory that the time series of a design in a sea take [MB]: nine of every coordinate, ten others."""
-        duration, coordinates = self.study.simulation.duration, self.coordinates
-        instants = int(RECORDS_PER_PERIOD * self.study.fastest(wave) * duration / (2 * math.pi))
-        return math.ceil(8e-6 * (9 * coordinates + 10) * instants / thinning(instants + 1))
-
-    def simulation_megabytes(self, wave: Wave) -> int:
-        """Memory that a run in a sea takes [MB]: its record thrice, what a leg takes, and the sea's components."""
-        band = self.study.hydro.omega_max if isinstance(wave, IrregularSea) else 0.0
-        return 800 + 3 * self.record_megabytes(wave) + math.ceil(6e-4 * band * self.study.simulation.duration)
-
-    @property
-    def study_megabytes(self) -> int:
-        """Memory that the time series of all designs in a sea take at one time [MB], and what drawing them takes."""
-        largest = max(self.record_megabytes(wave) for wave in self.study.waves)
-        return 800 + math.ceil(1.2 * len(self.study.designs) * largest)
+        return [*map(self.block_path, blocks), *meshes]
 
     # file names -----------------------------------------------------------------------------------------------------
 
@@ -254,77 +178,15 @@ class StudyPlan(HydroPlan):
         return f"{self.root}/hydro/blocks"
 
     @property
-    def database_path(self) -> str:
-        """Hydro database."""
-        return f"{self.root}/hydro/db/{content_id(self.database)}.nc"
-
-    @property
-    def radiation_path(self) -> str:
-        """Radiation model."""
-        return f"{self.root}/hydro/radiation/{content_id(self.radiation)}.nc"
-
-    @property
     def display_folder(self) -> str:
         """Folder of the viewable meshes."""
         return f"{self.root}/hydro/mesh/{content_id(self.display)}"
 
     @property
-    def green_folder(self) -> str:
-        """Folder of the Green-function table."""
-        return f"{self.root}/hydro/green/{panel_solver().replace(' ', '-')}"
-
-    @property
-    def name(self) -> str:
-        """Name of the study."""
-        return self.study.study
-
-    @property
-    def folder(self) -> str:
-        """Folder of the study's own results."""
-        return f"{self.root}/{self.study.study}"
-
-    @property
-    def manifest(self) -> str:
-        """Stamps of the study's products that are no netCDF files."""
-        return f"{self.folder}/manifest.json"
-
-    def trajectory_path(self, design: str, wave: str) -> str:
-        """Time series of one design in one sea."""
-        return f"{self.folder}/trajectories/{trajectory_name(design, wave)}"
-
-    @property
     def products(self) -> list[str]:
         """All files a run of the study promises."""
-        waves = [wave.label for wave in self.study.waves]
-        tables = ["comparison.csv", "statistics.csv", "validity.json", "study.json", "tables.json"]
-        names = ["report.html", *tables, "modes.nc"]
-        return [
-            *(f"{self.folder}/{name}" for name in names),
-            *figure_paths(self.folder, figure_names(self.study)),
-            *(self.trajectory_path(design, wave) for wave in waves for design in self.study.designs),
-            *self.hydro_files.values(),
-            *self.response_files.values(),
-            *([f"{self.folder}/ladder.csv"] if self.study.needs_bem else []),
-            *self.ladder_files.values(),
-            *self.witness_files.values(),
-            *self.deformed_paths,
-            *self.display_paths,
-        ]
-
-    @property
-    def hydro_files(self) -> dict[str, str]:
-        """Hydrodynamic files the time domain reads, by the option that names them; none without BEM."""
-        return {"database": self.database_path, "radiation": self.radiation_path} if self.study.needs_bem else {}
-
-    @property
-    def response_files(self) -> dict[str, str]:
-        """The frequency response, by the option that names it; none without BEM."""
-        return {"response": f"{self.folder}/response.nc"} if self.study.needs_bem else {}
-
-    @property
-    def ladder_files(self) -> dict[str, str]:
-        """The tuning ladder with all digits, by the option that names it; none without BEM."""
-        return {"rungs": f"{self.folder}/ladder.json"} if self.study.needs_bem else {}
+        modes = f"{self.folder}/modes.nc"
+        return [*self.answers, modes, *self.witness_files.values(), *self.deformed_paths, *self.display_paths]
 
     @property
     def witness_files(self) -> dict[str, str]:

@@ -59,6 +59,15 @@ Finite = Annotated[Number, Field(allow_inf_nan=False)]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=64)]  # of files, too
 
 
+RIGID = ("Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw")
+"""Labels of the six rigid motions, in everybody's order; of several bodies named with the body first: float__Heave."""
+
+
+def is_rigid(label: str) -> bool:
+    """Return whether a degree of freedom is a rigid motion, of one of several bodies or of the only one."""
+    return label.rpartition("__")[2] in RIGID
+
+
 OR_AUTO = WithJsonSchema({"anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"const": "auto"}], "default": "auto"})
 """Of a number that a study tells by the size of its buoy if it is not given: what editors are told."""
 

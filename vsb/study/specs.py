@@ -14,15 +14,16 @@ from vsb.study.directions import Mooring, Motion
 from vsb.study.drag import Drag
 from vsb.study.floating import centre_height
 from vsb.study.quantities import Extended, Name, Section
-from vsb.study.sections import Design, Hydro, Modes, RestShape, Simulation, StillWater, Water, Wave
+from vsb.study.sections import Design, Hydro, Modes, RestShape, Simulation, Water
 from vsb.study.study import Study
 from vsb.study.take_off import Pto, opens_chamber
 from vsb.study.vary import Vary
+from vsb.study.waves import StillWater, Wave
 from vsb.study.year_options import Constrained, Verify
 
 PHYSICS = {
     "mesh": 2, "bem": 7, "database": 6, "radiation": 1, "response": 2, "ladder": 1, "simulate": 4, "compare": 7,
-    "witness": 1, "member": 2, "members": 2, "campaign": 2, "verification": 2,
+    "witness": 1, "member": 2, "members": 2, "campaign": 2, "verification": 2, "body": 1,
 }  # fmt: skip
 """Hand-bumped version of the physics behind each tag: a library edit alone never reruns anything."""
 

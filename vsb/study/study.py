@@ -7,35 +7,39 @@ import math
 from pathlib import Path
 from typing import Annotated, Any, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, model_validator
 
 from vsb.errors import ConfigError
 from vsb.study.canonical import canonical, content_id, result_id
+from vsb.study.compared import Compared
 from vsb.study.device import Device, Gas, RayleighDamping
 from vsb.study.directions import Mooring, Motion, check_directions
 from vsb.study.drag import Drag, check_followed
 from vsb.study.floating import cap_volume, centre_height, resolved
-from vsb.study.quantities import Extended, Name
+from vsb.study.quantities import Name
 from vsb.study.reading import read_yaml, validated
 from vsb.study.resolution import RECORDS_PER_PERIOD
 from vsb.study.sections import (
     Design,
     Hydro,
+    Modes,
+    Published,
+    RestShape,
+    Simulation,
+    Water,
+)
+from vsb.study.take_off import Pto, opens_chamber
+from vsb.study.waves import (
     Irregular,
     IrregularSea,
     Jonswap,
-    Modes,
     PiersonMoskowitz,
-    Published,
     RegularWave,
-    RestShape,
-    Simulation,
     StillWater,
-    Water,
+    Travelling,
     Wave,
     WhiteNoise,
 )
-from vsb.study.take_off import Pto, Tuning, opens_chamber
 
 __all__ = [
     "Design",
@@ -76,10 +80,9 @@ CHECKS = (
     "irregular_frequencies", "kramers_kronig",
 )  # fmt: skip
 """Names of the checks on a hydro database, as `vsb.quality` gives them; a study may accept their failures."""
-RESERVED_NAMES = ("hydro", "hydro_precision", "barge", "logs", "benchmarks")
 
 
-class Study(Extended):
+class Study(Compared):
     """One study file."""
 
     LATER = ("motion", "mooring", "drag")
@@ -103,28 +106,6 @@ class Study(Extended):
     def _to_size(cls, raw: Any) -> Any:
         """What is left to the size of the buoy is said before anything is named by it."""
         return resolved(raw) if isinstance(raw, dict) else raw
-
-    @field_validator("study")
-    @classmethod
-    def _not_reserved(cls, value: str) -> str:
-        if value in RESERVED_NAMES:
-            raise ValueError(
-                f"{value!r} is the name of a results folder; choose a name other than {', '.join(RESERVED_NAMES)}"
-            )
-        return value
-
-    @field_validator("waves")
-    @classmethod
-    def _each_realisation(cls, value: tuple[Wave, ...]) -> tuple[Wave, ...]:
-        """Seas of several realisations become as many seas, of seeds one after the other."""
-        seas: list[Wave] = []
-        for wave in value:
-            if isinstance(wave, IrregularSea):
-                seeds = range(wave.seed, wave.seed + wave.realisations)
-                seas += [wave.model_copy(update={"seed": seed, "realisations": 1}) for seed in seeds]
-            else:
-                seas.append(wave)
-        return tuple(seas)
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -161,6 +142,11 @@ class Study(Extended):
     def _check_waves(self) -> None:
         """Every wave must lie inside the solved band, every label be unique."""
         for i, wave in enumerate(self.waves):
+            if isinstance(wave, Travelling) and wave.direction:
+                raise ValueError(
+                    f"waves.{i}.direction {wave.direction:g} degrees: a buoy of revolution answers waves of all "
+                    "directions alike; remove it, or describe a body"
+                )
             if isinstance(wave, WhiteNoise) and wave.band[1] > self.hydro.omega_max:
                 highest = self.hydro.omega_max
                 raise ValueError(f"waves.{i}.band {list(wave.band)} rad/s: needs at most hydro.omega_max = {highest:g}")
@@ -171,9 +157,7 @@ class Study(Extended):
                     f"needs a period of at least {shortest:.4g} s, or a larger hydro.omega_max "
                     f"(now {self.hydro.omega_max:g} rad/s)"
                 )
-        labels = [wave.label for wave in self.waves]
-        if len(set(labels)) < len(labels):
-            raise ValueError(f"waves {labels}: the same sea is listed twice")
+        self.check_labels()
         if self.hydro.omega and self.hydro.omega[-1] > self.hydro.omega_max:
             raise ValueError(
                 f"hydro.omega {self.hydro.omega[-1]:g} rad/s: needs at most hydro.omega_max = "
@@ -214,17 +198,12 @@ class Study(Extended):
         )
         if method not in suitable:
             raise ValueError(f"simulation.method {method!r}: hydro.model {model!r} needs one of {', '.join(suitable)}")
-        if self.published and (absent := sorted(set(self.published.values) - set(self.designs))):
-            raise ValueError(f"published.values {absent}: no such design; needs some of {', '.join(self.designs)}")
+        self.check_published()
 
     def _check_take_off(self) -> None:
         """Dampers must be those of the designs, and model and method able to follow the take-off."""
         model, method, pto = self.hydro.model, self.simulation.method, self.pto
-        if isinstance(pto.damping, dict) and set(pto.damping) != set(self.designs):
-            raise ValueError(
-                f"pto.damping: received dampers of {', '.join(pto.damping) or 'no design'}, needs one for every "
-                f"design: {', '.join(self.designs)}"
-            )
+        self.check_dampers_of_designs()
         if model == "assumed_pressure" and pto.tuning != "fixed":
             raise ValueError(
                 f"pto.tuning {pto.tuning!r}: an assumed pressure does not answer to the motion, so no damper is best; "
@@ -258,24 +237,6 @@ class Study(Extended):
             check_followed(model, method, pto)
         check_directions(self)
 
-    def tuning(self, wave: Wave) -> Tuning:
-        """Return how the damper of a run is found; none is best where nothing comes in: there the given one holds."""
-        alone = isinstance(wave, StillWater) and (self.pto.tuning == "each" or not self.one_of_each_sea)
-        return "fixed" if alone else self.pto.tuning
-
-    def check_dampers(self) -> None:
-        """Check that every run has a damper.
-
-        Raises
-        ------
-        ConfigError
-        """
-        for i, wave in enumerate(self.waves):
-            if self.tuning(wave) == "fixed" and self.pto.damping is None:
-                raise ConfigError(
-                    f"waves.{i} {wave.label}: no damper is best where nothing comes in; needs pto.damping in N s/m"
-                )
-
     def check_record(self) -> None:
         """Check that every run is short enough to be recorded, and the window long enough to see the motion.
 
@@ -303,17 +264,6 @@ class Study(Extended):
                     f"{LEAST_WINDOW * slowest:.4g} s long, because the motion in waves.{i} {wave.label} takes "
                     f"{slowest:.4g} s"
                 )
-
-    @property
-    def one_of_each_sea(self) -> tuple[Wave, ...]:
-        """The seas one damper is to suit: of several realisations the first, still water left out."""
-        return tuple(wave for wave in self.drawn_waves if not isinstance(wave, StillWater))
-
-    @property
-    def drawn_waves(self) -> tuple[Wave, ...]:
-        """The seas figures are drawn of: of several realisations the first."""
-        first = {wave.family if isinstance(wave, IrregularSea) else wave.label: wave for wave in reversed(self.waves)}
-        return tuple(wave for wave in self.waves if wave in first.values())
 
     @property
     def needs_bem(self) -> bool:
@@ -392,6 +342,8 @@ def load(path: str | Path) -> Study:
 
 def parse(raw: object, source: str = "study") -> Study:
     """Validate a study given as nested mappings; see `load`."""
+    if isinstance(raw, dict) and "body" in raw and "device" not in raw:
+        raise ConfigError(f"{source}: body: received a study of a body, needs one of a buoy, with a device")
     try:
         return validated(Study, raw, source)
     except OverflowError:

@@ -7,6 +7,7 @@ import math
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
+    ConfigDict,
     Discriminator,
     Field,
     SerializerFunctionWrapHandler,
@@ -57,11 +58,41 @@ class LinePort(Section):
     line_from: tuple[Finite, Finite] = (0.0, 0.0)
 
 
+def _one_or_many(schema: dict[str, Any]) -> None:
+    """Tell editors that one degree of freedom may stand for itself."""
+    schema["properties"]["dof"] = {"type": "string"}
+    del schema["required"]
+
+
+class DofPort(Section):
+    """Port that moves with a combination of degrees of freedom, b.q = sum of share times amplitude, by their names.
+
+    In a study file `{dof: Heave}` may stand for `{dofs: {Heave: 1.0}}`.
+    """
+
+    model_config = ConfigDict(json_schema_extra=_one_or_many)
+    dofs: Annotated[dict[str, Finite], Field(min_length=1)]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _one_alone(cls, raw: Any) -> Any:
+        """One degree of freedom may stand for itself."""
+        return {"dofs": {raw["dof"]: 1.0}} if isinstance(raw, dict) and set(raw) == {"dof"} else raw
+
+    @field_validator("dofs")
+    @classmethod
+    def _moves(cls, value: dict[str, float]) -> dict[str, float]:
+        if not any(value.values()):
+            raise ValueError("needs a share that is not zero")
+        return value
+
+
 def _port_kind(value: object) -> str:
     """Which kind of port is meant, by its form."""
     if isinstance(value, dict | Section):
         keys = dict(value)
-        return "between" if "between" in keys else "line" if {"line_to", "line_from"} & keys.keys() else "shell"
+        kinds = {"between": "between", "dofs": "dofs", "dof": "dofs", "line_to": "line", "line_from": "line"}
+        return next((kind for key, kind in kinds.items() if key in keys), "shell")
     return "name"
 
 
@@ -69,10 +100,12 @@ PortChoice = Annotated[
     Annotated[Literal["heave", "surge", "pitch", "volume"], Tag("name")]
     | Annotated[ShellPort, Tag("shell")]
     | Annotated[BetweenPort, Tag("between")]
-    | Annotated[LinePort, Tag("line")],
+    | Annotated[LinePort, Tag("line")]
+    | Annotated[DofPort, Tag("dofs")],
     Discriminator(_port_kind),
 ]
-"""What the take-off acts on: rigid motion against the sea bed, enclosed volume (pressure against flow), shell, line."""
+"""What the take-off acts on: rigid motion against the sea bed, enclosed volume (pressure against flow), shell, line, or
+a combination of degrees of freedom."""
 
 
 Law = Literal["linear", "saturated", "coulomb", "latching", "declutching"]

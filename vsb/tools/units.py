@@ -82,14 +82,16 @@ ATTRS: dict[str, Quantity] = {
     "input_matrix": Quantity(("state", "radiating_dof"), "kg^0.5/s", "input matrix G; output G^T"),
     "channel": Quantity(("state", "..."), "s^-0.5", "radiation channels L: radiated power |L^T x|^2/2"),
     # frequency response
-    "rao": Quantity(("design", "omega", "dof"), "m/m", "response amplitude operator"),
-    "absorbed_power": Quantity(("design", "omega"), "W/m^2", "mean absorbed power per squared wave amplitude"),
+    "rao": Quantity(("...", "design", "omega", "dof"), "m/m", "response amplitude operator"),
+    "absorbed_power": Quantity(("...", "design", "omega"), "W/m^2", "mean absorbed power per squared wave amplitude"),
     "power_limit": Quantity(("omega",), "W/m^2", "theoretical limit, capture width of wavelength/(2 pi)"),
     "port_impedance": Quantity(("design", "omega"), "N s/m", "impedance the take-off sees"),
-    "port_velocity": Quantity(("design", "omega"), "1/s", "velocity of the free port per wave amplitude"),
+    "port_velocity": Quantity(("...", "design", "omega"), "1/s", "velocity of the free port per wave amplitude"),
     "best_damping": Quantity(("design", "omega"), "N s/m", "damper that takes most at one frequency"),
-    "best_power": Quantity(("design", "omega"), "W/m^2", "mean power it takes per squared wave amplitude"),
-    "matched_power": Quantity(("design", "omega"), "W/m^2", "mean power of the best force per squared wave amplitude"),
+    "best_power": Quantity(("...", "design", "omega"), "W/m^2", "mean power it takes per squared wave amplitude"),
+    "matched_power": Quantity(
+        ("...", "design", "omega"), "W/m^2", "mean power of the best force per squared wave amplitude"
+    ),
     "wet_natural_frequency": Quantity(("wet_mode",), "rad/s", "natural angular frequency in water"),
     "wet_damping_ratio": Quantity(("wet_mode",), "1", "damping ratio in water, power take-off included"),
     "wet_design": Quantity(("wet_mode",), "1", "design of the wet mode"),
@@ -184,6 +186,8 @@ ATTRS: dict[str, Quantity] = {
     "occurrence": Quantity(_BINS, "1", "share of the year of a bin"),
     "flux_matrix": Quantity(_BINS, "W/m", "mean energy flux in a bin, 0 where there is no sea"),
     # trajectories
+    "stroke": Quantity(("time",), "m", "displacement of the take-off's port"),
+    "stroke_rate": Quantity(("time",), "m/s", "velocity of the take-off's port"),
     "position": Quantity(_MOTION, "m", "heave and modal amplitudes"),
     "velocity": Quantity(_MOTION, "m/s", "rates of heave and modal amplitudes"),
     "excitation": Quantity(_MOTION, "N", "wave excitation force"),

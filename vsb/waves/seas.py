@@ -115,6 +115,15 @@ def share_above(wave: Irregular, omega: float) -> float:
     return float(np.trapezoid(spectrum(wave, beyond), beyond)) * 16 / wave.hs**2
 
 
+def share_below(wave: Irregular, omega: float) -> float:
+    """Return the share of an irregular sea's energy below a frequency [rad/s]."""
+    if isinstance(wave, WhiteNoise):
+        low, high = wave.band
+        return min(1.0, max(0.0, (omega - low) / (high - low)))
+    below = np.linspace(0.0, omega, 4001)[1:]
+    return float(np.trapezoid(spectrum(wave, below), below)) * 16 / wave.hs**2
+
+
 def components(wave: Irregular, omega_max: float, duration: float) -> tuple[FloatArray, FloatArray]:
     """Return frequencies and amplitudes of components of a sea that does not repeat within a run, each (component,).
 

@@ -1,6 +1,6 @@
 # Figures and the self-contained report.
-FIGURES = figure_paths(PLAN.folder, figure_names(STUDY))
-DRAWN = {name: f"{PLAN.folder}/figures/{name}.svg" for name in figure_names(STUDY)}
+FIGURES = figure_paths(PLAN.folder, PLAN.figures)
+DRAWN = {name: f"{PLAN.folder}/figures/{name}.svg" for name in PLAN.figures}
 
 
 rule figures:
@@ -8,7 +8,7 @@ rule figures:
         **PLAN.hydro_files,
         **PLAN.response_files,
         **PLAN.witness_files,
-        modes=f"{PLAN.folder}/modes.nc",
+        **PLAN.modes_files,
         trajectories=TRAJECTORIES,
     output:
         [
@@ -32,12 +32,12 @@ rule figures:
         spec=canonical(STUDY),
         manifest=PLAN.manifest,
         folder=subpath(output[0], parent=True),
-        hydro=HYDRO,
+        hydro=" ".join([options(PLAN.modes_files), HYDRO]),
         trajectories=subpath(
             lambda wildcards, input: input.trajectories[0], parent=True
         ),
     shell:
-        "vsb figures --modes {input.modes} {params.hydro} --trajectories {params.trajectories} --out {params.folder}"
+        "vsb figures {params.hydro} --trajectories {params.trajectories} --out {params.folder}"
         " --manifest {params.manifest} <<< {params.spec:q} > {log} 2>&1"
 
 
@@ -46,8 +46,8 @@ rule report:
         **PLAN.hydro_files,
         **PLAN.response_files,
         **PLAN.witness_files,
+        **PLAN.modes_files,
         tables=f"{PLAN.folder}/tables.json",
-        modes=f"{PLAN.folder}/modes.nc",
         trajectories=TRAJECTORIES,
         figures=FIGURES,
     output:
@@ -66,12 +66,12 @@ rule report:
     params:
         spec=canonical(STUDY),
         manifest=PLAN.manifest,
-        hydro=HYDRO,
+        hydro=" ".join([options(PLAN.modes_files), HYDRO]),
         trajectories=subpath(
             lambda wildcards, input: input.trajectories[0], parent=True
         ),
         figures=subpath(lambda wildcards, input: input.figures[0], parent=True),
     shell:
-        "vsb report --tables {input.tables} --modes {input.modes} {params.hydro}"
+        "vsb report --tables {input.tables} {params.hydro}"
         " --trajectories {params.trajectories} --figures {params.figures} --out {output}"
         " --manifest {params.manifest} <<< {params.spec:q} > {log} 2>&1"

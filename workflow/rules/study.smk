@@ -1,18 +1,30 @@
-# A study: what is solved of its water, runs in time, tables, figures and report.
+# A study: what is solved or read of its water, runs in time, tables, figures and report.
 STUDY = PLAN.study
-BLOCKS = PLAN.bem_blocks
 WAVES = {wave.label: wave for wave in STUDY.waves}
 
 
 report: "../report/workflow.rst"
 
 
-include: "mesh.smk"
+wildcard_constraints:
+    id="[0-9a-f]{16}",
+    design="[A-Za-z0-9_]+",
 
 
-if BLOCKS:
+if "body" in config:
 
-    include: "hydro.smk"
+    include: "body.smk"
+    include: "response.smk"
+
+else:
+    BLOCKS = PLAN.bem_blocks
+
+    include: "mesh.smk"
+
+    if BLOCKS:
+
+        include: "hydro.smk"
+        include: "response.smk"
 
 
 include: "simulate.smk"

@@ -12,7 +12,8 @@ from vsb.hydro import database
 from vsb.hydro.bodies import files as bodyfiles
 from vsb.hydro.bodies import study as bodystudy
 from vsb.hydro.bodies.coarsening import CoarserBody
-from vsb.hydro.bodies.study import BodyProblem, BodyStudy
+from vsb.hydro.bodies.study import BodyProblem
+from vsb.study.body_file import BodyFile
 from vsb.tools.files import load
 
 LABELS = ("Heave", "Pitch", "Bend")
@@ -208,10 +209,10 @@ def test_a_wrong_body_file_is_refused_in_one_line(tmp_path, body, changes, messa
 
 def test_what_is_no_yaml_file_is_refused(tmp_path):
     with pytest.raises(ConfigError, match=r"gone.yaml: cannot be read"):
-        bodystudy.read_config(tmp_path / "gone.yaml", BodyStudy)
+        bodystudy.read_config(tmp_path / "gone.yaml", BodyFile)
     (tmp_path / "bad.yaml").write_text("a: [1\n")
     with pytest.raises(ConfigError, match=r"bad.yaml:2: not valid YAML"):
-        bodystudy.read_config(tmp_path / "bad.yaml", BodyStudy)
+        bodystudy.read_config(tmp_path / "bad.yaml", BodyFile)
 
 
 def test_a_symmetry_declared_but_missing_is_refused_before_anything_is_solved(tmp_path, body):

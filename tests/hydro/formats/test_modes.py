@@ -11,11 +11,11 @@ from examples import barge
 from vsb.cli import main
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro.bodies import study as bodystudy
-from vsb.hydro.bodies.study import BodyStudy
 from vsb.hydro.formats.bemio import bemio_entries, read_bemio, write_h5
 from vsb.hydro.formats.exchange import export
 from vsb.hydro.formats.modes import RIGID, check_positive, floating, mode_labels, mode_numbers, rotations, structure
 from vsb.hydro.formats.wamit import import_wamit, wamit_texts
+from vsb.study.body_file import BodyFile
 from vsb.tools import files, units
 from vsb.waves.seas import group_velocity, wavenumber
 
@@ -283,7 +283,7 @@ def solved(tmp_path_factory, green_folder):
     """A barge of few panels in waves from all around."""
     folder = tmp_path_factory.mktemp("barge")
     one = barge.Barge(length=20.0, beam=8.0, draught=3.0, centre_of_mass=-0.5, bending_stiffness=1e9, modes=2)
-    study = BodyStudy(body="barge", mesh="", modes="", omega=(0.8, 1.1), wave_direction=CIRCLE, lid=0)
+    study = BodyFile(body="barge", mesh="", modes="", omega=(0.8, 1.1), wave_direction=CIRCLE, lid=0)
     bodystudy.solve(study, one.body(1, study.water.density), folder, green_folder)
     return folder / "barge.nc"
 

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from scipy.spatial import cKDTree
 
 from vsb.errors import ConfigError
-from vsb.hydro.dofs import RIGID
+from vsb.study.quantities import RIGID
 from vsb.tools.units import FloatArray
 
 IntArray = npt.NDArray[np.integer[Any]]

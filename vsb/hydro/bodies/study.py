@@ -9,11 +9,10 @@ import time as clock
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 import xarray as xr
-from pydantic import Field, model_validator
 
 from vsb import __version__
 from vsb.errors import ConfigError, DatabaseError
@@ -36,18 +35,17 @@ from vsb.hydro.bodies.solver import BodyProblem
 from vsb.hydro.bodies.sweep import Block, Measure, Swept, error_estimate, least_sizes, sizes, swept
 from vsb.hydro.database import Check, as_json, check_at_most, with_excitation, with_symmetrized
 from vsb.hydro.panels import rings as bem
-from vsb.study.blocks import LEAST_DEPTH_IN_WAVENUMBERS, panel_solver
-from vsb.study.quantities import Count, Name, Number, Section
+from vsb.study.blocks import panel_solver
+from vsb.study.body_file import PHYSICS, BodyFile
+from vsb.study.canonical import canonical, content_id
+from vsb.study.quantities import Section
 from vsb.study.reading import read_yaml, validated
-from vsb.study.study import Water, canonical, content_id
 from vsb.tools.files import load, save
 from vsb.tools.units import ComplexArray, FloatArray
 from vsb.waves.seas import group_velocity, wavenumber
 
 Spec = dict[str, Any]
 Model = TypeVar("Model", bound=Section)
-PHYSICS = 3
-"""Hand-bumped version of the physics behind a block."""
 LARGEST_ERROR = 0.05
 """Estimated error above which there is doubt."""
 FEWEST_PER_LOBE = 3.5
@@ -55,41 +53,6 @@ FEWEST_PER_LOBE = 3.5
 _UNRESOLVED = 2.0  # panels there, below which it fails
 _COARSEST = 4.0  # wavelengths in a panel from which on nothing is solved
 _GROUPS = ("fewer_panels", "radiated_waves")  # of a block's file
-Frequency = Annotated[Number, Field(ge=1e-3, le=1e3)]
-"""Frequencies of gravity waves on Earth, tsunamis and ripples among them [rad/s]."""
-Direction = Annotated[Number, Field(ge=-360, le=360)]
-
-
-class BodyStudy(Section):
-    """A body file: mesh, modes, water, frequencies [rad/s], wave directions [degrees], symmetry and lid.
-
-    Paths count from the folder of the file. Symmetry `auto` is what the panels have. `lid` is the number of belts of
-    panels on the water inside; without it (0) coefficients at irregular frequencies break the verdict's identities.
-    With a `tolerance` [-] of interpolation only as many of the frequencies are solved as it asks for, without all.
-    """
-
-    body: Name
-    mesh: str
-    modes: str
-    water: Water = Water()
-    omega: tuple[Frequency, ...]
-    wave_direction: tuple[Direction, ...] = (0.0,)
-    symmetry: Literal["auto", "none", "xOz", "yOz", "xOz+yOz"] = "auto"
-    lid: Annotated[Count, Field(ge=0, le=64)] = 8
-    tolerance: Annotated[Number, Field(ge=1e-5, le=0.1)] | None = None
-
-    @model_validator(mode="after")
-    def _usable(self) -> Self:
-        for name, values in (("omega", self.omega), ("wave_direction", self.wave_direction)):
-            if not values or list(values) != sorted(set(values)):
-                raise ValueError(f"{name} {list(values)}: needs at least one value, ascending without repetition")
-        kd, water = LEAST_DEPTH_IN_WAVENUMBERS, self.water
-        lowest = np.sqrt(kd * np.tanh(kd) * water.gravity / water.depth)
-        if self.omega[0] < lowest:
-            raise ValueError(
-                f"omega {self.omega[0]:g} rad/s: in {water.depth:g} m of water needs at least {lowest:.4g}"
-            )
-        return self
 
 
 def read_config(path: str | Path, model: type[Model]) -> Model:
@@ -99,13 +62,22 @@ def read_config(path: str | Path, model: type[Model]) -> Model:
 
 def run(config: str | Path, out: str | Path, tables: str | Path | None = None) -> list[Check]:
     """Solve what a body file asks for into `out` and return the verdict; `tables` keeps the Green function's table."""
-    study = read_config(config, BodyStudy)
+    study = read_config(config, BodyFile)
     folder = Path(config).parent
     return solve(study, read_body(folder / study.mesh, folder / study.modes), out, tables)
 
 
-def solve(study: BodyStudy, body: FlexibleBody, out: str | Path, tables: str | Path | None = None) -> list[Check]:
+def solve(study: BodyFile, body: FlexibleBody, out: str | Path, tables: str | Path | None = None) -> list[Check]:
     """Solve a body into the database `out`/<name>.nc and return the verdict; blocks already there are kept."""
+    ds, checks = solved(study, body, out, tables)
+    save(ds, Path(out, f"{study.body}.nc"))
+    return checks
+
+
+def solved(
+    study: BodyFile, body: FlexibleBody, out: str | Path, tables: str | Path | None = None
+) -> tuple[xr.Dataset, list[Check]]:
+    """Return the database of a body and its verdict; blocks in `out` are kept, and those solved join them."""
     symmetry = detected_symmetry(body) if study.symmetry == "auto" else study.symmetry
     check_symmetry(body, symmetry)
     if study.water.depth <= (draught := -float(body.vertices[:, 2].min())):
@@ -126,11 +98,10 @@ def solve(study: BodyStudy, body: FlexibleBody, out: str | Path, tables: str | P
 
     found = swept(blocks, froude_krylov, study.omega, study.tolerance, measure)
     checks = verdict(study, body, infinite, found, size)
-    _write_database(study, body, symmetry, infinite, found, checks, Path(out, f"{study.body}.nc"))
-    return checks
+    return _database(study, body, symmetry, infinite, found, checks), checks
 
 
-def _check_wavelengths(study: BodyStudy, body: FlexibleBody) -> None:
+def _check_wavelengths(study: BodyFile, body: FlexibleBody) -> None:
     """Refuse waves of which a panel holds several: all that is found would be aliases, at a cost without bounds."""
     water, longest = study.water, float(panel_diameters(body).max())
     shortest = 2 * np.pi / wavenumber(study.omega[-1], water.depth, water.gravity)
@@ -146,7 +117,7 @@ def _check_wavelengths(study: BodyStudy, body: FlexibleBody) -> None:
 class Blocks:
     """Files of single frequencies: solved when first asked for, and never again."""
 
-    study: BodyStudy
+    study: BodyFile
     body: FlexibleBody
     symmetry: str
     lid: tuple[FloatArray, IntArray] | None
@@ -180,7 +151,7 @@ class Blocks:
         return self._known[omega]
 
 
-def _spec(study: BodyStudy, body: FlexibleBody, omega: float) -> Spec:
+def _spec(study: BodyFile, body: FlexibleBody, omega: float) -> Spec:
     """What one frequency is solved from; symmetry only saves time, infinite frequency has neither waves nor lid."""
     digest = hashlib.sha256()
     for array in (body.vertices, body.faces.astype(np.int64), body.modes):
@@ -245,7 +216,7 @@ _MEANING = {
 }
 
 
-def verdict(study: BodyStudy, body: FlexibleBody, infinite: Block, found: Swept, size: FloatArray) -> list[Check]:
+def verdict(study: BodyFile, body: FlexibleBody, infinite: Block, found: Swept, size: FloatArray) -> list[Check]:
     """Return the checks of a database before it is symmetrized."""
     solved, error = found.solved, error_estimate(found.solved, infinite, size)
     longest = float(panel_diameters(body).max())
@@ -287,16 +258,10 @@ def _at_rest(body: FlexibleBody) -> Spec:
     return facts if body.centre_of_mass is None else {**facts, "centre_of_mass": body.centre_of_mass}
 
 
-def _write_database(
-    study: BodyStudy,
-    body: FlexibleBody,
-    symmetry: str,
-    infinite: Block,
-    found: Swept,
-    checks: list[Check],
-    path: Path,
-) -> None:
-    """Put what was found into the database with capytaine's names."""
+def _database(
+    study: BodyFile, body: FlexibleBody, symmetry: str, infinite: Block, found: Swept, checks: list[Check]
+) -> xr.Dataset:
+    """What was found as a database with capytaine's names."""
     pair = ("influenced_dof", "radiating_dof")
     blocks = [block.own for block in (infinite, *found.solved)]
     stiffness = hydrostatic_stiffness(body, study.water.density, study.water.gravity)
@@ -325,4 +290,4 @@ def _write_database(
         **_at_rest(body),
     }
     complete = ds.assign({name: (pair, matrix) for name, matrix in matrices.items()})
-    save(complete.assign_attrs(ds.attrs, **attrs), path)
+    return complete.assign_attrs(ds.attrs, **attrs)

@@ -15,9 +15,9 @@ import xarray as xr
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro import quality
 from vsb.hydro.database import Check, check_at_most
-from vsb.hydro.dofs import RIGID
 from vsb.hydro.formats.haskind import LARGEST_HASKIND, Haskind, fitting_depth, haskind_axisymmetric, haskind_headings
 from vsb.hydro.kernel import DampingSpectrum
+from vsb.study.quantities import RIGID
 from vsb.tools.units import FloatArray
 
 LEAST_SIZE = 0.3

@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.errors import ConfigError, DatabaseError
-from vsb.hydro.dofs import RIGID
+from vsb.study.quantities import RIGID
 from vsb.tools.units import ATTRS, FloatArray, check_finite, described
 
 GENERALIZED = 7

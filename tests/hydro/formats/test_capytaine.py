@@ -1,0 +1,78 @@
+"""Capytaine's own netCDF files: read as they are, of one body or two, or refused in one line."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from vsb.errors import DatabaseError
+from vsb.hydro.formats.capytaine import read_capytaine
+
+LABELS = ["float__Heave", "spar__Heave"]
+OMEGA = np.array([0.0, 0.5, 1.0, 1.5, np.inf])
+
+
+def dataset(labels=LABELS, **changes):
+    """A file as capytaine writes it: radiating degrees of freedom first, water in coordinates, complex apart."""
+    n, pair = len(labels), ("omega", "radiating_dof", "influenced_dof")
+    mass = np.arange(1.0, n * n + 1).reshape(n, n) + 0.1 * np.arange(5.0)[:, None, None]
+    force = (np.arange(5.0)[:, None, None] + 1j) * np.ones((1, 2, n))
+    data = {
+        "added_mass": (pair, mass),
+        "radiation_damping": (pair, np.zeros((5, n, n)) + np.eye(n)),
+        "inertia_matrix": (("influenced_dof", "radiating_dof"), 5.0 * np.eye(n)),
+        "hydrostatic_stiffness": (("influenced_dof", "radiating_dof"), 9.0 * np.eye(n)),
+    }
+    for name in ("diffraction_force", "Froude_Krylov_force"):
+        both = np.stack([force.real, force.imag])
+        data[name] = (("complex", "omega", "wave_direction", "influenced_dof"), both)
+    coords = {"omega": OMEGA, "wave_direction": [0.0, np.pi / 4], "influenced_dof": labels, "radiating_dof": labels}
+    water = {"rho": 1000.0, "g": 9.81, "water_depth": np.inf, "body_name": "float+spar", "complex": ["re", "im"]}
+    ds = xr.Dataset(data, {**coords, **water}, {"capytaine_version": "2.3.1"})
+    return ds.assign(changes) if changes else ds
+
+
+def test_it_is_read_in_this_projects_order(tmp_path):
+    dataset().to_netcdf(tmp_path / "rm3.nc")
+    found = read_capytaine(tmp_path / "rm3.nc")
+    assert list(map(str, found.influenced_dof.values)) == LABELS
+    assert found.omega.values == pytest.approx([0.5, 1.0, 1.5])
+    heave = {"influenced_dof": "float__Heave", "radiating_dof": "spar__Heave"}
+    assert found.added_mass.sel(heave).values == pytest.approx(
+        [3.1, 3.2, 3.3]
+    )  # radiated by the spar, felt by the float
+    assert float(found.added_mass_inf.sel(heave)) == pytest.approx(3.4)
+    assert found.excitation_force.values[0, 1, 0] == pytest.approx(2 * (1 + 1j))
+    assert (found.attrs["water_density"], found.attrs["water_depth"]) == (1000.0, "inf")
+    assert found.attrs["history"] == "read from rm3.nc"
+
+
+def test_what_capytaine_does_not_know_is_left_out_and_told(tmp_path):
+    unknown = dataset().assign(inertia_matrix=(("influenced_dof", "radiating_dof"), np.full((2, 2), np.nan)))
+    unknown.to_netcdf(tmp_path / "a.nc")
+    found = read_capytaine(tmp_path / "a.nc")
+    assert "inertia_matrix" not in found
+    assert found.attrs["history"] == "read from a.nc; left out: inertia_matrix, which holds NaN"
+
+
+@pytest.mark.parametrize(
+    ("spoiled", "message"),
+    [
+        (
+            lambda ds: ds.drop_vars("diffraction_force"),
+            "holds no diffraction_force; needs a hydro database of capytaine",
+        ),
+        (lambda ds: ds.assign_coords(forward_speed=1.0), "is of a body under way; needs forward_speed 0"),
+        (
+            lambda ds: ds.assign_coords(rho=("depths", [1.0, 2.0])),
+            "holds 2 values of rho; needs the coefficients of one",
+        ),
+        (lambda ds: ds.assign(added_mass=np.nan * ds.added_mass), "NaN"),
+    ],
+)
+def test_what_is_no_database_is_refused_in_one_line(tmp_path, spoiled, message):
+    spoiled(dataset()).to_netcdf(tmp_path / "a.nc")
+    with pytest.raises(DatabaseError, match=message):
+        read_capytaine(tmp_path / "a.nc")
+    (tmp_path / "b.nc").write_text("no netCDF")
+    with pytest.raises(DatabaseError, match=r"b.nc: cannot be read: .*; needs a hydro database of capytaine"):
+        read_capytaine(tmp_path / "b.nc")

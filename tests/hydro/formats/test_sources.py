@@ -1,0 +1,35 @@
+"""Any database from any file."""
+
+import pytest
+from hydro.formats.test_capytaine import dataset
+
+from vsb.errors import DatabaseError
+from vsb.hydro.database import load_database
+from vsb.hydro.formats.exchange import export
+from vsb.hydro.formats.sources import is_own, read_source, source_checks
+from vsb.study.sections import Water
+
+
+def test_a_buoy_comes_back_from_every_form(small, tmp_path):
+    own = load_database(small.database_path, small.database_path.split("/")[-1].removesuffix(".nc"))
+    export(small.database_path, tmp_path, "buoy")
+    water = small.study.water
+    found = {
+        "database": read_source("database", small.database_path, water),
+        "wamit": read_source("wamit", str(tmp_path / "buoy"), water),
+        "bemio": read_source("bemio", str(tmp_path / "buoy.h5"), water),
+    }
+    for kind, ds in found.items():
+        assert ds.added_mass.values == pytest.approx(own.added_mass.values, rel=1e-5, abs=1e-2), kind
+        checks, unseen = source_checks(ds)
+        assert all(check.verdict != "fail" for check in checks), kind
+        assert bool(unseen) == (kind != "database")
+
+
+def test_whose_a_netcdf_file_is(small, tmp_path):
+    assert is_own(small.database_path)
+    dataset().to_netcdf(tmp_path / "theirs.nc")
+    assert not is_own(str(tmp_path / "theirs.nc"))
+    assert read_source("database", str(tmp_path / "theirs.nc"), Water()).attrs["source"] == "capytaine"
+    with pytest.raises(DatabaseError, match="cannot be read"):
+        is_own(str(tmp_path / "nothing.nc"))

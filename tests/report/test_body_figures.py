@@ -1,0 +1,35 @@
+"""Figures of bodies are drawn of what runs record."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from vsb.report.body_figures import degrees_of_freedom, port_motion
+
+
+@pytest.fixture
+def data():
+    time = np.linspace(0.0, 10.0, 101)
+    wave = np.sin(time)
+    runs = {}
+    for design, labels in {"rigid": ["Heave"], "flexible": ["Heave", "Mode7"]}.items():
+        position = np.stack([wave] * len(labels), axis=1) * np.array([2.0, 0.5])[: len(labels)]
+        runs[design, "swell"] = xr.Dataset(
+            {"position": (("time", "dof"), position), "stroke": ("time", wave), "stroke_rate": ("time", np.cos(time))},
+            coords={"time": time, "dof": labels},
+        )
+    return SimpleNamespace(designs=("rigid", "flexible"), runs=runs, window=(2.0, 9.0), periods={"swell": 6.3})
+
+
+def test_the_port_of_every_design_is_drawn(data):
+    top, bottom = port_motion(data, "swell").axes
+    assert [line.get_label() for line in top.get_lines()] == ["rigid", "flexible"]
+    assert bottom.get_ylabel() == "port's velocity [m/s]"
+
+
+def test_every_degree_of_freedom_has_a_bar_of_its_range(data):
+    (ax,) = degrees_of_freedom(data, "swell").axes
+    assert [text.get_text() for text in ax.get_yticklabels()] == ["Heave", "Mode7"]
+    assert sorted(bar.get_width() for bar in ax.patches) == pytest.approx([0.5, 2.0, 2.0], rel=1e-2)

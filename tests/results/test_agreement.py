@@ -1,0 +1,50 @@
+"""Runs against what they must agree with: their energy, what is held, the frequency domain."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from vsb.results.agreement import agreement_checks, drift_checks, energy_check
+from vsb.study.body import BodyStudy
+from vsb.study.reading import validated
+
+SWELL = {"kind": "regular", "amplitude": 0.5, "period": 7.0, "direction": 90.0}
+
+
+def study(**changes):
+    made = {"study": "a", "body": {"database": "-"}, "designs": {"a": {}}, "waves": [SWELL], "pto": {"damping": 1.0}}
+    return validated(BodyStudy, {**made, **changes}, "a.yaml")
+
+
+def run(**attrs):
+    return SimpleNamespace(attrs={"design": "a", "wave": "swell", "energy_residual": 2e-6, **attrs})
+
+
+def test_energy_is_balanced_to_what_the_method_promises():
+    assert energy_check(study(), run()).verdict == "doubt"
+    convolved = study(simulation={"method": "convolution"})
+    assert energy_check(convolved, run()).verdict == "ok"
+
+
+def test_what_is_held_is_watched_where_something_is():
+    assert drift_checks(study(), run()) == []
+    (check,) = drift_checks(study(), run(constraint_drift=1e-6))
+    assert (check.name, check.verdict) == ("constraint_drift", "fail")
+
+
+def test_power_in_time_is_that_of_the_frequency_domain_in_the_sea_s_own_direction():
+    one = study()
+    (wave,) = one.waves
+    power = np.array([[[1.0, 1.0]], [[8.0, 8.0]]])
+    coords = {"wave_direction": [0.0, np.pi / 2], "design": ["a"], "omega": [wave.omega - 0.1, wave.omega]}
+    frequency = xr.Dataset({"absorbed_power": (("wave_direction", "design", "omega"), power)}, coords)
+    rows, runs = [{"design": "a", "wave": wave.label, "power_mean": 2.02}], {("a", wave.label): {"model": "linear"}}
+    (check,) = agreement_checks(one, wave, frequency, rows, runs)
+    assert (check.name, check.verdict) == ("time_and_frequency_domain", "doubt")
+    assert check.value == pytest.approx(0.01)
+    switching = study(pto={"damping": 1.0, "force_limit": 10.0})
+    assert agreement_checks(switching, wave, frequency, rows, runs) == []
+    (exact,) = agreement_checks(one, wave, frequency, rows, {("a", wave.label): {"model": "body_exact"}})
+    assert exact.name == "linearity"

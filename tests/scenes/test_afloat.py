@@ -1,0 +1,117 @@
+"""What studies let float: designs' motions, ports, seas of several directions as one port."""
+
+import numpy as np
+import pytest
+from hydro.formats.test_capytaine import LABELS
+from motion.test_bodies import database, moored  # noqa: F401
+
+from vsb.errors import ConfigError
+from vsb.motion.tuning import best_dampers, mean_power
+from vsb.scenes.afloat import Afloat, body_motions, body_port, held_rows, met, moved, stored_body, study_sea, towards
+from vsb.study.body import BodyDesign, BodyStudy
+from vsb.study.reading import validated
+from vsb.study.waves import RegularWave
+from vsb.waves.seas import regular
+
+RIGID = ["Surge", "Heave", "Pitch", "Mode7"]
+
+
+def test_designs_choose_degrees_of_freedom():
+    assert moved(BodyDesign(), RIGID) == tuple(RIGID)
+    assert moved(BodyDesign(dofs="rigid"), RIGID) == ("Surge", "Heave", "Pitch")
+    assert body_motions("a", BodyDesign(dofs=("Pitch",)), RIGID) == pytest.approx(np.eye(4)[:, [2]])
+
+
+def test_what_is_held_stays_zero():
+    """A float locked to its spar: one motion of both."""
+    locked = BodyDesign(held=({"float__Heave": 1.0, "spar__Heave": -1.0},) * 2)
+    motions = body_motions("locked", locked, LABELS)
+    assert held_rows(locked, LABELS).shape == (2, 2)
+    assert motions.shape == (2, 1)
+    assert np.abs(motions[:, 0]) == pytest.approx(np.full(2, np.sqrt(0.5)))
+    assert held_rows(locked, LABELS) @ motions == pytest.approx(np.zeros((2, 1)))
+
+
+@pytest.mark.parametrize(
+    ("design", "message"),
+    [
+        (BodyDesign(dofs=("Roof",)), "designs.a.dofs: received Roof; needs some of Surge, Heave, Pitch, Mode7"),
+        (BodyDesign(held=({"Roof": 1.0},)), "designs.a.held: received Roof; needs some of"),
+        (
+            BodyDesign(dofs=("Heave",), held=({"Heave": 1.0},)),
+            "designs.a: received dofs Heave, all held; needs one that moves",
+        ),
+    ],
+)
+def test_designs_of_nothing_are_refused(design, message):
+    with pytest.raises(ConfigError, match=message):
+        body_motions("a", design, RIGID)
+
+
+def study(port, **changes):
+    made = {"study": "a", "body": {"database": "-"}, "designs": {"a": {}}, "waves": [{"kind": "still"}]}
+    return validated(BodyStudy, {**made, "pto": {"damping": 1.0, "port": port}, **changes}, "a.yaml")
+
+
+def test_ports_of_a_body():
+    assert body_port(study({"dofs": {"Heave": 1.0, "Pitch": -30.0}}), RIGID) == pytest.approx([0, 1, -30, 0])
+    assert body_port(study("heave"), RIGID) == pytest.approx([0, 1, 0, 0])
+    with pytest.raises(ConfigError, match=r"pto.port: received Heave; needs some of Surge"):
+        body_port(study("heave"), ["Surge"])
+
+
+@pytest.fixture
+def barge(database):  # noqa: F811
+    """The barge of the general route, its bending taken off."""
+    body = moored(database)
+    return Afloat(body, {"a": np.eye(8)}, body.pto.direction(8))
+
+
+def test_seas_of_several_directions_are_one_port(barge):
+    """Each sea takes the power of its own direction's port; a damper for both suits their sum."""
+    seas = []
+    for period, direction in ((6.0, 0.0), (7.0, 45.0), (6.0, 45.0)):
+        wave = RegularWave(kind="regular", amplitude=0.3, period=period, direction=direction)
+        seas.append((wave, regular(wave)))
+    seen = met(barge, "a", seas)
+    alone = []
+    for (wave, _), place, row in zip(seas, seen.places, seen.squares, strict=True):
+        assert seen.port.omega[place] == pytest.approx([wave.omega])
+        assert np.flatnonzero(row) == pytest.approx(place)
+        own = towards(barge.linear, wave.direction).port(np.array([wave.omega]), barge.motions["a"], barge.port)
+        alone.append(0.3**2 * own.power(2e5)[0])
+    found = mean_power(seen.port, seen.squares, np.full(3, 2e5), np.zeros(3))
+    assert found == pytest.approx(alone, rel=1e-12)
+    best = best_dampers(seen.port, seen.squares.sum(axis=0, keepdims=True))
+    assert float(best.power[0]) >= found.sum() * (1 - 1e-9)
+
+
+def test_a_sea_keeps_what_lies_in_the_band(barge):
+    sea = {"kind": "jonswap", "hs": 1.0, "tp": 6.0}
+    asked = study("heave", waves=[sea])
+    found = study_sea(asked, asked.waves[0], barge.linear.database)
+    omega = barge.linear.database.omega.values
+    assert omega[0] - 1e-9 <= found.omega.min()
+    assert found.omega.max() <= omega[-1] + 1e-9
+
+
+def test_a_stored_body_is_what_was_stored(general_database):
+    body = stored_body(general_database)
+    assert body.labels == ("Heave", "Membrane0", "Membrane1", "Membrane2")
+    assert body.structural_damping.any()
+
+
+@pytest.fixture
+def general_database(finished, tmp_path):
+    from conftest import SMALL_PLAN
+
+    from vsb.hydro.formats.sources import read_source
+    from vsb.stages.coefficients import store
+    from vsb.study.body_plan import plan_for
+    from vsb.study.canonical import content_id
+
+    own = study("heave")
+    spec = plan_for(own).database
+    path = tmp_path / "db" / f"{content_id(spec)}.nc"
+    store(spec, read_source("database", str(finished / SMALL_PLAN.database_path), own.water), str(path))
+    return str(path)

@@ -1,0 +1,90 @@
+"""A body of a study from its database: degrees of freedom, matrices, water, band."""
+
+import numpy as np
+import pytest
+from hydro.formats.test_capytaine import LABELS, dataset
+
+from vsb.errors import ConfigError
+from vsb.hydro.formats.capytaine import read_capytaine
+from vsb.scenes.body import check_water, chosen, complete_body, dry_database, with_entries, within_band
+from vsb.study.body import Body
+from vsb.study.body_file import BodyFile
+from vsb.study.sections import Water
+
+BODY = Body(database="sha256:0")
+
+
+@pytest.fixture
+def theirs(tmp_path):
+    dataset().to_netcdf(tmp_path / "a.nc")
+    return read_capytaine(tmp_path / "a.nc")
+
+
+def test_matrices_of_the_study_stand_before_those_of_the_file(theirs):
+    body = complete_body(Body(database="-", mass={"float__Heave": 7.0}, stiffness={"spar__Heave": 3.0}), None, theirs)
+    assert np.diag(body.mass) == pytest.approx([7.0, 5.0])
+    assert np.diag(body.stiffness) == pytest.approx([9.0, 12.0])
+    assert not body.structural_damping.any()
+    assert "symmetrized" in body.database.attrs["history"]
+
+
+def test_entries_of_two_motions_are_those_of_both():
+    held = np.diag([1.0, 2.0])
+    assert with_entries("mass", {"a b": 0.5}, ["a", "b"], held) == pytest.approx(np.array([[1.0, 0.5], [0.5, 2.0]]))
+    assert with_entries("mass", ((4.0, 0.0), (0.0, 4.0)), ["a", "b"], held) == pytest.approx(4 * np.eye(2))
+    assert with_entries("mass", None, ["a", "b"], held) is held
+
+
+def test_degrees_of_freedom_kept():
+    labels = ["Heave", "Pitch", "Mode7"]
+    assert chosen(None, labels) == labels
+    assert chosen(["rigid"], labels) == ["Heave", "Pitch"]
+    assert chosen(["Mode7", "Heave"], labels) == ["Heave", "Mode7"]
+
+
+def test_frequencies_above_one_are_left_out_and_told(theirs):
+    more = theirs.reindex(omega=[0.5, 0.7, 0.9, 1.0, 1.2, 1.5], method="nearest")
+    assert within_band(more, None) is more
+    cut = within_band(more, 1.2)
+    assert cut.omega.values[-1] == 1.2
+    assert cut.attrs["history"].endswith("left out: 1 frequencies")
+
+
+class TestRefused:
+    def test_what_has_no_mass(self, theirs):
+        dry = theirs.drop_vars("inertia_matrix")
+        with pytest.raises(
+            ConfigError, match=r"body.mass: received none for float__Heave, spar__Heave, nor do the files"
+        ):
+            complete_body(BODY, None, dry)
+
+    def test_degrees_of_freedom_that_are_not_there(self):
+        with pytest.raises(ConfigError, match=r"designs: received dofs Roof; needs some of float__Heave, spar__Heave"):
+            chosen(["Roof"], LABELS)
+        with pytest.raises(ConfigError, match=r"designs: received dofs rigid, but Mode7 are none"):
+            chosen(["rigid"], ["Mode7"])
+
+    def test_entries_and_rows_of_nothing(self):
+        with pytest.raises(ConfigError, match=r"body.mass: received 'c'; needs one or two of a, b"):
+            with_entries("mass", {"c": 1.0}, ["a", "b"], np.eye(2))
+        with pytest.raises(ConfigError, match=r"body.mass: received 1 rows of 2 numbers; needs 2 of 2, for a, b"):
+            with_entries("mass", ((1.0, 2.0),), ["a", "b"], np.eye(2))
+
+    def test_other_water(self, theirs):
+        check_water(Water(density=1000.0), theirs)
+        with pytest.raises(ConfigError, match=r"water.depth: received 50, needs inf, as the body's files have"):
+            check_water(Water(density=1000.0, depth=50.0), theirs)
+
+    def test_too_few_frequencies(self, theirs):
+        with pytest.raises(ConfigError, match=r"hydro.omega_max: received 1 rad/s, which leaves 2 of 3"):
+            within_band(theirs, 1.0)
+
+
+def test_what_is_known_of_a_mesh_before_it_is_solved():
+    from motion.test_bodies import BARGE
+
+    file = BodyFile(body="barge", mesh="-", modes="-", omega=(0.5, 1.0), wave_direction=(0.0, 90.0))
+    ds = dry_database(BARGE.body(1, 1025.0), file)
+    assert float(ds.hydrostatic_stiffness[0, 0]) == pytest.approx(1025.0 * 9.81 * 20.0 * 8.0)
+    assert np.degrees(ds.wave_direction.values) == pytest.approx([0.0, 90.0])
+    assert complete_body(BODY, ["rigid"], ds.assign_attrs(history="")).labels == ("Heave", "Pitch")

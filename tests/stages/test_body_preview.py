@@ -1,0 +1,46 @@
+"""What is said of a study of a body before anything is solved."""
+
+from pathlib import Path
+
+import pytest
+import yaml
+from conftest import told
+from stages.test_coefficients import SWELL, as_body
+
+from vsb.cli import main
+
+
+def checked(finished, capsys, **changes):
+    """The one line in which a study is refused."""
+    Path("a.yaml").write_text(yaml.safe_dump(as_body(finished, **changes)))
+    return told(["check", "a.yaml"], capsys)
+
+
+def test_a_summary_tells_what_moves_and_where_numbers_come_from(finished, workplace, capsys):
+    Path("a.yaml").write_text(yaml.safe_dump(as_body(finished)))
+    assert main(["check", "a.yaml"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[1].startswith("body         4 degrees of freedom: Heave, Membrane0,")
+    assert lines[1].endswith("FSB moves in 1, VSWEC moves in 4")
+    assert "frequencies from" in lines[2]
+    assert "read from" in lines[2]
+    assert any("steepness" in line for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"waves": [{**SWELL, "direction": 30.0}]}, "waves.0.direction: received 30 degrees, needs one of 0"),
+        ({"waves": [{**SWELL, "period": 500.0}]}, "waves.0 regular_A0.1_T500: received a frequency of 0.01257 rad/s"),
+        ({"designs": {"a": {"dofs": ["Roof"]}}}, "designs: received dofs Roof; needs some of Heave, Membrane0"),
+        ({"pto": {"damping": 1.0, "port": {"dof": "Roof"}}}, "pto.port: received Roof; needs some of Heave"),
+        ({"pto": {"damping": 1.0, "stiffness": -1e6}}, "designs.FSB: the body does not rest: received a negative"),
+        ({"body": {"database": "gone.nc"}}, "body.database: gone.nc cannot be read"),
+        ({"waves": [{"kind": "still"}], "pto": {}}, "waves.0 still: no damper is best where nothing comes in"),
+    ],
+)
+def test_what_would_fail_later_is_refused_in_one_line(finished, workplace, capsys, changes, message):
+    if "designs" in changes:
+        changes = {"pto": {"damping": 1.0}, **changes}
+    assert message in checked(finished, capsys, **changes)
+    assert {path.name for path in Path().iterdir()} == {"file", "a.yaml"}

@@ -1,0 +1,128 @@
+"""A body's database, and the whole chain upon it: the small study's buoy as a body by the general route."""
+
+import json
+from contextlib import chdir
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+import yaml
+from conftest import SMALL, SMALL_PLAN, told
+
+import vsb
+from vsb.errors import DatabaseError
+from vsb.stages.stored import Results
+from vsb.study.body import load_body
+
+DOFS = ["Heave", "Membrane0", "Membrane1", "Membrane2"]
+SWELL = {"kind": "regular", "amplitude": 0.1, "period": 2.5}
+
+
+def as_body(finished, **changes):
+    """The small study, what floats in it a body read from its database."""
+    kept = {key: SMALL[key] for key in ("water", "pto", "simulation") if key in SMALL}
+    designs = {"FSB": {"dofs": ["Heave"]}, "VSWEC": {"dofs": "all"}}
+    made = {"study": "general", "body": {"database": str(finished / SMALL_PLAN.database_path)}, "designs": designs}
+    waves = [*SMALL["waves"], {**SWELL, "direction": 0.0}]
+    return {**made, "hydro": {"tolerance": 1e-3}, "waves": waves[:1], **kept, **changes}
+
+
+@pytest.fixture(scope="module")
+def general(finished, tmp_path_factory):
+    """Results of that study."""
+    folder = tmp_path_factory.mktemp("general")
+    with chdir(folder):
+        Path("general.yaml").write_text(yaml.safe_dump(as_body(finished)))
+        vsb.run(vsb.load_body("general.yaml"))
+    return folder
+
+
+@pytest.fixture
+def both(finished, general):
+    """Results by the axisymmetric chain and by the general route."""
+    with chdir(finished):
+        study = vsb.load("small.yaml")
+    with chdir(general):
+        body = load_body("general.yaml").study
+    return Results(study, str(finished / "results")), Results(body, str(general / "results"))
+
+
+def test_its_response_is_that_of_the_axisymmetric_chain(both):
+    """Between solved frequencies the one takes a channel, the other splines: within the tolerance of the database."""
+    own, body = both[0].response, both[1].response.isel(wave_direction=0)
+    omega = [w for w in both[1].database.omega.values if w < 4.5]
+    for design in ("FSB", "VSWEC"):
+        for name in ("rao", "port_impedance", "port_velocity", "best_power", "matched_power", "absorbed_power"):
+            a, b = (ds[name].sel(design=design).sel(omega=omega, method="nearest").values for ds in (own, body))
+            assert np.abs(a - b).max() < 2e-3 * np.abs(a).max(), (design, name)
+    frequencies = [ds.wet_natural_frequency.values for ds in (own, body)]
+    assert frequencies[1] == pytest.approx(frequencies[0], rel=2e-3)
+
+
+def test_its_ladder_is_that_of_the_axisymmetric_chain(both):
+    for own, body in zip(both[0].ladder, both[1].ladder, strict=True):
+        assert [own[k] for k in ("design", "wave", "rung")] == [body[k] for k in ("design", "wave", "rung")]
+        assert body["power_mean"] == pytest.approx(own["power_mean"], rel=2e-3)
+
+
+def test_its_motion_in_time_is_that_of_the_axisymmetric_chain(both):
+    for own, body in zip(both[0].comparison, both[1].comparison, strict=True):
+        for name in ("displacement_pp", "velocity_pp", "power_mean", "energy"):
+            assert body[name] == pytest.approx(own[name], rel=5e-3), (own["design"], name)
+        assert body["energy_residual"] < 1e-9
+
+
+def test_its_ledger_asks_of_a_body_what_there_is_to_ask(both):
+    names = {check["name"] for check in both[1].checks}
+    assert {"energy_residual", "radiation_fit", "passivity", "steepness", "transient", "hydro rank_one"} <= names
+    assert not names & {"heave", "buckling", "power_limit", "witness", "bending_modes"}
+    failed = [check["name"] for check in both[1].checks if check["verdict"] == "fail"]
+    assert failed == [
+        check["name"] for check in both[0].checks if check["verdict"] == "fail" and check["name"] in names
+    ]
+
+
+def test_its_page_and_figures_are_there(both, general):
+    page = both[1].report.read_text()
+    assert "Does the flexible body absorb more power than the rigid one?" in page
+    assert "port, peak to peak [m]" in page
+    assert {path.stem for path in (general / "results" / "general" / "figures").glob("*.svg")} == set(
+        both[1].plan.figures
+    )
+
+
+def test_ids_are_of_contents_not_of_paths(finished, general, tmp_path):
+    """Another name and place of the same file is the same body; another file is another one."""
+    source = finished / SMALL_PLAN.database_path
+    (tmp_path / "copy.nc").write_bytes(source.read_bytes())
+    raw = as_body(finished, body={"database": "copy.nc"})
+    (tmp_path / "copy.yaml").write_text(yaml.safe_dump(raw))
+    copied = load_body(tmp_path / "copy.yaml").study
+    assert Results(copied).plan.ids.keys() == Results(load_body(general / "general.yaml").study).plan.ids.keys()
+    assert Results(copied).plan.study_id == Results(load_body(general / "general.yaml").study).plan.study_id
+    (tmp_path / "copy.nc").write_bytes(source.read_bytes() + b" ")
+    assert Results(load_body(tmp_path / "copy.yaml").study).plan.study_id != Results(copied).plan.study_id
+
+
+def test_its_database_says_what_it_is(both):
+    ds = both[1].database
+    assert list(map(str, ds.influenced_dof.values)) == DOFS
+    assert {"structural_damping_matrix", "inertia_matrix", "structural_stiffness"} <= set(ds)
+    assert json.loads(ds.attrs["spec"])["stage"] == "body"
+
+
+def test_a_database_of_other_water_or_whose_checks_fail_is_refused(finished, workplace, capsys):
+    raw = as_body(finished, water={"density": 1000.0})
+    Path("salt.yaml").write_text(yaml.safe_dump(raw))
+    expected = "water.density: received 1000, needs 1025, as the body's files have"
+    assert told(["check", "salt.yaml"], capsys) == f"salt.yaml: {expected}"
+    with xr.open_dataset(finished / SMALL_PLAN.database_path) as ds:
+        dull = ds.load().assign_attrs(quality=json.dumps([
+            {"name": "symmetry", "value": 1.0, "limit": 0.02, "unit": "-", "verdict": "fail", "explanation": "even"}
+        ]))  # fmt: skip
+    dull.attrs.pop("checksum")
+    dull.to_netcdf("dull.nc")
+    Path("dull.yaml").write_text(yaml.safe_dump(as_body(finished, body={"database": "dull.nc"})))
+    with pytest.raises(DatabaseError, match=r"check 'symmetry' failed: 1, needs at most 0.02 \(even\)"):
+        vsb.run(vsb.load_body("dull.yaml"))

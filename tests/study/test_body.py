@@ -1,0 +1,129 @@
+"""Studies of bodies: one source, ids by contents, keys of buoys refused with a reason."""
+
+from pathlib import Path
+
+import pytest
+import yaml
+
+from vsb.errors import ConfigError
+from vsb.study.body import BodyDesign, BodyStudy, is_body, load_body, located
+from vsb.study.canonical import canonical
+from vsb.study.reading import validated
+from vsb.study.study import parse
+
+RAW = {
+    "study": "raft",
+    "body": {"database": "raft.nc"},
+    "designs": {"flexible": {}, "rigid": {"dofs": "rigid"}},
+    "waves": [{"kind": "regular", "amplitude": 0.5, "period": 7.0}],
+}
+
+
+def study(**changes):
+    return validated(BodyStudy, {**RAW, **changes}, "raft.yaml")
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"device": {}}, "device: is the spherical buoy; a study has a device or a body; remove it"),
+        ({"modes": {}}, "modes: are shapes of the spherical shell; those of a body stand in its files; remove it"),
+        ({"reference_shape": "equilibrium"}, "reference_shape: is of the spherical shell; a body is linear"),
+        ({"hydro": {"witness": "none"}}, "hydro.witness: is for the buoy: its second solver knows no other body"),
+        ({"hydro": {"solver": "panels", "rows": 20}}, r"hydro.solver: is for the buoy.* \(and 1 more\)"),
+        ({"hydro": {"model": "body_exact"}}, "hydro.model 'body_exact': is of the spherical shell; a body is linear"),
+        ({"hydro": {"accept": ["rank_two"]}}, r"\['rank_two'\]: no such check; needs some of error_estimate"),
+        ({"pto": {"port": "volume"}}, "pto.port: is of the spherical shell; needs {dof: NAME}"),
+        ({"pto": {"port": {"colatitude": 90}}}, "pto.port: is of the spherical shell"),
+        ({"pto": {"port": {"dofs": {"Heave": 0}}}}, "needs a share that is not zero"),
+        ({"simulation": {"method": "exponential"}}, "simulation.method 'exponential': cannot follow this body"),
+        ({"body": {}}, "received no source; needs one of file, database, wamit, bemio"),
+        ({"body": {"wamit": "a", "bemio": "b"}}, "received wamit and bemio; needs one of"),
+        ({"body": {"bemio": "b", "length": 2.0}}, "length 2 m: is WAMIT's ULEN, which bemio does not have"),
+        ({"designs": {"a": {"dofs": []}}}, r"dofs \[\]: needs at least one degree of freedom, and none twice"),
+        ({"designs": {"a": {"held": [{"Heave": 0.0}]}}}, "needs a share that is not zero"),
+        ({"designs": {"a": {"clamp": 90}}}, "designs.a.clamp"),
+    ],
+)
+def test_what_makes_no_sense_is_refused_with_a_reason(changes, message):
+    with pytest.raises(ConfigError, match=message):
+        study(**changes)
+
+
+def test_gains_are_over_the_first_design_that_moves_in_rigid_motions_alone():
+    assert study().reference_design == "rigid"
+    both = {"a": {"dofs": ["Heave", "Mode7"]}, "b": {"dofs": ["float__Heave", "spar__Heave"]}}
+    assert study(designs=both).reference_design == "b"
+    assert study(designs={"a": {}}).reference_design is None
+    assert [BodyDesign(dofs=d).rigid for d in ("all", "rigid", ("Yaw",))] == [False, True, True]
+
+
+def test_degrees_of_freedom_kept_are_those_of_all_designs():
+    assert study().dofs is None
+    assert study(designs={"a": {"dofs": "rigid"}, "b": {"dofs": ["Mode7", "Heave"]}}).dofs == (
+        "Heave",
+        "Mode7",
+        "rigid",
+    )
+    assert study().flexible
+    assert not study(designs={"a": {"dofs": "rigid"}}).flexible
+
+
+def test_directions_of_the_seas_each_once():
+    swell = {"kind": "regular", "amplitude": 0.5, "period": 7.0}
+    waves = [{**swell, "direction": d} for d in (0.0, 45.0)] + [{**swell, "period": 8.0, "direction": 45.0}]
+    assert study(waves=waves).directions == (0.0, 45.0)
+    assert study(waves=[{"kind": "still"}]).directions == (0.0,)
+
+
+def test_a_study_knows_its_files_by_contents(tmp_path):
+    (tmp_path / "raft.nc").write_bytes(b"one")
+    (tmp_path / "raft.yaml").write_text(yaml.safe_dump(RAW))
+    first = load_body(tmp_path / "raft.yaml")
+    assert first.files == {"database": str(tmp_path / "raft.nc")}
+    assert str(tmp_path) not in canonical(first.study)
+    again = located(first.study.model_dump(), "elsewhere/raft.yaml")  # as it travels to a stage
+    assert again == (first.study, {})
+    (tmp_path / "raft.nc").write_bytes(b"two")
+    assert load_body(tmp_path / "raft.yaml").study != first.study
+
+
+def test_wamit_is_all_of_its_files(tmp_path):
+    raw = {**RAW, "body": {"wamit": "run/raft"}}
+    (tmp_path / "run").mkdir()
+    for ending in (".1", ".3"):
+        (tmp_path / "run" / f"raft{ending}").write_text(ending)
+    with pytest.raises(ConfigError, match=r"body.wamit: .*raft.hst cannot be read \(No such file or directory\)"):
+        located(raw, str(tmp_path / "raft.yaml"))
+    (tmp_path / "run" / "raft.hst").write_text("")
+    three = located(raw, str(tmp_path / "raft.yaml")).study
+    (tmp_path / "run" / "raft.mmx").write_text("")
+    assert located(raw, str(tmp_path / "raft.yaml")).study != three
+
+
+def test_a_body_file_brings_its_water_and_is_known_by_what_it_says(tmp_path):
+    body = {"body": "raft", "mesh": "m.nc", "modes": "d.nc", "omega": [0.6, 0.9], "water": {"depth": 20.0}}
+    (tmp_path / "file.yaml").write_text(yaml.safe_dump(body))
+    for name in ("m.nc", "d.nc"):
+        (tmp_path / name).write_text(name)
+    found = located({**RAW, "body": "file.yaml"}, str(tmp_path / "raft.yaml"))
+    assert found.study.water.depth == 20.0
+    assert found.files == {"mesh": str(tmp_path / "m.nc"), "modes": str(tmp_path / "d.nc")}
+    (tmp_path / "file.yaml").write_text("# of another name\n" + yaml.safe_dump({**body, "body": "other"}))
+    assert located({**RAW, "body": "file.yaml"}, str(tmp_path / "raft.yaml")).study == found.study
+    with pytest.raises(ConfigError, match=r"water: is not that of .*file.yaml; needs the same, or leave it"):
+        located({**RAW, "body": "file.yaml", "water": {"depth": 30.0}}, str(tmp_path / "raft.yaml"))
+
+
+def test_a_study_of_a_body_is_none_of_a_buoy():
+    assert is_body(RAW)
+    assert not is_body({"body": "raft", "mesh": "m.nc"})
+    with pytest.raises(ConfigError, match=r"body: received a study of a body, needs one of a buoy, with a device"):
+        parse(RAW)
+
+
+def test_still_water_shows_a_period_of_a_second():
+    found = study(waves=[{"kind": "still"}], pto={"damping": 1.0})
+    assert found.fastest(found.waves[0]) == pytest.approx(6.2832, rel=1e-4)
+    assert found.needs_bem
+    assert not Path("raft.nc").exists()

@@ -1,0 +1,100 @@
+"""Plans of bodies: what names what."""
+
+import pytest
+from conftest import SEED
+
+from vsb.study.body import LocatedBody, located
+from vsb.study.body_plan import BodyPlan, plan_for
+from vsb.study.campaign_plan import planned
+from vsb.study.canonical import content_id
+from vsb.study.study import load
+
+RAW = {
+    "study": "raft",
+    "body": {"database": "sha256:raft"},
+    "designs": {"flexible": {}, "rigid": {"dofs": "rigid"}},
+    "waves": [{"kind": "regular", "amplitude": 0.5, "period": 7.0}, {"kind": "jonswap", "hs": 1.0, "tp": 7.0}],
+}
+
+
+def plan(**changes):
+    found: LocatedBody = located({**RAW, **changes}, "raft.yaml")
+    return BodyPlan(found.study, files=found.files)
+
+
+PINNED = {
+    "database": "6f3f6586471c71f5",
+    "radiation": "0d054049c047d440",
+    "response": "0c6c69fe42ff3776",
+    "ladder": "960d3bc4882851f6",
+    "comparison": "72b28524488ac345",
+}
+STAGES = ("database", "radiation", "response", "ladder", "comparison")
+
+
+@pytest.mark.parametrize(
+    ("changes", "renamed"),
+    [
+        ({"body": {"database": "sha256:other"}}, {"database", "radiation", "comparison"}),
+        ({"body": {**RAW["body"], "mass": {"Heave": 1.0}}}, {"database", "radiation", "comparison"}),
+        ({"hydro": {"omega_max": 2.0}}, {"database", "radiation", "comparison"}),
+        ({"hydro": {"tolerance": 0.02}}, {"radiation", "comparison"}),
+        ({"hydro": {"added_mass_inf": "given"}}, {"radiation", "comparison"}),
+        ({"pto": {"damping": 1.0}}, {"response", "ladder", "comparison"}),
+        ({"pto": {"port": {"dof": "Pitch"}}}, {"response", "ladder", "comparison"}),
+        ({"simulation": {"duration": 90.0}}, {"ladder", "comparison"}),
+        ({"waves": [{**RAW["waves"][1], "seed": 2}, RAW["waves"][0]]}, {"ladder", "comparison"}),
+        ({"designs": {"flexible": {}, "rigid": {"dofs": ["Heave"]}}}, {"response", "ladder", "comparison"}),
+        ({"water": {"density": 1000.0}}, {"database", "radiation", "response", "ladder", "comparison"}),
+    ],
+)
+def test_a_key_changes_the_ids_of_the_stages_that_read_it(changes, renamed):
+    before, after = plan(), plan(**changes)
+    found = {name for name in STAGES if content_id(getattr(before, name)) != content_id(getattr(after, name))}
+    assert found == renamed
+    assert before.study_id != after.study_id
+
+
+def test_ids_stay():
+    """Results already there keep their names."""
+    assert {name: content_id(getattr(plan(), name)) for name in STAGES} == PINNED
+
+
+def test_heave_by_name_is_a_port_of_its_own():
+    """{dof: Heave} and {dofs: {Heave: 1}} are one."""
+    short, long = plan(pto={"port": {"dof": "Heave"}}), plan(pto={"port": {"dofs": {"Heave": 1.0}}})
+    assert short.study_id == long.study_id
+
+
+def test_products_are_named_and_files_need_not_be_known():
+    own = plan()
+    assert plan_for(own.study).ids == own.ids
+    assert set(own.products) <= set(own.ids)
+    assert f"{own.folder}/report.html" in own.products
+    assert not any("modes.nc" in path or "/mesh/" in path for path in own.products)
+    assert own.ids[own.database_path] == content_id(own.database)
+    assert own.simulation_megabytes(own.study.waves[1]) > own.simulation_megabytes(own.study.waves[0]) > 0
+    assert plan_for(load(SEED)).study == load(SEED)
+
+
+def test_a_mesh_is_solved_with_a_table(tmp_path):
+    body = {"body": "raft", "mesh": "sha256:m", "modes": "sha256:d", "omega": [0.6, 0.9]}
+    own = plan(body={"file": body})
+    assert own.solves
+    assert own.inputs == [f"{own.green_folder}.done"]
+    assert own.sources == {"folder": "results/hydro/bodies", "green": own.green_folder}
+    assert own.database.solver.startswith("capytaine")
+    assert own.highest == 0.9
+    assert plan().database.solver == ""
+    (tmp_path / "raft.nc").write_text("numbers")
+    read = BodyPlan.of({**RAW, "body": {"database": "raft.nc"}, "root": "out"}, str(tmp_path / "raft.yaml"))
+    assert read.root == "out"
+    assert [name.endswith("raft.nc") for name in read.inputs] == [True]
+    assert read.inputs == list(read.sources.values())
+
+
+def test_a_file_is_planned_by_what_it_is(tmp_path):
+    (tmp_path / "raft.nc").write_text("numbers")
+    body = {**RAW, "body": {"database": "raft.nc"}}
+    assert isinstance(planned(body, str(tmp_path / "raft.yaml")), BodyPlan)
+    assert planned({**load(SEED).model_dump(), "root": "out"}, "seed.yaml").root == "out"

@@ -1,0 +1,38 @@
+"""What studies of buoys and of bodies have in common."""
+
+import pytest
+
+from vsb.errors import ConfigError
+from vsb.study.body import BodyStudy
+from vsb.study.reading import validated
+
+BODY = {"study": "raft", "body": {"database": "raft.nc"}, "designs": {"a": {}, "b": {"dofs": "rigid"}}}
+SWELL, STILL = {"kind": "regular", "amplitude": 0.5, "period": 7.0}, {"kind": "still"}
+
+
+def study(**changes):
+    return validated(BodyStudy, {**BODY, "waves": [SWELL], **changes}, "raft.yaml")
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"waves": [SWELL, SWELL]}, r"waves \['regular_A0.5_T7', 'regular_A0.5_T7'\]: the same sea is listed twice"),
+        ({"study": "hydro"}, "'hydro' is the name of a results folder"),
+        ({"pto": {"damping": {"a": 1.0}}}, "pto.damping: received dampers of a, needs one for every design: a, b"),
+        ({"published": {"source": "x", "values": {"c": {}}}}, r"published.values \['c'\]: no such design"),
+    ],
+)
+def test_what_both_refuse(changes, message):
+    with pytest.raises(ConfigError, match=message):
+        study(**changes)
+
+
+def test_realisations_are_seas_and_one_of_each_suits_a_damper():
+    sea = {"kind": "jonswap", "hs": 1.0, "tp": 7.0, "realisations": 3}
+    found = study(waves=[sea, STILL, {**SWELL, "direction": 20.0}])
+    assert [wave.label for wave in found.one_of_each_sea] == ["jonswap_Hs1_Tp7_g3.3_s1", "regular_A0.5_T7_d20"]
+    assert len(found.waves) == 5
+    assert [found.tuning(wave) for wave in found.waves[-2:]] == ["fixed", "each"]
+    with pytest.raises(ConfigError, match=r"waves.3 still: no damper is best where nothing comes in"):
+        found.check_dampers()

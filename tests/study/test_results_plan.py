@@ -1,0 +1,22 @@
+"""What plans of buoys and bodies share: file names, options, memory."""
+
+from conftest import SEED
+
+from vsb.study.plan import StudyPlan
+from vsb.study.results_plan import figure_paths, options, quoted, trajectory_name
+from vsb.study.study import load
+
+
+def test_names_of_files_and_options():
+    assert trajectory_name("FSB", "still") == "FSB-still.nc"
+    assert figure_paths("results/a", ["b"]) == [f"results/a/figures/b.{kind}" for kind in ("svg", "pdf", "csv")]
+    assert options({"database": "a.nc", "out": "b"}) == "--database a.nc --out b"
+    assert quoted({"mesh": "my mesh's.stl"}) == """--mesh 'my mesh'"'"'s.stl'"""
+
+
+def test_answers_are_among_the_products_and_shared_files_are_in_hydro():
+    plan = StudyPlan(load(SEED), root="r")
+    assert set(plan.answers) < set(plan.products)
+    assert plan.is_shared(plan.database_path)
+    assert not plan.is_shared(plan.manifest)
+    assert plan.manifest == "r/seed/manifest.json"

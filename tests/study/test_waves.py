@@ -1,0 +1,33 @@
+"""Seas have directions; those without keep their names."""
+
+import pytest
+from conftest import SEED
+
+from vsb.errors import ConfigError
+from vsb.study.study import canonical, load, parse
+from vsb.study.waves import Jonswap, PiersonMoskowitz, RegularWave, WhiteNoise
+
+SEAS = [
+    RegularWave(kind="regular", amplitude=0.5, period=7.0),
+    Jonswap(kind="jonswap", hs=1.0, tp=7.0),
+    PiersonMoskowitz(kind="pierson_moskowitz", hs=1.0, tp=7.0),
+    WhiteNoise(kind="white_noise", hs=1.0, band=(0.5, 1.5)),
+]
+
+
+@pytest.mark.parametrize("wave", SEAS, ids=lambda wave: wave.kind)
+def test_a_direction_is_said_where_it_is_one(wave):
+    turned = wave.model_copy(update={"direction": 45.0})
+    assert "direction" not in canonical(wave)
+    assert '"direction":45.0' in canonical(turned)
+    assert "_d45" in turned.label
+    assert turned.label.replace("_d45", "") == wave.label
+    assert turned.description == f"{wave.description} going to 45 degrees"
+    assert type(wave).model_validate({**wave.model_dump(), "direction": 0.0}) == wave
+
+
+def test_a_buoy_of_revolution_has_none():
+    raw = load(SEED).model_dump()
+    raw["waves"][0]["direction"] = 30.0
+    with pytest.raises(ConfigError, match=r"waves.0.direction 30 degrees: a buoy of revolution answers waves of all"):
+        parse(raw)

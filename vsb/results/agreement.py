@@ -1,0 +1,85 @@
+"""Checks of runs that hold of any floating thing: energy, what is held, time against frequency domain."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import xarray as xr
+
+from vsb.hydro.database import Check, check_at_most
+from vsb.integrators.simulate import CONVOLVED
+from vsb.results.comparison import Row
+from vsb.results.power import in_direction, power_response
+from vsb.scenes.drag import LINEARISED
+from vsb.study.compared import Compared
+from vsb.study.waves import RegularWave, Wave
+from vsb.tools.words import plain
+
+Attributes = Mapping[tuple[str, str], Mapping[str, Any]]
+"""What runs say of themselves, by design and label of the sea."""
+
+
+def energy_check(study: Compared, run: xr.Dataset) -> Check:
+    """Return whether a run closes its energy balance."""
+    closed = max(study.simulation.tolerance, CONVOLVED if study.simulation.method == "convolution" else 1e-6)
+    return check_at_most(
+        "energy_residual", run.attrs["energy_residual"], closed, "-", "unbalanced energy over the largest term",
+        doubt=True, design=run.attrs["design"], wave=run.attrs["wave"],
+    )  # fmt: skip
+
+
+def drift_checks(study: Compared, run: xr.Dataset) -> list[Check]:
+    """Return whether what a design holds at zero stays there, if it holds something."""
+    if "constraint_drift" not in run.attrs:
+        return []
+    where = {"design": run.attrs["design"], "wave": run.attrs["wave"]}
+    linear = "over 10 000 wave periods" if study.needs_bem and where["wave"] != "still" else "over the run"
+    text = f"largest slip of the shell at its clamps {linear}"
+    return [check_at_most("constraint_drift", run.attrs["constraint_drift"], 1e-9, "m", text, **where)]
+
+
+def agreement_checks(
+    study: Compared, wave: Wave, frequency: xr.Dataset, rows: Sequence[Row], runs: Attributes
+) -> list[Check]:
+    """Return by how much mean powers in a regular wave in time differ from those of the frequency domain."""
+    if not isinstance(wave, RegularWave) or study.pto.switches:
+        return []
+    means = {row["design"]: row["power_mean"] for row in rows if row["wave"] == wave.label}
+    checks = []
+    for design in study.designs:
+        run = runs[design, wave.label]
+        if LINEARISED in run:
+            checks.append(drag_check(study, wave, run, means[design], design))
+            continue
+        found = power_response(study, in_direction(frequency, wave), design, run)
+        power = float(found.sel(omega=wave.omega, method="nearest"))
+        check = linearity_check if run["model"] == "body_exact" else steady_state_check
+        checks.append(check(study, wave, power, means[design], design))
+    return checks
+
+
+def steady_state_check(study: Compared, wave: RegularWave, power: float, mean: float, design: str) -> Check:
+    """Return the difference of mean power between time and frequency domain."""
+    expected = power * wave.amplitude**2
+    difference = abs(mean / expected - 1) if expected else abs(mean)
+    return check_at_most(
+        "time_and_frequency_domain", difference, 0.005, "-",
+        "relative difference of mean absorbed power; large if the window still holds a transient",
+        doubt=True, design=design, wave=wave.label,
+    )  # fmt: skip
+
+
+def linearity_check(study: Compared, wave: RegularWave, power: float, mean: float, design: str) -> Check:
+    """Return the difference of body-exact mean power from linear theory: what nonlinearity does."""
+    expected = power * wave.amplitude**2
+    difference = abs(mean / expected - 1) if expected else abs(mean)
+    text = f"mean power is {plain(mean)} W body-exact, {plain(expected)} W in linear theory"
+    return check_at_most("linearity", difference, 0.05, "-", text, doubt=True, design=design, wave=wave.label)
+
+
+def drag_check(study: Compared, wave: RegularWave, run: Mapping[str, Any], mean: float, design: str) -> Check:
+    """Return the difference of mean power with quadratic drag from that beside its equivalent damper."""
+    expected = float(run[LINEARISED])
+    difference = abs(mean / expected - 1) if expected else abs(mean)
+    text = f"mean power is {plain(mean)} W with quadratic drag, {plain(expected)} W beside its equivalent damper of "
+    text += f"{plain(float(run['drag_damping']))} N s/m; the frequency response and the matched limit know no drag"
+    return check_at_most("drag", difference, 0.05, "-", text, doubt=True, design=design, wave=wave.label)

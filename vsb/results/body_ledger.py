@@ -1,0 +1,67 @@
+"""The validity ledger of a study of a body: its runs, its seas, its coefficients, time against frequency domain."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import xarray as xr
+
+from vsb.hydro.database import Check, check_at_most, stored_checks
+from vsb.results.agreement import Attributes, agreement_checks, drift_checks, energy_check
+from vsb.results.comparison import Row, Runs
+from vsb.results.ledger import radiation_checks, wave_checks
+from vsb.scenes.afloat import band
+from vsb.study.body import BodyStudy
+from vsb.study.quantities import RIGID
+from vsb.study.waves import Wave
+
+TURN, SHIFT = 0.2, 0.3
+"""Rotation [rad], and translation in terms of the cube root of the displaced volume, beyond which there is doubt."""
+_TURNS = RIGID[3:]
+
+
+def seas_checks(study: BodyStudy, database: xr.Dataset) -> list[Check]:
+    """Return whether linear wave theory and the band of the database cover the seas."""
+    lowest, highest = band(study, database)
+    return [check for wave in study.waves for check in wave_checks(wave, study.water, highest, lowest)]
+
+
+def runs_checks(study: BodyStudy, database: xr.Dataset, wave: Wave, runs: Runs) -> list[Check]:
+    """Return whether the runs in a sea close their energy balance, hold what is held, and stay within small motion."""
+    checks = []
+    for design in study.designs:
+        run = runs[design]
+        checks += [energy_check(study, run), *motion_checks(study, database, run), *drift_checks(study, run)]
+    return checks
+
+
+def motion_checks(study: BodyStudy, database: xr.Dataset, run: xr.Dataset) -> list[Check]:
+    """Return the largest rotation, and the largest translation in terms of the body's size, if that is known."""
+    start, end = study.simulation.window
+    largest = np.abs(run.position.sel(time=slice(start, end))).max("time")
+    where = {"design": run.attrs["design"], "wave": run.attrs["wave"]}
+    kinds = np.array([str(label).rpartition("__")[2] for label in run.dof.values])
+    volume, checks = float(database.attrs.get("displaced_volume", 0.0)), []
+    if (turns := np.isin(kinds, _TURNS)).any():
+        value = float(largest.values[turns].max())
+        checks.append(check_at_most("rotation", value, TURN, "rad", "largest rotation", doubt=True, **where))
+    if (shifts := np.isin(kinds, RIGID[:3])).any() and volume:
+        value = float(largest.values[shifts].max()) / volume ** (1 / 3)
+        text = "largest translation over the cube root of the displaced volume"
+        checks.append(check_at_most("translation", value, SHIFT, "-", text, doubt=True, **where))
+    return checks
+
+
+def body_ledger(
+    study: BodyStudy,
+    database: xr.Dataset,
+    radiation: xr.Dataset,
+    frequency: xr.Dataset,
+    rows: Sequence[Row],
+    runs: Attributes,
+) -> list[Check]:
+    """Return the checks of linear hydrodynamics: seas, coefficients, radiation memory, time and frequency domain."""
+    checks = [*radiation_checks(radiation, study.hydro.tolerance), *seas_checks(study, database)]
+    for wave in study.waves:
+        checks += agreement_checks(study, wave, frequency, rows, runs)
+    return checks + [replace(check, name=f"hydro {check.name}") for check in stored_checks(database)]

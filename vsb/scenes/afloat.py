@@ -1,0 +1,202 @@
+"""What a study lets float, a buoy or a body: its linear motion, the motions of its designs, its port, its seas.
+
+All that is linear, the response, the ladder of take-offs, the tuning of a damper, asks this and knows no other kind.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from scipy.linalg import block_diag
+
+from vsb.errors import ConfigError
+from vsb.hydro import database
+from vsb.hydro.dofs import flexible
+from vsb.motion.bodies import LinearBody
+from vsb.motion.frequency import LinearBuoy, LinearMotion, with_open_chamber
+from vsb.motion.port import Port, combination, port_direction
+from vsb.motion.pto import LinearPto
+from vsb.motion.tuning import IntArray, frequencies
+from vsb.scenes.directions import order_bases
+from vsb.scenes.rest import design_motions
+from vsb.shell.deformed import DeformedShell
+from vsb.shell.modes import ModeBasis, check_rank, mode_basis, rigid_basis
+from vsb.study.body import BodyDesign, BodyStudy
+from vsb.study.body_specs import BodyLadderSpec, BodySimulateSpec, OfDesigns
+from vsb.study.quantities import is_rigid
+from vsb.study.specs import Driven, LadderSpec, SimulateSpec
+from vsb.study.study import StillWater, Study, Wave
+from vsb.study.take_off import DofPort
+from vsb.tools.units import FloatArray
+from vsb.waves.seas import Sea, sea
+
+AnyStudy = Study | BodyStudy
+OfBody = BodyStudy | OfDesigns
+"""What says how a body moves: a study of one, or what a stage computes from."""
+InSeas = Study | LadderSpec | SimulateSpec | BodyStudy | BodyLadderSpec | BodySimulateSpec
+"""What has seas and how long they last."""
+
+
+@dataclass(frozen=True)
+class Afloat:
+    """A buoy or a body without take-off, in waves from one direction, and what designs and take-off make of it."""
+
+    linear: LinearMotion
+    motions: Mapping[str, FloatArray]  # design -> N (dof, free)
+    port: FloatArray  # b (dof,)
+
+    def towards(self, wave: Wave) -> LinearMotion:
+        """Return its motion in waves of a sea's direction."""
+        return towards(self.linear, 0.0 if isinstance(wave, StillWater) else wave.direction)
+
+
+def towards(linear: LinearMotion, direction: float) -> LinearMotion:
+    """Return a motion in waves of a direction [degrees]; a buoy of revolution answers all alike."""
+    return replace(linear, direction=float(np.deg2rad(direction))) if isinstance(linear, LinearBody) else linear
+
+
+def afloat(study: Driven | OfBody, database_path: str) -> Afloat:
+    """Return what a study lets float, from its database."""
+    if isinstance(study, BodyStudy | OfDesigns):
+        return body_afloat(study, stored_body(database_path))
+    buoy, basis = linear_buoy(study, database_path)
+    motions = {design: design_motions(study, basis, design) for design in study.designs}
+    return Afloat(buoy, motions, study_port(study, buoy, basis))
+
+
+# a buoy -------------------------------------------------------------------------------------------------------------
+
+
+def linear_buoy(study: Driven, database_path: str) -> tuple[LinearBuoy, ModeBasis]:
+    """Return the linear buoy of a study, without take-off, from its database, and its axisymmetric shell modes.
+
+    To a take-off of the volume trapped gas is a chamber before it.
+    """
+    ds = database.load_database(database_path, Path(database_path).stem)
+    shell_moves = flexible(ds.influenced_dof.values)  # of the database: a rigid design may share it with flexible ones
+    modes = study.modes
+    basis = mode_basis(study.device, modes.basis, modes.degree) if shell_moves else rigid_basis(study.device)
+    damping = block_diag(basis.damping, *(order.damping for order in order_bases(study, basis)))
+    buoy = LinearBuoy(ds, damping, LinearPto(0.0))
+    return (with_open_chamber(buoy, study_port(study, buoy, basis)) if study.opens_chamber else buoy), basis
+
+
+def rest_shape(study: Driven, buoy: LinearBuoy, basis: ModeBasis) -> DeformedShell:
+    """Return the shell a linear buoy moves about."""
+    return DeformedShell(basis, study.centre_height, buoy.database.reference_amplitude.values[: len(basis.labels)])
+
+
+def study_port(study: Driven, buoy: LinearBuoy, basis: ModeBasis) -> FloatArray:
+    """Return b of the take-off of a study, shape (dof,); see `vsb.motion.port.port_direction`."""
+    return port_direction(study.pto.port, rest_shape(study, buoy, basis), order_bases(study, basis))
+
+
+# a body -------------------------------------------------------------------------------------------------------------
+
+
+def stored_body(database_path: str) -> LinearBody:
+    """Return the body of a database that stage `body` has completed."""
+    ds = database.load_database(database_path, Path(database_path).stem)
+    return LinearBody(ds, np.asarray(ds.structural_damping_matrix.values), LinearPto(0.0))
+
+
+def body_afloat(study: OfBody, body: LinearBody) -> Afloat:
+    """Return what a study lets float of a body."""
+    motions = {name: body_motions(name, design, body.labels) for name, design in study.designs.items()}
+    return Afloat(body, motions, body_port(study, body.labels))
+
+
+def body_port(study: OfBody, labels: Sequence[str]) -> FloatArray:
+    """Return b of the take-off of a study of a body, shape (dof,); by default heave."""
+    port = study.pto.port
+    return combination(labels, port.dofs if isinstance(port, DofPort) else {"Heave": 1.0})
+
+
+def moved(design: BodyDesign, labels: Sequence[str]) -> tuple[str, ...]:
+    """Return the degrees of freedom a design moves in, by name."""
+    if isinstance(design.dofs, tuple):
+        return design.dofs
+    return tuple(label for label in labels if design.dofs == "all" or is_rigid(label))
+
+
+def held_rows(design: BodyDesign, labels: Sequence[str]) -> FloatArray:
+    """Return what a design holds at zero, Phi q = 0, shape (constraint, dof)."""
+    return np.array([[shares.get(label, 0.0) for label in labels] for shares in design.held]).reshape(-1, len(labels))
+
+
+def body_motions(name: str, design: BodyDesign, labels: Sequence[str]) -> FloatArray:
+    """Return the motions a design allows, N, shape (dof, free): degrees of freedom, less what is held.
+
+    Raises
+    ------
+    ConfigError
+        If it names what is not there, or nothing moves.
+    """
+    chosen = moved(design, labels)
+    held = [label for shares in design.held for label in shares]
+    for key, names in (("dofs", chosen), ("held", held)):
+        if unknown := [label for label in names if label not in labels]:
+            raise ConfigError(f"designs.{name}.{key}: received {', '.join(unknown)}; needs some of {', '.join(labels)}")
+    free = np.eye(len(labels))[:, [labels.index(label) for label in chosen]]
+    rows = held_rows(design, labels) @ free
+    if rows.any():
+        free = free @ np.linalg.svd(rows)[2][check_rank(rows) :].T
+    if not free.size:
+        raise ConfigError(
+            f"designs.{name}: received dofs {', '.join(chosen) or 'none'}, all held; needs one that moves"
+        )
+    return np.asarray(free)
+
+
+# seas ---------------------------------------------------------------------------------------------------------------
+
+
+def band(study: InSeas, ds: xr.Dataset) -> tuple[float, float]:
+    """Return the band the components of a sea lie in [rad/s]: of a body what its database holds."""
+    if isinstance(study, BodyStudy | OfDesigns):
+        return float(ds.omega[0]), float(ds.omega[-1])
+    return 0.0, study.hydro.omega_max
+
+
+def study_sea(study: InSeas, wave: Wave, ds: xr.Dataset) -> Sea:
+    """Return a sea of a study, what of it lies in the band of a database."""
+    lowest, highest = band(study, ds)
+    found = sea(wave, highest, study.simulation.duration)
+    kept = (found.omega >= lowest - 1e-9) & (found.omega <= highest + 1e-9)
+    return found if kept.all() else Sea(found.omega[kept], found.amplitude[kept])
+
+
+class Met(NamedTuple):
+    """A port in several seas, those of each direction at their own frequencies, one direction after the other."""
+
+    port: Port
+    squares: FloatArray  # squared amplitudes (sea, omega) [m^2]
+    places: list[IntArray]  # of the components of each sea among the frequencies
+
+
+def met(floating: Afloat, design: str, seas: Sequence[tuple[Wave, Sea]]) -> Met:
+    """Return what the take-off of a design sees in seas, still water left out.
+
+    Impedances do not know where waves come from, free velocities do: a port in waves of several directions is one at
+    as many sets of frequencies.
+    """
+    headings = list(dict.fromkeys(wave.direction for wave, _ in seas if not isinstance(wave, StillWater)))
+    ports, places, before = [], [np.zeros(0, dtype=np.intp)] * len(seas), 0
+    for heading in headings:
+        here = [i for i, (wave, _) in enumerate(seas) if not isinstance(wave, StillWater) and wave.direction == heading]
+        omega = frequencies([seas[i][1] for i in here])
+        linear = towards(floating.linear, heading)
+        ports.append(linear.port(omega, floating.motions[design], floating.port))
+        for i in here:
+            places[i] = before + np.searchsorted(omega, seas[i][1].omega)
+        before += len(omega)
+    squares = np.zeros((len(seas), before))
+    for row, place, (_, waves) in zip(squares, places, seas, strict=True):
+        row[place] = np.abs(waves.amplitude) ** 2
+    omega, admittance, velocity = (
+        np.concatenate([getattr(port, name) for port in ports]) for name in ("omega", "admittance", "velocity")
+    )
+    return Met(Port(omega, admittance, velocity, ports[0].compliance), squares, places)

@@ -1,0 +1,160 @@
+"""A body of a study from its database: degrees of freedom chosen, matrices of the dry body as the study has them."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from vsb.errors import ConfigError
+from vsb.hydro.bodies.body import FlexibleBody, hydrostatic_stiffness
+from vsb.hydro.database import with_symmetrized
+from vsb.hydro.formats.modes import DRY, structure
+from vsb.motion.bodies import LinearBody, linear_body
+from vsb.study.body import Body, Matrix
+from vsb.study.body_file import BodyFile
+from vsb.study.quantities import is_rigid
+from vsb.study.sections import Water
+from vsb.tools.units import FloatArray
+
+_SAME_WATER = 1e-6
+FEWEST = 4
+"""Frequencies a radiation memory can be fitted to."""
+PAIR = ("influenced_dof", "radiating_dof")
+
+
+def within_band(ds: xr.Dataset, omega_max: float | None) -> xr.Dataset:
+    """Return a database without the frequencies above one [rad/s], and the repair in its history.
+
+    Raises
+    ------
+    ConfigError
+        If fewer than four are left.
+    """
+    kept = ds.omega.values > 0 if omega_max is None else (ds.omega.values > 0) & (ds.omega.values <= omega_max + 1e-9)
+    if kept.sum() < FEWEST:
+        raise ConfigError(
+            f"hydro.omega_max: received {omega_max or np.inf:g} rad/s, which leaves {kept.sum()} of {len(kept)} "
+            f"frequencies of the database; needs {FEWEST} or more"
+        )
+    if kept.all():
+        return ds
+    told = f"{ds.attrs.get('history', '')}; left out: {np.count_nonzero(~kept)} frequencies".lstrip("; ")
+    return ds.isel(omega=np.flatnonzero(kept)).assign_attrs(history=told)
+
+
+def complete_body(body: Body, dofs: Sequence[str] | None, ds: xr.Dataset) -> LinearBody:
+    """Return the body of a study from the database of its files.
+
+    Parameters
+    ----------
+    body : Body
+        Its matrices stand before those of the files.
+    dofs : sequence of str or None
+        Degrees of freedom kept, `rigid` for all rigid ones; all.
+    ds : xarray.Dataset
+
+    Raises
+    ------
+    ConfigError
+        If degrees of freedom, or masses of rigid motions, are missing.
+    """
+    labels = [str(label) for label in ds.influenced_dof.values]
+    mass, damping, stiffness = (
+        with_entries(name, given, labels, held)
+        for name, given, held in (
+            ("mass", body.mass, _held(ds, ("inertia_matrix",))),
+            ("damping", body.damping, _damping(ds)),
+            ("stiffness", body.stiffness, _held(ds, DRY)),
+        )
+    )
+    kept = chosen(dofs, labels)
+    index = [labels.index(label) for label in kept]
+    if weightless := [label for label, i in zip(kept, index, strict=True) if is_rigid(label) and not mass[i, i] > 0]:
+        raise ConfigError(
+            f"body.mass: received none for {', '.join(weightless)}, nor do the files hold one; needs the mass in kg, "
+            "of rotations in kg m^2"
+        )
+    pick = np.ix_(index, index)
+    return linear_body(with_symmetrized(ds), kept, mass=mass[pick], damping=damping[pick], stiffness=stiffness[pick])
+
+
+def chosen(dofs: Sequence[str] | None, labels: Sequence[str]) -> list[str]:
+    """Return the degrees of freedom kept, in the order of the file; `rigid` are all rigid ones."""
+    if dofs is None:
+        return list(labels)
+    if unknown := [name for name in dofs if name not in (*labels, "rigid")]:
+        raise ConfigError(f"designs: received dofs {', '.join(unknown)}; needs some of {', '.join(labels)}")
+    kept = [label for label in labels if label in dofs or ("rigid" in dofs and is_rigid(label))]
+    if not kept:
+        raise ConfigError(f"designs: received dofs rigid, but {', '.join(labels)} are none; needs some of these")
+    return kept
+
+
+def _damping(ds: xr.Dataset) -> FloatArray:
+    """Structural damping a database holds, or a buoy's by the factors in its spec; zero without."""
+    if "structural_damping_matrix" not in ds and "spec" in ds.attrs and (dry := structure(ds, "database")):
+        return dry.damping
+    return _held(ds, ("structural_damping_matrix",))
+
+
+def _held(ds: xr.Dataset, names: Sequence[str]) -> FloatArray:
+    """Sum of the matrices of a database by these names; zero without."""
+    none = np.zeros((ds.sizes["influenced_dof"],) * 2)
+    return np.asarray(sum((ds[name].values for name in names if name in ds), none))
+
+
+def with_entries(name: str, given: Matrix | None, labels: Sequence[str], held: FloatArray) -> FloatArray:
+    """Return a matrix of the dry body: rows as given in the study, or those of the files with entries as given.
+
+    Raises
+    ------
+    ConfigError
+        If rows are not as many as degrees of freedom, or an entry is of none.
+    """
+    if given is None:
+        return held
+    if not isinstance(given, dict):
+        rows = [len(row) for row in given]
+        if rows != [len(labels)] * len(labels):
+            raise ConfigError(
+                f"body.{name}: received {len(rows)} rows of {', '.join(map(str, rows))} numbers; needs "
+                f"{len(labels)} of {len(labels)}, for {', '.join(labels)}"
+            )
+        return np.array(given)
+    matrix = held.copy()
+    for key, value in given.items():
+        words = key.split()
+        if not 1 <= len(words) <= 2 or set(words) - set(labels):
+            raise ConfigError(f"body.{name}: received {key!r}; needs one or two of {', '.join(labels)}")
+        i, j = labels.index(words[0]), labels.index(words[-1])
+        matrix[i, j] = matrix[j, i] = value
+    return matrix
+
+
+def check_water(water: Water, ds: xr.Dataset) -> None:
+    """Check that a study's water is that of its body's files.
+
+    Raises
+    ------
+    ConfigError
+    """
+    own = {"density": "water_density", "depth": "water_depth", "gravity": "gravity"}
+    for name, attribute in own.items():
+        received, needed = float(getattr(water, name)), float(ds.attrs[attribute])
+        if not math.isclose(received, needed, rel_tol=_SAME_WATER):
+            raise ConfigError(f"water.{name}: received {received:g}, needs {needed:.10g}, as the body's files have")
+
+
+def dry_database(body: FlexibleBody, file: BodyFile) -> xr.Dataset:
+    """Return what is known of a body before anything is solved: its degrees of freedom, still water, band, directions.
+
+    Added mass at infinite frequency counts as none.
+    """
+    labels, dof = list(body.labels), len(body.labels)
+    matrices = {"inertia_matrix": body.mass, "structural_stiffness": body.stiffness}
+    matrices["hydrostatic_stiffness"] = hydrostatic_stiffness(body, file.water.density, file.water.gravity)
+    matrices["added_mass_inf"] = np.zeros((dof, dof))
+    coords = {"omega": list(file.omega), "wave_direction": np.deg2rad(file.wave_direction)}
+    known = {name: (PAIR, matrix) for name, matrix in matrices.items() if matrix is not None}
+    return xr.Dataset(known, {**coords, **dict.fromkeys(PAIR, labels)})

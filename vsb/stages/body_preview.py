@@ -1,0 +1,99 @@
+"""What can be said of a study of a body before anything is solved: its files, its rest, its seas, its cost."""
+
+from pathlib import Path
+
+import numpy as np
+
+from vsb.errors import ConfigError, StabilityError
+from vsb.hydro import database
+from vsb.hydro.bodies.files import read_body
+from vsb.hydro.formats.sources import read_source
+from vsb.motion.bodies import LinearBody, direction_index
+from vsb.results.body_ledger import seas_checks
+from vsb.scenes.afloat import body_afloat
+from vsb.scenes.body import check_water, complete_body, dry_database, within_band
+from vsb.study.body_file import BodyFile
+from vsb.study.body_plan import BodyPlan
+from vsb.study.canonical import content_id
+from vsb.study.waves import IrregularSea, StillWater, Wave
+from vsb.tools.files import load
+
+
+def body_before_run(plan: BodyPlan) -> LinearBody:
+    """Return the body of a study, of what is known before it is solved, after checking what would fail later.
+
+    Raises
+    ------
+    ConfigError, DatabaseError, StabilityError
+        If its files are not what they should be, it does not rest, nothing moves, or its seas are not in its band.
+    """
+    study, files, source = plan.study, plan.files, plan.study.body
+    if isinstance(source.file, BodyFile):
+        ds = dry_database(read_body(files["mesh"], files["modes"]), source.file)
+    else:
+        ds = read_source(source.kind, files[source.kind], study.water, source.length)
+        check_water(study.water, ds)
+    body = complete_body(source, study.dofs, within_band(ds, study.hydro.omega_max))
+    floating = body_afloat(study, body)
+    for design, motions in floating.motions.items():
+        held = body.held + study.pto.stiffness * np.outer(floating.port, floating.port)
+        try:
+            body.drifting(motions.T @ held @ motions, motions)
+        except StabilityError as error:
+            raise ConfigError(f"designs.{design}: {error}") from None
+    for i, wave in enumerate(study.waves):
+        check_wave(i, wave, body)
+    study.check_dampers()
+    check_stored(plan)
+    return body
+
+
+def check_wave(i: int, wave: Wave, body: LinearBody) -> None:
+    """Check that a sea comes from a direction the database has, and lies in its band.
+
+    Raises
+    ------
+    ConfigError
+    """
+    if isinstance(wave, StillWater):
+        return
+    first, last = body.database.omega.values[[0, -1]]
+    known = np.asarray(body.database.wave_direction.values)
+    if direction_index(known, float(np.deg2rad(wave.direction))) is None:
+        raise ConfigError(
+            f"waves.{i}.direction: received {wave.direction:g} degrees, needs one of "
+            f"{', '.join(f'{d:g}' for d in np.degrees(known))}, the directions of the body's database"
+        )
+    low, high = wave.reach if isinstance(wave, IrregularSea) else (wave.omega, wave.omega)
+    if not first - 1e-9 <= high <= last + 1e-9 or (low < first - 1e-9 and not isinstance(wave, IrregularSea)):
+        raise ConfigError(
+            f"waves.{i} {wave.label}: received a frequency of {high:.4g} rad/s, needs {first:.4g} to {last:.4g} rad/s, "
+            "the band of the body's database"
+        )
+
+
+def check_stored(plan: BodyPlan) -> None:
+    """Check that stored results a run would go on from are what they should be; `DatabaseError`."""
+    if Path(plan.database_path).exists():
+        database.load_database(plan.database_path, content_id(plan.database))
+    if Path(plan.radiation_path).exists():
+        load(plan.radiation_path)
+
+
+def body_summary(plan: BodyPlan) -> list[str]:
+    """Return the lines `vsb check` prints: what would be computed, at what cost, and the validity known beforehand."""
+    body, study = body_before_run(plan), plan.study
+    floating, omega = body_afloat(study, body), body.database.omega.values
+    there = " (there)" if Path(plan.database_path).exists() else ""
+    designs = (f"{name} moves in {motions.shape[1]}" for name, motions in floating.motions.items())
+    lines = [
+        f"study        {study.study}: {', '.join(study.designs)} in {', '.join(wave.label for wave in study.waves)}",
+        f"body         {len(body.labels)} degrees of freedom: {', '.join(body.labels)}; {', '.join(designs)}",
+        f"hydro        {len(omega)} frequencies from {omega[0]:g} to {omega[-1]:g} rad/s, "
+        f"{'solved of the mesh' if plan.solves else 'read from ' + plan.files[study.body.kind]}",
+        f"database     {plan.database_path}{there}",
+    ]
+    return lines + [
+        f"{check.verdict:12} {check.name} = {check.value:.3g} (limit {check.limit:g}): {check.explanation}"
+        for check in seas_checks(study, body.database)
+    ]

@@ -1,0 +1,66 @@
+"""Rule coefficients: the hydro database of a body, solved of its mesh or read from files, its matrices with it."""
+
+import xarray as xr
+
+from vsb import __version__
+from vsb.hydro import database, quality
+from vsb.hydro.bodies.files import read_body
+from vsb.hydro.bodies.study import solved
+from vsb.hydro.formats.sources import read_source, source_checks
+from vsb.scenes.body import PAIR, check_water, complete_body, within_band
+from vsb.stages.stage import stamp
+from vsb.study.body_file import BodyFile
+from vsb.study.body_specs import BodySpec
+
+_KEPT = ("displaced_volume", "centre_of_buoyancy", "centre_of_mass", "bem_seconds", "symmetry", "history")
+"""Facts of the database read or solved that stay."""
+
+
+def run(
+    spec: BodySpec,
+    out: str,
+    folder: str = "",
+    green: str = "",
+    mesh: str = "",
+    modes: str = "",
+    database: str = "",
+    wamit: str = "",
+    bemio: str = "",
+) -> None:
+    """Solve or read the coefficients of a body, check them, and store them with its matrices.
+
+    Raises
+    ------
+    ConfigError, DatabaseError
+        If a file is not what it should be, or a check fails that the study does not accept.
+    """
+    files = {"database": database, "wamit": wamit, "bemio": bemio}
+    if isinstance(spec.body.file, BodyFile):
+        found, _ = solved(spec.body.file, read_body(mesh, modes), folder, green)
+    else:
+        found = read_source(spec.body.kind, files[spec.body.kind], spec.water, spec.body.length)
+    check_water(spec.water, found)
+    store(spec, within_band(found, spec.omega_max), out)
+
+
+def store(spec: BodySpec, found: xr.Dataset, out: str) -> None:
+    """Write the database of a body, its designs' degrees of freedom alone, and what its numbers are worth."""
+    body = complete_body(spec.body, spec.dofs, found)
+    kept = list(body.labels)
+    checks, unseen = source_checks(found.sel(influenced_dof=kept, radiating_dof=kept))
+    ds: xr.Dataset = body.database.assign(structural_damping_matrix=(PAIR, body.structural_damping))
+    facts = {name: ds.attrs[name] for name in _KEPT if name in ds.attrs}
+    facts["history"] = "; ".join([text for text in (facts.get("history", ""), *unseen) if text])
+    attrs = {
+        "title": f"hydro database of a body: {', '.join(body.labels)}",
+        "source": f"vsb {__version__}",
+        **stamp(spec),
+        "quality": database.as_json(quality.judged(checks, spec.accept)),
+        "water_density": spec.water.density,
+        "water_depth": str(spec.water.depth),
+        "gravity": spec.water.gravity,
+        "solver": found.attrs.get("solver", found.attrs.get("source", "unknown")),
+        **facts,
+    }
+    ds.attrs = {}
+    database.save_database(ds.assign_attrs(attrs), None, out)

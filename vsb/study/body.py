@@ -1,0 +1,298 @@
+"""A study of any body: what floats is a hydro database, solved of a mesh or read from files, and matrices beside it.
+
+A body is known by what its files hold, never by where they lie: `located` puts checksums in the place of their paths.
+Imports nothing heavy: the Snakefile reads a study at every parse.
+"""
+
+import hashlib
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple, Self, TypeGuard
+
+from pydantic import (
+    Discriminator,
+    Field,
+    SerializerFunctionWrapHandler,
+    Tag,
+    field_validator,
+    model_serializer,
+    model_validator,
+)
+
+from vsb.errors import ConfigError
+from vsb.study.body_file import BodyFile
+from vsb.study.compared import Compared
+from vsb.study.quantities import Finite, Name, Number, Positive, Section, is_rigid
+from vsb.study.reading import read_yaml, validated
+from vsb.study.sections import Published, Simulation, Water
+from vsb.study.take_off import DofPort, Pto
+from vsb.study.waves import StillWater, Wave
+
+CONTENTS = "sha256:"
+"""What begins the name of a file known by its contents."""
+WAMIT = (".1", ".3", ".hst", ".3fk", ".3sc", ".mmx")
+"""WAMIT's files of one run; the first three must be there."""
+NEEDED = 3
+KINDS = ("file", "database", "wamit", "bemio")
+_SHORTEST = 1.0  # period a record of still water shows [s]
+CHECKS = (
+    "error_estimate", "interpolation_error", "one_resolution", "symmetry", "far_field", "haskind", "positive_damping",
+    "panels", "modes", "corners", "rigid_names", "afloat", "irregular_frequencies", "kramers_kronig", "long_waves",
+    "haskind_scale", "haskind_long_waves",
+)  # fmt: skip
+"""Names of the checks on a body's database, solved or read; a study may accept their failures."""
+NOT_OF_A_BODY = {
+    "device": "is the spherical buoy; a study has a device or a body",
+    "modes": "are shapes of the spherical shell; those of a body stand in its files",
+    "reference_shape": "is of the spherical shell; a body is linear about the rest its files are of",
+}
+"""Keys of a study of a buoy that make no sense here, and why."""
+NOT_OF_ITS_HYDRO = {
+    "solver": "is for the buoy; the body's file says how it is solved",
+    "rows": "are of the sphere's mesh; the body has a mesh of its own",
+    "omega": "is of the body's file, or of the database read",
+    "pressure": "is of the paper's model of the buoy",
+    "power_tolerance": "is of hydro.model: auto, which the buoy has",
+    "witness": "is for the buoy: its second solver knows no other body",
+}
+Matrix = Annotated[
+    Annotated[dict[str, Finite], Tag("entries")] | Annotated[tuple[tuple[Finite, ...], ...], Tag("rows")],
+    Discriminator(lambda value: "entries" if isinstance(value, dict) else "rows"),
+]
+"""Entries by a degree of freedom, or by two with a space between them, or all rows in the order of the file."""
+
+
+class Body(Section):
+    """What floats, by one of four sources, and matrices of the dry body that take the place of those in its files."""
+
+    file: str | BodyFile | None = None
+    database: str | None = None
+    wamit: str | None = None
+    bemio: str | None = None
+    length: Positive = 1.0
+    mass: Matrix | None = None
+    damping: Matrix | None = None
+    stiffness: Matrix | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _a_file_alone(cls, raw: Any) -> Any:
+        """The name of a body file may stand for itself."""
+        return {"file": raw} if isinstance(raw, str) else raw
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        given = [kind for kind in KINDS if getattr(self, kind) is not None]
+        if len(given) != 1:
+            raise ValueError(f"received {' and '.join(given) or 'no source'}; needs one of {', '.join(KINDS)}")
+        if self.length != 1.0 and given != ["wamit"]:
+            raise ValueError(f"length {self.length:g} m: is WAMIT's ULEN, which {given[0]} does not have; remove it")
+        return self
+
+    @model_serializer(mode="wrap")
+    def _without_defaults(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Leave out what is not given."""
+        return {key: value for key, value in dump(self).items() if value is not None and (key, value) != ("length", 1)}
+
+    @property
+    def kind(self) -> str:
+        """Which source it has."""
+        return next(kind for kind in KINDS if getattr(self, kind) is not None)
+
+
+class BodyDesign(Section):
+    """One variant of a body: the degrees of freedom it moves in, and combinations of them that are held at zero."""
+
+    dofs: Literal["all", "rigid"] | tuple[str, ...] = "all"
+    held: tuple[dict[str, Finite], ...] = ()
+
+    @model_validator(mode="after")
+    def _some(self) -> Self:
+        if isinstance(self.dofs, tuple) and (not self.dofs or len(set(self.dofs)) < len(self.dofs)):
+            raise ValueError(f"dofs {list(self.dofs)}: needs at least one degree of freedom, and none twice")
+        for shares in self.held:
+            if not any(shares.values()):
+                raise ValueError(f"held {shares}: needs a share that is not zero")
+        return self
+
+    @property
+    def rigid(self) -> bool:
+        """Whether it moves in rigid motions alone."""
+        return self.dofs == "rigid" or (isinstance(self.dofs, tuple) and all(map(is_rigid, self.dofs)))
+
+
+class BodyHydro(Section):
+    """Linear hydrodynamics: tolerance of the radiation memory [-], highest frequency kept [rad/s], accepted checks.
+
+    The memory's added mass at infinite frequency is `fitted`, so that memory and samples agree, or as the database
+    has it (`given`).
+    """
+
+    model: Literal["linear"] = "linear"
+    tolerance: Annotated[Number, Field(ge=1e-6, le=0.1)] = 1e-2
+    added_mass_inf: Literal["fitted", "given"] = "fitted"
+    omega_max: Positive | None = None
+    accept: tuple[Name, ...] = ()
+
+    @field_validator("accept")
+    @classmethod
+    def _known(cls, value: tuple[str, ...]) -> tuple[str, ...]:
+        if unknown := [name for name in value if name not in CHECKS]:
+            raise ValueError(f"{unknown}: no such check; needs some of {', '.join(CHECKS)}")
+        return value
+
+
+class BodyStudy(Compared):
+    """One study file of a body."""
+
+    study: Name
+    body: Body
+    designs: Annotated[dict[Name, BodyDesign], Field(min_length=1)]
+    water: Water = Water()
+    hydro: BodyHydro = BodyHydro()
+    pto: Pto = Pto()
+    waves: Annotated[tuple[Wave, ...], Field(min_length=1)]
+    simulation: Simulation = Simulation()
+    published: Published | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _without_a_buoy(cls, raw: Any) -> Any:
+        """Refuse what only a buoy has, with the reason."""
+        if not isinstance(raw, dict):
+            return raw
+        hydro = raw.get("hydro")
+        told = [f"{key}: {why}; remove it" for key, why in NOT_OF_A_BODY.items() if key in raw]
+        told += [
+            f"hydro.{key}: {why}; remove it"
+            for key, why in NOT_OF_ITS_HYDRO.items()
+            if isinstance(hydro, Mapping) and key in hydro
+        ]
+        if isinstance(hydro, Mapping) and hydro.get("model", "linear") != "linear":
+            told.append(f"hydro.model {hydro['model']!r}: is of the spherical shell; a body is linear; remove it")
+        if told:
+            raise ValueError("\n".join(told))
+        return raw
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        mistakes = []
+        for check in (self.check_labels, self.check_dampers_of_designs, self.check_published, self._check_take_off):
+            try:
+                check()
+            except ValueError as mistake:
+                mistakes.append(str(mistake))
+        if mistakes:
+            raise ValueError("\n".join(mistakes))
+        return self
+
+    def _check_take_off(self) -> None:
+        """The port is of degrees of freedom, the method one that can follow."""
+        if self.pto.port != "heave" and not isinstance(self.pto.port, DofPort):
+            raise ValueError("pto.port: is of the spherical shell; needs {dof: NAME} or {dofs: {NAME: share, ...}}")
+        method = self.simulation.method
+        if method == "exponential" or (self.pto.switches and method != "auto"):
+            suitable = "auto" if self.pto.switches else "auto, exact, convolution or structure_preserving"
+            raise ValueError(f"simulation.method {method!r}: cannot follow this body and take-off; needs {suitable}")
+
+    @property
+    def needs_bem(self) -> bool:
+        """Whether it rests on coefficients: always."""
+        return True
+
+    @property
+    def reference_design(self) -> str | None:
+        """The first rigid design: gains are measured against it."""
+        return next((name for name, design in self.designs.items() if design.rigid), None)
+
+    @property
+    def flexible(self) -> bool:
+        """Whether any design moves in more than rigid motions."""
+        return any(not design.rigid for design in self.designs.values())
+
+    @property
+    def dofs(self) -> tuple[str, ...] | None:
+        """Degrees of freedom that designs move in, `rigid` for all rigid ones; none if some design moves in all."""
+        if any(design.dofs == "all" for design in self.designs.values()):
+            return None
+        named = {name for d in self.designs.values() for name in (["rigid"] if d.dofs == "rigid" else d.dofs)}
+        return tuple(sorted(named))
+
+    @property
+    def directions(self) -> tuple[float, ...]:
+        """Directions of the seas, each once [degrees]; 0 if there is none."""
+        found = dict.fromkeys(wave.direction for wave in self.waves if not isinstance(wave, StillWater))
+        return tuple(found) or (0.0,)
+
+    def fastest(self, wave: Wave) -> float:
+        """Frequency of the fastest motion a run in a sea must show [rad/s]."""
+        return 2 * math.pi / _SHORTEST if isinstance(wave, StillWater) else wave.fastest
+
+
+class LocatedBody(NamedTuple):
+    """A study of a body, known by contents, and the files these are in, by what they are."""
+
+    study: BodyStudy
+    files: dict[str, str]
+
+
+def is_body(raw: object) -> TypeGuard[dict[str, Any]]:
+    """Return whether nested mappings are a study of a body."""
+    return isinstance(raw, dict) and "study" in raw and "body" in raw
+
+
+def located(raw: object, source: str) -> LocatedBody:
+    """Return the study of a body in nested mappings, its files found from the folder of the source.
+
+    Raises
+    ------
+    ConfigError
+        One line with the file, the key, the value received and the value needed.
+    """
+    study = validated(BodyStudy, raw, source)
+    body, folder = study.body, Path(source).parent
+    given = getattr(body, body.kind)
+    if not isinstance(given, str) or given.startswith(CONTENTS):
+        return LocatedBody(study, {})
+    path = folder / given
+    if body.kind == "file":
+        return _of_a_mesh(study, path, source, "water" in raw if isinstance(raw, dict) else False)
+    files = {body.kind: str(path)}
+    names = [f"{path}{ending}" for ending in WAMIT] if body.kind == "wamit" else [str(path)]
+    needed = names[:NEEDED] if body.kind == "wamit" else names
+    held = [name for name in names if name in needed or Path(name).is_file()]
+    return LocatedBody(_known_by(study, {body.kind: _contents(held, f"{source}: body.{body.kind}")}), files)
+
+
+def load_body(path: str | Path) -> LocatedBody:
+    """Read and validate a study file of a body; see `located`."""
+    return located(read_yaml(path, "a study file of a body such as config/barge.yaml"), str(path))
+
+
+def _of_a_mesh(study: BodyStudy, path: Path, source: str, own_water: bool) -> LocatedBody:
+    """A study of a body file, in its water."""
+    body = validated(BodyFile, read_yaml(path, "a body file, as `vsb body` takes"), str(path))
+    if own_water and study.water != body.water:
+        raise ConfigError(f"{source}: water: is not that of {path}; needs the same, or leave it to the body file")
+    files = {name: str(path.parent / getattr(body, name)) for name in ("mesh", "modes")}
+    known = {name: _contents([file], f"{path}: {name}") for name, file in files.items()}
+    solved = body.model_copy(update={**known, "body": "body"})
+    return LocatedBody(_known_by(study.model_copy(update={"water": body.water}), {"file": solved}), files)
+
+
+def _known_by(study: BodyStudy, source: Mapping[str, object]) -> BodyStudy:
+    """The study with its source known by contents."""
+    return study.model_copy(update={"body": study.body.model_copy(update=dict(source))})
+
+
+def _contents(paths: list[str], where: str) -> str:
+    """Name of files by what they hold."""
+    digest = hashlib.sha256()
+    for path in paths:
+        try:
+            held = Path(path).read_bytes()
+        except OSError as error:
+            raise ConfigError(f"{where}: {path} cannot be read ({error.strerror}); needs the path of a file") from None
+        digest.update(f"{Path(path).suffix} {len(held)} ".encode() + held)
+    return f"{CONTENTS}{digest.hexdigest()}"

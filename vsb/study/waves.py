@@ -1,0 +1,221 @@
+"""The seas of a study: still water, regular waves, spectra; validated and frozen.
+
+Imports nothing heavy: the Snakefile reads a study at every parse.
+"""
+
+import math
+from abc import abstractmethod
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, SerializerFunctionWrapHandler, field_validator, model_serializer, model_validator
+
+from vsb.study.quantities import Count, Number, Positive, Section, within
+
+Height = Annotated[Positive, within(1e-9, 100.0, "m", "the highest wave ever measured had 30 m, molecules have 1e-9 m")]
+Period = Annotated[Positive, within(1e-3, 1e7, "s", "waves of gravity take longer than ripples and less than seasons")]
+
+
+class StillWater(Section):
+    """No waves: free decay."""
+
+    kind: Literal["still"]
+
+    @property
+    def label(self) -> str:
+        """Name of the sea in tables and file names."""
+        return "still"
+
+    @property
+    def description(self) -> str:
+        """The sea in words."""
+        return "still water"
+
+
+class Travelling(Section):
+    """Waves that go somewhere: their direction [degrees] from the x axis."""
+
+    direction: Annotated[Number, Field(ge=-360, le=360)] = 0.0
+
+    @model_serializer(mode="wrap")
+    def _without_default_direction(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Results of before waves had directions keep their names."""
+        return {key: value for key, value in dump(self).items() if (key, value) != ("direction", 0.0)}
+
+    @property
+    def _towards(self) -> str:
+        """What the direction adds to a name."""
+        return f"_d{self.direction:g}" if self.direction else ""
+
+    @property
+    def _going(self) -> str:
+        """What the direction adds to words."""
+        return f" going to {self.direction:g} degrees" if self.direction else ""
+
+
+class RegularWave(Travelling):
+    """Sine wave: amplitude [m], period [s]."""
+
+    kind: Literal["regular"]
+    amplitude: Height
+    period: Period
+
+    @property
+    def label(self) -> str:
+        """Name of the sea in tables and file names."""
+        return f"regular_A{self.amplitude:g}_T{self.period:g}{self._towards}"
+
+    @property
+    def description(self) -> str:
+        """The sea in words."""
+        return f"regular waves of {self.amplitude:g} m amplitude and {self.period:g} s period{self._going}"
+
+    @property
+    def omega(self) -> float:
+        """Angular frequency [rad/s]."""
+        return 2 * math.pi / self.period
+
+    @property
+    def fastest(self) -> float:
+        """Its one frequency [rad/s]."""
+        return self.omega
+
+
+class IrregularSea(Travelling):
+    """A sea of many components: significant height [m], seed of the random phases, number of realisations.
+
+    Realisations have seeds one after the other; a study lists each as a sea of its own and takes statistics over all.
+    """
+
+    hs: Height
+    seed: Annotated[Count, Field(ge=0)] = 1
+    realisations: Annotated[Count, Field(ge=1, le=1000)] = 1
+
+    @model_validator(mode="after")
+    def _seeds_fit_a_file_name(self) -> Self:
+        if self.seed + self.realisations > 2**32:
+            raise ValueError(f"seed of {len(str(self.seed))} digits: needs at most 2^32 - realisations")
+        return self
+
+    @property
+    @abstractmethod
+    def family(self) -> str:
+        """Name of the sea without its seed."""
+
+    @property
+    @abstractmethod
+    def omega(self) -> float:
+        """Frequency of the peak or of the middle of the band [rad/s]."""
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """Frequencies the sea must find solved [rad/s]: below 0.4 times the peak there is less than 1e-10 of it."""
+        return 0.4 * self.omega, self.omega
+
+    @property
+    def fastest(self) -> float:
+        """Frequency above which no component has a twentieth of the largest amplitude [rad/s]."""
+        return 4.3 * self.omega
+
+    @property
+    def memory(self) -> float:
+        """Time after which the waves have forgotten what they were [s]: ten peak periods."""
+        return 20 * math.pi / self.omega
+
+    @property
+    def label(self) -> str:
+        """Name of the sea in tables and file names."""
+        return f"{self.family}_s{self.seed}"
+
+
+class Jonswap(IrregularSea):
+    """JONSWAP sea: significant height [m], peak period [s], peakedness [-], random seed."""
+
+    kind: Literal["jonswap"]
+    tp: Period
+    gamma: Annotated[Number, Field(ge=1, le=10)] = 3.3
+
+    @property
+    def family(self) -> str:
+        """Name of the sea without its seed."""
+        return f"jonswap_Hs{self.hs:g}_Tp{self.tp:g}_g{self.gamma:g}{self._towards}"
+
+    @property
+    def description(self) -> str:
+        """The sea in words."""
+        return f"a JONSWAP sea of Hs = {self.hs:g} m and Tp = {self.tp:g} s{self._going}"
+
+    @property
+    def omega(self) -> float:
+        """Peak angular frequency [rad/s]."""
+        return 2 * math.pi / self.tp
+
+
+class PiersonMoskowitz(IrregularSea):
+    """Fully developed sea of Pierson and Moskowitz: significant height [m], peak period [s], random seed."""
+
+    kind: Literal["pierson_moskowitz"]
+    tp: Period
+
+    @property
+    def family(self) -> str:
+        """Name of the sea without its seed."""
+        return f"pierson_moskowitz_Hs{self.hs:g}_Tp{self.tp:g}{self._towards}"
+
+    @property
+    def description(self) -> str:
+        """The sea in words."""
+        return f"a Pierson-Moskowitz sea of Hs = {self.hs:g} m and Tp = {self.tp:g} s{self._going}"
+
+    @property
+    def omega(self) -> float:
+        """Peak angular frequency [rad/s]."""
+        return 2 * math.pi / self.tp
+
+
+class WhiteNoise(IrregularSea):
+    """Sea of constant spectral density over a band [rad/s]: significant height [m], random seed."""
+
+    kind: Literal["white_noise"]
+    band: tuple[Positive, Positive]
+
+    @field_validator("band")
+    @classmethod
+    def _ascending(cls, value: tuple[float, float]) -> tuple[float, float]:
+        if not 1.01 * value[0] <= value[1]:
+            raise ValueError("needs the lowest frequency first, then one at least 1 % higher, in rad/s")
+        return value
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """Frequencies the sea must find solved [rad/s]: its band."""
+        return self.band
+
+    @property
+    def fastest(self) -> float:
+        """Highest frequency of the band [rad/s]."""
+        return self.band[1]
+
+    @property
+    def memory(self) -> float:
+        """Time after which the waves have forgotten what they were [s]: ten periods, or twice 2 pi over the band."""
+        return max(20 * math.pi / self.omega, 4 * math.pi / (self.band[1] - self.band[0]))
+
+    @property
+    def family(self) -> str:
+        """Name of the sea without its seed."""
+        return f"white_noise_Hs{self.hs:g}_w{self.band[0]:g}-{self.band[1]:g}{self._towards}"
+
+    @property
+    def description(self) -> str:
+        """The sea in words."""
+        low, high = self.band
+        return f"white noise of {low:g} to {high:g} rad/s and Hs = {self.hs:g} m{self._going}"
+
+    @property
+    def omega(self) -> float:
+        """Frequency in the middle of the band [rad/s]."""
+        return 0.5 * (self.band[0] + self.band[1])
+
+
+Irregular = Jonswap | PiersonMoskowitz | WhiteNoise
+Wave = Annotated[StillWater | RegularWave | Irregular, Field(discriminator="kind")]
