@@ -239,9 +239,9 @@ def _places(ds: xr.Dataset, key: str) -> np.ndarray:
 
 
 def _scale(ds: xr.Dataset, key: str) -> str:
-    """Scale of the axis of a key: logarithmic if its values span a decade or more."""
+    """Scale of the axis of a key: logarithmic if its values span more than a decade."""
     values = ds[key].values
-    wide = values.dtype.kind == "f" and values.min() > 0 and values.max() >= 10 * values.min()
+    wide = values.dtype.kind == "f" and values.min() > 0 and values.max() > 10 * values.min()
     return "log" if wide else "linear"
 
 
