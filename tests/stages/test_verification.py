@@ -17,6 +17,7 @@ from vsb.results.in_time import DesignInTime
 from vsb.stages import answer, verification
 from vsb.stages.preview import check_campaign
 from vsb.study.campaign_plan import plan_of
+from vsb.tools import packed
 from vsb.tools.files import load
 
 RUNS = {"duration": 60.0, "window": [40.0, 60.0], "tolerance": 1e-4}
@@ -79,7 +80,7 @@ def test_the_correction_is_the_mean_of_weighted_differences(checked):
 def test_the_interval_of_the_gain_is_that_of_the_runs_under_their_tuning_alone(folder, checked):
     plan, runs, found = checked
     with chdir(folder):
-        linear = [load(f"{plan.folder}/members/{one.id}.nc") for one in plan.members]
+        linear = [packed.load(f"{plan.folder}/members/{one.id}.npz", expected=one.id) for one in plan.members]
     for i, (one, before) in enumerate(zip(runs, linear, strict=True)):
         at = found.isel(mass=i)
         for end in ("gain_low", "gain_high"):

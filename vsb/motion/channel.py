@@ -24,8 +24,7 @@ class Channel(NamedTuple):
         It leaves zero with omega^3 in deep water, with omega in shallow: divided by that power it is smooth.
         """
         omega, damping = database.omega.values, database.radiation_damping.values[:, group[:, None], group]
-        radiated = one_channel(database.excitation_force.values[:, 0, group])
-        factor = np.einsum("wii->w", damping) / np.einsum("wii->w", radiated)
+        factor = haskind_factor(damping, database.excitation_force.values[:, 0, group])
         slope = np.log(factor[1] / factor[0]) / np.log(omega[1] / omega[0])
         power = int(np.clip(np.rint(slope), 1, 3))
         return cls(group, CubicSpline(omega, factor / omega**power), power)
@@ -44,3 +43,13 @@ class Channel(NamedTuple):
 def one_channel(excitation: ComplexArray) -> FloatArray:
     """Return Re X X^H of excitation forces (omega, dof), shape (omega, dof, dof)."""
     return np.real(excitation[:, :, None] * excitation[:, None, :].conj())
+
+
+def haskind_factor(damping: FloatArray, excitation: ComplexArray) -> FloatArray:
+    """Return h = tr B/|X|^2 of damping (omega, dof, dof) and excitation (omega, dof), shape (omega,)."""
+    return np.asarray(np.einsum("wii->w", damping) / np.einsum("wii->w", one_channel(excitation)))
+
+
+def channelled(damping: FloatArray, excitation: ComplexArray) -> FloatArray:
+    """Return the part h Re X X^H of a damping, shape (omega, dof, dof): what is left is the solver's error."""
+    return haskind_factor(damping, excitation)[:, None, None] * one_channel(excitation)

@@ -8,6 +8,7 @@ import numpy as np
 from vsb.hydro.coefficients import Coefficients
 from vsb.hydro.database import shares
 from vsb.hydro.dofs import Displacement
+from vsb.motion.channel import channelled
 from vsb.motion.frequency import free_motion, port_of_motion
 from vsb.motion.port import Port, PortMotion, port_direction
 from vsb.scenes.rest import design_motions, seen_by_take_off
@@ -29,12 +30,11 @@ class ShapeWater:
     coefficients: Coefficients  # of the displacements
 
     def in_modes(self, basis: ModeBasis) -> Coefficients:
-        """Return the coefficients of heave and modes."""
+        """Return the coefficients of heave and modes, which radiate through one channel as a buoy's do."""
         transform = shares(self.displacements, basis)
         added_mass, damping, excitation = self.coefficients
-        return Coefficients(
-            transform @ added_mass @ transform.T, transform @ damping @ transform.T, excitation @ transform.T
-        )
+        force, lost = excitation @ transform.T, transform @ damping @ transform.T
+        return Coefficients(transform @ added_mass @ transform.T, channelled(lost, force), force)
 
 
 class InWaves(NamedTuple):
