@@ -16,7 +16,7 @@ benchmark: $(READY) ## error against seconds of every method: integrators on the
 	@$(BIN)/python -m benchmarks take-offs results/take_offs
 
 barge: $(READY) ## any body by the general route: a flexible barge
-	@$(BIN)/python -m examples.barge config/barge.yaml results/barge
+	@$(BIN)/python -m examples.barge config/barge_convergence.yaml results/barge
 
 hard-cases: $(READY) ## table of the cases that break other codes
 	@$(BIN)/python -m benchmarks hard-cases config/hard_cases.yaml results/hard_cases.csv

@@ -14,7 +14,7 @@ from vsb.cli import parser
 from vsb.hydro.bodies.body import detected_symmetry
 from vsb.hydro.bodies.files import read_body
 from vsb.hydro.bodies.study import read_config
-from vsb.study.body import BodyStudy
+from vsb.study.body import BodyStudy, load_body
 from vsb.study.body_file import BodyFile
 from vsb.study.schema import dotted, schema_of
 from vsb.study.study import Study, load
@@ -90,9 +90,11 @@ def blocks(page, language):
 
 def test_the_body_of_the_documentation_is_one(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    (program,), (file,) = blocks("own-body.md", "python"), blocks("own-body.md", "yaml")
+    (program,), (file, made, *_) = blocks("own-body.md", "python"), blocks("own-body.md", "yaml")
     exec(program, {})
     Path("raft.yaml").write_text(file)
+    Path("my_raft.yaml").write_text(made)
+    assert set(load_body("my_raft.yaml").files) == {"mesh", "modes"}
     study = read_config("raft.yaml", BodyFile)
     body = read_body(study.mesh, study.modes)
     assert body.labels == ("Heave", "Pitch", "Bending")

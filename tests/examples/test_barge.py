@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 import yaml
+from conftest import SEED
 from scipy.integrate import quad
 from scipy.special import roots_legendre
 
@@ -8,6 +9,8 @@ from examples import barge
 from examples.barge import free_free_root, free_free_shape
 from vsb.errors import ConfigError
 from vsb.hydro.bodies.body import hydrostatic_stiffness
+from vsb.hydro.bodies.files import read_body
+from vsb.study.body import load_body
 from vsb.tools.files import load
 
 TABULATED = (4.730040744862704, 7.853204624095838, 10.99560783800167, 14.13716549125746)  # Blevins (1979), table 8-1
@@ -182,3 +185,18 @@ def test_a_wrong_study_is_refused_in_one_line(tmp_path, changes, message):
         barge.study(study(tmp_path, **changes), tmp_path / "out")
     assert "\n" not in str(error.value)
     assert not (tmp_path / "out").exists()
+
+
+def test_the_shipped_body_is_what_this_writes():
+    """And the port of the shipped study is the bow: what it rises by per unit of every degree of freedom."""
+    located = load_body(SEED.with_name("barge.yaml"))
+    found = read_body(located.files["mesh"], located.files["modes"])
+    box = barge.Barge(length=80.0, beam=10.0, draught=5.0, centre_of_mass=0.0, bending_stiffness=2e10)
+    made = box.body(3, 1025.0)
+    assert found.labels == made.labels
+    for name in ("vertices", "faces", "shapes", "mass", "stiffness"):
+        assert getattr(found, name) == pytest.approx(getattr(made, name), rel=1e-12, abs=1e-12)
+    bow = box.displacement(np.array([[40.0, 0.0, 0.0]]))[:, 0, 2]
+    assert [located.study.pto.port.dofs[label] for label in box.labels] == pytest.approx(bow)
+    assert located.study.reference_design == "rigid"
+    assert located.study.directions == (0.0, 45.0)

@@ -75,12 +75,6 @@ class Body(Section):
     damping: Matrix | None = None
     stiffness: Matrix | None = None
 
-    @model_validator(mode="before")
-    @classmethod
-    def _a_file_alone(cls, raw: Any) -> Any:
-        """The name of a body file may stand for itself."""
-        return {"file": raw} if isinstance(raw, str) else raw
-
     @model_validator(mode="after")
     def _one_source(self) -> Self:
         given = [kind for kind in KINDS if getattr(self, kind) is not None]
@@ -155,6 +149,12 @@ class BodyStudy(Compared):
     waves: Annotated[tuple[Wave, ...], Field(min_length=1)]
     simulation: Simulation = Simulation()
     published: Published | None = None
+
+    @field_validator("body", mode="before", json_schema_input_type=str | Body)
+    @classmethod
+    def _a_file_alone(cls, value: object) -> object:
+        """The name of a body file may stand for itself."""
+        return {"file": value} if isinstance(value, str) else value
 
     @model_validator(mode="before")
     @classmethod

@@ -57,7 +57,7 @@ _GROUPS = ("fewer_panels", "radiated_waves")  # of a block's file
 
 def read_config(path: str | Path, model: type[Model]) -> Model:
     """Read and validate a YAML file; `ConfigError` in one line with file, key, value received and needed."""
-    return validated(model, read_yaml(path, "a file such as config/barge.yaml"), str(path))
+    return validated(model, read_yaml(path, "a file such as config/barge/body.yaml"), str(path))
 
 
 def run(config: str | Path, out: str | Path, tables: str | Path | None = None) -> list[Check]:
