@@ -194,6 +194,7 @@ def test_a_changed_damping_is_computed_also_without_snakemakes_memory(place):
 def report_files(**others):
     files = {
         "tables": f"{PLAN.folder}/tables.json",
+        "modes": f"{PLAN.folder}/modes.nc",
         "trajectories": f"{PLAN.folder}/trajectories",
         "figures": f"{PLAN.folder}/figures",
         "manifest": PLAN.manifest,
