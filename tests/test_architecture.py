@@ -29,11 +29,6 @@ OUTSIDE = {"benchmarks", "examples"}
 HEAVY = {"numpy", "scipy", "xarray", "capytaine", "matplotlib", "netCDF4"}
 
 
-AWAITED = {
-    "vsb.report.campaign_figures",
-    "vsb.report.campaign_page",
-}
-"""Modules tested through others alone: this set may only shrink."""
 WHOLE = {"study.study.Study", "study.specs.Designed", "study.specs.AtRest"}
 """A study, and what may be one."""
 NAMED = ast.Name | ast.Attribute
@@ -140,12 +135,9 @@ def test_every_module_that_does_something_has_tests_of_its_name(name):
     """One without a function, such as `vsb.motion.motion`, names things that other modules' tests meet."""
     room, _, module = name.removeprefix("vsb.").rpartition(".")
     own = HOME / "tests" / room.replace(".", "/") / f"test_{module}.py"
-    excused = name in AWAITED or not asks_for_tests(TREES[name])
-    assert own.is_file() or excused, f"{name} has functions, but there is no {own.relative_to(HOME)}"
-
-
-def test_modules_whose_tests_are_awaited_are_there():
-    assert set(PACKAGE) >= AWAITED
+    assert own.is_file() or not asks_for_tests(TREES[name]), (
+        f"{name} has functions, but there is no {own.relative_to(HOME)}"
+    )
 
 
 def test_the_checker_sees_what_asks_for_tests():

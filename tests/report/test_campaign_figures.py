@@ -1,0 +1,143 @@
+"""Figures of a campaign made up by hand: whose curves are shown, where optima stand, what is hatched and crossed."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.colors import to_hex
+
+from vsb.report.campaign_figures import DRAWN, pareto, power_matrices, shown_place, sweep, told_gain, tuned_power
+from vsb.report.canvas import style
+
+DESIGNS, TUNINGS, BINS = ["FSB", "VSWEC"], ["fixed", "one", "each"], ("hs", "te")
+GAINS = np.array([[-5.0, 2.0], [8.0, -1.0]])  # of the flexible design, (modulus, thickness) [%]
+DAMPERS = np.geomspace(1e3, 1e5, 21)
+
+
+def campaign(gains=GAINS, margin=0.5, modulus=(1e6, 1e8), thickness=(0.01, 0.02), **attrs):
+    """Results of a campaign over two keys: the rigid design takes 10 kW, power over its damper peaks at 10 kN s/m."""
+    by, points = ("design", "tuning"), ("young_modulus", "thickness")
+    shape = np.shape(gains)
+    gain = np.zeros((*shape, 2, 3))
+    gain[..., 1, :] = np.asarray(gains)[..., None]
+    power = 1e4 * (1 + gain / 100)
+    curve = 1e4 / (0.5 + 0.25 * (DAMPERS / 1e4 + 1e4 / DAMPERS))
+    curves = np.broadcast_to(curve, (*shape, 2, len(DAMPERS)))
+    count = np.array([[3, 0], [1, 2]])
+    beyond = np.zeros((*shape, 2, 3, 2, 2))
+    beyond[..., 1, :, 1, 1] = 0.5
+    shares = np.broadcast_to(np.array([0.1, 0.0, 0.4, 0.9])[:, None, None], (*shape, 4, 2, 3))
+    data = {
+        "annual_mean_power": ((*points, *by), power),
+        "annual_energy": ((*points, *by), power * 8766e-6),
+        "capture_width": ((*points, *by), power / 1e4),
+        "force_rms": ((*points, *by), 2e3 * np.ones_like(power)),
+        "gain_percent": ((*points, *by), gain),
+        "gain_low": ((*points, *by), gain - 3.0),
+        "gain_high": ((*points, *by), gain + 3.0),
+        "practice_power": ((*points, *by), 1.12 * power),
+        "damping": ((*points, *by, *BINS), np.full((*shape, 2, 3, 2, 2), 1e4)),
+        "power_matrix": ((*points, *by, *BINS), power[..., None, None] * np.array([[1.0, 9.0], [0.5, 2.0]])),
+        "beyond_validity": ((*points, *by, *BINS), beyond),
+        "energy_beyond": ((*points, "limit", *by), shares),
+        "energy_beyond_validity": ((*points, *by), np.full((*shape, 2, 3), 0.25)),
+        "tried_damping": ("tried", DAMPERS),
+        "power_of_damping": ((*points, "design", "tried"), curves),
+        "force_of_damping": ((*points, "design", "tried"), np.broadcast_to(DAMPERS / 10, curves.shape)),
+        "margin": (points, np.broadcast_to(np.asarray(margin, dtype=float), shape)),
+        "viable": ((*points, "design"), np.ones((*shape, 2), dtype=bool)),
+        "reason": ((*points, "design"), np.full((*shape, 2), "", dtype=object)),
+        "count": (BINS, count),
+    }
+    coords = {
+        "young_modulus": ("young_modulus", list(modulus), {"units": "Pa"}),
+        "thickness": ("thickness", list(thickness), {"units": "m"}),
+        "design": DESIGNS, "tuning": TUNINGS, "hs": [0.75, 1.25], "te": [5.5, 6.5],
+        "limit": ["steepness", "breaking", "deformation", "heave"],
+    }  # fmt: skip
+    told = {"varied": "young_modulus thickness", "reference": "FSB", "climate": "a buoy", "campaign": "made_up"}
+    return xr.Dataset(data, coords, {**told, "study": "seed", "spec_id": "0" * 16, **attrs})
+
+
+def colour(design):
+    return to_hex(style(design, DESIGNS)["color"])
+
+
+def test_the_member_shown_gains_most_of_those_that_carry_their_load():
+    assert shown_place(campaign(), "one", "FSB") == {"young_modulus": 1, "thickness": 0}
+    buckled = campaign(margin=[[0.5, 0.5], [-0.1, 0.5]])
+    assert shown_place(buckled, "one", "FSB") == {"young_modulus": 0, "thickness": 1}
+    assert shown_place(campaign(margin=-1.0), "one", "FSB") == {"young_modulus": 1, "thickness": 0}
+    assert shown_place(campaign(), "one", None) == {"young_modulus": 1, "thickness": 0}
+
+
+def test_gains_told_are_corrected_ones_of_the_tuning_that_was_run():
+    ds = campaign(verified_tuning="one").assign(corrected_gain_percent=lambda ds: ds.gain_percent - 1.0)
+    assert told_gain(ds, "one").equals(ds.corrected_gain_percent)
+    assert told_gain(ds, "each").equals(ds.gain_percent)
+
+
+def test_curves_and_optima_over_the_damper():
+    ax = tuned_power(campaign(), "one", "FSB").axes[0]
+    curve, best, *_ = (line for line in ax.lines if to_hex(line.get_color()) == colour("FSB"))
+    np.testing.assert_allclose(curve.get_xdata(), DAMPERS)
+    assert curve.get_xdata()[np.argmax(curve.get_ydata())] == pytest.approx(best.get_xdata()[0])
+    assert best.get_ydata()[0] == 10.0
+    assert (ax.get_xscale(), ax.get_xlabel()) == ("log", "damper [N s/m]")
+
+
+def test_power_over_force_ends_at_the_best_damper():
+    ax = pareto(campaign(), "one", "FSB").axes[0]
+    curve = next(line for line in ax.lines if len(line.get_xdata()) > 1)
+    assert (curve.get_xdata()[-1], curve.get_ydata()[-1]) == pytest.approx((1.0, 10.0))
+    assert np.all(np.diff(curve.get_ydata()) > 0)
+
+
+def test_matrices_share_a_scale_leave_out_empty_bins_and_cross_what_is_beyond():
+    figure = power_matrices(campaign(), "one", "FSB")
+    meshes = [ax.collections[0] for ax in figure.axes[:2]]
+    assert [ax.get_title() for ax in figure.axes[:2]] == DESIGNS
+    assert meshes[0].get_clim() == meshes[1].get_clim() == pytest.approx((0.0, 21.6))
+    np.testing.assert_allclose(meshes[0].get_array().filled(np.nan), [[10.0, np.nan], [5.0, 20.0]])
+    crosses = [ax.collections[1].get_offsets() for ax in figure.axes[:2]]
+    assert len(crosses[0]) == 0
+    np.testing.assert_array_equal(crosses[1], [[6.5, 1.25]])
+
+
+def test_a_design_that_is_not_viable_has_no_matrix():
+    ds = campaign()
+    ds["viable"] = ds.viable.where(ds.design != "VSWEC", other=False)
+    ax = power_matrices(ds, "one", "FSB").axes[1]
+    assert [text.get_text() for text in ax.texts] == ["not viable"]
+    assert not ax.collections
+
+
+def test_the_map_of_gains_is_hatched_where_unsure_and_lined_where_it_buckles():
+    ax = sweep(campaign(margin=[[-0.5, 0.5], [0.5, 0.5]]), "one", "FSB").axes[0]
+    mesh, hatched, line = ax.collections
+    np.testing.assert_allclose(mesh.get_array().reshape(2, 2), GAINS)
+    assert mesh.get_clim()[0] == -mesh.get_clim()[1]
+    assert set(hatched.hatches) == {"////"}
+    assert len(line.get_paths()[0]) > 1
+    assert ax.get_yscale() == "log"
+    assert ax.get_xscale() == "linear"
+    sure = sweep(campaign(gains=10 * np.sign(GAINS)), "one", "FSB").axes[0]
+    assert len(sure.collections) == 1
+
+
+def test_one_key_has_lines_and_the_band_of_the_interval():
+    ds = campaign(gains=GAINS[:, :1], thickness=(0.01,))
+    ax = sweep(ds, "one", "FSB").axes[0]
+    line = ax.lines[0]
+    np.testing.assert_allclose(line.get_ydata(), GAINS[:, 0])
+    band = ax.collections[0].get_paths()[0].vertices
+    assert (band[:, 1].min(), band[:, 1].max()) == (-8.0, 11.0)
+    assert ax.get_xlabel() == "young modulus [Pa]"
+
+
+def test_without_a_rigid_design_there_is_no_gain_to_draw():
+    ax = sweep(campaign(), "one", None).axes[0]
+    assert [text.get_text() for text in ax.texts] == ["no rigid design to compare with"]
+
+
+def test_all_figures_are_drawn_by_name():
+    assert list(DRAWN) == ["power_matrices", "tuned_power", "pareto", "sweep"]

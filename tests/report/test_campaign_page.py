@@ -1,0 +1,82 @@
+"""Words of a campaign's report, of results made up by hand: the answer, what else is said, what to doubt, the table."""
+
+import numpy as np
+import pytest
+from report.test_campaign_figures import GAINS, campaign
+
+from vsb.report.campaign_page import MOST_ROWS, answer, best_flexible, leading, rows, statements, warnings, where
+
+
+def test_the_answer_is_of_the_best_flexible_design_that_carries_its_load():
+    assert answer(campaign(), "FSB", "one") == (
+        "Over a year of a buoy, each design at its own best damper of the year, the best flexible design, VSWEC at young "
+        "modulus 1e+08 Pa, thickness 0.01 m, takes 8.0 % more than the rigid FSB (+5.0 to +11.0 %; 94.67 against 87.66 "
+        "MWh)."
+    )
+    one, design = best_flexible(campaign(margin=[[0.5, 0.5], [-0.1, 0.5]]), "FSB", "one")
+    assert (design, where(one)) == ("VSWEC", "young modulus 1e+06 Pa, thickness 0.02 m")
+    buckles = answer(campaign(margin=-1.0), "FSB", "one")
+    assert buckles.endswith("94.67 against 87.66 MWh), and would buckle under its static load.")
+
+
+@pytest.mark.parametrize(
+    ("gain", "words"), [(-4.0, "4.0 % less than"), (0.04, "as much as"), (0.06, "0.1 % more than")]
+)
+def test_more_less_and_the_same(gain, words):
+    assert f"takes {words} the rigid FSB" in answer(campaign(gains=np.full((2, 2), gain)), "FSB", "one")
+
+
+def test_an_answer_by_runs_in_time_says_what_linear_theory_says():
+    ds = campaign(verified_tuning="one", verified_model="body_exact")
+    ds["corrected_gain_percent"], ds["corrected_mean_power"] = ds.gain_percent - 2.0, 0.9 * ds.annual_mean_power
+    told = answer(ds, "FSB", "one")
+    assert "takes 6.0 % more" in told
+    assert "by body-exact runs, where linear theory says +8.0 %" in told
+    assert "85.21 against 80.38 MWh" in told
+
+
+def test_without_a_rigid_design_the_one_that_takes_most_is_told():
+    assert answer(campaign(), None, "one").endswith("own best damper of the year, VSWEC takes most: 94.67 MWh.")
+    lost = campaign()
+    lost["annual_energy"] = lost.annual_energy * np.nan
+    assert answer(lost, None, "one") == "Over a year of a buoy, no design is viable."
+
+
+def test_what_else_is_said():
+    each, fixed, points, beyond, practice = statements(campaign(margin=[[0.5, -0.5], [0.5, -0.5]]), "FSB", "one")
+    assert each.startswith("Each design at its own best damper in each sea, it is VSWEC at young modulus 1e+08 Pa")
+    assert fixed.startswith("All at the given damper, it is VSWEC")
+    assert points == ("Of 4 points 2 carry their static load; flexibility pays at 2 of all and at 1 of those.")
+    assert beyond == (
+        "25 % of the energy is from seas beyond what is described, crossed in the matrices: 10 % too steep, 0 % with "
+        "waves that break, 40 % with shells deformed by more than a tenth of their radius."
+    )
+    assert practice.endswith("would have said +12.0 to +12.0 % of the annual energy.")
+
+
+def test_what_to_doubt():
+    theory, heave = warnings(campaign())
+    assert theory.startswith("All of this is linear theory")
+    assert heave.startswith("In seas that bring 90 % of the energy the buoy heaves by more than 0.3 of its radius")
+    assert warnings(campaign(margin=[[0.5, -0.5], [0.5, 0.5]]))[2].startswith("At 1 of 4 points the shell would buckle")
+    runs = warnings(campaign(verification="tuning one: 4 seas; more"))[0]
+    assert runs.startswith("Runs in time correct tuning one: 4 seas. Table, figures")
+    lost = campaign()
+    lost["viable"] = lost.viable & (lost.design != "VSWEC")
+    lost["reason"] = lost.reason.where(lost.design != "VSWEC", other="unstable: at rest")
+    assert warnings(lost)[-1] == "4 of 8 designs at their points are not viable: unstable."
+
+
+def test_the_table_has_a_row_for_every_point_design_and_tuning():
+    found = rows(campaign())
+    assert len(found) == 24 == MOST_ROWS
+    assert found[4] == ["young modulus 1e+06 Pa, thickness 0.01 m", "VSWEC", "one", "83.28", "0.95", "-5.0", "2", "0.5"]
+    missing = campaign()
+    missing["annual_energy"] = missing.annual_energy.where(missing.design != "VSWEC")
+    assert rows(missing)[4][3] == "-"
+    assert len(rows(campaign(gains=np.tile(GAINS, (2, 1)), modulus=(1.0, 2.0, 3.0, 4.0)))) == MOST_ROWS
+
+
+def test_the_tuning_the_answer_is_told_at():
+    assert leading(campaign()) == ("one", "FSB")
+    assert leading(campaign(reference="").sel(tuning=["fixed", "each"])) == ("each", None)
