@@ -123,7 +123,9 @@ def of_bending(study, change):
     buoy = SimpleNamespace(rao=lambda *_: None, absorbed_power=lambda *_: next(powers))
     one = varied(study, designs={"VSWEC": {}}, waves=[WAVE.model_dump()])
     with patch.object(ledger, "LinearBuoy", lambda *_: buoy), patch.object(ledger, "with_full_basis", none_wider):
-        return ledger.bending_checks(one, xr.Dataset(), {("VSWEC", one.waves[0].label): {}})
+        return ledger.bending_checks(
+            one, xr.Dataset(coords={"influenced_dof": ["Heave"]}), {("VSWEC", one.waves[0].label): {}}
+        )
 
 
 def none_wider(database, study):

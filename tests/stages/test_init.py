@@ -73,5 +73,6 @@ def test_every_scaled_key_is_in_the_study():
     keys = {
         key for section in yaml.safe_load(SEED.read_text()).values() if isinstance(section, dict) for key in section
     }
-    others = {"omega", "pressure", "stiffness", "force_limit", "stroke_limit"}  # of other studies
+    others = {"omega", "pressure", "stiffness", "force_limit", "stroke_limit", "area"}  # of other studies
+    others |= {"ballast_inertia", "centre_of_mass", "line_from", "line_to"}  # of those that surge and pitch
     assert set(FROUDE) - keys == {"amplitude", "period", "alpha", "beta", *others}  # of the sea, of the shell's damping

@@ -63,7 +63,7 @@ def test_a_profile_of_the_users_own_is_named_by_its_path(workplace, monkeypatch)
         (["--jobs", "many"], "Error parsing number of jobs (--jobs, -j): must be integer., of snakemake"),
         (
             ["nowhere"],
-            "target: received nowhere, needs one of all, compare, database, ",
+            "target: received nowhere, needs one of all, coefficients, compare, database, ",
         ),
     ],
 )

@@ -16,7 +16,7 @@ def test_the_problem_is_that_of_the_wetted_shape():
         study = load(SEED.with_name(f"{name}.yaml"))
         plan = StudyPlan(study)
         problem = spectral.spectral_problem(plan.sweep_blocks[0])
-        assert tuple(d.label for d in problem.displacements) == plan.displacements
+        assert tuple(d.label for d in problem.displacements) == plan.displacements()
         keel = problem.shell.meridian(np.array([np.pi])).z[0]
         sphere = rigid_sphere(study.device.radius, study.centre_height).meridian(np.array([np.pi])).z[0]
         assert (keel == pytest.approx(sphere)) == (not study.at_equilibrium)

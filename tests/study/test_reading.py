@@ -16,7 +16,7 @@ from vsb.study import study as config
         ("a: [1\n", "not valid YAML"),
         ("a: 1\na: 2\n", "key 'a' is given twice"),
         ("device: {radius: 2, mass: 1, radius: 3}\n", r"key 'radius' is given twice.* line 1, column 30"),
-        ("", "received NoneType, needs a mapping with keys study, device"),
+        ("", "received NoneType, needs a mapping with keys study, motion, device"),
         ("a: !!python/object:os.system 1\n", "not valid YAML .*could not determine a constructor"),
         ("study: alone\n", r"device: missing, but required: the spherical buoy, .* \(and 2 more\)"),
         pytest.param("? [a, b]\n: 1\n", "not valid YAML"),

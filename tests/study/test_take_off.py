@@ -132,7 +132,7 @@ def test_a_take_off_of_the_volume_opens_the_chamber(seed):
         ({"stiffness": -1e13}, r"pto.stiffness: received -10000000000000.0; needs at least -1e\+12 N/m, because a spring that holds"),
         ({"efficiency": 1.1}, r"pto.efficiency: received 1.1; Input should be less than or equal to 1"),
         ({"efficiency": 0}, r"pto.efficiency: received 0; Input should be greater than 0"),
-        ({"port": "surge"}, r"pto.port.name: received 'surge'; Input should be 'heave' or 'volume'"),
+        ({"port": "sway"}, r"pto.port.name: received 'sway'; Input should be 'heave', 'surge', 'pitch' or 'volume'"),
     ],
 )  # fmt: skip
 def test_a_take_off_that_makes_no_sense_is_one_line(seed, keys, wrong):

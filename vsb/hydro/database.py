@@ -224,10 +224,10 @@ def _index_line(path: Path) -> str:
     try:
         ds = load(path)
         a = ds.attrs
-        fields = [a.get(key, "-") for key in ("radius", "basis", "degree")]  # of a body none
+        fields, depth = [a.get(key, "-") for key in ("radius", "basis", "degree")], a["water_depth"]  # of a body none
         verdicts = {check.verdict for check in stored_checks(ds)}
     except (DatabaseError, KeyError, TypeError, ValueError):
         return "\t".join([path.stem, *["-"] * 6, "unreadable"])
     omega = ds.omega.values
     worst = next(v for v in ("fail", "accepted", "doubt", "ok") if v in verdicts or v == "ok")
-    return "\t".join(map(str, [path.stem, *fields, len(omega), f"{omega[-1]:g}", a["water_depth"], worst]))
+    return "\t".join(map(str, [path.stem, *fields, len(omega), f"{omega[-1]:g}", depth, worst]))

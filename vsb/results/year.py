@@ -301,7 +301,10 @@ def year(
             f"which hydrodynamics are known in, needs at most {OUTSIDE:.0%}; raise hydro.omega_max"
         )
     here = [DesignYear(port, climate) for port in ports.values()]
-    rough, there = [one.coarser() for one in here], [DesignYear(port, _practice(climate)) for port in ports.values()]
+    rough, there = (
+        [one.coarser() for one in here],
+        [DesignYear(port, _practice(climate, PRACTICE_GAMMA)) for port in ports.values()],
+    )
     fine, coarse = (_takes(ports, years, tunings, given) for years in (here, rough))
     errors = [[_error(climate, *both) for both in zip(*rows, strict=True)] for rows in zip(fine, coarse, strict=True)]
     practice = [
@@ -332,11 +335,11 @@ def _check_given(designs: Iterable[str], tunings: Sequence[str], given: Mapping[
 
 
 @lru_cache(maxsize=2)
-def _practice(climate: Climate) -> Climate:
+def _practice(climate: Climate, gamma: float) -> Climate:
     """JONSWAP seas at the centres of the occupied bins."""
     bins = Bins(climate.hs, climate.te, climate.hours)
     share = bins.share.ravel()[bins.occupied]
-    return climate_of_cells(*bins.centres, share, PRACTICE_GAMMA, f"{climate.name}, JONSWAP at bin centres")
+    return climate_of_cells(*bins.centres, share, gamma, f"{climate.name}, JONSWAP at bin centres")
 
 
 def _of_practice(there: DesignYear, tuning: Tuning, take: Take) -> float:
