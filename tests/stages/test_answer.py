@@ -54,7 +54,14 @@ def written(plan):
 
 
 def test_all_that_is_promised_is_there_and_stamped(plan, written):
-    assert {Path(path).stem for path in written} == {"report", "sweep", "power_matrices", "tuned_power", "pareto"}
+    assert {Path(path).stem for path in written} == {
+        "report",
+        "sweep",
+        "spectra",
+        "power_matrices",
+        "tuned_power",
+        "pareto",
+    }
     begins = {"svg": b"<svg", "html": b"<!doctype", "pdf": b"%PDF", "csv": b"axes,series,x,y"}
     assert all(content.lstrip().startswith(begins[path.rpartition(".")[2]]) for path, content in written.items())
     assert faults(dict.fromkeys(written, plan.campaign_id), read_manifest(plan.manifest)) == []

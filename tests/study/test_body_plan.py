@@ -71,6 +71,8 @@ def test_products_are_named_and_files_need_not_be_known():
     assert plan_for(own.study).ids == own.ids
     assert set(own.products) <= set(own.ids)
     assert f"{own.folder}/report.html" in own.products
+    assert f"{own.folder}/figures/spectra.csv" in own.products
+    assert "spectra" not in plan(waves=RAW["waves"][:1]).figures
     assert not any("modes.nc" in path or "/mesh/" in path for path in own.products)
     assert own.ids[own.database_path] == content_id(own.database)
     assert own.simulation_megabytes(own.study.waves[1]) > own.simulation_megabytes(own.study.waves[0]) > 0

@@ -88,6 +88,9 @@ def test_figures_are_known_beforehand(seed):
     assumed = varied(study, hydro={"model": "assumed_pressure", "pressure": 100.0})
     assert len(figure_names(assumed)) == 1 + 2 * 8
     assert not {"absorbed_power", "radiation_kernel"} & set(figure_names(assumed))
+    sea = {"kind": "pierson_moskowitz", "hs": 0.5, "tp": 4.0}
+    assert "spectra" in figure_names(varied(seed, waves=[*waves, sea]))
+    assert "spectra" not in figure_names(study)
 
 
 def test_an_assumed_pressure_needs_no_bem(seed):

@@ -73,3 +73,10 @@ def test_what_is_no_climate(changes, message):
     fields = {name: getattr(right, name) for name in ("omega", "density", "hours", "hs", "te", "name")}
     with pytest.raises(ConfigError, match=message):
         Climate(**{**fields, **changes})
+
+
+def test_a_quantile_is_the_density_of_the_sea_that_much_of_the_year_stays_below():
+    omega, factor = 0.5 + 0.1 * np.arange(11), np.array([3.0, 1.0, 2.0])
+    climate = Climate.of_spectra(omega, np.outer(factor, np.linspace(0.1, 0.3, 11)), np.array([0.2, 0.5, 0.3]), "three")
+    for share, sea in ((0.1, 1), (0.49, 1), (0.51, 2), (0.79, 2), (0.81, 0)):
+        assert climate.quantile(share) == pytest.approx(climate.density[sea])

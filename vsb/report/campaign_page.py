@@ -15,6 +15,8 @@ from vsb.study.specs import leading_tuning
 from vsb.waves.climate import YEAR_HOURS
 
 CAPTIONS = {
+    "spectra": "Spectra of the year: their mean, which holds its energy, their median at each frequency, and (shaded) "
+    "between which densities they lie for eight tenths of the year.",
     "power_matrices": "Mean power in bins of significant wave height and energy period (IEC TS 62600-100), "
     "{tuned}{at}; white: no such sea in the year; crosses: seas beyond what is described, the larger the more of the "
     "bin (Hs over 0.05 of the length of the energy period, the highest of a thousand waves breaks or deforms the shell "

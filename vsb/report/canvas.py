@@ -6,7 +6,7 @@ The same design always has the same colour and line style.
 import math
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import matplotlib as mpl
@@ -14,6 +14,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+
+from vsb.tools.units import FloatArray
 
 WIDTH = 6.3
 """Width of a figure [inch]: a page of text."""
@@ -46,6 +48,7 @@ class StudyData:
     witness: xr.Dataset  # empty without a second solver
     tuned: bool = False  # no damper is given
     limit: str = "limit λ/2π"  # what a capture width of a wavelength over 2 pi is called
+    spectra: xr.DataArray = field(default_factory=xr.DataArray)  # of irregular seas (sea, omega) [m^2 s/rad]
 
 
 def style(design: str, designs: Sequence[str]) -> dict[str, Any]:
@@ -75,6 +78,18 @@ def legend_above(figure: Figure, axes: Axes) -> None:
     columns = min(len(labels), max(1, int(80 / (6 + max(map(len, labels))))))
     figure.legend(handles, labels, loc="outside upper center", ncols=columns, fontsize=8)
     figure.set_figheight(figure.get_figheight() + 0.17 * (math.ceil(len(labels) / columns) - 1))
+
+
+def period_axis(ax: Any, ticks: Sequence[float] = (1.5, 2, 2.5, 3, 4, 6, 10)) -> None:
+    """Put an axis of wave periods [s] above one of frequencies."""
+    period = ax.secondary_xaxis("top", functions=(_period, _period))
+    period.set_xlabel("wave period [s]")
+    period.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+
+
+def _period(omega: FloatArray) -> FloatArray:
+    """2 pi over the argument: period of a frequency, frequency of a period."""
+    return 2 * np.pi / np.maximum(omega, 1e-6)
 
 
 def note(ax: Axes, text: str) -> None:

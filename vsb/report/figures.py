@@ -1,6 +1,5 @@
 """Figures of power, hydrodynamics and motion; any figure by its name. Datasets in, Figure out; computes nothing."""
 
-import math
 from collections.abc import Iterable
 from typing import Any
 
@@ -21,14 +20,15 @@ from vsb.report.canvas import (
     legend_above,
     note,
     panels,
+    period_axis,
     shown_window,
     style,
     zero_axis,
 )
+from vsb.report.sea_figures import spectra
 from vsb.report.shell_figures import extreme_shapes, mode_shapes, shapes_3d, snapshots, volume_area
 from vsb.report.witness_figure import witness
 from vsb.study.quantities import RIGID
-from vsb.tools.units import FloatArray
 
 
 def absorbed_power(data: StudyData) -> Figure:
@@ -48,7 +48,7 @@ def absorbed_power(data: StudyData) -> Figure:
         _gain(data, power, bottom)
         bottom.set(xlabel="wave frequency [rad/s]")
         top.set_title(title, fontsize=9)
-        _period_axis(top)
+        period_axis(top)
         _mark_waves(data, (top, bottom))
     largest = max(float(power.where(_shown(data)).max()) for power in powers.values()) / 1e3
     axes[0, 0].set(ylabel="absorbed power\nper amplitude² [kW/m²]", xlim=(LOWEST, _band_end(data)))
@@ -73,7 +73,7 @@ def reactance(data: StudyData) -> Figure:
     top.set(ylabel="Q = |X|/R [-]", yscale="log", ylim=(0.05, 1.5 * largest))
     top.set_xlim(LOWEST, _band_end(data))
     bottom.set(xlabel="wave frequency [rad/s]", ylabel="best damper's share\n2/(1 + √(1 + Q²)) [-]", ylim=(0, 1.02))
-    _period_axis(top)
+    period_axis(top)
     _mark_waves(data, (top, bottom))
     legend_above(figure, top)
     return figure
@@ -95,18 +95,6 @@ def _mark_waves(data: StudyData, axes: Iterable[Axes]) -> None:
     for ax in axes if omegas else ():
         label = "study's wave" if len(omegas) == 1 else "study's waves"
         ax.plot(omegas, 0 * np.array(omegas), transform=ax.get_xaxis_transform(), zorder=5, label=label, **WAVE)
-
-
-def _period_axis(ax: Any) -> None:
-    """Put an axis of wave periods above one of frequencies."""
-    period = ax.secondary_xaxis("top", functions=(_period, _period))
-    period.set_xlabel("wave period [s]")
-    period.set_xticks([t for t in (1.5, 2, 2.5, 3, 4, 6, 10) if 2 * math.pi / t > LOWEST])
-
-
-def _period(omega: FloatArray) -> FloatArray:
-    """2 pi over the argument: period of a frequency, frequency of a period."""
-    return 2 * np.pi / np.maximum(omega, 1e-6)
 
 
 def _band_end(data: StudyData) -> float:
@@ -261,7 +249,8 @@ def draw(name: str, data: StudyData) -> Figure:
     """Return the figure of a name from `vsb.study.plan.figure_names`."""
     kind, _, wave = name.partition("-")
     per_study = {
-        f.__name__: f for f in (absorbed_power, reactance, mode_shapes, added_mass_damping, radiation_kernel, witness)
+        f.__name__: f
+        for f in (absorbed_power, reactance, spectra, mode_shapes, added_mass_damping, radiation_kernel, witness)
     }
     per_wave = {
         f.__name__: f

@@ -34,6 +34,7 @@ CAPTIONS = {
     "reactance": "Why: the take-off sees a design as one impedance R + iX. The best damper takes the share "
     "2/(1 + √(1 + Q²)) of what any take-off could, Q = |X|/R, and that limit is the same for all shells but for their "
     "structural loss: under a best damper flexibility pays if and only if it lowers Q.",
+    "spectra": "Spectra of the irregular seas; runs have components up to the highest frequency of the study alone.",
     "mode_shapes": "Shapes of the shell modes and their natural frequencies in vacuum. Points of the shell also move "
     "along it, which crowds them where the meridian is drawn narrow.",
     "added_mass_damping": "Added mass (dashed: at infinite frequency) and radiation damping of heave and modes. Heave "

@@ -1,11 +1,15 @@
 """Rule answer: figures and report of a campaign."""
 
 import matplotlib as mpl
+import xarray as xr
+from matplotlib.figure import Figure
 
 from vsb.report.campaign_figures import DRAWN
 from vsb.report.campaign_page import CampaignReport, leading, render
+from vsb.report.sea_figures import year_spectra
 from vsb.report.sketch import sketches
 from vsb.report.svg import drawn
+from vsb.stages.climate import read_climate
 from vsb.stages.living_year import living_year
 from vsb.study.campaign_plan import figure_names, members
 from vsb.study.specs import CampaignSpec
@@ -19,12 +23,19 @@ def run(spec: CampaignSpec, data: str, climate: str, root: str, figures: str, ou
     identity = content_id(spec)
     ds = load(data, expected=identity)
     with mpl.rc_context():  # the caller's own figures keep their looks
-        found = {name: drawn(DRAWN[name](ds, *leading(ds)), name) for name in figure_names(spec)}
+        found = {name: drawn(_figure(name, spec, ds, climate), name) for name in figure_names(spec)}
     living = living_year(spec, ds, *leading(ds), climate, root)
     files = [path for name, one in found.items() for path in one.write(figures, name)]
     svgs = {name: one.svg for name, one in found.items()}
     write_text(out, render(CampaignReport(ds, svgs, living, _sketches(spec))))
     record(manifest, identity, [out, *files])
+
+
+def _figure(name: str, spec: CampaignSpec, ds: xr.Dataset, climate: str) -> Figure:
+    """A figure by its name: of the results, but for the year's spectra."""
+    if name == "spectra":
+        return year_spectra(read_climate(spec.climate, climate))
+    return DRAWN[name](ds, *leading(ds))
 
 
 def _sketches(spec: CampaignSpec) -> list[dict[str, str]]:

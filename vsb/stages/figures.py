@@ -11,9 +11,13 @@ from vsb.results.power import in_direction
 from vsb.scenes.afloat import AnyStudy
 from vsb.stages.inputs import Inputs
 from vsb.study.plan import StudyPlan
-from vsb.study.study import StillWater, Study, Wave, content_id
+from vsb.study.study import IrregularSea, StillWater, Study, Wave, content_id
 from vsb.tools.files import load
 from vsb.tools.stamps import record
+from vsb.waves.seas import spectrum
+
+FREQUENCIES = 2000
+"""At which spectra are drawn."""
 
 
 def run(
@@ -43,12 +47,23 @@ def run(
         witness=found.witness,
         tuned=study.pto.damping is None,
         limit="limit λ/2π" if isinstance(study, Study) else "λ/2π",
+        spectra=_spectra(study, found.plan.highest),
     )
     files: list[str] = []
     with mpl.rc_context():  # the caller's own figures keep their looks
         for name in found.plan.figures:
             files += drawn(draw(name, data), name).write(out, name)
     record(manifest, found.plan.study_id, files)
+
+
+def _spectra(study: AnyStudy, highest: float) -> xr.DataArray:
+    """Spectral density of each irregular sea, by its words, up to the highest frequency runs have components at."""
+    waves = [wave for wave in study.drawn_waves if isinstance(wave, IrregularSea)]
+    if not waves:
+        return xr.DataArray()
+    omega = np.geomspace(0.5 * min(wave.reach[0] for wave in waves), highest, FREQUENCIES)
+    coords = {"sea": [wave.description for wave in waves], "omega": omega}
+    return xr.DataArray([spectrum(wave, omega) for wave in waves], coords)
 
 
 def _period(study: AnyStudy, wave: Wave, response: xr.Dataset) -> float:

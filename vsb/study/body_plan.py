@@ -165,4 +165,5 @@ def plan_for(study: Study | BodyStudy, root: str = "results") -> AnyPlan:
 
 def body_figure_names(study: BodyStudy) -> list[str]:
     """Return the names of all figures of a study of a body."""
-    return [*OF_THE_BAND, *(f"{name}-{wave.label}" for wave in study.drawn_waves for name in OF_A_SEA)]
+    seas = ["spectra"] if study.has_spectra else []
+    return [*OF_THE_BAND, *seas, *(f"{name}-{wave.label}" for wave in study.drawn_waves for name in OF_A_SEA)]

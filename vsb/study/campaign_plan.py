@@ -315,4 +315,4 @@ def figure_names(spec: CampaignSpec) -> list[str]:
     varied = any(len(values) > 1 for values in spec.vary.values.values())
     switching = {"law", "force_limit", "stroke_limit"}
     free = not switching & {*spec.base["pto"], *(key.removeprefix("pto.") for key in spec.vary.keys)}
-    return [*(["sweep"] if varied else []), "power_matrices", *(["tuned_power"] if free else []), "pareto"]
+    return [*(["sweep"] if varied else []), "spectra", "power_matrices", *(["tuned_power"] if free else []), "pareto"]

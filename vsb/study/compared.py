@@ -114,3 +114,8 @@ class Compared(Extended):
         """The seas figures are drawn of: of several realisations the first."""
         first = {wave.family if isinstance(wave, IrregularSea) else wave.label: wave for wave in reversed(self.waves)}
         return tuple(wave for wave in self.waves if wave in first.values())
+
+    @property
+    def has_spectra(self) -> bool:
+        """Whether any of the seas is irregular."""
+        return any(isinstance(wave, IrregularSea) for wave in self.waves)

@@ -35,6 +35,8 @@ def figure_names(study: Study) -> list[str]:
     """Return the names of all figures of a study."""
     of_bem = ("absorbed_power", "reactance", "mode_shapes", "added_mass_damping", "radiation_kernel")
     names = of_bem if study.needs_bem else ("mode_shapes",)
+    if study.has_spectra:
+        names = (*names, "spectra")
     if not no_witness(study):
         names = (*names, "witness")
     per_wave = (*FIGURES_PER_WAVE, *(FIGURES_OF_THE_SHELL if study.flexible else ()))

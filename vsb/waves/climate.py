@@ -113,6 +113,10 @@ class Climate:
         """The mean spectrum of the year, shape (omega,) [m^2 s]."""
         return np.asarray(self.hours @ self.density)
 
+    def quantile(self, share: float) -> FloatArray:
+        """Return the least density a share of the year stays at or below, by frequency, shape (omega,) [m^2 s]."""
+        return np.asarray(np.quantile(self.density, share, axis=0, weights=self.hours, method="inverted_cdf"))
+
 
 def realised(
     climate: Climate, sea: int, duration: float, seed: int, lowest: float = 0.0, highest: float = np.inf
