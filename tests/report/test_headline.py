@@ -55,3 +55,11 @@ def test_without_a_rigid_design_or_power_there_is_no_gain_to_tell():
     assert headline([line("FSB", 0.0), line("A", None)], best_power(A=0.1), "FSB", SEAS, 1e-3) == []
     (only,) = headline([line("FSB", 0.0), line("A", 0.0)], 0 * best_power(A=0.1), "FSB", SEAS, 1e-3)
     assert "as much as the rigid FSB" in only
+
+
+def test_what_the_band_knows_nothing_of_is_said():
+    first, second = headline(
+        [line("FSB", 0.0), line("A", 20.0)], best_power(A=0.2), "FSB", SEAS, 1e-3, neglected="without drag"
+    )
+    assert "drag" not in first, "the ladder's powers know it"
+    assert second.startswith("Over all waves that carry power, tuned wave by wave and without drag, A absorbs")

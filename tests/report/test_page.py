@@ -1,6 +1,7 @@
 import urllib.parse
 
 import numpy as np
+import pytest
 import xarray as xr
 
 from vsb.report.page import (
@@ -163,6 +164,22 @@ def test_page_is_self_contained_and_escaped():
     assert page.rindex("A absorbs most") < page.index("Over the whole band, all at the given damper")
     assert page.index("A: the same within 1 %") < page.index("A absorbs more in waves of")
     assert "1 further point is in doubt" in page
+
+
+@pytest.mark.parametrize("drag", [None, {"heave": {"coefficient": 1.0, "area": 12.0}}])
+def test_what_the_frequency_response_knows_nothing_of_stands_beside_its_numbers(drag):
+    """Drag depends on the amplitude: bands and figures of the response are without, powers in seas are with it."""
+    study = {"study": "s", "published": None, "pto": {"damping": 10.0}, "hydro": {"tolerance": 1e-3}}
+    figures = dict.fromkeys(("absorbed_power", "reactance", "port_motion"), "<svg>x</svg>")
+    rows = [row("FSB", 100), row("A", 120)]
+    page = render(
+        Report(
+            study | {"drag": drag} if drag else study, {"w": "a swell"}, rows, [], response(A=0.2), "FSB", figures, {}
+        )
+    )
+    assert page.count("Over the whole band and without drag, ") == (2 if drag else 0)
+    assert page.count("Over the whole band, ") == (0 if drag else 2)
+    assert page.count("Without drag: ") == (2 if drag else 0)
 
 
 LINE = {

@@ -64,3 +64,10 @@ def test_shapes_are_extreme_where_the_poles_are_closest():
         "start", "least height", "greatest height"
     ]  # fmt: skip
     assert len(figures.volume_area(data(), "w").axes) == 2
+
+
+def test_where_no_design_moves_its_shell_the_first_is_drawn():
+    """`hydro.model: auto` may describe every design of a flexible study as rigid."""
+    assert [ax.get_title().split("\n")[0] for ax in figures.shapes_3d(data(0.0), "w").axes] == [
+        "start", "least height", "greatest height"
+    ]  # fmt: skip

@@ -62,7 +62,8 @@ def test_what_no_damper_says_is_not_offered(small):
     still = varied(small.study, waves=[{"kind": "still"}])
     lossy = varied(small.study, pto={"damping": 8000.0, "stiffness": 100.0, "efficiency": 0.8})
     dry = varied(small.study, hydro={"model": "assumed_pressure", "pressure": 1800.0})
-    for study in (still, lossy, dry):
+    dragged = varied(small.study, drag={"heave": {"coefficient": 1.0, "area": 12.0}})
+    for study in (still, lossy, dry, dragged):
         assert living(small, study) is None
 
 

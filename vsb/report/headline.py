@@ -18,6 +18,7 @@ def headline(
     reference: str | None,
     seas: dict[str, str],
     tolerance: float,
+    neglected: str = "",
 ) -> list[str]:
     """Return the fair answer of a study: in its seas, and over all waves; empty without a gain to give.
 
@@ -32,6 +33,8 @@ def headline(
     seas : mapping of sea to words
     tolerance : float
         Of the coefficients, relative [-]: gains are known to twice that much of both powers.
+    neglected : str
+        What `best_power` knows nothing of, in words.
     """
     others = [line for line in lines if line["design"] != reference and line["best_gain_percent"] is not None]
     if reference is None or not others:
@@ -39,7 +42,7 @@ def headline(
     best = max(others, key=lambda line: float(line["best_gain_percent"]))
     return [
         _in_seas(best, others, lines, reference, seas, tolerance),
-        *_over_band(best_power, reference),
+        *_over_band(best_power, reference, neglected),
     ]
 
 
@@ -77,7 +80,7 @@ def _elsewhere(others: Sequence[dict[str, Any]], count: int) -> str:
     return f"; flexibility pays in {pays} of the {count}, and costs up to {-least:.1f} %"
 
 
-def _over_band(best_power: xr.DataArray, reference: str) -> list[str]:
+def _over_band(best_power: xr.DataArray, reference: str, neglected: str) -> list[str]:
     """What flexible designs take over all waves: the most and the least, where, and which of them."""
     shown = best_power.where(useful_band(best_power), drop=True)
     if shown.sizes["omega"] < 2 or not float(shown.sel(design=reference).min()) > 0:
@@ -92,4 +95,5 @@ def _over_band(best_power: xr.DataArray, reference: str) -> list[str]:
             which = f"{at.design.item()} " if gain.sizes["design"] > 1 else ""
             parts.append(f"up to {abs(float(at)):.0f} % {word} ({which}in waves of {period:.2f} s)")
     who = "flexible designs absorb" if gain.sizes["design"] > 1 else f"{gain.design.values[0]} absorbs"
-    return [f"Over all waves that carry power, tuned wave by wave, {who} {' and '.join(parts)}."] if parts else []
+    where = f"Over all waves that carry power, tuned wave by wave{neglected and f' and {neglected}'}"
+    return [f"{where}, {who} {' and '.join(parts)}."] if parts else []

@@ -61,6 +61,8 @@ CAPTIONS = {
     "snapshots": "The buoys over the last period (dotted: undeformed). Shell displacement is magnified as said above "
     "the figure, heave and wave are to scale.",
 }
+OF_THE_RESPONSE = ("absorbed_power", "reactance")
+"""Figures of the frequency response, which knows no amplitude."""
 MEASURES = (
     ("displacement_pp", "heave, peak to peak [m]", 1.0, ""),
     ("velocity_pp", "velocity, peak to peak [m/s]", 1.0, ""),
@@ -321,12 +323,26 @@ def _buoys(motion: Mapping[str, Any] | None) -> dict[str, str] | None:
     return {"words": f"{names} side by side; {scale} to scale.", "data": as_script(motion)}
 
 
+def _neglected(report: Report) -> str:
+    """What the frequency response knows nothing of, in words: a drag, which depends on the amplitude."""
+    return "without drag" if report.study.get("drag") else ""
+
+
+def _captions(report: Report) -> dict[str, str]:
+    """Captions of figures; those of the frequency response say what it leaves out."""
+    if not (neglected := _neglected(report)):
+        return CAPTIONS
+    return CAPTIONS | {name: f"{neglected.capitalize()}: {CAPTIONS[name]}" for name in OF_THE_RESPONSE}
+
+
 def _answer(report: Report, in_seas: Sequence[str]) -> list[str]:
     """The answer of a study in two sentences: at equal tuning if it is known, else as it was simulated."""
     if report.response is None:
         return [NO_BEST_DAMPER, *in_seas[:1]]
     tolerance = float(report.study["hydro"]["tolerance"])
-    found = headline(report.equal_tuning, report.response.best_power, report.reference, report.seas, tolerance)
+    found = headline(
+        report.equal_tuning, report.response.best_power, report.reference, report.seas, tolerance, _neglected(report)
+    )
     return found or tuned_statements(report.equal_tuning, report.reference, report.seas)[:1] or list(in_seas[:1])
 
 
@@ -358,6 +374,7 @@ def render(report: Report) -> str:
             *limited_statements(report.within_limits, report.reference, report.seas),
         ],
         seas=in_its_units(in_seas, pto),
+        neglected=_neglected(report),
         best_bands=[] if response is None else band_statements(response.best_power, report.reference),
         bands=band_statements(response.absorbed_power, report.reference) if given and response is not None else [],
         dampers=where[0].lower() + where[1:],
@@ -375,7 +392,7 @@ def render(report: Report) -> str:
         doubts=sum(check["verdict"] == "doubt" for check in report.checks),
         head=in_its_units(head, pto),
         body=body,
-        figures=captioned(report.figures, CAPTIONS, report.seas),
+        figures=captioned(report.figures, _captions(report), report.seas),
         checks=[check for check in report.checks if check["verdict"] != "ok"],
         passed=[check for check in report.checks if check["verdict"] == "ok"],
         facts=report.facts,

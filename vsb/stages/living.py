@@ -27,7 +27,7 @@ SEAS = 24
 def living_study(
     study: Study, database: str, response: xr.Dataset, limited: Sequence[Mapping[str, Any]]
 ) -> dict[str, Any] | None:
-    """Return the data of a study's page; none where no damper's power is known, or a spring loses some of it.
+    """Return the data of a study's page; none where no damper's power is known, or a spring or drag loses some of it.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def living_study(
         Of `vsb.results.equal_tuning.Limited`.
     """
     pto = study.pto
-    if not study.needs_bem or (pto.stiffness and pto.efficiency < 1):
+    if not study.needs_bem or study.drag or (pto.stiffness and pto.efficiency < 1):
         return None
     buoy, basis = linear_buoy(study, database)
     direction, water = study_port(study, buoy, basis), study.water
