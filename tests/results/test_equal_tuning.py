@@ -1,7 +1,7 @@
 import pytest
 from conftest import varied
 
-from vsb.results.equal_tuning import equal_tuning, fair_damping_checks, within_limits
+from vsb.results.equal_tuning import equal_tuning, fair_damping_checks, reference_power_checks, within_limits
 from vsb.results.ladder import Rung
 from vsb.study.take_off import damper_unit
 
@@ -78,3 +78,15 @@ def test_optima_under_limits_stand_side_by_side_where_they_are_known(study, rung
     unknown = [one._replace(power_mean=None) if (one.design, one.wave) == ("FSB", second) else one for one in best]
     assert [(line.design, line.gain_percent) for line in within_limits(study, unknown)][2:] == [("VSWEC", None)]
     assert within_limits(study, rungs) == []
+
+
+def test_a_gain_over_next_to_nothing_is_doubted_by_sea_and_without_a_rigid_design_none_is(study, rungs):
+    swell, sea = reference_power_checks(study, rungs)
+    assert (swell.value, sea.value) == (1e3 / 800.0, 1e3 / 200.0)
+    assert {swell.verdict, sea.verdict} == {"ok"}
+    assert (swell.wave, sea.wave) == (study.waves[0].label, study.waves[1].family)
+    weak = [row._replace(power_mean=0.5) if row.rung == "best_damper" else row for row in rungs]
+    first, _ = reference_power_checks(study, weak)
+    assert first.verdict == "doubt"
+    assert first.explanation.startswith("1000 W within reach of FSB over 0.5 W at its best damper")
+    assert reference_power_checks(varied(study, designs={"A": {}, "B": {}}), rungs) == []

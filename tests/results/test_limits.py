@@ -12,7 +12,8 @@ from scipy.optimize import brentq
 
 from vsb.hydro import witness
 from vsb.results import agreement, ledger
-from vsb.results.equal_tuning import Tuned, fair_damping_checks
+from vsb.results.equal_tuning import Tuned, fair_damping_checks, reference_power_checks
+from vsb.results.ladder import Rung
 from vsb.results.statistics import FEWEST_BATCHES, Line, statistical_checks
 from vsb.scenes.rest import reference_shell, study_basis
 from vsb.shell.modes import mode_basis
@@ -150,6 +151,13 @@ def of_tuning(lost):
     return fair_damping_checks([Tuned("A", "w", 2e4, 100.0, 0.0, 8e3, 100 * (1 - lost), 0.0, 1 - lost)], "N s/m")
 
 
+def of_reference(study, left):
+    two = varied(study, designs={"FSB": {"flexible": False}, "VSWEC": {}})
+    powers = (("best_damper", 1.0), ("matched", left))
+    rows = [Rung("FSB", two.waves[0].label, name, 1e4, 0.0, w, *[None] * 5) for name, w in powers]
+    return reference_power_checks(two, rows)
+
+
 CASES = {
     "buckling": (1.0, "-", of_keel),
     "computed_buckling": (1.0, "-", of_buckling),
@@ -160,6 +168,7 @@ CASES = {
     "witness": (1.0, "-", lambda s, x: of_witness(x, "shapes")),
     "witness_derivatives": (1.0, "-", lambda s, x: of_witness(x, "derivatives")),
     "fair_damping": (0.05, "-", lambda s, x: of_tuning(x)),
+    "reference_power": (1e3, "-", of_reference),
     "energy_residual": (1e-6, "-", lambda s, x: of_run(s, residual=x)),
     "heave": (0.3, "-", lambda s, x: of_run(s, heave=2.0 * x)),
     "constraint_drift": (1e-9, "m", lambda s, x: of_run(s, constraint_drift=x)),

@@ -9,6 +9,7 @@ ADVICE = {
     "static_deformation": "reference_shape: equilibrium, or a stiffer shell",
     "static_strain": "reference_shape: equilibrium, or a stiffer shell",
     "bending_modes": "modes.basis: full",
+    "reference_power": "longer waves, in which the rigid design absorbs",
     "fair_damping": "pto.tuning: each, or read the gains at own best dampers",
     "energy_residual": "lower simulation.tolerance",
     "transient": "a later simulation.window",

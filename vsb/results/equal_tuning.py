@@ -14,6 +14,8 @@ from vsb.tools.words import plain
 
 LOST = 0.05
 """Part of its best damper's power that a design may lose before a comparison at the given damper is in doubt."""
+NEXT_TO_NOTHING = 1e3
+"""Matched power over the rigid design's own best, above which gains over that design mean nothing."""
 
 
 class Tuned(NamedTuple):
@@ -98,4 +100,19 @@ def fair_damping_checks(lines: Sequence[Tuned], unit: str) -> list[Check]:
         lost = max(0.0, 1 - line.share)
         verdict: Verdict = "doubt" if lost > LOST else "ok"  # never wrong: an answer to another question
         checks.append(Check("fair_damping", lost, LOST, "-", verdict, text, line.design, line.sea))
+    return checks
+
+
+def reference_power_checks(study: Compared, rungs: Sequence[Rung]) -> list[Check]:
+    """Return what the rigid design leaves in each sea at its best damper: over next to nothing any gain is large."""
+    reference, seas, checks = study.reference_design, _sea_of(study), []
+    for sea in dict.fromkeys(seas[rung.wave] for rung in rungs):
+        here = [rung for rung in rungs if seas[rung.wave] == sea and rung.design == reference]
+        matched, best = (_means(here, name).get(reference or "", (None, 0.0))[1] for name in ("matched", "best_damper"))
+        if best > 0 and matched > 0:
+            left = matched / best
+            verdict: Verdict = "doubt" if left > NEXT_TO_NOTHING else "ok"
+            text = f"{plain(matched)} W within reach of {reference} over {plain(best)} W at its best damper: "
+            text += "gains over next to nothing say nothing"
+            checks.append(Check("reference_power", left, NEXT_TO_NOTHING, "-", verdict, text, wave=sea))
     return checks

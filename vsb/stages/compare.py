@@ -9,7 +9,14 @@ from vsb.results import comparison, ledger
 from vsb.results import statistics as irregular
 from vsb.results.agreement import Attributes
 from vsb.results.body_ledger import body_ledger, runs_checks
-from vsb.results.equal_tuning import Limited, Tuned, equal_tuning, fair_damping_checks, within_limits
+from vsb.results.equal_tuning import (
+    Limited,
+    Tuned,
+    equal_tuning,
+    fair_damping_checks,
+    reference_power_checks,
+    within_limits,
+)
 from vsb.results.ladder import Rung, constrained_checks
 from vsb.results.pauses import pause_checks
 from vsb.scenes.afloat import study_sea
@@ -65,6 +72,7 @@ def run(
         ladder = [Rung(**row) for row in json.loads(read_text(rungs, manifest, found.plan.ladder_id))]
         tuned, limited = equal_tuning(compared, ladder), within_limits(compared, ladder)
         checks += [*fair_damping_checks(tuned, damper_unit(compared.pto.port)), *constrained_checks(ladder)]
+        checks += reference_power_checks(compared, ladder)
     elif isinstance(compared, Study):
         checks += ledger.assumed_pressure_checks(compared, rows)
     checks = ledger.worst_first(checks)
