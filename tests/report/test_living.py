@@ -13,6 +13,7 @@ from vsb.motion.port import Port
 from vsb.motion.tuning import best_dampers, mean_power
 from vsb.report import html
 from vsb.report.living import Grid, LivingSea, as_script, packed, port_data, study_data, thinned, year_data
+from vsb.results.force_steps import ForceSteps
 from vsb.results.year import frequencies, year
 from vsb.study.study import Jonswap, PiersonMoskowitz, Water
 from vsb.waves.seas import components, jonswap_spectrum
@@ -50,10 +51,14 @@ KNOWN = OMEGA[OMEGA > 0.2]
 WIDTH = 2 * float(OMEGA[0])
 
 
+POWERS = {"FSB": (20.0, 38.0, 70.0), "VSWEC": (None, 59.0, 107.0)}
+STEPS = ForceSteps((300.0, 600.0, 1200.0), POWERS, "FSB", 106.5)
+
+
 def sea_of(tp, gamma=3.3):
     own = {"hs": 1.0, "tp": tp, "gamma": gamma, "width": WIDTH, "integral": integral(gamma)}
     return LivingSea(
-        "a sea", 1, None, own | {"shortest": 2.0, "longest": 12.0}, {"FSB": 8e3, "VSWEC": 8e3}, {"FSB": 40.0}
+        "a sea", 1, None, own | {"shortest": 2.0, "longest": 12.0}, {"FSB": 8e3, "VSWEC": 8e3}, {"FSB": 40.0}, STEPS
     )
 
 
@@ -223,6 +228,37 @@ def test_a_reader_drags_the_damper_and_the_table_follows(page, tmp_path):
     assert found["tip"].startswith("damper [N s/m]: ")
     assert "FSB: " in found["tip"]
     assert found["sorted"] == ["-3", "20", "100"]
+
+
+def test_the_force_limit_steps_through_stored_optima(page, tmp_path):
+    """Only in the sea they are of; where a control does nothing it is not shown."""
+    script = """
+      const part = (name) => document.querySelector(`#live [data-part="${name}"]`);
+      const rows = () => [...part("rows").rows].map((row) => [...row.cells].map((cell) => cell.textContent));
+      const pick = (name, value) => { part(name).value = value; part(name).dispatchEvent(new Event("change")); };
+      const drag = (name, value) => { part(name).value = value; part(name).dispatchEvent(new Event("input")); };
+      const shown = () => ["dampers", "limits"].map((name) => part(name).checkVisibility());
+      const found = { errors, none: part("limited").hidden, damper: shown() };
+      pick("sea", 1);
+      pick("take-off", "limited");
+      found.last = [rows(), part("limit-says").textContent];
+      drag("limit", 0);
+      found.first = [rows(), part("limit-says").textContent, part("over-damper").getAttribute("aria-label")];
+      Object.assign(found, { limited: shown(), band: part("over-band").checkVisibility() });
+      drag("period", 9);
+      found.moved = [part("take-off").value, part("limited").disabled, part("over-band").checkVisibility()];
+      return found;"""
+    found = asked(page, script, tmp_path)
+    assert (found["errors"], found["none"], found["damper"]) == ([], True, [True, False])
+    (last, says), (first, least, words) = found["last"], found["first"]
+    assert [row[1:3] for row in last] == [["\N{EN DASH}", "70"], ["\N{EN DASH}", "107"]]
+    assert last[1][4] == f"+{100 * (107 / 70 - 1):.1f}"
+    assert says == "1.2 kN, 100 % of what the best damper of FSB needs; waves taken to repeat after 106.5 s"
+    assert [row[2] for row in first] == ["20", "\N{EN DASH}"]
+    assert least.startswith("0.3 kN, 25 %")
+    assert "VSWEC at most 107 W at 1.2 kN" in words
+    assert (found["limited"], found["band"]) == ([False, True], False)
+    assert found["moved"] == ["damper", True, True]
 
 
 def test_without_scripts_nothing_is_asked_of_the_reader(page):

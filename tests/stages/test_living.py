@@ -8,6 +8,7 @@ from browser import asked, evaluated
 from conftest import varied
 
 from vsb.report import html
+from vsb.results.force_steps import SHARES
 from vsb.stages.living import MOST, _longest, living_study
 from vsb.tools.files import load
 
@@ -49,6 +50,17 @@ def test_seas_of_one_grid_share_its_ports(small):
     assert [sea["jonswap"] and sea["jonswap"]["gamma"] for sea in data["seas"]] == [3.3, 1.0, None]
     assert [sea["squares"] is None for sea in data["seas"]] == [True, True, False]
     assert [sea["limited"][0] for sea in data["seas"]] == [7.0, None, None]
+
+
+def test_every_sea_has_optima_at_limits_of_force_unless_power_is_lost_on_the_way(small):
+    waves = [{"kind": "regular", "amplitude": 0.1, "period": 3.0}, {"kind": "jonswap", "hs": 1, "tp": 4}]
+    data = living(small, varied(small.study, waves=waves))
+    for sea in data["seas"]:
+        limits, powers = sea["steps"]["limits"], sea["steps"]["powers"]
+        assert len(limits) == len(powers[0]) == len(SHARES)
+        assert all(np.diff(power).min() > 0 for power in powers)
+    lossy = living(small, varied(small.study, waves=waves, pto={"damping": 8000.0, "efficiency": 0.8}))
+    assert [sea["steps"] for sea in lossy["seas"]] == [None, None]
 
 
 def test_a_long_run_has_no_more_components_on_its_page(small):

@@ -17,6 +17,7 @@ import numpy.typing as npt
 from vsb.motion.port import Port
 from vsb.report.canvas import style
 from vsb.results.bins import Bins
+from vsb.results.force_steps import ForceSteps
 from vsb.results.year import band_weights
 from vsb.tools.units import FloatArray
 from vsb.waves.climate import YEAR_HOURS, Climate
@@ -46,6 +47,7 @@ class LivingSea:
     jonswap: dict[str, float] | None = None  # of its spectrum, see `algebra.js`
     given: Mapping[str, float | None] | None = None  # dampers as given [N s/m]
     limited: Mapping[str, float] | None = None  # power of the optimum within limits by design, where known [W]
+    steps: ForceSteps | None = None  # optima at further limits of force
 
 
 def packed(values: npt.ArrayLike, kind: str = "<f4") -> str:
@@ -111,10 +113,17 @@ def study_data(
                 "jonswap": sea.jonswap,
                 "given": [(sea.given or {}).get(design) for design in designs],
                 "limited": [(sea.limited or {}).get(design) for design in designs],
+                "steps": sea.steps and _steps_data(sea.steps, designs),
             }
             for sea in seas
         ],
     }
+
+
+def _steps_data(steps: ForceSteps, designs: Sequence[str]) -> dict[str, Any]:
+    """Optima at some limits of force, design by design."""
+    powers = [steps.powers[design] for design in designs]
+    return {"limits": steps.limits, "of": steps.of, "repeats": steps.repeats, "powers": powers}
 
 
 def _grid_data(grid: Grid) -> dict[str, Any]:

@@ -3,6 +3,8 @@
 import itertools
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,10 +13,11 @@ import xarray as xr
 from vsb.motion.port import Port
 from vsb.report.band import LOWEST
 from vsb.report.living import Grid, LivingSea, study_data, thinned
+from vsb.results.force_steps import SeenPort, force_steps
 from vsb.results.statistics import families
 from vsb.scenes.afloat import linear_buoy, study_port
 from vsb.scenes.rest import design_motions
-from vsb.study.study import IrregularSea, Jonswap, PiersonMoskowitz, RegularWave, Study, Wave
+from vsb.study.study import Irregular, IrregularSea, Jonswap, PiersonMoskowitz, RegularWave, StillWater, Study
 from vsb.tools.units import FloatArray
 from vsb.waves.seas import components, group_velocity, jonswap_spectrum
 
@@ -58,6 +61,9 @@ def living_study(
     seas = [_sea(study, name, wave, (low, high), limited, grids) for name, wave in _seas(study).items()]
     if not seas:
         return None
+    if pto.efficiency == 1:
+        seen = {design: partial(buoy.port, motions=free, direction=direction) for design, free in motions.items()}
+        seas = _with_steps(study, seas, seen, (low, study.hydro.omega_max))
     shown = _band(response, max(LOWEST, low), high)
     limit = np.interp(shown, response.omega.values, response.power_limit.values)
     found = [grid(omega) for omega in grids]
@@ -72,17 +78,26 @@ def _band(response: xr.Dataset, low: float, high: float) -> FloatArray:
     return np.asarray(inside[thinned(inside)])
 
 
-def _seas(study: Study) -> dict[str, Wave]:
+def _seas(study: Study) -> dict[str, RegularWave | Irregular]:
     """One wave of every sea by its name; none of still water."""
     irregular = {waves[0].label: name for name, waves in families(study).items()}
-    drawn = (wave for wave in study.drawn_waves if isinstance(wave, RegularWave | IrregularSea))
+    drawn = (wave for wave in study.drawn_waves if not isinstance(wave, StillWater))
     return {irregular.get(wave.label, wave.label): wave for wave in itertools.islice(drawn, SEAS)}
+
+
+def _with_steps(
+    study: Study, seas: Sequence[LivingSea], seen: Mapping[str, SeenPort], within: tuple[float, float]
+) -> list[LivingSea]:
+    """Seas with optima at some limits of force, of forces within a band."""
+    steps = partial(force_steps, reference=study.reference_design, seas=len(seas), stroke=study.pto.stroke_limit)
+    pairs = zip(seas, _seas(study).values(), strict=True)
+    return [replace(sea, steps=steps(wave, seen, band=within)) for sea, wave in pairs]
 
 
 def _sea(
     study: Study,
     name: str,
-    wave: Wave,
+    wave: RegularWave | Irregular,
     band: tuple[float, float],
     limited: Sequence[Mapping[str, Any]],
     grids: list[FloatArray],
@@ -100,7 +115,6 @@ def _sea(
         if isinstance(wave, Jonswap | PiersonMoskowitz):
             squares, jonswap = None, _jonswap(wave, width, band)
     else:
-        assert isinstance(wave, RegularWave)
         omega, squares = np.array([wave.omega]), np.array([wave.amplitude**2])
     same = (i for i, grid in enumerate(grids) if np.array_equal(grid, omega))
     place = next(same, len(grids))

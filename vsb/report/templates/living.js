@@ -36,13 +36,14 @@ class LivingStudy {
     });
     this.part("period").addEventListener("input", (event) => this.swell(Number(event.target.value)));
     this.part("take-off").addEventListener("change", () => this.show());
+    this.part("limit").addEventListener("input", () => this.show());
   }
 
   /** Go to a sea as the study has it. */
   choose(index) {
     this.sea = this.data.seas[index];
     this.grid = this.grids[this.sea.grid];
-    const { jonswap, limited, given } = this.sea;
+    const { jonswap, limited, given, steps } = this.sea;
     this.part("periods").hidden = !jonswap;
     if (jonswap) {
       Object.assign(this.part("period"), { min: jonswap.shortest, max: jonswap.longest, step: 0.01 });
@@ -50,7 +51,9 @@ class LivingStudy {
     }
     this.part("given").hidden = given[0] === null || given.some((value) => value !== given[0]);
     this.part("within").hidden = limited.every((value) => value === null);
-    this.part("within").disabled = this.part("within").hidden;
+    this.part("limited").hidden = !steps;
+    Object.assign(this.part("limit"), { max: steps ? steps.limits.length - 1 : 0 });
+    this.part("limit").value = 2;
     this.part("take-off").value = "damper";
     this.swell(jonswap ? jonswap.tp : null);
   }
@@ -87,6 +90,7 @@ class LivingStudy {
     return this.grid.ports.map((port, i) => {
       if (how === "matched") return { damping: null, power: this.data.efficiency * dot(this.squares, port.matched) };
       if (how === "within") return { damping: null, power: this.sea.limited[i] };
+      if (how === "limited") return { damping: null, power: this.sea.steps.powers[i][Number(this.part("limit").value)] };
       const damping = this.damping ?? this.own[i];
       return { damping, power: this.powerUnder(port, damping) };
     });
@@ -95,15 +99,22 @@ class LivingStudy {
   /** Show all of it. */
   show() {
     const moved = this.tp !== null && this.tp !== this.sea.jonswap.tp;
-    this.part("within").disabled = this.part("within").hidden || moved;
-    if (moved && this.part("take-off").value === "within") this.part("take-off").value = "damper";
+    for (const name of ["within", "limited"]) {
+      this.part(name).disabled = this.part(name).hidden || moved;
+      if (this.part(name).disabled && this.part("take-off").value === name) this.part("take-off").value = "damper";
+    }
+    const how = this.part("take-off").value;
+    this.part("dampers").hidden = how !== "damper";
+    this.part("limits").hidden = how !== "limited";
+    this.part("over-band").parentNode.hidden = how === "within" || how === "limited"; // such a force mixes frequencies
     const found = this.takes();
     const shown = this.damping ?? Math.max(...this.own);
     this.part("damper").value = Math.log(shown || 1);
     this.part("damper-says").textContent = this.damping === null ? "each at its own best" : `${plain(this.damping)} N s/m`;
     this.part("period-says").textContent = this.tp === null ? "" : `${this.tp.toFixed(2)} s`;
     this.table(found);
-    this.overDamper(found);
+    if (how === "limited") this.overLimit(found);
+    else this.overDamper(found);
     this.overBand(found);
   }
 
@@ -135,6 +146,27 @@ class LivingStudy {
       curves,
       marks,
       words: `Mean power over the damper: ${this.data.designs.map((d, i) => `${d.name} at most ${plain(Math.max(...this.curves[i].y))} W at ${plain(this.own[i])} N s/m`).join(", ")}`,
+    });
+  }
+
+  /** Mean power of the best force within a limit over that limit, and which of the stored ones is looked at. */
+  overLimit(found) {
+    const { limits, of, repeats, powers } = this.sea.steps;
+    const limit = limits[Number(this.part("limit").value)];
+    const share = `${plain((100 * limit) / limits.at(-1))} % of what the best damper of ${of} needs`;
+    const again = repeats === null ? "" : `; waves taken to repeat after ${plain(repeats)} s`;
+    this.part("limit-says").textContent = `${plain(limit / 1e3)} kN, ${share}${again}`;
+    const curves = powers.map((power, i) => {
+      const known = [...power.keys()].filter((k) => power[k] !== null);
+      return { ...this.data.designs[i], x: known.map((k) => limits[k] / 1e3), y: known.map((k) => power[k] / 1e3) };
+    });
+    const dots = found.map(({ power }, i) => ({ x: limit / 1e3, y: power / 1e3, colour: this.data.designs[i].colour, power }));
+    chart(this.part("over-damper"), {
+      x: { label: "limit of force [kN]", log: true, low: limits[0] / 1e3, high: limits.at(-1) / 1e3 },
+      y: { label: "mean power [kW]", low: 0, high: Math.max(...curves.flatMap((curve) => curve.y), 1e-9) * 1.08 },
+      curves: curves.filter((curve) => curve.x.length),
+      marks: [{ x: limit / 1e3 }, ...dots.filter((dot) => dot.power !== null)],
+      words: `Mean power of the best force within a limit: ${curves.map((c) => `${c.name} at most ${plain(1e3 * Math.max(...c.y, 0))} W`).join(", ")} at ${plain(limits.at(-1) / 1e3)} kN`,
     });
   }
 

@@ -1,0 +1,90 @@
+"""Optima at some limits of force: between nothing and all, the same as those of the ladder, no matter the clock."""
+
+import numpy as np
+import pytest
+from report.test_living import ports
+
+from vsb.motion.constrained import optimum_in_sea
+from vsb.motion.harmonics import Harmonics
+from vsb.motion.port import Port
+from vsb.motion.tuning import best_dampers
+from vsb.results.force_steps import FEWEST, MOST, SHARES, force_steps, harmonics_within, repeating
+from vsb.study.study import Jonswap, PiersonMoskowitz, RegularWave, WhiteNoise
+from vsb.waves.seas import regular
+
+BAND = (0.2, 9.0)
+SWELL = RegularWave(kind="regular", amplitude=0.2, period=2.5)
+SEA = Jonswap(kind="jonswap", hs=1.0, tp=5.0)
+NOISE = WhiteNoise(kind="white_noise", hs=0.5, band=(1.0, 3.0))
+
+
+def seen(name):
+    return lambda omega: ports(omega)[name]
+
+
+BOTH = {name: seen(name) for name in ("FSB", "VSWEC")}
+
+
+@pytest.mark.parametrize("wave", [SWELL, SEA, NOISE])
+def test_more_force_takes_more_and_never_more_than_there_is(wave):
+    steps = force_steps(wave, BOTH, "FSB", BAND)
+    assert list(steps.limits) == pytest.approx([share * steps.limits[-1] for share in SHARES])
+    harmonics = harmonics_within(BAND, 2 * len(SHARES))
+    waves = regular(wave) if wave is SWELL else repeating(wave, harmonics)
+    for name, powers in steps.powers.items():
+        assert np.all(np.diff(powers) > 0)
+        assert np.all(np.diff(np.diff(powers) / np.diff(steps.limits)) < 0), "concave: each newton brings less"
+        assert 0 < powers[0] < powers[-1] < waves.mean_of(ports(waves.omega)[name].matched_power)
+    assert (steps.of, steps.repeats is None) == ("FSB", wave is SWELL)
+
+
+def test_the_largest_limit_is_what_the_best_damper_of_the_reference_needs():
+    """The optimum there takes at least as much; beyond it the damper alone would not."""
+    omega, squares = np.array([SWELL.omega]), np.array([[SWELL.amplitude**2]])
+    for name in BOTH:
+        steps = force_steps(SWELL, BOTH, name, BAND)
+        port = ports(omega)[name]
+        best = best_dampers(port, squares)
+        force = best.damping[0] * abs(port.velocity_under(port.load(best.damping[0]))[0]) * SWELL.amplitude
+        assert steps.limits[-1] == pytest.approx(force, rel=2e-3)  # at the instants of collocation
+        assert steps.powers[name][-1] >= best.power[0] * (1 - 1e-6)
+
+
+def test_of_a_regular_wave_they_are_the_optima_of_the_ladder():
+    steps = force_steps(SWELL, BOTH, "FSB", BAND)
+    harmonics = Harmonics.of_sea(np.array([SWELL.omega]), *BAND)
+    for limit, power in zip(steps.limits, steps.powers["VSWEC"], strict=True):
+        best = optimum_in_sea(ports(harmonics.omega)["VSWEC"], regular(SWELL), harmonics, limit)
+        assert best.power == power
+
+
+@pytest.mark.parametrize("wave", [SEA, NOISE, PiersonMoskowitz(kind="pierson_moskowitz", hs=2.0, tp=8.0)])
+def test_the_sea_that_repeats_holds_the_energy_of_the_spectrum(wave):
+    waves = repeating(wave, harmonics_within((0.05, 9.0), 16))
+    assert 4 * np.sqrt(np.sum(np.abs(waves.amplitude) ** 2) / 2) == pytest.approx(wave.hs, rel=5e-3)
+
+
+def test_harmonics_are_what_the_budget_allows():
+    few, many = harmonics_within(BAND, 10_000), harmonics_within(BAND, 1)
+    for harmonics, count in ((few, FEWEST), (many, MOST)):
+        assert count - 5 <= harmonics.count <= count
+        assert harmonics.omega[0] >= BAND[0]
+        assert harmonics.omega[-1] <= BAND[1] * (1 + 1e-9)
+
+
+def test_a_stroke_no_force_keeps_has_no_optimum():
+    free = force_steps(SWELL, BOTH, "FSB", BAND)
+    held = force_steps(SWELL, BOTH, "FSB", BAND, stroke=0.3)
+    tight = force_steps(SWELL, BOTH, "FSB", BAND, stroke=1e-3)
+    assert tight.powers["FSB"][0] is None
+    assert all(h is None or h <= f * (1 + 1e-6) for h, f in zip(held.powers["FSB"], free.powers["FSB"], strict=True))
+
+
+def test_a_port_waves_do_not_move_takes_nothing():
+    def still(omega):
+        nothing = np.zeros(len(omega), dtype=complex)
+        return Port(omega, nothing, nothing, 0.0)
+
+    steps = force_steps(SWELL, {"FSB": still, "VSWEC": seen("VSWEC")}, "FSB", BAND)
+    assert (steps.of, set(steps.powers["FSB"])) == ("VSWEC", {0.0})
+    assert force_steps(SWELL, {"FSB": still}, "FSB", BAND) is None
