@@ -8,12 +8,14 @@ from benchmarks.hard_cases import hydro_files
 from vsb.integrators.settled import settled_power
 from vsb.integrators.simulate import legs, simulate
 from vsb.integrators.switching import switched
-from vsb.motion.constrained import constrained_optimum
+from vsb.motion.constrained import constrained_optimum, optimum_in_sea
 from vsb.motion.forces import Damper, Excitation, Spring
 from vsb.motion.harmonics import Harmonics
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.motion.take_off import TakeOff
+from vsb.motion.tuning import best_dampers, squares
+from vsb.scenes.afloat import linear_buoy, study_port
 from vsb.scenes.build import SCENES
 from vsb.scenes.pause import (
     SETTLED,
@@ -25,7 +27,7 @@ from vsb.scenes.pause import (
 )
 from vsb.study import study as config
 from vsb.study.sections import Simulation
-from vsb.waves.seas import NO_WAVES, Sea
+from vsb.waves.seas import NO_WAVES, Sea, sea
 
 B, MASS, SPRING, LOSS = np.ones(1), 2.0, 50.0, 0.6
 SETTINGS = Simulation(duration=60.0, window=(20.0, 60.0), initial_position=0.0, initial_velocity=0.0)
@@ -107,6 +109,54 @@ def test_latching_in_a_sea_is_above_every_damper_and_is_the_mean_of_the_run():
     assert best.power == pytest.approx(np.diff(taken)[0] / 40.0, rel=1e-9)
     parts = [windowed_power(system, IRREGULAR, SETTINGS.model_copy(update={"window": w})) for w in ((20, 45), (45, 60))]
     assert 25 * parts[0] + 15 * parts[1] == pytest.approx(40 * best.power, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("wave", "least"),
+    [
+        ({"kind": "regular", "amplitude": 0.1, "period": 5.0}, 3.0),
+        ({"kind": "jonswap", "hs": 0.3, "tp": 5.0, "seed": 3}, 1.5),
+    ],
+    ids=["regular", "jonswap"],
+)
+def test_a_floating_buoy_that_latches_is_between_its_best_damper_and_the_optimum_under_its_own_limits(
+    wave, least, tmp_path_factory, monkeypatch
+):
+    """The seed's rigid buoy, over one period of the waves, beside what any force no larger takes in no longer a stroke.
+
+    Radiation is known to 7 rad/s, five to six times the waves' frequency: the optimum may switch about as sharply.
+    """
+    monkeypatch.setattr("vsb.scenes.pause.SCANNED", 4)
+    monkeypatch.setattr("vsb.integrators.settled.MOST", 16)
+    study = varied(
+        config.load(SEED),
+        designs={"FSB": {"flexible": False}},
+        hydro={"omega_max": 7.0, "tolerance": 1e-2},
+        pto={"damping": 11e3, "law": "latching"},
+        waves=[wave],
+        simulation={"duration": 40.0, "window": (20.0, 40.0), "initial_velocity": 0.0},
+    )
+    files, (wave,) = hydro_files(study, tmp_path_factory.getbasetemp() / "pause"), study.waves
+    (buoy, basis), waves = linear_buoy(study, files["database"]), sea(wave, 7.0, 40.0)
+    harmonics = Harmonics.of_sea(waves.omega, float(buoy.database.omega[0]), 7.0)
+    ports = (
+        buoy.port(omega, np.ones((1, 1)), study_port(study, buoy, basis)) for omega in (waves.omega, harmonics.omega)
+    )
+    seen, port = ports
+    (passive,) = best_dampers(seen, squares([waves], waves.omega)).power
+    repeats = 2 * np.pi / harmonics.spacing
+    begin = np.ceil(40.0 / repeats) * repeats
+    settings = study.simulation.model_copy(update={"duration": begin + repeats, "window": (begin, begin + repeats)})
+    run = only_run(study).model_copy(update={"simulation": settings})
+    latched = SCENES["linear"](run, files)
+    motion, *_ = simulate(latched.system, waves, settings, None)
+    within = motion.time >= begin
+    force, stroke = (float(np.abs(x[within]).max()) for x in (motion.forces["pto"], motion.position))
+    bound = optimum_in_sea(port, waves, harmonics, force, stroke)
+    taken = float(np.diff(np.interp(settings.window, motion.time, motion.works["pto"]))[0]) / repeats
+    assert taken == pytest.approx(latched.notes["pause_power"], rel=1e-3)
+    assert least * passive < taken < bound.power < waves.mean_of(seen.matched_power)
+    assert bound.gap <= 1e-6
 
 
 @pytest.mark.parametrize("top", [(0.3, 0.2), (2.0, 0.71), (40.0, 0.97)])
