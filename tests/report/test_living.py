@@ -12,6 +12,7 @@ from results.test_year import climate
 from vsb.motion.port import Port
 from vsb.motion.tuning import best_dampers, mean_power
 from vsb.report import html
+from vsb.report.canvas import style
 from vsb.report.living import Grid, LivingSea, as_script, packed, port_data, study_data, thinned, year_data
 from vsb.results.force_steps import ForceSteps
 from vsb.results.year import frequencies, year
@@ -193,6 +194,7 @@ def test_a_reader_drags_the_damper_and_the_table_follows(page, tmp_path):
       const drag = (name, value) => { part(name).value = value; part(name).dispatchEvent(new Event("input")); };
       const pick = (name, value) => { part(name).value = value; part(name).dispatchEvent(new Event("change")); };
       const found = { errors, hidden: document.getElementById("live").hidden, own: rows() };
+      found.keys = [...part("rows").querySelectorAll(".key path")].map((line) => line.getAttribute("stroke"));
       drag("damper", Math.log(8000));
       found.dragged = rows();
       pick("take-off", "matched");
@@ -212,6 +214,7 @@ def test_a_reader_drags_the_damper_and_the_table_follows(page, tmp_path):
     found = asked(page, script, tmp_path)
     assert found["errors"] == []
     assert not found["hidden"]
+    assert found["keys"] == [style(name, list(POWERS))["color"] for name in POWERS], "names stand beside their lines"
     swell = np.array([0.04])
     best = [best_dampers(port, swell[None]) for port in ports(SWELL).values()]
     assert [float(row[2]) for row in found["own"]] == pytest.approx([one.power[0] for one in best], rel=1e-3)

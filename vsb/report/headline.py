@@ -77,7 +77,7 @@ def _elsewhere(others: Sequence[dict[str, Any]], count: int) -> str:
     if count < 2 or least >= 0:
         return ""
     pays = len({line["sea"] for line in others if float(line["best_gain_percent"]) > 0})
-    return f"; flexibility pays in {pays} of the {count}, and costs up to {-least:.1f} %"
+    return f"; flexibility pays in {pays or 'none'} of the {count}, and costs up to {-least:.1f} %"
 
 
 def _over_band(best_power: xr.DataArray, reference: str, neglected: str) -> list[str]:

@@ -146,8 +146,8 @@ function forwards(line) {
   return line.x.every((v, i) => i === 0 || v >= line.x[i - 1] - 0.02);
 }
 
-/** A row of a table, its first cell words. */
-function tableRow(cells) {
+/** A row of a table, its first cell the name of a design beside the line it has in charts. */
+function tableRow(cells, { colour, dash }) {
   const row = document.createElement("tr");
   row.append(
     ...cells.map((text, i) => {
@@ -155,6 +155,9 @@ function tableRow(cells) {
       return Object.assign(cell, { textContent: text, className: i ? "" : "text" });
     }),
   );
+  const key = drawn("svg", { viewBox: "0 0 28 10", class: "key", "aria-hidden": "true" });
+  key.append(drawn("path", { d: "M1 5H27", fill: "none", stroke: colour, "stroke-width": 2, "stroke-dasharray": dash }));
+  row.cells[0].prepend(key);
   return row;
 }
 

@@ -128,7 +128,7 @@ class LivingStudy {
       const share = take.power === null || !(best > 0) ? null : (100 * take.power) / best;
       return [this.data.designs[i].name, plain(take.damping), plain(take.power), plain(width), gain, plain(share)];
     });
-    this.part("rows").replaceChildren(...rows.map(tableRow));
+    this.part("rows").replaceChildren(...rows.map((cells, i) => tableRow(cells, this.data.designs[i])));
   }
 
   /** Mean power of the sea over the damper. */

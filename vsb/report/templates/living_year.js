@@ -85,9 +85,10 @@ class LivingYear {
       const gain = over[i] === null ? "–" : `${over[i] < 0 ? "−" : "+"}${Math.abs(over[i]).toFixed(2)}`;
       const share = best > 0 ? (100 * mean) / best : null;
       const numbers = [used[i], this.energy(mean), mean / this.point.flux].map(plain);
-      return [[this.data.designs[i].name, ...numbers, gain, plain(share)]];
+      const design = this.data.designs[i];
+      return [tableRow([design.name, ...numbers, gain, plain(share)], design)];
     });
-    this.part("rows").replaceChildren(...rows.map(tableRow));
+    this.part("rows").replaceChildren(...rows);
   }
 
   /** Annual energy over the damper. */
