@@ -1,6 +1,7 @@
 """Scripts of pages run as readers' browsers run them: by node where it is, by headless Chromium, or skipped."""
 
 import html
+import importlib.resources
 import json
 import re
 import shutil
@@ -47,3 +48,15 @@ def evaluated(scripts, expression, data, folder):
     said = subprocess.run([NODE, folder / "run.cjs"], capture_output=True, text=True, timeout=60, check=False)
     assert said.returncode == 0, said.stderr
     return json.loads(said.stdout)
+
+
+def findings(page, folder, width=1100):
+    """What axe-core finds wrong with a page whose folded parts are open: rule, how serious, and the first place."""
+    axe = importlib.resources.files(pytest.importorskip("axe_core_python")) / "axe.min.js"
+    probed = page.replace("</head>", f"<script>{axe.read_text(encoding='utf-8')}</script></head>", 1)
+    script = """
+      for (const folded of document.querySelectorAll("details")) folded.open = true;
+      const { violations, passes } = await axe.run(document);
+      if (passes.length < 20) throw new Error(`only ${passes.length} rules hold: the page was not looked at`);
+      return violations.map(({ id, impact, nodes }) => [id, impact, nodes[0].html.slice(0, 200)]);"""
+    return asked(probed, script, folder, width)

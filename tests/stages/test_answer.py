@@ -6,6 +6,7 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 import pytest
+from browser import findings
 from results.test_year import climate
 from scenes.test_ports import water
 from stages.test_members import gather, planned, with_seas
@@ -90,3 +91,7 @@ def test_data_of_another_campaign_are_refused(plan, tmp_path):
     with pytest.raises(DatabaseError, match=f"holds '0{{16}}', needs '{plan.campaign_id}'"):
         answer.run(plan.campaign, str(other), plan.loaded.climate_path, plan.root, *files)
     assert [path.name for path in tmp_path.iterdir()] == ["campaign.nc"]
+
+
+def test_readers_who_do_not_see_the_page_lose_nothing(plan, written, tmp_path):
+    assert findings(written[f"{plan.folder}/report.html"].decode(), tmp_path, 360) == []

@@ -6,6 +6,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+from browser import findings
 from conftest import SEED, varied
 
 from vsb.errors import DatabaseError
@@ -98,3 +99,13 @@ def test_seas_are_told_in_words(seed):
     paper = load(SEED.with_name("paper.yaml"))
     words = set(report._seas(paper).values())
     assert any(word.startswith("an assumed uniform pressure of ") for word in words)
+
+
+@pytest.mark.parametrize("width", [1100, 360])
+def test_readers_who_do_not_see_the_page_lose_nothing(small, tmp_path, width):
+    assert findings(Path(f"{small.folder}/report.html").read_text(), tmp_path, width) == []
+
+
+def test_a_page_without_its_language_is_found_wanting(small, tmp_path):
+    page = Path(f"{small.folder}/report.html").read_text().replace('<html lang="en">', "<html>")
+    assert [rule for rule, *_ in findings(page, tmp_path)] == ["html-has-lang"]
