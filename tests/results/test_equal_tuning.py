@@ -3,6 +3,7 @@ from conftest import varied
 
 from vsb.results.equal_tuning import equal_tuning, fair_damping_checks, reference_power_checks, within_limits
 from vsb.results.ladder import Rung
+from vsb.study.study import Jonswap
 from vsb.study.take_off import damper_unit
 
 REGULAR = {"kind": "regular", "amplitude": 0.5, "period": 5.0}
@@ -90,3 +91,15 @@ def test_a_gain_over_next_to_nothing_is_doubted_by_sea_and_without_a_rigid_desig
     assert first.verdict == "doubt"
     assert first.explanation.startswith("1000 W within reach of FSB over 0.5 W at its best damper")
     assert reference_power_checks(varied(study, designs={"A": {}, "B": {}}), rungs) == []
+
+
+def test_thousands_of_realisations_are_named_once_each_not_once_for_every_rung(study, rungs, monkeypatch):
+    """The squares of thousands took longer than reading all runs."""
+    named = []
+    family = Jonswap.family.fget
+    monkeypatch.setattr(Jonswap, "family", property(lambda sea: named.append(sea.seed) or family(sea)))
+    labels = [wave.label for wave in study.waves if isinstance(wave, Jonswap)]
+    named.clear()
+    equal_tuning(study, rungs)
+    within_limits(study, [rung(each.design, each.wave, "constrained", None, 1.0) for each in rungs])
+    assert len(named) <= 4 * len(labels)  # two tables, each by label and family

@@ -43,10 +43,10 @@ def agreement_checks(
     """Return by how much mean powers in a regular wave in time differ from those of the frequency domain."""
     if not isinstance(wave, RegularWave) or study.pto.switches:
         return []
-    means = {row["design"]: row["power_mean"] for row in rows if row["wave"] == wave.label}
-    checks = []
+    checks, label = [], wave.label  # not made anew for every row: there may be thousands of each
+    means = {row["design"]: row["power_mean"] for row in rows if row["wave"] == label}
     for design in study.designs:
-        run = runs[design, wave.label]
+        run = runs[design, label]
         if LINEARISED in run:
             checks.append(drag_check(study, wave, run, means[design], design))
             continue

@@ -37,10 +37,8 @@ class Tuned(NamedTuple):
 
 def equal_tuning(study: Compared, rungs: Sequence[Rung]) -> list[Tuned]:
     """Return one line per sea and design, from the ladder of a study."""
-    seas = _sea_of(study)
     found: list[Tuned] = []
-    for sea in dict.fromkeys(seas[rung.wave] for rung in rungs):
-        here = [rung for rung in rungs if seas[rung.wave] == sea]
+    for sea, here in _by_sea(study, rungs).items():
         best, fixed = _means(here, "best_damper"), _means(here, "fixed")
         best_gains = gains({d: power for d, (_, power) in best.items()}, study.reference_design)
         fixed_gains = gains({d: power for d, (_, power) in fixed.items()}, study.reference_design) if fixed else {}
@@ -64,18 +62,21 @@ class Limited(NamedTuple):
 def within_limits(study: Compared, rungs: Sequence[Rung]) -> list[Limited]:
     """Return one line per sea and design whose optimum under limits is known in all realisations."""
     found = []
-    for sea in dict.fromkeys(_sea_of(study)[rung.wave] for rung in rungs):
-        here = [rung for rung in rungs if rung.rung == "constrained" and _sea_of(study)[rung.wave] == sea]
-        unknown = {rung.design for rung in here if rung.power_mean is None}
+    for sea, here in _by_sea(study, rungs).items():
+        unknown = {rung.design for rung in here if rung.rung == "constrained" and rung.power_mean is None}
         powers = {d: p for d, (_, p) in _means(here, "constrained").items() if d not in unknown}
         over = gains(powers, study.reference_design if study.reference_design in powers else None)
         found += [Limited(design, sea, power, over[design]) for design, power in powers.items()]
     return found
 
 
-def _sea_of(study: Compared) -> dict[str, str]:
-    """Label of a wave -> name of its sea, one for all realisations."""
-    return {wave.label: wave.family if isinstance(wave, IrregularSea) else wave.label for wave in study.waves}
+def _by_sea(study: Compared, rungs: Sequence[Rung]) -> dict[str, list[Rung]]:
+    """Rungs by the name of their sea, one for all realisations; each looked at once, there may be thousands."""
+    seas = {wave.label: wave.family if isinstance(wave, IrregularSea) else wave.label for wave in study.waves}
+    found: dict[str, list[Rung]] = {}
+    for rung in rungs:
+        found.setdefault(seas[rung.wave], []).append(rung)
+    return found
 
 
 def _means(rungs: Sequence[Rung], name: str) -> dict[str, tuple[float | None, float]]:
@@ -105,10 +106,9 @@ def fair_damping_checks(lines: Sequence[Tuned], unit: str) -> list[Check]:
 
 def reference_power_checks(study: Compared, rungs: Sequence[Rung]) -> list[Check]:
     """Return what the rigid design leaves in each sea at its best damper: over next to nothing any gain is large."""
-    reference, seas, checks = study.reference_design, _sea_of(study), []
-    for sea in dict.fromkeys(seas[rung.wave] for rung in rungs):
-        here = [rung for rung in rungs if seas[rung.wave] == sea and rung.design == reference]
-        matched, best = (_means(here, name).get(reference or "", (None, 0.0))[1] for name in ("matched", "best_damper"))
+    reference, checks = study.reference_design or "", []
+    for sea, here in _by_sea(study, rungs).items():
+        matched, best = (_means(here, name).get(reference, (None, 0.0))[1] for name in ("matched", "best_damper"))
         if best > 0 and matched > 0:
             left = matched / best
             verdict: Verdict = "doubt" if left > NEXT_TO_NOTHING else "ok"
