@@ -8,7 +8,8 @@ from scipy.special import gammaln
 from shell.test_modes import PAPER_RITZ
 from shell.test_sphere import SEED, TABLE_I
 
-from vsb.shell.modes import bending_block, immersed_frequencies, legendre, mass_block, membrane_block, mode_basis
+from vsb.shell.legendre import legendre
+from vsb.shell.modes import bending_block, immersed_frequencies, mass_block, membrane_block, mode_basis
 from vsb.shell.sphere import Shell, natural_frequencies
 
 RATIOS = [1e-3, 5e-3, 0.03, 0.09]

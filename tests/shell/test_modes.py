@@ -8,8 +8,11 @@ from shell.test_sphere import LOWER, TABLE_I
 
 from vsb.errors import ConfigError
 from vsb.scenes.rest import design_motions, study_basis
-from vsb.shell.modes import bending_block, legendre, mass_block, membrane_block, mode_basis, shell_modes
+from vsb.shell.legendre import legendre
+from vsb.shell.modes import ModeBasis, bending_block, mass_block, membrane_block, mode_basis, shell_modes
+from vsb.shell.ritz import natural_modes
 from vsb.shell.sphere import Shell, natural_frequencies
+from vsb.study.meridian import capsule
 
 PAPER_RITZ = [51.434449987, 62.153777189, 86.525263883, 115.855327968, 146.580164630, 177.820039783, 209.298426663]
 
@@ -217,3 +220,24 @@ def test_shapes_are_the_same_of_every_material():
     shells = [Shell(2.0, 0.01, modulus, 0.3, density) for modulus, density in ((1e7, 2700.0), (3e10, 950.0))]
     first, second = (shell_modes(shell, "full", 4) for shell in shells)
     assert first is second
+
+
+CAPSULE = Shell(2.0, 0.01, 10e6, 0.3, 2700.0, capsule(2.0, 1.0))
+
+
+def test_modes_of_another_meridian_are_orthogonal_and_of_its_natural_frequencies():
+    basis = ModeBasis(CAPSULE, shell_modes(CAPSULE, "full", 6), 3e4, bending=True)
+    mass, stiffness = basis.inertia, basis.stiffness
+    size = np.sqrt(np.diag(mass))
+    assert basis.dry_frequencies == pytest.approx(natural_modes(CAPSULE, 6).omega, rel=1e-9)
+    assert np.abs(mass / np.outer(size, size) - np.eye(13)).max() < 1e-9
+    assert np.abs(stiffness - np.diag(np.diag(stiffness))).max() < 1e-9 * stiffness.max()
+    assert mass[0, 0] == 3e4
+    assert len(basis.clamped([np.pi / 2])[0]) == 13 - 2
+    assert basis.pole_radial_displacement == pytest.approx(basis.displacement(np.array([0.0]))[0][:, 0])
+
+
+@pytest.mark.parametrize("basis", ["paper", "membrane"])
+def test_other_meridians_have_no_branches(basis):
+    with pytest.raises(ConfigError, match=rf"modes.basis: received '{basis}', but on another shape than the sphere"):
+        shell_modes(CAPSULE, basis, 4)

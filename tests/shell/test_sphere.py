@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vsb.shell.sphere import Shell, frequency_parameter, natural_frequencies
+from vsb.study.meridian import spheroid
 
 SEED = Shell(radius=2.0, thickness=0.01, young_modulus=10e6, poisson_ratio=0.3, density=2700.0)
 TABLE_I = [51.434449987, 62.994144454, 86.823947954, 115.941895367, 146.610087987, 177.832640732, 209.304856685]
@@ -112,3 +113,26 @@ def test_shell_of_a_device(seed):
 def test_impossible_poisson_ratio_is_refused_and_named(ratio):
     with pytest.raises(ValueError, match=rf"-1 < nu < 0.5, got .*nu={ratio}\."):
         Shell(2.0, 0.01, 1e7, ratio, 2700.0)
+
+
+OBLATE = Shell(2.0, 0.01, 10e6, 0.3, 2700.0, spheroid(2.0, 3.0))
+
+
+def test_another_meridian_has_its_own_size():
+    assert OBLATE.mass == pytest.approx(2700.0 * 0.01 * spheroid(2.0, 3.0).area)
+    assert OBLATE.volume == pytest.approx(4 / 3 * np.pi * 2.0**2 * 1.5)
+    at, sphere = OBLATE.at_rest(np.array([0.5])), SEED.at_rest(np.array([0.5]))
+    assert (at.x, at.z) == (pytest.approx(sphere.x), pytest.approx(0.75 * sphere.z))
+
+
+@pytest.mark.parametrize("closed_form", [lambda s: s.buckling_pressure, lambda s: natural_frequencies(s, 2)])
+def test_closed_forms_are_those_of_the_sphere(closed_form):
+    with pytest.raises(ValueError, match="closed forms are those of the sphere"):
+        closed_form(OBLATE)
+
+
+def test_a_meridian_must_suit_its_shell():
+    with pytest.raises(ValueError, match=r"needs the shell's radius, 1\.0 m, got 2\.0 m"):
+        Shell(1.0, 0.01, 10e6, 0.3, 2700.0, spheroid(2.0, 3.0))
+    with pytest.raises(ValueError, match=r"a tenth of the radii of curvature, got thickness=0\.1 m for a least radius"):
+        Shell(2.0, 0.1, 10e6, 0.3, 2700.0, spheroid(2.0, 1.0))

@@ -7,7 +7,7 @@ of a wave each sees one component of e^{ikx} = sum_m (2 - delta_m0) i^m J_m(kR) 
 import numpy as np
 from scipy.special import assoc_legendre_p, j0, j1, jv
 
-from vsb.shell.modes import legendre
+from vsb.shell.legendre import legendre
 from vsb.tools.units import ComplexArray, FloatArray
 
 

@@ -60,17 +60,20 @@ class DeformedShell:
             object.__setattr__(self, "modal_amplitude", np.zeros(len(self.basis.labels)))
 
     def meridian(self, colatitude: FloatArray) -> Meridian:
-        """Return x = (r+v) sin + u cos, z = centre + (r+v) cos - u sin at colatitudes, shape (point,) [rad]."""
-        r, sin, cos = self.basis.shell.radius, np.sin(colatitude), np.cos(colatitude)
+        """Return x = (r+v) sin + u cos, z = centre + (r+v) cos - u sin at colatitudes, shape (point,) [rad].
+
+        On another meridian than the sphere's x and z at rest take the place of r sin and r cos.
+        """
+        at, sin, cos = self.basis.shell.at_rest(colatitude), np.sin(colatitude), np.cos(colatitude)
         v, u, dv, du = self.basis.displacement_and_slope(colatitude)
         shape_x, shape_z = v * sin + u * cos, v * cos - u * sin
         dshape_x, dshape_z = dv * sin + v * cos + du * cos - u * sin, dv * cos - v * sin - du * sin - u * cos
         q = self.modal_amplitude
         return Meridian(
-            r * sin + q @ shape_x,
-            self.centre_height + r * cos + q @ shape_z,
-            r * cos + q @ dshape_x,
-            -r * sin + q @ dshape_z,
+            at.x + q @ shape_x,
+            self.centre_height + at.z + q @ shape_z,
+            at.dx + q @ dshape_x,
+            at.dz + q @ dshape_z,
             shape_x,
             shape_z,
             dshape_x,
@@ -80,7 +83,7 @@ class DeformedShell:
     @cached_property
     def _grid(self) -> FloatArray:
         """Colatitudes fine enough for the turns of the highest degree, pole to pole, shape (point,) [rad]."""
-        return np.linspace(0.0, np.pi, 40 * (self.basis.highest_degree + 1) + 1)
+        return np.linspace(0.0, np.pi, 40 * (self.basis.turns + 1) + 1)
 
     @cached_property
     def _on_grid(self) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -121,7 +124,7 @@ class DeformedShell:
 
     def _wet_points(self, points: int) -> Iterator[tuple[FloatArray, FloatArray]]:
         """Colatitudes and weights of Gauss-Legendre quadrature, `points` per wet segment, some at a time."""
-        rule = gauss_rule(points)
+        rule = gauss_rule(points + 2 * (self.basis.turns - self.basis.highest_degree))
         for a, b in self.wet_segments:
             for node, weight in zip(*map(_parts, rule), strict=True):
                 yield (a + b) / 2 + (b - a) / 2 * node, (b - a) / 2 * weight
@@ -236,7 +239,7 @@ def enclosed(basis: ModeBasis, modal_amplitude: FloatArray, points: int = 0) -> 
     volume, area : ndarray, shape (time,)
         -int pi x^2 dz and int 2 pi x ds over the deformed meridian.
     """
-    node, weight = gauss_rule(points or 4 * basis.highest_degree + 24)
+    node, weight = gauss_rule(points or 4 * basis.turns + 24)
     m = DeformedShell(basis, 0.0).meridian(np.arccos(node))
     weight = weight / np.sqrt(1 - node**2)
     x, dx, dz = (

@@ -15,23 +15,12 @@ from scipy.optimize import brentq, minimize_scalar
 
 from vsb.errors import ConvergenceError
 from vsb.shell.deformed import DeformedShell, Meridian, gauss_rule
-from vsb.shell.modes import Mode, ModeBasis, bending_block, legendre
+from vsb.shell.mode import Mode
+from vsb.shell.modes import ModeBasis, bending_block
 from vsb.shell.sphere import Shell
+from vsb.shell.strain import strain_shapes
 from vsb.study.study import Device, Gas, Water
 from vsb.tools.units import FloatArray
-
-
-def strain_shapes(basis: ModeBasis, colatitude: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return linear meridional and hoop strain and rotation per unit amplitude, each shape (dof, point) [1/m].
-
-    e_phi = (u' + v)/r, e_theta = (u cot phi + v)/r, beta = (v' - u)/r. By Legendre's equation
-    u cot phi = -n(n+1) U P_n - u', which holds at the poles too and makes all three exactly zero for rigid heave.
-    """
-    p, dp, ddp = (table[list(basis.degrees)] for table in legendre(basis.highest_degree, colatitude))
-    radial, meridional = np.array([[mode.radial, mode.meridional] for mode in basis.shapes]).T[:, :, None]
-    n, r = np.array(basis.degrees)[:, None], basis.shell.radius
-    hoop = (radial - n * (n + 1) * meridional) * p - meridional * ddp
-    return (radial * p + meridional * ddp) / r, hoop / r, (radial - meridional) * dp / r
 
 
 class Tables(NamedTuple):
@@ -58,14 +47,20 @@ class ElasticShell:
     @cached_property
     def _tables(self) -> Tables:
         prestress = converged_degree(self.basis.shell) // 2  # points for membrane forces of more degrees than the basis
-        cos, weight = gauss_rule(2 * self.basis.highest_degree + 2 + prestress)
+        further = 4 * (self.basis.turns + 16) if self.basis.shell.rest is not None else 0
+        cos, weight = gauss_rule(2 * self.basis.highest_degree + 2 + prestress + further)
         colatitude, area = np.arccos(cos), 2 * np.pi * self.basis.shell.radius**2 * weight
+        if self.basis.shell.rest is not None:
+            at = self.basis.shell.at_rest(colatitude)
+            area = 2 * np.pi * at.x * np.hypot(at.dx, at.dz) * weight / np.sin(colatitude)
         meridian = DeformedShell(self.basis, 0.0).meridian(colatitude)
         return Tables(colatitude, area, weight / np.sin(colatitude), strain_shapes(self.basis, colatitude), meridian)
 
     @cached_property
     def bending(self) -> FloatArray:
         """Stiffness of bending, shape (dof, dof) [N/m]; the curvatures hold V - U alone, so one number per degree."""
+        if self.basis.shell.rest is not None:
+            return self.basis.integrated("bending")
         n, shape = np.array(self.basis.degrees), np.array([mode.radial - mode.meridional for mode in self.basis.shapes])
         scale = np.array([bending_block(self.basis.shell, degree)[0, 0] for degree in self.basis.degrees])
         return np.where(n[:, None] == n, np.outer(scale * shape, shape), 0.0)
@@ -164,7 +159,7 @@ class LoadedShell:
     def _contents(self) -> tuple[float, float, float]:
         """Adiabatic index, outer pressure and undeformed volume; constant pressure is a gas of index 0."""
         index, outside = (self.gas.adiabatic_index, self.gas.atmospheric_pressure) if self.gas else (0.0, 0.0)
-        return index, outside, 4 / 3 * math.pi * self.basis.shell.radius**3
+        return index, outside, self.basis.shell.volume
 
     def pressure(self, q: FloatArray) -> float:
         """Return the internal gauge pressure, (p_atm + p_i)(V_0/V)^gamma - p_atm for a trapped gas [Pa]."""

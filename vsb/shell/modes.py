@@ -1,7 +1,8 @@
 """Rayleigh-Ritz basis of the shell: mode shapes, modal mass, stiffness and damping, clamps.
 
-Every shape is one Legendre degree n: radial displacement v = V P_n(cos phi), meridional u = U dP_n/dphi. Rigid heave
-is the shape n = 1, V = U = 1. Degrees are orthogonal, so mass and energy are closed-form 2 x 2 blocks per degree.
+Every shape of the sphere is one Legendre degree n: radial displacement v = V P_n(cos phi), meridional u = U dP_n/dphi.
+Rigid heave is the shape n = 1, V = U = 1. Degrees are orthogonal, so mass and energy are closed-form 2 x 2 blocks per
+degree. On another meridian the natural modes hold all degrees, and both come from quadrature (`vsb.shell.ritz`).
 """
 
 from collections.abc import Iterable
@@ -11,10 +12,11 @@ from typing import Literal
 
 import numpy as np
 from scipy.linalg import eigh, svd
-from scipy.optimize import minimize_scalar
-from scipy.special import legendre_p_all
 
 from vsb.errors import ConfigError
+from vsb.shell.legendre import legendre
+from vsb.shell.mode import Mode, natural_shapes, scaled
+from vsb.shell.ritz import matrices
 from vsb.shell.sphere import Shell, frequency_parameter
 from vsb.study.study import Device
 from vsb.tools.units import FloatArray
@@ -25,23 +27,6 @@ SAME = 1e-12
 """A singular value of the constraint below this part of the largest is zero: a repeated clamp, a pole's row [-]."""
 DISTINCT = 1e-8
 """Above this part it is a constraint of its own; its direction then keeps eight digits [-]."""
-
-
-def legendre(degree: int, colatitude: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return P_n(cos phi) and its first and second derivatives by phi for n = 0..degree.
-
-    Parameters
-    ----------
-    degree : int
-    colatitude : ndarray, shape (point,) [rad]
-
-    Returns
-    -------
-    tuple of ndarray, each shape (degree + 1, point) [-]
-    """
-    cos, sin = np.cos(colatitude), np.sin(colatitude)
-    p, dp, ddp = legendre_p_all(degree, cos, diff_n=2)
-    return p, -sin * dp, sin**2 * ddp - cos * dp
 
 
 def membrane_block(shell: Shell, degree: int) -> FloatArray:
@@ -78,16 +63,6 @@ def mass_block(shell: Shell, degree: int) -> FloatArray:
 
 
 @dataclass(frozen=True)
-class Mode:
-    """One shape: v = radial P_n, u = meridional dP_n/dphi, scaled to max|displacement| = 1 (C5)."""
-
-    label: str
-    degree: int
-    radial: float
-    meridional: float
-
-
-@dataclass(frozen=True)
 class ModeBasis:
     """Shapes of a study and their structural matrices; heave first, then the shell modes."""
 
@@ -113,15 +88,40 @@ class ModeBasis:
         """Legendre degree of each degree of freedom."""
         return tuple(mode.degree for mode in self.shapes)
 
-    @property
+    @cached_property
     def highest_degree(self) -> int:
         """Highest Legendre degree of the basis."""
-        return max(self.degrees)
+        return max(degree for mode in self.shapes for degree, _, _ in mode.parts)
+
+    @property
+    def turns(self) -> int:
+        """Degree whose turns the deformed meridian may have: the shapes' and, beyond the sphere's, its own."""
+        return self.highest_degree + (len(self.shell.rest.axial) - 2 if self.shell.rest else 0)
 
     @cached_property
     def pole_radial_displacement(self) -> FloatArray:
         """Radial displacement at the top pole per unit amplitude, shape (dof,) [-]: P_n(1) = 1."""
-        return np.array([mode.radial for mode in self.shapes])
+        return np.array([sum(radial for _, radial, _ in mode.parts) for mode in self.shapes])
+
+    @cached_property
+    def shares(self) -> FloatArray:
+        """Radial and meridional amplitude of each degree in each shape, shape (2, dof, degree) [-]."""
+        found = np.zeros((2, len(self.shapes), self.highest_degree + 1))
+        for i, mode in enumerate(self.shapes):
+            for degree, radial, meridional in mode.parts:
+                found[:, i, degree] = radial, meridional
+        return found
+
+    @cached_property
+    def displacements(self) -> FloatArray:
+        """Each shape in terms of the displacements of `vsb.shell.ritz`, shape (dof, displacement) [-]."""
+        radial, meridional = self.shares
+        return np.hstack([radial, meridional[:, 1:]])
+
+    def integrated(self, *names: str) -> FloatArray:
+        """Return the sum of matrices of `vsb.shell.ritz` over the shapes, (dof, dof) [kg], [N/m]."""
+        shapes, found = self.displacements, matrices(self.shell, self.highest_degree)
+        return np.asarray(sum(shapes @ getattr(found, name) @ shapes.T for name in names))
 
     def _assembled(self, block: dict[int, FloatArray], shapes: Iterable[Mode]) -> FloatArray:
         """Matrix of a quadratic form that couples equal degrees only, from its (V, U) blocks."""
@@ -135,17 +135,24 @@ class ModeBasis:
         Heave carries the whole buoy. A mode couples to heave only through degree 1, and there only if it is not
         orthogonal to rigid heave, as the paper's slipped n = 1 shape is not.
         """
-        matrix = self._assembled({n: mass_block(self.shell, n) for n in set(self.degrees)}, self.shapes)
+        if self.shell.rest is None:
+            matrix = self._assembled({n: mass_block(self.shell, n) for n in set(self.degrees)}, self.shapes)
+        else:
+            matrix = self.integrated("mass")
+            matrix[0, 1:] = matrix[1:, 0] = 0.0  # exact: natural modes are orthogonal to rigid heave
         matrix[0, 0] = self.total_mass
         return matrix
 
     @cached_property
     def stiffness(self) -> FloatArray:
         """Elastic stiffness over heave and modes, shape (dof, dof) [N/m]; zero for rigid heave."""
-        blocks = {n: membrane_block(self.shell, n) for n in set(self.degrees)}
-        if self.bending:
-            blocks = {n: block + bending_block(self.shell, n) for n, block in blocks.items()}
-        matrix = self._assembled(blocks, self.shapes)
+        if self.shell.rest is None:
+            blocks = {n: membrane_block(self.shell, n) for n in set(self.degrees)}
+            if self.bending:
+                blocks = {n: block + bending_block(self.shell, n) for n, block in blocks.items()}
+            matrix = self._assembled(blocks, self.shapes)
+        else:
+            matrix = self.integrated("membrane", *(["bending"] if self.bending else []))
         matrix[0, :] = matrix[:, 0] = 0.0  # exact: rigid motion strains nothing
         return matrix
 
@@ -173,7 +180,11 @@ class ModeBasis:
 
     def displacement_and_slope(self, colatitude: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Return radial and meridional shapes at points, then their slopes by colatitude, each (dof, point) [-]."""
-        p, dp, ddp = (table[list(self.degrees)] for table in legendre(self.highest_degree, colatitude))
+        tables = legendre(self.highest_degree, colatitude)
+        if self.shell.rest is not None:
+            (radial, meridional), (p, dp, ddp) = self.shares, tables
+            return radial @ p, meridional @ dp, radial @ dp, meridional @ ddp
+        p, dp, ddp = (table[list(self.degrees)] for table in tables)
         radial, meridional = self._amplitudes
         return radial * p, meridional * dp, radial * dp, meridional * ddp
 
@@ -242,24 +253,6 @@ def check_rank(rows: FloatArray) -> int:
     return int(np.sum(relative >= DISTINCT))
 
 
-def _scaled(label: str, degree: int, radial: float, meridional: float) -> Mode:
-    """Scale a shape to max|displacement| = 1, radial at the top pole positive."""
-
-    def displacement(phi: FloatArray) -> FloatArray:
-        p, dp, _ = legendre(degree, np.atleast_1d(phi))
-        return np.asarray(np.hypot(radial * p[degree], meridional * dp[degree]))
-
-    grid = np.linspace(0.0, np.pi, 20 * degree + 3)
-    peak = grid[np.argmax(displacement(grid))]
-    step = grid[1]
-    refined = minimize_scalar(
-        lambda phi: -float(displacement(phi)[0]), bounds=(peak - step, peak + step), options={"xatol": 1e-12}
-    )
-    largest = max(-float(refined.fun), float(displacement(np.array(peak))[0]))
-    scale = np.copysign(1.0, radial) / largest
-    return Mode(label, degree, radial * scale, meridional * scale)
-
-
 def _branches(shell: Shell, degree: int) -> FloatArray:
     """Eigenvectors (V, U) of the complete shell of one degree >= 1; columns lower, upper branch."""
     stiffness = membrane_block(shell, degree) + bending_block(shell, degree)
@@ -320,12 +313,12 @@ def _degree_modes(shell: Shell, basis: Basis, degree: int) -> list[Mode]:
     if degree == 0:
         return [Mode("Membrane0", 0, 1.0, 0.0)]
     if basis == "paper":
-        return [_scaled(f"Membrane{degree}", degree, paper_ratio(shell, degree), 1.0)]
+        return [scaled(f"Membrane{degree}", degree, paper_ratio(shell, degree), 1.0)]
     lower, upper = _branches(shell, degree).T
-    membrane = _scaled(f"Membrane{degree}", degree, *upper)
+    membrane = scaled(f"Membrane{degree}", degree, *upper)
     if basis == "membrane" or degree == 1:  # the lower branch of n = 1 is rigid heave (C4)
         return [membrane]
-    return [membrane, _scaled(f"Bending{degree}", degree, *lower)]
+    return [membrane, scaled(f"Bending{degree}", degree, *lower)]
 
 
 def mode_basis(device: Device, basis: Basis, degree: int) -> ModeBasis:
@@ -355,6 +348,13 @@ def shell_modes(shell: Shell, basis: Basis, degree: int) -> tuple[Mode, ...]:
 @lru_cache(maxsize=64)
 def _shapes(shell: Shell, basis: Basis, degree: int) -> tuple[Mode, ...]:
     """The same, once for all materials."""
+    if shell.rest is not None:
+        if basis != "full":
+            raise ConfigError(
+                f"modes.basis: received {basis!r}, but on another shape than the sphere modes have no branches; needs "
+                "full"
+            )
+        return natural_shapes(shell, degree)
     modes = [mode for n in range(degree + 1) for mode in _degree_modes(shell, basis, n)]
     return tuple(sorted(modes, key=lambda mode: mode.label.startswith("Bending")))
 

@@ -19,9 +19,9 @@ from scipy.linalg import block_diag, svd
 from scipy.optimize import minimize_scalar
 
 from vsb.errors import ConfigError
+from vsb.shell.mode import Mode
 from vsb.shell.modes import (
     SAME,
-    Mode,
     ModeBasis,
     bending_block,
     check_rank,

@@ -1,23 +1,26 @@
-"""Spherical shell: geometry, material, closed-form natural frequencies, classical buckling."""
+"""Closed shell of revolution: geometry and material; of the sphere also natural frequencies and classical buckling."""
 
 import math
 from dataclasses import dataclass
 
 import numpy as np
 
+from vsb.shell.curve import Curve, curve
+from vsb.study.meridian import RestMeridian, spheroid
 from vsb.study.study import Device
 from vsb.tools.units import FloatArray
 
 
 @dataclass(frozen=True, slots=True)
 class Shell:
-    """Thin closed spherical shell of one isotropic material."""
+    """Thin closed shell of revolution of one isotropic material, by default a sphere."""
 
-    radius: float  # [m]
+    radius: float  # largest [m]
     thickness: float  # [m]
     young_modulus: float  # [Pa]
     poisson_ratio: float  # [-]
     density: float  # [kg/m^3]
+    rest: RestMeridian | None = None  # another meridian than the sphere's
 
     def __post_init__(self) -> None:
         """Check the thin-shell limit and the material."""
@@ -31,6 +34,18 @@ class Shell:
                 f"a material needs E > 0, density > 0 and -1 < nu < 0.5, got E={self.young_modulus} Pa, "
                 f"density={self.density} kg/m^3, nu={self.poisson_ratio}."
             )
+        if self.rest is not None:
+            self._check_rest(self.rest)
+
+    def _check_rest(self, rest: RestMeridian) -> None:
+        """Check that another meridian is of this radius, and nowhere too sharp for a thin shell."""
+        if not math.isclose(rest.radius, self.radius, rel_tol=1e-9):
+            raise ValueError(f"a meridian needs the shell's radius, {self.radius} m, got {rest.radius} m.")
+        if not self.thickness < 0.1 * rest.sharpest:
+            raise ValueError(
+                f"thin-shell theory (C3) needs thickness < a tenth of the radii of curvature, got thickness="
+                f"{self.thickness} m for a least radius of curvature of {rest.sharpest:.4g} m; use a thinner shell."
+            )
 
     @classmethod
     def of(cls, device: Device) -> "Shell":
@@ -38,9 +53,32 @@ class Shell:
         return cls(device.radius, device.thickness, device.young_modulus, device.poisson_ratio, device.density)
 
     @property
+    def meridian(self) -> RestMeridian:
+        """The meridian at rest, about an origin in the middle of its height."""
+        return self.rest or spheroid(self.radius, 2 * self.radius)
+
+    def at_rest(self, colatitude: FloatArray) -> Curve:
+        """Return the meridian at rest at colatitudes, shape (point,) [rad]; r sin and r cos of the sphere."""
+        if self.rest is not None:
+            return curve(self.rest, colatitude)
+        x, z = self.radius * np.sin(colatitude), self.radius * np.cos(colatitude)
+        return Curve(x, z, z, -x)
+
+    @property
     def mass(self) -> float:
         """Mass of the shell alone [kg]."""
-        return 4 * math.pi * self.radius**2 * self.thickness * self.density
+        area = 4 * math.pi * self.radius**2 if self.rest is None else self.rest.area
+        return area * self.thickness * self.density
+
+    @property
+    def volume(self) -> float:
+        """Volume it encloses at rest [m^3]."""
+        return 4 / 3 * math.pi * self.radius**3 if self.rest is None else self.rest.volume
+
+    def check_sphere(self) -> None:
+        """Raise `ValueError` for a shell of another shape, of which closed forms are not known."""
+        if self.rest is not None:
+            raise ValueError("closed forms are those of the sphere, got a shell of another meridian.")
 
     @property
     def membrane_stiffness(self) -> float:
@@ -55,6 +93,7 @@ class Shell:
     @property
     def buckling_pressure(self) -> float:
         """Classical external buckling pressure 2 E (h/r)^2/sqrt(3 (1 - nu^2)) [Pa]."""
+        self.check_sphere()
         ratio = self.thickness / self.radius
         return 2 * self.young_modulus * ratio**2 / math.sqrt(3 * (1 - self.poisson_ratio**2))
 
@@ -79,6 +118,7 @@ def frequency_parameter(shell: Shell, degree: int) -> tuple[float, float]:
     Shabara & Abdelkhalik Eqs. 52-56; their print of Eqs. 54-56 does not give their Table I, this form does
     (to 1e-11). For n = 0 the degree-0 meridional function is zero, so only the root with A^2 - 4mB survives.
     """
+    shell.check_sphere()
     nu, m = shell.poisson_ratio, degree * (degree + 1) - 2
     e = (shell.thickness / shell.radius) ** 2 / 12
     if degree == 0:

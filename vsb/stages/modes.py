@@ -7,7 +7,7 @@ import xarray as xr
 
 from vsb.scenes.directions import order_bases
 from vsb.scenes.rest import check_stable, reference_shell
-from vsb.shell.modes import Mode
+from vsb.shell.mode import Mode
 from vsb.shell.orders import OrderBasis
 from vsb.shell.rest import ReferenceShell
 from vsb.stages.stage import stamp

@@ -1,0 +1,146 @@
+"""The shell of any meridian by quadrature, held to the sphere's closed form and to conical finite elements."""
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh
+
+from vsb.errors import ConvergenceError
+from vsb.shell import ritz
+from vsb.shell.curve import curve
+from vsb.shell.modes import bending_block, mass_block, membrane_block
+from vsb.shell.ritz import heave, matrices, natural_modes
+from vsb.shell.sphere import Shell, natural_frequencies
+from vsb.study.meridian import RestMeridian, capsule, spheroid
+
+SEED = Shell(radius=2.0, thickness=0.01, young_modulus=10e6, poisson_ratio=0.3, density=2700.0)
+OBLATE = Shell(2.0, 0.01, 10e6, 0.3, 2700.0, spheroid(2.0, 3.0))
+PROLATE = Shell(2.0, 0.05, 10e6, 0.3, 2700.0, spheroid(2.0, 6.0))
+CAPSULE = Shell(1.0, 0.02, 10e6, 0.3, 2700.0, capsule(1.0, 1.0))
+
+
+def _blocks(block, shell, degree):
+    """A closed-form matrix of the sphere over radial, then meridional displacements."""
+    found = np.zeros((2 * degree + 1, 2 * degree + 1))
+    for n in range(degree + 1):
+        at = [n, degree + n] if n else [0]
+        found[np.ix_(at, at)] = block(shell, n)[: len(at), : len(at)]
+    return found
+
+
+@pytest.mark.parametrize("degree", [1, 6, 20])
+def test_the_sphere_is_that_of_the_closed_form(degree):
+    for found, block in zip(matrices(SEED, degree), (mass_block, membrane_block, bending_block), strict=True):
+        exact = _blocks(block, SEED, degree)
+        assert np.abs(found - exact).max() < 1e-11 * np.abs(exact).max()
+        size = np.sqrt(np.outer(*2 * (np.diag(exact) + 1e-9 * exact.max(),)))
+        assert np.abs((found - exact) / size).max() < 1e-10
+
+
+def test_natural_modes_of_the_sphere():
+    exact = [natural_frequencies(SEED, n)[1] for n in range(7)], [natural_frequencies(SEED, n)[0] for n in range(2, 7)]
+    found = natural_modes(SEED, 6).omega
+    assert found == pytest.approx([*exact[1], *exact[0]], rel=1e-10)
+
+
+@pytest.mark.parametrize("shell", [OBLATE, PROLATE, CAPSULE])
+def test_rigid_heave_strains_nothing_and_weighs_the_shell(shell):
+    mass, membrane, bending = matrices(shell, 8)
+    rigid = heave(8)
+    assert rigid @ mass @ rigid == pytest.approx(shell.mass, rel=1e-12)
+    assert np.abs(membrane @ rigid).max() < 1e-12 * membrane.max()
+    assert np.abs(bending @ rigid).max() < 1e-12 * bending.max()
+    modes = natural_modes(shell, 8)
+    assert np.abs(rigid @ mass @ modes.shapes).max() < 1e-11 * np.sqrt(shell.mass)
+    assert (modes.omega > 0).all()
+
+
+def test_a_uniform_swelling_is_all_membrane():
+    """A displacement proportional to the position stretches all lines alike and turns none."""
+    terms = np.zeros(2 * 6 + 1)
+    meridian = spheroid(2.0, 2.6)  # x sin + z cos along e_r, x cos - z sin along e_phi: degrees 0 and 2
+    a, c = 2.0, 1.3
+    terms[0], terms[2], terms[6 + 2] = (2 * a + c) / 3, 2 * (c - a) / 3, (c - a) / 3
+    shell = Shell(2.0, 0.01, 10e6, 0.3, 2700.0, meridian)
+    _, membrane, bending = matrices(shell, 6)
+    assert terms @ membrane @ terms == pytest.approx(
+        2 * (1 + 0.3) * shell.membrane_stiffness * meridian.area, rel=1e-12
+    )
+    assert abs(terms @ bending @ terms) < 1e-12 * bending.max()
+    phi = np.linspace(0.1, 3.0, 7)
+    found = ritz.strains(meridian, 6, phi)
+    assert terms @ found.meridional == pytest.approx(1.0)
+    assert terms @ found.hoop == pytest.approx(1.0)
+    assert np.abs(terms @ found.rotation).max() < 1e-12
+
+
+def _conical_elements(shell, count):
+    """Natural frequencies by conical frusta: straight, u linear and w cubic along each (Grafton & Strome 1963)."""
+    at = curve(shell.meridian, np.linspace(0.0, np.pi, count + 1))
+    mass, stiffness = np.zeros((2, 3 * count + 3, 3 * count + 3))
+    node, weight = np.polynomial.legendre.leggauss(4)
+    c, d, nu = shell.membrane_stiffness, shell.bending_stiffness, shell.poisson_ratio
+    for i in range(count):
+        dx, dz = at.x[i + 1] - at.x[i], at.z[i + 1] - at.z[i]
+        length = np.hypot(dx, dz)
+        t, n = np.array([dx, dz]) / length, np.array([-dz, dx]) / length
+        turn = np.zeros((6, 6))  # local (u, w, beta) of either end from (x, z, beta)
+        for e in (0, 3):
+            turn[e, e : e + 2], turn[e + 1, e : e + 2], turn[e + 2, e + 2] = t, n, 1.0
+        for s, w in zip((node + 1) / 2, weight / 2, strict=True):
+            x = at.x[i] + s * dx
+            u = np.array([1 - s, 0, 0, s, 0, 0])
+            along = np.array([-1, 0, 0, 1, 0, 0]) / length
+            cubic = np.array([0, 1 - 3 * s**2 + 2 * s**3, length * (s - 2 * s**2 + s**3),
+                              0, 3 * s**2 - 2 * s**3, length * (s**3 - s**2)])  # fmt: skip
+            slope = np.array([0, -6 * s + 6 * s**2, length * (1 - 4 * s + 3 * s**2),
+                              0, 6 * s - 6 * s**2, length * (3 * s**2 - 2 * s)]) / length  # fmt: skip
+            bent = np.array([0, -6 + 12 * s, length * (-4 + 6 * s), 0, 6 - 12 * s, length * (6 * s - 2)]) / length**2
+            hoop, turned = (u * t[0] + cubic * n[0]) / x, -slope * t[0] / x
+            ring = 2 * np.pi * x * length * w
+            e = turn.T @ (
+                c * (np.outer(along, along) + np.outer(hoop, hoop) + nu * (np.outer(along, hoop) + np.outer(hoop, along)))
+                + d * (np.outer(bent, bent) + np.outer(turned, turned) - nu * (np.outer(bent, turned) + np.outer(turned, bent)))
+            ) @ turn * ring  # fmt: skip
+            m = turn.T @ (np.outer(u, u) + np.outer(cubic, cubic)) @ turn * ring * shell.density * shell.thickness
+            part = slice(3 * i, 3 * i + 6)
+            stiffness[part, part] += e
+            mass[part, part] += m
+    free = [j for j in range(3 * count + 3) if j not in (0, 2, 3 * count, 3 * count + 2)]  # poles: neither x nor turn
+    return np.sqrt(np.abs(eigh(stiffness[np.ix_(free, free)], mass[np.ix_(free, free)], eigvals_only=True)))[1:]
+
+
+@pytest.mark.parametrize(("shell", "degree"), [(SEED, 24), (OBLATE, 24), (PROLATE, 24), (CAPSULE, 24)])
+def test_natural_frequencies_are_those_of_conical_finite_elements(shell, degree):
+    """Another geometry, other shapes, other strains: equal as their error, of second order, vanishes."""
+    coarse, fine = (_conical_elements(shell, count)[:4] for count in (40, 80))
+    ours = natural_modes(shell, degree).omega[:4]
+    assert fine == pytest.approx(ours, rel=1e-2)
+    assert np.log2(np.abs(coarse / ours - 1) / np.abs(fine / ours - 1)) == pytest.approx(2.0, abs=0.35)
+    assert (4 * fine - coarse) / 3 == pytest.approx(ours, rel=3e-4)
+
+
+def test_more_degrees_lower_the_frequencies_to_a_limit():
+    """Rayleigh's principle, and spectral convergence: each degree more gains."""
+    found = [natural_modes(PROLATE, degree).omega[:3] for degree in (6, 10, 14, 30)]
+    errors = [np.max(omega / found[-1] - 1) for omega in found[:-1]]
+    assert all(np.min(omega - found[-1]) > -1e-9 * omega[0] for omega in found[:-1])
+    assert errors[1] < 0.2 * errors[0]
+    assert errors[2] < 0.2 * errors[1]
+
+
+def test_a_little_eccentricity_changes_frequencies_to_first_order():
+    """Second differences about the sphere are bounded: the sphere is no special case of the quadrature."""
+
+    def lowest(part):
+        return natural_modes(Shell(2.0, 0.01, 10e6, 0.3, 2700.0, spheroid(2.0, 4.0 * (1 + part))), 12).omega[:3]
+
+    slope = (lowest(1e-4) - lowest(-1e-4)) / 2e-4
+    wider = (lowest(1e-2) - lowest(-1e-2)) / 2e-2
+    assert slope == pytest.approx(wider, rel=5e-2)
+    assert lowest(0.0) == pytest.approx([natural_frequencies(SEED, n)[0] for n in (2, 3, 4)], rel=1e-10)
+
+
+def test_a_meridian_too_rough_for_any_quadrature_is_refused(monkeypatch):
+    monkeypatch.setattr(ritz, "MOST_POINTS", 40)
+    with pytest.raises(ConvergenceError, match=r"device.shape: the energy of its shell is not integrated by 40 points"):
+        matrices(Shell(1.0, 1e-4, 1e7, 0.3, 2700.0, RestMeridian((1.0,), (0.0, 0.07))), 3)

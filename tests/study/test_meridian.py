@@ -1,0 +1,137 @@
+import itertools
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from vsb.study.meridian import JUNCTION, RestMeridian, capsule, spheroid, through
+
+
+def test_a_sphere_is_one_term_each():
+    sphere = spheroid(2.0, 4.0)
+    assert (sphere.radial, sphere.axial) == ((2.0,), (0.0, 2.0))
+    assert sphere.volume == pytest.approx(4 / 3 * math.pi * 8, rel=1e-14)
+    assert sphere.area == pytest.approx(16 * math.pi, rel=1e-14)
+    assert sphere.curvatures(1.0) == pytest.approx((0.5, 0.5), rel=1e-14)
+    assert (sphere.radius, sphere.top, sphere.keel) == (2.0, 2.0, -2.0)
+
+
+@given(st.floats(0.2, 5.0), st.floats(0.1, 0.9))
+def test_the_cap_of_a_spheroid(stretch, part):
+    """An affine image of the sphere's cap, pi h^2 (3r - h)/3."""
+    body, h = spheroid(2.0, 4.0 * stretch), 4.0 * part
+    cap = stretch * math.pi * h**2 * (6 - h) / 3
+    assert body.volume_below(stretch * (h - 2.0)) == pytest.approx(cap, rel=1e-12)
+    assert body.draft_of(cap) == pytest.approx(stretch * h, rel=1e-12)
+
+
+def test_area_and_curvature_of_spheroids():
+    a, c = 2.0, 1.5
+    e = math.sqrt(1 - c**2 / a**2)
+    oblate = spheroid(a, 2 * c)
+    assert oblate.area == pytest.approx(2 * math.pi * a**2 * (1 + (1 - e**2) / e * math.atanh(e)), rel=1e-13)
+    assert oblate.curvatures(math.pi / 2) == pytest.approx((a / c**2, 1 / a), rel=1e-13)
+    assert oblate.sharpest == pytest.approx(c**2 / a, rel=1e-9)  # at the equator
+    c = 3.0
+    e = math.sqrt(1 - a**2 / c**2)
+    prolate = spheroid(a, 2 * c)
+    assert prolate.area == pytest.approx(2 * math.pi * a**2 * (1 + c / (a * e) * math.asin(e)), rel=1e-13)
+    assert prolate.sharpest == pytest.approx(a**2 / c, rel=1e-3)  # at the poles
+
+
+def test_a_capsule_is_the_plain_one_with_smooth_junctions():
+    body = capsule(1.5, 3.0)
+    assert (body.radius, body.top, body.keel) == pytest.approx((1.5, 3.0, -3.0), rel=1e-12)
+    plain = math.pi * 1.5**2 * 3.0 + 4 / 3 * math.pi * 1.5**3
+    assert 0.001 < 1 - body.volume / plain < 0.02
+    middle, cap = body.curvatures(math.pi / 2), body.curvatures(0.02)
+    assert middle == pytest.approx((0.0, 1 / 1.5), abs=1e-5)
+    assert cap == pytest.approx((1 / 1.5, 1 / 1.5), rel=0.03)
+    length = 2 * math.pi * 1.5 / 4 + 1.5  # of the arc from a pole to the middle
+    bends = [body.curvatures(math.pi / 2 * s / length)[0] for s in (2.3, 2.31, 2.4, 2.41, 2.5, 2.51)]
+    assert all(a > b > 0 for a, b in itertools.pairwise(bends))
+    steepest = max(abs(b - a) / 0.01 for a, b in zip(bends[::2], bends[1::2], strict=True))
+    assert steepest == pytest.approx(1 / (math.sqrt(2 * math.pi) * JUNCTION * 1.5**2), rel=0.05)  # a Gaussian's
+
+
+def test_half_of_a_capsule_floats_at_half_its_height():
+    body = capsule(1.0, 1.0)
+    assert body.draft_of(body.volume / 2) == pytest.approx(1.5, rel=1e-10)
+
+
+def _points(shape, count):
+    return tuple((0.0 if i in (0, count) else shape(math.pi * i / count)[0], shape(math.pi * i / count)[1])
+                 for i in range(count + 1))  # fmt: skip
+
+
+def test_points_of_an_ellipse_give_the_spheroid_at_fourth_order_or_more():
+    def ellipse(phi):
+        return 3 * math.sin(phi), 2 * math.cos(phi)
+
+    exact = spheroid(1.5, 2.0)
+    errors = [abs(through(_points(ellipse, n), 1.5).volume / exact.volume - 1) for n in (8, 16)]
+    assert 3.5 < math.log2(errors[0] / errors[1]) < 6.0
+    assert errors[1] < 1e-5
+    found = through(_points(ellipse, 24), 1.5)
+    assert found.radius == pytest.approx(1.5, rel=1e-9)
+    assert found.top == pytest.approx(-found.keel, abs=1e-12) == pytest.approx(1.0, rel=1e-4)
+
+
+def test_a_profile_passes_through_its_points():
+    points = ((0.0, 1.0), (0.7, 0.9), (1.0, 0.3), (0.8, -0.3), (0.75, -0.8), (0.5, -1.4), (0.0, -1.5))
+    found = through(points, max(x for x, _ in points))
+    fine = [found.at(math.pi * i / 4000) for i in range(4001)]
+    middle = 0.5 * (points[0][1] + points[-1][1])
+    size = (found.top - found.keel) / (points[0][1] - points[-1][1])  # its largest radius lies between two points
+    for x, z in points:
+        nearest = min(math.hypot(p[0] - size * x, p[1] - size * (z - middle)) for p in fine)
+        assert nearest < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("points", "message"),
+    [
+        (((0, 1), (1, 0), (0, -1)), "received 3 points; needs at least five"),
+        (((0, 1), (1, 0.5), (1, math.nan), (1, -0.5), (0, -1)), "no finite numbers"),
+        (((0.2, 1), (1, 0.5), (1, 0), (1, -0.5), (0, -1)), r"first point at \(0.2, 1\), so the meridian is not closed"),
+        (((0, 1), (1, 0.5), (1, 0), (1, -0.5), (0.3, -1)), r"last point at \(0.3, -1\), so the meridian is not closed"),
+        (((0, -1), (1, -0.5), (1, 0), (1, 0.5), (0, 1)), "needs the top first"),
+        (((0, 1), (1, 0.5), (0, 0), (1, -0.5), (0, -1)), "radius 0 between the poles"),
+        (((0, 1), (1, 0.5), (1, 0.5), (1, -0.5), (0, -1)), "the same point twice in a row"),
+        (((0, 1), (0.8, 1), (1.2, 0.2), (0.7, -0.6), (0.3, 0.2), (0.8, 0.4), (1.3, -0.6), (0.6, -1.4), (0, -1.4)),
+         "crosses itself near"),
+    ],
+)  # fmt: skip
+def test_what_bounds_no_body_is_refused(points, message):
+    with pytest.raises(ValueError, match=message):
+        through(tuple((float(x), float(z)) for x, z in points), 1.0)
+
+
+def test_a_meridian_that_meets_the_axis_is_refused():
+    with pytest.raises(ValueError, match=r"crosses the axis near \(-0.5, "):
+        RestMeridian((1.0, 0.0, 1.5), (0.0, 1.0))
+    with pytest.raises(ValueError, match="crosses the axis near"):
+        RestMeridian((-1.0,), (0.0, 1.0))
+
+
+def test_a_profile_with_more_turns_than_terms_is_refused():
+    saw = [(math.sin(math.pi * i / 300) * (1 + 0.01 * (-1) ** i), math.cos(math.pi * i / 300)) for i in range(1, 300)]
+    with pytest.raises(ValueError, match="turn too sharply for a smooth meridian"):
+        through(((0.0, 1.0), *saw, (0.0, -1.0)), 1.0)
+
+
+def test_terms_are_numbers():
+    with pytest.raises(ValueError, match="received NaN or infinite numbers"):
+        RestMeridian((1.0,), (0.0, math.inf))
+
+
+def test_an_overhang_floats_too():
+    """A bell, hollow from below: water up to its rim fills the hollow."""
+    bell = RestMeridian((1.0,), (0.0, 1.0, 0.6))
+    assert bell.keel < bell.highest
+    assert bell.lowest < bell.keel
+    total = bell.volume
+    assert bell.draft_of(total / 2) + bell.keel > bell.lowest
+    below, above = (bell.volume_below(bell.keel + d) for d in (-0.05, 0.05))
+    assert 0 < below < above < total

@@ -1,0 +1,181 @@
+"""Mass and stiffness of a shell on any closed meridian, by quadrature on its curvatures, and its natural modes.
+
+The shapes are those of the sphere carried over to the meridian x(phi), z(phi): v = P_n(cos phi) along e_r and
+u = dP_n/dphi along e_phi, the directions of the sphere at the same angle, so that n = 1 with v = u remains rigid heave.
+With the tangent t and the normal n of the meridian and ds = |(x', z')| dphi, a displacement s has
+
+    e_s = t.ds/ds,  e_theta = s_x/x,  beta = n.ds/ds,  kappa_s = -d beta/ds,  kappa_theta = -beta dx/ds /x
+
+(Sanders' linear theory of thin shells of revolution), and the energy
+
+    pi int [C (e_s^2 + e_theta^2 + 2 nu e_s e_theta) + D (kappa_s^2 + kappa_theta^2 + 2 nu kappa_s kappa_theta)] x ds.
+
+On the sphere these are the strains and curvatures of `vsb.shell.modes`.
+"""
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import eigh
+
+from vsb.errors import ConvergenceError
+from vsb.shell.curve import bend, curve
+from vsb.shell.legendre import legendre
+from vsb.shell.sphere import Shell
+from vsb.study.meridian import RestMeridian
+from vsb.tools.units import FloatArray
+
+CONVERGED = 1e-12
+"""Change of a matrix, in terms of its diagonal, below which more points of quadrature say nothing new."""
+MOST_POINTS = 4096
+"""Points of quadrature at most."""
+
+
+@dataclass(frozen=True)
+class Strains:
+    """Strains, rotation and changes of curvature of displacements of unit amplitude, each (displacement, point)."""
+
+    meridional: FloatArray  # [1/m]
+    hoop: FloatArray
+    rotation: FloatArray
+    meridional_bending: FloatArray  # [1/m^2]
+    hoop_bending: FloatArray
+
+
+def strains(meridian: RestMeridian, degree: int, phi: FloatArray) -> Strains:
+    """Return what radial displacements of degrees 0..degree and meridional ones of 1..degree do to a shell.
+
+    Parameters
+    ----------
+    meridian : RestMeridian
+    degree : int
+    phi : ndarray, shape (point,) [rad]
+        Between the poles.
+    """
+    at, (ddx, ddz), sin, cos = curve(meridian, phi), bend(meridian, phi), np.sin(phi), np.cos(phi)
+    p, dp, ddp = legendre(degree, phi)
+    n = np.arange(degree + 1)[:, None]
+    dddp = dp / sin**2 - cos / sin * ddp - n * (n + 1) * dp  # Legendre's equation, differentiated
+    none = np.zeros_like(p[1:])
+    v, dv, ddv = (np.concatenate([part, none]) for part in (p, dp, ddp))
+    u, du, ddu = (np.concatenate([0 * p, part[1:]]) for part in (dp, ddp, dddp))
+    along_r, along_phi = dv - u, du + v  # of ds/dphi
+    turn_r, turn_phi = ddv - du - along_phi, ddu + dv + along_r  # of its own derivative
+    slope = np.hypot(at.dx, at.dz)
+    tangent = at.dx * sin + at.dz * cos, at.dx * cos - at.dz * sin  # along e_r and e_phi, times the slope
+    normal = at.dx * cos - at.dz * sin, -(at.dz * cos + at.dx * sin)
+    following = ddx * cos - ddz * sin, -(ddz * cos + ddx * sin)  # of the normal, in fixed directions
+    rotation = (along_r * normal[0] + along_phi * normal[1]) / slope**2
+    stretched = (at.dx * ddx + at.dz * ddz) / slope**2
+    change = turn_r * normal[0] + turn_phi * normal[1] + along_r * following[0] + along_phi * following[1]
+    turned = change / slope**2 - 2 * stretched * rotation
+    return Strains(
+        (along_r * tangent[0] + along_phi * tangent[1]) / slope**2,
+        (v * sin + u * cos) / at.x,
+        rotation,
+        -turned / slope,
+        -rotation * at.dx / (at.x * slope),
+    )
+
+
+class Matrices(NamedTuple):
+    """Mass [kg], membrane and bending stiffness [N/m] over radial, then meridional displacements, by degree."""
+
+    mass: FloatArray
+    membrane: FloatArray
+    bending: FloatArray
+
+
+@lru_cache(maxsize=32)
+def matrices(shell: Shell, degree: int) -> Matrices:
+    """Return mass and stiffness over radial displacements of degrees 0..degree and meridional ones of 1..degree.
+
+    The points of the quadrature are doubled until nothing changes.
+
+    Raises
+    ------
+    ConvergenceError
+        If `MOST_POINTS` do not suffice.
+    """
+    points = 32 + 2 * (degree + len(shell.meridian.axial))
+    coarse = _integrated(shell, degree, points)
+    while points < MOST_POINTS:
+        points *= 2
+        fine = _integrated(shell, degree, points)
+        if all(_near(a, b) for a, b in zip(coarse, fine, strict=True)):
+            for matrix in fine:
+                matrix.setflags(write=False)
+            return fine
+        coarse = fine
+    raise ConvergenceError(
+        f"device.shape: the energy of its shell is not integrated by {MOST_POINTS} points; needs a rounder meridian"
+    )
+
+
+def _near(a: FloatArray, b: FloatArray) -> bool:
+    """Whether two positive semidefinite matrices are the same to `CONVERGED`."""
+    size = np.sqrt(np.diag(b))
+    return bool(np.all(np.abs(a - b) <= CONVERGED * (np.outer(size, size) + 1e-300) + 1e-15 * np.abs(b).max()))
+
+
+def _integrated(shell: Shell, degree: int, points: int) -> Matrices:
+    """The same by so many points of Gauss-Legendre quadrature in cos phi."""
+    cos, weight = np.polynomial.legendre.leggauss(points)
+    phi = np.arccos(cos)
+    at, found = curve(shell.meridian, phi), strains(shell.meridian, degree, phi)
+    area = 2 * np.pi * at.x * np.hypot(at.dx, at.dz) * weight / np.sin(phi)
+    p, dp, _ = legendre(degree, phi)
+    radial, meridional = (p * area) @ p.T, (dp[1:] * area) @ dp[1:].T
+    none = np.zeros((degree + 1, degree))
+    mass = shell.density * shell.thickness * np.block([[radial, none], [none.T, meridional]])
+    membrane = shell.membrane_stiffness * _energy(found.meridional, found.hoop, shell.poisson_ratio, area)
+    bending = shell.bending_stiffness * _energy(found.meridional_bending, found.hoop_bending, shell.poisson_ratio, area)
+    return Matrices(mass, membrane, bending)
+
+
+def _energy(a: FloatArray, b: FloatArray, ratio: float, area: FloatArray) -> FloatArray:
+    """Return int (a a + b b + nu (a b + b a)) dA."""
+    mixed = (a * area) @ b.T
+    return np.asarray((a * area) @ a.T + (b * area) @ b.T + ratio * (mixed + mixed.T))
+
+
+def heave(degree: int) -> FloatArray:
+    """Return rigid heave in terms of the displacements of `matrices`, v = P_1 and u = dP_1/dphi."""
+    shares = np.zeros(2 * degree + 1)
+    shares[[1, degree + 1]] = 1.0
+    return shares
+
+
+class NaturalModes(NamedTuple):
+    """Natural frequencies of a shell in vacuo, ascending (mode,) [rad/s], and their shapes (displacement, mode) [-]."""
+
+    omega: FloatArray
+    shapes: FloatArray
+
+
+def natural_modes(shell: Shell, degree: int) -> NaturalModes:
+    """Return the axisymmetric natural modes of a shell of any meridian but rigid heave, by Ritz' method.
+
+    Parameters
+    ----------
+    shell : Shell
+    degree : int
+        Highest degree of the displacements; at least 1. There are 2 * degree modes.
+
+    Notes
+    -----
+    K s = omega^2 M s among displacements that are orthogonal to rigid heave. What the bending adds and the membrane
+    resists differs by (h/r)^2; both are solved together in units of the mass.
+    """
+    mass, membrane, bending = matrices(_of_unit_stiffness(shell), degree)
+    held = np.linalg.qr(np.column_stack([mass @ heave(degree), np.eye(len(mass))]))[0][:, 1:]
+    squares, shapes = eigh(held.T @ (membrane + bending) @ held, held.T @ mass @ held)
+    scale = np.sqrt(shell.young_modulus / shell.density)
+    return NaturalModes(scale * np.sqrt(np.maximum(squares, 0.0)), held @ shapes)
+
+
+def _of_unit_stiffness(shell: Shell) -> Shell:
+    """The shell of a material of unit stiffness and density, whose modes are the same."""
+    return replace(shell, young_modulus=1.0, density=1.0)

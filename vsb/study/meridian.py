@@ -1,0 +1,361 @@
+"""The closed meridian of a shell at rest: what it may be, its volume, area and curvature. Pure Python.
+
+With phi from 0 at the top to pi at the keel, the radius x is odd and the height z even about both poles; a smooth
+meridian is therefore
+
+    x = sum_k a_k sin k phi,    z = sum_k b_k cos k phi,
+
+and sin phi times, or just, a polynomial in cos phi. The sphere is a_1 = b_1 = r, a spheroid a_1 and b_1 alone.
+"""
+
+import itertools
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+SAMPLES = 400
+"""Points of the meridian at which it is judged, beside eight for each of its terms."""
+JUNCTION = 0.15
+"""Of the radius: the curvature of a capsule is smoothed over about twice as much to either side of a junction."""
+MOST_TERMS = 160
+"""Terms of a meridian at most."""
+SMALL = 1e-11
+"""Of the radius: terms of a capsule below it are left out."""
+SMALL_OF_PROFILES = 1e-7
+"""Likewise of a profile, whose spline has terms without end."""
+MISFIT = 2e-4
+"""Of the radius: a smooth meridian passes through the points of a profile to within this."""
+ON_AXIS = 1e-9
+"""Of the radius: ends of a profile nearer to the axis than this lie on it."""
+
+
+@lru_cache(maxsize=8)
+def _gauss(count: int) -> tuple[tuple[float, float], ...]:
+    """Nodes and weights of Gauss-Legendre quadrature on [0, 1], by Newton's method on P_n."""
+    rule = []
+    for i in range(count):
+        x = math.cos(math.pi * (i + 0.75) / (count + 0.5))
+        for _ in range(100):
+            low, p = 1.0, x
+            for n in range(2, count + 1):
+                low, p = p, ((2 * n - 1) * x * p - (n - 1) * low) / n
+            slope = count * (x * p - low) / (x * x - 1)
+            x, step = x - p / slope, p / slope
+            if abs(step) < 1e-15:
+                break
+        rule.append(((1 - x) / 2, 1 / ((1 - x * x) * slope * slope)))
+    return tuple(rule)
+
+
+@dataclass(frozen=True)
+class RestMeridian:
+    """A closed meridian by its terms, clear of the axis between its poles and of itself; checked when made."""
+
+    radial: tuple[float, ...]  # a_1, a_2, ... [m]
+    axial: tuple[float, ...]  # b_0, b_1, ... [m]
+
+    def __post_init__(self) -> None:
+        """Refuse what bounds no body."""
+        if not all(map(math.isfinite, (*self.radial, *self.axial))):
+            raise ValueError("received NaN or infinite numbers; needs finite ones")
+        _check_clear_of_axis(self)
+        if (crossing := _crossing(self._samples)) is not None:
+            raise ValueError(
+                f"received a meridian that crosses itself near ({crossing[0]:.4g}, {crossing[1]:.4g}) m; needs one "
+                "that does not"
+            )
+
+    def at(self, phi: float) -> tuple[float, float, float, float]:
+        """Return radius, height and their slopes by phi at an angle [m]."""
+        x, dx, z, dz = 0.0, 0.0, self.axial[0], 0.0
+        for k, a in enumerate(self.radial, 1):
+            x, dx = x + a * math.sin(k * phi), dx + k * a * math.cos(k * phi)
+        for k, b in enumerate(self.axial[1:], 1):
+            z, dz = z + b * math.cos(k * phi), dz - k * b * math.sin(k * phi)
+        return x, z, dx, dz
+
+    @cached_property
+    def _samples(self) -> tuple[tuple[float, float, float], ...]:
+        """Angle, radius and height from the top to the keel."""
+        count = SAMPLES + 8 * max(len(self.radial), len(self.axial))
+        return tuple((math.pi * i / count, *self.at(math.pi * i / count)[:2]) for i in range(count + 1))
+
+    @cached_property
+    def radius(self) -> float:
+        """Largest radius [m]."""
+        phi, step = max(self._samples, key=lambda at: at[1])[0], math.pi / len(self._samples)
+        low, high = phi - step, phi + step
+        while high - low > 1e-9:  # a flat maximum: of the radius twice as many digits are right
+            a, b = low + (high - low) / 3, high - (high - low) / 3
+            low, high = (a, high) if self.at(a)[0] < self.at(b)[0] else (low, b)
+        return self.at(0.5 * (low + high))[0]
+
+    @property
+    def top(self) -> float:
+        """Height of the top pole [m]."""
+        return sum(self.axial)
+
+    @property
+    def keel(self) -> float:
+        """Height of the bottom pole [m]."""
+        return sum(-b if k % 2 else b for k, b in enumerate(self.axial))
+
+    def _integral(self, of: Callable[[float], float], parts: Sequence[tuple[float, float]]) -> float:
+        """Integral over parts of the meridian, by as many points as its terms need."""
+        rule = _gauss(24 + 2 * max(len(self.radial), len(self.axial)))
+        return sum((b - a) * w * of(a + (b - a) * u) for a, b in parts for u, w in rule)
+
+    def _below(self, height: float) -> list[tuple[float, float]]:
+        """Parts of the meridian below a height."""
+        edges = [0.0]
+        for (a, _, za), (b, _, zb) in zip(self._samples[:-1], self._samples[1:], strict=True):
+            if (za < height) != (zb < height):
+                edges.append(self._at_height(height, a, b))
+        edges.append(math.pi)
+        return [(a, b) for a, b in itertools.pairwise(edges) if self.at(0.5 * (a + b))[1] < height]
+
+    def _at_height(self, height: float, a: float, b: float) -> float:
+        """Where the meridian has a height, in a bracket."""
+        rising = self.at(b)[1] > height
+        while a < (middle := 0.5 * (a + b)) < b:
+            a, b = (a, middle) if (self.at(middle)[1] > height) == rising else (middle, b)
+        return middle
+
+    def volume_below(self, height: float) -> float:
+        """Return the volume below a height, -int 2 pi x (z - height) n_z: pi x^2 dz integrated by parts [m^3]."""
+
+        def ring(phi: float) -> float:
+            x, z, dx, _ = self.at(phi)
+            return 2 * math.pi * x * (z - height) * dx
+
+        return self._integral(ring, self._below(height))
+
+    @cached_property
+    def volume(self) -> float:
+        """Volume of the body [m^3]."""
+        return self.volume_below(max(z for _, _, z in self._samples) + self.radius)
+
+    @cached_property
+    def area(self) -> float:
+        """Area of its surface [m^2]."""
+
+        def ring(phi: float) -> float:
+            x, _, dx, dz = self.at(phi)
+            return 2 * math.pi * x * math.hypot(dx, dz)
+
+        count = 8  # parts: the slope's root is no polynomial
+        return self._integral(ring, [(math.pi * i / count, math.pi * (i + 1) / count) for i in range(count)])
+
+    @cached_property
+    def sharpest(self) -> float:
+        """Smallest radius of curvature [m]."""
+        return 1 / max(max(map(abs, self.curvatures(phi))) for phi, _, _ in self._samples[1:-1])
+
+    def curvatures(self, phi: float) -> tuple[float, float]:
+        """Return the principal curvatures at an angle between the poles, of meridian and parallel [1/m]."""
+        x, _, dx, dz = self.at(phi)
+        ddx = -sum(k * k * a * math.sin(k * phi) for k, a in enumerate(self.radial, 1))
+        ddz = -sum(k * k * b * math.cos(k * phi) for k, b in enumerate(self.axial))
+        slope = math.hypot(dx, dz)
+        return (ddx * dz - dx * ddz) / slope**3, -dz / (x * slope)
+
+    def draft_of(self, volume: float) -> float:
+        """Return the draft at which a volume is below the water [m], by Newton's method kept in a bracket."""
+        low, high = self.lowest, self.highest
+        height = 0.5 * (low + high)
+        for _ in range(200):
+            excess = self.volume_below(height) - volume
+            low, high = (low, height) if excess > 0 else (height, high)
+            plane = sum(math.pi * (self.at(a)[0] ** 2 - self.at(b)[0] ** 2) for a, b in self._below(height))
+            following = height - excess / plane if plane > 0 else low
+            if not low < following < high:
+                following = 0.5 * (low + high)
+            if abs(following - height) <= 1e-15 * self.radius:
+                break
+            height = following
+        return height - self.keel
+
+    @cached_property
+    def lowest(self) -> float:
+        """Height of its lowest point [m]."""
+        return min(z for _, _, z in self._samples)
+
+    @cached_property
+    def highest(self) -> float:
+        """Height of its highest point [m]."""
+        return max(z for _, _, z in self._samples)
+
+    def scaled(self, across: float, along: float, up: float = 0.0) -> "RestMeridian":
+        """Return it stretched across and along its axis, then moved up [m]."""
+        axial = tuple(along * b for b in self.axial)
+        return RestMeridian(tuple(across * a for a in self.radial), (axial[0] + up, *axial[1:]))
+
+
+def _check_clear_of_axis(meridian: RestMeridian) -> None:
+    """Raise `ValueError` if a meridian meets the axis between its poles, or leaves them inwards."""
+    _, x, z = min(meridian._samples[1:-1], key=lambda at: at[1])
+    if x <= 0 or meridian.at(0.0)[2] <= 0 or meridian.at(math.pi)[2] >= 0:
+        raise ValueError(
+            f"received a meridian that crosses the axis near ({x:.4g}, {z:.4g}) m; needs one clear of it between its "
+            "poles"
+        )
+
+
+def _crossing(samples: Sequence[tuple[float, float, float]]) -> tuple[float, float] | None:
+    """A point where an open polygon, each point an angle, x and z, crosses itself, if there is one."""
+    heights = [z for _, _, z in samples]
+    if all(a > b for a, b in itertools.pairwise(heights)):
+        return None
+    points = [(x, z) for _, x, z in samples[:: max(1, len(samples) // SAMPLES)]]
+    sides = list(itertools.pairwise(points))
+
+    def left(p: tuple[float, float], q: tuple[float, float], r: tuple[float, float]) -> bool:
+        return (q[0] - p[0]) * (r[1] - p[1]) > (q[1] - p[1]) * (r[0] - p[0])
+
+    for i, (a, b) in enumerate(sides):
+        for c, d in sides[i + 2 :]:
+            if left(a, b, c) != left(a, b, d) and left(c, d, a) != left(c, d, b):
+                return a
+    return None
+
+
+@lru_cache(maxsize=32)
+def spheroid(radius: float, height: float) -> RestMeridian:
+    """Return a spheroid of an equatorial radius and a height from pole to pole [m]; phi is its eccentric angle."""
+    return RestMeridian((radius,), (0.0, height / 2))
+
+
+@lru_cache(maxsize=32)
+def capsule(radius: float, length: float) -> RestMeridian:
+    """Return a cylinder of a length between two hemispheres [m], of radius and height those of the plain capsule.
+
+    Of the plain one the curvature 1/r jumps to 0; here it passes smoothly (a Gaussian of `JUNCTION` radii), so that
+    the meridian is smooth to all orders. Its angle phi goes with the length of the arc.
+
+    Notes
+    -----
+    The tangent turns by psi' = 1 + sum c_k cos k phi, c_k = 4 P/(2 pi^2 r) sin(k w)/k exp(-(k s)^2/2) of even k, with
+    P the perimeter, w = pi^2 r/P half of a cap and s = 2 pi `JUNCTION` r/P; then x' = cos psi, z' = -sin psi.
+    """
+    perimeter = 2 * (math.pi * radius + length)
+    half, blur = math.pi**2 * radius / perimeter, 2 * math.pi * JUNCTION * radius / perimeter
+    even = range(2, min(MOST_TERMS, 2 + int(9 / blur)), 2)
+    turn = {
+        k: 2 * perimeter / (math.pi**2 * radius) * math.sin(k * half) / k * math.exp(-0.5 * (k * blur) ** 2)
+        for k in even
+    }
+    count = 8 * MOST_TERMS
+    angles = [math.pi * (i + 0.5) / count for i in range(count)]
+    tangents = [phi + sum(c * math.sin(k * phi) / k for k, c in turn.items()) for phi in angles]
+    radial, axial = _terms([math.cos(psi) for psi in tangents], [math.sin(psi) for psi in tangents], SMALL)
+    plain = RestMeridian(tuple(a / k for k, a in enumerate(radial, 1)), (0.0, *(b / k for k, b in enumerate(axial, 1))))
+    return plain.scaled(radius / plain.at(math.pi / 2)[0], (2 * radius + length) / (plain.top - plain.keel))
+
+
+def _terms(even: Sequence[float], odd: Sequence[float], small: float) -> tuple[list[float], list[float]]:
+    """Terms k = 1, 2, ... in cos k phi of one function and sin k phi of another, by their values at the midpoints."""
+    count, cosines, sines = len(even), [], []
+    for k in range(1, MOST_TERMS + 1):
+        at = [math.pi * k * (i + 0.5) / count for i in range(count)]
+        cosines.append(2 / count * sum(f * math.cos(p) for f, p in zip(even, at, strict=True)))
+        sines.append(2 / count * sum(f * math.sin(p) for f, p in zip(odd, at, strict=True)))
+        if k > 8 and max(map(abs, cosines[-4:] + sines[-4:])) < small:
+            break
+    return cosines, sines
+
+
+@lru_cache(maxsize=32)
+def through(points: tuple[tuple[float, float], ...], radius: float) -> RestMeridian:
+    """Return a smooth meridian through points (x, z) from the top to the keel, scaled to a largest radius [m].
+
+    Parameters
+    ----------
+    points : tuple of (x, z)
+        The first and the last on the axis; in any unit. Height zero becomes the middle between top and keel.
+    radius : float [m]
+
+    Raises
+    ------
+    ValueError
+        If the points are fewer than five or no numbers, do not end on the axis, meet it or each other before, turn
+        more sharply than a smooth meridian can follow, or bound no body.
+
+    Notes
+    -----
+    Cubic splines over the length of the chords, x without curvature and z without slope at the poles, as mirrored they
+    go on; then their trigonometric series, to `MISFIT` radii. The angle phi goes with the length of the chords.
+    """
+    _check_points(points)
+    largest = max(x for x, _ in points)
+    at = [0.0]
+    for (x, z), (following, lower) in itertools.pairwise(points):
+        at.append(at[-1] + math.hypot(following - x, lower - z))
+    at = [math.pi * t / at[-1] for t in at]
+    across, along = (_spline(at, [p[i] for p in points], natural=i == 0) for i in (0, 1))
+    count = 8 * MOST_TERMS
+    angles = [math.pi * (i + 0.5) / count for i in range(count)]
+    heights = list(map(along, angles))
+    cosines, sines = _terms(heights, list(map(across, angles)), SMALL_OF_PROFILES * largest)
+    found = RestMeridian(tuple(sines), (sum(heights) / count, *cosines))
+    for phi, (px, pz) in zip(at, points, strict=True):
+        there = found.at(phi)
+        if math.hypot(there[0] - px, there[1] - pz) > MISFIT * largest:
+            raise ValueError(
+                f"received points that turn too sharply for a smooth meridian near ({px:.4g}, {pz:.4g}); needs "
+                "fewer turns"
+            )
+    scale = radius / found.radius
+    return found.scaled(scale, scale, -scale * (found.top + found.keel) / 2)
+
+
+def _check_points(points: Sequence[tuple[float, float]]) -> None:
+    """Raise `ValueError` if points are none of a closed meridian."""
+    if len(points) < 5:
+        raise ValueError(f"received {len(points)} points; needs at least five, from the top to the keel")
+    if not all(math.isfinite(value) for point in points for value in point):
+        raise ValueError("received points that are no finite numbers; needs finite ones")
+    largest = max(x for x, _ in points)
+    for name, (x, z) in (("first", points[0]), ("last", points[-1])):
+        if not abs(x) <= ON_AXIS * largest:
+            raise ValueError(
+                f"received the {name} point at ({x:.4g}, {z:.4g}), so the meridian is not closed; needs one on the "
+                "axis, x = 0"
+            )
+    if points[0][1] <= points[-1][1]:
+        raise ValueError(
+            f"received a first point at height {points[0][1]:.4g} and a last one at {points[-1][1]:.4g}; needs the "
+            "top first"
+        )
+    if (inside := min(x for x, _ in points[1:-1])) <= 0:
+        raise ValueError(f"received a point at radius {inside:.4g} between the poles; needs radii above 0 there")
+    if any(a == b for a, b in itertools.pairwise(points)):
+        raise ValueError("received the same point twice in a row; needs each once")
+
+
+def _spline(at: Sequence[float], values: Sequence[float], natural: bool) -> Callable[[float], float]:
+    """A cubic spline without curvature at both ends, or without slope there."""
+    count, steps = len(at), [b - a for a, b in itertools.pairwise(at)]
+    rises = [(b - a) / h for a, b, h in zip(values[:-1], values[1:], steps, strict=True)]
+    below = [0.0, *steps[:-1], 0.0 if natural else steps[-1]]
+    above = [0.0 if natural else steps[0], *steps[1:], 0.0]
+    middle = [1.0 if natural else 2 * steps[0], *(2 * (a + b) for a, b in itertools.pairwise(steps))]
+    middle.append(1.0 if natural else 2 * steps[-1])
+    ends = (0.0, 0.0) if natural else (6 * rises[0], -6 * rises[-1])
+    right = [ends[0], *(6 * (b - a) for a, b in itertools.pairwise(rises)), ends[1]]
+    for i in range(1, count):  # Thomas' algorithm
+        share = below[i] / middle[i - 1]
+        middle[i] -= share * above[i - 1]
+        right[i] -= share * right[i - 1]
+    curvature = [0.0] * count
+    for i in reversed(range(count)):
+        following = above[i] * curvature[i + 1] if i + 1 < count else 0.0
+        curvature[i] = (right[i] - following) / middle[i]
+
+    def value(t: float) -> float:
+        i = min(max(sum(1 for a in at[1:-1] if a <= t), 0), count - 2)
+        h, a, b = steps[i], at[i + 1] - t, t - at[i]
+        linear = (values[i] / h - curvature[i] * h / 6) * a + (values[i + 1] / h - curvature[i + 1] * h / 6) * b
+        return linear + (curvature[i] * a**3 + curvature[i + 1] * b**3) / (6 * h)
+
+    return value
