@@ -32,6 +32,9 @@ def test_rotations_and_translations_of_any_body_are_measured():
     assert shifted.limit == SHIFT
     assert [check.name for check in motion_checks(study(), xr.Dataset(), moved)] == ["rotation"]
     assert motion_checks(study(), sized, run(["Mode7"], [9.0])) == []
+    apart = xr.Dataset(attrs={"displaced_volume_float": 1.0, "displaced_volume_spar": 8.0})
+    (worst,) = motion_checks(study(), apart, run(["float__Heave", "spar__Heave"], [0.5, 0.6]))
+    assert (worst.verdict, worst.value) == ("doubt", pytest.approx(0.5, rel=1e-3))  # of the small one, not the sum
 
 
 def test_what_of_a_sea_lies_beyond_the_band_is_told():

@@ -50,7 +50,26 @@ def test_frequencies_above_one_are_left_out_and_told(theirs):
     assert cut.attrs["history"].endswith("left out: 1 frequencies")
 
 
+def test_rows_of_a_body_are_those_of_its_degrees_of_freedom():
+    labels = ["float__Heave", "spar__Heave", "float__Pitch"]
+    rows = ((4.0, 0.5), (0.5, 9.0))
+    expected = [[4.0, 0.0, 0.5], [0.0, 7.0, 0.0], [0.5, 0.0, 9.0]]
+    made = with_entries("mass", {"float": rows, "spar__Heave": 7.0}, labels, np.zeros((3, 3)))
+    assert made == pytest.approx(np.array(expected))
+
+
 class TestRefused:
+    def test_rows_of_no_body_or_too_few(self):
+        labels = ["float__Heave", "spar__Heave"]
+        with pytest.raises(ConfigError, match=r"body.mass: received rows of 'boat'; needs a body, float or spar"):
+            with_entries("mass", {"boat": ((1.0,),)}, labels, np.eye(2))
+        with pytest.raises(
+            ConfigError, match=r"body.mass: received rows of 'Heave'; needs a degree of freedom and a num"
+        ):
+            with_entries("mass", {"Heave": ((1.0,),)}, ["Heave", "Pitch"], np.eye(2))
+        with pytest.raises(ConfigError, match=r"body.mass.float: received 2 rows of 1, 1 numbers; needs 1 of 1"):
+            with_entries("mass", {"float": ((1.0,), (1.0,))}, labels, np.eye(2))
+
     def test_what_has_no_mass(self, theirs):
         dry = theirs.drop_vars("inertia_matrix")
         with pytest.raises(

@@ -33,6 +33,15 @@ def study(**changes):
         ({"hydro": {"solver": "panels", "rows": 20}}, r"hydro.solver: is for the buoy.* \(and 1 more\)"),
         ({"hydro": {"model": "body_exact"}}, "hydro.model 'body_exact': is of the spherical shell; a body is linear"),
         ({"hydro": {"accept": ["rank_two"]}}, r"\['rank_two'\]: no such check; needs some of error_estimate"),
+        (
+            {"hydro": {"repair": ["haskind"]}},
+            r"hydro.repair.*\['haskind'\]: cannot be repaired; needs some of positive",
+        ),
+        (
+            {"hydro": {"repair": ["kramers_kronig"], "accept": ["kramers_kronig"]}},
+            r"repair \['kramers_kronig'\]: is accepted as well; needs to be accepted as it is, or repaired",
+        ),
+        ({"body": {"database": "a", "mass": {"float": [[1.0, "x"]]}}}, r"body.mass.*float.*received.*'x'"),
         ({"pto": {"port": "volume"}}, "pto.port: is of the spherical shell; needs {dof: NAME}"),
         ({"pto": {"port": {"colatitude": 90}}}, "pto.port: is of the spherical shell"),
         ({"pto": {"port": {"dofs": {"Heave": 0}}}}, "needs a share that is not zero"),
@@ -127,3 +136,9 @@ def test_still_water_shows_a_period_of_a_second():
     assert found.fastest(found.waves[0]) == pytest.approx(6.2832, rel=1e-4)
     assert found.needs_bem
     assert not Path("raft.nc").exists()
+
+
+def test_what_is_not_repaired_is_not_said():
+    """Ids of studies of before stay what they were."""
+    assert "repair" not in canonical(study())
+    assert "repair" in canonical(study(hydro={"repair": ["kramers_kronig"]}))

@@ -7,12 +7,13 @@ import numpy as np
 import xarray as xr
 
 from vsb.hydro.database import Check, check_at_most, stored_checks
+from vsb.hydro.formats.modes import volume_of
 from vsb.results.agreement import Attributes, agreement_checks, drift_checks, energy_check
 from vsb.results.comparison import Row, Runs
 from vsb.results.ledger import radiation_checks, wave_checks
 from vsb.scenes.afloat import band
 from vsb.study.body import BodyStudy
-from vsb.study.quantities import RIGID
+from vsb.study.quantities import RIGID, body_of, motion_of
 from vsb.study.waves import Wave
 
 TURN, SHIFT = 0.2, 0.3
@@ -40,13 +41,15 @@ def motion_checks(study: BodyStudy, database: xr.Dataset, run: xr.Dataset) -> li
     start, end = study.simulation.window
     largest = np.abs(run.position.sel(time=slice(start, end))).max("time")
     where = {"design": run.attrs["design"], "wave": run.attrs["wave"]}
-    kinds = np.array([str(label).rpartition("__")[2] for label in run.dof.values])
-    volume, checks = float(database.attrs.get("displaced_volume", 0.0)), []
+    labels, checks = list(map(str, run.dof.values)), []
+    kinds = np.array(list(map(motion_of, labels)))
     if (turns := np.isin(kinds, _TURNS)).any():
         value = float(largest.values[turns].max())
         checks.append(check_at_most("rotation", value, TURN, "rad", "largest rotation", doubt=True, **where))
-    if (shifts := np.isin(kinds, RIGID[:3])).any() and volume:
-        value = float(largest.values[shifts].max()) / volume ** (1 / 3)
+    whole = database.attrs.get(volume_of(""), 0.0)
+    volumes = np.array([float(database.attrs.get(volume_of(body_of(label)), whole)) for label in labels])
+    if (shifts := np.isin(kinds, RIGID[:3]) & (volumes > 0)).any():
+        value = float((largest.values[shifts] / volumes[shifts] ** (1 / 3)).max())
         text = "largest translation over the cube root of the displaced volume"
         checks.append(check_at_most("translation", value, SHIFT, "-", text, doubt=True, **where))
     return checks

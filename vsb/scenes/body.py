@@ -1,7 +1,7 @@
 """A body of a study from its database: degrees of freedom chosen, matrices of the dry body as the study has them."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -11,9 +11,9 @@ from vsb.hydro.bodies.body import FlexibleBody, hydrostatic_stiffness
 from vsb.hydro.database import with_symmetrized
 from vsb.hydro.formats.modes import DRY, structure
 from vsb.motion.bodies import LinearBody, linear_body
-from vsb.study.body import Body, Matrix
+from vsb.study.body import Body, Matrix, Rows
 from vsb.study.body_file import BodyFile
-from vsb.study.quantities import is_rigid
+from vsb.study.quantities import is_rigid, of_bodies
 from vsb.study.sections import Water
 from vsb.tools.units import FloatArray
 
@@ -105,7 +105,7 @@ def _held(ds: xr.Dataset, names: Sequence[str]) -> FloatArray:
 
 
 def with_entries(name: str, given: Matrix | None, labels: Sequence[str], held: FloatArray) -> FloatArray:
-    """Return a matrix of the dry body: rows as given in the study, or those of the files with entries as given.
+    """Return a matrix of the dry bodies: rows as given in the study, or those of the files with entries as given.
 
     Raises
     ------
@@ -122,14 +122,32 @@ def with_entries(name: str, given: Matrix | None, labels: Sequence[str], held: F
                 f"{len(labels)} of {len(labels)}, for {', '.join(labels)}"
             )
         return np.array(given)
-    matrix = held.copy()
+    matrix, bodies = held.copy(), of_bodies(labels)
     for key, value in given.items():
+        if isinstance(value, tuple):
+            place = _places(name, key, value, bodies)
+            matrix[np.ix_(place, place)] = value
+            continue
         words = key.split()
         if not 1 <= len(words) <= 2 or set(words) - set(labels):
             raise ConfigError(f"body.{name}: received {key!r}; needs one or two of {', '.join(labels)}")
         i, j = labels.index(words[0]), labels.index(words[-1])
         matrix[i, j] = matrix[j, i] = value
     return matrix
+
+
+def _places(name: str, key: str, rows: Rows, bodies: Mapping[str, Sequence[int]]) -> Sequence[int]:
+    """Places of a body's degrees of freedom, for which there must be as many rows."""
+    if not key or key not in bodies:
+        needed = f"a body, {' or '.join(filter(None, bodies))}" if all(bodies) else "a degree of freedom and a number"
+        raise ConfigError(f"body.{name}: received rows of {key!r}; needs {needed}")
+    count = len(bodies[key])
+    if [len(row) for row in rows] != [count] * count:
+        raise ConfigError(
+            f"body.{name}.{key}: received {len(rows)} rows of {', '.join(str(len(row)) for row in rows)} numbers; "
+            f"needs {count} of {count}"
+        )
+    return bodies[key]
 
 
 def check_water(water: Water, ds: xr.Dataset) -> None:

@@ -8,6 +8,7 @@ from vsb.errors import ConfigError, StabilityError
 from vsb.hydro import database
 from vsb.hydro.bodies.files import read_body
 from vsb.hydro.formats.sources import read_source
+from vsb.hydro.repairs import repaired
 from vsb.motion.bodies import LinearBody, direction_index
 from vsb.results.body_ledger import seas_checks
 from vsb.scenes.afloat import body_afloat
@@ -34,6 +35,8 @@ def body_before_run(plan: BodyPlan) -> LinearBody:
         ds = read_source(source.kind, files[source.kind], study.water, source.length)
         check_water(study.water, ds)
     body = complete_body(source, study.dofs, within_band(ds, study.hydro.omega_max))
+    if not plan.solves:
+        repaired(body.database, study.hydro.repair)
     floating = body_afloat(study, body)
     for design, motions in floating.motions.items():
         held = body.held + study.pto.stiffness * np.outer(floating.port, floating.port)

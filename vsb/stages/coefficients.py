@@ -6,11 +6,14 @@ from vsb import __version__
 from vsb.hydro import database, quality
 from vsb.hydro.bodies.files import read_body
 from vsb.hydro.bodies.study import solved
+from vsb.hydro.formats.modes import volume_of
 from vsb.hydro.formats.sources import read_source, source_checks
+from vsb.hydro.repairs import repaired, told
 from vsb.scenes.body import PAIR, check_water, complete_body, within_band
 from vsb.stages.stage import stamp
 from vsb.study.body_file import BodyFile
 from vsb.study.body_specs import BodySpec
+from vsb.study.quantities import of_bodies
 
 _KEPT = ("displaced_volume", "centre_of_buoyancy", "centre_of_mass", "bem_seconds", "symmetry", "history")
 """Facts of the database read or solved that stay."""
@@ -48,14 +51,16 @@ def store(spec: BodySpec, found: xr.Dataset, out: str) -> None:
     body = complete_body(spec.body, spec.dofs, found)
     kept = list(body.labels)
     checks, unseen = source_checks(found.sel(influenced_dof=kept, radiating_dof=kept))
-    ds: xr.Dataset = body.database.assign(structural_damping_matrix=(PAIR, body.structural_damping))
-    facts = {name: ds.attrs[name] for name in _KEPT if name in ds.attrs}
+    mended, repairs = repaired(body.database, spec.repair)
+    ds: xr.Dataset = mended.assign(structural_damping_matrix=(PAIR, body.structural_damping))
+    volumes = map(volume_of, of_bodies(kept))
+    facts = {name: ds.attrs[name] for name in dict.fromkeys([*_KEPT, *volumes]) if name in ds.attrs}
     facts["history"] = "; ".join([text for text in (facts.get("history", ""), *unseen) if text])
     attrs = {
         "title": f"hydro database of a body: {', '.join(body.labels)}",
         "source": f"vsb {__version__}",
         **stamp(spec),
-        "quality": database.as_json(quality.judged(checks, spec.accept)),
+        "quality": database.as_json(quality.judged([*told(checks, spec.repair), *repairs], spec.accept)),
         "water_density": spec.water.density,
         "water_depth": str(spec.water.depth),
         "gravity": spec.water.gravity,

@@ -23,7 +23,7 @@ from pydantic import (
 from vsb.errors import ConfigError
 from vsb.study.body_file import BodyFile
 from vsb.study.compared import Compared
-from vsb.study.quantities import Finite, Name, Number, Positive, Section, is_rigid
+from vsb.study.quantities import Extended, Finite, Name, Number, Positive, Section, is_rigid
 from vsb.study.reading import read_yaml, validated
 from vsb.study.sections import Published, Simulation, Water
 from vsb.study.take_off import DofPort, Pto
@@ -42,6 +42,8 @@ CHECKS = (
     "haskind_scale", "haskind_long_waves",
 )  # fmt: skip
 """Names of the checks on a body's database, solved or read; a study may accept their failures."""
+REPAIRS = ("positive_damping", "kramers_kronig")
+"""Those whose failure a study may have repaired."""
 NOT_OF_A_BODY = {
     "device": "is the spherical buoy; a study has a device or a body",
     "modes": "are shapes of the spherical shell; those of a body stand in its files",
@@ -56,11 +58,16 @@ NOT_OF_ITS_HYDRO = {
     "power_tolerance": "is of hydro.model: auto, which the buoy has",
     "witness": "is for the buoy: its second solver knows no other body",
 }
+Rows = tuple[tuple[Finite, ...], ...]
+Entry = Annotated[
+    Annotated[Finite, Tag("one")] | Annotated[Rows, Tag("rows")],
+    Discriminator(lambda value: "rows" if isinstance(value, list | tuple) else "one"),
+]
 Matrix = Annotated[
-    Annotated[dict[str, Finite], Tag("entries")] | Annotated[tuple[tuple[Finite, ...], ...], Tag("rows")],
+    Annotated[dict[str, Entry], Tag("entries")] | Annotated[Rows, Tag("rows")],
     Discriminator(lambda value: "entries" if isinstance(value, dict) else "rows"),
 ]
-"""Entries by a degree of freedom, or by two with a space between them, or all rows in the order of the file."""
+"""Entries by a degree of freedom, or by two with a space between them, rows by a body, or all rows as in the file."""
 
 
 class Body(Section):
@@ -116,18 +123,22 @@ class BodyDesign(Section):
         return self.dofs == "rigid" or (isinstance(self.dofs, tuple) and all(map(is_rigid, self.dofs)))
 
 
-class BodyHydro(Section):
+class BodyHydro(Extended):
     """Linear hydrodynamics: tolerance of the radiation memory [-], highest frequency kept [rad/s], accepted checks.
+
+    A failure accepted leaves the coefficients as they are; `repair` changes them, as little as it takes.
 
     The memory's added mass at infinite frequency is `fitted`, so that memory and samples agree, or as the database
     has it (`given`).
     """
 
+    LATER = ("repair",)
     model: Literal["linear"] = "linear"
     tolerance: Annotated[Number, Field(ge=1e-6, le=0.1)] = 1e-2
     added_mass_inf: Literal["fitted", "given"] = "fitted"
     omega_max: Positive | None = None
     accept: tuple[Name, ...] = ()
+    repair: tuple[Name, ...] = ()
 
     @field_validator("accept")
     @classmethod
@@ -135,6 +146,19 @@ class BodyHydro(Section):
         if unknown := [name for name in value if name not in CHECKS]:
             raise ValueError(f"{unknown}: no such check; needs some of {', '.join(CHECKS)}")
         return value
+
+    @field_validator("repair")
+    @classmethod
+    def _repairable(cls, value: tuple[str, ...]) -> tuple[str, ...]:
+        if unknown := [name for name in value if name not in REPAIRS]:
+            raise ValueError(f"{unknown}: cannot be repaired; needs some of {', '.join(REPAIRS)}")
+        return value
+
+    @model_validator(mode="after")
+    def _one_or_the_other(self) -> Self:
+        if both := sorted({*self.accept} & {*self.repair}):
+            raise ValueError(f"repair {both}: is accepted as well; needs to be accepted as it is, or repaired")
+        return self
 
 
 class BodyStudy(Compared):

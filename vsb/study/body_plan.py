@@ -52,6 +52,7 @@ class BodyPlan(ResultsPlan):
             dofs=study.dofs,
             omega_max=study.hydro.omega_max,
             accept=tuple(sorted(study.hydro.accept)),
+            repair=tuple(sorted(study.hydro.repair)),
             solver=panel_solver() if self.solves else "",
             solved=PHYSICS if self.solves else 0,
         )

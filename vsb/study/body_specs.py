@@ -14,6 +14,7 @@ class BodySpec(Spec):
     """Hydro database of a body: its source by contents, its matrices, the degrees of freedom kept; none: all."""
 
     TAG = "body"
+    LATER = ("repair",)
     body: Body
     water: Water
     dofs: tuple[str, ...] | None
@@ -21,6 +22,7 @@ class BodySpec(Spec):
     accept: tuple[Name, ...]
     solver: str = ""  # of a mesh, and the version of what solves it
     solved: int = 0
+    repair: tuple[Name, ...] = ()  # checks whose failure is repaired
 
 
 class BodyRadiationSpec(Spec):

@@ -195,14 +195,15 @@ KEYS: dict[str, dict[str, Key]] = {
     },
     "Body": {
         "file": Key("", "my_body.yaml", "a body file, as `vsb body` takes; `body: my_body.yaml` is the same"),
-        "database": Key("", "body.nc", "a hydro database of this project, or capytaine's, of several bodies too"),
+        "database": Key("", "body.nc", "a hydro database of this project, or capytaine's; of several bodies too"),
         "wamit": Key("", "folder/name", "WAMIT's files name.1, .3, .hst and, if there, .3fk, .3sc and .mmx"),
         "bemio": Key("", "body.h5", "BEMIO's .h5, as WEC-Sim reads it"),
         "length": Key("m", "1.0", "ULEN of WAMIT's run"),
         "mass": Key(
             "kg",
             "{Heave: 4.0e+6, Pitch: 2.1e+9, Surge Pitch: 0.0}",
-            "entries of the mass matrix by one or two degrees of freedom, or all its rows; in place of the file's",
+            "entries of the mass matrix by one or two degrees of freedom, rows by a body, or all rows; in place of the "
+            "file's",
         ),
         "damping": Key("kg/s", "{Mode7: 1.0e+4}", "likewise of structural damping"),
         "stiffness": Key("N/m", "{Surge: 4.0e+4}", "likewise of structure and mooring, without the water's"),
@@ -223,6 +224,7 @@ KEYS: dict[str, dict[str, Key]] = {
         ),
         "omega_max": Key("rad/s", "3.0", "frequencies of the database above it are left out"),
         "accept": Key("", "[haskind]", "checks of the database whose failure is accepted"),
+        "repair": Key("", "[positive_damping, kramers_kronig]", "checks whose noise is repaired, told as a doubt"),
     },
     "StillWater": {"kind": Key("", "still", "no waves: free decay")},
     "RegularWave": {

@@ -3,6 +3,7 @@
 Imports nothing heavy: the Snakefile reads a study at every parse.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
@@ -63,9 +64,27 @@ RIGID = ("Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw")
 """Labels of the six rigid motions, in everybody's order; of several bodies named with the body first: float__Heave."""
 
 
+def motion_of(label: str) -> str:
+    """Return the motion a degree of freedom is, whichever body's: Heave of float__Heave."""
+    return label.rpartition("__")[2]
+
+
+def body_of(label: str) -> str:
+    """Return the body a degree of freedom is of: float of float__Heave; the only one has no name."""
+    return label.rpartition("__")[0]
+
+
 def is_rigid(label: str) -> bool:
     """Return whether a degree of freedom is a rigid motion, of one of several bodies or of the only one."""
-    return label.rpartition("__")[2] in RIGID
+    return motion_of(label) in RIGID
+
+
+def of_bodies(labels: Iterable[str]) -> dict[str, list[int]]:
+    """Return the places of each body's degrees of freedom, by its name; the only body has none."""
+    places: dict[str, list[int]] = {}
+    for place, label in enumerate(labels):
+        places.setdefault(body_of(label), []).append(place)
+    return places
 
 
 OR_AUTO = WithJsonSchema({"anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"const": "auto"}], "default": "auto"})

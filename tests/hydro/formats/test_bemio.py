@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from hydro.formats.test_exchange import DAMPING, PAIR, WATER, WAVE, random_database, with_structure
 from scipy.integrate import quad
+from scipy.linalg import block_diag
 
 from vsb.errors import DatabaseError
 from vsb.hydro.formats.bemio import bemio_entries, excitation_response, impulse_times, read_bemio, write_h5
@@ -251,7 +252,10 @@ def test_h5_that_cannot_be_read_is_refused(elastic, tmp_path):
     with pytest.raises(DatabaseError, match=r"added_mass/all has shape \(8, 8, 6\); needs \(9, 9, 6\)"):
         read_bemio(path)
     write_h5(entries | {"/body2/properties/name": "other"}, path)
-    with pytest.raises(DatabaseError, match=r"buoy\.h5: holds body1, body2; needs the file of one body"):
+    with pytest.raises(DatabaseError, match=r"buoy\.h5: holds no /body2/properties/dof; needs BEMIO's \.h5 file"):
+        read_bemio(path)
+    write_h5(entries | {"/body3/properties/name": "other"}, path)
+    with pytest.raises(DatabaseError, match=r"buoy\.h5: holds body1, body3; needs body1, body2, \.\.\. without a gap"):
         read_bemio(path)
     write_h5(changed(entries, inf_freq=np.full((8, 8), np.nan)), path)
     with pytest.raises(DatabaseError, match=r"buoy\.h5: variable added_mass_inf holds NaN"):
@@ -271,3 +275,72 @@ def test_h5_of_an_unfit_database_is_refused(elastic):
         total = "inertia_matrix" if name == "inertia_matrix" else "structural_stiffness"
         with pytest.raises(DatabaseError, match=f"memory: {total} couples rigid and generalized modes, which WEC-Sim"):
             bemio_entries(elastic.assign({name: coupled}), "memory")
+
+
+def of_two_bodies(names=("float", "spar"), sizes=(6, 8), frequencies=5):
+    """A file as WEC-Sim's writeBEMIOH5 lays it out: rows with each body, columns of all, two modes of the second."""
+    rng, total = np.random.default_rng(4), sum(sizes)
+    whole = {
+        "hydro_coeffs/added_mass/all": rng.normal(size=(total, total, frequencies)),
+        "hydro_coeffs/added_mass/inf_freq": rng.normal(size=(total, total)),
+        "hydro_coeffs/radiation_damping/all": rng.normal(size=(total, total, frequencies)),
+        "properties/mass": rng.normal(size=(total, total)),
+        "properties/stiffness": rng.normal(size=(total, total)),
+        **{f"hydro_coeffs/excitation/{part}": rng.normal(size=(total, 1, frequencies)) for part in ("re", "im")},
+    }
+    restoring = [rng.normal(size=(n, n)) for n in sizes]
+    entries = {
+        "/simulation_parameters/scaled": np.array([[0.0]]),
+        "/simulation_parameters/g": np.array([[10.0]]),
+        "/simulation_parameters/rho": np.array([[1000.0]]),
+        "/simulation_parameters/w": np.arange(1.0, frequencies + 1).reshape(-1, 1),
+        "/simulation_parameters/wave_dir": np.array([[0.0]]),
+        "/simulation_parameters/water_depth": "infinite",
+    }
+    begin = 0
+    for k, (name, size) in enumerate(zip(names, sizes, strict=True)):
+        own = {place: values[begin : begin + size] for place, values in whole.items()}
+        own |= {"hydro_coeffs/linear_restoring_stiffness": restoring[k], "properties/name": name}
+        own |= {"properties/dof": np.array([[float(size)]]), "properties/disp_vol": np.array([[7.0 + k]])}
+        entries |= {f"/body{k + 1}/{place}": values for place, values in own.items()}
+        begin += size
+    return entries, whole, restoring
+
+
+def test_a_file_of_two_bodies_is_read_with_all_that_couples_them(tmp_path):
+    entries, whole, restoring = of_two_bodies()
+    write_h5(entries, tmp_path / "rm3.h5")
+    ds = read_bemio(tmp_path / "rm3.h5")
+    rigid = ["Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw"]
+    labels = [f"float__{name}" for name in rigid] + [f"spar__{name}" for name in [*rigid, "Mode7", "Mode8"]]
+    assert ds.influenced_dof.values.tolist() == labels
+    assert ds.added_mass.values == pytest.approx(1000 * np.moveaxis(whole["hydro_coeffs/added_mass/all"], -1, 0))
+    omega = np.arange(1.0, 6.0)[:, None, None]
+    damping = 1000 * omega * np.moveaxis(whole["hydro_coeffs/radiation_damping/all"], -1, 0)
+    assert ds.radiation_damping.values == pytest.approx(damping)
+    assert ds.inertia_matrix.values == pytest.approx(whole["properties/mass"])
+    force = (whole["hydro_coeffs/excitation/re"] - 1j * whole["hydro_coeffs/excitation/im"]).T * 1e4
+    assert ds.excitation_force.values == pytest.approx(force)
+    assert ds.hydrostatic_stiffness.values == pytest.approx(1e4 * block_diag(*restoring))
+    assert (ds.attrs["displaced_volume_float"], ds.attrs["displaced_volume_spar"]) == (7.0, 8.0)
+    assert "centre_of_mass" not in ds.attrs
+
+
+@pytest.mark.parametrize("names", [("one body", "spar"), ("float", "float"), ("a__b", "c")])
+def test_bodies_whose_names_are_none_have_numbers(names, tmp_path):
+    write_h5(of_two_bodies(names)[0], tmp_path / "rm3.h5")
+    assert read_bemio(tmp_path / "rm3.h5").influenced_dof.values[[0, 6]].tolist() == ["body1__Surge", "body2__Surge"]
+
+
+def test_a_matrix_of_one_of_two_bodies_alone_is_refused(tmp_path):
+    entries, *_ = of_two_bodies()
+    del entries["/body2/properties/mass"]
+    write_h5(entries, tmp_path / "rm3.h5")
+    with pytest.raises(DatabaseError, match=r"rm3\.h5: holds no /body2/properties/mass; needs BEMIO's \.h5 file"):
+        read_bemio(tmp_path / "rm3.h5")
+
+
+def test_two_bodies_are_not_written_as_one(tmp_path):
+    write_h5(of_two_bodies()[0], tmp_path / "rm3.h5")
+    with pytest.raises(DatabaseError, match=r"float__Surge, .*: are of several bodies; needs those of one"):
+        bemio_entries(read_bemio(tmp_path / "rm3.h5"), "memory")

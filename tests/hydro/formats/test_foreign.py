@@ -84,6 +84,43 @@ def test_sound_numbers_pass(headings, depth):
     assert max(check.value for check in checks if check.name in HASKIND) < 1e-12
 
 
+def of_two(first, second):
+    """Two bodies too far apart to feel each other, one database."""
+    parts = [
+        ds.assign_coords({dof: [f"{name}__{label}" for label in ds[dof].values] for dof in PAIR})
+        for name, ds in (("float", first), ("spar", second))
+    ]
+    one, other = xr.align(*parts, join="outer", fill_value=0.0)
+    both = one + other
+    order = [label for p in parts for label in p.influenced_dof.values]
+    volumes = {f"displaced_volume_{name}": 4000.0 for name in ("float", "spar")}
+    water = {key: value for key, value in first.attrs.items() if key != "displaced_volume"}
+    return both.sel(dict.fromkeys(PAIR, order)).assign_attrs(water | volumes)
+
+
+def test_what_holds_of_one_body_holds_of_two():
+    """Rotations are measured by their body's size and heave by its own waterplane, whoever else is there."""
+    one = sound(headings=[0.0])  # Haskind's relation would couple what sends out waves of one shape
+    alone, together = judged(one), judged(of_two(one, one))
+    assert {name: check.verdict for name, check in together.items()} == dict.fromkeys(ALL, "ok")
+    assert {name: check.value for name, check in together.items()} == pytest.approx(
+        {name: check.value for name, check in alone.items()}, abs=1e-12
+    )
+    heavy = edited(one, "inertia_matrix", lambda m: m.__setitem__((1, 1), 1.1 * m[1, 1]))
+    high = edited(one, "hydrostatic_stiffness", lambda c: c.__imul__(1.3))
+    for wrong, name in ((heavy, "afloat"), (high, "long_waves")):
+        assert judged(of_two(one, wrong))[name].verdict == judged(wrong)[name].verdict != "ok"
+
+
+def test_the_size_of_a_rotation_is_that_of_its_own_body():
+    """A model a tenth as long beside the body: its pitch, a hundred-thousandth, is no round-off of the large one's."""
+    small = sound().map(lambda v: v * 1e-5).assign_attrs(sound().attrs)
+    both = of_two(sound(), small).assign_attrs(displaced_volume_spar=0.04)
+    wet = dict(zip(both.influenced_dof.values, sizes(both).wet, strict=True))
+    assert wet["float__Pitch"]
+    assert wet["spar__Pitch"]
+
+
 # --- every limit from both sides
 
 

@@ -201,7 +201,7 @@ def test_a_mass_matrix_alone_gives_volume_and_centres_only(foreign):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("NBODY =     1", "NBODY =     2", r"barge\.mmx: holds 2 bodies; needs the files of one body"),
+        ("NBODY =     1", "NBODY =     2", r"barge\.mmx: holds 2 bodies, 1 with matrices; needs those of all"),
         ("scale:        1.0", "scale:        2.0", r"of a run with gravity 9\.81 and ULEN 2; received gravity 9\.81, length 1"),
         ("Gravity:     9.81", "Gravity:     9.80", r"of a run with gravity 9\.8 and ULEN 1; received"),
         ("Volumes (VOLX,VOLY,VOLZ):           4000.01", "Volumes", r"barge\.mmx: holds no 'Volumes'; needs the \.mmx file"),

@@ -1,5 +1,7 @@
 """WAMIT's files written and read."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hydro.formats.test_exchange import (
@@ -325,3 +327,57 @@ def test_what_cannot_be_written_is_refused():
             wamit_texts(ds.assign_coords(omega=omega), "memory")
     with pytest.raises(DatabaseError, match="memory: periods equal to seven digits"):
         wamit_texts(ds.assign_coords(omega=[1.0, 1.0 + 1e-9, 2.0, 3.0]), "memory")
+
+
+RM3 = Path(__file__).parents[2] / "data" / "rm3"
+
+
+def rm3(folder, **changes):
+    """RM3's files, with text exchanged in some of them: ending -> (old, new)."""
+    for file in RM3.glob("rm3.*"):
+        text = file.read_text() if file.suffix != ".nc" else ""
+        old, new = changes.get(file.suffix[1:], ("", ""))
+        assert old in text
+        (folder / file.name).write_text(text.replace(old, new))
+    return import_wamit(folder, "rm3", density=1000.0, gravity=9.81)
+
+
+def test_two_bodies_of_one_run_are_read_apart():
+    """RM3, the published numbers: heave of float is mode 3, that of the spar mode 9, both translations."""
+    ds = import_wamit(RM3, "rm3", density=1000.0, gravity=9.81)
+    assert ds.influenced_dof.values.tolist() == ["body1__Heave", "body2__Heave"]
+    assert np.diag(ds.hydrostatic_stiffness.values) == pytest.approx([285.5230 * 9810, 28.23846 * 9810])
+    assert (ds.attrs["displaced_volume_body1"], ds.attrs["displaced_volume_body2"]) == (725.833, 886.687)
+    assert ds.added_mass_inf.values[1, 1] == pytest.approx(8.918842e6)
+    assert "centre_of_mass" not in ds.attrs
+
+
+def test_rotations_of_the_second_body_take_a_length_more(tmp_path):
+    """Modes 4 and 10 in place of 3 and 9, ULEN 2: L^5 for a rotation of the second body, too."""
+    for name in (".1", ".3", ".hst", ".mmx"):
+        text = (RM3 / f"rm3{name}").read_text()
+        (tmp_path / f"rm3{name}").write_text(text.replace("Length scale:        1.0", "Length scale:        2.0"))
+    heave = import_wamit(tmp_path, "rm3", density=1000.0, gravity=9.81, length=2.0)
+    for name, columns in ((".1", (1, 2)), (".3", (2,)), (".hst", (0, 1))):
+        head, *lines = (tmp_path / f"rm3{name}").read_text().splitlines()
+        rows = [line.split() for line in lines]
+        for row in rows:
+            for column in columns:
+                row[column] = str(int(row[column]) + 1)
+        (tmp_path / f"rm3{name}").write_text("\n".join([head, *map(" ".join, rows)]) + "\n")
+    roll = import_wamit(tmp_path, "rm3", density=1000.0, gravity=9.81, length=2.0)
+    assert roll.influenced_dof.values.tolist() == ["body1__Roll", "body2__Roll"]
+    assert roll.added_mass.values == pytest.approx(4 * heave.added_mass.values)
+    assert roll.excitation_force.values == pytest.approx(2 * heave.excitation_force.values)
+    assert roll.hydrostatic_stiffness.values == pytest.approx(4 * heave.hydrostatic_stiffness.values)
+
+
+def test_what_the_files_of_two_bodies_do_not_say_is_refused(tmp_path):
+    heads = {"mmx": ("Normalized mass matrix:", "External force matrices:")}
+    with pytest.raises(DatabaseError, match=r"rm3\.mmx: holds external force matrices of 2 bodies; needs IALTFRC = 1"):
+        rm3(tmp_path, **heads)
+    more = {"1": ("     9     9", "    13    13")}
+    with pytest.raises(DatabaseError, match=r"rm3\.1: holds modes up to 13 of 2 bodies; needs six of each, unnamed"):
+        rm3(tmp_path, **more)
+    with pytest.raises(DatabaseError, match=r"rm3\.1: holds modes up to 9 of 2 bodies; needs six of each, unnamed"):
+        import_wamit(RM3, "rm3", density=1000.0, gravity=9.81, labels=["a", "b"])

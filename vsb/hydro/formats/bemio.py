@@ -1,4 +1,4 @@
-"""BEMIO's .h5 file of one body, which WEC-Sim reads: written and read.
+"""BEMIO's .h5 file, which WEC-Sim reads: written of one body, read of one or several.
 
 Paths, dimensions and normalization (`scaled` = 0: A/rho, B/(rho omega), X/(rho g), C/(rho g), K/rho, f/(rho g)) are
 those of WEC-Sim's writeBEMIOH5, numbers those of WAMIT with ULEN = 1 m (`vsb.wamit`): phasors are Re(X e^{+i omega t}),
@@ -10,6 +10,7 @@ rigid modes from its own input.
 """
 
 import math
+import re
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -17,24 +18,30 @@ import netCDF4
 import numpy as np
 import xarray as xr
 from scipy.interpolate import CubicSpline
+from scipy.linalg import block_diag
 
 from vsb.errors import DatabaseError
 from vsb.hydro.formats.modes import (
     GENERALIZED,
     WATER,
     assembled,
+    body_names,
     checked,
     floating,
     mode_labels,
     mode_numbers,
     structure,
+    volume_of,
 )
 from vsb.hydro.kernel import DampingSpectrum
+from vsb.study.quantities import body_of
 from vsb.tools.files import whole
 from vsb.tools.units import ATTRS, ComplexArray, FloatArray
 
 _FOLDERS = {"excitation_force": "", "Froude_Krylov_force": "froude-krylov/", "diffraction_force": "scattering/"}
 _WAVES, _BODY, _HYDRO = "/simulation_parameters/", "/body1/properties/", "/body1/hydro_coeffs/"
+_COUPLED = ("hydro_coeffs/added_mass", "hydro_coeffs/radiation_damping", "properties/")
+"""Where the rows of one of several bodies have columns of all of them."""
 _RADIATED, _EXCITED = (f"{_HYDRO}{part}/impulse_response_fun/" for part in ("radiation_damping", "excitation"))
 _MATRICES = {  # dataset of the .h5 file: variable, what it is divided by
     f"{_HYDRO}added_mass/all": ("added_mass", "rho"),
@@ -204,16 +211,17 @@ def write_h5(entries: dict[str, Any], path: Path) -> None:
 
 
 def read_bemio(path: str | Path) -> xr.Dataset:
-    """Return the hydro database of a BEMIO .h5 file of one body: all its modes, dimensional.
+    """Return the hydro database of a BEMIO .h5 file: all modes of all its bodies, dimensional.
 
     Parts of the excitation with NaN, BEMIO's mark of what was not computed, are left out; `structural_stiffness` is all
-    stiffness but the water's; labels are Surge, ..., Yaw, Mode7, ... where the file does not name those it holds. Only
-    datasets of these names are read, and only of the shapes the numbers of modes, frequencies and headings ask for.
+    stiffness but the water's; labels are Surge, ..., Yaw, Mode7, ... where the file does not name those it holds, of
+    several bodies with the body's name before: float__Heave. Only datasets of these names are read, and only of the
+    shapes the numbers of modes, frequencies and headings ask for.
 
     Raises
     ------
     DatabaseError
-        If the file cannot be read, is damaged, or is not one of one body.
+        If the file cannot be read, or is damaged.
     """
     try:
         with netCDF4.Dataset(path) as file, np.errstate(over="ignore", invalid="ignore"):  # checked in the end
@@ -268,40 +276,94 @@ class _Entries(NamedTuple):
         return "" if variable is None else "".join(map(str, np.ravel(variable[...])))
 
 
+class _Part(NamedTuple):
+    """One body of an .h5 file."""
+
+    group: str
+    size: int  # degrees of freedom in the file
+    held: FloatArray  # places among them of those its labels name
+    labels: list[str]  # the body before them, if there are several
+
+
 def _from_bemio(found: _Entries, source: str) -> xr.Dataset:
     """The database in the datasets of an .h5 file."""
-    if bodies := sorted({name for name in found.file.groups if name.startswith("body")} - {"body1"}):
-        raise DatabaseError(f"{source}: holds {', '.join(['body1', *bodies])}; needs the file of one body.")
-    rho, g, dof = (found.number(key) for key in (f"{_WAVES}rho", f"{_WAVES}g", f"{_BODY}dof"))
+    parts = _parts(found)
+    rho, g = (found.number(f"{_WAVES}{key}") for key in ("rho", "g"))
     omega, headings = (found.numbers(f"{_WAVES}{name}") for name in ("w", "wave_dir"))
-    labels, size = _labels(found, dof), int(dof)
-    index, scaled = np.array(mode_numbers(labels)) - 1, bool(np.all(found.numbers(f"{_WAVES}scaled")))
+    scaled = bool(np.all(found.numbers(f"{_WAVES}scaled")))
     variables = {}
     for place, (name, by) in _MATRICES.items():
-        if place.startswith(_HYDRO) or found.find(place) is not None:
-            swept = "omega" in ATTRS[name].dims
-            value = found.numbers(place, *(size, size, len(omega))[: 2 + swept])[np.ix_(index, index)]
-            value = np.moveaxis(value, -1, 0) if swept else value
+        inside = place.removeprefix("/body1/")
+        if place.startswith(_HYDRO) or any(found.find(f"/{part.group}/{inside}") is not None for part in parts):
+            value = _matrix(found, parts, inside, len(omega) if "omega" in ATTRS[name].dims else 0)
             variables[name] = value * (1.0 if scaled else _divisor(by, rho, g, omega))
     for name, folder in _FOLDERS.items():
         if not folder or found.find(f"{_HYDRO}excitation/{folder}re") is not None:
-            shape = size, len(headings), len(omega)
-            re, im = (found.numbers(f"{_HYDRO}excitation/{folder}{part}", *shape)[index] for part in ("re", "im"))
-            if not folder or np.isfinite(re + im).all():
-                variables[name] = (re - 1j * im).T * (1.0 if scaled else rho * g)
+            force = _forces(found, parts, f"hydro_coeffs/excitation/{folder}", (len(headings), len(omega)))
+            if not folder or np.isfinite(force).all():
+                variables[name] = force.T * (1.0 if scaled else rho * g)
     depth = found.text(f"{_WAVES}water_depth")
     water = rho, g, "inf" if "inf" in depth else str(float(depth))
-    facts: dict[str, Any] = {key: found.numbers(f"{_BODY}{name}", 3) for key, name in list(_FACTS.items())[1:]}
-    facts["displaced_volume"] = found.number(f"{_BODY}disp_vol")
-    attrs = dict(zip(WATER, water, strict=True), source="BEMIO", history=f"read from {Path(source).name}", **facts)
-    return assembled(source, (labels, omega, headings), variables, attrs)
+    attrs = dict(zip(WATER, water, strict=True), source="BEMIO", history=f"read from {Path(source).name}")
+    labels = [label for part in parts for label in part.labels]
+    return assembled(source, (labels, omega, headings), variables, attrs | _facts(found, parts))
 
 
-def _labels(found: _Entries, dof: float) -> list[str]:
-    """Names of the modes the file holds, which fill its degrees of freedom."""
+def _parts(found: _Entries) -> list[_Part]:
+    """Bodies of an .h5 file, in its order."""
+    groups = sorted(name for name in found.file.groups if re.fullmatch(r"body\d+", name))
+    if {*groups} != {f"body{k + 1}" for k in range(len(groups))}:
+        raise DatabaseError(f"{found.source}: holds {', '.join(groups)}; needs body1, body2, ... without a gap.")
+    groups = [f"body{k + 1}" for k in range(len(groups) or 1)]
+    names = body_names([found.text(f"/{group}/properties/name") for group in groups])
+    parts = []
+    for group, name in zip(groups, names, strict=True):
+        size = found.number(f"/{group}/properties/dof")
+        labels = _labels(found, group, size)
+        index = np.array(mode_numbers(labels)) - 1
+        parts.append(_Part(group, int(size), index, [f"{name}__{label}" if name else label for label in labels]))
+    return parts
+
+
+def _matrix(found: _Entries, parts: list[_Part], inside: str, frequencies: int) -> FloatArray:
+    """One matrix over the degrees of freedom of all bodies, whose rows stand with each of them, frequencies first."""
+    sizes = [part.size for part in parts]
+    columns = np.concatenate([np.sum(sizes[:k], dtype=int) + part.held for k, part in enumerate(parts)])
+    shape, rows = (frequencies,) if frequencies else (), []
+    coupled = inside.startswith(_COUPLED)
+    for part in parts:
+        width, own = (sum(sizes), columns) if coupled else (part.size, part.held)
+        value = found.numbers(f"/{part.group}/{inside}", part.size, width, *shape)
+        rows.append(value[np.ix_(part.held, own)])
+    value = np.concatenate(rows) if coupled else block_diag(*rows)
+    return np.moveaxis(value, -1, 0) if frequencies else value
+
+
+def _forces(found: _Entries, parts: list[_Part], inside: str, shape: tuple[int, int]) -> ComplexArray:
+    """Phasors (C1) of the degrees of freedom of all bodies, (dof, wave_direction, omega)."""
+    rows = []
+    for part in parts:
+        re, im = (found.numbers(f"/{part.group}/{inside}{name}", part.size, *shape) for name in ("re", "im"))
+        rows.append((re - 1j * im)[part.held])
+    return np.concatenate(rows)
+
+
+def _facts(found: _Entries, parts: list[_Part]) -> dict[str, Any]:
+    """Displaced volume of each body, of the only one the centres as well."""
+    names = [body_of(part.labels[0]) for part in parts]
+    volumes = {
+        volume_of(name): found.number(f"/{p.group}/properties/disp_vol") for name, p in zip(names, parts, strict=True)
+    }
+    if len(parts) > 1:
+        return volumes
+    return volumes | {key: found.numbers(f"{_BODY}{name}", 3) for key, name in list(_FACTS.items())[1:]}
+
+
+def _labels(found: _Entries, group: str, dof: float) -> list[str]:
+    """Names of the modes a body of the file holds, which fill its degrees of freedom."""
     if not (dof == int(dof) and 6 <= dof <= LARGEST_MODES):
         raise DatabaseError(f"{found.source}: holds {dof:g} degrees of freedom; needs six rigid and a few more.")
-    labels = found.text(f"{_BODY}mode_labels").splitlines() or mode_labels(range(1, int(dof) + 1))
+    labels = found.text(f"/{group}/properties/mode_labels").splitlines() or mode_labels(range(1, int(dof) + 1))
     if (last := max(6, *mode_numbers(labels))) != dof:
         raise DatabaseError(
             f"{found.source}: holds {dof:g} degrees of freedom; needs {last} for its mode_labels {labels}."

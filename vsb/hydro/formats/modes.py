@@ -7,6 +7,7 @@ radians: coefficients of a rotation take one more length each.
 
 import json
 import math
+import re
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -14,7 +15,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.errors import ConfigError, DatabaseError
-from vsb.study.quantities import RIGID
+from vsb.study.quantities import RIGID, is_rigid, of_bodies
 from vsb.tools.units import ATTRS, FloatArray, check_finite, described
 
 GENERALIZED = 7
@@ -49,6 +50,8 @@ def mode_numbers(labels: Sequence[str]) -> list[int]:
     """Return the numbers of degrees of freedom: 1 to 6 for those named as in `RIGID`, 7, 8, ... for the others."""
     if not labels or len(set(labels)) < len(labels):
         raise DatabaseError(f"degrees of freedom {list(labels)}: needs at least one, and none twice.")
+    if several := [label for label in labels if is_rigid(label) and label not in RIGID]:
+        raise DatabaseError(f"degrees of freedom {', '.join(several)}: are of several bodies; needs those of one.")
     others = [label for label in labels if label not in RIGID]
     return [RIGID.index(label) + 1 if label in RIGID else GENERALIZED + others.index(label) for label in labels]
 
@@ -56,6 +59,19 @@ def mode_numbers(labels: Sequence[str]) -> list[int]:
 def mode_labels(numbers: Sequence[int]) -> list[str]:
     """Return the labels of modes: those of `RIGID`, then Mode7, Mode8, ..."""
     return [RIGID[n - 1] if n < GENERALIZED else f"Mode{n}" for n in numbers]
+
+
+def body_names(found: Sequence[str]) -> list[str]:
+    """Return what stands before the labels of each body: its name, or its number where that is none; of one nothing."""
+    if len(found) == 1:
+        return [""]
+    proper = all(re.fullmatch(r"[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*", name) for name in found)
+    return list(found) if proper and len(set(found)) == len(found) else [f"body{k + 1}" for k in range(len(found))]
+
+
+def volume_of(body: str) -> str:
+    """Return the name among a database's attributes of the water a body displaces [m^3]; the only one has no name."""
+    return f"displaced_volume_{body}" if body else "displaced_volume"
 
 
 def rotations(modes: Sequence[int]) -> FloatArray:
@@ -106,9 +122,10 @@ def _check_facts(ds: xr.Dataset, source: str) -> None:
             check_positive(name, float(ds.attrs[name]), unit, infinite=name == "water_depth")
         except (ConfigError, TypeError, ValueError) as error:
             raise DatabaseError(f"{source}: {error}") from None
-    volume = np.asarray(ds.attrs.get("displaced_volume", 0.0), dtype=float)
-    if volume.shape or not 0 <= volume <= LARGEST:
-        raise DatabaseError(f"{source}: displaced_volume {volume} m^3; needs a finite one, not negative.")
+    for name in {volume_of(body) for body in of_bodies(map(str, ds.influenced_dof.values))}:
+        volume = np.asarray(ds.attrs.get(name, 0.0), dtype=float)
+        if volume.shape or not 0 <= volume <= LARGEST:
+            raise DatabaseError(f"{source}: {name} {volume} m^3; needs a finite one, not negative.")
     for name in ("centre_of_buoyancy", "centre_of_mass"):
         centre = np.asarray(ds.attrs.get(name, np.zeros(3)), dtype=float)
         if centre.shape != (3,) or not np.all(np.abs(centre) <= LARGEST):
@@ -153,6 +170,6 @@ def structure(ds: xr.Dataset, source: str) -> Structure | None:
         raise DatabaseError(f"{source}: holds no spec; needs structural_damping_matrix, or a spec with its factors.")
     factors = json.loads(ds.attrs["spec"]).get("device", {}).get("damping", {"alpha": 0.0, "beta": 0.0})
     damping = factors["alpha"] * mass + factors["beta"] * elastic
-    rigid = np.isin(ds.influenced_dof.values, RIGID)
+    rigid = np.array([is_rigid(str(label)) for label in ds.influenced_dof.values])
     damping[rigid, :] = damping[:, rigid] = 0.0
     return Structure(mass, damping, stiffness)

@@ -1,4 +1,4 @@
-"""WAMIT's numeric output files of one body, generalized modes included: written and read.
+"""WAMIT's numeric output files: written of one body, generalized modes included, read of one or several.
 
 Phasors are Re(X e^{-i omega t}) here (C1) and Re(X e^{+i omega t}) there, phases relative to the elevation at the
 origin and positive where the force leads. X is conjugated on the way out and in; nothing else changes sign.
@@ -32,6 +32,7 @@ from vsb.hydro.formats.modes import (
     mode_numbers,
     rotations,
     structure,
+    volume_of,
 )
 from vsb.tools.units import ComplexArray, FloatArray
 
@@ -160,19 +161,17 @@ def import_wamit(
 
     Notes
     -----
-    The files are of one body: modes from 7 on are its generalized ones. All modes that `.1` lists are kept. Pairs that
-    no period lists are zero: WAMIT leaves out what symmetry makes zero. Damping and stiffness in `.mmx` are those of
-    WAMIT's "external force matrices" (IALTFRC = 2); a file with a mass matrix alone (IALTFRC = 1) gives volume and
-    centres only.
+    Modes from 7 on are generalized ones, or of the next bodies if `.mmx` says that there are several, which then have
+    six each: body1__Surge, ..., body2__Yaw. All modes that `.1` lists are kept. Pairs that no period lists are zero:
+    WAMIT leaves out what symmetry makes zero. Damping and stiffness in `.mmx` are those of WAMIT's "external force
+    matrices" (IALTFRC = 2); a file with a mass matrix alone (IALTFRC = 1) gives volumes, and of one body centres, only.
     """
     path = str(Path(folder) / name)
     table = _table(f"{path}.1", _lines(f"{path}.1", "PER I J A B"), (1, 2), (4, 5), "PER I J A, and B where PER > 0")
     modes = sorted({int(mode) for key in table for mode in key[1:]})
-    told = {int(n): label for n, label in re.findall(r" (\d+)=(\w+)", _lines(f"{path}.1", "")[0].partition("modes")[2])}
-    names = list(labels or ([told[m] for m in modes] if {*modes} <= {*told} else mode_labels(modes)))
-    if [min(n, GENERALIZED) for n in mode_numbers(names)] != [min(mode, GENERALIZED) for mode in modes]:
-        raise DatabaseError(f"{path}.1: holds modes {modes}; needs as many labels of these, received {names}.")
-    mass, stiffness, force = _scales(density, gravity, length, modes)
+    dry = _read_dry(f"{path}.mmx", modes, gravity, length) if Path(f"{path}.mmx").is_file() else _Dry(1, {}, {})
+    names, numbers = _named(path, modes, dry.bodies, labels)
+    mass, stiffness, force = _scales(density, gravity, length, numbers)
     check_positive("depth", depth, "m", infinite=True)
     waves, radiated = _radiation(f"{path}.1", table, modes)
     variables: dict[str, Any] = {key: mass * values for key, values in radiated.items()}
@@ -183,11 +182,28 @@ def import_wamit(
     variables["hydrostatic_stiffness"] = stiffness * springs
     headings, forces = _read_forces(path, waves, modes)
     variables |= {key: force * x for key, x in forces.items()}
-    matrices, facts = _read_dry(f"{path}.mmx", modes, gravity, length) if Path(f"{path}.mmx").is_file() else ({}, {})
     dropped = "added_mass_zero" not in radiated and any(key[0] < 0 for key in table)
     history = f"read from WAMIT's files {name}" + "; left out: zero frequency, not of all pairs" * dropped
-    attrs = dict(zip(WATER, (density, gravity, str(depth)), strict=True), source="WAMIT", history=history, **facts)
-    return assembled(path, (names, 2 * np.pi / np.array(waves), headings), variables | matrices, attrs)
+    attrs = dict(zip(WATER, (density, gravity, str(depth)), strict=True), source="WAMIT", history=history, **dry.facts)
+    return assembled(path, (names, 2 * np.pi / np.array(waves), headings), variables | dry.matrices, attrs)
+
+
+def _named(path: str, modes: list[int], bodies: int, labels: Sequence[str] | None) -> tuple[list[str], list[int]]:
+    """Names of the modes, and their numbers among those of their body."""
+    if bodies > 1:
+        if modes[-1] > 6 * bodies or labels:
+            raise DatabaseError(
+                f"{path}.1: holds modes up to {modes[-1]} of {bodies} bodies; needs six of each, unnamed: whose others "
+                "are these files do not say."
+            )
+        numbers = [(mode - 1) % 6 + 1 for mode in modes]
+        of = [(mode - 1) // 6 + 1 for mode in modes]
+        return [f"body{k}__{name}" for k, name in zip(of, mode_labels(numbers), strict=True)], numbers
+    told = {int(n): label for n, label in re.findall(r" (\d+)=(\w+)", _lines(f"{path}.1", "")[0].partition("modes")[2])}
+    names = list(labels or ([told[m] for m in modes] if {*modes} <= {*told} else mode_labels(modes)))
+    if [min(n, GENERALIZED) for n in mode_numbers(names)] != [min(mode, GENERALIZED) for mode in modes]:
+        raise DatabaseError(f"{path}.1: holds modes {modes}; needs as many labels of these, received {names}.")
+    return names, modes
 
 
 def _check_one_body(path: str, modes: list[int], stiffness: FloatArray) -> None:
@@ -206,7 +222,7 @@ def _check_one_body(path: str, modes: list[int], stiffness: FloatArray) -> None:
     if apart and still and all(stiffness[body == k].any() for k in set(body[beyond])):
         raise DatabaseError(
             f"{path}.hst: modes {modes[-count]} to {modes[-1]} restore in heave, roll or pitch, apart from modes 1 "
-            "to 6, like another rigid body; needs the files of one body (or .mmx, with NBODY = 1, if they bend it)."
+            "to 6, like another rigid body; needs .mmx, which says how many bodies there are (NBODY)."
         )
 
 
@@ -293,23 +309,41 @@ def _read_forces(path: str, periods: list[float], modes: list[int]) -> tuple[lis
     return headings, forces
 
 
-def _read_dry(path: str, modes: list[int], gravity: float, length: float) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Mass, damping and stiffness of the .mmx file, and attributes: displaced volume and centres."""
+class _Dry(NamedTuple):
+    """What the .mmx file says."""
+
+    bodies: int
+    matrices: dict[str, FloatArray]  # mass, damping and stiffness, (mode, mode)
+    facts: dict[str, Any]  # attributes: displaced volumes, and centres of the only body
+
+
+def _read_dry(path: str, modes: list[int], gravity: float, length: float) -> _Dry:
+    """Bodies, their mass, damping and stiffness, displaced volumes and centres, of the .mmx file."""
     text = "\n".join(_lines(path, "I J MASS DAMP STIF"))
-    words = {"NBODY =": 1, "Gravity:": 1, "Length scale:": 1, "Volumes": 3, "Buoyancy": 3, "of Gravity:": 3}
-    (bodies,), (g,), (scale,), volumes, buoyancy, mass = (_after(path, text, word, n) for word, n in words.items())
-    if bodies != 1:
-        raise DatabaseError(f"{path}: holds {bodies:g} bodies; needs the files of one body.")
+    words = {"NBODY =": 1, "Gravity:": 1, "Length scale:": 1}
+    (bodies,), (g,), (scale,) = (_after(path, text, word, n) for word, n in words.items())
+    parts = re.split(r"for body N =", text)[1:] or [text]
+    if bodies != len(parts):
+        raise DatabaseError(f"{path}: holds {bodies:g} bodies, {len(parts)} with matrices; needs those of all.")
     if not np.allclose([g, scale], [gravity, length], rtol=1e-5):
         raise DatabaseError(
             f"{path}: of a run with gravity {g:g} and ULEN {scale:g}; received gravity {gravity:g}, length {length:g}."
         )
-    facts = {"displaced_volume": float(np.median(volumes)), "centre_of_buoyancy": buoyancy, "centre_of_mass": mass}
+    volumes = [float(np.median(_after(path, part, "Volumes", 3))) for part in parts]
     _, found, rest = text.partition("External force matrices")
+    if len(parts) > 1:
+        if found:
+            raise DatabaseError(
+                f"{path}: holds external force matrices of {len(parts)} bodies; needs IALTFRC = 1, and mass, damping "
+                "and stiffness in the study."
+            )
+        return _Dry(len(parts), {}, {volume_of(f"body{k + 1}"): volume for k, volume in enumerate(volumes)})
+    buoyancy, mass = (_after(path, text, word, 3) for word in ("Buoyancy", "of Gravity:"))
+    facts = {"displaced_volume": volumes[0], "centre_of_buoyancy": buoyancy, "centre_of_mass": mass}
     if not found:
-        return {}, facts
+        return _Dry(1, {}, facts)
     table = _table(path, rest.splitlines()[2:], (0, 1), (5,), "I J MASS DAMP STIF")
-    return dict(zip(_DRY, np.moveaxis(_values(path, table, modes, modes), -1, 0), strict=True)), facts
+    return _Dry(1, dict(zip(_DRY, np.moveaxis(_values(path, table, modes, modes), -1, 0), strict=True)), facts)
 
 
 def _after(path: str, text: str, word: str, count: int) -> FloatArray:

@@ -1,0 +1,128 @@
+"""Repairs of coefficients: as little as it takes, bounded, and told with their size."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.interpolate import CubicSpline
+
+from vsb.errors import ConfigError
+from vsb.hydro.database import Check
+from vsb.hydro.formats.foreign import sizes
+from vsb.hydro.kernel import DampingSpectrum
+from vsb.hydro.repairs import PAIR, repaired, told, with_causal_added_mass, with_passive_damping
+
+LABELS = ["Heave", "Pitch"]
+OMEGA = np.arange(1, 61) * 0.1
+
+
+def two_channels(omega=OMEGA, labels=LABELS):
+    """Two resonances of known poles, one of each combination of two motions: passive and causal by construction."""
+    damping, mass = np.zeros((2, len(omega), 2, 2))
+    for pole, along in ((-0.5 + 1.0j, np.array([1.0, 0.5])), (-0.8 + 2.0j, np.array([-0.3, 1.0]))):
+        s = 1j * omega
+        k = s / ((s - pole) * (s - pole.conjugate()))  # s/(s^2 + 2 a s + b), positive real
+        damping += k.real[:, None, None] * np.outer(along, along)
+        mass += (k.imag / omega)[:, None, None] * np.outer(along, along)
+    data = {"added_mass": (("omega", *PAIR), mass + 3 * np.eye(2)), "radiation_damping": (("omega", *PAIR), damping)}
+    coords = {"omega": omega, **dict.fromkeys(PAIR, labels)}
+    return xr.Dataset(data, coords, {"water_density": 1.0, "displaced_volume": 1.0, "history": "read"})
+
+
+def noisy(ds, drawn):
+    """Damping with `drawn` of one motion's largest taken away along the other diagonal, where waves are long."""
+    b = ds.radiation_damping.values.copy()
+    b[:5] -= drawn * b.max() * np.eye(2)
+    return ds.assign(radiation_damping=(("omega", *PAIR), b))
+
+
+def test_what_is_passive_stays_as_it_is_to_the_last_bit():
+    ds = two_channels()
+    mended, checks = repaired(ds, ["positive_damping"])
+    assert np.array_equal(mended.radiation_damping.values, ds.radiation_damping.values)
+    assert checks[0].value == 0.0
+    assert repaired(ds, ()) == (ds, [])
+
+
+def test_negative_damping_is_taken_away_between_the_frequencies_too():
+    ds = noisy(two_channels(), 0.05)
+    assert np.linalg.eigvalsh(ds.radiation_damping.values).min() < 0
+    mended, checks = repaired(ds, ["positive_damping"])
+    fine = np.linspace(OMEGA[0], OMEGA[-1], 5000)
+    assert np.linalg.eigvalsh(CubicSpline(OMEGA, mended.radiation_damping.values)(fine)).min() >= 0
+    assert np.array_equal(mended.radiation_damping.values[9:], ds.radiation_damping.values[9:])
+    assert np.array_equal(mended.added_mass.values, ds.added_mass.values)
+    assert mended.attrs["history"].startswith("read; damping made positive definite at ")
+    (check,) = checks
+    assert (check.name, check.verdict, check.limit) == ("repaired positive_damping", "doubt", 0.2)
+    assert 0.04 < check.value < 0.08
+    assert "rad/s" in check.explanation
+
+
+def test_no_positive_definite_damping_is_nearer():
+    """Against random ones within the change: the projection is the nearest matrix, measured as it is scaled."""
+    ds = noisy(two_channels(), 0.1)
+    mended = with_passive_damping(ds)
+    root = np.sqrt(sizes(ds).damping)
+    given, near = (x.radiation_damping.values[0] / np.outer(root, root) for x in (ds, mended))
+    least = np.linalg.norm(near - given)
+    rng = np.random.default_rng(0)
+    for _ in range(300):
+        factor = np.linalg.cholesky(near + 1e-9 * np.eye(2)) + 0.05 * np.linalg.norm(near) * rng.normal(size=(2, 2))
+        assert np.linalg.norm(factor @ factor.T - given) > 0.999 * least
+
+
+def test_motions_that_move_no_water_keep_moving_none():
+    ds = noisy(two_channels(), 0.05)
+    for name in ("radiation_damping", "added_mass"):
+        still = ds[name].values.copy()
+        still[:, 1, :] = still[:, :, 1] = 0.0
+        ds = ds.assign({name: (("omega", *PAIR), still)})
+    mended = with_passive_damping(ds).radiation_damping.values
+    assert not mended[:, 1].any()
+    assert (mended[:, 0, 0] > 0).all()
+
+
+def test_added_mass_becomes_that_of_the_damping():
+    ds = two_channels(np.arange(1, 201) * 0.1)
+    rng = np.random.default_rng(1)
+    shaken = ds.added_mass.values + 0.02 * (n := rng.normal(size=ds.added_mass.shape)) + 0.02 * n.swapaxes(1, 2)
+    mended, (check,) = repaired(ds.assign(added_mass=(("omega", *PAIR), shaken)), ["kramers_kronig"])
+    error, before = (np.abs(x - ds.added_mass.values).max() for x in (mended.added_mass.values, shaken))
+    assert error < 0.15 * before
+    spectrum = DampingSpectrum(ds.omega.values, ds.radiation_damping.values)
+    change = spectrum.added_mass_difference(ds.omega.values)
+    assert mended.added_mass.values - change == pytest.approx(np.array([mended.added_mass_inf.values] * 200))
+    assert check.name == "repaired kramers_kronig"
+    assert np.array_equal(mended.radiation_damping.values, ds.radiation_damping.values)
+
+
+def test_damping_is_repaired_before_added_mass_follows_from_it():
+    both, checks = repaired(noisy(two_channels(), 0.05), ["kramers_kronig", "positive_damping"])
+    assert [check.name for check in checks] == ["repaired positive_damping", "repaired kramers_kronig"]
+    first = with_passive_damping(noisy(two_channels(), 0.05))
+    assert np.array_equal(both.added_mass.values, with_causal_added_mass(first).added_mass.values)
+
+
+def test_more_than_noise_is_refused():
+    expected = (
+        r"hydro.repair: positive_damping would change damping, .* by 0\.\d+ \(most at .* rad/s\), needs at most 0.2"
+    )
+    with pytest.raises(ConfigError, match=expected):
+        repaired(noisy(two_channels(), 0.5), ["positive_damping"])
+    ds = two_channels()
+    with pytest.raises(ConfigError, match=r"kramers_kronig would change added mass.* needs at most 0.1: that is no"):
+        repaired(ds.assign(added_mass=ds.added_mass + 4 * np.sin(ds.omega)), ["kramers_kronig"])
+    with pytest.raises(ConfigError, match=r"hydro.repair: kramers_kronig needs 10 frequencies, received 5"):
+        repaired(ds.isel(omega=slice(5)), ["kramers_kronig"])
+
+
+def test_what_no_spline_follows_in_many_rounds_is_refused(monkeypatch):
+    monkeypatch.setattr("vsb.hydro.repairs._ROUNDS", 1)
+    with pytest.raises(ConfigError, match=r"leaves damping that is negative between the frequencies, up to 6 rad/s"):
+        repaired(noisy(two_channels(), 0.05), ["positive_damping"])
+
+
+def test_failures_of_what_is_repaired_are_doubts():
+    fails = [Check(name, 1.0, 0.1, "-", "fail", "text") for name in ("positive_damping", "haskind")]
+    assert [check.verdict for check in told(fails, ["positive_damping"])] == ["doubt", "fail"]
+    assert told(fails, ["positive_damping"])[0].explanation == "text; repaired"

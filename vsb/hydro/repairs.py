@@ -1,0 +1,153 @@
+"""Repairs of coefficients that a study asks for by the name of the check they mend: visible, bounded, recorded.
+
+Noise of panels, of single precision, of solvers that iterate, makes damping slightly negative and added mass other than
+what follows from damping. A motion's whole added mass may be right to four digits and its memory, what of it depends on
+frequency, to two. Nothing is repaired that was not asked for, and nothing that is more than noise.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+import xarray as xr
+from scipy.interpolate import CubicSpline
+
+from vsb.errors import ConfigError
+from vsb.hydro.database import Check
+from vsb.hydro.formats.foreign import sizes
+from vsb.hydro.kernel import DampingSpectrum
+from vsb.tools.units import FloatArray
+
+PAIR = ("influenced_dof", "radiating_dof")
+LARGEST_CHANGE = {"positive_damping": 0.2, "kramers_kronig": 0.1}
+"""Of damping, in terms of both motions' largest, and of added mass, in terms of both motions' own: more is no noise."""
+_LEAST = 1e-12  # eigenvalue in place of a negative one, in terms of the motions' largest damping
+_ROUNDS = 100
+_BETWEEN = np.arange(1, 8) / 8  # places between two frequencies
+FEWEST = 10
+"""Frequencies that a transform of damping needs."""
+
+
+def with_passive_damping(ds: xr.Dataset) -> xr.Dataset:
+    """Return a database whose damping draws no energy from calm water, and the repair in its history.
+
+    At every frequency the damping of least distance without an eigenvalue below a floor (Higham 1988), the distance
+    between matrices measured in the motions' largest damping. The floor is round-off, and more around frequencies
+    between which a cubic spline would draw energy: motions are asked for there, too. What moves no water goes on so.
+
+    Parameters
+    ----------
+    ds : xarray.Dataset
+        With symmetric damping.
+
+    Raises
+    ------
+    ConfigError
+        If splines stay negative.
+    """
+    omega, size, damping = ds.omega.values, sizes(ds), ds.radiation_damping.values
+    wet = np.flatnonzero(size.wet)
+    scale = np.sqrt(np.outer(size.damping, size.damping))[wet[:, None], wet]
+    own = damping[:, wet[:, None], wet] / scale
+    values, vectors = np.linalg.eigh(own)
+    floor = np.zeros(len(omega))
+    inside = omega[:-1] + _BETWEEN[:, None] * np.diff(omega)
+    for _ in range(_ROUNDS):
+        lifted = np.maximum(np.where(values < 0, _LEAST, values), floor[:, None])
+        changed = np.asarray((lifted > values).any(axis=1))
+        kept = np.where(changed[:, None, None], _assembled(vectors, lifted), own)
+        least = np.linalg.eigvalsh(CubicSpline(omega, kept)(inside))[..., 0].min(axis=0)
+        if (least > 0).all():
+            break
+        lacking = np.maximum(-1.5 * least, 0.0)
+        floor = floor + np.maximum(np.append(lacking, 0.0), np.append(0.0, lacking))
+    else:
+        raise ConfigError(
+            f"hydro.repair: positive_damping leaves damping that is negative between the frequencies, up to "
+            f"{omega[-1]:.4g} rad/s; needs smaller steps of frequency, or a lower hydro.omega_max"
+        )
+    mended = np.where(np.outer(size.wet, size.wet), damping, 0.0)
+    mended[np.ix_(changed, wet, wet)] = kept[changed] * scale  # the others stay as they are, to the last bit
+    count = f"{np.count_nonzero(changed)} of {len(omega)} frequencies"
+    mended_at = ds.assign(radiation_damping=(("omega", *PAIR), mended))
+    return _with_history(mended_at, f"damping made positive definite at {count}")
+
+
+def _assembled(vectors: FloatArray, values: FloatArray) -> FloatArray:
+    """Symmetric matrices of eigenvectors, in columns, and eigenvalues, one of each for every frequency."""
+    return np.asarray(np.einsum("wim,wm,wjm->wij", vectors, values, vectors))
+
+
+def with_causal_added_mass(ds: xr.Dataset) -> xr.Dataset:
+    """Return a database whose added mass follows from its damping (Kramers, Kronig), and the repair in its history.
+
+    Added mass at infinite frequency is the median over the band of what damping leaves of the added mass.
+
+    Raises
+    ------
+    ConfigError
+        If there are fewer than ten frequencies.
+    """
+    omega = ds.omega.values
+    if len(omega) < FEWEST:
+        raise ConfigError(f"hydro.repair: kramers_kronig needs {FEWEST} frequencies, received {len(omega)}")
+    change = DampingSpectrum(omega, ds.radiation_damping.values).added_mass_difference(omega)
+    limit = np.median(ds.added_mass.values - change, axis=0)
+    made = {"added_mass": (("omega", *PAIR), limit + change), "added_mass_inf": (PAIR, limit)}
+    return _with_history(ds.assign(made), "added mass made that of the damping by Kramers and Kronig")
+
+
+def _with_history(ds: xr.Dataset, told: str) -> xr.Dataset:
+    """A database with one more line of history."""
+    return ds.assign_attrs(history=f"{ds.attrs.get('history', '')}; {told}".lstrip("; "))
+
+
+_REPAIRS: dict[str, tuple[Callable[[xr.Dataset], xr.Dataset], str, str]] = {
+    "positive_damping": (with_passive_damping, "radiation_damping", "damping, in terms of both motions' largest"),
+    "kramers_kronig": (with_causal_added_mass, "added_mass", "added mass, in terms of both motions' own"),
+}
+
+
+def repaired(ds: xr.Dataset, names: Sequence[str]) -> tuple[xr.Dataset, list[Check]]:
+    """Return a database with the repairs named, damping first, and a doubt on each with the size of its change.
+
+    Raises
+    ------
+    ConfigError
+        If a change is more than `LARGEST_CHANGE`.
+    """
+    checks = []
+    for name in [name for name in _REPAIRS if name in names]:
+        repair, variable, what = _REPAIRS[name]
+        size = sizes(ds)
+        mended = repair(ds)
+        change = _change(ds[variable].values, mended[variable].values, getattr(size, _MEASURE[variable]))
+        at = f"most at {float(ds.omega.values[change.argmax()]):.4g} rad/s"
+        largest, limit = float(change.max()), LARGEST_CHANGE[name]
+        if largest > limit:
+            raise ConfigError(
+                f"hydro.repair: {name} would change {what}, by {largest:.2g} ({at}), needs at most {limit:g}: that is "
+                "no noise; needs other degrees of freedom, another hydro.omega_max, or coefficients solved again"
+            )
+        checks.append(Check(f"repaired {name}", largest, limit, "-", "doubt", f"largest change of {what}; {at}"))
+        ds = mended
+    return ds, checks
+
+
+def told(checks: Sequence[Check], names: Sequence[str]) -> list[Check]:
+    """Return the checks of what came, failures of those repaired as doubts: what is used is no longer what failed."""
+    return [
+        replace(check, verdict="doubt", explanation=f"{check.explanation}; repaired")
+        if check.verdict == "fail" and check.name in names
+        else check
+        for check in checks
+    ]
+
+
+_MEASURE = {"radiation_damping": "damping", "added_mass": "added_mass"}
+
+
+def _change(before: FloatArray, after: FloatArray, size: FloatArray) -> FloatArray:
+    """Largest change of an entry at each frequency, in terms of the sizes of both motions, shape (omega,) [-]."""
+    root = np.sqrt(size)
+    return np.asarray((np.abs(after - before) / np.outer(root, root)).max(axis=(1, 2)))
