@@ -113,6 +113,32 @@ def test_of_a_run_that_failed_the_rules_own_line_comes_last(workplace, capsys):
     assert launcher._failed(plan, (logs / "simulate.log").stat().st_mtime + 10.0) == 1  # of a run before
 
 
+def test_of_a_run_shown_as_one_line_what_nobody_saw_is_told_if_no_rule_says_what_is_wrong(workplace, capsys):
+    plan, logs = StudyPlan(load(SEED)), Path("results/logs")
+    assert launcher._failed(plan, 0.0, ["Building DAG\n", "no space left\n"]) == 1
+    assert capsys.readouterr().err.splitlines()[:2] == ["Building DAG", "no space left"]
+    logs.mkdir(parents=True)
+    (logs / "simulate.log").write_text("vsb: error: device.mass: too heavy\n")
+    assert launcher._failed(plan, 0.0, ["Building DAG\n"]) == 2
+    assert capsys.readouterr().err == "vsb: error: device.mass: too heavy\n"
+
+
+def test_a_run_is_one_line_where_somebody_looks_on_and_asks_nothing_more(monkeypatch):
+    plan, last = StudyPlan(load(SEED)), []
+    assert launcher._line([], plan, last) is None
+    for stream in (sys.stdout, sys.stderr):
+        monkeypatch.setattr(stream, "isatty", lambda: True, raising=False)
+    assert launcher._line(["-n"], plan, last) is None
+    launcher._line([], plan, last)(["1 of 2 steps (50%) done\n"])
+    assert last == ["1 of 2 steps (50%) done\n"]
+
+
+def test_what_follows_a_command_gets_all_it_tells():
+    found = []
+    code = launcher.finished(["bash", "-c", "echo one; echo two >&2; exit 4"], {}, line=found.extend)
+    assert (code, found) == (4, ["one\n", "two\n"])
+
+
 def test_the_exit_code_of_a_command_is_returned_and_signals_are_heard_as_before():
     before = [signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT)]
     assert launcher.finished(["bash", "-c", "exit 3"], {}) == 3

@@ -9,10 +9,12 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping, MutableSequence, Sequence
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import psutil
 
@@ -28,6 +30,10 @@ from vsb.tools import completion
 from vsb.tools.shipped import HOME
 
 Plan = AnyPlan | CampaignPlan
+Follow = Callable[[Iterable[str]], None]
+"""Shows lines as they come."""
+KEPT = 400
+"""Last lines of what a run tells that are kept for the case that something goes wrong."""
 ERROR = "vsb: error:"
 SNAKEFILE = HOME / "workflow" / "Snakefile"
 
@@ -57,14 +63,15 @@ def run(args: argparse.Namespace) -> int:
     if executor == "slurm":
         command += ["--slurm-jobname-prefix", slurm.job_name(plan.name)]
     forget_damaged(Path(".snakemake", "metadata"))
-    begun = time.time()
+    begun, told = time.time(), deque[str](maxlen=KEPT)
     dry = bool({"-n", "--dry-run", "--dryrun"} & set(args.snakemake))
     with alone(Path(plan.folder), waits=not dry) as own, sharing(plan.root, () if dry else unmade(plan)) as shared:
         command += _forced(args.snakemake, verify.stale_products(plan, dry=dry))
         with ended(slurm.job_name(plan.name)) if executor == "slurm" else contextlib.nullcontext():
-            code = finished(command, env=environment, pass_fds=[*own, *shared])
+            line = _line(args.snakemake, plan, told)
+            code = finished(command, env=environment, pass_fds=[*own, *shared], line=line)
     if code:
-        return _failed(plan, begun)
+        return _failed(plan, begun, told)
     if not dry and (report := Path(plan.folder) / "report.html").is_file():
         print(f"{plan.name}: {_answer(plan)}{report}")
     return 0
@@ -204,15 +211,32 @@ def _forced(options: Sequence[str], stale: Sequence[str]) -> list[str]:
     return [*options[:place], *stale, *options[place:]]
 
 
-def finished(command: Sequence[str], env: Mapping[str, str], pass_fds: Sequence[int] = ()) -> int:
-    """Return the exit code of a command; told to end, or interrupted, end all that it started before anything else."""
+def _line(options: Sequence[str], plan: Plan, last: MutableSequence[str]) -> Follow | None:
+    """What shows a run as one line; none where nobody looks on, or more was asked of snakemake than to run."""
+    if options or not (sys.stdout.isatty() and sys.stderr.isatty()):
+        return None
+    from rich.console import Console
+
+    from vsb.tools.progress import followed
+
+    return partial(followed, name=plan.name, console=Console(stderr=True), last=last)
+
+
+def finished(
+    command: Sequence[str], env: Mapping[str, str], pass_fds: Sequence[int] = (), line: Follow | None = None
+) -> int:
+    """Return the exit code of a command; told to end, or interrupted, end all that it started before anything else.
+
+    What it tells goes to `line`, if there is one.
+    """
     heard = [number for number in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(number) != signal.SIG_IGN]
     early: list[int] = []  # told while the command begins: ended once it is known
     before = {number: signal.signal(number, lambda told, _: early.append(told)) for number in heard}
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # one that comes meanwhile waits
     interrupt = signal.signal(signal.SIGINT, signal.SIG_IGN)  # of it and its jobs: they are ended here, without a word
     try:
-        process = subprocess.Popen(command, env=env, pass_fds=pass_fds)
+        told: Any = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True} if line else {}
+        process = subprocess.Popen(command, env=env, pass_fds=pass_fds, **told)
         signal.signal(signal.SIGINT, interrupt)
         try:
             for number in heard:
@@ -220,6 +244,8 @@ def finished(command: Sequence[str], env: Mapping[str, str], pass_fds: Sequence[
             for told in early:
                 _told_to_end(told, None)
             signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+            if line and process.stdout:
+                line(process.stdout)
             return process.wait()
         except BaseException:
             _end(process.pid)
@@ -253,11 +279,15 @@ def _end(pid: int) -> None:
             one.kill()
 
 
-def _failed(plan: Plan, begun: float) -> int:
-    """Repeat the failing rule's own line last, where it is seen; 2 if it was the user's to mend, else 1."""
+def _failed(plan: Plan, begun: float, told: Iterable[str] = ()) -> int:
+    """Repeat the failing rule's own line last, where it is seen; 2 if it was the user's to mend, else 1.
+
+    What nobody has seen yet is told first if no rule says what is wrong.
+    """
     logs = [path for path in Path(plan.root, "logs").rglob("*.log") if path.stat().st_mtime >= begun - 1.0]
     lines = [line for path in logs for line in path.read_text(encoding="utf-8").splitlines()]
     mistakes = [line for line in lines if line.startswith(ERROR)]
+    print(*([] if mistakes else told), sep="", end="", file=sys.stderr)
     last = mistakes[-1] if mistakes else f"{ERROR} the run of {plan.name!r} did not complete, see above"
     print(last, file=sys.stderr)
     return 2 if mistakes else 1

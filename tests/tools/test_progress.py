@@ -1,0 +1,53 @@
+"""Progress of a run on a terminal: one line with what is done, and nothing of it when the run ends."""
+
+import io
+import re
+import time
+
+import pytest
+from rich.console import Console
+
+from vsb.tools.progress import followed
+
+TOLD = [
+    "Building DAG of jobs...\n",
+    "total          3\n",
+    "\n",
+    "1 of 3 steps (33%) done\n",
+    "2 of 3 steps (67%) done\n",
+]
+
+
+def screen(lines, width=80):
+    """All that is written on a terminal, and what is told at the end."""
+    out, last = io.StringIO(), []
+    followed(lines, "seed", Console(file=out, force_terminal=True, width=width, color_system=None), last)
+    return out.getvalue(), last
+
+
+def read_slowly(lines, seconds=0.15):
+    """Lines that come one after the other, so that each is seen."""
+    for line in lines:
+        yield line
+        time.sleep(seconds)
+
+
+@pytest.mark.parametrize("width", [80, 40])
+def test_it_is_one_line_that_goes(width):
+    shown, _ = screen(read_slowly(TOLD), width)
+    assert shown.count("\n") == 1, "the line is ended once, to be erased"
+    assert shown.endswith("\r\x1b[1A\x1b[2K")
+    lines = re.split(r"\r|\n", shown)
+    assert all(len(re.sub(r"\x1b\[[?\d]*\w", "", line)) <= width for line in lines)
+
+
+def test_it_says_what_is_done_how_fast_and_what_is_left():
+    shown, _ = screen(read_slowly(TOLD))
+    assert "seed" in shown
+    assert "0/3 jobs" in shown
+    assert re.search(r"2/3 +jobs +[\d.]+/min +0:00:\d\d left", shown)
+
+
+def test_all_lines_are_handed_on():
+    assert screen(TOLD)[1] == TOLD
+    assert screen([])[1] == []

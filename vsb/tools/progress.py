@@ -1,0 +1,52 @@
+"""A run's progress as one line of a terminal: jobs done, their rate, and the time left."""
+
+import re
+from collections.abc import Iterable, MutableSequence
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, Task, TextColumn, TimeRemainingColumn
+from rich.text import Text
+
+TOTAL = re.compile(r"^total\s+(\d+)$")
+DONE = re.compile(r"^(\d+) of (\d+) steps \(\d+%\) done$")
+REMEMBERED = 600.0
+"""Time over which the rate is taken: jobs differ, and the last ones alone say little [s]."""
+
+
+class Rate(TextColumn):
+    """Jobs per minute."""
+
+    def __init__(self) -> None:
+        super().__init__("")
+
+    def render(self, task: Task) -> Text:
+        """Return the rate, nothing while none is known."""
+        speed = task.finished_speed or task.speed
+        return Text(f"{60 * speed:.3g}/min" if speed else "")
+
+
+def followed(lines: Iterable[str], name: str, console: Console, last: MutableSequence[str]) -> None:
+    """Show what a run of Snakemake tells as one line that goes when the run ends.
+
+    Parameters
+    ----------
+    lines : iterable of str
+    name : str
+        Of what is run.
+    console : Console
+        A terminal.
+    last : sequence of str
+        Gets the lines, for the case that something goes wrong.
+    """
+    columns = (
+        TextColumn("{task.description}"), BarColumn(bar_width=20), MofNCompleteColumn(), TextColumn("jobs"), Rate(),
+        TimeRemainingColumn(), TextColumn("left"),
+    )  # fmt: skip
+    with Progress(*columns, console=console, transient=True, speed_estimate_period=REMEMBERED) as progress:
+        task = progress.add_task(name, total=None)
+        for line in lines:
+            last.append(line)
+            if found := DONE.match(line.strip()):
+                progress.update(task, completed=int(found[1]), total=int(found[2]))
+            elif found := TOTAL.match(line.strip()):
+                progress.update(task, total=int(found[1]))
