@@ -78,6 +78,14 @@ def verify(args: argparse.Namespace) -> int:
     return 0
 
 
+def crate(args: argparse.Namespace) -> int:
+    """Put finished results into one archive that says what is in it: an RO-Crate, to be kept or published."""
+    from vsb.stages import crate as archive
+
+    print(*archive.crate(args.config, args.out, args.licence, args.author), sep="\n")
+    return 0
+
+
 def shell(args: argparse.Namespace) -> int:
     """Print dry natural frequencies of both branches, the paper's Ritz column, and the buckling pressure."""
     from vsb.stages import preview
@@ -236,6 +244,10 @@ def _add_commands(commands: Any) -> None:
     one.add_argument("shell", choices=tuple(completion.SHELLS), help="which")
     one = _command(commands, "verify", "whether results are what they should be", verify, config="CONFIG|FOLDER")
     one.add_argument("--heal", action="store_true", help="remove what is not, so that the next run makes it anew")
+    one = _command(commands, "crate", "finished results as an RO-Crate", crate, config="CONFIG", out="CRATE.zip")
+    one.add_argument("--licence", metavar="URL", help="that the results are given under")
+    one.add_argument("--author", metavar="NAME", help="who made them")
+    one.set_defaults(writes=("{out}",))
     one = _command(commands, "shell", "natural frequencies of the dry shell", shell, config="CONFIG")
     one.add_argument("--json", action="store_true", help="print JSON")
     words = "how much the coefficients depend on the shape"

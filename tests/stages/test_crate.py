@@ -1,0 +1,95 @@
+"""Results as an RO-Crate: all files are there and are what the metadata say, which are those the specification asks."""
+
+import hashlib
+import json
+import re
+import shutil
+import urllib.parse
+import zipfile
+from pathlib import Path
+
+import pytest
+from conftest import SMALL_PLAN as PLAN
+
+from vsb.cli import main
+from vsb.errors import VsbError
+from vsb.stages.crate import METADATA, PROFILE, crate
+
+CC = "https://creativecommons.org/licenses/by/4.0/"
+
+
+def opened(path):
+    """Contents by name, and entities by identifier."""
+    with zipfile.ZipFile(path) as archive:
+        contents = {name: archive.read(name) for name in archive.namelist()}
+    return contents, {one["@id"]: one for one in json.loads(contents.pop(METADATA))["@graph"]}
+
+
+@pytest.fixture(scope="module")
+def archive(finished, tmp_path_factory):
+    out = tmp_path_factory.mktemp("crate") / "small.zip"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(finished)
+        crate("small.yaml", str(out), CC, "A. Person")
+    return opened(out)
+
+
+def test_every_product_is_there_and_is_what_is_said_of_it(archive):
+    contents, entities = archive
+    root = Path(PLAN.root)
+    names = {Path(path).relative_to(root).as_posix() for path in (*PLAN.products, PLAN.manifest)} | {"small.yaml"}
+    assert set(contents) == names
+    for name, content in contents.items():
+        said = entities[urllib.parse.quote(name)]
+        assert said["sha256"] == hashlib.sha256(content).hexdigest()
+        assert said["contentSize"] == str(len(content))
+        assert said["encodingFormat"] != "application/octet-stream", name
+    assert entities[f"{PLAN.name}/report.html"]["identifier"] == PLAN.study_id
+    assert "ledger" in entities[f"{PLAN.name}/validity.json"]["description"]
+
+
+def test_the_root_has_what_the_specification_asks(archive):
+    """RO-Crate 1.1: descriptor, root with name, description, date and licence, every file a part of it."""
+    contents, entities = archive
+    descriptor, root = entities[METADATA], entities["./"]
+    assert (descriptor["about"], descriptor["conformsTo"]) == ({"@id": "./"}, {"@id": PROFILE})
+    assert root["@type"] == "Dataset"
+    assert root["name"]
+    assert root["description"]
+    assert re.fullmatch(r"\d{4}-\d\d-\d\d", root["datePublished"])
+    assert entities[root["license"]["@id"]]["@type"] == "CreativeWork"
+    assert root["license"] == {"@id": CC}
+    assert entities[root["author"]["@id"]]["name"] == "A. Person"
+    assert {part["@id"] for part in root["hasPart"]} == {urllib.parse.quote(name) for name in contents}
+
+
+def test_every_reference_leads_somewhere_and_the_run_says_what_made_what(archive):
+    _, entities = archive
+    referred = re.findall(r'\{"@id": "([^"]+)"\}', json.dumps(list(entities.values())))
+    assert set(referred) - set(entities) == {PROFILE}
+    run = entities["#run"]
+    assert entities[run["instrument"]["@id"]]["name"] == "vsb"
+    assert run["object"] == {"@id": "small.yaml"}
+    assert {"@id": f"{PLAN.name}/report.html"} in run["result"]
+
+
+def test_the_command_writes_one_file_and_without_a_licence_says_so(small, tmp_path, capsys):
+    out = tmp_path / "small.zip"
+    assert main(["crate", "small.yaml", str(out)]) == 0
+    assert re.fullmatch(rf"{out}: \d+ files, [\d.]+ MB\n", capsys.readouterr().out)
+    entities = opened(out)[1]
+    assert entities[entities["./"]["license"]["@id"]]["name"] == "not stated"
+    assert "author" not in entities["./"]
+
+
+@pytest.mark.parametrize(
+    ("damage", "message"),
+    [(Path.unlink, r"comparison\.csv: is not there; "), (lambda path: path.write_text("x"), r"comparison\.csv: ")],
+)
+def test_what_is_not_as_it_should_be_is_not_packed(finished, tmp_path, monkeypatch, damage, message):
+    shutil.copytree(finished, tmp_path / "copy")
+    monkeypatch.chdir(tmp_path / "copy")
+    damage(Path(PLAN.folder, "comparison.csv"))
+    with pytest.raises(VsbError, match=message + r".*vsb run small\.yaml makes it"):
+        crate("small.yaml", "small.zip")
+    assert not Path("small.zip").exists()
