@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from vsb.report.canvas import grid_of_axes, legend_above, note, style
 from vsb.results.campaign import damper
-from vsb.results.constrained_member import CONSTRAINED
+from vsb.study.specs import CONSTRAINED
 
 GAIN = "RdBu"
 """Colours of gains: blue more than the rigid design, red less."""

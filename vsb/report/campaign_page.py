@@ -10,8 +10,7 @@ import xarray as xr
 from vsb.report.campaign_figures import is_verified, shown_member, told_gain
 from vsb.report.html import captioned, page
 from vsb.report.living import as_script
-from vsb.results.constrained_member import CONSTRAINED
-from vsb.study.specs import leading_tuning
+from vsb.study.specs import CONSTRAINED, leading_tuning
 from vsb.waves.climate import YEAR_HOURS
 
 CAPTIONS = {

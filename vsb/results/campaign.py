@@ -10,10 +10,10 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from vsb.results.constrained_member import CONSTRAINED
 from vsb.study.campaign_plan import VARIABLES
-from vsb.study.specs import CampaignSpec
+from vsb.study.specs import CONSTRAINED, CampaignSpec, leading_tuning
 from vsb.study.vary import MEMBER, UNITS, Vary
+from vsb.tools.units import FloatArray
 
 BY = ("design", "tuning")
 TABLE = (
@@ -23,7 +23,10 @@ TABLE = (
 """Variables of a table with a row for each point, design and tuning; dampers and reasons stand beside them."""
 OF_OPTIMA = ("power_bound", "impossible_share")
 """Variables only the tuning `constrained` has."""
-VERIFIED = ("corrected_mean_power", "corrected_gain_percent")
+POWER = ("corrected_mean_power", "corrected_power_low", "corrected_power_high")
+GAIN = ("corrected_gain_percent", "corrected_gain_low", "corrected_gain_high")
+"""What runs in time say of a year (`vsb.results.verified_year`)."""
+VERIFIED = (POWER[0], GAIN[0])
 """Variables only the tuning has that runs in time are of."""
 
 
@@ -84,6 +87,41 @@ def _unfolded(ds: xr.Dataset, vary: Vary, names: Sequence[str]) -> xr.Dataset:
 
     kept = ds.drop_dims(MEMBER)
     return kept.assign({name: unfolded(v) for name, v in ds.data_vars.items() if MEMBER in v.dims})
+
+
+def with_verification(spec: CampaignSpec, ds: xr.Dataset, runs: Sequence[xr.Dataset]) -> xr.Dataset:
+    """Return the results of a campaign with what runs in time say: intervals of gains under their tuning are theirs.
+
+    Parameters
+    ----------
+    spec : CampaignSpec
+    ds : Dataset
+        See `gathered`.
+    runs : sequence of Dataset
+        See `vsb.results.verified_year`, in the order of the members; none of a campaign that verifies nothing.
+    """
+    if not runs:
+        return ds
+    names = [name for name in (*POWER, *GAIN) if name in runs[0]]
+    found = ds.assign({name: _of_members(ds, [one[name] for one in runs]) for name in names})
+    tuning = leading_tuning(spec.tuning)
+    told = f"tuning {tuning}: {runs[0].attrs['runs']}"
+    if "gain_percent" in found:
+        here = found.tuning == tuning
+        for end in ("low", "high"):
+            found[f"gain_{end}"] = found[f"gain_{end}"].where(~here, found[f"corrected_gain_{end}"])
+        told += "; there gain_low and gain_high are the 95 % interval of the corrected gain"
+    found = found.drop_vars(GAIN[1:], errors="ignore")
+    return found.assign_attrs(
+        {**ds.attrs, "verification": told, "verified_tuning": tuning, "verified_model": runs[0].attrs["model"]}
+    )
+
+
+def _of_members(ds: xr.Dataset, values: Sequence[xr.DataArray]) -> tuple[tuple[str, ...], FloatArray]:
+    """Values of members over the dimensions of what is varied."""
+    stacked = np.stack([one.values for one in values])
+    dims = (*map(str, ds.margin.dims), *map(str, values[0].dims))
+    return dims, stacked.reshape((*ds.margin.shape, *stacked.shape[1:]))
 
 
 def as_csv(spec: CampaignSpec, ds: xr.Dataset) -> str:

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Literal
 
 import numpy as np
 import xarray as xr
@@ -14,12 +13,11 @@ from vsb.results.validity import LIMITS, motion_limits, wave_limits
 from vsb.scenes.ports import InWaves, ShapeWater, designs_in_waves
 from vsb.shell.modes import ModeBasis
 from vsb.shell.rest import ReferenceShell
+from vsb.study.specs import CONSTRAINED
 from vsb.study.study import Study
 from vsb.tools.units import FloatArray
 from vsb.waves.climate import YEAR_HOURS, Climate
 
-Constrained = Literal["constrained"]
-CONSTRAINED: Constrained = "constrained"
 OF_LIMITS = ("power_bound", "optimum_gap", "optimum_share", "optimum_excess", "impossible_share")
 """What is said of the optima of a design beside what every tuning has."""
 KEPT = 32

@@ -7,12 +7,13 @@ import xarray as xr
 
 from vsb.motion.port import Port
 from vsb.results.bins import Bins
-from vsb.results.constrained_member import CONSTRAINED, OF_LIMITS, Constrained, Optima
+from vsb.results.constrained_member import OF_LIMITS, Optima
 from vsb.results.validity import LIMITS, beyond_validity
 from vsb.results.year import DesignYear, Tuning, Year, best_for_all, year
 from vsb.scenes.ports import InWaves, ShapeWater, designs_in_waves
 from vsb.scenes.viability import viability
 from vsb.shell.modes import ModeBasis
+from vsb.study.specs import CONSTRAINED, Tunings
 from vsb.study.study import Study
 from vsb.tools.units import FloatArray
 from vsb.waves.climate import Climate
@@ -34,7 +35,7 @@ def member(
     study: Study,
     water: Callable[[ModeBasis], ShapeWater],
     climate: Climate,
-    tunings: Sequence[Tuning | Constrained],
+    tunings: Sequence[Tunings],
     optima: Optima | None = None,
 ) -> xr.Dataset:
     """Return what every design of a study takes of a year under every tuning; NaN of designs that are not viable.

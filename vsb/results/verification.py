@@ -13,13 +13,12 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from scipy.stats import chi2
-from scipy.stats import t as student
+from scipy.special import gammaincinv
 
 from vsb.errors import ConfigError
 from vsb.motion.port import Port
 from vsb.motion.tuning import IntArray
-from vsb.results.statistics import CONFIDENCE, Estimate
+from vsb.results.statistics import Estimate, student
 from vsb.results.year import Year
 from vsb.tools.units import FloatArray
 from vsb.waves.seas import Sea
@@ -149,7 +148,8 @@ class Verification:
         noise = (self.linear[design] - powers[self.sample.sea]) ** 2
         within = float(np.mean(self.sample.weight * noise))
         variance, freedom = _variance(self.differences[design])
-        own = len(self.sample.sea) * variance * freedom / float(chi2.ppf(0.25, freedom))
+        rarely = 2 * float(gammaincinv(freedom / 2, 0.25))  # chi squared that is met in three of four
+        own = len(self.sample.sea) * variance * freedom / rarely
         return factor**2 * (between + within) / own if own > 0 else np.inf
 
     def correction(self, design: int, reference: int | None) -> Correction:
@@ -206,7 +206,7 @@ def _variance(draws: FloatArray) -> tuple[float, float]:
 def half_width(draws: FloatArray) -> float:
     """Return half the interval of the mean of draws, two of each stratum one after the other."""
     variance, freedom = _variance(draws)
-    return float(student.ppf(0.5 + CONFIDENCE / 2, freedom) * np.sqrt(variance))
+    return student(freedom) * float(np.sqrt(variance))
 
 
 def _estimate(mean: float, draws: FloatArray) -> Estimate:

@@ -1,4 +1,4 @@
-"""What runs in time say about a member's year, as a dataset; and put beside the linear years of a whole campaign."""
+"""What runs in time say about a member's year, as a dataset."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -8,15 +8,12 @@ import numpy.typing as npt
 import xarray as xr
 
 from vsb.errors import ConfigError
+from vsb.results.campaign import GAIN, POWER
 from vsb.results.statistics import Estimate
 from vsb.results.verification import Verification
 from vsb.results.year import Year
-from vsb.study.specs import CampaignSpec, leading_tuning
-from vsb.tools.units import FloatArray
 
 NumericArray = npt.NDArray[Any]
-POWER = ("corrected_mean_power", "corrected_power_low", "corrected_power_high")
-GAIN = ("corrected_gain_percent", "corrected_gain_low", "corrected_gain_high")
 
 
 def verified_dataset(year: Year, tuning: str, runs: Verification) -> xr.Dataset:
@@ -61,38 +58,3 @@ def with_lost(found: xr.Dataset, designs: Sequence[str], reference: str | None) 
     lost = lost.assign_coords(design=list(designs))
     whole = lost.assign(found.reindex(design=list(designs)).data_vars)
     return whole.assign(viable=("design", np.isin(designs, found.design.values)))
-
-
-def with_verification(spec: CampaignSpec, ds: xr.Dataset, runs: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Return the results of a campaign with what runs in time say: intervals of gains under their tuning are theirs.
-
-    Parameters
-    ----------
-    spec : CampaignSpec
-    ds : Dataset
-        See `vsb.results.campaign.gathered`.
-    runs : sequence of Dataset
-        See `verified_dataset`, in the order of the members; none of a campaign that verifies nothing.
-    """
-    if not runs:
-        return ds
-    names = [name for name in (*POWER, *GAIN) if name in runs[0]]
-    found = ds.assign({name: _unfolded(ds, [one[name] for one in runs]) for name in names})
-    tuning = leading_tuning(spec.tuning)
-    told = f"tuning {tuning}: {runs[0].attrs['runs']}"
-    if "gain_percent" in found:
-        here = found.tuning == tuning
-        for end in ("low", "high"):
-            found[f"gain_{end}"] = found[f"gain_{end}"].where(~here, found[f"corrected_gain_{end}"])
-        told += "; there gain_low and gain_high are the 95 % interval of the corrected gain"
-    found = found.drop_vars(GAIN[1:], errors="ignore")
-    return found.assign_attrs(
-        {**ds.attrs, "verification": told, "verified_tuning": tuning, "verified_model": runs[0].attrs["model"]}
-    )
-
-
-def _unfolded(ds: xr.Dataset, values: Sequence[xr.DataArray]) -> tuple[tuple[str, ...], FloatArray]:
-    """Values of members over the dimensions of what is varied."""
-    stacked = np.stack([one.values for one in values])
-    dims = (*map(str, ds.margin.dims), *map(str, values[0].dims))
-    return dims, stacked.reshape((*ds.margin.shape, *stacked.shape[1:]))

@@ -2,8 +2,7 @@
 
 from pathlib import Path
 
-from vsb.results.campaign import as_csv, gathered
-from vsb.results.verified_year import with_verification
+from vsb.results.campaign import as_csv, gathered, with_verification
 from vsb.study.specs import CampaignSpec
 from vsb.study.study import canonical, content_id
 from vsb.tools.files import load, save, write_text

@@ -100,7 +100,7 @@ def _mass_or_draft(schema: dict[str, Any]) -> None:
 class Section(BaseModel):
     """A part of a study: unknown keys are errors, values never change."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
 
 class Extended(Section):

@@ -313,6 +313,7 @@ class CompareSpec(Spec):
 
 Tunings = Literal["fixed", "one", "each", "constrained"]
 """Damper as given, the best one of the year, the best one of each sea; the best force of any kind within limits."""
+CONSTRAINED: Literal["constrained"] = "constrained"
 LEADING: tuple[Tunings, ...] = ("one", "each", "fixed", "constrained")
 """Tunings by what a campaign's answer is told at, if it has them."""
 

@@ -29,8 +29,7 @@ rule members:
 
 rule verification:
     input:
-        climate=PLAN.loaded.climate_path,
-        batches=PLAN.batch_paths,
+        PLAN.loaded.climate_path,
     output:
         PLAN.verification_path("{verification}"),
     log:
@@ -46,7 +45,7 @@ rule verification:
         spec=lambda wildcards: canonical(PLAN.verifications[wildcards.verification]),
         root=ROOT,
     shell:
-        "vsb verification --climate {input.climate:q} --root {params.root} --out {output}"
+        "vsb verification --climate {input:q} --root {params.root} --out {output}"
         " <<< {params.spec:q} > {log} 2>&1"
 
 
