@@ -263,7 +263,7 @@ def _add_compare(commands: Any) -> None:
     (rule,) = (one for one in STAGES if one.name == "compare")
     one = _command(commands, rule.name, "finished studies and campaigns side by side", compare)
     one.add_argument("studies", nargs="*", metavar="CONFIG", help="their files; none: the rule")
-    one.add_argument("--out", metavar="FILE.csv", help="write the table as CSV, all of it")
+    one.add_argument("--out", metavar="FILE", help="write all of the table as FILE.csv, or a page, FILE.html")
     for name in (name for name in (*rule.files, *rule.optional) if name != "out"):
         one.add_argument(f"--{name}", metavar="PATH", help=argparse.SUPPRESS)
     one.set_defaults(stage=rule)

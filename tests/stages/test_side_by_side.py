@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 from contextlib import chdir
 from pathlib import Path
 
@@ -12,7 +13,8 @@ from stages.test_members import batches, gather, planned, with_seas
 
 from vsb.cli import main
 from vsb.errors import ConfigError, DatabaseError
-from vsb.stages.side_by_side import HEAD, MOST_POINTS, Line, as_csv, as_text, compare, lines
+from vsb.report.side_by_side import as_csv, as_text
+from vsb.stages.side_by_side import compare, lines
 from vsb.study.study import canonical
 from vsb.tools.files import load
 
@@ -74,15 +76,6 @@ def test_studies_and_campaigns_stand_in_one_table(small, year):
     assert float(rows[-1]["annual_energy"]) == pytest.approx(found[-1].annual_energy, rel=1e-11)
 
 
-def test_a_long_sweep_is_cut_in_the_table_alone():
-    many = [Line("s", f"p {i}", "A", "sea", "one", 1.0, None, None, 1.0, 2.0) for i in range(MOST_POINTS + 5)]
-    text = as_text(many)
-    assert text.splitlines()[-1] == "5 more lines with --out FILE.csv"
-    assert "gain" not in text.splitlines()[0]
-    assert len(HEAD) == len(Line._fields)
-    assert len(as_csv(many).splitlines()) == len(many) + 1
-
-
 def test_results_of_another_state_of_the_file_are_refused(finished, tmp_path, year):
     changed = type(SMALL_PLAN)(varied(SMALL_PLAN.study, pto={"damping": 7777.0}), root=SMALL_PLAN.root)
     with chdir(finished), pytest.raises(DatabaseError, match=r"tables\.json: "):
@@ -98,7 +91,7 @@ def test_a_study_is_named_once(small):
 
 
 def test_mistakes_are_one_line(tmp_path, capsys):
-    with pytest.raises(ConfigError, match=r"--out: received a\.txt, needs a file that ends in \.csv"):
+    with pytest.raises(ConfigError, match=r"--out: received a\.txt, needs a file that ends in \.csv or \.html"):
         compare(["any"], "a.txt")
     assert main(["compare", str(tmp_path / "absent.yaml")]) == 2
     assert "absent.yaml: cannot be read" in capsys.readouterr().err
@@ -120,3 +113,15 @@ def test_the_command_prints_and_writes_the_table(finished, tmp_path, capsys):
     printed = capsys.readouterr().out
     assert "VSWEC" in printed
     assert len((tmp_path / "table.csv").read_text().splitlines()) == len(printed.splitlines())
+
+
+def test_a_page_is_written_with_ways_to_the_reports(finished, tmp_path, year):
+    config = tmp_path / "small.yaml"
+    config.write_text(yaml.safe_dump(json.loads(canonical(SMALL_PLAN.study))))
+    with chdir(finished):
+        compare([str(config)], str(tmp_path / "pages" / "beside.html"))
+        report = Path(SMALL_PLAN.folder, "report.html").absolute()
+    page = (tmp_path / "pages" / "beside.html").read_text()
+    (link,) = re.findall(r'<a href="(.*?)">small</a>', page)
+    assert (tmp_path / "pages" / link).resolve() == report.resolve()
+    assert SMALL_PLAN.study_id in page

@@ -1,48 +1,21 @@
 """Command compare of people: finished studies and campaigns side by side, of checked results alone."""
 
-import csv
-import io
 import json
+import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 from vsb.errors import ConfigError
+from vsb.report.side_by_side import Line, as_csv, as_page, as_text
 from vsb.study.body_plan import AnyPlan
 from vsb.study.campaign_plan import CampaignPlan, plan_of
 from vsb.study.specs import leading_tuning
 from vsb.tools.files import load, write_text
 from vsb.tools.stamps import read_text
-from vsb.tools.words import plain
 
 
-class Line(NamedTuple):
-    """One design of a study in one sea, or of a point of a campaign over its year; none: there is no such number."""
-
-    study: str
-    point: str  # what is varied of a campaign, in words
-    design: str
-    sea: str  # of a campaign its climate
-    tuning: str
-    power_mean: float | None  # [W]
-    gain_percent: float | None  # over the rigid design under the same tuning
-    damping: float | None  # [N s/m]
-    capture_width: float | None  # [m]
-    annual_energy: float | None  # [MWh]
-
-
-HEAD = ("study", "point", "design", "sea", "tuning", "power [W]", "gain [%]", "damper [N s/m]", "width [m]", "MWh/year")
-MOST_POINTS = 24
-"""Points of a campaign a table shows; the file holds all."""
-
-
-def side_by_side(configs: Sequence[str]) -> list[Line]:
-    """Return the lines of finished studies and campaigns, in the order they are named.
-
-    Parameters
-    ----------
-    configs : sequence of str
-        Their files.
+def lines(plans: Sequence[AnyPlan | CampaignPlan]) -> list[Line]:
+    """Return the lines of studies and campaigns that were run, in their order.
 
     Raises
     ------
@@ -51,11 +24,6 @@ def side_by_side(configs: Sequence[str]) -> list[Line]:
     DatabaseError
         If results are missing, damaged, or of another state of their file.
     """
-    return lines([plan_of(config) for config in configs])
-
-
-def lines(plans: Sequence[AnyPlan | CampaignPlan]) -> list[Line]:
-    """Return the lines of plans that were run; see `side_by_side`."""
     names = [plan.name if isinstance(plan, CampaignPlan) else plan.study.study for plan in plans]
     if twice := [name for name in names if names.count(name) > 1]:
         raise ConfigError(f"compare: received {twice[0]} more than once; needs every study and campaign once")
@@ -107,48 +75,20 @@ def _known(value: float | str | None) -> float | None:
     return None if value in ("", None) or float(value) != float(value) else float(value)
 
 
-def as_text(lines: Sequence[Line]) -> str:
-    """Return a table for a terminal, numbers to the right; columns nobody has are left out."""
-    cells = [HEAD, *([_cell(value, field) for field, value in line._asdict().items()] for line in _shown(lines))]
-    kept = [j for j in range(len(HEAD)) if any(row[j] not in ("", "-") for row in cells[1:])]
-    widths = {j: max(len(row[j]) for row in cells) for j in kept}
-    text = [
-        "  ".join(row[j].rjust(widths[j]) if j > 4 else row[j].ljust(widths[j]) for j in kept).rstrip() for row in cells
-    ]
-    left = len(lines) - len(_shown(lines))
-    return "\n".join([*text, *([f"{left} more lines with --out FILE.csv"] if left else [])])
-
-
-def _shown(lines: Sequence[Line]) -> list[Line]:
-    """Lines of the first points of every campaign."""
-    points = {(line.study, line.point): None for line in lines}
-    first = {study: [point for name, point in points if name == study][:MOST_POINTS] for study, _ in points}
-    return [line for line in lines if line.point in first[line.study]]
-
-
-def _cell(value: str | float | None, field: str) -> str:
-    """A value as a table shows it."""
-    if value is None:
-        return "-"
-    if isinstance(value, str):
-        return value
-    return f"{value:+.1f}" if field == "gain_percent" else plain(value)
-
-
-def as_csv(lines: Sequence[Line]) -> str:
-    """Return all lines as CSV; an empty cell is a number there is none of."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(Line._fields)
-    writer.writerows(["" if v is None else f"{v:.12g}" if isinstance(v, float) else v for v in line] for line in lines)
-    return text.getvalue()
-
-
 def compare(configs: Sequence[str], out: str | None) -> str:
-    """Return the table of finished studies and campaigns, and write it as CSV if a file is named."""
-    if out is not None and Path(out).suffix != ".csv":
-        raise ConfigError(f"--out: received {out}, needs a file that ends in .csv")
-    found = side_by_side(configs)
+    """Return the table of finished studies and campaigns, and write it as CSV or as a page if a file is named."""
+    kind = None if out is None else Path(out).suffix
+    if kind not in (None, ".csv", ".html"):
+        raise ConfigError(f"--out: received {out}, needs a file that ends in .csv or .html")
+    plans = [plan_of(config) for config in configs]
+    found = lines(plans)
     if out is not None:
-        write_text(out, as_csv(found))
+        write_text(out, as_csv(found) if kind == ".csv" else as_page(found, _reports(plans, Path(out).parent)))
     return as_text(found)
+
+
+def _reports(plans: Sequence[AnyPlan | CampaignPlan], folder: Path) -> dict[str, tuple[str, str]]:
+    """Report of every plan, as seen from a folder, and its content id, by name."""
+    ids = [plan.campaign_id if isinstance(plan, CampaignPlan) else plan.study_id for plan in plans]
+    paths = [Path(os.path.relpath(f"{plan.folder}/report.html", folder)).as_posix() for plan in plans]
+    return {plan.name: of for plan, of in zip(plans, zip(paths, ids, strict=True), strict=True)}

@@ -1,0 +1,160 @@
+"""Finished studies and campaigns side by side, told: as text, as CSV, as one page of HTML with a figure."""
+
+import csv
+import io
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from vsb.report.campaign_page import TUNED
+from vsb.report.canvas import grid_of_axes, legend_above, style
+from vsb.report.html import page
+from vsb.report.svg import drawn
+from vsb.tools.words import plain
+
+
+class Line(NamedTuple):
+    """One design of a study in one sea, or of a point of a campaign over its year; none: there is no such number."""
+
+    study: str
+    point: str  # what is varied of a campaign, in words
+    design: str
+    sea: str  # of a campaign its climate
+    tuning: str
+    power_mean: float | None  # [W]
+    gain_percent: float | None  # over the rigid design under the same tuning
+    damping: float | None  # [N s/m]
+    capture_width: float | None  # [m]
+    annual_energy: float | None  # [MWh]
+
+
+HEAD = ("study", "point", "design", "sea", "tuning", "power [W]", "gain [%]", "damper [N s/m]", "width [m]", "MWh/year")
+MEASURES = {
+    "gain_percent": "gain over the rigid design [%]",
+    "capture_width": "capture width [m]",
+    "power_mean": "power [W]",
+}
+"""What the figure shows of every line: the first two that are known."""
+DOUBTS = (
+    "Numbers are linear theory under the tuning of their row; without coefficients, as a study was run.",
+    "Gains are each over the rigid design of the same study: studies of other sizes and waters differ in power, too.",
+    "Intervals, seas in time and what to doubt stand in the reports.",
+)
+MOST_POINTS = 24
+"""Points of a campaign a table shows; the file holds all."""
+
+
+def as_text(lines: Sequence[Line]) -> str:
+    """Return a table for a terminal, numbers to the right; columns nobody has are left out."""
+    cells = [HEAD, *([_cell(value, field) for field, value in line._asdict().items()] for line in _shown(lines))]
+    kept = [j for j in range(len(HEAD)) if any(row[j] not in ("", "-") for row in cells[1:])]
+    widths = {j: max(len(row[j]) for row in cells) for j in kept}
+    text = [
+        "  ".join(row[j].rjust(widths[j]) if j > 4 else row[j].ljust(widths[j]) for j in kept).rstrip() for row in cells
+    ]
+    left = len(lines) - len(_shown(lines))
+    return "\n".join([*text, *([f"{left} more lines with --out FILE.csv"] if left else [])])
+
+
+def _shown(lines: Sequence[Line]) -> list[Line]:
+    """Lines of the first points of every campaign."""
+    points = {(line.study, line.point): None for line in lines}
+    first = {study: [point for name, point in points if name == study][:MOST_POINTS] for study, _ in points}
+    return [line for line in lines if line.point in first[line.study]]
+
+
+def _cell(value: str | float | None, field: str) -> str:
+    """A value as a table shows it."""
+    if value is None:
+        return "-"
+    if isinstance(value, str):
+        return value
+    return f"{value:+.1f}" if field == "gain_percent" else plain(value)
+
+
+def as_csv(lines: Sequence[Line]) -> str:
+    """Return all lines as CSV; an empty cell is a number there is none of."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(Line._fields)
+    writer.writerows(["" if v is None else f"{v:.12g}" if isinstance(v, float) else v for v in line] for line in lines)
+    return text.getvalue()
+
+
+def as_page(lines: Sequence[Line], reports: Mapping[str, tuple[str, str]]) -> str:
+    """Return a page with everything inside: where flexibility brings most, a figure, the table.
+
+    Parameters
+    ----------
+    lines : sequence of Line
+    reports : mapping name -> (path, id)
+        The report of every study and campaign, as seen from the page, and its content id.
+    """
+    told = _shown(lines)
+    return page(
+        "side_by_side.html.j2",
+        names=list(reports),
+        answer=[answer(lines)],
+        sketches=(),
+        warnings=DOUBTS,
+        living="",
+        buoys=None,
+        reports={name: path for name, (path, _) in reports.items()},
+        figure=drawn(figure(told), "side_by_side").svg,
+        head=HEAD,
+        body=[[_cell(value, field) for field, value in line._asdict().items()] for line in told],
+        left_out=len(lines) - len(told),
+        figures=(),
+        facts={name: identity for name, (_, identity) in reports.items()},
+    )
+
+
+def answer(lines: Sequence[Line]) -> str:
+    """Return in one sentence where flexibility brings most, or which design takes most where no gain is told."""
+    gains = [(line.gain_percent, line) for line in lines if line.gain_percent is not None and line.gain_percent != 0]
+    if gains:
+        gain, best = max(gains, key=lambda one: one[0])
+        subject = f"{best.design} of {_place(best)} takes {abs(gain):.1f} %"
+        if gain > 0:
+            return f"Flexibility brings most where {subject} more than its rigid design ({TUNED[best.tuning]})."
+        return f"Flexibility brings nothing here: at best, {subject} less than its rigid design ({TUNED[best.tuning]})."
+    powers = [(line.power_mean, line) for line in lines if line.power_mean is not None]
+    if not powers:
+        return "No design is viable."
+    power, most = max(powers, key=lambda one: one[0])
+    return f"{most.design} of {_place(most)} takes most: {plain(power)} W ({TUNED[most.tuning]})."
+
+
+def _place(line: Line) -> str:
+    """Study, point and sea of a line, in words."""
+    return ", ".join(part for part in (line.study, line.point, line.sea) if part)
+
+
+def figure(lines: Sequence[Line]) -> Figure:
+    """Draw gain and capture width of every design, a row for each sea of a study and each point of a campaign."""
+    rows = list(dict.fromkeys(_place(line) for line in lines))
+    designs = list(dict.fromkeys(line.design for line in lines))
+    known = [kind for kind in MEASURES if any(getattr(line, kind) is not None for line in lines)]
+    kinds = known[:2] or ["power_mean"]
+    canvas, axes = grid_of_axes(1.1 + 0.22 * len(rows), columns=len(kinds), sharey=True)
+    for ax, kind in zip(axes[0], kinds, strict=True):
+        for design in designs:
+            _mark(ax, [line for line in lines if line.design == design], kind, rows, designs)
+        ax.set_xlabel(MEASURES[kind])
+        ax.margins(x=0.08)
+    axes[0, 0].set_yticks(range(len(rows)), rows, fontsize=8)
+    axes[0, 0].set_ylim(len(rows) - 0.5, -0.5)
+    legend_above(canvas, axes[0, 0])
+    return canvas
+
+
+def _mark(ax: Axes, lines: Sequence[Line], kind: str, rows: Sequence[str], designs: Sequence[str]) -> None:
+    """Mark one measure of one design in every row that has it."""
+    known = [(getattr(line, kind), rows.index(_place(line))) for line in lines if getattr(line, kind) is not None]
+    values, at = ([pair[k] for pair in known] for k in (0, 1))
+    look = style(lines[0].design, designs) | {"linestyle": "none"}
+    ax.plot(values, at, marker="osD^v"[designs.index(lines[0].design) % 5], markersize=4, alpha=0.8, **look)
+    if kind == "gain_percent":
+        ax.axvline(0.0, color="#444444", linewidth=0.8, label="_zero")
