@@ -84,6 +84,14 @@ def cluster(args: argparse.Namespace) -> int:
     return int(any(row.verdict.startswith("other") for row in rows))
 
 
+def kills(args: argparse.Namespace) -> int:
+    """So many runs of a campaign killed at random instants and resumed: the same bytes as undisturbed; 1 if not."""
+    from benchmarks import kills
+
+    rows = kills.benchmark(args.folder, int(args.count))
+    return int(any(row.verdict != "the same bytes" for row in rows))
+
+
 def damage(args: argparse.Namespace) -> int:
     """So many flipped bits, and half as many edits of JSON, in finished results: none is silent; 1 if one is."""
     from benchmarks import damage
@@ -109,6 +117,7 @@ COMMANDS = {
     "torture": (torture, ("count", "out")),
     "campaigns": (campaigns, ("config", "folder")),
     "cluster": (cluster, ("folder",)),
+    "kills": (kills, ("count", "folder")),
     "damage": (damage, ("count", "out")),
 }
 """Handler and arguments of every benchmark."""
