@@ -5,12 +5,14 @@ import subprocess
 import sys
 
 import pytest
+import xarray as xr
 
 from benchmarks import kills
 from benchmarks.__main__ import main
 from vsb.errors import VsbError
 from vsb.stages.climate import read_climate
 from vsb.study.campaign_plan import plan_of
+from vsb.tools.files import save
 
 
 def test_its_campaign_has_all_a_campaign_can_have(tmp_path, monkeypatch):
@@ -32,6 +34,16 @@ def test_other_results_are_told(tmp_path):
     (tmp_path / "results" / "b" / "c.csv").rename(tmp_path / "results" / "b" / "c.tmp")
     told = kills.compared(kills.contents(tmp_path), whole)
     assert told == "missing: b/c.csv; too many: b/c.tmp; other bytes: a.nc"
+
+
+def test_what_its_making_took_is_no_part_of_a_result(tmp_path):
+    def written(name, **attrs):
+        save(xr.Dataset({"margin": 1.0}, attrs={"spec_id": "x", **attrs}), tmp_path / "results" / name)
+        return kills.contents(tmp_path)[name]
+
+    assert written("a.nc", seconds=1.5) == written("a.nc", seconds=2.5)
+    assert written("a.nc", seconds=1.5, other=1) != written("a.nc", seconds=1.5)
+    assert written("b.nc", other=1.0) != written("b.nc", other=2.0)
 
 
 def test_a_run_is_killed_with_all_it_started(tmp_path, monkeypatch):

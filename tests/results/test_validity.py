@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 from conftest import varied
 from results.test_year import climate, port
 from scenes.test_ports import water
@@ -112,7 +113,7 @@ def test_seas_beyond_are_marked_in_their_bins(shells):
     study, waves, seas = shells
     found = year({d: w.port.beside(2e4) for d, w in waves.items()}, seas, study.water, ("one",))
     radius = float(np.median(by_the_sea(waves["VSWEC"], seas, found.damping[1, 0], 2e4)[1])) * 3.72 / 0.1
-    ds = beyond_validity(found, waves, 2e4, radius)
+    ds = xr.Dataset(beyond_validity(found, waves, 2e4, radius))
     steep, breaking = wave_limits(seas, study.water)
     for i, design in enumerate(waves):
         heave, deformation = by_the_sea(waves[design], seas, found.damping[i, 0], 2e4) * 3.72 / radius

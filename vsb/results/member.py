@@ -1,8 +1,10 @@
 """A member of a campaign: one study over a site's year, what is not viable of it included."""
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 
 from vsb.motion.port import Port
@@ -15,9 +17,12 @@ from vsb.scenes.viability import viability
 from vsb.shell.modes import ModeBasis
 from vsb.study.specs import CONSTRAINED, Tunings
 from vsb.study.study import Study
-from vsb.tools.units import FloatArray
 from vsb.waves.climate import Climate
 
+NumericArray = npt.NDArray[Any]
+Values = Mapping[str, tuple[tuple[str, ...], NumericArray]]
+"""Dimensions and values by name: a dataset is made of all at the end, for each costs as much as what it holds."""
+Labels = dict[str, list[str]]
 BY, BINS = ("design", "tuning"), ("hs", "te")
 OF_DESIGNS = (
     "annual_mean_power", "annual_energy", "capture_width", "gain_percent", "gain_low", "gain_high", "force_rms",
@@ -51,21 +56,29 @@ def member(
         What finds the year within limits; needed for `constrained`.
     """
     rest = viability(study)
-    found = _missing(study, climate, tunings)
+    bins = Bins(climate.hs, climate.te, climate.hours)
+    found = _missing(study, bins, tunings)
     viable = [design for design in study.designs if design not in rest.reasons]
+    at: Labels = {"design": list(study.designs), "tuning": list(tunings)}
     if rest.reference and viable:
         some, shape = with_designs(study, viable), water(rest.reference.basis)
         waves = designs_in_waves(some, rest.reference, shape)
-        damped = [tuning for tuning in tunings if tuning != CONSTRAINED]
-        if damped:
-            _fill(found, _damped(some, waves, climate, damped))
-        _fill(found, xr.Dataset(_curves(_ports(some, waves), climate), coords={"design": viable}))
+        ports = _ports(some, waves)
+        damped: list[Tuning] = [tuning for tuning in tunings if tuning != CONSTRAINED]
+        here: Labels = {"design": viable, "tuning": [*damped]}
+        of = ports_year(some, ports, climate, damped) if damped else None
+        if of:
+            _fill(found, at, _damped(some, of, waves), here)
+        _fill(found, at, _curves(ports, climate, of), here)
         if optima:
-            _fill(found, optima.years(some, rest.reference, climate, float(shape.omega[0])))
-    found["viable"] = ("design", np.array([design in viable for design in study.designs]))
-    found["reason"] = ("design", np.array([rest.reasons.get(design, "") for design in study.designs], dtype=object))
-    found["margin"] = ((), rest.margin)
-    return found
+            within = optima.years(some, rest.reference, climate, float(shape.omega[0]))
+            values: Values = {str(name): (tuple(map(str, v.dims)), v.values) for name, v in within.items()}
+            _fill(found, at, values, here | {"tuning": [CONSTRAINED]})
+    reasons = np.array([rest.reasons.get(design, "") for design in study.designs], dtype=object)
+    found |= {"viable": (BY[:1], np.array([design in viable for design in study.designs]))}
+    found |= {"reason": (BY[:1], reasons), "margin": ((), np.array(rest.margin))}
+    of_bins = {"hs": bins.hs_centres, "te": bins.te_centres}
+    return xr.Dataset(found, coords={**at, "limit": list(LIMITS), **of_bins})
 
 
 def _ports(study: Study, waves: Mapping[str, InWaves]) -> dict[str, Port]:
@@ -73,12 +86,10 @@ def _ports(study: Study, waves: Mapping[str, InWaves]) -> dict[str, Port]:
     return {design: one.port.beside(study.pto.stiffness) for design, one in waves.items()}
 
 
-def _damped(study: Study, waves: Mapping[str, InWaves], climate: Climate, tunings: Sequence[Tuning]) -> xr.Dataset:
-    """The year of designs under dampers."""
-    found = ports_year(study, _ports(study, waves), climate, tunings)
-    of = found.dataset().assign(beyond_validity(found, waves, study.pto.stiffness, study.device.radius).data_vars)
-    reference = found.reference
-    return of if reference is None else of.assign(_gain_interval(of, reference, study.hydro.tolerance))
+def _damped(study: Study, of: Year, waves: Mapping[str, InWaves]) -> Values:
+    """The year of designs under dampers, and how much of it is beyond what is described."""
+    found = {**of.values, **beyond_validity(of, waves, study.pto.stiffness, study.device.radius)}
+    return found if of.reference is None else {**found, **_gain_interval(of, study.hydro.tolerance)}
 
 
 def with_designs(study: Study, designs: Sequence[str]) -> Study:
@@ -93,42 +104,43 @@ def ports_year(study: Study, ports: Mapping[str, Port], climate: Climate, tuning
     return year(ports, climate, study.water, tunings, given, study.reference_design)
 
 
-def _curves(ports: Mapping[str, Port], climate: Climate) -> dict[str, tuple[tuple[str, ...], FloatArray]]:
+def _curves(ports: Mapping[str, Port], climate: Climate, of: Year | None) -> Values:
     """Mean power of the year and rms force of dampers that stay as they are, each shape (design, damper)."""
     years = [DesignYear(port, climate) for port in ports.values()]
-    tried = np.outer(best_for_all(years), TRIED)
+    known = of.damping[:, of.tunings.index("one"), 0] if of and "one" in of.tunings else None
+    tried = np.outer(best_for_all(years) if known is None else known, TRIED)
     power = np.array([one.annual(dampers) for one, dampers in zip(years, tried, strict=True)])
     found = (tried, power, np.sqrt(tried * power))
     return {name: (("design", "damper"), values) for name, values in zip(CURVES, found, strict=True)}
 
 
-def _gain_interval(of: xr.Dataset, reference: str, tolerance: float) -> dict[str, tuple[tuple[str, ...], FloatArray]]:
+def _gain_interval(year: Year, tolerance: float) -> Values:
     """Where gains lie by the errors of numbers: quadrature over frequency, tolerance of the coefficients."""
-    gain, at = of.gain_percent.values, list(of.design.values).index(reference)
-    error = of.quadrature_error.values / of.annual_mean_power.values + tolerance
+    if (gain := year.gain_percent) is None:
+        return {}
+    at = year.designs.index(str(year.reference))
+    error = year.quadrature_error / year.annual_mean_power + tolerance
     width = (error + error[at]) * (100 + gain)
     width[at] = 0.0
     return {"gain_low": (BY, gain - width), "gain_high": (BY, gain + width)}
 
 
-def _missing(study: Study, climate: Climate, tunings: Sequence[str]) -> xr.Dataset:
+def _missing(study: Study, bins: Bins, tunings: Sequence[str]) -> dict[str, tuple[tuple[str, ...], NumericArray]]:
     """All variables without a value, and how many seas there are in each bin."""
-    bins = Bins(climate.hs, climate.te, climate.hours)
     sizes = {"design": len(study.designs), "tuning": len(tunings), "limit": len(LIMITS), "damper": len(TRIED)}
     sizes |= dict(zip(BINS, bins.shape, strict=True))
     names = [name for name in OF_DESIGNS if study.reference_design or not name.startswith("gain")]
     dims: dict[str, tuple[str, ...]] = dict.fromkeys(names, BY) | dict.fromkeys(MATRICES, (*BY, *BINS))
     dims |= dict.fromkeys(CURVES, ("design", "damper")) | {"energy_beyond": (*BY, "limit")}
     dims |= dict.fromkeys(OF_LIMITS if CONSTRAINED in tunings else (), ("design",))
-    values = {name: (of, np.full([sizes[dim] for dim in of], np.nan)) for name, of in dims.items()}
-    names_at = {"design": list(study.designs), "tuning": list(tunings), "limit": list(LIMITS)}
-    at = {"hs": bins.hs_centres, "te": bins.te_centres}
-    return xr.Dataset({**values, "count": (BINS, bins.count)}, coords={**names_at, **at})
+    return {name: (of, np.full([sizes[dim] for dim in of], np.nan)) for name, of in dims.items()} | {
+        "count": (BINS, bins.count)
+    }
 
 
-def _fill(found: xr.Dataset, of: xr.Dataset) -> None:
+def _fill(found: Values, at: Labels, of: Values, here: Labels) -> None:
     """Put the values of some designs, and of some tunings, where they belong."""
-    for name in set(of.data_vars) & set(found.data_vars) - {"count"}:
-        dims = [dim for dim in BY if dim in of[name].dims]
-        at = np.ix_(*([found.indexes[dim].get_loc(label) for label in of.indexes[dim]] for dim in dims))
-        found[name].values[at] = of[name].values
+    for name in of.keys() & found.keys() - {"count"}:
+        dims, values = of[name]
+        places = [[at[dim].index(label) for label in here[dim]] for dim in BY if dim in dims]
+        found[name][1][np.ix_(*places)] = values

@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-import xarray as xr
 
 from vsb.motion.port import Port
 from vsb.results.year import Year, band_weights
@@ -35,6 +34,8 @@ NODES = 8
 """Dampers at which variances are computed to be known at all between: to 1e-3 of them."""
 
 BoolArray = npt.NDArray[np.bool_]
+Marks = dict[str, tuple[tuple[str, ...], FloatArray]]
+"""Dimensions and values by name."""
 
 
 class Beyond(NamedTuple):
@@ -135,7 +136,7 @@ def seas_beyond(limits: Sequence[Beyond]) -> BoolArray:
     return np.asarray(np.any([one.seas for one in limits if one.name in MARKED], axis=0))
 
 
-def beyond_validity(year: Year, waves: Mapping[str, InWaves], stiffness: float, radius: float) -> xr.Dataset:
+def beyond_validity(year: Year, waves: Mapping[str, InWaves], stiffness: float, radius: float) -> Marks:
     """Return which part of the seas of each bin lies beyond what is described, and their shares of the energy.
 
     Parameters
@@ -159,13 +160,11 @@ def beyond_validity(year: Year, waves: Mapping[str, InWaves], stiffness: float, 
             energy[i, j] = [one.energy(power, hours) for one in limits]
             together[i, j] = Beyond("marked", 0.0, 0.0, beyond).energy(power, hours)
     by = ("design", "tuning")
-    return xr.Dataset(
-        {
-            "beyond_validity": ((*by, "hs", "te"), marked),
-            "energy_beyond": ((*by, "limit"), energy),
-            "energy_beyond_validity": (by, together),
-        }
-    )
+    return {
+        "beyond_validity": ((*by, "hs", "te"), marked),
+        "energy_beyond": ((*by, "limit"), energy),
+        "energy_beyond_validity": (by, together),
+    }
 
 
 def stroke_rms(port: Port, climate: Climate, damping: float) -> FloatArray:

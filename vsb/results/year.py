@@ -18,7 +18,7 @@ import xarray as xr
 from vsb.errors import ConfigError
 from vsb.motion.damping_curve import best_of_table, dampers
 from vsb.motion.port import Port
-from vsb.motion.tuning import best_damper_of_each
+from vsb.motion.tuning import IntArray, best_damper_of_each
 from vsb.results.bins import Bins
 from vsb.study.study import Water
 from vsb.tools.units import FloatArray, described
@@ -235,12 +235,14 @@ class Year:
             f"{', '.join(ranges)} of the annual energy."
         )
 
-    def dataset(self) -> xr.Dataset:
-        """Return all figures with units: by design and tuning, and matrices by bins of Hs and Te."""
+    @property
+    def values(self) -> dict[str, tuple[tuple[str, ...], FloatArray | IntArray]]:
+        """All figures as dimensions and values: by design and tuning, and matrices by bins of Hs and Te."""
         by = ("design", "tuning")
         matrices = (*by, "hs", "te")
         width = self.power / self.flux
-        values = {
+        gain = self.gain_percent
+        return {
             "annual_mean_power": (by, self.annual_mean_power),
             "annual_energy": (by, self.annual_energy),
             "capture_width": (by, self.capture_width),
@@ -255,12 +257,14 @@ class Year:
             "count": (("hs", "te"), self.bins.count),
             "occurrence": (("hs", "te"), self.bins.share),
             "flux_matrix": (("hs", "te"), self.bins.mean(self.flux)),
+            **({} if gain is None else {"gain_percent": (by, gain)}),
         }
-        if (gain := self.gain_percent) is not None:
-            values["gain_percent"] = (by, gain)
+
+    def dataset(self) -> xr.Dataset:
+        """Return all figures with units; see `values`."""
         at = {"hs": self.bins.hs_centres, "te": self.bins.te_centres}
         names = {"design": list(self.designs), "tuning": list(self.tunings)}
-        return described(xr.Dataset(values, coords=names | at, attrs={"notes": list(self.notes)}))
+        return described(xr.Dataset(self.values, coords=names | at, attrs={"notes": list(self.notes)}))
 
 
 def year(
