@@ -131,3 +131,14 @@ def test_captions_of_the_workflow_report_are_there_and_used():
     )
     used = set(re.findall(r'"(?:\.\./)?report/(\w+\.rst)"', rules))
     assert used == {path.name for path in (HOME / "workflow" / "report").iterdir()}
+
+
+def test_the_container_is_made_from_the_lock_file_by_a_python_the_package_takes():
+    recipe = (HOME / "Dockerfile").read_text()
+    project = tomllib.loads((HOME / "pyproject.toml").read_text())["project"]
+    assert project["requires-python"] == ">=3.11,<3.13"
+    assert set(re.findall(r"^FROM python:(\S+?)-slim", recipe, re.M)) <= {"3.11", "3.12"}
+    made = re.findall(r"pip install (.+)$", (HOME / "Makefile").read_text(), re.M)
+    for what in ("-r requirements.lock", "--no-deps --no-build-isolation"):
+        assert any(what in line for line in made)
+        assert what in recipe

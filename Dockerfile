@@ -1,0 +1,33 @@
+# The package and nothing else, from the lock file:   docker build -t vsb .
+# A study of the current folder, results beside it:   docker run --rm -it --user "$(id -u):$(id -g)" -v "$PWD:/work" vsb run my_study.yaml
+FROM python:3.11-slim-bookworm AS built
+# For what the lock file pins without a wheel; the second stage has no use for it.
+# hadolint ignore=DL3008
+RUN apt-get update \
+ && apt-get install --no-install-recommends -y g++ \
+ && rm -rf /var/lib/apt/lists/*
+WORKDIR /source
+COPY requirements.lock ./
+RUN python -m venv /opt/vsb \
+ && /opt/vsb/bin/pip install --no-cache-dir --disable-pip-version-check -r requirements.lock
+COPY . .
+RUN /opt/vsb/bin/pip install --no-cache-dir --disable-pip-version-check --no-deps --no-build-isolation .
+
+FROM python:3.11-slim-bookworm
+COPY --from=built /opt/vsb /opt/vsb
+# HOME: Snakemake and matplotlib keep notes there, whoever runs the image.
+ENV PATH=/opt/vsb/bin:$PATH \
+    HOME=/tmp \
+    NUMBA_CACHE_DIR=/opt/vsb/compiled \
+    OMP_NUM_THREADS=1 \
+    OPENBLAS_NUM_THREADS=1
+# A first study compiles the loops for all who run the image, and shows that it works.
+WORKDIR /tmp/first
+RUN export HOME=/root \
+ && vsb init first.yaml \
+ && vsb run first.yaml \
+ && chmod -R a+rwX /opt/vsb/compiled \
+ && rm -rf /tmp/first/* /tmp/first/.snakemake
+WORKDIR /work
+ENTRYPOINT ["vsb"]
+CMD ["--help"]
