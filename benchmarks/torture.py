@@ -2,6 +2,7 @@
 
 Broken studies are the seed's with a key taken out, renamed or given junk, or its text cut and altered. Odd ones are
 drawn from physical ranges: sizes, shells, depths, bands, seas, windows, methods, clamps, small enough to take a second.
+Equipped ones are odd, too, in what takes power off: ports, laws, tunings, limits, directions, drag.
 """
 
 import copy
@@ -89,6 +90,11 @@ def _damage(rng: random.Random, raw: Raw) -> None:
 
 def odd(rng: random.Random) -> str:
     """Return the text of a study from physical ranges, small enough to take a second or two; not all can be."""
+    return yaml.safe_dump(_odd(rng))
+
+
+def _odd(rng: random.Random) -> Raw:
+    """A study from physical ranges, with a plain damper."""
     radius, density, gravity = 10 ** rng.uniform(-0.7, 1.5), rng.choice([1025.0, 1000.0, 800.0]), 9.81
     thickness = radius * 10 ** rng.uniform(-3.3, -1.05)
     full, natural = 4 / 3 * math.pi * radius**3 * density, math.sqrt(gravity / radius)
@@ -121,7 +127,7 @@ def odd(rng: random.Random) -> str:
         model, ["auto", "exponential", "structure_preserving"]
     )
     depth = math.inf if rng.random() < 0.6 else radius * 10 ** rng.uniform(-0.5, 1.5)
-    return yaml.safe_dump({
+    return {
         "study": "odd",
         "device": device,
         "modes": {"basis": rng.choice(["membrane", "full", "paper"]), "degree": rng.choice([0, 1, 2, 2, 3])},
@@ -139,7 +145,7 @@ def odd(rng: random.Random) -> str:
             "tolerance": rng.choice([1e-3, 1e-4]),
             "method": rng.choice(method),
         },
-    })  # fmt: skip
+    }  # fmt: skip
 
 
 def _wave(rng: random.Random, radius: float, natural: float, highest: float) -> Raw:
@@ -165,6 +171,81 @@ def _designs(rng: random.Random) -> Raw:
     if rng.random() < 0.4:
         found["CLAMPED"] = {"clamp": rng.choice(clamps)}
     return found
+
+
+def equipped(rng: random.Random) -> str:
+    """Return the text of an odd study with any take-off, some of them in the plane of the waves, some with drag."""
+    raw = _odd(rng)
+    radius, natural, damping = (
+        raw["device"]["radius"],
+        9.81**0.5 * raw["device"]["radius"] ** -0.5,
+        raw["pto"]["damping"],
+    )
+    if rng.random() < 0.8:
+        raw["hydro"] = {"model": rng.choice(["linear", "linear", "body_exact"]), "tolerance": 1e-2, "witness": "none"}
+        raw["simulation"] |= {
+            "method": "auto",
+            "duration": 12 * math.pi / natural,
+            "window": [0.0, 12 * math.pi / natural],
+        }
+    sideways = rng.random() < 0.3
+    if sideways:
+        _sideways(rng, raw)
+    if rng.random() < 0.2:
+        area = math.pi * radius**2 * rng.uniform(0.1, 2.0)
+        raw["drag"] = {"heave": {"coefficient": rng.uniform(0.0, 2.0), "area": area}}
+    raw["pto"] = _take_off(rng, raw["device"]["mass"], natural, damping, sideways)
+    return yaml.safe_dump(raw)
+
+
+def _sideways(rng: random.Random, raw: Raw) -> None:
+    """Surge and pitch: an attitude, a mooring, modes to the sides; mostly about the vented sphere."""
+    device, radius = raw["device"], raw["device"]["radius"]
+    raw["motion"] = "planar"
+    raw["modes"]["order"] = rng.choice([0, 1, 1, 2])
+    device |= {"centre_of_mass": radius * rng.uniform(-0.7, 0.1), "ballast_inertia": 0.1 * device["mass"] * radius**2}
+    if rng.random() < 0.5:
+        weight = device["mass"] * 9.81 / radius
+        raw["mooring"] = [
+            weight * rng.choice([0.0, 0.01, 1.0]),
+            0,
+            0,
+            0,
+            weight * radius**2 * rng.choice([0.0, 0.1]),
+            0,
+        ]
+    if rng.random() < 0.9:
+        device["internal_pressure"], raw["reference_shape"] = 0.0, "undeformed"
+        device.pop("gas", None)
+
+
+def _take_off(rng: random.Random, mass: float, natural: float, damping: float, sideways: bool) -> Raw:
+    """A port, a tuning, a law and limits, of which about half are the default."""
+
+    def sometimes(value: Any) -> Any:
+        """A value one time in four."""
+        return value if rng.random() < 0.25 else None
+
+    angle, weight = rng.uniform(0.0, 180.0), mass * 9.81
+    ports: list[Any] = [
+        "volume",
+        {"colatitude": angle},
+        {"colatitude": angle, "direction": "radial", "against": "frame"},
+    ]
+    ports += [{"between": [0, 180]}, {"between": [angle, 90]}, {"dof": "Heave"}]
+    if sideways:
+        ports += [*["surge", "pitch", {"line_to": [5.0, -50.0], "line_from": [0.0, -0.5]}] * 2]
+    kept = {
+        "damping": damping if rng.random() < 0.6 else None,
+        "tuning": sometimes(rng.choice(["each", "one", "fixed"])),
+        "stiffness": sometimes(mass * natural**2 * rng.uniform(-0.3, 1.0)),
+        "efficiency": sometimes(rng.uniform(0.3, 1.0)),
+        "port": rng.choice(ports) if rng.random() < 0.5 else None,
+        "law": rng.choice(["saturated", "coulomb", "latching", "declutching"]) if rng.random() < 0.4 else None,
+        "force_limit": weight * 10 ** rng.uniform(-4, 0) if rng.random() < 0.4 else None,
+        "stroke_limit": sometimes(10 ** rng.uniform(-2, 1)),
+    }
+    return {key: value for key, value in kept.items() if value is not None}
 
 
 # their fate ---------------------------------------------------------------------------------------------------------
@@ -220,8 +301,9 @@ def _not_finite(folder: Path) -> str:
 
 
 def study_text(index: int) -> str:
-    """Return the text of a study, always the same for an index: broken ones and odd ones by turns."""
-    return (odd if index % 2 else broken)(random.Random(index))
+    """Return the text of a study, always the same for an index: every other one broken, of the rest half equipped."""
+    kind = broken if index % 2 == 0 else (odd, equipped)[index // 2 % 2]
+    return kind(random.Random(index))
 
 
 def torture(count: int, out: str) -> Counter[str]:

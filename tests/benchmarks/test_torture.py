@@ -23,6 +23,23 @@ def test_odd_studies_are_refused_or_checked_in_one_line(tmp_path, seed):
     assert outcome.verdict in ("refused", "completed"), outcome
 
 
+@pytest.mark.parametrize("block", range(3))
+def test_equipped_studies_are_refused_or_checked_in_one_line(tmp_path, block):
+    outcomes = [torture.fate(torture.equipped(random.Random(10 * block + i)), tmp_path, run=False) for i in range(10)]
+    assert {outcome.verdict for outcome in outcomes} == {"refused", "completed"}, outcomes
+
+
+def test_every_other_study_is_broken_and_of_the_rest_every_other_equipped(monkeypatch):
+    for kind in ("broken", "odd", "equipped"):
+        monkeypatch.setattr(torture, kind, lambda rng, kind=kind: kind)
+    assert [torture.study_text(index) for index in range(5)] == ["broken", "odd", "broken", "equipped", "broken"]
+
+
+@pytest.mark.parametrize("seed", [31])
+def test_an_equipped_study_that_passes_the_check_runs(tmp_path, seed):
+    assert torture.fate(torture.equipped(random.Random(seed)), tmp_path) == torture.Outcome("completed", "")
+
+
 @settings(max_examples=12, derandomize=True)
 @given(seed=st.integers(0, 10**6))
 def test_what_passes_the_check_runs(tmp_path_factory, seed):

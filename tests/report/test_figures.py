@@ -44,6 +44,14 @@ def test_gains_are_drawn_where_power_is_absorbed_and_the_axis_fits_them(respondi
     assert low.get_ylim()[1] < 250  # beyond the bump it is a thousand
 
 
+@pytest.mark.filterwarnings("error")
+def test_what_best_dampers_take_beyond_the_band_shown_leaves_the_axis_its_bounds(responding):
+    best = 1e3 * np.exp(-40 * (OMEGA - 5.5) ** 2) * np.ones((2, 1))
+    response = responding.response.assign(best_power=(("design", "omega"), best))
+    (_, _, low, _) = absorbed_power(data(response=response)).axes[:4]
+    assert low.get_ylim()[0] <= -20 < 20 <= low.get_ylim()[1]
+
+
 def test_the_studys_wave_is_marked_on_the_axis_and_crosses_nothing(responding):
     for ax in absorbed_power(responding).axes[:4]:
         (mark,) = (line for line in ax.get_lines() if line.get_label() == "study's wave")

@@ -126,8 +126,9 @@ def _limit_gain(data: StudyData, powers: Iterable[xr.DataArray], ax: Axes) -> No
         return
     moved = [power for power in powers if float(power.sel(design=data.reference).max()) > 0]
     shown = [power.where(_shown(data) & useful_band(power)) for power in moved]
-    gains = [100 * (power / power.sel(design=data.reference) - 1) for power in shown]
-    low, high = (float(f([0.0, *(f(gain) for gain in gains)])) for f in (np.nanmin, np.nanmax))
+    gains = [100 * (power / power.sel(design=data.reference) - 1).values.ravel() for power in shown]
+    known = np.concatenate([[0.0], *gains])  # what is shown of a power may be of no use
+    low, high = float(np.nanmin(known)), float(np.nanmax(known))
     ends = float(np.clip(1.15 * low, -100, -20)), float(np.clip(1.15 * high, 20, 250))
     ax.set(ylabel=f"gain over {data.reference} [%]", ylim=ends)
 
