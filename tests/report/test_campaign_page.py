@@ -4,7 +4,17 @@ import numpy as np
 import pytest
 from report.test_campaign_figures import GAINS, campaign
 
-from vsb.report.campaign_page import MOST_ROWS, answer, best_flexible, leading, rows, statements, warnings, where
+from vsb.report.campaign_page import (
+    MOST_ROWS,
+    answer,
+    best_flexible,
+    captions,
+    leading,
+    rows,
+    statements,
+    warnings,
+    where,
+)
 
 
 def test_the_answer_is_of_the_best_flexible_design_that_carries_its_load():
@@ -80,3 +90,18 @@ def test_the_table_has_a_row_for_every_point_design_and_tuning():
 def test_the_tuning_the_answer_is_told_at():
     assert leading(campaign()) == ("one", "FSB")
     assert leading(campaign(reference="").sel(tuning=["fixed", "each"])) == ("each", None)
+
+
+def test_captions_name_what_is_drawn():
+    """A map has hatching and a line of buckling, a curve an interval; what runs in time correct is said."""
+    mapped = captions(campaign())["sweep"]
+    assert "hatched" in mapped
+    assert "shaded" not in mapped
+    curve = campaign(gains=np.array([[-5.0], [8.0]]), thickness=(0.01,))
+    assert captions(curve)["sweep"].endswith("best damper of the year; shaded: its interval.")
+    for one, last in (
+        (campaign(), "not viable; corrected by runs in time."),
+        (curve, ", dotted: by linear theory alone."),
+    ):
+        one["corrected_gain_percent"] = one.gain_percent
+        assert captions(one.assign_attrs(verified_tuning="one"))["sweep"].endswith(last)

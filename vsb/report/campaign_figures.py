@@ -121,9 +121,12 @@ def sweep(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
         figure, axes = grid_of_axes(1.5)
         note(axes[0, 0], "no rigid design to compare with")
         return figure
-    if "member" in ds.dims or len(keys) == 1:
-        return _lines(ds, tuning, keys[0], others)
-    return _maps(ds, tuning, keys, others)
+    return _maps(ds, tuning, keys, others) if is_mapped(ds) else _lines(ds, tuning, keys[0], others)
+
+
+def is_mapped(ds: xr.Dataset) -> bool:
+    """Return whether gains are drawn as maps: over a grid of more than one key."""
+    return "member" not in ds.dims and sum(ds[name].size > 1 for name in str(ds.attrs["varied"]).split()) > 1
 
 
 def _lines(ds: xr.Dataset, tuning: str, key: str, others: Sequence[str]) -> Figure:

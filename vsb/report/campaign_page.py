@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from vsb.report.campaign_figures import is_verified, shown_member, told_gain
+from vsb.report.campaign_figures import is_mapped, is_verified, shown_member, told_gain
 from vsb.report.html import captioned, page
 from vsb.report.living import as_script
 from vsb.study.specs import CONSTRAINED, leading_tuning
@@ -24,9 +24,12 @@ CAPTIONS = {
     "dotted: the best damper in each sea.",
     "pareto": "Mean power of the year against the root mean square of the take-off's force{at}, over the damper up to "
     "the best one, without limits.{within}",
-    "sweep": "Gain of annual energy over the rigid design, {tuned}. Black: the line on which the shell buckles under "
-    "its static load; hatched: the interval of the gain includes zero; grey: not viable.",
+    "sweep": "Gain of annual energy over the rigid design, {tuned}{marks}.",
 }
+MAPPED = (
+    ". Black: the line on which the shell buckles under its static load; hatched: the interval of the gain includes "
+    "zero; grey: not viable"
+)
 TUNED = {
     "one": "each design at its own best damper of the year",
     "each": "each design at its own best damper in each sea",
@@ -73,15 +76,6 @@ def render(report: CampaignReport) -> str:
     """Return the report as one HTML page."""
     ds = report.data
     tuning, reference = leading(ds)
-    at = where(shown_member(ds, tuning, reference))
-    told = (
-        {"sweep": " Gains are corrected by runs in time; a dotted line is linear theory."}
-        if is_verified(ds, tuning)
-        else {}
-    )
-    words = {"tuned": TUNED[tuning], "at": f" at {at}" if at else ""}
-    words["within"] = " Squares: the best force within each limit." if CONSTRAINED in ds.tuning.values else ""
-    captions = {name: text.format(**words) + told.get(name, "") for name, text in CAPTIONS.items()}
     return page(
         "campaign.html.j2",
         campaign=ds.attrs["campaign"],
@@ -96,9 +90,21 @@ def render(report: CampaignReport) -> str:
         head=HEAD,
         body=rows(ds),
         left_out=max(0, int(ds.annual_mean_power.size) - MOST_ROWS),
-        figures=captioned(report.figures, captions),
+        figures=captioned(report.figures, captions(ds)),
         facts={"Study": ds.attrs["study"], "Climate": ds.attrs["climate"], "Content id": ds.attrs["spec_id"]},
     )
+
+
+def captions(ds: xr.Dataset) -> dict[str, str]:
+    """Return the captions of the figures of a campaign, which name what is drawn of it."""
+    tuning, reference = leading(ds)
+    at = where(shown_member(ds, tuning, reference))
+    words = {"tuned": TUNED[tuning], "at": f" at {at}" if at else ""}
+    words["within"] = " Squares: the best force within each limit." if CONSTRAINED in ds.tuning.values else ""
+    words["marks"] = MAPPED if is_mapped(ds) else "; shaded: its interval"
+    if is_verified(ds, tuning):
+        words["marks"] += "; corrected by runs in time" + ("" if is_mapped(ds) else ", dotted: by linear theory alone")
+    return {name: text.format(**words) for name, text in CAPTIONS.items()}
 
 
 def where(one: xr.Dataset) -> str:
