@@ -6,7 +6,6 @@ one thread. Errors are true ones, against the spectral solver at `REFERENCE_NODE
 it shares nothing with panels, and the multipole series of the tests agrees with it to that series' own error, 3e-6.
 """
 
-import io
 import multiprocessing
 import os
 import resource
@@ -35,6 +34,7 @@ from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.report.canvas import grid_of_axes, legend_above
 from vsb.shell.deformed import rigid_sphere
 from vsb.tools.files import write_text
+from vsb.tools.tables import svg_text
 from vsb.tools.units import FloatArray
 
 COLUMNS = (
@@ -353,9 +353,8 @@ def benchmark(folder: str | Path) -> list[Row]:
             for setting in method.settings:
                 rows.append(attempt(name, setting, green))
                 _say(rows[-1])
-    target, picture = Path(folder) / "hydro_precision.csv", io.StringIO()
-    precision_figure(rows).savefig(picture, format="svg", metadata={"Date": None})
-    write_text(target.with_suffix(".svg"), picture.getvalue())
+    target = Path(folder) / "hydro_precision.csv"
+    write_text(target.with_suffix(".svg"), svg_text(precision_figure(rows)))
     write_text(target.with_name("hydro_precision_ratios.csv"), as_csv(ratios(rows), RATIO_COLUMNS))
     write_text(target, as_csv(rows, COLUMNS))
     return rows

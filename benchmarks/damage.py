@@ -5,7 +5,6 @@ Each is told in one line, by `vsb verify` and by a run that decides what is to b
 """
 
 import copy
-import csv
 import io
 import json
 import os
@@ -27,6 +26,7 @@ from vsb.stages.verify import stale_products, verify
 from vsb.study.plan import StudyPlan
 from vsb.study.study import parse
 from vsb.tools.files import read_groups, write_text
+from vsb.tools.tables import csv_text
 
 SEED = Path(__file__).parent.parent / "config" / "seed.yaml"
 STUDY = "small.yaml"
@@ -197,17 +197,15 @@ def trials(flips: int, edits: int) -> Iterator[Damage]:
 def damage(flips: int, edits: int, out: str) -> Counter[str]:
     """Damage the results of a small study so often; write a table, return how often each verdict fell."""
     found: Counter[str] = Counter()
-    lines, target = io.StringIO(), os.path.abspath(out)
-    table = csv.writer(lines, lineterminator="\n")
-    table.writerow(("file", "damage", "verdict", "reason"))
+    rows, target = [], os.path.abspath(out)
     with tempfile.TemporaryDirectory() as folder, chdir(folder):
         plan = small_study()
         finish(plan)
         for one in trials(flips, edits):
             outcome = fate(plan, one, heals=one.path.endswith(".json"))
             found[outcome.verdict] += 1
-            table.writerow((one.path, one.what, outcome.verdict, outcome.reason.replace("\n", " ")))
+            rows.append((one.path, one.what, outcome.verdict, outcome.reason.replace("\n", " ")))
             if outcome.verdict in BAD:
                 print(f"{one.path}, {one.what}: {outcome.verdict}: {outcome.reason[:400]}", flush=True)
-    write_text(target, lines.getvalue())
+    write_text(target, csv_text(("file", "damage", "verdict", "reason"), rows))
     return found

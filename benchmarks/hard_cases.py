@@ -6,8 +6,6 @@ reference. References are another method where there is one (Cummins' convolutio
 way round), and the same method at a hundredth of the tolerance elsewhere. A few cases are no studies but `probe`s.
 """
 
-import csv
-import io
 import math
 import tempfile
 import time as clock
@@ -46,6 +44,7 @@ from vsb.study.plan import StudyPlan
 from vsb.study.reading import read_yaml
 from vsb.study.study import Study, parse
 from vsb.tools.files import write_text
+from vsb.tools.tables import csv_text
 from vsb.tools.units import FloatArray
 
 Outcome = Literal["completed", "refused", "not finite", "traceback"]
@@ -361,11 +360,7 @@ def _cell(value: object) -> str:
 
 def as_csv(rows: Sequence[Row]) -> str:
     """Return the table as CSV; an empty cell is a quantity that does not exist."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows({key: _cell(value) for key, value in asdict(row).items()} for row in rows)
-    return text.getvalue()
+    return csv_text(COLUMNS, (map(_cell, asdict(row).values()) for row in rows))
 
 
 def as_text(rows: Sequence[Row]) -> str:

@@ -4,8 +4,6 @@ General integrators, Dormand and Prince's (the paper's ode45) among them, get th
 Seconds are of one core of the machine that ran the benchmark.
 """
 
-import csv
-import io
 import sys
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
@@ -36,6 +34,7 @@ from vsb.report.canvas import grid_of_axes, legend_above
 from vsb.shell.deformed import DeformedShell
 from vsb.study.study import Study
 from vsb.tools.files import write_text
+from vsb.tools.tables import csv_text, svg_text
 from vsb.tools.units import FloatArray
 
 COLUMNS = (
@@ -218,12 +217,7 @@ def paper_precision(study: Study) -> list[Row]:
 
 def as_csv(rows: Sequence[Row], columns: Sequence[str] = COLUMNS) -> str:
     """Return the table as CSV; an empty cell is a quantity that does not exist, such as the error of a failed run."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, columns, restval="", lineterminator="\n")
-    writer.writeheader()
-    for row in rows:
-        writer.writerow({key: f"{v:.6g}" if isinstance(v, float) else v for key, v in row.items()})
-    return text.getvalue()
+    return csv_text(columns, ([row.get(name) for name in columns] for row in rows), 6)
 
 
 def _draw(ax: Axes, rows: Sequence[Row], case: str) -> None:
@@ -280,9 +274,7 @@ def benchmark(study: Study, folder: str | Path) -> None:
     rows += paper_precision(study)
     write_text(Path(folder) / "workprecision.csv", as_csv(rows))
     for name, error in FIGURES.items():
-        text = io.StringIO()
-        precision_figure(rows, name, error).savefig(text, format="svg", metadata={"Date": None})
-        write_text(Path(folder) / "workprecision" / f"{name}.svg", text.getvalue())
+        write_text(Path(folder) / "workprecision" / f"{name}.svg", svg_text(precision_figure(rows, name, error)))
 
 
 def _say(line: str) -> None:

@@ -7,7 +7,6 @@ which DOP853 checks. A failure is a row that says why, and a cross in the figure
 three runs, without compilation.
 """
 
-import io
 import sys
 import tempfile
 import time as clock
@@ -54,6 +53,7 @@ from vsb.report.canvas import grid_of_axes, legend_above
 from vsb.scenes.automatic import absorbed
 from vsb.study.study import Study
 from vsb.tools.files import write_text
+from vsb.tools.tables import svg_text
 
 BALANCE = "harmonic balance"
 STYLES = {
@@ -327,9 +327,7 @@ def benchmark(study: Study, folder: str | Path) -> list[Row]:
         rows = measured(study, design, files)
     write_text(Path(folder) / "time_precision.csv", as_csv(rows))
     for name, draw in (("time_precision", error_figure), ("time_cost", cost_figure)):
-        text = io.StringIO()
-        draw(rows).savefig(text, format="svg", metadata={"Date": None})
-        write_text(Path(folder) / f"{name}.svg", text.getvalue())
+        write_text(Path(folder) / f"{name}.svg", svg_text(draw(rows)))
     return rows
 
 

@@ -6,8 +6,6 @@ Equipped ones are odd, too, in what takes power off: ports, laws, tunings, limit
 """
 
 import copy
-import csv
-import io
 import math
 import random
 import tempfile
@@ -28,6 +26,7 @@ from vsb.stages.make import make
 from vsb.study.plan import StudyPlan
 from vsb.study.study import Study, load
 from vsb.tools.files import write_text
+from vsb.tools.tables import csv_text
 
 Raw = dict[str, Any]
 SEED = Path(__file__).parent.parent / "config" / "seed.yaml"
@@ -309,15 +308,13 @@ def study_text(index: int) -> str:
 def torture(count: int, out: str) -> Counter[str]:
     """Meet so many studies with their fate; write a table, return how often each verdict fell."""
     found: Counter[str] = Counter()
-    lines = io.StringIO()
-    table = csv.writer(lines, lineterminator="\n")
-    table.writerow(("index", "verdict", "reason"))
+    rows = []
     for index in range(count):
         with tempfile.TemporaryDirectory() as folder:
             outcome = fate(study_text(index), Path(folder))
         found[outcome.verdict] += 1
-        table.writerow((index, outcome.verdict, outcome.reason.replace("\n", " ")))
+        rows.append((index, outcome.verdict, outcome.reason.replace("\n", " ")))
         if outcome.verdict in BAD:
             print(f"study {index}: {outcome.verdict}: {outcome.reason[:400]}", flush=True)
-    write_text(out, lines.getvalue())
+    write_text(out, csv_text(("index", "verdict", "reason"), rows))
     return found

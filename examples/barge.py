@@ -6,8 +6,6 @@ pitch is W = -x (a rotation about y, bow down), bending modes have W = 1 at the 
 """
 
 import argparse
-import csv
-import io
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -34,6 +32,7 @@ from vsb.study.reading import validated
 from vsb.study.sections import Water
 from vsb.study.study import canonical
 from vsb.tools.files import load, write_text
+from vsb.tools.tables import csv_text, svg_text
 from vsb.tools.units import FloatArray
 
 GRADING = 0.5
@@ -214,7 +213,7 @@ def study(config: str | Path, out: str | Path, tables: str | Path | None = None)
         levels.append(load(folder / "convergence" / f"panels_{panels}.nc"))
     rows = convergence(chosen.convergence.panels, levels)
     write_text(folder / "convergence.csv", as_csv(rows))
-    write_text(folder / "barge.svg", as_svg(figure(rows, load(folder / "barge.nc"), chosen.barge.length)))
+    write_text(folder / "barge.svg", svg_text(figure(rows, load(folder / "barge.nc"), chosen.barge.length)))
     return checks
 
 
@@ -277,11 +276,7 @@ def _row(panels: int, quantity: str, error: float, order: float) -> dict[str, An
 
 def as_csv(rows: Sequence[dict[str, Any]]) -> str:
     """Return the convergence table as text."""
-    text = io.StringIO()
-    table = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
-    table.writeheader()
-    table.writerows({k: f"{v:.6g}" if isinstance(v, float) else v for k, v in row.items()} for row in rows)
-    return text.getvalue()
+    return csv_text(rows[0], (row.values() for row in rows), 6)
 
 
 _CURVES = {
@@ -321,13 +316,6 @@ def _draw_convergence(ax: Axes, rows: Sequence[dict[str, Any]]) -> None:
     ax.xaxis.set(major_locator=FixedLocator(faces), minor_locator=NullLocator())
     ax.xaxis.set_major_formatter(FixedFormatter([str(n) for n in faces]))
     ax.set(xlabel="panels", ylabel="error")
-
-
-def as_svg(drawing: Figure) -> str:
-    """Return a figure as SVG text without a date."""
-    text = io.StringIO()
-    drawing.savefig(text, format="svg", metadata={"Date": None})
-    return text.getvalue()
 
 
 def main(argv: Sequence[str] | None = None) -> int:

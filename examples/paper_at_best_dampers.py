@@ -8,8 +8,6 @@ rest, or it is unstable, a damper is left out.
 """
 
 import argparse
-import csv
-import io
 import sys
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
@@ -24,6 +22,7 @@ from vsb.scenes.build import assumed_pressure_design
 from vsb.study.plan import StudyPlan
 from vsb.study.study import Study, load
 from vsb.tools.files import write_text
+from vsb.tools.tables import csv_text
 
 DAMPERS = np.geomspace(500.0, 50_000.0, 17)
 """Tried first [N s/m]."""
@@ -82,12 +81,9 @@ def rows_of(study: Study) -> list[Row]:
 
 def run(args: argparse.Namespace) -> int:
     """Write the table."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(Row._fields)
-    writer.writerows([f"{v:.6g}" if isinstance(v, float) else v for v in row] for row in rows_of(load(args.config)))
-    write_text(args.out, text.getvalue())
-    print(text.getvalue(), end="")
+    text = csv_text(Row._fields, rows_of(load(args.config)), 6)
+    write_text(args.out, text)
+    print(text, end="")
     return 0
 
 

@@ -7,8 +7,6 @@ bounds every control. Limits are in units of the rms force of the rigid buoy's b
 """
 
 import argparse
-import csv
-import io
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -28,6 +26,7 @@ from vsb.scenes.afloat import linear_buoy
 from vsb.scenes.rest import computed_buckling, design_motions, reference_shell
 from vsb.study.study import Study, load, parse
 from vsb.tools.files import write_text
+from vsb.tools.tables import csv_text, svg_text
 from vsb.tools.units import FloatArray
 from vsb.waves.seas import Sea, sea
 
@@ -155,11 +154,7 @@ def drawn(rows: Sequence[Row]) -> Figure:
 
 def as_csv(rows: Sequence[Row]) -> str:
     """The map as a table."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(Row._fields)
-    writer.writerows([f"{v:.8g}" if isinstance(v, float) else v for v in row] for row in rows)
-    return text.getvalue()
+    return csv_text(Row._fields, rows, 8)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -167,9 +162,7 @@ def run(args: argparse.Namespace) -> int:
     out = Path(args.folder)
     rows = mapped({"vented": "config/seed.yaml", "pressurised": "config/pressurised.yaml"}, out)
     write_text(out / "map.csv", as_csv(rows))
-    text = io.StringIO()
-    drawn(rows).savefig(text, format="svg", metadata={"Date": None})
-    write_text(out / "map.svg", text.getvalue())
+    write_text(out / "map.svg", svg_text(drawn(rows)))
     print(out / "map.csv", out / "map.svg", sep="\n")
     return 0
 

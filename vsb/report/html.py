@@ -1,8 +1,6 @@
 """One page of HTML with everything inside: what the reports of studies and of campaigns have in common."""
 
-import csv
 import importlib.resources
-import io
 import urllib.parse
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -12,6 +10,7 @@ import markupsafe
 
 from vsb.report.doubts import advice
 from vsb.study.results_plan import FIGURE_KINDS
+from vsb.tools.tables import csv_text
 
 INLINE = 1_000_000
 """Most bytes of figures inside a page; further ones stand beside it."""
@@ -42,9 +41,7 @@ def text_of(name: str) -> str:
 
 def csv_link(name: str, head: Sequence[str], body: Sequence[Sequence[str]]) -> str:
     """Return a link that keeps a table as a CSV file: the data are inside it, nothing is fetched."""
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows([head, *body])
-    data = urllib.parse.quote(text.getvalue())
+    data = urllib.parse.quote(csv_text(head, body))
     return markupsafe.Markup('<a class="csv" download="{}.csv" href="data:text/csv;charset=utf-8,{}">CSV</a>').format(
         name, data
     )

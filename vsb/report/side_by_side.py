@@ -1,7 +1,5 @@
 """Finished studies and campaigns side by side, told: as text, as CSV, as one page of HTML with a figure."""
 
-import csv
-import io
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
@@ -12,6 +10,7 @@ from vsb.report.campaign_page import TUNED
 from vsb.report.canvas import grid_of_axes, legend_above, style
 from vsb.report.html import page
 from vsb.report.svg import drawn
+from vsb.tools.tables import csv_text
 from vsb.tools.words import plain
 
 
@@ -76,11 +75,7 @@ def _cell(value: str | float | None, field: str) -> str:
 
 def as_csv(lines: Sequence[Line]) -> str:
     """Return all lines as CSV; an empty cell is a number there is none of."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(Line._fields)
-    writer.writerows(["" if v is None else f"{v:.12g}" if isinstance(v, float) else v for v in line] for line in lines)
-    return text.getvalue()
+    return csv_text(Line._fields, lines, 12)
 
 
 def as_page(lines: Sequence[Line], reports: Mapping[str, tuple[str, str]]) -> str:

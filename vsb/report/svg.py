@@ -3,7 +3,6 @@
 The SVG says where its axes lie and what each curve is called, so that a page can read values off the drawn curves.
 """
 
-import csv
 import hashlib
 import io
 import re
@@ -19,6 +18,7 @@ from matplotlib.figure import Figure
 
 from vsb.study.results_plan import FIGURE_KINDS
 from vsb.tools.files import whole
+from vsb.tools.tables import csv_text, svg_text
 from vsb.tools.units import FloatArray
 from vsb.tools.words import plain
 
@@ -59,11 +59,10 @@ def drawn(figure: Figure, name: str) -> Drawn:
             ax.set_gid(f"axes-{i}")
             for j, line in enumerate(_curves(ax)):
                 line.set_gid(f"curve-{i}-{j}")
-        text, sheet = io.StringIO(), io.BytesIO()
-        figure.savefig(text, format="svg", metadata={"Date": None})
+        text, sheet = svg_text(figure), io.BytesIO()
         figure.set_layout_engine("none")  # it is laid out
         figure.savefig(sheet, format="pdf", metadata={"CreationDate": None})
-    return Drawn(_compact(text.getvalue(), figure, name), sheet.getvalue(), data_csv(figure))
+    return Drawn(_compact(text, figure, name), sheet.getvalue(), data_csv(figure))
 
 
 def in_words(figure: Figure) -> str:
@@ -85,15 +84,13 @@ def in_words(figure: Figure) -> str:
 
 def data_csv(figure: Figure) -> str:
     """Return the points of all curves, bars and maps of a figure, as far as it shows them, a row each."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["axes", "series", "x", "y", "value"])
+    rows: list[list[object]] = []
     for i, ax in enumerate(figure.axes):
         where = _one_line(ax.get_title() or ax.get_ylabel()) or f"axes {i + 1}"
         for series, points in _points(ax):
             thinned = points[:: max(1, -(-len(points) // POINTS))] if series != "map" else points
-            writer.writerows([where, series, *(f"{v:.6g}" for v in point)] for point in thinned)
-    return text.getvalue()
+            rows += [[where, series, *point] for point in thinned]
+    return csv_text(["axes", "series", "x", "y", "value"], rows, 6)
 
 
 def _points(ax: Axes) -> Iterator[tuple[str, FloatArray]]:

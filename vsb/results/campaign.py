@@ -1,7 +1,5 @@
 """All members of a campaign together: one dimension for each varied key, and the same as a tidy table."""
 
-import csv
-import io
 import itertools
 from collections.abc import Sequence
 from typing import Any
@@ -13,6 +11,7 @@ import xarray as xr
 from vsb.study.campaign_plan import VARIABLES
 from vsb.study.specs import CONSTRAINED, CampaignSpec, leading_tuning
 from vsb.study.vary import MEMBER, UNITS, Vary
+from vsb.tools.tables import csv_text
 from vsb.tools.units import FloatArray
 
 BY = ("design", "tuning")
@@ -135,13 +134,8 @@ def as_csv(spec: CampaignSpec, ds: xr.Dataset) -> str:
     cells = [each.broadcast_like(by).transpose(*points, *BY).values.ravel().tolist() for each in columns.values()]
     names = itertools.product(ds.design.values, ds.tuning.values)
     labels = ([*point.values(), *name] for point, name in itertools.product(spec.vary.points, list(names)))
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([*spec.vary.values, *BY, *columns])
-    writer.writerows(
-        [_cell(value) for value in (*label, *row)] for label, row in zip(labels, zip(*cells, strict=True), strict=True)
-    )
-    return text.getvalue()
+    rows = zip(labels, zip(*cells, strict=True), strict=True)
+    return csv_text([*spec.vary.values, *BY, *columns], (map(_cell, (*label, *row)) for label, row in rows))
 
 
 def damper(ds: xr.Dataset) -> xr.DataArray:

@@ -1,7 +1,5 @@
 """Designs side by side: the comparison table."""
 
-import csv
-import io
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -10,6 +8,7 @@ import xarray as xr
 from vsb.results.power import Merit, damper_of, merit
 from vsb.study.compared import Compared
 from vsb.study.study import StillWater, Wave
+from vsb.tools.tables import csv_text
 from vsb.waves.seas import Sea
 
 TAKE_OFF = ("damping", "stiffness", "power_gain_percent")
@@ -60,11 +59,4 @@ def gains(values: Mapping[str, float], reference: str | None) -> dict[str, float
 
 def as_csv(rows: Sequence[Row]) -> str:
     """Return the comparison as CSV; an empty cell is a quantity that does not exist, such as a gain over nothing."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
-    writer.writeheader()
-    for row in rows:
-        writer.writerow(
-            {key: f"{v:.10g}" if isinstance(v, float) else "" if v is None else v for key, v in row.items()}
-        )
-    return text.getvalue()
+    return csv_text(COLUMNS, ([row[name] for name in COLUMNS] for row in rows))

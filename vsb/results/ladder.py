@@ -1,7 +1,5 @@
 """The ladder of a study: what each design takes of each sea under ever better take-offs, up to the matched limit."""
 
-import csv
-import io
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial, reduce
 from itertools import product
@@ -22,6 +20,7 @@ from vsb.scenes.drag import dragged_port
 from vsb.study.body_specs import BodyLadderSpec
 from vsb.study.specs import LadderSpec
 from vsb.study.study import IrregularSea, StillWater
+from vsb.tools.tables import csv_text
 from vsb.tools.units import ComplexArray, FloatArray
 from vsb.waves.seas import Sea
 from vsb.waves.superposition import superposed
@@ -300,9 +299,4 @@ def _peaks(sea: Sea, phasors: ComplexArray, time: float) -> FloatArray:
 
 def as_csv(rungs: Sequence[Rung]) -> str:
     """Return the ladder as CSV; an empty cell is a quantity that does not exist, as of a port that cannot move."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    rows = (rung[: len(COLUMNS)] for rung in rungs)
-    writer.writerows(["" if v is None else f"{v:.12g}" if isinstance(v, float) else v for v in row] for row in rows)
-    return text.getvalue()
+    return csv_text(COLUMNS, (rung[: len(COLUMNS)] for rung in rungs), 12)

@@ -5,8 +5,6 @@ Student's t gives the 95 % interval of their mean. Designs meet the same waves, 
 batch, which takes most of the scatter out of it.
 """
 
-import csv
-import io
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
@@ -20,6 +18,7 @@ from vsb.results.power import in_direction, power_response
 from vsb.scenes.drag import LINEARISED
 from vsb.study.compared import Compared
 from vsb.study.study import Irregular, IrregularSea
+from vsb.tools.tables import csv_text
 from vsb.tools.units import FloatArray
 from vsb.tools.words import plain
 from vsb.waves.seas import Sea
@@ -196,8 +195,4 @@ def _half_gain(line: Line) -> float | None:
 
 def as_csv(lines: Sequence[Line]) -> str:
     """Return the lines as CSV; an empty cell is a quantity that does not exist."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(Line._fields)
-    writer.writerows(["" if v is None else f"{v:.10g}" if isinstance(v, float) else v for v in line] for line in lines)
-    return text.getvalue()
+    return csv_text(Line._fields, lines)

@@ -1,6 +1,5 @@
 """Command shape-dependence: shape database, figure, and one line."""
 
-import io
 import itertools
 import shutil
 import sys
@@ -17,6 +16,7 @@ from vsb.scenes.rest import reference_shell
 from vsb.scenes.shape_dependence import answer, shape_dataset, shapes_of_study, study_family
 from vsb.study.study import Study, content_id
 from vsb.tools.files import load, save, write_text
+from vsb.tools.tables import svg_text
 
 
 def counter(total: int) -> Callable[[], None]:
@@ -53,7 +53,5 @@ def shape_dependence(study: Study, out_nc: str, out_figure: str) -> str:
         ds = shape_dataset(study, replace(family, after_each=counter(shapes_of_study(study, family))))
         save(ds.assign_attrs(spec_id=identity), out_nc)
         shutil.rmtree(store)
-    text = io.StringIO()
-    shape_figure(ds).savefig(text, format="svg", metadata={"Date": None})
-    write_text(out_figure, text.getvalue())
+    write_text(out_figure, svg_text(shape_figure(ds)))
     return answer(ds, study.study)

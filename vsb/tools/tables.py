@@ -1,0 +1,25 @@
+"""Tables and figures as text, the same bytes at any time."""
+
+import csv
+import io
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def csv_text(head: Iterable[object], rows: Iterable[Iterable[object]], digits: int = 10) -> str:
+    """Return a table as CSV, its numbers with so many digits; an empty cell is a quantity that does not exist."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(head)
+    writer.writerows([f"{v:.{digits}g}" if isinstance(v, float) else v for v in row] for row in rows)
+    return text.getvalue()
+
+
+def svg_text(figure: "Figure") -> str:
+    """Return a figure as SVG without a date."""
+    text = io.StringIO()
+    figure.savefig(text, format="svg", metadata={"Date": None})
+    return text.getvalue()
