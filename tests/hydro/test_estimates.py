@@ -14,7 +14,7 @@ from vsb.hydro.panels.mesh import deformed_mesh
 from vsb.hydro.panels.sweep import TwoMeshes
 from vsb.hydro.spectral import sweep as spectral_sweep
 from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.hydro.sweep import FORCES, IncidentWave, adaptive, apart
+from vsb.hydro.sweep import FORCES, IncidentWave, apart
 from vsb.shell.deformed import rigid_sphere
 
 GRID = [round(0.1 * i, 10) for i in range(1, 65)]
@@ -72,10 +72,10 @@ def test_interpolants_must_agree_twice_in_a_row(monkeypatch):
     """The first sure of themselves after unsure ones are not believed yet."""
     blind(monkeypatch, [1.1, 2.3, 3.3, 4.7], [0.5, 0.5, 0.0, 0.0])
     once = Bump(3.3, 0.0)
-    adaptive(once, GRID, 1e-3, STILL)
+    sweep.on_grid(once, GRID, 1e-3, STILL)
     blind(monkeypatch, [1.1, 2.3, 3.3, 4.7], [0.0, 0.0, 0.0, 0.0])
     sure = Bump(3.3, 0.0)
-    adaptive(sure, GRID, 1e-3, STILL)
+    sweep.on_grid(sure, GRID, 1e-3, STILL)
     assert len(once.calls) > len(sure.calls)
 
 

@@ -15,7 +15,7 @@ import numpy.typing as npt
 import xarray as xr
 from scipy.interpolate import CubicSpline
 
-from vsb.errors import ConfigError, ConvergenceError
+from vsb.errors import ConfigError
 from vsb.hydro.rational import Rational, Settled, settled
 from vsb.tools.units import ComplexArray, FloatArray
 
@@ -210,45 +210,6 @@ def joined(*parts: xr.Dataset) -> xr.Dataset:
     return xr.concat(parts, dim="omega", data_vars="minimal", coords="minimal", compat="override")
 
 
-def adaptive(
-    solve: Solve,
-    frequencies: Sequence[float],
-    tolerance: float,
-    incident: IncidentWave,
-    elsewhere: Sequence[xr.Dataset] = (),
-) -> AdaptiveSweep:
-    """Return coefficients over a band from as few solves as a tolerance needs.
-
-    After every one or two solves, where the interpolants are in doubt most, both families are interpolated anew. The
-    estimated error is the largest of what one support point more or less changes on the frequencies given, what the
-    interpolants before were off at the frequencies solved last, and the misfit at those solved.
-
-    Parameters
-    ----------
-    solve : callable
-        Coefficients at given frequencies, a dataset as of `vsb.spectral.SpectralProblem.solve`.
-    frequencies : sequence of float [rad/s]
-        Ascending, the band; finer than the coefficients vary. Only these are solved.
-    tolerance : float [-]
-        Of added mass, damping and excitation, relative to the band's largest entry of each.
-    incident : IncidentWave
-    elsewhere : sequence of xarray.Dataset
-        Coefficients outside these frequencies whose entries count among the largest: theirs are part of a wider band.
-
-    Raises
-    ------
-    ConvergenceError
-        If `MOST_SOLVES`, or half the frequencies, do not reach the tolerance, as with noise above it.
-    """
-    swept = _sampled(solve, frequencies, tolerance, incident, elsewhere)
-    if swept.error > tolerance:
-        raise ConvergenceError(
-            f"tolerance: received {tolerance:g}, {swept.solves} of {len(frequencies)} frequencies reach "
-            f"{swept.error:.1e}; raise it, or solve them all"
-        )
-    return swept
-
-
 @dataclass(frozen=True)
 class GridSweep:
     """Coefficients on a grid of frequencies: of a sweep if one reaches a tolerance, else all solved."""
@@ -284,10 +245,27 @@ def on_grid(
     elsewhere: Sequence[xr.Dataset] = (),
     most: int | None = None,
 ) -> GridSweep:
-    """Return coefficients at frequencies from as few solves as possible, none of them twice; parameters of `adaptive`.
+    """Return coefficients over a band from as few solves as a tolerance needs, none of them twice.
+
+    After every one or two solves, where the interpolants are in doubt most, both families are interpolated anew. The
+    estimated error is the largest of what one support point more or less changes on the frequencies given, what the
+    interpolants before were off at the frequencies solved last, and the misfit at those solved.
 
     Coefficients too rough to be interpolated to the tolerance from `most` solves (None: `MOST_SOLVES`, or half the
-    frequencies), and too few frequencies, are all solved.
+    frequencies), as with noise above it, and too few frequencies, are all solved.
+
+    Parameters
+    ----------
+    solve : callable
+        Coefficients at given frequencies, a dataset as of `vsb.spectral.SpectralProblem.solve`.
+    frequencies : sequence of float [rad/s]
+        Ascending, the band; finer than the coefficients vary. Only these are solved.
+    tolerance : float [-]
+        Of added mass, damping and excitation, relative to the band's largest entry of each.
+    incident : IncidentWave
+    elsewhere : sequence of xarray.Dataset
+        Coefficients outside these frequencies whose entries count among the largest: theirs are part of a wider band.
+    most : int, optional
     """
     if len(frequencies) < 2 * FIRST_SOLVES:
         return GridSweep(solve(list(frequencies)), None)

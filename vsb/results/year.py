@@ -223,19 +223,6 @@ class Year:
         return np.array([[matrix(row) for row in rows] for rows in values])
 
     @property
-    def sentence(self) -> str:
-        """What usual practice would have said."""
-        takes = self.annual_mean_power.all(axis=1)
-        over = 100 * (self.practice[takes] / self.annual_mean_power[takes] - 1)
-        if not takes.any():
-            return "No design takes power."
-        ranges = [f"{min(v):+.1f} to {max(v):+.1f} % ({t})" for t, v in zip(self.tunings, over.T, strict=True)]
-        return (
-            f"JONSWAP seas (gamma {PRACTICE_GAMMA:g}) at the centres of the bins, the usual practice, would be off by "
-            f"{', '.join(ranges)} of the annual energy."
-        )
-
-    @property
     def values(self) -> dict[str, tuple[tuple[str, ...], FloatArray | IntArray]]:
         """All figures as dimensions and values: by design and tuning, and matrices by bins of Hs and Te."""
         by = ("design", "tuning")

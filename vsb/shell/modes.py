@@ -260,40 +260,6 @@ def _branches(shell: Shell, degree: int) -> FloatArray:
     return vectors
 
 
-def immersed_frequencies(shell: Shell, degree: int, water_density: float, bending: bool = True) -> FloatArray:
-    """Return the natural frequencies of the shell deep in unbounded water, ascending [rad/s].
-
-    Parameters
-    ----------
-    shell : Shell
-    degree : int
-        Legendre degree n.
-    water_density : float [kg/m^3]
-    bending : bool
-        Whether the energy of bending counts.
-
-    Returns
-    -------
-    ndarray, shape (2,), or (1,) for n = 0 (no meridional motion)
-        Lower and upper branch; the lower one of n = 1 is rigid heave, 0.
-
-    Notes
-    -----
-    K x = omega^2 (M + diag(m_w, 0)) x on (V, U): water moves with the radial part alone. Its potential
-    a/(n+1) (a/r)^(n+1) P_n has the added mass m_w = 4 pi a^3 rho/((n+1)(2n+1)).
-    """
-    stiffness, mass = membrane_block(shell, degree), mass_block(shell, degree)
-    if bending:
-        stiffness = stiffness + bending_block(shell, degree)
-    mass[0, 0] += 4 * np.pi * shell.radius**3 * water_density / ((degree + 1) * (2 * degree + 1))
-    if degree == 0:
-        return np.sqrt(stiffness[:1, 0] / mass[:1, 0])
-    squares: FloatArray = eigh(stiffness, mass, eigvals_only=True)
-    if degree == 1:
-        squares[0] = 0.0  # exact: rigid motion strains nothing
-    return np.sqrt(squares)
-
-
 def paper_ratio(shell: Shell, degree: int) -> float:
     """Return the paper's amplitude ratio V/U, C_n = (1 + (1+nu) Omega^4)/(1 - Omega^4).
 

@@ -63,7 +63,6 @@ class Stage:
         )  # of the nearest type
 
 
-SIMULATE = specs.SimulateSpec | body_specs.BodySimulateSpec
 STAGES = (
     Stage("modes", "shell modes", specs.ModesSpec, ("out",)),
     Stage("display", "viewable deformed meshes", specs.DisplaySpec, ("out", "manifest")),

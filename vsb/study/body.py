@@ -22,7 +22,7 @@ from pydantic import (
 
 from vsb.errors import ConfigError
 from vsb.study.body_file import BodyFile
-from vsb.study.compared import Compared
+from vsb.study.compared import Compared, check_all
 from vsb.study.quantities import Extended, Finite, Name, Number, Positive, Section, is_rigid
 from vsb.study.reading import read_yaml, validated
 from vsb.study.sections import Published, Simulation, Water
@@ -201,14 +201,7 @@ class BodyStudy(Compared):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        mistakes = []
-        for check in (self.check_labels, self.check_dampers_of_designs, self.check_published, self._check_take_off):
-            try:
-                check()
-            except ValueError as mistake:
-                mistakes.append(str(mistake))
-        if mistakes:
-            raise ValueError("\n".join(mistakes))
+        check_all(self.check_labels, self.check_dampers_of_designs, self.check_published, self._check_take_off)
         return self
 
     def _check_take_off(self) -> None:

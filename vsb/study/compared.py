@@ -4,7 +4,7 @@ Imports nothing heavy: the Snakefile reads a study at every parse.
 """
 
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from pydantic import field_validator
@@ -119,3 +119,15 @@ class Compared(Extended):
     def has_spectra(self) -> bool:
         """Whether any of the seas is irregular."""
         return any(isinstance(wave, IrregularSea) for wave in self.waves)
+
+
+def check_all(*checks: Callable[[], None]) -> None:
+    """Make all checks; `ValueError` with every mistake found, a line each."""
+    mistakes = []
+    for check in checks:
+        try:
+            check()
+        except ValueError as mistake:
+            mistakes.append(str(mistake))
+    if mistakes:
+        raise ValueError("\n".join(mistakes))

@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 
 from vsb.errors import ConfigError
 from vsb.study.canonical import canonical, content_id, result_id
-from vsb.study.compared import Compared
+from vsb.study.compared import Compared, check_all
 from vsb.study.device import Device, Gas, RayleighDamping
 from vsb.study.directions import Mooring, Motion, check_directions
 from vsb.study.drag import Drag, check_followed
@@ -109,14 +109,7 @@ class Study(Compared):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        mistakes = []
-        for check in (self._check_afloat, self._check_waves, self._check_model, self._check_take_off):
-            try:
-                check()
-            except ValueError as mistake:
-                mistakes.append(str(mistake))
-        if mistakes:
-            raise ValueError("\n".join(mistakes))
+        check_all(self._check_afloat, self._check_waves, self._check_model, self._check_take_off)
         return self
 
     def _check_afloat(self) -> None:
