@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vsb.tools.words import plain, power, watts
+from vsb.tools.words import plain, power, the_rigid, watts
 
 
 @pytest.mark.parametrize(
@@ -26,3 +26,8 @@ def test_powers_that_are_compared_have_one_unit():
     assert power(3.2e7) == "32 MW"
     assert watts([18720.0, 380.0]) == (["18.72", "0.38"], "kW")
     assert power(0.0) == "0 W"
+
+
+@pytest.mark.parametrize(("name", "called"), [("FSB", "the rigid FSB"), ("rigid", "the rigid one")])
+def test_a_rigid_design_is_called_so_once(name, called):
+    assert the_rigid(name) == called

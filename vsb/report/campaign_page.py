@@ -11,6 +11,7 @@ from vsb.report.campaign_figures import is_mapped, is_verified, shown_member, to
 from vsb.report.html import captioned, page
 from vsb.report.living import as_script
 from vsb.study.specs import CONSTRAINED, leading_tuning
+from vsb.tools.words import the_rigid
 from vsb.waves.climate import YEAR_HOURS
 
 CAPTIONS = {
@@ -142,7 +143,7 @@ def answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:
     interval = f"{float(one.gain_low):+.1f} to {float(one.gain_high):+.1f} %{from_what}"
     buckles = ", and would buckle under its static load" if float(one.margin) < 0 else ""
     return (
-        f"{begins}{ends}, {subject} takes {sign} the rigid {reference} ({interval}; {energies[0]:.4g} against "
+        f"{begins}{ends}, {subject} takes {sign} {the_rigid(str(reference))} ({interval}; {energies[0]:.4g} against "
         f"{energies[1]:.4g} MWh){buckles}."
     )
 

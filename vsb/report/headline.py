@@ -7,7 +7,7 @@ from typing import Any
 import xarray as xr
 
 from vsb.report.band import useful_band
-from vsb.tools.words import watts
+from vsb.tools.words import the_rigid, watts
 
 _SAME = 0.05  # a gain that is +-0.0 % when printed
 
@@ -62,8 +62,8 @@ def _in_seas(
     count = len(dict.fromkeys(line["sea"] for line in others))
     designs = len(dict.fromkeys(line["design"] for line in others))
     most = f"the best flexible design, {best['design']}," if designs > 1 else best["design"]
-    verb = f"as much as the rigid {reference}" if abs(gain) < _SAME else (
-        f"{abs(gain):.1f} % {'more' if gain > 0 else 'less'} than the rigid {reference}"
+    verb = f"as much as {the_rigid(reference)}" if abs(gain) < _SAME else (
+        f"{abs(gain):.1f} % {'more' if gain > 0 else 'less'} than {the_rigid(reference)}"
     )  # fmt: skip
     where = f"In {seas[sea]}" + (f", the most favourable of {count} seas" if count > 1 else "")
     interval = f"{gain - width:+.1f} to {gain + width:+.1f} % by the numbers' tolerance"

@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.report.band import useful_band
+from vsb.report.captions import captions
 from vsb.report.doubts import warnings
 from vsb.report.headline import headline
 from vsb.report.html import captioned, page
@@ -24,45 +25,8 @@ from vsb.report.tuned import (
     tuning_table,
 )
 from vsb.tools.units import FloatArray
-from vsb.tools.words import plain, power
+from vsb.tools.words import plain, power, the_rigid
 
-CAPTIONS = {
-    "absorbed_power": "Mean absorbed power per squared wave amplitude over the whole band, and the gain over the rigid "
-    "design: left with each design at its own best damper at every frequency, right at the given damper; with the "
-    "limit of an axisymmetric heaving body (capture width of a wavelength over 2π). Gains are drawn where at least "
-    "5 % of the largest power is absorbed.",
-    "reactance": "Why: the take-off sees a design as one impedance R + iX. The best damper takes the share "
-    "2/(1 + √(1 + Q²)) of what any take-off could, Q = |X|/R, and that limit is the same for all shells but for their "
-    "structural loss: under a best damper flexibility pays if and only if it lowers Q.",
-    "spectra": "Spectra of the irregular seas; runs have components up to the highest frequency of the study alone.",
-    "mode_shapes": "Shapes of the shell modes and their natural frequencies in vacuum. Points of the shell also move "
-    "along it, which crowds them where the meridian is drawn narrow.",
-    "added_mass_damping": "Added mass (dashed: at infinite frequency) and radiation damping of heave and modes. Heave "
-    "(dotted) lies upon the mode of degree 1 where that moves the surface as heave does.",
-    "radiation_kernel": "Retardation kernel: from the damping, and of the passive state space the time domain uses.",
-    "witness": "Two solvers that share nothing but the shape, capytaine's panels and the spectral integral equation: "
-    "how far apart they are on the mean shell and on shells deformed by each mode, in terms of the largest entry at "
-    "each frequency, beside what their own estimates allow; what deformation does to heave's coefficients (panels "
-    "dots, spectral solver open); in deep water also how far apart derivatives of the coefficients by the modes are.",
-    "port_motion": "Displacement and velocity of the take-off's port.",
-    "degrees_of_freedom": "How far every degree of freedom moves, take-off at work.",
-    "heave_excitation": "Heave and the heave component of the excitation force.",
-    "directions": "Surge, heave and pitch, of the top towards where the waves go. Without a mooring nothing holds "
-    "surge: what the start gives it, it keeps.",
-    "velocity_pto": "Heave velocity and power take-off force.",
-    "power_energy": "Instantaneous absorbed power, and absorbed energy since the start.",
-    "extreme_shapes": "Shells of all designs at their least height from pole to pole, displacement magnified.",
-    "shapes_3d": "The first flexible design: at the start and at its least and greatest height from pole to pole in "
-    "the window, displacement magnified. A shell that breathes is small at the one and large at the other.",
-    "volume_area": "Volume enclosed by the shell and its surface area.",
-    "energy_audit": "Where the work of the wave or the assumed pressure (black mark) went, start-up transient "
-    "included. Stored is what motion, water and shell hold at the end beyond what they held at the start; below "
-    "zero, they have given up what the run was started with.",
-    "snapshots": "The buoys over the last period (dotted: undeformed). Shell displacement is magnified as said above "
-    "the figure, heave and wave are to scale.",
-}
-OF_THE_RESPONSE = ("absorbed_power", "reactance")
-"""Figures of the frequency response, which knows no amplitude."""
 MEASURES = (
     ("displacement_pp", "heave, peak to peak [m]", 1.0, ""),
     ("velocity_pp", "velocity, peak to peak [m/s]", 1.0, ""),
@@ -209,8 +173,9 @@ def sea_statements(
         if float(best[key]) <= 0:
             statements.append(f"{where}, in {seas[wave]}, no design absorbs power on average.")
             continue
-        rigid, most = "the rigid " if best["design"] == reference else "", " most" if len(sea) > 1 else ""
-        text = f"{where}, in {seas[wave]}, {rigid}{best['design']} absorbs{most}: "
+        name, most = str(best["design"]), " most" if len(sea) > 1 else ""
+        name = the_rigid(name) if name == reference else name
+        text = f"{where}, in {seas[wave]}, {name} absorbs{most}: "
         value = float(best[key])
         text += f"{plain(1e-3 * value)} kJ from the start" if still else f"{power(value)} on average"
         base = next((row for row in sea if row["design"] == reference), None)
@@ -328,13 +293,6 @@ def _neglected(report: Report) -> str:
     return "without drag" if report.study.get("drag") else ""
 
 
-def _captions(report: Report) -> dict[str, str]:
-    """Captions of figures; those of the frequency response say what it leaves out."""
-    if not (neglected := _neglected(report)):
-        return CAPTIONS
-    return CAPTIONS | {name: f"{neglected.capitalize()}: {CAPTIONS[name]}" for name in OF_THE_RESPONSE}
-
-
 def _answer(report: Report, in_seas: Sequence[str]) -> list[str]:
     """The answer of a study in two sentences: at equal tuning if it is known, else as it was simulated."""
     if report.response is None:
@@ -360,6 +318,7 @@ def render(report: Report) -> str:
         *irregular_statements(report.statistics, report.reference, report.seas, tuned, where),
     ]
     failed = warnings(report.checks)
+    told = captions(_neglected(report), given=given, body=report.thing == "body")
     return page(
         "report.html.j2",
         study=report.study["study"],
@@ -392,7 +351,7 @@ def render(report: Report) -> str:
         doubts=sum(check["verdict"] == "doubt" for check in report.checks),
         head=in_its_units(head, pto),
         body=body,
-        figures=captioned(report.figures, _captions(report), report.seas),
+        figures=captioned(report.figures, told, report.seas),
         checks=[check for check in report.checks if check["verdict"] != "ok"],
         passed=[check for check in report.checks if check["verdict"] == "ok"],
         facts=report.facts,

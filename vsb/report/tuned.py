@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from vsb.study.take_off import damper_unit
-from vsb.tools.words import plain, power, watts
+from vsb.tools.words import plain, power, the_rigid, watts
 
 NO_BEST_DAMPER = (
     "An assumed pressure does not answer to the buoy's motion, so no best damper is known: all gains here are at the "
@@ -80,7 +80,7 @@ def limited_statements(lines: Sequence[dict[str, Any]], reference: str | None, s
 
 def _gain(line: dict[str, Any], base: dict[str, Any]) -> str:
     """How a design stands against the reference at equal tuning, in words."""
-    gain, rigid = line["best_gain_percent"], f"the rigid {base['design']}"
+    gain, rigid = line["best_gain_percent"], the_rigid(base["design"])
     (own, its), unit = watts([line["best_power"], base["best_power"]])
     powers = f"({own} against {its} {unit})"
     if abs(gain) < _SAME:
@@ -124,7 +124,7 @@ def closing_line(lines: Sequence[dict[str, Any]], reference: str | None) -> str:
         for key, where in (("best_gain_percent", "own best dampers"), ("gain_percent", "the given damper"))
         if (gains := [line[key] for line in others if line[key] is not None])
     ]
-    return f"mean power against the rigid {reference} {', '.join(parts)}; " if parts else ""
+    return f"mean power against {the_rigid(reference)} {', '.join(parts)}; " if parts and reference else ""
 
 
 def _range(gains: Sequence[float]) -> str:

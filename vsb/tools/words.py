@@ -30,3 +30,8 @@ def power(value: float) -> str:
     """Return a power [W] to four digits with a unit that suits it."""
     (text,), unit = watts([value])
     return f"{text} {unit}"
+
+
+def the_rigid(name: str) -> str:
+    """Return how the rigid design is called: by its name, which may say so itself."""
+    return "the rigid one" if name == "rigid" else f"the rigid {name}"

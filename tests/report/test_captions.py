@@ -1,0 +1,29 @@
+"""Captions name what is drawn, and nothing that is not."""
+
+import pytest
+
+from vsb.report.captions import captions
+
+
+@pytest.mark.parametrize("given", [True, False])
+def test_a_side_at_the_given_damper_is_named_where_there_is_one(given):
+    text = captions(given=given, body=False)["absorbed_power"]
+    assert "each design at its own best damper" in text
+    assert ("right at the given damper" in text) == given
+    assert ("left" in text) == given
+
+
+def test_a_limit_of_buoys_of_revolution_is_none_of_a_body():
+    buoy, body = (captions(given=True, body=body) for body in (False, True))
+    assert "axisymmetric" in buoy["absorbed_power"]
+    assert "if and only if it lowers Q" in buoy["reactance"]
+    assert "axisymmetric" not in body["absorbed_power"]
+    assert body["reactance"].endswith("Q = |X|/R.")
+
+
+def test_what_is_left_out_stands_first():
+    told, plain = captions("without drag", given=True, body=False), captions(given=True, body=False)
+    changed = {name for name in plain if told[name] != plain[name]}
+    assert changed == {"absorbed_power", "reactance"}
+    assert all(told[name] == f"Without drag: {plain[name]}" for name in changed)
+    assert not any("{" in text for text in plain.values())
