@@ -51,3 +51,14 @@ def test_it_says_what_is_done_how_fast_and_what_is_left():
 def test_all_lines_are_handed_on():
     assert screen(TOLD)[1] == TOLD
     assert screen([])[1] == []
+
+
+def test_an_interrupted_run_leaves_nothing_of_it():
+    def interrupted():
+        yield from read_slowly(TOLD)
+        raise KeyboardInterrupt
+
+    out = io.StringIO()
+    with pytest.raises(KeyboardInterrupt):
+        followed(interrupted(), "seed", Console(file=out, force_terminal=True, width=80, color_system=None), [])
+    assert out.getvalue().endswith("\r\x1b[1A\x1b[2K")

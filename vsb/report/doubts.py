@@ -28,7 +28,28 @@ ADVICE = {
     "passivity": "lower hydro.tolerance",
     "witness": "lower hydro.tolerance",
     "constrained": "a shorter simulation.duration, or looser limits",
-}
+    "assumed_pressure": "hydro.model: linear, in which waves radiate",
+    "left_out": "lower hydro.power_tolerance",
+    "gain_error": "lower hydro.power_tolerance",
+    "pause": "lower waves, or hydro.model: body_exact",
+    "drag": "read the powers in time, or lower waves",
+    "pitch": "lower waves",
+    "rotation": "lower waves",
+    "translation": "lower waves",
+    "surge": "a mooring",
+    "irregular_frequencies": "a lid, or finer panels",
+    "afloat": "the mass, or how deep the mesh lies",
+    "rigid_names": "the names of the displacements",
+    **dict.fromkeys(("panels", "modes", "corners", "one_resolution"), "finer panels"),
+    **dict.fromkeys(
+        ("error_estimate", "interpolation_error", "symmetry", "far_field", "positive_damping", "rank_one", "haskind",
+         "kramers_kronig", "limit_difference", "witness_derivatives", "witness_database"),
+        "finer coefficients: lower hydro.tolerance, or finer panels",
+    ),
+    **dict.fromkeys(
+        ("long_waves", "haskind_scale", "haskind_long_waves"), "length, gravity and depth of the file that was read"
+    ),
+}  # fmt: skip
 """Name of a check -> what to change first in the study where it does not hold."""
 
 
