@@ -10,15 +10,17 @@ import pytest
 import yaml
 
 import vsb
-from vsb.cli import parser
+from vsb.cli import main, parser
 from vsb.hydro.bodies.body import detected_symmetry
 from vsb.hydro.bodies.files import read_body
 from vsb.hydro.bodies.study import read_config
 from vsb.study.body import BodyStudy, load_body
 from vsb.study.body_file import BodyFile
+from vsb.study.campaign_plan import plan_of
 from vsb.study.schema import dotted, schema_of
 from vsb.study.study import Study, load
 from vsb.tools.completion import commands, options
+from vsb.waves.scatter import read_scatter
 
 HOME = Path(__file__).parent.parent
 PAGES = sorted([*HOME.glob("*.md"), *(HOME / "docs").glob("*.md"), *(HOME / "docs" / "decisions").glob("*.md")])
@@ -142,3 +144,16 @@ def test_the_container_is_made_from_the_lock_file_by_a_python_the_package_takes(
     for what in ("-r requirements.lock", "--no-deps --no-build-isolation"):
         assert any(what in line for line in made)
         assert what in recipe
+
+
+def test_the_year_of_ones_own_site_is_planned_as_it_is_told(tmp_path, monkeypatch):
+    page = (HOME / "docs" / "own-buoy.md").read_text()
+    (table,) = re.findall(r"```text\n(Hs/Te.+?)```", page, re.S)
+    (campaign,) = re.findall(r"```yaml\n(campaign: my_site.+?)```", page, re.S)
+    (tmp_path / "site.csv").write_text(table)
+    (tmp_path / "my_site.yaml").write_text(campaign)
+    monkeypatch.chdir(tmp_path)
+    assert main(["init", "my_buoy.yaml"]) == 0
+    plan = plan_of("my_site.yaml")
+    climate = read_scatter(plan.loaded.climate_path)
+    assert (plan.name, len(climate.hs), climate.te.max()) == ("my_site", 22, pytest.approx(9.0, rel=1e-3))
