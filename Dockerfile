@@ -1,20 +1,12 @@
-# The package and nothing else, from the lock file:   docker build -t vsb .
-# A study of the current folder, results beside it:   docker run --rm -it --user "$(id -u):$(id -g)" -v "$PWD:/work" vsb run my_study.yaml
-FROM python:3.11-slim-bookworm AS built
-# For what the lock file pins without a wheel; the second stage has no use for it.
-# hadolint ignore=DL3008
-RUN apt-get update \
- && apt-get install --no-install-recommends -y g++ \
- && rm -rf /var/lib/apt/lists/*
+# The package from its lock file:                       docker build -t vsb .
+# A study of the current folder, results beside it:     docker run --rm -it --user "$(id -u):$(id -g)" -v "$PWD:/work" vsb run my_study.yaml
+FROM python:3.11-slim-bookworm
 WORKDIR /source
 COPY requirements.lock ./
 RUN python -m venv /opt/vsb \
  && /opt/vsb/bin/pip install --no-cache-dir --disable-pip-version-check -r requirements.lock
 COPY . .
 RUN /opt/vsb/bin/pip install --no-cache-dir --disable-pip-version-check --no-deps --no-build-isolation .
-
-FROM python:3.11-slim-bookworm
-COPY --from=built /opt/vsb /opt/vsb
 # HOME: Snakemake and matplotlib keep notes there, whoever runs the image.
 ENV PATH=/opt/vsb/bin:$PATH \
     HOME=/tmp \
