@@ -2,7 +2,8 @@
 
 The barge is a uniform Euler-Bernoulli beam afloat at rest, mass = rho V, without rotary inertia. Its sections stay
 plane and turn about the axis through the centre of mass: displacement (-(z - z_G) W'(x), 0, W(x)). Heave is W = 1,
-pitch is W = -x (a rotation about y, bow down), bending modes have W = 1 at the bow.
+pitch is W = -x (a rotation about y, bow down), bending modes have W = 1 at the bow. A hinge amidships adds
+W = 2|s| - 1, s = 2x/L: straight halves, ends up by 1 m when the middle goes down by 1 m, without momentum as they are.
 """
 
 import argparse
@@ -27,7 +28,7 @@ from vsb.hydro.bodies.study import read_config, run, solve
 from vsb.hydro.database import Check, stored_checks
 from vsb.report.canvas import grid_of_axes, legend_above, style
 from vsb.study.body_file import BodyFile
-from vsb.study.quantities import Count, Finite, Number, Positive, Section
+from vsb.study.quantities import Count, Finite, NonNegative, Number, Positive, Section
 from vsb.study.reading import validated
 from vsb.study.sections import Water
 from vsb.study.study import canonical
@@ -70,7 +71,8 @@ def free_free_shape(n: int, s: FloatArray) -> tuple[FloatArray, FloatArray]:
 class Barge(Section):
     """Box afloat: length along x, beam, draught [m], height of the centre of mass above still water [m].
 
-    `bending_stiffness` is EI [N m^2], `modes` the number of bending modes.
+    `bending_stiffness` is EI [N m^2], `modes` the number of bending modes, `hinge_stiffness` that of a hinge amidships,
+    if there is one [N m/rad].
     """
 
     length: Positive
@@ -79,31 +81,50 @@ class Barge(Section):
     centre_of_mass: Finite = 0.0
     bending_stiffness: Positive
     modes: Few = 4
+    hinge_stiffness: NonNegative | None = None
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """Heave, Pitch, Bending1, ..."""
-        return ("Heave", "Pitch", *(f"Bending{n}" for n in range(1, self.modes + 1)))
+        """Heave, Pitch, Bending1, ..., and Hinge if it has one."""
+        bending = (f"Bending{n}" for n in range(1, self.modes + 1))
+        return ("Heave", "Pitch", *bending, *["Hinge"] * self.hinged)
+
+    @property
+    def hinged(self) -> bool:
+        """Whether it has a hinge."""
+        return self.hinge_stiffness is not None
 
     def displacement(self, points: FloatArray) -> FloatArray:
         """Return the displacements of points, shape (point, xyz) -> (dof, point, xyz) [-]."""
         x, z = points[:, 0], points[:, 2] - self.centre_of_mass
         s = 2 * x / self.length
         bending = [free_free_shape(n, s) for n in range(1, self.modes + 1)]
+        bending += [(2 * np.abs(s) - 1, 2 * np.sign(s))] * self.hinged
         lines = [(np.ones_like(x), 0 * x), (-x, -np.ones_like(x)), *((w, 2 / self.length * dw) for w, dw in bending)]
         return np.array([np.column_stack([-z * slope, 0 * x, w]) for w, slope in lines])
 
     def mass(self, density: float) -> FloatArray:
-        """Return the modal mass matrix, shape (dof, dof) [kg]; a free beam's mode has a quarter of its mass."""
+        """Return the modal mass matrix, shape (dof, dof) [kg]; a free beam's mode has a quarter of its mass.
+
+        Notes
+        -----
+        Of the hinge a third. With an even mode W it shares int_0^1 2 s W ds = 2 W''(0)/k^4 of the mass, as W is its own
+        fourth derivative over k^4; with odd ones nothing.
+        """
         total = density * self.length * self.beam * self.draught
-        return np.diag([total, total * self.length**2 / 12, *[total / 4] * self.modes])
+        mass = np.diag([1.0, self.length**2 / 12, *[1 / 4] * self.modes, *[1 / 3] * self.hinged])
+        for n in range(1, self.modes + 1, 2) if self.hinged else ():
+            k = free_free_root(n)
+            mass[-1, n + 1] = mass[n + 1, -1] = (1 / np.cosh(k) - 1 / np.cos(k)) / k**2
+        return np.asarray(total * mass)
 
     @property
     def stiffness(self) -> FloatArray:
-        """Modal stiffness matrix, EI (2 k_n/L)^4 L/4, shape (dof, dof) [N/m]."""
+        """Modal stiffness matrix, EI (2 k_n/L)^4 L/4, and the hinge's by the angle 8/L between its halves [N/m]."""
         roots = np.array([free_free_root(n) for n in range(1, self.modes + 1)])
         bending = self.bending_stiffness * (2 * roots / self.length) ** 4 * self.length / 4
-        return np.diag([0.0, 0.0, *bending])
+        hinge = [] if self.hinge_stiffness is None else [self.hinge_stiffness * (8 / self.length) ** 2]
+        return np.diag([0.0, 0.0, *bending, *hinge])
 
     def body(self, panels: int, density: float) -> FlexibleBody:
         """Return the barge at rest with its panels, see `box`, and its modal matrices."""

@@ -75,6 +75,23 @@ def test_modal_stiffness_is_the_strain_energy(box, n):
     assert box.stiffness[n + 1, n + 1] == pytest.approx(box.bending_stiffness * energy, rel=1e-10)
 
 
+def test_a_hinge_amidships_is_straight_halves_without_momentum(box):
+    """Energies by quadrature over the length: masses shared with bending modes, the angle between the halves."""
+    hinged = box.model_copy(update={"hinge_stiffness": 3e9})
+    assert hinged.labels == (*box.labels, "Hinge")
+    node, weight = roots_legendre(400)
+    s = np.concatenate([(node - 1) / 2, (node + 1) / 2])
+    moved = hinged.displacement(np.column_stack([40 * s, 0 * s, 0 * s]))[:, :, 2]
+    gram = 1025.0 * 80 * 10 * 5 * np.einsum("is,js,s->ij", moved, moved, np.tile(weight, 2)) / 4
+    assert gram == pytest.approx(hinged.mass(1025.0), rel=1e-10, abs=1e-5)
+    assert hinged.mass(1025.0)[:-1, :-1] == pytest.approx(box.mass(1025.0))
+    before, after = (hinged.displacement(np.array([[x, 0.0, 1.0]]))[-1, 0] for x in (-1e-3, 1e-3))
+    assert abs(before - after)[0] == pytest.approx(1.5 * 8 / 80)  # a metre above the water, half a one above the mass
+    assert hinged.stiffness[-1, -1] == pytest.approx(3e9 * (8 / 80) ** 2)
+    assert hinged.stiffness[:-1, :-1] == pytest.approx(box.stiffness)
+    assert not hinged.body(2, 1025.0).rigid.keys() - {0, 1}
+
+
 def test_the_barge_floats_upright(box):
     body = box.body(2, 1025.0)
     volume = 80.0 * 10.0 * 5.0
@@ -191,12 +208,16 @@ def test_the_shipped_body_is_what_this_writes():
     """And the port of the shipped study is the bow: what it rises by per unit of every degree of freedom."""
     located = load_body(SEED.with_name("barge.yaml"))
     found = read_body(located.files["mesh"], located.files["modes"])
-    box = barge.Barge(length=80.0, beam=10.0, draught=5.0, centre_of_mass=0.0, bending_stiffness=2e10)
+    size = {"length": 80.0, "beam": 10.0, "draught": 5.0, "centre_of_mass": 0.0}
+    box = barge.Barge(**size, bending_stiffness=2e10, hinge_stiffness=0.0)
     made = box.body(3, 1025.0)
     assert found.labels == made.labels
     for name in ("vertices", "faces", "shapes", "mass", "stiffness"):
-        assert getattr(found, name) == pytest.approx(getattr(made, name), rel=1e-12, abs=1e-12)
+        assert getattr(found, name) == pytest.approx(getattr(made, name), rel=1e-12, abs=1e-9)
     bow = box.displacement(np.array([[40.0, 0.0, 0.0]]))[:, 0, 2]
     assert [located.study.pto.port.dofs[label] for label in box.labels] == pytest.approx(bow)
     assert located.study.reference_design == "rigid"
     assert located.study.directions == (0.0, 45.0)
+    hinge = load_body(SEED.with_name("hinged_barge.yaml"))
+    assert hinge.files == located.files
+    assert hinge.study.pto.port.dofs == {"Hinge": 1.0}

@@ -9,7 +9,14 @@ from vsb.errors import ConfigError
 from vsb.hydro.database import Check
 from vsb.hydro.formats.foreign import sizes
 from vsb.hydro.kernel import DampingSpectrum
-from vsb.hydro.repairs import PAIR, repaired, told, with_causal_added_mass, with_passive_damping
+from vsb.hydro.repairs import (
+    PAIR,
+    repaired,
+    told,
+    with_causal_added_mass,
+    with_passive_damping,
+    with_symmetric_stiffness,
+)
 
 LABELS = ["Heave", "Pitch"]
 OMEGA = np.arange(1, 61) * 0.1
@@ -126,3 +133,19 @@ def test_failures_of_what_is_repaired_are_doubts():
     fails = [Check(name, 1.0, 0.1, "-", "fail", "text") for name in ("positive_damping", "haskind")]
     assert [check.verdict for check in told(fails, ["positive_damping"])] == ["doubt", "fail"]
     assert told(fails, ["positive_damping"])[0].explanation == "text; repaired"
+
+
+def test_stiffness_becomes_symmetric_by_the_rows_of_rigid_motions():
+    """WAMIT's barge: by surge two bending modes are pushed, which push nothing along."""
+    labels = ["Surge", "Heave", "Mode7", "Mode8"]
+    c = np.array([[0, 0, 0, 0], [0, 8, 1.0, 0], [-100, 3.0, 2, 0.1], [0, 0, 0.3, 2.0]])
+    ds = xr.Dataset({"hydrostatic_stiffness": (PAIR, c)}, dict.fromkeys(PAIR, labels), {"history": "read"})
+    mended, (check,) = with_symmetric_stiffness(ds)
+    expected = [[0, 0, 0, 0], [0, 8, 1.0, 0], [0, 1.0, 2, 0.2], [0, 0, 0.2, 2.0]]
+    assert mended.hydrostatic_stiffness.values == pytest.approx(np.array(expected))
+    assert (check.name, check.verdict) == ("hydrostatic_symmetry", "doubt")
+    assert "Surge and Mode7; made so" in check.explanation
+    assert mended.attrs["history"] == "read; hydrostatic stiffness made symmetric"
+    again, nothing = with_symmetric_stiffness(mended)
+    assert nothing == []
+    assert again.attrs["history"] == mended.attrs["history"]

@@ -2,7 +2,8 @@
 
 Noise of panels, of single precision, of solvers that iterate, makes damping slightly negative and added mass other than
 what follows from damping. A motion's whole added mass may be right to four digits and its memory, what of it depends on
-frequency, to two. Nothing is repaired that was not asked for, and nothing that is more than noise.
+frequency, to two. Nothing is repaired that was not asked for, and nothing that is more than noise, but for the
+stiffness of still water, whose symmetry is no matter of precision.
 """
 
 from collections.abc import Callable, Sequence
@@ -16,6 +17,7 @@ from vsb.errors import ConfigError
 from vsb.hydro.database import Check
 from vsb.hydro.formats.foreign import sizes
 from vsb.hydro.kernel import DampingSpectrum
+from vsb.study.quantities import is_rigid
 from vsb.tools.units import FloatArray
 
 PAIR = ("influenced_dof", "radiating_dof")
@@ -23,6 +25,7 @@ LARGEST_CHANGE = {"positive_damping": 0.2, "kramers_kronig": 0.1}
 """Of damping, in terms of both motions' largest, and of added mass, in terms of both motions' own: more is no noise."""
 _LEAST = 1e-12  # eigenvalue in place of a negative one, in terms of the motions' largest damping
 _ROUNDS = 100
+_EVEN, _UNEVEN = 1e-6, 0.02  # asymmetry that is round-off, and that is a doubt, in terms of both motions' largest
 _BETWEEN = np.arange(1, 8) / 8  # places between two frequencies
 FEWEST = 10
 """Frequencies that a transform of damping needs."""
@@ -100,6 +103,31 @@ def with_causal_added_mass(ds: xr.Dataset) -> xr.Dataset:
 def _with_history(ds: xr.Dataset, told: str) -> xr.Dataset:
     """A database with one more line of history."""
     return ds.assign_attrs(history=f"{ds.attrs.get('history', '')}; {told}".lstrip("; "))
+
+
+def with_symmetric_stiffness(ds: xr.Dataset) -> tuple[xr.Dataset, list[Check]]:
+    """Return a database whose hydrostatic stiffness is symmetric, as that of an energy, and a doubt if it was not.
+
+    Notes
+    -----
+    WAMIT's is C_ij = rho g int psi_j.n (w_i + z div psi_i) dS (Newman 1994). With a rigid motion i that is exact, but
+    for weight. Its transpose lacks what the load at rest does in the bending body: shifted along still water, WAMIT's
+    barge would bend. So rows of rigid motions count, and means where both are generalized.
+    """
+    c = ds.hydrostatic_stiffness.values
+    labels = list(map(str, ds.influenced_dof.values))
+    rigid = np.array([is_rigid(label) for label in labels])
+    own = np.sqrt(np.maximum(np.abs(c).max(axis=0), np.abs(c).max(axis=1)) + 1e-300)
+    uneven = np.abs(c - c.T) / np.outer(own, own)
+    even = np.where(np.outer(rigid, ~rigid), c, np.where(np.outer(~rigid, rigid), c.T, 0.5 * (c + c.T)))
+    mended = ds.assign(hydrostatic_stiffness=(PAIR, even))
+    if uneven.max() <= _EVEN:
+        return mended, []
+    i, j = np.unravel_index(int(uneven.argmax()), uneven.shape)
+    text = f"stiffness of still water is symmetric, as an energy's; most between {labels[i]} and {labels[j]}; made so"
+    largest = float(uneven.max())
+    check = Check("hydrostatic_symmetry", largest, _UNEVEN, "-", "doubt" if largest > _UNEVEN else "ok", text)
+    return _with_history(mended, "hydrostatic stiffness made symmetric"), [check]
 
 
 _REPAIRS: dict[str, tuple[Callable[[xr.Dataset], xr.Dataset], str, str]] = {

@@ -10,6 +10,7 @@ from vsb.errors import ConfigError
 from vsb.hydro.bodies.body import FlexibleBody, hydrostatic_stiffness
 from vsb.hydro.database import with_symmetrized
 from vsb.hydro.formats.modes import DRY, structure
+from vsb.hydro.repairs import with_symmetric_stiffness
 from vsb.motion.bodies import LinearBody, linear_body
 from vsb.study.body import Body, Matrix, Rows
 from vsb.study.body_file import BodyFile
@@ -76,7 +77,8 @@ def complete_body(body: Body, dofs: Sequence[str] | None, ds: xr.Dataset) -> Lin
             "of rotations in kg m^2"
         )
     pick = np.ix_(index, index)
-    return linear_body(with_symmetrized(ds), kept, mass=mass[pick], damping=damping[pick], stiffness=stiffness[pick])
+    even, _ = with_symmetric_stiffness(with_symmetrized(ds))
+    return linear_body(even, kept, mass=mass[pick], damping=damping[pick], stiffness=stiffness[pick])
 
 
 def chosen(dofs: Sequence[str] | None, labels: Sequence[str]) -> list[str]:

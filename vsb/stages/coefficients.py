@@ -8,7 +8,7 @@ from vsb.hydro.bodies.files import read_body
 from vsb.hydro.bodies.study import solved
 from vsb.hydro.formats.modes import volume_of
 from vsb.hydro.formats.sources import read_source, source_checks
-from vsb.hydro.repairs import repaired, told
+from vsb.hydro.repairs import repaired, told, with_symmetric_stiffness
 from vsb.scenes.body import PAIR, check_water, complete_body, within_band
 from vsb.stages.stage import stamp
 from vsb.study.body_file import BodyFile
@@ -50,7 +50,9 @@ def store(spec: BodySpec, found: xr.Dataset, out: str) -> None:
     """Write the database of a body, its designs' degrees of freedom alone, and what its numbers are worth."""
     body = complete_body(spec.body, spec.dofs, found)
     kept = list(body.labels)
-    checks, unseen = source_checks(found.sel(influenced_dof=kept, radiating_dof=kept))
+    chosen = found.sel(influenced_dof=kept, radiating_dof=kept)
+    checks, unseen = source_checks(chosen)
+    checks = [*checks, *with_symmetric_stiffness(chosen)[1]]
     mended, repairs = repaired(body.database, spec.repair)
     ds: xr.Dataset = mended.assign(structural_damping_matrix=(PAIR, body.structural_damping))
     volumes = map(volume_of, of_bodies(kept))

@@ -1,0 +1,149 @@
+"""A study of a mesh, from panels to a page: everything there and finite, and stiff modes as if they were not there."""
+
+import shutil
+from contextlib import chdir
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+import vsb
+from examples.barge import Barge
+from vsb.hydro.bodies.files import write_body
+from vsb.hydro.panels import rings as bem
+from vsb.stages.make import make
+from vsb.stages.stored import Results
+from vsb.study.body import load_body
+from vsb.study.body_plan import BodyPlan
+
+BARGE = Barge(length=20.0, beam=6.0, draught=2.0, bending_stiffness=1e8, modes=1, hinge_stiffness=0.0)
+DOFS = list(BARGE.labels)
+BOW = {"Heave": 1.0, "Pitch": -10.0, "Bending1": 1.0, "Hinge": 1.0}
+FILE = {
+    "body": "barge",
+    "mesh": "barge.nc",
+    "modes": "barge.nc",
+    "omega": [round(0.3 + 0.15 * i, 2) for i in range(13)],
+    "wave_direction": [0.0, 30.0],
+    "lid": 0,
+}
+
+
+def study(folder, **changes):
+    """A study file of the barge, rigid, flexible and hinged, take-off at the bow."""
+    raw = {
+        "study": "raft",
+        "body": "body.yaml",
+        "designs": {"rigid": {"dofs": "rigid"}, "flexible": {"dofs": DOFS[:-1]}, "hinged": {}},
+        "hydro": {"tolerance": 0.02, "accept": ["error_estimate", "modes", "one_resolution"]},
+        "pto": {"port": {"dofs": BOW}},
+        "waves": [{"kind": "regular", "amplitude": 0.2, "period": 5.0, "direction": 30.0}],
+        "simulation": {"duration": 100.0, "window": [75.0, 100.0]},
+        **changes,
+    }
+    (folder / "study.yaml").write_text(yaml.safe_dump(raw, sort_keys=False))
+    return load_body(folder / "study.yaml")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory, green_folder):
+    """Mesh, body file, and the Green function's table where a study looks for it."""
+    place = tmp_path_factory.mktemp("mesh")
+    write_body(BARGE.body(2, 1025.0), place / "barge.nc")
+    (place / "body.yaml").write_text(yaml.safe_dump(FILE))
+    found = study(place)
+    table = Path(BodyPlan(found.study, root=str(place / "results")).green_folder)
+    shutil.copytree(green_folder, table)
+    assert bem.stored_green_function(table)
+    return place
+
+
+@pytest.fixture(scope="module")
+def found(folder):
+    """Results of the study."""
+    return vsb.run(study(folder), folder / "results")
+
+
+def ladder(folder, name, **changes):
+    """Rows of the ladder of a changed study on the same solves."""
+    located = study(folder, study=name, **changes)
+    plan = BodyPlan(located.study, root=str(folder / "results"), files=located.files)
+    make(plan, [plan.database_path, f"{plan.folder}/ladder.csv"])
+    return Results(located.study, str(folder / "results")).ladder
+
+
+def test_everything_is_there_and_finite(found):
+    assert {row["design"] for row in found.comparison} == {"rigid", "flexible", "hinged"}
+    for row in found.comparison:
+        numbers = [row[name] for name in ("displacement_pp", "velocity_pp", "power_mean", "energy", "capture_width")]
+        assert np.isfinite(numbers).all()
+        assert row["power_mean"] > 0
+    response = found.response
+    for name in ("rao", "port_impedance", "port_velocity", "best_power", "matched_power", "best_damping"):
+        assert np.isfinite(response[name].sel(design="hinged").values).all()
+    rungs = {(row["design"], row["rung"]): row["power_mean"] for row in found.ladder}
+    for design in ("rigid", "flexible", "hinged"):
+        powers = [rungs[design, rung] for rung in ("best_damper", "best_spring_damper", "matched")]
+        assert 0 < powers[0] <= powers[1] * (1 + 1e-9) <= powers[2] * (1 + 2e-9)
+    for check in found.checks:
+        assert np.isfinite(check["value"])
+        assert check["verdict"] != "fail"
+    assert {"hydro error_estimate", "hydro afloat", "rotation", "translation"} <= {c["name"] for c in found.checks}
+    assert "Does the flexible body absorb more power than the rigid one?" in found.report.read_text()
+    figures = {path.stem for path in (Path(found.folder) / "raft" / "figures").glob("*.svg")}
+    assert figures == set(found.plan.figures)
+
+
+@pytest.mark.parametrize("design", ["rigid", "flexible", "hinged"])
+def test_time_agrees_with_frequency_and_the_energy_closes(found, design):
+    row = next(row for row in found.comparison if row["design"] == design)
+    best = next(r for r in found.ladder if (r["design"], r["rung"]) == (design, "best_damper"))
+    assert row["power_mean"] == pytest.approx(best["power_mean"], rel=5e-3)
+    assert row["energy_residual"] < 1e-9
+    run = found.trajectory(design, found.study.waves[0].label)
+    assert np.isfinite(run.position.values).all()
+
+
+def test_a_body_that_hardly_gives_way_is_the_rigid_one(folder, found):
+    """Stiffness a million times: powers of all rungs within 1e-6, and the softer the body the more they differ."""
+    rigid = {row["rung"]: row["power_mean"] for row in found.ladder if row["design"] == "rigid"}
+    before = np.inf
+    for factor, apart in ((1e3, 1e-3), (1e6, 1e-6)):
+        k = factor * float(BARGE.stiffness[2, 2])
+        matrix = {"file": "body.yaml", "stiffness": {"Bending1": k, "Hinge": k}}
+        rows = ladder(folder, f"stiff{factor:.0e}".replace("+", ""), body=matrix, designs={"hinged": {}})
+        stiff = {row["rung"]: row["power_mean"] for row in rows if row["design"] == "hinged"}
+        worst = max(abs(stiff[rung] / power - 1) for rung, power in rigid.items())
+        assert worst < apart
+        assert worst < 2e-3 * before
+        before = worst
+
+
+def test_a_mode_held_is_a_mode_left_out(folder, found):
+    designs = {"rigid": {"dofs": "rigid"}, "held": {"held": [{"Bending1": 1.0}, {"Hinge": 1.0}]}}
+    rows = ladder(folder, "held", designs=designs)
+    powers = {(row["design"], row["rung"]): row["power_mean"] for row in rows}
+    for rung in ("best_damper", "matched"):
+        assert powers["held", rung] == pytest.approx(powers["rigid", rung], rel=1e-12)
+
+
+def test_a_take_off_on_the_hinge_takes_what_the_hinge_alone_sees(folder):
+    """Its matched power is that of the port by the equation of motion, solved apart; the rigid body takes nothing."""
+    designs = {"rigid": {"dofs": "rigid"}, "hinged": {}}
+    with chdir(folder):
+        rows = ladder(folder, "hinge", pto={"port": {"dof": "Hinge"}}, designs=designs)
+    powers = {(row["design"], row["rung"]): row["power_mean"] for row in rows}
+    assert powers["rigid", "matched"] == 0.0
+    located = study(folder, study="hinge", pto={"port": {"dof": "Hinge"}}, designs=designs)
+    ds = Results(located.study, str(folder / "results")).database
+    omega = 2 * np.pi / 5.0
+    here = ds.interp(omega=omega, method="cubic")
+    mass = here.inertia_matrix.values + here.added_mass.values
+    stiffness = here.hydrostatic_stiffness.values + here.structural_stiffness.values
+    impedance = -(omega**2) * mass - 1j * omega * here.radiation_damping.values + stiffness
+    compliance = np.linalg.inv(impedance)[-1, -1]
+    force = here.excitation_force.sel(wave_direction=np.deg2rad(30.0), method="nearest").values
+    free = 0.2 * omega * abs(np.linalg.solve(impedance, force)[-1])
+    matched = free**2 / (8 * omega * compliance.imag)
+    assert powers["hinged", "matched"] == pytest.approx(matched, rel=2e-3)

@@ -1,0 +1,86 @@
+"""WEC-Sim's flexible barge, WAMIT's coefficients and WAMIT's own response: the chain's is the same."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from vsb.hydro.formats.wamit import import_wamit
+from vsb.stages.make import make
+from vsb.stages.stored import Results
+from vsb.study.body import load_body
+from vsb.study.body_plan import BodyPlan
+
+BARGE = Path(__file__).parents[1] / "data" / "barge"
+MODES = {"Surge": 1, "Heave": 3, "Pitch": 5, "Mode7": 7, "Mode8": 8, "Mode9": 9, "Mode10": 10}
+RIGID = ["Surge", "Heave", "Pitch"]
+
+
+@pytest.fixture
+def response(tmp_path, monkeypatch):
+    """Function further keys -> frequency response of a study of the barge, its ladder made as well."""
+    monkeypatch.chdir(tmp_path)
+
+    def made(**changes):
+        raw = {
+            "study": "wec_sim",
+            "body": {"wamit": str(BARGE / "barge")},
+            "designs": {"rigid": {"dofs": RIGID}, "flexible": {}},
+            "water": {"density": 1000.0, "gravity": 9.81},
+            "pto": {"damping": 0.0},
+            "waves": [{"kind": "regular", "amplitude": 1.0, "period": 8.0}],
+            "simulation": {"duration": 80.0, "window": [40.0, 80.0]},
+            **changes,
+        }
+        Path("barge.yaml").write_text(yaml.safe_dump(raw))
+        found = load_body("barge.yaml")
+        plan = BodyPlan(found.study, files=found.files)
+        make(plan, [plan.database_path, *plan.response_files.values(), f"{plan.folder}/ladder.csv"])
+        return Results(found.study)
+
+    return made
+
+
+def theirs(label):
+    """Frequencies, ascending, and WAMIT's response amplitude operators of a motion (C1)."""
+    rows = [list(map(float, line.split())) for line in (BARGE / "barge.4").read_text().splitlines()[1:]]
+    found = [(2 * np.pi / row[0], complex(row[5], -row[6])) for row in reversed(rows) if row[2] == MODES[label]]
+    return np.array([w for w, _ in found]), np.array([x for _, x in found])
+
+
+def test_the_response_is_wamits_own(response):
+    """Rigid motions and the first two bending modes to 1 % of their largest, from 0.1 to 1.5 rad/s.
+
+    Those of pitch differ by what WAMIT's unsymmetric stiffness does; with it they are WAMIT's, too (next test).
+    """
+    found = response().response.isel(wave_direction=0).sel(design="flexible")
+    for label, apart in {"Surge": 1e-3, "Heave": 1e-3, "Pitch": 5e-3, "Mode7": 1e-3, "Mode9": 1e-3}.items():
+        frequencies, wanted = theirs(label)
+        rao = np.array([complex(found.rao.sel(dof=label).sel(omega=w, method="nearest")) for w in frequencies])
+        assert np.abs(rao - wanted).max() < apart * np.abs(wanted).max(), label
+
+
+def test_with_wamits_own_stiffness_all_motions_are_wamits(response):
+    """Its response solves the equation of motion of this database, but for the symmetry of still water's stiffness."""
+    ds = response().database
+    own = import_wamit(BARGE, "barge", density=1000.0, gravity=9.81).hydrostatic_stiffness.values
+    omega = ds.omega.values[:, None, None]
+    inertia = ds.inertia_matrix.values + ds.added_mass.values
+    impedance = -(omega**2) * inertia - 1j * omega * ds.radiation_damping.values + own + ds.structural_stiffness.values
+    rao = np.linalg.solve(impedance, ds.excitation_force.values[:, 0, :, None])[..., 0]
+    for i, label in enumerate(ds.influenced_dof.values):
+        frequencies, wanted = theirs(str(label))
+        assert frequencies == pytest.approx(ds.omega.values, rel=1e-5)
+        assert np.abs(rao[:, i] - wanted).max() < 1e-3 * np.abs(wanted).max(), label
+
+
+def test_bending_takes_a_take_off_at_the_bow_elsewhere_than_a_rigid_barge(response):
+    """Its ladder stands: each rung above the one before; in waves of 8 s the bow of the bending barge takes another power."""
+    bow = {"Heave": 1.0, "Pitch": -40.0, **{f"Mode{n}": 1.0 for n in range(7, 11)}}
+    ladder = response(pto={"port": {"dofs": bow}}).ladder
+    powers = {(row["design"], row["rung"]): row["power_mean"] for row in ladder}
+    for design in ("rigid", "flexible"):
+        rungs = [powers[design, rung] for rung in ("best_damper", "best_spring_damper", "matched")]
+        assert 0 < rungs[0] <= rungs[1] * (1 + 1e-9) <= rungs[2] * (1 + 2e-9)
+    assert abs(powers["flexible", "best_damper"] / powers["rigid", "best_damper"] - 1) > 0.02
