@@ -23,8 +23,8 @@ def plan(**changes):
 
 
 PINNED = {
-    "database": "6f3f6586471c71f5",
-    "radiation": "0d054049c047d440",
+    "database": "fd1f8c50117cd8b6",
+    "radiation": "5aa6944e848b12d7",
     "response": "0c6c69fe42ff3776",
     "ladder": "960d3bc4882851f6",
     "comparison": "72b28524488ac345",
@@ -38,6 +38,7 @@ STAGES = ("database", "radiation", "response", "ladder", "comparison")
         ({"body": {"database": "sha256:other"}}, {"database", "radiation", "comparison"}),
         ({"body": {**RAW["body"], "mass": {"Heave": 1.0}}}, {"database", "radiation", "comparison"}),
         ({"hydro": {"omega_max": 2.0}}, {"database", "radiation", "comparison"}),
+        ({"hydro": {"repair": ["kramers_kronig"]}}, {"database", "radiation", "comparison"}),
         ({"hydro": {"tolerance": 0.02}}, {"radiation", "comparison"}),
         ({"hydro": {"added_mass_inf": "given"}}, {"radiation", "comparison"}),
         ({"pto": {"damping": 1.0}}, {"response", "ladder", "comparison"}),
