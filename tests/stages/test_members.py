@@ -18,6 +18,7 @@ from vsb.scenes.rest import design_motions
 from vsb.stages import answer, campaign, members
 from vsb.stages.climate import read_climate
 from vsb.stages.make import make
+from vsb.stages.preview import campaign_summary
 from vsb.stages.stage import STAGES
 from vsb.stages.verify import verify
 from vsb.study.campaign_plan import plan_of
@@ -99,6 +100,14 @@ def run(plan):
 def swept(folder):
     plan = planned(folder, MODULI)
     return plan, run(plan)
+
+
+def test_check_counts_the_members_that_are_there(folder, swept):
+    plan, _ = swept
+    assert any(line.startswith("points       2 of device.young_modulus, 2 done") for line in campaign_summary(plan))
+    wider = planned(folder, THICKER)
+    assert any("6 of device.young_modulus x device.thickness, 2 done" in line for line in campaign_summary(wider))
+    planned(folder, MODULI)  # as it was, for other tests
 
 
 def test_a_member_is_the_year_of_its_study(folder, swept):

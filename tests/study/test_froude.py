@@ -59,6 +59,28 @@ def test_a_mooring_scales_by_force_and_moment_per_length_and_angle():
     assert scaled({"mooring": None}, 2.0) == {"mooring": None}
 
 
+TAKE_OFF = {"damping": 1.0, "stiffness": 1.0, "force_limit": 1.0, "stroke_limit": 1.0, "efficiency": 1.0}
+
+
+@pytest.mark.parametrize(
+    ("port", "expected"),
+    [
+        ("heave", (32.0, 16.0, 64.0, 4.0)),  # N s/m, N/m, N, m
+        ({"line_to": [0.0, -20.0]}, (32.0, 16.0, 64.0, 4.0)),
+        ("volume", (1 / 8, 1 / 16, 4.0, 64.0)),  # Pa s/m^3, Pa/m^3, Pa, m^3
+        ("pitch", (512.0, 256.0, 256.0, 1.0)),  # N m s, N m, N m, rad
+    ],
+)
+def test_a_take_off_scales_by_what_its_port_moves_by(port, expected):
+    found = scaled({"pto": {"port": port, **TAKE_OFF}}, 4.0)["pto"]
+    assert tuple(found[key] for key in TAKE_OFF) == (*expected, 1.0)
+
+
+def test_a_take_off_of_a_length_scales_as_the_table_says():
+    found = scaled({"pto": TAKE_OFF}, 2.0)["pto"]
+    assert found == {key: 2.0 ** FROUDE.get(key, 0.0) for key in TAKE_OFF}
+
+
 def test_scaling_there_and_back_is_nothing():
     study = config.load(SEED).model_dump(exclude={"study"})
     twice = scaled(scaled(study, 4.0), 0.25)

@@ -21,6 +21,7 @@ from vsb.study.plan import StudyPlan
 from vsb.study.specs import PanelsSpec
 from vsb.study.study import Study, content_id
 from vsb.study.witness import no_witness
+from vsb.tools import packed
 from vsb.tools.files import load
 
 SECONDS_PER_SPECTRAL_JOB = 2.0
@@ -111,7 +112,7 @@ def campaign_summary(plan: CampaignPlan) -> list[str]:
     seas = read_climate(plan.climate, plan.loaded.climate_path)
     given = plan.loaded.campaign
     shapes = len({one.spec.sweep for one in plan.members})
-    done = sum(Path(plan.folder, "members", f"{one.id}.nc").exists() for one in plan.members)
+    done = sum(Path(plan.folder, "members", f"{one.id}{packed.SUFFIX}").exists() for one in plan.members)
     jobs = sum(not Path(path).exists() for path in plan.batch_paths)
     return [
         f"campaign     {plan.name}: {given.study} over {len(seas.hours)} seas, tuning {', '.join(plan.loaded.tuning)}",

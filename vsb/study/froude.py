@@ -10,6 +10,8 @@ FROUDE = {
     "centre_of_mass": 1.0, "ballast_inertia": 5.0, "line_to": 1.0, "line_from": 1.0,
 }  # fmt: skip
 """Power of the length scale each quantity goes with, at the same water and gravity."""
+STROKES = {"volume": 3.0, "pitch": 0.0}
+"""That of what a take-off's port moves by, where it is no length."""
 
 
 def scaled(raw: Any, scale: float, power: float = 0.0) -> Any:
@@ -25,7 +27,7 @@ def scaled(raw: Any, scale: float, power: float = 0.0) -> Any:
     """
     if isinstance(raw, dict):
         return {
-            key: scaled_mooring(value, scale) if key == "mooring" else scaled(value, scale, FROUDE.get(key, power))
+            key: SECTIONS[key](value, scale) if key in SECTIONS else scaled(value, scale, FROUDE.get(key, power))
             for key, value in raw.items()
         }
     if isinstance(raw, list | tuple):
@@ -43,3 +45,22 @@ def scaled_mooring(raw: Any, scale: float) -> Any:
     if diagonal:
         return [scaled(one, scale, 2.0 if i < 3 else 4.0) for i, one in enumerate(raw)]
     return [[scaled(one, scale, 2.0 + (i > 2) + (j > 2)) for j, one in enumerate(row)] for i, row in enumerate(raw)]
+
+
+def scaled_take_off(raw: Any, scale: float) -> Any:
+    """Return a take-off scaled by Froude: its force times what its port moves by is a work, of the fourth power."""
+    if not isinstance(raw, dict):
+        return raw
+    port = raw.get("port")
+    stroke = STROKES.get(port, 1.0) if isinstance(port, str) else 1.0
+    powers = {
+        "damping": 4.5 - 2 * stroke,
+        "stiffness": 4 - 2 * stroke,
+        "force_limit": 4 - stroke,
+        "stroke_limit": stroke,
+    }
+    return {key: scaled(value, scale, powers.get(key, 0.0)) for key, value in raw.items()}
+
+
+SECTIONS = {"mooring": scaled_mooring, "pto": scaled_take_off}
+"""Sections whose quantities go with more than their names."""
