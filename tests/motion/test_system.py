@@ -10,11 +10,11 @@ from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.convolution import convolve
 from vsb.integrators.exact import propagate
 from vsb.integrators.exponential import ExponentialIntegrator
-from vsb.motion.clamps import constrained
 from vsb.motion.forces import ConstantForce, Damper, Excitation, RadiationMemory, Spring
 from vsb.motion.froude_krylov import incident
 from vsb.motion.scene import Scene
 from vsb.motion.system import System, remainder
+from vsb.motion.udwadia_kalaba import constrained
 from vsb.scenes.build import assumed_pressure_design
 from vsb.study.study import load
 from vsb.waves.seas import Sea

@@ -11,8 +11,8 @@ from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.settled import settled_power
 from vsb.integrators.simulate import in_words, legs
 from vsb.integrators.trajectory import recorded
-from vsb.motion.clamps import constraint_drift
 from vsb.motion.system import System
+from vsb.motion.udwadia_kalaba import constraint_drift
 from vsb.scenes.afloat import body_port, held_rows
 from vsb.scenes.build import design_in_sea
 from vsb.scenes.directions import order_bases

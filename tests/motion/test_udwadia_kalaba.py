@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from vsb.errors import ConfigError
 from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.exact import propagate
-from vsb.motion.clamps import constrained, constraint_drift, constraint_force, udwadia_kalaba
 from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
+from vsb.motion.udwadia_kalaba import constrained, constraint_drift, constraint_force, udwadia_kalaba
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import check_rank, mode_basis
 from vsb.stages.preview import check_before_run
