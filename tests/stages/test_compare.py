@@ -54,8 +54,8 @@ def test_results_of_another_study_are_refused_and_nothing_is_written(place):
 
 def test_what_a_sea_leaves_is_small_and_its_own(small):
     (wave,) = small.study.waves
-    paths = {f"{name}_path": path for name, path in {**small.hydro_files, **small.response_files}.items()}
-    found = Inputs(small.study, f"{small.folder}/trajectories", **paths)
+    paths = {**small.hydro_files, **small.response_files}
+    found = Inputs(small.study, f"{small.folder}/trajectories", paths)
     left = compare.in_a_sea(found, reference_shell(small.study).basis, wave)
     assert [row["design"] for row in left.rows] == ["FSB", "VSWEC"]
     assert {check.wave for check in left.checks} == {wave.label}

@@ -23,7 +23,7 @@ def test_a_file_the_study_needs_is_missed(seed, name):
     with pytest.raises(DatabaseError, match=r": file not found; run the rule that makes it"):
         getattr(Inputs(seed, "runs"), name)
     with pytest.raises(DatabaseError, match=r"no.nc: file not found"):
-        getattr(Inputs(seed, "runs", **{f"{name}_path": "no.nc"}), name)
+        getattr(Inputs(seed, "runs", {name: "no.nc"}), name)
 
 
 def test_a_study_that_asks_for_no_second_solver_has_none(seed):

@@ -15,8 +15,8 @@ from vsb.tools.files import load
 
 @pytest.fixture
 def moved(small):
-    paths = {f"{name}_path": path for name, path in {**small.hydro_files, **small.response_files}.items()}
-    return moving_study(Inputs(small.study, f"{small.folder}/trajectories", **paths), load(f"{small.folder}/modes.nc"))
+    paths = {**small.hydro_files, **small.response_files}
+    return moving_study(Inputs(small.study, f"{small.folder}/trajectories", paths), load(f"{small.folder}/modes.nc"))
 
 
 def test_every_design_moves_in_the_seas_that_are_drawn(small, moved):

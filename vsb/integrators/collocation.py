@@ -229,9 +229,8 @@ def collocated(system: System, time: FloatArray, start: tuple[FloatArray, ...], 
     Parameters
     ----------
     system : System
-    time : ndarray, shape (time,) [s]
-    start : tuple of ndarray
-        y [m] and y' [m/s] at the first instant, each shape (free,); then memory states, if the water is not at rest.
+    time, start
+        See `vsb.integrators.exact.propagate`.
     tolerance : float
         Of the error of the motion, relative to the largest norm of the state so far: the root of twice its energy.
 

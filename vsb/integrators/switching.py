@@ -379,10 +379,8 @@ def switched(
     ----------
     system : System
         Linear or body-exact but for a `TakeOff` and perhaps an `EndStop`.
-    time : ndarray, shape (time,) [s]
-    start : tuple of ndarray
-        y [m] and y' [m/s] at the first instant, each shape (free,); then memory states, if the water is not at rest.
-
+    time, start
+        See `vsb.integrators.exact.propagate`.
     tolerance : float
         Of a body-exact motion, relative to the largest norm of the state.
 

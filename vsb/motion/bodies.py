@@ -66,11 +66,6 @@ class LinearBody(LinearMotion):
             raise ConfigError(f"pto: received a port of {self.pto.port.shape}, needs {(dof,)}.")
 
     @property
-    def labels(self) -> tuple[str, ...]:
-        """Names of the degrees of freedom."""
-        return tuple(map(str, self.database.influenced_dof.values))
-
-    @property
     def dry_stiffness(self) -> FloatArray:
         """Stiffness of the dry body and its mooring, shape (dof, dof) [N/m]."""
         return self.stiffness_parts["structural"]

@@ -46,6 +46,11 @@ class LinearMotion(ABC):
     def added_mass_at(self, omega: float) -> FloatArray:
         """Return the added mass at any frequency, in the band or not, shape (dof, dof) [kg]."""
 
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Names of the degrees of freedom."""
+        return tuple(map(str, self.database.influenced_dof.values))
+
     @cached_property
     def spectrum(self) -> DampingSpectrum:
         """Radiation damping over frequency."""
@@ -213,11 +218,6 @@ class LinearMotion(ABC):
 @dataclass(frozen=True)
 class LinearBuoy(LinearMotion):
     """Heave and modes of a shell of revolution, or all motions of orders up to some m; each has one channel."""
-
-    @property
-    def labels(self) -> tuple[str, ...]:
-        """Names of the degrees of freedom."""
-        return tuple(map(str, self.database.influenced_dof.values))
 
     @property
     def orders(self) -> npt.NDArray[np.integer[Any]]:

@@ -42,18 +42,15 @@ def run(
     study: str,
     tables: str,
     manifest: str,
-    database: str = "",
-    radiation: str = "",
-    response: str = "",
-    witness: str = "",
     rungs: str = "",
+    **solved: str,
 ) -> None:
     """Write the comparison table, statistics of irregular seas, the validity ledger and the study in canonical form.
 
     Those are for people; what the report reads is one file of checked data, `tables`.
     """
     compared = spec.study
-    found = Inputs(compared, trajectories, database, radiation, response, witness)
+    found = Inputs(compared, trajectories, solved)
     reference = None if isinstance(compared, BodyStudy) else reference_shell(compared)
     met = [in_a_sea(found, reference.basis if reference else None, wave) for wave in compared.waves]
     rows = [row for one in met for row in one.rows]

@@ -26,13 +26,10 @@ def run(
     trajectories: str,
     out: str,
     manifest: str,
-    database: str = "",
-    radiation: str = "",
-    response: str = "",
-    witness: str = "",
+    **solved: str,
 ) -> None:
     """Draw and write all figures of a study into a folder: SVG, PDF, and their data as CSV."""
-    found = Inputs(study, trajectories, database, radiation, response, witness)
+    found = Inputs(study, trajectories, solved)
     data = StudyData(
         designs=tuple(study.designs),
         reference=study.reference_design,

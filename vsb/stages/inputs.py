@@ -1,6 +1,7 @@
 """What the stages of a whole study read of the stages before them."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
@@ -26,10 +27,11 @@ class Inputs:
 
     study: AnyStudy
     trajectories: str  # folder
-    database_path: str = ""
-    radiation_path: str = ""
-    response_path: str = ""
-    witness_path: str = ""
+    solved: Mapping[str, str] = field(default_factory=dict)  # paths of what is below, by its name
+
+    def path(self, name: str) -> str:
+        """Path of a file, empty where the study has none."""
+        return self.solved.get(name, "")
 
     @cached_property
     def plan(self) -> ResultsPlan:
@@ -44,23 +46,23 @@ class Inputs:
     @cached_property
     def database(self) -> xr.Dataset:
         """The hydro database."""
-        path = self.database_path
+        path = self.path("database")
         return load_database(path, Path(path).stem) if self.study.needs_bem else xr.Dataset()
 
     @cached_property
     def radiation(self) -> xr.Dataset:
         """The radiation model."""
-        path = self.radiation_path
+        path = self.path("radiation")
         return load(path, expected=Path(path).stem) if self.study.needs_bem else xr.Dataset()
 
     @cached_property
     def response(self) -> xr.Dataset:
         """The frequency response."""
         needed = self.study.needs_bem
-        return load(self.response_path, expected=self.plan.response_id) if needed else xr.Dataset()
+        return load(self.path("response"), expected=self.plan.response_id) if needed else xr.Dataset()
 
     @cached_property
     def witness(self) -> xr.Dataset:
         """What two solvers say of the same shapes."""
-        path = self.witness_path
+        path = self.path("witness")
         return load(path, expected=Path(path).stem) if self.plan.witness_files else xr.Dataset()

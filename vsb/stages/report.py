@@ -36,13 +36,10 @@ def run(
     figures: str,
     out: str,
     manifest: str,
-    database: str = "",
-    radiation: str = "",
-    response: str = "",
-    witness: str = "",
+    **solved: str,
 ) -> None:
     """Write the report of a study, from its checked results alone."""
-    stored = Inputs(study, trajectories, database, radiation, response, witness)
+    stored = Inputs(study, trajectories, solved)
     study_id = stored.plan.study_id
     found = json.loads(read_text(tables, manifest, study_id))
     if isinstance(study, BodyStudy):
@@ -65,7 +62,7 @@ def run(
         sketches=sketches(study) if isinstance(study, Study) else (),
         thing="buoy" if isinstance(study, Study) else "body",
         buoys=_buoys(stored, modes),
-        living=_living(study, database, stored.response, found["within_limits"]),
+        living=_living(study, stored.path("database"), stored.response, found["within_limits"]),
         figures={n: read_text(f"{figures}/{n}.svg", manifest, study_id) for n in stored.plan.figures},
         facts=_facts(study, hydrodynamics, stored.runs.attributes()),
     )
@@ -116,7 +113,7 @@ def _body_facts(stored: Inputs) -> dict[str, str]:
     told = "; ".join(text for text in (ds.attrs.get("history", ""), model.get("history", "")) if text)
     return {
         "Coefficients": str(ds.attrs["solver"]),
-        "Hydro database": f"{Path(stored.database_path).name}: {ds.sizes['omega']} frequencies from "
+        "Hydro database": f"{Path(stored.path('database')).name}: {ds.sizes['omega']} frequencies from "
         f"{float(ds.omega[0]):g} to {float(ds.omega[-1]):g} rad/s, degrees of freedom "
         f"{', '.join(map(str, ds.influenced_dof.values))}",
         "Radiation memory": f"{model['order']} states, rms error {model['fit_error']:.1e}, "
@@ -130,7 +127,7 @@ def _bem_facts(stored: Inputs) -> dict[str, str]:
     ds, model = stored.database, stored.radiation.attrs
     return {
         "BEM": "spectral integral equation" if ds.attrs["solver"] == "spectral" else ds.attrs["solver"],
-        "Hydro database": f"{Path(stored.database_path).name}: {ds.sizes['omega']} frequencies up to "
+        "Hydro database": f"{Path(stored.path('database')).name}: {ds.sizes['omega']} frequencies up to "
         f"{float(ds.omega[-1]):g} rad/s, {ds.sizes['influenced_dof']} degrees of freedom",
         "Seconds of BEM": f"{ds.attrs['bem_seconds']:.1f} on one core",
         "Radiation model": f"{model['order']} states, rms error {model['fit_error']:.1e}, "
@@ -142,7 +139,7 @@ def _witness_facts(stored: Inputs, study: Study) -> dict[str, str]:
     """What the second solver was, and took."""
     if reason := no_witness(study):
         return {"Witness": f"none ({reason})"}
-    ds, name = stored.witness, Path(stored.witness_path).name
+    ds, name = stored.witness, Path(stored.path("witness")).name
     panels, spectral = (float(ds.witness_seconds.sel(solver=solver).sum()) for solver in ("panels", "spectral"))
     return {
         "Witness": f"{name}: {ds.sizes['shape']} shapes at {ds.sizes['omega']} frequencies by "
