@@ -8,7 +8,9 @@ from results.test_year import climate
 
 from vsb.hydro.statespace import fit_radiation
 from vsb.motion.pto import LinearPto
+from vsb.results import in_time
 from vsb.results.in_time import DesignInTime
+from vsb.scenes.pause import BestPause
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.study.study import Simulation
 from vsb.study.take_off import Pto
@@ -73,3 +75,20 @@ def test_a_law_that_pauses_pauses_as_long_as_is_best(rigid):
     sea, settings = realised(climate(), 3, 30.0, seed=1), Simulation(duration=30.0, window=(10.0, 30.0))
     latched = replace(weak, pto=Pto(damping=1e3, law="latching")).powers(sea, settings, "linear")
     assert latched[0] > 1.2 * weak.powers(sea, settings, "linear")[0]
+
+
+def test_a_body_exact_run_pauses_as_long_as_suits_the_wet_shell(rigid, monkeypatch):
+    refined = []
+
+    def refine(scene, linear, *_):
+        refined.append((scene.water is not None, linear.pause))
+        return BestPause(0.0, 0.0, 0.0)
+
+    monkeypatch.setattr(in_time, "best_pause_in_sea", lambda *_: BestPause(0.9, 0.0, 0.0))
+    monkeypatch.setattr(in_time, "refined_pause", refine)
+    sea, settings = realised(climate(), 3, 30.0, seed=1), Simulation(duration=30.0, window=(10.0, 30.0))
+    latching = replace(rigid.under(1e4), pto=Pto(damping=1e4, law="latching"))
+    without = replace(latching, pto=Pto(damping=1e4, force_limit=1e9))
+    assert latching.powers(sea, settings)[0] == pytest.approx(without.powers(sea, settings)[0], rel=1e-6)
+    latching.powers(sea, settings, "linear")
+    assert refined == [(True, 0.9)]

@@ -1,21 +1,21 @@
-"""A pause of a linear scene is judged where it is used: on the wet shell."""
+"""Whether the pause of a body-exact run was looked for far enough from that of its linear scene."""
 
 import pytest
 
 from vsb.results.pauses import pause_checks
 
 
-def test_a_pause_of_the_linear_scene_is_judged_on_the_wet_shell():
+def test_a_pause_at_the_border_of_what_was_tried_is_doubted():
+    wet = {"model": "body_exact", "linear_pause": 1.0, "pause_tried": 0.25}
     runs = {
-        ("A", "w"): {"model": "body_exact", "pause": 1.08, "pause_power": 864.0},
-        ("B", "w"): {"model": "body_exact", "pause": 1.08, "pause_power": 830.0},
-        ("C", "w"): {"model": "linear", "pause": 1.08, "pause_power": 830.0},
-        ("D", "w"): {"model": "body_exact", "pause": 0.0, "pause_power": 0.0},
+        ("A", "w"): {**wet, "pause": 0.95},
+        ("B", "w"): {**wet, "pause": 0.76},
+        ("C", "w"): {"model": "linear", "pause": 1.08},
+        ("D", "w"): {**wet, "linear_pause": 0.2, "pause": 0.0},
         ("E", "w"): {"model": "body_exact"},
     }
-    powers = (860.0, 319.0, 1.0, 1.0, 1.0)
-    rows = [{"design": d, "wave": "w", "power_mean": p} for d, p in zip("ABCDE", powers, strict=True)]
-    rigid, shell = pause_checks(runs, rows)
-    assert (rigid.verdict, shell.verdict) == ("ok", "fail")
-    assert shell.value == pytest.approx(1 - 319 / 830)
-    assert "319 W body-exact, 830 W in the linear scene its pause of 1.08 s" in shell.explanation
+    near, far = pause_checks(runs)
+    assert (near.verdict, far.verdict) == ("ok", "doubt")
+    assert (near.value, far.value) == (pytest.approx(0.2), pytest.approx(0.96))
+    assert (far.design, far.wave) == ("B", "w")
+    assert "a pause of 0.76 s on the wet shell, 1 s in the linear scene, tried 0.25 s either side" in far.explanation

@@ -48,6 +48,37 @@ def test_the_version_of_its_physics_names_a_stage(seed, tag, monkeypatch):
     assert {i for i, (old, new) in enumerate(zip(before, ids(), strict=True)) if old != new} == changed[tag]
 
 
+LATCHING = {"law": "latching"}
+
+
+@pytest.mark.parametrize(
+    ("pto", "pauses"), [({}, False), ({"law": "saturated", "force_limit": 1e4}, False), (LATCHING, True),
+                        ({"law": "declutching", "damping": None, "tuning": "each"}, True)]
+)  # fmt: skip
+def test_how_a_pause_is_found_names_the_runs_that_pause_and_no_others(seed, monkeypatch, pto, pauses):
+    """Runs of a former rule are not taken for those of today's; runs without a pause keep their names."""
+
+    def ids():
+        plan = StudyPlan(varied(seed, pto=pto))
+        stages = (plan.database, plan.radiation, plan.response, plan.ladder, plan.comparison)
+        runs = (plan.simulation(design, seed.waves[0]) for design in seed.designs)
+        return [content_id(spec) for spec in stages], [content_id(spec) for spec in runs]
+
+    others, runs = ids()
+    assert ('"pause":2' in canonical(StudyPlan(varied(seed, pto=pto)).simulation("FSB", seed.waves[0]))) == pauses
+    monkeypatch.setattr(specs, "PAUSE", specs.PAUSE + 1)
+    after = ids()
+    assert after[0] == others
+    assert [new != old for new, old in zip(after[1], runs, strict=True)] == [pauses] * len(runs)
+
+
+def test_runs_of_a_year_that_pause_rest_on_how_a_pause_is_found(seed):
+    """A verified year names what its runs rest on."""
+    versions = [specs._versions(varied(seed, pto=pto).pto) for pto in ({}, LATCHING)]
+    assert versions[0].keys() == set(specs.RUN_BY)
+    assert versions[1] == {**versions[0], "pause": specs.PAUSE}
+
+
 @pytest.mark.parametrize(
     "changes",
     [{}, {"designs": {"FSB": {"flexible": False}}}, {"reference_shape": "equilibrium"}, {"device": {"mass": 12e3}}],

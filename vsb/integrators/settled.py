@@ -1,7 +1,10 @@
 """Mean power of a take-off that switches in a regular wave, once its motion repeats."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
+from vsb.errors import ConvergenceError
 from vsb.integrators.regular_wave import regular_frequency
 from vsb.integrators.switching import Switching
 from vsb.motion.system import System
@@ -11,6 +14,10 @@ RECORDED = 16
 """Instants of a period; the lookout is finer where it must be."""
 FEWEST, MOST = 16, 64
 """Periods followed at a time: twice as many when these were not enough."""
+CONTINUED = 8
+"""Periods followed at least from where another motion ended, at most twice as many."""
+Start = tuple[FloatArray, ...]
+"""y [m], y' [m/s] and memory states."""
 
 
 def settled_power(system: System, tolerance: float = 1e-6) -> tuple[float, float]:
@@ -19,7 +26,7 @@ def settled_power(system: System, tolerance: float = 1e-6) -> tuple[float, float
     Parameters
     ----------
     system : System
-        Linear but for a take-off that switches.
+        Linear or body-exact but for a take-off that switches.
     tolerance : float
         Largest relative difference between the periods of the last half of what is followed at a time.
 
@@ -36,14 +43,46 @@ def settled_power(system: System, tolerance: float = 1e-6) -> tuple[float, float
     ConfigError
         If the sea is none of one frequency.
     """
+    found = _settling(system, tolerance, system.scene.start(0.0, 0.0), FEWEST, MOST)
+    return found[0], found[1]
+
+
+@dataclass
+class Trials:
+    """Settled powers of one scene under laws that differ, each motion begun where the one before ended.
+
+    Parameters
+    ----------
+    tolerance : float
+        Largest relative difference between late periods; what differs more after `MOST` periods, or twice `CONTINUED`
+        of a motion begun in another's end, is taken as it is.
+    """
+
+    tolerance: float
+    ended: Start | None = None
+
+    def power(self, system: System) -> float:
+        """Return the mean absorbed power of late periods [W]; nothing where the motion cannot be followed."""
+        fresh = self.ended is None
+        fewest, most = (FEWEST, MOST) if fresh else (CONTINUED, 2 * CONTINUED)
+        start = self.ended or system.scene.start(0.0, 0.0)
+        try:
+            power, _, self.ended = _settling(system, self.tolerance, start, fewest, most)
+        except ConvergenceError:
+            return 0.0
+        return power
+
+
+def _settling(system: System, tolerance: float, start: Start, fewest: int, most: int) -> tuple[float, float, Start]:
+    """Mean power of late periods of a motion begun at a crest, by how much these differ, and where it ends."""
     period, runner = 2 * np.pi / regular_frequency(system), Switching(system)
-    start: tuple[FloatArray, ...] = system.scene.start(0.0, 0.0)
-    begin, count = 0.0, FEWEST
+    begin, count = 0.0, fewest
     while True:
         end = begin + count * period
         motion, _ = runner.follow(np.linspace(begin, end, count * RECORDED + 1), start)
         half = (np.diff(motion.works["pto"][::RECORDED]) / period)[count // 2 :]
         unsettled = float(np.ptp(half) / max(np.abs(half).max(), np.finfo(float).tiny))
-        if unsettled <= tolerance or count >= MOST:
-            return float(half[count // 4 :].mean()), unsettled
-        start, begin, count = (motion.position[-1], motion.velocity[-1], motion.memory[-1]), end, 2 * count
+        start = (motion.position[-1], motion.velocity[-1], motion.memory[-1])
+        if unsettled <= tolerance or count >= most:
+            return float(half[count // 4 :].mean()), unsettled, start
+        begin, count = end, 2 * count

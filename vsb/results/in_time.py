@@ -13,7 +13,7 @@ from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
 from vsb.motion.system import System
 from vsb.results.verification import linear_power
-from vsb.scenes.pause import best_pause_in_sea, with_pause
+from vsb.scenes.pause import best_pause_in_sea, refined_pause, with_pause
 from vsb.scenes.take_off import with_take_off
 from vsb.shell.deformed import DeformedShell
 from vsb.study.study import Simulation
@@ -65,7 +65,7 @@ class DesignInTime:
         scene = with_take_off(scene, self.pto, self.take_off)
         if self.pto.pauses and scene.law:  # or nothing there moves
             best = best_pause_in_sea(with_take_off(linear, self.pto, self.take_off), sea, settings)
-            scene = with_pause(scene, best.pause)
+            scene = with_pause(scene, (best if model == "linear" else refined_pause(scene, best, sea, settings)).pause)
         taken = [(leg.motion.time, leg.energy["pto"]) for leg in legs(System.of(scene), sea, settings, buoy.spectrum)]
         first = [0] + [1] * (len(taken) - 1)  # a leg begins where the one before ended
         time, energy = (np.concatenate([one[k][i:] for one, i in zip(taken, first, strict=True)]) for k in (0, 1))

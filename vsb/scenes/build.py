@@ -20,7 +20,7 @@ from vsb.motion.system import System
 from vsb.scenes import automatic
 from vsb.scenes.afloat import body_afloat, linear_buoy, rest_shape, stored_body, study_port, study_sea
 from vsb.scenes.drag import dragged_port, linearised, with_drag
-from vsb.scenes.pause import best_pair_in_sea, best_pause_in_sea, strongest, with_pause
+from vsb.scenes.pause import NEAR, BestPause, best_pair_in_sea, best_pause_in_sea, refined_pause, strongest, with_pause
 from vsb.scenes.rest import design_motions, study_basis
 from vsb.scenes.take_off import linear_take_off, tuned_take_off, with_take_off
 from vsb.shell.deformed import DeformedShell
@@ -121,9 +121,10 @@ def _linear(run: SimulateSpec, at: _FromBem) -> Scene:
 
 
 def _released(scene: Scene, run: SimulateSpec, at: _FromBem) -> tuple[Scene, dict[str, Any]]:
-    """A scene whose law pauses as long as takes most of its sea by linear hydrodynamics, and notes of it.
+    """A scene whose law pauses as long as takes most of its sea, and notes of it.
 
-    A damper tuned to its sea is tuned together with the pause.
+    A damper tuned to its sea is tuned together with the pause by linear hydrodynamics; where the water's force is not
+    linear the pause is refined on the scene itself.
     """
     if not (run.pto.pauses and scene.law):  # or nothing there moves
         return scene, {}
@@ -132,8 +133,16 @@ def _released(scene: Scene, run: SimulateSpec, at: _FromBem) -> tuple[Scene, dic
         damper, best = best_pair_in_sea(_linear(run, at), at.sea, run.simulation, _dampers(at))
     else:
         best = best_pause_in_sea(_linear(run, at), at.sea, run.simulation)
-    notes = {f"pause{part}": value for part, value in zip(_PAUSE, best, strict=True)}
-    return with_pause(scene, best.pause, damper), notes | ({TUNED: damper} if together else {})
+    notes = {TUNED: damper} if together else {}
+    if scene.water is not None and at.sea.omega.size:
+        notes |= {"linear_pause": best.pause, "pause_tried": NEAR * np.pi / strongest(at.sea)}
+        best = refined_pause(with_pause(scene, best.pause, damper), best, at.sea, run.simulation)
+    return with_pause(scene, best.pause, damper), notes | _noted(best)
+
+
+def _noted(best: BestPause) -> dict[str, float]:
+    """What a run records of its pause: its length [s], the mean power [W] it takes, what it is known to [s]."""
+    return {"pause": best.pause, "pause_power": best.power, "pause_within": best.within}
 
 
 def _dampers(at: _FromBem) -> list[float]:
@@ -145,10 +154,6 @@ def _dampers(at: _FromBem) -> list[float]:
     impedance = at.buoy.port(np.array([strongest(at.sea)]), at.motions, direction).impedance
     least = max(float(impedance.real[0]), LIGHTEST * alone)
     return [float(damping) for damping in np.geomspace(min(least, alone), max(least, alone), 3)]
-
-
-_PAUSE = ("", "_power", "_within")
-"""What a run records of its pause: its length [s], the linear mean power [W] it takes, what it is known to [s]."""
 
 
 def _from_bem(run: SimulateSpec, paths: dict[str, Any]) -> _FromBem:
@@ -181,7 +186,7 @@ def body_design(run: BodySimulateSpec, paths: dict[str, Any]) -> DesignInSea:
     if run.pto.pauses and scene.law:
         best = best_pause_in_sea(scene, here[1], run.simulation)
         scene = with_pause(scene, best.pause, float(pto.damping))
-        notes |= {f"pause{part}": value for part, value in zip(_PAUSE, best, strict=True)}
+        notes |= _noted(best)
     return DesignInSea(scene, None, here[1], body.spectrum, notes)
 
 

@@ -5,6 +5,9 @@ it takes. In a regular wave the power is that of the settled motion, in an irreg
 study, from the run's own start: what the run will show. Both have several maxima, so pauses up to half a period are
 scanned, and the best is refined between its neighbours.
 
+A body-exact scene pauses as long as takes most of its own motion: the pause of the linear scene, found over all pauses
+there, is refined in its neighbourhood by trials on the wet shell, each begun where the one before ended.
+
 The damper that takes most alone is far too heavy to latch with: it is as large as the reactance that the pause takes
 away. Where it is not given, damper and pause are found together.
 """
@@ -17,7 +20,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from vsb.integrators.settled import settled_power
+from vsb.errors import ConvergenceError
+from vsb.integrators.settled import Trials, settled_power
 from vsb.integrators.simulate import legs
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
@@ -42,6 +46,14 @@ LEVEL = 1e-3
 
 COARSE = 0.02
 """How well the logarithm of the damper is known: power is exact to its square."""
+
+
+NEAR = 0.1
+"""Of the longest pause: how far from the pause of the linear scene one is tried on the wet shell."""
+KNOWN_WET = 0.01
+"""Of the longest pause: how well the best one there is known."""
+SETTLED_WET = 0.01
+"""Relative error of a power there."""
 
 
 class BestPause(NamedTuple):
@@ -147,6 +159,45 @@ def best_pair_in_sea(scene: Scene, sea: Sea, settings: Simulation, dampers: Sequ
         return _power(with_pause(scene, pause, damping), sea, settings)
 
     return best_pair(power, dampers, np.pi / strongest(sea))
+
+
+def refined_pause(scene: Scene, linear: BestPause, sea: Sea, settings: Simulation) -> BestPause:
+    """Return the pause near that of the linear scene with which a body-exact scene takes most; no less than with that.
+
+    Parameters
+    ----------
+    scene : Scene
+        Body-exact, its take-off a `TakeOff`.
+    linear : BestPause
+        What `best_pause_in_sea` or `best_pair_in_sea` found in the linear scene.
+    sea : Sea
+    settings : Simulation
+
+    Notes
+    -----
+    Some eight trials: of 8 to 16 periods each in a regular wave, of the run's length each in another sea. A pause with
+    which the motion cannot be followed takes nothing.
+    """
+    if not sea.omega.size:
+        return linear
+    longest, trials = np.pi / strongest(sea), Trials(SETTLED_WET)
+
+    def power(pause: float) -> float:
+        system = System.of(with_pause(scene, pause))
+        return trials.power(system) if sea.omega.size == 1 else _followed(system, sea, settings)
+
+    between = max(linear.pause - NEAR * longest, 0.0), min(linear.pause + NEAR * longest, longest)
+    within = KNOWN_WET * longest
+    pause, most = _refined(power, (linear.pause, power(linear.pause)), between, within)
+    return BestPause(pause, most, within)
+
+
+def _followed(system: System, sea: Sea, settings: Simulation) -> float:
+    """Mean power in the window of a run [W]; nothing where the motion cannot be followed."""
+    try:
+        return windowed_power(system, sea, settings)
+    except ConvergenceError:
+        return 0.0
 
 
 def strongest(sea: Sea) -> float:

@@ -58,7 +58,7 @@ def run(
     checks = [check for one in met for check in one.checks]
     if reference and isinstance(compared, Study):
         checks = [*ledger.shell_checks(compared, reference), *checks]
-    checks += [*ledger.transient_checks(runs, rows), *pause_checks(runs, rows)]
+    checks += [*ledger.transient_checks(runs, rows), *pause_checks(runs)]
     lines: list[irregular.Line] = []
     tuned: list[Tuned] = []
     limited: list[Limited] = []

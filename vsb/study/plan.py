@@ -23,6 +23,7 @@ from vsb.study.specs import (
     SimulateSpec,
     SphereMesh,
     WitnessSpec,
+    pause_version,
 )
 from vsb.study.study import RegularWave, Study, Wave, content_id, parse
 from vsb.study.witness import no_witness, witness_spec
@@ -124,6 +125,7 @@ class StudyPlan(HydroPlan, ResultsPlan):
             hydro=Dynamics(**study.hydro.model_dump(include=set(Dynamics.model_fields))),
             pto=study.pto.model_copy(update={"damping": damping, "tuning": tuning}),
             seas=study.one_of_each_sea if tuning == "one" else (),
+            pause=pause_version(study.pto),
             **self._sections("device", "modes", "reference_shape", "water", "drag", "simulation", "motion", "mooring"),
         )
 

@@ -26,6 +26,8 @@ PHYSICS = {
     "witness": 1, "member": 2, "members": 2, "campaign": 2, "verification": 2, "body": 2,
 }  # fmt: skip
 """Hand-bumped version of the physics behind each tag: a library edit alone never reruns anything."""
+PAUSE = 2
+"""Hand-bumped version of how long a law that pauses is found to, a part of the runs of such laws alone."""
 
 
 class Spec(Extended):
@@ -297,11 +299,12 @@ class LadderSpec(DraggedSpec):
 class SimulateSpec(DesignsAtRest, DraggedSpec):
     """One design in one sea; `seas` are those its damper is to suit, where one is for all."""
 
-    TAG, LATER = "simulate", (*DraggedSpec.LATER, "seas")
+    TAG, LATER = "simulate", (*DraggedSpec.LATER, "seas", "pause")
     simulation: Simulation
     waves: tuple[Wave, ...]
     hydro: Dynamics
     seas: tuple[Wave, ...] = ()
+    pause: int = 0  # version of how it is found; 0: of a law that does not pause
 
 
 class CompareSpec(Spec):
@@ -346,13 +349,24 @@ RUN_BY = ("member", "database", "radiation", "simulate")
 """Tags of the physics runs in time of a member rest on, beside their own."""
 
 
+def pause_version(pto: Pto) -> int:
+    """Return the version of how the pause of a law is found; 0: it does not pause."""
+    return PAUSE if pto.pauses else 0
+
+
+def _versions(pto: Pto) -> dict[str, int]:
+    """Versions of what runs in time rest on."""
+    found = {tag: PHYSICS[tag] for tag in RUN_BY}
+    return found | ({"pause": pause_version(pto)} if pto.pauses else {})
+
+
 class VerificationSpec(MemberSpec):
     """One point of a campaign under one tuning, and the runs in time its year is corrected by."""
 
     TAG = "verification"
     simulation: Simulation
     verify: Verify
-    versions: dict[str, int] = Field(default_factory=lambda: {tag: PHYSICS[tag] for tag in RUN_BY})
+    versions: dict[str, int] = Field(default_factory=lambda said: _versions(said["pto"]))
 
     @property
     def simulated(self) -> Study:
