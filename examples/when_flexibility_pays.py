@@ -39,6 +39,8 @@ LIMITS = (0.1, 0.3, 1.0, np.inf)
 STEEPNESS = 0.01
 """Wave height over length: what the limits are in terms of scales with it, so gains do not depend on it."""
 FLEXIBLE, RIGID = "VSWEC", "FSB"
+SCALE = 4.0
+"""Of the buoy the upper axis of the figure is for: by Froude's law the same gains, at its root times the periods."""
 
 
 class Row(NamedTuple):
@@ -126,7 +128,8 @@ def mapped(studies: dict[str, str], folder: Path) -> list[Row]:
 def drawn(rows: Sequence[Row]) -> Figure:
     """Gain over period and Young's modulus: shells and kinds of waves down, force limits across.
 
-    Solid: no gain. Dashed: the buckling load is the static load; below it the shell gives way.
+    Solid: no gain. Dashed: the buckling load is the static load; below it the shell gives way. The upper axis is of a
+    buoy `SCALE` times as large, in lengths and Young's modulus.
     """
     panels = list(dict.fromkeys((row.shell, row.wave) for row in rows))
     figure = Figure(figsize=(10.0, 2.6 * len(panels)), layout="constrained")
@@ -148,6 +151,9 @@ def drawn(rows: Sequence[Row]) -> Figure:
         line[0].set_ylabel(f"{shell}, {wave}\nYoung's modulus [Pa]")
     for ax in axes[-1]:
         ax.set_xlabel("period, peak period [s]")
+    for ax in axes[0]:
+        upper = ax.secondary_xaxis("top", functions=(lambda t: SCALE**0.5 * t, lambda t: t / SCALE**0.5))
+        upper.set_xlabel(f"at {SCALE:g} times the size [s]", fontsize=8)
     figure.colorbar(shown, ax=axes, label="power gained by flexibility [%]", extend="both")
     return figure
 

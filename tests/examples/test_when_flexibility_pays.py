@@ -8,20 +8,28 @@ import pytest
 from conftest import varied
 
 from examples import when_flexibility_pays as example
+from vsb.study.froude import scaled
 from vsb.study.study import canonical
+
+
+def small(seed):
+    return varied(seed, modes={"degree": 2}, hydro={"omega_max": 6.0})
 
 
 @pytest.fixture(scope="module")
 def rows(tmp_path_factory, seed):
     folder = tmp_path_factory.mktemp("map")
-    small = varied(seed, modes={"degree": 2}, hydro={"omega_max": 6.0})
-    (folder / "small.yaml").write_text(canonical(small.model_dump(exclude_none=True)))
+    (folder / "small.yaml").write_text(canonical(small(seed).model_dump(exclude_none=True)))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(example, "PERIODS", (3.06, 5.0))
         patch.setattr(example, "SOFTNESS", (1.0, 4.0))
         found = example.mapped({"vented": str(folder / "small.yaml")}, folder)
         figure = example.drawn(found)
     assert len(figure.axes) == 2 * len(example.LIMITS) + 1
+    figure.draw_without_rendering()
+    (upper,) = figure.axes[0].child_axes
+    lower = figure.axes[0].get_xlim()
+    assert upper.get_xlim() == pytest.approx([2 * x for x in lower])
     return found
 
 
@@ -51,6 +59,20 @@ def test_a_stiffer_shell_gains_less_and_buckles_later(rows):
     table = list(csv.reader(example.as_csv(rows).splitlines()))
     assert tuple(table[0]) == example.Row._fields
     assert len(table) == len(rows) + 1
+
+
+def test_a_buoy_of_four_times_the_size_gains_the_same_at_twice_the_periods(rows, seed, tmp_path, monkeypatch):
+    """Froude's law, which the upper axis of the figure goes by; lengths, Young's modulus and structural times scaled."""
+    raw = scaled(small(seed).model_dump(exclude_none=True), example.SCALE)
+    (tmp_path / "large.yaml").write_text(canonical(raw))
+    monkeypatch.setattr(example, "PERIODS", (6.12,))
+    monkeypatch.setattr(example, "SOFTNESS", (1.0,))
+    large = example.mapped({"vented": str(tmp_path / "large.yaml")}, tmp_path)
+    here = [row for row in rows if (row.young_modulus, row.period) == (10e6, 3.06)]
+    assert [row.young_modulus for row in large] == [40e6] * len(here)
+    gains = [[row.gain_percent for row in some] for some in (large, here)]
+    assert gains[0] == pytest.approx(gains[1], rel=1e-3, abs=0.01)
+    assert large[0].rigid_power == pytest.approx(here[0].rigid_power * example.SCALE**3.5, rel=1e-3)
 
 
 def test_the_damper_found_is_the_best(seed):

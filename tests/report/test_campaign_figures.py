@@ -141,3 +141,10 @@ def test_without_a_rigid_design_there_is_no_gain_to_draw():
 
 def test_all_figures_are_drawn_by_name():
     assert list(DRAWN) == ["power_matrices", "tuned_power", "pareto", "sweep"]
+
+
+def test_figures_of_a_take_off_of_the_volume_are_of_pressures():
+    ds = campaign(port="volume")
+    labels = [figure(ds, "one", "FSB").axes[0].get_xlabel() for figure in (tuned_power, pareto)]
+    assert labels == ["damper [Pa s/m³]", "rms pressure of the take-off [kPa]"]
+    assert pareto(campaign(), "one", "FSB").axes[0].get_xlabel() == "rms force of the take-off [kN]"

@@ -6,10 +6,12 @@ from report.test_campaign_figures import GAINS, campaign
 
 from vsb.report.campaign_page import (
     MOST_ROWS,
+    CampaignReport,
     answer,
     best_flexible,
     captions,
     leading,
+    render,
     rows,
     statements,
     warnings,
@@ -105,3 +107,12 @@ def test_captions_name_what_is_drawn():
     ):
         one["corrected_gain_percent"] = one.gain_percent
         assert captions(one.assign_attrs(verified_tuning="one"))["sweep"].endswith(last)
+
+
+@pytest.mark.parametrize(("port", "unit"), [("volume", "Pa s/m³"), ("heave", "N s/m")])
+def test_a_page_of_a_take_off_of_the_volume_is_of_pressures(port, unit):
+    """Tables, captions and scripts."""
+    text = render(CampaignReport(campaign(port=port, study="a.yaml", campaign="c", spec_id="1"), {}))
+    assert ("rms pressure [kPa]" in text, "rms force [kN]" in text) == (port == "volume", port == "heave")
+    assert f"damper [{unit}]" in text
+    assert ("N s/m" in text) == (port == "heave")

@@ -5,7 +5,6 @@ from vsb.report.tuned import (
     TUNING,
     closing_line,
     dampers_in_words,
-    in_its_units,
     limited_statements,
     shares_text,
     tuned_statements,
@@ -97,8 +96,3 @@ def test_what_limits_leave_is_said_with_its_gain():
 )
 def test_dampers_of_runs_are_named(pto, words):
     assert dampers_in_words(pto) == words
-
-
-def test_dampers_of_a_volume_are_pressures_over_flows():
-    assert in_its_units(["damper [N s/m]", "gain [%]"], {"port": "volume"}) == ["damper [Pa s/m³]", "gain [%]"]
-    assert in_its_units(["damper [N s/m]"], {}) == ["damper [N s/m]"]

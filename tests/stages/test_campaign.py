@@ -78,3 +78,31 @@ def test_a_batch_of_another_campaign_is_refused(plan):
         gather(plan)
     assert not Path(plan.data_path).exists()
     assert not Path(plan.table_path).exists()
+
+
+UNITS = {"damping": ("N s/m", "Pa s/m^3"), "force_rms": ("N", "Pa"), "tried_damping": ("N s/m", "Pa s/m^3"),
+         "force_of_damping": ("N", "Pa"), "stiffness": ("N/m", "Pa/m^3"),
+         "pto_damping": ("N s/m", "Pa s/m^3"), "thickness": ("m", "m"), "annual_mean_power": ("W", "W")}  # fmt: skip
+
+
+@pytest.mark.parametrize("port", ["heave", "volume"])
+def test_a_take_off_of_the_volume_has_units_of_pressure_and_flow(tmp_path, port):
+    """What it does, and what is varied of it; the attribute that says so is there for the volume alone."""
+    varied = {"pto.stiffness": [0.0, 100.0], "pto.damping": [4e2], "device.thickness": [0.1]}
+    pto = {"port": port, "damping": 400.0}
+    one = planned(with_seas(tmp_path, (1.0, 6.0)), varied, tuning=["fixed", "one", "each"], pto=pto)
+    for batch, spec in one.batches.items():
+        held = members(spec.base, spec.points, spec.climate, spec.tuning)
+        parts = [made_up(each) for each in held]
+        parts = [
+            ds.assign(
+                force_rms=ds.annual_mean_power, tried_damping=(("design", "damper"), np.ones((2, 3))),
+                force_of_damping=(("design", "damper"), np.ones((2, 3))),
+            )
+            for ds in parts
+        ]  # fmt: skip
+        save(stacked(parts, [each.id for each in held]).assign_attrs(spec_id=batch), one.batch_path(batch))
+    gather(one)
+    found = load(one.data_path, expected=one.campaign_id)
+    assert {name: found[name].attrs["units"] for name in UNITS} == {n: u[port == "volume"] for n, u in UNITS.items()}
+    assert found.attrs.get("port") == ("volume" if port == "volume" else None)

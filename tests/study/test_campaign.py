@@ -68,6 +68,10 @@ def test_the_climate_counts_by_its_contents(folder):
         ({"constrained": {"seconds": 5}, "tuning": ["one"]}, "constrained: received without that tuning; needs const"),
         ({"constrained": {"seconds": 5}}, "constrained: received without that tuning; needs constrained among tuning"),
         (
+            {"vary": {"pto.port": ["volume", "heave"]}},
+            "vary.pto.port: received heave, volume, whose dampers and forces have other units; needs volume alone, or",
+        ),
+        (
             {"verify": {}, "tuning": ["constrained"]},
             "verify: received tuning constrained alone, whose forces are of no law in time; needs fixed, one or each",
         ),

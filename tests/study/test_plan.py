@@ -202,3 +202,12 @@ def test_memory_grows_with_the_record_not_with_what_is_followed(seed):
     assert 1700 < asked[1e5] < 2 * 1700
     irregular = varied(seed, waves=[{"kind": "jonswap", "hs": 0.5, "tp": 4.0}], simulation={"duration": 1e5})
     assert 2900 < StudyPlan(irregular).simulation_megabytes(irregular.waves[0]) < 2 * 2900
+
+
+def test_a_member_of_a_campaign_without_a_damper_has_a_plan(seed):
+    """It lies in still water, where no damper is best; it is not run there, but its jobs are listed."""
+    still = varied(seed, pto={"damping": None, "tuning": "each"}, waves=[{"kind": "still"}])
+    run = StudyPlan(still).simulation("FSB", still.waves[0])
+    assert (run.pto.damping, run.pto.tuning) == (None, "each")
+    given = varied(still, pto={"damping": 8000.0})
+    assert StudyPlan(given).simulation("FSB", given.waves[0]).pto.tuning == "fixed"

@@ -6,7 +6,7 @@ from conftest import SEED, varied
 from vsb.errors import ConfigError
 from vsb.study.plan import StudyPlan
 from vsb.study.study import canonical, load, parse
-from vsb.study.take_off import Pto
+from vsb.study.take_off import Pto, at_port
 
 
 @pytest.fixture(scope="module")
@@ -209,3 +209,12 @@ def test_a_damper_of_each_design_makes_the_runs_of_one_for_all(seed):
 def test_a_port_between_two_points_needs_two():
     with pytest.raises(ConfigError, match=r"between.*needs two different colatitudes"):
         parse({**load(SEED).model_dump(), "pto": {"damping": 8000.0, "port": {"between": [30.0, 30.0]}}})
+
+
+def test_a_take_off_of_the_volume_is_spoken_of_in_pressures():
+    """And of any other in forces, as it is written."""
+    said = ["damper [N s/m]", "rms force [kN]", "rms force of the take-off [kN]", "gain [%]"]
+    assert [at_port(text, "heave") for text in said] == said
+    assert [at_port(text, "volume") for text in said] == [
+        "damper [Pa s/m³]", "rms pressure [kPa]", "rms pressure of the take-off [kPa]", "gain [%]"
+    ]  # fmt: skip

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vsb.study.study import canonical
-from vsb.study.vary import Vary, read_vary
+from vsb.study.vary import Vary, read_vary, unit
 
 TAKEN = ("damping", "hs")
 
@@ -106,3 +106,12 @@ def test_mistakes_are_told_in_one_line(raw, message):
     with pytest.raises(ValueError, match=message) as caught:
         read_vary(raw)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("key", "force", "pressure"),
+    [("pto.force_limit", "N", "Pa"), ("pto.stroke_limit", "m", "m^3"), ("pto.damping", "N s/m", "Pa s/m^3"),
+     ("pto.stiffness", "N/m", "Pa/m^3"), ("device.radius", "m", "m"), ("pto.efficiency", "1", "1")]
+)  # fmt: skip
+def test_units_of_a_take_off_are_those_of_its_port(key, force, pressure):
+    assert (unit(key), unit(key, "volume")) == (force, pressure)

@@ -15,7 +15,7 @@ RECORDED = 16
 FEWEST, MOST = 16, 64
 """Periods followed at a time: twice as many when these were not enough."""
 CONTINUED = 8
-"""Periods followed at least from where another motion ended, at most twice as many."""
+"""Periods followed at first from where another motion ended."""
 Start = tuple[FloatArray, ...]
 """y [m], y' [m/s] and memory states."""
 
@@ -54,8 +54,8 @@ class Trials:
     Parameters
     ----------
     tolerance : float
-        Largest relative difference between late periods; what differs more after `MOST` periods, or twice `CONTINUED`
-        of a motion begun in another's end, is taken as it is.
+        Largest relative difference between late periods; what differs more after `CONTINUED` and `FEWEST` further ones
+        is taken as it is.
     """
 
     tolerance: float
@@ -63,11 +63,9 @@ class Trials:
 
     def power(self, system: System) -> float:
         """Return the mean absorbed power of late periods [W]; nothing where the motion cannot be followed."""
-        fresh = self.ended is None
-        fewest, most = (FEWEST, MOST) if fresh else (CONTINUED, 2 * CONTINUED)
         start = self.ended or system.scene.start(0.0, 0.0)
         try:
-            power, _, self.ended = _settling(system, self.tolerance, start, fewest, most)
+            power, _, self.ended = _settling(system, self.tolerance, start, CONTINUED, FEWEST)
         except ConvergenceError:
             return 0.0
         return power

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from vsb.report.canvas import grid_of_axes, legend_above, note, style
 from vsb.results.campaign import damper
 from vsb.study.specs import CONSTRAINED
+from vsb.study.take_off import at_port
 
 GAIN = "RdBu"
 """Colours of gains: blue more than the rigid design, red less."""
@@ -74,7 +75,7 @@ def tuned_power(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
                 )
         if "each" in ds.tuning.values:
             ax.axhline(float(at.annual_mean_power.sel(tuning="each")) / 1e3, color=line["color"], linewidth=0.8, ls=":")
-    ax.set(xscale="log", xlabel="damper [N s/m]", ylabel="mean power of the year [kW]")
+    ax.set(xscale="log", xlabel=at_port("damper [N s/m]", ds.attrs.get("port")), ylabel="mean power of the year [kW]")
     ax.set_ylim(bottom=0)
     legend_above(figure, ax)
     return figure
@@ -98,7 +99,7 @@ def pareto(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
             force, power = within.force_rms[finite] / 1e3, within.annual_mean_power[finite] / 1e3
             ax.plot(force, power, "-s", color=line["color"], markerfacecolor="white", markersize=5, linewidth=0.8)
     wide = CONSTRAINED in ds.tuning.values
-    ax.set(xlabel="rms force of the take-off [kN]", ylabel="mean power of the year [kW]")
+    ax.set(xlabel=at_port("rms force of the take-off [kN]", ds.attrs.get("port")), ylabel="mean power of the year [kW]")
     ax.set(xscale="log", yscale="log") if wide else ax.set(xlim=(0, None), ylim=(0, None))
     legend_above(figure, ax)
     return figure

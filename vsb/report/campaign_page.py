@@ -11,6 +11,7 @@ from vsb.report.campaign_figures import is_mapped, is_verified, shown_member, to
 from vsb.report.html import captioned, page
 from vsb.report.living import as_script
 from vsb.study.specs import CONSTRAINED, leading_tuning
+from vsb.study.take_off import at_port
 from vsb.tools.words import the_rigid
 from vsb.waves.climate import YEAR_HOURS
 
@@ -77,7 +78,7 @@ def render(report: CampaignReport) -> str:
     """Return the report as one HTML page."""
     ds = report.data
     tuning, reference = leading(ds)
-    return page(
+    text = page(
         "campaign.html.j2",
         campaign=ds.attrs["campaign"],
         climate=ds.attrs["climate"],
@@ -94,6 +95,7 @@ def render(report: CampaignReport) -> str:
         figures=captioned(report.figures, captions(ds)),
         facts={"Study": ds.attrs["study"], "Climate": ds.attrs["climate"], "Content id": ds.attrs["spec_id"]},
     )
+    return at_port(text, ds.attrs.get("port"))
 
 
 def captions(ds: xr.Dataset) -> dict[str, str]:

@@ -18,12 +18,12 @@ from vsb.report.tuned import (
     NO_BEST_DAMPER,
     TUNING,
     dampers_in_words,
-    in_its_units,
     limited_statements,
     shares_text,
     tuned_statements,
     tuning_table,
 )
+from vsb.study.take_off import at_port
 from vsb.tools.units import FloatArray
 from vsb.tools.words import plain, power, the_rigid
 
@@ -319,7 +319,7 @@ def render(report: Report) -> str:
     ]
     failed = warnings(report.checks)
     told = captions(_neglected(report), given=given, body=report.thing == "body")
-    return page(
+    text = page(
         "report.html.j2",
         study=report.study["study"],
         thing=report.thing,
@@ -332,12 +332,12 @@ def render(report: Report) -> str:
             *([] if response is None else tuned_statements(tuned, report.reference, report.seas)),
             *limited_statements(report.within_limits, report.reference, report.seas),
         ],
-        seas=in_its_units(in_seas, pto),
+        seas=in_seas,
         neglected=_neglected(report),
         best_bands=[] if response is None else band_statements(response.best_power, report.reference),
         bands=band_statements(response.absorbed_power, report.reference) if given and response is not None else [],
         dampers=where[0].lower() + where[1:],
-        tuning_head=in_its_units(TUNING, pto),
+        tuning_head=TUNING,
         tuning=tuning_table(tuned),
         details_head=details_head,
         details=details,
@@ -349,10 +349,11 @@ def render(report: Report) -> str:
         warnings=failed[:TOLD],
         more_failed=len(failed[TOLD:]),
         doubts=sum(check["verdict"] == "doubt" for check in report.checks),
-        head=in_its_units(head, pto),
+        head=head,
         body=body,
         figures=captioned(report.figures, told, report.seas),
         checks=[check for check in report.checks if check["verdict"] != "ok"],
         passed=[check for check in report.checks if check["verdict"] == "ok"],
         facts=report.facts,
     )
+    return at_port(text, pto.get("port"))

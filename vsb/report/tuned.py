@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from typing import Any
 
-from vsb.study.take_off import damper_unit
 from vsb.tools.words import plain, power, the_rigid, watts
 
 NO_BEST_DAMPER = (
@@ -25,11 +24,6 @@ def dampers_in_words(pto: dict[str, Any]) -> str:
     """Return which dampers simulated designs have, from the take-off of a study in canonical form."""
     words = DAMPERS[pto.get("tuning", "fixed")]
     return f"{words}s" if isinstance(pto.get("damping"), dict) and words == GIVEN else words
-
-
-def in_its_units(texts: Sequence[str], pto: dict[str, Any]) -> list[str]:
-    """Return texts with dampers in the unit of a take-off, given in canonical form."""
-    return [text.replace("N s/m", damper_unit(pto.get("port"))) for text in texts]
 
 
 def tuned_statements(lines: Sequence[dict[str, Any]], reference: str | None, seas: dict[str, str]) -> list[str]:

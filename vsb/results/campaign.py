@@ -10,7 +10,7 @@ import xarray as xr
 
 from vsb.study.campaign_plan import VARIABLES
 from vsb.study.specs import CONSTRAINED, CampaignSpec, leading_tuning
-from vsb.study.vary import MEMBER, UNITS, Vary
+from vsb.study.vary import MEMBER, Vary, unit
 from vsb.tools.tables import csv_text
 from vsb.tools.units import FloatArray
 
@@ -50,7 +50,7 @@ def gathered(spec: CampaignSpec, batches: Sequence[xr.Dataset]) -> xr.Dataset:
     ordered = whole.sel(member=list(spec.members)).drop_vars(MEMBER)
     names = spec.vary.dimensions(VARIABLES)
     coordinates = {
-        names[key]: (MEMBER if spec.vary.together else names[key], _values(values), _attributes(key))
+        names[key]: (MEMBER if spec.vary.together else names[key], _values(values), _attributes(key, spec.port))
         for key, values in spec.vary.values.items()
     }
     attrs = {"varied": " ".join(names.values()), **_told(spec)}
@@ -61,7 +61,8 @@ def _told(spec: CampaignSpec) -> dict[str, str]:
     """What a reader of the file must know of the campaign."""
     rigid = (name for name, design in spec.base["designs"].items() if not design["flexible"])
     names = {"campaign": spec.campaign, "study": spec.study, "climate": spec.climate_name}
-    return {**names, "reference": next(rigid, ""), "Conventions": "CF-1.8"}
+    port = {"port": spec.port} if spec.port else {}
+    return {**names, "reference": next(rigid, ""), "Conventions": "CF-1.8", **port}
 
 
 def _values(values: Sequence[float | str]) -> npt.NDArray[Any]:
@@ -69,9 +70,9 @@ def _values(values: Sequence[float | str]) -> npt.NDArray[Any]:
     return np.array(values, dtype=object if isinstance(values[0], str) else float)
 
 
-def _attributes(key: str) -> dict[str, str]:
-    """Units of a key, and its full name."""
-    return {"units": UNITS.get(key.rpartition(".")[2], "1"), "long_name": key}
+def _attributes(key: str, port: str) -> dict[str, str]:
+    """Units of a key beside a port, and its full name."""
+    return {"units": unit(key, port), "long_name": key}
 
 
 def _unfolded(ds: xr.Dataset, vary: Vary, names: Sequence[str]) -> xr.Dataset:

@@ -52,7 +52,7 @@ NEAR = 0.1
 """Of the longest pause: how far from the pause of the linear scene one is tried on the wet shell."""
 KNOWN_WET = 0.01
 """Of the longest pause: how well the best one there is known."""
-SETTLED_WET = 0.01
+SETTLED_WET = 0.02
 """Relative error of a power there."""
 
 
@@ -175,8 +175,8 @@ def refined_pause(scene: Scene, linear: BestPause, sea: Sea, settings: Simulatio
 
     Notes
     -----
-    Some eight trials: of 8 to 16 periods each in a regular wave, of the run's length each in another sea. A pause with
-    which the motion cannot be followed takes nothing.
+    Some eight trials: of 8 to 24 periods each in a regular wave, of the run's length in another sea.
+    A pause with which the motion cannot be followed takes nothing.
     """
     if not sea.omega.size:
         return linear

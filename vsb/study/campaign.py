@@ -18,7 +18,7 @@ from vsb.study.reading import read_yaml, validated
 from vsb.study.specs import Tunings, leading_tuning
 from vsb.study.study import Study, parse
 from vsb.study.study import load as load_study
-from vsb.study.vary import SCALE, VARIED, Point, Value, Vary, read_vary
+from vsb.study.vary import PORT, SCALE, VARIED, Point, Value, Vary, read_vary
 from vsb.study.year_options import Constrained, Verify
 
 SMALLEST, LARGEST = 1e-3, 1e3
@@ -127,6 +127,12 @@ def read(raw: object, source: str) -> "LoadedCampaign":
     if study.pto.damping is None and "fixed" in (campaign.tuning or ()):
         raise ConfigError(
             f"{source}: tuning: received fixed, but {campaign.study} has no pto.damping; needs one in N s/m"
+        )
+    ports = {*campaign.vary.values.get(PORT, ())}
+    if len(ports) > 1 and "volume" in ports:
+        raise ConfigError(
+            f"{source}: vary.{PORT}: received {', '.join(map(str, sorted(ports)))}, whose dampers and forces have "
+            "other units; needs volume alone, or others without it"
         )
     if campaign.verify and len(campaign.vary.points) > MOST_VERIFIED:
         raise ConfigError(

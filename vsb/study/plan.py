@@ -117,7 +117,8 @@ class StudyPlan(HydroPlan, ResultsPlan):
 
     def simulation(self, design: str, wave: Wave) -> SimulateSpec:
         """Spec of one time-domain run: of the take-off its own damper, or how to find it."""
-        study, tuning = self.study, self.study.tuning(wave)
+        study = self.study
+        tuning = study.pto.tuning if study.pto.damping is None else study.tuning(wave)  # a year's members lie still
         damping = study.pto.damper(design) if tuning == "fixed" else None
         return SimulateSpec(
             designs={design: study.designs[design]},

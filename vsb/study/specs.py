@@ -17,7 +17,7 @@ from vsb.study.quantities import Extended, Name, Section
 from vsb.study.sections import Design, Hydro, Modes, RestShape, Simulation, Water
 from vsb.study.study import Study
 from vsb.study.take_off import Pto, opens_chamber
-from vsb.study.vary import Vary
+from vsb.study.vary import PORT, Vary
 from vsb.study.waves import StillWater, Wave
 from vsb.study.year_options import Constrained, Verify
 
@@ -400,3 +400,9 @@ class CampaignSpec(Spec):
     batches: tuple[str, ...]
     members: tuple[str, ...]
     verifications: tuple[str, ...] = ()  # by id, in the order of the members; none if nothing is simulated in time
+
+    @property
+    def port(self) -> str:
+        """`volume`, if the take-off of all members acts on that; else nothing: units are those of forces."""
+        ports = self.vary.values.get(PORT, (self.base["pto"].get("port"),))
+        return "volume" if set(ports) == {"volume"} else ""

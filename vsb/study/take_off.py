@@ -128,6 +128,21 @@ def damper_unit(port: object) -> str:
     return "Pa s/m³" if port == "volume" else "N s/m"
 
 
+_AT_VOLUME = {
+    "N s/m": "Pa s/m³", "rms force of the take-off [kN]": "rms pressure of the take-off [kPa]",
+    "rms force [kN]": "rms pressure [kPa]", "limit of force [kN]": "limit of pressure [kPa]", "1e3)} kN": "1e3)} kPa",
+    "the take-off's force": "the take-off's pressure",
+}  # fmt: skip
+"""What is said of force and damper at a port that moves -> of pressure and damper at the volume."""
+
+
+def at_port(text: str, port: object) -> str:
+    """Return a text about a take-off, or a page with its scripts, in units of a port as `pto.port` says it."""
+    for force, pressure in _AT_VOLUME.items() if port == "volume" else ():
+        text = text.replace(force, pressure)
+    return text
+
+
 class Pto(Section):
     """Power take-off: damping [N s/m] of all designs or of each, stiffness [N/m] of a spring beside it, its port.
 

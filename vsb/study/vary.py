@@ -29,6 +29,11 @@ UNITS = {
     "atmospheric_pressure": "Pa",
 }  # fmt: skip
 """Units of varied numbers by the last word of their key; others have none."""
+AT_VOLUME = {
+    "pto.damping": "Pa s/m^3", "pto.stiffness": "Pa/m^3", "pto.force_limit": "Pa", "pto.stroke_limit": "m^3"
+}  # fmt: skip
+"""Units of keys of a take-off of the volume."""
+PORT = "pto.port"
 _FORMS = "a list of values, {log: [first, last, count]} or {linear: [first, last, count]}"
 _SPACED = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 3}
 _SPACING = {"type": "object", "properties": {"log": _SPACED, "linear": _SPACED}, "additionalProperties": False}
@@ -50,6 +55,12 @@ VARIED: dict[str, Any] = {
 """What a file may say of what is varied, as JSON schema."""
 _DIGITS = 12
 """Digits of values spaced evenly: those of a sweep and of its widening are the same."""
+
+
+def unit(key: str, port: str = "") -> str:
+    """Return the unit of a key, of a take-off's beside its port."""
+    known = UNITS.get(key.rpartition(".")[2], "1")
+    return AT_VOLUME.get(key, known) if port == "volume" else known
 
 
 class Vary(Section):

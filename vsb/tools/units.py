@@ -234,8 +234,11 @@ _LABELS = (
 )
 
 
-AT_VOLUME = {"port_impedance": "Pa s/m^3", "port_velocity": "m^2/s", "best_damping": "Pa s/m^3"}
-"""Units of what a take-off sees of a volume: pressure against volume flow."""
+AT_VOLUME = {
+    "port_impedance": "Pa s/m^3", "port_velocity": "m^2/s", "best_damping": "Pa s/m^3", "damping": "Pa s/m^3",
+    "tried_damping": "Pa s/m^3", "force_rms": "Pa", "force_of_damping": "Pa",
+}  # fmt: skip
+"""Units of what a take-off sees of a volume, and of what it does there: pressure against volume flow."""
 
 
 def described(ds: xr.Dataset) -> xr.Dataset:

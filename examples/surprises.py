@@ -1,0 +1,321 @@
+"""Surprises of the fair comparison: the studies they come from and their figures, as docs/surprises.md tells them.
+
+    python -m examples.surprises results/surprises
+
+prints the figures of every case; one alone, or some, by name:
+
+    python -m examples.surprises results/surprises drag negative_spring
+"""
+
+import argparse
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks.hard_cases import hydro_files
+from examples.paper_at_best_dampers import rows_of
+from examples.when_flexibility_pays import ports
+from vsb.cli import answer
+from vsb.errors import ConfigError
+from vsb.integrators.settled import settled_power
+from vsb.motion.system import System
+from vsb.results.ladder import Rung, study_ladder
+from vsb.scenes.afloat import linear_buoy
+from vsb.scenes.build import body_exact_design, linear_design
+from vsb.scenes.pause import SETTLED, with_pause
+from vsb.study.plan import StudyPlan
+from vsb.study.study import Study, load, parse
+from vsb.waves.seas import sea
+
+Figures = dict[str, float]
+RIGID, FLEXIBLE = "FSB", "VSWEC"
+BASE: dict[str, Any] = {
+    "designs": {RIGID: {"flexible": False}, FLEXIBLE: {}},
+    "hydro": {"model": "linear", "tolerance": 1e-3, "omega_max": 8.0, "witness": "none"},
+    "pto": {"damping": None, "tuning": "each"},
+    "published": None,
+}
+"""What all cases change in the seed: two designs, no damper given."""
+NOTHING = 1e-6
+"""Figures below are none."""
+
+
+def regular(period: float, amplitude: float = 0.1) -> dict[str, Any]:
+    """A regular wave."""
+    return {"kind": "regular", "amplitude": amplitude, "period": period}
+
+
+def jonswap(tp: float, hs: float = 0.3) -> dict[str, Any]:
+    """A JONSWAP sea."""
+    return {"kind": "jonswap", "hs": hs, "tp": tp, "seed": 1}
+
+
+def study_of(waves: Sequence[Mapping[str, Any]], **changes: Any) -> Study:
+    """Return the seed with the changes of a case."""
+    raw = load("config/seed.yaml").model_dump()
+    for section, update in {**BASE, **changes, "waves": list(waves)}.items():
+        merged = isinstance(update, dict) and isinstance(raw.get(section), dict) and section not in ("designs", "pto")
+        raw[section] = {**raw[section], **update} if merged else update
+    return parse(raw)
+
+
+class Ladder:
+    """The tuning ladder of a study, by design, sea and rung."""
+
+    def __init__(self, study: Study, folder: Path) -> None:
+        """Climb it."""
+        self.waves = [wave.label for wave in study.waves]
+        found = study_ladder(StudyPlan(study).ladder, hydro_files(study, folder)["database"])
+        self.rungs = {(rung.design, rung.wave, rung.rung): rung for rung in found}
+
+    def at(self, design: str, rung: str, wave: int = 0) -> Rung:
+        """Return a rung in a sea."""
+        return self.rungs[design, self.waves[wave], rung]
+
+    def power(self, design: str, rung: str, wave: int = 0) -> float:
+        """Return what it takes [W]."""
+        return self.at(design, rung, wave).power_mean or 0.0
+
+    def gain(self, rung: str, wave: int = 0) -> float:
+        """Return what the flexible design takes more than the rigid one [%]."""
+        return 100 * (self.power(FLEXIBLE, rung, wave) / self.power(RIGID, rung, wave) - 1)
+
+    def reactance_ratio(self, design: str, wave: int = 0) -> float:
+        """Return Q = |X|/R in a regular wave, from what the best damper takes of the limit: 2/(1 + sqrt(1 + Q^2))."""
+        share = self.at(design, "best_damper", wave).limit_fraction or 0.0
+        return float(np.sqrt((2 / share - 1) ** 2 - 1))
+
+
+def one_damper(folder: Path) -> Figures:
+    """A damper that suits neither makes the shell look better."""
+    found = Ladder(study_of([regular(4.0)], pto={"damping": 8000.0}), folder)
+    shares = {d: 100 * found.power(d, "fixed") / found.power(d, "best_damper") for d in (RIGID, FLEXIBLE)}
+    return {
+        "gain at 8000 N s/m [%]": found.gain("fixed"),
+        "gain at own best dampers [%]": found.gain("best_damper"),
+        "rigid buoy's best damper [N s/m]": found.at(RIGID, "best_damper").damping or 0.0,
+        "flexible buoy's best damper [N s/m]": found.at(FLEXIBLE, "best_damper").damping or 0.0,
+        "rigid buoy's share of its best at 8000 N s/m [%]": shares[RIGID],
+        "flexible buoy's share of its best at 8000 N s/m [%]": shares[FLEXIBLE],
+    }
+
+
+def narrow_band(folder: Path) -> Figures:
+    """Under a best damper the shell pays where it lowers Q, and nowhere else."""
+    periods = (2.5, 3.06, 5.0)
+    found, figures = Ladder(study_of([regular(period) for period in periods]), folder), {}
+    for i, period in enumerate(periods):
+        figures[f"gain at {period:g} s [%]"] = found.gain("best_damper", i)
+        for name, design in (("rigid", RIGID), ("flexible", FLEXIBLE)):
+            figures[f"Q at {period:g} s, {name}"] = found.reactance_ratio(design, i)
+    return figures
+
+
+def same_limit(folder: Path) -> Figures:
+    """What any force can take does not depend on the shell, nor on where the take-off acts."""
+    figures, young = {}, load("config/seed.yaml").device.young_modulus
+    for factor in (0.25, 1.0, 100.0):
+        found = Ladder(study_of([regular(3.06)], device={"young_modulus": factor * young}), folder)
+        figures[f"matched gain, Young's modulus times {factor:g} [%]"] = found.gain("matched")
+        figures[f"best damper's gain, Young's modulus times {factor:g} [%]"] = found.gain("best_damper")
+    return figures
+
+
+def port_within(folder: Path) -> Figures:
+    """Between its own poles a rigid buoy takes nothing; a shell could take as much there as from heave, and cannot."""
+    found = Ladder(study_of([regular(3.06)], pto={"port": {"between": (0.0, 180.0)}}), folder)
+    heave = Ladder(study_of([regular(3.06)]), folder)
+    return {
+        "rigid, best damper [W]": found.power(RIGID, "best_damper"),
+        "flexible, best damper [W]": found.power(FLEXIBLE, "best_damper"),
+        "flexible, matched [W]": found.power(FLEXIBLE, "matched"),
+        "flexible, matched on heave [W]": heave.power(FLEXIBLE, "matched"),
+        "Q, flexible": found.reactance_ratio(FLEXIBLE),
+        "Q on heave, flexible": heave.reactance_ratio(FLEXIBLE),
+    }
+
+
+def one_for_all(folder: Path) -> Figures:
+    """One damper for seas of 3 to 8 s costs little, though their best ones differ much."""
+    found = Ladder(study_of([jonswap(tp) for tp in (3.0, 4.0, 5.0, 6.0, 8.0)]), folder)
+    figures = {}
+    for name, design in (("rigid", RIGID), ("flexible", FLEXIBLE)):
+        each, one = (
+            np.array([found.power(design, rung, i) for i in range(len(found.waves))])
+            for rung in ("best_damper", "best_damper_all_seas")
+        )
+        dampers = [found.at(design, "best_damper", i).damping or 0.0 for i in range(len(found.waves))]
+        figures[f"{name}, largest best damper over the least"] = max(dampers) / min(dampers)
+        figures[f"{name}, lost by one for all, all seas [%]"] = 100 * (1 - one.sum() / each.sum())
+        figures[f"{name}, lost by one for all, worst sea [%]"] = 100 * float((1 - one / each).max())
+    return figures
+
+
+def negative_spring(folder: Path) -> Figures:
+    """In long waves the best spring pushes the buoy away from its rest."""
+    study = study_of([jonswap(3.0), jonswap(8.0)])
+    found, stiffness = Ladder(study, folder), study.water.density * study.water.gravity * np.pi * study.device.radius**2
+    figures = {}
+    for i, tp in enumerate((3, 8)):
+        pair = found.at(RIGID, "best_spring_damper", i)
+        figures[f"Tp {tp} s: best spring over the waterplane's [%]"] = 100 * (pair.stiffness or 0.0) / stiffness
+        figures[f"Tp {tp} s: times the best damper's power"] = (pair.power_mean or 0.0) / found.power(
+            RIGID, "best_damper", i
+        )
+    return figures
+
+
+def limit_that_costs_nothing(folder: Path) -> Figures:
+    """Under a limit just above the matched force's peak the optimum is the matched one; half of it costs little."""
+    matched = Ladder(study_of([jonswap(5.0)]), folder).at(RIGID, "matched")
+    peak, figures = matched.force_peak or 0.0, {"matched power [W]": matched.power_mean or 0.0}
+    for share in (1.05, 0.5, 0.1):
+        found = Ladder(study_of([jonswap(5.0)], pto={**BASE["pto"], "force_limit": share * peak}), folder)
+        power = found.power(RIGID, "constrained")
+        figures[f"limit {share:g} of the matched peak: power lost [%]"] = 100 * (
+            1 - power / figures["matched power [W]"]
+        )
+    return figures
+
+
+def scarce_force(folder: Path) -> Figures:
+    """With a tenth of the force the best damper wants, the shell pays where with the damper it lost."""
+    free = Ladder(study_of([jonswap(4.0)]), folder)
+    limit = 0.1 * (free.at(RIGID, "best_damper").force_rms or 0.0)
+    study = study_of([jonswap(4.0)], pto={**BASE["pto"], "force_limit": limit})
+    found, free_speed = Ladder(study, folder), free_velocity(study, folder)
+    return {
+        "gain at own best dampers [%]": free.gain("best_damper"),
+        "gain without limits, any force [%]": free.gain("matched"),
+        "gain at a tenth of the force [%]": found.gain("constrained"),
+        "force limit [N]": limit,
+        "gain in free velocity, rms [%]": 100 * (free_speed[FLEXIBLE] / free_speed[RIGID] - 1),
+    }
+
+
+def free_velocity(study: Study, folder: Path) -> dict[str, float]:
+    """Return the rms velocity of heave in the first sea without a take-off, by design [m/s]."""
+    buoy, basis = linear_buoy(study, hydro_files(study, folder)["database"])
+    waves = sea(study.waves[0], study.hydro.omega_max, study.simulation.duration)
+    seen = ports(buoy, study, basis, waves.omega)
+    return {name: float(np.linalg.norm(port.velocity * waves.amplitude) / np.sqrt(2)) for name, port in seen.items()}
+
+
+def drag(folder: Path) -> Figures:
+    """Drag takes little from a damper and half of what a spring had added to it."""
+    seas, figures = [regular(4.0, 0.5)], {}
+    without = Ladder(study_of(seas), folder)
+    braked = Ladder(study_of(seas, drag={"heave": {"coefficient": 1.0, "area": 12.57}}), folder)
+    for name, rung in (("best damper", "best_damper"), ("best spring and damper", "best_spring_damper")):
+        for kind, design in (("rigid", RIGID), ("flexible", FLEXIBLE)):
+            lost = 100 * (1 - braked.power(design, rung) / without.power(design, rung))
+            figures[f"{kind}: {name} loses [%]"] = lost
+    return figures
+
+
+def latching(folder: Path) -> Figures:
+    """The best damper is far too heavy to latch with."""
+    wave, figures = regular(5.0), {}
+    best = Ladder(study_of([wave]), folder)
+    heavy = best.at(RIGID, "best_damper").damping or 0.0
+    figures["best damper [N s/m]"], figures["it takes [W]"] = heavy, best.power(RIGID, "best_damper")
+    for name, damping in (("the best damper", heavy), ("a fifth of it", heavy / 5)):
+        study = study_of([wave], pto={"damping": damping, "law": "latching"}, designs={RIGID: {"flexible": False}})
+        notes = linear_design(StudyPlan(study).simulation(RIGID, study.waves[0]), hydro_files(study, folder)).notes
+        figures[f"latched with {name} [W]"] = notes["pause_power"]
+    figures["matched [W]"] = best.power(RIGID, "matched")
+    return figures
+
+
+def latching_when_wet(folder: Path) -> Figures:
+    """On its instantaneous wet shape a vented shell wants to be released earlier than its linear scene says."""
+    study = study_of(
+        [regular(5.0, 0.05)],
+        pto={"damping": 9000.0, "law": "latching"},
+        designs={FLEXIBLE: {}},
+        modes={"degree": 3},
+        hydro={**BASE["hydro"], "model": "body_exact", "omega_max": 6.0},
+    )
+    found = body_exact_design(StudyPlan(study).simulation(FLEXIBLE, study.waves[0]), hydro_files(study, folder))
+    linear, pause = (found.notes[name] for name in ("linear_pause", "pause"))
+    early, late = (settled_power(System.of(with_pause(found.scene, p)), SETTLED)[0] for p in (pause, linear))
+    return {
+        "best pause of the linear scene [s]": linear,
+        "best pause on the wet shell [s]": pause,
+        "power at the former, on the wet shell [W]": late,
+        "power at the latter, on the wet shell [W]": early,
+    }
+
+
+def the_paper(_: Path) -> Figures:
+    """The published +57 % under fair tuning, in the paper's own loading."""
+    figures = {}
+    for name in ("paper_inferred", "paper"):
+        study = load(f"config/{name}.yaml")
+        rows = {row.design: row for row in rows_of(study)}
+        figures[f"{name}: gain at the one damper [%]"] = rows[FLEXIBLE].gain_percent
+        figures[f"{name}: gain at own best dampers [%]"] = rows[FLEXIBLE].best_gain_percent
+    return figures
+
+
+def surge(folder: Path) -> Figures:
+    """In surge the same shell gains where in heave it hardly does."""
+    planar = {
+        "motion": "planar",
+        "device": {"centre_of_mass": -0.5, "ballast_inertia": 8e3},
+        "modes": {"order": 1},
+        "mooring": [[2e4, 0, 0, 0, 0, 0], *([0] * 6,) * 5],
+    }
+    periods = (2.5, 3.0)
+    study = study_of([regular(period) for period in periods], pto={**BASE["pto"], "port": "surge"}, **planar)
+    found, figures = Ladder(study, folder), {}
+    for i, period in enumerate(periods):
+        figures[f"gain at {period:g} s [%]"] = found.gain("best_damper", i)
+        for name, design in (("rigid", RIGID), ("flexible", FLEXIBLE)):
+            figures[f"Q at {period:g} s, {name}"] = found.reactance_ratio(design, i)
+    return figures
+
+
+CASES: Mapping[str, Callable[[Path], Figures]] = {
+    case.__name__: case
+    for case in (
+        one_damper, narrow_band, same_limit, port_within, one_for_all, negative_spring, limit_that_costs_nothing,
+        scarce_force, drag, latching, latching_when_wet, the_paper, surge,
+    )
+}  # fmt: skip
+"""By name."""
+
+
+def table(name: str, figures: Figures) -> str:
+    """Return the figures of a case as the page has them."""
+    lines = [
+        f"| `{name}` | |",
+        "|---|---|",
+        *(f"| {key} | {value if abs(value) > NOTHING else 0.0:.4g} |" for key, value in figures.items()),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def run(args: argparse.Namespace) -> int:
+    """Print the figures."""
+    if unknown := set(args.cases) - set(CASES):
+        raise ConfigError(f"case: received {', '.join(sorted(unknown))}, needs some of {', '.join(CASES)}")
+    for name in args.cases or CASES:
+        print(table(name, CASES[name](Path(args.folder))), flush=True)
+    return 0
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run from the command line."""
+    parser = argparse.ArgumentParser(prog="python -m examples.surprises", description=__doc__)
+    parser.add_argument("folder", metavar="FOLDER")
+    parser.add_argument("cases", metavar="CASE", nargs="*")
+    parser.set_defaults(handler=run, writes=("{folder}/",))
+    return answer(parser, argv)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
