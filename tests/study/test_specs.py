@@ -6,6 +6,7 @@ import pytest
 from conftest import SEED, varied
 from pydantic import ValidationError
 
+from vsb.study import plan as plans
 from vsb.study import specs
 from vsb.study.plan import StudyPlan
 from vsb.study.study import canonical, content_id, load
@@ -66,7 +67,7 @@ def test_how_a_pause_is_found_names_the_runs_that_pause_and_no_others(seed, monk
 
     others, runs = ids()
     assert ('"pause":2' in canonical(StudyPlan(varied(seed, pto=pto)).simulation("FSB", seed.waves[0]))) == pauses
-    monkeypatch.setattr(specs, "PAUSE", specs.PAUSE + 1)
+    monkeypatch.setattr(plans, "PAUSE", specs.PAUSE + 1)
     after = ids()
     assert after[0] == others
     assert [new != old for new, old in zip(after[1], runs, strict=True)] == [pauses] * len(runs)

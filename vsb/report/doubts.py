@@ -31,7 +31,7 @@ ADVICE = {
     "assumed_pressure": "hydro.model: linear, in which waves radiate",
     "left_out": "lower hydro.power_tolerance",
     "gain_error": "lower hydro.power_tolerance",
-    "pause": "lower waves, or hydro.model: body_exact",
+    "pause": "lower waves, or another damper",
     "drag": "read the powers in time, or lower waves",
     "pitch": "lower waves",
     "rotation": "lower waves",

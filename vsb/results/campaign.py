@@ -10,7 +10,7 @@ import xarray as xr
 
 from vsb.study.campaign_plan import VARIABLES
 from vsb.study.specs import CONSTRAINED, CampaignSpec, leading_tuning
-from vsb.study.vary import MEMBER, Vary, unit
+from vsb.study.vary import MEMBER, PORT, Vary, unit
 from vsb.tools.tables import csv_text
 from vsb.tools.units import FloatArray
 
@@ -50,7 +50,7 @@ def gathered(spec: CampaignSpec, batches: Sequence[xr.Dataset]) -> xr.Dataset:
     ordered = whole.sel(member=list(spec.members)).drop_vars(MEMBER)
     names = spec.vary.dimensions(VARIABLES)
     coordinates = {
-        names[key]: (MEMBER if spec.vary.together else names[key], _values(values), _attributes(key, spec.port))
+        names[key]: (MEMBER if spec.vary.together else names[key], _values(values), _attributes(key, _port(spec)))
         for key, values in spec.vary.values.items()
     }
     attrs = {"varied": " ".join(names.values()), **_told(spec)}
@@ -61,8 +61,14 @@ def _told(spec: CampaignSpec) -> dict[str, str]:
     """What a reader of the file must know of the campaign."""
     rigid = (name for name, design in spec.base["designs"].items() if not design["flexible"])
     names = {"campaign": spec.campaign, "study": spec.study, "climate": spec.climate_name}
-    port = {"port": spec.port} if spec.port else {}
+    port = {"port": _port(spec)} if _port(spec) else {}
     return {**names, "reference": next(rigid, ""), "Conventions": "CF-1.8", **port}
+
+
+def _port(spec: CampaignSpec) -> str:
+    """Return `volume`, if the take-off of all members acts on that; else nothing: units are those of forces."""
+    ports = spec.vary.values.get(PORT, (spec.base["pto"].get("port"),))
+    return "volume" if set(ports) == {"volume"} else ""
 
 
 def _values(values: Sequence[float | str]) -> npt.NDArray[Any]:

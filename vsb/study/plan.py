@@ -9,6 +9,7 @@ from typing import Any
 from vsb.study.blocks import BlockSpec, HydroPlan
 from vsb.study.results_plan import ResultsPlan
 from vsb.study.specs import (
+    PAUSE,
     Band,
     CompareSpec,
     DatabaseSpec,
@@ -23,7 +24,6 @@ from vsb.study.specs import (
     SimulateSpec,
     SphereMesh,
     WitnessSpec,
-    pause_version,
 )
 from vsb.study.study import RegularWave, Study, Wave, content_id, parse
 from vsb.study.witness import no_witness, witness_spec
@@ -126,7 +126,7 @@ class StudyPlan(HydroPlan, ResultsPlan):
             hydro=Dynamics(**study.hydro.model_dump(include=set(Dynamics.model_fields))),
             pto=study.pto.model_copy(update={"damping": damping, "tuning": tuning}),
             seas=study.one_of_each_sea if tuning == "one" else (),
-            pause=pause_version(study.pto),
+            pause=PAUSE if study.pto.pauses else 0,
             **self._sections("device", "modes", "reference_shape", "water", "drag", "simulation", "motion", "mooring"),
         )
 

@@ -17,7 +17,7 @@ from vsb.study.quantities import Extended, Name, Section
 from vsb.study.sections import Design, Hydro, Modes, RestShape, Simulation, Water
 from vsb.study.study import Study
 from vsb.study.take_off import Pto, opens_chamber
-from vsb.study.vary import PORT, Vary
+from vsb.study.vary import Vary
 from vsb.study.waves import StillWater, Wave
 from vsb.study.year_options import Constrained, Verify
 
@@ -27,7 +27,7 @@ PHYSICS = {
 }  # fmt: skip
 """Hand-bumped version of the physics behind each tag: a library edit alone never reruns anything."""
 PAUSE = 2
-"""Hand-bumped version of how long a law that pauses is found to, a part of the runs of such laws alone."""
+"""Hand-bumped version of how the pause of a law is found: in the runs of laws that pause alone."""
 
 
 class Spec(Extended):
@@ -349,15 +349,9 @@ RUN_BY = ("member", "database", "radiation", "simulate")
 """Tags of the physics runs in time of a member rest on, beside their own."""
 
 
-def pause_version(pto: Pto) -> int:
-    """Return the version of how the pause of a law is found; 0: it does not pause."""
-    return PAUSE if pto.pauses else 0
-
-
 def _versions(pto: Pto) -> dict[str, int]:
     """Versions of what runs in time rest on."""
-    found = {tag: PHYSICS[tag] for tag in RUN_BY}
-    return found | ({"pause": pause_version(pto)} if pto.pauses else {})
+    return {tag: PHYSICS[tag] for tag in RUN_BY} | ({"pause": PAUSE} if pto.pauses else {})
 
 
 class VerificationSpec(MemberSpec):
@@ -400,9 +394,3 @@ class CampaignSpec(Spec):
     batches: tuple[str, ...]
     members: tuple[str, ...]
     verifications: tuple[str, ...] = ()  # by id, in the order of the members; none if nothing is simulated in time
-
-    @property
-    def port(self) -> str:
-        """`volume`, if the take-off of all members acts on that; else nothing: units are those of forces."""
-        ports = self.vary.values.get(PORT, (self.base["pto"].get("port"),))
-        return "volume" if set(ports) == {"volume"} else ""
