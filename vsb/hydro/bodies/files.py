@@ -15,6 +15,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.errors import ConfigError
+from vsb.hydro.bodies.apart import check_apart
 from vsb.hydro.bodies.body import FlexibleBody, IntArray, at_centres, at_vertices, check_vertices
 from vsb.hydro.panels import rings as bem
 from vsb.tools.bounded import bounded_memory, bounded_time
@@ -133,7 +134,7 @@ def read_body(mesh: str | Path, modes: str | Path) -> FlexibleBody:
     dropped = len(faces) - len(kept)
     faces, values = faces[kept], values if by_vertex else values[:, kept]
     try:
-        return FlexibleBody(
+        body = FlexibleBody(
             vertices,
             faces,
             labels,
@@ -142,6 +143,8 @@ def read_body(mesh: str | Path, modes: str | Path) -> FlexibleBody:
             **{field: known.get(name) for field, name in _MATRICES.items()},
             history=f"panels without area dropped: {dropped} of {dropped + len(kept)}" if dropped else "",
         )
+        check_apart(body)
+        return body
     except (ConfigError, IndexError) as error:
         raise ConfigError(f"{mesh}, {modes}: {error}") from None
 

@@ -1,0 +1,73 @@
+"""Two bodies in one mesh: apart they are read, in each other or touching they are refused in one line."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from examples.barge import box
+from vsb.errors import ConfigError
+from vsb.hydro.bodies.apart import check_apart
+from vsb.hydro.bodies.body import FlexibleBody, at_centres, joined
+from vsb.hydro.bodies.files import read_body, write_body
+
+
+def two(shift, second=(4.0, 3.0, 1.0)):
+    """Two boxes, the second one somewhere else, heave of each."""
+    one, (x, faces) = box(4.0, 3.0, 1.0, 1), box(*second, 1)
+    vertices, panels = joined([one, (x + np.array(shift), faces)])
+    up = np.zeros((2, len(vertices), 3))
+    up[0, : len(one[0]), 2] = up[1, len(one[0]) :, 2] = 1.0
+    moved = at_centres(vertices, panels, up)
+    return FlexibleBody(vertices, panels, ("float__Heave", "spar__Heave"), moved, up)
+
+
+@pytest.mark.parametrize("shift", [(5.0, 0.0, 0.0), (0.0, 3.001, 0.0), (0.0, -3.2, 0.0), (4.2, 3.5, 0.0)])
+def test_bodies_apart_are_read(shift, tmp_path):
+    body = two(shift)
+    check_apart(body)
+    write_body(body, tmp_path / "two.nc")
+    assert read_body(tmp_path / "two.nc", tmp_path / "two.nc").labels == body.labels
+
+
+@pytest.mark.parametrize(
+    ("shift", "second"),
+    [((1.0, 0.5, 0.0), (4.0, 3.0, 1.0)), ((0.2, 0.1, 0.0), (1.0, 0.8, 0.5)), ((3.9, 0.3, 0.0), (4.0, 3.0, 1.0))],
+)
+def test_bodies_in_each_other_are_refused(shift, second, tmp_path):
+    """Beside, one whole inside the other, and by a tenth of a metre at one end."""
+    write_body(two(shift, second), tmp_path / "two.nc")
+    with pytest.raises(
+        ConfigError, match=r"two.nc, .*two.nc: mesh: \d+ panels? of one part lie inside another"
+    ) as error:
+        read_body(tmp_path / "two.nc", tmp_path / "two.nc")
+    assert "\n" not in str(error.value)
+
+
+def test_bodies_that_share_a_side_are_refused():
+    with pytest.raises(ConfigError, match=r"mesh: panel \d+ at \(.*\) is there twice; needs bodies apart"):
+        check_apart(two((4.0, 0.0, 0.0)))
+
+
+def test_one_body_is_no_pair():
+    vertices, panels = box(4.0, 3.0, 1.0, 2)
+    up = np.zeros((1, len(vertices), 3))
+    up[0, :, 2] = 1.0
+    check_apart(FlexibleBody(vertices, panels, ("Heave",), at_centres(vertices, panels, up), up))
+
+
+def test_panels_whose_corners_do_not_meet_are_no_parts():
+    """Every panel with corners of its own, a tenth of a millimetre off: one body, not as many as panels."""
+    vertices, panels = box(4.0, 3.0, 1.0, 2)
+    middle = vertices[panels].mean(axis=1, keepdims=True)
+    loose = (middle + (vertices[panels] - middle) * (1 - 1e-6)).reshape(-1, 3)
+    faces = np.arange(len(loose)).reshape(-1, 4)
+    up = np.zeros((1, len(loose), 3))
+    up[0, :, 2] = 1.0
+    loose[:, 2] = np.minimum(loose[:, 2], 0.0)
+    body = SimpleNamespace(vertices=loose, faces=faces, centres=middle[:, 0], triangles=None)
+    whole = FlexibleBody(
+        vertices, panels, ("Heave",), at_centres(vertices, panels, up[:, : len(vertices)]), up[:, : len(vertices)]
+    )
+    body.triangles = whole.triangles._replace(corner=loose[np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]])])
+    check_apart(body)
