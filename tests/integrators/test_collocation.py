@@ -33,7 +33,7 @@ def system(**others):
 
 
 def dragged():
-    return system(drag=QuadraticDrag(np.ones(1), DRAG, np.array([OMEGA]), np.array([FLOW])))
+    return system(drag=QuadraticDrag(np.eye(1), np.array([DRAG]), np.array([OMEGA]), np.array([[FLOW]])))
 
 
 @dataclass(frozen=True)
@@ -122,7 +122,7 @@ def test_a_linear_scene_is_followed_as_closely_as_asked():
 
 def test_rest_stays_rest():
     still = System.of(Scene(("Heave",), np.array([[2.0]]), {"hydrostatic": LINEAR["hydrostatic"], "drag": QuadraticDrag(
-        np.ones(1), DRAG, np.zeros(0), np.zeros(0, dtype=complex))}, np.eye(1)))  # fmt: skip
+        np.eye(1), np.array([DRAG]), np.zeros(0), np.zeros((0, 1), dtype=complex))}, np.eye(1)))  # fmt: skip
     found, _ = collocated(still, TIME, (np.zeros(1), np.zeros(1)), 1e-6)
     assert not found.position.any()
 
@@ -167,7 +167,7 @@ def test_switches_are_refused():
 
 def test_a_still_sea_needs_no_waves():
     quiet = System.of(Scene(("Heave",), np.array([[2.0]]), {k: LINEAR[k] for k in ("hydrostatic", "pto")} | {
-        "drag": QuadraticDrag(np.ones(1), DRAG, NO_WAVES.omega, NO_WAVES.amplitude)}, np.eye(1)))  # fmt: skip
+        "drag": QuadraticDrag(np.eye(1), np.array([DRAG]), NO_WAVES.omega, NO_WAVES.amplitude[:, None])}, np.eye(1)))  # fmt: skip
     found, _ = collocated(quiet, TIME, START, 1e-6)
     energy = 25 * found.position[:, 0] ** 2 + found.velocity[:, 0] ** 2
     assert (np.diff(energy) < 1e-9).all()

@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from vsb.errors import ConvergenceError
+from vsb.motion import drag as drag_module
 from vsb.motion.drag import GAUSSIAN, REGULAR, DraggedPort, best_damper, best_pair, under
 from vsb.motion.port import Port
 from vsb.motion.tuning import best_dampers, best_pairs
@@ -11,9 +13,9 @@ DRAG = 0.4
 
 
 class Buoy:
-    """A few coupled motions that radiate through one channel, with every matrix at hand."""
+    """A few coupled motions that radiate through one channel, some of them dragged, with every matrix at hand."""
 
-    def __init__(self, seed, coefficient=DRAG, count=30, motions=3):
+    def __init__(self, seed, coefficient=DRAG, count=30, motions=3, dragged=1):
         rng = np.random.default_rng(seed)
         self.omega = np.linspace(0.5, 3.0, count)
         mass, stiffness = 10 ** rng.uniform(-0.5, 0.5, (2, motions))
@@ -21,14 +23,16 @@ class Buoy:
         radiated = 0.3 * np.real(self.push[:, :, None] * self.push[:, None, :].conj()) * self.omega[:, None, None] ** 3
         w = self.omega[:, None, None]
         self.dynamic = -(w**2) * np.diag(mass) - 1j * w * (radiated + 0.02 * np.eye(motions)) + np.diag(stiffness)
-        self.b, self.d = rng.normal(size=motions), np.eye(motions)[0]
-        self.flow = -1j * self.omega * np.exp(-0.1 * self.omega**2)
+        self.b, self.d = rng.normal(size=motions), np.eye(motions)[:dragged]
+        self.flow = -1j * (self.omega * np.exp(-0.1 * self.omega**2))[:, None] / (1 + np.arange(dragged))
         rate = -1j * self.omega
-        moved = {name: self.solved(self.dynamic, x) for name, x in (("free", self.push), ("b", self.b), ("d", self.d))}
+        free, pushed = self.solved(self.dynamic, self.push), self.solved(self.dynamic, self.b)
+        forced = np.stack([self.solved(self.dynamic, d) for d in self.d], axis=-1)
         compliance = float(self.b @ (self.b / stiffness))
-        port = Port(self.omega, rate * (moved["b"] @ self.b), rate * (moved["free"] @ self.b), compliance)
-        past = rate * (moved["free"] @ self.d) - self.flow
-        self.port = DraggedPort(port, rate * (moved["d"] @ self.b), rate * (moved["d"] @ self.d), past, coefficient)
+        port = Port(self.omega, rate * (pushed @ self.b), rate * (free @ self.b), compliance)
+        past = rate[:, None] * (free @ self.d.T) - self.flow
+        across, own = rate[:, None] * (forced.transpose(0, 2, 1) @ self.b), rate[:, None, None] * (self.d @ forced)
+        self.port = DraggedPort(port, across, own, past, coefficient * (1 + np.arange(dragged)))
 
     def solved(self, dynamic, force):
         return np.linalg.solve(dynamic, np.broadcast_to(force, self.push.shape)[..., None])[..., 0]
@@ -36,13 +40,13 @@ class Buoy:
     def velocities(self, damping, stiffness, drag):
         """Of the port and past the water, per wave amplitude, by the whole equation of motion under a linear drag."""
         w = self.omega[:, None, None]
-        held = -1j * w * (drag * np.outer(self.d, self.d) + damping * np.outer(self.b, self.b))
+        held = -1j * w * ((self.d.T * drag) @ self.d + damping * np.outer(self.b, self.b))
         moved = self.solved(
             self.dynamic + held + stiffness * np.outer(self.b, self.b),
-            self.push + drag * self.flow[:, None] * self.d,
+            self.push + (drag * self.flow) @ self.d,
         )
         rate = -1j * self.omega
-        return rate * (moved @ self.b), rate * (moved @ self.d) - self.flow
+        return rate * (moved @ self.b), rate[:, None] * (moved @ self.d.T) - self.flow
 
 
 def seas(omega):
@@ -60,28 +64,30 @@ def test_the_laws_of_linearisation():
     assert weight @ np.abs(u) ** 3 / (weight @ u**2) == pytest.approx(GAUSSIAN, rel=1e-5)
 
 
+@pytest.mark.parametrize("dragged", [1, 2, 3])
 @pytest.mark.parametrize("seed", range(3))
-def test_the_dragged_port_is_the_buoy_with_a_damper(seed):
-    buoy = Buoy(seed)
-    port = buoy.port.beside(0.7)
-    velocity, past = buoy.velocities(0.5, 0.2, 0.7)
+def test_the_dragged_port_is_the_buoy_with_a_damper(seed, dragged):
+    buoy, drag = Buoy(seed, dragged=dragged), np.array([0.7, 0.3, 1.1])[:dragged]
+    port = buoy.port.beside(drag)
+    velocity, past = buoy.velocities(0.5, 0.2, drag)
     assert port.velocity_under(port.load(0.5, 0.2)) == pytest.approx(velocity, rel=1e-10)
     seen = buoy.port.seen(np.array([0.5]), np.array([0.2]))
-    assert seen.flow[0] / (1 + 0.7 * seen.admittance[0]) == pytest.approx(past, rel=1e-10)
+    assert seen.under(drag[None], np.zeros(1, int))[0] == pytest.approx(past, rel=1e-10)
     assert port.compliance == buoy.port.port.compliance
 
 
+@pytest.mark.parametrize("dragged", [1, 2, 3])
 @pytest.mark.parametrize("seed", range(3))
-def test_drag_is_settled_with_the_motion_it_brakes(seed):
+def test_drag_is_settled_with_the_motion_it_brakes(seed, dragged):
     """D from the motion under that very D, of the whole equation; power is that motion's."""
-    buoy = Buoy(seed)
+    buoy = Buoy(seed, dragged=dragged)
     waves, dampers, springs = seas(buoy.omega), np.array([0.1, 2.0]), np.array([0.0, 0.3])
     drag, power = buoy.port.settled(waves, dampers, springs), buoy.port.powers(waves, dampers, springs)
     for i, (c, k) in enumerate(zip(dampers, springs, strict=True)):
         for j, (square, factor) in enumerate(zip(waves, (REGULAR * np.sqrt(2), GAUSSIAN, GAUSSIAN), strict=True)):
             velocity, past = buoy.velocities(c, k, drag[i, j])
             spread = np.sqrt(0.5 * square @ np.abs(past) ** 2)
-            assert drag[i, j] == pytest.approx(DRAG * factor * spread, rel=1e-10)
+            assert drag[i, j] == pytest.approx(buoy.port.coefficient * factor * spread, rel=1e-9)
             assert power[i, j] == pytest.approx(0.5 * c * square @ np.abs(velocity) ** 2, rel=1e-10)
 
 
@@ -124,9 +130,27 @@ def test_more_drag_takes_more():
 def test_a_port_that_stands_still_takes_nothing():
     buoy = Buoy(0)
     none = np.zeros_like(buoy.omega) + 0j
-    still = DraggedPort(Port(buoy.omega, none, none, 0.0), none, buoy.port.own, buoy.port.past, DRAG)
+    rest = (none[:, None], buoy.port.own, buoy.port.past, buoy.port.coefficient)
+    still = DraggedPort(Port(buoy.omega, none, none, 0.0), *rest)
     waves = seas(buoy.omega)[[1]]
     assert best_damper(still, waves, 0.0, 1.0) == 0.0
     one = under(still, waves, 0.0, 0.0, 1.0)
     assert best_pair(still, waves, one, 1.0) is one
     assert one.power == [0.0]
+
+
+def test_dampers_that_do_not_settle_are_not_told(monkeypatch):
+    monkeypatch.setattr(drag_module, "MOST_TURNS", 1)
+    buoy = Buoy(0, dragged=2)
+    with pytest.raises(ConvergenceError, match="equivalent dampers of its directions do not settle"):
+        buoy.port.settled(seas(buoy.omega), np.ones(1), np.zeros(1))
+
+
+def test_a_port_in_waves_of_two_directions_is_both_side_by_side():
+    """What one knows of its own waves the joined port knows, too."""
+    one, other = Buoy(0, dragged=2).port, Buoy(1, dragged=2).port
+    joined, waves = DraggedPort.joined([one, other]), seas(one.port.omega)
+    both = np.vstack([np.hstack([waves, 0 * waves]), np.hstack([0 * waves, waves])])
+    given = np.array([0.4]), np.array([0.1])
+    apart = np.concatenate([port.powers(waves, *given) for port in (one, other)], axis=1)
+    assert joined.powers(both, *given) == pytest.approx(apart, rel=1e-9)

@@ -10,10 +10,15 @@ from conftest import SEED
 from vsb.errors import ConfigError
 from vsb.hydro.database import load_database
 from vsb.integrators.audit import energies, residual
+from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.simulate import simulate
 from vsb.motion.port import port_direction
+from vsb.results.agreement import dampers_in_words
+from vsb.results.ladder import study_ladder
+from vsb.scenes.afloat import towards
 from vsb.scenes.build import linear_buoy, linear_design
 from vsb.scenes.directions import check_upright, mooring_stiffness, order_bases, whole_labels, whole_stiffness
+from vsb.scenes.drag import LINEARISED
 from vsb.scenes.rest import check_spring, check_stable, design_motions, reference_shell
 from vsb.stages import make
 from vsb.study.plan import StudyPlan
@@ -35,7 +40,8 @@ HYDRO = ("modes", "spectral", "database", "radiation")
 def study_with(**changes):
     data = dict(RAW)
     for name, update in changes.items():
-        data[name] = {**data[name], **update} if isinstance(update, dict) and name != "designs" else update
+        merged = isinstance(update, dict) and name not in ("designs", "drag")
+        data[name] = {**data[name], **update} if merged else update
     return parse(data)
 
 
@@ -255,3 +261,210 @@ def test_mean_power_in_time_is_that_of_the_response_and_the_audit_closes(folder,
     b = np.eye(len(buoy.labels))[buoy.labels.index(port.capitalize())]
     power = buoy.port(omega, design_motions(study, basis, design), b).power(6000.0)[0] * 0.1**2
     assert mean == pytest.approx(power, rel=5e-3)
+
+
+# free: to all sides -------------------------------------------------------------------------------------------------
+
+OBLIQUE = 30.0
+FREE = {"motion": "free", "mooring": [2e4, 2e4, 0, 0, 0, 0], "device": {"ballast_yaw_inertia": 7e3}}
+
+
+@pytest.fixture(scope="module")
+def free(folder):
+    """The whole chain of a buoy free to move, in the same wave from two sides; a line pulls it obliquely."""
+    waves = [CALM | {"direction": OBLIQUE}, CALM]
+    pto = {"port": {"line_to": [12.0, -9.0]}, "tuning": "one", "damping": None}
+    study = study_with(**FREE, study="free", waves=waves, pto=pto)
+    make.run(study, folder)
+    return StudyPlan(study, root=str(folder))
+
+
+def in_waves(plan, direction, name="rao"):
+    """Part of the response of the free shell in waves of a direction [degrees]."""
+    ds = load_data(plan.response_files["response"]).sel(design="VSWEC")
+    return ds[name].sel(wave_direction=np.deg2rad(direction), method="nearest")
+
+
+def test_along_x_a_free_buoy_is_a_planar_one(free, finished, folder):
+    """To round-off: nothing moves it aside, nor turns it."""
+    plane = made(study_with(study="plane", pto={"damping": 8000.0}), folder, (*HYDRO, "response"))
+    all_round = made(study_with(**FREE, study="round", pto={"damping": 8000.0}), folder, (*HYDRO, "response"))
+    one, other = (load_data(plan.response_files["response"]) for plan in (plane, all_round))
+    np.testing.assert_allclose(other.rao.sel(dof=one.dof), one.rao, rtol=1e-10, atol=1e-13)
+    for name in ("absorbed_power", "port_impedance", "matched_power"):
+        np.testing.assert_allclose(other[name], one[name], rtol=1e-10)
+    aside = [label for label in other.dof.values if label not in one.dof.values]
+    assert aside == ["Sway", "Roll", "Membrane1s1", "Membrane2s1", "Membrane2s2", "Yaw"]
+    assert not np.any(other.rao.sel(dof=aside))
+
+
+def test_waves_from_another_side_turn_the_answer(free, folder):
+    """Orders m go with cos and sin of m times the direction; heave does not know it; roll is pitch the other way."""
+    study = study_with(**FREE, study="turned", waves=[CALM | {"direction": OBLIQUE}, CALM])
+    plan = made(study, folder, (*HYDRO, "response"))
+    here, along = in_waves(plan, OBLIQUE), in_waves(plan, 0.0)
+    cos, sin = (f(np.deg2rad(OBLIQUE)) for f in (np.cos, np.sin))
+    shares = {
+        ("Heave", "Heave"): 1.0, ("Membrane2", "Membrane2"): 1.0, ("Surge", "Surge"): cos, ("Sway", "Surge"): sin,
+        ("Pitch", "Pitch"): cos, ("Roll", "Pitch"): -sin, ("Membrane2s1", "Membrane2c1"): sin,
+        ("Membrane2c2", "Membrane2c2"): cos**2 - sin**2, ("Membrane2s2", "Membrane2c2"): 2 * sin * cos,
+    }  # fmt: skip
+    for (turned, straight), share in shares.items():
+        np.testing.assert_allclose(here.sel(dof=turned), share * along.sel(dof=straight), rtol=1e-9, atol=1e-14)
+    assert not np.any(here.sel(dof="Yaw"))
+    peaks = []
+    for wave in study.waves:
+        at = linear_design(plan.simulation("VSWEC", wave), plan.hydro_files)
+        motion, *_ = simulate(at.system, at.sea, study.simulation, at.spectrum)
+        assert residual(energies(at.system, motion)) < 1e-9
+        moved = np.abs(motion.position @ at.scene.motions.T).max(axis=0)
+        peaks.append(dict(zip(at.scene.labels, moved, strict=True)))
+    turned, straight = peaks
+    for name, of, share in (
+        ("Heave", "Heave", 1),
+        ("Surge", "Surge", cos),
+        ("Sway", "Surge", sin),
+        ("Roll", "Pitch", sin),
+    ):
+        assert turned[name] == pytest.approx(share * straight[of], rel=1e-6)
+    assert straight["Sway"] == straight["Roll"] == turned["Yaw"] == 0.0
+
+
+def test_powers_of_the_free_buoy_in_time_are_those_of_the_response(free):
+    """A line that pulls obliquely takes another power of waves from each side; time and frequency agree to 0.5 %."""
+    checks = json.loads(Path(free.folder, "validity.json").read_text())["checks"]
+    agreed = [check for check in checks if check["name"] == "time_and_frequency_domain"]
+    assert len(agreed) == 2 * len(RAW["designs"])
+    assert max(check["value"] for check in agreed) < 5e-3
+    assert all(check["verdict"] == "ok" for check in checks if check["name"] in ("energy_residual", "power_limit"))
+    rows = [load_data(free.trajectory_path("FSB", wave.label)) for wave in free.study.waves]
+    oblique, along = (row.attrs["steady_power"] for row in rows)
+    assert oblique != pytest.approx(along, rel=3e-3)
+    assert rows[0].attrs["tuned_damping"] == rows[1].attrs["tuned_damping"], "one damper for both"
+    page = Path(free.folder, "report.html").read_text()
+    assert "going to 30 degrees" in page
+
+
+@pytest.mark.parametrize("direction", [0.0, OBLIQUE])
+def test_ports_of_a_free_rigid_buoy_together_take_three(free, direction):
+    """1/8 V0^H (Re Y)^+ V0 of all rigid motions is (1 + 2) lambda/2 pi from any side: surge and pitch share a channel."""
+    buoy, basis = linear_buoy(free.study, free.database_path)
+    buoy = towards(buoy, direction)
+    motions, omega = design_motions(free.study, basis, "FSB"), np.array([1.3, 2.1, 3.0])
+    names = ("Surge", "Sway", "Heave", "Roll", "Pitch")
+    ports = np.eye(len(buoy.labels))[[buoy.labels.index(name) for name in names]]
+    moved = buoy.free_motion(omega, motions, ports[0])[0]
+    forced = np.stack([buoy.free_motion(omega, motions, port)[1] @ ports.T for port in ports], axis=-1)
+    velocity = -1j * omega[:, None] * (moved @ ports.T)
+    admittance = -1j * omega[:, None, None] * forced
+    loss = np.linalg.pinv((admittance + admittance.conj().transpose(0, 2, 1)) / 2, rcond=1e-6, hermitian=True)
+    power = np.real(np.einsum("wi,wij,wj->w", velocity.conj(), loss, velocity)) / 8
+    limit = [3 * power_limit(w, np.inf, 1025.0, 9.81) for w in omega]
+    np.testing.assert_allclose(power, limit, rtol=2e-4)
+
+
+def test_yaw_turns_shell_and_ballast_and_moves_no_water(free):
+    ds = load_database(free.database_path, Path(free.database_path).stem)
+    yaw = ds.sel(influenced_dof="Yaw", radiating_dof="Yaw")
+    shell = 4 * np.pi * 2.0**2 * 0.01 * 2700.0
+    assert yaw.inertia_matrix.item() == pytest.approx(2 / 3 * shell * 2.0**2 + 7e3, rel=1e-12)
+    for name in (
+        "added_mass",
+        "radiation_damping",
+        "hydrostatic_stiffness",
+        "structural_stiffness",
+        "excitation_force",
+    ):
+        assert not np.any(yaw[name])
+    assert ds.azimuthal_order.values.tolist() == [0, 0, 0, 0, 1, 1, 1, 1, -1, -1, -1, -1, 2, -2, 0]
+    np.testing.assert_allclose(ds.wave_direction, [0, np.pi / 4, np.pi / 2])
+
+
+def test_a_wave_against_the_plane_is_mirrored(folder):
+    """Of 180 degrees: surge and pitch swing the other way, heave does not; a line takes another power."""
+    both = [CALM, CALM | {"direction": 180.0}]
+    plan = made(study_with(study="mirrored", waves=both), folder, (*HYDRO, "response"))
+    along, against = in_waves(plan, 0.0), in_waves(plan, 180.0)
+    for name, sign in (("Heave", 1), ("Surge", -1), ("Pitch", -1), ("Membrane2c1", -1), ("Membrane2c2", 1)):
+        np.testing.assert_allclose(against.sel(dof=name), sign * along.sel(dof=name), rtol=1e-12)
+
+
+def test_a_free_buoy_that_falls_aside_is_refused(folder):
+    top = study_with(
+        **{**FREE, "mooring": [0, 0, 0, 0, 5e5, 0], "device": {"centre_of_mass": 0.2, "ballast_yaw_inertia": 1.0}}
+    )
+    with pytest.raises(ConfigError, match=r"device.centre_of_mass: received 0.2 m .* does not stay upright"):
+        check_upright(top, reference_shell(top))
+
+
+# drag ---------------------------------------------------------------------------------------------------------------
+
+DRAG = {
+    "surge": {"coefficient": 1.0, "area": 6.28}, "heave": {"coefficient": 1.0, "area": 12.57},
+    "pitch": {"coefficient": 1.0, "area": 3.0, "lever": 2.0},
+}  # fmt: skip
+ASIDE = {"sway": DRAG["surge"], "roll": DRAG["pitch"], "yaw": DRAG["pitch"]}
+SWELL = {"kind": "regular", "amplitude": 0.3, "period": 4.0}
+
+
+def dragged(**changes):
+    """A moored buoy under a damper on a line, in a swell that drags it."""
+    changes = {"drag": DRAG, "waves": [SWELL], "pto": {"port": {"line_to": [12.0, -9.0]}, "damping": 9000.0}} | changes
+    return study_with(
+        study="dragged", designs=RAW["designs"], simulation={"duration": 40.0, "window": [30.0, 40.0]}, **changes
+    )
+
+
+@pytest.mark.parametrize("design", ["FSB", "VSWEC"])
+def test_drag_of_three_directions_takes_what_its_equivalent_dampers_take(folder, design):
+    """Steady state with all harmonics against equivalent linearisation; the audit of the run in time closes."""
+    study = dragged()
+    plan = made(study, folder)
+    at = linear_design(plan.simulation(design, study.waves[0]), plan.hydro_files)
+    found = harmonic_balance(at.system)
+    assert at.notes[LINEARISED] == pytest.approx(found.power.pto, rel=5e-3)
+    assert len(at.notes["drag_damping"]) == 3
+    without = made(dragged(drag=None), folder)
+    free = linear_design(without.simulation(design, study.waves[0]), plan.hydro_files)
+    assert harmonic_balance(free.system).power.pto > 1.02 * found.power.pto
+    motion, _, method = simulate(at.system, at.sea, study.simulation, at.spectrum)
+    assert method.startswith("exponential collocation")
+    assert residual(energies(at.system, motion)) < 1e-6
+
+
+def test_drag_turns_with_the_waves(folder):
+    """In waves along y sway and roll are braked as surge and pitch are along x; nothing brakes what stands still."""
+    along = dragged(**FREE, drag=DRAG | ASIDE, pto={"port": "heave", "damping": 9000.0})
+    across = dragged(
+        **FREE, drag=DRAG | ASIDE, pto={"port": "heave", "damping": 9000.0}, waves=[SWELL | {"direction": 90.0}]
+    )
+    plan = made(along, folder)
+    runs = [StudyPlan(study, root=str(folder)).simulation("FSB", study.waves[0]) for study in (along, across)]
+    x, y = (linear_design(run, plan.hydro_files) for run in runs)
+    surge, sway, heave, roll, pitch, yaw = x.notes["drag_damping"]
+    assert sway == roll == yaw == 0.0
+    assert min(surge, heave, pitch) > 0.0
+    turned = y.notes["drag_damping"]
+    np.testing.assert_allclose(turned, [0.0, surge, heave, pitch, 0.0, 0.0], rtol=1e-9, atol=1e-9 * surge)
+    assert y.notes[LINEARISED] == pytest.approx(x.notes[LINEARISED], rel=1e-9)
+
+
+def test_the_ladder_is_climbed_beside_drag_of_several_directions(folder):
+    """From two sides; the page of it tells every damper with its direction."""
+    seas = [SWELL, SWELL | {"direction": 40.0}]
+    study = dragged(**FREE, waves=seas)
+    plan = made(study, folder)
+    rungs = study_ladder(plan.ladder, plan.database_path)
+    power = {(r.design, r.wave, r.rung): r.power_mean for r in rungs}
+    for design, wave in {(r.design, r.wave) for r in rungs}:
+        fixed, one, best, pair, matched = (
+            power[design, wave, name]
+            for name in ("fixed", "best_damper_all_seas", "best_damper", "best_spring_damper", "matched")
+        )
+        assert max(fixed, one) <= best * (1 + 1e-9)
+        assert best <= pair * (1 + 1e-9)
+        assert pair < matched
+        run = linear_design(plan.simulation(design, next(w for w in study.waves if w.label == wave)), plan.hydro_files)
+        assert fixed == pytest.approx(run.notes[LINEARISED], rel=1e-8)
+    told = dampers_in_words(study, {"drag_damping": [1.0, 2.0, 30.0]})
+    assert told == "1 N s/m of surge and 2 N s/m of heave and 30 N m s of pitch"

@@ -1,6 +1,6 @@
 """The take-off of a study in a scene: its law, its limits, its end stop."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -15,9 +15,11 @@ from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.motion.take_off import EndStop, TakeOff
 from vsb.motion.tuning import best_dampers, frequencies, squares
+from vsb.scenes.afloat import Afloat
 from vsb.scenes.rest import check_spring, reference_shell
-from vsb.scenes.take_off import LAWS, STIFFER, linear_take_off, with_take_off
+from vsb.scenes.take_off import LAWS, STIFFER, tuned_take_off, with_take_off
 from vsb.study.take_off import Pto
+from vsb.study.waves import RegularWave
 from vsb.waves.seas import NO_WAVES, Sea
 
 DAMPER = LinearPto(4.0)
@@ -33,7 +35,7 @@ def plant():
     return Scene(("Heave", "Membrane2"), np.array([[2.0, 0.3], [0.3, 1.0]]), forces, np.eye(2))
 
 
-def test_a_linear_take_off_leaves_the_scene_as_it_is(plant):
+def test_a_tuned_take_off_leaves_the_scene_as_it_is(plant):
     assert with_take_off(plant, Pto(damping=4.0), DAMPER) is plant
 
 
@@ -64,8 +66,11 @@ def test_the_end_stop_is_stiff_and_critically_damped_with_what_moves(plant):
 # springs and tuned dampers -------------------------------------------------------------------------------------------
 
 
+@dataclass(frozen=True)
 class OnePort:
     """Stands for a linear buoy: its port is an oscillator, whatever the direction."""
+
+    direction: float = 0.0
 
     def port(self, omega, motions, direction):
         y = 1 / (-1j * omega * 2.0 + 0.7 + 5j / omega)
@@ -73,7 +78,9 @@ class OnePort:
 
 
 def tuned(seas, **keys):
-    return linear_take_off(Pto(**keys), "A", OnePort(), np.eye(1), np.ones(1), seas)
+    waves = RegularWave(kind="regular", amplitude=1.0, period=1.0)  # where they go is all that is asked of it
+    floating = Afloat(OnePort(), {"A": np.eye(1)}, np.ones(1))
+    return tuned_take_off(Pto(**keys), "A", floating, [(waves, sea) for sea in seas])
 
 
 def regular(omega, amplitude=1.0):

@@ -5,7 +5,7 @@ import pytest
 
 from vsb.shell.deformed import enclosed
 from vsb.shell.modes import mode_basis
-from vsb.shell.orders import Ballast, order_basis
+from vsb.shell.orders import Ballast, goes_with_sine, order_basis, yaw
 from vsb.shell.surface import enclosed_in_orders, largest_deformation
 from vsb.study.device import Device
 
@@ -56,3 +56,36 @@ def test_the_largest_displacement_of_a_mode_is_its_amplitude():
 
 def test_breathing_strains_everywhere_alike():
     assert largest_deformation(RING, ORDERS, moved(Membrane0=0.1)) == (pytest.approx(0.1), pytest.approx(0.05))
+
+
+def test_odd_shapes_are_the_even_ones_turned():
+    """Volume, area, displacement and strain do not know from which side a shell is looked at."""
+    both = [each for one in ORDERS for each in (one, one.turned())] + [yaw(RING, ORDERS[0].ballast)]
+    labels = [*RING.labels, *(label for basis in both for label in basis.labels)]
+    values = {"Membrane0": 0.05, "Membrane2": 0.1, "Membrane2c1": 0.12, "Bending3c1": 0.03}
+    turned = {label.replace("c1", "s1"): value for label, value in values.items()} | {
+        "Sway": 1.0,
+        "Roll": 0.2,
+        "Yaw": 3.0,
+    }
+    even, odd = (np.array([q.get(label, 0.0) for label in labels]) for q in (values, turned))
+    for of in (enclosed_in_orders, largest_deformation):
+        one, other = (of(RING, both, q[None] if of is enclosed_in_orders else q) for q in (even, odd))
+        np.testing.assert_allclose(other, one, rtol=1e-3 if of is largest_deformation else 1e-12)
+    both_sides = {"Membrane2c1": 0.1, "Membrane2s1": 0.1}  # one of sqrt(2) on the diagonal
+    diagonal = np.array([both_sides.get(label, 0.0) for label in labels])
+    assert largest_deformation(RING, both, diagonal)[0] == pytest.approx(0.1 * np.sqrt(2), rel=2e-3)
+
+
+def test_yaw_turns_every_point_about_the_axis():
+    basis = yaw(RING, Ballast(17170.0, -0.4, 3000.0, 500.0))
+    radial, meridional, around = basis.field(np.array([0.3, np.pi / 2]))
+    assert not radial.any()
+    assert not meridional.any()
+    np.testing.assert_allclose(-around[0], 2.0 * np.sin([0.3, np.pi / 2]))  # goes with -cos(0 theta)
+    assert basis.inertia[0, 0] == pytest.approx(2 / 3 * RING.shell.mass * 4.0 + 500.0)
+    assert basis.labels == ("Yaw",)
+    assert basis.signed == 0
+    assert not basis.allowed(True, [0.3]).shape[1] > 1
+    assert goes_with_sine("Membrane12s3")
+    assert not goes_with_sine("Membrane12c3")

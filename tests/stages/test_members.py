@@ -13,7 +13,7 @@ from conftest import SEED
 from vsb.errors import ConfigError, VsbError
 from vsb.motion.frequency import LinearBuoy
 from vsb.results.year import frequencies, year
-from vsb.scenes.afloat import linear_buoy
+from vsb.scenes.afloat import linear_buoy, study_port
 from vsb.scenes.rest import design_motions
 from vsb.stages import answer, campaign, members
 from vsb.stages.climate import read_climate
@@ -133,6 +133,35 @@ def test_a_member_is_the_year_of_its_study(folder, swept):
     for name in ("damping", "force_rms", "power_matrix"):
         np.testing.assert_allclose(at[name].values, apart[name].values, rtol=1e-6, err_msg=name)
     np.testing.assert_allclose(at.gain_percent.values, apart.gain_percent.values, atol=1e-7)
+
+
+PLANAR = {
+    "motion": "planar", "mooring": [2e4, 0, 0, 0, 0, 0], "modes": {"basis": "membrane", "degree": 2, "order": 2},
+    "device": BASE["device"] | {"centre_of_mass": -0.6, "ballast_inertia": 9e3},
+    "pto": {"damping": 8000.0, "port": {"line_to": [12.0, -9.0]}},
+}  # fmt: skip
+
+
+def test_the_year_of_a_buoy_that_surges_and_pitches(folder):
+    """A line that takes off surge and heave, against its own database and the year; what falls over is not viable."""
+    plan = planned(folder, {"device.centre_of_mass": [-0.6, 0.1]}, name="planar", **PLANAR)
+    found = run(plan)
+    study = plan.members[0].study
+    one = StudyPlan(study, root=plan.root)
+    make(one, [one.database_path])
+    buoy, basis = linear_buoy(study, one.database_path)
+    port = study_port(study, buoy, basis)
+    seas = read_climate(plan.climate, plan.loaded.climate_path)
+    omega = frequencies(seas, *buoy.database.omega.values[[0, -1]])
+    ports = {name: buoy.port(omega, design_motions(study, basis, name), port) for name in BASE["designs"]}
+    apart = year(ports, seas, study.water, ("fixed", "one", "each"), dict.fromkeys(ports, 8000.0), "FSB").dataset()
+    at = found.sel(centre_of_mass=-0.6)
+    assert at.viable.values.all()
+    np.testing.assert_allclose(at.annual_energy.values, apart.annual_energy.values, rtol=1e-6)
+    fallen = found.sel(centre_of_mass=0.1)
+    assert not fallen.viable.values.any()
+    assert set(fallen.reason.values) == {"does not stay upright"}
+    assert np.isnan(fallen.annual_energy).all()
 
 
 def test_the_table_holds_the_dataset(swept):

@@ -23,7 +23,11 @@ def raw(**changes):
 
 def planar(**changes):
     device = {**BALANCE, **changes.pop("device", {})}
-    return raw(motion="planar", device=device, **changes)
+    return raw(**{"motion": "planar", "device": device, **changes})
+
+
+def free(**changes):
+    return planar(motion="free", device={"ballast_yaw_inertia": 7e3}, **changes)
 
 
 def test_heave_says_none_of_it():
@@ -64,6 +68,8 @@ UNEVEN[0][4] = 1.0
 ASIDE = [[0.0] * 6 for _ in range(6)]
 ASIDE[0][1] = ASIDE[1][0] = 5.0
 LINE = {"line_to": [9.0, -20.0]}
+PLATE = {"coefficient": 1.0, "area": 9.0}
+WAVE = {"kind": "regular", "amplitude": 0.1, "period": 3.0}
 
 
 @pytest.mark.parametrize(
@@ -73,7 +79,9 @@ LINE = {"line_to": [9.0, -20.0]}
         ({"device": {"ballast_inertia": None}}, r"device.ballast_inertia: missing"),
         ({"hydro": {"model": "body_exact"}}, r"hydro.model 'body_exact': follows heave alone; motion 'planar' needs linear"),
         ({"hydro": {"model": "auto"}}, r"hydro.model 'auto': follows heave alone"),
-        ({"drag": {"heave": {"coefficient": 1.0, "area": 9.0}}}, r"drag: is known of heave alone; motion 'planar' needs"),
+        ({"drag": {"sway": PLATE}}, r"drag.sway: motion 'planar' has none; needs drag of surge, heave, pitch"),
+        ({"waves": [{**WAVE, "direction": 30.0}]}, r"waves.0.direction 30 degrees: motion 'planar' knows .* 0 and 180; needs"),
+        ({"motion": "free"}, r"device.ballast_yaw_inertia: missing; motion 'free' needs it, because yaw turns the ballast"),
         ({"hydro": {"rows": 30}}, r"hydro.solver: panels solve axisymmetric motions alone"),
         ({"device": {"internal_pressure": 2e4}}, r"motion 'planar': knows vented shells about the undeformed sphere"),
         ({"device": {"gas": {}}}, r"motion 'planar': knows vented shells"),
@@ -99,9 +107,10 @@ def test_what_planar_motion_cannot_have_is_refused_in_a_line(changes, match):
 @pytest.mark.parametrize(
     ("changes", "match"),
     [
-        ({"motion": "sideways"}, r"motion: received 'sideways'; .*'heave' or 'planar'"),
+        ({"motion": "sideways"}, r"motion: received 'sideways'; .*'heave', 'planar' or 'free'"),
         ({"modes": {"order": 2}}, r"modes.order 2: motion 'heave' has axisymmetric modes; needs motion: planar"),
         ({"mooring": [1.0] * 6}, r"mooring: motion 'heave' has none; needs motion: planar, or pto.stiffness"),
+        ({"drag": {"surge": PLATE}}, r"drag.surge: motion 'heave' has none; needs drag of heave"),
         ({"pto": {"port": "surge"}}, r"pto.port: motion 'heave' moves it in no other direction; needs motion: planar"),
         ({"pto": {"port": "pitch"}}, r"pto.port: motion 'heave' moves it"),
         ({"pto": {"port": LINE}}, r"pto.port: motion 'heave' moves it"),
@@ -118,6 +127,29 @@ def test_a_rigid_buoy_in_several_directions_may_have_pressure_inside():
     assert parse(data).motion == "planar"
 
 
-def test_a_year_is_of_heave():
-    with pytest.raises(ConfigError, match=r"motion: received 'planar'; a year needs motion: heave"):
-        study_at(sections(parse(planar())), {})
+def test_the_seas_of_a_year_go_one_way():
+    with pytest.raises(ConfigError, match=r"motion: received 'free'; the seas of a year have no directions: needs"):
+        study_at(sections(parse(free())), {})
+    assert study_at(sections(parse(planar(mooring=[1.0] * 6))), {}).motion == "planar"
+
+
+def test_a_free_buoy_has_every_order_to_both_sides_and_yaw():
+    """The water is solved for each order once; couplings out of the plane are of a free buoy."""
+    study = parse(
+        free(modes={"degree": 3, "order": 2}, mooring=ASIDE, drag={"sway": PLATE, "yaw": {**PLATE, "lever": 2.0}})
+    )
+    assert StudyPlan(study).coordinates == 6 + 4 + 2 * 3 + 2 * 2
+    assert [block.order for block in StudyPlan(study).sweep_blocks] == [0, 1, 2]
+    plane = StudyPlan(parse(planar(modes={"degree": 3, "order": 2}))).bem_blocks
+    assert StudyPlan(study).bem_blocks.keys() == plane.keys()
+
+
+@pytest.mark.parametrize("motion", ["planar", "free"])
+def test_directions_of_the_waves_concern_the_response_where_there_are_any(motion):
+    given = {"device": {"ballast_yaw_inertia": 7e3}, "motion": motion}
+    along = StudyPlan(parse(planar(**given, waves=[WAVE])))
+    assert along.study.directions == along.response.directions == ()
+    assert "directions" not in canonical(along.response)
+    both = StudyPlan(parse(planar(**given, waves=[WAVE, {**WAVE, "direction": 180.0}])))
+    assert both.response.directions == (0.0, 180.0)
+    assert both.hydro_ids == along.hydro_ids

@@ -42,7 +42,9 @@ def test_drag_concerns_runs_ladder_and_study_alone(seed):
         ({"drag": {"heave": {"coefficient": -1.0, "area": 1.0}}}, "drag.heave.coefficient"),
         ({"drag": {"heave": {"coefficient": 1e3, "area": 1.0}}}, "needs at most 100"),
         ({"drag": {"heave": {"coefficient": 1.0}}}, "drag.heave.area"),
-        ({"drag": {"pitch": {"coefficient": 1.0, "area": 1.0}}}, "drag.pitch"),
+        ({"drag": {"pitch": {"coefficient": 1.0, "area": 1.0}}}, "drag.pitch.lever"),
+        ({"drag": {"heave": PLATE["heave"] | {"lever": 1.0}}}, "drag.heave.lever"),
+        ({"drag": {"heave": None}}, "drag.*needs one of surge, sway, heave, roll, pitch, yaw"),
     ],
 )
 def test_refused_in_one_line(seed, sections, message):

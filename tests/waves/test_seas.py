@@ -7,6 +7,7 @@ from vsb.study.study import Jonswap, RegularWave, StillWater
 from vsb.waves.seas import (
     Sea,
     group_velocity,
+    horizontal_velocity,
     irregular,
     jonswap_spectrum,
     power_limit,
@@ -177,3 +178,16 @@ def test_the_vertical_velocity_is_that_of_the_surface_and_of_the_bottom(depth):
     assert (at[1] - 2 * at[2] + at[3]) / step**2 == pytest.approx(k**2 * at[2], rel=1e-4)
     if np.isfinite(depth):
         assert np.abs(vertical_velocity(omega, -depth, depth, 9.81)).max() < 1e-15
+
+
+@pytest.mark.parametrize("depth", [np.inf, 3.0])
+def test_water_that_flows_together_rises(depth):
+    """Continuity, i k u + dw/dz = 0, and no vorticity, i k w - du/dz = 0: u along the waves beside w."""
+    omega, step = np.array([0.8, 2.0]), 1e-4
+    k = np.array([wavenumber(w, depth, 9.81) for w in omega])
+    u, w = (
+        [velocity(omega, z, depth, 9.81) for z in (-1.0 - step, -1.0, -1.0 + step)]
+        for velocity in (horizontal_velocity, vertical_velocity)
+    )
+    assert 1j * k * u[1] == pytest.approx(-(w[2] - w[0]) / (2 * step), rel=1e-6)
+    assert 1j * k * w[1] == pytest.approx((u[2] - u[0]) / (2 * step), rel=1e-6)

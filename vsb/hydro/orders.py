@@ -4,6 +4,7 @@ Orders do not mix on a body of revolution: all matrices are blocks, each with on
 """
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -15,10 +16,13 @@ from vsb.hydro.database import transformed
 from vsb.hydro.dofs import Displacement, displacements
 from vsb.hydro.quality import haskind_damping
 from vsb.shell.orders import OrderBasis, semi_normalisation
-from vsb.tools.units import FloatArray
+from vsb.tools.units import ComplexArray, FloatArray
 
 ORDER = "azimuthal_order"
-"""Variable of a database that says of which order m each degree of freedom is; without it all are of order 0."""
+"""Variable of a database that says of which order m each degree of freedom is; without it all are of order 0.
+
+Negative where it goes with sin(m theta), as real spherical harmonics are numbered: a channel of its own.
+"""
 _PAIR = ("influenced_dof", "radiating_dof")
 
 
@@ -51,6 +55,13 @@ def in_order_modes(raw: xr.Dataset, basis: OrderBasis) -> xr.Dataset:
     return transformed(raw, order_shares(solved, basis), basis.labels)
 
 
+def in_wet_modes(raw: xr.Dataset, basis: OrderBasis) -> xr.Dataset:
+    """Return the same without what moves no water, as pitch about a sphere's centre does not."""
+    moved = in_order_modes(raw, basis)
+    still = [label for label in basis.labels if label == "Pitch"]
+    return moved.drop_sel(influenced_dof=still, radiating_dof=still)
+
+
 def with_haskind_damping(ds: xr.Dataset, order: int, depth: float, density: float, gravity: float) -> xr.Dataset:
     """Return the dataset with the damping its excitation implies, the repair recorded in `history`.
 
@@ -62,6 +73,46 @@ def with_haskind_damping(ds: xr.Dataset, order: int, depth: float, density: floa
     return ds.assign(radiation_damping=(ds.radiation_damping.dims, damping)).assign_attrs(ds.attrs, history=history)
 
 
+def heading_share(order: int, direction: float) -> float:
+    """Return what waves going to a direction [rad] excite of an order, over what excites it most [-].
+
+    cos m(theta - beta) = cos(m theta) cos(m beta) + sin(m theta) sin(m beta); negative orders go with the sine.
+    """
+    return float(np.sin(-order * direction) if order < 0 else np.cos(order * direction))
+
+
+def own_heading(order: int) -> float:
+    """Return the direction of waves that excite an order most [rad]: 0, of a sine 90 degrees/m."""
+    return -np.pi / (2 * order) if order < 0 else 0.0
+
+
+def headings(orders: Sequence[int]) -> list[float]:
+    """Return the directions that tell all of the excitation of orders, 0 first [rad]."""
+    return sorted({own_heading(order) for order in orders} | {0.0})
+
+
+def in_headings(ds: xr.Dataset, order: int, directions: Sequence[float]) -> xr.Dataset:
+    """Return coefficients of an order, excited by the waves that do so most, in waves of directions [rad]."""
+    share = xr.DataArray([heading_share(order, at) for at in directions], dims="wave_direction")
+    turned = {
+        name: (data.isel(wave_direction=0, drop=True) * share).transpose(*data.dims)
+        for name, data in ds.data_vars.items()
+        if "wave_direction" in data.dims
+    }
+    return ds.drop_dims("wave_direction").assign(turned).assign_coords(wave_direction=list(directions))
+
+
+def renamed(ds: xr.Dataset, labels: Sequence[str]) -> xr.Dataset:
+    """Return coefficients under other names of their degrees of freedom."""
+    return ds.assign_coords({dim: list(labels) for dim in _PAIR})
+
+
+def still_part(like: xr.Dataset, basis: OrderBasis) -> xr.Dataset:
+    """Return the coefficients of motions that move no water, as of another part of a database."""
+    one = like.isel({dim: [0] * len(basis.labels) for dim in _PAIR})
+    return (0.0 * one).assign_coords({dim: list(basis.labels) for dim in _PAIR}).assign_attrs(like.attrs)
+
+
 def side_by_side(parts: Sequence[xr.Dataset], orders: Sequence[int]) -> xr.Dataset:
     """Return datasets of several orders as one, nothing between them.
 
@@ -70,7 +121,7 @@ def side_by_side(parts: Sequence[xr.Dataset], orders: Sequence[int]) -> xr.Datas
     parts : sequence of xarray.Dataset
         Of the same frequencies and directions, each with all its matrices.
     orders : sequence of int
-        Azimuthal order of each.
+        Azimuthal order of each, negative of sines.
     """
     labels = [str(label) for part in parts for label in part.influenced_dof.values]
     found = {name: _joined([part[name] for part in parts]) for name in parts[0].data_vars}
@@ -93,10 +144,34 @@ def _joined(blocks: Sequence[xr.DataArray]) -> tuple[tuple[str, ...], npt.NDArra
     return dims, stacked.reshape(*lead, *stacked.shape[-2:])
 
 
+def orders_of(ds: xr.Dataset) -> npt.NDArray[np.integer[Any]]:
+    """Return the azimuthal order of each degree of freedom of a database, shape (dof,)."""
+    return np.asarray(ds[ORDER].values) if ORDER in ds else np.zeros(ds.sizes["influenced_dof"], dtype=int)
+
+
+def own_headings(ds: xr.Dataset) -> npt.NDArray[np.intp]:
+    """Return which of a database's directions excites each degree of freedom most, shape (dof,)."""
+    own = np.array([own_heading(int(order)) for order in orders_of(ds)])
+    if not own.any():
+        return np.zeros(len(own), dtype=np.intp)
+    return np.asarray(np.argmin(np.abs(ds.wave_direction.values - own[:, None]), axis=1))
+
+
+def most_exciting(ds: xr.Dataset, name: str) -> ComplexArray:
+    """Return a force of a database in the waves that excite each degree of freedom most, shape (omega, dof) [N/m]."""
+    found: ComplexArray = ds[name].values[:, own_headings(ds), np.arange(ds.sizes["influenced_dof"])]
+    return found
+
+
+def heading_shares(orders: npt.NDArray[np.integer[Any]], direction: float) -> FloatArray:
+    """Return `heading_share` of degrees of freedom by their orders, shape (dof,) [-]."""
+    return np.array([heading_share(int(order), direction) for order in orders])
+
+
 def order_groups(ds: xr.Dataset) -> dict[int, npt.NDArray[np.intp]]:
-    """Return the numbers of the degrees of freedom of each azimuthal order, in ascending order."""
-    orders = ds[ORDER].values if ORDER in ds else np.zeros(ds.sizes["influenced_dof"], dtype=int)
-    return {int(order): np.flatnonzero(orders == order) for order in np.unique(orders)}
+    """Return the numbers of the degrees of freedom of each azimuthal order, in ascending order, sines after cosines."""
+    orders = orders_of(ds)
+    return {int(m): np.flatnonzero(orders == m) for m in sorted(np.unique(orders), key=lambda m: (abs(m), -m))}
 
 
 def of_order(ds: xr.Dataset, order: int) -> xr.Dataset:

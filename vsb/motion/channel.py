@@ -18,13 +18,14 @@ class Channel(NamedTuple):
     power: int
 
     @classmethod
-    def of(cls, database: xr.Dataset, group: npt.NDArray[np.intp]) -> Self:
+    def of(cls, database: xr.Dataset, group: npt.NDArray[np.intp], heading: int = 0) -> Self:
         """Return the channel of some motions of a database: Haskind's factor h = tr B/|X|^2 of them.
 
+        X in waves of the `heading`-th direction, which must excite them.
         It leaves zero with omega^3 in deep water, with omega in shallow: divided by that power it is smooth.
         """
         omega, damping = database.omega.values, database.radiation_damping.values[:, group[:, None], group]
-        factor = haskind_factor(damping, database.excitation_force.values[:, 0, group])
+        factor = haskind_factor(damping, database.excitation_force.values[:, heading, group])
         slope = np.log(factor[1] / factor[0]) / np.log(omega[1] / omega[0])
         power = int(np.clip(np.rint(slope), 1, 3))
         return cls(group, CubicSpline(omega, factor / omega**power), power)

@@ -7,11 +7,14 @@ Drag c |u| u of the velocity u past the water (`vsb.motion.forces.QuadraticDrag`
 the first harmonic of the one, the least mean square of what is missed of the other, Gaussian. How fast the buoy moves
 follows from D again: D = g(D), and as more damping never makes u larger, g falls and there is one such D.
 
-With the take-off's port b and the dragged direction d, per frequency and unit wave amplitude,
+With the take-off's port b and the dragged directions d, per frequency and unit wave amplitude,
 
     V_b = V_b0 - Y_bb F_b - Y_bd F_d,   V_d = V_d0 - Y_bd F_b - Y_dd F_d,   F_d = D u,   u = V_d - w.
+
+Of several directions, each has a D of its own, met with the motion beside all of them.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -19,7 +22,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize.elementwise import find_root
 
-from vsb.motion.frequency import LinearBuoy
+from vsb.errors import ConvergenceError
+from vsb.motion.frequency import LinearMotion
 from vsb.motion.port import Port
 from vsb.motion.tuning import MARGIN, Load, best_dampers, best_pairs, climbed, electrical_power
 from vsb.tools.units import ComplexArray, FloatArray
@@ -30,117 +34,173 @@ SETTLED = 1e-12
 """Of the damping: how well it is solved for."""
 STEP = 0.25
 """Step of the logarithms of the dampers tried first."""
+MOST_TURNS = 200
+"""Steps in which dampers of several directions settle, before they are given up."""
 ROUNDS = 4
 """Turns of drag and the pair that is best beside it, before pairs are compared at their own drag."""
 
 
 class Seen(NamedTuple):
-    """What the drag sees under loads at the port, each shape (load, omega)."""
+    """What the drag sees under loads at the port, per load."""
 
-    flow: ComplexArray  # u without drag, per wave amplitude [1/s]
-    admittance: ComplexArray  # of d [m/(N s)]
+    flow: ComplexArray  # u without drag, per wave amplitude (load, omega, dragged) [1/s]
+    admittance: ComplexArray  # of d (load, omega, dragged, dragged) [m/(N s)]
+
+    def under(self, drag: FloatArray, at: npt.NDArray[np.intp]) -> ComplexArray:
+        """Return u under the drag's dampers (case, dragged), each case at one of the loads, (case, omega, dragged)."""
+        held = self.admittance[at] * drag[:, None, None, :]
+        if held.shape[-1] == 1:
+            return np.asarray(self.flow[at] / (1 + held[..., 0]))
+        return np.asarray(np.linalg.solve(np.eye(held.shape[-1]) + held, self.flow[at][..., None])[..., 0])
 
 
 @dataclass(frozen=True)
 class DraggedPort:
-    """A port of one design, beside a direction that quadratic drag acts on."""
+    """A port of one design, beside directions that quadratic drag acts on."""
 
     port: Port  # without drag
-    across: ComplexArray  # Y_bd (omega,) [m/(N s)]
-    own: ComplexArray  # Y_dd (omega,) [m/(N s)]
-    past: ComplexArray  # V_d0 - w per wave amplitude (omega,) [1/s]
-    coefficient: float  # c [kg/m]
+    across: ComplexArray  # Y_bd (omega, dragged) [m/(N s)]
+    own: ComplexArray  # Y_dd (omega, dragged, dragged) [m/(N s)]
+    past: ComplexArray  # V_d0 - w per wave amplitude (omega, dragged) [1/s]
+    coefficient: FloatArray  # c (dragged,) [kg/m]
 
     @classmethod
     def of(
         cls,
-        buoy: LinearBuoy,
+        buoy: LinearMotion,
         omega: FloatArray,
         motions: FloatArray,
         direction: FloatArray,
         dragged: FloatArray,
         flow: ComplexArray,
-        coefficient: float,
+        coefficient: FloatArray,
     ) -> "DraggedPort":
         """Return the port of a design.
 
         Parameters
         ----------
-        buoy : LinearBuoy
+        buoy : LinearMotion
+            In the waves of the flow.
         omega : ndarray, shape (omega,) [rad/s]
         motions : ndarray, shape (dof, free)
-        direction, dragged : ndarray, shape (dof,)
-            b and d.
-        flow : ndarray, shape (omega,)
+        direction : ndarray, shape (dof,)
+            b.
+        dragged : ndarray, shape (dragged, dof)
+            d.
+        flow : ndarray, shape (omega, dragged)
             w per wave amplitude [1/s].
-        coefficient : float [kg/m]
+        coefficient : ndarray, shape (dragged,) [kg/m]
         """
         rate = -1j * omega
-        free, forced = buoy.free_motion(omega, motions, dragged)
+        moved = [buoy.free_motion(omega, motions, one) for one in dragged]
+        forced = np.stack([pushed for _, pushed in moved], axis=-1)  # (omega, dof, dragged)
         port = buoy.port(omega, motions, direction)
+        across = rate[:, None] * np.einsum("wdk,d->wk", forced, direction)
         return cls(
             port,
-            rate * (forced @ direction) if port.moves else np.zeros_like(flow),
-            rate * (forced @ dragged),
-            rate * (free @ dragged) - flow,
+            across if port.moves else np.zeros_like(across),
+            rate[:, None, None] * (dragged @ forced),
+            rate[:, None] * (moved[0][0] @ dragged.T) - flow,
             coefficient,
         )
 
-    def beside(self, damping: float) -> Port:
-        """Return the port with a linear damper D in place of the drag."""
-        held = damping * self.across / (1 + damping * self.own)
+    @classmethod
+    def joined(cls, ports: Sequence["DraggedPort"]) -> "DraggedPort":
+        """Return ports in waves of several directions as one, at the frequencies of each, one after the other."""
+        parts = [(p.port.omega, p.port.admittance, p.port.velocity, p.across, p.own, p.past) for p in ports]
+        omega, admittance, velocity, *beside = (np.concatenate(part) for part in zip(*parts, strict=True))
+        across, own, past = beside
+        port = Port(omega, admittance, velocity, ports[0].port.compliance)
+        return cls(port, across, own, past, ports[0].coefficient)
+
+    def beside(self, damping: FloatArray) -> Port:
+        """Return the port with linear dampers D, shape (dragged,), in place of the drag."""
+        inside = np.eye(len(damping)) + self.own * damping
+        held = np.linalg.solve(inside.transpose(0, 2, 1), (damping * self.across)[..., None])[..., 0]
         return Port(
             self.port.omega,
-            self.port.admittance - held * self.across,
-            self.port.velocity - held * self.past,
+            self.port.admittance - np.einsum("wk,wk->w", held, self.across),
+            self.port.velocity - np.einsum("wk,wk->w", held, self.past),
             self.port.compliance,
         )
 
     def seen(self, damping: FloatArray, stiffness: FloatArray) -> Seen:
         """Return what the drag sees under loads; dampers and springs of shape (load,)."""
         load = self.port.load(damping, stiffness)
-        held = self.across * load / (1 + self.port.admittance * load)
-        return Seen(self.past - held * self.port.velocity, self.own - held * self.across)
+        held = self.across * (load / (1 + self.port.admittance * load))[..., None]
+        flow = self.past - held * self.port.velocity[:, None]
+        return Seen(flow, self.own - held[..., :, None] * self.across[:, None, :])
 
     def settled(self, squares: FloatArray, damping: FloatArray, stiffness: FloatArray) -> FloatArray:
-        """Return D of every load in every sea, shape (load, sea) [N s/m].
+        """Return D of every load in every sea, shape (load, sea, dragged) [N s/m].
 
         Parameters
         ----------
         squares : ndarray, shape (sea, omega) [m^2]
         damping, stiffness : ndarray, shape (load,) [N s/m], [N/m]
+
+        Raises
+        ------
+        ConvergenceError
+            If the dampers of several directions do not settle beside each other.
         """
         seen, single = self.seen(damping, stiffness), (squares > 0).sum(axis=1) == 1
-        ratio = self.coefficient * np.where(single, REGULAR, GAUSSIAN * np.sqrt(0.5))
-        flow, at = np.abs(seen.flow) ** 2, np.indices((len(damping), len(squares))).reshape(2, -1)
+        factor = np.where(single, REGULAR, GAUSSIAN * np.sqrt(0.5))
+        load, sea = np.indices((len(damping), len(squares))).reshape(2, -1)
 
-        def given(d: FloatArray, load: npt.NDArray[np.intp], sea: npt.NDArray[np.intp]) -> FloatArray:
-            slowed = flow[load] / np.abs(1 + d[:, None] * seen.admittance[load]) ** 2
-            return np.asarray(ratio[sea] * np.sqrt(np.sum(slowed * squares[sea], axis=1)))
+        def given(drag: FloatArray, case: npt.NDArray[np.intp]) -> FloatArray:
+            strength = np.abs(seen.under(drag, load[case])) ** 2
+            spread = np.sqrt(np.einsum("cwk,cw->ck", strength, squares[sea[case]]))
+            return np.asarray(self.coefficient * factor[sea[case], None] * spread)
 
-        def missing(d: FloatArray, load: npt.NDArray[np.intp], sea: npt.NDArray[np.intp]) -> FloatArray:
-            return d - given(d, load, sea)
-
-        most = given(np.zeros(at.shape[1]), *at)
-        found = find_root(
-            missing, (np.zeros_like(most), 1.001 * most + 1e-300), args=tuple(at), tolerances={"xrtol": SETTLED}
-        )
-        return np.asarray(found.x).reshape(len(damping), len(squares))
+        found = (_one_settled if len(self.coefficient) == 1 else _settled)(given, len(load), len(self.coefficient))
+        return found.reshape(len(damping), len(squares), -1)
 
     def powers(
         self, squares: FloatArray, damping: FloatArray, stiffness: FloatArray, efficiency: float = 1.0
     ) -> FloatArray:
         """Return the mean power every load takes of every sea, drag at its own D, shape (load, sea) [W]."""
         drag, seen = self.settled(squares, damping, stiffness), self.seen(damping, stiffness)
-        load = self.port.load(damping, stiffness)
-        out = np.empty(drag.shape)
+        load, every = self.port.load(damping, stiffness), np.arange(len(damping))
+        out = np.empty(drag.shape[:2])
         for sea, square in enumerate(squares):
-            d = drag[:, sea, None]
-            pushed = self.port.velocity - d * self.across * seen.flow / (1 + d * seen.admittance)
+            braking = drag[:, sea, None, :] * seen.under(drag[:, sea], every)
+            pushed = self.port.velocity - np.einsum("wk,lwk->lw", self.across, braking)
             speed = 0.5 * square * np.abs(pushed / (1 + self.port.admittance * load)) ** 2
             mean = speed.sum(axis=1), (speed / self.port.omega**2).sum(axis=1)
             out[:, sea] = electrical_power(damping, stiffness, *mean, efficiency)
         return out
+
+
+Given = Callable[[FloatArray, npt.NDArray[np.intp]], FloatArray]
+"""Dampers (case, dragged) in place, cases by number -> those their motion asks for, of the same shape."""
+
+
+def _one_settled(given: Given, cases: int, _: int) -> FloatArray:
+    """Dampers of one direction, shape (case, 1): the root between none and what is asked for without one."""
+    most = given(np.zeros((cases, 1)), np.arange(cases))[:, 0]
+
+    def missing(d: FloatArray, case: npt.NDArray[np.intp]) -> FloatArray:
+        return d - given(d[:, None], case)[:, 0]
+
+    bracket = (np.zeros_like(most), 1.001 * most + 1e-300)
+    found = find_root(missing, bracket, args=(np.arange(cases),), tolerances={"xrtol": SETTLED})
+    return np.asarray(found.x)[:, None]
+
+
+def _settled(given: Given, cases: int, count: int) -> FloatArray:
+    """Dampers of several directions, shape (case, dragged).
+
+    Halfway, on a logarithmic scale, to what they ask for: what a damper asks for falls with it, by its own share at
+    most, so that a step leaves at most half of the way.
+    """
+    every = np.arange(cases)
+    found = given(np.zeros((cases, count)), every)
+    for _ in range(MOST_TURNS):
+        before, found = found, np.sqrt(found * given(found, every))
+        if np.all(np.abs(found - before) <= SETTLED * found):
+            return found
+    raise ConvergenceError("drag: the equivalent dampers of its directions do not settle beside each other")
 
 
 def under(port: DraggedPort, squares: FloatArray, damping: float, stiffness: float, efficiency: float) -> Load:
@@ -187,7 +247,7 @@ def best_pair(port: DraggedPort, squares: FloatArray, given: Load, efficiency: f
         return given
     pair, softest = given, port.port.softest_spring
     for _ in range(ROUNDS):
-        drag = float(port.settled(squares, pair.damping, pair.stiffness)[0, 0])
+        drag = port.settled(squares, pair.damping, pair.stiffness)[0, 0]
         pair = best_pairs(port.beside(drag), squares, given, efficiency)
 
     def load(x: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -212,15 +212,15 @@ class ConstantForce(Force):
 
 @dataclass(frozen=True)
 class QuadraticDrag(Force):
-    """f = -c |u| u b with c = rho C A/2 and the velocity u = b.q' - w past the water, w = Re sum W_j exp(-i omega_j t).
+    """f = -sum c |u| u b, c = rho C A/2 and u = b.q' - w the velocity past the water, w = Re sum W_j exp(-i omega_j t).
 
-    Morison's drag on one rigid direction of the buoy; w is the undisturbed flow of the waves along it.
+    Morison's drag on rigid directions of the buoy; w is the undisturbed flow of the waves along each.
     """
 
-    direction: FloatArray  # b (dof,) [-]
-    coefficient: float  # c [kg/m]
+    direction: FloatArray  # b (dragged, dof) [-]
+    coefficient: FloatArray  # c (dragged,) [kg/m]
     omega: FloatArray  # of the waves (component,) [rad/s]
-    flow: ComplexArray  # W (component,) [m/s]
+    flow: ComplexArray  # W (component, dragged) [m/s]
 
     def linear(self) -> Linear:
         """Nothing: it vanishes with the velocity, and so does its slope."""
@@ -232,11 +232,11 @@ class QuadraticDrag(Force):
 
     def during(self, time: FloatArray) -> "During":
         """Return it at some of these instants, the water's flow at hand."""
-        flow = superposed(self.omega, self.flow[:, None], time)[:, 0]
+        flow = superposed(self.omega, self.flow, time)
 
         def force(q: FloatArray, v: FloatArray, rows: slice = slice(None)) -> FloatArray:
-            past = v @ self.direction - flow[rows]
-            return np.asarray(-self.coefficient * np.outer(np.abs(past) * past, self.direction))
+            past = v @ self.direction.T - flow[rows]
+            return np.asarray(-(self.coefficient * np.abs(past) * past) @ self.direction)
 
         return force
 

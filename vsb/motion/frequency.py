@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 from vsb.errors import DatabaseError, StabilityError
 from vsb.hydro.coefficients import Coefficients
 from vsb.hydro.kernel import DampingSpectrum
-from vsb.hydro.orders import ORDER, order_groups
+from vsb.hydro.orders import heading_shares, most_exciting, order_groups, orders_of, own_headings
 from vsb.motion.channel import Channel
 from vsb.motion.port import ROUND_OFF, Port
 from vsb.motion.pto import LinearPto
@@ -219,22 +219,25 @@ class LinearMotion(ABC):
 class LinearBuoy(LinearMotion):
     """Heave and modes of a shell of revolution, or all motions of orders up to some m; each has one channel."""
 
+    direction: float = 0.0  # the waves go to [rad]
+
     @property
     def orders(self) -> npt.NDArray[np.integer[Any]]:
         """Azimuthal order of each degree of freedom, shape (dof,)."""
-        return np.asarray(self.database[ORDER].values) if ORDER in self.database else np.zeros(len(self.labels), int)
+        return orders_of(self.database)
 
     @cached_property
-    def _splines(self) -> tuple[CubicSpline, CubicSpline]:
+    def _splines(self) -> tuple[CubicSpline, Any]:
         """Added mass and excitation between the solved frequencies."""
         omega = self.database.omega.values
-        excitation = CubicSpline(omega, self.database.excitation_force.values[:, 0, :])
-        return CubicSpline(omega, self.database.added_mass.values), excitation
+        force = CubicSpline(omega, most_exciting(self.database, "excitation_force"))
+        return CubicSpline(omega, self.database.added_mass.values), force
 
     @cached_property
     def _channels(self) -> list[Channel]:
         """The radiation channel of each azimuthal order."""
-        return [Channel.of(self.database, group) for group in order_groups(self.database).values()]
+        going = own_headings(self.database)
+        return [Channel.of(self.database, group, going[group[0]]) for group in order_groups(self.database).values()]
 
     def coefficients(self, omega: FloatArray) -> Coefficients:
         """Return the coefficients by cubic splines between solved frequencies.
@@ -260,13 +263,15 @@ class LinearBuoy(LinearMotion):
         added_mass, excitation = self._splines
         force = excitation(omega).astype(complex)
         damping = np.sum([channel.damping(omega, force) for channel in self._channels], axis=0)
-        return Coefficients(added_mass(omega), damping, force)
+        return Coefficients(
+            added_mass(omega), damping, np.asarray(force * heading_shares(self.orders, self.direction), dtype=complex)
+        )
 
     def diffraction(self, omega: FloatArray) -> ComplexArray:
         """Return the diffraction force per unit wave amplitude, shape (omega, dof) [N/m]; band as `coefficients`."""
         self.coefficients(omega)
-        force = CubicSpline(self.database.omega.values, self.database.diffraction_force.values[:, 0, :])
-        return np.asarray(force(omega), dtype=complex)
+        force = CubicSpline(self.database.omega.values, most_exciting(self.database, "diffraction_force"))
+        return np.asarray(force(omega) * heading_shares(self.orders, self.direction), dtype=complex)
 
     def added_mass_at(self, omega: float) -> FloatArray:
         """Return the added mass at any frequency by Kramers and Kronig, shape (dof, dof) [kg]."""

@@ -198,7 +198,7 @@ def channels_reached(direction: FloatArray, orders: npt.NDArray[np.integer[Any]]
     orders : ndarray, shape (dof,)
         Azimuthal order of each degree of freedom.
     """
-    return sum(multiplicity(int(order)) for order in np.unique(orders[direction != 0.0]))
+    return sum(multiplicity(int(order)) for order in np.unique(np.abs(orders[direction != 0.0])))
 
 
 def line_shares(line: LinePort, centre_height: float) -> dict[str, float]:
@@ -216,7 +216,7 @@ def line_shares(line: LinePort, centre_height: float) -> dict[str, float]:
 
 def _between(choice: PortChoice, shape: DeformedShell, basis: OrderBasis) -> FloatArray:
     """Share of an order in a port: in one between two points of the meridian theta = 0, else none."""
-    if not isinstance(choice, BetweenPort):
+    if not isinstance(choice, BetweenPort) or basis.odd:  # whose shapes are none at theta = 0
         return np.zeros(len(basis.labels))
     at = np.deg2rad(choice.between)
     v, u, _ = basis.field(at)

@@ -1,6 +1,6 @@
 """Figures of power, hydrodynamics and motion; any figure by its name. Datasets in, Figure out; computes nothing."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import matplotlib as mpl
@@ -28,7 +28,7 @@ from vsb.report.canvas import (
 from vsb.report.sea_figures import spectra
 from vsb.report.shell_figures import extreme_shapes, mode_shapes, shapes_3d, snapshots, volume_area
 from vsb.report.witness_figure import witness
-from vsb.study.quantities import RIGID
+from vsb.study.quantities import RIGID, ROTATIONS
 
 
 def absorbed_power(data: StudyData) -> Figure:
@@ -161,7 +161,7 @@ def added_mass_damping(data: StudyData) -> Figure:
 def radiation_kernel(data: StudyData) -> Figure:
     """Draw the retardation kernel from the damping and from the state space, heave and two modes."""
     kernel = data.radiation
-    moving = [i for i, label in enumerate(kernel.influenced_dof.values) if label != "Pitch"]
+    moving = [i for i, label in enumerate(kernel.influenced_dof.values) if label not in ROTATIONS]
     rigid = [i for i in moving if kernel.influenced_dof.values[i] in RIGID]
     labels = kernel.influenced_dof.values[[*rigid, *(i for i in moving if i not in rigid)][:3]]
     figure, axes = grid_of_axes(1.3 + 1.3 * len(labels), len(labels), 1, sharex=True)
@@ -184,15 +184,21 @@ def heave_excitation(data: StudyData, wave: str) -> Figure:
 
 
 def directions(data: StudyData, wave: str) -> Figure:
-    """Draw surge, heave and pitch."""
+    """Draw surge, heave and pitch; of a buoy that is free all six rigid motions."""
+    moving = next(run for (_, sea), run in data.runs.items() if sea == wave).dof.values
+    return panels(data, wave, [_direction(name) for name in RIGID if name in moving])
+
+
+def _direction(name: str) -> tuple[str, Callable[[xr.Dataset], xr.DataArray]]:
+    """A rigid motion and what to draw of a run."""
+    if name not in ROTATIONS:
+        return f"{name.lower()} [m]", lambda run: run.position.sel(dof=name)
 
     def angle(run: xr.Dataset) -> xr.DataArray:
-        turned: xr.DataArray = np.rad2deg(run.position.sel(dof="Pitch"))
+        turned: xr.DataArray = np.rad2deg(run.position.sel(dof=name))
         return turned
 
-    surge = ("surge [m]", lambda run: run.position.sel(dof="Surge"))
-    heave = ("heave [m]", lambda run: run.position.sel(dof="Heave"))
-    return panels(data, wave, [surge, heave, ("pitch [degrees]", angle)])
+    return f"{name.lower()} [degrees]", angle
 
 
 def velocity_pto(data: StudyData, wave: str) -> Figure:

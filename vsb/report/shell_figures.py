@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from vsb.hydro.dofs import flexible
 from vsb.report.canvas import StudyData, folded, grid_of_axes, panels, style
+from vsb.shell.orders import goes_with_sine
 from vsb.study.quantities import RIGID
 from vsb.tools.units import FloatArray
 
@@ -75,8 +76,9 @@ def round_factor(largest: float, radius: float) -> float:
 
 
 def _modal(run: xr.Dataset) -> FloatArray:
-    """Amplitudes of the shell modes of a run [m]; rigid motions left out."""
-    return np.asarray(run.position.sel(dof=[label for label in run.dof.values if label not in RIGID]).values)
+    """Amplitudes of the shell modes of a run that move its meridian theta = 0 [m]; no rigid motions, no odd modes."""
+    drawn = [label for label in run.dof.values if label not in RIGID and not goes_with_sine(str(label))]
+    return np.asarray(run.position.sel(dof=drawn).values)
 
 
 def _opposite(modes: xr.Dataset) -> Any:

@@ -3,14 +3,17 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from vsb.hydro.database import Check, check_at_most
 from vsb.integrators.simulate import CONVOLVED
 from vsb.results.comparison import Row
 from vsb.results.power import in_direction, power_response
-from vsb.scenes.drag import LINEARISED
+from vsb.scenes.drag import DAMPERS, LINEARISED
 from vsb.study.compared import Compared
+from vsb.study.quantities import ROTATIONS
+from vsb.study.study import Study
 from vsb.study.waves import RegularWave, Wave
 from vsb.tools.words import plain
 
@@ -76,10 +79,21 @@ def linearity_check(study: Compared, wave: RegularWave, power: float, mean: floa
     return check_at_most("linearity", difference, 0.05, "-", text, doubt=True, design=design, wave=wave.label)
 
 
+def dampers_in_words(study: Compared, run: Mapping[str, Any]) -> str:
+    """Return the equivalent dampers of a run's drag, of several directions each with its name."""
+    names = list(study.drag.directions) if isinstance(study, Study) and study.drag else ["heave"]
+    found = [plain(float(damper)) for damper in np.atleast_1d(run[DAMPERS])]
+    if names == ["heave"]:
+        return f"{found[0]} N s/m"
+    units = ("N m s" if name.capitalize() in ROTATIONS else "N s/m" for name in names)
+    each = zip(found, units, names, strict=True)
+    return " and ".join(f"{damper} {unit} of {name}" for damper, unit, name in each)
+
+
 def drag_check(study: Compared, wave: RegularWave, run: Mapping[str, Any], mean: float, design: str) -> Check:
     """Return the difference of mean power with quadratic drag from that beside its equivalent damper."""
     expected = float(run[LINEARISED])
     difference = abs(mean / expected - 1) if expected else abs(mean)
     text = f"mean power is {plain(mean)} W with quadratic drag, {plain(expected)} W beside its equivalent damper of "
-    text += f"{plain(float(run['drag_damping']))} N s/m; the frequency response and the matched limit know no drag"
+    text += f"{dampers_in_words(study, run)}; the frequency response and the matched limit know no drag"
     return check_at_most("drag", difference, 0.05, "-", text, doubt=True, design=design, wave=wave.label)

@@ -11,11 +11,10 @@ from vsb.errors import ConfigError, VsbError
 from vsb.hydro.database import Check, check_at_most
 from vsb.motion.constrained import optimum_in_sea
 from vsb.motion.drag import DraggedPort, best_damper, best_pair, under
-from vsb.motion.frequency import LinearBuoy
 from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import Port
 from vsb.motion.tuning import IntArray, Load, best_dampers, best_pairs, mean_power, squares
-from vsb.scenes.afloat import Met, afloat, band, met, study_sea
+from vsb.scenes.afloat import Met, afloat, band, headings, met, study_sea
 from vsb.scenes.drag import dragged_port
 from vsb.study.body_specs import BodyLadderSpec
 from vsb.study.specs import LadderSpec
@@ -211,12 +210,9 @@ def study_ladder(study: LadderSpec | BodyLadderSpec, database: str) -> list[Rung
     pairs = list(zip(waves, seas.values(), strict=True))
     ports = {design: met(floating, design, pairs) for design in study.designs}
     given = {design: Given(pto.damper(design), pto.stiffness, pto.efficiency) for design in study.designs}
-    dragged, buoy = None, floating.linear
-    if isinstance(study, LadderSpec) and study.drag is not None and isinstance(buoy, LinearBuoy):
-        dragged = {
-            design: dragged_port(study, buoy, ports[design].port.omega, motions, floating.port)
-            for design, motions in floating.motions.items()
-        }
+    dragged = None
+    if isinstance(study, LadderSpec) and study.drag is not None:
+        dragged = {design: dragged_port(study, floating, design, headings(pairs)) for design in study.designs}
     rungs = rungs_of(ports, seas, families, given, study.simulation.duration, dragged)
     if not pto.limited:
         return rungs
@@ -273,8 +269,8 @@ def constrained_checks(rungs: Sequence[Rung]) -> list[Check]:
 
 
 def _braked(port: DraggedPort, squares: FloatArray, load: Load) -> Port:
-    """The port beside the linear drag of one load in one sea."""
-    return port.beside(float(port.settled(squares, load.damping, load.stiffness)[0, 0]))
+    """The port beside the equivalent dampers of the drag under one load in one sea."""
+    return port.beside(port.settled(squares, load.damping, load.stiffness)[0, 0])
 
 
 def _phasors(

@@ -16,7 +16,7 @@ from vsb.errors import ConfigError
 from vsb.hydro import database
 from vsb.hydro.dofs import flexible
 from vsb.motion.bodies import LinearBody
-from vsb.motion.frequency import LinearBuoy, LinearMotion, with_open_chamber
+from vsb.motion.frequency import LinearBuoy, with_open_chamber
 from vsb.motion.port import Port, combination, port_direction
 from vsb.motion.pto import LinearPto
 from vsb.motion.tuning import IntArray, frequencies
@@ -34,6 +34,7 @@ from vsb.tools.units import FloatArray
 from vsb.waves.seas import Sea, sea
 
 AnyStudy = Study | BodyStudy
+AnyMotion = LinearBuoy | LinearBody
 OfBody = BodyStudy | OfDesigns
 """What says how a body moves: a study of one, or what a stage computes from."""
 InSeas = Study | LadderSpec | SimulateSpec | BodyStudy | BodyLadderSpec | BodySimulateSpec
@@ -44,18 +45,18 @@ InSeas = Study | LadderSpec | SimulateSpec | BodyStudy | BodyLadderSpec | BodySi
 class Afloat:
     """A buoy or a body without take-off, in waves from one direction, and what designs and take-off make of it."""
 
-    linear: LinearMotion
+    linear: AnyMotion
     motions: Mapping[str, FloatArray]  # design -> N (dof, free)
     port: FloatArray  # b (dof,)
 
-    def towards(self, wave: Wave) -> LinearMotion:
+    def towards(self, wave: Wave) -> AnyMotion:
         """Return its motion in waves of a sea's direction."""
-        return towards(self.linear, 0.0 if isinstance(wave, StillWater) else wave.direction)
+        return towards(self.linear, heading(wave))
 
 
-def towards(linear: LinearMotion, direction: float) -> LinearMotion:
-    """Return a motion in waves of a direction [degrees]; a buoy of revolution answers all alike."""
-    return replace(linear, direction=float(np.deg2rad(direction))) if isinstance(linear, LinearBody) else linear
+def towards(linear: AnyMotion, direction: float) -> AnyMotion:
+    """Return a motion in waves of a direction [degrees]; a buoy of revolution that heaves answers all alike."""
+    return replace(linear, direction=float(np.deg2rad(direction)))
 
 
 def afloat(study: Driven | OfBody, database_path: str) -> Afloat:
@@ -169,6 +170,22 @@ def study_sea(study: InSeas, wave: Wave, ds: xr.Dataset) -> Sea:
     return found if kept.all() else Sea(found.omega[kept], found.amplitude[kept])
 
 
+def heading(wave: Wave) -> float:
+    """Return the direction a sea goes to [degrees]; in still water any will do."""
+    return 0.0 if isinstance(wave, StillWater) else wave.direction
+
+
+def headings(seas: Sequence[tuple[Wave, Sea]]) -> dict[float, FloatArray]:
+    """Return the directions of seas [degrees], still water left out, and all frequencies of those of each [rad/s]."""
+    going = dict.fromkeys(heading(wave) for wave, _ in seas if not isinstance(wave, StillWater))
+    return {one: frequencies([sea for wave, sea in seas if _goes(wave, one)]) for one in going}
+
+
+def _goes(wave: Wave, direction: float) -> bool:
+    """Whether a sea has waves, and they go to a direction."""
+    return not isinstance(wave, StillWater) and wave.direction == direction
+
+
 class Met(NamedTuple):
     """A port in several seas, those of each direction at their own frequencies, one direction after the other."""
 
@@ -183,14 +200,11 @@ def met(floating: Afloat, design: str, seas: Sequence[tuple[Wave, Sea]]) -> Met:
     Impedances do not know where waves come from, free velocities do: a port in waves of several directions is one at
     as many sets of frequencies.
     """
-    headings = list(dict.fromkeys(wave.direction for wave, _ in seas if not isinstance(wave, StillWater)))
     ports, places, before = [], [np.zeros(0, dtype=np.intp)] * len(seas), 0
-    for heading in headings:
-        here = [i for i, (wave, _) in enumerate(seas) if not isinstance(wave, StillWater) and wave.direction == heading]
-        omega = frequencies([seas[i][1] for i in here])
-        linear = towards(floating.linear, heading)
+    for direction, omega in headings(seas).items():
+        linear = towards(floating.linear, direction)
         ports.append(linear.port(omega, floating.motions[design], floating.port))
-        for i in here:
+        for i in (i for i, (wave, _) in enumerate(seas) if _goes(wave, direction)):
             places[i] = before + np.searchsorted(omega, seas[i][1].omega)
         before += len(omega)
     squares = np.zeros((len(seas), before))

@@ -18,16 +18,16 @@ from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.scenes import automatic
-from vsb.scenes.afloat import body_afloat, linear_buoy, rest_shape, stored_body, study_port, study_sea
+from vsb.scenes.afloat import Afloat, body_afloat, heading, linear_buoy, rest_shape, stored_body, study_port, study_sea
 from vsb.scenes.drag import dragged_port, linearised, with_drag
 from vsb.scenes.pause import NEAR, BestPause, best_pair_in_sea, best_pause_in_sea, refined_pause, strongest, with_pause
 from vsb.scenes.rest import design_motions, study_basis
-from vsb.scenes.take_off import linear_take_off, tuned_take_off, with_take_off
+from vsb.scenes.take_off import tuned_take_off, with_take_off
 from vsb.shell.deformed import DeformedShell
 from vsb.study.body_specs import BodySimulateSpec
 from vsb.study.sections import POWER_TOLERANCE
 from vsb.study.specs import SimulateSpec
-from vsb.study.study import RegularWave, StillWater
+from vsb.study.study import RegularWave
 from vsb.tools.files import load
 from vsb.tools.units import FloatArray
 from vsb.waves.seas import NO_WAVES, Sea, sea
@@ -77,7 +77,7 @@ def linear_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
     """Return the scene of linear hydrodynamics about the mean shape."""
     at = _from_bem(run, paths)
     scene, notes = _released(_linear(run, at), run, at)
-    return at.with_scene(with_drag(scene, run, at.sea), notes, {"model": "linear"})
+    return at.with_scene(with_drag(scene, run, run.waves[0], at.sea), notes, {"model": "linear"})
 
 
 def body_exact_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
@@ -85,7 +85,7 @@ def body_exact_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
     at = _from_bem(run, paths)
     scene = body_exact_scene(at.buoy, at.shape, at.radiation, at.sea, at.motions)
     scene, notes = _released(with_take_off(scene, run.pto, at.buoy.pto), run, at)
-    return at.with_scene(with_drag(scene, run, at.sea), notes, {"model": "body_exact"})
+    return at.with_scene(with_drag(scene, run, run.waves[0], at.sea), notes, {"model": "body_exact"})
 
 
 def automatic_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
@@ -161,14 +161,15 @@ def _from_bem(run: SimulateSpec, paths: dict[str, Any]) -> _FromBem:
     (design,), (wave,) = run.designs, run.waves
     bare, basis = linear_buoy(run, paths["database"])
     model = radiation_model(paths["radiation"])
-    waves, *others = (sea(w, run.hydro.omega_max, run.simulation.duration) for w in (wave, *run.seas))
-    shape = rest_shape(run, bare, basis)
-    motions, port = design_motions(run, basis, design), study_port(run, bare, basis)
-    dragged = None if run.drag is None else partial(dragged_port, run, bare)
-    pto = linear_take_off(run.pto, design, bare, motions, port, others or [waves], dragged)
+    here, *others = ((w, sea(w, run.hydro.omega_max, run.simulation.duration)) for w in (wave, *run.seas))
+    shape, motions = rest_shape(run, bare, basis), design_motions(run, basis, design)
+    floating = Afloat(bare, {design: motions}, study_port(run, bare, basis))
+    dragged = None if run.drag is None else partial(dragged_port, run)
+    pto = tuned_take_off(run.pto, design, floating, others or [here], dragged)
     notes = {} if run.pto.tuning == "fixed" else {TUNED: float(pto.damping)}
-    notes |= linearised(run, bare, motions, pto, waves)
-    return _FromBem(replace(bare, pto=pto), shape, model, waves, motions, notes)
+    notes |= linearised(run, floating, design, pto, *here)
+    buoy = replace(bare, direction=float(np.deg2rad(heading(wave))), pto=pto)
+    return _FromBem(buoy, shape, model, here[1], motions, notes)
 
 
 def body_design(run: BodySimulateSpec, paths: dict[str, Any]) -> DesignInSea:
@@ -179,9 +180,9 @@ def body_design(run: BodySimulateSpec, paths: dict[str, Any]) -> DesignInSea:
     here, *others = ((one, study_sea(run, one, body.database)) for one in (wave, *run.seas))
     pto = tuned_take_off(run.pto, design, floating, others or [here])
     notes = {"model": "linear"} | ({} if run.pto.tuning == "fixed" else {TUNED: float(pto.damping)})
-    heading = 0.0 if isinstance(wave, StillWater) else float(np.deg2rad(wave.direction))
+    going = float(np.deg2rad(heading(wave)))
     motions = floating.motions[design]
-    scene = body_scene(replace(body, pto=pto), body_memory(paths["radiation"]), {heading: here[1]}, motions)
+    scene = body_scene(replace(body, pto=pto), body_memory(paths["radiation"]), {going: here[1]}, motions)
     scene = with_take_off(scene, run.pto, pto)
     if run.pto.pauses and scene.law:
         best = best_pause_in_sea(scene, here[1], run.simulation)

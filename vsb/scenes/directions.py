@@ -5,7 +5,7 @@ from scipy.linalg import block_diag
 
 from vsb.errors import ConfigError
 from vsb.shell.modes import ModeBasis
-from vsb.shell.orders import OrderBasis, ballast_of, order_basis
+from vsb.shell.orders import OrderBasis, ballast_of, order_basis, yaw
 from vsb.shell.rest import ReferenceShell
 from vsb.study.directions import RIGID
 from vsb.study.specs import DesignsSpec, RestSpec
@@ -14,11 +14,17 @@ from vsb.tools.units import FloatArray
 
 
 def order_bases(study: Study | RestSpec | DesignsSpec, basis: ModeBasis) -> tuple[OrderBasis, ...]:
-    """Return the degrees of freedom beside heave and axisymmetric modes, order by order; none of heave alone."""
+    """Return the degrees of freedom beside heave and axisymmetric modes, order by order; none of heave alone.
+
+    A buoy that is free has each order twice, to both sides, and yaw.
+    """
     if study.motion == "heave":
         return ()
     ballast, highest = ballast_of(study.device), study.modes.order if basis.modes and study.modes else 1
-    return tuple(order_basis(basis, order, ballast) for order in range(1, highest + 1))
+    even = [order_basis(basis, order, ballast) for order in range(1, highest + 1)]
+    if study.motion == "planar":
+        return tuple(even)
+    return (*(each for one in even for each in (one, one.turned())), yaw(basis, ballast))
 
 
 def order_stiffness(study: Study | RestSpec | DesignsSpec, basis: OrderBasis) -> dict[str, FloatArray]:
@@ -62,10 +68,11 @@ def check_upright(study: Study | RestSpec | DesignsSpec, reference: ReferenceShe
     ConfigError
     """
     labels = whole_labels(study, reference)
-    rigid = [labels.index(label) for label in ("Surge", "Heave", "Pitch") if label in labels]
+    names = [name for name in ("Surge", "Sway", "Heave", "Yaw", "Roll", "Pitch") if name in labels]
+    rigid = [labels.index(name) for name in names]
     stiffness = whole_stiffness(study, reference)[np.ix_(rigid, rigid)]
     held = np.flatnonzero(stiffness.any(axis=0))
-    upright = "Pitch" not in labels or stiffness[-1, -1] > 0.0
+    upright = all(stiffness[i, i] > 0.0 for i, name in enumerate(names) if name in ("Roll", "Pitch"))
     if not upright or np.linalg.eigvalsh(stiffness[np.ix_(held, held)])[0] <= 0.0:
         raise ConfigError(
             f"device.centre_of_mass: received {study.device.centre_of_mass:g} m above the sphere's centre, with which "

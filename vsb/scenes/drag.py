@@ -1,5 +1,6 @@
 """The drag of a study as a force of a scene, and as linear theory sees it."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -7,56 +8,85 @@ import numpy as np
 
 from vsb.motion.drag import DraggedPort
 from vsb.motion.forces import QuadraticDrag
-from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.tuning import squares
-from vsb.study.drag import Drag
+from vsb.scenes.afloat import Afloat, heading, towards
+from vsb.study.drag import Drag, Vane
 from vsb.study.specs import DraggedSpec
+from vsb.study.study import Wave
 from vsb.tools.units import ComplexArray, FloatArray
-from vsb.waves.seas import Sea, vertical_velocity
+from vsb.waves.seas import Sea, horizontal_velocity, vertical_velocity
 
 LINEARISED = "linearised_power"
-"""What a run with drag records of its linear theory: mean power [W] under the drag's equivalent damper."""
+"""What a run with drag records of its linear theory: mean power [W] under the drag's equivalent dampers."""
+DAMPERS = "drag_damping"
+"""And those dampers, in the order of the drag's directions [N s/m], of rotations [N m s]."""
 
 
-def coefficient(drag: Drag, density: float) -> float:
-    """Return rho C A/2 of heave [kg/m]."""
-    return 0.5 * density * drag.heave.coefficient * drag.heave.area
+def coefficients(drag: Drag, density: float) -> FloatArray:
+    """Return rho C A/2 of every direction, shape (dragged,) [kg/m], of rotations times the lever's cube [kg m^2]."""
+    plates = drag.directions.values()
+    levers = [plate.lever if isinstance(plate, Vane) else 1.0 for plate in plates]
+    return np.array(
+        [0.5 * density * p.coefficient * p.area * lever**3 for p, lever in zip(plates, levers, strict=True)]
+    )
 
 
-def flow(run: DraggedSpec, omega: FloatArray) -> ComplexArray:
-    """Return the vertical velocity of undisturbed waves at half the draft per amplitude, shape (omega,) [1/s]."""
-    return vertical_velocity(omega, -0.5 * run.draft, run.water.depth, run.water.gravity)
+def dragged(drag: Drag, labels: Sequence[str]) -> FloatArray:
+    """Return the directions of a drag over degrees of freedom, shape (dragged, dof) [-]."""
+    return np.array([[float(label == name.capitalize()) for label in labels] for name in drag.directions])
 
 
-def with_drag(scene: Scene, run: DraggedSpec, sea: Sea) -> Scene:
+def flow(run: DraggedSpec, omega: FloatArray, direction: float = 0.0) -> ComplexArray:
+    """Return the velocity of undisturbed waves at half the draft per amplitude, shape (omega, dragged) [1/s].
+
+    Along every direction the drag acts on, of waves going to one [degrees]. They have no vorticity, so of rotations
+    there is none.
+    """
+    assert run.drag is not None
+    water, height, towards = run.water, -0.5 * run.draft, np.deg2rad(direction)
+    along = horizontal_velocity(omega, height, water.depth, water.gravity)
+    known = {
+        "surge": np.cos(towards) * along,
+        "sway": np.sin(towards) * along,
+        "heave": vertical_velocity(omega, height, water.depth, water.gravity),
+    }
+    return np.stack([known.get(name, 0.0 * along) for name in run.drag.directions], axis=-1)
+
+
+def with_drag(scene: Scene, run: DraggedSpec, wave: Wave, sea: Sea) -> Scene:
     """Return a scene with the drag of its study, if it has one."""
     if run.drag is None:
         return scene
-    heave = np.eye(len(scene.labels))[0]
-    moved = sea.amplitude * flow(run, sea.omega)
-    force = QuadraticDrag(heave, coefficient(run.drag, run.water.density), sea.omega, moved)
+    moved = sea.amplitude[:, None] * flow(run, sea.omega, heading(wave))
+    strength = coefficients(run.drag, run.water.density)
+    force = QuadraticDrag(dragged(run.drag, scene.labels), strength, sea.omega, moved)
     return replace(scene, forces={**scene.forces, "drag": force})
 
 
-def dragged_port(
-    run: DraggedSpec, buoy: LinearBuoy, omega: FloatArray, motions: FloatArray, port: FloatArray
-) -> DraggedPort:
-    """Return the port of a design of a study with drag; arguments as of `LinearBuoy.port`."""
+def dragged_port(run: DraggedSpec, floating: Afloat, design: str, going: Mapping[float, FloatArray]) -> DraggedPort:
+    """Return the port of a design of a study with drag, in waves of directions [degrees], each at its frequencies."""
     assert run.drag is not None
-    heave = np.eye(len(buoy.mass))[0]
-    c = coefficient(run.drag, run.water.density)
-    return DraggedPort.of(buoy, omega, motions, port, heave, flow(run, omega), c)
+    labels, strength = floating.linear.labels, coefficients(run.drag, run.water.density)
+    motions, directions = floating.motions[design], dragged(run.drag, labels)
+    return DraggedPort.joined(
+        [
+            DraggedPort.of(
+                towards(floating.linear, at), omega, motions, floating.port, directions, flow(run, omega, at), strength
+            )
+            for at, omega in going.items()
+        ]
+    )
 
 
-def linearised(run: DraggedSpec, buoy: LinearBuoy, motions: FloatArray, pto: LinearPto, sea: Sea) -> dict[str, Any]:
-    """Return what a run in a sea records of its drag by linear theory: its damper and the mean power beside it."""
+def linearised(run: DraggedSpec, floating: Afloat, design: str, pto: LinearPto, wave: Wave, sea: Sea) -> dict[str, Any]:
+    """Return what a run in a sea records of its drag by linear theory: its dampers and the mean power beside them."""
     if run.drag is None or not sea.omega.size:
         return {}
-    at = dragged_port(run, buoy, sea.omega, motions, pto.direction(len(buoy.mass)))
+    at = dragged_port(run, floating, design, {heading(wave): sea.omega})
     waves, load = squares([sea], sea.omega), (np.array([float(pto.damping)]), np.array([pto.stiffness]))
     return {
-        "drag_damping": float(at.settled(waves, *load)[0, 0]),
+        DAMPERS: [float(damper) for damper in at.settled(waves, *load)[0, 0]],
         LINEARISED: float(at.powers(waves, *load)[0, 0]),
     }

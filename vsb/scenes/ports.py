@@ -1,18 +1,23 @@
 """The ports of all designs of a study from the coefficients of its shape, which studies of other materials share."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from vsb.hydro.coefficients import Coefficients
 from vsb.hydro.database import shares
 from vsb.hydro.dofs import Displacement
+from vsb.hydro.orders import order_shares
 from vsb.motion.channel import channelled
 from vsb.motion.frequency import free_motion, port_of_motion
 from vsb.motion.port import Port, PortMotion, port_direction
+from vsb.scenes.directions import order_bases, whole_stiffness
 from vsb.scenes.rest import design_motions, seen_by_take_off
 from vsb.shell.modes import ModeBasis
+from vsb.shell.orders import OrderBasis
 from vsb.shell.rest import ReferenceShell
 from vsb.study.study import Study
 from vsb.tools.units import FloatArray
@@ -28,10 +33,20 @@ class ShapeWater:
     displacements: tuple[Displacement, ...]
     omega: FloatArray  # (omega,) [rad/s]
     coefficients: Coefficients  # of the displacements
+    orders: tuple["ShapeWater", ...] = ()  # those of azimuthal orders 1, 2, ..., if the buoy moves in them
 
-    def in_modes(self, basis: ModeBasis) -> Coefficients:
-        """Return the coefficients of heave and modes, which radiate through one channel as a buoy's do."""
-        transform = shares(self.displacements, basis)
+    def in_modes(self, basis: ModeBasis, families: Sequence[OrderBasis] = ()) -> Coefficients:
+        """Return the coefficients of heave and modes, and of families of higher orders, each of one channel."""
+        own = self._combined(shares(self.displacements, basis))
+        others = [self.orders[each.order - 1] for each in families]
+        beyond = [
+            water._combined(order_shares(water.displacements, each))
+            for water, each in zip(others, families, strict=True)
+        ]
+        return Coefficients.side_by_side([own, *beyond])
+
+    def _combined(self, transform: FloatArray) -> Coefficients:
+        """Coefficients of combinations of the displacements, which radiate through one channel as a buoy's do."""
         added_mass, damping, excitation = self.coefficients
         force, lost = excitation @ transform.T, transform @ damping @ transform.T
         return Coefficients(transform @ added_mass @ transform.T, channelled(lost, force), force)
@@ -46,21 +61,41 @@ class InWaves(NamedTuple):
 
 def designs_in_waves(study: Study, reference: ReferenceShell, water: ShapeWater) -> dict[str, InWaves]:
     """Return every design of a study in waves, without its take-off."""
-    basis, omega = reference.basis, water.omega
-    coefficients = water.in_modes(basis)
-    direction = port_direction(study.pto.port, reference.shape)
+    basis, omega, families = reference.basis, water.omega, order_bases(study, reference.basis)
+    coefficients = water.in_modes(basis, families)
+    direction = port_direction(study.pto.port, reference.shape, families)
     seen, chamber = seen_by_take_off(study, reference)
-    matrices = (basis.inertia, basis.damping, seen.total)
-    lossy = coefficients.damping + basis.damping
-    shapes = np.stack(basis.displacement(np.linspace(0.0, np.pi, POINTS)), axis=1)[1:]  # (mode, 2, point)
+    inertia, damping = (
+        np.asarray(block_diag(getattr(basis, name), *(getattr(each, name) for each in families)))
+        for name in ("inertia", "damping")
+    )
+    stiffness, lossy = whole_stiffness(study, seen), coefficients.damping + damping
+    shapes = shell_shapes(basis, families)[1:]  # heave left out
     found = {}
     for design in study.designs:
         free = design_motions(study, basis, design)
-        moved = free_motion(omega, coefficients, *matrices, free, direction)
-        port = port_of_motion(omega, *moved, lossy, seen.total, free, direction)
+        moved = free_motion(omega, coefficients, inertia, damping, stiffness, free, direction)
+        port = port_of_motion(omega, *moved, lossy, stiffness, free, direction)
         heave, shell = zip(*((one[:, 0], np.einsum("wn,ncp->cpw", one[:, 1:], shapes)) for one in moved), strict=True)
         found[design] = InWaves(port.behind(chamber), PortMotion(heave, shell))
     return found
+
+
+def shell_shapes(basis: ModeBasis, families: Sequence[OrderBasis] = ()) -> FloatArray:
+    """Return displacements in both directions of points of a meridian, rigid motions none, (dof, 2, point) [-].
+
+    With families of higher orders on both meridians in the plane of the waves, theta = 0 and pi.
+    """
+    at = np.linspace(0.0, np.pi, POINTS)
+    axisymmetric = np.stack(basis.displacement(at), axis=1)
+    if not families:
+        return axisymmetric
+    found = [np.concatenate([axisymmetric, axisymmetric], axis=2)]
+    for each in families:
+        one = np.stack(each.field(at)[:2], axis=1)
+        one[: each.rigid] = 0.0
+        found.append(np.concatenate([one, (-1) ** each.order * one], axis=2))
+    return np.concatenate(found)
 
 
 def design_ports(study: Study, reference: ReferenceShell, water: ShapeWater) -> dict[str, Port]:

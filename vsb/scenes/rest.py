@@ -155,13 +155,16 @@ def check_stable(study: Designed, reference: ReferenceShell) -> None:
             )
 
 
-def design_stiffness(study: Designed, reference: ReferenceShell, design: str) -> float:
+def design_stiffness(
+    study: Designed, reference: ReferenceShell, design: str, beside: FloatArray | float = 0.0
+) -> float:
     """Return the least stiffness of a design about the reference shape [N/m]; what rests stably has more than 0.
 
-    Of what is held at all: surge without a mooring drifts, which may be.
+    Of what is held at all: surge without a mooring drifts, which may be. `beside` is that of springs of the take-off,
+    shape (dof, dof).
     """
     motions = design_motions(study, reference.basis, design)
-    stiffness = motions.T @ whole_stiffness(study, reference) @ motions
+    stiffness = motions.T @ (whole_stiffness(study, reference) + beside) @ motions
     held = np.flatnonzero(stiffness.any(axis=0))
     return float(np.linalg.eigvalsh(stiffness[np.ix_(held, held)])[0])
 

@@ -7,13 +7,13 @@ import numpy as np
 
 from vsb.errors import ConfigError
 from vsb.motion import drag
-from vsb.motion.frequency import LinearBuoy, allowed_part, compliance
+from vsb.motion.frequency import allowed_part, compliance
 from vsb.motion.port import Port
 from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.take_off import EndStop, TakeOff
-from vsb.motion.tuning import best_dampers, frequencies, squares
-from vsb.scenes.afloat import Afloat, met
+from vsb.motion.tuning import best_dampers
+from vsb.scenes.afloat import Afloat, headings, met
 from vsb.study.study import Wave
 from vsb.study.take_off import Law, Pto
 from vsb.tools.units import FloatArray
@@ -22,7 +22,7 @@ from vsb.waves.seas import Sea
 STIFFER = 100.0
 """Spring of an end stop over the buoy's own stiffness at the port: it gives way by some per cent of what it stops."""
 
-Dragged = Callable[[FloatArray, FloatArray, FloatArray], drag.DraggedPort]
+Dragged = Callable[[Afloat, str, Mapping[float, FloatArray]], drag.DraggedPort]
 
 LAWS: Mapping[Law, Callable[[Pto, FloatArray, float], TakeOff]] = {
     "linear": lambda pto, port, damper: TakeOff(port, damper, pto.stiffness, pto.force_limit),
@@ -32,61 +32,6 @@ LAWS: Mapping[Law, Callable[[Pto, FloatArray, float], TakeOff]] = {
     "declutching": lambda pto, port, damper: TakeOff(port, damper, pto.stiffness, pto.force_limit, paused_damping=0.0),
 }
 """`pto.law`, at a port, with a damper [kg/s] -> its force; how long it pauses is found in a sea (`scenes.pause`)."""
-
-
-def linear_take_off(
-    pto: Pto,
-    design: str,
-    buoy: LinearBuoy,
-    motions: FloatArray,
-    port: FloatArray,
-    seas: Sequence[Sea],
-    dragged: Dragged | None = None,
-) -> LinearPto:
-    """Return spring and damper of a run: the damper given, or the one that takes most of seas by linear theory.
-
-    Parameters
-    ----------
-    pto : Pto
-    design : str
-    buoy : LinearBuoy
-    motions : ndarray, shape (dof, free)
-        The motions the design allows.
-    port : ndarray, shape (dof,)
-        b.
-    seas : sequence of Sea
-        What a damper that is not given is to suit: the sum of these.
-    dragged : callable, optional
-        Frequencies, motions and b -> the port beside a drag, where there is one.
-
-    Raises
-    ------
-    ConfigError
-        If no damper is given and nothing comes in.
-    """
-    damper = pto.damper(design)
-    if pto.tuning != "fixed":
-        damper = best_damper(pto, buoy, motions, port, [sea for sea in seas if sea.omega.size], dragged)
-    assert damper is not None  # a Pto's own check
-    return LinearPto(damper, pto.stiffness, port)
-
-
-def best_damper(
-    pto: Pto,
-    buoy: LinearBuoy,
-    motions: FloatArray,
-    port: FloatArray,
-    seas: Sequence[Sea],
-    dragged: Dragged | None = None,
-) -> float:
-    """Return the damper beside a take-off's spring that takes most of the sum of seas; see `linear_take_off`."""
-    if not seas:
-        raise ConfigError(_NOTHING.format(pto.tuning))
-    omega = frequencies(seas)
-    if dragged:
-        at = dragged(omega, motions, port)
-        return drag.best_damper(at, squares(seas, omega), pto.stiffness, pto.efficiency)
-    return best_of_all(pto, buoy.port(omega, motions, port), squares(seas, omega))
 
 
 _NOTHING = "pto.tuning: received {!r}, but nothing comes in; needs pto.damping in N s/m"
@@ -106,15 +51,37 @@ def best_of_all(pto: Pto, port: Port, waves: FloatArray) -> float:
     return float(best.damping[0])
 
 
-def tuned_take_off(pto: Pto, design: str, floating: Afloat, seas: Sequence[tuple[Wave, Sea]]) -> LinearPto:
-    """Return spring and damper of a run as `linear_take_off`, of seas from any directions."""
+def tuned_take_off(
+    pto: Pto, design: str, floating: Afloat, seas: Sequence[tuple[Wave, Sea]], dragged: Dragged | None = None
+) -> LinearPto:
+    """Return spring and damper of a run: the damper given, or the one that takes most of seas by linear theory.
+
+    Parameters
+    ----------
+    pto : Pto
+    design : str
+    floating : Afloat
+    seas : sequence of (Wave, Sea)
+        What a damper that is not given is to suit: the sum of these, from any directions.
+    dragged : callable, optional
+        What floats, design, frequencies by direction -> its port beside a drag, where there is one.
+
+    Raises
+    ------
+    ConfigError
+        If no damper is given and nothing comes in.
+    """
     damper = pto.damper(design)
     if pto.tuning != "fixed":
         moving = [(wave, sea) for wave, sea in seas if sea.omega.size]
         if not moving:
             raise ConfigError(_NOTHING.format(pto.tuning))
         seen = met(floating, design, moving)
-        damper = best_of_all(pto, seen.port, seen.squares)
+        if dragged:
+            beside = dragged(floating, design, headings(moving))
+            damper = drag.best_damper(beside, seen.squares, pto.stiffness, pto.efficiency)
+        else:
+            damper = best_of_all(pto, seen.port, seen.squares)
     assert damper is not None  # a Pto's own check
     return LinearPto(damper, pto.stiffness, floating.port)
 

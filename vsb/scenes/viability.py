@@ -3,12 +3,13 @@
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.motion.port import port_direction
 from vsb.motion.pto import LinearPto
+from vsb.scenes.directions import check_upright, order_bases
 from vsb.scenes.rest import computed_buckling, design_stiffness, reference_shell, seen_by_take_off
 from vsb.shell.rest import ReferenceShell
 from vsb.study.study import Study, canonical, parse
@@ -35,11 +36,14 @@ def viability(study: Study) -> Viability:
         if not study.at_equilibrium:
             raise
         return Viability(None, margin, dict.fromkeys(study.designs, _no_equilibrium(error)))
-    port = port_direction(study.pto.port, reference.shape)
+    try:
+        check_upright(study, reference)
+    except ConfigError:
+        return Viability(reference, margin, dict.fromkeys(study.designs, "does not stay upright"))
+    port = port_direction(study.pto.port, reference.shape, order_bases(study, reference.basis))
     seen, chamber = seen_by_take_off(study, reference)
-    spring = {"take_off": LinearPto(0.0, study.pto.stiffness, port).relaxed(chamber)[0].spring(len(port))}
-    held = replace(seen, stiffness={**seen.stiffness, **spring})
-    least = {design: design_stiffness(study, held, design) for design in study.designs}
+    spring = LinearPto(0.0, study.pto.stiffness, port).relaxed(chamber)[0].spring(len(port))
+    least = {design: design_stiffness(study, seen, design, spring) for design in study.designs}
     reasons = {design: f"unstable: least stiffness {k:.3g} N/m" for design, k in least.items() if k <= 0}
     return Viability(reference, margin, reasons)
 

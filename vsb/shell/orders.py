@@ -1,5 +1,9 @@
 """Shapes of the shell of azimuthal order m >= 1, and the rigid motions among them: surge and pitch of order 1.
 
+Of each order there are two families: even ones in y, which go with cos(m theta) and move in the plane of waves along x,
+and odd ones, the same turned by 90 degrees/m, which go with sin(m theta): sway, roll and their shell modes. Yaw is the
+one odd motion of order 0.
+
 A shape of degree n is v = V S_n^m(cos phi) cos(m theta) along e_r, and along the surface U times its gradient on the
 unit sphere: u = U S' cos(m theta) along e_phi, w = -U m S/sin(phi) sin(m theta) along e_theta. S is Schmidt's
 semi-normalised function, sqrt(2 (n-m)!/(n+m)!) P_n^m. A closed sphere looks the same from every direction: in (V, U)
@@ -8,8 +12,9 @@ gradient; shapes of its kind, which twist the shell and move no water, are left 
 them to these.
 """
 
+import re
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import factorial, sqrt
 from typing import NamedTuple
@@ -32,8 +37,8 @@ from vsb.shell.sphere import Shell
 from vsb.study.device import Device
 from vsb.tools.units import FloatArray
 
-RIGID = ("Surge", "Pitch")
-"""Rigid motions of order 1, before the modes: their amplitudes are metres and radians."""
+RIGID = {False: ("Surge", "Pitch"), True: ("Sway", "Roll")}
+"""Rigid motions of order 1 of the even and the odd family, before the modes: amplitudes are metres and radians."""
 
 
 def semi_normalisation(degree: int, order: int) -> float:
@@ -67,7 +72,7 @@ def semi_normalised(degree: int, order: int, colatitude: FloatArray) -> FloatArr
 class Field(NamedTuple):
     """Displacements per unit amplitude along e_r, e_phi and e_theta, each shape (dof, point).
 
-    The first two go with cos(m theta), the last with sin(m theta).
+    The first two go with cos(m theta), the last with sin(m theta); of the odd family with sin and with -cos.
     """
 
     radial: FloatArray
@@ -81,6 +86,7 @@ class Ballast(NamedTuple):
     total_mass: float  # [kg]
     centre_of_mass: float  # of the whole buoy above the sphere's centre [m]
     inertia: float  # of the ballast about its own centre of mass, transverse [kg m^2]
+    yaw_inertia: float = 0.0  # of the ballast about the vertical axis; of yaw alone [kg m^2]
 
 
 def ballast_of(device: Device) -> Ballast:
@@ -93,12 +99,12 @@ def ballast_of(device: Device) -> Ballast:
     """
     if device.centre_of_mass is None or device.ballast_inertia is None:
         raise ConfigError("device: received no centre_of_mass or no ballast_inertia; pitch needs both.")
-    return Ballast(device.mass, device.centre_of_mass, device.ballast_inertia)
+    return Ballast(device.mass, device.centre_of_mass, device.ballast_inertia, device.ballast_yaw_inertia or 0.0)
 
 
 @dataclass(frozen=True)
 class OrderBasis:
-    """Degrees of freedom of one azimuthal order: of order 1 surge and pitch, then the shell modes."""
+    """Degrees of freedom of one azimuthal order and family: of order 1 two rigid motions, then the shell modes."""
 
     shell: Shell
     order: int
@@ -107,16 +113,34 @@ class OrderBasis:
     bending: bool  # whether the energy of bending is part of the stiffness
     alpha: float = 0.0  # mass-proportional damping [1/s]
     beta: float = 0.0  # stiffness-proportional damping [s]
+    odd: bool = False  # in y: going with sin(m theta)
+
+    @property
+    def signed(self) -> int:
+        """Azimuthal order, negative of the odd family, as real spherical harmonics are numbered."""
+        return -self.order if self.odd else self.order
 
     @property
     def rigid(self) -> int:
         """How many of the degrees of freedom, the first, are rigid motions."""
-        return len(RIGID) if self.order == 1 else 0
+        return len(RIGID[self.odd]) if self.order == 1 else 0
 
     @property
     def labels(self) -> tuple[str, ...]:
         """Names of the degrees of freedom."""
-        return (*RIGID[: self.rigid], *(mode.label for mode in self.modes))
+        return (*RIGID[self.odd][: self.rigid], *(mode.label for mode in self.modes))
+
+    def turned(self) -> "OrderBasis":
+        """Return the odd family, this one turned by 90 degrees/m: Membrane3c2 becomes Membrane3s2."""
+        named = (replace(m, label=m.label.replace(f"c{self.order}", f"s{self.order}")) for m in self.modes)
+        return replace(self, modes=tuple(named), odd=True)
+
+    @property
+    def _signs(self) -> FloatArray:
+        """What turns the rigid motions with the shapes: pitch turned by 90 degrees is roll the other way."""
+        signs = np.ones(len(self.labels))
+        signs[1 : self.rigid] = -1.0 if self.odd else 1.0
+        return signs
 
     def _assembled(self, block: dict[int, FloatArray]) -> FloatArray:
         """Matrix of a quadratic form that couples equal degrees only, from its (V, U) blocks, over the shapes."""
@@ -134,7 +158,7 @@ class OrderBasis:
             return matrix
         out = np.insert(np.insert(matrix, 1, row[1:], axis=0), 1, 0.0, axis=1)
         out[:, 1] = np.insert(row[1:], 1, row[0])
-        return out
+        return out * np.outer(self._signs, self._signs)
 
     @cached_property
     def _moments(self) -> FloatArray:
@@ -155,7 +179,7 @@ class OrderBasis:
         matrix = self._assembled(blocks)
         if not self.rigid:
             return matrix
-        mass, centre, own = self.ballast
+        mass, centre, own, _ = self.ballast
         matrix[0, 0] = mass
         pitch = 2 / 3 * self.shell.mass * self.shell.radius**2 + own
         if centre:
@@ -201,7 +225,7 @@ class OrderBasis:
             v, u = ((s, ds), (ds, dds))[derivative]
             rows.append((mode.radial * v, mode.meridional * u, -m * mode.meridional * around[derivative]))
         if self.rigid:
-            r, zero = self.shell.radius, 0.0 * cos
+            r, zero = self._signs[1] * self.shell.radius, 0.0 * cos
             rows.insert(1, ((zero, r + zero, -r * cos), (zero, zero, r * sin))[derivative])
         return Field(*(np.array([row[i] for row in rows]).reshape(len(rows), len(sin)) for i in range(3)))
 
@@ -222,6 +246,9 @@ class OrderBasis:
         along that is stiffness, too, so the whole is the Hessian of a potential. A sphere that turns about its centre
         moves no water: of pitch alone the weight's -m g z_G is left.
         """
+        if self.odd:
+            even = replace(self, odd=False).hydrostatic_stiffness(centre_height, density, gravity)
+            return np.asarray(even * np.outer(self._signs, self._signs))
         low = np.arccos(np.clip(-centre_height / self.shell.radius, -1.0, 1.0))
         node, weight = np.polynomial.legendre.leggauss(2 * max(mode.degree for mode in self._shapes) + 30)
         phi, dphi = (low + np.pi) / 2 + (np.pi - low) / 2 * node, (np.pi - low) / 2 * weight
@@ -276,6 +303,45 @@ class OrderBasis:
         return free
 
 
+@dataclass(frozen=True)
+class Yaw(OrderBasis):
+    """The turn of a buoy about its axis: it moves no water, strains nothing, and only a mooring may hold it."""
+
+    @property
+    def rigid(self) -> int:
+        """It is all there is."""
+        return 1
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Its name."""
+        return ("Yaw",)
+
+    @cached_property
+    def inertia(self) -> FloatArray:
+        """Inertia of shell and ballast about the axis, shape (1, 1) [kg m^2]."""
+        return np.array([[2 / 3 * self.shell.mass * self.shell.radius**2 + self.ballast.yaw_inertia]])
+
+    @cached_property
+    def stiffness(self) -> FloatArray:
+        """None, shape (1, 1) [N m]."""
+        return np.zeros((1, 1))
+
+    def hydrostatic_stiffness(self, centre_height: float, density: float, gravity: float) -> FloatArray:
+        """Return none, shape (1, 1) [N m]."""
+        return np.zeros((1, 1))
+
+    def field(self, colatitude: FloatArray, derivative: int = 0) -> Field:
+        """Return displacements per radian; see `OrderBasis.field`."""
+        around, none = (np.sin, np.cos)[derivative](colatitude), np.zeros((1, len(colatitude)))
+        return Field(none, none, -self.shell.radius * around[None])  # goes with -cos(0 theta)
+
+
+def yaw(basis: ModeBasis, ballast: Ballast) -> Yaw:
+    """Return the yaw of a buoy with a shell."""
+    return Yaw(basis.shell, 0, (), ballast, False, odd=True)
+
+
 def _scaled(mode: Mode, order: int) -> Mode:
     """An axisymmetric mode's shape at another order, scaled to max|displacement| = 1, V positive."""
 
@@ -290,6 +356,11 @@ def _scaled(mode: Mode, order: int) -> Mode:
     refined = minimize_scalar(lambda phi: -float(largest(np.array([phi]))[0]), bounds=bounds, options={"xatol": 1e-12})
     scale = np.copysign(1.0, mode.radial) / max(-float(refined.fun), float(largest(grid)[peak]))
     return Mode(f"{mode.label}c{order}", mode.degree, mode.radial * scale, mode.meridional * scale)
+
+
+def goes_with_sine(label: str) -> bool:
+    """Return whether a mode of a label is one of the odd family, as Membrane3s2."""
+    return re.search(r"\d+s\d+$", label) is not None
 
 
 def order_basis(basis: ModeBasis, order: int, ballast: Ballast) -> OrderBasis:

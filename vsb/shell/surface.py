@@ -64,6 +64,8 @@ def _tabulated(basis: ModeBasis, orders: Sequence[OrderBasis], phi: FloatArray, 
         m, cos, sin = each.order, np.cos(each.order * theta), np.sin(each.order * theta)
         at, slope = np.array(each.field(phi)), np.array(each.field(phi, derivative=1))
         at[:, : each.rigid], slope[:, : each.rigid] = 0.0, 0.0
+        if each.odd:  # the same, a quarter of a period further around
+            cos, sin = sin, -cos
         around, turned = np.array([cos, cos, sin])[:, None], np.array([-m * sin, -m * sin, m * cos])[:, None]
         found.append((at * around, slope * around, at * turned))
     return _Shapes(*(np.concatenate(part, axis=1) for part in zip(*found, strict=True)))
@@ -100,7 +102,10 @@ def largest_deformation(basis: ModeBasis, orders: Sequence[OrderBasis], amplitud
         Of all degrees of freedom, axisymmetric ones first; rigid ones are without effect.
     """
     grid, around = np.linspace(0.01, np.pi - 0.01, 181), 8 * max((each.order for each in orders), default=0) + 1
-    phi, theta = np.repeat(grid, around), np.tile(np.linspace(0, np.pi, around), len(grid))
+    end = np.pi  # even shapes are the same on both sides
+    if any(each.odd for each in orders):
+        around, end = 2 * around - 1, 2 * np.pi
+    phi, theta = np.repeat(grid, around), np.tile(np.linspace(0, end, around), len(grid))
     value, by_colatitude, by_azimuth = (amplitudes @ part for part in _tabulated(basis, orders, phi, theta))
     meridional = by_colatitude[1] + value[0]
     hoop = value[1] / np.tan(phi) + value[0] + by_azimuth[2] / np.sin(phi)

@@ -33,7 +33,8 @@ def run(spec: DatabaseSpec, blocks: str, out: str) -> None:
     solver = str(json.loads(next(iter(found.values())).attrs["spec"])["solver"])
     precision = min(1.0, spec.tolerance / COARSEST_SWEEP) if solver == "spectral" else 1.0
     reference = reference_shell(spec)
-    parts = [_Part(spec, reference, found, basis) for basis in (None, *order_bases(spec, reference.basis))]
+    families = order_bases(spec, reference.basis)
+    parts = [_Part(spec, reference, found, basis) for basis in (None, *(one for one in families if not one.odd))]
     swept = [part.in_modes(spec.sweep) for part in parts]
     infinite = [name for name in spec.sweep if "omega" not in found[name].dims]
     asked = [part.in_modes([*spec.tabulated, *infinite]) for part in parts] if spec.tabulated else None
@@ -55,12 +56,12 @@ def run(spec: DatabaseSpec, blocks: str, out: str) -> None:
         "solver": solver,
         "bem_seconds": sum(block.attrs["seconds"] for block in found.values()),
     }
-    everywhere = _whole(spec, parts, swept)
+    everywhere = _whole(spec, parts, swept, families)
     if asked is None:
         kept = everywhere.sel(omega=slice(None, spec.omega_max + 1e-9))
         database.save_database(kept.assign_attrs(kept.attrs, **attrs), None, out)
     else:
-        tabulated = _whole(spec, parts, asked)
+        tabulated = _whole(spec, parts, asked, families)
         database.save_database(tabulated.assign_attrs(tabulated.attrs, **attrs), everywhere, out)
 
 
@@ -107,15 +108,27 @@ class _Part:
         return orders.with_order_structure(passive, self.basis, order_stiffness(self.spec, self.basis))
 
 
-def _whole(spec: DatabaseSpec, parts: Sequence[_Part], raw: Sequence[xr.Dataset]) -> xr.Dataset:
-    """All orders side by side, and what moors them."""
-    complete = [part.complete(one) for part, one in zip(parts, raw, strict=True)]
-    if len(parts) == 1:
+def _whole(
+    spec: DatabaseSpec, parts: Sequence[_Part], raw: Sequence[xr.Dataset], families: Sequence[OrderBasis]
+) -> xr.Dataset:
+    """All orders side by side, sines the same as their cosines, and what moors them."""
+    complete = {part.order: part.complete(one) for part, one in zip(parts, raw, strict=True)}
+    if not families:
         return complete[0]
-    whole = orders.side_by_side(complete, [part.order for part in parts])
+    signed, going = [0, *(one.signed for one in families)], orders.headings([one.signed for one in families])
+    own = [complete[0], *(complete[one.order] if not one.odd else _odd(spec, one, complete) for one in families)]
+    turned = own if len(going) == 1 else [orders.in_headings(*one, going) for one in zip(own, signed, strict=True)]
+    whole = orders.side_by_side(turned, signed)
     mooring = mooring_stiffness(spec, tuple(map(str, whole.influenced_dof.values)))
     pair = ("influenced_dof", "radiating_dof")
     return whole.assign({f"{name}_stiffness": (pair, matrix) for name, matrix in mooring.items()})
+
+
+def _odd(spec: DatabaseSpec, basis: OrderBasis, complete: Mapping[int, xr.Dataset]) -> xr.Dataset:
+    """Motions of an odd family, in the waves that excite them most: as the even ones, turned; yaw moves no water."""
+    like = complete[basis.order]
+    part = orders.renamed(like, basis.labels) if basis.order else orders.still_part(like, basis)
+    return orders.with_order_structure(part, basis, order_stiffness(spec, basis))
 
 
 def _block(path: str, name: str) -> xr.Dataset:

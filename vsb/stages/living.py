@@ -32,6 +32,8 @@ def living_study(
 ) -> dict[str, Any] | None:
     """Return the data of a study's page; none where no damper's power is known, or a spring or drag loses some of it.
 
+    Nor where waves have directions: a page knows one free velocity of each port.
+
     Parameters
     ----------
     study : Study
@@ -43,7 +45,7 @@ def living_study(
         Of `vsb.results.equal_tuning.Limited`.
     """
     pto = study.pto
-    if not study.needs_bem or study.drag or (pto.stiffness and pto.efficiency < 1):
+    if not study.needs_bem or study.drag or study.directions or (pto.stiffness and pto.efficiency < 1):
         return None
     buoy, basis = linear_buoy(study, database)
     direction, water = study_port(study, buoy, basis), study.water

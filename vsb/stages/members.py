@@ -1,14 +1,14 @@
 """Rule members: a batch of members of a campaign, finished ones kept; what members share is solved once."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
 from vsb.errors import DatabaseError
-from vsb.hydro import database, quality
+from vsb.hydro import database, orders, quality
 from vsb.hydro.dofs import displacements
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
@@ -17,8 +17,10 @@ from vsb.results.constrained_member import Optima
 from vsb.results.constrained_year import ConstrainedYear
 from vsb.results.member import member
 from vsb.results.year import frequencies
+from vsb.scenes.directions import order_bases
 from vsb.scenes.ports import ShapeWater
 from vsb.shell.modes import ModeBasis
+from vsb.shell.orders import OrderBasis
 from vsb.stages.climate import read_climate
 from vsb.stages.make import make
 from vsb.study.blocks import COARSEST_SWEEP
@@ -87,18 +89,21 @@ def finished(path: Path, one: Member, work: Work) -> xr.Dataset:
 class Swept:
     """A shape whose coefficients are solved, to be had at any frequencies of the band."""
 
-    buoy: LinearBuoy  # in displacements
+    buoys: tuple[LinearBuoy, ...]  # in displacements, of azimuthal orders 0, 1, ...
     _year: dict[str, ShapeWater] = field(default_factory=dict)  # at the frequencies of a climate
 
     def at(self, omega: FloatArray) -> ShapeWater:
         """Return the coefficients at frequencies."""
-        dofs = self.buoy.database.influenced_dof.values
-        return ShapeWater(displacements(dofs), omega, self.buoy.coefficients(omega))
+        first, *others = (
+            ShapeWater(displacements(buoy.labels, order), omega, buoy.coefficients(omega))
+            for order, buoy in enumerate(self.buoys)
+        )
+        return replace(first, orders=tuple(others))
 
     def of_year(self, climate: Climate) -> ShapeWater:
         """Return the coefficients at the frequencies of a climate."""
         if climate.name not in self._year:
-            band = self.buoy.database.omega.values[[0, -1]]
+            band = self.buoys[0].database.omega.values[[0, -1]]
             self._year = {climate.name: self.at(frequencies(climate, *band))}
         return self._year[climate.name]
 
@@ -112,20 +117,29 @@ def swept_shape(study: Study, basis: ModeBasis, root: str) -> Swept:
         If a check on them fails that the study does not accept.
     """
     plan = StudyPlan(study, root=root)
-    paths = [plan.block_path(block) for block in plan.sweep_blocks]
-    make(plan, paths)
+    make(plan, [plan.block_path(block) for block in plan.sweep_blocks])
+    families = order_bases(study, basis)
+    return Swept(tuple(_of_order(plan, basis, one) for one in (None, *families)))
+
+
+def _of_order(plan: StudyPlan, basis: ModeBasis, family: OrderBasis | None) -> LinearBuoy:
+    """The coefficients of one azimuthal order, judged; none of a family: of heave and axisymmetric modes."""
+    study, order, water = plan.study, family.order if family else 0, plan.study.water
+    paths = [plan.block_path(block) for block in plan.sweep_blocks if block.order == order]
     blocks = [load(path, expected=Path(path).stem) for path in paths]
     whole = database.with_excitation(database.merged_blocks(blocks))
-    _judge(study, blocks, database.in_modes(whole, basis))
+    _judge(study, blocks, orders.in_wet_modes(whole, family) if family else database.in_modes(whole, basis), order)
     raw = database.with_symmetrized(whole)
+    if order:
+        raw = orders.with_haskind_damping(raw, order, water.depth, water.density, water.gravity)
     count = raw.sizes["influenced_dof"]
-    return Swept(LinearBuoy(raw, np.zeros((count, count)), LinearPto(0.0)))
+    return LinearBuoy(raw, np.zeros((count, count)), LinearPto(0.0))
 
 
-def _judge(study: Study, blocks: Sequence[xr.Dataset], sweep: xr.Dataset) -> None:
+def _judge(study: Study, blocks: Sequence[xr.Dataset], sweep: xr.Dataset, order: int) -> None:
     """Judge coefficients as those of a database are."""
     water, tolerance = study.water, study.hydro.tolerance
     precision = min(1.0, tolerance / COARSEST_SWEEP) if not study.uses_panels else 1.0
     checks = quality.estimate_checks([block.attrs for block in blocks], tolerance)
-    checks += quality.verdict(sweep, None, water.depth, water.density, water.gravity, precision)
+    checks += quality.verdict(sweep, None, water.depth, water.density, water.gravity, precision, order)
     quality.judged(checks, study.hydro.accept)

@@ -24,7 +24,7 @@ def run(spec: ModesSpec, out: str) -> None:
     """Write the shell modes of a study, after checking that every design has motions left."""
     reference = reference_shell(spec)
     check_stable(spec, reference)
-    orders = order_bases(spec, reference.basis)
+    orders = [basis for basis in order_bases(spec, reference.basis) if not basis.odd]  # the odd ones are these, turned
     parts = [_axisymmetric(reference), *map(_of_order, orders)]
     modes = xr.concat(parts, "mode") if orders else parts[0].drop_vars(ORDER)
     modes = modes.assign_attrs(

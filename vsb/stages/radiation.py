@@ -79,11 +79,12 @@ def fit_orders(ds: xr.Dataset, tolerance: float) -> Memory:
     Motions that move no water, as pitch about a sphere's centre, are none of it.
     """
     omega, damping = ds.omega.values, ds.radiation_damping.values
-    models, errors = [], []
-    for group in order_groups(ds).values():
+    models, errors, fits = [], [], {}
+    for order, group in order_groups(ds).items():
         wet = group[np.einsum("wii->wi", damping[:, group[:, None], group]).any(axis=0)]
-        spectrum = DampingSpectrum(omega, damping[:, wet[:, None], wet])
-        model, error = fit_radiation(spectrum, tolerance)
+        if order >= 0:
+            fits[order] = fit_radiation(DampingSpectrum(omega, damping[:, wet[:, None], wet]), tolerance)
+        model, error = fits[abs(order)]  # a sine's is that of its cosine
         inputs = np.zeros((model.order, damping.shape[1]))
         inputs[:, wet] = model.input_matrix
         models.append(RadiationModel(model.state_matrix, inputs, model.channel))

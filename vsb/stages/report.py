@@ -71,8 +71,8 @@ def run(
 
 
 def _buoys(stored: Inputs, modes: str) -> dict[str, Any] | None:
-    """Moving buoys of a page; of a body there are none."""
-    if not isinstance(stored.plan, StudyPlan):
+    """Moving buoys of a page, which are bodies of revolution at any time; none of others."""
+    if not isinstance(stored.plan, StudyPlan) or stored.plan.study.motion != "heave":
         return None
     return moving_study(stored, load(modes, expected=content_id(stored.plan.modes)))
 

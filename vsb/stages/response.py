@@ -40,20 +40,20 @@ def run(spec: ResponseSpec | BodyResponseSpec, database: str, out: str) -> None:
     """Write response amplitude operators, ports, powers, their limits, and wet natural frequencies of all designs.
 
     Best dampers are those beside the take-off's spring. Without a given damper `rao` and `absorbed_power` are at the
-    best one of each frequency, natural frequencies and damping ratios without any. Of a body all that depends on the
-    waves' direction has one more dimension.
+    best one of each frequency, natural frequencies and damping ratios without any. Where waves have directions, as of a
+    body, all that depends on them has one more dimension.
     """
     floating = afloat(spec, database)
     if isinstance(spec, BodyResponseSpec):
         omega = refined(floating.linear.database.omega.values, spec.omega)
-        moving = [towards(floating.linear, at) for at in spec.directions]
-        seen = [ports(floating, one, omega) for one in moving]
-        headings = [in_waves(spec, floating, one, its) for one, its in zip(moving, seen, strict=True)]
-        waves = xr.concat(headings, dim="wave_direction").assign_coords(wave_direction=np.deg2rad(spec.directions))
     else:
         omega = response.frequency_grid(spec.step, spec.lowest, spec.omega_max, spec.omega)
-        seen = [ports(floating, floating.linear, omega)]
-        waves = in_waves(spec, floating, floating.linear, seen[0])
+    moving = [towards(floating.linear, at) for at in spec.directions or (0.0,)]
+    seen = [ports(floating, one, omega) for one in moving]
+    headings = [in_waves(spec, floating, one, its) for one, its in zip(moving, seen, strict=True)]
+    waves = headings[0]
+    if spec.directions:
+        waves = xr.concat(headings, dim="wave_direction").assign_coords(wave_direction=np.deg2rad(spec.directions))
     told = {"take_off": TAKE_OFF[spec.pto.damping is None], "port": port_in_words(spec.pto)}
     reached = channels_reached(floating.port, floating.linear.orders) if isinstance(floating.linear, LinearBuoy) else 1
     if reached > 1:

@@ -268,8 +268,9 @@ class HydroPlan:
     @property
     def coordinates(self) -> int:
         """Number of degrees of freedom of all azimuthal orders."""
-        of_order = (sum(degree(label) >= order for label in self.mode_labels) for order in self.study.orders)
-        return sum(of_order) + (1 if self.study.motion == "heave" else 3)
+        families = {"heave": 1, "planar": 1, "free": 2}[self.study.motion]  # of each order m >= 1
+        of_order = [sum(degree(label) >= order for label in self.mode_labels) for order in self.study.orders]
+        return of_order[0] + families * sum(of_order[1:]) + {"heave": 1, "planar": 3, "free": 6}[self.study.motion]
 
 
 def degree(mode: str) -> int:

@@ -251,9 +251,11 @@ def study_at(base: Mapping[str, Any], point: Point) -> Study:
 
 
 def _check_linear(study: Study, where: str) -> None:
-    """Check that it heaves, and that nothing is lost but at the take-off: a year counts power at the port."""
-    if study.motion != "heave":
-        raise ConfigError(f"{where}: motion: received {study.motion!r}; a year needs motion: heave")
+    """Check that waves go one way, and that nothing is lost but at the take-off: a year counts power at the port."""
+    if study.motion == "free":
+        raise ConfigError(
+            f"{where}: motion: received 'free'; the seas of a year have no directions: needs motion: heave or planar"
+        )
     if study.drag is not None:
         raise ConfigError(f"{where}: drag: a year is of linear theory, in which what waves do adds up; remove it")
     if study.pto.efficiency != 1.0:

@@ -99,7 +99,8 @@ def _shape(study: Study) -> str:
     """All that the blocks of a sweep depend on: of the undeformed sphere neither its material nor its clamps."""
     device = study.device if study.at_equilibrium else (study.device.radius, study.device.mass)
     degree = study.modes.degree if study.flexible else None
-    return canonical([device, study.modes if study.at_equilibrium else degree, study.water, study.hydro])
+    shell = study.modes if study.at_equilibrium else degree
+    return canonical([device, shell, study.water, study.hydro, list(study.orders)])
 
 
 @dataclass(frozen=True)

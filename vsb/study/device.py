@@ -32,15 +32,19 @@ class Gas(Section):
     )
 
 
+Inertia = Annotated[NonNegative, within(0.0, 1e18, "kg m^2", "no buoy is as heavy")]
+
+
 class Device(Sized):
     """Spherical buoy: radius [m], shell thickness [m], E [Pa], nu [-], shell density [kg/m^3], total mass [kg].
 
     In a study file a `draft` [m] may stand for the mass, half immersion for both. The internal pressure [Pa] is gauge
     and constant; with `gas` it is that of the undeformed volume. Pitch needs the height of the whole buoy's centre of
-    mass [m above the sphere's centre] and the transverse inertia of the ballast about its own [kg m^2].
+    mass [m above the sphere's centre] and the transverse inertia of the ballast about its own [kg m^2]; yaw its inertia
+    about the vertical axis.
     """
 
-    LATER = ("centre_of_mass", "ballast_inertia")
+    LATER = ("centre_of_mass", "ballast_inertia", "ballast_yaw_inertia")
     radius: Annotated[Positive, within(0.01, 1e3, "m", "below surface tension matters, above nothing floats")]
     thickness: Positive
     young_modulus: Annotated[Positive, within(1.0, 1e16, "Pa", "diamond has 1.2e12 Pa; flexible: false is rigid")]
@@ -53,7 +57,8 @@ class Device(Sized):
     gas: Gas | None = None
     damping: RayleighDamping = RayleighDamping()
     centre_of_mass: Annotated[Finite, within(-1e3, 1e3, "m", "no buoy is larger")] | None = None
-    ballast_inertia: Annotated[NonNegative, within(0.0, 1e18, "kg m^2", "no buoy is as heavy")] | None = None
+    ballast_inertia: Inertia | None = None
+    ballast_yaw_inertia: Inertia | None = None
 
     @model_validator(mode="after")
     def _thin_and_light(self) -> Self:

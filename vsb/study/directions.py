@@ -8,8 +8,8 @@ from pydantic import AfterValidator, BeforeValidator
 from vsb.study.quantities import Finite
 from vsb.study.take_off import LinePort
 
-Motion = Literal["heave", "planar"]
-"""Heave alone; or surge, heave and pitch, with shell modes of azimuthal orders from 0 on."""
+Motion = Literal["heave", "planar", "free"]
+"""Heave alone; surge, heave and pitch, with shell modes of azimuthal orders from 0 on; all six, in any waves."""
 RIGID = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 """Rigid motions in the order of a mooring's rows."""
 IN_PLANE = (0, 2, 4)
@@ -48,19 +48,21 @@ def check_directions(study: Any) -> None:
     ValueError
         One line with the key, what was received and what is needed.
     """
+    _check_drag(study)
     if study.motion == "heave":
         _check_heave(study)
         return
     device, hydro = study.device, study.hydro
-    if absent := [key for key in ("centre_of_mass", "ballast_inertia") if getattr(device, key) is None]:
-        raise ValueError(
-            f"device.{absent[0]}: missing; motion {study.motion!r} needs it, because a ballast at the sphere's centre "
-            "has no pitch stiffness"
+    needed = ("centre_of_mass", "ballast_inertia", *(("ballast_yaw_inertia",) if study.motion == "free" else ()))
+    if absent := [key for key in needed if getattr(device, key) is None]:
+        reason = (
+            "yaw turns the ballast, too"
+            if absent[0] == "ballast_yaw_inertia"
+            else ("a ballast at the sphere's centre has no pitch stiffness")
         )
+        raise ValueError(f"device.{absent[0]}: missing; motion {study.motion!r} needs it, because {reason}")
     if hydro.model != "linear":
         raise ValueError(f"hydro.model {hydro.model!r}: follows heave alone; motion {study.motion!r} needs linear")
-    if study.drag is not None:
-        raise ValueError(f"drag: is known of heave alone; motion {study.motion!r} needs none")
     if study.uses_panels:
         raise ValueError(
             f"hydro.solver: panels solve axisymmetric motions alone; motion {study.motion!r} needs the spectral "
@@ -80,6 +82,23 @@ def check_directions(study: Any) -> None:
     _check_line(study)
 
 
+def check_heading(study: Any, direction: float, where: str) -> None:
+    """Check that a buoy of a study knows waves going to a direction [degrees].
+
+    Raises
+    ------
+    ValueError
+    """
+    received = f"{where}.direction {direction:g} degrees"
+    if study.motion == "heave" and direction:
+        raise ValueError(
+            f"{received}: a buoy of revolution answers waves of all directions alike; remove it, or describe a body, "
+            "or let the buoy surge: motion: free"
+        )
+    if study.motion == "planar" and direction % 180:
+        raise ValueError(f"{received}: motion 'planar' knows waves along its plane, 0 and 180; needs motion: free")
+
+
 def _check_heave(study: Any) -> None:
     """Heave alone has axisymmetric modes, no mooring and no port in another direction."""
     if study.modes.order > 1:
@@ -92,15 +111,22 @@ def _check_heave(study: Any) -> None:
         raise ValueError("pto.port: motion 'heave' moves it in no other direction; needs motion: planar")
 
 
+def _check_drag(study: Any) -> None:
+    """Drag brakes what moves."""
+    moving = {"heave": ("heave",), "planar": tuple(RIGID[i] for i in IN_PLANE), "free": RIGID}[study.motion]
+    for name in (name for name in (study.drag.directions if study.drag else ()) if name not in moving):
+        raise ValueError(f"drag.{name}: motion {study.motion!r} has none; needs drag of {', '.join(moving)}")
+
+
 def _check_mooring(study: Any) -> None:
-    """A mooring must not couple the plane of the waves with motions out of it."""
-    rows = study.mooring or ()
+    """A mooring of planar motion must not couple the plane of the waves with motions out of it."""
+    rows = (study.mooring or ()) if study.motion == "planar" else ()
     for i in IN_PLANE:
         for j in set(range(6)) - set(IN_PLANE):
             if rows and rows[i][j]:
                 raise ValueError(
                     f"mooring: received {rows[i][j]:g} between {RIGID[i]} and {RIGID[j]}, which motion "
-                    f"{study.motion!r} does not have; needs 0"
+                    f"{study.motion!r} does not have; needs 0, or motion: free"
                 )
 
 

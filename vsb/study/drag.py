@@ -3,9 +3,12 @@
 Imports nothing heavy: the Snakefile reads a study at every parse.
 """
 
-from typing import Annotated
+from collections.abc import Mapping
+from typing import Annotated, Self
 
-from vsb.study.quantities import NonNegative, Positive, Section, within
+from pydantic import model_validator
+
+from vsb.study.quantities import Extended, NonNegative, Positive, Section, within
 from vsb.study.take_off import Pto
 
 Coefficient = Annotated[NonNegative, within(0.0, 100.0, "", "no body of any shape drags more")]
@@ -18,10 +21,33 @@ class Plate(Section):
     area: Positive
 
 
-class Drag(Section):
+class Vane(Plate):
+    """Quadratic drag on a rotation: that of a plate at a distance from the sphere's centre [m], rho C A l^3 |w| w/2."""
+
+    lever: Positive
+
+
+class Drag(Extended):
     """Quadratic drag on the buoy's rigid motion past the water, whose flow is that of the undisturbed waves."""
 
-    heave: Plate
+    LATER = ("surge", "sway", "heave", "roll", "pitch", "yaw")
+    surge: Plate | None = None
+    sway: Plate | None = None
+    heave: Plate | None = None
+    roll: Vane | None = None
+    pitch: Vane | None = None
+    yaw: Vane | None = None
+
+    @model_validator(mode="after")
+    def _acts(self) -> Self:
+        if not self.directions:
+            raise ValueError(f"needs one of {', '.join(self.LATER)}")
+        return self
+
+    @property
+    def directions(self) -> Mapping[str, Plate]:
+        """The rigid motions it acts on, by name."""
+        return {name: plate for name in self.LATER if isinstance(plate := getattr(self, name), Plate)}
 
 
 def check_followed(model: str, method: str, pto: Pto) -> None:

@@ -6,8 +6,8 @@ FROUDE = {
     "radius": 1.0, "thickness": 1.0, "young_modulus": 1.0, "mass": 3.0, "internal_pressure": 1.0, "alpha": -0.5,
     "beta": 0.5, "omega_max": -0.5, "omega": -0.5, "pressure": 1.0, "damping": 2.5, "stiffness": 2.0,
     "force_limit": 3.0, "stroke_limit": 1.0, "amplitude": 1.0, "period": 0.5, "duration": 0.5, "window": 0.5,
-    "initial_position": 1.0, "initial_velocity": 0.5, "area": 2.0,
-    "centre_of_mass": 1.0, "ballast_inertia": 5.0, "line_to": 1.0, "line_from": 1.0,
+    "initial_position": 1.0, "initial_velocity": 0.5, "area": 2.0, "lever": 1.0,
+    "centre_of_mass": 1.0, "ballast_inertia": 5.0, "ballast_yaw_inertia": 5.0, "line_to": 1.0, "line_from": 1.0,
 }  # fmt: skip
 """Power of the length scale each quantity goes with, at the same water and gravity."""
 STROKES = {"volume": 3.0, "pitch": 0.0}

@@ -17,7 +17,11 @@ _SEA = {
     "realisations": Key("-", "8", "how many seas of this spectrum are followed, seeds one after the other"),
 }
 """Of every irregular sea."""
-_GOING = {"direction": Key("degrees", "45.0", "direction the waves go to, from the x axis; only of a body")}
+_GOING = {
+    "direction": Key(
+        "degrees", "45.0", "direction the waves go to, from the x axis; of a body, or where the buoy surges"
+    )
+}
 """Of all waves."""
 
 KEYS: dict[str, dict[str, Key]] = {
@@ -28,7 +32,7 @@ KEYS: dict[str, dict[str, Key]] = {
             "{radius: 2.0, thickness: 0.01, young_modulus: 1.0e+7, poisson_ratio: 0.3, density: 2700.0, mass: 17170.0}",
             "the spherical buoy, shell and ballast",
         ),
-        "motion": Key("", "planar", "directions of the buoy: heave alone, or planar: surge, heave and pitch"),
+        "motion": Key("", "planar", "directions of the buoy: heave; planar: surge, heave, pitch; free: all six"),
         "modes": Key("", "{basis: full, degree: 6}", "shell modes the motion is made of"),
         "reference_shape": Key(
             "", "equilibrium", "shape the coefficients are about: the sphere, or that of the loaded shell at rest"
@@ -73,6 +77,9 @@ KEYS: dict[str, dict[str, Key]] = {
         "ballast_inertia": Key(
             "kg m^2", "8000.0", "transverse inertia of the ballast about its own centre of mass; pitch needs it"
         ),
+        "ballast_yaw_inertia": Key(
+            "kg m^2", "9000.0", "inertia of the ballast about the vertical axis; motion: free needs it"
+        ),
     },
     "RayleighDamping": {
         "alpha": Key("1/s", "0.0", "damping per modal mass"),
@@ -83,7 +90,17 @@ KEYS: dict[str, dict[str, Key]] = {
         "atmospheric_pressure": Key("Pa", "101325.0", "pressure of the air outside"),
     },
     "Drag": {
-        "heave": Key("", "{coefficient: 0.5, area: 12.57}", "drag on heave, past the waves' flow at half the draft")
+        "surge": Key("", "{coefficient: 0.5, area: 6.28}", "drag on surge, past the waves' flow at half the draft"),
+        "sway": Key("", "{coefficient: 0.5, area: 6.28}", "likewise on sway"),
+        "heave": Key("", "{coefficient: 0.5, area: 12.57}", "likewise on heave"),
+        "roll": Key("", "{coefficient: 1.0, area: 2.0, lever: 2.0}", "drag on roll; waves do not turn the water"),
+        "pitch": Key("", "{coefficient: 1.0, area: 2.0, lever: 2.0}", "likewise on pitch"),
+        "yaw": Key("", "{coefficient: 1.0, area: 2.0, lever: 2.0}", "likewise on yaw"),
+    },
+    "Vane": {
+        "coefficient": Key("-", "1.0", "C of the moment rho C A l^3 |w| w/2, w the rate of the rotation"),
+        "area": Key("m^2", "2.0", "A of that moment, of the plate that turns"),
+        "lever": Key("m", "2.0", "l of that moment, how far from the sphere's centre the plate turns"),
     },
     "Plate": {
         "coefficient": Key("-", "0.5", "C of the force rho C A |u| u/2, u the velocity past the water"),

@@ -105,6 +105,7 @@ class StudyPlan(HydroPlan, ResultsPlan):
             lowest=self.first_omega,
             omega_max=self.study.hydro.omega_max,
             omega=tuple(extra),
+            directions=self.study.directions,
             **self._sections("device", "modes", "designs", "water", "pto", "motion", "mooring"),
         )
 

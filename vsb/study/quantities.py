@@ -63,6 +63,8 @@ Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=64)] 
 RIGID = ("Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw")
 """Labels of the six rigid motions, in everybody's order; of several bodies named with the body first: float__Heave."""
 
+ROTATIONS = RIGID[3:]
+
 
 def motion_of(label: str) -> str:
     """Return the motion a degree of freedom is, whichever body's: Heave of float__Heave."""

@@ -265,11 +265,12 @@ class RadiationSpec(Spec):
 class ResponseSpec(DrivenSpec):
     """Frequency response of all designs: step, ends and further frequencies of its grid [rad/s]."""
 
-    TAG = "response"
+    TAG, LATER = "response", (*DrivenSpec.LATER, "directions")
     step: float
     lowest: float
     omega_max: float
     omega: tuple[float, ...]
+    directions: tuple[float, ...] = ()  # of the waves [degrees]; all along x
 
 
 class Dynamics(Section):

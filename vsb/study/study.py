@@ -13,7 +13,7 @@ from vsb.errors import ConfigError
 from vsb.study.canonical import canonical, content_id, result_id
 from vsb.study.compared import Compared, check_all
 from vsb.study.device import Device, Gas, RayleighDamping
-from vsb.study.directions import Mooring, Motion, check_directions
+from vsb.study.directions import Mooring, Motion, check_directions, check_heading
 from vsb.study.drag import Drag, check_followed
 from vsb.study.floating import cap_volume, centre_height, resolved
 from vsb.study.quantities import Name
@@ -135,11 +135,8 @@ class Study(Compared):
     def _check_waves(self) -> None:
         """Every wave must lie inside the solved band, every label be unique."""
         for i, wave in enumerate(self.waves):
-            if isinstance(wave, Travelling) and wave.direction:
-                raise ValueError(
-                    f"waves.{i}.direction {wave.direction:g} degrees: a buoy of revolution answers waves of all "
-                    "directions alike; remove it, or describe a body"
-                )
+            if isinstance(wave, Travelling):
+                check_heading(self, wave.direction, f"waves.{i}")
             if isinstance(wave, WhiteNoise) and wave.band[1] > self.hydro.omega_max:
                 highest = self.hydro.omega_max
                 raise ValueError(f"waves.{i}.band {list(wave.band)} rad/s: needs at most hydro.omega_max = {highest:g}")
@@ -305,6 +302,12 @@ class Study(Compared):
     def orders(self) -> tuple[int, ...]:
         """Azimuthal orders of what moves: 0 of heave; 1 of surge and pitch; of shell modes as many as asked for."""
         return tuple(range(1 + (0 if self.motion == "heave" else self.modes.order if self.flexible else 1)))
+
+    @property
+    def directions(self) -> tuple[float, ...]:
+        """Directions its waves go to [degrees]; none where all go along x, as those a buoy that heaves knows."""
+        going = dict.fromkeys(wave.direction for wave in self.waves if isinstance(wave, Travelling))
+        return tuple(going) if any(going) else ()
 
     @property
     def at_equilibrium(self) -> bool:

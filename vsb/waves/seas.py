@@ -38,6 +38,18 @@ def vertical_velocity(omega: FloatArray, height: float, depth: float, gravity: f
     return np.asarray(-1j * omega * share)
 
 
+def horizontal_velocity(omega: FloatArray, height: float, depth: float, gravity: float) -> ComplexArray:
+    """Return the velocity of waves along their way at a height below still water per amplitude, shape (omega,) [1/s].
+
+    w cosh k(z + d)/sinh kd; w exp kz in deep water.
+    """
+    k = np.array([wavenumber(w, depth, gravity) for w in omega])
+    share = np.exp(k * height)
+    if np.isfinite(depth):
+        share = share * (1 + np.exp(-2 * k * (height + depth))) / -np.expm1(-2 * k * depth)
+    return np.asarray(omega * share, dtype=complex)
+
+
 def power_limit(omega: float, depth: float, density: float, gravity: float) -> float:
     """Return the largest mean power an axisymmetric heaving body can absorb, per squared wave amplitude [W/m^2].
 
