@@ -468,3 +468,32 @@ def test_the_ladder_is_climbed_beside_drag_of_several_directions(folder):
         assert fixed == pytest.approx(run.notes[LINEARISED], rel=1e-8)
     told = dampers_in_words(study, {"drag_damping": [1.0, 2.0, 30.0]})
     assert told == "1 N s/m of surge and 2 N s/m of heave and 30 N m s of pitch"
+
+
+# pressure inside ----------------------------------------------------------------------------------------------------
+
+
+def test_pressure_inside_holds_all_sides(folder):
+    """Prestress of every order, trapped gas of the volume alone; surge takes its 2 lambda/2 pi as before."""
+    inside = {"internal_pressure": 3e4, "gas": {"adiabatic_index": 1.4}}
+    study = study_with(study="inside", device=inside, pto={"port": "surge"}, designs={"VSWEC": {}})
+    plan = made(study, folder, (*HYDRO, "response"))
+    ds = load_database(plan.database_path, Path(plan.database_path).stem)
+    labels = list(ds.influenced_dof.values)
+    for name in ("Membrane0", "Membrane2c1", "Membrane2c2"):
+        own = {"influenced_dof": name, "radiating_dof": name}
+        assert ds.prestress_stiffness.sel(own).item() != 0.0
+        assert (ds.gas_stiffness.sel(own).item() > 0.0) == (name == "Membrane0")
+    for name in ("Surge", "Pitch"):
+        assert not np.any(ds.prestress_stiffness.sel(influenced_dof=name))
+    softer = load_data(made(study_with(study="vented", pto={"port": "surge"}, designs={"VSWEC": {}}), folder, (
+        *HYDRO, "response")).response_files["response"])  # fmt: skip
+    response = load_data(plan.response_files["response"])
+    assert np.abs(response.wet_natural_frequency - softer.wet_natural_frequency).max() > 1e-3
+    share = (response.matched_power / response.power_limit).sel(design="VSWEC").values
+    np.testing.assert_allclose(share[20:], 1.0, rtol=2e-4)
+    at = linear_design(plan.simulation("VSWEC", study.waves[0]), plan.hydro_files)
+    motion, *_ = simulate(at.system, at.sea, study.simulation, at.spectrum)
+    assert residual(energies(at.system, motion)) < 1e-9
+    assert "prestress" in at.scene.forces
+    assert labels[:4] == ["Heave", "Membrane0", "Membrane1", "Membrane2"]

@@ -12,13 +12,13 @@ from vsb.hydro.panels import mesh as meshing
 from vsb.hydro.panels import rings as bem
 from vsb.motion.port import port_direction
 from vsb.scenes import rest
+from vsb.scenes.directions import loaded_shell
 from vsb.scenes.rest import (
     check_equilibrium,
     check_rests,
     check_spring,
     check_stable,
     computed_buckling,
-    loaded_shell,
     reference_shell,
     seen_by_take_off,
     study_basis,

@@ -15,7 +15,8 @@ from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
 from vsb.report.shape_figures import shape_figure
 from vsb.scenes import shape_dependence as shapedependence
-from vsb.scenes.rest import design_motions, loaded_shell, reference_shell
+from vsb.scenes.directions import loaded_shell
+from vsb.scenes.rest import design_motions, reference_shell
 from vsb.scenes.shape_dependence import INSTANTS, StudyMotion, answer, power_effects
 from vsb.shell.loaded import equilibrium
 from vsb.stages import shape_dependence as stage

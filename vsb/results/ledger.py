@@ -20,8 +20,8 @@ from vsb.results.agreement import Attributes, agreement_checks, drift_checks, en
 from vsb.results.attitude import attitude_checks
 from vsb.results.comparison import Row, Runs
 from vsb.results.power import damper_of
-from vsb.scenes.directions import order_bases
-from vsb.scenes.rest import computed_buckling, design_motions, loaded_shell, reference_shell, study_basis
+from vsb.scenes.directions import loaded_shell, order_bases
+from vsb.scenes.rest import computed_buckling, design_motions, reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.loaded import ElasticShell, viable_pressure
 from vsb.shell.modes import ModeBasis, mode_basis

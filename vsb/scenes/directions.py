@@ -4,11 +4,13 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from vsb.errors import ConfigError
+from vsb.shell.loaded import ElasticShell, LoadedShell
 from vsb.shell.modes import ModeBasis
+from vsb.shell.order_prestress import prestress_stiffness
 from vsb.shell.orders import OrderBasis, ballast_of, order_basis, yaw
 from vsb.shell.rest import ReferenceShell
 from vsb.study.directions import RIGID
-from vsb.study.specs import DesignsSpec, RestSpec
+from vsb.study.specs import AtRest, DesignsSpec, RestSpec
 from vsb.study.study import Study
 from vsb.tools.units import FloatArray
 
@@ -27,11 +29,27 @@ def order_bases(study: Study | RestSpec | DesignsSpec, basis: ModeBasis) -> tupl
     return (*(each for one in even for each in (one, one.turned())), yaw(basis, ballast))
 
 
-def order_stiffness(study: Study | RestSpec | DesignsSpec, basis: OrderBasis) -> dict[str, FloatArray]:
-    """Return the stiffness of one order about the undeformed sphere, by name as of `reference_shell`."""
+def loaded_shell(study: AtRest | DesignsSpec, basis: ModeBasis) -> LoadedShell:
+    """Return the shell of a study under weight, water and internal pressure."""
+    device, water = study.device, study.water
+    elastic = ElasticShell(basis)
+    return LoadedShell(elastic, study.centre_height, water.density, water.gravity, device.internal_pressure, device.gas)
+
+
+def order_stiffness(
+    study: Study | RestSpec | DesignsSpec, basis: OrderBasis, reference: ReferenceShell
+) -> dict[str, FloatArray]:
+    """Return the stiffness of one order about the undeformed sphere, by the names of `reference_shell`.
+
+    Trapped gas has none: no shape that goes around changes the volume in proportion to its amplitude.
+    """
     water = study.water
     still = basis.hydrostatic_stiffness(study.centre_height, water.density, water.gravity)
-    return {"structural": basis.stiffness, "hydrostatic": (still + still.T) / 2}
+    found = {"structural": basis.stiffness, "hydrostatic": (still + still.T) / 2}
+    if "prestress" in reference.stiffness:
+        load = prestress_stiffness(basis, loaded_shell(study, reference.basis))
+        found["prestress"] = (load + load.T) / 2
+    return found | ({"gas": np.zeros_like(still)} if "gas" in reference.stiffness else {})
 
 
 def mooring_stiffness(study: Study | RestSpec | DesignsSpec, labels: tuple[str, ...]) -> dict[str, FloatArray]:
@@ -54,7 +72,8 @@ def whole_labels(study: Study | RestSpec | DesignsSpec, reference: ReferenceShel
 def whole_stiffness(study: Study | RestSpec | DesignsSpec, reference: ReferenceShell) -> FloatArray:
     """Return the sum of all stiffness over the degrees of freedom of all orders, shape (dof, dof) [N/m]."""
     parts = [
-        np.sum(list(order_stiffness(study, basis).values()), axis=0) for basis in order_bases(study, reference.basis)
+        np.sum(list(order_stiffness(study, basis, reference).values()), axis=0)
+        for basis in order_bases(study, reference.basis)
     ]
     whole = block_diag(reference.total, *parts)
     return np.asarray(whole + sum(mooring_stiffness(study, whole_labels(study, reference)).values()))

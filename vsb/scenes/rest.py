@@ -10,7 +10,7 @@ from vsb.errors import ConfigError, ConvergenceError
 from vsb.motion.builders import still_scene
 from vsb.motion.frequency import allowed_part, compliance, gas_compliance
 from vsb.motion.port import port_direction
-from vsb.scenes.directions import check_upright, order_bases, whole_stiffness
+from vsb.scenes.directions import check_upright, loaded_shell, order_bases, whole_stiffness
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.loaded import Buckling, ElasticShell, LoadedShell, buckling, complete_shell, equilibrium
 from vsb.shell.modes import ModeBasis, mode_basis, rigid_basis
@@ -48,13 +48,6 @@ def design_motions(study: Designed, basis: ModeBasis, design: str) -> FloatArray
             f"modes free; use fewer clamps, a larger modes.degree, or flexible: false"
         )
     return np.asarray(block_diag(free, *others))
-
-
-def loaded_shell(study: AtRest, basis: ModeBasis) -> LoadedShell:
-    """Return the shell of a study under weight, water and internal pressure."""
-    device, water = study.device, study.water
-    elastic = ElasticShell(basis)
-    return LoadedShell(elastic, study.centre_height, water.density, water.gravity, device.internal_pressure, device.gas)
 
 
 def complete_loaded_shell(study: AtRest) -> LoadedShell:

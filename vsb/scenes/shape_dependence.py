@@ -24,7 +24,8 @@ from vsb.hydro.shapes.database import ShapeDatabase, shape_database
 from vsb.hydro.shapes.family import ShapeFamily
 from vsb.motion.frequency import LinearBuoy, dynamic_stiffness
 from vsb.motion.pto import LinearPto
-from vsb.scenes.rest import design_motions, loaded_shell, reference_shell
+from vsb.scenes.directions import loaded_shell
+from vsb.scenes.rest import design_motions, reference_shell
 from vsb.shell.loaded import equilibrium
 from vsb.shell.rest import ReferenceShell
 from vsb.study.study import RegularWave, StillWater, Study, canonical

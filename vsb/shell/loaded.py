@@ -56,6 +56,11 @@ class ElasticShell:
         meridian = DeformedShell(self.basis, 0.0).meridian(colatitude)
         return Tables(colatitude, area, weight / np.sin(colatitude), strain_shapes(self.basis, colatitude), meridian)
 
+    @property
+    def rings(self) -> tuple[FloatArray, FloatArray]:
+        """Colatitudes of the quadrature points [rad] and the areas of their rings [m^2], each shape (point,)."""
+        return self._tables.colatitude, self._tables.area
+
     @cached_property
     def bending(self) -> FloatArray:
         """Stiffness of bending, shape (dof, dof) [N/m]; the curvatures hold V - U alone, so one number per degree."""
@@ -240,11 +245,15 @@ class LoadedShell:
         part of first order in the load, less what classical buckling omits, strain and rotation before buckling (of
         relative order N/C); `stiffness` at an `equilibrium` has those too.
         """
-        forces = self.linear_resultants(self.elastic._tables.colatitude)
+        forces, q = self.linear_resultants(self.elastic.rings[0]), np.zeros(len(self.basis.labels))
+        return self.elastic.geometric_stiffness(*forces) - self.pressure_inside * self.elastic.volume_hessian(q)
+
+    @property
+    def pressure_inside(self) -> float:
+        """Gauge pressure inside at rest, to first order of the load; trapped gas expands with the shell [Pa]."""
         (index, outside, volume), q = self._contents, np.zeros(len(self.basis.labels))
-        expansion = self.elastic.volume_gradient(q) @ self.first_order / volume  # lowers the pressure of trapped gas
-        pressure = self.internal_pressure - index * outside * expansion
-        return self.elastic.geometric_stiffness(*forces) - pressure * self.elastic.volume_hessian(q)
+        expansion = float(self.elastic.volume_gradient(q) @ self.first_order / volume)
+        return self.internal_pressure - index * outside * expansion
 
 
 def converged_degree(shell: Shell) -> int:

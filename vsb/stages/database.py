@@ -105,7 +105,7 @@ class _Part:
         if not self.basis:
             return database.with_structure(even, self.reference)
         passive = orders.with_haskind_damping(even, self.order, water.depth, water.density, water.gravity)
-        return orders.with_order_structure(passive, self.basis, order_stiffness(self.spec, self.basis))
+        return orders.with_order_structure(passive, self.basis, order_stiffness(self.spec, self.basis, self.reference))
 
 
 def _whole(
@@ -116,7 +116,10 @@ def _whole(
     if not families:
         return complete[0]
     signed, going = [0, *(one.signed for one in families)], orders.headings([one.signed for one in families])
-    own = [complete[0], *(complete[one.order] if not one.odd else _odd(spec, one, complete) for one in families)]
+    own = [
+        complete[0],
+        *(complete[one.order] if not one.odd else _odd(spec, parts[0].reference, one, complete) for one in families),
+    ]
     turned = own if len(going) == 1 else [orders.in_headings(*one, going) for one in zip(own, signed, strict=True)]
     whole = orders.side_by_side(turned, signed)
     mooring = mooring_stiffness(spec, tuple(map(str, whole.influenced_dof.values)))
@@ -124,11 +127,13 @@ def _whole(
     return whole.assign({f"{name}_stiffness": (pair, matrix) for name, matrix in mooring.items()})
 
 
-def _odd(spec: DatabaseSpec, basis: OrderBasis, complete: Mapping[int, xr.Dataset]) -> xr.Dataset:
+def _odd(
+    spec: DatabaseSpec, reference: ReferenceShell, basis: OrderBasis, complete: Mapping[int, xr.Dataset]
+) -> xr.Dataset:
     """Motions of an odd family, in the waves that excite them most: as the even ones, turned; yaw moves no water."""
     like = complete[basis.order]
     part = orders.renamed(like, basis.labels) if basis.order else orders.still_part(like, basis)
-    return orders.with_order_structure(part, basis, order_stiffness(spec, basis))
+    return orders.with_order_structure(part, basis, order_stiffness(spec, basis, reference))
 
 
 def _block(path: str, name: str) -> xr.Dataset:
