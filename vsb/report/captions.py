@@ -18,8 +18,8 @@ CAPTIONS = {
     "port_motion": "Displacement and velocity of the take-off's port.",
     "degrees_of_freedom": "How far every degree of freedom moves, take-off at work.",
     "heave_excitation": "Heave and the heave component of the excitation force.",
-    "directions": "Surge, heave and pitch, of the top towards where the waves go, or all six motions. Without a mooring "
-    "nothing holds surge, sway and yaw: what the start gives them, they keep.",
+    "directions": "Surge, heave and pitch, of the top towards where the waves go, or all six motions. Without "
+    "a mooring nothing holds surge, sway and yaw: what the start gives them, they keep.",
     "velocity_pto": "Heave velocity and power take-off force.",
     "power_energy": "Instantaneous absorbed power, and absorbed energy since the start.",
     "extreme_shapes": "Shells of all designs at their least height from pole to pole, displacement magnified.",
