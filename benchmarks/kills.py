@@ -97,9 +97,10 @@ def contents(folder: Path) -> dict[str, str]:
 def _digest(path: Path) -> str:
     """The same of one file."""
     with contextlib.suppress(VsbError):
-        if path.suffix == ".nc" and "seconds" in (groups := read_groups(path))[ROOT].attrs:
-            root = groups[ROOT]
-            return checksum({**groups, ROOT: root.assign_attrs(seconds=0.0)})
+        groups = read_groups(path) if path.suffix == ".nc" else {}
+        took = {name: 0.0 for one in groups.values() for name in one.attrs if str(name).endswith("seconds")}
+        if took:
+            return checksum({**groups, ROOT: groups[ROOT].assign_attrs(took)})
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 

@@ -42,6 +42,7 @@ def test_what_its_making_took_is_no_part_of_a_result(tmp_path):
         return kills.contents(tmp_path)[name]
 
     assert written("a.nc", seconds=1.5) == written("a.nc", seconds=2.5)
+    assert written("a.nc", bem_seconds=1.5) == written("a.nc", bem_seconds=2.5)
     assert written("a.nc", seconds=1.5, other=1) != written("a.nc", seconds=1.5)
     assert written("b.nc", other=1.0) != written("b.nc", other=2.0)
 

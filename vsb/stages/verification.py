@@ -9,7 +9,7 @@ from vsb.errors import ConvergenceError, StabilityError
 from vsb.motion.pto import LinearPto
 from vsb.results.in_time import DesignInTime
 from vsb.results.member import ports_year, with_designs
-from vsb.results.verification import Sample, contributions, drawn, verified
+from vsb.results.verification import Sample, chances, drawn, verified
 from vsb.results.verified_year import verified_dataset, with_lost
 from vsb.results.year import Year
 from vsb.scenes.afloat import linear_buoy, rest_shape, study_port
@@ -57,7 +57,7 @@ def _of_viable(spec: VerificationSpec, study: Study, rest: ReferenceShell, seas:
     assert tuning != "constrained"  # whose forces are of no law in time
     water = swept_shape(study, rest.basis, root).of_year(seas)
     year = ports_year(study, design_ports(study, rest, water), seas, (tuning,))
-    sample = drawn(contributions(year, tuning), seas.hours, spec.verify.seas, spec.verify.seed)
+    sample = drawn(chances(year, tuning), seas.hours, spec.verify.seas, spec.verify.seed)
     better, linear = _powers(spec, year, sample, in_time(study, root))
     return verified_dataset(year, tuning, verified(year, tuning, sample, better, linear))
 

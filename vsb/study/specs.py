@@ -23,7 +23,7 @@ from vsb.study.year_options import Constrained, Verify
 
 PHYSICS = {
     "mesh": 2, "bem": 7, "database": 6, "radiation": 1, "response": 2, "ladder": 1, "simulate": 4, "compare": 7,
-    "witness": 1, "member": 2, "members": 2, "campaign": 2, "verification": 2, "body": 2,
+    "witness": 1, "member": 2, "members": 2, "campaign": 2, "verification": 3, "body": 2,
 }  # fmt: skip
 """Hand-bumped version of the physics behind each tag: a library edit alone never reruns anything."""
 PAUSE = 2
