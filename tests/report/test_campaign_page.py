@@ -13,6 +13,7 @@ from vsb.report.campaign_page import (
     leading,
     render,
     rows,
+    second_answer,
     statements,
     warnings,
     where,
@@ -54,10 +55,38 @@ def test_without_a_rigid_design_the_one_that_takes_most_is_told():
     assert answer(lost, None, "one") == "Over a year of a buoy, no design is viable."
 
 
+def test_the_second_sentence_says_what_a_fixed_damper_would():
+    ds = campaign(verified_tuning="one", verified_model="body_exact", verification="tuning one: 4 seas")
+    ds["corrected_gain_percent"], ds["corrected_mean_power"] = ds.gain_percent, ds.annual_mean_power
+    ds.gain_percent.loc[{"tuning": "fixed", "design": "VSWEC"}] = 20.0
+    told = second_answer(ds, "FSB", "one")
+    assert told.startswith("All at the given damper, tuned for none of them, the best flexible design, VSWEC at young")
+    assert "takes 20.0 % more than the rigid FSB (-8.0 to -2.0 % by linear theory;" in told
+    assert not [line for line in statements(ds, "FSB", "one") if "given damper" in line]
+
+
+def test_the_second_sentence_is_of_limits_where_they_are_known():
+    ds = campaign().assign_coords(tuning=["fixed", "one", "constrained"])
+    assert second_answer(ds, "FSB", "one").startswith("Under the best force there is within its limits, the best")
+    assert any(line.startswith("All at the given damper, it is") for line in statements(ds, "FSB", "one"))
+
+
+def test_the_second_sentence_tells_points_or_doubts_where_there_is_one_tuning():
+    ds = campaign(margin=[[0.5, -0.5], [0.5, -0.5]]).sel(tuning=["one"])
+    told = second_answer(ds, "FSB", "one")
+    assert told == "Of 4 points 2 carry their static load; flexibility pays at 2 of all and at 1 of those."
+    assert told not in statements(ds, "FSB", "one")
+    one = ds.isel(young_modulus=[0], thickness=[0])
+    said = "25 % of the energy is from seas beyond what is described."
+    assert second_answer(one, "FSB", "one") == f"This is linear theory alone: {said}"
+    assert second_answer(one.assign_attrs(verification="tuning one: 4 seas"), "FSB", "one") == said
+    lost = one.assign(energy_beyond_validity=one.energy_beyond_validity * np.nan)
+    assert second_answer(lost, "FSB", "one") == ""
+
+
 def test_what_else_is_said():
-    each, fixed, points, beyond, practice = statements(campaign(margin=[[0.5, -0.5], [0.5, -0.5]]), "FSB", "one")
+    each, points, beyond, practice = statements(campaign(margin=[[0.5, -0.5], [0.5, -0.5]]), "FSB", "one")
     assert each.startswith("Each design at its own best damper in each sea, it is VSWEC at young modulus 1e+08 Pa")
-    assert fixed.startswith("All at the given damper, it is VSWEC")
     assert points == ("Of 4 points 2 carry their static load; flexibility pays at 2 of all and at 1 of those.")
     assert beyond == (
         "25 % of the energy is from seas beyond what is described, crossed in the matrices: 10 % too steep, 0 % with "

@@ -38,6 +38,11 @@ TUNED = {
     "fixed": "all at the given damper",
     "constrained": "each design under the best force there is within its limits",
 }
+BESIDE = {
+    "constrained": "Under the best force there is within its limits",
+    "fixed": "All at the given damper, tuned for none of them",
+}
+"""How the second sentence begins, by the tuning it is of."""
 MODELS = {"body_exact": "body-exact", "linear": "linear"}
 HEAD = (
     "point",
@@ -82,7 +87,7 @@ def render(report: CampaignReport) -> str:
         "campaign.html.j2",
         campaign=ds.attrs["campaign"],
         climate=ds.attrs["climate"],
-        answer=[answer(ds, reference, tuning)],
+        answer=[line for line in (answer(ds, reference, tuning), second_answer(ds, reference, tuning)) if line],
         sketches=report.sketches,
         kind="year",
         buoys=None,
@@ -132,8 +137,14 @@ def answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:
             return f"{begins}, no design is viable."
         one = power.where(power == power.max(), drop=True)
         return f"{begins}{ends}, {one.design.values[0]} takes most: {float(power.max()):.4g} MWh."
+    return f"{begins}{ends}, {_taken(ds, reference, tuning, best)}."
+
+
+def _taken(ds: xr.Dataset, reference: str | None, tuning: str, best: tuple[xr.Dataset, str]) -> str:
+    """What the best flexible design takes beside the rigid one, with the interval."""
     one, design = best
-    gain, energy, from_what = float(told_gain(one, tuning)), float(one.annual_energy), ""
+    gain, energy = float(told_gain(one, tuning)), float(one.annual_energy)
+    from_what = " by linear theory" if "verification" in ds.attrs else ""
     if is_verified(one, tuning):
         energy = float(one.corrected_mean_power) * YEAR_HOURS / 1e6
         runs = f"{MODELS[ds.attrs['verified_model']]} runs"
@@ -145,8 +156,36 @@ def answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:
     interval = f"{float(one.gain_low):+.1f} to {float(one.gain_high):+.1f} %{from_what}"
     buckles = ", and would buckle under its static load" if float(one.margin) < 0 else ""
     return (
-        f"{begins}{ends}, {subject} takes {sign} {the_rigid(str(reference))} ({interval}; {energies[0]:.4g} against "
-        f"{energies[1]:.4g} MWh){buckles}."
+        f"{subject} takes {sign} {the_rigid(str(reference))} ({interval}; {energies[0]:.4g} against "
+        f"{energies[1]:.4g} MWh){buckles}"
+    )
+
+
+def told_beside(ds: xr.Dataset, tuning: str) -> str | None:
+    """Return the tuning the second sentence is of: within limits, or at the given damper; none of neither."""
+    return next((name for name in BESIDE if name in ds.tuning.values and name != tuning), None)
+
+
+def second_answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:
+    """Return what to hold against the answer: what limits or a given damper would say, or else what to doubt most."""
+    other = told_beside(ds, tuning)
+    if other and (best := best_flexible(ds, reference, other)):
+        return f"{BESIDE[other]}, {_taken(ds, reference, other, best)}."
+    if ds.margin.size > 1 and reference is not None:
+        return _of_points(ds, reference, tuning)
+    marked = 100 * ds.energy_beyond_validity.sel(tuning=tuning)
+    theory = "" if "verification" in ds.attrs else "This is linear theory alone: "
+    beyond = f"{_range(marked)} of the energy is from seas beyond what is described."
+    return theory + beyond if bool(marked.notnull().any()) else ""
+
+
+def _of_points(ds: xr.Dataset, reference: str, tuning: str) -> str:
+    """At how many points flexibility pays."""
+    gains = told_gain(ds.sel(tuning=tuning), tuning).where(ds.design != reference)
+    carries, pays = ds.margin >= 0, gains.max("design") > 0
+    return (
+        f"Of {ds.margin.size} points {int(carries.sum())} carry their static load; flexibility pays at "
+        f"{int(pays.sum())} of all and at {int((pays & carries).sum())} of those."
     )
 
 
@@ -169,20 +208,15 @@ def best_flexible(ds: xr.Dataset, reference: str | None, tuning: str) -> tuple[x
 
 def statements(ds: xr.Dataset, reference: str | None, tuning: str) -> list[str]:
     """Return what else is to be said: the best design for each further tuning, what usual practice would have said."""
-    found = []
-    for other in (name for name in TUNED if name in ds.tuning.values and name != tuning):
+    found, beside = [], told_beside(ds, tuning)
+    for other in (name for name in TUNED if name in ds.tuning.values and name not in (tuning, beside)):
         if best := best_flexible(ds, reference, other):
             one, design = best
             found.append(
                 f"{TUNED[other].capitalize()}, it is {design}{_at(one)} with {float(one.gain_percent):+.1f} %."
             )
-    if ds.margin.size > 1 and reference is not None:
-        gains = told_gain(ds.sel(tuning=tuning), tuning).where(ds.design != reference)
-        carries, pays = ds.margin >= 0, gains.max("design") > 0
-        found.append(
-            f"Of {ds.margin.size} points {int(carries.sum())} carry their static load; flexibility pays at "
-            f"{int(pays.sum())} of all and at {int((pays & carries).sum())} of those."
-        )
+    if ds.margin.size > 1 and reference is not None and beside:
+        found.append(_of_points(ds, reference, tuning))
     marked = 100 * ds.energy_beyond_validity.sel(tuning=tuning)
     found.append(
         f"{_range(marked)} of the energy is from seas beyond what is described, crossed in the matrices: "
