@@ -44,6 +44,9 @@ def test_the_shipped_table():
         "Te (s);Hs (m);Hours\n6,5;0,25;876,6\n7,5;0,25;1753,2\n7,5;0,75;6136,2\n",
         "significant wave height,energy period,share\n0.25,6.5,0.1\n0.25,7.5,0.2\n0.75,7.5,0.7\n",
         "Hs,Te,n\n0.25,6.5,1\n0.25,7.5,2\n0.75,7.5,7\n",
+        "sep=;\nHs/Te;6,5;7,5\n0,25;10;20\n0,75;0;70\n",
+        "\ufeffSeegang;;\n;Te [s];\nHs [m]/Te [s];6,5;7,5\n0,25;10\u00a0%;20\u202f%\n0,75;;70\u00a0%\n;;\n",
+        "Hs/Te,6.5,7.5\n2.5E-01,1.0E+01,2.0E+01\n7.5E-01,0,7.0E+01\n",
     ],
 )
 def test_one_table_in_many_dialects(written, text):
@@ -82,6 +85,13 @@ def test_empty_cells_are_said(written):
         ("Hs/Te,6.5,7.5\n0.25,10%,47%\n", r"received occurrences that sum to 57, needs 100 \(percent\)"),
         ("Hs,Te,hours\n0.25,6.5,100\n", r"received occurrences that sum to 100, needs 8766 \(hours\)"),
         ("Hs,Te,Tp,count\n0.25,6.5,7,100\n", "line 1: received both Te and Tp, needs one of them"),
+        (
+            "Hs;Te;Anteil\n0,25;6,5;1\n",
+            "line 1: received the columns 'Hs', 'Te', 'Anteil', needs one more that is called",
+        ),
+        ("Hs/Te;6,5;7,5\n0,25;3.506;5.26\n", r"received occurrences that sum to 8\.766, needs 1, 100"),
+        ("Hs/Te,<6,6-7\n0.25,10,90\n", "line 1: received '<6', needs the centre of a bin"),
+        ("Hs/Te,6.5,7.5\n0.25,NaN,100\n", "line 2: received 'NaN', needs an occurrence"),
         ("Hs,Te,count\n0.25,6.5,1\n0.25,6.5,2\n", r"received pairs labelled \(0.25, 6.5\) twice"),
         ("Hs,Te,count\n0.25,6.5\n", "line 2: received 2 cells, needs 3 as the header has"),
         ("Hs,Te [min],count\n0.25,6.5,1\n", "line 1: received the unit 'min'"),

@@ -16,6 +16,7 @@ from scipy.integrate import cumulative_trapezoid
 from vsb.errors import ConfigError
 from vsb.tools.files import read_text
 from vsb.tools.units import FloatArray
+from vsb.tools.words import shortened
 from vsb.waves.climate import FAULTY, YEAR_HOURS, Climate, band_edges, impossible
 from vsb.waves.seas import jonswap_spectrum
 
@@ -144,10 +145,10 @@ def read_table(path: str | Path) -> Table:
     lines = read_text(path).splitlines()
     for delimiter in (";", "\t", ","):
         rows = _rows(lines, delimiter)
-        for at, (_, row) in enumerate(rows):
+        for at in range(len(rows)):
             if corner := _corner(path, rows[at]):
                 return _full(path, rows[at:], corner)
-            if columns := _columns(row):
+            if columns := _columns(path, rows[at]):
                 return _pairs(path, rows[at:], columns)
     raise ConfigError(
         f"{path}: received no line that names Hs and Te or Tp, needs a corner 'Hs/Te' or columns Hs, Te, occurrence"
@@ -193,12 +194,20 @@ def _corner(path: str | Path, row: tuple[int, list[str]]) -> tuple[str, str] | N
     return str(kinds[0]), str(kinds[1])
 
 
-def _columns(row: list[str]) -> dict[str, int] | None:
+def _columns(path: str | Path, row: tuple[int, list[str]]) -> dict[str, int] | None:
     """Columns of height, period and occurrence of a list of pairs."""
-    plain = [_plain(cell) or cell.strip(" ()[]").lower() for cell in row]
+    plain = [_plain(cell) or cell.strip(" ()[]").lower() for cell in row[1]]
     found = {kind: i for i, name in enumerate(plain) if (kind := _kind(name))}
     often = [i for i, name in enumerate(plain) if name in OCCURRENCE]
-    return {**found, "occurrence": often[0]} if "hs" in found and len(found) >= 2 and often else None
+    if "hs" not in found or len(found) < 2:
+        return None
+    if not often:
+        named = ", ".join(repr(cell) for cell in row[1] if cell)
+        raise ConfigError(
+            f"{path}, line {row[0]}: received the columns {shortened(named)}, needs one more that is called "
+            "occurrence, percent, hours, share or count"
+        )
+    return {**found, "occurrence": often[0]}
 
 
 def _full(path: str | Path, rows: list[tuple[int, list[str]]], corner: tuple[str, str]) -> Table:
