@@ -35,8 +35,8 @@ def verified_dataset(year: Year, tuning: str, runs: Verification) -> xr.Dataset:
     drawn = {"sea": sea, "seed": runs.sample.seed, "weight": runs.sample.weight}
     drawn |= {"hs": year.climate.hs[sea], "te": year.climate.te[sea]}
     values |= {f"drawn_{name}": (("draw",), column) for name, column in drawn.items()}
-    both = {"run_power": runs.better, "linear_run_power": runs.linear}
-    values |= {name: (("design", "draw"), power) for name, power in both.items()}
+    powers_of = {"run_power": runs.better, "linear_run_power": runs.linear, "drawn_power": runs.linear_seas[:, sea]}
+    values |= {name: (("design", "draw"), power) for name, power in powers_of.items()}
     return xr.Dataset(values, coords={"design": list(year.designs)})
 
 
