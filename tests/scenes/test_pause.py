@@ -224,6 +224,7 @@ def test_a_vented_shell_is_released_earlier_than_its_linear_scene_says(tmp_path_
     """It rests deformed: the pause of 0.98 s of the linear scene takes a fifth less than a shorter one."""
     for name, value in {"FEWEST": 8, "CONTINUED": 4}.items():
         monkeypatch.setattr(f"vsb.integrators.settled.{name}", value)
+    monkeypatch.setattr("vsb.scenes.pause.SETTLED_WET", 0.05)
     monkeypatch.setattr("vsb.scenes.pause.NEAR", 0.06)
     monkeypatch.setattr("vsb.scenes.pause.KNOWN_WET", 0.03)
     study = varied(
