@@ -21,21 +21,23 @@ from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.report.canvas import grid_of_axes, style
 from vsb.scenes.rest import study_basis
-from vsb.shell.deformed import DeformedShell, rigid_sphere
+from vsb.shell.deformed import DeformedShell, rigid_buoy, rigid_sphere
 from vsb.shell.modes import Mode, ModeBasis
+from vsb.shell.ritz import natural_modes
 from vsb.shell.sphere import Shell, natural_frequencies
 from vsb.stages.stage import Stage
 from vsb.study import specs
+from vsb.study.meridian import RestMeridian
 from vsb.study.study import canonical
 from vsb.study.waves import WhiteNoise
 from vsb.tools.files import write_text
 from vsb.waves import seas
 
 
-def recipe(title, **names):
-    """What the code of a recipe defines."""
+def recipe(title, number=1, **names):
+    """What the code of a recipe defines, its first or another."""
     text = (HERE.parent / "docs" / "extending.md").read_text(encoding="utf-8").split(f"## {title}\n")[1]
-    code = text.split("```python\n")[1].split("```")[0]
+    code = text.split("```python\n")[number].split("```")[0]
     assert len(code.strip().splitlines()) <= 15
     exec(code, names)
     return names
@@ -88,6 +90,14 @@ def test_the_water_around_a_rest_shape_follows_from_it(seed):
     )
     for name in ("added_mass", "radiation_damping"):
         np.testing.assert_allclose(blown[name], larger[name], rtol=1e-9)
+
+
+def test_an_unloaded_shape_is_a_meridian():
+    pear = recipe("A rest shape", 2, RestMeridian=RestMeridian)["pear"](2.0, 0.3)
+    assert (pear.radius, pear.top, pear.keel) == pytest.approx((2.0, 2.0, -2.6))
+    shell = Shell(2.0, 0.01, 1e7, 0.3, 2700.0, pear)
+    assert rigid_buoy(shell, 0.1).volume() == pytest.approx(pear.volume_below(-0.1), rel=1e-12)
+    assert (natural_modes(shell, 6).omega > 0).all()
 
 
 def test_modes_without_meridional_motion_lie_between_both_branches(seed):

@@ -1,5 +1,6 @@
 """Sketches of designs: valid, named, held where they are held, in the colour of their curves."""
 
+import math
 import xml.etree.ElementTree as ET
 
 import pytest
@@ -30,6 +31,21 @@ def test_a_sketch_has_the_colour_and_the_marks_of_its_design(name):
     assert style(name, list(DESIGNS))["color"] in text
     assert text.count('class="clamp"') == 2 * len(DESIGNS[name]["clamp"])
     assert ("stroke-dasharray" in text) == DESIGNS[name]["flexible"]
+
+
+def test_another_shape_is_drawn_as_it_is_and_held_on_its_surface():
+    """An oblate buoy of half the height: as wide, its keel and its clamps there; a tall one fits."""
+    flat = sketch("two", DESIGNS, 0.0, lambda angle: (math.sin(angle), 0.5 * math.cos(angle)))
+    assert '<circle cx="70" cy="62.0"' not in flat
+    body = next(e.get("d") for e in ET.fromstring(flat).iter("path") if "fill-opacity" in e.attrib)
+    points = [tuple(map(float, point.split())) for point in body.strip("MZ").split("L")]
+    assert max(x for x, _ in points) - min(x for x, _ in points) == pytest.approx(68.0)
+    assert max(y for _, y in points) - min(y for _, y in points) == pytest.approx(34.0)
+    held = [(float(e.get("cx")), float(e.get("cy"))) for e in ET.fromstring(flat).iter("circle")]
+    assert sorted(held) == [(53.0, 47.3), (70.0, 79.0), (70.0, 79.0), (87.0, 47.3)]
+    tall = sketch("FSB", DESIGNS, 0.0, lambda angle: (math.sin(angle), 3.0 * math.cos(angle)))
+    body = next(e.get("d") for e in ET.fromstring(tall).iter("path") if "fill-opacity" in e.attrib)
+    assert max(float(point.split()[1]) for point in body.strip("MZ").split("L")) == pytest.approx(62.0 + 34.0)
 
 
 def test_the_shell_stays_where_it_is_held():

@@ -54,6 +54,10 @@ SEAS = {
 DESIGNS = {"FSB": {"flexible": False}, "VSWEC": {}, "VSWEC0": {"clamp": 30.0}}
 PUBLISHED = {"source": "a paper", "values": {"FSB": {"power_mean": 1.0}}}
 TABULATED = {"omega": [2.0, 2.5], "accept": ["rank_one"]}
+SHAPES = {
+    "spheroid": {"height": 3.6}, "capsule": {"length": 0.5},
+    "profile": [[0, 2], [1.3, 1.5], [2, 0], [1.6, -1.2], [0, -2]],
+}  # fmt: skip
 STUDIES = {
     "sphere": {"hydro": TABULATED, "waves": [SWELL, STILL, SEAS["jonswap"]]},
     "equilibrium": {
@@ -85,6 +89,11 @@ STUDIES = {
     },
     "dofs": {"pto": {"port": {"dofs": {"Heave": 1.0, "Membrane0": 0.5}}}, "hydro": TABULATED, "waves": [SWELL]},
     "auto": {"hydro": {**TABULATED, "model": "auto", "power_tolerance": 0.01}, "waves": [SWELL]},
+    **{
+        name: {"device": {"shape": {name: shape}}, "modes": {"basis": "full", "degree": 2},
+               "hydro": {**TABULATED, "witness": "none"}, "waves": [SWELL]}
+        for name, shape in SHAPES.items()
+    },
 }  # fmt: skip
 OTHERS = {
     "motion": ["heave"], "hydro.model": ["body_exact", "auto"], "hydro.tolerance": [6.25e-5], "hydro.accept.0": ["haskind"],
@@ -111,6 +120,7 @@ HELD = {
 def reads(study):
     """Leaves of a study that the specification of each stage reads itself, as patterns; see `specifications`."""
     sphere, shell = ["device.radius", "device.mass", "water.density"], ["device.*", "modes.*", "water.*"]
+    sphere += ["device.shape.*"]
     directed = ["motion", "mooring.*"]
     found = {
         "modes": [*shell, *directed, "reference_shape", "designs.*"],
@@ -130,7 +140,8 @@ def reads(study):
     bem = ["water.*", "modes.degree", "reference_shape"]  # the last two are the displacements
     bem += ["motion", "modes.order"]  # of as many orders
     bem += [] if study.uses_panels else ["hydro.tolerance"]
-    bem += [] if study.uses_panels or study.motion != "heave" else ["hydro.solver"]  # one alone knows all orders
+    alone = study.motion != "heave" or study.device.shape  # what one solver alone knows
+    bem += [] if study.uses_panels or alone else ["hydro.solver"]
     grid = ["hydro.omega.*", "hydro.omega_max"]
     grid += [f"waves.{i}.period" for i, wave in enumerate(study.waves) if isinstance(wave, RegularWave)]
     grid += [] if study.uses_panels else ["hydro.tolerance"]  # refines it
@@ -144,7 +155,7 @@ def reads(study):
     without_method = [f"simulation.{key}*" for key in type(study.simulation).model_fields if key != "method"]
     return found | {
         "sphere": sphere,
-        "loaded": [*(loaded if study.at_equilibrium else []), "reference_shape"],
+        "loaded": [*(loaded if study.at_equilibrium else ["device.shape.*"]), "reference_shape"],
         "sweep": [*bem, "hydro.omega_max", "hydro.tolerance"],
         "tabulated": [*bem, "hydro.omega.*"],
         "database": [*shell, *directed, "reference_shape", *grid[:2], "hydro.tolerance", "hydro.accept.*"],

@@ -41,6 +41,7 @@ def shapes_data(modes: xr.Dataset) -> dict[str, Any]:
         "radial": packed(modes.radial.values[:, kept].ravel()),
         "meridional": packed(modes.meridional.values[:, kept].ravel()),
         "rest": packed(modes.static_amplitude.values),
+        **{name: packed(modes[name].values[kept]) for name in ("rest_radial", "rest_meridional") if name in modes},
     }
 
 

@@ -21,7 +21,7 @@ def mode_shapes(data: StudyData) -> Figure:
     count = modes.sizes["mode"]
     rows = max(1, math.ceil(count / columns))
     figure, axes = grid_of_axes(0.4 + 1.75 * rows, rows, columns)
-    phi = modes.colatitude.values
+    phi, rest = modes.colatitude.values, _beyond_sphere(modes) / float(modes.attrs.get("radius", 1.0))
     for ax in axes.flat:
         ax.set_axis_off()
         ax.set_aspect("equal")
@@ -31,8 +31,9 @@ def mode_shapes(data: StudyData) -> Figure:
         shortened = float(-(v + np.gradient(u, phi)).min())  # of the meridian: drawn larger, it would fold into cusps
         amplitude = min(0.25 / max(1.0, float(shape.degree) / 2) ** 0.7, 0.4 / max(shortened, 1e-9))
         v, u = amplitude * v, amplitude * u
-        halves = [_half(1.0, phi, side * v, side * u) for side in (1.0, _opposite(modes.sel(mode=mode)))]
-        ax.plot(np.sin(2 * phi), np.cos(2 * phi), color="black", linewidth=0.8)
+        sides = (1.0, _opposite(modes.sel(mode=mode)))
+        halves = [_half(1.0, phi, *(rest + side * np.array([v, u]))) for side in sides]
+        ax.plot(*_closed(*2 * [_half(1.0, phi, *rest)]), color="black", linewidth=0.8)
         ax.plot(*_closed(*halves), color="#D55E00")
         ax.set_title(f"{mode}\n{float(shape.dry_frequency):.2f} rad/s dry", fontsize=8)
     title = "Shell modes (black: undeformed)" if count else "A rigid study has no shell modes"
@@ -86,6 +87,13 @@ def _opposite(modes: xr.Dataset) -> Any:
     return (-1.0) ** modes.order.values if "order" in modes else 1.0
 
 
+def _beyond_sphere(modes: xr.Dataset) -> FloatArray:
+    """What leads from the sphere to another shape at rest, along its radius and its meridian, (2, colatitude) [m]."""
+    if "rest_radial" not in modes:
+        return np.zeros((2, modes.sizes["colatitude"]))
+    return np.array([modes.rest_radial.values, modes.rest_meridional.values])
+
+
 def _half(radius: float, phi: FloatArray, v: FloatArray, u: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Points of one meridian about the sphere centre: x = (r+v) sin + u cos, z = (r+v) cos - u sin."""
     return (radius + v) * np.sin(phi) + u * np.cos(phi), (radius + v) * np.cos(phi) - u * np.sin(phi)
@@ -107,7 +115,7 @@ def _meridians(data: StudyData, run: xr.Dataset, factor: float) -> list[tuple[Fl
     for side in (1.0, _opposite(modes)):
         at = side * q
         v, u = (at @ modes[name].values if len(q) else np.zeros_like(phi) for name in ("radial", "meridional"))
-        found.append(_half(r, phi, v, u))
+        found.append(_half(r, phi, *(_beyond_sphere(modes) + np.array([v, u]))))
     return found
 
 
@@ -118,11 +126,13 @@ def _snapshot(data: StudyData, ax: Axes, run: xr.Dataset, design: str, factor: f
     centre = float(modes.attrs["centre_height"]) + float(run.position[0])
     x, z = _tilted(run, *_closed(*_meridians(data, run, factor)))
     z, level = z + centre, float(run.elevation) if "elevation" in run else 0.0
-    ax.axhspan(-3 * r, level, color="#56B4E9", alpha=0.25, linewidth=0)
+    rest_x, rest_z = _closed(*2 * [_half(r, phi, *_beyond_sphere(modes))])
+    reach = 1.5 * max(r, float(np.abs(rest_z).max()))
+    ax.axhspan(-3 * reach, level, color="#56B4E9", alpha=0.25, linewidth=0)
     ax.axhline(level, color="#0072B2", linewidth=0.8)
-    ax.plot(r * np.sin(2 * phi), centre + r * np.cos(2 * phi), color="#999999", linewidth=0.6, linestyle=":")
+    ax.plot(rest_x, centre + rest_z, color="#999999", linewidth=0.6, linestyle=":")
     ax.plot(x, z, color=style(design, data.designs)["color"])
-    ax.set(aspect="equal", xlim=(-1.5 * r, 1.5 * r), ylim=(-1.5 * r, 1.5 * r), xticks=[], yticks=[])
+    ax.set(aspect="equal", xlim=(-reach, reach), ylim=(-reach, reach), xticks=[], yticks=[])
     ax.grid(visible=False)
 
 
@@ -138,7 +148,8 @@ def _height(data: StudyData, run: xr.Dataset) -> xr.DataArray:
     """Distance between the poles of a run's shell over time [m]; the n-th mode changes it by V (1 + (-1)^n)."""
     at_poles = data.modes.radial.isel(colatitude=0) + data.modes.radial.isel(colatitude=-1)
     change = _modal(run) @ at_poles.values if flexible(run.dof.values) else 0.0 * run.time.values
-    return xr.DataArray(2 * float(data.modes.attrs["radius"]) + change, coords={"time": run.time})
+    rest = 2 * float(data.modes.attrs["radius"]) + _beyond_sphere(data.modes)[0, [0, -1]].sum()
+    return xr.DataArray(rest + change, coords={"time": run.time})
 
 
 def extreme_shapes(data: StudyData, wave: str) -> Figure:
@@ -170,7 +181,7 @@ def shapes_3d(data: StudyData, wave: str) -> Figure:
     instants = [0.0, *(float(height.time[i]) for i in extremes)]
     figure, _ = grid_of_axes(3.0)
     figure.clear()
-    limit = 1.1 * float(data.modes.attrs["radius"])
+    limit = 1.1 * (float(data.modes.attrs["radius"]) + max(0.0, _beyond_sphere(data.modes)[0].max()))
     for i, (instant, name) in enumerate(zip(instants, ("start", "least height", "greatest height"), strict=True)):
         ax: Any = figure.add_subplot(1, 3, i + 1, projection="3d")
         x, z = (a[::3] for a in _meridians(data, run.sel(time=instant, method="nearest"), factor)[0])

@@ -2,12 +2,14 @@
 
 import html
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from vsb.report.canvas import style
 from vsb.study.study import Study
 
+Outline = Callable[[float], tuple[float, float]]
+"""Radius and height of a buoy's surface about its centre by colatitude [radii]."""
 _WATERLINE, _BED = 62.0, 118.0
 _SCALE = 34.0  # of a radius
 _POLES = {0.0: "at the top", 90.0: "at the equator", 180.0: "at the keel"}
@@ -24,14 +26,31 @@ def design_in_words(design: dict[str, Any]) -> str:
 def sketches(study: Study) -> list[dict[str, str]]:
     """Return a sketch of each design of a study with its name, and what it is in words."""
     designs = study.model_dump()["designs"]
-    height = study.centre_height / study.device.radius
+    height, outline = study.centre_height / study.device.radius, _outline(study)
     return [
-        {"name": name, "words": design_in_words(one), "svg": sketch(name, designs, height)}
+        {"name": name, "words": design_in_words(one), "svg": sketch(name, designs, height, outline)}
         for name, one in designs.items()
     ]
 
 
-def sketch(name: str, designs: dict[str, dict[str, Any]], height: float) -> str:
+def _sphere(colatitude: float) -> tuple[float, float]:
+    """Outline of the sphere."""
+    return math.sin(colatitude), math.cos(colatitude)
+
+
+def _outline(study: Study) -> Outline:
+    """Outline of a study's buoy."""
+    if (rest := study.device.meridian) is None:
+        return _sphere
+
+    def outline(colatitude: float) -> tuple[float, float]:
+        x, z, _, _ = rest.at(colatitude)
+        return x / study.device.radius, z / study.device.radius
+
+    return outline
+
+
+def sketch(name: str, designs: dict[str, dict[str, Any]], height: float, outline: Outline = _sphere) -> str:
     """Return the sketch of a design as SVG of 140 by 120.
 
     Parameters
@@ -40,23 +59,36 @@ def sketch(name: str, designs: dict[str, dict[str, Any]], height: float) -> str:
     designs : mapping name -> dict
         All designs of the study in canonical form.
     height : float
-        Of the sphere's centre above still water, in radii [-].
+        Of the buoy's centre above still water, in radii [-].
+    outline : callable
+        Of the buoy.
     """
     design, colour = designs[name], style(name, list(designs))["color"]
-    centre = _WATERLINE - _SCALE * height
-    body = f'cx="70" cy="{centre:.1f}" r="{_SCALE:g}" fill="{colour}" stroke="{colour}"'
+    scale = _SCALE / max(1.0, outline(0.0)[1], -outline(math.pi)[1])
+    centre = _WATERLINE - scale * height
+    keel = centre - scale * outline(math.pi)[1]
+    body = f'{_surface(outline, centre, scale)} fill="{colour}" stroke="{colour}"'
     parts = [
         f'<rect x="0" y="{_WATERLINE:g}" width="140" height="{_BED - _WATERLINE:g}" class="water"/>',
-        f'<circle {body} fill-opacity="0.12" stroke-width="{2 if design["flexible"] else 5}"/>',
-        *([_swollen(centre, colour, design["clamp"])] if design["flexible"] else []),
-        f'<path d="M70 {centre + _SCALE:.1f}V{_BED:g}M63 {_BED - 7:g}h14M63 {_BED - 12:g}v5m14 0v-5" class="takeoff"/>',
-        *(_clamp(centre, clamp) for clamp in design["clamp"]),
+        f'<{body} fill-opacity="0.12" stroke-width="{2 if design["flexible"] else 5}"/>',
+        *([_swollen(outline, centre, scale, colour, design["clamp"])] if design["flexible"] else []),
+        f'<path d="M70 {keel:.1f}V{_BED:g}M63 {_BED - 7:g}h14M63 {_BED - 12:g}v5m14 0v-5" class="takeoff"/>',
+        *(_clamp(outline, centre, scale, clamp) for clamp in design["clamp"]),
     ]
     words = html.escape(f"{name}, {design_in_words(design)}")
     return f'<svg viewBox="0 0 140 120" role="img" aria-label="{words}">{"".join(parts)}</svg>'
 
 
-def _swollen(centre: float, colour: str, clamps: Sequence[float]) -> str:
+def _surface(outline: Outline, centre: float, scale: float) -> str:
+    """The buoy as an element of SVG, open for its attributes: a circle if it is a sphere."""
+    if outline is _sphere:
+        return f'circle cx="70" cy="{centre:.1f}" r="{scale:g}"'
+    half = [outline(math.pi * i / 48) for i in range(49)]
+    around = [*half, *((-x, z) for x, z in reversed(half))]
+    return f'path d="M{"L".join(f"{70 + scale * x:.1f} {centre - scale * z:.1f}" for x, z in around)}Z"'
+
+
+def _swollen(outline: Outline, centre: float, scale: float, colour: str, clamps: Sequence[float]) -> str:
     """The shell swollen and squeezed, dotted, still where it is held."""
     angles = [math.pi * i / 24 for i in range(49)]
     paths = []
@@ -66,13 +98,15 @@ def _swollen(centre: float, colour: str, clamps: Sequence[float]) -> str:
             free = math.prod(
                 abs(math.sin((abs(math.remainder(angle, 2 * math.pi)) - math.radians(c)) / 2)) * 1.4 for c in clamps
             )
-            radius = _SCALE * (1 + 0.13 * sign * min(1.0, free))
-            points.append(f"{70 + radius * math.sin(angle):.1f} {centre - radius * math.cos(angle):.1f}")
+            size = scale * (1 + 0.13 * sign * min(1.0, free))
+            x, z = outline(angle)
+            points.append(f"{70 + size * x:.1f} {centre - size * z:.1f}")
         paths.append("M" + "L".join(points))
     return f'<path d="{"".join(paths)}" fill="none" stroke="{colour}" stroke-width="0.9" stroke-dasharray="1.5 2.5"/>'
 
 
-def _clamp(centre: float, colatitude: float) -> str:
+def _clamp(outline: Outline, centre: float, scale: float, colatitude: float) -> str:
     """Marks on either side where a shell is held."""
-    x, y = _SCALE * math.sin(math.radians(colatitude)), centre - _SCALE * math.cos(math.radians(colatitude))
+    x, z = outline(math.radians(colatitude))
+    x, y = scale * x, centre - scale * z
     return "".join(f'<circle cx="{70 + side * x:.1f}" cy="{y:.1f}" r="3.5" class="clamp"/>' for side in (-1, 1))

@@ -252,5 +252,9 @@ def enclosed(basis: ModeBasis, modal_amplitude: FloatArray, points: int = 0) -> 
 
 def rigid_sphere(radius: float, centre_height: float) -> DeformedShell:
     """Return an undeformed sphere in the water; its material is of no consequence."""
-    shell = Shell(radius, 0.01 * radius, 1.0, 0.0, 1.0)
+    return rigid_buoy(Shell(radius, 0.01 * radius, 1.0, 0.0, 1.0), centre_height)
+
+
+def rigid_buoy(shell: Shell, centre_height: float) -> DeformedShell:
+    """Return an undeformed shell in the water, that moves as a whole."""
     return DeformedShell(ModeBasis(shell, (), 1.0, bending=False), centre_height, np.zeros(1))

@@ -50,7 +50,9 @@ class Shell:
     @classmethod
     def of(cls, device: Device) -> "Shell":
         """Return the shell of a study's device."""
-        return cls(device.radius, device.thickness, device.young_modulus, device.poisson_ratio, device.density)
+        return cls(
+            device.radius, device.thickness, device.young_modulus, device.poisson_ratio, device.density, device.meridian
+        )
 
     @property
     def meridian(self) -> RestMeridian:

@@ -7,6 +7,7 @@ import numpy as np
 
 from vsb.shell.modes import ModeBasis
 from vsb.shell.orders import OrderBasis
+from vsb.shell.strain import strain_shapes
 from vsb.tools.units import FloatArray
 
 AT_ONCE = 4096
@@ -123,6 +124,9 @@ def largest_displacement(basis: ModeBasis, modal_amplitude: FloatArray) -> float
 def largest_strain(basis: ModeBasis, modal_amplitude: FloatArray) -> float:
     """Return the largest membrane strain, |(u' + v)/r| or |(u cot phi + v)/r| [-]."""
     phi = np.linspace(0.01, np.pi - 0.01, 361)
+    if basis.shell.rest is not None:
+        strained = (np.insert(modal_amplitude[1:], 0, 0.0) @ strain for strain in strain_shapes(basis, phi)[:2])
+        return float(max(np.abs(one).max() for one in strained))
     (v, u), (_, du) = basis.displacement(phi), basis.displacement(phi, derivative=1)
     modal_amplitude = np.concatenate([[0.0], modal_amplitude[1:]])
     meridional, hoop = modal_amplitude @ (du + v), modal_amplitude @ (u / np.tan(phi) + v)

@@ -47,6 +47,7 @@ def run(spec: DatabaseSpec, blocks: str, out: str) -> None:
         **stamp(spec),
         "quality": database.as_json(quality.judged(checks, spec.accept)),
         "radius": spec.device.radius,
+        **_at_rest(spec),
         "centre_height": spec.centre_height,
         "basis": spec.modes.basis if spec.modes else "rigid",
         "degree": spec.modes.degree if spec.modes else 1,
@@ -63,6 +64,18 @@ def run(spec: DatabaseSpec, blocks: str, out: str) -> None:
     else:
         tabulated = _whole(spec, parts, asked, families)
         database.save_database(tabulated.assign_attrs(tabulated.attrs, **attrs), everywhere, out)
+
+
+def _at_rest(spec: DatabaseSpec) -> dict[str, object]:
+    """What other codes are told of another shape than the sphere, whose radius and height say it."""
+    if (rest := spec.device.meridian) is None:
+        return {}
+    height = spec.centre_height
+    return {
+        "displaced_volume": rest.volume_below(-height),
+        "centre_of_buoyancy": [0.0, 0.0, height + rest.centroid_below(-height)],
+        "centre_of_mass": [0.0, 0.0, height],
+    }
 
 
 @dataclass(frozen=True)

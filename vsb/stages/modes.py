@@ -7,15 +7,19 @@ import xarray as xr
 
 from vsb.scenes.directions import order_bases
 from vsb.scenes.rest import check_stable, reference_shell
+from vsb.shell.curve import curve
 from vsb.shell.mode import Mode
 from vsb.shell.orders import OrderBasis
 from vsb.shell.rest import ReferenceShell
 from vsb.stages.stage import stamp
+from vsb.study.meridian import RestMeridian
 from vsb.study.specs import ModesSpec
 from vsb.tools.files import save
 from vsb.tools.units import FloatArray
 
 COLATITUDES = np.linspace(0.0, np.pi, 181)
+REST = ("rest_radial", "rest_meridional")
+"""Variables that lead from the sphere to another shape at rest, where there is one."""
 ORDER = "order"
 """Azimuthal order of a mode; a study of heave alone has none but 0, and does not say so."""
 
@@ -27,6 +31,8 @@ def run(spec: ModesSpec, out: str) -> None:
     orders = [basis for basis in order_bases(spec, reference.basis) if not basis.odd]  # the odd ones are these, turned
     parts = [_axisymmetric(reference), *map(_of_order, orders)]
     modes = xr.concat(parts, "mode") if orders else parts[0].drop_vars(ORDER)
+    if (rest := reference.basis.shell.rest) is not None:
+        modes = modes.assign(dict(zip(REST, _beyond_sphere(rest, spec.device.radius), strict=True)))
     modes = modes.assign_attrs(
         {
             "radius": spec.device.radius,
@@ -36,6 +42,12 @@ def run(spec: ModesSpec, out: str) -> None:
         }
     )
     save(modes, out)
+
+
+def _beyond_sphere(rest: RestMeridian, radius: float) -> tuple[tuple[str, FloatArray], tuple[str, FloatArray]]:
+    """What leads from the sphere to another meridian at rest, along e_r and e_phi [m]."""
+    at, sin, cos = curve(rest, COLATITUDES), np.sin(COLATITUDES), np.cos(COLATITUDES)
+    return ("colatitude", at.x * sin + at.z * cos - radius), ("colatitude", at.x * cos - at.z * sin)
 
 
 def _axisymmetric(reference: ReferenceShell) -> xr.Dataset:

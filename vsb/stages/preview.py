@@ -13,6 +13,7 @@ from vsb.results.year import OUTSIDE, variance_outside
 from vsb.scenes.rest import check_rests, check_spring, check_stable, reference_shell, seen_by_take_off
 from vsb.scenes.viability import viability
 from vsb.shell.modes import mode_basis
+from vsb.shell.ritz import natural_modes
 from vsb.shell.sphere import Shell, natural_frequencies
 from vsb.stages.climate import read_climate
 from vsb.study.blocks import BlockSpec
@@ -178,9 +179,13 @@ def shell_table(study: Study) -> dict[str, Any]:
     Returns
     -------
     dict
-        membrane, bending, paper_ritz: lists of {"degree": n, "omega": rad/s}; buckling_pressure [Pa].
+        membrane, bending, paper_ritz: lists of {"degree": n, "omega": rad/s}; buckling_pressure [Pa]. Of another shape
+        than the sphere natural alone: a list of {"mode": label, "omega": rad/s}.
     """
     shell = Shell.of(study.device)
+    if shell.rest is not None:
+        omega = natural_modes(shell, max(1, study.modes.degree)).omega
+        return {"natural": [{"mode": f"Shell{i}", "omega": float(w)} for i, w in enumerate(omega, 1)]}
     degrees = range(study.modes.degree + 1)
     closed = {n: natural_frequencies(shell, n) for n in degrees}
     paper = mode_basis(study.device, "paper", study.modes.degree)
@@ -194,6 +199,9 @@ def shell_table(study: Study) -> dict[str, Any]:
 
 def shell_text(table: dict[str, Any]) -> str:
     """Return the shell's frequencies as a table for people."""
+    if "natural" in table:
+        lines = [f"{row['mode']:>8} {row['omega']:15.9f}" for row in table["natural"]]
+        return "\n".join([f"{'mode':>8} {'natural':>15}   [rad/s]", *lines])
     bending = {row["degree"]: row["omega"] for row in table["bending"]}
     lines = [f"{'n':>3} {'membrane':>15} {'bending':>15} {'paper Ritz':>15}   [rad/s]"]
     for membrane, paper in zip(table["membrane"], table["paper_ritz"], strict=True):

@@ -6,10 +6,14 @@ from vsb.hydro.dofs import displacements
 from vsb.hydro.spectral import solver
 from vsb.hydro.spectral.sweep import FEWEST_NODES, converged, converged_on_grid
 from vsb.scenes.rest import reference_shell
-from vsb.shell.deformed import rigid_sphere
+from vsb.shell.deformed import rigid_buoy
+from vsb.shell.sphere import Shell
 from vsb.stages.stage import stamp
 from vsb.study.specs import LoadedShape, SpectralSpec
 from vsb.tools.files import save
+
+FILM = 1e-4
+"""Thickness of a shell that moves as a whole, of no consequence, in radii."""
 
 
 def run(spec: SpectralSpec, out: str) -> None:
@@ -29,6 +33,7 @@ def spectral_problem(spec: SpectralSpec) -> solver.SpectralProblem:
     if isinstance(shape, LoadedShape):
         shell = reference_shell(shape).shape
     else:
-        shell = rigid_sphere(shape.radius, shape.centre_height)
+        rest = shape.shape.meridian(shape.radius) if shape.shape else None
+        shell = rigid_buoy(Shell(shape.radius, FILM * shape.radius, 1.0, 0.0, 1.0, rest), shape.centre_height)
     moved = displacements(spec.displacements, spec.order)
     return solver.SpectralProblem(shell, moved, water.density, water.gravity, FEWEST_NODES, depth=water.depth)

@@ -92,7 +92,7 @@ class HydroPlan:
         """Mean wetted shape: of the sphere, or of what its load makes of it at rest."""
         study, radius, height = self.study, self.study.device.radius, self.study.centre_height
         if not study.at_equilibrium:
-            return Sphere(radius=radius, centre_height=height)
+            return Sphere(radius=radius, centre_height=height, shape=study.device.shape)
         return LoadedShape(
             radius=radius,
             centre_height=height,
@@ -105,14 +105,15 @@ class HydroPlan:
     def displacements(self, order: int = 0) -> tuple[str, ...]:
         """Displacements of an order solved for: the sphere knows radial ones alone, its heave and surge degree 1 alone.
 
-        Pitch about its centre moves no water.
+        Pitch about its centre moves no water. On another shape meridional ones do, too.
         """
         highest = max(1, self.study.modes.degree)
+        shaped = self.study.device.shape is not None
         if not self.study.flexible:
-            return ("Radial1",)
+            return ("Radial1", "Meridional1") if shaped else ("Radial1",)
         radial = tuple(f"Radial{n}" for n in range(order, highest + 1))
         meridional = tuple(f"Meridional{n}" for n in range(1, highest + 1))
-        return (*radial, *meridional) if self.study.at_equilibrium else radial
+        return (*radial, *meridional) if self.study.at_equilibrium or shaped else radial
 
     def mesh(self, omega: float) -> SphereMesh | LoadedMesh:
         """Spec of the mesh that serves frequencies up to omega."""
@@ -262,12 +263,16 @@ class HydroPlan:
         if not self.study.flexible:
             return ()
         degree = self.study.modes.degree
+        if self.study.device.shape is not None:
+            return tuple(f"Shell{i}" for i in range(1, 2 * degree + 1))
         bending = range(2, degree + 1) if self.study.modes.basis == "full" else ()
         return (*(f"Membrane{n}" for n in range(degree + 1)), *(f"Bending{n}" for n in bending))
 
     @property
     def coordinates(self) -> int:
         """Number of degrees of freedom of all azimuthal orders."""
+        if self.study.device.shape is not None:
+            return 1 + len(self.mode_labels)
         families = {"heave": 1, "planar": 1, "free": 2}[self.study.motion]  # of each order m >= 1
         of_order = [sum(degree(label) >= order for label in self.mode_labels) for order in self.study.orders]
         return of_order[0] + families * sum(of_order[1:]) + {"heave": 1, "planar": 3, "free": 6}[self.study.motion]

@@ -146,6 +146,11 @@ def read(raw: object, source: str) -> "LoadedCampaign":
             f"{source}: verify: received tuning constrained alone, whose forces are of no law in time; needs "
             "fixed, one or each beside it"
         )
+    if study.device.shape is not None:
+        raise ConfigError(
+            f"{source}: study: received {campaign.study} with device.shape, whose buckling, which a year is judged by, "
+            "is known of the sphere alone; needs a spherical buoy"
+        )
     floats_by = _floats_by(folder / campaign.study, study)
     _check_draft(campaign, floats_by, source)
     try:

@@ -300,7 +300,7 @@ def planned(raw: dict[str, Any], source: str) -> StudyPlan | BodyPlan | Campaign
     """Return the plan of a file as nested mappings, its results folder, if not `results`, as `root`."""
     if "campaign" in raw:
         return CampaignPlan.of(raw, source)
-    return BodyPlan.of(raw, source) if "body" in raw else StudyPlan.of(raw)
+    return BodyPlan.of(raw, source) if "body" in raw else StudyPlan.of(raw, source)
 
 
 def plan_of(path: str) -> StudyPlan | BodyPlan | CampaignPlan:

@@ -3,12 +3,13 @@
 Imports nothing heavy: the Snakefile reads a study at every parse.
 """
 
-import math
 from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
+from vsb.study.meridian import RestMeridian
 from vsb.study.quantities import Finite, NonNegative, Number, Positive, Section, Sized, within
+from vsb.study.shape import Shape, shell_mass
 
 ATMOSPHERE = 101325.0
 """Pressure of the atmosphere at the sea's surface [Pa]."""
@@ -36,7 +37,9 @@ Inertia = Annotated[NonNegative, within(0.0, 1e18, "kg m^2", "no buoy is as heav
 
 
 class Device(Sized):
-    """Spherical buoy: radius [m], shell thickness [m], E [Pa], nu [-], shell density [kg/m^3], total mass [kg].
+    """Buoy: largest radius [m], shell thickness [m], E [Pa], nu [-], shell density [kg/m^3], total mass [kg].
+
+    A sphere, unless it has a `shape`.
 
     In a study file a `draft` [m] may stand for the mass, half immersion for both. The internal pressure [Pa] is gauge
     and constant; with `gas` it is that of the undeformed volume. Pitch needs the height of the whole buoy's centre of
@@ -44,7 +47,7 @@ class Device(Sized):
     about the vertical axis.
     """
 
-    LATER = ("centre_of_mass", "ballast_inertia", "ballast_yaw_inertia")
+    LATER = ("centre_of_mass", "ballast_inertia", "ballast_yaw_inertia", "shape")
     radius: Annotated[Positive, within(0.01, 1e3, "m", "below surface tension matters, above nothing floats")]
     thickness: Positive
     young_modulus: Annotated[Positive, within(1.0, 1e16, "Pa", "diamond has 1.2e12 Pa; flexible: false is rigid")]
@@ -59,6 +62,7 @@ class Device(Sized):
     centre_of_mass: Annotated[Finite, within(-1e3, 1e3, "m", "no buoy is larger")] | None = None
     ballast_inertia: Inertia | None = None
     ballast_yaw_inertia: Inertia | None = None
+    shape: Shape | None = None
 
     @model_validator(mode="after")
     def _thin_and_light(self) -> Self:
@@ -71,6 +75,11 @@ class Device(Sized):
             raise ValueError(
                 f"thickness {self.thickness:g} m: needs at least radius/3e4 = {THINNEST_SHELL * self.radius:.4g} m, "
                 "because a thinner sphere is a film that wrinkles under a billionth of its modulus, no shell"
+            )
+        if (rest := self.meridian) is not None and not self.thickness < 0.1 * rest.sharpest:
+            raise ValueError(
+                f"thickness {self.thickness:g} m: thin-shell theory (C3) needs less than a tenth of the shape's least "
+                f"radius of curvature, {0.1 * rest.sharpest:.4g} m"
             )
         if self.shell_mass > self.mass:
             raise ValueError(
@@ -97,4 +106,9 @@ class Device(Sized):
     @property
     def shell_mass(self) -> float:
         """Mass of the shell [kg]; the rest of the mass is ballast."""
-        return 4 * math.pi * self.radius**2 * self.thickness * self.density
+        return shell_mass(self.meridian, self.radius, self.thickness, self.density)
+
+    @property
+    def meridian(self) -> RestMeridian | None:
+        """Meridian at rest about the middle of its height; none of a sphere."""
+        return self.shape.meridian(self.radius) if self.shape else None

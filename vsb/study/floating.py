@@ -1,11 +1,13 @@
-"""A sphere afloat: the cap of it under water, its mass by its draft, the band of waves it answers. Pure Python."""
+"""A buoy afloat: the part of it under water, its mass by its draft, the band of waves it answers. Pure Python."""
 
 import math
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import Any
 
 from vsb.study.device import Device
 from vsb.study.sections import Hydro, Water
+from vsb.study.shape import Shape
 
 
 def cap_volume(radius: float, height: float) -> float:
@@ -25,8 +27,45 @@ def floating_height(radius: float, volume: float) -> float:
 
 
 def centre_height(device: Device, water: Water) -> float:
-    """Return the height of the sphere's centre above still water at rest [m], from mass = rho V(immersed cap)."""
+    """Return the height of the centre above still water at rest [m], from mass = rho V(immersed part).
+
+    The centre of another shape than the sphere is the middle of its height.
+    """
+    if device.shape is not None:
+        return _shape_height(device.shape, device.radius, device.mass / water.density)
     return floating_height(device.radius, device.mass / water.density)
+
+
+@lru_cache(maxsize=64)
+def _shape_height(shape: Shape, radius: float, volume: float) -> float:
+    """The same of another shape than the sphere."""
+    meridian = shape.meridian(radius)
+    return -(meridian.lowest + meridian.draft_of(volume))
+
+
+def full_volume(device: Device) -> float:
+    """Return the volume of a buoy [m^3]."""
+    return 4 / 3 * math.pi * device.radius**3 if (rest := device.meridian) is None else rest.volume
+
+
+def volume_to(device: Device, part: float) -> float:
+    """Return the volume of a buoy below a part of its height, 0 to 2 in halves of it [m^3]."""
+    if (rest := device.meridian) is None:
+        return cap_volume(device.radius, part)
+    return rest.volume_below(rest.lowest + part / 2 * (rest.highest - rest.lowest))
+
+
+def keel_depth(device: Device, centre: float) -> float:
+    """Return the draft of a buoy by the height of its centre above still water [m]."""
+    return (device.radius if (rest := device.meridian) is None else -rest.lowest) - centre
+
+
+@lru_cache(maxsize=64)
+def waterline_radius(shape: Shape | None, radius: float, centre: float) -> float:
+    """Return the radius of the undeformed buoy at still water, its centre at a height above it [m]."""
+    if shape is None:
+        return math.sqrt(radius**2 - centre**2)
+    return shape.meridian(radius).radius_at(-centre)
 
 
 BAND = 5.4
@@ -65,6 +104,8 @@ def _with_mass(device: Any, radius: float, density: float) -> Any:
         return device
     if "mass" in device:
         raise ValueError("device: received mass and draft, needs one of them")
+    if device.get("shape") is not None:
+        return _with_mass_of_shape(device, radius, density)
     draft = device.get("draft", radius)
     if isinstance(draft, bool) or not isinstance(draft, int | float) or not 0 < draft < 2 * radius:
         raise ValueError(
@@ -72,6 +113,20 @@ def _with_mass(device: Any, radius: float, density: float) -> Any:
         )
     others = {key: value for key, value in device.items() if key != "draft"}
     return {**others, "mass": density * cap_volume(radius, draft / radius)}
+
+
+def _with_mass_of_shape(device: Mapping[str, Any], radius: float, density: float) -> Any:
+    """The same of another shape than the sphere; half immersed is half of its volume."""
+    try:
+        shape = device["shape"] if isinstance(device["shape"], Shape) else Shape.model_validate(device["shape"])
+        rest = shape.meridian(radius)
+    except ValueError:
+        return {"mass": 1.0, **{key: value for key, value in device.items() if key != "draft"}}  # its own check tells
+    draft, height = device.get("draft"), rest.highest - rest.lowest
+    if "draft" in device and (isinstance(draft, bool) or not isinstance(draft, int | float) or not 0 < draft < height):
+        raise ValueError(f"device.draft: received {draft!r}, needs more than 0 and less than the height, {height:g} m")
+    volume = rest.volume / 2 if draft is None else rest.volume_below(rest.lowest + draft)
+    return {**{key: value for key, value in device.items() if key != "draft"}, "mass": density * volume}
 
 
 def _with_band(raw: Mapping[str, Any], radius: float, gravity: float) -> Any:

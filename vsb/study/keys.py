@@ -59,7 +59,10 @@ KEYS: dict[str, dict[str, Key]] = {
         ),
     },
     "Device": {
-        "radius": Key("m", "2.0", "radius of the undeformed sphere"),
+        "radius": Key("m", "2.0", "radius of the undeformed sphere; of another shape the largest"),
+        "shape": Key(
+            "", "{spheroid: {height: 3.0}}", "another shape at rest than the sphere: spheroid, capsule, profile"
+        ),
         "thickness": Key("m", "0.01", "thickness of the shell; thin-shell theory needs less than radius/10"),
         "young_modulus": Key("Pa", "1.0e+7", "Young's modulus of the shell"),
         "poisson_ratio": Key("-", "0.3", "Poisson's ratio of the shell"),
@@ -81,6 +84,18 @@ KEYS: dict[str, dict[str, Key]] = {
             "kg m^2", "9000.0", "inertia of the ballast about the vertical axis; motion: free needs it"
         ),
     },
+    "Shape": {
+        "spheroid": Key("", "{height: 3.0}", "ellipsoid of revolution; the radius is that of its equator"),
+        "capsule": Key("", "{length: 1.0}", "cylinder between two hemispheres, the curvature smooth where they join"),
+        "profile": Key(
+            "",
+            "profile.csv",
+            "points x, z from the top to the keel, both on the axis, as rows or a CSV file beside the study; a smooth "
+            "curve through them is scaled to the radius",
+        ),
+    },
+    "Spheroid": {"height": Key("m", "3.0", "height from pole to pole")},
+    "Capsule": {"length": Key("m", "1.0", "length of the cylinder; its height is two radii more")},
     "RayleighDamping": {
         "alpha": Key("1/s", "0.0", "damping per modal mass"),
         "beta": Key("s", "1.0e-3", "damping per modal stiffness"),

@@ -131,6 +131,15 @@ class RestMeridian:
 
         return self._integral(ring, self._below(height))
 
+    def centroid_below(self, height: float) -> float:
+        """Return the height of the centroid of what is below a height [m]; pi x^2 z dz integrated by parts, too."""
+
+        def ring(phi: float) -> float:
+            x, z, dx, _ = self.at(phi)
+            return math.pi * x * (z**2 - height**2) * dx
+
+        return self._integral(ring, self._below(height)) / self.volume_below(height)
+
     @cached_property
     def volume(self) -> float:
         """Volume of the body [m^3]."""
@@ -160,6 +169,11 @@ class RestMeridian:
         slope = math.hypot(dx, dz)
         return (ddx * dz - dx * ddz) / slope**3, -dz / (x * slope)
 
+    def radius_at(self, height: float) -> float:
+        """Return the largest radius at a height [m]; 0 beyond the body."""
+        ends = {phi for part in self._below(height) for phi in part if 0 < phi < math.pi}
+        return max((self.at(phi)[0] for phi in ends), default=0.0)
+
     def draft_of(self, volume: float) -> float:
         """Return the draft at which a volume is below the water [m], by Newton's method kept in a bracket."""
         low, high = self.lowest, self.highest
@@ -174,7 +188,7 @@ class RestMeridian:
             if abs(following - height) <= 1e-15 * self.radius:
                 break
             height = following
-        return height - self.keel
+        return height - self.lowest
 
     @cached_property
     def lowest(self) -> float:

@@ -53,9 +53,9 @@ class StudyPlan(HydroPlan, ResultsPlan):
     root: str = "results"
 
     @classmethod
-    def of(cls, raw: dict[str, Any]) -> "StudyPlan":
+    def of(cls, raw: dict[str, Any], source: str = "study file") -> "StudyPlan":
         """Return the plan of a study given as nested mappings, with the results folder, if not `results`, as `root`."""
-        study = parse({key: value for key, value in raw.items() if key != "root"}, source="study file")
+        study = parse({key: value for key, value in raw.items() if key != "root"}, source=source)
         return cls(study, root=raw.get("root", "results"))
 
     @property

@@ -12,9 +12,10 @@ from pydantic import Field, field_serializer, model_validator
 from vsb.study.device import Device
 from vsb.study.directions import Mooring, Motion
 from vsb.study.drag import Drag
-from vsb.study.floating import centre_height
+from vsb.study.floating import centre_height, keel_depth
 from vsb.study.quantities import Extended, Name, Section
 from vsb.study.sections import Design, Hydro, Modes, RestShape, Simulation, Water
+from vsb.study.shape import Shape
 from vsb.study.study import Study
 from vsb.study.take_off import Pto, opens_chamber
 from vsb.study.vary import Vary
@@ -50,11 +51,13 @@ class Spec(Extended):
         return {**raw, **tags}
 
 
-class Sphere(Section):
-    """Undeformed wetted shape: radius of the sphere and height of its centre above still water [m]."""
+class Sphere(Extended):
+    """Undeformed wetted shape: radius and height of the centre above still water [m], of a sphere but for a shape."""
 
+    LATER: ClassVar[tuple[str, ...]] = ("shape",)
     radius: float
     centre_height: float
+    shape: Shape | None = None
 
 
 class Shapes(Sphere):
@@ -135,7 +138,7 @@ class DraggedSpec(DrivenSpec):
     @property
     def draft(self) -> float:
         """Depth of the keel below still water [m]."""
-        return self.device.radius - self.centre_height
+        return keel_depth(self.device, self.centre_height)
 
 
 class LoadedShape(Spec):

@@ -15,7 +15,7 @@ from vsb.study.compared import Compared, check_all
 from vsb.study.device import Device, Gas, RayleighDamping
 from vsb.study.directions import Mooring, Motion, check_directions, check_heading
 from vsb.study.drag import Drag, check_followed
-from vsb.study.floating import cap_volume, centre_height, resolved
+from vsb.study.floating import centre_height, full_volume, keel_depth, resolved, volume_to, waterline_radius
 from vsb.study.quantities import Name
 from vsb.study.reading import read_yaml, validated
 from vsb.study.resolution import RECORDS_PER_PERIOD
@@ -28,6 +28,7 @@ from vsb.study.sections import (
     Simulation,
     Water,
 )
+from vsb.study.shape import check_shape, with_points
 from vsb.study.take_off import Pto, opens_chamber
 from vsb.study.waves import (
     Irregular,
@@ -109,19 +110,19 @@ class Study(Compared):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        check_all(self._check_afloat, self._check_waves, self._check_model, self._check_take_off)
+        checks = (self._check_afloat, self._check_waves, self._check_model, self._check_take_off, self._check_shape)
+        check_all(*checks)
         return self
 
     def _check_afloat(self) -> None:
         """The buoy must float partly immersed."""
-        full = 4 / 3 * math.pi * self.device.radius**3 * self.water.density
+        full = full_volume(self.device) * self.water.density
         if not self.device.mass < full:
             raise ValueError(
                 f"device.mass {self.device.mass:g} kg: the buoy would sink; needs less than {full:.6g} kg, "
                 "the mass of the water it displaces fully immersed"
             )
-        radius, density = self.device.radius, self.water.density
-        low, high = (cap_volume(radius, part) * density for part in (NEAREST_POLE, 2 - NEAREST_POLE))
+        low, high = (volume_to(self.device, part) * self.water.density for part in (NEAREST_POLE, 2 - NEAREST_POLE))
         if not low <= self.device.mass <= high:
             raise ValueError(
                 f"device.mass {self.device.mass:g} kg: needs {low:.6g} to {high:.6g} kg, because a waterline within "
@@ -227,6 +228,11 @@ class Study(Compared):
             check_followed(model, method, pto)
         check_directions(self)
 
+    def _check_shape(self) -> None:
+        """Another shape than the sphere must be asked for what is known of it alone."""
+        if self.device.shape is not None:
+            check_shape(self)
+
     def check_record(self) -> None:
         """Check that every run is short enough to be recorded, and the window long enough to see the motion.
 
@@ -274,12 +280,12 @@ class Study(Compared):
     @property
     def draft(self) -> float:
         """Depth of the keel below still water [m]."""
-        return self.device.radius - self.centre_height
+        return keel_depth(self.device, self.centre_height)
 
     @property
     def waterline_radius(self) -> float:
-        """Radius of the undeformed sphere at still water [m]."""
-        return math.sqrt(self.device.radius**2 - self.centre_height**2)
+        """Radius of the undeformed buoy at still water [m]."""
+        return waterline_radius(self.device.shape, self.device.radius, self.centre_height)
 
     @property
     def heave_frequency(self) -> float:
@@ -340,6 +346,7 @@ def parse(raw: object, source: str = "study") -> Study:
     """Validate a study given as nested mappings; see `load`."""
     if isinstance(raw, dict) and "body" in raw and "device" not in raw:
         raise ConfigError(f"{source}: body: received a study of a body, needs one of a buoy, with a device")
+    raw = with_points(raw, source)
     try:
         return validated(Study, raw, source)
     except OverflowError:

@@ -24,6 +24,8 @@ def no_witness(study: Study) -> str:
         return "an assumed pressure has no coefficients"
     if study.hydro.witness == "none":
         return "hydro.witness: none"
+    if study.device.shape is not None:
+        return "panels are those of the sphere"
     if study.water.depth < CLEARANCE * study.draft:
         return f"the spectral solver needs a water.depth of {CLEARANCE:g} drafts"
     return ""

@@ -48,6 +48,8 @@ ATTRS: dict[str, Quantity] = {
     "meridional": Quantity(_SHAPE, "1", "meridional displacement per unit modal amplitude"),
     "degree": Quantity(("mode",), "1", "Legendre degree of the mode"),
     "order": Quantity(("mode",), "1", "azimuthal order m of the mode, which goes with cos(m theta)"),
+    "rest_radial": Quantity(("colatitude",), "m", "shape at rest beyond the sphere, along its radius"),
+    "rest_meridional": Quantity(("colatitude",), "m", "shape at rest beyond the sphere, along its meridian"),
     "static_amplitude": Quantity(("mode",), "m", "modal amplitude of the shape at rest"),
     "dry_frequency": Quantity(("mode",), "rad/s", "natural angular frequency in vacuum"),
     # hydro database

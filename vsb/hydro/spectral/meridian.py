@@ -122,7 +122,7 @@ class WetMeridian:
         As an integral of the slope, by more points the more turns the shape has: a difference of coordinates near the
         waterline would be all round-off.
         """
-        v, w = unit_rule(_CHORD + self.shell.basis.highest_degree)
+        v, w = unit_rule(_CHORD + self.shell.basis.turns)
         phi, rate = self._colatitude((start[:, None] + offset[:, None] * v).ravel())
         m = self.shell.meridian(phi)
         dx, dz = (offset * ((slope * rate).reshape(-1, len(v)) @ w) for slope in (m.dx, m.dz))

@@ -53,18 +53,25 @@ class Buoys {
 
   /** Points of a meridian about the sphere's centre: x = (r + v) sin + u cos, z = (r + v) cos - u sin. */
   meridian(design, frame) {
-    const { radius, colatitude, radial, meridional, rest } = this.shape;
+    const { colatitude, radial, meridional, rest } = this.shape;
     const count = colatitude.length;
-    return Array.from(colatitude, (angle, i) => {
+    return Array.from(colatitude, (_, i) => {
       let [v, u] = [0, 0];
       for (let n = 0; n < rest.length; n++) {
         const moved = n < design.modes ? this.data.factor * design.shell[frame * design.modes + n] : 0;
         v += (rest[n] + moved) * radial[n * count + i];
         u += (rest[n] + moved) * meridional[n * count + i];
       }
-      const [sine, cosine] = [Math.sin(angle), Math.cos(angle)];
-      return [(radius + v) * sine + u * cosine, (radius + v) * cosine - u * sine];
+      return this.point(i, v, u);
     });
+  }
+
+  /** A point of the meridian moved by v along the sphere's radius and u along its meridian, from its place at rest. */
+  point(i, v, u) {
+    const { radius, colatitude, rest_radial: beyond, rest_meridional: along } = this.shape;
+    const [sine, cosine] = [Math.sin(colatitude[i]), Math.cos(colatitude[i])];
+    const [out, down] = beyond ? [radius + beyond[i] + v, along[i] + u] : [radius + v, u];
+    return [out * sine + down * cosine, out * cosine - down * sine];
   }
 
   /** Draw a frame: every design in its piece of water. */
@@ -121,7 +128,11 @@ class Buoys {
     pen.setLineDash([2, 4]);
     pen.lineWidth = 1;
     pen.beginPath();
-    pen.arc(0, -scale * height, scale * this.shape.radius, 0, 2 * Math.PI);
+    if (this.shape.rest_radial) {
+      const half = Array.from(this.shape.colatitude, (_, i) => this.point(i, 0, 0));
+      const around = [...half, ...half.toReversed().map(([x, z]) => [-x, z])];
+      for (const [x, z] of around) pen.lineTo(scale * x, -scale * (height + z));
+    } else pen.arc(0, -scale * height, scale * this.shape.radius, 0, 2 * Math.PI);
     pen.strokeStyle = "#566170";
     pen.stroke();
   }

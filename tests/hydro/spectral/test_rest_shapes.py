@@ -1,0 +1,122 @@
+"""Spectral coefficients on other rest shapes than the sphere, against closed forms and the same body as a deformed one."""
+
+import math
+
+import numpy as np
+import pytest
+
+from vsb.hydro.database import in_modes, with_excitation
+from vsb.hydro.dofs import Displacement, displacements
+from vsb.hydro.quality import haskind_damping
+from vsb.hydro.spectral.solver import SpectralProblem
+from vsb.shell.deformed import DeformedShell
+from vsb.shell.mode import Mode, natural_shapes
+from vsb.shell.modes import ModeBasis
+from vsb.shell.sphere import Shell
+from vsb.study.meridian import capsule, spheroid, through
+
+DENSITY, GRAVITY = 1025.0, 9.81
+
+
+def _at_rest(meridian, centre_height=0.0, degree=0):
+    shell = Shell(meridian.radius, 0.002 * meridian.radius, 1e7, 0.3, 2700.0, meridian)
+    modes = natural_shapes(shell, degree) if degree else ()
+    return DeformedShell(ModeBasis(shell, modes, 1e4, bending=True), centre_height)
+
+
+def _lamb(a, c):
+    """Added mass over displaced mass of a spheroid far from all, along and across its axis (Lamb 1932, art. 114)."""
+    if c > a:
+        e = math.sqrt(1 - a**2 / c**2)
+        log = math.log((1 + e) / (1 - e))
+        along, across = 2 * (1 - e**2) / e**3 * (log / 2 - e), 1 / e**2 - (1 - e**2) / (2 * e**3) * log
+    else:
+        e = math.sqrt(1 - c**2 / a**2)
+        root = math.sqrt(1 - e**2)
+        along, across = 2 / e**3 * (e - root * math.asin(e)), root / e**3 * math.asin(e) - (1 - e**2) / e**2
+    return along / (2 - along), across / (2 - across)
+
+
+@pytest.mark.parametrize("height", [1.6, 3.0, 6.0, 10.0])
+def test_limits_of_half_immersed_spheroids_are_lambs(height):
+    """Mirrored, the body is whole: odd at infinite frequency, so heave is along its axis; even at zero, so surge is."""
+    body, displaced = _at_rest(spheroid(2.0, height)), DENSITY * 4 / 3 * math.pi * 4.0 * height / 4
+    along, across = _lamb(2.0, height / 2)
+    heave = SpectralProblem(body, displacements(["Heave"]), DENSITY, GRAVITY, 48)
+    assert heave.at_infinity()[0, 0] == pytest.approx(along * displaced, rel=1e-6)
+    surge = SpectralProblem(body, displacements(["Surge"], 1), DENSITY, GRAVITY, 48)
+    assert surge.at_zero()[0, 0] == pytest.approx(across * displaced, rel=1e-6)
+
+
+def test_a_spheroid_is_a_sphere_deformed_into_it():
+    a, c = 2.0, 1.6
+    v = {0: (2 * a + c) / 3 - a, 2: 2 * (c - a) / 3}
+    modes = (Mode("Membrane0", 0, 1.0, 0.0), Mode("Membrane2", 2, v[2], (c - a) / 3))
+    sphere = ModeBasis(Shell(a, 0.01, 1e7, 0.3, 2700.0), modes, 1e4, bending=True)
+    deformed = DeformedShell(sphere, 0.3, np.array([0.0, v[0], 1.0]))
+    asked = displacements(["Heave", "Radial0", "Radial3", "Meridional2"])
+    one, other = (
+        SpectralProblem(shell, asked, DENSITY, GRAVITY, 32).solve([1.0, 2.5])
+        for shell in (deformed, _at_rest(spheroid(a, 2 * c), 0.3))
+    )
+    for name in ("added_mass", "radiation_damping", "diffraction_force", "Froude_Krylov_force"):
+        assert other[name].values == pytest.approx(
+            one[name].values, rel=1e-9, abs=1e-9 * np.abs(one[name].values).max()
+        )
+
+
+BODIES = [
+    _at_rest(spheroid(2.0, 3.0), 0.4, 3),
+    _at_rest(spheroid(1.5, 5.0), -0.2, 3),
+    _at_rest(capsule(1.0, 1.0), 0.5, 2),
+    _at_rest(through(((0.0, 1.2), (0.6, 1.05), (1.0, 0.3), (0.9, -0.4), (0.6, -1.1), (0.0, -1.4)), 1.0), 0.1, 2),
+]
+
+
+@pytest.mark.parametrize("body", BODIES[:3])
+def test_shell_modes_radiate_as_reciprocity_and_haskind_say(body):
+    basis = body.basis
+    asked = displacements(
+        [*(f"Radial{n}" for n in range(basis.highest_degree + 1)),
+         *(f"Meridional{n}" for n in range(1, basis.highest_degree + 1))]
+    )  # fmt: skip
+    found = with_excitation(in_modes(SpectralProblem(body, asked, DENSITY, GRAVITY, 20).solve([2.0]), basis))
+    for name in ("added_mass", "radiation_damping"):
+        value = found[name].values
+        assert np.abs(value - value.transpose(0, 2, 1)).max() < 1e-8 * np.abs(value).max()
+    implied = haskind_damping(found, np.inf, DENSITY, GRAVITY).real
+    assert np.abs(found.radiation_damping.values - implied).max() < 1e-8 * np.abs(implied).max()
+
+
+def test_heave_is_the_shape_of_degree_one():
+    body = BODIES[0]
+    asked = (Displacement("heave"), Displacement("radial", 1), Displacement("meridional", 1))
+    problem = SpectralProblem(body, asked, DENSITY, GRAVITY)
+    heave, radial, meridional = problem.velocities
+    assert radial + meridional == pytest.approx(heave, abs=1e-13)
+
+
+@pytest.mark.parametrize("body", BODIES)
+def test_hydrostatic_stiffness_is_the_slope_of_the_force(body):
+    q, h = np.zeros(len(body.basis.labels)), 1e-5
+    stiffness = body.hydrostatic_stiffness(DENSITY, GRAVITY)
+    assert np.abs(stiffness - stiffness.T).max() < 1e-9 * np.abs(stiffness).max()
+    for j in range(len(q)):
+        forces = [
+            DeformedShell(body.basis, body.centre_height, sign * h * np.eye(len(q))[j]).hydrostatic_force(
+                DENSITY, GRAVITY
+            )
+            for sign in (1, -1)
+        ]
+        assert -(forces[0] - forces[1]) / (2 * h) == pytest.approx(stiffness[:, j], abs=1e-6 * np.abs(stiffness).max())
+
+
+@pytest.mark.parametrize("body", BODIES)
+def test_heave_weighs_and_holds_as_archimedes_says(body):
+    meridian = body.basis.shell.meridian
+    below = meridian.volume_below(-body.centre_height)
+    assert body.volume() == pytest.approx(below, rel=1e-9)
+    assert body.hydrostatic_force(DENSITY, GRAVITY)[0] == pytest.approx(DENSITY * GRAVITY * below, rel=1e-9)
+    radius = float(body.meridian(np.array([body.waterline])).x[0])
+    plane = DENSITY * GRAVITY * math.pi * radius**2
+    assert body.hydrostatic_stiffness(DENSITY, GRAVITY)[0, 0] == pytest.approx(plane, rel=1e-9)

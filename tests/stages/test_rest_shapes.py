@@ -1,0 +1,100 @@
+"""Studies of other rest shapes than the sphere, through all stages."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from browser import asked
+from study.test_shape import raw
+
+from vsb.hydro import database
+from vsb.hydro.formats.modes import floating
+from vsb.stages.make import make
+from vsb.stages.preview import shell_table, shell_text
+from vsb.study.plan import StudyPlan
+from vsb.study.study import parse
+
+WAVES = [{"kind": "regular", "amplitude": 0.1, "period": 3.0}]
+SHORT = {"duration": 18.0, "window": [12.0, 18.0], "initial_velocity": 0.0}
+DESIGNS = {"FSB": {"flexible": False}, "VSWEC": {}, "VSWEC90": {"clamp": 90}}
+
+
+def planned(root, shape):
+    """The plan of a small study of a shape."""
+    study = parse(
+        raw(shape, study="shaped", waves=WAVES, simulation=SHORT, designs=DESIGNS, device={"thickness": 0.02},
+            hydro={"model": "linear", "tolerance": 1e-3, "omega_max": 6.0, "witness": "none"},
+            pto={"damping": 8000.0}, modes={"basis": "full", "degree": 2})
+    )  # fmt: skip
+    return StudyPlan(study, root=str(root))
+
+
+@pytest.fixture(scope="module")
+def oblate(tmp_path_factory):
+    plan = planned(tmp_path_factory.mktemp("oblate"), {"spheroid": {"height": 3.0}})
+    make(plan, plan.products)
+    return plan
+
+
+def test_a_spheroid_of_two_radii_is_the_sphere(tmp_path):
+    """The sphere's closed forms and radial displacements against quadrature, natural modes and all displacements."""
+    plans = [
+        planned(tmp_path / name, shape) for name, shape in (("sphere", None), ("ball", {"spheroid": {"height": 4.0}}))
+    ]
+    for plan in plans:
+        make(plan, plan.response_files.values())
+    one, other = (xr.open_dataset(plan.response_files["response"]) for plan in plans)
+    for quantity in ("absorbed_power", "best_power", "best_damping"):
+        assert other[quantity].values == pytest.approx(one[quantity].values, rel=5e-4), (
+            quantity
+        )  # within the tolerance of interpolation
+
+
+def test_its_database_is_archimedes(oblate):
+    ds = database.open_database(oblate.database_path)
+    weight = 1025.0 * 9.81
+    assert float(ds.hydrostatic_stiffness[0, 0]) == pytest.approx(weight * math.pi * 4.0, rel=1e-9)
+    assert float(ds.inertia_matrix[0, 0]) == pytest.approx(1025.0 * 2 / 3 * math.pi * 4 * 1.5, rel=1e-9)
+    volume, buoyancy, _ = floating(ds, "oblate")
+    assert volume == pytest.approx(2 / 3 * math.pi * 4 * 1.5, rel=1e-9)
+    assert buoyancy[2] == pytest.approx(-3 / 8 * 1.5, rel=1e-9)  # of half a spheroid
+    e = math.sqrt(1 - 1.5**2 / 2**2)
+    along = 2 / e**3 * (e - math.sqrt(1 - e**2) * math.asin(e))  # Lamb 1932, art. 114
+    assert float(ds.added_mass_inf[0, 0]) == pytest.approx(volume * 1025.0 * along / (2 - along), rel=1e-3)
+
+
+def test_time_and_frequency_agree_and_energy_is_kept(oblate):
+    checks = json.loads(Path(f"{oblate.folder}/validity.json").read_text())
+    checks = checks["checks"] if isinstance(checks, dict) else checks
+    verdicts = {check["name"]: check["verdict"] for check in checks}
+    assert "fail" not in verdicts.values()
+    assert verdicts["time_and_frequency_domain"] == verdicts["energy_residual"] == verdicts["power_limit"] == "ok"
+    assert verdicts["computed_buckling"] == "doubt"
+    text = next(check["explanation"] for check in checks if check["name"] == "computed_buckling")
+    assert text == "buckling is computed of the sphere alone: whether this shell carries its load is not known"
+
+
+def test_modes_hold_the_shape_at_rest(oblate):
+    modes = xr.open_dataset(f"{oblate.folder}/modes.nc")
+    phi, r = modes.colatitude.values, modes.attrs["radius"]
+    v, u = modes.rest_radial.values, modes.rest_meridional.values
+    x, z = (r + v) * np.sin(phi) + u * np.cos(phi), (r + v) * np.cos(phi) - u * np.sin(phi)
+    assert x == pytest.approx(2 * np.sin(phi), abs=1e-12)
+    assert z == pytest.approx(1.5 * np.cos(phi), abs=1e-12)
+    assert list(modes.mode.values) == ["Shell1", "Shell2", "Shell3", "Shell4"]
+
+
+def test_figures_and_page_show_the_shape(oblate, tmp_path):
+    page = Path(f"{oblate.folder}/report.html").read_text()
+    assert page.count("<path d=") > 3
+    found = asked(page, "return {errors}", tmp_path)
+    assert found == {"errors": []}
+
+
+def test_the_shell_command_tells_natural_frequencies(oblate):
+    table = shell_table(oblate.study)
+    assert [row["mode"] for row in table["natural"]] == ["Shell1", "Shell2", "Shell3", "Shell4"]
+    assert shell_text(table).splitlines()[1].split() == ["Shell1", f"{table['natural'][0]['omega']:.9f}"]

@@ -1,0 +1,130 @@
+import math
+
+import pytest
+from conftest import SEED, varied
+
+from vsb.errors import ConfigError
+from vsb.study.campaign import read
+from vsb.study.floating import centre_height, keel_depth
+from vsb.study.plan import StudyPlan
+from vsb.study.reading import read_yaml
+from vsb.study.shape import Shape
+from vsb.study.study import canonical, load, parse
+
+OBLATE = {"spheroid": {"height": 3.0}}
+
+
+def raw(shape, **changes):
+    """The seed's study with a shape and no mass, its modes complete."""
+    found = read_yaml(SEED, "a study")
+    device = {key: value for key, value in found["device"].items() if key != "mass"}
+    modes, others = {"basis": "full", "degree": 3}, {key: value for key, value in changes.items() if key != "device"}
+    return {**found, "device": {**device, "shape": shape, **changes.get("device", {})}, "modes": modes, **others}
+
+
+def test_without_mass_half_of_the_volume_is_immersed():
+    study = parse(raw(OBLATE))
+    assert study.device.mass == pytest.approx(study.water.density * 2 / 3 * math.pi * 4 * 1.5, rel=1e-12)
+    assert study.draft == pytest.approx(1.5, rel=1e-12)
+    assert study.centre_height == pytest.approx(0.0, abs=1e-12)
+    assert study.waterline_radius == pytest.approx(2.0, rel=1e-9)
+    assert study.heave_frequency == pytest.approx(math.sqrt(9.81 * math.pi * 4 / (2 / 3 * math.pi * 4 * 1.5)), rel=1e-9)
+
+
+@pytest.mark.parametrize("shape", [OBLATE, {"capsule": {"length": 1.0}}, {"spheroid": {"height": 6.0}}])
+def test_a_draft_is_that_of_the_shape(shape):
+    study = parse(raw(shape, device={"draft": 1.2}))
+    assert study.draft == pytest.approx(1.2, rel=1e-9)
+    meridian = study.device.meridian
+    assert study.device.mass == pytest.approx(study.water.density * meridian.volume_below(meridian.keel + 1.2))
+    assert keel_depth(study.device, centre_height(study.device, study.water)) == study.draft
+
+
+def test_a_spheroid_of_two_radii_floats_as_the_sphere():
+    ball, sphere = parse(raw({"spheroid": {"height": 4.0}}, device={"draft": 1.3})), varied(load(SEED))
+    sphere = parse(raw(None, device={"draft": 1.3}))
+    for name in ("draft", "centre_height", "waterline_radius", "heave_frequency"):
+        assert getattr(ball, name) == pytest.approx(getattr(sphere, name), rel=1e-9), name
+    assert ball.device.shell_mass == pytest.approx(sphere.device.shell_mass, rel=1e-12)
+
+
+def test_a_sphere_says_nothing_of_shapes():
+    sphere = parse(raw(None))
+    assert '"shape"' not in canonical(sphere.device)
+    assert "shape" not in StudyPlan(sphere).shape.model_dump()
+    assert StudyPlan(parse(raw(OBLATE))).shape.model_dump()["shape"]["spheroid"] == {"height": 3.0}
+
+
+def test_the_plan_of_a_shape_solves_meridional_displacements_too():
+    plan = StudyPlan(parse(raw(OBLATE)))
+    assert plan.displacements() == ("Radial0", "Radial1", "Radial2", "Radial3", *(f"Meridional{n}" for n in (1, 2, 3)))
+    assert plan.mode_labels == tuple(f"Shell{i}" for i in range(1, 7))
+    assert plan.coordinates == 7
+    assert plan.witness is None
+    rigid = StudyPlan(parse(raw(OBLATE, designs={"FSB": {"flexible": False}})))
+    assert rigid.displacements() == ("Radial1", "Meridional1")
+
+
+def test_a_profile_is_a_file_beside_the_study(tmp_path):
+    points = [(2 * math.sin(math.pi * i / 16) if i % 16 else 0.0, 1.5 * math.cos(math.pi * i / 16)) for i in range(17)]
+    (tmp_path / "hull.csv").write_text("x,z\n" + "".join(f"{x!r},{z!r}\n" for x, z in points))
+    found = parse(raw({"profile": "hull.csv"}), source=str(tmp_path / "study.yaml"))
+    assert found.device.shape.profile == tuple(points)
+    assert found.device.meridian.volume == pytest.approx(4 / 3 * math.pi * 4 * 1.5, rel=1e-4)
+    assert StudyPlan.of(raw({"profile": "hull.csv"}), str(tmp_path / "study.yaml")).study == found
+    assert parse(raw({"profile": points})) == found
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (None, r"device.shape.profile: received hull.csv, which cannot be read \(No such file"),
+        ("x,z\n0,1\nup,0.5\n", "received 'up,0.5' in hull.csv, needs two numbers x,z"),
+        ("0,1\n1,0,3\n", "received '1,0,3' in hull.csv, needs two numbers x,z"),
+        ("0,1\n1,0\n0,-1\n", "shape.profile: received 3 points; needs at least five"),
+    ],
+)
+def test_a_profile_that_is_none_is_one_line(tmp_path, text, message):
+    if text is not None:
+        (tmp_path / "hull.csv").write_text(text)
+    with pytest.raises(ConfigError, match=message) as refused:
+        parse(raw({"profile": "hull.csv"}), source=str(tmp_path / "study.yaml"))
+    assert "\n" not in str(refused.value)
+    assert str(refused.value).startswith(str(tmp_path / "study.yaml"))
+
+
+@pytest.mark.parametrize(
+    ("shape", "changes", "message"),
+    [
+        ({}, {}, "received none: needs one of spheroid, capsule and profile"),
+        ({**OBLATE, "capsule": {"length": 1.0}}, {}, "received spheroid and capsule: needs one of"),
+        ({"spheroid": {"height": 50.0}}, {}, r"shape.spheroid: received a height of 12.5 diameters, needs 0.1 to 10"),
+        ({"spheroid": {"height": 0.5}}, {"device": {"thickness": 0.01}}, "a tenth of the shape's least radius of curv"),
+        (OBLATE, {"device": {"draft": 3.5}}, r"device.draft: received 3.5, needs more than 0 and less than the height"),
+        (OBLATE, {"device": {"draft": True}}, "device.draft: received True"),
+        (OBLATE, {"device": {"mass": 1e6}}, "the buoy would sink; needs less than 25761"),
+        (OBLATE, {"hydro": {"model": "body_exact"}}, "hydro.model 'body_exact': is known of the sphere alone"),
+        (OBLATE, {"hydro": {"solver": "panels"}}, "hydro.solver: panels are those of the sphere"),
+        (OBLATE, {"modes": {"basis": "membrane", "degree": 3}}, "modes.basis 'membrane': modes of another shape"),
+        (OBLATE, {"modes": {"basis": "full", "degree": 0}}, "modes.degree 0: device.shape needs at least 1"),
+        (OBLATE, {"device": {"internal_pressure": 1e4}}, "prestress and buckling are known of the sphere alone"),
+        (OBLATE, {"reference_shape": "equilibrium"}, "prestress and buckling are known of the sphere alone"),
+        (OBLATE, {"motion": "planar", "device": {"centre_of_mass": -0.3, "ballast_inertia": 8e3}},
+         "motion 'planar': is known of the sphere alone; device.shape needs heave"),
+    ],
+)  # fmt: skip
+def test_what_is_not_known_of_shapes_is_refused(shape, changes, message):
+    with pytest.raises(ConfigError, match=message):
+        parse(raw(shape, **changes))
+
+
+def test_a_campaign_is_of_spheres(tmp_path):
+    text = SEED.read_text().replace("device:", "device: # oblate\n  shape: {spheroid: {height: 3.0}}", 1)
+    (tmp_path / "study.yaml").write_text(text.replace("basis: membrane", "basis: full"))
+    campaign = {"campaign": "c", "study": "study.yaml", "climate": {"spectra": "c.txt"}}
+    with pytest.raises(ConfigError, match=r"received study\.yaml with device\.shape, whose buckling"):
+        read(campaign, str(tmp_path / "campaign.yaml"))
+
+
+def test_the_same_shape_has_the_same_meridian():
+    assert Shape(spheroid={"height": 3.0}).meridian(2.0) is Shape(spheroid={"height": 3.0}).meridian(2.0)
