@@ -22,11 +22,11 @@ SHORT = {"duration": 18.0, "window": [12.0, 18.0], "initial_velocity": 0.0}
 DESIGNS = {"FSB": {"flexible": False}, "VSWEC": {}, "VSWEC90": {"clamp": 90}}
 
 
-def planned(root, shape):
+def planned(root, shape, model="linear", amplitude=0.1):
     """The plan of a small study of a shape."""
     study = parse(
-        raw(shape, study="shaped", waves=WAVES, simulation=SHORT, designs=DESIGNS, device={"thickness": 0.02},
-            hydro={"model": "linear", "tolerance": 1e-3, "omega_max": 6.0, "witness": "none"},
+        raw(shape, study="shaped", waves=[{**WAVES[0], "amplitude": amplitude}], simulation=SHORT, designs=DESIGNS, device={"thickness": 0.02},
+            hydro={"model": model, "tolerance": 1e-3, "omega_max": 6.0, "witness": "none"},
             pto={"damping": 8000.0}, modes={"basis": "full", "degree": 2})
     )  # fmt: skip
     return StudyPlan(study, root=str(root))
@@ -98,3 +98,19 @@ def test_the_shell_command_tells_natural_frequencies(oblate):
     table = shell_table(oblate.study)
     assert [row["mode"] for row in table["natural"]] == ["Shell1", "Shell2", "Shell3", "Shell4"]
     assert shell_text(table).splitlines()[1].split() == ["Shell1", f"{table['natural'][0]['omega']:.9f}"]
+
+
+def test_body_exact_motion_in_small_waves_is_the_linear_one(oblate):
+    """Of the rigid spheroid; the flexible one rests deformed, so about another shape, and its energy balances."""
+    plan = planned(oblate.root, {"spheroid": {"height": 3.0}}, "body_exact", 2e-3)
+    names = {design: plan.trajectory_path(design, plan.study.waves[0].label) for design in ("FSB", "VSWEC")}
+    make(plan, names.values())
+    runs = {design: xr.open_dataset(path).load() for design, path in names.items()}
+    settled = runs["FSB"].position.sel(time=slice(12.0, 18.0))[:, 0]
+    response = xr.open_dataset(oblate.response_files["response"])
+    omega = 2 * np.pi / 3.0
+    rao = response.rao.sel(design="FSB", dof="Heave").sel(omega=omega, method="nearest")
+    heave = float(np.hypot(*rao.values))  # of real and imaginary part
+    assert float(settled.max() - settled.min()) / 2 == pytest.approx(2e-3 * heave, rel=5e-3)
+    assert runs["VSWEC"].attrs["model"] == "body_exact"
+    assert np.isfinite(runs["VSWEC"].position).all()

@@ -23,7 +23,7 @@ from vsb.motion.frequency import LinearBuoy
 from vsb.motion.froude_krylov import Incident, incident
 from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene, resting
-from vsb.motion.wetted import WetShell
+from vsb.motion.shaped import wet_shell
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import ModeBasis
 from vsb.shell.rest import ReferenceShell
@@ -99,7 +99,7 @@ def body_exact_scene(
     gravity, depth = float(attrs["gravity"]), float(attrs["water_depth"])
     specific_weight = float(attrs["water_density"]) * gravity
     linear = linear_scene(buoy, radiation, NO_WAVES, motions)
-    waves = incident(sea, depth, gravity, shape.basis.shell.radius) if sea.omega.size else None
+    waves = incident(sea, depth, gravity, shape.basis.shell.reach) if sea.omega.size else None
     others = {name: force for name, force in linear.forces.items() if name != "hydrostatic"}
     forces = _loaded(others, shape, buoy.stiffness_parts["hydrostatic"], specific_weight, gravity, waves)
     if sea.omega.size:
@@ -143,7 +143,7 @@ def _loaded(
     waves: Incident | None,
 ) -> dict[str, Force]:
     """Forces of a scene with water on the instantaneous wet shell and weight; a prestressed shell carries both."""
-    wet = WetShell(shape.basis, shape.centre_height)
+    wet = wet_shell(shape.basis, shape.centre_height)
     water = WaterPressure(wet, shape.modal_amplitude, specific_weight, hydrostatic, waves=waves)
     weight = ConstantForce(-gravity * shape.basis.inertia[0])
     forces = {**others, "water": water, "weight": weight}
@@ -175,7 +175,7 @@ def assumed_pressure_scene(
     """
     basis = shell.basis
     tangent = shell.hydrostatic_stiffness(density, gravity)
-    wet = WetShell(basis, shell.centre_height)
+    wet = wet_shell(basis, shell.centre_height)
     forces: dict[str, Force] = {
         "water": WaterPressure(wet, np.zeros(len(basis.labels)), density * gravity, tangent, assumed=load),
         "weight": ConstantForce(-gravity * basis.inertia[0]),

@@ -73,6 +73,11 @@ class Shell:
         return area * self.thickness * self.density
 
     @property
+    def reach(self) -> float:
+        """Farthest it may lie from its centre at rest [m]: its radius, or half its height."""
+        return self.radius if self.rest is None else max(self.radius, self.rest.highest, -self.rest.lowest)
+
+    @property
     def volume(self) -> float:
         """Volume it encloses at rest [m^3]."""
         return 4 / 3 * math.pi * self.radius**3 if self.rest is None else self.rest.volume

@@ -131,8 +131,10 @@ def check_shape(study: Any) -> None:
         One line with the key, what was received and what is needed.
     """
     device, hydro = study.device, study.hydro
-    if hydro.model != "linear":
-        raise ValueError(f"hydro.model {hydro.model!r}: is known of the sphere alone; device.shape needs linear")
+    if hydro.model not in ("linear", "body_exact"):
+        raise ValueError(
+            f"hydro.model {hydro.model!r}: is known of the sphere alone; device.shape needs linear or body_exact"
+        )
     if study.motion != "heave":
         raise ValueError(f"motion {study.motion!r}: is known of the sphere alone; device.shape needs heave")
     if study.uses_panels:
