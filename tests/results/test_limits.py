@@ -257,3 +257,12 @@ def test_strain_is_that_of_circles_and_meridians(seed, mode):
     hoop, meridional = x / (r * np.sin(phi)) - 1, np.hypot(x1 - x0, z1 - z0) / (2 * h * r) - 1
     expected = max(np.abs(hoop).max(), np.abs(meridional).max())
     assert ledger.largest_strain(basis, amplitudes) == pytest.approx(expected, rel=1e-3)
+
+
+def test_a_port_that_no_design_moves_is_within_its_limit_of_nothing():
+    """A rigid design alone with a take-off of its volume ended in a traceback: 0/0 was a check's value."""
+    power, limit = [[0.0, 0.0]], [0.0, 0.0]
+    still = xr.Dataset({"absorbed_power": (("design", "omega"), power), "power_limit": ("omega", limit)})
+    assert (ledger.limit_check(still).value, ledger.limit_check(still).verdict) == (0.0, "ok")
+    one = still.assign(absorbed_power=(("design", "omega"), [[0.0, 3.0]]), power_limit=("omega", [0.0, 2.0]))
+    assert (ledger.limit_check(one).value, ledger.limit_check(one).verdict) == (1.5, "fail")
