@@ -18,11 +18,12 @@ from vsb.integrators.floquet import largest, multipliers
 from vsb.integrators.harmonic_balance import continued, harmonic_balance, missed, steady_power
 from vsb.integrators.regular_wave import PeriodicScene
 from vsb.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene
-from vsb.motion.forces import AssumedPressure
+from vsb.motion.forces import AssumedPressure, Excitation
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
-from vsb.motion.scene import resting
+from vsb.motion.scene import Scene, resting
 from vsb.motion.system import System
+from vsb.motion.take_off import TakeOff
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell
 from vsb.study import study as config
@@ -337,6 +338,14 @@ def test_a_load_that_no_motion_answers_is_refused(paper):
     plant = assumed(paper, "VSWEC", hydro={"pressure": 1e8})
     with pytest.raises(ConvergenceError, match=r"no steady state is found beyond [\d.]+ % of the wave's amplitude"):
         harmonic_balance(System.of(plant))
+
+
+def test_what_nothing_holds_in_a_mean_place_is_refused():
+    """A mass that drifts in its waves, its damper saturated: a constant may be added to any motion of it."""
+    waves = Excitation(np.array([2.0]), np.array([[30.0 + 0j]]))
+    adrift = Scene(("Heave",), np.eye(1), {"pto": TakeOff(np.ones(1), 4.0, limit=5.0), "excitation": waves}, np.eye(1))
+    with pytest.raises(ConvergenceError, match="nothing holds a coordinate in a mean place; follow it in time"):
+        harmonic_balance(System.of(adrift))
 
 
 def test_a_tolerance_below_round_off_is_refused(paper):

@@ -96,7 +96,10 @@ class Newton:
             matrix[1, h, :, 1, h] += z.real if h else np.eye(free)  # there is no Im U_0
             matrix[0, h, :, 1, h] -= z.imag
             matrix[1, h, :, 0, h] += z.imag
-        self.factors = lu_factor(matrix.reshape(2 * (COUPLED + 1) * free, -1))
+        whole = matrix.reshape(2 * (COUPLED + 1) * free, -1)
+        if not whole.any(axis=0).all():
+            raise ConvergenceError("harmonic balance: nothing holds a coordinate in a mean place; follow it in time")
+        self.factors = lu_factor(whole)
 
     def step(self, impedance: ComplexArray, missing: ComplexArray) -> ComplexArray:
         """Return the change of the harmonics that takes a residual away, shape (count, free), count > `COUPLED`."""
