@@ -34,7 +34,7 @@ def test_a_study_is_told_at_its_own_best_dampers(small):
     assert [(one.design, one.sea) for one in found] == [(row["design"], row["sea"]) for row in tables["equal_tuning"]]
     for one, row in zip(found, tables["equal_tuning"], strict=True):
         assert (one.power_mean, one.gain_percent) == (row["best_power"], row["best_gain_percent"])
-        assert one.damping == row["best_damping"]
+        assert (one.damping, one.damping_unit) == (row["best_damping"], "N s/m")
         assert one.annual_energy is None
 
 
@@ -54,6 +54,7 @@ def test_a_campaign_is_told_over_its_year(year):
     ds = load(year.data_path, expected=year.campaign_id).sel(tuning="one")
     found = lines([year])
     assert len(found) == ds.annual_energy.size
+    assert {one.damping_unit for one in found} == {ds.damping.units}
     for one in found:
         at = ds.sel(young_modulus=float(one.point.partition(" ")[2]), design=one.design)
         assert one.annual_energy == pytest.approx(float(at.annual_energy))

@@ -24,12 +24,16 @@ class Line(NamedTuple):
     tuning: str
     power_mean: float | None  # [W]
     gain_percent: float | None  # over the rigid design under the same tuning
-    damping: float | None  # [N s/m]
+    damping: float | None  # in its unit
     capture_width: float | None  # [m]
     annual_energy: float | None  # [MWh]
+    damping_unit: str = "N s/m"  # of a take-off on the enclosed volume Pa s/m³
 
 
-HEAD = ("study", "point", "design", "sea", "tuning", "power [W]", "gain [%]", "damper [N s/m]", "width [m]", "MWh/year")
+HEAD = (
+    *("study", "point", "design", "sea", "tuning", "power [W]", "gain [%]", "damper", "width [m]", "MWh/year"),
+    "damper in",
+)
 MEASURES = {
     "gain_percent": "gain over the rigid design [%]",
     "capture_width": "capture width [m]",

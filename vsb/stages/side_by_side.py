@@ -10,6 +10,7 @@ from vsb.report.side_by_side import Line, as_csv, as_page, as_text
 from vsb.study.body_plan import AnyPlan
 from vsb.study.campaign_plan import CampaignPlan, plan_of
 from vsb.study.specs import leading_tuning
+from vsb.study.take_off import damper_unit
 from vsb.tools.files import load, write_text
 from vsb.tools.stamps import read_text
 
@@ -33,14 +34,14 @@ def lines(plans: Sequence[AnyPlan | CampaignPlan]) -> list[Line]:
 def _of_study(plan: AnyPlan) -> Iterator[Line]:
     """Every design in every sea, at its own best damper; without BEM as it was run."""
     found = json.loads(read_text(f"{plan.folder}/tables.json", plan.manifest, plan.study_id))
-    name = plan.study.study
+    name, unit = plan.study.study, damper_unit(plan.study.pto.port)
     for row in found["equal_tuning"]:
         numbers = (row["best_power"], row["best_gain_percent"], row["best_damping"])
-        yield Line(name, "", row["design"], row["sea"], "each", *numbers, _width(found, row), None)
+        yield Line(name, "", row["design"], row["sea"], "each", *numbers, _width(found, row), None, unit)
     for row in [] if found["equal_tuning"] else found["comparison"]:
         numbers = (row["power_mean"], row["power_gain_percent"], row["damping"])
         power, gain, damping = map(_known, numbers)
-        yield Line(name, "", row["design"], row["wave"], "fixed", power, gain, damping, None, None)
+        yield Line(name, "", row["design"], row["wave"], "fixed", power, gain, damping, None, None, unit)
 
 
 def _width(found: dict[str, list[dict[str, float]]], row: dict[str, float]) -> float | None:
@@ -58,6 +59,7 @@ def _of_year(plan: CampaignPlan) -> Iterator[Line]:
 
     tuning = leading_tuning(plan.loaded.tuning)
     ds = load(plan.data_path, expected=plan.campaign_id)
+    unit = str(ds.damping.attrs["units"])
     ds = ds.assign(damper=damper(ds)).sel(tuning=tuning)
     points = [str(dim) for dim in ds.margin.dims]
     stacked = ds.stack(point=points, create_index=False) if points else ds.expand_dims("point")
@@ -66,8 +68,9 @@ def _of_year(plan: CampaignPlan) -> Iterator[Line]:
         words = ", ".join(f"{key} {value:g}" if isinstance(value, float) else value for key, value in point.items())
         for design in map(str, ds.design.values):
             one = stacked.isel(point=i).sel(design=design)
-            numbers = [_known(float(one[name])) if name in one else None for name in names]
-            yield Line(plan.name, words, design, str(ds.attrs["climate"]), tuning, *numbers)
+            power, gain, damping, width, energy = (_known(float(one[name])) if name in one else None for name in names)
+            where = (plan.name, words, design, str(ds.attrs["climate"]), tuning)
+            yield Line(*where, power, gain, damping, width, energy, unit)
 
 
 def _known(value: float | str | None) -> float | None:
