@@ -28,6 +28,7 @@ def database():
             "excitation_force": (("omega", "wave_direction", dims[0]), force(OMEGA)[:, None]),
         },
         {"omega": OMEGA},
+        {"gravity": 9.81, "water_depth": "inf"},
     )
 
 
@@ -39,3 +40,16 @@ def test_damping_between_frequencies_is_of_the_one_channel_of_its_motions(databa
     expected = np.zeros_like(found)
     expected[:, pick[:, None], pick] = factor * omega[:, None, None] ** 3 * one_channel(force(omega)[:, pick])
     np.testing.assert_allclose(found, expected, rtol=1e-10, atol=1e-12)
+
+
+def test_where_no_wave_is_made_the_channel_is_that_of_its_neighbours(database):
+    """A force that changes its sign at 3 rad/s, and a solver whose damping there is its error, below zero."""
+    database.excitation_force[:, 0, 2] = 3.0 - OMEGA
+    damping = OMEGA**3 * (3.0 - OMEGA) ** 2
+    near = np.abs(OMEGA - 3.0) < 0.06
+    assert near.any()
+    database.radiation_damping[:, 2, 2] = np.where(near, -1e-3, damping)
+    channel, omega = Channel.of(database, np.array([2])), np.array([2.9, 2.98, 3.02, 3.1])
+    force = np.zeros((4, 3), dtype=complex)
+    force[:, 2] = 3.0 - omega
+    np.testing.assert_allclose(channel.damping(omega, force)[:, 2, 2], omega**3 * (3.0 - omega) ** 2, rtol=1e-10)
