@@ -28,7 +28,6 @@ def database():
             "excitation_force": (("omega", "wave_direction", dims[0]), force(OMEGA)[:, None]),
         },
         {"omega": OMEGA},
-        {"gravity": 9.81, "water_depth": "inf"},
     )
 
 

@@ -75,4 +75,5 @@ def test_every_scaled_key_is_in_the_study():
     }
     others = {"omega", "pressure", "stiffness", "force_limit", "stroke_limit", "area"}  # of other studies
     others |= {"ballast_inertia", "centre_of_mass", "line_from", "line_to"}  # of those that surge and pitch
+    others |= {"ballast_yaw_inertia", "lever", "height", "length"}  # of those that turn, of other shapes
     assert set(FROUDE) - keys == {"amplitude", "period", "alpha", "beta", *others}  # of the sea, of the shell's damping

@@ -16,9 +16,10 @@ SEED = Path(__file__).parents[2] / "config" / "seed.yaml"
 KEPT = {
     "poisson_ratio", "density", "adiabatic_index", "atmospheric_pressure", "degree", "clamp", "depth",
     "gravity", "power_tolerance", "tolerance", "rows", "efficiency", "colatitude", "between", "seed", "realisations",
-    "gamma", "values", "coefficient", "order", "direction", "dofs",
+    "gamma", "values", "coefficient", "order", "direction", "dofs", "profile",
 }  # fmt: skip
-"""Numbers without dimension, angles, and what stays as it is: material, water, air, figures published elsewhere."""
+"""Numbers without dimension, angles, and what stays as it is: material, water, air, figures published elsewhere;
+a profile has the radius of its buoy."""
 
 
 NOWHERE = {"hs", "tp", "band"}

@@ -6,12 +6,14 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 from scipy.interpolate import CubicSpline
+from scipy.ndimage import binary_dilation
 
 from vsb.tools.units import ComplexArray, FloatArray
-from vsb.waves.seas import group_velocity, wavenumber
 
-_LOST = 0.5
-"""Relative error of Haskind's factor from which on it says nothing of the waves made."""
+_BESIDE = 2
+"""Frequencies to either side of a damping below zero that say nothing of the waves made."""
+_FEWEST = 4
+"""Frequencies a spline is drawn through at least."""
 
 
 class Channel(NamedTuple):
@@ -27,15 +29,14 @@ class Channel(NamedTuple):
 
         X in waves of the `heading`-th direction, which must excite them.
         It leaves zero with omega^3 in deep water, with omega in shallow: divided by that power it is smooth.
-        At a frequency where hardly any wave is made, and B and X are the solver's error, it is h of the others, that
-        goes with k/v_g (Haskind).
+        Where hardly any wave is made, B and X are the solver's error: next to a damping that is none, the factor is
+        left to the frequencies around.
         """
         omega, damping = database.omega.values, database.radiation_damping.values[:, group[:, None], group]
         factor = haskind_factor(damping, database.excitation_force.values[:, heading, group])
-        depth, gravity = float(database.attrs["water_depth"]), float(database.attrs["gravity"])
-        narrow = np.array([wavenumber(w, depth, gravity) / group_velocity(w, depth, gravity) for w in omega])
-        theory = float(np.median(factor / narrow)) * narrow
-        factor = np.where(np.abs(factor / theory - 1) < _LOST, factor, theory)
+        known = ~binary_dilation(factor <= 0, iterations=_BESIDE)
+        if known.sum() >= _FEWEST:
+            omega, factor = omega[known], factor[known]
         slope = np.log(factor[1] / factor[0]) / np.log(omega[1] / omega[0])
         power = int(np.clip(np.rint(slope), 1, 3))
         return cls(group, CubicSpline(omega, factor / omega**power), power)

@@ -135,7 +135,7 @@ def band_statements(absorbed: xr.DataArray, reference: str | None) -> list[str]:
         return [f"{reference} is the only design of this study, so there is no gain to give."]
     if not float(absorbed.sel(design=reference).max()) > 0:
         return [f"{reference} does not move this port, so no gain can be given."]
-    useful = _useful(absorbed)
+    useful = _useful(absorbed.isel(omega=absorbed.sel(design=reference).values > 0))
     omega, base = useful.omega.values, useful.sel(design=reference).values
     statements = []
     for design in (str(d) for d in useful.design.values if d != reference):

@@ -68,7 +68,7 @@ def _told(spec: CampaignSpec) -> dict[str, str]:
 def _port(spec: CampaignSpec) -> str:
     """Return `volume`, if the take-off of all members acts on that; else nothing: units are those of forces."""
     ports = spec.vary.values.get(PORT, (spec.base["pto"].get("port"),))
-    return "volume" if set(ports) == {"volume"} else ""
+    return "volume" if all(port == "volume" for port in ports) else ""
 
 
 def _values(values: Sequence[float | str]) -> npt.NDArray[Any]:

@@ -28,6 +28,8 @@ class Meridian(NamedTuple):
     dshape_z: FloatArray
 
 
+_FINER = 15
+"""Points that a curl is looked for at, between two of the grid."""
 AT_ONCE = 512
 """Points at which shapes are tabulated at one time: of thousands of shapes these are some 100 MB."""
 
@@ -195,12 +197,26 @@ def check_meridian(shell: DeformedShell) -> None:
     x[0] = x[-1] = 0.0
     if (x[1:] * z[:-1] > x[:-1] * z[1:]).all():
         return  # seen whole from the centre
-    if crossing := _crossing(x, z):
+    if crossing := _crossing(x, z) or _curl(shell):
         a, b = (phi[i] for i in crossing)
         raise ConfigError(
             f"reference_shape: received a meridian that crosses itself (colatitudes {a:.3g} and {b:.3g} rad); needs "
             f"one that does not: {deform_less}"
         )
+
+
+def _curl(shell: DeformedShell) -> tuple[int, int] | None:
+    """Numbers of two neighbours on the grid between which a curl lies that it does not see; none if there is none.
+
+    The tangent of a meridian that does not cross itself turns by half a circle in all (Hopf).
+    """
+    count = len(shell._grid) - 1
+    m = shell.meridian(np.linspace(0.0, np.pi, _FINER * count + 1))
+    turned = np.unwrap(np.arctan2(m.dz, m.dx))
+    if abs(turned[-1] - turned[0] + np.pi) < 1:
+        return None
+    at = int(np.argmin(np.hypot(m.dx, m.dz))) // _FINER
+    return at, min(at + 1, count)
 
 
 def _crossing(x: FloatArray, z: FloatArray) -> tuple[int, int] | None:

@@ -8,6 +8,7 @@ FROUDE = {
     "force_limit": 3.0, "stroke_limit": 1.0, "amplitude": 1.0, "period": 0.5, "duration": 0.5, "window": 0.5,
     "initial_position": 1.0, "initial_velocity": 0.5, "area": 2.0, "lever": 1.0,
     "centre_of_mass": 1.0, "ballast_inertia": 5.0, "ballast_yaw_inertia": 5.0, "line_to": 1.0, "line_from": 1.0,
+    "height": 1.0, "length": 1.0,
 }  # fmt: skip
 """Power of the length scale each quantity goes with, at the same water and gravity."""
 STROKES = {"volume": 3.0, "pitch": 0.0}
