@@ -1,5 +1,5 @@
 # The package from its lock file:                       docker build -t vsb .
-# A study of the current folder, results beside it:     docker run --rm -it --user "$(id -u):$(id -g)" -v "$PWD:/work" vsb run my_study.yaml
+# A study of the current folder, results beside it:     docker run --rm -it --user "$(id -u):$(id -g)" -v "$PWD:/study" vsb run my_study.yaml
 FROM python:3.11-slim-bookworm
 WORKDIR /source
 COPY requirements.lock ./
@@ -20,6 +20,6 @@ RUN export HOME=/root \
  && vsb run first.yaml \
  && chmod -R a+rwX /opt/vsb/compiled \
  && rm -rf /tmp/first/* /tmp/first/.snakemake
-WORKDIR /work
+WORKDIR /study
 ENTRYPOINT ["vsb"]
 CMD ["--help"]
