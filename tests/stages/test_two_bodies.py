@@ -110,7 +110,9 @@ def test_a_take_off_between_two_bodies_meets_the_limit_of_one_radiation_channel(
 def test_locked_together_they_take_nothing(rm3):
     assert {row["power_mean"] for row in rm3.ladder if row["design"] == "locked"} == {0.0}
     rows = {row["design"]: row for row in rm3.comparison}
-    assert rows["locked"]["power_mean"] == rows["locked"]["displacement_pp"] == 0.0
+    moved = 100 * np.finfo(float).eps * 1.25  # the difference of two equal motions in waves of 1.25 m
+    assert rows["locked"]["displacement_pp"] <= moved
+    assert abs(rows["locked"]["power_mean"]) <= rows["rm3"]["power_mean"] * moved
     assert rows["rm3"]["power_gain_percent"] is None
 
 
