@@ -15,11 +15,12 @@ from vsb.motion.tuning import (
 )
 
 
-def random_port(rng, count=40, motions=3):
-    """A passive buoy of a few coupled motions that radiate through one channel."""
+def random_port(rng, count=40, motions=3, drifting=False):
+    """A passive buoy of a few coupled motions that radiate through one channel; one of them held by nothing."""
     omega = np.linspace(0.4, 4.0, count)
     mass = 10 ** rng.uniform(-1, 1, motions)
     stiffness = mass * rng.uniform(0.3, 6, motions) ** 2
+    stiffness[0] *= not drifting
     push = rng.normal(size=motions) * np.exp(-(omega[:, None] ** 2) * rng.uniform(0, 0.3))
     radiated = push[:, :, None] * push[:, None, :] * omega[:, None, None] ** 3 * 10 ** rng.uniform(-3, 0)
     lost = radiated + 10 ** rng.uniform(-3, -1) * np.eye(motions)
@@ -27,7 +28,7 @@ def random_port(rng, count=40, motions=3):
     dynamic = -(w**2) * np.diag(mass) - 1j * w * lost + np.diag(stiffness)
     b, rate = rng.normal(size=motions), -1j * omega
     free, forced = (np.linalg.solve(dynamic, x[..., None])[..., 0] @ b for x in (push, np.broadcast_to(b, push.shape)))
-    return Port(omega, rate * forced, rate * free, float(b @ (b / stiffness)))
+    return Port(omega, rate * forced, rate * free, np.inf if drifting else float(b @ (b / stiffness)))
 
 
 def random_seas(rng, omega, count=6):
@@ -66,6 +67,25 @@ def test_no_take_off_of_a_fine_table_beats_the_best(seed, efficiency):
         assert table(port, sea, efficiency, springs) <= pairs.power[i] * (1 + 1e-9)
     assert mean_power(port, seas, *pairs[:2], efficiency) == pytest.approx(pairs.power, rel=1e-12)
     assert np.all(pairs.stiffness > port.softest_spring)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("efficiency", [1.0, 0.8])
+@pytest.mark.parametrize("seed", range(4))
+def test_what_nothing_holds_is_held_by_its_spring(seed, efficiency):
+    """A port adrift rests stably with any spring above none: that tables begin at none, whose logarithm is nothing."""
+    rng = np.random.default_rng(seed)
+    port = random_port(rng, drifting=True)
+    assert port.softest_spring == 0.0
+    seas = random_seas(rng, port.omega)
+    pairs = best_pairs(port, seas, best_dampers(port, seas, 0.0, efficiency), efficiency)
+    tuned = -port.omega * port.impedance.imag
+    for i, sea in enumerate(seas):
+        high = max(tuned[sea > 0].max(), 1e-3 * np.abs(tuned).max())
+        springs = np.linspace(1e-5 * high, high, 100)
+        assert table(port, sea, efficiency, springs) <= pairs.power[i] * (1 + 1e-9)
+    assert np.isfinite(pairs.stiffness).all()
+    assert np.all(pairs.stiffness >= 0.0)
 
 
 @pytest.mark.parametrize("seed", range(8))

@@ -237,9 +237,12 @@ def _searched_pairs(port: Port, squares: FloatArray, efficiency: float) -> Load:
     """The best pairs by a table of them and a climb from its local maxima.
 
     A spring beyond all that tune the buoy to one of the frequencies, k = -omega X, or to none, k = 0, only takes power.
+    Where nothing holds the port, springs begin above none, by the margin of the stiffest that tunes it.
     """
-    tuned, softest = -port.omega * port.impedance.imag, _softest(port)
-    low, high = max(min(tuned.min(), 0.0), softest), max(tuned.max(), 0.0)
+    tuned = -port.omega * port.impedance.imag
+    margin = MARGIN * (-port.softest_spring or np.abs(tuned).max())
+    low = max(min(tuned.min(), 0.0), _softest(port) or margin)
+    high = max(tuned.max(), 0.0, low)
     waves = np.unique(np.linspace(0, len(tuned) - 1, min(SPRINGS[1], len(tuned))).astype(int))
     springs = np.unique(np.concatenate([np.clip(tuned[waves], low, high), np.linspace(low, high, SPRINGS[0])]))
     largest = np.abs(port.impedance + 1j * np.array([[low], [high]]) / port.omega).max()
@@ -251,7 +254,7 @@ def _searched_pairs(port: Port, squares: FloatArray, efficiency: float) -> Load:
     left = springs[j] - port.softest_spring  # of the buoy's own stiffness: its logarithm has no bound to climb over
     width = np.exp(dampers[i]) * np.exp(np.log(port.omega).mean()) / left  # of a resonance in k: omega (R + c)
     start, step = np.stack([dampers[i], np.log(left)], axis=1), PAIR_STEP * np.stack([np.ones(len(i)), width], axis=1)
-    least = np.log(-MARGIN * port.softest_spring)
+    least = np.log(margin)
 
     def stiffness(x: FloatArray) -> FloatArray:
         return np.asarray(port.softest_spring + np.exp(np.maximum(x[:, 1], least)))

@@ -93,7 +93,9 @@ def _over_band(best_power: xr.DataArray, reference: str, neglected: str) -> list
         if sign * float(at) > _SAME:
             period = 2 * math.pi / float(at.omega)
             which = f"{at.design.item()} " if gain.sizes["design"] > 1 else ""
-            parts.append(f"up to {abs(float(at)):.0f} % {word} ({which}in waves of {period:.2f} s)")
+            size = abs(float(at))
+            said = f"{size:.0f}" if size >= 1 else f"{size:.1f}"
+            parts.append(f"up to {said} % {word} ({which}in waves of {period:.2f} s)")
     who = "flexible designs absorb" if gain.sizes["design"] > 1 else f"{gain.design.values[0]} absorbs"
     where = f"Over all waves that carry power, tuned wave by wave{neglected and f' and {neglected}'}"
     return [f"{where}, {who} {' and '.join(parts)}."] if parts else []
