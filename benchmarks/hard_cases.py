@@ -22,7 +22,7 @@ from scipy.spatial.transform import Rotation
 
 from vsb.errors import ConfigError, VsbError
 from vsb.hydro.database import load_database
-from vsb.hydro.kernel import DampingSpectrum
+from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import fit_radiation
 from vsb.integrators.audit import energies, residual
 from vsb.integrators.convolution import convolve

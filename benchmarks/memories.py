@@ -15,10 +15,10 @@ from scipy.linalg import block_diag
 
 from benchmarks.integrators import as_csv
 from vsb.errors import VsbError
-from vsb.hydro.kernel import DampingSpectrum
 from vsb.hydro.passive import RadiationSamples, entry_error, fit_passive, sizes
 from vsb.hydro.passivity import least_damping
 from vsb.hydro.realisation import StateSpace, rational_fit
+from vsb.hydro.retardation import DampingSpectrum
 from vsb.tools.files import write_text
 from vsb.tools.units import ComplexArray, FloatArray
 

@@ -16,7 +16,7 @@ from benchmarks.general_solvers import Equation, Solution, solved
 from benchmarks.hard_cases import hydro_files
 from benchmarks.quadrature import Row
 from vsb.errors import VsbError
-from vsb.hydro.kernel import DampingSpectrum
+from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.convolution import convolve
 from vsb.integrators.energy_preserving import fixed_step

@@ -17,9 +17,9 @@ from scipy.integrate import solve_ivp
 import vsb
 from vsb.cli import main
 from vsb.hydro import database
-from vsb.hydro.kernel import DampingSpectrum
 from vsb.hydro.panels import rings as bem
 from vsb.hydro.panels import sweep as panelsweep
+from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.spectral import sweep as spectralsweep
 from vsb.hydro.statespace import fit_radiation
 from vsb.motion.forces import Spring

@@ -57,6 +57,19 @@ def test_ranges_are_those_that_are_checked(generate):
                      "from 0", ""]  # fmt: skip
 
 
+NAMED = [
+    (str(page.relative_to(HOME)), name)
+    for page in PAGES
+    if page.parent.name != "decisions" and page.name != "CHANGELOG.md"
+    for name in sorted(set(re.findall(r"`([a-z_/]+\.(?:py|smk))`", page.read_text(encoding="utf-8"))))
+]
+
+
+@pytest.mark.parametrize(("page", "name"), NAMED)
+def test_files_of_code_that_a_page_names_are_there(page, name):
+    assert any((folder / name).is_file() for folder in (HOME, HOME / "vsb", HOME / "docs", HOME / "examples"))
+
+
 def test_every_command_and_option_stands_in_the_reference(generate):
     page = generate.commands_page()
     for name, one in commands(parser()).items():

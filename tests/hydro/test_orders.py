@@ -22,7 +22,7 @@ from vsb.shell.deformed import rigid_sphere
 from vsb.shell.modes import mode_basis
 from vsb.shell.orders import Ballast, order_basis
 from vsb.study.device import Device
-from vsb.waves.seas import power_limit
+from vsb.waves.dispersion import power_limit
 
 RHO, G = 1025.0, 9.81
 DEVICE = Device(radius=2.0, thickness=0.01, young_modulus=1e7, poisson_ratio=0.3, density=2700.0, mass=17170.0)

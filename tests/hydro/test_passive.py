@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 
 from vsb.errors import ConvergenceError, DatabaseError, StabilityError
 from vsb.hydro import passive
-from vsb.hydro.kernel import DampingSpectrum
 from vsb.hydro.passive import (
     RadiationSamples,
     entry_error,
@@ -17,6 +16,7 @@ from vsb.hydro.passive import (
 )
 from vsb.hydro.passivity import least_damping
 from vsb.hydro.realisation import StateSpace
+from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel, truncated
 
 OMEGA = np.linspace(0.05, 6.0, 80)

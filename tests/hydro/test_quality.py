@@ -5,7 +5,7 @@ import xarray as xr
 from vsb.errors import DatabaseError
 from vsb.hydro import quality
 from vsb.hydro.database import Check
-from vsb.waves.seas import group_velocity
+from vsb.waves.dispersion import group_velocity
 
 OMEGA = np.arange(1, 121) * 0.1
 RHO, G = 1000.0, 9.81

@@ -8,7 +8,6 @@ from scipy.interpolate import CubicSpline
 from vsb.errors import ConfigError
 from vsb.hydro.database import Check
 from vsb.hydro.formats.foreign import sizes
-from vsb.hydro.kernel import DampingSpectrum
 from vsb.hydro.repairs import (
     PAIR,
     repaired,
@@ -17,6 +16,7 @@ from vsb.hydro.repairs import (
     with_passive_damping,
     with_symmetric_stiffness,
 )
+from vsb.hydro.retardation import DampingSpectrum
 
 LABELS = ["Heave", "Pitch"]
 OMEGA = np.arange(1, 61) * 0.1

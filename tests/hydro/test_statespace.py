@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from vsb.errors import ConvergenceError, DatabaseError, StabilityError
 from vsb.hydro import statespace as radiation
-from vsb.hydro.kernel import DampingSpectrum
+from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel, fit_order, fit_radiation, joined, vector_fit
 
 

@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 
 from vsb.errors import ConfigError
 from vsb.hydro import dofs
-from vsb.hydro.kernel import DampingSpectrum
+from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.hydro.spectral.sweep import converged_on_grid, incident_wave
 from vsb.hydro.sweep import FORCES, GridSweep, on_grid

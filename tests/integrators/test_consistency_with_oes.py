@@ -13,7 +13,7 @@ from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import brentq
 
 from vsb.hydro import database
-from vsb.hydro.kernel import DampingSpectrum
+from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import fit_radiation
 from vsb.integrators.audit import energies, residual
 from vsb.integrators.exact import propagate

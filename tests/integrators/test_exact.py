@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vsb.errors import StabilityError
-from vsb.hydro.kernel import DampingSpectrum
+from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.audit import energies, residual
 from vsb.integrators.convolution import convolve

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from conftest import HERE, SEED, only_run, varied
 
-from vsb.hydro.kernel import DampingSpectrum
+from vsb.hydro.retardation import DampingSpectrum
 from vsb.integrators.audit import energies, residual
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.phi import phi_integrals

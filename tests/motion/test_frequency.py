@@ -9,7 +9,7 @@ from vsb.errors import DatabaseError, StabilityError
 from vsb.motion.frequency import LinearBuoy, frequency_grid
 from vsb.motion.pto import LinearPto
 from vsb.scenes.rest import design_motions, study_basis
-from vsb.waves.seas import power_limit
+from vsb.waves.dispersion import power_limit
 
 
 def power(buoy_of, study, design, omega):

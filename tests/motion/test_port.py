@@ -21,7 +21,8 @@ from vsb.shell.deformed import DeformedShell, enclosed
 from vsb.stages.spectral import spectral_problem
 from vsb.study.plan import StudyPlan
 from vsb.study.take_off import BetweenPort, ShellPort
-from vsb.waves.seas import Sea, power_limit
+from vsb.waves.dispersion import power_limit
+from vsb.waves.seas import Sea
 
 LOSSLESS = {"damping": {"alpha": 0.0, "beta": 0.0}}
 SHELL_PORTS = (

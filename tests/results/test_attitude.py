@@ -7,7 +7,7 @@ from conftest import SEED, varied
 
 from vsb.results.attitude import attitude_checks
 from vsb.study.study import load, parse
-from vsb.waves.seas import wavenumber
+from vsb.waves.dispersion import wavenumber
 
 
 @pytest.mark.parametrize(("pitch", "surge", "verdicts"), [(0.1, 0.2, ("ok", "ok")), (0.5, 1.5, ("doubt", "doubt"))])

@@ -11,14 +11,14 @@ from conftest import varied
 from scipy.optimize import brentq
 
 from vsb.hydro import witness
-from vsb.results import agreement, ledger
+from vsb.results import ledger, run_checks
 from vsb.results.equal_tuning import Tuned, fair_damping_checks, reference_power_checks
 from vsb.results.ladder import Rung
 from vsb.results.statistics import FEWEST_BATCHES, Line, statistical_checks
 from vsb.scenes.rest import reference_shell, study_basis
 from vsb.shell.modes import mode_basis
 from vsb.study.study import PiersonMoskowitz, RegularWave, Water
-from vsb.waves.seas import power_limit
+from vsb.waves.dispersion import power_limit
 
 WAVE = RegularWave(kind="regular", amplitude=0.5, period=4.0)
 LENGTH = 2 * np.pi * 9.81 / WAVE.omega**2
@@ -177,8 +177,8 @@ CASES = {
     "steepness": (0.05, "-", lambda s, x: of_wave(x * LENGTH)),
     "spectrum_cut": (0.01, "-", lambda s, x: of_band(x)),
     "transient": (0.005, "-", lambda s, x: of_transient(x)),
-    "time_and_frequency_domain": (0.005, "-", lambda s, x: [agreement.steady_state_check(s, WAVE, 4.0, 1.0 + x, "FSB")]),
-    "linearity": (0.05, "-", lambda s, x: [agreement.linearity_check(s, WAVE, 4.0, 1.0 - x, "FSB")]),
+    "time_and_frequency_domain": (0.005, "-", lambda s, x: [run_checks.steady_state_check(s, WAVE, 4.0, 1.0 + x, "FSB")]),
+    "linearity": (0.05, "-", lambda s, x: [run_checks.linearity_check(s, WAVE, 4.0, 1.0 - x, "FSB")]),
     "left_out": (0.01, "-", lambda s, x: of_auto(s, (0.0, x))),
     "gain_error": (0.02, "-", lambda s, x: of_auto(s, (0.009, x - 0.009))),
     "power_limit": (1.01, "-", lambda s, x: of_limit(x)),

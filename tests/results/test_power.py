@@ -7,7 +7,8 @@ from vsb.motion.port import Port
 from vsb.results.power import averaging_window, energy_flux, merit, power_response
 from vsb.scenes.build import TUNED
 from vsb.study.study import RegularWave, StillWater, Water
-from vsb.waves.seas import Sea, power_limit, regular
+from vsb.waves.dispersion import power_limit
+from vsb.waves.seas import Sea, regular
 
 WAVE = RegularWave(kind="regular", amplitude=0.5, period=4.0)
 

@@ -13,8 +13,8 @@ from vsb.integrators.audit import energies, residual
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.simulate import simulate
 from vsb.motion.port import port_direction
-from vsb.results.agreement import dampers_in_words
 from vsb.results.ladder import study_ladder
+from vsb.results.run_checks import dampers_in_words
 from vsb.scenes.afloat import towards
 from vsb.scenes.build import linear_buoy, linear_design
 from vsb.scenes.directions import check_upright, mooring_stiffness, order_bases, whole_labels, whole_stiffness
@@ -24,7 +24,7 @@ from vsb.stages import make
 from vsb.study.plan import StudyPlan
 from vsb.study.study import load, parse
 from vsb.tools.files import load as load_data
-from vsb.waves.seas import power_limit
+from vsb.waves.dispersion import power_limit
 
 CALM = {"kind": "regular", "amplitude": 0.1, "period": 3.0}
 RAW = load(SEED).model_dump() | {

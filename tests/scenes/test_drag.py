@@ -8,8 +8,8 @@ from conftest import varied
 
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.simulate import suited
-from vsb.results.agreement import drag_check
 from vsb.results.ladder import study_ladder
+from vsb.results.run_checks import drag_check
 from vsb.scenes.build import TUNED, body_exact_design, linear_design
 from vsb.scenes.drag import LINEARISED, flow
 from vsb.study.plan import StudyPlan

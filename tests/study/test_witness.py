@@ -12,7 +12,7 @@ from vsb.study.blocks import LEAST_DEPTH_IN_WAVENUMBERS
 from vsb.study.plan import StudyPlan, figure_names
 from vsb.study.study import canonical, content_id, load
 from vsb.study.witness import LONGEST, lowest_modes, no_witness
-from vsb.waves.seas import wavenumber
+from vsb.waves.dispersion import wavenumber
 
 
 def identity(study):

@@ -12,7 +12,7 @@ import xarray as xr
 from vsb.errors import DatabaseError
 from vsb.hydro.dofs import Displacement, displacements
 from vsb.shell.modes import ModeBasis
-from vsb.shell.rest import ReferenceShell
+from vsb.shell.reference import ReferenceShell
 from vsb.tools.files import load, locked, save, write_text
 from vsb.tools.units import FloatArray
 

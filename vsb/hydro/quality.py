@@ -13,9 +13,9 @@ import xarray as xr
 from vsb.errors import DatabaseError
 from vsb.hydro.azimuthal import multiplicity
 from vsb.hydro.database import Check, check_at_most
-from vsb.hydro.kernel import DampingSpectrum
+from vsb.hydro.retardation import DampingSpectrum
 from vsb.tools.units import ComplexArray, FloatArray
-from vsb.waves.seas import group_velocity, wavenumber
+from vsb.waves.dispersion import group_velocity, wavenumber
 
 LARGEST_LIMIT_DIFFERENCE = 0.02
 """Of added mass at infinite frequency from its extrapolation, as of the Kramers-Kronig relation."""

@@ -16,7 +16,7 @@ from scipy.interpolate import CubicSpline
 from vsb.errors import ConfigError
 from vsb.hydro.database import Check
 from vsb.hydro.formats.foreign import sizes
-from vsb.hydro.kernel import DampingSpectrum
+from vsb.hydro.retardation import DampingSpectrum
 from vsb.study.quantities import is_rigid
 from vsb.tools.units import FloatArray
 

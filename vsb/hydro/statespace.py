@@ -16,7 +16,7 @@ from scipy.linalg import block_diag, cholesky, eigh, expm, solve_continuous_lyap
 from scipy.optimize import least_squares
 
 from vsb.errors import ConvergenceError, StabilityError
-from vsb.hydro.kernel import DampingSpectrum
+from vsb.hydro.retardation import DampingSpectrum
 from vsb.tools.units import ComplexArray, FloatArray
 
 ORDERS = (6, 10, 14, 18, 22)

@@ -4,7 +4,7 @@ import time as clock
 
 import numpy as np
 
-from vsb.hydro.kernel import DampingSpectrum
+from vsb.hydro.retardation import DampingSpectrum
 from vsb.motion.motion import Motion
 from vsb.motion.system import System
 from vsb.tools.units import FloatArray

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vsb.errors import ConvergenceError
-from vsb.hydro.kernel import DampingSpectrum
+from vsb.hydro.retardation import DampingSpectrum
 from vsb.integrators.audit import START, energies
 from vsb.integrators.collocation import collocated
 from vsb.integrators.convolution import convolve

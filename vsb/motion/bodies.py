@@ -17,8 +17,8 @@ from scipy.linalg import eigh
 from vsb.errors import ConfigError, DatabaseError, StabilityError
 from vsb.hydro.coefficients import Coefficients
 from vsb.hydro.formats.modes import DRY, Structure, structure
-from vsb.hydro.kernel import DampingSpectrum
 from vsb.hydro.passive import Limit, PassiveFit, RadiationSamples, fit_passive, sizes
+from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel
 from vsb.motion.builders import take_off
 from vsb.motion.forces import Damper, Excitation, Force, RadiationMemory, Spring

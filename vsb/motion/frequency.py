@@ -15,8 +15,8 @@ from scipy.optimize import brentq
 
 from vsb.errors import DatabaseError, StabilityError
 from vsb.hydro.coefficients import Coefficients
-from vsb.hydro.kernel import DampingSpectrum
 from vsb.hydro.orders import heading_shares, most_exciting, order_groups, orders_of, own_headings
+from vsb.hydro.retardation import DampingSpectrum
 from vsb.motion.channel import Channel
 from vsb.motion.port import ROUND_OFF, Port
 from vsb.motion.pto import LinearPto

@@ -30,7 +30,8 @@ from vsb.motion.wetted import (
 )
 from vsb.tools.compiled import njit
 from vsb.tools.units import ComplexArray, FloatArray
-from vsb.waves.seas import Sea, wavenumber
+from vsb.waves.dispersion import wavenumber
+from vsb.waves.seas import Sea
 
 _SPACING = 0.02  # of the Bessel table: cubic Hermite interpolation is then good to 5e-10
 _SHORT = 10.0

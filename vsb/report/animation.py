@@ -10,7 +10,8 @@ from vsb.hydro.dofs import flexible
 from vsb.report.living import packed
 from vsb.study.study import Water
 from vsb.tools.units import FloatArray
-from vsb.waves.seas import Sea, wavenumber
+from vsb.waves.dispersion import wavenumber
+from vsb.waves.seas import Sea
 from vsb.waves.superposition import superposed
 
 PER_PERIOD = 24

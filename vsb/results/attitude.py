@@ -7,7 +7,7 @@ from vsb.hydro.database import Check, check_at_most
 from vsb.study.quantities import RIGID
 from vsb.study.study import StillWater, Study
 from vsb.tools.words import plain
-from vsb.waves.seas import wavenumber
+from vsb.waves.dispersion import wavenumber
 
 
 def attitude_checks(study: Study, run: xr.Dataset) -> list[Check]:

@@ -8,9 +8,9 @@ import xarray as xr
 
 from vsb.hydro.database import Check, check_at_most, stored_checks
 from vsb.hydro.formats.modes import volume_of
-from vsb.results.agreement import Attributes, agreement_checks, drift_checks, energy_check
 from vsb.results.comparison import Row, Runs
 from vsb.results.ledger import radiation_checks, wave_checks
+from vsb.results.run_checks import Attributes, agreement_checks, drift_checks, energy_check
 from vsb.scenes.afloat import band
 from vsb.study.body import BodyStudy
 from vsb.study.quantities import RIGID, body_of, motion_of

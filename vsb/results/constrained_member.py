@@ -12,7 +12,7 @@ from vsb.results.constrained_year import ConstrainedYear, Limits, constrained_ye
 from vsb.results.validity import LIMITS, motion_limits, wave_limits
 from vsb.scenes.ports import InWaves, ShapeWater, designs_in_waves
 from vsb.shell.modes import ModeBasis
-from vsb.shell.rest import ReferenceShell
+from vsb.shell.reference import ReferenceShell
 from vsb.study.specs import CONSTRAINED
 from vsb.study.study import Study
 from vsb.tools.units import FloatArray

@@ -16,16 +16,16 @@ from vsb.hydro.orders import of_order
 from vsb.motion.frequency import LinearBuoy, with_open_chamber
 from vsb.motion.port import port_direction
 from vsb.motion.pto import LinearPto
-from vsb.results.agreement import Attributes, agreement_checks, drift_checks, energy_check
 from vsb.results.attitude import attitude_checks
 from vsb.results.comparison import Row, Runs
 from vsb.results.power import damper_of
+from vsb.results.run_checks import Attributes, agreement_checks, drift_checks, energy_check
 from vsb.scenes.directions import loaded_shell, order_bases
 from vsb.scenes.rest import computed_buckling, design_motions, reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.loaded import ElasticShell, viable_pressure
 from vsb.shell.modes import ModeBasis, mode_basis
-from vsb.shell.rest import ReferenceShell
+from vsb.shell.reference import ReferenceShell
 from vsb.shell.sphere import Shell
 from vsb.shell.surface import largest_deformation, largest_displacement, largest_strain
 from vsb.study.quantities import RIGID
@@ -35,7 +35,8 @@ from vsb.study.take_off import ShellPort
 from vsb.study.witness import no_witness
 from vsb.tools.units import FloatArray
 from vsb.tools.words import plain
-from vsb.waves.seas import power_limit, share_above, share_below, wavenumber
+from vsb.waves.dispersion import power_limit, wavenumber
+from vsb.waves.seas import share_above, share_below
 
 HEAVING = "an axisymmetric heaving body"
 _OWN_ERRORS = ("error_estimate", "interpolation_error")

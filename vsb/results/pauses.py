@@ -1,7 +1,7 @@
 """Whether the pause of a body-exact run, refined near that of the linear scene, was looked for far enough."""
 
 from vsb.hydro.database import Check, check_at_most
-from vsb.results.agreement import Attributes
+from vsb.results.run_checks import Attributes
 
 NEAR_THE_END = 0.8
 """Of how far pauses were tried: beyond, one further off may take more."""

@@ -12,7 +12,8 @@ from vsb.scenes.build import TUNED
 from vsb.study.compared import Compared
 from vsb.study.study import RegularWave, StillWater, Water, Wave
 from vsb.tools.units import FloatArray
-from vsb.waves.seas import Sea, group_velocity
+from vsb.waves.dispersion import group_velocity
+from vsb.waves.seas import Sea
 
 
 class Merit(NamedTuple):

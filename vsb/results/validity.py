@@ -13,7 +13,7 @@ from vsb.scenes.ports import InWaves
 from vsb.study.study import Water
 from vsb.tools.units import FloatArray
 from vsb.waves.climate import Climate
-from vsb.waves.seas import wavenumber
+from vsb.waves.dispersion import wavenumber
 
 STEEPEST = 0.05
 """Hs over the length of the energy period, as the ledger of a study has it [-]."""

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from vsb.hydro.kernel import DampingSpectrum
+from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel
 from vsb.motion.bodies import Memory, body_scene
 from vsb.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene

@@ -8,7 +8,7 @@ from vsb.shell.loaded import ElasticShell, LoadedShell
 from vsb.shell.modes import ModeBasis
 from vsb.shell.order_prestress import prestress_stiffness
 from vsb.shell.orders import OrderBasis, ballast_of, order_basis, yaw
-from vsb.shell.rest import ReferenceShell
+from vsb.shell.reference import ReferenceShell
 from vsb.study.directions import RIGID
 from vsb.study.specs import AtRest, DesignsSpec, RestSpec
 from vsb.study.study import Study

@@ -16,7 +16,8 @@ from vsb.study.drag import Drag, Vane
 from vsb.study.specs import DraggedSpec
 from vsb.study.study import Wave
 from vsb.tools.units import ComplexArray, FloatArray
-from vsb.waves.seas import Sea, horizontal_velocity, vertical_velocity
+from vsb.waves.dispersion import horizontal_velocity, vertical_velocity
+from vsb.waves.seas import Sea
 
 LINEARISED = "linearised_power"
 """What a run with drag records of its linear theory: mean power [W] under the drag's equivalent dampers."""

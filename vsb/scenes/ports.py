@@ -18,7 +18,7 @@ from vsb.scenes.directions import order_bases, whole_stiffness
 from vsb.scenes.rest import design_motions, seen_by_take_off
 from vsb.shell.modes import ModeBasis
 from vsb.shell.orders import OrderBasis
-from vsb.shell.rest import ReferenceShell
+from vsb.shell.reference import ReferenceShell
 from vsb.study.study import Study
 from vsb.tools.units import FloatArray
 

@@ -1,4 +1,4 @@
-"""The shell a study is linearised about: its shape at rest, and its stiffness by name."""
+"""Where a study's shell rests: the modes it moves in, its equilibrium and its stiffness there."""
 
 from dataclasses import replace
 from functools import lru_cache
@@ -14,7 +14,7 @@ from vsb.scenes.directions import check_upright, loaded_shell, order_bases, whol
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.loaded import Buckling, ElasticShell, LoadedShell, buckling, complete_shell, equilibrium
 from vsb.shell.modes import ModeBasis, mode_basis, rigid_basis
-from vsb.shell.rest import ReferenceShell
+from vsb.shell.reference import ReferenceShell
 from vsb.study.specs import AtRest, Designed
 from vsb.study.study import Study
 from vsb.tools.units import FloatArray

@@ -27,7 +27,7 @@ from vsb.motion.pto import LinearPto
 from vsb.scenes.directions import loaded_shell
 from vsb.scenes.rest import design_motions, reference_shell
 from vsb.shell.loaded import equilibrium
-from vsb.shell.rest import ReferenceShell
+from vsb.shell.reference import ReferenceShell
 from vsb.study.study import RegularWave, StillWater, Study, canonical
 from vsb.tools.units import FloatArray, described
 from vsb.waves.seas import Sea, sea

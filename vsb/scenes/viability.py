@@ -11,7 +11,7 @@ from vsb.motion.port import port_direction
 from vsb.motion.pto import LinearPto
 from vsb.scenes.directions import check_upright, order_bases
 from vsb.scenes.rest import computed_buckling, design_stiffness, reference_shell, seen_by_take_off
-from vsb.shell.rest import ReferenceShell
+from vsb.shell.reference import ReferenceShell
 from vsb.study.study import Study, canonical, parse
 
 MODULUS = 1e9

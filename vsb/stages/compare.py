@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 from vsb.hydro.database import Check
 from vsb.results import comparison, ledger
 from vsb.results import statistics as irregular
-from vsb.results.agreement import Attributes
 from vsb.results.body_ledger import body_ledger, runs_checks
 from vsb.results.equal_tuning import (
     Limited,
@@ -19,6 +18,7 @@ from vsb.results.equal_tuning import (
 )
 from vsb.results.ladder import Rung, constrained_checks
 from vsb.results.pauses import pause_checks
+from vsb.results.run_checks import Attributes
 from vsb.scenes.afloat import study_sea
 from vsb.scenes.rest import reference_shell
 from vsb.shell.modes import ModeBasis

@@ -13,7 +13,7 @@ from vsb.hydro.database import Check
 from vsb.scenes.directions import mooring_stiffness, order_bases, order_stiffness
 from vsb.scenes.rest import reference_shell
 from vsb.shell.orders import OrderBasis
-from vsb.shell.rest import ReferenceShell
+from vsb.shell.reference import ReferenceShell
 from vsb.stages.stage import stamp
 from vsb.study.blocks import COARSEST_SWEEP
 from vsb.study.specs import DatabaseSpec

@@ -19,7 +19,8 @@ from vsb.scenes.afloat import linear_buoy, study_port
 from vsb.scenes.rest import design_motions
 from vsb.study.study import Irregular, IrregularSea, Jonswap, PiersonMoskowitz, RegularWave, StillWater, Study
 from vsb.tools.units import FloatArray
-from vsb.waves.seas import components, group_velocity, jonswap_spectrum
+from vsb.waves.dispersion import group_velocity
+from vsb.waves.seas import components, jonswap_spectrum
 
 MOST = 10_000
 """Most numbers of components of a sea, times designs, that a page holds: those of longer runs are as many."""

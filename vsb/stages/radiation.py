@@ -7,8 +7,8 @@ import numpy as np
 import xarray as xr
 
 from vsb.hydro.database import load_database
-from vsb.hydro.kernel import DampingSpectrum
 from vsb.hydro.orders import order_groups
+from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel, fit_radiation, joined
 from vsb.scenes.afloat import stored_body
 from vsb.stages.stage import stamp

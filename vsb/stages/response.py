@@ -19,7 +19,7 @@ from vsb.study.study import canonical
 from vsb.study.take_off import Pto
 from vsb.tools.files import save
 from vsb.tools.units import FloatArray
-from vsb.waves.seas import power_limit
+from vsb.waves.dispersion import power_limit
 
 TAKE_OFF = {True: "best_damping at each frequency", False: "the given damping"}
 """Whether tuning decides -> under what `rao` and `absorbed_power` are."""

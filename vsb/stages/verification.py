@@ -17,7 +17,7 @@ from vsb.scenes.build import radiation_model
 from vsb.scenes.ports import design_ports
 from vsb.scenes.rest import design_motions
 from vsb.scenes.viability import viability
-from vsb.shell.rest import ReferenceShell
+from vsb.shell.reference import ReferenceShell
 from vsb.stages.climate import read_climate
 from vsb.stages.make import make
 from vsb.stages.members import swept_shape

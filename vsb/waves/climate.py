@@ -15,7 +15,8 @@ import numpy.typing as npt
 from vsb.errors import ConfigError
 from vsb.study.study import Water
 from vsb.tools.units import FloatArray
-from vsb.waves.seas import Sea, group_velocity
+from vsb.waves.dispersion import group_velocity
+from vsb.waves.seas import Sea
 
 YEAR_HOURS = 8766.0
 """Hours of a mean year, as in IEC TS 62600-100 [h]."""

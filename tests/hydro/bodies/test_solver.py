@@ -13,7 +13,7 @@ from vsb.hydro.panels import rings as bem
 from vsb.hydro.panels.mesh import mean_mesh
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.study.study import Water
-from vsb.waves.seas import group_velocity, wavenumber
+from vsb.waves.dispersion import group_velocity, wavenumber
 
 UNIT = Water(density=1.0, gravity=1.0)
 SEA = Water(density=1025.0, gravity=9.81)

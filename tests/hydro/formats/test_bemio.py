@@ -9,7 +9,7 @@ from scipy.linalg import block_diag
 
 from vsb.errors import DatabaseError
 from vsb.hydro.formats.bemio import bemio_entries, excitation_response, impulse_times, read_bemio, write_h5
-from vsb.hydro.kernel import DampingSpectrum
+from vsb.hydro.retardation import DampingSpectrum
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro.formats.foreign import BEMIO_WORDS, WAMIT_WORDS, causes, foreign_checks, sizes
 from vsb.hydro.quality import kinks
 from vsb.tools import units
-from vsb.waves.seas import group_velocity, wavenumber
+from vsb.waves.dispersion import group_velocity, wavenumber
 
 PAIR, WAVE = ("influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
 RHO, G = 1000.0, 9.81

@@ -17,7 +17,7 @@ from vsb.hydro.formats.modes import RIGID, check_positive, floating, mode_labels
 from vsb.hydro.formats.wamit import import_wamit, wamit_texts
 from vsb.study.body_file import BodyFile
 from vsb.tools import files, units
-from vsb.waves.seas import group_velocity, wavenumber
+from vsb.waves.dispersion import group_velocity, wavenumber
 
 PAIR, WAVE = ("influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
 RHO, G = 1000.0, 9.81

@@ -15,7 +15,7 @@ from vsb.hydro.panels.mesh import mean_mesh
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.shell.deformed import rigid_sphere
 from vsb.tools.stamps import read_manifest
-from vsb.waves.seas import group_velocity
+from vsb.waves.dispersion import group_velocity
 
 DEGREES = tuple(range(7))
 

@@ -17,7 +17,7 @@ from vsb.hydro.spectral.meridian import WetMeridian, unit_rule
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import mode_basis
-from vsb.waves.seas import group_velocity, wavenumber
+from vsb.waves.dispersion import group_velocity, wavenumber
 
 RADIAL = tuple(f"Radial{n}" for n in range(5))
 KA = (0.01, 0.3, 1.0, 3.0)

@@ -14,7 +14,7 @@ from vsb.hydro.bodies.coarsening import coarser_body, coarser_panels
 from vsb.hydro.panels.rings import influence_blocks, panel_mesh
 from vsb.study.study import Water
 from vsb.tools.units import ComplexArray, FloatArray
-from vsb.waves.seas import group_velocity, wavenumber
+from vsb.waves.dispersion import group_velocity, wavenumber
 
 _PAIR = ("influenced_dof", "radiating_dof")
 _WAVE = ("omega", "wave_direction", "influenced_dof")

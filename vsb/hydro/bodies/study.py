@@ -42,7 +42,7 @@ from vsb.study.quantities import Section
 from vsb.study.reading import read_yaml, validated
 from vsb.tools.files import load, save
 from vsb.tools.units import ComplexArray, FloatArray
-from vsb.waves.seas import group_velocity, wavenumber
+from vsb.waves.dispersion import group_velocity, wavenumber
 
 Spec = dict[str, Any]
 Model = TypeVar("Model", bound=Section)

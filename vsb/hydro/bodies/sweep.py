@@ -19,7 +19,7 @@ from vsb.hydro.database import with_excitation
 from vsb.hydro.sweep import FORCES, MOST_SOLVES, IncidentWave, apart, joined, on_grid
 from vsb.study.study import Water
 from vsb.tools.units import ComplexArray, FloatArray
-from vsb.waves.seas import wavenumber
+from vsb.waves.dispersion import wavenumber
 
 _LEAST_SIZE = 0.3
 """Of a displacement, in terms of the water it would move if all of the displaced water moved like the surface."""

@@ -33,7 +33,7 @@ from vsb.hydro.formats.modes import (
     structure,
     volume_of,
 )
-from vsb.hydro.kernel import DampingSpectrum
+from vsb.hydro.retardation import DampingSpectrum
 from vsb.study.quantities import body_of
 from vsb.tools.files import whole
 from vsb.tools.units import ATTRS, ComplexArray, FloatArray

@@ -17,7 +17,7 @@ from vsb.hydro import quality
 from vsb.hydro.database import Check, check_at_most
 from vsb.hydro.formats.haskind import LARGEST_HASKIND, Haskind, fitting_depth, haskind_axisymmetric, haskind_headings
 from vsb.hydro.formats.modes import volume_of
-from vsb.hydro.kernel import DampingSpectrum
+from vsb.hydro.retardation import DampingSpectrum
 from vsb.study.quantities import RIGID, body_of, motion_of, of_bodies
 from vsb.tools.units import FloatArray
 

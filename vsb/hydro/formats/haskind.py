@@ -8,7 +8,7 @@ import xarray as xr
 
 from vsb.hydro import quality
 from vsb.tools.units import FloatArray
-from vsb.waves.seas import group_velocity, wavenumber
+from vsb.waves.dispersion import group_velocity, wavenumber
 
 LARGEST_HASKIND = 0.05
 """Difference of the damping from Haskind's, in terms of the largest damping of both motions."""

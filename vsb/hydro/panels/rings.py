@@ -28,7 +28,7 @@ from vsb.study.blocks import panel_solver
 from vsb.tools.files import CHANGED
 from vsb.tools.stamps import MANIFEST, read_manifest, record, text_fault
 from vsb.tools.units import ComplexArray, FloatArray
-from vsb.waves.seas import wavenumber
+from vsb.waves.dispersion import wavenumber
 
 cpt.set_logging("ERROR")
 _LARGEST_DEPTH_IN_WAVENUMBERS = 9e4  # the finite-depth Green function has no infinite frequency

@@ -26,7 +26,7 @@ from vsb.hydro.spectral.finitedepth import FiniteDepthWavePart, wave_profile
 from vsb.hydro.spectral.meridian import WetMeridian
 from vsb.shell.deformed import DeformedShell
 from vsb.tools.units import ComplexArray, FloatArray
-from vsb.waves.seas import group_velocity, wavenumber
+from vsb.waves.dispersion import group_velocity, wavenumber
 
 _COARSER = 0.75
 """Resolution of the run that estimates the error."""

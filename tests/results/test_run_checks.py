@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from vsb.results.agreement import agreement_checks, drift_checks, energy_check
+from vsb.results.run_checks import agreement_checks, drift_checks, energy_check
 from vsb.study.body import BodyStudy
 from vsb.study.reading import validated
 

@@ -1,4 +1,4 @@
-"""The shell a study is linearised about: its shape at rest, and its stiffness by name."""
+"""Shape at rest of a shell, and its stiffness about it by name."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -5,7 +5,7 @@ import pytest
 
 from vsb.scenes.rest import study_basis
 from vsb.shell.deformed import DeformedShell
-from vsb.shell.rest import ReferenceShell
+from vsb.shell.reference import ReferenceShell
 
 
 def test_an_undeformed_shell_has_amplitudes_of_zero_and_a_deformed_one_its_own(seed):

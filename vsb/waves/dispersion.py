@@ -1,0 +1,57 @@
+"""Wavenumber, group velocity and orbital velocities of waves of a frequency: the dispersion relation."""
+
+import numpy as np
+from scipy.optimize import brentq
+
+from vsb.tools.units import ComplexArray, FloatArray
+
+
+def wavenumber(omega: float, depth: float, gravity: float) -> float:
+    """Return k of the dispersion relation omega^2 = g k tanh(k d) [1/m]."""
+    deep = omega**2 / gravity
+    if not np.isfinite(depth) or deep * depth > 20.0:
+        return deep
+    return float(brentq(lambda k: k * np.tanh(k * depth) - deep, deep, deep / np.tanh(deep * depth) * 2, xtol=1e-15))
+
+
+def group_velocity(omega: float, depth: float, gravity: float) -> float:
+    """Return v_g = d omega/dk = omega/(2k) (1 + 2kd/sinh 2kd) [m/s]."""
+    k = wavenumber(omega, depth, gravity)
+    kd2 = 2 * k * depth
+    finite = kd2 / np.sinh(kd2) if kd2 < 40.0 else 0.0
+    return float(omega / (2 * k) * (1 + finite))
+
+
+def vertical_velocity(omega: FloatArray, height: float, depth: float, gravity: float) -> ComplexArray:
+    """Return the vertical velocity of waves at a height below still water per amplitude, shape (omega,) [1/s].
+
+    -i w sinh k(z + d)/sinh kd; -i w exp kz in deep water.
+    """
+    k = np.array([wavenumber(w, depth, gravity) for w in omega])
+    share = np.exp(k * height)
+    if np.isfinite(depth):
+        share = share * np.expm1(-2 * k * (height + depth)) / np.expm1(-2 * k * depth)
+    return np.asarray(-1j * omega * share)
+
+
+def horizontal_velocity(omega: FloatArray, height: float, depth: float, gravity: float) -> ComplexArray:
+    """Return the velocity of waves along their way at a height below still water per amplitude, shape (omega,) [1/s].
+
+    w cosh k(z + d)/sinh kd; w exp kz in deep water.
+    """
+    k = np.array([wavenumber(w, depth, gravity) for w in omega])
+    share = np.exp(k * height)
+    if np.isfinite(depth):
+        share = share * (1 + np.exp(-2 * k * (height + depth))) / -np.expm1(-2 * k * depth)
+    return np.asarray(omega * share, dtype=complex)
+
+
+def power_limit(omega: float, depth: float, density: float, gravity: float) -> float:
+    """Return the largest mean power an axisymmetric heaving body can absorb, per squared wave amplitude [W/m^2].
+
+    Notes
+    -----
+    Capture width 1/k = wavelength/(2 pi) times the energy flux rho g v_g/2 (Budal & Falnes; Evans).
+    """
+    flux = 0.5 * density * gravity * group_velocity(omega, depth, gravity)
+    return float(flux / wavenumber(omega, depth, gravity))
