@@ -24,7 +24,7 @@ from vsb.errors import VsbError
 from vsb.stages.make import make
 from vsb.stages.verify import stale_products, verify
 from vsb.study.plan import StudyPlan
-from vsb.study.study import parse
+from vsb.study.study import load
 from vsb.tools.files import read_groups, write_text
 from vsb.tools.tables import csv_text
 
@@ -55,20 +55,23 @@ class Outcome(NamedTuple):
     reason: str
 
 
-def small_study() -> StudyPlan:
-    """Return a study that takes seconds, in the current folder."""
+def small_text() -> str:
+    """Return the text of a study that takes seconds."""
     raw = yaml.safe_load(SEED.read_text(encoding="utf-8"))
     raw |= {"study": "small", "modes": {"basis": "membrane", "degree": 2}}
     raw |= {"designs": {"FSB": {"flexible": False}, "VSWEC": {}}}
     raw["hydro"] = {"omega_max": 5.0, "tolerance": 1.0e-3, "witness": "none"}
     raw["simulation"] |= {"duration": 8.0, "window": [4.0, 8.0]}
-    return StudyPlan(parse(raw))
+    return yaml.safe_dump(raw, sort_keys=False)
 
 
-def finish(plan: StudyPlan) -> None:
-    """Put the study and its results into the current folder."""
-    write_text(STUDY, yaml.safe_dump(plan.study.model_dump(mode="json", exclude_none=True), sort_keys=False))
+def finish() -> StudyPlan:
+    """Put the study and its results into the current folder; sound ones, or every damage to them would be told."""
+    write_text(STUDY, small_text())
+    plan = StudyPlan(load(STUDY))
     make(plan, plan.products)
+    verify(STUDY, heal=False)
+    return plan
 
 
 # damage -------------------------------------------------------------------------------------------------------------
@@ -199,8 +202,7 @@ def damage(flips: int, edits: int, out: str) -> Counter[str]:
     found: Counter[str] = Counter()
     rows, target = [], os.path.abspath(out)
     with tempfile.TemporaryDirectory() as folder, chdir(folder):
-        plan = small_study()
-        finish(plan)
+        plan = finish()
         for one in trials(flips, edits):
             outcome = fate(plan, one, heals=one.path.endswith(".json"))
             found[outcome.verdict] += 1

@@ -69,12 +69,25 @@ def test_what_is_bad_is_told_from_what_is_not(place, monkeypatch):
 
 
 def test_a_table_of_damage_is_written(place, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(damage, "finish", lambda plan: shutil.copytree(place, ".", dirs_exist_ok=True))
+    monkeypatch.setattr(damage, "make", lambda plan, paths: shutil.copytree(place / "results", "results"))
     assert main(["damage", "4", str(tmp_path / "table.csv")]) == 0
     assert (tmp_path / "table.csv").read_text().count("\n") == 7
     assert "6 told" in capsys.readouterr().out
-    monkeypatch.setattr(damage, "verify", lambda target, heal: 1 / 0)
+    monkeypatch.setattr(damage, "stale_products", lambda plan, dry: 1 / 0)
     assert main(["damage", "1", str(tmp_path / "table.csv")]) == 1
+
+
+def test_what_is_damaged_was_sound(place, tmp_path, monkeypatch):
+    """Once water without a floor was written as none: every damage was "told" by the study's own file."""
+    (tmp_path / "new").mkdir()
+    monkeypatch.chdir(tmp_path / "new")
+    monkeypatch.setattr(damage, "make", lambda plan, paths: shutil.copytree(place / "results", "results"))
+    plan = damage.finish()
+    assert plan.study == PLAN.study
+    shutil.rmtree("results")
+    monkeypatch.setattr(damage, "make", lambda plan, paths: None)
+    with pytest.raises(VsbError, match="is not there"):
+        damage.finish()
 
 
 def test_a_value_is_changed_in_one_place():
