@@ -86,7 +86,7 @@ def test_all_mistakes_of_a_file_are_told_each_in_a_line(workplace, capsys):
         f"{start}{at['amplitude:']}: waves.0.regular.hs: received 0.179; unknown key; did you mean waves.hs?",
         f"{start}{at['device:']}: device.thickness: missing, but required: "
         "thickness of the shell; thin-shell theory needs less than radius/10 [m]",
-        f"{start}{at['basis:']}: modes.basis: received 'membran'; Input should be 'paper', 'membrane' or 'full'; "
+        f"{start}{at['basis:']}: modes.basis: received 'membran'; needs 'paper', 'membrane' or 'full'; "
         "did you mean membrane?",
         f"{start}{at['amplitude:']}: waves.0.regular.amplitude: missing, but required: "
         "half the height from trough to crest [m]",

@@ -52,7 +52,7 @@ def test_size_changes_nothing_without_dimension(tmp_path, radius):
     [
         ("there.yaml", None, "there.yaml: exists already; give a new name"),
         ("study", None, "study: received a name without .yaml, needs one such as my_buoy.yaml"),
-        ("9x.yaml", None, "9x.yaml: study: received '9x'; String should match"),
+        ("9x.yaml", None, "9x.yaml: study: received '9x'; needs letters"),
         ("hydro.yaml", None, "hydro.yaml: study: received 'hydro'; 'hydro' is the name of a results folder"),
         ("a.yaml", float("nan"), "--radius: received nan m, needs 0.01 to 100 m"),
         ("a.yaml", 1e300, r"--radius: received 1e\+300 m, needs 0.01 to 100 m"),

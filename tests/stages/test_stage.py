@@ -77,7 +77,7 @@ def test_what_a_plan_says_a_stage_reads(name, solver):
 
 def test_a_wrong_specification_is_one_line():
     spec = json.loads(canonical(StudyPlan(load(SEED)).radiation))
-    with pytest.raises(ConfigError, match=r"^standard input: tolerance: received 'x'; Input should be a valid number"):
+    with pytest.raises(ConfigError, match=r"^standard input: tolerance: received 'x'; needs a number"):
         BY_NAME["radiation"].read(canonical({**spec, "tolerance": "x"}))
     with pytest.raises(ConfigError, match=r"^standard input: not valid JSON \(maximum recursion depth"):
         BY_NAME["radiation"].read("[" * 100_000)

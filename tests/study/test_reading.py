@@ -1,12 +1,20 @@
 """Reading of files: what is none is one line."""
 
+import re
 from itertools import pairwise
 
 import pytest
+import yaml
 from study.test_sections import changed
 
 from vsb.errors import ConfigError
+from vsb.study import reading
 from vsb.study import study as config
+from vsb.study.body import BodyStudy
+from vsb.study.campaign import Campaign
+from vsb.study.study import Study
+from vsb.tools.shipped import HOME
+from vsb.tools.words import shortened
 
 
 @pytest.mark.parametrize(
@@ -80,3 +88,53 @@ def test_first_of_several_errors_is_told_and_the_rest_counted():
     raw["pto"]["damping"] = -1.0
     with pytest.raises(ConfigError, match=r"device.thickness: received -1.0; .* \(and 1 more\)$"):
         config.parse(raw)
+
+
+WRONG = [
+    None,
+    True,
+    "x" * 70,
+    "!",
+    -1,
+    0,
+    1e9,
+    2.5,
+    float("nan"),
+    float("inf"),
+    [],
+    [[]],
+    {},
+    {"x": 1},
+    10**30,
+    b"\xff",
+]
+
+
+def wronged(raw, value):
+    """The same file with a value in place of each of its values, kinds of seas left."""
+    if isinstance(raw, dict):
+        return {key: wronged(inner, value) for key, inner in raw.items() if key != "kind"} | (
+            {"kind": raw["kind"]} if "kind" in raw else {}
+        )
+    return [wronged(inner, value) for inner in raw] if isinstance(raw, list) and raw else value
+
+
+@pytest.mark.parametrize("value", WRONG, ids=lambda value: shortened(repr(value)))
+@pytest.mark.parametrize(
+    ("model", "name"), [(Study, "seed"), (Study, "irregular"), (Campaign, "year"), (BodyStudy, "hinged_barge")]
+)
+def test_mistakes_are_told_in_words_of_this_project(monkeypatch, model, name, value):
+    """Whatever stands where: no word of the library that reads the values, and no mistake that has no words."""
+    monkeypatch.setattr(reading, "MOST_TOLD", 1000)
+    raw = wronged(yaml.safe_load((HOME / "config" / f"{name}.yaml").read_text(encoding="utf-8")), value)
+    with pytest.raises(ConfigError) as error:
+        reading.validated(model, raw, "file.yaml")
+    found = [
+        text for text in error.value.mistakes if re.search("should|Input|pydantic|valid|needs another value", text)
+    ]
+    assert not found
+
+
+def test_one_degree_of_freedom_is_a_name():
+    with pytest.raises(ConfigError, match=r"pto.port.dofs: dof \[\]: needs the name of a degree of freedom"):
+        config.parse(changed(("pto",), {"port": {"dof": []}}))

@@ -68,7 +68,7 @@ def test_by_default_a_study_is_what_it_was(seed):
     assert "witness" not in canonical(seed)
     assert canonical(varied(seed, hydro={"witness": "auto"})) == canonical(seed)
     assert '"witness":"none"' in canonical(varied(seed, hydro={"witness": "none"}))
-    with pytest.raises(ConfigError, match=r"hydro.witness: received 'maybe'; Input should be 'auto' or 'none'"):
+    with pytest.raises(ConfigError, match=r"hydro.witness: received 'maybe'; needs 'auto' or 'none'"):
         varied(seed, hydro={"witness": "maybe"})
 
 

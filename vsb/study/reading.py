@@ -209,17 +209,30 @@ def _told(error: ErrorDetails, title: str, model: type[BaseModel] | None = None)
 
 
 _WORDS = {
-    "model_type": "needs a mapping of keys and values",
-    "dict_type": "needs a mapping of keys and values",
-    "tuple_type": "needs a list",
-    "string_type": "needs a word or a text",
-    "bool_type": "needs true or false",
     "bool_parsing": "needs true or false",
-    "float_parsing": "Input should be a valid number",
-    "int_parsing": "Input should be a valid integer",
-    "too_short": "needs at least {min_length} item(s), not {actual_length}",
+    "bool_type": "needs true or false",
+    "dict_type": "needs a mapping of keys and values",
+    "finite_number": "needs a finite number",
+    "float_parsing": "needs a number",
+    "float_type": "needs a number",
+    "greater_than": "needs a number above {gt:g}",
+    "greater_than_equal": "needs a number of at least {ge:g}",
+    "int_from_float": "needs a whole number",
+    "int_parsing": "needs a whole number",
+    "int_parsing_size": "needs a whole number of fewer digits",
+    "int_type": "needs a whole number",
+    "less_than": "needs a number below {lt:g}",
+    "less_than_equal": "needs a number of at most {le:g}",
+    "list_type": "needs a list",
+    "literal_error": "needs {expected}",
+    "model_type": "needs a mapping of keys and values",
+    "string_pattern_mismatch": "needs letters, digits and _, first a letter",
+    "string_too_long": "needs at most {max_length} characters",
+    "string_type": "needs a word or a text",
+    "string_unicode": "needs a word or a text",
     "too_long": "needs at most {max_length} item(s), not {actual_length}",
-    "string_pattern_mismatch": "String should match pattern {pattern!r}: letters, digits and _, first a letter",
+    "too_short": "needs at least {min_length} item(s), not {actual_length}",
+    "tuple_type": "needs a list",
 }
 """Mistakes in words of this project, by pydantic's name."""
 
@@ -238,7 +251,7 @@ def _needed(error: ErrorDetails, schema: dict[str, Any]) -> str:
         return f"kind {shortened(repr(tag))}: needs one of {choices}{_meant(tag, choices)}"
     if kind == "union_tag_not_found":
         return "kind: missing, but required"
-    what = _WORDS[kind].format(**ctx) if kind in _WORDS else error["msg"]
+    what = error["msg"] if kind == "value_error" else _WORDS.get(kind, "needs another value").format(**ctx)
     return what + (_meant(error["input"], str(ctx["expected"])) if kind == "literal_error" else "")
 
 

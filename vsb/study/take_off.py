@@ -19,6 +19,7 @@ from pydantic import (
 
 from vsb.study.device import Device
 from vsb.study.quantities import Finite, Name, NonNegative, Number, Section, within
+from vsb.tools.words import shortened
 
 Colatitude = Annotated[Number, Field(ge=0, le=180)]
 
@@ -77,7 +78,11 @@ class DofPort(Section):
     @classmethod
     def _one_alone(cls, raw: Any) -> Any:
         """One degree of freedom may stand for itself."""
-        return {"dofs": {raw["dof"]: 1.0}} if isinstance(raw, dict) and set(raw) == {"dof"} else raw
+        if not isinstance(raw, dict) or set(raw) != {"dof"}:
+            return raw
+        if not isinstance(raw["dof"], str):
+            raise ValueError(f"dof {shortened(repr(raw['dof']))}: needs the name of a degree of freedom")
+        return {"dofs": {raw["dof"]: 1.0}}
 
     @field_validator("dofs")
     @classmethod
