@@ -86,3 +86,20 @@ def test_the_whole_page_has_no_errors_and_fits_a_phone(small, tmp_path):
         "return { errors, wide: document.documentElement.scrollWidth, hidden: document.getElementById('live').hidden };"
     )
     assert asked(page, script, tmp_path, width=360) == {"errors": [], "wide": 360, "hidden": False}
+
+
+def test_figures_can_be_read_on_a_phone(small, tmp_path):
+    """Letters of figures and charts are 9 pixels high or more: drawings move sideways in boxes of their own."""
+    with open(f"{small.folder}/report.html", encoding="utf-8") as file:
+        page = file.read()
+    script = """
+      for (const folded of document.querySelectorAll("details")) folded.open = true;
+      const size = (text) => {
+        const { a, b } = text.getScreenCTM();
+        return parseFloat(getComputedStyle(text).fontSize) * Math.hypot(a, b);
+      };
+      const least = (where) => Math.min(...[...document.querySelectorAll(`${where} svg text`)].map(size));
+      return { drawn: least(".drawn"), charts: least(".chart"), wide: document.documentElement.scrollWidth };"""
+    found = asked(page, script, tmp_path, width=360)
+    assert found["wide"] == 360
+    assert min(found["drawn"], found["charts"]) >= 9

@@ -35,7 +35,7 @@ def test_the_page_says_its_powers_its_solver_and_its_figures(small):
         assert f"{row['power_mean']:.4g}" in page
     assert "spectral integral equation" in page
     assert "none (hydro.witness: none)" in page
-    assert page.count('<div class="drawn"><svg') == len(list(Path(f"{small.folder}/figures").glob("*.svg")))
+    assert page.count('<div class="drawn"') == len(list(Path(f"{small.folder}/figures").glob("*.svg")))
 
 
 VOID = {"meta", "br", "hr", "input", "link", "img"}
