@@ -51,7 +51,7 @@ def absorbed_power(data: StudyData) -> Figure:
         period_axis(top)
         _mark_waves(data, (top, bottom))
     largest = max(float(power.where(_shown(data)).max()) for power in powers.values()) / 1e3
-    axes[0, 0].set(ylabel="absorbed power\nper amplitude² [kW/m²]", xlim=(LOWEST, _band_end(data)))
+    axes[0, 0].set(ylabel="absorbed power\nper amplitude² [kW/m²]", xlim=_band(data))
     axes[0, 0].set_ylim(0, 1.25 * largest or float(limit.median()))
     _limit_gain(data, powers.values(), axes[1, 0])
     legend_above(figure, axes[0, 0])
@@ -71,7 +71,7 @@ def reactance(data: StudyData) -> Figure:
     shown = quality.where(_shown(data))
     largest = max(0.1, float(shown.max().fillna(0.0)))
     top.set(ylabel="Q = |X|/R [-]", yscale="log", ylim=(0.05, 1.5 * largest))
-    top.set_xlim(LOWEST, _band_end(data))
+    top.set_xlim(_band(data))
     bottom.set(xlabel="wave frequency [rad/s]", ylabel="best damper's share\n2/(1 + √(1 + Q²)) [-]", ylim=(0, 1.02))
     period_axis(top)
     _mark_waves(data, (top, bottom))
@@ -84,8 +84,8 @@ WAVE: dict[str, Any] = {"color": "#E69F00", "linestyle": "none", "marker": "^", 
 
 def _shown(data: StudyData) -> xr.DataArray:
     """Which frequencies figures over the band show."""
-    omega = data.response.omega
-    shown: xr.DataArray = (omega > LOWEST) & (omega < _band_end(data))
+    omega, (low, high) = data.response.omega, _band(data)
+    shown: xr.DataArray = (omega > low) & (omega < high)
     return shown
 
 
@@ -97,12 +97,12 @@ def _mark_waves(data: StudyData, axes: Iterable[Axes]) -> None:
         ax.plot(omegas, 0 * np.array(omegas), transform=ax.get_xaxis_transform(), zorder=5, label=label, **WAVE)
 
 
-def _band_end(data: StudyData) -> float:
-    """Frequency above which no design absorbs 1 % of its largest power."""
+def _band(data: StudyData) -> tuple[float, float]:
+    """Frequencies shown: from `LOWEST` to where no design absorbs 1 % of its largest power, and the study's waves."""
     power = data.response.absorbed_power.max(dim="design")
-    if not float(power.max()) > 0:
-        return float(power.omega[-1])
-    return float(power.omega[power > 0.01 * power.max()].max())
+    absorbs = power.omega.where(power > 0.01 * power.max(), drop=True) if float(power.max()) > 0 else power.omega
+    ends = np.array([LOWEST, float(absorbs.max()), *data.wave_frequencies])
+    return float(ends.min()), float(ends.max())
 
 
 def _gain(data: StudyData, power: xr.DataArray, ax: Axes) -> None:
