@@ -22,6 +22,8 @@ from vsb.hydro.panels import sweep as panelsweep
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.spectral import sweep as spectralsweep
 from vsb.hydro.statespace import fit_radiation
+from vsb.integrators.audit import START, energies
+from vsb.integrators.trajectory import Leg, recorded
 from vsb.motion.forces import Spring
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
@@ -78,6 +80,14 @@ def compiled_motion(plant, time, start, rtol=1e-11):
 
     y0 = np.concatenate(start)
     return solve_ivp(rates, (0, time[-1]), y0, method="DOP853", rtol=rtol, atol=1e-13, t_eval=time).y[:n].T
+
+
+def labelled(system, motion, sea, design, wave, stride):
+    """A run as a dataset, every `stride`-th instant, with the audit of all instants; see `recorded`."""
+    energy = energies(system, motion)
+    leg = Leg(motion, energy, START.after(energy), stride, 1, "", 0)
+    attrs = {"design": design, "wave": wave, "energy_residual": leg.balance.residual, "status": "completed"}
+    return recorded(system, leg, sea, (0.0, 0.0)).assign_attrs(attrs)
 
 
 def told(arguments, capsys, run=main) -> str:

@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
-from conftest import SEED, compiled_motion, only_run, springs, varied
+from conftest import SEED, compiled_motion, labelled, only_run, springs, varied
 from scipy.integrate import solve_ivp
 
 from vsb.integrators.audit import energies, residual
 from vsb.integrators.exponential import integrate
 from vsb.integrators.simulate import simulate
-from vsb.integrators.trajectory import labelled
 from vsb.motion.system import System
 from vsb.motion.wetted import WetShell, meridian_series, wet_intervals
 from vsb.results.comparison import comparison

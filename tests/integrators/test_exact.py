@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import varied
+from conftest import labelled, varied
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -15,7 +15,6 @@ from vsb.integrators.energy_preserving import structure_preserving
 from vsb.integrators.exact import propagate, steady_state, transition
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.simulate import simulate
-from vsb.integrators.trajectory import labelled
 from vsb.motion.builders import linear_scene
 from vsb.motion.forces import Damper, Excitation, RadiationMemory, RelaxingDamper, Spring
 from vsb.motion.pto import LinearPto

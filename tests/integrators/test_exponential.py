@@ -4,14 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import compiled_motion, only_run, varied
+from conftest import compiled_motion, labelled, only_run, varied
 
 from vsb.errors import ConvergenceError
 from vsb.integrators.audit import energies, residual
 from vsb.integrators.exponential import ExponentialIntegrator, integrate
 from vsb.integrators.exponential_steps import EVALUATIONS, HISTORY, KEPT, STEPS, march
 from vsb.integrators.simulate import simulate
-from vsb.integrators.trajectory import labelled
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.results.power import merit

@@ -3,6 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
+from conftest import labelled
 
 from examples.barge import Barge, box
 from vsb.errors import ConfigError, DatabaseError, StabilityError
@@ -10,7 +11,6 @@ from vsb.hydro.bodies.body import FlexibleBody, at_centres
 from vsb.hydro.bodies.study import solve
 from vsb.hydro.database import open_database
 from vsb.integrators.simulate import simulate
-from vsb.integrators.trajectory import labelled
 from vsb.motion.bodies import LinearBody, body_scene, linear_body, together, with_added_mass_inf
 from vsb.motion.port import combination
 from vsb.motion.pto import LinearPto

@@ -15,14 +15,25 @@ from vsb.hydro.spectral.sweep import converged_on_grid
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.port import Port, port_direction
 from vsb.motion.pto import LinearPto
-from vsb.motion.tuning import frequencies, mean_power
-from vsb.results.ladder import Given, Limits, as_csv, constrained_checks, constrained_rung, ladder
+from vsb.motion.tuning import frequencies, mean_power, squares
+from vsb.results.ladder import Given, Limits, as_csv, constrained_checks, constrained_rung, rungs_of
+from vsb.scenes.afloat import Met
 from vsb.scenes.ports import ShapeWater, design_ports
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell
 from vsb.stages.spectral import spectral_problem
 from vsb.study.plan import StudyPlan
 from vsb.waves.seas import Sea
+
+
+def ladder(ports, seas, families, given, time, dragged=None):
+    """Rungs of every design in every sea of one direction, from ports over `frequencies` of the seas."""
+    waves = list(seas.values())
+    met = {
+        design: Met(port, squares(waves, port.omega), [np.searchsorted(port.omega, one.omega) for one in waves])
+        for design, port in ports.items()
+    }
+    return rungs_of(met, seas, families, given, time, dragged)
 
 
 def random_port(rng, omega):

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 import xarray as xr
 from conftest import varied
-from results.test_year import climate, port
+from results.test_year import climate, port, rms, stroke_rms
 from scenes.test_ports import water
 
-from vsb.results.validity import LIMITS, beyond_validity, motion_limits, motion_rms, rms, stroke_rms, wave_limits
+from vsb.results.validity import LIMITS, beyond_validity, motion_limits, motion_rms, wave_limits
 from vsb.results.year import band_weights, frequencies, year
 from vsb.scenes.ports import POINTS, designs_in_waves
 from vsb.scenes.rest import reference_shell

@@ -4,10 +4,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from results.test_year import WATER, climate, port
+from results.test_year import WATER, climate, port, stroke_rms
 
 from vsb.errors import ConfigError
-from vsb.results.validity import stroke_rms
 from vsb.results.verification import Sample, Verification, chances, contributions, drawn, linear_power, verified
 from vsb.results.year import frequencies, year
 from vsb.waves.climate import realised

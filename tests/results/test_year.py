@@ -31,6 +31,17 @@ def climate(seas=40, seed=1):
     return Climate.of_spectra(omega, density, hours / hours.sum(), "random seas")
 
 
+def rms(climate, omega, response):
+    """Root mean square of a signal in each sea, sqrt(int S |H|^2 dw), from |H|^2 per wave amplitude, (sea,)."""
+    return np.sqrt(climate.density @ (band_weights(omega, climate) @ (response / 2)))
+
+
+def stroke_rms(port, climate, damping):
+    """That of the port's displacement under a damper, (sea,) [m]."""
+    velocity = port.velocity_under(port.load(damping))
+    return rms(climate, port.omega, np.abs(velocity / port.omega) ** 2)
+
+
 def looped(sea, damping, omega, port):
     """Mean power of one sea, hour by hour and band by band: the integral of the broken line of its power."""
     load = 0.5 * damping * np.abs(port.velocity / (1 + port.admittance * damping)) ** 2

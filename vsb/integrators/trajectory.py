@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from vsb.integrators.audit import START, Balance, energies, terms
+from vsb.integrators.audit import Balance, terms
 from vsb.motion.motion import Motion
 from vsb.motion.system import System
 from vsb.tools.units import FloatArray
@@ -29,14 +29,6 @@ class Leg(NamedTuple):
     def end(self) -> tuple[FloatArray, ...]:
         """Position, velocity and memory at the last instant, where the next leg starts."""
         return self.motion.position[-1], self.motion.velocity[-1], self.motion.memory[-1]
-
-
-def labelled(system: System, motion: Motion, sea: Sea | None, design: str, wave: str, stride: int) -> xr.Dataset:
-    """Return a run as a dataset, every `stride`-th instant, with the audit of all instants; see `recorded`."""
-    energy = energies(system, motion)
-    leg = Leg(motion, energy, START.after(energy), stride, 1, "", 0)
-    attrs = {"design": design, "wave": wave, "energy_residual": leg.balance.residual, "status": "completed"}
-    return recorded(system, leg, sea, (0.0, 0.0)).assign_attrs(attrs)
 
 
 def recorded(system: System, leg: Leg, sea: Sea | None, window: tuple[float, float]) -> xr.Dataset:

@@ -13,7 +13,7 @@ from vsb.motion.constrained import optimum_in_sea
 from vsb.motion.drag import DraggedPort, best_damper, best_pair, under
 from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import Port
-from vsb.motion.tuning import IntArray, Load, best_dampers, best_pairs, mean_power, squares
+from vsb.motion.tuning import IntArray, Load, best_dampers, best_pairs, mean_power
 from vsb.scenes.afloat import Met, afloat, band, headings, met, study_sea
 from vsb.scenes.drag import dragged_port
 from vsb.study.body_specs import BodyLadderSpec
@@ -114,31 +114,6 @@ def dragged_rungs(port: DraggedPort, waves: FloatArray, families: Sequence[int],
     together = (Load(*map(np.concatenate, zip(*loads, strict=True))) for loads in (best, pairs))
     names = ("best_damper", "best_damper_all_seas", "best_spring_damper")
     return rungs | dict(zip(names, (next(together), one, next(together)), strict=True))
-
-
-def ladder(
-    ports: Mapping[str, Port],
-    seas: Mapping[str, Sea],
-    families: Sequence[int],
-    given: Mapping[str, Given],
-    time: float,
-    dragged: Mapping[str, DraggedPort] | None = None,
-) -> list[Rung]:
-    """Return the rungs of every design in every sea of one direction.
-
-    Parameters
-    ----------
-    ports : mapping design -> Port
-        Over `frequencies` of the seas.
-    seas, families, given, time, dragged
-        See `rungs_of`.
-    """
-    waves = list(seas.values())
-    met = {
-        design: Met(port, squares(waves, port.omega), [np.searchsorted(port.omega, one.omega) for one in waves])
-        for design, port in ports.items()
-    }
-    return rungs_of(met, seas, families, given, time, dragged)
 
 
 def rungs_of(

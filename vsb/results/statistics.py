@@ -82,7 +82,7 @@ def batch_means(run: xr.Dataset, window: tuple[float, float], length: float) -> 
     Parameters
     ----------
     run : xarray.Dataset
-        See `vsb.integrators.trajectory.labelled`.
+        See `vsb.integrators.trajectory.recorded`.
     window : tuple of float [s]
         Cut into as many equal batches as fit, at least one.
     length : float

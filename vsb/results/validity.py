@@ -7,7 +7,6 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from vsb.motion.port import Port
 from vsb.results.year import Year, band_weights
 from vsb.scenes.ports import InWaves
 from vsb.study.study import Water
@@ -81,19 +80,6 @@ def _beyond(name: str, values: FloatArray, limit: float) -> Beyond:
     return Beyond(name, float(values.max()), limit, values > limit)
 
 
-def rms(climate: Climate, omega: FloatArray, response: FloatArray) -> FloatArray:
-    """Return the root mean square of a signal in each sea, sqrt(int S |H|^2 dw), shape (sea,).
-
-    Parameters
-    ----------
-    climate : Climate
-    omega : ndarray, shape (omega,) [rad/s]
-    response : ndarray, shape (omega,)
-        Squared size |H|^2 of its phasor per wave amplitude.
-    """
-    return np.sqrt(climate.density @ (band_weights(omega, climate) @ (response / 2)))
-
-
 def motion_rms(waves: InWaves, climate: Climate, damping: FloatArray, stiffness: float = 0.0) -> dict[str, FloatArray]:
     """Return the root mean squares `motion_limits` takes, each shape (sea,) [m].
 
@@ -165,9 +151,3 @@ def beyond_validity(year: Year, waves: Mapping[str, InWaves], stiffness: float, 
         "energy_beyond": ((*by, "limit"), energy),
         "energy_beyond_validity": (by, together),
     }
-
-
-def stroke_rms(port: Port, climate: Climate, damping: float) -> FloatArray:
-    """Return the root mean square of the port's displacement under a damper in each sea, shape (sea,) [m]."""
-    velocity = port.velocity_under(port.load(damping))
-    return rms(climate, port.omega, np.abs(velocity / port.omega) ** 2)

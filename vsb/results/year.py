@@ -211,12 +211,6 @@ class Year:
         base = self.annual_mean_power[self.designs.index(self.reference)] if self.reference else np.zeros(1)
         return np.asarray(100 * (self.annual_mean_power / base - 1)) if np.all(base > 0) else None
 
-    @property
-    def of_matrices(self) -> FloatArray:
-        """Mean power by the product of matrices, sum of L J f over bins, shape (design, tuning) [W] (62600-100)."""
-        flux = self.bins.mean(self.flux) * self.bins.share
-        return np.array([[float(np.sum(self.bins.mean(p / self.flux) * flux)) for p in row] for row in self.power])
-
     def matrices(self, values: FloatArray, of: str = "mean") -> FloatArray:
         """Return means (or `deviation`s) within bins of values by design, tuning and sea, (design, tuning, hs, te)."""
         matrix = self.bins.mean if of == "mean" else self.bins.deviation

@@ -100,7 +100,8 @@ class BodyPlan(ResultsPlan):
     @property
     def figures(self) -> list[str]:
         """Names of all figures."""
-        return body_figure_names(self.study)
+        seas = ["spectra"] if self.study.has_spectra else []
+        return [*OF_THE_BAND, *seas, *(f"{name}-{wave.label}" for wave in self.study.drawn_waves for name in OF_A_SEA)]
 
     @property
     def coordinates(self) -> int:
@@ -111,26 +112,6 @@ class BodyPlan(ResultsPlan):
     def highest(self) -> float:
         """Highest frequency a sea may have components at [rad/s]."""
         return self.study.body.file.omega[-1] if isinstance(self.study.body.file, BodyFile) else _HIGHEST
-
-    @property
-    def shape_ids(self) -> dict[str, str]:
-        """None: the shapes are in the body's files."""
-        return {}
-
-    @property
-    def modes_files(self) -> dict[str, str]:
-        """None: the body's own files hold them."""
-        return {}
-
-    @property
-    def solved_files(self) -> list[str]:
-        """None that is known before: frequencies are solved by one job, which keeps those it has."""
-        return []
-
-    @property
-    def witness_files(self) -> dict[str, str]:
-        """None: there is no second solver."""
-        return {}
 
     @property
     def products(self) -> list[str]:
@@ -162,9 +143,3 @@ AnyPlan = StudyPlan | BodyPlan
 def plan_for(study: Study | BodyStudy, root: str = "results") -> AnyPlan:
     """Return the plan of a study whose files, if it is of a body, need not be found: names and ids are known by it."""
     return BodyPlan(study, root=root) if isinstance(study, BodyStudy) else StudyPlan(study, root=root)
-
-
-def body_figure_names(study: BodyStudy) -> list[str]:
-    """Return the names of all figures of a study of a body."""
-    seas = ["spectra"] if study.has_spectra else []
-    return [*OF_THE_BAND, *seas, *(f"{name}-{wave.label}" for wave in study.drawn_waves for name in OF_A_SEA)]

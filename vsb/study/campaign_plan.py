@@ -20,7 +20,7 @@ from vsb.study.body_plan import BodyPlan
 from vsb.study.campaign import LoadedCampaign, Scatter, is_campaign, read, sections, study_at, where_of
 from vsb.study.plan import StudyPlan
 from vsb.study.reading import read_yaml
-from vsb.study.results_plan import figure_paths
+from vsb.study.results_plan import ResultsFolder, figure_paths
 from vsb.study.specs import (
     CampaignSpec,
     ClimateSpec,
@@ -104,7 +104,7 @@ def _shape(study: Study) -> str:
 
 
 @dataclass(frozen=True)
-class CampaignPlan:
+class CampaignPlan(ResultsFolder):
     """Everything a campaign needs computed, with content ids."""
 
     loaded: LoadedCampaign
@@ -235,16 +235,6 @@ class CampaignPlan:
 
     # file names -----------------------------------------------------------------------------------------------------
 
-    @property
-    def folder(self) -> str:
-        """Folder of the campaign's results."""
-        return f"{self.root}/{self.name}"
-
-    @property
-    def manifest(self) -> str:
-        """Stamps of the campaign's products that are no netCDF files."""
-        return f"{self.folder}/manifest.json"
-
     def batch_path(self, batch: str) -> str:
         """Results of the members of a batch."""
         return f"{self.folder}/batches/{batch}.nc"
@@ -290,10 +280,6 @@ class CampaignPlan:
         parts = {self.batch_path(batch): batch for batch in self.batches}
         parts |= {self.verification_path(one): one for one in self.verifications}
         return dict.fromkeys(self.products, self.campaign_id) | parts
-
-    def is_shared(self, path: str) -> bool:
-        """Whether studies share a file."""
-        return path.startswith(f"{self.root}/hydro/")
 
 
 def planned(raw: dict[str, Any], source: str) -> StudyPlan | BodyPlan | CampaignPlan:

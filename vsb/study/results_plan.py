@@ -43,11 +43,35 @@ def quoted(files: Mapping[str, str]) -> str:
     return " ".join(f"--{name} {shlex.quote(path)}" for name, path in files.items())
 
 
-class ResultsPlan(ABC):
+class ResultsFolder(ABC):
+    """Where the results of a study or a campaign lie."""
+
+    root: str  # of all results
+
+    @property
+    @abstractmethod
+    def name(self) -> str:
+        """Name of the study or campaign."""
+
+    @property
+    def folder(self) -> str:
+        """Folder of its own results."""
+        return f"{self.root}/{self.name}"
+
+    @property
+    def manifest(self) -> str:
+        """Stamps of products that are no netCDF files."""
+        return f"{self.folder}/manifest.json"
+
+    def is_shared(self, path: str) -> bool:
+        """Whether studies share a file."""
+        return path.startswith(f"{self.root}/hydro/")
+
+
+class ResultsPlan(ResultsFolder):
     """Results of a study in a folder of results, as files with content ids."""
 
     study: Compared
-    root: str
 
     @property
     @abstractmethod
@@ -79,24 +103,24 @@ class ResultsPlan(ABC):
         """Spec of one time-domain run."""
 
     @property
-    @abstractmethod
     def shape_ids(self) -> dict[str, str]:
-        """Files that show the shapes of the motions, each with its id."""
+        """Files that show the shapes of the motions, each with its id; none of a body, whose own files hold them."""
+        return {}
 
     @property
-    @abstractmethod
     def modes_files(self) -> dict[str, str]:
-        """Shapes of the modes, by the option that names them; none of a body, whose own files hold them."""
+        """Shapes of the modes, by the option that names them; none of a body, likewise."""
+        return {}
 
     @property
-    @abstractmethod
     def solved_files(self) -> list[str]:
-        """Files solved of the water on the way to the database, named by their ids."""
+        """Files solved of the water on the way to the database, named by their ids; of a body one job keeps its own."""
+        return []
 
     @property
-    @abstractmethod
     def witness_files(self) -> dict[str, str]:
         """What two solvers say of the same shapes, by the option that names it; none without a second solver."""
+        return {}
 
     @property
     @abstractmethod
@@ -172,10 +196,6 @@ class ResultsPlan(ABC):
         name = PurePosixPath(path)
         return name.stem if re.fullmatch("[0-9a-f]{16}", name.stem) else name.parent.name
 
-    def is_shared(self, path: str) -> bool:
-        """Whether studies share a file."""
-        return path.startswith(f"{self.root}/hydro/")
-
     # memory ---------------------------------------------------------------------------------------------------------
 
     def record_megabytes(self, wave: Wave) -> int:
@@ -216,16 +236,6 @@ class ResultsPlan(ABC):
     def name(self) -> str:
         """Name of the study."""
         return self.study.study
-
-    @property
-    def folder(self) -> str:
-        """Folder of the study's own results."""
-        return f"{self.root}/{self.study.study}"
-
-    @property
-    def manifest(self) -> str:
-        """Stamps of the study's products that are no netCDF files."""
-        return f"{self.folder}/manifest.json"
 
     def trajectory_path(self, design: str, wave: str) -> str:
         """Time series of one design in one sea."""
