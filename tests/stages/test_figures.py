@@ -16,10 +16,8 @@ from vsb.study.results_plan import FIGURE_KINDS
 def test_every_figure_is_drawn_as_before_and_the_callers_looks_stay(small, tmp_path):
     looks = dict(mpl.rcParams)
     files = {**small.hydro_files, **small.response_files}
-    figures.run(
-        small.study, f"{small.folder}/modes.nc", f"{small.folder}/trajectories", str(tmp_path / "figures"),
-        str(tmp_path / "manifest.json"), **files,
-    )  # fmt: skip
+    out, manifest = str(tmp_path / "figures"), str(tmp_path / "manifest.json")
+    figures.run(small.study, f"{small.folder}/trajectories", out, manifest, modes=f"{small.folder}/modes.nc", **files)
     assert dict(mpl.rcParams) == looks
     names = {f"{name}.{kind}" for name in figure_names(small.study) for kind in FIGURE_KINDS}
     assert {path.name for path in (tmp_path / "figures").iterdir()} == names

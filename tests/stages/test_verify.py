@@ -240,7 +240,7 @@ def test_figures_do_not_take_the_modes_of_another_study(place):
     ):
         figures.run(
             config.parse({**RAW, "modes": {"basis": "full", "degree": 2}, "designs": RAW["designs"]}),
-            f"{PLAN.folder}/modes.nc", f"{PLAN.folder}/trajectories", "figures", "manifest.json",
+            f"{PLAN.folder}/trajectories", "figures", "manifest.json", modes=f"{PLAN.folder}/modes.nc",
             database=PLAN.database_path, radiation=PLAN.radiation_path,
             response=relabelled(bem["response"], other.response_id),
         )  # fmt: skip

@@ -1,16 +1,13 @@
 """The validity ledger of a study of a body: its runs, its seas, its coefficients, time against frequency domain."""
 
-from collections.abc import Sequence
-from dataclasses import replace
-
 import numpy as np
 import xarray as xr
 
-from vsb.hydro.database import Check, check_at_most, stored_checks
+from vsb.hydro.database import Check, check_at_most
 from vsb.hydro.formats.modes import volume_of
-from vsb.results.comparison import Row, Runs
-from vsb.results.ledger import radiation_checks, wave_checks
-from vsb.results.run_checks import Attributes, agreement_checks, drift_checks, energy_check
+from vsb.results.comparison import Runs
+from vsb.results.ledger import wave_checks
+from vsb.results.run_checks import drift_checks, energy_check
 from vsb.scenes.afloat import band
 from vsb.study.body import BodyStudy
 from vsb.study.quantities import RIGID, body_of, motion_of
@@ -53,18 +50,3 @@ def motion_checks(study: BodyStudy, database: xr.Dataset, run: xr.Dataset) -> li
         text = "largest translation over the cube root of the displaced volume"
         checks.append(check_at_most("translation", value, SHIFT, "-", text, doubt=True, **where))
     return checks
-
-
-def body_ledger(
-    study: BodyStudy,
-    database: xr.Dataset,
-    radiation: xr.Dataset,
-    frequency: xr.Dataset,
-    rows: Sequence[Row],
-    runs: Attributes,
-) -> list[Check]:
-    """Return the checks of linear hydrodynamics: seas, coefficients, radiation memory, time and frequency domain."""
-    checks = [*radiation_checks(radiation, study.hydro.tolerance), *seas_checks(study, database)]
-    for wave in study.waves:
-        checks += agreement_checks(study, wave, frequency, rows, runs)
-    return checks + [replace(check, name=f"hydro {check.name}") for check in stored_checks(database)]

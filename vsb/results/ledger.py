@@ -19,7 +19,7 @@ from vsb.motion.pto import LinearPto
 from vsb.results.attitude import attitude_checks
 from vsb.results.comparison import Row, Runs
 from vsb.results.power import damper_of
-from vsb.results.run_checks import Attributes, agreement_checks, drift_checks, energy_check
+from vsb.results.run_checks import Attributes, drift_checks, energy_check
 from vsb.scenes.directions import loaded_shell, order_bases
 from vsb.scenes.rest import computed_buckling, design_motions, reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell
@@ -128,9 +128,8 @@ def wave_checks(wave: Wave, water: Water, omega_max: float, lowest: float = 0.0)
         return []
     height = 2 * wave.amplitude if isinstance(wave, RegularWave) else wave.hs
     steepness = height * wavenumber(wave.omega, water.depth, water.gravity) / (2 * np.pi)
-    checks = [
-        check_at_most("steepness", steepness, 0.05, "-", "wave height over wavelength", doubt=True, wave=wave.label)
-    ]
+    text = "wave height over wavelength"
+    checks = [check_at_most("steepness", steepness, 0.05, "-", text, doubt=True, wave=wave.label)]
     if isinstance(wave, IrregularSea):
         share, text = share_above(wave, omega_max), "share of the sea above hydro.omega_max"
         if lowest:
@@ -142,23 +141,20 @@ def wave_checks(wave: Wave, water: Water, omega_max: float, lowest: float = 0.0)
 
 def run_checks(study: Study, basis: ModeBasis, run: xr.Dataset) -> list[Check]:
     """Return whether a run stays within small motion and closes its energy balance."""
-    design, wave = run.attrs["design"], run.attrs["wave"]
-    start, end = study.simulation.window
-    inside = run.sel(time=slice(start, end))
+    where = {"design": run.attrs["design"], "wave": run.attrs["wave"]}
+    inside = run.sel(time=slice(*study.simulation.window))
     heave = float(np.abs(inside.position.values[:, 0]).max()) / study.device.radius
     checks = [
         energy_check(study, run),
-        check_at_most("heave", heave, 0.3, "-", "heave amplitude over radius", doubt=True, design=design, wave=wave),
+        check_at_most("heave", heave, 0.3, "-", "heave amplitude over radius", doubt=True, **where),
         *drift_checks(study, run),
         *attitude_checks(study, inside),
     ]
     if flexible(run.dof.values):
         moved, strain = deformation(study, basis, inside)
         checks += [
-            check_at_most(
-                "deformation", moved, 0.1, "-", "shell displacement over radius", doubt=True, design=design, wave=wave
-            ),
-            check_at_most("strain", strain, 0.02, "-", "largest membrane strain", doubt=True, design=design, wave=wave),
+            check_at_most("deformation", moved, 0.1, "-", "shell displacement over radius", doubt=True, **where),
+            check_at_most("strain", strain, 0.02, "-", "largest membrane strain", doubt=True, **where),
         ]
     return checks
 
@@ -289,26 +285,6 @@ def simplification_checks(study: Study, wave: Wave, runs: Runs) -> list[Check]:
     return checks
 
 
-def linear_ledger(
-    study: Study,
-    database: xr.Dataset,
-    radiation: xr.Dataset,
-    frequency: xr.Dataset,
-    rows: Sequence[Row],
-    runs: Attributes,
-) -> list[Check]:
-    """Return the checks of linear hydrodynamics: waves, coefficients, radiation model, time and frequency domain."""
-    checks = [
-        *bending_checks(study, database, runs),
-        limit_check(frequency),
-        *radiation_checks(radiation, study.hydro.tolerance),
-    ]
-    for wave in study.waves:
-        checks += wave_checks(wave, study.water, study.hydro.omega_max)
-        checks += agreement_checks(study, wave, frequency, rows, runs)
-    return checks + [replace(check, name=f"hydro {check.name}") for check in stored_checks(database)]
-
-
 def witness_checks(study: Study, database: xr.Dataset, found: xr.Dataset) -> list[Check]:
     """Return whether a second solver agrees, on all shapes and with the database; in doubt where it cannot be asked."""
     if study.hydro.witness == "none":
@@ -334,9 +310,8 @@ def assumed_pressure_checks(study: Study, rows: Sequence[Row]) -> list[Check]:
         share = float(best["power_mean"]) / limit if limit else 0.0
         text = f"largest mean power over what a wave of the same surface pressure, {amplitude:.3g} m in amplitude, can "
         text += "give any heaving axisymmetric body: the model has no radiation"
-        checks.append(
-            check_at_most("assumed_pressure", share, 1.0, "-", text, design=str(best["design"]), wave=wave.label)
-        )
+        design = str(best["design"])
+        checks.append(check_at_most("assumed_pressure", share, 1.0, "-", text, design=design, wave=wave.label))
     return checks
 
 

@@ -19,17 +19,7 @@ _KEPT = ("displaced_volume", "centre_of_buoyancy", "centre_of_mass", "bem_second
 """Facts of the database read or solved that stay."""
 
 
-def run(
-    spec: BodySpec,
-    out: str,
-    folder: str = "",
-    green: str = "",
-    mesh: str = "",
-    modes: str = "",
-    database: str = "",
-    wamit: str = "",
-    bemio: str = "",
-) -> None:
+def run(spec: BodySpec, out: str, **files: str) -> None:
     """Solve or read the coefficients of a body, check them, and store them with its matrices.
 
     Raises
@@ -37,9 +27,8 @@ def run(
     ConfigError, DatabaseError
         If a file is not what it should be, or a check fails that the study does not accept.
     """
-    files = {"database": database, "wamit": wamit, "bemio": bemio}
     if isinstance(spec.body.file, BodyFile):
-        found, _ = solved(spec.body.file, read_body(mesh, modes), folder, green)
+        found, _ = solved(spec.body.file, read_body(files["mesh"], files["modes"]), files["folder"], files["green"])
     else:
         found = read_source(spec.body.kind, files[spec.body.kind], spec.water, spec.body.length)
     check_water(spec.water, found)

@@ -1,13 +1,13 @@
 """Rule compare: comparison table, statistics, validity ledger."""
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any, NamedTuple
 
-from vsb.hydro.database import Check
+from vsb.hydro.database import Check, stored_checks
 from vsb.results import comparison, ledger
 from vsb.results import statistics as irregular
-from vsb.results.body_ledger import body_ledger, runs_checks
+from vsb.results.body_ledger import runs_checks, seas_checks
 from vsb.results.equal_tuning import (
     Limited,
     Tuned,
@@ -18,7 +18,7 @@ from vsb.results.equal_tuning import (
 )
 from vsb.results.ladder import Rung, constrained_checks
 from vsb.results.pauses import pause_checks
-from vsb.results.run_checks import Attributes
+from vsb.results.run_checks import Attributes, agreement_checks
 from vsb.scenes.afloat import study_sea
 from vsb.scenes.rest import reference_shell
 from vsb.shell.modes import ModeBasis
@@ -33,24 +33,13 @@ from vsb.tools.stamps import read_text, record
 from vsb.waves.seas import NO_WAVES
 
 
-def run(
-    spec: CompareSpec | BodyCompareSpec,
-    trajectories: str,
-    out: str,
-    statistics: str,
-    validity: str,
-    study: str,
-    tables: str,
-    manifest: str,
-    rungs: str = "",
-    **solved: str,
-) -> None:
+def run(spec: CompareSpec | BodyCompareSpec, trajectories: str, **files: str) -> None:
     """Write the comparison table, statistics of irregular seas, the validity ledger and the study in canonical form.
 
     Those are for people; what the report reads is one file of checked data, `tables`.
     """
     compared = spec.study
-    found = Inputs(compared, trajectories, solved)
+    found = Inputs(compared, trajectories, files)
     reference = None if isinstance(compared, BodyStudy) else reference_shell(compared)
     met = [in_a_sea(found, reference.basis if reference else None, wave) for wave in compared.waves]
     rows = [row for one in met for row in one.rows]
@@ -66,17 +55,13 @@ def run(
         lines = irregular.statistics(compared, {run: kept for one in met for run, kept in one.samples.items()})
         checks += of_the_water(found, rows, runs)
         checks += irregular.statistical_checks(compared, lines)
-        ladder = [Rung(**row) for row in json.loads(read_text(rungs, manifest, found.plan.ladder_id))]
+        ladder = [Rung(**row) for row in json.loads(read_text(files["rungs"], files["manifest"], found.plan.ladder_id))]
         tuned, limited = equal_tuning(compared, ladder), within_limits(compared, ladder)
         checks += [*fair_damping_checks(tuned, damper_unit(compared.pto.port)), *constrained_checks(ladder)]
         checks += reference_power_checks(compared, ladder)
     elif isinstance(compared, Study):
         checks += ledger.assumed_pressure_checks(compared, rows)
     checks = ledger.worst_first(checks)
-    write_text(out, comparison.as_csv(rows))
-    write_text(statistics, irregular.as_csv(lines))
-    write_text(validity, ledger.ledger_json(compared.study, checks))
-    write_text(study, canonical(compared) + "\n")
     data = {
         "comparison": rows,
         "statistics": [line._asdict() for line in lines],
@@ -84,17 +69,35 @@ def run(
         "within_limits": [line._asdict() for line in limited],
         "checks": [asdict(check) for check in checks],
     }
-    write_text(tables, json.dumps(data, indent=1, allow_nan=False) + "\n")
-    record(manifest, found.plan.study_id, [out, statistics, validity, study, tables])
+    texts = {
+        files["out"]: comparison.as_csv(rows),
+        files["statistics"]: irregular.as_csv(lines),
+        files["validity"]: ledger.ledger_json(compared.study, checks),
+        files["study"]: canonical(compared) + "\n",
+        files["tables"]: json.dumps(data, indent=1, allow_nan=False) + "\n",
+    }
+    for path, text in texts.items():
+        write_text(path, text)
+    record(files["manifest"], found.plan.study_id, list(texts))
 
 
 def of_the_water(found: Inputs, rows: list[comparison.Row], runs: Attributes) -> list[Check]:
-    """Return the checks of linear hydrodynamics, and of a second solver where there is one."""
-    study, hydro = found.study, (found.database, found.radiation, found.response)
+    """Return the checks of linear hydrodynamics: waves, coefficients, radiation memory, time and frequency domain.
+
+    Of a buoy also whether bending modes are needed, the limit of its power, and what a second solver says.
+    """
+    study, database = found.study, found.database
+    checks = ledger.radiation_checks(found.radiation, study.hydro.tolerance)
     if isinstance(study, BodyStudy):
-        return body_ledger(study, *hydro, rows, runs)
-    checks = ledger.linear_ledger(study, *hydro, rows, runs)
-    return checks + ledger.witness_checks(study, found.database, found.witness)
+        checks += seas_checks(study, database)
+    else:
+        checks = [*ledger.bending_checks(study, database, runs), ledger.limit_check(found.response), *checks]
+    for wave in study.waves:
+        if isinstance(study, Study):
+            checks += ledger.wave_checks(wave, study.water, study.hydro.omega_max)
+        checks += agreement_checks(study, wave, found.response, rows, runs)
+    checks += [replace(check, name=f"hydro {check.name}") for check in stored_checks(database)]
+    return checks + (ledger.witness_checks(study, database, found.witness) if isinstance(study, Study) else [])
 
 
 class InASea(NamedTuple):

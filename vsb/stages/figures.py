@@ -10,9 +10,7 @@ from vsb.report.svg import drawn
 from vsb.results.power import in_direction
 from vsb.scenes.afloat import AnyStudy
 from vsb.stages.inputs import Inputs
-from vsb.study.plan import StudyPlan
-from vsb.study.study import IrregularSea, StillWater, Study, Wave, content_id
-from vsb.tools.files import load
+from vsb.study.study import IrregularSea, StillWater, Study, Wave
 from vsb.tools.stamps import record
 from vsb.waves.seas import spectrum
 
@@ -20,23 +18,16 @@ FREQUENCIES = 2000
 """At which spectra are drawn."""
 
 
-def run(
-    study: AnyStudy,
-    modes: str,
-    trajectories: str,
-    out: str,
-    manifest: str,
-    **solved: str,
-) -> None:
+def run(study: AnyStudy, trajectories: str, out: str, manifest: str, **files: str) -> None:
     """Draw and write all figures of a study into a folder: SVG, PDF, and their data as CSV."""
-    found = Inputs(study, trajectories, solved)
+    found = Inputs(study, trajectories, files)
     data = StudyData(
         designs=tuple(study.designs),
         reference=study.reference_design,
         wave_frequencies=tuple(wave.omega for wave in study.waves if not isinstance(wave, StillWater)),
         periods={wave.label: _period(study, wave, found.response) for wave in study.waves},
         window=study.simulation.window,
-        modes=load(modes, expected=content_id(found.plan.modes)) if isinstance(found.plan, StudyPlan) else xr.Dataset(),
+        modes=found.modes,
         database=found.database,
         radiation=found.radiation,
         response=in_direction(found.response, study.waves[0]),
@@ -46,11 +37,11 @@ def run(
         limit="limit λ/2π" if isinstance(study, Study) else "λ/2π",
         spectra=_spectra(study, found.plan.highest),
     )
-    files: list[str] = []
+    written: list[str] = []
     with mpl.rc_context():  # the caller's own figures keep their looks
         for name in found.plan.figures:
-            files += drawn(draw(name, data), name).write(out, name)
-    record(manifest, found.plan.study_id, files)
+            written += drawn(draw(name, data), name).write(out, name)
+    record(manifest, found.plan.study_id, written)
 
 
 def _spectra(study: AnyStudy, highest: float) -> xr.DataArray:

@@ -11,6 +11,8 @@ from vsb.hydro.database import load_database
 from vsb.scenes.afloat import AnyStudy
 from vsb.stages.trajectories import StoredRuns
 from vsb.study.body_plan import plan_for
+from vsb.study.canonical import content_id
+from vsb.study.plan import StudyPlan
 from vsb.study.results_plan import ResultsPlan
 from vsb.tools.files import load
 
@@ -42,6 +44,13 @@ class Inputs:
     def runs(self) -> StoredRuns:
         """Time series by design and sea."""
         return StoredRuns(self.study, self.trajectories)
+
+    @cached_property
+    def modes(self) -> xr.Dataset:
+        """Shapes of the shell modes."""
+        if not isinstance(self.plan, StudyPlan):
+            return xr.Dataset()
+        return load(self.path("modes"), expected=content_id(self.plan.modes))
 
     @cached_property
     def database(self) -> xr.Dataset:

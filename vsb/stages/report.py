@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import xarray as xr
 
 from vsb import __version__
 from vsb.report.page import Report, render
@@ -20,28 +19,19 @@ from vsb.stages.living import living_study
 from vsb.stages.moving import moving_study
 from vsb.study.body import BodyStudy
 from vsb.study.plan import StudyPlan
-from vsb.study.study import StillWater, Study, content_id
+from vsb.study.study import StillWater, Study
 from vsb.study.witness import no_witness
-from vsb.tools.files import load, write_text
+from vsb.tools.files import write_text
 from vsb.tools.stamps import read_text, record
 
 ASSUMED = "hydrostatic and assumed uniform pressure of {:g} Pa on the instantaneous wet shell; no radiation"
 
 
-def run(
-    study: AnyStudy,
-    tables: str,
-    modes: str,
-    trajectories: str,
-    figures: str,
-    out: str,
-    manifest: str,
-    **solved: str,
-) -> None:
+def run(study: AnyStudy, trajectories: str, out: str, manifest: str, **files: str) -> None:
     """Write the report of a study, from its checked results alone."""
-    stored = Inputs(study, trajectories, solved)
+    stored = Inputs(study, trajectories, files)
     study_id = stored.plan.study_id
-    found = json.loads(read_text(tables, manifest, study_id))
+    found = json.loads(read_text(files["tables"], manifest, study_id))
     if isinstance(study, BodyStudy):
         hydrodynamics = _body_facts(stored)
     elif study.needs_bem:
@@ -61,27 +51,26 @@ def run(
         reference=study.reference_design,
         sketches=sketches(study) if isinstance(study, Study) else (),
         thing="buoy" if isinstance(study, Study) else "body",
-        buoys=_buoys(stored, modes),
-        living=_living(study, stored.path("database"), stored.response, found["within_limits"]),
-        figures={n: read_text(f"{figures}/{n}.svg", manifest, study_id) for n in stored.plan.figures},
+        buoys=_buoys(stored),
+        living=_living(stored, found["within_limits"]),
+        figures={n: read_text(f"{files['figures']}/{n}.svg", manifest, study_id) for n in stored.plan.figures},
         facts=_facts(study, hydrodynamics, stored.runs.attributes()),
     )
     write_text(out, render(page))
     record(manifest, study_id, [out])
 
 
-def _buoys(stored: Inputs, modes: str) -> dict[str, Any] | None:
+def _buoys(stored: Inputs) -> dict[str, Any] | None:
     """Moving buoys of a page, which are bodies of revolution at any time; none of others."""
     if not isinstance(stored.plan, StudyPlan) or stored.plan.study.motion != "heave":
         return None
-    return moving_study(stored, load(modes, expected=content_id(stored.plan.modes)))
+    return moving_study(stored, stored.modes)
 
 
-def _living(
-    study: AnyStudy, database: str, response: xr.Dataset, limited: Sequence[Mapping[str, Any]]
-) -> dict[str, Any] | None:
+def _living(stored: Inputs, limited: Sequence[Mapping[str, Any]]) -> dict[str, Any] | None:
     """What a page computes with; a body's has seas of several directions, which it does not know."""
-    return living_study(study, database, response, limited) if isinstance(study, Study) else None
+    study, database = stored.study, stored.path("database")
+    return living_study(study, database, stored.response, limited) if isinstance(study, Study) else None
 
 
 def _seas(study: AnyStudy) -> dict[str, str]:
