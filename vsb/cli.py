@@ -113,7 +113,7 @@ def import_wamit(args: argparse.Namespace) -> int:
     """Read WAMIT's output, generalized modes included, into a hydro database with the verdict of its identities."""
     from vsb.stages import exchange
 
-    names = ("density", "gravity", "length", "depth", "axisymmetric")
+    names = (*exchange.FACTS, "axisymmetric")
     found = exchange.import_wamit(args.folder, args.name, args.out, **{name: getattr(args, name) for name in names})
     return _imported(*found, args.out)
 

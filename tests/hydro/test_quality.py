@@ -5,10 +5,12 @@ import xarray as xr
 from vsb.errors import DatabaseError
 from vsb.hydro import quality
 from vsb.hydro.database import Check
+from vsb.study.sections import Water
 from vsb.waves.dispersion import group_velocity
 
 OMEGA = np.arange(1, 121) * 0.1
 RHO, G = 1000.0, 9.81
+WATER = Water(density=RHO, gravity=G)
 
 
 @pytest.fixture
@@ -33,12 +35,12 @@ def perfect():
 
 
 def failed(ds):
-    checks = [*quality.pointwise_checks(ds, np.inf, RHO, G), *quality.sweep_checks(ds)]
+    checks = [*quality.pointwise_checks(ds, WATER), *quality.sweep_checks(ds)]
     return {check.name for check in checks if check.verdict == "fail"}
 
 
 def test_a_perfect_database_passes(perfect):
-    checks = quality.verdict(perfect, None, np.inf, RHO, G)
+    checks = quality.verdict(perfect, None, WATER)
     assert {check.verdict for check in checks} == {"ok"}
     assert max(check.value for check in checks if check.name != "irregular_frequencies") < 1e-6
 
@@ -75,8 +77,8 @@ def test_either_matrix_alone_may_lack_symmetry(perfect, matrix):
 def test_a_failure_is_one_line_and_can_be_accepted_by_name(perfect):
     wrong = damaged(perfect, *DAMAGES["haskind"])
     with pytest.raises(DatabaseError, match=r"check 'haskind' failed: 0.21, needs at most 0.05 \(damping follows"):
-        quality.judged(quality.verdict(wrong, None, np.inf, RHO, G), ())
-    accepted = quality.judged(quality.verdict(wrong, None, np.inf, RHO, G), ("haskind",))
+        quality.judged(quality.verdict(wrong, None, WATER), ())
+    accepted = quality.judged(quality.verdict(wrong, None, WATER), ("haskind",))
     checks = {check.name: check.verdict for check in accepted}
     assert checks["haskind"] == "accepted"
 
@@ -85,7 +87,7 @@ def test_tabulated_frequencies_are_judged_with_the_sweep(perfect):
     tabulated = perfect.isel(omega=[10, 50]).assign_coords(omega=[1.13, 5.17])
     tabulated = damaged(tabulated, "radiation_damping", lambda b: b.__imul__(3.0))
     with pytest.raises(DatabaseError, match="check 'haskind' failed"):
-        quality.judged(quality.verdict(perfect, tabulated, np.inf, RHO, G), ())
+        quality.judged(quality.verdict(perfect, tabulated, WATER), ())
 
 
 def test_estimates_of_solver_and_sweep_are_judged_by_the_tolerance():

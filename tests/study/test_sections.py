@@ -13,6 +13,7 @@ from conftest import SEED, varied
 from vsb.errors import ConfigError
 from vsb.hydro import quality
 from vsb.study import study as config
+from vsb.study.sections import Water
 
 RAW = yaml.safe_load(SEED.read_text())
 
@@ -152,7 +153,7 @@ def test_checks_a_study_may_accept_are_those_there_are():
     )
     estimates = [dict.fromkeys((name for name in literals if isinstance(name, str)), 0.0)]
     found = [
-        *quality.pointwise_checks(ds, np.inf, 1e3, 9.81),
+        *quality.pointwise_checks(ds, Water(density=1e3)),
         *quality.sweep_checks(ds),
         *quality.estimate_checks(estimates, 1e-3),
     ]

@@ -14,6 +14,8 @@ from vsb.errors import DatabaseError
 from vsb.hydro.azimuthal import multiplicity
 from vsb.hydro.database import Check, check_at_most
 from vsb.hydro.retardation import DampingSpectrum
+from vsb.hydro.sweep import joined
+from vsb.study.sections import Water
 from vsb.tools.units import ComplexArray, FloatArray
 from vsb.waves.dispersion import group_velocity, wavenumber
 
@@ -126,11 +128,9 @@ def identity_check(name: str, value: float, limit: float, precision: float, expl
     return replace(strict, verdict="doubt")
 
 
-def pointwise_checks(
-    ds: xr.Dataset, depth: float, density: float, gravity: float, precision: float = 1.0, order: int = 0
-) -> list[Check]:
+def pointwise_checks(ds: xr.Dataset, water: Water, precision: float = 1.0, order: int = 0) -> list[Check]:
     """Return the checks that hold at every frequency by itself, to a fraction `precision` of what panels hold them."""
-    haskind = haskind_difference(ds, depth, density, gravity, order)
+    haskind = haskind_difference(ds, water.depth, water.density, water.gravity, order)
     held = [
         ("symmetry", asymmetry(ds), 0.01, "added mass and damping are symmetric matrices"),
         ("positive_damping", negative_damping(ds), 0.01, "no motion can draw energy from calm water"),
@@ -189,25 +189,12 @@ def judged(checks: Sequence[Check], accept: Sequence[str]) -> list[Check]:
 
 
 def verdict(
-    sweep: xr.Dataset,
-    tabulated: xr.Dataset | None,
-    depth: float,
-    density: float,
-    gravity: float,
-    precision: float = 1.0,
-    order: int = 0,
+    sweep: xr.Dataset, tabulated: xr.Dataset | None, water: Water, precision: float = 1.0, order: int = 0
 ) -> list[Check]:
     """Return the checks of a database, before it is symmetrized: its sweep and any frequencies tabulated.
 
     Of one azimuthal order, and of what moves water; checks of orders m >= 1 say which.
     """
-    everywhere = sweep
-    if tabulated is not None:
-        everywhere = xr.concat(
-            [sweep, tabulated], dim="omega", data_vars="minimal", coords="minimal", compat="override"
-        )
-    checks = [
-        *pointwise_checks(everywhere, depth, density, gravity, precision, order),
-        *sweep_checks(sweep, precision),
-    ]
+    everywhere = sweep if tabulated is None else joined(sweep, tabulated)
+    checks = pointwise_checks(everywhere, water, precision, order) + sweep_checks(sweep, precision)
     return [replace(c, explanation=f"order {order}: {c.explanation}") for c in checks] if order else checks

@@ -108,9 +108,8 @@ class _Part:
             None if part is None else part.drop_sel(influenced_dof=still, radiating_dof=still)
             for part in (swept, asked)
         )
-        water = self.spec.water
         assert wet is not None
-        return quality.verdict(wet, tabulated, water.depth, water.density, water.gravity, precision, self.order)
+        return quality.verdict(wet, tabulated, self.spec.water, precision, self.order)
 
     def complete(self, raw: xr.Dataset) -> xr.Dataset:
         """Coefficients made symmetric, with the structure; those of orders m >= 1 also passive at all frequencies."""

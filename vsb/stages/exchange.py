@@ -9,26 +9,17 @@ from vsb.hydro.formats import bemio, foreign, wamit
 from vsb.hydro.formats.modes import check_positive
 from vsb.tools.files import save
 
+FACTS = {"density": "kg/m^3", "gravity": "m/s^2", "length": "m", "depth": "m"}
+"""What WAMIT's files do not say of a run, and its units."""
 Verdict = tuple[list[database.Check], list[str], list[str]]
 """Checks, what was left out of the file or of the checks, and what to look at where a check does not hold."""
 
 
-def import_wamit(
-    folder: str,
-    name: str,
-    out: str,
-    *,
-    density: float,
-    gravity: float,
-    length: float,
-    depth: float,
-    axisymmetric: bool,
-) -> Verdict:
-    """Read WAMIT's output into a database file and return the verdict on it."""
-    values = (density, "kg/m^3"), (gravity, "m/s^2"), (length, "m"), (depth, "m")
-    for option, (value, unit) in zip(("density", "gravity", "length", "depth"), values, strict=True):
-        check_positive(f"--{option}", value, unit, infinite=option == "depth")
-    ds = wamit.import_wamit(folder, name, density=density, gravity=gravity, length=length, depth=depth)
+def import_wamit(folder: str, name: str, out: str, *, axisymmetric: bool, **facts: float) -> Verdict:
+    """Read WAMIT's output into a database file and return the verdict on it; facts of the run as in `FACTS`."""
+    for option, unit in FACTS.items():
+        check_positive(f"--{option}", facts[option], unit, infinite=option == "depth")
+    ds = wamit.import_wamit(folder, name, labels=None, **facts)
     return _store_foreign(ds, out, axisymmetric, foreign.WAMIT_WORDS)
 
 

@@ -138,8 +138,8 @@ def _of_order(plan: StudyPlan, basis: ModeBasis, family: OrderBasis | None) -> L
 
 def _judge(study: Study, blocks: Sequence[xr.Dataset], sweep: xr.Dataset, order: int) -> None:
     """Judge coefficients as those of a database are."""
-    water, tolerance = study.water, study.hydro.tolerance
+    tolerance = study.hydro.tolerance
     precision = min(1.0, tolerance / COARSEST_SWEEP) if not study.uses_panels else 1.0
     checks = quality.estimate_checks([block.attrs for block in blocks], tolerance)
-    checks += quality.verdict(sweep, None, water.depth, water.density, water.gravity, precision, order)
+    checks += quality.verdict(sweep, None, study.water, precision, order)
     quality.judged(checks, study.hydro.accept)
