@@ -1,13 +1,15 @@
 """Recipes of `docs/extending.md` as they stand there; an integrator in a study is `integrators/test_simulate.py`'s."""
 
 import sys
+import time as clock
 from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import xarray as xr
-from conftest import HERE
+from conftest import HERE, varied
+from pydantic import ValidationError
 
 from vsb.errors import ConfigError
 from vsb.hydro.dofs import Displacement
@@ -15,22 +17,27 @@ from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.integrators.exact import propagate
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.phi import phi_integrals
-from vsb.integrators.simulate import METHODS, Method
+from vsb.integrators.simulate import METHODS, Method, suited
 from vsb.motion.forces import Damper, Excitation, Force, Linear, Spring
+from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.report.canvas import grid_of_axes, style
 from vsb.scenes.rest import study_basis
+from vsb.scenes.take_off import LAWS, with_take_off
 from vsb.shell.deformed import DeformedShell, rigid_buoy, rigid_sphere
 from vsb.shell.modes import Mode, ModeBasis
 from vsb.shell.ritz import natural_modes
 from vsb.shell.sphere import Shell, natural_frequencies
 from vsb.stages.stage import Stage
 from vsb.study import specs
+from vsb.study.blocks import HydroPlan
 from vsb.study.meridian import RestMeridian
-from vsb.study.study import canonical
+from vsb.study.study import canonical, content_id
+from vsb.study.take_off import Pto
 from vsb.study.waves import WhiteNoise
 from vsb.tools.files import write_text
+from vsb.tools.stamps import faults, read_manifest, record
 from vsb.waves import seas
 
 
@@ -56,6 +63,17 @@ def test_a_take_off_law_takes_what_the_wave_brings():
     assert found.power.residual < 1e-6
 
 
+def test_a_law_that_is_not_of_straight_pieces_is_a_row(monkeypatch):
+    """It need not be a `TakeOff`, and what follows it is told by the force alone."""
+    law = recipe("A take-off law", dataclass=dataclass, Force=Force, Linear=Linear, np=np)["QuadraticDamper"]
+    monkeypatch.setitem(LAWS, "saturated", lambda pto, port, damper, rest: law(damper))
+    forces = {"hydrostatic": Spring(np.array([[50.0]])), "pto": Damper(np.array([[1.2]]))}
+    scene = Scene(("Heave",), np.array([[2.0]]), forces, np.eye(1))
+    found = with_take_off(scene, Pto(damping=1.2, law="saturated", force_limit=9.0), LinearPto(1.2))
+    assert found.forces["pto"] == law(1.2)
+    assert suited(System.of(found)) == "collocation"
+
+
 def test_a_spectrum_carries_its_significant_height(monkeypatch):
     swell = recipe("A sea spectrum", np=np)["swell"]
     monkeypatch.setattr(seas, "spectrum", lambda wave, omega: swell(omega, wave.hs, 1.0, 0.05))
@@ -67,7 +85,7 @@ def test_a_spectrum_carries_its_significant_height(monkeypatch):
 def test_an_integrator_is_a_function_and_a_row(monkeypatch):
     """Waves held over a step: half the step, half the error."""
     monkeypatch.setitem(METHODS, "euler", METHODS["exact"])
-    recipe("An integrator", np=np, phi_integrals=phi_integrals, METHODS=METHODS, Method=Method)
+    recipe("An integrator", np=np, clock=clock, phi_integrals=phi_integrals, METHODS=METHODS, Method=Method)
     forces = {"hydrostatic": Spring(np.array([[50.0]])), "pto": Damper(np.array([[1.2]]))}
     forces["excitation"] = Excitation(np.array([2.5]), np.array([[30.0 + 5j]]))
     system = System.of(Scene(("Heave",), np.array([[2.0]]), forces, np.eye(1)))
@@ -77,6 +95,7 @@ def test_an_integrator_is_a_function_and_a_row(monkeypatch):
         motion, steps = METHODS["euler"].follower(system, 1e-6, None)(time, start)
         errors.append(np.abs(motion.position - propagate(system, time, start).position).max())
         assert steps == count - 1
+        assert motion.seconds > 0
     assert errors[0] / errors[1] == pytest.approx(2, abs=0.05)
 
 
@@ -90,6 +109,14 @@ def test_the_water_around_a_rest_shape_follows_from_it(seed):
     )
     for name in ("added_mass", "radiation_damping"):
         np.testing.assert_allclose(blown[name], larger[name], rtol=1e-9)
+
+
+def test_the_solvers_of_the_water_are_told_every_rest_shape(seed):
+    """One that has no name there yet is refused; it was taken for the sphere."""
+    with pytest.raises(ValidationError, match="reference_shape"):
+        _ = HydroPlan(seed.model_copy(update={"reference_shape": "inflated"})).shape
+    rigid = varied(seed, reference_shape="equilibrium", designs={"FSB": {"flexible": False}})
+    assert isinstance(HydroPlan(rigid).shape, specs.Sphere)
 
 
 def test_an_unloaded_shape_is_a_meridian():
@@ -125,14 +152,16 @@ def test_a_figure_draws_what_its_data_say():
 def test_a_stage_is_a_specification_and_a_function(seed, tmp_path, monkeypatch):
     """From its text alone; that of another version is refused, and what it does not name it does not have."""
     monkeypatch.setitem(specs.PHYSICS, "draft", 1)
-    made = recipe("A stage", AfloatSpec=specs.AfloatSpec, write_text=write_text)
+    made = recipe("A stage", AfloatSpec=specs.AfloatSpec, write_text=write_text, record=record, content_id=content_id)
     monkeypatch.setitem(sys.modules, "vsb.stages.draft", SimpleNamespace(run=made["run"]))
     stage, spec = (
-        Stage("draft", "how deep a buoy lies", made["DraftSpec"], ("out",)),
+        Stage("draft", "how deep a buoy lies", made["DraftSpec"], ("out", "manifest")),
         made["DraftSpec"](device=seed.device, water=seed.water),
     )
-    stage.run({"out": str(tmp_path / "draft.txt")}, canonical(spec))
+    out, manifest = str(tmp_path / "draft.txt"), str(tmp_path / "manifest.json")
+    stage.run({"out": out, "manifest": manifest}, canonical(spec))
     assert float((tmp_path / "draft.txt").read_text().split()[0]) == pytest.approx(seed.draft, rel=1e-5)
+    assert faults({out: content_id(spec)}, read_manifest(manifest)) == []
     assert not hasattr(spec, "waves")
     monkeypatch.setitem(specs.PHYSICS, "draft", 2)
     with pytest.raises(ConfigError, match="physics 1: needs 2, of this version"):

@@ -1,5 +1,6 @@
 """The table of methods: what `auto` is, and that a new method is a function and a row."""
 
+import time as clock
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -147,7 +148,7 @@ def test_the_recipe_for_an_integrator_is_followed(oscillator, monkeypatch):
     recipe = (HERE.parent / "docs" / "extending.md").read_text(encoding="utf-8").split("```python\n")[1].split("```")[0]
     assert len(recipe.split("METHODS[")[0].strip().splitlines()) <= 15
     rows = dict(METHODS)
-    exec(recipe, {"np": np, "phi_integrals": phi_integrals, "METHODS": rows, "Method": Method})
+    exec(recipe, {"np": np, "clock": clock, "phi_integrals": phi_integrals, "METHODS": rows, "Method": Method})
     errors, start = [], (np.array([0.1]), np.array([-0.3]))
     for count in (200, 400, 800):
         time = np.linspace(0.0, 2.0, count + 1)

@@ -1,8 +1,10 @@
 """Captions name what is drawn, and nothing that is not."""
 
 import pytest
+from conftest import varied
 
 from vsb.report.captions import captions
+from vsb.study.plan import figure_names
 
 
 @pytest.mark.parametrize("given", [True, False])
@@ -27,3 +29,11 @@ def test_what_is_left_out_stands_first():
     assert changed == {"absorbed_power", "reactance"}
     assert all(told[name] == f"Without drag: {plain[name]}" for name in changed)
     assert not any("{" in text for text in plain.values())
+
+
+def test_every_figure_of_a_study_has_a_caption(seed):
+    """The report asks for it by the figure's name."""
+    irregular = varied(seed, waves=[{"kind": "jonswap", "hs": 0.5, "tp": 4.0}])
+    names = {*figure_names(irregular), *figure_names(seed.model_copy(update={"motion": "planar"}))}
+    assert {"spectra", "directions-regular_A0.179_T2.5"} < names
+    assert {name.partition("-")[0] for name in names} <= captions(given=True, body=False).keys()

@@ -1,9 +1,12 @@
+from typing import get_args
+
 import pytest
 import yaml
 from conftest import SEED, varied
 
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan, figure_names
+from vsb.study.sections import Basis
 from vsb.study.study import content_id
 
 
@@ -75,7 +78,7 @@ def test_rigid_study_solves_heave_alone(seed):
 def test_labels_are_those_of_the_basis(seed):
     from vsb.scenes.rest import study_basis
 
-    for basis in ("paper", "membrane", "full"):
+    for basis in get_args(Basis):
         study = varied(seed, modes={"basis": basis, "degree": 4})
         assert study_basis(study).labels[1:] == StudyPlan(study).mode_labels
 

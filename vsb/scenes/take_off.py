@@ -7,6 +7,7 @@ import numpy as np
 
 from vsb.errors import ConfigError
 from vsb.motion import drag
+from vsb.motion.forces import Force
 from vsb.motion.frequency import allowed_part, compliance
 from vsb.motion.port import Port
 from vsb.motion.pto import LinearPto
@@ -24,14 +25,22 @@ STIFFER = 100.0
 
 Dragged = Callable[[Afloat, str, Mapping[float, FloatArray]], drag.DraggedPort]
 
-LAWS: Mapping[Law, Callable[[Pto, FloatArray, float], TakeOff]] = {
-    "linear": lambda pto, port, damper: TakeOff(port, damper, pto.stiffness, pto.force_limit),
-    "saturated": lambda pto, port, damper: TakeOff(port, damper, pto.stiffness, pto.force_limit),
-    "coulomb": lambda pto, port, _: TakeOff(port, np.inf, limit=pto.force_limit),
-    "latching": lambda pto, port, damper: TakeOff(port, damper, pto.stiffness, pto.force_limit),
-    "declutching": lambda pto, port, damper: TakeOff(port, damper, pto.stiffness, pto.force_limit, paused_damping=0.0),
+
+def _limited(pto: Pto, port: FloatArray, damper: float, rest: float) -> TakeOff:
+    """A damper and a spring whose force is limited."""
+    return TakeOff(port, damper, pto.stiffness, pto.force_limit, rest=rest)
+
+
+LAWS: Mapping[Law, Callable[[Pto, FloatArray, float, float], Force]] = {
+    "linear": _limited,
+    "saturated": _limited,
+    "coulomb": lambda pto, port, _, rest: TakeOff(port, np.inf, limit=pto.force_limit, rest=rest),
+    "latching": _limited,
+    "declutching": lambda pto, port, damper, rest: replace(_limited(pto, port, damper, rest), paused_damping=0.0),
 }
-"""`pto.law`, at a port, with a damper [kg/s] -> its force; how long it pauses is found in a sea (`scenes.pause`)."""
+"""`pto.law`, at a port, with a damper [kg/s] and the stroke at rest [m] -> its force.
+
+How long one pauses is found in a sea (`scenes.pause`)."""
 
 
 _NOTHING = "pto.tuning: received {!r}, but nothing comes in; needs pto.damping in N s/m"
@@ -104,8 +113,8 @@ def with_take_off(scene: Scene, pto: Pto, linear: LinearPto) -> Scene:
     if not allowed_part(port, scene.motions).any():
         return scene  # nothing there moves
     rest = float(port @ scene.motions @ scene.rest)
-    law = replace(LAWS[pto.law](pto, port, float(linear.damping)), rest=rest)
-    forces = {**scene.forces, scene.take_off: law}
+    law = LAWS[pto.law](pto, port, float(linear.damping), rest)
+    forces: dict[str, Force] = {**scene.forces, scene.take_off: law}
     if pto.stroke_limit < np.inf:
         forces["end_stop"] = replace(end_stop(scene, port, pto.stroke_limit), rest=rest)
     return replace(scene, forces=forces)

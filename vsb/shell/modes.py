@@ -8,7 +8,6 @@ degree. On another meridian the natural modes hold all degrees, and both come fr
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Literal
 
 import numpy as np
 from scipy.linalg import eigh, svd
@@ -18,10 +17,10 @@ from vsb.shell.legendre import legendre
 from vsb.shell.mode import Mode, natural_shapes, scaled
 from vsb.shell.ritz import matrices
 from vsb.shell.sphere import Shell, frequency_parameter
+from vsb.study.sections import Basis
 from vsb.study.study import Device
 from vsb.tools.units import FloatArray
 
-Basis = Literal["paper", "membrane", "full"]
 HEAVE = "Heave"
 SAME = 1e-12
 """A singular value of the constraint below this part of the largest is zero: a repeated clamp, a pole's row [-]."""

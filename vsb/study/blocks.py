@@ -63,7 +63,7 @@ class HydroPlan:
         most = study.hydro.rows or MAX_ROWS
         highest = min(omega, study.hydro.omega_max)  # a block may reach beyond what the study asks for
         needed = wave_rows(radius, self._wavelength(highest))
-        finer = ROWS_OF_A_DEFORMED_SHELL if study.at_equilibrium else 1.0
+        finer = ROWS_OF_A_DEFORMED_SHELL if study.rests_deformed else 1.0
         wanted = max(
             2 * math.ceil(finer * tolerance_rows(study.hydro.tolerance) / 2),
             mode_rows(self.study.modes.degree if self.study.flexible else 1),
@@ -91,7 +91,7 @@ class HydroPlan:
     def shape(self) -> Sphere | LoadedShape:
         """Mean wetted shape: of the sphere, or of what its load makes of it at rest."""
         study, radius, height = self.study, self.study.device.radius, self.study.centre_height
-        if not study.at_equilibrium:
+        if not study.rests_deformed:
             return Sphere(radius=radius, centre_height=height, shape=study.device.shape)
         return LoadedShape(
             radius=radius,
@@ -99,7 +99,7 @@ class HydroPlan:
             device=study.device,
             modes=study.modes,
             water=study.water,
-            reference_shape="equilibrium",
+            reference_shape=study.reference_shape,
         )
 
     def displacements(self, order: int = 0) -> tuple[str, ...]:
@@ -113,12 +113,12 @@ class HydroPlan:
             return ("Radial1", "Meridional1") if shaped else ("Radial1",)
         radial = tuple(f"Radial{n}" for n in range(order, highest + 1))
         meridional = tuple(f"Meridional{n}" for n in range(1, highest + 1))
-        return (*radial, *meridional) if self.study.at_equilibrium or shaped else radial
+        return (*radial, *meridional) if self.study.rests_deformed or shaped else radial
 
     def mesh(self, omega: float) -> SphereMesh | LoadedMesh:
         """Spec of the mesh that serves frequencies up to omega."""
         parts = {**dict(self.shape), **dict(self.resolution(omega))}
-        return LoadedMesh(**parts) if self.study.at_equilibrium else SphereMesh(**parts)
+        return LoadedMesh(**parts) if self.study.rests_deformed else SphereMesh(**parts)
 
     @property
     def _modes(self) -> Modes | None:

@@ -97,9 +97,9 @@ def members(
 
 def _shape(study: Study) -> str:
     """All that the blocks of a sweep depend on: of the undeformed sphere neither its material nor its clamps."""
-    device = study.device if study.at_equilibrium else (study.device.radius, study.device.mass)
+    device = study.device if study.rests_deformed else (study.device.radius, study.device.mass)
     degree = study.modes.degree if study.flexible else None
-    shell = study.modes if study.at_equilibrium else degree
+    shell = [study.modes, study.reference_shape] if study.rests_deformed else degree
     return canonical([device, shell, study.water, study.hydro, list(study.orders)])
 
 

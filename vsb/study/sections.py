@@ -13,6 +13,7 @@ from vsb.study.quantities import OR_AUTO, Count, Extended, Finite, Name, NonNega
 DEEPEST = 2e4
 """No sea is deeper [m]."""
 RestShape = Literal["undeformed", "equilibrium"]
+Basis = Literal["paper", "membrane", "full"]
 Colatitude = Annotated[Number, Field(ge=0, le=180)]
 
 
@@ -23,7 +24,7 @@ class Modes(Extended):
     """
 
     LATER = ("order",)
-    basis: Literal["paper", "membrane", "full"] = "membrane"
+    basis: Basis = "membrane"
     degree: Annotated[Count, Field(ge=0, le=40)] = 6
     order: Annotated[Count, Field(ge=1, le=8)] = 1
 

@@ -14,7 +14,7 @@ from vsb.study.directions import Mooring, Motion
 from vsb.study.drag import Drag
 from vsb.study.floating import centre_height, keel_depth
 from vsb.study.quantities import Extended, Name, Section
-from vsb.study.sections import Design, Hydro, Modes, RestShape, Simulation, Water
+from vsb.study.sections import Basis, Design, Hydro, Modes, RestShape, Simulation, Water
 from vsb.study.shape import Shape
 from vsb.study.study import Study
 from vsb.study.take_off import Pto, opens_chamber
@@ -65,7 +65,7 @@ class Shapes(Sphere):
 
     thickness: float
     poisson_ratio: float
-    basis: Literal["paper", "membrane", "full"]
+    basis: Basis
 
 
 class AfloatSpec(Spec):
@@ -150,9 +150,8 @@ class LoadedShape(Spec):
     device: Device
     modes: Modes
     water: Water
-    reference_shape: Literal["equilibrium"]
+    reference_shape: RestShape
     flexible: ClassVar[bool] = True
-    at_equilibrium: ClassVar[bool] = True
 
     @field_serializer("device")
     def _without_damping(self, device: Device) -> dict[str, Any]:

@@ -316,6 +316,11 @@ class Study(Compared):
         return tuple(going) if any(going) else ()
 
     @property
+    def rests_deformed(self) -> bool:
+        """Whether the water meets another shape than the device's own: solvers must be told it."""
+        return self.flexible and self.reference_shape != "undeformed"
+
+    @property
     def at_equilibrium(self) -> bool:
         """Whether the study is about the shape the loaded shell takes at rest; a rigid buoy has no other shape."""
         return self.flexible and self.reference_shape == "equilibrium"
