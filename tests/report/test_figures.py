@@ -8,6 +8,7 @@ from vsb.report.band import USEFUL
 from vsb.report.canvas import StudyData
 from vsb.report.figures import absorbed_power, added_mass_damping, energy_audit
 from vsb.report.shell_figures import mode_shapes
+from vsb.report.svg import drawn
 
 OMEGA = np.linspace(0.1, 6.0, 600)
 NONE = xr.Dataset()
@@ -58,6 +59,18 @@ def test_the_studys_wave_is_marked_on_the_axis_and_crosses_nothing(responding):
         assert mark.get_linestyle() == "None"
         assert list(mark.get_ydata()) == [0.0]
         assert mark.get_transform() == ax.get_xaxis_transform()
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("omega", [0.12, 2.5, 5.8])
+def test_the_band_shown_holds_the_studys_wave_where_it_lies_outside_what_absorbs(responding, omega):
+    """Once its mark lay beside the axes, which were laid out away to nothing."""
+    figure = absorbed_power(data(response=responding.response, wave_frequencies=(omega,)))
+    low, high = figure.axes[0].get_xlim()
+    assert low <= omega <= high
+    assert low <= 0.3 < 2.9 < high
+    drawn(figure, "absorbed_power")
+    assert min(ax.get_position().width for ax in figure.axes[:4]) > 0.2
 
 
 def test_heave_is_seen_where_a_mode_lies_under_it():
