@@ -5,6 +5,7 @@ import pytest
 
 from vsb.errors import DatabaseError
 from vsb.hydro.database import load_database
+from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel
 from vsb.stages import radiation
 from vsb.study.specs import RadiationSpec
@@ -29,6 +30,14 @@ def test_its_damping_is_the_databases(small):
     heave = {"influenced_dof": "Heave", "radiating_dof": "Heave"}
     truth = database.radiation_damping.sel(heave)
     assert float(np.abs(ds.damping_state_space.sel(heave) - truth).max()) < 0.01 * float(truth.max())
+
+
+@pytest.mark.parametrize("size", [1e-9, 1.0, 1e9])
+def test_the_least_damping_has_no_unit(size):
+    """A tiny buoy's, or a volume's, is judged as a large one's; a motion without water counts nothing."""
+    damping = np.array([np.diag([4.0, 1.0, 0.0]), np.diag([2.0, -0.5, 0.0])])
+    sized = damping * size * np.outer([1.0, 1e3, 1.0], [1.0, 1e3, 1.0])
+    assert radiation.least_damping(DampingSpectrum(np.array([1.0, 2.0]), sized), sized) == pytest.approx(-0.5)
 
 
 def test_another_database_is_refused(small, tmp_path):

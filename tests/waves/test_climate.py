@@ -7,7 +7,7 @@ import pytest
 
 from vsb.errors import ConfigError
 from vsb.study.study import Water
-from vsb.waves.climate import Climate, height_and_period, of_records
+from vsb.waves.climate import Climate, height_and_period, impossible, of_records
 
 HOME = Path(__file__).parents[2]
 
@@ -40,6 +40,14 @@ def test_heights_that_are_not_those_of_the_spectra():
     climate = flat()
     with pytest.raises(ConfigError, match=r"received Hs 4 m of sea 0, its spectrum holds 2\.098 m"):
         Climate(climate.omega, climate.density, climate.hours, np.array([4.0]), climate.te, "wrong")
+
+
+def test_what_no_sea_is():
+    """Each limit from both sides, in a sea that is far from the other."""
+    just, period = np.array([0.99, 1.01]), 10.0
+    steep = 0.1 * 9.81 * period**2 / (2 * np.pi)
+    assert impossible(steep * just, np.full(2, period)).tolist() == [False, True]
+    assert impossible(40.0 * just, np.full(2, 30.0)).tolist() == [False, True]
 
 
 def test_records_without_a_spectrum_are_left_out_and_counted():
