@@ -271,6 +271,16 @@ def test_the_answer_is_by_the_run_it_matters_most_to(dataset):
     assert f"{design}, regular" in answer(dataset, "seed")
 
 
+def test_a_run_matters_by_its_largest_change_not_its_least(dataset, monkeypatch):
+    designs, wave = dataset.design.values, str(dataset.wave.values[0])
+    swings = {"least": -0.05, "most": 0.05, "average": 0.0, "rest": 0.0}
+    lasts = {"least": 0.01, "most": 0.02, "average": 0.015, "rest": 0.02}
+    for first, second in ((swings, lasts), (lasts, swings)):
+        effects = {(str(designs[0]), wave): first, (str(designs[1]), wave): second}
+        monkeypatch.setattr(shapedependence, "power_effects", lambda ds, effects=effects: effects)
+        assert f"matters (limit 1 % of mean power): {designs[0 if first is swings else 1]}, " in answer(dataset, "seed")
+
+
 def test_without_power_there_is_nothing_to_answer(dataset):
     silent = dataset.assign(
         power_at_reference=0 * dataset.power_at_reference, power_at_shape=0 * dataset.power_at_shape

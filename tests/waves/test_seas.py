@@ -27,6 +27,16 @@ def test_realisations_differ_by_phase_only_and_repeat_by_seed():
     assert 2 * np.pi / np.diff(first.omega).max() >= 60.0  # no repetition within the run
 
 
+@pytest.mark.parametrize("scale", [0.1, 7.0])
+@pytest.mark.parametrize("gamma", [1.0, 7.0])
+def test_a_sea_scaled_in_time_has_the_same_components(scale, gamma):
+    """Also of a record so short that the spectrum peaks within one band."""
+    slow = irregular(Jonswap(kind="jonswap", hs=1, tp=4.0 * scale, gamma=gamma, seed=3), 6.0 / scale, 8.0 * scale)
+    sea = irregular(Jonswap(kind="jonswap", hs=1, tp=4.0, gamma=gamma, seed=3), 6.0, 8.0)
+    assert slow.omega == pytest.approx(sea.omega / scale, rel=1e-12)
+    assert slow.amplitude == pytest.approx(sea.amplitude, rel=1e-12)
+
+
 def test_regular_and_still_seas():
     regular = sea(RegularWave(kind="regular", amplitude=0.2, period=4.0), 12.0, 60.0)
     assert regular.elevation(np.array([0.0, 1.0, 2.0])) == pytest.approx([0.2, 0.0, -0.2], abs=1e-15)
