@@ -6,7 +6,6 @@ shares nothing: climate and coefficients are read for it, as they would be for a
 
 import math
 import tempfile
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
@@ -16,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.integrators import as_csv
+from benchmarks.take_offs import timed
 from vsb.errors import ConfigError
 from vsb.motion.port import Port
 from vsb.motion.tuning import best_damper_of_each, best_dampers
@@ -86,17 +86,10 @@ def sweep(plan: CampaignPlan, some: Sequence[Member], folder: Path, *, shared: b
 
 def compared(case: str, cells: int, fast: Callable[[], FloatArray], plain: Callable[[], FloatArray]) -> dict[str, Any]:
     """Return one row of the table."""
-    (seconds, found), (plain_seconds, expected) = _timed(fast), _timed(plain)
+    (seconds, found), (plain_seconds, expected) = timed(fast), timed(plain)
     error = float(np.nanmax(np.abs(found - expected)) / np.nanmax(np.abs(expected)))
     row = {"case": case, "cells": cells, "seconds": seconds, "plain_seconds": plain_seconds}
     return row | {"times_faster": plain_seconds / seconds, "error": error}
-
-
-def _timed(function: Callable[[], FloatArray]) -> tuple[float, FloatArray]:
-    """Processor seconds of a call, and what it returns."""
-    begun = time.process_time()
-    found = function()
-    return time.process_time() - begun, found
 
 
 def benchmark(config: str, place: str | Path, dampers: int = DAMPERS, count: int = MEMBERS) -> list[dict[str, Any]]:

@@ -25,6 +25,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from benchmarks.general_solvers import say
 from benchmarks.integrators import as_csv
 from benchmarks.quadrature import Row
 from vsb.hydro.dofs import Displacement
@@ -352,15 +353,9 @@ def benchmark(folder: str | Path) -> list[Row]:
         for name, method in METHODS.items():
             for setting in method.settings:
                 rows.append(attempt(name, setting, green))
-                _say(rows[-1])
+                say(", ".join(f"{v:.3g}" if isinstance(v, float) else str(v) for v in rows[-1].values()))
     target = Path(folder) / "hydro_precision.csv"
     write_text(target.with_suffix(".svg"), svg_text(precision_figure(rows)))
     write_text(target.with_name("hydro_precision_ratios.csv"), as_csv(ratios(rows), RATIO_COLUMNS))
     write_text(target, as_csv(rows, COLUMNS))
     return rows
-
-
-def _say(row: Row) -> None:
-    """Progress, for the terminal only."""
-    if sys.stderr.isatty():
-        print(", ".join(f"{v:.3g}" if isinstance(v, float) else str(v) for v in row.values()), file=sys.stderr)

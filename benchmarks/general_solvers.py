@@ -4,6 +4,7 @@ All are given the same compiled right-hand side in plain coordinates (y, y', x),
 tolerance is relative, and absolute in m, m/s and the root of J. Failures are results: the status says what happened.
 """
 
+import sys
 import time as clock
 import warnings
 from collections.abc import Callable
@@ -14,6 +15,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.linalg import block_diag
 
+from benchmarks.quadrature import Row
 from vsb.motion.system import Remainder, System, remainder
 from vsb.tools.compiled import njit
 from vsb.tools.units import ComplexArray, FloatArray
@@ -27,6 +29,8 @@ NOT_INSTALLED = "not installed"
 SUNDIALS = "CVODE (SUNDIALS)"
 SCIPY = ("RK45", "DOP853", "Radau", "BDF", "LSODA")
 MOST_STEPS = 10_000_000
+ENOUGH = 2.0
+"""A run that takes so long is not repeated [s]."""
 Rates = Callable[[float, FloatArray], FloatArray]
 
 
@@ -136,6 +140,24 @@ def solved(equation: Equation, method: str, tolerance: float, time: FloatArray, 
     except (ArithmeticError, TimeoutError, ValueError, np.linalg.LinAlgError) as error:
         return Solution(none, none, clock.perf_counter() - begun, None, counted.calls, str(error))
     return Solution(states[0], states[equation.free], clock.perf_counter() - begun, steps, counted.calls)
+
+
+def best(run: Callable[[], Solution]) -> Solution:
+    """Return the fastest of three runs; the first alone where it takes long."""
+    first = run()
+    return first if first.seconds > ENOUGH else min(first, run(), run(), key=lambda solution: solution.seconds)
+
+
+def measured_row(table: str, case: str, method: str, setting: float, found: Solution, errors: Row) -> Row:
+    """Return a row of the table."""
+    measured = {key: getattr(found, key) for key in ("seconds", "steps", "evaluations", "status")}
+    return {"table": table, "case": case, "method": method, "setting": setting, **errors, **measured}
+
+
+def say(line: str) -> None:
+    """Tell progress, on a terminal only."""
+    if sys.stderr.isatty():
+        print(line, file=sys.stderr, flush=True)
 
 
 def _by_scipy(

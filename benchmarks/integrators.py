@@ -4,7 +4,6 @@ General integrators, Dormand and Prince's (the paper's ode45) among them, get th
 Seconds are of one core of the machine that ran the benchmark.
 """
 
-import sys
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -16,7 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.integrate import simpson
 
-from benchmarks.general_solvers import Equation, Rates, Solution, solved
+from benchmarks.general_solvers import Equation, Rates, Solution, best, measured_row, say, solved
 from benchmarks.quadrature import (
     Row,
     disc_force,
@@ -152,15 +151,7 @@ class Case:
 
     def row(self, method: str, tolerance: float, attempt: Solution) -> Row:
         """Row of the table."""
-        found = {key: getattr(attempt, key) for key in ("seconds", "steps", "evaluations", "status")}
-        named = {"table": "integrators", "case": self.design, "method": method, "setting": tolerance}
-        return {**named, **self.errors(attempt), **found}
-
-
-def _best(run: Callable[[], Solution]) -> Solution:
-    """The fastest of three; the first alone where it takes more than a second."""
-    first = run()
-    return first if first.seconds > 1.0 else min(first, run(), run(), key=lambda attempt: attempt.seconds)
+        return measured_row("integrators", self.design, method, tolerance, attempt, self.errors(attempt))
 
 
 def integrator_precision(study: Study, design: str) -> list[Row]:
@@ -171,12 +162,12 @@ def integrator_precision(study: Study, design: str) -> list[Row]:
     compiled run of the same tolerance, as the status says.
     """
     case = Case(study, design)
-    rows = [case.row(EXPONENTIAL, tol, _best(partial(case.exponential, tol))) for tol in TOLERANCES]
+    rows = [case.row(EXPONENTIAL, tol, best(partial(case.exponential, tol))) for tol in TOLERANCES]
     for method, tolerances in SOLVERS.items():
         solved(case.equation, method, tolerances[0], case.time[:2], TIME_LIMIT)  # compiles and loads
         for tol in tolerances:
             run = partial(solved, case.equation, method, tol, case.time, TIME_LIMIT)
-            rows.append(case.row(method, tol, _best(run)))
+            rows.append(case.row(method, tol, best(run)))
     check = case.row("DOP853", 1e-12, solved(case.equation, "DOP853", 1e-12, case.time, 3 * TIME_LIMIT))
     same = next(row for row in rows if (row["method"], row["setting"]) == ("RK45", PLAIN_TOLERANCE))
     return [*rows, {**check, "table": "reference"}, *plain_rows(case, same)]
@@ -205,7 +196,7 @@ def paper_precision(study: Study) -> list[Row]:
     rows = []
     for name, design in study.designs.items():
         case, tolerance = Case(study, name), study.simulation.tolerance
-        row = case.row(EXPONENTIAL, tolerance, _best(partial(case.exponential, tolerance)))
+        row = case.row(EXPONENTIAL, tolerance, best(partial(case.exponential, tolerance)))
         published = PUBLISHED_SECONDS[design.flexible] if study.simulation.duration == PUBLISHED_DURATION else None
         ratio = published / row["seconds"] if published else None
         rows.append({**row, "table": "paper", "published_seconds": published, "ratio": ratio})
@@ -266,17 +257,12 @@ def benchmark(study: Study, folder: str | Path) -> None:
 
     Writes `workprecision.csv`, `workprecision/quadrature.svg` and `workprecision/integrators.svg` into the folder.
     """
-    _say(f"{study.study}: quadrature")
+    say(f"{study.study}: quadrature")
     rows = quadrature_precision(study)
     for design in study.designs:
-        _say(f"{study.study}: integrators, {design}")
+        say(f"{study.study}: integrators, {design}")
         rows += integrator_precision(study, design)
     rows += paper_precision(study)
     write_text(Path(folder) / "workprecision.csv", as_csv(rows))
     for name, error in FIGURES.items():
         write_text(Path(folder) / "workprecision" / f"{name}.svg", svg_text(precision_figure(rows, name, error)))
-
-
-def _say(line: str) -> None:
-    """Progress, for the terminal only."""
-    print(line, file=sys.stderr, flush=True)

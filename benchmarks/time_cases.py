@@ -47,8 +47,6 @@ STRIDES = (8, 4, 2, 1, -2, -4)
 """Instants a fixed step takes, or their negative parts."""
 TIME_LIMIT = 10.0
 """Of one run [s]."""
-ENOUGH = 2.0
-"""A run that takes so long is not repeated [s]."""
 
 
 @dataclass(frozen=True)
@@ -152,18 +150,6 @@ class Case:
         exact, energy = (float(simpson(v**2, x=time)) for v in (velocity, found.velocity))
         error = float(np.abs(found.heave - heave).max() / np.ptp(self.reference.heave))
         return {"error": error, "error_energy": abs(energy / exact - 1)}
-
-
-def best(run: Callable[[], Solution]) -> Solution:
-    """The fastest of three; the first alone where it takes long."""
-    first = run()
-    return first if first.seconds > ENOUGH else min(first, run(), run(), key=lambda solution: solution.seconds)
-
-
-def measured_row(table: str, case: str, method: str, setting: float, found: Solution, errors: Row) -> Row:
-    """Return a row of the table."""
-    measured = {key: getattr(found, key) for key in ("seconds", "steps", "evaluations", "status")}
-    return {"table": table, "case": case, "method": method, "setting": setting, **errors, **measured}
 
 
 def case_of(scene: DesignInSea, duration: float) -> Case:

@@ -7,7 +7,6 @@ which DOP853 checks. A failure is a row that says why, and a cross in the figure
 three runs, without compilation.
 """
 
-import sys
 import tempfile
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
@@ -20,7 +19,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, NullFormatter
 
-from benchmarks.general_solvers import NOT_INSTALLED, SCIPY, SUNDIALS, Solution
+from benchmarks.general_solvers import NOT_INSTALLED, SCIPY, SUNDIALS, Solution, best, measured_row, say
 from benchmarks.integrators import EXPONENTIAL, as_csv
 from benchmarks.integrators import STYLES as USUAL
 from benchmarks.quadrature import Row
@@ -35,9 +34,7 @@ from benchmarks.time_cases import (
     STRIDES,
     TIME_LIMIT,
     Case,
-    best,
     case_of,
-    measured_row,
     remembering,
     scene_of,
     varied,
@@ -294,12 +291,12 @@ def measured(study: Study, design: str, folder: str) -> list[Row]:
     rows: list[Row] = []
     for model in MODELS:
         for sea in SEAS:
-            _say(f"{model}, {sea}")
+            say(f"{model}, {sea}")
             scene = scene_of(varied(study, design, model, sea, DURATION), folder)
             rows += integrator_rows(case_of(scene, DURATION), f"{model}, {sea}")
             if (model, sea) == ("body-exact", REGULAR):
                 rows += power_rows(scene.system)
-        _say(f"{model}, cost")
+        say(f"{model}, cost")
         rows += cost_rows(study, design, model, folder)
     return rows
 
@@ -329,9 +326,3 @@ def benchmark(study: Study, folder: str | Path) -> list[Row]:
     for name, draw in (("time_precision", error_figure), ("time_cost", cost_figure)):
         write_text(Path(folder) / f"{name}.svg", svg_text(draw(rows)))
     return rows
-
-
-def _say(line: str) -> None:
-    """Progress, for the terminal only."""
-    if sys.stderr.isatty():
-        print(line, file=sys.stderr, flush=True)

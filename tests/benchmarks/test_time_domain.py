@@ -65,7 +65,7 @@ def rows(case):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(timeprecision, "TOLERANCES", (1e-5, 1e-7))
         patch.setattr(timeprecision, "OURS", (1e-4, 1e-6, 1e-8))
-        patch.setattr(timecases, "ENOUGH", 0.0)
+        patch.setattr(generalsolvers, "ENOUGH", 0.0)
         return {panel: integrator_rows(case(*panel.split(", ")), panel) for panel in (PANELS[1], PANELS[2])}
 
 
@@ -118,7 +118,7 @@ def test_without_sundials_the_row_says_so(case, monkeypatch):
     scene = case("linear", next(iter(SEAS)))
     found = scene.general(SUNDIALS, 1e-6)
     assert found.status == NOT_INSTALLED
-    rows = [timecases.measured_row("integrators", PANELS[0], SUNDIALS, 1e-6, found, scene.errors(found))]
+    rows = [generalsolvers.measured_row("integrators", PANELS[0], SUNDIALS, 1e-6, found, scene.errors(found))]
     assert next(csv.DictReader(io.StringIO(as_csv(rows))))["error"] == ""
     error_figure(rows)
 

@@ -30,6 +30,7 @@ from vsb.hydro.formats.modes import (
     floating,
     mode_labels,
     mode_numbers,
+    readable,
     structure,
     volume_of,
 )
@@ -223,19 +224,11 @@ def read_bemio(path: str | Path) -> xr.Dataset:
     DatabaseError
         If the file cannot be read, or is damaged.
     """
-    try:
-        with netCDF4.Dataset(path) as file, np.errstate(over="ignore", invalid="ignore"):  # checked in the end
-            file.set_auto_mask(False)
-            return _from_bemio(_Entries(file, str(path)), str(path))
-    except DatabaseError:
-        raise
-    except _DAMAGE as error:
-        why = " ".join(str(error).split()) or type(error).__name__
-        raise DatabaseError(f"{path}: cannot be read: {why}; needs BEMIO's .h5 file with all its datasets.") from None
-
-
-_DAMAGE = (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError, ArithmeticError, MemoryError)
-"""What netCDF4 and numpy say of a damaged file."""
+    with readable(path, "BEMIO's .h5 file with all its datasets"), netCDF4.Dataset(path) as file:
+        file.set_auto_mask(False)
+        with np.errstate(over="ignore", invalid="ignore"):  # checked in the end
+            found = _from_bemio(_Entries(file, str(path)), str(path))
+    return found
 
 
 class _Entries(NamedTuple):

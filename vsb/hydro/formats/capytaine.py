@@ -11,14 +11,12 @@ import numpy as np
 import xarray as xr
 
 from vsb.errors import DatabaseError
-from vsb.hydro.formats.modes import WATER, assembled
+from vsb.hydro.formats.modes import WATER, assembled, readable
 from vsb.tools.units import ATTRS, merged
 
 _WATER = ("rho", "g", "water_depth")
 _NEEDED = ("added_mass", "radiation_damping", "diffraction_force", "Froude_Krylov_force", "hydrostatic_stiffness")
 _DRY = {"inertia_matrix": "mass", "structural_stiffness": "stiffness"}
-_DAMAGE = (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError, MemoryError)
-"""What netCDF4 and xarray say of a damaged file."""
 
 
 def read_capytaine(path: str | Path) -> xr.Dataset:
@@ -32,15 +30,11 @@ def read_capytaine(path: str | Path) -> xr.Dataset:
     DatabaseError
         If the file cannot be read, or lacks what a database needs.
     """
-    try:
+    with readable(path, "a hydro database of capytaine's"):
         with xr.open_dataset(path, engine="netcdf4") as opened:
             ds = merged(opened.load())
-        return _from_capytaine(ds, str(path))
-    except DatabaseError:
-        raise
-    except _DAMAGE as error:
-        why = " ".join(str(error).split()) or type(error).__name__
-        raise DatabaseError(f"{path}: cannot be read: {why}; needs a hydro database of capytaine's.") from None
+        found = _from_capytaine(ds, str(path))
+    return found
 
 
 def _from_capytaine(ds: xr.Dataset, source: str) -> xr.Dataset:

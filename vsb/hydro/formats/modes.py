@@ -8,7 +8,9 @@ radians: coefficients of a rotation take one more length each.
 import json
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -28,6 +30,20 @@ LARGEST = 1e40
 """Coefficient of any body in SI units, squared far from overflow."""
 DRY = ("structural_stiffness", "prestress_stiffness", "gas_stiffness")
 """All stiffness but the water's."""
+_DAMAGE = (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError, ArithmeticError, MemoryError)
+"""What netCDF4, xarray and numpy say of a damaged file."""
+
+
+@contextmanager
+def readable(path: str | Path, needed: str) -> Iterator[None]:
+    """Tell in one line, a `DatabaseError`, what libraries make of a damaged file."""
+    try:
+        yield
+    except DatabaseError:
+        raise
+    except _DAMAGE as error:
+        why = " ".join(str(error).split()) or type(error).__name__
+        raise DatabaseError(f"{path}: cannot be read: {why}; needs {needed}.") from None
 
 
 class Floating(NamedTuple):
