@@ -20,7 +20,8 @@ from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
 from pydantic import Field, model_validator
 from scipy.optimize import brentq, minimize_scalar
 
-from vsb.cli import answer, print_verdict
+from examples import command
+from vsb.cli import print_verdict
 from vsb.errors import ConfigError
 from vsb.hydro.bodies.body import FlexibleBody, IntArray, at_centres, joined
 from vsb.hydro.bodies.files import write_body
@@ -339,19 +340,12 @@ def _draw_convergence(ax: Axes, rows: Sequence[dict[str, Any]]) -> None:
     ax.set(xlabel="panels", ylabel="error")
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Command line: solve a barge, print its verdict; a user's mistake is one line and exit code 2."""
-    line = argparse.ArgumentParser(prog="python -m examples.barge", description=study.__doc__)
-    line.add_argument("config", metavar="CONFIG")
-    line.add_argument("out", metavar="FOLDER")
-    line.set_defaults(handler=_solved, writes=("{out}/",))
-    return answer(line, argv)
-
-
 def _solved(args: argparse.Namespace) -> int:
     """Solve a barge; 1 if a check fails."""
     return print_verdict(study(args.config, args.out), f"{args.out}/barge.nc {args.out}/barge.svg")
 
 
+main = command("barge", study.__doc__, _solved, "{out}/", config="CONFIG", out="FOLDER")
+
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(None))

@@ -9,13 +9,13 @@ rest, or it is unstable, a damper is left out.
 
 import argparse
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from vsb.cli import answer
+from examples import command
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.integrators.harmonic_balance import steady_power
 from vsb.scenes.build import assumed_pressure_design
@@ -87,14 +87,7 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run from the command line."""
-    parser = argparse.ArgumentParser(prog="python -m examples.paper_at_best_dampers", description=__doc__)
-    parser.add_argument("config", metavar="CONFIG")
-    parser.add_argument("out", metavar="OUT.csv")
-    parser.set_defaults(handler=run, writes=("{out}",))
-    return answer(parser, argv)
-
+main = command("paper_at_best_dampers", __doc__, run, "{out}", config="CONFIG", out="OUT.csv")
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(None))

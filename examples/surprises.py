@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 from benchmarks.hard_cases import hydro_files
+from examples import command
 from examples.paper_at_best_dampers import rows_of
 from examples.when_flexibility_pays import ports
-from vsb.cli import answer
 from vsb.errors import ConfigError
 from vsb.integrators.settled import settled_power
 from vsb.motion.system import System
@@ -308,14 +308,7 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run from the command line."""
-    parser = argparse.ArgumentParser(prog="python -m examples.surprises", description=__doc__)
-    parser.add_argument("folder", metavar="FOLDER")
-    parser.add_argument("cases", metavar="CASE", nargs="*")
-    parser.set_defaults(handler=run, writes=("{folder}/",))
-    return answer(parser, argv)
-
+main = command("surprises", __doc__, run, "{folder}/", folder="FOLDER", cases="CASE...")
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(None))

@@ -16,7 +16,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from benchmarks.hard_cases import hydro_files
-from vsb.cli import answer
+from examples import command
 from vsb.errors import ConfigError
 from vsb.motion.constrained import optimum_in_sea
 from vsb.motion.frequency import LinearBuoy
@@ -173,13 +173,7 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run from the command line."""
-    parser = argparse.ArgumentParser(prog="python -m examples.when_flexibility_pays", description=__doc__)
-    parser.add_argument("folder", metavar="FOLDER")
-    parser.set_defaults(handler=run, writes=("{folder}/",))
-    return answer(parser, argv)
-
+main = command("when_flexibility_pays", __doc__, run, "{folder}/", folder="FOLDER")
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(None))

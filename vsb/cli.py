@@ -142,9 +142,7 @@ def body(args: argparse.Namespace) -> int:
 
 def print_verdict(checks: "list[Check]", files: str) -> int:
     """Print a verdict and what was written; 1 if a check fails."""
-    for check in checks:
-        print(f"{check.verdict:12} {check.name} = {check.value:.3g} (limit {check.limit:g}): {check.explanation}")
-    print(files)
+    print(*(check.line for check in checks), files, sep="\n")
     return int(any(check.verdict == "fail" for check in checks))
 
 

@@ -34,6 +34,11 @@ class Check:
     design: str = ""  # empty: all designs
     wave: str = ""  # label of the sea; empty: all seas
 
+    @property
+    def line(self) -> str:
+        """The check as commands print it."""
+        return f"{self.verdict:12} {self.name} = {self.value:.3g} (limit {self.limit:g}): {self.explanation}"
+
 
 def check_at_most(
     name: str,

@@ -96,7 +96,4 @@ def body_summary(plan: BodyPlan) -> list[str]:
         f"{'solved of the mesh' if plan.solves else 'read from ' + plan.files[study.body.kind]}",
         f"database     {plan.database_path}{there}",
     ]
-    return lines + [
-        f"{check.verdict:12} {check.name} = {check.value:.3g} (limit {check.limit:g}): {check.explanation}"
-        for check in seas_checks(study, body.database)
-    ]
+    return [*lines, *(check.line for check in seas_checks(study, body.database))]

@@ -68,10 +68,7 @@ def summary(study: Study, plan: StudyPlan) -> list[str]:
     checks = ledger.shell_checks(study, reference_shell(study))
     for wave in study.waves if study.hydro.model != "assumed_pressure" else ():  # which uses the period alone
         checks += ledger.wave_checks(wave, study.water, study.hydro.omega_max)
-    return lines + [
-        f"{check.verdict:12} {check.name} = {check.value:.3g} (limit {check.limit:g}): {check.explanation}"
-        for check in checks
-    ]
+    return [*lines, *(check.line for check in checks)]
 
 
 def check_campaign(plan: CampaignPlan) -> None:
