@@ -8,8 +8,19 @@ import xarray as xr
 from browser import asked
 
 from vsb.report import html
-from vsb.report.animation import COLATITUDES, PER_PERIOD, PERIODS, frames_data, shapes_data, surface
-from vsb.report.living import as_script, designs_data
+from vsb.report.animation import (
+    ACROSS,
+    COLATITUDES,
+    FROM_LEFT,
+    PER_PERIOD,
+    PERIODS,
+    PLANE,
+    frames_data,
+    in_motion,
+    shapes_data,
+    surface,
+)
+from vsb.report.living import as_script, designs_data, packed
 from vsb.study.study import Water
 from vsb.waves.seas import NO_WAVES, Sea
 
@@ -25,7 +36,7 @@ def unpacked(text):
 
 def run(labels):
     position = np.array([(n + 1) * np.cos(2 * np.pi / PERIOD * TIME) for n in range(len(labels))]).T
-    return xr.Dataset({"position": (("time", "dof"), position)}, coords={"time": TIME, "dof": labels})
+    return xr.DataArray(position, {"time": TIME, "dof": labels}, ("time", "dof"))
 
 
 @pytest.fixture
@@ -44,7 +55,7 @@ def modes():
 
 def frames(water=None, waves=SWELL):
     runs = {"FSB": run(LABELS[:1]), "VSWEC": run(LABELS)}
-    return frames_data("a swell", runs, waves, (0.0, 60.0), PERIOD, 3.4, water or Water())
+    return frames_data("a swell", runs, waves, (0.0, 60.0), PERIOD, 3.4, water or Water(), LABELS[1:])
 
 
 def test_frames_are_the_run_of_its_last_periods():
@@ -73,6 +84,32 @@ def test_the_surface_travels_and_is_the_runs_own_at_the_axis(depth):
     assert not surface(NO_WAVES, time, place, water).any()
 
 
+def test_waves_from_the_side_are_level_across_the_plane_that_is_drawn():
+    ahead, aside, back = (
+        unpacked(frames_data("", {}, SWELL, (0.0, 8.0), PERIOD, 3.4, Water(), [], towards)["surface"]).reshape(
+            -1, ACROSS
+        )
+        for towards in (0.0, np.pi / 2, np.pi)
+    )
+    np.testing.assert_allclose(back, ahead[:, ::-1], atol=1e-6)
+    np.testing.assert_allclose(aside, np.repeat(ahead[:, ACROSS // 2 : ACROSS // 2 + 1], ACROSS, axis=1), atol=1e-6)
+
+
+def test_a_buoy_that_surges_and_pitches_is_drawn_in_their_plane():
+    """Motions out of the plane are left out, surge is about its mean, and words say which plane it is."""
+    labels = ["Heave", "Membrane0", "Surge", "Pitch", "Membrane1c1", "Sway", "Membrane1s1"]
+    drifting = run(labels) + xr.DataArray([0, 0, 50.0, 0, 0, 0, 0], {"dof": labels}, ("dof",))
+    found = frames_data("", {"A": drifting}, SWELL, (0.0, 60.0), PERIOD, 3.4, Water(), ["Membrane0", "Membrane1c1"])
+    (one,) = found["designs"]
+    assert one["modes"] == 2
+    assert abs(unpacked(one["surge"])).max() == pytest.approx(3.0, rel=0.02)
+    np.testing.assert_allclose(unpacked(one["pitch"]), 4.0 * unpacked(one["heave"]), atol=1e-3)
+    moving = {"designs": [{"name": "A"}], "factor": 1.0, "seas": [found]}
+    assert in_motion(moving)["waves"] == PLANE
+    assert in_motion({**moving, "seas": [frames()]})["waves"] == FROM_LEFT
+    assert in_motion(None) is None
+
+
 def test_shapes_are_those_of_the_modes_thinned(modes):
     found = shapes_data(modes)
     angle = unpacked(found["colatitude"])
@@ -82,15 +119,36 @@ def test_shapes_are_those_of_the_modes_thinned(modes):
     np.testing.assert_allclose(unpacked(found["rest"]), [0.1, 0.0], atol=1e-8)
 
 
+def in_page(data, words):
+    """A page with nothing but moving buoys."""
+    scripts = "".join(f"<script>{html.text_of(name)}</script>" for name in html.SCRIPTS)
+    body = html.page("buoys.html.j2", buoys={"words": words, "waves": FROM_LEFT})
+    stored = f'<script type="application/json" id="buoys-data">{as_script(data)}</script>'
+    return f"<!doctype html><html><head></head><body>{body}{stored}{scripts}</body></html>"
+
+
+def test_the_side_away_from_the_waves_is_the_shapes_own(modes, tmp_path):
+    """Shapes of odd order go the other way there, pitch brings the top to the right, surge moves all of it."""
+    quarter = {name: packed([value]) for name, value in {"heave": 0.25, "surge": 0.5, "pitch": np.pi / 2}.items()}
+    sea = {**frames(), "frames": 1, "designs": [{**quarter, "modes": 2, "shell": packed([0.3, 0.2])}]}
+    shapes = shapes_data(modes.assign(order=("mode", [1, 0])))
+    data = {"designs": designs_data(["A"], None), "width": 3.4, "factor": 1.0, "shapes": shapes, "seas": [sea]}
+    script = """
+      buoys.play(false);
+      const [one] = buoys.sea.designs;
+      const tops = [false, true].map((opposite) => buoys.meridian(one, 0, opposite)[0]);
+      return { errors, tops, placed: buoys.placed(one, 0, [0, 2], 10) };"""
+    found = asked(in_page(data, "one buoy"), script, tmp_path)
+    assert found["errors"] == []
+    assert found["tops"] == [pytest.approx([0.0, 2.0 + 0.1 + each + 0.2]) for each in (0.3, -0.3)]
+    assert found["placed"] == pytest.approx([10 * (0.5 + 2.0), -10 * (0.5 + 0.25)], abs=1e-5)
+
+
 def test_a_reader_plays_pauses_and_steps(modes, tmp_path):
     data = {
         "designs": designs_data(["FSB", "VSWEC"], "FSB"), "width": 3.4, "factor": 0.1, "shapes": shapes_data(modes),
         "seas": [frames()],
     }  # fmt: skip
-    scripts = "".join(f"<script>{html.text_of(name)}</script>" for name in html.SCRIPTS)
-    body = html.page("buoys.html.j2", buoys={"words": "two buoys"})
-    stored = f'<script type="application/json" id="buoys-data">{as_script(data)}</script>'
-    page = f"<!doctype html><html><head></head><body>{body}{stored}{scripts}</body></html>"
     script = """
       const part = (name) => document.querySelector(`#buoys [data-part="${name}"]`);
       const found = { errors, begins: buoys.playing, says: part("play").textContent };
@@ -107,7 +165,7 @@ def test_a_reader_plays_pauses_and_steps(modes, tmp_path):
       const [top, equator] = [buoys.meridian(buoys.sea.designs[1], 0)[0], buoys.meridian(buoys.sea.designs[1], 0)[23]];
       const pixels = part("canvas").getContext("2d").getImageData(0, 0, part("canvas").width, part("canvas").height).data;
       return { ...found, held, stays: buoys.frame, stopped: buoys.playing, moment: part("moment-says").textContent, top, equator, inked: pixels.some((v) => v > 0) };"""
-    found = asked(page, script, tmp_path)
+    found = asked(in_page(data, "two buoys"), script, tmp_path)
     stored_frames = frames()
     assert (found["errors"], found["begins"], found["says"]) == ([], True, "pause")
     assert found["played"] == int(1.0 / stored_frames["step"]), "a second is a second"

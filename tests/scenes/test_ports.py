@@ -6,7 +6,7 @@ from conftest import varied
 
 from vsb.hydro.coefficients import Coefficients
 from vsb.hydro.dofs import displacements
-from vsb.scenes.ports import ShapeWater, design_ports
+from vsb.scenes.ports import ShapeWater, design_ports, designs_in_waves
 from vsb.scenes.rest import reference_shell
 from vsb.study.blocks import HydroPlan
 
@@ -95,3 +95,14 @@ def test_a_rigid_study_is_solved_for_heave_alone(seed):
     (port,) = design_ports(rigid, rest, water(rigid)).values()
     assert rest.basis.labels == ("Heave",)
     assert port.compliance == pytest.approx(1 / float(rest.total[0, 0]), rel=1e-12)
+
+
+def test_what_moves_under_a_damper_is_what_the_take_off_feels(study):
+    """-i w b.q of all degrees of freedom is the port's velocity under the same damper and spring."""
+    waves = designs_in_waves(study, reference_shell(study), water(study))
+    for one in waves.values():
+        velocity = -1j * OMEGA * one.position(8e3, 2e4)[:, 0]
+        load = one.port.load(8e3, 2e4)
+        np.testing.assert_allclose(velocity, one.port.velocity_under(load), rtol=1e-9)
+        heave, _ = one.motion.under(one.port, load)
+        np.testing.assert_allclose(one.position(8e3, 2e4)[:, 0], heave, rtol=1e-12)

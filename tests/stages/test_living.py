@@ -10,6 +10,7 @@ from conftest import varied
 from vsb.report import html
 from vsb.results.force_steps import SHARES
 from vsb.stages.living import MOST, _longest, living_study
+from vsb.study.study import RegularWave
 from vsb.tools.files import load
 
 
@@ -52,6 +53,16 @@ def test_seas_of_one_grid_share_its_ports(small):
     assert [sea["limited"][0] for sea in data["seas"]] == [7.0, None, None]
 
 
+def test_seas_from_two_sides_have_ports_of_their_own(small):
+    """A buoy that heaves, of which no study asks it, takes the same of both: two grids, two bands, equal numbers."""
+    wave = RegularWave(kind="regular", amplitude=0.1, period=3.0)
+    aside, higher = (wave.model_copy(update=more) for more in ({"direction": 90.0}, {"amplitude": 0.2}))
+    data = living(small, small.study.model_copy(update={"waves": (wave, aside, higher)}))
+    assert [(sea["grid"], sea["band"]) for sea in data["seas"]] == [(0, 0), (1, 1), (0, 0)]
+    assert data["grids"][0] == data["grids"][1]
+    assert data["bands"][0] == data["bands"][1]
+
+
 def test_every_sea_has_optima_at_limits_of_force_unless_power_is_lost_on_the_way(small):
     waves = [{"kind": "regular", "amplitude": 0.1, "period": 3.0}, {"kind": "jonswap", "hs": 1, "tp": 4}]
     data = living(small, varied(small.study, waves=waves))
@@ -65,7 +76,8 @@ def test_every_sea_has_optima_at_limits_of_force_unless_power_is_lost_on_the_way
 
 def test_a_long_run_has_no_more_components_on_its_page(small):
     long = varied(small.study, simulation={"duration": 1e5, "window": [0.0, 1e5]})
-    assert _longest(long) * 1.1 * long.hydro.omega_max / (2 * np.pi) * len(long.designs) == pytest.approx(MOST)
+    longest = _longest(len(long.designs), long.hydro.omega_max)
+    assert longest * 1.1 * long.hydro.omega_max / (2 * np.pi) * len(long.designs) == pytest.approx(MOST)
     data = living(small, varied(long, waves=[{"kind": "jonswap", "hs": 1, "tp": 4}]))
     assert len(data["grids"][0]["omega"]) * len(long.designs) <= 11 * MOST
 

@@ -113,14 +113,39 @@ def test_of_a_run_that_failed_the_rules_own_line_comes_last(workplace, capsys):
     assert launcher._failed(plan, (logs / "simulate.log").stat().st_mtime + 10.0) == 1  # of a run before
 
 
-def test_of_a_run_shown_as_one_line_what_nobody_saw_is_told_if_no_rule_says_what_is_wrong(workplace, capsys):
-    plan, logs = StudyPlan(load(SEED)), Path("results/logs")
-    assert launcher._failed(plan, 0.0, ["Building DAG\n", "no space left\n"]) == 1
-    assert capsys.readouterr().err.splitlines()[:2] == ["Building DAG", "no space left"]
-    logs.mkdir(parents=True)
-    (logs / "simulate.log").write_text("vsb: error: device.mass: too heavy\n")
+TOLD = """Building DAG of jobs...
+CalledProcessError in file "workflow/rules/simulate.smk", line 24:
+Command 'set -euo pipefail;  vsb simulate  --out a.nc <<< '{"designs":{}}' > results/logs/simulate/seed/FSB-still.log 2>&1' returned non-zero exit status 137.
+Exiting because a job execution failed. Look above for error messages
+"""
+
+
+def test_of_a_run_shown_as_one_line_what_nobody_saw_is_kept_if_no_rule_says_what_is_wrong(workplace, capsys):
+    """One line, none of Snakemake's words: which rule, its last words, and where the rest is."""
+    plan, log = StudyPlan(load(SEED)), Path("results/logs/simulate/seed/FSB-still.log")
+    begins, ends = "vsb: error: the run of 'seed' did not complete: ", "all that was told is in results/logs/seed.log\n"
+    assert launcher._failed(plan, 0.0, TOLD.splitlines(keepends=True)) == 1
+    killed = "simulate ended without a word, as when it is killed or memory is out; "
+    assert capsys.readouterr().err == begins + killed + ends
+    assert Path("results/logs/seed.log").read_text() == TOLD
+    log.parent.mkdir(parents=True)
+    log.write_text("Traceback\nMemoryError: no room\n\n")
+    assert launcher._failed(plan, 0.0, TOLD.splitlines(keepends=True)) == 1
+    assert capsys.readouterr().err == begins + "simulate ended with MemoryError: no room; " + ends
+    log.write_text("vsb: error: device.mass: too heavy\n")
     assert launcher._failed(plan, 0.0, ["Building DAG\n"]) == 2
     assert capsys.readouterr().err == "vsb: error: device.mass: too heavy\n"
+
+
+def test_of_a_full_disk_one_line_is_left(workplace, capsys):
+    Path("results").mkdir()
+    Path("results/logs").write_text("")  # no folder can be made of it
+    told = ["Building DAG\n", "OSError: [Errno 28] No space left on device\n"]
+    assert launcher._failed(StudyPlan(load(SEED)), 0.0, told) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(
+        "vsb: error: the run of 'seed' did not complete: No space left on device; what was told cannot"
+    )
 
 
 def test_a_run_is_one_line_where_somebody_looks_on_and_asks_nothing_more(monkeypatch):

@@ -1,17 +1,21 @@
 """RM3, float and spar with a take-off between them, from the files published with WEC-Sim: read, repaired, run."""
 
 import json
+import re
 from contextlib import chdir
 from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
+from browser import evaluated
 from conftest import told
 
 import vsb
 from vsb.errors import ConvergenceError, DatabaseError
 from vsb.hydro.formats.wamit import import_wamit
+from vsb.report import html
+from vsb.report.page import STILL
 from vsb.stages.make import make
 from vsb.stages.stored import Results
 from vsb.study.body import load_body
@@ -84,6 +88,21 @@ def rung(found, design, name):
 def test_the_power_is_that_of_the_equation_of_motion(rm3, theirs):
     """Repairs change it by 5e-4."""
     assert rung(rm3, "rm3", "fixed") == pytest.approx(power(solved(theirs)), rel=2e-3)
+
+
+def test_the_page_of_bodies_lets_its_reader_drag_their_damper(rm3, tmp_path):
+    """What it computes is the ladder; a port that is locked takes nothing; why nothing moves on it is said."""
+    page = rm3.report.read_text()
+    data = json.loads(re.search(r'id="living-data">(.+?)</script>', page, re.DOTALL)[1])
+    expression = f"""data.seas.map((sea) => {{
+      const grid = unpackedGrid(data.grids[sea.grid]);
+      const squares = seaSquares(sea, grid);
+      return grid.ports.map((port) => [{DAMPER}, bestDamper(port, squares)].map((c) => power(port, squares, c)));
+    }})"""
+    ((locked, free),) = evaluated([html.text_of("algebra.js")], expression, data, tmp_path)
+    assert free == pytest.approx([rung(rm3, "rm3", name) for name in ("fixed", "best_damper")], rel=1e-6)
+    assert locked == [0.0, 0.0]
+    assert STILL in page
 
 
 def test_wec_sim_publishes_the_motion_of_bodies_that_do_not_feel_each_others_waves(rm3, theirs):

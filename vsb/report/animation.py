@@ -1,13 +1,12 @@
 """The deforming buoys in the waves, as a page draws them: frames of stored runs, thinned, and the shell's shapes."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from vsb.hydro.dofs import flexible
-from vsb.report.living import packed
+from vsb.report.living import as_script, packed
 from vsb.study.study import Water
 from vsb.tools.units import FloatArray
 from vsb.waves.dispersion import wavenumber
@@ -24,6 +23,15 @@ ACROSS = 9
 """Places at which the water's surface is drawn."""
 SEEN = 1.7
 """Half the width of the water around a buoy [radii]."""
+FROM_LEFT = "Waves come from the left; dotted: undeformed."
+PLANE = (
+    "Drawn is the vertical plane of surge, about its mean: waves that go to 0 degrees come from the left; dotted: "
+    "undeformed, with the line from the centre to the top."
+)
+
+
+RIGID = {"heave": "Heave", "surge": "Surge", "pitch": "Pitch"}
+"""Rigid motions in the plane that is drawn, by the name a page knows them by."""
 
 
 def shapes_data(modes: xr.Dataset) -> dict[str, Any]:
@@ -42,45 +50,53 @@ def shapes_data(modes: xr.Dataset) -> dict[str, Any]:
         "radial": packed(modes.radial.values[:, kept].ravel()),
         "meridional": packed(modes.meridional.values[:, kept].ravel()),
         "rest": packed(modes.static_amplitude.values),
+        **({"order": packed(modes["order"].values)} if "order" in modes else {}),
         **{name: packed(modes[name].values[kept]) for name in ("rest_radial", "rest_meridional") if name in modes},
     }
 
 
 def frames_data(
     words: str,
-    runs: Mapping[str, xr.Dataset],
+    runs: Mapping[str, xr.DataArray],
     waves: Sea,
-    window: tuple[float, float],
+    span: tuple[float, float],
     period: float,
     width: float,
     water: Water,
+    shell: Sequence[str],
+    direction: float = 0.0,
 ) -> dict[str, Any]:
-    """Return the frames of one sea: time, the water's surface, heave and shell amplitudes of every design.
+    """Return the frames of one sea: time, the water's surface, rigid motions and shell amplitudes of every design.
 
     Parameters
     ----------
     words : str
-    runs : mapping design -> Dataset
-        Trajectories.
+    runs : mapping design -> DataArray, dims (time, dof) [m]
+        Positions.
     waves : Sea
         Without components of still water.
-    window : (float, float) [s]
+    span : (float, float) [s]
+        Whose last periods are shown.
     period : float
         Of the sea [s].
     width : float
         Half of what is seen of the water [m].
     water : Water
+    shell : sequence of str
+        The shell modes, by name.
+    direction : float
+        The waves go to, from the x axis [rad].
     """
-    start, end = max(window[0], window[1] - PERIODS * period), window[1]
+    start, end = max(span[0], span[1] - PERIODS * period), span[1]
     time = np.linspace(start, end, int(PER_PERIOD * (end - start) / period) + 2)
-    place = width * np.linspace(-1, 1, ACROSS)
+    place = width * np.cos(direction) * np.linspace(-1, 1, ACROSS)
     return {
         "words": words,
         "start": float(time[0]),
         "step": float(time[1] - time[0]),
         "frames": len(time),
         "surface": packed(surface(waves, time, place, water).ravel()),
-        "designs": [_amplitudes(run, time) for run in runs.values()],
+        "designs": [_amplitudes(run, time, shell) for run in runs.values()],
     }
 
 
@@ -93,10 +109,34 @@ def surface(waves: Sea, time: FloatArray, place: FloatArray, water: Water) -> Fl
     return superposed(waves.omega, amplitude, time)
 
 
-def _amplitudes(run: xr.Dataset, time: FloatArray) -> dict[str, Any]:
-    """Heave and, of a flexible design, the amplitudes of its shell at some times."""
-    position = run.position.values
-    count = position.shape[1] - 1 if flexible(run.dof.values) else 0
-    found = [np.interp(time, run.time.values, position[:, i]) for i in range(1 + count)]
-    shell = np.array(found[1:]).T.ravel() if count else np.zeros(0)
-    return {"modes": count, "heave": packed(found[0]), "shell": packed(shell)}
+def _amplitudes(run: xr.DataArray, time: FloatArray, shell: Sequence[str]) -> dict[str, Any]:
+    """Motions in the plane that is drawn at some times, surge about its mean; of a rigid design no shell."""
+    found = {
+        str(label): np.interp(time, run.time.values, column)
+        for label, column in zip(run.dof.values, run.values.T, strict=True)
+    }
+    if "Surge" in found:
+        found["Surge"] = found["Surge"] - found["Surge"].mean()
+    rigid = {name: packed(found[label]) for name, label in RIGID.items() if label in found}
+    moved = [found[label] for label in shell if label in found]
+    return {**rigid, "modes": len(moved), "shell": packed(np.array(moved).T.ravel())}
+
+
+def largest_shell(run: xr.DataArray, shell: Sequence[str]) -> float:
+    """Return the largest amplitude of the shell modes of a run, by name [m]; zero of a rigid design."""
+    moved = run.isel(dof=run.dof.isin(list(shell)).values)
+    return float(abs(moved).max()) if moved.size else 0.0
+
+
+def in_motion(moving: Mapping[str, Any] | None) -> dict[str, Any] | None:
+    """Return what a page says of moving buoys, and their data for its scripts; nothing of none."""
+    if moving is None:
+        return None
+    factor = moving["factor"]
+    scale = f"shell displacement is magnified {factor:g} times, heave and waves are" if factor > 1 else "all is"
+    names = ", ".join(design["name"] for design in moving["designs"])
+    return {
+        "words": f"{moving.get('told', '')} {names} side by side; {scale} to scale.".strip(),
+        "waves": PLANE if any("surge" in one for sea in moving["seas"] for one in sea["designs"]) else FROM_LEFT,
+        "data": as_script(moving),
+    }

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from vsb.report.animation import in_motion
 from vsb.report.campaign_figures import is_mapped, is_verified, shown_member, told_gain
 from vsb.report.html import captioned, page
 from vsb.report.living import as_script
@@ -55,6 +56,7 @@ HEAD = (
     "margin [-]",
 )
 MOST_ROWS = 24
+STILL = "Nothing is shown in motion here: no design is viable where the answer is told, or its take-off switches."
 _SAME = 0.05  # a gain that is +-0.0 % when printed
 
 
@@ -66,6 +68,7 @@ class CampaignReport:
     figures: Mapping[str, str]  # name -> SVG
     living: Mapping[str, Any] | None = None  # what the page computes with, see `vsb.report.living`
     sketches: Sequence[Mapping[str, str]] = ()  # of each design: name, words, SVG
+    moving: Mapping[str, Any] | None = None  # what it draws in motion, see `vsb.report.animation`
 
 
 def leading(ds: xr.Dataset) -> tuple[str, str | None]:
@@ -90,7 +93,8 @@ def render(report: CampaignReport) -> str:
         answer=[line for line in (answer(ds, reference, tuning), second_answer(ds, reference, tuning)) if line],
         sketches=report.sketches,
         kind="year",
-        buoys=None,
+        buoys=in_motion(report.moving),
+        still="" if report.moving else STILL,
         living=as_script(report.living) if report.living else "",
         statements=statements(ds, reference, tuning),
         warnings=warnings(ds),

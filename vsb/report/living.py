@@ -48,6 +48,7 @@ class LivingSea:
     given: Mapping[str, float | None] | None = None  # dampers as given [N s/m]
     limited: Mapping[str, float] | None = None  # power of the optimum within limits by design, where known [W]
     steps: ForceSteps | None = None  # optima at further limits of force
+    band: int = 0  # which of the curves over the band is of its direction
 
 
 def packed(values: npt.ArrayLike, kind: str = "<f4") -> str:
@@ -77,10 +78,11 @@ def designs_data(designs: Sequence[str], reference: str | None) -> list[dict[str
 def study_data(
     grids: Sequence[Grid],
     seas: Sequence[LivingSea],
-    band: Grid,
+    bands: Sequence[Grid],
     limit: FloatArray,
     reference: str | None,
     efficiency: float = 1.0,
+    bound: str = "λ/2π",
 ) -> dict[str, Any]:
     """Return the data of a study's page.
 
@@ -89,26 +91,31 @@ def study_data(
     grids : sequence of Grid
     seas : sequence of LivingSea
         On those grids.
-    band : Grid
-        Over the band figures show.
+    bands : sequence of Grid
+        Over the band figures show, of each direction seas go to.
     limit : ndarray, shape (omega,) [W/m^2]
-        Over the same frequencies, the most an axisymmetric heaving body takes.
+        Over the same frequencies, the most a body of revolution takes.
     reference : str or None
         The design gains are over.
     efficiency : float
         Of the take-off [-].
+    bound : str
+        The capture width of that limit.
     """
-    designs = list(band.ports)
+    designs = list(bands[0].ports)
     return {
         "kind": "study",
         "efficiency": efficiency,
         "designs": designs_data(designs, reference),
-        "band": {**_grid_data(band), "limit": packed(limit)},
+        "bands": [_grid_data(band) for band in bands],
+        "limit": packed(limit),
+        "bound": bound,
         "grids": [_grid_data(grid) for grid in grids],
         "seas": [
             {
                 "words": sea.words,
                 "grid": sea.grid,
+                "band": sea.band,
                 "squares": None if sea.squares is None else packed(sea.squares),
                 "jonswap": sea.jonswap,
                 "given": [(sea.given or {}).get(design) for design in designs],

@@ -1,12 +1,13 @@
 """The self-contained HTML report: the answer first, then the evidence, then what to doubt."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
+from vsb.report.animation import in_motion
 from vsb.report.band import useful_band
 from vsb.report.captions import captions
 from vsb.report.doubts import warnings
@@ -46,6 +47,7 @@ DETAILS = (
 """Measures of the whole run, start-up included."""
 MISSING = ("", None)
 """A quantity that does not exist, in a table for people and in data."""
+STILL = "Nothing is shown in motion here: of a body its coefficients are stored, not the surface that would be drawn."
 TOLD = 3
 """Failed checks the head of a page tells."""
 _MARGIN = 0.01  # a gain within 1 % either way is called none
@@ -278,16 +280,6 @@ def published_table(study: dict[str, Any], rows: Sequence[dict[str, Any]]) -> li
     return lines
 
 
-def _buoys(motion: Mapping[str, Any] | None) -> dict[str, str] | None:
-    """What is said of the moving buoys, and their data."""
-    if not motion:
-        return None
-    factor = float(motion["factor"])
-    scale = f"shell displacement is magnified {factor:g} times, heave and waves are" if factor > 1 else "all is"
-    names = ", ".join(design["name"] for design in motion["designs"])
-    return {"words": f"{names} side by side; {scale} to scale.", "data": as_script(motion)}
-
-
 def _neglected(report: Report) -> str:
     """What the frequency response knows nothing of, in words: a drag, which depends on the amplitude."""
     return "without drag" if report.study.get("drag") else ""
@@ -327,7 +319,8 @@ def render(report: Report) -> str:
         sketches=report.sketches,
         kind="study",
         living=as_script(report.living) if report.living else "",
-        buoys=_buoys(report.buoys),
+        buoys=in_motion(report.buoys),
+        still="" if report.buoys else STILL,
         tuned=[
             *([] if response is None else tuned_statements(tuned, report.reference, report.seas)),
             *limited_statements(report.within_limits, report.reference, report.seas),

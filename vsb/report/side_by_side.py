@@ -100,6 +100,7 @@ def as_page(lines: Sequence[Line], reports: Mapping[str, tuple[str, str]]) -> st
         warnings=DOUBTS,
         living="",
         buoys=None,
+        still="",
         reports={name: path for name, (path, _) in reports.items()},
         figure=drawn(figure(told), "side_by_side").svg,
         head=HEAD,

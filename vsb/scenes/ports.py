@@ -20,7 +20,7 @@ from vsb.shell.modes import ModeBasis
 from vsb.shell.orders import OrderBasis
 from vsb.shell.reference import ReferenceShell
 from vsb.study.study import Study
-from vsb.tools.units import FloatArray
+from vsb.tools.units import ComplexArray, FloatArray
 
 POINTS = 13
 """Points of the meridian the shell's motion is told at, both poles and the equator among them."""
@@ -57,6 +57,12 @@ class InWaves(NamedTuple):
 
     port: Port
     motion: PortMotion
+    moved: tuple[ComplexArray, ComplexArray]  # free, forced (omega, dof) [m/m], [m/N]
+
+    def position(self, damping: float, stiffness: float) -> ComplexArray:
+        """Return all degrees of freedom per wave amplitude under a damper and a spring, shape (omega, dof) [m/m]."""
+        load = self.port.load(damping, stiffness)
+        return self.moved[0] - (load * self.port.velocity_under(load))[:, None] * self.moved[1]
 
 
 def designs_in_waves(study: Study, reference: ReferenceShell, water: ShapeWater) -> dict[str, InWaves]:
@@ -77,7 +83,7 @@ def designs_in_waves(study: Study, reference: ReferenceShell, water: ShapeWater)
         moved = free_motion(omega, coefficients, inertia, damping, stiffness, free, direction)
         port = port_of_motion(omega, *moved, lossy, stiffness, free, direction)
         heave, shell = zip(*((one[:, 0], np.einsum("wn,ncp->cpw", one[:, 1:], shapes)) for one in moved), strict=True)
-        found[design] = InWaves(port.behind(chamber), PortMotion(heave, shell))
+        found[design] = InWaves(port.behind(chamber), PortMotion(heave, shell), moved)
     return found
 
 

@@ -11,6 +11,7 @@ from vsb.report.sketch import sketches
 from vsb.report.svg import drawn
 from vsb.stages.climate import read_climate
 from vsb.stages.living_year import living_year
+from vsb.stages.moving_year import moving_year
 from vsb.study.campaign_plan import figure_names, members
 from vsb.study.specs import CampaignSpec
 from vsb.study.study import content_id
@@ -24,10 +25,10 @@ def run(spec: CampaignSpec, data: str, climate: str, root: str, figures: str, ou
     ds = load(data, expected=identity)
     with mpl.rc_context():  # the caller's own figures keep their looks
         found = {name: drawn(_figure(name, spec, ds, climate), name) for name in figure_names(spec)}
-    living = living_year(spec, ds, *leading(ds), climate, root)
+    living, moving = (made(spec, ds, *leading(ds), climate, root) for made in (living_year, moving_year))
     files = [path for name, one in found.items() for path in one.write(figures, name)]
     svgs = {name: one.svg for name, one in found.items()}
-    write_text(out, render(CampaignReport(ds, svgs, living, _sketches(spec))))
+    write_text(out, render(CampaignReport(ds, svgs, living, _sketches(spec), moving)))
     record(manifest, identity, [out, *files])
 
 

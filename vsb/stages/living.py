@@ -3,20 +3,20 @@
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from vsb.motion.port import Port
 from vsb.report.band import LOWEST
 from vsb.report.living import Grid, LivingSea, study_data, thinned
 from vsb.results.force_steps import SeenPort, force_steps
+from vsb.results.power import in_direction
 from vsb.results.statistics import families
-from vsb.scenes.afloat import linear_buoy, study_port
-from vsb.scenes.rest import design_motions
+from vsb.scenes.afloat import Afloat, AnyStudy, afloat, band
+from vsb.scenes.afloat import towards as headed
 from vsb.study.study import Irregular, IrregularSea, Jonswap, PiersonMoskowitz, RegularWave, StillWater, Study
 from vsb.tools.units import FloatArray
 from vsb.waves.dispersion import group_velocity
@@ -29,48 +29,73 @@ SEAS = 24
 
 
 def living_study(
-    study: Study, database: str, response: xr.Dataset, limited: Sequence[Mapping[str, Any]]
+    study: AnyStudy, database: str, response: xr.Dataset, limited: Sequence[Mapping[str, Any]]
 ) -> dict[str, Any] | None:
     """Return the data of a study's page; none where no damper's power is known, or a spring or drag loses some of it.
 
-    Nor where waves have directions: a page knows one free velocity of each port.
-
     Parameters
     ----------
-    study : Study
+    study : Study or BodyStudy
     database : str
         Path of its hydro database.
     response : Dataset
         Its frequency response.
     limited : sequence of mapping
         Of `vsb.results.equal_tuning.Limited`.
+
+    Notes
+    -----
+    A port has a free velocity for every direction waves go to: seas share a grid if they share both.
     """
     pto = study.pto
-    if not study.needs_bem or study.drag or study.directions or (pto.stiffness and pto.efficiency < 1):
+    dragged = isinstance(study, Study) and study.drag
+    if not study.needs_bem or dragged or (pto.stiffness and pto.efficiency < 1):
         return None
-    buoy, basis = linear_buoy(study, database)
-    direction, water = study_port(study, buoy, basis), study.water
-    low, high = (float(end) for end in buoy.database.omega.values[[0, -1]])
-    motions = {design: design_motions(study, basis, design) for design in study.designs}
-
-    def ports(omega: FloatArray) -> dict[str, Port]:
-        return {design: buoy.port(omega, free, direction).beside(pto.stiffness) for design, free in motions.items()}
-
-    def grid(omega: FloatArray) -> Grid:
-        speed = np.array([group_velocity(w, water.depth, water.gravity) for w in omega])
-        return Grid(omega, 0.5 * water.density * water.gravity * speed, ports(omega))
-
-    grids: list[FloatArray] = []
-    seas = [_sea(study, name, wave, (low, high), limited, grids) for name, wave in _seas(study).items()]
-    if not seas:
+    seen, waves = _Seen(study, afloat(study, database)), _seas(study)
+    if not waves:
         return None
+    ds = seen.floating.linear.database
+    low, high, highest = float(ds.omega[0]), float(ds.omega[-1]), band(study, ds)[1]
+    grids: list[tuple[FloatArray, float]] = []
+    seas = [_sea(study, name, wave, (low, high), highest, limited, grids) for name, wave in waves.items()]
+    going = list(dict.fromkeys(wave.direction for wave in waves.values()))
+    seas = [replace(sea, band=going.index(wave.direction)) for sea, wave in zip(seas, waves.values(), strict=True)]
     if pto.efficiency == 1:
-        seen = {design: partial(buoy.port, motions=free, direction=direction) for design, free in motions.items()}
-        seas = _with_steps(study, seas, seen, (low, study.hydro.omega_max))
-    shown = _band(response, max(LOWEST, low), high)
+        seas = seen.with_steps(seas, list(waves.values()), (low, highest))
+    shown = _band(in_direction(response, study.waves[0]), max(LOWEST, low), high)
     limit = np.interp(shown, response.omega.values, response.power_limit.values)
-    found = [grid(omega) for omega in grids]
-    return study_data(found, seas, grid(shown), limit, study.reference_design, pto.efficiency)
+    bands, bound = [seen.grid(shown, towards) for towards in going], response.attrs.get("limit", "λ/2π")
+    on = [seen.grid(*one) for one in grids]
+    return study_data(on, seas, bands, limit, study.reference_design, pto.efficiency, bound)
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """What the take-off of a study sees of all designs, in waves of any direction [degrees]."""
+
+    study: AnyStudy
+    floating: Afloat
+
+    def ports(self, towards: float) -> dict[str, SeenPort]:
+        """Ports by design, to be had at any frequencies."""
+        linear, port = headed(self.floating.linear, towards), self.floating.port
+        return {name: partial(linear.port, motions=n, direction=port) for name, n in self.floating.motions.items()}
+
+    def grid(self, omega: FloatArray, towards: float) -> Grid:
+        """Ports beside the spring, and what energy waves bring, at some frequencies."""
+        water, spring = self.study.water, self.study.pto.stiffness
+        speed = np.array([group_velocity(w, water.depth, water.gravity) for w in omega])
+        ports = {design: port(omega).beside(spring) for design, port in self.ports(towards).items()}
+        return Grid(omega, 0.5 * water.density * water.gravity * speed, ports)
+
+    def with_steps(
+        self, seas: Sequence[LivingSea], waves: Sequence[RegularWave | Irregular], within: tuple[float, float]
+    ) -> list[LivingSea]:
+        """Seas with optima at some limits of force, of forces within a band."""
+        study, stroke = self.study, self.study.pto.stroke_limit
+        steps = partial(force_steps, reference=study.reference_design, seas=len(seas), stroke=stroke, band=within)
+        pairs = zip(seas, waves, strict=True)
+        return [replace(sea, steps=steps(wave, self.ports(wave.direction))) for sea, wave in pairs]
 
 
 def _band(response: xr.Dataset, low: float, high: float) -> FloatArray:
@@ -81,54 +106,46 @@ def _band(response: xr.Dataset, low: float, high: float) -> FloatArray:
     return np.asarray(inside[thinned(inside)])
 
 
-def _seas(study: Study) -> dict[str, RegularWave | Irregular]:
+def _seas(study: AnyStudy) -> dict[str, RegularWave | Irregular]:
     """One wave of every sea by its name; none of still water."""
     irregular = {waves[0].label: name for name, waves in families(study).items()}
     drawn = (wave for wave in study.drawn_waves if not isinstance(wave, StillWater))
     return {irregular.get(wave.label, wave.label): wave for wave in itertools.islice(drawn, SEAS)}
 
 
-def _with_steps(
-    study: Study, seas: Sequence[LivingSea], seen: Mapping[str, SeenPort], within: tuple[float, float]
-) -> list[LivingSea]:
-    """Seas with optima at some limits of force, of forces within a band."""
-    steps = partial(force_steps, reference=study.reference_design, seas=len(seas), stroke=study.pto.stroke_limit)
-    pairs = zip(seas, _seas(study).values(), strict=True)
-    return [replace(sea, steps=steps(wave, seen, band=within)) for sea, wave in pairs]
-
-
 def _sea(
-    study: Study,
+    study: AnyStudy,
     name: str,
     wave: RegularWave | Irregular,
-    band: tuple[float, float],
+    known: tuple[float, float],
+    highest: float,
     limited: Sequence[Mapping[str, Any]],
-    grids: list[FloatArray],
+    grids: list[tuple[FloatArray, float]],
 ) -> LivingSea:
     """A sea as a page needs it: its components where ports are known, on a grid that is added if it is new."""
     given = {design: study.pto.damper(design) for design in study.designs}
     within = {str(line["design"]): float(line["power"]) for line in limited if line["sea"] == name}
     squares, jonswap = None, None
     if isinstance(wave, IrregularSea):
-        duration = min(study.simulation.duration, _longest(study))
-        omega, amplitude = components(wave, study.hydro.omega_max, duration)
+        duration = min(study.simulation.duration, _longest(len(study.designs), highest))
+        omega, amplitude = components(wave, highest, duration)
         width = 2 * float(omega[0]) if isinstance(wave, Jonswap | PiersonMoskowitz) else 0.0
-        known = (omega >= band[0]) & (omega <= band[1])
-        omega, squares = omega[known], amplitude[known] ** 2
+        kept = (omega >= known[0]) & (omega <= known[1])
+        omega, squares = omega[kept], amplitude[kept] ** 2
         if isinstance(wave, Jonswap | PiersonMoskowitz):
-            squares, jonswap = None, _jonswap(wave, width, band)
+            squares, jonswap = None, _jonswap(wave, width, known)
     else:
         omega, squares = np.array([wave.omega]), np.array([wave.amplitude**2])
-    same = (i for i, grid in enumerate(grids) if np.array_equal(grid, omega))
+    same = (i for i, (on, to) in enumerate(grids) if to == wave.direction and np.array_equal(on, omega))
     place = next(same, len(grids))
     if place == len(grids):
-        grids.append(omega)
+        grids.append((omega, wave.direction))
     return LivingSea(wave.description, place, squares, jonswap, given, within)
 
 
-def _longest(study: Study) -> float:
-    """Longest run whose components a page has room for [s]."""
-    return 2 * math.pi * MOST / (1.1 * study.hydro.omega_max * len(study.designs))
+def _longest(designs: int, highest: float) -> float:
+    """Longest run whose components a page has room for [s], by how many designs there are and the highest frequency."""
+    return 2 * math.pi * MOST / (1.1 * highest * designs)
 
 
 def _jonswap(wave: Jonswap | PiersonMoskowitz, width: float, band: tuple[float, float]) -> dict[str, float]:

@@ -1,6 +1,7 @@
 """What a campaign's page computes with: ports of its members, and the mean spectra of the bins of the year."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,10 +13,12 @@ from vsb.report.living import year_data
 from vsb.results.member import with_designs
 from vsb.scenes.ports import design_ports
 from vsb.scenes.viability import viability
+from vsb.shell.reference import ReferenceShell
 from vsb.stages.climate import read_climate
-from vsb.stages.members import swept_shape
+from vsb.stages.members import Swept, swept_shape
 from vsb.study.campaign_plan import members
 from vsb.study.specs import CampaignSpec
+from vsb.study.study import Study
 from vsb.waves.climate import Climate
 
 MOST = 6
@@ -47,15 +50,22 @@ def living_year(
     shown = shown_place(ds, tuning, reference)
     places = [dict(zip(points, map(int, place), strict=True)) for place in np.ndindex(shape)]
     others = [place for place in places if place != shown] if len(places) <= MOST else []
-    looked_at = [_point(spec, ds, places.index(place), place, seas, root) for place in [shown, *others]]
-    found = [one for one in looked_at if one]
+    known = [_point(spec, ds, places.index(place), place, seas, root) for place in [shown, *others]]
+    found = [one for one in known if one]
     return year_data(seas, found, list(map(str, ds.design.values)), reference) if found else None
 
 
-def _point(
-    spec: CampaignSpec, ds: xr.Dataset, index: int, place: Mapping[str, int], seas: Climate, root: str
-) -> dict[str, Any] | None:
-    """Words, ports, flux of the seas and given dampers of one point; none if no design is viable, or limits are."""
+@dataclass(frozen=True)
+class Point:
+    """A point of a campaign whose take-off a page knows: what of it is viable, at rest, and the water it moves."""
+
+    study: Study  # of its viable designs
+    reference: ReferenceShell
+    swept: Swept
+
+
+def looked_at(spec: CampaignSpec, index: int, root: str) -> Point | None:
+    """Return a point of a campaign; none if no design is viable, or its take-off switches."""
     (one,) = members(spec.base, [spec.vary.points[index]], spec.climate, spec.tuning)
     if one.study.pto.switches:
         return None  # a damper of the page knows no limits
@@ -64,11 +74,20 @@ def _point(
     if rest.reference is None or not viable:
         return None
     study = with_designs(one.study, viable)
-    ports = design_ports(study, rest.reference, swept_shape(study, rest.reference.basis, root).of_year(seas))
-    given = {design: study.pto.damper(design) for design in viable}
+    return Point(study, rest.reference, swept_shape(study, rest.reference.basis, root))
+
+
+def _point(
+    spec: CampaignSpec, ds: xr.Dataset, index: int, place: Mapping[str, int], seas: Climate, root: str
+) -> dict[str, Any] | None:
+    """Words, ports, flux of the seas and given dampers of one point, if it can be looked at."""
+    point = looked_at(spec, index, root)
+    if point is None:
+        return None
+    study = point.study
     return {
         "words": where(ds.isel(place)) or "the study",
-        "ports": ports,
-        "given": given,
+        "ports": design_ports(study, point.reference, point.swept.of_year(seas)),
+        "given": {design: study.pto.damper(design) for design in study.designs},
         "flux": seas.flux(study.water),
     }

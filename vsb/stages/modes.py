@@ -14,6 +14,7 @@ from vsb.shell.reference import ReferenceShell
 from vsb.stages.stage import stamp
 from vsb.study.meridian import RestMeridian
 from vsb.study.specs import ModesSpec
+from vsb.study.study import Study
 from vsb.tools.files import save
 from vsb.tools.units import FloatArray
 
@@ -28,20 +29,18 @@ def run(spec: ModesSpec, out: str) -> None:
     """Write the shell modes of a study, after checking that every design has motions left."""
     reference = reference_shell(spec)
     check_stable(spec, reference)
-    orders = [basis for basis in order_bases(spec, reference.basis) if not basis.odd]  # the odd ones are these, turned
+    save(shell_modes(spec, reference).assign_attrs(basis=spec.modes.basis, **stamp(spec)), out)
+
+
+def shell_modes(study: Study | ModesSpec, reference: ReferenceShell) -> xr.Dataset:
+    """Return shapes, degrees, dry frequencies and amplitudes at rest of the shell modes, in the plane of the waves."""
+    orders = [basis for basis in order_bases(study, reference.basis) if not basis.odd]  # the odd ones are these, turned
     parts = [_axisymmetric(reference), *map(_of_order, orders)]
     modes = xr.concat(parts, "mode") if orders else parts[0].drop_vars(ORDER)
     if (rest := reference.basis.shell.rest) is not None:
-        modes = modes.assign(dict(zip(REST, _beyond_sphere(rest, spec.device.radius), strict=True)))
-    modes = modes.assign_attrs(
-        {
-            "radius": spec.device.radius,
-            "centre_height": spec.centre_height + reference.modal_amplitude[0],
-            "basis": spec.modes.basis,
-            **stamp(spec),
-        }
-    )
-    save(modes, out)
+        modes = modes.assign(dict(zip(REST, _beyond_sphere(rest, study.device.radius), strict=True)))
+    height = study.centre_height + reference.modal_amplitude[0]
+    return modes.assign_attrs(radius=study.device.radius, centre_height=height)
 
 
 def _beyond_sphere(rest: RestMeridian, radius: float) -> tuple[tuple[str, FloatArray], tuple[str, FloatArray]]:

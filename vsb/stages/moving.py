@@ -6,10 +6,10 @@ from typing import Any
 
 import xarray as xr
 
-from vsb.hydro.dofs import flexible
-from vsb.report.animation import PERIODS, SEEN, frames_data, shapes_data
+from vsb.report.animation import PERIODS, SEEN, frames_data, largest_shell, shapes_data
 from vsb.report.living import designs_data
 from vsb.report.shell_figures import round_factor
+from vsb.scenes.afloat import heading
 from vsb.stages.inputs import Inputs
 from vsb.study.study import StillWater, Study
 from vsb.waves.seas import NO_WAVES, sea
@@ -31,14 +31,17 @@ def moving_study(stored: Inputs, modes: xr.Dataset) -> dict[str, Any]:
     assert isinstance(study, Study)  # a body has no shell to draw
     waves = [wave for wave in study.drawn_waves if not isinstance(wave, StillWater)]
     shown = waves or study.drawn_waves
-    width = SEEN * study.device.radius
+    width, shell = SEEN * study.device.radius, list(map(str, modes.mode.values))
     seas, largest, duration = [], 0.0, study.simulation.duration
     for wave in itertools.islice(shown, SEAS):
-        runs = {design: stored.runs[design, wave.label] for design in study.designs}
-        largest = max(largest, *(_shell(run, study.simulation.window) for run in runs.values()))
+        runs = {design: stored.runs[design, wave.label].position for design in study.designs}
+        settled = slice(*study.simulation.window)
+        largest = max(largest, *(largest_shell(run.sel(time=settled), shell) for run in runs.values()))
         moved = sea(wave, study.hydro.omega_max, duration) if study.needs_bem else NO_WAVES
         period = duration / PERIODS if isinstance(wave, StillWater) else 2 * math.pi / wave.omega
-        seas.append(frames_data(wave.description, runs, moved, study.simulation.window, period, width, study.water))
+        towards = math.radians(heading(wave))
+        window, water = study.simulation.window, study.water
+        seas.append(frames_data(wave.description, runs, moved, window, period, width, water, shell, towards))
     return {
         "designs": designs_data(list(study.designs), study.reference_design),
         "width": width,
@@ -46,9 +49,3 @@ def moving_study(stored: Inputs, modes: xr.Dataset) -> dict[str, Any]:
         "shapes": shapes_data(modes),
         "seas": seas,
     }
-
-
-def _shell(run: xr.Dataset, window: tuple[float, float]) -> float:
-    """Largest modal amplitude of a run in its window [m]; zero of a rigid design."""
-    settled = run.position.sel(time=slice(*window))[:, 1:]
-    return float(abs(settled).max()) if flexible(run.dof.values) else 0.0

@@ -52,7 +52,7 @@ def run(study: AnyStudy, trajectories: str, out: str, manifest: str, **files: st
         sketches=sketches(study) if isinstance(study, Study) else (),
         thing="buoy" if isinstance(study, Study) else "body",
         buoys=_buoys(stored),
-        living=_living(stored, found["within_limits"]),
+        living=living_study(study, stored.path("database"), stored.response, found["within_limits"]),
         figures={n: read_text(f"{files['figures']}/{n}.svg", manifest, study_id) for n in stored.plan.figures},
         facts=_facts(study, hydrodynamics, stored.runs.attributes()),
     )
@@ -61,16 +61,10 @@ def run(study: AnyStudy, trajectories: str, out: str, manifest: str, **files: st
 
 
 def _buoys(stored: Inputs) -> dict[str, Any] | None:
-    """Moving buoys of a page, which are bodies of revolution at any time; none of others."""
-    if not isinstance(stored.plan, StudyPlan) or stored.plan.study.motion != "heave":
+    """Moving buoys of a page; of a body nothing is known that could be drawn."""
+    if not isinstance(stored.plan, StudyPlan):
         return None
     return moving_study(stored, stored.modes)
-
-
-def _living(stored: Inputs, limited: Sequence[Mapping[str, Any]]) -> dict[str, Any] | None:
-    """What a page computes with; a body's has seas of several directions, which it does not know."""
-    study, database = stored.study, stored.path("database")
-    return living_study(study, database, stored.response, limited) if isinstance(study, Study) else None
 
 
 def _seas(study: AnyStudy) -> dict[str, str]:

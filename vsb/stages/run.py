@@ -5,6 +5,7 @@ import contextlib
 import io
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -28,6 +29,7 @@ from vsb.study.reading import read_yaml
 from vsb.study.schema import nearest
 from vsb.tools import completion
 from vsb.tools.shipped import HOME
+from vsb.tools.words import shortened
 
 Plan = AnyPlan | CampaignPlan
 Follow = Callable[[Iterable[str]], None]
@@ -282,15 +284,38 @@ def _end(pid: int) -> None:
 def _failed(plan: Plan, begun: float, told: Iterable[str] = ()) -> int:
     """Repeat the failing rule's own line last, where it is seen; 2 if it was the user's to mend, else 1.
 
-    What nobody has seen yet is told first if no rule says what is wrong.
+    If no rule says what is wrong, what nobody has seen yet is kept in a file: it is for those who know Snakemake.
     """
     logs = [path for path in Path(plan.root, "logs").rglob("*.log") if path.stat().st_mtime >= begun - 1.0]
     lines = [line for path in logs for line in path.read_text(encoding="utf-8").splitlines()]
     mistakes = [line for line in lines if line.startswith(ERROR)]
-    print(*([] if mistakes else told), sep="", end="", file=sys.stderr)
-    last = mistakes[-1] if mistakes else f"{ERROR} the run of {plan.name!r} did not complete, see above"
-    print(last, file=sys.stderr)
+    unseen = list(told)
+    whole = f"{ERROR} the run of {plan.name!r} did not complete" + (_kept(plan, unseen) if unseen else ", see above")
+    print(mistakes[-1] if mistakes else whole, file=sys.stderr)
     return 2 if mistakes else 1
+
+
+def _kept(plan: Plan, told: Sequence[str]) -> str:
+    """Which rules failed and the last words of each, or of the system; where all that was told is kept."""
+    from vsb.tools.files import write_text
+    from vsb.tools.progress import failed
+
+    words = [f"{rule} ended{_last_words(Path(log))}" for log, rule in failed(told).items()]
+    words = words or [found[1] for line in told if (found := re.search(r"\[Errno \d+\] (.+)", line))][-1:]
+    path = f"{plan.root}/logs/{plan.name}.log"
+    try:
+        write_text(path, "".join(told))
+        words.append(f"all that was told is in {path}")
+    except (OSError, VsbError) as error:
+        words.append(f"what was told cannot be kept: {error}")
+    return f": {'; '.join(words)}"
+
+
+def _last_words(log: Path) -> str:
+    """The last line of a job's log."""
+    lines = log.read_text(encoding="utf-8").split("\n") if log.is_file() else []
+    last = next((line for line in reversed(lines) if line.strip()), "")
+    return f" with {shortened(last.strip())}" if last else " without a word, as when it is killed or memory is out"
 
 
 def cores(text: str) -> str:

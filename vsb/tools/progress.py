@@ -9,6 +9,7 @@ from rich.text import Text
 
 TOTAL = re.compile(r"^total\s+(\d+)$")
 DONE = re.compile(r"^(\d+) of (\d+) steps \(\d+%\) done$")
+FAILED = re.compile(r"\bvsb (\w+)\s.* > (\S+) 2>&1' returned non-zero exit status \d+")
 REMEMBERED = 600.0
 """Time over which the rate is taken: jobs differ, and the last ones alone say little [s]."""
 
@@ -50,3 +51,8 @@ def followed(lines: Iterable[str], name: str, console: Console, last: MutableSeq
                 progress.update(task, completed=int(found[1]), total=int(found[2]))
             elif found := TOTAL.match(line.strip()):
                 progress.update(task, total=int(found[1]))
+
+
+def failed(lines: Iterable[str]) -> dict[str, str]:
+    """Return the rules that failed in what a run of Snakemake tells, by the log of the job."""
+    return {found[2]: found[1] for line in lines if (found := FAILED.search(line))}

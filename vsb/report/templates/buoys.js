@@ -27,7 +27,8 @@ class Buoys {
   /** Go to the first frame of a sea. */
   choose(index) {
     const stored = this.data.seas[index];
-    const designs = stored.designs.map((design) => ({ ...design, heave: unpacked(design.heave), shell: unpacked(design.shell) }));
+    const moved = (value) => (typeof value === "string" ? unpacked(value) : value);
+    const designs = stored.designs.map((one) => Object.fromEntries(Object.entries(one).map(([name, value]) => [name, moved(value)])));
     this.sea = { ...stored, surface: unpacked(stored.surface), designs };
     this.across = this.sea.surface.length / this.sea.frames;
     Object.assign(this.part("moment"), { min: 0, max: this.sea.frames - 1, step: 1, value: 0 });
@@ -51,14 +52,16 @@ class Buoys {
     requestAnimationFrame(step);
   }
 
-  /** Points of a meridian about the sphere's centre: x = (r + v) sin + u cos, z = (r + v) cos - u sin. */
-  meridian(design, frame) {
-    const { colatitude, radial, meridional, rest } = this.shape;
+  /** Points of a meridian about the sphere's centre: x = (r + v) sin + u cos, z = (r + v) cos - u sin.
+   * Of the one opposite, where shapes of odd order are the other way, x is counted to its own side. */
+  meridian(design, frame, opposite = false) {
+    const { colatitude, radial, meridional, rest, order } = this.shape;
     const count = colatitude.length;
     return Array.from(colatitude, (_, i) => {
       let [v, u] = [0, 0];
       for (let n = 0; n < rest.length; n++) {
-        const moved = n < design.modes ? this.data.factor * design.shell[frame * design.modes + n] : 0;
+        const side = opposite && order && order[n] % 2 ? -1 : 1;
+        const moved = n < design.modes ? side * this.data.factor * design.shell[frame * design.modes + n] : 0;
         v += (rest[n] + moved) * radial[n * count + i];
         u += (rest[n] + moved) * meridional[n * count + i];
       }
@@ -114,11 +117,14 @@ class Buoys {
     pen.lineTo(half, half);
     pen.fillStyle = "#d5ebf8";
     pen.fill();
-    const height = this.shape.centre + design.heave[frame];
-    const points = this.meridian(design, frame);
-    pen.beginPath();
-    for (const [x, z] of points) pen.lineTo(scale * x, -scale * (height + z));
-    for (const [x, z] of [...points].reverse()) pen.lineTo(-scale * x, -scale * (height + z));
+    const [right, left] = [this.meridian(design, frame), this.meridian(design, frame, true)];
+    const rest = Array.from(this.shape.colatitude, (_, i) => this.point(i, 0, 0));
+    const line = (points) => {
+      pen.beginPath();
+      for (const point of points) pen.lineTo(...this.placed(design, frame, point, scale));
+    };
+    const around = (one, other) => [...one, ...other.toReversed().map(([x, z]) => [-x, z])];
+    line(around(right, left));
     pen.closePath();
     pen.fillStyle = `${look.colour}22`;
     pen.fill();
@@ -127,13 +133,19 @@ class Buoys {
     pen.stroke();
     pen.setLineDash([2, 4]);
     pen.lineWidth = 1;
-    pen.beginPath();
-    if (this.shape.rest_radial) {
-      const half = Array.from(this.shape.colatitude, (_, i) => this.point(i, 0, 0));
-      const around = [...half, ...half.toReversed().map(([x, z]) => [-x, z])];
-      for (const [x, z] of around) pen.lineTo(scale * x, -scale * (height + z));
-    } else pen.arc(0, -scale * height, scale * this.shape.radius, 0, 2 * Math.PI);
     pen.strokeStyle = "#566170";
+    line(around(rest, rest));
     pen.stroke();
+    if (!design.pitch) return;
+    line([[0, 0], rest[0]]);
+    pen.stroke();
+  }
+
+  /** Where a point of the buoy is on the canvas: turned by pitch, which brings the top to the right, then moved. */
+  placed(design, frame, [x, z], scale) {
+    const turn = design.pitch ? design.pitch[frame] : 0;
+    const across = (design.surge ? design.surge[frame] : 0) + x * Math.cos(turn) + z * Math.sin(turn);
+    const height = this.shape.centre + design.heave[frame] + z * Math.cos(turn) - x * Math.sin(turn);
+    return [scale * across, -scale * height];
   }
 }

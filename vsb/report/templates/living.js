@@ -7,7 +7,9 @@ class LivingStudy {
     this.data = data;
     this.root = root;
     this.grids = data.grids.map(unpackedGrid);
-    this.band = { ...unpackedGrid(data.band), limit: unpacked(data.band.limit) };
+    this.bands = data.bands.map(unpackedGrid);
+    this.limit = unpacked(data.limit);
+    root.querySelector('[data-part="bound"]').textContent = data.bound;
     this.reference = data.designs.findIndex((design) => design.reference);
     this.damping = null; // each design at its own best damper
     this.part = (name) => root.querySelector(`[data-part="${name}"]`);
@@ -43,6 +45,7 @@ class LivingStudy {
   choose(index) {
     this.sea = this.data.seas[index];
     this.grid = this.grids[this.sea.grid];
+    this.band = this.bands[this.sea.band];
     const { jonswap, limited, given, steps } = this.sea;
     this.part("periods").hidden = !jonswap;
     if (jonswap) {
@@ -172,7 +175,8 @@ class LivingStudy {
 
   /** Absorbed power per squared amplitude over the band at these dampers, with the limit and the sea. */
   overBand(found) {
-    const { omega, limit, ports } = this.band;
+    const { omega, ports } = this.band;
+    const { limit } = this;
     const curves = ports.map((port, i) => {
       const damping = found[i].damping;
       const value = (_, j) => (damping === null ? port.matched[j] : powerAt(port, j, damping)) / 1e3;
@@ -181,7 +185,7 @@ class LivingStudy {
     const top = 1.15 * Math.max(...this.curvesTop(), 1e-9);
     const low = [...omega.keys()].filter((j) => limit[j] / 1e3 <= top);
     const bound = { x: low.map((j) => omega[j]), y: low.map((j) => limit[j] / 1e3) };
-    const clipped = { name: "limit λ/2π", colour: "#999999", dash: "", ...bound };
+    const clipped = { name: this.data.bound, colour: "#999999", dash: "", ...bound };
     const largest = Math.max(...this.squares);
     const sea = this.squares.length > 1 ? [{ x: this.grid.omega, y: this.squares.map((v) => (0.3 * top * v) / largest) }] : [];
     const inside = sea.map((area) => {
@@ -201,10 +205,10 @@ class LivingStudy {
 
   /** Largest powers of any damper over the band [kW/m^2]: the axis stays where it is. */
   curvesTop() {
-    this.highest ??= this.band.ports.map((port) => {
+    this.band.highest ??= this.band.ports.map((port) => {
       const best = (_, j) => powerAt(port, j, Math.hypot(port.resistance[j], port.reactance[j]));
       return Math.max(...Float64Array.from(this.band.omega, best)) / 1e3;
     });
-    return this.highest;
+    return this.band.highest;
   }
 }
