@@ -4,7 +4,7 @@ CONFIG ?= config/seed.yaml config/year.yaml
 BIN := .venv/bin
 READY := .venv/.installed
 
-.PHONY: study benchmark barge hard-cases torture cluster-test test lint unit format docs lock docs-lock clean help
+.PHONY: study benchmark barge hard-cases torture cluster-test test lint unit format docs links lock docs-lock clean help
 
 study: $(READY) ## run the seed's study and its year, or others: make study [CONFIG=config/seed.yaml]
 	@for one in $(CONFIG); do $(BIN)/vsb run $$one || exit; done
@@ -48,6 +48,9 @@ format: $(READY) ## put the code in its standard form
 docs: .venv-docs/.installed ## the documentation, to docs/_build/html/index.html; every warning is an error
 	@.venv-docs/bin/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
 	@echo docs/_build/html/index.html
+
+links: .venv-docs/.installed ## every link of the documentation to the outside, asked once; needs a network
+	@.venv-docs/bin/python -m sphinx -q -b linkcheck docs docs/_build/links
 
 # Sphinx beside the package's own environment, which it sees through a path file: a study needs none of it.
 .venv-docs/.installed: docs/requirements.lock $(READY)

@@ -21,6 +21,8 @@ def test_a_limit_of_buoys_of_revolution_is_none_of_a_body():
     assert "if and only if it lowers Q" in buoy["reactance"]
     assert "axisymmetric" not in body["absorbed_power"]
     assert body["reactance"].endswith("Q = |X|/R.")
+    assert "mode of degree 1" in buoy["added_mass_damping"]
+    assert body["added_mass_damping"].endswith("all degrees of freedom; dotted: heave.")
 
 
 def test_what_is_left_out_stands_first():

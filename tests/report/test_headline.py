@@ -24,6 +24,11 @@ def test_a_gain_below_a_per_cent_is_not_said_to_be_none():
     assert "A absorbs up to 0.3 % more" in second
 
 
+def test_a_gain_of_tenfold_is_said_as_a_multiple():
+    _, second = headline([line("FSB", 0.0), line("A", 0.3)], best_power(A=198.0 + 0 * OMEGA), "FSB", SEAS, 1e-3)
+    assert "A absorbs up to 199 times as much (in" in second
+
+
 def test_the_best_design_its_interval_and_the_band():
     gain = 0.2 - 0.1 * np.abs(OMEGA - 2.0)
     first, second = headline([line("FSB", 0.0), line("A", 20.0)], best_power(A=gain), "FSB", SEAS, 1e-3)

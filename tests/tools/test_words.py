@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vsb.tools.words import plain, power, the_rigid, watts
+from vsb.tools.words import multiple, plain, power, the_rigid, watts
 
 
 @pytest.mark.parametrize(
@@ -31,3 +31,12 @@ def test_powers_that_are_compared_have_one_unit():
 @pytest.mark.parametrize(("name", "called"), [("FSB", "the rigid FSB"), ("rigid", "the rigid one")])
 def test_a_rigid_design_is_called_so_once(name, called):
     assert the_rigid(name) == called
+
+
+def test_percents_say_little_of_a_gain_of_tenfold():
+    assert [multiple(gain) for gain in (-100.0, 899.0, 900.0, 19799.0)] == [
+        "",
+        "",
+        "10 times as much",
+        "199 times as much",
+    ]

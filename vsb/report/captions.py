@@ -8,8 +8,7 @@ CAPTIONS = {
     "spectra": "Spectra of the irregular seas; runs have components up to the highest frequency of the study alone.",
     "mode_shapes": "Shapes of the shell modes and their natural frequencies in vacuum. Points of the shell also move "
     "along it, which crowds them where the meridian is drawn narrow.",
-    "added_mass_damping": "Added mass (dashed: at infinite frequency) and radiation damping of heave and modes. Heave "
-    "(dotted) lies upon the mode of degree 1 where that moves the surface as heave does.",
+    "added_mass_damping": "Added mass (dashed: at infinite frequency) and radiation damping of {moving}.",
     "radiation_kernel": "Retardation kernel: from the damping, and of the passive state space the time domain uses.",
     "witness": "Two solvers that share nothing but the shape, capytaine's panels and the spectral integral equation: "
     "how far apart they are on the mean shell and on shells deformed by each mode, in terms of the largest entry at "
@@ -32,6 +31,7 @@ CAPTIONS = {
     "snapshots": "The buoys over the last period (dotted: undeformed). Shell displacement is magnified as said above "
     "the figure, heave and wave are to scale.",
 }
+HEAVE = "heave and modes. Heave (dotted) lies upon the mode of degree 1 where that moves the surface as heave does"
 OF_THE_RESPONSE = ("absorbed_power", "reactance")
 """Figures of the frequency response, which knows no amplitude."""
 OWN = "each design at its own best damper at every frequency"
@@ -58,6 +58,7 @@ def captions(neglected: str = "", *, given: bool, body: bool) -> dict[str, str]:
         "dampers": f"left {OWN}, right at the given damper" if given else OWN,
         "limit": LIMIT if body else f"{LIMIT}, the limit of an axisymmetric heaving body",
         "same": "" if body else SAME,
+        "moving": "all degrees of freedom; dotted: heave" if body else HEAVE,
     }
-    found = CAPTIONS | {name: CAPTIONS[name].format(**words) for name in OF_THE_RESPONSE}
+    found = {name: text.format(**words) for name, text in CAPTIONS.items()}
     return found | ({name: f"{neglected.capitalize()}: {found[name]}" for name in OF_THE_RESPONSE} if neglected else {})

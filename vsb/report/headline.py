@@ -7,7 +7,7 @@ from typing import Any
 import xarray as xr
 
 from vsb.report.band import useful_band
-from vsb.tools.words import the_rigid, watts
+from vsb.tools.words import multiple, the_rigid, watts
 
 _SAME = 0.05  # a gain that is +-0.0 % when printed
 
@@ -94,8 +94,8 @@ def _over_band(best_power: xr.DataArray, reference: str, neglected: str) -> list
             period = 2 * math.pi / float(at.omega)
             which = f"{at.design.item()} " if gain.sizes["design"] > 1 else ""
             size = abs(float(at))
-            said = f"{size:.0f}" if size >= 1 else f"{size:.1f}"
-            parts.append(f"up to {said} % {word} ({which}in waves of {period:.2f} s)")
+            said = multiple(float(at)) or f"{size:.{0 if size >= 1 else 1}f} % {word}"
+            parts.append(f"up to {said} ({which}in waves of {period:.2f} s)")
     who = "flexible designs absorb" if gain.sizes["design"] > 1 else f"{gain.design.values[0]} absorbs"
     where = f"Over all waves that carry power, tuned wave by wave{neglected and f' and {neglected}'}"
     return [f"{where}, {who} {' and '.join(parts)}."] if parts else []

@@ -26,7 +26,7 @@ from vsb.report.tuned import (
 )
 from vsb.study.take_off import at_port
 from vsb.tools.units import FloatArray
-from vsb.tools.words import plain, power, the_rigid
+from vsb.tools.words import multiple, plain, power, the_rigid
 
 MEASURES = (
     ("displacement_pp", "heave, peak to peak [m]", 1.0, ""),
@@ -151,10 +151,11 @@ def band_statements(absorbed: xr.DataArray, reference: str | None) -> list[str]:
 
 def _band_text(direction: str, band: Band) -> str:
     """One interval in words, as wave periods."""
-    sign = "+" if direction == "more" else "-"
+    more = direction == "more"
+    size = (multiple(band.gain) if more else "") or f"{'+' if more else '-'}{band.gain:.0f} %"
     return (
         f"{direction} in waves of {2 * np.pi / band.end:.2f} to {2 * np.pi / band.start:.2f} s "
-        f"(up to {sign}{band.gain:.0f} % at {2 * np.pi / band.at:.2f} s)"
+        f"(up to {size} at {2 * np.pi / band.at:.2f} s)"
     )
 
 

@@ -5,6 +5,9 @@ from collections.abc import Sequence
 POWERS = ((1e7, 1e-6, "MW"), (1e4, 1e-3, "kW"), (0.0, 1.0, "W"))
 """From which power on [W], factor to its unit, unit."""
 
+TENFOLD = 900.0
+"""Gain from which on percents say little [%]."""
+
 LONGEST = 80
 """Characters of a value that are repeated."""
 
@@ -30,6 +33,11 @@ def power(value: float) -> str:
     """Return a power [W] to four digits with a unit that suits it."""
     (text,), unit = watts([value])
     return f"{text} {unit}"
+
+
+def multiple(gain: float) -> str:
+    """Return a gain of tenfold and more [%] as what it is a multiple of; nothing of less, which percents say."""
+    return f"{1 + gain / 100:.3g} times as much" if gain >= TENFOLD else ""
 
 
 def the_rigid(name: str) -> str:
