@@ -60,6 +60,12 @@ def moving(system, count=4):
     return time, np.hstack([positions, rng.normal(size=(count, len(system.matrix) - system.free))])
 
 
+@pytest.mark.parametrize(("stiffness", "omega"), [(0.0, 1.0), (1.0, 0.5), (36.0, 3.0)])
+def test_heave_alone_has_the_frequency_of_its_spring_and_mass(stiffness, omega):
+    alone = Scene(("Heave",), np.array([[4.0]]), {"hydrostatic": Spring(np.array([[stiffness]]))}, np.eye(1))
+    assert System.of(alone).heaving == pytest.approx(omega, rel=1e-14)
+
+
 @pytest.mark.parametrize("name", ["linear", "wet"])
 def test_the_system_is_the_equation_of_motion(plants, name):
     """N^T M N y'' = N^T of the named forces, and back to the same states."""

@@ -92,6 +92,9 @@ def test_no_bar_of_energies_ends_at_the_edge():
     energy = (("time", "term"), 1e3 * np.array([[24.0, 24.0, 0.0, -7.0, 41.0]]))
     run = xr.Dataset({"energy": energy}, coords={"term": terms, "time": [1.0]})
     ax = energy_audit(data(runs={(design, "w"): run for design in ("FSB", "VSWEC")}), "w").axes[0]
+    assert [0.0, 0.0] in [
+        list(line.get_xdata()) for line in ax.get_lines()
+    ]  # what is given up is told from what is got
     left, right = ax.get_xlim()
     assert left < -7.0 * 1.05
     assert right > 48.0 * 1.02

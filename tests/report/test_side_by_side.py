@@ -54,6 +54,7 @@ def test_the_figure_marks_every_number_in_its_row():
         "year, scale 4, buoy",
         "year, scale 9, buoy",
     ]
+    assert marked["_zero"][:, 0].tolist() == [0.0, 0.0]
     (alone,) = figure((GAS,)).axes
     assert alone.get_xlabel() == "power [W]"
 

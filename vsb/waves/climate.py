@@ -99,11 +99,6 @@ class Climate:
         """m0 of each sea, shape (sea,) [m^2]."""
         return np.asarray(self.density @ np.diff(self.edges))
 
-    @property
-    def steepness(self) -> FloatArray:
-        """Hs over the deep-water length of Te, shape (sea,) [-]."""
-        return np.asarray(2 * np.pi * self.hs / (STANDARD_GRAVITY * self.te**2))
-
     def flux(self, water: Water) -> FloatArray:
         """Return the energy flux J = rho g sum v_g S dw of each sea per metre of crest, shape (sea,) [W/m]."""
         speed = np.array([group_velocity(w, water.depth, water.gravity) for w in self.omega])

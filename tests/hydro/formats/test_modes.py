@@ -13,7 +13,16 @@ from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro.bodies import study as bodystudy
 from vsb.hydro.formats.bemio import bemio_entries, read_bemio, write_h5
 from vsb.hydro.formats.exchange import export
-from vsb.hydro.formats.modes import RIGID, check_positive, floating, mode_labels, mode_numbers, rotations, structure
+from vsb.hydro.formats.modes import (
+    RIGID,
+    body_names,
+    check_positive,
+    floating,
+    mode_labels,
+    mode_numbers,
+    rotations,
+    structure,
+)
 from vsb.hydro.formats.wamit import import_wamit, wamit_texts
 from vsb.study.body_file import BodyFile
 from vsb.tools import files, units
@@ -82,6 +91,13 @@ def test_six_modes_are_rigid_and_others_count_from_seven():
     for labels in ([], ["Heave", "Bend", "Bend"]):
         with pytest.raises(DatabaseError, match="needs at least one, and none twice"):
             mode_numbers(labels)
+
+
+def test_bodies_are_told_apart_by_their_names_or_else_by_numbers():
+    assert body_names(["float"]) == [""]
+    assert body_names(["float", "spar_1"]) == ["float", "spar_1"]
+    for same_or_no_names in (["float", "float"], ["float", "1st"], ["float", ""], ["a b", "c"]):
+        assert body_names(same_or_no_names) == ["body1", "body2"]
 
 
 def test_a_length_more_for_every_rotation():
