@@ -3,7 +3,8 @@ import re
 import pytest
 from conftest import HERE, SEED, varied
 
-from vsb.stages.make import due, jobs
+from vsb.stages import make as stage_make
+from vsb.stages.make import Job, due, jobs, make
 from vsb.study import study as config
 from vsb.study.body import BodyStudy
 from vsb.study.body_plan import plan_for
@@ -55,3 +56,26 @@ def test_only_what_is_missing_or_stale_and_wanted_is_due(tmp_path):
     (tmp_path / "hydro" / "db" / plan.database_path.split("/")[-1]).touch()
     assert [job.stage for job in due(ordered, targets)] == ["radiation"]
     assert [job.stage for job in due(ordered, targets, stale=[plan.database_path])] == named
+
+
+@pytest.mark.parametrize(
+    ("there", "stale", "made"),
+    [
+        ((), (), 1),
+        (("a",), (), 1),
+        (("b",), (), 1),
+        (("a", "b"), (), 0),
+        (("a", "b"), ("a",), 1),
+        (("a", "b"), ("b",), 1),
+    ],
+)
+def test_a_job_is_done_where_all_it_makes_was_made_meanwhile(tmp_path, monkeypatch, there, stale, made):
+    """While it waited for another run; a part of it, or one that is stale, is not enough."""
+    plan, ran = StudyPlan(config.load(SEED), root=str(tmp_path)), []
+    job = Job("waits", None, {}, (str(tmp_path / "a"), str(tmp_path / "b")))
+    for name in there:
+        (tmp_path / name).touch()
+    monkeypatch.setattr(stage_make, "due", lambda ordered, targets, stale: [job])
+    monkeypatch.setattr(Job, "run", lambda self: ran.append(self.stage))
+    make(plan, job.makes, [str(tmp_path / name) for name in stale])
+    assert len(ran) == made
