@@ -14,6 +14,7 @@ benchmark: $(READY) ## error against seconds of every method: integrators on the
 	@$(BIN)/python -m benchmarks coefficients results/hydro_precision
 	@$(BIN)/python -m benchmarks time-domain config/seed.yaml results/time_precision
 	@$(BIN)/python -m benchmarks take-offs results/take_offs
+	@$(BIN)/python -m benchmarks bodies results/bodies
 
 barge: $(READY) ## any body by the general route: a flexible barge
 	@$(BIN)/python -m examples.barge config/barge_convergence.yaml results/barge

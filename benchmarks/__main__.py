@@ -34,6 +34,14 @@ def memories(args: argparse.Namespace) -> int:
     return _written(args.folder, "memories*")
 
 
+def bodies(args: argparse.Namespace) -> int:
+    """Panels against the spectral solver, memories against convolutions: error, seconds and ratio; takes minutes."""
+    from benchmarks import bodies
+
+    bodies.benchmark(args.folder)
+    return _written(args.folder, "bodies*")
+
+
 def take_offs(args: argparse.Namespace) -> int:
     """Best take-offs of four designs in 200 seas against plain searches: seconds, ratio and error, a table."""
     from benchmarks import take_offs
@@ -111,6 +119,7 @@ COMMANDS = {
     "integrators": (integrators, ("config", "folder")),
     "coefficients": (coefficients, ("folder",)),
     "memories": (memories, ("folder",)),
+    "bodies": (bodies, ("folder",)),
     "take-offs": (take_offs, ("folder",)),
     "time-domain": (time_domain, ("config", "folder")),
     "hard-cases": (hard_cases, ("config", "out")),

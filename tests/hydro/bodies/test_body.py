@@ -194,9 +194,20 @@ def test_no_lid_without_a_waterline_or_where_it_hides_from_the_centre(box):
     closed, panels = bodies.joined([(half.vertices, half.faces), (flipped, half.faces[:, ::-1])])
     with pytest.raises(ConfigError, match="does not cross the water"):
         bodies.interior_lid(made(closed - [0, 0, 2], panels, rigid(closed)[2:3]), 3)
-    two, both = bodies.joined([(vertices, faces), (vertices + np.array([9.0, 0.0, 0.0]), faces)])
+    corners = [np.array([LENGTH, BEAM, 0.0]) * place for place in ([0, 0, 0], [1, 1, 0], [2, 0, 0])]
+    zigzag, three = bodies.joined([(vertices + corner, faces) for corner in corners])
     with pytest.raises(ConfigError, match="not seen whole"):
-        bodies.interior_lid(made(two, both, rigid(two)[2:3]), 3)
+        bodies.interior_lid(made(zigzag, three, rigid(zigzag)[2:3]), 3)
+
+
+def test_each_of_two_bodies_has_a_lid_of_its_own(box):
+    vertices, faces = box
+    two, both = bodies.joined([(vertices, faces), (vertices + np.array([9.0, 0.0, 0.0]), faces)])
+    lid, panels = bodies.interior_lid(made(two, both, rigid(two)[2:3]), 3)
+    one, own = bodies.interior_lid(made(*box, rigid(vertices)[2:3]), 3)
+    assert len(panels) == 2 * len(own)
+    expected = {tuple(row) for side in (0.0, 9.0) for row in np.round(one + np.array([side, 0.0, 0.0]), 9).tolist()}
+    assert {tuple(row) for row in np.round(lid, 9).tolist()} == expected
 
 
 def changed(array, index, value):

@@ -12,6 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from vsb.errors import ConfigError
@@ -246,7 +248,7 @@ def _is_mirrored(body: FlexibleBody, plane: str) -> bool:
 
 
 def interior_lid(body: FlexibleBody, rings: int) -> tuple[FloatArray, IntArray]:
-    """Return vertices and panels, normals down, of a lid of `rings` belts between the waterline and its centre.
+    """Return vertices and panels, normals down, of a lid of `rings` belts between each waterline and its centre.
 
     Raises
     ------
@@ -260,7 +262,9 @@ def interior_lid(body: FlexibleBody, rings: int) -> tuple[FloatArray, IntArray]:
     if len(ends) == 0:
         raise ConfigError("lid: the body does not cross the water's surface; needs lid: 0")
     ends[:, :, 2] = 0.0
-    centre = (ends.max(axis=(0, 1)) + ends.min(axis=(0, 1))) / 2
+    centre = np.empty((len(ends), 3))
+    for line in _waterlines(ends):
+        centre[line] = (ends[line].max(axis=(0, 1)) + ends[line].min(axis=(0, 1))) / 2
     inside = np.cross(ends[:, 0] - centre, ends[:, 1] - centre)[:, 2] / 2
     waterplane = -float(body.triangles.area[:, 2].sum())
     if (inside > 0).any() or abs(-inside.sum() - waterplane) > 1e-6 * abs(waterplane):
@@ -270,6 +274,13 @@ def interior_lid(body: FlexibleBody, rings: int) -> tuple[FloatArray, IntArray]:
     panels = [np.stack([a[k + 1], b[k + 1], b[k], a[k]], axis=1) for k in range(rings)]
     vertices = np.concatenate(panels).reshape(-1, 3)
     return vertices, np.arange(len(vertices)).reshape(-1, 4)
+
+
+def _waterlines(ends: FloatArray) -> list[IntArray]:
+    """Edges (edge, 2, xyz) that hang together, one body's each: their numbers."""
+    start, end = owners(ends.reshape(-1, 3)).reshape(-1, 2).T
+    found = connected_components(coo_matrix((np.ones(len(start)), (start, end)), shape=(2 * len(ends),) * 2))[1]
+    return [np.flatnonzero(found[start] == line) for line in np.unique(found[start])]
 
 
 def hydrostatic_stiffness(body: FlexibleBody, density: float, gravity: float) -> FloatArray:
