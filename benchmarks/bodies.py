@@ -78,7 +78,8 @@ def barges(count: int, modes: int, gap: float, panels: int) -> FlexibleBody:
     names = [*RIGID, *(f"Bending{n}" for n in range(1, modes + 1))]
     labels = names if count == 1 else [f"barge{i}__{name}" for i in range(1, count + 1) for name in names]
     moved = shapes.reshape(len(labels), -1, 3)
-    return FlexibleBody(whole, quads, tuple(labels), at_centres(whole, quads, moved), moved, centre_of_mass=np.zeros(3))
+    middles = np.column_stack([0 * places, places, 0 * places])
+    return FlexibleBody(whole, quads, tuple(labels), at_centres(whole, quads, moved), moved, centre_of_mass=middles)
 
 
 def _motions(points: FloatArray, modes: int) -> FloatArray:

@@ -7,7 +7,8 @@ import numpy as np
 import xarray as xr
 
 from vsb.errors import ConfigError
-from vsb.hydro.bodies.body import FlexibleBody, hydrostatic_stiffness
+from vsb.hydro.bodies.body import FlexibleBody
+from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
 from vsb.hydro.database import with_symmetrized
 from vsb.hydro.formats.modes import DRY, structure
 from vsb.hydro.repairs import with_symmetric_stiffness

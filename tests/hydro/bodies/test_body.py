@@ -8,6 +8,7 @@ from vsb.errors import ConfigError
 from vsb.hydro.bodies import body as bodies
 from vsb.hydro.bodies.body import FlexibleBody, at_centres, at_vertices
 from vsb.hydro.bodies.coarsening import CoarserBody
+from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
 from vsb.hydro.panels.mesh import graded_colatitudes, polygon_radius, revolved
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import Mode, ModeBasis, legendre
@@ -73,14 +74,14 @@ def test_rigid_stiffness_is_waterplane_and_metacentric_heights(box):
             [area * about[0], -area * about[0] * about[1], inertia[1] + area * about[0] ** 2 + volume * lever],
         ]
     )
-    stiffness = bodies.hydrostatic_stiffness(body, 1025.0, 9.81)
+    stiffness = hydrostatic_stiffness(body, 1025.0, 9.81)
     # the body floats upright: its centres lie on one vertical line, so the axis of rotation does not matter otherwise
     assert stiffness == pytest.approx(1025.0 * 9.81 * expected, rel=1e-12, abs=1e-4)
 
 
 def test_horizontal_motions_and_yaw_feel_no_stiffness(box):
     body = made(*box, rigid(box[0])[[0, 1, 5]])
-    assert np.abs(bodies.hydrostatic_stiffness(body, 1.0, 1.0)).max() < 1e-12
+    assert np.abs(hydrostatic_stiffness(body, 1.0, 1.0)).max() < 1e-12
 
 
 def energy(vertices, faces):
@@ -99,7 +100,7 @@ def energy(vertices, faces):
 def test_flexible_stiffness_is_the_second_derivative_of_the_waters_energy(seed):
     vertices, faces = barge.box(LENGTH, BEAM, DRAUGHT, 1)
     shapes = np.random.default_rng(seed).normal(size=(2, *vertices.shape))
-    stiffness = bodies.hydrostatic_stiffness(made(vertices, faces, shapes), 1.0, 1.0)
+    stiffness = hydrostatic_stiffness(made(vertices, faces, shapes), 1.0, 1.0)
     q, h = np.meshgrid([-1, 0, 1], [-1, 0, 1], indexing="ij"), 1e-3
 
     u = np.vectorize(lambda a, b: energy(vertices + h * (a * shapes[0] + b * shapes[1]), faces))(*q)
@@ -121,7 +122,7 @@ def test_stiffness_of_a_deformed_shell_converges_to_the_exact_jacobian_at_second
         body = revolved_body(shell, n, (1, 2), 4 * n)
         heave = np.tile([0.0, 0.0, 1.0], (len(body.vertices), 1))[None]
         both = made(body.vertices, body.faces, np.concatenate([heave, body.shapes[1:]]))
-        found.append(bodies.hydrostatic_stiffness(both, 1.0, 1.0))
+        found.append(hydrostatic_stiffness(both, 1.0, 1.0))
     errors = np.abs(np.array(found) - exact).max(axis=(1, 2)) / np.abs(exact).max()
     order = -np.polyfit(np.log(rows), np.log(errors), 1)[0]
     assert 1.8 < order < 2.2, errors

@@ -7,6 +7,7 @@ from scipy.special import j0
 from examples import barge
 from vsb.hydro import dofs
 from vsb.hydro.bodies import body as bodies
+from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
 from vsb.hydro.bodies.solver import BodyProblem, SymmetricPanels, unit_wave, unit_wave_slope
 from vsb.hydro.bodies.study import identities
 from vsb.hydro.panels import rings as bem
@@ -165,7 +166,7 @@ def test_the_lid_removes_the_irregular_frequency_that_breaks_the_identities(gree
 def test_a_long_wave_lifts_the_body_like_still_water(green, box):
     omega = np.array([0.1, 0.05])
     problem = BodyProblem(green, box, SEA, "xOz+yOz")
-    stiffness = bodies.hydrostatic_stiffness(box, SEA.density, SEA.gravity)
+    stiffness = hydrostatic_stiffness(box, SEA.density, SEA.gravity)
     heave = RIGID.index("Heave")
     gaps = []
     for w in omega:

@@ -4,11 +4,9 @@ from itertools import permutations
 
 import numpy as np
 import numpy.typing as npt
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from vsb.errors import ConfigError
-from vsb.hydro.bodies.body import FlexibleBody, IntArray, owners
+from vsb.hydro.bodies.body import FlexibleBody, IntArray, owners, parts
 from vsb.tools.units import FloatArray
 
 _INSIDE = 0.5  # of a full solid angle
@@ -30,7 +28,7 @@ def check_apart(body: FlexibleBody) -> None:
     if (twice := first[count > 1]).size:
         at = ", ".join(f"{x:.4g}" for x in body.centres[twice[0]])
         raise ConfigError(f"mesh: panel {twice[0]} at ({at}) is there twice; needs bodies apart, water between them")
-    part = _parts(owner[body.faces], len(owner))
+    part = parts(owner[body.faces], len(owner))
     for one, other in permutations(_closed(body, part), 2):
         inside = _winding(body, part == other, body.centres[part == one]) > _INSIDE
         if inside.any():
@@ -39,14 +37,6 @@ def check_apart(body: FlexibleBody) -> None:
                 f"mesh: {np.count_nonzero(inside)} panels of one part lie inside another, the first at ({at}); needs "
                 "bodies apart, water between them"
             )
-
-
-def _parts(faces: IntArray, vertices: int) -> IntArray:
-    """Number of the connected part each panel belongs to, shape (panel,)."""
-    start, end = faces[:, :-1].ravel(), faces[:, 1:].ravel()
-    graph = coo_matrix((np.ones(len(start)), (start, end)), shape=(vertices, vertices))
-    _, found = connected_components(graph, directed=False)
-    return np.asarray(np.unique(found[faces[:, 0]], return_inverse=True)[1])
 
 
 def _closed(body: FlexibleBody, part: IntArray) -> list[int]:

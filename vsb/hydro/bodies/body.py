@@ -44,12 +44,20 @@ class Triangles(NamedTuple):
         return np.asarray((f.sum(axis=-1) * g.sum(axis=-1) + (f * g).sum(axis=-1)).sum(axis=-1) / 12)
 
 
+class Rigid(NamedTuple):
+    """A rigid motion t + a x r."""
+
+    translation: FloatArray  # t (xyz)
+    rotation: FloatArray  # a (xyz)
+
+
 @dataclass(frozen=True)
 class FlexibleBody:
     """Wetted surface of a body at rest and the displacements it can make; checked when made.
 
     Triangles repeat their last corner. `mass` and `stiffness`, the modal matrices, shape (dof, dof) [kg, N/m], and
-    `centre_of_mass`, shape (3,) [m], are None where the file has none; rotations need the latter.
+    `centre_of_mass`, shape (3,) [m], are None where the file has none; rotations need the latter, of one of several
+    separate parts a row for each part, shape (part, 3), in the order of their first panels.
     """
 
     vertices: FloatArray  # (vertex, xyz) [m]
@@ -97,19 +105,46 @@ class FlexibleBody:
         return float(self.volumes[2])
 
     @cached_property
-    def rigid(self) -> dict[int, tuple[FloatArray, FloatArray]]:
-        """Degrees of freedom that are rigid motions t + a x r: translation t and rotation a of each, shape (3,)."""
-        x = self.vertices
-        columns = [np.tile(e, (len(x), 1)) for e in np.eye(3)] + [np.cross(e, x) for e in np.eye(3)]
-        basis = np.array(columns).reshape(6, -1).T
+    def rigid(self) -> dict[int, Rigid]:
+        """Degrees of freedom that are rigid motions of all there is."""
+        motions = {i: rigid_motion(self.vertices, shape) for i, shape in enumerate(self.shapes)}
+        return {i: motion for i, motion in motions.items() if motion}
+
+    @cached_property
+    def part(self) -> IntArray:
+        """Number of the separate part each panel belongs to, in the order of their first panels, shape (panel,)."""
+        return parts(owners(self.vertices)[self.faces], len(self.vertices))
+
+    @cached_property
+    def alone(self) -> dict[int, tuple[int, Rigid]]:
+        """Degrees of freedom that are rigid motions of one of several parts, the others at rest: its number, motion."""
         found = {}
-        for i, shape in enumerate(self.shapes.reshape(len(self.labels), -1)):
-            motion = np.asarray(np.linalg.lstsq(basis, shape, rcond=None)[0])
-            moved = np.abs(basis * motion).max(axis=0)
-            motion = np.where(moved > _RIGID * moved.max(), motion, 0.0)  # round-off is no rotation
-            if np.abs(basis @ motion - shape).max() < _RIGID * np.abs(shape).max():
-                found[i] = (motion[:3], motion[3:])
+        for i, shape in enumerate(self.shapes if self.part.max() else self.shapes[:0]):
+            moved = np.unique(self.part[shape[self.faces].any(axis=(1, 2))])
+            corners = np.unique(self.faces[self.part == moved[0]]) if len(moved) == 1 else moved[:0]
+            if len(corners) and (motion := rigid_motion(self.vertices[corners], shape[corners])):
+                found[i] = (int(moved[0]), motion)
         return found
+
+
+def rigid_motion(points: FloatArray, moved: FloatArray) -> Rigid | None:
+    """Return translation and rotation of a displacement of points, each shape (point, xyz), if it is rigid."""
+    columns = [np.tile(e, (len(points), 1)) for e in np.eye(3)] + [np.cross(e, points) for e in np.eye(3)]
+    basis, shape = np.array(columns).reshape(6, -1).T, moved.ravel()
+    motion = np.asarray(np.linalg.lstsq(basis, shape, rcond=None)[0])
+    size = np.abs(basis * motion).max(axis=0)
+    motion = np.where(size > _RIGID * size.max(), motion, 0.0)  # round-off is no rotation
+    fits = np.abs(basis @ motion - shape).max() < _RIGID * np.abs(shape).max()
+    return Rigid(motion[:3], motion[3:]) if fits else None
+
+
+def parts(faces: IntArray, vertices: int) -> IntArray:
+    """Return the number of the connected part each panel belongs to, in the order of first panels, shape (panel,)."""
+    start, end = faces[:, :-1].ravel(), faces[:, 1:].ravel()
+    graph = coo_matrix((np.ones(len(start)), (start, end)), shape=(vertices, vertices))
+    found = connected_components(graph, directed=False)[1][faces[:, 0]]
+    _, first, number = np.unique(found, return_index=True, return_inverse=True)
+    return np.asarray(np.argsort(np.argsort(first))[number])
 
 
 def rigid_misfit(body: FlexibleBody) -> float:
@@ -198,7 +233,7 @@ def _check_modes(body: FlexibleBody) -> None:
     if n == 0 or len(set(body.labels)) < n:
         raise ConfigError(f"modes: labels {str(list(body.labels))[:200]}; needs at least one, and none twice")
     needed = {"modes": (n, len(body.faces), 3), "shapes": (n, len(body.vertices), 3)}
-    for name, shape in (needed | dict.fromkeys(("mass", "stiffness"), (n, n)) | {"centre_of_mass": (3,)}).items():
+    for name, shape in (needed | dict.fromkeys(("mass", "stiffness"), (n, n))).items():
         values = getattr(body, name)
         if values is None:
             continue
@@ -211,12 +246,30 @@ def _check_modes(body: FlexibleBody) -> None:
     for label, moved, shape in zip(body.labels, flux, body.modes, strict=True):
         if moved <= 1e-12 * np.abs(shape).max():
             raise ConfigError(f"modes: {label} moves no water; remove it")
-    if any(np.any(a) for _, a in body.rigid.values()) and body.centre_of_mass is None:
-        raise ConfigError("modes: centre_of_mass is missing; a body that rotates needs it [m]")
+    _check_centre_of_mass(body)
     for name in ("mass", "stiffness"):
         m = getattr(body, name)
         if m is not None and np.abs(m - m.T).max() > 1e-9 * np.abs(m).max():
             raise ConfigError(f"{name}: not symmetric; needs a symmetric matrix")
+
+
+def _check_centre_of_mass(body: FlexibleBody) -> None:
+    """Weight lifts what turns: its centre must be there, of each part if one turns alone."""
+    count, centre = int(body.part.max()) + 1, body.centre_of_mass
+    if centre is None:
+        if any(np.any(a) for _, a in body.rigid.values()) or any(np.any(r.rotation) for _, r in body.alone.values()):
+            raise ConfigError("modes: centre_of_mass is missing; a body that rotates needs it [m]")
+        return
+    if np.shape(centre) not in ((3,), (count, 3)):
+        raise ConfigError(f"centre_of_mass: shape {np.shape(centre)}; needs (3,), or a row for each part, {(count, 3)}")
+    if not np.isfinite(centre).all():
+        raise ConfigError("centre_of_mass: holds NaN or infinite values; needs finite ones")
+    turning = [body.labels[i] for i, (_, motion) in body.alone.items() if np.any(motion.rotation)]
+    if turning and np.ndim(centre) == 1:
+        raise ConfigError(
+            f"centre_of_mass: received one, but {turning[0]} turns one of {count} separate parts alone; needs a row "
+            "for each part, in the order of their first panels [m]"
+        )
 
 
 def detected_symmetry(body: FlexibleBody) -> str:
@@ -281,62 +334,6 @@ def _waterlines(ends: FloatArray) -> list[IntArray]:
     start, end = owners(ends.reshape(-1, 3)).reshape(-1, 2).T
     found = connected_components(coo_matrix((np.ones(len(start)), (start, end)), shape=(2 * len(ends),) * 2))[1]
     return [np.flatnonzero(found[start] == line) for line in np.unique(found[start])]
-
-
-def hydrostatic_stiffness(body: FlexibleBody, density: float, gravity: float) -> FloatArray:
-    """Return the stiffness of still water (and of weight, for rotations), shape (dof, dof) [N/m].
-
-    Notes
-    -----
-    Water has the energy U = -rho g int_V z dV = -(rho g/2) int_S z^2 n_z dS of the space V the body takes from it.
-    Between flexible displacements C is the exact second derivative of U on the displaced panels (x = x_0 + sum
-    q_i psi_i), moving waterline and turning panels included, hence symmetric. Rigid motions turn without stretching;
-    with a rigid motion i, C_ij = -rho g int psi_j.n w_i dS, w_i its vertical part (Newman 1994), and between rigid ones
-    the weight rho V g at the centre of mass joins in: metacentric heights. A flexible mode must carry no momentum,
-    int psi dm = 0, as free-free modes do, or the weight it moves is missing.
-    """
-    flexible = _energy_hessian(body.triangles)
-    eulerian = _fixed_field_stiffness(body.triangles)
-    stiffness = flexible.copy()
-    for i in body.rigid:
-        for j in range(len(body.labels)):
-            if j in body.rigid:
-                both = (eulerian[i, j] + eulerian[j, i]) / 2
-                stiffness[i, j] = both + body.volume * _weight_lift(body, i, j)
-            else:
-                stiffness[i, j] = stiffness[j, i] = eulerian[i, j]
-    return np.asarray(density * gravity * stiffness)
-
-
-def _energy_hessian(t: Triangles) -> FloatArray:
-    """Second derivative of -(1/2) int z^2 n_z dS by the amplitudes, (dof, dof) [m^2]."""
-    e, f = (t.corner[:, k] - t.corner[:, 0] for k in (1, 2))
-    de, df = (t.moved[:, :, k] - t.moved[:, :, 0] for k in (1, 2))
-    z, dz = t.corner[..., 2], t.moved[..., 2]
-    slope = (de[..., 0] * f[:, 1] + e[:, 0] * df[..., 1] - de[..., 1] * f[:, 0] - e[:, 1] * df[..., 0]) / 2
-    height = (np.sum(z**2, axis=1) + z.sum(axis=1) ** 2) / 12  # mean of z^2 over a triangle
-    rise = (np.einsum("tk,itk->it", z, dz) + z.sum(axis=1) * dz.sum(axis=2)) / 6
-    turn = np.einsum("it,jt->ij", de[..., 0] * height, df[..., 1]) - np.einsum(
-        "it,jt->ij", de[..., 1] * height, df[..., 0]
-    )
-    lift = np.einsum("itk,jtk->ij", dz * t.area[:, 2, None], dz) + (dz.sum(axis=2) * t.area[:, 2]) @ dz.sum(axis=2).T
-    hessian = (turn + turn.T) / 2 + slope @ rise.T + rise @ slope.T + lift / 6
-    return np.asarray(-hessian / 2)
-
-
-def _fixed_field_stiffness(t: Triangles) -> FloatArray:
-    """-int psi_j.n w_i dS, row i, column j, (dof, dof) [m^2]."""
-    flow = np.einsum("jtkx,tx->jtk", t.moved, t.area)
-    return np.array([[-t.integral(f, w) for f in flow] for w in t.moved[..., 2]])
-
-
-def _weight_lift(body: FlexibleBody, i: int, j: int) -> float:
-    """Second-order rise of the centre of mass by two rigid motions [m]."""
-    (t_i, a_i), (t_j, a_j) = body.rigid[i], body.rigid[j]
-    if body.centre_of_mass is None or not (a_i.any() or a_j.any()):
-        return 0.0
-    move_i, move_j = t_i + np.cross(a_i, body.centre_of_mass), t_j + np.cross(a_j, body.centre_of_mass)
-    return float((np.cross(a_i, move_j) + np.cross(a_j, move_i))[2] / 2)
 
 
 def panel_size(body: FlexibleBody) -> float:

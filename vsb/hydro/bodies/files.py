@@ -120,8 +120,8 @@ def read_body(mesh: str | Path, modes: str | Path) -> FlexibleBody:
     """Return a body from a mesh file and a netCDF file of its displacements.
 
     The latter holds `mode_shape` (dof, vertex or panel, xyz) with names on `dof`, and optionally `inertia_matrix` and
-    `structural_stiffness` (influenced_dof, radiating_dof) and `centre_of_mass` (xyz). Panels without area are dropped,
-    which the body's `history` records.
+    `structural_stiffness` (influenced_dof, radiating_dof) and `centre_of_mass` (xyz), or (part, xyz) where one of
+    several separate parts turns alone. Panels without area are dropped, which the body's `history` records.
 
     Raises
     ------
@@ -192,8 +192,10 @@ def write_body(body: FlexibleBody, path: str | Path) -> None:
         "faces": (("panel", "corner"), body.faces),
         "mode_shape": (("dof", "vertex", "xyz"), body.shapes),
     }
+    if (centre := body.centre_of_mass) is not None:
+        data["centre_of_mass"] = (("part", "xyz")[2 - np.ndim(centre) :], centre)
     for field, name in _MATRICES.items():
-        if getattr(body, field) is not None:
-            data[name] = (("xyz",) if name == "centre_of_mass" else pair, getattr(body, field))
+        if name not in data and getattr(body, field) is not None:
+            data[name] = (pair, getattr(body, field))
     with whole(path) as temporary:
         xr.Dataset(data, coords={"dof": list(body.labels)}).to_netcdf(temporary, engine="netcdf4")

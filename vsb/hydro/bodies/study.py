@@ -23,7 +23,6 @@ from vsb.hydro.bodies.body import (
     at_centres,
     check_symmetry,
     detected_symmetry,
-    hydrostatic_stiffness,
     interior_lid,
     panel_diameters,
     panel_size,
@@ -31,6 +30,7 @@ from vsb.hydro.bodies.body import (
     rigid_misfit,
 )
 from vsb.hydro.bodies.files import read_body
+from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
 from vsb.hydro.bodies.solver import BodyProblem
 from vsb.hydro.bodies.sweep import Block, Measure, Swept, error_estimate, least_sizes, sizes, swept
 from vsb.hydro.database import Check, as_json, check_at_most, with_excitation, with_symmetrized
@@ -255,7 +255,8 @@ def _at_rest(body: FlexibleBody) -> Spec:
     square = ((corner**2).sum(axis=1) + corner.sum(axis=1) ** 2) / 12  # mean of x^2 over a triangle
     centre = (square * area).sum(axis=0) / 2 / body.volumes
     facts = {"displaced_volume": body.volume, "centre_of_buoyancy": centre}
-    return facts if body.centre_of_mass is None else {**facts, "centre_of_mass": body.centre_of_mass}
+    centre = body.centre_of_mass
+    return facts if centre is None or centre.ndim > 1 else {**facts, "centre_of_mass": centre}
 
 
 def _database(

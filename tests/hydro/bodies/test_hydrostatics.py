@@ -1,0 +1,74 @@
+"""Stiffness of several bodies in one mesh: each as if it were alone."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hydro.bodies.test_body import made, rigid
+
+from examples import barge
+from vsb.errors import ConfigError
+from vsb.hydro.bodies.body import joined
+from vsb.hydro.bodies.files import read_body, write_body
+from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
+
+CENTRES = np.array([[0.0, 0.0, -0.4], [9.0, 1.0, 0.2]])
+"""Of mass, of two boxes of other sizes."""
+BOXES = [barge.box(6.0, 4.0, 2.0, 1), barge.box(5.0, 3.0, 1.5, 1)]
+
+
+def alone(number):
+    """One of the boxes by itself, its six motions about its centre of mass and one that bends."""
+    vertices, faces = BOXES[number]
+    vertices = vertices + number * np.array([9.0, 1.0, 0.0])
+    bend = np.zeros_like(vertices)
+    bend[:, 2] = 1.0 - (vertices[:, 0] - CENTRES[number, 0]) ** 2 / 8
+    shapes = np.array([*rigid(vertices, CENTRES[number]), bend])
+    return made(vertices, faces, shapes, centre_of_mass=CENTRES[number])
+
+
+@pytest.fixture
+def both():
+    """Both boxes as one mesh, every motion of one alone."""
+    one, other = alone(0), alone(1)
+    vertices, faces = joined([(one.vertices, one.faces), (other.vertices, other.faces)])
+    shapes = np.zeros((14, len(vertices), 3))
+    shapes[:7, : len(one.vertices)], shapes[7:, len(one.vertices) :] = one.shapes, other.shapes
+    return made(vertices, faces, shapes, centre_of_mass=CENTRES)
+
+
+def test_each_of_two_bodies_is_as_stiff_as_alone(both):
+    found = hydrostatic_stiffness(both, 1025.0, 9.81)
+    expected = np.zeros((14, 14))
+    expected[:7, :7], expected[7:, 7:] = (hydrostatic_stiffness(alone(k), 1025.0, 9.81) for k in (0, 1))
+    assert found == pytest.approx(expected, rel=1e-12, abs=1e-6 * np.abs(expected).max())
+    assert sorted(both.alone) == [*range(6), *range(7, 13)]
+    assert both.rigid == {}
+
+
+def test_turning_together_they_have_the_stiffness_of_their_common_centre_of_mass(both):
+    """A rotation of both about one axis is no motion of one: the weight counts where the centre of both lies."""
+    whole = rigid(both.vertices, (1.0, 0.0, 0.0))
+    apart = made(both.vertices, both.faces, whole, centre_of_mass=CENTRES)
+    volumes = np.array([alone(k).volume for k in (0, 1)])
+    common = replace(apart, centre_of_mass=volumes @ CENTRES / volumes.sum())
+    one, other = (hydrostatic_stiffness(body, 1025.0, 9.81) for body in (apart, common))
+    assert one == pytest.approx(other, rel=1e-12, abs=1e-9 * np.abs(other).max())
+
+
+def test_a_body_that_turns_alone_needs_its_own_centre_of_mass(both):
+    with pytest.raises(
+        ConfigError, match=r"centre_of_mass: received one, but Dof3 turns one of 2 separate parts alone"
+    ):
+        replace(both, centre_of_mass=np.zeros(3))
+    with pytest.raises(ConfigError, match=r"centre_of_mass: shape \(3, 3\); needs \(3,\), or a row for each part, \(2"):
+        replace(both, centre_of_mass=np.zeros((3, 3)))
+    with pytest.raises(ConfigError, match="centre_of_mass: holds NaN"):
+        replace(both, centre_of_mass=np.full((2, 3), np.nan))
+    with pytest.raises(ConfigError, match="centre_of_mass is missing; a body that rotates needs it"):
+        replace(both, centre_of_mass=None)
+
+
+def test_two_centres_of_mass_come_back_from_a_file(both, tmp_path):
+    write_body(both, tmp_path / "both.nc")
+    assert read_body(tmp_path / "both.nc", tmp_path / "both.nc").centre_of_mass == pytest.approx(CENTRES)
