@@ -26,12 +26,12 @@ from vsb.hydro.bodies.body import FlexibleBody, at_centres, joined
 from vsb.hydro.bodies.study import solved
 from vsb.hydro.database import stored_checks
 from vsb.hydro.dofs import Displacement
-from vsb.hydro.kernel import DampingSpectrum
 from vsb.hydro.panels.mesh import graded_colatitudes, polygon_radius, revolved
 from vsb.hydro.passive import PassiveFit, RadiationSamples, fit_passive, sizes
 from vsb.hydro.passivity import least_damping
 from vsb.hydro.realisation import StateSpace
 from vsb.hydro.repairs import with_causal_added_mass, with_passive_damping
+from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.exact import propagate
