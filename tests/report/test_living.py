@@ -264,5 +264,21 @@ def test_the_force_limit_steps_through_stored_optima(page, tmp_path):
     assert found["moved"] == ["damper", True, True]
 
 
+@pytest.mark.parametrize("width", [1100, 360])
+def test_the_last_number_of_an_axis_is_not_cut(tmp_path, width):
+    """A million at the end of a logarithmic axis lies within the drawing, on a phone too."""
+    body = f'<div class="chart"><svg></svg></div><script>{html.text_of("chart.js")}</script>'
+    page = f"<!doctype html><html><head><style>{html.text_of('style.css')}</style></head><body>{body}</body></html>"
+    script = """
+      const svg = document.querySelector("svg");
+      const x = { label: "damper", log: true, low: 1e3, high: 1e6 };
+      chart(svg, { x, y: { label: "power", low: 0, high: 1 }, curves: [], words: "" });
+      const ends = [...svg.querySelectorAll("text.middle:not([transform])")].map((text) => text.getBoundingClientRect().right);
+      return [ends.length, Math.max(...ends) - svg.getBoundingClientRect().right];"""
+    count, beyond = asked(page, script, tmp_path, width)
+    assert count == 5
+    assert beyond <= 0
+
+
 def test_without_scripts_nothing_is_asked_of_the_reader(page):
     assert '<section id="live" class="screen" hidden>' in page

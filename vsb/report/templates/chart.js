@@ -52,7 +52,9 @@ function chart(svg, { x, y, curves, areas = [], marks = [], words }) {
   });
   for (const v of ticks(x.low, x.high, x.log)) {
     frame.append(drawn("path", { d: `M${across(v)} ${top}V${height - bottom}`, class: "rule" }));
-    frame.append(drawn("text", { x: across(v), y: height - bottom + 15, class: "middle" }, plain(v)));
+    const text = plain(v);
+    const within = Math.min(across(v), width - 5 * text.length); // half of it, at the size it has on a phone
+    frame.append(drawn("text", { x: within, y: height - bottom + 15, class: "middle" }, text));
   }
   for (const v of ticks(y.low, y.high, false, 5)) {
     frame.append(drawn("path", { d: `M${left} ${up(v)}H${width - right}`, class: "rule" }));
