@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vsb.tools.words import multiple, plain, power, the_rigid, watts
+from vsb.tools.words import against_rigid, multiple, plain, power, the_rigid, watts
 
 
 @pytest.mark.parametrize(
@@ -40,3 +40,9 @@ def test_percents_say_little_of_a_gain_of_tenfold():
         "10 times as much",
         "199 times as much",
     ]
+
+
+def test_a_gain_that_prints_as_none_is_none():
+    assert against_rigid(0.049, "FSB") == against_rigid(-0.049, "FSB") == "as much as the rigid FSB"
+    assert against_rigid(0.05, "rigid") == "0.1 % more than the rigid one"
+    assert against_rigid(-12.34, "FSB") == "12.3 % less than the rigid FSB"

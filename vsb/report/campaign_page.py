@@ -13,7 +13,7 @@ from vsb.report.html import captioned, page
 from vsb.report.living import as_script
 from vsb.study.specs import CONSTRAINED, leading_tuning
 from vsb.study.take_off import at_port
-from vsb.tools.words import the_rigid
+from vsb.tools.words import against_rigid
 from vsb.waves.climate import YEAR_HOURS
 
 CAPTIONS = {
@@ -57,7 +57,6 @@ HEAD = (
 )
 MOST_ROWS = 24
 STILL = "Nothing is shown in motion here: no design is viable where the answer is told, or its take-off switches."
-_SAME = 0.05  # a gain that is +-0.0 % when printed
 
 
 @dataclass(frozen=True)
@@ -156,13 +155,10 @@ def _taken(ds: xr.Dataset, reference: str | None, tuning: str, best: tuple[xr.Da
     energies = [energy, energy / (1 + gain / 100)]
     many = (ds.sizes["design"] > 2) or ds.margin.size > 1
     subject = f"the best flexible design, {design}{_at(one)}," if many else f"{design}"
-    sign = "as much as" if abs(gain) < _SAME else f"{abs(gain):.1f} % {'more' if gain > 0 else 'less'} than"
     interval = f"{float(one.gain_low):+.1f} to {float(one.gain_high):+.1f} %{from_what}"
     buckles = ", and would buckle under its static load" if float(one.margin) < 0 else ""
-    return (
-        f"{subject} takes {sign} {the_rigid(str(reference))} ({interval}; {energies[0]:.4g} against "
-        f"{energies[1]:.4g} MWh){buckles}"
-    )
+    both = f"{energies[0]:.4g} against {energies[1]:.4g} MWh"
+    return f"{subject} takes {against_rigid(gain, str(reference))} ({interval}; {both}){buckles}"
 
 
 def told_beside(ds: xr.Dataset, tuning: str) -> str | None:

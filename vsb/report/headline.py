@@ -7,9 +7,7 @@ from typing import Any
 import xarray as xr
 
 from vsb.report.band import useful_band
-from vsb.tools.words import multiple, the_rigid, watts
-
-_SAME = 0.05  # a gain that is +-0.0 % when printed
+from vsb.tools.words import SAME, against_rigid, multiple, watts
 
 
 def headline(
@@ -40,21 +38,6 @@ def headline(
     if reference is None or not others:
         return []
     best = max(others, key=lambda line: float(line["best_gain_percent"]))
-    return [
-        _in_seas(best, others, lines, reference, seas, tolerance),
-        *_over_band(best_power, reference, neglected),
-    ]
-
-
-def _in_seas(
-    best: dict[str, Any],
-    others: Sequence[dict[str, Any]],
-    lines: Sequence[dict[str, Any]],
-    reference: str,
-    seas: dict[str, str],
-    tolerance: float,
-) -> str:
-    """The best flexible design in the sea it does best in, and how many others there are."""
     gain, sea = float(best["best_gain_percent"]), best["sea"]
     base = next(line for line in lines if line["design"] == reference and line["sea"] == sea)
     (own, its), unit = watts([best["best_power"], base["best_power"]])
@@ -62,13 +45,11 @@ def _in_seas(
     count = len(dict.fromkeys(line["sea"] for line in others))
     designs = len(dict.fromkeys(line["design"] for line in others))
     most = f"the best flexible design, {best['design']}," if designs > 1 else best["design"]
-    verb = f"as much as {the_rigid(reference)}" if abs(gain) < _SAME else (
-        f"{abs(gain):.1f} % {'more' if gain > 0 else 'less'} than {the_rigid(reference)}"
-    )  # fmt: skip
     where = f"In {seas[sea]}" + (f", the most favourable of {count} seas" if count > 1 else "")
     interval = f"{gain - width:+.1f} to {gain + width:+.1f} % by the numbers' tolerance"
-    what = f"{most} absorbs {verb} ({interval}; {own} against {its} {unit})"
-    return f"{where}, each design at its own best damper, {what}{_elsewhere(others, count)}."
+    what = f"{most} absorbs {against_rigid(gain, reference)} ({interval}; {own} against {its} {unit})"
+    in_seas = f"{where}, each design at its own best damper, {what}{_elsewhere(others, count)}."
+    return [in_seas, *_over_band(best_power, reference, neglected)]
 
 
 def _elsewhere(others: Sequence[dict[str, Any]], count: int) -> str:
@@ -90,7 +71,7 @@ def _over_band(best_power: xr.DataArray, reference: str, neglected: str) -> list
     for sign, word in ((1, "more"), (-1, "less")):
         place = (sign * gain).argmax(("design", "omega"))
         at = gain.isel({dim: int(where) for dim, where in place.items()})
-        if sign * float(at) > _SAME:
+        if sign * float(at) > SAME:
             period = 2 * math.pi / float(at.omega)
             which = f"{at.design.item()} " if gain.sizes["design"] > 1 else ""
             size = abs(float(at))

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from vsb.tools.words import plain, power, the_rigid, watts
+from vsb.tools.words import against_rigid, plain, power, the_rigid, watts
 
 NO_BEST_DAMPER = (
     "An assumed pressure does not answer to the buoy's motion, so no best damper is known: all gains here are at the "
@@ -17,7 +17,6 @@ TUNING = (
     "gain [%]", "share of own best [%]",
 )  # fmt: skip
 """Head of the table of designs at equal tuning."""
-_SAME = 0.05  # a gain that is +-0.0 % when printed
 
 
 def dampers_in_words(pto: dict[str, Any]) -> str:
@@ -74,12 +73,8 @@ def limited_statements(lines: Sequence[dict[str, Any]], reference: str | None, s
 
 def _gain(line: dict[str, Any], base: dict[str, Any]) -> str:
     """How a design stands against the reference at equal tuning, in words."""
-    gain, rigid = line["best_gain_percent"], the_rigid(base["design"])
     (own, its), unit = watts([line["best_power"], base["best_power"]])
-    powers = f"({own} against {its} {unit})"
-    if abs(gain) < _SAME:
-        return f"as much as {rigid} {powers}"
-    return f"{abs(gain):.1f} % {'more' if gain > 0 else 'less'} than {rigid} {powers}"
+    return f"{against_rigid(line['best_gain_percent'], base['design'])} ({own} against {its} {unit})"
 
 
 def shares_text(lines: Sequence[dict[str, Any]], sea: str) -> str:

@@ -8,6 +8,9 @@ POWERS = ((1e7, 1e-6, "MW"), (1e4, 1e-3, "kW"), (0.0, 1.0, "W"))
 TENFOLD = 900.0
 """Gain from which on percents say little [%]."""
 
+SAME = 0.05
+"""A gain that is +-0.0 % when printed."""
+
 LONGEST = 80
 """Characters of a value that are repeated."""
 
@@ -43,3 +46,10 @@ def multiple(gain: float) -> str:
 def the_rigid(name: str) -> str:
     """Return how the rigid design is called: by its name, which may say so itself."""
     return "the rigid one" if name == "rigid" else f"the rigid {name}"
+
+
+def against_rigid(gain: float, name: str) -> str:
+    """Return how a gain over the rigid design stands [%]: as much as it, or how much more or less."""
+    if abs(gain) < SAME:
+        return f"as much as {the_rigid(name)}"
+    return f"{abs(gain):.1f} % {'more' if gain > 0 else 'less'} than {the_rigid(name)}"
