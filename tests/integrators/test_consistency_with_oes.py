@@ -1,4 +1,4 @@
-"""Free decay of the OES Task 10 heaving sphere on its instantaneous wet surface, from 1 to 6 m.
+"""The OES Task 10 heaving sphere: free decay on its instantaneous wet surface, from 1 to 6 m, and regular waves.
 
 Wendt et al. (2019), Ocean Energy Systems wave energy modelling task, J. Mar. Sci. Eng. 7, 379: radius 5 m, mass
 261.8e3 kg, centre in the water's surface at rest, fresh water, deep. Hydrostatics of a sphere in closed form are the
@@ -13,7 +13,9 @@ from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import brentq
 
 from vsb.hydro import database
+from vsb.hydro.dofs import Displacement
 from vsb.hydro.retardation import DampingSpectrum
+from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.hydro.statespace import fit_radiation
 from vsb.integrators.audit import energies, residual
 from vsb.integrators.exact import propagate
@@ -23,6 +25,7 @@ from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
 from vsb.motion.system import System
 from vsb.scenes.rest import reference_shell
+from vsb.shell.deformed import rigid_sphere
 from vsb.study.plan import StudyPlan
 from vsb.waves.seas import NO_WAVES
 
@@ -33,6 +36,26 @@ PUBLISHED = ((2.213, -0.8671), (4.418, 0.6350), (6.597, -0.4649), (8.770, 0.3467
 SPREAD = 0.024
 """Largest root mean square difference of the six published codes from it over 40 s [m]."""
 TIME = np.linspace(0.0, 40.0, 4001)
+PERIODS = (3.0, 4.0, 4.4, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0)
+"""Of the task's regular waves [s]."""
+DAMPERS = (
+    398736.034,
+    118149.758,
+    90080.857,
+    161048.558,
+    322292.419,
+    479668.979,
+    633979.761,
+    784083.286,
+    932117.647,
+    1077123.445,
+)
+"""Its best take-off in each [N s/m]."""
+WAVES = (0.177, 0.314, 0.380, 0.491, 0.706, 0.961, 1.256, 1.589, 1.962, 2.374)
+"""Amplitudes of the waves of steepness 0.002 [m]."""
+HEAVES = (0.01395, 0.18485, 0.35725, 0.40790, 0.50395, 0.66610, 0.86800, 1.10205, 1.36555, 1.65765)
+"""Amplitudes of heave beside these take-offs, from 500 s on: reference runs of HydroChrono (github.com/NREL/HydroChrono,
+`demos/sphere/postprocessing/ref_sphere_reg_waves_*.txt`) [m]."""
 
 
 @pytest.fixture(scope="module")
@@ -183,3 +206,25 @@ def test_what_is_radiated_is_what_was_stored(height, scenes, decay, sphere):
     assert energy["radiated"][-1] == pytest.approx(start, rel=1e-3)
     assert energy["radiated"][-1] < start
     assert -energy["stored"][-1] == pytest.approx(energy["radiated"][-1], rel=1e-7)
+
+
+def test_in_regular_waves_the_best_dampers_are_those_of_the_task():
+    omega = 2 * np.pi / np.array(PERIODS)
+    impedance, _ = heave_alone(omega)
+    assert np.abs(impedance) == pytest.approx(DAMPERS, rel=2e-3)
+
+
+def test_beside_them_it_heaves_as_published():
+    omega = 2 * np.pi / np.array(PERIODS)
+    impedance, force = heave_alone(omega)
+    heave = np.abs(force / (omega * (impedance + DAMPERS))) * WAVES
+    assert heave == pytest.approx(HEAVES, rel=1e-2)
+
+
+def heave_alone(omega):
+    """Impedance B + i(K/w - w(m + A)) [N s/m] and excitation [N/m] of the sphere, by the spectral solver."""
+    problem = SpectralProblem(rigid_sphere(RADIUS, 0.0), (Displacement("heave"),), DENSITY, GRAVITY, 24)
+    ds = problem.solve(omega.tolist())
+    inertia, stiffness = MASS + ds.added_mass.values[:, 0, 0], WEIGHT * np.pi * RADIUS**2
+    force = (ds.Froude_Krylov_force + ds.diffraction_force).values.reshape(-1)
+    return ds.radiation_damping.values[:, 0, 0] + 1j * (stiffness / omega - omega * inertia), force
