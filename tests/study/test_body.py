@@ -28,6 +28,10 @@ def study(**changes):
     [
         ({"device": {}}, "device: is the spherical buoy; a study has a device or a body; remove it"),
         ({"modes": {}}, "modes: are shapes of the spherical shell; those of a body stand in its files; remove it"),
+        (
+            {"drag": {"heave": {"coefficient": 0.5, "area": 12.0}}},
+            "drag: brakes the buoy's rigid motions past the water",
+        ),
         ({"reference_shape": "equilibrium"}, "reference_shape: is of the spherical shell; a body is linear"),
         ({"hydro": {"witness": "none"}}, "hydro.witness: is for the buoy: its second solver knows no other body"),
         ({"hydro": {"solver": "panels", "rows": 20}}, r"hydro.solver: is for the buoy.* \(and 1 more\)"),

@@ -47,6 +47,7 @@ REPAIRS = ("positive_damping", "kramers_kronig")
 NOT_OF_A_BODY = {
     "device": "is the spherical buoy; a study has a device or a body",
     "modes": "are shapes of the spherical shell; those of a body stand in its files",
+    "drag": "brakes the buoy's rigid motions past the water; a body is linear, its dampers are body.damping",
     "reference_shape": "is of the spherical shell; a body is linear about the rest its files are of",
 }
 """Keys of a study of a buoy that make no sense here, and why."""
