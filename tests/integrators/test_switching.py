@@ -211,6 +211,24 @@ def test_no_step_enters_but_the_lookout_and_that_not_either():
         assert events[0] == pytest.approx(events[1], abs=1e-9)
 
 
+def test_how_far_it_looks_ahead_and_how_much_is_accounted_for_at_a_time_change_nothing(monkeypatch):
+    runs = [switched(oscillator(law, stop), TIME, START) for law, stop in LAWS.values()]
+    monkeypatch.setattr("vsb.integrators.switching.CLOSE", 1)
+    monkeypatch.setattr("vsb.integrators.phases.Phase.reach", 3)
+    monkeypatch.setattr("vsb.integrators.works.AT_ONCE", 7)
+    for (motion, switches), (law, stop) in zip(runs, LAWS.values(), strict=True):
+        again, as_many = switched(oscillator(law, stop), TIME, START)
+        assert as_many == switches
+        assert again.position == pytest.approx(motion.position, abs=1e-11)
+        assert again.works["pto"] == pytest.approx(motion.works["pto"], abs=1e-10)
+
+
+@pytest.mark.parametrize(("tolerance", "finer"), [(1e-9, 32), (1e-6, 32), (64e-6, 16), (4.096e-3, 8), (np.inf, 8)])
+def test_the_lookout_is_as_coarse_as_a_rule_of_order_six_may_be(tolerance, finer):
+    """5 rad/s: 20 quarters of a radian in a second, rounded up to a power of two; up to four times as far apart."""
+    assert Switching(oscillator(LAWS["saturated"][0], drag=0), tolerance).finer(1.0) == finer
+
+
 @pytest.mark.parametrize("part", [0, 1, 38, 39])
 def test_friction_that_lets_go_does_so_once(part):
     """It begins without velocity and acceleration: round-off alone made it turn round, and stick again, at once."""

@@ -16,6 +16,7 @@ from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.motion.take_off import TakeOff
 from vsb.motion.tuning import best_dampers, squares
+from vsb.scenes import pause as pause_module
 from vsb.scenes.afloat import linear_buoy, study_port
 from vsb.scenes.build import SCENES
 from vsb.scenes.pause import (
@@ -114,6 +115,43 @@ def test_latching_in_a_sea_is_above_every_damper_and_is_the_mean_of_the_run():
     assert best.power == pytest.approx(np.diff(taken)[0] / 40.0, rel=1e-9)
     parts = [windowed_power(system, IRREGULAR, SETTINGS.model_copy(update={"window": w})) for w in ((20, 45), (45, 60))]
     assert 25 * parts[0] + 15 * parts[1] == pytest.approx(40 * best.power, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("law", "waves"),
+    [
+        (TakeOff(B, 2.0), regular(2.0)),
+        (TakeOff(B, 60.0, paused_damping=0.0), regular(2.0)),
+        (TakeOff(B, 2.0), IRREGULAR),
+    ],
+    ids=["latching", "declutching", "irregular"],
+)
+def test_quick_trials_find_what_a_search_over_runs_from_rest_finds(law, waves, monkeypatch):
+    """To half a per cent of the power; two motions from rest are followed.
+
+    The declutched one has two motions that repeat, and the better one is not met from rest at the pause the trials
+    find: the search then goes over motions from rest.
+    """
+    followed, longest = [], float(np.pi / waves.omega[np.argmax(np.abs(waves.amplitude))])
+
+    def power(system, sea, settings, known=pause_module._power):
+        followed.append(known(system, sea, settings))
+        return followed[-1]
+
+    monkeypatch.setattr(pause_module, "_power", power)
+    found = best_pause_in_sea(scene(law, waves), waves, SETTINGS)
+    assert found.power in followed
+    assert (len(followed) == 2) == (law.damping == 2.0)
+    whole = best_pause(lambda p: power(System.of(with_pause(scene(law, waves), p)), waves, SETTINGS), longest)
+    assert found.power == pytest.approx(whole.power, rel=5e-3)
+
+
+def test_trials_that_promise_what_no_motion_from_rest_takes_are_not_believed(latched, monkeypatch):
+    held, sea, best = latched
+    monkeypatch.setattr(Trials, "power", lambda _, system: 1e9 * system.scene.law.pause)
+    found = best_pause_in_sea(held, sea, SETTINGS)
+    assert found.pause == pytest.approx(best.pause, abs=best.within)
+    assert found.power == pytest.approx(best.power, rel=5e-3)
 
 
 @pytest.mark.parametrize(

@@ -47,6 +47,21 @@ def test_panels_are_counted_by_rows(seed):
     assert any("shapes at 3 frequencies by 32 rows" in line for line in lines)
 
 
+def test_what_pauses_cost_is_said_of_laws_that_pause(seed):
+    """Five seconds a design in a regular wave, twice that with its damper, more on the wet shell and in long seas."""
+
+    def said(waves, **pto):
+        study = varied(seed, pto=pto, waves=waves)
+        return [line for line in preview.summary(study, StudyPlan(study)) if line.startswith("pauses")]
+
+    regular, still = {"kind": "regular", "amplitude": 0.1, "period": 5.0}, {"kind": "still"}
+    assert said([regular]) == []
+    words = "pauses       of latching, found in each run: together about {} s on one core"
+    assert said([regular, still], law="latching") == [words.format(20)]
+    assert said([regular], law="latching", damping=None, tuning="each") == [words.format(40)]
+    assert said([{"kind": "jonswap", "hs": 0.3, "tp": 5.0}], law="latching") == [words.format(36)]
+
+
 def test_the_shell_in_words_is_the_shell_in_numbers(seed):
     table = preview.shell_table(seed)
     text = preview.shell_text(table).splitlines()

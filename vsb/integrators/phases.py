@@ -21,8 +21,8 @@ from vsb.motion.system import System
 from vsb.tools.units import ComplexArray, FloatArray
 from vsb.waves.superposition import superposed
 
-AHEAD = 32
-"""Instants looked ahead at a time."""
+AHEAD = 128
+"""Instants looked ahead at a time, at most."""
 
 
 FELT = 1e-3

@@ -6,7 +6,7 @@ import numpy as np
 
 from vsb.errors import ConvergenceError
 from vsb.integrators.regular_wave import regular_frequency
-from vsb.integrators.switching import Switching
+from vsb.integrators.switching import EXACT, Switching
 from vsb.motion.system import System
 from vsb.tools.units import FloatArray
 
@@ -16,6 +16,8 @@ FEWEST, MOST = 16, 64
 """Periods followed at a time: twice as many when these were not enough."""
 CONTINUED = 8
 """Periods followed at first from where another motion ended."""
+FOLLOWED = 0.1
+"""To what part of the tolerance of a power its motion is followed: errors of periods add up to less."""
 Start = tuple[FloatArray, ...]
 """y [m], y' [m/s] and memory states."""
 
@@ -49,7 +51,9 @@ def settled_power(system: System, tolerance: float = 1e-6) -> tuple[float, float
 
 @dataclass
 class Trials:
-    """Settled powers of one scene under laws that differ, each motion begun where the one before ended.
+    """Settled powers of one scene under laws that differ, each motion begun where the one that took most ended.
+
+    A law may have several motions that repeat: begun from one that takes little it may stay with such a one.
 
     Parameters
     ----------
@@ -59,21 +63,24 @@ class Trials:
     """
 
     tolerance: float
-    ended: Start | None = None
+    most: float = -np.inf  # [W]
+    ended: Start | None = None  # the motion that took it
 
     def power(self, system: System) -> float:
         """Return the mean absorbed power of late periods [W]; nothing where the motion cannot be followed."""
         start = self.ended or system.scene.start(0.0, 0.0)
         try:
-            power, _, self.ended = _settling(system, self.tolerance, start, CONTINUED, FEWEST)
+            power, _, ended = _settling(system, self.tolerance, start, CONTINUED, FEWEST)
         except ConvergenceError:
             return 0.0
+        if power > self.most:
+            self.most, self.ended = power, ended
         return power
 
 
 def _settling(system: System, tolerance: float, start: Start, fewest: int, most: int) -> tuple[float, float, Start]:
     """Mean power of late periods of a motion begun at a crest, by how much these differ, and where it ends."""
-    period, runner = 2 * np.pi / regular_frequency(system), Switching(system)
+    period, runner = 2 * np.pi / regular_frequency(system), Switching(system, max(FOLLOWED * tolerance, EXACT))
     begin, count = 0.0, fewest
     while True:
         end = begin + count * period

@@ -26,6 +26,9 @@ from vsb.tools.units import FloatArray
 
 RESOLVED = 0.25
 """Of a radian: how far apart the instants of the lookout are at most, for the fastest motion the port feels."""
+EXACT, COARSER = 1e-6, 4.0
+"""Tolerance it serves, by works and steps of order 6, and how much farther apart they are at most for a larger one."""
+CLOSE = 8  # instants looked ahead after an event; twice as many each time that no other comes
 FINEST = 10  # halvings of a recorded step
 MOST_EVENTS = 1000
 """In one recorded step, before a run is given up."""
@@ -47,7 +50,7 @@ class Switching:
     """
 
     system: System
-    tolerance: float = 1e-6  # of a body-exact motion, relative to the largest norm of the state
+    tolerance: float = EXACT  # of a body-exact motion, relative to the largest norm of the state; of any other's works
     modes: dict[float, Mode] = field(default_factory=dict)  # at the ends of legs
     phases: dict[tuple[float, float, bool, float], Phase] = field(default_factory=dict)
 
@@ -86,7 +89,8 @@ class Switching:
 
     def finer(self, dt: float) -> int:
         """Return how many instants of the lookout there are in a recorded step, a power of 2."""
-        return int(2 ** min(max(0, int(np.ceil(np.log2(self.rate() * dt / RESOLVED)))), FINEST))
+        apart = RESOLVED * min(max(self.tolerance / EXACT, 1.0) ** (1 / 6), COARSER)
+        return int(2 ** min(max(0, int(np.ceil(np.log2(self.rate() * dt / apart)))), FINEST))
 
     # pieces ---------------------------------------------------------------------------------------------------------
 
@@ -218,7 +222,7 @@ class Switching:
         """
         count = (len(time) - 1) * finer
         grid = np.linspace(time[0], time[-1], count + 1)
-        step, t, i, events = float(grid[-1] - grid[0]) / count, float(grid[0]), 0, 0
+        step, t, i, events, far = float(grid[-1] - grid[0]) / count, float(grid[0]), 0, 0, CLOSE
         state, track = self.fresh(t, z, step), Track(step)
         mode = self.modes.get(t) or self.first(t, state, step)
         track.add(grid[:1], state[None], mode, regular=True)
@@ -227,7 +231,7 @@ class Switching:
             state, error = phase.begun(t, self.under(f, state))
             track.leave(state, error)
             transient = phase.transient(t, state)
-            ahead = grid[i + 1 : i + 1 + (phase.reach if t == grid[i] else 1)]
+            ahead = grid[i + 1 : i + 1 + (min(far, phase.reach) if t == grid[i] else 1)]
             transients = phase.ahead[: len(ahead)] @ transient if t == grid[i] else (
                 phase.later(transient, float(ahead[0]) - t)[None]
             )  # fmt: skip
@@ -235,6 +239,7 @@ class Switching:
             ends = np.append(t, ahead), np.vstack([state, states]), np.vstack([transient, transients])
             passed, broken = self.undisturbed(mode, phase, *ends)
             track.add(ahead[:passed], states[:passed], mode, regular=True)
+            far = CLOSE if broken else min(2 * far, phase.reach)
             if passed:
                 t, i = float(ahead[passed - 1]), i + passed
                 state, transient = states[passed - 1], transients[passed - 1]

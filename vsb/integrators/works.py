@@ -20,6 +20,8 @@ from vsb.tools.units import FloatArray
 from vsb.waves.superposition import superposed
 
 TERMS = ("wave", "pto", "structural", "radiated")
+AT_ONCE = 512
+"""Nodes accounted for together: what is kept of them stays in the cache."""
 
 
 class Load(NamedTuple):
@@ -138,17 +140,17 @@ def account(
     rates, works = np.empty((last + 1, n)), np.zeros((len(TERMS), last + 1))
     taken, stopped = np.empty((2, last + 1))
     for piece, nodes in pieces.items():
-        at = np.array(nodes)
-        pushed = driven[:, at] + piece.phase.added(leaving[at])
-        jet = piece.jet(states[at], pushed)
-        rates[at], stopped[at] = jet[1][:, n : 2 * n], piece.at_port(piece.stopped, jet)[0]
-        taken[at] = piece.at_port(piece.taken, jet)[0]
-        if piece.phase.held:
-            taken[at] = -piece.phase.push(states[at], pushed[0], piece.stopped.constant)
-        at = at[at < last]
-        received = driven[:, at + 1] + piece.phase.added(states[at + 1])
-        ends = piece.jet(states[at + 1], received)
-        before = piece.powers(jet[:, : len(at)], pushed[:, : len(at)], damper, channel)
-        after = piece.powers(ends, received, damper, channel)
-        works[:, at + 1] = integrated(before, after, time[at + 1] - time[at])
+        for at in np.array_split(np.array(nodes), 1 + len(nodes) // AT_ONCE):
+            pushed = driven[:, at] + piece.phase.added(leaving[at])
+            jet = piece.jet(states[at], pushed)
+            rates[at], stopped[at] = jet[1][:, n : 2 * n], piece.at_port(piece.stopped, jet)[0]
+            taken[at] = piece.at_port(piece.taken, jet)[0]
+            if piece.phase.held:
+                taken[at] = -piece.phase.push(states[at], pushed[0], piece.stopped.constant)
+            at = at[at < last]
+            received = driven[:, at + 1] + piece.phase.added(states[at + 1])
+            ends = piece.jet(states[at + 1], received)
+            before = piece.powers(jet[:, : len(at)], pushed[:, : len(at)], damper, channel)
+            after = piece.powers(ends, received, damper, channel)
+            works[:, at + 1] = integrated(before, after, time[at + 1] - time[at])
     return Account(rates, taken, stopped, np.cumsum(works, axis=1))

@@ -6,7 +6,7 @@ study, from the run's own start: what the run will show. Both have several maxim
 scanned, and the best is refined between its neighbours.
 
 A body-exact scene pauses as long as takes most of its own motion: the pause of the linear scene, found over all pauses
-there, is refined in its neighbourhood by trials on the wet shell, each begun where the one before ended.
+there, is refined in its neighbourhood by trials on the wet shell, each begun where the best of those before ended.
 
 The damper that takes most alone is far too heavy to latch with: it is as large as the reactance that the pause takes
 away. Where it is not given, damper and pause are found together.
@@ -34,6 +34,10 @@ KNOWN = 1e-3
 """Of the longest pause: how well the best one is known."""
 SETTLED = 1e-4
 """Relative error of the power in a regular wave."""
+TRIED = 1e-3
+"""Relative error of a power while the pause is looked for; what is found is followed to `SETTLED`."""
+KEPT = 0.98
+"""Of the power a trial promised: a motion from rest that takes less repeats otherwise, and the search begins anew."""
 
 
 PAIRED = 8
@@ -54,6 +58,10 @@ KNOWN_WET = 0.01
 """Of the longest pause: how well the best one there is known."""
 SETTLED_WET = 0.02
 """Relative error of a power there."""
+
+
+Power = Callable[[float, float], float]
+"""Damper [kg/s] and pause [s] -> mean power [W]."""
 
 
 class BestPause(NamedTuple):
@@ -141,7 +149,9 @@ def best_pause_in_sea(scene: Scene, sea: Sea, settings: Simulation) -> BestPause
     """
     if not sea.omega.size:
         return BestPause(0.0, 0.0, 0.0)
-    return best_pause(lambda pause: _power(with_pause(scene, pause), sea, settings), np.pi / strongest(sea))
+    assert scene.law is not None
+    damper, longest = scene.law.damping, np.pi / strongest(sea)
+    return _sought(lambda power: (damper, best_pause(partial(power, damper), longest)), scene, sea, settings)[1]
 
 
 def best_pair_in_sea(scene: Scene, sea: Sea, settings: Simulation, dampers: Sequence[float]) -> tuple[float, BestPause]:
@@ -154,11 +164,35 @@ def best_pair_in_sea(scene: Scene, sea: Sea, settings: Simulation, dampers: Sequ
     dampers : sequence of float
         Tried first, ascending.
     """
+    longest = np.pi / strongest(sea)
+    return _sought(lambda power: best_pair(power, dampers, longest), scene, sea, settings)
 
-    def power(damping: float, pause: float) -> float:
-        return _power(with_pause(scene, pause, damping), sea, settings)
 
-    return best_pair(power, dampers, np.pi / strongest(sea))
+def _sought(
+    search: Callable[[Power], tuple[float, BestPause]], scene: Scene, sea: Sea, settings: Simulation
+) -> tuple[float, BestPause]:
+    """Damper and pause that a search finds by quick trials, with the power of the motion from rest on.
+
+    Where that is less than the trials promised, or than without a pause, the search goes over motions from rest.
+    """
+
+    def power_of(follow: Callable[[System], float], damping: float, pause: float) -> float:
+        return follow(System.of(with_pause(scene, pause, damping)))
+
+    from_rest = partial(power_of, lambda system: _power(system, sea, settings))
+    damper, best = search(partial(power_of, _trials(sea, settings)))
+    power = from_rest(damper, best.pause)
+    if power < KEPT * best.power or power < from_rest(damper, 0.0):
+        return search(from_rest)
+    return damper, best._replace(power=power)
+
+
+def _trials(sea: Sea, settings: Simulation) -> Callable[[System], float]:
+    """How the mean power of a system is tried [W]: in a regular wave from where the best trial before ended."""
+    if sea.omega.size == 1:
+        return Trials(TRIED).power
+    quick = settings.model_copy(update={"tolerance": max(settings.tolerance, TRIED)})
+    return lambda system: _followed(system, sea, quick)
 
 
 def refined_pause(scene: Scene, linear: BestPause, sea: Sea, settings: Simulation) -> BestPause:
@@ -205,9 +239,8 @@ def strongest(sea: Sea) -> float:
     return float(sea.omega[np.argmax(np.abs(sea.amplitude))])
 
 
-def _power(scene: Scene, sea: Sea, settings: Simulation) -> float:
+def _power(system: System, sea: Sea, settings: Simulation) -> float:
     """Mean power of a scene in a sea: settled in a regular wave, else that of the run's window."""
-    system = System.of(scene)
     return settled_power(system, SETTLED)[0] if sea.omega.size == 1 else windowed_power(system, sea, settings)
 
 

@@ -20,7 +20,7 @@ from vsb.study.blocks import BlockSpec
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.plan import StudyPlan
 from vsb.study.specs import PanelsSpec
-from vsb.study.study import Study, content_id
+from vsb.study.study import RegularWave, StillWater, Study, Wave, content_id
 from vsb.study.witness import no_witness
 from vsb.tools import packed
 from vsb.tools.files import load
@@ -30,6 +30,11 @@ SECONDS_PER_PANEL_ROW2 = 3e-5
 """Seconds a frequency costs per squared row count, lid included; measured with 40 + 8 rows."""
 SECONDS_PER_WITNESS_ROW2 = 8e-4
 """Seconds a shape costs both solvers per squared row count; measured with 32 rows, 7 modes and derivatives by them."""
+
+SECONDS_PER_PAUSE = {"regular": 5.0, "body_exact": 20.0}
+"""Seconds the search for a pause in a regular wave costs, and what it costs beyond that on the wet shell."""
+SECONDS_PER_PAUSED_SECOND = {"irregular": 0.15, "body_exact": 0.5}
+"""Likewise of each second of a run in another sea, all trials together."""
 
 
 def check_before_run(study: Study, plan: StudyPlan) -> None:
@@ -64,6 +69,7 @@ def summary(study: Study, plan: StudyPlan) -> list[str]:
         f"study        {study.study}: {', '.join(study.designs)} in {', '.join(wave.label for wave in study.waves)}",
         f"modes        {len(plan.mode_labels)} shell modes ({study.modes.basis}, degree {study.modes.degree})",
         *(_bem_lines(study, plan) if study.needs_bem else ["hydro        assumed pressure: no BEM"]),
+        *_pause_lines(study),
     ]
     checks = ledger.shell_checks(study, reference_shell(study))
     for wave in study.waves if study.hydro.model != "assumed_pressure" else ():  # which uses the period alone
@@ -145,6 +151,24 @@ def _bem_lines(study: Study, plan: StudyPlan) -> list[str]:
         f"database     {plan.database_path}" + (" (there)" if Path(plan.database_path).exists() else ""),
         f"witness      {_witness_words(plan)}",
     ]
+
+
+def _pause_lines(study: Study) -> list[str]:
+    """How long the search for pauses would take, of a take-off that pauses."""
+    if not study.pto.pauses:
+        return []
+    seconds = len(study.designs) * sum(_pause_seconds(study, wave) for wave in study.waves)
+    return [f"pauses       of {study.pto.law}, found in each run: together about {seconds:.0f} s on one core"]
+
+
+def _pause_seconds(study: Study, wave: Wave) -> float:
+    """Seconds the search for the pause of one design takes in a sea; twice as many with its damper."""
+    if isinstance(wave, StillWater):
+        return 0.0
+    regular, wet = isinstance(wave, RegularWave), study.hydro.model != "linear"
+    costs = SECONDS_PER_PAUSE if regular else SECONDS_PER_PAUSED_SECOND
+    each = costs["regular" if regular else "irregular"] * (1 + (study.tuning(wave) == "each"))
+    return (each + wet * costs["body_exact"]) * (1.0 if regular else study.simulation.duration)
 
 
 def _witness_words(plan: StudyPlan) -> str:

@@ -27,7 +27,7 @@ PHYSICS = {
     "witness": 1, "member": 2, "members": 2, "campaign": 2, "verification": 3, "body": 2,
 }  # fmt: skip
 """Hand-bumped version of the physics behind each tag: a library edit alone never reruns anything."""
-PAUSE = 2
+PAUSE = 3
 """Hand-bumped version of how the pause of a law is found: in the runs of laws that pause alone."""
 
 
