@@ -4,9 +4,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from conftest import varied
+from conftest import only_run, varied
 
+from benchmarks.hard_cases import hydro_files
 from vsb.errors import ConfigError
+from vsb.integrators.simulate import legs
 from vsb.integrators.switching import switched
 from vsb.motion.forces import Damper, Excitation, Spring, SpringDamper
 from vsb.motion.port import Port
@@ -16,6 +18,8 @@ from vsb.motion.system import System
 from vsb.motion.take_off import EndStop, TakeOff
 from vsb.motion.tuning import best_dampers, frequencies, squares
 from vsb.scenes.afloat import Afloat
+from vsb.scenes.build import SCENES
+from vsb.scenes.pause import BestPause
 from vsb.scenes.rest import check_spring, reference_shell
 from vsb.scenes.take_off import LAWS, STIFFER, tuned_take_off, with_take_off
 from vsb.study.take_off import Pto
@@ -147,3 +151,42 @@ def test_a_spring_that_pushes_a_buoy_out_of_its_rest_is_refused(seed):
         ConfigError, match=rf"pto.stiffness: received -.* N/m, with which .* more than -{border:.6g} N/m"
     ):
         check_spring(varied(rigid, pto={"stiffness": -1.001 * border}), reference)
+
+
+# a shell's own ports -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "port",
+    ["volume", {"colatitude": 90, "direction": "radial"}, {"between": [0, 180]}],
+    ids=["volume", "point", "between"],
+)
+def test_limits_stops_and_pauses_act_on_every_port_of_the_shell(seed, port, tmp_path_factory, monkeypatch):
+    """In a vented shell; a shut valve holds the volume, as a latch the heave."""
+    monkeypatch.setattr("vsb.scenes.build.best_pause_in_sea", lambda *_: BestPause(0.9, 0.0, 0.0))
+    damping = 400.0 if port == "volume" else 9000.0
+
+    def followed(**pto):
+        study = varied(
+            seed,
+            designs={"VSWEC": {}},
+            modes={"degree": 2},
+            hydro={"omega_max": 4.5, "tolerance": 1e-2},
+            pto={"damping": damping, "port": port, **pto},
+            waves=[{"kind": "regular", "amplitude": 0.1, "period": 5.0}],
+            simulation={"duration": 15.0, "window": (5.0, 15.0), "initial_velocity": 0.0},
+        )
+        found = SCENES["linear"](only_run(study), hydro_files(study, tmp_path_factory.getbasetemp() / "pause"))
+        (leg,) = legs(found.system, found.sea, study.simulation, None)
+        assert leg.balance.residual < 1e-6
+        b = found.scene.forces["pto"].direction
+        force = leg.motion.forces["pto"] @ b / (b @ b)
+        return np.abs(leg.motion.position @ b).max(), np.abs(leg.motion.velocity @ b), np.abs(force).max()
+
+    stroke, _, force = followed(law="saturated", force_limit=1e9)
+    assert followed(law="saturated", force_limit=0.5 * force)[2] == pytest.approx(0.5 * force)
+    assert followed(law="coulomb", force_limit=0.5 * force)[2] == pytest.approx(0.5 * force)
+    assert followed(stroke_limit=0.5 * stroke)[0] < 0.6 * stroke
+    speed = followed(law="latching")[1]
+    assert np.mean(speed < 1e-9 * speed.max()) > 0.2
+    assert (followed(law="declutching")[1] > 0).mean() > 0.9

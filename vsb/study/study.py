@@ -204,8 +204,9 @@ class Study(Compared):
             raise ValueError(f"pto.port: hydro.model {model!r} has no other port than heave; needs hydro.model: linear")
         if self.opens_chamber and pto.switches:
             raise ValueError(
-                "pto.port 'volume': a take-off behind the gas of device.gas is a damper and a spring in time; needs "
-                "law: linear without force_limit and stroke_limit"
+                "pto.port 'volume': behind the gas of device.gas a take-off meets a flow without inertia, not the "
+                "shell's: a shut valve leaves the shell on the gas, and a force that jumps makes the flow jump; needs "
+                "law: linear without force_limit and stroke_limit, or no device.gas"
             )
         if self.opens_chamber and method == "convolution":
             raise ValueError(
