@@ -1,5 +1,7 @@
 """Words of a campaign's report, of results made up by hand: the answer, what else is said, what to doubt, the table."""
 
+import re
+
 import numpy as np
 import pytest
 from report.test_campaign_figures import GAINS, campaign
@@ -116,6 +118,13 @@ def test_the_table_has_a_row_for_every_point_design_and_tuning():
     missing["annual_energy"] = missing.annual_energy.where(missing.design != "VSWEC")
     assert rows(missing)[4][3] == "-"
     assert len(rows(campaign(gains=np.tile(GAINS, (2, 1)), modulus=(1.0, 2.0, 3.0, 4.0)))) == MOST_ROWS
+
+
+def test_rows_that_are_left_out_are_counted():
+    long = campaign(gains=np.tile(GAINS, (2, 1)), modulus=(1.0, 2.0, 3.0, 4.0))
+    for ds, left_out in ((campaign(), []), (long, ["24 more rows in campaign.csv"])):
+        text = render(CampaignReport(ds.assign_attrs(study="a.yaml", campaign="c", spec_id="1"), {}))
+        assert re.findall(r"-?\d+ more rows in campaign\.csv", text) == left_out
 
 
 def test_the_tuning_the_answer_is_told_at():
