@@ -1,7 +1,8 @@
 """What makes a campaign cheap, each against the plain loop in its place: seconds of both in one run, and the error.
 
 The hourly loop is written apart: own quadrature, one hour and one damper at a time. A plain member is a point that
-shares nothing: climate and coefficients are read for it, as they would be for a study by itself.
+shares nothing: climate and coefficients are read for it, as they would be for a study by itself. A point as a study has
+its own hydro database, so its powers differ by what interpolation over frequency does. A run alone reads all it needs.
 """
 
 import math
@@ -10,7 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -19,18 +20,32 @@ from benchmarks.take_offs import timed
 from vsb.errors import ConfigError
 from vsb.motion.port import Port
 from vsb.motion.tuning import best_damper_of_each, best_dampers
-from vsb.results.year import DesignYear
+from vsb.results.in_time import DesignInTime
+from vsb.results.member import ports_year, with_designs
+from vsb.results.year import DesignYear, Tuning, frequencies
+from vsb.scenes.afloat import linear_buoy, study_port
 from vsb.scenes.ports import design_ports
-from vsb.scenes.rest import reference_shell
+from vsb.scenes.rest import design_motions, reference_shell
 from vsb.stages.climate import read_climate
+from vsb.stages.make import make
 from vsb.stages.members import Work, finished
+from vsb.stages.verification import in_time
 from vsb.study.campaign_plan import CampaignPlan, Member, plan_of
+from vsb.study.plan import StudyPlan
+from vsb.study.study import Study
 from vsb.tools.files import write_text
 from vsb.tools.units import FloatArray
-from vsb.waves.climate import Climate
+from vsb.waves.climate import Climate, realised
 
 DAMPERS = 120
 MEMBERS = 12
+STUDIES = 3
+"""Points computed as studies of their own, a database each."""
+SEAS = 6
+"""Seas run in time."""
+MODEL: Literal["body_exact"] = "body_exact"
+DAMPER = 2e4
+"""Damper of the runs [N s/m]."""
 EVERY = 10
 """Of the hours of the year the loop takes one in so many."""
 COLUMNS = ("case", "cells", "seconds", "plain_seconds", "times_faster", "error")
@@ -84,6 +99,49 @@ def sweep(plan: CampaignPlan, some: Sequence[Member], folder: Path, *, shared: b
     return np.array([one.annual_mean_power.values for one in found])
 
 
+def as_studies(plan: CampaignPlan, some: Sequence[Member], root: str) -> FloatArray:
+    """Return the same of members each of which is a study: its database made, its year from that."""
+    return np.array([_as_study(plan, one, StudyPlan(one.study, root=f"{root}/{one.id}")) for one in some])
+
+
+def _as_study(plan: CampaignPlan, one: Member, alone: StudyPlan) -> FloatArray:
+    """Annual mean powers of a study by itself, (design, tuning) [W]."""
+    make(alone, [alone.database_path])
+    seas = read_climate(plan.climate, plan.loaded.climate_path)
+    buoy, basis = linear_buoy(one.study, alone.database_path)
+    omega, direction = frequencies(seas, *buoy.database.omega.values[[0, -1]]), study_port(one.study, buoy, basis)
+    ports = {name: buoy.port(omega, design_motions(one.study, basis, name), direction) for name in one.study.designs}
+    sprung = {name: port.beside(one.study.pto.stiffness) for name, port in ports.items()}
+    tunings: list[Tuning] = [tuning for tuning in plan.loaded.tuning if tuning != "constrained"]
+    return ports_year(one.study, sprung, seas, tunings).annual_mean_power
+
+
+def rigid_in_time(plan: CampaignPlan, one: Member) -> Study:
+    """Return the rigid design of a member with the run in time of its campaign's study; its database is made."""
+    hydro = one.study.hydro.model_copy(update={"model": MODEL})
+    simulated = one.study.model_copy(update={"simulation": plan.loaded.base.simulation, "hydro": hydro})
+    study = with_designs(simulated, [one.study.reference_design or next(iter(one.study.designs))])
+    in_time(study, plan.root)
+    return study
+
+
+def in_seas(study: Study, root: str, climate: Climate, *, shared: bool) -> FloatArray:
+    """Return the mean power of one design in `SEAS` seas, prepared once or for each sea, shape (sea,) [W]."""
+    simulation = study.simulation
+
+    def prepared() -> DesignInTime:
+        return next(iter(in_time(study, root).values())).under(DAMPER)
+
+    def power(sea: int, design: DesignInTime) -> float:
+        low, high = design.buoy.database.omega.values[[0, -1]]
+        waves = realised(climate, sea, simulation.duration, sea, low, high)
+        return design.powers(waves, simulation, MODEL)[0]
+
+    once = prepared()
+    seas = np.linspace(0, len(climate.hours) - 1, SEAS).astype(int).tolist()
+    return np.array([power(sea, once if shared else prepared()) for sea in seas])
+
+
 def compared(case: str, cells: int, fast: Callable[[], FloatArray], plain: Callable[[], FloatArray]) -> dict[str, Any]:
     """Return one row of the table."""
     (seconds, found), (plain_seconds, expected) = timed(fast), timed(plain)
@@ -98,7 +156,7 @@ def benchmark(config: str, place: str | Path, dampers: int = DAMPERS, count: int
     Parameters
     ----------
     config : str
-        A campaign that varies what leaves the wetted shape as it is.
+        A campaign with a damper to be tuned; of undeformed spheres, or of shells at equilibrium.
     place : str or Path
     dampers, count : int
         Dampers of the year, members of the sweep.
@@ -120,6 +178,7 @@ def benchmark(config: str, place: str | Path, dampers: int = DAMPERS, count: int
     rest = reference_shell(some[0].study)
     water = Work(climate, next(iter(plan.batches.values())), plan.root).water(some[0], rest.basis)
     ports = list(design_ports(some[0].study, rest, water).values())
+    few, rigid = some[:STUDIES], rigid_in_time(plan, some[0])
     tried, squares = np.geomspace(1e3, 1e6, dampers), DesignYear(ports[0], climate).squares
     many = [port for _ in range(count) for port in ports]
     with tempfile.TemporaryDirectory() as name:
@@ -136,6 +195,16 @@ def benchmark(config: str, place: str | Path, dampers: int = DAMPERS, count: int
                 "sweep, each member alone", len(some),
                 lambda: sweep(plan, some, Path(name, "shared"), shared=True),
                 lambda: sweep(plan, some, Path(name, "alone"), shared=False),
+            ),
+            compared(
+                "sweep, each member a study", len(few),
+                lambda: sweep(plan, few, Path(name, "few"), shared=True),
+                lambda: as_studies(plan, few, f"{name}/studies"),
+            ),
+            compared(
+                "seas in time, each run alone", SEAS,
+                lambda: in_seas(rigid, plan.root, climate, shared=True),
+                lambda: in_seas(rigid, plan.root, climate, shared=False),
             ),
         ]  # fmt: skip
     write_text(folder / "campaigns.csv", as_csv(rows, COLUMNS))

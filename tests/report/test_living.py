@@ -282,3 +282,17 @@ def test_the_last_number_of_an_axis_is_not_cut(tmp_path, width):
 
 def test_without_scripts_nothing_is_asked_of_the_reader(page):
     assert '<section id="live" class="screen" hidden>' in page
+
+
+@pytest.mark.parametrize(
+    ("values", "texts"),
+    [
+        ([1e5, 1e6, 1e7, 1e8], ["1e5", "1e6", "1e7", "1e8"]),
+        ([0.0, 5e6, 1e7], ["0", "5e6", "1e7"]),
+        ([1e-4, 1e-3, 0.01], ["1e-4", "1e-3", "1e-2"]),
+        ([1000.0, 20000.0], ["1000", "20000"]),
+    ],
+)
+def test_the_numbers_of_an_axis_are_written_alike(values, texts, tmp_path):
+    script = (TEMPLATES / "chart.js").read_text(encoding="utf-8")
+    assert evaluated([script], "alike(data)", values, tmp_path) == texts

@@ -6,6 +6,7 @@ import xarray as xr
 
 from vsb.errors import DatabaseError
 from vsb.tools import packed
+from vsb.tools.files import seal
 
 
 @pytest.fixture
@@ -65,7 +66,7 @@ def test_what_is_not_there_stale_or_no_dataset_is_refused(dataset, tmp_path):
     with pytest.raises(DatabaseError, match="stale or foreign"):
         packed.load(path, expected="f" * 16)
     path.write_bytes(b"text\n")
-    packed.seal(path)
+    seal(path)
     with pytest.raises(DatabaseError, match="no packed dataset"):
         packed.read(path)
 

@@ -136,7 +136,8 @@ class LinearMotion(ABC):
             A take-off's force F against the motion leaves free - F forced.
         """
         matrices = (self.mass, self.structural_damping, self.stiffness)
-        return free_motion(omega, self.coefficients(omega), *matrices, motions, direction)
+        c = self.coefficients(omega)
+        return free_motion(dynamic_stiffness(omega, c, *matrices), c.excitation, motions, direction)
 
     def port(self, omega: FloatArray, motions: FloatArray, direction: FloatArray) -> Port:
         """Return what a take-off sees of a design, V0 = -i w b.q_free and Y = -i w b.q_forced; as `free_motion`.
@@ -145,7 +146,7 @@ class LinearMotion(ABC):
         """
         matrices = (self.mass, self.structural_damping, self.stiffness)
         c = self.coefficients(omega)
-        moved = free_motion(omega, c, *matrices, motions, direction)
+        moved = free_motion(dynamic_stiffness(omega, c, *matrices), c.excitation, motions, direction)
         seen = port_of_motion(omega, *moved, c.damping + self.structural_damping, self.stiffness, motions, direction)
         return seen.behind(self.chamber) if self.chamber else seen
 
@@ -332,18 +333,11 @@ def dynamic_stiffness(
 
 
 def free_motion(
-    omega: FloatArray,
-    c: Coefficients,
-    mass: FloatArray,
-    damping: FloatArray,
-    stiffness: FloatArray,
-    motions: FloatArray,
-    direction: FloatArray,
+    stiffness: ComplexArray, excitation: ComplexArray, motions: FloatArray, direction: FloatArray
 ) -> tuple[ComplexArray, ComplexArray]:
-    """Return `LinearMotion.free_motion` from coefficients at hand; matrices as in `dynamic_stiffness`."""
-    projected = motions.T @ dynamic_stiffness(omega, c, mass, damping, stiffness) @ motions
-    pushed = np.broadcast_to(allowed_part(direction, motions), (len(omega), motions.shape[1]))
-    solved = np.linalg.solve(projected, np.stack([c.excitation @ motions, pushed], axis=-1))
+    """Return `LinearMotion.free_motion` from a `dynamic_stiffness`, which all designs of a shape share."""
+    pushed = np.broadcast_to(allowed_part(direction, motions), (len(excitation), motions.shape[1]))
+    solved = np.linalg.solve(motions.T @ stiffness @ motions, np.stack([excitation @ motions, pushed], axis=-1))
     return solved[..., 0] @ motions.T, solved[..., 1] @ motions.T
 
 
@@ -365,7 +359,8 @@ def port_of_motion(
     """
     allowed, rate = allowed_part(direction, motions), -1j * omega
     along = motions @ allowed
-    loss = omega**2 * np.einsum("wi,wij,wj->w", forced.conj(), lossy, forced).real
+    parts = np.stack([forced.real, forced.imag], axis=-1)
+    loss = omega**2 * (parts * (lossy @ parts)).sum(axis=(1, 2))
     yields = compliance(motions.T @ stiffness @ motions, allowed)
     return Port(omega, loss + 1j * (rate * (forced @ along)).imag, rate * (free @ along), yields)
 

@@ -98,7 +98,7 @@ def mean_power(
     damping, stiffness : ndarray, shape (sea,) [N s/m], [N/m]
     efficiency : float
     """
-    square = 0.5 * squares * np.abs(port.velocity_under(port.load(damping, stiffness))) ** 2
+    square = 0.5 * squares * port.speed_under(damping, stiffness)
     return electrical_power(damping, stiffness, square.sum(axis=1), (square / port.omega**2).sum(axis=1), efficiency)
 
 
@@ -106,7 +106,7 @@ def powers_of_all(
     port: Port, squares: FloatArray, damping: FloatArray, stiffness: FloatArray, efficiency: float
 ) -> FloatArray:
     """Return the mean power of every load in every sea, shape (load, sea) [W]; arguments as `mean_power`."""
-    square = 0.5 * np.abs(port.velocity_under(port.load(damping, stiffness))) ** 2
+    square = 0.5 * port.speed_under(damping, stiffness)
     speed = square @ squares.T
     stroke = speed if efficiency == 1.0 else (square / port.omega**2) @ squares.T
     return electrical_power(damping[:, None], stiffness[:, None], speed, stroke, efficiency)
@@ -168,12 +168,14 @@ def best_damper_of_each(ports: Sequence[Port], squares: FloatArray) -> FloatArra
         return found
     starts = [_rivals(ports[i], squares[None], 0.0, 1.0)[0] for i in moving]
     which = np.repeat(np.arange(len(moving)), [len(start) for start in starts])
-    admittance, velocity = (np.array([getattr(ports[i], name) for i in moving]) for name in ("admittance", "velocity"))
+    admittance = np.array([ports[i].admittance for i in moving])
+    conductance, susceptance = np.ascontiguousarray(admittance.real), np.ascontiguousarray(admittance.imag)
+    free = np.array([ports[i].speed_under(0.0) for i in moving])
 
     def power(x: FloatArray, start: IntArray) -> FloatArray:
         at, damping = which[start], np.exp(x)
-        moved = np.abs(velocity[at] / (1 + admittance[at] * damping)) ** 2
-        return np.asarray(damping[:, 0] * (0.5 * squares * moved).sum(axis=1))
+        speed = free[at] / ((1 + conductance[at] * damping) ** 2 + (susceptance[at] * damping) ** 2)
+        return np.asarray(damping[:, 0] * (0.5 * squares * speed).sum(axis=1))
 
     x, powers = climbed(power, np.concatenate(starts)[:, None], np.full((len(which), 1), LOG_STEP))
     found[moving] = _best_of_each(which, len(moving), np.exp(x[:, 0]), 0 * powers, powers).damping

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from vsb.motion.port import Port
 from vsb.report.canvas import style
-from vsb.results.bins import Bins
+from vsb.results.bins import bins_of
 from vsb.results.force_steps import ForceSteps
 from vsb.results.year import band_weights
 from vsb.tools.units import FloatArray
@@ -158,7 +158,7 @@ def year_data(
     -----
     Power is linear in the spectrum, so the mean power of the seas of a bin is that of their mean spectrum.
     """
-    bins = Bins(climate.hs, climate.te, climate.hours)
+    bins = bins_of(climate)
     share = bins.share.ravel()[bins.occupied]
     density = np.array(
         [bins.total(climate.hours * band).ravel()[bins.occupied] / share for band in climate.density.T]

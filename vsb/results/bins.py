@@ -1,12 +1,13 @@
 """Matrices of IEC TS 62600-100: what many seas have in common, by bins of 0.5 m of Hs and 1 s of Te."""
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
 from vsb.motion.tuning import IntArray
 from vsb.tools.units import FloatArray
+from vsb.waves.climate import Climate
 
 HEIGHT = 0.5
 """Width of bins of significant wave height [m]."""
@@ -27,7 +28,7 @@ class Bins:
         """Row and column of each sea."""
         return np.floor(self.hs / HEIGHT).astype(np.intp), np.floor(self.te / PERIOD).astype(np.intp)
 
-    @property
+    @cached_property
     def shape(self) -> tuple[int, int]:
         """Number of bins of height and of period."""
         return int(self._at[0].max()) + 1, int(self._at[1].max()) + 1
@@ -85,3 +86,9 @@ class Bins:
         Of the bin's own seas, N below the line: Formula D.5 of Edition 2.
         """
         return np.sqrt(self.mean((values - self.mean(values).ravel()[self.index]) ** 2))
+
+
+@lru_cache(maxsize=4)
+def bins_of(climate: Climate) -> Bins:
+    """Return the bins of the seas of a climate: all designs and members over it share them."""
+    return Bins(climate.hs, climate.te, climate.hours)

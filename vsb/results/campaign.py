@@ -33,7 +33,10 @@ def stacked(members: Sequence[xr.Dataset], ids: Sequence[str]) -> xr.Dataset:
     """Return members along a dimension of their ids; how many seas a bin holds is the same for all."""
     first = members[0]
     names = [name for name in first.data_vars if name != "count"]
-    values = {name: ((MEMBER, *first[name].dims), np.stack([one[name].values for one in members])) for name in names}
+    values = {
+        name: ((MEMBER, *first.variables[name].dims), np.stack([one.variables[name].values for one in members]))
+        for name in names
+    }
     return xr.Dataset({**values, "count": first["count"]}, coords={**first.coords, MEMBER: list(ids)})
 
 

@@ -19,7 +19,7 @@ from vsb.motion.constrained import ConstrainedOptimum, constrained_optimum
 from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import Port
 from vsb.motion.tuning import BoolArray, IntArray
-from vsb.results.bins import Bins
+from vsb.results.bins import Bins, bins_of
 from vsb.results.verification import half_width
 from vsb.results.year import OUTSIDE
 from vsb.study.study import Water
@@ -164,7 +164,7 @@ def harmonics_of_year(climate: Climate, lowest: float, highest: float, seconds: 
     seconds : float
         Budget of time [s].
     """
-    bins = Bins(climate.hs, climate.te, climate.hours)
+    bins = bins_of(climate)
     each = seconds / (REALISATIONS * len(bins.occupied)) - SECONDS_AT_LEAST
     apart = np.cbrt(max(each, 0.0) / SECONDS_PER_CUBE) - 1  # of one harmonic more
     te = float(climate.te @ climate.hours)
@@ -210,7 +210,7 @@ def constrained_year(
             f"constrained: received a port at {len(port.omega)} frequencies up to {port.omega[-1]:.4g} rad/s, needs "
             f"the {harmonics.count} harmonics up to {harmonics.omega[-1]:.4g} rad/s"
         )
-    bins = Bins(climate.hs, climate.te, climate.hours)
+    bins = bins_of(climate)
     squares = _squares(bins, climate, harmonics)
     flux = bins.total(climate.flux(water) * climate.hours).ravel()
     order = bins.occupied[np.argsort(-flux[bins.occupied], kind="stable")]

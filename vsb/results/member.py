@@ -8,7 +8,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from vsb.motion.port import Port
-from vsb.results.bins import Bins
+from vsb.results.bins import Bins, bins_of
 from vsb.results.constrained_member import OF_LIMITS, Optima
 from vsb.results.validity import LIMITS, beyond_validity
 from vsb.results.year import DesignYear, Tuning, Year, best_for_all, year
@@ -56,7 +56,7 @@ def member(
         What finds the year within limits; needed for `constrained`.
     """
     rest = viability(study)
-    bins = Bins(climate.hs, climate.te, climate.hours)
+    bins = bins_of(climate)
     found = _missing(study, bins, tunings)
     viable = [design for design in study.designs if design not in rest.reasons]
     at: Labels = {"design": list(study.designs), "tuning": list(tunings)}

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from vsb.results.year import Year, band_weights
 from vsb.scenes.ports import InWaves
 from vsb.study.study import Water
-from vsb.tools.units import FloatArray
+from vsb.tools.units import ComplexArray, FloatArray
 from vsb.waves.climate import Climate
 from vsb.waves.dispersion import wavenumber
 
@@ -98,10 +98,16 @@ def motion_rms(waves: InWaves, climate: Climate, damping: FloatArray, stiffness:
     """
     dampers, shares = _nodes(damping)
     heave, shell = waves.motion.under(waves.port, waves.port.load(dampers, np.full(len(dampers), stiffness)))
-    squares = np.concatenate([np.abs(heave[:, None]) ** 2, (np.abs(shell) ** 2).sum(axis=1)], axis=1)
+    squares = np.concatenate([_square(heave)[:, None], _square(shell).sum(axis=1)], axis=1)
+    squares = squares[:, [0, *(1 + np.flatnonzero(squares[:, 1:].any(axis=(0, 2))))]]  # points that move at all
     each = (squares / 2) @ band_weights(waves.port.omega, climate).T @ climate.density.T  # (damper, row, sea)
     variance = np.maximum(np.einsum("nrs,ns->rs", each, shares), 0.0)
-    return {"heave": np.sqrt(variance[0]), "deformation": np.sqrt(variance[1:].max(axis=0))}
+    return {"heave": np.sqrt(variance[0]), "deformation": np.sqrt(variance[1:].max(axis=0, initial=0.0))}
+
+
+def _square(phasor: ComplexArray) -> FloatArray:
+    """Squared size."""
+    return np.asarray(phasor.real**2 + phasor.imag**2)
 
 
 def _nodes(damping: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -19,7 +19,7 @@ from vsb.errors import ConfigError
 from vsb.motion.damping_curve import best_of_table, dampers
 from vsb.motion.port import Port
 from vsb.motion.tuning import IntArray, best_damper_of_each
-from vsb.results.bins import Bins
+from vsb.results.bins import Bins, bins_of
 from vsb.study.study import Water
 from vsb.tools.units import FloatArray, described
 from vsb.waves.climate import YEAR_HOURS, Climate
@@ -178,7 +178,7 @@ class Year:
     @cached_property
     def bins(self) -> Bins:
         """Bins of the seas."""
-        return Bins(self.climate.hs, self.climate.te, self.climate.hours)
+        return bins_of(self.climate)
 
     @cached_property
     def flux(self) -> FloatArray:
@@ -322,7 +322,7 @@ def _check_given(designs: Iterable[str], tunings: Sequence[str], given: Mapping[
 @lru_cache(maxsize=2)
 def _practice(climate: Climate, gamma: float) -> Climate:
     """JONSWAP seas at the centres of the occupied bins."""
-    bins = Bins(climate.hs, climate.te, climate.hours)
+    bins = bins_of(climate)
     share = bins.share.ravel()[bins.occupied]
     return climate_of_cells(*bins.centres, share, gamma, f"{climate.name}, JONSWAP at bin centres")
 

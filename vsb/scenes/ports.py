@@ -1,5 +1,6 @@
 """The ports of all designs of a study from the coefficients of its shape, which studies of other materials share."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -12,7 +13,7 @@ from vsb.hydro.database import shares
 from vsb.hydro.dofs import Displacement
 from vsb.hydro.orders import order_shares
 from vsb.motion.channel import channelled
-from vsb.motion.frequency import free_motion, port_of_motion
+from vsb.motion.frequency import dynamic_stiffness, free_motion, port_of_motion
 from vsb.motion.port import Port, PortMotion, port_direction
 from vsb.scenes.directions import order_bases, whole_stiffness
 from vsb.scenes.rest import design_motions, seen_by_take_off
@@ -76,15 +77,23 @@ def designs_in_waves(study: Study, reference: ReferenceShell, water: ShapeWater)
         for name in ("inertia", "damping")
     )
     stiffness, lossy = whole_stiffness(study, seen), coefficients.damping + damping
-    shapes = shell_shapes(basis, families)[1:]  # heave left out
+    dynamic = dynamic_stiffness(omega, coefficients, inertia, damping, stiffness)
+    shapes = shell_shapes(basis, families)
     found = {}
     for design in study.designs:
         free = design_motions(study, basis, design)
-        moved = free_motion(omega, coefficients, inertia, damping, stiffness, free, direction)
+        moved = free_motion(dynamic, coefficients.excitation, free, direction)
         port = port_of_motion(omega, *moved, lossy, stiffness, free, direction)
-        heave, shell = zip(*((one[:, 0], np.einsum("wn,ncp->cpw", one[:, 1:], shapes)) for one in moved), strict=True)
+        heave, shell = zip(*((one[:, 0], _of_shell(one, shapes)) for one in moved), strict=True)
         found[design] = InWaves(port.behind(chamber), PortMotion(heave, shell), moved)
     return found
+
+
+def _of_shell(amplitude: ComplexArray, shapes: FloatArray) -> ComplexArray:
+    """Displacements of points of the shell, heave left out, (2, point, omega) [-], of amplitudes (omega, dof)."""
+    count, *places = shapes[1:].shape
+    parts = np.stack([amplitude.real, amplitude.imag])[:, :, 1:] @ shapes[1:].reshape(count, math.prod(places))
+    return np.asarray((parts[0] + 1j * parts[1]).T.reshape(*places, len(amplitude)))
 
 
 def shell_shapes(basis: ModeBasis, families: Sequence[OrderBasis] = ()) -> FloatArray:

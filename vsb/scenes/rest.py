@@ -86,7 +86,7 @@ def reference_shell(study: AtRest, basis: ModeBasis | None = None) -> ReferenceS
     else:
         q = np.zeros(len(basis.labels))
     shape = DeformedShell(basis, study.centre_height, q)
-    stiffness = {"structural": basis.stiffness, "hydrostatic": loaded.hydrostatic_stiffness(q)}
+    stiffness = {"structural": basis.stiffness, "hydrostatic": _water_stiffness(study, basis, q)}
     if at_equilibrium:
         stiffness["structural"] = loaded.elastic.material_stiffness(q)
         geometric = loaded.elastic.geometric_stiffness(*loaded.elastic.resultants(q))
@@ -96,6 +96,22 @@ def reference_shell(study: AtRest, basis: ModeBasis | None = None) -> ReferenceS
     if study.device.gas and study.flexible:
         stiffness["gas"] = loaded.gas_stiffness(q)
     return ReferenceShell(shape, {name: (k + k.T) / 2 for name, k in stiffness.items()})
+
+
+def _water_stiffness(study: AtRest, basis: ModeBasis, q: FloatArray) -> FloatArray:
+    """Stiffness of the water about a shape, of the undeformed one once for all materials."""
+    if q.any():
+        return loaded_shell(study, basis).hydrostatic_stiffness(q)
+    shell, water = LoadedShell(ElasticShell(basis.immaterial), study.centre_height, 1.0, 1.0), study.water
+    return water.density * water.gravity * _undeformed_in_water(shell)
+
+
+@lru_cache(maxsize=16)
+def _undeformed_in_water(shell: LoadedShell) -> FloatArray:
+    """Stiffness of the water about the undeformed shell, not to be written to."""
+    stiffness = shell.hydrostatic_stiffness(np.zeros(len(shell.basis.labels)))
+    stiffness.setflags(write=False)
+    return stiffness
 
 
 @lru_cache(maxsize=4)

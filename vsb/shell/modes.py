@@ -211,15 +211,28 @@ class ModeBasis:
         Notes
         -----
         Null space of `clamp_rows` by singular values: repeated and zero rows are harmless. With it q = N y the
-        constraint holds at all times by construction: no multipliers, no drift.
+        constraint holds at all times by construction: no multipliers, no drift. Not to be written to.
         """
-        rows = self.clamp_rows(colatitudes)[:, 1:]
-        _, _, vt = svd(rows, full_matrices=True)
-        rank = check_rank(rows)
-        free = np.zeros((len(self.labels), vt.shape[0] - rank + 1))
-        free[0, 0] = 1.0
-        free[1:, 1:] = vt[rank:].T
-        return free
+        return _allowed(self.immaterial, tuple(colatitudes))
+
+    @property
+    def immaterial(self) -> "ModeBasis":
+        """The same shapes of a material of no consequence: what follows from them alone is found once for all."""
+        shell = replace(self.shell, young_modulus=1.0, density=1.0)
+        return replace(self, shell=shell, total_mass=1.0, alpha=0.0, beta=0.0)
+
+
+@lru_cache(maxsize=64)
+def _allowed(basis: ModeBasis, colatitudes: tuple[float, ...]) -> FloatArray:
+    """The motions clamps allow."""
+    rows = basis.clamp_rows(colatitudes)[:, 1:]
+    _, _, vt = svd(rows, full_matrices=True)
+    rank = check_rank(rows)
+    free = np.zeros((len(basis.labels), vt.shape[0] - rank + 1))
+    free[0, 0] = 1.0
+    free[1:, 1:] = vt[rank:].T
+    free.setflags(write=False)
+    return free
 
 
 def check_rank(rows: FloatArray) -> int:

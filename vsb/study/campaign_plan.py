@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path, PurePosixPath
-from typing import Any, NamedTuple
+from typing import Any
 
 from vsb.errors import ConfigError
 from vsb.study.blocks import HydroPlan
@@ -38,7 +38,7 @@ from vsb.study.year_options import Constrained
 MOST_BATCHES = 32
 BATCH_SECONDS = 8.0
 """What a batch is to take at least, so that starting it, 2 s, does not count."""
-MEMBER_SECONDS, BLOCK_SECONDS = 0.03, 2.0
+MEMBER_SECONDS, BLOCK_SECONDS = 0.016, 2.0
 """Of a member whose coefficients are there, of coefficients of a shape."""
 VARIABLES = (
     "annual_mean_power", "annual_energy", "capture_width", "gain_percent", "gain_low", "gain_high", "damping",
@@ -52,14 +52,15 @@ VARIABLES = (
 """Names in the results that no varied key can have."""
 
 
-class Member(NamedTuple):
+@dataclass(frozen=True)
+class Member:
     """One point of a campaign."""
 
     point: Point
     study: Study
     spec: MemberSpec
 
-    @property
+    @cached_property
     def id(self) -> str:
         """Content id."""
         return content_id(self.spec)

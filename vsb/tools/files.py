@@ -157,9 +157,14 @@ def _write(ds: xr.Dataset, path: str, mode: Literal["w", "a"], group: str) -> No
 
 def seal(path: str | Path) -> None:
     """Put the seal behind the contents of a netCDF file."""
-    digest = hashlib.sha256(Path(path).read_bytes()).hexdigest()
+    mark = seal_of(Path(path).read_bytes())
     with Path(path).open("ab") as file:
-        file.write(SEAL + digest.encode())
+        file.write(mark)
+
+
+def seal_of(content: bytes) -> bytes:
+    """Return the seal that stands behind contents."""
+    return SEAL + hashlib.sha256(content).hexdigest().encode()
 
 
 def sealed(path: str | Path) -> bool:

@@ -14,7 +14,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from vsb.errors import DatabaseError
-from vsb.tools.files import CHANGED, DELETE, check_stamp, seal, sealed, whole
+from vsb.tools.files import CHANGED, DELETE, check_stamp, seal_of, sealed, whole
 from vsb.tools.units import check_finite
 
 SUFFIX = ".npz"
@@ -29,10 +29,10 @@ def save(ds: xr.Dataset, path: str | Path) -> None:
     dims = {str(name): list(map(str, variable.dims)) for name, variable in ds.variables.items()}
     header = {"dims": dims, "coords": list(map(str, ds.coords)), "attrs": ds.attrs}
     arrays = {str(name): _plain(variable.values) for name, variable in ds.variables.items()}
+    content = io.BytesIO()
+    np.savez(content, allow_pickle=False, **{_HEADER: np.array(json.dumps(header))}, **arrays)
     with whole(path) as temporary:
-        with temporary.open("wb") as file:
-            np.savez(file, allow_pickle=False, **{_HEADER: np.array(json.dumps(header))}, **arrays)
-        seal(temporary)
+        temporary.write_bytes(content.getvalue() + seal_of(content.getvalue()))
 
 
 def _plain(values: npt.NDArray[Any]) -> npt.NDArray[Any]:

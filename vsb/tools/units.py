@@ -309,9 +309,10 @@ def check_finite(ds: xr.Dataset, source: str) -> None:
 
     But of designs that are not `viable`, and of what a tuning has not (`UNTOLD`).
     """
-    for name, variable in ds.data_vars.items():
-        if not np.issubdtype(variable.dtype, np.number) or np.isfinite(variable.values).all():
+    for name, numbers in ds.variables.items():
+        if not np.issubdtype(numbers.dtype, np.number) or np.isfinite(numbers.values).all() or name in ds.coords:
             continue
+        variable = ds[name]
         missing = ~ds.viable if "viable" in ds and "design" in variable.dims else False
         if "tuning" in variable.dims and name in UNTOLD:
             missing = missing | (ds.tuning == UNTOLD[name])

@@ -10,6 +10,12 @@ function plain(value) {
   return size !== 0 && (size >= 1e7 || size < 1e-3) ? value.toExponential(2) : String(Number(value.toPrecision(4)));
 }
 
+/** The numbers of an axis, all of them with exponents if one needs it. */
+function alike(values) {
+  if (!values.some((value) => plain(value).includes("e"))) return values.map(plain);
+  return values.map((value) => (value === 0 ? "0" : Number(value.toPrecision(4)).toExponential().replace("e+", "e")));
+}
+
 /** An element of SVG with attributes. */
 function drawn(name, attributes, text = "") {
   const element = document.createElementNS("http://www.w3.org/2000/svg", name);
@@ -50,15 +56,16 @@ function chart(svg, { x, y, curves, areas = [], marks = [], words }) {
     "data-x-label": x.label,
     "data-y-label": y.label,
   });
-  for (const v of ticks(x.low, x.high, x.log)) {
+  const [along, aside] = [ticks(x.low, x.high, x.log), ticks(y.low, y.high, false, 5)];
+  const [named, level] = [alike(along), alike(aside)];
+  for (const [i, v] of along.entries()) {
     frame.append(drawn("path", { d: `M${across(v)} ${top}V${height - bottom}`, class: "rule" }));
-    const text = plain(v);
-    const within = Math.min(across(v), width - 5 * text.length); // half of it, at the size it has on a phone
-    frame.append(drawn("text", { x: within, y: height - bottom + 15, class: "middle" }, text));
+    const within = Math.min(across(v), width - 5 * named[i].length); // half of it, at the size it has on a phone
+    frame.append(drawn("text", { x: within, y: height - bottom + 15, class: "middle" }, named[i]));
   }
-  for (const v of ticks(y.low, y.high, false, 5)) {
+  for (const [i, v] of aside.entries()) {
     frame.append(drawn("path", { d: `M${left} ${up(v)}H${width - right}`, class: "rule" }));
-    frame.append(drawn("text", { x: left - 5, y: up(v) + 4, class: "end" }, plain(v)));
+    frame.append(drawn("text", { x: left - 5, y: up(v) + 4, class: "end" }, level[i]));
   }
   frame.append(drawn("text", { x: (left + width - right) / 2, y: height - 6, class: "middle" }, x.label));
   const middle = (top + height - bottom) / 2;
