@@ -92,6 +92,19 @@ def test_power_over_force_ends_at_the_best_damper():
     assert np.all(np.diff(curve.get_ydata()) > 0)
 
 
+def test_power_under_limits_stands_at_its_force_in_the_units_of_the_axes():
+    ds = campaign().sel(tuning=["one", "one"]).assign_coords(tuning=["one", "constrained"])
+    ax = pareto(ds, "one", "FSB").axes[0]
+    point = ds.isel(shown_place(ds, "one", "FSB")).sel(tuning="constrained")
+    for design in DESIGNS:
+        colours = (line for line in ax.lines if line.get_marker() == "s" and to_hex(line.get_color()) == colour(design))
+        (at,) = (line.get_xydata()[0] for line in colours)
+        assert at == pytest.approx(
+            [float(point[v].sel(design=design)) / 1e3 for v in ("force_rms", "annual_mean_power")]
+        )
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("rms force of the take-off [kN]", "mean power of the year [kW]")
+
+
 def test_matrices_share_a_scale_leave_out_empty_bins_and_cross_what_is_beyond():
     figure = power_matrices(campaign(), "one", "FSB")
     meshes = [ax.collections[0] for ax in figure.axes[:2]]
