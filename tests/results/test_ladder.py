@@ -16,13 +16,14 @@ from vsb.motion.frequency import LinearBuoy
 from vsb.motion.port import Port, port_direction
 from vsb.motion.pto import LinearPto
 from vsb.motion.tuning import frequencies, mean_power, squares
-from vsb.results.ladder import Given, Limits, as_csv, constrained_checks, constrained_rung, rungs_of
+from vsb.results.ladder import Given, Limits, as_csv, constrained_checks, constrained_rung, rungs_of, study_ladder
 from vsb.scenes.afloat import Met
 from vsb.scenes.ports import ShapeWater, design_ports
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell
 from vsb.stages.spectral import spectral_problem
 from vsb.study.plan import StudyPlan
+from vsb.study.study import content_id
 from vsb.waves.seas import Sea
 
 
@@ -379,3 +380,20 @@ def test_the_ladder_of_held_back_studies_by_a_second_method(seed, name):
     first = max((-searched((u, v)), u, v) for u in dampers for v in springs)
     pair = minimize(searched, first[1:], method="Nelder-Mead", options={"xatol": 1e-4, "fatol": 1e-12})
     assert rungs["best_spring_damper"].power_mean == pytest.approx(-pair.fun, rel=1e-4)
+
+
+def test_an_optimum_has_the_band_that_is_solved(small, monkeypatch):
+    """All of it: the port is known from the first frequency of the database on."""
+
+    class Asked(Exception):
+        """The limits that an optimum is asked for."""
+
+    def asked(design, label, sea, seen, limits):
+        raise Asked(limits)
+
+    monkeypatch.setattr("vsb.results.ladder.constrained_rung", asked)
+    limited = StudyPlan(varied(small.study, pto={"force_limit": 1.0e4, "stroke_limit": 2.0}))
+    with pytest.raises(Asked) as caught:
+        study_ladder(limited.ladder, small.database_path)
+    omega = database.load_database(small.database_path, content_id(small.database)).omega.values
+    assert caught.value.args[0] == Limits(1.0e4, 2.0, omega[0], omega[-1])
