@@ -36,6 +36,14 @@ def test_a_long_sweep_is_cut_in_the_table_alone():
             "brings most where VSWEC of year, scale 4, buoy takes 12.3 % more than its rigid design",
         ),
         ((RIGID, SHELL), "brings nothing here: at best, VSWEC of soft, wave1 takes 10.0 % less than its rigid design"),
+        (
+            (RIGID, SHELL._replace(gain_percent=0.4)),
+            "Flexibility brings most where VSWEC of soft, wave1 takes 0.4 % more",
+        ),
+        (
+            (RIGID, SHELL._replace(gain_percent=-0.4)),
+            "brings nothing here: at best, VSWEC of soft, wave1 takes 0.4 % less",
+        ),
         ((GAS,), "VSWEC of gas, still takes most: 70 W (all at the given damper)"),
         ((LOST,), "No design is viable."),
     ],

@@ -65,7 +65,12 @@ def test_shipped_campaigns_are_valid_by_the_schema(path):
     given = numbers(yaml.safe_load(path.read_text()))
     jsonschema.validate(given, schema_of(Campaign))
     jsonschema.validate({**given, "vary": schema_of(Campaign)["properties"]["vary"]["default"]}, schema_of(Campaign))
-    for wrong in ({"vary": {"device.mass": {"log": [1.0]}}}, {"tuning": ["best"]}, {"years": 1}):
+    for wrong in (
+        {"vary": {"device.mass": {"log": [1.0]}}},
+        {"vary": {"device.mass": {"log": [1.0, 2.0, 3, 4]}}},
+        {"tuning": ["best"]},
+        {"years": 1},
+    ):
         with pytest.raises(jsonschema.ValidationError):
             jsonschema.validate(given | wrong, schema_of(Campaign))
 
