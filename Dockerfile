@@ -7,9 +7,10 @@ RUN python -m venv /opt/vsb \
  && /opt/vsb/bin/pip install --no-cache-dir --disable-pip-version-check -r requirements.lock
 COPY . .
 RUN /opt/vsb/bin/pip install --no-cache-dir --disable-pip-version-check --no-deps --no-build-isolation .
-# HOME: Snakemake and matplotlib keep notes there, whoever runs the image.
+# HOME: Snakemake and matplotlib keep notes there, whoever runs the image; USER: Snakemake asks who that is, and nobody else knows.
 ENV PATH=/opt/vsb/bin:$PATH \
     HOME=/tmp \
+    USER=vsb \
     NUMBA_CACHE_DIR=/opt/vsb/compiled \
     OMP_NUM_THREADS=1 \
     OPENBLAS_NUM_THREADS=1
