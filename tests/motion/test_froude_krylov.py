@@ -21,6 +21,18 @@ def swell(amplitude, depth=np.inf, omega=OMEGA):
     return incident(Sea(np.array([omega]), np.array([amplitude + 0j])), depth, G, 2.0)
 
 
+@pytest.mark.parametrize("depth", [np.inf, 2.5])
+@pytest.mark.parametrize("omega", [0.4, OMEGA, 6.9])
+def test_series_of_the_waves_are_their_profile_and_their_mean_around_the_shell(omega, depth):
+    """Of powers exp(k rho), of even ones J_0(k x), out to 1.2 radii: by them the waterline is found."""
+    waves = swell(0.1, depth, omega)
+    (k,), out = waves.wavenumber, np.linspace(0.0, 1.2, 13)
+    assert 2.0 * k < 10.0
+    m = np.arange(waves.powers.shape[1])
+    np.testing.assert_allclose((waves.even * out[:, None] ** (2 * m)).sum(axis=1), j0(2.0 * k * out), atol=1e-9)
+    np.testing.assert_allclose((waves.powers * out[:, None] ** m).sum(axis=1), np.exp(2.0 * k * out), rtol=1e-12)
+
+
 def force(basis, height, q, waves, time=0.0, **changes):
     shape = WetShell(basis, height).shape._replace(**changes)
     out = np.empty(len(q))
