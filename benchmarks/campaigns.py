@@ -182,6 +182,9 @@ def benchmark(config: str, place: str | Path, dampers: int = DAMPERS, count: int
     tried, squares = np.geomspace(1e3, 1e6, dampers), DesignYear(ports[0], climate).squares
     many = [port for _ in range(count) for port in ports]
     with tempfile.TemporaryDirectory() as name:
+        sweep(plan, some, Path(name, "before"), shared=True)  # coefficients and compiled loops are there for both
+        in_seas(rigid, plan.root, climate, shared=True)
+        anew = replace(plan, root=f"{name}/anew")
         rows = [
             compared(
                 "year, hour by hour", len(ports) * dampers * n,
@@ -198,7 +201,7 @@ def benchmark(config: str, place: str | Path, dampers: int = DAMPERS, count: int
             ),
             compared(
                 "sweep, each member a study", len(few),
-                lambda: sweep(plan, few, Path(name, "few"), shared=True),
+                lambda: sweep(anew, few, Path(name, "few"), shared=True),
                 lambda: as_studies(plan, few, f"{name}/studies"),
             ),
             compared(
