@@ -18,7 +18,17 @@ from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.scenes import automatic
-from vsb.scenes.afloat import Afloat, body_afloat, heading, linear_buoy, rest_shape, stored_body, study_port, study_sea
+from vsb.scenes.afloat import (
+    Afloat,
+    AnyMotion,
+    body_afloat,
+    heading,
+    linear_buoy,
+    rest_shape,
+    stored_body,
+    study_port,
+    study_sea,
+)
 from vsb.scenes.drag import dragged_port, linearised, with_drag
 from vsb.scenes.pause import NEAR, BestPause, best_pair_in_sea, best_pause_in_sea, refined_pause, strongest, with_pause
 from vsb.scenes.rest import design_motions, study_basis
@@ -128,16 +138,21 @@ def _released(scene: Scene, run: SimulateSpec, at: _FromBem) -> tuple[Scene, dic
     """
     if not (run.pto.pauses and scene.law):  # or nothing there moves
         return scene, {}
-    together, damper = run.pto.tuning == "each" and at.sea.omega.size > 0, float(at.buoy.pto.damping)
-    if together:
-        damper, best = best_pair_in_sea(_linear(run, at), at.sea, run.simulation, _dampers(at))
-    else:
-        best = best_pause_in_sea(_linear(run, at), at.sea, run.simulation)
-    notes = {TUNED: damper} if together else {}
+    damper, best, notes = _paused(_linear(run, at), run, at.sea, at.buoy, at.motions)
     if scene.water is not None and at.sea.omega.size:
         notes |= {"linear_pause": best.pause, "pause_tried": NEAR * np.pi / strongest(at.sea)}
         best = refined_pause(with_pause(scene, best.pause, damper), best, at.sea, run.simulation)
     return with_pause(scene, best.pause, damper), notes | _noted(best)
+
+
+def _paused(
+    linear: Scene, run: SimulateSpec | BodySimulateSpec, sea: Sea, floating: AnyMotion, motions: FloatArray
+) -> tuple[float, BestPause, dict[str, float]]:
+    """Damper [kg/s] and pause of a law in a linear scene; one tuned to its sea is found with the pause, and noted."""
+    if run.pto.tuning != "each" or not sea.omega.size:
+        return float(floating.pto.damping), best_pause_in_sea(linear, sea, run.simulation), {}
+    damper, best = best_pair_in_sea(linear, sea, run.simulation, _dampers(floating, motions, sea))
+    return damper, best, {TUNED: damper}
 
 
 def _noted(best: BestPause) -> dict[str, float]:
@@ -145,13 +160,13 @@ def _noted(best: BestPause) -> dict[str, float]:
     return {"pause": best.pause, "pause_power": best.power, "pause_within": best.within}
 
 
-def _dampers(at: _FromBem) -> list[float]:
+def _dampers(floating: AnyMotion, motions: FloatArray, sea: Sea) -> list[float]:
     """Dampers from what the port loses at the strongest wave up to the best one alone, ascending [kg/s].
 
     A law that pauses takes the reactance away: what is left to match is the resistance, or a little more.
     """
-    alone, direction = float(at.buoy.pto.damping), at.buoy.pto.direction(len(at.buoy.mass))
-    impedance = at.buoy.port(np.array([strongest(at.sea)]), at.motions, direction).impedance
+    alone, direction = float(floating.pto.damping), floating.pto.direction(len(motions))
+    impedance = floating.port(np.array([strongest(sea)]), motions, direction).impedance
     least = max(float(impedance.real[0]), LIGHTEST * alone)
     return [float(damping) for damping in np.geomspace(min(least, alone), max(least, alone), 3)]
 
@@ -182,12 +197,13 @@ def body_design(run: BodySimulateSpec, paths: dict[str, Any]) -> DesignInSea:
     notes = {"model": "linear"} | ({} if run.pto.tuning == "fixed" else {TUNED: float(pto.damping)})
     going = float(np.deg2rad(heading(wave)))
     motions = floating.motions[design]
-    scene = body_scene(replace(body, pto=pto), body_memory(paths["radiation"]), {going: here[1]}, motions)
+    equipped = replace(body, pto=pto)
+    scene = body_scene(equipped, body_memory(paths["radiation"]), {going: here[1]}, motions)
     scene = with_take_off(scene, run.pto, pto)
     if run.pto.pauses and scene.law:
-        best = best_pause_in_sea(scene, here[1], run.simulation)
-        scene = with_pause(scene, best.pause, float(pto.damping))
-        notes |= _noted(best)
+        damper, best, tuned = _paused(scene, run, here[1], equipped, motions)
+        scene = with_pause(scene, best.pause, damper)
+        notes |= tuned | _noted(best)
     return DesignInSea(scene, None, here[1], body.spectrum, notes)
 
 
