@@ -150,5 +150,5 @@ def test_a_database_of_other_water_or_whose_checks_fail_is_refused(finished, wor
     dull.attrs.pop("checksum")
     dull.to_netcdf("dull.nc")
     Path("dull.yaml").write_text(yaml.safe_dump(as_body(finished, body={"database": "dull.nc"})))
-    with pytest.raises(DatabaseError, match=r"check 'symmetry' failed: 1, needs at most 0.02 \(even\)"):
+    with pytest.raises(DatabaseError, match=r"check 'symmetry' failed: 1, needs at most 0.02 \(even\); use smaller"):
         vsb.run(vsb.load_body("dull.yaml"))

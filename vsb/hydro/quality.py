@@ -170,8 +170,15 @@ def estimate_checks(blocks: Sequence[Mapping[str, Any]], tolerance: float) -> li
     return [replace(c, verdict="doubt") if c.verdict == "fail" and c.name in _DOUBTS else c for c in checks]
 
 
-def judged(checks: Sequence[Check], accept: Sequence[str]) -> list[Check]:
+def judged(checks: Sequence[Check], accept: Sequence[str], remedy: str = _LOWER) -> list[Check]:
     """Return the checks with failures the study accepts by name marked as such.
+
+    Parameters
+    ----------
+    checks : sequence of Check
+    accept : sequence of str
+    remedy : str
+        What helps where a check has no advice of its own; of a buoy if not given.
 
     Raises
     ------
@@ -183,7 +190,7 @@ def judged(checks: Sequence[Check], accept: Sequence[str]) -> list[Check]:
         if check.verdict == "fail":
             raise DatabaseError(
                 f"hydro database: check {check.name!r} failed: {check.value:.3g}, needs at most {check.limit:g} "
-                f"({check.explanation}); {_ADVICE.get(check.name, _LOWER)}, or list the name under hydro.accept."
+                f"({check.explanation}); {_ADVICE.get(check.name, remedy)}, or list the name under hydro.accept."
             )
     return checks
 

@@ -241,8 +241,9 @@ def warnings(ds: xr.Dataset) -> list[str]:
             f"Runs in time correct {runs}. Table, figures of power and other tunings are "
             "linear theory, their intervals those of the numbers.",
             "Of what grows smoothly with the seas these intervals cover the truth in 93 to 97 % of campaigns; of what "
-            "begins only in storms that bring 3 to 10 % of the energy (breaking, limits, large deformation) in 77 to "
-            "95 % with 12 seas, 89 to 96 % with 24: there they are not 95 % intervals.",
+            "begins only in storms (breaking, limits, large deformation) in 87 to 95 % with 12 seas where they bring "
+            "7 % of the energy or more, in 77 to 95 % where 3 to 5 %; in 89 to 96 % with 24: there they are not 95 % "
+            "intervals.",
         ]
     tuning = leading(ds)[0]
     found.append(

@@ -17,6 +17,8 @@ from vsb.study.quantities import of_bodies
 
 _KEPT = ("displaced_volume", "centre_of_buoyancy", "centre_of_mass", "bem_seconds", "symmetry", "history")
 """Facts of the database read or solved that stay."""
+REMEDY = "use smaller panels or other frequencies, keep fewer of them (hydro.omega_max), repair it (hydro.repair)"
+"""What helps a body of which a check fails."""
 
 
 def run(spec: BodySpec, out: str, **files: str) -> None:
@@ -51,7 +53,7 @@ def store(spec: BodySpec, found: xr.Dataset, out: str) -> None:
         "title": f"hydro database of a body: {', '.join(body.labels)}",
         "source": f"vsb {__version__}",
         **stamp(spec),
-        "quality": database.as_json(quality.judged([*told(checks, spec.repair), *repairs], spec.accept)),
+        "quality": database.as_json(quality.judged([*told(checks, spec.repair), *repairs], spec.accept, REMEDY)),
         "water_density": spec.water.density,
         "water_depth": str(spec.water.depth),
         "gravity": spec.water.gravity,

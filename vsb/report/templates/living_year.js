@@ -130,7 +130,7 @@ class LivingYear {
       const group = drawn("g", {});
       group.append(drawn("rect", { x, y, width: wide - 1, height: cell - 1, fill: `rgba(${colour},${0.06 + 0.6 * strength})` }));
       const text = what === "gain" ? value.toFixed(Math.abs(value) < 9.95 ? 1 : 0) : String(Number(value.toPrecision(2)));
-      group.append(drawn("text", { x: x + wide / 2, y: y + cell / 2 + 4, class: "middle" }, text.replace("-", "−")));
+      group.append(drawn("text", { x: x + wide / 2, y: y + cell / 2 + 4, class: "middle" }, text.replace(/^-(?=0\.0$)/, "").replace("-", "−")));
       return group;
     });
     for (let i = 0; i < rows; i++) {
