@@ -2,6 +2,7 @@
 
 import csv
 import io
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -274,6 +275,7 @@ def test_table_and_figures(paper, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(workprecision, "SOLVERS", {"RK45": (1e-3, 1e-5)})
     monkeypatch.setattr(workprecision, "PUBLISHED_DURATION", 2.0)
     one = varied(paper, designs={name: paper.designs[name].model_dump() for name in ("FSB", "VSWEC")})
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
     benchmark(one, tmp_path)
     assert "integrators, VSWEC" in capsys.readouterr().err
     text = (tmp_path / "workprecision.csv").read_text()

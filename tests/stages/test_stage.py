@@ -11,6 +11,7 @@ from conftest import SEED, varied
 from vsb.errors import ConfigError
 from vsb.stages.inputs import Inputs
 from vsb.stages.stage import STAGES, stamp
+from vsb.study.body import KINDS
 from vsb.study.plan import StudyPlan
 from vsb.study.study import canonical, load
 
@@ -38,9 +39,14 @@ def test_a_rule_calls_the_command_of_its_name_with_its_files(stage):
 
 @pytest.mark.parametrize("stage", STAGES, ids=lambda stage: stage.name)
 def test_a_file_of_the_name_runs_it(stage):
-    names = list(inspect.signature(importlib.import_module(f"vsb.stages.{stage.name}").run).parameters)
-    handed_on = re.findall(r'self\.path\("(\w+)"\)', inspect.getsource(Inputs)) if "solved" in names else []
-    own = {*names[bool(stage.spec) :]} - {"solved"}
+    module = importlib.import_module(f"vsb.stages.{stage.name}")
+    parameters = list(inspect.signature(module.run).parameters.values())[bool(stage.spec) :]
+    own = {one.name for one in parameters if one.kind is not one.VAR_KEYWORD}
+    handed_on = re.findall(r"files\[['\"](\w+)['\"]\]", inspect.getsource(module)) if len(own) < len(parameters) else []
+    if "Inputs(" in inspect.getsource(module):
+        handed_on += re.findall(r'self\.path\("(\w+)"\)', inspect.getsource(Inputs))
+    if "files[spec.body.kind]" in inspect.getsource(module):
+        handed_on += KINDS
     assert own <= {*stage.files, *stage.optional}
     assert {*stage.files, *stage.optional} - own <= {*handed_on}
 
