@@ -1,6 +1,7 @@
 """The take-off of a study in a scene: its law, its limits, its end stop."""
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from vsb.errors import ConfigError
 from vsb.integrators.simulate import legs
 from vsb.integrators.switching import switched
 from vsb.motion.forces import Damper, Excitation, Spring, SpringDamper
-from vsb.motion.port import Port
+from vsb.motion.port import Port, port_direction
 from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
@@ -22,11 +23,13 @@ from vsb.scenes.build import SCENES
 from vsb.scenes.pause import BestPause
 from vsb.scenes.rest import check_spring, reference_shell
 from vsb.scenes.take_off import LAWS, STIFFER, tuned_take_off, with_take_off
+from vsb.study.study import load
 from vsb.study.take_off import Pto
 from vsb.study.waves import RegularWave
 from vsb.waves.seas import NO_WAVES, Sea
 
 DAMPER = LinearPto(4.0)
+CONFIG = Path(__file__).parents[2] / "config"
 
 
 @pytest.fixture
@@ -190,3 +193,35 @@ def test_limits_stops_and_pauses_act_on_every_port_of_the_shell(seed, port, tmp_
     speed = followed(law="latching")[1]
     assert np.mean(speed < 1e-9 * speed.max()) > 0.2
     assert (followed(law="declutching")[1] > 0).mean() > 0.9
+
+
+@pytest.mark.parametrize("port", [{"colatitude": 60}, {"between": [0, 180]}], ids=["point", "between"])
+def test_on_the_wet_shell_a_port_of_the_shell_takes_what_linear_theory_says_in_small_waves(port, tmp_path_factory):
+    """The difference grows with the square of the waves; limits are kept and energy is closed there too."""
+
+    def followed(model, amplitude, **pto):
+        study = varied(
+            load(CONFIG / "pressurised.yaml"),
+            designs={"VSWEC": {}},
+            modes={"degree": 2},
+            hydro={"omega_max": 4.5, "model": model},
+            pto={"damping": 9000.0, "port": port, **pto},
+            waves=[{"kind": "regular", "amplitude": amplitude, "period": 3.0}],
+            simulation={"duration": 39.0, "window": (30.0, 39.0), "initial_velocity": 0.0, "tolerance": 1e-9},
+        )
+        found = SCENES[model](only_run(study), hydro_files(study, tmp_path_factory.getbasetemp() / "wet"))
+        (leg,) = legs(found.system, found.sea, study.simulation, None)
+        assert leg.balance.residual < 1e-6
+        force = found.scene.forces["pto"].force(leg.motion.time, leg.motion.position, leg.motion.velocity)
+        start, end = np.interp([30.0, 39.0], leg.motion.time, leg.energy["pto"])
+        return end - start, np.linalg.norm(force, axis=1).max() / np.linalg.norm(
+            port_direction(study.pto.port, found.shape)
+        )
+
+    waves = (0.02, 0.04, 0.08, 0.16)
+    apart = [followed("body_exact", a)[0] / followed("linear", a)[0] - 1 for a in waves]
+    assert np.log2(np.divide(apart[1:], apart[:-1])) == pytest.approx([2.0, 2.0, 2.0], abs=0.25)
+    power, force = followed("body_exact", 0.16)
+    held = followed("body_exact", 0.16, law="saturated", force_limit=0.5 * force)
+    assert held[1] == pytest.approx(0.5 * force)
+    assert 0.3 * power < held[0] < power

@@ -150,7 +150,11 @@ def test_a_take_off_that_makes_no_sense_is_one_line(seed, keys, wrong):
         ),
         (
             {"pto": {"port": "volume"}, "hydro": {"model": "body_exact"}},
-            r"pto.port: hydro.model 'body_exact' has no other port than heave; needs hydro.model: linear",
+            r"pto.port: hydro.model 'body_exact' has no other port than heave and those at points of the shell; needs",
+        ),
+        (
+            {"pto": {"port": {"between": [0, 180]}}, "hydro": {"model": "auto"}},
+            r"pto.port: hydro.model 'auto' has no other port than heave; needs hydro.model: linear",
         ),
         (
             {"pto": {"port": "volume", "force_limit": 9.0}, "device": GAS},

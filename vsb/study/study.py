@@ -200,8 +200,11 @@ class Study(Compared):
                 f"pto.tuning {pto.tuning!r}: an assumed pressure does not answer to the motion, so no damper is best; "
                 "needs pto.damping and tuning: fixed"
             )
-        if pto.port != "heave" and model != "linear":
-            raise ValueError(f"pto.port: hydro.model {model!r} has no other port than heave; needs hydro.model: linear")
+        if pto.port != "heave" and model != "linear" and not (pto.on_shell and model == "body_exact"):
+            at_shell = " and those at points of the shell" if model == "body_exact" else ""
+            raise ValueError(
+                f"pto.port: hydro.model {model!r} has no other port than heave{at_shell}; needs hydro.model: linear"
+            )
         if self.opens_chamber and pto.switches:
             raise ValueError(
                 "pto.port 'volume': behind the gas of device.gas a take-off meets a flow without inertia, not the "

@@ -191,6 +191,11 @@ class Pto(Section):
         return self.law in PAUSE
 
     @property
+    def on_shell(self) -> bool:
+        """Whether its port is at points of the shell."""
+        return isinstance(self.port, ShellPort | BetweenPort)
+
+    @property
     def idle(self) -> bool:
         """Whether the damper given to some design takes nothing."""
         given = self.damping.values() if isinstance(self.damping, dict) else [self.damping]
