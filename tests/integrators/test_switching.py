@@ -207,8 +207,7 @@ def test_no_step_enters_but_the_lookout_and_that_not_either():
         twice = Switching(system)
         track, _ = twice.track(TIME, system.first(START), 2 * whole.finer(TIME[1]))
         again, _ = whole.track(TIME, system.first(START), whole.finer(TIME[1]))
-        events = [np.concatenate(part.times)[~np.concatenate(part.regular)] for part in (track, again)]
-        assert events[0] == pytest.approx(events[1], abs=1e-9)
+        assert track.events == pytest.approx(again.events, abs=1e-9)
 
 
 def test_how_far_it_looks_ahead_and_how_much_is_accounted_for_at_a_time_change_nothing(monkeypatch):
@@ -229,6 +228,23 @@ def test_the_lookout_is_as_coarse_as_a_rule_of_order_six_may_be(tolerance, finer
     assert Switching(oscillator(LAWS["saturated"][0], drag=0), tolerance).finer(1.0) == finer
 
 
+def test_a_stop_costs_only_where_it_is_pressed():
+    """One out of reach: the very motion without it; one met: some fine instants, the same at each lookout."""
+    law, time = LAWS["end stop"][0], np.linspace(0.0, 12.0, 61)
+    free, out_of_reach, met = (
+        Switching(oscillator(law, stop)) for stop in (None, EndStop(B, 10.0, 5e5, 200.0), LAWS["end stop"][1])
+    )
+    tracks = [one.track(time, one.system.first(START), one.finer(time[1]))[0] for one in (free, out_of_reach, met)]
+    assert out_of_reach.finer(time[1]) == 128 * free.finer(time[1])
+    nodes, same, more = (np.concatenate(track.times) for track in tracks)
+    np.testing.assert_allclose(same, nodes, atol=1e-14)
+    pressed = np.array([bool(mode.contact) for mode in tracks[2].modes])
+    step = tracks[2].lookout.step
+    assert 0 < np.count_nonzero(np.diff(more) <= step * (1 + 1e-9)) <= np.count_nonzero(pressed) + len(tracks[2].events)
+    assert np.diff(more)[pressed[:-1]].max() <= step * (1 + 1e-9)
+    assert np.diff(more)[~pressed[:-1]].max() == pytest.approx(step * tracks[2].lookout.stride)
+
+
 @pytest.mark.parametrize("part", [0, 1, 38, 39])
 def test_friction_that_lets_go_does_so_once(part):
     """It begins without velocity and acceleration: round-off alone made it turn round, and stick again, at once."""
@@ -236,9 +252,8 @@ def test_friction_that_lets_go_does_so_once(part):
     start = tuple(value * (1 + part * 1e-13) for value in START)
     whole = Switching(oscillator(law, stop))
     track, _ = whole.track(TIME, whole.system.first(start), 2 * whole.finer(TIME[1]))
-    events = np.concatenate(track.times)[~np.concatenate(track.regular)]
-    assert len(events) == 13
-    assert np.diff(events).min() > 0.3
+    assert len(track.events) == 13
+    assert np.diff(track.events).min() > 0.3
 
 
 def test_two_switches_between_instants_of_the_lookout_are_seen(monkeypatch):

@@ -3,18 +3,34 @@
 import numpy as np
 import pytest
 
-from vsb.integrators.track import Mode, Track
+from vsb.integrators.track import Lookout, Mode, Track, sign
 
 
 def test_nodes_keep_their_modes_and_the_last_one_how_it_was_left():
-    track = Track(0.1)
-    track.add(np.array([0.0, 0.1]), np.array([[1.0, 0.0], [3.0, 4.0]]), Mode(1), regular=True)
-    track.add(np.array([0.15]), np.array([[0.0, 2.0]]), Mode(-1, limited=1), regular=False)
+    track = Track(Lookout(0.1))
+    track.add(np.array([0.0, 0.1]), np.array([[1.0, 0.0], [3.0, 4.0]]), Mode(1), np.array([True, True]))
+    track.switch(0.15, np.array([0.0, 2.0]), Mode(-1, limited=1))
     track.leave(np.array([0.0, 7.0]), 1e-9)
     track.leave(np.array([0.0, 8.0]), 2e-9)
     assert track.modes == [Mode(1), Mode(1), Mode(-1, limited=1)]
     assert np.concatenate(track.regular).tolist() == [True, True, False]
     np.testing.assert_array_equal(np.concatenate(track.states)[-1], [0.0, 2.0])
     np.testing.assert_array_equal(np.concatenate(track.leaving), [[1.0, 0.0], [3.0, 4.0], [0.0, 8.0]])
+    assert track.events == [0.15]
     assert track.error == pytest.approx(3e-9)
     assert track.largest == 5.0
+    assert track.nodes() == {Mode(1): [0, 1], Mode(-1, limited=1): [2]}
+
+
+@pytest.mark.parametrize(("contact", "i", "far", "steps"), [
+    (0, 0, 2, [4, 8]), (0, 5, 1, [8]), (0, 8, 1, [12]), (1, 5, 2, [6, 7]), (-1, 8, 1, [9]),
+])  # fmt: skip
+def test_a_stop_that_is_not_pressed_is_looked_for_in_whole_strides(contact, i, far, steps):
+    """From an instant between two strides on the next one is that at the end of the stride begun."""
+    lookout, mode = Lookout(0.1, 4), Mode(1, contact=contact)
+    assert list(range(20))[lookout.ahead(mode, i, far)] == steps
+    assert lookout.apart(mode) == pytest.approx(0.1 if contact else 0.4)
+
+
+def test_the_sign_of_nothing_is_positive():
+    assert [sign(value) for value in (-1e-300, 0.0, 2.0)] == [-1, 1, 1]

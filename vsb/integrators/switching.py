@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 
 from vsb.errors import ConvergenceError
 from vsb.integrators.phases import Phase, Signals, felt_rate
-from vsb.integrators.track import SOON, Mode, Track, dips
+from vsb.integrators.track import SOON, Lookout, Mode, Track, dips, sign
 from vsb.integrators.wet_phases import WetPhase
 from vsb.integrators.works import TERMS, Load, Piece, account
 from vsb.motion.motion import Motion
@@ -32,11 +32,6 @@ CLOSE = 8  # instants looked ahead after an event; twice as many each time that 
 FINEST = 10  # halvings of a recorded step
 MOST_EVENTS = 1000
 """In one recorded step, before a run is given up."""
-
-
-def _sign(value: FloatArray | float) -> int:
-    """Sign of a number, 1 of zero."""
-    return 1 if value >= 0 else -1
 
 
 @dataclass(frozen=True)
@@ -81,16 +76,25 @@ class Switching:
         """Beta, the port in natural modes, shape (free,)."""
         return self.system.shapes.T @ self.law.direction
 
-    def rate(self) -> float:
+    def rate(self, stop: EndStop | None) -> float:
         """Return the fastest rate the port feels [rad/s]: of modes under each spring, of the laws' dampers."""
-        springs = {0.0, self.law.stiffness, self.stop.stiffness if self.stop else 0.0}
-        dampers = (self.law.damping, self.law.paused_damping, self.stop.damping if self.stop else 0.0)
+        springs = {0.0, self.law.stiffness, stop.stiffness if stop else 0.0}
+        dampers = (self.law.damping, self.law.paused_damping, stop.damping if stop else 0.0)
         return felt_rate(self.system, self.port, springs, [c for c in dampers if np.isfinite(c)])
 
     def finer(self, dt: float) -> int:
         """Return how many instants of the lookout there are in a recorded step, a power of 2."""
+        return self._instants(self.rate(self.stop) * dt)
+
+    def _instants(self, angle: float) -> int:
+        """Instants that resolve an angle [rad], a power of 2."""
         apart = RESOLVED * min(max(self.tolerance / EXACT, 1.0) ** (1 / 6), COARSER)
-        return int(2 ** min(max(0, int(np.ceil(np.log2(self.rate() * dt / apart)))), FINEST))
+        return int(2 ** min(max(0, int(np.ceil(np.log2(angle / apart)))), FINEST))
+
+    def lookout(self, time: FloatArray, finer: int) -> Lookout:
+        """Return the lookout of so many instants in a recorded step; an end stop's rate counts where it is pressed."""
+        dt, whole = float(time[1] - time[0]), float(time[-1] - time[0])
+        return Lookout(whole / ((len(time) - 1) * finer), self.finer(dt) // self._instants(self.rate(None) * dt))
 
     # pieces ---------------------------------------------------------------------------------------------------------
 
@@ -116,10 +120,10 @@ class Switching:
             self.stop.stiffness * (mode.contact * self.stop.stroke + self.stop.rest),
         )
 
-    def phase(self, mode: Mode, step: float) -> tuple[Phase, float]:
+    def phase(self, mode: Mode, lookout: Lookout) -> tuple[Phase, float]:
         """Return the regime of a mode, and its constant force."""
         c, k, f = (a + b for a, b in zip(self.taken(mode), self.stopped(mode), strict=True))
-        key = c, k, mode.way == 0, step
+        key = c, k, mode.way == 0, lookout.apart(mode)
         if key not in self.phases:
             kind = Phase if self.system.scene.water is None else WetPhase
             self.phases[key] = kind(self.system, self.port, *key, self.law.rest)
@@ -138,9 +142,8 @@ class Switching:
             elif not self.friction(mode):
                 out["limit"] = self._within(mode, at) * (-1 if mode.limited else 1)
         if self.stop:
-            out["stop"] = mode.contact * at.stroke - self.stop.stroke if mode.contact else (
-                self.stop.stroke - np.abs(at.stroke)
-            )  # fmt: skip
+            inside = self.stop.stroke - np.abs(at.stroke)
+            out["stop"] = mode.contact * at.stroke - self.stop.stroke if mode.contact else inside
         return out
 
     def _within(self, mode: Mode, at: Signals) -> FloatArray:
@@ -156,13 +159,13 @@ class Switching:
             mode = mode._replace(paused=True, until=t + self.law.pause, limited=0) if pauses else mode
             return self.stuck(mode, at) if self.friction(mode) else mode._replace(way=-mode.way)
         if event == "slip":
-            return mode._replace(way=_sign(at.push))
+            return mode._replace(way=sign(at.push))
         if event == "resume":
-            engaged = mode._replace(paused=False, until=np.inf, way=mode.way or _sign(at.push))
+            engaged = mode._replace(paused=False, until=np.inf, way=mode.way or sign(at.push))
             return self.limited(engaged, at)
         if event == "limit":
             return mode._replace(limited=0) if mode.limited else self.limited(mode, at, crossed=True)
-        return mode._replace(contact=0 if mode.contact else _sign(at.stroke))
+        return mode._replace(contact=0 if mode.contact else sign(at.stroke))
 
     def limited(self, mode: Mode, at: Signals, crossed: bool = False) -> Mode:
         """Return the mode with the piece of the spring-damper that its force asks for."""
@@ -170,15 +173,15 @@ class Switching:
         if np.isinf(c):
             return mode._replace(limited=0)
         wanted = float(c * at.velocity + k * at.stroke)
-        return mode._replace(limited=_sign(wanted) if crossed or abs(wanted) > self.law.limit else 0)
+        return mode._replace(limited=sign(wanted) if crossed or abs(wanted) > self.law.limit else 0)
 
     def stuck(self, mode: Mode, at: Signals) -> Mode:
         """Return the mode of friction at rest: held, or pushed on."""
-        return mode._replace(way=0 if abs(at.push) <= self.law.limit else _sign(at.push))
+        return mode._replace(way=0 if abs(at.push) <= self.law.limit else sign(at.push))
 
-    def pushed(self, mode: Mode, t: float, state: FloatArray, step: float) -> Signals:
+    def pushed(self, mode: Mode, t: float, state: FloatArray, lookout: Lookout) -> Signals:
         """Return the signals of the port if friction held it."""
-        phase, f = self.phase(mode._replace(way=0, limited=0, paused=True) if mode.way else mode, step)
+        phase, f = self.phase(mode._replace(way=0, limited=0, paused=True) if mode.way else mode, lookout)
         return Signals(*(signal[0] for signal in phase.watched(np.array([t]), self.under(f, state)[None])))
 
     def under(self, constant: float, state: FloatArray) -> FloatArray:
@@ -187,21 +190,21 @@ class Switching:
         out[len(self.system.matrix)] = constant
         return out
 
-    def fresh(self, t: float, z: FloatArray, step: float) -> FloatArray:
+    def fresh(self, t: float, z: FloatArray, lookout: Lookout) -> FloatArray:
         """Return (z, 0, ...) of a run that begins."""
-        phase, _ = self.phase(Mode(1), step)
+        phase, _ = self.phase(Mode(1), lookout)
         return phase.reset(np.append(z, np.zeros(len(phase.flow) - len(z))), t)
 
-    def first(self, t: float, state: FloatArray, step: float) -> Mode:
+    def first(self, t: float, state: FloatArray, lookout: Lookout) -> Mode:
         """Return the mode a run begins with."""
         n = self.system.free
         stroke = self.port / self.system.scale @ state[:n] - self.law.rest
         speed = self.port @ state[n : 2 * n]
         outside = self.stop is not None and abs(stroke) > self.stop.stroke
-        mode = Mode(_sign(speed), contact=_sign(stroke) if outside else 0)
-        at = self.pushed(mode, t, state, step)
+        mode = Mode(sign(speed), contact=sign(stroke) if outside else 0)
+        at = self.pushed(mode, t, state, lookout)
         if speed == 0:
-            mode = self.stuck(mode, at) if self.friction(mode) else mode._replace(way=_sign(at.push))
+            mode = self.stuck(mode, at) if self.friction(mode) else mode._replace(way=sign(at.push))
         return self.limited(mode, at)
 
     def held(self, z: FloatArray) -> FloatArray:
@@ -220,37 +223,38 @@ class Switching:
         ConvergenceError
             If events come without end.
         """
-        count = (len(time) - 1) * finer
-        grid = np.linspace(time[0], time[-1], count + 1)
-        step, t, i, events, far = float(grid[-1] - grid[0]) / count, float(grid[0]), 0, 0, CLOSE
-        state, track = self.fresh(t, z, step), Track(step)
-        mode = self.modes.get(t) or self.first(t, state, step)
-        track.add(grid[:1], state[None], mode, regular=True)
+        count, lookout = (len(time) - 1) * finer, self.lookout(time, finer)
+        grid, whole = np.linspace(time[0], time[-1], count + 1), np.arange(count + 1) % lookout.stride == 0
+        t, i, far, track = float(grid[0]), 0, CLOSE, Track(lookout)
+        state = self.fresh(t, z, lookout)
+        mode = self.modes.get(t) or self.first(t, state, lookout)
+        track.add(grid[:1], state[None], mode, whole[:1])
         while i < count and np.isfinite(track.error):
-            phase, f = self.phase(mode, step)
+            phase, f = self.phase(mode, lookout)
             state, error = phase.begun(t, self.under(f, state))
             track.leave(state, error)
             transient = phase.transient(t, state)
-            ahead = grid[i + 1 : i + 1 + (min(far, phase.reach) if t == grid[i] else 1)]
-            transients = phase.ahead[: len(ahead)] @ transient if t == grid[i] else (
-                phase.later(transient, float(ahead[0]) - t)[None]
-            )  # fmt: skip
+            even = t == grid[i] and i % lookout.steps(mode) == 0
+            seen = lookout.ahead(mode, i, min(far, phase.reach) if even else 1)
+            ahead = grid[seen]
+            transients = phase.ahead[: len(ahead)] @ transient if even else phase.later(transient, ahead[0] - t)[None]
             states = phase.states(ahead, transients)
             ends = np.append(t, ahead), np.vstack([state, states]), np.vstack([transient, transients])
             passed, broken = self.undisturbed(mode, phase, *ends)
-            track.add(ahead[:passed], states[:passed], mode, regular=True)
+            track.add(ahead[:passed], states[:passed], mode, whole[seen][:passed])
             far = CLOSE if broken else min(2 * far, phase.reach)
             if passed:
-                t, i = float(ahead[passed - 1]), i + passed
+                t, i = float(ahead[passed - 1]), range(count + 1)[seen][passed - 1]
                 state, transient = states[passed - 1], transients[passed - 1]
             if broken:
                 span, event = self.next_event(broken, mode, phase, t, transient, float(ahead[passed]) - t)
                 t += span
                 state = phase.states(np.array([t]), phase.later(transient, span)[None])[0]
-                mode = self.after(event, mode, t, self.pushed(mode, t, state, step))
-                state, events = state if mode.way else self.held(state), events + 1
-                track.add(np.array([t]), state[None], mode, regular=False)
-                if events > MOST_EVENTS * (1 + i / finer):
+                mode = self.after(event, mode, t, self.pushed(mode, t, state, lookout))
+                state = state if mode.way else self.held(state)
+                track.switch(t, state, mode)
+                i = max(i, int(np.searchsorted(grid, t)) - 1)
+                if len(track.events) > MOST_EVENTS * (1 + i / finer):
                     raise ConvergenceError(
                         f"the take-off switches without end at t = {t:.6g} s; use a larger force_limit or a softer law"
                     )
@@ -273,7 +277,7 @@ class Switching:
             if finer >= 2**FINEST:
                 raise ConvergenceError(
                     f"the motion under a take-off that switches is not followed to {self.tolerance:g} by steps of "
-                    f"{track.step:.2g} s; raise simulation.tolerance"
+                    f"{track.lookout.step:.2g} s; raise simulation.tolerance"
                 )
             finer *= 2
 
@@ -343,7 +347,7 @@ class Switching:
         nodes, states, leaving = (np.concatenate(part) for part in (track.times, track.states, track.leaving))
         regular = np.concatenate(track.regular)
         found = account(self.system, nodes, states, leaving, self.pieces(track), regular)
-        kept = np.flatnonzero(regular)[::finer]
+        kept = np.flatnonzero(regular)[:: finer // track.lookout.stride]
         n, z, name = self.system.free, states[kept], self.system.scene.take_off
         forces = {
             key: np.outer(found.taken[kept] if key == name else found.stopped[kept], law.direction)
@@ -361,16 +365,13 @@ class Switching:
             forces,
             works | {"wave": works["wave"] + held - held[0]},
         )
-        return motion, len(nodes) - int(regular.sum())
+        return motion, len(track.events)
 
     def pieces(self, track: Track) -> dict[Piece, list[int]]:
         """Return which pieces are in force from which nodes on."""
-        nodes: dict[Mode, list[int]] = {}
-        for k, mode in enumerate(track.modes):
-            nodes.setdefault(mode, []).append(k)
         out: dict[Piece, list[int]] = {}
-        for mode, own in nodes.items():
-            phase, _ = self.phase(mode, track.step)
+        for mode, own in track.nodes().items():
+            phase, _ = self.phase(mode, track.lookout)
             out.setdefault(Piece(phase, self.taken(mode), self.stopped(mode)), []).extend(own)
         return {piece: sorted(own) for piece, own in out.items()}
 

@@ -12,6 +12,11 @@ SOON = 2.0**-20
 """Part of a span after which a guard that has just vanished shows, above round-off, which way it goes."""
 
 
+def sign(value: FloatArray | float) -> int:
+    """Return the sign of a number, 1 of zero."""
+    return 1 if value >= 0 else -1
+
+
 class Mode(NamedTuple):
     """Which pieces of the laws are in force."""
 
@@ -22,30 +27,64 @@ class Mode(NamedTuple):
     until: float = np.inf  # end of the pause [s]
 
 
+class Lookout(NamedTuple):
+    """How far apart the instants are at which events are looked for."""
+
+    step: float  # where the stop is pressed [s]
+    stride: int = 1  # of these steps at once where it is not, a power of 2
+
+    def steps(self, mode: Mode) -> int:
+        """Return how many steps at once a mode takes."""
+        return 1 if mode.contact else self.stride
+
+    def apart(self, mode: Mode) -> float:
+        """Return how far apart the instants of a mode are [s]."""
+        return self.step * self.steps(mode)
+
+    def ahead(self, mode: Mode, i: int, far: int) -> slice:
+        """Return which steps a mode looks at next, at most so many, from the i-th step on or some time after it."""
+        stride = self.steps(mode)
+        first = (i // stride + 1) * stride
+        return slice(first, first + far * stride, stride)
+
+
 @dataclass
 class Track:
     """Nodes of a run as they are found; each with the mode from there on."""
 
-    step: float  # between instants of the lookout [s]
+    lookout: Lookout
     times: list[FloatArray] = field(default_factory=list)
     states: list[FloatArray] = field(default_factory=list)
     leaving: list[FloatArray] = field(default_factory=list)  # as the next step begins
-    regular: list[npt.NDArray[np.bool_]] = field(default_factory=list)
+    regular: list[npt.NDArray[np.bool_]] = field(default_factory=list)  # which are whole strides apart
     modes: list[Mode] = field(default_factory=list)
     error: float = 0.0  # of all steps together, in the norm of the state
+    events: list[float] = field(default_factory=list)  # when pieces changed [s]
 
-    def add(self, times: FloatArray, states: FloatArray, mode: Mode, regular: bool) -> None:
+    def add(self, times: FloatArray, states: FloatArray, mode: Mode, regular: npt.NDArray[np.bool_]) -> None:
         """Add nodes of one mode."""
         self.times.append(times)
         self.states.append(states)
         self.leaving.append(states)
-        self.regular.append(np.full(len(times), regular))
+        self.regular.append(regular)
         self.modes += [mode] * len(times)
+
+    def switch(self, t: float, state: FloatArray, mode: Mode) -> None:
+        """Add the node of an event, from which another mode is on."""
+        self.events.append(t)
+        self.add(np.array([t]), state[None], mode, np.array([False]))
 
     def leave(self, state: FloatArray, error: float) -> None:
         """Note how a step leaves the last node, and its error."""
         self.leaving[-1] = np.vstack([self.leaving[-1][:-1], state[None]])
         self.error += error
+
+    def nodes(self) -> dict[Mode, list[int]]:
+        """Return the nodes of each mode."""
+        out: dict[Mode, list[int]] = {}
+        for k, mode in enumerate(self.modes):
+            out.setdefault(mode, []).append(k)
+        return out
 
     @property
     def largest(self) -> float:

@@ -101,7 +101,9 @@ def driven_at(system: System, time: FloatArray, regular: npt.NDArray[np.bool_]) 
     phasors = np.hstack([system.waves * (-1j * system.omega[:, None]) ** k for k in range(3)])
     out = np.empty((len(time), phasors.shape[1]))
     out[regular] = superposed(system.omega, phasors, time[regular])
-    out[~regular] = np.real(np.exp(-1j * np.outer(time[~regular], system.omega)) @ phasors)
+    others = np.flatnonzero(~regular)
+    for at in np.array_split(others, 1 + len(others) // AT_ONCE):
+        out[at] = np.real(np.exp(-1j * np.outer(time[at], system.omega)) @ phasors)
     return out.reshape(len(time), 3, -1).transpose(1, 0, 2)
 
 
