@@ -131,6 +131,29 @@ def test_noise_is_repaired_and_told(noise):
     assert entry_error((fit.model.transfer(OMEGA) - true.transfer(OMEGA)) / np.outer(size, size)) < 2 * noise
 
 
+@pytest.mark.parametrize("noisy_first", [True, False])
+def test_of_motions_that_radiate_apart_the_worst_is_told(noisy_first):
+    """One that needs a repair beside one that needs none: what is told is of the first, in either order."""
+    parts = [samples(reciprocal(4, 2, 2, 0), noise=5e-3), samples(reciprocal(4, 2, 1, 4))]
+    alone = fit_passive(parts[0], 1e-3)
+    one, other = parts if noisy_first else parts[::-1]
+
+    def both(a, b):
+        return np.concatenate([
+            np.concatenate([a, np.zeros((*a.shape[:-1], b.shape[-1]))], axis=-1),
+            np.concatenate([np.zeros((*b.shape[:-1], a.shape[-1])), b], axis=-1),
+        ], axis=-2)  # fmt: skip
+
+    fit = fit_passive(RadiationSamples(
+        OMEGA, both(one.added_mass, other.added_mass), both(one.damping, other.damping),
+        both(one.added_mass_inf, other.added_mass_inf), np.concatenate([one.size, other.size]),
+    ), 1e-3)  # fmt: skip
+    clean = fit_passive(parts[1], 1e-3)
+    assert (fit.drawn, fit.changed, fit.error) == pytest.approx((alone.drawn, alone.changed, alone.error), rel=1e-3)
+    assert alone.drawn < clean.drawn
+    assert alone.changed > 10 * clean.changed
+
+
 def test_damping_sampled_slightly_negative_is_repaired_and_told():
     model = samples(reciprocal(8, 4, 3, 0))
     lowest = model.drawn - 0.01

@@ -143,3 +143,5 @@ def test_a_port_that_does_not_move_takes_nothing():
     assert found.annual_mean_power == (0, 0, 0)
     assert limited(Limits(force=1e4)).gain(found) is None
     assert len(found.optima[0]) == REALISATIONS
+    assert (found.force_rms, found.excess) == (0, 0)
+    assert not any(np.any(value) for pair in found.optima for optimum in pair for value in optimum)

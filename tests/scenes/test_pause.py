@@ -99,6 +99,23 @@ def test_latching_is_far_above_the_best_damper_and_below_every_force_of_its_size
     assert best.power < constrained_optimum(harmonics, velocity, admittance, force, stroke).power
 
 
+@pytest.mark.parametrize("longest", [0.01, 7.0, 300.0])
+def test_the_search_knows_no_units(longest):
+    """Pauses over the longest one, dampers over the first and their powers are the same, and known as well."""
+
+    def power(damping, pause):
+        return np.exp(-(((pause / longest - 0.37) / 0.2) ** 2) - np.log(damping / longest / 3.0) ** 2)
+
+    alone = best_pause(lambda pause: power(3.0 * longest, pause), longest)
+    damper, pair = best_pair(power, [longest, 10 * longest], longest)
+    for found in (alone, pair):
+        assert found.pause / longest == pytest.approx(0.37, abs=pause_module.KNOWN)
+        assert found.within == pytest.approx(pause_module.KNOWN * longest)
+        assert found.power == pytest.approx(1.0, abs=4e-3)
+    assert damper / longest == pytest.approx(3.0, rel=3 * pause_module.COARSE)
+    assert pair.power == pytest.approx(power(damper, pair.pause), rel=1e-12)
+
+
 def test_the_best_pause_is_no_worse_than_any_other(latched):
     held, _, best = latched
     for pause in (0.5, 0.9, 0.98):

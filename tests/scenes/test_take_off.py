@@ -156,6 +156,19 @@ def test_a_spring_that_pushes_a_buoy_out_of_its_rest_is_refused(seed):
         check_spring(varied(rigid, pto={"stiffness": -1.001 * border}), reference)
 
 
+def test_a_design_that_does_not_move_the_port_bounds_no_spring(seed):
+    """A rigid buoy beside the shell: the border is the shell's own."""
+    both = varied(seed, modes={"degree": 2}, designs={"FSB": {"flexible": False}, "VSWEC": {}})
+    own = varied(seed, modes={"degree": 2}, designs={"VSWEC": {}})
+    port, reference, borders = {"between": [0, 180]}, reference_shell(own), []
+    for study in (both, own):
+        check_spring(varied(study, pto={"port": port, "stiffness": 0.0}), reference)
+        with pytest.raises(ConfigError, match="with which a buoy does not rest") as told:
+            check_spring(varied(study, pto={"port": port, "stiffness": -1e9}), reference)
+        borders.append(str(told.value))
+    assert borders[0] == borders[1]
+
+
 # a shell's own ports -------------------------------------------------------------------------------------------------
 
 

@@ -4,8 +4,12 @@ import os
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 from conftest import HERE
+
+from vsb.hydro.database import index_text
+from vsb.tools.compiled import sources_id
 
 
 def test_an_edited_force_reaches_the_loops_that_call_it(tmp_path):
@@ -28,3 +32,17 @@ def test_an_edited_force_reaches_the_loops_that_call_it(tmp_path):
         done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True)
         found.append(done.stdout.strip())
     assert found == ["1.0", "2.0"]
+
+
+def test_folders_mean_the_same_in_whatever_order_they_are_listed(tmp_path, monkeypatch):
+    """The id of compiled sources, the index of databases: file systems list as they like."""
+    for name in ("b.py", "a.py", "z.nc", "c.nc"):
+        (tmp_path / name).write_text(f"@njit {name}")
+    found = sources_id(tmp_path), index_text(tmp_path)
+    listed = {way: getattr(Path, way) for way in ("glob", "rglob")}
+    for turned in (False, True):
+        for way, known in listed.items():
+            monkeypatch.setattr(
+                Path, way, lambda self, text, known=known, turned=turned: sorted(known(self, text), reverse=turned)
+            )
+        assert (sources_id(tmp_path), index_text(tmp_path)) == found
