@@ -9,17 +9,15 @@ a ratio is what another method takes at an error that is no smaller, over the se
 """
 
 import tempfile
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from benchmarks.integrators import as_csv
+from benchmarks.measure import Row, as_csv, timed
 from benchmarks.time_cases import ModelKernel
 from examples.barge import Barge, box, free_free_shape
 from vsb.hydro.bodies.body import FlexibleBody, at_centres, joined
@@ -45,7 +43,6 @@ from vsb.study.sections import Water
 from vsb.tools.files import write_text
 from vsb.tools.units import ComplexArray, FloatArray
 
-Row = dict[str, Any]
 COLUMNS = (
     "case", "motions", "method", "setting", "order", "error", "estimate", "least_damping", "bound", "set_up", "seconds",
     "times_slower",
@@ -303,13 +300,6 @@ CASES: dict[str, Callable[[Path], Floating]] = {
     "barge that bends": partial(barge_case, 1, 4, 0.0),
     "two barges that bend": partial(barge_case, 2, 1, 10.0),
 }
-
-
-def timed(work: Callable[[], Any]) -> tuple[float, Any]:
-    """Return the seconds a processor works on something, and what comes out."""
-    begun = time.process_time()
-    found = work()
-    return time.process_time() - begun, found
 
 
 def with_ratios(rows: Sequence[Row], ours: str) -> list[Row]:

@@ -11,12 +11,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
-from benchmarks.integrators import as_csv
-from benchmarks.take_offs import timed
+from benchmarks.measure import Row, as_csv, timed
 from vsb.errors import ConfigError
 from vsb.motion.port import Port
 from vsb.motion.tuning import best_damper_of_each, best_dampers
@@ -142,7 +141,7 @@ def in_seas(study: Study, root: str, climate: Climate, *, shared: bool) -> Float
     return np.array([power(sea, once if shared else prepared()) for sea in seas])
 
 
-def compared(case: str, cells: int, fast: Callable[[], FloatArray], plain: Callable[[], FloatArray]) -> dict[str, Any]:
+def compared(case: str, cells: int, fast: Callable[[], FloatArray], plain: Callable[[], FloatArray]) -> Row:
     """Return one row of the table."""
     (seconds, found), (plain_seconds, expected) = timed(fast), timed(plain)
     error = float(np.nanmax(np.abs(found - expected)) / np.nanmax(np.abs(expected)))
@@ -150,7 +149,7 @@ def compared(case: str, cells: int, fast: Callable[[], FloatArray], plain: Calla
     return row | {"times_faster": plain_seconds / seconds, "error": error}
 
 
-def benchmark(config: str, place: str | Path, dampers: int = DAMPERS, count: int = MEMBERS) -> list[dict[str, Any]]:
+def benchmark(config: str, place: str | Path, dampers: int = DAMPERS, count: int = MEMBERS) -> list[Row]:
     """Write campaigns.csv of a campaign file into a folder and return its rows.
 
     Parameters

@@ -25,9 +25,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from benchmarks.general_solvers import say
-from benchmarks.integrators import as_csv
-from benchmarks.quadrature import Row
+from benchmarks.measure import Row, as_csv, say
 from vsb.hydro.dofs import Displacement
 from vsb.hydro.panels import rings as bem
 from vsb.hydro.panels.mesh import mean_mesh

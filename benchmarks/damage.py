@@ -11,7 +11,6 @@ import os
 import random
 import shutil
 import tempfile
-import traceback
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import chdir, redirect_stdout
@@ -20,15 +19,15 @@ from typing import Any, NamedTuple
 
 import yaml
 
+from benchmarks.measure import Outcome, tabulated
 from vsb.errors import VsbError
+from vsb.stages.init import SEED
 from vsb.stages.make import make
 from vsb.stages.verify import stale_products, verify
 from vsb.study.plan import StudyPlan
 from vsb.study.study import load
 from vsb.tools.files import read_groups, write_text
-from vsb.tools.tables import csv_text
 
-SEED = Path(__file__).parent.parent / "config" / "seed.yaml"
 STUDY = "small.yaml"
 JUNK: tuple[Any, ...] = (
     None, True, "", "x", "../../small.yaml", "/nowhere", "\ud800", "a\x00b", [], {}, [[]], {"size": 1}, -1, 0.5, 10**30,
@@ -48,26 +47,19 @@ class Damage(NamedTuple):
     content: bytes
 
 
-class Outcome(NamedTuple):
-    """What became of it: told, harmless; or one of `BAD`."""
-
-    verdict: str
-    reason: str
-
-
-def small_text() -> str:
+def small_text(duration: float, **hydro: str) -> str:
     """Return the text of a study that takes seconds."""
     raw = yaml.safe_load(SEED.read_text(encoding="utf-8"))
     raw |= {"study": "small", "modes": {"basis": "membrane", "degree": 2}}
     raw |= {"designs": {"FSB": {"flexible": False}, "VSWEC": {}}}
-    raw["hydro"] = {"omega_max": 5.0, "tolerance": 1.0e-3, "witness": "none"}
-    raw["simulation"] |= {"duration": 8.0, "window": [4.0, 8.0]}
+    raw["hydro"] = {"omega_max": 5.0, "tolerance": 1.0e-3, **hydro}
+    raw["simulation"] |= {"duration": duration, "window": [duration / 2, duration]}
     return yaml.safe_dump(raw, sort_keys=False)
 
 
 def finish() -> StudyPlan:
     """Put the study and its results into the current folder; sound ones, or every damage to them would be told."""
-    write_text(STUDY, small_text())
+    write_text(STUDY, small_text(8.0, witness="none"))
     plan = StudyPlan(load(STUDY))
     make(plan, plan.products)
     verify(STUDY, heal=False)
@@ -165,14 +157,11 @@ def _decided(plan: StudyPlan) -> None:
 
 
 def _answer(ask: Callable[[], object]) -> Outcome:
-    """What a command answers."""
+    """What a command answers: told or harmless, or one of `BAD`."""
     try:
         ask()
-    except VsbError as error:
-        message = str(error)
-        return Outcome("long message" if len(message) > 1000 or message.count("\n") > 1 else "told", message)
-    except Exception:
-        return Outcome("traceback", " | ".join(traceback.format_exc().strip().splitlines()[-3:]))
+    except Exception as error:
+        return Outcome.of(error, "told", lines=2)
     return Outcome("harmless", "")
 
 
@@ -197,17 +186,11 @@ def trials(flips: int, edits: int) -> Iterator[Damage]:
         yield edited(random.Random(index), texts)
 
 
-def damage(flips: int, edits: int, out: str) -> Counter[str]:
-    """Damage the results of a small study so often; write a table, return how often each verdict fell."""
-    found: Counter[str] = Counter()
-    rows, target = [], os.path.abspath(out)
+def benchmark(count: int, out: str) -> Counter[str]:
+    """Flip so many bits in the results of a small study, edit half as often; write a table, count those of `BAD`."""
+    target = os.path.abspath(out)
     with tempfile.TemporaryDirectory() as folder, chdir(folder):
         plan = finish()
-        for one in trials(flips, edits):
-            outcome = fate(plan, one, heals=one.path.endswith(".json"))
-            found[outcome.verdict] += 1
-            rows.append((one.path, one.what, outcome.verdict, outcome.reason.replace("\n", " ")))
-            if outcome.verdict in BAD:
-                print(f"{one.path}, {one.what}: {outcome.verdict}: {outcome.reason[:400]}", flush=True)
-    write_text(target, csv_text(("file", "damage", "verdict", "reason"), rows))
-    return found
+        tried = trials(count, count // 2)
+        fates = (((one.path, one.what), fate(plan, one, heals=one.path.endswith(".json"))) for one in tried)
+        return tabulated(fates, ("file", "damage"), BAD, target)

@@ -4,7 +4,6 @@ All are given the same compiled right-hand side in plain coordinates (y, y', x),
 tolerance is relative, and absolute in m, m/s and the root of J. Failures are results: the status says what happened.
 """
 
-import sys
 import time as clock
 import warnings
 from collections.abc import Callable
@@ -15,7 +14,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.linalg import block_diag
 
-from benchmarks.quadrature import Row
+from benchmarks.measure import Row
 from vsb.motion.system import Remainder, System, remainder
 from vsb.tools.compiled import njit
 from vsb.tools.units import ComplexArray, FloatArray
@@ -152,12 +151,6 @@ def measured_row(table: str, case: str, method: str, setting: float, found: Solu
     """Return a row of the table."""
     measured = {key: getattr(found, key) for key in ("seconds", "steps", "evaluations", "status")}
     return {"table": table, "case": case, "method": method, "setting": setting, **errors, **measured}
-
-
-def say(line: str) -> None:
-    """Tell progress, on a terminal only."""
-    if sys.stderr.isatty():
-        print(line, file=sys.stderr, flush=True)
 
 
 def _by_scipy(

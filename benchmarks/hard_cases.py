@@ -372,10 +372,11 @@ def as_text(rows: Sequence[Row]) -> str:
     return "\n".join([*table, "", ", ".join(f"{count} {verdict}" for verdict, count in counts.items())]) + "\n"
 
 
-def hard_cases(path: str | Path, out: str | Path) -> list[Row]:
-    """Run the cases of a file; write the table as CSV, and as plain text beside it (.txt)."""
+def benchmark(path: str | Path, out: str | Path) -> list[Row]:
+    """Run the cases of a file; write the table as CSV, and as plain text, which is printed, beside it (.txt)."""
     with tempfile.TemporaryDirectory() as folder:
         rows = run_cases(load_cases(path), folder)
     write_text(out, as_csv(rows))
-    write_text(Path(out).with_suffix(".txt"), as_text(rows))
+    write_text(Path(out).with_suffix(".txt"), text := as_text(rows))
+    print(text)
     return rows

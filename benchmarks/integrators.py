@@ -4,36 +4,26 @@ General integrators, Dormand and Prince's (the paper's ode45) among them, get th
 Seconds are of one core of the machine that ran the benchmark.
 """
 
-import time as clock
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from scipy.integrate import simpson
 
-from benchmarks.general_solvers import Equation, Rates, Solution, best, measured_row, say, solved
-from benchmarks.quadrature import (
-    Row,
-    disc_force,
-    gauss_force,
-    quadrature_precision,
-    regular_wave,
-    scene_of_design,
-)
-from vsb.errors import ConvergenceError
-from vsb.integrators.exponential import integrate
-from vsb.motion.motion import Motion
+from benchmarks.general_solvers import Rates, Solution, best, measured_row, solved
+from benchmarks.measure import Row, as_csv, say
+from benchmarks.quadrature import disc_force, gauss_force, quadrature_precision, regular_wave, scene_of_design
+from benchmarks.time_cases import Case
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.report.canvas import grid_of_axes, legend_above
 from vsb.shell.deformed import DeformedShell
 from vsb.study.study import Study
 from vsb.tools.files import write_text
-from vsb.tools.tables import csv_text, svg_text
+from vsb.tools.tables import svg_text
 from vsb.tools.units import FloatArray
 
 COLUMNS = (
@@ -91,67 +81,17 @@ def plain_rates(scene: Scene, rule: Rule, points: int) -> Rates:
     return function
 
 
-@dataclass(frozen=True)
-class Case:
-    """The motion of one design in the regular wave of a study, 200 instants a period, and its converged solution."""
+def case_of_design(study: Study, design: str) -> Case:
+    """Return the motion of one design in the regular wave of a study, 200 instants a period."""
+    scene, settings = scene_of_design(study, design), study.simulation
+    intervals = int(np.ceil(200 * settings.duration / regular_wave(study).period))
+    start = scene.start(settings.initial_position, settings.initial_velocity)
+    return Case(System.of(scene), np.linspace(0.0, settings.duration, intervals + 1), start)
 
-    study: Study
-    design: str
 
-    @cached_property
-    def scene(self) -> Scene:
-        """The scene."""
-        return scene_of_design(self.study, self.design)
-
-    @cached_property
-    def system(self) -> System:
-        """The scene as integrators see it."""
-        return System.of(self.scene)
-
-    @cached_property
-    def equation(self) -> Equation:
-        """The equation in plain coordinates, compiled: what a general integrator is given."""
-        return Equation.of(self.system, self.start)
-
-    @cached_property
-    def time(self) -> FloatArray:
-        """Recorded instants, shape (time,) [s]."""
-        duration = self.study.simulation.duration
-        return np.linspace(0.0, duration, int(np.ceil(200 * duration / regular_wave(self.study).period)) + 1)
-
-    @property
-    def start(self) -> tuple[FloatArray, FloatArray]:
-        """Initial y and y'."""
-        settings = self.study.simulation
-        return self.scene.start(settings.initial_position, settings.initial_velocity)
-
-    @cached_property
-    def reference(self) -> Motion:
-        """Converged solution: exponential Adams at 1e-11; DOP853 at 1e-12 checks it in the table."""
-        return integrate(self.system, self.time, self.start, 1e-11)[0]
-
-    def exponential(self, tolerance: float) -> Solution:
-        """Run our integrator; its seconds hold everything but compilation."""
-        begun = clock.perf_counter()
-        try:
-            motion, steps = integrate(self.system, self.time, self.start, tolerance)
-        except ConvergenceError as error:
-            return Solution(np.zeros(0), np.zeros(0), clock.perf_counter() - begun, 0, None, str(error))
-        return Solution(motion.position[:, 0], motion.velocity[:, 0], motion.seconds, steps, None)
-
-    def errors(self, attempt: Solution) -> Row:
-        """Largest error of heave over its range, and error of the absorbed energy; none of a run that failed."""
-        count, damping = len(attempt.heave), self.study.pto.damping
-        if not count:
-            return {}
-        heave, velocity = self.reference.position[:count, 0], self.reference.velocity[:count, 0]
-        error = float(np.abs(attempt.heave - heave).max() / np.ptp(heave))
-        exact, found = (float(simpson(v**2, x=self.time[:count])) for v in (velocity, attempt.velocity))
-        return {"error": error, "error_energy": abs(found / exact - 1) if damping else None}
-
-    def row(self, method: str, tolerance: float, attempt: Solution) -> Row:
-        """Row of the table."""
-        return measured_row("integrators", self.design, method, tolerance, attempt, self.errors(attempt))
+def measured(case: Case, design: str, method: str, tolerance: float, attempt: Solution) -> Row:
+    """Return a row of the table."""
+    return measured_row("integrators", design, method, tolerance, attempt, case.errors(attempt))
 
 
 def integrator_precision(study: Study, design: str) -> list[Row]:
@@ -161,14 +101,13 @@ def integrator_precision(study: Study, design: str) -> list[Row]:
     second alone, and the error is of that; the seconds are those of one evaluation there times the evaluations of the
     compiled run of the same tolerance, as the status says.
     """
-    case = Case(study, design)
-    rows = [case.row(EXPONENTIAL, tol, best(partial(case.exponential, tol))) for tol in TOLERANCES]
+    case = case_of_design(study, design)
+    row = partial(measured, case, design)
+    rows = [row(EXPONENTIAL, tol, best(partial(case.exponential, tol))) for tol in TOLERANCES]
     for method, tolerances in SOLVERS.items():
         solved(case.equation, method, tolerances[0], case.time[:2], TIME_LIMIT)  # compiles and loads
-        for tol in tolerances:
-            run = partial(solved, case.equation, method, tol, case.time, TIME_LIMIT)
-            rows.append(case.row(method, tol, best(run)))
-    check = case.row("DOP853", 1e-12, solved(case.equation, "DOP853", 1e-12, case.time, 3 * TIME_LIMIT))
+        rows += [row(method, tol, best(partial(case.general, method, tol, TIME_LIMIT))) for tol in tolerances]
+    check = row("DOP853", 1e-12, case.general("DOP853", 1e-12, 3 * TIME_LIMIT))
     same = next(row for row in rows if (row["method"], row["setting"]) == ("RK45", PLAIN_TOLERANCE))
     return [*rows, {**check, "table": "reference"}, *plain_rows(case, same)]
 
@@ -178,12 +117,13 @@ def plain_rows(case: Case, compiled: Row) -> list[Row]:
     count = min(len(case.time), int(np.searchsorted(case.time, PLAIN_SPAN)) + 1)
     rows = []
     for method, (rule, points) in PLAIN.items():
-        plain = replace(case.equation, rates=plain_rates(case.scene, rule, points))
+        plain = replace(case.equation, rates=plain_rates(case.system.scene, rule, points))
         attempt = solved(plain, "RK45", PLAIN_TOLERANCE, case.time[:count], TIME_LIMIT)
         seconds = attempt.seconds / (attempt.evaluations or 1) * compiled["evaluations"]
         note = f"{attempt.status}: {case.time[count - 1]:.3g} s of motion, seconds for the evaluations of compiled RK45"
         counts = {key: compiled[key] for key in ("steps", "evaluations")}
-        rows.append({**case.row(method, PLAIN_TOLERANCE, attempt), **counts, "seconds": seconds, "status": note})
+        row = measured(case, compiled["case"], method, PLAIN_TOLERANCE, attempt)
+        rows.append({**row, **counts, "seconds": seconds, "status": note})
     return rows
 
 
@@ -195,8 +135,8 @@ def paper_precision(study: Study) -> list[Row]:
     """
     rows = []
     for name, design in study.designs.items():
-        case, tolerance = Case(study, name), study.simulation.tolerance
-        row = case.row(EXPONENTIAL, tolerance, best(partial(case.exponential, tolerance)))
+        case, tolerance = case_of_design(study, name), study.simulation.tolerance
+        row = measured(case, name, EXPONENTIAL, tolerance, best(partial(case.exponential, tolerance)))
         published = PUBLISHED_SECONDS[design.flexible] if study.simulation.duration == PUBLISHED_DURATION else None
         ratio = published / row["seconds"] if published else None
         rows.append({**row, "table": "paper", "published_seconds": published, "ratio": ratio})
@@ -204,11 +144,6 @@ def paper_precision(study: Study) -> list[Row]:
 
 
 # output -------------------------------------------------------------------------------------------------------------
-
-
-def as_csv(rows: Sequence[Row], columns: Sequence[str] = COLUMNS) -> str:
-    """Return the table as CSV; an empty cell is a quantity that does not exist, such as the error of a failed run."""
-    return csv_text(columns, ([row.get(name) for name in columns] for row in rows), 6)
 
 
 def _draw(ax: Axes, rows: Sequence[Row], case: str) -> None:
@@ -263,6 +198,6 @@ def benchmark(study: Study, folder: str | Path) -> None:
         say(f"{study.study}: integrators, {design}")
         rows += integrator_precision(study, design)
     rows += paper_precision(study)
-    write_text(Path(folder) / "workprecision.csv", as_csv(rows))
+    write_text(Path(folder) / "workprecision.csv", as_csv(rows, COLUMNS))
     for name, error in FIGURES.items():
         write_text(Path(folder) / "workprecision" / f"{name}.svg", svg_text(precision_figure(rows, name, error)))

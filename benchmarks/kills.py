@@ -17,14 +17,14 @@ from typing import NamedTuple
 
 import yaml
 
+from benchmarks.damage import STUDY, small_text
 from vsb.errors import VsbError
 from vsb.tools.files import ROOT, checksum, read_groups, write_text
-from vsb.tools.shipped import HOME
 
 SEAS = "Hs/Te; 5,5; 6,5; 8,5\n0,75; 10 %; 20 %; 5 %\n1,25; 5 %; 30 %; 10 %\n2,25; ; 10 %; 10 %\n"
 CAMPAIGN = {
     "campaign": "killed",
-    "study": "small.yaml",
+    "study": STUDY,
     "vary": {"device.thickness": [0.01, 0.02]},
     "climate": {"scatter": "site.csv"},
     "tuning": ["one"],
@@ -45,12 +45,7 @@ class Row(NamedTuple):
 
 def write_campaign(folder: Path) -> None:
     """Write the campaign, its study and its climate into a folder."""
-    study = yaml.safe_load((HOME / "config" / "seed.yaml").read_text(encoding="utf-8"))
-    study |= {"study": "small", "modes": {"basis": "membrane", "degree": 2}}
-    study |= {"designs": {"FSB": {"flexible": False}, "VSWEC": {}}}
-    study["hydro"] = {"omega_max": 5.0, "tolerance": 1.0e-3}
-    study["simulation"] |= {"duration": 20.0, "window": [10.0, 20.0]}
-    write_text(folder / "small.yaml", yaml.safe_dump(study, sort_keys=False))
+    write_text(folder / STUDY, small_text(20.0))
     write_text(folder / "killed.yaml", yaml.safe_dump(CAMPAIGN, sort_keys=False))
     write_text(folder / "site.csv", SEAS)
 
@@ -114,14 +109,14 @@ def compared(found: dict[str, str], expected: dict[str, str]) -> str:
     return "; ".join(f"{what}: {', '.join(names)}" for what, names in parts.items() if names) or "the same bytes"
 
 
-def benchmark(place: str | Path, count: int) -> list[Row]:
+def benchmark(count: int, place: str | Path) -> list[Row]:
     """Kill so many runs, resume each, and compare it with one that was not; print a row each.
 
     Parameters
     ----------
+    count : int
     place : str or Path
         Folder of the runs; what is in it is removed.
-    count : int
     """
     folder, draw = Path(place).absolute(), random.Random(count)
     rows: list[Row] = []

@@ -8,12 +8,11 @@ The least damping is proven over all frequencies (`vsb.hydro.passivity`), in ter
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from scipy.linalg import block_diag
 
-from benchmarks.integrators import as_csv
+from benchmarks.measure import Row, as_csv
 from vsb.errors import VsbError
 from vsb.hydro.passive import RadiationSamples, entry_error, fit_passive, sizes
 from vsb.hydro.passivity import least_damping
@@ -88,7 +87,7 @@ CASES: dict[str, Callable[[], RadiationSamples]] = {
 }
 
 
-def measured(case: str, samples: RadiationSamples, method: str, tolerance: float) -> dict[str, Any]:
+def measured(case: str, samples: RadiationSamples, method: str, tolerance: float) -> Row:
     """Return one row of the table; a fit that gives up says why."""
     row = {"case": case, "motions": len(samples.size), "method": method, "tolerance": tolerance, "status": "ok"}
     begun = time.perf_counter()
@@ -102,7 +101,7 @@ def measured(case: str, samples: RadiationSamples, method: str, tolerance: float
     return row | {"order": len(system.state_matrix), "error": missed, "least_damping": least.value, "at": least.omega}
 
 
-def benchmark(folder: str | Path) -> list[dict[str, Any]]:
+def benchmark(folder: str | Path) -> list[Row]:
     """Write memories.csv into a folder and return its rows."""
     rows = [
         measured(case, made(), method, tolerance)

@@ -3,12 +3,13 @@
 The discs are a baseline, measured against Gauss-Legendre quadrature and the compiled exact kernel; no model uses them.
 """
 
-import time as clock
+import timeit
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from benchmarks.measure import Row
 from vsb.errors import ConfigError
 from vsb.motion.builders import assumed_pressure_scene
 from vsb.motion.forces import AssumedPressure
@@ -23,8 +24,6 @@ from vsb.tools.units import FloatArray
 DISCS = (10, 32, 100, 316, 1000, 3162, 10_000, 31_623, 100_000)
 POINTS = (4, 6, 8, 10, 12, 16, 20, 24, 30, 40, 60)
 CONVERGED = 300  # points
-
-Row = dict[str, Any]
 
 
 # the baseline: Riemann discs ----------------------------------------------------------------------------------------
@@ -157,15 +156,9 @@ def typical_state(scene: Scene) -> FloatArray:
     return n @ (static + water.shell.basis.shell.radius * wave)
 
 
-def _seconds(call: Callable[[], object], repeats: int = 5) -> float:
-    """Least wall time of several calls [s]; one more before them warms up."""
-    call()
-    best = np.inf
-    for _ in range(repeats):
-        begun = clock.perf_counter()
-        call()
-        best = min(best, clock.perf_counter() - begun)
-    return best
+def _seconds(call: Callable[[], object]) -> float:
+    """Least wall time of several calls [s], the first of which warms up."""
+    return min(timeit.repeat(call, number=1, repeat=6))
 
 
 def fitted_order(settings: Sequence[float], errors: Sequence[float]) -> float:

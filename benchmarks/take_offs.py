@@ -4,16 +4,13 @@ Dampers and pairs of four designs in 200 seas against a search by scipy in each 
 against the same interior point with its matrix multiplied out. Seconds are of one machine, ratios are not.
 """
 
-import time
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from scipy.linalg import cho_factor
 from scipy.optimize import minimize, minimize_scalar
 
-from benchmarks.integrators import as_csv
+from benchmarks.measure import Row, as_csv, timed
 from vsb.motion.constrained import optimum_in_sea
 from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import Port
@@ -77,28 +74,16 @@ def searched_pair(port: Port, sea: FloatArray) -> float:
     return -float(minimize(loss, first, method="Nelder-Mead", options={"xatol": 1e-4, "fatol": 1e-9}).fun)
 
 
-def timed(work: Callable[[], Any]) -> tuple[float, Any]:
-    """CPU seconds of work, and what it returns."""
-    begun = time.process_time()
-    found = work()
-    return time.process_time() - begun, found
-
-
-def damped(port: Port, squares: FloatArray) -> Load:
-    """The best damper of every sea."""
-    return best_dampers(port, squares)
-
-
 def reactive(port: Port, squares: FloatArray) -> Load:
     """The best spring and damper of every sea."""
     return best_pairs(port, squares, best_dampers(port, squares))
 
 
-CASES = {"damper": (damped, searched_damper), "spring and damper": (reactive, searched_pair)}
+CASES = {"damper": (best_dampers, searched_damper), "spring and damper": (reactive, searched_pair)}
 """Rung -> of all seas at once, and by a search in one."""
 
 
-def linear_rows(case: str) -> list[dict[str, Any]]:
+def linear_rows(case: str) -> list[Row]:
     """A rung of four designs in all seas, beside its plain search: error is the most by which a search is better."""
     (ours, plain), squares, every = CASES[case], seas(), ports()
     seconds, loads = timed(lambda: [ours(port, squares) for port in every])
@@ -112,7 +97,7 @@ def linear_rows(case: str) -> list[dict[str, Any]]:
     ]
 
 
-def limited_rows() -> list[dict[str, Any]]:
+def limited_rows() -> list[Row]:
     """The optimum under a limit of force, error its gap, beside what its steps take with the matrix multiplied out."""
     port, squares = ports()[0], seas()[:LIMITED]
     rng, harmonics = np.random.default_rng(2), Harmonics(SPACING, 1.0, COMPONENTS)
@@ -140,7 +125,7 @@ def _pairs(waves: list[Sea], harmonics: Harmonics, limits: list[float]) -> list[
     return [(sea, harmonics, float(limit)) for sea, limit in zip(waves, limits, strict=True)]
 
 
-def benchmark(folder: str | Path) -> list[dict[str, Any]]:
+def benchmark(folder: str | Path) -> list[Row]:
     """Write take_offs.csv into a folder and return its rows."""
     rows = [row for case in CASES for row in linear_rows(case)] + limited_rows()
     write_text(Path(folder, "take_offs.csv"), as_csv(rows, COLUMNS))

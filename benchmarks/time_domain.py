@@ -19,10 +19,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, NullFormatter
 
-from benchmarks.general_solvers import NOT_INSTALLED, SCIPY, SUNDIALS, Solution, best, measured_row, say
-from benchmarks.integrators import EXPONENTIAL, as_csv
+from benchmarks.general_solvers import NOT_INSTALLED, SCIPY, SUNDIALS, Solution, best, measured_row
+from benchmarks.integrators import COLUMNS, EXPONENTIAL
 from benchmarks.integrators import STYLES as USUAL
-from benchmarks.quadrature import Row
+from benchmarks.measure import Row, as_csv, say
 from benchmarks.time_cases import (
     CONVOLUTION,
     MODELS,
@@ -90,8 +90,7 @@ def _attempts(case: Case) -> Iterator[tuple[str, float, Callable[[], Solution], 
     system, scene = case.system, case.system.scene
     if not system.linear:
         for tolerance in OURS:
-            run = partial(integrate, system, case.time, case.start, tolerance)
-            yield EXPONENTIAL, tolerance, partial(case.ours, run), 1
+            yield EXPONENTIAL, tolerance, partial(case.exponential, tolerance), 1
     elif memory := scene.memory:
         for order in (*range(2, memory.order, 2), memory.order):
             small = System.of(remembering(scene, truncated(memory, order)))
@@ -190,7 +189,7 @@ def _run(case: Case, method: str) -> Solution:
     if method == EXACT:
         return case.ours(partial(propagate, case.system, case.time, case.start))
     if method == EXPONENTIAL:
-        return case.ours(partial(integrate, case.system, case.time, case.start, SCALED_TOLERANCE))
+        return case.exponential(SCALED_TOLERANCE)
     return case.general(method, SCALED_TOLERANCE)
 
 
@@ -322,7 +321,7 @@ def benchmark(study: Study, folder: str | Path) -> list[Row]:
         raise ConfigError(f"designs: received only rigid ones, {', '.join(study.designs)}; needs a flexible one.")
     with tempfile.TemporaryDirectory() as files:
         rows = measured(study, design, files)
-    write_text(Path(folder) / "time_precision.csv", as_csv(rows))
+    write_text(Path(folder) / "time_precision.csv", as_csv(rows, COLUMNS))
     for name, draw in (("time_precision", error_figure), ("time_cost", cost_figure)):
         write_text(Path(folder) / f"{name}.svg", svg_text(draw(rows)))
     return rows

@@ -9,40 +9,31 @@ import copy
 import math
 import random
 import tempfile
-import traceback
 import warnings
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import xarray as xr
 import yaml
 
-from vsb.errors import VsbError
+from benchmarks.measure import Outcome, tabulated
 from vsb.stages import preview
+from vsb.stages.init import SEED
 from vsb.stages.make import make
 from vsb.study.plan import StudyPlan
 from vsb.study.study import Study, load
-from vsb.tools.files import write_text
-from vsb.tools.tables import csv_text
 
 Raw = dict[str, Any]
-SEED = Path(__file__).parent.parent / "config" / "seed.yaml"
 DIGITS = "twenty thousand digits"
 JUNK: tuple[Any, ...] = (
     None, True, "", "x", "1e5", "é" * 3, "/etc", [], {}, [[]], {"a": {"b": 1}}, -1, 0, 0.5, 1e308, -1e308, 1e25, 1e-300,
     math.nan, math.inf, -math.inf, 10**30, -(10**30), DIGITS, [1.0, "two"], "x" * 100_000, list(range(3000)),
 )  # fmt: skip
 """Values that no key wants, or not of that size."""
-
-
-class Outcome(NamedTuple):
-    """What became of a study."""
-
-    verdict: str  # refused, completed; or one of `BAD`
-    reason: str
 
 
 BAD = ("failed after check", "traceback", "not finite", "long message")
@@ -251,7 +242,7 @@ def _take_off(rng: random.Random, mass: float, natural: float, damping: float, s
 
 
 def fate(text: str, folder: Path, run: bool = True) -> Outcome:
-    """Return what becomes of a study: check it, run it if it passes, look at what it wrote."""
+    """Return what becomes of a study, refused, completed or one of `BAD`: check it, run it if it passes, look at it."""
     path, checked = folder / "study.yaml", False
     path.write_text(text, encoding="utf-8")
     with warnings.catch_warnings():
@@ -262,15 +253,8 @@ def fate(text: str, folder: Path, run: bool = True) -> Outcome:
             preview.summary(study, plan)
             checked = True
             worst = run_stages(study, plan) if run else ""
-        except VsbError as error:
-            message = str(error)
-            verdict = "failed after check" if checked else "refused"
-            if len(message) > 1000 or "\n" in message:
-                verdict = "long message"
-            return Outcome(verdict, message)
-        except Exception:
-            where = traceback.format_exc().strip().splitlines()
-            return Outcome("traceback", " | ".join(where[-3:]))
+        except Exception as error:
+            return Outcome.of(error, "failed after check" if checked else "refused")
     return Outcome("not finite" if worst else "completed", worst)
 
 
@@ -305,16 +289,13 @@ def study_text(index: int) -> str:
     return kind(random.Random(index))
 
 
-def torture(count: int, out: str) -> Counter[str]:
-    """Meet so many studies with their fate; write a table, return how often each verdict fell."""
-    found: Counter[str] = Counter()
-    rows = []
+def fates(count: int) -> Iterator[tuple[tuple[int], Outcome]]:
+    """Meet so many studies with their fate."""
     for index in range(count):
         with tempfile.TemporaryDirectory() as folder:
-            outcome = fate(study_text(index), Path(folder))
-        found[outcome.verdict] += 1
-        rows.append((index, outcome.verdict, outcome.reason.replace("\n", " ")))
-        if outcome.verdict in BAD:
-            print(f"study {index}: {outcome.verdict}: {outcome.reason[:400]}", flush=True)
-    write_text(out, csv_text(("index", "verdict", "reason"), rows))
-    return found
+            yield (index,), fate(study_text(index), Path(folder))
+
+
+def benchmark(count: int, out: str) -> Counter[str]:
+    """Write what becomes of so many studies as a table; return how often each of `BAD` fell."""
+    return tabulated(fates(count), ("index",), BAD, out)

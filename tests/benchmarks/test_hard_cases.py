@@ -10,7 +10,7 @@ import pytest
 from conftest import HERE
 
 from benchmarks import hard_cases as hardcases
-from benchmarks.hard_cases import Case, Result, Row, as_csv, as_text, changed, hard_cases, judged, load_cases, run_cases
+from benchmarks.hard_cases import Case, Result, Row, as_csv, as_text, benchmark, changed, judged, load_cases, run_cases
 from vsb.errors import ConfigError, StabilityError
 
 CASES = HERE.parent / "config" / "hard_cases.yaml"
@@ -213,7 +213,7 @@ def test_the_table_has_no_nan():
 def test_one_call_writes_both_tables(tmp_path):
     text = "still: {base: %s, designs: [FSB], overrides: {simulation: {duration: 2.0, window: [1.0, 2.0]}}}\neuler: {probe: euler321, expected: refused}\n"
     (tmp_path / "cases.yaml").write_text(text % (CASES.parent / "paper.yaml"))
-    rows = hard_cases(tmp_path / "cases.yaml", tmp_path / "out" / "hard.csv")
+    rows = benchmark(tmp_path / "cases.yaml", tmp_path / "out" / "hard.csv")
     assert [row.verdict for row in rows] == ["ok", "ok"]
     table = (tmp_path / "out" / "hard.csv").read_text()
     assert len(list(csv.DictReader(io.StringIO(table)))) == 2

@@ -20,9 +20,8 @@ from benchmarks.integrators import (
     PLAIN,
     SOLVERS,
     TOLERANCES,
-    Case,
-    as_csv,
     benchmark,
+    case_of_design,
     integrator_precision,
     plain_rates,
     precision_figure,
@@ -231,7 +230,7 @@ def test_plain_forces_are_extrapolated_and_say_so(measured, design):
 
 
 def test_failures_are_results(paper):
-    case = Case(paper, "FSB")
+    case = case_of_design(paper, "FSB")
 
     def explodes(t, state):
         return 1e3 * (1 + state**2)
@@ -243,19 +242,19 @@ def test_failures_are_results(paper):
         assert late.evaluations == 1
     broken = solved(explosion, "RK45", 1e-6, case.time, 20.0)
     assert "step size" in broken.status
-    row = case.row("RK45", 1e-6, broken)
+    row = workprecision.measured(case, "FSB", "RK45", 1e-6, broken)
     assert row["seconds"] >= 0.0
     assert "error" not in row
     endless = replace(case.equation, rates=lambda t, state: np.full(2, np.inf))
     endless = solved(endless, "RK45", 1e-6, case.time, 0.2)
     assert endless.status != "completed"
-    crushed = Case(varied(paper, hydro={"pressure": 1e8}), "VSWEC").exponential(1e-8)
+    crushed = case_of_design(varied(paper, hydro={"pressure": 1e8}), "VSWEC").exponential(1e-8)
     assert "cannot be followed" in crushed.status
 
 
 def test_without_take_off_there_is_no_energy_to_compare(paper):
-    case = Case(varied(paper, pto={"damping": 0.0}), "FSB")
-    row = case.row(EXPONENTIAL, 1e-6, case.exponential(1e-6))
+    case = case_of_design(varied(paper, pto={"damping": 0.0}), "FSB")
+    row = workprecision.measured(case, "FSB", EXPONENTIAL, 1e-6, case.exponential(1e-6))
     assert row["error"] < 1e-6
     assert row["error_energy"] is None
 
@@ -307,8 +306,3 @@ def test_figures_show_every_case_and_method_and_leave_out_failures(measured):
         assert {line.get_label() for line in ax.get_lines()} == {EXPONENTIAL, *SOLVERS, *PLAIN}
         assert ax.get_xscale() == ax.get_yscale() == "log"
         assert len({(line.get_color(), line.get_marker()) for line in ax.get_lines()}) == len(ax.get_lines())
-
-
-def test_an_empty_cell_is_what_does_not_exist():
-    text = as_csv([{"table": "integrators", "error": None, "seconds": 0.25, "status": "a, b"}])
-    assert text.splitlines() == [",".join(COLUMNS), 'integrators,,,,,,0.25,,,,,,"a, b"']

@@ -70,5 +70,5 @@ def test_a_run_that_fails_is_told(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize(("verdict", "code"), [("the same bytes", 0), ("missing: a.nc", 1)])
 def test_the_command_ends_with_what_came_of_it(tmp_path, monkeypatch, verdict, code):
-    monkeypatch.setattr(kills, "benchmark", lambda place, count: [kills.Row(0, 1.0, 2, verdict)] * count)
+    monkeypatch.setattr(kills, "benchmark", lambda count, place: [kills.Row(0, 1.0, 2, verdict)] * count)
     assert main(["kills", "2", str(tmp_path / "runs")]) == code

@@ -12,7 +12,8 @@ from benchmarks import general_solvers as generalsolvers
 from benchmarks import time_cases as timecases
 from benchmarks import time_domain as timeprecision
 from benchmarks.general_solvers import NOT_INSTALLED, SCIPY, SUNDIALS, Equation, solved
-from benchmarks.integrators import as_csv
+from benchmarks.integrators import COLUMNS
+from benchmarks.measure import as_csv
 from benchmarks.time_cases import CONVOLUTION, STEPS, STRIDES, case_of, scene_of
 from benchmarks.time_domain import (
     BALANCE,
@@ -119,7 +120,7 @@ def test_without_sundials_the_row_says_so(case, monkeypatch):
     found = scene.general(SUNDIALS, 1e-6)
     assert found.status == NOT_INSTALLED
     rows = [generalsolvers.measured_row("integrators", PANELS[0], SUNDIALS, 1e-6, found, scene.errors(found))]
-    assert next(csv.DictReader(io.StringIO(as_csv(rows))))["error"] == ""
+    assert next(csv.DictReader(io.StringIO(as_csv(rows, COLUMNS))))["error"] == ""
     error_figure(rows)
 
 
@@ -150,7 +151,7 @@ def test_fixed_steps_have_their_order(case):
     """Two for the convolution, four for ours, of the rigid buoy, which has no stiff mode."""
     scene = case("linear", next(iter(SEAS)))
     rigid = replace(scene.system.scene, motions=np.eye(len(scene.system.scene.labels), 1))
-    one = timecases.Case(System.of(rigid), scene.spectrum, DURATION)
+    one = replace(scene, system=System.of(rigid), start=rigid.start(0.0, 0.0))
     for method, order, tolerance in ((CONVOLUTION, 2.0, 0.15), (STEPS, 4.0, 0.3)):
         found = [one.errors(one.stepped(method, stride), stride)["error"] for stride in STRIDES[:5]]
         orders = -np.diff(np.log2(found))
