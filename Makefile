@@ -29,7 +29,8 @@ torture: $(READY) ## a thousand studies at random, 700 flipped bits, edited file
 cluster-test: .venv-cluster/.installed ## a campaign on a real Slurm of one node, killed and resumed (Debian: slurm-wlm, munge)
 	@PATH="$(CURDIR)/$(BIN):$$PATH" .venv-cluster/bin/python -m benchmarks cluster results/cluster
 
-test: lint unit ## style, types, workflow lint, and all tests
+test: $(READY) ## style, types, workflow lint, and all tests
+	@$(MAKE) --no-print-directory --jobs=2 lint unit
 
 lint: $(READY)
 	@$(BIN)/ruff check .
