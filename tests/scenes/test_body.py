@@ -93,6 +93,9 @@ class TestRefused:
         check_water(Water(density=1000.0), theirs)
         with pytest.raises(ConfigError, match=r"water.depth: received 50, needs inf, as the body's files have"):
             check_water(Water(density=1000.0, depth=50.0), theirs)
+        with pytest.raises(ConfigError) as error:
+            check_water(Water(density=1025.0, depth=50.0), theirs)
+        assert [line.split(":")[0] for line in error.value.mistakes] == ["water.density", "water.depth"]
 
     def test_too_few_frequencies(self, theirs):
         with pytest.raises(ConfigError, match=r"hydro.omega_max: received 1 rad/s, which leaves 2 of 3"):

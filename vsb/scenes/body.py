@@ -159,12 +159,17 @@ def check_water(water: Water, ds: xr.Dataset) -> None:
     Raises
     ------
     ConfigError
+        With a line for each value that is not.
     """
     own = {"density": "water_density", "depth": "water_depth", "gravity": "gravity"}
-    for name, attribute in own.items():
-        received, needed = float(getattr(water, name)), float(ds.attrs[attribute])
-        if not math.isclose(received, needed, rel_tol=_SAME_WATER):
-            raise ConfigError(f"water.{name}: received {received:g}, needs {needed:.10g}, as the body's files have")
+    other = {name: (float(getattr(water, name)), float(ds.attrs[attribute])) for name, attribute in own.items()}
+    mistakes = [
+        f"water.{name}: received {received:g}, needs {needed:.10g}, as the body's files have"
+        for name, (received, needed) in other.items()
+        if not math.isclose(received, needed, rel_tol=_SAME_WATER)
+    ]
+    if mistakes:
+        raise ConfigError(mistakes[0], mistakes)
 
 
 def dry_database(body: FlexibleBody, file: BodyFile) -> xr.Dataset:
