@@ -29,6 +29,17 @@ def test_a_gain_of_tenfold_is_said_as_a_multiple():
     assert "A absorbs up to 199 times as much (in" in second
 
 
+def test_a_wave_of_which_the_rigid_design_takes_next_to_nothing_leads_nowhere():
+    """As of a port at a node of its motion: ten thousand times as much, in a single wave."""
+    powers = best_power(A=0.2 + 0 * OMEGA)
+    powers.loc["FSB"] *= 1 - 0.999999 * np.exp(-(((OMEGA - 2.5) / 0.05) ** 2))
+    _, second = headline([line("FSB", 0.0), line("A", 20.0)], powers, "FSB", SEAS, 1e-3)
+    assert second.startswith(
+        "Over all waves that carry power but those of which the rigid design takes next to nothing, tuned wave"
+    )
+    assert "times as much" not in second
+
+
 def test_the_best_design_its_interval_and_the_band():
     gain = 0.2 - 0.1 * np.abs(OMEGA - 2.0)
     first, second = headline([line("FSB", 0.0), line("A", 20.0)], best_power(A=gain), "FSB", SEAS, 1e-3)

@@ -76,6 +76,8 @@ class TestRefused:
             ConfigError, match=r"body.mass: received none for float__Heave, spar__Heave, nor do the files"
         ):
             complete_body(BODY, None, dry)
+        with pytest.raises(ConfigError, match=r"body.mass: received -5 for spar__Heave; needs a mass above 0"):
+            complete_body(Body(database="sha256:0", mass={"float__Heave": 3.0, "spar__Heave": -5.0}), None, dry)
 
     def test_degrees_of_freedom_that_are_not_there(self):
         with pytest.raises(ConfigError, match=r"designs: received dofs Roof; needs some of float__Heave, spar__Heave"):

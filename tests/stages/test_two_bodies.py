@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from browser import evaluated
+from browser import asked, evaluated
 from conftest import told
 
 import vsb
@@ -103,6 +103,14 @@ def test_the_page_of_bodies_lets_its_reader_drag_their_damper(rm3, tmp_path):
     assert free == pytest.approx([rung(rm3, "rm3", name) for name in ("fixed", "best_damper")], rel=1e-6)
     assert locked == [0.0, 0.0]
     assert STILL in page
+    assert "How much power does the rigid body absorb?" in page
+
+
+def test_what_takes_nothing_has_no_mark_on_a_logarithmic_axis(rm3, tmp_path):
+    script = "return [...document.querySelectorAll('circle.mark')].map((mark) => mark.getAttribute('cx'));"
+    marks = asked(rm3.report.read_text(), script, tmp_path)
+    assert marks
+    assert np.isfinite([float(mark) for mark in marks]).all()
 
 
 def test_wec_sim_publishes_the_motion_of_bodies_that_do_not_feel_each_others_waves(rm3, theirs):

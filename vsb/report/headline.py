@@ -6,7 +6,7 @@ from typing import Any
 
 import xarray as xr
 
-from vsb.report.band import useful_band
+from vsb.report.band import USEFUL, useful_band
 from vsb.tools.words import SAME, against_rigid, multiple, watts
 
 
@@ -62,8 +62,13 @@ def _elsewhere(others: Sequence[dict[str, Any]], count: int) -> str:
 
 
 def _over_band(best_power: xr.DataArray, reference: str, neglected: str) -> list[str]:
-    """What flexible designs take over all waves: the most and the least, where, and which of them."""
-    shown = best_power.where(useful_band(best_power), drop=True)
+    """What flexible designs take over all waves: the most and the least, where, and which of them.
+
+    Where the rigid design takes next to nothing, any power is a thousandfold of it: that is no gain to lead with.
+    """
+    useful, rigid = useful_band(best_power), best_power.sel(design=reference, drop=True)
+    takes = rigid >= USEFUL * rigid.max()
+    shown = best_power.where(useful & takes, drop=True)
     if shown.sizes["omega"] < 2 or not float(shown.sel(design=reference).min()) > 0:
         return []
     gain = (100 * (shown / shown.sel(design=reference) - 1)).sel(design=shown.design != reference)
@@ -78,5 +83,6 @@ def _over_band(best_power: xr.DataArray, reference: str, neglected: str) -> list
             said = multiple(float(at)) or f"{size:.{0 if size >= 1 else 1}f} % {word}"
             parts.append(f"up to {said} ({which}in waves of {period:.2f} s)")
     who = "flexible designs absorb" if gain.sizes["design"] > 1 else f"{gain.design.values[0]} absorbs"
-    where = f"Over all waves that carry power, tuned wave by wave{neglected and f' and {neglected}'}"
+    but = " but those of which the rigid design takes next to nothing" if bool((useful & ~takes).any()) else ""
+    where = f"Over all waves that carry power{but}, tuned wave by wave{neglected and f' and {neglected}'}"
     return [f"{where}, {who} {' and '.join(parts)}."] if parts else []

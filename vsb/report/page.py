@@ -79,6 +79,7 @@ class Report:
     equal_tuning: Sequence[dict[str, Any]] = ()  # designs at their own best dampers; empty without BEM
     within_limits: Sequence[dict[str, Any]] = ()  # optima under limits, where the take-off has some
     thing: str = "buoy"  # what floats
+    flexible: bool = True  # whether any design is: else there is no gain to ask for
     sketches: Sequence[dict[str, str]] = ()  # of each design: name, words, SVG
     living: dict[str, Any] | None = None  # what the page computes with, see `vsb.report.living`
     buoys: dict[str, Any] | None = None  # what it draws in motion, see `vsb.report.animation`
@@ -316,6 +317,7 @@ def render(report: Report) -> str:
         "report.html.j2",
         study=report.study["study"],
         thing=report.thing,
+        flexible=report.flexible,
         answer=_answer(report, in_seas),
         sketches=report.sketches,
         kind="study",

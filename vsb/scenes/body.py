@@ -72,6 +72,9 @@ def complete_body(body: Body, dofs: Sequence[str] | None, ds: xr.Dataset) -> Lin
     )
     kept = chosen(dofs, labels)
     index = [labels.index(label) for label in kept]
+    for label, i in zip(kept, index, strict=True):
+        if mass[i, i] < 0:
+            raise ConfigError(f"body.mass: received {mass[i, i]:g} for {label}; needs a mass above 0")
     if weightless := [label for label, i in zip(kept, index, strict=True) if is_rigid(label) and not mass[i, i] > 0]:
         raise ConfigError(
             f"body.mass: received none for {', '.join(weightless)}, nor do the files hold one; needs the mass in kg, "

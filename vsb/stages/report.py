@@ -51,6 +51,7 @@ def run(study: AnyStudy, trajectories: str, out: str, manifest: str, **files: st
         reference=study.reference_design,
         sketches=sketches(study) if isinstance(study, Study) else (),
         thing="buoy" if isinstance(study, Study) else "body",
+        flexible=study.flexible,
         buoys=_buoys(stored),
         living=living_study(study, stored.path("database"), stored.response, found["within_limits"]),
         figures={n: read_text(f"{files['figures']}/{n}.svg", manifest, study_id) for n in stored.plan.figures},

@@ -54,6 +54,23 @@ def test_what_capytaine_does_not_know_is_left_out_and_told(tmp_path):
     assert found.attrs["history"] == "read from a.nc; left out: inertia_matrix, which holds NaN"
 
 
+SOLVED = ("added_mass", "radiation_damping", "diffraction_force")
+
+
+def test_frequencies_that_failed_are_left_out_and_told(tmp_path):
+    """Of WEC-Sim's own files of capytaine five in seven have some; one coefficient alone is no such frequency."""
+    solved = dataset().omega != 0.5
+    dataset(**{name: dataset()[name].where(solved) for name in SOLVED}).to_netcdf(tmp_path / "a.nc")
+    found = read_capytaine(tmp_path / "a.nc")
+    assert found.omega.values == pytest.approx([1.0, 1.5])
+    assert found.attrs["history"] == (
+        "read from a.nc; left out: 1 of 3 frequencies, from 0.5 to 0.5 rad/s, of which all coefficients are NaN"
+    )
+    dataset(added_mass=dataset().added_mass.where(solved)).to_netcdf(tmp_path / "b.nc")
+    with pytest.raises(DatabaseError, match="added_mass holds NaN"):
+        read_capytaine(tmp_path / "b.nc")
+
+
 @pytest.mark.parametrize(
     ("spoiled", "message"),
     [
@@ -67,6 +84,10 @@ def test_what_capytaine_does_not_know_is_left_out_and_told(tmp_path):
             "holds 2 values of rho; needs the coefficients of one",
         ),
         (lambda ds: ds.assign(added_mass=np.nan * ds.added_mass), "NaN"),
+        (
+            lambda ds: ds.assign({name: np.nan * ds[name] for name in SOLVED}),
+            "all coefficients are NaN at every frequency; needs some",
+        ),
     ],
 )
 def test_what_is_no_database_is_refused_in_one_line(tmp_path, spoiled, message):

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 
 from vsb.errors import DatabaseError
@@ -16,6 +17,7 @@ from vsb.tools.units import ATTRS, merged
 
 _WATER = ("rho", "g", "water_depth")
 _NEEDED = ("added_mass", "radiation_damping", "diffraction_force", "Froude_Krylov_force", "hydrostatic_stiffness")
+_SOLVED = ("added_mass", "radiation_damping", "diffraction_force")
 _DRY = {"inertia_matrix": "mass", "structural_stiffness": "stiffness"}
 
 
@@ -23,7 +25,8 @@ def read_capytaine(path: str | Path) -> xr.Dataset:
     """Return the hydro database in a netCDF file of capytaine's `export_dataset` or `separate_complex_values`.
 
     Added mass at infinite frequency is taken from that row, if there is one; rows of zero frequency, which no motion
-    needs, are left out, and so are matrices of the dry body that hold NaN, capytaine's mark of what it does not know.
+    needs, are left out, and so are matrices of the dry body that hold NaN, capytaine's mark of what it does not know,
+    and frequencies at which every coefficient is NaN, its mark of a solution that failed. The history tells of both.
 
     Raises
     ------
@@ -34,6 +37,13 @@ def read_capytaine(path: str | Path) -> xr.Dataset:
         with xr.open_dataset(path, engine="netcdf4") as opened:
             ds = merged(opened.load())
         found = _from_capytaine(ds, str(path))
+    return found
+
+
+def _failed(ds: xr.Dataset) -> npt.NDArray[np.bool_]:
+    """Frequencies at which nothing that is solved for is known, (omega,)."""
+    unknown = [ds[name].isnull().all([dim for dim in ds[name].dims if dim != "omega"]) for name in _SOLVED]
+    found: npt.NDArray[np.bool_] = np.logical_and.reduce([each.values for each in unknown])
     return found
 
 
@@ -48,8 +58,16 @@ def _from_capytaine(ds: xr.Dataset, source: str) -> xr.Dataset:
         raise DatabaseError(f"{source}: is of a body under way; needs forward_speed 0.")
     omega = np.asarray(ds.omega.values, dtype=float)
     kept = np.isfinite(omega) & (omega > 0)
-    finite = ds.isel(omega=np.flatnonzero(kept)).sortby("omega")
     labels, history = list(map(str, ds.influenced_dof.values)), [f"read from {Path(source).name}"]
+    failed = kept & _failed(ds)
+    if kept.any() and (failed == kept).all():
+        raise DatabaseError(f"{source}: all coefficients are NaN at every frequency; needs some that were solved.")
+    if failed.any():
+        history.append(
+            f"left out: {failed.sum()} of {kept.sum()} frequencies, from {omega[failed].min():g} to "
+            f"{omega[failed].max():g} rad/s, of which all coefficients are NaN"
+        )
+    finite = ds.isel(omega=np.flatnonzero(kept & ~failed)).sortby("omega")
     radiating = [list(map(str, ds.radiating_dof.values)).index(label) for label in labels]
     variables: dict[str, Any] = {}
     for name in (*_NEEDED, *(name for name in _DRY if name in ds)):

@@ -139,7 +139,7 @@ class LivingStudy {
     const top = Math.max(...this.curves.flatMap((curve) => [...curve.y]), 1e-9);
     const marks = found.flatMap((take, i) => {
       const colour = this.data.designs[i].colour;
-      return take.damping === null ? [] : [{ x: take.damping, y: take.power / 1e3, colour }];
+      return take.damping > 0 ? [{ x: take.damping, y: take.power / 1e3, colour }] : [];
     });
     if (this.damping !== null) marks.unshift({ x: this.damping });
     const curves = this.curves.map((curve, i) => ({ ...this.data.designs[i], x: curve.x, y: curve.y.map((v) => v / 1e3) }));
