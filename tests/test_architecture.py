@@ -271,6 +271,17 @@ def test_functions_are_short():
     assert lengths[int(0.9 * len(lengths))] <= 40
 
 
+def test_values_are_frozen():
+    """Checked once, when they are made; what changes on its way is named here."""
+    found = {
+        (node.name, any(k.arg == "frozen" for d in node.decorator_list if isinstance(d, ast.Call) for k in d.keywords))
+        for tree in TREES.values()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ClassDef) and any("dataclass" in ast.unparse(d) for d in node.decorator_list)
+    }
+    assert {name for name, frozen in found if not frozen} == {"Counted", "Optima", "Swept", "Track", "Trials", "Work"}
+
+
 @pytest.mark.parametrize("name", MODULES)
 def test_everything_public_is_documented(name):
     nodes = [n for n in ast.walk(TREES[name]) if isinstance(n, ast.FunctionDef | ast.ClassDef)]

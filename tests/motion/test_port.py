@@ -16,6 +16,7 @@ from vsb.motion.frequency import LinearBuoy, with_open_chamber
 from vsb.motion.port import Port, port_direction
 from vsb.motion.pto import LinearPto
 from vsb.motion.system import System
+from vsb.motion.tuning import best_dampers
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell, enclosed
 from vsb.stages.spectral import spectral_problem
@@ -282,3 +283,17 @@ def test_a_run_behind_a_chamber_takes_what_the_port_tells(chambered):
 def test_a_source_of_energy_is_refused():
     with pytest.raises(DatabaseError, match=r"port: gives out energy at 2 rad/s, received Re Y = -0.1 .* lower hydro"):
         Port(np.array([1.0, 2.0]), np.array([0.1 + 0j, -0.1]), np.ones(2, dtype=complex), 1.0)
+
+
+def test_a_take_off_without_a_spring_has_none():
+    """At a port so soft that a newton per metre counts."""
+    omega = np.array([0.5, 1.0, 2.0])
+    soft, squares = Port(omega, np.array([1.0 + 1j, 2.0, 1.0 - 3j]), np.ones(3) + 0j, 1e-9), np.ones((1, 3))
+    assert np.all(soft.load(2.0) == 2.0)
+    for name in ("power", "speed_under"):
+        found = getattr(soft, name)(2.0)
+        assert found == pytest.approx(np.abs(soft.velocity_under(np.full(3, 2.0))) ** 2, rel=1e-14)
+        assert found == pytest.approx(getattr(soft, name)(2.0, 0.0), rel=1e-14)
+        assert np.all(np.abs(getattr(soft, name)(2.0, 1.0) / found - 1) > 0.05)
+    assert best_dampers(soft, squares).stiffness.tolist() == [0.0]
+    assert best_dampers(soft, squares).power == best_dampers(soft, squares, 0.0, 1.0).power

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from report.test_living import ports
 
 from vsb.motion.constrained import optimum_in_sea
@@ -70,6 +72,28 @@ def test_harmonics_are_what_the_budget_allows():
         assert count - 5 <= harmonics.count <= count
         assert harmonics.omega[0] >= BAND[0]
         assert harmonics.omega[-1] <= BAND[1] * (1 + 1e-9)
+
+
+@given(st.floats(1e-3, 3.0), st.floats(0.5, 20.0), st.integers(1, 10_000))
+def test_harmonics_fill_their_band(low, width, programmes):
+    """All that lie in it, the edges too, and none beyond."""
+    harmonics = harmonics_within((low, low + width), programmes)
+    first, last = harmonics.omega[[0, -1]]
+    assert first >= low * (1 - 1e-8)
+    assert last <= (low + width) * (1 + 1e-8)
+    assert first - harmonics.spacing < low
+    assert last + harmonics.spacing > (low + width) * (1 + 1e-12)
+
+
+@pytest.mark.parametrize("first", [1, 3, 7])
+def test_a_harmonic_at_either_edge_of_a_band_is_in_it(first):
+    """The lower edge a whole number of spacings: round-off of either kind does not lose it, nor the upper one."""
+    for nudge in (1 - 1e-13, 1.0, 1 + 1e-13):
+        spacing = 0.1
+        band = first * spacing * nudge, (first + MOST) * spacing * nudge
+        harmonics = harmonics_within(band, 1)
+        assert harmonics.first == first
+        assert harmonics.count == MOST + 1
 
 
 def test_a_stroke_no_force_keeps_has_no_optimum():

@@ -65,7 +65,14 @@ def test_still_water_has_no_capture_width():
 
 
 @pytest.mark.parametrize(
-    ("window", "expected"), [((0.0, 9.0), (1.0, 9.0)), ((0.0, 8.0), (0.0, 8.0)), ((0.0, 3.0), (0.0, 3.0))]
+    ("window", "expected"),
+    [
+        ((0.0, 9.0), (1.0, 9.0)),
+        ((0.0, 8.0), (0.0, 8.0)),
+        ((0.0, 3.0), (0.0, 3.0)),
+        ((2e-9, 8.0), (0.0, 8.0)),  # a period less by round-off is one
+        ((2e-8, 8.0), (4.0, 8.0)),
+    ],
 )
 def test_means_are_over_whole_periods_at_the_end(window, expected):
     assert averaging_window(WAVE, window) == pytest.approx(expected)
@@ -78,3 +85,22 @@ def test_a_take_off_that_drives_absorbs_at_no_instant():
     found = merit(driven, WAVE, regular(WAVE), Water(), (21.0, 39.9))
     assert found.power_peak == pytest.approx(0.0, abs=1e-3)
     assert found.power_mean == pytest.approx(-200.0, rel=1e-8)
+
+
+@pytest.mark.parametrize(("beyond", "swing"), [(5e-10, 4.0), (2e-9, 2.0)])
+def test_instants_at_the_ends_of_a_window_are_in_it_but_for_round_off(beyond, swing):
+    """Positions 2, 1, -1, -2 at whole seconds; a window from the first to the last, short of them by so much."""
+    motion = ("time", "dof")
+    run = xr.Dataset(
+        {
+            "position": (motion, np.array([[2.0], [1.0], [-1.0], [-2.0]])),
+            "velocity": (motion, np.zeros((4, 1))),
+            "pto": (motion, np.zeros((4, 1))),
+            "energy": (("time", "term"), np.zeros((4, 1))),
+        },
+        coords={"time": np.arange(4.0), "dof": ["Heave"], "term": ["pto"]},
+    )
+    still = Sea(np.zeros(0), np.zeros(0, dtype=complex))
+    for window, least in (((beyond, 3.0), 3.0), ((0.0, 3.0 - beyond), 3.0)):
+        found = merit(run, StillWater(kind="still"), still, Water(), window).displacement_pp
+        assert found == pytest.approx(4.0 if swing == 4.0 else least)

@@ -106,6 +106,8 @@ def test_batches_fill_the_window_and_average_to_its_mean():
     inside = (time >= 10) & (time <= 95)
     assert means.mean() == pytest.approx(np.trapezoid(power[inside], time[inside]) / 85.0, rel=1e-4)
     assert len(batch_means(run_of(power, time), (10.0, 12.0), 20.0)) == 1
+    for short, count in ((0.0, 4), (1e-9, 4), (1e-7, 3)):  # a batch less by round-off is one
+        assert len(batch_means(run_of(power, time), (10.0, 90.0 - short), 20.0)) == count
 
 
 @pytest.fixture

@@ -115,3 +115,14 @@ def general_database(finished, tmp_path):
     path = tmp_path / "db" / f"{content_id(spec)}.nc"
     store(spec, read_source("database", str(finished / SMALL_PLAN.database_path), own.water), str(path))
     return str(path)
+
+
+@pytest.mark.parametrize(("beyond", "kept"), [(5e-10, 1), (2e-9, 0)])
+def test_a_wave_at_an_edge_of_the_band_is_in_it_but_for_round_off(seed, barge, beyond, kept):
+    """At the highest frequency of a buoy, at both ends of what a body's database holds."""
+    wave, omega = seed.waves[0], barge.linear.database.omega.values[[0, -1]]
+    cut = seed.model_copy(update={"hydro": seed.hydro.model_copy(update={"omega_max": wave.omega - beyond})})
+    assert study_sea(cut, wave, None).omega.size == kept
+    for edge in (omega[0] - beyond, omega[1] + beyond):
+        asked = study("heave", waves=[{"kind": "regular", "amplitude": 0.1, "period": float(2 * np.pi / edge)}])
+        assert study_sea(asked, asked.waves[0], barge.linear.database).omega.size == kept

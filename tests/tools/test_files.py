@@ -276,6 +276,13 @@ def test_the_checksum_is_of_names_dimensions_attributes_and_coordinates(change):
     assert len({checksum(groups) for groups in ({ROOT: ds}, {"a": ds}, {ROOT: ds, "a": ds}, {})}) == 4
 
 
+def test_the_checksum_knows_no_order_of_names():
+    ds = xr.Dataset({"b": ("t", np.arange(3.0)), "a": ("t", np.ones(3))}, {"t": np.arange(3)}, {"z": 1, "y": 2})
+    turned = xr.Dataset({"a": ds.a.variable, "b": ds.b.variable}, {"t": ds.t}, {"y": 2, "z": 1})
+    assert list(ds.variables) != list(turned.variables)
+    assert checksum({ROOT: ds, "a": ds}) == checksum({"a": turned, ROOT: turned})
+
+
 @pytest.mark.parametrize(
     "value",
     [3, 0.1, np.int64(3), np.float32(0.1), "text", "", "ü", [1], [1.0, 2.0], ["a", "b"], np.arange(3)],
