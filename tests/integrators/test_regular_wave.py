@@ -1,5 +1,6 @@
 """A scene at the harmonics of a wave: one frequency or none, and the impedance of its equation."""
 
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 
 from vsb.errors import ConfigError
 from vsb.integrators.regular_wave import PeriodicScene, regular_frequency
-from vsb.motion.forces import Damper, Excitation, Spring
+from vsb.motion.forces import Damper, Excitation, Force, Linear, Spring
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 
@@ -57,3 +58,30 @@ def test_without_nonlinear_forces_nothing_is_added():
     np.testing.assert_allclose(force[1], scene.push)
     np.testing.assert_allclose(force[[0, 2]], 0.0, atol=1e-14)
     assert not scene.coupling(harmonics, phase).any()
+
+
+@dataclass(frozen=True)
+class Cubes(Force):
+    """f = -a q^3 - b v^3."""
+
+    def linear(self):
+        """Nothing."""
+        return Linear(whole=False)
+
+    def force(self, time, q, v):
+        """Return the force."""
+        return -40.0 * q**3 - 3e5 * v**3
+
+
+@pytest.mark.parametrize("omega", [0.01, 1.0, 30.0])
+def test_tangents_are_the_derivatives_of_forces_by_places_and_by_rates(omega):
+    """-3 a q^2 and -3 b v^2 over the mass, of central differences as short as the motion is small at any frequency."""
+    scene = driven(omega).scene
+    found = PeriodicScene(
+        System.of(Scene(scene.labels, scene.mass, {**scene.forces, "cubes": Cubes()}, np.eye(1))), omega, None
+    )
+    y, v = np.array([0.1, -0.2]), np.array([0.3, 2e-3])
+    z = np.column_stack([y, v]) * np.append(found.system.scale, np.ones(1)) / found.system.modes[0, 0]
+    e = found.tangents(np.zeros(2), z)[:, 0]
+    np.testing.assert_allclose(e[:, 0], -3 * 40.0 * y**2 / MASS, rtol=1e-6)
+    np.testing.assert_allclose(e[:, 1], -3 * 3e5 * v**2 / MASS, rtol=1e-4)

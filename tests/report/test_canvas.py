@@ -1,6 +1,6 @@
 import pytest
 
-from vsb.report.canvas import STYLES, style
+from vsb.report.canvas import STYLES, grid_of_axes, legend_above, style
 
 
 def test_the_papers_designs_keep_their_colours_whatever_the_study():
@@ -14,3 +14,22 @@ def test_other_designs_differ_from_each_other_and_from_the_papers(count):
     colours = [style(name, names)["color"] for name in names]
     assert len(set(colours)) == len(names)
     assert style("D1", names) == style("D1", names)
+
+
+@pytest.mark.parametrize(
+    ("labels", "columns", "rows"),
+    [
+        (["FSB", "VSWEC"], 2, 1),
+        ([f"design {i}" for i in range(12)], 5, 3),
+        (["x" * 34] * 3, 2, 2),
+        (["x" * 200] * 3, 1, 3),
+    ],
+)
+def test_a_legend_is_as_wide_as_the_page_and_the_figure_grows_by_its_rows(labels, columns, rows):
+    figure, axes = grid_of_axes(3.0)
+    for label in labels:
+        axes[0, 0].plot([0, 1], label=label)
+    legend_above(figure, axes[0, 0])
+    (legend,) = figure.legends
+    assert legend._ncols == columns
+    assert figure.get_figheight() == pytest.approx(3.0 + 0.17 * (rows - 1))

@@ -3,6 +3,8 @@ import urllib.parse
 import numpy as np
 import pytest
 import xarray as xr
+from hypothesis import given
+from hypothesis import strategies as st
 
 from vsb.report.page import (
     DETAILS,
@@ -72,6 +74,16 @@ def test_winning_bands_are_the_intervals_above_the_threshold():
     assert (first.start, first.gain) == (0.5, 20.0)
     assert abs(second.at - 2.99) < 1e-9
     assert winning_bands(OMEGA, -np.ones_like(OMEGA)) == []
+
+
+@given(st.lists(st.floats(-50.0, 50.0), min_size=1, max_size=40))
+def test_a_winning_band_has_its_own_peak(gain):
+    """However near the next one is: bands hold all gains above the threshold, and each its largest."""
+    gain, omega = np.array(gain), np.arange(len(gain)) / 10
+    bands = winning_bands(omega, gain, 2.0)
+    held = [(omega >= band.start) & (omega <= band.end) for band in bands]
+    assert [(band.gain, gain[list(omega).index(band.at)]) for band in bands] == [(gain[k].max(),) * 2 for k in held]
+    np.testing.assert_array_equal(np.any(held, axis=0) if held else gain > 2.0, gain > 2.0)
 
 
 def test_statements_name_gains_losses_and_ties():
