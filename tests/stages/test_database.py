@@ -6,10 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import varied
 
 from vsb.errors import DatabaseError
 from vsb.hydro.database import load_database
 from vsb.stages import database
+from vsb.stages.make import make
+from vsb.study.plan import StudyPlan
 from vsb.study.specs import DatabaseSpec
 from vsb.study.study import content_id
 from vsb.tools.files import load, save
@@ -51,3 +54,14 @@ def test_a_check_that_fails_stops_it_unless_it_is_accepted(small, tmp_path):
     spec = DatabaseSpec(**{**small.database.model_dump(), "accept": ("haskind", "kramers_kronig")})
     database.run(spec, str(tmp_path), out)
     assert "accepted" in load(out).attrs["quality"]
+
+
+def test_a_rigid_buoy_is_told_to_be_of_degree_one(seed, tmp_path):
+    """Its only degree of freedom is heave, a displacement of degree one: `INDEX.tsv` says so."""
+    study = varied(seed, designs={"FSB": {"flexible": False}}, modes={"degree": 0}, hydro={
+        "omega_max": 3.0, "tolerance": 0.01, "witness": "none"}, reference_shape="undeformed")  # fmt: skip
+    plan = StudyPlan(study, root=str(tmp_path))
+    make(plan, [plan.database_path])
+    found = load_database(plan.database_path, content_id(plan.database))
+    assert plan.database.modes is None
+    assert (found.attrs["basis"], found.attrs["degree"]) == ("rigid", 1)

@@ -35,6 +35,8 @@ SECONDS_PER_PAUSE = {"regular": 5.0, "body_exact": 20.0}
 """Seconds the search for a pause in a regular wave costs, and what it costs beyond that on the wet shell."""
 SECONDS_PER_PAUSED_SECOND = {"irregular": 0.15, "body_exact": 0.5}
 """Likewise of each second of a run in another sea, all trials together."""
+FROM_REST = 6.0
+"""Times as many where a motion from rest takes less than the trials promise: all pauses are tried from rest then."""
 
 
 def check_before_run(study: Study, plan: StudyPlan) -> None:
@@ -158,7 +160,10 @@ def _pause_lines(study: Study) -> list[str]:
     if not study.pto.pauses:
         return []
     seconds = len(study.designs) * sum(_pause_seconds(study, wave) for wave in study.waves)
-    return [f"pauses       of {study.pto.law}, found in each run: together about {seconds:.0f} s on one core"]
+    return [
+        f"pauses       of {study.pto.law}, found in each run: together about {seconds:.0f} s on one core, up to "
+        f"{FROM_REST * seconds:.0f} s where motions from rest take less than the trials promise"
+    ]
 
 
 def _pause_seconds(study: Study, wave: Wave) -> float:
