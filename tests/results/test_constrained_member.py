@@ -7,9 +7,9 @@ from results.test_year import climate
 from scenes.test_ports import water
 
 from vsb.motion.harmonics import Harmonics
-from vsb.results.constrained_member import OF_LIMITS, Optima, _motion_rms
+from vsb.results.constrained_member import Optima, _motion_rms
 from vsb.results.constrained_year import Limits, constrained_year, harmonics_of_year
-from vsb.results.member import member
+from vsb.results.member import OF_LIMITS, member
 from vsb.scenes.ports import designs_in_waves
 from vsb.scenes.rest import reference_shell
 from vsb.study.specs import CONSTRAINED

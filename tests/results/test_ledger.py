@@ -12,7 +12,7 @@ from vsb.results import ledger
 from vsb.results.ledger import largest_displacement, largest_strain, static_modal_amplitude, with_full_basis
 from vsb.scenes.rest import reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell
-from vsb.shell.loaded import ElasticShell
+from vsb.shell.elastic import ElasticShell
 from vsb.shell.modes import mode_basis
 from vsb.study.study import Jonswap, RegularWave, StillWater, Water, WhiteNoise
 

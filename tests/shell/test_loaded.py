@@ -11,17 +11,8 @@ from scipy.integrate import quad
 
 from vsb.errors import ConvergenceError
 from vsb.shell.deformed import DeformedShell
-from vsb.shell.loaded import (
-    ElasticShell,
-    Gas,
-    LoadedShell,
-    buckling,
-    complete_basis,
-    complete_shell,
-    converged_degree,
-    equilibrium,
-    viable_pressure,
-)
+from vsb.shell.elastic import ElasticShell, converged_degree
+from vsb.shell.loaded import Gas, LoadedShell, buckling, complete_basis, complete_shell, equilibrium, viable_pressure
 from vsb.shell.modes import bending_block, membrane_block, mode_basis
 from vsb.shell.sphere import Shell
 
@@ -87,6 +78,19 @@ def potential(loaded, q):
 
 
 # the potential and its derivatives
+
+
+def test_the_water_about_the_undeformed_shell_is_found_once_for_all_materials_and_waters(seed, monkeypatch):
+    monkeypatch.setattr(DeformedShell, "hydrostatics", _counted(DeformedShell.hydrostatics, calls := []))
+    height, q = 0.123, np.zeros(13)
+    for modulus, density in ((1e7, 1025.0), (1e9, 1025.0), (1e9, 1000.0)):
+        device = seed.device.model_copy(update={"young_modulus": modulus})
+        shell = LoadedShell(ElasticShell(basis := mode_basis(device, "full", 6)), height, density, G)
+        apart = DeformedShell(basis, height, q + 1e-300)  # another shape to the cache, the same to the numbers
+        assert shell.hydrostatic_stiffness(q) == pytest.approx(apart.hydrostatic_stiffness(density, G, 64), rel=1e-12)
+    assert len(calls) == 1 + 3
+    LoadedShell(shell.elastic, 0.2, density, G).hydrostatic_stiffness(q)
+    assert len(calls) == 1 + 3 + 1
 
 
 def test_elastic_derivatives_to_round_off(full, bent):

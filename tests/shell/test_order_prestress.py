@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from vsb.shell.loaded import ElasticShell, LoadedShell
+from vsb.shell.elastic import ElasticShell
+from vsb.shell.loaded import LoadedShell
 from vsb.shell.modes import mode_basis
 from vsb.shell.order_prestress import geometric_stiffness, prestress_stiffness, volume_hessian
 from vsb.shell.orders import Ballast, order_basis, yaw

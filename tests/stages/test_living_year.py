@@ -9,6 +9,7 @@ from stages.test_members import folder, planned, run  # noqa: F401
 
 from vsb.report import html
 from vsb.report.campaign_page import leading
+from vsb.stages.climate import read_climate
 from vsb.stages.living_year import living_year
 
 
@@ -22,7 +23,8 @@ def swept(folder):  # noqa: F811
 
 def test_the_page_finds_the_energies_and_matrices_of_the_campaign(swept, tmp_path):
     plan, ds = swept
-    data = living_year(plan.campaign, ds, *leading(ds), plan.loaded.climate_path, plan.root)
+    seas = read_climate(plan.climate, plan.loaded.climate_path)
+    data = living_year(plan.campaign, ds, *leading(ds), seas, plan.root)
     expression = """data.points.map((stored) => {
       const bins = unpackedBins(data.bins);
       const point = unpackedPoint(stored);

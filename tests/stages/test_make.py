@@ -1,10 +1,11 @@
 import re
+from pathlib import Path
 
 import pytest
 from conftest import HERE, SEED, varied
 
 from vsb.stages import make as stage_make
-from vsb.stages.make import Job, due, jobs, make
+from vsb.stages.make import Job, due, jobs, make, solve
 from vsb.study import study as config
 from vsb.study.body import BodyStudy
 from vsb.study.body_plan import plan_for
@@ -44,6 +45,24 @@ def test_every_rule_of_the_workflow_is_a_job_of_some_study(tmp_path):
     raft["pto"] = {"damping": 1.0}
     plans.append(plan_for(validated(BodyStudy, raft, "raft.yaml")))
     assert {job.stage for plan in plans for job in jobs(plan)} == set(re.findall(r"^rule (\w+):", rules, re.MULTILINE))
+
+
+@pytest.mark.parametrize(("name", "before"), [("spectral", []), ("panels", ["green", "mesh"])])
+def test_a_shape_is_solved_without_the_rest_of_its_study(name, before, tmp_path, monkeypatch):
+    """Neither its second solver nor its answers; and nothing once it is there."""
+    plan, ran = StudyPlan(varied(config.load(SEED), **STUDIES[name]), root=str(tmp_path)), []
+
+    def run(job):
+        ran.append(job.stage)
+        for path in map(Path, job.makes):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.touch()
+
+    monkeypatch.setattr(Job, "run", run)
+    solve(plan)
+    assert ran == [*before, *[name] * len(plan.sweep_blocks)]
+    solve(plan)
+    assert len(ran) == len(before) + len(plan.sweep_blocks)
 
 
 def test_only_what_is_missing_or_stale_and_wanted_is_due(tmp_path):

@@ -1,6 +1,8 @@
 """A campaign in one process: members against a year computed apart, resumed, widened, damaged, not viable."""
 
 import csv
+import subprocess
+import sys
 import time
 from multiprocessing import get_context
 from pathlib import Path
@@ -194,6 +196,15 @@ def test_the_curve_of_dampers_has_its_top_at_the_best_one(swept):
         found.power_of_damping.isel(damper=30), found.annual_mean_power.sel(tuning="one"), rtol=1e-9
     )
     np.testing.assert_allclose(found.force_of_damping.isel(damper=30), found.force_rms.sel(tuning="one"), rtol=1e-9)
+
+
+def test_a_member_without_limits_reads_nothing_that_is_compiled_or_opens_meshes():
+    """Starting takes as long as dozens of members."""
+    heavy = {"numba", "meshio", "capytaine", "matplotlib"}
+    script = f"import sys, vsb.stages.members; print({heavy} & {{*sys.modules}})"
+    assert (
+        subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout == "set()\n"
+    )
 
 
 def test_a_widened_sweep_computes_new_points_alone(folder, swept, monkeypatch):

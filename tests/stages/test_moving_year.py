@@ -18,7 +18,8 @@ from vsb.stages.moving_year import most_energetic, moving_year
 def moved(swept):  # noqa: F811
     plan, ds = swept
     with chdir(plan.root + "/.."):
-        return moving_year(plan.campaign, ds, *leading(ds), plan.loaded.climate_path, plan.root)
+        seas = read_climate(plan.climate, plan.loaded.climate_path)
+        return moving_year(plan.campaign, ds, *leading(ds), seas, plan.root)
 
 
 def test_the_sea_is_of_the_bin_that_brings_most_energy(swept):  # noqa: F811
@@ -59,4 +60,5 @@ def test_where_nothing_can_move_the_page_says_so(swept, monkeypatch):  # noqa: F
     monkeypatch.undo()
     unknown = ds.assign(damping=np.nan * ds.damping)
     with chdir(plan.root + "/.."):
-        assert moving_year(plan.campaign, unknown, *leading(ds), plan.loaded.climate_path, plan.root) is None
+        seas = read_climate(plan.climate, plan.loaded.climate_path)
+        assert moving_year(plan.campaign, unknown, *leading(ds), seas, plan.root) is None

@@ -35,7 +35,8 @@ def test_a_finished_result_of_the_same_study_is_not_computed_again(seed, tmp_pat
     assert stage._finished(str(path), identity).attrs["spec_id"] == identity
     assert stage._finished(str(path), "0" * 16) is None
     monkeypatch.setattr(stage, "shape_dataset", lambda *_: asked.append("computed"))
-    monkeypatch.setattr(stage, "shape_figure", lambda ds: type("F", (), {"savefig": lambda *a, **k: None})())
+    monkeypatch.setattr(stage, "shape_figure", lambda ds: None)
+    monkeypatch.setattr(stage, "svg_text", lambda figure: "")
     monkeypatch.setattr(stage, "answer", lambda ds, name: f"{name}: the answer")
     assert stage.shape_dependence(seed, str(path), str(tmp_path / "a.svg")) == "seed: the answer"
     assert asked == []

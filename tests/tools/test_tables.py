@@ -1,6 +1,7 @@
 import csv
 import io
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -26,3 +27,22 @@ def test_a_figure_is_the_same_text_at_any_time():
     text = svg_text(figure)
     assert text.startswith("<?xml")
     assert "<dc:date>" not in text
+
+
+def test_a_figure_is_drawn_once_to_what_saving_it_would_write(monkeypatch):
+    """`savefig` lays a figure out by drawing all of it once more."""
+    text, drawn = io.StringIO(), []
+
+    def figure():
+        one = Figure(layout="constrained")
+        one.subplots(2, 1)[1].set(xlabel="time [s]", yscale="log", title="above")
+        return one
+
+    with mpl.rc_context({"svg.hashsalt": "same"}):
+        figure().savefig(text, format="svg", metadata={"Date": None})
+        other, draw = figure(), Figure.draw
+        monkeypatch.setattr(Figure, "draw", lambda self, renderer: drawn.append(draw(self, renderer)))
+        dpi = other.dpi
+        assert svg_text(other) == text.getvalue()
+    assert len(drawn) == 1
+    assert other.dpi == dpi

@@ -17,7 +17,7 @@ import numpy.typing as npt
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro.azimuthal import multiplicity
 from vsb.shell.deformed import DeformedShell
-from vsb.shell.loaded import ElasticShell
+from vsb.shell.elastic import ElasticShell
 from vsb.shell.orders import OrderBasis
 from vsb.study.take_off import BetweenPort, DofPort, LinePort, PortChoice, ShellPort
 from vsb.tools.units import ComplexArray, FloatArray

@@ -60,7 +60,7 @@ def drawn(figure: Figure, name: str) -> Drawn:
             for j, line in enumerate(_curves(ax)):
                 line.set_gid(f"curve-{i}-{j}")
         text, sheet = svg_text(figure), io.BytesIO()
-        figure.set_layout_engine("none")  # it is laid out
+        figure.set_layout_engine(None)  # it is laid out: nor drawn once more to be
         figure.savefig(sheet, format="pdf", metadata={"CreationDate": None})
     return Drawn(_compact(text, figure, name), sheet.getvalue(), data_csv(figure))
 

@@ -9,6 +9,7 @@ import xarray as xr
 from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import PortMotion
 from vsb.results.constrained_year import ConstrainedYear, Limits, constrained_year, harmonics_of_year
+from vsb.results.member import OF_LIMITS
 from vsb.results.validity import LIMITS, motion_limits, wave_limits
 from vsb.scenes.ports import InWaves, ShapeWater, designs_in_waves
 from vsb.shell.modes import ModeBasis
@@ -18,8 +19,6 @@ from vsb.study.study import Study
 from vsb.tools.units import FloatArray
 from vsb.waves.climate import YEAR_HOURS, Climate
 
-OF_LIMITS = ("power_bound", "optimum_gap", "optimum_share", "optimum_excess", "impossible_share")
-"""What is said of the optima of a design beside what every tuning has."""
 KEPT = 32
 """Years of rigid designs that are kept: points of other shells share them."""
 
@@ -33,7 +32,7 @@ class Optima:
     seed: int
     known: dict[bytes, ConstrainedYear] = field(default_factory=dict)
 
-    def years(self, study: Study, reference: ReferenceShell, climate: Climate, lowest: float) -> xr.Dataset:
+    def __call__(self, study: Study, reference: ReferenceShell, climate: Climate, lowest: float) -> xr.Dataset:
         """Return the years of designs that are viable within the limits of their take-off.
 
         Parameters

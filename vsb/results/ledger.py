@@ -23,7 +23,8 @@ from vsb.results.run_checks import Attributes, drift_checks, energy_check
 from vsb.scenes.directions import loaded_shell, order_bases
 from vsb.scenes.rest import computed_buckling, design_motions, reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell
-from vsb.shell.loaded import ElasticShell, viable_pressure
+from vsb.shell.elastic import ElasticShell
+from vsb.shell.loaded import viable_pressure
 from vsb.shell.modes import ModeBasis, mode_basis
 from vsb.shell.reference import ReferenceShell
 from vsb.shell.sphere import Shell

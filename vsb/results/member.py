@@ -9,12 +9,12 @@ import xarray as xr
 
 from vsb.motion.port import Port
 from vsb.results.bins import Bins, bins_of
-from vsb.results.constrained_member import OF_LIMITS, Optima
 from vsb.results.validity import LIMITS, beyond_validity
 from vsb.results.year import DesignYear, Tuning, Year, best_for_all, year
 from vsb.scenes.ports import InWaves, ShapeWater, designs_in_waves
 from vsb.scenes.viability import viability
 from vsb.shell.modes import ModeBasis
+from vsb.shell.reference import ReferenceShell
 from vsb.study.specs import CONSTRAINED, Tunings
 from vsb.study.study import Study
 from vsb.waves.climate import Climate
@@ -23,11 +23,15 @@ NumericArray = npt.NDArray[Any]
 Values = Mapping[str, tuple[tuple[str, ...], NumericArray]]
 """Dimensions and values by name: a dataset is made of all at the end, for each costs as much as what it holds."""
 Labels = dict[str, list[str]]
+YearsWithin = Callable[[Study, ReferenceShell, Climate, float], xr.Dataset]
+"""Of viable designs, their shape and the climate, from a frequency on [rad/s], to their years within limits."""
 BY, BINS = ("design", "tuning"), ("hs", "te")
 OF_DESIGNS = (
     "annual_mean_power", "annual_energy", "capture_width", "gain_percent", "gain_low", "gain_high", "force_rms",
     "practice_power", "quadrature_error", "energy_beyond_validity",
 )  # fmt: skip
+OF_LIMITS = ("power_bound", "optimum_gap", "optimum_share", "optimum_excess", "impossible_share")
+"""What is said of the optima of a design beside what every tuning has."""
 CURVES = ("tried_damping", "power_of_damping", "force_of_damping")
 TRIED = np.geomspace(1 / 30, 30, 61)
 """Dampers the year's power is told of, in terms of the best one for the year."""
@@ -41,7 +45,7 @@ def member(
     water: Callable[[ModeBasis], ShapeWater],
     climate: Climate,
     tunings: Sequence[Tunings],
-    optima: Optima | None = None,
+    optima: YearsWithin | None = None,
 ) -> xr.Dataset:
     """Return what every design of a study takes of a year under every tuning; NaN of designs that are not viable.
 
@@ -52,8 +56,8 @@ def member(
         Of the modes, to the coefficients of its shape; not called where there is no shape at rest.
     climate : Climate
     tunings : sequence of {'fixed', 'one', 'each', 'constrained'}
-    optima : Optima, optional
-        What finds the year within limits; needed for `constrained`.
+    optima : callable, optional
+        What finds the years within limits, `vsb.results.constrained_member.Optima`; needed for `constrained`.
     """
     rest = viability(study)
     bins = bins_of(climate)
@@ -71,7 +75,7 @@ def member(
             _fill(found, at, _damped(some, of, waves), here)
         _fill(found, at, _curves(ports, climate, of), here)
         if optima:
-            within = optima.years(some, rest.reference, climate, float(shape.omega[0]))
+            within = optima(some, rest.reference, climate, float(shape.omega[0]))
             values: Values = {str(name): (tuple(map(str, v.dims)), v.values) for name, v in within.items()}
             _fill(found, at, values, here | {"tuning": [CONSTRAINED]})
     reasons = np.array([rest.reasons.get(design, "") for design in study.designs], dtype=object)

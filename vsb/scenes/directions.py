@@ -4,7 +4,8 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from vsb.errors import ConfigError
-from vsb.shell.loaded import ElasticShell, LoadedShell
+from vsb.shell.elastic import ElasticShell
+from vsb.shell.loaded import LoadedShell
 from vsb.shell.modes import ModeBasis
 from vsb.shell.order_prestress import prestress_stiffness
 from vsb.shell.orders import OrderBasis, ballast_of, order_basis, yaw

@@ -7,12 +7,12 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from vsb.errors import ConfigError, ConvergenceError
-from vsb.motion.builders import still_scene
 from vsb.motion.frequency import allowed_part, compliance, gas_compliance
 from vsb.motion.port import port_direction
 from vsb.scenes.directions import check_upright, loaded_shell, order_bases, whole_stiffness
 from vsb.shell.deformed import DeformedShell
-from vsb.shell.loaded import Buckling, ElasticShell, LoadedShell, buckling, complete_shell, equilibrium
+from vsb.shell.elastic import ElasticShell
+from vsb.shell.loaded import Buckling, LoadedShell, buckling, complete_shell, equilibrium
 from vsb.shell.modes import ModeBasis, mode_basis, rigid_basis
 from vsb.shell.reference import ReferenceShell
 from vsb.study.specs import AtRest, Designed
@@ -86,7 +86,7 @@ def reference_shell(study: AtRest, basis: ModeBasis | None = None) -> ReferenceS
     else:
         q = np.zeros(len(basis.labels))
     shape = DeformedShell(basis, study.centre_height, q)
-    stiffness = {"structural": basis.stiffness, "hydrostatic": _water_stiffness(study, basis, q)}
+    stiffness = {"structural": basis.stiffness, "hydrostatic": loaded.hydrostatic_stiffness(q)}
     if at_equilibrium:
         stiffness["structural"] = loaded.elastic.material_stiffness(q)
         geometric = loaded.elastic.geometric_stiffness(*loaded.elastic.resultants(q))
@@ -96,22 +96,6 @@ def reference_shell(study: AtRest, basis: ModeBasis | None = None) -> ReferenceS
     if study.device.gas and study.flexible:
         stiffness["gas"] = loaded.gas_stiffness(q)
     return ReferenceShell(shape, {name: (k + k.T) / 2 for name, k in stiffness.items()})
-
-
-def _water_stiffness(study: AtRest, basis: ModeBasis, q: FloatArray) -> FloatArray:
-    """Stiffness of the water about a shape, of the undeformed one once for all materials."""
-    if q.any():
-        return loaded_shell(study, basis).hydrostatic_stiffness(q)
-    shell, water = LoadedShell(ElasticShell(basis.immaterial), study.centre_height, 1.0, 1.0), study.water
-    return water.density * water.gravity * _undeformed_in_water(shell)
-
-
-@lru_cache(maxsize=16)
-def _undeformed_in_water(shell: LoadedShell) -> FloatArray:
-    """Stiffness of the water about the undeformed shell, not to be written to."""
-    stiffness = shell.hydrostatic_stiffness(np.zeros(len(shell.basis.labels)))
-    stiffness.setflags(write=False)
-    return stiffness
 
 
 @lru_cache(maxsize=4)
@@ -214,6 +198,8 @@ def check_rests(study: Study, reference: ReferenceShell) -> None:
     """
     if study.hydro.model == "linear":
         return
+    from vsb.motion.builders import still_scene  # what is compiled is read where it is needed
+
     for design in study.designs:
         try:
             still_scene(

@@ -217,8 +217,8 @@ class ModeBasis:
 
     @property
     def immaterial(self) -> "ModeBasis":
-        """The same shapes of a material of no consequence: what follows from them alone is found once for all."""
-        shell = replace(self.shell, young_modulus=1.0, density=1.0)
+        """The same shapes of a wall of no consequence: what follows from them alone is found once for all."""
+        shell = replace(self.shell, thickness=1e-9 * self.shell.radius, young_modulus=1.0, density=1.0)
         return replace(self, shell=shell, total_mass=1.0, alpha=0.0, beta=0.0)
 
 

@@ -17,25 +17,27 @@ from vsb.study.specs import CampaignSpec
 from vsb.study.study import content_id
 from vsb.tools.files import load, write_text
 from vsb.tools.stamps import record
+from vsb.waves.climate import Climate
 
 
 def run(spec: CampaignSpec, data: str, climate: str, root: str, figures: str, out: str, manifest: str) -> None:
     """Draw the figures of a campaign and write its report."""
     identity = content_id(spec)
     ds = load(data, expected=identity)
+    seas = read_climate(spec.climate, climate)
     with mpl.rc_context():  # the caller's own figures keep their looks
-        found = {name: drawn(_figure(name, spec, ds, climate), name) for name in figure_names(spec)}
-    living, moving = (made(spec, ds, *leading(ds), climate, root) for made in (living_year, moving_year))
+        found = {name: drawn(_figure(name, ds, seas), name) for name in figure_names(spec)}
+    living, moving = (made(spec, ds, *leading(ds), seas, root) for made in (living_year, moving_year))
     files = [path for name, one in found.items() for path in one.write(figures, name)]
     svgs = {name: one.svg for name, one in found.items()}
     write_text(out, render(CampaignReport(ds, svgs, living, _sketches(spec), moving)))
     record(manifest, identity, [out, *files])
 
 
-def _figure(name: str, spec: CampaignSpec, ds: xr.Dataset, climate: str) -> Figure:
+def _figure(name: str, ds: xr.Dataset, seas: Climate) -> Figure:
     """A figure by its name: of the results, but for the year's spectra."""
     if name == "spectra":
-        return year_spectra(read_climate(spec.climate, climate))
+        return year_spectra(seas)
     return DRAWN[name](ds, *leading(ds))
 
 

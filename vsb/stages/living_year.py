@@ -14,7 +14,6 @@ from vsb.results.member import with_designs
 from vsb.scenes.ports import design_ports
 from vsb.scenes.viability import viability
 from vsb.shell.reference import ReferenceShell
-from vsb.stages.climate import read_climate
 from vsb.stages.members import Swept, swept_shape
 from vsb.study.campaign_plan import members
 from vsb.study.specs import CampaignSpec
@@ -26,7 +25,7 @@ MOST = 6
 
 
 def living_year(
-    spec: CampaignSpec, ds: xr.Dataset, tuning: str, reference: str | None, climate: str, root: str
+    spec: CampaignSpec, ds: xr.Dataset, tuning: str, reference: str | None, seas: Climate, root: str
 ) -> dict[str, Any] | None:
     """Return the data of a campaign's page; none where no design is viable or the take-off switches.
 
@@ -39,12 +38,11 @@ def living_year(
         That the answer is told at.
     reference : str or None
         The design gains are over.
-    climate : str
-        Path of the seas of the year.
+    seas : Climate
+        Of the year.
     root : str
         Folder of all results.
     """
-    seas = read_climate(spec.climate, climate)
     points = [str(dim) for dim in ds.margin.dims]
     shape = tuple(ds.sizes[dim] for dim in points)
     shown = shown_place(ds, tuning, reference)

@@ -3,13 +3,10 @@
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from vsb.stages.alone import alone, sharing
-from vsb.stages.body_preview import body_before_run
-from vsb.stages.preview import check_before_run
 from vsb.stages.stage import STAGES
-from vsb.stages.stored import Results
 from vsb.stages.verify import stale_products
 from vsb.study.body import LocatedBody
 from vsb.study.body_plan import AnyPlan, BodyPlan
@@ -18,6 +15,9 @@ from vsb.study.results_plan import figure_paths
 from vsb.study.specs import PanelsSpec
 from vsb.study.study import Study, canonical
 from vsb.tools.files import check_folder
+
+if TYPE_CHECKING:
+    from vsb.stages.stored import Results
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Job:
         stage.run({**dict.fromkeys(stage.optional), **self.files}, canonical(self.spec) if self.spec else "")
 
 
-def run(study: Study | LocatedBody, folder: str | Path = "results") -> Results:
+def run(study: Study | LocatedBody, folder: str | Path = "results") -> "Results":
     """Run a whole study in this process: files and numbers are those of `vsb run`, finished ones are kept.
 
     Parameters
@@ -51,6 +51,8 @@ def run(study: Study | LocatedBody, folder: str | Path = "results") -> Results:
     VsbError
         If the study cannot be run, a check of its hydrodynamics fails, or another run is at work in the folder.
     """
+    from vsb.stages.stored import Results
+
     plan = _checked(study, str(folder))
     check_folder(folder)
     with alone(Path(plan.folder)):
@@ -61,16 +63,32 @@ def run(study: Study | LocatedBody, folder: str | Path = "results") -> Results:
 def _checked(study: Study | LocatedBody, root: str) -> AnyPlan:
     """The plan of a study after its checks."""
     if isinstance(study, LocatedBody):
+        from vsb.stages.body_preview import body_before_run  # readers of meshes, which no buoy needs
+
         plan = BodyPlan(study.study, root=root, files=study.files)
         body_before_run(plan)
         return plan
+    from vsb.stages.preview import check_before_run
+
     check_before_run(study, found := StudyPlan(study, root=root))
     return found
 
 
 def make(plan: AnyPlan, targets: Collection[str], stale: Collection[str] = ()) -> None:
     """Make files of a study, and what they need; those that are there, and not stale, are kept."""
-    for job in due(jobs(plan), targets, stale):
+    _run(plan, due(jobs(plan), targets, stale), stale)
+
+
+def solve(plan: StudyPlan) -> None:
+    """Solve the frequencies of a buoy's shape that are not there: what of a study a member of a campaign needs."""
+    targets = [plan.block_path(block) for block in plan.sweep_blocks]
+    if not all(Path(path).exists() for path in targets):
+        _run(plan, due([*(_green(plan) if plan.study.uses_panels else []), *_blocks(plan)], targets))
+
+
+def _run(plan: AnyPlan, some: Sequence[Job], stale: Collection[str] = ()) -> None:
+    """Run jobs in their order, each alone at its shared files."""
+    for job in some:
         with sharing(plan.root, filter(plan.is_shared, job.makes)):
             if not all(Path(path).exists() and path not in stale for path in job.makes):  # made meanwhile, by another
                 job.run()
@@ -90,7 +108,7 @@ def jobs(plan: AnyPlan) -> list[Job]:
     """Return the jobs of a study, the rules of the workflow, each after those whose files it needs."""
     if isinstance(plan, BodyPlan):
         return [*_body(plan), *_coefficients(plan), *_runs(plan), *_answers(plan)]
-    solved = [*_blocks(plan), *_witness(plan), *_database(plan)] if plan.study.needs_bem else []
+    solved = [*_green(plan), *_blocks(plan), *_witness(plan), *_database(plan)] if plan.study.needs_bem else []
     coefficients = _coefficients(plan) if plan.study.needs_bem else []
     return [*_shell(plan), *solved, *coefficients, *_runs(plan), *_answers(plan)]
 
@@ -111,11 +129,16 @@ def _shell(plan: StudyPlan) -> Iterator[Job]:
     yield Job("display", plan.display, display, tuple(plan.display_paths))
 
 
-def _blocks(plan: StudyPlan) -> Iterator[Job]:
-    """Blocks of frequencies; the Green-function table and meshes if by panels."""
+def _green(plan: StudyPlan) -> Iterator[Job]:
+    """The Green-function table, where panels solve or vouch."""
     green = f"{plan.green_folder}.done"
     if plan.study.uses_panels or plan.witness:
         yield Job("green", None, {"folder": plan.green_folder, "out": green}, (green,))
+
+
+def _blocks(plan: StudyPlan) -> Iterator[Job]:
+    """Blocks of frequencies; their meshes if by panels."""
+    green = f"{plan.green_folder}.done"
     by_panels = [block for block in plan.bem_blocks.values() if isinstance(block, PanelsSpec)]
     for mesh, spec in {plan.mesh_path(block.mesh): block.mesh for block in by_panels}.items():
         yield Job("mesh", spec, {"out": mesh}, (mesh,))

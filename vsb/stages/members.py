@@ -2,7 +2,9 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -13,16 +15,14 @@ from vsb.hydro.dofs import displacements
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
 from vsb.results.campaign import stacked
-from vsb.results.constrained_member import Optima
-from vsb.results.constrained_year import ConstrainedYear
-from vsb.results.member import member
+from vsb.results.member import YearsWithin, member
 from vsb.results.year import frequencies
 from vsb.scenes.directions import order_bases
 from vsb.scenes.ports import ShapeWater
 from vsb.shell.modes import ModeBasis
 from vsb.shell.orders import OrderBasis
 from vsb.stages.climate import read_climate
-from vsb.stages.make import make
+from vsb.stages.make import solve
 from vsb.study.blocks import COARSEST_SWEEP
 from vsb.study.campaign_plan import Member, members
 from vsb.study.plan import StudyPlan
@@ -51,16 +51,23 @@ class Work:
     spec: MembersSpec
     root: str
     _shape: dict[tuple[str, ...], "Swept"] = field(default_factory=dict)  # of the last shape alone
-    _optima: dict[bytes, ConstrainedYear] = field(default_factory=dict)  # of rigid designs
+    _optima: dict[bytes, Any] = field(default_factory=dict)  # years of rigid designs within limits
 
     def results(self, one: Member) -> xr.Dataset:
         """Return the results of a member."""
-        optima = None
-        if given := self.spec.constrained:
-            optima = Optima(
-                lambda basis, omega: self.swept(one, basis).at(omega), given.seconds, given.seed, self._optima
-            )
-        return member(one.study, lambda basis: self.water(one, basis), self.climate, self.spec.tuning, optima)
+        water = partial(self.water, one)
+        return member(one.study, water, self.climate, self.spec.tuning, self._years_within(one))
+
+    def _years_within(self, one: Member) -> YearsWithin | None:
+        """What finds the years of a member within limits, if they are asked for; only then what is compiled is read."""
+        if not (given := self.spec.constrained):
+            return None
+        from vsb.results.constrained_member import Optima
+
+        def water(basis: ModeBasis, omega: FloatArray) -> ShapeWater:
+            return self.swept(one, basis).at(omega)
+
+        return Optima(water, given.seconds, given.seed, self._optima)
 
     def water(self, one: Member, basis: ModeBasis) -> ShapeWater:
         """Return the coefficients of the shape of a member at the frequencies of the climate."""
@@ -117,7 +124,7 @@ def swept_shape(study: Study, basis: ModeBasis, root: str) -> Swept:
         If a check on them fails that the study does not accept.
     """
     plan = StudyPlan(study, root=root)
-    make(plan, [plan.block_path(block) for block in plan.sweep_blocks])
+    solve(plan)
     families = order_bases(study, basis)
     return Swept(tuple(_of_order(plan, basis, one) for one in (None, *families)))
 

@@ -14,7 +14,6 @@ from vsb.report.shell_figures import round_factor
 from vsb.results.bins import Bins
 from vsb.scenes.directions import whole_labels
 from vsb.scenes.ports import designs_in_waves
-from vsb.stages.climate import read_climate
 from vsb.stages.living_year import Point, looked_at
 from vsb.stages.modes import shell_modes
 from vsb.study.specs import CONSTRAINED, CampaignSpec
@@ -28,13 +27,13 @@ FRAMES = PER_PERIOD * PERIODS
 
 
 def moving_year(
-    spec: CampaignSpec, ds: xr.Dataset, tuning: str, reference: str | None, climate: str, root: str
+    spec: CampaignSpec, ds: xr.Dataset, tuning: str, reference: str | None, seas: Climate, root: str
 ) -> dict[str, Any] | None:
     """Return the motion of all viable designs in one sea of a campaign's year; none where no damper is known.
 
     Parameters are those of `vsb.stages.living_year.living_year`.
     """
-    seas, place = read_climate(spec.climate, climate), shown_place(ds, tuning, reference)
+    place = shown_place(ds, tuning, reference)
     index = int(np.ravel_multi_index(list(place.values()), ds.margin.shape)) if place else 0
     point, one = looked_at(spec, index, root), ds.isel(place)
     told = next((name for name in (tuning, "one", "each", "fixed") if name in one.tuning and name != CONSTRAINED), None)

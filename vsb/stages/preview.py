@@ -8,7 +8,6 @@ import numpy as np
 
 from vsb.errors import ConfigError
 from vsb.hydro import database
-from vsb.results import ledger
 from vsb.results.year import OUTSIDE, variance_outside
 from vsb.scenes.rest import check_rests, check_spring, check_stable, reference_shell, seen_by_take_off
 from vsb.scenes.viability import viability
@@ -73,6 +72,8 @@ def summary(study: Study, plan: StudyPlan) -> list[str]:
         *(_bem_lines(study, plan) if study.needs_bem else ["hydro        assumed pressure: no BEM"]),
         *_pause_lines(study),
     ]
+    from vsb.results import ledger  # of no campaign: it reads all that runs in time
+
     checks = ledger.shell_checks(study, reference_shell(study))
     for wave in study.waves if study.hydro.model != "assumed_pressure" else ():  # which uses the period alone
         checks += ledger.wave_checks(wave, study.water, study.hydro.omega_max)

@@ -19,7 +19,10 @@ def csv_text(head: Iterable[object], rows: Iterable[Iterable[object]], digits: i
 
 
 def svg_text(figure: "Figure") -> str:
-    """Return a figure as SVG without a date."""
-    text = io.StringIO()
-    figure.savefig(text, format="svg", metadata={"Date": None})
+    """Return a figure as SVG without a date; drawn once, where `savefig` draws all of it twice to lay it out."""
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+    text, dpi, canvas = io.StringIO(), figure.dpi, FigureCanvasSVG(figure)
+    canvas.print_svg(text, metadata={"Date": None})  # type: ignore[no-untyped-call]
+    figure.set_dpi(dpi)
     return text.getvalue()

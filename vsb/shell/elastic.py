@@ -1,0 +1,143 @@
+"""The elastic shell: exact membrane and bending energy and enclosed volume over the amplitudes of a basis."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from vsb.shell.deformed import DeformedShell, Meridian, gauss_rule
+from vsb.shell.modes import ModeBasis, bending_block
+from vsb.shell.sphere import Shell
+from vsb.shell.strain import strain_shapes
+from vsb.tools.units import FloatArray
+
+
+class Tables(NamedTuple):
+    """Shapes at the quadrature points of the undeformed shell."""
+
+    colatitude: FloatArray  # (point,) [rad]
+    area: FloatArray  # of the ring of each point, (point,) [m^2]
+    dphi: FloatArray  # weights of int f dphi, (point,) [rad]
+    strains: tuple[FloatArray, FloatArray, FloatArray]  # `strain_shapes`
+    meridian: Meridian
+
+
+@lru_cache(maxsize=16)
+def _tables(basis: ModeBasis, points: int) -> Tables:
+    """Shapes at so many quadrature points, once for all materials; not to be written to."""
+    cos, weight = gauss_rule(points)
+    colatitude, area = np.arccos(cos), 2 * np.pi * basis.shell.radius**2 * weight
+    if basis.shell.rest is not None:
+        at = basis.shell.at_rest(colatitude)
+        area = 2 * np.pi * at.x * np.hypot(at.dx, at.dz) * weight / np.sin(colatitude)
+    meridian = DeformedShell(basis, 0.0).meridian(colatitude)
+    return Tables(colatitude, area, weight / np.sin(colatitude), strain_shapes(basis, colatitude), meridian)
+
+
+@dataclass(frozen=True)
+class ElasticShell:
+    """Exact elastic energy and enclosed volume over the amplitudes of a basis; bending always included.
+
+    The Green-Lagrange membrane strains E_phi = e_phi + (e_phi^2 + beta^2)/2 and E_theta = e_theta + e_theta^2/2 are
+    those of the deformed surface; bending is quadratic. Every integrand is a polynomial in cos phi, of degree at most
+    4N (energy) or 3N+2 (volume), so Gauss-Legendre quadrature with 2N+2 points or more is exact.
+    """
+
+    basis: ModeBasis
+
+    @cached_property
+    def _tables(self) -> Tables:
+        prestress = converged_degree(self.basis.shell) // 2  # points for membrane forces of more degrees than the basis
+        further = 4 * (self.basis.turns + 16) if self.basis.shell.rest is not None else 0
+        return _tables(self.basis.immaterial, 2 * self.basis.highest_degree + 2 + prestress + further)
+
+    @property
+    def rings(self) -> tuple[FloatArray, FloatArray]:
+        """Colatitudes of the quadrature points [rad] and the areas of their rings [m^2], each shape (point,)."""
+        return self._tables.colatitude, self._tables.area
+
+    @cached_property
+    def bending(self) -> FloatArray:
+        """Stiffness of bending, shape (dof, dof) [N/m]; the curvatures hold V - U alone, so one number per degree."""
+        if self.basis.shell.rest is not None:
+            return self.basis.integrated("bending")
+        n, shape = np.array(self.basis.degrees), np.array([mode.radial - mode.meridional for mode in self.basis.shapes])
+        scale = np.array([bending_block(self.basis.shell, degree)[0, 0] for degree in self.basis.degrees])
+        return np.where(n[:, None] == n, np.outer(scale * shape, shape), 0.0)
+
+    def strains(self, q: FloatArray, colatitude: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
+        """Return Green-Lagrange strains E_phi, E_theta, each shape (point,) [-]; at the quadrature points if none."""
+        shapes = self._tables.strains if colatitude is None else strain_shapes(self.basis, colatitude)
+        meridional, hoop, rotation = (q @ shape for shape in shapes)
+        return meridional + (meridional**2 + rotation**2) / 2, hoop + hoop**2 / 2
+
+    def resultants(self, q: FloatArray, colatitude: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
+        """Return membrane forces N_phi = C (E_phi + nu E_theta), N_theta, each (point,) [N per metre undeformed]."""
+        return self._hooke(*self.strains(q, colatitude))
+
+    def _hooke(self, meridional: FloatArray, hoop: FloatArray) -> tuple[FloatArray, FloatArray]:
+        shell = self.basis.shell
+        stiffness, nu = shell.membrane_stiffness, shell.poisson_ratio
+        return stiffness * (meridional + nu * hoop), stiffness * (hoop + nu * meridional)
+
+    def _strain_gradients(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Derivatives of E_phi and E_theta by the amplitudes, each shape (dof, point) [1/m]."""
+        meridional, hoop, rotation = self._tables.strains
+        return (1 + q @ meridional) * meridional + (q @ rotation) * rotation, (1 + q @ hoop) * hoop
+
+    def energy(self, q: FloatArray) -> float:
+        """Return U = pi C int (E_phi^2 + E_theta^2 + 2 nu E_phi E_theta) r^2 sin phi dphi + bending [J]."""
+        density = sum(strain * force for strain, force in zip(self.strains(q), self.resultants(q), strict=True)) / 2
+        energy: float = np.dot(density, self._tables.area) + np.dot(q, self.bending @ q) / 2
+        return energy
+
+    def force(self, q: FloatArray) -> FloatArray:
+        """Return the elastic force -dU/dq, shape (dof,) [N]."""
+        (a, t), (meridional, hoop), area = self._strain_gradients(q), self.resultants(q), self._tables.area
+        return -(a @ (area * meridional) + t @ (area * hoop) + self.bending @ q)
+
+    def material_stiffness(self, q: FloatArray) -> FloatArray:
+        """Return the part of the Hessian of U that holds the elastic moduli, bending included, (dof, dof) [N/m]."""
+        (a, t), area = self._strain_gradients(q), self._tables.area
+        meridional, hoop = self._hooke(a, t)
+        return (area * a) @ meridional.T + (area * t) @ hoop.T + self.bending
+
+    def geometric_stiffness(self, meridional: FloatArray, hoop: FloatArray) -> FloatArray:
+        """Return int [N_phi (e_phi e_phi + beta beta) + N_theta e_theta e_theta] dA, shape (dof, dof) [N/m]."""
+        (e, t, b), area = self._tables.strains, self._tables.area
+        return (area * meridional * e) @ e.T + (area * meridional * b) @ b.T + (area * hoop * t) @ t.T
+
+    def stiffness(self, q: FloatArray) -> FloatArray:
+        """Return the Hessian of U, material and geometric, shape (dof, dof) [N/m]."""
+        return self.material_stiffness(q) + self.geometric_stiffness(*self.resultants(q))
+
+    def _deformed(self, q: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Radius x of the deformed meridian, dx/dphi and dz/dphi at the quadrature points, each shape (point,) [m]."""
+        m = self._tables.meridian
+        return m.x + q @ m.shape_x, m.dx + q @ m.dshape_x, m.dz + q @ m.dshape_z
+
+    def volume(self, q: FloatArray) -> float:
+        """Return the enclosed volume pi int x^2 dz over the closed meridian [m^3]."""
+        x, _, dz = self._deformed(q)
+        volume: float = -np.pi * np.dot(x**2 * dz, self._tables.dphi)  # phi runs downwards
+        return volume
+
+    def volume_gradient(self, q: FloatArray) -> FloatArray:
+        """Return dV/dq_j = int n.psi_j dS, shape (dof,) [m^2]."""
+        (x, dx, dz), weight, m = self._deformed(q), 2 * np.pi * self._tables.dphi, self._tables.meridian
+        return m.shape_z @ (weight * x * dx) - m.shape_x @ (weight * x * dz)
+
+    def volume_hessian(self, q: FloatArray) -> FloatArray:
+        """Return d2V/dq_j dq_k = -2 pi int [x_j x_k z' + x (x_j z_k' + x_k z_j')] dphi, shape (dof, dof) [m]."""
+        (x, _, dz), weight = self._deformed(q), 2 * np.pi * self._tables.dphi
+        shape = self._tables.meridian.shape_x
+        mixed = (x * weight * shape) @ self._tables.meridian.dshape_z.T
+        return -((dz * weight * shape) @ shape.T + mixed + mixed.T)
+
+
+def converged_degree(shell: Shell) -> int:
+    """Return 1.6 times the classical degree of buckling, sqrt(r/h) [12 (1 - nu^2)]^(1/4), and at least 40."""
+    slenderness = shell.radius / shell.thickness
+    return max(40, math.ceil(1.6 * math.sqrt(slenderness * math.sqrt(12 * (1 - shell.poisson_ratio**2)))))
