@@ -139,3 +139,22 @@ def test_the_second_channel_is_the_second_of_many():
     damping = np.diag([1.0, 0.1, 0.0])[None]
     ds = xr.Dataset({"radiation_damping": (("omega", "influenced_dof", "radiating_dof"), damping)})
     assert quality.second_channel(ds, np.ones((3, 3))) == pytest.approx(0.1)
+
+
+def test_limits_are_those_of_panels_unless_more_is_asked_for(perfect):
+    """And a fraction of them to that precision, of what needs the whole band no less than a tenth."""
+    identities = {"symmetry": 0.01, "positive_damping": 0.01, "rank_one": 0.02, "haskind": 0.05}
+    known = {check.name: check.limit for check in quality.pointwise_checks(perfect, WATER)}
+    assert known == identities
+    assert {check.name: check.limit for check in quality.sweep_checks(perfect)} == dict.fromkeys(
+        ("irregular_frequencies", "kramers_kronig"), 0.02
+    )
+    whole = {check.name: check.limit for check in quality.verdict(perfect, None, WATER)}
+    assert whole == identities | {"irregular_frequencies": 0.02, "kramers_kronig": 0.02}
+    strict = {check.name: check.limit for check in quality.verdict(perfect, None, WATER, 0.01)}
+    expected = {name: 0.01 * limit for name, limit in identities.items()}
+    assert strict == pytest.approx(expected | {"irregular_frequencies": 0.02, "kramers_kronig": 0.002})
+    assert failed(perfect) == set()
+    assert quality.haskind_difference(perfect, np.inf, RHO, G) < 1e-9
+    twice = quality.haskind_damping(perfect, np.inf, RHO, G, 1) * 2
+    np.testing.assert_allclose(quality.haskind_damping(perfect, np.inf, RHO, G), twice)

@@ -233,3 +233,15 @@ def test_drift_is_the_displacement_of_the_worst_clamp(seed):
     positions[1, 0], positions[2, 1] = 5.0, -0.02  # heave moves no shell; breathing moves it everywhere
     assert constraint_drift(positions[:2], rows) == 0.0
     assert constraint_drift(positions, rows) == pytest.approx(0.02)
+
+
+@pytest.mark.parametrize("given", [(), (0.0,), (1.5,)], ids=["paper", "none", "stabilised"])
+def test_what_is_held_is_pushed_only_by_a_stabilisation(seed, given):
+    """Phi p'' = -2 gamma Phi p' - gamma^2 Phi p; without gamma, the paper's, nothing."""
+    basis, plant = scene(seed, "membrane", 2)
+    rows = basis.clamp_rows(np.array([0.0]))
+    system, rate = constrained(plant, rows, *given), given[0] if given else 0.0
+    n, held = system.free, rows @ system.shapes
+    found = held @ system.matrix[n : 2 * n]
+    np.testing.assert_allclose(found[:, n : 2 * n], -2 * rate * held, atol=1e-9 * np.abs(system.matrix).max())
+    np.testing.assert_allclose(found[:, :n] * system.scale, -(rate**2) * held, atol=1e-9 * np.abs(system.matrix).max())
