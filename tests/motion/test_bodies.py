@@ -138,6 +138,21 @@ def test_a_stiff_barge_moves_as_the_rigid_one(database):
     assert missed[0] / missed[1] == pytest.approx(10.0, rel=0.05)
 
 
+def test_a_barge_much_heavier_than_water_rings_as_a_free_free_beam(database):
+    """Mass and stiffness grow alike, the water's share goes with one over them: (k_n/L)^2 sqrt(EI/m) of beam theory."""
+    of_length = DENSITY * BARGE.beam * BARGE.draught
+    beam = (np.array([4.730040744863, 7.853204624096]) / BARGE.length) ** 2 * np.sqrt(
+        BARGE.bending_stiffness / of_length
+    )
+    missed = []
+    for factor in (1e3, 1e4):
+        mass, stiffness = factor * database.inertia_matrix.values, factor * database.structural_stiffness.values
+        frequencies, _ = linear_body(database, mass=mass, stiffness=stiffness).natural_modes(np.eye(8))
+        missed.append(np.abs(frequencies[-2:] / beam - 1).max())
+    assert missed[1] < 1e-4
+    assert missed[0] / missed[1] == pytest.approx(10.0, rel=0.05)
+
+
 def test_held_motions_are_those_left_out(database):
     omega = np.array([0.7, 1.3])
     motions = np.eye(8)[:, [2, 4, 6]]

@@ -25,6 +25,12 @@ def test_a_limit_of_buoys_of_revolution_is_none_of_a_body():
     assert body["added_mass_damping"].endswith("all degrees of freedom; dotted: heave.")
 
 
+def test_a_port_that_reaches_more_than_heave_has_its_own_limit():
+    said = captions(given=True, body=False, limit="2 λ/2π")["absorbed_power"]
+    assert "a capture width of 2 λ/2π, the limit of a body of revolution at this port" in said
+    assert "heaving" not in said
+
+
 def test_what_is_left_out_stands_first():
     told, plain = captions("without drag", given=True, body=False), captions(given=True, body=False)
     changed = {name for name in plain if told[name] != plain[name]}

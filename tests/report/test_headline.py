@@ -38,6 +38,9 @@ def test_a_wave_of_which_the_rigid_design_takes_next_to_nothing_leads_nowhere():
         "Over all waves that carry power but those of which the rigid design takes next to nothing, tuned wave"
     )
     assert "times as much" not in second
+    powers.loc["FSB"] = best_power().sel(design="FSB") + 30 * np.exp(-(((OMEGA - 0.6) / 0.01) ** 2))
+    _, second = headline([line("FSB", 0.0), line("A", 20.0)], powers, "FSB", SEAS, 1e-3)
+    assert second.startswith("Over all waves that carry power, tuned"), "a twentieth of a peak is not nothing"
 
 
 def test_the_best_design_its_interval_and_the_band():

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from vsb.stages import response
+from vsb.study.take_off import Pto
 from vsb.tools.files import load
+from vsb.tools.units import AT_ROTATION, described
 
 
 @pytest.fixture
@@ -38,3 +40,10 @@ def test_wave_frequencies_are_of_the_grid_and_a_response_made_again_is_the_same(
     response.run(small.response, small.database_path, str(tmp_path / "again.nc"))
     assert load(tmp_path / "again.nc").identical(ds)
     assert set(ds.wet_design.values) == {"FSB", "VSWEC"}
+
+
+@pytest.mark.parametrize("port", ["pitch", {"dof": "Roll"}])
+def test_a_response_at_a_rotation_is_in_units_of_moments(port, ds):
+    told = described(ds.assign_attrs(port=response.port_in_words(Pto(port=port))))
+    seen = ("port_impedance", "port_velocity", "best_damping")
+    assert [told[name].attrs["units"] for name in seen] == [AT_ROTATION[name] for name in seen]

@@ -6,7 +6,7 @@ from conftest import SEED, varied
 from vsb.errors import ConfigError
 from vsb.study.plan import StudyPlan
 from vsb.study.study import canonical, load, parse
-from vsb.study.take_off import Pto, at_port
+from vsb.study.take_off import DofPort, Pto, at_port, damper_unit
 
 
 @pytest.fixture(scope="module")
@@ -215,10 +215,17 @@ def test_a_port_between_two_points_needs_two():
         parse({**load(SEED).model_dump(), "pto": {"damping": 8000.0, "port": {"between": [30.0, 30.0]}}})
 
 
-def test_a_take_off_of_the_volume_is_spoken_of_in_pressures():
+def test_a_take_off_of_the_volume_is_spoken_of_in_pressures_and_of_a_rotation_in_moments():
     """And of any other in forces, as it is written."""
     said = ["damper [N s/m]", "rms force [kN]", "rms force of the take-off [kN]", "gain [%]"]
     assert [at_port(text, "heave") for text in said] == said
     assert [at_port(text, "volume") for text in said] == [
         "damper [Pa s/m³]", "rms pressure [kPa]", "rms pressure of the take-off [kPa]", "gain [%]"
     ]  # fmt: skip
+    for port in ("pitch", {"dofs": {"fore__Pitch": 1.0, "aft__Pitch": -1.0}}, DofPort(dofs={"Roll": 1.0})):
+        assert [at_port(text, port) for text in said] == [
+            "damper [N m s]", "rms moment [kN m]", "rms moment of the take-off [kN m]", "gain [%]"
+        ]  # fmt: skip
+        assert damper_unit(port) == "N m s"
+    for port in ({"dofs": {"Heave": 1.0, "Pitch": -40.0}}, {"line_to": (20.0, -50.0)}, "surge"):
+        assert [at_port(text, port) for text in said] == said

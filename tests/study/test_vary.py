@@ -109,9 +109,10 @@ def test_mistakes_are_told_in_one_line(raw, message):
 
 
 @pytest.mark.parametrize(
-    ("key", "force", "pressure"),
-    [("pto.force_limit", "N", "Pa"), ("pto.stroke_limit", "m", "m^3"), ("pto.damping", "N s/m", "Pa s/m^3"),
-     ("pto.stiffness", "N/m", "Pa/m^3"), ("device.radius", "m", "m"), ("pto.efficiency", "1", "1")]
+    ("key", "force", "pressure", "moment"),
+    [("pto.force_limit", "N", "Pa", "N m"), ("pto.stroke_limit", "m", "m^3", "rad"),
+     ("pto.damping", "N s/m", "Pa s/m^3", "N m s"), ("pto.stiffness", "N/m", "Pa/m^3", "N m"),
+     ("device.radius", "m", "m", "m"), ("pto.efficiency", "1", "1", "1")]
 )  # fmt: skip
-def test_units_of_a_take_off_are_those_of_its_port(key, force, pressure):
-    assert (unit(key), unit(key, "volume")) == (force, pressure)
+def test_units_of_a_take_off_are_those_of_its_port(key, force, pressure, moment):
+    assert (unit(key), unit(key, "volume"), unit(key, "pitch")) == (force, pressure, moment)

@@ -4,7 +4,7 @@ import xarray as xr
 from tools.test_files import rao
 
 from vsb.errors import DatabaseError
-from vsb.tools.units import AT_VOLUME, ATTRS, check_finite, described, merged, separated
+from vsb.tools.units import AT_ROTATION, AT_VOLUME, ATTRS, check_finite, described, merged, separated
 
 
 def test_separated_form_is_the_one_capytaine_writes():
@@ -40,7 +40,9 @@ def test_what_a_take_off_sees_of_a_volume_is_in_units_of_pressure_and_flow():
     units = {name: v.attrs["units"] for name, v in described(found.assign_attrs(port="volume: pressure")).items()}
     assert units == {"port_velocity": "m^2/s", "best_power": "W/m^2"}
     assert described(found.assign_attrs(port="heave")).port_velocity.attrs["units"] == "1/s"
-    assert all(unit != ATTRS[name].units for name, unit in AT_VOLUME.items())
+    assert all(unit != ATTRS[name].units for at in (AT_VOLUME, AT_ROTATION) for name, unit in at.items())
+    for port in ("pitch", '{"dofs":{"Roll":1.0}}: moment against angular velocity, impedance in N m s'):
+        assert described(found.assign_attrs(port=port)).port_velocity.attrs["units"] == "rad/(m s)"
 
 
 def test_real_datasets_are_left_as_they_are():

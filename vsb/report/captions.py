@@ -36,13 +36,15 @@ OF_THE_RESPONSE = ("absorbed_power", "reactance")
 """Figures of the frequency response, which knows no amplitude."""
 OWN = "each design at its own best damper at every frequency"
 LIMIT = "a capture width of a wavelength over 2π"
+HEAVING = f"{LIMIT}, the limit of an axisymmetric heaving body"
+REVOLUTION = "a body of revolution at this port"
 SAME = (
     ", and that limit is the same for all shells but for their structural loss: under a best damper flexibility pays "
     "if and only if it lowers Q"
 )
 
 
-def captions(neglected: str = "", *, given: bool, body: bool) -> dict[str, str]:
+def captions(neglected: str = "", *, given: bool, body: bool, limit: str = "") -> dict[str, str]:
     """Return the captions of a study's figures by kind.
 
     Parameters
@@ -53,10 +55,12 @@ def captions(neglected: str = "", *, given: bool, body: bool) -> dict[str, str]:
         Whether a damper is given, at which powers are drawn beside those of the best ones.
     body : bool
         Whether it is no buoy of revolution, whose limit is known whatever its shell.
+    limit : str
+        The capture width of that limit where the port reaches more than heave.
     """
     words = {
         "dampers": f"left {OWN}, right at the given damper" if given else OWN,
-        "limit": LIMIT if body else f"{LIMIT}, the limit of an axisymmetric heaving body",
+        "limit": LIMIT if body else f"a capture width of {limit}, the limit of {REVOLUTION}" if limit else HEAVING,
         "same": "" if body else SAME,
         "moving": "all degrees of freedom; dotted: heave" if body else HEAVE,
     }

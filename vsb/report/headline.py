@@ -64,10 +64,11 @@ def _elsewhere(others: Sequence[dict[str, Any]], count: int) -> str:
 def _over_band(best_power: xr.DataArray, reference: str, neglected: str) -> list[str]:
     """What flexible designs take over all waves: the most and the least, where, and which of them.
 
-    Where the rigid design takes next to nothing, any power is a thousandfold of it: that is no gain to lead with.
+    Where the rigid design takes next to nothing, of its own and of what others take, any power is a thousandfold of
+    it: that is no gain to lead with.
     """
     useful, rigid = useful_band(best_power), best_power.sel(design=reference, drop=True)
-    takes = rigid >= USEFUL * rigid.max()
+    takes = (rigid >= USEFUL * rigid.max()) | (rigid >= 0.1 * best_power.max("design"))
     shown = best_power.where(useful & takes, drop=True)
     if shown.sizes["omega"] < 2 or not float(shown.sel(design=reference).min()) > 0:
         return []

@@ -312,7 +312,8 @@ def render(report: Report) -> str:
         *irregular_statements(report.statistics, report.reference, report.seas, tuned, where),
     ]
     failed = warnings(report.checks)
-    told = captions(_neglected(report), given=given, body=report.thing == "body")
+    limit = "" if response is None else str(response.attrs.get("limit", ""))
+    told = captions(_neglected(report), given=given, body=report.thing == "body", limit=limit)
     text = page(
         "report.html.j2",
         study=report.study["study"],

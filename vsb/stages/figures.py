@@ -34,7 +34,7 @@ def run(study: AnyStudy, trajectories: str, out: str, manifest: str, **files: st
         runs=found.runs,
         witness=found.witness,
         tuned=study.pto.damping is None,
-        limit="limit λ/2π" if isinstance(study, Study) else "λ/2π",
+        limit=f"limit {found.response.attrs.get('limit', 'λ/2π')}" if isinstance(study, Study) else "λ/2π",
         spectra=_spectra(study, found.plan.highest),
     )
     written: list[str] = []

@@ -16,7 +16,7 @@ from vsb.stages.stage import stamp
 from vsb.study.body_specs import BodyResponseSpec
 from vsb.study.specs import ResponseSpec
 from vsb.study.study import canonical
-from vsb.study.take_off import Pto
+from vsb.study.take_off import Pto, turns
 from vsb.tools.files import save
 from vsb.tools.units import FloatArray
 from vsb.waves.dispersion import power_limit
@@ -26,8 +26,12 @@ TAKE_OFF = {True: "best_damping at each frequency", False: "the given damping"}
 
 
 def port_in_words(pto: Pto) -> str:
-    """Return what the take-off acts on; of the volume, whose impedance is no mechanical one, with its units."""
-    units = ": pressure against volume flow, impedance in Pa s/m^3, velocity in m^2/s" if pto.port == "volume" else ""
+    """Return what the take-off acts on; where that is no displacement, the volume or a rotation, with its units."""
+    units = ""
+    if pto.port == "volume":
+        units = ": pressure against volume flow, impedance in Pa s/m^3, velocity in m^2/s"
+    elif turns(pto.port):
+        units = ": moment against angular velocity, impedance in N m s, velocity in rad/s"
     return canonical(pto.port).strip('"') + units
 
 

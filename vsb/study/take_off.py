@@ -18,7 +18,7 @@ from pydantic import (
 )
 
 from vsb.study.device import Device
-from vsb.study.quantities import Finite, Name, NonNegative, Number, Section, within
+from vsb.study.quantities import ROTATIONS, Finite, Name, NonNegative, Number, Section, motion_of, within
 from vsb.tools.words import shortened
 
 Colatitude = Annotated[Number, Field(ge=0, le=180)]
@@ -128,9 +128,15 @@ Dampers = Annotated[
 """One damper for all designs, or one for each."""
 
 
+def turns(port: object) -> bool:
+    """Return whether a port, as `pto.port` says it, is a rotation alone, on which a moment acts."""
+    dofs = port.get("dofs", {}) if isinstance(port, dict) else getattr(port, "dofs", {})
+    return port == "pitch" or (bool(dofs) and all(motion_of(name) in ROTATIONS for name in dofs))
+
+
 def damper_unit(port: object) -> str:
-    """Return the unit of a damper at a port, as `pto.port` says it; at a volume a pressure over a flow."""
-    return "Pa s/m³" if port == "volume" else "N s/m"
+    """Return the unit of a damper at a port, as `pto.port` says it: force, pressure or moment over what it moves at."""
+    return "Pa s/m³" if port == "volume" else "N m s" if turns(port) else "N s/m"
 
 
 _AT_VOLUME = {
@@ -141,10 +147,19 @@ _AT_VOLUME = {
 """What is said of force and damper at a port that moves -> of pressure and damper at the volume."""
 
 
+_AT_ROTATION = {
+    "N s/m": "N m s", "rms force of the take-off [kN]": "rms moment of the take-off [kN m]",
+    "rms force [kN]": "rms moment [kN m]", "limit of force [kN]": "limit of moment [kN m]", "1e3)} kN": "1e3)} kN m",
+    "the take-off's force": "the take-off's moment",
+}  # fmt: skip
+"""Likewise of moment and damper at a rotation."""
+
+
 def at_port(text: str, port: object) -> str:
     """Return a text about a take-off, or a page with its scripts, in units of a port as `pto.port` says it."""
-    for force, pressure in _AT_VOLUME.items() if port == "volume" else ():
-        text = text.replace(force, pressure)
+    said = _AT_VOLUME if port == "volume" else _AT_ROTATION if turns(port) else {}
+    for force, other in said.items():
+        text = text.replace(force, other)
     return text
 
 

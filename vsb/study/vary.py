@@ -33,6 +33,10 @@ AT_VOLUME = {
     "pto.damping": "Pa s/m^3", "pto.stiffness": "Pa/m^3", "pto.force_limit": "Pa", "pto.stroke_limit": "m^3"
 }  # fmt: skip
 """Units of keys of a take-off of the volume."""
+AT_ROTATION = {
+    "pto.damping": "N m s", "pto.stiffness": "N m", "pto.force_limit": "N m", "pto.stroke_limit": "rad"
+}  # fmt: skip
+"""Likewise of pitch."""
 PORT = "pto.port"
 _FORMS = "a list of values, {log: [first, last, count]} or {linear: [first, last, count]}"
 _SPACED = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 3}
@@ -60,7 +64,7 @@ _DIGITS = 12
 def unit(key: str, port: str = "") -> str:
     """Return the unit of a key, of a take-off's beside its port."""
     known = UNITS.get(key.rpartition(".")[2], "1")
-    return AT_VOLUME.get(key, known) if port == "volume" else known
+    return {"volume": AT_VOLUME, "pitch": AT_ROTATION}.get(port, {}).get(key, known)
 
 
 class Vary(Section):

@@ -242,13 +242,18 @@ AT_VOLUME = {
     "tried_damping": "Pa s/m^3", "force_rms": "Pa", "force_of_damping": "Pa",
 }  # fmt: skip
 """Units of what a take-off sees of a volume, and of what it does there: pressure against volume flow."""
+AT_ROTATION = {
+    "port_impedance": "N m s", "port_velocity": "rad/(m s)", "best_damping": "N m s", "damping": "N m s",
+    "tried_damping": "N m s", "force_rms": "N m", "force_of_damping": "N m",
+}  # fmt: skip
+"""Likewise of a rotation: moment against angular velocity."""
 
 
 def described(ds: xr.Dataset) -> xr.Dataset:
     """Return the dataset with dimensions in order and units on everything.
 
     Coordinates an attribute `varied` names, keys of a study, have units of their own; "..." are their dimensions. Where
-    an attribute `port` says that a take-off acts on the volume, what it sees has units of that port.
+    an attribute `port` says that a take-off acts on the volume or on a rotation, what it sees has units of that port.
 
     Raises
     ------
@@ -258,14 +263,16 @@ def described(ds: xr.Dataset) -> xr.Dataset:
     varied = set(str(ds.attrs.get("varied", "")).split())
     if unknown := {str(name) for name in ds.variables} - set(ATTRS) - set(_LABELS) - varied:
         raise DatabaseError(f"variables {sorted(unknown)} are not in vsb.units.ATTRS; add them there first.")
-    units = AT_VOLUME if str(ds.attrs.get("port", "")).startswith("volume") else {}
+    port = str(ds.attrs.get("port", ""))
+    turned = port.startswith("pitch") or "against angular velocity" in port
+    units = AT_VOLUME if port.startswith("volume") else AT_ROTATION if turned else {}
     known = {
         name: _told(ds.variables[name], ATTRS[str(name)], units.get(str(name)))
         for name in ds.variables
         if name in ATTRS and name not in varied
     }
-    turned = {name: variable for name, variable in known.items() if variable.dims != ds.variables[name].dims}
-    out = ds.assign(turned).set_coords(set(turned) & set(ds.coords)) if turned else ds.copy()
+    reordered = {name: variable for name, variable in known.items() if variable.dims != ds.variables[name].dims}
+    out = ds.assign(reordered).set_coords(set(reordered) & set(ds.coords)) if reordered else ds.copy()
     for name, variable in known.items():
         out.variables[name].attrs = variable.attrs
     return out
