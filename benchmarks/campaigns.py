@@ -7,7 +7,7 @@ its own hydro database, so its powers differ by what interpolation over frequenc
 
 import math
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -21,6 +21,7 @@ from vsb.motion.port import Port
 from vsb.motion.tuning import best_damper_of_each, best_dampers
 from vsb.results.in_time import DesignInTime
 from vsb.results.member import ports_year, with_designs
+from vsb.results.verification import chances, drawn, verified
 from vsb.results.year import DesignYear, Tuning, frequencies
 from vsb.scenes.afloat import linear_buoy, study_port
 from vsb.scenes.ports import design_ports
@@ -42,6 +43,8 @@ STUDIES = 3
 """Points computed as studies of their own, a database each."""
 SEAS = 6
 """Seas run in time."""
+VERIFIED = 12
+"""Seas that verify a year."""
 MODEL: Literal["body_exact"] = "body_exact"
 DAMPER = 2e4
 """Damper of the runs [N s/m]."""
@@ -124,21 +127,47 @@ def rigid_in_time(plan: CampaignPlan, one: Member) -> Study:
     return study
 
 
-def in_seas(study: Study, root: str, climate: Climate, *, shared: bool) -> FloatArray:
-    """Return the mean power of one design in `SEAS` seas, prepared once or for each sea, shape (sea,) [W]."""
+def in_seas(
+    study: Study, root: str, climate: Climate, draws: Iterable[tuple[int, int]], damper: float, *, shared: bool
+) -> FloatArray:
+    """Return mean powers of a design in seas with their seeds, body-exact and linear, shape (2, draw) [W]."""
     simulation = study.simulation
 
     def prepared() -> DesignInTime:
-        return next(iter(in_time(study, root).values())).under(DAMPER)
+        return next(iter(in_time(study, root).values())).under(damper)
 
-    def power(sea: int, design: DesignInTime) -> float:
+    def powers(sea: int, seed: int, design: DesignInTime) -> tuple[float, float]:
         low, high = design.buoy.database.omega.values[[0, -1]]
-        waves = realised(climate, sea, simulation.duration, sea, low, high)
-        return design.powers(waves, simulation, MODEL)[0]
+        waves = realised(climate, sea, simulation.duration, seed, low, high)
+        return design.powers(waves, simulation, MODEL)
 
     once = prepared()
-    seas = np.linspace(0, len(climate.hours) - 1, SEAS).astype(int).tolist()
-    return np.array([power(sea, once if shared else prepared()) for sea in seas])
+    return np.array([powers(sea, seed, once if shared else prepared()) for sea, seed in draws]).T
+
+
+def evenly(climate: Climate) -> list[tuple[int, int]]:
+    """Return `SEAS` seas of a year, evenly apart, their numbers also their seeds."""
+    return [(sea, sea) for sea in np.linspace(0, len(climate.hours) - 1, SEAS).astype(int).tolist()]
+
+
+def verified_year(
+    study: Study, root: str, ports: Mapping[str, Port], climate: Climate, tried: FloatArray, *, shared: bool
+) -> FloatArray:
+    """Return the powers of `at_once`, one after another, and the verified one of a design, (design damper + 1,) [W].
+
+    The design is that of the study, at its best damper, verified by the seas drawn from its year. Plainly it is a
+    loop over hours, designs and dampers, and runs each of which reads all it needs.
+    """
+    (design,) = study.designs
+    table = (at_once if shared else by_hours)(list(ports.values()), climate, tried)
+    year = ports_year(study, {design: ports[design]}, climate, ("one",))
+    damper = year.damping[0, 0, :1]
+    annual = year.annual_mean_power[:, 0] if shared else by_hours([ports[design]], climate, damper)[:, 0]
+    sample = drawn(chances(year, "one"), climate.hours, VERIFIED, 1)
+    draws = zip(sample.sea.tolist(), sample.seed.tolist(), strict=True)
+    better, linear = in_seas(study, root, climate, draws, float(damper[0]), shared=shared)
+    found = replace(verified(year, "one", sample, better[None], linear[None]), linear_year=annual)
+    return np.append(table.ravel(), found.corrected)
 
 
 def compared(case: str, cells: int, fast: Callable[[], FloatArray], plain: Callable[[], FloatArray]) -> Row:
@@ -176,13 +205,14 @@ def benchmark(config: str, place: str | Path, dampers: int = DAMPERS, count: int
     )
     rest = reference_shell(some[0].study)
     water = Work(climate, next(iter(plan.batches.values())), plan.root).water(some[0], rest.basis)
-    ports = list(design_ports(some[0].study, rest, water).values())
+    named = design_ports(some[0].study, rest, water)
+    ports = list(named.values())
     few, rigid = some[:STUDIES], rigid_in_time(plan, some[0])
     tried, squares = np.geomspace(1e3, 1e6, dampers), DesignYear(ports[0], climate).squares
     many = [port for _ in range(count) for port in ports]
     with tempfile.TemporaryDirectory() as name:
         sweep(plan, some, Path(name, "before"), shared=True)  # coefficients and compiled loops are there for both
-        in_seas(rigid, plan.root, climate, shared=True)
+        in_seas(rigid, plan.root, climate, evenly(climate)[:1], DAMPER, shared=True)
         anew = replace(plan, root=f"{name}/anew")
         rows = [
             compared(
@@ -205,8 +235,13 @@ def benchmark(config: str, place: str | Path, dampers: int = DAMPERS, count: int
             ),
             compared(
                 "seas in time, each run alone", SEAS,
-                lambda: in_seas(rigid, plan.root, climate, shared=True),
-                lambda: in_seas(rigid, plan.root, climate, shared=False),
+                lambda: in_seas(rigid, plan.root, climate, evenly(climate), DAMPER, shared=True),
+                lambda: in_seas(rigid, plan.root, climate, evenly(climate), DAMPER, shared=False),
+            ),
+            compared(
+                "verified year, by loops", len(ports) * dampers * n + VERIFIED,
+                lambda: verified_year(rigid, plan.root, named, climate, tried, shared=True),
+                lambda: verified_year(rigid, plan.root, named, climate, tried, shared=False),
             ),
         ]  # fmt: skip
     write_text(folder / "campaigns.csv", as_csv(rows, COLUMNS))

@@ -22,10 +22,11 @@ def test_a_year_is_what_a_loop_over_its_hours_says(step):
 
 def test_the_table_has_seconds_of_both_ways_and_their_difference(tmp_path, monkeypatch):
     monkeypatch.setattr(campaigns, "SEAS", 1)
+    monkeypatch.setattr(campaigns, "VERIFIED", 4)
     short = {"duration": 4.0, "window": [2.0, 4.0]}
     planned(with_seas(tmp_path, (1.0, 6.0), (2.3, 9.5)), THICKER, simulation=short)
     rows = campaigns.benchmark(str(tmp_path / "sweep.yaml"), tmp_path / "out", dampers=3, count=2)
-    assert [row["cells"] for row in rows] == [2 * 3, 2 * 2, 2, 2, 1]
+    assert [row["cells"] for row in rows] == [2 * 3, 2 * 2, 2, 2, 1, 2 * 3 + 4]
     of_interpolation = {"sweep, each member a study": 1e-8}
     assert all(row["error"] < of_interpolation.get(row["case"], 1e-12) and row["seconds"] > 0 for row in rows)
     written = list(csv.DictReader((tmp_path / "out" / "campaigns.csv").read_text().splitlines()))
