@@ -99,6 +99,10 @@ def test_waves_are_checked_for_steepness_and_band():
     cut = ledger.wave_checks(Jonswap(kind="jonswap", hs=0.5, tp=4.0), Water(), 2.0)[1]
     assert cut.name.startswith("spectrum_cut")
     assert cut.verdict != "ok"
+    assert cut.explanation == "share of the sea above hydro.omega_max"
+    below = ledger.wave_checks(Jonswap(kind="jonswap", hs=0.5, tp=4.0), Water(), 2.0, 1.4)[1]
+    assert below.value > cut.value
+    assert "beyond 1.4 to 2 rad/s of the database" in below.explanation
     assert ledger.wave_checks(StillWater(kind="still"), Water(), 12.0) == []
 
 
