@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from vsb.errors import ConfigError
-from vsb.integrators.settled import Trials, settled_power
+from vsb.hydro.statespace import RadiationModel
+from vsb.integrators.settled import Trials, _settling, settled_power
 from vsb.integrators.switching import Switching
-from vsb.motion.forces import Damper, Excitation, Spring
+from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.motion.take_off import TakeOff
@@ -59,3 +60,19 @@ def test_trials_begin_where_the_best_before_ended_and_end_where_a_run_from_rest_
     assert powers == pytest.approx(expected, rel=2e-3)
     assert powers[1] == max(powers)
     assert begun == [0.0, ended[0.8], ended[0.85], ended[0.85]]
+
+
+def test_a_motion_goes_on_where_it_was_left_with_all_it_remembers():
+    """Four periods and eight more are twelve at once: position, velocity and the water's memory."""
+    turning, channel = np.array([[0.0, 1.4], [-1.4, 0.0]]), np.array([1.0, 0.6])
+    memory = RadiationModel(turning - np.outer(channel, channel) / 2, np.array([[2.0], [1.5]]), channel)
+    scene = system(TakeOff(B, 4.0, pause=0.4)).scene
+    driven = System.of(
+        Scene(scene.labels, scene.mass, {**scene.forces, "radiation": RadiationMemory(memory)}, np.eye(1))
+    )
+    power, _, ended = _settling(driven, 0.0, driven.scene.start(0.0, 0.0), 4, 8)
+    motion, _ = Switching(driven).follow(np.linspace(0.0, 12 * np.pi, 12 * 16 + 1), driven.scene.start(0.0, 0.0))
+    for found, whole in zip(ended, (motion.position, motion.velocity, motion.memory), strict=True):
+        np.testing.assert_allclose(found, whole[-1], rtol=1e-7, atol=1e-9)
+    assert np.abs(motion.memory[-1]).min() > 1e-3
+    assert power == pytest.approx((motion.works["pto"][-1] - motion.works["pto"][-33]) / (2 * np.pi), rel=1e-7)

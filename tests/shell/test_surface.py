@@ -6,7 +6,7 @@ import pytest
 from vsb.shell.deformed import enclosed
 from vsb.shell.modes import mode_basis
 from vsb.shell.orders import Ballast, goes_with_sine, order_basis, yaw
-from vsb.shell.surface import enclosed_in_orders, largest_deformation
+from vsb.shell.surface import enclosed_in_orders, largest_deformation, largest_strain
 from vsb.study.device import Device
 
 DEVICE = Device(radius=2.0, thickness=0.01, young_modulus=1e7, poisson_ratio=0.3, density=2700.0, mass=17170.0)
@@ -43,6 +43,17 @@ def test_shapes_turned_on_their_side_enclose_what_they_did_upright():
     found = [enclosed_in_orders(RING, ORDERS, moved(**q)[None]) for q in (upright, side)]
     np.testing.assert_allclose(found[0][0], found[1][0], rtol=1e-12)
     np.testing.assert_allclose(found[0][1], found[1][1], rtol=1e-6)
+    lying = [largest_deformation(RING, ORDERS, moved(**q)) for q in (upright, side)]
+    np.testing.assert_allclose(lying[0], lying[1], rtol=2e-2)  # looked for on a grid; all around by order two
+
+
+@pytest.mark.parametrize("label", [label for label in RING.labels if label != "Heave"])
+def test_the_strain_of_axisymmetric_shapes_is_that_of_the_meridian(label):
+    for mixed in ({label: 0.1}, {label: 0.1, "Membrane0": -0.07}):
+        q = moved(**mixed)
+        assert largest_deformation(RING, ORDERS, q)[1] == pytest.approx(
+            largest_strain(RING, q[: len(RING.labels)]), rel=2e-3
+        )
 
 
 def test_the_largest_displacement_of_a_mode_is_its_amplitude():
