@@ -4,7 +4,7 @@ CONFIG ?= config/seed.yaml config/year.yaml
 BIN := .venv/bin
 READY := .venv/.installed
 
-.PHONY: study benchmark barge hard-cases torture cluster-test test lint unit format docs links lock docs-lock clean help
+.PHONY: study benchmark barge hard-cases torture cluster-test test lint unit format docs links container lock docs-lock clean help
 
 study: $(READY) ## run the seed's study and its year, or others: make study [CONFIG=config/seed.yaml]
 	@for one in $(CONFIG); do $(BIN)/vsb run $$one || exit; done
@@ -53,6 +53,14 @@ docs: .venv-docs/.installed ## the documentation, to docs/_build/html/index.html
 
 links: .venv-docs/.installed ## every link of the documentation to the outside, asked once; needs a network
 	@.venv-docs/bin/python -m sphinx -q -b linkcheck docs docs/_build/links
+
+container: ## the image `vsb` from Dockerfile, by what is at hand of docker, podman and buildah, and what it says of itself
+	@for tool in docker podman buildah none; do $$tool info >/dev/null 2>&1 && break; done; \
+	case $$tool in \
+	none) echo "needs docker with its daemon, podman or buildah: none of them answers here"; exit 1;; \
+	buildah) buildah build -t vsb . && c=$$(buildah from vsb) && buildah run $$c -- vsb --version && buildah rm $$c >/dev/null;; \
+	*) $$tool build -t vsb . && $$tool run --rm vsb --version;; \
+	esac
 
 # Sphinx beside the package's own environment, which it sees through a path file: a study needs none of it.
 .venv-docs/.installed: docs/requirements.lock $(READY)

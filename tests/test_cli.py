@@ -83,12 +83,12 @@ def test_all_mistakes_of_a_file_are_told_each_in_a_line(workplace, capsys):
     at = {name: 1 + text[: text.index(name)].count("\n") for name in ("device:", "thicknes:", "basis:", "amplitude:")}
     assert lines == [
         f"{start}{at['thicknes:']}: device.thicknes: received 0.01; unknown key; did you mean thickness?",
-        f"{start}{at['amplitude:']}: waves.0.regular.hs: received 0.179; unknown key; did you mean waves.hs?",
+        f"{start}{at['amplitude:']}: waves.0.hs: received 0.179; unknown key; remove it or correct its spelling",
         f"{start}{at['device:']}: device.thickness: missing, but required: "
         "thickness of the shell; thin-shell theory needs less than radius/10 [m]",
         f"{start}{at['basis:']}: modes.basis: received 'membran'; needs 'paper', 'membrane' or 'full'; "
         "did you mean membrane?",
-        f"{start}{at['amplitude:']}: waves.0.regular.amplitude: missing, but required: "
+        f"{start}{at['amplitude:']}: waves.0.amplitude: missing, but required: "
         "half the height from trough to crest [m]",
     ]
     assert main(["check", written("heavy.yaml", device={**yaml.safe_load(SEED.read_text())["device"], "mass": 1e9},

@@ -95,14 +95,17 @@ def test_waves_from_the_side_are_level_across_the_plane_that_is_drawn():
     np.testing.assert_allclose(aside, np.repeat(ahead[:, ACROSS // 2 : ACROSS // 2 + 1], ACROSS, axis=1), atol=1e-6)
 
 
-def test_a_buoy_that_surges_and_pitches_is_drawn_in_their_plane():
-    """Motions out of the plane are left out, surge is about its mean, and words say which plane it is."""
+@pytest.mark.parametrize("drift", [0.0, 0.2])
+def test_a_buoy_that_surges_and_pitches_is_drawn_in_their_plane(drift):
+    """Motions out of the plane are left out, surge is about its mean, a drift followed; words say which plane it is."""
     labels = ["Heave", "Membrane0", "Surge", "Pitch", "Membrane1c1", "Sway", "Membrane1s1"]
-    drifting = run(labels) + xr.DataArray([0, 0, 50.0, 0, 0, 0, 0], {"dof": labels}, ("dof",))
+    place = xr.DataArray(50.0 + drift * TIME, {"time": TIME}, ("time",))
+    drifting = run(labels) + place * xr.DataArray([0, 0, 1.0, 0, 0, 0, 0], {"dof": labels}, ("dof",))
     found = frames_data("", {"A": drifting}, SWELL, (0.0, 60.0), PERIOD, 3.4, Water(), ["Membrane0", "Membrane1c1"])
     (one,) = found["designs"]
     assert one["modes"] == 2
-    assert abs(unpacked(one["surge"])).max() == pytest.approx(3.0, rel=0.02)
+    surge = unpacked(one["surge"])
+    assert (surge.min(), surge.max()) == (pytest.approx(-3.0, rel=0.02), pytest.approx(3.0, rel=0.02))
     np.testing.assert_allclose(unpacked(one["pitch"]), 4.0 * unpacked(one["heave"]), atol=1e-3)
     moving = {"designs": [{"name": "A"}], "factor": 1.0, "seas": [found]}
     assert in_motion(moving)["waves"] == PLANE

@@ -129,12 +129,22 @@ def test_the_map_of_gains_is_hatched_where_unsure_and_lined_where_it_buckles():
     mesh, hatched, line = ax.collections
     np.testing.assert_allclose(mesh.get_array().reshape(2, 2), GAINS)
     assert mesh.get_clim()[0] == -mesh.get_clim()[1]
-    assert set(hatched.hatches) == {"////"}
+    assert hatched.get_hatch() == "////"
     assert len(line.get_paths()[0]) > 1
     assert ax.get_yscale() == "log"
     assert ax.get_xscale() == "linear"
     sure = sweep(campaign(gains=10 * np.sign(GAINS)), "one", "FSB").axes[0]
     assert len(sure.collections) == 1
+
+
+def test_cells_of_a_map_stand_around_their_values_and_ticks_at_them():
+    """On a logarithmic axis halfway by ratio: once the cells of small values were cut off, and zero was passed."""
+    ax = sweep(campaign(), "one", "FSB").axes[0]
+    edges = ax.collections[0].get_coordinates()
+    np.testing.assert_allclose(edges[:, 0, 1], [1e5, 1e7, 1e9])
+    np.testing.assert_allclose(edges[0, :, 0], [0.005, 0.015, 0.025])
+    assert [label.get_text() for label in ax.get_yticklabels()] == ["1e6", "1e8"]
+    assert [label.get_text() for label in ax.get_xticklabels()] == ["0.01", "0.02"]
 
 
 def test_one_key_has_lines_and_the_band_of_the_interval():

@@ -25,11 +25,11 @@ from vsb.report.campaign_page import (
 def test_the_answer_is_of_the_best_flexible_design_that_carries_its_load():
     assert answer(campaign(), "FSB", "one") == (
         "Over a year of a buoy, each design at its own best damper of the year, the best flexible design, VSWEC at young "
-        "modulus 1e+08 Pa, thickness 0.01 m, takes 8.0 % more than the rigid FSB (+5.0 to +11.0 %; 94.67 against 87.66 "
+        "modulus 100 MPa, thickness 0.01 m, takes 8.0 % more than the rigid FSB (+5.0 to +11.0 %; 94.67 against 87.66 "
         "MWh)."
     )
     one, design = best_flexible(campaign(margin=[[0.5, 0.5], [-0.1, 0.5]]), "FSB", "one")
-    assert (design, where(one)) == ("VSWEC", "young modulus 1e+06 Pa, thickness 0.02 m")
+    assert (design, where(one)) == ("VSWEC", "young modulus 1 MPa, thickness 0.02 m")
     buckles = answer(campaign(margin=-1.0), "FSB", "one")
     assert buckles.endswith("94.67 against 87.66 MWh), and would buckle under its static load.")
 
@@ -88,7 +88,7 @@ def test_the_second_sentence_tells_points_or_doubts_where_there_is_one_tuning():
 
 def test_what_else_is_said():
     each, points, beyond, practice = statements(campaign(margin=[[0.5, -0.5], [0.5, -0.5]]), "FSB", "one")
-    assert each.startswith("Each design at its own best damper in each sea, it is VSWEC at young modulus 1e+08 Pa")
+    assert each.startswith("Each design at its own best damper in each sea, it is VSWEC at young modulus 100 MPa")
     assert points == ("Of 4 points 2 carry their static load; flexibility pays at 2 of all and at 1 of those.")
     assert beyond == (
         "25 % of the energy is from seas beyond what is described, crossed in the matrices: 10 % too steep, 0 % with "
@@ -114,7 +114,7 @@ def test_what_to_doubt():
 def test_the_table_has_a_row_for_every_point_design_and_tuning():
     found = rows(campaign())
     assert len(found) == 24 == MOST_ROWS
-    assert found[4] == ["young modulus 1e+06 Pa, thickness 0.01 m", "VSWEC", "one", "83.28", "0.95", "-5.0", "2", "0.5"]
+    assert found[4] == ["young modulus 1 MPa, thickness 0.01 m", "VSWEC", "one", "83.28", "0.95", "-5.0", "2", "0.5"]
     missing = campaign()
     missing["annual_energy"] = missing.annual_energy.where(missing.design != "VSWEC")
     assert rows(missing)[4][3] == "-"

@@ -31,6 +31,12 @@ def test_a_port_that_reaches_more_than_heave_has_its_own_limit():
     assert "heaving" not in said
 
 
+def test_no_gain_is_told_of_a_figure_without_one():
+    told = captions(given=False, body=True, compared=False)["absorbed_power"]
+    assert "gain" not in told.lower()
+    assert "gain" in captions(given=False, body=True)["absorbed_power"]
+
+
 def test_what_is_left_out_stands_first():
     told, plain = captions("without drag", given=True, body=False), captions(given=True, body=False)
     changed = {name for name in plain if told[name] != plain[name]}

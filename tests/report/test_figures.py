@@ -53,6 +53,13 @@ def test_what_best_dampers_take_beyond_the_band_shown_leaves_the_axis_its_bounds
     assert low.get_ylim()[0] <= -20 < 20 <= low.get_ylim()[1]
 
 
+def test_without_a_rigid_design_there_is_no_empty_panel_of_gains(responding):
+    alone = data(response=responding.response, reference=None)
+    assert len(absorbed_power(alone).axes) < len(absorbed_power(responding).axes)
+    labels = [ax.get_xlabel() for ax in absorbed_power(alone).axes]
+    assert labels == ["wave frequency [rad/s]"] * 2
+
+
 def test_the_studys_wave_is_marked_on_the_axis_and_crosses_nothing(responding):
     for ax in absorbed_power(responding).axes[:4]:
         (mark,) = (line for line in ax.get_lines() if line.get_label() == "study's wave")
@@ -95,9 +102,20 @@ def test_no_bar_of_energies_ends_at_the_edge():
     assert [0.0, 0.0] in [
         list(line.get_xdata()) for line in ax.get_lines()
     ]  # what is given up is told from what is got
+    assert "stored below 0" in ax.get_xlabel()
     left, right = ax.get_xlim()
     assert left < -7.0 * 1.05
     assert right > 48.0 * 1.02
+
+
+def test_rotations_have_units_of_their_own():
+    labels = ["Heave", "Pitch"]
+    value = (("omega", "influenced_dof", "radiating_dof"), np.ones((2, 2, 2)))
+    coords = {"omega": [0.0, 1.0], "influenced_dof": labels, "radiating_dof": labels}
+    database = xr.Dataset({"added_mass": value, "radiation_damping": value}, coords=coords)
+    database["added_mass_inf"] = database.added_mass.isel(omega=0)
+    top, bottom = added_mass_damping(data(database=database)).axes
+    assert ("of rotations kg m²]" in top.get_ylabel(), "of rotations kg m²/s]" in bottom.get_ylabel()) == (True, True)
 
 
 @pytest.mark.parametrize("degree", [2, 3, 6])

@@ -19,6 +19,10 @@ def test_a_table_can_be_kept_as_it_is_read():
     assert list(csv.reader(io.StringIO(urllib.parse.unquote(data)))) == [["x", "y"], *body]
 
 
+def test_a_column_of_dashes_is_left_out():
+    assert html.filled(["x", "y", "z"], [["-", "-", "1"], ["2", "-", "-"]]) == (["x", "z"], [["-", "1"], ["2", "-"]])
+
+
 def test_figures_are_told_by_their_kind_and_their_sea():
     svgs = {"b": "<svg>2</svg>", "a-w-1": "<?xml?><svg/>", "a-v": "<svg/>"}
     of_all, first, second = html.captioned(svgs, {"a": "of a sea", "b": "of all"}, {"v": "a chop"})

@@ -89,10 +89,10 @@ def test_a_winning_band_has_its_own_peak(gain):
 def test_statements_name_gains_losses_and_ties():
     text = band_statements(response(wins=0.3, loses=-0.2, same=0.001).absorbed_power, "FSB")
     assert text[0].startswith("wins absorbs more in waves of")
-    assert "+30 %" in text[0]
+    assert "up to 30 %" in text[0]
     assert "less" not in text[0]
     assert "less in waves of" in text[1]
-    assert "-20 %" in text[1]
+    assert "up to 20 %" in text[1]
     assert text[2] == "same: the same within 1 % everywhere."
 
 
@@ -103,9 +103,9 @@ def test_bands_are_told_to_the_word():
     longest, shortest = 2 * np.pi / shown[0], 2 * np.pi / shown[-1]
     (text,) = band_statements(response(A=gain).absorbed_power, "FSB")
     assert text == (
-        "A absorbs more in waves of 2.62 to 3.93 s (up to +20 % at 3.14 s); "
-        f"less in waves of 3.95 to {longest:.2f} s (up to -12 % at 3.95 s); "
-        f"less in waves of {shortest:.2f} to 2.61 s (up to -14 % at {shortest:.2f} s) than FSB."
+        "A absorbs more in waves of 2.62 to 3.93 s (up to 20 % at 3.14 s); "
+        f"less in waves of 3.95 to {longest:.2f} s (up to 12 % at 3.95 s); "
+        f"less in waves of {shortest:.2f} to 2.61 s (up to 14 % at {shortest:.2f} s) than FSB."
     )
 
 

@@ -92,6 +92,8 @@ def test_what_limits_leave_is_said_with_its_gain():
         ({"damping": {"A": 1.0}}, "At the given dampers"),
         ({"tuning": "each"}, "In time, at their own best dampers"),
         ({"tuning": "one", "damping": {"A": 1.0}}, "In time, at their best for all seas"),
+        ({"tuning": "each", "law": "latching"}, "In time, latching, with the damper that suits it"),
+        ({"damping": 1.0, "law": "declutching"}, "At the given damper, declutching"),
     ],
 )
 def test_dampers_of_runs_are_named(pto, words):

@@ -123,6 +123,16 @@ def test_full_basis_without_bem_equals_the_full_database(buoy_of, coarse):
         )
 
 
+def test_bending_modes_change_as_much_where_the_buoy_yaws_too(buoy_of, coarse):
+    """Yaw is axisymmetric, as heave is, and no part of what the shell does to it."""
+    runs = {(design, wave.label): {} for design in coarse.designs for wave in coarse.waves}
+    database = buoy_of(coarse).database
+    turning = [*map(str, database.influenced_dof.values), "Yaw"]
+    yawing = database.reindex(influenced_dof=turning, radiating_dof=turning, fill_value=0.0)
+    among, alone = (ledger.bending_checks(coarse, ds, runs) for ds in (yawing, database))
+    assert among == alone
+
+
 def test_leaving_the_bending_modes_out_is_reported(buoy_of, coarse):
     runs = {(design, wave.label): {} for design in coarse.designs for wave in coarse.waves}
     checks = ledger.bending_checks(coarse, buoy_of(coarse).database, runs)

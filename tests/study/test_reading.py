@@ -136,5 +136,45 @@ def test_mistakes_are_told_in_words_of_this_project(monkeypatch, model, name, va
 
 
 def test_one_degree_of_freedom_is_a_name():
-    with pytest.raises(ConfigError, match=r"pto.port.dofs: dof \[\]: needs the name of a degree of freedom"):
+    with pytest.raises(ConfigError, match=r"pto.port: dof \[\]: needs the name of a degree of freedom"):
         config.parse(changed(("pto",), {"port": {"dof": []}}))
+
+
+WAVE = {"kind": "regular", "amplitude": 0.1}
+
+
+@pytest.mark.parametrize(
+    ("model", "name", "section", "value", "told"),
+    [
+        (Study, "seed", "waves", [{**WAVE, "period": -2}], "waves.0.period: received -2; needs"),
+        (Study, "seed", "waves", [{**WAVE, "perod": 2}], r"waves.0.perod: .* did you mean period\?"),
+        (Study, "seed", "waves", [WAVE], "waves.0.period: missing"),
+        (Study, "seed", "waves", [{**WAVE, "period": 2, "tp": 2}], "waves.0.tp: .* unknown key; remove it"),
+        (Study, "seed", "waves", [3], "waves.0: received 3; needs a mapping of keys and values"),
+        (Study, "seed", "pto", {"port": "heav"}, "pto.port: received 'heav'; needs 'heave'"),
+        (Study, "seed", "pto", {"port": {"between": [0, -1]}}, "pto.port.between.1: received -1"),
+        (Study, "seed", "pto", {"port": {"colatitude": -1}}, "pto.port.colatitude: received -1"),
+        (Study, "seed", "pto", {"port": {"line_to": [0, "a"]}}, "pto.port.line_to.1: received 'a'"),
+        (Study, "seed", "pto", {"port": {"line_from": [0, 1]}}, "pto.port.line_to: missing"),
+        (Study, "seed", "pto", {"port": {"dofs": {"a": "b"}}}, "pto.port.dofs.a: received 'b'"),
+        (Study, "seed", "designs", {"A": {"clamp": "x"}}, "designs.A.clamp: received 'x'"),
+        (Study, "seed", "designs", {"B b": {}}, "designs.B b: received 'B b'; needs letters"),
+        (Study, "seed", "mooring", [0, 0, "a", 0, 0, 0], "mooring.2: received 'a'"),
+        (Campaign, "year", "climate", {"spectra": 3}, "climate.spectra: received 3"),
+        (Campaign, "year", "climate", {"spectra": "a", "gamma": 3}, "climate.gamma: .* unknown key; remove it"),
+        (Campaign, "year", "climate", {"scatr": "a"}, r"climate.scatr: .* did you mean scatter\?"),
+        (Campaign, "year", "climate", {"scatter": "a", "gamma": -1}, "climate.gamma: received -1"),
+        (BodyStudy, "barge", "body", {"file": {"mesh": 3}}, "body.file.body: missing"),
+        (BodyStudy, "barge", "body", {"bemio": "a", "mass": {"Heave": [["x"]]}}, "body.mass.Heave.0.0: received 'x'"),
+        (BodyStudy, "barge", "body", {"bemio": "a", "mass": 3}, "body.mass: received 3; needs a list"),
+        (BodyStudy, "barge", "designs", {"A": {"dofs": "rgid"}}, r"designs.A.dofs: .* did you mean rigid\?"),
+        (BodyStudy, "barge", "designs", {"A": {"dofs": ["a", 3]}}, "designs.A.dofs.1: received 3"),
+        (BodyStudy, "barge", "pto", {"port": {"dofs": {"a": "b"}}}, "pto.port.dofs.a: received 'b'"),
+    ],
+)
+def test_keys_are_told_as_the_file_has_them(model, name, section, value, told):
+    """Whichever of several kinds a value was taken for, its name stands in no file."""
+    raw = yaml.safe_load((HOME / "config" / f"{name}.yaml").read_text(encoding="utf-8")) | {section: value}
+    with pytest.raises(ConfigError) as error:
+        reading.validated(model, raw, "file.yaml")
+    assert re.match(f"file.yaml: {told}", error.value.mistakes[0])

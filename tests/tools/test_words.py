@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vsb.tools.words import against_rigid, multiple, plain, power, the_rigid, watts
+from vsb.tools.words import against_rigid, multiple, plain, power, quantity, short, the_rigid, watts
 
 
 @pytest.mark.parametrize(
@@ -46,3 +46,25 @@ def test_a_gain_that_prints_as_none_is_none():
     assert against_rigid(0.049, "FSB") == against_rigid(-0.049, "FSB") == "as much as the rigid FSB"
     assert against_rigid(0.05, "rigid") == "0.1 % more than the rigid one"
     assert against_rigid(-12.34, "FSB") == "12.3 % less than the rigid FSB"
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(0.0, "0"), (1000.0, "1000"), (66.44, "66.4"), (1e-6, "1e-06"), (3e7, "3e+07")]
+)
+def test_a_number_of_a_ledger_has_an_exponent_where_it_is_tiny_or_huge(value, text):
+    assert short(value) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (1e8, "Pa", "100 MPa"),
+        (2.1e11, "Pa", "210 GPa"),
+        (0.0, "Pa", "0 Pa"),
+        (4.0, "1", "4"),
+        (4e3, "N", "4000 N"),
+        ("full", "1", "full"),
+    ],
+)
+def test_a_value_is_told_with_its_unit(value, unit, text):
+    assert quantity(value, unit) == text

@@ -272,7 +272,8 @@ def database_checks(ds: xr.Dataset, database: xr.Dataset, error: float) -> list[
     other = "panels" if database.attrs["solver"] == "spectral" else "spectral"
     judge = ds.sel(solver=other, shape="mean", omega=omega)
     theirs = judge.rename({f"shape_{name}": name for name in COEFFICIENTS})[list(COEFFICIENTS)]
-    whole = database[list(COEFFICIENTS)].sel({dim: ds[dim].values for dim in ("influenced_dof", "radiating_dof")})
+    shared = ("influenced_dof", "radiating_dof", "wave_direction")  # one direction is all for what is axisymmetric
+    whole = database[list(COEFFICIENTS)].sel({dim: ds[dim].values for dim in shared})
     splines = {name: CubicSpline(whole.omega, whole[name].values) for name in COEFFICIENTS}
     ours = theirs.assign({name: (theirs[name].dims, at(omega)) for name, at in splines.items()})
     sizes = np.transpose([np.abs(whole[n].values).max() / largest(_rows(theirs, n)) for n in COEFFICIENTS])

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.report.living import as_script, packed
-from vsb.study.study import Water
+from vsb.study.study import StillWater, Water
 from vsb.tools.units import FloatArray
 from vsb.waves.dispersion import wavenumber
 from vsb.waves.seas import Sea
@@ -25,8 +25,8 @@ SEEN = 1.7
 """Half the width of the water around a buoy [radii]."""
 FROM_LEFT = "Waves come from the left; dotted: undeformed."
 PLANE = (
-    "Drawn is the vertical plane of surge, about its mean: waves that go to 0 degrees come from the left; dotted: "
-    "undeformed, with the line from the centre to the top."
+    "Drawn is the vertical plane of surge, about its mean; a buoy that drifts is followed. Waves that go to 0 degrees "
+    "come from the left; dotted: undeformed, with the line from the centre to the top."
 )
 
 
@@ -110,22 +110,37 @@ def surface(waves: Sea, time: FloatArray, place: FloatArray, water: Water) -> Fl
 
 
 def _amplitudes(run: xr.DataArray, time: FloatArray, shell: Sequence[str]) -> dict[str, Any]:
-    """Motions in the plane that is drawn at some times, surge about its mean; of a rigid design no shell."""
+    """Motions in the plane that is drawn at some times, surge less its drift; of a rigid design no shell."""
     found = {
         str(label): np.interp(time, run.time.values, column)
         for label, column in zip(run.dof.values, run.values.T, strict=True)
     }
     if "Surge" in found:
-        found["Surge"] = found["Surge"] - found["Surge"].mean()
+        found["Surge"] = found["Surge"] - _drifted(time, found["Surge"])
     rigid = {name: packed(found[label]) for name, label in RIGID.items() if label in found}
     moved = [found[label] for label in shell if label in found]
     return {**rigid, "modes": len(moved), "shell": packed(np.array(moved).T.ravel())}
+
+
+def _drifted(time: FloatArray, surge: FloatArray) -> FloatArray:
+    """Where a drift brings a buoy: from the mean of its first period to that of its last; the mean if it swings."""
+    first, last = surge[:PER_PERIOD].mean(), surge[-PER_PERIOD:].mean()
+    velocity = (last - first) / (time[-PER_PERIOD:].mean() - time[:PER_PERIOD].mean() or np.inf)
+    return np.asarray(surge.mean() + velocity * (time - time.mean()))
 
 
 def largest_shell(run: xr.DataArray, shell: Sequence[str]) -> float:
     """Return the largest amplitude of the shell modes of a run, by name [m]; zero of a rigid design."""
     moved = run.isel(dof=run.dof.isin(list(shell)).values)
     return float(abs(moved).max()) if moved.size else 0.0
+
+
+def _seen(seas: Sequence[Mapping[str, Any]]) -> str:
+    """How a picture is to be read."""
+    if any("surge" in design for sea in seas for design in sea["designs"]):
+        return PLANE
+    calm = all(sea["words"] == StillWater(kind="still").description for sea in seas)
+    return "Dotted: undeformed." if calm else FROM_LEFT
 
 
 def in_motion(moving: Mapping[str, Any] | None) -> dict[str, Any] | None:
@@ -137,6 +152,6 @@ def in_motion(moving: Mapping[str, Any] | None) -> dict[str, Any] | None:
     names = ", ".join(design["name"] for design in moving["designs"])
     return {
         "words": f"{moving.get('told', '')} {names} side by side; {scale} to scale.".strip(),
-        "waves": PLANE if any("surge" in one for sea in moving["seas"] for one in sea["designs"]) else FROM_LEFT,
+        "waves": _seen(moving["seas"]),
         "data": as_script(moving),
     }

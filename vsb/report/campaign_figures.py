@@ -1,16 +1,19 @@
 """Figures of a campaign: matrices of power, power over the damper and over its force, gains over what is varied."""
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from vsb.report.canvas import grid_of_axes, legend_above, note, style
+from vsb.report.canvas import grid_of_axes, legend_above, note, plain_numbers, style
 from vsb.results.campaign import damper
 from vsb.study.specs import CONSTRAINED
 from vsb.study.take_off import at_port
+from vsb.tools.words import quantity
 
 GAIN = "RdBu"
 """Colours of gains: blue more than the rigid design, red less."""
@@ -18,6 +21,8 @@ HATCH = "////"
 LIMIT = "force_limit"
 MOST_ROWS = 6
 """Values of a third key that have a map."""
+MOST_TICKS = 5
+"""Values of a key each of which has a tick of its own."""
 
 
 def power_matrices(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
@@ -101,6 +106,8 @@ def pareto(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
     wide = CONSTRAINED in ds.tuning.values
     ax.set(xlabel=at_port("rms force of the take-off [kN]", ds.attrs.get("port")), ylabel="mean power of the year [kW]")
     ax.set(xscale="log", yscale="log") if wide else ax.set(xlim=(0, None), ylim=(0, None))
+    for axis in (ax.xaxis, ax.yaxis) if wide else ():
+        plain_numbers(axis)
     legend_above(figure, ax)
     return figure
 
@@ -162,15 +169,17 @@ def _maps(ds: xr.Dataset, tuning: str, keys: Sequence[str], others: Sequence[str
     image = None
     for ax, (design, place) in zip(axes.ravel(), shown, strict=False):
         one = at.sel(design=design).isel(place).squeeze(drop=True).transpose(y, x, ...)
-        places = (_places(ds, x), _places(ds, y))
-        image = ax.pcolormesh(
-            *places, told_gain(one, tuning), cmap=GAIN, vmin=-largest, vmax=largest, shading="nearest"
-        )
+        cells = (_cells(ds, x), _cells(ds, y))
+        image = ax.pcolormesh(*cells, told_gain(one, tuning), cmap=GAIN, vmin=-largest, vmax=largest)
         _mark(ax, ds, one, x, y)
         if not any(place.values()):
             ax.set_title(design, fontsize=9, color=style(design, list(ds.design.values))["color"])
         ax.grid(visible=False)
         ax.set(xscale=_scale(ds, x), yscale=_scale(ds, y))
+        for axis, key in ((ax.xaxis, x), (ax.yaxis, y)):
+            if ds.sizes[key] <= MOST_TICKS:  # a tick where a value stands
+                axis.set_ticks(_places(ds, key), [_number(value) for value in ds[key].values.tolist()])
+                axis.set_ticks([], minor=True)
     for ax in axes.ravel()[len(shown) :]:
         ax.set_visible(False)
     for ax in axes[-1]:
@@ -184,17 +193,19 @@ def _maps(ds: xr.Dataset, tuning: str, keys: Sequence[str], others: Sequence[str
 
 def _told(ds: xr.Dataset, key: str, i: int) -> str:
     """A value of a key in words."""
-    value, units = ds[key].values[i], ds[key].attrs.get("units", "1")
-    text = f"{value:g}" if isinstance(value, float) else str(value)
-    return f"{key.replace('_', ' ')} {text}{'' if units == '1' else f' {units}'}"
+    return f"{key.replace('_', ' ')} {quantity(ds[key].values[i].item(), ds[key].attrs.get('units', '1'))}"
 
 
 def _mark(ax: Axes, ds: xr.Dataset, one: xr.Dataset, x: str, y: str) -> None:
     """Hatch where the interval of the gain includes zero or nothing is viable; draw the line of buckling."""
     places = (_places(ds, x), _places(ds, y))
-    unsure = ((one.gain_low <= 0) & (one.gain_high >= 0)).values.astype(float)
-    if unsure.any() and min(unsure.shape) > 1:
-        ax.contourf(*places, unsure, levels=[0.5, 1.5], colors="none", hatches=[HATCH])
+    across, up = _cells(ds, x), _cells(ds, y)
+    cells = [
+        [(across[j + a], up[i + b]) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
+        for i, j in np.argwhere(((one.gain_low <= 0) & (one.gain_high >= 0)).values)
+    ]
+    if cells:
+        ax.add_collection(PolyCollection(cells, facecolor="none", edgecolor="black", linewidth=0, hatch=HATCH))
     margin = one.margin.values
     if min(margin.shape) > 1 and margin.min() < 0 < margin.max():
         ax.contour(*places, np.log10(1 - np.minimum(margin, 1 - 1e-6)), levels=[0.0], colors="black", linewidths=1.8)
@@ -242,10 +253,26 @@ def _places(ds: xr.Dataset, key: str) -> np.ndarray:
     return values if values.dtype.kind == "f" else np.arange(len(values))
 
 
+def _cells(ds: xr.Dataset, key: str) -> np.ndarray:
+    """Edges of the cells around the values of a key, halfway to their neighbours as the scale of its axis has it."""
+    places = _places(ds, key)
+    if len(places) < 2:
+        return _edges(places)
+    stretched = np.log(places) if _scale(ds, key) == "log" else places
+    middles = (stretched[1:] + stretched[:-1]) / 2
+    edges = np.array([2 * stretched[0] - middles[0], *middles, 2 * stretched[-1] - middles[-1]])
+    return np.exp(edges) if _scale(ds, key) == "log" else edges
+
+
+def _number(value: object) -> str:
+    """A value beside an axis, with an exponent as study files have it."""
+    return re.sub(r"e\+?(-?)0*", r"e\1", quantity(value, "1"))
+
+
 def _scale(ds: xr.Dataset, key: str) -> str:
-    """Scale of the axis of a key: logarithmic if its values span more than a decade."""
+    """Scale of the axis of a key: logarithmic if its values span a decade."""
     values = ds[key].values
-    wide = values.dtype.kind == "f" and values.min() > 0 and values.max() > 10 * values.min()
+    wide = values.dtype.kind == "f" and values.min() > 0 and values.max() >= 10 * values.min()
     return "log" if wide else "linear"
 
 

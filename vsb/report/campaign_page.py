@@ -1,5 +1,6 @@
 """The report of a campaign: the site's answer first, then the figures, then what to doubt."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -13,7 +14,7 @@ from vsb.report.html import captioned, page
 from vsb.report.living import as_script
 from vsb.study.specs import CONSTRAINED, leading_tuning
 from vsb.study.take_off import at_port
-from vsb.tools.words import against_rigid
+from vsb.tools.words import against_rigid, plain, quantity
 from vsb.waves.climate import YEAR_HOURS
 
 CAPTIONS = {
@@ -99,6 +100,7 @@ def render(report: CampaignReport) -> str:
         warnings=warnings(ds),
         head=HEAD,
         body=rows(ds),
+        explained=f"Tunings: {'; '.join(f'{name}, {TUNED[name]}' for name in map(str, ds.tuning.values))}.",
         left_out=max(0, int(ds.annual_mean_power.size) - MOST_ROWS),
         figures=captioned(report.figures, captions(ds)),
         facts={"Study": ds.attrs["study"], "Climate": ds.attrs["climate"], "Content id": ds.attrs["spec_id"]},
@@ -121,13 +123,11 @@ def captions(ds: xr.Dataset) -> dict[str, str]:
 def where(one: xr.Dataset) -> str:
     """Return the values of what is varied of one member, in words; empty if nothing is."""
     names = str(one.attrs["varied"]).split()
-    return ", ".join(f"{name.replace('_', ' ')} {_value(one[name])}" for name in names if one[name].ndim == 0)
-
-
-def _value(coordinate: xr.DataArray) -> str:
-    """A value with its units."""
-    value, units = coordinate.item(), coordinate.attrs.get("units", "1")
-    return f"{value:g}{'' if units == '1' else f' {units}'}" if isinstance(value, float) else str(value)
+    return ", ".join(
+        f"{name.replace('_', ' ')} {quantity(one[name].item(), one[name].attrs.get('units', '1'))}"
+        for name in names
+        if one[name].ndim == 0
+    )
 
 
 def answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:
@@ -268,9 +268,11 @@ def _warned_of_optima(ds: xr.Dataset) -> list[str]:
     """What makes optima within limits doubtful."""
     found = ["The best force within limits knows all waves beforehand: no control takes more, few come near."]
     if (solved := float(ds.optimum_share.min())) < 1 - 1e-9:
-        found.append(f"Optima were found in bins of {solved:.1%} of the energy flux alone: raise constrained.seconds.")
+        share = f"{math.floor(1e3 * solved) / 10:.1f} %"  # never all of it
+        found.append(f"Optima were found in bins of {share} of the energy flux alone: raise constrained.seconds.")
     if (none := float(ds.impossible_share.max())) > 0:
-        found.append(f"In up to {none:.1%} of the year no force keeps the stroke within its limit: counted as nothing.")
+        year = f"{100 * none:.1f} % of the year"
+        found.append(f"In up to {year} no force keeps the stroke within its limit: counted as nothing.")
     return found
 
 
@@ -304,8 +306,8 @@ def _row(one: xr.Dataset, design: str, tuning: str) -> list[str]:
     """Cells of one design under one tuning."""
     gain = float(one.gain_percent) if "gain_percent" in one else np.nan
     numbers = [
-        (float(one.annual_energy), ".4g"), (float(one.capture_width), ".3g"), (gain, "+.1f"),
-        (float(one.force_rms) / 1e3, ".4g"), (float(one.margin), ".3g"),
+        (float(one.annual_energy), ""), (float(one.capture_width), ".3g"), (gain, "+.1f"),
+        (float(one.force_rms) / 1e3, ""), (float(one.margin), ".3g"),
     ]  # fmt: skip
-    cells = ["-" if np.isnan(value) else format(value, form) for value, form in numbers]
+    cells = ["-" if np.isnan(value) else format(value, form) if form else plain(value) for value, form in numbers]
     return [where(one) or "-", design, tuning, *cells]

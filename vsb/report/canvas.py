@@ -13,22 +13,26 @@ import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from vsb.tools.units import FloatArray
+from vsb.tools.words import plain
 
 WIDTH = 6.3
 """Width of a figure [inch]: a page of text."""
 PERIODS = 15
 """Most periods of a sea that time series show: more of them are a band of ink."""
-# Okabe & Ito's colour-blind-safe palette; the paper's designs first, others in the order of the study.
+# Okabe & Ito's colour-blind-safe palette; the paper's designs first, others in the order of the study. Its orange marks
+# the waves, a wine red takes its place.
 STYLES = {
     "FSB": ("#000000", "-"),
     "VSWEC": ("#D55E00", "-"),
     "VSWEC0": ("#0072B2", "--"),
     "VSWEC90": ("#009E73", "-."),
 }
-SPARE = (("#CC79A7", "-"), ("#E69F00", "--"), ("#56B4E9", "-."), ("#999999", ":"))
+SPARE = (("#CC79A7", "-"), ("#882255", "--"), ("#56B4E9", "-."), ("#999999", ":"))
 
 
 @dataclass(frozen=True)
@@ -103,6 +107,13 @@ def zero_axis(ax: Axes) -> None:
     """One tick where all data are zero, instead of a scale made up around it."""
     if not any(np.any(np.asarray(line.get_ydata(), dtype=float)) for line in ax.get_lines()):
         ax.set_yticks([0.0])
+
+
+def plain_numbers(axis: Axis) -> None:
+    """Number a logarithmic axis of few decades as people read them: 5, 10, 20 in place of 6 x 10^0 and 10^1."""
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: plain(value)))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def folded(name: str, width: int = 16) -> str:

@@ -1,8 +1,8 @@
 """Captions of a study's figures: what is drawn, in words."""
 
 CAPTIONS = {
-    "absorbed_power": "Mean absorbed power per squared wave amplitude over the whole band, and the gain over the rigid "
-    "design: {dampers}; grey: {limit}. Gains are drawn where at least 5 % of the largest power is absorbed.",
+    "absorbed_power": "Mean absorbed power per squared wave amplitude over the whole band{gain}: {dampers}; grey: "
+    "{limit}.{useful}",
     "reactance": "Why: the take-off sees a design as one impedance R + iX. The best damper takes the share "
     "2/(1 + √(1 + Q²)) of what any take-off could, Q = |X|/R{same}.",
     "spectra": "Spectra of the irregular seas; runs have components up to the highest frequency of the study alone.",
@@ -44,7 +44,7 @@ SAME = (
 )
 
 
-def captions(neglected: str = "", *, given: bool, body: bool, limit: str = "") -> dict[str, str]:
+def captions(neglected: str = "", *, given: bool, body: bool, limit: str = "", compared: bool = True) -> dict[str, str]:
     """Return the captions of a study's figures by kind.
 
     Parameters
@@ -57,10 +57,14 @@ def captions(neglected: str = "", *, given: bool, body: bool, limit: str = "") -
         Whether it is no buoy of revolution, whose limit is known whatever its shell.
     limit : str
         The capture width of that limit where the port reaches more than heave.
+    compared : bool
+        Whether there is a rigid design, and another, whose gain is drawn.
     """
     words = {
         "dampers": f"left {OWN}, right at the given damper" if given else OWN,
         "limit": LIMIT if body else f"a capture width of {limit}, the limit of {REVOLUTION}" if limit else HEAVING,
+        "gain": ", and the gain over the rigid design" if compared else "",
+        "useful": " Gains are drawn where at least 5 % of the largest power is absorbed." if compared else "",
         "same": "" if body else SAME,
         "moving": "all degrees of freedom; dotted: heave" if body else HEAVE,
     }

@@ -3,11 +3,13 @@
 from collections.abc import Sequence
 from typing import Any
 
+from vsb.tools.words import short
+
 ADVICE = {
     "buckling": "raise device.internal_pressure to carry the load, or device.thickness",
     "computed_buckling": "raise device.internal_pressure to carry the load, or device.thickness",
-    "static_deformation": "reference_shape: equilibrium, or a stiffer shell",
-    "static_strain": "reference_shape: equilibrium, or a stiffer shell",
+    "static_deformation": "reference_shape: equilibrium if it is undeformed, or a stiffer shell",
+    "static_strain": "a stiffer shell",
     "bending_modes": "modes.basis: full",
     "reference_power": "longer waves, in which the rigid design absorbs",
     "fair_damping": "pto.tuning: each, or read the gains at own best dampers",
@@ -72,7 +74,7 @@ def _together(of: Sequence[dict[str, Any]]) -> str:
 
 def in_words(check: dict[str, Any]) -> str:
     """Return a check with its value and limit in words."""
-    return f"{_subject(check)}: {check['value']:.3g}, limit {check['limit']:g} ({check['explanation']})"
+    return f"{_subject(check)}: {short(check['value'])}, limit {short(check['limit'])} ({check['explanation']})"
 
 
 def advice(check: dict[str, Any]) -> str:

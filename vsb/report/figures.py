@@ -21,6 +21,7 @@ from vsb.report.canvas import (
     note,
     panels,
     period_axis,
+    plain_numbers,
     shown_window,
     style,
     zero_axis,
@@ -32,7 +33,7 @@ from vsb.study.quantities import RIGID, ROTATIONS
 
 
 def absorbed_power(data: StudyData) -> Figure:
-    """Draw absorbed power over the band with its limit, and the gain of each flexible design over the rigid one.
+    """Draw absorbed power over the band with its limit, and any gain of flexible designs over the rigid one.
 
     Left with each design at its own best damper, right at the given one, if there is one.
     """
@@ -40,20 +41,23 @@ def absorbed_power(data: StudyData) -> Figure:
     omega, limit = response.omega.values, response.power_limit / 1e3
     given = {} if data.tuned else {"all at the given damper": response.absorbed_power}
     powers = {"each at its own best damper": response.best_power} | given
-    figure, axes = grid_of_axes(5.2, 2, len(powers), sharex=True, sharey="row", height_ratios=[3, 2])
-    for (title, power), (top, bottom) in zip(powers.items(), axes.T, strict=True):
+    size: dict[str, Any] = {"height": 5.2, "rows": 2, "height_ratios": [3, 2]} if _compares(data) else {"height": 3.4}
+    figure, axes = grid_of_axes(columns=len(powers), sharex=True, sharey="row", **size)
+    for (title, power), (top, *below) in zip(powers.items(), axes.T, strict=True):
         top.plot(omega, limit, color="#999999", linewidth=3, alpha=0.6, label=data.limit)
         for design in data.designs:
             top.plot(omega, power.sel(design=design) / 1e3, **style(design, data.designs))
-        _gain(data, power, bottom)
-        bottom.set(xlabel="wave frequency [rad/s]")
+        for bottom in below:
+            _gain(data, power, bottom)
+        [top, *below][-1].set(xlabel="wave frequency [rad/s]")
         top.set_title(title, fontsize=9)
         period_axis(top)
-        _mark_waves(data, (top, bottom))
+        _mark_waves(data, (top, *below))
     largest = max(float(power.where(_shown(data)).max()) for power in powers.values()) / 1e3
     axes[0, 0].set(ylabel="absorbed power\nper amplitude² [kW/m²]", xlim=_band(data))
     axes[0, 0].set_ylim(0, 1.25 * largest or float(limit.median()))
-    _limit_gain(data, powers.values(), axes[1, 0])
+    if _compares(data):
+        _limit_gain(data, powers.values(), axes[1, 0])
     legend_above(figure, axes[0, 0])
     return figure
 
@@ -79,6 +83,8 @@ def reactance(data: StudyData) -> Figure:
     return figure
 
 
+FEW = 100.0
+"""Ratio of the ends of a logarithmic axis up to which it has more numbers than powers of ten."""
 WAVE: dict[str, Any] = {"color": "#E69F00", "linestyle": "none", "marker": "^", "markersize": 6, "clip_on": False}
 
 
@@ -105,10 +111,13 @@ def _band(data: StudyData) -> tuple[float, float]:
     return float(ends.min()), float(ends.max())
 
 
+def _compares(data: StudyData) -> bool:
+    """Whether there is a gain to draw: of another design over the rigid one."""
+    return data.reference is not None and len(data.designs) > 1
+
+
 def _gain(data: StudyData, power: xr.DataArray, ax: Axes) -> None:
     """Draw the gain of each flexible design over the rigid one [%]."""
-    if data.reference is None or len(data.designs) < 2:
-        return note(ax, "no rigid design to compare with" if data.reference is None else "no other design to compare")
     if not float(power.sel(design=data.reference).min()) > 0:
         return note(ax, "no absorbed power to compare with")
     gain = 100 * (power / power.sel(design=data.reference) - 1).where(useful_band(power))
@@ -122,8 +131,6 @@ def _gain(data: StudyData, power: xr.DataArray, ax: Axes) -> None:
 
 def _limit_gain(data: StudyData, powers: Iterable[xr.DataArray], ax: Axes) -> None:
     """Give axes of gains their label, and bounds that show all gains of some powers."""
-    if data.reference is None or len(data.designs) < 2:
-        return
     moved = [power for power in powers if float(power.sel(design=data.reference).max()) > 0]
     shown = [power.where(_shown(data) & useful_band(power)) for power in moved]
     gains = [100 * (power / power.sel(design=data.reference) - 1).values.ravel() for power in shown]
@@ -150,9 +157,13 @@ def added_mass_damping(data: StudyData) -> Figure:
         top.plot(database.omega, database.added_mass.sel(own), **line)
         top.axhline(float(database.added_mass_inf.sel(own)), color=line["color"], linewidth=0.7, linestyle="--")
         bottom.plot(database.omega, database.radiation_damping.sel(own).clip(min=1e-3), **line)
-    top.set(ylabel="added mass [kg]", yscale="log")
+    turns = set(ROTATIONS) & set(map(str, labels))  # a rotation beside displacements
+    top.set(ylabel="added mass\n[kg, of rotations kg m²]" if turns else "added mass [kg]", yscale="log")
+    if np.divide(*top.get_ylim()[::-1]) < FEW:
+        plain_numbers(top.yaxis)
     largest = float(database.radiation_damping.max())
-    bottom.set(ylabel="radiation damping [kg/s]", yscale="log", ylim=(1e-5 * largest, 2 * largest))
+    unit = "\n[kg/s, of rotations kg m²/s]" if turns else " [kg/s]"
+    bottom.set(ylabel=f"radiation damping{unit}", yscale="log", ylim=(1e-5 * largest, 2 * largest))
     bottom.set(xlabel="frequency [rad/s]", xlim=(0, float(database.omega[-1])))
     legend_above(figure, top)
     return figure
@@ -247,7 +258,8 @@ def energy_audit(data: StudyData, wave: str) -> Figure:
     ax.use_sticky_edges = False  # room beside the longest bar
     ax.margins(x=0.06)
     ax.axvline(0, color="black", linewidth=0.8)
-    ax.set(xlabel="energy over the run [kJ]; stored below 0: given up by the motion it started with")
+    given_up = "; stored below 0: given up by the motion it started with" if left[False].min() < 0 else ""
+    ax.set(xlabel=f"energy over the run [kJ]{given_up}")
     legend_above(figure, ax)
     return figure
 

@@ -11,6 +11,7 @@ import markupsafe
 from vsb.report.doubts import advice
 from vsb.study.results_plan import FIGURE_KINDS
 from vsb.tools.tables import csv_text
+from vsb.tools.words import short
 
 INLINE = 1_000_000
 """Most bytes of figures inside a page; further ones stand beside it."""
@@ -28,6 +29,8 @@ def page(template: str, **values: Any) -> str:
         "csv": csv_link,
         "text_of": text_of,
         "advice": advice,
+        "filled": filled,
+        "short": short,
         "kinds": FIGURE_KINDS,
         "scripts": SCRIPTS,
     }
@@ -37,6 +40,12 @@ def page(template: str, **values: Any) -> str:
 def text_of(name: str) -> str:
     """Return a file of the templates as it is."""
     return markupsafe.Markup((importlib.resources.files("vsb.report") / "templates" / name).read_text(encoding="utf-8"))
+
+
+def filled(head: Sequence[str], body: Sequence[Sequence[str]]) -> tuple[list[str], list[list[str]]]:
+    """Return a table without the columns that hold nothing but dashes."""
+    kept = [i for i, column in enumerate(zip(*body, strict=True)) if not body or any(cell != "-" for cell in column)]
+    return [head[i] for i in kept], [[row[i] for i in kept] for row in body]
 
 
 def csv_link(name: str, head: Sequence[str], body: Sequence[Sequence[str]]) -> str:

@@ -152,8 +152,7 @@ def band_statements(absorbed: xr.DataArray, reference: str | None) -> list[str]:
 
 def _band_text(direction: str, band: Band) -> str:
     """One interval in words, as wave periods."""
-    more = direction == "more"
-    size = (multiple(band.gain) if more else "") or f"{'+' if more else '-'}{band.gain:.0f} %"
+    size = (multiple(band.gain) if direction == "more" else "") or f"{band.gain:.0f} %"
     return (
         f"{direction} in waves of {2 * np.pi / band.end:.2f} to {2 * np.pi / band.start:.2f} s "
         f"(up to {size} at {2 * np.pi / band.at:.2f} s)"
@@ -243,8 +242,8 @@ def _cell(value: Any, form: str = "", factor: float = 1.0) -> str:
 
 
 STATISTICS = (
-    "design", "sea", "realisations", "batches", "mean power [W]", "95 % interval", "linear [W]", "gain [%]",
-    "95 % interval",
+    "design", "sea", "realisations", "batches", "mean power [W]", "95 % interval [W]", "linear [W]",
+    "gain [%]", "95 % interval [%]",
 )  # fmt: skip
 """Head of the table of irregular seas."""
 
@@ -313,7 +312,8 @@ def render(report: Report) -> str:
     ]
     failed = warnings(report.checks)
     limit = "" if response is None else str(response.attrs.get("limit", ""))
-    told = captions(_neglected(report), given=given, body=report.thing == "body", limit=limit)
+    compared = report.reference is not None and len({row["design"] for row in report.rows}) > 1
+    told = captions(_neglected(report), given=given, body=report.thing == "body", limit=limit, compared=compared)
     text = page(
         "report.html.j2",
         study=report.study["study"],

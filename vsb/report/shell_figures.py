@@ -44,7 +44,7 @@ def mode_shapes(data: StudyData) -> Figure:
 def snapshots(data: StudyData, wave: str) -> Figure:
     """Draw the deformed buoys in the wave at five instants of the last period, deformation magnified."""
     columns = 5
-    figure, axes = grid_of_axes(0.7 + 1.32 * len(data.designs), len(data.designs), columns, sharex=True, sharey=True)
+    figure, axes = grid_of_axes(0.5 + 1.2 * len(data.designs), len(data.designs), columns, sharex=True, sharey=True)
     factor = _magnification(data, wave)
     end = data.window[1]
     instants = end - min(data.periods[wave], end) * np.linspace(1, 0, columns, endpoint=False)
@@ -134,6 +134,7 @@ def _snapshot(data: StudyData, ax: Axes, run: xr.Dataset, design: str, factor: f
     ax.plot(x, z, color=style(design, data.designs)["color"])
     ax.set(aspect="equal", xlim=(-reach, reach), ylim=(-reach, reach), xticks=[], yticks=[])
     ax.grid(visible=False)
+    ax.spines[:].set_visible(False)
 
 
 def _tilted(run: xr.Dataset, x: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -179,7 +180,7 @@ def shapes_3d(data: StudyData, wave: str) -> Figure:
     height = _height(data, settled)
     extremes = (int(np.argmin(height.values)), int(np.argmax(height.values)))
     instants = [0.0, *(float(height.time[i]) for i in extremes)]
-    figure, _ = grid_of_axes(3.0)
+    figure, _ = grid_of_axes(2.6)
     figure.clear()
     limit = 1.1 * (float(data.modes.attrs["radius"]) + max(0.0, _beyond_sphere(data.modes)[0].max()))
     for i, (instant, name) in enumerate(zip(instants, ("start", "least height", "greatest height"), strict=True)):
@@ -187,7 +188,7 @@ def shapes_3d(data: StudyData, wave: str) -> Figure:
         x, z = (a[::3] for a in _meridians(data, run.sel(time=instant, method="nearest"), factor)[0])
         _draw_wires(ax, x, z, style(design, data.designs)["color"])
         ax.set(xlim=(-limit, limit), ylim=(-limit, limit), zlim=(-limit, limit), xticks=[], yticks=[])
-        ax.set_box_aspect((1, 1, 1))
+        ax.set_box_aspect((1, 1, 1), zoom=1.1)
         ax.tick_params(labelsize=7, pad=-2)
         ax.set_title(f"{name}\nt = {instant:.2f} s", fontsize=8, y=0.98)
     title = f"{design}, heights from pole to pole, shell displacement magnified {factor:g} times; z in m"

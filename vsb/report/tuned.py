@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
+from vsb.study.take_off import PAUSE
 from vsb.tools.words import against_rigid, plain, power, the_rigid, watts
 
 NO_BEST_DAMPER = (
@@ -22,6 +23,8 @@ TUNING = (
 def dampers_in_words(pto: dict[str, Any]) -> str:
     """Return which dampers simulated designs have, from the take-off of a study in canonical form."""
     words = DAMPERS[pto.get("tuning", "fixed")]
+    if pto.get("law") in PAUSE:
+        return f"{words}, {pto['law']}" if words == GIVEN else f"In time, {pto['law']}, with the damper that suits it"
     return f"{words}s" if isinstance(pto.get("damping"), dict) and words == GIVEN else words
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import yaml
 
 from vsb import __version__
 from vsb.report.page import Report, render
@@ -87,7 +88,7 @@ def _facts(study: AnyStudy, hydrodynamics: dict[str, str], runs: Sequence[Mappin
         "Time domain": f"{runs[0]['method']}, {study.simulation.duration:g} s of motion in "
         f"{max(run['seconds'] for run in runs):.3f} s or less per design and sea",
         "Largest energy residual": f"{max(run['energy_residual'] for run in runs):.1e}",
-        "Study": json.dumps(study.model_dump(mode="json"), default=str),
+        "Study": yaml.safe_dump(study.model_dump(exclude_none=True), sort_keys=False, width=100),
     }
 
 

@@ -59,7 +59,7 @@ class Stage:
             except ValidationError as error:
                 mistakes.append(error)
         raise ConfigError(
-            f"{source}: {one_line(min(mistakes, key=ValidationError.error_count))}"
+            f"{source}: {one_line(min(mistakes, key=ValidationError.error_count), raw)}"
         )  # of the nearest type
 
 

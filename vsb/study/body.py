@@ -71,10 +71,22 @@ Matrix = Annotated[
 """Entries by a degree of freedom, or by two with a space between them, rows by a body, or all rows as in the file."""
 
 
+Meshed = Annotated[
+    Annotated[str, Tag("path")] | Annotated[BodyFile, Tag("contents")],
+    Discriminator(lambda value: "contents" if isinstance(value, dict | BodyFile) else "path"),
+]
+"""A body file by its path, or what it holds."""
+Chosen = Annotated[
+    Annotated[Literal["all", "rigid"], Tag("group")] | Annotated[tuple[str, ...], Tag("names")],
+    Discriminator(lambda value: "names" if isinstance(value, list | tuple) else "group"),
+]
+"""Degrees of freedom by their names, or a group of them."""
+
+
 class Body(Section):
     """What floats, by one of four sources, and matrices of the dry body that take the place of those in its files."""
 
-    file: str | BodyFile | None = None
+    file: Meshed | None = None
     database: str | None = None
     wamit: str | None = None
     bemio: str | None = None
@@ -106,7 +118,7 @@ class Body(Section):
 class BodyDesign(Section):
     """One variant of a body: the degrees of freedom it moves in, and combinations of them that are held at zero."""
 
-    dofs: Literal["all", "rigid"] | tuple[str, ...] = "all"
+    dofs: Chosen = "all"
     held: tuple[dict[str, Finite], ...] = ()
 
     @model_validator(mode="after")

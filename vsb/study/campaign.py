@@ -52,12 +52,13 @@ class Scatter(Section):
 
 
 def _climate_kind(value: object) -> str:
-    """Which kind of file is meant, by its key."""
-    return "scatter" if isinstance(value, Scatter) or (isinstance(value, dict) and "scatter" in value) else "spectra"
+    """Which kind of file is meant, by its key: no name of a key, which `vsb.study.reading` would take for one."""
+    counted = isinstance(value, Scatter) or (isinstance(value, dict) and "scatter" in value)
+    return "occurrence" if counted else "measured"
 
 
 ClimateFile = Annotated[
-    Annotated[Spectra, Tag("spectra")] | Annotated[Scatter, Tag("scatter")],
+    Annotated[Spectra, Tag("measured")] | Annotated[Scatter, Tag("occurrence")],
     Discriminator(_climate_kind),
 ]
 """Where the seas of a year are from."""

@@ -1,7 +1,7 @@
 """Reading of YAML files into checked values: one line for every mistake, with the file's line it stands in."""
 
 import re
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -145,7 +145,7 @@ def validated(model: type[Model], raw: object, source: str) -> Model:
         return model.model_validate(raw)
     except ValidationError as error:
         found = _ordered(error)
-        told = [f"{source}{_line_of(one, raw)}: {_told(one, error.title, model)}" for one in found[:MOST_TOLD]]
+        told = [f"{source}{_line_of(one, raw)}: {_told(one, error.title, raw, model)}" for one in found[:MOST_TOLD]]
         rest = len(found) - len(told)
         last = [f"{source}: and {rest} more mistakes like these"] if rest else []
         raise ConfigError(told[0] + _more(found), [*told, *last]) from None
@@ -166,10 +166,10 @@ def _unprintable(raw: object) -> str:
     return ""
 
 
-def one_line(error: ValidationError) -> str:
+def one_line(error: ValidationError, raw: object) -> str:
     """Return the first error of a validation in one line, and how many more: a misspelt key before what it left out."""
     found = _ordered(error)
-    return _told(found[0], error.title) + _more(found)
+    return _told(found[0], error.title, raw) + _more(found)
 
 
 def _ordered(error: ValidationError) -> list[ErrorDetails]:
@@ -197,15 +197,33 @@ def _line_of(error: ErrorDetails, raw: dict[str, Any]) -> str:
         return ""
     words = re.match(r"\w+(\.\w+)*", error["msg"]) if error["type"] == "value_error" else None
     named = [int(part) if part.isdigit() else part for part in words[0].split(".")] if words else []
-    line = raw.line([*error["loc"], *named])
+    line = raw.line([*_written(error, raw), *named])
     return "" if line is None else f":{line}"
 
 
-def _told(error: ErrorDetails, title: str, model: type[BaseModel] | None = None) -> str:
+def _written(error: ErrorDetails, raw: object) -> Place:
+    """Keys of a mistake as the file has them: without the names pydantic adds of the kind it took a value for."""
+    *outer, last = error["loc"] or ("",)
+    place: list[str | int] = []
+    for part in outer:
+        if (inner := _inside(raw, part)) is not None:
+            place, raw = [*place, part], inner[0]
+    return [*place, last] if error["type"] == "missing" or _inside(raw, last) is not None else place
+
+
+def _inside(raw: object, part: str | int) -> tuple[object] | None:
+    """What is at a key of a mapping, or an index of a list; None where there is no such."""
+    if isinstance(raw, Mapping):
+        return (raw[part],) if part in raw else None
+    return (raw[part],) if isinstance(raw, list | tuple) and isinstance(part, int) and part < len(raw) else None
+
+
+def _told(error: ErrorDetails, title: str, raw: object, model: type[BaseModel] | None = None) -> str:
     """A mistake in one line: key, value received, what is needed."""
-    key = ".".join(str(part) for part in error["loc"] if part != "") or title.lower()
+    place = _written(error, raw)
+    key = ".".join(map(str, place)) or title.lower()
     received = "" if isinstance(error["input"], dict | BaseModel) else f" received {shortened(repr(error['input']))};"
-    return " ".join(f"{key}:{received} {_needed(error, schema_of(model) if model else {})}".split())
+    return " ".join(f"{key}:{received} {_needed(error, place, schema_of(model) if model else {})}".split())
 
 
 _WORDS = {
@@ -225,6 +243,7 @@ _WORDS = {
     "less_than_equal": "needs a number of at most {le:g}",
     "list_type": "needs a list",
     "literal_error": "needs {expected}",
+    "model_attributes_type": "needs a mapping of keys and values",
     "model_type": "needs a mapping of keys and values",
     "string_pattern_mismatch": "needs letters, digits and _, first a letter",
     "string_too_long": "needs at most {max_length} characters",
@@ -237,9 +256,9 @@ _WORDS = {
 """Mistakes in words of this project, by pydantic's name."""
 
 
-def _needed(error: ErrorDetails, schema: dict[str, Any]) -> str:
+def _needed(error: ErrorDetails, place: Place, schema: dict[str, Any]) -> str:
     """What is needed in place of what was received, and what was probably meant."""
-    kind, place, ctx = error["type"], error["loc"], error.get("ctx", {})
+    kind, ctx = error["type"], error.get("ctx", {})
     if kind == "extra_forbidden":
         meant = hint(schema, place[:-1], str(place[-1])) if schema else ""
         return "unknown key; " + (f"did you mean {meant}?" if meant else "remove it or correct its spelling")

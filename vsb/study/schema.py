@@ -92,9 +92,11 @@ def dotted(schema: Schema, node: Schema | None = None, prefix: str = "") -> Iter
 
 def hint(schema: Schema, place: Sequence[str | int], key: str) -> str:
     """Return the key that was probably meant: of the same section, or as it is named in another; empty if none is."""
-    if near := nearest(key, keys_at(schema, place)):
+    others = sorted(keys_at(schema, place).keys() - {key})  # a key of another kind may be called as this one
+    if near := nearest(key, others):
         return near
-    return next((name for name in dotted(schema) if name.rpartition(".")[2] == key), "")
+    here = ".".join(part for part in [*place, key] if isinstance(part, str))
+    return next((name for name in dotted(schema) if name.rpartition(".")[2] == key and name != here), "")
 
 
 def nearest(word: str, words: Iterable[str]) -> str:

@@ -96,7 +96,7 @@ def _port_kind(value: object) -> str:
     """Which kind of port is meant, by its form."""
     if isinstance(value, dict | Section):
         keys = dict(value)
-        kinds = {"between": "between", "dofs": "dofs", "dof": "dofs", "line_to": "line", "line_from": "line"}
+        kinds = {"between": "points", "dofs": "motions", "dof": "motions", "line_to": "line", "line_from": "line"}
         return next((kind for key, kind in kinds.items() if key in keys), "shell")
     return "name"
 
@@ -104,9 +104,9 @@ def _port_kind(value: object) -> str:
 PortChoice = Annotated[
     Annotated[Literal["heave", "surge", "pitch", "volume"], Tag("name")]
     | Annotated[ShellPort, Tag("shell")]
-    | Annotated[BetweenPort, Tag("between")]
+    | Annotated[BetweenPort, Tag("points")]
     | Annotated[LinePort, Tag("line")]
-    | Annotated[DofPort, Tag("dofs")],
+    | Annotated[DofPort, Tag("motions")],
     Discriminator(_port_kind),
 ]
 """What the take-off acts on: rigid motion against the sea bed, enclosed volume (pressure against flow), shell, line, or

@@ -5,6 +5,9 @@ from collections.abc import Sequence
 POWERS = ((1e7, 1e-6, "MW"), (1e4, 1e-3, "kW"), (0.0, 1.0, "W"))
 """From which power on [W], factor to its unit, unit."""
 
+PRESSURES = ((1e9, 1e-9, "GPa"), (1e6, 1e-6, "MPa"), (0.0, 1.0, "Pa"))
+"""From which pressure on [Pa], factor to its unit, unit."""
+
 TENFOLD = 900.0
 """Gain from which on percents say little [%]."""
 
@@ -23,6 +26,21 @@ def shortened(text: str) -> str:
 def plain(value: float, digits: int = 4) -> str:
     """Return a number of some significant digits without an exponent, if it has no more than 15 digits."""
     return f"{float(f'{value:.{digits}g}'):.15g}"
+
+
+def short(value: float) -> str:
+    """Return a number of three digits, with an exponent where it is tiny or huge."""
+    return plain(value, 3) if value == 0 or 1e-3 <= abs(value) < 1e6 else f"{value:.3g}"
+
+
+def quantity(value: object, unit: str) -> str:
+    """Return a value with its unit, `1` for none; a stiffness of a million pascal and more in MPa or GPa."""
+    if not isinstance(value, float):
+        return str(value)
+    if unit == "Pa":
+        factor, unit = next((factor, unit) for least, factor, unit in PRESSURES if abs(value) >= least)
+        value *= factor
+    return f"{value:g}{'' if unit == '1' else f' {unit}'}"
 
 
 def watts(values: Sequence[float]) -> tuple[list[str], str]:

@@ -1,7 +1,8 @@
 // Charts of a page: curves over one axis, and values read off curves, drawn here or by the figures, under the pointer.
 "use strict";
 
-const CHART = { width: 520, height: 250, left: 58, right: 12, top: 12, bottom: 40 };
+const NARROW = globalThis.matchMedia?.("(max-width: 40rem)").matches; // there letters are larger beside the curves
+const CHART = { width: 520, height: NARROW ? 340 : 250, left: 58, right: 12, top: 12, bottom: 40 };
 
 /** A number of four digits, without an exponent where people need none. */
 function plain(value) {
