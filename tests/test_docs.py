@@ -1,5 +1,7 @@
 """The documentation: pages written from the code, links that lead somewhere, examples that run."""
 
+import doctest
+import importlib
 import importlib.util
 import json
 import re
@@ -146,6 +148,16 @@ def test_captions_of_the_workflow_report_are_there_and_used():
     )
     used = set(re.findall(r'"(?:\.\./)?report/(\w+\.rst)"', rules))
     assert used == {path.name for path in (HOME / "workflow" / "report").iterdir()}
+
+
+EXAMPLES = sorted(path for path in (HOME / "vsb").rglob("*.py") if ">>> " in path.read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_examples_in_docstrings_say_what_comes_out(path):
+    module = importlib.import_module(".".join(path.relative_to(HOME).with_suffix("").parts))
+    found = doctest.testmod(module)
+    assert (found.failed, found.attempted > 0) == (0, True)
 
 
 def test_the_container_is_made_from_the_lock_file_by_a_python_the_package_takes():

@@ -33,6 +33,17 @@ class Port:
     ------
     DatabaseError
         If the port gives out energy: the coefficients behind it are not passive.
+
+    Examples
+    --------
+    An impedance 3 + 4i [N s/m] that waves of 1 m move at 2 m/s: the best damper is its modulus, and takes
+    2/(1 + sqrt(1 + Q^2)) of what any take-off could, Q = 4/3 [N s/m, W, W].
+
+    >>> import numpy as np
+    >>> from vsb import Port
+    >>> port = Port(np.array([1.0]), np.array([1 / (3 + 4j)]), np.array([2.0 + 0j]), compliance=1.0)
+    >>> [round(float(value[0]), 6) for value in (port.best_damping, port.best_power, port.matched_power)]
+    [5.0, 3.125, 4.166667]
     """
 
     omega: FloatArray  # (omega,) [rad/s]

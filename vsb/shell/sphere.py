@@ -13,7 +13,17 @@ from vsb.tools.units import FloatArray
 
 @dataclass(frozen=True, slots=True)
 class Shell:
-    """Thin closed shell of revolution of one isotropic material, by default a sphere."""
+    """Thin closed shell of revolution of one isotropic material, by default a sphere.
+
+    Examples
+    --------
+    The publication's shell: mass [kg], and the outer pressure it buckles under [Pa].
+
+    >>> from vsb import Shell
+    >>> shell = Shell(radius=2.0, thickness=0.01, young_modulus=10e6, poisson_ratio=0.3, density=2700.0)
+    >>> round(shell.mass, 1), round(shell.buckling_pressure, 1)
+    (1357.2, 302.6)
+    """
 
     radius: float  # largest [m]
     thickness: float  # [m]

@@ -44,7 +44,13 @@ def quantity(value: object, unit: str) -> str:
 
 
 def watts(values: Sequence[float]) -> tuple[list[str], str]:
-    """Return powers [W] to four digits in one unit that suits the largest, and the unit."""
+    """Return powers [W] to four digits in one unit that suits the largest, and the unit.
+
+    Examples
+    --------
+    >>> watts([18720.4, 271.04])
+    (['18.72', '0.271'], 'kW')
+    """
     largest = max(map(abs, values))
     factor, unit = next((factor, unit) for least, factor, unit in POWERS if largest >= least)
     return [plain(factor * value) for value in values], unit

@@ -15,7 +15,16 @@ def wavenumber(omega: float, depth: float, gravity: float) -> float:
 
 
 def group_velocity(omega: float, depth: float, gravity: float) -> float:
-    """Return v_g = d omega/dk = omega/(2k) (1 + 2kd/sinh 2kd) [m/s]."""
+    """Return v_g = d omega/dk = omega/(2k) (1 + 2kd/sinh 2kd) [m/s].
+
+    Examples
+    --------
+    Waves of 8 s in deep water, and in 10 m of it:
+
+    >>> import math
+    >>> [round(group_velocity(2 * math.pi / 8, depth, 9.81), 2) for depth in (math.inf, 10.0)]
+    [6.25, 7.18]
+    """
     k = wavenumber(omega, depth, gravity)
     kd2 = 2 * k * depth
     finite = kd2 / np.sinh(kd2) if kd2 < 40.0 else 0.0
