@@ -1,5 +1,6 @@
 """WEC-Sim's flexible barge, WAMIT's coefficients and WAMIT's own response: the chain's is the same."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -84,3 +85,17 @@ def test_bending_takes_a_take_off_at_the_bow_elsewhere_than_a_rigid_barge(respon
         rungs = [powers[design, rung] for rung in ("best_damper", "best_spring_damper", "matched")]
         assert 0 < rungs[0] <= rungs[1] * (1 + 1e-9) <= rungs[2] * (1 + 2e-9)
     assert abs(powers["flexible", "best_damper"] / powers["rigid", "best_damper"] - 1) > 0.02
+
+
+def test_time_is_the_frequency_domain_as_far_as_the_memory_is(tmp_path, response):
+    """At the tolerance of docs/own-body.md; the rigid barge alone, of its three motions: a seventh of the fit's time."""
+    bow = {"Heave": 1.0, "Pitch": -40.0}
+    found = response(
+        designs={"rigid": {"dofs": RIGID}}, pto={"port": {"dofs": bow}}, hydro={"omega_max": 3.0, "tolerance": 3e-3},
+        simulation={"duration": 200.0, "window": [160.0, 200.0]},
+    )  # fmt: skip
+    plan = found.plan
+    make(plan, [f"{plan.folder}/validity.json"])
+    checks = {check["name"]: check for check in json.loads(Path(f"{plan.folder}/validity.json").read_text())["checks"]}
+    assert checks["time_and_frequency_domain"]["value"] < 2e-3
+    assert checks["energy_residual"]["value"] < 1e-10
