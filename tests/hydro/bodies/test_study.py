@@ -1,4 +1,6 @@
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -162,6 +164,48 @@ def test_the_verdict_sees_modes_the_panels_do_not_resolve(tmp_path, body, green_
     lively = made(body.vertices, body.faces, np.concatenate([body.shapes[:1], bend[None]]), ("Heave", "Wave"))
     checks = bodystudy.run(files(tmp_path, lively, omega=[1.0], lid=0), tmp_path / "out", green_folder)
     assert {check.name: check.verdict for check in checks}["modes"] == answer
+
+
+DEEP = 9.81 / 2.0**2 * 2 * np.pi  # length of a wave of 2 rad/s [m]
+BORDERS = {  # check: where it is ok no more, where it fails
+    "error_estimate": (0.05, 0.25), "one_resolution": (0.5, 2.5), "symmetry": (0.02, 0.1), "far_field": (0.02, 0.1),
+    "haskind": (0.02, 0.1), "positive_damping": (0.01, 0.01), "panels": (0.25, 1.25), "modes": (1 / 3.5, 0.5),
+    "corners": (0.05, 0.25), "rigid_names": (0.01, 0.05), "interpolation_error": (1e-3, 1e-3), "afloat": (0.01, 0.01),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BORDERS)
+@pytest.mark.parametrize("part", [0, 1])
+def test_every_limit_of_the_verdict_on_either_side(body, monkeypatch, name, part):
+    """Of each check alone, by what it is told; all others are sound."""
+    border = BORDERS[name][part]
+
+    def verdict(value):
+        told = dict.fromkeys(BORDERS, 0.0) | {name: value}
+        shapes, mass = np.ones_like(body.modes), 1025.0 * body.volume * (1 + told["afloat"])
+        for place, found in {
+            "error_estimate": told["error_estimate"], "panel_diameters": np.array([told["panels"] * DEEP]),
+            "panels_per_lobe": 1 / max(told["modes"], 1e-9), "at_centres": body.modes + told["corners"] * shapes,
+            "rigid_misfit": told["rigid_names"],
+        }.items():  # fmt: skip
+            monkeypatch.setattr(bodystudy, place, lambda *_, found=found: found)
+        monkeypatch.setattr(bodystudy.quality, "negative_damping", lambda *_: told["positive_damping"])
+        attrs = {key: told[key] for key in ("symmetry", "far_field", "haskind")}
+        block = SimpleNamespace(own=SimpleNamespace(attrs=attrs | {"coarser_share": 1 - told["one_resolution"]}))
+        file = BodyFile(body="b", mesh="b.nc", modes="b.nc", omega=[1.0, 2.0], wave_direction=[0.0], tolerance=1e-3)
+        swept = SimpleNamespace(solved=[block], coefficients=None, error=told["interpolation_error"])
+        heavy = replace(body, mass=np.diag([mass, 1e5, 1e4]))
+        checks = bodystudy.verdict(file, heavy, block, swept, np.ones(3))
+        found = {check.name: check.verdict for check in checks}
+        assert found.keys() == BORDERS.keys()
+        assert {found[other] for other in found if other != name} == {"ok"}
+        return found[name]
+
+    below, above = verdict(0.99 * border), verdict(1.01 * border)
+    if part:
+        assert below != "fail" == above
+    else:
+        assert below == "ok" != above
 
 
 def test_panels_without_area_are_dropped_and_the_repair_is_recorded(tmp_path, body, green_folder):
