@@ -1,4 +1,8 @@
+import ast
+import importlib
+import inspect
 import json
+import pkgutil
 
 import numpy as np
 import pytest
@@ -7,7 +11,8 @@ from conftest import varied
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from vsb.hydro.database import Check
+from vsb import results
+from vsb.hydro.database import Check, check_at_most
 from vsb.results import ledger
 from vsb.results.ledger import largest_displacement, largest_strain, static_modal_amplitude, with_full_basis
 from vsb.scenes.rest import reference_shell, study_basis
@@ -191,3 +196,52 @@ def test_white_noise_beyond_the_band_is_cut(band, share):
     (_, cut) = ledger.wave_checks(WhiteNoise(kind="white_noise", hs=0.5, band=band), Water(), 2.0)
     assert cut.value == pytest.approx(share, rel=0.02)
     assert (cut.verdict == "ok") == (share < 0.01)
+
+
+CHECKS = {  # name: limit, unit, whether up to five times it is a doubt
+    "pitch": (0.3, "rad", True), "surge": (0.5, "-", True), "rotation": (0.2, "rad", True),
+    "translation": (0.3, "-", True), "constrained": (1e-6, "-", True), "buckling": (1.0, "-", False),
+    "power_limit": (1.01, "-", False), "computed_buckling": (1.0, "-", False), "static_strain": (0.02, "-", True),
+    "steepness": (0.05, "-", True), "heave": (0.3, "-", True), "passivity": (1e-12, "-", False),
+    "spectrum_cut": (0.01, "-", True), "deformation": (0.1, "-", True), "strain": (0.02, "-", True),
+    "assumed_pressure": (1.0, "-", False), "bending_modes": (0.05, "-", True), "transient": (0.005, "-", True),
+    "pause": (0.8, "-", True), "time_and_frequency_domain": (0.005, "-", True), "linearity": (0.05, "-", True),
+    "drag": (0.05, "-", True), "constraint_drift": (1e-9, "m", False), "statistical_error": (0.1, "-", True),
+    "record_length": (1.0, "-", True), "spectral_prediction": (1.5, "-", True),
+}  # fmt: skip
+OF_THE_STUDY = {"static_deformation", "radiation_fit", "left_out", "gain_error", "energy_residual"}
+"""Checks whose limits a study says; each has cases of its own."""
+
+
+def calls_of(module):
+    """The calls of `check_at_most` in a module, as (name, limit, unit, doubt); no limit where a study says it."""
+    for node in ast.walk(ast.parse(inspect.getsource(module))):
+        if isinstance(node, ast.Call) and ast.unparse(node.func) == "check_at_most":
+            name, _, limit, unit = (ast.unparse(arg) for arg in node.args[:4])
+            known = not {n.id for n in ast.walk(node.args[2]) if isinstance(n, ast.Name)} - vars(module).keys()
+            doubt = [ast.unparse(k.value) for k in node.keywords if k.arg == "doubt"]
+            value = eval(limit, vars(module)) if known else None
+            yield ast.literal_eval(name), value, ast.literal_eval(unit), doubt == ["True"]
+
+
+def test_every_limit_has_an_ok_below_and_a_doubt_or_a_failure_above():
+    rooms = [importlib.import_module(f"vsb.results.{one.name}") for one in pkgutil.iter_modules(results.__path__)]
+    found = {name: told for room in rooms for name, *told in calls_of(room)}
+    assert {name for name, (limit, *_) in found.items() if limit is None} == OF_THE_STUDY
+    assert {name: tuple(told) for name, told in found.items() if told[0] is not None} == CHECKS
+    for name, (limit, unit, doubt) in CHECKS.items():
+        below, above, far = (
+            check_at_most(name, part * limit, limit, unit, "", doubt=doubt).verdict for part in (0.999, 1.001, 5.001)
+        )
+        assert (below, above, far) == ("ok", "doubt" if doubt else "fail", "fail")
+
+
+def test_an_equilibrium_may_lie_farther_from_the_sphere_than_what_is_linearised_about(seed, monkeypatch):
+    monkeypatch.setattr(
+        ledger, "static_modal_amplitude", lambda study, reference: np.zeros(len(reference.basis.labels))
+    )
+    reference = reference_shell(seed)
+    for shape, limit in (("undeformed", 0.05), ("equilibrium", 0.2)):
+        static, _ = ledger.static_checks(varied(seed, reference_shape=shape), reference)
+        assert (static.limit, static.value) == (limit, 0.0)
+        assert ("undeformed" in static.explanation) == (shape == "undeformed")

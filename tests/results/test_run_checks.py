@@ -28,6 +28,18 @@ def test_energy_is_balanced_to_what_the_method_promises():
     assert energy_check(convolved, run()).verdict == "ok"
 
 
+@pytest.mark.parametrize(
+    ("settings", "limit"),
+    [({}, 1e-6), ({"tolerance": 1e-4}, 1e-4), ({"method": "convolution"}, 1e-4)],
+)
+def test_energy_is_closed_on_one_side_of_its_limit_and_not_on_the_other(settings, limit):
+    verdicts = [
+        energy_check(study(simulation=settings), run(energy_residual=part * limit)).verdict
+        for part in (0.99, 1.01, 5.01)
+    ]
+    assert verdicts == ["ok", "doubt", "fail"]
+
+
 def test_what_is_held_is_watched_where_something_is():
     assert drift_checks(study(), run()) == []
     (check,) = drift_checks(study(), run(constraint_drift=1e-6))
