@@ -37,6 +37,16 @@ def test_text_is_text_on_screen_and_in_print(figure):
     assert drawn(figure, "wave").pdf == files.pdf, "the same figure is the same file"
 
 
+def test_hatching_is_drawn_with_a_pattern_that_is_there(figure):
+    """A style refers to it, which stands in the sheet of the figure."""
+    figure.axes[0].fill_between(X, -1.0, 0.0, facecolor="none", hatch="////")
+    root = ET.fromstring(drawn(figure, "wave").svg)
+    (pattern,) = (element.get("id") for element in root.iter("{http://www.w3.org/2000/svg}pattern"))
+    filled = re.findall(r"\.(\w+){fill:url\(#([^)]+)\)", root.findtext("{http://www.w3.org/2000/svg}style"))
+    assert [reference for _, reference in filled] == [pattern]
+    assert [element for element in root.iter() if element.get("class") == filled[0][0]]
+
+
 def test_identifiers_are_of_the_figure_and_all_references_are_met(figure):
     text = drawn(figure, "wave").svg
     identities = re.findall(r'\bid="([^"]+)"', text)

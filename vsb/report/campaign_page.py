@@ -180,9 +180,9 @@ def second_answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:
 
 
 def _of_points(ds: xr.Dataset, reference: str, tuning: str) -> str:
-    """At how many points flexibility pays."""
-    gains = told_gain(ds.sel(tuning=tuning), tuning).where(ds.design != reference)
-    carries, pays = ds.margin >= 0, gains.max("design") > 0
+    """At how many points flexibility pays: the interval of the gain of some design lies above zero."""
+    least = ds.gain_low.sel(tuning=tuning).where(ds.design != reference)
+    carries, pays = ds.margin >= 0, least.max("design") > 0
     return (
         f"Of {ds.margin.size} points {int(carries.sum())} carry their static load; flexibility pays at "
         f"{int(pays.sum())} of all and at {int((pays & carries).sum())} of those."

@@ -210,7 +210,7 @@ def _shorten(element: ET.Element, kept: set[str], name: str) -> None:
         elif key in ("points", "transform", "x", "y", "width", "height"):
             element.set(key, _rounded_all(value))
         elif key == "style":
-            style = _NUMBER.sub(_rounded, value).replace(": ", ":").replace("; ", ";")
+            style = _NUMBER.sub(_rounded, value).replace(": ", ":").replace("; ", ";").replace("url(#", f"url(#{name}-")
             element.set(key, style.replace("font-family:'DejaVu Sans';", "").replace(";font-family:'DejaVu Sans'", ""))
     for key in ("clip-path", f"{XLINK}href"):
         if key in element.attrib:
