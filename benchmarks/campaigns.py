@@ -20,12 +20,13 @@ from vsb.errors import ConfigError
 from vsb.motion.port import Port
 from vsb.motion.tuning import best_damper_of_each, best_dampers
 from vsb.results.in_time import DesignInTime
-from vsb.results.member import ports_year, with_designs
+from vsb.results.member import ports_year
 from vsb.results.verification import chances, drawn, verified
 from vsb.results.year import DesignYear, Tuning, frequencies
 from vsb.scenes.afloat import linear_buoy, study_port
 from vsb.scenes.ports import design_ports
 from vsb.scenes.rest import design_motions, reference_shell
+from vsb.scenes.viability import with_designs
 from vsb.stages.climate import read_climate
 from vsb.stages.make import make
 from vsb.stages.members import Work, finished

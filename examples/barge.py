@@ -23,7 +23,7 @@ from scipy.optimize import brentq, minimize_scalar
 from examples import command
 from vsb.cli import print_verdict
 from vsb.errors import ConfigError
-from vsb.hydro.bodies.body import FlexibleBody, IntArray, at_centres, joined
+from vsb.hydro.bodies.body import FlexibleBody, at_centres, joined
 from vsb.hydro.bodies.files import write_body
 from vsb.hydro.bodies.study import read_config, run, solve
 from vsb.hydro.database import Check, stored_checks
@@ -35,7 +35,7 @@ from vsb.study.sections import Water
 from vsb.study.study import canonical
 from vsb.tools.files import load, write_text
 from vsb.tools.tables import csv_text, svg_text
-from vsb.tools.units import FloatArray
+from vsb.tools.units import FloatArray, IntArray
 
 GRADING = 0.5
 """Between equal panels (0) and cosine spacing (1), whose panels at the edges shrink with the square of the number."""

@@ -6,10 +6,11 @@ from conftest import varied
 from results.test_year import climate
 from scenes.test_ports import water
 
-from vsb.results.member import CURVES, MATRICES, OF_DESIGNS, TRIED, member, with_designs
+from vsb.results.member import CURVES, MATRICES, OF_DESIGNS, TRIED, member
 from vsb.results.year import year
 from vsb.scenes.ports import ShapeWater, design_ports
 from vsb.scenes.rest import reference_shell
+from vsb.scenes.viability import with_designs
 from vsb.study.study import Study
 from vsb.waves.climate import Climate
 

@@ -14,7 +14,7 @@ from vsb.hydro.dofs import Displacement, displacements
 from vsb.shell.modes import ModeBasis
 from vsb.shell.reference import ReferenceShell
 from vsb.tools.files import load, locked, save, write_text
-from vsb.tools.units import FloatArray
+from vsb.tools.units import PAIR, FloatArray
 
 Verdict = Literal["ok", "doubt", "fail", "accepted"]
 SWEEP = "sweep"
@@ -121,7 +121,7 @@ def shares(solved: Sequence[Displacement], basis: ModeBasis) -> FloatArray:
 def _transformed(data: xr.DataArray, transform: FloatArray, labels: list[str]) -> xr.DataArray:
     """T data T^T over the degrees of freedom data has, which come last."""
     values = data.values @ transform.T
-    names = [dim for dim in ("influenced_dof", "radiating_dof") if dim in data.dims]
+    names = [dim for dim in PAIR if dim in data.dims]
     if len(names) == 2:
         values = transform @ values
     kept = {dim: data.coords[dim] for dim in data.dims if dim in data.coords and dim not in names}
@@ -147,10 +147,10 @@ def with_symmetrized(ds: xr.Dataset) -> xr.Dataset:
 
 def with_structure(ds: xr.Dataset, reference: ReferenceShell) -> xr.Dataset:
     """Return the dataset with inertia, the stiffness of the reference shell by name, and the scale of the modes."""
-    basis, pair = reference.basis, ("influenced_dof", "radiating_dof")
-    stiffness = {f"{name}_stiffness": (pair, matrix) for name, matrix in reference.stiffness.items()}
+    basis = reference.basis
+    stiffness = {f"{name}_stiffness": (PAIR, matrix) for name, matrix in reference.stiffness.items()}
     return ds.assign(stiffness).assign(
-        inertia_matrix=(pair, basis.inertia),
+        inertia_matrix=(PAIR, basis.inertia),
         pole_radial_displacement=("influenced_dof", basis.pole_radial_displacement),
         reference_amplitude=("influenced_dof", reference.modal_amplitude),
     )

@@ -4,7 +4,6 @@ Orders do not mix on a body of revolution: all matrices are blocks, each with on
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -16,14 +15,13 @@ from vsb.hydro.database import transformed
 from vsb.hydro.dofs import Displacement, displacements
 from vsb.hydro.quality import haskind_damping
 from vsb.shell.orders import OrderBasis, semi_normalisation
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.units import PAIR, ComplexArray, FloatArray, IntArray
 
 ORDER = "azimuthal_order"
 """Variable of a database that says of which order m each degree of freedom is; without it all are of order 0.
 
 Negative where it goes with sin(m theta), as real spherical harmonics are numbered: a channel of its own.
 """
-_PAIR = ("influenced_dof", "radiating_dof")
 
 
 def order_shares(solved: Sequence[Displacement], basis: OrderBasis) -> FloatArray:
@@ -104,13 +102,13 @@ def in_headings(ds: xr.Dataset, order: int, directions: Sequence[float]) -> xr.D
 
 def renamed(ds: xr.Dataset, labels: Sequence[str]) -> xr.Dataset:
     """Return coefficients under other names of their degrees of freedom."""
-    return ds.assign_coords({dim: list(labels) for dim in _PAIR})
+    return ds.assign_coords({dim: list(labels) for dim in PAIR})
 
 
 def still_part(like: xr.Dataset, basis: OrderBasis) -> xr.Dataset:
     """Return the coefficients of motions that move no water, as of another part of a database."""
-    one = like.isel({dim: [0] * len(basis.labels) for dim in _PAIR})
-    return (0.0 * one).assign_coords({dim: list(basis.labels) for dim in _PAIR}).assign_attrs(like.attrs)
+    one = like.isel({dim: [0] * len(basis.labels) for dim in PAIR})
+    return (0.0 * one).assign_coords({dim: list(basis.labels) for dim in PAIR}).assign_attrs(like.attrs)
 
 
 def side_by_side(parts: Sequence[xr.Dataset], orders: Sequence[int]) -> xr.Dataset:
@@ -126,9 +124,9 @@ def side_by_side(parts: Sequence[xr.Dataset], orders: Sequence[int]) -> xr.Datas
     labels = [str(label) for part in parts for label in part.influenced_dof.values]
     found = {name: _joined([part[name] for part in parts]) for name in parts[0].data_vars}
     of = np.repeat(orders, [part.sizes["influenced_dof"] for part in parts])
-    kept = {str(dim): values for dim, values in parts[0].coords.items() if dim not in _PAIR}
+    kept = {str(dim): values for dim, values in parts[0].coords.items() if dim not in PAIR}
     history = "; ".join(dict.fromkeys(part.attrs["history"] for part in parts if part.attrs.get("history")))
-    together = xr.Dataset({**found, ORDER: (_PAIR[0], of)}, {**kept, **dict.fromkeys(_PAIR, labels)})
+    together = xr.Dataset({**found, ORDER: (PAIR[0], of)}, {**kept, **dict.fromkeys(PAIR, labels)})
     return together.assign_attrs({**parts[0].attrs, "history": history})
 
 
@@ -136,7 +134,7 @@ def _joined(blocks: Sequence[xr.DataArray]) -> tuple[tuple[str, ...], npt.NDArra
     """Dims and values of one variable over all degrees of freedom, which its dims end with."""
     dims = tuple(map(str, blocks[0].dims))
     values = [np.asarray(block.values) for block in blocks]
-    if dims[-2:] != _PAIR:
+    if dims[-2:] != PAIR:
         return dims, np.concatenate(values, axis=-1)
     lead = values[0].shape[:-2]
     rows = [value.reshape(-1, *value.shape[-2:]) for value in values]
@@ -144,12 +142,12 @@ def _joined(blocks: Sequence[xr.DataArray]) -> tuple[tuple[str, ...], npt.NDArra
     return dims, stacked.reshape(*lead, *stacked.shape[-2:])
 
 
-def orders_of(ds: xr.Dataset) -> npt.NDArray[np.integer[Any]]:
+def orders_of(ds: xr.Dataset) -> IntArray:
     """Return the azimuthal order of each degree of freedom of a database, shape (dof,)."""
     return np.asarray(ds[ORDER].values) if ORDER in ds else np.zeros(ds.sizes["influenced_dof"], dtype=int)
 
 
-def own_headings(ds: xr.Dataset) -> npt.NDArray[np.intp]:
+def own_headings(ds: xr.Dataset) -> IntArray:
     """Return which of a database's directions excites each degree of freedom most, shape (dof,)."""
     own = np.array([own_heading(int(order)) for order in orders_of(ds)])
     if not own.any():
@@ -163,12 +161,12 @@ def most_exciting(ds: xr.Dataset, name: str) -> ComplexArray:
     return found
 
 
-def heading_shares(orders: npt.NDArray[np.integer[Any]], direction: float) -> FloatArray:
+def heading_shares(orders: IntArray, direction: float) -> FloatArray:
     """Return `heading_share` of degrees of freedom by their orders, shape (dof,) [-]."""
     return np.array([heading_share(int(order), direction) for order in orders])
 
 
-def order_groups(ds: xr.Dataset) -> dict[int, npt.NDArray[np.intp]]:
+def order_groups(ds: xr.Dataset) -> dict[int, IntArray]:
     """Return the numbers of the degrees of freedom of each azimuthal order, in ascending order, sines after cosines."""
     orders = orders_of(ds)
     return {int(m): np.flatnonzero(orders == m) for m in sorted(np.unique(orders), key=lambda m: (abs(m), -m))}
@@ -177,7 +175,7 @@ def order_groups(ds: xr.Dataset) -> dict[int, npt.NDArray[np.intp]]:
 def of_order(ds: xr.Dataset, order: int) -> xr.Dataset:
     """Return the part of a database of one azimuthal order."""
     group = order_groups(ds)[order]
-    dims = {dim: group for dim in _PAIR if dim in ds.dims}
+    dims = {dim: group for dim in PAIR if dim in ds.dims}
     return ds.isel(dims).drop_vars(ORDER, errors="ignore")
 
 
@@ -187,7 +185,7 @@ def with_order_structure(ds: xr.Dataset, basis: OrderBasis, stiffness: Mapping[s
         "influenced_dof",
         np.zeros(len(basis.labels)),
     )  # orders m >= 1 neither move the pole radially nor rest bent
-    matrices = {f"{name}_stiffness": (_PAIR, matrix) for name, matrix in stiffness.items()}
+    matrices = {f"{name}_stiffness": (PAIR, matrix) for name, matrix in stiffness.items()}
     return ds.assign(matrices).assign(
-        inertia_matrix=(_PAIR, basis.inertia), pole_radial_displacement=nothing, reference_amplitude=nothing
+        inertia_matrix=(PAIR, basis.inertia), pole_radial_displacement=nothing, reference_amplitude=nothing
     )

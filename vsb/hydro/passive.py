@@ -13,10 +13,9 @@ K(0+) = G^T P G, added mass and damping come from one K: they are consistent by 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from scipy.linalg import block_diag, eigh, solve_continuous_are
 from scipy.sparse.csgraph import connected_components
 
@@ -25,9 +24,7 @@ from vsb.hydro.passivity import least_damping
 from vsb.hydro.realisation import Balanced, StateSpace, rational_fit
 from vsb.hydro.statespace import UNUSABLE, RadiationModel, partial_fractions, truncated
 from vsb.tools.least_squares import levenberg_marquardt
-from vsb.tools.units import ComplexArray, FloatArray
-
-IntArray = npt.NDArray[np.integer[Any]]
+from vsb.tools.units import ComplexArray, FloatArray, IntArray
 
 Limit = Literal["given", "fitted"]
 POLES = (4, 6, 8, 10, 12, 14, 16, 20, 24, 30)

@@ -18,9 +18,8 @@ from vsb.hydro.database import Check
 from vsb.hydro.formats.foreign import sizes
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.study.quantities import is_rigid
-from vsb.tools.units import FloatArray
+from vsb.tools.units import PAIR, FloatArray
 
-PAIR = ("influenced_dof", "radiating_dof")
 LARGEST_CHANGE = {"positive_damping": 0.2, "kramers_kronig": 0.1}
 """Of damping, in terms of both motions' largest, and of added mass, in terms of both motions' own: more is no noise."""
 _LEAST = 1e-12  # eigenvalue in place of a negative one, in terms of the motions' largest damping

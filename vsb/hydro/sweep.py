@@ -23,7 +23,6 @@ FIRST_SOLVES = 7
 """Frequencies solved before any interpolation."""
 MOST_SOLVES = 40
 """Beyond, or beyond half the frequencies, coefficients are held to be too rough to be interpolated."""
-_PAIR = ("influenced_dof", "radiating_dof")
 FORCES = ("Froude_Krylov_force", "diffraction_force")
 
 _TURNING = 2.0

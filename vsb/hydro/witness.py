@@ -26,7 +26,7 @@ from vsb.hydro.shapes.family import ShapeFamily
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import ModeBasis
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.units import PAIR, ComplexArray, FloatArray
 
 DEFORMATION = 0.05
 """Modal amplitude of the deformed shapes, in radii; halved until each crosses the water once, clear of the bottom."""
@@ -217,7 +217,7 @@ def _derivative(
     family: ShapeFamily, low: Deformed, sides: tuple[Runs, Runs], basis: ModeBasis
 ) -> tuple[xr.Dataset, FloatArray, FloatArray]:
     """Derivative by one mode, how far the panels' central difference is from it, and what is to be expected of that."""
-    dofs = {dim: list(basis.labels) for dim in ("influenced_dof", "radiating_dof")}
+    dofs = {dim: list(basis.labels) for dim in PAIR}
     line = family.along(np.eye(len(family.labels))[family.labels.index(low.mode)], levels=2)
     (minus, plus), h = (each.found for each in sides), -low.amplitude
     central = Versions(*((up - down) / (2 * h) for down, up in zip(minus, plus, strict=True)))
@@ -272,7 +272,7 @@ def database_checks(ds: xr.Dataset, database: xr.Dataset, error: float) -> list[
     other = "panels" if database.attrs["solver"] == "spectral" else "spectral"
     judge = ds.sel(solver=other, shape="mean", omega=omega)
     theirs = judge.rename({f"shape_{name}": name for name in COEFFICIENTS})[list(COEFFICIENTS)]
-    shared = ("influenced_dof", "radiating_dof", "wave_direction")  # one direction is all for what is axisymmetric
+    shared = (*PAIR, "wave_direction")  # one direction is all for what is axisymmetric
     whole = database[list(COEFFICIENTS)].sel({dim: ds[dim].values for dim in shared})
     splines = {name: CubicSpline(whole.omega, whole[name].values) for name in COEFFICIENTS}
     ours = theirs.assign({name: (theirs[name].dims, at(omega)) for name, at in splines.items()})

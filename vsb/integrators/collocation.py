@@ -15,14 +15,13 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from scipy.special import comb
 
 from vsb.errors import ConvergenceError
 from vsb.integrators.phi import lagrange, phi_integrals
 from vsb.motion.motion import Motion
 from vsb.motion.system import System
-from vsb.tools.units import FloatArray
+from vsb.tools.units import FloatArray, IntArray
 
 NODES = 5
 PARTS = 8
@@ -55,7 +54,7 @@ class Step(NamedTuple):
     forced: FloatArray  # (part, state, NODES free)
 
     @property
-    def nodes(self) -> npt.NDArray[np.intp]:
+    def nodes(self) -> IntArray:
         """Parts a node after the first ends, shape (NODES - 1,)."""
         parts = len(self.free) // (NODES - 1)
         return np.asarray(np.arange(1, NODES) * parts - 1)

@@ -4,9 +4,8 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from vsb.tools.units import FloatArray
+from vsb.tools.units import BoolArray, FloatArray
 
 SOON = 2.0**-20
 """Part of a span after which a guard that has just vanished shows, above round-off, which way it goes."""
@@ -56,12 +55,12 @@ class Track:
     times: list[FloatArray] = field(default_factory=list)
     states: list[FloatArray] = field(default_factory=list)
     leaving: list[FloatArray] = field(default_factory=list)  # as the next step begins
-    regular: list[npt.NDArray[np.bool_]] = field(default_factory=list)  # which are whole strides apart
+    regular: list[BoolArray] = field(default_factory=list)  # which are whole strides apart
     modes: list[Mode] = field(default_factory=list)
     error: float = 0.0  # of all steps together, in the norm of the state
     events: list[float] = field(default_factory=list)  # when pieces changed [s]
 
-    def add(self, times: FloatArray, states: FloatArray, mode: Mode, regular: npt.NDArray[np.bool_]) -> None:
+    def add(self, times: FloatArray, states: FloatArray, mode: Mode, regular: BoolArray) -> None:
         """Add nodes of one mode."""
         self.times.append(times)
         self.states.append(states)

@@ -4,13 +4,12 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from vsb.integrators.audit import Balance, terms
 from vsb.motion.motion import Motion
 from vsb.motion.system import System
-from vsb.tools.units import FloatArray
+from vsb.tools.units import BoolArray, FloatArray, IntArray
 from vsb.waves.seas import Sea
 
 
@@ -59,7 +58,7 @@ def recorded(system: System, leg: Leg, sea: Sea | None, window: tuple[float, flo
     return run.assign(elevation=("time", sea.elevation(motion.time)[kept])) if sea else run
 
 
-def _extremes(series: FloatArray, inside: npt.NDArray[np.bool_]) -> npt.NDArray[np.intp]:
+def _extremes(series: FloatArray, inside: BoolArray) -> IntArray:
     """Rows, among those inside, in which a column of a series has its least or its largest value."""
     (rows,) = np.nonzero(inside)
     extremes = [series[rows].argmin(axis=0), series[rows].argmax(axis=0)] if rows.size else []

@@ -12,11 +12,10 @@ the waves' work but for the part that is stored.
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from vsb.integrators.phases import Phase
 from vsb.motion.system import System
-from vsb.tools.units import FloatArray
+from vsb.tools.units import BoolArray, FloatArray
 from vsb.waves.superposition import superposed
 
 TERMS = ("wave", "pto", "structural", "radiated")
@@ -96,7 +95,7 @@ def integrated(before: FloatArray, after: FloatArray, spans: FloatArray) -> Floa
     return np.asarray(spans / 2 * plus[..., 0, :] + spans**2 / 10 * minus[..., 1, :] + spans**3 / 120 * plus[..., 2, :])
 
 
-def driven_at(system: System, time: FloatArray, regular: npt.NDArray[np.bool_]) -> FloatArray:
+def driven_at(system: System, time: FloatArray, regular: BoolArray) -> FloatArray:
     """Return the waves and two derivatives at nodes, some equally spaced, on the modes, shape (3, node, free)."""
     phasors = np.hstack([system.waves * (-1j * system.omega[:, None]) ** k for k in range(3)])
     out = np.empty((len(time), phasors.shape[1]))
@@ -122,7 +121,7 @@ def account(
     states: FloatArray,
     leaving: FloatArray,
     pieces: dict[Piece, list[int]],
-    regular: npt.NDArray[np.bool_],
+    regular: BoolArray,
 ) -> Account:
     """Return accelerations, forces and works of a run.
 

@@ -25,7 +25,7 @@ from vsb.motion.forces import Damper, Excitation, Force, RadiationMemory, Spring
 from vsb.motion.frequency import LinearMotion
 from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
-from vsb.tools.units import FloatArray
+from vsb.tools.units import PAIR, FloatArray
 from vsb.waves.seas import Sea
 
 _SAME_DIRECTION = 1e-6  # [rad]
@@ -182,12 +182,11 @@ def linear_body(
     chosen_mass, chosen_damping, chosen_stiffness = (
         held if matrix is None else np.asarray(matrix, dtype=float) for held, matrix in zip(own, given, strict=True)
     )
-    pair = ("influenced_dof", "radiating_dof")
     for name, matrix in (("mass", chosen_mass), ("damping", chosen_damping), ("stiffness", chosen_stiffness)):
         if matrix.shape != none.shape:
             raise ConfigError(f"{name}: received shape {matrix.shape}, needs finite numbers, shape {none.shape}.")
     complete = chosen.drop_vars([name for name in DRY if name in chosen]).assign(
-        inertia_matrix=(pair, chosen_mass), structural_stiffness=(pair, chosen_stiffness)
+        inertia_matrix=(PAIR, chosen_mass), structural_stiffness=(PAIR, chosen_stiffness)
     )
     return LinearBody(complete, chosen_damping, pto)
 
@@ -200,7 +199,7 @@ def with_added_mass_inf(ds: xr.Dataset) -> xr.Dataset:
     change = DampingSpectrum(omega, ds.radiation_damping.values).added_mass_difference(omega)
     limit = np.median(ds.added_mass.values - change, axis=0)
     told = f"{ds.attrs.get('history', '')}; added mass at infinite frequency from damping".lstrip("; ")
-    return ds.assign(added_mass_inf=(("influenced_dof", "radiating_dof"), limit)).assign_attrs(history=told)
+    return ds.assign(added_mass_inf=(PAIR, limit)).assign_attrs(history=told)
 
 
 class Memory(NamedTuple):

@@ -25,7 +25,6 @@ from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene, resting
 from vsb.motion.shaped import wet_shell
 from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import ModeBasis
 from vsb.shell.reference import ReferenceShell
 from vsb.tools.units import FloatArray
 from vsb.waves.seas import NO_WAVES, Sea
@@ -181,15 +180,8 @@ def assumed_pressure_scene(
         "weight": ConstantForce(-gravity * basis.inertia[0]),
     }
     forces |= take_off(pto, len(basis.labels))
-    forces |= _shell_forces(basis, motions)
+    if flexible(basis.labels, motions):
+        forces |= _shell_springs({"structural": basis.stiffness}, basis.damping)
     scene = Scene(basis.labels, basis.inertia, forces, motions)
     resting(scene)  # a shell that cannot carry its load collapses: no buoy, however well integrated
     return scene
-
-
-def _shell_forces(basis: ModeBasis, motions: FloatArray) -> dict[str, Force]:
-    """Elastic force and structural damping of a flexible design; a rigid one has none."""
-    if not flexible(basis.labels, motions):
-        return {}
-    damping: dict[str, Force] = {"structural_damping": Damper(basis.damping)} if basis.damping.any() else {}
-    return {"elastic": Spring(basis.stiffness), **damping}

@@ -3,12 +3,11 @@
 from typing import NamedTuple, Self
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import binary_dilation
 
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.units import ComplexArray, FloatArray, IntArray
 
 _BESIDE = 2
 """Frequencies to either side of a damping below zero that say nothing of the waves made."""
@@ -19,12 +18,12 @@ _FEWEST = 4
 class Channel(NamedTuple):
     """What some motions radiate by their excitation."""
 
-    group: npt.NDArray[np.intp]  # their numbers
+    group: IntArray  # their numbers
     factor: CubicSpline  # h over a power of frequency
     power: int
 
     @classmethod
-    def of(cls, database: xr.Dataset, group: npt.NDArray[np.intp], heading: int = 0) -> Self:
+    def of(cls, database: xr.Dataset, group: IntArray, heading: int = 0) -> Self:
         """Return the channel of some motions of a database: Haskind's factor h = tr B/|X|^2 of them.
 
         X in waves of the `heading`-th direction, which must excite them.

@@ -20,8 +20,8 @@ NEWTON = 6
 """Newton's steps to the maximum of the polynomial: three would do."""
 
 
-class BestDampers(NamedTuple):
-    """The damper that takes most in each sea."""
+class Take(NamedTuple):
+    """What a damper takes of each sea."""
 
     damping: FloatArray  # (sea,) [N s/m]
     power: FloatArray  # (sea,) [W]
@@ -39,7 +39,7 @@ def dampers(port: Port) -> FloatArray:
     return np.asarray(np.exp(low + STEP * np.arange(int(np.ceil((high - low) / STEP)) + 1)))
 
 
-def best_of_table(damping: FloatArray, table: FloatArray) -> BestDampers:
+def best_of_table(damping: FloatArray, table: FloatArray) -> Take:
     """Return the damper that takes most in each sea.
 
     Parameters
@@ -55,7 +55,7 @@ def best_of_table(damping: FloatArray, table: FloatArray) -> BestDampers:
     polynomial = np.linalg.solve(np.vander(near / NEIGHBOURS), values)
     x = _highest(polynomial)
     step = np.log(damping[1] / damping[0])
-    return BestDampers(damping[at] * np.exp(NEIGHBOURS * step * x), _value(polynomial, x))
+    return Take(damping[at] * np.exp(NEIGHBOURS * step * x), np.polyval(polynomial, x))
 
 
 def _highest(polynomial: FloatArray) -> FloatArray:
@@ -65,15 +65,7 @@ def _highest(polynomial: FloatArray) -> FloatArray:
     curvature = (slope * (degree[:-1] - 1))[:-1]
     x = np.zeros(polynomial.shape[1])
     for _ in range(NEWTON):
-        bend = _value(curvature, x)
-        move = np.divide(-_value(slope, x), bend, out=np.zeros_like(x), where=bend < 0)
+        bend = np.polyval(curvature, x)
+        move = np.divide(-np.polyval(slope, x), bend, out=np.zeros_like(x), where=bend < 0)
         x = np.clip(x + move, -1.0 / NEIGHBOURS, 1.0 / NEIGHBOURS)
     return x
-
-
-def _value(polynomial: FloatArray, x: FloatArray) -> FloatArray:
-    """Values of polynomials, one a column."""
-    out = np.zeros_like(x)
-    for coefficient in polynomial:
-        out = out * x + coefficient
-    return out

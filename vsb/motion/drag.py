@@ -19,14 +19,13 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize.elementwise import find_root
 
 from vsb.errors import ConvergenceError
 from vsb.motion.frequency import LinearMotion
 from vsb.motion.port import Port
 from vsb.motion.tuning import MARGIN, Load, best_dampers, best_pairs, climbed, electrical_power
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.units import ComplexArray, FloatArray, IntArray
 
 REGULAR, GAUSSIAN = 8 / (3 * np.pi), np.sqrt(8 / np.pi)
 """Linear damping over drag coefficient and amplitude of u, or over its standard deviation."""
@@ -46,7 +45,7 @@ class Seen(NamedTuple):
     flow: ComplexArray  # u without drag, per wave amplitude (load, omega, dragged) [1/s]
     admittance: ComplexArray  # of d (load, omega, dragged, dragged) [m/(N s)]
 
-    def under(self, drag: FloatArray, at: npt.NDArray[np.intp]) -> ComplexArray:
+    def under(self, drag: FloatArray, at: IntArray) -> ComplexArray:
         """Return u under the drag's dampers (case, dragged), each case at one of the loads, (case, omega, dragged)."""
         held = self.admittance[at] * drag[:, None, None, :]
         if held.shape[-1] == 1:
@@ -148,7 +147,7 @@ class DraggedPort:
         factor = np.where(single, REGULAR, GAUSSIAN * np.sqrt(0.5))
         load, sea = np.indices((len(damping), len(squares))).reshape(2, -1)
 
-        def given(drag: FloatArray, case: npt.NDArray[np.intp]) -> FloatArray:
+        def given(drag: FloatArray, case: IntArray) -> FloatArray:
             strength = np.abs(seen.under(drag, load[case])) ** 2
             spread = np.sqrt(np.einsum("cwk,cw->ck", strength, squares[sea[case]]))
             return np.asarray(self.coefficient * factor[sea[case], None] * spread)
@@ -172,7 +171,7 @@ class DraggedPort:
         return out
 
 
-Given = Callable[[FloatArray, npt.NDArray[np.intp]], FloatArray]
+Given = Callable[[FloatArray, IntArray], FloatArray]
 """Dampers (case, dragged) in place, cases by number -> those their motion asks for, of the same shape."""
 
 
@@ -180,7 +179,7 @@ def _one_settled(given: Given, cases: int, _: int) -> FloatArray:
     """Dampers of one direction, shape (case, 1): the root between none and what is asked for without one."""
     most = given(np.zeros((cases, 1)), np.arange(cases))[:, 0]
 
-    def missing(d: FloatArray, case: npt.NDArray[np.intp]) -> FloatArray:
+    def missing(d: FloatArray, case: IntArray) -> FloatArray:
         return d - given(d[:, None], case)[:, 0]
 
     bracket = (np.zeros_like(most), 1.001 * most + 1e-300)

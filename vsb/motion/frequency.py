@@ -7,7 +7,6 @@ from functools import cached_property
 from typing import Any, final
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 from scipy.interpolate import CubicSpline
 from scipy.linalg import eigh, null_space
@@ -20,7 +19,7 @@ from vsb.hydro.retardation import DampingSpectrum
 from vsb.motion.channel import Channel
 from vsb.motion.port import ROUND_OFF, Port
 from vsb.motion.pto import LinearPto
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.units import ComplexArray, FloatArray, IntArray
 
 FASTEST = 1e9
 """Frequency [rad/s] beyond which nothing that has inertia swings."""
@@ -223,7 +222,7 @@ class LinearBuoy(LinearMotion):
     direction: float = 0.0  # the waves go to [rad]
 
     @property
-    def orders(self) -> npt.NDArray[np.integer[Any]]:
+    def orders(self) -> IntArray:
         """Azimuthal order of each degree of freedom, shape (dof,)."""
         return orders_of(self.database)
 

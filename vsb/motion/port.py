@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +20,7 @@ from vsb.shell.deformed import DeformedShell
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.orders import OrderBasis
 from vsb.study.take_off import BetweenPort, DofPort, LinePort, PortChoice, ShellPort
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.units import ComplexArray, FloatArray, IntArray
 
 
 @dataclass(frozen=True)
@@ -98,6 +98,10 @@ class Port:
     def best_power(self) -> FloatArray:
         """What it takes, 2/(1 + sqrt(1 + Q^2)) of the matched power, per squared amplitude, shape (omega,) [W/m^2]."""
         return np.asarray(self.matched_power * 2 / (1 + np.sqrt(1 + self.reactance_ratio**2)))
+
+    def at(self, chosen: npt.NDArray[np.bool_ | np.intp]) -> "Port":
+        """Return it at some of its frequencies, by place or by mask."""
+        return Port(self.omega[chosen], self.admittance[chosen], self.velocity[chosen], self.compliance)
 
     def load(self, damping: FloatArray | float, stiffness: FloatArray | float = 0.0) -> ComplexArray:
         """Return the impedance c + i k/omega of a damper and a spring in parallel, shape (..., omega) [N s/m].
@@ -217,7 +221,7 @@ def port_direction(choice: PortChoice, shape: DeformedShell, orders: Sequence[Or
     return np.concatenate([_axisymmetric_port(choice, shape), *beyond])
 
 
-def channels_reached(direction: FloatArray, orders: npt.NDArray[np.integer[Any]]) -> int:
+def channels_reached(direction: FloatArray, orders: IntArray) -> int:
     """Return what the power of a port is limited to in terms of lambda/(2 pi), 1 of order 0 and 2 of each m >= 1 [-].
 
     Parameters

@@ -8,14 +8,10 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from vsb.motion.port import Port
-from vsb.tools.units import FloatArray
+from vsb.tools.units import BoolArray, FloatArray, IntArray
 from vsb.waves.seas import Sea
-
-IntArray = npt.NDArray[np.intp]
-BoolArray = npt.NDArray[np.bool_]
 
 LOG_STEP = 0.1
 """Step of the logarithm of the dampers tried first. In it P''/P >= -1 (the sum of 1/(R + |Z| cosh(u - ln |Z|)) over
@@ -203,7 +199,7 @@ def best_pairs(port: Port, squares: FloatArray, given: Load, efficiency: float =
     for seas in (np.flatnonzero(searched & ~single), *np.flatnonzero(searched & single)[:, None]):
         if len(seas):
             used = squares[seas].any(axis=0)
-            found = _searched_pairs(_at(port, used), squares[seas][:, used], efficiency)
+            found = _searched_pairs(port.at(used), squares[seas][:, used], efficiency)
             best = _with(best, seas, found)
     return best
 
@@ -214,11 +210,6 @@ def _with(best: Load, seas: IntArray, found: Load) -> Load:
     for values, new in zip(whole, Load(*(v[seas] for v in best)).or_better(found), strict=True):
         values[seas] = new
     return whole
-
-
-def _at(port: Port, used: BoolArray) -> Port:
-    """The port at some of its frequencies."""
-    return Port(port.omega[used], port.admittance[used], port.velocity[used], port.compliance)
 
 
 def _softest(port: Port) -> float:

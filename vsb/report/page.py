@@ -115,12 +115,6 @@ def winning_bands(omega: FloatArray, gain: FloatArray, threshold: float = 100 * 
     return bands
 
 
-def _useful(absorbed: xr.DataArray) -> xr.DataArray:
-    """Absorbed power where a gain is of use."""
-    found: xr.DataArray = absorbed.where(useful_band(absorbed), drop=True)
-    return found
-
-
 def band_statements(absorbed: xr.DataArray, reference: str | None) -> list[str]:
     """Return, for each other design, where over the useful band it absorbs more or less than the reference.
 
@@ -138,7 +132,8 @@ def band_statements(absorbed: xr.DataArray, reference: str | None) -> list[str]:
         return [f"{reference} is the only design of this study, so there is no gain to give."]
     if not float(absorbed.sel(design=reference).max()) > 0:
         return [f"{reference} does not move this port, so no gain can be given."]
-    useful = _useful(absorbed.isel(omega=absorbed.sel(design=reference).values > 0))
+    moves = absorbed.isel(omega=absorbed.sel(design=reference).values > 0)
+    useful = moves.where(useful_band(moves), drop=True)
     omega, base = useful.omega.values, useful.sel(design=reference).values
     statements = []
     for design in (str(d) for d in useful.design.values if d != reference):

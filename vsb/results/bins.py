@@ -5,8 +5,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from vsb.motion.tuning import IntArray
-from vsb.tools.units import FloatArray
+from vsb.tools.units import FloatArray, IntArray
 from vsb.waves.climate import Climate
 
 HEIGHT = 0.5

@@ -2,17 +2,15 @@
 
 import itertools
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from vsb.study.campaign_plan import VARIABLES
 from vsb.study.specs import CONSTRAINED, CampaignSpec, leading_tuning
 from vsb.study.vary import MEMBER, PORT, Vary, unit
 from vsb.tools.tables import csv_text
-from vsb.tools.units import FloatArray
+from vsb.tools.units import AnyArray, FloatArray
 
 BY = ("design", "tuning")
 TABLE = (
@@ -51,10 +49,10 @@ def gathered(spec: CampaignSpec, batches: Sequence[xr.Dataset]) -> xr.Dataset:
     """
     whole = xr.concat(batches, dim=MEMBER, data_vars="minimal", coords="minimal", compat="override")
     ordered = whole.sel(member=list(spec.members)).drop_vars(MEMBER)
-    names = spec.vary.dimensions(VARIABLES)
+    names, port = spec.vary.dimensions(VARIABLES), _port(spec)
     coordinates = {
-        names[key]: (MEMBER if spec.vary.together else names[key], _values(values), _attributes(key, _port(spec)))
-        for key, values in spec.vary.values.items()
+        name: (MEMBER if spec.vary.together else name, _values(values), {"units": unit(key, port), "long_name": key})
+        for (key, name), values in zip(names.items(), spec.vary.lists, strict=True)
     }
     attrs = {"varied": " ".join(names.values()), **_told(spec)}
     return _unfolded(ordered, spec.vary, list(names.values())).assign_coords(coordinates).assign_attrs(attrs)
@@ -74,14 +72,9 @@ def _port(spec: CampaignSpec) -> str:
     return "volume" if all(port == "volume" for port in ports) else ""
 
 
-def _values(values: Sequence[float | str]) -> npt.NDArray[Any]:
+def _values(values: Sequence[float | str]) -> AnyArray:
     """Values of a key as a coordinate."""
     return np.array(values, dtype=object if isinstance(values[0], str) else float)
-
-
-def _attributes(key: str, port: str) -> dict[str, str]:
-    """Units of a key beside a port, and its full name."""
-    return {"units": unit(key, port), "long_name": key}
 
 
 def _unfolded(ds: xr.Dataset, vary: Vary, names: Sequence[str]) -> xr.Dataset:

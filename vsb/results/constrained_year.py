@@ -18,12 +18,11 @@ from vsb.errors import ConfigError, StabilityError
 from vsb.motion.constrained import ConstrainedOptimum, constrained_optimum
 from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import Port
-from vsb.motion.tuning import BoolArray, IntArray
 from vsb.results.bins import Bins, bins_of
 from vsb.results.verification import half_width
 from vsb.results.year import OUTSIDE
 from vsb.study.study import Water
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.units import BoolArray, ComplexArray, FloatArray, IntArray
 from vsb.waves.climate import Climate
 
 SECONDS_PER_CUBE = 4e-9

@@ -13,14 +13,14 @@ from vsb.motion.constrained import optimum_in_sea
 from vsb.motion.drag import DraggedPort, best_damper, best_pair, under
 from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import Port
-from vsb.motion.tuning import IntArray, Load, best_dampers, best_pairs, mean_power
+from vsb.motion.tuning import Load, best_dampers, best_pairs, mean_power
 from vsb.scenes.afloat import Met, afloat, band, headings, met, study_sea
 from vsb.scenes.drag import dragged_port
 from vsb.study.body_specs import BodyLadderSpec
 from vsb.study.specs import LadderSpec
 from vsb.study.study import IrregularSea, StillWater
 from vsb.tools.tables import csv_text
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.units import ComplexArray, FloatArray, IntArray
 from vsb.waves.seas import Sea
 from vsb.waves.superposition import superposed
 
@@ -149,7 +149,9 @@ def rungs_of(
             loads = dragged_rungs(beside, waves, families, given[design])
         for i, (label, here) in enumerate(seas.items()):
             own = [Load(*(v[[i]] for v in load)) for load in loads.values()]
-            braked = [port if beside is None else _braked(beside, waves[[i]], load) for load in own]
+            braked = [port] * len(own)
+            if beside is not None:
+                braked = [beside.beside(beside.settled(waves[[i]], c, k)[0, 0]) for c, k, _ in own]
             forces, strokes = _phasors(port, places[i], list(zip(braked, own, strict=True)), here)
             peaks = _peaks(here, np.concatenate([forces, strokes]), time)
             rms = np.sqrt(0.5 * np.sum(np.abs(forces) ** 2, axis=1))
@@ -241,11 +243,6 @@ def constrained_checks(rungs: Sequence[Rung]) -> list[Check]:
             text = f"distance of the optimum under limits from the bound that proves it; {rung.note}"
             checks.append(check_at_most("constrained", rung.gap, GAP, "-", text, doubt=True, **where))
     return checks
-
-
-def _braked(port: DraggedPort, squares: FloatArray, load: Load) -> Port:
-    """The port beside the equivalent dampers of the drag under one load in one sea."""
-    return port.beside(port.settled(squares, load.damping, load.stiffness)[0, 0])
 
 
 def _phasors(

@@ -34,7 +34,7 @@ from vsb.study.sections import POWER_TOLERANCE
 from vsb.study.study import IrregularSea, RegularWave, StillWater, Study, Water, Wave
 from vsb.study.take_off import ShellPort
 from vsb.study.witness import no_witness
-from vsb.tools.units import FloatArray
+from vsb.tools.units import PAIR, FloatArray
 from vsb.tools.words import plain
 from vsb.waves.dispersion import power_limit, wavenumber
 from vsb.waves.seas import share_above, share_below
@@ -200,17 +200,16 @@ def with_full_basis(database: xr.Dataset, study: Study) -> tuple[xr.Dataset, Mod
     ratio = full.pole_radial_displacement / old.pole_radial_displacement[pick]
     out = {}
     for name, data in database.data_vars.items():
-        indexers = {dim: pick for dim in ("influenced_dof", "radiating_dof") if dim in data.dims}
+        indexers = {dim: pick for dim in PAIR if dim in data.dims}
         scaled = data.isel(indexers)
         for dim in indexers:
             scaled = scaled.assign_coords({dim: list(full.labels)}) * xr.DataArray(
                 ratio, coords={dim: list(full.labels)}
             )
         out[name] = scaled.transpose(*data.dims)
-    pair = ("influenced_dof", "radiating_dof")
-    out["inertia_matrix"] = xr.DataArray(full.inertia, dims=pair)
+    out["inertia_matrix"] = xr.DataArray(full.inertia, dims=PAIR)
     for name, stiffness in reference_shell(study, full).stiffness.items():
-        out[f"{name}_stiffness"] = xr.DataArray(stiffness, dims=pair)
+        out[f"{name}_stiffness"] = xr.DataArray(stiffness, dims=PAIR)
     return xr.Dataset(out, attrs=database.attrs), full
 
 

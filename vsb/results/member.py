@@ -1,10 +1,8 @@
 """A member of a campaign: one study over a site's year, what is not viable of it included."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from vsb.motion.port import Port
@@ -17,10 +15,10 @@ from vsb.shell.modes import ModeBasis
 from vsb.shell.reference import ReferenceShell
 from vsb.study.specs import CONSTRAINED, Tunings
 from vsb.study.study import Study
+from vsb.tools.units import AnyArray
 from vsb.waves.climate import Climate
 
-NumericArray = npt.NDArray[Any]
-Values = Mapping[str, tuple[tuple[str, ...], NumericArray]]
+Values = Mapping[str, tuple[tuple[str, ...], AnyArray]]
 """Dimensions and values by name: a dataset is made of all at the end, for each costs as much as what it holds."""
 Labels = dict[str, list[str]]
 YearsWithin = Callable[[Study, ReferenceShell, Climate, float], xr.Dataset]
@@ -62,43 +60,33 @@ def member(
     rest = viability(study)
     bins = bins_of(climate)
     found = _missing(study, bins, tunings)
-    viable = [design for design in study.designs if design not in rest.reasons]
     at: Labels = {"design": list(study.designs), "tuning": list(tunings)}
-    if rest.reference and viable:
-        some, shape = with_designs(study, viable), water(rest.reference.basis)
-        waves = designs_in_waves(some, rest.reference, shape)
-        ports = _ports(some, waves)
+    if rest.viable:
+        some, reference = rest.viable
+        shape = water(reference.basis)
+        waves = designs_in_waves(some, reference, shape)
+        ports = {design: one.port.beside(study.pto.stiffness) for design, one in waves.items()}
         damped: list[Tuning] = [tuning for tuning in tunings if tuning != CONSTRAINED]
-        here: Labels = {"design": viable, "tuning": [*damped]}
+        here: Labels = {"design": list(some.designs), "tuning": [*damped]}
         of = ports_year(some, ports, climate, damped) if damped else None
         if of:
             _fill(found, at, _damped(some, of, waves), here)
         _fill(found, at, _curves(ports, climate, of), here)
         if optima:
-            within = optima(some, rest.reference, climate, float(shape.omega[0]))
+            within = optima(some, reference, climate, float(shape.omega[0]))
             values: Values = {str(name): (tuple(map(str, v.dims)), v.values) for name, v in within.items()}
             _fill(found, at, values, here | {"tuning": [CONSTRAINED]})
     reasons = np.array([rest.reasons.get(design, "") for design in study.designs], dtype=object)
-    found |= {"viable": (BY[:1], np.array([design in viable for design in study.designs]))}
+    found |= {"viable": (BY[:1], np.array([design not in rest.reasons for design in study.designs]))}
     found |= {"reason": (BY[:1], reasons), "margin": ((), np.array(rest.margin))}
     of_bins = {"hs": bins.hs_centres, "te": bins.te_centres}
     return xr.Dataset(found, coords={**at, "limit": list(LIMITS), **of_bins})
-
-
-def _ports(study: Study, waves: Mapping[str, InWaves]) -> dict[str, Port]:
-    """Ports beside the spring of the take-off."""
-    return {design: one.port.beside(study.pto.stiffness) for design, one in waves.items()}
 
 
 def _damped(study: Study, of: Year, waves: Mapping[str, InWaves]) -> Values:
     """The year of designs under dampers, and how much of it is beyond what is described."""
     found = {**of.values, **beyond_validity(of, waves, study.pto.stiffness, study.device.radius)}
     return found if of.reference is None else {**found, **_gain_interval(of, study.hydro.tolerance)}
-
-
-def with_designs(study: Study, designs: Sequence[str]) -> Study:
-    """Return a study of some of its designs."""
-    return study.model_copy(update={"designs": {design: study.designs[design] for design in designs}})
 
 
 def ports_year(study: Study, ports: Mapping[str, Port], climate: Climate, tunings: Sequence[Tuning]) -> Year:
@@ -129,7 +117,7 @@ def _gain_interval(year: Year, tolerance: float) -> Values:
     return {"gain_low": (BY, gain - width), "gain_high": (BY, gain + width)}
 
 
-def _missing(study: Study, bins: Bins, tunings: Sequence[str]) -> dict[str, tuple[tuple[str, ...], NumericArray]]:
+def _missing(study: Study, bins: Bins, tunings: Sequence[str]) -> dict[str, tuple[tuple[str, ...], AnyArray]]:
     """All variables without a value, and how many seas there are in each bin."""
     sizes = {"design": len(study.designs), "tuning": len(tunings), "limit": len(LIMITS), "damper": len(TRIED)}
     sizes |= dict(zip(BINS, bins.shape, strict=True))

@@ -1,16 +1,15 @@
 """Which seas of a climate lie beyond what linear waves and small motions describe, and their share of the energy."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from vsb.results.year import Year, band_weights
 from vsb.scenes.ports import InWaves
 from vsb.study.study import Water
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.units import BoolArray, ComplexArray, FloatArray
 from vsb.waves.climate import Climate
 from vsb.waves.dispersion import wavenumber
 
@@ -32,7 +31,6 @@ MARKED = LIMITS[:3]
 NODES = 8
 """Dampers at which variances are computed to be known at all between: to 1e-3 of them."""
 
-BoolArray = npt.NDArray[np.bool_]
 Marks = dict[str, tuple[tuple[str, ...], FloatArray]]
 """Dimensions and values by name."""
 
@@ -123,11 +121,6 @@ def _nodes(damping: FloatArray) -> tuple[FloatArray, FloatArray]:
     return np.exp(middle + half * nodes), np.array(shares)
 
 
-def seas_beyond(limits: Sequence[Beyond]) -> BoolArray:
-    """Return the seas some of the limits mark, shape (sea,)."""
-    return np.asarray(np.any([one.seas for one in limits if one.name in MARKED], axis=0))
-
-
 def beyond_validity(year: Year, waves: Mapping[str, InWaves], stiffness: float, radius: float) -> Marks:
     """Return which part of the seas of each bin lies beyond what is described, and their shares of the energy.
 
@@ -147,7 +140,7 @@ def beyond_validity(year: Year, waves: Mapping[str, InWaves], stiffness: float, 
         for j in range(sizes[1]):
             moved = motion_rms(waves[design], year.climate, year.damping[i, j], stiffness)
             limits = sorted([*of_waves, *motion_limits(moved, radius)], key=lambda one: LIMITS.index(one.name))
-            power, beyond = year.power[i, j], seas_beyond(limits)
+            power, beyond = year.power[i, j], np.any([one.seas for one in limits if one.name in MARKED], axis=0)
             marked[i, j] = year.bins.mean(beyond.astype(float))
             energy[i, j] = [one.energy(power, hours) for one in limits]
             together[i, j] = Beyond("marked", 0.0, 0.0, beyond).energy(power, hours)

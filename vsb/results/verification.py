@@ -19,10 +19,9 @@ from scipy.special import gammaincinv
 
 from vsb.errors import ConfigError
 from vsb.motion.port import Port
-from vsb.motion.tuning import IntArray
 from vsb.results.statistics import Estimate, student
 from vsb.results.year import Year
-from vsb.tools.units import FloatArray
+from vsb.tools.units import FloatArray, IntArray
 from vsb.waves.seas import Sea
 from vsb.waves.superposition import superposed
 

@@ -1,10 +1,8 @@
 """What runs in time say about a member's year, as a dataset."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from vsb.errors import ConfigError
@@ -12,8 +10,7 @@ from vsb.results.campaign import GAIN, POWER
 from vsb.results.statistics import Estimate
 from vsb.results.verification import Verification
 from vsb.results.year import Year
-
-NumericArray = npt.NDArray[Any]
+from vsb.tools.units import AnyArray
 
 
 def verified_dataset(year: Year, tuning: str, runs: Verification) -> xr.Dataset:
@@ -25,7 +22,7 @@ def verified_dataset(year: Year, tuning: str, runs: Verification) -> xr.Dataset:
         If the corrected power of the reference is not above 0, over which gains are.
     """
     powers = [runs.power(i) for i in range(len(year.designs))]
-    values: dict[str, tuple[tuple[str, ...], NumericArray]] = {
+    values: dict[str, tuple[tuple[str, ...], AnyArray]] = {
         name: (("design",), column) for name, column in zip(POWER, np.array(powers).T, strict=True)
     }
     if year.reference is not None:

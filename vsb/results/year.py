@@ -10,18 +10,18 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 import xarray as xr
 
 from vsb.errors import ConfigError
-from vsb.motion.damping_curve import best_of_table, dampers
+from vsb.motion.damping_curve import Take, best_of_table, dampers
 from vsb.motion.port import Port
-from vsb.motion.tuning import IntArray, best_damper_of_each
+from vsb.motion.tuning import best_damper_of_each
 from vsb.results.bins import Bins, bins_of
 from vsb.study.study import Water
-from vsb.tools.units import FloatArray, described
+from vsb.tools.units import FloatArray, IntArray, described
 from vsb.waves.climate import YEAR_HOURS, Climate
 from vsb.waves.scatter import climate_of_cells
 
@@ -88,13 +88,6 @@ def variance_outside(omega: FloatArray, climate: Climate) -> float:
     return max(0.0, 1 - float(variance @ inside) / float(variance @ np.diff(climate.edges)))
 
 
-class Take(NamedTuple):
-    """What one design takes under one tuning."""
-
-    damping: FloatArray  # (sea,) [N s/m]
-    power: FloatArray  # (sea,) [W]
-
-
 @dataclass(frozen=True)
 class DesignYear:
     """One design over a climate: its port, and the weights of the port's frequencies in each band."""
@@ -133,7 +126,7 @@ class DesignYear:
             return Take(np.zeros(seas), np.zeros(seas))
         if tuning == "each":
             tried = dampers(self.port)
-            return Take(*best_of_table(tried, self.table(tried)))
+            return best_of_table(tried, self.table(tried))
         if damping is None:
             raise ValueError(f"{tuning}: received no damper, needs one")
         return Take(np.full(seas, damping), self.table(np.array([damping]))[0])
@@ -141,10 +134,7 @@ class DesignYear:
     def coarser(self) -> "DesignYear":
         """Return the same with every other frequency of the port."""
         kept = np.unique(np.append(np.arange(0, len(self.port.omega), 2), len(self.port.omega) - 1))
-        port = self.port
-        return DesignYear(
-            Port(port.omega[kept], port.admittance[kept], port.velocity[kept], port.compliance), self.climate
-        )
+        return DesignYear(self.port.at(kept), self.climate)
 
 
 def best_for_all(years: Sequence[DesignYear]) -> FloatArray:

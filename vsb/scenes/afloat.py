@@ -19,7 +19,7 @@ from vsb.motion.bodies import LinearBody
 from vsb.motion.frequency import LinearBuoy, with_open_chamber
 from vsb.motion.port import Port, combination, port_direction
 from vsb.motion.pto import LinearPto
-from vsb.motion.tuning import IntArray, frequencies
+from vsb.motion.tuning import frequencies
 from vsb.scenes.directions import order_bases
 from vsb.scenes.rest import design_motions
 from vsb.shell.deformed import DeformedShell
@@ -30,7 +30,7 @@ from vsb.study.quantities import is_rigid
 from vsb.study.specs import Driven, LadderSpec, SimulateSpec
 from vsb.study.study import StillWater, Study, Wave
 from vsb.study.take_off import DofPort
-from vsb.tools.units import FloatArray
+from vsb.tools.units import FloatArray, IntArray
 from vsb.waves.seas import Sea, sea
 
 AnyStudy = Study | BodyStudy
@@ -191,7 +191,7 @@ class Met(NamedTuple):
 
     port: Port
     squares: FloatArray  # squared amplitudes (sea, omega) [m^2]
-    places: list[IntArray]  # of the components of each sea among the frequencies
+    places: Sequence[IntArray]  # of the components of each sea among the frequencies
 
 
 def met(floating: Afloat, design: str, seas: Sequence[tuple[Wave, Sea]]) -> Met:

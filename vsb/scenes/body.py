@@ -17,12 +17,11 @@ from vsb.study.body import Body, Matrix, Rows
 from vsb.study.body_file import BodyFile
 from vsb.study.quantities import is_rigid, of_bodies
 from vsb.study.sections import Water
-from vsb.tools.units import FloatArray
+from vsb.tools.units import PAIR, FloatArray
 
 _SAME_WATER = 1e-6
 FEWEST = 4
 """Frequencies a radiation memory can be fitted to."""
-PAIR = ("influenced_dof", "radiating_dof")
 
 
 def within_band(ds: xr.Dataset, omega_max: float | None) -> xr.Dataset:

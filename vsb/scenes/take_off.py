@@ -9,7 +9,6 @@ from vsb.errors import ConfigError
 from vsb.motion import drag
 from vsb.motion.forces import Force
 from vsb.motion.frequency import allowed_part, compliance
-from vsb.motion.port import Port
 from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.take_off import EndStop, TakeOff
@@ -43,23 +42,6 @@ LAWS: Mapping[Law, Callable[[Pto, FloatArray, float, float], Force]] = {
 How long one pauses is found in a sea (`scenes.pause`)."""
 
 
-_NOTHING = "pto.tuning: received {!r}, but nothing comes in; needs pto.damping in N s/m"
-
-
-def best_of_all(pto: Pto, port: Port, waves: FloatArray) -> float:
-    """Return the damper beside a take-off's spring that takes most of the sum of seas.
-
-    Parameters
-    ----------
-    pto : Pto
-    port : Port
-    waves : ndarray, shape (sea, omega) [m^2]
-        Squared amplitudes.
-    """
-    best = best_dampers(port, waves.sum(axis=0, keepdims=True), pto.stiffness, pto.efficiency)
-    return float(best.damping[0])
-
-
 def tuned_take_off(
     pto: Pto, design: str, floating: Afloat, seas: Sequence[tuple[Wave, Sea]], dragged: Dragged | None = None
 ) -> LinearPto:
@@ -84,13 +66,14 @@ def tuned_take_off(
     if pto.tuning != "fixed":
         moving = [(wave, sea) for wave, sea in seas if sea.omega.size]
         if not moving:
-            raise ConfigError(_NOTHING.format(pto.tuning))
+            raise ConfigError(f"pto.tuning: received {pto.tuning!r}, but nothing comes in; needs pto.damping in N s/m")
         seen = met(floating, design, moving)
         if dragged:
             beside = dragged(floating, design, headings(moving))
             damper = drag.best_damper(beside, seen.squares, pto.stiffness, pto.efficiency)
         else:
-            damper = best_of_all(pto, seen.port, seen.squares)
+            together = seen.squares.sum(axis=0, keepdims=True)
+            damper = float(best_dampers(seen.port, together, pto.stiffness, pto.efficiency).damping[0])
     assert damper is not None  # a Pto's own check
     return LinearPto(damper, pto.stiffness, floating.port)
 

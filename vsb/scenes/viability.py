@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -22,9 +22,21 @@ MODULUS = 1e9
 class Viability:
     """The shell of a study at rest, if there is one, how far it is from buckling, and why designs are not viable."""
 
+    study: Study
     reference: ReferenceShell | None
     margin: float  # 1 - static load over buckling load: 0 on the line, 1 where no load buckles [-]
     reasons: Mapping[str, str]  # by design; of viable ones none
+
+    @property
+    def viable(self) -> tuple[Study, ReferenceShell] | None:
+        """The study of its viable designs alone, and their shell at rest; none if there is none."""
+        designs = [design for design in self.study.designs if design not in self.reasons]
+        return (with_designs(self.study, designs), self.reference) if designs and self.reference else None
+
+
+def with_designs(study: Study, designs: Sequence[str]) -> Study:
+    """Return a study of some of its designs."""
+    return study.model_copy(update={"designs": {design: study.designs[design] for design in designs}})
 
 
 def viability(study: Study) -> Viability:
@@ -35,17 +47,17 @@ def viability(study: Study) -> Viability:
     except (ConfigError, ConvergenceError) as error:
         if not study.at_equilibrium:
             raise
-        return Viability(None, margin, dict.fromkeys(study.designs, _no_equilibrium(error)))
+        return Viability(study, None, margin, dict.fromkeys(study.designs, _no_equilibrium(error)))
     try:
         check_upright(study, reference)
     except ConfigError:
-        return Viability(reference, margin, dict.fromkeys(study.designs, "does not stay upright"))
+        return Viability(study, reference, margin, dict.fromkeys(study.designs, "does not stay upright"))
     port = port_direction(study.pto.port, reference.shape, order_bases(study, reference.basis))
     seen, chamber = seen_by_take_off(study, reference)
     spring = LinearPto(0.0, study.pto.stiffness, port).relaxed(chamber)[0].spring(len(port))
     least = {design: design_stiffness(study, seen, design, spring) for design in study.designs}
     reasons = {design: f"unstable: least stiffness {k:.3g} N/m" for design, k in least.items() if k <= 0}
-    return Viability(reference, margin, reasons)
+    return Viability(study, reference, margin, reasons)
 
 
 def _no_equilibrium(error: Exception) -> str:

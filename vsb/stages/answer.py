@@ -30,7 +30,8 @@ def run(spec: CampaignSpec, data: str, climate: str, root: str, figures: str, ou
     living, moving = (made(spec, ds, *leading(ds), seas, root) for made in (living_year, moving_year))
     files = [path for name, one in found.items() for path in one.write(figures, name)]
     svgs = {name: one.svg for name, one in found.items()}
-    write_text(out, render(CampaignReport(ds, svgs, living, _sketches(spec), moving)))
+    first = members(spec.base, spec.vary.points[:1], spec.climate, spec.tuning)[0].study
+    write_text(out, render(CampaignReport(ds, svgs, living, sketches(first), moving)))
     record(manifest, identity, [out, *files])
 
 
@@ -39,8 +40,3 @@ def _figure(name: str, ds: xr.Dataset, seas: Climate) -> Figure:
     if name == "spectra":
         return year_spectra(seas)
     return DRAWN[name](ds, *leading(ds))
-
-
-def _sketches(spec: CampaignSpec) -> list[dict[str, str]]:
-    """A sketch of each design of the first point."""
-    return sketches(members(spec.base, spec.vary.points[:1], spec.climate, spec.tuning)[0].study)

@@ -9,11 +9,12 @@ from vsb.hydro.bodies.study import solved
 from vsb.hydro.formats.modes import volume_of
 from vsb.hydro.formats.sources import read_source, source_checks
 from vsb.hydro.repairs import repaired, told, with_symmetric_stiffness
-from vsb.scenes.body import PAIR, check_water, complete_body, within_band
+from vsb.scenes.body import check_water, complete_body, within_band
 from vsb.stages.stage import stamp
 from vsb.study.body_file import BodyFile
 from vsb.study.body_specs import BodySpec
 from vsb.study.quantities import of_bodies
+from vsb.tools.units import PAIR
 
 _KEPT = ("displaced_volume", "centre_of_buoyancy", "centre_of_mass", "bem_seconds", "symmetry", "history")
 """Facts of the database read or solved that stay."""

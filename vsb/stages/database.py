@@ -18,6 +18,7 @@ from vsb.stages.stage import stamp
 from vsb.study.blocks import COARSEST_SWEEP
 from vsb.study.specs import DatabaseSpec
 from vsb.tools.files import load
+from vsb.tools.units import PAIR
 
 
 def run(spec: DatabaseSpec, blocks: str, out: str) -> None:
@@ -135,8 +136,7 @@ def _whole(
     turned = own if len(going) == 1 else [orders.in_headings(*one, going) for one in zip(own, signed, strict=True)]
     whole = orders.side_by_side(turned, signed)
     mooring = mooring_stiffness(spec, tuple(map(str, whole.influenced_dof.values)))
-    pair = ("influenced_dof", "radiating_dof")
-    return whole.assign({f"{name}_stiffness": (pair, matrix) for name, matrix in mooring.items()})
+    return whole.assign({f"{name}_stiffness": (PAIR, matrix) for name, matrix in mooring.items()})
 
 
 def _odd(

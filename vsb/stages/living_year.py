@@ -10,7 +10,6 @@ import xarray as xr
 from vsb.report.campaign_figures import shown_place
 from vsb.report.campaign_page import where
 from vsb.report.living import year_data
-from vsb.results.member import with_designs
 from vsb.scenes.ports import design_ports
 from vsb.scenes.viability import viability
 from vsb.shell.reference import ReferenceShell
@@ -67,12 +66,10 @@ def looked_at(spec: CampaignSpec, index: int, root: str) -> Point | None:
     (one,) = members(spec.base, [spec.vary.points[index]], spec.climate, spec.tuning)
     if one.study.pto.switches:
         return None  # a damper of the page knows no limits
-    rest = viability(one.study)
-    viable = [design for design in one.study.designs if design not in rest.reasons]
-    if rest.reference is None or not viable:
+    if (viable := viability(one.study).viable) is None:
         return None
-    study = with_designs(one.study, viable)
-    return Point(study, rest.reference, swept_shape(study, rest.reference.basis, root))
+    study, reference = viable
+    return Point(study, reference, swept_shape(study, reference.basis, root))
 
 
 def _point(

@@ -104,11 +104,9 @@ def check_campaign(plan: CampaignPlan) -> None:
 
 def _check_runs(study: Study, source: str) -> None:
     """Raise what would fail in the runs in time of a member; designs that are not viable are not run."""
-    rest = viability(study)
-    viable = {name: design for name, design in study.designs.items() if name not in rest.reasons}
-    if rest.reference and viable:
+    if viable := viability(study).viable:
         try:
-            check_rests(study.model_copy(update={"designs": viable}), rest.reference)
+            check_rests(*viable)
         except ConfigError as error:
             raise ConfigError(f"{source}: verify: {error}") from None
 

@@ -15,8 +15,8 @@ from vsb.stages.stage import stamp
 from vsb.study.body_specs import BodyRadiationSpec
 from vsb.study.specs import RadiationSpec
 from vsb.tools.files import save
+from vsb.tools.units import PAIR
 
-PAIR = ("influenced_dof", "radiating_dof")
 LONGEST = 60.0
 """Time the kernels of a body are shown for, times the end of its band [rad]."""
 

@@ -8,7 +8,7 @@ import xarray as xr
 from vsb.errors import ConvergenceError, StabilityError
 from vsb.motion.pto import LinearPto
 from vsb.results.in_time import DesignInTime
-from vsb.results.member import ports_year, with_designs
+from vsb.results.member import ports_year
 from vsb.results.verification import Sample, chances, drawn, verified
 from vsb.results.verified_year import verified_dataset, with_lost
 from vsb.results.year import Year
@@ -33,11 +33,9 @@ from vsb.waves.climate import Climate, realised
 def run(spec: VerificationSpec, climate: str, root: str, out: str) -> None:
     """Simulate the seas drawn from a member's year and write what they say about its designs that are viable."""
     study, seas = spec.simulated, read_climate(spec.climate, climate)
-    rest = viability(study)
-    viable = with_designs(study, [design for design in study.designs if design not in rest.reasons])
-    found = xr.Dataset(coords={"design": []})
-    if rest.reference and viable.designs:
-        found = _of_viable(spec, viable, rest.reference, seas, root)
+    viable, found = viability(study).viable, xr.Dataset(coords={"design": []})
+    if viable:
+        found = _of_viable(spec, *viable, seas, root)
     found = with_lost(found, list(study.designs), study.reference_design)
     save(found.assign_attrs(runs=_in_words(spec), model=spec.verify.model, **stamp(spec)), out)
 

@@ -14,11 +14,10 @@ from typing import Any, Literal
 
 import netCDF4
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from vsb.errors import ConfigError, DatabaseError
-from vsb.tools.units import check_finite, described, merged, separated
+from vsb.tools.units import AnyArray, check_finite, described, merged, separated
 
 ROOT = "/"
 """Name of a file's own group."""
@@ -189,7 +188,7 @@ def checksum(groups: Mapping[str, xr.Dataset]) -> str:
     return digest.hexdigest()
 
 
-def _content(values: npt.NDArray[Any]) -> tuple[str, bytes]:
+def _content(values: AnyArray) -> tuple[str, bytes]:
     """Type and bytes of values, the same on every machine; text counts as such, of whatever length on disk."""
     if values.dtype.kind in "OSU":
         return "text", _plain(values.astype(str).tolist())

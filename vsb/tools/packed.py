@@ -7,15 +7,13 @@ import io
 import json
 import zipfile
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from vsb.errors import DatabaseError
 from vsb.tools.files import CHANGED, DELETE, check_stamp, seal_of, sealed, whole
-from vsb.tools.units import check_finite
+from vsb.tools.units import AnyArray, check_finite
 
 SUFFIX = ".npz"
 """Of such files."""
@@ -35,7 +33,7 @@ def save(ds: xr.Dataset, path: str | Path) -> None:
         temporary.write_bytes(content.getvalue() + seal_of(content.getvalue()))
 
 
-def _plain(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+def _plain(values: AnyArray) -> AnyArray:
     """Words as NumPy stores them, numbers as they are."""
     return values.astype(str) if values.dtype == object else values
 

@@ -10,6 +10,11 @@ from vsb.errors import DatabaseError
 
 FloatArray = npt.NDArray[np.floating[Any]]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
+IntArray = npt.NDArray[np.integer[Any]]
+BoolArray = npt.NDArray[np.bool_]
+AnyArray = npt.NDArray[Any]
+PAIR = ("influenced_dof", "radiating_dof")
+"""Dimensions of a matrix over the degrees of freedom."""
 
 
 class Quantity(NamedTuple):
@@ -20,7 +25,6 @@ class Quantity(NamedTuple):
     long_name: str
 
 
-_PAIR = ("influenced_dof", "radiating_dof")
 _EXCITATION = ("omega", "wave_direction", "influenced_dof")
 _MOTION = ("time", "dof")
 _SHAPE = ("mode", "colatitude")
@@ -53,23 +57,23 @@ ATTRS: dict[str, Quantity] = {
     "static_amplitude": Quantity(("mode",), "m", "modal amplitude of the shape at rest"),
     "dry_frequency": Quantity(("mode",), "rad/s", "natural angular frequency in vacuum"),
     # hydro database
-    "added_mass": Quantity(("omega", *_PAIR), "kg", "added mass"),
-    "radiation_damping": Quantity(("omega", *_PAIR), "kg/s", "radiation damping"),
-    "added_mass_inf": Quantity(_PAIR, "kg", "added mass at infinite frequency"),
-    "added_mass_zero": Quantity(_PAIR, "kg", "added mass at frequency zero"),
+    "added_mass": Quantity(("omega", *PAIR), "kg", "added mass"),
+    "radiation_damping": Quantity(("omega", *PAIR), "kg/s", "radiation damping"),
+    "added_mass_inf": Quantity(PAIR, "kg", "added mass at infinite frequency"),
+    "added_mass_zero": Quantity(PAIR, "kg", "added mass at frequency zero"),
     "excitation_force": Quantity(_EXCITATION, "N/m", "excitation force per unit wave amplitude"),
     "Froude_Krylov_force": Quantity(_EXCITATION, "N/m", "Froude-Krylov force per unit wave amplitude"),
     "diffraction_force": Quantity(_EXCITATION, "N/m", "diffraction force per unit wave amplitude"),
-    "hydrostatic_stiffness": Quantity(_PAIR, "N/m", "hydrostatic stiffness"),
-    "inertia_matrix": Quantity(_PAIR, "kg", "inertia of buoy and shell"),
-    "mooring_stiffness": Quantity(_PAIR, "N/m", "stiffness of the mooring"),
+    "hydrostatic_stiffness": Quantity(PAIR, "N/m", "hydrostatic stiffness"),
+    "inertia_matrix": Quantity(PAIR, "kg", "inertia of buoy and shell"),
+    "mooring_stiffness": Quantity(PAIR, "N/m", "stiffness of the mooring"),
     "azimuthal_order": Quantity(
         ("influenced_dof",), "1", "azimuthal order m of the motion, which goes with cos(m theta)"
     ),
-    "structural_stiffness": Quantity(_PAIR, "N/m", "structural stiffness of the shell"),
-    "structural_damping_matrix": Quantity(_PAIR, "kg/s", "structural damping of body and shell"),
-    "prestress_stiffness": Quantity(_PAIR, "N/m", "stiffness of the mean pressure difference"),
-    "gas_stiffness": Quantity(_PAIR, "N/m", "stiffness of the trapped gas"),
+    "structural_stiffness": Quantity(PAIR, "N/m", "structural stiffness of the shell"),
+    "structural_damping_matrix": Quantity(PAIR, "kg/s", "structural damping of body and shell"),
+    "prestress_stiffness": Quantity(PAIR, "N/m", "stiffness of the mean pressure difference"),
+    "gas_stiffness": Quantity(PAIR, "N/m", "stiffness of the trapped gas"),
     "pole_radial_displacement": Quantity(
         ("influenced_dof",), "1", "radial displacement at the top pole per unit amplitude"
     ),
@@ -77,9 +81,9 @@ ATTRS: dict[str, Quantity] = {
         ("influenced_dof",), "m", "heave and modal amplitudes of the shape the coefficients are about"
     ),
     # radiation model
-    "kernel": Quantity(("time", *_PAIR), "kg/s^2", "retardation kernel"),
-    "kernel_state_space": Quantity(("time", *_PAIR), "kg/s^2", "retardation kernel of the state space"),
-    "damping_state_space": Quantity(("omega", *_PAIR), "kg/s", "radiation damping of the state space"),
+    "kernel": Quantity(("time", *PAIR), "kg/s^2", "retardation kernel"),
+    "kernel_state_space": Quantity(("time", *PAIR), "kg/s^2", "retardation kernel of the state space"),
+    "damping_state_space": Quantity(("omega", *PAIR), "kg/s", "radiation damping of the state space"),
     "state_matrix": Quantity(("state", "state_in"), "1/s", "state matrix A = J - l l^T/2"),
     "input_matrix": Quantity(("state", "radiating_dof"), "kg^0.5/s", "input matrix G; output G^T"),
     "channel": Quantity(("state", "..."), "s^-0.5", "radiation channels L: radiated power |L^T x|^2/2"),
@@ -98,14 +102,14 @@ ATTRS: dict[str, Quantity] = {
     "wet_damping_ratio": Quantity(("wet_mode",), "1", "damping ratio in water, power take-off included"),
     "wet_design": Quantity(("wet_mode",), "1", "design of the wet mode"),
     # shape dependence
-    "added_mass_slope": Quantity(("shape_dof", "omega", *_PAIR), "kg/m", "derivative of added mass by the shape"),
-    "added_mass_curvature": Quantity((*_SHAPE_PAIR, "omega", *_PAIR), "kg/m^2", "its second derivative"),
-    "radiation_damping_slope": Quantity(("shape_dof", "omega", *_PAIR), "kg/(m s)", "derivative of radiation damping"),
-    "radiation_damping_curvature": Quantity((*_SHAPE_PAIR, "omega", *_PAIR), "kg/(m^2 s)", "its second derivative"),
+    "added_mass_slope": Quantity(("shape_dof", "omega", *PAIR), "kg/m", "derivative of added mass by the shape"),
+    "added_mass_curvature": Quantity((*_SHAPE_PAIR, "omega", *PAIR), "kg/m^2", "its second derivative"),
+    "radiation_damping_slope": Quantity(("shape_dof", "omega", *PAIR), "kg/(m s)", "derivative of radiation damping"),
+    "radiation_damping_curvature": Quantity((*_SHAPE_PAIR, "omega", *PAIR), "kg/(m^2 s)", "its second derivative"),
     "excitation_force_slope": Quantity(("shape_dof", *_EXCITATION), "N/m^2", "derivative of the excitation force"),
     "excitation_force_curvature": Quantity((*_SHAPE_PAIR, *_EXCITATION), "N/m^3", "its second derivative"),
-    "added_mass_inf_slope": Quantity(("shape_dof", *_PAIR), "kg/m", "derivative of added mass at infinite frequency"),
-    "added_mass_inf_curvature": Quantity((*_SHAPE_PAIR, *_PAIR), "kg/m^2", "its second derivative"),
+    "added_mass_inf_slope": Quantity(("shape_dof", *PAIR), "kg/m", "derivative of added mass at infinite frequency"),
+    "added_mass_inf_curvature": Quantity((*_SHAPE_PAIR, *PAIR), "kg/m^2", "its second derivative"),
     **{
         f"{name}_slope_error": Quantity(("shape_dof",), "1", "estimated relative error of the derivative")
         for name in ("added_mass", "radiation_damping", "excitation_force", "added_mass_inf")
@@ -126,8 +130,8 @@ ATTRS: dict[str, Quantity] = {
     "power_at_rest": Quantity(("design", "wave"), "W", "mean power, coefficients of the shape at rest"),
     "power_at_reference": Quantity(("design", "wave"), "W", "mean power, coefficients of the reference shape"),
     # witness: two solvers on the mean and on deformed shapes
-    "shape_added_mass": Quantity((*_BY_SHAPE, *_PAIR), "kg", "added mass on a shape"),
-    "shape_radiation_damping": Quantity((*_BY_SHAPE, *_PAIR), "kg/s", "radiation damping on a shape"),
+    "shape_added_mass": Quantity((*_BY_SHAPE, *PAIR), "kg", "added mass on a shape"),
+    "shape_radiation_damping": Quantity((*_BY_SHAPE, *PAIR), "kg/s", "radiation damping on a shape"),
     "shape_excitation_force": Quantity((*_BY_SHAPE, *_EXCITATION[1:]), "N/m", "excitation force on a shape"),
     "deformation_amplitude": Quantity(("shape",), "m", "modal amplitude a shape is deformed by"),
     "witness_difference": Quantity((*_BY_SHAPE[1:], "coefficient"), "1", "difference of two solvers, relative"),

@@ -10,11 +10,10 @@ from functools import cached_property
 from typing import Self
 
 import numpy as np
-import numpy.typing as npt
 
 from vsb.errors import ConfigError
 from vsb.study.study import Water
-from vsb.tools.units import FloatArray
+from vsb.tools.units import BoolArray, FloatArray
 from vsb.waves.dispersion import group_velocity
 from vsb.waves.seas import Sea
 
@@ -205,7 +204,7 @@ def of_records(omega: FloatArray, density: FloatArray, source: str, notes: Seque
     return Climate.of_spectra(omega_, spectra, np.full(count, 1 / count), source, found)
 
 
-def impossible(hs: FloatArray, te: FloatArray) -> npt.NDArray[np.bool_]:
+def impossible(hs: FloatArray, te: FloatArray) -> BoolArray:
     """Return whether seas are steeper or higher than there are, shape (sea,); many of them are wrong units."""
     return np.asarray((2 * np.pi * hs / (STANDARD_GRAVITY * te**2) > STEEPEST) | (hs > HIGHEST))
 

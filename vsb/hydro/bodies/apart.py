@@ -3,11 +3,10 @@
 from itertools import permutations
 
 import numpy as np
-import numpy.typing as npt
 
 from vsb.errors import ConfigError
-from vsb.hydro.bodies.body import FlexibleBody, IntArray, owners, parts
-from vsb.tools.units import FloatArray
+from vsb.hydro.bodies.body import FlexibleBody, owners, parts
+from vsb.tools.units import BoolArray, FloatArray, IntArray
 
 _INSIDE = 0.5  # of a full solid angle
 _CLOSED = 1e-6  # of the three volumes of a closed part, relatively
@@ -48,7 +47,7 @@ def _closed(body: FlexibleBody, part: IntArray) -> list[int]:
     return np.flatnonzero((largest > 0) & (np.ptp(volumes, axis=1) <= _CLOSED * largest)).tolist()
 
 
-def _winding(body: FlexibleBody, chosen: npt.NDArray[np.bool_], points: FloatArray) -> FloatArray:
+def _winding(body: FlexibleBody, chosen: BoolArray, points: FloatArray) -> FloatArray:
     """Share of the full solid angle a closed part fills, with its mirror image above still water, shape (point,).
 
     Of a triangle seen from a point (Van Oosterom and Strackee 1983); one inside, zero outside.

@@ -8,19 +8,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from vsb.errors import ConfigError
 from vsb.study.quantities import RIGID
-from vsb.tools.units import FloatArray
+from vsb.tools.units import FloatArray, IntArray
 
-IntArray = npt.NDArray[np.integer[Any]]
 PLANES = {"xOz": 1, "yOz": 0}
 """Planes of symmetry and the coordinate each of them changes the sign of."""
 SYMMETRIES = {"none": (), "xOz": ("xOz",), "yOz": ("yOz",), "xOz+yOz": ("xOz", "yOz")}

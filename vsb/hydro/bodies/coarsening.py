@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
-from vsb.hydro.bodies.body import PLANES, FlexibleBody, IntArray, at_centres, owners
-from vsb.tools.units import FloatArray
+from vsb.hydro.bodies.body import PLANES, FlexibleBody, at_centres, owners
+from vsb.tools.units import FloatArray, IntArray
 
 _MOST = 8
 """Panels around a vertex beyond which it is a pole, not a patch's centre."""

@@ -16,11 +16,11 @@ import xarray as xr
 
 from vsb.errors import ConfigError
 from vsb.hydro.bodies.apart import check_apart
-from vsb.hydro.bodies.body import FlexibleBody, IntArray, at_centres, at_vertices, check_vertices
+from vsb.hydro.bodies.body import FlexibleBody, at_centres, at_vertices, check_vertices
 from vsb.hydro.panels import rings as bem
 from vsb.tools.bounded import bounded_memory, bounded_time
 from vsb.tools.files import whole
-from vsb.tools.units import FloatArray
+from vsb.tools.units import PAIR, FloatArray, IntArray
 
 PANEL_FILES = {
     ".gdf": "gdf", ".pnl": "pnl", ".hst": "hst", ".mar": "mar", ".nemoh": "mar", ".hams": "pnl",
@@ -186,7 +186,6 @@ def _displacements(
 
 def write_body(body: FlexibleBody, path: str | Path) -> None:
     """Write a body as one netCDF file that is both the mesh and the modes `read_body` reads."""
-    pair = ("influenced_dof", "radiating_dof")
     data: dict[str, Any] = {
         "vertices": (("vertex", "xyz"), body.vertices),
         "faces": (("panel", "corner"), body.faces),
@@ -196,6 +195,6 @@ def write_body(body: FlexibleBody, path: str | Path) -> None:
         data["centre_of_mass"] = (("part", "xyz")[2 - np.ndim(centre) :], centre)
     for field, name in _MATRICES.items():
         if name not in data and getattr(body, field) is not None:
-            data[name] = (pair, getattr(body, field))
+            data[name] = (PAIR, getattr(body, field))
     with whole(path) as temporary:
         xr.Dataset(data, coords={"dof": list(body.labels)}).to_netcdf(temporary, engine="netcdf4")

@@ -9,14 +9,13 @@ import xarray as xr
 from scipy.linalg import hadamard
 from scipy.spatial import cKDTree
 
-from vsb.hydro.bodies.body import PLANES, SYMMETRIES, FlexibleBody, IntArray, detected_symmetry, joined
+from vsb.hydro.bodies.body import PLANES, SYMMETRIES, FlexibleBody, detected_symmetry, joined
 from vsb.hydro.bodies.coarsening import coarser_body, coarser_panels
 from vsb.hydro.panels.rings import influence_blocks, panel_mesh
 from vsb.study.study import Water
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.units import PAIR, ComplexArray, FloatArray, IntArray
 from vsb.waves.dispersion import group_velocity, wavenumber
 
-_PAIR = ("influenced_dof", "radiating_dof")
 _WAVE = ("omega", "wave_direction", "influenced_dof")
 
 
@@ -152,7 +151,7 @@ class BodyProblem:
         _, potentials = self._surface().potentials(np.inf, self.velocities + 0j)
         labels = list(self.body.labels)
         matrix = np.real(self._onto(self.velocities) @ potentials.T)
-        return xr.Dataset({"added_mass_inf": (_PAIR, matrix)}, coords=dict.fromkeys(_PAIR, labels))
+        return xr.Dataset({"added_mass_inf": (PAIR, matrix)}, coords=dict.fromkeys(PAIR, labels))
 
     def froude_krylov(self, omegas: FloatArray, directions: FloatArray) -> ComplexArray:
         """Return the force of the undisturbed wave, shape (omega, direction, dof) [N/m]; parameters as of `solve`."""
@@ -201,9 +200,9 @@ class BodyProblem:
         }
         labels = list(self.body.labels)
         return xr.Dataset(
-            {name: (("omega", *_PAIR), matrix[None]) for name, matrix in matrices.items()}
+            {name: (("omega", *PAIR), matrix[None]) for name, matrix in matrices.items()}
             | {name: (_WAVE, force[None]) for name, force in excitation.items()},
-            coords={"omega": [omega], "wave_direction": directions, **dict.fromkeys(_PAIR, labels)},
+            coords={"omega": [omega], "wave_direction": directions, **dict.fromkeys(PAIR, labels)},
         )
 
     def _far_field_damping(self, omega: float, strength: ComplexArray) -> FloatArray:

@@ -19,7 +19,6 @@ from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro import quality
 from vsb.hydro.bodies.body import (
     FlexibleBody,
-    IntArray,
     at_centres,
     check_symmetry,
     detected_symmetry,
@@ -41,7 +40,7 @@ from vsb.study.canonical import canonical, content_id
 from vsb.study.quantities import Section
 from vsb.study.reading import read_yaml, validated
 from vsb.tools.files import load, save
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.units import PAIR, ComplexArray, FloatArray, IntArray
 from vsb.waves.dispersion import group_velocity, wavenumber
 
 Spec = dict[str, Any]
@@ -263,7 +262,6 @@ def _database(
     study: BodyFile, body: FlexibleBody, symmetry: str, infinite: Block, found: Swept, checks: list[Check]
 ) -> xr.Dataset:
     """What was found as a database with capytaine's names."""
-    pair = ("influenced_dof", "radiating_dof")
     blocks = [block.own for block in (infinite, *found.solved)]
     stiffness = hydrostatic_stiffness(body, study.water.density, study.water.gravity)
     structure = {"inertia_matrix": body.mass, "structural_stiffness": body.stiffness}
@@ -290,5 +288,5 @@ def _database(
         "bem_seconds": sum(block.attrs["seconds"] for block in blocks),
         **_at_rest(body),
     }
-    complete = ds.assign({name: (pair, matrix) for name, matrix in matrices.items()})
+    complete = ds.assign({name: (PAIR, matrix) for name, matrix in matrices.items()})
     return complete.assign_attrs(ds.attrs, **attrs)

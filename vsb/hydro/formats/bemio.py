@@ -37,7 +37,7 @@ from vsb.hydro.formats.modes import (
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.study.quantities import body_of
 from vsb.tools.files import whole
-from vsb.tools.units import ATTRS, ComplexArray, FloatArray
+from vsb.tools.units import ATTRS, PAIR, ComplexArray, FloatArray
 
 _FOLDERS = {"excitation_force": "", "Froude_Krylov_force": "froude-krylov/", "diffraction_force": "scattering/"}
 _WAVES, _BODY, _HYDRO = "/simulation_parameters/", "/body1/properties/", "/body1/hydro_coeffs/"
@@ -116,7 +116,7 @@ def _with_structure(ds: xr.Dataset, source: str, modes: list[int]) -> xr.Dataset
             raise DatabaseError(
                 f"{source}: {name} couples rigid and generalized modes, which WEC-Sim drops; needs another basis."
             )
-    return ds.assign({name: (("influenced_dof", "radiating_dof"), m) for name, m in zip(names, dry, strict=True)})
+    return ds.assign({name: (PAIR, m) for name, m in zip(names, dry, strict=True)})
 
 
 def impulse_times(radius: float, gravity: float) -> FloatArray:

@@ -9,7 +9,6 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from vsb.errors import ConfigError, DatabaseError
@@ -19,7 +18,7 @@ from vsb.hydro.formats.haskind import LARGEST_HASKIND, Haskind, fitting_depth, h
 from vsb.hydro.formats.modes import volume_of
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.study.quantities import RIGID, body_of, motion_of, of_bodies
-from vsb.tools.units import FloatArray
+from vsb.tools.units import BoolArray, FloatArray
 
 LEAST_SIZE = 0.3
 """Of a mode, in terms of the displaced water moving with it, as for bodies from meshes."""
@@ -68,9 +67,9 @@ class Sizes(NamedTuple):
 
     added_mass: FloatArray  # (dof,) [kg], rotations [kg m^2]
     damping: FloatArray  # (dof,) [kg/s]
-    wet: npt.NDArray[np.bool_]  # whether a mode moves water, (dof,)
+    wet: BoolArray  # whether a mode moves water, (dof,)
 
-    def of(self, modes: npt.NDArray[np.bool_]) -> "Sizes":
+    def of(self, modes: BoolArray) -> "Sizes":
         """Return those of some of the modes."""
         return Sizes(self.added_mass[modes], self.damping[modes], self.wet[modes])
 
@@ -139,7 +138,7 @@ def foreign_checks(ds: xr.Dataset, *, axisymmetric: bool = False) -> tuple[list[
 _DENSITY = "not checked: density, with which all coefficients grow alike; it needs mass in heave and displaced volume"
 
 
-def _ring(wet: xr.Dataset) -> npt.NDArray[np.bool_]:
+def _ring(wet: xr.Dataset) -> BoolArray:
     """Modes of an axisymmetric body that send out ring waves, (dof,)."""
     labels = wet.influenced_dof.values
     ring = np.array([label == "Heave" or label not in RIGID for label in labels])
@@ -302,9 +301,7 @@ def _skipped(part: xr.Dataset, found: Haskind) -> list[str]:
     return [few] * bool(missing)
 
 
-def _ratios(
-    part: xr.Dataset, found: Haskind, wet: npt.NDArray[np.bool_], *, depth: float, gravity: float
-) -> list[Check]:
+def _ratios(part: xr.Dataset, found: Haskind, wet: BoolArray, *, depth: float, gravity: float) -> list[Check]:
     """Ratio of damping from excitation to damping: its median, which length/gravity multiplies, and in long waves."""
     theirs, own = (np.einsum("wii->wi", b) for b in (found.damping, part.radiation_damping.values))
     largest = np.abs(own).max(axis=0)

@@ -3,11 +3,10 @@
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from vsb.hydro import quality
-from vsb.tools.units import FloatArray
+from vsb.tools.units import BoolArray, FloatArray
 from vsb.waves.dispersion import group_velocity, wavenumber
 
 LARGEST_HASKIND = 0.05
@@ -18,7 +17,7 @@ class Haskind(NamedTuple):
     """Damping from excitation, and where it may be compared."""
 
     damping: FloatArray  # (omega, dof, dof) [kg/s]
-    resolved: npt.NDArray[np.bool_]  # (omega, dof)
+    resolved: BoolArray  # (omega, dof)
 
 
 def _narrowness(omega: FloatArray, depth: float, gravity: float) -> FloatArray:

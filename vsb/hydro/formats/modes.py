@@ -18,7 +18,7 @@ import xarray as xr
 
 from vsb.errors import ConfigError, DatabaseError
 from vsb.study.quantities import RIGID, is_rigid, of_bodies
-from vsb.tools.units import ATTRS, FloatArray, check_finite, described
+from vsb.tools.units import ATTRS, PAIR, FloatArray, check_finite, described
 
 GENERALIZED = 7
 """Number of the first generalized mode."""
@@ -151,7 +151,7 @@ def _check_facts(ds: xr.Dataset, source: str) -> None:
 def assembled(source: str, axes: tuple[Any, Any, Any], variables: dict[str, Any], attrs: dict[str, Any]) -> xr.Dataset:
     """Return arrays over labels, frequencies and headings [degrees] as a hydro database: units everywhere, no NaN."""
     labels, omega, headings = axes
-    dofs = dict.fromkeys(("influenced_dof", "radiating_dof"), labels)
+    dofs = dict.fromkeys(PAIR, labels)
     data = {name: (ATTRS[name].dims, values) for name, values in variables.items()}
     return checked(xr.Dataset(data, {"omega": omega, "wave_direction": np.radians(headings), **dofs}, attrs), source)
 

@@ -21,13 +21,12 @@ from scipy.special import j0, j1
 
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro.azimuthal import wave_around
-from vsb.hydro.bodies.body import IntArray
 from vsb.hydro.dofs import Displacement, azimuthal_order, normal_velocities
 from vsb.hydro.sweep import IncidentWave
 from vsb.study.blocks import panel_solver
 from vsb.tools.files import CHANGED
 from vsb.tools.stamps import MANIFEST, read_manifest, record, text_fault
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.units import ComplexArray, FloatArray, IntArray
 from vsb.waves.dispersion import wavenumber
 
 cpt.set_logging("ERROR")

@@ -26,7 +26,7 @@ from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.shell.deformed import DeformedShell
 from vsb.study.study import content_id
 from vsb.tools.files import load, save
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.units import PAIR, ComplexArray, FloatArray
 
 COEFFICIENTS = {
     "added_mass": ("kg", "kg/m", "kg/m^2"),
@@ -163,8 +163,7 @@ class ShapeFamily:
         """Return the coefficients on the reference shape, newly solved."""
         basis = self.shape.basis
         problem = SpectralProblem(self.shape, displacements_of(basis), self.density, self.gravity, self.nodes)
-        pair = ("influenced_dof", "radiating_dof")
-        raw = problem.solve(list(self.omegas)).assign(added_mass_inf=(pair, problem.at_infinity()))
+        raw = problem.solve(list(self.omegas)).assign(added_mass_inf=(PAIR, problem.at_infinity()))
         return with_excitation(in_modes(raw, basis))[list(COEFFICIENTS)]
 
     @cached_property

@@ -8,11 +8,10 @@ import xarray as xr
 from vsb.errors import ConvergenceError
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.hydro.sweep import AdaptiveSweep, IncidentWave, crowded, on_grid, relative
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.units import PAIR, ComplexArray, FloatArray
 
 FEWEST_NODES = 16
 MOST_NODES = 128
-_PAIR = ("influenced_dof", "radiating_dof")
 
 
 def incident_wave(problem: SpectralProblem) -> IncidentWave:
@@ -34,10 +33,10 @@ def _error(problem: SpectralProblem, omegas: list[float]) -> float:
 
 def _limits(problem: SpectralProblem) -> dict[str, xr.Variable]:
     """Added mass at infinite frequency and, where it has a limit, at zero."""
-    limits = {"added_mass_inf": xr.Variable(_PAIR, problem.at_infinity())}
+    limits = {"added_mass_inf": xr.Variable(PAIR, problem.at_infinity())}
     if np.isfinite(problem.depth) and not problem.order:
         return limits  # log K
-    return limits | {"added_mass_zero": xr.Variable(_PAIR, problem.at_zero())}
+    return limits | {"added_mass_zero": xr.Variable(PAIR, problem.at_zero())}
 
 
 def _limit_difference(swept: AdaptiveSweep, limits: dict[str, xr.Variable]) -> float:
