@@ -186,7 +186,7 @@ class Convergence(Section):
 class BargeStudy(Section):
     """A barge in waves: frequencies [rad/s], directions [degrees], panels over the draught, and what to compare.
 
-    `tolerance` [-] of interpolation between the frequencies solved, as of `vsb.bodystudy.BodyFile`.
+    `tolerance` [-] of interpolation between the frequencies solved, as of `vsb.study.body_file.BodyFile`.
     """
 
     barge: Barge

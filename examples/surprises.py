@@ -106,7 +106,12 @@ def one_damper(folder: Path) -> Figures:
 def narrow_band(folder: Path) -> Figures:
     """Under a best damper the shell pays where it lowers Q, and nowhere else."""
     periods = (2.5, 3.06, 5.0)
-    found, figures = Ladder(study_of([regular(period) for period in periods]), folder), {}
+    return gain_beside_q(Ladder(study_of([regular(period) for period in periods]), folder), periods)
+
+
+def gain_beside_q(found: Ladder, periods: Sequence[float]) -> Figures:
+    """Return the gain at own best dampers and Q of both designs in regular waves of some periods."""
+    figures = {}
     for i, period in enumerate(periods):
         figures[f"gain at {period:g} s [%]"] = found.gain("best_damper", i)
         for name, design in (("rigid", RIGID), ("flexible", FLEXIBLE)):
@@ -271,12 +276,7 @@ def surge(folder: Path) -> Figures:
     }
     periods = (2.5, 3.0)
     study = study_of([regular(period) for period in periods], pto={**BASE["pto"], "port": "surge"}, **planar)
-    found, figures = Ladder(study, folder), {}
-    for i, period in enumerate(periods):
-        figures[f"gain at {period:g} s [%]"] = found.gain("best_damper", i)
-        for name, design in (("rigid", RIGID), ("flexible", FLEXIBLE)):
-            figures[f"Q at {period:g} s, {name}"] = found.reactance_ratio(design, i)
-    return figures
+    return gain_beside_q(Ladder(study, folder), periods)
 
 
 CASES: Mapping[str, Callable[[Path], Figures]] = {

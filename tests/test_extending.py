@@ -14,6 +14,7 @@ from pydantic import ValidationError
 from vsb.errors import ConfigError
 from vsb.hydro.dofs import Displacement
 from vsb.hydro.spectral.solver import SpectralProblem
+from vsb.integrators.audit import energies, residual
 from vsb.integrators.exact import propagate
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.phi import phi_integrals
@@ -72,6 +73,20 @@ def test_a_law_that_is_not_of_straight_pieces_is_a_row(monkeypatch):
     found = with_take_off(scene, Pto(damping=1.2, law="saturated", force_limit=9.0), LinearPto(1.2))
     assert found.forces["pto"] == law(1.2)
     assert suited(System.of(found)) == "collocation"
+
+
+def test_a_force_is_followed_and_its_energy_told():
+    """A spring that hardens: no matrix knows it, collocation and audit do."""
+    force = recipe("A force", dataclass=dataclass, Force=Force, Linear=Linear, np=np)["Hardening"](400.0)
+    forces = {"hydrostatic": Spring(np.array([[50.0]])), "pto": Damper(np.array([[1.2]])), "hardening": force}
+    system = System.of(Scene(("Heave",), np.array([[2.0]]), forces, np.eye(1)))
+    assert suited(system) == "collocation"
+    time = np.linspace(0.0, 4.0, 401)
+    motion, _ = METHODS["collocation"].follower(system, 1e-9, None)(time, (np.array([0.5]), np.array([0.0])))
+    found = energies(system, motion)
+    assert residual(found) < 1e-6
+    assert np.ptp(force.stored(motion.position)) > 5.0
+    assert found["pto"][-1] == pytest.approx(np.trapezoid(1.2 * motion.velocity[:, 0] ** 2, time), rel=1e-3)
 
 
 def test_a_spectrum_carries_its_significant_height(monkeypatch):

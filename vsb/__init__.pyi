@@ -8,11 +8,6 @@ from vsb.hydro.dofs import Displacement as Displacement
 from vsb.hydro.spectral.solver import SpectralProblem as SpectralProblem
 from vsb.integrators.harmonic_balance import harmonic_balance as harmonic_balance
 from vsb.integrators.simulate import simulate as simulate
-from vsb.motion.frequency import LinearBuoy as LinearBuoy
-from vsb.motion.port import Port as Port
-from vsb.motion.pto import LinearPto as LinearPto
-from vsb.motion.scene import Scene as Scene
-from vsb.motion.system import System as System
 from vsb.shell.deformed import DeformedShell as DeformedShell
 from vsb.shell.modes import ModeBasis as ModeBasis
 from vsb.shell.sphere import Shell as Shell
@@ -24,7 +19,6 @@ from vsb.study.study import Device as Device
 from vsb.study.study import Hydro as Hydro
 from vsb.study.study import Jonswap as Jonswap
 from vsb.study.study import Modes as Modes
-from vsb.study.study import PiersonMoskowitz as PiersonMoskowitz
 from vsb.study.study import Pto as Pto
 from vsb.study.study import RegularWave as RegularWave
 from vsb.study.study import Simulation as Simulation

@@ -12,7 +12,7 @@ from vsb.results.constrained_year import Limits, constrained_year, harmonics_of_
 from vsb.results.member import OF_LIMITS, member
 from vsb.scenes.ports import designs_in_waves
 from vsb.scenes.rest import reference_shell
-from vsb.study.specs import CONSTRAINED
+from vsb.study.year_options import CONSTRAINED
 from vsb.tools.units import check_finite
 
 LIMIT, SECONDS = 2e4, 0.5

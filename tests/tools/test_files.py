@@ -63,7 +63,7 @@ def test_nan_is_never_written(tmp_path):
 
 
 def test_unknown_variable_is_refused(tmp_path):
-    with pytest.raises(DatabaseError, match=r"variables \['wobble'\] are not in vsb.units.ATTRS"):
+    with pytest.raises(DatabaseError, match=r"variables \['wobble'\] are not in ATTRS of vsb/tools/units.py"):
         save(xr.Dataset({"wobble": ("x", [1.0])}), tmp_path / "a.nc")
     assert list(tmp_path.iterdir()) == []
 

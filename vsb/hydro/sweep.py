@@ -256,7 +256,7 @@ def on_grid(
     Parameters
     ----------
     solve : callable
-        Coefficients at given frequencies, a dataset as of `vsb.spectral.SpectralProblem.solve`.
+        Coefficients at given frequencies, a dataset as of `vsb.hydro.spectral.solver.SpectralProblem.solve`.
     frequencies : sequence of float [rad/s]
         Ascending, the band; finer than the coefficients vary. Only these are solved.
     tolerance : float [-]

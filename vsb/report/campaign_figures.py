@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 
 from vsb.report.canvas import grid_of_axes, legend_above, note, plain_numbers, style
 from vsb.results.campaign import damper
-from vsb.study.specs import CONSTRAINED
 from vsb.study.take_off import at_port
+from vsb.study.year_options import CONSTRAINED
 from vsb.tools.words import quantity
 
 GAIN = "RdBu"

@@ -12,8 +12,8 @@ from vsb.report.animation import in_motion
 from vsb.report.campaign_figures import is_mapped, is_verified, shown_member, told_gain
 from vsb.report.html import captioned, page
 from vsb.report.living import as_script
-from vsb.study.specs import CONSTRAINED, leading_tuning
 from vsb.study.take_off import at_port
+from vsb.study.year_options import CONSTRAINED, leading_tuning
 from vsb.tools.words import against_rigid, plain, quantity
 from vsb.waves.climate import YEAR_HOURS
 

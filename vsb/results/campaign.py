@@ -7,8 +7,9 @@ import numpy as np
 import xarray as xr
 
 from vsb.study.campaign_plan import VARIABLES
-from vsb.study.specs import CONSTRAINED, CampaignSpec, leading_tuning
+from vsb.study.specs import CampaignSpec
 from vsb.study.vary import MEMBER, PORT, Vary, unit
+from vsb.study.year_options import CONSTRAINED, leading_tuning
 from vsb.tools.tables import csv_text
 from vsb.tools.units import AnyArray, FloatArray
 

@@ -14,8 +14,8 @@ from vsb.results.validity import LIMITS, motion_limits, wave_limits
 from vsb.scenes.ports import InWaves, ShapeWater, designs_in_waves
 from vsb.shell.modes import ModeBasis
 from vsb.shell.reference import ReferenceShell
-from vsb.study.specs import CONSTRAINED
 from vsb.study.study import Study
+from vsb.study.year_options import CONSTRAINED
 from vsb.tools.units import FloatArray
 from vsb.waves.climate import YEAR_HOURS, Climate
 

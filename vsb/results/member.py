@@ -13,8 +13,8 @@ from vsb.scenes.ports import InWaves, ShapeWater, designs_in_waves
 from vsb.scenes.viability import viability
 from vsb.shell.modes import ModeBasis
 from vsb.shell.reference import ReferenceShell
-from vsb.study.specs import CONSTRAINED, Tunings
 from vsb.study.study import Study
+from vsb.study.year_options import CONSTRAINED, Tunings
 from vsb.tools.units import AnyArray
 from vsb.waves.climate import Climate
 

@@ -78,8 +78,7 @@ def reference_shell(study: AtRest, basis: ModeBasis | None = None) -> ReferenceS
     """
     basis = basis or study_basis(study)
     loaded = loaded_shell(study, basis)
-    at_equilibrium = study.flexible and study.reference_shape == "equilibrium"
-    if at_equilibrium:
+    if study.at_equilibrium:
         check_equilibrium(study)
         undamped = replace(basis, alpha=0.0, beta=0.0)  # at rest nothing moves
         q = _at_rest(replace(loaded, elastic=ElasticShell(undamped)))
@@ -87,7 +86,7 @@ def reference_shell(study: AtRest, basis: ModeBasis | None = None) -> ReferenceS
         q = np.zeros(len(basis.labels))
     shape = DeformedShell(basis, study.centre_height, q)
     stiffness = {"structural": basis.stiffness, "hydrostatic": loaded.hydrostatic_stiffness(q)}
-    if at_equilibrium:
+    if study.at_equilibrium:
         stiffness["structural"] = loaded.elastic.material_stiffness(q)
         geometric = loaded.elastic.geometric_stiffness(*loaded.elastic.resultants(q))
         stiffness["prestress"] = geometric + loaded.pressure_stiffness(q)

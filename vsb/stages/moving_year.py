@@ -16,8 +16,9 @@ from vsb.scenes.directions import whole_labels
 from vsb.scenes.ports import designs_in_waves
 from vsb.stages.living_year import Point, looked_at
 from vsb.stages.modes import shell_modes
-from vsb.study.specs import CONSTRAINED, CampaignSpec
+from vsb.study.specs import CampaignSpec
 from vsb.study.study import Water
+from vsb.study.year_options import CONSTRAINED
 from vsb.waves.climate import Climate, realised
 from vsb.waves.seas import Sea
 from vsb.waves.superposition import superposed

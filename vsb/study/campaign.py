@@ -15,11 +15,10 @@ from vsb.study.compared import RESERVED_NAMES
 from vsb.study.froude import scaled
 from vsb.study.quantities import Name, Number, Section
 from vsb.study.reading import read_yaml, validated
-from vsb.study.specs import Tunings, leading_tuning
 from vsb.study.study import Study, parse
 from vsb.study.study import load as load_study
 from vsb.study.vary import PORT, SCALE, VARIED, Point, Value, Vary, read_vary
-from vsb.study.year_options import Constrained, Verify
+from vsb.study.year_options import Constrained, Tunings, Verify, leading_tuning
 
 SMALLEST, LARGEST = 1e-3, 1e3
 """Scales of a study by Froude."""

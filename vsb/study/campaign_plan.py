@@ -27,13 +27,11 @@ from vsb.study.specs import (
     MemberSpec,
     MembersSpec,
     Spec,
-    Tunings,
     VerificationSpec,
-    leading_tuning,
 )
 from vsb.study.study import Study, canonical, content_id, parse
 from vsb.study.vary import Point
-from vsb.study.year_options import Constrained
+from vsb.study.year_options import Constrained, Tunings, leading_tuning
 
 MOST_BATCHES = 32
 BATCH_SECONDS = 8.0

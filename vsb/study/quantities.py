@@ -57,6 +57,7 @@ Count = Annotated[int, BeforeValidator(number)]
 Positive = Annotated[Number, Field(gt=0, allow_inf_nan=False)]
 NonNegative = Annotated[Number, Field(ge=0, allow_inf_nan=False)]
 Finite = Annotated[Number, Field(allow_inf_nan=False)]
+Colatitude = Annotated[Number, Field(ge=0, le=180)]  # [degrees]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=64)]  # of files, too
 
 

@@ -8,13 +8,24 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from vsb.study.quantities import OR_AUTO, Count, Extended, Finite, Name, NonNegative, Number, Positive, Section, within
+from vsb.study.quantities import (
+    OR_AUTO,
+    Colatitude,
+    Count,
+    Extended,
+    Finite,
+    Name,
+    NonNegative,
+    Number,
+    Positive,
+    Section,
+    within,
+)
 
 DEEPEST = 2e4
 """No sea is deeper [m]."""
 RestShape = Literal["undeformed", "equilibrium"]
 Basis = Literal["paper", "membrane", "full"]
-Colatitude = Annotated[Number, Field(ge=0, le=180)]
 
 
 class Modes(Extended):

@@ -4,7 +4,6 @@ Only what a stage reads stands in its specification. The words under `stage` are
 keep their names, whatever rules and commands are called.
 """
 
-from collections.abc import Sequence
 from typing import Any, ClassVar, Literal
 
 from pydantic import Field, field_serializer, model_validator
@@ -20,7 +19,7 @@ from vsb.study.study import Study
 from vsb.study.take_off import Pto, opens_chamber
 from vsb.study.vary import Vary
 from vsb.study.waves import StillWater, Wave
-from vsb.study.year_options import Constrained, Verify
+from vsb.study.year_options import Constrained, Tunings, Verify
 
 PHYSICS = {
     "mesh": 2, "bem": 7, "database": 6, "radiation": 1, "response": 2, "ladder": 1, "simulate": 4, "compare": 7,
@@ -152,6 +151,11 @@ class LoadedShape(Spec):
     water: Water
     reference_shape: RestShape
     flexible: ClassVar[bool] = True
+
+    @property
+    def at_equilibrium(self) -> bool:
+        """Whether that is the shape the loaded shell takes at rest."""
+        return self.reference_shape == "equilibrium"
 
     @field_serializer("device")
     def _without_damping(self, device: Device) -> dict[str, Any]:
@@ -315,18 +319,6 @@ class CompareSpec(Spec):
 
     TAG = "compare"
     study: Study
-
-
-Tunings = Literal["fixed", "one", "each", "constrained"]
-"""Damper as given, the best one of the year, the best one of each sea; the best force of any kind within limits."""
-CONSTRAINED: Literal["constrained"] = "constrained"
-LEADING: tuple[Tunings, ...] = ("one", "each", "fixed", "constrained")
-"""Tunings by what a campaign's answer is told at, if it has them."""
-
-
-def leading_tuning(tunings: Sequence[str]) -> Tunings:
-    """Return the tuning a campaign's answer is told at."""
-    return next(name for name in LEADING if name in tunings)
 
 
 class ClimateSpec(Section):

@@ -80,7 +80,7 @@ CHECKS = (
     "error_estimate", "interpolation_error", "limit_difference", "symmetry", "positive_damping", "rank_one", "haskind",
     "irregular_frequencies", "kramers_kronig",
 )  # fmt: skip
-"""Names of the checks on a hydro database, as `vsb.quality` gives them; a study may accept their failures."""
+"""Names of the checks on a hydro database, as `vsb.hydro.quality` gives them; a study may accept their failures."""
 
 
 class Study(Compared):

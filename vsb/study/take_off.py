@@ -18,10 +18,18 @@ from pydantic import (
 )
 
 from vsb.study.device import Device
-from vsb.study.quantities import ROTATIONS, Finite, Name, NonNegative, Number, Section, motion_of, within
+from vsb.study.quantities import (
+    ROTATIONS,
+    Colatitude,
+    Finite,
+    Name,
+    NonNegative,
+    Number,
+    Section,
+    motion_of,
+    within,
+)
 from vsb.tools.words import shortened
-
-Colatitude = Annotated[Number, Field(ge=0, le=180)]
 
 
 class ShellPort(Section):

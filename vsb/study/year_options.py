@@ -1,10 +1,22 @@
-"""What a campaign may ask of a year beyond linear theory: optima within limits, runs in time."""
+"""What a campaign may ask of a year: tunings, and beyond linear theory optima within limits, runs in time."""
 
+from collections.abc import Sequence
 from typing import Annotated, Literal
 
 from pydantic import Field
 
 from vsb.study.quantities import Count, Number, Section
+
+Tunings = Literal["fixed", "one", "each", "constrained"]
+"""Damper as given, the best one of the year, the best one of each sea; the best force of any kind within limits."""
+CONSTRAINED: Literal["constrained"] = "constrained"
+LEADING: tuple[Tunings, ...] = ("one", "each", "fixed", "constrained")
+"""Tunings by what a campaign's answer is told at, if it has them."""
+
+
+def leading_tuning(tunings: Sequence[str]) -> Tunings:
+    """Return the tuning a campaign's answer is told at."""
+    return next(name for name in LEADING if name in tunings)
 
 
 class Constrained(Section):

@@ -266,7 +266,7 @@ def described(ds: xr.Dataset) -> xr.Dataset:
     """
     varied = set(str(ds.attrs.get("varied", "")).split())
     if unknown := {str(name) for name in ds.variables} - set(ATTRS) - set(_LABELS) - varied:
-        raise DatabaseError(f"variables {sorted(unknown)} are not in vsb.units.ATTRS; add them there first.")
+        raise DatabaseError(f"variables {sorted(unknown)} are not in ATTRS of vsb/tools/units.py; add them there.")
     port = str(ds.attrs.get("port", ""))
     turned = port.startswith("pitch") or "against angular velocity" in port
     units = AT_VOLUME if port.startswith("volume") else AT_ROTATION if turned else {}

@@ -1,6 +1,6 @@
 """A body of any shape: its wetted panels, the displacements it can make, and what still water does to them.
 
-Panels and displacements come from files (`vsb.bodystudy`). Displacements are dimensionless fields psi_i on the wetted
+Panels and displacements come from files (`bodies.files`). Displacements are dimensionless fields psi_i on the wetted
 surface, one per degree of freedom, whose amplitudes are metres, or radians for rotations. Normals point into the water.
 """
 

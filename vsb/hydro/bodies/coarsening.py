@@ -54,7 +54,7 @@ def coarser_body(body: FlexibleBody, planes: tuple[str, ...]) -> tuple[CoarserBo
 
 
 def coarser_panels(vertices: FloatArray, faces: IntArray, planes: tuple[str, ...]) -> Coarser:
-    """Return fewer panels between the same vertices, mirrored in planes of symmetry (`vsb.bodies.PLANES`).
+    """Return fewer panels between the same vertices, mirrored in planes of symmetry (`body.PLANES`).
 
     Parameters
     ----------

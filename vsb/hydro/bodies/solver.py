@@ -107,7 +107,7 @@ class SymmetricPanels:
 
 @dataclass(frozen=True)
 class BodyProblem:
-    """A body in waves. Its panels have the symmetry named (`vsb.bodies.SYMMETRIES`); displacements and waves need none.
+    """A body in waves. Its panels have the symmetry named (`body.SYMMETRIES`); displacements and waves need none.
 
     The lid, vertices and panels with normals down, removes irregular frequencies.
     """
@@ -119,7 +119,7 @@ class BodyProblem:
     lid: tuple[FloatArray, IntArray] | None = None
 
     def coarser(self) -> tuple["BodyProblem", float]:
-        """Return the problem on fewer panels, those of the lid as well, and their share (`vsb.coarsening.Coarser`)."""
+        """Return the problem on fewer panels, those of the lid as well, and their share (`coarsening.Coarser`)."""
         planes = SYMMETRIES[detected_symmetry(self.body)]  # whichever are made use of
         lid = (self.lid[0], coarser_panels(*self.lid, planes).faces) if self.lid else None
         body, share = coarser_body(self.body, planes)

@@ -89,7 +89,7 @@ def swept(
     tolerance: float | None,
     measure: Measure,
 ) -> Swept:
-    """Return coefficients at frequencies from as few solves as a tolerance asks (`vsb.sweep`), from all without one.
+    """Return coefficients at frequencies from as few solves as a tolerance asks (`hydro.sweep`), from all without one.
 
     Waves are not turned back by a phase at the waterline: on a long barge no such phase saved solves.
 

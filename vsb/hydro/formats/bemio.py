@@ -1,7 +1,7 @@
 """BEMIO's .h5 file, which WEC-Sim reads: written of one body, read of one or several.
 
 Paths, dimensions and normalization (`scaled` = 0: A/rho, B/(rho omega), X/(rho g), C/(rho g), K/rho, f/(rho g)) are
-those of WEC-Sim's writeBEMIOH5, numbers those of WAMIT with ULEN = 1 m (`vsb.wamit`): phasors are Re(X e^{+i omega t}),
+those of WEC-Sim's writeBEMIOH5, numbers those of WAMIT with ULEN = 1 m (`wamit`): phasors are Re(X e^{+i omega t}),
 so X is conjugated on the way out and in. Arrays are full over the modes 1 to 6 + N: rigid modes the database does not
 hold are zeros, meant for a body held in them, and `mode_labels` (not BEMIO's) names those it does.
 
@@ -67,7 +67,7 @@ def bemio_entries(ds: xr.Dataset, source: str) -> dict[str, Any]:
 
     Notes
     -----
-    `mass`, `damping` and `stiffness` are those of `vsb.generalized.structure`; a database in which they couple a rigid
+    `mass`, `damping` and `stiffness` are those of `modes.structure`; a database in which they couple a rigid
     mode to a generalized one, which WEC-Sim drops, is refused. Times of the impulse responses: `impulse_times`.
     """
     needed = ["excitation_force", *(name for place, (name, _) in _MATRICES.items() if place.startswith(_HYDRO))]

@@ -128,7 +128,7 @@ def _wedge(x: FloatArray, z: FloatArray, azimuth: int) -> cpt.Mesh:
 
 
 def ring_mesh(mesh: xr.Dataset, with_lid: bool = True) -> RingMesh:
-    """Return the rings of a mean mesh (see `vsb.meshing.mean_mesh`)."""
+    """Return the rings of a mean mesh (see `vsb.hydro.panels.mesh.mean_mesh`)."""
     azimuth = int(mesh.attrs["azimuth"])
     body = _wedge(mesh.meridian_radius.values[::-1], mesh.meridian_height.values[::-1], azimuth)
     rows = body.nb_faces

@@ -54,7 +54,7 @@ def _panels(edges: FloatArray) -> tuple[FloatArray, FloatArray]:
 class FiniteDepthWavePart:
     """The bottom's part of Green's function between the equations' points and the nodes, from a least wavenumber on.
 
-    It adds to 1/r + 1/r' and `vsb.wavepart.WavePart`, of the meridian's azimuthal order. Wavenumbers are those of deep
+    It adds to 1/r + 1/r' and `deepwater.WavePart`, of the meridian's azimuthal order. Wavenumbers are those of deep
     water, omega^2/g. `ConfigError` if the shell touches the bottom or nearly does.
     """
 
