@@ -128,16 +128,3 @@ def test_what_is_not_interpolated_does_not_say_so(seed):
     swept, tabulated = StudyPlan(varied(seed, hydro={"omega": [1.0]})).bem_blocks.values()
     assert json.loads(canonical(swept))["interpolation"] == 5e-4
     assert "interpolation" not in json.loads(canonical(tabulated))
-
-
-@pytest.mark.parametrize(
-    ("tunings", "leading"),
-    [
-        (("fixed", "one", "each", "constrained"), "one"),
-        (("constrained", "fixed", "each"), "each"),
-        (("constrained", "fixed"), "fixed"),
-        (("constrained",), "constrained"),
-    ],
-)
-def test_a_campaign_is_answered_at_one_damper_of_the_year_if_it_has_it(tunings, leading):
-    assert specs.leading_tuning(tunings) == leading
