@@ -40,7 +40,7 @@ class Port:
     2/(1 + sqrt(1 + Q^2)) of what any take-off could, Q = 4/3 [N s/m, W, W].
 
     >>> import numpy as np
-    >>> from vsb import Port
+    >>> from vsb.motion.port import Port
     >>> port = Port(np.array([1.0]), np.array([1 / (3 + 4j)]), np.array([2.0 + 0j]), compliance=1.0)
     >>> [round(float(value[0]), 6) for value in (port.best_damping, port.best_power, port.matched_power)]
     [5.0, 3.125, 4.166667]
