@@ -88,7 +88,9 @@ def _facts(study: AnyStudy, hydrodynamics: dict[str, str], runs: Sequence[Mappin
         "Time domain": f"{runs[0]['method']}, {study.simulation.duration:g} s of motion in "
         f"{max(run['seconds'] for run in runs):.3f} s or less per design and sea",
         "Largest energy residual": f"{max(run['energy_residual'] for run in runs):.1e}",
-        "Study": yaml.safe_dump(study.model_dump(exclude_none=True), sort_keys=False, width=100),
+        "Study": yaml.safe_dump(
+            study.model_dump(exclude_none=True), sort_keys=False, default_flow_style=None, width=100
+        ),
     }
 
 
