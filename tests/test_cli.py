@@ -1,3 +1,4 @@
+import argparse
 import io
 import re
 import subprocess
@@ -262,3 +263,17 @@ def test_check_tells_of_a_campaign_what_it_is_and_what_is_left(tmp_path, monkeyp
     assert "seed.yaml over 8600 seas, tuning constrained" in out
     assert "84 of device.young_modulus x device.thickness x pto.force_limit, 0 done" in out
     assert "32 of 32 batches to do, 1 shapes of the water" in out
+
+
+def test_every_option_of_every_command_says_what_it_is_for():
+    """Of commands that are listed: those of the workflow are not for people."""
+    (commands,) = (a for a in parser()._actions if isinstance(a, argparse._SubParsersAction))
+    listed = {action.dest for action in commands._choices_actions}
+    bare = {
+        (name, action.option_strings[0])
+        for name, command in commands.choices.items()
+        for action in command._actions
+        if name in listed and action.option_strings and not action.help
+    }
+    assert listed
+    assert not bare
