@@ -34,7 +34,7 @@ SECONDS_PER_PAUSE = {"regular": 5.0, "body_exact": 20.0}
 """Seconds the search for a pause in a regular wave costs, and what it costs beyond that on the wet shell."""
 SECONDS_PER_PAUSED_SECOND = {"irregular": 0.15, "body_exact": 0.5}
 """Likewise of each second of a run in another sea, all trials together."""
-FROM_REST = 6.0
+FROM_REST = 8.0
 """Times as many where a motion from rest takes less than the trials promise: all pauses are tried from rest then."""
 
 
