@@ -6,7 +6,7 @@ import xarray as xr
 
 from vsb.report.band import USEFUL
 from vsb.report.canvas import StudyData
-from vsb.report.figures import absorbed_power, added_mass_damping, energy_audit
+from vsb.report.figures import absorbed_power, added_mass_damping, directions, energy_audit
 from vsb.report.shell_figures import mode_shapes
 from vsb.report.svg import drawn
 
@@ -92,6 +92,20 @@ def test_heave_is_seen_where_a_mode_lies_under_it():
         )
         assert heave.get_zorder() > under.get_zorder()
         assert (heave.get_linestyle(), under.get_linestyle()) == (":", "-") or heave.is_dashed()
+
+
+def test_a_motion_that_never_moves_has_no_panel():
+    """Waves do not turn a sphere about its axis; where nothing moves at all every motion is shown to be zero."""
+    time, labels = np.linspace(0.0, 1.0, 5), ["Heave", "Surge", "Yaw"]
+
+    def panels_of(moved):
+        position = xr.DataArray(np.outer(time, moved), {"time": time, "dof": labels}, ("time", "dof"))
+        run = xr.Dataset({"position": position})
+        found = directions(data(runs={(design, "w"): run for design in ("FSB", "VSWEC")}, periods={"w": 1.0}), "w")
+        return [ax.get_ylabel() for ax in found.axes]
+
+    assert panels_of([1.0, 1.0, 0.0]) == ["surge [m]", "heave [m]"]
+    assert panels_of([0.0, 0.0, 0.0]) == ["surge [m]", "heave [m]", "yaw [degrees]"]
 
 
 def test_no_bar_of_energies_ends_at_the_edge():

@@ -195,9 +195,11 @@ def heave_excitation(data: StudyData, wave: str) -> Figure:
 
 
 def directions(data: StudyData, wave: str) -> Figure:
-    """Draw surge, heave and pitch; of a buoy that is free all six rigid motions."""
-    moving = next(run for (_, sea), run in data.runs.items() if sea == wave).dof.values
-    return panels(data, wave, [_direction(name) for name in RIGID if name in moving])
+    """Draw surge, heave and pitch; of a buoy that is free all six rigid motions, but for those that do not move."""
+    positions = [run.position for (_, sea), run in data.runs.items() if sea == wave]
+    there = [name for name in RIGID if name in positions[0].dof]
+    moved = [name for name in there if any(position.sel(dof=name).any() for position in positions)]
+    return panels(data, wave, [_direction(name) for name in moved or there])
 
 
 def _direction(name: str) -> tuple[str, Callable[[xr.Dataset], xr.DataArray]]:
