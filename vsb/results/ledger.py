@@ -18,7 +18,7 @@ from vsb.motion.port import port_direction
 from vsb.motion.pto import LinearPto
 from vsb.results.attitude import attitude_checks
 from vsb.results.comparison import Row, Runs
-from vsb.results.power import damper_of
+from vsb.results.power import apart, damper_of
 from vsb.results.run_checks import Attributes, drift_checks, energy_check
 from vsb.scenes.directions import loaded_shell, order_bases
 from vsb.scenes.rest import computed_buckling, design_motions, reference_shell, study_basis
@@ -184,7 +184,7 @@ def transient_checks(runs: Attributes, rows: Sequence[Row]) -> list[Check]:
                 text += f"a period leaves {attrs['steady_decay']:.3g} of a transient"
             else:
                 text += f"its periods differ by {attrs['steady_unsettled']:.1e}"
-            difference = abs(mean / steady - 1) if steady else abs(mean)
+            difference = apart(mean, steady)
             checks.append(check_at_most("transient", difference, 0.005, "-", text, doubt=True, **where))
     return checks
 

@@ -15,6 +15,9 @@ from vsb.tools.units import FloatArray
 from vsb.waves.dispersion import group_velocity
 from vsb.waves.seas import Sea
 
+NOTHING = 1e-9
+"""Mean power that is none [W]."""
+
 
 class Merit(NamedTuple):
     """What one design does in one sea."""
@@ -31,6 +34,14 @@ def energy_flux(sea: Sea, water: Water) -> float:
     """Return the energy flux of a sea per metre of crest, sum rho g |a|^2 v_g/2 [W/m]."""
     speed = np.array([group_velocity(w, water.depth, water.gravity) for w in sea.omega])
     return float(0.5 * water.density * water.gravity * np.sum(np.abs(sea.amplitude) ** 2 * speed))
+
+
+def apart(mean: float, expected: float) -> float:
+    """Return by how much a mean power differs from the one expected, relative [-]; of `NOTHING` expected, its size [W].
+
+    Two powers of round-off, as of bodies held together or of waves that reach both alike, are no doubt of each other.
+    """
+    return abs(mean / expected - 1) if abs(expected) > NOTHING else abs(mean)
 
 
 def averaging_window(wave: Wave, window: tuple[float, float]) -> tuple[float, float]:

@@ -9,7 +9,7 @@ import xarray as xr
 from vsb.hydro.database import Check, check_at_most
 from vsb.integrators.simulate import CONVOLVED
 from vsb.results.comparison import Row
-from vsb.results.power import in_direction, power_response
+from vsb.results.power import apart, in_direction, power_response
 from vsb.scenes.drag import DAMPERS, LINEARISED
 from vsb.study.compared import Compared
 from vsb.study.quantities import ROTATIONS
@@ -63,7 +63,7 @@ def agreement_checks(
 def steady_state_check(study: Compared, wave: RegularWave, power: float, mean: float, design: str) -> Check:
     """Return the difference of mean power between time and frequency domain."""
     expected = power * wave.amplitude**2
-    difference = abs(mean / expected - 1) if expected else abs(mean)
+    difference = apart(mean, expected)
     return check_at_most(
         "time_and_frequency_domain", difference, 0.005, "-",
         "relative difference of mean absorbed power; large if the window still holds a transient",
@@ -74,7 +74,7 @@ def steady_state_check(study: Compared, wave: RegularWave, power: float, mean: f
 def linearity_check(study: Compared, wave: RegularWave, power: float, mean: float, design: str) -> Check:
     """Return the difference of body-exact mean power from linear theory: what nonlinearity does."""
     expected = power * wave.amplitude**2
-    difference = abs(mean / expected - 1) if expected else abs(mean)
+    difference = apart(mean, expected)
     text = f"mean power is {plain(mean)} W body-exact, {plain(expected)} W in linear theory"
     return check_at_most("linearity", difference, 0.05, "-", text, doubt=True, design=design, wave=wave.label)
 
@@ -93,7 +93,7 @@ def dampers_in_words(study: Compared, run: Mapping[str, Any]) -> str:
 def drag_check(study: Compared, wave: RegularWave, run: Mapping[str, Any], mean: float, design: str) -> Check:
     """Return the difference of mean power with quadratic drag from that beside its equivalent damper."""
     expected = float(run[LINEARISED])
-    difference = abs(mean / expected - 1) if expected else abs(mean)
+    difference = apart(mean, expected)
     text = f"mean power is {plain(mean)} W with quadratic drag, {plain(expected)} W beside its equivalent damper of "
     text += f"{dampers_in_words(study, run)}; the frequency response and the matched limit know no drag"
     return check_at_most("drag", difference, 0.05, "-", text, doubt=True, design=design, wave=wave.label)
