@@ -12,7 +12,9 @@ from conftest import SMALL, SMALL_PLAN, told, varied
 
 import vsb
 from vsb.errors import DatabaseError
+from vsb.hydro.formats.sources import read_source
 from vsb.scenes.build import TUNED, design_in_sea
+from vsb.stages import coefficients
 from vsb.stages.stored import Results
 from vsb.study.body import load_body
 from vsb.study.body_plan import plan_for
@@ -152,3 +154,22 @@ def test_a_database_of_other_water_or_whose_checks_fail_is_refused(finished, wor
     Path("dull.yaml").write_text(yaml.safe_dump(as_body(finished, body={"database": "dull.nc"})))
     with pytest.raises(DatabaseError, match=r"check 'symmetry' failed: 1, needs at most 0.02 \(even\); use smaller"):
         vsb.run(vsb.load_body("dull.yaml"))
+
+
+def test_what_no_design_moves_is_neither_judged_nor_stored(finished, tmp_path):
+    """Two of four degrees of freedom: the numbers they had among the four."""
+    Path(tmp_path / "few.yaml").write_text(
+        yaml.safe_dump(as_body(finished, designs={"A": {"dofs": ["Heave", "Membrane1"]}}))
+    )
+    plan = plan_for(load_body(tmp_path / "few.yaml").study, str(tmp_path))
+    found = read_source("database", str(finished / SMALL_PLAN.database_path), plan.study.water)
+    coefficients.store(plan.database, found, str(tmp_path / "few.nc"))
+    with xr.open_dataset(tmp_path / "few.nc") as ds:
+        assert (
+            list(map(str, ds.influenced_dof.values))
+            == list(map(str, ds.radiating_dof.values))
+            == ["Heave", "Membrane1"]
+        )
+        few = found.added_mass.sel(influenced_dof=ds.influenced_dof, radiating_dof=ds.radiating_dof)
+        assert ds.added_mass.shape[1:] == (2, 2)
+        np.testing.assert_allclose(ds.added_mass.values[-3:], few.values[-3:], rtol=1e-6)

@@ -1,5 +1,7 @@
 """Seas have directions; those without keep their names."""
 
+import math
+
 import pytest
 from conftest import SEED
 
@@ -31,3 +33,8 @@ def test_a_buoy_of_revolution_has_none():
     raw["waves"][0]["direction"] = 30.0
     with pytest.raises(ConfigError, match=r"waves.0.direction 30 degrees: a buoy of revolution answers waves of all"):
         parse(raw)
+
+
+@pytest.mark.parametrize(("wave", "omega"), list(zip(SEAS, [2 * math.pi / 7.0] * 3 + [1.0], strict=True)))
+def test_the_frequency_of_a_sea_is_that_of_its_peak_or_the_middle_of_its_band(wave, omega):
+    assert wave.omega == pytest.approx(omega, rel=1e-15)
