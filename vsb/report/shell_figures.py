@@ -188,9 +188,9 @@ def shapes_3d(data: StudyData, wave: str) -> Figure:
         x, z = (a[::3] for a in _meridians(data, run.sel(time=instant, method="nearest"), factor)[0])
         _draw_wires(ax, x, z, style(design, data.designs)["color"])
         ax.set(xlim=(-limit, limit), ylim=(-limit, limit), zlim=(-limit, limit), xticks=[], yticks=[])
-        ax.set_box_aspect((1, 1, 1), zoom=1.1)
+        ax.set_box_aspect((1, 1, 1))
         ax.tick_params(labelsize=7, pad=-2)
-        ax.set_title(f"{name}\nt = {instant:.2f} s", fontsize=8, y=0.98)
+        ax.set_title(f"{name}\nt = {instant:.2f} s", fontsize=8, y=1.02)
     title = f"{design}, heights from pole to pole, shell displacement magnified {factor:g} times; z in m"
     figure.suptitle(title, fontsize=9)
     return figure
