@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from vsb.errors import ConfigError
-from vsb.study.body import BodyDesign, BodyStudy, is_body, load_body, located
+from vsb.study.body import Body, BodyDesign, BodyStudy, is_body, load_body, located
 from vsb.study.canonical import canonical
 from vsb.study.reading import validated
 from vsb.study.study import parse
@@ -146,3 +146,16 @@ def test_what_is_not_repaired_is_not_said():
     """Ids of studies of before stay what they were."""
     assert "repair" not in canonical(study())
     assert "repair" in canonical(study(hydro={"repair": ["kramers_kronig"]}))
+
+
+@pytest.mark.parametrize(
+    ("raw", "said"),
+    [
+        ({"database": "a.nc"}, '{"database":"a.nc"}'),
+        ({"wamit": "run", "length": 1.0}, '{"wamit":"run"}'),
+        ({"wamit": "run", "length": 2.0}, '{"length":2.0,"wamit":"run"}'),
+        ({"database": "a.nc", "mass": [[1.0]]}, '{"database":"a.nc","mass":[[1.0]]}'),
+    ],
+)
+def test_ids_of_bodies_are_of_what_is_said_of_them(raw, said):
+    assert canonical(Body(**raw)) == said

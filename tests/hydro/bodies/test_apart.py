@@ -1,5 +1,6 @@
 """Two bodies in one mesh: apart they are read, in each other or touching they are refused in one line."""
 
+import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -71,3 +72,12 @@ def test_panels_whose_corners_do_not_meet_are_no_parts():
     )
     body.triangles = whole.triangles._replace(corner=loose[np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]])])
     check_apart(body)
+
+
+def test_the_first_panel_that_lies_inside_is_where_it_is_said_to_be():
+    """One whole inside the other: its first panel."""
+    body = two((0.2, 0.1, 0.0), (1.0, 0.8, 0.5))
+    inner = body.centres[len(box(4.0, 3.0, 1.0, 1)[1]) :]
+    x, y, z = (f"{value:.4g}" for value in inner[0])
+    with pytest.raises(ConfigError, match=re.escape(f"the first at ({x}, {y}, {z}); needs bodies apart")):
+        check_apart(body)
