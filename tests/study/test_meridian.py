@@ -1,11 +1,13 @@
 import itertools
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.interpolate import CubicSpline
 
-from vsb.study.meridian import JUNCTION, RestMeridian, capsule, spheroid, through
+from vsb.study.meridian import JUNCTION, RestMeridian, _spline, capsule, spheroid, through
 
 
 def test_a_sphere_is_one_term_each():
@@ -135,3 +137,15 @@ def test_an_overhang_floats_too():
     assert bell.draft_of(total / 2) + bell.keel > bell.lowest
     below, above = (bell.volume_below(bell.keel + d) for d in (-0.05, 0.05))
     assert 0 < below < above < total
+
+
+@pytest.mark.parametrize("natural", [True, False])
+def test_the_spline_is_that_of_scipy(natural):
+    """Steps far from equal; no curvature at both ends, or no slope."""
+    at, values = np.array([0.0, 0.3, 1.7, 1.9, 4.0]), np.array([1.0, -2.0, 0.5, 3.0, 2.0])
+    found, exact = (
+        _spline(at.tolist(), values.tolist(), natural),
+        CubicSpline(at, values, bc_type="natural" if natural else "clamped"),
+    )
+    for s in np.linspace(0.0, 4.0, 23):
+        assert found(float(s)) == pytest.approx(float(exact(s)), rel=1e-11, abs=1e-11)
