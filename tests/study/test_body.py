@@ -67,6 +67,7 @@ def test_gains_are_over_the_first_design_that_moves_in_rigid_motions_alone():
     assert study().reference_design == "rigid"
     both = {"a": {"dofs": ["Heave", "Mode7"]}, "b": {"dofs": ["float__Heave", "spar__Heave"]}}
     assert study(designs=both).reference_design == "b"
+    assert study(designs={"z": {"dofs": "rigid"}, **both}).reference_design == "b"
     assert study(designs={"a": {}}).reference_design is None
     assert [BodyDesign(dofs=d).rigid for d in ("all", "rigid", ("Yaw",))] == [False, True, True]
 

@@ -119,9 +119,12 @@ def test_any_afloat_mass_is_the_mass_of_the_water_it_displaces(mass):
     assert study.centre_height + study.draft == pytest.approx(2.0, rel=1e-14)
 
 
-def test_reference_is_the_first_rigid_design(seed):
+def test_reference_is_the_first_rigid_design_by_name_as_stages_read_it(seed):
     assert seed.reference_design == "FSB"
     assert seed.flexible
+    both = varied(seed, designs={"locked": {"flexible": False}, "free": {"flexible": False}})
+    read = config.parse(json.loads(canonical(both)))
+    assert both.reference_design == read.reference_design == "free"
     rigidless = varied(seed, designs={"A": {}, "B": {"clamp": 0}})
     assert rigidless.reference_design is None
 

@@ -233,8 +233,8 @@ class BodyStudy(Compared):
 
     @property
     def reference_design(self) -> str | None:
-        """The first rigid design: gains are measured against it."""
-        return next((name for name, design in self.designs.items() if design.rigid), None)
+        """The first rigid design by name, the order of results: gains are measured against it."""
+        return next((name for name, design in sorted(self.designs.items()) if design.rigid), None)
 
     @property
     def flexible(self) -> bool:

@@ -80,7 +80,7 @@ class Compared(Extended):
     @property
     @abstractmethod
     def reference_design(self) -> str | None:
-        """The first rigid design: gains are measured against it."""
+        """The first rigid design by name, the order of results: gains are measured against it."""
 
     @abstractmethod
     def fastest(self, wave: Wave) -> float:

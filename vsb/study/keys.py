@@ -38,7 +38,7 @@ KEYS: dict[str, dict[str, Key]] = {
             "", "equilibrium", "shape the coefficients are about: the sphere, or that of the loaded shell at rest"
         ),
         "designs": Key(
-            "", "{FSB: {flexible: false}, VSWEC: {}}", "buoys compared, by name; the first rigid one is the reference"
+            "", "{FSB: {flexible: false}, VSWEC: {}}", "buoys compared, by name; the first rigid one by name is the reference"
         ),
         "water": Key("", "{density: 1025.0, depth: 50.0}", "the sea without its waves"),
         "mooring": Key(
@@ -212,7 +212,7 @@ KEYS: dict[str, dict[str, Key]] = {
         "designs": Key(
             "",
             "{rigid: {dofs: rigid}, flexible: {}}",
-            "variants compared; the first rigid one is the reference",
+            "variants compared; the first rigid one by name is the reference",
         ),
         "water": Key("", "{density: 1000.0}", "the sea without its waves; of a body file its own if it is left out"),
         "hydro": Key("", "{tolerance: 0.01}", "radiation memory and checks of the coefficients"),

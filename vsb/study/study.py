@@ -336,8 +336,8 @@ class Study(Compared):
 
     @property
     def reference_design(self) -> str | None:
-        """The first rigid design: gains are measured against it."""
-        return next((name for name, design in self.designs.items() if not design.flexible), None)
+        """The first rigid design by name, the order of results: gains are measured against it."""
+        return next((name for name, design in sorted(self.designs.items()) if not design.flexible), None)
 
 
 def load(path: str | Path) -> Study:
