@@ -51,7 +51,7 @@ def test_the_climate_counts_by_its_contents(folder):
         ({"climate": {"spectra": "absent.txt"}}, "climate: received absent.txt, which cannot be read"),
         ({"climate": {"spectra": "sea.txt", "gamma": 2}}, "gamma: received 2; unknown key"),
         ({"climate": None}, "climate: "),
-        ({"climate": 5}, "climate.spectra: received 5"),
+        ({"climate": 5}, "climate: received 5; needs a mapping of keys and values"),
         ({"climate": {"scatter": "sea.txt", "gamma": 20}}, "gamma: received 20"),
         ({"tuning": ["each", "each"]}, "tuning: .*needs every tuning once"),
         ({"tuning": ["best"]}, "tuning.0: received 'best'"),

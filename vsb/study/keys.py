@@ -38,7 +38,7 @@ KEYS: dict[str, dict[str, Key]] = {
             "", "equilibrium", "shape the coefficients are about: the sphere, or that of the loaded shell at rest"
         ),
         "designs": Key(
-            "", "{FSB: {flexible: false}, VSWEC: {}}", "buoys compared, by name; the first rigid one by name is the reference"
+            "", "{FSB: {flexible: false}, VSWEC: {}}", "buoys compared; the first rigid one by name is the reference"
         ),
         "water": Key("", "{density: 1025.0, depth: 50.0}", "the sea without its waves"),
         "mooring": Key(
