@@ -208,7 +208,7 @@ def _crossing(series: FloatArray, waves: Incident, now: Moment, a: float, b: flo
 def wave_force(shape: Shape, q: FloatArray, waves: Incident, rotation: ComplexArray, out: FloatArray) -> None:
     """Fill the generalized force per rho g of water and waves on the instantaneous wet shell, shape (dof,) [m^3].
 
-    Q_j = -2 pi int p X (s^2 z' h_j + T v_j) dc, notation of `vsb.wetforce`; `rotation` holds exp(-i omega t).
+    Q_j = -2 pi int p X (s^2 z' h_j + T v_j) dc, notation of `vsb.motion.wetted`; `rotation` holds exp(-i omega t).
     """
     series = meridian_series(shape, q)
     now = _moment(waves, rotation, min(series[1, 0], 0.0))

@@ -7,7 +7,7 @@ integrands, and Gauss-Legendre quadrature on each wet interval is exact:
 
 with the vertical shape v_j and the horizontal shape s h_j. All are kept as Chebyshev series: a state gives those of X,
 z, z' and T, points give the polynomials' values, and sums over points come before those over shapes, so that every loop
-runs along one of the two. `vsb.surface.DeformedShell` is the plain twin.
+runs along one of the two. `vsb.shell.deformed.DeformedShell` is the plain twin.
 """
 
 from dataclasses import dataclass
