@@ -152,6 +152,18 @@ def test_radiated_waves_say_the_same_of_damping_and_excitation_ever_better(green
     assert np.max(found[-1]) < 0.02
 
 
+def test_an_error_of_excitation_is_measured_by_that_of_a_body_whose_impedance_is_damping(green, box):
+    """Haskind's relation of a round body, B = k |X|^2 / (8 J), J the energy flux of a unit wave."""
+    omega, depth = 1.2, 5.0
+    problem = BodyProblem(green, box, SEA.model_copy(update={"depth": depth}), "xOz+yOz")
+    ds = problem.solve(omega, np.array([0.4]))
+    impedance = abs(ds.radiation_damping + 1j * omega * ds.added_mass).values[0, 2, 2]
+    flux = SEA.density * SEA.gravity * group_velocity(omega, depth, SEA.gravity) / 2
+    error = 0.3 * np.sqrt(8 * flux * impedance / wavenumber(omega, depth, SEA.gravity))
+    wrong = ds.Froude_Krylov_force + ds.diffraction_force - error * (ds.influenced_dof == "Heave")
+    assert identities(ds.assign(haskind_force=wrong), problem)["haskind"] == pytest.approx(0.3, rel=1e-12)
+
+
 def test_the_lid_removes_the_irregular_frequency_that_breaks_the_identities(green):
     body = revolved_body(shell_with(0.0), 6, (0, 1), 12)
     omega = np.sqrt(2.57)  # the lowest of the hemisphere: Ka = 2.557
