@@ -123,10 +123,10 @@ def of_bending(study, change):
     powers = iter([np.array([4.0]), np.array([4.0 * (1 + change)])])
     buoy = SimpleNamespace(rao=lambda *_: None, absorbed_power=lambda *_: next(powers))
     one = varied(study, designs={"VSWEC": {}}, waves=[WAVE.model_dump()])
+    labels = list(study_basis(one).labels)
+    database = xr.Dataset(coords={"influenced_dof": labels, "radiating_dof": labels})
     with patch.object(ledger, "LinearBuoy", lambda *_: buoy), patch.object(ledger, "with_full_basis", none_wider):
-        return ledger.bending_checks(
-            one, xr.Dataset(coords={"influenced_dof": ["Heave"]}), {("VSWEC", one.waves[0].label): {}}
-        )
+        return ledger.bending_checks(one, database, {("VSWEC", one.waves[0].label): {}})
 
 
 def none_wider(database, study):
