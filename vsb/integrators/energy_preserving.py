@@ -85,7 +85,7 @@ def step_matrices(a: FloatArray, free: int, h: float) -> Step:
     )
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def added(r: Remainder, time: FloatArray, p: FloatArray) -> FloatArray:
     """Return n at some instants, p and result of shape (instant, free); not finite beyond any shell."""
     out = np.full(p.shape, np.inf)
@@ -95,7 +95,7 @@ def added(r: Remainder, time: FloatArray, p: FloatArray) -> FloatArray:
     return out
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _places(p: FloatArray, time: FloatArray, moved: float, newton: bool) -> tuple[FloatArray, FloatArray]:
     """Where n is wanted: at the nodes, and for Newton's method on either side of them along every coordinate."""
     nodes, free = p.shape
@@ -108,7 +108,7 @@ def _places(p: FloatArray, time: FloatArray, moved: float, newton: bool) -> tupl
     return places.reshape(-1, free), times.ravel()
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _tangent(step: Step, around: FloatArray, moved: float, nodes: int, free: int) -> FloatArray:
     """Derivative of what is missing of n by n, from n on either side of the nodes, (node * free, node * free)."""
     out, force = -np.eye(nodes * free), around.reshape(2, free, nodes, free)
@@ -120,7 +120,7 @@ def _tangent(step: Step, around: FloatArray, moved: float, nodes: int, free: int
     return out
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def settled(
     r: Remainder, step: Step, time: FloatArray, carried: FloatArray, push: FloatArray, n: FloatArray, scale: float
 ) -> float:

@@ -126,7 +126,7 @@ def _norm_of(matrix: FloatArray, vector: FloatArray) -> float:
     return float(np.sqrt(np.sum(out * out)))
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _started(r: Remainder, step: Step, t: float, z: FloatArray, limit: float, past: FloatArray) -> int:
     """Fill the past of the first step with a polynomial that its own steps reproduce; return the evaluations, or -1.
 
@@ -161,7 +161,7 @@ def _started(r: Remainder, step: Step, t: float, z: FloatArray, limit: float, pa
     return -1
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _unseen(
     r: Remainder, step: Step, t: float, z: FloatArray, nodes: FloatArray, places: FloatArray, limit: float
 ) -> tuple[float, int]:
