@@ -6,6 +6,7 @@ Made from the models themselves, with units and meanings of `vsb.study.keys`.
 import difflib
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from functools import cache
 from typing import Any
 
 import yaml
@@ -19,8 +20,9 @@ _BOUNDS = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", 
 """JSON's words for the bounds of numbers."""
 
 
+@cache
 def schema_of(model: type[BaseModel]) -> Schema:
-    """Return the JSON schema of a model: types, ranges, defaults, choices, and what every key means."""
+    """Return the JSON schema of a model, not to be changed: types, ranges, defaults, choices, what every key means."""
     found: Schema = _with_bounds(model.model_json_schema())
     for name, section in {model.__name__: found, **found.get("$defs", {})}.items():
         for key, place in section.get("properties", {}).items():
