@@ -60,7 +60,7 @@ def moving_year(
         "factor": round_factor(largest, radius),
         "shapes": shapes_data(modes),
         "seas": [frames_data(words, runs, waves, span, period, width, point.study.water, shell)],
-        "told": f"In {words}: a realisation of its measured spectrum, by linear theory, {TUNED[told]}{at}.",
+        "told": f"In {words}: a realisation of its spectrum, by linear theory, {TUNED[told]}{at}.",
     }
 
 

@@ -8,12 +8,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from vsb.errors import DatabaseError
 from vsb.hydro.formats.modes import WATER, assembled, readable
-from vsb.tools.units import ATTRS, merged
+from vsb.tools.units import ATTRS, BoolArray, merged
 
 _WATER = ("rho", "g", "water_depth")
 _NEEDED = ("added_mass", "radiation_damping", "diffraction_force", "Froude_Krylov_force", "hydrostatic_stiffness")
@@ -40,10 +39,10 @@ def read_capytaine(path: str | Path) -> xr.Dataset:
     return found
 
 
-def _failed(ds: xr.Dataset) -> npt.NDArray[np.bool_]:
+def _failed(ds: xr.Dataset) -> BoolArray:
     """Frequencies at which nothing that is solved for is known, (omega,)."""
     unknown = [ds[name].isnull().all([dim for dim in ds[name].dims if dim != "omega"]) for name in _SOLVED]
-    found: npt.NDArray[np.bool_] = np.logical_and.reduce([each.values for each in unknown])
+    found: BoolArray = np.logical_and.reduce([each.values for each in unknown])
     return found
 
 
