@@ -97,6 +97,13 @@ def test_what_else_is_said():
     assert practice.endswith("would have said +12.0 to +12.0 % of the annual energy.")
 
 
+def test_usual_practice_is_not_set_against_itself():
+    """A scatter table of JONSWAP seas is what usual practice says; another gamma, or spectra, are not."""
+    ds = campaign(margin=[[0.5, -0.5], [0.5, -0.5]])
+    ds["practice_power"] = ds.annual_mean_power * (1 + 1e-12)
+    assert not any("usual practice" in line for line in statements(ds, "FSB", "one"))
+
+
 def test_what_to_doubt():
     theory, heave = warnings(campaign())
     assert theory.startswith("All of this is linear theory")

@@ -112,14 +112,14 @@ def test_bands_are_told_to_the_word():
 def test_what_is_published_stands_beside_ours_and_other_designs_have_no_line():
     study = {
         "published": {"source": "x", "values": {
-            "A": {"energy": 4000.0, "velocity_pp": 2.0, "pto_force_pp": 50.0, "power_mean": 0.0}, "C": {}, "D": {"energy": 1.0},
+            "A": {"energy": 4000.0, "velocity_pp": 2.0, "pto_force_pp": 109480.0, "power_mean": 0.0}, "C": {}, "D": {"energy": 1.0},
         }},
     }  # fmt: skip
-    ours = {"velocity_pp": 3.0, "energy": 5000.0, "power_mean": 1.0, "damping": 10.0}
+    ours = {"velocity_pp": 3.0, "energy": 5000.0, "power_mean": 1.0, "damping": 40000.0}
     rows = [{"design": d, "wave": w, **ours} for d in "ABC" for w in ("w", "still")]
     assert published_table(study, rows) == [
         ["A", "w", "velocity [m/s peak to peak]", "2", "3", "+50.0 %"],
-        ["A", "w", "control force [N peak to peak]", "50", "30", "-40.0 %"],
+        ["A", "w", "control force [N peak to peak]", "109480", "120000", "+9.6 %"],
         ["A", "w", "mean power [W]", "0", "1", "-"],
         ["A", "w", "energy of the run [kJ]", "4", "5", "+25.0 %"],
     ]

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from conftest import varied
 
+from vsb.report.animation import in_motion
 from vsb.report.living import packed
 from vsb.stages.inputs import Inputs
 from vsb.stages.moving import SEAS, moving_study
@@ -16,7 +17,13 @@ from vsb.tools.files import load
 @pytest.fixture
 def moved(small):
     paths = {**small.hydro_files, **small.response_files}
-    return moving_study(Inputs(small.study, f"{small.folder}/trajectories", paths), load(f"{small.folder}/modes.nc"))
+    inputs = Inputs(small.study, f"{small.folder}/trajectories", paths)
+    return moving_study(inputs, load(f"{small.folder}/modes.nc"), words(small.study))
+
+
+def words(study):
+    """Every sea in words."""
+    return {wave.label: wave.description for wave in study.waves}
 
 
 def test_every_design_moves_in_the_seas_that_are_drawn(small, moved):
@@ -40,10 +47,21 @@ def test_the_shell_is_magnified_by_a_round_factor_that_shows_it(small, moved):
     assert f"{moved['factor']:g}"[0] in "125"
 
 
-def test_still_water_moves_where_there_are_no_waves(small):
-    still = varied(small.study, waves=[{"kind": "still"}])
-
+@pytest.mark.parametrize(
+    "changes",
+    [{"waves": [{"kind": "still"}]}, {"hydro": {"model": "assumed_pressure", "pressure": 1800.0}}],
+    ids=["still water", "assumed pressure"],
+)
+def test_without_waves_buoys_move_and_nothing_is_said_of_where_waves_come_from(small, changes):
+    calm = varied(small.study, **changes)
     first = small.study.waves[0].label
-    runs = {(design, "still"): load(small.trajectory_path(design, first)) for design in still.designs}
-    (sea,) = moving_study(SimpleNamespace(study=still, runs=runs), load(f"{small.folder}/modes.nc"))["seas"]
-    assert not np.frombuffer(base64.b64decode(sea["surface"]), dtype="<f4").any()
+    runs = {
+        (design, wave.label): load(small.trajectory_path(design, first))
+        for design in calm.designs
+        for wave in calm.waves
+    }
+    inputs = SimpleNamespace(study=calm, runs=runs)
+    moved = moving_study(inputs, load(f"{small.folder}/modes.nc"), words(calm))
+    assert [sea["words"] for sea in moved["seas"]] == list(words(calm).values())
+    assert not any(np.frombuffer(base64.b64decode(sea["surface"]), dtype="<f4").any() for sea in moved["seas"])
+    assert in_motion(moved)["waves"] == "Dotted: undeformed."

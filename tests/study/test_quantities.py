@@ -132,21 +132,28 @@ def test_no_page_of_a_value_is_repeated(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "key"),
+    "number", [f"0x{'f' * 20_000}", "7" * 20_000, f"-{'7' * 4301}"], ids=["hex", "decimal", "least"]
+)
+@pytest.mark.parametrize(
+    ("old", "new", "key", "line"),
     [
-        ("radius: 2.0", "radius: {}", "device.radius"),
-        ("kind: regular", "kind: {}", "waves.0.kind"),
-        ("clamp: 90", "clamp: [0, {}]", "designs.VSWEC90.clamp.1"),
-        ("FSB: {", "? {}\n  : {", "designs.a key"),
+        ("radius: 2.0", "radius: {}", "device.radius", 4),
+        ("kind: regular", "kind: {}", "waves.0.kind", 21),
+        ("clamp: 90", "clamp: [0, {}]", "designs.VSWEC90.clamp.1", 17),
+        ("FSB: {", "? {}\n  : {", "designs.a key", 13),
     ],
 )
-def test_no_integer_of_more_digits_than_can_be_printed_reaches_a_library(tmp_path, monkeypatch, old, new, key):
-    """It would be worded in vain, and not even one line would come of that."""
+def test_no_integer_of_more_digits_than_can_be_printed_reaches_a_library(
+    tmp_path, monkeypatch, old, new, key, line, number
+):
+    """It would be worded in vain, and not even one line would come of that; nor does Python read one in decimals."""
     unraised = []
     monkeypatch.setattr("sys.unraisablehook", unraised.append)
     file = tmp_path / "digits.yaml"
-    file.write_text(SEED.read_text().replace(old, new.replace("{}", f"0x{'f' * 20_000}")))
-    with pytest.raises(ConfigError, match=rf"{key}: received a number of too many digits; needs at most 4300$"):
+    file.write_text(SEED.read_text().replace(old, new.replace("{}", number)))
+    with pytest.raises(
+        ConfigError, match=rf"^{file}:{line}: {key}: received a number of too many digits; needs at most 4300$"
+    ):
         config.load(file)
     assert unraised == []
 

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.report.living import as_script, packed
-from vsb.study.study import StillWater, Water
+from vsb.study.study import Water
 from vsb.tools.units import FloatArray
 from vsb.waves.dispersion import wavenumber
 from vsb.waves.seas import Sea
@@ -74,7 +74,7 @@ def frames_data(
     runs : mapping design -> DataArray, dims (time, dof) [m]
         Positions.
     waves : Sea
-        Without components of still water.
+        Without components of still water, or of an assumed pressure.
     span : (float, float) [s]
         Whose last periods are shown.
     period : float
@@ -95,6 +95,7 @@ def frames_data(
         "start": float(time[0]),
         "step": float(time[1] - time[0]),
         "frames": len(time),
+        "calm": not len(waves.omega),
         "surface": packed(surface(waves, time, place, water).ravel()),
         "designs": [_amplitudes(run, time, shell) for run in runs.values()],
     }
@@ -139,8 +140,7 @@ def _seen(seas: Sequence[Mapping[str, Any]]) -> str:
     """How a picture is to be read."""
     if any("surge" in design for sea in seas for design in sea["designs"]):
         return PLANE
-    calm = all(sea["words"] == StillWater(kind="still").description for sea in seas)
-    return "Dotted: undeformed." if calm else FROM_LEFT
+    return "Dotted: undeformed." if all(sea["calm"] for sea in seas) else FROM_LEFT
 
 
 def in_motion(moving: Mapping[str, Any] | None) -> dict[str, Any] | None:

@@ -271,7 +271,7 @@ def published_table(study: dict[str, Any], rows: Sequence[dict[str, Any]]) -> li
                 continue
             ours = float(values[key])
             difference = f"{100 * (ours / theirs - 1):+.1f} %" if theirs else "-"
-            cells = (f"{theirs * factor:.5g}", f"{ours * factor:.5g}", difference)
+            cells = (plain(theirs * factor, 5), plain(ours * factor, 5), difference)
             lines.append([row["design"], row["wave"], f"{name} [{unit}]", *cells])
     return lines
 

@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import xarray as xr
@@ -18,7 +19,7 @@ SEAS = 4
 """Most seas whose motion a page holds."""
 
 
-def moving_study(stored: Inputs, modes: xr.Dataset) -> dict[str, Any]:
+def moving_study(stored: Inputs, modes: xr.Dataset, words: Mapping[str, str]) -> dict[str, Any]:
     """Return the motion of all designs in the first seas of a study, its still water left out where there are waves.
 
     Parameters
@@ -26,6 +27,8 @@ def moving_study(stored: Inputs, modes: xr.Dataset) -> dict[str, Any]:
     stored : Inputs
     modes : Dataset
         Of rule `modes`.
+    words : mapping
+        Every sea in words, by its label.
     """
     study = stored.study
     assert isinstance(study, Study)  # a body has no shell to draw
@@ -41,7 +44,7 @@ def moving_study(stored: Inputs, modes: xr.Dataset) -> dict[str, Any]:
         period = duration / PERIODS if isinstance(wave, StillWater) else 2 * math.pi / wave.omega
         towards = math.radians(heading(wave))
         window, water = study.simulation.window, study.water
-        seas.append(frames_data(wave.description, runs, moved, window, period, width, water, shell, towards))
+        seas.append(frames_data(words[wave.label], runs, moved, window, period, width, water, shell, towards))
     return {
         "designs": designs_data(list(study.designs), study.reference_design),
         "width": width,

@@ -66,7 +66,7 @@ def _buoys(stored: Inputs) -> dict[str, Any] | None:
     """Moving buoys of a page; of a body nothing is known that could be drawn."""
     if not isinstance(stored.plan, StudyPlan):
         return None
-    return moving_study(stored, stored.modes)
+    return moving_study(stored, stored.modes, _seas(stored.plan.study))
 
 
 def _seas(study: AnyStudy) -> dict[str, str]:

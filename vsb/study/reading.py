@@ -31,6 +31,16 @@ class _UniqueKeyLoader(yaml.SafeLoader):
             seen.add(key)
         return super().construct_mapping(node, deep)
 
+    def construct_yaml_int(self, node: yaml.ScalarNode) -> int:
+        """Build an integer; one that Python does not read stands as the least it does not print, told by its key."""
+        try:
+            return int(super().construct_yaml_int(node))
+        except ValueError:
+            return int(10**DIGITS)
+
+
+_UniqueKeyLoader.add_constructor("tag:yaml.org,2002:int", _UniqueKeyLoader.construct_yaml_int)
+
 
 Place = Sequence[str | int]
 """Keys and indices from the top of a file to something in it."""
@@ -82,10 +92,10 @@ def read_yaml(path: str | Path, wanted: str) -> object:
     Raises
     ------
     ConfigError
-        If it cannot be read, is not YAML, or gives a key twice.
+        If it cannot be read, is not YAML, gives a key twice, or a number of more digits than can be printed.
     """
     try:
-        return _loaded(Path(path).read_text(encoding="utf-8"))
+        data = _loaded(Path(path).read_text(encoding="utf-8"))
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read ({error.strerror}); give the path of {wanted}") from None
     except RecursionError:
@@ -93,6 +103,8 @@ def read_yaml(path: str | Path, wanted: str) -> object:
     except (yaml.YAMLError, TypeError, ValueError) as error:
         line, words = _yaml_words(error)
         raise ConfigError(f"{path}{line}: not valid YAML ({words})") from None
+    _check_digits(data, str(path))
+    return data
 
 
 def _loaded(text: str) -> object:
@@ -139,8 +151,7 @@ def validated(model: type[Model], raw: object, source: str) -> Model:
         raise ConfigError(
             f"{source}: received {type(raw).__name__}, needs a mapping with keys {', '.join(model.model_fields)}"
         )
-    if key := _unprintable(raw):
-        raise ConfigError(f"{source}: {key}: received a number of too many digits; needs at most {DIGITS}")
+    _check_digits(raw, source)
     try:
         return model.model_validate(raw)
     except ValidationError as error:
@@ -151,19 +162,28 @@ def validated(model: type[Model], raw: object, source: str) -> Model:
         raise ConfigError(told[0] + _more(found), [*told, *last]) from None
 
 
-def _unprintable(raw: object) -> str:
-    """Key of the first integer Python does not print: libraries that word a mistake would fail in doing so."""
+def _check_digits(raw: object, source: str) -> None:
+    """Check that Python prints every integer there is: libraries that word a mistake would fail in doing so."""
+    if place := _unprintable(raw):
+        line = raw.line(place) if isinstance(raw, Located) else None
+        where = source if line is None else f"{source}:{line}"
+        key = ".".join(map(str, place))
+        raise ConfigError(f"{where}: {key}: received a number of too many digits; needs at most {DIGITS}")
+
+
+def _unprintable(raw: object) -> Place:
+    """Where the first integer is that Python does not print; nowhere if there is none."""
     items = (
         list(raw.items()) if isinstance(raw, dict) else list(enumerate(raw)) if isinstance(raw, list | tuple) else []
     )
     for key, value in items:
         if isinstance(key, int) and abs(key) >= 10**DIGITS:
-            return "a key"
+            return ("a key",)
         if isinstance(value, int) and abs(value) >= 10**DIGITS:
-            return str(key)
+            return (key,)
         if below := _unprintable(value):
-            return f"{key}.{below}"
-    return ""
+            return (key, *below)
+    return ()
 
 
 def one_line(error: ValidationError, raw: object) -> str:
