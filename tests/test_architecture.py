@@ -282,6 +282,19 @@ def test_values_are_frozen():
     assert {name for name, frozen in found if not frozen} == {"Counted", "Optima", "Swept", "Track", "Trials", "Work"}
 
 
+def test_pairs_and_texts_say_how_they_are_made():
+    """Without `strict` the longer of two lists is cut in silence; without `encoding` a text depends on the machine."""
+    calls = [(name, node) for name in PACKAGE for node in ast.walk(TREES[name]) if isinstance(node, ast.Call)]
+    said = ((r"zip", "strict"), (r".*\.read_text", "encoding"))
+    silent = [
+        f"{name}:{call.lineno}"
+        for name, call in calls
+        for made, key in said
+        if re.fullmatch(made, ast.unparse(call.func), re.DOTALL) and key not in {k.arg for k in call.keywords}
+    ]
+    assert not silent
+
+
 @pytest.mark.parametrize("name", MODULES)
 def test_everything_public_is_documented(name):
     nodes = [n for n in ast.walk(TREES[name]) if isinstance(n, ast.FunctionDef | ast.ClassDef)]
