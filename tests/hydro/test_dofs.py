@@ -168,7 +168,7 @@ def test_displacements_of_a_problem_are_of_one_order_and_different(moved, receiv
 @pytest.mark.parametrize("label", ["Rubbish2", "Membrane2", "Heave", "Radial2"])
 def test_solvers_take_no_strings(label):
     with pytest.raises(ConfigError, match=rf"received '{label}'; needs values such as Displacement\('radial', 3\)"):
-        SpectralProblem(rigid_sphere(1.0, 0.0), (label,), 1.0, 1.0)
+        SpectralProblem(rigid_sphere(1.0, 0.0), (label,), 1.0, 1.0, 8)
 
 
 def test_heave_is_solved_as_the_first_shapes_together():

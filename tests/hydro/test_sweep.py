@@ -33,7 +33,7 @@ def pressurised():
     """The shell of the pressurised study at equilibrium, strained by 14 %."""
     shape = reference_shell(config.load(HERE.parent / "config" / "pressurised.yaml")).shape
     return SpectralProblem(
-        shape, dofs.displacements([*LEGENDRE, *(f"Meridional{n}" for n in range(1, 7))]), 1025.0, 9.81
+        shape, dofs.displacements([*LEGENDRE, *(f"Meridional{n}" for n in range(1, 7))]), 1025.0, 9.81, 32
     )
 
 

@@ -63,6 +63,14 @@ def test_what_makes_no_sense_is_refused_with_a_reason(changes, message):
         study(**changes)
 
 
+@pytest.mark.parametrize(
+    ("given", "left_out"),
+    [({"database": "raft.nc"}, {}), ({"wamit": "raft", "length": 2.0}, {}), ({"wamit": "raft"}, {"length": 1.0})],
+)
+def test_a_body_says_what_is_given_but_a_length_of_one(given, left_out):
+    assert Body(**given, **left_out).model_dump() == given
+
+
 def test_gains_are_over_the_first_design_that_moves_in_rigid_motions_alone():
     assert study().reference_design == "rigid"
     both = {"a": {"dofs": ["Heave", "Mode7"]}, "b": {"dofs": ["float__Heave", "spar__Heave"]}}

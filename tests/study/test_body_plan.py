@@ -1,5 +1,7 @@
 """Plans of bodies: what names what."""
 
+import math
+
 import pytest
 from conftest import SEED
 
@@ -101,3 +103,21 @@ def test_a_file_is_planned_by_what_it_is(tmp_path):
     body = {**RAW, "body": {"database": "raft.nc"}}
     assert isinstance(planned(body, str(tmp_path / "raft.yaml")), BodyPlan)
     assert planned({**load(SEED).model_dump(), "root": "out"}, "seed.yaml").root == "out"
+
+
+def test_the_response_is_asked_at_each_frequency_of_regular_waves_once_from_the_lowest_on():
+    periods = (7.0, 3.0, 11.0, 5.0, 3.0)
+    waves = [{"kind": "regular", "amplitude": a, "period": t} for a, t in enumerate(periods, 1)]
+    assert plan(waves=waves).response.omega == tuple(2 * math.pi / t for t in (11.0, 7.0, 5.0, 3.0))
+
+
+@pytest.mark.parametrize(
+    ("pto", "damping", "seas"), [({"damping": 5.0}, 5.0, 0), ({}, None, 0), ({"tuning": "one"}, None, 2)]
+)
+def test_a_run_knows_all_seas_only_where_one_damper_is_best_over_them(pto, damping, seas):
+    other = {**RAW["waves"][1], "seed": 2}  # of a sea there already
+    own = plan(pto=pto, waves=[*RAW["waves"], other])
+    spec = own.simulation("rigid", own.study.waves[0])
+    assert (spec.pto.damping, spec.seas) == (damping, own.study.waves[:seas])
+    assert list(spec.designs) == ["rigid"]
+    assert spec.waves == own.study.waves[:1]

@@ -100,12 +100,21 @@ def test_batches_follow_from_the_file_alone(planned, tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("count", "most"),
-    [(1, 1), (100, 1), (1000, 8), (9000, MOST_BATCHES)],
+    ("key", "count", "jobs"),
+    [
+        ("young_modulus", 1, 1),
+        ("young_modulus", 374, 1),  # 2 s of one shape and 16 ms of each: just below 8 s
+        ("young_modulus", 376, 2),
+        ("mass", 3, 1),  # each another shape under water
+        ("mass", 4, 2),
+        ("mass", 40, 11),
+        ("mass", 150, MOST_BATCHES),
+    ],
 )
-def test_many_points_are_few_jobs(planned, count, most):
-    plan = planned({"device.young_modulus": {"linear": [1e6, 1e9, count]}})
-    assert 1 <= len(plan.batches) <= most
+def test_many_points_are_few_jobs(planned, key, count, jobs):
+    lowest = {"young_modulus": 1e6, "mass": 1e4}[key]
+    plan = planned({f"device.{key}": {"linear": [lowest, 2 * lowest, count]}})
+    assert len(plan.batches) == jobs
     assert sum(len(spec.points) for spec in plan.batches.values()) == count
 
 

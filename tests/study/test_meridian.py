@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import CubicSpline
 
-from vsb.study.meridian import JUNCTION, RestMeridian, _spline, capsule, spheroid, through
+from vsb.study.meridian import JUNCTION, RestMeridian, _spline, _terms, capsule, spheroid, through
 
 
 def test_a_sphere_is_one_term_each():
@@ -126,6 +126,25 @@ def test_a_profile_with_more_turns_than_terms_is_refused():
 def test_terms_are_numbers():
     with pytest.raises(ValueError, match="received NaN or infinite numbers"):
         RestMeridian((1.0,), (0.0, math.inf))
+
+
+@pytest.mark.parametrize(("ratio", "small", "count"), [(0.5, 2.0**-12.5, 16), (0.5, 2.0**-20.5, 24), (0.1, 1e-3, 9)])
+def test_terms_end_with_four_small_ones_and_are_nine_at_least(ratio, small, count):
+    """Of a function sum q^k cos k phi, and of sum (-q)^k sin k phi."""
+    phi = np.pi * (np.arange(200) + 0.5) / 200
+    k = np.arange(1, 60)[:, None]
+    even, odd = (ratio**k * np.cos(k * phi)).sum(axis=0), ((-ratio) ** k * np.sin(k * phi)).sum(axis=0)
+    cosines, sines = _terms(even.tolist(), odd.tolist(), small)
+    assert len(cosines) == len(sines) == count
+    assert cosines == pytest.approx(ratio ** np.arange(1.0, count + 1), abs=1e-14)
+    assert sines == pytest.approx((-ratio) ** np.arange(1.0, count + 1), abs=1e-14)
+
+
+@pytest.mark.parametrize("height", [-1.01, 1.01])
+def test_beyond_a_body_it_has_no_radius(height):
+    sphere = spheroid(1.0, 2.0)
+    assert sphere.radius_at(height) == 0.0
+    assert sphere.radius_at(0.6) == pytest.approx(0.8)
 
 
 def test_an_overhang_floats_too():

@@ -1,11 +1,14 @@
+import math
 from typing import get_args
 
+import numpy as np
 import pytest
 import yaml
 from conftest import SEED, varied
 
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan, figure_names
+from vsb.study.resolution import KEPT, RECORDS_PER_PERIOD
 from vsb.study.sections import Basis
 from vsb.study.study import content_id
 
@@ -205,6 +208,17 @@ def test_memory_grows_with_the_record_not_with_what_is_followed(seed):
     assert 1700 < asked[1e5] < 2 * 1700
     irregular = varied(seed, waves=[{"kind": "jonswap", "hs": 0.5, "tp": 4.0}], simulation={"duration": 1e5})
     assert 2900 < StudyPlan(irregular).simulation_megabytes(irregular.waves[0]) < 2 * 2900
+
+
+def test_memory_is_of_the_instants_kept_a_half_of_them_once_they_are_too_many(seed):
+    """Nine series of every coordinate and ten others of eight bytes each; `thinning` counts the first instant, too."""
+    sea = {"kind": "regular", "amplitude": 0.1, "period": 2.5}
+    lasting = [2.5 / RECORDS_PER_PERIOD * (KEPT + more) for more in (-0.5, 0.5)]
+    plans = [StudyPlan(varied(seed, waves=[sea], simulation={"duration": t, "window": (0.0, t)})) for t in lasting]
+    series = 9 * plans[0].coordinates + 10
+    assert plans[0].study.fastest(plans[0].study.waves[0]) == pytest.approx(2 * np.pi / 2.5)
+    told = [plan.record_megabytes(plan.study.waves[0]) for plan in plans]
+    assert told == [math.ceil(8e-6 * series * KEPT), math.ceil(8e-6 * series * KEPT / 2)]
 
 
 def test_a_member_of_a_campaign_without_a_damper_has_a_plan(seed):

@@ -93,6 +93,17 @@ def test_text_is_replaced_whole(tmp_path):
     assert [p.name for p in (tmp_path / "sub").iterdir()] == ["a.txt"]
 
 
+def test_no_file_stays_open_behind_what_is_written(tmp_path):
+    """The system gives the lowest number that is free."""
+    free = []
+    for _ in range(2):
+        handle = os.open(os.devnull, os.O_RDONLY)
+        os.close(handle)
+        free.append(handle)
+        write_text(tmp_path / "a.txt", "one")
+    assert free[0] == free[1]
+
+
 @pytest.mark.parametrize("write", [lambda path, x: write_text(path, x * 10**5), lambda path, x: save(longer(x), path)])
 def test_whoever_reads_a_file_while_it_is_replaced_reads_the_old_one_whole(tmp_path, write, monkeypatch):
     """The new one is another file, complete when it takes the name: never the old one written over."""

@@ -283,6 +283,7 @@ def test_the_table_of_the_green_function_is_made_whole_or_not_at_all(tmp_path, m
     bodystudy.bem.stored_green_function(tmp_path / "green")
     assert made_at[0].parent == tmp_path
     assert made_at[1:] == [tmp_path / "green"]
+    assert (tmp_path / "green").stat().st_mode & 0o777 == 0o755  # a temporary folder is its owner's alone
     bodystudy.bem.stored_green_function(tmp_path / "green")
     assert made_at[2:] == [tmp_path / "green"]
     faster.append(tmp_path / "late")

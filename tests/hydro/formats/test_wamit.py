@@ -20,7 +20,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vsb.errors import ConfigError, DatabaseError
-from vsb.hydro.formats.wamit import import_wamit, wamit_texts
+from vsb.hydro.formats.wamit import _problem, import_wamit, wamit_texts
 from vsb.tools import files
 
 
@@ -280,6 +280,13 @@ def test_broken_files_are_refused_by_name_and_line(tmp_path, case):
     with pytest.raises(DatabaseError, match=message) as error:
         import_wamit(written(tmp_path, texts), "buoy", density=1000.0, gravity=10.0)
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+def test_a_modulus_may_be_rounded_to_four_digits_at_any_scale(scale):
+    of = [2.0, 90.0, 3.0]
+    problems = [_problem([*of, scale, 0.0, 0.6 * x * scale, -0.8 * x * scale], (2,), (7,)) for x in (1, 1.0008, 1.0012)]
+    assert problems == ["", "", "has a modulus that contradicts its parts"]
 
 
 @pytest.mark.parametrize("extension", [".1", ".3", ".hst"])

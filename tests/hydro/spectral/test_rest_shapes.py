@@ -91,7 +91,7 @@ def test_shell_modes_radiate_as_reciprocity_and_haskind_say(body):
 def test_heave_is_the_shape_of_degree_one():
     body = BODIES[0]
     asked = (Displacement("heave"), Displacement("radial", 1), Displacement("meridional", 1))
-    problem = SpectralProblem(body, asked, DENSITY, GRAVITY)
+    problem = SpectralProblem(body, asked, DENSITY, GRAVITY, 32)
     heave, radial, meridional = problem.velocities
     assert radial + meridional == pytest.approx(heave, abs=1e-13)
 

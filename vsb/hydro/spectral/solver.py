@@ -44,7 +44,7 @@ class SpectralProblem:
     displacements: tuple[Displacement, ...]
     density: float
     gravity: float
-    nodes: int = 32
+    nodes: int
     depth: float = np.inf
 
     def __post_init__(self) -> None:
