@@ -155,6 +155,27 @@ def test_only_whole_linear_parts_make_a_linear_system(linear, wet):
     assert not System.of(replace(linear, forces={**linear.forces, "weight": ConstantForce(np.ones(3))})).linear
 
 
+def test_losses_go_to_the_take_off_to_other_dampers_and_to_what_remembers(linear):
+    """A memory that is the take-off, as a chamber of air is, gives to it."""
+    system = System.of(linear)
+    n, z = system.free, np.random.default_rng(3).normal(size=len(system.matrix))
+    memory = linear.memories["radiation"].radiated
+    own = [z[n : 2 * n] @ damper @ z[n : 2 * n] for damper in system.dampers()]
+    remembered = z[2 * n :] @ memory @ z[2 * n :]
+    assert [z @ form @ z for form in system.losses()] == pytest.approx([*own, remembered])
+    through = System.of(replace(linear, take_off="radiation"))
+    assert [z @ form @ z for form in through.losses()] == pytest.approx([remembered, sum(own), 0.0])
+
+
+def test_a_linear_scene_has_no_scale_and_another_that_of_its_buoy(linear, wet):
+    assert (System.of(linear).size, System.of(linear).least) == (0.0, 0.0)
+    water, system = wet.water, System.of(wet)
+    radius = water.shell.shape.radius
+    assert system.size == pytest.approx(1e-6 * radius)
+    assert system.least == pytest.approx(1e-6 * np.sqrt(water.specific_weight) * radius**2)
+    assert System.of(replace(linear, forces={**linear.forces, "weight": ConstantForce(np.ones(3))})).size == 1e-6
+
+
 def test_methods_of_linear_systems_refuse_others(wet):
     system, time = System.of(wet), np.linspace(0.0, 1.0, 5)
     start = wet.start(0.0, 0.0)

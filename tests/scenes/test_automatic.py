@@ -3,6 +3,7 @@
 import itertools
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -120,6 +121,14 @@ def test_where_nothing_is_periodic_a_record_is_compared_with_itself(scenes_of, w
 def test_linear_power_of_phasors_is_that_of_harmonic_balance(scenes_of):
     system = scenes_of("VSWEC", swell(0.1, 3.0)).system(Description(6, 14, False))
     assert linear_power(system) == pytest.approx(harmonic_balance(system).power.pto, rel=1e-9)
+
+
+@pytest.mark.parametrize("begin", [0.0, 11.0, 15.0])
+def test_the_mean_of_a_steady_power_is_that_power_from_any_time_on(begin):
+    time = np.linspace(10.0, 20.0, 101)
+    motion = SimpleNamespace(time=time, velocity=np.ones((len(time), 1)))
+    scene = SimpleNamespace(lost=lambda velocity: (7.0 * velocity[:, 0], None), motions=np.eye(1))
+    assert automatic.absorbed(SimpleNamespace(scene=scene), motion, begin) == pytest.approx(7.0)
 
 
 def test_every_rung_holds_the_one_below_and_the_clamps(seed):

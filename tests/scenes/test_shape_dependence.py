@@ -281,6 +281,13 @@ def test_a_run_matters_by_its_largest_change_not_its_least(dataset, monkeypatch)
         assert f"matters (limit 1 % of mean power): {designs[0 if first is swings else 1]}, " in answer(dataset, "seed")
 
 
+def test_effects_are_the_same_of_any_power(dataset):
+    powers = ["power_at_reference", "power_at_shape", "power_at_rest"]
+    small = dataset.assign({name: 1e-6 * dataset[name] for name in powers})
+    for run, effects in power_effects(dataset).items():
+        assert power_effects(small)[run] == pytest.approx(effects, abs=1e-12)
+
+
 def test_without_power_there_is_nothing_to_answer(dataset):
     silent = dataset.assign(
         power_at_reference=0 * dataset.power_at_reference, power_at_shape=0 * dataset.power_at_shape

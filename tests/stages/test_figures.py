@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 from conftest import varied
 
+from vsb.report.figures import draw
 from vsb.stages import figures
 from vsb.study.plan import figure_names
 from vsb.study.results_plan import FIGURE_KINDS
@@ -37,3 +38,17 @@ def test_the_period_of_still_water_is_that_of_the_slowest_free_motion(seed):
     assert figures._period(seed, wave, response) == pytest.approx(wave.period)
     dry = varied(seed, hydro={"model": "assumed_pressure", "pressure": 1800.0})
     assert figures._period(dry, still, xr.Dataset()) == pytest.approx(2 * np.pi / dry.heave_frequency)
+
+
+def test_figures_are_drawn_of_the_study_and_its_files(small, tmp_path, monkeypatch):
+    seen = []
+    monkeypatch.setattr(figures, "draw", lambda name, data: seen.append(data) or draw(name, data))
+    files = {**small.hydro_files, **small.response_files}
+    out, manifest = str(tmp_path / "figures"), str(tmp_path / "manifest.json")
+    monkeypatch.setattr("vsb.study.plan.StudyPlan.figures", ["mode_shapes"])
+    figures.run(small.study, f"{small.folder}/trajectories", out, manifest, modes=f"{small.folder}/modes.nc", **files)
+    (data,), (wave,) = seen, small.study.waves
+    assert (data.designs, data.reference) == (tuple(small.study.designs), small.study.reference_design)
+    assert (data.wave_frequencies, data.periods) == ((wave.omega,), {wave.label: pytest.approx(wave.period)})
+    assert (data.window, data.tuned, data.limit) == (small.study.simulation.window, False, "limit λ/2π")
+    assert set(data.runs) == {(design, wave.label) for design in small.study.designs}

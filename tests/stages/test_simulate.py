@@ -91,3 +91,22 @@ def test_a_motion_that_never_repeats_has_no_steady_power(small, tmp_path, monkey
     attrs = load(tmp_path / "run.nc", expected=plan.trajectory_id("FSB", WAVE)).attrs
     assert attrs["no_steady_state"] == "powers of periods from rest on differ by up to 2 %"
     assert "steady_power" not in attrs
+
+
+@pytest.mark.parametrize(("apart", "known"), [(0.9e-3, "steady_power"), (1.1e-3, "no_steady_state")])
+def test_a_motion_repeats_whose_late_powers_differ_by_a_thousandth(monkeypatch, apart, known):
+    monkeypatch.setattr(simulate, "settled_power", lambda *_: (1.0, apart))
+    assert known in simulate._settled(None)
+
+
+def test_clamps_are_watched_over_ten_thousand_periods(small, monkeypatch):
+    seen = []
+    monkeypatch.setattr(
+        simulate, "propagate", lambda system, time, start: seen.append(time) or propagate(system, time[:3], start)
+    )
+    one = small.simulation("VSWEC", WAVE)
+    system = linear_design(one, small.hydro_files).system
+    assert simulate._linear_drift(one, system, np.zeros((1, len(system.scene.labels)))) == 0.0
+    (time,) = seen
+    assert (time[0], time[-1]) == (0.0, pytest.approx(1e4 * WAVE.period))
+    assert np.diff(time).max() < WAVE.period
