@@ -162,6 +162,19 @@ def test_the_ledger_says_how_sharp_the_statistics_are(many):
     assert "more realisations" in found[0].explanation
 
 
+def test_the_statistical_error_is_half_the_interval_of_what_is_asked_over_it():
+    """Of gains in the same waves where one is known, the widest of the sea; else of power."""
+    alone = Line("FSB", "sea", 1, 9, 100.0, 80.0, 120.0, 100.0, None, None, None)
+    gaining = Line("VSWEC", "sea", 1, 9, 125.0, 90.0, 160.0, 125.0, 25.0, 15.0, 35.0)
+    better = gaining._replace(design="VSWEC0", gain_low=0.0, gain_high=50.0)
+    assert seastatistics._sharpness(alone, [alone])[0] == pytest.approx(0.2)
+    share, text = seastatistics._sharpness(gaining, [alone, gaining, better])
+    assert share == pytest.approx(10.0 / 125.0)
+    assert text.endswith("that of mean power is 28 %")
+    assert seastatistics._sharpness(alone, [alone, gaining, better])[0] == pytest.approx(25.0 / 125.0)
+    assert seastatistics._sharpness(alone._replace(power_mean=0.0), [alone])[0] == 0.0
+
+
 def test_csv_has_a_cell_for_everything_and_nothing_for_what_does_not_exist():
     line = Line("FSB", "sea", 1, 3, 1.0, None, None, 1.1, None, None, None)
     (row,) = csv.DictReader(io.StringIO(seastatistics.as_csv([line])))

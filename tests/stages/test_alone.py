@@ -1,9 +1,11 @@
 """One run at a time in a results folder."""
 
+import fcntl
+
 import pytest
 
 from vsb.errors import VsbError
-from vsb.stages.alone import alone
+from vsb.stages.alone import alone, sharing
 
 
 def test_a_second_run_is_told_to_wait_and_may_begin_when_the_first_has_ended(tmp_path):
@@ -29,3 +31,18 @@ def test_a_dry_run_neither_waits_nor_writes(tmp_path):
     assert not (tmp_path / "none").exists()
     with alone(tmp_path), alone(tmp_path, waits=False):
         pass
+
+
+def test_who_waits_for_a_file_that_another_makes_says_so(tmp_path, monkeypatch, capsys):
+    asked = []
+
+    def flock(handle, how):
+        asked.append(how)
+        if how & fcntl.LOCK_NB and len(asked) == 1:
+            raise BlockingIOError
+
+    monkeypatch.setattr("vsb.stages.alone.fcntl.flock", flock)
+    with sharing(tmp_path, [f"hydro/{'a' * 16}.nc", f"hydro/{'b' * 16}.nc"]) as handles:
+        assert len(handles) == 2
+    assert asked == [fcntl.LOCK_EX | fcntl.LOCK_NB, fcntl.LOCK_EX, fcntl.LOCK_EX | fcntl.LOCK_NB]
+    assert capsys.readouterr().out == f"vsb: waiting for another run that makes {'a' * 16}\n"

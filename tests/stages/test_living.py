@@ -4,12 +4,13 @@ import json
 
 import numpy as np
 import pytest
+import xarray as xr
 from browser import asked, evaluated
 from conftest import varied
 
 from vsb.report import html
 from vsb.results.force_steps import SHARES
-from vsb.stages.living import MOST, _longest, living_study
+from vsb.stages.living import MOST, _band, _longest, living_study
 from vsb.study.study import RegularWave
 from vsb.tools.files import load
 
@@ -36,6 +37,18 @@ def test_the_page_finds_the_optima_of_the_ladder(small, tables, tmp_path):
     assert np.ravel(found) == pytest.approx([line["best_power"] for line in tables["equal_tuning"]], rel=1e-6)
     assert [design["name"] for design in data["designs"]] == list(small.study.designs)
     assert [design["name"] for design in data["designs"] if design["reference"]] == [small.study.reference_design]
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "ends"), [(0.1, 6.0, (0.1, 3.1)), (0.5, 6.0, (0.5, 3.1)), (0.1, 2.55, (0.1, 2.5))]
+)
+def test_curves_end_where_no_design_takes_a_hundredth_of_the_most(low, high, ends):
+    """A hundredth is left 1.1 rad/s from the peak."""
+    omega = np.linspace(0.1, 6.0, 60)
+    power = 3e3 * np.exp(-((omega - 2.0) ** 2) * np.log(100.0) / 1.1001**2) * np.array([[0.5], [1.0]])
+    response = xr.Dataset({"best_power": (("design", "omega"), power)}, {"design": ["A", "B"], "omega": omega})
+    shown = _band(response, low, high)
+    assert (shown[0], shown[-1]) == pytest.approx(ends)
 
 
 def test_seas_of_one_grid_share_its_ports(small):

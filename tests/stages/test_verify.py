@@ -297,6 +297,15 @@ def test_a_folder_is_verified_whole(place):
         verify("small.yaml", heal=False)
 
 
+def test_an_index_is_what_its_databases_make_it_or_not_there(place):
+    index = Path("results/hydro/INDEX.tsv")
+    index.write_text(index.read_text() + "more\n")
+    with pytest.raises(VsbError, match=r"INDEX.tsv: its contents are not"):
+        verify("results", heal=False)
+    index.unlink()
+    verify("results", heal=False)
+
+
 def test_an_edited_study_does_not_condemn_its_results(place):
     """What it is of is read from the folder itself: healing must not take the word of a file somebody edited."""
     replaced("8000", "5000")(f"{PLAN.folder}/study.json")
