@@ -22,6 +22,15 @@ def test_nodes_keep_their_modes_and_the_last_one_how_it_was_left():
     assert track.nodes() == {Mode(1): [0, 1], Mode(-1, limited=1): [2]}
 
 
+def test_only_the_last_of_nodes_added_together_is_left_otherwise():
+    track = Track(Lookout(0.1))
+    states = np.arange(6.0).reshape(3, 2)
+    track.add(0.1 * np.arange(3), states, Mode(1), np.ones(3, dtype=bool))
+    track.leave(np.array([7.0, 8.0]), 0.0)
+    np.testing.assert_array_equal(track.leaving[0], [[0.0, 1.0], [2.0, 3.0], [7.0, 8.0]])
+    np.testing.assert_array_equal(track.states[0], states)
+
+
 @pytest.mark.parametrize(("contact", "i", "far", "steps"), [
     (0, 0, 2, [4, 8]), (0, 5, 1, [8]), (0, 8, 1, [12]), (1, 5, 2, [6, 7]), (-1, 8, 1, [9]),
 ])  # fmt: skip

@@ -13,6 +13,7 @@ from vsb.motion.forces import (
     RadiationMemory,
     RelaxingDamper,
     Spring,
+    SpringDamper,
     WaterPressure,
 )
 from vsb.motion.froude_krylov import incident
@@ -41,11 +42,12 @@ def water(seed):
     return {name: WaterPressure(shell, np.zeros(DOF), 1025.0 * 9.81, tangent, **part) for name, part in parts.items()}
 
 
-@pytest.fixture(params=["spring", "damper", "excitation", "constant", "still", "assumed", "waves"])
+@pytest.fixture(params=["spring", "damper", "spring_damper", "excitation", "constant", "still", "assumed", "waves"])
 def force(request, water):
     plain = {
         "spring": Spring(ROOT @ ROOT.T),
         "damper": Damper(ROOT @ ROOT.T),
+        "spring_damper": SpringDamper(ROOT @ ROOT.T, np.diag(ROOT[0] ** 2), 0.03 * ROOT[1]),  # slack elsewhere
         "excitation": Excitation(SWELL.omega, RNG.normal(size=(2, DOF)) + 0j),
         "constant": ConstantForce(ROOT[0]),
     }

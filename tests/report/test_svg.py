@@ -115,6 +115,17 @@ def test_a_figure_is_small_on_a_page(figure):
     assert len(drawn(figure, "w").svg) < 16_000
 
 
+def test_no_number_has_more_than_two_decimals_and_no_element_a_space_of_names(figure):
+    """Hundredths of a point are more than anybody sees; a prefix of names is more than a page understands."""
+    text = drawn(figure, "wave").svg
+    numbers = [value for place in re.findall(r'(?<!-)\b(?:d|points|transform|x|y|width|height)="([^"]*)"', text)
+               for value in re.findall(r"\.(\d+)", place)]  # fmt: skip
+    assert numbers
+    assert max(map(len, numbers)) <= 2
+    assert text.startswith("<svg ")
+    assert not re.search(r"</?\w+:|xmlns:ns\d", text)
+
+
 def test_its_files_are_written_together(figure, tmp_path):
     paths = drawn(figure, "wave").write(str(tmp_path), "wave")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["wave.csv", "wave.pdf", "wave.svg"]

@@ -245,3 +245,38 @@ def test_an_equilibrium_may_lie_farther_from_the_sphere_than_what_is_linearised_
         static, _ = ledger.static_checks(varied(seed, reference_shape=shape), reference)
         assert (static.limit, static.value) == (limit, 0.0)
         assert ("undeformed" in static.explanation) == (shape == "undeformed")
+
+
+ABOUT = {
+    "": {
+        "buckling", "computed_buckling", "static_deformation", "static_strain", "power_limit", "radiation_fit",
+        "passivity", "hydro error_estimate", "hydro interpolation_error", "hydro limit_difference", "hydro symmetry",
+        "hydro positive_damping", "hydro rank_one", "hydro haskind", "hydro irregular_frequencies",
+        "hydro kramers_kronig",
+    },
+    "wave": {"steepness", "reference_power"},
+    "design wave": {
+        "transient", "time_and_frequency_domain", "bending_modes", "fair_damping", "energy_residual", "heave",
+        "deformation", "strain",
+    },
+}  # fmt: skip
+"""What checks name, the study's own aside."""
+
+
+def test_every_check_names_the_design_and_the_sea_it_is_about(small):
+    with open(f"{small.folder}/validity.json", encoding="utf-8") as file:
+        checks = json.load(file)["checks"]
+    found = {}
+    for check in checks:
+        about = " ".join(key for key in ("design", "wave") if check[key])
+        found.setdefault(about, set()).add(check["name"])
+        assert check["design"] in ("", *small.study.designs)
+        assert check["wave"] in ("", *(wave.label for wave in small.study.waves))
+    assert found == ABOUT
+
+
+def test_what_is_not_known_stands_above_its_limit(seed):
+    transient = ledger.transient_checks({("A", "w"): {"no_steady_state": "grows"}}, [{"design": "A", "wave": "w"}])
+    free = seed.model_copy(update={"motion": "planar", "pto": seed.pto.model_copy(update={"port": "surge"})})
+    for check in (*transient, *ledger.bending_checks(free, None, {})):
+        assert (check.value, check.limit, check.verdict) == (1.0, 0.0, "doubt")

@@ -40,6 +40,11 @@ def test_energy_is_closed_on_one_side_of_its_limit_and_not_on_the_other(settings
     assert verdicts == ["ok", "doubt", "fail"]
 
 
+def test_checks_of_a_run_say_whose_they_are():
+    found = [energy_check(study(), run()), *drift_checks(study(), run(constraint_drift=1e-6))]
+    assert [(check.design, check.wave) for check in found] == 2 * [("a", "swell")]
+
+
 def test_what_is_held_is_watched_where_something_is():
     assert drift_checks(study(), run()) == []
     (check,) = drift_checks(study(), run(constraint_drift=1e-6))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from conftest import varied
 
-from vsb.report.animation import in_motion
+from vsb.report.animation import PER_PERIOD, PERIODS, in_motion
 from vsb.report.living import packed
 from vsb.stages.inputs import Inputs
 from vsb.stages.moving import SEAS, moving_study
@@ -30,6 +30,10 @@ def test_every_design_moves_in_the_seas_that_are_drawn(small, moved):
     study = small.study
     assert [design["name"] for design in moved["designs"]] == list(study.designs)
     assert [sea["words"] for sea in moved["seas"]] == [wave.description for wave in study.drawn_waves][:SEAS]
+    (start, end), period = study.simulation.window, study.drawn_waves[0].period
+    shown, sea = min(end - start, PERIODS * period), moved["seas"][0]
+    assert (sea["start"], sea["step"] * (sea["frames"] - 1)) == pytest.approx((end - shown, shown))
+    assert sea["frames"] == int(PER_PERIOD * shown / period) + 2
     for design, frames in zip(study.designs, moved["seas"][0]["designs"], strict=True):
         run = load(small.trajectory_path(design, study.drawn_waves[0].label))
         assert frames["modes"] == (run.sizes["dof"] - 1 if study.designs[design].flexible else 0)
