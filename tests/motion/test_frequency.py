@@ -6,7 +6,7 @@ import xarray as xr
 from conftest import varied
 
 from vsb.errors import DatabaseError, StabilityError
-from vsb.motion.frequency import LinearBuoy, frequency_grid
+from vsb.motion.frequency import LinearBuoy, compliance, frequency_grid
 from vsb.motion.pto import LinearPto
 from vsb.scenes.rest import design_motions, study_basis
 from vsb.waves.dispersion import power_limit
@@ -154,3 +154,18 @@ def test_grid_holds_what_is_asked_for():
     assert 2.5132741 in grid
     assert len(grid) == len(set(grid))
     assert np.all(np.diff(grid) > 0)
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "force", "moved"),
+    [
+        (np.diag([4.0, 0.0]), [1.0, 0.0], 0.25),
+        (np.diag([4.0, 0.0]), [0.0, 1.0], np.inf),
+        (np.diag([1e12, 1e-3]), [0.0, 1.0], 1e3),  # scales are no looseness
+        (np.array([[1.0, 5e-12 - 1], [5e-12 - 1, 1.0]]), [1.0, 1.0], 4e11),
+        (np.array([[1.0, 5e-13 - 1], [5e-13 - 1, 1.0]]), [1.0, 1.0], np.inf),  # held by round-off alone
+        (np.array([[1.0, 5e-13 - 1], [5e-13 - 1, 1.0]]), [1.0, -1.0], 1.0),
+    ],
+)
+def test_a_port_gives_way_by_what_holds_it_and_drifts_where_nothing_does(stiffness, force, moved):
+    assert compliance(stiffness, np.array(force)) == pytest.approx(moved, rel=1e-3)

@@ -139,14 +139,21 @@ def test_the_best_design_of_each_sea():
         row("A", 40, "v"),
         row("FSB", 0, "z"),
         row("A", 0, "z"),
+        row("FSB", 0, "n"),
+        row("A", 5, "n"),
+        row("FSB", 70, "u"),
     ]
-    text = sea_statements(rows, "FSB", {"w": "a swell", "v": "a chop", "z": "still water"})
+    text = sea_statements(
+        rows, "FSB", {"w": "a swell", "v": "a chop", "z": "still water", "n": "ripples", "u": "a wake"}
+    )
     assert text[0] == "At the given damper, in a swell, A absorbs most: 120 W on average (against FSB: A +20.0 %)."
     assert (
         text[1]
         == "At the given damper, in a chop, the rigid FSB absorbs most: 50 W on average (against FSB: A -20.0 %)."
     )
     assert text[2] == "At the given damper, in still water, no design absorbs power on average."
+    assert text[3] == "At the given damper, in ripples, A absorbs most: 5 W on average."
+    assert text[4] == "At the given damper, in a wake, the rigid FSB absorbs: 70 W on average."
 
 
 def test_what_does_not_exist_is_a_dash():

@@ -1,5 +1,7 @@
 """The tuning `constrained` of a member: its places in the results, what proves it, what is shared."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from conftest import varied
@@ -152,3 +154,14 @@ def test_motion_under_the_best_force_is_the_stroke_it_keeps(limited, seas):
     found = constrained_year(one.port, seas, limited.water, harmonics, Limits(LIMIT, 2.0), SECONDS, 1)
     strokes = [[np.linalg.norm(optimum.stroke) ** 2 / 2 for optimum in pair] for pair in found.optima]
     np.testing.assert_allclose(_motion_rms(found, one.motion)["heave"], np.sqrt(np.mean(strokes, axis=1)), rtol=1e-9)
+
+
+def test_deformation_is_the_length_of_what_a_point_moves_and_the_largest_of_all(limited, seas):
+    """A shell that moves as the buoy does in both directions, half as far elsewhere: the root of two times heave."""
+    harmonics = Harmonics(0.1, 2.0, 30)
+    one = designs_in_waves(limited, reference_shell(limited), water(limited, omega=harmonics.omega))["VSWEC"]
+    found = constrained_year(one.port, seas, limited.water, harmonics, Limits(LIMIT), SECONDS, 1)
+    shell = tuple(np.stack([[0.5 * part, part, 0.2 * part]] * 2) for part in one.motion.heave)
+    moved = _motion_rms(found, replace(one.motion, shell=shell))
+    np.testing.assert_allclose(moved["deformation"], np.sqrt(2) * moved["heave"], rtol=1e-12)
+    assert (moved["heave"] > 0).all()

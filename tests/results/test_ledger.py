@@ -138,6 +138,14 @@ def test_bending_modes_change_as_much_where_the_buoy_yaws_too(buoy_of, coarse):
     assert among == alone
 
 
+def test_bending_modes_of_a_port_at_heave_change_what_they_do_of_heave_alone(buoy_of, coarse):
+    """Motions of other orders, which a buoy that surges and pitches has, are none of it."""
+    runs = {(design, wave.label): {} for design in coarse.designs for wave in coarse.waves}
+    planar = coarse.model_copy(update={"motion": "planar"})
+    database = buoy_of(coarse).database
+    assert ledger.bending_checks(planar, database, runs) == ledger.bending_checks(coarse, database, runs)
+
+
 def test_leaving_the_bending_modes_out_is_reported(buoy_of, coarse):
     runs = {(design, wave.label): {} for design in coarse.designs for wave in coarse.waves}
     checks = ledger.bending_checks(coarse, buoy_of(coarse).database, runs)

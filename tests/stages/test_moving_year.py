@@ -13,6 +13,7 @@ from vsb.report.campaign_page import STILL, CampaignReport, leading, render
 from vsb.stages import moving_year as module
 from vsb.stages.climate import read_climate
 from vsb.stages.moving_year import most_energetic, moving_year
+from vsb.waves.climate import realised
 
 
 def moved(swept):  # noqa: F811
@@ -32,9 +33,13 @@ def test_the_sea_is_of_the_bin_that_brings_most_energy(swept):  # noqa: F811
     assert float(ds.te[column]) == pytest.approx(seas.te[sea], abs=0.5)
 
 
-def test_every_design_moves_as_long_as_is_said_and_the_page_says_in_what(swept, tmp_path):  # noqa: F811
+def test_every_design_moves_as_long_as_is_said_and_the_page_says_in_what(swept, tmp_path, monkeypatch):  # noqa: F811
     plan, ds = swept
+    made = []
+    monkeypatch.setattr(module, "realised", lambda *given: made.append(given) or realised(*given))
     data = moved(swept)
+    ((seas, index, duration, *_),) = made
+    assert duration == pytest.approx(PERIODS * seas.te[index])
     assert [design["name"] for design in data["designs"]] == list(ds.design.values)
     (sea,) = data["seas"]
     assert "most energy (Hs 3.1 m, Te 1" in sea["words"]

@@ -47,6 +47,16 @@ def test_panels_are_counted_by_rows(seed):
     assert any("shapes at 3 frequencies by 32 rows" in line for line in lines)
 
 
+def test_a_job_of_panels_costs_its_frequencies_and_the_square_of_its_rows(seed):
+    one, *_ = StudyPlan(varied(seed, hydro={"rows": 20, "omega_max": 6.0})).sweep_blocks
+    rows = one.mesh.rows + one.mesh.lid_rows
+    finer = one.model_copy(update={"mesh": one.mesh.model_copy(update={"rows": one.mesh.rows + 2 * rows})})
+    longer = one.model_copy(update={"omega": 3 * one.omega})
+    seconds = preview._block_seconds(one)
+    assert seconds == pytest.approx(preview.SECONDS_PER_PANEL_ROW2 * len(one.omega) * rows**2)
+    assert [preview._block_seconds(other) / seconds for other in (finer, longer)] == pytest.approx([9.0, 3.0])
+
+
 def test_what_pauses_cost_is_said_of_laws_that_pause(seed):
     """Five seconds a design in a regular wave, twice that with its damper, more on the wet shell and in long seas."""
 

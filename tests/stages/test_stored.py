@@ -33,6 +33,14 @@ def test_a_port_is_the_responses_at_its_frequencies(results):
         np.testing.assert_allclose(port.matched_power, stored.matched_power.values, rtol=1e-12)
 
 
+def test_a_port_meets_waves_along_the_axis_or_where_it_is_told(results, monkeypatch):
+    asked = []
+    monkeypatch.setattr("vsb.stages.stored.towards", lambda linear, direction: asked.append(direction) or linear)
+    results.port("FSB")
+    results.port("FSB", direction=30.0)
+    assert asked == [0.0, 30.0]
+
+
 def test_a_scene_is_that_of_its_design_in_its_sea(results):
     assert results.scene("VSWEC").scene.flexible
     assert not results.scene("FSB").scene.flexible
