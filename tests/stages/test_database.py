@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import varied
+from study.test_shape import OBLATE, raw
 
 from vsb.errors import DatabaseError
 from vsb.hydro.database import load_database
@@ -14,7 +15,7 @@ from vsb.stages import database
 from vsb.stages.make import make
 from vsb.study.plan import StudyPlan
 from vsb.study.specs import DatabaseSpec
-from vsb.study.study import content_id
+from vsb.study.study import content_id, parse
 from vsb.tools.files import load, save
 
 
@@ -65,3 +66,19 @@ def test_a_rigid_buoy_is_told_to_be_of_degree_one(seed, tmp_path):
     found = load_database(plan.database_path, content_id(plan.database))
     assert plan.database.modes is None
     assert (found.attrs["basis"], found.attrs["degree"]) == ("rigid", 1)
+
+
+@pytest.mark.parametrize("mass", [9e3, 15e3, 22e3])
+def test_other_codes_are_told_where_the_water_holds_a_spheroid(mass):
+    """Of semi-axes 2 and 1.5 m: a sphere's cap, squeezed; volume and moment of its slices."""
+    spec = StudyPlan(parse(raw(OBLATE, device={"mass": mass}))).database
+    told, height = database._at_rest(spec), spec.centre_height
+    z = np.linspace(-1.5, -height, 20_001)  # of the spheroid's own
+    slices = np.pi * 4.0 * (1 - (z / 1.5) ** 2)
+    volume = np.trapezoid(slices, z)
+    assert volume * 1025 == pytest.approx(mass, rel=1e-6)
+    assert told["displaced_volume"] == pytest.approx(volume, rel=1e-6)
+    assert told["centre_of_buoyancy"] == pytest.approx(
+        [0.0, 0.0, height + np.trapezoid(slices * z, z) / volume], rel=1e-6
+    )
+    assert told["centre_of_mass"] == [0.0, 0.0, height]
