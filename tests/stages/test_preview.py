@@ -1,5 +1,6 @@
 """What is known of a study before anything is solved."""
 
+import re
 import shutil
 from pathlib import Path
 
@@ -55,6 +56,59 @@ def test_a_job_of_panels_costs_its_frequencies_and_the_square_of_its_rows(seed):
     seconds = preview._block_seconds(one)
     assert seconds == pytest.approx(preview.SECONDS_PER_PANEL_ROW2 * len(one.omega) * rows**2)
     assert [preview._block_seconds(other) / seconds for other in (finer, longer)] == pytest.approx([9.0, 3.0])
+
+
+SAID = {
+    "seed": (
+        {},
+        """study        seed: FSB, VSWEC, VSWEC0, VSWEC90 in regular_A0.179_T2.5
+modes        7 shell modes (membrane, degree 6)
+hydro        128 frequencies up to 12 rad/s, spectral, to 0.001
+BEM jobs     1 of 1 to do, at most about 2 s on one core
+database     results/hydro/db/{id}.nc
+witness      15 shapes at 3 frequencies by 32 rows and the spectral solver, about 12 s on one core
+steepness = 0.0367 (limit 0.05)""",
+    ),
+    "panels": (
+        {"hydro": {"rows": 20, "omega_max": 6.0, "witness": "none"}, "waves": [{"kind": "still"}]},
+        """study        seed: FSB, VSWEC, VSWEC0, VSWEC90 in still
+modes        7 shell modes (membrane, degree 6)
+hydro        65 frequencies up to 6 rad/s, 20 rows of 40 panels
+BEM jobs     3 of 3 to do, at most about 3 s on one core
+database     results/hydro/db/{id}.nc
+witness      none: hydro.witness: none""",
+    ),
+    "dry": (
+        {"hydro": {"model": "assumed_pressure", "pressure": 1800.0}},
+        """study        seed: FSB, VSWEC, VSWEC0, VSWEC90 in regular_A0.179_T2.5
+modes        7 shell modes (membrane, degree 6)
+hydro        assumed pressure: no BEM""",
+    ),
+    "irregular": (
+        {"waves": [{"kind": "jonswap", "hs": 1, "tp": 6}], "pto": {"law": "latching"}},
+        """study        seed: FSB, VSWEC, VSWEC0, VSWEC90 in jonswap_Hs1_Tp6_g3.3_s1
+modes        7 shell modes (membrane, degree 6)
+hydro        128 frequencies up to 12 rad/s, spectral, to 0.001
+BEM jobs     1 of 1 to do, at most about 2 s on one core
+database     results/hydro/db/{id}.nc
+witness      15 shapes at 3 frequencies by 32 rows and the spectral solver, about 12 s on one core
+pauses       of latching, found in each run: together about 36 s on one core, up to 288 s where motions from rest take less than the trials promise
+steepness = 0.0178 (limit 0.05)
+spectrum_cut = 4.75e-05 (limit 0.01)""",
+    ),
+}  # fmt: skip
+"""Changes of the seed's study, and what is said of it beforehand; checks without verdict and words."""
+
+
+@pytest.mark.parametrize("name", SAID)
+def test_what_is_said_of_a_study_before_it_runs(seed, name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("vsb.results.ledger.shell_checks", lambda *_: [])
+    study = varied(seed, **SAID[name][0])
+    plan = StudyPlan(study)
+    told = [re.sub(r"^(?:ok|doubt|fail) +|: (?:wave|share) .*", "", line) for line in preview.summary(study, plan)]
+    expected = SAID[name][1].replace("{id}", Path(plan.database_path).stem)
+    assert "\n".join(told) == expected
 
 
 def test_what_pauses_cost_is_said_of_laws_that_pause(seed):
