@@ -1,16 +1,19 @@
 """Keys that are all described, a schema that takes what a study takes, and hints."""
 
 import json
+import math
 
 import jsonschema
 import pytest
 import yaml
 from conftest import SEED
+from pydantic import ValidationError
 
 from vsb.study.body import BodyStudy
 from vsb.study.body_file import BodyFile
 from vsb.study.campaign import Campaign
 from vsb.study.keys import KEYS
+from vsb.study.quantities import Section
 from vsb.study.reading import read_yaml
 from vsb.study.schema import dotted, hint, keys_at, nearest, schema_of
 from vsb.study.study import Study
@@ -144,3 +147,115 @@ def test_a_file_of_many_aliases_knows_its_lines(tmp_path):
     (tmp_path / "laughs.yaml").write_text("\n".join(lines))
     line = read_yaml(tmp_path / "laughs.yaml", "any").line(("a4", 0, 0, 0))
     assert line == 2
+
+
+LIMITS = {
+    "BetweenPort.between": "[0, 180]",
+    "Body.length": "(0, inf)",
+    "BodyFile.lid": "0..64",
+    "BodyFile.omega": "[1e-3, 1e3]",
+    "BodyFile.tolerance": "[1e-5, 0.1]",
+    "BodyFile.wave_direction": "[-360, 360]",
+    "BodyHydro.omega_max": "(0, inf)",
+    "BodyHydro.tolerance": "[1e-6, 0.1]",
+    "Capsule.length": "[0, 1e4]",
+    "Constrained.seconds": "(0, 86400]",
+    "Constrained.seed": "0..4294967295",
+    "Design.clamp": "[0, 180]",
+    "Device.ballast_inertia": "[0, 1e18]",
+    "Device.ballast_yaw_inertia": "[0, 1e18]",
+    "Device.centre_of_mass": "[-1e3, 1e3]",
+    "Device.density": "[0.1, 2.5e4]",
+    "Device.internal_pressure": "[-1e8, 1e8]",
+    "Device.mass": "(0, inf)",
+    "Device.poisson_ratio": "[-0.99, 0.5)",
+    "Device.radius": "[0.01, 1e3]",
+    "Device.thickness": "(0, inf)",
+    "Device.young_modulus": "[1, 1e16]",
+    "Gas.adiabatic_index": "[1, 2]",
+    "Gas.atmospheric_pressure": "[1, 1e7]",
+    "Hydro.omega": "(0, inf)",
+    "Hydro.omega_max": "(0, inf)",
+    "Hydro.power_tolerance": "(0, 0.5]",
+    "Hydro.pressure": "[0, 1e8]",
+    "Hydro.rows": "6..160",
+    "Hydro.tolerance": "[1e-6, 0.1]",
+    "Jonswap.gamma": "[1, 10]",
+    "Jonswap.tp": "[1e-3, 1e7]",
+    "Modes.degree": "0..40",
+    "Modes.order": "1..8",
+    "Plate.area": "(0, inf)",
+    "Plate.coefficient": "[0, 100]",
+    "Pto.damping": "[0, 1e12]",
+    "Pto.efficiency": "(0, 1]",
+    "Pto.force_limit": "(0, inf]",
+    "Pto.stiffness": "[-1e12, 1e12]",
+    "Pto.stroke_limit": "(0, inf]",
+    "RayleighDamping.alpha": "[0, 1e4]",
+    "RayleighDamping.beta": "[0, 100]",
+    "RegularWave.amplitude": "[1e-9, 100]",
+    "RegularWave.period": "[1e-3, 1e7]",
+    "Scatter.gamma": "[1, 10]",
+    "ShellPort.colatitude": "[0, 180]",
+    "Simulation.duration": "[1e-3, 2e5]",
+    "Simulation.initial_position": "[-1e4, 1e4]",
+    "Simulation.initial_velocity": "[-1e3, 1e3]",
+    "Simulation.tolerance": "[1e-12, 0.1]",
+    "Spheroid.height": "[1e-3, 1e4]",
+    "Vane.lever": "(0, inf)",
+    "Verify.seas": "4..1000",
+    "Water.density": "[1, 2e4]",
+    "Water.depth": "(0, 2e4]",
+    "Water.gravity": "[0.01, 300]",
+    "WhiteNoise.direction": "[-360, 360]",
+    "WhiteNoise.hs": "[1e-9, 100]",
+    "WhiteNoise.realisations": "1..1000",
+}
+"""What each number of a study may be: a study that is read today is read tomorrow."""
+LISTED = ("BetweenPort.between", "BodyFile.omega", "BodyFile.wave_direction", "Hydro.omega")
+
+
+def known_sections(kind=Section):
+    return {kind.__name__: kind} | {k: v for below in kind.__subclasses__() for k, v in known_sections(below).items()}
+
+
+def at_its_ends(interval):
+    """Last numbers within, and first ones beyond; of infinity nothing is beyond."""
+    if ".." in interval:
+        low, high = map(int, interval.split(".."))
+        return (low, high), (low - 1, high + 1)
+    low, high = map(float, interval[1:-1].split(","))
+    inner, outer = math.nextafter(low, math.inf), math.nextafter(low, -math.inf)
+    lowest = (low, outer) if interval[0] == "[" else (inner, low)
+    inner, outer = math.nextafter(high, -math.inf), math.nextafter(high, math.inf)
+    highest = (high, outer if outer != high else math.nan) if interval[-1] == "]" else (inner, high)
+    return tuple(zip(lowest, highest, strict=True))
+
+
+def is_refused(section, name, value):
+    """Whether a key is refused for its value, whatever else is missing."""
+    try:
+        known_sections()[section].model_validate({name: value})
+    except ValidationError as error:
+        return any(each["loc"][0] == name for each in error.errors() if each["loc"])
+    return False
+
+
+@pytest.mark.parametrize("key", LIMITS)
+def test_a_number_is_taken_up_to_its_limits_and_not_beyond(key):
+    within, beyond = at_its_ends(LIMITS[key])
+    around = (lambda x: (x, 45.0)[: 1 + (key == "BetweenPort.between")]) if key in LISTED else float
+    assert [is_refused(*key.split("."), around(value)) for value in within] == [False, False]
+    assert [is_refused(*key.split("."), around(value)) for value in beyond] == [True, True]
+
+
+def test_every_number_with_a_limit_stands_among_these():
+    limits = {"minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum"}
+    limited = {
+        name
+        for model in MODELS.values()
+        for section in sections(schema_of(model)).values()
+        for name, its in section["properties"].items()
+        if limits & {word for part in [its, *its.get("anyOf", [])] for word in part}
+    }
+    assert limited - {"draft"} <= {key.partition(".")[2] for key in LIMITS}  # which is made a mass before
