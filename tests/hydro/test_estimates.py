@@ -143,6 +143,32 @@ def test_interpolation_adds_to_the_error_of_the_meshes(green, monkeypatch):
     assert two.solve(GRID[:32], 5e-4).attrs["error_estimate"] == pytest.approx(sure + 0.25, abs=5e-4)
 
 
+DOUBTS = {  # of a mesh, a variable and entries: what an error of 0.3 of its largest adds to
+    "asymmetry": ("both", "added_mass", (0, 0, 1)),
+    "Haskind's damping": ("both", "radiation_damping", (0, 0, 0)),
+    "added mass of fewer panels": ("coarse", "added_mass", (0, 1, 1)),
+    "damping of fewer panels": ("coarse", "radiation_damping", (0, 1, 1)),
+    "excitation of fewer panels": ("coarse", "diffraction_force", (0, 0, 1)),
+}
+
+
+@pytest.mark.parametrize("doubt", DOUBTS)
+def test_each_doubt_of_panels_is_in_terms_of_the_largest_of_its_own(green, doubt):
+    fine = rows_of(green, 10)
+    solved = fine.solve([1.5])
+    sizes = dict(zip(("added_mass", "radiation_damping", "diffraction_force"), sweep.largest(solved), strict=True))
+    mesh, name, entry = DOUBTS[doubt]
+    wrong = solved.copy(deep=True)
+    wrong[name].values[entry] -= 0.3 * sizes[name]
+
+    def told(one, other):
+        return TwoMeshes(fine, SimpleNamespace(solve=lambda omega: other)).error_estimate(one, solved)
+
+    sound = told(solved, solved)
+    assert sound < 0.03
+    assert told(solved if mesh == "coarse" else wrong, wrong) == pytest.approx(0.3, abs=1.01 * sound)
+
+
 def test_at_infinity_each_of_two_meshes_and_asymmetry_tells_by_itself(green):
     fine, coarse = rows_of(green, 16), rows_of(green, 8)
     a, half = fine.at_infinity(), coarse.at_infinity()

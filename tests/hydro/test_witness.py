@@ -241,3 +241,12 @@ def test_a_rigid_buoy_has_one_shape_and_no_derivatives(panels):
 def test_derivatives_are_of_deep_water(shapes, panels, compared):
     assert not witness.derivatives(shapes, panels, BASIS, WAVES._replace(depth=20.0))
     assert [check.name for check in witness.witness_checks(compared)] == ["witness"]
+
+
+@pytest.mark.parametrize(("kept", "at"), [(slice(1, None), 0), (slice(0, 4), 3)])
+def test_a_database_is_judged_at_both_ends_of_its_band(compared, kept, at):
+    off = database("spectral").isel(omega=kept).copy(deep=True)
+    assert off.omega.values[at] in WAVES.omegas
+    off.added_mass.values[at] *= 1.02
+    (check,) = witness.database_checks(compared, off, 1e-9)
+    assert check.verdict == "doubt", check

@@ -10,7 +10,8 @@ from vsb.study import study as config
 from vsb.study.plan import StudyPlan, figure_names
 from vsb.study.resolution import KEPT, RECORDS_PER_PERIOD
 from vsb.study.sections import Basis
-from vsb.study.study import content_id
+from vsb.study.specs import PAUSE
+from vsb.study.study import content_id, parse
 
 
 @pytest.fixture(scope="module")
@@ -208,6 +209,28 @@ def test_memory_grows_with_the_record_not_with_what_is_followed(seed):
     assert 1700 < asked[1e5] < 2 * 1700
     irregular = varied(seed, waves=[{"kind": "jonswap", "hs": 0.5, "tp": 4.0}], simulation={"duration": 1e5})
     assert 2900 < StudyPlan(irregular).simulation_megabytes(irregular.waves[0]) < 2 * 2900
+
+
+@pytest.mark.parametrize(
+    ("pto", "damping", "seas", "pause"),
+    [
+        ({"damping": 5.0}, 5.0, 0, 0),
+        ({"damping": {"FSB": 5.0, "VSWEC": 6.0}}, 6.0, 0, 0),
+        ({"damping": 5.0, "law": "latching"}, 5.0, 0, PAUSE),
+        ({"tuning": "each"}, None, 0, 0),
+        ({"tuning": "one"}, None, 2, 0),
+    ],
+)
+def test_a_run_knows_its_damper_or_all_it_is_found_from(seed, pto, damping, seas, pause):
+    """All seas where one damper is best over them; how pauses are found where there are any."""
+    sea = {"kind": "jonswap", "hs": 0.5, "tp": 4.0}
+    waves = [{"kind": "regular", "amplitude": 0.1, "period": 4.0}, sea, {**sea, "seed": 2}]
+    raw = seed.model_dump() | {"waves": waves, "pto": pto, "designs": {"FSB": {"flexible": False}, "VSWEC": {}}}
+    plan = StudyPlan(parse(raw))
+    spec = plan.simulation("VSWEC", plan.study.waves[0])
+    assert (spec.pto.damping, spec.seas, spec.pause) == (damping, plan.study.waves[:seas], pause)
+    assert list(spec.designs) == ["VSWEC"]
+    assert spec.waves == plan.study.waves[:1]
 
 
 def test_memory_is_of_the_instants_kept_a_half_of_them_once_they_are_too_many(seed):

@@ -38,3 +38,11 @@ def test_a_buoy_of_revolution_has_none():
 @pytest.mark.parametrize(("wave", "omega"), list(zip(SEAS, [2 * math.pi / 7.0] * 3 + [1.0], strict=True)))
 def test_the_frequency_of_a_sea_is_that_of_its_peak_or_the_middle_of_its_band(wave, omega):
     assert wave.omega == pytest.approx(omega, rel=1e-15)
+
+
+@pytest.mark.parametrize("band", [(0.5, 1.5), (0.95, 1.05), (0.9, 1.1)])
+def test_waves_are_forgotten_after_ten_periods_or_two_of_the_beat_of_their_band(band):
+    noise = WhiteNoise(kind="white_noise", hs=1.0, band=band)
+    period, beat = 2 * math.pi / noise.omega, 2 * math.pi / (band[1] - band[0])
+    assert noise.memory == pytest.approx(max(10 * period, 2 * beat))
+    assert [wave.memory for wave in SEAS[1:3]] == pytest.approx([70.0, 70.0])

@@ -46,6 +46,8 @@ def test_what_has_no_end_is_ended_and_nothing_is_left_behind():
     with pytest.raises(TimeoutError, match=r"it takes more than 0.05 s"), bounded_time(0.05):
         sum(1 for _ in itertools.count())
     assert signal.getsignal(signal.SIGALRM) is before
+    with bounded_time(60.0):
+        pass  # done in time: no alarm rings later
     assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
 
 

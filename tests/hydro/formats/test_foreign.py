@@ -143,14 +143,14 @@ def _lively(ds, size):
     return edited(ds, "radiation_damping", change)
 
 
-def _spiky(ds, size):
+def _spiky(ds, size, at=20):
     """Of added mass and of damping, as a resonance between two frequencies would be."""
 
     def heavy(a):
-        a[20, 1, 1] += size * np.median(a[:, 1, 1])
+        a[at, 1, 1] += size * np.median(a[:, 1, 1])
 
     def wavy(b):
-        b[20, 1, 1] += size * ds.omega.values[20] * np.median(ds.added_mass.values[:, 1, 1])
+        b[at, 1, 1] += size * ds.omega.values[at] * np.median(ds.added_mass.values[:, 1, 1])
 
     return edited(edited(ds, "added_mass", heavy), "radiation_damping", wavy)
 
@@ -252,6 +252,14 @@ def test_a_resonance_the_frequencies_miss_is_a_doubt_and_a_spike_alone_fails():
         b[20, 2, 2] *= 4
 
     assert verdicts(edited(ds, "radiation_damping", change))["irregular_frequencies"] == "fail"
+
+
+def test_a_spike_alone_is_told_where_it_is_beside_a_larger_one_of_both():
+    ds = sound()
+    alone, beside = (judged(_spiky_alone(each, 0.5))["irregular_frequencies"] for each in (ds, _spiky(ds, 2.0, 50)))
+    assert beside.verdict == "fail"
+    assert beside.value == pytest.approx(alone.value, rel=1e-3)
+    assert "of one without the other; most at 2.1 rad/s in Heave" in beside.explanation
 
 
 def test_a_spike_of_added_mass_beyond_what_headings_resolve_is_seen():
