@@ -113,6 +113,16 @@ def test_a_buoy_that_surges_and_pitches_is_drawn_in_their_plane(drift):
     assert in_motion(None) is None
 
 
+@pytest.mark.parametrize(
+    ("factor", "scale"),
+    [(20.0, "shell displacement is magnified 20 times, heave and waves are to scale."), (1.0, "all is to scale.")],
+)
+def test_what_is_magnified_is_said(factor, scale):
+    moving = {"factor": factor, "designs": [{"name": "FSB"}, {"name": "VSWEC"}], "seas": [frames()]}
+    assert in_motion(moving)["words"] == f"FSB, VSWEC side by side; {scale}"
+    assert in_motion(None) is None
+
+
 def test_shapes_are_those_of_the_modes_thinned(modes):
     found = shapes_data(modes)
     angle = unpacked(found["colatitude"])

@@ -34,6 +34,14 @@ def test_the_answer_is_of_the_best_flexible_design_that_carries_its_load():
     assert buckles.endswith("94.67 against 87.66 MWh), and would buckle under its static load.")
 
 
+def test_the_only_flexible_design_of_a_single_point_is_not_called_the_best():
+    one = campaign(gains=np.array([[8.0]]), margin=-0.5, modulus=(1e8,), thickness=(0.01,))
+    assert "of the year, VSWEC takes 8.0 % more" in answer(one, "FSB", "one")
+    two = one.sel(design=["FSB", "VSWEC", "VSWEC"]).assign_coords(design=["FSB", "VSWEC", "other"])
+    assert "the best flexible design, VSWEC" in answer(two, "FSB", "one")
+    assert warnings(one)[2] == "The shell would buckle under its static load, 1.5 times what it carries."
+
+
 @pytest.mark.parametrize(
     ("gain", "words"), [(-4.0, "4.0 % less than"), (0.04, "as much as"), (0.06, "0.1 % more than")]
 )

@@ -7,10 +7,12 @@ import pytest
 from results.test_year import WATER, climate, port, stroke_rms
 
 from vsb.errors import ConfigError
+from vsb.motion.port import Port
 from vsb.results.verification import Sample, Verification, chances, contributions, drawn, linear_power, verified
 from vsb.results.year import frequencies, year
 from vsb.waves.climate import realised
 from vsb.waves.ndbc import read_ndbc
+from vsb.waves.seas import Sea
 
 SPECTRA = Path(__file__).parents[2] / "config" / "climate" / "ndbc46042_1996_spectra.txt.gz"
 
@@ -184,3 +186,13 @@ def test_realisations_hold_the_variance_and_the_power_of_their_sea():
     assert np.abs(realised(seas, 3, duration, seed=6).amplitude) == pytest.approx(np.abs(sea.amplitude))
     assert realised(seas, 3, duration, seed=5, highest=1.0).omega.max() < 1.0
     assert realised(seas, 3, duration, seed=5, lowest=0.6).omega.min() > 0.6
+
+
+@pytest.mark.parametrize("window", [(0.0, 40.0), (200.0, 240.0)])
+def test_power_in_a_window_is_that_of_the_wave_wherever_it_lies(window):
+    """Of one wave over whole periods half c |V|^2, in closed form."""
+    omega = np.array([2 * np.pi / 4.0])
+    port = Port(omega, np.array([2e-5 + 1e-5j]), np.array([0.7 + 0.2j]), 1e-5)
+    speed = abs(port.velocity_under(port.load(8e3))[0]) * 0.5
+    found = linear_power(port, Sea(omega, np.array([0.3 + 0.4j])), 8e3, window)
+    assert found == pytest.approx(0.5 * 8e3 * speed**2, rel=1e-9)

@@ -120,6 +120,7 @@ def test_what_pauses_cost_is_said_of_laws_that_pause(seed):
 
     regular, still = {"kind": "regular", "amplitude": 0.1, "period": 5.0}, {"kind": "still"}
     assert said([regular]) == []
+    assert "together about 0 s" in said([still], law="latching")[0]
     words = (
         "pauses       of latching, found in each run: together about {} s on one core, up to {} s where motions from "
         "rest take less than the trials promise"

@@ -25,6 +25,13 @@ def test_the_model_is_passive_and_as_good_as_it_says(small):
     assert float(off.sel(influenced_dof="Heave", radiating_dof="Heave")) < 0.01
 
 
+def test_kernels_are_shown_for_forty_times_the_time_a_wave_takes_along_the_buoy(small):
+    """In units of the root of r/g; at 400 intervals."""
+    ds, water = load(small.radiation_path), small.study.water
+    assert (ds.time.values[0], ds.sizes["time"]) == (0.0, 401)
+    assert float(ds.time[-1]) == pytest.approx(40 * np.sqrt(small.study.device.radius / water.gravity))
+
+
 def test_its_damping_is_the_databases(small):
     ds, database = load(small.radiation_path), load_database(small.database_path, content_id(small.database))
     heave = {"influenced_dof": "Heave", "radiating_dof": "Heave"}

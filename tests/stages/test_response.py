@@ -47,3 +47,9 @@ def test_a_response_at_a_rotation_is_in_units_of_moments(port, ds):
     told = described(ds.assign_attrs(port=response.port_in_words(Pto(port=port))))
     seen = ("port_impedance", "port_velocity", "best_damping")
     assert [told[name].attrs["units"] for name in seen] == [AT_ROTATION[name] for name in seen]
+
+
+def test_a_response_has_five_steps_in_one_of_the_database_and_what_is_asked_for():
+    assert response.refined(np.array([1.0, 1.5, 2.5]), [2.2, 1.5]) == pytest.approx(
+        [1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.7, 1.9, 2.1, 2.2, 2.3, 2.5]
+    )

@@ -257,7 +257,7 @@ def warnings(ds: xr.Dataset) -> list[str]:
         share = f"{buckled} of {ds.margin.size} points"
         found.append(f"At {share} the shell would buckle under its static load (margin below 0).")
     elif buckled:
-        found.append(f"The shell would buckle under its static load, {1 - float(ds.margin):.3g} times what it carries.")
+        found.append(f"The shell would buckle under its static load, {1 - ds.margin.item():.3g} times what it carries.")
     if lost := int((~ds.viable).sum()):
         reasons = sorted({str(text).partition(":")[0] for text in ds.reason.values.ravel() if text})
         found.append(f"{lost} of {ds.viable.size} designs at their points are not viable: {', '.join(reasons)}.")
