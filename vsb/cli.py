@@ -38,12 +38,12 @@ def begin(args: argparse.Namespace) -> int:
 
 def check(args: argparse.Namespace) -> int:
     """Validate a study or campaign, print what it would cost and what to doubt; solve nothing."""
-    from vsb.stages import body_preview, preview
+    from vsb.stages import body_preview, campaign_preview, preview
 
     plan = plan_of(args.config)
     check_name(plan)
     if isinstance(plan, CampaignPlan):
-        print(*preview.campaign_summary(plan), sep="\n")
+        print(*campaign_preview.campaign_summary(plan), sep="\n")
     elif isinstance(plan, BodyPlan):
         print(*body_preview.body_summary(plan), sep="\n")
     else:

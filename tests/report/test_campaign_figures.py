@@ -5,7 +5,8 @@ import pytest
 import xarray as xr
 from matplotlib.colors import to_hex
 
-from vsb.report.campaign_figures import DRAWN, pareto, power_matrices, shown_place, sweep, told_gain, tuned_power
+from vsb.report.campaign_answer import shown_place, told_gain
+from vsb.report.campaign_figures import DRAWN, pareto, power_matrices, sweep, tuned_power
 from vsb.report.canvas import style
 
 DESIGNS, TUNINGS, BINS = ["FSB", "VSWEC"], ["fixed", "one", "each"], ("hs", "te")

@@ -6,20 +6,8 @@ import numpy as np
 import pytest
 from report.test_campaign_figures import GAINS, campaign
 
-from vsb.report.campaign_page import (
-    MOST_ROWS,
-    CampaignReport,
-    answer,
-    best_flexible,
-    captions,
-    leading,
-    render,
-    rows,
-    second_answer,
-    statements,
-    warnings,
-    where,
-)
+from vsb.report.campaign_answer import answer, best_flexible, leading, second_answer, where
+from vsb.report.campaign_page import MOST_ROWS, CampaignReport, captions, render, rows, statements, warnings
 
 
 def test_the_answer_is_of_the_best_flexible_design_that_carries_its_load():

@@ -12,7 +12,7 @@ from scenes.test_ports import water
 from stages.test_members import gather, planned, with_seas
 
 from vsb.errors import DatabaseError
-from vsb.report.campaign_page import closing_answer
+from vsb.report.campaign_answer import closing_answer
 from vsb.results.campaign import stacked
 from vsb.results.member import member
 from vsb.stages import answer

@@ -8,7 +8,7 @@ from browser import asked, evaluated
 from stages.test_members import folder, planned, run  # noqa: F401
 
 from vsb.report import html
-from vsb.report.campaign_page import leading
+from vsb.report.campaign_answer import leading
 from vsb.stages.climate import read_climate
 from vsb.stages.living_year import living_year
 

@@ -18,9 +18,9 @@ from vsb.results.year import frequencies, year
 from vsb.scenes.afloat import linear_buoy, study_port
 from vsb.scenes.rest import design_motions
 from vsb.stages import answer, campaign, members
+from vsb.stages.campaign_preview import campaign_summary
 from vsb.stages.climate import read_climate
 from vsb.stages.make import make
-from vsb.stages.preview import campaign_summary
 from vsb.stages.stage import STAGES
 from vsb.stages.verify import verify
 from vsb.study.campaign_plan import plan_of

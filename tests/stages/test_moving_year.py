@@ -9,7 +9,8 @@ from stages.test_living_year import swept  # noqa: F401
 from stages.test_members import folder  # noqa: F401
 
 from vsb.report.animation import PERIODS
-from vsb.report.campaign_page import STILL, CampaignReport, leading, render
+from vsb.report.campaign_answer import leading
+from vsb.report.campaign_page import STILL, CampaignReport, render
 from vsb.stages import moving_year as module
 from vsb.stages.climate import read_climate
 from vsb.stages.moving_year import most_energetic, moving_year

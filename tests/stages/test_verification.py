@@ -11,11 +11,12 @@ from stages.test_members import BASE, batches, gather, told, with_seas
 
 from vsb.cli import main
 from vsb.errors import ConfigError, ConvergenceError
+from vsb.report.campaign_answer import closing_answer
 from vsb.report.campaign_figures import sweep
-from vsb.report.campaign_page import closing_answer, statements, warnings
+from vsb.report.campaign_page import statements, warnings
 from vsb.results.in_time import DesignInTime
 from vsb.stages import answer, verification
-from vsb.stages.preview import check_campaign
+from vsb.stages.campaign_preview import check_campaign
 from vsb.study.campaign_plan import plan_of
 from vsb.tools import packed
 from vsb.tools.files import load

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
+from vsb.report.campaign_answer import is_verified, shown_member, told_gain
 from vsb.report.canvas import grid_of_axes, legend_above, note, plain_numbers, style
 from vsb.results.campaign import damper
 from vsb.study.take_off import at_port
@@ -211,34 +212,6 @@ def _mark(ax: Axes, ds: xr.Dataset, one: xr.Dataset, x: str, y: str) -> None:
         ax.contour(*places, np.log10(1 - np.minimum(margin, 1 - 1e-6)), levels=[0.0], colors="black", linewidths=1.8)
     if not one.viable.values.all():
         ax.set_facecolor("#bbbbbb")
-
-
-def is_verified(ds: xr.Dataset, tuning: str) -> bool:
-    """Return whether gains under a tuning are corrected by runs in time."""
-    return ds.attrs.get("verified_tuning") == tuning and "corrected_gain_percent" in ds
-
-
-def told_gain(ds: xr.Dataset, tuning: str) -> xr.DataArray:
-    """Return the gains to be told of results under one tuning: corrected by runs in time, or else of linear theory."""
-    return ds["corrected_gain_percent" if is_verified(ds, tuning) else "gain_percent"]
-
-
-def shown_member(ds: xr.Dataset, tuning: str, reference: str | None) -> xr.Dataset:
-    """Return the member whose curves are drawn: of most gain of a design that carries its load, else of the most."""
-    return ds.isel(shown_place(ds, tuning, reference))
-
-
-def shown_place(ds: xr.Dataset, tuning: str, reference: str | None) -> dict[str, int]:
-    """Return where that member stands along the dimensions of what is varied."""
-    points = [str(dim) for dim in ds.margin.dims]
-    if not points:
-        return {}
-    gain = ds.annual_mean_power.sel(tuning=tuning) if reference is None else told_gain(ds.sel(tuning=tuning), tuning)
-    others = gain if reference is None else gain.where(gain.design != reference)
-    best = others.max("design", skipna=True).fillna(-np.inf)
-    score = best.where(ds.margin >= 0, best - 1e6)
-    place = np.unravel_index(int(np.argmax(score.transpose(*points).values)), [ds.sizes[dim] for dim in points])
-    return {dim: int(i) for dim, i in zip(points, place, strict=True)}
 
 
 def _edges(centres: np.ndarray) -> np.ndarray:

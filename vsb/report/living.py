@@ -8,7 +8,7 @@ import base64
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import markupsafe
 import numpy as np
@@ -17,10 +17,12 @@ import numpy.typing as npt
 from vsb.motion.port import Port
 from vsb.report.canvas import style
 from vsb.results.bins import bins_of
-from vsb.results.force_steps import ForceSteps
 from vsb.results.year import band_weights
 from vsb.tools.units import FloatArray
 from vsb.waves.climate import YEAR_HOURS, Climate
+
+if TYPE_CHECKING:
+    from vsb.results.force_steps import ForceSteps  # which reads what is compiled
 
 DASHES = {"-": "", "--": "7 3", "-.": "8 3 2 3", ":": "2 3"}
 """Line styles of designs as SVG has them."""
@@ -47,7 +49,7 @@ class LivingSea:
     jonswap: dict[str, float] | None = None  # of its spectrum, see `algebra.js`
     given: Mapping[str, float | None] | None = None  # dampers as given [N s/m]
     limited: Mapping[str, float] | None = None  # power of the optimum within limits by design, where known [W]
-    steps: ForceSteps | None = None  # optima at further limits of force
+    steps: "ForceSteps | None" = None  # optima at further limits of force
     band: int = 0  # which of the curves over the band is of its direction
 
 
@@ -127,7 +129,7 @@ def study_data(
     }
 
 
-def _steps_data(steps: ForceSteps, designs: Sequence[str]) -> dict[str, Any]:
+def _steps_data(steps: "ForceSteps", designs: Sequence[str]) -> dict[str, Any]:
     """Optima at some limits of force, design by design."""
     powers = [steps.powers[design] for design in designs]
     return {"limits": steps.limits, "of": steps.of, "repeats": steps.repeats, "powers": powers}

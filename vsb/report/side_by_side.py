@@ -6,7 +6,7 @@ from typing import NamedTuple
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vsb.report.campaign_page import TUNED
+from vsb.report.campaign_answer import TUNED
 from vsb.report.canvas import grid_of_axes, legend_above, style
 from vsb.report.html import page
 from vsb.report.svg import drawn

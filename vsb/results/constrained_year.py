@@ -20,10 +20,9 @@ from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import Port
 from vsb.results.bins import Bins, bins_of
 from vsb.results.verification import half_width
-from vsb.results.year import OUTSIDE
 from vsb.study.study import Water
 from vsb.tools.units import BoolArray, ComplexArray, FloatArray, IntArray
-from vsb.waves.climate import Climate
+from vsb.waves.climate import OUTSIDE, Climate
 
 SECONDS_PER_CUBE = 4e-9
 """Time of one optimum over the third power of its harmonics, on one core of a usual machine [s]."""

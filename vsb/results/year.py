@@ -22,7 +22,7 @@ from vsb.motion.tuning import best_damper_of_each
 from vsb.results.bins import Bins, bins_of
 from vsb.study.study import Water
 from vsb.tools.units import FloatArray, IntArray, described
-from vsb.waves.climate import YEAR_HOURS, Climate
+from vsb.waves.climate import OUTSIDE, YEAR_HOURS, Climate
 from vsb.waves.scatter import climate_of_cells
 
 Tuning = Literal["fixed", "one", "each"]
@@ -30,8 +30,6 @@ TUNINGS: tuple[Tuning, ...] = ("fixed", "one", "each")
 """As given; one best damper for the year; the best in each sea."""
 PART = 0.005
 """Distance of the frequencies of a port, as a part of them: every band of a climate is cut evenly into such parts."""
-OUTSIDE = 0.01
-"""Part of a year's variance that may lie at frequencies no port is known at."""
 PRACTICE_GAMMA = 3.3
 """Peakedness of the JONSWAP seas at bin centres which usual practice puts in the place of spectra."""
 
@@ -79,13 +77,6 @@ def _band_weights(frequencies: bytes, limits: bytes) -> FloatArray:
     np.add.at(out, (band[inside], left[inside] + 1), (2 * width * share)[inside])
     out.setflags(write=False)
     return out
-
-
-def variance_outside(omega: FloatArray, climate: Climate) -> float:
-    """Return the part of a year's variance beyond the frequencies of a port [-]."""
-    inside = np.diff(np.clip(climate.edges, omega[0], omega[-1]))
-    variance = climate.mean_density
-    return max(0.0, 1 - float(variance @ inside) / float(variance @ np.diff(climate.edges)))
 
 
 @dataclass(frozen=True)
@@ -268,7 +259,7 @@ def year(
     """
     given = dict(dampings or {})
     _check_given(ports, tunings, given)
-    outside = max(variance_outside(port.omega, climate) for port in ports.values())
+    outside = max(climate.variance_outside(port.omega[0], port.omega[-1]) for port in ports.values())
     if outside > OUTSIDE:
         low, high = (f(p.omega[k] for p in ports.values()) for f, k in ((max, 0), (min, -1)))
         raise ConfigError(

@@ -4,8 +4,9 @@ import matplotlib as mpl
 import xarray as xr
 from matplotlib.figure import Figure
 
+from vsb.report.campaign_answer import leading
 from vsb.report.campaign_figures import DRAWN
-from vsb.report.campaign_page import CampaignReport, leading, render
+from vsb.report.campaign_page import CampaignReport, render
 from vsb.report.sea_figures import year_spectra
 from vsb.report.sketch import sketches
 from vsb.report.svg import drawn

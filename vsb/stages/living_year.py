@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from vsb.report.campaign_figures import shown_place
-from vsb.report.campaign_page import where
+from vsb.report.campaign_answer import shown_place, where
 from vsb.report.living import year_data
 from vsb.scenes.ports import design_ports
 from vsb.scenes.viability import viability

@@ -7,8 +7,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.report.animation import PER_PERIOD, PERIODS, SEEN, frames_data, largest_shell, shapes_data
-from vsb.report.campaign_figures import shown_place
-from vsb.report.campaign_page import TUNED, where
+from vsb.report.campaign_answer import TUNED, shown_place, where
 from vsb.report.living import designs_data
 from vsb.report.shell_figures import round_factor
 from vsb.results.bins import Bins

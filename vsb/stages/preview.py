@@ -4,24 +4,16 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from vsb.errors import ConfigError
 from vsb.hydro import database
-from vsb.results.year import OUTSIDE, variance_outside
 from vsb.scenes.rest import check_rests, check_spring, check_stable, reference_shell, seen_by_take_off
-from vsb.scenes.viability import viability
 from vsb.shell.modes import mode_basis
 from vsb.shell.ritz import natural_modes
 from vsb.shell.sphere import Shell, natural_frequencies
-from vsb.stages.climate import read_climate
 from vsb.study.blocks import BlockSpec
-from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.plan import StudyPlan
 from vsb.study.specs import PanelsSpec
 from vsb.study.study import RegularWave, StillWater, Study, Wave, content_id
 from vsb.study.witness import no_witness
-from vsb.tools import packed
 from vsb.tools.files import load
 
 SECONDS_PER_SPECTRAL_JOB = 2.0
@@ -78,65 +70,6 @@ def summary(study: Study, plan: StudyPlan) -> list[str]:
     for wave in study.waves if study.hydro.model != "assumed_pressure" else ():  # which uses the period alone
         checks += ledger.wave_checks(wave, study.water, study.hydro.omega_max)
     return [*lines, *(check.line for check in checks)]
-
-
-def check_campaign(plan: CampaignPlan) -> None:
-    """Raise what would fail later in a campaign: points that are no studies, frequencies that cannot be solved, seas.
-
-    Raises
-    ------
-    ConfigError
-    """
-    seas = read_climate(plan.climate, plan.loaded.climate_path)
-    for one in {member.spec.sweep: member for member in plan.members}.values():
-        hydro = StudyPlan(one.study, root=plan.root)
-        hydro.check_waves()
-        outside = variance_outside(np.array([hydro.first_omega, one.study.hydro.omega_max]), seas)
-        if outside > OUTSIDE:
-            raise ConfigError(
-                f"{plan.loaded.source}: climate: {outside:.1%} of its variance lies outside {hydro.first_omega:.4g} to "
-                f"{one.study.hydro.omega_max:.4g} rad/s, which a point solves; needs at most {OUTSIDE:.0%}, a larger "
-                "hydro.omega_max in the study"
-            )
-    for spec in plan.verifications.values():
-        _check_runs(spec.simulated, plan.loaded.source)
-
-
-def _check_runs(study: Study, source: str) -> None:
-    """Raise what would fail in the runs in time of a member; designs that are not viable are not run."""
-    if viable := viability(study).viable:
-        try:
-            check_rests(*viable)
-        except ConfigError as error:
-            raise ConfigError(f"{source}: verify: {error}") from None
-
-
-def campaign_summary(plan: CampaignPlan) -> list[str]:
-    """Return the lines `vsb check` prints of a campaign: its points, what is done of them, the jobs left."""
-    check_campaign(plan)
-    seas = read_climate(plan.climate, plan.loaded.climate_path)
-    given = plan.loaded.campaign
-    shapes = len({one.spec.sweep for one in plan.members})
-    done = sum(Path(plan.folder, "members", f"{one.id}{packed.SUFFIX}").exists() for one in plan.members)
-    jobs = sum(not Path(path).exists() for path in plan.batch_paths)
-    return [
-        f"campaign     {plan.name}: {given.study} over {len(seas.hours)} seas, tuning {', '.join(plan.loaded.tuning)}",
-        f"points       {len(plan.members)} of {' x '.join(given.vary.values) or 'nothing varied'}, {done} done",
-        *_runs_lines(plan),
-        f"jobs         {jobs} of {len(plan.batches)} batches to do, {shapes} shapes of the water",
-        *(f"climate      {note}" for note in seas.notes),
-    ]
-
-
-def _runs_lines(plan: CampaignPlan) -> list[str]:
-    """What is simulated in time."""
-    if not (verify := plan.loaded.campaign.verify):
-        return []
-    done = sum(Path(path).exists() for path in plan.verification_paths)
-    return [
-        f"verify       {verify.seas} seas of {plan.loaded.base.simulation.duration:g} s, {verify.model}, of each of "
-        f"{len(plan.verifications)} points, {done} done"
-    ]
 
 
 def _bem_lines(study: Study, plan: StudyPlan) -> list[str]:

@@ -42,17 +42,12 @@ SNAKEFILE = HOME / "workflow" / "Snakefile"
 
 def run(args: argparse.Namespace) -> int:
     """Run a whole study or campaign through Snakemake, after validating everything that can be known beforehand."""
-    from vsb.stages import body_preview, preview, verify
+    from vsb.stages import verify
     from vsb.tools.files import check_folder
 
     plan = plan_of(args.config)
     check_name(plan)
-    if isinstance(plan, CampaignPlan):
-        preview.check_campaign(plan)
-    elif isinstance(plan, BodyPlan):
-        body_preview.body_before_run(plan)
-    else:
-        preview.check_before_run(plan.study, plan)
+    _check(plan)
     for folder in (".", plan.root):  # snakemake writes to both
         check_folder(folder)
     check_options(args.snakemake, plan)
@@ -77,6 +72,22 @@ def run(args: argparse.Namespace) -> int:
     if not dry and (report := Path(plan.folder) / "report.html").is_file():
         print(f"{plan.name}: {_answer(plan)}{report}")
     return 0
+
+
+def _check(plan: Plan) -> None:
+    """Raise what would fail later; only what a plan of this kind needs is read, for a run waits for it."""
+    if isinstance(plan, CampaignPlan):
+        from vsb.stages.campaign_preview import check_campaign
+
+        check_campaign(plan)
+    elif isinstance(plan, BodyPlan):
+        from vsb.stages.body_preview import body_before_run
+
+        body_before_run(plan)
+    else:
+        from vsb.stages.preview import check_before_run
+
+        check_before_run(plan.study, plan)
 
 
 def forget_damaged(records: Path) -> None:
@@ -121,7 +132,7 @@ def unmade(plan: Plan) -> list[str]:
 def _answer(plan: Plan) -> str:
     """The gain at equal tuning and at the given damper, to go before the report's path; of a campaign its answer."""
     if isinstance(plan, CampaignPlan):
-        from vsb.report.campaign_page import closing_answer
+        from vsb.report.campaign_answer import closing_answer
         from vsb.tools.files import load
 
         return f"{closing_answer(load(plan.data_path, expected=plan.campaign_id))} "

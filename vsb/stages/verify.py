@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from vsb.errors import DatabaseError, VsbError
-from vsb.hydro.database import index_text, write_index
 from vsb.stages.alone import nobody_else
 from vsb.study.body import is_body, located
 from vsb.study.body_plan import AnyPlan, plan_for
@@ -115,6 +114,8 @@ def _other_faults(folder: Path, known: set[str]) -> list[Fault]:
 
 def _index_faults(root: Path) -> list[Fault]:
     """Whether the index of the databases is what they make it."""
+    from vsb.hydro.database import index_text
+
     index, folder = root / "hydro" / "INDEX.tsv", root / "hydro" / "db"
     if not index.is_file() or index.read_bytes() == index_text(folder).encode():
         return []
@@ -131,6 +132,8 @@ def _healed(root: Path, found: Sequence[Fault]) -> list[str]:
             Path(fault.path).unlink()
         lines.append(f"{'stamped' if fault.kind == 'unstamped' else 'removed'} {fault.path}: {fault.reason}")
     if (root / "hydro" / "db").is_dir():
+        from vsb.hydro.database import write_index
+
         write_index(root / "hydro" / "db")
     return lines
 

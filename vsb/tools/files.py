@@ -10,14 +10,15 @@ import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-import netCDF4
 import numpy as np
-import xarray as xr
 
 from vsb.errors import ConfigError, DatabaseError
 from vsb.tools.units import AnyArray, check_finite, described, merged, separated
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 ROOT = "/"
 """Name of a file's own group."""
@@ -132,7 +133,7 @@ def read_text(path: str | Path) -> str:
         ) from None
 
 
-def save(ds: xr.Dataset, path: str | Path, groups: Mapping[str, xr.Dataset] | None = None) -> None:
+def save(ds: "xr.Dataset", path: str | Path, groups: "Mapping[str, xr.Dataset] | None" = None) -> None:
     """Write a dataset (and named groups) to netCDF-4 with its `checksum`, complete or not at all; see `whole`."""
     check_finite(ds, str(path))
     for name, group in (groups or {}).items():
@@ -145,7 +146,7 @@ def save(ds: xr.Dataset, path: str | Path, groups: Mapping[str, xr.Dataset] | No
         seal(temporary)
 
 
-def _write(ds: xr.Dataset, path: str, mode: Literal["w", "a"], group: str) -> None:
+def _write(ds: "xr.Dataset", path: str, mode: Literal["w", "a"], group: str) -> None:
     """Write one group; large variables compressed, without loss."""
     large = {name: {"zlib": True, "complevel": 1} for name, v in ds.data_vars.items() if v.size > 10_000}
     try:
@@ -175,7 +176,7 @@ def sealed(path: str | Path) -> bool:
     return end >= 0
 
 
-def checksum(groups: Mapping[str, xr.Dataset]) -> str:
+def checksum(groups: "Mapping[str, xr.Dataset]") -> str:
     """Return sha256 over names, dimensions, attributes and values of datasets as stored; `checksum` itself left out."""
     digest = hashlib.sha256()
     for group, ds in sorted(groups.items()):
@@ -206,7 +207,7 @@ def _plain(data: object) -> bytes:
     return json.dumps(data, sort_keys=True).encode()
 
 
-def read_groups(path: str | Path) -> dict[str, xr.Dataset]:
+def read_groups(path: str | Path) -> "dict[str, xr.Dataset]":
     """Read all groups of a netCDF file as they are stored.
 
     Raises
@@ -216,6 +217,8 @@ def read_groups(path: str | Path) -> dict[str, xr.Dataset]:
     """
     if not Path(path).is_file():
         raise DatabaseError(f"{path}: file not found; run the rule that makes it (vsb run CONFIG).")
+    import xarray as xr  # half a second, which commands that read no data do not wait for
+
     sealed(path)
     try:
         groups = {}
@@ -241,11 +244,13 @@ def attributes(path: str | Path) -> dict[str, Any]:
     """
     if not sealed(path):
         return read_groups(path)[ROOT].attrs
+    import netCDF4
+
     with netCDF4.Dataset(path) as file:
         return {name: file.getncattr(name) for name in file.ncattrs()}
 
 
-def load(path: str | Path, group: str = ROOT, *, expected: str | None = None) -> xr.Dataset:
+def load(path: str | Path, group: str = ROOT, *, expected: str | None = None) -> "xr.Dataset":
     """Read a dataset written by `save`: contents checked, complex variables merged, units applied.
 
     Parameters

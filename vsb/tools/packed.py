@@ -7,13 +7,16 @@ import io
 import json
 import zipfile
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from vsb.errors import DatabaseError
 from vsb.tools.files import CHANGED, DELETE, check_stamp, seal_of, sealed, whole
 from vsb.tools.units import AnyArray, check_finite
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 SUFFIX = ".npz"
 """Of such files."""
@@ -21,7 +24,7 @@ _HEADER = "."
 """Name of what tells dimensions, coordinates and attributes: no variable is called so."""
 
 
-def save(ds: xr.Dataset, path: str | Path) -> None:
+def save(ds: "xr.Dataset", path: str | Path) -> None:
     """Write a dataset of numbers and words, complete or not at all; see `vsb.tools.files.whole`."""
     check_finite(ds, str(path))
     dims = {str(name): list(map(str, variable.dims)) for name, variable in ds.variables.items()}
@@ -38,7 +41,7 @@ def _plain(values: AnyArray) -> AnyArray:
     return values.astype(str) if values.dtype == object else values
 
 
-def load(path: str | Path, *, expected: str) -> xr.Dataset:
+def load(path: str | Path, *, expected: str) -> "xr.Dataset":
     """Read a dataset written by `save`, its words as objects.
 
     Parameters
@@ -57,8 +60,10 @@ def load(path: str | Path, *, expected: str) -> xr.Dataset:
     return ds
 
 
-def read(path: str | Path) -> xr.Dataset:
+def read(path: str | Path) -> "xr.Dataset":
     """Read a dataset, whatever it is; see `load`."""
+    import xarray as xr
+
     if not Path(path).is_file():
         raise DatabaseError(f"{path}: file not found; run the rule that makes it (vsb run CONFIG).")
     if not sealed(path):

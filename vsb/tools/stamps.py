@@ -14,8 +14,6 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Literal, NamedTuple
 
-import netCDF4
-
 from vsb.errors import DatabaseError
 from vsb.tools.files import CHANGED, DELETE, attributes, checksum, locked, read_groups, seal, whole, write_text
 from vsb.tools.words import shortened
@@ -167,6 +165,8 @@ def stamp_file(path: str | Path) -> None:
     found = checksum(read_groups(path))
     with whole(path) as temporary:
         shutil.copyfile(path, temporary)
+        import netCDF4
+
         with netCDF4.Dataset(temporary, "a") as file:
             file.setncattr("checksum", found)
         seal(temporary)

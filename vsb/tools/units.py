@@ -1,12 +1,14 @@
 """The one table of variables: name -> dimensions, units, meaning; and datasets with it applied."""
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-import xarray as xr
 
 from vsb.errors import DatabaseError
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 FloatArray = npt.NDArray[np.floating[Any]]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
@@ -253,7 +255,7 @@ AT_ROTATION = {
 """Likewise of a rotation: moment against angular velocity."""
 
 
-def described(ds: xr.Dataset) -> xr.Dataset:
+def described(ds: "xr.Dataset") -> "xr.Dataset":
     """Return the dataset with dimensions in order and units on everything.
 
     Coordinates an attribute `varied` names, keys of a study, have units of their own; "..." are their dimensions. Where
@@ -282,15 +284,17 @@ def described(ds: xr.Dataset) -> xr.Dataset:
     return out
 
 
-def _told(variable: xr.Variable, quantity: Quantity, units: str | None = None) -> xr.Variable:
+def _told(variable: "xr.Variable", quantity: Quantity, units: str | None = None) -> "xr.Variable":
     """A variable with its dimensions in order, its units or others in their place, and its meaning."""
     ordered = variable.transpose(*(... if dim == "..." else dim for dim in quantity.dims))
     ordered.attrs = {"units": units or quantity.units, "long_name": quantity.long_name}
     return ordered
 
 
-def separated(ds: xr.Dataset) -> xr.Dataset:
+def separated(ds: "xr.Dataset") -> "xr.Dataset":
     """Return the dataset with complex variables as reals on a dimension `complex` = re, im (capytaine's form)."""
+    import xarray as xr  # half a second, which commands that read no data do not wait for
+
     out = ds.copy()
     for name, variable in ds.data_vars.items():
         if np.iscomplexobj(variable):
@@ -299,7 +303,7 @@ def separated(ds: xr.Dataset) -> xr.Dataset:
     return out
 
 
-def merged(ds: xr.Dataset) -> xr.Dataset:
+def merged(ds: "xr.Dataset") -> "xr.Dataset":
     """Return the dataset with complex variables put together again: the inverse of `separated`."""
     if "complex" not in ds.dims:
         return ds
@@ -315,7 +319,7 @@ UNTOLD = {"practice_power": "constrained"}
 """Variables that do not exist under a tuning: usual practice knows no optima."""
 
 
-def check_finite(ds: xr.Dataset, source: str) -> None:
+def check_finite(ds: "xr.Dataset", source: str) -> None:
     """Raise `DatabaseError` if any number of the dataset is NaN or infinite.
 
     But of designs that are not `viable`, and of what a tuning has not (`UNTOLD`).

@@ -19,6 +19,8 @@ from vsb.waves.seas import Sea
 
 YEAR_HOURS = 8766.0
 """Hours of a mean year, as in IEC TS 62600-100 [h]."""
+OUTSIDE = 0.01
+"""Part of a year's variance that may lie at frequencies at which nothing is known of a device."""
 STANDARD_GRAVITY = 9.81
 STEEPEST = 0.1
 """No sea has a steepness Hs over g Te^2/(2 pi) above this: waves of a seventh of their length break [-]."""
@@ -107,6 +109,11 @@ class Climate:
     def mean_density(self) -> FloatArray:
         """The mean spectrum of the year, shape (omega,) [m^2 s]."""
         return np.asarray(self.hours @ self.density)
+
+    def variance_outside(self, lowest: float, highest: float) -> float:
+        """Return the part of the year's variance below and above two frequencies [-], [rad/s]."""
+        inside = np.diff(np.clip(self.edges, lowest, highest))
+        return max(0.0, 1 - float(self.mean_density @ inside) / float(self.mean_density @ np.diff(self.edges)))
 
     def quantile(self, share: float) -> FloatArray:
         """Return the least density a share of the year stays at or below, by frequency, shape (omega,) [m^2 s]."""

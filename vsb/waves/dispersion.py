@@ -1,7 +1,6 @@
 """Wavenumber, group velocity and orbital velocities of waves of a frequency: the dispersion relation."""
 
 import numpy as np
-from scipy.optimize import brentq
 
 from vsb.tools.units import ComplexArray, FloatArray
 
@@ -11,6 +10,8 @@ def wavenumber(omega: float, depth: float, gravity: float) -> float:
     deep = omega**2 / gravity
     if not np.isfinite(depth) or deep * depth > 20.0:
         return deep
+    from scipy.optimize import brentq  # deep water does not wait for it
+
     return float(brentq(lambda k: k * np.tanh(k * depth) - deep, deep, deep / np.tanh(deep * depth) * 2, xtol=1e-15))
 
 

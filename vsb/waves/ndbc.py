@@ -4,14 +4,17 @@ from collections import Counter
 from datetime import datetime
 from itertools import pairwise
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from vsb.errors import ConfigError
 from vsb.tools.files import read_text
 from vsb.tools.units import FloatArray
 from vsb.waves.climate import Climate, of_records
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 MISSING = 999.0
 """From here on a number of the text stands for none."""
@@ -139,6 +142,8 @@ def read_spectra(path: str | Path) -> Climate:
     ConfigError
         With file, name, value received and value needed.
     """
+    import xarray as xr  # here alone: text needs none
+
     try:
         with xr.open_dataset(path, engine="netcdf4") as ds:
             stored = ds.load()
@@ -166,7 +171,7 @@ def read_spectra(path: str | Path) -> Climate:
     return of_records(2 * np.pi * hertz, density[kept], Path(path).name, notes)
 
 
-def _check_units(path: str | Path, ds: xr.Dataset, directional: bool) -> None:
+def _check_units(path: str | Path, ds: "xr.Dataset", directional: bool) -> None:
     """Check units where the file states them."""
     for name, known in (("freq", FREQUENCY), ("efth", DENSITY[directional])):
         units = str(ds[name].attrs.get("units", ""))
@@ -175,7 +180,7 @@ def _check_units(path: str | Path, ds: xr.Dataset, directional: bool) -> None:
             raise ConfigError(f"{path}: received {name} in {units!r}, needs {needed}")
 
 
-def _direction_widths(path: str | Path, degrees: FloatArray) -> xr.DataArray:
+def _direction_widths(path: str | Path, degrees: FloatArray) -> "xr.DataArray":
     """Widths of bands of direction [degree]: equal ones all around."""
     steps = np.diff(np.sort(np.asarray(degrees, dtype=float) % 360), append=np.sort(degrees % 360)[0] + 360)
     if np.ptp(steps) > 1e-3 * steps.mean():
@@ -183,4 +188,6 @@ def _direction_widths(path: str | Path, degrees: FloatArray) -> xr.DataArray:
             f"{path}: received directions {steps.min():.4g} to {steps.max():.4g} degrees apart, needs equal distances "
             "all around"
         )
+    import xarray as xr
+
     return xr.DataArray(np.full(len(degrees), 360 / len(degrees)), dims="dir")

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Literal, NamedTuple
 
 import numpy as np
-from scipy.integrate import cumulative_trapezoid
 
 from vsb.errors import ConfigError
 from vsb.tools.files import read_text
@@ -97,6 +96,8 @@ def climate_of_cells(
 @cache
 def _unit_sea(gamma: float) -> tuple[FloatArray, FloatArray]:
     """Frequencies over that of the peak, and the variance below them of a sea of m0 = 1."""
+    from scipy.integrate import cumulative_trapezoid  # spectra, which are measured, do not wait for it
+
     x = np.linspace(0.0, 40.0, 40001)[1:]
     below = cumulative_trapezoid(jonswap_spectrum(x, 4.0, 2 * np.pi, gamma), x=x, initial=0)
     return x, np.asarray(below / below[-1])

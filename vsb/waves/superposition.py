@@ -1,7 +1,6 @@
 """Sums of many harmonic components at equally spaced instants, as of a sea of thousands of them."""
 
 import numpy as np
-from scipy.fft import fft, ifft, next_fast_len
 
 from vsb.tools.units import ComplexArray, FloatArray
 
@@ -55,6 +54,8 @@ def _spacing(omega: FloatArray) -> float:
 
 def _chirped(phasors: ComplexArray, first: float, ratio: float, count: int) -> FloatArray:
     """Re sum_j a_j exp(-i (first + j ratio) k), k < count: j k = (j^2 + k^2 - (k - j)^2)/2."""
+    from scipy.fft import fft, ifft, next_fast_len  # what sums no sea does not wait for it
+
     j, k = np.arange(len(phasors)), np.arange(count)
     size = next_fast_len(len(j) + len(k) - 1)
     chirp = np.zeros(size, dtype=complex)

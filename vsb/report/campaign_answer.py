@@ -1,0 +1,152 @@
+"""The answer of a campaign in words; a run closes with it and draws nothing, so nothing that draws is read."""
+
+import numpy as np
+import xarray as xr
+
+from vsb.study.year_options import leading_tuning
+from vsb.tools.words import against_rigid, quantity
+from vsb.waves.climate import YEAR_HOURS
+
+TUNED = {
+    "one": "each design at its own best damper of the year",
+    "each": "each design at its own best damper in each sea",
+    "fixed": "all at the given damper",
+    "constrained": "each design under the best force there is within its limits",
+}
+BESIDE = {
+    "constrained": "Under the best force there is within its limits",
+    "fixed": "All at the given damper, tuned for none of them",
+}
+"""How the second sentence begins, by the tuning it is of."""
+MODELS = {"body_exact": "body-exact", "linear": "linear"}
+
+
+def leading(ds: xr.Dataset) -> tuple[str, str | None]:
+    """Return the tuning the answer is told at, and the rigid design gains are over."""
+    return leading_tuning(ds.tuning.values), ds.attrs.get("reference") or None
+
+
+def closing_answer(ds: xr.Dataset) -> str:
+    """Return the answer of a campaign."""
+    tuning, reference = leading(ds)
+    return answer(ds, reference, tuning)
+
+
+def answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:
+    """Return the site's answer in one sentence."""
+    begins, ends = f"Over a year of {ds.attrs['climate']}", f", {TUNED[tuning]}"
+    best = best_flexible(ds, reference, tuning)
+    if best is None:
+        power = ds.annual_energy.sel(tuning=tuning)
+        if not bool(power.notnull().any()):
+            return f"{begins}, no design is viable."
+        one = power.where(power == power.max(), drop=True)
+        return f"{begins}{ends}, {one.design.values[0]} takes most: {float(power.max()):.4g} MWh."
+    return f"{begins}{ends}, {_taken(ds, reference, tuning, best)}."
+
+
+def _taken(ds: xr.Dataset, reference: str | None, tuning: str, best: tuple[xr.Dataset, str]) -> str:
+    """What the best flexible design takes beside the rigid one, with the interval."""
+    one, design = best
+    gain, energy = float(told_gain(one, tuning)), float(one.annual_energy)
+    from_what = " by linear theory" if "verification" in ds.attrs else ""
+    if is_verified(one, tuning):
+        energy = float(one.corrected_mean_power) * YEAR_HOURS / 1e6
+        runs = f"{MODELS[ds.attrs['verified_model']]} runs"
+        from_what = f" by {runs}, where linear theory says {float(one.gain_percent):+.1f} %"
+    energies = [energy, energy / (1 + gain / 100)]
+    many = (ds.sizes["design"] > 2) or ds.margin.size > 1
+    subject = f"the best flexible design, {design}{at_point(one)}," if many else f"{design}"
+    interval = f"{float(one.gain_low):+.1f} to {float(one.gain_high):+.1f} %{from_what}"
+    buckles = ", and would buckle under its static load" if float(one.margin) < 0 else ""
+    both = f"{energies[0]:.4g} against {energies[1]:.4g} MWh"
+    return f"{subject} takes {against_rigid(gain, str(reference))} ({interval}; {both}){buckles}"
+
+
+def told_beside(ds: xr.Dataset, tuning: str) -> str | None:
+    """Return the tuning the second sentence is of: within limits, or at the given damper; none of neither."""
+    return next((name for name in BESIDE if name in ds.tuning.values and name != tuning), None)
+
+
+def second_answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:
+    """Return what to hold against the answer: what limits or a given damper would say, or else what to doubt most."""
+    other = told_beside(ds, tuning)
+    if other and (best := best_flexible(ds, reference, other)):
+        return f"{BESIDE[other]}, {_taken(ds, reference, other, best)}."
+    if ds.margin.size > 1 and reference is not None:
+        return of_points(ds, reference, tuning)
+    marked = 100 * ds.energy_beyond_validity.sel(tuning=tuning)
+    theory = "" if "verification" in ds.attrs else "This is linear theory alone: "
+    beyond = f"{share_range(marked)} of the energy is from seas beyond what is described."
+    return theory + beyond if bool(marked.notnull().any()) else ""
+
+
+def of_points(ds: xr.Dataset, reference: str, tuning: str) -> str:
+    """At how many points flexibility pays: the interval of the gain of some design lies above zero."""
+    least = ds.gain_low.sel(tuning=tuning).where(ds.design != reference)
+    carries, pays = ds.margin >= 0, least.max("design") > 0
+    return (
+        f"Of {ds.margin.size} points {int(carries.sum())} carry their static load; flexibility pays at "
+        f"{int(pays.sum())} of all and at {int((pays & carries).sum())} of those."
+    )
+
+
+def at_point(one: xr.Dataset) -> str:
+    """At which point, in words."""
+    return f" at {text}" if (text := where(one)) else ""
+
+
+def best_flexible(ds: xr.Dataset, reference: str | None, tuning: str) -> tuple[xr.Dataset, str] | None:
+    """Return the flexible design of most gain and its member: one that carries its load before any that does not."""
+    if reference is None or ds.sizes["design"] < 2:
+        return None
+    one = shown_member(ds, tuning, reference).sel(tuning=tuning)
+    gains = told_gain(one, tuning).where(one.design != reference)
+    if not bool(gains.notnull().any()):
+        return None
+    design = str(gains.design.values[int(np.nanargmax(gains.values))])
+    return one.sel(design=design), design
+
+
+def where(one: xr.Dataset) -> str:
+    """Return the values of what is varied of one member, in words; empty if nothing is."""
+    names = str(one.attrs["varied"]).split()
+    return ", ".join(
+        f"{name.replace('_', ' ')} {quantity(one[name].item(), one[name].attrs.get('units', '1'))}"
+        for name in names
+        if one[name].ndim == 0
+    )
+
+
+def share_range(share: xr.DataArray) -> str:
+    """Range of percentages, those of designs that are not viable left out."""
+    least, most = f"{float(share.min()):.0f}", f"{float(share.max()):.0f}"
+    return f"{most} %" if least == most else f"{least} to {most} %"
+
+
+def shown_place(ds: xr.Dataset, tuning: str, reference: str | None) -> dict[str, int]:
+    """Return where that member stands along the dimensions of what is varied."""
+    points = [str(dim) for dim in ds.margin.dims]
+    if not points:
+        return {}
+    gain = ds.annual_mean_power.sel(tuning=tuning) if reference is None else told_gain(ds.sel(tuning=tuning), tuning)
+    others = gain if reference is None else gain.where(gain.design != reference)
+    best = others.max("design", skipna=True).fillna(-np.inf)
+    score = best.where(ds.margin >= 0, best - 1e6)
+    place = np.unravel_index(int(np.argmax(score.transpose(*points).values)), [ds.sizes[dim] for dim in points])
+    return {dim: int(i) for dim, i in zip(points, place, strict=True)}
+
+
+def shown_member(ds: xr.Dataset, tuning: str, reference: str | None) -> xr.Dataset:
+    """Return the member whose curves are drawn: of most gain of a design that carries its load, else of the most."""
+    return ds.isel(shown_place(ds, tuning, reference))
+
+
+def told_gain(ds: xr.Dataset, tuning: str) -> xr.DataArray:
+    """Return the gains to be told of results under one tuning: corrected by runs in time, or else of linear theory."""
+    return ds["corrected_gain_percent" if is_verified(ds, tuning) else "gain_percent"]
+
+
+def is_verified(ds: xr.Dataset, tuning: str) -> bool:
+    """Return whether gains under a tuning are corrected by runs in time."""
+    return ds.attrs.get("verified_tuning") == tuning and "corrected_gain_percent" in ds

@@ -1,0 +1,73 @@
+"""What can be said of a campaign before anything is solved. Read before each run, so it reads little itself."""
+
+from pathlib import Path
+
+from vsb.errors import ConfigError
+from vsb.stages.climate import read_climate
+from vsb.study.campaign_plan import CampaignPlan
+from vsb.study.plan import StudyPlan
+from vsb.study.study import Study
+from vsb.tools import packed
+from vsb.waves.climate import OUTSIDE
+
+
+def check_campaign(plan: CampaignPlan) -> None:
+    """Raise what would fail later in a campaign: points that are no studies, frequencies that cannot be solved, seas.
+
+    Raises
+    ------
+    ConfigError
+    """
+    seas = read_climate(plan.climate, plan.loaded.climate_path)
+    for one in {member.spec.sweep: member for member in plan.members}.values():
+        hydro = StudyPlan(one.study, root=plan.root)
+        hydro.check_waves()
+        outside = seas.variance_outside(hydro.first_omega, one.study.hydro.omega_max)
+        if outside > OUTSIDE:
+            raise ConfigError(
+                f"{plan.loaded.source}: climate: {outside:.1%} of its variance lies outside {hydro.first_omega:.4g} to "
+                f"{one.study.hydro.omega_max:.4g} rad/s, which a point solves; needs at most {OUTSIDE:.0%}, a larger "
+                "hydro.omega_max in the study"
+            )
+    for spec in plan.verifications.values():
+        _check_runs(spec.simulated, plan.loaded.source)
+
+
+def _check_runs(study: Study, source: str) -> None:
+    """Raise what would fail in the runs in time of a member; designs that are not viable are not run."""
+    from vsb.scenes.rest import check_rests
+    from vsb.scenes.viability import viability
+
+    if viable := viability(study).viable:
+        try:
+            check_rests(*viable)
+        except ConfigError as error:
+            raise ConfigError(f"{source}: verify: {error}") from None
+
+
+def campaign_summary(plan: CampaignPlan) -> list[str]:
+    """Return the lines `vsb check` prints of a campaign: its points, what is done of them, the jobs left."""
+    check_campaign(plan)
+    seas = read_climate(plan.climate, plan.loaded.climate_path)
+    given = plan.loaded.campaign
+    shapes = len({one.spec.sweep for one in plan.members})
+    done = sum(Path(plan.folder, "members", f"{one.id}{packed.SUFFIX}").exists() for one in plan.members)
+    jobs = sum(not Path(path).exists() for path in plan.batch_paths)
+    return [
+        f"campaign     {plan.name}: {given.study} over {len(seas.hours)} seas, tuning {', '.join(plan.loaded.tuning)}",
+        f"points       {len(plan.members)} of {' x '.join(given.vary.values) or 'nothing varied'}, {done} done",
+        *_runs_lines(plan),
+        f"jobs         {jobs} of {len(plan.batches)} batches to do, {shapes} shapes of the water",
+        *(f"climate      {note}" for note in seas.notes),
+    ]
+
+
+def _runs_lines(plan: CampaignPlan) -> list[str]:
+    """What is simulated in time."""
+    if not (verify := plan.loaded.campaign.verify):
+        return []
+    done = sum(Path(path).exists() for path in plan.verification_paths)
+    return [
+        f"verify       {verify.seas} seas of {plan.loaded.base.simulation.duration:g} s, {verify.model}, of each of "
+        f"{len(plan.verifications)} points, {done} done"
+    ]
