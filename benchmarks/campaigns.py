@@ -19,8 +19,8 @@ from benchmarks.measure import Row, as_csv, timed
 from vsb.errors import ConfigError
 from vsb.motion.port import Port
 from vsb.motion.tuning import best_damper_of_each, best_dampers
+from vsb.results.damped_years import ports_year
 from vsb.results.in_time import DesignInTime
-from vsb.results.member import ports_year
 from vsb.results.verification import chances, drawn, verified
 from vsb.results.year import DesignYear, Tuning, frequencies
 from vsb.scenes.afloat import linear_buoy, study_port

@@ -4,10 +4,13 @@ import numpy as np
 import pytest
 import xarray as xr
 from conftest import varied
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
 from results.test_year import climate, port, rms, stroke_rms
 from scenes.test_ports import water
 
-from vsb.results.validity import LIMITS, beyond_validity, motion_limits, motion_rms, wave_limits
+from vsb.results.validity import LIMITS, _undominated, beyond_validity, motion_limits, motion_rms, wave_limits
 from vsb.results.year import band_weights, frequencies, year
 from vsb.scenes.ports import POINTS, designs_in_waves
 from vsb.scenes.rest import reference_shell
@@ -130,3 +133,16 @@ def test_seas_beyond_are_marked_in_their_bins(shells):
             assert ds.beyond_validity[i, 0].values.ravel()[bin_] == pytest.approx(share)
     assert 0 < float(ds.energy_beyond_validity[1, 0]) < 1
     assert not ds.beyond_validity.values[..., found.bins.count == 0].any()
+
+
+@given(
+    hnp.arrays(float, (5, 3), elements=st.sampled_from([0.0, 1.0, 2.0, 3.0])),
+    hnp.arrays(float, 3, elements=st.floats(0, 9)),
+)
+def test_what_another_exceeds_in_every_band_is_never_the_largest(rows, density):
+    """In any sea the largest of those left is the largest of all; of equals one is left."""
+    left = _undominated(rows)
+    assert (left @ density).max() == (rows @ density).max()
+    assert len(np.unique(left, axis=0)) == len(left)
+    above = (left[:, None] <= left).all(axis=2) & ~np.eye(len(left), dtype=bool)
+    assert not above.any()

@@ -69,6 +69,17 @@ def test_what_is_not_there_stale_or_no_dataset_is_refused(dataset, tmp_path):
     seal(path)
     with pytest.raises(DatabaseError, match="no packed dataset"):
         packed.read(path)
+    np.savez(path, **{".": np.array('{"dims": {}, "coords": [], "attrs": {}}')})  # as before arrays stood in rows
+    seal(path)
+    with pytest.raises(DatabaseError, match="no packed dataset"):
+        packed.read(path)
+
+
+def test_arrays_of_one_type_stand_in_one_row(dataset, tmp_path):
+    """Four types, and what tells them apart: an entry of its own for each variable took most of the time."""
+    packed.save(dataset, tmp_path / "one.npz")
+    with np.load(tmp_path / "one.npz") as stored:
+        assert sorted(stored.files) == sorted([".", "<f8", "<i8", "|b1", "<U15", "<U5", "<U3"])
 
 
 def test_nothing_is_written_of_what_is_not_finite(dataset, tmp_path):

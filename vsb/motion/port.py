@@ -158,15 +158,19 @@ class Port:
 
     def beside(self, stiffness: float) -> "Port":
         """Return the port with a spring built in: what a damper in parallel with the spring sees."""
+        if not stiffness:
+            return self
         loaded = 1 + self.admittance * self.load(0.0, stiffness)
-        adrift = np.inf if stiffness == 0.0 else 1 / stiffness
-        compliance = adrift if np.isinf(self.compliance) else self.compliance / (1 + stiffness * self.compliance)
+        own = self.compliance
+        compliance = 1 / stiffness if np.isinf(own) else own / (1 + stiffness * own)
         return replace(
             self, admittance=self.admittance / loaded, velocity=self.velocity / loaded, compliance=compliance
         )
 
     def behind(self, compliance: float) -> "Port":
         """Return the port with a spring of this compliance [m/N] in series: a chamber's gas before the turbine."""
+        if not compliance:
+            return self
         return replace(
             self, admittance=self.admittance - 1j * self.omega * compliance, compliance=self.compliance + compliance
         )

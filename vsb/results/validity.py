@@ -98,9 +98,19 @@ def motion_rms(waves: InWaves, climate: Climate, damping: FloatArray, stiffness:
     heave, shell = waves.motion.under(waves.port, waves.port.load(dampers, np.full(len(dampers), stiffness)))
     squares = np.concatenate([_square(heave)[:, None], _square(shell).sum(axis=1)], axis=1)
     squares = squares[:, [0, *(1 + np.flatnonzero(squares[:, 1:].any(axis=(0, 2))))]]  # points that move at all
-    each = (squares / 2) @ band_weights(waves.port.omega, climate).T @ climate.density.T  # (damper, row, sea)
+    bands = (squares / 2) @ band_weights(waves.port.omega, climate).T
+    if len(dampers) == 1:
+        bands = np.concatenate([bands[:, :1], _undominated(bands[0, 1:])[None]], axis=1)
+    each = bands @ climate.density.T  # (damper, row, sea)
     variance = np.maximum(np.einsum("nrs,ns->rs", each, shares), 0.0)
     return {"heave": np.sqrt(variance[0]), "deformation": np.sqrt(variance[1:].max(axis=0, initial=0.0))}
+
+
+def _undominated(rows: FloatArray) -> FloatArray:
+    """The rows no other exceeds in every band, (row, band): in any sea the largest is one of them."""
+    below = (rows[:, None] <= rows).all(axis=2)
+    twins = below & below.T
+    return rows[~((below & ~twins) | np.tril(twins, -1)).any(axis=1)]
 
 
 def _square(phasor: ComplexArray) -> FloatArray:

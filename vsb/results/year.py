@@ -128,6 +128,12 @@ class DesignYear:
         return DesignYear(self.port.at(kept), self.climate)
 
 
+def gain_percent(power: FloatArray, reference: int) -> FloatArray | None:
+    """Return gains of mean powers over those of one of the designs, (design, tuning) [%]; none over nothing."""
+    base = power[reference]
+    return np.asarray(100 * (power / base - 1)) if np.all(base > 0) else None
+
+
 def best_for_all(years: Sequence[DesignYear]) -> FloatArray:
     """Return the one damper that takes most over the year for each of some designs, shape (design,) [N s/m].
 
@@ -189,8 +195,7 @@ class Year:
     @property
     def gain_percent(self) -> FloatArray | None:
         """Gain of the mean power over the reference under the same tuning, (design, tuning) [%]; none over nothing."""
-        base = self.annual_mean_power[self.designs.index(self.reference)] if self.reference else np.zeros(1)
-        return np.asarray(100 * (self.annual_mean_power / base - 1)) if np.all(base > 0) else None
+        return gain_percent(self.annual_mean_power, self.designs.index(self.reference)) if self.reference else None
 
     def matrices(self, values: FloatArray, of: str = "mean") -> FloatArray:
         """Return means (or `deviation`s) within bins of values by design, tuning and sea, (design, tuning, hs, te)."""

@@ -30,6 +30,11 @@ def order_bases(study: Study | RestSpec | DesignsSpec, basis: ModeBasis) -> tupl
     return (*(each for one in even for each in (one, one.turned())), yaw(basis, ballast))
 
 
+def side_by_side(own: FloatArray, *others: FloatArray) -> FloatArray:
+    """Return the block-diagonal matrix of what is axisymmetric and of further orders, if there are any."""
+    return np.asarray(block_diag(own, *others)) if others else own
+
+
 def loaded_shell(study: AtRest | DesignsSpec, basis: ModeBasis) -> LoadedShell:
     """Return the shell of a study under weight, water and internal pressure."""
     device, water = study.device, study.water
@@ -76,7 +81,7 @@ def whole_stiffness(study: Study | RestSpec | DesignsSpec, reference: ReferenceS
         np.sum(list(order_stiffness(study, basis, reference).values()), axis=0)
         for basis in order_bases(study, reference.basis)
     ]
-    whole = block_diag(reference.total, *parts)
+    whole = side_by_side(reference.total, *parts)
     return np.asarray(whole + sum(mooring_stiffness(study, whole_labels(study, reference)).values()))
 
 

@@ -2,11 +2,10 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from vsb.hydro.coefficients import Coefficients
 from vsb.hydro.database import shares
@@ -15,7 +14,7 @@ from vsb.hydro.orders import order_shares
 from vsb.motion.channel import channelled
 from vsb.motion.frequency import dynamic_stiffness, free_motion, port_of_motion
 from vsb.motion.port import Port, PortMotion, port_direction
-from vsb.scenes.directions import order_bases, whole_stiffness
+from vsb.scenes.directions import order_bases, side_by_side, whole_stiffness
 from vsb.scenes.rest import design_motions, seen_by_take_off
 from vsb.shell.modes import ModeBasis
 from vsb.shell.orders import OrderBasis
@@ -25,6 +24,8 @@ from vsb.tools.units import ComplexArray, FloatArray
 
 POINTS = 13
 """Points of the meridian the shell's motion is told at, both poles and the equator among them."""
+KEPT = 32
+"""Combinations of displacements whose coefficients are kept: as many thicknesses as a sweep may well have."""
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,7 @@ class ShapeWater:
     omega: FloatArray  # (omega,) [rad/s]
     coefficients: Coefficients  # of the displacements
     orders: tuple["ShapeWater", ...] = ()  # those of azimuthal orders 1, 2, ..., if the buoy moves in them
+    _known: dict[bytes, Coefficients] = field(default_factory=dict, repr=False, compare=False)
 
     def in_modes(self, basis: ModeBasis, families: Sequence[OrderBasis] = ()) -> Coefficients:
         """Return the coefficients of heave and modes, and of families of higher orders, each of one channel."""
@@ -47,7 +49,15 @@ class ShapeWater:
         return Coefficients.side_by_side([own, *beyond])
 
     def _combined(self, transform: FloatArray) -> Coefficients:
-        """Coefficients of combinations of the displacements, which radiate through one channel as a buoy's do."""
+        """Coefficients of combinations of the displacements, once for all materials that combine them alike."""
+        if (key := transform.tobytes()) not in self._known:
+            if len(self._known) == KEPT:
+                self._known.clear()
+            self._known[key] = self._transformed(transform)
+        return self._known[key]
+
+    def _transformed(self, transform: FloatArray) -> Coefficients:
+        """Those of one combination, which radiate through one channel as a buoy's do."""
         added_mass, damping, excitation = self.coefficients
         force, lost = excitation @ transform.T, transform @ damping @ transform.T
         return Coefficients(transform @ added_mass @ transform.T, channelled(lost, force), force)
@@ -73,7 +83,7 @@ def designs_in_waves(study: Study, reference: ReferenceShell, water: ShapeWater)
     direction = port_direction(study.pto.port, reference.shape, families)
     seen, chamber = seen_by_take_off(study, reference)
     inertia, damping = (
-        np.asarray(block_diag(getattr(basis, name), *(getattr(each, name) for each in families)))
+        side_by_side(getattr(basis, name), *(getattr(each, name) for each in families))
         for name in ("inertia", "damping")
     )
     stiffness, lossy = whole_stiffness(study, seen), coefficients.damping + damping

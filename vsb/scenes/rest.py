@@ -4,12 +4,11 @@ from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.motion.frequency import allowed_part, compliance, gas_compliance
 from vsb.motion.port import port_direction
-from vsb.scenes.directions import check_upright, loaded_shell, order_bases, whole_stiffness
+from vsb.scenes.directions import check_upright, loaded_shell, order_bases, side_by_side, whole_stiffness
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.loaded import Buckling, LoadedShell, buckling, complete_shell, equilibrium
@@ -40,14 +39,14 @@ def design_motions(study: Designed, basis: ModeBasis, design: str) -> FloatArray
     chosen, clamps = study.designs[design], np.deg2rad(study.designs[design].clamp)
     others = (order.allowed(chosen.flexible, clamps) for order in order_bases(study, basis))
     if not chosen.flexible:
-        return np.asarray(block_diag(np.eye(len(basis.labels), 1), *others))
+        return side_by_side(np.eye(len(basis.labels), 1), *others)
     free = basis.clamped(clamps) if chosen.clamp else np.eye(len(basis.labels))
     if free.shape[1] < 2:
         raise ConfigError(
             f"designs.{design}.clamp: received {list(chosen.clamp)}, which leaves none of the {len(basis.modes)} shell "
             f"modes free; use fewer clamps, a larger modes.degree, or flexible: false"
         )
-    return np.asarray(block_diag(free, *others))
+    return side_by_side(free, *others)
 
 
 def complete_loaded_shell(study: AtRest) -> LoadedShell:

@@ -215,7 +215,7 @@ class ModeBasis:
         """
         return _allowed(self.immaterial, tuple(colatitudes))
 
-    @property
+    @cached_property
     def immaterial(self) -> "ModeBasis":
         """The same shapes of a wall of no consequence: what follows from them alone is found once for all."""
         shell = replace(self.shell, thickness=1e-9 * self.shell.radius, young_modulus=1.0, density=1.0)

@@ -51,12 +51,13 @@ class Work:
     spec: MembersSpec
     root: str
     _shape: dict[tuple[str, ...], "Swept"] = field(default_factory=dict)  # of the last shape alone
+    _rigid: dict[bytes, Any] = field(default_factory=dict)  # years of rigid designs under dampers
     _optima: dict[bytes, Any] = field(default_factory=dict)  # years of rigid designs within limits
 
     def results(self, one: Member) -> xr.Dataset:
         """Return the results of a member."""
         water = partial(self.water, one)
-        return member(one.study, water, self.climate, self.spec.tuning, self._years_within(one))
+        return member(one.study, water, self.climate, self.spec.tuning, self._years_within(one), self._rigid)
 
     def _years_within(self, one: Member) -> YearsWithin | None:
         """What finds the years of a member within limits, if they are asked for; only then what is compiled is read."""
@@ -87,7 +88,8 @@ def finished(path: Path, one: Member, work: Work) -> xr.Dataset:
     except DatabaseError as error:
         if path.exists():
             print(f"{error} It is computed anew.")
-    found = work.results(one).assign_attrs(spec=canonical(one.spec), spec_id=one.id)
+    found = work.results(one)
+    found.attrs |= {"spec": canonical(one.spec), "spec_id": one.id}
     packed.save(found, path)
     return found
 

@@ -7,8 +7,8 @@ import xarray as xr
 
 from vsb.errors import ConvergenceError, StabilityError
 from vsb.motion.pto import LinearPto
+from vsb.results.damped_years import ports_year
 from vsb.results.in_time import DesignInTime
-from vsb.results.member import ports_year
 from vsb.results.verification import Sample, chances, drawn, verified
 from vsb.results.verified_year import verified_dataset, with_lost
 from vsb.results.year import Year
