@@ -207,21 +207,6 @@ def test_a_member_without_limits_reads_nothing_that_is_compiled_or_opens_meshes(
     )
 
 
-def test_a_campaign_is_checked_before_anything_that_solves_or_draws_is_read(folder):
-    """A run waits for its check, and for the answer it closes with."""
-    planned(folder, MODULI, name="light")
-    heavy = {"numba", "scipy", "xarray", "netCDF4", "matplotlib", "capytaine"}
-    check = "from vsb.stages.campaign_preview import check_campaign; check_campaign(plan_of('light.yaml'))"
-    script = f"import sys; from vsb.cli import plan_of; import vsb.stages.run, vsb.stages.verify; {check}; print({heavy} & {{*sys.modules}})"
-    done = subprocess.run([sys.executable, "-c", script], cwd=folder, capture_output=True, text=True, check=True)
-    assert done.stdout == "set()\n"
-    script = (
-        "import sys, vsb.report.campaign_answer; print({'matplotlib', 'numba', 'scipy', 'vsb.scenes'} & {*sys.modules})"
-    )
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
-    assert done.stdout == "set()\n"
-
-
 def test_a_widened_sweep_computes_new_points_alone(folder, swept, monkeypatch):
     _, found = swept
     made = []

@@ -24,7 +24,7 @@ KEPT = 32
 """Rigid designs that are kept: no material and no thickness changes them."""
 
 
-@dataclass
+@dataclass(frozen=True)
 class DampedYears:
     """What finds the years of designs under dampers, and mean power over a damper that stays as it is."""
 

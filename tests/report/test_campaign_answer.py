@@ -1,0 +1,85 @@
+"""The answer of a campaign in words."""
+
+import numpy as np
+import pytest
+from report.test_campaign_figures import campaign
+
+from vsb.report.campaign_answer import answer, best_flexible, leading, second_answer, where
+from vsb.report.campaign_page import statements, warnings
+
+
+def test_the_answer_is_of_the_best_flexible_design_that_carries_its_load():
+    assert answer(campaign(), "FSB", "one") == (
+        "Over a year of a buoy, each design at its own best damper of the year, the best flexible design, VSWEC at young "
+        "modulus 100 MPa, thickness 0.01 m, takes 8.0 % more than the rigid FSB (+5.0 to +11.0 %; 94.67 against 87.66 "
+        "MWh)."
+    )
+    one, design = best_flexible(campaign(margin=[[0.5, 0.5], [-0.1, 0.5]]), "FSB", "one")
+    assert (design, where(one)) == ("VSWEC", "young modulus 1 MPa, thickness 0.02 m")
+    buckles = answer(campaign(margin=-1.0), "FSB", "one")
+    assert buckles.endswith("94.67 against 87.66 MWh), and would buckle under its static load.")
+
+
+@pytest.mark.parametrize(
+    ("gain", "words"), [(-4.0, "4.0 % less than"), (0.04, "as much as"), (0.06, "0.1 % more than")]
+)
+def test_more_less_and_the_same(gain, words):
+    assert f"takes {words} the rigid FSB" in answer(campaign(gains=np.full((2, 2), gain)), "FSB", "one")
+
+
+def test_an_answer_by_runs_in_time_says_what_linear_theory_says():
+    ds = campaign(verified_tuning="one", verified_model="body_exact")
+    ds["corrected_gain_percent"], ds["corrected_mean_power"] = ds.gain_percent - 2.0, 0.9 * ds.annual_mean_power
+    told = answer(ds, "FSB", "one")
+    assert "takes 6.0 % more" in told
+    assert "by body-exact runs, where linear theory says +8.0 %" in told
+    assert "85.21 against 80.38 MWh" in told
+
+
+def test_without_a_rigid_design_the_one_that_takes_most_is_told():
+    assert answer(campaign(), None, "one").endswith("own best damper of the year, VSWEC takes most: 94.67 MWh.")
+    lost = campaign()
+    lost["annual_energy"] = lost.annual_energy * np.nan
+    assert answer(lost, None, "one") == "Over a year of a buoy, no design is viable."
+
+
+def test_the_second_sentence_says_what_a_fixed_damper_would():
+    ds = campaign(verified_tuning="one", verified_model="body_exact", verification="tuning one: 4 seas")
+    ds["corrected_gain_percent"], ds["corrected_mean_power"] = ds.gain_percent, ds.annual_mean_power
+    ds.gain_percent.loc[{"tuning": "fixed", "design": "VSWEC"}] = 20.0
+    told = second_answer(ds, "FSB", "one")
+    assert told.startswith("All at the given damper, tuned for none of them, the best flexible design, VSWEC at young")
+    assert "takes 20.0 % more than the rigid FSB (-8.0 to -2.0 % by linear theory;" in told
+    assert not [line for line in statements(ds, "FSB", "one") if "given damper" in line]
+
+
+def test_the_second_sentence_is_of_limits_where_they_are_known():
+    ds = campaign().assign_coords(tuning=["fixed", "one", "constrained"])
+    assert second_answer(ds, "FSB", "one").startswith("Under the best force there is within its limits, the best")
+    assert any(line.startswith("All at the given damper, it is") for line in statements(ds, "FSB", "one"))
+
+
+def test_the_second_sentence_tells_points_or_doubts_where_there_is_one_tuning():
+    ds = campaign(margin=[[0.5, -0.5], [0.5, -0.5]]).sel(tuning=["one"])
+    told = second_answer(ds, "FSB", "one")
+    assert told == "Of 4 points 2 carry their static load; flexibility pays at 1 of all and at 1 of those."
+    assert told not in statements(ds, "FSB", "one")
+    one = ds.isel(young_modulus=[0], thickness=[0])
+    said = "25 % of the energy is from seas beyond what is described."
+    assert second_answer(one, "FSB", "one") == f"This is linear theory alone: {said}"
+    assert second_answer(one.assign_attrs(verification="tuning one: 4 seas"), "FSB", "one") == said
+    lost = one.assign(energy_beyond_validity=one.energy_beyond_validity * np.nan)
+    assert second_answer(lost, "FSB", "one") == ""
+
+
+def test_the_tuning_the_answer_is_told_at():
+    assert leading(campaign()) == ("one", "FSB")
+    assert leading(campaign(reference="").sel(tuning=["fixed", "each"])) == ("each", None)
+
+
+def test_the_only_flexible_design_of_a_single_point_is_not_called_the_best():
+    one = campaign(gains=np.array([[8.0]]), margin=-0.5, modulus=(1e8,), thickness=(0.01,))
+    assert "of the year, VSWEC takes 8.0 % more" in answer(one, "FSB", "one")
+    two = one.sel(design=["FSB", "VSWEC", "VSWEC"]).assign_coords(design=["FSB", "VSWEC", "other"])
+    assert "the best flexible design, VSWEC" in answer(two, "FSB", "one")
+    assert warnings(one)[2] == "The shell would buckle under its static load, 1.5 times what it carries."
