@@ -1,3 +1,5 @@
+import re
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -60,6 +62,9 @@ def test_modes_are_a_congruence_of_the_normal_velocities(seed):
 def test_missing_degrees_are_refused(seed):
     with pytest.raises(DatabaseError, match=r"displacements \['Radial3'\] of the modes are not among those solved"):
         in_modes(block([1.0]), mode_basis(seed.device, "membrane", 3))
+    lacking = re.escape(str([f"Radial{n}" for n in range(3, 9)]))
+    with pytest.raises(DatabaseError, match=lacking):
+        in_modes(block([1.0]), mode_basis(seed.device, "membrane", 8))
 
 
 def test_symmetrizing_is_recorded_and_touches_nothing_else():

@@ -79,6 +79,18 @@ def test_interpolants_must_agree_twice_in_a_row(monkeypatch):
     assert len(once.calls) > len(sure.calls)
 
 
+@pytest.mark.parametrize(("count", "most"), [(90, 40), (60, 30)])
+def test_what_is_too_rough_is_solved_at_forty_frequencies_or_half_of_them_before_it_is_given_up(count, most):
+    grid = [round(6.4 * i / count, 10) for i in range(1, count + 1)]
+    rough = Bump(3.3, 0.0)
+
+    def solve(omegas):
+        found = rough(omegas)
+        return found.map(lambda a: a + 0.01 * np.sin(1e4 * found.omega) if "radiating_dof" in a.dims else a)
+
+    assert most - 2 < sweep._sampled(solve, grid, 1e-6, STILL, ()).solves <= most
+
+
 # the spectral solver on a grid ---------------------------------------------------------------------------------------
 
 

@@ -264,6 +264,8 @@ class TestRefused:
             replace(good, damping=uneven)
         with pytest.raises(DatabaseError, match="received 80 frequencies, needs four or more, positive and ascending"):
             replace(good, omega=OMEGA[::-1])
+        with pytest.raises(DatabaseError, match="needs four or more, positive and ascending"):
+            replace(good, omega=OMEGA - OMEGA[0])
         with pytest.raises(DatabaseError, match="size: received values that are not positive"):
             replace(good, size=np.array([1.0, 0.0]))
 

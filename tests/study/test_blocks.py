@@ -198,6 +198,15 @@ def test_a_sea_below_the_lowest_frequency_solved_is_refused(seed, wave):
         StudyPlan(varied(seed, waves=[wave])).check_waves()
 
 
+def test_the_longest_period_told_is_the_longest_solved(seed):
+    regular = {"kind": "regular", "amplitude": 0.1}
+    told = 2 * math.pi / 0.1
+    StudyPlan(varied(seed, waves=[{**regular, "period": 0.999 * told}])).check_waves()
+    longer = StudyPlan(varied(seed, waves=[{**regular, "period": 1.001 * told}]))
+    with pytest.raises(ConfigError, match=rf"waves.0.period: received .* s, needs at most {told:.4g} s, the longest"):
+        longer.check_waves()
+
+
 @given(st.floats(0.3, 5.0), st.floats(3.0, 12.0), st.sampled_from([1e-3, 1e-4, 1e-2]), st.sampled_from([math.inf, 9.0]))
 def test_the_database_reaches_any_highest_frequency_asked_for(seed, radius, highest, tolerance, depth):
     device = {"radius": radius, "thickness": 0.005 * radius, "mass": 2100.0 * radius**3}

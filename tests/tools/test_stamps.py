@@ -9,7 +9,7 @@ from tools.test_files import rao, rewritten
 
 from vsb.errors import DatabaseError
 from vsb.study.blocks import panel_solver
-from vsb.tools.files import load, save, write_text
+from vsb.tools.files import load, save, sealed, write_text
 from vsb.tools.stamps import Stamp, faults, read_manifest, read_text, record, stamp_file
 
 ID, OTHER = "a" * 16, "b" * 16
@@ -183,6 +183,7 @@ def test_a_file_of_before_that_agrees_with_its_specification_is_stamped(tmp_path
     assert faults({str(path): identity}, {}) == []
     assert load(path, expected=identity).equals(rao(np.ones((1, 3, 2))))
     assert os.stat(path).st_mtime_ns == times
+    assert sealed(path)
     with netCDF4.Dataset(path, "a") as file:
         file.setncattr("spec", '{"stage":"other"}')
         file.delncattr("checksum")

@@ -73,6 +73,13 @@ def test_the_remainder_is_of_third_order(database, family):
     assert np.all(np.abs(orders[-1] - 3) < 0.1), orders
 
 
+def test_the_remainder_is_the_largest_third_derivative_of_all_entries(database, family):
+    for name in ("added_mass", "added_mass_inf"):
+        largest = np.abs(family.centre[name].values).max()
+        exact = [np.abs(line.cubic[name].values).max() / largest for line in family.axes]
+        assert database.dataset.remainder.sel(coefficient=name).values == pytest.approx(exact, rel=1e-12)
+
+
 def test_the_estimate_is_of_third_order(database):
     eta = REACH * np.array([0.5, -0.7, 0.6, 0.8])
     large, small = database.error(eta), database.error(eta / 2)

@@ -1,5 +1,7 @@
 """The spectral solver over a band: points and frequencies enough for the tolerance, and no more."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -8,7 +10,7 @@ from hydro.test_sweep import GRID, buoy, largest_error
 from vsb.errors import ConvergenceError
 from vsb.hydro import dofs
 from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.hydro.spectral.sweep import converged, converged_on_grid, resolved
+from vsb.hydro.spectral.sweep import MOST_NODES, converged, converged_on_grid, resolved
 from vsb.shell.deformed import rigid_sphere
 
 OMEGA = [0.5, 1.5, 3.0]
@@ -30,6 +32,25 @@ def test_estimate_and_error_are_below_the_tolerance(tolerance):
         largest = np.abs(exact[name]).max(dim=("influenced_dof", "radiating_dof"))
         assert float((np.abs(found[name] - exact[name]) / largest).max()) <= tolerance
     assert found.added_mass_inf.shape == (3, 3)
+
+
+@dataclass(frozen=True)
+class Halving:
+    """A problem whose errors are halved where its points are doubled, that of damping the largest."""
+
+    nodes: int
+
+    def error_estimate(self, omegas):
+        errors = {"added_mass": 0.5, "radiation_damping": 2.0, "excitation_force": 1.0}
+        return xr.Dataset({name: ("omega", np.full(len(omegas), e / self.nodes)) for name, e in errors.items()})
+
+
+def test_points_are_doubled_until_the_largest_error_is_within_the_tolerance():
+    assert resolved(Halving(16), OMEGA, 0.126) == (Halving(16), 0.125)
+    assert resolved(Halving(16), OMEGA, 0.124) == (Halving(32), 0.0625)
+    assert resolved(Halving(16), OMEGA, 1 / 64) == (Halving(MOST_NODES), 1 / 64)
+    with pytest.raises(ConvergenceError, match=r"received 0.015, the spectral solver reaches 1.6e-02 with 128 points"):
+        resolved(Halving(16), OMEGA, 0.015)
 
 
 @pytest.mark.parametrize(("depth", "order", "names"), [(np.inf, 0, 2), (5.0, 0, 1), (5.0, 1, 2)])
