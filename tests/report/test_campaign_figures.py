@@ -146,6 +146,9 @@ def test_cells_of_a_map_stand_around_their_values_and_ticks_at_them():
     np.testing.assert_allclose(edges[0, :, 0], [0.005, 0.015, 0.025])
     assert [label.get_text() for label in ax.get_yticklabels()] == ["1e6", "1e8"]
     assert [label.get_text() for label in ax.get_xticklabels()] == ["0.01", "0.02"]
+    odd = sweep(campaign(modulus=(1e6, 10**6.75), thickness=(2650.5, 123456.0)), "one", "FSB").axes[0]
+    assert [label.get_text() for label in odd.get_yticklabels()] == ["1e6", "5.623e6"]
+    assert [label.get_text() for label in odd.get_xticklabels()] == ["2650.5", "123456"]
 
 
 def test_one_key_has_lines_and_the_band_of_the_interval():

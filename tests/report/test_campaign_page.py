@@ -20,6 +20,12 @@ def test_what_else_is_said():
     assert practice.endswith("would have said +12.0 to +12.0 % of the annual energy.")
 
 
+def test_numbers_of_the_table_have_no_exponents():
+    cells = [cell for row in rows(campaign(margin=-2163.0)) for cell in row[3:]]
+    assert "-2163" in cells
+    assert not any("e+" in cell for cell in cells)
+
+
 def test_usual_practice_is_not_set_against_itself():
     """A scatter table of JONSWAP seas is what usual practice says; another gamma, or spectra, are not."""
     ds = campaign(margin=[[0.5, -0.5], [0.5, -0.5]])

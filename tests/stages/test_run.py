@@ -37,6 +37,34 @@ def test_cores_go_to_snakemake(workplace, monkeypatch):
     ]
 
 
+def test_on_slurm_a_short_study_is_run_whole_by_srun_and_a_dry_run_is_none(workplace, monkeypatch):
+    seen = []
+    monkeypatch.setattr(launcher, "finished", lambda command, **_: seen.append(command) or 0)
+    monkeypatch.setattr(launcher, "find_spec", lambda name: True)
+    monkeypatch.setattr("vsb.stages.slurm.whole", lambda plan, profile: ["srun", profile["executor"], plan.name])
+    monkeypatch.setattr("vsb.stages.slurm.cancel", lambda prefix: 0)
+    options = (["-c", "4"], [], ["-n"])  # nothing of it is there
+    for option in options:
+        assert main(["run", written("study.yaml"), "--profile", "slurm", *option]) == 0
+    assert [command[: command.index(sys.executable)] for command in seen] == [["srun", "slurm", "seed"]] * 2 + [[]]
+    assert [Path(command[command.index("--profile") + 1]).name for command in seen] == ["default", "default", "slurm"]
+    assert [command[command.index("--cores") + 1] for command in seen[:2]] == ["4", "2"]
+    assert ["--slurm-jobname-prefix" in command for command in seen] == [False, False, True]
+
+
+def test_where_nothing_is_left_to_do_slurm_is_asked_for_nothing(workplace, monkeypatch):
+    seen = []
+    monkeypatch.setattr(launcher, "finished", lambda command, **_: seen.append(command) or 0)
+    monkeypatch.setattr(launcher, "find_spec", lambda name: True)
+    monkeypatch.setattr("vsb.stages.slurm.whole", lambda plan, profile: ["srun"])
+    monkeypatch.setattr("vsb.stages.verify.stale_products", lambda plan, dry: [])
+    monkeypatch.setattr(StudyPlan, "products", ["study.yaml"])
+    assert main(["run", written("study.yaml"), "--profile", "slurm"]) == 0
+    monkeypatch.setattr("vsb.stages.verify.stale_products", lambda plan, dry: ["old.csv"])
+    assert main(["run", written("study.yaml"), "--profile", "slurm"]) == 0
+    assert [command[0] for command in seen] == [sys.executable, "srun"]
+
+
 @pytest.mark.parametrize("name", ["nowhere", "mine", "./nowhere"])
 def test_an_unknown_profile_is_one_line(workplace, capsys, name):
     for folder in (Path("mine"), Path("profiles/mine")):  # of the current folder only if told so

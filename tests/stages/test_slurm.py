@@ -2,16 +2,23 @@
 
 import os
 import re
+import shutil
 from pathlib import Path
 
 import pytest
 import yaml
+from conftest import varied
 
+from vsb.errors import VsbError
 from vsb.stages import slurm
 from vsb.stages.run import ended
 from vsb.stages.stage import STAGES
+from vsb.study.campaign_plan import plan_of
+from vsb.study.plan import StudyPlan
+from vsb.study.study import load
 from vsb.tools.shipped import HOME
 
+SEED = HOME / "config" / "seed.yaml"
 PROFILE = yaml.safe_load((HOME / "profiles" / "slurm" / "config.yaml").read_text())
 QUEUE = """7 vsb-seed-31_aa
 8 vsb-seed-312_bb
@@ -68,10 +75,102 @@ def test_the_profile_asks_for_neither_account_nor_accounting():
 
 
 def test_rules_in_groups_are_rules_and_none_of_many_jobs():
-    """A group asks for as many cores as it has jobs side by side: two at most, however many seas and designs."""
+    """They run one after another, so on one core; of many jobs each is better a job of its own."""
     groups = dict(each.split("=") for each in PROFILE["groups"])
     assert set(groups) <= {stage.name for stage in STAGES}
     assert not set(groups) & {"simulate", "members", "panels", "verification"}
+    assert PROFILE["cores"] == 1
+
+
+@pytest.fixture
+def cluster(tmp_path, monkeypatch):
+    """A machine that has srun, outside any job."""
+    (tmp_path / "srun").write_text("#!/bin/sh\n")
+    (tmp_path / "srun").chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
+    monkeypatch.delenv("SLURM_JOB_ID", raising=False)
+
+
+@pytest.mark.parametrize("name", ["seed.yaml", "year.yaml", "paper.yaml"])
+def test_all_that_is_short_is_one_job_of_two_cores(cluster, name):
+    plan = plan_of(str(SEED.parent / name))
+    found = slurm.whole(plan, PROFILE)
+    assert found[0] == "srun"
+    assert {"--ntasks=1", "--nodes=1", "--cpus-per-task=2"} <= set(found)
+    assert f"--job-name={slurm.job_name(plan.name)}_whole" in found
+
+
+@pytest.mark.parametrize(
+    "given",
+    [{"slurm_account": "me", "slurm_partition": "day"}, ["slurm_account=me", "slurm_partition=day", "mem_mb=9"]],
+)
+def test_account_and_partition_are_the_profiles(cluster, given):
+    found = slurm.whole(plan_of(str(SEED)), {**PROFILE, "default-resources": given})
+    assert {"--account=me", "--partition=day"} <= set(found)
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        {"default-resources": {"slurm_extra": "--gres=gpu:1"}},
+        {"slurm-qos": "high"},
+        {"default-resources": {"slurm_cluster": "b"}},
+    ],
+    ids=["extra", "quality of service", "cluster"],
+)
+def test_what_else_a_profile_asks_of_slurm_is_left_to_its_plug_in(cluster, more):
+    assert slurm.whole(plan_of(str(SEED)), {**PROFILE, **more}) == []
+
+
+def test_within_a_job_none_is_asked_for_all(cluster, monkeypatch):
+    monkeypatch.setenv("SLURM_JOB_ID", "7")
+    assert slurm.whole(plan_of(str(SEED)), PROFILE) == []
+
+
+def test_without_srun_a_line_says_so(monkeypatch):
+    monkeypatch.setattr("shutil.which", lambda name: None)
+    with pytest.raises(
+        VsbError, match=r"^--profile: received one for Slurm, whose srun is not found; needs a machine of"
+    ):
+        slurm.whole(plan_of(str(SEED)), PROFILE)
+
+
+LONG = {
+    "runs": {"waves": [{"kind": "jonswap", "hs": 1.0, "tp": 5.0, "realisations": 3}]},
+    "hours": {"simulation": {"duration": 7201.0, "window": [0.0, 1.0]}},
+    "panels": {"hydro": {"solver": "panels"}},
+    "pauses": {"pto": {"law": "latching"}},
+}
+
+
+@pytest.mark.parametrize("changes", LONG.values(), ids=LONG)
+def test_what_is_long_is_a_job_for_every_rule(cluster, changes):
+    assert slurm.whole(StudyPlan(varied(load(SEED), **changes)), PROFILE) == []
+
+
+def test_a_body_that_is_solved_of_its_mesh_is_long():
+    assert not slurm.is_short(plan_of(str(SEED.parent / "barge.yaml")))
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"verify": {"seas": 124}},
+        {"tuning": ["one", "constrained"]},
+        {"vary": {"device.mass": {"log": [1.6e4, 1.8e4, 5000]}}, "verify": None},
+    ],
+    ids=["hours verified", "optima under limits", "many members"],
+)
+def test_a_long_campaign_is_a_job_for_every_rule(changes, tmp_path):
+    shutil.copytree(SEED.parent, tmp_path, dirs_exist_ok=True)
+    given = yaml.safe_load((tmp_path / "year.yaml").read_text()) | {
+        "vary": {"device.density": [2600.0]},
+        "tuning": ["one"],
+    }
+    (tmp_path / "year.yaml").write_text(yaml.safe_dump(given))
+    assert slurm.is_short(plan_of(str(tmp_path / "year.yaml")))
+    (tmp_path / "year.yaml").write_text(yaml.safe_dump(given | changes))
+    assert not slurm.is_short(plan_of(str(tmp_path / "year.yaml")))
 
 
 def test_rules_of_a_second_run_where_snakemake_does():

@@ -238,8 +238,9 @@ def _cells(ds: xr.Dataset, key: str) -> np.ndarray:
 
 
 def _number(value: object) -> str:
-    """A value beside an axis, with an exponent as study files have it."""
-    return re.sub(r"e\+?(-?)0*", r"e\1", quantity(value, "1"))
+    """A value beside an axis, with an exponent as study files have it; a huge one to four digits."""
+    huge = isinstance(value, float) and abs(value) >= 1e6
+    return re.sub(r"e\+?(-?)0*", r"e\1", f"{value:.4g}" if huge else quantity(value, "1"))
 
 
 def _scale(ds: xr.Dataset, key: str) -> str:

@@ -205,7 +205,7 @@ def _row(one: xr.Dataset, design: str, tuning: str) -> list[str]:
     gain = float(one.gain_percent) if "gain_percent" in one else np.nan
     numbers = [
         (float(one.annual_energy), ""), (float(one.capture_width), ".3g"), (gain, "+.1f"),
-        (float(one.force_rms) / 1e3, ""), (float(one.margin), ".3g"),
+        (float(one.force_rms) / 1e3, ""), (float(one.margin), ""),
     ]  # fmt: skip
     cells = ["-" if np.isnan(value) else format(value, form) if form else plain(value) for value, form in numbers]
     return [where(one) or "-", design, tuning, *cells]

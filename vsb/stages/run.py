@@ -51,20 +51,20 @@ def run(args: argparse.Namespace) -> int:
     for folder in (".", plan.root):  # snakemake writes to both
         check_folder(folder)
     check_options(args.snakemake, plan)
-    place, executor = _profile(args.profile)
-    profile = ["--profile", str(place), "--workflow-profile", "none"]
-    command = [sys.executable, "-m", "snakemake", "--snakefile", str(SNAKEFILE), "--configfile", args.config]
-    command += ["--nolock", *profile, *(["--cores", args.cores] if args.cores else [])]
+    dry = bool({"-n", "--dry-run", "--dryrun"} & set(args.snakemake))
+    place, given = _profile(args.profile)
+    on_slurm = given.get("executor") == "slurm"
     paths = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     environment = {**os.environ, "PATH": paths, "PYTHONSAFEPATH": "1"}  # nor modules of the current folder
-    if executor == "slurm":
-        command += ["--slurm-jobname-prefix", slurm.job_name(plan.name)]
     forget_damaged(Path(".snakemake", "metadata"))
     begun, told = time.time(), deque[str](maxlen=KEPT)
-    dry = bool({"-n", "--dry-run", "--dryrun"} & set(args.snakemake))
     with alone(Path(plan.folder), waits=not dry) as own, sharing(plan.root, () if dry else unmade(plan)) as shared:
-        command += _forced(args.snakemake, verify.stale_products(plan, dry=dry))
-        with ended(slurm.job_name(plan.name)) if executor == "slurm" else contextlib.nullcontext():
+        stale = verify.stale_products(plan, dry=dry)
+        left = bool(stale or args.snakemake) or not all(Path(path).exists() for path in plan.products)
+        whole = slurm.whole(plan, given) if on_slurm and left and not dry else []
+        named = ["--slurm-jobname-prefix", slurm.job_name(plan.name)] if on_slurm and not whole else []
+        command = [*_command(args, place, whole), *named, *_forced(args.snakemake, stale)]
+        with ended(slurm.job_name(plan.name)) if on_slurm else contextlib.nullcontext():
             line = _line(args.snakemake, plan, told)
             code = finished(command, env=environment, pass_fds=[*own, *shared], line=line)
     if code:
@@ -88,6 +88,14 @@ def _check(plan: Plan) -> None:
         from vsb.stages.preview import check_before_run
 
         check_before_run(plan.study, plan)
+
+
+def _command(args: argparse.Namespace, profile: Path, whole: Sequence[str]) -> list[str]:
+    """The package's workflow as a profile says; as here if `whole`, a command of Slurm's, runs all of it."""
+    workflow = ["--snakefile", str(SNAKEFILE), "--configfile", args.config, "--nolock"]
+    place, cores = (HOME / "profiles" / "default", args.cores or str(slurm.CORES)) if whole else (profile, args.cores)
+    settings = ["--profile", str(place), "--workflow-profile", "none", *(["--cores", cores] if cores else [])]
+    return [*whole, sys.executable, "-m", "snakemake", *workflow, *settings]
 
 
 def forget_damaged(records: Path) -> None:
@@ -192,8 +200,8 @@ def ended(prefix: str) -> Iterator[None]:
         raise
 
 
-def _profile(name: str) -> tuple[Path, str]:
-    """Folder of a profile, of the package by name, of the user's own by a path with a separator in it; its executor."""
+def _profile(name: str) -> tuple[Path, dict[str, Any]]:
+    """Folder of a profile, of the package by name, of the user's own by a path with a separator; what it says."""
     own = os.sep in name
     folder = Path(name) if own else HOME / "profiles" / name
     if not (folder / "config.yaml").is_file():
@@ -202,17 +210,18 @@ def _profile(name: str) -> tuple[Path, str]:
             f"--profile: received {name}, needs {known}, or the path of a folder of your own (./{Path(name).name}) "
             "with a config.yaml"
         )
-    return folder, _executor(folder / "config.yaml")
+    return folder, _settings(folder / "config.yaml")
 
 
-def _executor(profile: Path) -> str:
-    """What a profile hands jobs to, checked to be installed: Snakemake would answer with pages."""
-    given = read_yaml(profile, "a profile of snakemake")
-    name = str(given.get("executor", "local")) if isinstance(given, dict) else "local"
+def _settings(profile: Path) -> dict[str, Any]:
+    """What a profile says, what it hands jobs to checked to be installed: Snakemake would answer with pages."""
+    read = read_yaml(profile, "a profile of snakemake")
+    given = read if isinstance(read, dict) else {}
+    name = str(given.get("executor", "local"))
     if name != "local" and not find_spec(f"snakemake_executor_plugin_{name.replace('-', '_')}"):
         extra = "'vsb[slurm]'" if name == "slurm" else f"snakemake-executor-plugin-{name}"
         raise VsbError(f"{profile}: executor: received {name}, which is not installed; needs pip install {extra}")
-    return name
+    return given
 
 
 def _forced(options: Sequence[str], stale: Sequence[str]) -> list[str]:

@@ -1,11 +1,84 @@
-"""Jobs on Slurm that a run has handed over: cancelled when it is told to end, as its processes here are ended."""
+"""Jobs a run hands over to Slurm: one of all that is short; cancelled when it is told to end, as processes here are."""
 
 import os
 import re
+import shutil
 import subprocess
+from collections.abc import Mapping
+from typing import Any
+
+from vsb.errors import VsbError
+from vsb.study.body_plan import AnyPlan, BodyPlan
+from vsb.study.campaign_plan import CampaignPlan
 
 LONGEST = 50
 """Characters of a name the plug-in takes."""
+CORES, MEGABYTES, MINUTES = 2, 4000, 60
+"""Of the one job of a short study or campaign."""
+MOST_RUNS = 8
+"""Runs in time, or batches, that one job does."""
+SHORT = 8 * 3600.0
+"""Motion of all runs together that takes a minute or so [s]."""
+NAMED = {"slurm_account": "--account", "slurm_partition": "--partition"}
+"""What a profile may name of a cluster, and what srun calls it."""
+UNDERSTOOD = {*NAMED, "mem_mb", "runtime", "slurm-no-account", "slurm-status-command"} | {
+    "slurm-init-seconds-before-status-checks"
+}
+"""All else that a profile asks of Slurm is the plug-in's to understand."""
+
+
+def whole(plan: AnyPlan | CampaignPlan, profile: Mapping[str, Any]) -> list[str]:
+    """Return the command by which Slurm runs another one, of all of a short study or campaign, on one node.
+
+    A job of each rule waits in the queue, starts snakemake twice and is asked for at growing intervals, which takes
+    longer than what is short.
+
+    Parameters
+    ----------
+    plan : StudyPlan, BodyPlan or CampaignPlan
+    profile : mapping
+        What a profile of Snakemake's with Slurm for its executor says.
+
+    Returns
+    -------
+    list of str
+        Empty where rules are better jobs of their own: if the plan is long, if the profile asks for more than account
+        and partition, or in a job of Slurm's.
+
+    Raises
+    ------
+    VsbError
+        If this machine hands no jobs to Slurm.
+    """
+    if shutil.which("srun") is None:
+        raise VsbError("--profile: received one for Slurm, whose srun is not found; needs a machine of the cluster")
+    named = resources(profile)
+    asked = {*named, *(key for key in profile if key.startswith("slurm"))}
+    if not is_short(plan) or asked - UNDERSTOOD or "SLURM_JOB_ID" in os.environ:
+        return []
+    options = [f"{option}={named[key]}" for key, option in NAMED.items() if key in named]
+    size = [f"--cpus-per-task={CORES}", f"--mem={MEGABYTES}", f"--time={MINUTES}"]
+    return ["srun", "--ntasks=1", "--nodes=1", *size, *options, f"--job-name={job_name(plan.name)}_whole"]
+
+
+def resources(profile: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the default resources of a profile, given as a mapping or as a list of `name=value`."""
+    given = profile.get("default-resources") or {}
+    return dict(given) if isinstance(given, Mapping) else dict(str(each).split("=", 1) for each in given)
+
+
+def is_short(plan: AnyPlan | CampaignPlan) -> bool:
+    """Return whether all of a plan takes a few minutes on two cores."""
+    if isinstance(plan, CampaignPlan):
+        loaded, verify = plan.loaded, plan.loaded.campaign.verify
+        runs = len(plan.verifications) * len(loaded.base.designs) * (verify.seas if verify else 0)
+        motion = runs * loaded.base.simulation.duration
+        return len(plan.batches) <= MOST_RUNS and motion <= SHORT and loaded.constrained is None
+    study = plan.study
+    runs = len(study.designs) * len(study.waves)
+    motion = runs * study.simulation.duration
+    solves = plan.solves if isinstance(plan, BodyPlan) else plan.study.uses_panels
+    return runs <= MOST_RUNS and motion <= SHORT and not solves and not study.pto.pauses
 
 
 def job_name(name: str) -> str:
