@@ -1,13 +1,21 @@
 """What is said of a study of a body before anything is solved."""
 
+from contextlib import nullcontext
 from pathlib import Path
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
+import xarray as xr
 import yaml
 from conftest import told
 from stages.test_coefficients import SWELL, as_body
 
 from vsb.cli import main
+from vsb.errors import ConfigError
+from vsb.stages.body_preview import check_wave
+from vsb.study.body import BodyStudy
+from vsb.study.reading import validated
 
 
 def checked(finished, capsys, **changes):
@@ -44,3 +52,33 @@ def test_what_would_fail_later_is_refused_in_one_line(finished, workplace, capsy
         changes = {"pto": {"damping": 1.0}, **changes}
     assert message in checked(finished, capsys, **changes)
     assert {path.name for path in Path().iterdir()} == {"file", "a.yaml"}
+
+
+KNOWN = xr.Dataset(coords={"omega": [0.5, 1.0, 2.0], "wave_direction": [0.0, np.pi / 2]})
+
+
+@pytest.mark.parametrize(
+    ("wave", "refused"),
+    [
+        ({"kind": "still"}, None),
+        ({"kind": "regular", "amplitude": 0.1, "period": 4 * np.pi}, None),
+        ({"kind": "regular", "amplitude": 0.1, "period": np.pi, "direction": 90}, None),
+        ({"kind": "regular", "amplitude": 0.1, "period": np.pi * (1 - 1e-6)}, "needs 0.5 to 2 rad/s, the band"),
+        (
+            {"kind": "regular", "amplitude": 0.1, "period": 4 * np.pi * (1 + 1e-6)},
+            "a frequency of 0.5 rad/s, needs 0.5",
+        ),
+        (
+            {"kind": "regular", "amplitude": 0.1, "period": 5.0, "direction": 45},
+            "received 45 degrees, needs one of 0, 90",
+        ),
+        ({"kind": "white_noise", "hs": 0.1, "band": [0.4, 1.9]}, None),
+        ({"kind": "white_noise", "hs": 0.1, "band": [0.6, 2.1]}, "a frequency of 2.1 rad/s"),
+    ],
+)
+def test_seas_lie_in_the_band_and_the_directions_of_a_bodys_database(wave, refused):
+    """Ends of the band are of it; of an irregular sea what lies below is cut."""
+    made = {"study": "a", "body": {"database": "-"}, "designs": {"a": {}}, "waves": [wave], "pto": {"damping": 1.0}}
+    (sea,) = validated(BodyStudy, made, "a.yaml").waves
+    with pytest.raises(ConfigError, match=f"waves.7.*{refused}") if refused else nullcontext():
+        check_wave(7, sea, SimpleNamespace(database=KNOWN))
