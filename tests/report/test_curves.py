@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.colors import to_hex
 
 from vsb.report.canvas import StudyData, style
 from vsb.report.figures import draw
@@ -99,6 +100,41 @@ def test_energies_of_the_audit_are_kilojoules_at_the_end_of_the_run():
     assert widths == pytest.approx([20, 40, 40, 80, 60, 120, 80, 160])
     (works,) = (line.get_xdata() for line in ax.get_lines() if line.get_marker() == "|")
     assert works == pytest.approx([100, 200])
+
+
+def test_bars_of_the_audit_stand_end_to_end_what_is_given_up_on_the_other_side():
+    """Also where a term is less than a kilojoule."""
+    given, terms = data(), ["pto", "radiated", "structural", "stored"]
+    values = np.array([[0.4, 30.0, 5.0, -8.0], [12.0, 0.3, -0.2, -0.7]])
+    for design, ends in zip(DESIGNS, values, strict=True):
+        given.runs[design, "w"].energy.loc[{"term": terms}] = np.outer(TIME / TIME[-1], 1e3 * ends)
+    bars = draw("energy_audit-w", given).axes[0].patches
+    for k, ends in enumerate(values):
+        own = [sorted((bar.get_x(), bar.get_x() + bar.get_width())) for bar in bars[k :: len(DESIGNS)]]
+        right, left = ([v for v in ends if sign * v > 0] for sign in (1, -1))
+        stacked = [
+            sorted(pair) for side in (right, left) for pair in zip(np.cumsum([0, *side]), np.cumsum(side), strict=False)
+        ]
+        assert sorted(own) == pytest.approx(np.array(sorted(stacked)))
+
+
+def test_added_mass_of_the_fastest_motion_is_a_dashed_line_in_the_colour_of_its_mode():
+    labels, pair = ["Heave", "Membrane0"], ("omega", "influenced_dof", "radiating_dof")
+    sizes = np.diag([3e4, 1e4])
+    database = xr.Dataset(
+        {
+            "added_mass": (pair, np.array([1.2 * sizes, 1.1 * sizes])), "added_mass_inf": (pair[1:], 0.8 * sizes),
+            "radiation_damping": (pair, np.array([sizes, 0.1 * sizes])),
+        },
+        {"omega": [1.0, 2.0], "influenced_dof": labels, "radiating_dof": labels},
+    )  # fmt: skip
+    top, bottom = draw("added_mass_damping", data(database=database)).axes
+    dashed = [line for line in top.get_lines() if line.get_linewidth() == 0.7]
+    assert [(line.get_linestyle(), set(line.get_ydata())) for line in dashed] == [("--", {2.4e4}), ("--", {8e3})]
+    for line, label in zip(dashed, labels, strict=True):
+        solid = next(other for other in top.get_lines() if other.get_label() == label)
+        assert to_hex(line.get_color()) == to_hex(solid.get_color())
+    assert bottom.get_ylim() == pytest.approx((0.3, 6e4))
 
 
 OMEGA = np.linspace(0.4, 4.0, 37)
@@ -213,6 +249,18 @@ def test_three_shapes_are_those_at_the_start_and_at_both_extremes():
     given.runs["VSWEC", "w"].position.values[310, 1] = -0.03
     titles = [ax.get_title() for ax in draw("shapes_3d-w", given).axes]
     assert titles == ["start\nt = 0.00 s", "least height\nt = 15.50 s", "greatest height\nt = 15.00 s"]
+
+
+def test_a_shell_in_space_is_twelve_meridians_and_rings_that_close():
+    for ax in draw("shapes_3d-w", posed(0.04)).axes:
+        wires = [np.array(line.get_data_3d()) for line in ax.get_lines()]
+        rings = [wire for wire in wires if np.ptp(wire[2]) == 0]
+        assert len(wires) - len(rings) == 12
+        assert len(rings) == 11
+        for x, y, _ in rings:
+            assert (x[0], y[0]) == pytest.approx((x[-1], y[-1]), abs=1e-12)
+            assert np.hypot(x, y) == pytest.approx(x.max())
+            assert (x.min(), y.min(), y.max()) == pytest.approx((-x.max(), -x.max(), x.max()), rel=1e-9)
 
 
 def test_modes_are_titled_by_their_dry_frequencies():

@@ -30,6 +30,7 @@ def test_guides_fall_with_the_order_of_each_expansion():
     guides = [line for line in ax.get_lines() if line.get_linestyle() == ":"]
     slopes = [np.diff(np.log(line.get_ydata())) / np.diff(np.log(SIZE)) for line in guides]
     np.testing.assert_allclose(slopes, [[2.0, 2.0], [3.0, 3.0]])
+    assert [line.get_ydata()[0] for line in guides] == pytest.approx(0.5 * errors[:2, 0])
     tried = drawn["shape database, within its reach"]
     assert (tried.get_xdata()[0], tried.get_ydata()[0]) == (0.05, 3e-4)
 
