@@ -84,6 +84,13 @@ def test_the_surface_travels_and_is_the_runs_own_at_the_axis(depth):
     assert not surface(NO_WAVES, time, place, water).any()
 
 
+def test_the_water_is_drawn_along_the_axis_where_no_direction_is_told():
+    place = 3.4 * np.linspace(-1, 1, ACROSS)
+    time = 60.0 - 32.0 + np.linspace(0.0, 32.0, frames()["frames"])
+    expected = surface(SWELL, time, place, Water())
+    assert unpacked(frames()["surface"]) == pytest.approx(expected.ravel(), abs=1e-5)
+
+
 def test_waves_from_the_side_are_level_across_the_plane_that_is_drawn():
     ahead, aside, back = (
         unpacked(frames_data("", {}, SWELL, (0.0, 8.0), PERIOD, 3.4, Water(), [], towards)["surface"]).reshape(

@@ -25,6 +25,7 @@ def test_a_mesh_has_the_rows_asked_for_or_a_fraction_of_them(spec, coarser):
 
 def test_it_runs_from_the_waterline_to_the_keel_and_is_covered_by_its_lid(spec):
     ds = mesh.mean_mesh(spec)
+    assert ds.identical(mesh.mean_mesh(spec, 1))
     assert ds.meridian_height.values[0] == pytest.approx(0.0, abs=1e-9)
     assert (ds.meridian_radius.values[-1], ds.lid_radius.values[0]) == pytest.approx((0.0, 0.0), abs=1e-9)
     assert ds.lid_radius.values[-1] == pytest.approx(ds.meridian_radius.values[0], rel=1e-3)

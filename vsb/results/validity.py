@@ -78,7 +78,7 @@ def _beyond(name: str, values: FloatArray, limit: float) -> Beyond:
     return Beyond(name, float(values.max()), limit, values > limit)
 
 
-def motion_rms(waves: InWaves, climate: Climate, damping: FloatArray, stiffness: float = 0.0) -> dict[str, FloatArray]:
+def motion_rms(waves: InWaves, climate: Climate, damping: FloatArray, stiffness: float) -> dict[str, FloatArray]:
     """Return the root mean squares `motion_limits` takes, each shape (sea,) [m].
 
     Parameters

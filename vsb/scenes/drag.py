@@ -39,7 +39,7 @@ def dragged(drag: Drag, labels: Sequence[str]) -> FloatArray:
     return np.array([[float(label == name.capitalize()) for label in labels] for name in drag.directions])
 
 
-def flow(run: DraggedSpec, omega: FloatArray, direction: float = 0.0) -> ComplexArray:
+def flow(run: DraggedSpec, omega: FloatArray, direction: float) -> ComplexArray:
     """Return the velocity of undisturbed waves at half the draft per amplitude, shape (omega, dragged) [1/s].
 
     Along every direction the drag acts on, of waves going to one [degrees]. They have no vorticity, so of rotations

@@ -42,6 +42,8 @@ INSTANTS = 96
 """Shapes of a motion that are looked at: in a period of regular waves, in a run of others."""
 SAMPLES = 8
 """Random directions for each of `SIZES`."""
+TRIED = 20
+"""Random combinations of amplitudes the shape database is measured on."""
 _CURVES = {
     "added_mass": ("added mass", "#000000"),
     "radiation_damping": ("damping", "#D55E00"),
@@ -241,7 +243,7 @@ def answer(ds: xr.Dataset, name: str) -> str:
     )
 
 
-def shape_dataset(study: Study, family: ShapeFamily | None = None, samples: int = 20) -> xr.Dataset:
+def shape_dataset(study: Study, family: ShapeFamily | None = None, samples: int = TRIED) -> xr.Dataset:
     """Return all of it for a study: its shape database, what it means for power, errors of expansions.
 
     `interpolation_error`, dimensions (expansion, deformation): of the `first` and `second` order in random directions;
@@ -275,7 +277,7 @@ def largest_mode(ds: xr.Dataset) -> str | None:
     return str(ds.shape_dof.values[1 + change[1:].argmax()]) if len(change) > 1 else None
 
 
-def shapes_of_study(study: Study, family: ShapeFamily, samples: int = 20) -> int:
+def shapes_of_study(study: Study, family: ShapeFamily, samples: int = TRIED) -> int:
     """Return the number of shapes `shape_dataset` looks at, where every design has a shape at rest."""
     checks = 1 + 2 * len(family.labels) + samples + len(SIZES) * SAMPLES
     seas = sum(not isinstance(wave, StillWater) for wave in study.waves)
