@@ -45,6 +45,16 @@ def test_a_perfect_database_passes(perfect):
     assert max(check.value for check in checks if check.name != "irregular_frequencies") < 1e-6
 
 
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e6])
+@pytest.mark.parametrize("of", [quality.negative_damping, quality.second_channel])
+def test_negative_and_second_eigenvalues_are_shares_of_the_largest(perfect, of, size):
+    """Of eigenvalues 4 and -1 at one frequency, less at the others; in whatever units."""
+    ds = damaged(perfect, "radiation_damping", lambda b: b.__imul__(0.0))
+    ds.radiation_damping.values[:] = size * np.diag([2.0, -0.25])
+    ds.radiation_damping.values[7] = size * np.array([[1.5, 2.5], [2.5, 1.5]])
+    assert of(ds, np.ones((2, 2))) == pytest.approx(0.25)
+
+
 def damaged(ds, name, change):
     out = ds.copy(deep=True)
     change(out[name].values)

@@ -11,7 +11,16 @@ from scipy.special import assoc_legendre_p
 from vsb.errors import ConfigError
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import mode_basis
-from vsb.shell.orders import Ballast, Field, OrderBasis, ballast_of, order_basis, semi_normalisation, semi_normalised
+from vsb.shell.orders import (
+    Ballast,
+    Field,
+    OrderBasis,
+    ballast_of,
+    order_basis,
+    semi_normalisation,
+    semi_normalised,
+    yaw,
+)
 from vsb.study.study import Device
 
 DEVICE = Device(
@@ -99,6 +108,18 @@ def test_pitch_has_the_inertia_of_shell_and_ballast_and_couples_with_surge_by_th
     assert inertia[0, 1] == inertia[1, 0] == pytest.approx(17170.0 * -0.4)
     assert inertia[0, 0] == 17170.0
     assert (np.linalg.eigvalsh(inertia) > 0).all()
+
+
+def test_yaw_turns_the_sphere_about_its_axis():
+    """By r sin phi along e_theta, against the family's sign, and with no stiffness."""
+    turned = yaw(mode_basis(DEVICE, "full", 2), BALLAST._replace(yaw_inertia=500.0))
+    phi = np.array([0.0, 0.4, np.pi / 2, 3.0])
+    field, slope = turned.field(phi), turned.field(phi, 1)
+    assert field.azimuthal == pytest.approx(-2.0 * np.sin(phi)[None], abs=1e-15)
+    assert slope.azimuthal == pytest.approx(-2.0 * np.cos(phi)[None], abs=1e-15)
+    assert not np.any([field.radial, field.meridional, slope.radial, slope.meridional])
+    assert turned.inertia == pytest.approx(2 / 3 * turned.shell.mass * 4 + 500.0)
+    assert not np.any([turned.stiffness, turned.hydrostatic_stiffness(HEIGHT, RHO, G)])
 
 
 def test_without_ballast_the_centre_of_mass_is_the_spheres():

@@ -121,6 +121,7 @@ OBLATE = Shell(2.0, 0.01, 10e6, 0.3, 2700.0, spheroid(2.0, 3.0))
 def test_another_meridian_has_its_own_size():
     assert OBLATE.mass == pytest.approx(2700.0 * 0.01 * spheroid(2.0, 3.0).area)
     assert OBLATE.volume == pytest.approx(4 / 3 * np.pi * 2.0**2 * 1.5)
+    assert SEED.volume == pytest.approx(4 / 3 * np.pi * 2.0**3)
     at, sphere = OBLATE.at_rest(np.array([0.5])), SEED.at_rest(np.array([0.5]))
     assert (at.x, at.z) == (pytest.approx(sphere.x), pytest.approx(0.75 * sphere.z))
 

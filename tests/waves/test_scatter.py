@@ -20,6 +20,7 @@ def test_the_shipped_table():
     climate = read_scatter(SHIPPED)
     assert climate.notes[0] == "122 occupied cells of Hs and Te, which sum to 99.82 (percent of 100)"
     assert len(climate.hs) == 122
+    assert climate.notes[-1] == "JONSWAP spectra, gamma 3.3"
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ import pytest
 from conftest import varied
 
 from vsb.hydro.panels.mesh import (
+    deformed_mesh,
     display_shapes,
     graded_colatitudes,
     mean_mesh,
@@ -12,7 +13,7 @@ from vsb.hydro.panels.mesh import (
     write_wet_shell,
 )
 from vsb.scenes.rest import study_basis
-from vsb.shell.deformed import DeformedShell
+from vsb.shell.deformed import DeformedShell, rigid_sphere
 from vsb.shell.modes import mode_basis
 from vsb.study import study as config
 
@@ -143,3 +144,13 @@ def test_every_viewable_shape_of_a_very_light_buoy_is_written(seed, tmp_path):
     for name, shape in display_shapes(DeformedShell(study_basis(study), study.centre_height)).items():
         write_wet_shell(shape, tmp_path / f"{name}.vtu", 8, 8)
         assert (tmp_path / f"{name}.vtu").is_file()
+
+
+@pytest.mark.parametrize("height", [-0.5, 0.0, 0.8])
+def test_a_shell_that_is_not_deformed_has_the_mesh_of_the_sphere(height):
+    found, sphere = deformed_mesh(rigid_sphere(2.0, height), 12, 24, 5), mean_mesh(2.0, height, 12, 24, 5)
+    assert found.attrs == sphere.attrs
+    for name in sphere:
+        np.testing.assert_allclose(found[name].values, sphere[name].values, atol=1e-12, err_msg=name)
+    assert sphere.normal_radius.values == pytest.approx(np.sin(sphere.row_colatitude.values))
+    assert sphere.normal_height.values == pytest.approx(np.cos(sphere.row_colatitude.values))
