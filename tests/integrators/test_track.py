@@ -41,5 +41,12 @@ def test_a_stop_that_is_not_pressed_is_looked_for_in_whole_strides(contact, i, f
     assert lookout.apart(mode) == pytest.approx(0.1 if contact else 0.4)
 
 
+def test_a_mode_of_which_nothing_is_said_is_a_free_port_watched_at_every_step():
+    assert Mode(1) == Mode(way=1, limited=0, contact=0, paused=False, until=np.inf)
+    assert Lookout(0.1) == Lookout(step=0.1, stride=1)
+    for mode in (Mode(1), Mode(1, contact=1), Mode(0)):
+        assert Lookout(0.1).steps(mode) == 1
+
+
 def test_the_sign_of_nothing_is_positive():
     assert [sign(value) for value in (-1e-300, 0.0, 2.0)] == [-1, 1, 1]

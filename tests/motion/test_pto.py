@@ -39,6 +39,12 @@ def test_behind_a_compliance_damper_and_spring_are_in_series_with_it(damping, st
     assert relaxing == pytest.approx(series, rel=1e-9, abs=1e-9 * size)
 
 
+def test_a_damper_alone_has_no_spring_and_is_that_of_heave():
+    alone = LinearPto(8e3)
+    assert not alone.spring(3).any()
+    np.testing.assert_array_equal(alone.direction(3), [1.0, 0.0, 0.0])
+
+
 def test_a_spring_that_runs_away_with_the_gas_is_refused():
     with pytest.raises(ConfigError, match=r"pto.stiffness: received -2, with which the gas .*; needs more than -2$"):
         LinearPto(1.0, -2.0).relaxed(0.5)

@@ -19,6 +19,13 @@ def test_a_law_is_a_limited_spring_and_damper_at_its_port(y, x, vy, vx):
     assert force[0] == pytest.approx(-np.clip(wanted, -5.0, 5.0) * B)
 
 
+def test_a_law_of_which_nothing_more_is_said_is_a_damper_about_the_place_at_rest():
+    law, stop = TakeOff(np.array([1.0, 0.5]), 8e3), EndStop(np.array([1.0, 0.5]), 2.0, 1e5, 1e3)
+    assert law.coefficients(False) == (8e3, 0.0)
+    assert (law.pause, law.limit, law.rest, stop.rest) == (0.0, np.inf, 0.0, 0.0)
+    assert not law.force(np.zeros(1), np.array([[3.0, 1.0]]), np.zeros((1, 2))).any()
+
+
 def test_friction_has_the_sign_of_the_velocity():
     force = TakeOff(B, np.inf, limit=5.0).force(np.zeros(3), np.zeros((3, 2)), np.array([[2.0, 0], [-1e-9, 0], [0, 0]]))
     assert force[:, 0].tolist() == [-5.0, 5.0, 0.0]
