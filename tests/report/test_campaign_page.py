@@ -20,6 +20,22 @@ def test_what_else_is_said():
     assert practice.endswith("would have said +12.0 to +12.0 % of the annual energy.")
 
 
+def test_numbers_stand_right_where_a_column_of_words_is_left_out():
+    """Of a campaign of one point the first column is: the first of numbers once stood as words do."""
+    point = campaign().isel(young_modulus=[0], thickness=[0]).squeeze(drop=True)
+    for ds, count in ((campaign(), 3), (point.assign_attrs(varied=""), 2)):
+        text = render(CampaignReport(ds, {}))
+        row = re.search(r"<tbody><tr>(.*?)</tr>", text[text.index("designs over the year") :]).group(1)
+        assert [' class="text"' in cell for cell in re.findall(r"<td[^>]*>", row)] == [True] * count + [False] * 5
+
+
+def test_a_part_of_a_year_is_doubted():
+    notes = ("8 spectra used", "50 days stand for a year: seasons are missing")
+    text = render(CampaignReport(campaign(), {}, notes=notes))
+    assert "<li>Of the climate, 50 days stand for a year: seasons are missing.</li>" in text
+    assert "Of the climate, 8" not in text
+
+
 def test_numbers_of_the_table_have_no_exponents():
     cells = [cell for row in rows(campaign(margin=-2163.0)) for cell in row[3:]]
     assert "-2163" in cells

@@ -1,5 +1,6 @@
 """Figures and report of a campaign: all that is promised, each stamped, of its own data alone, the same every time."""
 
+import html
 import re
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from vsb.report.campaign_answer import closing_answer
 from vsb.results.campaign import stacked
 from vsb.results.member import member
 from vsb.stages import answer
+from vsb.stages.climate import read_climate
 from vsb.study.campaign_plan import members
 from vsb.tools.files import load, save
 from vsb.tools.stamps import faults, read_manifest
@@ -52,6 +54,14 @@ def answered(plan):
 def written(plan):
     """The files of the answer by path."""
     return answered(plan)
+
+
+def test_the_page_says_what_the_climates_file_lacks(plan, written):
+    """Of what is left out, `vsb check` told alone."""
+    notes = read_climate(plan.campaign.climate, plan.loaded.climate_path).notes
+    assert len(notes) > 2
+    told = "; ".join([plan.campaign.climate_name, *notes])
+    assert told in html.unescape(written[f"{plan.folder}/report.html"].decode())
 
 
 def test_all_that_is_promised_is_there_and_stamped(plan, written):

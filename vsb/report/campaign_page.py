@@ -29,6 +29,7 @@ from vsb.report.living import as_script
 from vsb.study.take_off import at_port
 from vsb.study.year_options import CONSTRAINED
 from vsb.tools.words import plain
+from vsb.waves.climate import PARTIAL
 
 CAPTIONS = {
     "spectra": "Spectra of the year: their mean, which holds its energy, their median at each frequency, and (shaded) "
@@ -70,6 +71,7 @@ class CampaignReport:
     living: Mapping[str, Any] | None = None  # what the page computes with, see `vsb.report.living`
     sketches: Sequence[Mapping[str, str]] = ()  # of each design: name, words, SVG
     moving: Mapping[str, Any] | None = None  # what it draws in motion, see `vsb.report.animation`
+    notes: Sequence[str] = ()  # on the climate: what was left out of its file, and what is not known
 
 
 def render(report: CampaignReport) -> str:
@@ -87,13 +89,17 @@ def render(report: CampaignReport) -> str:
         still="" if report.moving else STILL,
         living=as_script(report.living) if report.living else "",
         statements=statements(ds, reference, tuning),
-        warnings=warnings(ds),
+        warnings=[*warnings(ds), *(f"Of the climate, {note}." for note in report.notes if PARTIAL in note)],
         head=HEAD,
         body=rows(ds),
         explained=f"Tunings: {'; '.join(f'{name}, {TUNED[name]}' for name in map(str, ds.tuning.values))}.",
         left_out=max(0, int(ds.annual_mean_power.size) - MOST_ROWS),
         figures=captioned(report.figures, captions(ds)),
-        facts={"Study": ds.attrs["study"], "Climate": ds.attrs["climate"], "Content id": ds.attrs["spec_id"]},
+        facts={
+            "Study": ds.attrs["study"],
+            "Climate": "; ".join([ds.attrs["climate"], *report.notes]),
+            "Content id": ds.attrs["spec_id"],
+        },
     )
     return at_port(text, ds.attrs.get("port"))
 

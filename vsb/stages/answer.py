@@ -32,7 +32,7 @@ def run(spec: CampaignSpec, data: str, climate: str, root: str, figures: str, ou
     files = [path for name, one in found.items() for path in one.write(figures, name)]
     svgs = {name: one.svg for name, one in found.items()}
     first = members(spec.base, spec.vary.points[:1], spec.climate, spec.tuning)[0].study
-    write_text(out, render(CampaignReport(ds, svgs, living, sketches(first), moving)))
+    write_text(out, render(CampaignReport(ds, svgs, living, sketches(first), moving, seas.notes)))
     record(manifest, identity, [out, *files])
 
 

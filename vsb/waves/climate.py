@@ -30,6 +30,8 @@ HIGHEST = 40.0
 """No sea has a higher Hs [m]."""
 AGREEMENT = 0.02
 """Part by which Hs may miss that of the spectrum: tables round, bands cut tails."""
+PARTIAL = "stand for a year"
+"""Words of a note on records of a part of the year only: what it says of the rest is to be doubted."""
 
 
 @dataclass(frozen=True, eq=False)  # one climate is itself: what is made of it is kept with it

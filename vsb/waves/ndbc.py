@@ -11,7 +11,7 @@ import numpy as np
 from vsb.errors import ConfigError
 from vsb.tools.files import read_text
 from vsb.tools.units import FloatArray
-from vsb.waves.climate import Climate, of_records
+from vsb.waves.climate import PARTIAL, Climate, of_records
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -125,7 +125,7 @@ def _calendar(times: list[datetime]) -> tuple[list[int], list[str]]:
             notes.append(f"{uneven} records closer than that count as much as the others")
         days = (order[-1] - order[0]).total_seconds() / 86400
         if days < 360:
-            notes.append(f"{days:.0f} days stand for a year: seasons are missing")
+            notes.append(f"{days:.0f} days {PARTIAL}: seasons are missing")
     return sorted(first.values()), notes
 
 
