@@ -1,3 +1,4 @@
+import re
 import urllib.parse
 
 import numpy as np
@@ -7,7 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vsb.report.page import (
+    BODY_MEASURES,
     DETAILS,
+    MEASURES,
+    PUBLISHED,
     Report,
     band_statements,
     irregular_statements,
@@ -154,6 +158,21 @@ def test_the_best_design_of_each_sea():
     assert text[2] == "At the given damper, in still water, no design absorbs power on average."
     assert text[3] == "At the given damper, in ripples, A absorbs most: 5 W on average."
     assert text[4] == "At the given damper, in a wake, the rigid FSB absorbs: 70 W on average."
+
+
+@pytest.mark.parametrize(("measure", "label", "factor", "form"), [*MEASURES, *BODY_MEASURES, *DETAILS])
+def test_a_column_has_the_unit_its_head_says(measure, label, factor, form):
+    """Of a comparison in SI units, gains in per cent."""
+    unit = re.search(r"\[(.+)\]$", label).group(1)
+    assert factor == {"kJ": 1e-3}.get(unit, 1.0)
+    assert form == {"%": "+.1f", "-": ".1e"}.get(unit, "")
+    assert (unit == "%") == measure.endswith("percent")
+
+
+@pytest.mark.parametrize(("name", "unit", "factor"), PUBLISHED.values())
+def test_what_is_published_is_in_the_unit_that_is_told(name, unit, factor):
+    assert factor == (1e-3 if unit.startswith("k") else 1.0)
+    assert unit in ("m peak to peak", "m/s peak to peak", "N peak to peak", "W", "kJ")
 
 
 def test_what_does_not_exist_is_a_dash():
