@@ -54,6 +54,14 @@ def test_power_lost_at_the_given_damper_is_doubted_above_five_per_cent(study, ru
     )
 
 
+@pytest.mark.parametrize(("share", "verdict"), [(1.001, "ok"), (0.951, "ok"), (0.949, "doubt"), (0.0, "doubt")])
+def test_five_per_cent_lost_is_the_limit(study, rungs, share, verdict):
+    line = equal_tuning(study, rungs)[0]._replace(share=share)
+    (check,) = fair_damping_checks([line], "N s/m")
+    assert (check.verdict, check.limit) == (verdict, 0.05)
+    assert check.value == pytest.approx(max(0.0, 1 - share))
+
+
 def test_power_lost_is_said_in_the_unit_of_the_damper(study, rungs):
     first, *_ = fair_damping_checks(equal_tuning(study, rungs), damper_unit("volume"))
     assert "200 W at 8000 Pa s/m³, 800 W at 10000 Pa s/m³" in first.explanation
