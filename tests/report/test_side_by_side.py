@@ -44,6 +44,10 @@ def test_a_long_sweep_is_cut_in_the_table_alone():
             (RIGID, SHELL._replace(gain_percent=-0.4)),
             "brings nothing here: at best, VSWEC of soft, wave1 takes 0.4 % less",
         ),
+        (
+            (RIGID, SHELL._replace(gain_percent=-0.04)),
+            "brings nothing here: at best, VSWEC of soft, wave1 takes as much as its rigid design (",
+        ),
         ((GAS,), "VSWEC of gas, still takes most: 70 W (all at the given damper)"),
         ((LOST,), "No design is viable."),
     ],
@@ -84,3 +88,13 @@ def test_the_page_works_in_a_browser(tmp_path, width):
     errors, fits, first = asked(as_page((YEAR, RIGID, SHELL), REPORTS), script, tmp_path, width)
     assert (errors, fits) == ([], True)
     assert first in ("-10.0", "+12.3")
+
+
+def test_the_unit_of_dampers_is_said_once_where_it_is_one():
+    """A column of the same words stood beyond the edge of the page."""
+    volume = GAS._replace(damping_unit="Pa s/m³")
+    alone, both = (as_text(lines).splitlines() for lines in ([RIGID, SHELL], [RIGID, SHELL, volume]))
+    assert "damper [N s/m]" in alone[0]
+    assert not any("N s/m" in line for line in alone[1:])
+    assert both[0].endswith("damper in")
+    assert both[-1].endswith("Pa s/m³")

@@ -45,20 +45,31 @@ DOUBTS = (
     "Gains are each over the rigid design of the same study: studies of other sizes and waters differ in power, too.",
     "Intervals, seas in time and what to doubt stand in the reports.",
 )
+EQUAL = 0.05
+"""Gain that would be told as 0.0 [%]."""
 MOST_POINTS = 24
 """Points of a campaign a table shows; the file holds all."""
 
 
 def as_text(lines: Sequence[Line]) -> str:
     """Return a table for a terminal, numbers to the right; columns nobody has are left out."""
-    cells = [HEAD, *([_cell(value, field) for field, value in line._asdict().items()] for line in _shown(lines))]
-    kept = [j for j in range(len(HEAD)) if any(row[j] not in ("", "-") for row in cells[1:])]
+    cells = _table(_shown(lines))
+    kept = [j for j in range(len(cells[0])) if any(row[j] not in ("", "-") for row in cells[1:])]
     widths = {j: max(len(row[j]) for row in cells) for j in kept}
     text = [
         "  ".join(row[j].rjust(widths[j]) if j > 4 else row[j].ljust(widths[j]) for j in kept).rstrip() for row in cells
     ]
     left = len(lines) - len(_shown(lines))
     return "\n".join([*text, *([f"{left} more lines with --out FILE.csv"] if left else [])])
+
+
+def _table(lines: Sequence[Line]) -> list[list[str]]:
+    """Heads and cells of a table; the unit of dampers stands in their head, in a column where there are several."""
+    cells = [list(HEAD), *([_cell(value, field) for field, value in line._asdict().items()] for line in lines)]
+    if len(units := {line.damping_unit for line in lines}) == 1:
+        cells = [row[:-1] for row in cells]
+        cells[0][HEAD.index("damper")] = f"damper [{units.pop()}]"
+    return cells
 
 
 def _shown(lines: Sequence[Line]) -> list[Line]:
@@ -92,6 +103,7 @@ def as_page(lines: Sequence[Line], reports: Mapping[str, tuple[str, str]]) -> st
         The report of every study and campaign, as seen from the page, and its content id.
     """
     told = _shown(lines)
+    head, *body = _table(told)
     return page(
         "side_by_side.html.j2",
         names=list(reports),
@@ -103,8 +115,8 @@ def as_page(lines: Sequence[Line], reports: Mapping[str, tuple[str, str]]) -> st
         still="",
         reports={name: path for name, (path, _) in reports.items()},
         figure=drawn(figure(told), "side_by_side").svg,
-        head=HEAD,
-        body=[[_cell(value, field) for field, value in line._asdict().items()] for line in told],
+        head=head,
+        body=body,
         left_out=len(lines) - len(told),
         figures=(),
         facts={name: identity for name, (_, identity) in reports.items()},
@@ -116,10 +128,11 @@ def answer(lines: Sequence[Line]) -> str:
     gains = [(line.gain_percent, line) for line in lines if line.gain_percent is not None and line.gain_percent != 0]
     if gains:
         gain, best = max(gains, key=lambda one: one[0])
-        subject = f"{best.design} of {_place(best)} takes {abs(gain):.1f} %"
-        if gain > 0:
-            return f"Flexibility brings most where {subject} more than its rigid design ({TUNED[best.tuning]})."
-        return f"Flexibility brings nothing here: at best, {subject} less than its rigid design ({TUNED[best.tuning]})."
+        subject, rigid = f"{best.design} of {_place(best)} takes", f"its rigid design ({TUNED[best.tuning]})."
+        if gain >= EQUAL:
+            return f"Flexibility brings most where {subject} {gain:.1f} % more than {rigid}"
+        how = "as much as" if gain > -EQUAL else f"{-gain:.1f} % less than"
+        return f"Flexibility brings nothing here: at best, {subject} {how} {rigid}"
     powers = [(line.power_mean, line) for line in lines if line.power_mean is not None]
     if not powers:
         return "No design is viable."
