@@ -5,7 +5,7 @@ import yaml
 from conftest import SEED
 
 from vsb.errors import ConfigError
-from vsb.study.campaign import load, sections, study_at
+from vsb.study.campaign import _scale, load, sections, study_at
 from vsb.study.froude import scaled
 from vsb.study.study import content_id, parse
 from vsb.study.study import load as load_study
@@ -135,6 +135,13 @@ def test_a_point_sets_keys_and_nothing_else():
 def test_a_point_without_a_study_is_told_in_one_line(point, message):
     with pytest.raises(ConfigError, match=message):
         study_at(sections(load_study(SEED)), point)
+
+
+def test_a_scale_is_taken_up_to_a_thousand_either_way():
+    assert [_scale(1e-3), _scale(1e3)] == [1e-3, 1e3]
+    for beyond in (0.999e-3, 1.001e3):
+        with pytest.raises(ConfigError, match=r"needs 0.001 to 1000"):
+            _scale(beyond)
 
 
 def test_scaled_by_one_is_the_study_itself():

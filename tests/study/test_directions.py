@@ -49,6 +49,16 @@ def test_orders_are_those_of_the_shell_or_of_a_rigid_buoy(order, orders):
     assert StudyPlan(study).sweep_blocks[-1].displacements[0] == f"Radial{order}"
 
 
+def test_a_mooring_may_be_rounded():
+    """In the tenth digit of its largest number."""
+    rows = [[1e6 * (i == j) for j in range(6)] for i in range(6)]
+    rows[0][4], rows[4][0] = 1e5, 1e5 + 0.9e-3
+    assert parse(planar(mooring=rows)).mooring[4][0] == 1e5 + 0.9e-3
+    rows[4][0] = 1e5 + 1.1e-3
+    with pytest.raises(ConfigError, match="needs a symmetric matrix"):
+        parse(planar(mooring=rows))
+
+
 def test_axisymmetric_blocks_are_those_of_heave():
     """Studies of one shape share them."""
     heave, both = StudyPlan(load(SEED)), StudyPlan(parse(planar()))

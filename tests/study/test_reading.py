@@ -83,6 +83,16 @@ def test_line_break_in_a_key_stays_in_one_line():
     assert "\n" not in str(error.value)
 
 
+@pytest.mark.parametrize(("count", "last"), [(20, "unknown key"), (25, "and 5 more mistakes like these")])
+def test_twenty_mistakes_are_told_line_by_line(count, last):
+    raw = changed(("device", "thickness"), 0.01)
+    raw["device"] |= {f"wrong{i:02}": 1.0 for i in range(count)}
+    with pytest.raises(ConfigError) as error:
+        config.parse(raw)
+    assert len(error.value.mistakes) == min(count, 20) + (count > 20)
+    assert last in error.value.mistakes[-1]
+
+
 def test_first_of_several_errors_is_told_and_the_rest_counted():
     raw = changed(("device", "thickness"), -1.0)
     raw["pto"]["damping"] = -1.0

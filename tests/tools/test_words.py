@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vsb.tools.words import against_rigid, multiple, plain, power, quantity, short, the_rigid, watts
+from vsb.tools.words import against_rigid, multiple, plain, power, quantity, short, shortened, the_rigid, watts
 
 
 @pytest.mark.parametrize(
@@ -68,3 +68,8 @@ def test_a_number_of_a_ledger_has_an_exponent_where_it_is_tiny_or_huge(value, te
 )
 def test_a_value_is_told_with_its_unit(value, unit, text):
     assert quantity(value, unit) == text
+
+
+def test_a_text_of_eighty_characters_is_repeated_and_a_longer_one_cut():
+    assert shortened("x" * 80) == "x" * 80
+    assert shortened("x" * 81) == f"{'x' * 80}... (81 characters)"

@@ -42,6 +42,26 @@ def test_heights_that_are_not_those_of_the_spectra():
         Climate(climate.omega, climate.density, climate.hours, np.array([4.0]), climate.te, "wrong")
 
 
+@pytest.mark.parametrize("side", [1, -1])
+def test_heights_may_be_two_percent_off_those_of_the_spectra(side):
+    right = flat()
+    fields = right.omega, right.density, right.hours
+    assert Climate(*fields, right.hs / (1 + 0.0199 * side), right.te, "rounded").hs == pytest.approx(
+        right.hs, rel=0.021
+    )
+    with pytest.raises(ConfigError, match="needs both within 2%"):
+        Climate(*fields, right.hs / (1 + 0.0201 * side), right.te, "wrong")
+
+
+def test_a_hundredth_of_the_records_may_be_impossible():
+    """Waves of half a hertz and 4 m are steeper than any sea."""
+    omega = 3.0 + 0.1 * np.arange(5)
+    calm, steep = np.linspace(0.001, 0.002, 5), np.linspace(2.0, 1.0, 5)
+    assert len(of_records(omega, np.vstack([steep, *[calm] * 99]), "file").hs) == 99
+    with pytest.raises(ConfigError, match=r"file: received 1.0% of seas that cannot be, as Hs 3\.\d+ m with Te 1\.9"):
+        of_records(omega, np.vstack([steep, *[calm] * 98]), "file")
+
+
 def test_what_no_sea_is():
     """Each limit from both sides, in a sea that is far from the other."""
     just, period = np.array([0.99, 1.01]), 10.0

@@ -110,6 +110,32 @@ def test_refused_in_one_line(written, text, message):
     assert "given.txt" in str(caught.value)
 
 
+@pytest.mark.parametrize(("column", "total"), [("Occurrence [%]", 100.0), ("hours", 8766.0), ("share", 1.0)])
+@pytest.mark.parametrize("side", [1, -1])
+def test_occurrences_may_miss_their_sum_by_two_percent(written, column, total, side):
+    def given(miss):
+        return written(f"Hs,Te,{column}\n0.25,6.5,{0.4 * total}\n0.75,7.5,{(0.6 + side * miss) * total}\n")
+
+    assert read_scatter(given(0.0199)).hours.sum() == pytest.approx(1.0)
+    with pytest.raises(ConfigError, match="received occurrences that sum to"):
+        read_scatter(given(0.0201))
+
+
+def test_a_hundredth_of_a_table_may_be_impossible(written):
+    assert len(read_scatter(written("Hs/Te,2.5,9.5\n1.5,0.9,99.1\n")).hs) == 2
+    with pytest.raises(ConfigError, match=r"received 1\.1% of seas that cannot be, as Hs 1.5 m with Te 2.5 s"):
+        read_scatter(written("Hs/Te,2.5,9.5\n1.5,1.1,98.9\n"))
+
+
+def test_bands_reach_from_below_the_longest_peak_to_ten_times_the_shortest():
+    climate = climate_of_cells(np.array([2.0, 1.0]), np.array([9.0, 5.0]), np.array([0.5, 0.5]), 1.0, "two")
+    peaks = 2 * np.pi / np.array([9.0, 5.0]) * energy_over_peak_period(1.0)
+    assert climate.omega[[0, -1]] == pytest.approx([0.45 * peaks[0], 10 * peaks[1]])
+    steps = np.diff(np.log(climate.omega))
+    assert np.ptp(steps) < 1e-12
+    assert 0.019 < steps[0] <= 0.02
+
+
 def test_energy_over_peak_period():
     """Pierson-Moskowitz in closed form, Gamma(5/4) 1.25^(-1/4); JONSWAP by DNV-RP-C205's (4.2 + g)/(5 + g)."""
     assert energy_over_peak_period(1.0) == pytest.approx(gamma_function(1.25) * 1.25**-0.25, abs=1e-5)
