@@ -7,7 +7,7 @@ import xarray as xr
 from conftest import varied
 
 from vsb.results import comparison as compare
-from vsb.results.comparison import as_csv
+from vsb.results.comparison import as_csv, gains
 from vsb.waves.seas import NO_WAVES, sea
 
 CONTRACT = "design,wave,displacement_pp,velocity_pp,power_peak,power_mean,energy,capture_width,energy_gain_percent,energy_residual,damping,stiffness,power_gain_percent"
@@ -63,3 +63,11 @@ def test_a_gain_is_over_the_reference_and_over_nothing_there_is_none():
     assert compare.gains({"FSB": 200.0, "A": 220.0}, "FSB") == {"FSB": 0.0, "A": pytest.approx(10.0)}
     assert compare.gains({"FSB": 1e-8, "A": 220.0}, "FSB") == {"FSB": None, "A": None}
     assert compare.gains({"A": 220.0}, None) == {"A": None}
+
+
+@pytest.mark.parametrize(("base", "known"), [(0.9e-6, False), (1.1e-6, True), (-1.0, False)])
+def test_no_gain_is_over_round_off(base, known):
+    """A thousand millionth of what the best design takes."""
+    found = gains({"FSB": base, "VSWEC": 1e3}, "FSB")
+    assert (found["VSWEC"] is not None) == known
+    assert not known or found["FSB"] == 0.0

@@ -4,7 +4,7 @@ import xarray as xr
 from conftest import varied
 
 from vsb.motion.port import Port
-from vsb.results.power import averaging_window, energy_flux, merit, power_response
+from vsb.results.power import apart, averaging_window, energy_flux, merit, power_response
 from vsb.scenes.build import TUNED
 from vsb.study.study import RegularWave, StillWater, Water
 from vsb.waves.dispersion import power_limit
@@ -104,3 +104,9 @@ def test_instants_at_the_ends_of_a_window_are_in_it_but_for_round_off(beyond, sw
     for window, least in (((beyond, 3.0), 3.0), ((0.0, 3.0 - beyond), 3.0)):
         found = merit(run, StillWater(kind="still"), still, Water(), window).displacement_pp
         assert found == pytest.approx(4.0 if swing == 4.0 else least)
+
+
+def test_powers_of_round_off_are_none_and_others_are_compared():
+    assert apart(3e-9, 0.9e-9) == 3e-9
+    assert apart(3.3e-9, 1.1e-9) == pytest.approx(2.0)
+    assert apart(99.0, -100.0) == pytest.approx(1.99)

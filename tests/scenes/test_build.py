@@ -1,14 +1,17 @@
 """The scene of one design in one sea, from the files of a finished study, by its model."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from conftest import varied
 
 from vsb.errors import DatabaseError
 from vsb.scenes.afloat import linear_buoy
-from vsb.scenes.build import SCENES
+from vsb.scenes.build import SCENES, _dampers
 from vsb.scenes.rest import design_motions
 from vsb.study.plan import StudyPlan
+from vsb.waves.seas import Sea
 
 
 def built(plan, design, **changes):
@@ -47,3 +50,16 @@ def test_files_of_another_study_are_refused(small):
         DatabaseError, match=r"radiation/\w+.nc: holds no hydro database; needs one of results/hydro/db"
     ):
         SCENES["linear"](one, swapped)
+
+
+@pytest.mark.parametrize(
+    ("resistance", "tried"), [(1.0, [80.0, 800.0, 8e3]), (2e3, [2e3, 4e3, 8e3]), (3.2e4, [8e3, 1.6e4, 3.2e4])]
+)
+def test_a_damper_that_pauses_is_sought_between_the_resistance_and_the_best_one_alone(resistance, tried):
+    """No lower than a hundredth of the latter."""
+    wave = Sea(np.array([1.5]), np.array([0.1 + 0j]))
+    floating = SimpleNamespace(
+        pto=SimpleNamespace(damping=8e3, direction=lambda dof: np.eye(dof)[0]),
+        port=lambda omega, motions, direction: SimpleNamespace(impedance=np.array([resistance - 4e3j])),
+    )
+    assert _dampers(floating, np.eye(2), wave) == pytest.approx(tried)

@@ -22,7 +22,7 @@ from vsb.scenes.afloat import Afloat
 from vsb.scenes.build import SCENES
 from vsb.scenes.pause import BestPause
 from vsb.scenes.rest import check_spring, reference_shell
-from vsb.scenes.take_off import LAWS, STIFFER, tuned_take_off, with_take_off
+from vsb.scenes.take_off import LAWS, tuned_take_off, with_take_off
 from vsb.study.study import load
 from vsb.study.take_off import Pto
 from vsb.study.waves import RegularWave
@@ -62,7 +62,7 @@ def test_the_end_stop_is_stiff_and_critically_damped_with_what_moves(plant):
     scene = with_take_off(plant, Pto(damping=4.0, stroke_limit=0.2), DAMPER)
     stop, inverse = scene.forces["end_stop"], np.linalg.inv(plant.mass)[0, 0]
     assert isinstance(stop, EndStop)
-    assert stop.stiffness == pytest.approx(STIFFER * 50.0)
+    assert stop.stiffness == pytest.approx(100 * 50.0)
     assert stop.damping == pytest.approx(2 * np.sqrt(stop.stiffness / inverse))
     motion, _ = switched(System.of(scene), np.linspace(0.0, 10.0, 501), (np.zeros(2), np.zeros(2)))
     given_way = np.abs(motion.position[:, 0]).max() - 0.2
