@@ -283,6 +283,15 @@ def test_every_check_names_the_design_and_the_sea_it_is_about(small):
     assert found == ABOUT
 
 
+@pytest.mark.parametrize(("model", "left_out"), [("linear", []), ("body_exact", []), ("auto", ["left out"])])
+def test_what_is_left_out_is_told_of_the_automatic_model_alone(seed, monkeypatch, model, left_out):
+    monkeypatch.setattr(ledger, "run_checks", lambda study, basis, run: [run])
+    monkeypatch.setattr(ledger, "simplification_checks", lambda *_: ["left out"])
+    study = varied(seed, hydro={"model": model})
+    runs = {design: f"checks of {design}" for design in study.designs}
+    assert ledger.sea_checks(study, None, study.waves[0], runs) == [*runs.values(), *left_out]
+
+
 def test_what_is_not_known_stands_above_its_limit(seed):
     transient = ledger.transient_checks({("A", "w"): {"no_steady_state": "grows"}}, [{"design": "A", "wave": "w"}])
     free = seed.model_copy(update={"motion": "planar", "pto": seed.pto.model_copy(update={"port": "surge"})})
