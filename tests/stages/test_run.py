@@ -12,6 +12,7 @@ from test_cli import written
 
 from vsb.cli import main
 from vsb.stages import run as launcher
+from vsb.stages import slurm
 from vsb.study.plan import StudyPlan
 from vsb.study.study import load
 
@@ -42,7 +43,8 @@ def test_on_slurm_a_short_study_is_run_whole_by_srun_and_a_dry_run_is_none(workp
     monkeypatch.setattr(launcher, "finished", lambda command, **_: seen.append(command) or 0)
     monkeypatch.setattr(launcher, "find_spec", lambda name: True)
     monkeypatch.setattr("vsb.stages.slurm.whole", lambda plan, profile: ["srun", profile["executor"], plan.name])
-    monkeypatch.setattr("vsb.stages.slurm.cancel", lambda prefix: 0)
+    cancelled = []
+    monkeypatch.setattr("vsb.stages.slurm.cancel", lambda prefix: cancelled.append(prefix) or 0)
     options = (["-c", "4"], [], ["-n"])  # nothing of it is there
     for option in options:
         assert main(["run", written("study.yaml"), "--profile", "slurm", *option]) == 0
@@ -50,6 +52,7 @@ def test_on_slurm_a_short_study_is_run_whole_by_srun_and_a_dry_run_is_none(workp
     assert [Path(command[command.index("--profile") + 1]).name for command in seen] == ["default", "default", "slurm"]
     assert [command[command.index("--cores") + 1] for command in seen[:2]] == ["4", "2"]
     assert ["--slurm-jobname-prefix" in command for command in seen] == [False, False, True]
+    assert cancelled == [slurm.whole_name(StudyPlan(load("study.yaml")))] * 2  # what a killed run left behind
 
 
 def test_where_nothing_is_left_to_do_slurm_is_asked_for_nothing(workplace, monkeypatch):
@@ -57,6 +60,7 @@ def test_where_nothing_is_left_to_do_slurm_is_asked_for_nothing(workplace, monke
     monkeypatch.setattr(launcher, "finished", lambda command, **_: seen.append(command) or 0)
     monkeypatch.setattr(launcher, "find_spec", lambda name: True)
     monkeypatch.setattr("vsb.stages.slurm.whole", lambda plan, profile: ["srun"])
+    monkeypatch.setattr("vsb.stages.slurm.cancel", lambda prefix: 0)
     monkeypatch.setattr("vsb.stages.verify.stale_products", lambda plan, dry: [])
     monkeypatch.setattr(StudyPlan, "products", ["study.yaml"])
     assert main(["run", written("study.yaml"), "--profile", "slurm"]) == 0

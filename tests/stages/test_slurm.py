@@ -46,12 +46,30 @@ def test_nothing_is_cancelled_where_there_is_nothing(queue):
     assert not queue.exists()
 
 
+def test_the_one_job_of_a_study_is_known_to_its_next_run_and_to_no_other(queue, tmp_path, monkeypatch):
+    """Killed, srun leaves it its cores until its time is over."""
+    plan = plan_of(str(SEED))
+    name = slurm.whole_name(plan)
+    assert re.fullmatch(r"vsb-seed-[0-9a-f]{8}", name)
+    assert slurm.whole_name(plan_of(str(SEED))) == name
+    assert slurm.whole_name(plan_of(str(SEED.parent / "paper.yaml"))).removeprefix("vsb-paper") != name.removeprefix(
+        "vsb-seed"
+    )
+    monkeypatch.chdir(tmp_path)
+    assert slurm.whole_name(plan) != name
+
+
 @pytest.mark.parametrize("reason", [KeyboardInterrupt, SystemExit(143)])
 def test_a_run_told_to_end_leaves_no_jobs_behind(queue, capsys, reason):
     with pytest.raises((KeyboardInterrupt, SystemExit)), ended("vsb-seed-31"):
         raise reason
     assert queue.read_text() == "7 12\n"
     assert "vsb: 2 jobs on Slurm cancelled" in capsys.readouterr().err
+
+
+def test_where_there_is_no_slurm_nothing_is_cancelled(monkeypatch):
+    monkeypatch.setattr("shutil.which", lambda name: None)
+    assert slurm.cancel("vsb-seed-31") == 0
 
 
 def test_a_run_that_ends_by_itself_cancels_nothing(queue):
@@ -97,7 +115,7 @@ def test_all_that_is_short_is_one_job_of_two_cores(cluster, name):
     found = slurm.whole(plan, PROFILE)
     assert found[0] == "srun"
     assert {"--ntasks=1", "--nodes=1", "--cpus-per-task=2"} <= set(found)
-    assert f"--job-name={slurm.job_name(plan.name)}_whole" in found
+    assert f"--job-name={slurm.whole_name(plan)}_whole" in found
 
 
 @pytest.mark.parametrize(

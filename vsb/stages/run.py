@@ -64,7 +64,13 @@ def run(args: argparse.Namespace) -> int:
         whole = slurm.whole(plan, given) if on_slurm and left and not dry else []
         named = ["--slurm-jobname-prefix", slurm.job_name(plan.name)] if on_slurm and not whole else []
         command = [*_command(args, place, whole), *named, *_forced(args.snakemake, stale)]
-        with ended(slurm.job_name(plan.name)) if on_slurm else contextlib.nullcontext():
+        if on_slurm and not dry:
+            slurm.cancel(slurm.whole_name(plan))  # of a run that was killed
+        with (
+            ended(slurm.whole_name(plan) if whole else slurm.job_name(plan.name))
+            if on_slurm
+            else contextlib.nullcontext()
+        ):
             line = _line(args.snakemake, plan, told)
             code = finished(command, env=environment, pass_fds=[*own, *shared], line=line)
     if code:

@@ -4,6 +4,7 @@ import os
 import re
 import shutil
 import subprocess
+import zlib
 from collections.abc import Mapping
 from typing import Any
 
@@ -58,7 +59,16 @@ def whole(plan: AnyPlan | CampaignPlan, profile: Mapping[str, Any]) -> list[str]
         return []
     options = [f"{option}={named[key]}" for key, option in NAMED.items() if key in named]
     size = [f"--cpus-per-task={CORES}", f"--mem={MEGABYTES}", f"--time={MINUTES}"]
-    return ["srun", "--ntasks=1", "--nodes=1", *size, *options, f"--job-name={job_name(plan.name)}_whole"]
+    return ["srun", "--ntasks=1", "--nodes=1", *size, *options, f"--job-name={whole_name(plan)}_whole"]
+
+
+def whole_name(plan: AnyPlan | CampaignPlan) -> str:
+    """Return what the name of the one job of a plan begins with: the same in every run of it that writes there.
+
+    A job whose srun was killed holds its cores until its time is over; the next run, which is alone there, cancels it.
+    """
+    name, place = re.sub(r"[^A-Za-z0-9_-]", "_", f"vsb-{plan.name}"), os.path.abspath(plan.folder)
+    return f"{name}-{zlib.crc32(place.encode()):08x}"
 
 
 def resources(profile: Mapping[str, Any]) -> dict[str, Any]:
@@ -88,7 +98,9 @@ def job_name(name: str) -> str:
 
 
 def cancel(prefix: str) -> int:
-    """Cancel the user's jobs whose names begin with a prefix; return how many."""
+    """Cancel the user's jobs whose names begin with a prefix; return how many, none where there is no Slurm."""
+    if shutil.which("squeue") is None:
+        return 0
     listed = subprocess.run(
         ["squeue", "--me", "--noheader", "--format=%i %j"], capture_output=True, text=True, check=False
     )
