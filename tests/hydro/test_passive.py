@@ -252,6 +252,12 @@ def test_directions_that_matter():
     assert leading_directions(k, 1e3).shape == (5, 0)
 
 
+def test_what_hardly_radiates_is_measured_by_its_inertia_at_the_frequency_of_its_largest_damping():
+    omega, damping = np.array([0.5, 1.0, 2.0]), np.zeros((3, 2, 2))
+    damping[:, 0, 0], damping[:, 1, 1] = [1.0, 4.0, 2.0], [1e-9, 2e-9, 5e-9]
+    assert sizes(omega, damping, np.array([3.0, -6.0])) ** 2 == pytest.approx([4.0, 1e-4 * 2.0 * 6.0])
+
+
 class TestRefused:
     def test_samples(self):
         good = samples(reciprocal(6, 2, 2, 0))
@@ -262,6 +268,13 @@ class TestRefused:
         uneven = good.damping + np.array([[0.0, 1.0], [0.0, 0.0]])
         with pytest.raises(DatabaseError, match=r"damping: received an asymmetry of .* use `with_symmetrized`"):
             replace(good, damping=uneven)
+        for share in (0.9e-6, -0.9e-6):  # round-off, in terms of the largest of all in their sizes
+            scaled = good.damping / np.outer(good.size, good.size)
+            scaled[3, 0, 1] += share * np.abs(scaled).max()
+            replace(good, damping=scaled * np.outer(good.size, good.size))
+            scaled[3, 0, 1] += 0.3 * share * np.abs(scaled).max()
+            with pytest.raises(DatabaseError, match=r"damping: received an asymmetry of 1.2e-06 of its largest entry"):
+                replace(good, damping=scaled * np.outer(good.size, good.size))
         with pytest.raises(DatabaseError, match="received 80 frequencies, needs four or more, positive and ascending"):
             replace(good, omega=OMEGA[::-1])
         with pytest.raises(DatabaseError, match="needs four or more, positive and ascending"):

@@ -149,3 +149,15 @@ def test_stiffness_becomes_symmetric_by_the_rows_of_rigid_motions():
     again, nothing = with_symmetric_stiffness(mended)
     assert nothing == []
     assert again.attrs["history"] == mended.attrs["history"]
+
+
+@pytest.mark.parametrize(
+    ("uneven", "verdicts"), [(0.9e-6, []), (1.1e-6, ["ok"]), (0.0199, ["ok"]), (0.0201, ["doubt"])]
+)
+def test_stiffness_is_even_but_for_round_off_and_doubted_beyond_two_percent(uneven, verdicts):
+    c = np.array([[4.0, 0.5 + 2.0 * uneven], [0.5, 1.0]])  # in terms of the roots of 4 and 1
+    pair = ("influenced_dof", "radiating_dof")
+    ds = xr.Dataset({"hydrostatic_stiffness": (pair, c)}, {dim: ["Mode7", "Mode8"] for dim in pair})
+    mended, checks = with_symmetric_stiffness(ds)
+    assert [check.verdict for check in checks] == verdicts
+    assert mended.hydrostatic_stiffness.values[0, 1] == pytest.approx(0.5 + uneven, rel=1e-12)

@@ -8,7 +8,7 @@ from vsb.shell.sphere import Shell
 from vsb.shell.strain import strain_shapes
 from vsb.study.meridian import capsule, spheroid
 
-SHELLS = [Shell(2.0, 0.01, 10e6, 0.3, 2700.0, body) for body in (spheroid(2.0, 3.0), capsule(2.0, 1.0))]
+SHELLS = [Shell(2.0, 0.01, 10e6, 0.3, 2700.0, body) for body in (None, spheroid(2.0, 3.0), capsule(2.0, 1.0))]
 PHI = np.linspace(0.1, 3.0, 9)
 
 
