@@ -3,6 +3,7 @@
 import json
 import os
 import shutil
+from contextlib import nullcontext
 from pathlib import Path
 
 import netCDF4
@@ -21,7 +22,7 @@ from vsb.study import study as config
 from vsb.study.plan import StudyPlan
 from vsb.study.study import content_id
 from vsb.tools.files import load, read_groups
-from vsb.tools.stamps import record
+from vsb.tools.stamps import Fault, record
 
 TOGETHER = ("report.html", "comparison.csv", "statistics.csv", "validity.json", "study.json", "tables.json")
 
@@ -162,6 +163,31 @@ def test_damage_of_what_studies_share_is_refused(place, path, damage, capsys):
     assert "vsb verify --heal" in err or "delete" in err
     verify("small.yaml", heal=True)
     assert not Path(path).exists()
+
+
+OTHER = str(Path(PLAN.database_path).with_name("f" * 16 + ".nc"))
+
+
+@pytest.mark.parametrize(
+    ("path", "kind", "refused"),
+    [
+        (PLAN.database_path, "nameless", True),
+        (PLAN.database_path, "damaged", True),
+        (OTHER, "damaged", True),
+        (OTHER, "nameless", False),
+    ],
+)
+def test_of_what_studies_share_a_run_removes_what_nobody_promised_and_names_nothing(
+    monkeypatch, tmp_path, path, kind, refused
+):
+    monkeypatch.chdir(tmp_path)
+    Path(path).parent.mkdir(parents=True)
+    Path(path).write_text("-")
+    monkeypatch.setattr("vsb.stages.verify.differences", lambda plan: "")
+    monkeypatch.setattr("vsb.stages.verify.study_faults", lambda plan: [Fault(path, kind, "why")])
+    with pytest.raises(DatabaseError, match=f"{path}: why; ") if refused else nullcontext():
+        assert stale_products(PLAN, dry=False) == []
+    assert Path(path).exists() == refused
 
 
 @pytest.mark.parametrize(
