@@ -1,5 +1,6 @@
 import fcntl
 import os
+import socket
 import subprocess
 import sys
 import threading
@@ -91,6 +92,22 @@ def test_text_is_replaced_whole(tmp_path):
     write_text(tmp_path / "sub" / "a.txt", "two")
     assert (tmp_path / "sub" / "a.txt").read_text() == "two"
     assert [p.name for p in (tmp_path / "sub").iterdir()] == ["a.txt"]
+
+
+def test_what_a_killed_process_left_of_a_file_goes_when_it_is_written_again(tmp_path):
+    """Not what somebody writes who lives, here or on another machine, nor what is left of another file."""
+    with subprocess.Popen([sys.executable, "-c", ""]) as process:
+        process.wait()
+    dead, alive, host = process.pid, os.getppid(), socket.gethostname()
+    left = f".a[1].txt.{host}.{dead}.x1.tmp"
+    kept = [
+        f".a[1].txt.{host}.{alive}.x2.tmp", f".a[1].txt.other.{dead}.x3.tmp", f".b.txt.{host}.{dead}.x4.tmp",
+        f".a[1].txt.{host}.nobody.x5.tmp", f".a[1].txt.{host}.{dead}.x6.txt",
+    ]  # fmt: skip
+    for name in (left, *kept):
+        (tmp_path / name).write_text("half")
+    write_text(tmp_path / "a[1].txt", "whole")
+    assert {path.name for path in tmp_path.iterdir()} == {"a[1].txt", *kept}
 
 
 def test_no_file_stays_open_behind_what_is_written(tmp_path):

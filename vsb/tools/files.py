@@ -1,10 +1,12 @@
 """Files in and out: netCDF with the table of units applied, and text; written whole or not at all."""
 
 import fcntl
+import glob
 import gzip
 import hashlib
 import json
 import os
+import socket
 import tempfile
 import zlib
 from collections.abc import Iterator, Mapping
@@ -13,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+import psutil
 
 from vsb.errors import ConfigError, DatabaseError
 from vsb.tools.units import AnyArray, check_finite, described, merged, separated
@@ -83,7 +86,9 @@ def whole(path: str | Path) -> Iterator[Path]:
     target = Path(path)
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.", suffix=".tmp")
+        own = f".{target.name}.{socket.gethostname()}."
+        _remove_abandoned(target.parent, own)
+        handle, name = tempfile.mkstemp(dir=target.parent, prefix=f"{own}{os.getpid()}.", suffix=".tmp")
         os.close(handle)
         try:
             yield Path(name)
@@ -95,6 +100,14 @@ def whole(path: str | Path) -> Iterator[Path]:
         raise DatabaseError(
             f"{path}: cannot be written ({error.strerror or error}); needs space in a folder you may write to"
         ) from None
+
+
+def _remove_abandoned(folder: Path, begins: str) -> None:
+    """Remove what killed processes of this machine left of a file: whoever lives may still be writing it."""
+    for path in folder.glob(f"{glob.escape(begins)}*.tmp"):
+        writer = path.name.removeprefix(begins).partition(".")[0]
+        if writer.isdecimal() and not psutil.pid_exists(int(writer)):
+            path.unlink(missing_ok=True)
 
 
 @contextmanager
