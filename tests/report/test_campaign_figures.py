@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.colors import to_hex
+from matplotlib.legend import Legend
 
 from vsb.report.campaign_answer import shown_place, told_gain
 from vsb.report.campaign_figures import DRAWN, pareto, power_matrices, sweep, tuned_power
@@ -175,3 +176,9 @@ def test_figures_of_a_take_off_of_the_volume_are_of_pressures():
     labels = [figure(ds, "one", "FSB").axes[0].get_xlabel() for figure in (tuned_power, pareto)]
     assert labels == ["damper [Pa s/m³]", "rms pressure of the take-off [kPa]"]
     assert pareto(campaign(), "one", "FSB").axes[0].get_xlabel() == "rms force of the take-off [kN]"
+
+
+@pytest.mark.parametrize("name", ["tuned_power", "pareto"])
+def test_curves_of_several_designs_have_a_legend_of_them(name):
+    (legend,) = DRAWN[name](campaign(), "one", "FSB").findobj(Legend)
+    assert {text.get_text() for text in legend.get_texts()} >= {"FSB", "VSWEC"}

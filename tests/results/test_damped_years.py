@@ -55,3 +55,14 @@ def test_no_more_rigid_designs_are_kept_than_a_sweep_may_want(study, shared, sea
     for damping in (6e3, 7e3, 8e3, 9e3):
         member(varied(study, pto={"damping": damping}), lambda basis: shared, seas, TUNINGS, known=known)
         assert 1 <= len(known) <= 2
+
+
+def test_what_the_port_does_not_tell_of_the_water_is_not_taken_for_known(study, shared, seas):
+    """The same coefficients in another water: energy flux, and so capture width, are that water's."""
+    lighter, known = varied(study, water={"density": 1000.0}), {}
+    member(study, lambda basis: shared, seas, TUNINGS, known=known)
+    found = member(lighter, lambda basis: shared, seas, TUNINGS, known=known)
+    assert found.identical(member(lighter, lambda basis: shared, seas, TUNINGS))
+    for depth in (1e4, np.inf):
+        member(varied(study, water={"depth": depth}), lambda basis: shared, seas, TUNINGS, known=known)
+    assert len(known) == 3  # the last is the first

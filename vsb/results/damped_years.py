@@ -58,7 +58,8 @@ class DampedYears:
 def _key(study: Study, design: str, waves: InWaves) -> bytes:
     """All that the year of a rigid design depends on in one climate, its motion among it."""
     parts = (waves.port.velocity, waves.port.admittance, *waves.motion.heave, *waves.motion.shell)
-    given = (study.pto.stiffness, study.pto.damper(design) or 0.0, study.device.radius)
+    pto, water = study.pto, study.water  # of which the port does not tell the energy flux and breaking
+    given = (pto.stiffness, pto.damper(design) or 0.0, study.device.radius, water.density, water.depth, water.gravity)
     return b"".join(part.tobytes() for part in parts) + np.array(given).tobytes()
 
 
