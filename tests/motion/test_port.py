@@ -232,6 +232,18 @@ def test_a_closed_turbine_leaves_the_gas_as_a_spring_and_an_open_one_none(chambe
     assert with_open_chamber(opened, b) is opened
 
 
+def test_a_chamber_gives_way_to_nothing_at_rest(chambered):
+    """At frequency zero gas does not resist: the damper is all there is of damping, as without a chamber."""
+    study, closed = chambered
+    b = direction(study, "volume")
+    opened = replace(with_open_chamber(closed, b), pto=LinearPto(1e3, 0.0, b))
+    bare = replace(opened, chamber=0.0)
+    assert opened.chamber > 0
+    np.testing.assert_allclose(opened.damping, bare.damping, rtol=1e-12)
+    np.testing.assert_allclose(opened.held, bare.held, rtol=1e-12)
+    assert np.abs(opened.damping_at(np.array(1.0)) - bare.damping).max() > 1e-3 * np.abs(bare.damping).max()
+
+
 def test_the_port_behind_a_chamber_is_the_whole_equation_of_motion(chambered):
     """Thevenin's power at the turbine is that of the response; what any force can take is that without a chamber."""
     study, closed = chambered

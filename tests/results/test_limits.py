@@ -73,9 +73,10 @@ def of_limit(share):
 
 
 def of_pressure(study, share):
-    """Mean power of a share of what a wave of the same pressure could give."""
-    assumed = varied(study, hydro={"model": "assumed_pressure", "pressure": 1025 * 9.81}, waves=[WAVE.model_dump()])
-    best = share * power_limit(WAVE.omega, np.inf, 1025.0, 9.81)
+    """Mean power of a share of what a wave of the same pressure, 0.3 m in amplitude, could give."""
+    pressure = 0.3 * 1025 * 9.81
+    assumed = varied(study, hydro={"model": "assumed_pressure", "pressure": pressure}, waves=[WAVE.model_dump()])
+    best = share * power_limit(WAVE.omega, np.inf, 1025.0, 9.81) * 0.3**2
     rows = [{"design": d, "wave": WAVE.label, "power_mean": p} for d, p in (("FSB", 0.5 * best), ("VSWEC", best))]
     return ledger.assumed_pressure_checks(assumed, rows)
 

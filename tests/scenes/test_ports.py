@@ -6,12 +6,14 @@ from conftest import varied
 
 from vsb.hydro.coefficients import Coefficients
 from vsb.hydro.dofs import displacements
-from vsb.scenes.ports import ShapeWater, design_ports, designs_in_waves
+from vsb.scenes.directions import order_bases
+from vsb.scenes.ports import POINTS, ShapeWater, design_ports, designs_in_waves, shell_shapes
 from vsb.scenes.rest import reference_shell
 from vsb.study.blocks import HydroPlan
 
 OMEGA = np.linspace(0.5, 3.0, 26)
 SPRING = 3e4
+BALANCED = {"centre_of_mass": -0.5, "ballast_inertia": 9e3}
 
 
 def water(study, colatitude=2.0, mass=4e3, loss=1e3, pull=5e4, omega=OMEGA):
@@ -106,3 +108,22 @@ def test_what_moves_under_a_damper_is_what_the_take_off_feels(study):
         np.testing.assert_allclose(velocity, one.port.velocity_under(load), rtol=1e-9)
         heave, _ = one.motion.under(one.port, load)
         np.testing.assert_allclose(one.position(8e3, 2e4)[:, 0], heave, rtol=1e-12)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_shapes_of_orders_are_told_on_both_meridians_in_the_plane_of_the_waves(seed, order):
+    """They go with cos m theta: at theta = pi they are what they are at theta = 0, times (-1)^m; rigid ones are none."""
+    planar = varied(seed, motion="planar", modes={"degree": 3, "order": 2}, device={**BALANCED})
+    basis = reference_shell(planar).basis
+    families = [each for each in order_bases(planar, basis) if not each.odd]
+    shapes, at = shell_shapes(basis, families), np.linspace(0.0, np.pi, POINTS)
+    count = len(basis.labels)
+    assert shapes.shape == (count + sum(len(each.labels) for each in families), 2, 2 * POINTS)
+    np.testing.assert_array_equal(shapes[:count, :, :POINTS], shapes[:count, :, POINTS:])
+    start = count + sum(len(each.labels) for each in families if each.order < order)
+    (family,) = (each for each in families if each.order == order)
+    of_order = shapes[start : start + len(family.labels)]
+    front = np.stack(family.field(at)[:2], axis=1)
+    assert not of_order[: family.rigid].any()
+    np.testing.assert_array_equal(of_order[family.rigid :, :, :POINTS], front[family.rigid :])
+    np.testing.assert_array_equal(of_order[family.rigid :, :, POINTS:], (-1) ** order * front[family.rigid :])

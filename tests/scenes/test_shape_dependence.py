@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from conftest import varied
 
 from vsb.errors import ConfigError, ConvergenceError
@@ -301,6 +302,22 @@ def test_in_still_water_there_is_nothing_to_answer(small, reference, family, dat
     powers = shapedependence.study_powers(motion, family, ShapeDatabase(dataset))
     assert answer(powers, "seed") == "seed: no power is absorbed, so none depends on the shape"
     np.testing.assert_array_equal(motion.reach, np.full(4, shapedependence.LEAST_REACH * 2.0))
+
+
+@pytest.mark.parametrize("place", [1, 2, 3])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_largest_mode_is_the_one_of_the_largest_relative_slope_heave_left_out(place, sign):
+    """Wherever it stands among the shapes, whatever its sign, at whatever frequency, however much heave changes."""
+    slope = np.full((4, 2, 2), 0.1)
+    slope[0], slope[place, 1] = 9.0, sign * 2.0
+    ds = xr.Dataset(
+        {
+            "added_mass": (("omega", "influenced_dof"), [[2.0, 1.0], [4.0, 1.0]]),
+            "added_mass_slope": (("shape_dof", "omega", "influenced_dof"), slope),
+        },
+        {"shape_dof": ["Heave", "Membrane0", "Membrane2", "Bending2"]},
+    )
+    assert shapedependence.largest_mode(ds) == ds.shape_dof.values[place]
 
 
 def test_an_irregular_sea_is_looked_at_over_the_run(small, reference, family):

@@ -1,4 +1,5 @@
 import tracemalloc
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from vsb.errors import ConfigError
 from vsb.hydro.dofs import Displacement
 from vsb.hydro.panels.mesh import deformed_mesh
 from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.shell.deformed import DeformedShell, check_meridian, enclosed
+from vsb.shell.deformed import DeformedShell, _crossing, check_meridian, enclosed
 from vsb.shell.loaded import complete_basis
 from vsb.shell.modes import mode_basis
 from vsb.shell.sphere import Shell
@@ -281,6 +282,28 @@ def test_enclosed_volume_and_area_forget_heave(full):
 
 CROSSED = {"axis": {"Membrane1": 2.0}, "poles": {"Membrane2": -2.5}, "itself": {"Membrane4": 1.2}}
 """Shapes whose meridian crosses the axis in between, from pole to pole, or itself."""
+
+
+def first_crossing(points):
+    """The first two sides but neighbours that meet, by the place on each where their lines do."""
+    sides = list(pairwise(points))
+    for i, (a, b) in enumerate(sides):
+        for j, (c, d) in enumerate(sides[i + 2 :], i + 2):
+            s, t = np.linalg.solve(np.column_stack([b - a, c - d]), c - a)
+            if 0 <= s <= 1 and 0 <= t <= 1:
+                return i, j
+    return None
+
+
+@pytest.mark.parametrize("sides", [3, 4, 6, 40])
+def test_the_first_crossing_of_a_polygon_is_found_however_near_its_sides_are(sides):
+    """A random walk; of three sides the first and the last alone may cross."""
+    random, found = np.random.default_rng(sides), []
+    for _ in range(30):
+        points = np.cumsum(random.normal(size=(sides + 1, 2)), axis=0)
+        found.append(first_crossing(points))
+        assert _crossing(*points.T) == found[-1]
+    assert len({*found}) > 1
 
 
 @pytest.mark.parametrize("crossed", CROSSED)

@@ -378,6 +378,13 @@ def test_the_nonlinear_path_of_the_vented_seed_ends_where_computed(seed):
         equilibrium(loaded)
 
 
+def test_a_shell_that_stands_no_part_of_its_load_is_told_so():
+    """Half out of the water it does not float: the first steps fail however short, and the unloaded shell is looked at."""
+    message = r"buckles at 0 of its load, into a shape of degree \d+; raise device\.internal_pressure \(now 0 Pa"
+    with pytest.raises(ConvergenceError, match=message):
+        equilibrium(floating(complete(16), 0.0, height=1.0))
+
+
 def test_uniform_buckling_on_the_nonlinear_path():
     """Newton's path stops within a step of the computed load although it is scanned from below."""
     shell = dataclasses.replace(SHELL, thickness=0.06)

@@ -5,7 +5,8 @@ import pytest
 from conftest import varied
 
 from vsb.errors import ConfigError
-from vsb.scenes.rest import study_basis
+from vsb.scenes.directions import order_bases
+from vsb.scenes.rest import reference_shell, study_basis
 from vsb.stages import modes
 from vsb.study.plan import StudyPlan
 from vsb.tools.files import load
@@ -23,6 +24,20 @@ def test_shapes_and_frequencies_are_the_bases_from_pole_to_pole(seed, tmp_path):
     np.testing.assert_array_equal(ds.dry_frequency.values, basis.dry_frequencies)
     assert not ds.static_amplitude.values.any()
     assert ds.attrs["centre_height"] == study.centre_height
+
+
+def test_shapes_of_higher_orders_are_their_families_at_rest_undeformed(seed):
+    """What holds a buoy at rest is axisymmetric: of an order above 0 nothing is deflected."""
+    study = varied(seed, modes={"degree": 3}, motion="planar", device={"centre_of_mass": -0.5, "ballast_inertia": 9e3})
+    ds = modes.shell_modes(study, reference_shell(study))
+    (family,) = (each for each in order_bases(study, study_basis(study)) if not each.odd)
+    of_order = ds.isel(mode=ds.order.values == family.order)
+    radial, meridional, _ = family.field(ds.colatitude.values)
+    assert of_order.sizes["mode"] == len(family.modes) > 0
+    np.testing.assert_array_equal(of_order.radial.values, radial[family.rigid :])
+    np.testing.assert_array_equal(of_order.meridional.values, meridional[family.rigid :])
+    np.testing.assert_array_equal(of_order.dry_frequency.values, family.dry_frequencies)
+    np.testing.assert_array_equal(of_order.static_amplitude.values, 0.0)
 
 
 def test_a_design_that_leaves_nothing_free_writes_nothing(seed, tmp_path):

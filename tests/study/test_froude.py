@@ -1,6 +1,7 @@
 """Froude's scaling: the same buoy of another size, for every quantity a study can have."""
 
 import inspect
+import re
 import typing
 from pathlib import Path
 
@@ -105,3 +106,31 @@ def test_a_scaled_shell_swings_more_slowly_by_the_root(scale):
         for basis in (mode_basis(one.device, "full", 4) for one in (study, larger))
     )
     assert np.sort(other) == pytest.approx(np.sort(own) / scale, rel=1e-9, abs=1e-6)
+
+
+DIMENSIONS = {
+    "m": "radius thickness stroke_limit amplitude initial_position lever centre_of_mass line_to line_from height length",
+    "m^2": "area", "kg": "mass", "kg m^2": "ballast_inertia ballast_yaw_inertia",
+    "s": "beta period duration window", "1/s": "alpha omega omega_max", "m/s": "initial_velocity",
+    "kg m/s^2": "force_limit", "kg/s^2": "stiffness", "kg/s": "damping",
+    "kg/m/s^2": "young_modulus internal_pressure pressure",
+}  # fmt: skip
+"""Quantities by their units; a take-off's are those of a port that moves by a length."""
+OF_SCALE = {"m": 1.0, "kg": 3.0, "s": 0.5}
+"""At the same density and gravity: kg/m^3 and m/s^2 stay."""
+
+
+def power_of_scale(unit):
+    """With which power of the length scale a unit goes."""
+    powers, sign = 0.0, 1.0
+    for part, divided in re.findall(r"([^/ ]+)([/ ]?)", unit):
+        name, _, exponent = part.partition("^")
+        powers += sign * OF_SCALE.get(name, 0.0) * float(exponent or 1)
+        sign = -1.0 if divided == "/" else 1.0
+    return powers
+
+
+def test_every_quantity_scales_as_its_units_say():
+    powers = {name: power_of_scale(unit) for unit, names in DIMENSIONS.items() for name in names.split()}
+    assert power_of_scale("kg/m^3") == power_of_scale("m/s^2") == 0.0
+    assert powers == FROUDE

@@ -1,5 +1,6 @@
 """A site's climate: moments, energy flux, what is left out and said."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -60,6 +61,19 @@ def test_a_hundredth_of_the_records_may_be_impossible():
     assert len(of_records(omega, np.vstack([steep, *[calm] * 99]), "file").hs) == 99
     with pytest.raises(ConfigError, match=r"file: received 1.0% of seas that cannot be, as Hs 3\.\d+ m with Te 1\.9"):
         of_records(omega, np.vstack([steep, *[calm] * 98]), "file")
+
+
+@pytest.mark.parametrize("last", [2.0, 3.0])
+def test_what_lies_beyond_the_bands_is_the_integral_of_their_tail(last):
+    """Of a density w^-5 from the lowest edge w1 to the highest w2 on, (w1/w2)^4/(1 - (w1/w2)^4) of what is inside."""
+    omega = np.arange(1.0, last, 0.01)
+    first, end = omega[0] - 0.005, omega[-1] + 0.005
+    (said,) = [note for note in of_records(omega, np.array([omega**-5.0]), "tail", ()).notes if "fifth power" in note]
+    words = (
+        rf"bands from {first / 2 / np.pi:.4g} to {end / 2 / np.pi:.4g} Hz: .* would add (.*)% to the variance, which"
+    )
+    share = (first / end) ** 4
+    assert float(re.match(words, said)[1]) == pytest.approx(100 * share / (1 - share), abs=0.01)
 
 
 def test_what_no_sea_is():

@@ -9,7 +9,7 @@ import xarray as xr
 
 from vsb.errors import ConfigError
 from vsb.study.study import Water
-from vsb.waves.ndbc import read_ndbc, read_spectra
+from vsb.waves.ndbc import _direction_widths, read_ndbc, read_spectra
 
 SHIPPED = Path(__file__).parents[2] / "config" / "climate" / "ndbc46042_1996_spectra.txt.gz"
 HEADER = "YY MM DD hh   .050   .100   .150\n"
@@ -178,3 +178,14 @@ def test_no_netcdf_at_all(tmp_path):
     (tmp_path / "s.nc").write_text("hello")
     with pytest.raises(ConfigError, match=r"s\.nc: cannot be read as netCDF"):
         read_spectra(tmp_path / "s.nc")
+
+
+@pytest.mark.parametrize("turns", [[0, 0, 0, 0], [0, 1, 0, 2], [-1, 0, 3, 0]])
+def test_directions_are_as_far_apart_whichever_turn_they_are_told_in(turns):
+    """Of 30, 120, 210 and 300 degrees each is the middle of a quarter of all."""
+    degrees = np.array([120.0, 30.0, 300.0, 210.0]) + 360 * np.array(turns)
+    np.testing.assert_allclose(_direction_widths("sea.nc", degrees), 90.0)
+    with pytest.raises(
+        ConfigError, match=r"sea\.nc: received directions 80 to 100 degrees apart, needs equal distances"
+    ):
+        _direction_widths("sea.nc", degrees + np.array([10.0, 0.0, 0.0, 0.0]))

@@ -1,5 +1,6 @@
 import copy
 import dataclasses
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,7 +9,15 @@ from conftest import varied
 
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro.database import with_structure
-from vsb.hydro.shapes.database import SAFETY, ShapeDatabase, measured_errors, phase_rates, shape_database, tried_shapes
+from vsb.hydro.shapes.database import (
+    SAFETY,
+    ShapeDatabase,
+    _left_out,
+    measured_errors,
+    phase_rates,
+    shape_database,
+    tried_shapes,
+)
 from vsb.hydro.shapes.family import COEFFICIENTS, ShapeFamily, haskind_damping, misfit
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
@@ -28,6 +37,34 @@ def reference(seed):
 @pytest.fixture(scope="module")
 def family(reference):
     return ShapeFamily(reference.shape, OMEGAS, 1025.0, 9.81, nodes=24)
+
+
+@pytest.mark.parametrize("rate", [0.0, 0.7, -2.0])
+def test_what_is_left_out_of_third_order_is_the_size_alone_whatever_the_phase(rate):
+    """Of X = (a + b q + c q^2 + d q^3) e^{i(p + r q)}: |d|, and by Haskind 2 a |d| of damping, at any r and p."""
+    random, shape = np.random.default_rng(3), (2, len(GRID), 1, 3)  # (shape_dof, omega, wave_direction, dof)
+    phase = np.exp(1j * random.uniform(0, 6, shape[1:]))
+    a = random.uniform(1, 2, shape[1:])
+    b, c, d = random.uniform(-1, 1, (3, *shape))
+    turn, dims = 1j * rate, ("omega", "wave_direction", "influenced_dof")
+
+    def dataset(*values):
+        """Excitation that is so many terms long."""
+        damping = (("omega", "influenced_dof", "radiating_dof"), np.zeros((len(GRID), 3, 3)))
+        return xr.Dataset({"excitation_force": (dims, values[0] * phase), "radiation_damping": damping})
+
+    slope = b + turn * a
+    curvature = 2 * (c + turn * b + turn**2 / 2 * a)
+    cubic = d + turn * c + turn**2 / 2 * b + turn**3 / 6 * a
+    axes = [SimpleNamespace(slope=dataset(s), curvature=dataset(k), cubic=dataset(t))
+            for s, k, t in zip(slope, curvature, cubic, strict=True)]  # fmt: skip
+    slopes = xr.Dataset({"excitation_force": (("shape_dof", *dims), slope * phase)})
+    family = SimpleNamespace(centre=dataset(a), slopes=slopes, axes=axes, omegas=OMEGAS, density=1000.0, gravity=9.81)
+    for found, third in zip(_left_out(family), d, strict=True):
+        np.testing.assert_allclose(found.excitation_force, np.abs(third), rtol=1e-9)
+        pair = a[:, 0, :, None] * np.abs(third[:, 0, None])
+        haskind = (GRID**3 / (2 * 1000.0 * 9.81**3))[:, None, None] * (pair + pair.swapaxes(1, 2))
+        np.testing.assert_allclose(found.radiation_damping, haskind, rtol=1e-9)
 
 
 @pytest.fixture(scope="module")
