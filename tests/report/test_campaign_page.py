@@ -42,6 +42,16 @@ def test_numbers_of_the_table_have_no_exponents():
     assert not any("e+" in cell for cell in cells)
 
 
+@pytest.mark.parametrize("scale", [1e-9, 1e-5, 1e6])
+def test_what_is_said_of_usual_practice_knows_no_units(scale):
+    """A buoy of a tank takes milliwatts; where a design takes nothing there is no part of it."""
+    ds = campaign()
+    of_powers = {name: scale * ds[name] for name in ("annual_mean_power", "practice_power")}
+    assert statements(ds.assign(of_powers), "FSB", "one")[-1] == statements(ds, "FSB", "one")[-1]
+    of_powers["annual_mean_power"][{"design": 1}] = 0.0
+    assert "would have said +12.0 to +12.0 % of" in statements(ds.assign(of_powers), "FSB", "one")[-1]
+
+
 def test_usual_practice_is_not_set_against_itself():
     """A scatter table of JONSWAP seas is what usual practice says; another gamma, or spectra, are not."""
     ds = campaign(margin=[[0.5, -0.5], [0.5, -0.5]])

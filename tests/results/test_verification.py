@@ -142,6 +142,26 @@ def test_far_fewer_hours_than_plain_averaging(measured):
     assert 0.3 * true < np.median(said) < 1.2 * true
 
 
+@pytest.mark.parametrize("scale", [1e-6, 1e-3, 1e3])
+def test_a_correction_knows_no_units(scale):
+    """Of a buoy in a tank, or in milliwatts, powers are so many times as large and gains what they are."""
+    random, hours = np.random.default_rng(5), np.full(40, 1 / 40)
+    seas = random.uniform(0.1, 0.9, (2, 40))
+    sample = drawn(seas[0] / seas[0].sum(), hours, 12, 7)
+    linear = seas[:, sample.sea] * random.uniform(0.9, 1.1, (2, 12))
+    better = linear * random.uniform(0.6, 1.0, (2, 12))
+
+    def correction(factor, design):
+        found = Verification(
+            factor * seas @ hours, factor * seas, hours, sample, factor * better, factor * linear
+        ).correction(design, 0)
+        return [np.array(found.power) / factor, found.gain_percent or 0.0, found.fewer_hours]
+
+    for design in (0, 1):
+        for one, other in zip(correction(scale, design), correction(1.0, design), strict=True):
+            np.testing.assert_allclose(one, other, rtol=1e-9)
+
+
 @pytest.mark.parametrize("seas", [2, 7])
 def test_seas_come_in_pairs(seas):
     with pytest.raises(ConfigError, match=rf"verify\.seas: received {seas}, needs an even number of at least 4"):

@@ -4,10 +4,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
 
 from vsb.errors import ConfigError
 from vsb.motion.port import Port
-from vsb.results.year import DesignYear, band_weights, frequencies, year
+from vsb.results.year import DesignYear, band_weights, frequencies, gain_percent, year
 from vsb.study.study import Water
 from vsb.waves.climate import Climate
 
@@ -150,3 +153,16 @@ def test_the_rms_force_is_that_of_the_waves():
     density = (seas.hours @ seas.density)[np.searchsorted(seas.edges, inside) - 1]
     mean = 0.001 * float(np.interp(inside, grid, squared) @ density)
     assert found.force_rms[0, 0] == pytest.approx(np.sqrt(mean), rel=1e-5)
+
+
+@given(
+    hnp.arrays(float, (3, 2), elements=st.floats(0.1, 10.0)),
+    st.sampled_from([1e-9, 1e-3, 1e6]),
+)
+def test_gains_know_no_units(power, scale):
+    """Of a power however small; of none there is no gain."""
+    found = gain_percent(scale * power, 1)
+    np.testing.assert_allclose(found, gain_percent(power, 1), rtol=1e-9, atol=1e-9)
+    assert found[1].tolist() == [0.0, 0.0]
+    power[1, 0] = 0.0
+    assert gain_percent(scale * power, 1) is None

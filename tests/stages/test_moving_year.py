@@ -1,9 +1,11 @@
 """What a campaign's page draws in motion is its own linear theory in one of the year's seas."""
 
 from contextlib import chdir
+from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 from browser import asked
 from stages.test_living_year import swept  # noqa: F401
 from stages.test_members import folder  # noqa: F401
@@ -11,10 +13,12 @@ from stages.test_members import folder  # noqa: F401
 from vsb.report.animation import PERIODS
 from vsb.report.campaign_answer import leading
 from vsb.report.campaign_page import STILL, CampaignReport, render
+from vsb.results.bins import Bins
 from vsb.stages import moving_year as module
 from vsb.stages.climate import read_climate
 from vsb.stages.moving_year import most_energetic, moving_year
-from vsb.waves.climate import realised
+from vsb.study.study import Water
+from vsb.waves.climate import Climate, realised
 
 
 def moved(swept):  # noqa: F811
@@ -32,6 +36,49 @@ def test_the_sea_is_of_the_bin_that_brings_most_energy(swept):  # noqa: F811
     assert sea == int(seas.hs.argmax())
     assert float(ds.hs[row]) == pytest.approx(seas.hs[sea], abs=0.25)
     assert float(ds.te[column]) == pytest.approx(seas.te[sea], abs=0.5)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_of_the_bin_the_sea_is_the_one_nearest_to_its_mean(seed):
+    """Many seas in one bin: none of them brings an hour's energy nearer to the bin's mean over its hours."""
+    random, omega = np.random.default_rng(seed), np.linspace(0.3, 2.0, 60)
+    density = random.uniform(0.8, 1.2, (30, 1)) * np.exp(-(((omega - 0.8) / 0.1) ** 2))
+    density[0] *= 30.0
+    hours = np.where(np.arange(30) == 0, 1e-6, random.uniform(0.5, 1.5, 30))
+    seas, water = Climate.of_spectra(omega, density, hours / hours.sum(), "a swell"), Water()
+    sea, row, column = most_energetic(seas, water)
+    flux, bins = seas.flux(water), Bins(seas.hs, seas.te, seas.hours)
+    inside = np.flatnonzero(bins.index == bins.index[sea])
+    assert bins.index[sea] == np.ravel_multi_index((row, column), bins.shape)
+    assert len(inside) > 5
+    mean = flux[inside] @ seas.hours[inside] / seas.hours[inside].sum()
+    assert np.abs(flux[inside] - mean).min() == pytest.approx(abs(flux[sea] - mean), rel=1e-9)
+    assert bins.total(flux * seas.hours).ravel()[bins.index[sea]] == bins.total(flux * seas.hours).max()
+
+
+@pytest.mark.parametrize("radius", [0.1, 2.0, 30.0])
+@pytest.mark.parametrize("rise", [0.0, 0.5, 3.0])
+def test_what_is_shown_is_as_wide_as_the_buoy_moves(swept, monkeypatch, radius, rise):  # noqa: F811
+    """In radii: as much as of every page's buoys, or what it needs to rise as far as it does."""
+    sized = []
+    monkeypatch.setattr(module, "frames_data", lambda *given: sized.append(given))
+    monkeypatch.setattr(module, "_runs", lambda point, dampers, *_: {
+        name: xr.DataArray([[rise * radius, 0.0], [-rise * radius / 2, 0.0]], dims=("time", "dof"),
+                           coords={"dof": ["Heave", "Membrane0"]}) for name in dampers})  # fmt: skip
+    monkeypatch.setattr(module, "largest_shell", lambda *_: 0.1 * radius)
+    monkeypatch.setattr(module, "shell_modes", lambda *_: xr.Dataset(coords={"mode": ["Membrane0"]}))
+    monkeypatch.setattr(module, "shapes_data", lambda *_: None)
+    looked_at = module.looked_at
+    monkeypatch.setattr(module, "looked_at", lambda *given: of_radius(looked_at(*given), radius))
+    data = moved(swept)
+    assert data["width"] == pytest.approx(radius * max(1.7, 1.0 + rise))
+    assert sized[0][5] == data["width"]
+
+
+def of_radius(point, radius):
+    """A point of another radius; what it moves like is not asked."""
+    device = point.study.device.model_copy(update={"radius": radius})
+    return replace(point, study=point.study.model_copy(update={"device": device}))
 
 
 def test_every_design_moves_as_long_as_is_said_and_the_page_says_in_what(swept, tmp_path, monkeypatch):  # noqa: F811

@@ -112,10 +112,11 @@ def test_what_is_said_of_a_study_before_it_runs(seed, name, tmp_path, monkeypatc
 
 
 def test_what_pauses_cost_is_said_of_laws_that_pause(seed):
-    """Five seconds a design in a regular wave, twice that with its damper, more on the wet shell and in long seas."""
+    """Of four designs: five seconds each in a regular wave, twice that with its damper, more on the wet shell (twenty)
+    and in long seas (of sixty seconds: 0.15 and 0.5 each)."""
 
-    def said(waves, **pto):
-        study = varied(seed, pto=pto, waves=waves)
+    def said(waves, hydro=None, **pto):
+        study = varied(seed, pto=pto, waves=waves, hydro=hydro or {})
         return [line for line in preview.summary(study, StudyPlan(study)) if line.startswith("pauses")]
 
     regular, still = {"kind": "regular", "amplitude": 0.1, "period": 5.0}, {"kind": "still"}
@@ -127,7 +128,10 @@ def test_what_pauses_cost_is_said_of_laws_that_pause(seed):
     )
     assert said([regular, still], law="latching") == [words.format(20, 160)]
     assert said([regular], law="latching", damping=None, tuning="each") == [words.format(40, 320)]
-    assert said([{"kind": "jonswap", "hs": 0.3, "tp": 5.0}], law="latching") == [words.format(36, 288)]
+    sea = {"kind": "jonswap", "hs": 0.3, "tp": 5.0}
+    assert said([sea], law="latching") == [words.format(36, 288)]
+    assert said([regular], {"model": "body_exact"}, law="latching") == [words.format(100, 800)]
+    assert said([sea], {"model": "body_exact"}, law="latching") == [words.format(156, 1248)]
 
 
 def test_the_shell_in_words_is_the_shell_in_numbers(seed):
