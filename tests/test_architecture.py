@@ -14,7 +14,7 @@ from vsb.stages.stage import STAGES
 HOME = Path(__file__).parent.parent
 ROOMS = (
     "errors", "tools", "study", "shell", "waves", "hydro", "motion", "integrators", "scenes", "results", "report",
-    "stages", "cli",
+    "stages", "cli", "__main__",
 )  # fmt: skip
 """Each room imports only from rooms before it."""
 MODULES = {

@@ -90,15 +90,37 @@ def test_what_nothing_holds_is_held_by_its_spring(seed, efficiency):
 
 @pytest.mark.parametrize("seed", range(8))
 def test_dampers_of_many_ports_are_those_of_each(seed):
-    """To the last digit, one that does not move among them, whatever others are looked for."""
+    """To the last digit, one that does not move among them; and where power over the damper's logarithm is level."""
     rng = np.random.default_rng(seed)
     ports = [random_port(rng) for _ in range(5)]
     still = np.zeros_like(ports[0].velocity)
     ports.insert(2, Port(ports[0].omega, still, still, 0.0))
     sea = random_seas(rng, ports[0].omega)[seed % 6]
     found = best_damper_of_each(ports, sea)
-    assert found.tolist() == [float(best_dampers(port, sea[None]).damping[0]) for port in ports]
+    assert found.tolist() == [best_damper_of_each([port], sea)[0] for port in ports]
     assert best_damper_of_each(ports[::-1], 0 * sea).tolist() == [0.0] * 6
+    for port, damping in zip(ports, found, strict=True):
+        if port.moves:
+            climbed = best_dampers(port, sea[None])
+            assert damping == pytest.approx(climbed.damping[0], rel=1e-5)  # flat optimum: power is exact
+            below, best, above = port.power(damping * np.exp([-1e-4, 0.0, 1e-4])) @ sea
+            assert best == pytest.approx(climbed.power[0], rel=1e-14)
+            assert abs(above - below) < 1e-11 * best
+            assert max(above, below) < best
+
+
+def test_of_two_maxima_of_a_port_the_higher_one_is_its_damper():
+    """Two waves that want dampers a hundredfold apart: whichever brings more of the sea decides."""
+    z = np.array([100.0 + 50.0j, 1e4 + 5e3j])
+    port = Port(np.array([1.0, 2.0]), 1 / z, np.array([1.0, 1.0]) + 0j, 0.0)
+    wants = np.abs(z)
+    for low in (300.0, 30.0):  # in parts of the other wave's square: its matched power is a hundredth
+        sea = np.array([low, 1.0])
+        (damping,) = best_damper_of_each([port], sea)
+        tried = np.geomspace(10, 1e5, 20001)
+        assert damping == pytest.approx(tried[(port.power(tried) @ sea).argmax()], rel=1e-3)
+    assert best_damper_of_each([port], np.array([1.0, 0.0]))[0] == pytest.approx(wants[0], rel=1e-9)
+    assert best_damper_of_each([port], np.array([0.0, 1.0]))[0] == pytest.approx(wants[1], rel=1e-9)
 
 
 def test_a_regular_wave_has_its_closed_forms():

@@ -196,6 +196,12 @@ def test_what_follows_a_command_gets_all_it_tells():
     assert (code, found) == (4, ["one\n", "two\n"])
 
 
+def test_while_a_command_begins_something_else_is_done(tmp_path):
+    """The command waits here for what is done meanwhile."""
+    mark, script = tmp_path / "mark", 'for i in $(seq 500); do [ -e "$0" ] && exit 5; sleep 0.02; done'
+    assert launcher.finished(["bash", "-c", script, str(mark)], {"PATH": "/usr/bin:/bin"}, meanwhile=mark.touch) == 5
+
+
 def test_the_exit_code_of_a_command_is_returned_and_signals_are_heard_as_before():
     before = [signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT)]
     assert launcher.finished(["bash", "-c", "exit 3"], {}) == 3

@@ -97,6 +97,9 @@ def test_batches_follow_from_the_file_alone(planned, tmp_path, monkeypatch):
     assert {name: [str(point) for point in spec.points] for name, spec in again.batches.items()} == batches
     assert sorted(itertools.chain(*batches.values())) == sorted(str(one.point) for one in plan.members)
     assert len(set(ids(plan))) == 1000
+    thicknesses = [{point["device.thickness"] for point in spec.points} for spec in plan.batches.values()]
+    assert len(thicknesses) == 3
+    assert sum(map(len, thicknesses)) <= 25 + 2  # shapes and buckling of each are computed in one batch, or in two
 
 
 @pytest.mark.parametrize(

@@ -25,6 +25,8 @@ MARGIN = 1e-6
 """Part of the stiffness of the resting buoy that a negative spring must leave it."""
 FINEST = 1e-4
 """Step at which the climb ends, in the logarithm of the damper: power is then exact to the step's square and better."""
+SETTLED = 1e-8
+"""Newton step [-] after which the next one would be round-off."""
 STEPS = 200
 """Most steps of a climb: few are needed but on long narrow ridges."""
 
@@ -153,10 +155,6 @@ def best_damper_of_each(ports: Sequence[Port], squares: FloatArray) -> FloatArra
     ports : sequence of Port
         Over the same frequencies.
     squares : ndarray, shape (omega,) [m^2]
-
-    Notes
-    -----
-    All climb together: a climb is some twenty steps, and a step costs the same for one port and for many.
     """
     moving = [i for i, port in enumerate(ports) if port.moves and squares.any()]
     found = np.zeros(len(ports))
@@ -164,18 +162,35 @@ def best_damper_of_each(ports: Sequence[Port], squares: FloatArray) -> FloatArra
         return found
     starts = [_rivals(ports[i], squares[None], 0.0, 1.0)[0] for i in moving]
     which = np.repeat(np.arange(len(moving)), [len(start) for start in starts])
+    weight = np.array([0.5 * squares * ports[i].speed_under(0.0) for i in moving])
     admittance = np.array([ports[i].admittance for i in moving])
-    conductance, susceptance = np.ascontiguousarray(admittance.real), np.ascontiguousarray(admittance.imag)
-    free = np.array([ports[i].speed_under(0.0) for i in moving])
-
-    def power(x: FloatArray, start: IntArray) -> FloatArray:
-        at, damping = which[start], np.exp(x)
-        speed = free[at] / ((1 + conductance[at] * damping) ** 2 + (susceptance[at] * damping) ** 2)
-        return np.asarray(damping[:, 0] * (0.5 * squares * speed).sum(axis=1))
-
-    x, powers = climbed(power, np.concatenate(starts)[:, None], np.full((len(which), 1), LOG_STEP))
-    found[moving] = _best_of_each(which, len(moving), np.exp(x[:, 0]), 0 * powers, powers).damping
+    loss, size = 2 * np.ascontiguousarray(admittance.real), np.abs(admittance) ** 2
+    x, power = _summits(weight[which], loss[which], size[which], np.concatenate(starts))
+    found[moving] = _best_of_each(which, len(moving), np.exp(x), 0 * power, power).damping
     return found
+
+
+def _summits(
+    weight: FloatArray, loss: FloatArray, size: FloatArray, start: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Maxima over u of P = sum w/(e^-u + 2 Re Y + |Y|^2 e^u), c = e^u, next to each start, and P there, (start,).
+
+    Newton's method on P' = 0: all starts together, but none knows of another.
+    """
+    x, power, left = start.copy(), np.zeros(len(start)), np.arange(len(start))
+    for _ in range(STEPS):
+        falling, rising = np.exp(-x[left])[:, None], size[left] * np.exp(x[left])[:, None]
+        whole = falling + loss[left] + rising
+        each, slant = weight[left] / whole, (rising - falling) / whole
+        power[left], slope = each.sum(axis=1), -(each * slant).sum(axis=1)
+        bend = (each * (2 * slant**2 - (rising + falling) / whole)).sum(axis=1)
+        newton = np.divide(-slope, bend, out=np.sign(slope), where=bend < 0)
+        move = np.clip(newton, -LOG_STEP, LOG_STEP)
+        x[left] += move
+        left = left[np.abs(move) > SETTLED]
+        if not left.size:
+            break
+    return x, power
 
 
 def best_pairs(port: Port, squares: FloatArray, given: Load, efficiency: float = 1.0) -> Load:

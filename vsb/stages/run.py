@@ -2,6 +2,7 @@
 
 import argparse
 import contextlib
+import importlib
 import io
 import json
 import os
@@ -72,7 +73,8 @@ def run(args: argparse.Namespace) -> int:
             else contextlib.nullcontext()
         ):
             line = _line(args.snakemake, plan, told)
-            code = finished(command, env=environment, pass_fds=[*own, *shared], line=line)
+            fds, answering = [*own, *shared], partial(_prepare_answer, plan)
+            code = finished(command, env=environment, pass_fds=fds, line=line, meanwhile=answering)
     if code:
         return _failed(plan, begun, told)
     if not dry and (report := Path(plan.folder) / "report.html").is_file():
@@ -141,6 +143,13 @@ def unmade(plan: Plan) -> list[str]:
         return []
     green = [f"{plan.green_folder}.done"] if plan.study.needs_bem else []
     return [path for path in (*plan.ids, *green) if plan.is_shared(path) and not Path(path).exists()]
+
+
+def _prepare_answer(plan: Plan) -> None:
+    """Import what the answer of a campaign is read with."""
+    if isinstance(plan, CampaignPlan):
+        importlib.import_module("vsb.report.campaign_answer")
+        importlib.import_module("netCDF4")
 
 
 def _answer(plan: Plan) -> str:
@@ -251,11 +260,15 @@ def _line(options: Sequence[str], plan: Plan, last: MutableSequence[str]) -> Fol
 
 
 def finished(
-    command: Sequence[str], env: Mapping[str, str], pass_fds: Sequence[int] = (), line: Follow | None = None
+    command: Sequence[str],
+    env: Mapping[str, str],
+    pass_fds: Sequence[int] = (),
+    line: Follow | None = None,
+    meanwhile: Callable[[], None] | None = None,
 ) -> int:
     """Return the exit code of a command; told to end, or interrupted, end all that it started before anything else.
 
-    What it tells goes to `line`, if there is one.
+    What it tells goes to `line`, if there is one; `meanwhile` is done while it begins.
     """
     heard = [number for number in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(number) != signal.SIG_IGN]
     early: list[int] = []  # told while the command begins: ended once it is known
@@ -272,6 +285,8 @@ def finished(
             for told in early:
                 _told_to_end(told, None)
             signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+            if meanwhile:
+                meanwhile()
             if line and process.stdout:
                 line(process.stdout)
             return process.wait()

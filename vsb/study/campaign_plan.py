@@ -50,6 +50,11 @@ VARIABLES = (
 """Names in the results that no varied key can have."""
 
 
+def _shared(one: "Member") -> tuple[Any, ...]:
+    """What members may share: coefficients of a shape, a take-off, and shapes and buckling of a thickness."""
+    return one.spec.sweep, canonical(one.study.pto), one.study.device.thickness
+
+
 @dataclass(frozen=True)
 class Member:
     """One point of a campaign."""
@@ -158,8 +163,8 @@ class CampaignPlan(ResultsFolder):
 
     @cached_property
     def batches(self) -> dict[str, MembersSpec]:
-        """Specs of the batches by id: of as many members each, those of one shape and take-off together."""
-        ordered = sorted(self.members, key=lambda one: (one.spec.sweep, canonical(one.study.pto)))
+        """Specs of the batches by id: of as many members each, those of one shape, take-off and thickness together."""
+        ordered = sorted(self.members, key=_shared)
         shapes = len({one.spec.sweep for one in ordered})
         seconds = self.member_seconds * len(ordered) + BLOCK_SECONDS * shapes
         count = min(MOST_BATCHES, len(ordered), math.ceil(seconds / BATCH_SECONDS))

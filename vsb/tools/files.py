@@ -1,7 +1,6 @@
 """Files in and out: netCDF with the table of units applied, and text; written whole or not at all."""
 
 import fcntl
-import glob
 import gzip
 import hashlib
 import json
@@ -104,10 +103,11 @@ def whole(path: str | Path) -> Iterator[Path]:
 
 def _remove_abandoned(folder: Path, begins: str) -> None:
     """Remove what killed processes of this machine left of a file: whoever lives may still be writing it."""
-    for path in folder.glob(f"{glob.escape(begins)}*.tmp"):
-        writer = path.name.removeprefix(begins).partition(".")[0]
-        if writer.isdecimal() and not psutil.pid_exists(int(writer)):
-            path.unlink(missing_ok=True)
+    for name in os.listdir(folder):  # of thousands of members there may be: no pattern is matched with each
+        if name.startswith(begins) and name.endswith(".tmp"):
+            writer = name.removeprefix(begins).partition(".")[0]
+            if writer.isdecimal() and not psutil.pid_exists(int(writer)):
+                (folder / name).unlink(missing_ok=True)
 
 
 @contextmanager

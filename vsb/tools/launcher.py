@@ -7,11 +7,14 @@ import logging
 import os
 import sys
 
-from snakemake.cli import main
+from vsb.tools.garbage import collected_seldom
 
 
 def launch() -> None:
     """Run Snakemake with the options of the command line, and end with its exit code."""
+    collected_seldom()
+    from snakemake.cli import main
+
     try:
         main()
     except SystemExit as stop:

@@ -109,6 +109,7 @@ rule answer:
         f"{ROOT}/logs/answer/{PLAN.name}.log",
     conda:
         "../envs/vsb.yaml"
+    threads: 2  # half of the figures are drawn aside
     resources:
         mem_mb=4000,
     params:

@@ -1,0 +1,17 @@
+"""The command as a shell starts it, `vsb` or `python -m vsb`."""
+
+import sys
+
+from vsb.tools.garbage import collected_seldom
+
+
+def start() -> int:
+    """Run the command line; imports only now, for they are what a search for garbage delays."""
+    collected_seldom()
+    from vsb.cli import main
+
+    return main()
+
+
+if __name__ == "__main__":
+    sys.exit(start())
