@@ -2,15 +2,15 @@
 
 import sys
 
-from vsb.tools.garbage import collected_seldom
+from vsb.tools.garbage import seldom_collected
 
 
 def start() -> int:
     """Run the command line; imports only now, for they are what a search for garbage delays."""
-    collected_seldom()
-    from vsb.cli import main
+    with seldom_collected():
+        from vsb.cli import main
 
-    return main()
+        return main()
 
 
 if __name__ == "__main__":

@@ -2,14 +2,20 @@
 
 import gc
 
-from vsb.tools.garbage import NEW, collected_seldom
+import pytest
+
+from vsb.tools.garbage import NEW, seldom_collected
 
 
-def test_the_youngest_objects_are_searched_a_hundred_times_less_often():
+def test_the_youngest_objects_are_searched_a_hundred_times_less_often_and_the_last_never():
     before = gc.get_threshold()
     try:
-        collected_seldom()
-        assert gc.get_threshold()[0] == NEW >= 100 * 700
-        assert gc.isenabled()  # a process that lasts long must not grow without bound
+        with pytest.raises(ValueError, match="as it ends"), seldom_collected():
+            assert gc.get_threshold()[0] == NEW >= 100 * 700
+            assert gc.isenabled()  # a process that lasts long must not grow without bound
+            assert gc.get_freeze_count() == 0
+            raise ValueError("as it ends")
+        assert gc.get_freeze_count() > 0
     finally:
+        gc.unfreeze()
         gc.set_threshold(*before)

@@ -36,7 +36,7 @@ class _UniqueKeyLoader(yaml.SafeLoader):
         try:
             return int(super().construct_yaml_int(node))
         except ValueError:
-            return int(10**DIGITS)
+            return _UNPRINTABLE
 
 
 _UniqueKeyLoader.add_constructor("tag:yaml.org,2002:int", _UniqueKeyLoader.construct_yaml_int)
@@ -48,6 +48,7 @@ MOST_TOLD = 20
 """Mistakes of one file that are told."""
 DIGITS = 4300
 """Digits of an integer, more of which Python does not print."""
+_UNPRINTABLE: int = 10**DIGITS
 MOST_NODES = 100_000
 """Values of a file with its aliases written out; a few lines of aliases within aliases stand for any number."""
 
@@ -177,9 +178,9 @@ def _unprintable(raw: object) -> Place:
         list(raw.items()) if isinstance(raw, dict) else list(enumerate(raw)) if isinstance(raw, list | tuple) else []
     )
     for key, value in items:
-        if isinstance(key, int) and abs(key) >= 10**DIGITS:
+        if isinstance(key, int) and abs(key) >= _UNPRINTABLE:
             return ("a key",)
-        if isinstance(value, int) and abs(value) >= 10**DIGITS:
+        if isinstance(value, int) and abs(value) >= _UNPRINTABLE:
             return (key,)
         if below := _unprintable(value):
             return (key, *below)

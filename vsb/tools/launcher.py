@@ -7,16 +7,16 @@ import logging
 import os
 import sys
 
-from vsb.tools.garbage import collected_seldom
+from vsb.tools.garbage import seldom_collected
 
 
 def launch() -> None:
     """Run Snakemake with the options of the command line, and end with its exit code."""
-    collected_seldom()
-    from snakemake.cli import main
-
     try:
-        main()
+        with seldom_collected():
+            from snakemake.cli import main
+
+            main()
     except SystemExit as stop:
         logging.shutdown()
         sys.stdout.flush()
