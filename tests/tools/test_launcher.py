@@ -1,5 +1,6 @@
 """Snakemake ends when its work does, with its exit code and all it said."""
 
+import contextlib
 import subprocess
 import sys
 import threading
@@ -21,6 +22,12 @@ def test_a_run_says_and_returns_what_snakemake_does(tmp_path, how, code):
     assert ("1 of 1 steps (100%) done" in done.stderr) == (code == 0)
 
 
+def begun_with(monkeypatch, snakemake):
+    """Put something in the place of Snakemake, in a process that goes on."""
+    monkeypatch.setattr("snakemake.cli.main", snakemake)
+    monkeypatch.setattr(launcher, "seldom_collected", contextlib.nullcontext)
+
+
 def test_what_is_still_waiting_is_not_waited_for(monkeypatch):
     """A timer of a minute, as Snakemake leaves one of a second: the end comes first."""
     told = []
@@ -32,7 +39,7 @@ def test_what_is_still_waiting_is_not_waited_for(monkeypatch):
         print("the last word")
         raise SystemExit(3)
 
-    monkeypatch.setattr(launcher, "main", snakemake)
+    begun_with(monkeypatch, snakemake)
     monkeypatch.setattr(launcher.os, "_exit", told.append)
     launcher.launch()
     told[0].cancel()
@@ -45,7 +52,7 @@ def test_an_end_without_a_number_is_what_it_is_to_python(monkeypatch, said, code
         raise SystemExit(said)
 
     told = []
-    monkeypatch.setattr(launcher, "main", snakemake)
+    begun_with(monkeypatch, snakemake)
     monkeypatch.setattr(launcher.os, "_exit", told.append)
     launcher.launch()
     assert told == [code]
