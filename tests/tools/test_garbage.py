@@ -7,14 +7,20 @@ import pytest
 from vsb.tools.garbage import NEW, seldom_collected
 
 
+def fails_at_its_end():
+    """A command that says how garbage is looked for while it runs."""
+    with seldom_collected():
+        assert gc.get_threshold()[0] == NEW >= 100 * 700
+        assert gc.isenabled()  # a process that lasts long must not grow without bound
+        assert gc.get_freeze_count() == 0
+        raise ValueError("as it ends")
+
+
 def test_the_youngest_objects_are_searched_a_hundred_times_less_often_and_the_last_never():
     before = gc.get_threshold()
     try:
-        with pytest.raises(ValueError, match="as it ends"), seldom_collected():
-            assert gc.get_threshold()[0] == NEW >= 100 * 700
-            assert gc.isenabled()  # a process that lasts long must not grow without bound
-            assert gc.get_freeze_count() == 0
-            raise ValueError("as it ends")
+        with pytest.raises(ValueError, match="as it ends"):
+            fails_at_its_end()
         assert gc.get_freeze_count() > 0
     finally:
         gc.unfreeze()
