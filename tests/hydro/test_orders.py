@@ -103,6 +103,13 @@ def test_a_displacement_that_was_not_solved_is_missed():
         order_shares([Displacement("radial", n, 1) for n in (1, 2)], basis(1))
 
 
+def test_displacements_that_were_not_solved_are_named_in_their_order():
+    """However many, whatever a set makes of them: the same words each time."""
+    missing = ", ".join(f"'Radial{n}'" for n in range(2, 10))
+    with pytest.raises(DatabaseError, match=rf"displacements \[{missing}\] of order 1 are not among those"):
+        order_shares([Displacement("radial", 1, 1)], basis(1, degree=9))
+
+
 def parts():
     first = xr.Dataset(
         {
@@ -114,7 +121,7 @@ def parts():
         {"history": "symmetrized"},
     )
     second = first.assign_coords(influenced_dof=["Surge"], radiating_dof=["Surge"]) * 2
-    return [first, second.assign_attrs(history="from excitation")]
+    return [first.assign_attrs(solver="one"), second.assign_attrs(history="from excitation", solver="another")]
 
 
 def test_side_by_side_nothing_is_between_orders_and_each_can_be_taken_out_again():
@@ -123,7 +130,7 @@ def test_side_by_side_nothing_is_between_orders_and_each_can_be_taken_out_again(
     np.testing.assert_array_equal(whole.added_mass[1], [[1.0, 0.0], [0.0, 2.0]])
     np.testing.assert_array_equal(whole.hydrostatic_stiffness, [[5.0, 0.0], [0.0, 10.0]])
     np.testing.assert_array_equal(whole.excitation_force[0, 0], [1.0, 2.0])
-    assert whole.attrs["history"] == "symmetrized; from excitation"
+    assert whole.attrs == {"solver": "one", "history": "symmetrized; from excitation"}
     assert whole[ORDER].values.tolist() == [0, 1]
     assert {order: list(group) for order, group in order_groups(whole).items()} == {0: [0], 1: [1]}
     for order, part in enumerate(parts()):

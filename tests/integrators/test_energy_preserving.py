@@ -248,3 +248,9 @@ def test_a_run_with_it_closes_its_audit(scene, name):
     motion, _, method = simulate(System.of(plant), sea, short, None)
     assert method.startswith("structure-preserving, ")
     assert residual(energies(System.of(plant), motion)) < 1e-7
+
+
+def test_what_predicts_the_next_step_is_the_polynomial_through_this_one():
+    """Values at the nodes of a polynomial of as many terms go over into those a whole step later."""
+    for power in range(gauss.NODES):
+        np.testing.assert_allclose(gauss._AHEAD @ gauss._NODE**power, (gauss._NODE + 1) ** power, rtol=1e-12)

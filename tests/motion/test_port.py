@@ -13,10 +13,11 @@ from vsb.hydro.statespace import fit_radiation
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.motion.builders import linear_scene
 from vsb.motion.frequency import LinearBuoy, with_open_chamber
-from vsb.motion.port import Port, port_direction
+from vsb.motion.port import Port, _between, port_direction
 from vsb.motion.pto import LinearPto
 from vsb.motion.system import System
 from vsb.motion.tuning import best_dampers
+from vsb.scenes.directions import order_bases
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell, enclosed
 from vsb.stages.spectral import spectral_problem
@@ -130,6 +131,29 @@ def test_a_rigid_buoy_does_not_move_a_port_of_its_own(seed):
         assert still.softest_spring == -np.inf
         for nothing in (still.power(1e4), still.matched_power, still.best_power, still.reactance_ratio):
             assert not nothing.any()
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("between", [(30.0, 110.0), (0.0, 130.0)])
+def test_a_port_between_two_points_moves_by_their_distance(seed, order, between):
+    """Its change with each amplitude of an order by differences, from where points of the meridian theta = 0 go."""
+    planar = varied(seed, motion="planar", modes={"degree": 3, "order": 2},
+                    device={"centre_of_mass": -0.5, "ballast_inertia": 9e3})  # fmt: skip
+    basis, radius = study_basis(planar), planar.device.radius
+    (family,) = (each for each in order_bases(planar, basis) if each.order == order and not each.odd)
+    at = np.deg2rad(between)
+    out, along = np.stack([np.sin(at), np.cos(at)], axis=1), np.stack([np.cos(at), -np.sin(at)], axis=1)
+    radial, meridional, _ = family.field(at)
+
+    def distance(k, amplitude):
+        places = (radius + amplitude * radial[k])[:, None] * out + amplitude * meridional[k][:, None] * along
+        return np.linalg.norm(places[1] - places[0])
+
+    slopes = [(distance(k, 1e-4) - distance(k, -1e-4)) / 2e-4 for k in range(len(family.labels))]
+    slopes[: family.rigid] = [0.0] * family.rigid
+    found = _between(BetweenPort(between=between), DeformedShell(basis, planar.centre_height), family)
+    np.testing.assert_allclose(found, slopes, atol=1e-7)
+    assert np.abs(found).max() > 0.1
 
 
 def test_a_clamp_holds_a_port(seed):

@@ -1,6 +1,6 @@
 import pytest
 
-from vsb.report.canvas import STYLES, grid_of_axes, legend_above, style
+from vsb.report.canvas import STYLES, grid_of_axes, legend_above, note, style
 
 
 def test_the_papers_designs_keep_their_colours_whatever_the_study():
@@ -33,3 +33,18 @@ def test_a_legend_is_as_wide_as_the_page_and_the_figure_grows_by_its_rows(labels
     (legend,) = figure.legends
     assert legend._ncols == columns
     assert figure.get_figheight() == pytest.approx(3.0 + 0.17 * (rows - 1))
+
+
+def test_a_figure_fits_a_page_of_text():
+    """A4 between margins of an inch: 159 mm, of which it leaves nothing unused."""
+    figure, _ = grid_of_axes(3.0, columns=3)
+    assert 25.4 * figure.get_figwidth() == pytest.approx(210 - 2 * 25.4, abs=2.0)
+
+
+def test_why_axes_are_empty_stands_in_their_middle_and_no_number_beside_it():
+    _, axes = grid_of_axes(3.0)
+    note(axes[0, 0], "nothing is absorbed")
+    (text,) = axes[0, 0].texts
+    assert (text.get_text(), text.get_position()) == ("nothing is absorbed", (0.5, 0.5))
+    assert text.get_transform() == axes[0, 0].transAxes
+    assert (text.get_ha(), len(axes[0, 0].get_yticks())) == ("center", 0)

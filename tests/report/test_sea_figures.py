@@ -54,3 +54,15 @@ def test_a_years_median_is_the_sea_of_half_the_year_and_its_mean_holds_its_energ
     assert np.all(below <= above)
     assert below[peak] == pytest.approx(climate.density[0, peak])
     assert above[peak] == pytest.approx(climate.density[1, peak])
+
+
+@pytest.mark.parametrize(("peak", "width", "first"), [(2.0, 0.2, 1.36), (0.5, 0.2, 0.0)])
+def test_the_axis_begins_a_little_below_the_first_wave_seen_and_at_none_below_zero(peak, width, first):
+    """A Gaussian is seen to sqrt(2 ln 100) = 3.03 of its widths; beyond zero there is no frequency."""
+    omega = np.linspace(0.001, 6.0, 3000)
+    climate = Climate.of_spectra(omega, np.exp(-(((omega - peak) / width) ** 2) / 2)[None], np.ones(1), "made up")
+    low, high = year_spectra(climate).axes[0].get_xlim()
+    assert low == pytest.approx(first, abs=0.01)
+    assert high == pytest.approx(
+        peak + 3.035 * width + 0.03 * (peak + 3.035 * width - max(peak - 3.035 * width, 0.0)), abs=0.01
+    )

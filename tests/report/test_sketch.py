@@ -6,7 +6,8 @@ import xml.etree.ElementTree as ET
 import pytest
 
 from vsb.report.canvas import style
-from vsb.report.sketch import design_in_words, sketch
+from vsb.report.sketch import design_in_words, sketch, sketches
+from vsb.study.study import parse
 
 DESIGNS = {
     "FSB": {"flexible": False, "clamp": []},
@@ -55,3 +56,19 @@ def test_the_shell_stays_where_it_is_held():
     )
     swollen, squeezed = (part.split("L")[0] for part in path.split("M")[1:])
     assert swollen == squeezed == "70.0 28.0"
+
+
+@pytest.mark.parametrize("radius", [0.5, 2.0, 7.0])
+def test_a_spheroid_of_any_size_is_drawn_in_radii(seed, radius):
+    """As wide as the sphere of its radius, as high as it is to its width."""
+    raw = seed.model_dump()
+    raw["device"] |= {"radius": radius, "thickness": radius / 200, "draft": 0.6 * radius}
+    del raw["device"]["mass"]
+    raw["device"] |= {"shape": {"spheroid": {"height": 1.4 * radius}}}
+    raw["modes"] |= {"basis": "full"}
+    study = parse({**raw, "designs": {"VSWEC": {}}, "published": None}, source="spheroid")
+    (one,) = sketches(study)
+    body = next(e.get("d") for e in ET.fromstring(one["svg"]).iter("path") if "fill-opacity" in e.attrib)
+    x, y = zip(*(map(float, point.split()) for point in body.strip("MZ").split("L")), strict=True)
+    assert max(x) - min(x) == pytest.approx(68.0, abs=0.3)
+    assert max(y) - min(y) == pytest.approx(0.7 * 68.0, abs=0.3)

@@ -58,6 +58,9 @@ def test_optima_are_those_of_the_ports_at_harmonics(limited, shared, seas, found
         here = at.sel(design=design)
         assert float(here.annual_mean_power) == pytest.approx(one.annual_mean_power.mean, rel=1e-12)
         assert float(here.annual_energy) == pytest.approx(one.annual_mean_power.mean * 8.766e-3, rel=1e-12)
+        flux = float(seas.flux(limited.water) @ seas.hours)
+        assert float(here.capture_width) * flux == pytest.approx(one.annual_mean_power.mean, rel=1e-12)
+        assert 2 * float(here.quadrature_error) == pytest.approx(np.ptp(one.annual_mean_power[1:]), rel=1e-12)
         assert float(here.force_rms) == pytest.approx(one.force_rms)
         assert one.force_rms < LIMIT
         np.testing.assert_allclose(here.power_matrix, one.power_matrix, rtol=1e-12)

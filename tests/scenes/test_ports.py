@@ -7,7 +7,7 @@ from conftest import varied
 from vsb.hydro.coefficients import Coefficients
 from vsb.hydro.dofs import displacements
 from vsb.scenes.directions import order_bases
-from vsb.scenes.ports import POINTS, ShapeWater, design_ports, designs_in_waves, shell_shapes
+from vsb.scenes.ports import POINTS, ShapeWater, _of_shell, design_ports, designs_in_waves, shell_shapes
 from vsb.scenes.rest import reference_shell
 from vsb.study.blocks import HydroPlan
 
@@ -127,3 +127,13 @@ def test_shapes_of_orders_are_told_on_both_meridians_in_the_plane_of_the_waves(s
     assert not of_order[: family.rigid].any()
     np.testing.assert_array_equal(of_order[family.rigid :, :, :POINTS], front[family.rigid :])
     np.testing.assert_array_equal(of_order[family.rigid :, :, POINTS:], (-1) ** order * front[family.rigid :])
+
+
+def test_what_the_shell_does_is_the_sum_of_its_shapes_in_their_phases():
+    """Heave left out; complex amplitudes of each frequency, shapes of two directions."""
+    random = np.random.default_rng(2)
+    amplitude, shapes = random.normal(size=(2, 5, 4)) * np.array([1, 1j])[:, None, None], random.normal(size=(4, 2, 7))
+    together = amplitude.sum(axis=0)
+    np.testing.assert_allclose(
+        _of_shell(together, shapes), np.einsum("wk,kdp->dpw", together[:, 1:], shapes[1:]), rtol=1e-12
+    )

@@ -36,6 +36,15 @@ def test_the_margin_goes_with_the_modulus(seed, factor):
     assert 1 - buckling_margin(stiffer) == pytest.approx((1 - buckling_margin(seed)) / factor, rel=1e-9)
 
 
+@pytest.mark.parametrize("modulus", [1e7, 3e9])
+def test_with_trapped_gas_the_margin_is_that_of_the_ledger(seed, modulus):
+    """Of a shell that gives way and of one that stands."""
+    gas = varied(seed, device={"young_modulus": modulus, "gas": {"adiabatic_index": 1.4}})
+    (check,) = [one for one in ledger.viability_checks(gas) if one.name == "computed_buckling"]
+    assert buckling_margin(gas) == pytest.approx(1 - check.value, rel=1e-6)
+    assert (buckling_margin(gas) > 0) == (modulus > 1e9)
+
+
 def test_a_study_of_rigid_designs_does_not_buckle(seed):
     rigid = parse(seed.model_dump() | {"designs": {"FSB": {"flexible": False}}}, source="rigid")
     found = viability(rigid)

@@ -48,3 +48,23 @@ def test_waves_beyond_what_is_solved_are_refused(tmp_path, monkeypatch):
         ConfigError, match=r"climate: \d+\.\d% of its variance lies outside .* to 5 rad/s, .* a larger hydro"
     ):
         check_campaign(planned(tmp_path, MODULI, name="tank"))
+
+
+@pytest.mark.parametrize(
+    ("varied", "message"),
+    [
+        (
+            {"hydro.omega_max": [5.0, 2.5]},
+            r"hydro\.omega_max: received 2.5 rad/s, needs at least .* rad/s, because the radiation memory",
+        ),
+        (
+            {"hydro.omega_max": [5.0, 50.0]},
+            r"hydro\.omega_max: received 50 rad/s, needs at most 14\.\d+ rad/s with the spec",
+        ),
+    ],
+)
+def test_a_point_whose_band_no_solver_takes_is_refused_before_any_is_solved(folder, monkeypatch, varied, message):
+    """The first point can be solved, the last cannot."""
+    monkeypatch.chdir(folder)
+    with pytest.raises(ConfigError, match=message):
+        check_campaign(planned(folder, varied, name="band"))

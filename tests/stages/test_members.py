@@ -6,9 +6,11 @@ import sys
 import time
 from multiprocessing import get_context
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import xarray as xr
 import yaml
 from conftest import SEED
 
@@ -16,7 +18,7 @@ from vsb.errors import ConfigError, VsbError
 from vsb.motion.frequency import LinearBuoy
 from vsb.results.year import frequencies, year
 from vsb.scenes.afloat import linear_buoy, study_port
-from vsb.scenes.rest import design_motions
+from vsb.scenes.rest import design_motions, reference_shell
 from vsb.stages import answer, campaign, members
 from vsb.stages.campaign_preview import campaign_summary
 from vsb.stages.climate import read_climate
@@ -29,6 +31,7 @@ from vsb.study.study import canonical
 from vsb.tools import packed
 from vsb.tools.files import load
 from vsb.tools.units import check_finite
+from vsb.waves.climate import Climate
 from vsb.waves.seas import jonswap_spectrum
 
 BASE = yaml.safe_load(SEED.read_text())
@@ -346,3 +349,36 @@ def test_seas_beyond_what_is_described_are_told(folder, swept):
     shares = [float(row["energy_beyond_validity"]) for row in rows]
     np.testing.assert_allclose(shares, found.energy_beyond_validity.values.ravel(), rtol=1e-9)
     assert "of the energy is from seas beyond what is described" in Path(f"{plan.folder}/report.html").read_text()
+
+
+def known(omega, order=0):
+    """A buoy whose coefficients are known in a band: they are the frequency itself."""
+    label = "Radial2"
+    return SimpleNamespace(
+        labels=(label,), coefficients=lambda at: (order, at), database=xr.Dataset(coords={"omega": omega})
+    )
+
+
+@pytest.mark.parametrize("highest", [1.2, 2.4, 9.0])
+def test_a_year_is_known_as_far_as_both_the_shape_and_its_seas_go(highest):
+    """Up to the highest frequency solved, or that of the seas where they end before; every order at the same ones."""
+    density = np.exp(-((np.arange(1.0, 4.0, 0.1) - 1.5) ** 2))
+    seas = Climate.of_spectra(np.arange(1.0, 4.0, 0.1), density[None], np.ones(1), "a sea")
+    solved = np.linspace(0.2, highest, 24)
+    swept = members.Swept((known(solved), known(solved, order=1)))
+    year = swept.of_year(seas)
+    assert year.omega[[0, -1]] == pytest.approx([0.95, min(highest, 3.95)])
+    np.testing.assert_array_equal(year.omega, frequencies(seas, 0.2, highest))
+    assert [one.coefficients[0] for one in (year, *year.orders)] == [0, 1]
+    assert all(one.coefficients[1] is year.omega for one in (year, *year.orders))
+    assert swept.of_year(seas) is year
+
+
+def test_a_shape_is_solved_where_the_campaign_s_results_are(seed, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    asked = []
+    monkeypatch.setattr(members, "solve", lambda plan: asked.append(plan.root))
+    monkeypatch.setattr(members, "_of_order", lambda plan, *_: asked.append(plan.root))
+    members.swept_shape(seed, reference_shell(seed).basis, "elsewhere")
+    assert asked == ["elsewhere"] * 2
+    assert list(tmp_path.iterdir()) == []

@@ -237,3 +237,32 @@ def test_records_snakemake_cannot_read_are_forgotten_and_the_others_kept(tmp_pat
     launcher.forget_damaged(tmp_path)
     assert sorted(path.name for path in tmp_path.rglob("*") if path.is_file()) == ["0", "1", "2"]
     launcher.forget_damaged(tmp_path / "nowhere")
+
+
+class Starting:
+    """A process that starts another each time it is looked at, until it is stopped."""
+
+    def __init__(self, most=5):
+        self.started, self.most, self.stopped, self.killed = [], most, False, False
+
+    def children(self, recursive):
+        for one in [self, *self.started]:
+            if not one.stopped and len(self.started) < self.most:
+                self.started.append(Starting(0))
+        return [*self.started]
+
+    def suspend(self):
+        self.stopped = True
+
+    def kill(self):
+        assert self.stopped
+        self.killed = True
+
+
+def test_what_starts_processes_while_it_is_ended_leaves_none(monkeypatch):
+    """Each is stopped as soon as it is seen, so that what is killed in the end is all there is."""
+    root = Starting()
+    monkeypatch.setattr(launcher.psutil, "Process", lambda pid: root)
+    launcher._end(1)
+    assert all(one.killed for one in (root, *root.started))
+    assert len(root.started) < root.most

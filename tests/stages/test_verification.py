@@ -3,9 +3,11 @@
 import csv
 from contextlib import chdir
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import xarray as xr
 import yaml
 from stages.test_members import BASE, batches, gather, told, with_seas
 
@@ -198,3 +200,25 @@ def test_check_tells_of_the_runs(folder, checked, capsys):
     with chdir(folder):
         assert main(["check", str(Path("checked.yaml"))]) == 0
     assert "verify       4 seas of 60 s, body_exact, of each of 2 points, 2 done" in capsys.readouterr().out
+
+
+def test_runs_are_in_waves_of_the_whole_band_that_is_solved_and_no_others(monkeypatch):
+    """Of each design's own database; each design meets the same sea of the same seed."""
+    omega, asked = np.linspace(0.2, 5.0, 40), []
+    monkeypatch.setattr(verification, "realised", lambda *given: asked.append(given[1:]))
+    simulation = SimpleNamespace(duration=60.0)
+    spec = SimpleNamespace(simulation=simulation, verify=SimpleNamespace(model="linear"))
+    climate = SimpleNamespace(hs=np.ones(3), te=np.full(3, 5.0))
+    year = SimpleNamespace(climate=climate, damping=np.ones((2, 1, 3)))
+    sample = SimpleNamespace(sea=np.array([2, 0]), seed=np.array([7, 9]))
+
+    def design(highest):
+        """Of a database up to another frequency; it takes 3 and 2 W."""
+        found = SimpleNamespace(powers=lambda *_: (3.0, 2.0))
+        database = xr.Dataset(coords={"omega": omega[:highest]})
+        return SimpleNamespace(buoy=SimpleNamespace(database=database), under=lambda damping: found)
+
+    better, linear = verification._powers(spec, year, sample, {"A": design(40), "B": design(30)})
+    ends = [(0.2, 5.0), (0.2, omega[29])]
+    assert asked == [(sea, 60.0, seed, *map(float, ends[i])) for sea, seed in ((2, 7), (0, 9)) for i in (0, 1)]
+    assert (better.tolist(), linear.tolist()) == ([[3.0, 3.0]] * 2, [[2.0, 2.0]] * 2)

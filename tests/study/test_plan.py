@@ -211,6 +211,21 @@ def test_memory_grows_with_the_record_not_with_what_is_followed(seed):
     assert 2900 < StudyPlan(irregular).simulation_megabytes(irregular.waves[0]) < 2 * 2900
 
 
+@pytest.mark.parametrize(("omega_max", "duration"), [(6.0, 1e3), (6.0, 1e5), (12.0, 2e4)])
+def test_memory_beyond_the_record_is_of_the_components_of_a_sea(seed, omega_max, duration):
+    """In a regular wave there is one; of a spectrum as many as its band times the duration, of some 4 kB each."""
+    waves = [{"kind": "regular", "amplitude": 0.1, "period": 2.5}, {"kind": "jonswap", "hs": 0.5, "tp": 4.0}]
+    run = {"duration": duration, "window": (0.0, duration)}
+    study = varied(seed, waves=waves, simulation=run, hydro={"omega_max": omega_max})
+    plan = StudyPlan(study)
+    regular, sea = (plan.simulation_megabytes(wave) - 3 * plan.record_megabytes(wave) for wave in study.waves)
+    assert regular == 800
+    components = omega_max * duration / (2 * np.pi)
+    assert sea - regular == pytest.approx(3.77e-3 * components, rel=0.01, abs=1.0)
+    largest = max(plan.record_megabytes(wave) for wave in study.waves)
+    assert plan.study_megabytes >= 800 + 1.2 * len(study.designs) * largest
+
+
 @pytest.mark.parametrize(
     ("pto", "damping", "seas", "pause"),
     [

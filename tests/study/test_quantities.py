@@ -9,11 +9,12 @@ import yaml
 from conftest import SEED
 from hypothesis import given
 from hypothesis import strategies as st
+from pydantic import TypeAdapter, ValidationError
 
 from vsb.errors import ConfigError
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
-from vsb.study.quantities import within
+from vsb.study.quantities import Colatitude, Finite, NonNegative, Positive, within
 
 BEYOND = [
     ("device.radius", 1e200, r"needs at most 1000 m, because .* nothing floats"),
@@ -164,3 +165,20 @@ def test_junk_of_json_is_one_line():
             config.parse(changed("device.mass", junk))
         assert "\n" not in str(error.value)
         assert len(str(error.value)) < 400
+
+
+@pytest.mark.parametrize(
+    ("quantity", "taken", "refused"),
+    [
+        (Positive, [1e-300, 1e300], [0.0, -1.0]),
+        (NonNegative, [0.0, 1e300], [-1e-300]),
+        (Finite, [-1e300, 0.0, 1e300], []),
+        (Colatitude, [0.0, 180.0], [-1e-9, 180.001]),
+    ],
+)
+def test_what_is_a_quantity_ends_where_it_says_and_is_finite(quantity, taken, refused):
+    checked = TypeAdapter(quantity)
+    assert [checked.validate_python(value) for value in taken] == taken
+    for value in (*refused, math.nan, math.inf, -math.inf):
+        with pytest.raises(ValidationError, match=r"greater|less|finite"):
+            checked.validate_python(value)

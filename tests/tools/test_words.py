@@ -73,3 +73,16 @@ def test_a_value_is_told_with_its_unit(value, unit, text):
 def test_a_text_of_eighty_characters_is_repeated_and_a_longer_one_cut():
     assert shortened("x" * 80) == "x" * 80
     assert shortened("x" * 81) == f"{'x' * 80}... (81 characters)"
+
+
+PREFIXES = {"": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}
+
+
+@given(st.floats(1e-3, 1e12), st.sampled_from([1.0, -1.0]))
+def test_whatever_its_prefix_a_quantity_is_the_value(size, sign):
+    """Pascal to six digits, watts to four; nothing else has a prefix."""
+    value = sign * size
+    for text, unit, digits in ((quantity(value, "Pa"), "Pa", 5e-6), (power(value), "W", 5.1e-4)):
+        number, told = text.split()
+        assert float(number) * PREFIXES[told.removesuffix(unit)] == pytest.approx(value, rel=digits)
+    assert quantity(value, "N/m") == f"{value:g} N/m"

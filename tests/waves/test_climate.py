@@ -68,7 +68,11 @@ def test_what_lies_beyond_the_bands_is_the_integral_of_their_tail(last):
     """Of a density w^-5 from the lowest edge w1 to the highest w2 on, (w1/w2)^4/(1 - (w1/w2)^4) of what is inside."""
     omega = np.arange(1.0, last, 0.01)
     first, end = omega[0] - 0.005, omega[-1] + 0.005
-    (said,) = [note for note in of_records(omega, np.array([omega**-5.0]), "tail", ()).notes if "fifth power" in note]
+    (said,) = [
+        note
+        for note in of_records(omega, np.outer([1.0, 0.5, 2.0], omega**-5.0), "tail").notes
+        if "fifth power" in note
+    ]
     words = (
         rf"bands from {first / 2 / np.pi:.4g} to {end / 2 / np.pi:.4g} Hz: .* would add (.*)% to the variance, which"
     )
