@@ -9,10 +9,12 @@ import xarray as xr
 from matplotlib.colors import to_hex
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
+from matplotlib.text import Text
+from matplotlib.ticker import FixedLocator
 from report import test_campaign_figures, test_curves, test_sea_figures, test_side_by_side, test_witness_figure
 
 from vsb.report.campaign_figures import DRAWN
-from vsb.report.canvas import style
+from vsb.report.canvas import WIDTH, style
 from vsb.report.figures import draw
 from vsb.report.sea_figures import year_spectra
 from vsb.report.shape_figures import shape_figure
@@ -214,3 +216,29 @@ def test_twice_the_motion_is_drawn_twice_as_large(name):
             np.testing.assert_allclose(doubled.get_ydata(), 2 * np.asarray(line.get_ydata()), rtol=1e-9, atol=1e-9)
             if "motion" not in name:  # which is drawn over itself
                 np.testing.assert_allclose(doubled.get_xdata(), line.get_xdata())
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_what_is_drawn_can_be_read_on_paper(name):
+    """Lines of half a point to four, marks below the size of letters, those of 6 to 12 points; on a page's width.
+
+    A dash across a bar is as long as the bar is wide.
+    """
+    figure = figure_of(name)
+    assert figure.get_figwidth() == WIDTH
+    for line in (line for ax in axes_of(name) for line in lines_of(ax)):
+        if line.get_linestyle() != "None":
+            assert 0.5 <= line.get_linewidth() <= 4.0, line.get_label()
+        if line.get_marker() not in {"None", None, "", "|"}:
+            assert 2.0 <= line.get_markersize() <= 8.0, line.get_label()
+    letters = [text.get_fontsize() for text in figure.findobj(Text) if text.get_text() and text.get_visible()]
+    assert 6 <= min(letters) <= max(letters) <= 12
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_ticks_that_are_named_stand_alone(name):
+    """Where an axis names its own ticks there are no others beside them, with numbers over theirs."""
+    for ax in axes_of(name):
+        for axis in (ax.xaxis, ax.yaxis):
+            if isinstance(axis.get_major_locator(), FixedLocator):
+                assert not any(label.get_text() for label in axis.get_minorticklabels()), axis.axis_name

@@ -1,3 +1,4 @@
+import re
 import tracemalloc
 from itertools import pairwise
 
@@ -10,7 +11,7 @@ from vsb.errors import ConfigError
 from vsb.hydro.dofs import Displacement
 from vsb.hydro.panels.mesh import deformed_mesh
 from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.shell.deformed import DeformedShell, _crossing, check_meridian, enclosed
+from vsb.shell.deformed import DeformedShell, _crossing, _curl, check_meridian, enclosed
 from vsb.shell.loaded import complete_basis
 from vsb.shell.modes import mode_basis
 from vsb.shell.sphere import Shell
@@ -333,10 +334,28 @@ def test_a_shape_not_seen_whole_from_its_centre_is_none_the_worse(full):
         check_meridian(DeformedShell(full, 0.2, amplitudes(full, **shape)))
 
 
+CURL = [-0.2611952595029945, 0.0703125, -0.5437249483965709, *[0.0] * 3, 0.263671875, -0.55859375, 0.0703125, 0.0,
+        0.6875, 0.6953125]  # fmt: skip
+"""Amplitudes of a curl between two points that are looked at."""
+
+
+@pytest.mark.parametrize("turned", [1.0, -1.0])
+def test_a_curl_is_where_it_is_told(full, turned):
+    """Where the meridian turns back it hardly goes on: between two neighbours on the grid, upside down as well."""
+    shell = DeformedShell(full, 0.0, np.array([0.0, *CURL]) * np.power(turned, full.degrees))
+    first, last = _curl(shell)
+    phi = np.linspace(0.0, np.pi, 40001)
+    m = shell.meridian(phi)
+    assert last == first + 1
+    assert shell._grid[first] <= phi[np.argmin(np.hypot(m.dx, m.dz))] <= shell._grid[last]
+    told = f"crosses itself (colatitudes {shell._grid[first]:.3g} and {shell._grid[last]:.3g} rad)"
+    with pytest.raises(ConfigError, match=re.escape(told)):
+        check_meridian(shell)
+
+
 @settings(max_examples=200)
 @given(st.lists(st.floats(-0.7, 0.7), min_size=12, max_size=12))
-@example([-0.2611952595029945, 0.0703125, -0.5437249483965709, *[0.0] * 3, 0.263671875, -0.55859375, 0.0703125, 0.0,
-          0.6875, 0.6953125])  # fmt: skip  # a curl between two points that are looked at
+@example(CURL)
 def test_a_meridian_that_passes_turns_once(full, modal):
     """Hopf: the tangent of a closed curve that does not meet itself turns by 2 pi, from pole to pole by half of it."""
     shell = DeformedShell(full, 0.0, np.array([0.0, *modal]))
