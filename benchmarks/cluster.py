@@ -203,7 +203,7 @@ def _run(
 ) -> "subprocess.Popen[bytes]":
     """Start a run in a folder of its own, in a group of its own."""
     (folder / name).mkdir(exist_ok=True)
-    command = [sys.executable, "-m", "vsb.cli", "run", f"../{config}", "--profile", profile]
+    command = [sys.executable, "-m", "vsb", "run", f"../{config}", "--profile", profile]
     with (folder / f"{name}.log").open("a") as log:
         return subprocess.Popen(
             command, cwd=folder / name, env=environment, stdout=log, stderr=log, start_new_session=True,

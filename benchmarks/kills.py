@@ -53,7 +53,7 @@ def write_campaign(folder: Path) -> None:
 def started(folder: Path) -> "subprocess.Popen[bytes]":
     """Begin a run in a folder, in a group of its own."""
     with (folder / "run.log").open("ab") as log:
-        command = [sys.executable, "-m", "vsb.cli", "run", "killed.yaml", "--cores", "2"]
+        command = [sys.executable, "-m", "vsb", "run", "killed.yaml", "--cores", "2"]
         return subprocess.Popen(command, cwd=folder, stdout=log, stderr=log, start_new_session=True)
 
 
