@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 from results.test_year import WATER, climate, port
 
 from vsb.errors import ConfigError
@@ -51,6 +52,15 @@ def test_designs_that_are_not_viable_have_no_values(known):
     for name in (*POWER, *GAIN, "run_power"):
         assert np.isnan(ds[name].sel(design="C")).all()
         assert np.isfinite(ds[name].sel(design=["A", "B"])).all()
+
+
+@pytest.mark.parametrize(("reference", "names"), [("A", (*POWER, *GAIN)), (None, POWER)])
+def test_where_no_design_is_viable_all_are_named_without_values(reference, names):
+    ds = with_lost(xr.Dataset(coords={"design": []}), ["A", "B"], reference)
+    assert set(ds.data_vars) == {*names, "viable"}
+    assert ds.design.values.tolist() == ["A", "B"]
+    assert not ds.viable.any()
+    assert all(np.isnan(ds[name]).all() for name in names)
 
 
 def test_without_a_rigid_design_there_is_no_gain(known):

@@ -309,7 +309,7 @@ def test_in_still_water_there_is_nothing_to_answer(small, reference, family, dat
 def test_the_largest_mode_is_the_one_of_the_largest_relative_slope_heave_left_out(place, sign):
     """Wherever it stands among the shapes, whatever its sign, at whatever frequency, however much heave changes."""
     slope = np.full((4, 2, 2), 0.1)
-    slope[0], slope[place, 1] = 9.0, sign * 2.0
+    slope[0], slope[place] = 9.0, np.array([[0.0], [sign * 2.0]])
     ds = xr.Dataset(
         {
             "added_mass": (("omega", "influenced_dof"), [[2.0, 1.0], [4.0, 1.0]]),
