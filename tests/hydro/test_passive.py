@@ -310,3 +310,12 @@ class TestRefused:
         monkeypatch.setattr(passive, "_STARTS", 0)
         with pytest.raises(ConvergenceError, match="received no start with"):
             fit_passive(samples(reciprocal(6, 2, 2, 0)), 1e-3)
+
+
+@pytest.mark.parametrize(("size", "groups"), [(1.1e-3, [[0, 2], [1]]), (0.9e-3, [[0], [1], [2]])])
+def test_motions_that_couple_in_any_phase_radiate_together(size, groups):
+    """A coupling is as large as its size over the band, though its real part changes sign and its mean is none."""
+    phase = np.exp(2j * np.pi * np.arange(12) / 12)
+    k = np.tile(np.eye(3, dtype=complex), (12, 1, 1))
+    k[:, 0, 2] = k[:, 2, 0] = size * phase
+    assert [group.tolist() for group in passive.coupled(k, 1e-3)] == groups

@@ -13,7 +13,7 @@ from vsb.hydro import dofs
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.hydro.spectral.sweep import converged_on_grid, incident_wave
-from vsb.hydro.sweep import FORCES, GridSweep, on_grid
+from vsb.hydro.sweep import FORCES, GridSweep, largest, on_grid
 from vsb.scenes.rest import reference_shell
 from vsb.shell.deformed import rigid_sphere
 from vsb.study import study as config
@@ -217,3 +217,16 @@ def test_splines_through_any_one_coefficient_may_tell_of_the_error(name):
         return between.assign({name: 1.25 * between[name]})
 
     assert GridSweep(flat, None).spline_error(exact) == pytest.approx(0.2, rel=1e-12)
+
+
+def test_the_largest_coefficients_are_those_of_all_parts():
+    """Of each its own, in whatever part, of either sign; of motions that move no water they are one."""
+    pair, force = ("omega", "influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
+
+    def part(added_mass, damping, excitation):
+        """One frequency of one motion."""
+        values = {"added_mass": (pair, [[[added_mass]]]), "radiation_damping": (pair, [[[damping]]])}
+        return xr.Dataset(values | {name: (force, [[[excitation / len(FORCES)]]]) for name in FORCES})
+
+    assert largest(part(1.0, 5.0, 2j), part(-3.0, 0.5, -4.0)) == pytest.approx((3.0, 5.0, 4.0))
+    assert largest(part(0.0, 0.0, 0.0), part(0.0, 2.0, 0.0)) == (1.0, 2.0, 1.0)

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vsb.integrators.audit import energies, flow, residual, step_integrals
+from vsb.integrators.audit import TERMS, Balance, energies, flow, residual, step_integrals
 from vsb.integrators.exact import propagate
 from vsb.motion.forces import Damper, Excitation, Spring
 from vsb.motion.motion import Motion
@@ -87,3 +87,19 @@ def test_a_run_of_a_few_records_is_audited(count):
     plant = one_mass(hydrostatic=Spring(np.array([[50.0]])), pto=Damper(np.array([[1.2]])))
     motion = propagate(System.of(plant), np.linspace(0.0, 5.0, count), (np.ones(1), np.zeros(1)))
     assert residual(energies(System.of(plant), motion)) < 1e-13
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_what_is_not_balanced_is_a_size_and_of_the_worst_leg(sign):
+    """Work of the waves without an account, or an account without work; later legs that balance do not mend it."""
+    none = np.zeros(3)
+    wrong = {
+        **dict.fromkeys(TERMS, none),
+        "wave": sign * np.array([0.0, 2.0, 1.0]),
+        "turned": np.array([0.0, 0.5, 0.1]),
+    }
+    right = {**dict.fromkeys(TERMS, none), "wave": np.ones(3), "pto": np.ones(3), "turned": none}
+    first = Balance({}, 0.0, 0.0).after(wrong)
+    assert (first.unbalanced, first.largest, first.ended["wave"]) == (2.0, 2.0, sign)
+    second = first.after(right)
+    assert (second.unbalanced, second.largest, second.ended["pto"]) == (2.0, 2.0, 1.0)

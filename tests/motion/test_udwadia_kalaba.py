@@ -226,6 +226,14 @@ def test_a_study_with_clamps_a_billionth_apart_is_refused_before_anything_is_sol
         check_before_run(study, StudyPlan(study))
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_drift_is_a_size_wherever_a_clamp_goes(sign):
+    positions, rows = sign * np.array([[0.0, 0.1], [0.0, -0.3]]), np.array([[1.0, 0.0], [0.0, 0.5], [0.5, 2.0]])
+    assert constraint_drift(positions, rows) == pytest.approx(0.6)
+    assert constraint_drift(np.maximum(positions, 0.0), rows) == pytest.approx(0.2 if sign > 0 else 0.6)
+    assert constraint_drift(positions, rows[:0]) == 0.0
+
+
 def test_drift_is_the_displacement_of_the_worst_clamp(seed):
     basis = mode_basis(seed.device, "membrane", 6)
     rows = basis.clamp_rows([0.0, np.pi / 2])

@@ -10,9 +10,9 @@ from vsb.motion.constrained import optimum_in_sea
 from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import Port
 from vsb.motion.tuning import best_dampers
-from vsb.results.force_steps import FEWEST, MOST, SHARES, force_steps, harmonics_within, repeating
+from vsb.results.force_steps import FEWEST, MOST, SHARES, _damper_force, force_steps, harmonics_within, repeating
 from vsb.study.study import Jonswap, PiersonMoskowitz, RegularWave, WhiteNoise
-from vsb.waves.seas import regular
+from vsb.waves.seas import Sea, regular
 
 BAND = (0.2, 9.0)
 SWELL = RegularWave(kind="regular", amplitude=0.2, period=2.5)
@@ -112,3 +112,18 @@ def test_a_port_waves_do_not_move_takes_nothing():
     steps = force_steps(SWELL, {"FSB": still, "VSWEC": seen("VSWEC")}, "FSB", BAND)
     assert (steps.of, set(steps.powers["FSB"])) == ("VSWEC", {0.0})
     assert force_steps(SWELL, {"FSB": still}, "FSB", BAND) is None
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_force_of_a_damper_is_the_largest_pushed_or_pulled(sign):
+    """In a sea whose waves meet once: as large upside down, and never more than the sum of its waves'."""
+    harmonics = Harmonics.of_sea(np.array([0.5, 1.0, 1.5, 2.0]), *BAND)
+    omega = np.array([0.5, 1.0, 1.5, 2.0])
+    port = ports(harmonics.omega)["FSB"]
+    best = best_dampers(port, np.isclose(harmonics.omega[:, None], omega).any(axis=1)[None] * 1.0).damping[0]
+    moved = port.velocity_under(port.load(best))[[np.argmin(np.abs(harmonics.omega - w)) for w in omega]]
+    together = (
+        np.abs(moved) / moved
+    )  # every wave of amplitude 1, all of the port's velocities in phase at the beginning
+    found = _damper_force(port, Sea(omega, sign * together), harmonics)
+    assert found == pytest.approx(best * np.abs(moved).sum(), rel=1e-9)

@@ -16,7 +16,16 @@ from vsb.motion.frequency import LinearBuoy
 from vsb.motion.port import Port, port_direction
 from vsb.motion.pto import LinearPto
 from vsb.motion.tuning import frequencies, mean_power, squares
-from vsb.results.ladder import Given, Limits, as_csv, constrained_checks, constrained_rung, rungs_of, study_ladder
+from vsb.results.ladder import (
+    Given,
+    Limits,
+    _peaks,
+    as_csv,
+    constrained_checks,
+    constrained_rung,
+    rungs_of,
+    study_ladder,
+)
 from vsb.scenes.afloat import Met
 from vsb.scenes.ports import ShapeWater, design_ports
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
@@ -398,3 +407,12 @@ def test_an_optimum_has_the_band_that_is_solved(small, monkeypatch):
         study_ladder(limited.ladder, small.database_path)
     omega = database.load_database(small.database_path, content_id(small.database)).omega.values
     assert caught.value.args[0] == Limits(1.0e4, 2.0, omega[0], omega[-1])
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("omega", [[2.0], [1.0, 1.3, 1.7, 2.4]])
+def test_a_peak_is_the_largest_size_crest_or_trough(sign, omega):
+    """Components in phase at the beginning add up there, upwards or downwards; nowhere is there more."""
+    sea = Sea(np.array(omega), np.ones(len(omega), dtype=complex))
+    phasors = sign * np.array([np.arange(1.0, len(omega) + 1), np.full(len(omega), 3.0)]) + 0j
+    assert _peaks(sea, phasors, 40.0) == pytest.approx(np.abs(phasors).sum(axis=1), rel=1e-12)

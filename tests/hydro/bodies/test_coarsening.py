@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 
 from examples import barge
 from vsb.hydro.bodies import body as bodies
-from vsb.hydro.bodies.coarsening import coarser_body, coarser_panels
+from vsb.hydro.bodies.coarsening import _smooth, coarser_body, coarser_panels
 
 BOTH = ("xOz", "yOz")
 
@@ -117,3 +117,14 @@ def test_panels_are_not_joined_across_the_edges_of_a_hexagon():
     a = areas(vertices, found.faces)
     assert np.linalg.norm(a, axis=1).sum() == pytest.approx(12.0, rel=1e-12)  # cut corners would be less
     assert found.share == 0.0
+
+
+@pytest.mark.parametrize("alike", [1, 2, 9])
+def test_one_panel_beyond_25_degrees_of_the_mean_makes_an_edge(alike):
+    """However many others are alike, and seen from whichever side."""
+    for off, smooth in ((24.9, True), (25.1, False)):
+        at = np.deg2rad(off)  # of the last from the mean: the sine rule gives its angle from the others
+        turned = at + np.arcsin(np.sin(at) / alike)
+        normals = np.array([[0.0, 0.0, 1.0]] * alike + [[np.sin(turned), 0.0, np.cos(turned)]])
+        for seen in (normals, -normals, normals[::-1]):
+            assert _smooth(seen, set(range(alike + 1))) == smooth

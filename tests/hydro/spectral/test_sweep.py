@@ -1,6 +1,7 @@
 """The spectral solver over a band: points and frequencies enough for the tolerance, and no more."""
 
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from hydro.test_sweep import GRID, buoy, largest_error
 from vsb.errors import ConvergenceError
 from vsb.hydro import dofs
 from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.hydro.spectral.sweep import MOST_NODES, converged, converged_on_grid, resolved
+from vsb.hydro.spectral.sweep import MOST_NODES, _limit_difference, converged, converged_on_grid, resolved
 from vsb.shell.deformed import rigid_sphere
 
 OMEGA = [0.5, 1.5, 3.0]
@@ -90,3 +91,17 @@ def test_a_short_band_is_solved_and_its_splines_checked_by_solving():
 def test_a_tolerance_out_of_reach_is_said():
     with pytest.raises(ConvergenceError, match=r"hydro.tolerance: received 1e-20, the spectral solver reaches .* 128"):
         resolved(problem(64), OMEGA, 1e-20)
+
+
+@pytest.mark.parametrize("still", [0, 1])
+def test_a_motion_that_moves_no_water_hides_no_difference_at_the_limits(still):
+    """Beside one that does; where none does there is none to tell."""
+    moved = np.diag(np.arange(2.0) if still == 0 else np.arange(1.0, -1.0, -1.0))
+    swept = SimpleNamespace(
+        radiation=xr.DataArray(np.stack([moved, 2 * moved])), at_infinity=1.25 * moved, at_zero=0.9 * moved
+    )
+    limits = {name: xr.Variable(("a", "b"), moved) for name in ("added_mass_inf", "added_mass_zero")}
+    assert _limit_difference(swept, limits) == pytest.approx(0.25)
+    assert _limit_difference(swept, {"added_mass_zero": limits["added_mass_zero"]}) == pytest.approx(0.1)
+    swept.radiation = 0 * swept.radiation
+    assert _limit_difference(swept, limits) == 0.0
