@@ -33,3 +33,13 @@ def test_every_degree_of_freedom_has_a_bar_of_its_range(data):
     (ax,) = degrees_of_freedom(data, "swell").axes
     assert [text.get_text() for text in ax.get_yticklabels()] == ["Heave", "Mode7"]
     assert sorted(bar.get_width() for bar in ax.patches) == pytest.approx([0.5, 2.0, 2.0], rel=1e-2)
+
+
+def test_bars_of_designs_lie_about_their_row_side_by_side(data):
+    """They share four fifths of it, half above and half below its tick."""
+    (ax,) = degrees_of_freedom(data, "swell").axes
+    spans = sorted((bar.get_y(), bar.get_y() + bar.get_height()) for bar in ax.patches)
+    rigid, heave, mode = spans
+    assert (rigid[0], heave[1]) == pytest.approx((-0.4, 0.4))
+    assert rigid[1] == pytest.approx(heave[0])
+    assert mode == pytest.approx((1.0, 1.4))

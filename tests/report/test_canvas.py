@@ -1,6 +1,6 @@
 import pytest
 
-from vsb.report.canvas import STYLES, grid_of_axes, legend_above, note, style
+from vsb.report.canvas import STYLES, grid_of_axes, legend_above, note, style, zero_axis
 
 
 def test_the_papers_designs_keep_their_colours_whatever_the_study():
@@ -33,6 +33,18 @@ def test_a_legend_is_as_wide_as_the_page_and_the_figure_grows_by_its_rows(labels
     (legend,) = figure.legends
     assert legend._ncols == columns
     assert figure.get_figheight() == pytest.approx(3.0 + 0.17 * (rows - 1))
+
+
+@pytest.mark.parametrize(
+    ("values", "alone"), [([0.0, 0.0], True), ([0.0, 1e-6], False), ([-3.0, 0.0], False), ([2.0, 1.0], False)]
+)
+def test_an_axis_has_a_scale_if_any_line_leaves_zero(values, alone):
+    """A rigid design's line of zeros beside one that moves does not take the numbers off the axis."""
+    _, axes = grid_of_axes(3.0)
+    for value in values:
+        axes[0, 0].plot([0.0, 1.0], [0.0, value])
+    zero_axis(axes[0, 0])
+    assert (axes[0, 0].get_yticks().tolist() == [0.0]) == alone
 
 
 def test_a_figure_fits_a_page_of_text():

@@ -220,12 +220,15 @@ def test_twice_the_motion_is_drawn_twice_as_large(name):
 
 @pytest.mark.parametrize("name", CASES)
 def test_what_is_drawn_can_be_read_on_paper(name):
-    """Lines of half a point to four, marks below the size of letters, those of 6 to 12 points; on a page's width.
+    """Lines of half a point to four, marks below the size of letters, those of 6 to 12 points; on a page of A4.
 
     A dash across a bar is as long as the bar is wide.
     """
     figure = figure_of(name)
     assert figure.get_figwidth() == WIDTH
+    assert 1.0 < figure.get_figheight() < (297 - 2 * 25.4) / 25.4
+    for ax in axes_of(name):
+        assert ax.get_window_extent().height / figure.dpi > 0.6
     for line in (line for ax in axes_of(name) for line in lines_of(ax)):
         if line.get_linestyle() != "None":
             assert 0.5 <= line.get_linewidth() <= 4.0, line.get_label()

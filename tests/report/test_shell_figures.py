@@ -71,3 +71,14 @@ def test_where_no_design_moves_its_shell_the_first_is_drawn():
     assert [ax.get_title().split("\n")[0] for ax in figures.shapes_3d(data(0.0), "w").axes] == [
         "start", "least height", "greatest height"
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize("angle", [-0.7, 0.0, 0.3, np.pi / 2])
+def test_a_buoy_that_pitches_is_drawn_turned(angle):
+    """Points keep their distances from the centre; the top goes by the sine of the angle, along x."""
+    x, z = 2.0 * np.sin(PHI), 2.0 * np.cos(PHI)
+    tilted = xr.Dataset({"position": ("dof", [0.4, 0.1, angle])}, {"dof": ["Surge", "Heave", "Pitch"]})
+    turned = np.array(figures._tilted(tilted, x, z))
+    np.testing.assert_allclose(np.hypot(*turned), 2.0, rtol=1e-12)
+    np.testing.assert_allclose(turned[:, 0], [2.0 * np.sin(angle), 2.0 * np.cos(angle)], atol=1e-12)
+    np.testing.assert_array_equal(figures._tilted(tilted.drop_sel(dof="Pitch"), x, z), (x, z))

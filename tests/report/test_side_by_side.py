@@ -71,6 +71,20 @@ def test_the_figure_marks_every_number_in_its_row():
     assert alone.get_xlabel() == "power [W]"
 
 
+@pytest.mark.parametrize("count", [1, 4, 30])
+def test_rows_of_the_figure_have_room_for_their_names_and_its_marks_from_its_edges(count):
+    """Names of 8 points need more than that of height; the first and the last row have their half of it."""
+    many = [YEAR._replace(sea=f"buoy {i}", gain_percent=10.0 * i + 5.0) for i in range(count)]
+    ax = (drawn := figure(many)).axes[0]
+    drawn.draw_without_rendering()
+    bottom, top = ax.get_ylim()
+    assert (bottom, top) == (count - 0.5, -0.5)
+    assert 8 < 72 * ax.get_window_extent().height / drawn.dpi / count < 60
+    left, right = ax.get_xlim()
+    places = np.concatenate([line.get_xdata() for line in ax.get_lines()])
+    assert left + 0.02 * (right - left) < places.min() <= places.max() < right - 0.02 * (right - left)
+
+
 def test_the_page_needs_nothing_outside():
     page = as_page((RIGID, SHELL, YEAR), REPORTS)
     assert not re.findall(r'(?:src|href)="(?:https?:)?//', page)

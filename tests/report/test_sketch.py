@@ -44,6 +44,9 @@ def test_another_shape_is_drawn_as_it_is_and_held_on_its_surface():
     assert max(y for _, y in points) - min(y for _, y in points) == pytest.approx(34.0)
     held = [(float(e.get("cx")), float(e.get("cy"))) for e in ET.fromstring(flat).iter("circle")]
     assert sorted(held) == [(53.0, 47.3), (70.0, 79.0), (70.0, 79.0), (87.0, 47.3)]
+    high = sketch("FSB", DESIGNS, 0.0, lambda angle: (math.sin(angle), max(3.0 * math.cos(angle), math.cos(angle))))
+    body = next(e.get("d") for e in ET.fromstring(high).iter("path") if "fill-opacity" in e.attrib)
+    assert min(float(point.split()[1]) for point in body.strip("MZ").split("L")) == pytest.approx(62.0 - 34.0)
     tall = sketch("FSB", DESIGNS, 0.0, lambda angle: (math.sin(angle), 3.0 * math.cos(angle)))
     body = next(e.get("d") for e in ET.fromstring(tall).iter("path") if "fill-opacity" in e.attrib)
     assert max(float(point.split()[1]) for point in body.strip("MZ").split("L")) == pytest.approx(62.0 + 34.0)

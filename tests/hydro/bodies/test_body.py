@@ -1,7 +1,10 @@
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
 
 from examples import barge
 from vsb.errors import ConfigError
@@ -355,3 +358,11 @@ def test_rigid_motions_need_no_panels_and_the_shortest_mode_counts(box):
 def test_a_body_beyond_the_horizon_is_refused(box, reach):
     with pytest.raises(ConfigError, match=r"mesh: reaches .* m; needs at most 100000 m: is it in metres"):
         made(box[0] + [reach, 0.0, 0.0], box[1], rigid(box[0])[2:3])
+
+
+@given(hnp.arrays(float, (4, 3), elements=st.floats(-5.0, 5.0)))
+def test_a_panel_s_diameter_is_the_largest_distance_of_its_corners(corners):
+    """Of any four, a triangle's twice the same among them."""
+    body = SimpleNamespace(vertices=corners, faces=np.array([[0, 1, 2, 3], [0, 1, 2, 2], [3, 3, 1, 0]]))
+    expected = [max(np.linalg.norm(corners[a] - corners[b]) for a in face for b in face) for face in body.faces]
+    np.testing.assert_allclose(bodies.panel_diameters(body), expected, rtol=1e-12)
