@@ -66,6 +66,21 @@ def test_the_level_is_crossed_where_it_is():
     assert least_damping(system) == pytest.approx((-1.0, 0.0, -1.001), rel=1e-6)
 
 
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("level", [0.1, 1.0])
+def test_what_gives_no_energy_crosses_no_level_of_it_and_what_does_crosses_it_where_found(seed, level):
+    """At each frequency an eigenvalue of the Hermitian part is minus the level, and there are as many as on a grid."""
+    system = dissipative(6, 2, 2, seed)
+    assert crossings(system, level).size == 0
+    giving = system._replace(output_matrix=-system.output_matrix)
+    found = crossings(giving, level)
+    k = giving.transfer(found)
+    eigenvalues = np.linalg.eigvalsh((k + k.conj().transpose(0, 2, 1)) / 2)
+    assert np.abs(eigenvalues + level).min(axis=1, initial=np.inf) == pytest.approx(
+        np.zeros(len(found)), abs=1e-6 * level
+    )
+
+
 def test_what_does_nothing_is_passive():
     assert least_damping(StateSpace(-np.eye(2), np.zeros((2, 1)), np.ones((1, 2)))) == (0.0, 0.0, 0.0)
 

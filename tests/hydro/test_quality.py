@@ -168,3 +168,12 @@ def test_limits_are_those_of_panels_unless_more_is_asked_for(perfect):
     assert quality.haskind_difference(perfect, np.inf, RHO, G) < 1e-9
     twice = quality.haskind_damping(perfect, np.inf, RHO, G, 1) * 2
     np.testing.assert_allclose(quality.haskind_damping(perfect, np.inf, RHO, G), twice)
+
+
+@pytest.mark.parametrize(("count", "seen"), [(4, 0.0), (5, 1.0), (7, 1.0), (49, 1.0), (60, 1.0)])
+def test_a_spike_is_seen_as_soon_as_there_are_four_neighbours(count, seen):
+    """A single frequency off a smooth damping, in terms of the largest value: itself."""
+    b = np.zeros((count, 1, 1))
+    b[count // 2] = 3.0
+    ds = xr.Dataset({"radiation_damping": (("omega", "influenced_dof", "radiating_dof"), b)})
+    assert quality.largest_kink(ds.assign_coords(omega=0.1 * np.arange(1, count + 1))) == pytest.approx(seen)

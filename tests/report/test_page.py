@@ -90,6 +90,16 @@ def test_a_winning_band_has_its_own_peak(gain):
     np.testing.assert_array_equal(np.any(held, axis=0) if held else gain > 2.0, gain > 2.0)
 
 
+def test_a_reference_that_rests_in_one_wave_is_compared_in_the_others():
+    """Where it takes nothing no gain can be stated; where it takes nothing at all there is none."""
+    resting = response(wins=0.3).absorbed_power
+    resting[{"design": 0, "omega": 100}] = 0.0
+    (text,) = band_statements(resting, "FSB")
+    assert text.startswith("wins absorbs more in waves of")
+    resting[{"design": 0}] = 0.0
+    assert band_statements(resting, "FSB") == ["FSB does not move this port, so no gain can be given."]
+
+
 def test_statements_name_gains_losses_and_ties():
     text = band_statements(response(wins=0.3, loses=-0.2, same=0.001).absorbed_power, "FSB")
     assert text[0].startswith("wins absorbs more in waves of")

@@ -9,6 +9,7 @@ from shell.test_sphere import LOWER, TABLE_I
 from vsb.errors import ConfigError
 from vsb.scenes.rest import design_motions, study_basis
 from vsb.shell.legendre import legendre
+from vsb.shell.mode import Mode
 from vsb.shell.modes import ModeBasis, bending_block, mass_block, membrane_block, mode_basis, shell_modes
 from vsb.shell.ritz import natural_modes
 from vsb.shell.sphere import Shell, natural_frequencies
@@ -170,6 +171,11 @@ def test_paper_basis_has_no_bending_energy(seed):
         vector = np.array([mode.radial, mode.meridional])
         membrane = vector @ membrane_block(basis.shell, mode.degree) @ vector
         assert basis.stiffness[i, i] == pytest.approx(membrane, rel=1e-14)
+
+
+def test_a_basis_of_which_no_damping_is_said_has_none():
+    shell = Shell(2.0, 0.01, 1e7, 0.3, 2700.0)
+    assert not ModeBasis(shell, (Mode("Radial0", 0, 1.0, 0.0),), 2e4, bending=False).damping.any()
 
 
 def test_rayleigh_damping_of_the_modes_only(seed):

@@ -99,6 +99,10 @@ def test_seas_are_told_in_words(seed):
     paper = load(SEED.with_name("paper.yaml"))
     words = set(report._seas(paper).values())
     assert any(word.startswith("an assumed uniform pressure of ") for word in words)
+    for period in (2.5, 7.0):
+        waves = [{"kind": "regular", "amplitude": 0.1, "period": period}]
+        (dry,) = report._seas(varied(paper, published=None, waves=waves)).values()
+        assert dry.endswith(f" Pa and {period:g} s period")
 
 
 @pytest.mark.parametrize("width", [1100, 360])

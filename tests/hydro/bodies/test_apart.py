@@ -8,7 +8,7 @@ import pytest
 
 from examples.barge import box
 from vsb.errors import ConfigError
-from vsb.hydro.bodies.apart import check_apart
+from vsb.hydro.bodies.apart import _closed, check_apart
 from vsb.hydro.bodies.body import FlexibleBody, at_centres, joined
 from vsb.hydro.bodies.files import read_body, write_body
 
@@ -81,3 +81,16 @@ def test_the_first_panel_that_lies_inside_is_where_it_is_said_to_be():
     x, y, z = (f"{value:.4g}" for value in inner[0])
     with pytest.raises(ConfigError, match=re.escape(f"the first at ({x}, {y}, {z}); needs bodies apart")):
         check_apart(body)
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
+def test_what_encloses_a_volume_knows_no_units(scale):
+    """Closed below water; a box without its bottom, whichever way it is turned, encloses none."""
+    vertices, panels = box(4.0, 3.0, 1.0, 1)
+    low = np.isclose(vertices[panels][..., 2], vertices[:, 2].min()).all(axis=1)
+    assert 0 < low.sum() < len(panels)
+    for kept, closed in ((panels, [0]), (panels[~low], []), (panels[:, ::-1], [])):
+        corner = scale * vertices[np.concatenate([kept[:, [0, 1, 2]], kept[:, [0, 2, 3]]])]
+        area = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]) / 2
+        body = SimpleNamespace(triangles=(corner, area, None))
+        assert _closed(body, np.zeros(len(kept), dtype=int)) == closed
