@@ -8,6 +8,7 @@ from vsb.errors import DatabaseError
 from vsb.hydro.dofs import Displacement
 from vsb.hydro.orders import (
     ORDER,
+    heading_share,
     in_order_modes,
     of_order,
     order_groups,
@@ -151,3 +152,13 @@ def test_structure_of_an_order_is_complete():
     np.testing.assert_array_equal(ds.structural_stiffness, one.stiffness)
     assert not ds.pole_radial_displacement.values.any()
     assert not ds.reference_amplitude.values.any()
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize("direction", [0.0, 0.4, 2.5, -1.3])
+def test_cosines_and_sines_of_a_heading_make_the_whole_wave(order, direction):
+    """cos m(theta - beta), wherever it is looked at."""
+    theta = np.linspace(0.0, 6.0, 13)
+    shares = heading_share(order, direction), heading_share(-order, direction)
+    whole = shares[0] * np.cos(order * theta) + shares[1] * np.sin(order * theta)
+    np.testing.assert_allclose(whole, np.cos(order * (theta - direction)), atol=1e-12)

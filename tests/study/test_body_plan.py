@@ -5,7 +5,7 @@ import math
 import pytest
 from conftest import SEED
 
-from vsb.study.body import LocatedBody, located
+from vsb.study.body import BodyDesign, LocatedBody, located
 from vsb.study.body_plan import BodyPlan, plan_for
 from vsb.study.campaign_plan import planned
 from vsb.study.canonical import content_id
@@ -121,3 +121,22 @@ def test_a_run_knows_all_seas_only_where_one_damper_is_best_over_them(pto, dampi
     assert (spec.pto.damping, spec.seas) == (damping, own.study.waves[:seas])
     assert list(spec.designs) == ["rigid"]
     assert spec.waves == own.study.waves[:1]
+
+
+@pytest.mark.parametrize("study", [load(SEED), plan().study], ids=["shell", "body"])
+def test_a_plan_is_of_the_folder_it_is_asked_for(study):
+    for root in ("results", "elsewhere"):
+        found = plan_for(study, root=root)
+        assert found.root == root
+        assert all(path.startswith(f"{root}/") for path in found.products)
+
+
+@pytest.mark.parametrize(
+    ("held", "taken"), [({"Heave": 1.0, "Pitch": 0.0}, True), ({"Heave": 0.0, "Pitch": 0.0}, False)]
+)
+def test_what_is_held_has_some_share(held, taken):
+    if taken:
+        assert BodyDesign(held=(held,)).held == (held,)
+    else:
+        with pytest.raises(ValueError, match="needs a share that is not zero"):
+            BodyDesign(held=(held,))

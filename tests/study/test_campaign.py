@@ -166,3 +166,8 @@ def test_dampers_of_designs_are_scaled_as_dampers():
         "pto": {"damping": {"FSB": 32.0}, "law": "linear"},
         "flexible": True,
     }
+
+
+@pytest.mark.parametrize("ports", [["volume"], ["heave"], ["heave", "pitch"]])
+def test_ports_of_one_unit_may_be_varied(folder, ports):
+    assert load(written(folder, vary={"pto.port": ports})).campaign.vary.values["pto.port"] == tuple(ports)

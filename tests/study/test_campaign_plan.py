@@ -261,3 +261,11 @@ def test_what_floats_by_its_draft_or_half_immersed_follows_the_radius(planned, t
     assert [one.study.draft for one in planned({"device.draft": [1.5, 2.2]}).members] == pytest.approx([1.5, 2.2])
     with pytest.raises(ConfigError, match=r"received with device.draft 1.8 as given"):
         planned(RADII | {"scale": [1.0, 2.0]})
+
+
+@pytest.mark.parametrize(("flexible", "shapes"), [(True, 3), (False, 1)])
+def test_modes_are_other_displacements_of_the_water_of_flexible_designs_alone(planned, flexible, shapes):
+    """Degrees 2, 3 and 4: a shape to solve for each, of a rigid buoy one for all."""
+    designs = {name: {"flexible": flexible} for name in ("FSB", "VSWEC", "VSWEC0", "VSWEC90")}
+    plan = planned({"modes.degree": [2, 3, 4]}, study={"designs": designs})
+    assert len({member.spec.sweep for member in plan.members}) == shapes
