@@ -319,3 +319,16 @@ def test_motions_that_couple_in_any_phase_radiate_together(size, groups):
     k = np.tile(np.eye(3, dtype=complex), (12, 1, 1))
     k[:, 0, 2] = k[:, 2, 0] = size * phase
     assert [group.tolist() for group in passive.coupled(k, 1e-3)] == groups
+
+
+@pytest.mark.parametrize(
+    "omega",
+    [[0.5, 1.0, 2.0], [0.0, 1.0, 2.0, 3.0], [1.0, 2.0, 2.0, 3.0], [3.0, 2.0, 1.0, 0.5]]
+    + [[0.5, 1.0, 2.0, last] for last in (np.inf, np.nan)],
+)
+def test_frequencies_that_are_no_grid_are_refused(omega):
+    count = len(omega)
+    values = np.ones((count, 1, 1))
+    with pytest.raises(DatabaseError, match=f"omega: received {count} frequencies, needs four or more, positive and"):
+        RadiationSamples(np.array(omega), values, values, np.eye(1), np.ones(1))
+    RadiationSamples(np.array([0.5, 1.0, 2.0, 3.0]), *np.ones((2, 4, 1, 1)), np.eye(1), np.ones(1))

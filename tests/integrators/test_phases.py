@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from vsb.integrators.phases import Phase
+from vsb.integrators.phases import Phase, felt_rate
 from vsb.motion.forces import Damper, Excitation, Spring
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
@@ -61,3 +61,14 @@ def test_what_is_known_ahead_are_powers_of_a_step(system):
     one = phase(system)
     for m in (1, 2, 7):
         np.testing.assert_allclose(one.ahead[m - 1], expm(m * one.step * one.matrix), atol=1e-11)
+
+
+@pytest.mark.parametrize(("springs", "dampers", "rate"), [
+    ((0.0,), (), 5.0), ((0.0, 288.0), (), 13.0), ((288.0, 0.0), (3.0,), 13.0), ((0.0,), (3.0, 30.0), 15.0),
+])  # fmt: skip
+def test_a_port_feels_the_stiffest_of_its_springs_or_the_strongest_of_its_dampers(springs, dampers, rate):
+    """One mass of 2 kg on 50 N/m: sqrt((50 + s)/2) under a spring at it, c/2 under a damper."""
+    forces = {"hydrostatic": Spring(np.array([[50.0]]))}
+    system = System.of(Scene(("Heave",), np.array([[2.0]]), forces, np.eye(1)))
+    port = np.array([np.sqrt(0.5)])  # of the motion scaled to unit mass
+    assert felt_rate(system, port, springs, dampers) == pytest.approx(rate, rel=1e-12)

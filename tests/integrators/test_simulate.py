@@ -11,12 +11,12 @@ from vsb.hydro.retardation import DampingSpectrum
 from vsb.integrators.audit import energies, residual
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.phi import phi_integrals
-from vsb.integrators.simulate import METHODS, Method, legs, simulate
+from vsb.integrators.simulate import METHODS, Method, legs, recorded_steps, simulate
 from vsb.motion.forces import ConstantForce, Damper, Excitation, Force, Linear, Spring
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.scenes.build import assumed_pressure_design
-from vsb.study.study import load
+from vsb.study.study import Simulation, load
 from vsb.waves.seas import NO_WAVES, Sea
 
 SWELL = Sea(np.array([2.5]), np.array([0.1 + 0j]))
@@ -155,3 +155,21 @@ def test_the_recipe_for_an_integrator_is_followed(oscillator, monkeypatch):
         new, true = (rows[name].follower(oscillator, 0.0, None)(time, start)[0] for name in ("euler", "exact"))
         errors.append(np.abs(new.position - true.position).max())
     assert np.all(np.abs(-np.diff(np.log2(errors)) - 1.0) < 0.1), errors
+
+
+@pytest.mark.parametrize("omega", [0.5, 2.5])
+@pytest.mark.parametrize("duration", [30.0, 90.0])
+def test_records_are_two_hundred_a_period_of_the_fastest_wave_that_matters(oscillator, omega, duration):
+    """A wave below a twentieth of the highest does not matter, one above does; without any, free heave at 5 rad/s."""
+    settings = Simulation(duration=duration, window=(1.0, duration))
+
+    def count(sea):
+        return recorded_steps(oscillator, sea, settings)
+
+    periods = omega * duration / (2 * np.pi)
+    assert count(Sea(np.array([omega]), np.array([0.3j]))) == np.ceil(200 * periods)
+    assert count(Sea(np.array([omega, 2 * omega]), np.array([1.0, 0.049j]))) == np.ceil(200 * periods)
+    assert count(Sea(np.array([omega, 2 * omega]), np.array([1.0, 0.051j]))) == np.ceil(400 * periods)
+    assert count(NO_WAVES) == np.ceil(200 * 5.0 * duration / (2 * np.pi))  # sqrt(50/2) rad/s
+    brief = Simulation(duration=duration, window=(1.0, 1.0 + 1e-3))
+    assert recorded_steps(oscillator, NO_WAVES, brief) == pytest.approx(4e3 * duration, abs=1)

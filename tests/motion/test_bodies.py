@@ -10,6 +10,7 @@ from vsb.errors import ConfigError, DatabaseError, StabilityError
 from vsb.hydro.bodies.body import FlexibleBody, at_centres
 from vsb.hydro.bodies.study import solve
 from vsb.hydro.database import open_database
+from vsb.hydro.formats.modes import DRY
 from vsb.integrators.simulate import simulate
 from vsb.motion.bodies import LinearBody, body_scene, linear_body, together, with_added_mass_inf
 from vsb.motion.port import combination
@@ -224,6 +225,31 @@ def test_added_mass_at_infinity_follows_from_damping_where_it_is_missing(databas
     assert float(found.added_mass_inf.sel(heave)) == pytest.approx(known, rel=0.1)
     assert found.attrs["history"].endswith("added mass at infinite frequency from damping")
     assert with_added_mass_inf(database) is database
+
+
+@pytest.mark.parametrize("given", [(), ("mass",), ("damping", "stiffness"), ("mass", "damping", "stiffness")])
+def test_what_is_not_given_of_the_dry_body_is_the_databases(database, given):
+    """Matrix by matrix, in the degrees of freedom wanted."""
+    ds = database.assign(structural_damping_matrix=database.inertia_matrix * 0.02)
+    at, chosen = [2, 4], np.array([[7e5, 1e4], [1e4, 9e6]])
+    stored = {"mass": ds.inertia_matrix, "damping": ds.structural_damping_matrix, "stiffness": ds.structural_stiffness}
+    body = linear_body(ds, ["Heave", "Pitch"], **dict.fromkeys(given, chosen))
+    found = {"mass": body.database.inertia_matrix, "stiffness": body.database.structural_stiffness}
+    found["damping"] = body.structural_damping
+    for name, held in stored.items():
+        wanted = chosen if name in given else held.values[np.ix_(at, at)]
+        np.testing.assert_array_equal(np.asarray(found[name]), wanted)
+
+
+@pytest.mark.parametrize("given", [("mass",), ("mass", "stiffness"), ("mass", "damping", "stiffness")])
+def test_without_structure_what_is_not_given_is_nothing(database, given):
+    """A database of the water alone: no damping, no stiffness beside the mass."""
+    bare = database.drop_vars([name for name in DRY if name in database])
+    chosen = np.array([[7e5, 1e4], [1e4, 9e6]])
+    body = linear_body(bare, ["Heave", "Pitch"], **dict.fromkeys(given, chosen))
+    stiffness = body.database.structural_stiffness.values
+    np.testing.assert_array_equal(stiffness, chosen if "stiffness" in given else 0 * chosen)
+    np.testing.assert_array_equal(body.structural_damping, chosen if "damping" in given else 0 * chosen)
 
 
 class TestRefused:

@@ -333,3 +333,16 @@ def test_a_take_off_without_a_spring_has_none():
         assert np.all(np.abs(getattr(soft, name)(2.0, 1.0) / found - 1) > 0.05)
     assert best_dampers(soft, squares).stiffness.tolist() == [0.0]
     assert best_dampers(soft, squares).power == best_dampers(soft, squares, 0.0, 1.0).power
+
+
+@pytest.mark.parametrize("choice", ["surge", "pitch"])
+def test_a_rigid_port_has_the_speed_of_its_motion(seed, choice):
+    """One metre or radian of it is one of the take-off, of every other motion none."""
+    planar = varied(
+        seed, motion="planar", modes={"degree": 3, "order": 2}, device={"centre_of_mass": -0.5, "ballast_inertia": 1e4}
+    )
+    basis = study_basis(planar)
+    orders = order_bases(planar, basis)
+    labels = [*basis.labels, *(label for each in orders for label in each.labels)]
+    found = port_direction(choice, DeformedShell(basis, planar.centre_height), orders)
+    np.testing.assert_array_equal(found, [float(label == choice.capitalize()) for label in labels])

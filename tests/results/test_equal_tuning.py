@@ -111,3 +111,11 @@ def test_thousands_of_realisations_are_named_once_each_not_once_for_every_rung(s
     equal_tuning(study, rungs)
     within_limits(study, [rung(each.design, each.wave, "constrained", None, 1.0) for each in rungs])
     assert len(named) <= 4 * len(labels)  # two tables, each by label and family
+
+
+@pytest.mark.parametrize("dead", [{"matched"}, {"best_damper"}, {"matched", "best_damper"}])
+def test_a_sea_that_gives_the_rigid_design_nothing_has_no_share_to_judge(study, rungs, dead):
+    """No quotient of nothing, nor over nothing: such a sea is left out, the other is not."""
+    swell = study.waves[0]
+    changed = [row._replace(power_mean=0.0) if row.rung in dead and row.wave != swell.label else row for row in rungs]
+    assert [check.wave for check in reference_power_checks(study, changed)] == [swell.label]

@@ -11,7 +11,8 @@ from vsb.integrators.simulate import suited
 from vsb.results.ladder import study_ladder
 from vsb.results.run_checks import drag_check
 from vsb.scenes.build import TUNED, body_exact_design, linear_design
-from vsb.scenes.drag import LINEARISED, flow
+from vsb.scenes.drag import LINEARISED, coefficients, flow
+from vsb.study.drag import Drag
 from vsb.study.plan import StudyPlan
 from vsb.study.study import parse
 
@@ -106,3 +107,12 @@ def test_the_ledger_compares_drag_with_its_damper(small, mean, verdict):
     check = drag_check(study, study.waves[0], {LINEARISED: 1000.0, "drag_damping": 500.0}, mean, "VSWEC")
     assert check.verdict == verdict
     assert "1000 W beside its equivalent damper of 500 N s/m" in check.explanation
+
+
+@pytest.mark.parametrize("coefficient", [0.0, 0.5, 1.0, 2.0])
+@pytest.mark.parametrize("area", [3.0, 12.57])
+def test_a_drag_of_half_the_density_times_coefficient_area_and_cubed_lever(coefficient, area):
+    """rho C A |u| u/2; on a rotation the plate's speed goes with its lever, squared in the force, once in the torque."""
+    plate = {"coefficient": coefficient, "area": area}
+    found = coefficients(Drag(heave=plate, surge=plate, pitch={**plate, "lever": 2.0}), 1025.0)
+    assert found == pytest.approx(512.5 * coefficient * area * np.array([1.0, 1.0, 8.0]), rel=1e-14)

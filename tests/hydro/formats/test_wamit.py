@@ -20,7 +20,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vsb.errors import ConfigError, DatabaseError
-from vsb.hydro.formats.wamit import _problem, import_wamit, wamit_texts
+from vsb.hydro.formats.modes import mode_labels
+from vsb.hydro.formats.wamit import _named, _problem, import_wamit, wamit_texts
 from vsb.tools import files
 
 
@@ -388,3 +389,12 @@ def test_what_the_files_of_two_bodies_do_not_say_is_refused(tmp_path):
         rm3(tmp_path, **more)
     with pytest.raises(DatabaseError, match=r"rm3\.1: holds modes up to 9 of 2 bodies; needs six of each, unnamed"):
         import_wamit(RM3, "rm3", density=1000.0, gravity=9.81, labels=["a", "b"])
+
+
+@pytest.mark.parametrize("bodies", [2, 3])
+def test_modes_of_several_bodies_come_in_sixes(bodies):
+    """WAMIT counts on from body to body: 7 is the surge of the second."""
+    names, numbers = _named("raft", list(range(1, 6 * bodies + 1)), bodies, None)
+    assert names == [f"body{k}__{name}" for k in range(1, bodies + 1) for name in mode_labels([1, 2, 3, 4, 5, 6])]
+    assert numbers == [1, 2, 3, 4, 5, 6] * bodies
+    assert _named("raft", [3, 6, 7, 12], 2, None)[0] == ["body1__Heave", "body1__Yaw", "body2__Surge", "body2__Yaw"]
