@@ -366,3 +366,16 @@ def test_a_panel_s_diameter_is_the_largest_distance_of_its_corners(corners):
     body = SimpleNamespace(vertices=corners, faces=np.array([[0, 1, 2, 3], [0, 1, 2, 2], [3, 3, 1, 0]]))
     expected = [max(np.linalg.norm(corners[a] - corners[b]) for a in face for b in face) for face in body.faces]
     np.testing.assert_allclose(bodies.panel_diameters(body), expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+@pytest.mark.parametrize("kind", range(6))
+def test_a_motion_is_as_rigid_at_every_size(box, scale, kind):
+    """Round-off is told from a rotation by the motion's own size; what bends at a part in a million is not rigid."""
+    points = box[0] + [3.0, -2.0, 0.7]
+    moved = scale * rigid(points)[kind]
+    found = bodies.rigid_motion(points, moved)
+    assert np.concatenate(found) == pytest.approx(
+        scale * np.eye(6)[kind], rel=1e-12, abs=0.0
+    )  # the others exactly none
+    assert bodies.rigid_motion(points, moved + 1e-6 * scale * points[:, :1] ** 2 * [0.0, 0.0, 1.0]) is None

@@ -15,6 +15,7 @@ from vsb.hydro.panels import rings as bem
 from vsb.hydro.quality import negative_damping
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.study.study import Water
+from vsb.waves.dispersion import wavenumber
 
 UNIT = Water(density=1.0, gravity=1.0)
 SEA = Water(density=1025.0, gravity=9.81)
@@ -229,3 +230,14 @@ def test_every_part_of_the_estimate_counts_alone(part, name, expected):
         parts[part] = parts[part].assign({name: 0.9 * parts[part][name]})
     found = error_estimate([Block(own, **parts)], Block(*limits, xr.Dataset()), np.ones(1))
     assert found == pytest.approx(expected, abs=1e-15)
+
+
+@pytest.mark.parametrize("depth", [5.0, np.inf])
+def test_forces_are_measured_in_those_of_a_unit_wave_on_the_surface_over_the_middle(depth):
+    """By size, of phase k (x cos b + y sin b), whatever the depth of the middle."""
+    omega, beta = np.array([0.8, 1.6]), np.deg2rad([0.0, 60.0, 90.0])
+    water, centre, size = Water(depth=depth), np.array([3.0, -2.0, -1.5]), np.array([2.0, 30.0])
+    k = np.array([wavenumber(w, depth, water.gravity) for w in omega])
+    phase = np.outer(k, 3.0 * np.cos(beta) - 2.0 * np.sin(beta))
+    expected = np.exp(1j * phase)[..., None] * size
+    np.testing.assert_allclose(Measure(size, centre, beta, water).force(omega), expected, rtol=1e-12)
