@@ -11,6 +11,7 @@ from vsb.errors import ConfigError
 from vsb.hydro.dofs import Displacement
 from vsb.hydro.panels.mesh import deformed_mesh
 from vsb.hydro.spectral.solver import SpectralProblem
+from vsb.shell import deformed as deformed_module
 from vsb.shell.deformed import DeformedShell, _crossing, _curl, check_meridian, enclosed
 from vsb.shell.loaded import complete_basis
 from vsb.shell.modes import mode_basis
@@ -380,3 +381,14 @@ def test_the_stiffness_of_a_thousand_shapes_takes_no_cube_of_memory():
     tracemalloc.stop()
     assert np.abs(stiffness - stiffness.T).max() < 1e-10 * np.abs(stiffness).max()
     assert peak < 0.25 * 8 * dof * dof * points
+
+
+@pytest.mark.parametrize("more", [-1, 0, 1, 2 * deformed_module.AT_ONCE + 1])
+def test_points_are_looked_at_so_many_at_once_and_none_are_lost(more):
+    """Memory does not grow with the points asked for; none at all are one empty part."""
+    points = np.arange(deformed_module.AT_ONCE + more, dtype=float)
+    parts = deformed_module._parts(points)
+    assert max(map(len, parts)) <= deformed_module.AT_ONCE
+    assert len(parts) == np.ceil(len(points) / deformed_module.AT_ONCE)
+    np.testing.assert_array_equal(np.concatenate(parts), points)
+    assert [len(part) for part in deformed_module._parts(points[:0])] == [0]
