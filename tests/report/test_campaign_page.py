@@ -112,3 +112,42 @@ def test_a_page_of_a_take_off_of_the_volume_is_of_pressures(port, unit):
     assert ("rms pressure [kPa]" in text, "rms force [kN]" in text) == (port == "volume", port == "heave")
     assert f"damper [{unit}]" in text
     assert ("N s/m" in text) == (port == "heave")
+
+
+@pytest.mark.parametrize(
+    ("known", "impossible", "told"),
+    [
+        (1.0, 0.0, []),
+        (1 - 5e-10, 0.0, []),  # round-off of a sum of shares
+        (1 - 2e-9, 0.0, ["Optima were found in bins of 99.9 % of the energy flux alone: raise constrained.seconds."]),
+        (0.6259, 0.0, ["Optima were found in bins of 62.5 % of the energy flux alone: raise constrained.seconds."]),
+        (1.0, 0.034, ["In up to 3.4 % of the year no force keeps the stroke within its limit: counted as nothing."]),
+    ],
+)
+def test_optima_within_limits_are_doubted_by_the_worst_of_all_designs_at_all_points(known, impossible, told):
+    """One design at one point does it; what is known of a part is never said to be known of all."""
+    ds = campaign().assign_coords(tuning=["fixed", "one", "constrained"])
+    by, place = ("young_modulus", "thickness", "design"), (1, 0, 1)
+    shares = np.ones((2, 2, 2)), np.zeros((2, 2, 2))
+    shares[0][place], shares[1][place] = known, impossible
+    ds = ds.assign(optimum_share=(by, shares[0]), impossible_share=(by, shares[1]))
+    always = "The best force within limits knows all waves beforehand: no control takes more, few come near."
+    assert warnings(ds)[2:] == [always, *told]
+
+
+@pytest.mark.parametrize(
+    ("margin", "told"),
+    [(0.0, []), (-1.5, ["The shell would buckle under its static load, 2.5 times what it carries."])],
+)
+def test_a_shell_of_a_single_point_that_buckles_is_told_by_how_much(margin, told):
+    """One less the margin is the load over what is carried, and none buckles at a margin of zero."""
+    point = campaign(margin=margin).isel(young_modulus=[0], thickness=[0]).squeeze(drop=True)
+    assert warnings(point.assign_attrs(varied=""))[2:] == told
+
+
+def test_of_reasons_each_is_told_once_without_its_numbers():
+    lost = campaign()
+    lost["viable"] = lost.viable & (lost.design != "VSWEC")
+    for place, text in enumerate(("unstable: at rest", "sinks: 3 kN too heavy", "unstable: in waves", "sinks: 4 kN")):
+        lost.reason[divmod(place, 2)][{"design": 1}] = text
+    assert warnings(lost)[-1] == "4 of 8 designs at their points are not viable: sinks, unstable."
