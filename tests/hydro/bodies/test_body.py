@@ -379,3 +379,70 @@ def test_a_motion_is_as_rigid_at_every_size(box, scale, kind):
         scale * np.eye(6)[kind], rel=1e-12, abs=0.0
     )  # the others exactly none
     assert bodies.rigid_motion(points, moved + 1e-6 * scale * points[:, :1] ** 2 * [0.0, 0.0, 1.0]) is None
+
+
+def boxed(box, move=lambda x: x, faces=None):
+    """The box with its vertices moved, heaving."""
+    vertices = move(box[0].copy())
+    return made(vertices, box[1] if faces is None else faces, rigid(vertices)[2:3])
+
+
+REACH = np.linalg.norm([LENGTH, BEAM, DRAUGHT])
+"""Diagonal of the box, in which round-off of its vertices is told."""
+
+
+def test_a_body_may_reach_above_the_water_by_round_off_of_its_own_size_and_no_more(box):
+    boxed(box, lambda x: x - [0.0, 0.0, -0.9e-8 * REACH])
+    with pytest.raises(
+        ConfigError, match=r"mesh: reaches z = 8\.232e-08 m; needs z <= 0: clip it at the water's surfa"
+    ):
+        boxed(box, lambda x: x - [0.0, 0.0, -1.1e-8 * REACH])
+
+
+def test_points_of_no_panel_may_lie_anywhere(box):
+    vertices = np.vstack([box[0], [0.0, 0.0, 5.0]])
+    assert made(vertices, box[1], rigid(vertices)[2:3]).volumes == pytest.approx([LENGTH * BEAM * DRAUGHT] * 3)
+
+
+def test_one_panel_in_the_waters_surface_is_a_lid(box):
+    """As near to it as round-off of the body's size."""
+
+    def lidded(depth):
+        corners = [[x, y, -depth] for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+        vertices, faces = np.vstack([box[0], corners]), np.vstack([box[1], len(box[0]) + np.arange(4)])
+        return made(vertices, faces, rigid(vertices)[2:3])
+
+    lidded(1.1e-8 * REACH)
+    with pytest.raises(
+        ConfigError, match="mesh: has panels in the water's surface; needs the wetted surface alone, no l"
+    ):
+        lidded(0.9e-8 * REACH)
+
+
+def test_a_surface_is_closed_to_a_millionth_of_its_volume(box):
+    """Sunk by s, its walls end below the water: by the normals' z it encloses s/(D + s) more than by their x and y."""
+    boxed(box, lambda x: x - [0.0, 0.0, 0.9e-6 * DRAUGHT])
+    with pytest.raises(ConfigError, match=r"mesh: encloses 48, 48 and 48\.0001 m\^3 by the normals' x, y and z; needs"):
+        boxed(box, lambda x: x - [0.0, 0.0, 1.1e-6 * DRAUGHT])
+
+
+def test_corners_are_counted_from_the_first_vertex_to_the_last(box):
+    """-1 would be the last one again, and nothing would look wrong."""
+    last = len(box[0]) - 1
+    boxed(box, faces=box[1])
+    for wrong in (-1, last + 1):
+        faces = np.where(box[1] == last, wrong, box[1])
+        assert (faces == wrong).any()
+        with pytest.raises(
+            ConfigError, match=f"mesh: {len(faces)} panels between {last + 1} vertices; needs panels wh"
+        ):
+            FlexibleBody(box[0], faces, ("Heave",), np.ones((1, len(faces), 3)), rigid(box[0])[2:3])
+
+
+def test_a_body_is_between_a_centimetre_and_a_hundred_kilometres(box):
+    boxed(box, lambda x: x * (0.0101 / REACH))
+    with pytest.raises(ConfigError, match=r"mesh: body of 0\.0099 m; needs at least 0\.01 m: is it in metres"):
+        boxed(box, lambda x: x * (0.0099 / REACH))
+    bodies.check_vertices(np.array([[-1e5, 0.0, 1e5]]))
+    with pytest.raises(ConfigError, match=r"mesh: reaches 1e\+05 m; needs at most 100000 m: is it in metres"):
+        bodies.check_vertices(np.array([[0.0, np.nextafter(-1e5, -np.inf), 0.0]]))

@@ -344,3 +344,19 @@ def test_two_bodies_are_not_written_as_one(tmp_path):
     write_h5(of_two_bodies()[0], tmp_path / "rm3.h5")
     with pytest.raises(DatabaseError, match=r"float__Surge, .*: are of several bodies; needs those of one"):
         bemio_entries(read_bemio(tmp_path / "rm3.h5"), "memory")
+
+
+@pytest.mark.parametrize("name", ["inertia_matrix", "structural_stiffness"])
+def test_modes_couple_where_they_do_by_more_than_round_off_of_the_largest_entry(elastic, name):
+    """A billionth of it, whatever the unit; of rigid motions and modes, either side of the diagonal."""
+    size = 1e-9 * (elastic.prestress_stiffness + elastic.gas_stiffness if "stiff" in name else 0.0 * elastic[name])
+    largest = float(abs(elastic[name] + size * 1e9).max())
+    for part in (1e-6, 1.0):
+        ds = elastic.assign({key: part * elastic[key] for key in (name, "prestress_stiffness", "gas_stiffness")})
+        entry = np.zeros((3, 3))
+        entry[0, 2] = entry[2, 0] = 1e-9 * part * largest
+        bemio_entries(ds.assign({name: ds[name] + 0.9 * entry}), "memory")
+        with pytest.raises(
+            DatabaseError, match=f"memory: {name} couples rigid and generalized modes, which WEC-Sim dro"
+        ):
+            bemio_entries(ds.assign({name: ds[name] + 1.1 * entry}), "memory")

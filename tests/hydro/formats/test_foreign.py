@@ -519,3 +519,24 @@ def test_every_check_that_does_not_hold_has_causes_of_its_own():
             assert (words["density"] in line) == (check.name == "afloat")
             if check.name in ("positive_damping", "symmetry", "rank_one"):
                 assert not any(words[key] in line for key in ("length", "gravity", "period"))
+
+
+@pytest.mark.parametrize(
+    ("parts", "worst", "error"), [({1: 0.06, 2: -0.1}, "Pitch", 0.1), ({0: -0.03, 3: 0.08}, "Bend", 0.08)]
+)
+def test_of_long_waves_the_mode_that_is_off_most_is_named_whichever_way(parts, worst, error):
+    """At the first frequency of more than 3 % of the largest damping: 0.2 rad/s."""
+
+    def change(x):
+        for mode, part in parts.items():
+            x[1, :, mode] *= np.sqrt(1 + part)
+
+    found = judged(edited(sound(), "excitation_force", change))["haskind_long_waves"]
+    assert found.value == pytest.approx(error, rel=1e-9)
+    assert f"so they do in the longest waves, which feel the depth; most at 0.2 rad/s in {worst}" in found.explanation
+
+
+def test_one_scale_is_told_as_the_factor_of_length_over_gravity():
+    found = judged(sound().pipe(_scaled, 0.5))["haskind_scale"]
+    assert found.explanation == "excitation and damping have one scale; length/gravity is 1.5 times that of the run"
+    assert found.value == pytest.approx(0.5, rel=1e-9)
