@@ -72,3 +72,18 @@ def test_a_port_feels_the_stiffest_of_its_springs_or_the_strongest_of_its_damper
     system = System.of(Scene(("Heave",), np.array([[2.0]]), forces, np.eye(1)))
     port = np.array([np.sqrt(0.5)])  # of the motion scaled to unit mass
     assert felt_rate(system, port, springs, dampers) == pytest.approx(rate, rel=1e-12)
+
+
+@pytest.mark.parametrize("damping", [0.0, 4.0, 30.0, 4e3])
+def test_rungs_halve_a_step_until_a_series_needs_no_scaling(system, damping):
+    """Down to a norm of a half, and no further; exact over any part of a step however strong the damper."""
+    one = phase(system, damping=damping, stiffness=10 * damping)
+    norm = np.linalg.norm(one.flow, 1) * one.step
+    last = norm / 2 ** (len(one.ladder) - 1)
+    assert last <= 0.5
+    assert last > 0.25 or len(one.ladder) == 1
+    for j, rung in enumerate(one.ladder):
+        np.testing.assert_allclose(rung, expm(one.flow * one.step / 2**j), rtol=1e-9, atol=1e-11)
+    state = np.array([0.2, -0.1, 0.5, 0.3, 1.0])
+    for span in (0.1, 0.0999, 0.061, 0.0031):
+        np.testing.assert_allclose(one.later(state, span), expm(span * one.flow) @ state, rtol=1e-9, atol=1e-11)

@@ -15,9 +15,10 @@ from vsb.integrators.audit import energies, residual
 from vsb.integrators.energy_preserving import structure_preserving
 from vsb.integrators.exact import propagate
 from vsb.integrators.harmonic_balance import harmonic_balance
+from vsb.integrators.phases import Signals
 from vsb.integrators.settled import settled_power
 from vsb.integrators.simulate import legs, simulate
-from vsb.integrators.switching import Switching, switched
+from vsb.integrators.switching import Mode, Switching, switched
 from vsb.integrators.track import dips
 from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring
 from vsb.motion.scene import Scene
@@ -428,3 +429,57 @@ def test_who_cannot_follow_switches_says_so(monkeypatch):
     monkeypatch.setattr("vsb.integrators.switching.MOST_EVENTS", 0)
     with pytest.raises(ConvergenceError, match=r"the take-off switches without end at t = 0.*larger force_limit"):
         switched(system, TIME, START)
+
+
+MODES = {
+    "damped": Mode(1), "the other way": Mode(-1), "limited": Mode(1, limited=1), "limited below": Mode(-1, limited=-1),
+    "pressed": Mode(1, contact=1), "pressed below": Mode(1, contact=-1), "leaving": Mode(-1, contact=1),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("mode", MODES.values(), ids=MODES)
+@pytest.mark.parametrize("start", [(0.3, 0.7), (-0.5, 0.2), (0.9, -0.4)])
+def test_rates_of_guards_are_their_derivatives(mode, start):
+    """By differences over 20 microseconds of the exact motion, on a port of a mass that is not one."""
+    law, stop = TakeOff(B, 4.0, 5.0, 8.0), EndStop(B, 0.4, 5e3, 200.0)
+    found = Switching(oscillator(law, stop), 1e-6)
+    phase, constant = found.phase(mode, found.lookout(TIME, 1))
+    transient, s, h = phase.transient(0.2, np.array([*start, constant])), 5e-3, 1e-5
+    here = phase.later(transient, s)[None]
+    at = phase.watched(np.array([0.2 + s]), phase.states(np.array([0.2 + s]), here))
+    rates = found.rates(mode, at)
+    assert rates.keys() == {"turn", "limit", "stop"}
+    for name, rate in rates.items():
+        ends = [found.guard(name, mode, phase, 0.2, transient, s + side) for side in (-h, h)]
+        assert rate[0] == pytest.approx((ends[1] - ends[0]) / (2 * h), rel=1e-6, abs=1e-6), name
+
+
+@pytest.mark.parametrize(
+    ("mode", "guards"),
+    [
+        (Mode(1), {"turn": -2.0, "limit": 8.0 - 6.5, "stop": 0.1}),
+        (Mode(-1), {"turn": 2.0, "limit": 8.0 - 6.5, "stop": 0.1}),
+        (Mode(1, limited=1), {"turn": -2.0, "limit": -6.5 - 8.0, "stop": 0.1}),
+        (Mode(1, limited=-1), {"turn": -2.0, "limit": 6.5 - 8.0, "stop": 0.1}),
+        (Mode(1, contact=1), {"turn": -2.0, "limit": 1.5, "stop": 0.3 - 0.4}),
+        (Mode(1, contact=-1), {"turn": -2.0, "limit": 1.5, "stop": -0.3 - 0.4}),
+        (Mode(0), {"slip": 8.0 - 3.0, "stop": 0.1}),
+        (Mode(1, paused=True, until=0.5), {"resume": 0.3, "turn": -2.0, "limit": 8.0, "stop": 0.1}),
+    ],
+)
+def test_guards_are_what_is_left_to_each_event(mode, guards):
+    """0.3 m and -2 m/s under 4 N s/m and 5 N/m: -6.5 N of at most 8; the stop is at 0.4 m; of a limited force, what is
+    beyond the limit on its side; a paused one wants nothing.
+    """
+    law, stop = TakeOff(B, 4.0, 5.0, 8.0, pause=0.3, paused_damping=0.0), EndStop(B, 0.4, 5e3, 200.0)
+    at = Signals(np.array([0.3]), np.array([-2.0]), np.array([-3.0]))
+    found = Switching(oscillator(law, stop), 1e-6).guards(mode, at, np.array([0.2]))
+    assert {name: value[0] for name, value in found.items()} == pytest.approx(guards, rel=1e-12)
+
+
+def test_friction_and_a_law_without_limits_watch_no_limit():
+    at = Signals(np.array([0.3]), np.array([2.0]), np.array([-3.0]))
+    for law, names in ((TakeOff(B, np.inf, limit=8.0), {"turn"}), (TakeOff(B, 4.0), {"turn"})):
+        found = Switching(oscillator(law), 1e-6)
+        assert found.guards(Mode(1), at, np.zeros(1)).keys() == names
+        assert found.rates(Mode(1), at).keys() == names

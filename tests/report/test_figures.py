@@ -147,3 +147,27 @@ def test_no_meridian_of_a_mode_folds(degree):
     along = np.diff(x) * np.cos(phi[:-1]) - np.diff(z) * np.sin(phi[:-1])
     assert (along > 0).all()
     assert np.hypot(*circle.get_data()) == pytest.approx(1.0)
+
+
+def test_coefficients_are_drawn_as_they_are_down_to_where_a_logarithm_ends():
+    """A zero is drawn at a gram a second, far below the axis; a motion that moves no water is left out."""
+    labels = ["Heave", "Pitch", "Membrane0"]
+    added, damping = np.zeros((2, 4, 3))
+    added[:, 0], added[:, 2] = [5.0, 4.0, 3.0, 2.0], [1.0, 2.0, 3.0, -4.0]
+    damping[:, 0], damping[:, 2] = [0.0, 40.0, 200.0, 1e-5], [0.0, 0.5, 3.0, 2.0]
+    pair = ("omega", "influenced_dof", "radiating_dof")
+    coords = {"omega": [0.5, 1.0, 2.0, 4.0], "influenced_dof": labels, "radiating_dof": labels}
+    values = {"added_mass": added, "radiation_damping": damping}
+    database = xr.Dataset({name: (pair, v[:, :, None] * np.eye(3)) for name, v in values.items()}, coords)
+    database["added_mass_inf"] = (pair[1:], np.diag([2.5, 0.0, 1.5]))
+    figure = added_mass_damping(data(database=database))
+    top, bottom = figure.axes
+    drawn_ = {line.get_label(): line for line in bottom.get_lines()}
+    assert list(drawn_) == ["Heave", "Membrane0"]
+    assert drawn_["Heave"].get_ydata().tolist() == [1e-3, 40.0, 200.0, 1e-3]
+    assert drawn_["Membrane0"].get_ydata().tolist() == [1e-3, 0.5, 3.0, 2.0]
+    assert drawn_["Heave"].get_xdata().tolist() == [0.5, 1.0, 2.0, 4.0]
+    assert (bottom.get_yscale(), bottom.get_ylim(), bottom.get_xlim()) == ("log", (2e-3, 400.0), (0.0, 4.0))
+    lines = [line.get_ydata() for line in top.get_lines()]
+    assert [list(y) for y in lines] == [list(added[:, 0]), [2.5, 2.5], list(added[:, 2]), [1.5, 1.5]]
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["Heave", "Membrane0"]

@@ -10,7 +10,15 @@ from vsb.errors import ConfigError
 from vsb.scenes.rest import design_motions, study_basis
 from vsb.shell.legendre import legendre
 from vsb.shell.mode import Mode
-from vsb.shell.modes import ModeBasis, bending_block, mass_block, membrane_block, mode_basis, shell_modes
+from vsb.shell.modes import (
+    ModeBasis,
+    bending_block,
+    mass_block,
+    membrane_block,
+    mode_basis,
+    paper_ratio,
+    shell_modes,
+)
 from vsb.shell.ritz import natural_modes
 from vsb.shell.sphere import Shell, natural_frequencies
 from vsb.study.meridian import capsule
@@ -247,3 +255,15 @@ def test_modes_of_another_meridian_are_orthogonal_and_of_its_natural_frequencies
 def test_other_meridians_have_no_branches(basis):
     with pytest.raises(ConfigError, match=rf"modes.basis: received '{basis}', but on another shape than the sphere"):
         shell_modes(CAPSULE, basis, 4)
+
+
+@pytest.mark.parametrize("nu", [-0.3, 0.0, 0.3, 0.45])
+@pytest.mark.parametrize("degree", [1, 2, 5, 12])
+def test_the_papers_ratio_takes_the_frequency_of_the_membrane_alone_squared_once_too_often(nu, degree):
+    """(1 - nu^2) x^2 - (n(n+1) + 1 + 3 nu) x + n(n+1) - 2 = 0 (Baker 1961), its larger root as Omega^2."""
+    m = degree * (degree + 1)
+    omega2 = max(np.roots([1 - nu**2, -(m + 1 + 3 * nu), m - 2]))
+    for thickness in (1e-3, 0.1):  # of any shell
+        shell = Shell(2.0, thickness, 1e7, nu, 2700.0)
+        expected = (1 + (1 + nu) * omega2**2) / (1 - omega2**2)
+        assert paper_ratio(shell, degree) == pytest.approx(expected, rel=1e-9)
