@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from conftest import SEED, varied
 
-from vsb.scenes.rest import reference_shell
+from vsb.scenes.rest import reference_shell, study_basis
 from vsb.stages import deformed
 from vsb.study.plan import StudyPlan
 from vsb.study.specs import LoadedShape, Shapes, Sphere
@@ -55,3 +55,17 @@ def test_every_mesh_is_stored_by_name_with_what_deforms_it(tmp_path):
     shape = deformed.shapes(spec)[1]
     coarse = deformed.shape_mesh(spec, shape, coarser=2)
     assert sum(v.size for v in coarse.data_vars.values()) < 0.7 * sum(v.size for v in minus.data_vars.values())
+
+
+@pytest.mark.parametrize("basis", ["membrane", "full", "paper"])
+def test_the_shapes_are_those_of_the_studys_own_shell(basis):
+    """Of a unit modulus and density, which shapes do not know; of its radius, thickness, Poisson's ratio and height."""
+    device = {"thickness": 0.15, "poisson_ratio": 0.2, "mass": 25e3}
+    study = varied(load(SEED), modes={"basis": basis, "degree": 3}, device=device)
+    spec = StudyPlan(study).witness.meshes
+    rest, own = deformed.shapes(spec)[0].shell, study_basis(study)
+    modes = {mode.label: np.array(mode.parts) for mode in own.modes}
+    assert {mode.label for mode in rest.basis.modes} == set(spec.deformed)
+    for mode in rest.basis.modes:
+        np.testing.assert_allclose(mode.parts, modes[mode.label], rtol=1e-9, atol=1e-12)
+    assert rest.centre_height == study.centre_height != 0.0

@@ -266,3 +266,17 @@ def test_a_member_of_a_campaign_without_a_damper_has_a_plan(seed):
     assert (run.pto.damping, run.pto.tuning) == (None, "each")
     given = varied(still, pto={"damping": 8000.0})
     assert StudyPlan(given).simulation("FSB", given.waves[0]).pto.tuning == "fixed"
+
+
+def test_memory_to_draw_a_study_is_a_fifth_more_than_the_series_of_all_designs_in_its_longest_sea(seed):
+    wave = {"kind": "regular", "amplitude": 0.1}
+    study = varied(
+        seed,
+        waves=[{**wave, "period": 2.5}, {**wave, "period": 5.0}],
+        simulation={"duration": 1e4, "window": (0.0, 1e4)},
+        designs={"FSB": {"flexible": False}, "VSWEC": {}, "VSWEC0": {"clamp": 0}},
+    )
+    plan = StudyPlan(study)
+    short, long = (plan.record_megabytes(wave) for wave in study.waves)
+    assert short > long > 20
+    assert plan.study_megabytes == 800 + math.ceil(1.2 * 3 * short)

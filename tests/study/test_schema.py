@@ -15,7 +15,7 @@ from vsb.study.campaign import Campaign
 from vsb.study.keys import KEYS
 from vsb.study.quantities import Section
 from vsb.study.reading import read_yaml
-from vsb.study.schema import dotted, hint, keys_at, nearest, schema_of
+from vsb.study.schema import _with_bounds, dotted, hint, keys_at, nearest, schema_of
 from vsb.study.study import Study
 
 MODELS = {"campaign": Campaign, "study": Study, "body-study": BodyStudy, "body": BodyFile}
@@ -259,3 +259,24 @@ def test_every_number_with_a_limit_stands_among_these():
         if limits & {word for part in [its, *its.get("anyOf", [])] for word in part}
     }
     assert limited - {"draft"} <= {key.partition(".")[2] for key in LIMITS}  # which is made a mass before
+
+
+@pytest.mark.parametrize(
+    ("changes", "valid"),
+    [({"mass": 1e4}, True), ({"draft": 1.5}, True), ({}, True), ({"draft": 0.0}, False), ({"draft": "deep"}, False)],
+)
+def test_an_editor_takes_a_mass_a_draft_or_neither(changes, valid):
+    raw = numbers(yaml.safe_load(SEED.read_text()))
+    raw["device"] = {key: value for key, value in raw["device"].items() if key != "mass"} | changes
+    assert jsonschema.Draft202012Validator(schema_of(Study)).is_valid(raw) == valid
+
+
+def test_bounds_are_told_in_the_words_of_json_of_numbers_alone():
+    """Of whole ones and others, at any depth, in lists too; infinity as YAML writes it; a key named so keeps its name."""
+
+    number, whole = {"type": "number", "gt": 0, "le": math.inf}, {"type": "integer", "ge": 1, "lt": 9, "default": -1}
+    given = {"le": {"anyOf": [number, {"type": "array", "items": whole}], "gt": 5, "default": -math.inf}}
+    number = {"type": "number", "exclusiveMinimum": 0, "maximum": ".inf"}
+    whole = {"type": "integer", "minimum": 1, "exclusiveMaximum": 9, "default": -1}
+    expected = {"le": {"anyOf": [number, {"type": "array", "items": whole}], "gt": 5, "default": -math.inf}}
+    assert _with_bounds(given) == expected
