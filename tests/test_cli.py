@@ -11,6 +11,7 @@ from conftest import SEED, told
 
 from vsb import cli
 from vsb.cli import main, parser
+from vsb.stages.preview import summary
 from vsb.stages.stage import STAGES
 from vsb.study.plan import StudyPlan
 from vsb.study.study import canonical, load
@@ -277,3 +278,8 @@ def test_every_option_of_every_command_says_what_it_is_for():
     }
     assert listed
     assert not bare
+
+
+def test_check_prints_all_that_can_be_said_of_a_study_a_line_each(small, capsys):
+    assert main(["check", "small.yaml"]) == 0
+    assert capsys.readouterr().out.splitlines() == summary(small.study, small)

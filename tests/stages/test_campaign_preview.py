@@ -2,6 +2,8 @@
 
 import subprocess
 import sys
+from contextlib import nullcontext
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,6 +11,8 @@ from stages.test_members import MODULI, planned, with_seas
 
 from vsb.errors import ConfigError
 from vsb.stages.campaign_preview import campaign_summary, check_campaign
+from vsb.tools.packed import SUFFIX
+from vsb.waves.climate import OUTSIDE, Climate
 
 
 @pytest.fixture(scope="module")
@@ -68,3 +72,44 @@ def test_a_point_whose_band_no_solver_takes_is_refused_before_any_is_solved(fold
     monkeypatch.chdir(folder)
     with pytest.raises(ConfigError, match=message):
         check_campaign(planned(folder, varied, name="band"))
+
+
+def test_what_is_told_of_a_campaign_is_told_after_it_was_checked(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    with pytest.raises(ConfigError, match=r"hydro\.omega_max: received 2.5 rad/s, needs at least"):
+        campaign_summary(planned(folder, {"hydro.omega_max": [5.0, 2.5]}, name="narrow"))
+
+
+@pytest.mark.parametrize(("part", "refused"), [(0.9, False), (1.1, True)])
+def test_a_share_of_the_climate_may_lie_outside_what_is_solved(folder, monkeypatch, part, refused):
+    monkeypatch.chdir(folder)
+    plan = planned(folder, MODULI, name="outside")
+    monkeypatch.setattr(Climate, "variance_outside", lambda self, low, high: part * OUTSIDE)
+    with pytest.raises(ConfigError, match=OUTSIDE_TOLD) if refused else nullcontext():
+        check_campaign(plan)
+
+
+OUTSIDE_TOLD = (
+    rf"outside.yaml: climate: {1.1 * OUTSIDE:.1%} of its variance lies outside [\d.]+ to 5 rad/s, which a point"
+)
+
+
+def test_points_done_jobs_and_shapes_are_counted(folder, monkeypatch):
+    """Two moduli share what water does; two radii do not. A result of a point or of a batch is one less to do."""
+    monkeypatch.chdir(folder)
+    plan = planned(folder, {"device.young_modulus": [1e6, 1e7], "device.density": [2e3, 2.5e3]}, name="counted")
+    assert campaign_summary(plan)[1:3] == [
+        "points       4 of device.young_modulus x device.density, 0 done",
+        "jobs         1 of 1 batches to do, 1 shapes of the water",
+    ]
+    done = Path(plan.folder, "members", f"{plan.members[2].id}{SUFFIX}")
+    done.parent.mkdir(parents=True)
+    done.touch()
+    (batch,) = map(Path, plan.batch_paths)
+    batch.parent.mkdir(parents=True, exist_ok=True)
+    batch.touch()
+    assert campaign_summary(plan)[1:3] == [
+        "points       4 of device.young_modulus x device.density, 1 done",
+        "jobs         0 of 1 batches to do, 1 shapes of the water",
+    ]
+    assert campaign_summary(planned(folder, name="alone"))[1].startswith("points       1 of nothing varied, 0 done")

@@ -2,8 +2,10 @@
 
 import hashlib
 import json
+import os
 import re
 import shutil
+import time
 import urllib.parse
 import zipfile
 from pathlib import Path
@@ -13,7 +15,7 @@ from conftest import SMALL_PLAN as PLAN
 
 from vsb.cli import main
 from vsb.errors import VsbError
-from vsb.stages.crate import METADATA, PROFILE, crate
+from vsb.stages.crate import METADATA, PROFILE, crate, metadata
 
 CC = "https://creativecommons.org/licenses/by/4.0/"
 
@@ -64,13 +66,14 @@ def test_the_root_has_what_the_specification_asks(archive):
 
 
 def test_every_reference_leads_somewhere_and_the_run_says_what_made_what(archive):
-    _, entities = archive
+    contents, entities = archive
     referred = re.findall(r'\{"@id": "([^"]+)"\}', json.dumps(list(entities.values())))
     assert set(referred) - set(entities) == {PROFILE}
     run = entities["#run"]
     assert entities[run["instrument"]["@id"]]["name"] == "vsb"
     assert run["object"] == {"@id": "small.yaml"}
-    assert {"@id": f"{PLAN.name}/report.html"} in run["result"]
+    packed = {urllib.parse.quote(name) for name in contents}
+    assert {one["@id"] for one in run["result"]} == packed - {"small.yaml"}
 
 
 def test_the_command_writes_one_file_and_without_a_licence_says_so(small, tmp_path, capsys):
@@ -93,3 +96,27 @@ def test_what_is_not_as_it_should_be_is_not_packed(finished, tmp_path, monkeypat
     with pytest.raises(VsbError, match=message + r".*vsb run small\.yaml makes it"):
         crate("small.yaml", "small.zip")
     assert not Path("small.zip").exists()
+
+
+def test_the_metadata_are_a_text_people_can_read_dated_by_the_newest_file(small, tmp_path):
+    """Letters of all languages as they are, an entry a line; results of a study are named so."""
+    out, newest = tmp_path / "small.zip", max(Path(path).stat().st_mtime for path in PLAN.products)
+    crate("small.yaml", str(out), author="Žofie Ångström")
+    with zipfile.ZipFile(out) as archive:
+        text = archive.read(METADATA).decode()
+    assert text.endswith("\n}\n")
+    assert "\n" in text[:3]
+    assert "Žofie Ångström" in text
+    root = opened(out)[1]["./"]
+    assert root["name"] == "study small: flexible against rigid in waves"
+    assert root["datePublished"] >= time.strftime("%Y-%m-%d", time.gmtime(newest))
+
+
+def test_a_date_is_of_the_newest_file_alone(tmp_path):
+    files = {name: str(tmp_path / name) for name in ("a.csv", "b.csv", "c.csv")}
+    for day, path in zip((100, 300, 200), files.values(), strict=True):
+        Path(path).write_text("1")
+        os.utime(path, (86400 * day, 86400 * day))
+    root = metadata(PLAN, files, "a.csv", None, None)["@graph"][1]
+    assert root["datePublished"] == "1970-10-28"  # day 301 of that year
+    assert root["license"] == {"@id": "#licence"}

@@ -7,7 +7,10 @@ from pathlib import Path
 
 import psutil
 import pytest
-from conftest import SEED, told
+import yaml
+from conftest import SEED, told, varied
+from stages.test_coefficients import SWELL, as_body
+from stages.test_members import MODULI, planned, with_seas
 from test_cli import written
 
 from vsb.cli import main
@@ -266,3 +269,39 @@ def test_what_starts_processes_while_it_is_ended_leaves_none(monkeypatch):
     launcher._end(1)
     assert all(one.killed for one in (root, *root.started))
     assert len(root.started) < root.most
+
+
+@pytest.mark.parametrize(
+    ("kind", "message"),
+    [
+        ("study", "pto.stiffness: received -1e+06 N/m, with which a buoy does not rest"),
+        ("body", "waves.0.direction: received 30 degrees, needs one of 0"),
+        ("campaign", "hydro.omega_max: received 2.5 rad/s, needs at least "),
+    ],
+)
+def test_what_would_fail_later_is_told_before_a_run_begins(finished, workplace, monkeypatch, capsys, kind, message):
+    monkeypatch.setattr(launcher, "finished", lambda command, **_: pytest.fail("a run was begun"))
+    name = f"{kind}.yaml"
+    if kind == "campaign":
+        planned(with_seas(workplace, (1.0, 6.0)), {"hydro.omega_max": [5.0, 2.5]}, name=kind)
+    elif kind == "body":
+        Path(name).write_text(yaml.safe_dump(as_body(finished, waves=[{**SWELL, "direction": 30.0}])))
+    else:
+        written(name, pto={"damping": 1.0, "stiffness": -1e6})
+    assert message in told(["run", name], capsys)
+
+
+def test_what_others_make_as_well_is_what_is_shared_and_not_there(workplace, seed):
+    """Of a study by BEM the table of the Green function, too; of assumed pressure not, and of a campaign nothing."""
+    plan = StudyPlan(seed)
+    shared = {path for path in plan.ids if path.startswith("results/hydro/")} | {f"{plan.green_folder}.done"}
+    assert plan.database_path in shared
+    assert set(launcher.unmade(plan)) == shared
+    dry = StudyPlan(varied(seed, hydro={"model": "assumed_pressure", "pressure": 1800.0}))
+    assert set(launcher.unmade(dry)) == {path for path in dry.ids if path.startswith("results/hydro/")}
+    assert not any("green" in path for path in launcher.unmade(dry))
+    for path in (plan.database_path, f"{plan.green_folder}.done"):
+        Path(path).parent.mkdir(parents=True)
+        Path(path).touch()
+    assert set(launcher.unmade(plan)) == shared - {plan.database_path, f"{plan.green_folder}.done"}
+    assert launcher.unmade(planned(with_seas(workplace, (1.0, 6.0)), MODULI)) == []

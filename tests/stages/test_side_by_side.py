@@ -14,7 +14,7 @@ from stages.test_members import batches, gather, planned, with_seas
 from vsb.cli import main
 from vsb.errors import ConfigError, DatabaseError
 from vsb.report.side_by_side import as_csv, as_text
-from vsb.stages.side_by_side import compare, lines
+from vsb.stages.side_by_side import _width, compare, lines
 from vsb.study.study import canonical
 from vsb.tools.files import load
 
@@ -126,3 +126,25 @@ def test_a_page_is_written_with_ways_to_the_reports(finished, tmp_path, year):
     (link,) = re.findall(r'<a href="(.*?)">small</a>', page)
     assert (tmp_path / "pages" / link).resolve() == report.resolve()
     assert SMALL_PLAN.study_id in page
+
+
+@pytest.mark.parametrize(
+    ("sea", "design", "width"),
+    [
+        ("calm", "A", 6.0),
+        ("calm", "B", 8.0),
+        ("high", "A", 1.0),
+        ("high", "B", None),
+        ("flat", "A", None),
+        ("many", "A", None),
+    ],
+)
+def test_a_capture_width_grows_with_the_power_of_its_own_run(sea, design, width):
+    """2 m at 10 W are 6 m at 30 W; none where nothing was taken, no width is known, or the sea is many realisations."""
+    runs = [
+        ("A", "calm", 10.0, 2.0), ("B", "calm", 15.0, 4.0), ("A", "high", 60.0, 2.0), ("B", "high", 10.0, None),
+        ("A", "flat", 0.0, 0.0), ("A", "many_s1", 10.0, 2.0),
+    ]  # fmt: skip
+    names = ("design", "wave", "power_mean", "capture_width")
+    found = {"comparison": [dict(zip(names, run, strict=True)) for run in runs]}
+    assert _width(found, {"design": design, "sea": sea, "best_power": 30.0}) == width
