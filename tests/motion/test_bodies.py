@@ -296,3 +296,20 @@ def test_a_body_that_makes_no_waves_rings_on(database):
     assert motion.position[:, 0] == pytest.approx(np.cos(omega * motion.time), abs=1e-9)
     assert isinstance(body, LinearBody)
     assert isinstance(record, xr.Dataset)
+
+
+def test_added_mass_at_infinity_is_the_median_of_what_each_frequency_says():
+    """K(s) = s/(s^2 + s + 1): B = Re K(i omega) and A = A(inf) + Im K(i omega)/omega; one wrong frequency does nothing."""
+    omega = np.linspace(0.05, 20.0, 201)
+    memory = 1j * omega / (1 - omega**2 + 1j * omega)
+    added = 7.0 + memory.imag / omega
+    added[60] += 1e4
+    pair = ("influenced_dof", "radiating_dof")
+    data = {"added_mass": added, "radiation_damping": memory.real}
+    ds = xr.Dataset({name: (("omega", *pair), value[:, None, None]) for name, value in data.items()}, {"omega": omega})
+    found = with_added_mass_inf(ds)
+    assert found.added_mass_inf.dims == pair
+    assert found.added_mass_inf.item() == pytest.approx(7.0, abs=1e-3)
+    words = "added mass at infinite frequency from damping"
+    assert found.attrs["history"] == words
+    assert with_added_mass_inf(ds.assign_attrs(history="read")).attrs["history"] == f"read; {words}"

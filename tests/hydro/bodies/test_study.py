@@ -289,3 +289,27 @@ def test_the_table_of_the_green_function_is_made_whole_or_not_at_all(tmp_path, m
     faster.append(tmp_path / "late")
     bodystudy.bem.stored_green_function(tmp_path / "late")
     assert sorted(path.name for path in tmp_path.iterdir()) == [".green.dead", "green", "late"]
+
+
+@pytest.mark.parametrize(("depth", "gravity"), [(np.inf, 9.81), (30.0, 4.0)])
+def test_a_panel_may_hold_four_wavelengths_and_no_more(body, depth, gravity):
+    """Of panels of equal sides 2 sqrt(2) m across; lambda = 2 pi g/omega^2 in water so deep. The highest wave counts."""
+    across = max(np.linalg.norm(corners[2] - corners[0]) for corners in body.vertices[body.faces])
+    limit = np.sqrt(2 * np.pi * gravity * 4.0 / across)
+
+    def asked(highest):
+        water = {"depth": depth, "gravity": gravity}
+        given = {"body": "box", "mesh": "-", "modes": "-", "omega": (1.0, highest), "wave_direction": (0.0,)}
+        bodystudy._check_wavelengths(BodyFile(**given, water=water), body)
+
+    asked(limit * (1 - 1e-9))
+    length = 2 * np.pi * gravity / (1.01 * limit) ** 2
+    told = (
+        f"omega: received {1.01 * limit:g} rad/s, whose waves are {length:.3g} m long and the largest panel {across:.3g} "
+        f"m; needs at most {limit:.3g} rad/s: smaller panels or lower frequencies"
+    )
+    with pytest.raises(ConfigError) as error:
+        asked(1.01 * limit)
+    assert str(error.value) == told
+    with pytest.raises(ConfigError, match="smaller panels or lower frequencies"):
+        asked(limit * (1 + 1e-9))
