@@ -18,7 +18,7 @@ from vsb.scenes import automatic
 from vsb.scenes.automatic import RIGID, Description, Scenes, chosen, linear_power, motion_ladder, truncated
 from vsb.scenes.rest import study_basis
 from vsb.shell.deformed import DeformedShell
-from vsb.waves.seas import sea
+from vsb.waves.seas import NO_WAVES, Sea, sea
 
 DESIGNS = {"FSB": {"flexible": False}, "VSWEC": {}, "VSWEC0": {"clamp": 0}}
 STIFF = {"device": {"young_modulus": 1e9}, "designs": DESIGNS}
@@ -250,3 +250,78 @@ def test_a_high_long_wave_wants_its_memory_measured_body_exact(scenes_of):
     whole = steady_power(scenes.system(scenes.full), 1e-8, scenes.buoy.spectrum.transfer)
     assert choice.description.body_exact
     assert abs(scenes.power(choice.description) / whole - 1) <= choice.error
+
+
+def of_sea(omega, amplitude, duration=1e3, kind=Scenes):
+    """Descriptions in a sea, of a buoy of 3 kg and 1 kg of water on 36 N/m: free heave at 3 rad/s."""
+    matrices = {"stiffness": [[36.0]], "mass": [[3.0]], "added_mass_inf": [[1.0]]}
+    buoy = SimpleNamespace(**{name: np.array(value) for name, value in matrices.items()})
+    settings = SimpleNamespace(duration=duration, initial_position=0.1, initial_velocity=0.2)
+    waves = Sea(np.array(omega), np.array(amplitude, dtype=complex)) if omega else NO_WAVES
+    return kind(buoy, None, SimpleNamespace(order=4), waves, {RIGID: np.eye(1)}, settings)
+
+
+@pytest.mark.parametrize(
+    ("omega", "amplitude", "fastest"),
+    [
+        ([], [], 3.0),
+        ([1.0, 2.0], [1.0, 1.0], 3.0),
+        ([1.0, 4.0], [1.0, 0.051j], 4.0),
+        ([1.0, 4.0], [-1.0, 0.049], 3.0),
+        ([4.0, 5.0], [1.0, 0.0], 4.0),
+    ],
+)
+def test_a_record_has_fifty_instants_in_the_shortest_period_that_matters(omega, amplitude, fastest):
+    """Of free heave, or of a wave of a twentieth of the largest or more."""
+    assert of_sea(omega, amplitude)._sampling == pytest.approx(2 * np.pi / fastest / 50, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("omega", "amplitude", "duration", "begin", "end"),
+    [
+        ([1.0, 2.0], [0.5, 1j], 1e3, 10 * np.pi, 40 * np.pi),  # ten to forty periods of the largest component
+        ([1.0, 2.0], [0.5, 1j], 60.0, 15.0, 60.0),  # a short run but for its first quarter
+        ([1.0, 2.0], [0.5, 1j], 126.0, 10 * np.pi, 40 * np.pi),
+        ([1.0, 2.0], [0.5, 1j], 125.0, 125.0 / 4, 125.0),
+        ([], [], 60.0, 0.0, 60.0),  # in still water all of it
+    ],
+)
+@pytest.mark.parametrize("linear", [True, False])
+def test_what_part_of_a_record_is_compared(monkeypatch, linear, omega, amplitude, duration, begin, end):
+    seen = {}
+
+    def followed(system, time, start, *precision):
+        seen.update(time=time, start=start, precision=precision)
+        return "motion" if linear else ("motion", 1)
+
+    monkeypatch.setattr(automatic, "propagate" if linear else "integrate", followed)
+    monkeypatch.setattr(automatic, "absorbed", lambda system, motion, begin: (motion, begin))
+    scenes = of_sea(omega, amplitude, duration)
+    system = SimpleNamespace(linear=linear, scene=SimpleNamespace(start=lambda x, v: (x, v)))
+    assert scenes._recorded_power(system) == ("motion", pytest.approx(begin, rel=1e-12))
+    time = seen["time"]
+    assert (time[0], time[-1]) == (0.0, pytest.approx(end, rel=1e-12))
+    step = scenes._sampling
+    assert step * (1 - 2 / len(time)) < time[1] <= step * (1 + 1e-12)
+    assert seen["start"] == (0.1, 0.2)
+    assert seen["precision"] == (() if linear else (automatic.PRECISION,))
+
+
+class Measured(Scenes):
+    """Powers that tell of what, and whether on a record, they are."""
+
+    def system(self, d):
+        return d
+
+    def power(self, d):
+        return 8.0 if d.body_exact else 9.0
+
+    def _recorded_power(self, d):
+        return 8.0 if d.body_exact else 10.0
+
+
+@pytest.mark.parametrize(("omega", "error"), [([], 1 / 8), ([1.0], 1 / 8), ([1.0, 2.0], 2 / 8)])
+def test_what_is_not_linear_is_measured_on_the_same_record_where_there_is_no_steady_state(omega, error):
+    """A linear scene has one in any waves, a body-exact one in regular waves alone."""
+    scenes = of_sea(omega, [1.0] * len(omega), kind=Measured)
+    assert scenes.nonlinear_part(Description(RIGID, 2, False)) == pytest.approx(error, rel=1e-12)

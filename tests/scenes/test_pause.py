@@ -1,6 +1,7 @@
 """The best pause of latching and declutching: above every damper, below what any force can do."""
 
 import importlib.util
+import itertools
 
 import numpy as np
 import pytest
@@ -236,6 +237,29 @@ def test_a_pair_is_found_that_no_pair_tried_beats(top):
     assert best.power == pytest.approx(9.0, abs=0.03)
     assert best.pause == pytest.approx(top[1], abs=0.05)
     assert damper == pytest.approx(top[0], rel=0.2)
+
+
+def test_a_damper_goes_beyond_those_tried_by_their_distance_a_half_a_quarter_and_an_eighth_of_it():
+    """Four rounds, each half as far as the one before: a power that grows with the damper leads that far."""
+    apart = np.log(10.0)
+    damper, best = best_pair(lambda c, pause: c**0.1 * (1 - (pause - 0.4) ** 2), [1.0, 10.0, 100.0], 1.0)
+    assert np.log(damper / 100.0) / apart == pytest.approx(1 + 1 / 2 + 1 / 4 + 1 / 8, abs=0.1)
+    assert best.pause == pytest.approx(0.4, abs=2e-3)
+    alone, _ = best_pair(lambda c, pause: c**0.1 * (1 - (pause - 0.4) ** 2), [100.0], 1.0)
+    assert alone == pytest.approx(100.0, rel=2e-3)  # with no other beside it, it is the given one
+
+
+def test_a_search_ends_where_a_round_gains_less_than_a_thousandth():
+    """In each a damper is held while pauses are tried: one where all are as good, four where the power goes on growing."""
+
+    def held(power):
+        tried = []
+        best_pair(lambda c, pause: tried.append((c, pause)) or power(c, pause), [1.0, 10.0], 1.0)
+        turns = tried[2 * 9 :]  # of two dampers with nine pauses each
+        return len({c for (c, pause), (other, last) in itertools.pairwise(turns) if c == other and pause != last})
+
+    assert held(lambda c, pause: 1.0) == 1
+    assert held(lambda c, pause: c * (1 - (pause - 0.4) ** 2)) == 4
 
 
 # on the wet shell ---------------------------------------------------------------------------------------------------

@@ -7,11 +7,13 @@ import pytest
 import xarray as xr
 from browser import asked, evaluated
 from conftest import varied
+from scipy.integrate import quad
 
 from vsb.report import html
 from vsb.results.force_steps import SHARES
-from vsb.stages.living import MOST, _band, _longest, living_study
+from vsb.stages.living import MOST, _band, _integral, _jonswap, _longest, living_study
 from vsb.study.study import RegularWave
+from vsb.study.waves import Jonswap, PiersonMoskowitz
 from vsb.tools.files import load
 
 
@@ -128,3 +130,28 @@ def test_figures_can_be_read_on_a_phone(small, tmp_path):
     found = asked(page, script, tmp_path, width=360)
     assert found["wide"] == 360
     assert min(found["drawn"], found["charts"]) >= 9
+
+
+@pytest.mark.parametrize(
+    ("tp", "shortest", "longest"), [(4.0, 4.0, 2 * np.pi), (7.0, 7.0, 7.0), (9.0, 2.5 * np.pi, 9.0)]
+)
+def test_a_peak_may_be_moved_between_five_of_the_shortest_periods_and_half_of_the_longest(tp, shortest, longest):
+    """Of a band from 0.5 to 4 rad/s; the sea's own peak is always among them."""
+    sea = Jonswap(kind="jonswap", hs=1.5, tp=tp, gamma=2.0)
+    found = _jonswap(sea, 0.01, (0.5, 4.0))
+    assert (found["shortest"], found["longest"]) == pytest.approx((shortest, longest), rel=1e-12)
+    assert (found["hs"], found["tp"], found["gamma"], found["width"]) == (1.5, tp, 2.0, 0.01)
+    assert _jonswap(PiersonMoskowitz(kind="pierson_moskowitz", hs=1.5, tp=tp), 0.01, (0.5, 4.0))["gamma"] == 1.0
+
+
+@pytest.mark.parametrize("gamma", [1.0, 3.3, 10.0])
+def test_the_integral_of_a_spectrum_by_quadrature(gamma):
+    """1/(4 * 1.25) without a peak; the bump is gamma to the power exp(-(x - 1)^2/(2 s^2)), s 0.07 below, 0.09 above."""
+
+    def density(x):
+        bump = gamma ** np.exp(-((x - 1) ** 2) / (2 * (0.07 if x <= 1 else 0.09) ** 2))
+        return x**-5.0 * np.exp(-1.25 * x**-4.0) * bump
+
+    whole = quad(density, 0.05, 1.0, epsabs=1e-12)[0] + quad(density, 1.0, 2.0)[0] + quad(density, 2.0, np.inf)[0]
+    assert _integral(gamma) == pytest.approx(whole, rel=1e-4)
+    assert gamma > 1 or whole == pytest.approx(0.2, rel=1e-9)

@@ -1,3 +1,5 @@
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -151,3 +153,23 @@ def test_what_both_meshes_have_wrong_is_no_small_part_of_the_error(green):
     pairs = zip(coefficients(found), coefficients(halves), sizes, strict=True)
     change, error = max(np.abs(a - b).max() / size for a, b, size in pairs), true_error(two, found)
     assert change < error <= found.attrs["error_estimate"]
+
+
+@pytest.mark.parametrize(
+    ("fine", "coarse", "error"),
+    [
+        ([[4.0, 1.0], [1.0, -8.0]], [[4.0, 1.0], [1.0, -8.0]], 0.0),
+        ([[4.0, 1.0], [1.0, -8.0]], [[4.5, 1.0], [1.0, -8.1]], 0.5 / 8),
+        ([[4.0, 1.0], [1.4, -8.0]], [[4.5, 1.0], [1.4, -8.0]], (0.5 + 0.4) / 8),
+        ([[0.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 0.0]], 0.0),
+        ([[0.0, 0.0], [0.0, 0.0]], [[0.0, 0.2], [0.0, 0.0]], 0.2),
+    ],
+)
+def test_the_error_at_infinite_frequency_is_what_half_the_rows_change_and_what_is_not_symmetric(fine, coarse, error):
+    """In terms of the largest entry; as it is where there is none."""
+    moved = [SimpleNamespace(label=name) for name in ("Heave", "Radial0")]
+    problems = [SimpleNamespace(at_infinity=lambda a=a: np.array(a), displacements=moved) for a in (fine, coarse)]
+    found = TwoMeshes(*problems).at_infinity()
+    assert found.attrs["error_estimate"] == pytest.approx(error, rel=1e-12, abs=1e-15)
+    assert found.added_mass_inf.values.tolist() == fine
+    assert found.influenced_dof.values.tolist() == ["Heave", "Radial0"]
