@@ -258,6 +258,8 @@ class TestRefused:
             linear_body(database, ["Heave", "Roof"])
         with pytest.raises(ConfigError, match=r"mass: received shape \(2, 2\), needs finite numbers, shape \(1, 1\)"):
             linear_body(database, ["Heave"], mass=np.eye(2))
+        with pytest.raises(ConfigError, match=r"mass: received shape \(2, 2\), needs finite numbers, shape \(2, 2\)"):
+            linear_body(database, ["Heave", "Pitch"], mass=np.array([[1.0, 0.0], [0.0, np.nan]]))
         with pytest.raises(ConfigError, match="stiffness: received a matrix that is not symmetric"):
             linear_body(database, ["Heave", "Pitch"], stiffness=np.array([[1.0, 2.0], [0.0, 1.0]]))
         with pytest.raises(ConfigError, match="mass: received Heave without inertia"):

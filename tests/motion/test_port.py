@@ -229,6 +229,15 @@ def test_a_spring_beside_the_take_off_is_part_of_the_load(found, spring, damping
     assert beside.softest_spring == pytest.approx(found.softest_spring - spring, rel=1e-9)
 
 
+@given(ports, st.floats(0.1, 5.0), st.floats(0.1, 5.0))
+def test_what_drifts_at_rest_has_of_two_springs_beside_it_their_sum(found, one, other):
+    adrift = replace(found, compliance=np.inf)
+    assert adrift.beside(one).compliance == pytest.approx(1 / one, rel=1e-14)
+    both = adrift.beside(one).beside(other)
+    assert both.compliance == pytest.approx(adrift.beside(one + other).compliance, rel=1e-12)
+    assert both.admittance == pytest.approx(adrift.beside(one + other).admittance, rel=1e-9)
+
+
 @given(ports, st.floats(0.0, 5.0))
 def test_a_chamber_before_the_take_off_stores_but_takes_nothing(found, compliance):
     behind = found.behind(compliance)

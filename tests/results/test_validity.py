@@ -10,7 +10,7 @@ from hypothesis.extra import numpy as hnp
 from results.test_year import climate, port, rms, stroke_rms
 from scenes.test_ports import water
 
-from vsb.results.validity import LIMITS, _undominated, beyond_validity, motion_limits, motion_rms, wave_limits
+from vsb.results.validity import LIMITS, _nodes, _undominated, beyond_validity, motion_limits, motion_rms, wave_limits
 from vsb.results.year import band_weights, frequencies, year
 from vsb.scenes.ports import POINTS, designs_in_waves
 from vsb.scenes.rest import reference_shell
@@ -94,6 +94,16 @@ def test_motions_under_a_damper_of_each_sea_s_own(shells):
         same = motion_rms(one, seas, np.full(12, 3e3), 2e4)
         for name, expected in zip(same, by_the_sea(one, seas, np.full(12, 3e3), 2e4), strict=True):
             np.testing.assert_allclose(same[name], expected, rtol=1e-12, err_msg=f"{design} {name}")
+
+
+@given(hnp.arrays(float, st.integers(2, 6), elements=st.floats(1.0, 1e6)))
+def test_what_is_smooth_in_the_logarithm_of_a_damper_is_known_from_few_within_their_range(damping):
+    nodes, shares = _nodes(damping)
+    assert damping.min() * (1 - 1e-12) <= nodes.min()
+    assert nodes.max() <= damping.max() * (1 + 1e-12)
+    if len(nodes) > 1:
+        assert np.log(nodes).mean() == pytest.approx(np.log(damping.min() * damping.max()) / 2, abs=1e-9)
+        assert shares.T @ np.log(nodes) ** 2 == pytest.approx(np.log(damping) ** 2, rel=1e-6, abs=1e-6)
 
 
 def test_what_moves_with_a_port_is_its_own_motion(shells):

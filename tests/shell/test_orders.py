@@ -239,6 +239,8 @@ def test_modes_move_the_shell_by_one_at_most_and_are_named_by_degree_and_order()
         assert (v[basis.rigid :, 1] > 0).all()
     assert at_order(2).labels[:2] == ("Membrane2c2", "Membrane3c2")
     assert at_order(1, "membrane", 2).labels == ("Surge", "Pitch", "Membrane1c1", "Membrane2c1")
+    odd = replace(at_order(1, "membrane", 2), odd=True)
+    assert odd.labels[:2] == ("Sway", "Roll")
 
 
 def test_a_device_that_does_not_say_how_it_is_balanced_has_no_pitch():

@@ -63,6 +63,10 @@ def test_a_shape_is_solved_without_the_rest_of_its_study(name, before, tmp_path,
     assert ran == [*before, *[name] * len(plan.sweep_blocks)]
     solve(plan)
     assert len(ran) == len(before) + len(plan.sweep_blocks)
+    Path(plan.block_path(plan.sweep_blocks[-1])).unlink()
+    solve(plan)
+    assert ran[-1] == name  # what alone is missing
+    assert len(ran) > len(before) + len(plan.sweep_blocks)
 
 
 def test_only_what_is_missing_or_stale_and_wanted_is_due(tmp_path):

@@ -17,7 +17,7 @@ from tools.test_files import rewritten
 from vsb.cli import main
 from vsb.errors import DatabaseError, VsbError
 from vsb.stages import figures, report, simulate
-from vsb.stages.verify import differences, stale_products, study_faults, verify
+from vsb.stages.verify import _more, differences, stale_products, study_faults, verify
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
 from vsb.study.study import content_id
@@ -321,6 +321,10 @@ def test_a_folder_is_verified_whole(place):
     assert not Path(PLAN.manifest).exists()
     with pytest.raises(VsbError, match=r": is not there \(and \d+ more\); vsb run small.yaml makes it anew"):
         verify("small.yaml", heal=False)
+
+
+def test_of_many_lines_one_is_told_and_the_others_are_counted():
+    assert [_more(["line"] * count) for count in (1, 2, 3)] == ["", " (and 1 more)", " (and 2 more)"]
 
 
 def test_an_index_is_what_its_databases_make_it_or_not_there(place):

@@ -100,6 +100,7 @@ def test_solver_follows_from_depth_and_rows(seed):
     assert not varied(seed, hydro={"model": "assumed_pressure", "pressure": 1.0}).uses_panels
     with pytest.raises(ConfigError, match=r"hydro.solver 'spectral': needs a water.depth of at least 1.02 drafts"):
         varied(seed, hydro={"solver": "spectral"}, water={"depth": 1.01 * seed.draft})
+    assert not varied(seed, hydro={"solver": "spectral"}, water={"depth": 1.03 * seed.draft}).uses_panels
     with pytest.raises(ConfigError, match=r"hydro.solver 'spectral': has no rows"):
         varied(seed, hydro={"solver": "spectral", "rows": 20})
 

@@ -66,6 +66,10 @@ def test_frequencies_that_failed_are_left_out_and_told(tmp_path):
     assert found.attrs["history"] == (
         "read from a.nc; left out: 1 of 3 frequencies, from 0.5 to 0.5 rad/s, of which all coefficients are NaN"
     )
+    heave = (dataset().influenced_dof != LABELS[0]) | solved  # the spar's are known there
+    dataset(**{name: dataset()[name].where(heave) for name in SOLVED}).to_netcdf(tmp_path / "c.nc")
+    with pytest.raises(DatabaseError, match="holds NaN"):
+        read_capytaine(tmp_path / "c.nc")
     dataset(added_mass=dataset().added_mass.where(solved)).to_netcdf(tmp_path / "b.nc")
     with pytest.raises(DatabaseError, match="added_mass holds NaN"):
         read_capytaine(tmp_path / "b.nc")
