@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from vsb.study.keys import KEYS
 from vsb.study.study import canonical
 from vsb.study.vary import Vary, read_vary, unit
 
@@ -116,3 +117,39 @@ def test_mistakes_are_told_in_one_line(raw, message):
 )  # fmt: skip
 def test_units_of_a_take_off_are_those_of_its_port(key, force, pressure, moment):
     assert (unit(key), unit(key, "volume"), unit(key, "pitch")) == (force, pressure, moment)
+
+
+@pytest.mark.parametrize(
+    ("key", "expected"),
+    [
+        ("device.radius", "m"), ("device.thickness", "m"), ("device.young_modulus", "Pa"), ("device.mass", "kg"),
+        ("device.density", "kg/m^3"), ("device.draft", "m"), ("device.centre_of_mass", "m"),
+        ("device.internal_pressure", "Pa"), ("device.ballast_inertia", "kg m^2"), ("device.damping.alpha", "1/s"),
+        ("device.damping.beta", "s"), ("device.shape.spheroid.height", "m"), ("device.shape.capsule.length", "m"),
+        ("device.gas.atmospheric_pressure", "Pa"), ("device.gas.adiabatic_index", "1"), ("device.poisson_ratio", "1"),
+        ("designs.VSWEC.clamp", "degrees"), ("water.depth", "m"), ("water.gravity", "m/s^2"),
+        ("hydro.omega_max", "rad/s"), ("hydro.pressure", "Pa"), ("hydro.tolerance", "1"), ("modes.degree", "1"),
+        ("pto.damping", "N s/m"), ("pto.stiffness", "N/m"), ("pto.force_limit", "N"), ("pto.stroke_limit", "m"),
+        ("pto.efficiency", "1"), ("scale", "1"),
+    ],
+)  # fmt: skip
+def test_units_of_what_is_varied(key, expected):
+    assert unit(key) == expected
+
+
+def test_no_two_keys_that_may_be_varied_have_one_name_and_two_units():
+    """A unit is found by the last word of a key."""
+    for section in (
+        "Device",
+        "RayleighDamping",
+        "Gas",
+        "Shape",
+        "Spheroid",
+        "Capsule",
+        "Modes",
+        "Design",
+        "Water",
+        "Hydro",
+    ):
+        for name, key in KEYS[section].items():
+            assert key.unit in ("", "-", unit(name)), (section, name)

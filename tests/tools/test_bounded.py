@@ -1,7 +1,9 @@
 import itertools
+import re
 import signal
 import sys
 import threading
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,6 +21,19 @@ def test_what_takes_more_memory_than_it_may_is_told_so():
             np.zeros(2**28)
     assert len(np.empty(2**28)) == 2**28  # the bound is gone
     assert small.any() == 0
+
+
+@linux
+def test_what_a_process_takes_already_does_not_count():
+    import resource
+
+    status = Path("/proc/self/status").read_text(encoding="ascii")
+    taken = int(re.search(r"VmSize:\s+(\d+) kB", status)[1]) * 1024
+    with bounded_memory(2**28):
+        bound = resource.getrlimit(resource.RLIMIT_AS)[0]
+    with bounded_memory(2**40), bounded_memory(2**28):
+        assert resource.getrlimit(resource.RLIMIT_AS)[0] == pytest.approx(bound, abs=2**24)
+    assert bound == pytest.approx(taken + 2**28, abs=2**24)
 
 
 @linux

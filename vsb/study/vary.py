@@ -10,6 +10,7 @@ import random
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Self
 
+from vsb.study.keys import KEYS
 from vsb.study.quantities import Section
 
 Value = float | str
@@ -22,12 +23,11 @@ MEMBER = "member"
 MOST_POINTS = 100_000
 SECTIONS = ("device", "reference_shape", "modes", "designs", "water", "hydro", "pto")
 """Sections of a study whose keys can be varied: its waves are the climate's, its simulation makes no year."""
-UNITS = {
-    "radius": "m", "thickness": "m", "young_modulus": "Pa", "density": "kg/m^3", "mass": "kg", "depth": "m",
-    "internal_pressure": "Pa", "alpha": "1/s", "beta": "s", "gravity": "m/s^2", "damping": "N s/m",
-    "stiffness": "N/m", "force_limit": "N", "stroke_limit": "m", "omega_max": "rad/s", "clamp": "degrees",
-    "atmospheric_pressure": "Pa",
-}  # fmt: skip
+_VARIED_IN = (
+    "Device", "Shape", "Spheroid", "Capsule", "RayleighDamping", "Gas", "Drag", "Vane", "Plate", "Modes", "Design",
+    "Water", "Hydro", "Pto",
+)  # fmt: skip
+UNITS = {name: key.unit for section in _VARIED_IN for name, key in KEYS[section].items() if key.unit not in ("", "-")}
 """Units of varied numbers by the last word of their key; others have none."""
 AT_VOLUME = {
     "pto.damping": "Pa s/m^3", "pto.stiffness": "Pa/m^3", "pto.force_limit": "Pa", "pto.stroke_limit": "m^3"
