@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from vsb.study.keys import KEYS
 from vsb.study.study import canonical
-from vsb.study.vary import Vary, read_vary, unit
+from vsb.study.vary import _VARIED_IN, Vary, read_vary, unit
 
 TAKEN = ("damping", "hs")
 
@@ -130,7 +130,7 @@ def test_units_of_a_take_off_are_those_of_its_port(key, force, pressure, moment)
         ("designs.VSWEC.clamp", "degrees"), ("water.depth", "m"), ("water.gravity", "m/s^2"),
         ("hydro.omega_max", "rad/s"), ("hydro.pressure", "Pa"), ("hydro.tolerance", "1"), ("modes.degree", "1"),
         ("pto.damping", "N s/m"), ("pto.stiffness", "N/m"), ("pto.force_limit", "N"), ("pto.stroke_limit", "m"),
-        ("pto.efficiency", "1"), ("scale", "1"),
+        ("pto.efficiency", "1"), ("scale", "1"), ("pto.port.colatitude", "degrees"), ("pto.port.line_to", "m"),
     ],
 )  # fmt: skip
 def test_units_of_what_is_varied(key, expected):
@@ -139,17 +139,6 @@ def test_units_of_what_is_varied(key, expected):
 
 def test_no_two_keys_that_may_be_varied_have_one_name_and_two_units():
     """A unit is found by the last word of a key."""
-    for section in (
-        "Device",
-        "RayleighDamping",
-        "Gas",
-        "Shape",
-        "Spheroid",
-        "Capsule",
-        "Modes",
-        "Design",
-        "Water",
-        "Hydro",
-    ):
+    for section in _VARIED_IN:
         for name, key in KEYS[section].items():
             assert key.unit in ("", "-", unit(name)), (section, name)

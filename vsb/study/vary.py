@@ -25,8 +25,9 @@ SECTIONS = ("device", "reference_shape", "modes", "designs", "water", "hydro", "
 """Sections of a study whose keys can be varied: its waves are the climate's, its simulation makes no year."""
 _VARIED_IN = (
     "Device", "Shape", "Spheroid", "Capsule", "RayleighDamping", "Gas", "Drag", "Vane", "Plate", "Modes", "Design",
-    "Water", "Hydro", "Pto",
+    "Water", "Hydro", "Pto", "ShellPort", "LinePort", "BetweenPort",
 )  # fmt: skip
+"""What those sections are made of, as `vsb.study.keys` names it."""
 UNITS = {name: key.unit for section in _VARIED_IN for name, key in KEYS[section].items() if key.unit not in ("", "-")}
 """Units of varied numbers by the last word of their key; others have none."""
 AT_VOLUME = {
