@@ -1,10 +1,12 @@
 """One regime of a switching take-off: exact over any span, with a port that is held at rest there."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from vsb.integrators.phases import Phase, felt_rate
+from vsb.integrators.phases import FELT, Phase, felt_rate
 from vsb.motion.forces import Damper, Excitation, Spring
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
@@ -43,6 +45,28 @@ def test_a_port_that_is_held_does_not_move_whatever_pushes(system):
     np.testing.assert_allclose(velocity[:-1] @ held.swing.T, 0.0, atol=1e-12)
 
 
+def test_a_switch_watches_stroke_and_velocity_of_the_port_and_what_it_takes_to_hold_it(system):
+    """By Newton's law: M a = f + b F - b H with b.a = 0, so that H = F + b.M^-1 f/(b.M^-1 b)."""
+    one = replace(phase(system, held=True), rest=0.25)
+    q, v, time, more = (
+        np.array([[0.2, -0.1], [0.3, 0.4]]),
+        np.array([[0.5, 0.3], [-0.2, 0.1]]),
+        np.array([0.3, 0.8]),
+        7.0,
+    )
+    states = np.array([[*system.first(start), more] for start in zip(q, v, strict=True)])
+    scene, waves = system.scene, np.array([3.0 - 1.0j, 0.5j]) * np.exp(-1.5j * time[:, None])
+    force = waves.real - q @ scene.stiffness - v @ scene.damping
+    light = np.linalg.solve(scene.mass, PORT)
+    hold = more + force @ light / (PORT @ light)
+    stroke, velocity, push = one.watched(time, states)
+    np.testing.assert_allclose(stroke, q @ PORT - 0.25, rtol=1e-12)
+    np.testing.assert_allclose(velocity, v @ PORT, rtol=1e-12)
+    np.testing.assert_allclose(push, hold, rtol=1e-12)
+    on_modes = np.real(system.waves * np.exp(-1.5j * time[:, None]))
+    np.testing.assert_allclose(one.push(states[:, :-1], on_modes, more), hold, rtol=1e-12)
+
+
 @pytest.mark.parametrize("span", [0.1, 0.037, 1e-7])
 def test_a_transient_is_followed_exactly_over_any_part_of_a_step(system, span):
     one, state = phase(system, damping=4.0), np.array([0.2, -0.1, 0.5, 0.3, 1.0])
@@ -65,13 +89,23 @@ def test_what_is_known_ahead_are_powers_of_a_step(system):
 
 @pytest.mark.parametrize(("springs", "dampers", "rate"), [
     ((0.0,), (), 5.0), ((0.0, 288.0), (), 13.0), ((288.0, 0.0), (3.0,), 13.0), ((0.0,), (3.0, 30.0), 15.0),
+    ((-82.0,), (), 4.0), ((-50.0,), (), 1e-3),
 ])  # fmt: skip
 def test_a_port_feels_the_stiffest_of_its_springs_or_the_strongest_of_its_dampers(springs, dampers, rate):
-    """One mass of 2 kg on 50 N/m: sqrt((50 + s)/2) under a spring at it, c/2 under a damper."""
+    """One mass of 2 kg on 50 N/m: sqrt(|50 + s|/2) under a spring at it, which may push it over, c/2 under a damper."""
     forces = {"hydrostatic": Spring(np.array([[50.0]]))}
     system = System.of(Scene(("Heave",), np.array([[2.0]]), forces, np.eye(1)))
     port = np.array([np.sqrt(0.5)])  # of the motion scaled to unit mass
     assert felt_rate(system, port, springs, dampers) == pytest.approx(rate, rel=1e-12)
+
+
+@pytest.mark.parametrize(("part", "rate"), [(1.05, 10.0), (0.95, 1.0)])
+def test_a_port_feels_a_mode_that_answers_a_kick_with_a_thousandth_of_the_largest_motion(part, rate):
+    """Unit masses at 1 and 10 rad/s: kicked by beta^2 each, they go beta^2/omega far."""
+    forces = {"hydrostatic": Spring(np.diag([1.0, 100.0]))}
+    system = System.of(Scene(("Heave", "Membrane0"), np.eye(2), forces, np.eye(2)))
+    port = system.shapes.T @ np.sqrt([1.0, 10 * part * FELT])
+    assert felt_rate(system, port, [0.0], []) == pytest.approx(rate, rel=1e-9)
 
 
 @pytest.mark.parametrize("damping", [0.0, 4.0, 30.0, 4e3])

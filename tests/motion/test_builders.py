@@ -1,14 +1,16 @@
 """A scene is its buoy: stiffness, damping and mass add up to the same, and what rests stays at rest."""
 
 import itertools
+from contextlib import nullcontext
 
 import numpy as np
 import pytest
 import xarray as xr
 from conftest import SEED, varied
 
+from vsb.errors import ConvergenceError
 from vsb.hydro.statespace import RadiationModel
-from vsb.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene
+from vsb.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene, still_scene
 from vsb.motion.forces import AssumedPressure
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
@@ -31,7 +33,7 @@ def studies():
     return {"vented": (vented, reference_shell(vented)), "pressurised": (pressurised, reference_shell(pressurised))}
 
 
-def buoy_of(study, reference, parts=tuple(PARTS), *, structural=True, pto=8000.0):
+def buoy_of(study, reference, parts=tuple(PARTS), *, structural=True, pto=8000.0, spring=0.0):
     """A buoy with the shell of a study and made-up coefficients, and its shape at rest."""
     dof, rng = len(reference.basis.labels), np.random.default_rng(4)
     root, pair = rng.normal(size=(dof, dof)), ("influenced_dof", "radiating_dof")
@@ -51,7 +53,7 @@ def buoy_of(study, reference, parts=tuple(PARTS), *, structural=True, pto=8000.0
         attrs={"water_density": study.water.density, "gravity": study.water.gravity, "water_depth": study.water.depth},
     )
     damping = reference.basis.damping if structural else 0 * reference.basis.damping
-    return LinearBuoy(ds, damping, LinearPto(pto)), reference.shape
+    return LinearBuoy(ds, damping, LinearPto(pto, spring)), reference.shape
 
 
 def memory(dof):
@@ -124,6 +126,38 @@ def test_a_body_exact_scene_stays_where_it_rests_in_still_water(studies, name, d
 
 
 @pytest.mark.parametrize("design", DESIGNS)
+@pytest.mark.parametrize("name", ["vented", "pressurised"])
+def test_a_spring_at_the_take_off_is_slack_where_the_buoy_rests_without_it(studies, name, design):
+    """There it neither pulls nor stores; a centimetre above it pulls down by its stiffness, in either scene."""
+    study, reference = studies[name]
+    found = []
+    for spring in (0.0, 2e4):
+        buoy, shape = buoy_of(study, reference, spring=spring)
+        found.append(scenes(study, buoy, shape, design))
+    (_, free), (linear, exact) = ([one[model]() for model in ("linear", "body_exact")] for one in found)
+    assert exact.rest == pytest.approx(free.rest, abs=1e-12)
+    assert exact.start(0.0, 0.0)[0] == pytest.approx(free.rest, abs=1e-12)
+    assert exact.stiffness - free.stiffness == pytest.approx(2e4 * np.outer(*2 * [np.eye(len(free.rest))[0]]), abs=1e-3)
+    for plant, rest in ((linear, 0.0 * free.rest), (exact, free.rest)):
+        q = plant.motions @ rest + np.outer([0.0, 0.01], plant.motions[:, 0])
+        assert plant.forces["pto"].force(np.zeros(2), q, 0 * q)[:, 0] == pytest.approx([0.0, -200.0], abs=1e-6)
+        assert plant.forces["pto"].stored(q) == pytest.approx([0.0, 1.0], abs=1e-9)
+
+
+@pytest.mark.parametrize("design", DESIGNS)
+@pytest.mark.parametrize("name", ["vented", "pressurised"])
+def test_in_still_water_a_buoy_rests_where_its_scene_in_waves_does(studies, name, design):
+    """What water does to it in motion, and what takes power, change nothing there."""
+    study, reference = studies[name]
+    buoy, shape = buoy_of(study, reference)
+    moving = scenes(study, buoy, shape, design, SEA)["body_exact"]()
+    still = still_scene(reference, 1025.0, 9.81, moving.motions)
+    assert still.origin == pytest.approx(moving.origin, abs=1e-12)
+    assert still.stiffness == pytest.approx(moving.stiffness, rel=1e-9, abs=1e-3)
+    assert still.mass == pytest.approx(reference.basis.inertia, rel=1e-15)
+
+
+@pytest.mark.parametrize("design", DESIGNS)
 def test_waves_of_a_body_exact_scene_are_froude_krylov_and_diffraction(studies, design):
     """To first order in the waves; linear theory has their sum as excitation."""
     study, reference = studies["vented"]
@@ -133,6 +167,8 @@ def test_waves_of_a_body_exact_scene_are_froude_krylov_and_diffraction(studies, 
     assert linear.excitation.phasors == pytest.approx(expected, rel=1e-12)
     assert exact.excitation.phasors == pytest.approx(0.4 * expected, rel=1e-9)
     assert exact.water.waves.omega == pytest.approx(SEA.omega)
+    assert exact.water.waves.wavenumber == pytest.approx(SEA.omega**2 / 9.81, rel=1e-12)
+    assert exact.water.waves.radius == study.device.radius
     assert linear.excitation.omega == pytest.approx(SEA.omega)
 
 
@@ -156,3 +192,26 @@ def test_a_scene_under_an_assumed_pressure_has_the_shell_the_water_and_the_dampe
     moving = {"elastic"} if design != "FSB" else set()
     lossy = {"pto", *({"structural_damping"} if design != "FSB" else set())} if damped else set()
     assert plant.forces.keys() == {"water", "weight"} | moving | lossy
+
+
+def test_under_an_assumed_pressure_the_undeformed_shell_displaces_its_cap_and_is_pressed_on_its_waterplane(studies):
+    """V = pi h^2 (3 r - h)/3 of the part h below water, and pi (r^2 - z^2) of the section at its surface."""
+    study, _ = studies["vented"]
+    shape, (r, z) = reference_shell(study).shape, (study.device.radius, study.centre_height)
+    motions = design_motions(study, shape.basis, "VSWEC")
+    plant = assumed_pressure_scene(shape, LinearPto(0.0), AssumedPressure(100.0, 2.0), 1000.0, 10.0, motions)
+    rest = np.zeros((2, len(motions)))
+    named = plant.named(np.array([0.0, np.pi / 2]), rest, rest)
+    assert named["hydrostatic"][:, 0] == pytest.approx(2 * [1e4 * np.pi * (r - z) ** 2 * (2 * r + z) / 3], rel=1e-6)
+    assert np.abs(named["excitation"][:, 0]) == pytest.approx(2 * [100 * np.pi * (r**2 - z**2)], rel=1e-6)
+    assert named["excitation"][1] == pytest.approx(-named["excitation"][0], rel=1e-12)
+
+
+@pytest.mark.parametrize(("modulus", "rests"), [(3e7, True), (6e4, False)])
+def test_a_shell_that_its_static_load_collapses_has_no_scene_under_an_assumed_pressure(studies, modulus, rests):
+    """A motion that begins undeformed would not tell."""
+    study = varied(studies["vented"][0], device={"young_modulus": modulus})
+    shape = reference_shell(study).shape
+    with nullcontext() if rests else pytest.raises(ConvergenceError, match=r"rest: its shell gives way"):
+        motions = design_motions(study, shape.basis, "VSWEC")
+        assumed_pressure_scene(shape, LinearPto(0.0), AssumedPressure(100.0, 2.0), 1025.0, 9.81, motions)
