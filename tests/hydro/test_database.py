@@ -103,6 +103,28 @@ def test_index_lists_what_is_there_and_what_is_foreign(tmp_path):
     assert lines[3].endswith("\tunreadable")
 
 
+@pytest.mark.parametrize(
+    ("verdicts", "told"),
+    [
+        (("ok", "doubt"), "doubt"),
+        (("doubt", "accepted", "ok"), "accepted"),
+        (("accepted", "fail", "doubt"), "fail"),
+        (("ok",), "ok"),
+        ((), "ok"),
+    ],
+)
+def test_index_tells_the_worst_verdict_and_all_fields_in_the_order_of_their_columns(tmp_path, verdicts, told):
+    checks = [Check(f"c{i}", 0.0, 0.01, "-", verdict, "") for i, verdict in enumerate(verdicts)]
+    facts = {"spec_id": "a" * 16, "quality": database.as_json(checks), "radius": 2.5, "basis": "full", "degree": 3}
+    path = tmp_path / "db" / "one.nc"
+    save_database(block([1.0, 2.25]).assign_attrs(facts, water_depth=7.5), None, path)
+    head, line = (tmp_path / "INDEX.tsv").read_text().splitlines()
+    assert dict(zip(head.split("\t"), line.split("\t"), strict=True)) == {
+        "id": "one", "radius_m": "2.5", "basis": "full", "degree": "3", "frequencies": "2", "omega_max": "2.25",
+        "water_depth_m": "7.5", "verdict": told,
+    }  # fmt: skip
+
+
 def test_a_database_under_a_wrong_name_is_refused(tmp_path):
     path = stored(tmp_path)
     assert load_database(path, "a" * 16).sizes["omega"] == 2

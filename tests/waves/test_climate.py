@@ -126,3 +126,13 @@ def test_a_quantile_is_the_density_of_the_sea_that_much_of_the_year_stays_below(
     climate = Climate.of_spectra(omega, np.outer(factor, np.linspace(0.1, 0.3, 11)), np.array([0.2, 0.5, 0.3]), "three")
     for share, sea in ((0.1, 1), (0.49, 1), (0.51, 2), (0.79, 2), (0.81, 0)):
         assert climate.quantile(share) == pytest.approx(climate.density[sea])
+
+
+def test_the_mean_of_the_year_and_what_lies_outside_weigh_seas_by_their_hours():
+    """A rare high sea at low frequencies beside a usual one at high frequencies: means and shares by hand."""
+    omega = np.array([1.0, 2.0, 3.0, 4.0])
+    density = np.array([[8.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 2.0]])
+    climate = Climate.of_spectra(omega, density, np.array([0.1, 0.9]), "two")
+    assert climate.mean_density == pytest.approx([0.8, 0.0, 0.0, 1.8], rel=1e-14)
+    assert climate.variance_outside(1.5, 10.0) == pytest.approx(0.8 / 2.6, rel=1e-12)
+    assert climate.variance_outside(0.1, 3.5) == pytest.approx(1.8 / 2.6, rel=1e-12)
