@@ -2,7 +2,7 @@
 
 import pytest
 import yaml
-from conftest import SEED
+from conftest import SEED, varied
 
 from vsb.errors import ConfigError
 from vsb.study.campaign import _scale, load, sections, study_at
@@ -114,6 +114,21 @@ def test_a_point_sets_keys_and_nothing_else():
     assert one.designs["VSWEC0"].clamp == (10.0,)
     assert one.device.model_copy(update={"young_modulus": 1e7}) == load_study(SEED).device
     assert study_at(base, {}).hydro.model == "linear"
+
+
+def test_a_year_depends_on_nothing_that_only_a_run_in_time_has():
+    """Waves, runs, the model and its tolerance, the name, figures published elsewhere: left out of a point."""
+    seed = load_study(SEED)
+    changed = {
+        "waves": [{"kind": "regular", "amplitude": 0.1, "period": 3.0}],
+        "simulation": {"duration": 77.0},
+        "published": {"source": "x", "values": {"FSB": {"energy": 1.0}}},
+        "hydro": {"model": "auto", "power_tolerance": 0.02},
+    }
+    other = parse({**varied(seed, **changed).model_dump(), "study": "other"})
+    assert sections(other) == sections(seed)
+    assert study_at(sections(other), {}) == study_at(sections(seed), {})
+    assert sections(varied(seed, pto={"damping": 1.0})) != sections(seed)
 
 
 @pytest.mark.parametrize(

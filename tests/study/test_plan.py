@@ -158,6 +158,14 @@ def test_each_stage_reads_its_own_sections(seed):
     assert content_id(theirs.display) == content_id(ours.display)
 
 
+def test_a_response_is_known_at_tabulated_frequencies_of_the_sweep_and_at_every_regular_wave(seed):
+    waves = [{"kind": "regular", "amplitude": 0.1, "period": T} for T in (3.0, 2.5, 3.0)] + [{"kind": "still"}]
+    study = varied(seed, waves=waves[:2] + waves[3:], hydro={"solver": "spectral", "omega": [1e-3, 2.0, 5.0]})
+    plan = StudyPlan(study)
+    assert 1e-3 < plan.first_omega < 2.0
+    assert plan.response.omega == (2.0, 2 * math.pi / 3, 2 * math.pi / 2.5, 5.0)
+
+
 def test_a_run_sees_its_own_design_and_sea_only(seed):
     other = varied(
         seed, designs={"VSWEC": {}, "new": {"clamp": 30}}, waves=[*seed.model_dump()["waves"], {"kind": "still"}]

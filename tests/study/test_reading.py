@@ -47,6 +47,18 @@ def test_what_is_no_study_at_all(tmp_path, text, message):
     assert "\n" not in str(error.value)
 
 
+@pytest.mark.parametrize(
+    ("text", "line", "column"), [("a: 1\nb: 2\na: 2\n", 3, 1), ("a: 1\n\n  - : [\n", 3, 5), ("a: !x 1\n", 1, 4)]
+)
+def test_lines_are_counted_from_one_wherever_they_are_told(tmp_path, text, line, column):
+    file = tmp_path / "odd.yaml"
+    file.write_text(text)
+    with pytest.raises(ConfigError) as error:
+        config.load(file)
+    assert str(error.value).startswith(f"{file}:{line}: not valid YAML (")
+    assert f", line {line}, column {column}" in str(error.value)
+
+
 def test_missing_file():
     with pytest.raises(ConfigError, match=r"nowhere.yaml: cannot be read \(No such file"):
         config.load("nowhere.yaml")

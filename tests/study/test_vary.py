@@ -79,7 +79,11 @@ def test_dimensions_are_the_last_words_but_where_they_clash():
     ("raw", "message"),
     [
         ([1], r"received \[1\], needs keys of the study"),
-        ({"waves.0.hs": [1.0]}, "waves.0.hs: needs scale, reference_shape, or a key of device, "),
+        (
+            {"waves.0.hs": [1.0]},
+            "waves.0.hs: needs scale, reference_shape, or a key of device, modes, designs, water, hydro, pto such as",
+        ),
+        ({"reference_shape.x": [1.0]}, "reference_shape.x: needs scale, reference_shape, or a key of device, modes"),
         ({"device": [1.0]}, "device: needs scale"),
         ({"device.mass": 5.0}, r"device.mass: received 5.0, needs a list of values, \{log"),
         ({"device.mass": []}, r"device.mass: received \[\], needs a list"),

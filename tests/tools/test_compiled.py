@@ -9,6 +9,7 @@ from pathlib import Path
 from conftest import HERE
 
 from vsb.hydro.database import index_text
+from vsb.tools import compiled
 from vsb.tools.compiled import sources_id
 
 
@@ -46,3 +47,23 @@ def test_folders_mean_the_same_in_whatever_order_they_are_listed(tmp_path, monke
                 Path, way, lambda self, text, known=known, turned=turned: sorted(known(self, text), reverse=turned)
             )
         assert (sources_id(tmp_path), index_text(tmp_path)) == found
+
+
+def test_compiled_loops_go_to_the_first_place_that_can_be_written(tmp_path, monkeypatch):
+    """Not where no folder can be made, nor where there is one that may only be read."""
+    (tmp_path / "file").touch()
+    places = [tmp_path / "file", tmp_path / "read", tmp_path / "written", tmp_path / "never"]
+    monkeypatch.setattr(compiled, "_places", lambda: iter(places))
+    monkeypatch.setattr(compiled.os, "access", lambda path, mode: mode == os.W_OK and path.parent != places[1])
+    assert compiled.cache_folder() == places[2] / f"numba-{sources_id(compiled.HERE)}"
+    assert not places[3].exists()
+
+
+def test_places_of_compiled_loops_best_first(tmp_path, monkeypatch):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "named"))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "home"))
+    monkeypatch.setattr(compiled.tempfile, "mkdtemp", lambda prefix: str(tmp_path / f"{prefix}new"))
+    rest = [compiled.HERE / "__pycache__", tmp_path / "home" / "vsb", tmp_path / "vsb-new"]
+    assert list(compiled._places()) == [tmp_path / "named", *rest]
+    monkeypatch.delenv("NUMBA_CACHE_DIR")
+    assert list(compiled._places()) == rest

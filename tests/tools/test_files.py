@@ -260,6 +260,14 @@ def test_a_folder_that_is_not_there_yet_can_be_written(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("lacking", [os.W_OK, os.X_OK])
+def test_a_folder_needs_both_permissions(tmp_path, monkeypatch, lacking):
+    """One that may be written but not entered takes no file either."""
+    monkeypatch.setattr("vsb.tools.files.os.access", lambda _, mode: not mode & lacking)
+    with pytest.raises(DatabaseError, match="no permission to write"):
+        check_folder(tmp_path)
+
+
 def test_a_folder_whose_name_is_too_long_is_one_line(tmp_path):
     with pytest.raises(
         DatabaseError, match=r"cannot be written \(File name too long\); needs a folder you may write to"

@@ -150,9 +150,10 @@ def read_vary(raw: object) -> Vary:
 def _check_key(key: str) -> None:
     """Check that a key can be varied; whether the study has it shows when it is set."""
     section, dot, _ = key.partition(".")
-    if key in (SCALE, "reference_shape") or (dot and section in SECTIONS and section != "reference_shape"):
+    within = [name for name in SECTIONS if name != "reference_shape"]
+    if key in (SCALE, "reference_shape") or (dot and section in within):
         return
-    raise ValueError(f"{key}: needs {SCALE}, reference_shape, or a key of {', '.join(SECTIONS)} such as device.mass")
+    raise ValueError(f"{key}: needs {SCALE}, reference_shape, or a key of {', '.join(within)} such as device.mass")
 
 
 def _values(key: str, raw: object) -> tuple[Value, ...]:
