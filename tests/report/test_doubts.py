@@ -39,6 +39,15 @@ def test_of_one_name_the_worst_is_told_and_the_others_are_counted():
     assert text.startswith("heave of A in w: 0.9, limit 0.3 (large); so in 2 more. Change first: ")
 
 
+def test_the_worst_is_the_one_furthest_beyond_its_own_limit():
+    """A limit that depends on the sea or the design, or a limit of zero, of which no multiple is told."""
+    large, far, none = (
+        {**HEAVE, "verdict": "fail", "value": v, "limit": at} for v, at in ((0.9, 0.6), (0.4, 0.1), (3.0, 0))
+    )
+    assert warnings([large, far])[0].startswith("heave of A in w: 0.4, limit 0.1 (large); so in 1 more")
+    assert warnings([large, none])[0].startswith("heave of A in w: 3, limit 0 (large); so in 1 more")
+
+
 def test_what_holds_needs_no_advice_and_an_unknown_check_has_none():
     assert advice(BUCKLING) == ADVICE["buckling"]
     assert advice({**BUCKLING, "verdict": "ok"}) == ""

@@ -48,7 +48,19 @@ def test_a_long_sweep_is_cut_in_the_table_alone():
             (RIGID, SHELL._replace(gain_percent=-0.04)),
             "brings nothing here: at best, VSWEC of soft, wave1 takes as much as its rigid design (",
         ),
+        (
+            (RIGID, SHELL._replace(gain_percent=-30.0), YEAR, SHELL),
+            "Flexibility brings most where VSWEC of year, scale 4, buoy takes 12.3 % more",
+        ),
+        (
+            (RIGID, SHELL._replace(gain_percent=-30.0), SHELL),
+            "brings nothing here: at best, VSWEC of soft, wave1 takes 10.0 % less",
+        ),
         ((GAS,), "VSWEC of gas, still takes most: 70 W (all at the given damper)"),
+        (
+            (GAS, GAS._replace(design="VSWEC0", power_mean=71.0), GAS._replace(power_mean=None)),
+            "VSWEC0 of gas, still takes most: 71 W (all at the given damper)",
+        ),
         ((LOST,), "No design is viable."),
     ],
 )

@@ -257,6 +257,18 @@ def test_a_spring_behind_a_chamber_may_be_as_soft_as_shell_and_gas_together(seed
         check_spring(varied(study, pto={"stiffness": float(1.001 * least)}), reference)
 
 
+@pytest.mark.parametrize("order", [("FSB", "VSWEC"), ("VSWEC", "FSB")])
+def test_the_design_that_yields_most_decides_which_spring_is_refused_in_any_order(seed, order):
+    """Under a unit force at heave an elastic buoy yields more than a rigid one, 1/(rho g pi r^2)."""
+    study = varied(seed, designs={name: seed.designs[name].model_dump() for name in order})
+    reference = reference_shell(study)
+    yields = np.linalg.inv(reference.total)[0, 0]
+    assert yields > 1.01 / (RHO * G * np.pi * seed.device.radius**2)
+    check_spring(varied(study, pto={"stiffness": float(-0.999 / yields)}), reference)
+    with pytest.raises(ConfigError, match=rf"with which a buoy does not rest; needs more than {-1 / yields:.6g} N/m"):
+        check_spring(varied(study, pto={"stiffness": float(-1.001 / yields)}), reference)
+
+
 def test_a_shell_that_only_its_gas_holds_does_not_rest_once_that_can_leave(seed):
     crushed = varied(
         seed, device={"gas": {"adiabatic_index": 1.4}, "young_modulus": 1e5, "internal_pressure": -9e4},

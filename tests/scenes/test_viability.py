@@ -1,10 +1,14 @@
 """Whether a shell carries its load: margins against the ledger's buckling, and reasons in place of failures."""
 
+import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from vsb.motion.port import port_direction
 from vsb.results import ledger
+from vsb.scenes.rest import reference_shell
 from vsb.scenes.viability import buckling_margin, viability
 from vsb.study.study import load, parse
 
@@ -69,6 +73,19 @@ def test_a_spring_that_pulls_harder_than_water_is_a_reason(seed):
     )
     assert held.reasons == {}
     assert lost.reasons["FSB"].startswith("unstable: least stiffness -")
+
+
+def test_a_spring_behind_a_chamber_is_a_reason_only_where_shell_and_gas_together_give_way(seed):
+    """On the volume v a spring k behind a chamber C, V/(kappa p) of the gas, is k/(1 + k C) to the shell."""
+    study = varied(seed, device={"gas": {"adiabatic_index": 1.4}}, modes={"degree": 2}, pto={"port": "volume"})
+    reference = reference_shell(study)
+    chamber = 4 / 3 * math.pi * 2.0**3 / (1.4 * 101325.0)
+    b = port_direction("volume", reference.shape)
+    opened = reference.total - reference.stiffness["gas"]
+    least = -1 / (chamber + float(b @ np.linalg.solve(opened, b)))
+    held, lost = (viability(varied(study, pto={"stiffness": share * least})) for share in (0.999, 1.001))
+    assert held.reasons == {}
+    assert lost.reasons.keys() == {"VSWEC"}
 
 
 def test_no_shape_at_rest_is_a_reason_for_every_design(seed):

@@ -123,6 +123,25 @@ def test_wamit_is_all_of_its_files(tmp_path):
     assert located(raw, str(tmp_path / "raft.yaml")).study != three
 
 
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        ({".hst": "stiff", ".mmx": ""}, {".hst": "", ".mmx": "stiff"}),
+        ({".hst": "stiff", ".mmx": "mass"}, {".hst": "stiffmass", ".mmx": ""}),
+        ({".hst": "", ".3fk": "force"}, {".hst": "", ".3sc": "force"}),
+    ],
+)
+def test_what_stands_in_which_of_wamits_files_names_the_study(tmp_path, first, second):
+    """The same text in another file, or cut elsewhere, is another body."""
+    found = []
+    for i, contents in enumerate((first, second)):
+        (tmp_path / str(i)).mkdir()
+        for ending, text in {".1": "1", ".3": "3", **contents}.items():
+            (tmp_path / str(i) / f"raft{ending}").write_text(text)
+        found.append(located({**RAW, "body": {"wamit": f"{i}/raft"}}, str(tmp_path / "raft.yaml")).study)
+    assert found[0] != found[1]
+
+
 def test_a_body_file_brings_its_water_and_is_known_by_what_it_says(tmp_path):
     body = {"body": "raft", "mesh": "m.nc", "modes": "d.nc", "omega": [0.6, 0.9], "water": {"depth": 20.0}}
     (tmp_path / "file.yaml").write_text(yaml.safe_dump(body))

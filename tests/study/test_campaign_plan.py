@@ -261,6 +261,8 @@ def test_what_floats_by_its_draft_or_half_immersed_follows_the_radius(planned, t
     assert [one.study.draft for one in planned({"device.draft": [1.5, 2.2]}).members] == pytest.approx([1.5, 2.2])
     with pytest.raises(ConfigError, match=r"received with device.draft 1.8 as given"):
         planned(RADII | {"scale": [1.0, 2.0]})
+    both = planned(RADII | {"scale": [1.0, 2.0], "device.draft": [1.5]})
+    assert [one.study.draft for one in both.members] == pytest.approx([1.5] * 4, rel=1e-9)
 
 
 @pytest.mark.parametrize(("flexible", "shapes"), [(True, 3), (False, 1)])

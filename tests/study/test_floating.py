@@ -80,6 +80,22 @@ def test_a_draft_that_makes_no_sense_is_one_line(raw, device, wrong):
         parse(raw | {"device": without(raw["device"], "mass") | device, "hydro": {"omega_max": "auto"}})
 
 
+@pytest.mark.parametrize("height", [1.0, 3.0])
+def test_a_spheroid_floats_with_its_waterline_a_hundredth_of_its_half_height_from_either_pole(raw, height):
+    """A spheroid is a sphere stretched along its axis, and so is every part of it."""
+    least, most = (1025 * cap_volume(2.0, part) * height / 4.0 for part in (0.01, 1.99))
+    shell = {"shape": {"spheroid": {"height": height}}, "density": 1.0, "thickness": 1e-3}  # next to nothing
+    others = {"modes": {"basis": "full", "degree": 2}, "designs": {"FSB": {"flexible": False}}}
+
+    def afloat(mass):
+        return parse(raw | others | {"device": without(raw["device"], mass=mass, **shell)})
+
+    for inside, outside in ((1.000001 * least, 0.999999 * least), (0.999999 * most, 1.000001 * most)):
+        assert afloat(inside).device.mass == inside
+        with pytest.raises(ConfigError, match=rf"needs {least:.6g} to {most:.6g} kg, because a waterline within 0.01"):
+            afloat(outside)
+
+
 def test_caps_are_nothing_half_and_all_of_the_sphere():
     assert cap_volume(2.0, 0.0) == 0.0
     assert cap_volume(2.0, 1.0) == pytest.approx(2 / 3 * math.pi * 8)

@@ -26,6 +26,8 @@ def test_the_cap_of_a_spheroid(stretch, part):
     cap = stretch * math.pi * h**2 * (6 - h) / 3
     assert body.volume_below(stretch * (h - 2.0)) == pytest.approx(cap, rel=1e-12)
     assert body.draft_of(cap) == pytest.approx(stretch * h, rel=1e-12)
+    centroid = -stretch * 3 * (4.0 - h) ** 2 / (4 * (6.0 - h))  # of a cap, 3 (2r - h)^2/4(3r - h) below the centre
+    assert body.centroid_below(stretch * (h - 2.0)) == pytest.approx(centroid, rel=1e-10)
 
 
 def test_area_and_curvature_of_spheroids():

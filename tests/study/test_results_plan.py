@@ -1,6 +1,6 @@
 """What plans of buoys and bodies share: file names, options, memory."""
 
-from conftest import SEED
+from conftest import SEED, varied
 
 from vsb.study.plan import StudyPlan
 from vsb.study.results_plan import figure_paths, options, quoted, trajectory_name
@@ -20,3 +20,17 @@ def test_answers_are_among_the_products_and_shared_files_are_in_hydro():
     assert plan.is_shared(plan.database_path)
     assert not plan.is_shared(plan.manifest)
     assert plan.manifest == "r/seed/manifest.json"
+
+
+def test_results_of_designs_in_another_order_are_the_same_results(seed):
+    """As canonical JSON has it: files that are there need not be made again."""
+    plan, other = (StudyPlan(varied(seed, designs=dict(some))) for some in _orders(seed))
+    assert list(plan.study.designs) != list(other.study.designs)
+    assert other.study_id == plan.study_id
+    assert other.ids == plan.ids
+
+
+def _orders(study):
+    """Its designs in their order and in the other one."""
+    designs = [(name, design.model_dump()) for name, design in study.designs.items()]
+    return designs, designs[::-1]

@@ -210,6 +210,15 @@ def test_a_damper_of_each_design_makes_the_runs_of_one_for_all(seed):
         assert StudyPlan(same).simulation(design, wave) == StudyPlan(seed).simulation(design, wave)
 
 
+@pytest.mark.parametrize(
+    ("port", "on_shell"), [("heave", False), ("volume", False), ({"colatitude": 90}, True), ({"between": [0, 180]}, True)]
+)  # fmt: skip
+def test_a_shell_moved_by_the_water_as_it_is_has_ports_at_its_points(seed, port, on_shell):
+    assert Pto(damping=1.0, port=port).on_shell == on_shell
+    if port != "volume":
+        assert varied(seed, pto={"port": port}, hydro={"model": "body_exact"}).pto.on_shell == on_shell
+
+
 def test_a_port_between_two_points_needs_two():
     with pytest.raises(ConfigError, match=r"between.*needs two different colatitudes"):
         parse({**load(SEED).model_dump(), "pto": {"damping": 8000.0, "port": {"between": [30.0, 30.0]}}})

@@ -75,6 +75,10 @@ def test_dimensions_are_the_last_words_but_where_they_clash():
     assert list(names.values()) == ["mass", "pto_damping", "beta", "hydro_tolerance", "simulation_tolerance", "scale"]
 
 
+def test_a_design_of_the_name_of_the_members_dimension_has_its_damper_under_all_of_its_key():
+    assert Vary.of({"pto.damping.member": (1.0, 2.0)}).dimensions(()) == {"pto.damping.member": "pto_damping_member"}
+
+
 @pytest.mark.parametrize(
     ("raw", "message"),
     [
