@@ -140,6 +140,20 @@ def test_separate_sweep_is_what_the_models_read(tmp_path):
     assert xr.open_dataset(tmp_path / "db" / "d.nc").omega.values.tolist() == [7.0]
 
 
+def test_a_separate_sweep_has_all_that_its_file_knows(tmp_path):
+    """What does not depend on frequency, and the attributes, stand once; coefficients are those of the sweep."""
+    facts = {"spec_id": "d" * 16, "quality": "[]", "water_depth": 30.0, "solver": "spectral", "gravity": 9.8}
+    tabulated, sweep = block([7.0], seed=1), block([1.0, 2.0], seed=2)
+    mass = (("influenced_dof", "radiating_dof"), np.diag([1.0, 2.0, 3.0]))
+    path = tmp_path / "db" / "d.nc"
+    save_database(tabulated.assign(inertia_matrix=mass).assign_attrs(facts), sweep, path)
+    found = load_database(path, "d" * 16)
+    assert {name: found.attrs[name] for name in facts} == facts
+    assert found.inertia_matrix.values.tolist() == mass[1].tolist()
+    np.testing.assert_array_equal(found.added_mass.values, sweep.added_mass.values)
+    assert database.open_database(path).equals(found)
+
+
 @pytest.mark.parametrize("name", ["added_mass", "radiation_damping", "added_mass_inf", "added_mass_zero"])
 def test_every_matrix_of_the_water_is_symmetrized(name):
     pair = ("influenced_dof", "radiating_dof")

@@ -9,10 +9,16 @@ from vsb.hydro.dofs import Displacement
 from vsb.hydro.orders import (
     ORDER,
     heading_share,
+    headings,
+    in_headings,
     in_order_modes,
+    most_exciting,
     of_order,
     order_groups,
     order_shares,
+    own_heading,
+    own_headings,
+    renamed,
     side_by_side,
     with_haskind_damping,
     with_order_structure,
@@ -162,3 +168,26 @@ def test_cosines_and_sines_of_a_heading_make_the_whole_wave(order, direction):
     shares = heading_share(order, direction), heading_share(-order, direction)
     whole = shares[0] * np.cos(order * theta) + shares[1] * np.sin(order * theta)
     np.testing.assert_allclose(whole, np.cos(order * (theta - direction)), atol=1e-12)
+
+
+@pytest.mark.parametrize("order", [-3, -2, -1, 0, 1, 2, 3])
+def test_the_waves_that_excite_an_order_most_do_so_with_the_share_one(order):
+    """Not minus one: what is stored in these waves is the excitation itself."""
+    assert heading_share(order, own_heading(order)) == pytest.approx(1.0, abs=1e-15)
+
+
+def test_headings_are_those_of_all_orders_once_and_the_waves_along_x():
+    assert headings([0]) == [0.0]
+    assert headings([0, 1, 2, -1, -2]) == pytest.approx([0.0, np.pi / 4, np.pi / 2])
+    assert headings([-1]) == pytest.approx([0.0, np.pi / 2])
+
+
+def test_each_degree_of_freedom_is_excited_most_by_its_own_of_the_directions():
+    going = headings([0, 1, -1, -2])
+    turned = [in_headings(one, order, going) for one, order in zip([*parts(), *parts()], (0, 1, -1, -2), strict=True)]
+    whole = side_by_side([renamed(one, [name]) for one, name in zip(turned, "abcd", strict=True)], [0, 1, -1, -2])
+    assert own_headings(whole).tolist() == [0, 0, 2, 1]
+    np.testing.assert_allclose(most_exciting(whole, "excitation_force"), [[1.0, 2.0, 1.0, 2.0]] * 2, rtol=1e-12)
+    np.testing.assert_allclose(  # cos m beta and sin m beta at 0, 45 and 90 degrees
+        whole.excitation_force[0], [[1, 2, 0, 0], [1, 2**0.5, 0.5**0.5, 2], [1, 0, 1, 0]], atol=1e-12
+    )

@@ -137,3 +137,16 @@ def test_too_few_samples_are_refused():
         ConvergenceError, match=r"omega: received 3 samples, rational interpolation needs 4; solve more"
     ):
         settled(samples(3), slow(samples(3)), np.ones(3), GRID, ONE)
+
+
+def test_the_error_is_the_larger_of_doubt_on_the_grid_and_misfit_at_the_samples():
+    """A grid that holds no sample may see either alone."""
+    larger = set()
+    for seed in range(20):
+        rng, omega, size = np.random.default_rng(seed), samples(10), np.full(10, 2.0)
+        values = rng.normal(size=(10, 2)) + 1j * rng.normal(size=(10, 2))
+        found = settled(omega, values, size, GRID[[20, 200]], ONE[:2])
+        misfit = float(np.abs(found.rational(omega) - values).max(axis=1).max() * 2.0)
+        assert found.error in (np.inf, pytest.approx(max(found.doubt.max(), misfit), rel=1e-9))
+        larger |= {bool(misfit > found.doubt.max())} if np.isfinite(found.error) else set()
+    assert larger == {True, False}

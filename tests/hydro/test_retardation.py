@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from vsb.errors import DatabaseError
 from vsb.hydro.retardation import DampingSpectrum
 
 OMEGA = np.arange(1, 121) * 0.1
@@ -61,3 +62,12 @@ def test_transfer_function_is_damping_and_reactive_added_mass(spectrum):
 def test_damping_continues_beyond_the_band(spectrum):
     at = spectrum.at(np.array([12.0, 24.0]))[:, 0, 0]
     assert at[1] == pytest.approx(at[0] / 8)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("where", ["omega", "damping"])
+def test_what_is_no_number_is_refused(where, value):
+    given = {"omega": OMEGA.copy(), "damping": damping(OMEGA)[:, None, None]}
+    given[where][7] = value
+    with pytest.raises(DatabaseError, match=r"^radiation damping: received NaN or infinite values; solve these freq"):
+        DampingSpectrum(**given)

@@ -126,3 +126,15 @@ def test_memories_joined_act_side_by_side():
     assert both.transfer(omega) == pytest.approx(one.transfer(omega) + other.transfer(omega))
     assert both.damping(omega) == pytest.approx(one.damping(omega) + other.damping(omega))
     assert joined([one]) is one
+
+
+def test_the_memory_is_fitted_beyond_the_band_as_well():
+    """To twice its end, where damping falls as omega^-3: no error there is above the root of the sum of all squares."""
+    omega = np.arange(1.0, 26.0) * 0.1
+    b = omega**3 / (1 + omega**2) ** 3
+    spectrum = DampingSpectrum(omega, b[:, None, None])
+    model, error = fit_radiation(spectrum, 1e-3)
+    at = np.concatenate([[0.02], omega, [2.75, 3.5, 5.0]])
+    missed = np.abs(model.transfer(at) - spectrum.transfer(at)) / b.max()
+    assert missed.max() <= error * np.sqrt(2 * len(at))
+    assert np.sqrt((missed**2).sum() / (2 * len(at))) == pytest.approx(error, rel=1e-6)

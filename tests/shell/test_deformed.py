@@ -323,6 +323,25 @@ def test_a_meridian_that_crosses_the_axis_or_itself_is_refused(full, crossed, so
         use[solver]()
 
 
+@pytest.mark.parametrize(("pole", "name"), [(0.0, "top"), (np.pi, "keel")])
+def test_a_shell_turned_in_at_one_pole_alone_is_refused(full, pole, name):
+    """By a slope of 1e-6 m, far nearer to the pole than any other point that is looked at; turned out as much it is one."""
+    m, at = DeformedShell(full, 0.0).meridian(np.array([pole])), full.labels.index("Membrane3")
+
+    def shell(slope):
+        q = np.zeros(len(full.labels))
+        q[at] = (np.cos(pole) * slope - m.dx[0]) / m.dshape_x[at, 0]
+        return DeformedShell(full, 0.0, q)
+
+    assert shell(-1e-6)._on_grid[0][1:-1].min() > 0
+    check_meridian(shell(1e-6))
+    slopes = {"top": "slope -1e-06 m at the top, -4 m at the keel", "keel": "slope 4 m at the top, 1e-06 m at the keel"}
+    with pytest.raises(
+        ConfigError, match=rf"that crosses the axis \(radius .* m at colatitude .* rad, {slopes[name]}\)"
+    ):
+        check_meridian(shell(-1e-6))
+
+
 @pytest.mark.parametrize("value", [np.nan, np.inf])
 def test_a_meridian_without_points_is_refused(full, value):
     with pytest.raises(ConfigError, match="received a shape with NaN or infinite amplitudes; needs finite ones"):

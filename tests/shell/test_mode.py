@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from vsb.shell.mode import Mode, natural_shapes, scaled
+from vsb.shell.mode import Mode, _natural_shape, natural_shapes, scaled
 from vsb.shell.modes import ModeBasis
 from vsb.shell.sphere import Shell
 from vsb.study.meridian import spheroid
@@ -33,3 +33,23 @@ def test_a_body_alike_above_and_below_has_even_and_odd_modes():
     (above, _), (below, _) = basis.displacement(phi), basis.displacement(np.pi - phi)
     even, odd = (np.abs(above - sign * below).max(axis=1) < 1e-9 for sign in (1, -1))
     assert (even ^ odd).all()
+
+
+@pytest.mark.parametrize(("along", "degree"), [(0.5, 4), (0.4, 2)])
+def test_a_shape_of_many_degrees_is_told_by_the_one_that_moves_it_most(along, degree):
+    """Along the meridian U dP_n/dphi moves it as sqrt(n (n + 1)) U does: of degree 4 by 4.47 U, here beside 2 P_2."""
+    shape = np.zeros(9)
+    shape[2], shape[4 + 4] = 2.0, along
+    mode = _natural_shape("Shell1", shape)
+    assert mode.degree == degree
+    assert sorted(part[0] for part in mode.parts) == [0, 1, 2, 3, 4]
+    v, u = ({part[0]: part[i] for part in mode.parts} for i in (1, 2))
+    assert u[4] / v[2] == pytest.approx(along / 2.0, rel=1e-14)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_shape_that_leaves_the_top_at_rest_is_positive_at_the_keel(sign):
+    """P_1 - P_2 is 0 at the top and -2 at the keel."""
+    mode = _natural_shape("Shell1", np.array([0.0, sign, -sign, 0.0, 0.0]))
+    v = {part[0]: part[1] for part in mode.parts}
+    assert (v[1], v[2]) == pytest.approx((-0.5, 0.5), rel=1e-12)

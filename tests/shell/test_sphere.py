@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vsb.shell.sphere import Shell, frequency_parameter, natural_frequencies
-from vsb.study.meridian import spheroid
+from vsb.study.meridian import RestMeridian, spheroid
 
 SEED = Shell(radius=2.0, thickness=0.01, young_modulus=10e6, poisson_ratio=0.3, density=2700.0)
 TABLE_I = [51.434449987, 62.994144454, 86.823947954, 115.941895367, 146.610087987, 177.832640732, 209.304856685]
@@ -137,3 +137,13 @@ def test_a_meridian_must_suit_its_shell():
         Shell(1.0, 0.01, 10e6, 0.3, 2700.0, spheroid(2.0, 3.0))
     with pytest.raises(ValueError, match=r"a tenth of the radii of curvature, got thickness=0\.1 m for a least radius"):
         Shell(2.0, 0.1, 10e6, 0.3, 2700.0, spheroid(2.0, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("radial", "axial", "reach"),
+    [(2.0, (0.0, 1.5), 2.0), (2.0, (0.0, 3.0), 3.0), (2.0, (0.5, 3.0), 3.5), (2.0, (-0.5, 3.0), 3.5)],
+    ids=["flat", "long", "high", "low"],
+)
+def test_the_reach_is_that_of_the_farthest_of_side_top_and_keel(radial, axial, reach):
+    assert Shell(2.0, 0.01, 1e7, 0.3, 2700.0, RestMeridian((radial,), axial)).reach == pytest.approx(reach, rel=1e-12)
+    assert SEED.reach == 2.0

@@ -19,6 +19,7 @@ def dataset():
         "count": (("hs", "te"), np.arange(6).reshape(2, 3)),
     }
     at = {"design": ["FSB", "VSWEC"], "tuning": ["one"], "hs": [0.25, 0.75]}
+    at |= {"device.radius": 2.0, "drawn_hs": ("design", [1.25, 0.75])}  # coordinates no dimension is called by
     return xr.Dataset(values, coords=at, attrs={"spec_id": "0123456789abcdef", "spec": "{}"})
 
 
