@@ -315,3 +315,25 @@ def test_added_mass_at_infinity_is_the_median_of_what_each_frequency_says():
     words = "added mass at infinite frequency from damping"
     assert found.attrs["history"] == words
     assert with_added_mass_inf(ds.assign_attrs(history="read")).attrs["history"] == f"read; {words}"
+
+
+def test_added_mass_is_constant_below_the_band_and_nears_its_limit_with_frequency_squared_above():
+    omega, pair = np.linspace(0.5, 4.0, 36), ("influenced_dof", "radiating_dof")
+    swept = {"added_mass": 3.0 + 0.1 * omega**3 - 0.2 * omega, "radiation_damping": 0 * omega + 1.0}
+    ds = xr.Dataset(
+        {name: (("omega", *pair), value[:, None, None]) for name, value in swept.items()}
+        | {"added_mass_inf": (pair, [[2.0]]), "hydrostatic_stiffness": (pair, [[5.0]])}
+        | {"excitation_force": (("omega", "wave_direction", pair[0]), np.ones((36, 1, 1), complex))},
+        {"omega": omega, "wave_direction": [0.0]} | {dim: ["Heave"] for dim in pair},
+    )
+    one = np.ones((1, 1))
+    body = linear_body(ds, mass=one, damping=0 * one, stiffness=0 * one)
+
+    def inside(w):
+        return 3.0 + 0.1 * w**3 - 0.2 * w
+
+    for w in (0.5, 1.234, 4.0):
+        assert body.added_mass_at(w).item() == pytest.approx(inside(w), rel=1e-12)
+    assert body.added_mass_at(0.01).item() == pytest.approx(inside(0.5), rel=1e-12)
+    for times in (1.1, 2.0, 10.0):
+        assert body.added_mass_at(4.0 * times).item() - 2.0 == pytest.approx((inside(4.0) - 2.0) / times**2, rel=1e-12)

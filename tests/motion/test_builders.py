@@ -2,6 +2,7 @@
 
 import itertools
 from contextlib import nullcontext
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from conftest import SEED, varied
 from vsb.errors import ConvergenceError
 from vsb.hydro.statespace import RadiationModel
 from vsb.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene, still_scene
-from vsb.motion.forces import AssumedPressure
+from vsb.motion.forces import AssumedPressure, Damper, RelaxingDamper, SpringDamper
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
@@ -215,3 +216,30 @@ def test_a_shell_that_its_static_load_collapses_has_no_scene_under_an_assumed_pr
     with nullcontext() if rests else pytest.raises(ConvergenceError, match=r"rest: its shell gives way"):
         motions = design_motions(study, shape.basis, "VSWEC")
         assumed_pressure_scene(shape, LinearPto(0.0), AssumedPressure(100.0, 2.0), 1025.0, 9.81, motions)
+
+
+@pytest.mark.parametrize(("spring", "damper"), [(0.0, 0.0), (0.0, 40.0), (30.0, 0.0), (30.0, 40.0), (-30.0, 40.0)])
+@pytest.mark.parametrize("chamber", [0.0, 0.02])
+def test_a_take_off_is_the_spring_and_the_damper_it_has_before_a_chamber_and_behind_one(
+    studies, spring, damper, chamber
+):
+    """Behind a compliance C: k/(1 + k C) at rest, and a damper c/(1 + k C)^2 in series with C (1 + k C)."""
+    study, reference = studies["vented"]
+    buoy, shape = buoy_of(study, reference, pto=damper, spring=spring)
+    b = np.linspace(0.5, 1.5, len(shape.basis.labels))
+    buoy = replace(buoy, chamber=chamber, pto=replace(buoy.pto, port=b))
+    plant = scenes(study, buoy, shape, "VSWEC")["linear"]()
+    share = 1 + spring * chamber
+    if not (spring or damper):
+        assert "pto" not in plant.forces
+        return
+    force, along = plant.forces["pto"], np.outer(b, b)
+    stiffness = plant.linear["pto"].stiffness
+    assert (0 * along if stiffness is None else stiffness) == pytest.approx(spring / share * along, rel=1e-12)
+    assert type(force) is (RelaxingDamper if chamber and damper else SpringDamper if spring else Damper)
+    if chamber and damper:
+        assert (force.damping, force.compliance) == pytest.approx((damper / share**2, chamber * share), rel=1e-12)
+        assert force.direction == pytest.approx(b)
+    else:
+        damping = plant.linear["pto"].damping
+        assert (0 * along if damping is None else damping) == pytest.approx(damper * along, rel=1e-12)

@@ -164,6 +164,25 @@ def test_the_bound_holds_for_any_multipliers():
         assert programme.bound([upper], [lower]) >= best
 
 
+@pytest.mark.parametrize("harmonics", [SEA, WAVES])
+def test_no_force_within_its_limit_takes_less_than_the_least(harmonics):
+    """Else a certificate would be none: of a limited force at a still port all is lost where the port loses most."""
+    velocity, admittance = buoy(harmonics)
+    limits = [constrained.Limit(np.zeros(harmonics.instants), np.ones(harmonics.count, dtype=complex), 4e3)]
+    stroke = constrained.Limit(np.zeros(harmonics.instants), 2 * np.ones(harmonics.count, dtype=complex), 1.0)
+    rng = np.random.default_rng(8)
+    for share in (0.0, 0.01, 1.0):
+        free, loss = share * velocity, admittance.real
+        programme = constrained._Programme(harmonics, free, loss, [*limits, stroke])
+        against = np.where(loss == loss.max(), 1.0, 1e-9) * np.exp(1j * np.angle(-velocity))
+        for force in (against, -free, rng.normal(size=(2, harmonics.count)).T @ [1, 1j]):
+            scaled = 4e3 * force / max(np.abs(harmonics.signal(force)).max(), 1e-300)
+            assert programme.power(scaled) >= programme.least
+        size = np.sqrt(2) * 4e3  # |f| of a force that is all the time at its limit
+        assert programme.least == pytest.approx(-size / 2 * (np.linalg.norm(free) + size * loss.max()), rel=1e-12)
+        assert constrained._Programme(harmonics, free, loss, [stroke]).least == -np.inf
+
+
 def test_a_port_that_gives_out_energy_is_refused():
     velocity, admittance = buoy(WAVES)
     with pytest.raises(ValueError, match=r"port: received Re Y = -1e-05 .* at 4 rad/s, needs more than 0"):

@@ -91,6 +91,23 @@ def test_drag_is_settled_with_the_motion_it_brakes(seed, dragged):
             assert power[i, j] == pytest.approx(0.5 * c * square @ np.abs(velocity) ** 2, rel=1e-10)
 
 
+@pytest.mark.parametrize("efficiency", [1.0, 0.8, 0.5])
+@pytest.mark.parametrize("dragged", [1, 2])
+def test_power_beside_drag_is_less_by_the_losses_of_both_directions(dragged, efficiency):
+    """In a regular wave the mean over a period of e p where p = F V is taken, of p/e where it is given back."""
+    buoy = Buoy(0, dragged=dragged)
+    wave, phase = seas(buoy.omega)[:1], 2 * np.pi * (np.arange(4096) + 0.5) / 4096
+    dampers, springs = np.array([0.1, 2.0, 0.5]), np.array([0.0, 0.3, -0.2])
+    found = buoy.port.powers(wave, dampers, springs, efficiency)[:, 0]
+    for c, k, drag, power in zip(dampers, springs, buoy.port.settled(wave, dampers, springs)[:, 0], found, strict=True):
+        velocity = buoy.velocities(c, k, drag)[0][9]
+        turning = velocity * np.exp(-1j * phase)
+        p = np.real((c + 1j * k / buoy.omega[9]) * turning) * turning.real
+        assert power == pytest.approx(np.mean(np.where(p > 0, efficiency * p, p / efficiency)), rel=1e-5)
+        one = under(buoy.port, wave, c, k, efficiency)
+        assert (one.damping, one.stiffness, one.power) == (c, k, pytest.approx(power, rel=1e-9))
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_without_drag_the_best_take_offs_are_those_without(seed):
     buoy = Buoy(seed, coefficient=1e-12)

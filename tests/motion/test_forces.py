@@ -10,6 +10,7 @@ from vsb.motion.forces import (
     Damper,
     Excitation,
     Linear,
+    QuadraticDrag,
     RadiationMemory,
     RelaxingDamper,
     Spring,
@@ -125,3 +126,24 @@ def test_a_damper_behind_a_compliance_relaxes():
     assert state[:, None] @ model.input_matrix == pytest.approx(np.outer(force, [3.0, 4.0]))
     assert 0.5 * state**2 == pytest.approx(0.5 * 0.4 * force**2)
     assert model.radiated[0, 0] * state**2 == pytest.approx(force**2 / 2.0)
+
+
+@pytest.mark.parametrize("share", [1.0, 0.5, 0.0])
+def test_drag_goes_with_the_square_of_the_velocity_past_the_water_of_its_share_of_the_waves(share):
+    """f = -sum c |u| u b, u = b.q' - Re sum W exp(-i omega t), of two directions, some instants or all."""
+    along, coefficient = np.array([[1.0, 0.0, 0.0, 0.0, 0.0], [0.0, 0.6, 0.8, 0.0, 0.0]]), np.array([3.0, 7.0])
+    flow = np.array([[0.5 + 0.2j, -0.3j], [0.1 - 0.4j, 0.7]])
+    drag = QuadraticDrag(along, coefficient, SWELL.omega, flow).raised(share)
+    q, v = motion()
+    water = np.real(np.exp(-1j * np.outer(TIME, SWELL.omega)) @ flow)
+    past = v @ along.T - share * water
+    expected = -(coefficient * np.abs(past) * past) @ along
+    assert drag.force(TIME, q, v) == pytest.approx(expected, rel=1e-12)
+    assert drag.during(TIME)(q[3:6], v[3:6], slice(3, 6)) == pytest.approx(expected[3:6], rel=1e-12)
+    assert drag.linear() == Linear(whole=False)
+
+
+@pytest.mark.parametrize("rest", [0.0, 0.3])
+def test_a_spring_slack_elsewhere_is_not_all_linear(rest):
+    force = SpringDamper(ROOT @ ROOT.T, np.eye(DOF), rest * np.ones(DOF))
+    assert force.linear().whole is (rest == 0.0)

@@ -169,3 +169,30 @@ def test_grid_holds_what_is_asked_for():
 )
 def test_a_port_gives_way_by_what_holds_it_and_drifts_where_nothing_does(stiffness, force, moved):
     assert compliance(stiffness, np.array(force)) == pytest.approx(moved, rel=1e-3)
+
+
+@pytest.mark.parametrize("direction", [0.0, 0.4, np.pi / 2, -2.0])
+def test_waves_from_a_side_excite_and_diffract_by_the_cosine_and_the_sine_of_their_direction(direction):
+    """Of heave, surge and sway; the database holds each in the waves that excite it most."""
+    omega, pair = np.linspace(0.5, 3.0, 8), ("influenced_dof", "radiating_dof")
+    own = np.array([2.0 + 1j, 3.0 - 1j, 3.0 - 1j]) * omega[:, None]
+    sway = own * np.array([0.0, 0.0, 1.0])
+    stored = np.stack([own - sway, sway + own * np.array([1.0, 0.0, 0.0])], axis=1)  # along x, then along y
+    force = ("omega", "wave_direction", pair[0])
+    ds = xr.Dataset(
+        {
+            "added_mass": (("omega", *pair), np.ones((8, 3, 3))),
+            "radiation_damping": (("omega", *pair), omega[:, None, None] ** 3 * np.eye(3)),
+            "excitation_force": (force, stored),
+            "diffraction_force": (force, 0.3 * stored),
+            "azimuthal_order": (pair[0], [0, 1, -1]),
+        },
+        {"omega": omega, "wave_direction": [0.0, np.pi / 2]} | {dim: ["Heave", "Surge", "Sway"] for dim in pair},
+    )
+    buoy, at = LinearBuoy(ds, np.zeros((3, 3)), LinearPto(0.0), direction=direction), np.array([1.1, 2.3])
+    expected = np.array([2.0 + 1j, 3.0 - 1j, 3.0 - 1j]) * at[:, None] * [1.0, np.cos(direction), np.sin(direction)]
+    np.testing.assert_allclose(buoy.coefficients(at).excitation, expected, atol=1e-12)
+    np.testing.assert_allclose(buoy.diffraction(at), 0.3 * expected, atol=1e-12)
+    for beyond in (0.4, 3.1):
+        with pytest.raises(DatabaseError, match=r"the database holds 0.5 to 3 rad/s"):
+            buoy.diffraction(np.array([beyond]))

@@ -123,3 +123,17 @@ def test_along_a_motion(full):
     q, time, waves = np.tile(deformed(full), (3, 1)), np.array([0.0, 0.5, 1.0]), swell(0.2)
     series = wave_forces(WetShell(full, 0.2).shape, q, waves, time)
     assert series[1] == pytest.approx(force(full, 0.2, q[1], waves, 0.5), abs=1e-14)
+
+
+@pytest.mark.parametrize("depth", [np.inf, 2.5])
+def test_components_in_any_order_are_the_same_waves(depth):
+    """The longest first: those beyond k r = 10 are summed one by one."""
+    omega, amplitude = np.array([3.0, 9.0, 1.2, 5.0]), np.array([0.1, 0.02j, -0.2, 0.05 + 0.01j])
+    waves = incident(Sea(omega, amplitude), depth, G, 2.0)
+    assert waves.omega.tolist() == [1.2, 3.0, 5.0, 9.0]
+    assert waves.amplitude.tolist() == [-0.2, 0.1, 0.05 + 0.01j, 0.02j]
+    assert (np.diff(waves.wavenumber) > 0).all()
+    assert len(waves.powers) == len(waves.even) == 3
+    ordered = incident(Sea(waves.omega, waves.amplitude), depth, G, 2.0)
+    for ours, theirs in zip(waves, ordered, strict=True):
+        np.testing.assert_array_equal(ours, theirs)

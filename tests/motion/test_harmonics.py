@@ -77,7 +77,14 @@ def test_harmonics_of_a_sea_hold_its_components_and_fill_the_band(seed, wave):
 
 
 @pytest.mark.parametrize(
-    "omega", [np.array([1.03, 1.13, 1.23]), np.array([1.05, 1.15, 1.275]), np.array([1.0, 1.1, 1.2001])]
+    "omega",
+    [
+        np.array([1.03, 1.13, 1.23]),
+        np.array([1.05, 1.15, 1.275]),
+        np.array([1.0, 1.1, 1.2001]),
+        np.array([1.0, 1.1, 1.25]),  # whole orders and a half one
+        np.array([1.05, 1.15, 1.3]),
+    ],
 )
 def test_a_sea_that_never_repeats_has_no_harmonics(omega):
     with pytest.raises(ConfigError, match=r"waves: received components 0.1 rad/s apart from .* which never repeat"):

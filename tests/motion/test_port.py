@@ -13,7 +13,7 @@ from vsb.hydro.statespace import fit_radiation
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.motion.builders import linear_scene
 from vsb.motion.frequency import LinearBuoy, with_open_chamber
-from vsb.motion.port import Port, _between, port_direction
+from vsb.motion.port import Port, _between, channels_reached, port_direction
 from vsb.motion.pto import LinearPto
 from vsb.motion.system import System
 from vsb.motion.tuning import best_dampers
@@ -355,3 +355,13 @@ def test_a_rigid_port_has_the_speed_of_its_motion(seed, choice):
     labels = [*basis.labels, *(label for each in orders for label in each.labels)]
     found = port_direction(choice, DeformedShell(basis, planar.centre_height), orders)
     np.testing.assert_array_equal(found, [float(label == choice.capitalize()) for label in labels])
+
+
+@pytest.mark.parametrize(
+    ("direction", "reached"),
+    [([1, 0, 0, 0, 0], 1), ([0, 1, 0, 0, 0], 2), ([0, 0, 1, 0, 0], 2), ([0, 1, -2, 0, 0], 2), ([1, 1, 1, 0, 0], 3),
+     ([1, 0.5, 1, 1, 3], 5), ([0, 0, 0, 0, 1], 2), ([0, 0, 0, 0, 0], 0)],
+)  # fmt: skip
+def test_a_port_reaches_one_channel_of_heave_and_two_of_each_higher_order(direction, reached):
+    """Cosines and sines of an order have them together: waves from one side come as one of the two."""
+    assert channels_reached(np.array(direction, dtype=float), np.array([0, 1, -1, 2, -2])) == reached

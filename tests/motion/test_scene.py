@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vsb.motion.forces import ConstantForce, Damper, Excitation, Spring
+from vsb.motion.forces import ConstantForce, Damper, Excitation, Spring, SpringDamper
 from vsb.motion.scene import Scene
 
 STIFFNESS, MORE, DAMPING = np.diag([3.0, 5.0]), np.array([[1.0, 0.5], [0.5, 2.0]]), np.array([[2.0, 0.0], [0.0, 1.0]])
@@ -58,3 +58,14 @@ def test_a_share_of_the_waves_leaves_all_other_forces():
     np.testing.assert_allclose(half.excitation.phasors, 0.5 * wave.phasors)
     np.testing.assert_array_equal(half.stiffness, one.stiffness)
     assert one.excitation is wave
+
+
+def test_what_is_constant_is_all_that_pushes_at_zero():
+    """Constant forces, and springs that are slack elsewhere."""
+    slack = SpringDamper(MORE, DAMPING, np.array([0.3, -0.2]))
+    one = Scene(("Heave", "Membrane0"), np.eye(2), {**scene().forces, "spring": slack}, np.eye(2))
+    none = np.zeros((1, 2))
+    np.testing.assert_allclose(sum(one.named(np.zeros(1), none, none).values())[0], one.constant)
+    np.testing.assert_allclose(one.constant, [7.0 + 0.3 - 0.5 * 0.2, -1.0 + 0.5 * 0.3 - 2.0 * 0.2])
+    bare = Scene(("Heave", "Membrane0"), np.eye(2), {"hydrostatic": Spring(STIFFNESS)}, np.eye(2))
+    assert bare.constant.tolist() == [0.0, 0.0]

@@ -1,5 +1,7 @@
 """Laws of take-offs and end stops as forces of stroke and velocity."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -17,6 +19,17 @@ def test_a_law_is_a_limited_spring_and_damper_at_its_port(y, x, vy, vx):
     force = TakeOff(B, 4.0, 10.0, 5.0).force(np.zeros(1), q, v)
     wanted = 4.0 * (v @ B)[0] + 10.0 * (q @ B)[0]
     assert force[0] == pytest.approx(-np.clip(wanted, -5.0, 5.0) * B)
+
+
+@given(small, small, small, st.floats(-2.0, 2.0))
+def test_spring_and_stop_count_from_where_the_port_rests(stroke, speed, slack, rest):
+    """The same law a distance further on."""
+    one, at, v = np.array([1.0]), np.zeros(1), np.array([[speed]])
+    for law in (TakeOff(one, 4.0, 10.0, 50.0), EndStop(one, 0.7, 100.0, 30.0)):
+        moved = replace(law, rest=rest)
+        q = np.array([[stroke], [slack]])
+        assert moved.force(at, q + rest, v) == pytest.approx(law.force(at, q, v), abs=1e-9)
+        assert moved.stored(q + rest) == pytest.approx(law.stored(q), abs=1e-9)
 
 
 def test_a_law_of_which_nothing_more_is_said_is_a_damper_about_the_place_at_rest():
