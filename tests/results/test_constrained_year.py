@@ -8,6 +8,8 @@ from vsb.errors import ConfigError
 from vsb.motion.harmonics import Harmonics
 from vsb.results.constrained_year import (
     REALISATIONS,
+    SECONDS_AT_LEAST,
+    SECONDS_PER_CUBE,
     Limits,
     affordable,
     constrained_year,
@@ -112,6 +114,25 @@ def test_a_budget_that_is_enough_is_for_every_bin():
     assert spacings == sorted(spacings, reverse=True)
     te = float(SEAS.te @ SEAS.hours)
     assert 2 * np.pi / spacings[-1] == pytest.approx(32 * te)
+
+
+def test_a_band_that_ends_at_harmonics_but_for_round_off_holds_both():
+    """Within the time of 4 to 32 mean periods; a millionth beyond, a harmonic is out; the mean level is none."""
+    te = float(SEAS.te @ SEAS.hours)
+    spacing = 2 * np.pi / (32 * te)
+    for off, first, last in ((1e-15, 12, 40), (1e-6, 13, 39)):
+        found = harmonics_of_year(SEAS, 12 * spacing * (1 + off), 40 * spacing * (1 - off), 1e6)
+        assert found.omega[[0, -1]] == pytest.approx(np.array([first, last]) * spacing, rel=1e-12)
+        assert found.count == last - first + 1
+    assert harmonics_of_year(SEAS, 0.0, 2.0, 1e6).omega[0] == pytest.approx(spacing)
+    assert harmonics_of_year(SEAS, 0.25, 6.0, 1e-9).spacing == pytest.approx(8 * spacing)
+
+
+def test_harmonics_are_as_near_each_other_as_their_budget_allows_to_the_last():
+    """The time of 100 harmonics, in all bins twice, gives 99 spacings from end to end of the band."""
+    count = len(limited(Limits(), seconds=0.0).bins.occupied)
+    seconds = REALISATIONS * count * (SECONDS_AT_LEAST + SECONDS_PER_CUBE * 100**3)
+    assert harmonics_of_year(SEAS, 0.25, 6.0, seconds).spacing == pytest.approx(5.75 / 99, rel=1e-9)
 
 
 def test_the_gain_of_a_design_over_itself_is_nothing_for_sure():

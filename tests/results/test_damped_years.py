@@ -7,7 +7,7 @@ from results.test_member import TUNINGS
 from results.test_year import climate
 from scenes.test_ports import water
 
-from vsb.results.damped_years import DampedYears
+from vsb.results.damped_years import BY, TRIED, DampedYears, _gains
 from vsb.results.member import member
 
 
@@ -66,3 +66,29 @@ def test_what_the_port_does_not_tell_of_the_water_is_not_taken_for_known(study, 
     for depth in (1e4, np.inf):
         member(varied(study, water={"depth": depth}), lambda basis: shared, seas, TUNINGS, known=known)
     assert len(known) == 3  # the last is the first
+
+
+def test_a_gain_lies_within_the_errors_of_both_designs_and_of_their_coefficients():
+    """Of 150 W known to 2 % over 100 W known to 5 %, coefficients to 1 % each: 50 % and 9 % of the ratio 1.5."""
+    power = np.array([[100.0, 40.0], [150.0, 20.0]])
+    error = np.array([[0.05, 0.0], [0.02, 0.1]]) * power
+    found = _gains({"annual_mean_power": (BY, power), "quadrature_error": (BY, error)}, ["A", "B"], "A", 0.01)
+    gain, low, high = (found[name][1] for name in ("gain_percent", "gain_low", "gain_high"))
+    assert gain == pytest.approx(np.array([[0.0, 0.0], [50.0, -50.0]]))
+    assert high - gain == pytest.approx(np.array([[0.0, 0.0], [0.09 * 150, 0.12 * 50]]))
+    assert gain - low == pytest.approx(high - gain)
+    assert _gains({"annual_mean_power": (BY, power)}, ["A", "B"], None, 0.01) == {}
+
+
+def test_power_over_a_damper_that_stays_is_that_of_years_with_it_given(study, shared, seas):
+    """The middle one is the best for all seas; a damper's mean power is its mean square force over it, P = F^2/c."""
+    found = member(study, lambda basis: shared, seas, TUNINGS)
+    tried, power, force = (found[f"{name}_damping"].values for name in ("tried", "power_of", "force_of"))
+    best = np.nanmax(found.damping.sel(tuning="one").values, axis=(1, 2))
+    assert tried == pytest.approx(np.outer(best, TRIED), rel=1e-12)
+    assert (power.argmax(axis=1) == 30).all()
+    for i in (0, 45):
+        given = varied(study, pto={"damping": float(tried[0, i])})
+        year = member(given, lambda basis: shared, seas, ("fixed",)).isel(design=0, tuning=0)
+        assert power[0, i] == pytest.approx(float(year.annual_mean_power), rel=1e-9)
+        assert force[0, i] == pytest.approx(float(year.force_rms), rel=1e-9)

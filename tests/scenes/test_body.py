@@ -99,9 +99,24 @@ class TestRefused:
             check_water(Water(density=1025.0, depth=50.0), theirs)
         assert [line.split(":")[0] for line in error.value.mistakes] == ["water.density", "water.depth"]
 
+    @pytest.mark.parametrize("name", ["density", "depth", "gravity"])
+    @pytest.mark.parametrize("side", [1, -1])
+    def test_water_that_is_another_by_more_than_a_millionth(self, theirs, name, side):
+        own = {"density": 1000.0, "depth": 50.0, "gravity": 9.81}
+        held = theirs.assign_attrs(water_density=1000.0, water_depth="50.0", gravity=9.81)
+        check_water(Water(**{**own, name: own[name] * (1 + 0.9e-6 * side)}), held)
+        with pytest.raises(ConfigError, match=rf"^water.{name}: received .*, needs {own[name]:g}, as the body's files"):
+            check_water(Water(**{**own, name: own[name] * (1 + 1.2e-6 * side)}), held)
+
     def test_too_few_frequencies(self, theirs):
         with pytest.raises(ConfigError, match=r"hydro.omega_max: received 1 rad/s, which leaves 2 of 3"):
             within_band(theirs, 1.0)
+        five = theirs.reindex(omega=[0.5, 0.7, 0.9, 1.0, 1.2], method="nearest")
+        assert within_band(five, 1.0).sizes["omega"] == 4
+        with pytest.raises(
+            ConfigError, match=r"received 0.9 rad/s, which leaves 3 of 5 frequencies .* needs 4 or more"
+        ):
+            within_band(five, 0.9)
 
 
 def test_what_is_known_of_a_mesh_before_it_is_solved():

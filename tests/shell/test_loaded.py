@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
+from scipy.optimize import minimize_scalar
 
 from vsb.errors import ConvergenceError
 from vsb.shell.deformed import DeformedShell
@@ -421,6 +422,22 @@ def test_viability_of_other_shells(seed):
         ConvergenceError, match=r"no internal pressure keeps a shell of thickness 0\.01 m from buckling"
     ):
         viable_pressure(weak, 0.0, seed.water)
+
+
+def test_a_margin_no_pressure_reaches_is_refused_and_one_just_below_is_met(seed, vented):
+    """The largest load factor over pressure, each a buckling problem of its own."""
+    factors = {}
+
+    def lacking(pressure):
+        factors[pressure] = buckling(dataclasses.replace(vented, internal_pressure=float(pressure))).load_factor
+        return -factors[pressure]
+
+    best = -minimize_scalar(lacking, bounds=(1.2e4, 1.2e5), method="bounded", options={"xatol": 30.0}).fun
+    assert best > 1.05 * min(factors.values())
+    _, held = viable_pressure(seed.device, seed.centre_height, seed.water, margin=0.9999 * best)
+    assert held.load_factor == pytest.approx(0.9999 * best, rel=1e-6)
+    with pytest.raises(ConvergenceError, match=r"from buckling under [\d.]+ times its load"):
+        viable_pressure(seed.device, seed.centre_height, seed.water, margin=1.0001 * best)
 
 
 # static equilibrium

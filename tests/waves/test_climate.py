@@ -8,7 +8,7 @@ import pytest
 
 from vsb.errors import ConfigError
 from vsb.study.study import Water
-from vsb.waves.climate import Climate, height_and_period, impossible, of_records
+from vsb.waves.climate import Climate, height_and_period, impossible, of_records, realised
 
 HOME = Path(__file__).parents[2]
 
@@ -30,6 +30,29 @@ def test_energy_flux_in_deep_water():
     climate, water = flat(), Water()
     closed = 1025 * 9.81**2 / (64 * np.pi) * climate.hs**2 * climate.te
     assert climate.flux(water) == pytest.approx(closed, rel=1e-13)
+
+
+@pytest.mark.parametrize("seed", [0, 7])
+def test_a_realisation_has_the_spectrums_amplitudes_and_its_seeds_phases_all_around_the_circle(seed):
+    """a = sqrt(2 S d), d a tenth finer than 2 pi over the run; phases are the generator's uniform ones times 2 pi."""
+    found = realised(flat(), 0, 600.0, seed)
+    count = int(np.ceil(1.1 * 1.1 * 600.0 / (2 * np.pi)))
+    assert found.omega == pytest.approx(0.45 + 1.1 * (np.arange(count) + 0.5) / count, rel=1e-12)
+    assert np.abs(found.amplitude) == pytest.approx(np.full(count, np.sqrt(2 * 0.25 * 1.1 / count)), rel=1e-9)
+    turned = np.exp(2j * np.pi * np.random.default_rng(seed).random(count))
+    assert found.amplitude / np.abs(found.amplitude) == pytest.approx(turned, abs=1e-12)
+
+
+def test_components_without_energy_are_left_out_of_a_realisation_and_weak_ones_are_not():
+    """Of three bands the middle one is calm and the last has a millionth of the amplitude of the first."""
+    density = np.array([[1.0, 0.0, 1e-12]])
+    waves = Climate.of_spectra(np.array([0.5, 0.6, 0.7]), density, np.ones(1), "gap")
+    found = realised(waves, 0, 2000.0, 1)
+    assert not np.any((found.omega > 0.551) & (found.omega < 0.649))
+    assert np.any(found.omega < 0.55)
+    weak = found.omega > 0.65
+    assert np.sum(weak) == pytest.approx(np.sum(found.omega < 0.55), abs=1)
+    assert np.abs(found.amplitude[weak]).max() == pytest.approx(1e-6 * np.abs(found.amplitude).max(), rel=1e-3)
 
 
 def test_shares_that_do_not_sum_to_one():

@@ -110,14 +110,18 @@ def test_refused_in_one_line(written, text, message):
     assert "given.txt" in str(caught.value)
 
 
-@pytest.mark.parametrize(("column", "total"), [("Occurrence [%]", 100.0), ("hours", 8766.0), ("share", 1.0)])
+@pytest.mark.parametrize(("column", "total"), [
+    ("Occurrence [%]", 100.0), ("hours", 8766.0), ("share", 1.0), ("[ % ]", 100.0), ("( H )", 8766.0), ("[h]", 8766.0),
+])  # fmt: skip
 @pytest.mark.parametrize("side", [1, -1])
 def test_occurrences_may_miss_their_sum_by_two_percent(written, column, total, side):
+    """A column may be called by its unit alone, in brackets."""
+
     def given(miss):
         return written(f"Hs,Te,{column}\n0.25,6.5,{0.4 * total}\n0.75,7.5,{(0.6 + side * miss) * total}\n")
 
     assert read_scatter(given(0.0199)).hours.sum() == pytest.approx(1.0)
-    with pytest.raises(ConfigError, match="received occurrences that sum to"):
+    with pytest.raises(ConfigError, match=rf"received occurrences that sum to [\d.]+, needs {total:g} \("):
         read_scatter(given(0.0201))
 
 
