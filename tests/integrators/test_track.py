@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicHermiteSpline
 
-from vsb.integrators.track import Lookout, Mode, Track, sign
+from vsb.integrators.track import SOON, Lookout, Mode, Track, dips, sign
 
 
 def test_nodes_keep_their_modes_and_the_last_one_how_it_was_left():
@@ -50,3 +51,33 @@ def test_a_mode_of_which_nothing_is_said_is_a_free_port_watched_at_every_step():
 
 def test_the_sign_of_nothing_is_positive():
     assert [sign(value) for value in (-1e-300, 0.0, 2.0)] == [-1, 1, 1]
+
+
+def parabola(bottom, depth, curvature=1.0):
+    """Ends and rates over a span of curvature (s - bottom)^2 - depth."""
+    ends = np.array([0.0, 1.0])
+    return curvature * (ends - bottom) ** 2 - depth, 2 * curvature * (ends - bottom)
+
+
+@pytest.mark.parametrize("bottom", [0.05, 0.4, 0.97])
+def test_a_guard_dips_where_it_goes_below_zero_between_its_instants(bottom):
+    assert dips(*parabola(bottom, 1e-9)) == [(0, pytest.approx(bottom, abs=1e-12))]
+    assert dips(*parabola(bottom, -1e-9)) == []
+
+
+@pytest.mark.parametrize(("part", "found"), [(1.1, 1), (0.9, 0)])
+def test_a_bottom_right_behind_an_event_is_round_off_of_it(part, found):
+    bottom = part * SOON
+    assert len(dips(*parabola(bottom, 1e6 * bottom**2 / 2, 1e6))) == found
+
+
+def test_of_many_spans_those_are_named_that_begin_above_zero_and_fall_and_end_rising():
+    """Dips in the second and the last, which ends at zero; the fourth begins below it, the others do not turn."""
+    values = np.array([2.0, 1.0, 1.0, -0.5, 0.5, 0.1, 0.0])
+    rates = np.array([-1.0, -9.0, 9.0, -5.0, 5.0, -3.0, 3.0])
+    found = dips(values, rates)
+    assert [span for span, _ in found] == [1, 5]
+    for span, part in found:
+        cubic = CubicHermiteSpline([0, 1], values[span : span + 2], rates[span : span + 2])
+        assert cubic(part, 1) == pytest.approx(0.0, abs=1e-9)
+        assert cubic(part) < 0

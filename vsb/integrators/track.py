@@ -111,11 +111,10 @@ def dips(values: FloatArray, rates: FloatArray) -> list[tuple[int, float]]:
     found = []
     for k in np.flatnonzero((values[:-1] > 0) & (values[1:] >= 0) & (rates[:-1] < 0) & (rates[1:] > 0)):
         low, high, falling, rising = values[k], values[k + 1], rates[k], rates[k + 1]
-        cubic = np.polynomial.Polynomial([
-            low, falling, 3 * (high - low) - 2 * falling - rising, 2 * (low - high) + falling + rising
-        ])  # fmt: skip
-        for bottom in cubic.deriv().roots():
-            part = float(np.real(bottom))
-            if np.isreal(bottom) and SOON < part < 1 and cubic(part) < 0:
-                found.append((int(k), part))
+        bend, twist = 3 * (high - low) - 2 * falling - rising, 2 * (low - high) + falling + rising
+        root = np.sqrt(max(bend**2 - 3 * twist * falling, 0.0))
+        # The root of the slope at which it rises, written so that a parabola, without a twist, is no special case.
+        part = float(-falling / (bend + root) if bend > 0 else (root - bend) / (3 * twist))
+        if part > SOON and low + part * (falling + part * (bend + part * twist)) < 0:
+            found.append((int(k), part))
     return found
