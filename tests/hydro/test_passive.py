@@ -87,6 +87,21 @@ def test_poles_order_and_kernel_of_a_known_memory():
     assert fit.model.kernel(time)[0] == pytest.approx(true.input_matrix.T @ true.input_matrix, rel=1e-4)
 
 
+@pytest.mark.parametrize("count", [4, 7, 11])
+def test_a_memory_of_two_poles_and_their_conjugates_is_found_from_as_few_frequencies(count):
+    """Four are the fewest there may be."""
+    fit = fit_passive(samples(reciprocal(4, 2, 1, 0), np.linspace(0.3, 4.5, count)), 1e-4)
+    assert fit.error < 1e-4
+    assert fit.model.order == 4
+
+
+def test_a_memory_of_thirty_states_is_followed_to_a_hundred_millionth():
+    true, omega = reciprocal(30, 15, 1, 1, ring=0.5), np.linspace(0.05, 6.0, 200)
+    fit = fit_passive(samples(true, omega), 1e-8)
+    assert fit.error < 1e-8
+    assert 24 < fit.model.order <= 30
+
+
 def smooth(dof=3):
     """Samples of damping that no state space has: two channels, B = h h^T/2 summed, with its added mass."""
     omega = np.arange(1, 161) * 0.05

@@ -173,6 +173,9 @@ def database(solver, factor=1.0):
 @pytest.mark.parametrize(("solver", "least"), [("spectral", 0.05), ("capytaine 3.0", 0.0)])
 def test_a_database_is_judged_by_the_other_solver(compared, solver, least):
     (check,) = witness.database_checks(compared, database(solver), 1e-9)
+    other = "panels" if solver == "spectral" else "the spectral solver"
+    assert check.explanation.startswith(f"hydro database and {other} on the mean shape")
+    assert check.explanation.endswith(f"({other})")
     assert check.verdict == "ok", check
     assert least <= check.value < 1
     (check,) = witness.database_checks(compared, database(solver, 1.01), 1e-9)

@@ -254,3 +254,14 @@ def test_what_predicts_the_next_step_is_the_polynomial_through_this_one():
     """Values at the nodes of a polynomial of as many terms go over into those a whole step later."""
     for power in range(gauss.NODES):
         np.testing.assert_allclose(gauss._AHEAD @ gauss._NODE**power, (gauss._NODE + 1) ** power, rtol=1e-12)
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_a_place_a_thousand_radii_away_is_beyond_any_shell(scene, way):
+    """There the water's force is not finite, so that a step is not solved; nearer it is."""
+    plant = scene("paper", "FSB")
+    r = System.of(plant).remainder
+    away = way * gauss.FAR * plant.water.shell.shape.radius / r.position[0, 0]
+    near, far = (gauss.added.py_func(r, np.zeros(1), np.array([[share * away]])) for share in (0.999, 1.001))
+    assert np.isfinite(near).all()
+    assert np.isinf(far).all()

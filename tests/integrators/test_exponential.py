@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -204,3 +205,12 @@ def test_a_linear_scene_is_refused(assumed):
     dry = replace(plant, forces={"pto": plant.forces["pto"]})
     with pytest.raises(ValueError, match="needs a scene with water pressure"):
         integrate(System.of(dry), np.linspace(0.0, 1.0, 11), plant.start(0.0, 0.0), 1e-8)
+
+
+@pytest.mark.parametrize(("rates", "duration", "horizon"), [
+    ([-2.0, -0.25], 10.0, 4.0), ([-2.0, -0.25], 3.0, 3.0), ([-2.0, 0.0], 10.0, 10.0), ([-2.0, 0.5], 10.0, 10.0),
+])  # fmt: skip
+def test_errors_add_up_until_the_slowest_mode_forgets_or_the_motion_ends(rates, duration, horizon):
+    """What does not decay forgets nothing."""
+    method = ExponentialIntegrator(SimpleNamespace(matrix=np.diag(rates)), 0.1)
+    assert method.horizon(duration) == pytest.approx(horizon, rel=1e-12)

@@ -65,6 +65,13 @@ def test_a_guard_dips_where_it_goes_below_zero_between_its_instants(bottom):
     assert dips(*parabola(bottom, -1e-9)) == []
 
 
+def test_a_dip_behind_a_guard_that_hardly_falls_yet_is_where_its_cubic_has_it():
+    """0.01 - 1e-12 s - s^2 + s^3 is lowest at 2/3, 0.14 below zero."""
+    falling = -1e-12
+    found = dips(np.array([0.01, 0.01 + falling]), np.array([falling, 1.0 + falling]))
+    assert found == [(0, pytest.approx(2 / 3, abs=1e-9))]
+
+
 @pytest.mark.parametrize(("part", "found"), [(1.1, 1), (0.9, 0)])
 def test_a_bottom_right_behind_an_event_is_round_off_of_it(part, found):
     bottom = part * SOON

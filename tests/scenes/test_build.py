@@ -41,6 +41,28 @@ def test_without_bem_there_is_no_sea_and_no_radiation(small):
     assert found.scene.memory is None
     assert found.sea.omega.size == 0
     assert found.scene.water.assumed.amplitude == 1800.0
+    assert found.scene.water.assumed.omega == small.study.waves[0].omega
+
+
+def test_in_still_water_no_pressure_is_assumed(small):
+    still = {
+        "hydro": {"model": "assumed_pressure", "pressure": 1800.0, "omega_max": 12.0},
+        "waves": [{"kind": "still"}],
+    }
+    found = built(small, "VSWEC", **still)
+    assert (found.scene.water.assumed.amplitude, found.scene.water.assumed.omega) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(("given", "asked"), [({}, 0.01), ({"power_tolerance": 0.07}, 0.07)])
+def test_the_automatic_model_is_chosen_to_the_tolerance_of_its_study(small, monkeypatch, given, asked):
+    """A hundredth where none is given; what it chose is the scene of the run and noted, with the seconds it took."""
+    tolerances = []
+    choice = SimpleNamespace(scene="chosen", notes={"model": "rigid"})
+    monkeypatch.setattr("vsb.scenes.automatic.chosen", lambda scenes, tolerance: tolerances.append(tolerance) or choice)
+    found = built(small, "VSWEC", hydro={"model": "auto", **given})
+    assert tolerances == [asked]
+    assert (found.scene, found.notes["model"]) == ("chosen", "rigid")
+    assert found.notes["choice_seconds"] >= 0.0
 
 
 def test_files_of_another_study_are_refused(small):

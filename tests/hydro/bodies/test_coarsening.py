@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 
 from examples import barge
 from vsb.hydro.bodies import body as bodies
-from vsb.hydro.bodies.coarsening import _smooth, coarser_body, coarser_panels
+from vsb.hydro.bodies.coarsening import _smooth, _thinnest, coarser_body, coarser_panels
 
 BOTH = ("xOz", "yOz")
 
@@ -128,3 +128,19 @@ def test_one_panel_beyond_25_degrees_of_the_mean_makes_an_edge(alike):
         normals = np.array([[0.0, 0.0, 1.0]] * alike + [[np.sin(turned), 0.0, np.cos(turned)]])
         for seen in (normals, -normals, normals[::-1]):
             assert _smooth(seen, set(range(alike + 1))) == smooth
+
+
+@pytest.mark.parametrize(("corners", "area"), [
+    ([(0, 0), (2, 0), (2, 1), (0, 3)], 1.0),
+    ([(0, 0), (4, 0), (1, 2), (0, 1)], 0.5),
+    ([(0, 0), (4, 0), (1, 2)], 4.0),
+    ([(0, 0), (2, 0), (0.5, 0.5), (0, 2)], 0.5),
+    ([(0, 0), (0, 2), (0.5, 0.5), (2, 0)], -0.5),
+    ([(0.5, 0.5), (0, 2), (0, 0), (2, 0)], 0.5),
+    ([(2, 0), (0.5, 0.5), (0, 2), (-3, -3)], -1.0),
+])  # fmt: skip
+def test_the_thinnest_half_of_a_panel_is_that_on_the_smaller_side_of_its_first_diagonal(corners, area):
+    """Triangles of known areas; a half that is turned over counts as less than nothing, of a triangle there is one."""
+    vertices = np.column_stack([np.array(corners, dtype=float), np.zeros(len(corners))])
+    panel = np.array([[0, 1, 2, len(corners) - 1]])
+    assert _thinnest(vertices, panel, np.array([0.0, 0.0, 1.0])) == pytest.approx(area)

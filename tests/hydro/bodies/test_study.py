@@ -65,7 +65,8 @@ def counted(method, solved):
 
 
 def test_a_body_file_becomes_a_database_with_a_verdict(tmp_path, body, green_folder):
-    checks = bodystudy.run(files(tmp_path, body), tmp_path / "out", green_folder)
+    water = {"density": 1000.0, "gravity": 9.8}
+    checks = bodystudy.run(files(tmp_path, body, water=water), tmp_path / "out", green_folder)
     names = {"error_estimate", "symmetry", "far_field", "haskind", "positive_damping", "panels", "corners"}
     names |= {"rigid_names", "one_resolution", "afloat", "modes"}
     assert {check.name for check in checks} == names
@@ -78,6 +79,14 @@ def test_a_body_file_becomes_a_database_with_a_verdict(tmp_path, body, green_fol
     for name in ("added_mass", "radiation_damping", "added_mass_inf", "hydrostatic_stiffness", "structural_stiffness"):
         assert ds[name].values == pytest.approx(ds[name].values.swapaxes(-1, -2), rel=1e-12, abs=1e-6), name
     assert ds.inertia_matrix.values == pytest.approx(body.mass)
+    told = {"water_density": 1000.0, "gravity": 9.8, "water_depth": "inf", "symmetry": "xOz+yOz", "separate_sweep": 0}
+    told |= {"solves": 2, "frequencies": 2}
+    assert {name: ds.attrs[name] for name in told} == told
+    assert ds.attrs["displaced_volume"] == pytest.approx(6.0 * 4.0 * 2.0)
+    assert ds.attrs["centre_of_buoyancy"] == pytest.approx([0.0, 0.0, -1.0], abs=1e-9)
+    assert float(ds.hydrostatic_stiffness[0, 0]) == pytest.approx(1000.0 * 9.8 * 6.0 * 4.0)
+    assert ds.structural_stiffness.values == pytest.approx(np.diag([0.0, 0.0, 1e6]))
+    assert ds.attrs["bem_seconds"] > 0
 
 
 def test_nothing_is_solved_twice_and_an_interrupted_run_goes_on(tmp_path, body, green_folder, calls, monkeypatch):

@@ -203,6 +203,34 @@ def test_haskind_holds_in_finite_depth(green):
     assert haskind == pytest.approx(np.diag(result.radiation_damping.values[0]), rel=2e-2)
 
 
+def test_coefficients_are_named_by_their_displacements_in_their_order_in_waves_along_x(green):
+    """What one displacement radiates is what it does among others."""
+    found, alone = (unit_problem(green, 6, degrees=degrees).solve([1.2, 0.7]) for degrees in ((4, 0, 1), (0,)))
+    for result, names in ((found, ["Radial4", "Radial0", "Radial1"]), (alone, ["Radial0"])):
+        assert result.omega.values.tolist() == [1.2, 0.7]
+        assert result.wave_direction.values.tolist() == [0.0]
+        assert result.influenced_dof.values.tolist() == result.radiating_dof.values.tolist() == names
+    for name, values in alone.items():
+        one = {dim: ["Radial0"] for dim in ("influenced_dof", "radiating_dof") if dim in values.dims}
+        np.testing.assert_allclose(found[name].sel(one), values, rtol=1e-10)
+
+
+def test_capytaines_own_solutions_are_alike_whatever_symmetry_they_use_and_those_of_rings(green):
+    """Without a lid, capytaine's own diagonal, displacements in their order; each says how long it took."""
+    mesh = mean_mesh(1.0, 0.2, 4, 12, 0)
+    problem = Plain(green, mesh, dofs.displacements(("Radial2", "Radial0"), 0), 1.0, np.inf, 1.0)
+    ours = problem.solve([1.1])
+    for symmetry in ("none", "planes", "rotation"):
+        theirs = bem.capytaine_solution(problem, [1.1], symmetry)
+        assert theirs.attrs["seconds"] > 0
+        for dim in ("influenced_dof", "radiating_dof"):
+            assert theirs[dim].values.tolist() == ["Radial2", "Radial0"]
+        for name in ("added_mass", "radiation_damping"):
+            expected = ours[name].values
+            found = theirs[name].transpose(*ours[name].dims).values
+            np.testing.assert_allclose(found, expected, rtol=0, atol=1e-10 * np.abs(expected).max())
+
+
 # azimuthal orders ---------------------------------------------------------------------------------------------------
 
 

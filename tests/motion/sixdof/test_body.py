@@ -615,6 +615,18 @@ def test_a_start_of_the_wrong_size_is_refused():
         scene.start(speed=np.ones(2))
     with pytest.raises(ValueError, match=r"received state \(5,\), a planar scene needs \(6,\): use GeneralScene.start"):
         scene.rates(0.0, np.zeros(5))
+    with pytest.raises(ValueError, match=r"received state \(7,\), a planar scene needs \(6,\): use GeneralScene.start"):
+        scene.rates(0.0, np.zeros(7))
+
+
+def test_a_motion_is_followed_to_a_billionth_unless_it_is_asked_otherwise():
+    scene = GeneralScene(Body(RIGID), motion="free", attitude="euler321")
+    start = scene.start(attitude=np.array([0.3, 0.2, 0.1]), angular_velocity=np.array([1.0, 2.0, 0.5]))
+    time = np.linspace(0.0, 1.0, 5)
+    known = integrate(scene, start, time)
+    np.testing.assert_array_equal(known, integrate(scene, start, time, 1e-9, 1e-12))
+    for rtol, atol in ((1e-8, 1e-12), (1e-9, 1e-9)):
+        assert (known != integrate(scene, start, time, rtol, atol)).any()
 
 
 def test_a_motion_that_blows_up_is_reported():
