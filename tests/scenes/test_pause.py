@@ -2,6 +2,7 @@
 
 import importlib.util
 import itertools
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -260,6 +261,30 @@ def test_a_search_ends_where_a_round_gains_less_than_a_thousandth():
 
     assert held(lambda c, pause: 1.0) == 1
     assert held(lambda c, pause: c * (1 - (pause - 0.4) ** 2)) == 4
+
+
+def test_a_pause_is_refined_up_to_the_pauses_tried_beside_it_and_no_further():
+    """Of nine the middle one is best; the power grows nearly to the next one and then drops."""
+    top, asked = 0.5 + 0.95 / 8, []
+
+    def power(damper, pause):
+        asked.append((damper, pause))
+        return 1.0 + min(pause - 0.5, top - 0.5 - 50 * (pause - top))
+
+    _, best = best_pair(power, [1.0, 10.0], 1.0)
+    assert best.pause == pytest.approx(top, abs=2 * pause_module.KNOWN)
+    first = [pause for _, pause in itertools.takewhile(lambda pair: pair[0] == 10.0, asked[2 * 9 :])]
+    assert 0.9 / 8 < max(abs(pause - 0.5) for pause in first) <= 1 / 8
+
+
+@pytest.mark.parametrize("window", [(0.0, 60.0), (20.0, 60.0), (10.0, 15.0), (25.0, 50.0), (0.0, 20.0), (45.0, 60.0)])
+def test_power_in_a_window_is_that_between_its_ends_whichever_parts_of_a_run_they_fall_into(window, monkeypatch):
+    """Energy t^2 has the mean rate start + end."""
+    parts = [np.arange(0.0, 21.0), np.arange(20.0, 46.0), np.arange(45.0, 61.0)]
+    run = [SimpleNamespace(motion=SimpleNamespace(time=time), energy={"pto": time**2}) for time in parts]
+    monkeypatch.setattr(pause_module, "legs", lambda *_: iter(run))
+    settings = SETTINGS.model_copy(update={"window": window})
+    assert windowed_power(None, IRREGULAR, settings) == pytest.approx(sum(window), rel=1e-12)
 
 
 # on the wet shell ---------------------------------------------------------------------------------------------------
