@@ -241,6 +241,15 @@ def test_a_long_run_records_a_part_and_its_extremes(scene, monkeypatch):
     assert power[0] == power[1]
 
 
+def test_a_leg_followed_finer_than_recorded_records_what_was_asked_for(scene):
+    plant, waves, settings, spectrum = scene()
+    (leg,) = legs(System.of(plant), waves, settings, spectrum)
+    whole = recorded(System.of(plant), leg, waves, settings.window)
+    coarse = recorded(System.of(plant), leg._replace(stride=4), waves, settings.window)
+    every = np.append(np.arange(0, whole.sizes["time"] - 1, 4), whole.sizes["time"] - 1)
+    assert coarse.equals(whole.isel(time=every))
+
+
 def test_a_run_of_a_day_keeps_a_tenth_of_its_instants():
     assert [resolution.thinning(n) for n in (1, 2**17, 2**17 + 1, 10**6, 10**9)] == [1, 1, 2, 8, 10]
 

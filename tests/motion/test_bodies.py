@@ -227,6 +227,16 @@ def test_added_mass_at_infinity_follows_from_damping_where_it_is_missing(databas
     assert with_added_mass_inf(database) is database
 
 
+def test_a_limit_of_long_waves_in_the_database_is_no_frequency(database):
+    """Its row at zero frequency, without damping, changes neither the added mass at infinity nor the band."""
+    bare = database.drop_vars("added_mass_inf")
+    still = bare.isel(omega=[0]).assign_coords(omega=[0.0])
+    still = still.assign({name: 0 * still[name] for name in still.data_vars if "omega" in still[name].dims})
+    one, other = linear_body(bare), linear_body(xr.concat([still, bare], "omega", data_vars="minimal"))
+    assert other.added_mass_inf == pytest.approx(one.added_mass_inf, rel=1e-13)
+    assert float(other.database.omega[0]) == float(database.omega[0])
+
+
 @pytest.mark.parametrize("given", [(), ("mass",), ("damping", "stiffness"), ("mass", "damping", "stiffness")])
 def test_what_is_not_given_of_the_dry_body_is_the_databases(database, given):
     """Matrix by matrix, in the degrees of freedom wanted."""
@@ -282,6 +292,10 @@ class TestRefused:
         body = linear_body(database)
         with pytest.raises(DatabaseError, match=r"received 0.1 to 3 rad/s, the database holds 0.2 to 1.8 rad/s"):
             body.coefficients(np.array([0.1, 3.0]))
+        for beyond in (0.2 - 2e-9, 1.8 + 2e-9):
+            with pytest.raises(DatabaseError, match=r"the database holds 0\.2 to 1\.8 rad/s; solve a wider band"):
+                body.coefficients(np.array([beyond, 1.0]))
+        body.coefficients(np.array([0.2 - 0.5e-9, 1.8 + 0.5e-9]))
         with pytest.raises(DatabaseError, match=r"received 30 degrees, needs one of 0, 45"):
             replace(body, direction=np.pi / 6).coefficients(np.array([1.0]))
 

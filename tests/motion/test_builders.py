@@ -173,6 +173,16 @@ def test_waves_of_a_body_exact_scene_are_froude_krylov_and_diffraction(studies, 
     assert linear.excitation.omega == pytest.approx(SEA.omega)
 
 
+@pytest.mark.parametrize("depth", [3.0, 30.0])
+def test_waves_of_a_body_exact_scene_feel_the_bed(studies, depth):
+    """w^2 = g k tanh(k h), of the database's own depth and gravity."""
+    study, reference = studies["vented"]
+    buoy, shape = buoy_of(study, reference)
+    shallow = replace(buoy, database=buoy.database.assign_attrs(water_depth=depth, gravity=9.7))
+    waves = scenes(study, shallow, shape, "VSWEC", SEA)["body_exact"]().water.waves
+    assert 9.7 * waves.wavenumber * np.tanh(waves.wavenumber * depth) == pytest.approx(SEA.omega**2, rel=1e-12)
+
+
 @pytest.mark.parametrize("damped", [True, False])
 @pytest.mark.parametrize("design", DESIGNS)
 def test_a_scene_under_an_assumed_pressure_has_the_shell_the_water_and_the_damper(studies, design, damped):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vsb.motion.damping_curve import STEP, best_of_table, dampers
+from vsb.motion.damping_curve import NEIGHBOURS, STEP, _highest, best_of_table, dampers
 from vsb.motion.port import Port
 from vsb.motion.tuning import best_dampers
 
@@ -50,3 +50,11 @@ def test_dampers_reach_six_steps_beyond_all_of_single_waves_and_no_seventh(seed)
     assert np.diff(np.log(tried)) == pytest.approx(np.full(len(tried) - 1, STEP), rel=1e-9)
     assert tried[6] == pytest.approx(port.best_damping.min(), rel=1e-9)
     assert 6 <= np.log(tried[-1] / port.best_damping.max()) / STEP < 7
+
+
+def test_a_curve_that_is_hollow_at_the_best_damper_tried_is_left_there():
+    """Newton's method would go down to its lowest point; that of a round curve is its top, but within a step."""
+    x = [0.1, 0.02]
+    hollow, round_, far = ([0.0, sign, -2 * sign * at, 1.0] for sign, at in ((1, x[0]), (-1, x[1]), (-1, 9.0)))
+    found = _highest(np.array([hollow, round_, far]).T)
+    assert found == pytest.approx([0.0, x[1], 1.0 / NEIGHBOURS], abs=1e-12)

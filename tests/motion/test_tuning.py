@@ -211,3 +211,13 @@ def test_a_climb_follows_a_bent_ridge_to_its_top():
     x, value = climbed(ridge, np.array([[-1.0, 1.0], [2.0, 2.0]]), np.full((2, 2), 0.4))
     assert x == pytest.approx(np.ones((2, 2)), abs=3e-3)
     assert value == pytest.approx(np.zeros(2), abs=1e-5)
+
+
+@pytest.mark.parametrize("size", [1, 2])
+def test_a_climb_stays_where_nothing_is_higher(size):
+    """On a plain no direction is preferred, and a top that is found is not left."""
+    start = np.linspace(-1.0, 2.0, 3 * size).reshape(3, size)
+    x, value = climbed(lambda x, _: np.full(len(x), 7.0), start, np.full(start.shape, 0.3))
+    assert (x.tolist(), value.tolist()) == (start.tolist(), [7.0] * 3)
+    x, value = climbed(lambda x, _: -np.sum((x - start[:1]) ** 2, axis=1), start[:1], np.full((1, size), 0.3))
+    assert (x.tolist(), value.tolist()) == (start[:1].tolist(), [0.0])

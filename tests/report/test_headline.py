@@ -41,6 +41,10 @@ def test_a_wave_of_which_the_rigid_design_takes_next_to_nothing_leads_nowhere():
     powers.loc["FSB"] = best_power().sel(design="FSB") + 30 * np.exp(-(((OMEGA - 0.6) / 0.01) ** 2))
     _, second = headline([line("FSB", 0.0), line("A", 20.0)], powers, "FSB", SEAS, 1e-3)
     assert second.startswith("Over all waves that carry power, tuned"), "a twentieth of a peak is not nothing"
+    powers.loc["FSB"] = 0.9 * best_power().sel(design="FSB")
+    powers.loc["FSB"][np.argmin(np.abs(OMEGA - 0.6))] = 20.0  # with which useful is what exceeds 1, as 1.2 does at 2.0
+    _, second = headline([line("FSB", 0.0), line("A", 20.0)], powers, "FSB", SEAS, 1e-3)
+    assert second.startswith("Over all waves that carry power, tuned"), "nor are nine tenths of what the other takes"
 
 
 def test_the_best_design_its_interval_and_the_band():

@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from vsb.results.run_checks import agreement_checks, drift_checks, energy_check
+from vsb.results.run_checks import (
+    agreement_checks,
+    drift_checks,
+    energy_check,
+    linearity_check,
+    steady_state_check,
+)
 from vsb.study.body import BodyStudy
 from vsb.study.reading import validated
 
@@ -68,3 +74,15 @@ def test_power_in_time_is_that_of_the_frequency_domain_in_the_sea_s_own_directio
     assert agreement_checks(switching, wave, frequency, rows, runs) == []
     (exact,) = agreement_checks(one, wave, frequency, rows, {("a", wave.label): {"model": "body_exact"}})
     assert exact.name == "linearity"
+
+
+@pytest.mark.parametrize(("check", "limit"), [(linearity_check, 0.05), (steady_state_check, 0.005)])
+def test_power_is_expected_to_grow_with_the_square_of_the_amplitude(check, limit):
+    """40 W/m^2 in waves of 0.5 m are 10 W; a difference above its limit is a doubt on either side."""
+    one = study()
+    for factor, verdict in ((0.98, "ok"), (1.02, "doubt")):
+        for sign in (1, -1):
+            found = check(one, one.waves[0], 40.0, 10.0 * (1 + sign * factor * limit), "a")
+            assert (found.verdict, found.design, found.wave) == (verdict, "a", one.waves[0].label)
+            assert found.value == pytest.approx(factor * limit, rel=0.06)  # over the larger, or over what is expected
+    assert "10 W in linear theory" in linearity_check(one, one.waves[0], 40.0, 11.0, "a").explanation

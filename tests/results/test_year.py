@@ -166,3 +166,21 @@ def test_gains_know_no_units(power, scale):
     assert found[1].tolist() == [0.0, 0.0]
     power[1, 0] = 0.0
     assert gain_percent(scale * power, 1) is None
+
+
+def test_the_error_of_the_quadrature_is_a_third_of_what_twice_the_step_changes():
+    """By a year over every other frequency."""
+    seas, grid = climate(), np.arange(0.1, 3.0, 0.04)[:71]
+    fine, rough = (year({"A": port(one)}, seas, WATER, ["fixed"], {"A": 8e3}) for one in (grid, grid[::2]))
+    (error,) = fine.quadrature_error[0]
+    assert error == pytest.approx(abs(fine.annual_mean_power - rough.annual_mean_power)[0, 0] / 3, rel=1e-9)
+    assert 0 < error < 0.1 * fine.annual_mean_power[0, 0]
+
+
+def test_one_port_that_does_not_reach_is_enough_to_refuse():
+    seas = climate()
+    wide, narrow = port(np.linspace(0.1, 3.0, 100)), port(np.linspace(0.1, 1.0, 100))
+    for ports in ({"A": wide, "B": narrow}, {"A": narrow, "B": wide}):
+        with pytest.raises(ConfigError, match=r"of its variance outside 0\.1 to 1 rad/s"):
+            year(ports, seas, WATER, ["one"])
+    year({"A": wide}, seas, WATER, ["one"])

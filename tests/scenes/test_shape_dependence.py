@@ -169,8 +169,9 @@ def test_the_motion_is_the_response(motion, small):
     np.testing.assert_allclose(largest, np.abs(rao) * wave.amplitude, rtol=(np.pi / INSTANTS) ** 2)
 
 
-def test_mean_power_is_that_of_the_buoy(motion, small):
-    waves, motions = motion.runs["VSWEC", small.waves[0].label]
+@pytest.mark.parametrize("design", ["FSB", "VSWEC", "VSWEC0", "VSWEC90"])
+def test_mean_power_is_that_of_the_buoy(motion, small, design):
+    waves, motions = motion.runs[design, small.waves[0].label]
     c = motion.buoy.coefficients(waves.omega)
     expected = waves.mean_of(motion.buoy.absorbed_power(waves.omega, motion.buoy.rao(waves.omega, motions)))
     assert shapedependence.mean_power(motion.buoy, c, waves, motions) == pytest.approx(expected, rel=1e-12)
@@ -263,6 +264,16 @@ def test_the_answer_is_one_line(passed, rest, verdict, dataset):
     (effects,) = power_effects(ds).values()
     assert effects["average"] == pytest.approx(0.0, abs=1e-12)
     assert "\n" not in line
+
+
+def test_effects_are_the_extremes_and_the_mean_of_all_shapes_passed(dataset):
+    """Of shapes among which most are alike: neither the first nor the middle of the extremes is their mean."""
+    run = with_powers(dataset, 0.0, 0.03)
+    changes = np.full(run.power_at_shape.shape, 0.01)
+    changes[..., 1], changes[..., -1] = -0.2, 0.5
+    power = float(run.power_at_reference.values[0, 0])
+    (effects,) = power_effects(run.assign(power_at_shape=(run.power_at_shape.dims, power * (1 + changes)))).values()
+    assert effects == pytest.approx({"least": -0.2, "most": 0.5, "average": changes.mean(), "rest": 0.03}, rel=1e-9)
 
 
 def test_the_answer_is_by_the_run_it_matters_most_to(dataset):

@@ -13,6 +13,7 @@ from vsb.shell.mode import Mode
 from vsb.shell.modes import (
     ModeBasis,
     bending_block,
+    check_rank,
     mass_block,
     membrane_block,
     mode_basis,
@@ -267,3 +268,14 @@ def test_the_papers_ratio_takes_the_frequency_of_the_membrane_alone_squared_once
         shell = Shell(2.0, thickness, 1e7, nu, 2700.0)
         expected = (1 + (1 + nu) * omega2**2) / (1 - omega2**2)
         assert paper_ratio(shell, degree) == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("scale", [1e-12, 1.0, 1e12])
+def test_constraints_are_counted_whatever_they_are_measured_in(scale):
+    """Three rows of which one is twice another; two apart by 1e-9 cannot be told, by 1e-3 they are two."""
+    one, other = np.array([1.0, 2.0, 0.0, 1.0]), np.array([0.0, 1.0, 1.0, 3.0])
+    assert check_rank(scale * np.array([one, other, 2 * one])) == 2
+    assert check_rank(scale * np.array([one, one + 1e-3 * other])) == 2
+    with pytest.raises(ConfigError, match="so near each other that it cannot be decided"):
+        check_rank(scale * np.array([one, one + 1e-9 * other]))
+    assert (check_rank(np.zeros((2, 4))), check_rank(np.zeros((0, 4)))) == (0, 0)

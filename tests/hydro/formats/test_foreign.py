@@ -321,6 +321,7 @@ def test_added_mass_at_infinity_may_be_missing():
 def test_what_kramers_kronig_cannot_judge_is_said():
     ends = "not checked: kramers_kronig of Surge, Heave, Pitch, Bend, whose damping lasts beyond the band"
     assert foreign_checks(sound(omega=np.linspace(0.1, 3.0, 30)))[1] == [ends]
+    assert ends in foreign_checks(sound(omega=np.linspace(0.6, 8.0, 75)))[1], "nor one that begins before the band"
     steps = "not checked: kramers_kronig of Surge, Heave, Pitch, Bend, whose damping needs smaller steps of frequency"
     assert foreign_checks(sound(omega=[*np.linspace(0.1, 8.0, 10)]))[1] == [steps]
     few = foreign_checks(sound(omega=[0.1, 1.0, 2.0]))[1]

@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro.formats.modes import mode_labels
-from vsb.hydro.formats.wamit import _named, _problem, import_wamit, wamit_texts
+from vsb.hydro.formats.wamit import _check_one_body, _named, _problem, import_wamit, wamit_texts
 from vsb.tools import files
 
 
@@ -398,3 +398,32 @@ def test_modes_of_several_bodies_come_in_sixes(bodies):
     assert names == [f"body{k}__{name}" for k in range(1, bodies + 1) for name in mode_labels([1, 2, 3, 4, 5, 6])]
     assert numbers == [1, 2, 3, 4, 5, 6] * bodies
     assert _named("raft", [3, 6, 7, 12], 2, None)[0] == ["body1__Heave", "body1__Yaw", "body2__Surge", "body2__Yaw"]
+
+
+@pytest.mark.parametrize(
+    ("modes", "restores", "refused"),
+    [
+        (range(1, 13), (3, 4, 5, 9, 10, 11), True),
+        (range(1, 13), (3, 4, 5, 9, 10, 12), False),
+        (range(1, 13), (3, 4, 5, 7, 9, 10), False),
+        (range(1, 13), (3, 4, 5, 8, 9, 10), False),
+        (range(1, 13), (3, 4, 5), False),
+        (range(1, 12), (3, 4, 5, 9, 10, 11), False),
+        ((3, 9), (3, 9), True),
+        ((3, 7), (3, 7), False),
+        (range(1, 7), (3, 4, 5), False),
+    ],
+    ids=str,
+)
+def test_a_second_rigid_body_is_known_by_what_restores(modes, restores, refused):
+    """Heave, roll and pitch of another six, and nothing else of it; eleven modes in a row are six and five of a shell."""
+    numbers = list(modes)
+    stiffness = np.diag([1.0 if mode in restores else 0.0 for mode in numbers])
+    if not refused:
+        _check_one_body("raft", numbers, stiffness)
+        return
+    count = sum(mode > 6 for mode in numbers)
+    with pytest.raises(DatabaseError, match=rf"raft\.hst: modes {numbers[-count]} to {numbers[-1]} restore in heave"):
+        _check_one_body("raft", numbers, stiffness)
+    coupled = stiffness + np.where(np.add.outer(numbers, numbers) == 12, 0.1, 0.0)  # 3 with 9
+    _check_one_body("raft", numbers, coupled)
