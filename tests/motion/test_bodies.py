@@ -351,3 +351,33 @@ def test_added_mass_is_constant_below_the_band_and_nears_its_limit_with_frequenc
     assert body.added_mass_at(0.01).item() == pytest.approx(inside(0.5), rel=1e-12)
     for times in (1.1, 2.0, 10.0):
         assert body.added_mass_at(4.0 * times).item() - 2.0 == pytest.approx((inside(4.0) - 2.0) / times**2, rel=1e-12)
+
+
+def test_wet_modes_ascend_each_with_its_own_damping_where_added_mass_has_a_resonance():
+    """As of a body nearly immersed: each motion swings at three frequencies, and the stiffer one's may be found first."""
+    omega, pair, at = np.linspace(0.02, 12.0, 1200), ("influenced_dof", "radiating_dof"), 2.8098533
+    mass, stiffness, damping = np.array([0.42785637, 0.3485005]), np.array([6.9424027, 6.6098292]), np.array([0.1, 0.7])
+    strength, width = np.array([1.12164434, 1.3309423]), 0.05042252921789762
+
+    def added(w):
+        apart = at**2 - np.asarray(w)[..., None] ** 2
+        return strength * apart / (apart**2 + (width * np.asarray(w)[..., None]) ** 2)
+
+    ds = xr.Dataset(
+        {
+            "added_mass": (("omega", *pair), added(omega)[:, :, None] * np.eye(2)),
+            "radiation_damping": (("omega", *pair), np.zeros((1200, 2, 2))),
+            "added_mass_inf": (pair, np.zeros((2, 2))),
+            "hydrostatic_stiffness": (pair, np.zeros((2, 2))),
+            "excitation_force": (("omega", "wave_direction", pair[0]), np.ones((1200, 1, 2), complex)),
+        },
+        {"omega": omega, "wave_direction": [0.0]} | {dim: ["one", "other"] for dim in pair},
+    )
+    body = linear_body(ds, mass=np.diag(mass), damping=np.diag(damping), stiffness=np.diag(stiffness))
+    frequencies, ratios = body.natural_modes(np.eye(2))
+    assert frequencies[1] > 1.2 * frequencies[0]
+    for w, ratio in zip(frequencies, ratios, strict=True):
+        inertia = mass + added(w)
+        own = int(np.argmin(np.abs(stiffness - w**2 * inertia)))
+        assert w**2 * inertia[own] == pytest.approx(stiffness[own], rel=1e-6)
+        assert ratio == pytest.approx(damping[own] / (2 * w * inertia[own]), rel=1e-6)
