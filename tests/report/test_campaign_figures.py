@@ -182,3 +182,60 @@ def test_figures_of_a_take_off_of_the_volume_are_of_pressures():
 def test_curves_of_several_designs_have_a_legend_of_them(name):
     (legend,) = DRAWN[name](campaign(), "one", "FSB").findobj(Legend)
     assert {text.get_text() for text in legend.get_texts()} >= {"FSB", "VSWEC"}
+
+
+def test_curves_are_of_the_member_that_gains_most_and_of_designs_that_rest_stably():
+    """VSWEC takes 8 % more than 10 kW there, and half as much again if tuned in each sea."""
+    ds = campaign()
+    ds["annual_mean_power"] = ds.annual_mean_power * xr.where(ds.tuning == "each", 1.5, 1.0)
+    lines = [
+        line for line in tuned_power(ds, "one", "FSB").axes[0].lines if to_hex(line.get_color()) == colour("VSWEC")
+    ]
+    marked = {line.get_marker(): line.get_ydata()[0] for line in lines if line.get_marker() in "os"}
+    assert marked == pytest.approx({"o": 10.8, "s": 10.8})
+    assert lines[-1].get_ydata() == pytest.approx([16.2, 16.2])
+    ds["viable"] = ds.viable.where(ds.design != "VSWEC", other=False)
+    for draw in (tuned_power, pareto):
+        drawn = {to_hex(line.get_color()) for line in draw(ds, "one", "FSB").axes[0].lines}
+        assert (colour("FSB") in drawn, colour("VSWEC") in drawn) == (True, False)
+
+
+def test_a_third_key_has_a_row_of_maps_for_each_of_its_first_values_and_a_fourth_its_first():
+    """Rows say their value, columns their design; gains of all share one scale."""
+    soft = campaign(gains=2 * GAINS).sel(design=["VSWEC"]).assign_coords(design=["SOFT"])
+    ds = xr.concat([campaign(), soft], "design", data_vars="minimal").assign_attrs(
+        varied="young_modulus thickness mass density"
+    )
+    mass, density = (
+        ("mass", np.arange(8) * 100.0 + 100.0, {"units": "kg"}),
+        ("density", [1.0, 2.0], {"units": "kg/m^3"}),
+    )
+    ds = ds.assign_coords(mass=mass, density=density)
+    ds["gain_percent"] = ds.gain_percent + (ds.mass - 100) / 10 + 1000 * (ds.density - 1)
+    figure = sweep(ds, "one", "FSB")
+    maps = [ax for ax in figure.axes if ax.get_label() != "<colorbar>" and ax.get_visible()]
+    assert len(maps) == 2 * 6
+    for i, pair in enumerate(zip(maps[::2], maps[1::2], strict=True)):
+        for k, ax in enumerate(pair):
+            found = ax.collections[0].get_array().reshape(2, 2)
+            np.testing.assert_allclose(found, (k + 1) * GAINS + 10 * i, rtol=1e-9)
+            assert ax.get_title() == (["VSWEC", "SOFT"][k] if i == 0 else "")
+            assert ax.collections[0].get_clim() == maps[0].collections[0].get_clim()
+        assert pair[0].get_ylabel() == f"young modulus [Pa]\nmass {100 * (i + 1)} kg"
+    assert [ax.get_xlabel() for ax in maps[-2:]] == ["thickness [m]"] * 2
+    assert figure.axes[-1].get_ylabel() == "gain over the rigid design [%]"
+
+
+@pytest.mark.parametrize(("gains", "largest"), [(GAINS, 7.55), (0.01 * GAINS, 1.0)])
+def test_colours_reach_to_all_but_the_largest_twentieth_of_the_gains_and_to_one_per_cent_at_least(gains, largest):
+    """Of 1, 2, 5, 8 % the 95th of a hundred lies 0.85 of the way from 5 to 8."""
+    assert sweep(campaign(gains=gains), "one", "FSB").axes[0].collections[0].get_clim() == pytest.approx(
+        (-largest, largest)
+    )
+
+
+def test_a_map_is_grey_behind_points_at_which_a_design_does_not_rest():
+    ds = campaign()
+    assert to_hex(sweep(ds, "one", "FSB").axes[0].get_facecolor()) != "#bbbbbb"
+    ds["viable"] = ds.viable.where((ds.design != "VSWEC") | (ds.thickness > 0.015), other=False)
+    assert to_hex(sweep(ds, "one", "FSB").axes[0].get_facecolor()) == "#bbbbbb"

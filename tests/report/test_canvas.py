@@ -1,7 +1,23 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
+import xarray as xr
+from report.test_figures import data
 
-from vsb.report.canvas import STYLES, grid_of_axes, legend_above, note, period_axis, style, zero_axis
+from vsb.report.canvas import (
+    STYLES,
+    force_of,
+    grid_of_axes,
+    heave_force,
+    legend_above,
+    note,
+    period_axis,
+    plain_numbers,
+    shown_window,
+    style,
+    zero_axis,
+)
 
 
 def test_the_papers_designs_keep_their_colours_whatever_the_study():
@@ -85,3 +101,41 @@ def test_an_axis_of_periods_stands_where_the_frequencies_are():
     assert period.get_xlabel() == "wave period [s]"
     assert sorted(period.get_xlim()) == pytest.approx([np.pi / 2, 2e6 * np.pi])
     assert period.get_window_extent().y1 >= axes[0, 0].get_window_extent().y1
+
+
+def test_sixteen_designs_of_a_study_are_told_apart():
+    """Four colours with four kinds of lines each."""
+    names = [f"D{i}" for i in range(16)]
+    assert len({(look["color"], look["linestyle"]) for look in (style(name, names) for name in names)}) == 16
+
+
+@pytest.mark.parametrize(
+    ("wave", "window", "shown"),
+    [("w", (0.0, 100.0), (70.0, 100.0)), ("w", (69.0, 100.0), (70.0, 100.0)), ("w", (71.0, 100.0), (71.0, 100.0)),
+     ("still", (40.0, 100.0), (0.0, 120.0))],
+)  # fmt: skip
+def test_series_show_fifteen_periods_at_most_and_all_of_what_dies_out(wave, window, shown):
+    run = xr.Dataset(coords={"time": np.linspace(0.0, 120.0, 13)})
+    given = replace(data(), runs={("FSB", wave): run}, periods={wave: 2.0}, window=window)
+    assert shown_window(given, wave) == shown
+
+
+def test_forces_are_kilonewtons_and_zero_where_there_is_none():
+    """Excitation of the body-exact model is the sum of its parts."""
+    names = {"velocity": 3.0, "excitation": 500.0, "froude_krylov": 2000.0, "diffraction": 4000.0, "pto": 7000.0}
+    run = xr.Dataset({name: (("time", "dof"), [[value, 9e9]]) for name, value in names.items()})
+    assert heave_force(run, "excitation").values.tolist() == [6.5]
+    assert heave_force(run, "pto").values.tolist() == [7.0]
+    assert heave_force(run, "drag").values.tolist() == [0.0]
+    assert force_of(run, "pto").values.tolist() == [[7.0, 9e6]]
+    assert force_of(run, "drag").values.tolist() == [[0.0, 0.0]]
+
+
+def test_a_logarithmic_axis_of_few_decades_is_numbered_as_people_read_it():
+    figure, axes = grid_of_axes(3.0)
+    axes[0, 0].set(yscale="log", ylim=(4.0, 300.0))
+    plain_numbers(axes[0, 0].yaxis)
+    figure.draw_without_rendering()
+    told = [label.get_text() for label in axes[0, 0].get_yticklabels() if 4 <= label.get_position()[1] <= 300]
+    assert told == ["5", "10", "20", "50", "100", "200"]
+    assert not any(label.get_text() for label in axes[0, 0].get_yticklabels(minor=True))

@@ -2,8 +2,11 @@
 
 import pytest
 from conftest import varied
+from report.test_curves import SERIES
+from report.test_shell_figures import data as shell_data
 
 from vsb.report.captions import captions
+from vsb.report.shell_figures import extreme_shapes, shapes_3d
 from vsb.study.plan import figure_names
 
 
@@ -51,3 +54,19 @@ def test_every_figure_of_a_study_has_a_caption(seed):
     names = {*figure_names(irregular), *figure_names(seed.model_copy(update={"motion": "planar"}))}
     assert {"spectra", "directions-regular_A0.179_T2.5"} < names
     assert {name.partition("-")[0] for name in names} <= captions(given=True, body=False).keys()
+
+
+@pytest.mark.parametrize("name", SERIES)
+def test_a_caption_names_what_the_axes_of_its_figure_show(name):
+    text = captions(given=True, body=False)[name].lower()
+    for label, _ in SERIES[name]:
+        assert all(word in text for word in label.partition(" [")[0].split()), label
+
+
+def test_captions_of_shells_say_of_which_instants_they_are(seed):
+    """In the words of the figures' titles."""
+    told, given = captions(given=True, body=False), shell_data()
+    (height, _) = extreme_shapes(given, "w").get_suptitle().lower().split(" in the window")
+    assert f"shells of all designs at their {height}, displacement magnified." == told["extreme_shapes"].lower()
+    start, least, greatest = (ax.get_title().partition("\n")[0] for ax in shapes_3d(given, "w").axes)
+    assert f"at the {start} and at its {least.removesuffix(' height')} and {greatest}" in told["shapes_3d"]

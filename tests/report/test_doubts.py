@@ -5,6 +5,7 @@ from pathlib import Path
 
 from vsb.report.doubts import ADVICE, advice, warnings
 from vsb.study.body import CHECKS
+from vsb.study.keys import KEYS
 
 BUCKLING = {
     "name": "buckling",
@@ -61,3 +62,14 @@ def test_every_check_of_the_ledgers_page_and_of_bodies_says_what_to_change_first
     rows = re.findall(r"^\| (`[^|]+) \|", page, re.M)
     names = {name for row in rows for name in re.findall(r"`(\w+)`", row)} | set(CHECKS)
     assert names - set(ADVICE) == {"constraint_drift"}
+
+
+def test_what_is_advised_is_a_key_of_a_study_and_tolerances_are_lowered():
+    """What the automatic model leaves out is bounded by a tolerance of its own."""
+    for name, text in ADVICE.items():
+        for section, key in re.findall(r"\b([a-z]+)\.([a-z_]+)", text):
+            assert section in {**KEYS["Study"], **KEYS["BodyStudy"]}, name
+            assert any(key in keys for keys in KEYS.values()), name
+        assert all(how == "lower" for how in re.findall(r"(\w+) hydro\.\w*tolerance", text)), name
+    assert {name for name, text in ADVICE.items() if "hydro.power_tolerance" in text} == {"left_out", "gain_error"}
+    assert all(("waves" in ADVICE[name]) or name == "surge" for name in ("pitch", "rotation", "translation", "pause"))

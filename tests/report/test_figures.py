@@ -171,3 +171,18 @@ def test_coefficients_are_drawn_as_they_are_down_to_where_a_logarithm_ends():
     lines = [line.get_ydata() for line in top.get_lines()]
     assert [list(y) for y in lines] == [list(added[:, 0]), [2.5, 2.5], list(added[:, 2]), [1.5, 1.5]]
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["Heave", "Membrane0"]
+
+
+@pytest.mark.parametrize(("ratio", "plain"), [(60.0, True), (70.0, False)])
+def test_an_axis_of_less_than_two_decades_has_more_numbers_than_powers_of_ten(ratio, plain):
+    """With a twentieth of the data's span to either side, ends are a hundredfold apart where data are 65.8-fold."""
+    pair = ("omega", "influenced_dof", "radiating_dof")
+    values = np.array([200.0, 200.0 * ratio]).reshape(2, 1, 1)
+    database = xr.Dataset(
+        {"added_mass": (pair, values), "radiation_damping": (pair, values), "added_mass_inf": (pair[1:], [[200.0]])},
+        {"omega": [1.0, 2.0], "influenced_dof": ["Heave"], "radiating_dof": ["Heave"]},
+    )
+    figure = added_mass_damping(data(database=database))
+    figure.draw_without_rendering()
+    told = [label.get_text() for label in figure.axes[0].get_yticklabels()]
+    assert ("500" in told, any("10^" in text for text in told)) == (plain, not plain)

@@ -12,6 +12,7 @@ from vsb.report.page import (
     DETAILS,
     MEASURES,
     PUBLISHED,
+    STILL,
     Report,
     band_statements,
     irregular_statements,
@@ -284,3 +285,85 @@ def test_realisations_of_a_sea_are_not_answered_one_by_one():
     assert "in white noise, FSB absorbs 100 W" in page
     assert "Irregular seas" in page
     assert "in noise_s1" not in page
+
+
+def test_a_gain_of_just_a_per_cent_is_none():
+    assert winning_bands(np.array([1.0, 2.0]), np.array([1.0, 1.0])) == []
+    (band,) = winning_bands(np.array([1.0, 2.0]), np.array([1.0, 1.001]))
+    assert band == (2.0, 2.0, 1.001, 2.0)
+    said = [band_statements(response(A=gain).absorbed_power, "FSB")[0] for gain in (0.0099, 0.0101, -0.0099, -0.0101)]
+    same = "A: the same within 1 % everywhere."
+    assert [text == same for text in said] == [True, False, True, False]
+    assert [text.split()[2] for text in said if text != same] == ["more", "less"]
+
+
+STUDY = {"study": "s", "published": None, "pto": {"damping": 10.0}, "hydro": {"tolerance": 1e-3}}
+
+
+BOTH = (row("FSB", 100), row("A", 120))
+
+
+def page_of(rows=BOTH, checks=(), study=STUDY, found=None, figures=(), **more):
+    """A page of a swell, as text."""
+    drawn = dict.fromkeys(figures, "<svg>x</svg>")
+    return render(Report(study, {"w": "a swell"}, rows, checks, found, more.pop("reference", "FSB"), drawn, {}, **more))
+
+
+def test_the_head_of_a_page_tells_three_failures_and_counts_what_else_fails_or_is_in_doubt():
+    failing = [{**CHECKS[0], "name": name} for name in ("buckling", "passivity", "steepness", "strain", "surge")]
+    page = page_of(checks=[*failing, *[CHECKS[1]] * 4, {**CHECKS[1], "verdict": "ok", "name": "drag"}])
+    head = page.partition("2 more checks fail, 4 further points are in doubt: see")[0]
+    assert head != page
+    told = [name for name in ("buckling", "passivity", "steepness", "strain", "surge") if f"{name}: 66.4" in head]
+    assert told == ["buckling", "passivity", "steepness"]
+    assert "1 check holds" in page
+
+
+def test_tables_of_a_buoy_are_of_its_heave_and_those_of_a_body_of_its_port():
+    for thing, there, other in (("buoy", "heave", "port"), ("body", "port", "heave")):
+        page = page_of(thing=thing)
+        assert f"{there}, peak to peak [m]" in page
+        assert f"{other}, peak to peak [m]" not in page
+        assert f"Does the flexible {thing} absorb more power than the rigid one?" in page
+        energies = page.partition("Energy of the whole run, start-up included")[2]
+        assert "energy of the run [kJ]" in energies.partition("</table>")[0]
+    assert "How much power does the rigid buoy absorb?" in page_of(flexible=False)
+
+
+def test_captions_are_of_what_floats_of_its_limit_and_of_whom_it_is_compared_with():
+    figures = ("absorbed_power", "added_mass_damping")
+    found = response(A=0.2)
+    page = page_of(found=found.assign_attrs(limit="2 λ/2π"), figures=figures)
+    assert "a capture width of 2 λ/2π, the limit of a body of revolution at this port" in page
+    assert "mode of degree 1" in page
+    assert "the limit of an axisymmetric heaving body" in page_of(found=found, figures=figures)
+    assert "all degrees of freedom; dotted: heave" in page_of(thing="body", found=found, figures=figures)
+    gain = "and the gain over the rigid design"
+    assert gain in page
+    assert gain not in page_of(found=found, figures=figures, reference=None)
+    assert gain not in page_of([row("FSB", 100)], found=found, figures=figures)
+
+
+def test_dampers_are_named_in_the_units_of_their_port_and_bands_at_a_damper_need_one():
+    volume = {**STUDY, "pto": {"damping": 10.0, "port": "volume"}}
+    assert "damper [N s/m]" in page_of()
+    assert "damper [Pa s/m³]" in page_of(study=volume)
+    assert "N s/m" not in page_of(study=volume)
+    assert "Designs side by side, at the given damper<" in page_of()
+    tuned = {**STUDY, "pto": {"tuning": "each"}}
+    both = [page_of(study=study, found=response(A=0.2)) for study in (STUDY, tuned)]
+    assert ["all at the given damper:" in page for page in both] == [True, False]
+    assert "Designs side by side, in time, at their own best dampers<" in both[1]
+
+
+def test_limits_and_what_is_published_stand_on_the_page_with_their_source():
+    limited = [{"design": "A", "sea": "w", "power": 112.3, "gain_percent": 12.3}]
+    study = {**STUDY, "published": {"source": "Somebody 2020", "values": {"A": {"power_mean": 100.0}}}}
+    page = page_of(study=study, within_limits=limited)
+    assert "In a swell, no take-off within its limits absorbs more than: A 112.3 W (+12.3 %)." in page
+    assert "<p>Somebody 2020</p>" in page
+    assert "published" not in page_of().partition("<body")[2].lower()
+
+
+def test_a_page_that_moves_nothing_says_why():
+    assert STILL in page_of(thing="body")

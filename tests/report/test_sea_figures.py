@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.colors import to_rgb
 from report.test_figures import data
 
 from vsb.report.sea_figures import spectra, year_spectra
@@ -66,3 +67,24 @@ def test_the_axis_begins_a_little_below_the_first_wave_seen_and_at_none_below_ze
     assert high == pytest.approx(
         peak + 3.035 * width + 0.03 * (peak + 3.035 * width - max(peak - 3.035 * width, 0.0)), abs=0.01
     )
+
+
+def test_seas_are_told_apart_and_seen_on_white():
+    """However many: each has a colour of its own, half as bright as paper at most, and one of four kinds of lines."""
+    names = [f"sea {i}" for i in range(7)]
+    density = [jonswap_spectrum(OMEGA, 1.0 + i, 4.0, 3.3) for i in range(7)]
+    curves = named(spectra(data(spectra=xr.DataArray(density, {"sea": names, "omega": OMEGA}))).axes[0])
+    colours = np.array([to_rgb(curves[name].get_color()) for name in names])
+    assert len(set(map(tuple, colours))) == 7
+    assert (colours @ [0.299, 0.587, 0.114]).max() < 0.75
+    assert {curves[name].get_linestyle() for name in names} == {"-", "--", "-.", ":"}
+
+
+@pytest.mark.parametrize("tp", [2.5, 4.0, 8.0, 16.0])
+def test_every_axis_of_frequencies_has_several_periods_above_it(tp):
+    omega = np.linspace(0.05, 12.0, 2000)
+    density = jonswap_spectrum(omega, 1.0, tp, 3.3)[None]
+    ax = year_spectra(Climate.of_spectra(omega, density, np.ones(1), "made up")).axes[0]
+    low, high = ax.get_xlim()
+    (periods,) = ax.child_axes
+    assert np.sum((2 * np.pi / high < periods.get_xticks()) & (periods.get_xticks() < 2 * np.pi / low)) >= 3

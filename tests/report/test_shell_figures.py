@@ -1,11 +1,14 @@
 """Figures of the shell: closed outlines in their place, magnified by a round factor."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.colors import to_hex
 
 from vsb.report import shell_figures as figures
-from vsb.report.canvas import StudyData
+from vsb.report.canvas import STYLES, StudyData
 
 PHI = np.linspace(0.0, np.pi, 19)
 TIME = np.linspace(0.0, 10.0, 101)
@@ -82,3 +85,46 @@ def test_a_buoy_that_pitches_is_drawn_turned(angle):
     np.testing.assert_allclose(np.hypot(*turned), 2.0, rtol=1e-12)
     np.testing.assert_allclose(turned[:, 0], [2.0 * np.sin(angle), 2.0 * np.cos(angle)], atol=1e-12)
     np.testing.assert_array_equal(figures._tilted(tilted.drop_sel(dof="Pitch"), x, z), (x, z))
+
+
+def bulging():
+    """A body thicker at its top that swells by 10 mm at 4 s and shrinks as much at 6 s, by far more before the window."""
+    given = data()
+    swell = 0.01 * (np.exp(-((TIME - 4.0) ** 2)) - np.exp(-((TIME - 6.0) ** 2))) - 0.03 * np.exp(-9 * (TIME - 1) ** 2)
+    given.runs["VSWEC", "w"].position[:, 1] = swell
+    rest = {"rest_radial": ("colatitude", 0.3 * np.cos(PHI)), "rest_meridional": ("colatitude", 0 * PHI)}
+    return replace(given, modes=given.modes.assign(rest), window=(3.0, 10.0)), swell
+
+
+def test_the_least_height_is_that_of_the_window_and_axes_say_what_is_drawn():
+    given, swell = bulging()
+    figure = figures.extreme_shapes(given, "w")
+    (ax,) = figure.axes
+    _, (x, z) = (line.get_data() for line in ax.get_lines())
+    factor = 20.0  # 0.4 m over 10 mm is 40
+    np.testing.assert_allclose(np.hypot(x, z), 2.0 + 0.3 * z / np.hypot(x, z) + factor * swell[60], rtol=1e-9)
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("radius [m]", "height above the sphere centre [m]")
+    assert figure.get_suptitle() == (
+        "Least height from pole to pole in the window; shell displacement magnified 20 times"
+    )
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["FSB", "VSWEC"]
+
+
+def test_wires_of_a_shell_lie_on_it_at_its_instants_within_a_cube_of_axes():
+    """Those of the flexible design, at the start, its least and its greatest height, as large as the title says."""
+    given, swell = bulging()
+    figure = figures.shapes_3d(given, "w")
+    assert [ax.get_title() for ax in figure.axes] == [
+        "start\nt = 0.00 s", "least height\nt = 6.00 s", "greatest height\nt = 4.00 s"
+    ]  # fmt: skip
+    title = "VSWEC, heights from pole to pole, shell displacement magnified 20 times; z in m"
+    assert figure.get_suptitle() == title
+    for ax, at in zip(figure.axes, (0, 60, 40), strict=True):
+        points = np.concatenate([np.stack(np.broadcast_arrays(*line.get_data_3d()), 1) for line in ax.lines])
+        size = np.linalg.norm(points, axis=1)
+        np.testing.assert_allclose(size, 2.0 + 0.3 * points[:, 2] / size + 20.0 * swell[at], rtol=1e-9)
+        (low, high), *others = ax.get_xlim(), ax.get_ylim(), ax.get_zlim()
+        assert others == [(low, high)] * 2
+        assert low == -high < -np.abs(points).max()
+        assert len(set(ax.get_box_aspect())) == 1
+        assert {to_hex(line.get_color()) for line in ax.lines} == {STYLES["VSWEC"][0].lower()}

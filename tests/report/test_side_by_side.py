@@ -1,10 +1,12 @@
 """Studies side by side, told: what a table leaves out, what the page says first, what its figure shows."""
 
+import csv
 import re
 
 import numpy as np
 import pytest
 from browser import asked
+from matplotlib.colors import to_hex
 
 from vsb.report.side_by_side import HEAD, MOST_POINTS, Line, answer, as_csv, as_page, as_text, figure
 
@@ -124,3 +126,18 @@ def test_the_unit_of_dampers_is_said_once_where_it_is_one():
     assert not any("N s/m" in line for line in alone[1:])
     assert both[0].endswith("damper in")
     assert both[-1].endswith("Pa s/m³")
+
+
+def test_a_file_has_twelve_digits_of_every_number_and_nothing_where_there_is_none():
+    precise = RIGID._replace(power_mean=12345.6789012)
+    first, lost = csv.DictReader(as_csv((precise, LOST)).splitlines())
+    assert (first["power_mean"], first["damping_unit"], lost["power_mean"]) == ("12345.6789012", "N s/m", "")
+
+
+def test_however_many_designs_each_has_marks_of_its_own():
+    """There are fewer kinds of marks, and fewer colours, than designs may be; axes say which measure they show."""
+    gain, width = figure([RIGID._replace(design=f"D{k}", gain_percent=float(k)) for k in range(16)]).axes
+    for ax in (gain, width):
+        marks = [(to_hex(line.get_color()), line.get_marker()) for line in ax.get_lines() if line.get_label()[0] == "D"]
+        assert len(set(marks)) == len(marks) == 16
+    assert [ax.get_xlabel() for ax in (gain, width)] == ["gain over the rigid design [%]", "capture width [m]"]

@@ -7,7 +7,9 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
+from report.test_campaign_figures import campaign
 
+from vsb.report.campaign_figures import DRAWN
 from vsb.report.canvas import grid_of_axes, legend_above
 from vsb.report.svg import data_csv, drawn, in_words
 
@@ -131,3 +133,10 @@ def test_its_files_are_written_together(figure, tmp_path):
     paths = drawn(figure, "wave").write(str(tmp_path), "wave")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["wave.csv", "wave.pdf", "wave.svg"]
     assert [path.rsplit(".")[-1] for path in paths] == ["svg", "pdf", "csv"]
+
+
+def test_a_figure_drawn_again_is_the_same_to_the_byte():
+    """Names of what is cut off at the axes, too, which would otherwise be random."""
+    first, again = (drawn(DRAWN["power_matrices"](campaign(), "one", "FSB"), "x").svg for _ in range(2))
+    assert "clip-path" in first
+    assert first == again

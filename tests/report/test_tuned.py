@@ -64,6 +64,9 @@ def test_the_run_closes_with_the_fair_answer():
     )
     assert closing_line([*SWELL, *CHOP], "FSB").startswith("mean power against the rigid FSB -9.6 to +12.8 % at own")
     assert closing_line(SWELL[:1], "FSB") == ""
+    assert closing_line(SWELL, None) == ""
+    even = closing_line([SWELL[0], line("A", 781.1, 0.0, 207.0, given_gain=0.0)], "FSB")
+    assert even == "mean power against the rigid FSB +0.0 % at own best dampers, +0.0 % at the given damper; "
 
 
 def test_table_has_a_dash_for_what_does_not_exist():
