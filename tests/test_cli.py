@@ -15,6 +15,7 @@ from vsb.stages.preview import summary
 from vsb.stages.stage import STAGES
 from vsb.study.plan import StudyPlan
 from vsb.study.study import canonical, load
+from vsb.tools import files as storage
 
 COMMANDS = (
     "init", "run", "check", "schema", "completion", "verify", "shell", "body", "shape-dependence", "export", "import-wamit", "import-bemio",
@@ -283,3 +284,24 @@ def test_every_option_of_every_command_says_what_it_is_for():
 def test_check_prints_all_that_can_be_said_of_a_study_a_line_each(small, capsys):
     assert main(["check", "small.yaml"]) == 0
     assert capsys.readouterr().out.splitlines() == summary(small.study, small)
+
+
+def test_export_names_its_files_as_the_study_or_as_the_database_that_was_given(small, tmp_path, capsys):
+    """A study of its own name has files of that name, a file those of its own; all are printed, a line each."""
+    for source, stem in (("small.yaml", "small"), (small.database_path, Path(small.database_path).stem)):
+        assert main(["export", source, str(tmp_path / stem)]) == 0
+        files = capsys.readouterr().out.splitlines()
+        assert sorted(files) == sorted(map(str, (tmp_path / stem).iterdir()))
+        assert {Path(file).name.partition(".")[0] for file in files} == {stem}
+
+
+def test_a_database_of_something_else_is_not_exported_as_that_of_a_study(
+    small, finished, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    place = tmp_path / small.database_path
+    place.parent.mkdir(parents=True)
+    other = storage.load(finished / small.database_path).assign_attrs(spec_id="0" * 16)
+    storage.save(other, place)
+    assert told(["export", str(finished / "small.yaml"), "out"], capsys).startswith(f"{small.database_path}: ")
+    assert not (tmp_path / "out").exists()

@@ -234,6 +234,25 @@ def test_no_take_off_gets_anything_at_a_port_that_cannot_move():
     assert rung == ("A", "w", "constrained", None, None, *nothing)
 
 
+@pytest.mark.parametrize(
+    ("highest", "said"),
+    [
+        (1.024, "waves do not move this port"),
+        (
+            1.025,
+            "a force of 1025 harmonics has no optimum in reasonable time, needs at most 1024; "
+            "lower simulation.duration or hydro.omega_max",
+        ),
+    ],
+)
+def test_an_optimum_has_a_thousand_harmonics_at_most(highest, said):
+    def still(omega):
+        return Port(omega, np.zeros(len(omega), dtype=complex), np.zeros(len(omega), dtype=complex), 0.0)
+
+    sea = Sea(0.001 * np.arange(500, 502), np.ones(2, dtype=complex))
+    assert constrained_rung("A", "w", sea, still, Limits(0.2, 1.0, 0.001, highest)).note == said
+
+
 # ports of real studies -----------------------------------------------------------------------------------------------
 
 GRID = 0.1 * np.arange(1, 46)

@@ -19,6 +19,7 @@ from vsb.scenes.rest import reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.modes import mode_basis
+from vsb.study.shape import Spheroid
 from vsb.study.study import Jonswap, RegularWave, StillWater, Water, WhiteNoise
 
 
@@ -295,5 +296,9 @@ def test_what_is_left_out_is_told_of_the_automatic_model_alone(seed, monkeypatch
 def test_what_is_not_known_stands_above_its_limit(seed):
     transient = ledger.transient_checks({("A", "w"): {"no_steady_state": "grows"}}, [{"design": "A", "wave": "w"}])
     free = seed.model_copy(update={"motion": "planar", "pto": seed.pto.model_copy(update={"port": "surge"})})
-    for check in (*transient, *ledger.bending_checks(free, None, {})):
+    shaped = seed.model_copy(update={"device": seed.device.model_copy(update={"shape": Spheroid(height=3.0)})})
+    witness = ledger.witness_checks(shaped, None, None)
+    assert [check.explanation for check in witness] == ["no second solver: panels are those of the sphere"]
+    for check in (*transient, *ledger.bending_checks(free, None, {}), *witness):
         assert (check.value, check.limit, check.verdict) == (1.0, 0.0, "doubt")
+    assert ledger.witness_checks(varied(seed, hydro={"witness": "none"}), None, None) == []

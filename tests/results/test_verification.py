@@ -216,3 +216,12 @@ def test_power_in_a_window_is_that_of_the_wave_wherever_it_lies(window):
     speed = abs(port.velocity_under(port.load(8e3))[0]) * 0.5
     found = linear_power(port, Sea(omega, np.array([0.3 + 0.4j])), 8e3, window)
     assert found == pytest.approx(0.5 * 8e3 * speed**2, rel=1e-9)
+
+
+@pytest.mark.filterwarnings("error")
+def test_seas_that_are_alike_lie_in_the_order_of_the_climate_and_one_that_never_comes_is_never_drawn():
+    share = np.append(np.full(50, 0.02), 0.0)
+    for seed in range(20):
+        sample = drawn(share, share, 50, seed)
+        assert (sample.sea // 2).tolist() == np.repeat(np.arange(25), 2).tolist()
+        assert sample.weight == pytest.approx(1.0)

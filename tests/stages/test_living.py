@@ -1,5 +1,6 @@
 """The page of a study computes with the numbers the study was computed with."""
 
+import base64
 import json
 
 import numpy as np
@@ -66,6 +67,9 @@ def test_seas_of_one_grid_share_its_ports(small):
     assert [sea["jonswap"] and sea["jonswap"]["gamma"] for sea in data["seas"]] == [3.3, 1.0, None]
     assert [sea["squares"] is None for sea in data["seas"]] == [True, True, False]
     assert [sea["limited"][0] for sea in data["seas"]] == [7.0, None, None]
+    omega = np.frombuffer(base64.b64decode(data["grids"][0]["omega"]), "<f8")
+    apart = np.diff(omega)  # a component holds the energy between its neighbours
+    assert all(apart == pytest.approx(sea["jonswap"]["width"]) for sea in data["seas"][:2])
 
 
 def test_seas_from_two_sides_have_ports_of_their_own(small):

@@ -4,14 +4,18 @@ import json
 import re
 from html.parser import HTMLParser
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
+import xarray as xr
+import yaml
 from browser import findings
 from conftest import SEED, varied
 
+from vsb import __version__
 from vsb.errors import DatabaseError
 from vsb.stages import report
-from vsb.study.study import load
+from vsb.study.study import load, parse
 
 
 def made(plan, out, **changes):
@@ -113,3 +117,52 @@ def test_readers_who_do_not_see_the_page_lose_nothing(small, tmp_path, width):
 def test_a_page_without_its_language_is_found_wanting(small, tmp_path):
     page = Path(f"{small.folder}/report.html").read_text().replace('<html lang="en">', "<html>")
     assert [rule for rule, *_ in findings(page, tmp_path)] == ["html-has-lang"]
+
+
+def test_facts_tell_the_worst_of_all_runs_and_the_study_as_it_was_read(seed):
+    runs = [{"method": "generalized-alpha", "seconds": s, "energy_residual": r} for s, r in ((1.5, 3e-7), (0.25, 4e-5))]
+    facts = report._facts(seed, {"BEM": "x"}, runs)
+    time = f"generalized-alpha, {seed.simulation.duration:g} s of motion in 1.500 s or less per design and sea"
+    assert (facts["Time domain"], facts["Largest energy residual"], facts["BEM"]) == (time, "4.0e-05", "x")
+    assert parse(yaml.safe_load(facts["Study"])) == seed
+    assert list(yaml.safe_load(facts["Study"])) == list(seed.model_dump(exclude_none=True))
+    assert facts["Program"].startswith(f"vsb {__version__}, 20")
+
+
+def solved(solver, **attrs):
+    """Results of three frequencies and two motions, as a stage reads them."""
+    database = xr.Dataset(
+        coords={"omega": [0.5, 1.0, 4.5], "influenced_dof": ["Heave", "Bend"]},
+        attrs={"solver": solver, "bem_seconds": 12.34, **attrs},
+    )
+    radiation = xr.Dataset(attrs={"order": 24, "fit_error": 3.2e-4, "seconds": 1.26})
+    seconds = xr.DataArray([[1.0, 2.5], [10.0, 20.25]], {"solver": ["spectral", "panels"]}, ("solver", "shape"))
+    witness = xr.Dataset(
+        {"witness_seconds": seconds}, {"omega": [1.0, 2.0, 3.0, 4.0]}, {"panels": "capytaine 2", "rows": 14}
+    )
+    paths = "r/hydro/{}/id.nc".format
+    return SimpleNamespace(database=database, radiation=radiation, witness=witness, path=paths)
+
+
+def test_facts_of_coefficients_tell_their_solver_their_band_and_what_they_took():
+    model = "24 states, rms error 3.2e-04, fitted in 1.3 s"
+    assert report._bem_facts(solved("spectral")) == {
+        "BEM": "spectral integral equation",
+        "Hydro database": "id.nc: 3 frequencies up to 4.5 rad/s, 2 degrees of freedom",
+        "Seconds of BEM": "12.3 on one core",
+        "Radiation model": model,
+    }
+    assert report._bem_facts(solved("capytaine 2"))["BEM"] == "capytaine 2"
+    of_body = {
+        "Coefficients": "WAMIT",
+        "Hydro database": "id.nc: 3 frequencies from 0.5 to 4.5 rad/s, degrees of freedom Heave, Bend",
+        "Radiation memory": model,
+    }
+    assert report._body_facts(solved("WAMIT")) == of_body
+    assert report._body_facts(solved("WAMIT", history="cut at 4.5")) == of_body | {"History": "cut at 4.5"}
+
+
+def test_facts_of_the_second_solver_tell_the_seconds_of_each(seed):
+    assert report._witness_facts(solved("spectral"), seed) == {
+        "Witness": "id.nc: 2 shapes at 4 frequencies by capytaine 2 on 14 rows (30.2 s) and the spectral solver (3.5 s)"
+    }

@@ -218,3 +218,23 @@ def test_the_database_reaches_any_highest_frequency_asked_for(seed, radius, high
     assert plan.highest_omega in plan.sweep_blocks[-1].omega
     on_grid = StudyPlan(varied(study, hydro={"omega_max": plan.highest_omega}))
     assert content_id(on_grid.database) == content_id(plan.database)  # what is solved names it, not what was asked
+
+
+@pytest.mark.parametrize("depth", [30.0, 3.0])
+def test_blocks_of_a_sweep_have_meshes_for_their_own_highest_frequency_and_begin_where_the_solver_does(seed, depth):
+    """Blocks of 32 frequencies end where the next begins, wherever the first one starts."""
+    plan = StudyPlan(varied(seed, water={"depth": depth}, hydro={"omega_max": 9.0}))
+    infinite, *blocks = plan.sweep_blocks
+    assert [block.omega[-1] for block in blocks] == [3.2, 6.4, 9.6]
+    assert [block.omega[0] for block in blocks][1:] == [3.3, 6.5]
+    first = blocks[0].omega[0]
+    assert plan.lowest_omega <= first + 1e-9 < plan.lowest_omega + plan.step
+    assert first == plan.first_omega
+    assert [block.mesh for block in blocks] == [plan.mesh(block.omega[-1]) for block in blocks]
+    assert infinite.mesh == blocks[0].mesh
+
+
+def test_a_frequency_that_is_the_lowest_of_panels_may_be_tabulated(seed):
+    plan = StudyPlan(varied(seed, hydro={"omega": [0.1, 2.0]}))
+    assert plan.tabulated_blocks[0].omega == (0.1, 2.0)
+    assert plan.tabulated_blocks[0].mesh == plan.mesh(2.0)

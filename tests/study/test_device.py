@@ -39,3 +39,28 @@ def test_the_ballast_lies_inside_the_sphere(height):
 def test_an_inertia_is_not_negative():
     with pytest.raises(ConfigError, match=r"ballast_inertia: received -1.0; needs a number of at least 0"):
         validated(Device, {**GIVEN, "ballast_inertia": -1.0}, "device")
+
+
+def test_a_shell_may_be_all_of_the_mass_and_no_more():
+    bare = Device(**GIVEN).shell_mass
+    assert Device(**{**GIVEN, "mass": bare}).mass == bare
+    with pytest.raises(ConfigError, match=r"mass 1355 kg: needs at least the mass of the shell itself, 1357.17 kg"):
+        validated(Device, {**GIVEN, "mass": 1355.0}, "device")
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"thickness": 0.2}, r"thickness 0.2 m: thin-shell theory \(C3\) needs less than radius/10 = 0.2 m"),
+        ({"thickness": 6.6e-5}, r"thickness 6.6e-05 m: needs at least radius/3e4 = 6.667e-05 m, because a thinner"),
+        ({"internal_pressure": -101325.0}, r"internal_pressure -101325 Pa, gauge: needs more than -101325 Pa, because"),
+        ({"internal_pressure": -5e4, "gas": {"atmospheric_pressure": 5e4}}, r"needs more than -50000 Pa"),
+    ],
+)
+def test_a_shell_is_thin_no_film_and_holds_no_less_than_nothing(changes, said):
+    """At the limit or beyond; a little within it is a shell."""
+    with pytest.raises(ConfigError, match=said):
+        validated(Device, {**GIVEN, **changes}, "device")
+    within = {"thickness": {0.2: 0.1999, 6.6e-5: 6.67e-5}, "internal_pressure": {-101325.0: -101324.0, -5e4: -49999.0}}
+    nearly = {key: within[key][value] if key in within else value for key, value in changes.items()}
+    validated(Device, {**GIVEN, "mass": 40000.0, **nearly}, "device")

@@ -118,3 +118,42 @@ def test_what_is_told_leaves_the_original_as_it_was():
     assert not ds.annual_energy.attrs
     assert not ds.hs.attrs
     assert ds.annual_energy.dims == ("tuning", "design")
+
+
+@pytest.mark.parametrize(
+    ("left", "right"),
+    [
+        ("capture_width flux_matrix", "annual_mean_power"),
+        ("capture_width_matrix", "capture_width"),
+        ("capture_width_deviation", "capture_width"),
+        ("force_rms force_rms", "damping annual_mean_power"),
+        ("force_of_damping", "force_rms"),
+        ("tried_damping", "damping"),
+        *((name, "annual_mean_power") for name in (
+            "power_of_damping", "practice_power", "quadrature_error", "power_bound", "power_matrix", "power_deviation",
+            "corrected_mean_power", "corrected_power_low", "corrected_power_high", "run_power", "linear_run_power",
+            "drawn_power", "power_at_shape", "power_at_reference",
+        )),
+        *((name, "margin") for name in (
+            "viable", "optimum_gap", "optimum_share", "optimum_excess", "impossible_share", "count", "occurrence",
+            "energy_beyond", "energy_beyond_validity", "beyond_validity", "drawn_sea", "drawn_seed", "drawn_weight",
+        )),
+        ("hs", "position"),
+        ("drawn_hs", "hs"),
+        ("drawn_te", "te"),
+        ("stroke", "position"),
+        ("stroke_rate", "velocity"),
+        ("stroke_rate te", "stroke"),
+    ],
+)  # fmt: skip
+def test_units_of_a_year_are_those_of_the_means_and_ratios_it_is_told_in(left, right):
+    both = (sum(dimension(ATTRS[name].units) for name in side.split()) for side in (left, right))
+    assert np.array_equal(*both)
+
+
+def test_results_of_a_member_know_no_design_where_they_are_of_the_shell_or_the_climate():
+    """A campaign's dimensions, member by member: what is stored with others in front keeps its own order."""
+    assert ATTRS["margin"].units == ATTRS["viable"].units == "1"
+    for name in ("margin", "viable", "power_of_damping", "force_of_damping", "tried_damping"):
+        assert ATTRS[name].dims[0] == "..."
+    assert ("design" in ATTRS["margin"].dims, "design" in ATTRS["viable"].dims) == (False, True)
