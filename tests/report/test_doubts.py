@@ -67,7 +67,7 @@ def test_every_check_of_the_ledgers_page_and_of_bodies_says_what_to_change_first
 def test_what_is_advised_is_a_key_of_a_study_and_tolerances_are_lowered():
     """What the automatic model leaves out is bounded by a tolerance of its own."""
     for name, text in ADVICE.items():
-        for section, key in re.findall(r"\b([a-z]+)\.([a-z_]+)", text):
+        for section, key in re.findall(r"\b([a-z]+)\.(\w+)", text):
             assert section in {**KEYS["Study"], **KEYS["BodyStudy"]}, name
             assert any(key in keys for keys in KEYS.values()), name
         assert all(how == "lower" for how in re.findall(r"(\w+) hydro\.\w*tolerance", text)), name

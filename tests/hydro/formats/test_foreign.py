@@ -541,3 +541,38 @@ def test_one_scale_is_told_as_the_factor_of_length_over_gravity():
     found = judged(sound().pipe(_scaled, 0.5))["haskind_scale"]
     assert found.explanation == "excitation and damping have one scale; length/gravity is 1.5 times that of the run"
     assert found.value == pytest.approx(0.5, rel=1e-9)
+
+
+@pytest.mark.parametrize(("low", "high", "scale"), [(0.0, 0.1, 1.0), (0.1, 0.5, 1.5), (0.5, 1.0, 1.0)])
+def test_the_scale_is_the_median_of_where_more_than_a_tenth_of_the_largest_damping_is_radiated(low, high, scale):
+    """Of 80 frequencies 52 radiate less, 18 up to half as much, 10 more: those between are the larger part."""
+    ds = sound()
+    damping = np.einsum("wii->wi", ds.radiation_damping.values)
+    share = damping / damping.max(axis=0)
+
+    def change(x):
+        x *= np.sqrt(np.where((share > low) & (share <= high), 1.5, 1.0))[:, None, :]
+
+    found = judged(edited(ds, "excitation_force", change))["haskind_scale"]
+    assert found.explanation.endswith(f"length/gravity is {scale:g} times that of the run")
+
+
+def test_a_mode_that_moves_no_water_is_never_the_one_that_is_off_most():
+    """Its damping and its excitation are round-off each, of which no ratio says anything."""
+    ds = sound(("Surge", "Heave", "Pitch", "Yaw"))
+    known, noisy = (judged(one)["haskind_long_waves"] for one in (ds, with_noise(ds, "Yaw", 1e-6)))
+    assert (noisy.value, noisy.verdict) == (pytest.approx(known.value, abs=1e-12), "ok")
+    assert "Yaw" not in noisy.explanation
+
+
+def test_scale_and_long_waves_are_judged_of_what_headings_resolve_alone():
+    """Surge and pitch turn too often around the body from 0.5 rad/s on: of them a fifth of the largest is resolved."""
+    ds = sound(("Surge", "Heave", "Pitch"))
+
+    def ripple(x):
+        x[4:, :, ::2] *= 3 * np.cos(5 * ds.wave_direction.values)[:, None]
+        x[1, :, 0] *= np.sqrt(1.04)
+
+    found = judged(edited(ds, "excitation_force", ripple))
+    assert (found["haskind_scale"].value, found["haskind_long_waves"].value) == pytest.approx((0.0, 0.04), abs=1e-9)
+    assert "most at 0.2 rad/s in Surge" in found["haskind_long_waves"].explanation
