@@ -235,6 +235,6 @@ def test_blocks_of_a_sweep_have_meshes_for_their_own_highest_frequency_and_begin
 
 
 def test_a_frequency_that_is_the_lowest_of_panels_may_be_tabulated(seed):
-    plan = StudyPlan(varied(seed, hydro={"omega": [0.1, 2.0]}))
-    assert plan.tabulated_blocks[0].omega == (0.1, 2.0)
-    assert plan.tabulated_blocks[0].mesh == plan.mesh(2.0)
+    plan = StudyPlan(varied(seed, hydro={"omega": [0.1, 11.0]}))
+    assert plan.tabulated_blocks[0].omega == (0.1, 11.0)
+    assert plan.tabulated_blocks[0].mesh == plan.mesh(11.0) != plan.mesh(0.1)
