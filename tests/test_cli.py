@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from conftest import SEED, told
+from conftest import SEED, SMALL, SMALL_PLAN, told
 
 from vsb import cli
 from vsb.cli import main, parser
@@ -17,6 +17,7 @@ from vsb.study.plan import StudyPlan
 from vsb.study.study import canonical, load
 from vsb.tools import files as storage
 
+FORMATS = (".1", ".3", ".3fk", ".3sc", ".hst", ".mmx", ".h5")
 COMMANDS = (
     "init", "run", "check", "schema", "completion", "verify", "shell", "body", "shape-dependence", "export", "import-wamit", "import-bemio",
     *(stage.name for stage in STAGES),
@@ -157,6 +158,23 @@ def test_a_mistake_of_another_command_names_its_file_once(workplace, capsys):
     assert told(["body", "body.yaml", "out"], capsys).startswith("body.yaml: none.stl: mesh not found")
     assert told(["export", written("study.yaml"), "out"], capsys).startswith("results/hydro/db/")  # not of the study
     assert not {"out", "out.shapes", "results"} & {path.name for path in workplace.iterdir()}
+
+
+def test_a_database_of_another_study_is_not_exported_as_the_studys_own(finished, workplace, capsys):
+    """Whatever its name says; the study whose it is has it exported."""
+    for name, more, line in (("small", {}, ""), ("other", {"modes": {"degree": 3}}, "needs")):
+        Path(f"{name}.yaml").write_text(yaml.safe_dump(SMALL | more))
+        stored = Path(StudyPlan(load(f"{name}.yaml")).database_path)
+        stored.parent.mkdir(parents=True, exist_ok=True)
+        stored.write_bytes((finished / SMALL_PLAN.database_path).read_bytes())
+        if line:
+            refused = told(["export", f"{name}.yaml", "out"], capsys)
+            assert refused.startswith(f"{stored}: ")
+            assert re.search(rf"{Path(SMALL_PLAN.database_path).stem}.*{line} .*{stored.stem}", refused)
+        else:
+            assert main(["export", f"{name}.yaml", "out"]) == 0
+            assert capsys.readouterr().out.split() == [f"out/small{kind}" for kind in FORMATS]
+    assert len(list(Path("out").iterdir())) == len(FORMATS)
 
 
 LONG = [["export", "study.yaml"], ["body", "study.yaml"], ["shape-dependence", "study.yaml"]]

@@ -66,6 +66,18 @@ def test_a_budget_brackets_the_rest():
     assert part.flux_share > len(part.solved) / len(whole.solved)  # those that bring most come first
 
 
+def test_bins_not_reached_take_the_part_of_the_matched_power_that_those_reached_do():
+    """All of it without limits, whatever the budget; with limits one by one of what every bin's matched power is."""
+    whole, part = limited(Limits(), seconds=1e3), limited(Limits(), seconds=0.05)
+    assert 0.1 < part.flux_share < 0.9
+    assert part.annual_mean_power.mean == pytest.approx(whole.annual_mean_power.mean, rel=1e-9)
+    held = limited(Limits(force=2e4), seconds=0.05)
+    matched = held.bins.share * held.matched
+    scale = matched.sum() / matched[held.reached].sum()
+    assert held.annual_mean_power.mean == pytest.approx(scale * held.taken, rel=1e-12)
+    assert held.bound > held.taken + matched[~held.reached].sum() * (1 - 1e-9)
+
+
 def test_the_budget_is_no_clock():
     assert affordable(HARMONICS, 1e-9) == 1
     assert affordable(HARMONICS, 2.0) == 2 * affordable(HARMONICS, 1.0)

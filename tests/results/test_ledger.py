@@ -207,6 +207,14 @@ def test_white_noise_beyond_the_band_is_cut(band, share):
     assert (cut.verdict == "ok") == (share < 0.01)
 
 
+@pytest.mark.parametrize(("lowest", "highest", "share"), [(1.25, 2.5, 0.375), (0.5, 2.5, 0.25), (1.25, 3.5, 0.125)])
+def test_what_is_cut_below_a_body_s_band_and_above_it_adds_up(lowest, highest, share):
+    """Of a flat spectrum from 1 to 3 rad/s the part of the band that is left out."""
+    sea = WhiteNoise(kind="white_noise", hs=0.5, band=(1.0, 3.0))
+    (_, cut) = ledger.wave_checks(sea, Water(), highest, lowest)
+    assert cut.value == pytest.approx(share, rel=1e-9)
+
+
 CHECKS = {  # name: limit, unit, whether up to five times it is a doubt
     "pitch": (0.3, "rad", True), "surge": (0.5, "-", True), "rotation": (0.2, "rad", True),
     "translation": (0.3, "-", True), "constrained": (1e-6, "-", True), "buckling": (1.0, "-", False),

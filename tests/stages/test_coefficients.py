@@ -13,6 +13,7 @@ from conftest import SMALL, SMALL_PLAN, told, varied
 import vsb
 from vsb.errors import DatabaseError
 from vsb.hydro.formats.sources import read_source
+from vsb.results.ladder import study_ladder
 from vsb.scenes.build import TUNED, design_in_sea
 from vsb.stages import coefficients
 from vsb.stages.stored import Results
@@ -99,6 +100,22 @@ def test_it_latches_with_the_damper_and_pause_of_the_axisymmetric_chain(finished
     assert body["pause_power"] == pytest.approx(own["pause_power"], rel=5e-3)
     alone = float(both[1].response.best_damping.sel(design="FSB").interp(omega=2 * np.pi / 5))
     assert scenes[1].scene.law.damping == body[TUNED] < 0.6 * alone
+
+
+@pytest.mark.parametrize("tuning", ["each", "one"])
+def test_a_damper_of_a_run_is_that_of_the_ladder_of_its_own_sea_or_of_all(finished, general, tuning):
+    waves = [{**SWELL, "period": period, "direction": 0.0} for period in (2.0, 3.5)]
+    with chdir(general):
+        raw = as_body(finished, pto={"tuning": tuning}, waves=waves)
+        Path("tuned.yaml").write_text(yaml.safe_dump(raw))
+        study = load_body("tuned.yaml").study
+        plan = plan_for(study)
+        paths = {"database": plan.database_path, "radiation": plan.radiation_path}
+        found = [design_in_sea(plan.simulation("VSWEC", wave), paths).notes[TUNED] for wave in study.waves]
+        name = {"each": "best_damper", "one": "best_damper_all_seas"}[tuning]
+        rungs = [r for r in study_ladder(plan.ladder, plan.database_path) if (r.design, r.rung) == ("VSWEC", name)]
+    assert found == pytest.approx([rung.damping for rung in rungs], rel=1e-6)
+    assert (found[0] == found[1]) == (tuning == "one")
 
 
 def test_its_ledger_asks_of_a_body_what_there_is_to_ask(both):

@@ -1,5 +1,7 @@
 """Rule simulate: a run in a file is that of its scene, with what a shell encloses."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from conftest import SMALL_PLAN, varied
@@ -34,6 +36,20 @@ def test_the_motion_is_that_of_the_scene_from_its_start(small, design):
     assert run.attrs["instants"] == run.sizes["time"]
     assert run.attrs["energy_residual"] < 1e-9
     assert run.attrs["steady_power"] > 0
+
+
+def test_a_run_in_legs_is_recorded_as_the_run_in_one(small, tmp_path, monkeypatch):
+    """Every instant once, where one leg ends and the next begins too; what runs say of themselves is of all legs."""
+    whole, short = stored(small, "VSWEC"), partial(simulate.legs, longest=100)
+    monkeypatch.setattr(simulate, "legs", short)
+    simulate.run(small.simulation("VSWEC", WAVE), str(tmp_path / "run.nc"), **small.hydro_files)
+    run = load(tmp_path / "run.nc", expected=small.trajectory_id("VSWEC", WAVE))
+    np.testing.assert_allclose(run.time.values, whole.time.values, atol=1e-12)
+    for name in whole.data_vars:
+        size = max(float(abs(whole[name]).max()), 1e-12)
+        np.testing.assert_allclose(run[name].values, whole[name].values, atol=1e-8 * size, err_msg=name)
+    assert run.attrs["instants"] == whole.attrs["instants"]
+    assert run.attrs["steady_power"] == whole.attrs["steady_power"]
 
 
 def test_volume_and_area_are_those_the_moving_shell_encloses(small):

@@ -9,6 +9,8 @@ from conftest import varied
 from vsb.errors import ConfigError, DatabaseError
 from vsb.stages.stored import Results
 
+WAVE = "regular_A0.179_T2.5"
+
 
 @pytest.fixture
 def results(small):
@@ -63,3 +65,6 @@ def test_results_of_another_study_in_the_folder_are_refused(results):
     for name in ("comparison", "ladder", "response"):
         with pytest.raises(DatabaseError, match=r"small/\w+.\w+: "):
             getattr(other, name)
+    for design in ("FSB", "VSWEC"):
+        with pytest.raises(DatabaseError, match=rf"small/trajectories/{design}-{WAVE}.nc: holds .*, needs "):
+            other.trajectory(design)

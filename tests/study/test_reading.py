@@ -200,3 +200,20 @@ def test_keys_are_told_as_the_file_has_them(model, name, section, value, told):
     with pytest.raises(ConfigError) as error:
         reading.validated(model, raw, "file.yaml")
     assert re.match(f"file.yaml: {told}", error.value.mistakes[0])
+
+
+@pytest.mark.parametrize(
+    ("waves", "told"),
+    [
+        ([], ["waves: received []; needs at least 1 item(s), not 0"]),
+        ([{"kind": "nope"}], ["waves.0: kind 'nope': needs one of 'still', 'regular', 'jonswap', "]),
+        ([{"kind": "regular"}], ["waves.0.amplitude: missing", "waves.0.period: missing"]),
+    ],
+)
+def test_a_list_whose_items_are_wrong_is_not_told_to_be_too_short_as_well(waves, told):
+    raw = changed(("waves",), waves)
+    with pytest.raises(ConfigError) as caught:
+        config.parse(raw, source="a.yaml")
+    assert len(caught.value.mistakes) == len(told)
+    for line, begins in zip(caught.value.mistakes, told, strict=True):
+        assert line.startswith(f"a.yaml: {begins}")
