@@ -137,6 +137,20 @@ def test_what_is_stale_is_made_anew_beside_what_the_user_asks_for():
     assert launcher._forced(["--forcerun", "simulate"], ["a", "b"]) == ["--forcerun", "a", "b", "simulate"]
 
 
+@pytest.mark.parametrize(
+    ("asked", "handed"),
+    [(["-n"], ["-n", "--forcerun", "old.csv"]), (["-n", "-R", "simulate"], ["-n", "-R", "old.csv", "simulate"])],
+)
+def test_a_run_hands_what_is_stale_to_snakemake(workplace, monkeypatch, asked, handed):
+    """Files that are damaged are there, and no older than what they are made of."""
+    seen = []
+    monkeypatch.setattr(launcher, "finished", lambda command, **_: seen.append(command) or 0)
+    monkeypatch.setattr("vsb.stages.verify.stale_products", lambda plan, dry: ["old.csv"])
+    assert main(["run", written("study.yaml"), *asked]) == 0
+    (command,) = seen
+    assert command[command.index("none") + 1 :] == handed
+
+
 def test_of_a_run_that_failed_the_rules_own_line_comes_last(workplace, capsys):
     plan, logs = StudyPlan(load(SEED)), Path("results/logs")
     assert launcher._failed(plan, 0.0) == 1
