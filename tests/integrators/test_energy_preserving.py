@@ -212,6 +212,15 @@ def test_a_record_may_start_at_any_time(scene):
     assert later.position == pytest.approx(whole.position, abs=1e-10)
 
 
+@pytest.mark.parametrize(("name", "at"), [("seed", 37), ("body_exact", 37), ("body_exact", 84)])
+def test_a_record_goes_on_where_another_ended_in_the_middle_of_a_period(scene, name, at):
+    plant, time = scene(name, "FSB"), instants(6.0, 120)
+    system = System.of(plant)
+    whole = fixed_step(system, time, plant.start(0.1, 0.0), 2)
+    end = whole.position[at], whole.velocity[at], whole.memory[at]
+    assert fixed_step(system, time[at:], end, 2).position == pytest.approx(whole.position[at:], abs=1e-8)
+
+
 # errors --------------------------------------------------------------------------------------------------------------
 
 
