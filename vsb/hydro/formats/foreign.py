@@ -305,7 +305,7 @@ def _ratios(part: xr.Dataset, found: Haskind, wet: BoolArray, *, depth: float, g
     """Ratio of damping from excitation to damping: its median, which length/gravity multiplies, and in long waves."""
     theirs, own = (np.einsum("wii->wi", b) for b in (found.damping, part.radiation_damping.values))
     largest = np.abs(own).max(axis=0)
-    share = np.divide(own, largest, out=np.zeros_like(own), where=found.resolved & wet)
+    share = np.divide(own, largest, out=np.zeros_like(own), where=found.resolved & wet & (largest > 0))
     if not (share > 0.1).any():
         return []
     ratio = np.divide(theirs, own, out=np.ones_like(own), where=share > 0)
