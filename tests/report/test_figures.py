@@ -53,6 +53,15 @@ def test_what_best_dampers_take_beyond_the_band_shown_leaves_the_axis_its_bounds
     assert low.get_ylim()[0] <= -20 < 20 <= low.get_ylim()[1]
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("limit", [0.0, 3e3])
+def test_where_no_design_absorbs_the_axis_holds_the_limit_or_a_kilowatt(responding, limit):
+    none = {name: 0.0 * responding.response[name] for name in ("best_power", "absorbed_power")}
+    response = responding.response.assign(**none, power_limit=("omega", np.full(OMEGA.shape, limit)))
+    (top, *_) = absorbed_power(data(response=response)).axes
+    assert top.get_ylim() == (0.0, limit / 1e3 or 1.0)
+
+
 def test_without_a_rigid_design_there_is_no_empty_panel_of_gains(responding):
     alone = data(response=responding.response, reference=None)
     assert len(absorbed_power(alone).axes) < len(absorbed_power(responding).axes)

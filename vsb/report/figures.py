@@ -55,7 +55,7 @@ def absorbed_power(data: StudyData) -> Figure:
         _mark_waves(data, (top, *below))
     largest = max(float(power.where(_shown(data)).max()) for power in powers.values()) / 1e3
     axes[0, 0].set(ylabel="absorbed power\nper amplitude² [kW/m²]", xlim=_band(data))
-    axes[0, 0].set_ylim(0, 1.25 * largest or float(limit.median()))
+    axes[0, 0].set_ylim(0, 1.25 * largest or float(limit.median()) or 1.0)
     if _compares(data):
         _limit_gain(data, powers.values(), axes[1, 0])
     legend_above(figure, axes[0, 0])
