@@ -11,7 +11,7 @@ from conftest import compiled_motion, labelled, only_run, varied
 from vsb.errors import ConvergenceError
 from vsb.integrators.audit import energies, residual
 from vsb.integrators.exponential import ExponentialIntegrator, integrate
-from vsb.integrators.exponential_steps import EVALUATIONS, HISTORY, KEPT, STEPS, march
+from vsb.integrators.exponential_steps import EVALUATIONS, HISTORY, KEPT, STEPS, TICK, march
 from vsb.integrators.simulate import simulate
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
@@ -198,6 +198,19 @@ def test_a_crushed_shell_is_an_error_not_garbage(assumed):
     with pytest.raises(ConvergenceError, match=rf"{at}{shortest} s; .*loads that crush the shell") as told:
         integrate(System.of(worse), np.linspace(0.0, 5.0, 401), plant.start(0.0, 0.0), 1e-8)
     assert 0.0 <= float(re.search(at, str(told.value)).group(1).removesuffix(" s")) < 5.0
+
+
+def test_the_instant_it_gives_up_at_is_counted_in_its_shortest_steps_from_the_begin(assumed, monkeypatch):
+    def stuck(*given):
+        counters = given[-4]
+        counters[TICK] = 3 << 19
+        return -1
+
+    stuck.signatures = march.signatures
+    plant, _ = scene(assumed, "FSB")
+    monkeypatch.setattr("vsb.integrators.exponential.march", stuck)
+    with pytest.raises(ConvergenceError, match=r"cannot be followed at t = 4\.15 s: "):  # 4 s and 1.5 records
+        integrate(System.of(plant), np.linspace(4.0, 5.0, 11), plant.start(0.0, 0.0), 1e-8)
 
 
 def test_a_linear_scene_is_refused(assumed):

@@ -229,6 +229,14 @@ def test_the_lookout_is_as_coarse_as_a_rule_of_order_six_may_be(tolerance, finer
     assert Switching(oscillator(LAWS["saturated"][0], drag=0), tolerance).finer(1.0) == finer
 
 
+@pytest.mark.parametrize(("position", "contact"), [(0.69, 0), (0.71, 1), (-0.09, 0), (-0.11, -1)])
+def test_a_run_begins_in_contact_where_the_stroke_from_the_rest_of_the_law_is_beyond_the_stop(position, contact):
+    law, stop = (replace(x, rest=0.3) for x in LAWS["end stop"])
+    one = Switching(oscillator(law, stop))
+    state, lookout = one.system.first((np.array([position]), np.array([0.3]))), one.lookout(TIME, 1)
+    assert one.first(0.0, one.fresh(0.0, state, lookout), lookout).contact == contact
+
+
 def test_a_stop_costs_only_where_it_is_pressed():
     """One out of reach: the very motion without it; one met: some fine instants, the same at each lookout."""
     law, time = LAWS["end stop"][0], np.linspace(0.0, 12.0, 61)

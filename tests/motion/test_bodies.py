@@ -266,8 +266,10 @@ class TestRefused:
     def test_bodies_that_cannot_be(self, database):
         with pytest.raises(ConfigError, match=r"received Heave, Roof; needs some of Surge, Sway"):
             linear_body(database, ["Heave", "Roof"])
-        with pytest.raises(ConfigError, match=r"mass: received shape \(2, 2\), needs finite numbers, shape \(1, 1\)"):
-            linear_body(database, ["Heave"], mass=np.eye(2))
+        for name in ("mass", "damping", "stiffness"):
+            needs = rf"^{name}: received shape \(2, 2\), needs finite numbers, shape \(1, 1\)\.$"
+            with pytest.raises(ConfigError, match=needs):
+                linear_body(database, ["Heave"], **{name: np.eye(2)})
         with pytest.raises(ConfigError, match=r"mass: received shape \(2, 2\), needs finite numbers, shape \(2, 2\)"):
             linear_body(database, ["Heave", "Pitch"], mass=np.array([[1.0, 0.0], [0.0, np.nan]]))
         with pytest.raises(ConfigError, match="stiffness: received a matrix that is not symmetric"):
