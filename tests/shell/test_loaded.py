@@ -424,6 +424,16 @@ def test_viability_of_other_shells(seed):
         viable_pressure(weak, 0.0, seed.water)
 
 
+def test_a_light_soft_shell_is_viable_just_below_the_pressure_it_breathes_at(seed):
+    """With little of it in the water, what buckles is held at nine tenths of 2 C (1 + nu)/r, at which breathing fails."""
+    soft = seed.device.model_copy(update={"young_modulus": 2.6e4, "thickness": 0.1})
+    pressure, found = viable_pressure(soft, 1.6, seed.water)
+    stretch = soft.young_modulus * soft.thickness / (1 - soft.poisson_ratio**2)
+    assert 0.85 < pressure / (2 * stretch * (1 + soft.poisson_ratio) / soft.radius) < 0.95
+    assert found.load_factor == pytest.approx(1.0, rel=1e-6)
+    assert buckling(complete_shell(soft, 1.6, seed.water, 0.99 * pressure)).load_factor < 1.0
+
+
 def test_a_margin_no_pressure_reaches_is_refused_and_one_just_below_is_met(seed, vented):
     """The largest load factor over pressure, each a buckling problem of its own."""
     factors = {}

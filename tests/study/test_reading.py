@@ -1,10 +1,13 @@
 """Reading of files: what is none is one line."""
 
+import math
 import re
 from itertools import pairwise
+from typing import Annotated, Literal
 
 import pytest
 import yaml
+from pydantic import Field, ValidationError, create_model
 from study.test_sections import changed
 
 from vsb.errors import ConfigError
@@ -12,7 +15,9 @@ from vsb.study import reading
 from vsb.study import study as config
 from vsb.study.body import BodyStudy
 from vsb.study.campaign import Campaign
+from vsb.study.quantities import Finite, Name, Section
 from vsb.study.study import Study
+from vsb.study.waves import Wave
 from vsb.tools.shipped import HOME
 from vsb.tools.words import shortened
 
@@ -155,6 +160,46 @@ def test_mistakes_are_told_in_words_of_this_project(monkeypatch, model, name, va
         text for text in error.value.mistakes if re.search("should|Input|pydantic|valid|needs another value", text)
     ]
     assert not found
+
+
+TOLD = {  # pydantic's name: kind of the value, the value, what is needed
+    "bool_parsing": (bool, "x", "true or false"), "bool_type": (bool, [], "true or false"),
+    "dict_type": (dict[str, int], 1, "a mapping of keys and values"),
+    "finite_number": (Finite, math.inf, "a finite number"), "float_parsing": (float, "x", "a number"),
+    "float_type": (float, [], "a number"),
+    "greater_than": (Annotated[float, Field(gt=2.5)], 2.5, "a number above 2.5"),
+    "greater_than_equal": (Annotated[float, Field(ge=2.5)], 2.0, "a number of at least 2.5"),
+    "int_from_float": (int, 2.5, "a whole number"), "int_parsing": (int, "x", "a whole number"),
+    "int_parsing_size": (int, 4301 * "1", "a whole number of fewer digits"), "int_type": (int, [], "a whole number"),
+    "less_than": (Annotated[float, Field(lt=2.5)], 2.5, "a number below 2.5"),
+    "less_than_equal": (Annotated[float, Field(le=2.5)], 3.0, "a number of at most 2.5"),
+    "list_type": (list[int], 1, "a list"),
+    "literal_error": (Literal["linear", "log"], "linaer", "'linear' or 'log'; did you mean linear?"),
+    "model_attributes_type": (Wave, 1, "a mapping of keys and values"),
+    "model_type": (Section, 1, "a mapping of keys and values"),
+    "string_pattern_mismatch": (Name, "2 b", "letters, digits and _, first a letter"),
+    "string_too_long": (Annotated[str, Field(max_length=3)], "four", "at most 3 characters"),
+    "string_type": (str, 1, "a word or a text"), "string_unicode": (str, b"\xff", "a word or a text"),
+    "too_long": (Annotated[list[int], Field(max_length=1)], [1, 2], "at most 1 item(s), not 2"),
+    "too_short": (Annotated[list[int], Field(min_length=2)], [1], "at least 2 item(s), not 1"),
+    "tuple_type": (tuple[int, ...], 1, "a list"),
+}  # fmt: skip
+
+
+def test_no_mistake_is_without_a_sentence_or_a_case():
+    assert reading._WORDS.keys() == TOLD.keys()
+
+
+@pytest.mark.parametrize("kind", TOLD)
+def test_every_mistake_has_its_sentence(kind):
+    annotation, value, needed = TOLD[kind]
+    model = create_model("Given", key=(annotation, ...))
+    with pytest.raises(ValidationError) as found:
+        model.model_validate({"key": value})
+    assert [error["type"] for error in found.value.errors()] == [kind]
+    with pytest.raises(ConfigError) as told:
+        reading.validated(model, {"key": value}, "a.yaml")
+    assert str(told.value) == f"a.yaml: key: received {shortened(repr(value))}; needs {needed}"
 
 
 def test_one_degree_of_freedom_is_a_name():

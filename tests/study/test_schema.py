@@ -8,6 +8,7 @@ import pytest
 import yaml
 from conftest import SEED
 from pydantic import ValidationError
+from study.test_ids import STUDIES as STUDIES_OF_EVERY_KIND
 
 from vsb.study.body import BodyStudy
 from vsb.study.body_file import BodyFile
@@ -16,7 +17,7 @@ from vsb.study.keys import KEYS
 from vsb.study.quantities import Section
 from vsb.study.reading import read_yaml
 from vsb.study.schema import _with_bounds, dotted, hint, keys_at, nearest, schema_of
-from vsb.study.study import Study
+from vsb.study.study import Study, parse
 
 MODELS = {"campaign": Campaign, "study": Study, "body-study": BodyStudy, "body": BodyFile}
 FILES = {path: path.read_text() for path in SEED.parent.glob("*.yaml")}
@@ -61,6 +62,24 @@ def numbers(data):
 def test_shipped_studies_are_valid_by_the_schema(path):
     raw = numbers(yaml.safe_load(path.read_text()))
     jsonschema.validate(raw, schema_of(BodyStudy if "body" in raw else Study))
+
+
+@pytest.mark.parametrize("name", STUDIES_OF_EVERY_KIND)
+def test_what_a_study_takes_the_schema_takes(name):
+    """Every kind of plan, with every section given."""
+    raw = numbers(yaml.safe_load(SEED.read_text()))
+    for section, given in STUDIES_OF_EVERY_KIND[name].items():
+        raw[section] = {**raw.get(section, {}), **given} if isinstance(given, dict) else given
+    if "shape" in raw["device"]:
+        raw["designs"] = {"VSWEC": {}}
+    parse(raw)
+    jsonschema.validate(raw, schema_of(Study))
+
+
+@pytest.mark.parametrize(("given", "valid"), [([[0, 1], [1, 0]], True), ("hull.csv", True), (None, True), (3.0, False)])
+def test_points_of_a_profile_stand_in_the_study_or_in_a_file(given, valid):
+    profile = schema_of(Study)["$defs"]["Shape"]["properties"]["profile"]
+    assert jsonschema.Draft202012Validator(profile).is_valid(given) == valid
 
 
 @pytest.mark.parametrize("path", CAMPAIGNS, ids=lambda path: path.stem)

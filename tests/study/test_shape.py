@@ -8,7 +8,7 @@ from vsb.study.campaign import read
 from vsb.study.floating import centre_height, keel_depth
 from vsb.study.plan import StudyPlan
 from vsb.study.reading import read_yaml
-from vsb.study.shape import Shape
+from vsb.study.shape import Shape, shell_mass, with_points
 from vsb.study.study import canonical, load, parse
 
 OBLATE = {"spheroid": {"height": 3.0}}
@@ -117,6 +117,56 @@ def test_a_profile_that_is_none_is_one_line(tmp_path, text, message):
 def test_what_is_not_known_of_shapes_is_refused(shape, changes, message):
     with pytest.raises(ConfigError, match=message):
         parse(raw(shape, **changes))
+
+
+def test_a_rigid_buoy_of_another_shape_has_no_modes_to_ask_anything_of():
+    modes = {"basis": "membrane", "degree": 0}
+    study = parse(raw(OBLATE, designs={"FSB": {"flexible": False}}, modes=modes))
+    assert (study.modes.basis, study.modes.degree, study.flexible) == ("membrane", 0, False)
+
+
+@pytest.mark.parametrize(
+    ("key", "size", "limit", "inwards"),
+    [("spheroid", "height", 0.4, 1.001), ("spheroid", "height", 40.0, 0.999), ("capsule", "length", 36.0, 0.999)],
+)
+def test_a_shape_is_a_tenth_to_ten_diameters_high(key, size, limit, inwards):
+    """At a radius of 2 m; a capsule has two caps of that beside its length."""
+    caps = 4.0 if key == "capsule" else 0.0
+    found = Shape(**{key: {size: limit * inwards}}).meridian(2.0)
+    assert found.highest - found.lowest == pytest.approx(limit * inwards + caps, rel=1e-9)
+    across = (limit / inwards + caps) / 4.0
+    with pytest.raises(ValueError, match="needs") as refused:
+        Shape(**{key: {size: limit / inwards}}).meridian(2.0)
+    assert str(refused.value) == f"shape.{key}: received a height of {across:.4g} diameters, needs 0.1 to 10"
+
+
+def test_a_shell_weighs_its_area_times_its_thickness_and_density():
+    """4 pi r^2 of a sphere, 2 pi a^2 (1 + c^2/(e a^2) artanh e) of an oblate spheroid, e^2 = 1 - c^2/a^2."""
+    assert shell_mass(None, 2.0, 0.01, 2700.0) == pytest.approx(4 * math.pi * 4.0 * 27.0, rel=1e-14)
+    e = math.sqrt(1 - (1.5 / 2) ** 2)
+    area = 2 * math.pi * 4.0 * (1 + (1.5 / 2) ** 2 / e * math.atanh(e))
+    meridian = Shape(**OBLATE).meridian(2.0)
+    assert shell_mass(meridian, 2.0, 0.01, 2700.0) == pytest.approx(area * 27.0, rel=1e-9)
+
+
+def test_points_stand_in_a_file_with_empty_lines_and_leave_what_was_given_as_it_was(tmp_path):
+    (tmp_path / "hull.csv").write_text("x,z\n\n0,1\n , \n1,0.5\n")
+    given = {"device": {"shape": {"profile": "hull.csv"}, "radius": 1.0}}
+    found = with_points(given, str(tmp_path / "study.yaml"))
+    assert found == {"device": {"shape": {"profile": [[0.0, 1.0], [1.0, 0.5]]}, "radius": 1.0}}
+    assert given["device"]["shape"]["profile"] == "hull.csv"
+    for other in ({"device": 3}, {}, [], {"device": {"shape": None}}, {"device": {"shape": {"profile": [[0, 1]]}}}):
+        assert with_points(other, "study.yaml") is other
+
+
+@pytest.mark.parametrize("data", [b"\xff\xfe0,1", b'0,1\n"' + b"1" * 200_000])
+def test_a_profile_that_is_no_text_is_told(tmp_path, data):
+    """Bytes that are no letters, a cell longer than any."""
+    (tmp_path / "hull.csv").write_bytes(data)
+    with pytest.raises(ConfigError) as refused:
+        with_points({"device": {"shape": {"profile": "hull.csv"}}}, str(tmp_path / "study.yaml"))
+    told = "device.shape.profile: received hull.csv, which cannot be read (no text); needs a CSV file"
+    assert str(refused.value) == f"{tmp_path / 'study.yaml'}: {told}"
 
 
 def test_a_campaign_is_of_spheres(tmp_path):

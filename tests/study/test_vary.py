@@ -35,6 +35,22 @@ def test_pairs_go_together():
     assert vary.shape == (2,)
 
 
+def test_a_sweep_given_in_python_may_be_tuples():
+    as_lists = {
+        "device.mass": [1.0, 2.0],
+        "device.radius": {"log": [1.0, 4.0, 3]},
+        "device.draft": {"linear": [1, 2, 2]},
+    }
+    as_tuples = {
+        "device.mass": (1.0, 2.0),
+        "device.radius": {"log": (1.0, 4.0, 3)},
+        "device.draft": {"linear": (1, 2, 2)},
+    }
+    assert read_vary(as_tuples) == read_vary(as_lists)
+    assert read_vary(as_lists).values["device.radius"] == (1.0, 2.0, 4.0)
+    assert read_vary(read_vary(as_lists)) == read_vary(as_lists)
+
+
 def test_nothing_varied_is_one_point():
     assert Vary().points == [{}]
     assert Vary().shape == ()

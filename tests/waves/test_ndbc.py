@@ -1,6 +1,8 @@
 """Measured spectra: the shipped year, other ways of writing them, and files that are refused in one line."""
 
 import gzip
+from datetime import datetime, timedelta
+from itertools import permutations
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +11,7 @@ import xarray as xr
 
 from vsb.errors import ConfigError
 from vsb.study.study import Water
-from vsb.waves.ndbc import _direction_widths, read_ndbc, read_spectra
+from vsb.waves.ndbc import _calendar, _check_units, _direction_widths, _header, _time, read_ndbc, read_spectra
 
 SHIPPED = Path(__file__).parents[2] / "config" / "climate" / "ndbc46042_1996_spectra.txt.gz"
 HEADER = "YY MM DD hh   .050   .100   .150\n"
@@ -126,6 +128,91 @@ def test_directional_spectra_of_netcdf(tmp_path):
     spectra().to_netcdf(tmp_path / "s.nc")
     climate = read_spectra(tmp_path / "s.nc")
     assert climate.density * 2 * np.pi == pytest.approx(np.array([[1.0, 2.0, 0.5], [1.5, 2.5, 0.25]]), rel=1e-14)
+
+
+@pytest.mark.parametrize("order", list(permutations(("time", "freq", "dir"))))
+def test_dimensions_of_netcdf_stand_in_any_order(tmp_path, order):
+    ds = spectra().transpose("site", *order)
+    ds.to_netcdf(tmp_path / "s.nc")
+    ds.sum("dir").assign(efth=90.0 * ds.efth.sum("dir").drop_attrs()).to_netcdf(tmp_path / "summed.nc")
+    expected = np.array([[1.0, 2.0, 0.5], [1.5, 2.5, 0.25]])
+    for name in ("s.nc", "summed.nc"):
+        climate = read_spectra(tmp_path / name)
+        np.testing.assert_allclose(climate.density * 2 * np.pi, expected, rtol=1e-14)
+        np.testing.assert_allclose(climate.omega, 2 * np.pi * BANDS, rtol=1e-14)
+
+
+@pytest.mark.parametrize(
+    "units", ["m2/Hz/degree", "m2/Hz/deg", "m2 s / Degrees", "m^{2}.s.degree^{-1}", "m2 Hz-1 degree-1", ""]
+)
+@pytest.mark.parametrize("hertz", ["Hz", "s-1", "s^-1", "s^{-1}", "1/s", ""])
+def test_units_of_netcdf_as_they_are_written(units, hertz):
+    ds = spectra()
+    ds.efth.attrs["units"], ds.freq.attrs["units"] = units, hertz
+    _check_units("s.nc", ds, True)
+    ds.efth.attrs["units"] = "m^2 s"
+    with pytest.raises(ConfigError, match=r"^s.nc: received efth in 'm\^2 s', needs m2/Hz/degree$"):
+        _check_units("s.nc", ds, True)
+
+
+@pytest.mark.parametrize("units", ["m2/Hz", "m^2/Hz", "m2 s", "m^2 s", "m^{2}s", "m**2/hz", "m2 Hz-1", "m**2 s", ""])
+def test_units_of_netcdf_without_directions(units):
+    ds = spectra()
+    ds.efth.attrs["units"] = units
+    _check_units("s.nc", ds, False)
+    ds.efth.attrs["units"] = "m2/Hz/degree"
+    with pytest.raises(ConfigError, match=r"^s.nc: received efth in 'm2/Hz/degree', needs m2/Hz$"):
+        _check_units("s.nc", ds, False)
+
+
+def test_a_calendar_keeps_the_first_record_of_an_instant_and_says_what_it_lacks():
+    """Hours 0, 1, 2, 2 again, 6, 2.25 and 7: of steps of an hour three are missing, one is shorter."""
+    start = datetime(2020, 1, 1)
+    times = [start + timedelta(hours=hours) for hours in (1, 0, 2, 2, 6, 2.25, 7)]
+    kept, notes = _calendar(times)
+    assert kept == [0, 1, 2, 4, 5, 6]
+    assert notes == [
+        "2020-01-01 00:00 to 2020-01-01 07:00",
+        "1 records of an instant that has one already left out",
+        "one record per 1 h, 3 of them not in the file",
+        "1 records closer than that count as much as the others",
+        "0 days stand for a year: seasons are missing",
+    ]
+    assert _calendar([start]) == ([0], ["2020-01-01 00:00 to 2020-01-01 00:00"])
+
+
+@pytest.mark.parametrize(("days", "told"), [(359, ["359 days stand for a year: seasons are missing"]), (360, [])])
+def test_a_year_may_lack_five_days(days, told):
+    times = [datetime(2020, 1, 1) + timedelta(days=day) for day in range(days + 1)]
+    assert _calendar(times)[1][1:] == ["one record per 24 h, 0 of them not in the file", *told]
+
+
+@pytest.mark.parametrize(
+    ("words", "year"),
+    [("69 5 6 7", 2069), ("70 5 6 7", 1970), ("99 5 6 7", 1999), ("1970 5 6 7 8", 1970), ("0 5 6 7", 2000)],
+)
+def test_years_of_two_digits(words, year):
+    assert _time("s.txt", 2, words.split()) == datetime(year, 5, 6, 7, 8 if words.endswith("8") else 0)
+
+
+@pytest.mark.parametrize(
+    ("header", "message"),
+    [
+        ("YY MM DD hh 4.0 5.0", ""),
+        ("YY MM DD hh 4.0 5.1", "line 1: received 2 frequencies from 4 to 5.1, needs them ascending, above 0, in Hz"),
+        ("YY MM DD hh 0 0.1", "line 1: received 2 frequencies from 0 to 0.1, needs them ascending, above 0, in Hz"),
+        ("YY MM DD hh 0.1 0.1", "line 1: received 2 frequencies from 0.1 to 0.1, needs them ascending, above 0, in Hz"),
+        ("YY MM DD hh 0.1", "line 1: received 1 frequencies from 0.1 to 0.1, needs them ascending, above 0, in Hz"),
+        ("YY MM DD 0.1 0.2", "line 1: received 'YY MM DD 0.1 0.2', needs YY MM DD hh [mm] and the frequencies in Hz"),
+    ],
+)
+def test_frequencies_of_a_header(header, message):
+    if not message:
+        assert _header("s.txt", header.split())[1].tolist() == [4.0, 5.0]
+        return
+    with pytest.raises(ConfigError) as refused:
+        _header("s.txt", header.split())
+    assert str(refused.value) == f"s.txt, {message}"
 
 
 def test_missing_numbers_of_netcdf_are_counted(tmp_path):

@@ -76,6 +76,8 @@ def test_empty_cells_are_said(written):
         ("Hs/Te,6.5,7.5\n0.25,10\n", "line 2: received 2 cells, needs 3 as the header has"),
         ("Hs/Te,6.5,7.5\n0.25,10,80,10\n", "line 2: received 4 cells, needs 3 as the header has"),
         ("Hs/Te,6.5,7.5\n0.25,10,x\n", "line 2: received 'x', needs an occurrence of 0 or more"),
+        ("Hs/Te,6.5,7.5\n0.25,10,many %\n", "line 2: received 'many', needs an occurrence of 0 or more"),
+        ("Hs/Te,6.5,7.5\n0.25,10,-10 %\n", "line 2: received '-10 %', needs an occurrence of 0 or more"),
         ("Hs/Te,6.5,7.5\n0.25,110,-10\n", "line 2: received '-10', needs an occurrence of 0 or more"),
         ('Hs/Te,6.5,7.5\n0.25,1.000,5\n0.75,"1,000.5",1\n', "line 3: received '1,000.5', needs an occurrence"),
         ("Hs/Te,6.5,6.5\n0.25,10,90\n", "received columns labelled 6.5 twice, needs every bin once"),
