@@ -256,6 +256,20 @@ def test_a_truncated_model_of_many_channels_is_passive():
     assert is_passive(short)
 
 
+@pytest.mark.parametrize("scale", [1e-9, 1.0, 1e6])
+def test_states_are_empty_in_terms_of_the_largest_energy(scale):
+    """K is quadratic in F; of two oscillators that radiate in proportion a combination stores nothing."""
+    true = reciprocal(6, 3, 2, 0)
+    outputs = passive._PassiveOutputs(true.state_matrix, true.input_matrix)
+    full = outputs.model(scale * true.channel, np.eye(2))
+    assert full.order == 6
+    assert full.transfer(OMEGA) == pytest.approx(scale**2 * true.transfer(OMEGA), rel=1e-9, abs=1e-9 * scale**2)
+    twice = passive._PassiveOutputs(*(np.kron(np.eye(2), true.state_matrix), np.vstack([true.input_matrix] * 2)))
+    model = twice.model(scale * np.vstack([true.channel] * 2), np.eye(2))
+    assert model.order == 6
+    assert model.transfer(OMEGA) == pytest.approx(4 * scale**2 * true.transfer(OMEGA), rel=1e-6, abs=1e-6 * scale**2)
+
+
 def test_directions_that_matter():
     rng = np.random.default_rng(0)
     mixing = rng.normal(size=(2, 5))

@@ -240,8 +240,6 @@ def limit_shift(omega: FloatArray, missed: ComplexArray) -> FloatArray:
 
 def _widened(a: FloatArray, b: FloatArray, poles: ComplexArray) -> tuple[FloatArray, FloatArray]:
     """State and input matrix with further poles, reached by all motions: passive K needs freedom above the band."""
-    if not poles.size:
-        return a, b
     dof = b.shape[1]
     _, block, ones = partial_fractions(np.zeros(1, dtype=complex), np.concatenate([poles, poles.conj()]))
     return block_diag(a, np.kron(block, np.eye(dof))), np.vstack([b, np.kron(ones[:, None], np.eye(dof))])

@@ -7,7 +7,18 @@ from scipy.spatial import cKDTree
 
 from examples import barge
 from vsb.hydro.bodies import body as bodies
-from vsb.hydro.bodies.coarsening import _smooth, _thinnest, coarser_body, coarser_panels
+from vsb.hydro.bodies.coarsening import (
+    _around,
+    _beside,
+    _boundary,
+    _cut,
+    _flat,
+    _smooth,
+    _thinnest,
+    _without_blunt_corners,
+    coarser_body,
+    coarser_panels,
+)
 
 BOTH = ("xOz", "yOz")
 
@@ -144,3 +155,48 @@ def test_the_thinnest_half_of_a_panel_is_that_on_the_smaller_side_of_its_first_d
     vertices = np.column_stack([np.array(corners, dtype=float), np.zeros(len(corners))])
     panel = np.array([[0, 1, 2, len(corners) - 1]])
     assert _thinnest(vertices, panel, np.array([0.0, 0.0, 1.0])) == pytest.approx(area)
+
+
+def test_panels_are_beside_each_other_both_ways_but_not_across_an_edge():
+    """Two quadrilaterals and a triangle in a row, and one at right angles on the first."""
+    corners = np.array([[0, 1, 4, 3], [1, 2, 5, 4], [2, 6, 5, 5], [0, 3, 8, 7]])
+    normals = np.array([[0, 0, 1.0], [0, 0, 1.0], [0, 0, 1.0], [1.0, 0, 0]])
+    assert _beside(corners, normals) == {0: {1}, 1: {0, 2}, 2: {1}}
+    assert _beside(corners, normals[[0, 0, 0, 0]]) == {0: {1, 3}, 1: {0, 2}, 2: {1}, 3: {0}}
+
+
+@pytest.mark.parametrize(("count", "centre"), [(1, False), (2, True), (8, True), (9, False)])
+def test_a_vertex_with_more_than_eight_panels_is_a_pole(count, centre):
+    corners = np.array([[0, i + 1, i + 2, i + 2] for i in range(count)])
+    found = _around(corners, np.tile([0.0, 0.0, 1.0], (count, 1)))
+    assert found.get(0) == (set(range(count)) if centre else None)
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
+@pytest.mark.parametrize(("share", "flat"), [(0.9, True), (1.1, False)])
+def test_a_patch_is_flat_by_its_bend_in_terms_of_its_size(size, share, flat):
+    square = size * np.array([[0, 0, 0], [1, 0, 0], [1, 1, share * 1e-6], [0, 1, 0]])
+    assert _flat(square + size, np.array([0.0, 0.0, 1.0]), size**2) == flat
+
+
+def test_only_one_closed_line_is_a_boundary():
+    ring = np.array([[0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]])
+    assert _boundary(ring[:3]) == [0, 1, 2, 3, 7, 6, 5, 4]
+    assert _boundary(ring) == []  # two
+    assert _boundary(np.array([[0, 1, 2, 2], [2, 3, 4, 4]])) == []  # that touch
+    assert _boundary(np.array([[5, 3, 4, 4]])) == [3, 4, 5]
+
+
+def test_a_polygon_is_cut_into_quadrilaterals_and_at_most_one_triangle():
+    assert [_cut(list(range(10, 10 + count))) for count in (3, 4, 5, 6)] == [
+        [[10, 11, 12, 12]], [[10, 11, 12, 13]], [[10, 11, 12, 13], [10, 13, 14, 14]], [[10, 11, 12, 13], [10, 13, 14, 15]],
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(("least", "kept"), [(0.09, 6), (0.11, 5), (0.21, 4), (100.0, 3)])
+def test_the_bluntest_corners_go_first_until_what_they_cut_off_is_too_much(least, kept):
+    """A square of side 2 with corners raised by 0.1 and 0.2 on two sides: they cut off as much area."""
+    vertices = np.array([[0, 0, 0], [1, -0.1, 0], [2, 0, 0], [2, 2, 0], [1, 2.2, 0], [0, 2, 0.0]])
+    found = _without_blunt_corners(vertices, list(range(6)), np.array([0.0, 0.0, 1.0]), least)
+    assert len(found) == kept
+    assert found[: kept - 3] == [[], [0], [0, 2], [0, 1, 2]][kept - 3]

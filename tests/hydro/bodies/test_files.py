@@ -106,6 +106,33 @@ def test_a_modes_file_that_does_not_fit_is_refused_by_name(tmp_path, body):
         files.read_body(tmp_path / "box.nc", tmp_path / "text.nc")
 
 
+def test_what_is_infinite_is_told_to_be_so_not_to_be_too_large(tmp_path, body):
+    shapes = np.array(body.shapes)
+    shapes[0, 0, 2] = np.inf
+    with pytest.raises(ConfigError) as refused:
+        files.read_body(*written(tmp_path, body, mode_shape=(("dof", "vertex", "xyz"), shapes)))
+    assert "NaN or infinite" in str(refused.value)
+    assert "reaches" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "limit"),
+    [("mode_shape", 1e6), ("centre_of_mass", 1e6), ("inertia_matrix", 1e30), ("structural_stiffness", 1e30)],
+)
+def test_the_largest_numbers_a_body_has(tmp_path, body, name, limit):
+    pair = ("influenced_dof", "radiating_dof")
+    unit = {"mode_shape": (("dof", "vertex", "xyz"), np.eye(1, body.shapes.size).reshape(body.shapes.shape))}
+    unit |= {"centre_of_mass": ("xyz", np.array([0.0, 0.0, -1.0])), "inertia_matrix": (pair, np.eye(2))}
+    unit |= {"structural_stiffness": (pair, np.eye(2))}
+    dims, values = unit[name]
+    mesh, modes = written(tmp_path, body, **{name: (dims, limit * values)})
+    read = files._displacements(modes, (len(body.vertices), len(body.faces)), mesh)
+    assert np.abs(read[1] if name == "mode_shape" else read[3][name]).max() == limit
+    with pytest.raises(ConfigError) as refused:
+        files.read_body(*written(tmp_path, body, **{name: (dims, -1.001 * limit * values)}))
+    assert str(refused.value) == f"{modes}: {name} reaches {1.001 * limit:.3g}; needs at most {limit:g}"
+
+
 @pytest.mark.parametrize("name", ["none.vtu", "garbage.vtu", "garbage.stl", "garbage.gdf", "garbage.nc", "garbage.foo"])
 def test_a_mesh_that_cannot_be_read_is_refused_in_one_line(tmp_path, name, capsys):
     if not name.startswith("none"):
@@ -141,6 +168,18 @@ def test_a_closed_cylinder_of_triangles_loses_those_without_area(tmp_path):
     modes.assign_coords(dof=["Stretch"]).to_netcdf(tmp_path / "own.nc")
     body = files.read_body(tmp_path / "cylinder.stl", tmp_path / "own.nc")
     assert body.modes[0, :, 2].tolist() == own[~files.without_area(corners, panels)].tolist()
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e4])
+@pytest.mark.parametrize("share", [0.9, 1.1])
+def test_a_panel_has_no_area_if_it_is_lower_than_single_precision_shows(size, share):
+    """Height of a rectangle, over the diagonal of what all panels span, however large the body is."""
+    corners = np.array(
+        [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0.5, 0, 0), (0.5, 0, 1), (0, 0, 1), (0, 0, 0)], float
+    )
+    vertices = size * np.vstack([corners, [(0.5, share * 3**0.5 * 1e-7, 0), (0, share * 3**0.5 * 1e-7, 0)]])
+    faces = np.array([[0, 1, 2, 3], [0, 4, 5, 6], [0, 4, 8, 9], [0, 1, 2, 2]])
+    assert files.without_area(vertices, faces).tolist() == [False, False, share < 1, False]
 
 
 def test_a_body_without_such_panels_has_no_history(tmp_path):

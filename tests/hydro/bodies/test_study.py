@@ -1,3 +1,4 @@
+import json
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -15,7 +16,9 @@ from vsb.hydro.bodies import files as bodyfiles
 from vsb.hydro.bodies import study as bodystudy
 from vsb.hydro.bodies.coarsening import CoarserBody
 from vsb.hydro.bodies.study import BodyProblem
+from vsb.study import blocks
 from vsb.study.body_file import BodyFile
+from vsb.study.canonical import content_id
 from vsb.tools.files import load
 
 LABELS = ("Heave", "Pitch", "Bend")
@@ -87,6 +90,32 @@ def test_a_body_file_becomes_a_database_with_a_verdict(tmp_path, body, green_fol
     assert float(ds.hydrostatic_stiffness[0, 0]) == pytest.approx(1000.0 * 9.8 * 6.0 * 4.0)
     assert ds.structural_stiffness.values == pytest.approx(np.diag([0.0, 0.0, 1e6]))
     assert ds.attrs["bem_seconds"] > 0
+    spec, blocks = json.loads(ds.attrs["spec"]), {path.stem: load(path) for path in tmp_path.glob("out/blocks/*.nc")}
+    order = {"inf" if "omega" not in block.dims else float(block.omega[0]): name for name, block in blocks.items()}
+    assert spec["blocks"] == [order["inf"], order[1.0], order[1.3]]
+    assert len(blocks) == 3
+    assert ds.attrs["spec_id"] == content_id(spec)
+
+
+def test_what_one_frequency_is_solved_from(body, monkeypatch):
+    """Another of these is another block; symmetry is not among them, nor waves and lid at infinite frequency."""
+    given = {"body": "box", "mesh": "-", "modes": "-", "omega": (1.0,), "wave_direction": (0.0,), "lid": 1}
+
+    def ids(body=body, **changes):
+        return [content_id(bodystudy._spec(BodyFile(**given | changes), body, omega)) for omega in (np.inf, 1.0)]
+
+    before = ids()
+    assert ids(symmetry="none", tolerance=0.01, omega=(1.0, 2.0), body=body) == before
+    for waves in ({"lid": 2}, {"wave_direction": (0.0, 30.0)}):
+        assert [a == b for a, b in zip(ids(**waves), before, strict=True)] == [True, False]
+    moved = replace(body, vertices=body.vertices * [1.0, 1.0, 0.9])
+    other = replace(body, modes=1.1 * body.modes)
+    named = replace(body, labels=("Heave", "Pitch", "Bow"))
+    turned = replace(body, faces=body.faces[:, [1, 2, 3, 0]])
+    for found in (ids(water={"density": 1000.0}), *(ids(body=one) for one in (moved, other, named, turned))):
+        assert not {*found} & {*before}
+    monkeypatch.setattr(blocks, "version", lambda package: f"{package} of tomorrow")
+    assert not {*ids()} & {*before}
 
 
 def test_nothing_is_solved_twice_and_an_interrupted_run_goes_on(tmp_path, body, green_folder, calls, monkeypatch):
@@ -163,6 +192,25 @@ def test_the_verdict_sees_a_body_that_does_not_float_where_it_lies(tmp_path, bod
     heavy = made(body.vertices, body.faces, body.shapes, LABELS, mass=2 * body.mass)
     checks = bodystudy.run(files(tmp_path, heavy, omega=[1.0]), tmp_path / "out", green_folder)
     assert {check.name: check.verdict for check in checks}["afloat"] == "fail"
+
+
+def test_the_mass_afloat_is_that_of_heave_wherever_it_stands(body, monkeypatch):
+    """Not of another rigid motion, nor of one that heaves by half."""
+    monkeypatch.setattr(bodystudy, "error_estimate", lambda *_: 0.0)
+    monkeypatch.setattr(bodystudy.quality, "negative_damping", lambda *_: 0.0)
+    attrs = dict.fromkeys(("symmetry", "far_field", "haskind", "coarser_share"), 0.0)
+    block = SimpleNamespace(own=SimpleNamespace(attrs=attrs))
+    swept = SimpleNamespace(solved=[block], coefficients=None, error=0.0)
+    file = BodyFile(body="b", mesh="b.nc", modes="b.nc", omega=[1.0], wave_direction=[0.0])
+
+    def afloat(scale, labels, mass):
+        one = made(body.vertices, body.faces, scale * body.shapes[[1, 0]], labels, mass=mass)
+        return [c.value for c in bodystudy.verdict(file, one, block, swept, np.ones(2)) if c.name == "afloat"]
+
+    mass = np.diag([1e5, 1025.0 * 48.0])
+    assert afloat(1.0, ("Pitch", "Heave"), mass) == pytest.approx([0.0], abs=1e-12)
+    assert afloat(1.0, ("Pitch", "Heave"), np.diag([1e5, 1025.0 * 36.0])) == pytest.approx([0.25], abs=1e-12)
+    assert afloat(0.5, ("Turn", "Half"), mass) == afloat(1.0, ("Pitch", "Heave"), None) == []
 
 
 @pytest.mark.parametrize(("wave", "answer"), [(0.5, "ok"), (0.7, "doubt"), (1.5, "fail")])

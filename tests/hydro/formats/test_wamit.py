@@ -67,6 +67,14 @@ def test_files_are_these():
         assert "ULEN 1 density 1000 gravity 10 depth inf modes 3=Heave 7=Membrane0" in text.splitlines()[0]
 
 
+def test_periods_ascend_in_every_file_then_headings_and_modes():
+    texts = wamit_texts(random_database(headings=3), "memory")
+    for name, count in ((".1", 3), (".3", 3), (".3fk", 3), (".3sc", 3), (".hst", 2)):
+        starts = [tuple(map(float, line.split()[:count])) for line in texts[name].splitlines()[1:]]
+        assert starts == sorted(set(starts)), name
+        assert len({start[0] for start in starts}) > 2, name
+
+
 def test_length_scale_divides_as_translations_do():
     one, two = (wamit_texts(two_modes(), "memory", length) for length in (1.0, 2.0))
     assert rows(one[".hst"])[:, 2] == pytest.approx(4 * rows(two[".hst"])[:, 2])
@@ -228,6 +236,14 @@ def test_output_of_others_with_generalized_modes(tmp_path):
     }
     files.save(ds, tmp_path / "imported.nc")
     assert files.load(tmp_path / "imported.nc").equals(ds)
+
+
+@pytest.mark.parametrize("change", [str.lower, str.upper, lambda text: text.lower().replace("e", "d")])
+def test_exponents_are_written_as_fortran_may(tmp_path, change):
+    """1.0e3, 1.0E3, 1.0d3 and 1.0D3."""
+    expected = import_wamit(written(tmp_path, FOREIGN), "buoy", density=1000.0, gravity=10.0)
+    other = {name: "\n".join(["header", *map(change, text.splitlines()[1:])]) for name, text in FOREIGN.items()}
+    assert import_wamit(written(tmp_path, other), "buoy", density=1000.0, gravity=10.0).equals(expected)
 
 
 def test_a_header_may_be_missing_and_infinite_frequency_too(tmp_path):

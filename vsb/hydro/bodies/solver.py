@@ -32,8 +32,8 @@ def unit_wave(points: FloatArray, k: float, depth: float, directions: FloatArray
     -------
     ndarray, shape (direction, point)
     """
-    z, finite = points[:, 2], np.isfinite(depth)
-    floor = (1 + np.exp(-2 * k * (z + depth))) / (1 + np.exp(-2 * k * depth)) if finite else 1.0
+    z = points[:, 2]
+    floor = (1 + np.exp(-2 * k * (z + depth))) / (1 + np.exp(-2 * k * depth))
     ahead = np.column_stack([np.cos(directions), np.sin(directions)])
     return np.asarray(np.exp(k * z + 1j * k * ahead @ points[:, :2].T) * floor)
 
@@ -43,7 +43,7 @@ def unit_wave_slope(
 ) -> ComplexArray:
     """Return the derivative of `unit_wave` along normals, shape (direction, point) [1/m]."""
     ahead = np.column_stack([np.cos(directions), np.sin(directions)])
-    down = np.tanh(k * (points[:, 2] + depth)) if np.isfinite(depth) else 1.0
+    down = np.tanh(k * (points[:, 2] + depth))
     slope = 1j * ahead @ normals[:, :2].T + normals[:, 2] * down
     return np.asarray(k * slope * unit_wave(points, k, depth, directions))
 
