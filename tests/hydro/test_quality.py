@@ -93,6 +93,12 @@ def test_a_failure_is_one_line_and_can_be_accepted_by_name(perfect):
     assert checks["haskind"] == "accepted"
 
 
+def test_only_a_failure_can_be_accepted():
+    """A doubt that is named stays a doubt, with its advice."""
+    given = [Check("haskind", 0.1, 0.05, "-", verdict, "why") for verdict in ("ok", "doubt", "fail")]
+    assert [check.verdict for check in quality.judged(given, ("haskind",))] == ["ok", "doubt", "accepted"]
+
+
 def test_tabulated_frequencies_are_judged_with_the_sweep(perfect):
     tabulated = perfect.isel(omega=[10, 50]).assign_coords(omega=[1.13, 5.17])
     tabulated = damaged(tabulated, "radiation_damping", lambda b: b.__imul__(3.0))

@@ -52,6 +52,14 @@ def test_interpolation_converges_at_fourth_order():
     assert np.all(np.abs(slopes[1:] - 4.0) < 0.15), slopes
 
 
+def test_damping_that_ends_straight_is_met_exactly():
+    """One cubic, zero at 0 and without curvature at the end of the band, whose slope there is not zero."""
+    omega = np.linspace(0.2, 4.0, 20)
+    cubic = DampingSpectrum(omega, (omega**2 * (12.0 - omega))[:, None, None])
+    probe = np.linspace(0.0, 4.0, 77)
+    assert cubic.at(probe)[:, 0, 0] == pytest.approx(probe**2 * (12.0 - probe), abs=1e-11)
+
+
 def test_transfer_function_is_damping_and_reactive_added_mass(spectrum):
     omega = np.array([0.7, 2.0])
     transfer = spectrum.transfer(omega)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from vsb.errors import ConvergenceError, DatabaseError, StabilityError
 from vsb.hydro import statespace as radiation
 from vsb.hydro.retardation import DampingSpectrum
-from vsb.hydro.statespace import RadiationModel, fit_order, fit_radiation, joined, vector_fit
+from vsb.hydro.statespace import RadiationModel, _dissipative, _polish, fit_order, fit_radiation, joined, vector_fit
 
 
 def chain(order: int, dof: int, seed: int) -> RadiationModel:
@@ -48,6 +48,26 @@ def test_vector_fitting_recovers_the_poles_of_a_rational_function():
     values = np.array([[sum(r / (1j * w - poles)) for r in residues] for w in omega])
     found = vector_fit(omega, values, 4)
     assert np.sort_complex(found) == pytest.approx(np.sort_complex(poles), abs=1e-6)
+
+
+def test_what_a_model_radiates_is_exact_however_close_its_poles_are():
+    """A + A^T = -l l^T to the last bits, though the observability of poles so close is known to a few digits only."""
+    poles = np.array([-0.02 + 2.0j, -0.0201 + 2.001j, -0.8 + 2.5j])
+    poles = np.concatenate([poles, poles.conj(), [-0.5, -0.51]])
+    a, channel = _dissipative(poles)
+    assert np.abs(a + a.T + np.outer(channel, channel)).max() < 4 * np.finfo(float).eps * np.abs(a).max()
+    by_parts = np.sort_complex(np.linalg.eigvals(a))
+    assert by_parts == pytest.approx(np.sort_complex(poles), abs=1e-5)
+
+
+def test_a_fit_that_begins_near_the_amplitudes_ends_at_them():
+    """Thirty steps of Gauss and Newton from a tenth away: the rates they go by must be those of the fit."""
+    model, omega = chain(6, 1, 3), np.linspace(0.1, 4.0, 60)
+    resolvent = np.linalg.inv(1j * omega[:, None, None] * np.eye(6) - model.state_matrix)
+    start = 1.1 * model.input_matrix
+    found, error = _polish(resolvent, model.transfer(omega), start)
+    assert error < 1e-13
+    assert np.abs(found) == pytest.approx(np.abs(model.input_matrix), abs=1e-9)
 
 
 def test_not_passive_is_refused():

@@ -120,6 +120,17 @@ def test_a_linear_scene_is_followed_as_closely_as_asked():
     assert steps < len(TIME) / 5
 
 
+def test_what_an_error_may_be_grows_with_the_motion(monkeypatch):
+    """From rest on it costs next to nothing more than if the largest motion to come were known."""
+    start = np.zeros(1), np.zeros(1)
+    motion, steps = collocated(dragged(), TIME, start, 1e-6)
+    largest = float(np.hypot(np.sqrt(50.0) * motion.position, np.sqrt(2.0) * motion.velocity).max())
+    assert largest > 20 * TIME[1] * abs(PUSH) / np.sqrt(2.0)  # what is known of it at the begin
+    monkeypatch.setattr(System, "least", property(lambda _: largest))
+    _, known = collocated(dragged(), TIME, start, 1e-6)
+    assert known <= steps < 1.1 * known
+
+
 def test_rest_stays_rest():
     still = System.of(Scene(("Heave",), np.array([[2.0]]), {"hydrostatic": LINEAR["hydrostatic"], "drag": QuadraticDrag(
         np.eye(1), np.array([DRAG]), np.zeros(0), np.zeros((0, 1), dtype=complex))}, np.eye(1)))  # fmt: skip

@@ -237,6 +237,14 @@ def test_a_run_begins_in_contact_where_the_stroke_from_the_rest_of_the_law_is_be
     assert one.first(0.0, one.fresh(0.0, state, lookout), lookout).contact == contact
 
 
+@pytest.mark.parametrize(("position", "way"), [(0.5, -1), (-0.5, 1)])
+def test_what_begins_at_rest_goes_where_it_is_pushed(position, way):
+    """The spring of the water alone."""
+    one = Switching(oscillator(LAWS["saturated"][0], waves=None))
+    state, lookout = one.system.first((np.array([position]), np.zeros(1))), one.lookout(TIME, 1)
+    assert one.first(0.0, one.fresh(0.0, state, lookout), lookout).way == way
+
+
 def test_a_stop_costs_only_where_it_is_pressed():
     """One out of reach: the very motion without it; one met: some fine instants, the same at each lookout."""
     law, time = LAWS["end stop"][0], np.linspace(0.0, 12.0, 61)

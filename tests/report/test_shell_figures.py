@@ -87,6 +87,26 @@ def test_a_buoy_that_pitches_is_drawn_turned(angle):
     np.testing.assert_array_equal(figures._tilted(tilted.drop_sel(dof="Pitch"), x, z), (x, z))
 
 
+def test_a_mode_of_order_one_moves_both_meridians_the_same_way():
+    """V = sin, U = cos of the colatitude at theta = 0, of the other sign at pi: the whole sphere moves sideways."""
+    given = data()
+    modes = given.modes.assign(radial=(("mode", "colatitude"), np.sin(PHI)[None]), order=("mode", [1]))
+    modes = modes.assign(meridional=(("mode", "colatitude"), np.cos(PHI)[None]))
+    at = given.runs["VSWEC", "w"].isel(time=10)
+    x, z = figures._closed(*figures._meridians(replace(given, modes=modes), at, 20.0))
+    moved = 20.0 * float(at.position[1])
+    assert abs(moved) > 0.1
+    np.testing.assert_allclose(np.hypot(x - moved, z), 2.0, rtol=1e-9)
+
+
+def test_volume_and_area_are_drawn_each_on_its_axis():
+    figure = figures.volume_area(data(), "w")
+    for ax, drawn in zip(figure.axes, ("volume", "area"), strict=True):
+        assert drawn in ax.get_ylabel()
+        for line, name in zip(ax.get_lines(), ("FSB", "VSWEC"), strict=False):
+            np.testing.assert_array_equal(line.get_ydata(), data().runs[name, "w"][drawn].values)
+
+
 def bulging():
     """A body thicker at its top that swells by 10 mm at 4 s and shrinks as much at 6 s, by far more before the window."""
     given = data()

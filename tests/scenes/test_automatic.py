@@ -146,6 +146,12 @@ def test_every_rung_holds_the_one_below_and_the_clamps(seed):
         assert np.abs(rows @ larger).max() < 1e-12
 
 
+def test_a_ladder_has_a_rung_for_every_degree_from_breathing_on(seed):
+    """Without clamps heave and one mode more a degree."""
+    ladder = motion_ladder(varied(seed, designs={"A": {}}), study_basis(seed), "A")
+    assert {degree: motions.shape[1] for degree, motions in ladder.items()} == {RIGID: 1} | {n: n + 2 for n in range(7)}
+
+
 def test_ladder_of_a_rigid_design_has_one_rung(seed):
     assert list(motion_ladder(seed, study_basis(seed), "FSB")) == [RIGID]
 

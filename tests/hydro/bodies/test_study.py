@@ -258,11 +258,12 @@ def test_every_limit_of_the_verdict_on_either_side(body, monkeypatch, name, part
         assert {found[other] for other in found if other != name} == {"ok"}
         return found[name]
 
-    below, above = verdict(0.99 * border), verdict(1.01 * border)
-    if part:
-        assert below != "fail" == above
-    else:
-        assert below == "ok" != above
+    for sign in (1, -1) if name == "afloat" else (1,):  # too light is as wrong as too heavy
+        below, above = verdict(0.99 * sign * border), verdict(1.01 * sign * border)
+        if part:
+            assert below != "fail" == above
+        else:
+            assert below == "ok" != above
 
 
 def test_panels_without_area_are_dropped_and_the_repair_is_recorded(tmp_path, body, green_folder):
