@@ -1,5 +1,6 @@
 import argparse
 import io
+import json
 import re
 import subprocess
 import sys
@@ -323,3 +324,11 @@ def test_a_database_of_something_else_is_not_exported_as_that_of_a_study(
     storage.save(other, place)
     assert told(["export", str(finished / "small.yaml"), "out"], capsys).startswith(f"{small.database_path}: ")
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("kind", "title"), [("study", "Study"), ("body-study", "BodyStudy"), ("body", "BodyFile"), ("campaign", "Campaign")]
+)
+def test_every_kind_of_file_has_its_own_schema(capsys, kind, title):
+    assert main(["schema", kind]) == 0
+    assert json.loads(capsys.readouterr().out)["title"] == title

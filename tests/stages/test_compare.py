@@ -1,5 +1,6 @@
 """Rule compare: tables of all runs, one sea in memory at a time."""
 
+import json
 import shutil
 from pathlib import Path
 
@@ -7,6 +8,7 @@ import pytest
 from conftest import SMALL_PLAN, varied
 
 from vsb.errors import DatabaseError
+from vsb.hydro.database import Check
 from vsb.scenes.rest import reference_shell
 from vsb.stages import compare
 from vsb.stages.inputs import Inputs
@@ -50,6 +52,31 @@ def test_results_of_another_study_are_refused_and_nothing_is_written(place):
     with pytest.raises(DatabaseError, match="stale or foreign"):
         compared(StudyPlan(varied(SMALL_PLAN.study, pto={"damping": 5000.0})), folder)
     assert not any((folder / name).exists() for name in texts)
+
+
+MAKERS = {
+    compare: ["agreement_checks", "constrained_checks", "fair_damping_checks", "pause_checks",
+              "reference_power_checks", "stored_checks"],
+    compare.ledger: ["bending_checks", "limit_check", "radiation_checks", "sea_checks", "shell_checks",
+                     "transient_checks", "wave_checks", "witness_checks"],
+    compare.irregular: ["statistical_checks"],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("module", "name"), [(module, name) for module in MAKERS for name in MAKERS[module]])
+def test_what_every_maker_of_checks_says_reaches_the_ledger_and_the_tables(place, monkeypatch, module, name):
+    """A study in linear waves asks all of them; what one finds is written beside what the others found."""
+    folder, texts = place
+    told = Check("told here", 7.0, 1.0, "-", "fail", "by hand")
+    before = json.loads(texts["validity.json"])["checks"]
+    monkeypatch.setattr(module, name, lambda *_, **__: told if name == "limit_check" else [told])
+    compared(SMALL_PLAN, folder)
+    for file in ("validity.json", "tables.json"):
+        found = json.loads((folder / file).read_text())["checks"]
+        expected = "hydro told here" if name == "stored_checks" else "told here"
+        assert [check["value"] for check in found if check["name"] == expected] == [7.0]
+        kept = [check for check in found if check["value"] != 7.0]
+        assert {check["name"] for check in kept} <= {check["name"] for check in before}
 
 
 def test_what_a_sea_leaves_is_small_and_its_own(small):

@@ -100,6 +100,7 @@ def test_a_profile_of_the_users_own_is_named_by_its_path(workplace, monkeypatch)
             ["nowhere"],
             "target: received nowhere, needs one of all, coefficients, compare, database, ",
         ),
+        (["results-of-another/report.html"], "target: received results-of-another/report.html, needs one of all, "),
     ],
 )
 def test_what_snakemake_would_answer_with_pages_is_one_line(workplace, capsys, options, message):

@@ -202,6 +202,21 @@ def test_check_tells_of_the_runs(folder, checked, capsys):
     assert "verify       4 seas of 60 s, body_exact, of each of 2 points, 2 done" in capsys.readouterr().out
 
 
+def test_every_design_has_its_own_damper_of_the_sea_it_meets(monkeypatch):
+    """That of the first tuning, by which the runs go; 100 times the number of the design, and that of the sea."""
+    monkeypatch.setattr(verification, "realised", lambda *_: None)
+    spec = SimpleNamespace(simulation=SimpleNamespace(duration=60.0), verify=SimpleNamespace(model="linear"))
+    damping = 100.0 * np.arange(2)[:, None, None] + 1000.0 * np.arange(2)[:, None] + np.arange(3)
+    year = SimpleNamespace(climate=SimpleNamespace(hs=np.ones(3), te=np.ones(3)), damping=damping)
+    database = xr.Dataset(coords={"omega": np.linspace(0.2, 5.0, 40)})
+    buoy = SimpleNamespace(database=database)
+    taking = SimpleNamespace(buoy=buoy, under=lambda c: SimpleNamespace(powers=lambda *_: (c, 0.5 * c)))
+    sample = SimpleNamespace(sea=np.array([2, 0]), seed=np.array([7, 9]))
+    better, linear = verification._powers(spec, year, sample, {"A": taking, "B": taking})
+    assert better.tolist() == [[2.0, 0.0], [102.0, 100.0]]
+    assert linear.tolist() == [[1.0, 0.0], [51.0, 50.0]]
+
+
 def test_runs_are_in_waves_of_the_whole_band_that_is_solved_and_no_others(monkeypatch):
     """Of each design's own database; each design meets the same sea of the same seed."""
     omega, asked = np.linspace(0.2, 5.0, 40), []

@@ -66,6 +66,10 @@ def test_axisymmetric_blocks_are_those_of_heave():
     assert both.coordinates == 1 + 7 + 2 + 6
 
 
+def test_a_shell_that_only_breathes_has_the_order_of_every_other():
+    assert parse(planar(modes={"degree": 0})).modes.order == 1
+
+
 def test_a_mooring_may_be_its_diagonal():
     rows = parse(planar(mooring=[1.0, 0, 2.0, 0, 3.0, 0])).mooring
     assert [rows[i][i] for i in range(6)] == [1.0, 0.0, 2.0, 0.0, 3.0, 0.0]

@@ -45,6 +45,7 @@ def test_units_of_the_text_are_per_hertz(written):
         HEADER.replace("YY", "YYYY") + ROWS.replace("96 01", "1996 01"),
         HEADER.replace("YY MM DD hh", "#YY MM DD hh mm") + ROWS.replace(" 00  ", " 00 00 ").replace(" 01  ", " 01 00 "),
         (HEADER + ROWS).replace("\n", "\r\n"),
+        HEADER + "# densities in m*m/Hz\n" + ROWS,
         b"\xef\xbb\xbf" + (HEADER + ROWS).encode(),
         gzip.compress((HEADER + ROWS).encode()),
         HEADER + ROWS + "96 01 01 01   9.99   9.99   9.99\n",  # an instant once more
