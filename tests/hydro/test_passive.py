@@ -191,6 +191,7 @@ def test_a_wrong_limit_is_found_and_told():
     added_mass = fit.added_mass_inf + fit.model.transfer(OMEGA).imag / OMEGA[:, None, None]
     assert added_mass[10:] == pytest.approx(true.added_mass[10:], abs=0.03)  # 0.25 off before
     assert 0.003 < fit.shifted < 0.02
+    assert fit.changed < 1e-3  # beside the limit, which is told by itself and is 30 times as much
     assert "added mass at infinite frequency fitted" in fit.history
     assert fit_passive(true, 1e-3).shifted == 0.0
 

@@ -237,6 +237,15 @@ def test_a_run_begins_in_contact_where_the_stroke_from_the_rest_of_the_law_is_be
     assert one.first(0.0, one.fresh(0.0, state, lookout), lookout).contact == contact
 
 
+def test_a_state_under_another_force_is_another_state():
+    one = Switching(oscillator(LAWS["coulomb"][0]))
+    state = one.fresh(0.0, one.system.first(START), one.lookout(TIME, 1))
+    before = state.copy()
+    pushed = one.under(3.5, state)
+    np.testing.assert_array_equal(state, before)
+    assert sorted(pushed - before) == [0.0] * (len(state) - 1) + [3.5]
+
+
 @pytest.mark.parametrize(("position", "way"), [(0.5, -1), (-0.5, 1)])
 def test_what_begins_at_rest_goes_where_it_is_pushed(position, way):
     """The spring of the water alone."""

@@ -19,6 +19,11 @@ def test_it_is_the_shipped_study_under_its_own_name(tmp_path, capsys):
     assert path.read_text().count("#") == SEED.read_text().count("#")
 
 
+def test_a_radius_told_is_that_of_the_study(tmp_path):
+    assert main(["init", str(tmp_path / "b.yaml"), "--radius", "3.5"]) == 0
+    assert load(tmp_path / "b.yaml").device.radius == 3.5
+
+
 @pytest.mark.parametrize("radius", [0.02, 2.0, 8.0, 100.0])
 def test_size_changes_nothing_without_dimension(tmp_path, radius):
     """By Froude: same draft over radius, frequencies times sqrt(r/g), stiffness and damping over the water's."""
