@@ -428,6 +428,19 @@ def test_an_optimum_has_the_band_that_is_solved(small, monkeypatch):
     assert caught.value.args[0] == Limits(1.0e4, 2.0, omega[0], omega[-1])
 
 
+def test_a_sea_counts_once_for_the_damper_of_all_seas_however_often_it_is_realised(small):
+    def all_seas(**realised):
+        sea = {"kind": "jonswap", "hs": 0.6, "tp": 4.0, **realised}
+        study = varied(small.study, waves=[*small.study.model_dump()["waves"], sea])
+        rungs = study_ladder(StudyPlan(study).ladder, small.database_path)
+        return [rung.damping for rung in rungs if rung.rung == "best_damper_all_seas"]
+
+    once, often = all_seas(), all_seas(realisations=3)
+    assert (len(once), len(often)) == (4, 8)
+    assert sorted(set(often)) == pytest.approx(sorted(set(once)), rel=1e-6)
+    assert len(set(once)) == 2  # one of each design
+
+
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("omega", [[2.0], [1.0, 1.3, 1.7, 2.4]])
 def test_a_peak_is_the_largest_size_crest_or_trough(sign, omega):

@@ -96,6 +96,9 @@ def test_a_modes_file_that_does_not_fit_is_refused_by_name(tmp_path, body):
     count = len(body.vertices)
     with pytest.raises(ConfigError, match=rf"modes.nc: mode_shape .*{count - 1}.*with {count} vertices"):
         files.read_body(*written(tmp_path, body, mode_shape=(("dof", "vertex", "xyz"), body.shapes[:, 1:])))
+    plane = {"mode_shape": (("dof", "vertex", "xyz"), body.shapes[..., :2]), "centre_of_mass": ((), 0.0)}
+    with pytest.raises(ConfigError, match=r"mode_shape \{.*'xyz': 2\}; needs \(dof, vertex, xyz\)"):
+        files.read_body(*written(tmp_path, body, **plane))
     with pytest.raises(ConfigError, match=r"modes.nc: .*NaN"):
         files.read_body(*written(tmp_path, body, mode_shape=(("dof", "vertex", "xyz"), np.nan * body.shapes)))
     xr.Dataset({"shape": ("x", [1.0])}).to_netcdf(tmp_path / "other.nc")
