@@ -1,6 +1,7 @@
 """Rule figures: all figures of a study, and nothing else of the caller's changed."""
 
 import json
+from types import SimpleNamespace
 
 import matplotlib as mpl
 import numpy as np
@@ -52,3 +53,16 @@ def test_figures_are_drawn_of_the_study_and_its_files(small, tmp_path, monkeypat
     assert (data.wave_frequencies, data.periods) == ((wave.omega,), {wave.label: pytest.approx(wave.period)})
     assert (data.window, data.tuned, data.limit) == (small.study.simulation.window, False, "limit λ/2π")
     assert set(data.runs) == {(design, wave.label) for design in small.study.designs}
+
+
+def test_figures_over_frequency_are_in_the_direction_of_the_first_sea(seed, tmp_path, monkeypatch):
+    """As the report says them, whatever comes after it."""
+    swell, asked = seed.model_dump()["waves"][0], []
+    study = varied(seed, waves=[swell, {**swell, "amplitude": 0.3}, {**swell, "amplitude": 0.2}])
+    plan = SimpleNamespace(figures=(), study_id="0" * 16, highest=5.0)
+    parts = dict.fromkeys(("modes", "database", "radiation", "response", "witness"), xr.Dataset())
+    monkeypatch.setattr(figures, "Inputs", lambda *_: SimpleNamespace(plan=plan, runs={}, **parts))
+    monkeypatch.setattr(figures, "in_direction", lambda response, wave: asked.append(wave) or response)
+    monkeypatch.setattr(figures, "_spectra", lambda *_: None)
+    figures.run(study, "nowhere", str(tmp_path), str(tmp_path / "manifest.json"))
+    assert asked == [study.waves[0]]
