@@ -200,3 +200,62 @@ def test_the_bluntest_corners_go_first_until_what_they_cut_off_is_too_much(least
     found = _without_blunt_corners(vertices, list(range(6)), np.array([0.0, 0.0, 1.0]), least)
     assert len(found) == kept
     assert found[: kept - 3] == [[], [0], [0, 2], [0, 1, 2]][kept - 3]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_however_corners_and_panels_are_numbered_four_become_one(seed):
+    """A plate of 6 x 10 squares: patches begin in its corners and lie side by side."""
+    x, y = np.meshgrid(np.arange(7.0), np.arange(11.0), indexing="ij")
+    place, chance = np.arange(77).reshape(7, 11), np.random.default_rng(seed)
+    faces = np.stack([place[:-1, :-1], place[1:, :-1], place[1:, 1:], place[:-1, 1:]], axis=-1).reshape(-1, 4)
+    old = chance.permutation(77)
+    vertices = np.column_stack([x.ravel(), y.ravel(), np.zeros(77)])[old]
+    found = coarser_panels(vertices, np.argsort(old)[chance.permutation(faces)], ())
+    assert found.share == pytest.approx(1.0)
+    assert len(found.faces) == 15
+    assert np.linalg.norm(areas(vertices, found.faces), axis=1) == pytest.approx(4.0)
+
+
+def fan(boundary, centre):
+    """Triangles from a point to a polygon around it."""
+    count = len(boundary)
+    vertices = np.array([*boundary, centre], dtype=float)
+    return vertices, np.array([[i, (i + 1) % count, count, count] for i in range(count)])
+
+
+@pytest.mark.parametrize(
+    ("sides", "panels", "share"), [(3, 1, 1), (4, 1, 1), (5, 2, 1), (6, 2, 1), (7, 3, 0), (8, 3, 1)]
+)
+def test_two_panels_and_a_half_in_one_are_fewer_both_ways(sides, panels, share):
+    angle = 2 * np.pi * np.arange(sides) / sides
+    vertices, faces = fan(np.column_stack([np.cos(angle), np.sin(angle), 0 * angle]), (0.0, 0.0, 0.0))
+    found = coarser_panels(vertices, faces, ())
+    assert len(found.faces) == panels
+    assert found.share == pytest.approx(share)
+
+
+@pytest.mark.parametrize(("edge", "joined"), [(0.045, False), (0.06, True)])
+def test_no_half_of_a_panel_is_thinner_than_a_twentieth_of_the_mean(edge, joined):
+    """A triangle with a corner cut off: of either pair of halves one has the area of the edge, of two halves of 1 + e/2."""
+    vertices, faces = fan([(0, 0, 0), (2, 0, 0), (2, edge, 0), (0, 2, 0)], (0.6, 0.6, 0.0))
+    assert (edge > 0.05 * (1 + edge / 2)) == joined
+    assert len(coarser_panels(vertices, faces, ()).faces) == (1 if joined else 4)
+
+
+@pytest.mark.parametrize("first", range(5))
+def test_a_polygon_is_cut_where_its_thinnest_half_is_largest(first):
+    """One corner is nearly straight: no half is that corner's alone."""
+    corners = np.roll([(0, 0, 0), (1, -0.01, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0)], first, axis=0)
+    vertices, faces = fan(corners, (1.0, 1.0, 0.0))
+    up = np.array([0.0, 0.0, 1.0])
+    assert _thinnest(vertices, coarser_panels(vertices, faces, ()).faces, up) == pytest.approx(1.0, abs=0.02)
+
+
+@pytest.mark.parametrize(("height", "panels"), [(0.35, 1), (0.38, 2)])
+def test_of_a_bent_patch_what_cuts_off_a_twelfth_is_a_corner(height, panels):
+    """A square of side 2, not quite flat, with a side raised by h in its middle, h of 4 + h in area."""
+    corners = np.array([(-1, -1, 0), (0, -1 - height, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], dtype=float)
+    corners[:, 2] = 0.01 * corners[:, 0] * corners[:, 1]
+    vertices, faces = fan(corners, (0.0, 0.0, 0.0))
+    assert (height / (4 + height) < 1 / 12) == (panels == 1)
+    assert len(coarser_panels(vertices, faces, ()).faces) == panels
