@@ -10,6 +10,7 @@ from stages.test_members import planned, with_seas
 
 from vsb.results.campaign import as_csv, damper, gathered, stacked
 from vsb.study.campaign_plan import members
+from vsb.study.year_options import CONSTRAINED
 
 
 @pytest.fixture
@@ -35,7 +36,9 @@ def test_a_tuning_has_one_damper_if_all_its_seas_have_it():
     """Bins without a sea say nothing; dampers apart by less than 1e-9 are one."""
     dampers = [[[1.0, 7.0, np.nan]], [[2.0, 2.0 + 1e-10, 9.0]], [[3.0, 4.0, 9.0]]]
     ds = xr.Dataset({"damping": (("tuning", "hs", "te"), dampers), "count": (("hs", "te"), [[1, 1, 0]])})
+    ds = ds.assign_coords(tuning=["each", "one", "fixed"])
     np.testing.assert_array_equal(damper(ds), [np.nan, 2.0 + 1e-10, np.nan])
+    np.testing.assert_array_equal(damper(ds.assign_coords(tuning=["each", CONSTRAINED, "fixed"])), 3 * [np.nan])
 
 
 def test_what_is_missing_is_an_empty_cell_and_truth_a_word(held):

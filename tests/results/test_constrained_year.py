@@ -1,15 +1,19 @@
 """The year within limits of force and stroke, bin by bin."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from results.test_year import WATER, climate, port
 
 from vsb.errors import ConfigError
 from vsb.motion.harmonics import Harmonics
+from vsb.results.bins import Bins
 from vsb.results.constrained_year import (
     REALISATIONS,
     SECONDS_AT_LEAST,
     SECONDS_PER_CUBE,
+    ConstrainedYear,
     Limits,
     affordable,
     constrained_year,
@@ -178,3 +182,32 @@ def test_a_port_that_does_not_move_takes_nothing():
     assert len(found.optima[0]) == REALISATIONS
     assert (found.force_rms, found.excess) == (0, 0)
     assert not any(np.any(value) for pair in found.optima for optimum in pair for value in optimum)
+
+
+def taking(*bins):
+    """A year of equal bins, of (power, bound) in each realisation."""
+    count = len(bins)
+    optima = tuple(tuple(SimpleNamespace(power=power, bound=bound) for power, bound in pair) for pair in bins)
+    seas = Bins(0.5 * np.arange(count) + 0.1, np.full(count, 0.5), np.full(count, 1 / count))
+    return ConstrainedYear(
+        seas, np.arange(count), np.zeros((count, 2, 1)), optima, np.full(seas.shape, 1e3), flux_share=1.0
+    )
+
+
+def test_a_gain_lies_between_what_is_taken_over_the_others_bound_and_its_own_bound_over_what_that_takes():
+    """60 W of at most 66 over 40 W of at most 50, in all waves alike: 50 %, from 60/50 to 66/40."""
+    better, base = taking([(60.0, 66.0)] * 2), taking([(40.0, 50.0)] * 2)
+    assert better.annual_mean_power == pytest.approx((60.0, 60.0, 66.0))
+    assert better.gain(base) == pytest.approx((50.0, 20.0, 65.0))
+
+
+def test_waves_that_both_designs_meet_alike_leave_a_gain_sharp_and_others_do_not():
+    """Power in proportion, realisation by realisation, scatters in neither end; turned about, in both alike."""
+    draws = [[(30.0, 30.0), (50.0, 50.0)], [(10.0, 10.0), (20.0, 20.0)]]
+    scaled = [[(1.5 * power, 1.5 * bound) for power, bound in pair] for pair in draws]
+    base, alike, turned = taking(*draws), taking(*scaled), taking(*(pair[::-1] for pair in scaled))
+    assert alike.gain(base) == pytest.approx((50.0, 50.0, 50.0))
+    mean, low, high = turned.gain(base)
+    assert mean == pytest.approx(50.0)
+    assert high - mean == pytest.approx(mean - low)
+    assert high - mean > 20.0

@@ -11,7 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vsb.results import statistics as seastatistics
-from vsb.results.statistics import Line, batch_means, gain_percent, interval, ratio_interval, sample, statistics
+from vsb.results.statistics import Line, Sample, batch_means, gain_percent, interval, ratio_interval, sample, statistics
+from vsb.scenes.drag import LINEARISED
 from vsb.study import study as config
 from vsb.waves.seas import Sea, sea
 
@@ -231,3 +232,25 @@ def test_a_short_record_has_the_energy_of_the_sea(coarse, tp):
     )
     waves = sea(study.waves[0], 40.0, study.simulation.duration)
     assert 8 * np.sum(np.abs(waves.amplitude) ** 2) == pytest.approx(1.0, rel=0.005)
+
+
+def test_every_batch_counts_once_and_the_prediction_is_the_mean_of_all_realisations(many):
+    """Of 2, 3 and 4 batches of 10, 20 and 30 W; of linear theory 100, 400 and 900 W, twice that of the shell."""
+    study = many[0]
+    samples = {
+        (design, wave.label): Sample(np.full(2 + i, 10.0 * (i + 1)), factor * 100.0 * (i + 1) ** 2)
+        for design, factor in (("FSB", 1.0), ("VSWEC", 2.0))
+        for i, wave in enumerate(study.waves[1:])
+    }
+    fixed, flexible = statistics(study, samples)
+    assert (fixed.realisations, fixed.batches, flexible.batches) == (3, 9, 9)
+    assert fixed.power_mean == pytest.approx((2 * 10 + 3 * 20 + 4 * 30) / 9)
+    assert (fixed.power_linear, flexible.power_linear) == pytest.approx((1400.0 / 3, 2800.0 / 3))
+
+
+def test_beside_drag_a_run_says_itself_what_linear_theory_predicts(many):
+    study, _, seas = many
+    wave, run = study.waves[1], run_of(np.full(4001, 7.0), np.linspace(0.0, 400.0, 4001))
+    kept = sample(study, wave, "FSB", run.assign_attrs({LINEARISED: 123.0}), seas[wave.label], xr.Dataset())
+    assert kept.linear == 123.0
+    assert kept.batches == pytest.approx(np.full(9, 7.0))

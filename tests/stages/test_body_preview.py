@@ -74,10 +74,12 @@ KNOWN = xr.Dataset(coords={"omega": [0.5, 1.0, 2.0], "wave_direction": [0.0, np.
         ),
         ({"kind": "white_noise", "hs": 0.1, "band": [0.4, 1.9]}, None),
         ({"kind": "white_noise", "hs": 0.1, "band": [0.6, 2.1]}, "a frequency of 2.1 rad/s"),
+        ({"kind": "white_noise", "hs": 0.1, "band": [0.3, 0.51]}, None),
+        ({"kind": "white_noise", "hs": 0.1, "band": [0.3, 0.49]}, "a frequency of 0.49 rad/s, needs 0.5 to 2 rad/s"),
     ],
 )
 def test_seas_lie_in_the_band_and_the_directions_of_a_bodys_database(wave, refused):
-    """Ends of the band are of it; of an irregular sea what lies below is cut."""
+    """Ends of the band are of it; of an irregular sea what lies below is cut, unless it is all of it."""
     made = {"study": "a", "body": {"database": "-"}, "designs": {"a": {}}, "waves": [wave], "pto": {"damping": 1.0}}
     (sea,) = validated(BodyStudy, made, "a.yaml").waves
     with pytest.raises(ConfigError, match=f"waves.7.*{refused}") if refused else nullcontext():

@@ -69,3 +69,33 @@ def test_without_waves_buoys_move_and_nothing_is_said_of_where_waves_come_from(s
     assert [sea["words"] for sea in moved["seas"]] == list(words(calm).values())
     assert not any(np.frombuffer(base64.b64decode(sea["surface"]), dtype="<f4").any() for sea in moved["seas"])
     assert in_motion(moved)["waves"] == "Dotted: undeformed."
+
+
+@pytest.mark.parametrize("large", [0, 1])
+def test_the_factor_is_of_the_largest_shell_of_all_seas_in_the_window_alone(small, large):
+    """In either sea ten times as large, and so ten times less magnified; what was before the window does not count."""
+    study = varied(
+        small.study, waves=[{"kind": "regular", "amplitude": 0.1, "period": period} for period in (2.5, 3.0)]
+    )
+    first, modes = small.study.waves[0].label, load(f"{small.folder}/modes.nc")
+    loaded = {design: load(small.trajectory_path(design, first)) for design in study.designs}
+    start = study.simulation.window[0]
+
+    def factor(*sizes):
+        runs = {
+            (design, wave.label): run.assign(position=run.position * size * (1 + 99 * (run.time < start)))
+            for wave, size in zip(study.waves, sizes, strict=True)
+            for design, run in loaded.items()
+        }
+        return moving_study(SimpleNamespace(study=study, runs=runs), modes, words(study))["factor"]
+
+    alike = factor(1.0, 1.0)
+    assert factor(*(10.0 if i == large else 1.0 for i in range(2))) == pytest.approx(alike / 10)
+    assert (
+        alike
+        == moving_study(
+            SimpleNamespace(study=study, runs={(d, w.label): run for w in study.waves for d, run in loaded.items()}),
+            modes,
+            words(study),
+        )["factor"]
+    )

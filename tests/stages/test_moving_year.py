@@ -2,11 +2,14 @@
 
 from contextlib import chdir
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import xarray as xr
 from browser import asked
+from conftest import varied
+from scenes.test_ports import water
 from stages.test_living_year import swept  # noqa: F401
 from stages.test_members import folder  # noqa: F401
 
@@ -14,11 +17,15 @@ from vsb.report.animation import PERIODS
 from vsb.report.campaign_answer import leading
 from vsb.report.campaign_page import STILL, CampaignReport, render
 from vsb.results.bins import Bins
+from vsb.scenes.ports import designs_in_waves
+from vsb.scenes.rest import reference_shell
 from vsb.stages import moving_year as module
 from vsb.stages.climate import read_climate
+from vsb.stages.living_year import Point
 from vsb.stages.moving_year import most_energetic, moving_year
 from vsb.study.study import Water
 from vsb.waves.climate import Climate, realised
+from vsb.waves.seas import Sea
 
 
 def moved(swept):  # noqa: F811
@@ -115,3 +122,23 @@ def test_where_nothing_can_move_the_page_says_so(swept, monkeypatch):  # noqa: F
     with chdir(plan.root + "/.."):
         seas = read_climate(plan.climate, plan.loaded.climate_path)
         assert moving_year(plan.campaign, unknown, *leading(ds), seas, plan.root) is None
+
+
+def test_designs_rise_as_their_ports_under_their_own_dampers_beside_the_spring(seed):
+    """V = V0/(1 + Y (c + i k/w)) of each component, summed over the time shown; a rigid buoy moves in heave alone."""
+    spring, dampers = 2e4, {"FSB": 5e3, "VSWEC": 3e4}
+    study = varied(seed, modes={"degree": 2}, pto={"damping": 8e3, "stiffness": spring})
+    reference = reference_shell(study)
+    point = Point(study, reference, SimpleNamespace(at=lambda omega: water(study, omega=omega)))
+    waves = Sea(np.array([1.0, 1.7]), np.array([0.3, 0.2j]))
+    runs = module._runs(point, dampers, waves, 10.0)
+    inside = designs_in_waves(study, reference, water(study, omega=waves.omega))
+    for design, damping in dampers.items():
+        port = inside[design].port
+        velocity = port.velocity / (1 + port.admittance * (damping + 1j * spring / waves.omega))
+        time = runs[design].time.values
+        assert (time[0], time[-1]) == (0.0, 10.0)
+        parts = waves.amplitude * velocity / (-1j * waves.omega) * np.exp(-1j * np.outer(time, waves.omega))
+        np.testing.assert_allclose(runs[design].sel(dof="Heave"), parts.sum(axis=1).real, rtol=1e-9, atol=1e-12)
+    assert list(runs["FSB"].dof.values) == ["Heave"]
+    assert runs["VSWEC"].sizes["dof"] > 1

@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from vsb.errors import DatabaseError
 from vsb.hydro.database import load_database
 from vsb.hydro.retardation import DampingSpectrum
-from vsb.hydro.statespace import RadiationModel
+from vsb.hydro.statespace import RadiationModel, fit_radiation
 from vsb.stages import radiation
 from vsb.study.specs import RadiationSpec
 from vsb.study.study import content_id
@@ -52,3 +53,28 @@ def test_another_database_is_refused(small, tmp_path):
     with pytest.raises(DatabaseError, match=r"needs '?0{16}"):
         radiation.run(spec, small.database_path, str(tmp_path / "out.nc"))
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_of_several_orders_each_has_its_own_memory_and_the_worst_error_is_told(turned):
+    """A smooth and a peaked damping, either first; a sine has the memory of its cosine, what is dry has none."""
+    omega = np.linspace(0.1, 12.0, 120)
+    smooth = omega**3 * np.exp(-2 * omega)
+    peaked = smooth * (1 + 2 * np.exp(-(((omega - 2.0) / 0.3) ** 2)))
+    heave, surge = (peaked, smooth) if turned else (smooth, peaked)
+    damping = np.zeros((len(omega), 4, 4))
+    for place, values in enumerate((heave, surge, 0 * surge, surge)):
+        damping[:, place, place] = values
+    labels, pair = ["Heave", "Surge", "Pitch", "Sway"], ("influenced_dof", "radiating_dof")
+    ds = xr.Dataset(
+        {"radiation_damping": (("omega", *pair), damping), "azimuthal_order": ("influenced_dof", [0, 1, 1, -1])},
+        coords={"omega": omega, **dict.fromkeys(pair, labels)},
+    )
+    found = radiation.fit_orders(ds, 1e-5)
+    fits = [fit_radiation(DampingSpectrum(omega, one[:, None, None]), 1e-5) for one in (heave, surge)]
+    assert len({error for _, error in fits}) == 2
+    assert found.error == max(error for _, error in fits)
+    own = [model.damping(omega)[:, 0, 0] for model, _ in fits]
+    model = found.model.damping(omega)
+    for place, values in enumerate((own[0], own[1], 0 * own[1], own[1])):
+        np.testing.assert_allclose(model[:, place, place], values, rtol=1e-9, atol=1e-12)

@@ -29,7 +29,7 @@ from vsb.tools.files import (
     whole,
     write_text,
 )
-from vsb.tools.units import ATTRS
+from vsb.tools.units import ATTRS, PAIR
 
 FINITE = st.floats(-1e12, 1e12)
 
@@ -310,6 +310,22 @@ def test_the_checksum_is_of_names_dimensions_attributes_and_coordinates(change):
     ds = rao(np.arange(6.0).reshape(1, 3, 2)).assign_attrs(design="A", steps=3, step=0.1)
     assert checksum({ROOT: change(ds)}) != checksum({ROOT: ds}) == checksum({ROOT: ds.assign_attrs(checksum="x")})
     assert len({checksum(groups) for groups in ({ROOT: ds}, {"a": ds}, {ROOT: ds, "a": ds}, {})}) == 4
+
+
+def test_the_checksum_tells_coordinates_from_variables_and_dimensions_of_one_size_apart(tmp_path):
+    values = np.arange(4.0).reshape(2, 2)
+    ds = xr.Dataset({"added_mass_inf": (PAIR, values), "azimuthal_order": (PAIR[0], [0.0, 1.0])})
+    others = [
+        ds.set_coords("azimuthal_order"),
+        ds.assign(added_mass_inf=(PAIR[::-1], values)),
+        ds.assign(azimuthal_order=(PAIR[1], [0.0, 1.0])),
+        ds.assign(azimuthal_order=((*PAIR[:1], "one"), [[0.0], [1.0]])),
+        ds.assign(azimuthal_order=(PAIR[0], [0, 1])),
+        ds.assign(azimuthal_order=(PAIR[0], ["0.0", "1.0"])),
+    ]
+    assert len({checksum({ROOT: one}) for one in (ds, *others)}) == 7
+    save(others[0], tmp_path / "a.nc")
+    assert list(read_groups(tmp_path / "a.nc")[ROOT].coords) == ["azimuthal_order"]
 
 
 def test_the_checksum_knows_no_order_of_names():

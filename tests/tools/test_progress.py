@@ -48,6 +48,16 @@ def test_it_says_what_is_done_how_fast_and_what_is_left():
     assert re.search(r"2/3 +jobs +[\d.]+/min +0:00:\d\d left", shown)
 
 
+@pytest.mark.parametrize(
+    ("told", "shown"),
+    [(TOLD[3:], "2/3 jobs"), ([*TOLD, "3 of 7 steps (43%) done\n"], "3/7 jobs")],
+    ids=["none", "other"],
+)
+def test_how_many_there_are_is_what_is_told_last(told, shown):
+    """Also where nothing was told of it before the first was done, or jobs were added since."""
+    assert shown in screen(read_slowly(told))[0]
+
+
 def test_all_lines_are_handed_on():
     assert screen(TOLD)[1] == TOLD
     assert screen([])[1] == []
