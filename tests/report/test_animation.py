@@ -17,6 +17,7 @@ from vsb.report.animation import (
     PLANE,
     frames_data,
     in_motion,
+    largest_shell,
     shapes_data,
     surface,
 )
@@ -128,6 +129,14 @@ def test_what_is_magnified_is_said(factor, scale):
     moving = {"factor": factor, "designs": [{"name": "FSB"}, {"name": "VSWEC"}], "seas": [frames()]}
     assert in_motion(moving)["words"] == f"FSB, VSWEC side by side; {scale}"
     assert in_motion(None) is None
+
+
+@pytest.mark.parametrize(("inward", "outward", "largest"), [(-0.3, 0.2, 0.3), (-0.1, 0.2, 0.2)])
+def test_the_largest_motion_of_a_shell_is_inward_or_outward_and_heave_none(inward, outward, largest):
+    """Of all shell modes; of a rigid design there is none."""
+    moved = xr.DataArray([[5.0, outward, 0.0], [-9.0, 0.0, inward]], dims=("time", "dof"), coords={"dof": LABELS})
+    assert largest_shell(moved, LABELS[1:]) == largest
+    assert largest_shell(moved.sel(dof=["Heave"]), LABELS[1:]) == 0.0
 
 
 def test_shapes_are_those_of_the_modes_thinned(modes):

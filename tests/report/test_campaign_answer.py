@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from report.test_campaign_figures import campaign
 
-from vsb.report.campaign_answer import answer, best_flexible, leading, second_answer, where
+from vsb.report.campaign_answer import answer, best_flexible, leading, of_points, second_answer, where
 from vsb.report.campaign_page import statements, warnings
 
 
@@ -83,3 +83,11 @@ def test_the_only_flexible_design_of_a_single_point_is_not_called_the_best():
     two = one.sel(design=["FSB", "VSWEC", "VSWEC"]).assign_coords(design=["FSB", "VSWEC", "other"])
     assert "the best flexible design, VSWEC" in answer(two, "FSB", "one")
     assert warnings(one)[2] == "The shell would buckle under its static load, 1.5 times what it carries."
+
+
+def test_a_point_that_pays_and_buckles_is_none_of_those_that_carry_their_load():
+    """Where the interval of no design lies above zero nothing pays; a margin of zero carries."""
+    told = "Of 4 points {} carry their static load; flexibility pays at {} of all and at {} of those."
+    for margin, counts in (([[0.0, 0.5], [-0.1, 0.5]], (3, 1, 0)), ([[-0.1, -0.1], [0.0, -0.1]], (1, 1, 1))):
+        assert of_points(campaign(margin=margin), "FSB", "one") == told.format(*counts)
+    assert of_points(campaign(gains=np.full((2, 2), 3.0)), "FSB", "one") == told.format(4, 0, 0)

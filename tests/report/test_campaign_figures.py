@@ -239,3 +239,21 @@ def test_a_map_is_grey_behind_points_at_which_a_design_does_not_rest():
     assert to_hex(sweep(ds, "one", "FSB").axes[0].get_facecolor()) != "#bbbbbb"
     ds["viable"] = ds.viable.where((ds.design != "VSWEC") | (ds.thickness > 0.015), other=False)
     assert to_hex(sweep(ds, "one", "FSB").axes[0].get_facecolor()) == "#bbbbbb"
+
+
+def test_power_under_limits_is_a_line_along_the_limit_of_the_point_shown():
+    """Whatever the order of the limits in the study; points of other shells are no part of it."""
+    limits, power = np.array([3e3, 1e3, 2e3]), np.array([3.0, 1.0, 2.0])
+    ds = campaign().sel(tuning=["one", "one"]).assign_coords(tuning=["one", "constrained"])
+    ds = ds.expand_dims(force_limit=limits).assign_attrs(varied="young_modulus thickness force_limit")
+    share = xr.DataArray(power, dims="force_limit", coords={"force_limit": limits})
+    soft = xr.where(ds.young_modulus == ds.young_modulus[0], 100.0, 1.0)
+    ds = ds.assign(
+        annual_mean_power=1e3 * share * soft * xr.ones_like(ds.annual_mean_power),
+        force_rms=0.5 * ds.force_limit * xr.ones_like(ds.force_rms),
+    )
+    ax = pareto(ds, "one", "FSB").axes[0]
+    lines = [line for line in ax.lines if line.get_marker() == "s"]
+    assert [to_hex(line.get_color()) for line in lines] == [colour(design) for design in DESIGNS]
+    for line in lines:
+        np.testing.assert_allclose(line.get_xydata(), [[0.5, 1.0], [1.0, 2.0], [1.5, 3.0]])

@@ -97,3 +97,14 @@ def test_what_the_band_knows_nothing_of_is_said():
     )
     assert "drag" not in first, "the ladder's powers know it"
     assert second.startswith("Over all waves that carry power, tuned wave by wave and without drag, A absorbs")
+
+
+def test_seas_in_which_several_designs_pay_count_once():
+    """And the cost told is the largest of any design in any sea."""
+    lines = [line(*one) for one in (("FSB", 0.0), ("A", 5.0), ("B", 2.0))]
+    lines += [line(*one, "v") for one in (("FSB", 0.0), ("A", -3.0), ("B", -1.0))]
+    first, *_ = headline(lines, best_power(A=0 * OMEGA, B=0 * OMEGA), "FSB", SEAS, 1e-3)
+    assert first.endswith("; flexibility pays in 1 of the 2, and costs up to 3.0 %.")
+    lines[1:3] = [line("A", -0.5), line("B", -0.4)]
+    first, *_ = headline(lines, best_power(A=0 * OMEGA, B=0 * OMEGA), "FSB", SEAS, 1e-3)
+    assert first.endswith("; flexibility pays in none of the 2, and costs up to 3.0 %.")
