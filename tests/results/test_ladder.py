@@ -2,6 +2,7 @@ import csv
 import io
 import itertools
 import re
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -19,6 +20,7 @@ from vsb.motion.tuning import frequencies, mean_power, squares
 from vsb.results.ladder import (
     Given,
     Limits,
+    Rung,
     _peaks,
     as_csv,
     constrained_checks,
@@ -26,7 +28,7 @@ from vsb.results.ladder import (
     rungs_of,
     study_ladder,
 )
-from vsb.scenes.afloat import Met
+from vsb.scenes.afloat import Afloat, Met
 from vsb.scenes.ports import ShapeWater, design_ports
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell
@@ -439,6 +441,25 @@ def test_a_sea_counts_once_for_the_damper_of_all_seas_however_often_it_is_realis
     assert (len(once), len(often)) == (4, 8)
     assert sorted(set(often)) == pytest.approx(sorted(set(once)), rel=1e-6)
     assert len(set(once)) == 2  # one of each design
+
+
+def test_an_optimum_is_that_of_the_port_in_waves_of_its_own_direction(small, monkeypatch):
+    asked, towards = {}, Afloat.towards
+
+    def rung(design, label, sea, seen, limits):
+        asked[design, label] = seen.func.__self__
+        return Rung(design, label, "constrained", *[None] * 8)
+
+    monkeypatch.setattr("vsb.results.ladder.constrained_rung", rung)
+    monkeypatch.setattr(Afloat, "towards", lambda self, wave: replace(towards(self, wave), pto=LinearPto(wave.period)))
+    swell = small.study.model_dump()["waves"][0]
+    waves = [swell, {**swell, "period": 1.5 * swell["period"]}]
+    study = varied(small.study, waves=waves, pto={"force_limit": 1.0e4})
+    study_ladder(StudyPlan(study).ladder, small.database_path)
+    periods = {wave.label: wave.period for wave in study.waves}
+    assert {key: motion.pto.damping for key, motion in asked.items()} == {
+        (design, label): period for design in study.designs for label, period in periods.items()
+    }
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

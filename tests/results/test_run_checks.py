@@ -67,6 +67,9 @@ def test_power_in_time_is_that_of_the_frequency_domain_in_the_sea_s_own_directio
     (check,) = agreement_checks(one, wave, frequency, rows, runs)
     assert (check.name, check.verdict) == ("time_and_frequency_domain", "doubt")
     assert check.value == pytest.approx(0.01)
+    after = study(waves=[{**SWELL, "direction": 0.0}, SWELL])  # and of the second sea, its own
+    (second,) = agreement_checks(after, wave, frequency, rows, runs)
+    assert second.value == check.value
     rows[0]["power_mean"] = 3e-16  # W, of bodies held together: round-off is no doubt of round-off
     (held,) = agreement_checks(one, wave, 1e-28 * frequency, rows, runs)
     assert (held.verdict, held.value) == ("ok", 3e-16)

@@ -66,3 +66,14 @@ def test_figures_over_frequency_are_in_the_direction_of_the_first_sea(seed, tmp_
     monkeypatch.setattr(figures, "_spectra", lambda *_: None)
     figures.run(study, "nowhere", str(tmp_path), str(tmp_path / "manifest.json"))
     assert asked == [study.waves[0]]
+
+
+def test_the_design_that_others_are_compared_with_is_the_rigid_one_wherever_it_stands(small, tmp_path, monkeypatch):
+    study = varied(small.study, designs={"A": {}, "B": {"flexible": False}})
+    plan, seen = SimpleNamespace(figures=("any",), study_id="0" * 16, highest=5.0), []
+    parts = dict.fromkeys(("modes", "database", "radiation", "response", "witness"), xr.Dataset())
+    monkeypatch.setattr(figures, "Inputs", lambda *_: SimpleNamespace(plan=plan, runs={}, **parts))
+    monkeypatch.setattr(figures, "draw", lambda _, data: seen.append(data))
+    monkeypatch.setattr(figures, "drawn", lambda *_: SimpleNamespace(write=lambda *_: []))
+    figures.run(study, "nowhere", str(tmp_path), str(tmp_path / "manifest.json"))
+    assert [data.reference for data in seen] == ["B"]

@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+from conftest import varied
 
 from vsb.stages import response
+from vsb.study.plan import StudyPlan
 from vsb.study.take_off import Pto
 from vsb.tools.files import load
 from vsb.tools.units import AT_ROTATION, described
@@ -32,6 +34,23 @@ def test_a_port_moves_without_take_off_as_its_velocity_says(ds):
     np.testing.assert_allclose(ds.best_damping.values, np.abs(ds.port_impedance.values), rtol=1e-9)
     matched = np.abs(ds.port_velocity * ds.port_impedance) ** 2 / (8 * ds.port_impedance.real)
     np.testing.assert_allclose(ds.matched_power.values, matched.values, rtol=1e-9)
+
+
+def test_best_dampers_are_those_beside_the_spring_and_the_port_is_that_without(small, ds, tmp_path):
+    """A spring adds i k/omega to what a damper sees: best is |Z + i k/omega|, power |V Z|^2 c/(2 |Z + i k/omega + c|^2)."""
+    plan = StudyPlan(varied(small.study, pto={"stiffness": 4.0e4}))
+    response.run(plan.response, small.database_path, str(tmp_path / "sprung.nc"))
+    sprung = load(tmp_path / "sprung.nc")
+    np.testing.assert_allclose(sprung.port_impedance.values, ds.port_impedance.values, rtol=1e-12)
+    z, pushed = sprung.port_impedance, np.abs(sprung.port_velocity * sprung.port_impedance) ** 2
+    seen = z + 4.0e4j / z.omega
+    np.testing.assert_allclose(sprung.best_damping.values, np.abs(seen).values, rtol=1e-9)
+    assert np.abs(sprung.best_damping / ds.best_damping - 1).max() > 0.1
+    for power, damper in (("best_power", np.abs(seen)), ("absorbed_power", small.study.pto.damping)):
+        taken = 0.5 * damper * pushed / np.abs(seen + damper) ** 2
+        np.testing.assert_allclose(
+            sprung[power].values, taken.transpose("design", "omega").values, rtol=1e-8, atol=1e-9
+        )
 
 
 def test_wave_frequencies_are_of_the_grid_and_a_response_made_again_is_the_same(small, ds, tmp_path):

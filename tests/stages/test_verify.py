@@ -323,6 +323,16 @@ def test_a_folder_is_verified_whole(place):
         verify("small.yaml", heal=False)
 
 
+def test_what_is_half_written_is_nobodys_and_what_is_named_by_another_id_is_foreign(place):
+    """A file named by an id holds it; what begins with a dot is being written, and replaced as a whole."""
+    folder = Path(PLAN.database_path).parent
+    Path(folder, ".half.nc").write_bytes(b"half")
+    verify("results", heal=False)
+    shutil.copy(PLAN.database_path, Path(PLAN.folder, "0123456789abcdef.nc"))
+    with pytest.raises(VsbError, match=rf"0123456789abcdef.nc: holds '{Path(PLAN.database_path).stem}'"):
+        verify("results", heal=False)
+
+
 def test_of_many_lines_one_is_told_and_the_others_are_counted():
     assert [_more(["line"] * count) for count in (1, 2, 3)] == ["", " (and 1 more)", " (and 2 more)"]
 
