@@ -325,8 +325,7 @@ def test_a_folder_is_verified_whole(place):
 
 def test_what_is_half_written_is_nobodys_and_what_is_named_by_another_id_is_foreign(place):
     """A file named by an id holds it; what begins with a dot is being written, and replaced as a whole."""
-    folder = Path(PLAN.database_path).parent
-    Path(folder, ".half.nc").write_bytes(b"half")
+    Path(PLAN.folder, ".half.nc").write_bytes(b"half")
     verify("results", heal=False)
     shutil.copy(PLAN.database_path, Path(PLAN.folder, "0123456789abcdef.nc"))
     with pytest.raises(VsbError, match=rf"0123456789abcdef.nc: holds '{Path(PLAN.database_path).stem}'"):
