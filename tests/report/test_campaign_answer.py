@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from report.test_campaign_figures import campaign
+from report.test_campaign_figures import GAINS, campaign
 
-from vsb.report.campaign_answer import answer, best_flexible, leading, of_points, second_answer, where
+from vsb.report.campaign_answer import answer, best_flexible, leading, of_points, second_answer, shown_place, where
 from vsb.report.campaign_page import statements, warnings
 
 
@@ -91,3 +91,46 @@ def test_a_point_that_pays_and_buckles_is_none_of_those_that_carry_their_load():
     for margin, counts in (([[0.0, 0.5], [-0.1, 0.5]], (3, 1, 0)), ([[-0.1, -0.1], [0.0, -0.1]], (1, 1, 1))):
         assert of_points(campaign(margin=margin), "FSB", "one") == told.format(*counts)
     assert of_points(campaign(gains=np.full((2, 2), 3.0)), "FSB", "one") == told.format(4, 0, 0)
+
+
+def three(**changes):
+    """The campaign with two flexible designs, the second with gains of its own."""
+    ds = campaign().sel(design=["FSB", "VSWEC", "VSWEC"]).assign_coords(design=["FSB", "VSWEC", "other"])
+    for name, values in changes.items():
+        ds[name] = ds[name].copy()
+        ds[name][{"design": 2}] = np.asarray(values)[..., None]
+    return ds
+
+
+def test_a_point_at_which_several_designs_pay_is_counted_once():
+    """VSWEC pays at one point, the other at this and at another one, the rigid one never."""
+    ds = three(gain_low=[[-1.0, 1.0], [2.0, -3.0]])
+    ds["margin"] = ds.margin.where(ds.thickness < 0.015, -0.5)
+    ds["gain_low"] = ds.gain_low.where(ds.design != "FSB", 1.0)
+    told = "Of 4 points 2 carry their static load; flexibility pays at 2 of all and at 1 of those."
+    assert of_points(ds, "FSB", "one") == told
+
+
+def test_a_point_pays_where_the_interval_lies_above_zero_and_carries_where_nothing_is_left():
+    for low, pays in ((0.0, 0), (1e-9, 1)):
+        for margin, carries in ((0.0, 1), (-1e-9, 0)):
+            ds = campaign(margin=[[margin, -1.0], [-1.0, -1.0]])
+            ds["gain_low"] = 0 * ds.gain_low - 1.0
+            ds.gain_low[0, 0, 1] = low
+            told = f"Of 4 points {carries} carry their static load; flexibility pays at {pays} of all and at"
+            assert of_points(ds, "FSB", "one") == f"{told} {pays * carries} of those."
+
+
+def test_without_a_rigid_design_the_member_shown_is_the_one_that_takes_most():
+    """Of results that know no gains."""
+    ds = campaign(gains=GAINS[::-1]).drop_vars(["gain_percent", "gain_low", "gain_high"])
+    assert shown_place(ds, "one", None) == {"young_modulus": 0, "thickness": 0}
+    ds = ds.assign(margin=ds.margin.where(ds.young_modulus > 1e7, -0.1))
+    assert shown_place(ds, "one", None) == {"young_modulus": 1, "thickness": 1}
+    assert shown_place(ds.isel(young_modulus=0, thickness=0), "one", None) == {}
+
+
+def test_of_designs_that_take_as_much_the_first_is_told():
+    ds = three()
+    assert answer(ds, None, "one").endswith("VSWEC takes most: 94.67 MWh.")
+    assert answer(ds.isel(design=[0, 2, 1]), None, "one").endswith("other takes most: 94.67 MWh.")

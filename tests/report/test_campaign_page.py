@@ -151,3 +151,19 @@ def test_of_reasons_each_is_told_once_without_its_numbers():
     for place, text in enumerate(("unstable: at rest", "sinks: 3 kN too heavy", "unstable: in waves", "sinks: 4 kN")):
         lost.reason[divmod(place, 2)][{"design": 1}] = text
     assert warnings(lost)[-1] == "4 of 8 designs at their points are not viable: sinks, unstable."
+
+
+def test_points_are_counted_where_there_are_several_and_a_rigid_design_to_be_better_than():
+    """The second sentence says them where nothing else is told there."""
+    several, one = campaign(), campaign().isel(young_modulus=[0], thickness=[0])
+    alone = several.sel(tuning=["one"])
+    for ds, reference, told in ((several, "FSB", 1), (one, "FSB", 0), (several, None, 0), (alone, "FSB", 0)):
+        assert sum("carry their static load" in line for line in statements(ds, reference, "one")) == told
+
+
+def test_every_note_of_the_climate_stands_among_the_facts_and_is_doubted_wherever_it_stands():
+    partial, used = "50 days stand for a year: seasons are missing", "8 spectra used"
+    for notes in ((partial, used), (used, partial), (partial,)):
+        text = render(CampaignReport(campaign(), {}, notes=notes))
+        assert text.count(f"<li>Of the climate, {partial}.</li>") == 1
+        assert "; ".join(["a buoy", *notes]) in text

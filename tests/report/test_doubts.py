@@ -73,3 +73,12 @@ def test_what_is_advised_is_a_key_of_a_study_and_tolerances_are_lowered():
         assert all(how == "lower" for how in re.findall(r"(\w+) hydro\.\w*tolerance", text)), name
     assert {name for name, text in ADVICE.items() if "hydro.power_tolerance" in text} == {"left_out", "gain_error"}
     assert all(("waves" in ADVICE[name]) or name == "surge" for name in ("pitch", "rotation", "translation", "pause"))
+
+
+def test_every_check_that_is_named_where_it_is_made_says_what_to_change_first():
+    """But one of round-off, and one of a matrix that was mended and tells so."""
+    files = (Path(__file__).parents[2] / "vsb").rglob("*.py")
+    made = re.compile(r"\b(?:check_at_most|check_at_least|Check)\(\s*\"(\w+)\"")
+    names = {name for path in files for name in made.findall(path.read_text(encoding="utf-8"))}
+    assert {"spectrum_cut", "buckling", "heave"} <= names
+    assert names - set(ADVICE) == {"constraint_drift", "hydrostatic_symmetry"}

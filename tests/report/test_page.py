@@ -13,7 +13,9 @@ from vsb.report.page import (
     MEASURES,
     PUBLISHED,
     STILL,
+    Band,
     Report,
+    _band_text,
     band_statements,
     irregular_statements,
     published_table,
@@ -367,3 +369,18 @@ def test_limits_and_what_is_published_stand_on_the_page_with_their_source():
 
 def test_a_page_that_moves_nothing_says_why():
     assert STILL in page_of(thing="body")
+
+
+@pytest.mark.parametrize(
+    ("gain", "told"), [(8.99, "up to 899 % at"), (9.01, "up to 10 times as much at"), (-0.5, "up to 50 % at")]
+)
+def test_a_band_of_tenfold_power_is_told_as_a_multiple(gain, told):
+    assert told in band_statements(response(A=gain).absorbed_power, "FSB")[0]
+
+
+@given(st.floats(900.0, 1e5))
+def test_what_is_less_is_never_told_as_a_multiple_of_more(size):
+    """However large the number is."""
+    band = Band(1.0, 2.0, size, 1.5)
+    assert f"(up to {size:.0f} % at 4.19 s)" in _band_text("less", band)
+    assert f"(up to {1 + size / 100:.3g} times as much at 4.19 s)" in _band_text("more", band)

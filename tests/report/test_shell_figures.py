@@ -148,3 +148,20 @@ def test_wires_of_a_shell_lie_on_it_at_its_instants_within_a_cube_of_axes():
         assert low == -high < -np.abs(points).max()
         assert len(set(ax.get_box_aspect())) == 1
         assert {to_hex(line.get_color()) for line in ax.lines} == {STYLES["VSWEC"][0].lower()}
+
+
+def test_the_height_changes_by_both_poles():
+    """Of V = P_n(cos phi) by V_0 (1 + (-1)^n) = 0, 2 of an amplitude of one; a rigid buoy keeps its diameter."""
+    given = data()
+    for radial, both in ((np.cos(PHI), 0.0), (1.5 * np.cos(PHI) ** 2 - 0.5, 2.0), (np.linspace(0.25, 0.5, 19), 0.75)):
+        modes = given.modes.assign(radial=(("mode", "colatitude"), radial[None]))
+        height = figures._height(replace(given, modes=modes), given.runs["VSWEC", "w"])
+        amplitude = given.runs["VSWEC", "w"].position.values[:, 1]
+        np.testing.assert_allclose(height, 4.0 + both * amplitude, rtol=1e-12)
+    assert (figures._height(given, given.runs["FSB", "w"]) == 4.0).all()
+
+
+@pytest.mark.parametrize(("end", "times"), [(3.0, (0.0, 0.6, 1.2, 1.8, 2.4)), (6.0, (1.0, 2.0, 3.0, 4.0, 5.0))])
+def test_a_run_shorter_than_a_period_is_shown_from_its_start(end, times):
+    figure = figures.snapshots(replace(data(), window=(0.0, end)), "w")
+    assert [ax.get_title() for ax in figure.axes[:5]] == [f"t = {t:.2f} s" for t in times]

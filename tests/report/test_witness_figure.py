@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.figure import Figure
 
 from vsb.report.canvas import StudyData
-from vsb.report.witness_figure import witness
+from vsb.report.witness_figure import _name_shapes, witness
 
 SHAPES = ["mean", "Membrane0_minus", "Membrane0_plus"]
 KINDS = ["added_mass", "radiation_damping", "excitation_force"]
@@ -94,3 +95,11 @@ def test_changes_of_heave_are_those_of_its_own_coefficients_in_percent_by_both_s
     np.testing.assert_allclose(drawn, expected, atol=1e-12)
     told = [text.get_text() for text in ax.get_legend().get_texts()]
     assert told == [f"{word}, {w} rad/s" for w in (1, 2, 3) for word in ("added mass", "damping")] + ["panels"]
+
+
+@pytest.mark.parametrize(("count", "rotation"), [(5, 0.0), (6, 90.0)])
+def test_names_of_many_shapes_stand_upright(count, rotation):
+    ax = Figure().subplots()
+    _name_shapes(ax, [f"Bend{n}_plus" for n in range(count)])
+    assert {label.get_rotation() for label in ax.get_xticklabels()} == {rotation}
+    assert ax.get_xticklabels()[-1].get_text() == f"Bend{count - 1} +"

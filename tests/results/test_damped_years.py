@@ -9,6 +9,9 @@ from scenes.test_ports import water
 
 from vsb.results.damped_years import BY, TRIED, DampedYears, _gains
 from vsb.results.member import member
+from vsb.results.year import band_weights
+from vsb.scenes.ports import designs_in_waves
+from vsb.scenes.rest import reference_shell
 
 
 @pytest.fixture(scope="module")
@@ -92,3 +95,30 @@ def test_power_over_a_damper_that_stays_is_that_of_years_with_it_given(study, sh
         year = member(given, lambda basis: shared, seas, ("fixed",)).isel(design=0, tuning=0)
         assert power[0, i] == pytest.approx(float(year.annual_mean_power), rel=1e-9)
         assert force[0, i] == pytest.approx(float(year.force_rms), rel=1e-9)
+
+
+def test_years_are_beside_the_spring_of_the_take_off(study, shared, seas):
+    """With c + i k/omega at the port, P = c |v|^2/2 of every wave, and so over a damper that stays as it is."""
+    spring = varied(study, pto={"damping": 8e3, "stiffness": 2e4})
+    waves = designs_in_waves(spring, reference_shell(spring), shared)
+    found = member(spring, lambda basis: shared, seas, ("fixed",))
+    for i, one in enumerate(waves.values()):
+        omega = one.port.omega
+        weights = band_weights(omega, seas).T @ (seas.hours @ seas.density) / seas.hours.sum()
+
+        def taken(damping, one=one, omega=omega, weights=weights):
+            load = damping + 1j * 2e4 / omega
+            return float(weights @ np.abs(one.port.velocity / (1 + one.port.admittance * load)) ** 2) * damping / 2
+
+        assert float(found.annual_mean_power[i, 0]) == pytest.approx(taken(8e3), rel=2e-3)
+        for k in (0, 30, 60):
+            tried, power = (float(found[name][i, k]) for name in ("tried_damping", "power_of_damping"))
+            assert power == pytest.approx(taken(tried), rel=2e-3)
+
+
+def test_gains_are_told_of_what_absorbs_alone():
+    """Nothing over nothing is no gain: of no design of the study, or without one to compare with."""
+    power = np.array([[0.0], [10.0]])
+    found = {"annual_mean_power": (BY, power), "quadrature_error": (BY, 0 * power)}
+    assert _gains(found, ["A", "B"], "A", 0.01) == {}
+    assert _gains({}, ["A", "B"], "A", 0.01) == {}

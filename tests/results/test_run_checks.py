@@ -7,7 +7,9 @@ import pytest
 import xarray as xr
 
 from vsb.results.run_checks import (
+    DAMPERS,
     agreement_checks,
+    dampers_in_words,
     drift_checks,
     energy_check,
     linearity_check,
@@ -89,3 +91,12 @@ def test_power_is_expected_to_grow_with_the_square_of_the_amplitude(check, limit
             assert (found.verdict, found.design, found.wave) == (verdict, "a", one.waves[0].label)
             assert found.value == pytest.approx(factor * limit, rel=0.06)  # over the larger, or over what is expected
     assert "10 W in linear theory" in linearity_check(one, one.waves[0], 40.0, 11.0, "a").explanation
+
+
+def test_an_equivalent_damper_of_heave_alone_needs_no_name_and_others_have_theirs(seed):
+    """A body's, and a buoy's without drag, is of heave; of rotations it is in N m s."""
+    for one in (study(), seed):
+        assert dampers_in_words(one, {DAMPERS: 30.0}) == "30 N s/m"
+    drag = {"directions": {"heave": {"coefficient": 1.0}, "pitch": {"coefficient": 1.0}}}
+    both = seed.model_copy(update={"drag": SimpleNamespace(**drag)})
+    assert dampers_in_words(both, {DAMPERS: [30.0, 4.5]}) == "30 N s/m of heave and 4.5 N m s of pitch"

@@ -157,3 +157,21 @@ def test_what_another_exceeds_in_every_band_is_never_the_largest(rows, density):
     assert len(np.unique(left, axis=0)) == len(left)
     above = (left[:, None] <= left).all(axis=2) & ~np.eye(len(left), dtype=bool)
     assert not above.any()
+
+
+def test_every_tuning_has_its_own_marks(shells):
+    """Those it has alone; a damper of each sea's own, and one twenty times as large."""
+    study, waves, seas = shells
+    ports = {d: w.port.beside(2e4) for d, w in waves.items()}
+    given = dict.fromkeys(waves, 1e5)
+    both = year(ports, seas, study.water, ("fixed", "one"), given)
+    radius = float(np.median(by_the_sea(waves["VSWEC"], seas, both.damping[1, 1], 2e4)[1])) * 3.72 / 0.1
+    found = beyond_validity(both, waves, 2e4, radius)
+    for j, name in enumerate(("fixed", "one")):
+        alone = beyond_validity(year(ports, seas, study.water, (name,), given), waves, 2e4, radius)
+        for key, (dims, values) in found.items():
+            expected = alone[key][1]
+            np.testing.assert_allclose(np.take(values, j, dims.index("tuning")), expected.squeeze(dims.index("tuning")))
+    marked = found["energy_beyond_validity"][1]
+    assert (marked[1] > 0).all()
+    assert marked[1, 0] != marked[1, 1]

@@ -102,3 +102,9 @@ def test_a_job_is_done_where_all_it_makes_was_made_meanwhile(tmp_path, monkeypat
     monkeypatch.setattr(Job, "run", lambda self: ran.append(self.stage))
     make(plan, job.makes, [str(tmp_path / name) for name in stale])
     assert len(ran) == made
+
+
+def test_stamps_of_all_that_a_study_writes_go_into_its_one_manifest(plan):
+    told = {job.stage: job.files["manifest"] for job in jobs(plan) if "manifest" in job.files}
+    assert set(told) >= {"display", "report"}
+    assert set(told.values()) == {f"{plan.folder}/manifest.json"}

@@ -1,6 +1,7 @@
 import hashlib
 import json
 import os
+import threading
 
 import netCDF4
 import numpy as np
@@ -9,7 +10,7 @@ from tools.test_files import rao, rewritten
 
 from vsb.errors import DatabaseError
 from vsb.study.blocks import panel_solver
-from vsb.tools.files import load, save, sealed, write_text
+from vsb.tools.files import load, locked, save, sealed, write_text
 from vsb.tools.stamps import Stamp, faults, read_manifest, read_text, record, stamp_file
 
 ID, OTHER = "a" * 16, "b" * 16
@@ -197,3 +198,18 @@ def test_the_table_of_the_panel_solver_carries_its_name(tmp_path):
     record(tmp_path / "manifest.json", panel_solver(), [tmp_path / "table.npz"])
     (stamp,) = read_manifest(tmp_path / "manifest.json").values()
     assert stamp.spec_id == panel_solver()
+
+
+def test_a_job_waits_until_another_has_written_its_stamps(place):
+    """Both stand in the manifest: what is in it is read when nobody else writes it."""
+    write_text(place / "late.csv", "design\n")
+    late = threading.Thread(target=record, args=(place / "manifest.json", ID, [place / "late.csv"]))
+    with locked(place / ".manifest.json.lock"):
+        stored = (place / "manifest.json").read_bytes()
+        late.start()
+        late.join(0.1)
+        assert late.is_alive()
+        assert (place / "manifest.json").read_bytes() == stored
+    late.join()
+    names = {os.path.basename(path) for path in read_manifest(place / "manifest.json")}
+    assert names == {"late.csv", "power.svg", "table.csv"}
