@@ -320,3 +320,10 @@ def test_what_others_make_as_well_is_what_is_shared_and_not_there(workplace, see
         Path(path).touch()
     assert set(launcher.unmade(plan)) == shared - {plan.database_path, f"{plan.green_folder}.done"}
     assert launcher.unmade(planned(with_seas(workplace, (1.0, 6.0)), MODULI)) == []
+
+
+@pytest.mark.parametrize("text", ["", "- cores", "cores", "3"])
+def test_a_profile_that_is_no_mapping_says_nothing(workplace, text):
+    """An empty one is a profile all the same; of others it is Snakemake that says what it needs."""
+    Path("config.yaml").write_text(text)
+    assert launcher._settings(Path("config.yaml")) == {}

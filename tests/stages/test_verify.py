@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 from contextlib import nullcontext
 from pathlib import Path
@@ -417,3 +418,13 @@ def test_what_a_changed_study_replaces_is_said(tmp_path):
     assert differences(many).endswith(" (and 2 more)")
     Path(before.folder, "study.json").write_text("{")
     assert differences(planned(pto={"damping": 9000.0})) == ""
+
+
+def test_of_missing_files_the_first_by_name_is_told_and_the_others_are_counted(tmp_path, monkeypatch):
+    """Of a study that was never run these are all."""
+    monkeypatch.chdir(tmp_path)
+    Path("small.yaml").write_text(yaml.safe_dump(RAW))
+    first, *others = sorted(set(PLAN.products))
+    line = f"{first}: is not there (and {len(others)} more); vsb run small.yaml makes it anew"
+    with pytest.raises(VsbError, match=f"^{re.escape(line)}$"):
+        verify("small.yaml", heal=False)
