@@ -28,3 +28,22 @@ def test_large_angles_and_excursions_are_doubted(pitch, surge, verdicts):
     assert attitude_checks(load(SEED), run) == []
     still = varied(study, waves=[{"kind": "still"}])
     assert [check.name for check in attitude_checks(still, run.assign_attrs(wave="still"))] == ["pitch"]
+
+
+def test_a_buoy_that_pitches_and_rolls_leans_by_both_and_drifts_along_its_waves_alone():
+    """Angles of 3 and 4 to 5, of either sign; of a way along waves at 30 degrees all counts, across them nothing."""
+    data = load(SEED).model_dump() | {"motion": "planar"}
+    data["device"] |= {"centre_of_mass": -0.5, "ballast_inertia": 8e3}
+    study = varied(parse(data), waves=[{"kind": "regular", "amplitude": 0.1, "period": 3.0}])
+    (wave,) = study.waves
+    turned = study.model_copy(update={"waves": (wave.model_copy(update={"direction": 30.0}),)})
+    number, going = wavenumber(wave.omega, np.inf, 9.81), np.deg2rad(30.0)
+    dofs = ["Surge", "Sway", "Heave", "Roll", "Pitch"]
+    along, across = np.array([np.cos(going), np.sin(going)]), np.array([-np.sin(going), np.cos(going)])
+    for moved, expected in ((-0.7 * along, 0.7), (9.0 * across, 0.0), (0.4 * along + 5.0 * across, 0.4)):
+        position = np.array([[0.0] * 5, [*moved, 9.0, -0.04, 0.03]])
+        run = xr.Dataset({"position": (("time", "dof"), position)}, {"time": [0.0, 1.0], "dof": dofs})
+        run = run.assign_attrs(design="FSB", wave=turned.waves[0].label)
+        pitch, surge = attitude_checks(turned, run)
+        assert pitch.value == pytest.approx(0.05, rel=1e-12)
+        assert surge.value == pytest.approx(number * expected, abs=1e-12)

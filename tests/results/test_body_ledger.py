@@ -35,6 +35,12 @@ def test_rotations_and_translations_of_any_body_are_measured():
     apart = xr.Dataset(attrs={"displaced_volume_float": 1.0, "displaced_volume_spar": 8.0})
     (worst,) = motion_checks(study(), apart, run(["float__Heave", "spar__Heave"], [0.5, 0.6]))
     assert (worst.verdict, worst.value) == ("doubt", pytest.approx(0.5, rel=1e-3))  # of the small one, not the sum
+    (worst,) = motion_checks(
+        study(), apart.assign_attrs(displaced_volume=27.0), run(["float__Heave", "buoy__Heave"], [0.5, 1.8])
+    )
+    assert worst.value == pytest.approx(0.6, rel=1e-3)  # of what says nothing of itself, the whole counts
+    (own,) = motion_checks(study(), apart.assign_attrs(displaced_volume=27.0), run(["float__Heave"], [0.5]))
+    assert own.value == pytest.approx(0.5, rel=1e-3)
 
 
 def test_what_of_a_sea_lies_beyond_the_band_is_told():

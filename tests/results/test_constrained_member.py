@@ -168,3 +168,16 @@ def test_deformation_is_the_length_of_what_a_point_moves_and_the_largest_of_all(
     moved = _motion_rms(found, replace(one.motion, shell=shell))
     np.testing.assert_allclose(moved["deformation"], np.sqrt(2) * moved["heave"], rtol=1e-12)
     assert (moved["heave"] > 0).all()
+
+
+def test_years_within_other_limits_are_not_taken_for_known(limited, seas):
+    """Of one rigid design, and so one port: what is found after other limits is what is found alone, to the bit."""
+    rigid, kept = varied(limited, designs={"FSB": {"flexible": False}}), None
+    powers = []
+    for pto in ({"force_limit": 1e4}, {"force_limit": 2e4}, {"force_limit": 2e4, "stroke_limit": 0.5}):
+        one = varied(rigid, pto=pto)
+        kept = kept or optima_of(one)
+        found, alone = (of(one, reference_shell(one), seas, 0.1) for of in (kept, optima_of(one)))
+        assert found.identical(alone)
+        powers.append(float(found.annual_mean_power.squeeze()))
+    assert len(kept.known) == len(set(powers)) == 3

@@ -15,11 +15,13 @@ from vsb.results.constrained_year import (
     SECONDS_PER_CUBE,
     ConstrainedYear,
     Limits,
+    _squares,
     affordable,
     constrained_year,
     harmonics_of_year,
 )
 from vsb.results.year import year
+from vsb.waves.climate import Climate
 
 SEAS = climate()
 HARMONICS = Harmonics(0.05, 4.0, 45)  # 0.2 to 2.4 rad/s
@@ -211,3 +213,14 @@ def test_waves_that_both_designs_meet_alike_leave_a_gain_sharp_and_others_do_not
     assert mean == pytest.approx(50.0)
     assert high - mean == pytest.approx(mean - low)
     assert high - mean > 20.0
+
+
+def test_the_spectrum_of_a_bin_is_the_mean_over_its_hours():
+    """Two seas of one bin, nine hours of one to each of the other; harmonics are the middles of the bands."""
+    omega = 0.3 + 0.1 * np.arange(20)
+    narrow, wide = (0.02 * part * np.exp(-(((omega - 1.0) / width) ** 2)) for width, part in ((0.2, 1.0), (0.22, 0.9)))
+    seas = Climate.of_spectra(omega, np.array([narrow, wide]), np.array([0.9, 0.1]), "two seas")
+    bins = Bins(seas.hs, seas.te, seas.hours)
+    assert len(bins.occupied) == 1
+    (found,) = _squares(bins, seas, Harmonics(0.1, 3.0, 20))
+    assert found == pytest.approx(2 * 0.1 * (0.9 * narrow + 0.1 * wide), rel=1e-9)

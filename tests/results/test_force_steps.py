@@ -127,3 +127,13 @@ def test_the_force_of_a_damper_is_the_largest_pushed_or_pulled(sign):
     )  # every wave of amplitude 1, all of the port's velocities in phase at the beginning
     found = _damper_force(port, Sea(omega, sign * together), harmonics)
     assert found == pytest.approx(best * np.abs(moved).sum(), rel=1e-9)
+
+
+def test_the_budget_of_a_page_is_for_all_its_seas_designs_and_limits():
+    """Of twenty seas each is taken to repeat sooner than one alone is; a regular wave has no period to choose."""
+    for seas in (1, 20):
+        harmonics = harmonics_within(BAND, seas * len(BOTH) * len(SHARES))
+        steps = force_steps(SEA, {name: BOTH[name] for name in BOTH}, "FSB", BAND, seas=seas)
+        assert steps.repeats == pytest.approx(2 * np.pi / harmonics.spacing, rel=1e-12)
+        assert FEWEST < harmonics.count <= MOST + 1
+    assert harmonics.count < MOST

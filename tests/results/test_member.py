@@ -89,7 +89,9 @@ def test_the_interval_of_a_gain_holds_both_designs_errors(study, found):
         np.testing.assert_allclose(one.gain_percent, 100 * (ratio - 1), atol=1e-10)
 
 
-def test_designs_that_do_not_rest_have_no_values(study, shared, seas):
+def test_designs_that_do_not_rest_have_no_values(study, shared, seas, found):
+    """Also after a member of the same names whose designs all rest."""
+    assert found.viable.all()
     lost = unstable(study)
     ds = member(lost, lambda basis: shared, seas, TUNINGS)
     assert ds.viable.values.tolist() == [True, False, False, True]

@@ -225,3 +225,22 @@ def test_seas_that_are_alike_lie_in_the_order_of_the_climate_and_one_that_never_
         sample = drawn(share, share, 50, seed)
         assert (sample.sea // 2).tolist() == np.repeat(np.arange(25), 2).tolist()
         assert sample.weight == pytest.approx(1.0)
+
+
+def test_the_hours_saved_are_those_of_the_scatter_between_seas_and_within_them_over_that_of_the_draws():
+    """Seas of 1 to 4 W: 1.25 W^2; records 0.5 W off: 0.25 W^2; draws +-a about nothing: a^2/2 of two strata.
+
+    Two degrees of freedom: chi squared above -2 ln 0.75 in three of four.
+    """
+    seas, turned = np.array([[1.0, 2.0, 3.0, 4.0]]), np.array([[1.0, -1.0, 1.0, -1.0]])
+    sample, hours, linear = Sample(np.arange(4), np.arange(4), np.ones(4)), np.full(4, 0.25), seas + 0.5 * turned
+
+    def fewer(better):
+        return Verification(np.array([2.5]), seas, hours, sample, better, linear).fewer_hours(0)
+
+    for a in (0.1, 0.2):
+        own = 4 * (a**2 / 2) * 2 / (-2 * np.log(0.75))
+        assert fewer(linear + a * turned) == pytest.approx((1.25 + 0.25) / own, rel=1e-9)
+    left = 0.1 * turned - 0.2 * seas  # four fifths of the year are left, and of the scatter that is averaged
+    assert fewer(linear + left) == pytest.approx(0.8**2 * fewer(linear + 0.1 * turned), rel=1e-9)
+    assert fewer(linear) == np.inf

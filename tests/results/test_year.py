@@ -184,3 +184,12 @@ def test_one_port_that_does_not_reach_is_enough_to_refuse():
         with pytest.raises(ConfigError, match=r"of its variance outside 0\.1 to 1 rad/s"):
             year(ports, seas, WATER, ["one"])
     year({"A": wide}, seas, WATER, ["one"])
+
+
+@pytest.mark.parametrize("count", [70, 71])
+def test_half_the_frequencies_of_a_port_reach_from_its_first_to_its_last(count):
+    """Of an even number the last two stay: the error of the quadrature is of the step alone."""
+    grid = 0.1 + 0.04 * np.arange(count)
+    half = DesignYear(port(grid), climate()).coarser().port
+    assert half.omega.tolist() == [*grid[: count - 1 : 2], grid[-1]]
+    assert half.velocity.tolist() == port(half.omega).velocity.tolist()

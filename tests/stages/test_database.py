@@ -3,9 +3,11 @@
 import json
 import shutil
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import xarray as xr
 from conftest import varied
 from study.test_shape import OBLATE, raw
 
@@ -82,3 +84,21 @@ def test_other_codes_are_told_where_the_water_holds_a_spheroid(mass):
         [0.0, 0.0, height + np.trapezoid(slices * z, z) / volume], rel=1e-6
     )
     assert told["centre_of_mass"] == [0.0, 0.0, height]
+
+
+@pytest.mark.parametrize("order", [None, 1, 2])
+def test_coefficients_are_judged_by_the_relations_of_their_own_order(small, monkeypatch, order):
+    """Swept and tabulated alike; pitch about a sphere's centre moves no water, and is not asked."""
+    labels, asked = ["Surge", "Pitch", "Bend"], []
+    pair = dict.fromkeys(("influenced_dof", "radiating_dof"), labels)
+    values = xr.DataArray(np.ones((3, 3)), pair, tuple(pair))
+    monkeypatch.setattr(database.quality, "verdict", lambda *given: asked.append(given))
+    basis = SimpleNamespace(order=order) if order else None
+    part = database._Part(small.database, None, {}, basis)
+    for tabulated in (None, values.to_dataset(name="added_mass_inf")):
+        part.verdict(values.to_dataset(name="added_mass_zero"), tabulated, 0.3)
+    for (swept, other, *told), name in zip(asked, (None, "added_mass_inf"), strict=True):
+        assert told == [small.study.water, 0.3, order or 0]
+        assert swept.added_mass_zero.shape == (2, 2)
+        assert list(swept.influenced_dof.values) == list(swept.radiating_dof.values) == ["Surge", "Bend"]
+        assert other is None if name is None else other[name].shape == (2, 2)

@@ -160,6 +160,11 @@ def test_facts_of_coefficients_tell_their_solver_their_band_and_what_they_took()
     }
     assert report._body_facts(solved("WAMIT")) == of_body
     assert report._body_facts(solved("WAMIT", history="cut at 4.5")) == of_body | {"History": "cut at 4.5"}
+    both, alone = solved("WAMIT", history="cut at 4.5"), solved("WAMIT")
+    for one in (both, alone):
+        one.radiation.attrs["history"] = "memory mended"
+    assert report._body_facts(both)["History"] == "cut at 4.5; memory mended"
+    assert report._body_facts(alone)["History"] == "memory mended"
 
 
 def test_facts_of_the_second_solver_tell_the_seconds_of_each(seed):

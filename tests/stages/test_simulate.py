@@ -126,3 +126,16 @@ def test_clamps_are_watched_over_ten_thousand_periods(small, monkeypatch):
     (time,) = seen
     assert (time[0], time[-1]) == (0.0, pytest.approx(1e4 * WAVE.period))
     assert np.diff(time).max() < WAVE.period
+
+
+@pytest.mark.parametrize(("later", "told"), [(7.0, 7.0), (0.0, None)])
+def test_the_slip_told_of_clamps_is_the_largest_of_the_run_and_of_ten_thousand_periods(
+    small, tmp_path, monkeypatch, later, told
+):
+    monkeypatch.setattr(simulate, "_linear_drift", lambda *_: later)
+    plan = StudyPlan(varied(small.study, designs={"FSB": {"flexible": False}, "VSWEC0": {"clamp": 0}}))
+    for design in plan.study.designs:
+        simulate.run(plan.simulation(design, WAVE), str(tmp_path / f"{design}.nc"), **small.hydro_files)
+    held = load(tmp_path / "VSWEC0.nc").attrs["constraint_drift"]
+    assert held == told or (told is None and 0 < held < 1e-12)
+    assert "constraint_drift" not in load(tmp_path / "FSB.nc").attrs

@@ -89,6 +89,16 @@ def test_a_wrong_specification_is_one_line():
         BY_NAME["radiation"].read("[" * 100_000)
 
 
+@pytest.mark.parametrize("more", [{}, {"added_mass_inf": "given"}], ids=["buoy", "body"])
+def test_a_mistake_is_told_of_the_type_it_is_nearest_to(more):
+    """A radiation model is of a buoy, or of a body, which says one thing more."""
+    spec = {"database": "0" * 16, "tolerance": "x", **more}
+    with pytest.raises(ConfigError) as error:
+        BY_NAME["radiation"].read(json.dumps(spec))
+    assert str(error.value).startswith("standard input: tolerance: received 'x'; needs a number")
+    assert "added_mass_inf" not in str(error.value)
+
+
 def test_a_stage_without_specification_reads_none(monkeypatch, tmp_path):
     """The Green-function table depends on no study: nothing stands on its standard input."""
     seen = []
