@@ -226,6 +226,12 @@ def test_the_exit_code_of_a_command_is_returned_and_signals_are_heard_as_before(
     assert [signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT)] == before
 
 
+def test_a_command_that_cannot_begin_leaves_interruptions_heard():
+    with pytest.raises(FileNotFoundError):
+        launcher.finished(["/nowhere/at/all"], {})
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
+
+
 def test_an_interruption_while_the_command_begins_is_not_lost(monkeypatch):
     """A moment in which it is ignored, so that what is started ignores it, must not swallow it."""
     begun, popen = [], subprocess.Popen

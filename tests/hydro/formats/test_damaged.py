@@ -236,3 +236,11 @@ def test_a_second_rigid_body_is_recognized(tmp_path, modes, stiffness):
 )
 def test_generalized_modes_are_not_taken_for_a_second_body(tmp_path, modes, stiffness):
     assert read(two_bodies(tmp_path, modes, stiffness)).sizes["influenced_dof"] == len(modes)
+
+
+@pytest.mark.parametrize("name", ["centre_of_buoyancy", "centre_of_mass"])
+def test_a_centre_has_three_finite_numbers(name):
+    for wrong in ([0.0, -1.0], [0.0, 0.0, 0.0, -1.0], [0.0, 0.0, np.nan], [0.0, 0.0, 1.01 * LARGEST]):
+        with pytest.raises(DatabaseError, match=rf"memory: {name} .* m; needs three finite numbers"):
+            checked(sound().assign_attrs({name: wrong}), "memory")
+    checked(sound().assign_attrs({name: [0.0, 0.0, LARGEST]}), "memory")
