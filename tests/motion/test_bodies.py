@@ -262,6 +262,16 @@ def test_without_structure_what_is_not_given_is_nothing(database, given):
     np.testing.assert_array_equal(body.structural_damping, chosen if "damping" in given else 0 * chosen)
 
 
+def test_the_motion_that_falls_is_named_by_its_energy_not_by_its_number(database):
+    """Falling aside by 1 m and over by 0.5 rad: turning, metres from its own centre, holds most of the energy."""
+    body = linear_body(database, ["Surge", "Pitch"])
+    inertia = body.mass + body.added_mass_inf
+    fall = inertia @ np.array([1.0, 0.5])
+    assert inertia[1, 1] * 0.5**2 > 2 * inertia[0, 0]
+    with pytest.raises(StabilityError, match=r"received a negative stiffness of Pitch, growing by"):
+        body.drifting(-np.outer(fall, fall) / (fall @ np.array([1.0, 0.5])), np.eye(2))
+
+
 class TestRefused:
     def test_bodies_that_cannot_be(self, database):
         with pytest.raises(ConfigError, match=r"received Heave, Roof; needs some of Surge, Sway"):
