@@ -1,3 +1,4 @@
+import html
 import re
 import urllib.parse
 
@@ -6,6 +7,7 @@ import pytest
 import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
+from report.test_tuned import SWELL
 
 from vsb.report.page import (
     BODY_MEASURES,
@@ -25,6 +27,7 @@ from vsb.report.page import (
     table,
     winning_bands,
 )
+from vsb.report.tuned import tuned_statements
 
 OMEGA = np.linspace(0.5, 4.0, 351)
 
@@ -365,6 +368,16 @@ def test_limits_and_what_is_published_stand_on_the_page_with_their_source():
     assert "In a swell, no take-off within its limits absorbs more than: A 112.3 W (+12.3 %)." in page
     assert "<p>Somebody 2020</p>" in page
     assert "published" not in page_of().partition("<body")[2].lower()
+
+
+def test_the_fair_answer_of_every_sea_stands_on_the_page_where_waves_are_known():
+    """At own best dampers, sentence by sentence; without a frequency response nothing is tuned."""
+    page = page_of(found=response(A=0.2), equal_tuning=SWELL)
+    said = tuned_statements(SWELL, "FSB", {"w": "a swell"})
+    assert said
+    for sentence in said:
+        assert f"<p>{html.escape(sentence)}</p>" in page
+        assert sentence not in html.unescape(page_of(equal_tuning=SWELL))
 
 
 def test_a_page_that_moves_nothing_says_why():
