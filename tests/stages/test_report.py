@@ -1,5 +1,6 @@
 """Rule report: the page says what its checked data say."""
 
+import html
 import json
 import re
 from html.parser import HTMLParser
@@ -12,8 +13,11 @@ import yaml
 from browser import findings
 from conftest import SEED, varied
 
+import vsb
 from vsb import __version__
 from vsb.errors import DatabaseError
+from vsb.report.tuned import NO_BEST_DAMPER
+from vsb.results.ledger import assumed_pressure_checks
 from vsb.stages import report
 from vsb.study.study import load, parse
 
@@ -40,6 +44,22 @@ def test_the_page_says_its_powers_its_solver_and_its_figures(small):
     assert "spectral integral equation" in page
     assert "none (hydro.witness: none)" in page
     assert page.count('<div class="drawn"') == len(list(Path(f"{small.folder}/figures").glob("*.svg")))
+
+
+def test_a_study_in_an_assumed_pressure_has_tables_and_a_page_and_no_best_damper(small, tmp_path, monkeypatch):
+    """From its file to its report: no database, no response, no ladder; its checks are those of such a pressure."""
+    monkeypatch.chdir(tmp_path)
+    study = varied(small.study, hydro={"model": "assumed_pressure", "pressure": 1800.0})
+    vsb.run(study)
+    tables = json.loads(Path("results/small/tables.json").read_text())
+    assert [row["design"] for row in tables["comparison"]] == ["FSB", "VSWEC"]
+    assert (tables["equal_tuning"], tables["within_limits"], tables["statistics"]) == ([], [], [])
+    told = {check["name"] for check in tables["checks"]}
+    assert {check.name for check in assumed_pressure_checks(study, tables["comparison"])} <= told
+    assert not {"radiation_fit", "power_limit"} & told
+    page = Path("results/small/report.html").read_text()
+    assert NO_BEST_DAMPER in html.unescape(page)
+    assert "uniform pressure of 1800 Pa on the instantaneous wet shell" in page
 
 
 VOID = {"meta", "br", "hr", "input", "link", "img"}
