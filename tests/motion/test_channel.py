@@ -53,3 +53,19 @@ def test_where_no_wave_is_made_the_channel_is_that_of_its_neighbours(database):
     force = np.zeros((4, 3), dtype=complex)
     force[:, 2] = 3.0 - omega
     np.testing.assert_allclose(channel.damping(omega, force)[:, 2, 2], omega**3 * (3.0 - omega) ** 2, rtol=1e-10)
+
+
+def test_the_factor_is_of_the_direction_that_excites_its_motions(database):
+    """As sway by waves that go along y: those along x leave it where it is."""
+    ahead, aside = database.excitation_force.copy(), database.excitation_force.copy()
+    ahead[:, 0, 2] = 0.0
+    aside[:, 0, :2] *= 0.5
+    both = database.drop_vars("excitation_force").assign(
+        excitation_force=xr.concat([ahead, aside], "wave_direction").transpose("omega", ...)
+    )
+    omega = np.array([0.25, 1.234, 5.5])
+    for heading, group, factor in ((1, [2], 1.0), (0, [0, 1], 2.0), (1, [0, 1], 8.0)):
+        channel, pick = Channel.of(both, np.array(group), heading), np.array(group)
+        found = channel.damping(omega, force(omega))[:, pick[:, None], pick]
+        expected = factor * omega[:, None, None] ** 3 * one_channel(force(omega)[:, pick])
+        np.testing.assert_allclose(found, expected, rtol=1e-10)

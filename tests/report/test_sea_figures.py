@@ -88,3 +88,13 @@ def test_every_axis_of_frequencies_has_several_periods_above_it(tp):
     low, high = ax.get_xlim()
     (periods,) = ax.child_axes
     assert np.sum((2 * np.pi / high < periods.get_xticks()) & (periods.get_xticks() < 2 * np.pi / low)) >= 3
+
+
+def test_a_calm_sea_beside_a_storm_is_seen_by_its_own_peak():
+    """Its highest density is less than a hundredth of the storm's, at waves a fifth as long."""
+    density = [jonswap_spectrum(OMEGA, 0.1, 2.0, 3.3), jonswap_spectrum(OMEGA, 6.0, 10.0, 3.3)]
+    assert density[0].max() < 0.001 * density[1].max()
+    for rows in (density, density[::-1]):
+        found = xr.DataArray(rows, {"sea": ["one", "other"], "omega": OMEGA})
+        low, high = spectra(data(spectra=found)).axes[0].get_xlim()
+        assert low < 2 * np.pi / 10 < 2 * np.pi / 2 < high

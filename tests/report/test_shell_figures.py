@@ -165,3 +165,12 @@ def test_the_height_changes_by_both_poles():
 def test_a_run_shorter_than_a_period_is_shown_from_its_start(end, times):
     figure = figures.snapshots(replace(data(), window=(0.0, end)), "w")
     assert [ax.get_title() for ax in figure.axes[:5]] == [f"t = {t:.2f} s" for t in times]
+
+
+def test_what_magnifies_motion_leaves_the_shape_at_rest():
+    """A shell swollen by 0.3 m at rest, which breathes by 10 mm; a rigid design of the study rests so, too."""
+    given = data()
+    given = replace(given, modes=given.modes.assign(static_amplitude=("mode", [0.3])))
+    rigid, shell = (line.get_data() for line in figures.extreme_shapes(given, "w").axes[0].get_lines())
+    np.testing.assert_allclose(np.hypot(*rigid), 2.3, rtol=1e-9)
+    np.testing.assert_allclose(np.hypot(*shell), 2.3 - 20.0 * 0.01, rtol=1e-3)

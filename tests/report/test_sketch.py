@@ -75,3 +75,18 @@ def test_a_spheroid_of_any_size_is_drawn_in_radii(seed, radius):
     x, y = zip(*(map(float, point.split()) for point in body.strip("MZ").split("L")), strict=True)
     assert max(x) - min(x) == pytest.approx(68.0, abs=0.3)
     assert max(y) - min(y) == pytest.approx(0.7 * 68.0, abs=0.3)
+
+
+@pytest.mark.parametrize("radius", [0.5, 2.0, 7.0])
+@pytest.mark.parametrize("draft", [0.6, 1.0, 1.3])
+def test_a_sphere_of_any_size_lies_as_deep_as_its_draft(seed, radius, draft):
+    """In radii, of 34 units each; the take-off begins at its keel."""
+    raw = seed.model_dump() | {"designs": {"FSB": {"flexible": False}, "VSWEC": {}}, "published": None}
+    raw["device"] |= {"radius": radius, "thickness": radius / 200, "draft": draft * radius}
+    del raw["device"]["mass"]
+    for one in sketches(parse(raw, source="sphere")):
+        root = ET.fromstring(one["svg"])
+        (body,) = root.iter("circle")
+        assert float(body.get("cy")) + float(body.get("r")) == pytest.approx(62.0 + 34.0 * draft, abs=0.1)
+        line = next(e.get("d") for e in root.iter("path") if e.get("class") == "takeoff")
+        assert float(line.removeprefix("M70 ").partition("V")[0]) == pytest.approx(62.0 + 34.0 * draft, abs=0.1)

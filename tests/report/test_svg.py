@@ -140,3 +140,16 @@ def test_a_figure_drawn_again_is_the_same_to_the_byte():
     first, again = (drawn(DRAWN["power_matrices"](campaign(), "one", "FSB"), "x").svg for _ in range(2))
     assert "clip-path" in first
     assert first == again
+
+
+def test_of_a_long_curve_every_so_many_a_point_is_kept_and_of_a_map_every_cell():
+    figure, axes = grid_of_axes(3.0, 1, 2)
+    axes[0, 0].plot(np.arange(2001.0), np.arange(2001.0), label="long")
+    axes[0, 0].plot(np.arange(1000.0), np.arange(1000.0), label="short")
+    cells = np.arange(40.0 * 30).reshape(30, 40)
+    axes[0, 1].pcolormesh(np.arange(41.0), np.arange(31.0), cells)
+    rows = list(csv.DictReader(io.StringIO(data_csv(figure))))
+    found = {name: [row for row in rows if row["series"] == name] for name in ("long", "short", "map")}
+    assert [float(row["x"]) for row in found["long"]] == list(range(0, 2001, 3))
+    assert len(found["short"]) == 1000
+    assert [float(row["value"]) for row in found["map"]] == cells.ravel().tolist()
