@@ -171,3 +171,19 @@ def test_a_port_in_waves_of_two_directions_is_both_side_by_side():
     given = np.array([0.4]), np.array([0.1])
     apart = np.concatenate([port.powers(waves, *given) for port in (one, other)], axis=1)
     assert joined.powers(both, *given) == pytest.approx(apart, rel=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_beside_a_spring_the_best_damper_knows_of_the_losses_of_what_goes_back_and_forth(seed):
+    """A stiff spring sends much power through the take-off, so that a heavier damper loses less than the lossless best."""
+    buoy = Buoy(seed)
+    waves, stiffness = seas(buoy.omega), 2.0
+    tried = np.geomspace(0.02, 50.0, 80)
+    found = {}
+    for efficiency in (1.0, 0.6):
+        found[efficiency] = best_damper(buoy.port, waves, stiffness, efficiency)
+        taken = under(buoy.port, waves, found[efficiency], stiffness, efficiency).power.sum()
+        powers = buoy.port.powers(waves, tried, np.full(80, stiffness), efficiency).sum(axis=1)
+        assert powers.max() <= taken * (1 + 1e-9)
+        assert powers.max() == pytest.approx(taken, rel=0.01)
+    assert found[0.6] > 1.1 * found[1.0]

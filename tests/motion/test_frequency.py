@@ -162,6 +162,8 @@ def test_grid_holds_what_is_asked_for():
         (np.diag([4.0, 0.0]), [1.0, 0.0], 0.25),
         (np.diag([4.0, 0.0]), [0.0, 1.0], np.inf),
         (np.diag([1e12, 1e-3]), [0.0, 1.0], 1e3),  # scales are no looseness
+        (np.diag([4.0, 0.0]), [1e-8, 1e-8], np.inf),  # nor is a port of small parts held
+        (np.diag([4.0, 0.0]), [1e8, 1.0], 2.5e15),  # of which a hundredth of a millionth drifts
         (np.array([[1.0, 5e-12 - 1], [5e-12 - 1, 1.0]]), [1.0, 1.0], 4e11),
         (np.array([[1.0, 5e-13 - 1], [5e-13 - 1, 1.0]]), [1.0, 1.0], np.inf),  # held by round-off alone
         (np.array([[1.0, 5e-13 - 1], [5e-13 - 1, 1.0]]), [1.0, -1.0], 1.0),
@@ -196,3 +198,46 @@ def test_waves_from_a_side_excite_and_diffract_by_the_cosine_and_the_sine_of_the
     for beyond in (0.4, 3.1):
         with pytest.raises(DatabaseError, match=r"the database holds 0.5 to 3 rad/s"):
             buoy.diffraction(np.array([beyond]))
+
+
+@pytest.mark.parametrize("coupling", [-8.0, 0.0, 25.0])
+def test_what_nothing_holds_goes_along_without_force(coupling):
+    """Of a pitch stiffness k beside free surge w^2 = k/(I - s^2/m); surge goes by -s/m of it, and may be damped there."""
+    omega, pair = np.linspace(0.1, 12.0, 60), ("influenced_dof", "radiating_dof")
+    mass, turning, stiffness, across, about = 50.0, 20.0, 90.0, 3.0, 2.0
+    ds = xr.Dataset(
+        {
+            "inertia_matrix": (pair, np.array([[mass, coupling], [coupling, turning]])),
+            "added_mass_inf": (pair, np.zeros((2, 2))),
+            "hydrostatic_stiffness": (pair, np.diag([0.0, stiffness])),
+            "radiation_damping": (("omega", *pair), np.zeros((60, 2, 2))),
+        },
+        {"omega": omega} | {dim: ["Surge", "Pitch"] for dim in pair},
+    )
+    buoy = LinearBuoy(ds, np.diag([across, about]), LinearPto(0.0))
+    (frequency,), (ratio,) = buoy.natural_modes(np.eye(2))
+    left = turning - coupling**2 / mass
+    assert frequency == pytest.approx(np.sqrt(stiffness / left), rel=1e-9)
+    lost = about + across * (coupling / mass) ** 2
+    assert ratio == pytest.approx(lost / (2 * frequency * left), rel=1e-9)
+
+
+@pytest.mark.parametrize("stiffness", [0.0, 300.0, -40.0])
+@pytest.mark.parametrize("chamber", [0.0, 1e-3])
+def test_power_taken_through_a_chamber_is_that_of_the_port_behind_it(stiffness, chamber):
+    """What rao and damper give is what a damper at Thevenin's equivalent takes."""
+    omega, pair = np.linspace(0.5, 3.0, 12), ("influenced_dof", "radiating_dof")
+    force = np.array([200.0 + 0j, 60.0 - 30j]) * omega[:, None]
+    radiated = 1e-3 * omega[:, None, None] ** 3 * np.real(force[:, :, None] * force[:, None, :].conj())
+    ds = xr.Dataset(
+        {
+            "inertia_matrix": (pair, np.diag([500.0, 30.0])), "hydrostatic_stiffness": (pair, np.diag([900.0, 200.0])),
+            "added_mass": (("omega", *pair), np.full((12, 2, 2), 20.0)), "radiation_damping": (("omega", *pair), radiated),
+            "excitation_force": (("omega", "wave_direction", pair[0]), force[:, None]),
+        },
+        {"omega": omega, "wave_direction": [0.0]} | {dim: ["Heave", "Membrane0"] for dim in pair},
+    )  # fmt: skip
+    pto = LinearPto(250.0, stiffness, np.array([1.0, 0.4]))
+    buoy, at, free = LinearBuoy(ds, np.diag([0.0, 5.0]), pto, chamber), np.array([0.7, 1.3, 2.6]), np.eye(2)
+    taken = buoy.absorbed_power(at, buoy.rao(at, free))
+    assert taken == pytest.approx(buoy.port(at, free, pto.direction(2)).power(250.0, stiffness), rel=1e-9)
