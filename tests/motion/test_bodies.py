@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from conftest import labelled
+from scipy.linalg import eigh
 
 from examples.barge import Barge, box
 from vsb.errors import ConfigError, DatabaseError, StabilityError
@@ -11,8 +12,9 @@ from vsb.hydro.bodies.body import FlexibleBody, at_centres
 from vsb.hydro.bodies.study import solve
 from vsb.hydro.database import open_database
 from vsb.hydro.formats.modes import DRY
+from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.simulate import simulate
-from vsb.motion.bodies import LinearBody, body_scene, linear_body, together, with_added_mass_inf
+from vsb.motion.bodies import LinearBody, Memory, body_scene, linear_body, together, with_added_mass_inf
 from vsb.motion.port import combination
 from vsb.motion.pto import LinearPto
 from vsb.motion.system import System
@@ -393,3 +395,43 @@ def test_wet_modes_ascend_each_with_its_own_damping_where_added_mass_has_a_reson
         own = int(np.argmin(np.abs(stiffness - w**2 * inertia)))
         assert w**2 * inertia[own] == pytest.approx(stiffness[own], rel=1e-6)
         assert ratio == pytest.approx(damping[own] / (2 * w * inertia[own]), rel=1e-6)
+
+
+def afloat(labels, mass, stiffness, direction=0.0, directions=(0.0,)):
+    """A body that makes no waves, in waves whose force is the number of their direction, from one on."""
+    omega, pair, dof = np.linspace(0.5, 4.0, 8), ("influenced_dof", "radiating_dof"), len(labels)
+    force = np.ones((8, len(directions), dof)) * (1.0 + np.arange(len(directions)))[:, None]
+    ds = xr.Dataset(
+        {name: (("omega", *pair), np.zeros((8, dof, dof))) for name in ("added_mass", "radiation_damping")}
+        | {"added_mass_inf": (pair, np.zeros((dof, dof))), "hydrostatic_stiffness": (pair, np.diag(stiffness))}
+        | {"excitation_force": (("omega", "wave_direction", pair[0]), force.astype(complex))},
+        {"omega": omega, "wave_direction": list(directions)} | {dim: list(labels) for dim in pair},
+    )
+    none = np.zeros((dof, dof))
+    return replace(linear_body(ds, mass=np.diag(mass), damping=none, stiffness=none), direction=direction)
+
+
+@pytest.mark.parametrize("turns", [-2, -1, 0, 1, 3])
+@pytest.mark.parametrize(("degrees", "force"), [(0.0, 1.0), (180.0, 2.0), (-90.0, 3.0)])
+def test_a_direction_and_full_turns_from_it_are_one(turns, degrees, force):
+    body = afloat(("Heave",), [2.0], [3.0], np.deg2rad(degrees + 360.0 * turns), np.deg2rad([0.0, 180.0, 270.0]))
+    assert body.coefficients(np.array([1.0, 2.0])).excitation == pytest.approx(np.full((2, 1), force))
+
+
+def test_the_motion_told_of_a_body_that_falls_over_has_most_of_the_energy():
+    """Not the largest number: a light part goes far with a heavy one that falls."""
+    body = afloat(("Heave", "Light"), [1e4, 1e-2], [0.0, 1.0])
+    matrix = np.array([[-1e4, -10.0], [-10.0, 1.0]])
+    _, shapes = eigh(matrix, body.mass)
+    assert abs(shapes[1, 0]) > 5 * abs(shapes[0, 0])
+    with pytest.raises(StabilityError, match="negative stiffness of Heave, growing by"):
+        body.drifting(matrix, np.eye(2))
+
+
+def test_a_scene_has_the_added_mass_its_memory_was_fitted_with():
+    """Of a fit that found another limit than the database's; without memory the database's own."""
+    body = afloat(("Heave", "Pitch"), [4.0, 5.0], [9.0, 9.0])
+    model = RadiationModel(np.array([[-0.5]]), np.array([[1.0, 0.3]]), np.ones(1))
+    added = np.array([[3.0, 0.5], [0.5, 2.0]])
+    np.testing.assert_array_equal(body_scene(body, Memory(model, added), {}).mass, np.diag([4.0, 5.0]) + added)
+    np.testing.assert_array_equal(body_scene(body, None, {}).mass, np.diag([4.0, 5.0]))

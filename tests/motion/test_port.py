@@ -154,6 +154,10 @@ def test_a_port_between_two_points_moves_by_their_distance(seed, order, between)
     found = _between(BetweenPort(between=between), DeformedShell(basis, planar.centre_height), family)
     np.testing.assert_allclose(found, slopes, atol=1e-7)
     assert np.abs(found).max() > 0.1
+    swollen = np.full(len(basis.labels), 0.02 * radius)
+    for amplitude in (np.zeros(len(basis.labels)), swollen):  # not by round-off, nor by the shape at rest
+        rest = DeformedShell(basis, planar.centre_height, amplitude)
+        assert not _between(BetweenPort(between=between), rest, family)[: family.rigid].any()
 
 
 def test_a_clamp_holds_a_port(seed):

@@ -48,3 +48,10 @@ def test_a_damper_alone_has_no_spring_and_is_that_of_heave():
 def test_a_spring_that_runs_away_with_the_gas_is_refused():
     with pytest.raises(ConfigError, match=r"pto.stiffness: received -2, with which the gas .*; needs more than -2$"):
         LinearPto(1.0, -2.0).relaxed(0.5)
+
+
+@pytest.mark.parametrize("port", [None, np.array([0.5, -1.0, 2.0])])
+def test_behind_a_compliance_it_acts_along_the_same_port(port):
+    pto = LinearPto(8e3, 5e2, port)
+    for other in (pto.behind(1e-4, np.array([1.0, 2.0])), pto.relaxed(1e-4)[0]):
+        np.testing.assert_array_equal(other.direction(3), pto.direction(3))

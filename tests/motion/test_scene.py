@@ -3,7 +3,16 @@
 import numpy as np
 import pytest
 
-from vsb.motion.forces import ConstantForce, Damper, Excitation, Spring, SpringDamper
+from vsb.hydro.statespace import RadiationModel
+from vsb.motion.forces import (
+    ConstantForce,
+    Damper,
+    Excitation,
+    RadiationMemory,
+    RelaxingDamper,
+    Spring,
+    SpringDamper,
+)
 from vsb.motion.scene import Scene
 
 STIFFNESS, MORE, DAMPING = np.diag([3.0, 5.0]), np.array([[1.0, 0.5], [0.5, 2.0]]), np.array([[2.0, 0.0], [0.0, 1.0]])
@@ -69,3 +78,17 @@ def test_what_is_constant_is_all_that_pushes_at_zero():
     np.testing.assert_allclose(one.constant, [7.0 + 0.3 - 0.5 * 0.2, -1.0 + 0.5 * 0.3 - 2.0 * 0.2])
     bare = Scene(("Heave", "Membrane0"), np.eye(2), {"hydrostatic": Spring(STIFFNESS)}, np.eye(2))
     assert bare.constant.tolist() == [0.0, 0.0]
+
+
+def test_radiation_is_what_remembers_but_for_the_take_off():
+    """A chamber of gas before a take-off remembers, too, and radiates nothing."""
+    memory = RadiationModel(np.array([[-0.5, 3.0], [-3.0, 0.0]]), np.eye(2), np.array([1.0, 0.0]))
+    chamber = RelaxingDamper(np.zeros((2, 2)), np.array([1.0, 0.5]), 4.0, 0.1)
+    water, through = {"radiation": RadiationMemory(memory)}, {"pto": chamber}
+    both, alone, dry = (
+        Scene(("Heave", "Membrane0"), np.eye(2), forces, np.eye(2)) for forces in (water | through, water, through)
+    )
+    assert (both.memory.order, alone.memory.order, dry.memory.order) == (3, 2, 1)
+    for one in (both, alone):
+        np.testing.assert_array_equal(one.radiation.state_matrix, memory.state_matrix)
+    assert dry.radiation is None

@@ -66,6 +66,14 @@ def test_heave_alone_has_the_frequency_of_its_spring_and_mass(stiffness, omega):
     assert System.of(alone).heaving == pytest.approx(omega, rel=1e-14)
 
 
+def test_where_heave_is_not_first_its_frequency_is_that_of_the_motion_a_start_is_of():
+    """Surge on a soft mooring beside it, in whatever order motions are allowed."""
+    springs = {"hydrostatic": Spring(np.diag([0.04, 36.0]))}
+    for lead, motions in ((1, np.eye(2)), (0, np.eye(2)[:, ::-1])):
+        both = Scene(("Surge", "Heave"), 4.0 * np.eye(2), springs, motions, lead=lead)
+        assert System.of(both).heaving == pytest.approx(3.0, rel=1e-14)
+
+
 @pytest.mark.parametrize("name", ["linear", "wet"])
 def test_the_system_is_the_equation_of_motion(plants, name):
     """N^T M N y'' = N^T of the named forces, and back to the same states."""
