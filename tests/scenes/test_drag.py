@@ -116,3 +116,13 @@ def test_a_drag_of_half_the_density_times_coefficient_area_and_cubed_lever(coeff
     plate = {"coefficient": coefficient, "area": area}
     found = coefficients(Drag(heave=plate, surge=plate, pitch={**plate, "lever": 2.0}), 1025.0)
     assert found == pytest.approx(512.5 * coefficient * area * np.array([1.0, 1.0, 8.0]), rel=1e-14)
+
+
+@pytest.mark.parametrize("stiffness", [-3e4, 6e4])
+def test_linear_theory_of_drag_knows_the_spring_of_the_take_off(small, stiffness):
+    """Beside it the steady state takes another power, and so does the equivalent damper."""
+    free, sprung = (
+        linear_design(run_of(study_of(small, "FSB", pto={"stiffness": k})), small.hydro_files) for k in (0.0, stiffness)
+    )
+    assert sprung.notes[LINEARISED] == pytest.approx(harmonic_balance(sprung.system).power.pto, rel=5e-3)
+    assert abs(sprung.notes[LINEARISED] / free.notes[LINEARISED] - 1) > 0.05

@@ -137,3 +137,13 @@ def test_what_the_shell_does_is_the_sum_of_its_shapes_in_their_phases():
     np.testing.assert_allclose(
         _of_shell(together, shapes), np.einsum("wk,kdp->dpw", together[:, 1:], shapes[1:]), rtol=1e-12
     )
+
+
+def test_of_shells_of_several_materials_each_has_its_own_coefficients(study):
+    """Whose heave moves the water alike and whose modes do not, by one water kept for all, in any order."""
+    bases = [reference_shell(varied(study, device={"poisson_ratio": ratio})).basis for ratio in (0.1, 0.3, 0.45)]
+    alone, shared = [water(study).in_modes(basis) for basis in bases], water(study)
+    for which in (0, 1, 2, 1, 0):
+        for one, other in zip(shared.in_modes(bases[which]), alone[which], strict=True):
+            np.testing.assert_array_equal(one, other)
+    assert np.abs(alone[0].added_mass / alone[2].added_mass - 1).max() > 0.01
