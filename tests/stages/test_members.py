@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
-from conftest import SEED
+from conftest import SEED, varied
 
-from vsb.errors import ConfigError, VsbError
+from vsb.errors import ConfigError, DatabaseError, VsbError
+from vsb.hydro.database import Check
 from vsb.motion.frequency import LinearBuoy
 from vsb.results.year import frequencies, year
 from vsb.scenes.afloat import linear_buoy, study_port
@@ -372,6 +373,9 @@ def test_a_year_is_known_as_far_as_both_the_shape_and_its_seas_go(highest):
     assert [one.coefficients[0] for one in (year, *year.orders)] == [0, 1]
     assert all(one.coefficients[1] is year.omega for one in (year, *year.orders))
     assert swept.of_year(seas) is year
+    longer = Climate.of_spectra(np.arange(0.5, 1.0, 0.05), np.ones((1, 10)), np.ones(1), "a swell")
+    np.testing.assert_array_equal(swept.of_year(longer).omega, frequencies(longer, 0.2, highest))
+    np.testing.assert_array_equal(swept.of_year(seas).omega, year.omega)
 
 
 def test_a_shape_is_solved_where_the_campaign_s_results_are(seed, tmp_path, monkeypatch):
@@ -382,3 +386,16 @@ def test_a_shape_is_solved_where_the_campaign_s_results_are(seed, tmp_path, monk
     members.swept_shape(seed, reference_shell(seed).basis, "elsewhere")
     assert asked == ["elsewhere"] * 2
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("order", [0, 1])
+def test_a_member_s_water_is_judged_as_a_database_is_and_what_a_study_accepts_is_accepted(seed, monkeypatch, order):
+    asked = []
+    failing = Check("haskind", 1.0, 0.01, "-", "fail", "why")
+    monkeypatch.setattr(members.quality, "verdict", lambda *given: asked.append(given) or [failing])
+    with pytest.raises(DatabaseError, match="check 'haskind' failed"):
+        members._judge(seed, [], "sweep", order)
+    members._judge(varied(seed, hydro={"accept": ["haskind"]}), [], "sweep", order)
+    sweep, tabulated, water, precision, of = asked[0]
+    assert (sweep, tabulated, water, of) == ("sweep", None, seed.water, order)
+    assert 0 < precision <= 1.0

@@ -1,5 +1,6 @@
 """Command run: what goes to Snakemake, what never does, and how all of it ends."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -333,3 +334,27 @@ def test_a_profile_that_is_no_mapping_says_nothing(workplace, text):
     """An empty one is a profile all the same; of others it is Snakemake that says what it needs."""
     Path("config.yaml").write_text(text)
     assert launcher._settings(Path("config.yaml")) == {}
+
+
+def test_what_runs_a_study_holds_its_folder_and_all_it_makes_for_others_too(workplace, monkeypatch):
+    """Locks go with the processes that hold them: a run that is killed must not let go of what its jobs still make."""
+    held = []
+
+    def finished(command, pass_fds, **_):
+        held.append({os.path.relpath(os.readlink(f"/proc/self/fd/{one}")) for one in pass_fds})
+        return 0
+
+    monkeypatch.setattr(launcher, "finished", finished)
+    for options in ([], ["-n"]):
+        assert main(["run", written("study.yaml"), *options]) == 0
+    plan = StudyPlan(load("study.yaml"))
+    shared = {Path(path) for path in launcher.unmade(plan)}
+    named = {path.stem for path in shared if path.suffix == ".nc" and path.parent.name in ("db", "radiation")}
+    locks, nothing = held
+    assert nothing == set()
+    assert f"{plan.folder}/.lock" in locks
+    assert {f"results/hydro/.locks/{name}" for name in named} < locks
+    assert locks == {
+        f"{plan.folder}/.lock",
+        *(f"results/hydro/.locks/{p.name}" for p in Path("results/hydro/.locks").iterdir()),
+    }
