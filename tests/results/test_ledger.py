@@ -12,10 +12,13 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from vsb import results
-from vsb.hydro.database import Check, check_at_most
+from vsb.hydro.database import Check, as_json, check_at_most
+from vsb.motion.frequency import LinearBuoy, gas_compliance
+from vsb.motion.port import port_direction
+from vsb.motion.pto import LinearPto
 from vsb.results import ledger
 from vsb.results.ledger import largest_displacement, largest_strain, static_modal_amplitude, with_full_basis
-from vsb.scenes.rest import reference_shell, study_basis
+from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.modes import mode_basis
@@ -310,3 +313,48 @@ def test_what_is_not_known_stands_above_its_limit(seed):
     for check in (*transient, *ledger.bending_checks(free, None, {}), *witness):
         assert (check.value, check.limit, check.verdict) == (1.0, 0.0, "doubt")
     assert ledger.witness_checks(varied(seed, hydro={"witness": "none"}), None, None) == []
+
+
+@pytest.mark.parametrize("asked", [None, 0.03])
+def test_what_was_left_out_is_judged_by_the_tolerance_asked_for_and_gains_by_twice_it(seed, asked):
+    """Of the same error in both designs: below and above it, or a hundredth where none is asked for."""
+    study = varied(
+        seed, hydro={"model": "auto", "power_tolerance": asked}, designs={"FSB": {"flexible": False}, "VSWEC": {}}
+    )
+    limit = asked or 0.01
+    for part, verdict in ((0.99, "ok"), (1.01, "fail")):
+        said = {"description": "-", "left_out": "[]", "power_error": part * limit}
+        checks = ledger.simplification_checks(study, study.waves[0], {d: run_with(**said) for d in study.designs})
+        assert [(check.name, check.verdict) for check in checks] == [
+            ("left_out", verdict), ("left_out", verdict), ("gain_error", verdict),
+        ]  # fmt: skip
+        assert [check.limit for check in checks] == [limit, limit, 2 * limit]
+
+
+def test_what_a_database_says_of_its_own_errors_is_allowed_it_beside_the_second_solver(small, monkeypatch):
+    """Both of them: of the solver, and of the interpolation between its frequencies; of nothing else."""
+    own = [Check(n, v, 1.0, "-", "ok", "") for n, v in (("error_estimate", 1e-4), ("interpolation_error", 2e-4))]
+    ds = xr.Dataset(attrs={"quality": as_json([*own, Check("haskind", 0.5, 1.0, "-", "ok", "")])})
+    asked = []
+    monkeypatch.setattr(ledger.witness, "witness_checks", lambda found: [f"shapes of {found}"])
+    monkeypatch.setattr(ledger.witness, "database_checks", lambda *given: asked.append(given[1:]) or ["database"])
+    study = varied(small.study, hydro={"witness": "auto"})
+    assert ledger.witness_checks(study, ds, "both") == ["shapes of both", "database"]
+    assert asked == [(ds, pytest.approx(3e-4))]
+
+
+def test_bending_modes_of_a_shell_whose_gas_a_take_off_lets_out_are_judged_with_that_between(buoy_of, coarse):
+    """By ports: what the shell yields without its gas, and what the gas yields, add up."""
+    study = varied(coarse, device={"gas": {"adiabatic_index": 1.4}}, pto={"port": "volume", "damping": 5e3})
+    database = buoy_of(study).database
+    checks = ledger.bending_checks(study, database, {(d, w.label): {} for d in study.designs for w in study.waves})
+    assert [check.design for check in checks] == ["VSWEC", "VSWEC0", "VSWEC90"]
+    wider, full = with_full_basis(database, study)
+    for check in checks:
+        powers = []
+        for ds, basis in ((database, study_basis(study)), (wider, full)):
+            volume = port_direction("volume", DeformedShell(basis, study.centre_height))
+            open_shell = LinearBuoy(ds.drop_vars("gas_stiffness"), basis.damping, LinearPto(0.0))
+            port = open_shell.port(np.array([study.waves[0].omega]), design_motions(study, basis, check.design), volume)
+            powers.append(port.behind(gas_compliance(ds.gas_stiffness.values, volume)).power(5e3)[0])
+        assert check.value == pytest.approx(abs(powers[1] / powers[0] - 1), rel=1e-6)

@@ -190,3 +190,20 @@ def test_what_no_design_moves_is_neither_judged_nor_stored(finished, tmp_path):
         few = found.added_mass.sel(influenced_dof=ds.influenced_dof, radiating_dof=ds.radiating_dof)
         assert ds.added_mass.shape[1:] == (2, 2)
         np.testing.assert_allclose(ds.added_mass.values[-3:], few.values[-3:], rtol=1e-6)
+
+
+@pytest.mark.parametrize("uneven", [False, True])
+def test_a_stiffness_that_is_no_energy_s_is_made_so_and_told(finished, tmp_path, uneven):
+    """Of what a file says of heave and a bending mode the row of heave counts."""
+    (tmp_path / "one.yaml").write_text(yaml.safe_dump(as_body(finished)))
+    plan = plan_for(load_body(tmp_path / "one.yaml").study, str(tmp_path))
+    found = read_source("database", str(finished / SMALL_PLAN.database_path), plan.study.water)
+    stiffness = found.hydrostatic_stiffness.copy(deep=True)
+    if uneven:
+        stiffness.loc[{"influenced_dof": "Membrane1", "radiating_dof": "Heave"}] += 0.3 * float(stiffness.max())
+    coefficients.store(plan.database, found.assign(hydrostatic_stiffness=stiffness), str(tmp_path / "one.nc"))
+    with xr.open_dataset(tmp_path / "one.nc") as ds:
+        matrix = ds.hydrostatic_stiffness.values
+        told = [one for one in json.loads(ds.attrs["quality"]) if one["name"] == "hydrostatic_symmetry"]
+    np.testing.assert_allclose(matrix, matrix.T, atol=1e-6 * np.abs(matrix).max())
+    assert [(one["verdict"], "between" in one["explanation"]) for one in told] == uneven * [("doubt", True)]

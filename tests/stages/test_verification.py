@@ -237,3 +237,22 @@ def test_runs_are_in_waves_of_the_whole_band_that_is_solved_and_no_others(monkey
     ends = [(0.2, 5.0), (0.2, omega[29])]
     assert asked == [(sea, 60.0, seed, *map(float, ends[i])) for sea, seed in ((2, 7), (0, 9)) for i in (0, 1)]
     assert (better.tolist(), linear.tolist()) == ([[3.0, 3.0]] * 2, [[2.0, 2.0]] * 2)
+
+
+def test_every_design_is_run_under_its_own_damper_of_the_drawn_sea(monkeypatch):
+    """Dampers by design and sea; a power tells which was taken."""
+    monkeypatch.setattr(verification, "realised", lambda *given: given[1])
+    spec = SimpleNamespace(simulation=SimpleNamespace(duration=60.0), verify=SimpleNamespace(model="linear"))
+    climate = SimpleNamespace(hs=np.ones(3), te=np.full(3, 5.0))
+    damping = np.array([[[1.0, 2.0, 3.0]], [[10.0, 20.0, 30.0]]])
+    year, sample = SimpleNamespace(climate=climate, damping=damping), SimpleNamespace(sea=[2, 0], seed=[7, 9])
+
+    class Design:
+        buoy = SimpleNamespace(database=xr.Dataset(coords={"omega": [0.2, 5.0]}))
+
+        def under(self, damping):
+            return SimpleNamespace(powers=lambda sea, *_: (damping + 0.1 * sea, -damping))
+
+    better, linear = verification._powers(spec, year, sample, {"A": Design(), "B": Design()})
+    assert better == pytest.approx(np.array([[3.2, 1.0], [30.2, 10.0]]))
+    assert linear.tolist() == [[-3.0, -1.0], [-30.0, -10.0]]

@@ -18,7 +18,7 @@ from tools.test_files import rewritten
 from vsb.cli import main
 from vsb.errors import DatabaseError, VsbError
 from vsb.stages import figures, report, simulate
-from vsb.stages.verify import _more, differences, stale_products, study_faults, verify
+from vsb.stages.verify import _more, _other_faults, differences, stale_products, study_faults, verify
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
 from vsb.study.study import content_id
@@ -428,3 +428,30 @@ def test_of_missing_files_the_first_by_name_is_told_and_the_others_are_counted(t
     line = f"{first}: is not there (and {len(others)} more); vsb run small.yaml makes it anew"
     with pytest.raises(VsbError, match=f"^{re.escape(line)}$"):
         verify("small.yaml", heal=False)
+
+
+def test_of_shared_files_those_are_made_anew_that_take_no_time(monkeypatch, tmp_path, capsys):
+    """Meshes to look at, whatever is wrong with them; netCDF beside them is for the user to remove."""
+    monkeypatch.chdir(tmp_path)
+    mesh = next(path for path in PLAN.ids if PLAN.is_shared(path) and not path.endswith(".nc"))
+    for kind in ("nameless", "stale", "damaged"):
+        monkeypatch.setattr("vsb.stages.verify.study_faults", lambda plan, kind=kind: [Fault(mesh, kind, "why")])
+        assert stale_products(PLAN, dry=False) == [mesh]
+        assert capsys.readouterr().out == f"vsb: {mesh}: why; computed anew\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "attrs", "reasons"),
+    [
+        ("0123456789abcdef", {"spec_id": "0123456789abcdef"}, []),
+        ("0123456789abcdef", {"spec_id": "f" * 16}, [f"holds '{'f' * 16}'"]),
+        ("0123456789abcdef", {}, ["holds None"]),
+        ("of_before", {}, []),
+    ],
+)
+def test_a_file_named_by_an_id_holds_it_or_is_damaged(tmp_path, name, attrs, reasons):
+    with netCDF4.Dataset(tmp_path / f"{name}.nc", "w") as file:
+        file.setncatts(attrs)
+    found = _other_faults(tmp_path, set())
+    assert [(fault.kind, fault.reason) for fault in found] == [("damaged", reason) for reason in reasons]
+    assert _other_faults(tmp_path, {str(tmp_path / f"{name}.nc")}) == []
