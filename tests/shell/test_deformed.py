@@ -282,8 +282,13 @@ def test_enclosed_volume_and_area_forget_heave(full):
     assert np.ptp(area) < 1e-12
 
 
-CROSSED = {"axis": {"Membrane1": 2.0}, "poles": {"Membrane2": -2.5}, "itself": {"Membrane4": 1.2}}
-"""Shapes whose meridian crosses the axis in between, from pole to pole, or itself."""
+CROSSED = {
+    "axis": {"Membrane1": 2.0},
+    "waist": {"Bending2": 5.0},
+    "poles": {"Membrane2": -2.5},
+    "itself": {"Membrane4": 1.2},
+}
+"""Shapes whose meridian crosses the axis near a pole, in between, from pole to pole, or itself."""
 
 
 def first_crossing(points):
