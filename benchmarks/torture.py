@@ -265,8 +265,15 @@ def run_stages(study: Study, plan: StudyPlan) -> str:
     """
     alone = study.model_copy(update={"hydro": study.hydro.model_copy(update={"witness": "none"})})
     plan = replace(plan, study=alone)
-    make(plan, [path for path in plan.products if not path.endswith((".html", ".svg", ".vtu"))])
+    make(plan, numbers(plan))
     return _not_finite(Path(plan.folder))
+
+
+def numbers(plan: StudyPlan) -> list[str]:
+    """Return the products of a study that hold its numbers: no figures, page or meshes, which are made of them."""
+    return [
+        path for path in plan.products if "figures" not in Path(path).parts and not path.endswith((".html", ".vtu"))
+    ]
 
 
 def _not_finite(folder: Path) -> str:

@@ -3,11 +3,15 @@
 import random
 
 import pytest
+from conftest import SMALL
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from benchmarks import torture
 from benchmarks.__main__ import main
+from vsb.stages.make import due, jobs
+from vsb.study.plan import StudyPlan
+from vsb.study.study import parse
 
 
 @pytest.mark.parametrize("block", range(2))
@@ -66,3 +70,11 @@ def test_a_table_of_fates_is_written(tmp_path, monkeypatch, capsys):
     assert "2 refused, 1 completed" in capsys.readouterr().out
     monkeypatch.setattr(torture, "run_stages", lambda study, plan: 1 / 0)
     assert main(["torture", "1", str(tmp_path / "table.csv")]) == 1
+
+
+def test_all_numbers_of_a_study_are_made_and_nothing_is_drawn(tmp_path):
+    """Figures take several times as long as all the rest."""
+    plan = StudyPlan(parse(SMALL), root=str(tmp_path))
+    stages = {job.stage for job in due(jobs(plan), torture.numbers(plan))}
+    assert {"database", "radiation", "response", "ladder", "simulate", "compare"} <= stages
+    assert not {"figures", "report", "display", "witness"} & stages
