@@ -347,6 +347,22 @@ def test_the_classical_factor_takes_the_pressure_at_the_keel():
     assert half_out.classical_factor == pytest.approx(SHELL.buckling_pressure / (RHO * G * 1.0 - 4e3), rel=1e-12)
     in_the_air = buckling(floating(complete(8), -50.0, height=3.0))
     assert in_the_air.classical_factor == pytest.approx(SHELL.buckling_pressure / 50.0, rel=1e-12)
+    filled = floating(complete(8), 4e3, Gas(adiabatic_index=1.4), height=1.0)
+    expected = SHELL.buckling_pressure / (RHO * G * 1.0 - filled.pressure_inside)
+    assert buckling(filled).classical_factor == pytest.approx(expected, rel=1e-12)
+    assert not math.isclose(filled.pressure_inside, 4e3, rel_tol=0.1)
+
+
+def test_the_pressure_that_carries_a_shell_of_gas_is_that_before_it_expands(seed):
+    """As much inside at rest as where it is constant, but for what the gas itself stiffens; half of it is not enough."""
+    vented, _ = viable_pressure(seed.device, seed.centre_height, seed.water)
+    filled = seed.device.model_copy(update={"gas": Gas(adiabatic_index=1.4)})
+    pressure, found = viable_pressure(filled, seed.centre_height, seed.water)
+    assert found.load_factor == pytest.approx(1.0, rel=1e-6)
+    shell = complete_shell(filled, seed.centre_height, seed.water, pressure)
+    assert shell.pressure_inside == pytest.approx(vented, rel=1e-3)
+    assert pressure > 3 * vented
+    assert buckling(dataclasses.replace(shell, internal_pressure=0.99 * pressure)).load_factor < 1.0
 
 
 @pytest.mark.parametrize("pressure", [0.0, 8e3])

@@ -60,7 +60,7 @@ def classical_check(study: Study, reference: ReferenceShell, carried: bool) -> C
     That a shell with internal pressure hangs in the water, pressed on its keel alone, is not its to know.
     """
     shell, water = Shell.of(study.device), study.water
-    keel = max(0.0, water.density * water.gravity * reference.keel_depth - study.device.internal_pressure)
+    keel = max(0.0, water.density * water.gravity * reference.keel_depth - pressure_at_rest(study, reference))
     classical = shell.buckling_pressure
     text = f"net pressure at the keel {plain(keel)} Pa over the classical buckling pressure {plain(classical)} Pa"
     consequence = "above 1 the shell would buckle and the design is not viable"
@@ -68,6 +68,12 @@ def classical_check(study: Study, reference: ReferenceShell, carried: bool) -> C
         consequence = "of a uniform pressure; a remark, for the shell is computed to carry its own load"
     check = check_at_most("buckling", keel / classical, 1.0, "-", f"{text}: {consequence}")
     return replace(check, verdict="ok") if carried else check
+
+
+def pressure_at_rest(study: Study, reference: ReferenceShell) -> float:
+    """Return the gauge pressure inside a shell at rest [Pa]: that of trapped gas falls as the shell expands."""
+    loaded = loaded_shell(study, reference.basis)
+    return loaded.pressure(reference.modal_amplitude) if study.at_equilibrium else loaded.pressure_inside
 
 
 def viability_checks(study: Study) -> list[Check]:

@@ -51,8 +51,7 @@ def design_motions(study: Designed, basis: ModeBasis, design: str) -> FloatArray
 
 def complete_loaded_shell(study: AtRest) -> LoadedShell:
     """Return the same in a basis that resolves buckling, whatever the modes of the study."""
-    complete = complete_shell(study.device, study.centre_height, study.water, study.device.internal_pressure)
-    return replace(complete, gas=study.device.gas)
+    return complete_shell(study.device, study.centre_height, study.water, study.device.internal_pressure)
 
 
 def reference_shell(study: AtRest, basis: ModeBasis | None = None) -> ReferenceShell:

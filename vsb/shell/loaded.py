@@ -249,7 +249,7 @@ def buckling(loaded: LoadedShell) -> Buckling:
     elastic, load = _pencil(loaded)
     values, vectors = eigh(-load, elastic)
     draft = max(0.0, loaded.basis.shell.radius - loaded.centre_height)
-    external = loaded.water_density * loaded.gravity * draft - loaded.internal_pressure
+    external = loaded.water_density * loaded.gravity * draft - loaded.pressure_inside
     e, t, _ = loaded.elastic._tables.strains
     return Buckling(
         1 / float(values[-1]) if values[-1] > 0 else math.inf,
@@ -260,22 +260,25 @@ def buckling(loaded: LoadedShell) -> Buckling:
 
 
 def complete_shell(device: Device, centre_height: float, water: Water, internal_pressure: float) -> LoadedShell:
-    """Return the loaded shell of a device in a basis that resolves its buckling."""
+    """Return the loaded shell of a device, with its gas if it has some, in a basis that resolves its buckling."""
     basis = complete_basis(Shell.of(device), converged_degree(Shell.of(device)), device.mass)
-    return LoadedShell(ElasticShell(basis), centre_height, water.density, water.gravity, internal_pressure)
+    return LoadedShell(ElasticShell(basis), centre_height, water.density, water.gravity, internal_pressure, device.gas)
 
 
 def viable_pressure(device: Device, centre_height: float, water: Water, margin: float = 1.0) -> tuple[float, Buckling]:
     """Return the least internal pressure [Pa, gauge] with a buckling load factor of at least `margin`, and the latter.
 
     K_0 + margin K_1(p) is linear in p, so its least eigenvalue is concave: above its maximum more pressure is of no
-    use, below it the root is unique; raises `ConvergenceError` if no pressure will do. Imperfect shells buckle earlier
-    than computed: ask for a margin.
+    use, below it the root is unique; raises `ConvergenceError` if no pressure will do. Of trapped gas it is that of the
+    undeformed volume, of which the expanding shell takes a part away. Imperfect shells buckle earlier than computed:
+    ask for a margin.
     """
-    vented = complete_shell(device, centre_height, water, 0.0)
-    elastic, load = _pencil(vented)
-    highest = 2 * vented.basis.shell.membrane_stiffness * (1 + device.poisson_ratio) / device.radius  # breathing fails
-    added = (_pencil(replace(vented, internal_pressure=highest))[1] - load) / highest
+    empty = complete_shell(device, centre_height, water, 0.0)
+    elastic, load = _pencil(empty)
+    breathing = 2 * empty.basis.shell.membrane_stiffness * (1 + device.poisson_ratio) / device.radius  # fails at it
+    left = (replace(empty, internal_pressure=breathing).pressure_inside - empty.pressure_inside) / breathing
+    highest = breathing / left
+    added = (_pencil(replace(empty, internal_pressure=highest))[1] - load) / highest
 
     def least(pressure: float) -> float:
         matrix = elastic + margin * (load + pressure * added)
@@ -288,4 +291,4 @@ def viable_pressure(device: Device, centre_height: float, water: Water, margin: 
             f"times its load; raise device.thickness or device.young_modulus"
         )
     pressure = 0.0 if least(0.0) >= 0.0 else float(brentq(least, 0.0, best, xtol=1e-9 * highest))
-    return pressure, buckling(replace(vented, internal_pressure=pressure))
+    return pressure, buckling(replace(empty, internal_pressure=pressure))
