@@ -1,0 +1,285 @@
+"""What a whole study finds is the same in other units of mass and length, and in any order of its designs and seas.
+
+Every number of every file is compared, from a study's file to its tables and figures: a density, a length or a sea's own
+value that goes missing anywhere between them shows, and so does the first sea or design taken in place of each.
+"""
+
+import csv
+import json
+import re
+from collections import Counter
+from functools import cache
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from vsb.stages.make import make
+from vsb.study import study as config
+from vsb.study.plan import StudyPlan
+
+SEED = config.load(Path(__file__).parents[2] / "config" / "seed.yaml").model_dump(exclude_none=True)
+REGULAR = {"kind": "regular", "amplitude": 0.179, "period": 2.5}
+JONSWAP = {"kind": "jonswap", "hs": 0.3, "tp": 3.0, "seed": 3, "realisations": 2}
+HEAVE = SEED | {
+    "modes": {"basis": "membrane", "degree": 2},
+    "hydro": {"omega_max": 4.0, "witness": "none"},
+    "designs": {"FSB": {"flexible": False}, "VSWEC": {}, "VSWEC90": {"clamp": 90}},
+    "pto": {"damping": {"FSB": 6e3, "VSWEC": 8e3, "VSWEC90": 9e3}, "stiffness": 1e3, "efficiency": 0.9},
+    "waves": [REGULAR, JONSWAP],
+    "simulation": SEED["simulation"] | {"duration": 12.0, "window": [6.0, 12.0]},
+}
+GAS = {"internal_pressure": 6e4, "gas": {"adiabatic_index": 1.4, "atmospheric_pressure": 101325.0}}
+STUDIES = {
+    "drag": HEAVE | {"drag": {"heave": {"coefficient": 1.0, "area": 6.0}}},
+    "limits": HEAVE | {"pto": HEAVE["pto"] | {"force_limit": 900.0, "stroke_limit": 0.3},
+                       "water": SEED["water"] | {"depth": 7.0}},
+    "law": HEAVE | {"pto": {"law": "coulomb", "force_limit": 700.0}, "waves": [REGULAR]},
+    "best": HEAVE | {"pto": {"stiffness": 1e3}},
+    "exact": HEAVE | {"hydro": {"model": "body_exact", "omega_max": 4.0, "tolerance": 1e-2, "witness": "none"}},
+    "pressure": HEAVE | {"hydro": {"model": "assumed_pressure", "pressure": 900.0}, "waves": [REGULAR]},
+    "gas": HEAVE | {"device": SEED["device"] | GAS, "reference_shape": "equilibrium",
+                    "pto": HEAVE["pto"] | {"port": {"between": [0.0, 180.0]}}},
+    "planar": HEAVE | {"motion": "planar", "mooring": [2e4, 0.0, 0.0, 0.0, 0.0, 0.0],
+                       "device": SEED["device"] | {"centre_of_mass": -0.5, "ballast_inertia": 9e3},
+                       "modes": {"basis": "membrane", "degree": 2, "order": 2},
+                       "pto": HEAVE["pto"] | {"port": "surge"}, "waves": [REGULAR | {"direction": 180.0}, JONSWAP]},
+}  # fmt: skip
+UNITS = {
+    "displacement_pp": "m", "velocity_pp": "m/s", "pto_force_pp": "N", "power_peak": "W", "power_mean": "W", "energy": "J",
+    "capture_width": "m", "damping": "N s/m", "stiffness": "N/m", "power_low": "W", "power_high": "W",
+    "power_linear": "W", "force_rms": "N", "force_peak": "N", "stroke_peak": "m", "best_damping": "N s/m",
+    "best_power": "W", "power": "W",
+}  # fmt: skip
+"""Of the columns of tables that have some."""
+LENGTH, MASS = 2.0, 4.0
+"""Of another system of units, its second the same: twice the gravity, half the density."""
+POWERS = {
+    "radius": (1, 0), "thickness": (1, 0), "young_modulus": (-1, 1), "density": (-3, 1), "mass": (0, 1),
+    "internal_pressure": (-1, 1), "atmospheric_pressure": (-1, 1), "pressure": (-1, 1), "gravity": (1, 0), "depth": (1, 0),
+    "damping": (0, 1), "stiffness": (0, 1), "force_limit": (1, 1), "stroke_limit": (1, 0), "amplitude": (1, 0),
+    "hs": (1, 0), "initial_velocity": (1, 0), "initial_position": (1, 0), "area": (2, 0), "centre_of_mass": (1, 0),
+    "ballast_inertia": (2, 1), "mooring": (0, 1), "alpha": (0, 0), "beta": (0, 0),
+}  # fmt: skip
+"""Of length and mass in each quantity of a study."""
+NAMES = {"FSB": "Zeta", "VSWEC": "Mid", "VSWEC90": "Alpha"}
+"""Of designs, which are told in the order of their names."""
+MACHINE = ("seconds", "energy_residual", "constraint_drift")
+"""What is of the machine or of its round-off."""
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    """Function study, look -> plan of its results: without meshes, and without figures and page but to look at them."""
+
+    @cache
+    def run(text, look):
+        plan = StudyPlan(config.parse(json.loads(text)), root=str(tmp_path_factory.mktemp("results")))
+        people = () if look else (".html", ".pdf", ".svg", ".csv")
+        make(
+            plan,
+            [path for path in plan.products if not path.endswith((".vtu", *people)) or path.endswith("ladder.csv")],
+        )
+        return plan
+
+    return lambda raw, look=False: run(json.dumps(raw), look)
+
+
+def datasets(plan):
+    """Its datasets by what they hold: a run by design and number of its sea."""
+    runs = {
+        f"{design} {i}": plan.trajectory_path(design, wave.label)
+        for design in plan.study.designs
+        for i, wave in enumerate(plan.study.waves)
+    }
+    paths = plan.hydro_files | plan.response_files | {"modes": f"{plan.folder}/modes.nc"} | runs
+    return {name: xr.load_dataset(path) for name, path in paths.items()}
+
+
+def tables(plan):
+    """Rows of its tables and its checks, by their names."""
+    folder = Path(plan.folder)
+    found = json.loads((folder / "tables.json").read_text())
+    ladder = folder / "ladder.json"
+    found["ladder"] = json.loads(ladder.read_text()) if ladder.exists() else []
+    return {name: rows for name, rows in found.items() if isinstance(rows, list)}
+
+
+def assert_close(found, expected, what, rtol=1e-7):
+    """Within so much of the largest."""
+    found, expected = np.asarray(found), np.asarray(expected)
+    assert found.shape == expected.shape, what
+    np.testing.assert_allclose(
+        found, expected, rtol=0, atol=rtol * np.abs(expected).max(initial=0.0), err_msg=str(what)
+    )
+
+
+# units
+
+
+def restated(raw, power=(0, 0)):
+    """A study in the other units."""
+    if isinstance(raw, dict):
+        return {key: restated(part, POWERS.get(key, power)) for key, part in raw.items()}
+    if isinstance(raw, list | tuple):
+        return [restated(part, power) for part in raw]
+    return raw if isinstance(raw, bool | str) or not any(power) else raw * LENGTH ** power[0] * MASS ** power[1]
+
+
+def factor(units):
+    """What a number in so-called units is multiplied by: "kg/(m^2 s)"."""
+    known = {
+        "m": LENGTH,
+        "kg": MASS,
+        "N": LENGTH * MASS,
+        "J": LENGTH**2 * MASS,
+        "W": LENGTH**2 * MASS,
+        "Pa": MASS / LENGTH,
+    }
+    known |= dict.fromkeys(("1", "-", "", "rad", "s", "%"), 1.0)
+    over, _, under = units.partition("/")
+    parts = [
+        (part.partition("^"), sign) for text, sign in ((over, 1), (under, -1)) for part in text.strip("()").split()
+    ]
+    return np.prod([known[name] ** (sign * float(power or 1)) for (name, _, power), sign in parts])
+
+
+def factors(name, values, coordinates):
+    """What each number of a variable is multiplied by; a rotation has a length less, the moment on it one more."""
+    units = values.attrs.get("units", "1")
+    found = np.ones(values.shape) * factor(units)
+    power = -1 if name in {"position", "velocity", "rao"} else float(units != "1")
+    for axis, dim in enumerate(values.dims):
+        if "dof" in dim:
+            pitch = np.where(coordinates[dim].values == "Pitch", LENGTH**power, 1.0)
+            found = found * np.expand_dims(pitch, [i for i in range(values.ndim) if i != axis])
+    return found
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_a_study_in_other_units_finds_the_same(results, name):
+    own, other = results(STUDIES[name]), results(restated(STUDIES[name]))
+    restated_too = datasets(other)
+    for what, ds in datasets(own).items():
+        for variable, values in ds.variables.items():
+            if np.issubdtype(values.dtype, np.number):
+                expected = factors(variable, values, ds) * values.values
+                assert_close(restated_too[what].variables[variable].values, expected, (what, variable))
+    found = tables(other)
+    for table, rows in tables(own).items():
+        assert len(rows) == len(found[table])
+        for row, restated_row in zip(rows, found[table], strict=True):
+            for key, value in row.items():
+                here = (table, row.get("name"), row.get("design"), key)
+                if row.get("name") in MACHINE or key in MACHINE or key in {"wave", "sea", "explanation"}:
+                    continue
+                if isinstance(value, float):
+                    units = row["unit"] if key in {"value", "limit"} else UNITS.get(key, "-")
+                    rtol = 0.01 if table == "checks" else 1e-6
+                    assert restated_row[key] == pytest.approx(factor(units) * value, rel=rtol, abs=1e-9), here
+                else:
+                    assert restated_row[key] == value, here
+
+
+# order
+
+
+def renamed(raw):
+    """The same with designs of other names."""
+    return {NAMES.get(key, key): renamed(part) for key, part in raw.items()} if isinstance(raw, dict) else raw
+
+
+def usual(text):
+    """A text with the names designs usually have."""
+    names = {other: name for name, other in NAMES.items()}
+    return re.sub("|".join(names), lambda found: names[found[0]], text)
+
+
+def by_label(plan):
+    """Its datasets by their words, designs and directions in order."""
+    found = {}
+    for name, ds in datasets(plan).items():
+        design, _, sea = name.partition(" ")
+        if "design" in ds.dims:
+            ds = ds.assign_coords(design=[usual(str(one)) for one in ds.design.values]).sortby("design")
+        if "wave_direction" in ds.dims:
+            ds = ds.sortby("wave_direction")
+        free = [variable for variable in ds.variables if variable.startswith("wet_")]
+        found[usual(design) + (plan.study.waves[int(sea)].label if sea else "")] = ds.drop_vars(free)
+    return found
+
+
+def rows_by_words(rows):
+    """Words and numbers of the rows of a table, in the order of their words."""
+    told = [{k: v for k, v in row.items() if k not in MACHINE} for row in rows if row.get("name") not in MACHINE]
+    words = [[usual(str(v)) for v in row.values() if not isinstance(v, float)] for row in told]
+    numbers = [[v for v in row.values() if isinstance(v, float)] for row in told]
+    return sorted(zip(words, numbers, strict=True))
+
+
+@pytest.mark.parametrize("name", [name for name in STUDIES if len(STUDIES[name]["waves"]) > 1])
+def test_designs_and_seas_in_another_order_find_the_same(results, name):
+    raw = STUDIES[name]
+    own, other = results(raw), results(renamed(raw) | {"waves": raw["waves"][::-1]})
+    found = by_label(other)
+    for what, ds in by_label(own).items():
+        for variable, values in ds.variables.items():
+            if np.issubdtype(values.dtype, np.number):
+                assert_close(found[what].variables[variable].values, values.values, (what, variable))
+    there = tables(other)
+    for table, rows in tables(own).items():
+        for (words, numbers), (same_words, same) in zip(rows_by_words(rows), rows_by_words(there[table]), strict=True):
+            assert words == same_words
+            assert numbers == pytest.approx(same, rel=1e-6, abs=1e-9), (table, words)
+
+
+class Words(HTMLParser):
+    """Words of a page, without those of figures and scripts, files, seconds and the study's own text."""
+
+    LEFT_OUT = frozenset({"svg", "script", "style", "pre"})
+
+    def __init__(self):
+        super().__init__()
+        self.inside, self.found = [], []
+
+    def handle_starttag(self, tag, attrs):
+        if tag in self.LEFT_OUT or (tag == "td" and "id" in (dict(attrs).get("class") or "").split()):
+            self.inside.append(tag)
+
+    def handle_endtag(self, tag):
+        if self.inside and self.inside[-1] == tag:
+            self.inside.pop()
+
+    def handle_data(self, data):
+        if not self.inside:
+            self.found += re.findall(r"[^\s,;:()]+", usual(data))
+
+
+def curves(plan):
+    """Points of every curve with a name, by its figure, axes and name, sorted."""
+    found = {}
+    for path in Path(plan.folder).glob("figures/*.csv"):
+        for row in csv.DictReader(usual(path.read_text()).splitlines()):
+            if not row["series"].startswith("line "):
+                found.setdefault((path.name, row["axes"], row["series"]), []).append((float(row["x"]), float(row["y"])))
+    return found
+
+
+def test_figures_and_page_of_another_order_show_the_same(results):
+    """The same curves and bars, the same words as often."""
+    raw = STUDIES["drag"]
+    own, other = results(raw, True), results(renamed(raw) | {"waves": raw["waves"][::-1]}, True)
+    found = curves(other)
+    shown = curves(own)
+    assert shown.keys() == found.keys()
+    for name, points in shown.items():
+        for there, here in zip(np.sort(found[name], axis=0).T, np.sort(points, axis=0).T, strict=True):
+            assert_close(there, here, name, 1e-4)
+    pages = []
+    for plan in (own, other):
+        words = Words()
+        words.feed(Path(plan.folder, "report.html").read_text())
+        pages.append(Counter(words.found))
+    assert (pages[0] - pages[1], pages[1] - pages[0]) == (Counter(), Counter())
