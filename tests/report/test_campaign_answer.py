@@ -4,7 +4,16 @@ import numpy as np
 import pytest
 from report.test_campaign_figures import GAINS, campaign
 
-from vsb.report.campaign_answer import answer, best_flexible, leading, of_points, second_answer, shown_place, where
+from vsb.report.campaign_answer import (
+    answer,
+    best_flexible,
+    closing_answer,
+    leading,
+    of_points,
+    second_answer,
+    shown_place,
+    where,
+)
 from vsb.report.campaign_page import statements, warnings
 
 
@@ -41,6 +50,19 @@ def test_without_a_rigid_design_the_one_that_takes_most_is_told():
     lost = campaign()
     lost["annual_energy"] = lost.annual_energy * np.nan
     assert answer(lost, None, "one") == "Over a year of a buoy, no design is viable."
+
+
+def test_over_a_rigid_design_that_takes_nothing_no_gain_is_told():
+    """All gains missing under the tuning the answer is of; under another one they may be there."""
+    ds = campaign()
+    ds.gain_percent.loc[{"tuning": "one"}] = np.nan
+    assert leading(ds) == ("one", None)
+    assert closing_answer(ds).endswith("VSWEC takes most: 94.67 MWh.")
+    ds["annual_energy"] = 0.0 * ds.annual_energy
+    assert closing_answer(ds).endswith("own best damper of the year, no design takes anything.")
+    ds = campaign()
+    ds.gain_percent.loc[{"tuning": "fixed"}] = np.nan
+    assert leading(ds) == ("one", "FSB")
 
 
 def test_the_second_sentence_says_what_a_fixed_damper_would():

@@ -162,9 +162,12 @@ def test_one_key_has_lines_and_the_band_of_the_interval():
     assert ax.get_xlabel() == "young modulus [Pa]"
 
 
-def test_without_a_rigid_design_there_is_no_gain_to_draw():
-    ax = sweep(campaign(), "one", None).axes[0]
-    assert [text.get_text() for text in ax.texts] == ["no rigid design to compare with"]
+@pytest.mark.parametrize(
+    ("reference", "words"), [("", "no rigid design"), ("FSB", "a rigid design that takes nothing")]
+)
+def test_without_a_rigid_design_that_takes_power_there_is_no_gain_to_draw(reference, words):
+    ax = sweep(campaign(reference=reference), "one", None).axes[0]
+    assert [text.get_text() for text in ax.texts] == [f"{words} to compare with"]
 
 
 def test_all_figures_are_drawn_by_name():

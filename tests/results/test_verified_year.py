@@ -1,5 +1,7 @@
 """What runs in time say of a year, as a dataset: by design, with what is not viable, with what has no gain."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -9,6 +11,7 @@ from vsb.errors import ConfigError
 from vsb.results.verification import contributions, drawn, verified
 from vsb.results.verified_year import GAIN, POWER, verified_dataset, with_lost
 from vsb.results.year import frequencies, year
+from vsb.tools.units import check_finite
 
 
 @pytest.fixture(scope="module")
@@ -44,6 +47,21 @@ def test_losses_of_each_design_are_those_of_its_year_and_gain(known):
     ratio = float(ds.corrected_mean_power.sel(design="B") / ds.corrected_mean_power.sel(design="A"))
     assert float(ds.corrected_gain_percent.sel(design="B")) == pytest.approx(100 * (ratio - 1), rel=1e-12)
     np.testing.assert_array_equal(ds.drawn_hs, found.climate.hs[sample.sea])
+
+
+def test_over_a_design_that_takes_nothing_there_are_no_gains(known):
+    """Nor is it refused for that: no longer run would change it."""
+    found, sample = known
+    power = found.power.copy()
+    power[0] = 0.0
+    nothing = dataclasses.replace(found, power=power)
+    linear = power[:, 1][:, sample.sea]
+    ds = verified_dataset(nothing, "one", verified(nothing, "one", sample, 0.9 * linear, linear))
+    assert ds.corrected_mean_power.values[0] == 0.0
+    assert ds.corrected_mean_power.values[1] == pytest.approx(0.9 * found.annual_mean_power[1, 1])
+    for name in GAIN:
+        assert np.isnan(ds[name]).all()
+    check_finite(ds, "x")
 
 
 def test_designs_that_are_not_viable_have_no_values(known):

@@ -165,6 +165,10 @@ def test_gains_know_no_units(power, scale):
     np.testing.assert_allclose(found, gain_percent(power, 1), rtol=1e-9, atol=1e-9)
     assert found[1].tolist() == [0.0, 0.0]
     power[1, 0] = 0.0
+    part = gain_percent(scale * power, 1)
+    assert np.isnan(part[:, 0]).all()
+    np.testing.assert_array_equal(part[:, 1], found[:, 1])
+    power[1] = 0.0
     assert gain_percent(scale * power, 1) is None
 
 

@@ -289,6 +289,29 @@ def test_what_is_not_viable_is_a_result(folder):
     assert {row["annual_energy"] == "" for row in rows if row["viable"] == "false"} == {True}
 
 
+@pytest.mark.parametrize(
+    ("pto", "missing"),
+    [
+        ({"damping": 8e3, "port": {"between": [0, 180]}}, ["fixed", "one"]),
+        ({"damping": 8e3, "port": {"colatitude": 90, "against": "frame", "direction": "radial"}}, ["fixed", "one"]),
+        ({"damping": 0.0}, ["fixed"]),
+    ],
+    ids=["between", "frame", "nothing"],
+)
+def test_where_the_rigid_design_takes_nothing_there_are_no_gains_and_all_the_rest(folder, pto, missing):
+    """Its shell does not move, or the damper is none; under a tuning of its own it may take some."""
+    plan = planned(folder, name="over_nothing", tuning=["fixed", "one"], pto=pto)
+    found = run(plan)
+    gains = found.gain_percent.sel(design="VSWEC")
+    assert found.tuning.values[np.isnan(gains)].tolist() == missing
+    assert (found.annual_mean_power.sel(design="FSB") > 0).values.tolist() == [
+        name not in missing for name in ("fixed", "one")
+    ]
+    assert float(found.annual_mean_power.sel(design="VSWEC", tuning="one")) > 0
+    rows = list(csv.DictReader(Path(plan.table_path).read_text().splitlines()))
+    assert {row["tuning"] for row in rows if row["gain_percent"] == ""} == set(missing)
+
+
 def test_a_climate_that_changed_is_refused(folder):
     plan = planned(folder)
     with pytest.raises(ConfigError, match="changed since the run was planned"):

@@ -27,6 +27,22 @@ def test_one_bad_number_is_found(bad):
         check_finite(rao(values), "x")
 
 
+@pytest.mark.parametrize("power", ["annual_mean_power", "corrected_mean_power"])
+@pytest.mark.parametrize("gain", ["gain_percent", "gain_low", "gain_high", "corrected_gain_percent"])
+def test_gains_over_nothing_may_be_missing_and_no_others(gain, power):
+    """Of two designs, the first of which gains are over, and two tunings."""
+    by = ("design", "tuning")
+    coordinates = {"design": ["FSB", "VSWEC"], "tuning": ["fixed", "one"]}
+    taken = np.array([[0.0, 2.0], [3.0, 4.0]])
+    found = xr.Dataset({power: (by, taken), gain: (by, [[np.nan, 0.0], [np.nan, 100.0]])}, coordinates)
+    check_finite(found, "x")
+    for lost in (gain, power):
+        worse = found.copy(deep=True)
+        worse[lost].loc[{"design": "VSWEC", "tuning": "one"}] = np.nan
+        with pytest.raises(DatabaseError, match=f"variable {lost} holds NaN"):
+            check_finite(worse, "x")
+
+
 def test_dimensions_are_put_in_order():
     ds = rao(np.arange(6.0).reshape(1, 3, 2)).transpose("dof", "omega", "design")
     out = described(ds)

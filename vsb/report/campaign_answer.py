@@ -22,8 +22,10 @@ MODELS = {"body_exact": "body-exact", "linear": "linear"}
 
 
 def leading(ds: xr.Dataset) -> tuple[str, str | None]:
-    """Return the tuning the answer is told at, and the rigid design gains are over."""
-    return leading_tuning(ds.tuning.values), ds.attrs.get("reference") or None
+    """Return the tuning the answer is told at, and the rigid design gains are over; none if it takes nothing."""
+    tuning, reference = leading_tuning(ds.tuning.values), ds.attrs.get("reference") or None
+    gains = reference and bool(told_gain(ds.sel(tuning=tuning), tuning).notnull().any())
+    return tuning, reference if gains else None
 
 
 def closing_answer(ds: xr.Dataset) -> str:
@@ -40,6 +42,8 @@ def answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:
         power = ds.annual_energy.sel(tuning=tuning)
         if not bool(power.notnull().any()):
             return f"{begins}, no design is viable."
+        if not float(power.max()) > 0:
+            return f"{begins}{ends}, no design takes anything."
         one = power.where(power == power.max(), drop=True)
         return f"{begins}{ends}, {one.design.values[0]} takes most: {float(power.max()):.4g} MWh."
     return f"{begins}{ends}, {_taken(ds, reference, tuning, best)}."

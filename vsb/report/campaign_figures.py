@@ -128,7 +128,8 @@ def sweep(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
     others = [design for design in ds.design.values if design != reference]
     if reference is None or not others:
         figure, axes = grid_of_axes(1.5)
-        note(axes[0, 0], "no rigid design to compare with")
+        nothing = "a rigid design that takes nothing" if ds.attrs.get("reference") else "no rigid design"
+        note(axes[0, 0], f"{nothing} to compare with")
         return figure
     return _maps(ds, tuning, keys, others) if is_mapped(ds) else _lines(ds, tuning, keys[0], others)
 

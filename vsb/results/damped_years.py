@@ -101,9 +101,9 @@ def _gains(found: Values, designs: Sequence[str], reference: str | None, toleran
     at, power = designs.index(reference), _plain(found, "annual_mean_power")
     if (gain := gain_percent(power, at)) is None:
         return {}
-    error = _plain(found, "quadrature_error") / power + tolerance
+    error = np.divide(_plain(found, "quadrature_error"), power, out=np.zeros_like(power), where=power > 0) + tolerance
     width = (error + error[at]) * (100 + gain)
-    width[at] = 0.0
+    width[at] *= 0.0
     return {"gain_percent": (BY, gain), "gain_low": (BY, gain - width), "gain_high": (BY, gain + width)}
 
 

@@ -10,7 +10,7 @@ from vsb.results.campaign import GAIN, POWER
 from vsb.results.statistics import Estimate
 from vsb.results.verification import Verification
 from vsb.results.year import Year
-from vsb.tools.units import AnyArray
+from vsb.tools.units import AnyArray, FloatArray
 
 
 def verified_dataset(year: Year, tuning: str, runs: Verification) -> xr.Dataset:
@@ -26,7 +26,7 @@ def verified_dataset(year: Year, tuning: str, runs: Verification) -> xr.Dataset:
         name: (("design",), column) for name, column in zip(POWER, np.array(powers).T, strict=True)
     }
     if year.reference is not None:
-        gains = np.array(_gains(year, runs)).T
+        gains = _gains(year, runs, year.tunings.index(tuning)).T
         values |= {name: (("design",), column) for name, column in zip(GAIN, gains, strict=True)}
     sea = runs.sample.sea
     drawn = {"sea": sea, "seed": runs.sample.seed, "weight": runs.sample.weight}
@@ -37,15 +37,17 @@ def verified_dataset(year: Year, tuning: str, runs: Verification) -> xr.Dataset:
     return xr.Dataset(values, coords={"design": list(year.designs)})
 
 
-def _gains(year: Year, runs: Verification) -> list[Estimate]:
-    """Gains of all designs over the reference, none of its own."""
+def _gains(year: Year, runs: Verification, tuning: int) -> FloatArray:
+    """Gains of all designs over the reference and their intervals, none of its own; NaN if it takes nothing."""
     at = year.designs.index(str(year.reference))
+    if not year.annual_mean_power[at, tuning] > 0:
+        return np.full((len(year.designs), len(GAIN)), np.nan)
     if not (base := float(runs.corrected[at])) > 0:
         raise ConfigError(
             f"verify: received a corrected power of {base:.4g} W of the rigid {year.reference}; needs more than 0 W, "
             "more seas or a longer simulation.window"
         )
-    return [runs.gain(i, at) or Estimate(0.0, 0.0, 0.0) for i in range(len(year.designs))]
+    return np.array([runs.gain(i, at) or Estimate(0.0, 0.0, 0.0) for i in range(len(year.designs))])
 
 
 def with_lost(found: xr.Dataset, designs: Sequence[str], reference: str | None) -> xr.Dataset:

@@ -129,9 +129,12 @@ class DesignYear:
 
 
 def gain_percent(power: FloatArray, reference: int) -> FloatArray | None:
-    """Return gains of mean powers over those of one of the designs, (design, tuning) [%]; none over nothing."""
-    base = power[reference]
-    return np.asarray(100 * (power / base - 1)) if np.all(base > 0) else None
+    """Return gains of mean powers over those of one of the designs, (design, tuning) [%].
+
+    Under a tuning with which that design takes nothing they are missing, NaN; under all of them there are none.
+    """
+    base = np.where(power[reference] > 0, power[reference], np.nan)
+    return None if np.isnan(base).all() else np.asarray(100 * (power / base - 1))
 
 
 def best_for_all(years: Sequence[DesignYear]) -> FloatArray:

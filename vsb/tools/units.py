@@ -315,6 +315,8 @@ def merged(ds: "xr.Dataset") -> "xr.Dataset":
     return ds.assign(parts).drop_vars("complex")
 
 
+GAINS = ("gain_", "corrected_gain_")
+"""Begins of names of what is missing where the design that gains are over takes nothing."""
 UNTOLD = {"practice_power": "constrained"}
 """Variables that do not exist under a tuning: usual practice knows no optima."""
 
@@ -322,7 +324,7 @@ UNTOLD = {"practice_power": "constrained"}
 def check_finite(ds: "xr.Dataset", source: str) -> None:
     """Raise `DatabaseError` if any number of the dataset is NaN or infinite.
 
-    But of designs that are not `viable`, and of what a tuning has not (`UNTOLD`).
+    But of designs that are not `viable`, of what a tuning has not (`UNTOLD`), and of gains over nothing (`GAINS`).
     """
     for name, numbers in ds.variables.items():
         if not np.issubdtype(numbers.dtype, np.number) or np.isfinite(numbers.values).all() or name in ds.coords:
@@ -331,5 +333,8 @@ def check_finite(ds: "xr.Dataset", source: str) -> None:
         missing = ~ds.viable if "viable" in ds and "design" in variable.dims else False
         if "tuning" in variable.dims and name in UNTOLD:
             missing = missing | (ds.tuning == UNTOLD[name])
+        if str(name).startswith(GAINS):
+            power = ds["corrected_mean_power" if "annual_mean_power" not in ds else "annual_mean_power"]
+            missing = missing | (power <= 0).any("design")
         if not (np.isfinite(variable) | missing).all():
             raise DatabaseError(f"{source}: variable {name} holds NaN or infinite values; this result cannot be used.")

@@ -1,0 +1,70 @@
+"""What a year finds is the same in other units of mass and length, and in any order of its designs and hours."""
+
+import numpy as np
+import pytest
+import yaml
+from invariance import HEAVE, LENGTH, assert_close, factor, renamed, restated, usual
+
+from vsb.stages import members
+from vsb.stages.stage import STAGES
+from vsb.study.campaign_plan import plan_of
+from vsb.study.study import canonical
+from vsb.tools.files import load
+from vsb.waves.seas import jonswap_spectrum
+
+HERTZ = np.linspace(0.04, 0.5, 24)
+SEAS = [(1.0, 6.0), (2.2, 9.0), (2.3, 9.5), (3.1, 12.0)]
+BASE = HEAVE | {"designs": {"FSB": {"flexible": False}, "VSWEC": {}}, "hydro": {"omega_max": 4.0}}
+BASE |= {"pto": {"damping": {"FSB": 6e3, "VSWEC": 8e3}, "stiffness": 1e3}}
+STUDIES = {
+    "spring": BASE,
+    "between": BASE
+    | {"pto": BASE["pto"] | {"port": {"between": [0.0, 180.0]}}, "water": BASE["water"] | {"depth": 9.0}},
+}
+
+
+def year(folder, raw, seas=SEAS, height=1.0):
+    """Results of a year of these seas, in metres of this height."""
+    folder.mkdir()
+    lines = ["YY MM DD hh " + " ".join(f"{f:.4f}" for f in HERTZ)]
+    for hour, (hs, tp) in enumerate(seas):
+        density = height**2 * 2 * np.pi * jonswap_spectrum(2 * np.pi * HERTZ, hs, tp, 2.0)
+        lines.append(f"1996 01 01 {hour:02d} " + " ".join(f"{s:.9e}" for s in density))
+    (folder / "sea.txt").write_text("\n".join(lines) + "\n")
+    (folder / "study.yaml").write_text(yaml.safe_dump(raw | {"study": "buoy"}))
+    given = {"campaign": "year", "study": "study.yaml", "climate": {"spectra": "sea.txt"}}
+    (folder / "year.yaml").write_text(yaml.safe_dump(given | {"tuning": ["fixed", "one", "each"]}))
+    plan = plan_of(str(folder / "year.yaml"))
+    ((batch, spec),) = plan.batches.items()
+    (stage,) = (each for each in STAGES if each.name == "members")
+    root = str(folder / "results")
+    members.run(stage.read(canonical(spec)), plan.loaded.climate_path, f"{root}/members", root, f"{root}/{batch}.nc")
+    return load(f"{root}/{batch}.nc")
+
+
+def of_the_year(ds):
+    """Numbers of the whole year that do not hang on its bins, which are of so many metres."""
+    return {
+        name: values
+        for name, values in ds.data_vars.items()
+        if np.issubdtype(values.dtype, np.number) and name != "practice_power" and not {"hs", "te"} & set(values.dims)
+    }
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_a_year_in_other_units_finds_the_same(tmp_path, name):
+    own, other = year(tmp_path / "own", STUDIES[name]), year(tmp_path / "other", restated(STUDIES[name]), height=LENGTH)
+    found = of_the_year(other)
+    assert {"annual_mean_power", "force_rms", "gain_percent"} <= set(found)
+    for what, values in of_the_year(own).items():
+        units = values.attrs["units"].replace("MWh", "J")
+        assert_close(found[what].values, factor(units) * values.values, what, 1e-6)
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_designs_and_hours_in_another_order_find_the_same(tmp_path, name):
+    own, other = year(tmp_path / "own", STUDIES[name]), year(tmp_path / "other", renamed(STUDIES[name]), SEAS[::-1])
+    other = other.assign_coords(design=[usual(str(design)) for design in other.design.values]).sel(design=own.design)
+    for what, values in own.data_vars.items():
+        if np.issubdtype(values.dtype, np.number):
+            assert_close(other[what].values, values.values, what, 1e-6)
