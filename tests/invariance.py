@@ -69,8 +69,8 @@ def factor(units):
 
 
 def renamed(raw):
-    """The same with designs of other names."""
-    return {NAMES.get(key, key): renamed(part) for key, part in raw.items()} if isinstance(raw, dict) else raw
+    """The same with designs of other names, in another order of the file."""
+    return {NAMES.get(key, key): renamed(raw[key]) for key in reversed(raw)} if isinstance(raw, dict) else raw
 
 
 def usual(text):

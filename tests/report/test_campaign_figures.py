@@ -170,6 +170,14 @@ def test_without_a_rigid_design_that_takes_power_there_is_no_gain_to_draw(refere
     assert [text.get_text() for text in ax.texts] == [f"{words} to compare with"]
 
 
+@pytest.mark.parametrize("name", ["tuned_power", "pareto", "sweep"])
+def test_where_no_design_is_viable_figures_say_so(name):
+    lost = campaign()
+    lost["viable"] = lost.viable & False
+    (ax,) = DRAWN[name](lost, "one", None).axes
+    assert [text.get_text() for text in ax.texts] == ["no design is viable"]
+
+
 def test_all_figures_are_drawn_by_name():
     assert list(DRAWN) == ["power_matrices", "tuned_power", "pareto", "sweep"]
 

@@ -43,6 +43,16 @@ def test_what_is_left_to_do_is_told(folder, monkeypatch):
     assert lines[2] == "jobs         1 of 1 batches to do, 1 shapes of the water"
 
 
+def test_clamps_that_leave_no_mode_free_are_refused_at_the_point_that_has_so_few(folder):
+    """Two of the shell, clamped at a pole and at the equator; of more modes, or at one colatitude, some stay free."""
+    designs = {"FSB": {"flexible": False}, "HELD": {"clamp": [0, 90]}}
+    modes = {"basis": "membrane", "degree": 1}
+    message = r"few.yaml: vary: with modes.degree: 1.0: designs.HELD.clamp: received \[0.0, 90.0\], which leaves none"
+    with pytest.raises(ConfigError, match=message):
+        check_campaign(planned(folder, {"modes.degree": [4, 1]}, name="few", designs=designs, modes=modes))
+    check_campaign(planned(folder, {"modes.degree": [4, 5]}, name="some", designs=designs, modes=modes))
+
+
 def test_waves_beyond_what_is_solved_are_refused(tmp_path, monkeypatch):
     """A tank's waves of a second are above 5 rad/s; those of before are not."""
     monkeypatch.setattr("stages.test_members.HERTZ", np.linspace(0.1, 3.0, 40))

@@ -1,6 +1,7 @@
 """A campaign in one process: members against a year computed apart, resumed, widened, damaged, not viable."""
 
 import csv
+import re
 import subprocess
 import sys
 import time
@@ -310,6 +311,19 @@ def test_where_the_rigid_design_takes_nothing_there_are_no_gains_and_all_the_res
     assert float(found.annual_mean_power.sel(design="VSWEC", tuning="one")) > 0
     rows = list(csv.DictReader(Path(plan.table_path).read_text().splitlines()))
     assert {row["tuning"] for row in rows if row["gain_percent"] == ""} == set(missing)
+
+
+@pytest.mark.parametrize("vary", [{}, {"device.mass": [17e3, 18e3]}], ids=["one point", "two"])
+def test_where_no_design_is_viable_at_any_point_the_campaign_says_so(folder, vary):
+    plan = planned(
+        folder, vary, name="lost", reference_shape="equilibrium", designs={"VSWEC": {}, "FSB": {"flexible": False}}
+    )
+    found = run(plan)
+    assert not found.viable.values.any()
+    page = Path(plan.folder, "report.html").read_text()
+    assert "no design is viable" in page
+    words = re.sub(r"<(script|style|svg).*?</\1>|<[^>]*>", " ", page, flags=re.DOTALL).lower().split()
+    assert not {"nan", "nan%", "inf"} & set(words)
 
 
 def test_a_climate_that_changed_is_refused(folder):

@@ -18,6 +18,7 @@ from vsb.tools.words import quantity
 
 GAIN = "RdBu"
 """Colours of gains: blue more than the rigid design, red less."""
+NOT_VIABLE = "no design is viable"
 HATCH = "////"
 LIMIT = "force_limit"
 MOST_ROWS = 6
@@ -66,6 +67,8 @@ def _mark_beyond(ax: Axes, share: xr.DataArray) -> None:
 def tuned_power(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
     """Draw mean power of the year over a damper that stays as it is, with its optimum, and the damper of each sea."""
     one, designs = shown_member(ds, tuning, reference), list(ds.design.values)
+    if not bool(one.viable.any()):
+        return _without_curves(NOT_VIABLE)
     figure, axes = grid_of_axes(3.4)
     ax, dampers = axes[0, 0], damper(one)
     for design in designs:
@@ -90,6 +93,8 @@ def tuned_power(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
 def pareto(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
     """Draw mean power of the year against the rms force it takes: dampers up to the best, optima within limits."""
     one, designs = shown_member(ds, tuning, reference), list(ds.design.values)
+    if not bool(one.viable.any()):
+        return _without_curves(NOT_VIABLE)
     figure, axes = grid_of_axes(3.4)
     ax = axes[0, 0]
     for design in designs:
@@ -126,12 +131,19 @@ def sweep(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
     varied = str(ds.attrs["varied"]).split()
     keys = [name for name in varied if ds[name].size > 1]
     others = [design for design in ds.design.values if design != reference]
+    if not bool(ds.viable.any()):
+        return _without_curves(NOT_VIABLE)
     if reference is None or not others:
-        figure, axes = grid_of_axes(1.5)
         nothing = "a rigid design that takes nothing" if ds.attrs.get("reference") else "no rigid design"
-        note(axes[0, 0], f"{nothing} to compare with")
-        return figure
+        return _without_curves(f"{nothing} to compare with")
     return _maps(ds, tuning, keys, others) if is_mapped(ds) else _lines(ds, tuning, keys[0], others)
+
+
+def _without_curves(text: str) -> Figure:
+    """A low figure that says why there is nothing to draw."""
+    figure, axes = grid_of_axes(1.5)
+    note(axes[0, 0], text)
+    return figure
 
 
 def is_mapped(ds: xr.Dataset) -> bool:

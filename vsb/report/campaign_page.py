@@ -118,6 +118,8 @@ def captions(ds: xr.Dataset) -> dict[str, str]:
 
 def statements(ds: xr.Dataset, reference: str | None, tuning: str) -> list[str]:
     """Return what else is to be said: the best design for each further tuning, what usual practice would have said."""
+    if not bool(ds.viable.any()):
+        return []
     found, beside = [], told_beside(ds, tuning)
     for other in (name for name in TUNED if name in ds.tuning.values and name not in (tuning, beside)):
         if best := best_flexible(ds, reference, other):
@@ -155,11 +157,11 @@ def warnings(ds: xr.Dataset) -> list[str]:
             "7 % of the energy or more, in 77 to 95 % where 3 to 5 %; in 89 to 96 % with 24: there they are not 95 % "
             "intervals.",
         ]
-    tuning = leading(ds)[0]
-    found.append(
-        f"In seas that bring {_shares(ds, 'heave', tuning)} of the energy the buoy heaves by more than 0.3 of its "
-        "radius, where the water it moves is no longer that of its shape at rest."
-    )
+    if bool(ds.viable.any()):
+        found.append(
+            f"In seas that bring {_shares(ds, 'heave', leading(ds)[0])} of the energy the buoy heaves by more than 0.3 "
+            "of its radius, where the water it moves is no longer that of its shape at rest."
+        )
     if CONSTRAINED in ds.tuning.values:
         found += _warned_of_optima(ds)
     buckled = int((ds.margin < 0).sum())

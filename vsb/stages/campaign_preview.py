@@ -4,7 +4,8 @@ from pathlib import Path
 
 from vsb.errors import ConfigError
 from vsb.stages.climate import read_climate
-from vsb.study.campaign_plan import CampaignPlan
+from vsb.study.campaign import where_of
+from vsb.study.campaign_plan import CampaignPlan, Member
 from vsb.study.plan import StudyPlan
 from vsb.study.study import Study
 from vsb.tools import packed
@@ -29,8 +30,24 @@ def check_campaign(plan: CampaignPlan) -> None:
                 f"{one.study.hydro.omega_max:.4g} rad/s, which a point solves; needs at most {OUTSIDE:.0%}, a larger "
                 "hydro.omega_max in the study"
             )
+    for member in plan.members:
+        if any(
+            one.flexible and member.study.modes.degree <= 2 * len(one.clamp) for one in member.study.designs.values()
+        ):
+            _check_clamps(member, plan.loaded.source)
     for spec in plan.verifications.values():
         _check_runs(spec.simulated, plan.loaded.source)
+
+
+def _check_clamps(member: Member, source: str) -> None:
+    """Raise where clamps, of two equations each, leave no mode free: of few modes alone, for it reads what solves."""
+    from vsb.scenes.rest import design_motions, study_basis
+
+    try:
+        for design in member.study.designs:
+            design_motions(member.study, study_basis(member.study), design)
+    except ConfigError as error:
+        raise ConfigError(f"{source}: vary: {where_of(member.point)}: {error}") from None
 
 
 def _check_runs(study: Study, source: str) -> None:
