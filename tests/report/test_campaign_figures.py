@@ -178,6 +178,14 @@ def test_where_no_design_is_viable_figures_say_so(name):
     assert [text.get_text() for text in ax.texts] == ["no design is viable"]
 
 
+def test_where_no_damper_takes_anything_none_is_on_a_logarithmic_axis(recwarn):
+    still = campaign()
+    still["tried_damping"] = 0.0 * still.tried_damping
+    (ax,) = tuned_power(still, "one", None).axes
+    assert [text.get_text() for text in ax.texts] == ["no damper takes anything"]
+    assert not recwarn.list
+
+
 def test_all_figures_are_drawn_by_name():
     assert list(DRAWN) == ["power_matrices", "tuned_power", "pareto", "sweep"]
 

@@ -69,6 +69,8 @@ def tuned_power(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
     one, designs = shown_member(ds, tuning, reference), list(ds.design.values)
     if not bool(one.viable.any()):
         return _without_curves(NOT_VIABLE)
+    if not bool((one.tried_damping > 0).any()):
+        return _without_curves("no damper takes anything")
     figure, axes = grid_of_axes(3.4)
     ax, dampers = axes[0, 0], damper(one)
     for design in designs:
