@@ -195,6 +195,9 @@ def test_a_folder_in_place_of_a_result_is_told_before_any_work(workplace, capsys
     (workplace / "a.nc").mkdir()
     line = told(["shape-dependence", "study.yaml", "a"], capsys)
     assert line.startswith("a.nc: cannot be written (it is a folder or a device); needs a file in a folder")
+    (workplace / "b.svg").mkdir()
+    line = told(["shape-dependence", "study.yaml", "b"], capsys)
+    assert line.startswith("b.svg: cannot be written (it is a folder or a device); needs a file in a folder")
 
 
 def test_a_result_of_a_rule_that_cannot_be_written_is_one_line(workplace, capsys, monkeypatch):

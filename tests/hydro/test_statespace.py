@@ -122,10 +122,12 @@ class TestOfTheSeed:
         assert errors[1] < 2 * errors[0]
 
 
+@pytest.mark.parametrize("largest", [100.0, 1e-9])
 @pytest.mark.parametrize("share", [-0.05, -1.0])
-def test_damping_that_draws_energy_is_refused(share):
+def test_damping_that_draws_energy_is_refused(share, largest):
+    """In any units."""
     omega = np.linspace(0.1, 8.0, 80)
-    bump = 100.0 * omega**2 * np.exp(-omega)
+    bump = largest * omega**2 * np.exp(-omega)
     damping = np.where(omega > 4.0, share * bump.max(), bump) if share > -1 else share * bump
     with pytest.raises(StabilityError, match=r"would draw energy from calm water"):
         fit_radiation(DampingSpectrum(omega, damping[:, None, None]), 1e-3)

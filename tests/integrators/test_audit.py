@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vsb.integrators.audit import TERMS, Balance, energies, flow, residual, step_integrals
+from vsb.integrators.audit import TERMS, Balance, Flow, energies, flow, residual, step_integrals
 from vsb.integrators.exact import propagate
 from vsb.motion.forces import Damper, Excitation, Spring
 from vsb.motion.motion import Motion
@@ -103,3 +103,12 @@ def test_what_is_not_balanced_is_a_size_and_of_the_worst_leg(sign):
     assert (first.unbalanced, first.largest, first.ended["wave"]) == (2.0, 2.0, sign)
     second = first.after(right)
     assert (second.unbalanced, second.largest, second.ended["pto"]) == (2.0, 2.0, 1.0)
+
+
+def test_a_form_of_both_signs_is_integrated_with_them():
+    """Kinetic less potential energy of an undamped oscillator, whose integral is that of cos 2 t."""
+    time = np.linspace(0.0, 3.0, 301)
+    states = np.stack([np.cos(time), -np.sin(time)], axis=1)
+    still = Flow(0.01, np.array([[0.0, 1.0], [-1.0, 0.0]]), states, np.zeros((len(time) + 4, 1)))
+    (found,) = still.works(np.diag([1.0, -1.0])[None], [])
+    np.testing.assert_allclose(found, np.sin(2 * time) / 2, atol=1e-12)

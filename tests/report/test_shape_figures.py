@@ -49,6 +49,12 @@ def test_powers_are_drawn_as_changes_about_a_band_that_is_negligible():
     first, second = (line.get_ydata() for line in ax.get_lines())
     np.testing.assert_allclose(first, [10.0, -10.0])
     np.testing.assert_allclose(second, [0.0, 0.0])
+    rest = ds.assign(power_at_rest=(("wave", "design"), [[120.0, 40.0]]))
+    with mpl.rc_context():
+        beside = Figure().subplots()
+        _draw_powers(beside, rest)
+    marks = [float(line.get_ydata()[0]) for line in beside.get_lines() if line.get_marker() == "<"]
+    assert marks == pytest.approx([20.0, -20.0]), "each over its own power at the reference"
     (band,) = ax.patches
     height = band.get_extents().transformed(ax.transData.inverted()).height
     assert height == pytest.approx(200 * NEGLIGIBLE)

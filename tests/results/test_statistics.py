@@ -157,6 +157,8 @@ def test_the_ledger_says_how_sharp_the_statistics_are(many):
         "doubt",
         "fail",
     }
+    exact = varied(study, hydro={"model": "body_exact"})
+    assert {c.name for c in seastatistics.statistical_checks(exact, wrong)} == {"statistical_error"}
     short = [line._replace(power_low=None, power_high=None, batches=3) for line in lines]
     found = seastatistics.statistical_checks(study, short)
     assert {(c.name, c.verdict) for c in found} == {("record_length", "doubt")}

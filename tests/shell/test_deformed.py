@@ -328,6 +328,21 @@ def test_a_meridian_that_crosses_the_axis_or_itself_is_refused(full, crossed, so
         use[solver]()
 
 
+@pytest.mark.parametrize(
+    "wet",
+    [[], [(0.0, np.pi)], [(1.0, 2.5)], [(0.0, 1.0)], [(0.5, 1.0), (2.0, np.pi)]],
+    ids=["dry", "sunk", "keel out", "top", "two"],
+)
+def test_what_floats_has_one_waterline_with_the_keel_below(full, wet):
+    shell = DeformedShell(full, 0.2)
+    shell.__dict__["wet_segments"] = wet
+    with pytest.raises(ConfigError, match=r"wet parts are .* needs one waterline with the keel below it"):
+        assert shell.waterline
+    sound = DeformedShell(full, 0.2)
+    sound.__dict__["wet_segments"] = [(1.0, np.pi)]
+    assert sound.waterline == 1.0
+
+
 @pytest.mark.parametrize(("pole", "name"), [(0.0, "top"), (np.pi, "keel")])
 def test_a_shell_turned_in_at_one_pole_alone_is_refused(full, pole, name):
     """By a slope of 1e-6 m, far nearer to the pole than any other point that is looked at; turned out as much it is one."""

@@ -43,6 +43,7 @@ def test_a_summary_tells_what_moves_and_where_numbers_come_from(finished, workpl
         ({"designs": {"a": {"dofs": ["Roof"]}}}, "designs: received dofs Roof; needs some of Heave, Membrane0"),
         ({"pto": {"damping": 1.0, "port": {"dof": "Roof"}}}, "pto.port: received Roof; needs some of Heave"),
         ({"pto": {"damping": 1.0, "stiffness": -1e6}}, "designs.FSB: the body does not rest: received a negative"),
+        ({"water": {"density": 1000.0}}, "water.density: received 1000, needs 1025, as the body's files have"),
         ({"body": {"database": "gone.nc"}}, "body.database: gone.nc cannot be read"),
         ({"waves": [{"kind": "still"}], "pto": {}}, "waves.0 still: no damper is best where nothing comes in"),
     ],

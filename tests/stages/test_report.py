@@ -46,6 +46,15 @@ def test_the_page_says_its_powers_its_solver_and_its_figures(small):
     assert page.count('<div class="drawn"') == len(list(Path(f"{small.folder}/figures").glob("*.svg")))
 
 
+def test_the_living_page_knows_optima_within_limits_alone(small, tmp_path, monkeypatch):
+    given = []
+    monkeypatch.setattr(report, "living_study", lambda *args: given.append(args))
+    monkeypatch.setattr(report, "record", lambda *args: None)
+    made(small, tmp_path / "page.html")
+    tables = json.loads(Path(f"{small.folder}/tables.json").read_text())
+    assert given[0][-1] == tables["within_limits"] != tables["equal_tuning"]
+
+
 def test_a_study_in_an_assumed_pressure_has_tables_and_a_page_and_no_best_damper(small, tmp_path, monkeypatch):
     """From its file to its report: no database, no response, no ladder; its checks are those of such a pressure."""
     monkeypatch.chdir(tmp_path)

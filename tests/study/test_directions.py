@@ -117,6 +117,20 @@ def test_what_planar_motion_cannot_have_is_refused_in_a_line(changes, match):
     assert "\n" not in str(error.value)
 
 
+def test_an_anchor_is_outside_the_sphere_where_that_floats():
+    """Its centre 0.8 m above still water: what is 1.9 m below is outside, to the side what is as far above inside."""
+    light = {"device": {"mass": 9000.0}}
+    centre = parse(planar(**light)).centre_height
+    assert 0.3 < centre < 1.5
+    parse(planar(**light, pto={"port": {"line_to": [0.0, -1.9]}}))
+    deep = {"device": {"mass": 25000.0}}
+    sunk = parse(planar(**deep)).centre_height
+    assert -1.5 < sunk < -0.3
+    inside = {"line_to": [0.0, sunk - 1.9]}
+    with pytest.raises(ConfigError, match="needs an anchor outside the sphere"):
+        parse(planar(**deep, pto={"port": inside}))
+
+
 @pytest.mark.parametrize(
     ("changes", "match"),
     [

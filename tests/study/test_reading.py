@@ -262,3 +262,11 @@ def test_a_list_whose_items_are_wrong_is_not_told_to_be_too_short_as_well(waves,
     assert len(caught.value.mistakes) == len(told)
     for line, begins in zip(caught.value.mistakes, told, strict=True):
         assert line.startswith(f"a.yaml: {begins}")
+
+
+def test_a_number_nobody_can_print_is_refused_in_any_yaml_file(tmp_path):
+    """Of a profile, too, which no model looks at: with its line and key."""
+    path = tmp_path / "config.yaml"
+    path.write_text(f"jobs: 2\nset:\n  mem: 0x{'f' * 20_000}\n")
+    with pytest.raises(ConfigError, match=r"config.yaml:3: set.mem: received a number of too many digits"):
+        reading.read_yaml(path, "a profile")

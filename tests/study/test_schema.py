@@ -152,6 +152,10 @@ def test_nothing_is_near_to_nothing():
     assert nearest("x", []) == ""
 
 
+def test_what_is_near_is_told_in_its_own_capitals():
+    assert nearest("vswec9", ["FSB", "VSWEC90"]) == "VSWEC90"
+
+
 def test_lines_of_a_file(tmp_path):
     path = tmp_path / "a.yaml"
     path.write_text("a: 1\nb:\n  - c: 2\n  - {d: [3,\n    4]}\n")

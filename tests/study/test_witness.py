@@ -101,7 +101,15 @@ def test_twelve_modes_of_the_lowest_degrees_are_asked_for(seed):
     assert len(StudyPlan(varied(seed, modes={"basis": "full", "degree": 20})).deformed_paths) == 25
     assert lowest_modes(tuple(f"Membrane{n}" for n in range(30))) == tuple(f"Membrane{n}" for n in range(12))
     assert StudyPlan(varied(seed, modes={"degree": 12})).witness.meshes.rows == 44  # eight on a lobe
-    assert StudyPlan(seed).witness.meshes.rows == 32
+    assert (StudyPlan(seed).witness.meshes.rows, StudyPlan(seed).witness.meshes.azimuth) == (32, 64)
+
+
+def test_in_shallow_water_the_shortest_wave_is_half_the_longest_at_most(seed):
+    """Of a flat float, whose draft is far below its radius."""
+    flat = varied(seed, device={"mass": 150.0, "thickness": 0.001}, water={"depth": 0.4})
+    low, _, high = (wavenumber(w, 0.4, 9.81) for w in StudyPlan(flat).witness.omega)
+    assert low == pytest.approx(LEAST_DEPTH_IN_WAVENUMBERS / 0.4, rel=1e-4)
+    assert high == pytest.approx(2 * low, rel=1e-4)
 
 
 @pytest.mark.parametrize("depth", [math.inf, 100.0, 20.0, 2.5])

@@ -14,6 +14,8 @@ def test_separated_form_is_the_one_capytaine_writes():
     ours, theirs = separated(ds), separate_complex_values(ds)
     assert ours.rao.transpose(*theirs.rao.dims).equals(theirs.rao)
     assert merged(ours).rao.equals(ds.rao)
+    told = merged(separated(ds.assign(rao=ds.rao.assign_attrs(units="m/m"))))
+    assert told.rao.attrs == {"units": "m/m"}
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, complex(0, np.nan)])
