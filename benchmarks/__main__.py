@@ -55,6 +55,10 @@ COMMANDS = {
         "So many studies at random: each is refused in one line or runs to finite results; 1 if any does not.",
         ("count", "out"), int, fails=bool,
     ),
+    "torture-campaigns": Command(
+        "So many campaigns at random: each is refused in one line or told to its page; 1 if any is not.",
+        ("count", "out"), int, fails=bool,
+    ),
     "campaigns": Command(
         "Year, dampers and sweep of a campaign against plain loops: a table with seconds of both and their difference.",
         ("config", "folder"), files="campaigns*",
