@@ -9,7 +9,7 @@ from results.test_year import WATER, climate, port
 
 from vsb.errors import ConfigError
 from vsb.results.verification import contributions, drawn, verified
-from vsb.results.verified_year import GAIN, POWER, verified_dataset, with_lost
+from vsb.results.verified_year import GAIN, POWER, of_nothing, verified_dataset, with_lost
 from vsb.results.year import frequencies, year
 from vsb.tools.units import check_finite
 
@@ -61,6 +61,16 @@ def test_over_a_design_that_takes_nothing_there_are_no_gains(known):
     assert ds.corrected_mean_power.values[1] == pytest.approx(0.9 * found.annual_mean_power[1, 1])
     for name in GAIN:
         assert np.isnan(ds[name]).all()
+    check_finite(ds, "x")
+
+
+@pytest.mark.parametrize("reference", ["A", None])
+def test_a_year_of_nothing_is_told_without_runs(known, reference):
+    found, _ = known
+    nothing = dataclasses.replace(found, power=0.0 * found.power, reference=reference)
+    ds = with_lost(of_nothing(nothing), ["A", "C", "B"], reference)
+    assert [ds[name].sel(design="B").item() for name in POWER] == [0.0, 0.0, 0.0]
+    assert {name for name in GAIN if name in ds} == (set(GAIN) if reference else set())
     check_finite(ds, "x")
 
 

@@ -33,11 +33,11 @@ def folder(tmp_path_factory):
     return with_seas(tmp_path_factory.mktemp("verified"), (0.6, 5.0), (1.0, 6.0), (1.3, 6.5), (1.6, 7.0))
 
 
-def planned(folder, name="checked", vary=None, verify=None, **sections):
+def planned(folder, name="checked", vary=None, verify=None, tuning=("fixed", "one"), **sections):
     raw = {**BASE, **sections, "study": f"{name}_study", "simulation": {**BASE["simulation"], **RUNS}}
     (folder / f"{name}_study.yaml").write_text(yaml.safe_dump(raw))
     given = {"campaign": name, "study": f"{name}_study.yaml", "climate": {"spectra": "sea.txt"}, "vary": vary or {}}
-    given |= {"tuning": ["fixed", "one"], "verify": verify or VERIFY}
+    given |= {"tuning": list(tuning), "verify": verify or VERIFY}
     (folder / f"{name}.yaml").write_text(yaml.safe_dump(given, sort_keys=False))
     with chdir(folder):
         return plan_of(f"{name}.yaml")
@@ -176,6 +176,19 @@ def test_designs_that_are_not_viable_are_not_run(folder):
     assert not found.viable.any()
     assert np.isnan(found.corrected_mean_power).all()
     assert np.isnan(found.corrected_gain_low).all()
+
+
+def test_a_point_at_which_nothing_is_taken_needs_no_runs_and_loses_no_other(folder):
+    """Of two dampers one takes nothing: its corrected power is none, its gains are missing, the other's are there."""
+    vary, verify = {"pto.damping": [0.0, 8e3]}, {"seas": 4, "model": "linear"}
+    plan = planned(folder, "nothing", vary=vary, verify=verify, tuning=["fixed"])
+    with chdir(folder):
+        _, found = run(plan)
+    none, some = (found.isel({found.margin.dims[0]: i}) for i in range(2))
+    assert none.corrected_mean_power.values.tolist() == [0.0, 0.0]
+    assert np.isnan(none.corrected_gain_percent).all()
+    assert (some.corrected_mean_power > 0).all()
+    assert np.isfinite(some.corrected_gain_percent).all()
 
 
 def test_a_shell_that_finds_no_rest_on_the_water_is_refused_before_the_run(folder):

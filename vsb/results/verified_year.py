@@ -37,6 +37,14 @@ def verified_dataset(year: Year, tuning: str, runs: Verification) -> xr.Dataset:
     return xr.Dataset(values, coords={"design": list(year.designs)})
 
 
+def of_nothing(year: Year) -> xr.Dataset:
+    """Return the corrected year of designs none of which takes anything by linear theory, so that no sea is drawn."""
+    nothing = ("design", np.zeros(len(year.designs)))
+    missing = ("design", np.full(len(year.designs), np.nan))
+    values = dict.fromkeys(POWER, nothing) | (dict.fromkeys(GAIN, missing) if year.reference is not None else {})
+    return xr.Dataset(values, coords={"design": list(year.designs)})
+
+
 def _gains(year: Year, runs: Verification, tuning: int) -> FloatArray:
     """Gains of all designs over the reference and their intervals, none of its own; NaN if it takes nothing."""
     at = year.designs.index(str(year.reference))

@@ -10,7 +10,7 @@ from vsb.motion.pto import LinearPto
 from vsb.results.damped_years import ports_year
 from vsb.results.in_time import DesignInTime
 from vsb.results.verification import Sample, chances, drawn, verified
-from vsb.results.verified_year import verified_dataset, with_lost
+from vsb.results.verified_year import of_nothing, verified_dataset, with_lost
 from vsb.results.year import Year
 from vsb.scenes.afloat import linear_buoy, rest_shape, study_port
 from vsb.scenes.build import radiation_model
@@ -55,6 +55,8 @@ def _of_viable(spec: VerificationSpec, study: Study, rest: ReferenceShell, seas:
     assert tuning != "constrained"  # whose forces are of no law in time
     water = swept_shape(study, rest.basis, root).of_year(seas)
     year = ports_year(study, design_ports(study, rest, water), seas, (tuning,))
+    if not year.annual_mean_power.any():
+        return of_nothing(year)
     sample = drawn(chances(year, tuning), seas.hours, spec.verify.seas, spec.verify.seed)
     better, linear = _powers(spec, year, sample, in_time(study, root))
     return verified_dataset(year, tuning, verified(year, tuning, sample, better, linear))
