@@ -1,5 +1,6 @@
 """A site's year: against a loop over its hours written apart, against published practice."""
 
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -97,6 +98,15 @@ def test_a_fixed_damper_is_given():
 def test_annual_power_of_a_damper_is_the_mean_of_its_seas():
     one, tried = DesignYear(port(np.arange(0.1, 3.0, 0.05)), climate()), np.geomspace(1e2, 1e6, 9)
     assert one.annual(tried) == pytest.approx(one.table(tried) @ one.climate.hours, rel=1e-13)
+
+
+def test_every_band_is_cut_evenly_into_the_fewest_parts_of_half_a_percent():
+    seas = climate()
+    grid, edges = frequencies(seas, 0.1, 4.0), np.unique(np.clip(seas.edges, 0.1, 4.0))
+    for low, high in pairwise(edges):
+        step, middle = np.diff(grid[(grid >= low) & (grid <= high)]), (low + high) / 2
+        assert np.ptp(step) < 1e-12
+        assert 0.9 * 0.005 * middle < step[0] <= 0.005 * middle * (1 + 1e-12)
 
 
 def test_weights_are_shared_by_all_ports_over_the_same_frequencies():

@@ -102,6 +102,7 @@ def test_every_design_moves_as_long_as_is_said_and_the_page_says_in_what(swept, 
         PERIODS * read_climate(plan.climate, plan.loaded.climate_path).te.max(), rel=1e-6
     )
     assert [design["modes"] for design in sea["designs"]] == [0, 3]
+    assert sea["frames"] - 2 == module.FRAMES, "summed at as many instants as are shown, but the ends"
     with open(f"{plan.folder}/report.html", encoding="utf-8") as file:
         page = file.read()
     script = """

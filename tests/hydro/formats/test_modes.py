@@ -118,6 +118,7 @@ def test_a_length_more_for_every_rotation():
         assert a[4] == pytest.approx(b[4])
     assert stiffness[(5, 7)] * RHO * G == pytest.approx(ds.hydrostatic_stiffness.values[0, 2], rel=1e-6)
     assert one[".mmx"].partition("matrices")[2] == two[".mmx"].partition("matrices")[2]
+    assert {text.partition(" density")[0] for text in two.values()} == {" WAMIT's form: ULEN 2"}
     assert "modes 1=Surge 3=Heave 5=Pitch 7=Bend" in two[".1"]
     firsts = [line.split()[1] for line in two[".1"].splitlines()[1:]]
     assert firsts == 4 * [mode for mode in "1357" for _ in range(4)]  # infinite frequency and three periods
