@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from vsb.errors import ConvergenceError
-from vsb.integrators.collocation import NODES, Collocation, collocated
+from vsb.integrators.collocation import NODES, SHORTEST, Collocation, collocated
 from vsb.integrators.exact import propagate
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.simulate import legs, suited
@@ -166,7 +166,9 @@ def test_legs_join(with_drag):
 
 def test_what_jumps_is_refused():
     with pytest.raises(
-        ConvergenceError, match=r"the motion cannot be followed at t = .* check the study for forces that"
+        ConvergenceError,
+        match=rf"cannot be followed at t = .* s: the step became shorter than {TIME[1] * 2.0**SHORTEST:.1e} s; check the "
+        "study for forces that",
     ):
         collocated(system(friction=Jumping()), TIME, START, 1e-6)
 

@@ -435,3 +435,17 @@ def test_a_scene_has_the_added_mass_its_memory_was_fitted_with():
     added = np.array([[3.0, 0.5], [0.5, 2.0]])
     np.testing.assert_array_equal(body_scene(body, Memory(model, added), {}).mass, np.diag([4.0, 5.0]) + added)
     np.testing.assert_array_equal(body_scene(body, None, {}).mass, np.diag([4.0, 5.0]))
+
+
+def test_a_scene_of_a_body_has_no_force_that_the_body_lacks():
+    """No spring of a structure where there is none, no damper, no waves."""
+    labels, port = ("Heave", "Pitch"), LinearPto(1e4, 0.0, np.eye(2)[0])
+    bare = afloat(labels, [4.0, 5.0], [9.0, 9.0])
+    assert set(body_scene(bare, None, {}).forces) == {"hydrostatic"}
+    sprung = linear_body(bare.database, mass=bare.mass, damping=0 * bare.mass, stiffness=np.diag([0.0, 1.0]))
+    assert set(body_scene(sprung, None, {}).forces) == {"hydrostatic", "elastic"}
+    damped = replace(bare, structural_damping=np.diag([0.0, 1.0]))
+    assert set(body_scene(damped, None, {}).forces) == {"hydrostatic", "structural_damping"}
+    assert set(body_scene(replace(bare, pto=port), None, {}).forces) == {"hydrostatic", "pto"}
+    seas = {0.0: NO_WAVES, 1.0: Sea(np.array([1.0]), np.ones(1, complex))}
+    assert set(body_scene(bare, None, {0.0: seas[0.0]}).forces) == {"hydrostatic"}

@@ -183,6 +183,8 @@ def test_where_no_damper_takes_anything_none_is_on_a_logarithmic_axis(recwarn):
     still["tried_damping"] = 0.0 * still.tried_damping
     (ax,) = tuned_power(still, "one", None).axes
     assert [text.get_text() for text in ax.texts] == ["no damper takes anything"]
+    still["tried_damping"] = still.tried_damping + 1e-3  # of a small model
+    assert not tuned_power(still, "one", None).axes[0].texts
     assert not recwarn.list
 
 

@@ -108,3 +108,9 @@ def test_seas_in_which_several_designs_pay_count_once():
     lines[1:3] = [line("A", -0.5), line("B", -0.4)]
     first, *_ = headline(lines, best_power(A=0 * OMEGA, B=0 * OMEGA), "FSB", SEAS, 1e-3)
     assert first.endswith("; flexibility pays in none of the 2, and costs up to 3.0 %.")
+
+
+def test_a_single_wave_is_no_band():
+    lines = [line("FSB", 0.0), line("A", 20.0)]
+    assert len(headline(lines, best_power(A=0.2).isel(omega=[150]), "FSB", SEAS, 1e-3)) == 1
+    assert len(headline(lines, best_power(A=0.2).isel(omega=[150, 151]), "FSB", SEAS, 1e-3)) == 2

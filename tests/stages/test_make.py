@@ -6,6 +6,7 @@ from conftest import HERE, SEED, varied
 
 from vsb.stages import make as stage_make
 from vsb.stages.make import Job, due, jobs, make, solve
+from vsb.stages.stage import STAGES
 from vsb.study import study as config
 from vsb.study.body import BodyStudy
 from vsb.study.body_plan import plan_for
@@ -34,6 +35,14 @@ def test_jobs_make_all_products_each_once_after_what_it_needs(plan):
     assert len(made) == len(set(made))
     assert set(plan.products) <= set(made)
     assert set(made) - set(plan.ids) <= {f"{plan.green_folder}.done"}
+
+
+def test_a_job_hands_over_all_that_its_stage_asks_for_and_nothing_else(plan):
+    stages = {stage.name: stage for stage in STAGES}
+    for job in jobs(plan):
+        stage = stages[job.stage]
+        assert set(stage.files) <= set(job.files) <= {*stage.files, *stage.optional}, job.stage
+        assert (job.spec is None) == (stage.spec is None), job.stage
 
 
 def test_every_rule_of_the_workflow_is_a_job_of_some_study(tmp_path):

@@ -358,3 +358,29 @@ def test_what_runs_a_study_holds_its_folder_and_all_it_makes_for_others_too(work
         f"{plan.folder}/.lock",
         *(f"results/hydro/.locks/{p.name}" for p in Path("results/hydro/.locks").iterdir()),
     }
+
+
+def test_a_plugin_that_is_missing_is_named_as_pip_knows_it(workplace, capsys):
+    Path("mine").mkdir()
+    Path("mine/config.yaml").write_text("executor: cluster-nowhere")
+    line = told(["run", written("study.yaml"), "--profile", "./mine"], capsys)
+    needed = "which is not installed; needs pip install snakemake-executor-plugin-cluster-nowhere"
+    assert line.removeprefix("vsb: ").strip() == f"mine/config.yaml: executor: received cluster-nowhere, {needed}"
+
+
+def test_a_run_that_failed_tells_of_its_own_logs_only(workplace, monkeypatch, capsys):
+    logs = Path("results/logs")
+    logs.mkdir(parents=True)
+    (logs / "old.log").write_text("vsb: error: of a run before\n")
+    os.utime(logs / "old.log", (0.0, 0.0))
+    monkeypatch.setattr(launcher, "finished", lambda command, **_: 1)
+    assert main(["run", written("study.yaml")]) == 1
+    assert capsys.readouterr().err == "vsb: error: the run of 'seed' did not complete, see above\n"
+
+    def mistaken(command, **_):
+        (logs / "simulate.log").write_text("vsb: error: device.mass: too heavy\n")
+        return 1
+
+    monkeypatch.setattr(launcher, "finished", mistaken)
+    assert main(["run", written("study.yaml")]) == 2
+    assert capsys.readouterr().err == "vsb: error: device.mass: too heavy\n"

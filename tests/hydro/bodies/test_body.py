@@ -354,6 +354,15 @@ def test_rigid_motions_need_no_panels_and_the_shortest_mode_counts(box):
     assert bodies.panels_per_lobe(made(*box, 1e3 * shapes)) == pytest.approx(alone[1])
 
 
+def test_parts_that_move_past_each_other_need_no_panels(box):
+    """Heave of one against the other bends nothing: no division by its gradient, which vanishes."""
+    vertices, faces = box
+    both = np.concatenate([vertices, vertices + np.array([2 * LENGTH, 0.0, 0.0])])
+    past = np.zeros_like(both)
+    past[:, 2] = np.repeat([0.5, -0.5], len(vertices))
+    assert bodies.panels_per_lobe(made(both, np.concatenate([faces, faces + len(vertices)]), past[None])) > 1e6
+
+
 @pytest.mark.parametrize("reach", [2e5, 1e9])
 def test_a_body_beyond_the_horizon_is_refused(box, reach):
     with pytest.raises(ConfigError, match=r"mesh: reaches .* m; needs at most 100000 m: is it in metres"):

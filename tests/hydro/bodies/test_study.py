@@ -195,6 +195,28 @@ def test_the_verdict_sees_a_body_that_does_not_float_where_it_lies(tmp_path, bod
     assert {check.name: check.verdict for check in checks}["afloat"] == "fail"
 
 
+def test_waves_are_measured_over_the_middle_of_a_body_wherever_it_lies(tmp_path, body, monkeypatch):
+    """Their phase at the origin would turn the faster with frequency, the further off the body: many solves."""
+    seen = []
+
+    class Enough(Exception):
+        """The measure was told."""
+
+    def stop(*given):
+        seen.append(given[-1])
+        raise Enough
+
+    monkeypatch.setattr(bodystudy, "swept", stop)
+    infinite = SimpleNamespace(added_mass_inf=xr.DataArray(np.eye(3)))
+    monkeypatch.setattr(bodystudy.Blocks, "__call__", lambda *_: SimpleNamespace(own=infinite))
+    file = BodyFile(body="b", mesh="b.nc", modes="b.nc", omega=[1.0], wave_direction=[90.0])
+    vertices = body.vertices + np.array([30.0, -20.0, 0.0])
+    with pytest.raises(Enough):
+        bodystudy.solved(file, made(vertices, body.faces, rigid(vertices)[[2, 4, 3]], LABELS), tmp_path)
+    assert seen[0].centre == pytest.approx([30.0, -20.0, -1.0], abs=1e-12)
+    assert seen[0].directions == pytest.approx([np.pi / 2])
+
+
 def test_the_mass_afloat_is_that_of_heave_wherever_it_stands(body, monkeypatch):
     """Not of another rigid motion, nor of one that heaves by half."""
     monkeypatch.setattr(bodystudy, "error_estimate", lambda *_: 0.0)
