@@ -1,5 +1,6 @@
 """What is said of a study of a body before anything is solved."""
 
+import re
 from contextlib import nullcontext
 from pathlib import Path
 from types import SimpleNamespace
@@ -9,12 +10,16 @@ import pytest
 import xarray as xr
 import yaml
 from conftest import told
+from hydro.bodies.test_body import made, rigid
 from stages.test_coefficients import SWELL, as_body
 
+from examples import barge
 from vsb.cli import main
 from vsb.errors import ConfigError
-from vsb.stages.body_preview import check_wave
-from vsb.study.body import BodyStudy
+from vsb.hydro.bodies.files import write_body
+from vsb.stages.body_preview import body_before_run, check_wave
+from vsb.study.body import BodyStudy, located
+from vsb.study.body_plan import BodyPlan
 from vsb.study.reading import validated
 
 
@@ -85,3 +90,40 @@ def test_seas_lie_in_the_band_and_the_directions_of_a_bodys_database(wave, refus
     (sea,) = validated(BodyStudy, made, "a.yaml").waves
     with pytest.raises(ConfigError, match=f"waves.7.*{refused}") if refused else nullcontext():
         check_wave(7, sea, SimpleNamespace(database=KNOWN))
+
+
+BOX = {"omega": [0.5, 0.8, 1.1, 1.4], "lid": 1}
+
+
+@pytest.mark.parametrize(
+    ("file", "hydro", "aside", "sunk", "message"),
+    [
+        ({"omega": [1.0, 2.0, 3.0, 6.0]}, {}, 0.0, 0.0, "omega: received 6 rad/s, whose waves are 1.71 m long"),
+        (
+            {"water": {"depth": 2.0}, "omega": [0.7, 0.9, 1.1, 1.3]},
+            {},
+            0.0,
+            0.0,
+            "water.depth: received 2 m, needs more than the body's draught of 2 m",
+        ),
+        ({"symmetry": "xOz"}, {}, 5.0, 0.0, "symmetry xOz: the panels are not mirrored in the xOz plane"),
+        ({}, {}, 0.0, 5.0, "lid: the body does not cross the water's surface; needs lid: 0"),
+        ({}, {"repair": ["kramers_kronig"]}, 0.0, 0.0, "hydro.repair: kramers_kronig needs 10 frequencies, received 4"),
+    ],
+)
+def test_what_a_mesh_shows_is_refused_before_it_is_solved(tmp_path, file, hydro, aside, sunk, message):
+    """All that `vsb body` would refuse before its first frequency."""
+    vertices, faces = barge.box(30.0, 10.0, 2.0, 1)
+    if sunk:
+        faces = np.concatenate([faces, faces[:, ::-1] + len(vertices)])
+        vertices = np.concatenate([vertices, vertices * [1, 1, -1]]) - np.array([0.0, 0.0, sunk])
+    vertices = vertices + np.array([0.0, aside, 0.0])
+    write_body(made(vertices, faces, rigid(vertices)[2:3], ("Heave",), mass=np.eye(1)), tmp_path / "box.nc")
+    raw = {"body": "box", "mesh": "box.nc", "modes": "box.nc", **BOX, **file}
+    (tmp_path / "box.yaml").write_text(yaml.safe_dump(raw))
+    study = {"study": "a", "body": "box.yaml", "designs": {"a": {}}, "hydro": hydro, "pto": {"damping": 1.0}}
+    found = located(study | {"waves": [{"kind": "still"}]}, str(tmp_path / "a.yaml"))
+    plan = BodyPlan(found.study, root=str(tmp_path / "results"), files=found.files)
+    with pytest.raises(ConfigError, match=re.escape(message)):
+        body_before_run(plan)
+    assert not Path(plan.root).exists()

@@ -91,8 +91,7 @@ def with_causal_added_mass(ds: xr.Dataset) -> xr.Dataset:
         If there are fewer than ten frequencies.
     """
     omega = ds.omega.values
-    if len(omega) < FEWEST:
-        raise ConfigError(f"hydro.repair: kramers_kronig needs {FEWEST} frequencies, received {len(omega)}")
+    check_repairable(["kramers_kronig"], omega)
     change = DampingSpectrum(omega, ds.radiation_damping.values).added_mass_difference(omega)
     limit = np.median(ds.added_mass.values - change, axis=0)
     made = {"added_mass": (("omega", *PAIR), limit + change), "added_mass_inf": (PAIR, limit)}
@@ -133,6 +132,12 @@ _REPAIRS: dict[str, tuple[Callable[[xr.Dataset], xr.Dataset], str, str]] = {
     "positive_damping": (with_passive_damping, "radiation_damping", "damping, in terms of both motions' largest"),
     "kramers_kronig": (with_causal_added_mass, "added_mass", "added mass, in terms of both motions' own"),
 }
+
+
+def check_repairable(names: Sequence[str], omega: FloatArray) -> None:
+    """Check that the repairs named can be made at so many frequencies [rad/s]; `ConfigError`."""
+    if "kramers_kronig" in names and len(omega) < FEWEST:
+        raise ConfigError(f"hydro.repair: kramers_kronig needs {FEWEST} frequencies, received {len(omega)}")
 
 
 def repaired(ds: xr.Dataset, names: Sequence[str]) -> tuple[xr.Dataset, list[Check]]:

@@ -10,7 +10,7 @@ from vsb.errors import ConfigError
 from vsb.hydro.bodies.body import FlexibleBody
 from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
 from vsb.hydro.database import with_symmetrized
-from vsb.hydro.formats.modes import DRY, structure
+from vsb.hydro.formats.modes import DRY, structure, volume_of
 from vsb.hydro.repairs import with_symmetric_stiffness
 from vsb.motion.bodies import LinearBody, linear_body
 from vsb.study.body import Body, Matrix, Rows
@@ -185,4 +185,5 @@ def dry_database(body: FlexibleBody, file: BodyFile) -> xr.Dataset:
     matrices["added_mass_inf"] = np.zeros((dof, dof))
     coords = {"omega": list(file.omega), "wave_direction": np.deg2rad(file.wave_direction)}
     known = {name: (PAIR, matrix) for name, matrix in matrices.items() if matrix is not None}
-    return xr.Dataset(known, {**coords, **dict.fromkeys(PAIR, labels)})
+    afloat = {"water_density": file.water.density, volume_of(""): body.volume}
+    return xr.Dataset(known, {**coords, **dict.fromkeys(PAIR, labels)}, afloat)

@@ -5,14 +5,16 @@ from pathlib import Path
 import numpy as np
 
 from vsb.errors import ConfigError, StabilityError
-from vsb.hydro import database
+from vsb.hydro import database, quality
 from vsb.hydro.bodies.files import read_body
+from vsb.hydro.bodies.study import check_solvable, mesh_checks
 from vsb.hydro.formats.sources import read_source
-from vsb.hydro.repairs import repaired
+from vsb.hydro.repairs import check_repairable
 from vsb.motion.bodies import LinearBody, direction_index
 from vsb.results.body_ledger import seas_checks
 from vsb.scenes.afloat import body_afloat
 from vsb.scenes.body import check_water, complete_body, dry_database, within_band
+from vsb.stages.coefficients import REMEDY, judged, of_own_mass
 from vsb.study.body_file import BodyFile
 from vsb.study.body_plan import BodyPlan
 from vsb.study.canonical import content_id
@@ -30,13 +32,16 @@ def body_before_run(plan: BodyPlan) -> LinearBody:
     """
     study, files, source = plan.study, plan.files, plan.study.body
     if isinstance(source.file, BodyFile):
-        ds = dry_database(read_body(files["mesh"], files["modes"]), source.file)
+        mesh = read_body(files["mesh"], files["modes"])
+        check_solvable(source.file, mesh)
+        ds = within_band(dry_database(mesh, source.file), study.hydro.omega_max)
+        body = complete_body(source, study.dofs, ds)
+        check_repairable(study.hydro.repair, body.database.omega.values)
+        quality.judged(of_own_mass(mesh_checks(source.file, mesh), source, body), study.hydro.accept, REMEDY)
     else:
         ds = read_source(source.kind, files[source.kind], study.water, source.length)
         check_water(study.water, ds)
-    body = complete_body(source, study.dofs, within_band(ds, study.hydro.omega_max))
-    if not plan.solves:
-        repaired(body.database, study.hydro.repair)
+        body = judged(plan.database, within_band(ds, study.hydro.omega_max)).body
     floating = body_afloat(study, body)
     for design, motions in floating.motions.items():
         held = body.held + study.pto.stiffness * np.outer(floating.port, floating.port)

@@ -1,16 +1,23 @@
 """Rule coefficients: the hydro database of a body, solved of its mesh or read from files, its matrices with it."""
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 import xarray as xr
 
 from vsb import __version__
 from vsb.hydro import database, quality
 from vsb.hydro.bodies.files import read_body
 from vsb.hydro.bodies.study import solved
+from vsb.hydro.database import Check
+from vsb.hydro.formats.foreign import afloat_checks
 from vsb.hydro.formats.modes import volume_of
 from vsb.hydro.formats.sources import read_source, source_checks
 from vsb.hydro.repairs import repaired, told, with_symmetric_stiffness
+from vsb.motion.bodies import LinearBody
 from vsb.scenes.body import check_water, complete_body, within_band
 from vsb.stages.stage import stamp
+from vsb.study.body import Body
 from vsb.study.body_file import BodyFile
 from vsb.study.body_specs import BodySpec
 from vsb.study.quantities import of_bodies
@@ -38,23 +45,51 @@ def run(spec: BodySpec, out: str, **files: str) -> None:
     store(spec, within_band(found, spec.omega_max), out)
 
 
-def store(spec: BodySpec, found: xr.Dataset, out: str) -> None:
-    """Write the database of a body, its designs' degrees of freedom alone, and what its numbers are worth."""
+class Judged(NamedTuple):
+    """A body of a study, its database with the repairs asked for, its checks, and what is not checked."""
+
+    body: LinearBody
+    database: xr.Dataset
+    checks: list[Check]
+    unseen: list[str]
+
+
+def judged(spec: BodySpec, found: xr.Dataset) -> Judged:
+    """Return a body from coefficients solved or read, judged in the degrees of freedom its designs move in.
+
+    Raises
+    ------
+    ConfigError, DatabaseError
+        If matrices or degrees of freedom are missing, or a check fails that the study does not accept.
+    """
     body = complete_body(spec.body, spec.dofs, found)
     kept = list(body.labels)
     chosen = found.sel(influenced_dof=kept, radiating_dof=kept)
     checks, unseen = source_checks(chosen)
-    checks = [*checks, *with_symmetric_stiffness(chosen)[1]]
+    checks = [*of_own_mass(checks, spec.body, body), *with_symmetric_stiffness(chosen)[1]]
     mended, repairs = repaired(body.database, spec.repair)
-    ds: xr.Dataset = mended.assign(structural_damping_matrix=(PAIR, body.structural_damping))
-    volumes = map(volume_of, of_bodies(kept))
+    ds = mended.assign(structural_damping_matrix=(PAIR, body.structural_damping))
+    return Judged(body, ds, quality.judged([*told(checks, spec.repair), *repairs], spec.accept, REMEDY), unseen)
+
+
+def of_own_mass(checks: Sequence[Check], given: Body, body: LinearBody) -> list[Check]:
+    """Return checks with that of the body afloat made of the study's own mass, where it gives one."""
+    if given.mass is None:
+        return list(checks)
+    return [*(check for check in checks if check.name != "afloat"), *afloat_checks(body.database)]
+
+
+def store(spec: BodySpec, found: xr.Dataset, out: str) -> None:
+    """Write the database of a body, its designs' degrees of freedom alone, and what its numbers are worth."""
+    body, ds, checks, unseen = judged(spec, found)
+    volumes = map(volume_of, of_bodies(body.labels))
     facts = {name: ds.attrs[name] for name in dict.fromkeys([*_KEPT, *volumes]) if name in ds.attrs}
     facts["history"] = "; ".join([text for text in (facts.get("history", ""), *unseen) if text])
     attrs = {
         "title": f"hydro database of a body: {', '.join(body.labels)}",
         "source": f"vsb {__version__}",
         **stamp(spec),
-        "quality": database.as_json(quality.judged([*told(checks, spec.repair), *repairs], spec.accept, REMEDY)),
+        "quality": database.as_json(checks),
         "water_density": spec.water.density,
         "water_depth": str(spec.water.depth),
         "gravity": spec.water.gravity,

@@ -77,13 +77,8 @@ def solved(
     study: BodyFile, body: FlexibleBody, out: str | Path, tables: str | Path | None = None
 ) -> tuple[xr.Dataset, list[Check]]:
     """Return the database of a body and its verdict; blocks in `out` are kept, and those solved join them."""
+    check_solvable(study, body)
     symmetry = detected_symmetry(body) if study.symmetry == "auto" else study.symmetry
-    check_symmetry(body, symmetry)
-    if study.water.depth <= (draught := -float(body.vertices[:, 2].min())):
-        raise ConfigError(
-            f"water.depth: received {study.water.depth:g} m, needs more than the body's draught of {draught:.6g} m"
-        )
-    _check_wavelengths(study, body)
     lid = interior_lid(body, study.lid) if study.lid else None
     table = Path(tables or Path(out, "green", panel_solver().replace(" ", "-")))
     blocks = Blocks(study, body, symmetry, lid, Path(out, "blocks"), table)
@@ -98,6 +93,26 @@ def solved(
     found = swept(blocks, froude_krylov, study.omega, study.tolerance, measure)
     checks = verdict(study, body, infinite, found, size)
     return _database(study, body, symmetry, infinite, found, checks), checks
+
+
+def check_solvable(study: BodyFile, body: FlexibleBody) -> None:
+    """Check what a body file asks for against its body, before anything is solved.
+
+    Raises
+    ------
+    ConfigError
+        If the symmetry declared is not the body's, it has no waterline that a lid could close, the water is no deeper
+        than its draught, or waves are shorter than its panels.
+    """
+    if study.symmetry != "auto":
+        check_symmetry(body, study.symmetry)
+    if study.lid:
+        interior_lid(body, study.lid)
+    if study.water.depth <= (draught := -float(body.vertices[:, 2].min())):
+        raise ConfigError(
+            f"water.depth: received {study.water.depth:g} m, needs more than the body's draught of {draught:.6g} m"
+        )
+    _check_wavelengths(study, body)
 
 
 def _check_wavelengths(study: BodyFile, body: FlexibleBody) -> None:
@@ -218,11 +233,6 @@ _MEANING = {
 def verdict(study: BodyFile, body: FlexibleBody, infinite: Block, found: Swept, size: FloatArray) -> list[Check]:
     """Return the checks of a database before it is symmetrized."""
     solved, error = found.solved, error_estimate(found.solved, infinite, size)
-    longest = float(panel_diameters(body).max())
-    k = wavenumber(study.omega[-1], study.water.depth, study.water.gravity)
-    lobe = 1 / panels_per_lobe(body)
-    misfit = np.abs(at_centres(body.vertices, body.faces, body.shapes) - body.modes).max(axis=(1, 2))
-    between = float((misfit / np.abs(body.modes).max(axis=(1, 2))).max())
     negative = quality.negative_damping(found.coefficients, np.outer(size, size))
     checks = [
         check_at_most("error_estimate", error, LARGEST_ERROR, "-", _ERROR, doubt=True),
@@ -232,15 +242,27 @@ def verdict(study: BodyFile, body: FlexibleBody, infinite: Block, found: Swept, 
             for name, text in _MEANING.items()
         ),
         check_at_most("positive_damping", negative, 0.01, "-", "no motion can draw energy from calm water"),
+    ]
+    if study.tolerance is not None:
+        text = f"{len(solved)} solves for {len(study.omega)} frequencies; relative to the band's largest entry"
+        checks.insert(1, check_at_most("interpolation_error", found.error, study.tolerance, "-", text))
+    return [*checks, *mesh_checks(study, body)]
+
+
+def mesh_checks(study: BodyFile, body: FlexibleBody) -> list[Check]:
+    """Return the checks of a body's panels, displacements and mass, which nothing need be solved for."""
+    longest = float(panel_diameters(body).max())
+    k = wavenumber(study.omega[-1], study.water.depth, study.water.gravity)
+    lobe = 1 / panels_per_lobe(body)
+    misfit = np.abs(at_centres(body.vertices, body.faces, body.shapes) - body.modes).max(axis=(1, 2))
+    between = float((misfit / np.abs(body.modes).max(axis=(1, 2))).max())
+    checks = [
         check_at_most("panels", longest * k / (2 * np.pi), 0.25, "-", "largest panel in wavelengths", doubt=True),
         check_at_most("modes", lobe, 1 / FEWEST_PER_LOBE, "-", _LOBE, doubt=lobe <= 1 / _UNRESOLVED),
         check_at_most("corners", between, 0.05, "-", "displacement of panels agrees with that of corners", doubt=True),
     ]
     named = "displacements named Surge, ..., Yaw are unit rigid motions"
     checks.append(check_at_most("rigid_names", rigid_misfit(body), 0.01, "-", named, doubt=True))
-    if study.tolerance is not None:
-        text = f"{len(solved)} solves for {len(study.omega)} frequencies; relative to the band's largest entry"
-        checks.insert(1, check_at_most("interpolation_error", found.error, study.tolerance, "-", text))
     heave = [i for i, (t, a) in body.rigid.items() if np.allclose([*t, *a], [0, 0, 1, 0, 0, 0], atol=1e-9)]
     if body.mass is not None and heave:
         afloat = abs(body.mass[heave[0], heave[0]] / (study.water.density * body.volume) - 1)

@@ -122,7 +122,7 @@ def foreign_checks(ds: xr.Dataset, *, axisymmetric: bool = False) -> tuple[list[
     size = sizes(ds)
     wet = ds.isel(influenced_dof=radiating, radiating_dof=radiating)
     among = size.of(radiating)
-    checks = [_symmetry(ds, size), *_afloat(ds), _positive(wet, among)]
+    checks = [_symmetry(ds, size), *afloat_checks(ds), _positive(wet, among)]
     ring = _ring(wet) if axisymmetric else np.ones(wet.sizes["influenced_dof"], dtype=bool)
     part, its = wet.isel(influenced_dof=ring, radiating_dof=ring), among.of(ring)
     if axisymmetric:
@@ -167,8 +167,11 @@ def _symmetry(ds: xr.Dataset, size: Sizes) -> Check:
     return check_at_most("symmetry", error.max(), 0.02, "-", text, doubt=True)
 
 
-def _afloat(ds: xr.Dataset) -> list[Check]:
-    """Mass in heave against the water displaced, of bodies of which the file has both: a moored one may weigh less."""
+def afloat_checks(ds: xr.Dataset) -> list[Check]:
+    """Return the check of mass in heave against the water displaced, of bodies of which a database has both.
+
+    A moored one may weigh less, which is a doubt first.
+    """
     errors, labels = [], list(map(str, ds.influenced_dof.values))
     for i in [i for i, label in enumerate(labels) if motion_of(label) == "Heave" and "inertia_matrix" in ds]:
         volume = float(ds.attrs.get(volume_of(body_of(labels[i])), 0.0))
