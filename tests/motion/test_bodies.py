@@ -449,3 +449,17 @@ def test_a_scene_of_a_body_has_no_force_that_the_body_lacks():
     assert set(body_scene(replace(bare, pto=port), None, {}).forces) == {"hydrostatic", "pto"}
     seas = {0.0: NO_WAVES, 1.0: Sea(np.array([1.0]), np.ones(1, complex))}
     assert set(body_scene(bare, None, {0.0: seas[0.0]}).forces) == {"hydrostatic"}
+
+
+@pytest.mark.parametrize(("matrix", "rate"), [([[1.0, 0.0], [0.0, -2.0]], "0.4"), ([[1.0, 3.0], [3.0, 4.0]], "0.2")])
+def test_dampers_of_the_dry_body_give_no_energy(matrix, rate):
+    """Nor do several together, each of which alone takes some; what is none by round-off is none."""
+    bare = afloat(("Heave", "Pitch"), [4.0, 5.0], [9.0, 9.0])
+
+    def damped(matrix):
+        return linear_body(bare.database, mass=bare.mass, damping=np.asarray(matrix), stiffness=0 * bare.mass)
+
+    with pytest.raises(ConfigError, match=rf"damping: received a matrix that gives energy to \w+, by {rate}/s; needs"):
+        damped(matrix)
+    assert damped(np.ones((2, 2))).structural_damping.any()
+    assert not damped(np.zeros((2, 2))).structural_damping.any()

@@ -15,7 +15,7 @@ from stages.test_coefficients import SWELL, as_body
 
 from examples import barge
 from vsb.cli import main
-from vsb.errors import ConfigError
+from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro.bodies.files import write_body
 from vsb.stages.body_preview import body_before_run, check_wave
 from vsb.study.body import BodyStudy, located
@@ -117,13 +117,43 @@ def test_what_a_mesh_shows_is_refused_before_it_is_solved(tmp_path, file, hydro,
     if sunk:
         faces = np.concatenate([faces, faces[:, ::-1] + len(vertices)])
         vertices = np.concatenate([vertices, vertices * [1, 1, -1]]) - np.array([0.0, 0.0, sunk])
-    vertices = vertices + np.array([0.0, aside, 0.0])
-    write_body(made(vertices, faces, rigid(vertices)[2:3], ("Heave",), mass=np.eye(1)), tmp_path / "box.nc")
-    raw = {"body": "box", "mesh": "box.nc", "modes": "box.nc", **BOX, **file}
-    (tmp_path / "box.yaml").write_text(yaml.safe_dump(raw))
-    study = {"study": "a", "body": "box.yaml", "designs": {"a": {}}, "hydro": hydro, "pto": {"damping": 1.0}}
-    found = located(study | {"waves": [{"kind": "still"}]}, str(tmp_path / "a.yaml"))
-    plan = BodyPlan(found.study, root=str(tmp_path / "results"), files=found.files)
+    plan = of_a_box(tmp_path, vertices + np.array([0.0, aside, 0.0]), faces, 1.0, file, hydro)
     with pytest.raises(ConfigError, match=re.escape(message)):
         body_before_run(plan)
     assert not Path(plan.root).exists()
+
+
+def of_a_box(folder, vertices, faces, mass, file=None, hydro=None, own=None):
+    """The plan of a study of a box that heaves, with a mass in its file and perhaps one of the study's own."""
+    box = made(vertices, faces, rigid(vertices)[2:3], ("Heave",), mass=mass * np.eye(1))
+    write_body(box, folder / "box.nc")
+    raw = {"body": "box", "mesh": "box.nc", "modes": "box.nc", **BOX, **(file or {})}
+    (folder / "box.yaml").write_text(yaml.safe_dump(raw))
+    whole = {"file": "box.yaml"} | ({"mass": {"Heave": own}} if own else {})
+    study = {"study": "a", "body": whole, "designs": {"a": {}}, "hydro": hydro or {}, "pto": {"damping": 1.0}}
+    found = located(study | {"waves": [{"kind": "still"}]}, str(folder / "a.yaml"))
+    return BodyPlan(found.study, root=str(folder / "results"), files=found.files)
+
+
+SALT = 1025.0 * 30.0 * 10.0 * 2.0
+
+
+@pytest.mark.parametrize(
+    ("held", "own", "missed"),
+    [
+        (SALT, None, 0.0),
+        (0.9 * SALT, None, 0.1),
+        (SALT, 0.9 * SALT, 0.1),
+        (0.5 * SALT, SALT, 0.0),
+        (1e-3, 1.2 * SALT, 0.2),
+    ],
+)
+def test_the_mass_a_study_moves_is_that_of_the_water_it_displaces(tmp_path, held, own, missed):
+    """Of the file, or of the study where it gives its own: tonnes for kilograms are seen before anything is solved."""
+    plan = of_a_box(tmp_path, *barge.box(30.0, 10.0, 2.0, 1), held, own=own)
+    refused = (
+        rf"check 'afloat' failed: {missed:g}, needs at most 0.01 \(.*\); correct the mass, or how deep the mesh lies"
+    )
+    with pytest.raises(DatabaseError, match=refused) if missed else nullcontext():
+        body_before_run(plan)
+    body_before_run(of_a_box(tmp_path, *barge.box(30.0, 10.0, 2.0, 1), held, hydro={"accept": ["afloat"]}, own=own))

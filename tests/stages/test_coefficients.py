@@ -1,6 +1,7 @@
 """A body's database, and the whole chain upon it: the small study's buoy as a body by the general route."""
 
 import json
+import re
 from contextlib import chdir
 from pathlib import Path
 
@@ -169,8 +170,11 @@ def test_a_database_of_other_water_or_whose_checks_fail_is_refused(finished, wor
     dull.attrs.pop("checksum")
     dull.to_netcdf("dull.nc")
     Path("dull.yaml").write_text(yaml.safe_dump(as_body(finished, body={"database": "dull.nc"})))
-    with pytest.raises(DatabaseError, match=r"check 'symmetry' failed: 1, needs at most 0.02 \(even\); use smaller"):
+    refused = "check 'symmetry' failed: 1, needs at most 0.02 (even); use smaller"
+    assert told(["check", "dull.yaml"], capsys).startswith(f"hydro database: {refused}")
+    with pytest.raises(DatabaseError, match=re.escape(refused)):
         vsb.run(vsb.load_body("dull.yaml"))
+    assert not Path("results").exists()
 
 
 def test_what_no_design_moves_is_neither_judged_nor_stored(finished, tmp_path):

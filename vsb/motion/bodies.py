@@ -60,6 +60,13 @@ class LinearBody(LinearMotion):
                 f"mass: received {', '.join(still) or 'motions'} without inertia, the water's at infinite frequency "
                 "included; needs a positive definite mass, or other degrees of freedom."
             )
+        rates, shapes = np.linalg.eigh(self.structural_damping / np.outer(scale, scale))
+        if rates[0] < -_UNEVEN * np.abs(rates).max():
+            most = self.labels[int(np.abs(shapes[:, 0]).argmax())]
+            raise ConfigError(
+                f"damping: received a matrix that gives energy to {most}, by {-rates[0]:.3g}/s; needs one without a "
+                "negative eigenvalue."
+            )
         if self.pto.port is None and (np.any(self.pto.damping) or self.pto.stiffness):
             raise ConfigError("pto: received no port, needs the motion it takes off; see `combination`.")
         if self.pto.port is not None and self.pto.port.shape != (dof,):
