@@ -20,6 +20,7 @@ import yaml
 from benchmarks import torture
 from benchmarks.measure import Outcome, tabulated
 from examples.barge import box
+from vsb.errors import ConvergenceError, DatabaseError
 from vsb.hydro.bodies.body import FlexibleBody, at_centres
 from vsb.hydro.bodies.files import write_body
 from vsb.stages.body_preview import body_summary
@@ -185,8 +186,15 @@ def fate(index: int, folder: Path, shared: Path, numbers: bool = False) -> Outco
             make(plan, torture.numbers(plan) if numbers else plan.products)
             worst = torture._not_finite(Path(plan.folder))
         except Exception as error:
-            return Outcome.of(error, "failed after check" if checked else "refused")
+            return Outcome.of(error, _verdict(error) if checked else "refused")
     return Outcome("not finite" if worst else "completed", worst)
+
+
+def _verdict(error: Exception) -> str:
+    """Of an error after the check: what only solving shows, of coefficients on few panels, or what was to be known."""
+    told = ("hydro.repair", "radiation damping")
+    shown = isinstance(error, DatabaseError | ConvergenceError) or str(error).startswith(told)
+    return "unsound coefficients" if shown else "failed after check"
 
 
 def fates(count: int) -> Iterator[tuple[tuple[int], Outcome]]:

@@ -157,3 +157,32 @@ def test_the_mass_a_study_moves_is_that_of_the_water_it_displaces(tmp_path, held
     with pytest.raises(DatabaseError, match=refused) if missed else nullcontext():
         body_before_run(plan)
     body_before_run(of_a_box(tmp_path, *barge.box(30.0, 10.0, 2.0, 1), held, hydro={"accept": ["afloat"]}, own=own))
+
+
+def test_a_stroke_counts_from_where_something_holds_the_port(tmp_path):
+    """A mooring or the take-off's own spring; what is not held where it drifts is none either."""
+    vertices, faces = barge.box(30.0, 10.0, 2.0, 1)
+    shapes = rigid(vertices)[[0, 2]]
+    box = made(vertices, faces, shapes, ("Surge", "Heave"), mass=SALT * np.eye(2))
+    write_body(box, tmp_path / "box.nc")
+    (tmp_path / "box.yaml").write_text(yaml.safe_dump({"body": "box", "mesh": "box.nc", "modes": "box.nc", **BOX}))
+
+    def check(port, moored=0.0, spring=0.0, **design):
+        pto = {"damping": 1.0, "port": {"dof": port}, "law": "coulomb", "force_limit": 1.0, "stroke_limit": 2.5}
+        study = {
+            "study": "a",
+            "body": {"file": "box.yaml", "stiffness": {"Surge": moored}},
+            "waves": [{"kind": "still"}],
+        }
+        study |= {"designs": {"free": design}, "pto": pto | {"stiffness": spring}}
+        found = located(study, str(tmp_path / "a.yaml"))
+        body_before_run(BodyPlan(found.study, root=str(tmp_path / "results"), files=found.files))
+
+    with pytest.raises(
+        ConfigError, match=r"pto.stroke_limit: received 2.5 m, but nothing holds the port of design free"
+    ):
+        check("Surge")
+    check("Heave")
+    check("Surge", moored=1e3)
+    check("Surge", spring=1e3)
+    check("Surge", held=[{"Surge": 1.0}])

@@ -11,6 +11,7 @@ from vsb.hydro.bodies.study import check_solvable, mesh_checks
 from vsb.hydro.formats.sources import read_source
 from vsb.hydro.repairs import check_repairable
 from vsb.motion.bodies import LinearBody, direction_index
+from vsb.motion.frequency import allowed_part, compliance
 from vsb.results.body_ledger import seas_checks
 from vsb.scenes.afloat import body_afloat
 from vsb.scenes.body import check_water, complete_body, dry_database, within_band
@@ -49,6 +50,12 @@ def body_before_run(plan: BodyPlan) -> LinearBody:
             body.drifting(motions.T @ held @ motions, motions)
         except StabilityError as error:
             raise ConfigError(f"designs.{design}: {error}") from None
+        yields = compliance(motions.T @ held @ motions, allowed_part(floating.port, motions))
+        if yields == np.inf and study.pto.stroke_limit < np.inf:
+            raise ConfigError(
+                f"pto.stroke_limit: received {study.pto.stroke_limit:g} m, but nothing holds the port of design "
+                f"{design} at rest, from where it counts; needs a mooring that does"
+            )
     for i, wave in enumerate(study.waves):
         check_wave(i, wave, body)
     study.check_dampers()
