@@ -53,3 +53,13 @@ def test_a_bar_is_half_of_what_lies_between_the_ends_of_the_window(data):
     (ax,) = degrees_of_freedom(SimpleNamespace(**{**vars(data), "runs": runs}), "swell").axes
     assert sorted(bar.get_width() for bar in ax.patches) == pytest.approx([0.5, 2.0, 2.0], rel=1e-2)
     assert ax.get_xlabel() == "half of the range in the window [m, of rotations rad]"
+
+
+def test_where_nothing_moves_nothing_is_on_a_logarithmic_axis(data, recwarn):
+    """Still water: bars of nothing."""
+    (ax,) = degrees_of_freedom(data, "swell").axes
+    assert ax.get_xscale() == "log"
+    runs = {key: run.assign(position=0.0 * run.position) for key, run in data.runs.items()}
+    (ax,) = degrees_of_freedom(SimpleNamespace(**{**vars(data), "runs": runs}), "swell").axes
+    assert ax.get_xscale() == "linear"
+    assert not recwarn.list

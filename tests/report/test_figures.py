@@ -6,7 +6,7 @@ import xarray as xr
 
 from vsb.report.band import USEFUL
 from vsb.report.canvas import StudyData
-from vsb.report.figures import absorbed_power, added_mass_damping, directions, energy_audit
+from vsb.report.figures import absorbed_power, added_mass_damping, directions, energy_audit, radiation_kernel
 from vsb.report.shell_figures import mode_shapes
 from vsb.report.svg import drawn
 
@@ -195,3 +195,29 @@ def test_an_axis_of_less_than_two_decades_has_more_numbers_than_powers_of_ten(ra
     figure.draw_without_rendering()
     told = [label.get_text() for label in figure.axes[0].get_yticklabels()]
     assert ("500" in told, any("10^" in text for text in told)) == (plain, not plain)
+
+
+@pytest.mark.parametrize(
+    ("labels", "shown"),
+    [
+        (["Pitch"], ["Pitch\n[10³ kg m²/s²]"]),
+        (["a__Pitch", "Bend", "a__Heave"], ["a__Heave\n[10³ kg/s²]", "Bend\n[10³ kg/s²]"]),
+        (["Mode7", "Heave", "Mode8", "Surge"], ["Heave\n[10³ kg/s²]", "Surge\n[10³ kg/s²]", "Mode7\n[10³ kg/s²]"]),
+    ],
+)
+def test_kernels_are_of_displacements_and_of_rotations_where_there_are_no_others(labels, shown):
+    """A flap has its pitch alone; motions of one of several bodies are known by their names, too."""
+    time, pair = np.linspace(0.0, 5.0, 11), ("influenced_dof", "radiating_dof")
+    values = (("time", *pair), np.exp(-time)[:, None, None] * np.ones((len(labels), len(labels))))
+    kernel = xr.Dataset({"kernel": values, "kernel_state_space": values}, dict.fromkeys(pair, labels) | {"time": time})
+    assert [ax.get_ylabel() for ax in radiation_kernel(data(radiation=kernel)).axes] == shown
+
+
+@pytest.mark.parametrize(("labels", "turns"), [(["Heave"], False), (["Heave", "b__Roll"], True), (["Yaw"], True)])
+def test_coefficients_beside_those_of_rotations_say_so(labels, turns):
+    value = (("omega", "influenced_dof", "radiating_dof"), np.ones((2, len(labels), len(labels))))
+    coords = {"omega": [0.0, 1.0], "influenced_dof": labels, "radiating_dof": labels}
+    database = xr.Dataset({"added_mass": value, "radiation_damping": value}, coords=coords)
+    database["added_mass_inf"] = database.added_mass.isel(omega=0)
+    for ax in added_mass_damping(data(database=database)).axes:
+        assert ("of rotations" in ax.get_ylabel()) == turns

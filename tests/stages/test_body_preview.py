@@ -186,3 +186,25 @@ def test_a_stroke_counts_from_where_something_holds_the_port(tmp_path):
     check("Surge", moored=1e3)
     check("Surge", spring=1e3)
     check("Surge", held=[{"Surge": 1.0}])
+
+
+def test_a_mode_without_mass_has_that_of_the_water_it_moves(tmp_path):
+    """As a membrane's."""
+    vertices, faces = barge.box(30.0, 10.0, 2.0, 1)
+    bend = np.zeros_like(vertices)
+    bend[:, 2] = (vertices[:, 0] / 15.0) ** 2
+    shapes, matrices = (
+        np.array([rigid(vertices)[2], bend]),
+        {"mass": np.diag([SALT, 0.0]), "stiffness": np.diag([0.0, 1e6])},
+    )
+    write_body(made(vertices, faces, shapes, ("Heave", "Bend"), **matrices), tmp_path / "box.nc")
+    (tmp_path / "box.yaml").write_text(yaml.safe_dump({"body": "box", "mesh": "box.nc", "modes": "box.nc", **BOX}))
+    study = {
+        "study": "a",
+        "body": "box.yaml",
+        "designs": {"a": {}},
+        "pto": {"damping": 1.0},
+        "waves": [{"kind": "still"}],
+    }
+    found = located(study | {"hydro": {"accept": ["modes"]}}, str(tmp_path / "a.yaml"))
+    assert body_before_run(BodyPlan(found.study, root=str(tmp_path / "results"), files=found.files)).labels[1] == "Bend"

@@ -31,6 +31,8 @@ def degrees_of_freedom(data: StudyData, wave: str) -> Figure:
         )
     ax.set_yticks(range(len(labels)), [folded(label, 24) for label in labels])
     ax.invert_yaxis()
-    ax.set(xscale="log", xlabel="half of the range in the window [m, of rotations rad]")
+    ax.set(xlabel="half of the range in the window [m, of rotations rad]")
+    if any(bar.get_width() > 0 for bar in ax.patches):
+        ax.set(xscale="log")
     legend_above(figure, ax)
     return figure

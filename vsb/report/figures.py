@@ -29,7 +29,7 @@ from vsb.report.canvas import (
 from vsb.report.sea_figures import spectra
 from vsb.report.shell_figures import extreme_shapes, mode_shapes, shapes_3d, snapshots, volume_area
 from vsb.report.witness_figure import witness
-from vsb.study.quantities import RIGID, ROTATIONS
+from vsb.study.quantities import RIGID, ROTATIONS, is_rigid, motion_of
 
 
 def absorbed_power(data: StudyData) -> Figure:
@@ -157,7 +157,7 @@ def added_mass_damping(data: StudyData) -> Figure:
         top.plot(database.omega, database.added_mass.sel(own), **line)
         top.axhline(float(database.added_mass_inf.sel(own)), color=line["color"], linewidth=0.7, linestyle="--")
         bottom.plot(database.omega, database.radiation_damping.sel(own).clip(min=1e-3), **line)
-    turns = set(ROTATIONS) & set(map(str, labels))  # a rotation beside displacements
+    turns = any(_turns(str(label)) for label in labels)  # a rotation beside displacements
     top.set(ylabel="added mass\n[kg, of rotations kg m²]" if turns else "added mass [kg]", yscale="log")
     if np.divide(*top.get_ylim()[::-1]) < FEW:
         plain_numbers(top.yaxis)
@@ -170,11 +170,10 @@ def added_mass_damping(data: StudyData) -> Figure:
 
 
 def radiation_kernel(data: StudyData) -> Figure:
-    """Draw the retardation kernel from the damping and from the state space, heave and two modes."""
+    """Draw the retardation kernel from the damping and from the state space, of three motions: displacements first."""
     kernel = data.radiation
-    moving = [i for i, label in enumerate(kernel.influenced_dof.values) if label not in ROTATIONS]
-    rigid = [i for i in moving if kernel.influenced_dof.values[i] in RIGID]
-    labels = kernel.influenced_dof.values[[*rigid, *(i for i in moving if i not in rigid)][:3]]
+    labels = sorted(map(str, kernel.influenced_dof.values), key=lambda label: (_turns(label), not is_rigid(label)))
+    labels = [label for label in labels if not _turns(label)][:3] or labels[:3]
     figure, axes = grid_of_axes(1.3 + 1.3 * len(labels), len(labels), 1, sharex=True)
     for ax, label in zip(axes[:, 0], labels, strict=True):
         own = {"influenced_dof": label, "radiating_dof": label}
@@ -182,10 +181,15 @@ def radiation_kernel(data: StudyData) -> Figure:
         ax.plot(
             kernel.time, kernel.kernel_state_space.sel(own) / 1e3, color="#D55E00", linestyle="--", label="state space"
         )
-        ax.set_ylabel(f"{label}\n[10³ kg/s²]")
+        ax.set_ylabel(f"{label}\n[10³ kg{' m²' * _turns(label)}/s²]")
     axes[-1, 0].set(xlabel="time [s]", xlim=(0, min(12.0, float(kernel.time[-1]))))
     legend_above(figure, axes[0, 0])
     return figure
+
+
+def _turns(label: str) -> bool:
+    """Whether a degree of freedom is a rotation, of whichever body."""
+    return motion_of(label) in ROTATIONS
 
 
 def heave_excitation(data: StudyData, wave: str) -> Figure:

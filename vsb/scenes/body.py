@@ -174,15 +174,26 @@ def check_water(water: Water, ds: xr.Dataset) -> None:
         raise ConfigError(mistakes[0], mistakes)
 
 
+_NEXT_TO_NONE = 1e-6
+
+
+def _moved_water(body: FlexibleBody) -> FloatArray:
+    """Integral over the surface of the products of normal displacements, shape (dof, dof) [m^2]."""
+    area, moved = body.triangles.area, body.triangles.moved.mean(axis=2)
+    flux, size = np.einsum("itx,tx->it", moved, area), np.linalg.norm(area, axis=1)
+    there = size > 0
+    return np.asarray(flux[:, there] / size[there] @ flux[:, there].T)
+
+
 def dry_database(body: FlexibleBody, file: BodyFile) -> xr.Dataset:
     """Return what is known of a body before anything is solved: its degrees of freedom, still water, band, directions.
 
-    Added mass at infinite frequency counts as none.
+    Added mass at infinite frequency counts as next to none: what a displacement has no mass of its own for, water has.
     """
-    labels, dof = list(body.labels), len(body.labels)
+    labels = list(body.labels)
     matrices = {"inertia_matrix": body.mass, "structural_stiffness": body.stiffness}
     matrices["hydrostatic_stiffness"] = hydrostatic_stiffness(body, file.water.density, file.water.gravity)
-    matrices["added_mass_inf"] = np.zeros((dof, dof))
+    matrices["added_mass_inf"] = _NEXT_TO_NONE * file.water.density * body.size * _moved_water(body)
     coords = {"omega": list(file.omega), "wave_direction": np.deg2rad(file.wave_direction)}
     known = {name: (PAIR, matrix) for name, matrix in matrices.items() if matrix is not None}
     afloat = {"water_density": file.water.density, volume_of(""): body.volume}
