@@ -59,6 +59,10 @@ COMMANDS = {
         "So many campaigns at random: each is refused in one line or told to its page; 1 if any is not.",
         ("count", "out"), int, fails=bool,
     ),
+    "torture-bodies": Command(
+        "So many studies of bodies at random: each is refused in one line or told to its page; 1 if any is not.",
+        ("count", "out"), int, fails=bool,
+    ),
     "campaigns": Command(
         "Year, dampers and sweep of a campaign against plain loops: a table with seconds of both and their difference.",
         ("config", "folder"), files="campaigns*",

@@ -266,7 +266,7 @@ def run_stages(study: Study, plan: StudyPlan) -> str:
     alone = study.model_copy(update={"hydro": study.hydro.model_copy(update={"witness": "none"})})
     plan = replace(plan, study=alone)
     make(plan, numbers(plan))
-    return _not_finite(Path(plan.folder))
+    return not_finite(Path(plan.folder))
 
 
 def numbers(plan: StudyPlan) -> list[str]:
@@ -276,8 +276,8 @@ def numbers(plan: StudyPlan) -> list[str]:
     ]
 
 
-def _not_finite(folder: Path) -> str:
-    """Where results hold what is no number."""
+def not_finite(folder: Path) -> str:
+    """Return where results hold what is no number; nothing where they do not."""
     for path in sorted(folder.rglob("*.nc")):
         with xr.open_dataset(path) as ds:
             for name, values in ds.variables.items():

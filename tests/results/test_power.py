@@ -3,8 +3,9 @@ import pytest
 import xarray as xr
 from conftest import varied
 
+from vsb.errors import ConfigError
 from vsb.motion.port import Port
-from vsb.results.power import apart, averaging_window, energy_flux, merit, power_response
+from vsb.results.power import apart, averaging_window, energy_flux, in_direction, merit, power_response
 from vsb.scenes.build import TUNED
 from vsb.study.study import RegularWave, StillWater, Water
 from vsb.waves.dispersion import power_limit
@@ -110,3 +111,19 @@ def test_powers_of_round_off_are_none_and_others_are_compared():
     assert apart(3e-9, 0.9e-9) == 3e-9
     assert apart(3.3e-9, 1.1e-9) == pytest.approx(2.0)
     assert apart(99.0, -100.0) == pytest.approx(1.99)
+
+
+@pytest.mark.parametrize("order", [(0.0, 30.0, 90.0), (30.0, 0.0, 90.0), (90.0, -330.0, 0.0)])
+def test_a_response_is_found_by_its_direction_in_whatever_order(order):
+    """Full turns left out; in still water any will do, and none is taken for another."""
+    response = xr.Dataset({"power": ("wave_direction", list(order))}, {"wave_direction": np.deg2rad(order)})
+
+    def found(degrees):
+        wave = RegularWave(kind="regular", amplitude=1.0, period=5.0, direction=degrees)
+        return float(in_direction(response, wave).power) % 360.0
+
+    assert [found(degrees) for degrees in (0.0, 30.0, 90.0, 360.0, -270.0)] == [0.0, 30.0, 90.0, 0.0, 90.0]
+    assert float(in_direction(response, StillWater(kind="still")).power) == order[0]
+    with pytest.raises(ConfigError, match=r"wave_direction: received 45 degrees, needs one of "):
+        found(45.0)
+    assert in_direction(response.isel(wave_direction=0), StillWater(kind="still")).power == order[0]

@@ -8,6 +8,7 @@ import xarray as xr
 from scipy.interpolate import CubicSpline
 
 from vsb.errors import ConfigError
+from vsb.motion.bodies import direction_index
 from vsb.scenes.build import TUNED
 from vsb.study.compared import Compared
 from vsb.study.study import RegularWave, StillWater, Water, Wave
@@ -58,11 +59,22 @@ def damper_of(study: Compared, design: str, run: Mapping[str, Any]) -> float:
 
 
 def in_direction(response: xr.Dataset, wave: Wave) -> xr.Dataset:
-    """Return the frequency response in the direction of a sea; a buoy has one for all, in still water any will do."""
+    """Return the frequency response in the direction of a sea; a buoy has one for all, in still water any will do.
+
+    Raises
+    ------
+    ConfigError
+        If the response is of other directions.
+    """
     if "wave_direction" not in response.dims:
         return response
-    going = 0.0 if isinstance(wave, StillWater) else float(np.deg2rad(wave.direction))
-    return response.sel(wave_direction=going, method="nearest")
+    if isinstance(wave, StillWater):
+        return response.isel(wave_direction=0)
+    place = direction_index(response.wave_direction.values, float(np.deg2rad(wave.direction)))
+    if place is None:
+        known = ", ".join(f"{each:g}" for each in np.degrees(response.wave_direction.values))
+        raise ConfigError(f"wave_direction: received {wave.direction:g} degrees, needs one of {known}")
+    return response.isel(wave_direction=place)
 
 
 def power_response(study: Compared, response: xr.Dataset, design: str, run: Mapping[str, Any]) -> xr.DataArray:
