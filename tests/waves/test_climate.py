@@ -128,13 +128,17 @@ def test_records_without_a_spectrum_are_left_out_and_counted():
     [
         ({"density": np.ones((2, 10))}, r"received spectra of shape \(2, 10\) over 11 frequencies"),
         ({"density": np.ones((0, 11))}, "needs at least one sea and two frequencies"),
+        ({"omega": np.ones(1), "density": np.ones((2, 1))}, "over 1 frequencies; needs at least one sea and two freq"),
         ({"omega": np.linspace(1.5, 0.5, 11)}, "received omega with 0.5, needs ascending, > 0, all finite"),
+        ({"omega": np.linspace(0.0, 1.0, 11)}, "received omega with 0, needs ascending, > 0, all finite"),
         ({"density": np.full((2, 11), np.nan)}, "received density with nan, needs no number below 0, all finite"),
         ({"density": np.full((2, 11), -1.0)}, "received density with -1, needs no number below 0"),
         ({"hours": np.array([1.5, -0.5])}, "received hours with -0.5, needs no share below 0"),
         ({"hs": np.zeros(2)}, "received hs with 0, needs heights above 0"),
         ({"te": np.array([8.0, np.inf])}, "received te with inf, needs periods above 0, all finite"),
         ({"te": np.array([8.0])}, "received 2 spectra, needs as many hours, hs and te"),
+        ({"hs": np.array([2.0])}, "received 2 spectra, needs as many hours, hs and te"),
+        ({"hours": np.ones(1)}, "received 2 spectra, needs as many hours, hs and te"),
     ],
 )
 def test_what_is_no_climate(changes, message):

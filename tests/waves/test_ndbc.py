@@ -46,6 +46,7 @@ def test_units_of_the_text_are_per_hertz(written):
         HEADER.replace("YY MM DD hh", "#YY MM DD hh mm") + ROWS.replace(" 00  ", " 00 00 ").replace(" 01  ", " 01 00 "),
         (HEADER + ROWS).replace("\n", "\r\n"),
         HEADER + "# densities in m*m/Hz\n" + ROWS,
+        "\n" + HEADER + "  \n" + ROWS + "\n",
         b"\xef\xbb\xbf" + (HEADER + ROWS).encode(),
         gzip.compress((HEADER + ROWS).encode()),
         HEADER + ROWS + "96 01 01 01   9.99   9.99   9.99\n",  # an instant once more
@@ -74,6 +75,8 @@ def test_what_is_left_out_is_said(written):
     ("text", "message"),
     [
         ("", "received 0 lines, needs a header"),
+        (HEADER, "received 1 lines, needs a header with frequencies and rows of spectra"),
+        (HEADER + "#yr mo dy hr m2/Hz\n", "received 2 lines, needs a header with frequencies and rows of spectra"),
         ("hello\nworld\n", "line 1: received 'hello', needs YY MM DD hh"),
         ("YY MM DD hh WDIR WSPD\n96 01 01 00 1 2\n", "line 1: received 'WDIR', needs a number"),
         (
@@ -123,6 +126,15 @@ def spectra(**changes):
     ds.efth.attrs["units"] = "m^{2}.s.degree^{-1}"
     ds.freq.attrs["units"] = "Hz"
     return ds.assign(changes)
+
+
+def test_a_site_may_be_told_by_several_dimensions_of_one(tmp_path):
+    spectra().expand_dims(lat=[44.5], lon=[-124.2]).to_netcdf(tmp_path / "s.nc")
+    climate = read_spectra(tmp_path / "s.nc")
+    assert climate.density * 2 * np.pi == pytest.approx(np.array([[1.0, 2.0, 0.5], [1.5, 2.5, 0.25]]), rel=1e-14)
+    spectra().expand_dims(lat=[44.5], lon=[-124.2, -124.3]).to_netcdf(tmp_path / "two.nc")
+    with pytest.raises(ConfigError, match="received 2 along lon, needs one: select a site"):
+        read_spectra(tmp_path / "two.nc")
 
 
 def test_directional_spectra_of_netcdf(tmp_path):
@@ -239,6 +251,11 @@ def periods(ds):
     return ds
 
 
+def stamped(*time):
+    """A change of the time of the records."""
+    return lambda ds: ds.assign_coords(time=np.array(time))
+
+
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
@@ -249,6 +266,17 @@ def periods(ds):
         (periods, "received freq in 's', needs Hz"),
         (lambda ds: ds.isel(freq=slice(None, None, -1)), "needs time and ascending freq"),
         (lambda ds: ds.isel(time=0), "needs time and ascending freq"),
+        (lambda ds: ds.isel(freq=[1]), "needs time and ascending freq"),
+        (lambda ds: ds.assign_coords(freq=BANDS - BANDS[0]), "needs time and ascending freq above 0 Hz"),
+        (lambda ds: ds.isel(time=[]), "s.nc: received no record along time, needs one or more$"),
+        (lambda ds: ds.drop_vars("time"), "received time from 0 to 1, needs a date for every record"),
+        (stamped(0.0, 0.04), "received time from 0.0 to 0.04, needs a date for every record, in units such as 'hours "),
+        (stamped("first", "second"), "received time from first to second, needs a date for every record"),
+        (stamped(np.datetime64("2020-01-01", "ns"), np.datetime64("NaT")), "received time from 2020-.* to NaT, needs"),
+        (lambda ds: ds.assign_coords(freq=["low", "middle", "high"]), "received freq of type <U6, needs numbers"),
+        (lambda ds: ds.assign_coords(dir=list("NESW")), "received dir of type <U1, needs numbers"),
+        (lambda ds: ds.assign(efth=(ds.efth.dims, np.full(ds.efth.shape, "x"))), "efth of type <U1, needs numbers"),
+        (lambda ds: ds.assign_coords(dir=[0.0, np.nan, 180.0, 270.0]), "received directions nan to nan degrees apart"),
         (
             lambda ds: ds.assign(efth=-ds.efth.assign_attrs(units="")),
             "received a spectral density of -.* needs 0 or more",

@@ -4,6 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vsb.study.study import Jonswap
+from vsb.waves import superposition
 from vsb.waves.seas import sea
 from vsb.waves.superposition import FEW, superposed
 
@@ -46,6 +47,13 @@ def test_components_that_are_nearly_of_one_spacing_keep_their_own_frequencies():
     omega[FEW] *= 1 + 1e-6
     phasors, time = random_phasors(len(omega), 1), np.linspace(0.0, 3600.0, 7201)
     assert superposed(omega, phasors, time) == pytest.approx(direct(omega, phasors, time), abs=1e-9)
+
+
+def test_signals_too_many_for_one_transform_are_the_same(monkeypatch):
+    """Five signals of transforms of 400 numbers, two at a time."""
+    omega, time, phasors = 0.1 * np.arange(1, 100), np.linspace(0.0, 20.0, 333), random_phasors(99, 5)
+    monkeypatch.setattr(superposition, "_AT_ONCE", 1100)
+    assert superposed(omega, phasors, time) == pytest.approx(direct(omega, phasors, time), abs=1e-12)
 
 
 def test_no_components_make_no_signal():

@@ -14,6 +14,7 @@ from vsb.tools.units import FloatArray
 from vsb.waves.climate import PARTIAL, Climate, of_records
 
 if TYPE_CHECKING:
+    import numpy.typing as npt
     import xarray as xr
 
 MISSING = 999.0
@@ -43,10 +44,10 @@ def read_ndbc(path: str | Path) -> Climate:
         With file, line, value received and value needed.
     """
     lines = [(i, line.split()) for i, line in enumerate(read_text(path).splitlines(), 1) if line.strip()]
-    if len(lines) < 2:
+    rows = [(i, row) for i, row in lines[1:] if not row[0].startswith("#")]
+    if not rows:
         raise ConfigError(f"{path}: received {len(lines)} lines, needs a header with frequencies and rows of spectra")
     dates, hertz = _header(path, lines[0][1])
-    rows = [(i, row) for i, row in lines[1:] if not row[0].startswith("#")]
     for i, row in rows:
         if len(row) != dates + len(hertz):
             raise ConfigError(
@@ -152,6 +153,9 @@ def read_spectra(path: str | Path) -> Climate:
     for name in ("efth", "freq"):
         if name not in stored.variables:
             raise ConfigError(f"{path}: received variables {sorted(map(str, stored.variables))}, needs {name}")
+    for name in ("efth", "freq", "dir"):
+        if name in stored.variables and stored[name].dtype.kind not in "iuf":
+            raise ConfigError(f"{path}: received {name} of type {stored[name].dtype}, needs numbers")
     spectra = stored.efth
     for name in [name for name in spectra.dims if name not in ("time", "freq", "dir")]:
         if spectra.sizes[name] != 1:
@@ -166,9 +170,23 @@ def read_spectra(path: str | Path) -> Climate:
     if "time" not in spectra.dims or len(hertz) < 2 or hertz[0] <= 0 or np.any(np.diff(hertz) <= 0):
         raise ConfigError(f"{path}: received efth over {spectra.dims}, needs time and ascending freq above 0 Hz")
     density = spectra.transpose("time", "freq").values.astype(float) / (2 * np.pi)
-    times = [datetime.fromisoformat(str(time)[:19]) for time in stored.time.values.astype("datetime64[s]")]
-    kept, notes = _calendar(times)
+    kept, notes = _calendar(_dates(path, stored.time.values))
     return of_records(2 * np.pi * hertz, density[kept], Path(path).name, notes)
+
+
+def _dates(path: str | Path, time: "npt.NDArray[np.generic]") -> list[datetime]:
+    """Dates of the records, one or more; numbers without an origin are none."""
+    if not time.size:
+        raise ConfigError(f"{path}: received no record along time, needs one or more")
+    try:
+        if time.dtype.kind in "MO":
+            return [datetime.fromisoformat(str(each)[:19]) for each in time.astype("datetime64[s]")]
+    except ValueError:
+        pass  # a date that is none
+    raise ConfigError(
+        f"{path}: received time from {time[0]} to {time[-1]}, needs a date for every record, in units such as 'hours "
+        "since 2020-01-01'"
+    )
 
 
 def _check_units(path: str | Path, ds: "xr.Dataset", directional: bool) -> None:
@@ -183,7 +201,7 @@ def _check_units(path: str | Path, ds: "xr.Dataset", directional: bool) -> None:
 def _direction_widths(path: str | Path, degrees: FloatArray) -> "xr.DataArray":
     """Widths of bands of direction [degree]: equal ones all around."""
     steps = np.diff(np.sort(np.asarray(degrees, dtype=float) % 360), append=np.sort(degrees % 360)[0] + 360)
-    if np.ptp(steps) > 1e-3 * steps.mean():
+    if not np.ptp(steps) <= 1e-3 * steps.mean():
         raise ConfigError(
             f"{path}: received directions {steps.min():.4g} to {steps.max():.4g} degrees apart, needs equal distances "
             "all around"

@@ -214,7 +214,7 @@ def _columns(path: str | Path, row: tuple[int, list[str]]) -> dict[str, int] | N
 def _full(path: str | Path, rows: list[tuple[int, list[str]]], corner: tuple[str, str]) -> Table:
     """A full table."""
     (first, header), body = rows[0], rows[1:]
-    while header and not header[-1]:
+    while not header[-1]:  # its corner is not empty
         header = header[:-1]
     across = np.array([_label(path, first, cell) for cell in header[1:]])
     down, cells, blank, percent = [], [], 0, False
