@@ -8,6 +8,7 @@ import pytest
 
 from examples.barge import box
 from vsb.errors import ConfigError
+from vsb.hydro.bodies import apart
 from vsb.hydro.bodies.apart import _closed, check_apart
 from vsb.hydro.bodies.body import FlexibleBody, at_centres, joined
 from vsb.hydro.bodies.files import read_body, write_body
@@ -81,6 +82,18 @@ def test_the_first_panel_that_lies_inside_is_where_it_is_said_to_be():
     x, y, z = (f"{value:.4g}" for value in inner[0])
     with pytest.raises(ConfigError, match=re.escape(f"the first at ({x}, {y}, {z}); needs bodies apart")):
         check_apart(body)
+
+
+@pytest.mark.parametrize("many", [1, 100, 10**6])
+def test_points_inside_are_told_in_their_order_however_many_are_seen_at_a_time(many, monkeypatch):
+    """Inside, beside, inside the mirror image above still water, below."""
+    vertices, panels = box(4.0, 3.0, 1.0, 1)
+    up = np.ones((1, len(vertices), 3))
+    body = FlexibleBody(vertices, panels, ("Heave",), at_centres(vertices, panels, up), up)
+    points = np.array([[0.1, 0.2, -0.5], [3.0, 0.0, -0.5], [-1.0, 1.0, 0.7], [0.0, 0.0, -1.5]])
+    monkeypatch.setattr(apart, "_MANY", many)
+    found = apart._winding(body, np.ones(len(panels), dtype=bool), points)
+    assert found == pytest.approx([1.0, 0.0, 1.0, 0.0], abs=1e-12)
 
 
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])

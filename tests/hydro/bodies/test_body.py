@@ -204,6 +204,21 @@ def test_no_lid_without_a_waterline_or_where_it_hides_from_the_centre(box):
         bodies.interior_lid(made(zigzag, three, rigid(zigzag)[2:3]), 3)
 
 
+@pytest.mark.parametrize(("depth", "known"), [(0.5e-8, True), (2e-8, False)])
+def test_a_side_that_ends_below_the_surface_leaves_the_waterline_open(box, depth, known):
+    """By a hundred millionth of the body's size it is at the surface; by more a lid would miss its share."""
+    vertices = box[0].copy()
+    side = (vertices[:, 2] == 0) & (vertices[:, 0] == vertices[:, 0].max())
+    body = made(*box, rigid(vertices)[2:3])
+    vertices[side, 2] -= depth * body.size
+    lower = made(vertices, box[1], rigid(vertices)[2:3])
+    if known:
+        assert len(bodies.interior_lid(lower, 3)[1]) == len(bodies.interior_lid(body, 3)[1])
+        return
+    with pytest.raises(ConfigError, match="lid: the waterline is not seen whole from its centre; needs lid: 0"):
+        bodies.interior_lid(lower, 3)
+
+
 def test_each_of_two_bodies_has_a_lid_of_its_own(box):
     vertices, faces = box
     two, both = bodies.joined([(vertices, faces), (vertices + np.array([9.0, 0.0, 0.0]), faces)])
@@ -225,6 +240,7 @@ def changed(array, index, value):
     [
         (lambda v, f, s: {"vertices": changed(v, (0, 0), np.nan)}, "a vertex is NaN"),
         (lambda v, f, s: {"faces": f + 1}, "panels whose corners are there"),
+        (lambda v, f, s: {"faces": f[:0], "modes": np.zeros((2, 0, 3))}, r"0 panels between \d+ vertices; needs panels"),
         (lambda v, f, s: {"vertices": v + np.array([0, 0, 0.5])}, "needs z <= 0: clip it"),
         (lambda v, f, s: {"faces": f[:, ::-1]}, "flip them"),
         (lambda v, f, s: {"faces": np.concatenate([f[:-1], f[-1:, ::-1]])}, "closed below z = 0"),
@@ -335,6 +351,16 @@ def test_symmetry_is_of_corners_not_of_centres_alone(left, right, found):
     if found == "none":
         with pytest.raises(ConfigError, match="symmetry xOz: the panels are not mirrored in the xOz plane"):
             bodies.check_symmetry(body, "xOz")
+
+
+def test_a_wall_in_a_plane_is_no_mirror_image_of_its_own():
+    """Solved by halves, it would count twice."""
+    both = two_panels(SQUARE, SQUARE)
+    wall = np.array([[-1.0, 0.0, -3.0], [1.0, 0.0, -3.0], [1.0, 0.0, -1.0], [-1.0, 0.0, -1.0]])
+    vertices, faces = np.concatenate([both.vertices, wall]), np.arange(12).reshape(3, 4)
+    body = CoarserBody(vertices, faces, ("Dof",), np.ones((1, 3, 3)), np.ones((1, 12, 3)))
+    assert bodies.detected_symmetry(both) == "xOz"
+    assert bodies.detected_symmetry(body) == "none"
 
 
 @pytest.mark.parametrize(("degree", "rows"), [(0, 20), (2, 24), (6, 40)])

@@ -1,3 +1,5 @@
+from itertools import permutations
+
 import numpy as np
 import pytest
 from hydro.bodies.test_body import made, revolved_body, rigid, shell_with
@@ -185,6 +187,17 @@ def test_only_one_closed_line_is_a_boundary():
     assert _boundary(ring) == []  # two
     assert _boundary(np.array([[0, 1, 2, 2], [2, 3, 4, 4]])) == []  # that touch
     assert _boundary(np.array([[5, 3, 4, 4]])) == [3, 4, 5]
+    closed = [[0, 1, 2, 2], [1, 0, 3, 3], [2, 1, 3, 3], [0, 2, 3, 3]]
+    assert _boundary(np.array(closed)) == []  # none at all
+
+
+@pytest.mark.parametrize("panels", [4, 3])
+def test_a_third_panel_on_an_edge_leaves_no_boundary(panels):
+    """Turned as one of the two others, of all or of three sides of a tetrahedron: its sides meet no line, or a ring."""
+    patch = np.array([[0, 1, 2, 2], [2, 1, 3, 3], [0, 2, 3, 3], [3, 1, 0, 0]])[:panels]
+    patch = np.concatenate([patch, [[4, 1, 2, 2]]])
+    for numbers in permutations(range(5)):
+        assert _boundary(np.array(numbers)[patch]) == []
 
 
 def test_a_polygon_is_cut_into_quadrilaterals_and_at_most_one_triangle():

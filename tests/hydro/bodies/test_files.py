@@ -109,6 +109,25 @@ def test_a_modes_file_that_does_not_fit_is_refused_by_name(tmp_path, body):
         files.read_body(tmp_path / "box.nc", tmp_path / "text.nc")
 
 
+def test_displacements_without_names_are_refused(tmp_path, body):
+    files.write_body(body, tmp_path / "box.nc")
+    shapes = {"mode_shape": (("dof", "vertex", "xyz"), body.shapes), "centre_of_mass": ("xyz", body.centre_of_mass)}
+    xr.Dataset(shapes).to_netcdf(tmp_path / "modes.nc")
+    with pytest.raises(
+        ConfigError, match=r"modes.nc: holds \['mode_shape', 'centre_of_mass'\]; needs mode_shape .* and dof"
+    ):
+        files.read_body(tmp_path / "box.nc", tmp_path / "modes.nc")
+
+
+def test_a_mesh_without_anything_is_refused_by_name(tmp_path, body):
+    """Zero panels between zero points have no length to be measured in."""
+    _, modes = written(tmp_path, body)
+    none = {"vertices": (("vertex", "xyz"), np.zeros((0, 3))), "faces": (("panel", "corner"), np.zeros((0, 4), int))}
+    xr.Dataset(none).to_netcdf(tmp_path / "none.nc")
+    with pytest.raises(ConfigError, match=r"none.nc: holds no panel; needs quadrilaterals or triangles$"):
+        files.read_body(tmp_path / "none.nc", modes)
+
+
 def test_what_is_infinite_is_told_to_be_so_not_to_be_too_large(tmp_path, body):
     shapes = np.array(body.shapes)
     shapes[0, 0, 2] = np.inf
@@ -191,6 +210,29 @@ def test_a_body_without_such_panels_has_no_history(tmp_path):
     assert files.read_body(path, path).history == ""
 
 
+def test_triangles_of_netcdf_end_in_their_third_corner_twice(tmp_path):
+    faces = [[0, 1, 2], [3, 2, 1]]
+    xr.Dataset({"vertices": (("vertex", "xyz"), np.eye(4, 3)), "faces": (("panel", "corner"), faces)}).to_netcdf(
+        tmp_path / "mesh.nc"
+    )
+    assert files.read_mesh(tmp_path / "mesh.nc")[1].tolist() == [[0, 1, 2, 2], [3, 2, 1, 1]]
+
+
+def test_panels_of_every_kind_are_read_in_the_order_of_the_file(tmp_path):
+    """Triangles between two blocks of quadrilaterals, and lines, which are none."""
+    points = np.array([[x, y, -1.0] for x in range(3) for y in range(3)], dtype=float)
+    blocks = [
+        ("quad", [[0, 3, 4, 1]]),
+        ("line", [[0, 1]]),
+        ("triangle", [[1, 4, 5], [1, 5, 2]]),
+        ("quad", [[3, 6, 7, 4]]),
+    ]
+    meshio.Mesh(points, blocks).write(tmp_path / "mixed.vtk")
+    vertices, faces = files.read_mesh(tmp_path / "mixed.vtk")
+    assert vertices == pytest.approx(points)
+    assert faces.tolist() == [[0, 3, 4, 1], [1, 4, 5, 5], [1, 5, 2, 2], [3, 6, 7, 4]]
+
+
 @pytest.mark.parametrize("corner", [-1, 1_000_000])
 def test_a_panel_with_a_corner_that_does_not_exist_is_named(tmp_path, corner):
     faces = np.array([[0, 1, 2, 3], [0, 1, corner, 3]])
@@ -207,6 +249,10 @@ def test_a_panel_with_a_corner_that_does_not_exist_is_named(tmp_path, corner):
         ({"faces": (("panel", "corner"), [[0.0, 1.0, 2.5, 3.0]])}, "corners of panels that are no whole numbers"),
         ({"faces": ("panel", [0, 1, 2])}, r"vertices \(4, 3\) and faces \(3,\); needs \(vertex, xyz\)"),
         ({"vertices": (("vertex", "xy"), np.zeros((4, 2)))}, r"vertices \(4, 2\) and faces \(1, 4\); needs"),
+        ({"vertices": ("vertex", np.zeros(4))}, r"vertices \(4,\) and faces \(1, 4\); needs \(vertex, xyz\)"),
+        ({"faces": (("panel", "corner"), [[0, 1]])}, r"faces \(1, 2\); needs .* 3 or 4 corners"),
+        ({"faces": (("panel", "corner"), [[0, 1, 2, 3, 0]])}, r"faces \(1, 5\); needs .* 3 or 4 corners"),
+        ({"faces": (("panel", "corner"), np.zeros((0, 4), dtype=int))}, "holds no panel; needs quadrilaterals"),
         ({"vertices": (("vertex", "xyz"), np.full((4, 3), np.nan))}, "a vertex is NaN or infinite"),
         ({"vertices": (("vertex", "xyz"), np.full((4, 3), 1e300))}, r"reaches 1e\+300 m; needs at most 100000 m"),
     ],

@@ -196,7 +196,7 @@ def _boundary(corners: IntArray) -> list[int]:
     loop = [min(onward)]
     while (following := onward.get(loop[-1])) is not None and following != loop[0] and len(loop) <= len(onward):
         loop.append(following)
-    return loop if len(loop) == len(onward) else []
+    return loop if following == loop[0] and len(loop) == len(onward) else []
 
 
 def _cut(polygon: list[int]) -> list[list[int]]:

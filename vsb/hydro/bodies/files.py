@@ -79,6 +79,8 @@ def read_mesh(path: str | Path) -> tuple[FloatArray, IntArray]:
             f"{path}: vertices {vertices.shape} and faces {faces.shape}; needs (vertex, xyz) and (panel, corner), 3 "
             "or 4 corners"
         )
+    if not len(faces):
+        raise ConfigError(f"{path}: holds no panel; needs quadrilaterals or triangles")
     if (wrong := np.flatnonzero(((faces < 0) | (faces >= len(vertices))).any(axis=-1))).size:
         corners, last = faces[wrong[0]].tolist(), len(vertices) - 1
         raise ConfigError(f"{path}: panel {wrong[0]} has corners {corners}; needs numbers from 0 to {last}")
