@@ -144,6 +144,21 @@ def test_side_by_side_nothing_is_between_orders_and_each_can_be_taken_out_again(
         assert of_order(whole, order).equals(part)
 
 
+def test_side_by_side_the_history_is_that_of_those_that_have_one():
+    first, second = parts()
+    bare = first.drop_attrs()
+    assert side_by_side([bare, second], [0, 1]).attrs["history"] == "from excitation"
+    assert (
+        side_by_side([first.assign_attrs(history=""), second, second], [0, 1, -1]).attrs["history"] == "from excitation"
+    )
+    assert side_by_side([bare, bare], [0, 1]).attrs["history"] == ""
+
+
+def test_forces_of_an_order_can_be_taken_out_alone():
+    forces = side_by_side(parts(), [0, 1])[["excitation_force", ORDER]].drop_vars("radiating_dof", errors="ignore")
+    assert of_order(forces, 1).excitation_force.values.tolist() == [[[2.0]], [[2.0]]]
+
+
 def test_a_database_without_orders_is_of_order_zero():
     assert list(order_groups(parts()[0])) == [0]
     assert of_order(parts()[0], 0).equals(parts()[0])

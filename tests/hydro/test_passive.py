@@ -311,6 +311,10 @@ class TestRefused:
             replace(good, omega=OMEGA - OMEGA[0])
         with pytest.raises(DatabaseError, match="size: received values that are not positive"):
             replace(good, size=np.array([1.0, 0.0]))
+        with pytest.raises(
+            DatabaseError, match="size: received values that are not positive, needs one above 0 for each"
+        ):
+            replace(good, size=np.array([1.0, np.inf]))
 
     def test_damping_that_draws_energy(self):
         good = samples(reciprocal(6, 2, 2, 0))

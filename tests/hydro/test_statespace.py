@@ -75,6 +75,9 @@ def test_not_passive_is_refused():
         RadiationModel(np.array([[0.1]]), np.ones((1, 1)), np.ones(1))
     with pytest.raises(StabilityError, match="needs a stable A"):
         RadiationModel(np.array([[-1.0, 0.0], [0.0, -1.0]]), np.ones((2, 1)), np.ones(2))
+    turning = np.array([[0.0, 1.0], [-1.0, 0.0]])  # radiates nothing: what it stores, it stores for ever
+    with pytest.raises(StabilityError, match=r"largest growth rate 0\.0e\+00/s; needs a stable A"):
+        RadiationModel(turning, np.ones((2, 1)), np.zeros(2))
 
 
 def test_what_no_order_can_fit_is_an_error(monkeypatch):

@@ -1,6 +1,7 @@
 """Two solvers that share nothing but the shape, on a sphere and on what one of its modes makes of it."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -228,6 +229,20 @@ def test_no_shape_is_dry_or_under_water():
             ((start, end),) = s.shell.wet_segments
             assert start > 0
             assert end == np.pi
+
+
+@pytest.mark.parametrize(
+    ("wet", "once"),
+    [
+        ([(1.0, np.pi)], True),
+        ([(0.0, np.pi)], False),  # under water
+        ([(1.0, 2.0)], False),  # the keel is dry
+        ([(1.0, 1.5), (2.0, np.pi)], False),
+        ([], False),
+    ],
+)
+def test_afloat_once_is_one_waterline_and_a_wet_keel(wet, once):
+    assert witness._afloat_once(SimpleNamespace(wet_segments=wet)) is once
 
 
 def test_a_keel_on_the_bottom_has_no_witness():

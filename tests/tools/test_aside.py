@@ -33,6 +33,12 @@ def test_work_gives_the_same_aside_and_here(monkeypatch, given):
     assert (worker != os.getpid(), total) == ((True, 6) if own else (False, 10))
 
 
+def test_where_no_copy_of_a_process_is_sound_work_is_done_when_it_is_asked_for(monkeypatch):
+    monkeypatch.setenv("OMP_NUM_THREADS", "2")
+    monkeypatch.setattr(sys, "platform", "darwin")
+    assert aside(os.getpid)() == os.getpid()
+
+
 @pytest.mark.parametrize("given", ["1", "2"])
 def test_a_mistake_aside_is_raised_where_its_result_is_asked_for(monkeypatch, given):
     monkeypatch.setenv("OMP_NUM_THREADS", given)

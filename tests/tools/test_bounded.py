@@ -77,3 +77,9 @@ def test_in_another_thread_time_has_no_bound_but_nothing_breaks():
     thread.start()
     thread.join()
     assert done == [499500]
+
+
+def test_where_there_is_no_timer_time_has_no_bound(monkeypatch):
+    monkeypatch.delattr(signal, "setitimer")
+    with bounded_time(1e-9):
+        assert sum(range(1000)) == 499500

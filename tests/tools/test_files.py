@@ -79,6 +79,19 @@ def test_corrupt_file(tmp_path, content, message):
     assert "\n" not in str(error.value)
 
 
+def test_what_a_library_says_nothing_of_is_told_by_its_kind(tmp_path, monkeypatch):
+    save(rao(np.ones((1, 3, 2))), tmp_path / "a.nc")
+
+    def fail(*_, **__):
+        raise MemoryError
+
+    monkeypatch.setattr(xr, "open_groups", fail)
+    with pytest.raises(
+        DatabaseError, match=r"a\.nc: cannot be read as netCDF \(MemoryError\); delete it and run again\.$"
+    ):
+        load(tmp_path / "a.nc")
+
+
 def test_foreign_and_missing_files(tmp_path):
     xr.Dataset({"sst": ("lat", [1.0])}).to_netcdf(tmp_path / "foreign.nc")
     with pytest.raises(DatabaseError, match=r"foreign.nc: not a file of this project .*sst"):

@@ -3,11 +3,12 @@
 import io
 import re
 import time
+from types import SimpleNamespace
 
 import pytest
 from rich.console import Console
 
-from vsb.tools.progress import followed
+from vsb.tools.progress import Rate, followed
 
 TOLD = [
     "Building DAG of jobs...\n",
@@ -56,6 +57,15 @@ def test_it_says_what_is_done_how_fast_and_what_is_left():
 def test_how_many_there_are_is_what_is_told_last(told, shown):
     """Also where nothing was told of it before the first was done, or jobs were added since."""
     assert shown in screen(read_slowly(told))[0]
+
+
+def test_the_rate_of_what_is_done_is_that_of_all_of_it():
+    task = SimpleNamespace(finished_speed=None, speed=None)
+    assert str(Rate().render(task)) == ""
+    task.speed = 0.5
+    assert str(Rate().render(task)) == "30/min"
+    task.finished_speed = 0.05
+    assert str(Rate().render(task)) == "3/min"
 
 
 def test_all_lines_are_handed_on():

@@ -29,6 +29,20 @@ def test_one_bad_number_is_found(bad):
         check_finite(rao(values), "x")
 
 
+def test_numbers_of_no_design_are_needed_also_where_none_is_viable():
+    viable = xr.Dataset({"viable": ("design", [False, False])}, {"design": ["FSB", "VSWEC"]})
+    check_finite(viable.assign(mean_power=("design", [np.nan, np.nan])), "x")
+    with pytest.raises(DatabaseError, match="x: variable mean_power holds NaN"):
+        check_finite(viable.assign(viable=("design", [True, False]), mean_power=("design", [np.nan, np.nan])), "x")
+    with pytest.raises(DatabaseError, match="x: variable omega holds NaN"):
+        check_finite(viable.assign(omega=("sample", [1.0, np.nan])), "x")
+
+
+def test_labels_may_be_infinite():
+    """As the frequency of a limit is, or the depth of deep water."""
+    check_finite(xr.Dataset({"mass": ("omega", [1.0, 2.0])}, {"omega": [1.0, np.inf], "depth": np.inf}), "x")
+
+
 @pytest.mark.parametrize("power", ["annual_mean_power", "corrected_mean_power"])
 @pytest.mark.parametrize("gain", ["gain_percent", "gain_low", "gain_high", "corrected_gain_percent"])
 def test_gains_over_nothing_may_be_missing_and_no_others(gain, power):

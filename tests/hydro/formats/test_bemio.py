@@ -254,6 +254,12 @@ def test_h5_that_cannot_be_read_is_refused(elastic, tmp_path):
     write_h5(entries | {"/body2/properties/name": "other"}, path)
     with pytest.raises(DatabaseError, match=r"buoy\.h5: holds no /body2/properties/dof; needs BEMIO's \.h5 file"):
         read_bemio(path)
+    write_h5({place: value for place, value in entries.items() if not place.startswith("/body1/")}, path)
+    with pytest.raises(DatabaseError, match=r"buoy\.h5: holds no /body1/properties/dof; needs BEMIO's \.h5 file"):
+        read_bemio(path)
+    write_h5(changed(entries, water_depth=np.zeros((1001, 1))), path)
+    with pytest.raises(DatabaseError, match=r"water_depth has shape \(1001, 1\); needs a short text\.$"):
+        read_bemio(path)
     write_h5(entries | {"/body3/properties/name": "other"}, path)
     with pytest.raises(DatabaseError, match=r"buoy\.h5: holds body1, body3; needs body1, body2, \.\.\. without a gap"):
         read_bemio(path)

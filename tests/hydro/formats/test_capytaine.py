@@ -88,6 +88,7 @@ def test_frequencies_that_failed_are_left_out_and_told(tmp_path):
             "holds 2 values of rho; needs the coefficients of one",
         ),
         (lambda ds: ds.assign(added_mass=np.nan * ds.added_mass), "NaN"),
+        (lambda ds: ds.isel(omega=[0, 4]), r"frequencies \[\] rad/s; needs finite, ascending ones"),
         (
             lambda ds: ds.assign({name: np.nan * ds[name] for name in SOLVED}),
             "all coefficients are NaN at every frequency; needs some",

@@ -151,6 +151,41 @@ def test_numbers_no_body_has_are_refused():
         checked(ds.assign(added_mass=ds.added_mass * 0 + 1.01 * LARGEST), "memory")
 
 
+@pytest.mark.parametrize(
+    ("omega", "needed"),
+    [
+        ([1e-6, 1e6], ""),
+        ([0.0, 1e-6], ""),
+        ([0.9e-6, 1.0], "needs them from 1e-06 to 1e+06."),
+        ([0.0, 0.9e-6], "needs them from 1e-06 to 1e+06."),
+        ([1.0, 1.1e6], "needs them from 1e-06 to 1e+06."),
+        ([1.0, 1.0], "needs finite, ascending ones, none negative."),
+        ([-1.0, 1.0], "needs finite, ascending ones, none negative."),
+        ([], "needs finite, ascending ones, none negative."),
+    ],
+)
+def test_the_lowest_and_the_highest_frequency_there_is(omega, needed):
+    ds = sound(omega=(0.5, 1.0)).isel(omega=slice(len(omega))).assign_coords(omega=np.array(omega))
+    if not needed:
+        assert checked(ds, "memory").omega.values.tolist() == omega
+        return
+    with pytest.raises(DatabaseError) as refused:
+        checked(ds, "memory")
+    assert str(refused.value) == f"memory: frequencies {np.array(omega)} rad/s; {needed}"
+
+
+def test_waves_come_from_somewhere():
+    with pytest.raises(DatabaseError, match=r"memory: wave directions \[\] degrees; needs finite ones, none twice"):
+        checked(sound().isel(wave_direction=[]), "memory")
+
+
+@pytest.mark.parametrize("wrong", [[4000.0, 1.0], -1.0, np.nan, 1.01 * LARGEST])
+def test_a_displaced_volume_is_one_number_not_negative(wrong):
+    with pytest.raises(DatabaseError, match=r"memory: displaced_volume .* m\^3; needs a finite one, not negative"):
+        checked(sound().assign_attrs(displaced_volume=wrong), "memory")
+    checked(sound().assign_attrs(displaced_volume=0.0), "memory")
+
+
 # --- WAMIT
 
 

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from vsb.errors import ConfigError, DatabaseError
-from vsb.hydro.formats.foreign import BEMIO_WORDS, WAMIT_WORDS, causes, foreign_checks, sizes
+from vsb.hydro.formats.foreign import BEMIO_WORDS, LEAST_SIZE, WAMIT_WORDS, causes, foreign_checks, sizes
 from vsb.hydro.quality import kinks
 from vsb.tools import units
 from vsb.waves.dispersion import group_velocity, wavenumber
@@ -110,6 +110,23 @@ def test_what_holds_of_one_body_holds_of_two():
     high = edited(one, "hydrostatic_stiffness", lambda c: c.__imul__(1.3))
     for wrong, name in ((heavy, "afloat"), (high, "long_waves")):
         assert judged(of_two(one, wrong))[name].verdict == judged(wrong)[name].verdict != "ok"
+
+
+def test_what_only_turns_is_measured_by_the_largest_added_mass_of_what_turns_beside_it():
+    """Nothing tells of the water displaced: no volume, no translation."""
+    pair = ("omega", *PAIR)
+    ds = sound(("Roll", "Pitch"), (0.0,))
+    ds = ds.drop_attrs().assign_attrs({name: ds.attrs[name] for name in ("water_density", "gravity", "water_depth")})
+    ds = ds.assign(added_mass=(pair, np.tile(np.diag([1e-9, 5.0]), (len(ds.omega), 1, 1))))
+    assert sizes(ds).added_mass == pytest.approx([LEAST_SIZE**2 * 5.0, 5.0], rel=1e-12)
+    assert sizes(ds).wet.tolist() == [False, True]
+
+
+def test_a_mass_or_a_volume_that_is_not_stated_is_not_judged():
+    assert "afloat" in judged(sound())
+    assert "afloat" not in judged(sound(displaced_volume=0.0))
+    assert "afloat" not in judged(sound().assign(inertia_matrix=0.0 * sound().inertia_matrix))
+    assert "afloat" not in judged(sound(("Surge", "Pitch")))
 
 
 def test_the_size_of_a_rotation_is_that_of_its_own_body():

@@ -20,6 +20,7 @@ from vsb.hydro.formats.modes import (
     floating,
     mode_labels,
     mode_numbers,
+    readable,
     rotations,
     structure,
 )
@@ -208,6 +209,12 @@ def test_the_dry_body_is_read_as_wamit_writes_it(foreign):
     assert bemio_entries(ds, "memory")["/body1/properties/stiffness"][6, 6] == 6.077064e6
 
 
+def test_one_body_need_not_be_numbered(foreign):
+    expected = read(foreign)
+    (foreign / "barge.mmx").write_text(MMX.replace("Ouputs for body N =     1", "Outputs"))
+    assert read(foreign).identical(expected)
+
+
 def test_a_mass_matrix_alone_gives_volume_and_centres_only(foreign):
     (foreign / "barge.mmx").write_text(MMX.replace(" External force matrices:", " Normalized mass matrix:"))
     ds = read(foreign)
@@ -245,7 +252,15 @@ def test_facts_about_the_body_are_needed_or_follow_from_a_sphere():
     known = {name: value for name, value in ds.attrs.items() if name != "centre_of_mass"}
     with pytest.raises(DatabaseError, match="memory: holds no centre_of_mass; needs"):
         bemio_entries(ds.drop_attrs().assign_attrs(known), "memory")
-    sphere = floating(bare.assign_attrs(radius=2.0, centre_height=0.0), "memory")
+    round_body = bare.assign_attrs(radius=2.0, centre_height=0.0)
+    for lacking in (
+        bare.assign_attrs(radius=2.0),
+        round_body.drop_vars("inertia_matrix"),
+        round_body.isel(influenced_dof=[0, 2, 3], radiating_dof=[0, 2, 3]),  # no heave
+    ):
+        with pytest.raises(DatabaseError, match=r"memory: holds no displaced_volume, .*; needs them in its attributes"):
+            floating(lacking, "memory")
+    sphere = floating(round_body, "memory")
     assert sphere.volume == 2000.0  # heave is the second degree of freedom, 2e6 kg
     assert sphere.centre_of_buoyancy == pytest.approx([0.0, 0.0, -0.75])
 
@@ -281,6 +296,13 @@ def test_rigid_and_generalized_modes_must_not_be_coupled():
     mass[0, 2] = mass[2, 0] = 1e5
     with pytest.raises(DatabaseError, match="inertia_matrix couples rigid and generalized modes"):
         bemio_entries(ds.assign(inertia_matrix=(PAIR, mass)), "memory")
+
+
+@pytest.mark.parametrize(("said", "told"), [(MemoryError(), "MemoryError"), (OSError("bad\n  block"), "bad block")])
+def test_what_libraries_say_of_a_damaged_file_is_one_line(said, told):
+    with pytest.raises(DatabaseError) as refused, readable("a.h5", "a whole one"):
+        raise said
+    assert str(refused.value) == f"a.h5: cannot be read: {told}; needs a whole one."
 
 
 @pytest.mark.parametrize("value", [0.0, -3.0, np.nan, np.inf])

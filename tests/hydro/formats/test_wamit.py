@@ -138,6 +138,13 @@ def test_zero_frequency_is_written_and_read_as_a_limit(tmp_path):
     assert back.attrs["history"] == "read from WAMIT's files buoy"
 
 
+def test_the_limit_of_zero_frequency_is_written_once():
+    """Of a database that has it among its frequencies, and as a limit as well."""
+    ds = random_database(modes=1, frequencies=2).assign_coords(omega=[0.0, np.pi])
+    both = ds.assign(added_mass_zero=(PAIR, ds.added_mass.values[0]))
+    assert wamit_texts(both, "memory") == wamit_texts(ds, "memory")
+
+
 @settings(max_examples=25)
 @given(st.integers(0, 3), st.integers(1, 5), st.integers(1, 3), st.integers(0, 10**6), st.sampled_from([0.3, 1.0, 7.0]))
 def test_round_trip_is_exact_to_the_digits_printed(tmp_path_factory, modes, frequencies, headings, seed, length):
@@ -274,6 +281,10 @@ BROKEN = {
     "mode zero": (edited(".1", "     3     9  4.0", "     0     9  4.0"), r"line 9: .*mode numbers that are not whole"),
     "repeated": (edited(".1", LINE, 2 * LINE), r"buoy\.1, line 10: .*repeats an earlier line"),
     "missing pair": (edited(".1", LINE, ""), r"buoy\.1: no line starts with \(2\.0, 3, 9\)"),
+    "limit": (
+        {**FOREIGN, ".1": "".join(line for line in FOREIGN[".1"].splitlines(True) if "-1.0" not in line and "0.000000E+00     3     9" not in line)},
+        r"buoy\.1: no line starts with \(0\.0, 3, 9\); needs all periods, headings and modes",
+    ),
     "period": (edited(".1", "-1.000000E+00", "-2.000000E+00"), r"buoy\.1: holds period -2; needs periods > 0, 0 or -1"),
     "no waves": ({**FOREIGN, ".1": "".join(FOREIGN[".1"].splitlines(True)[:6])}, r"buoy\.1: holds no period > 0; needs lines PER I J A B"),
     "nothing": ({**FOREIGN, ".1": "header\n"}, r"buoy\.1: holds no data; needs lines PER I J A"),

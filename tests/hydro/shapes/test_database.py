@@ -293,6 +293,7 @@ def test_shapes_tried_are_within_reach():
         (lambda d: d.error(np.array([0, np.nan, 0, 0])), ConfigError, "received Membrane0 = nan m"),
         (lambda d: d.added_mass_inf(np.array([0, 0, 0, -0.2])), ConfigError, "received Membrane2 = -0.2 m"),
         (lambda d: d.at(np.array([0.7]), np.zeros(4)), DatabaseError, "0.7 to 0.7 rad/s are asked for, the shape"),
+        (lambda d: d.at(np.array([2.0, 99.0]), np.zeros(4)), DatabaseError, "2 to 99 rad/s are asked for, the shape"),
         (lambda d: d.at(np.array([2.0, np.nan]), np.zeros(4)), DatabaseError, "are asked for, the shape database"),
     ],
 )
