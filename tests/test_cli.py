@@ -57,6 +57,12 @@ def test_missing_input_of_a_rule_is_one_line(capsys, monkeypatch):
     )
 
 
+def test_a_rule_without_specification_asks_nothing_of_a_terminal(workplace, capsys, monkeypatch):
+    given(monkeypatch, "", terminal=True)
+    assert told(["green", "--folder", "file/green", "--out", "out.txt"], capsys).startswith("file")
+    assert told(["spectral", "--out", "out.nc"], capsys).startswith("standard input: received a terminal, needs")
+
+
 def test_unknown_command_is_two():
     with pytest.raises(SystemExit) as stop:
         parser().parse_args(["simulat"])
@@ -68,6 +74,7 @@ def test_unknown_command_is_two():
     [
         (["chek", "x.yaml"], "COMMAND: received chek, did you mean check?; see vsb --help"),
         (["shell", "x.yaml", "--jsn"], "unrecognized arguments: --jsn; did you mean --json?; see vsb --help"),
+        (["shell", "x.yaml", "--frobnicate"], "unrecognized arguments: --frobnicate; see vsb --help"),
         (["completion", "basch"], "shell: received basch, did you mean bash?; see vsb completion --help"),
         (["frobnicate"], "argument COMMAND: invalid choice: 'frobnicate' (choose from 'init', "),
     ],

@@ -59,6 +59,13 @@ def test_modes_are_a_congruence_of_the_normal_velocities(seed):
     assert in_modes(raw, basis).influenced_dof.values.tolist() == list(basis.labels)
 
 
+def test_coefficients_without_a_frequency_of_their_own_are_in_modes_as_well(seed):
+    basis, raw = mode_basis(seed.device, "full", 2), block([1.0, 2.0])
+    bare = in_modes(raw.drop_vars("omega"), basis)
+    assert "omega" not in bare.coords
+    assert bare.added_mass.values.tolist() == in_modes(raw, basis).added_mass.values.tolist()
+
+
 def test_missing_degrees_are_refused(seed):
     with pytest.raises(DatabaseError, match=r"displacements \['Radial3'\] of the modes are not among those solved"):
         in_modes(block([1.0]), mode_basis(seed.device, "membrane", 3))

@@ -46,6 +46,14 @@ def test_each_of_two_bodies_is_as_stiff_as_alone(both):
     assert both.rigid == {}
 
 
+def test_what_only_heaves_needs_no_centre_of_mass(both):
+    """Its stiffness is that of the waterplane."""
+    bare = made(both.vertices, both.faces, rigid(both.vertices)[2:3], centre_of_mass=None)
+    assert hydrostatic_stiffness(bare, 1025.0, 9.81) == pytest.approx(
+        sum(hydrostatic_stiffness(alone(k), 1025.0, 9.81)[2, 2] for k in (0, 1)), rel=1e-12
+    )
+
+
 def test_turning_together_they_have_the_stiffness_of_their_common_centre_of_mass(both):
     """A rotation of both about one axis is no motion of one: the weight counts where the centre of both lies."""
     whole = rigid(both.vertices, (1.0, 0.0, 0.0))

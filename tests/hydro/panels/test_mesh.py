@@ -130,6 +130,18 @@ def test_both_wet_bands_of_a_dented_shell_are_written(seed, tmp_path):
     assert mesh.points[:, 2].max() < 1e-12
 
 
+def test_panels_of_three_wet_bands_have_their_own_corners(seed, tmp_path):
+    """The first of which is all of the pole."""
+    basis = mode_basis(seed.device, "full", 12)
+    shell = DeformedShell(basis, -1.5, -0.7 * np.array([label == "Bending12" for label in basis.labels]))
+    assert len(shell.wet_segments) == 3
+    write_wet_shell(shell, tmp_path / "wet.vtu", 40, 40)
+    mesh = meshio.read(tmp_path / "wet.vtu")
+    quads = mesh.cells_dict["quad"]
+    assert np.array_equal(np.unique(quads), np.arange(len(mesh.points)))
+    assert panel_area(mesh.points, quads).sum() == pytest.approx(shell.wet_area(240), rel=2e-2)
+
+
 def test_viewable_shapes_are_a_tenth_of_the_radius(seed):
     shapes = display_shapes(DeformedShell(mode_basis(seed.device, "full", 3), 0.1))
     for name, shape in shapes.items():
