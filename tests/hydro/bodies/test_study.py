@@ -189,6 +189,31 @@ def test_a_block_cut_short_is_solved_again(tmp_path, body, green_folder, calls):
     assert calls == [np.inf, 1.0] * 2
 
 
+def test_a_block_of_another_specification_is_none_of_this(tmp_path):
+    ds = xr.Dataset({"added_mass_inf": (("influenced_dof", "radiating_dof"), [[1.0]])}, attrs={"spec_id": "a"})
+    bodystudy.save(ds, tmp_path / "block.nc")
+    assert bodystudy._is_solved(tmp_path / "block.nc", "a")
+    assert not bodystudy._is_solved(tmp_path / "block.nc", "b")
+    assert not bodystudy._is_solved(tmp_path / "other.nc", "a")
+
+
+@pytest.mark.parametrize("given", [None, "tables"])
+def test_the_table_of_the_green_function_stands_beside_the_blocks_unless_told_otherwise(
+    tmp_path, body, monkeypatch, given
+):
+    asked = []
+
+    def blocks_of(*arguments):
+        asked.append(arguments[-1])
+        raise InterruptedError
+
+    monkeypatch.setattr(bodystudy, "Blocks", blocks_of)
+    file = BodyFile(body="b", mesh="b.nc", modes="b.nc", omega=[1.0], wave_direction=[0.0])
+    with pytest.raises(InterruptedError):
+        bodystudy.solved(file, body, tmp_path, given)
+    assert asked == [Path(given) if given else tmp_path / "green" / blocks.panel_solver().replace(" ", "-")]
+
+
 def test_the_verdict_sees_a_body_that_does_not_float_where_it_lies(tmp_path, body, green_folder):
     heavy = made(body.vertices, body.faces, body.shapes, LABELS, mass=2 * body.mass)
     checks = bodystudy.run(files(tmp_path, heavy, omega=[1.0]), tmp_path / "out", green_folder)
@@ -365,6 +390,11 @@ def test_the_table_of_the_green_function_is_made_whole_or_not_at_all(tmp_path, m
     assert made_at[0].parent == tmp_path
     assert made_at[1:] == [tmp_path / "green"]
     assert (tmp_path / "green").stat().st_mode & 0o777 == 0o755  # a temporary folder is its owner's alone
+    (tmp_path / "file").touch()
+    with pytest.raises(NotADirectoryError):
+        bodystudy.bem.stored_green_function(tmp_path / "file")
+    assert made_at.pop().parent == tmp_path
+    (tmp_path / "file").unlink()
     bodystudy.bem.stored_green_function(tmp_path / "green")
     assert made_at[2:] == [tmp_path / "green"]
     faster.append(tmp_path / "late")
