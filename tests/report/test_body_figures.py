@@ -20,13 +20,27 @@ def data():
             {"position": (("time", "dof"), position), "stroke": ("time", wave), "stroke_rate": ("time", np.cos(time))},
             coords={"time": time, "dof": labels},
         )
-    return SimpleNamespace(designs=("rigid", "flexible"), runs=runs, window=(2.0, 9.0), periods={"swell": 6.3})
+    return SimpleNamespace(
+        designs=("rigid", "flexible"), runs=runs, window=(2.0, 9.0), periods={"swell": 6.3}, port="heave"
+    )
 
 
 def test_the_port_of_every_design_is_drawn(data):
     top, bottom = port_motion(data, "swell").axes
     assert [line.get_label() for line in top.get_lines()] == ["rigid", "flexible"]
     assert bottom.get_ylabel() == "port's velocity [m/s]"
+
+
+@pytest.mark.parametrize(
+    ("port", "labels"),
+    [
+        ({"dofs": {"Heave": 1.0}}, ["port's displacement [m]", "port's velocity [m/s]"]),
+        ({"dofs": {"aft__Pitch": 1.0}}, ["port's rotation [rad]", "port's velocity [rad/s]"]),
+    ],
+)
+def test_a_port_that_turns_does_so_in_radians(data, port, labels):
+    axes = port_motion(SimpleNamespace(**{**vars(data), "port": port}), "swell").axes
+    assert [ax.get_ylabel() for ax in axes] == labels
 
 
 def test_every_degree_of_freedom_has_a_bar_of_its_range(data):

@@ -4,6 +4,7 @@ import pytest
 from conftest import SEED, varied
 
 from vsb.errors import ConfigError
+from vsb.report.page import BODY_MEASURES, MEASURES
 from vsb.study.plan import StudyPlan
 from vsb.study.study import canonical, load, parse
 from vsb.study.take_off import DofPort, Pto, at_port, damper_unit
@@ -238,3 +239,17 @@ def test_a_take_off_of_the_volume_is_spoken_of_in_pressures_and_of_a_rotation_in
         assert damper_unit(port) == "N m s"
     for port in ({"dofs": {"Heave": 1.0, "Pitch": -40.0}}, {"line_to": (20.0, -50.0)}, "surge"):
         assert [at_port(text, port) for text in said] == said
+
+
+def test_what_moves_at_a_port_that_turns_is_told_in_radians():
+    """All a page of a body says of its port's motion; heave of a buoy that is held by a moment stays in metres."""
+    heads = [head for _, head, *_ in BODY_MEASURES[:2]]
+    assert [at_port(head, {"dofs": {"Pitch": 1.0}}) for head in heads] == [
+        "port, peak to peak [rad]",
+        "port's velocity, peak to peak [rad/s]",
+    ]
+    assert [at_port(head, {"dofs": {"Pitch": -40.0, "Heave": 1.0}}) for head in heads] == heads
+    assert [at_port(head, "pitch") for _, head, *_ in MEASURES[:2]] == [
+        "heave, peak to peak [m]",
+        "velocity, peak to peak [m/s]",
+    ]

@@ -58,7 +58,7 @@ class Port:
             at, received = self.omega[wrong][0], self.admittance.real[wrong][0]
             raise DatabaseError(
                 f"port: gives out energy at {at:.4g} rad/s, received Re Y = {received:.3g} m/(N s), needs more than 0; "
-                "lower hydro.tolerance or hydro.omega_max"
+                "lower hydro.tolerance or hydro.omega_max, or a body's hydro.repair: [positive_damping]"
             )
 
     @property

@@ -4,12 +4,14 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from vsb.report.canvas import StudyData, folded, grid_of_axes, legend_above, panels, style
+from vsb.study.take_off import at_port
 
 
 def port_motion(data: StudyData, wave: str) -> Figure:
     """Draw displacement and velocity of the take-off's port."""
-    moved = ("port's displacement [m]", lambda run: run.stroke)
-    return panels(data, wave, [moved, ("port's velocity [m/s]", lambda run: run.stroke_rate)])
+    moved = (at_port("port's displacement [m]", data.port), lambda run: run.stroke)
+    moves = (at_port("port's velocity [m/s]", data.port), lambda run: run.stroke_rate)
+    return panels(data, wave, [moved, moves])
 
 
 def degrees_of_freedom(data: StudyData, wave: str) -> Figure:

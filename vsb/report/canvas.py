@@ -53,6 +53,7 @@ class StudyData:
     tuned: bool = False  # no damper is given
     limit: str = "limit λ/2π"  # what a capture width of a wavelength over 2 pi is called
     spectra: xr.DataArray = field(default_factory=xr.DataArray)  # of irregular seas (sea, omega) [m^2 s/rad]
+    port: Any = "heave"  # of the take-off, as `pto.port` says it
 
 
 def style(design: str, designs: Sequence[str]) -> dict[str, Any]:

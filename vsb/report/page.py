@@ -37,7 +37,11 @@ MEASURES = (
     ("damping", "damper [N s/m]", 1.0, ""),
     ("power_gain_percent", "gain of mean power [%]", 1.0, "+.1f"),
 )
-BODY_MEASURES = (("displacement_pp", "port, peak to peak [m]", 1.0, ""), *MEASURES[1:])
+BODY_MEASURES = (
+    ("displacement_pp", "port, peak to peak [m]", 1.0, ""),
+    ("velocity_pp", "port's velocity, peak to peak [m/s]", 1.0, ""),
+    *MEASURES[2:],
+)
 """Of a body, whose take-off acts on a port of its own."""
 DETAILS = (
     ("energy", "energy of the run [kJ]", 1e-3, ""),

@@ -36,6 +36,7 @@ def run(study: AnyStudy, trajectories: str, out: str, manifest: str, **files: st
         tuned=study.pto.damping is None,
         limit=f"limit {found.response.attrs.get('limit', 'λ/2π')}" if isinstance(study, Study) else "λ/2π",
         spectra=_spectra(study, found.plan.highest),
+        port=study.pto.port,
     )
     written: list[str] = []
     with mpl.rc_context():  # the caller's own figures keep their looks

@@ -158,9 +158,11 @@ _AT_VOLUME = {
 _AT_ROTATION = {
     "N s/m": "N m s", "rms force of the take-off [kN]": "rms moment of the take-off [kN m]",
     "rms force [kN]": "rms moment [kN m]", "limit of force [kN]": "limit of moment [kN m]", "1e3)} kN": "1e3)} kN m",
-    "the take-off's force": "the take-off's moment",
+    "the take-off's force": "the take-off's moment", "port, peak to peak [m]": "port, peak to peak [rad]",
+    "port's velocity, peak to peak [m/s]": "port's velocity, peak to peak [rad/s]",
+    "port's displacement [m]": "port's rotation [rad]", "port's velocity [m/s]": "port's velocity [rad/s]",
 }  # fmt: skip
-"""Likewise of moment and damper at a rotation."""
+"""Likewise of moment, damper and motion at a rotation."""
 
 
 def at_port(text: str, port: object) -> str:
