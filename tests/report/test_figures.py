@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from vsb.report.band import USEFUL
+from vsb.report.band import USEFUL, useful_band
 from vsb.report.canvas import StudyData
 from vsb.report.figures import absorbed_power, added_mass_damping, directions, energy_audit, radiation_kernel
 from vsb.report.shell_figures import mode_shapes
@@ -221,3 +221,18 @@ def test_coefficients_beside_those_of_rotations_say_so(labels, turns):
     database["added_mass_inf"] = database.added_mass.isel(omega=0)
     for ax in added_mass_damping(data(database=database)).axes:
         assert ("of rotations" in ax.get_ylabel()) == turns
+
+
+@pytest.mark.parametrize(("last", "first"), [(0.7, 0.3), (0.5, 0.06)])
+def test_a_band_below_that_of_seas_is_shown_whole(last, first):
+    """Of a body of hundreds of metres: what is left above 0.3 rad/s would be nothing, or next to nothing."""
+    omega = np.linspace(0.06, last, 50)
+    power = (("design", "omega"), np.array([1e3 * omega, 2e3 * omega]))
+    response = xr.Dataset(
+        {"best_power": power, "absorbed_power": power, "power_limit": ("omega", 1 / omega)},
+        coords={"design": ["FSB", "VSWEC"], "omega": omega},
+    )
+    (top, *_) = absorbed_power(data(response=response, wave_frequencies=())).axes
+    assert top.get_xlim() == pytest.approx((first, last))
+    assert np.isfinite(top.get_ylim()).all()
+    assert useful_band(response.best_power).values.tolist() == (omega >= max(first, 0.05 * last)).tolist()

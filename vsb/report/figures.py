@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vsb.report.band import LOWEST, useful_band
+from vsb.report.band import lowest, useful_band
 from vsb.report.body_figures import degrees_of_freedom, port_motion
 from vsb.report.canvas import (
     StudyData,
@@ -104,10 +104,11 @@ def _mark_waves(data: StudyData, axes: Iterable[Axes]) -> None:
 
 
 def _band(data: StudyData) -> tuple[float, float]:
-    """Frequencies shown: from `LOWEST` to where no design absorbs 1 % of its largest power, and the study's waves."""
+    """Frequencies shown: from the `lowest` on to where no design absorbs 1 % of its largest power, and all waves."""
     power = data.response.absorbed_power.max(dim="design")
     absorbs = power.omega.where(power > 0.01 * power.max(), drop=True) if float(power.max()) > 0 else power.omega
-    ends = np.array([LOWEST, float(absorbs.max()), *data.wave_frequencies])
+    last = float(absorbs.max())
+    ends = np.array([lowest(float(power.omega[0]), last), last, *data.wave_frequencies])
     return float(ends.min()), float(ends.max())
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from vsb.report.band import LOWEST
+from vsb.report.band import lowest
 from vsb.report.living import Grid, LivingSea, study_data, thinned
 from vsb.results.force_steps import SeenPort, force_steps
 from vsb.results.power import in_direction
@@ -62,7 +62,7 @@ def living_study(
     seas = [replace(sea, band=going.index(wave.direction)) for sea, wave in zip(seas, waves.values(), strict=True)]
     if pto.efficiency == 1:
         seas = seen.with_steps(seas, list(waves.values()), (low, highest))
-    shown = _band(in_direction(response, study.waves[0]), max(LOWEST, low), high)
+    shown = _band(in_direction(response, study.waves[0]), max(lowest(low, high), low), high)
     limit = np.interp(shown, response.omega.values, response.power_limit.values)
     bands, bound = [seen.grid(shown, towards) for towards in going], response.attrs.get("limit", "λ/2π")
     on = [seen.grid(*one) for one in grids]
