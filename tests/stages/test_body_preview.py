@@ -60,6 +60,17 @@ def test_what_would_fail_later_is_refused_in_one_line(finished, workplace, capsy
     assert {path.name for path in Path().iterdir()} == {"file", "a.yaml"}
 
 
+@pytest.mark.parametrize("stored", ["database_path", "radiation_path"])
+def test_a_stored_result_a_run_would_go_on_from_is_read_by_the_check(finished, workplace, capsys, stored):
+    """One that is damaged is told now, not after all before it was computed."""
+    Path("a.yaml").write_text(yaml.safe_dump(as_body(finished)))
+    found = located(as_body(finished), "a.yaml")
+    path = Path(getattr(BodyPlan(found.study, files=found.files), stored))
+    path.parent.mkdir(parents=True)
+    path.write_bytes(b"half")
+    assert told(["check", "a.yaml"], capsys).startswith(f"{path}: ")
+
+
 KNOWN = xr.Dataset(coords={"omega": [0.5, 1.0, 2.0], "wave_direction": [0.0, np.pi / 2]})
 
 

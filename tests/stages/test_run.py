@@ -102,11 +102,35 @@ def test_a_profile_of_the_users_own_is_named_by_its_path(workplace, monkeypatch)
             "target: received nowhere, needs one of all, coefficients, compare, database, ",
         ),
         (["results-of-another/report.html"], "target: received results-of-another/report.html, needs one of all, "),
+        (["database", "nowhere"], "target: received nowhere, needs one of all, coefficients, compare, database, "),
     ],
 )
 def test_what_snakemake_would_answer_with_pages_is_one_line(workplace, capsys, options, message):
     assert told(["run", written("study.yaml"), *options], capsys).startswith(message)
     assert not Path("results").exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--kep-going"], "unrecognized arguments: --kep-going, of snakemake; did you mean --keep-going?"),
+        (["--xyzzyq"], "unrecognized arguments: --xyzzyq, of snakemake"),
+        (["--retries"], ": expected one argument, of snakemake"),
+        (["--retries=--kep-going"], ": invalid int value: '--kep-going', of snakemake"),
+        (["database", "coeficients"], r"results; did you mean coefficients?"),
+        (["nowhere"], "or a file in results"),
+    ],
+)
+def test_of_what_snakemake_does_not_know_the_nearest_is_told_if_there_is_one(workplace, capsys, options, message):
+    assert told(["run", written("study.yaml"), *options], capsys).endswith(message)
+
+
+@pytest.mark.parametrize("options", [["database", "results/a/report.html"], ["--version"]])
+def test_targets_files_among_the_results_and_what_snakemake_only_tells_go_through(workplace, monkeypatch, options):
+    seen = []
+    monkeypatch.setattr(launcher, "finished", lambda command, **_: seen.extend(command) or 0)
+    assert main(["run", written("study.yaml"), *options, "-n"]) == 0
+    assert set(options) <= set(seen)
 
 
 @pytest.mark.parametrize(("number", "code"), [("TERM", 143), ("INT", 130), ("HUP", 129)])

@@ -5,6 +5,7 @@ import json
 import re
 from contextlib import chdir
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 import yaml
@@ -17,6 +18,7 @@ from vsb.report.side_by_side import as_csv, as_text
 from vsb.stages.side_by_side import _width, compare, lines
 from vsb.study.study import canonical
 from vsb.tools.files import load
+from vsb.tools.stamps import record
 
 
 @pytest.fixture(scope="module")
@@ -62,6 +64,30 @@ def test_a_campaign_is_told_over_its_year(year):
         assert one.gain_percent == pytest.approx(float(at.gain_percent))
         assert one.capture_width == pytest.approx(float(at.capture_width))
         assert one.damping > 0
+
+
+def test_a_campaign_that_varies_nothing_is_one_point(tmp_path):
+    plan = planned(with_seas(tmp_path, (1.0, 6.0)))
+    batches(plan)
+    gather(plan)
+    ds = load(plan.data_path, expected=plan.campaign_id).sel(tuning="one")
+    found = lines([plan])
+    assert [(one.design, one.point) for one in found] == [(str(design), "") for design in ds.design.values]
+    assert [one.annual_energy for one in found] == pytest.approx(list(ds.annual_energy.values))
+
+
+def test_what_has_no_best_damper_is_told_as_it_was_run(small, tmp_path):
+    """Without hydrodynamics, say: under its own damper, without a width; a gain or damper it has not is none."""
+    names = ("design", "wave", "power_mean", "power_gain_percent", "damping")
+    rows = [("A", "calm", 10.0, "", 5.0), ("B", "calm", 30.0, 200.0, ""), ("B", "high", 0.0, float("nan"), 7.0)]
+    path, manifest = tmp_path / "tables.json", str(tmp_path / "manifest.json")
+    found = {"equal_tuning": [], "comparison": [dict(zip(names, row, strict=True)) for row in rows]}
+    path.write_text(json.dumps(found))
+    record(manifest, small.study_id, [str(path)])
+    plan = SimpleNamespace(folder=str(tmp_path), manifest=manifest, study_id=small.study_id, study=small.study)
+    told = [(one.design, one.sea, one.power_mean, one.gain_percent, one.damping) for one in lines([plan])]
+    assert told == [("A", "calm", 10.0, None, 5.0), ("B", "calm", 30.0, 200.0, None), ("B", "high", 0.0, None, 7.0)]
+    assert {(one.tuning, one.capture_width, one.annual_energy) for one in lines([plan])} == {("fixed", None, None)}
 
 
 def test_studies_and_campaigns_stand_in_one_table(small, year):

@@ -13,6 +13,8 @@ import pytest
 import yaml
 from conftest import SMALL as RAW
 from conftest import SMALL_PLAN as PLAN
+from stages.test_coefficients import as_body
+from stages.test_members import planned, with_seas
 from tools.test_files import rewritten
 
 from vsb.cli import main
@@ -20,6 +22,8 @@ from vsb.errors import DatabaseError, VsbError
 from vsb.stages import figures, report, simulate
 from vsb.stages.verify import _more, _other_faults, differences, stale_products, study_faults, verify
 from vsb.study import study as config
+from vsb.study.body import located
+from vsb.study.body_plan import BodyPlan
 from vsb.study.plan import StudyPlan
 from vsb.study.study import content_id
 from vsb.tools.files import load, read_groups
@@ -324,6 +328,25 @@ def test_a_folder_is_verified_whole(place):
         verify("small.yaml", heal=False)
 
 
+def test_healing_stamps_what_is_of_before_removes_what_is_damaged_and_says_so(place):
+    assert verify("small.yaml", heal=True) == ["small.yaml: all is sound"]
+    rewritten(PLAN.database_path, lambda file: file.delncattr("checksum"))
+    scaled("velocity", 2.0)(FSB)
+    *healed, makes = verify("small.yaml", heal=True)
+    assert sorted(line.partition(": ")[0] for line in healed) == [f"removed {FSB}", f"stamped {PLAN.database_path}"]
+    assert makes == "vsb run small.yaml makes 2 files"
+    assert "checksum" in load(PLAN.database_path).attrs
+    assert not Path(FSB).exists()
+    assert verify("small.yaml", heal=True) == ["vsb run small.yaml makes 1 files"]
+
+
+def test_where_there_are_no_databases_healing_writes_no_index_of_them(place):
+    shutil.rmtree("results/hydro")
+    scaled("velocity", 2.0)(FSB)
+    assert verify("results/small", heal=True)[0].startswith(f"removed {FSB}: ")
+    assert not Path("results/hydro").exists()
+
+
 def test_what_is_half_written_is_nobodys_and_what_is_named_by_another_id_is_foreign(place):
     """A file named by an id holds it; what begins with a dot is being written, and replaced as a whole."""
     Path(PLAN.folder, ".half.nc").write_bytes(b"half")
@@ -418,6 +441,20 @@ def test_what_a_changed_study_replaces_is_said(tmp_path):
     assert differences(many).endswith(" (and 2 more)")
     Path(before.folder, "study.json").write_text("{")
     assert differences(planned(pto={"damping": 9000.0})) == ""
+
+
+def test_a_body_changes_as_a_study_does_and_a_campaign_of_its_name_is_none(finished, tmp_path):
+    def body(**changes):
+        found = located(as_body(finished, **changes), "a.yaml")
+        return BodyPlan(found.study, root=str(tmp_path / "results"), files=found.files)
+
+    campaign = planned(with_seas(tmp_path, (1.0, 6.0)), name="general")
+    assert campaign.folder == body().folder
+    Path(body().folder).mkdir(parents=True)
+    Path(body().folder, "study.json").write_text(config.canonical(body().study))
+    assert differences(body()) == ""
+    assert differences(body(pto={"damping": 9000.0})) == "pto.damping 8000.0 -> 9000.0"
+    assert differences(campaign) == ""
 
 
 def test_of_missing_files_the_first_by_name_is_told_and_the_others_are_counted(tmp_path, monkeypatch):
