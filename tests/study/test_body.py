@@ -49,7 +49,18 @@ def study(**changes):
         ({"pto": {"port": "volume"}}, "pto.port: is of the spherical shell; needs {dof: NAME}"),
         ({"pto": {"port": {"colatitude": 90}}}, "pto.port: is of the spherical shell"),
         ({"pto": {"port": {"dofs": {"Heave": 0}}}}, "needs a share that is not zero"),
-        ({"simulation": {"method": "exponential"}}, "simulation.method 'exponential': cannot follow this body"),
+        (
+            {"simulation": {"method": "exponential"}},
+            "simulation.method 'exponential': cannot follow this body and take-off; needs auto, exact, convolution or ",
+        ),
+        *(
+            (
+                {"pto": {"port": {"dof": "Heave"}, **pto}, "simulation": {"method": method}},
+                f"simulation.method '{method}': cannot follow this body and take-off; needs auto$",
+            )
+            for pto in ({"force_limit": 1e5}, {"law": "latching"})
+            for method in ("exact", "convolution")
+        ),
         ({"body": {}}, "received no source; needs one of file, database, wamit, bemio"),
         ({"body": {"wamit": "a", "bemio": "b"}}, "received wamit and bemio; needs one of"),
         ({"body": {"bemio": "b", "length": 2.0}}, "length 2 m: is WAMIT's ULEN, which bemio does not have"),

@@ -104,6 +104,8 @@ WAVE = {"kind": "regular", "amplitude": 0.1, "period": 3.0}
         ({"mooring": ASIDE}, r"mooring: received 5 between surge and sway, which motion 'planar' does not have; needs 0"),
         ({"mooring": [[1.0] * 6, *[1.0] * 5]}, r"mooring.1: received 1.0; needs a list"),
         ({"mooring": [1.0] * 5}, r"mooring: received .*; needs six rows of six numbers, or the six"),
+        ({"mooring": 5.0}, r"mooring: received 5.0; needs six rows of six numbers, or the six"),
+        ({"mooring": "strong"}, r"mooring: received 'strong'; needs six rows of six numbers, or the six"),
         ({"pto": {"port": {"line_to": [9.0, 1.0]}}}, r"pto.port.line_to: received z = 1 m; needs one below still water"),
         ({"pto": {"port": LINE}, "water": {"depth": 10.0}}, r"pto.port.line_to: received z = -20 m; needs one below"),
         ({"pto": {"port": {**LINE, "line_from": [0.0, -3.0]}}}, r"pto.port.line_from: .*needs a point inside the sphere"),

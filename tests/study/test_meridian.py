@@ -112,6 +112,13 @@ def test_what_bounds_no_body_is_refused(points, message):
         through(tuple((float(x), float(z)) for x, z in points), 1.0)
 
 
+@pytest.mark.parametrize("turned", [-1.0, 1.0])
+def test_a_meridian_that_leaves_a_pole_along_the_axis_is_refused(turned):
+    """Of the radius sin t (1 - cos t) the slope is 0 at the top, of sin t (1 + cos t) at the keel: a cusp each."""
+    with pytest.raises(ValueError, match=r"crosses the axis near .*; needs one clear of it between its poles"):
+        RestMeridian((1.0, turned / 2), (0.0, 1.0))
+
+
 def test_a_meridian_that_meets_the_axis_is_refused():
     with pytest.raises(ValueError, match=r"crosses the axis near \(-0.5, "):
         RestMeridian((1.0, 0.0, 1.5), (0.0, 1.0))

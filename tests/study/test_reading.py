@@ -22,6 +22,12 @@ from vsb.tools.shipped import HOME
 from vsb.tools.words import shortened
 
 
+def test_merged_mappings_are_no_key_given_twice(written):
+    """What stands in a mapping itself goes before what is merged into it."""
+    text = "a: &a {radius: 2, mass: 1}\nb: &b {depth: 9}\nboth: {<<: *a, <<: *b, mass: 3}\n"
+    assert reading.read_yaml(written(text), "a study file")["both"] == {"radius": 2, "mass": 3, "depth": 9}
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

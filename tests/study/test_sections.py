@@ -68,6 +68,8 @@ BAD = [
     (("waves",), [{"kind": "white_noise", "hs": 1, "band": [2.0, 20.0]}], r"waves.0.band .*needs at most hydro.omega_max = 12"),
     (("water", "depth"), 1e5, r"water.depth: .*needs at most 20000 m, or .inf for deep water"),
     (("hydro",), {"power_tolerance": 0.1}, r"power_tolerance 0.1: only model auto has one"),
+    (("hydro",), {"model": "assumed_pressure"}, r"hydro: pressure: missing; model assumed_pressure needs its amplitude in Pa"),
+    (("hydro",), {"pressure": 0.0}, r"hydro: pressure 0 Pa: only model assumed_pressure has one; remove it"),
     (("hydro",), {"model": "auto", "power_tolerance": 0.9}, r"hydro.power_tolerance: received 0.9"),
     (("waves",), [{"kind": "jonswap", "hs": 1, "tp": 0.4}], r"waves.0 jonswap_Hs1_Tp0.4_g3.3_s1: the wave is too short"),
     (("waves",), [{"kind": "jonswap", "hs": 1, "tp": 8, "gamma": 0.5}], r"waves.0.gamma: received 0.5; needs a number of at least 1"),

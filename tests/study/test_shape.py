@@ -102,6 +102,8 @@ def test_a_profile_that_is_none_is_one_line(tmp_path, text, message):
         ({"spheroid": {"height": 0.5}}, {"device": {"thickness": 0.01}}, "a tenth of the shape's least radius of curv"),
         (OBLATE, {"device": {"draft": 3.5}}, r"device.draft: received 3.5, needs more than 0 and less than the height"),
         (OBLATE, {"device": {"draft": True}}, "device.draft: received True"),
+        (OBLATE, {"device": {"draft": "deep"}}, "device.draft: received 'deep', needs more than 0 and less than the h"),
+        (OBLATE, {"device": {"draft": 0}}, "device.draft: received 0, needs more than 0 and less than the height, 3 m"),
         (OBLATE, {"device": {"mass": 1e6}}, "the buoy would sink; needs less than 25761"),
         (OBLATE, {"hydro": {"model": "auto"}}, "hydro.model 'auto': is known of the sphere alone"),
         (OBLATE, {"hydro": {"model": "assumed_pressure", "pressure": 1e3}}, "'assumed_pressure': is known of the sph"),
