@@ -232,6 +232,16 @@ def test_every_part_of_the_estimate_counts_alone(part, name, expected):
     assert found == pytest.approx(expected, abs=1e-15)
 
 
+def test_a_body_that_feels_no_waves_has_an_error_of_its_added_mass_alone():
+    own = synthetic(0.0).drop_vars("excitation_force").assign(added_mass=synthetic(1.0).added_mass)
+    fewer = synthetic(0.0).assign(added_mass=0.9 * synthetic(1.0).added_mass)
+    waves = synthetic(0.0)[["radiation_damping", "excitation_force"]]
+    limits = [xr.Dataset({"added_mass_inf": (("influenced_dof", "radiating_dof"), [[1.0]])}) for _ in range(2)]
+    limits[0].attrs["resolution_ratio"] = 1.6
+    found = error_estimate([Block(own, fewer, waves)], Block(*limits, xr.Dataset()), np.ones(1))
+    assert found == pytest.approx(0.1 / 0.6, abs=1e-15)
+
+
 @pytest.mark.parametrize("depth", [5.0, np.inf])
 def test_forces_are_measured_in_those_of_a_unit_wave_on_the_surface_over_the_middle(depth):
     """By size, of phase k (x cos b + y sin b), whatever the depth of the middle."""

@@ -14,7 +14,7 @@ from vsb.hydro.panels import rings as bem
 from vsb.hydro.panels.mesh import mean_mesh
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.shell.deformed import rigid_sphere
-from vsb.tools.stamps import read_manifest
+from vsb.tools.stamps import read_manifest, record
 from vsb.waves.dispersion import group_velocity
 
 DEGREES = tuple(range(7))
@@ -74,6 +74,17 @@ def test_a_table_that_is_not_the_one_written_is_one_line(green_folder, tmp_path,
         return
     with pytest.raises(DatabaseError, match=r"its contents are not those it was .*; delete the folder .*green and run"):
         bem.green_function(place)
+
+
+@pytest.mark.parametrize("wrong", ["one", "other"])
+def test_every_table_of_a_folder_must_be_the_one_written(tmp_path, wrong):
+    tables = [tmp_path / "one.npz", tmp_path / "other.npz"]
+    for table in tables:
+        table.write_bytes(table.name.encode())
+    record(tmp_path / "manifest.json", bem.panel_solver(), tables)
+    (tmp_path / f"{wrong}.npz").write_bytes(b"another")
+    with pytest.raises(DatabaseError, match=rf"{wrong}\.npz: its contents are not those it was .*; delete the folder"):
+        bem.green_function(tmp_path)
 
 
 def test_rings_equal_capytaines_full_solution_to_round_off(green):
