@@ -4,7 +4,9 @@ import gzip
 import hashlib
 from pathlib import Path
 
+import numpy as np
 import pytest
+import xarray as xr
 
 from vsb.errors import ConfigError
 from vsb.stages.climate import read_climate
@@ -32,6 +34,18 @@ def test_text_of_a_buoy(short):
     climate = read_climate(spec(short, "spectra"), str(short))
     assert len(climate.hs) == 48 - sum("999" in line for line in short.read_text().splitlines()[1:])
     assert climate.hours.sum() == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("form", ["NETCDF3_CLASSIC", "NETCDF4"])
+def test_spectra_in_netcdf_are_known_by_how_the_file_begins(tmp_path, form):
+    """Whatever it is called: a triangle of 2 or 8 m^2/Hz from 0.1 to 0.2 Hz has an area of 0.1 or 0.4 m^2."""
+    path, hertz = tmp_path / "seas.txt", np.linspace(0.1, 0.2, 21)
+    density = np.outer([2.0, 8.0], 1 - np.abs(np.linspace(-1, 1, 21)))
+    times = np.array(["1996-01-01T00", "1996-01-01T01"], "datetime64[ns]")
+    ds = xr.Dataset({"efth": (("time", "freq"), density, {"units": "m2/Hz"})}, {"time": times, "freq": hertz})
+    ds.to_netcdf(path, engine="netcdf4", format=form)
+    climate = read_climate(spec(path, "spectra"), str(path))
+    assert sorted(climate.hs) == pytest.approx([4 * np.sqrt(0.1), 4 * np.sqrt(0.4)])
 
 
 def test_a_table_is_of_the_form_planned():

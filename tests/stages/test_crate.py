@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 from conftest import SMALL_PLAN as PLAN
+from stages.test_members import planned, with_seas
 
 from vsb.cli import main
 from vsb.errors import VsbError
@@ -96,6 +97,21 @@ def test_what_is_not_as_it_should_be_is_not_packed(finished, tmp_path, monkeypat
     with pytest.raises(VsbError, match=message + r".*vsb run small\.yaml makes it"):
         crate("small.yaml", "small.zip")
     assert not Path("small.zip").exists()
+
+
+def test_of_all_that_is_missing_the_first_is_told_and_the_others_are_counted(finished, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(finished / "small.yaml", "small.yaml")
+    first, *others = sorted({*PLAN.products, PLAN.manifest})
+    line = f"{first}: is not there (and {len(others)} more); vsb run small.yaml makes it"
+    with pytest.raises(VsbError, match=f"^{re.escape(line)}$"):
+        crate("small.yaml", "small.zip")
+
+
+def test_results_of_a_campaign_are_named_so(tmp_path):
+    plan, path = planned(with_seas(tmp_path, (1.0, 6.0))), tmp_path / "sweep.yaml"
+    root = metadata(plan, {path.name: str(path)}, path.name, None, None)["@graph"][1]
+    assert root["name"] == "campaign sweep: flexible against rigid in waves"
 
 
 def test_the_metadata_are_a_text_people_can_read_dated_by_the_newest_file(small, tmp_path):

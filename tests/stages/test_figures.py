@@ -32,6 +32,19 @@ def test_every_figure_is_drawn_as_before_and_the_callers_looks_stay(small, tmp_p
         assert "nan" not in drawn.lower().replace("dominant", ""), name
 
 
+def test_each_irregular_sea_has_a_spectrum_of_its_own_and_others_none(seed):
+    """Its area is Hs^2/16; frequencies are of all: from half the lowest of the longest sea."""
+    waves = [{"kind": "jonswap", "hs": hs, "tp": tp} for hs, tp in ((1.0, 6.0), (3.0, 9.0))]
+    others = [{"kind": "still"}, {"kind": "regular", "amplitude": 0.1, "period": 5.0}]
+    study = varied(seed, waves=[others[0], *waves, others[1]])
+    found = figures._spectra(study, 20.0)
+    assert list(found.sea.values) == [wave.description for wave in study.waves[1:3]]
+    assert found.integrate("omega").values == pytest.approx([1 / 16, 9 / 16], rel=0.01)
+    lowest = min(wave.reach[0] for wave in study.waves[1:3])
+    assert found.omega.values[[0, -1]] == pytest.approx([lowest / 2, 20.0])
+    assert figures._spectra(varied(seed, waves=others), 20.0).ndim == 0
+
+
 def test_the_period_of_still_water_is_that_of_the_slowest_free_motion(seed):
     still, wave = varied(seed, waves=[{"kind": "still"}]).waves[0], seed.waves[0]
     response = xr.Dataset({"wet_natural_frequency": ("wet_mode", [3.0, 1.5])})
