@@ -414,3 +414,22 @@ def test_finite_depth_is_refused(small, reference):
     shallow = varied(small, water={"depth": 20.0})
     with pytest.raises(ConfigError, match=r"water\.depth: received 20 m"):
         shapedependence.study_family(shallow, reference)
+
+
+@pytest.mark.parametrize(
+    "pto",
+    [
+        {"damping": None, "tuning": "each"}, {"damping": {"FSB": 1.0, "VSWEC": 2.0}}, {"port": "volume"}, {"stiffness": 1.0},
+        {"tuning": "each"}, {"efficiency": 0.7}, {"law": "coulomb", "force_limit": 1.0}, {"law": "latching"},
+        {"stroke_limit": 1.0},
+    ],
+    ids=str,
+)  # fmt: skip
+def test_a_slope_of_power_is_of_one_damper_on_heave_alone(small, pto):
+    """Whatever else a take-off has would be left out without a word."""
+    assert shapedependence.given_damper(small) == small.pto.damping
+    other = small.model_copy(update={"pto": small.pto.model_copy(update=pto)})
+    with pytest.raises(
+        ConfigError, match=r"pto: received .*; shape dependence needs one damping, on heave, and no more"
+    ):
+        shapedependence.given_damper(other)

@@ -29,6 +29,7 @@ from vsb.scenes.rest import design_motions, reference_shell
 from vsb.shell.loaded import equilibrium
 from vsb.shell.reference import ReferenceShell
 from vsb.study.study import RegularWave, StillWater, Study, canonical
+from vsb.study.take_off import Pto
 from vsb.tools.units import FloatArray, described
 from vsb.waves.seas import Sea, sea
 
@@ -61,7 +62,7 @@ def linear_buoy(study: Study, reference: ReferenceShell, family: ShapeFamily) ->
 def given_damper(study: Study) -> float:
     """Return the damper of a study whose take-off is one given damper on heave; `ConfigError` if it is another."""
     pto = study.pto
-    if not isinstance(pto.damping, float) or (pto.tuning, pto.stiffness, pto.port) != ("fixed", 0.0, "heave"):
+    if not isinstance(pto.damping, float) or pto != Pto(damping=pto.damping):
         raise ConfigError(f"pto: received {canonical(pto)}; shape dependence needs one damping, on heave, and no more")
     return pto.damping
 
