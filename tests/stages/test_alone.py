@@ -5,7 +5,7 @@ import fcntl
 import pytest
 
 from vsb.errors import VsbError
-from vsb.stages.alone import alone, sharing
+from vsb.stages.alone import alone, nobody_else, sharing
 
 
 def test_a_second_run_is_told_to_wait_and_may_begin_when_the_first_has_ended(tmp_path):
@@ -30,6 +30,20 @@ def test_a_dry_run_neither_waits_nor_writes(tmp_path):
         assert handles == []
     assert not (tmp_path / "none").exists()
     with alone(tmp_path), alone(tmp_path, waits=False):
+        pass
+
+
+def test_whoever_holds_all_folders_is_refused_where_one_is_held_and_lets_go_of_the_others(tmp_path):
+    for name in ("a", "b"):
+        with alone(tmp_path / name):
+            pass
+    with alone(tmp_path / "b"), pytest.raises(VsbError, match=r"b: another run is at work in this folder"):
+        nobody_else(tmp_path).__enter__()
+    with nobody_else(tmp_path):
+        for name in ("a", "b"):
+            with pytest.raises(VsbError, match=f"{name}: another run is at work in this folder"):
+                alone(tmp_path / name).__enter__()
+    with alone(tmp_path / "a"), alone(tmp_path / "b"):
         pass
 
 

@@ -108,6 +108,8 @@ def test_what_no_damper_says_is_not_offered(small):
     dragged = varied(small.study, drag={"heave": {"coefficient": 1.0, "area": 12.0}})
     for study in (still, lossy, dry, dragged):
         assert living(small, study) is None
+    for pto in ({"stiffness": 100.0}, {"efficiency": 0.8}):  # a spring or losses alone leave the damper's power known
+        assert living(small, varied(small.study, pto=pto)) is not None
 
 
 def test_the_whole_page_has_no_errors_and_fits_a_phone(small, tmp_path):

@@ -136,6 +136,10 @@ def test_seas_are_told_in_words(seed):
         waves = [{"kind": "regular", "amplitude": 0.1, "period": period}]
         (dry,) = report._seas(varied(paper, published=None, waves=waves)).values()
         assert dry.endswith(f" Pa and {period:g} s period")
+    waves = [{"kind": "still"}, *({"kind": "regular", "amplitude": 0.1, "period": period} for period in (2.5, 7.0))]
+    still, *others = report._seas(varied(paper, published=None, waves=waves)).values()
+    assert still == "still water"
+    assert [words.partition(" Pa and ")[2] for words in others] == ["2.5 s period", "7 s period"]
 
 
 @pytest.mark.parametrize("width", [1100, 360])

@@ -207,6 +207,10 @@ def test_of_a_run_shown_as_one_line_what_nobody_saw_is_kept_if_no_rule_says_what
     log.write_text("Traceback\nMemoryError: no room\n\n")
     assert launcher._failed(plan, 0.0, TOLD.splitlines(keepends=True)) == 1
     assert capsys.readouterr().err == begins + "simulate ended with MemoryError: no room; " + ends
+    other = TOLD.replace(str(log), "results/logs/radiation.log").replace("simulate", "radiation")
+    assert launcher._failed(plan, 0.0, (TOLD + other).splitlines(keepends=True)) == 1
+    both = "simulate ended with MemoryError: no room; " + killed.replace("simulate", "radiation")
+    assert capsys.readouterr().err == begins + both + ends
     log.write_text("vsb: error: device.mass: too heavy\n")
     assert launcher._failed(plan, 0.0, ["Building DAG\n"]) == 2
     assert capsys.readouterr().err == "vsb: error: device.mass: too heavy\n"
@@ -390,6 +394,14 @@ def test_a_plugin_that_is_missing_is_named_as_pip_knows_it(workplace, capsys):
     line = told(["run", written("study.yaml"), "--profile", "./mine"], capsys)
     needed = "which is not installed; needs pip install snakemake-executor-plugin-cluster-nowhere"
     assert line.removeprefix("vsb: ").strip() == f"mine/config.yaml: executor: received cluster-nowhere, {needed}"
+
+
+def test_the_plugin_of_slurm_comes_with_an_extra_of_vsb(workplace, monkeypatch, capsys):
+    monkeypatch.setattr(launcher, "find_spec", lambda name: None)
+    Path("mine").mkdir()
+    Path("mine/config.yaml").write_text("executor: slurm")
+    line = told(["run", written("study.yaml"), "--profile", "./mine"], capsys)
+    assert line.endswith("executor: received slurm, which is not installed; needs pip install 'vsb[slurm]'")
 
 
 def test_a_run_that_failed_tells_of_its_own_logs_only(workplace, monkeypatch, capsys):

@@ -23,12 +23,14 @@ PROFILE = yaml.safe_load((HOME / "profiles" / "slurm" / "config.yaml").read_text
 QUEUE = """7 vsb-seed-31_aa
 8 vsb-seed-312_bb
 9 other
-12 vsb-seed-31_cc d"""
+12 vsb-seed-31_cc d
+13
+14 \n"""
 
 
 @pytest.fixture
 def queue(tmp_path, monkeypatch):
-    """A queue of four jobs; what is cancelled stands in a file."""
+    """A queue of six jobs, two of which have no name; what is cancelled stands in a file."""
     for name, text in {"squeue": f"cat <<'E'\n{QUEUE}\nE", "scancel": f'echo "$@" > {tmp_path}/cancelled'}.items():
         (tmp_path / name).write_text(f"#!/bin/sh\n{text}\n")
         (tmp_path / name).chmod(0o755)
@@ -39,6 +41,12 @@ def queue(tmp_path, monkeypatch):
 def test_only_a_runs_own_jobs_are_cancelled(queue):
     assert slurm.cancel("vsb-seed-31") == 2
     assert queue.read_text() == "7 12\n"
+
+
+@pytest.mark.parametrize("given", [{"mem_mb": "500", "runtime": "5"}, ["mem_mb=500", "runtime=5"]])
+def test_default_resources_are_a_mapping_a_list_or_none(given):
+    assert slurm.resources({"default-resources": given}) == {"mem_mb": "500", "runtime": "5"}
+    assert slurm.resources({}) == slurm.resources({"default-resources": None}) == {}
 
 
 def test_nothing_is_cancelled_where_there_is_nothing(queue):

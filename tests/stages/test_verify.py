@@ -195,6 +195,15 @@ def test_of_what_studies_share_a_run_removes_what_nobody_promised_and_names_noth
     assert Path(path).exists() == refused
 
 
+def test_a_dry_run_removes_nothing(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    Path(OTHER).parent.mkdir(parents=True)
+    Path(OTHER).write_text("-")
+    monkeypatch.setattr("vsb.stages.verify.study_faults", lambda plan: [Fault(OTHER, "nameless", "why")])
+    assert stale_products(PLAN, dry=True) == []
+    assert Path(OTHER).exists()
+
+
 @pytest.mark.parametrize(
     ("changes", "stale"),
     [

@@ -104,7 +104,7 @@ def cancel(prefix: str) -> int:
     listed = subprocess.run(
         ["squeue", "--me", "--noheader", "--format=%i %j"], capture_output=True, text=True, check=False
     )
-    jobs = [line.split(maxsplit=1) for line in listed.stdout.splitlines() if " " in line]
+    jobs = [line.partition(" ")[::2] for line in listed.stdout.splitlines()]
     mine = [number for number, name in jobs if name.startswith(f"{prefix}_")]
     if mine:
         subprocess.run(["scancel", *mine], capture_output=True, check=False)
