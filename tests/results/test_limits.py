@@ -267,3 +267,25 @@ def test_a_port_that_no_design_moves_is_within_its_limit_of_nothing():
     assert (ledger.limit_check(still).value, ledger.limit_check(still).verdict) == (0.0, "ok")
     one = still.assign(absorbed_power=(("design", "omega"), [[0.0, 3.0]]), power_limit=("omega", [0.0, 2.0]))
     assert (ledger.limit_check(one).value, ledger.limit_check(one).verdict) == (1.5, "fail")
+
+
+def test_each_regular_wave_under_an_assumed_pressure_has_the_most_that_is_taken_of_it(seed):
+    """Each by its own limit, at most what its best design takes; an irregular sea and still water have none."""
+    short = WAVE.model_copy(update={"period": WAVE.period / 2})
+    seas = [WAVE.model_dump(), {"kind": "still"}, short.model_dump()]
+    pressure = 0.3 * 1025 * 9.81
+    assumed = varied(seed, hydro={"model": "assumed_pressure", "pressure": pressure}, waves=seas)
+    limits = [power_limit(one.omega, np.inf, 1025.0, 9.81) * 0.3**2 for one in (WAVE, short)]
+    shares = {WAVE.label: {"FSB": 0.7, "VSWEC": 0.2}, short.label: {"FSB": 1.1, "VSWEC": 1.4}, "still": {"FSB": 0.0}}
+    size = dict(zip((WAVE.label, short.label, "still"), [*limits, 0.0], strict=True))
+    rows = [
+        {"design": d, "wave": wave, "power_mean": share * size[wave]}
+        for wave, own in shares.items()
+        for d, share in own.items()
+    ]
+    found = ledger.assumed_pressure_checks(assumed, rows)
+    assert [(check.wave, check.design, check.verdict) for check in found] == [
+        (WAVE.label, "FSB", "ok"),
+        (short.label, "VSWEC", "fail"),
+    ]
+    assert [check.value for check in found] == pytest.approx([0.7, 1.4])

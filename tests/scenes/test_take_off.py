@@ -22,7 +22,7 @@ from vsb.scenes.afloat import Afloat
 from vsb.scenes.build import SCENES
 from vsb.scenes.pause import BestPause
 from vsb.scenes.rest import check_spring, reference_shell
-from vsb.scenes.take_off import LAWS, tuned_take_off, with_take_off
+from vsb.scenes.take_off import LAWS, end_stop, tuned_take_off, with_take_off
 from vsb.study.study import load
 from vsb.study.take_off import Pto
 from vsb.study.waves import RegularWave
@@ -68,6 +68,18 @@ def test_the_end_stop_is_stiff_and_critically_damped_with_what_moves(plant):
     given_way = np.abs(motion.position[:, 0]).max() - 0.2
     lossless = np.abs(motion.velocity[:, 0]).max() / np.sqrt(stop.stiffness * inverse)  # V sqrt(m/k)
     assert 0.2 * lossless < given_way < 0.6 * lossless  # 1/e of it where damping is critical, the waves' push besides
+
+
+def test_an_end_stop_where_nothing_holds_the_port_is_refused(plant):
+    """A spring beside it would; the port of a motion that is held elsewhere does not drift."""
+    adrift = replace(plant, forces=plant.forces | {"hydrostatic": Spring(np.diag([0.0, 400.0]))})
+    with pytest.raises(
+        ConfigError, match=r"pto.stroke_limit: nothing holds this port at rest, so that no stroke counts"
+    ):
+        end_stop(adrift, np.array([1.0, 0.0]), 0.2)
+    moored = replace(adrift, forces=adrift.forces | {"mooring": Spring(np.diag([7.0, 0.0]))})
+    assert end_stop(moored, np.array([1.0, 0.0]), 0.2).stiffness == pytest.approx(100 * 7.0)
+    assert end_stop(adrift, np.array([0.0, 1.0]), 0.2).stiffness == pytest.approx(100 * 400.0)
 
 
 # springs and tuned dampers -------------------------------------------------------------------------------------------
