@@ -278,3 +278,19 @@ def test_power_under_limits_is_a_line_along_the_limit_of_the_point_shown():
     assert [to_hex(line.get_color()) for line in lines] == [colour(design) for design in DESIGNS]
     for line in lines:
         np.testing.assert_allclose(line.get_xydata(), [[0.5, 1.0], [1.0, 2.0], [1.5, 3.0]])
+
+
+def test_a_map_of_values_told_in_any_order_is_that_of_values_in_order():
+    """Its cells lie side by side, each with its own gain."""
+    ds = campaign(np.array([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]]), modulus=(1e6, 2e6, 3e6))
+    shuffled = ds.isel(young_modulus=[2, 0, 1], thickness=[1, 0])
+    first, second = (sweep(one, "one", "FSB").axes[0].collections[0] for one in (ds, shuffled))
+    np.testing.assert_array_equal(second.get_array(), first.get_array())
+    np.testing.assert_array_equal(second.get_coordinates(), first.get_coordinates())
+    assert (np.diff(second.get_coordinates()[0, :, 0]) > 0).all()
+
+
+def test_figures_of_a_take_off_that_turns_are_of_moments():
+    ds = campaign(port="pitch")
+    labels = [figure(ds, "one", "FSB").axes[0].get_xlabel() for figure in (tuned_power, pareto)]
+    assert labels == ["damper [N m s]", "rms moment of the take-off [kN m]"]

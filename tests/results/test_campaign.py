@@ -11,6 +11,7 @@ from stages.test_members import planned, with_seas
 from vsb.results.campaign import as_csv, damper, gathered, stacked
 from vsb.study.campaign_plan import members
 from vsb.study.year_options import CONSTRAINED
+from vsb.tools.units import described
 
 
 @pytest.fixture
@@ -55,3 +56,20 @@ def test_what_is_missing_is_an_empty_cell_and_truth_a_word(held):
     }
     assert [row["tuning"] for row in missing] == ["fixed", "one", "each"]
     assert len(rows) == 12
+
+
+@pytest.mark.parametrize(
+    ("port", "unit"),
+    [
+        ("heave", "N s/m"), ("volume", "Pa s/m^3"), ("pitch", "N m s"), ({"dofs": {"Pitch": 1.0}}, "N m s"),
+        ({"dofs": {"Pitch": 1.0, "Heave": 1.0}}, "N s/m"), ({"between": [0.0, 90.0]}, "N s/m"),
+    ],
+    ids=str,
+)  # fmt: skip
+def test_dampers_of_a_campaign_have_the_unit_of_its_port(held, port, unit):
+    """Force, pressure or moment over what the take-off moves at."""
+    plan, found = held
+    base = plan.campaign.base | {"pto": plan.campaign.base["pto"] | {"port": port}}
+    spec = plan.campaign.model_copy(update={"base": base})
+    ds = described(gathered(spec, [stacked([made_up(one)], [one.id]) for one in found]))
+    assert ds.damping.attrs["units"] == unit

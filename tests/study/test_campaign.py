@@ -68,6 +68,10 @@ def test_the_climate_counts_by_its_contents(folder):
         ({"constrained": {"seconds": 5}, "tuning": ["one"]}, "constrained: received without that tuning; needs const"),
         ({"constrained": {"seconds": 5}}, "constrained: received without that tuning; needs constrained among tuning"),
         (
+            {"vary": {"pto.port": ["pitch", "heave"]}},
+            "vary.pto.port: received heave, pitch, whose dampers and forces have other units; needs pitch alone, or",
+        ),
+        (
             {"vary": {"pto.port": ["volume", "heave"]}},
             "vary.pto.port: received heave, volume, whose dampers and forces have other units; needs volume alone, or",
         ),
@@ -183,6 +187,6 @@ def test_dampers_of_designs_are_scaled_as_dampers():
     }
 
 
-@pytest.mark.parametrize("ports", [["volume"], ["heave"], ["heave", "pitch"]])
+@pytest.mark.parametrize("ports", [["volume"], ["heave"], ["heave", "surge"], ["pitch"]])
 def test_ports_of_one_unit_may_be_varied(folder, ports):
     assert load(written(folder, vary={"pto.port": ports})).campaign.vary.values["pto.port"] == tuple(ports)

@@ -174,6 +174,7 @@ def _lines(ds: xr.Dataset, tuning: str, key: str, others: Sequence[str]) -> Figu
 def _maps(ds: xr.Dataset, tuning: str, keys: Sequence[str], others: Sequence[str]) -> Figure:
     """Gains over two keys, rows for a third, further ones at their first values; with marks, see `_mark`."""
     y, x, *rest = keys
+    ds = ds.sortby([key for key in (y, x) if ds[key].dtype.kind == "f"])  # cells lie side by side
     third, at = rest[:1], ds.sel(tuning=tuning).isel(dict.fromkeys(rest[1:], 0))
     rows_of: list[dict[str, int]] = [{name: i} for name in third for i in range(min(MOST_ROWS, ds.sizes[name]))] or [{}]
     shown = [(design, place) for place in rows_of for design in others]

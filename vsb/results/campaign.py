@@ -8,6 +8,7 @@ import xarray as xr
 
 from vsb.study.campaign_plan import VARIABLES
 from vsb.study.specs import CampaignSpec
+from vsb.study.take_off import turns
 from vsb.study.vary import MEMBER, PORT, Vary, unit
 from vsb.study.year_options import CONSTRAINED, leading_tuning
 from vsb.tools.tables import csv_text
@@ -68,9 +69,9 @@ def _told(spec: CampaignSpec) -> dict[str, str]:
 
 
 def _port(spec: CampaignSpec) -> str:
-    """Return `volume`, if the take-off of all members acts on that; else nothing: units are those of forces."""
+    """Return `volume` or `pitch`, if the take-off of all members acts on such; else nothing: units are of forces."""
     ports = spec.vary.values.get(PORT, (spec.base["pto"].get("port"),))
-    return "volume" if all(port == "volume" for port in ports) else ""
+    return "volume" if all(port == "volume" for port in ports) else "pitch" if all(map(turns, ports)) else ""
 
 
 def _values(values: Sequence[float | str]) -> AnyArray:

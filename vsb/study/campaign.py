@@ -17,6 +17,7 @@ from vsb.study.quantities import Name, Number, Section
 from vsb.study.reading import read_yaml, validated
 from vsb.study.study import Study, parse
 from vsb.study.study import load as load_study
+from vsb.study.take_off import damper_unit
 from vsb.study.vary import PORT, SCALE, VARIED, Point, Value, Vary, read_vary
 from vsb.study.year_options import Constrained, Tunings, Verify, leading_tuning
 
@@ -129,10 +130,11 @@ def read(raw: object, source: str) -> "LoadedCampaign":
             f"{source}: tuning: received fixed, but {campaign.study} has no pto.damping; needs one in N s/m"
         )
     ports = {*campaign.vary.values.get(PORT, ())}
-    if len(ports) > 1 and "volume" in ports:
+    if len({damper_unit(port) for port in ports}) > 1:
+        alone = next(name for name in ("volume", "pitch") if name in ports)
         raise ConfigError(
             f"{source}: vary.{PORT}: received {', '.join(map(str, sorted(ports)))}, whose dampers and forces have "
-            "other units; needs volume alone, or others without it"
+            f"other units; needs {alone} alone, or others without it"
         )
     if campaign.verify and len(campaign.vary.points) > MOST_VERIFIED:
         raise ConfigError(
