@@ -142,7 +142,7 @@ def test_a_map_shows_the_corrected_gain(checked):
     _, _, found = checked
     wide = found.expand_dims(thickness=[0.01, 0.02]).assign_attrs(varied="thickness mass")
     drawn = sweep(wide, "one", "FSB").axes[0].collections[0].get_array()
-    np.testing.assert_array_equal(drawn, wide.corrected_gain_percent.sel(design="VSWEC"))
+    np.testing.assert_array_equal(drawn, wide.sortby("mass").corrected_gain_percent.sel(design="VSWEC"))
 
 
 def test_linear_runs_correct_nothing(folder):
