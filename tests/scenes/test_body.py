@@ -1,5 +1,8 @@
 """A body of a study from its database: degrees of freedom, matrices, water, band."""
 
+import json
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hydro.formats.test_capytaine import LABELS, dataset
@@ -10,6 +13,7 @@ from vsb.scenes.body import check_water, chosen, complete_body, dry_database, wi
 from vsb.study.body import Body
 from vsb.study.body_file import BodyFile
 from vsb.study.sections import Water
+from vsb.tools.units import PAIR
 
 BODY = Body(database="sha256:0")
 
@@ -48,6 +52,19 @@ def test_frequencies_above_one_are_left_out_and_told(theirs):
     cut = within_band(more, 1.2)
     assert cut.omega.values[-1] == 1.2
     assert cut.attrs["history"].endswith("left out: 1 frequencies")
+
+
+def test_structural_damping_is_that_of_the_file_or_of_the_factors_in_its_spec_or_none(theirs):
+    """alpha M + beta K of generalized modes; factors without a mass or a stiffness of the file say nothing."""
+    labels, spec = ["Heave", "Mode7"], json.dumps({"device": {"damping": {"alpha": 0.3, "beta": 0.01}}})
+    ours = theirs.assign_coords(influenced_dof=labels, radiating_dof=labels).assign_attrs(spec=spec)
+    ours = ours.assign(structural_stiffness=(PAIR, np.diag([0.0, 40.0])))
+    own = Body(database="-", mass={"Heave": 5.0, "Mode7": 5.0})
+    assert complete_body(own, None, ours).structural_damping == pytest.approx(np.diag([0.0, 0.3 * 5.0 + 0.01 * 40.0]))
+    for name in ("inertia_matrix", "structural_stiffness"):
+        assert not complete_body(own, None, ours.drop_vars(name)).structural_damping.any()
+    stored = ours.assign(structural_damping_matrix=(PAIR, np.diag([1.0, 2.0])))
+    assert complete_body(own, None, stored).structural_damping == pytest.approx(np.diag([1.0, 2.0]))
 
 
 def test_rows_of_a_body_are_those_of_its_degrees_of_freedom():
@@ -91,6 +108,18 @@ class TestRefused:
         with pytest.raises(ConfigError, match=r"body.mass: received 1 rows of 2 numbers; needs 2 of 2, for a, b"):
             with_entries("mass", ((1.0, 2.0),), ["a", "b"], np.eye(2))
 
+    @pytest.mark.parametrize("key", ["", " ", "a b a"])
+    def test_entries_of_none_or_more_than_two_motions(self, key):
+        with pytest.raises(ConfigError, match=rf"^body.mass: received '{key}'; needs one or two of a, b$"):
+            with_entries("mass", {key: 1.0}, ["a", "b"], np.eye(2))
+
+    def test_rows_of_a_body_without_a_name(self):
+        """The only body has none: its rows are all there are, and no entry."""
+        with pytest.raises(
+            ConfigError, match=r"^body.mass: received rows of ''; needs a degree of freedom and a number$"
+        ):
+            with_entries("mass", {"": ((4.0, 0.0), (0.0, 4.0))}, ["Heave", "Pitch"], np.eye(2))
+
     def test_other_water(self, theirs):
         check_water(Water(density=1000.0), theirs)
         with pytest.raises(ConfigError, match=r"water.depth: received 50, needs inf, as the body's files have"):
@@ -127,3 +156,13 @@ def test_what_is_known_of_a_mesh_before_it_is_solved():
     assert float(ds.hydrostatic_stiffness[0, 0]) == pytest.approx(1025.0 * 9.81 * 20.0 * 8.0)
     assert np.degrees(ds.wave_direction.values) == pytest.approx([0.0, 90.0])
     assert complete_body(BODY, ["rigid"], ds.assign_attrs(history="")).labels == ("Heave", "Pitch")
+
+
+@pytest.mark.parametrize(("given", "stored"), [("mass", "inertia_matrix"), ("stiffness", "structural_stiffness")])
+def test_a_mesh_whose_modes_have_no_matrix_of_their_own_has_none_before_it_is_solved(given, stored):
+    from motion.test_bodies import BARGE
+
+    file = BodyFile(body="barge", mesh="-", modes="-", omega=(0.5, 1.0), wave_direction=(0.0,))
+    whole = BARGE.body(1, 1025.0)
+    known, left = (set(dry_database(body, file)) for body in (whole, replace(whole, **{given: None})))
+    assert known - left == {stored}
