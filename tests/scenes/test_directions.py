@@ -17,9 +17,17 @@ from vsb.results.ladder import study_ladder
 from vsb.results.run_checks import dampers_in_words
 from vsb.scenes.afloat import towards
 from vsb.scenes.build import linear_buoy, linear_design
-from vsb.scenes.directions import check_upright, mooring_stiffness, order_bases, whole_labels, whole_stiffness
+from vsb.scenes.directions import (
+    check_moored,
+    check_upright,
+    mooring_stiffness,
+    order_bases,
+    whole_labels,
+    whole_stiffness,
+)
 from vsb.scenes.drag import LINEARISED
 from vsb.scenes.rest import check_spring, check_stable, design_motions, reference_shell
+from vsb.scenes.viability import viability
 from vsb.stages import make
 from vsb.study.plan import StudyPlan
 from vsb.study.study import load, parse
@@ -158,6 +166,45 @@ def test_a_buoy_that_falls_over_is_refused_and_a_mooring_may_hold_it():
     held = study_with(device={"centre_of_mass": 0.2}, mooring=[0, 0, 0, 0, 5e5, 0])
     check_upright(held, reference_shell(held))
     check_stable(study_with(mooring=None), reference_shell(study_with(mooring=None)))  # surge alone may drift
+
+
+def test_a_mooring_may_couple_surge_and_pitch_as_far_as_both_are_held():
+    """A quadratic form is positive as long as the square of its coupling is below the product of the stiffnesses.
+
+    That of pitch is m g 0.6 m; with a mooring that outweighs a centre of mass above that of the sphere as without one.
+    """
+    for centre, held in ((-0.6, 0.0), (0.2, 5e5)):
+        pitch = -RAW["device"]["mass"] * 9.81 * centre + held
+        for share in (0.999, 1.001):
+            rows = np.diag([2e4, 0.0, 0.0, 0.0, held, 0.0])
+            rows[0, 4] = rows[4, 0] = share * np.sqrt(2e4 * pitch)
+            study = study_with(
+                designs={"FSB": {"flexible": False}}, device={"centre_of_mass": centre}, mooring=rows.tolist()
+            )
+            reference = reference_shell(study)
+            check_upright(study, reference)
+            if share < 1:
+                check_stable(study, reference)
+            else:
+                with pytest.raises(
+                    ConfigError, match=r"^mooring: received a stiffness that drives .*, most in surge; "
+                ):
+                    check_stable(study, reference)
+                assert viability(study).reasons["FSB"].startswith("unstable: least stiffness -")
+
+
+@pytest.mark.parametrize(("place", "name"), [(0, "surge"), (1, "sway"), (2, "heave"), (5, "yaw")])
+def test_a_mooring_that_pushes_is_refused_by_the_motion_it_pushes(place, name):
+    """Heave has the water's rho g pi r^2 against it, the others nothing."""
+    water = 1025.0 * 9.81 * np.pi * 2.0**2 if name == "heave" else 0.0
+    for push in (0.999 * water, 1.001 * water + 1.0):
+        study = study_with(**{**FREE, "mooring": (-push * np.eye(6)[place]).tolist()})
+        reference = reference_shell(study)
+        if push < water or push == 0.0:
+            check_moored(study, reference)
+        else:
+            with pytest.raises(ConfigError, match=rf"^mooring: received .* out of its rest, most in {name}; needs one"):
+                check_moored(study, reference)
 
 
 def test_stiffness_of_all_orders_is_over_all_labels(finished):
@@ -393,7 +440,11 @@ def test_a_free_buoy_that_falls_aside_is_refused(folder):
     top = study_with(
         **{**FREE, "mooring": [0, 0, 0, 0, 5e5, 0], "device": {"centre_of_mass": 0.2, "ballast_yaw_inertia": 1.0}}
     )
-    with pytest.raises(ConfigError, match=r"device.centre_of_mass: received 0.2 m .* does not stay upright"):
+    with pytest.raises(
+        ConfigError,
+        match=r"device.centre_of_mass: received 0.2 m .* does not stay upright \("
+        r"stiffness of roll -3.369e\+04 N m\); needs one below it, or a mooring that holds roll$",
+    ):
         check_upright(top, reference_shell(top))
 
 

@@ -92,15 +92,40 @@ def check_upright(study: Study | RestSpec | DesignsSpec, reference: ReferenceShe
     ------
     ConfigError
     """
-    labels = whole_labels(study, reference)
-    names = [name for name in ("Surge", "Sway", "Heave", "Yaw", "Roll", "Pitch") if name in labels]
-    rigid = [labels.index(name) for name in names]
-    stiffness = whole_stiffness(study, reference)[np.ix_(rigid, rigid)]
-    held = np.flatnonzero(stiffness.any(axis=0))
-    upright = all(stiffness[i, i] > 0.0 for i, name in enumerate(names) if name in ("Roll", "Pitch"))
-    if not upright or np.linalg.eigvalsh(stiffness[np.ix_(held, held)])[0] <= 0.0:
+    names, stiffness = _rigid_stiffness(study, reference)
+    tilts = {
+        name: float(stiffness[names.index(name), names.index(name)]) for name in ("Pitch", "Roll") if name in names
+    }
+    if tilts and min(tilts.values()) <= 0.0:
+        name = min(tilts, key=tilts.__getitem__)
         raise ConfigError(
             f"device.centre_of_mass: received {study.device.centre_of_mass:g} m above the sphere's centre, with which "
-            f"the buoy does not stay upright (stiffness of pitch {stiffness[-1, -1]:.4g} N m); needs one below it, or "
-            "a mooring that holds pitch"
+            f"the buoy does not stay upright (stiffness of {name.lower()} {tilts[name]:.4g} N m); needs one below it, "
+            f"or a mooring that holds {name.lower()}"
         )
+
+
+def check_moored(study: Study | RestSpec | DesignsSpec, reference: ReferenceShell) -> None:
+    """Check that the mooring does not drive the buoy as a rigid body out of its rest; what nothing holds may drift.
+
+    Raises
+    ------
+    ConfigError
+    """
+    names, stiffness = _rigid_stiffness(study, reference)
+    held = np.flatnonzero(stiffness.any(axis=0))
+    values, shapes = np.linalg.eigh(stiffness[np.ix_(held, held)])
+    if values[0] <= 0.0:
+        most = names[held[np.argmax(np.abs(shapes[:, 0]))]].lower()
+        raise ConfigError(
+            f"mooring: received a stiffness that drives the buoy out of its rest, most in {most}; needs one that "
+            "brings it back"
+        )
+
+
+def _rigid_stiffness(study: Study | RestSpec | DesignsSpec, reference: ReferenceShell) -> tuple[list[str], FloatArray]:
+    """Rigid motions a buoy has, and their stiffness."""
+    labels = whole_labels(study, reference)
+    names: list[str] = [name for name in ("Surge", "Sway", "Heave", "Yaw", "Roll", "Pitch") if name in labels]
+    rigid = [labels.index(name) for name in names]
+    return names, whole_stiffness(study, reference)[np.ix_(rigid, rigid)]

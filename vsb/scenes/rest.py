@@ -8,7 +8,7 @@ import numpy as np
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.motion.frequency import allowed_part, compliance, gas_compliance
 from vsb.motion.port import port_direction
-from vsb.scenes.directions import check_upright, loaded_shell, order_bases, side_by_side, whole_stiffness
+from vsb.scenes.directions import check_moored, check_upright, loaded_shell, order_bases, side_by_side, whole_stiffness
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.loaded import Buckling, LoadedShell, buckling, complete_shell, equilibrium
@@ -136,6 +136,7 @@ def check_stable(study: Designed, reference: ReferenceShell) -> None:
     ConfigError
     """
     check_upright(study, reference)
+    check_moored(study, reference)
     for design in study.designs:
         least = design_stiffness(study, reference, design)
         if least <= 0:
