@@ -233,6 +233,23 @@ def test_each_simplification_is_judged_by_itself_and_said(made_of, description, 
     assert choice.error == pytest.approx(1.25 * sum(left_out.values()), abs=1e-6)
 
 
+@pytest.mark.parametrize(
+    ("value", "exact", "error"),
+    [(0.0, 0.0, 0.0), (3.0, 0.0, 3.0), (3.0, 2.0, 0.5), (-1.0, -2.0, 0.5), (0.0, -2.0, 1.0)],
+)
+def test_an_error_is_relative_to_what_is_exact_unless_that_is_nothing(value, exact, error):
+    assert automatic.relative(value, exact) == error
+
+
+def test_where_no_power_is_absorbed_everything_is_left_out_without_an_error():
+    class Idle(Told):
+        def power(self, d):
+            return 0.0
+
+    choice = chosen(Idle(), 0.01)
+    assert (choice.description, choice.error) == ((RIGID, 2, False), 0.0)
+
+
 def test_errors_that_work_together_are_more_than_their_sum_and_within_what_is_said():
     scenes = Told(modes=0.07, memory=0.07, nonlinear=(0.07, 0.07))
     choice = chosen(scenes, 0.3)
@@ -331,3 +348,29 @@ def test_what_is_not_linear_is_measured_on_the_same_record_where_there_is_no_ste
     """A linear scene has one in any waves, a body-exact one in regular waves alone."""
     scenes = of_sea(omega, [1.0] * len(omega), kind=Measured)
     assert scenes.nonlinear_part(Description(RIGID, 2, False)) == pytest.approx(error, rel=1e-12)
+
+
+class Named(Measured):
+    """Descriptions in place of the powers they give."""
+
+    def power(self, d):
+        return d
+
+
+@pytest.mark.parametrize("omega", [[], [1.0], [1.0, 2.0]], ids=["still", "regular", "irregular"])
+@pytest.mark.parametrize("body_exact", [False, True])
+def test_where_coefficients_have_no_steady_motion_to_act_on_the_whole_memory_stands_for_them(
+    omega, body_exact, monkeypatch
+):
+    """In still water, and body-exact in an irregular sea; else in its steady motion, linear by linear theory."""
+    found = []
+    monkeypatch.setattr(automatic, "steady_power", lambda *given: found.append(given) or 7.0)
+    scenes = of_sea(omega, [0.2] * len(omega), kind=Named)
+    whole = Description(RIGID, 4, body_exact)
+    scenes.buoy.spectrum = SimpleNamespace(transfer="coefficients")
+    scenes.buoy.rao = lambda omega, motions: motions[0, 0] * omega
+    scenes.buoy.absorbed_power = lambda omega, rao: 100.0 * rao
+    power = [scenes.power_of_coefficients(RIGID, body_exact) for _ in range(2)]  # the second time from memory
+    steady, linear = len(omega) == 1 and body_exact, len(omega) > 0 and not body_exact
+    assert power == 2 * [7.0 if steady else pytest.approx(100.0 * 0.2**2 * sum(omega)) if linear else whole]
+    assert found == ([(whole, automatic.PRECISION, "coefficients")] if steady else [])

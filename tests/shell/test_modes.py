@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from conftest import varied
@@ -250,6 +252,19 @@ def test_modes_of_another_meridian_are_orthogonal_and_of_its_natural_frequencies
     assert mass[0, 0] == 3e4
     assert len(basis.clamped([np.pi / 2])[0]) == 13 - 2
     assert basis.pole_radial_displacement == pytest.approx(basis.displacement(np.array([0.0]))[0][:, 0])
+
+
+@pytest.mark.parametrize("meridian", [None, capsule(2.0, 1.0)], ids=["sphere", "capsule"])
+def test_without_bending_the_stiffness_goes_with_the_thickness_and_bending_with_its_cube(meridian):
+    """Of the same shapes: K = h K_membrane + h^3 K_bending."""
+    thin, thick = (Shell(2.0, h, 10e6, 0.3, 2700.0, meridian) for h in (0.01, 0.02))
+    whole = [ModeBasis(shell, shell_modes(thin, "full", 4), 3e4, bending=True) for shell in (thin, thick)]
+    alone = [replace(basis, bending=False) for basis in whole]
+    largest = whole[0].stiffness.max()
+    np.testing.assert_allclose(alone[1].stiffness, 2 * alone[0].stiffness, rtol=1e-10, atol=1e-12 * largest)
+    bent = [basis.stiffness - without.stiffness for basis, without in zip(whole, alone, strict=True)]
+    assert np.linalg.eigvalsh(bent[0][1:, 1:])[-1] > 1e-6 * largest
+    np.testing.assert_allclose(bent[1], 8 * bent[0], rtol=1e-7, atol=1e-12 * largest)
 
 
 @pytest.mark.parametrize("basis", ["paper", "membrane"])

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from vsb.shell import surface
 from vsb.shell.deformed import enclosed
 from vsb.shell.modes import mode_basis
 from vsb.shell.orders import Ballast, goes_with_sine, order_basis, yaw
@@ -25,6 +26,17 @@ def test_of_axisymmetric_shapes_it_is_that_of_the_meridian():
     expected = enclosed(RING, q)
     np.testing.assert_allclose(volume, expected[0], rtol=1e-12)
     np.testing.assert_allclose(area, expected[1], rtol=1e-9)
+
+
+@pytest.mark.parametrize("instants", [0, 1, 2, 5])
+def test_a_long_motion_is_drawn_in_parts_one_after_the_other(instants, monkeypatch):
+    """A breathing sphere of radius 2 + a, two instants at a time."""
+    monkeypatch.setattr(surface, "AT_ONCE", 2)
+    radius = 2.0 + 0.1 * np.arange(instants)
+    q = np.array([moved(Membrane0=r - 2.0) for r in radius]).reshape(instants, len(LABELS))
+    volume, area = enclosed_in_orders(RING, ORDERS, q)
+    np.testing.assert_allclose(volume, 4 / 3 * np.pi * radius**3, rtol=1e-12)
+    np.testing.assert_allclose(area, 4 * np.pi * radius**2, rtol=1e-12)
 
 
 def test_rigid_motions_change_neither():

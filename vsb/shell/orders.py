@@ -162,9 +162,7 @@ class OrderBasis:
 
     @cached_property
     def _moments(self) -> FloatArray:
-        """Momentum of the shell along x per unit rate of each shape, int psi_x dm, shape (shape,) [kg]; 0 for m > 1."""
-        if not self.rigid:
-            return np.zeros(len(self._shapes))
+        """Momentum of the shell along x per unit rate of each shape of order 1, int psi_x dm, shape (shape,) [kg]."""
         own = self._assembled({n: mass_block(self.shell, n) for n in {mode.degree for mode in self._shapes}})
         return np.asarray(own[0])
 
