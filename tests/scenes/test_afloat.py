@@ -1,17 +1,35 @@
 """What studies let float: designs' motions, ports, seas of several directions as one port."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+from conftest import varied
 from hydro.formats.test_capytaine import LABELS
 from motion.test_bodies import database, moored  # noqa: F401
 
 from vsb.errors import ConfigError
 from vsb.motion.tuning import best_dampers, mean_power
-from vsb.scenes.afloat import Afloat, body_motions, body_port, held_rows, met, moved, stored_body, study_sea, towards
+from vsb.scenes.afloat import (
+    Afloat,
+    body_motions,
+    body_port,
+    headings,
+    held_rows,
+    linear_buoy,
+    met,
+    moved,
+    stored_body,
+    study_sea,
+    towards,
+)
+from vsb.scenes.rest import reference_shell
 from vsb.study.body import BodyDesign, BodyStudy
 from vsb.study.reading import validated
-from vsb.study.waves import RegularWave
-from vsb.waves.seas import regular
+from vsb.study.waves import RegularWave, StillWater
+from vsb.tools import files
+from vsb.tools.units import PAIR
+from vsb.waves.seas import NO_WAVES, regular
 
 RIGID = ["Surge", "Heave", "Pitch", "Mode7"]
 
@@ -86,6 +104,19 @@ def test_seas_of_several_directions_are_one_port(barge):
     assert float(best.power[0]) >= found.sum() * (1 - 1e-9)
 
 
+@pytest.mark.parametrize("first", [0, 1])
+def test_still_water_among_seas_goes_nowhere_and_brings_nothing(barge, first):
+    """Whether it is named before or after them."""
+    wave = RegularWave(kind="regular", amplitude=0.3, period=6.0, direction=45.0)
+    seas = [(wave, regular(wave))]
+    seas.insert(first, (StillWater(kind="still"), NO_WAVES))
+    assert {going: omega.tolist() for going, omega in headings(seas).items()} == {45.0: [wave.omega]}
+    seen, alone = met(barge, "a", seas), met(barge, "a", [(wave, regular(wave))])
+    np.testing.assert_array_equal(seen.port.velocity, alone.port.velocity)
+    np.testing.assert_allclose(seen.squares, [[0.09], [0.0]] if first else [[0.0], [0.09]])
+    assert [place.tolist() for place in seen.places] == ([[0], []] if first else [[], [0]])
+
+
 def test_a_sea_keeps_what_lies_in_the_band(barge):
     sea = {"kind": "jonswap", "hs": 1.0, "tp": 6.0}
     asked = study("heave", waves=[sea])
@@ -126,3 +157,16 @@ def test_a_wave_at_an_edge_of_the_band_is_in_it_but_for_round_off(seed, barge, b
     for edge in (omega[0] - beyond, omega[1] + beyond):
         asked = study("heave", waves=[{"kind": "regular", "amplitude": 0.1, "period": float(2 * np.pi / edge)}])
         assert study_sea(asked, asked.waves[0], barge.linear.database).omega.size == kept
+
+
+@pytest.mark.parametrize(("port", "chamber"), [("volume", 4 / 3 * np.pi * 2.0**3 / (1.4 * 101325.0)), ("heave", 0.0)])
+def test_gas_of_a_database_is_a_chamber_before_a_take_off_of_the_volume_alone(small, tmp_path, port, chamber):
+    """C = V/(kappa p) of the sphere; elsewhere the gas holds the shell."""
+    study = varied(small.study, device={"gas": {"adiabatic_index": 1.4}}, pto={"port": port})
+    gas, path = reference_shell(study).stiffness["gas"], tmp_path / Path(small.database_path).name
+    files.save(files.load(small.database_path).assign(gas_stiffness=(PAIR, gas)), path)
+    buoy, _ = linear_buoy(study, str(path))
+    assert buoy.chamber == pytest.approx(chamber, rel=1e-6)
+    vented, _ = linear_buoy(small.study, small.database_path)
+    held = gas if port == "heave" else 0.0 * gas
+    assert buoy.stiffness == pytest.approx(vented.stiffness + held, rel=1e-12, abs=1e-6)

@@ -53,6 +53,20 @@ def test_in_still_water_no_pressure_is_assumed(small):
     assert (found.scene.water.assumed.amplitude, found.scene.water.assumed.omega) == (0.0, 0.0)
 
 
+def test_a_take_off_that_pauses_where_nothing_moves_leaves_the_scene_as_it_is(small):
+    """A rigid buoy at a port of the volume: no law, and no pause to be noted."""
+    found = built(small, "FSB", pto={"port": "volume", "law": "latching"})
+    assert found.scene.law is None
+    assert found.notes == {"model": "linear"}
+
+
+@pytest.mark.parametrize("model", ["linear", "body_exact"])
+def test_in_still_water_a_take_off_does_not_pause(small, model):
+    found = built(small, "FSB", pto={"law": "latching"}, waves=[{"kind": "still"}], hydro={"model": model})
+    assert found.notes == {"model": model, "pause": 0.0, "pause_power": 0.0, "pause_within": 0.0}
+    assert found.scene.law.pause == 0.0
+
+
 @pytest.mark.parametrize(("given", "asked"), [({}, 0.01), ({"power_tolerance": 0.07}, 0.07)])
 def test_the_automatic_model_is_chosen_to_the_tolerance_of_its_study(small, monkeypatch, given, asked):
     """A hundredth where none is given; what it chose is the scene of the run and noted, with the seconds it took."""

@@ -70,6 +70,14 @@ def test_a_tuned_damper_is_the_best_beside_drag(small):
         )
 
 
+def test_in_still_water_drag_brakes_and_nothing_of_linear_theory_is_recorded(small):
+    at = linear_design(run_of(study_of(small, wave={"kind": "still"})), small.hydro_files)
+    assert at.notes == {"model": "linear"}
+    assert at.scene.forces["drag"].force(np.zeros(1), np.zeros((1, 4)), np.array([[2.0, 0.0, 0.0, 0.0]]))[0] == (
+        pytest.approx([-0.5 * 1025.0 * 1.0 * 12.57 * 4.0, 0.0, 0.0, 0.0])  # rho C A |v| v/2
+    )
+
+
 def test_a_body_exact_scene_has_it_too(small):
     study = study_of(small, "FSB", wave={**WAVE, "amplitude": 0.02}, hydro={"model": "body_exact"})
     at = body_exact_design(run_of(study), small.hydro_files)

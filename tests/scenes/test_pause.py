@@ -175,6 +175,37 @@ def test_trials_that_promise_what_no_motion_from_rest_takes_are_not_believed(lat
     assert found.power == pytest.approx(best.power, rel=5e-3)
 
 
+@pytest.mark.parametrize(("more", "pause"), [(0.2, 0.5), (0.3, 0.0)])
+def test_a_pause_must_take_more_from_rest_than_none_does(more, pause, monkeypatch):
+    """Trials find 1 at half a second and 3/4 without a pause; from rest that is `more`, all else as in the trials."""
+
+    def trial(system):
+        return 1.0 - (system.scene.law.pause - 0.5) ** 2
+
+    monkeypatch.setattr(Trials, "power", lambda _, system: trial(system))
+    monkeypatch.setattr(
+        pause_module, "_power", lambda system, *_: trial(system) + (more if system.scene.law.pause == 0.0 else 0.0)
+    )
+    found = best_pause_in_sea(scene(TakeOff(B, 2.0), regular(2.0)), regular(2.0), SETTINGS)
+    assert found.pause == pytest.approx(pause, abs=found.within)
+    assert found.power == pytest.approx(max(1.0, 0.75 + more), abs=1e-3)
+
+
+@pytest.mark.parametrize(("share", "anew"), [(0.981, False), (0.979, True)])
+def test_a_search_begins_anew_where_a_motion_from_rest_takes_less_than_98_per_cent_of_what_trials_promise(
+    share, anew, monkeypatch
+):
+    followed = []
+
+    def trial(system):
+        return 1.0 - (system.scene.law.pause - 0.5) ** 2
+
+    monkeypatch.setattr(Trials, "power", lambda _, system: trial(system))
+    monkeypatch.setattr(pause_module, "_power", lambda system, *_: followed.append(system) or share * trial(system))
+    best_pause_in_sea(scene(TakeOff(B, 2.0), regular(2.0)), regular(2.0), SETTINGS)
+    assert (len(followed) > 2) == anew
+
+
 @pytest.mark.parametrize(
     ("wave", "least"),
     [
@@ -382,7 +413,9 @@ def test_a_maximum_is_found_within_what_is_stated(top):
 
 
 def test_still_water_needs_no_pause():
-    assert best_pause_in_sea(scene(TakeOff(B, 2.0), NO_WAVES), NO_WAVES, SETTINGS) == (0.0, 0.0, 0.0)
+    none = best_pause_in_sea(scene(TakeOff(B, 2.0), NO_WAVES), NO_WAVES, SETTINGS)
+    assert none == (0.0, 0.0, 0.0)
+    assert refined_pause(scene(TakeOff(B, 2.0), NO_WAVES), none, NO_WAVES, SETTINGS) == none
 
 
 @pytest.mark.parametrize("model", ["linear", "body_exact"])

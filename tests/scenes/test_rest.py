@@ -246,6 +246,16 @@ def test_gas_that_a_take_off_lets_out_holds_the_shell_no_more(seed):
     assert seen_by_take_off(elsewhere, whole) == (whole, 0.0)
 
 
+def test_a_rigid_buoy_has_no_gas_to_let_out(seed):
+    """Its volume does not change: no chamber, and a spring of any stiffness there pushes nothing."""
+    study = varied(
+        seed, device={"gas": {"adiabatic_index": 1.4}}, designs={"FSB": {"flexible": False}}, pto={"port": "volume"}
+    )
+    whole = reference_shell(study)
+    assert seen_by_take_off(study, whole) == (whole, 0.0)
+    check_spring(varied(study, pto={"stiffness": -1e9}), whole)
+
+
 def test_a_spring_behind_a_chamber_may_be_as_soft_as_shell_and_gas_together(seed):
     study = varied(seed, device={"gas": {"adiabatic_index": 1.4}}, modes={"degree": 2}, pto={"port": "volume"})
     reference = reference_shell(study)

@@ -1,4 +1,5 @@
 import dataclasses
+import itertools
 import sys
 from pathlib import Path
 
@@ -345,6 +346,26 @@ def test_an_irregular_sea_is_looked_at_over_the_run(small, reference, family):
     np.testing.assert_allclose(motion.shapes("FSB", label)[[0, 7], 0], expected, rtol=1e-12)
 
 
+@pytest.mark.parametrize("amplitudes", [(0.1, 0.2), (0.2, 0.1)])
+def test_runs_are_of_every_design_in_every_sea_but_still_water(small, reference, family, dataset, amplitudes):
+    """Powers go with the square of a wave, and the database reaches as far as the highest takes any design."""
+    waves = [{"kind": "still"}, *({**small.waves[0].model_dump(), "amplitude": a} for a in amplitudes)]
+    study = varied(small, waves=waves, designs={"FSB": {"flexible": False}, "VSWEC": {}})
+    motion = StudyMotion(study, reference, shapedependence.linear_buoy(study, reference, family))
+    assert list(motion.runs) == list(itertools.product(study.designs, [w.label for w in study.waves[1:]]))
+    highest = study.waves[1 + int(np.argmax(amplitudes))].label
+    moved = [np.abs(motion.shapes(design, highest)).max(axis=0) for design in study.designs]
+    np.testing.assert_allclose(motion.reach, np.maximum(np.max(moved, axis=0), shapedependence.LEAST_REACH * 2.0))
+    powers = shapedependence.study_powers(motion, family, ShapeDatabase(dataset))
+    assert powers.power_at_reference.dims == ("design", "wave")
+    for name in ("power_at_reference", "power_at_rest"):
+        first, second = powers[name].values.T
+        np.testing.assert_allclose(second / first, (amplitudes[1] / amplitudes[0]) ** 2, rtol=1e-9)
+        assert first[1] != pytest.approx(first[0], rel=0.01)
+    swings = np.ptp((powers.power_at_shape / powers.power_at_reference).values, axis=2)
+    assert ((swings[:, 1] > 1.5 * swings[:, 0]) == (amplitudes[1] > amplitudes[0])).all()
+
+
 def test_a_rigid_buoy_has_heave_alone(seed):
     rigid = varied(seed, designs={"FSB": {"flexible": False}})
     family = family_of(reference_shell(rigid).shape, nodes=24)
@@ -403,11 +424,17 @@ def test_progress_is_for_terminals(terminal, monkeypatch, capsys):
 
 def test_the_number_of_shapes_of_a_study(small, family, counted):
     assert counted[1] == shapedependence.shapes_of_study(small, family, samples=4)
+    more = varied(small, waves=[*small.waves, {"kind": "still"}, {"kind": "jonswap", "hs": 0.3, "tp": 3.0}])
+    assert shapedependence.shapes_of_study(more, family, samples=4) == counted[1] + len(small.designs)
 
 
 def test_frequencies_of_a_study_hold_its_waves(small, reference):
     family = shapedependence.study_family(small, reference, frequencies=6)
     assert family.omegas == (2.0, pytest.approx(2.4), 4.0, 6.0, 8.0, 10.0, 12.0)
+    others = [{"kind": "regular", "amplitude": 0.1, "period": 2 * np.pi / 7}, {"kind": "jonswap", "hs": 0.3, "tp": 3.0}]
+    more = varied(small, waves=[*small.waves, {"kind": "still"}, *others])
+    omegas = shapedependence.study_family(more, reference, frequencies=6).omegas
+    assert omegas == (*family.omegas[:4], pytest.approx(7.0), *family.omegas[4:])
 
 
 def test_finite_depth_is_refused(small, reference):

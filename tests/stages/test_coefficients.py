@@ -103,6 +103,18 @@ def test_it_latches_with_the_damper_and_pause_of_the_axisymmetric_chain(finished
     assert scenes[1].scene.law.damping == body[TUNED] < 0.6 * alone
 
 
+def test_a_take_off_that_pauses_where_a_design_does_not_move_leaves_it_as_it_is(finished, general):
+    pto = {"law": "latching", "damping": 100.0, "port": {"dofs": {"Membrane0": 1.0}}}
+    with chdir(general):
+        Path("elsewhere.yaml").write_text(yaml.safe_dump(as_body(finished, pto=pto)))
+        study = load_body("elsewhere.yaml").study
+        plan = plan_for(study)
+        paths = {"database": plan.database_path, "radiation": plan.radiation_path}
+        found = design_in_sea(plan.simulation("FSB", study.waves[0]), paths)
+    assert found.scene.law is None
+    assert found.notes == {"model": "linear"}
+
+
 @pytest.mark.parametrize("tuning", ["each", "one"])
 def test_a_damper_of_a_run_is_that_of_the_ladder_of_its_own_sea_or_of_all(finished, general, tuning):
     waves = [{**SWELL, "period": period, "direction": 0.0} for period in (2.0, 3.5)]

@@ -149,7 +149,7 @@ def _paused(
     linear: Scene, run: SimulateSpec | BodySimulateSpec, sea: Sea, floating: AnyMotion, motions: FloatArray
 ) -> tuple[float, BestPause, dict[str, float]]:
     """Damper [kg/s] and pause of a law in a linear scene; one tuned to its sea is found with the pause, and noted."""
-    if run.pto.tuning != "each" or not sea.omega.size:
+    if run.pto.tuning != "each":
         return float(floating.pto.damping), best_pause_in_sea(linear, sea, run.simulation), {}
     damper, best = best_pair_in_sea(linear, sea, run.simulation, _dampers(floating, motions, sea))
     return damper, best, {TUNED: damper}

@@ -244,14 +244,13 @@ def answer(ds: xr.Dataset, name: str) -> str:
     )
 
 
-def shape_dataset(study: Study, family: ShapeFamily | None = None, samples: int = TRIED) -> xr.Dataset:
+def shape_dataset(study: Study, family: ShapeFamily, samples: int = TRIED) -> xr.Dataset:
     """Return all of it for a study: its shape database, what it means for power, errors of expansions.
 
     `interpolation_error`, dimensions (expansion, deformation): of the `first` and `second` order in random directions;
     `deformation` is its size [m]. The database is measured on `samples` random combinations within its reach.
     """
     reference = reference_shell(study)
-    family = family or study_family(study, reference)
     motion = StudyMotion(study, reference, linear_buoy(study, reference, family))
     database = shape_database(family, motion.reach, samples)
     sizes = study.device.radius * np.array(SIZES)
