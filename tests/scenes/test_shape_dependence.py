@@ -428,13 +428,34 @@ def test_the_number_of_shapes_of_a_study(small, family, counted):
     assert shapedependence.shapes_of_study(more, family, samples=4) == counted[1] + len(small.designs)
 
 
+OF_GRID = (2.0, pytest.approx(2.4), 4.0, 6.0, 8.0, 10.0, 12.0)
+
+
 def test_frequencies_of_a_study_hold_its_waves(small, reference):
     family = shapedependence.study_family(small, reference, frequencies=6)
-    assert family.omegas == (2.0, pytest.approx(2.4), 4.0, 6.0, 8.0, 10.0, 12.0)
-    others = [{"kind": "regular", "amplitude": 0.1, "period": 2 * np.pi / 7}, {"kind": "jonswap", "hs": 0.3, "tp": 3.0}]
+    assert family.omegas == OF_GRID
+    others = [
+        {"kind": "regular", "amplitude": 0.1, "period": 2 * np.pi / 7},
+        {"kind": "white_noise", "hs": 0.3, "band": [3.0, 5.0]},
+    ]
     more = varied(small, waves=[*small.waves, {"kind": "still"}, *others])
     omegas = shapedependence.study_family(more, reference, frequencies=6).omegas
-    assert omegas == (*family.omegas[:4], pytest.approx(7.0), *family.omegas[4:])
+    assert omegas == (*OF_GRID[:4], pytest.approx(7.0), *OF_GRID[4:])
+
+
+def test_a_sea_of_longer_waves_than_the_grid_has_is_solved_down_to_its_longest(small, reference, family):
+    """Bands of equal width, the first one's middle; the waves of the study's own motion lie between those solved."""
+    noise = {"kind": "white_noise", "hs": 0.3, "band": [0.1, 2.0]}
+    rigid = varied(small, waves=[{"kind": "still"}, noise, *small.waves], designs={"FSB": {"flexible": False}})
+    count = int(np.ceil(1.9 * 1.1 * rigid.simulation.duration / (2 * np.pi)))
+    asked = shapedependence.study_family(rigid, reference, frequencies=6)
+    assert asked.omegas == (pytest.approx(0.1 + 0.5 * 1.9 / count, rel=1e-12), *OF_GRID)
+    motion = StudyMotion(
+        rigid,
+        reference,
+        shapedependence.linear_buoy(rigid, reference, dataclasses.replace(family, omegas=asked.omegas)),
+    )
+    assert motion.reach[0] > 0.1
 
 
 def test_finite_depth_is_refused(small, reference):

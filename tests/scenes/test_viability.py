@@ -1,6 +1,7 @@
 """Whether a shell carries its load: margins against the ledger's buckling, and reasons in place of failures."""
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -73,6 +74,8 @@ def test_a_spring_that_pulls_harder_than_water_is_a_reason(seed):
     )
     assert held.reasons == {}
     assert lost.reasons["FSB"].startswith("unstable: least stiffness -")
+    assert held.viable is not None
+    assert lost.viable is None
 
 
 def test_a_spring_behind_a_chamber_is_a_reason_only_where_shell_and_gas_together_give_way(seed):
@@ -86,6 +89,10 @@ def test_a_spring_behind_a_chamber_is_a_reason_only_where_shell_and_gas_together
     held, lost = (viability(varied(study, pto={"stiffness": share * least})) for share in (0.999, 1.001))
     assert held.reasons == {}
     assert lost.reasons.keys() == {"VSWEC"}
+    for found in (held, lost):
+        alone, shell = found.viable
+        assert list(alone.designs) == [name for name in study.designs if name not in found.reasons]
+        assert shell is found.reference
 
 
 def test_no_shape_at_rest_is_a_reason_for_every_design(seed):
@@ -93,4 +100,6 @@ def test_no_shape_at_rest_is_a_reason_for_every_design(seed):
     found = viability(soft)
     assert found.reference is None
     assert set(found.reasons) == set(seed.designs)
-    assert all(reason.startswith("no equilibrium: ") for reason in found.reasons.values())
+    sentence = r"no equilibrium: the shell buckles at 0\.01\d+ of its load, into a shape of degree \d+"
+    assert all(re.fullmatch(sentence, reason) for reason in found.reasons.values())
+    assert found.viable is None

@@ -108,13 +108,21 @@ def power_changes(study: Study, reference: ReferenceShell, family: ShapeFamily) 
 
 
 def study_family(study: Study, reference: ReferenceShell, frequencies: int = 60) -> ShapeFamily:
-    """Return the shapes around that of a study, frequencies its waves' too; `ConfigError` unless the water is deep."""
+    """Return the shapes around that of a study; `ConfigError` unless the water is deep.
+
+    Frequencies are those of a grid and of its regular waves; where a sea has waves below them, also its lowest one.
+    """
     if np.isfinite(study.water.depth):
         raise ConfigError(f"water.depth: received {study.water.depth:g} m; shape dependence needs deep water, .inf")
     highest = study.hydro.omega_max
     grid = {round(highest * (i + 1) / frequencies, 10) for i in range(frequencies)}
     waves = {wave.omega for wave in study.waves if isinstance(wave, RegularWave)}
-    return ShapeFamily(reference.shape, tuple(sorted(grid | waves)), study.water.density, study.water.gravity)
+    seas = (sea(wave, highest, study.simulation.duration) for wave in study.waves)
+    lowest = min((float(one.omega.min()) for one in seas if one.omega.size), default=np.inf)
+    known = grid | waves
+    return ShapeFamily(
+        reference.shape, tuple(sorted({*known, min(lowest, *known)})), study.water.density, study.water.gravity
+    )
 
 
 def mean_power(buoy: LinearBuoy, c: Coefficients, waves: Sea, motions: FloatArray) -> float:
