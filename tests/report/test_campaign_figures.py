@@ -9,6 +9,7 @@ from matplotlib.legend import Legend
 from vsb.report.campaign_answer import shown_place, told_gain
 from vsb.report.campaign_figures import DRAWN, pareto, power_matrices, sweep, tuned_power
 from vsb.report.canvas import style
+from vsb.report.svg import data_csv
 
 DESIGNS, TUNINGS, BINS = ["FSB", "VSWEC"], ["fixed", "one", "each"], ("hs", "te")
 GAINS = np.array([[-5.0, 2.0], [8.0, -1.0]])  # of the flexible design, (modulus, thickness) [%]
@@ -288,6 +289,81 @@ def test_a_map_of_values_told_in_any_order_is_that_of_values_in_order():
     np.testing.assert_array_equal(second.get_array(), first.get_array())
     np.testing.assert_array_equal(second.get_coordinates(), first.get_coordinates())
     assert (np.diff(second.get_coordinates()[0, :, 0]) > 0).all()
+
+
+def over(values, gains, **attrs):
+    """A campaign over values of the thickness alone."""
+    return campaign(gains=np.atleast_2d(gains), modulus=(1e6,), thickness=values, **attrs)
+
+
+@pytest.mark.parametrize(
+    ("values", "told"),
+    [(np.array(["paper", "full"], dtype=object), ["paper", "full"]), ((np.inf, 20.0), ["20", "inf"])],
+)
+def test_over_words_and_deep_water_gains_stand_side_by_side_each_at_its_name(values, told):
+    """Words in the order they are given in, depths in theirs; once words made no figure, and deep water no point."""
+    figure = sweep(over(values, [-5.0, 2.0]), "one", "FSB")
+    (ax,) = figure.axes
+    gains = [-5.0, 2.0] if told[0] == "paper" else [2.0, -5.0]
+    np.testing.assert_array_equal(ax.lines[0].get_xydata(), [[0, gains[0]], [1, gains[1]]])
+    band = ax.collections[0].get_paths()[0].vertices
+    assert {tuple(point) for point in band} == {(k, gain + by) for k, gain in enumerate(gains) for by in (-3.0, 3.0)}
+    assert (list(ax.get_xticks()), list(ax.get_xticks(minor=True)), ax.get_xscale()) == ([0, 1], [], "linear")
+    assert [label.get_text() for label in ax.get_xticklabels()] == told
+    assert f"VSWEC,1,{gains[1]:g}\n" in data_csv(figure)
+
+
+@pytest.mark.parametrize(
+    ("values", "told"),
+    [(np.array(list("fbcdea"), dtype=object), list("fbcdea")), ((*np.arange(10.0, 60.0, 10.0), np.inf), ["10", "inf"])],
+)
+def test_on_a_map_words_and_deep_water_have_a_cell_and_a_tick_each(values, told):
+    ds = campaign(gains=np.arange(12.0).reshape(2, 6), thickness=values)
+    ax = sweep(ds, "one", "FSB").axes[0]
+    mesh = ax.collections[0]
+    np.testing.assert_array_equal(mesh.get_array(), np.arange(12.0).reshape(2, 6))
+    np.testing.assert_array_equal(mesh.get_coordinates()[0, :, 0], np.arange(-0.5, 6.0))
+    labels = [label.get_text() for label in ax.get_xticklabels()]
+    assert (labels[0], labels[-1], len(labels), ax.get_xscale()) == (told[0], told[-1], 6, "linear")
+
+
+@pytest.mark.parametrize(("count", "own"), [(5, True), (6, False)])
+def test_few_numbers_of_a_key_have_ticks_of_their_own(count, own):
+    """On a map; where there are more, ticks are those of the axis."""
+    values = 0.01 + 0.0037 * np.arange(count)
+    ax = sweep(campaign(gains=np.ones((2, count)), thickness=values), "one", "FSB").axes[0]
+    assert np.array_equal(ax.get_xticks(), values) == own
+
+
+@pytest.mark.parametrize(("count", "marker"), [(12, "o"), (13, "None")])
+def test_up_to_a_dozen_values_are_marked_on_their_line(count, marker):
+    ax = sweep(over(np.arange(1.0, count + 1), np.arange(count)), "one", "FSB").axes[0]
+    assert ax.lines[0].get_marker() == (marker if marker == "o" else "")
+
+
+def test_a_line_leads_from_value_to_value_whatever_their_order():
+    ax = sweep(over((3.0, 1.0, 2.0), (30.0, 10.0, 20.0)), "one", "FSB").axes[0]
+    np.testing.assert_array_equal(ax.lines[0].get_xydata(), [[1, 10], [2, 20], [3, 30]])
+
+
+def test_bins_are_half_a_metre_high_and_a_second_wide_also_where_there_is_one_of_them():
+    """Of a sheltered site: its only bin of heights once reached from -0.25 to 0.75 m."""
+    low = campaign().isel(hs=[0], te=[0]).assign_coords(hs=[0.25], te=[5.5])
+    ax = power_matrices(low, "one", "FSB").axes[0]
+    corners = ax.collections[0].get_coordinates()
+    np.testing.assert_allclose(corners[[0, -1], [0, -1]], [[5.0, 0.0], [6.0, 0.5]])
+    assert ax.get_xlim() == (5.0, 6.0)
+    more = power_matrices(campaign(), "one", "FSB").axes[0].collections[0].get_coordinates()
+    np.testing.assert_allclose(more[:, 0, 1], [0.5, 1.0, 1.5])
+    np.testing.assert_allclose(more[0, :, 0], [5.0, 6.0, 7.0])
+
+
+def test_an_odd_design_has_a_matrix_and_a_map_beside_it_nothing():
+    """Of three designs, and of three flexible ones, the last of four axes are hidden."""
+    third = campaign().sel(design=["FSB", "VSWEC", "VSWEC"]).assign_coords(design=[*DESIGNS, "other"])
+    fourth = third.sel(design=["FSB", "VSWEC", "VSWEC", "other"]).assign_coords(design=[*DESIGNS, "other", "last"])
+    for figure in (power_matrices(third, "one", "FSB"), sweep(fourth, "one", "FSB")):
+        assert [ax.get_visible() for ax in figure.axes] == [True, True, True, False, True]  # and the scale of colours
 
 
 def test_figures_of_a_take_off_that_turns_are_of_moments():

@@ -91,6 +91,14 @@ def test_without_a_rigid_design_or_power_there_is_no_gain_to_tell():
     assert "as much as the rigid FSB" in only
 
 
+def test_of_fewer_than_two_waves_that_carry_power_no_band_is_told():
+    """Of one there is no band, of none no gain."""
+    lines, powers = [line("FSB", 0.0), line("A", 20.0)], best_power(A=0.2 + 0 * OMEGA)
+    for count in (0, 1, 2):
+        carried = powers.where(powers.omega.isin(OMEGA[150 : 150 + count]), 0.0)
+        assert len(headline(lines, carried, "FSB", SEAS, 1e-3)) == (2 if count == 2 else 1)
+
+
 def test_what_the_band_knows_nothing_of_is_said():
     first, second = headline(
         [line("FSB", 0.0), line("A", 20.0)], best_power(A=0.2), "FSB", SEAS, 1e-3, neglected="without drag"

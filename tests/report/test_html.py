@@ -23,6 +23,12 @@ def test_a_column_of_dashes_is_left_out():
     assert html.filled(["x", "y", "z"], [["-", "-", "1"], ["2", "-", "-"]]) == (["x", "z"], [["-", "1"], ["2", "-"]])
 
 
+def test_of_a_table_without_rows_no_column_is_left():
+    """None holds anything; one cell is enough to keep a column."""
+    assert html.filled(["x", "y"], []) == ([], [])
+    assert html.filled(["x", "y"], [["-", "-"], ["-", "0"]]) == (["y"], [["-"], ["0"]])
+
+
 def test_figures_are_told_by_their_kind_and_their_sea():
     svgs = {"b": "<svg>2</svg>", "a-w-1": "<?xml?><svg/>", "a-v": "<svg/>"}
     of_all, first, second = html.captioned(svgs, {"a": "of a sea", "b": "of all"}, {"v": "a chop"})

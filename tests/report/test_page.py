@@ -176,6 +176,32 @@ def test_the_best_design_of_each_sea():
     assert text[4] == "At the given damper, in a wake, the rigid FSB absorbs: 70 W on average."
 
 
+def test_in_still_water_the_energy_of_the_run_is_told_and_not_the_power_of_its_end():
+    """A buoy let go: FSB takes more in the end, A more in all; what is less than nothing takes nothing."""
+    rows = [
+        row("FSB", 9.0, "still") | {"energy": "4000"},
+        row("A", 1.0, "still") | {"energy": "5000"},
+        row("B", 8.0, "still"),
+    ]
+    assert sea_statements(rows, "FSB", {"still": "still water"}) == [
+        "At the given damper, in still water, A absorbs most: 5 kJ from the start (against FSB: A +25.0 %, B -100.0 %)."
+    ]
+    assert sea_statements(rows[:1], "FSB", {"still": "still water"}) == [
+        "At the given damper, in still water, the rigid FSB absorbs: 4 kJ from the start."
+    ]
+    none = [one | {"energy": "0.0"} for one in rows]
+    assert sea_statements(none, "FSB", {"still": "still water"}) == [
+        "At the given damper, in still water, no design absorbs power on average."
+    ]
+
+
+def test_a_design_without_others_has_no_gain_over_any_band():
+    """A rigid one, beside itself; whether it takes anything is said before."""
+    alone = response().absorbed_power
+    assert band_statements(alone, "FSB") == ["FSB is the only design of this study, so there is no gain to give."]
+    assert band_statements(0 * alone, "FSB") == ["No design absorbs power: the study has no power take-off damping."]
+
+
 @pytest.mark.parametrize(("measure", "label", "factor", "form"), [*MEASURES, *BODY_MEASURES, *DETAILS])
 def test_a_column_has_the_unit_its_head_says(measure, label, factor, form):
     """Of a comparison in SI units, gains in per cent."""
@@ -252,6 +278,16 @@ def test_irregular_seas_are_answered_with_the_interval_of_the_gain():
     )
     assert irregular_statements([SHORT], "FSB", {"noise": "it"}) == [
         "At the given damper, in it, A absorbs 120 W (+20.0 %)."
+    ]
+
+
+def test_every_irregular_sea_has_a_sentence_of_its_own_lines():
+    """In the order of the lines, whatever stands between those of one sea."""
+    rough = {"sea": "rough", "power_mean": "300", "gain_percent": "-5", "gain_low": "-6", "gain_high": "-4"}
+    lines = [BASE, BASE | {"sea": "rough", "power_mean": "315"}, LINE, LINE | rough]
+    assert irregular_statements(lines, "FSB", {"rough": "a storm", "noise": "white noise"}) == [
+        "At the given damper, in white noise, FSB absorbs 100 W, A absorbs 120 W (+20.0 %; 95 %: +18.0 to +22.0 %).",
+        "At the given damper, in a storm, FSB absorbs 315 W, A absorbs 300 W (-5.0 %; 95 %: -6.0 to -4.0 %).",
     ]
 
 

@@ -6,11 +6,13 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
 from vsb.report.campaign_answer import is_verified, shown_member, told_gain
 from vsb.report.canvas import grid_of_axes, legend_above, note, plain_numbers, style
+from vsb.results.bins import HEIGHT, PERIOD
 from vsb.results.campaign import damper
 from vsb.study.take_off import at_port
 from vsb.study.year_options import CONSTRAINED
@@ -24,7 +26,7 @@ LIMIT = "force_limit"
 MOST_ROWS = 6
 """Values of a third key that have a map."""
 MOST_TICKS = 5
-"""Values of a key each of which has a tick of its own."""
+"""Numbers of a key each of which has a tick of its own; words have one each, however many."""
 
 
 def power_matrices(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
@@ -41,7 +43,7 @@ def power_matrices(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure
         if not bool(one.viable.sel(design=design)):
             note(ax, "not viable")
             continue
-        edges = (_edges(ds.te.values), _edges(ds.hs.values))
+        edges = (_edges(ds.te.values, PERIOD), _edges(ds.hs.values, HEIGHT))
         image = ax.pcolormesh(*edges, power.sel(design=design), vmin=0, vmax=float(power.max()), cmap="viridis")
         _mark_beyond(ax, one.beyond_validity.sel(design=design, tuning=tuning))
     for ax in axes.ravel()[len(designs) :]:
@@ -52,7 +54,7 @@ def power_matrices(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure
         ax.set_ylabel("Hs [m]")
     if image is not None:
         occupied = (one["count"] > 0).any("hs").values
-        axes[0, 0].set_xlim(ds.te.values[occupied].min() - 0.5, ds.te.values[occupied].max() + 0.5)
+        axes[0, 0].set_xlim(*_edges(ds.te.values[occupied], PERIOD)[[0, -1]])
         figure.colorbar(image, ax=axes, label="mean power [kW]")
     return figure
 
@@ -124,7 +126,7 @@ def _over_limits(ds: xr.Dataset, one: xr.Dataset) -> xr.Dataset:
     """The points that differ from one in the limit of the force alone, along it."""
     if LIMIT not in ds.dims:
         return one.expand_dims("point")
-    others = {name: one[name].item() for name in str(ds.attrs["varied"]).split() if name in ds.dims and name != LIMIT}
+    others = {name: one[name].item() for name in str(ds.attrs["varied"]).split() if name != LIMIT}
     return ds.sel(others).sortby(LIMIT)
 
 
@@ -157,16 +159,18 @@ def _lines(ds: xr.Dataset, tuning: str, key: str, others: Sequence[str]) -> Figu
     """Gains over one key, with their intervals."""
     figure, axes = grid_of_axes(3.4)
     ax, ordered = axes[0, 0], ds.sortby(key) if ds[key].dtype.kind == "f" else ds
-    at = ordered.sel(tuning=tuning)
+    at, places = ordered.sel(tuning=tuning), _places(ordered, key)
     marker = "" if ds[key].size > 12 else "o"
     for design in others:
         line, one = style(design, list(ds.design.values)), at.sel(design=design).squeeze()
-        ax.plot(one[key], told_gain(one, tuning), marker=marker, markersize=4, **line)
+        ax.plot(places, told_gain(one, tuning), marker=marker, markersize=4, **line)
         if is_verified(one, tuning):
-            ax.plot(one[key], one.gain_percent, color=line["color"], linewidth=0.8, ls=":")
-        ax.fill_between(one[key], one.gain_low, one.gain_high, color=line["color"], alpha=0.2, linewidth=0)
+            ax.plot(places, one.gain_percent, color=line["color"], linewidth=0.8, ls=":")
+        ax.fill_between(places, one.gain_low, one.gain_high, color=line["color"], alpha=0.2, linewidth=0)
     ax.axhline(0, color="black", linewidth=0.8)
     ax.set(xlabel=_label(ds, key), ylabel="gain [%]", xscale=_scale(ds, key))
+    if not _is_spaced(ds, key):
+        _tick(ax.xaxis, ordered, key)
     legend_above(figure, ax)
     return figure
 
@@ -183,7 +187,6 @@ def _maps(ds: xr.Dataset, tuning: str, keys: Sequence[str], others: Sequence[str
     figure, axes = grid_of_axes(0.8 + 2.5 * rows, rows, columns, sharex=True, sharey=True)
     gains = told_gain(at, tuning).sel(design=list(others)).values
     largest = max(1.0, float(np.nanpercentile(np.abs(gains), 95)))
-    image = None
     for ax, (design, place) in zip(axes.ravel(), shown, strict=False):
         one = at.sel(design=design).isel(place).squeeze(drop=True).transpose(y, x, ...)
         cells = (_cells(ds, x), _cells(ds, y))
@@ -194,17 +197,15 @@ def _maps(ds: xr.Dataset, tuning: str, keys: Sequence[str], others: Sequence[str
         ax.grid(visible=False)
         ax.set(xscale=_scale(ds, x), yscale=_scale(ds, y))
         for axis, key in ((ax.xaxis, x), (ax.yaxis, y)):
-            if ds.sizes[key] <= MOST_TICKS:  # a tick where a value stands
-                axis.set_ticks(_places(ds, key), [_number(value) for value in ds[key].values.tolist()])
-                axis.set_ticks([], minor=True)
+            if ds.sizes[key] <= MOST_TICKS or not _is_spaced(ds, key):
+                _tick(axis, ds, key)
     for ax in axes.ravel()[len(shown) :]:
         ax.set_visible(False)
     for ax in axes[-1]:
         ax.set_xlabel(_label(ds, x))
     for i, ax in enumerate(axes[:, 0]):
         ax.set_ylabel(_label(ds, y) + "".join(f"\n{_told(ds, name, i)}" for name in third))
-    if image is not None:
-        figure.colorbar(image, ax=axes, label="gain over the rigid design [%]", extend="both")
+    figure.colorbar(image, ax=axes, label="gain over the rigid design [%]", extend="both")
     return figure
 
 
@@ -224,29 +225,38 @@ def _mark(ax: Axes, ds: xr.Dataset, one: xr.Dataset, x: str, y: str) -> None:
     if cells:
         ax.add_collection(PolyCollection(cells, facecolor="none", edgecolor="black", linewidth=0, hatch=HATCH))
     margin = one.margin.values
-    if min(margin.shape) > 1 and margin.min() < 0 < margin.max():
+    if margin.min() < 0 < margin.max():
         ax.contour(*places, np.log10(1 - np.minimum(margin, 1 - 1e-6)), levels=[0.0], colors="black", linewidths=1.8)
     if not one.viable.values.all():
         ax.set_facecolor("#bbbbbb")
 
 
-def _edges(centres: np.ndarray) -> np.ndarray:
-    """Edges of bins."""
-    half = (centres[1] - centres[0]) / 2 if len(centres) > 1 else 0.5
-    return np.append(centres - half, centres[-1] + half)
+def _edges(centres: np.ndarray, width: float) -> np.ndarray:
+    """Edges of bins of some width, of one, too."""
+    return np.append(centres - width / 2, centres[-1] + width / 2)
+
+
+def _is_spaced(ds: xr.Dataset, key: str) -> bool:
+    """Whether values of a key have their places on an axis: no words, nor the depth of deep water."""
+    values = ds[key].values
+    return values.dtype.kind == "f" and bool(np.isfinite(values).all())
 
 
 def _places(ds: xr.Dataset, key: str) -> np.ndarray:
-    """Where values of a key stand on an axis: words at whole numbers."""
+    """Where values of a key stand on an axis: those that have no place there at whole numbers."""
     values = ds[key].values
-    return values if values.dtype.kind == "f" else np.arange(len(values))
+    return values if _is_spaced(ds, key) else np.arange(len(values))
+
+
+def _tick(axis: Axis, ds: xr.Dataset, key: str) -> None:
+    """Put a tick where each value of a key stands, and no others."""
+    axis.set_ticks(_places(ds, key), [_number(value) for value in ds[key].values.tolist()])
+    axis.set_ticks([], minor=True)
 
 
 def _cells(ds: xr.Dataset, key: str) -> np.ndarray:
     """Edges of the cells around the values of a key, halfway to their neighbours as the scale of its axis has it."""
     places = _places(ds, key)
-    if len(places) < 2:
-        return _edges(places)
     stretched = np.log(places) if _scale(ds, key) == "log" else places
     middles = (stretched[1:] + stretched[:-1]) / 2
     edges = np.array([2 * stretched[0] - middles[0], *middles, 2 * stretched[-1] - middles[-1]])
@@ -262,7 +272,7 @@ def _number(value: object) -> str:
 def _scale(ds: xr.Dataset, key: str) -> str:
     """Scale of the axis of a key: logarithmic if its values span a decade."""
     values = ds[key].values
-    wide = values.dtype.kind == "f" and values.min() > 0 and values.max() >= 10 * values.min()
+    wide = _is_spaced(ds, key) and values.min() > 0 and values.max() >= 10 * values.min()
     return "log" if wide else "linear"
 
 

@@ -44,7 +44,7 @@ def text_of(name: str) -> str:
 
 def filled(head: Sequence[str], body: Sequence[Sequence[str]]) -> tuple[list[str], list[list[str]]]:
     """Return a table without the columns that hold nothing but dashes."""
-    kept = [i for i, column in enumerate(zip(*body, strict=True)) if not body or any(cell != "-" for cell in column)]
+    kept = [i for i, column in enumerate(zip(*body, strict=True)) if any(cell != "-" for cell in column)]
     return [head[i] for i in kept], [[row[i] for i in kept] for row in body]
 
 

@@ -246,7 +246,7 @@ def _relative(path: str) -> str:
 def _hundredths(value: int) -> str:
     """Hundredths as a short decimal number."""
     text = f"{value / 100:.2f}".rstrip("0").rstrip(".")
-    return text.replace("0.", ".", 1) if abs(value) < 100 and value else "0" if text == "-0" else text
+    return text.replace("0.", ".", 1) if abs(value) < 100 else text
 
 
 def _rounded_all(text: str) -> str:
@@ -257,7 +257,7 @@ def _rounded_all(text: str) -> str:
 def _rounded(number: re.Match[str]) -> str:
     """A number to a hundredth, short."""
     text = f"{float(number.group()):.2f}".rstrip("0").rstrip(".")
-    return "0" if text in ("-0", "") else text
+    return "0" if text == "-0" else text
 
 
 def _unwrap(element: ET.Element) -> None:
