@@ -18,6 +18,8 @@ from vsb.motion.bodies import LinearBody, Memory, body_scene, linear_body, toget
 from vsb.motion.port import combination
 from vsb.motion.pto import LinearPto
 from vsb.motion.system import System
+from vsb.scenes.afloat import body_motions
+from vsb.study.body import BodyDesign
 from vsb.study.body_file import BodyFile
 from vsb.study.quantities import RIGID
 from vsb.study.study import Simulation
@@ -449,6 +451,46 @@ def test_a_scene_of_a_body_has_no_force_that_the_body_lacks():
     assert set(body_scene(replace(bare, pto=port), None, {}).forces) == {"hydrostatic", "pto"}
     seas = {0.0: NO_WAVES, 1.0: Sea(np.array([1.0]), np.ones(1, complex))}
     assert set(body_scene(bare, None, {0.0: seas[0.0]}).forces) == {"hydrostatic"}
+
+
+@pytest.mark.parametrize("unit", [1.0, 0.01])
+def test_a_start_is_of_heave_and_what_is_held_with_it_follows(unit):
+    """Whatever rotations are counted in: next to heave alone, surge turned against by the mass they have in common."""
+    labels, counted = ("Surge", "Heave", "Pitch", "Bending"), np.diag([1.0, 1.0, 1 / unit, 1.0])
+    mass = np.array([[4.0, 0.3, 0.8, 0.0], [0.3, 5.0, 0.0, 0.7], [0.8, 0.0, 6.0, 0.0], [0.0, 0.7, 0.0, 2.0]])
+    none = np.zeros((4, 4))
+    bare = afloat(labels, np.ones(4), np.ones(4))
+    body = linear_body(bare.database, mass=counted @ mass @ counted, damping=none, stiffness=none)
+
+    def begun(*held):
+        scene = body_scene(body, None, {}, body_motions("one", BodyDesign(held=held), labels))
+        return [counted @ scene.motions @ y for y in scene.start(0.3, -0.6)]
+
+    for position, velocity in (begun(), begun({"Bending": 2.0}), begun({"Surge": 1.0, "Pitch": 3.0})):
+        assert position == pytest.approx([0.0, 0.3, 0.0, 0.0], abs=1e-15)
+        assert velocity == pytest.approx([0.0, -0.6, 0.0, 0.0], abs=1e-15)
+    position, _ = begun({"Heave": 1.0, "Pitch": -2.0 / unit})
+    assert position == pytest.approx([-0.8 / 4.0 * 0.15, 0.3, 0.15, 0.0], rel=1e-12, abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("labels", "design", "started"),
+    [
+        (("float__Surge", "float__Heave", "plate__Heave"), {}, "float__Heave"),
+        (("float__Surge", "float__Heave", "plate__Heave"), {"held": [{"float__Heave": 1.0}]}, "plate__Heave"),
+        (("Surge", "Pitch", "Bending"), {}, "Surge"),
+        (("Surge", "Pitch", "Bending"), {"dofs": ["Bending", "Pitch"]}, "Pitch"),
+        (("Surge", "Pitch", "Heave"), {"dofs": ["Pitch", "Heave"]}, "Heave"),
+        (("Surge", "Pitch", "Heave"), {"dofs": ["Pitch", "Surge"]}, "Surge"),
+    ],
+)
+def test_a_start_is_of_the_first_heave_there_is_or_of_the_first_motion(labels, design, started):
+    body = afloat(labels, 2.0 + np.arange(3), np.ones(3))
+    scene = body_scene(body, None, {}, body_motions("one", BodyDesign(**design), labels))
+    position, velocity = (scene.motions @ y for y in scene.start(0.3, -0.6))
+    assert position == pytest.approx(0.3 * np.array([label == started for label in labels]), abs=1e-15)
+    assert velocity == pytest.approx(-2 * position)
+    assert System.of(scene).heaving == pytest.approx((1.0 / body.mass.diagonal()[labels.index(started)]) ** 0.5)
 
 
 @pytest.mark.parametrize(("matrix", "rate"), [([[1.0, 0.0], [0.0, -2.0]], "0.4"), ([[1.0, 3.0], [3.0, 4.0]], "0.2")])

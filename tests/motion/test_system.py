@@ -70,7 +70,7 @@ def test_where_heave_is_not_first_its_frequency_is_that_of_the_motion_a_start_is
     """Surge on a soft mooring beside it, in whatever order motions are allowed."""
     springs = {"hydrostatic": Spring(np.diag([0.04, 36.0]))}
     for lead, motions in ((1, np.eye(2)), (0, np.eye(2)[:, ::-1])):
-        both = Scene(("Surge", "Heave"), 4.0 * np.eye(2), springs, motions, lead=lead)
+        both = Scene(("Surge", "Heave"), 4.0 * np.eye(2), springs, motions, heave=np.eye(2)[lead])
         assert System.of(both).heaving == pytest.approx(3.0, rel=1e-14)
 
 

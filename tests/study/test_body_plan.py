@@ -63,6 +63,16 @@ def test_ids_stay():
     assert {name: content_id(getattr(plan(), name)) for name in STAGES} == PINNED
 
 
+@pytest.mark.parametrize("key", ["initial_position", "initial_velocity"])
+def test_only_runs_with_a_start_of_their_own_know_what_it_is_of(key):
+    """Those from rest keep their names, whatever a start is of."""
+    (wave, _) = plan().study.waves
+    rest, moved = (plan(simulation=start).simulation("rigid", wave) for start in ({}, {key: 0.1}))
+    assert content_id(rest) == "17038d963bbca395"
+    assert content_id(rest.model_copy(update={"start": 0})) == content_id(rest)
+    assert content_id(moved.model_copy(update={"start": 0})) != content_id(moved)
+
+
 def test_heave_by_name_is_a_port_of_its_own():
     """{dof: Heave} and {dofs: {Heave: 1}} are one."""
     short, long = plan(pto={"port": {"dof": "Heave"}}), plan(pto={"port": {"dofs": {"Heave": 1.0}}})

@@ -12,7 +12,7 @@ from typing import NamedTuple, final
 import numpy as np
 import xarray as xr
 from scipy.interpolate import CubicSpline
-from scipy.linalg import eigh
+from scipy.linalg import eigh, null_space
 
 from vsb.errors import ConfigError, DatabaseError, StabilityError
 from vsb.hydro.coefficients import Coefficients
@@ -25,12 +25,14 @@ from vsb.motion.forces import Damper, Excitation, Force, RadiationMemory, Spring
 from vsb.motion.frequency import LinearMotion
 from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
+from vsb.study.quantities import motion_of
 from vsb.tools.units import PAIR, FloatArray
 from vsb.waves.seas import Sea
 
 _SAME_DIRECTION = 1e-6  # [rad]
 _UNEVEN = 1e-6  # asymmetry of a matrix, in terms of its largest entry, that is round-off
 _ADRIFT = 1e-9  # square of a growth rate, in terms of the largest of a frequency, that is round-off
+_UNMOVED = 1e-9  # share of a degree of freedom in the motions allowed that is round-off: it is held
 NO_TAKE_OFF = LinearPto(0.0)
 
 
@@ -232,7 +234,7 @@ def body_scene(
     waves : mapping of float to Sea
         Direction [rad] -> sea; none: still water.
     motions : ndarray, shape (dof, free), optional
-        Those allowed; all. An initial position is one of the first motion that heaves, or of the first.
+        Those allowed; all. An initial position is one of heave (see `_heave`).
 
     Raises
     ------
@@ -254,10 +256,21 @@ def body_scene(
         towards = {direction: replace(body, direction=direction) for direction in seas}
         parts = [sea.amplitude[:, None] * towards[at].coefficients(sea.omega).excitation for at, sea in seas.items()]
         forces["excitation"] = Excitation(together(seas).omega, np.concatenate(parts))
-    heaving = free[body.labels.index("Heave")] if "Heave" in body.labels else free[0]
-    lead = int(np.argmax(np.abs(heaving) > 0))
-    added = radiation.added_mass_inf if radiation else body.added_mass_inf
-    return Scene(body.labels, body.mass + added, forces, free, lead=lead)
+    mass = body.mass + (radiation.added_mass_inf if radiation else body.added_mass_inf)
+    return Scene(body.labels, mass, forces, free, heave=_heave(body.labels, mass, free))
+
+
+def _heave(labels: Sequence[str], mass: FloatArray, free: FloatArray) -> FloatArray:
+    """Return y of a unit of heave, of the first body that heaves, or of the first motion there is, shape (free,).
+
+    Where a design holds it together with others it is the motion q = N y next to heave alone, in the kinetic energy of
+    the difference: (q - e)^T M (q - e) least for q_heave = 1, whatever units and order the motions have.
+    """
+    moving = [i for i, row in enumerate(free) if np.abs(row).max() > _UNMOVED * np.abs(free).max()]
+    lead = next((i for i in moving if motion_of(labels[i]) == "Heave"), moving[0])
+    y, others = free[lead] / (free[lead] @ free[lead]), null_space(free[lead][None])
+    besides, apart = free @ others, free @ y - np.eye(len(labels))[lead]
+    return np.asarray(y - others @ np.linalg.solve(besides.T @ mass @ besides, besides.T @ mass @ apart))
 
 
 def together(waves: Mapping[float, Sea]) -> Sea:

@@ -31,7 +31,12 @@ class Scene:
     motions: FloatArray  # N (dof, free)
     origin: FloatArray = field(default_factory=lambda: np.zeros(0))  # y at rest (free,) [m]; empty: zero
     take_off: str = "pto"  # name of the force whose work is the power absorbed
-    lead: int = 0  # free coordinate an initial position and velocity are of: heave
+    heave: FloatArray = field(default_factory=lambda: np.zeros(0))  # y of a unit of heave (free,); empty: the first
+
+    @property
+    def heaving(self) -> FloatArray:
+        """Y of a unit of heave, which an initial position and velocity are of, shape (free,)."""
+        return self.heave if self.heave.size else np.eye(self.motions.shape[1])[0]
 
     @property
     def laws(self) -> dict[str, TakeOff | EndStop]:
@@ -121,7 +126,7 @@ class Scene:
 
     def start(self, heave: float, heave_velocity: float) -> tuple[FloatArray, FloatArray]:
         """Return the initial y and y': the buoy as it rests, moved in heave as given."""
-        first = np.eye(self.motions.shape[1])[self.lead]
+        first = self.heaving
         return heave * first + (self.origin if self.origin.size else 0.0), heave_velocity * first
 
     def named(self, time: FloatArray, q: FloatArray, v: FloatArray) -> dict[str, FloatArray]:

@@ -369,9 +369,9 @@ class System:
     @property
     def heaving(self) -> float:
         """Frequency of heave alone, without memory; 1 without a spring [rad/s]."""
-        lead = self.scene.lead, self.scene.lead
-        mass = (self.scene.motions.T @ self.scene.mass @ self.scene.motions)[lead]
-        return float(np.sqrt(max(self.scene.stiffness[lead], 0.0) / mass)) or 1.0
+        y = self.scene.heaving
+        mass = self.scene.motions.T @ self.scene.mass @ self.scene.motions
+        return float(np.sqrt(max(float(y @ self.scene.stiffness @ y), 0.0) / (y @ mass @ y))) or 1.0
 
     @property
     def frequencies(self) -> FloatArray:

@@ -20,10 +20,12 @@ from vsb.scenes.pause import SETTLED
 from vsb.shell.deformed import DeformedShell, enclosed
 from vsb.shell.orders import OrderBasis, all_clamp_rows
 from vsb.shell.surface import enclosed_in_orders
+from vsb.stages.response import port_in_words
 from vsb.stages.stage import stamp
 from vsb.study.body_specs import BodySimulateSpec
 from vsb.study.specs import SimulateSpec
 from vsb.study.study import RegularWave, StillWater
+from vsb.study.take_off import turns
 from vsb.tools.files import save
 from vsb.tools.units import FloatArray
 
@@ -50,6 +52,7 @@ def run(spec: SimulateSpec | BodySimulateSpec, out: str, database: str = "", rad
     intervals, seconds, steps, drifts = zip(*taken, strict=True)
     attrs = {"design": design, "wave": wave.label, "energy_residual": leg.balance.residual, "status": "completed"}
     attrs |= {"method": in_words(leg.method, sum(steps)), "instants": 1 + sum(intervals)}
+    attrs |= {"port": port_in_words(spec.pto)} if turns(spec.pto.port) else {}
     attrs |= {"seconds": sum(seconds), **notes, **stamp(spec, database, radiation)}
     if isinstance(wave, RegularWave):
         attrs |= _steady(system)

@@ -24,6 +24,7 @@ from vsb.study.waves import RegularWave, Wave
 
 OF_THE_BAND = ("absorbed_power", "reactance", "added_mass_damping", "radiation_kernel")
 OF_A_SEA = ("port_motion", "degrees_of_freedom", "power_energy", "energy_audit")
+_START = 1  # version of what an initial position and velocity are of
 _MOST_MOTIONS, _HIGHEST = 40, 20.0  # for memory alone: degrees of freedom and band of a body whose file is not read yet
 
 
@@ -86,7 +87,9 @@ class BodyPlan(ResultsPlan):
             "pto": study.pto.model_copy(update={"damping": damping, "tuning": tuning}),
         }
         seas = study.one_of_each_sea if tuning == "one" else ()
-        return BodySimulateSpec(waves=(wave,), simulation=study.simulation, seas=seas, **{**self._sections(), **own})
+        moved = study.simulation.initial_position or study.simulation.initial_velocity
+        run: dict[str, Any] = {"waves": (wave,), "seas": seas, "start": _START if moved else 0}
+        return BodySimulateSpec(simulation=study.simulation, **run, **{**self._sections(), **own})
 
     @property
     def comparison(self) -> BodyCompareSpec:

@@ -61,10 +61,11 @@ class BodyLadderSpec(OfDesigns):
 class BodySimulateSpec(OfDesigns):
     """One design in one sea; `seas` are those its damper is to suit, where one is for all."""
 
-    TAG = "simulate"
+    TAG, LATER = "simulate", ("start",)
     waves: tuple[Wave, ...]
     simulation: Simulation
     seas: tuple[Wave, ...] = ()
+    start: int = 0  # version of what an initial position and velocity are of; of rest none
 
 
 class BodyCompareSpec(Spec):

@@ -250,7 +250,7 @@ AT_VOLUME = {
 """Units of what a take-off sees of a volume, and of what it does there: pressure against volume flow."""
 AT_ROTATION = {
     "port_impedance": "N m s", "port_velocity": "rad/(m s)", "best_damping": "N m s", "damping": "N m s",
-    "tried_damping": "N m s", "force_rms": "N m", "force_of_damping": "N m",
+    "tried_damping": "N m s", "force_rms": "N m", "force_of_damping": "N m", "stroke": "rad", "stroke_rate": "rad/s",
 }  # fmt: skip
 """Likewise of a rotation: moment against angular velocity."""
 
