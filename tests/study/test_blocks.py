@@ -145,6 +145,9 @@ def test_a_band_too_narrow_for_a_shallow_draft_is_refused(depth, advice, seed):
     plan = StudyPlan(varied(seed, device=device, modes={"degree": 2}, hydro={"solver": "spectral", "omega_max": 9.0}))
     with pytest.raises(ConfigError, match=rf"hydro.omega_max: received 9 rad/s, {advice}$"):
         plan.check_waves()
+    StudyPlan(varied(plan.study, hydro={"accept": ["kramers_kronig"]})).check_waves()
+    with pytest.raises(ConfigError, match=r"hydro.omega_max: received 9 rad/s"):
+        StudyPlan(varied(plan.study, hydro={"accept": ["haskind"]})).check_waves()
 
 
 @pytest.mark.parametrize(("tolerance", "half"), [(1e-1, 5e-4), (1e-3, 5e-4), (1e-4, 5e-5)])

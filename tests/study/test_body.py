@@ -163,6 +163,7 @@ def test_a_body_file_brings_its_water_and_is_known_by_what_it_says(tmp_path):
     assert found.files == {"mesh": str(tmp_path / "m.nc"), "modes": str(tmp_path / "d.nc")}
     (tmp_path / "file.yaml").write_text("# of another name\n" + yaml.safe_dump({**body, "body": "other"}))
     assert located({**RAW, "body": "file.yaml"}, str(tmp_path / "raft.yaml")).study == found.study
+    assert located({**RAW, "body": "file.yaml", "water": {"depth": 20}}, str(tmp_path / "raft.yaml")) == found
     with pytest.raises(ConfigError, match=r"water: is not that of .*file.yaml; needs the same, or leave it"):
         located({**RAW, "body": "file.yaml", "water": {"depth": 30.0}}, str(tmp_path / "raft.yaml"))
 

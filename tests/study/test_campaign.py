@@ -5,7 +5,8 @@ import yaml
 from conftest import SEED, varied
 
 from vsb.errors import ConfigError
-from vsb.study.campaign import _scale, load, sections, study_at
+from vsb.study.campaign import Campaign, Scatter, _scale, load, sections, study_at
+from vsb.study.device import Gas
 from vsb.study.froude import scaled
 from vsb.study.study import content_id, parse
 from vsb.study.study import load as load_study
@@ -104,6 +105,16 @@ def test_without_a_damper_no_tuning_is_fixed(folder):
         load(written(folder, tuning=["fixed"]))
 
 
+def test_no_tuning_is_said_by_nothing_too(folder):
+    (folder / "campaign.yaml").write_text(yaml.safe_dump({**RAW, "tuning": None}))
+    assert load(folder / "campaign.yaml") == load(written(folder))
+
+
+def test_a_table_of_occurrences_made_in_python_is_one():
+    table = Scatter(scatter="sea.csv", gamma=2.0)
+    assert Campaign(campaign="year", study="seed.yaml", climate=table).climate is table
+
+
 def test_a_budget_stands_for_itself_where_optima_are_asked_for(folder):
     assert load(written(folder, tuning=["one"])).constrained is None
     assert load(written(folder, tuning=["one", "constrained"])).constrained.seconds == 10.0
@@ -118,6 +129,14 @@ def test_a_point_sets_keys_and_nothing_else():
     assert one.designs["VSWEC0"].clamp == (10.0,)
     assert one.device.model_copy(update={"young_modulus": 1e7}) == load_study(SEED).device
     assert study_at(base, {}).hydro.model == "linear"
+
+
+def test_a_point_sets_a_key_of_a_section_that_is_off_by_default():
+    base = sections(load_study(SEED))
+    assert base["device"]["gas"] is None
+    one = study_at(base, {"device.gas.adiabatic_index": 1.2})
+    assert one.device.gas == Gas(adiabatic_index=1.2)
+    assert one.device.model_copy(update={"gas": None}) == load_study(SEED).device
 
 
 def test_a_year_depends_on_nothing_that_only_a_run_in_time_has():

@@ -8,6 +8,7 @@ from conftest import SEED
 
 from vsb.errors import ConfigError
 from vsb.study.campaign_plan import MOST_BATCHES, CampaignPlan, figure_names, plan_of
+from vsb.study.campaign_plan import planned as plan_as_run
 from vsb.study.plan import StudyPlan
 from vsb.study.study import content_id
 
@@ -69,6 +70,20 @@ def test_members_know_climate_and_tuning(planned, tmp_path):
     assert ids(planned(climate={"scatter": "sea.txt", "gamma": 1.0})) != table
     (tmp_path / "sea.txt").write_text("others")
     assert ids(planned()) != before
+
+
+def test_a_form_without_a_peak_factor_is_the_same_climate_whatever_it_is(planned):
+    found = [
+        planned(climate={"scatter": "sea.txt", "spectrum": form, "gamma": gamma}).climate
+        for form in ("pierson_moskowitz", "jonswap")
+        for gamma in (1.0, 5.0)
+    ]
+    assert [(one.form, one.gamma) for one in found] == [
+        ("pierson_moskowitz", None),
+        ("pierson_moskowitz", None),
+        ("jonswap", 1.0),
+        ("jonswap", 5.0),
+    ]
 
 
 def test_a_widened_sweep_keeps_its_members(planned):
@@ -137,9 +152,26 @@ def test_a_study_file_is_a_study(planned, tmp_path):
 
 
 def test_every_product_has_an_id(planned):
-    plan = planned({"device.mass": [16000.0, 17000.0]})
+    """Batches and runs in time their own, all else that of the campaign."""
+    plan = planned({"device.mass": [1.2e4, 1.4e4, 1.6e4, 1.7e4]}, verify={})
     assert set(plan.ids) == set(plan.products)
     assert not any(map(plan.is_shared, plan.products))
+    assert (len(plan.batches), len(plan.verifications)) == (2, 4)
+    own = {f"results/sweep/batches/{one}.nc": one for one in plan.batches}
+    own |= {f"results/sweep/verification/{one}.nc": one for one in plan.verifications}
+    assert plan.ids == dict.fromkeys(plan.products, plan.campaign_id) | own
+    assert len({*own.values(), plan.campaign_id}) == 7
+
+
+def test_results_lie_where_a_run_has_them_lie(planned, tmp_path, monkeypatch):
+    """Its folder travels among the keys of the file, of which it is none."""
+    monkeypatch.chdir(tmp_path)
+    planned()
+    for name in ("sweep", "seed"):
+        raw = yaml.safe_load((tmp_path / f"{name}.yaml").read_text())
+        here, there = (plan_as_run({**raw, **root}, f"{name}.yaml") for root in ({}, {"root": "elsewhere"}))
+        assert (here.folder, there.folder) == (f"results/{name}", f"elsewhere/{name}")
+        assert list(there.ids.values()) == list(here.ids.values())
 
 
 def verified(planned, name="sweep", study=None, **changes):
