@@ -74,6 +74,7 @@ def test_the_figure_marks_every_number_in_its_row():
     gain, width = figure((RIGID, SHELL, YEAR, LOST)).axes
     marked = {line.get_label(): line.get_xydata() for line in gain.get_lines()}
     np.testing.assert_array_equal(marked["VSWEC"], [[-10.0, 0], [12.34, 1]])  # nothing where nothing is viable
+    np.testing.assert_array_equal(marked["FSB"], [[0.0, 0]])  # a gain of nothing is a number
     np.testing.assert_array_equal(width.get_lines()[0].get_xydata(), [[1.5, 0]])
     assert [tick.get_text() for tick in gain.get_yticklabels()] == [
         "soft, wave1",

@@ -251,3 +251,47 @@ def test_a_device_that_does_not_say_how_it_is_balanced_has_no_pitch():
             ConfigError, match="device: received no centre_of_mass or no ballast_inertia; pitch needs both"
         ):
             ballast_of(silent)
+
+
+def potential(basis, amplitudes, height, points=40):
+    """Energy of a shell of order 1, bent and then turned, its ballast and the water it displaces [J], by points in space.
+
+    Water at rest: -rho g int z over the wetted volume, by the divergence theorem -rho g int z^2/2 n_z over its surface.
+    """
+    node, weight = np.polynomial.legendre.leggauss(points)
+    low, step = np.arccos(np.clip(-height / 2.0, -1.0, 1.0)), 1e-4
+    phi = np.concatenate([low / 2 * (1 + node), low + (np.pi - low) / 2 * (1 + node)])
+    dphi = np.concatenate([low / 2 * weight, (np.pi - low) / 2 * weight])
+    azimuth = np.linspace(0.0, 2 * np.pi, points, endpoint=False)
+    surge, turn, bent = *amplitudes[:2], np.concatenate([[0.0, 0.0], amplitudes[2:]])
+
+    def place(phi, azimuth):
+        """Where the points of the shell are, (3, phi, azimuth)."""
+        cos, sin = np.cos(azimuth), np.sin(azimuth)
+        v, u, w = (bent @ part for part in basis.field(phi))
+        v, u, w = 2.0 + np.outer(v, cos), np.outer(u, cos), np.outer(w, sin)
+        s, c = np.sin(phi)[:, None], np.cos(phi)[:, None]
+        x, y, z = (v * s + u * c) * cos - w * sin, (v * s + u * c) * sin + w * cos, v * c - u * s
+        return np.array([surge + np.cos(turn) * x + np.sin(turn) * z, y, height - np.sin(turn) * x + np.cos(turn) * z])
+
+    z = place(phi, azimuth)[2]
+    along_phi = (place(phi + step, azimuth) - place(phi - step, azimuth)) / (2 * step)
+    around = (place(phi, azimuth + step) - place(phi, azimuth - step)) / (2 * step)
+    area = dphi[:, None] * 2 * np.pi / points
+    upward = along_phi[0] * around[1] - along_phi[1] * around[0]
+    water = -RHO * G * np.sum(np.minimum(z, 0.0) ** 2 / 2 * upward * area)
+    shell = basis.shell.mass / (4 * np.pi) * np.sum(z * np.sin(phi)[:, None] * area)
+    return water + G * (shell + BALLAST.total_mass * BALLAST.centre_of_mass * np.cos(turn))
+
+
+@pytest.mark.parametrize(("height", "rtol"), [(-5.0, 1e-5), (HEIGHT, 2e-4)])
+def test_stiffness_of_water_and_weight_is_the_second_derivative_of_their_energy(height, rtol):
+    """By surge, pitch and shapes, a submerged sphere and one afloat; the shell itself is heavy."""
+    heavy = replace(at_order(1, degree=3), shell=replace(at_order(1).shell, density=20000.0))
+    stiffness, size = heavy.hydrostatic_stiffness(height, RHO, G), len(heavy.labels)
+    step = 0.02 * np.eye(size)
+    for i, j in zip(*np.triu_indices(size), strict=True):
+        signed = [a * b * potential(heavy, a * step[i] + b * step[j], height) for a in (1, -1) for b in (1, -1)]
+        found = sum(signed) / (4 * 0.02**2)
+        assert found == pytest.approx(stiffness[i, j], rel=0, abs=rtol * np.abs(stiffness).max()), (i, j)
+        assert stiffness[j, i] == pytest.approx(stiffness[i, j], rel=0, abs=1e-13 * np.abs(stiffness).max())

@@ -45,6 +45,16 @@ def test_a_job_hands_over_all_that_its_stage_asks_for_and_nothing_else(plan):
         assert (job.spec is None) == (stage.spec is None), job.stage
 
 
+def test_every_block_of_panels_is_solved_on_its_own_mesh(tmp_path):
+    """Lids are finer at high frequencies: the blocks of one study have several meshes."""
+    plan = StudyPlan(varied(config.load(SEED), **STUDIES["shallow"]), root=str(tmp_path))
+    panels = [job for job in jobs(plan) if job.stage == "panels"]
+    assert len({job.files["mesh"] for job in panels}) > 1
+    for job in panels:
+        assert job.files["mesh"] == plan.mesh_path(job.spec.mesh)
+        assert job.files["mesh"] in job.needs
+
+
 def test_every_rule_of_the_workflow_is_a_job_of_some_study(tmp_path):
     files = (HERE.parent / "workflow" / "rules").glob("*.smk")
     rules = "".join(path.read_text() for path in files if path.stem != "campaign")

@@ -19,6 +19,7 @@ from tools.test_files import rewritten
 
 from vsb.cli import main
 from vsb.errors import DatabaseError, VsbError
+from vsb.hydro.database import save_database
 from vsb.stages import figures, report, simulate
 from vsb.stages.verify import _more, _other_faults, differences, stale_products, study_faults, verify
 from vsb.study import study as config
@@ -347,6 +348,14 @@ def test_healing_stamps_what_is_of_before_removes_what_is_damaged_and_says_so(pl
     assert "checksum" in load(PLAN.database_path).attrs
     assert not Path(FSB).exists()
     assert verify("small.yaml", heal=True) == ["vsb run small.yaml makes 1 files"]
+
+
+def test_the_index_is_of_the_databases_healing_leaves(place):
+    """One of another specification is removed from both, though the index told of it rightly."""
+    save_database(load(PLAN.database_path).assign_attrs(spec_id="0" * 16), None, PLAN.database_path)
+    healed, _ = verify("results", heal=True)
+    assert healed.startswith(f"removed {PLAN.database_path}: is of '0000000000000000'")
+    assert len(verify("results", heal=True)) == 1
 
 
 def test_where_there_are_no_databases_healing_writes_no_index_of_them(place):

@@ -102,6 +102,7 @@ WAVE = {"kind": "regular", "amplitude": 0.1, "period": 3.0}
         ({"modes": {"order": 0}}, r"modes.order: received 0; needs a number of at least 1"),
         ({"mooring": UNEVEN}, r"mooring: received .*; needs a symmetric matrix, because a spring has an energy"),
         ({"mooring": ASIDE}, r"mooring: received 5 between surge and sway, which motion 'planar' does not have; needs 0"),
+        ({"mooring": [[-x for x in row] for row in ASIDE]}, r"mooring: received -5 between surge and sway, which motion 'planar'"),
         ({"mooring": [[1.0] * 6, *[1.0] * 5]}, r"mooring.1: received 1.0; needs a list"),
         ({"mooring": [1.0] * 5}, r"mooring: received .*; needs six rows of six numbers, or the six"),
         ({"mooring": 5.0}, r"mooring: received 5.0; needs six rows of six numbers, or the six"),

@@ -362,6 +362,8 @@ def test_modes_couple_where_they_do_by_more_than_round_off_of_the_largest_entry(
         entry = np.zeros((3, 3))
         entry[0, 2] = entry[2, 0] = 1e-9 * part * largest
         bemio_entries(ds.assign({name: ds[name] + 0.9 * entry}), "memory")
+        with pytest.raises(DatabaseError, match=f"memory: {name} couples rigid and generalized modes"):
+            bemio_entries(ds.assign({name: ds[name] - 1.1 * entry}), "memory")  # as much the other way
         with pytest.raises(
             DatabaseError, match=f"memory: {name} couples rigid and generalized modes, which WEC-Sim dro"
         ):
