@@ -79,6 +79,10 @@ COMMANDS = {
         "So many flipped bits, and half as many edits of JSON, in finished results: none is silent; 1 if one is.",
         ("count", "out"), int, fails=bool,
     ),
+    "faults": Command(
+        "So many careless edits of the package at random: 95 % of them are seen by its tests; 1 if fewer are.",
+        ("count", "out"), int, fails=bool,
+    ),
 }  # fmt: skip
 WRITES = {"folder": "{folder}/", "out": "{out}"}
 
