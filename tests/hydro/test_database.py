@@ -15,6 +15,7 @@ from vsb.hydro.database import (
     save_database,
     with_symmetrized,
 )
+from vsb.hydro.dofs import Displacement
 from vsb.shell.modes import mode_basis
 
 
@@ -168,3 +169,98 @@ def test_every_matrix_of_the_water_is_symmetrized(name):
     even = with_symmetrized(xr.Dataset({name: skew, "inertia_matrix": skew}))
     assert even[name].values.tolist() == [[1.0, 2.5], [2.5, 4.0]]
     assert even.inertia_matrix.equals(skew)
+
+
+def test_a_check_is_one_line_with_its_value_its_limit_and_what_it_means():
+    assert Check("haskind", 0.012345, 0.05, "-", "doubt", "why").line == (
+        "doubt        haskind = 0.0123 (limit 0.05): why"
+    )
+
+
+@pytest.mark.parametrize(("value", "verdict"), [(5.0, "doubt"), (np.nextafter(5.0, 6.0), "fail")])
+def test_a_doubt_goes_as_far_as_five_times_the_limit(value, verdict):
+    check = check_at_most("c", value, 1.0, "m", "text", doubt=True, design="soft", wave="storm")
+    assert check == Check("c", value, 1.0, "m", verdict, "text", "soft", "storm")
+    assert database.stored_checks(xr.Dataset(attrs={"quality": database.as_json([check, check])})) == [check, check]
+
+
+def test_infinite_frequency_is_a_block_of_its_own_wherever_it_stands():
+    """It has no frequency; and every frequency that is there twice is told, once."""
+    limit = block([1.0], seed=3).added_mass[0].drop_vars("omega")
+    infinite = xr.Dataset({"added_mass_inf": limit})
+    parts = [block([3.0, 4.0], seed=1), block([1.0, 2.0], seed=2)]
+    for given in ([infinite, *parts], [parts[0], infinite, parts[1]], [*parts, infinite]):
+        merged = merged_blocks(given)
+        assert merged.added_mass_inf.equals(limit)
+        assert merged.drop_vars("added_mass_inf").equals(merged_blocks(parts))
+    assert "added_mass_inf" not in merged_blocks(parts)
+    with pytest.raises(DatabaseError, match=r"^frequencies \[3.0, 4.0\] rad/s occur in more than one block; merge"):
+        merged_blocks([parts[0], *parts])
+
+
+def test_displacements_are_all_radial_ones_and_the_meridional_ones_that_there_are(seed):
+    """Each degree once, though two modes have it; degree 0 moves nothing along the meridian."""
+    found = database.displacements_of(mode_basis(seed.device, "full", 3))
+    labels = [*(f"Radial{n}" for n in range(4)), *(f"Meridional{n}" for n in range(1, 4))]
+    assert [each.label for each in found] == labels
+    assert [each.label for each in database.displacements_of(mode_basis(seed.device, "full", 2))][-1] == "Meridional2"
+
+
+def test_modes_are_made_of_their_radial_and_their_meridional_displacements(seed):
+    """In whatever order they were solved; of those that a basis has not it takes nothing."""
+    basis = mode_basis(seed.device, "full", 2)
+    solved = (
+        Displacement("meridional", 2), Displacement("radial", 1), Displacement("radial", 0),
+        Displacement("radial", 3), Displacement("meridional", 1), Displacement("radial", 2),
+    )  # fmt: skip
+    found = database.shares(solved, basis)
+    for row, mode in zip(found, basis.shapes, strict=True):
+        of = {each.label: value for each, value in zip(solved, row, strict=True)}
+        expected = dict.fromkeys(of, 0.0) | {f"Radial{mode.degree}": mode.radial}
+        expected |= {f"Meridional{mode.degree}": mode.meridional} if mode.degree else {}
+        assert of == expected
+    assert found[0].tolist() == [0.0, 1.0, 0.0, 0.0, 1.0, 0.0]
+
+
+def test_matrices_are_transformed_on_both_sides_and_forces_on_one():
+    """Coordinates of other dimensions stay; a matrix that is not symmetric, and more motions than displacements."""
+    rng, t = np.random.default_rng(4), np.array([[1.0, -2.0], [0.5, 0.0], [3.0, 4.0]])
+    force = rng.normal(size=(2, 3, 2)) + 1j * rng.normal(size=(2, 3, 2))
+    raw = block([1.0, 2.0], degrees=(0, 1)).assign(
+        excitation_force=(("omega", "wave_direction", "influenced_dof"), force)
+    )
+    raw = raw.assign_coords(wave_direction=[0.0, 0.5, 1.0])
+    found = database.transformed(raw, t, ("a", "b", "c"))
+    for name in ("added_mass", "radiation_damping"):
+        assert found[name].values == pytest.approx(np.array([t @ m @ t.T for m in raw[name].values]))
+    assert found.excitation_force.values == pytest.approx(np.array([[t @ x for x in at] for at in force]))
+    assert found.excitation_force.wave_direction.values.tolist() == [0.0, 0.5, 1.0]
+    assert found.omega.values.tolist() == [1.0, 2.0]
+    assert found.added_mass.radiating_dof.values.tolist() == ["a", "b", "c"]
+
+
+def test_excitation_is_froude_krylov_and_diffraction():
+    ds = xr.Dataset({"Froude_Krylov_force": ("omega", [1 + 2j]), "diffraction_force": ("omega", [-3 + 0.5j])})
+    assert database.with_excitation(ds).excitation_force.values.tolist() == [-2 + 2.5j]
+
+
+def test_symmetrizing_is_told_after_what_was_done_before():
+    even = with_symmetrized(block([1.0]).assign_attrs(history="read", solver="panels"))
+    assert even.attrs == {"history": "read; added mass and damping symmetrized", "solver": "panels"}
+
+
+def test_what_is_no_database_is_said(tmp_path):
+    block([1.0]).to_netcdf(tmp_path / "other.nc")
+    with pytest.raises(DatabaseError, match=r"other.nc: holds no hydro database; needs one of results/hydro/db, or an"):
+        database.open_database(tmp_path / "other.nc")
+
+
+def test_the_index_has_dashes_where_a_body_has_no_such_thing(tmp_path):
+    """And what does not tell its water is unreadable, with dashes for all that is not known."""
+    facts = {"spec_id": "a" * 16, "quality": "[]", "water_depth": 20.0}
+    save_database(block([1.0, 2.0]).assign_attrs(facts), None, tmp_path / "db" / "body.nc")
+    save_database(block([1.0]).assign_attrs(spec_id="b" * 16, quality="[]"), None, tmp_path / "db" / "dry.nc")
+    lines = database.index_text(tmp_path / "db").splitlines()[1:]
+    assert [line.split("\t") for line in lines] == [
+        ["body", "-", "-", "-", "2", "2", "20.0", "ok"], ["dry", "-", "-", "-", "-", "-", "-", "unreadable"],
+    ]  # fmt: skip

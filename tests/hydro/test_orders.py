@@ -12,6 +12,7 @@ from vsb.hydro.orders import (
     headings,
     in_headings,
     in_order_modes,
+    in_wet_modes,
     most_exciting,
     of_order,
     order_groups,
@@ -20,6 +21,7 @@ from vsb.hydro.orders import (
     own_headings,
     renamed,
     side_by_side,
+    still_part,
     with_haskind_damping,
     with_order_structure,
 )
@@ -27,9 +29,9 @@ from vsb.hydro.quality import haskind_difference
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.shell.deformed import rigid_sphere
 from vsb.shell.modes import mode_basis
-from vsb.shell.orders import Ballast, order_basis
+from vsb.shell.orders import Ballast, order_basis, semi_normalisation
 from vsb.study.device import Device
-from vsb.waves.dispersion import power_limit
+from vsb.waves.dispersion import group_velocity, power_limit, wavenumber
 
 RHO, G = 1025.0, 9.81
 DEVICE = Device(radius=2.0, thickness=0.01, young_modulus=1e7, poisson_ratio=0.3, density=2700.0, mass=17170.0)
@@ -206,3 +208,74 @@ def test_each_degree_of_freedom_is_excited_most_by_its_own_of_the_directions():
     np.testing.assert_allclose(  # cos m beta and sin m beta at 0, 45 and 90 degrees
         whole.excitation_force[0], [[1, 2, 0, 0], [1, 2**0.5, 0.5**0.5, 2], [1, 0, 1, 0]], atol=1e-12
     )
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_shapes_of_an_order_are_semi_normalised_and_moved_by_their_radial_part(order):
+    """Whatever else was solved, in whatever order; surge is P_1^1 itself and pitch moves no water."""
+    one = basis(order)
+    solved_ = [Displacement("radial", n, order) for n in (3, order, 4, 2) if n >= order]
+    solved_ = list(dict.fromkeys(solved_))
+    found = order_shares(solved_, one)
+    rigid = {"Surge": {1: 1.0}, "Pitch": {}} if order == 1 else {}
+    expected = [*rigid.values(), *({m.degree: m.radial * semi_normalisation(m.degree, order)} for m in one.modes)]
+    assert list(one.labels[: len(rigid)]) == list(rigid)
+    assert found == pytest.approx(np.array([[of.get(each.degree, 0.0) for each in solved_] for of in expected]))
+
+
+def test_only_pitch_is_left_out_of_what_moves_water():
+    raw = solved(1, range(1, 4), [1.5], nodes=8)
+    wet, whole = in_wet_modes(raw, basis(1)), in_order_modes(raw, basis(1))
+    labels = [label for label in basis(1).labels if label != "Pitch"]
+    assert list(wet.influenced_dof.values) == list(wet.radiating_dof.values) == labels
+    assert wet.equals(whole.sel(influenced_dof=labels, radiating_dof=labels))
+    assert in_wet_modes(solved(2, [2, 3], [1.5], nodes=8), basis(2)).sizes["influenced_dof"] == len(basis(2).labels)
+
+
+@pytest.mark.parametrize("order", [0, 1, 2])
+def test_damping_from_excitation_is_that_of_its_water_and_its_order(order):
+    """In water of finite depth, of two motions out of phase; what was done before is told first."""
+    pair, force = ("influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
+    x, omega, depth, density, gravity = np.array([3.0 + 1.0j, -0.5 + 2.0j]), 1.3, 4.0, 800.0, 3.7
+    ds = xr.Dataset(
+        {"radiation_damping": (("omega", *pair), np.zeros((1, 2, 2))), "excitation_force": (force, x[None, None])},
+        {"omega": [omega]},
+        {"history": "read"},
+    )
+    k = wavenumber(omega, depth, gravity)
+    share = k / (4 * (2 if order else 1) * density * gravity * group_velocity(omega, depth, gravity))
+    made = with_haskind_damping(ds, order, depth, density, gravity)
+    assert made.radiation_damping.values[0] == pytest.approx(share * np.outer(x, x.conj()).real, rel=1e-12)
+    assert made.attrs["history"] == f"read; damping of order {order} from excitation (Haskind)"
+
+
+def test_sines_come_after_the_cosines_of_their_order_and_orders_ascend():
+    orders = [2, -1, 0, 1, -2, 1, 0]
+    ds = xr.Dataset({ORDER: ("influenced_dof", orders), "a": ("influenced_dof", np.arange(7.0))})
+    groups = order_groups(ds)
+    assert list(groups) == [0, 1, -1, 2, -2]
+    assert [group.tolist() for group in groups.values()] == [[2, 6], [3, 5], [1], [0], [4]]
+    assert of_order(ds, -2).a.values.tolist() == [4.0]
+    assert ORDER not in of_order(ds, 1)
+
+
+def test_a_part_that_moves_no_water_is_like_another_in_all_but_its_motions():
+    like = side_by_side(parts(), [0, 0]).drop_vars(ORDER)
+    one = basis(1)
+    still = still_part(like, one)
+    assert still.attrs == like.attrs
+    assert list(still.influenced_dof.values) == list(still.radiating_dof.values) == list(one.labels)
+    assert set(still.data_vars) == set(like.data_vars)
+    assert still.added_mass.shape == (2, len(one.labels), len(one.labels))
+    assert still.omega.equals(like.omega)
+    assert not any(still[name].values.any() for name in still.data_vars)
+
+
+def test_structure_of_an_order_has_every_stiffness_under_its_name():
+    one, pair = basis(1), ("influenced_dof", "radiating_dof")
+    bare = xr.Dataset({"a": (pair, np.eye(len(one.labels)))}, {dim: list(one.labels) for dim in pair}, {"solver": "s"})
+    given = {"structural": one.stiffness, "hydrostatic": np.triu(one.inertia) - 2 * one.stiffness}
+    ds = with_order_structure(bare, one, given)
+    for name, matrix in given.items():
+        np.testing.assert_array_equal(ds[f"{name}_stiffness"], matrix)
+    assert ds.attrs == {"solver": "s"}

@@ -6,7 +6,7 @@ from vsb.errors import DatabaseError
 from vsb.hydro import quality
 from vsb.hydro.database import Check
 from vsb.study.sections import Water
-from vsb.waves.dispersion import group_velocity
+from vsb.waves.dispersion import group_velocity, wavenumber
 
 OMEGA = np.arange(1, 121) * 0.1
 RHO, G = 1000.0, 9.81
@@ -183,3 +183,98 @@ def test_a_spike_is_seen_as_soon_as_there_are_four_neighbours(count, seen):
     b[count // 2] = 3.0
     ds = xr.Dataset({"radiation_damping": (("omega", "influenced_dof", "radiating_dof"), b)})
     assert quality.largest_kink(ds.assign_coords(omega=0.1 * np.arange(1, count + 1))) == pytest.approx(seen)
+
+
+@pytest.mark.parametrize("order", [0, 1, 2])
+def test_haskinds_damping_is_that_of_its_water_and_its_order(order):
+    """Of two frequencies and motions out of phase in water of finite depth: rows are conjugate to columns."""
+    omega, depth, density, gravity = np.array([0.9, 2.0]), 3.0, 700.0, 5.0
+    x = np.array([[[1.0 + 2.0j, -3.0 + 0.5j]], [[0.3 - 1.0j, 2.0 + 2.0j]]])
+    ds = xr.Dataset({"excitation_force": (("omega", "wave_direction", "influenced_dof"), x)}, {"omega": omega})
+    found = quality.haskind_damping(ds, depth, density, gravity, order)
+    for w, (force,), made in zip(omega, x, found, strict=True):
+        flux = 4 * (2 if order else 1) * density * gravity * group_velocity(w, depth, gravity)
+        expected = wavenumber(w, depth, gravity) * np.outer(force, force.conj()) / flux
+        np.testing.assert_allclose(made, expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("order", [0, 1])
+def test_the_checks_of_a_database_are_of_its_water_and_its_order(perfect, order):
+    """The same damping with the excitation that it has in other water holds there, and nowhere else."""
+    water = Water(density=650.0, gravity=4.0, depth=2.5)
+    force = perfect.excitation_force.values[:, 0]
+    factor = [
+        wavenumber(w, 2.5, 4.0) / (4 * (2 if order else 1) * 650.0 * 4.0 * group_velocity(w, 2.5, 4.0)) for w in OMEGA
+    ]
+    mine = np.array([w**2 / G / (4 * RHO * G * group_velocity(w, np.inf, G)) for w in OMEGA])
+    other = perfect.assign(
+        excitation_force=(perfect.excitation_force.dims, (force * np.sqrt(mine / factor)[:, None])[:, None])
+    )
+    checks = quality.verdict(other, None, water, order=order)
+    assert {check.verdict for check in checks} == {"ok"}
+    assert [check.explanation.startswith("order 1: ") for check in checks] == [order == 1] * 6
+    wrong = [water.model_copy(update=change) for change in ({"density": 1000.0}, {"gravity": 9.81}, {"depth": np.inf})]
+    for there in wrong:
+        assert quality.haskind_difference(other, there.depth, there.density, there.gravity, order) > 0.05
+        assert "haskind" in {c.name for c in quality.pointwise_checks(other, there, 1.0, order) if c.verdict == "fail"}
+
+
+def test_damping_is_scaled_by_the_largest_of_each_motion_of_either_sign():
+    """Of two motions the second is drawn from, by half of its largest; in terms of the largest eigenvalue, 2/3."""
+    damping = np.array([np.diag([9.0, -0.3]), np.diag([2.0, 0.2]), np.diag([4.5, 0.1])])
+    ds = xr.Dataset({"radiation_damping": (("omega", "influenced_dof", "radiating_dof"), damping)})
+    assert quality._scale(ds) == pytest.approx(np.outer([3.0, 0.3**0.5], [3.0, 0.3**0.5]))
+    assert quality.negative_damping(ds) == pytest.approx(1.0)
+    assert quality.scaled_eigenvalues(ds, quality._scale(ds)) == pytest.approx(
+        np.array([[-1.0, 1.0], [2 / 9, 2 / 3], [1 / 3, 0.5]])
+    )
+    alone = ds.isel(influenced_dof=[0], radiating_dof=[0])
+    assert quality.second_channel(alone) == quality.negative_damping(alone) == 0.0
+
+
+def test_kinks_are_distances_from_the_cubic_through_four_neighbours_however_far_apart():
+    omega = np.array([0.1, 0.25, 0.7, 0.9, 1.6, 2.0, 2.1])
+    cubic = np.array([[1.0, -2.0], [0.5, 3.0]]) * (1 - omega + 2 * omega**3)[:, None, None]
+    assert quality.kinks(omega, cubic) == pytest.approx(np.zeros((3, 2, 2)), abs=1e-12)
+    cubic[3, 1, 0] -= 0.25
+    assert quality.kinks(omega, cubic)[1] == pytest.approx(np.array([[0.0, 0.0], [0.25, 0.0]]), abs=1e-12)
+
+
+def test_the_limit_is_compared_in_the_mean_of_the_lower_half_and_in_terms_of_both_motions(perfect):
+    """A coupling that is less by 0.05 at all frequencies of the lower half, or at two of every three."""
+    lower = 0.5 * OMEGA[-1] >= OMEGA
+    for chosen, share in ((lower, 1.0), (lower & (np.arange(120) % 3 > 0), 2 / 3), (~lower, 0.0)):
+        off = damaged(
+            perfect, "added_mass", lambda a, chosen=chosen: a.__setitem__((chosen, 0, 1), a[chosen, 0, 1] - 0.05)
+        )
+        assert quality.added_mass_difference(off) == pytest.approx(0.05 * share / np.sqrt(2.0), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "advice"),
+    [
+        ("afloat", "correct the mass, or how deep the mesh lies"),
+        ("rigid_names", "correct the names of the displacements"),
+        ("corners", "correct the displacements: of panels and of corners they are two"),
+        ("haskind", "ask the author"),
+    ],
+)
+def test_a_failure_of_what_came_from_elsewhere_has_its_own_advice(name, advice):
+    """Of several failures the first that is not accepted is told, with the limit it missed."""
+    checks = [Check("rank_one", 1.0, 0.1, "-", "fail", ""), Check(name, 2.0, 0.25, "-", "fail", "why")]
+    with pytest.raises(
+        DatabaseError,
+        match=rf"^hydro database: check '{name}' failed: 2, needs at most 0.25 \(why\); {advice}, or list the name under hyd",
+    ):
+        quality.judged([*checks, Check("last", 3.0, 0.1, "-", "fail", "")], ("rank_one",), "ask the author")
+
+
+@pytest.mark.parametrize(
+    ("name", "limit"), [("error_estimate", 1e-3), ("interpolation_error", 1e-3), ("limit_difference", 0.02)]
+)
+def test_an_estimate_is_held_to_its_limit_in_the_worst_block(name, limit):
+    for value, good in ((limit, True), (1.01 * limit, False)):
+        blocks = [{name: 0.1 * limit}, {name: value}, {name: 0.5 * limit}]
+        (check,) = quality.estimate_checks(blocks, 1e-3)
+        assert (check.name, check.value, check.limit) == (name, value, limit)
+        assert check.verdict == ("ok" if good else "fail" if name == "interpolation_error" else "doubt")
