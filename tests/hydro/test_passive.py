@@ -366,3 +366,180 @@ def test_frequencies_that_are_no_grid_are_refused(omega):
     with pytest.raises(DatabaseError, match=f"omega: received {count} frequencies, needs four or more, positive and"):
         RadiationSamples(np.array(omega), values, values, np.eye(1), np.ones(1))
     RadiationSamples(np.array([0.5, 1.0, 2.0, 3.0]), *np.ones((2, 4, 1, 1)), np.eye(1), np.ones(1))
+
+
+@pytest.mark.parametrize("name", ["added_mass", "damping", "added_mass_inf"])
+def test_every_matrix_of_samples_is_looked_through(name):
+    good = samples(reciprocal(6, 2, 2, 0))
+    values = getattr(good, name)
+    wrong = {
+        r"received shape \(.*\), needs \(.*2, 2\)\.": values[..., :1],
+        "received NaN or infinite values; solve these": np.where(values == values.max(), np.inf, values),
+        "received an asymmetry of .* of its largest entry, needs": values + values.max() * np.array([[0, 1], [0, 0]]),
+    }
+    for words, bad in wrong.items():
+        with pytest.raises(DatabaseError, match=rf"^{name}: {words}"):
+            replace(good, **{name: bad})
+
+
+def test_what_is_drawn_is_the_least_eigenvalue_of_the_damping_in_its_sizes_and_never_positive():
+    """Off the diagonal alone a coupling draws; at one frequency of four."""
+    omega, size = np.array([1.0, 2.0, 3.0, 4.0]), np.array([2.0, 0.5])
+    damping = np.tile(np.diag(size**2), (4, 1, 1))
+    calm = RadiationSamples(omega, 0 * damping, damping, np.zeros((2, 2)), size)
+    assert calm.drawn == 0.0
+    assert calm.transfer == pytest.approx(np.tile(np.eye(2), (4, 1, 1)))
+    damping[2] += 1.25 * np.array([[0.0, 1.0], [1.0, 0.0]])
+    assert RadiationSamples(omega, 0 * damping, damping, np.zeros((2, 2)), size).drawn == pytest.approx(-0.25)
+
+
+def test_samples_are_damping_and_added_mass_less_its_limit():
+    omega, size, limit = np.array([1.0, 2.0, 3.0, 4.0]), np.array([2.0, 0.5]), np.array([[3.0, 1.0], [1.0, -2.0]])
+    a, b = (np.random.default_rng(i).normal(size=(4, 2, 2)) for i in range(2))
+    a, b = a + a.swapaxes(1, 2), b + b.swapaxes(1, 2)
+    expected = (b + 1j * omega[:, None, None] * (a - limit)) / np.array([[4.0, 1.0], [1.0, 0.25]])
+    assert RadiationSamples(omega, a, b, limit, size).transfer == pytest.approx(expected)
+
+
+def test_what_neither_radiates_nor_weighs_anything_is_measured_in_one():
+    """And what draws is measured by its inertia, at the frequency where it draws most."""
+    omega, damping = np.array([0.5, 1.0, 2.0]), np.zeros((3, 2, 2))
+    damping[:, 1, 1] = [-1.0, -2.0, -5.0]
+    assert sizes(omega, damping, np.array([0.0, 4.0]), 1e-2) ** 2 == pytest.approx([1.0, 1e-2 * 2.0 * 4.0])
+
+
+def test_a_fit_tells_of_all_that_was_repaired():
+    fit = passive.PassiveFit(reciprocal(4, 1, 1, 0), 1e-4, -0.012, -0.0034, 0.0056, np.eye(1), 0.0078)
+    assert fit.history == (
+        "radiation memory, in terms of each motion's largest damping: least eigenvalue of the damping given -1.2e-02, "
+        "of its rational fit -3.4e-03, made passive by a change of 5.6e-03, "
+        "added mass at infinite frequency fitted, a change of 7.8e-03 of the diagonal's"
+    )
+    only = "radiation memory, in terms of each motion's largest damping: least eigenvalue of the damping given -1.2e-02"
+    assert fit._replace(drawn=0.0, shifted=0.0).history == only
+
+
+def test_the_error_is_the_largest_rms_of_any_entry():
+    """Not the largest at any frequency, nor that of all entries; complex, and off the diagonal."""
+    difference = np.zeros((4, 2, 2), dtype=complex)
+    difference[0, 0, 0], difference[:, 0, 1] = 5.0, [3.0, 3.0j, -3.0, 2.0]
+    assert entry_error(difference) == pytest.approx(np.sqrt(31 / 4))
+
+
+def test_the_limit_that_suits_what_is_missed_is_symmetric_and_of_least_squares():
+    """An even i omega D is found whatever real parts are beside it; of an uneven one the even part."""
+    omega = np.array([0.5, 1.0, 3.0])
+    d = np.array([[1.0, 4.0], [-2.0, -3.0]])
+    missed = 1j * omega[:, None, None] * d + 7.0
+    assert passive.limit_shift(omega, missed) == pytest.approx(np.array([[1.0, 1.0], [1.0, -3.0]]))
+    odd = missed + 1j * np.array([3.0, 0.0, -0.5])[:, None, None]  # at right angles to omega
+    assert passive.limit_shift(omega, odd) == pytest.approx(np.array([[1.0, 1.0], [1.0, -3.0]]))
+    left = passive._without_rate(omega, odd)
+    assert left == pytest.approx(odd - 1j * omega[:, None, None] * d)
+    assert np.einsum("w,wij->ij", omega, left.imag) == pytest.approx(np.zeros((2, 2)), abs=1e-12)
+
+
+@pytest.mark.parametrize(("least", "count"), [(0.19, 3), (0.21, 2), (0.53, 2), (0.55, 1), (2.06, 1), (2.08, 0)])
+def test_what_is_left_out_of_the_directions_is_less_in_all_than_allowed(least, count):
+    """Rms over frequency: of the third alone 0.2, with the second 0.54, with the first 2.07."""
+    turn = np.linalg.qr(np.random.default_rng(2).normal(size=(3, 3)))[0]
+    k = np.array([turn @ np.diag([2.0, 0.5j, -0.2]) @ turn.T] * 5)
+    lead = leading_directions(k, least)
+    assert lead.shape == (3, count)
+    assert np.abs(lead.T @ turn[:, :count]) == pytest.approx(np.eye(count), abs=1e-12)
+
+
+def test_stored_energy_and_its_rates_are_those_of_the_factor():
+    """A^T P + P A = -F F^T, P symmetric, and the slope of C = B^T P by each entry of F, by central differences."""
+    true, rng = reciprocal(6, 2, 2, 0), np.random.default_rng(1)
+    outputs = passive._PassiveOutputs(true.state_matrix, true.input_matrix)
+    factor = rng.normal(size=(6, 3))
+    p, a = outputs.energy(factor), true.state_matrix
+    assert a.T @ p + p @ a == pytest.approx(-factor @ factor.T, abs=1e-10)
+    assert np.array_equal(p, p.T)
+    slope, h = outputs.slope(factor), 1e-5
+    for i, j in ((0, 0), (3, 1), (5, 2)):
+        step = h * np.eye(6)[:, i : i + 1] * np.eye(3)[j]
+        change = (outputs.energy(factor + step) - outputs.energy(factor - step)) @ true.input_matrix / (2 * h)
+        assert slope[:, :, i, j] == pytest.approx(change, abs=1e-7 * np.abs(slope).max())
+
+
+def test_a_start_makes_the_output_lifted_by_epsilon_passive():
+    """F F^T of Riccati's equation: |H|^2/(2 epsilon) of the spectral factor is the Hermitian part of K + epsilon."""
+    true = reciprocal(6, 2, 2, 0)
+    outputs = passive._PassiveOutputs(true.state_matrix, true.input_matrix)
+    factor, epsilon = outputs.start(1.02 * true.input_matrix.T, 0.3), 0.3
+    inside = np.linalg.inv(1j * OMEGA[:, None, None] * np.eye(6) - true.state_matrix) @ true.input_matrix
+    h = factor.T @ inside + np.sqrt(2 * epsilon) * np.eye(2)
+    k = 1.02 * true.input_matrix.T @ inside
+    lifted = k + k.conj().swapaxes(1, 2) + 2 * epsilon * np.eye(2)
+    assert h.conj().swapaxes(1, 2) @ h == pytest.approx(lifted, abs=1e-9)
+
+
+def test_a_model_of_combinations_is_in_the_motions_they_are_of():
+    true = reciprocal(6, 3, 2, 0)
+    lead = np.array([[0.6, 0.0], [0.0, -1.0], [0.8, 0.0]])
+    model = passive._PassiveOutputs(true.state_matrix, true.input_matrix).model(true.channel, lead)
+    assert model.transfer(OMEGA) == pytest.approx(lead @ true.transfer(OMEGA) @ lead.T, abs=1e-9)
+
+
+def test_the_shortest_is_within_the_tolerance_and_no_shorter_one_is():
+    model = reciprocal(12, 4, 3, 0)
+    k = model.transfer(OMEGA)
+    errors = [entry_error(truncated(model, order).transfer(OMEGA) - k) for order in range(1, 13)]
+    for tolerance in (errors[3] * 1.001, errors[8] * 1.001, 0.0):
+        order = passive.shortest(model, OMEGA, k, tolerance).order
+        assert order == 12 or errors[order - 1] <= tolerance
+        assert order == 1 or errors[order - 2] > tolerance
+    assert passive.shortest(model, OMEGA, k, 2 * max(errors)).order == 1
+
+
+@pytest.mark.parametrize("limit", ["given", "fitted"])
+def test_groups_whose_motions_alternate_come_out_in_their_places(limit):
+    """First and third radiate together, the second by itself, each in its own units; each with its own wrong limit."""
+    one, other = reciprocal(6, 2, 2, 1), reciprocal(4, 1, 1, 2)
+    units, pair = np.array([1.0, 30.0, 0.2]), np.ix_([0, 2], [0, 2])
+    k = np.zeros((len(OMEGA), 3, 3), dtype=complex)
+    k[:, [[0], [2]], [0, 2]], k[:, 1, 1] = one.transfer(OMEGA), other.transfer(OMEGA)[:, 0, 0]
+    k *= np.outer(units, units)
+    wrong = np.zeros((3, 3))
+    if limit == "fitted":
+        wrong[pair], wrong[1, 1] = [[0.02, -0.005], [-0.005, 0.03]], -0.01
+        wrong *= np.outer(units, units)
+    base = np.diag([4.0, 0.0, 1.0]) * np.outer(units, units)
+    given_ = RadiationSamples(
+        OMEGA, base + k.imag / OMEGA[:, None, None], k.real, base - wrong, sizes(OMEGA, k.real, np.zeros(3))
+    )
+    fit = fit_passive(given_, 1e-4, limit=limit)
+    scale = np.outer(given_.size, given_.size)
+    assert fit.error < 1e-4
+    found = fit.model.transfer(OMEGA) + 1j * OMEGA[:, None, None] * (fit.added_mass_inf - base)
+    assert entry_error((found - k) / scale) == pytest.approx(fit.error, rel=1e-6, abs=1e-12)
+    shift = fit.added_mass_inf - given_.added_mass_inf
+    own = np.sqrt(np.maximum(np.abs(np.diag(given_.added_mass_inf)), np.abs(np.diag(shift))) + 1e-100)
+    assert fit.shifted == pytest.approx(np.abs(shift / np.outer(own, own)).max(), abs=1e-12)
+    assert not fit.model.transfer(OMEGA)[:, 1, [0, 2]].any()
+
+
+@pytest.mark.parametrize(("share", "refused"), [(0.019, False), (0.021, True)])
+def test_damping_is_refused_from_two_percent_below_nothing_on(share, refused):
+    good = samples(reciprocal(6, 2, 2, 0))
+    lowest = np.linalg.eigvalsh(good.transfer.real).min()
+    below = replace(good, damping=good.damping - (lowest + share) * np.diag(good.size**2))
+    assert below.drawn == pytest.approx(-share)
+    if not refused:
+        assert fit_passive(below, 1e-2).sampled == below.drawn
+        return
+    words = "a least eigenvalue of -0.021 relative to each motion's largest damping, needs at least -0.02; motion would"
+    with pytest.raises(StabilityError, match=words):
+        fit_passive(below, 1e-2)
+
+
+@pytest.mark.parametrize("tolerance", [0.9e-9, 0.11])
+def test_tolerances_just_beyond_are_refused(tolerance):
+    with pytest.raises(ConvergenceError, match=rf"^tolerance: received {tolerance:g}, needs 1e-9 to 0.1\."):
+        fit_passive(samples(reciprocal(4, 2, 1, 0)), tolerance)
+
+
+def test_the_coarsest_tolerance_is_taken():
+    assert fit_passive(samples(reciprocal(4, 2, 1, 0)), 0.1).error <= 0.02

@@ -3,7 +3,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vsb.errors import StabilityError
+from vsb.errors import ConvergenceError, StabilityError
+from vsb.hydro import passivity
 from vsb.hydro.passivity import LEVEL, StateSpace, crossings, least_damping
 
 
@@ -88,3 +89,11 @@ def test_what_does_nothing_is_passive():
 def test_an_unstable_state_matrix_is_refused():
     with pytest.raises(StabilityError, match=r"received a pole with growth rate 0.5/s, needs a stable"):
         least_damping(StateSpace(np.array([[0.5]]), np.ones((1, 1)), np.ones((1, 1))))
+
+
+def test_a_level_crossed_for_ever_is_said(monkeypatch):
+    monkeypatch.setattr(passivity, "_ROUNDS", 0)
+    with pytest.raises(
+        ConvergenceError, match="received no level that is not crossed after 0; scale the motions alike"
+    ):
+        least_damping(dissipative(4, 1, 1, 0))

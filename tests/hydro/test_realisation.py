@@ -52,3 +52,38 @@ def hankel_values(system):
     two = np.kron(a.T, np.eye(n)) + np.kron(np.eye(n), a.T)
     reached, seen = (np.linalg.solve(m, -q.ravel()).reshape(n, n) for m, q in ((one, b @ b.T), (two, c.T @ c)))
     return np.sort(np.sqrt(np.linalg.eigvals(reached @ seen).real))[::-1]
+
+
+def uneven(order, dof, seed):
+    """A random stable state space whose K is not symmetric."""
+    rng = np.random.default_rng(seed)
+    one = oscillators(order, dof, seed)
+    return one._replace(output_matrix=rng.normal(size=(dof, order)))
+
+
+def test_a_function_that_is_not_symmetric_is_found_row_by_row():
+    k = uneven(6, 2, 3).transfer(OMEGA)
+    assert np.abs(k - k.swapaxes(1, 2)).max() > 0.1
+    assert rational_fit(OMEGA, k, 6).transfer(OMEGA) == pytest.approx(k, abs=1e-9)
+
+
+def test_balancing_tells_what_is_reached_from_what_is_seen():
+    """Gramians of the truncated space, by their equations, are both the diagonal of Hankel's values."""
+    whole = uneven(6, 2, 3)
+    balanced = Balanced.of(whole)
+    a, b, c = balanced.truncated(6)
+    assert balanced.truncated(6).transfer(OMEGA) == pytest.approx(whole.transfer(OMEGA), abs=1e-9)
+    hankel = np.diag(hankel_values(whole))
+    assert a @ hankel + hankel @ a.T == pytest.approx(-b @ b.T, abs=1e-8)
+    assert a.T @ hankel + hankel @ a == pytest.approx(-c.T @ c, abs=1e-8)
+
+
+def test_damping_is_the_least_eigenvalue_of_the_hermitian_part():
+    """By Rayleigh's quotients of many phasors: none is less, and one is as little."""
+    system = uneven(6, 2, 3)
+    k, rng = system.transfer(OMEGA), np.random.default_rng(0)
+    v = rng.normal(size=(20000, 2)) + 1j * rng.normal(size=(20000, 2))
+    power = np.einsum("si,wij,sj->ws", v.conj(), k, v, optimize=True).real / (np.abs(v) ** 2).sum(axis=1)
+    least, size = system.damping(OMEGA), np.abs(k).max(axis=(1, 2))
+    assert np.all(power.min(axis=1) >= least - 1e-12 * size)
+    assert np.all(power.min(axis=1) <= least + 2e-3 * size)

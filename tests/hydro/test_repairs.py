@@ -10,6 +10,7 @@ from vsb.hydro.database import Check
 from vsb.hydro.formats.foreign import sizes
 from vsb.hydro.repairs import (
     PAIR,
+    check_repairable,
     repaired,
     told,
     with_causal_added_mass,
@@ -164,3 +165,67 @@ def test_stiffness_is_even_but_for_round_off_and_doubted_beyond_two_percent(unev
     mended, checks = with_symmetric_stiffness(ds)
     assert [check.verdict for check in checks] == verdicts
     assert mended.hydrostatic_stiffness.values[0, 1] == pytest.approx(0.5 + uneven, rel=1e-12)
+
+
+@pytest.mark.parametrize("count", [9, 10])
+def test_a_transform_takes_ten_frequencies(count):
+    omega = OMEGA[:count]
+    check_repairable(["positive_damping"], omega)
+    if count == 10:
+        check_repairable(["positive_damping", "kramers_kronig"], omega)
+        return
+    with pytest.raises(ConfigError, match=r"^hydro.repair: kramers_kronig needs 10 frequencies, received 9$"):
+        check_repairable(["positive_damping", "kramers_kronig"], omega)
+
+
+@pytest.mark.parametrize(
+    ("name", "variable", "measure"),
+    [("positive_damping", "radiation_damping", "damping"), ("kramers_kronig", "added_mass", "added_mass")],
+)
+def test_a_change_is_told_in_terms_of_both_motions_own_at_its_frequency(name, variable, measure):
+    ds = noisy(two_channels(), 0.05)
+    shaken = ds.added_mass.values.copy()
+    shaken[20, 0, 1] = shaken[20, 1, 0] = shaken[20, 0, 1] - 0.1
+    ds, units = ds.assign(added_mass=(("omega", *PAIR), shaken)), np.outer([1.0, 3.0], [1.0, 3.0])
+    ds = ds.assign({each: ds[each] * units for each in ("added_mass", "radiation_damping")})
+    mended, (check,) = repaired(ds, [name])
+    own = getattr(sizes(ds), measure)
+    change = np.abs(mended[variable].values - ds[variable].values) / np.sqrt(np.outer(own, own))
+    at = OMEGA[change.max(axis=(1, 2)).argmax()]
+    what = {
+        "damping": "damping, in terms of both motions' largest",
+        "added_mass": "added mass, in terms of both motions' own",
+    }
+    assert own[1] > 2 * own[0]
+    assert check.value == pytest.approx(change.max(), rel=1e-12)
+    assert check.explanation == f"largest change of {what[measure]}; most at {at:.4g} rad/s"
+
+
+def test_added_mass_at_infinity_is_the_median_of_what_damping_leaves():
+    """A few frequencies far off do not move it."""
+    ds = two_channels(np.arange(1, 201) * 0.1)
+    off = ds.added_mass.values.copy()
+    off[:30] += np.array([[0.2, 0.1], [0.1, 0.3]])
+    found, sound = (with_causal_added_mass(each) for each in (ds.assign(added_mass=(("omega", *PAIR), off)), ds))
+    assert found.added_mass_inf.values == pytest.approx(sound.added_mass_inf.values, abs=5e-3)
+    assert found.attrs["history"] == "read; added mass made that of the damping by Kramers and Kronig"
+
+
+def test_stiffness_between_rigid_motions_is_the_mean_and_its_size_that_of_rows_and_columns():
+    """3 of sqrt(9 * 16); a motion without a diagonal has the size of its largest coupling, in rows or columns."""
+    labels = ["Heave", "Pitch", "Mode7"]
+    c = np.array([[9.0, 2.0, 0.0], [-1.0, 16.0, 0.0], [0.0, 0.0, 1.0]])
+    ds = xr.Dataset({"hydrostatic_stiffness": (PAIR, c)}, dict.fromkeys(PAIR, labels))
+    mended, (check,) = with_symmetric_stiffness(ds)
+    assert mended.hydrostatic_stiffness.values.tolist() == [[9.0, 0.5, 0.0], [0.5, 16.0, 0.0], [0.0, 0.0, 1.0]]
+    assert (check.value, check.limit) == (pytest.approx(3.0 / 12.0), 0.02)
+    for turned in (c, c.T):
+        empty = turned.copy()
+        empty[1, 1] = 0.0
+        _, (check,) = with_symmetric_stiffness(ds.assign(hydrostatic_stiffness=(PAIR, empty)))
+        assert check.value == pytest.approx(3.0 / np.sqrt(9.0 * 2.0))
+
+
+def test_only_failures_of_what_is_repaired_are_doubts():
+    given = [Check("positive_damping", 1.0, 0.1, "-", verdict, "text") for verdict in ("ok", "doubt", "accepted")]
+    assert told(given, ["positive_damping"]) == given

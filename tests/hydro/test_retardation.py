@@ -79,3 +79,33 @@ def test_what_is_no_number_is_refused(where, value):
     given[where][7] = value
     with pytest.raises(DatabaseError, match=r"^radiation damping: received NaN or infinite values; solve these freq"):
         DampingSpectrum(**given)
+
+
+def test_every_entry_of_a_matrix_has_its_own_transform(spectrum):
+    """Which is linear: a coupling that is negative, one of another shape, and none; each at its place."""
+    one = damping(OMEGA)
+    other = OMEGA**2 / (1 + OMEGA**4) ** 1.5
+    flat = {(0, 0): one, (0, 1): -2.0 * other, (1, 0): 0.5 * one, (1, 1): 0.0 * one, (2, 1): other, (2, 2): 3.0 * one}
+    matrix = np.zeros((len(OMEGA), 3, 3))
+    for (i, j), values in flat.items():
+        matrix[:, i, j] = values
+    whole, alone = DampingSpectrum(OMEGA, matrix), DampingSpectrum(OMEGA, other[:, None, None])
+    time, omega = np.array([0.0, 0.7, 4.0]), np.array([0.0, 0.35, 2.0, 11.0])
+    for name, at in (("kernel", time), ("added_mass_difference", omega), ("at", np.append(omega, 18.0))):
+        first, second = (getattr(each, name)(at)[:, 0, 0] for each in (spectrum, alone))
+        expected = np.zeros((len(at), 3, 3))
+        for place, of in {
+            (0, 0): first,
+            (0, 1): -2 * second,
+            (1, 0): first / 2,
+            (2, 1): second,
+            (2, 2): 3 * first,
+        }.items():
+            expected[:, *place] = of
+        np.testing.assert_allclose(getattr(whole, name)(at), expected, atol=1e-12)
+
+
+def test_below_the_band_damping_falls_to_nothing_at_frequency_zero(spectrum):
+    assert spectrum.at(np.zeros(1)).item() == 0.0
+    assert 0.0 < spectrum.at(np.array([0.05])).item() < spectrum.at(np.array([0.1])).item()
+    assert spectrum.transfer(np.zeros(1)).item() == 0.0

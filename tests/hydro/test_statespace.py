@@ -7,7 +7,16 @@ from hypothesis import strategies as st
 from vsb.errors import ConvergenceError, DatabaseError, StabilityError
 from vsb.hydro import statespace as radiation
 from vsb.hydro.retardation import DampingSpectrum
-from vsb.hydro.statespace import RadiationModel, _dissipative, _polish, fit_order, fit_radiation, joined, vector_fit
+from vsb.hydro.statespace import (
+    RadiationModel,
+    _dissipative,
+    _polish,
+    fit_order,
+    fit_radiation,
+    joined,
+    truncated,
+    vector_fit,
+)
 
 
 def chain(order: int, dof: int, seed: int) -> RadiationModel:
@@ -163,3 +172,99 @@ def test_the_memory_is_fitted_beyond_the_band_as_well():
     missed = np.abs(model.transfer(at) - spectrum.transfer(at)) / b.max()
     assert missed.max() <= error * np.sqrt(2 * len(at))
     assert np.sqrt((missed**2).sum() / (2 * len(at))) == pytest.approx(error, rel=1e-6)
+
+
+def test_states_are_cut_alike_whatever_units_the_motions_have():
+    """And a motion that nothing remembers is in nobody's way."""
+    model = chain(8, 3, 4)
+    units = np.array([1.0, 1e4, 1e-3])
+    one = truncated(model, 5)
+    other = truncated(RadiationModel(model.state_matrix, model.input_matrix * units, model.channel), 5)
+    omega = np.linspace(0.1, 5.0, 20)
+    assert other.transfer(omega) / np.outer(units, units) == pytest.approx(one.transfer(omega), rel=1e-6, abs=1e-9)
+    still = truncated(
+        RadiationModel(model.state_matrix, model.input_matrix * np.array([1.0, 1.0, 0.0]), model.channel), 5
+    )
+    pair = truncated(RadiationModel(model.state_matrix, model.input_matrix[:, :2], model.channel), 5)
+    assert still.transfer(omega)[:, :2, :2] == pytest.approx(pair.transfer(omega), abs=1e-9)
+    assert truncated(model, 8) is truncated(model, 9) is model
+
+
+def test_memories_of_several_channels_are_joined_channel_by_channel():
+    def turning(seed):
+        rng = np.random.default_rng(seed)
+        skew, channel = rng.normal(size=(4, 4)), rng.normal(size=(4, 2))
+        return RadiationModel(skew - skew.T - channel @ channel.T / 2, rng.normal(size=(4, 3)), channel)
+
+    models = [turning(0), chain(3, 3, 1), turning(2)]
+    whole, omega = joined(models), np.array([0.3, 2.0])
+    assert (whole.order, whole.channel.shape) == (11, (11, 5))
+    for name in ("transfer", "damping"):
+        assert getattr(whole, name)(omega) == pytest.approx(sum(getattr(each, name)(omega) for each in models))
+
+
+@pytest.mark.parametrize("dof", [2, 3])
+def test_a_fit_of_several_motions_goes_by_the_rates_of_the_even_part(dof):
+    model, omega = chain(6, dof, 3), np.linspace(0.1, 4.0, 60)
+    resolvent = np.linalg.inv(1j * omega[:, None, None] * np.eye(6) - model.state_matrix)
+    k = model.transfer(omega)
+    even = (k + k.swapaxes(1, 2)) / 2
+    start = model.input_matrix * (1 + 0.02 * np.random.default_rng(0).normal(size=(6, dof)))
+    found, error = _polish(resolvent, even, start)
+    assert error < 1e-8
+    back = np.einsum("ni,wnm,mj->wij", found, resolvent, found)
+    assert (back + back.swapaxes(1, 2)) / 2 == pytest.approx(even, abs=1e-6)
+
+
+def test_amplitudes_have_the_signs_of_the_strongest_and_vanish_where_damping_is_negative():
+    """The second radiates most in its own size; against it the first is of the other sign at high frequencies."""
+    omega = np.array([1.0, 2.0, 3.0])
+    x = np.array([[0.5, 2.0, 0.1], [0.2, 3.0, 0.4], [-0.6, 1.0, -0.3]])
+    b = x[:, :, None] * x[:, None, :]
+    b[0, 2, 2] = -0.01
+    scale = np.array([1.0, 2.0, 0.5])
+    found = radiation._channel_amplitudes(DampingSpectrum(omega, b), omega, scale)
+    expected = x / scale
+    expected[0, 2] = 0.0
+    assert found == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(("share", "refused"), [(0.0199, False), (0.0201, True)])
+@pytest.mark.parametrize("largest", [100.0, 1e-9])
+def test_couplings_alone_may_draw_energy(share, refused, largest):
+    """By up to two percent of each motion's largest, of which one radiates nothing at all."""
+    b = np.zeros((6, 3, 3))
+    b[:, 0, 0], b[:, 1, 1] = largest, 4 * largest
+    b[3, 0, 1] = 2.3 * largest  # made even: half
+    b[3, 1, 0] = 2 * 2 * (1 + share) * largest - 2.3 * largest
+    spectrum = DampingSpectrum(np.arange(1.0, 7.0), b)
+    if not refused:
+        radiation.check_positive(spectrum)
+        return
+    with pytest.raises(
+        StabilityError, match=r"received a least eigenvalue of -0.02 relative .*, needs at least -0.02;"
+    ):
+        radiation.check_positive(spectrum)
+
+
+@pytest.mark.parametrize(
+    ("errors", "asked", "best"),
+    [
+        ([0.01, 0.0099, 0.0098, 0.0001, 0.0], 3, 0.0098),  # twice no tenth better: the mesh's
+        ([0.01, 0.0099, 0.005, 0.0049, 0.0048], 5, 0.0048),
+        ([0.01, 0.02, 0.0011, 0.03, 0.04], 5, 0.0011),
+        ([0.01, 0.005, 0.0005, 0.0, 0.0], 3, 0.0005),
+        ([0.0009, 0.0, 0.0, 0.0, 0.0], 1, 0.0009),
+    ],
+)
+def test_orders_grow_until_the_tolerance_or_until_two_gain_nothing(monkeypatch, errors, asked, best):
+    spectrum = DampingSpectrum(np.arange(1, 65) * 0.1, np.ones((64, 1, 1)))
+    orders = []
+
+    def fit(_, omega, order):
+        orders.append(order)
+        return f"model {order}", errors[len(orders) - 1]
+
+    monkeypatch.setattr(radiation, "fit_order", fit)
+    assert fit_radiation(spectrum, 1e-3) == (f"model {radiation.ORDERS[errors.index(best)]}", best)
+    assert orders == list(radiation.ORDERS[:asked])
