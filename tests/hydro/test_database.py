@@ -34,9 +34,9 @@ def block(omega, degrees=(0, 1, 2), seed=0):
 
 
 def test_blocks_merge_in_any_order():
-    first, second = block([1.0, 2.0], seed=1), block([3.0, 4.0], seed=2)
-    assert merged_blocks([second, first]).equals(merged_blocks([first, second]))
-    assert merged_blocks([second, first]).omega.values.tolist() == [1.0, 2.0, 3.0, 4.0]
+    first, second, third = block([1.0, 2.0], seed=1), block([3.0, 4.0], seed=2), block([5.0], seed=3)
+    assert merged_blocks([second, first, third]).equals(merged_blocks([first, second, third]))
+    assert merged_blocks([third, second, first]).omega.values.tolist() == [1.0, 2.0, 3.0, 4.0, 5.0]
 
 
 def test_repeated_frequencies_and_mixed_blocks_are_refused():

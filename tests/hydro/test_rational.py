@@ -73,9 +73,9 @@ def test_functions_are_real_at_imaginary_frequencies_and_met_at_the_support(seed
 def test_order_of_columns_and_samples_and_units_do_not_matter(seed, columns, order, power):
     omega, unit = samples(9), 2.0**power
     poles, residues, limit = body(15, 5, seed)  # more than can be resolved
-    values, size = resonances(omega, poles, residues, limit), np.full(9, 0.5)
-    ours = settled(omega, values, size, GRID, 0.5 * ONE)
-    theirs = settled(omega[order], unit * values[order][:, columns], size / unit, GRID, 0.5 / unit * ONE)
+    values, size, on_grid = resonances(omega, poles, residues, limit), 1 / (1 + omega), 1 / (1 + GRID)
+    ours = settled(omega, values, size, GRID, on_grid)
+    theirs = settled(omega[order], unit * values[order][:, columns], size[order] / unit, GRID, on_grid / unit)
     np.testing.assert_array_equal(np.sort(theirs.rational.support), np.sort(ours.rational.support))
     difference = np.abs(theirs.rational(GRID) / unit - ours.rational(GRID)[:, columns]).max()
     assert difference <= 1e-6 * np.abs(values).max() + 1e-3 * ours.error
@@ -143,10 +143,34 @@ def test_the_error_is_the_larger_of_doubt_on_the_grid_and_misfit_at_the_samples(
     """A grid that holds no sample may see either alone."""
     larger = set()
     for seed in range(20):
-        rng, omega, size = np.random.default_rng(seed), samples(10), np.full(10, 2.0)
+        rng, omega, size = np.random.default_rng(seed), samples(10), np.linspace(0.5, 3.0, 10)
         values = rng.normal(size=(10, 2)) + 1j * rng.normal(size=(10, 2))
         found = settled(omega, values, size, GRID[[20, 200]], ONE[:2])
-        misfit = float(np.abs(found.rational(omega) - values).max(axis=1).max() * 2.0)
+        misfit = float((np.abs(found.rational(omega) - values).max(axis=1) * size).max())
         assert found.error in (np.inf, pytest.approx(max(found.doubt.max(), misfit), rel=1e-9))
         larger |= {bool(misfit > found.doubt.max())} if np.isfinite(found.error) else set()
     assert larger == {True, False}
+
+
+def test_each_support_point_is_where_the_last_interpolant_missed_most_by_what_counts():
+    """The first where values are furthest from their mean."""
+    omega, rng = samples(9), np.random.default_rng(3)
+    values = rng.normal(size=(9, 2)) + 1j * rng.normal(size=(9, 2))
+    for size in (np.ones(9), np.linspace(0.1, 4.0, 9), np.where(np.arange(9) == 4, 1e-9, 1.0)):
+        found = interpolants(omega, values, size)
+        missed = np.abs(values - values.mean(axis=0)).max(axis=1) * size
+        for one in found:
+            assert omega[missed.argmax()] == one.support[-1]
+            missed = np.abs(one(omega) - values).max(axis=1) * size
+            missed[np.isin(omega, one.support)] = -1.0
+        assert len(found) == 8
+
+
+def test_doubt_is_the_larger_difference_from_both_neighbours_by_what_counts_on_the_grid():
+    """Of all interpolants the one of least doubt, misfit included, unless a pole hides there."""
+    omega, on_grid = samples(8), 1 / (1 + GRID)
+    values = slow(omega)
+    found, rs = settled(omega, values, np.ones(8), GRID, on_grid), interpolants(omega, values, np.ones(8))
+    (at,) = [i for i, r in enumerate(rs) if len(r.support) == len(found.rational.support)]
+    apart = [np.abs(rs[at](GRID) - rs[i](GRID)).max(axis=1) * on_grid for i in (at - 1, at + 1)]
+    assert found.doubt == pytest.approx(np.maximum(*apart), rel=1e-6, abs=1e-12)

@@ -1,4 +1,5 @@
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,11 +10,11 @@ from scipy.integrate import cumulative_simpson
 from scipy.interpolate import CubicSpline
 
 from vsb.errors import ConfigError
-from vsb.hydro import dofs
+from vsb.hydro import dofs, sweep
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.hydro.spectral.sweep import converged_on_grid, incident_wave
-from vsb.hydro.sweep import FORCES, GridSweep, largest, on_grid
+from vsb.hydro.sweep import FORCES, GridSweep, IncidentWave, largest, on_grid
 from vsb.scenes.rest import reference_shell
 from vsb.shell.deformed import rigid_sphere
 from vsb.study import study as config
@@ -230,3 +231,107 @@ def test_the_largest_coefficients_are_those_of_all_parts():
 
     assert largest(part(1.0, 5.0, 2j), part(-3.0, 0.5, -4.0)) == pytest.approx((3.0, 5.0, 4.0))
     assert largest(part(0.0, 0.0, 0.0), part(0.0, 2.0, 0.0)) == (1.0, 2.0, 1.0)
+
+
+def coefficients_at(omega, seed=0):
+    """Any coefficients of two motions at frequencies, of either sign."""
+    rng, n = np.random.default_rng(seed), len(omega)
+    pair, wave = ("omega", "influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
+    values = {name: (pair, rng.normal(size=(n, 2, 2))) for name in ("added_mass", "radiation_damping")}
+    values |= {name: (wave, rng.normal(size=(n, 1, 2)) + 1j * rng.normal(size=(n, 1, 2))) for name in FORCES}
+    return xr.Dataset(values, {"omega": omega})
+
+
+def test_an_error_counts_in_terms_of_the_largest_of_its_own_wherever_that_is():
+    """Of A and B, which share their poles, where it counts more: B is omega times the imaginary part."""
+    omega = np.array([0.5, 2.0, 3.0])
+    here, there = coefficients_at(omega), 3.0 * coefficients_at(np.array([9.0]), 1)
+    incident = IncidentWave(lambda w: 0.7 * w**2, lambda w: np.zeros((len(w), 1, 2)), 1)
+    a, b, x = (1 / size for size in largest(here, there))
+    assert min(a / (1 / largest(here)[0]), x * largest(here)[2]) < 0.9
+    radiation, excitation = sweep._families(here, incident, [there])
+    at = np.array([0.1 * a / b, a / b, 4.0 * a / b])
+    assert radiation.scale(at) == pytest.approx([a, a, 4.0 * a])
+    assert excitation.scale(at) == pytest.approx([x] * 3)
+    rows = here.added_mass.values + 1j * here.radiation_damping.values / omega[:, None, None]
+    assert radiation.values == pytest.approx(rows.reshape(3, 4))
+    total = sum(here[name].values for name in FORCES)[:, 0]
+    phase = 0.7 * omega**2
+    turned = -1j * np.exp(1j * phase * np.sqrt(phase / (2 + phase)))
+    assert excitation.values == pytest.approx(total * turned[:, None])
+
+
+def told_of(doubt, error, values=0.0):
+    """What an interpolant of constants says of itself."""
+    return SimpleNamespace(doubt=np.array(doubt), error=error, rational=lambda at: np.full((len(at), 2), values))
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "solved", "chosen"),
+    [
+        ([0, 1, 9, 3, 2, 0], [0, 5, 1, 0, 0, 8], [0], [2, 5]),
+        ([0, 1, 9, 3, 2, 0], [0, 8, 1, 0, 0, 5], [0], [2]),  # a neighbour
+        ([0, 1, 9, 3, 2, 0], [0, 1, 1, 8, 0, 5], [0], [2]),
+        ([0, 1, 9, 3, 2, 0], [0, 1, 9, 0, 4, 0], [0, 5], [2, 4]),  # both in doubt of one
+        ([0, 1, 9, 3, 2, 0], [7, 1, 1, 0, 0, 5], [0, 2, 5], [3, 1]),
+    ],
+)
+def test_the_next_frequencies_are_where_each_is_in_doubt_most_the_worse_one_first(first, second, solved, chosen):
+    fits = [told_of(first, 0.2), told_of(second, 0.1)]
+    for given_ in (fits, fits[::-1]):
+        assert sweep._doubtful(given_, solved) == chosen
+    if chosen == [2, 5]:
+        assert sweep._doubtful([told_of(first, 0.1), told_of(second, 0.2)], solved) == [5, 2]
+
+
+def test_a_surprise_is_the_largest_of_either_at_the_frequencies_solved_last():
+    omega = np.array([1.0, 4.0, 2.0, 3.0])
+    values = np.array([[9.0, 9.0], [9.0, 9.0], [1.0, -3.0], [1.0, 2.0]])
+    fits = [told_of([0], 0.0, 1.0), told_of([0], 0.0, 0.5)]
+    families = [sweep._Family(values, lambda at: 1 / at), sweep._Family(values / 2, lambda at: 0 * at + 0.7)]
+    assert sweep._surprise(fits, families, omega, 2) == pytest.approx(2.0)
+    assert sweep._surprise(fits, families, omega, 1) == pytest.approx(0.35)
+    families = [families[1], families[0]]
+    assert sweep._surprise([told_of([0], 0.0, -3.0), told_of([0], 0.0, 1.0)], families, omega, 2) == pytest.approx(
+        0.7 * 4
+    )
+
+
+def test_differences_are_in_terms_of_the_largest_and_of_nothing_as_they_are():
+    assert sweep.relative(np.array([0.5, -2.0j]), np.array([[3.0, -8.0], [1.0, 0.0]])) == 0.25
+    assert sweep.relative(np.array([0.5, -2.0]), np.zeros(3)) == 2.0
+    assert sweep.apart(np.array([1.0, 2.0 + 3j]), np.array([1.5, 2.0 - 1j])) == 4.0
+
+
+@pytest.mark.parametrize("count", [14, 15, 64, 129])
+def test_first_solves_are_both_ends_and_crowded_to_them(count):
+    chosen = sweep.crowded(count)
+    assert len(chosen) == sweep.FIRST_SOLVES
+    assert (chosen[0], chosen[-1]) == (0, count - 1)
+    gaps = np.diff(chosen)
+    assert np.all(gaps > 0)
+    assert gaps[0] < gaps[2] >= gaps[-1]
+    assert [count - 1 - i for i in chosen[::-1]] == pytest.approx(chosen, abs=1)
+
+
+@pytest.mark.parametrize(("count", "interpolated"), [(13, False), (14, True)])
+def test_fourteen_frequencies_are_enough_to_interpolate(cases, count, interpolated):
+    solver, _ = cases["heave"]
+    grid = list(np.linspace(1.0, 2.0, count))
+    found = on_grid(solver.solve, grid, 1e-2, incident_wave(solver), (), 20)
+    assert (found.sweep is not None) is interpolated
+    assert found.coefficients.omega.values.tolist() == grid
+    assert (len(found.solved) < count) is interpolated
+
+
+def test_what_is_larger_elsewhere_and_how_many_solves_there_may_be_are_heard(cases):
+    """A tolerance of a band is one of the whole; and no more are solved by interpolation than allowed."""
+    solver, _ = cases["heave"]
+    incident = incident_wave(solver)
+    alone = on_grid(solver.solve, GRID, 1e-5, incident)
+    beside = on_grid(solver.solve, GRID, 1e-5, incident, [1000.0 * solver.solve([2.0])])
+    assert len(beside.solved) < len(alone.solved)
+    few = on_grid(solver.solve, GRID, 1e-5, incident, (), 9)
+    assert few.sweep is None
+    assert few.solved == GRID
+    assert few.coefficients.added_mass.values == pytest.approx(solver.solve(GRID).added_mass.values)
