@@ -268,3 +268,10 @@ def test_orders_grow_until_the_tolerance_or_until_two_gain_nothing(monkeypatch, 
     monkeypatch.setattr(radiation, "fit_order", fit)
     assert fit_radiation(spectrum, 1e-3) == (f"model {radiation.ORDERS[errors.index(best)]}", best)
     assert orders == list(radiation.ORDERS[:asked])
+
+
+def test_of_states_those_are_cut_that_are_hardly_reached():
+    one, faint = chain(5, 2, 0), chain(3, 2, 1)
+    faint = RadiationModel(faint.state_matrix, 1e-7 * faint.input_matrix, faint.channel)
+    short, omega = truncated(joined([faint, one]), 5), np.linspace(0.1, 5.0, 20)
+    assert short.transfer(omega) == pytest.approx(one.transfer(omega), rel=1e-6, abs=1e-9)

@@ -268,3 +268,154 @@ def test_a_database_is_judged_at_both_ends_of_its_band(compared, kept, at):
     off.added_mass.values[at] *= 1.02
     (check,) = witness.database_checks(compared, off, 1e-9)
     assert check.verdict == "doubt", check
+
+
+def test_shapes_of_several_modes_are_one_after_the_other_and_all_of_one_size():
+    """As small as the one nearest to the bottom needs it."""
+    found = deformed_shapes(afloat(), ["Membrane0", "Bending2"], 2.1)
+    names = ["mean", "Membrane0_minus", "Membrane0_plus", "Bending2_minus", "Bending2_plus"]
+    assert [s.name for s in found] == names
+    assert [s.amplitude for s in found] == pytest.approx([0.0, -0.05, 0.05, -0.05, 0.05])
+    other = deformed_shapes(afloat(), ["Bending2", "Membrane0"], 2.1)
+    assert [s.amplitude for s in other] == [s.amplitude for s in found]
+    with pytest.raises(ConfigError, match=r"received modes Bending2, Membrane0, one of which, however small, makes"):
+        deformed_shapes(afloat(), ["Bending2", "Membrane0"], 2.0)
+
+
+def told(fine, off=0.0, seconds=1.0):
+    """What a solver says: a finer run, and a coarser one that is off."""
+    coarse = fine.map(lambda a: a + off)
+    return witness.Runs(Versions(fine, coarse, fine), seconds)
+
+
+def two_motions(value):
+    """Coefficients of two motions at two frequencies, with their names."""
+    names = {
+        "omega": [1.0, 2.0],
+        "wave_direction": [0.0],
+        "influenced_dof": ["a", "b"],
+        "radiating_dof": ["a", "b"],
+    }
+    return matrices(value).assign_coords(names)
+
+
+def test_what_solvers_say_is_told_by_solver_and_shape():
+    """Differences are of panels from the spectral solver, in terms of its own; estimates each in terms of their own."""
+    shapes_ = [witness.Deformed(None), witness.Deformed(None, "m", -0.2), witness.Deformed(None, "m", 0.2)]
+    by_panels_ = [told(two_motions(v), 0.1, s) for v, s in ((1.1, 5.0), (2.0, 6.0), (3.0, 7.0))]
+    by_spectral_ = [told(two_motions(v), 0.01, s) for v, s in ((1.0, 0.5), (4.0, 0.6), (2.0, 0.7))]
+    found = witness.compared(shapes_, by_panels_, by_spectral_, WAVES)
+    assert found.shape.values.tolist() == ["mean", "m_minus", "m_plus"]
+    assert found.solver.values.tolist() == ["panels", "spectral"]
+    assert found.deformation_amplitude.values.tolist() == [0.0, -0.2, 0.2]
+    assert found.witness_seconds.values.tolist() == [[5.0, 6.0, 7.0], [0.5, 0.6, 0.7]]
+    assert found.witness_difference.values == pytest.approx(
+        np.tile(np.array([0.1, 0.5, 0.5])[:, None, None], (1, 2, 3))
+    )
+    expected = 0.1 / np.array([1.1, 2.0, 3.0]), 0.01 / np.array([1.0, 4.0, 2.0])
+    assert found.witness_estimate.values == pytest.approx(np.tile(np.array(expected)[..., None], (1, 1, 3)))
+    for name in COEFFICIENTS:
+        assert found[f"shape_{name}"].sel(solver="spectral", shape="m_plus").values == pytest.approx(2.0)
+        assert found[f"shape_{name}"].sel(solver="panels", shape="m_minus").values == pytest.approx(2.0)
+
+
+def test_derivatives_of_several_modes_are_each_of_their_own_two_shapes(monkeypatch):
+    shapes_ = deformed_shapes(afloat(), ["Membrane0", "Bending2"], np.inf)
+    asked = []
+
+    def derivative(family, low, sides, basis):
+        asked.append((family, low.name, sides, basis))
+        return two_motions(float(len(asked))), np.full((2, 3), 0.1 * len(asked)), np.full(3, 0.2 * len(asked))
+
+    made = []
+    monkeypatch.setattr(witness, "ShapeFamily", lambda *args: made.append(args) or "family")
+    monkeypatch.setattr(witness, "_derivative", derivative)
+    found = witness.derivatives(shapes_, ["0", "1-", "1+", "2-", "2+"], BASIS, WAVES)
+    assert made == [(shapes_[0].shell, WAVES.omegas, WAVES.density, WAVES.gravity, witness.NODES)]
+    assert asked == [
+        ("family", "Membrane0_minus", ("1-", "1+"), BASIS), ("family", "Bending2_minus", ("2-", "2+"), BASIS),
+    ]  # fmt: skip
+    assert found.shape_dof.values.tolist() == ["Membrane0", "Bending2"]
+    assert found.slope_difference.values == pytest.approx(np.tile([[[0.1]], [[0.2]]], (1, 2, 3)))
+    assert found.slope_estimate.values == pytest.approx(np.tile([[0.2], [0.4]], (1, 3)))
+    assert found.added_mass_slope.sel(shape_dof="Bending2").values == pytest.approx(2.0)
+
+
+def hand_made(worst):
+    """Differences and estimates of two solvers on two shapes at two frequencies; the worst for its estimates told."""
+    dims = ("shape", "omega", "coefficient")
+    names = {"shape": ["mean", "m_plus"], "omega": [1.25, 2.5], "coefficient": list(COEFFICIENTS)}
+    difference = np.full((2, 2, 3), 0.001)
+    difference[0, 0, 0] = 0.4  # the largest, as expected
+    difference[1, 1, 2] = worst
+    estimate = np.full((2, 2, 3), 0.01)
+    estimate[0, 0, 0] = 0.9
+    estimate[:, 1, 2] = [0.02, 0.03]
+    return xr.Dataset(
+        {"witness_difference": (dims, difference), "witness_estimate": (("solver", "shape", "coefficient"), estimate)},
+        {**names, "solver": list(witness.SOLVERS)},
+    )
+
+
+@pytest.mark.parametrize(("worst", "verdict"), [(0.05, "ok"), (0.0501, "doubt")])
+def test_the_worst_is_told_in_terms_of_both_estimates_with_its_place(worst, verdict):
+    (check,) = witness.witness_checks(hand_made(worst))
+    assert (check.name, check.limit, check.verdict) == ("witness", 1.0, verdict)
+    assert check.value == pytest.approx(worst / 0.05, rel=1e-12)
+    assert check.explanation == (
+        f"panels and spectral solver on 2 shapes at 2 frequencies: {worst:.1e} of the largest entry apart in "
+        "excitation force, m_plus at 2.5 rad/s, for estimated errors of 2.0e-02 (panels) and 3.0e-02 (the spectral solver)"
+    )
+
+
+def test_derivatives_are_judged_by_themselves_with_the_worst_mode():
+    slopes = xr.Dataset(
+        {
+            "slope_difference": (("shape_dof", "omega", "coefficient"), [[[0.1, 0.0]], [[0.2, 0.06]]]),
+            "slope_estimate": (("shape_dof", "coefficient"), [[0.2, 0.1], [0.5, 0.02]]),
+        },
+        {"shape_dof": ["Membrane0", "Bending2"], "omega": [1.5], "coefficient": ["added_mass", "radiation_damping"]},
+    )
+    _, check = witness.witness_checks(
+        hand_made(0.01).merge(slopes.reindex(omega=[1.25, 1.5, 2.5], fill_value=0.0), fill_value=0.0, join="outer")
+    )
+    assert (check.name, check.verdict, check.value) == ("witness_derivatives", "doubt", pytest.approx(3.0))
+    assert check.explanation == (
+        "derivatives by 2 modes, central differences of panels and the spectral solver's: 6.0e-02 of the largest entry "
+        "apart in radiation damping, Bending2 at 1.5 rad/s, for estimated errors of 2.0e-02 (both)"
+    )
+
+
+def test_runs_of_a_solver_are_in_modes_with_what_haskind_and_symmetry_imply_in_their_water(monkeypatch):
+    """Of the finer run; added mass turned, damping from excitation in water of a depth."""
+    waves, seen = Waves((1.0, 2.0), 700.0, 12.0, 4.0), []
+    fine, coarse = two_motions(1.0), two_motions(3.0)
+    fine.added_mass.values[:, 0, 1] = 5.0
+    monkeypatch.setattr(witness, "in_modes", lambda ds, basis: ds.assign_attrs(basis=basis))
+    monkeypatch.setattr(witness, "with_excitation", lambda ds: ds.assign(left_out=1.0))
+    monkeypatch.setattr(witness, "haskind_damping", lambda *args: seen.append(args) or np.full((2, 2, 2), 9.0))
+    found, seconds = witness.runs(lambda: fine, lambda: coarse, "basis", waves)
+    assert seconds >= 0
+    assert [args[1:] for args in seen] == [(12.0, 700.0, 4.0)]
+    assert seen[0][0].equals(fine)
+    assert [list(version.data_vars) for version in found] == [list(COEFFICIENTS)] * 3
+    assert found.fine.equals(fine)
+    assert found.coarse.equals(coarse)
+    assert found.implied.added_mass.values.tolist() == [[[1.0, 1.0], [5.0, 1.0]]] * 2
+    assert found.implied.radiation_damping.values.tolist() == np.full((2, 2, 2), 9.0).tolist()
+    assert found.implied.excitation_force.equals(fine.excitation_force)
+
+
+def test_a_witness_of_the_spectral_solver_is_solved_twice_in_its_own_water(monkeypatch):
+    made, waves = [], Waves((1.0, 3.0), 700.0, 12.0, 4.0)
+
+    def problem(*args, **named):
+        made.append((args, named))
+        return SimpleNamespace(solve=lambda omegas: (args[4], omegas))
+
+    monkeypatch.setattr(witness, "SpectralProblem", problem)
+    monkeypatch.setattr(witness, "runs", lambda fine, coarse, *rest: (fine(), coarse(), *rest))
+    found = witness.spectral_runs("shell", BASIS, waves)
+    moved = displacements_of(BASIS)
+    assert made == [(("shell", moved, 700.0, 4.0, nodes), {"depth": 12.0}) for nodes in (24, 18)]
+    assert found == ((24, [1.0, 3.0]), (18, [1.0, 3.0]), BASIS, waves)

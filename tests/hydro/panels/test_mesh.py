@@ -166,3 +166,29 @@ def test_a_shell_that_is_not_deformed_has_the_mesh_of_the_sphere(height):
         np.testing.assert_allclose(found[name].values, sphere[name].values, atol=1e-12, err_msg=name)
     assert sphere.normal_radius.values == pytest.approx(np.sin(sphere.row_colatitude.values))
     assert sphere.normal_height.values == pytest.approx(np.cos(sphere.row_colatitude.values))
+
+
+@pytest.mark.parametrize(("height", "size"), [(-0.5, 0.2), (0.9, 0.2), (1.5, 0.1), (1.9, 0.02)])
+def test_viewable_shapes_of_what_hardly_dips_are_less_and_add_to_the_shape_at_rest(seed, height, size):
+    """A tenth of the radius or of two drafts; one mode at a time, of either sign, heave never."""
+    rest = np.array([0.01, -0.02, 0.005, 0.0])
+    shapes = display_shapes(DeformedShell(mode_basis(seed.device, "membrane", 2), height, rest))
+    moved = np.array([shape.modal_amplitude - rest for shape in shapes.values()])
+    expected = [0 * rest]
+    for j in (1, 2, 3):
+        expected += [-size * np.eye(4)[j], size * np.eye(4)[j]]
+    assert moved == pytest.approx(np.array(expected), abs=1e-15)
+    assert {shape.centre_height for shape in shapes.values()} == {height}
+
+
+def test_normals_of_a_deformed_shell_are_across_its_meridian_into_the_water(seed):
+    """By the chord from row to row, to second order; lid, azimuth and colatitudes are as of the sphere."""
+    shell = DeformedShell(mode_basis(seed.device, "full", 4), 0.3, np.array([0.0, 0.1, 0, 0.05, 0, 0, -0.1, 0, 0]))
+    mesh = deformed_mesh(shell, 60, 24, 5)
+    chord = np.diff([mesh.meridian_radius / polygon_radius(24), mesh.meridian_height], axis=1)
+    across = np.array([-chord[1], chord[0]]) / np.hypot(*chord)
+    assert np.array([mesh.normal_radius, mesh.normal_height]) == pytest.approx(across, abs=5e-3)
+    edges = graded_colatitudes(shell.waterline, 60)
+    assert mesh.row_colatitude.values == pytest.approx((edges[1:] + edges[:-1]) / 2)
+    assert mesh.lid_radius.values == pytest.approx(np.linspace(0, mesh.meridian_radius.values[0], 6))
+    assert (mesh.meridian_height.values[0], mesh.meridian_radius.values[-1]) == (0.0, 0.0)

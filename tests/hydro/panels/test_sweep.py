@@ -2,16 +2,20 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vsb.hydro import dofs
 from vsb.hydro.panels import rings as bem
+from vsb.hydro.panels import sweep as panels
 from vsb.hydro.panels.mesh import deformed_mesh
 from vsb.hydro.panels.sweep import TwoMeshes
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.hydro.sweep import coefficients, largest
+from vsb.hydro.witness import Waves
 from vsb.shell.deformed import rigid_sphere
+from vsb.waves.dispersion import group_velocity, wavenumber
 
 LEGENDRE = dofs.displacements(f"Radial{n}" for n in range(5))
 LOW = [round(0.1 * i, 10) for i in range(1, 33)]
@@ -173,3 +177,72 @@ def test_the_error_at_infinite_frequency_is_what_half_the_rows_change_and_what_i
     assert found.attrs["error_estimate"] == pytest.approx(error, rel=1e-12, abs=1e-15)
     assert found.added_mass_inf.values.tolist() == fine
     assert found.influenced_dof.values.tolist() == ["Heave", "Radial0"]
+
+
+@pytest.mark.parametrize(("depth", "k"), [(np.inf, 0.25), (1.5, 0.25), (0.5, 0.6)])
+def test_the_strongest_wave_has_half_a_radius_or_what_its_depth_allows(depth, k):
+    """k R = 0.5, but not below kd = 0.3, which the Green function does not know."""
+    asked = []
+    fine = SimpleNamespace(waterline=2.0, depth=depth, gravity=3.0, solve=lambda omega: asked.append(omega) or "solved")
+    assert TwoMeshes(fine, None).strongest == "solved"
+    assert asked == [[pytest.approx(np.sqrt(3.0 * k * np.tanh(k * depth)))]]
+
+
+def test_haskinds_damping_of_two_meshes_is_that_of_their_water():
+    """Of what keeps the relation in its own water nothing is missed; of density, gravity and depth each counts."""
+    omega, depth, density, gravity = np.array([1.0, 2.0]), 2.5, 700.0, 4.0
+    factor = [
+        wavenumber(w, depth, gravity) / (4 * density * gravity * group_velocity(w, depth, gravity)) for w in omega
+    ]
+    x = np.array([[3.0, -1.0], [2.0j, 1.0j]])  # in phase, so that damping is real
+    damping = np.array(factor)[:, None, None] * (x[:, :, None] * x[:, None, :].conj()).real
+    pair, wave = ("omega", "influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
+    solved = xr.Dataset({
+        "added_mass": (pair, np.tile(np.diag([3.0, 1.0]), (2, 1, 1))), "radiation_damping": (pair, damping),
+        "Froude_Krylov_force": (wave, 0.3 * x[:, None]), "diffraction_force": (wave, 0.7 * x[:, None]),
+    }, {"omega": omega})  # fmt: skip
+    water = {"depth": depth, "density": density, "gravity": gravity}
+
+    def estimate(**changes):
+        fine = SimpleNamespace(**(water | changes))
+        return TwoMeshes(fine, SimpleNamespace(solve=lambda omegas: solved)).error_estimate(solved, 0.1 * solved)
+
+    assert estimate() < 1e-12
+    for change in ({"depth": np.inf}, {"density": 800.0}, {"gravity": 5.0}):
+        assert estimate(**change) > 0.05
+
+
+def recorded_problem(made):
+    """Arguments of a problem instead of one."""
+    return lambda *args, **named: made.append((args, named)) or SimpleNamespace(solve=lambda omegas: (args, omegas))
+
+
+def test_a_witness_of_panels_solves_both_meshes_in_its_own_water(monkeypatch):
+    made, said = [], []
+    monkeypatch.setattr(panels, "green_function", lambda folder: f"green of {folder}")
+    monkeypatch.setattr(panels, "AxisymmetricProblem", recorded_problem(made))
+    monkeypatch.setattr(panels, "runs", lambda *args: said.append((args[0](), args[1](), *args[2:])) or "runs")
+    monkeypatch.setattr(panels, "displacements_of", lambda basis: f"of {basis}")
+    waves = Waves((1.0, 3.0), 700.0, 12.0, 4.0)
+    assert panels.witness_runs("place", ("fine", "coarse"), "basis", waves) == "runs"
+    arguments = [("green of place", mesh, "of basis", 700.0, 12.0, 4.0) for mesh in ("fine", "coarse")]
+    assert made == [(each, {}) for each in arguments]
+    assert said == [(*((each, [1.0, 3.0]) for each in arguments), "basis", waves)]
+
+
+@pytest.mark.parametrize(("omega", "infinite"), [((1.0, 2.0), False), ((np.inf,), True)])
+def test_a_block_is_solved_on_both_meshes_in_the_water_of_its_spec(monkeypatch, omega, infinite):
+    made, asked = [], []
+    monkeypatch.setattr(panels, "green_function", lambda folder: "green")
+    monkeypatch.setattr(panels, "AxisymmetricProblem", recorded_problem(made))
+    monkeypatch.setattr(TwoMeshes, "at_infinity", lambda self: "limit")
+    monkeypatch.setattr(TwoMeshes, "solve", lambda self, *args: asked.append((self, args)) or "solved")
+    water = SimpleNamespace(density=700.0, depth=12.0, gravity=4.0)
+    spec = SimpleNamespace(water=water, displacements=("Radial0", "Heave"), omega=omega, interpolation=3e-4)
+    assert panels.solve_block(spec, "fine", "coarse", "place") == ("limit" if infinite else "solved")
+    moved = dofs.displacements(["Radial0", "Heave"])
+    assert made == [(("green", mesh, moved, 700.0, 12.0, 4.0), {}) for mesh in ("fine", "coarse")]
+    if not infinite:
+        ((two, args),) = asked
+        assert args == ([1.0, 2.0], 3e-4)
+        assert [each.solve(())[0][1] for each in (two.fine, two.coarse)] == ["fine", "coarse"]

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from scipy.special import eval_legendre, gammaln
 
 from vsb.errors import ConfigError
@@ -16,6 +17,7 @@ from vsb.scenes.rest import reference_shell
 from vsb.shell.deformed import DeformedShell, rigid_sphere
 from vsb.shell.modes import mode_basis
 from vsb.study import study as config
+from vsb.waves.dispersion import group_velocity, wavenumber
 
 HERE = Path(__file__).parents[2]
 RADIAL = tuple(f"Radial{n}" for n in range(7))
@@ -302,3 +304,60 @@ def test_shapes_of_high_degree_have_no_floor_of_the_singular_integrals():
     assert errors[0] > errors[1] > errors[2] > errors[3]
     assert errors[2] < 1e-8
     assert errors[3] < 1e-11
+
+
+@pytest.mark.parametrize(("labels", "order"), [(("Radial0", "Heave"), 0), (("Surge", "Radial2"), 1)])
+def test_haskinds_damping_is_of_its_water_order_and_each_force(labels, order):
+    """Rows are conjugate to columns; two frequencies, each with its own wave of finite depth."""
+    problem = SpectralProblem(rigid_sphere(1.0, 0.0), dofs.displacements(labels, order), 700.0, 4.0, 8, depth=2.5)
+    omegas, force = [1.0, 3.0], np.array([[1.0 + 2.0j, -3.0], [0.5j, 2.0 - 1.0j]])
+    for omega, x, found in zip(omegas, force, problem.haskind(omegas, force), strict=True):
+        flux = 4 * (1 + order) * 700.0 * 4.0 * group_velocity(omega, 2.5, 4.0)
+        assert found == pytest.approx(wavenumber(omega, 2.5, 4.0) / flux * np.outer(x, x.conj()), rel=1e-12)
+
+
+def test_an_estimate_is_twice_what_fewer_points_change_and_what_haskind_misses(sphere, monkeypatch):
+    """At each frequency in terms of the largest there; the total force counts, not its parts."""
+    pair, wave = ("omega", "influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
+
+    def solve(problem, omegas):
+        assert problem.nodes in (12, 16)
+        off = np.array([0.1, 0.4]) * (problem.nodes == 12)
+        a = np.array([[[2.0, 1.0], [1.0, -4.0]], [[1.0, 0.0], [0.0, 0.5]]])
+        x = np.array([[[2.0, 1.0j]], [[1.0, -5.0]]])
+        return xr.Dataset({
+            "added_mass": (pair, a + off[:, None, None]), "radiation_damping": (pair, 2 * a - off[:, None, None]),
+            "Froude_Krylov_force": (wave, x + 7.0 - off[:, None, None]), "diffraction_force": (wave, -7.0 + 0 * x),
+        }, {"omega": omegas})  # fmt: skip
+
+    def haskind(problem, omegas, force):
+        assert force.tolist() == [[2.0, 1.0j], [1.0, -5.0]]  # of the finer run
+        return 2 * solve(problem, omegas).added_mass.values + np.array([0.8, 0.02])[:, None, None]
+
+    monkeypatch.setattr(SpectralProblem, "solve", solve)
+    monkeypatch.setattr(SpectralProblem, "haskind", haskind)
+    found = sphere(16).error_estimate([1.0, 2.0])
+    missed = np.array([0.8 / 8, 0.02 / 2])
+    assert found.added_mass.values == pytest.approx(2 * np.array([0.1 / 4, 0.4 / 1]))
+    assert found.radiation_damping.values == pytest.approx(2 * (np.array([0.1 / 8, 0.4 / 2]) + missed))
+    assert found.excitation_force.values == pytest.approx(2 * (np.array([0.1 / 2, 0.4 / 5]) + missed))
+    assert found.omega.values.tolist() == [1.0, 2.0]
+
+
+@pytest.mark.parametrize("depth", [np.inf, 1.2])
+def test_frequencies_may_come_in_any_order(depth):
+    """Long and short waves together: what serves them all is found by the longest and the shortest."""
+    problem = SpectralProblem(rigid_sphere(1.0, 0.0), dofs.displacements(["Radial0", "Radial3"]), 1.0, 1.0, 12, depth)
+    omegas = [1.0, 3.0, 0.002, 0.5]
+    mixed, ascending = problem.solve(omegas), problem.solve(sorted(omegas)).sel(omega=omegas)
+    for name in mixed:
+        assert mixed[name].values == pytest.approx(ascending[name].values, rel=1e-9, abs=1e-11)
+    assert mixed.omega.values.tolist() == omegas
+
+
+@pytest.mark.parametrize("depth", [0.0, -3.0, np.nan])
+def test_a_depth_is_positive(depth):
+    with pytest.raises(
+        ConfigError, match=rf"^depth: received {depth} m; needs a positive depth, infinite for deep water$"
+    ):
+        SpectralProblem(rigid_sphere(1.0, 0.0), dofs.displacements(["Heave"]), 1.0, 1.0, 8, depth)

@@ -11,8 +11,16 @@ from hydro.test_sweep import GRID, buoy, largest_error
 from vsb.errors import ConvergenceError
 from vsb.hydro import dofs
 from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.hydro.spectral.sweep import MOST_NODES, _limit_difference, converged, converged_on_grid, resolved
+from vsb.hydro.spectral.sweep import (
+    MOST_NODES,
+    _limit_difference,
+    converged,
+    converged_on_grid,
+    incident_wave,
+    resolved,
+)
 from vsb.shell.deformed import rigid_sphere
+from vsb.waves.dispersion import wavenumber
 
 OMEGA = [0.5, 1.5, 3.0]
 
@@ -108,3 +116,12 @@ def test_a_motion_that_moves_no_water_hides_no_difference_at_the_limits(still):
     assert _limit_difference(swept, {"added_mass_zero": limits["added_mass_zero"]}) == pytest.approx(0.1)
     swept.radiation = 0 * swept.radiation
     assert _limit_difference(swept, limits) == 0.0
+
+
+@pytest.mark.parametrize(("height", "depth", "order"), [(0.6, np.inf, 0), (-0.8, 5.0, 1)])
+def test_the_phase_of_a_wave_is_to_the_waterline_in_water_of_its_depth(height, depth, order):
+    shell, moved = rigid_sphere(2.0, height), dofs.displacements(("Surge",) if order else ("Heave",), order)
+    found = incident_wave(SpectralProblem(shell, moved, 1.0, 4.0, 8, depth=depth))
+    omega, radius = np.array([0.5, 2.0]), np.sqrt(4.0 - height**2)
+    assert found.phase(omega) == pytest.approx([radius * wavenumber(w, depth, 4.0) for w in omega], rel=1e-9)
+    assert found.order == order
