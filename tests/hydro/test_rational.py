@@ -174,3 +174,24 @@ def test_doubt_is_the_larger_difference_from_both_neighbours_by_what_counts_on_t
     (at,) = [i for i, r in enumerate(rs) if len(r.support) == len(found.rational.support)]
     apart = [np.abs(rs[at](GRID) - rs[i](GRID)).max(axis=1) * on_grid for i in (at - 1, at + 1)]
     assert found.doubt == pytest.approx(np.maximum(*apart), rel=1e-6, abs=1e-12)
+
+
+def test_weights_make_the_misfit_that_counts_as_small_as_can_be():
+    """Linearized, at the samples that are no support points: any change of them, of the same norm, makes it larger."""
+    omega, rng, size = samples(10), np.random.default_rng(5), np.linspace(0.05, 5.0, 10)
+    values = rng.normal(size=(10, 3)) + 1j * rng.normal(size=(10, 3))
+
+    def misfit(one, weights):
+        others = ~np.isin(omega, one.support)
+        at, f = omega[others, None, None], values[others, None]
+        upper = (f - one.values) / (at - one.support[:, None])
+        lower = (f - one.values.conj()) / (at + one.support[:, None])
+        terms = np.einsum("j,ijc->ic", weights, upper) - np.einsum("j,ijc->ic", weights.conj(), lower)
+        return np.linalg.norm(size[others, None] * terms)
+
+    for one in interpolants(omega, values, size)[1:5]:
+        least = misfit(one, one.weights)
+        assert np.linalg.norm(one.weights) == pytest.approx(1.0)
+        for _ in range(50):
+            other = one.weights + 1e-2 * (rng.normal(size=(2, len(one.weights))).T @ [1, 1j])
+            assert misfit(one, other / np.linalg.norm(other)) > least
