@@ -16,7 +16,9 @@ from vsb.hydro.database import (
     with_symmetrized,
 )
 from vsb.hydro.dofs import Displacement
+from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import mode_basis
+from vsb.shell.reference import ReferenceShell
 
 
 def block(omega, degrees=(0, 1, 2), seed=0):
@@ -264,3 +266,20 @@ def test_the_index_has_dashes_where_a_body_has_no_such_thing(tmp_path):
     assert [line.split("\t") for line in lines] == [
         ["body", "-", "-", "-", "2", "2", "20.0", "ok"], ["dry", "-", "-", "-", "-", "-", "-", "unreadable"],
     ]  # fmt: skip
+
+
+def test_structure_is_inertia_every_stiffness_by_name_and_the_scale_of_the_modes(seed):
+    basis = mode_basis(seed.device, "membrane", 2)
+    rest, n = np.array([0.1, -0.2, 0.3, 0.4]), len(basis.labels)
+    stiffness = {"structural": np.arange(16.0).reshape(n, n), "hydrostatic": -np.eye(n), "gas": np.ones((n, n))}
+    reference = ReferenceShell(DeformedShell(basis, 0.0, rest), stiffness)
+    pair = ("influenced_dof", "radiating_dof")
+    bare = xr.Dataset({"added_mass_inf": (pair, np.eye(n))}, {dim: list(basis.labels) for dim in pair}, {"solver": "s"})
+    found = database.with_structure(bare, reference)
+    for name, matrix in stiffness.items():
+        np.testing.assert_array_equal(found[f"{name}_stiffness"].values, matrix)
+    np.testing.assert_array_equal(found.inertia_matrix.values, basis.inertia)
+    np.testing.assert_array_equal(found.pole_radial_displacement.values, basis.pole_radial_displacement)
+    np.testing.assert_array_equal(found.reference_amplitude.values, rest)
+    assert found.attrs == {"solver": "s"}
+    assert found[list(bare)].equals(bare)
