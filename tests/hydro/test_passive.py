@@ -510,9 +510,9 @@ def test_groups_whose_motions_alternate_come_out_in_their_places(limit):
     given_ = RadiationSamples(
         OMEGA, base + k.imag / OMEGA[:, None, None], k.real, base - wrong, sizes(OMEGA, k.real, np.zeros(3))
     )
-    fit = fit_passive(given_, 1e-4, limit=limit)
+    fit = fit_passive(given_, 1e-3, limit=limit)
     scale = np.outer(given_.size, given_.size)
-    assert fit.error < 1e-4
+    assert fit.error < 1e-3
     found = fit.model.transfer(OMEGA) + 1j * OMEGA[:, None, None] * (fit.added_mass_inf - base)
     assert entry_error((found - k) / scale) == pytest.approx(fit.error, rel=1e-6, abs=1e-12)
     shift = fit.added_mass_inf - given_.added_mass_inf
