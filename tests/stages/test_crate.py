@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import mimetypes
 import os
 import re
 import shutil
@@ -136,3 +137,34 @@ def test_a_date_is_of_the_newest_file_alone(tmp_path):
     root = metadata(PLAN, files, "a.csv", None, None)["@graph"][1]
     assert root["datePublished"] == "1970-10-28"  # day 301 of that year
     assert root["license"] == {"@id": "#licence"}
+
+
+def test_names_are_addresses_wherever_they_are_referred_to(tmp_path):
+    """What the run was asked for by is its object and no result; a file nobody named has no identifier."""
+    held = {name: str(tmp_path / f"{i}") for i, name in enumerate(("my study.yaml", "a b/c d.csv", "e.bin"))}
+    for path in held.values():
+        Path(path).write_text("1")
+    root, run, *_ = metadata(PLAN, held, "my study.yaml", None, None)["@graph"][1:]
+    assert [part["@id"] for part in root["hasPart"]] == ["my%20study.yaml", "a%20b/c%20d.csv", "e.bin"]
+    assert run["object"] == {"@id": "my%20study.yaml"}
+    assert run["result"] == [{"@id": "a%20b/c%20d.csv"}, {"@id": "e.bin"}]
+    files = metadata(PLAN, held, "my study.yaml", None, None)["@graph"][-3:]
+    assert [one["@id"] for one in files] == [part["@id"] for part in root["hasPart"]]
+    assert [one["name"] for one in files] == ["my study.yaml", "c d.csv", "e.bin"]
+    types = ["application/yaml", "text/csv", "application/octet-stream"]
+    assert [one["encodingFormat"] for one in files] == types
+    assert not any("identifier" in one or "description" in one for one in files)
+
+
+@pytest.mark.parametrize("name", ["a.csv", "a.html", "a.json", "a.pdf", "a.svg"])
+def test_types_are_those_the_internet_registered(tmp_path, name):
+    (tmp_path / name).write_text("1")
+    one = metadata(PLAN, {name: str(tmp_path / name)}, "other", None, None)["@graph"][-1]
+    assert one["encodingFormat"] == mimetypes.guess_type(name)[0]
+
+
+def test_what_is_told_of_an_archive_is_its_files_and_its_size(small, tmp_path):
+    out = tmp_path / "small.zip"
+    (line,) = crate("small.yaml", str(out))
+    count = len({*PLAN.products, PLAN.manifest}) + 1
+    assert line == f"{out}: {count} files, {out.stat().st_size / 1e6:.1f} MB"

@@ -1,10 +1,12 @@
 """Command run: what goes to Snakemake, what never does, and how all of it ends."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import psutil
 import pytest
@@ -15,6 +17,7 @@ from stages.test_members import MODULI, planned, with_seas
 from test_cli import written
 
 from vsb.cli import main
+from vsb.errors import ConfigError
 from vsb.stages import run as launcher
 from vsb.stages import slurm
 from vsb.study.plan import StudyPlan
@@ -70,7 +73,79 @@ def test_where_nothing_is_left_to_do_slurm_is_asked_for_nothing(workplace, monke
     assert main(["run", written("study.yaml"), "--profile", "slurm"]) == 0
     monkeypatch.setattr("vsb.stages.verify.stale_products", lambda plan, dry: ["old.csv"])
     assert main(["run", written("study.yaml"), "--profile", "slurm"]) == 0
-    assert [command[0] for command in seen] == [sys.executable, "srun"]
+    monkeypatch.setattr("vsb.stages.verify.stale_products", lambda plan, dry: [])
+    assert main(["run", written("study.yaml"), "--profile", "slurm", "--forceall"]) == 0  # asked to make it again
+    assert [command[0] for command in seen] == [sys.executable, "srun", "srun"]
+
+
+@pytest.mark.parametrize("short", [True, False])
+def test_a_run_on_slurm_that_is_interrupted_cancels_the_jobs_it_named(workplace, monkeypatch, short):
+    """The one of all that is short, or those of its rules, which the plug-in names by what it is told."""
+    commands, cancelled = [], []
+
+    def interrupted(command, **_):
+        commands.append(command)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(launcher, "finished", interrupted)
+    monkeypatch.setattr(launcher, "find_spec", lambda name: True)
+    monkeypatch.setattr("vsb.stages.slurm.whole", lambda plan, profile: ["srun"] if short else [])
+    monkeypatch.setattr("vsb.stages.slurm.cancel", lambda prefix: cancelled.append(prefix) or 0)
+    config = written("study.yaml")
+    plan = StudyPlan(load(config))
+    assert main(["run", config, "--profile", "slurm"]) == 130
+    (command,), (before, own) = commands, cancelled
+    assert before == slurm.whole_name(plan)
+    assert own == (slurm.whole_name(plan) if short else slurm.job_name("seed"))
+    told = command[command.index("--slurm-jobname-prefix") + 1] if "--slurm-jobname-prefix" in command else None
+    assert told == (None if short else slurm.job_name("seed"))
+
+
+@pytest.mark.parametrize("option", ["-n", "--dry-run", "--dryrun"])
+def test_a_dry_run_by_any_name_holds_nothing_and_tells_of_no_report(workplace, monkeypatch, capsys, option):
+    """Nor is a report of before what it made."""
+    held, asked = [], []
+    monkeypatch.setattr(launcher, "finished", lambda command, pass_fds, **_: held.append(pass_fds) or 0)
+    monkeypatch.setattr("vsb.stages.verify.stale_products", lambda plan, dry: asked.append(dry) or [])
+    Path("results/seed").mkdir(parents=True)
+    Path("results/seed/report.html").write_text("of before")
+    assert main(["run", written("study.yaml"), option]) == 0
+    assert (held, asked) == ([[]], [True])
+    assert capsys.readouterr().out == ""
+    assert not Path("results/hydro").exists()
+
+
+def test_a_run_sees_the_programs_beside_its_own_first_and_no_modules_of_the_current_folder(workplace, monkeypatch):
+    seen = []
+    monkeypatch.setattr(launcher, "finished", lambda command, env, **_: seen.append(env) or 0)
+    monkeypatch.setenv("PATH", "/one:/two")
+    monkeypatch.setenv("OWN", "kept")
+    assert main(["run", written("study.yaml"), "-n"]) == 0
+    (env,) = seen
+    assert env["PATH"] == f"{Path(sys.executable).parent}:/one:/two"
+    assert (env["PYTHONSAFEPATH"], env["OWN"]) == ("1", "kept")
+
+
+@pytest.mark.parametrize(
+    ("mark", "kind"),
+    [("campaign.nc", "study"), ("members", "study"), ("study.json", "campaign"), ("modes.nc", "campaign")],
+)
+def test_a_name_is_of_a_study_or_of_a_campaign(tmp_path, monkeypatch, mark, kind):
+    """By either of the files that the other leaves first; its own are no hindrance."""
+
+    class Campaign(SimpleNamespace):
+        """A plan of a campaign."""
+
+    monkeypatch.setattr(launcher, "CampaignPlan", Campaign)
+    plans = {"study": SimpleNamespace, "campaign": Campaign}
+    plan, other = (plans[one](folder=tmp_path, name="twice") for one in (kind, *(plans.keys() - {kind})))
+    launcher.check_name(plan)
+    (tmp_path / mark).touch()
+    launcher.check_name(other)
+    its = {"study": "campaign", "campaign": "study"}[kind]
+    needs = f"{kind}: received twice, the name of a {its} with results in {tmp_path}; needs another"
+    with pytest.raises(ConfigError, match=f"^{re.escape(needs)}$"):
+        launcher.check_name(plan)
 
 
 @pytest.mark.parametrize("name", ["nowhere", "mine", "./nowhere"])
@@ -185,7 +260,13 @@ def test_of_a_run_that_failed_the_rules_own_line_comes_last(workplace, capsys):
     (logs / "simulate.log").write_text("a step\nvsb: error: device.mass: too heavy\n")
     assert launcher._failed(plan, 0.0) == 2
     assert capsys.readouterr().err == "vsb: error: device.mass: too heavy\n"
-    assert launcher._failed(plan, (logs / "simulate.log").stat().st_mtime + 10.0) == 1  # of a run before
+    begun = (logs / "simulate.log").stat().st_mtime
+    assert launcher._failed(plan, begun + 0.9) == 2  # clocks of file systems are coarse
+    assert launcher._failed(plan, begun + 1.1) == 1  # of a run before
+    capsys.readouterr()
+    (logs / "simulate.log").write_text("vsb: error: the first\nvsb: error: the last\nwords after it\n")
+    assert launcher._failed(plan, 0.0) == 2
+    assert capsys.readouterr().err == "vsb: error: the last\n"
 
 
 TOLD = """Building DAG of jobs...
@@ -225,6 +306,21 @@ def test_of_a_full_disk_one_line_is_left(workplace, capsys):
     assert line.startswith(
         "vsb: error: the run of 'seed' did not complete: No space left on device; what was told cannot"
     )
+
+
+def test_what_the_system_says_is_told_where_no_rule_failed_and_then_its_last_words(workplace, capsys):
+    plan, own = StudyPlan(load(SEED)), [f"OSError: [Errno {n}] {text}\n" for n, text in ((5, "first"), (28, "last"))]
+    begins, ends = (
+        "vsb: error: the run of 'seed' did not complete: ",
+        "; all that was told is in results/logs/seed.log\n",
+    )
+    assert launcher._failed(plan, 0.0, own) == 1
+    assert capsys.readouterr().err == f"{begins}last{ends}"
+    log = Path("results/logs/simulate/seed/FSB-still.log")
+    log.parent.mkdir(parents=True)
+    log.write_text("  \na word   \n   \n")
+    assert launcher._failed(plan, 0.0, [*own, *TOLD.splitlines(keepends=True)]) == 1
+    assert capsys.readouterr().err == f"{begins}simulate ended with a word{ends}"
 
 
 def test_a_run_is_one_line_where_somebody_looks_on_and_asks_nothing_more(monkeypatch):
@@ -283,7 +379,18 @@ def test_an_interruption_while_the_command_begins_is_not_lost(monkeypatch):
 def test_records_snakemake_cannot_read_are_forgotten_and_the_others_kept(tmp_path):
     """It ends in a traceback over them; what results are, they know themselves."""
     good = [b'{"input": ["a.nc"], "params": ["x"], "log": []}', b'{"code": null, "params": null}', b"{}"]
-    bad = [b"", b"{", b"\xff\xfe", b"[]", b'"x"', b"[" * 100_000, b"9" * 100_000, b'{"params": 5}', b'{"input": "a"}']
+    bad = [
+        b"",
+        b"{",
+        b"\xff\xfe",
+        b"[]",
+        b'"x"',
+        b"[" * 100_000,
+        b"9" * 100_000,
+        b'{"params": 5}',
+        b'{"input": "a"}',
+        b'{"log": {"a": 1}}',
+    ]
     (tmp_path / "@deeper").mkdir()
     for number, content in enumerate([*good, *bad]):
         (tmp_path / ("@deeper" if number % 2 else ".") / str(number)).write_bytes(content)
@@ -394,6 +501,24 @@ def test_a_plugin_that_is_missing_is_named_as_pip_knows_it(workplace, capsys):
     line = told(["run", written("study.yaml"), "--profile", "./mine"], capsys)
     needed = "which is not installed; needs pip install snakemake-executor-plugin-cluster-nowhere"
     assert line.removeprefix("vsb: ").strip() == f"mine/config.yaml: executor: received cluster-nowhere, {needed}"
+
+
+@pytest.mark.parametrize(
+    ("text", "asked"),
+    [
+        ("executor: cluster-generic", ["snakemake_executor_plugin_cluster_generic"]),
+        ("executor: slurm", ["snakemake_executor_plugin_slurm"]),
+        ("executor: local", []),
+        ("cores: 3", []),
+    ],
+)
+def test_a_plugin_is_looked_for_by_the_name_of_its_module(workplace, monkeypatch, text, asked):
+    """What runs jobs here needs none."""
+    seen = []
+    monkeypatch.setattr(launcher, "find_spec", lambda name: seen.append(name) or True)
+    Path("config.yaml").write_text(text)
+    assert launcher._settings(Path("config.yaml")) == yaml.safe_load(text)
+    assert seen == asked
 
 
 def test_the_plugin_of_slurm_comes_with_an_extra_of_vsb(workplace, monkeypatch, capsys):

@@ -4,6 +4,7 @@ import os
 import re
 import shutil
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 import yaml
@@ -91,6 +92,7 @@ def test_names_of_jobs_are_what_the_plug_in_takes(name):
     found = slurm.job_name(name)
     assert re.fullmatch(r"[A-Za-z0-9_-]{1,50}", found)
     assert found.endswith(f"-{os.getpid()}")
+    assert found.startswith(re.sub("[ :]", "_", f"vsb-{name}")[: 50 - len(str(os.getpid())) - 1])
 
 
 def test_the_profile_asks_for_neither_account_nor_accounting():
@@ -121,9 +123,8 @@ def cluster(tmp_path, monkeypatch):
 def test_all_that_is_short_is_one_job_of_two_cores(cluster, name):
     plan = plan_of(str(SEED.parent / name))
     found = slurm.whole(plan, PROFILE)
-    assert found[0] == "srun"
-    assert {"--ntasks=1", "--nodes=1", "--cpus-per-task=2"} <= set(found)
-    assert f"--job-name={slurm.whole_name(plan)}_whole" in found
+    size = ["--ntasks=1", "--nodes=1", "--cpus-per-task=2", "--mem=4000", "--time=60"]  # [MB], [minutes]
+    assert found == ["srun", *size, f"--job-name={slurm.whole_name(plan)}_whole"]
 
 
 @pytest.mark.parametrize(
@@ -133,6 +134,10 @@ def test_all_that_is_short_is_one_job_of_two_cores(cluster, name):
 def test_account_and_partition_are_the_profiles(cluster, given):
     found = slurm.whole(plan_of(str(SEED)), {**PROFILE, "default-resources": given})
     assert {"--account=me", "--partition=day"} <= set(found)
+
+
+def test_a_resource_may_hold_the_sign_that_ends_its_name():
+    assert slurm.resources({"default-resources": ["slurm_extra=--gres=gpu:1"]}) == {"slurm_extra": "--gres=gpu:1"}
 
 
 @pytest.mark.parametrize(
@@ -176,6 +181,49 @@ def test_what_is_long_is_a_job_for_every_rule(cluster, changes):
 
 def test_a_body_that_is_solved_of_its_mesh_is_long():
     assert not slurm.is_short(plan_of(str(SEED.parent / "barge.yaml")))
+
+
+@pytest.mark.parametrize(
+    ("seas", "duration", "short"),
+    [(2, 3600.0, True), (2, 3600.1, False), (1, 7200.0, True), (1, 7200.1, False), (3, 1.0, False)],
+)
+def test_eight_runs_of_eight_hours_together_are_short(seas, duration, short):
+    """Of the seed's four designs; one run or a second more is long."""
+    waves = [{"kind": "regular", "amplitude": 0.1, "period": 3.0 + i} for i in range(seas)]
+    simulation = {"duration": duration, "window": [0.0, 1.0]}
+    plan = StudyPlan(varied(load(SEED), waves=waves, simulation=simulation))
+    assert len(plan.study.designs) == 4
+    assert slurm.is_short(plan) == short
+
+
+class Year:
+    """What is asked of a campaign's plan: batches, points run in time in some seas of a duration, of three designs."""
+
+    def __init__(self, batches=1, points=2, seas=4, duration=1200.0, constrained=None):
+        self.batches, self.verifications = {str(i): i for i in range(batches)}, {str(i): i for i in range(points)}
+        base = SimpleNamespace(designs=dict.fromkeys("ABC"), simulation=SimpleNamespace(duration=duration))
+        verify = SimpleNamespace(seas=seas) if seas else None
+        campaign = SimpleNamespace(verify=verify)
+        self.loaded = SimpleNamespace(base=base, campaign=campaign, constrained=constrained)
+
+
+@pytest.mark.parametrize(
+    ("year", "short"),
+    [
+        (Year(), True),
+        (Year(duration=1200.1), False),
+        (Year(points=3), False),
+        (Year(seas=5), False),
+        (Year(points=30, seas=None, duration=1e6), True),
+        (Year(batches=8), True),
+        (Year(batches=9), False),
+        (Year(constrained=SimpleNamespace(seconds=1.0)), False),
+    ],
+)
+def test_a_campaign_is_short_by_its_batches_and_the_motion_of_all_its_runs(monkeypatch, year, short):
+    """Two points of three designs in four seas of a third of an hour are eight hours; runs are none without seas."""
+    monkeypatch.setattr(slurm, "CampaignPlan", Year)
+    assert slurm.is_short(year) == short
 
 
 @pytest.mark.parametrize(
