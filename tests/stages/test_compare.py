@@ -3,6 +3,7 @@
 import json
 import shutil
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from conftest import SMALL_PLAN, varied
@@ -88,3 +89,43 @@ def test_what_a_sea_leaves_is_small_and_its_own(small):
     assert {check.wave for check in left.checks} == {wave.label}
     assert set(left.runs) == {("FSB", wave.label), ("VSWEC", wave.label)}
     assert left.samples == {}
+
+
+def test_every_sea_is_met_in_its_own_waves_and_irregular_ones_are_sampled(seed, monkeypatch):
+    """Of a regular and two irregular seas: waves, runs and samples of each are its own."""
+    sea = {"kind": "jonswap", "hs": 1, "tp": 4}
+    study = varied(seed, waves=[*seed.model_dump()["waves"], sea, {**sea, "tp": 5}], designs={"A": {}, "B": {}})
+    runs = {(d, w.label): SimpleNamespace(attrs={"of": (d, w.label)}) for d in "AB" for w in study.waves}
+    found = SimpleNamespace(study=study, database="database", response="response", runs=runs)
+    monkeypatch.setattr(compare, "study_sea", lambda study, wave, database: (wave, database))
+    monkeypatch.setattr(compare.comparison, "comparison", lambda *given: list(given))
+    monkeypatch.setattr(compare.irregular, "sample", lambda *given: given)
+    monkeypatch.setattr(compare.ledger, "sea_checks", lambda *given: list(given))
+    for i, wave in enumerate(study.waves):
+        left = compare.in_a_sea(found, "basis", wave)
+        own, waves = {d: runs[d, wave.label] for d in "AB"}, (wave, "database")
+        assert left.rows == [study, wave, own, waves]
+        assert left.checks == [study, "basis", wave, own]
+        assert left.runs == {(d, wave.label): {"of": (d, wave.label)} for d in "AB"}
+        samples = {(d, wave.label): (study, wave, d, own[d], waves, "response") for d in "AB"} if i else {}
+        assert left.samples == samples
+
+
+@pytest.mark.parametrize("name", ["wave_checks", "agreement_checks"])
+def test_checks_of_a_sea_are_asked_of_every_sea(seed, monkeypatch, name):
+    seas = [{"kind": "regular", "amplitude": 0.1, "period": period} for period in (2.0, 3.0, 4.0)]
+    study, asked = varied(seed, waves=seas), []
+    for maker in ("radiation_checks", "bending_checks", "wave_checks", "witness_checks"):
+        monkeypatch.setattr(compare.ledger, maker, lambda *_: [])
+    monkeypatch.setattr(compare.ledger, "limit_check", lambda *_: Check("limit", 0.0, 1.0, "-", "ok", ""))
+    monkeypatch.setattr(compare, "agreement_checks", lambda *_: [])
+    monkeypatch.setattr(compare, "stored_checks", lambda *_: [Check("symmetry", 0.0, 1.0, "-", "ok", "")])
+    place = compare if name == "agreement_checks" else compare.ledger
+    monkeypatch.setattr(place, name, lambda *given: asked.append(given) or [])
+    found = SimpleNamespace(study=study, database="database", radiation=None, response="response", witness=None)
+    checks = compare.of_the_water(found, ["rows"], {"runs": {}})
+    assert [check.name for check in checks] == ["limit", "hydro symmetry"]
+    if name == "wave_checks":
+        assert asked == [(wave, study.water, study.hydro.omega_max) for wave in study.waves]
+    else:
+        assert asked == [(study, wave, "response", ["rows"], {"runs": {}}) for wave in study.waves]

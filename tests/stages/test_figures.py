@@ -90,3 +90,29 @@ def test_the_design_that_others_are_compared_with_is_the_rigid_one_wherever_it_s
     monkeypatch.setattr(figures, "drawn", lambda *_: SimpleNamespace(write=lambda *_: []))
     figures.run(study, "nowhere", str(tmp_path), str(tmp_path / "manifest.json"))
     assert [data.reference for data in seen] == ["B"]
+
+
+@pytest.mark.parametrize(("damping", "tuned"), [(None, True), (5e3, False)])
+def test_what_figures_are_told_of_a_study_is_its_own(seed, tmp_path, monkeypatch, damping, tuned):
+    """Still water has no frequency, and the period of the slowest motion; the limit is that of all channels reached."""
+    regular = [{"kind": "regular", "amplitude": 0.1, "period": period} for period in (5.0, 3.0)]
+    study = varied(seed, waves=[{"kind": "still"}, *regular], pto={"damping": damping, "port": "volume"})
+    response = xr.Dataset({"wet_natural_frequency": ("wet_mode", [3.0, 1.5])}, attrs={"limit": "3 λ/2π"})
+    parts = {name: xr.Dataset(attrs={"name": name}) for name in ("modes", "database", "radiation", "witness")}
+    plan, seen = SimpleNamespace(figures=("any",), study_id="0" * 16, highest=5.0), []
+    found = SimpleNamespace(plan=plan, runs={}, response=response, **parts)
+    monkeypatch.setattr(figures, "Inputs", lambda *_: found)
+    monkeypatch.setattr(figures, "in_direction", lambda response, _: response)
+    monkeypatch.setattr(figures, "draw", lambda _, data: seen.append(data))
+    monkeypatch.setattr(figures, "drawn", lambda *_: SimpleNamespace(write=lambda *_: []))
+    figures.run(study, "nowhere", str(tmp_path), str(tmp_path / "manifest.json"))
+    (data,) = seen
+    assert data.wave_frequencies == pytest.approx((2 * np.pi / 5.0, 2 * np.pi / 3.0))
+    assert data.periods == pytest.approx({"still": 2 * np.pi / 1.5, **{w.label: w.period for w in study.waves[1:]}})
+    assert (data.limit, data.tuned, data.port) == ("limit 3 λ/2π", tuned, "volume")
+    assert [getattr(data, name).attrs["name"] for name in parts] == list(parts)
+
+
+def test_what_drifts_alone_has_a_period_of_its_own_in_still_water(seed):
+    still = varied(seed, waves=[{"kind": "still"}]).waves[0]
+    assert figures._period(seed, still, xr.Dataset({"wet_natural_frequency": ("wet_mode", [])})) == 2 * np.pi

@@ -4,11 +4,13 @@ from contextlib import chdir
 
 import numpy as np
 import pytest
+import xarray as xr
 from browser import asked, evaluated
 from stages.test_members import folder, planned, run  # noqa: F401
 
 from vsb.report import html
 from vsb.report.campaign_answer import leading
+from vsb.stages import living_year as living_year_module
 from vsb.stages.climate import read_climate
 from vsb.stages.living_year import living_year
 
@@ -66,3 +68,28 @@ def test_a_reader_drags_the_year(swept, tmp_path):
     assert all(float(a[2]) < float(b[2]) for a, b in zip(found["dragged"], found["own"], strict=True))
     assert found["bins"] == int((ds["count"] > 0).sum())
     assert found["words"].startswith("gain of ")
+
+
+@pytest.mark.parametrize(("sizes", "known"), [((2, 3), 6), ((1, 7), 1), ((), 1)])
+def test_of_few_points_all_are_known_and_of_more_the_one_shown_alone(monkeypatch, sizes, known):
+    """The one shown first, then the others in their order, each by its number among all; what is not viable is left."""
+    dims = ("thickness", "mass")[: len(sizes)]
+    ds = xr.Dataset({"margin": (dims, np.zeros(sizes))}, {"design": ["A", "B"]})
+    shown = dict(zip(dims, (size - 1 for size in sizes), strict=True))
+    asked = []
+
+    def point(spec, ds, index, place, seas, root):
+        asked.append((index, place))
+        assert (spec, seas, root) == ("spec", "seas", "root")
+        return None if index == 1 else index + 10
+
+    monkeypatch.setattr(living_year_module, "shown_place", lambda *given: shown)
+    monkeypatch.setattr(living_year_module, "_point", point)
+    monkeypatch.setattr(living_year_module, "year_data", lambda *given: given)
+    found = living_year("spec", ds, "one", "A", "seas", "root")
+    places = [dict(zip(dims, place, strict=True)) for place in np.ndindex(sizes)]
+    order = [places.index(shown), *(i for i, place in enumerate(places) if place != shown)][:known]
+    assert asked == [(i, places[i]) for i in order]
+    assert found == (
+        ("seas", [i + 10 for i in order if i != 1], ["A", "B"], "A") if any(i != 1 for i in order) else None
+    )

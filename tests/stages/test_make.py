@@ -12,6 +12,7 @@ from vsb.study.body import BodyStudy
 from vsb.study.body_plan import plan_for
 from vsb.study.plan import StudyPlan
 from vsb.study.reading import validated
+from vsb.study.study import content_id
 
 STUDIES = {
     "spectral": {},
@@ -127,3 +128,37 @@ def test_stamps_of_all_that_a_study_writes_go_into_its_one_manifest(plan):
     told = {job.stage: job.files["manifest"] for job in jobs(plan) if "manifest" in job.files}
     assert set(told) >= {"display", "report"}
     assert set(told.values()) == {f"{plan.folder}/manifest.json"}
+
+
+def test_a_job_needs_all_that_other_jobs_make_for_it(plan):
+    """Files it is handed one by one; of folders those in them that its specification names."""
+    made = {path for job in jobs(plan) for path in job.makes}
+    for job in jobs(plan):
+        read = {path for path in job.files.values() if path in made} - set(job.makes)
+        assert read <= set(job.needs), job.stage
+    needs = {job.stage: set(job.needs) for job in jobs(plan)}
+    runs = {plan.trajectory_path(design, wave.label) for wave in plan.study.waves for design in plan.study.designs}
+    for stage in ("compare", "figures", "report"):
+        assert runs <= needs[stage], stage
+    drawn = {path for job in jobs(plan) if job.stage == "figures" for path in job.makes}
+    assert drawn <= needs["report"]
+    if plan.study.needs_bem:
+        assert needs["database"] == {plan.block_path(block) for block in plan.bem_blocks.values()}
+    for job in jobs(plan):
+        if "green" in job.files and job.stage in ("panels", "witness"):
+            assert f"{plan.green_folder}.done" in job.needs
+
+
+def test_a_job_makes_what_its_own_specification_names(tmp_path):
+    """Blocks, meshes and runs are many of a kind: two designs in three seas, blocks of several meshes."""
+    seas = [{"kind": "regular", "amplitude": 0.1, "period": period} for period in (2.0, 3.0, 4.0)]
+    changes = {"waves": seas, "designs": {"A": {"flexible": False}, "B": {}}, **STUDIES["shallow"]}
+    plan, runs = StudyPlan(varied(config.load(SEED), **changes), root=str(tmp_path)), []
+    for job in jobs(plan):
+        if job.stage in ("modes", "mesh", "panels", "spectral", "deformed"):
+            assert all(plan.ids[path] == content_id(job.spec) for path in job.makes if path in plan.ids), job.stage
+        if job.stage == "simulate":
+            (design,), (wave,) = job.spec.designs, job.spec.waves
+            assert job.makes == (job.files["out"],) == (plan.trajectory_path(design, wave.label),)
+            runs.append((design, wave))
+    assert runs == [(design, wave) for wave in plan.study.waves for design in "AB"]

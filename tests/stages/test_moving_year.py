@@ -143,3 +143,50 @@ def test_designs_rise_as_their_ports_under_their_own_dampers_beside_the_spring(s
         np.testing.assert_allclose(runs[design].sel(dof="Heave"), parts.sum(axis=1).real, rtol=1e-9, atol=1e-12)
     assert list(runs["FSB"].dof.values) == ["Heave"]
     assert runs["VSWEC"].sizes["dof"] > 1
+
+
+@pytest.mark.parametrize(
+    ("tuning", "there", "taken"),
+    [
+        ("each", ("fixed", "one", "each"), "each"),
+        ("constrained", ("fixed", "each", "constrained", "one"), "one"),
+        ("constrained", ("fixed", "constrained", "each"), "each"),
+        ("constrained", ("fixed", "constrained"), "fixed"),
+        ("constrained", ("constrained",), None),
+    ],
+)
+def test_dampers_are_those_of_the_point_and_bin_shown_under_a_law_of_motion(seed, monkeypatch, tuning, there, taken):
+    """Of two points by three, bins of two by four, designs in another order than the results'; limits are no damper."""
+    sizes = {"thickness": 2, "mass": 3, "tuning": len(there), "design": 3, "hs": 2, "te": 4}
+    damping = xr.DataArray(np.arange(np.prod([*sizes.values()]), dtype=float).reshape([*sizes.values()]), dims=sizes)
+    coords = {"tuning": list(there), "design": ["A", "B", "C"], "thickness": [0.1, 0.2], "mass": [1.0, 2.0, 3.0]}
+    ds = xr.Dataset({"damping": damping, "margin": (("thickness", "mass"), np.zeros((2, 3)))}, coords)
+    study = varied(seed, designs={"C": {"flexible": False}, "A": {"flexible": False}})
+    buoy = SimpleNamespace(database=xr.Dataset(coords={"omega": [0.5, 1.0, 4.0]}))
+    point, asked, made = Point(study, None, SimpleNamespace(buoys=(buoy,))), [], []
+    monkeypatch.setattr(module, "shown_place", lambda *_: {"thickness": 1, "mass": 2})
+    monkeypatch.setattr(module, "looked_at", lambda spec, index, root: asked.append((spec, index, root)) or point)
+    monkeypatch.setattr(module, "most_energetic", lambda *_: (1, 0, 3))
+    monkeypatch.setattr(module, "realised", lambda *given: made.append(given) or "waves")
+    still = xr.DataArray([[0.0]], coords={"dof": ["Heave"]}, dims=("time", "dof"))
+    monkeypatch.setattr(module, "_runs", lambda p, dampers, *_: made.append(dampers) or dict.fromkeys(dampers, still))
+    monkeypatch.setattr(module, "shell_modes", lambda *_: xr.Dataset(coords={"mode": ["Membrane0"]}))
+    monkeypatch.setattr(module, "largest_shell", lambda *_: 0.1)
+    monkeypatch.setattr(module, "shapes_data", lambda *_: None)
+    monkeypatch.setattr(module, "frames_data", lambda words, *_: words)
+    monkeypatch.setattr(module, "where", lambda one: "the point" if float(one.mass) == 3.0 else "another")
+    seas = SimpleNamespace(te=np.array([5.0, 7.0]), hs=np.array([1.0, 2.5]))
+    found = moving_year("spec", ds, tuning, "A", seas, "root")
+    assert asked == [("spec", 5, "root")]
+    if taken is None:
+        assert found is None
+        return
+    (given, dampers) = made
+    assert given == (seas, 1, PERIODS * 7.0, 0, 0.5, 4.0)
+    at = damping.values[1, 2, there.index(taken), :, 0, 3]
+    assert dampers == {"C": at[2], "A": at[0]}
+    assert found["seas"] == ["a sea of the bin that brings most energy (Hs 2.5 m, Te 7 s)"]
+    words = (
+        f"In {found['seas'][0]}: a realisation of its spectrum, by linear theory, {module.TUNED[taken]} at the point."
+    )
+    assert found["told"] == words

@@ -20,6 +20,7 @@ from vsb.report.tuned import NO_BEST_DAMPER
 from vsb.results.ledger import assumed_pressure_checks
 from vsb.stages import report
 from vsb.study.study import load, parse
+from vsb.tools.stamps import record
 
 
 def made(plan, out, **changes):
@@ -204,3 +205,31 @@ def test_facts_of_the_second_solver_tell_the_seconds_of_each(seed):
     assert report._witness_facts(solved("spectral"), seed) == {
         "Witness": "id.nc: 2 shapes at 4 frequencies by capytaine 2 on 14 rows (30.2 s) and the spectral solver (3.5 s)"
     }
+
+
+def test_the_page_is_told_of_the_first_sea_and_of_all_realisations(seed, tmp_path, monkeypatch):
+    """Responses in the direction of the first of three seas; irregular are those of every family alone."""
+    swell, sea = seed.model_dump()["waves"][0], {"kind": "jonswap", "hs": 1, "tp": 4, "realisations": 2}
+    study = varied(seed, waves=[swell, sea, {**sea, "tp": 5}, {**swell, "amplitude": 0.2}])
+    tables = {"comparison": [1], "statistics": [2], "equal_tuning": [3], "within_limits": [4], "checks": [5]}
+    (tmp_path / "tables.json").write_text(json.dumps(tables))
+    record(str(tmp_path / "manifest.json"), "0" * 16, [str(tmp_path / "tables.json")])
+    plan = SimpleNamespace(figures=(), study_id="0" * 16)
+    stored = SimpleNamespace(plan=plan, response="all", path=str, runs=SimpleNamespace(attributes=list))
+    monkeypatch.setattr(report, "Inputs", lambda *_: stored)
+    monkeypatch.setattr(report, "in_direction", lambda response, wave: (response, wave))
+    for name in ("_bem_facts", "_witness_facts", "_facts"):
+        monkeypatch.setattr(report, name, lambda *_: {})
+    monkeypatch.setattr(report, "living_study", lambda *given: given)
+    monkeypatch.setattr(report, "sketches", lambda study: (study,))
+    pages = []
+    monkeypatch.setattr(report, "render", lambda page: pages.append(page) or "page")
+    manifest = str(tmp_path / "manifest.json")
+    report.run(study, "runs", str(tmp_path / "r.html"), manifest, tables=str(tmp_path / "tables.json"), figures="f")
+    (page,) = pages
+    assert page.response == ("all", study.waves[0])
+    assert page.irregular == [wave.label for wave in study.waves[1:5]]
+    told = (page.rows, page.statistics, page.equal_tuning, page.within_limits, page.checks)
+    assert told == ([1], [2], [3], [4], [5])
+    assert (page.thing, page.flexible, page.sketches, page.reference) == ("buoy", True, (study,), "FSB")
+    assert page.living == (study, "database", "all", [4])
