@@ -5,8 +5,10 @@ import xarray as xr
 from conftest import SEED, varied
 
 from vsb.errors import DatabaseError
+from vsb.stages import inputs
 from vsb.stages.inputs import Inputs
-from vsb.study.study import load
+from vsb.study.plan import StudyPlan
+from vsb.study.study import content_id, load
 
 NAMES = ("database", "radiation", "response", "witness")
 
@@ -28,3 +30,16 @@ def test_a_file_the_study_needs_is_missed(seed, name):
 
 def test_a_study_that_asks_for_no_second_solver_has_none(seed):
     assert not Inputs(varied(seed, hydro={"witness": "none"}), "runs").witness.data_vars
+
+
+def test_every_file_is_read_from_its_own_path_and_is_what_the_study_asks_for(seed, monkeypatch):
+    """Shared files by the id they are named by, the study's own by that of their specification."""
+    monkeypatch.setattr(inputs, "load", lambda path, expected: ("load", path, expected))
+    monkeypatch.setattr(inputs, "load_database", lambda path, identity: ("database", path, identity))
+    found = Inputs(seed, "runs", {name: f"r/{name}-id.nc" for name in ("modes", *NAMES)})
+    assert found.modes == ("load", "r/modes-id.nc", content_id(StudyPlan(seed).modes))
+    assert found.database == ("database", "r/database-id.nc", "database-id")
+    assert found.radiation == ("load", "r/radiation-id.nc", "radiation-id")
+    assert found.response == ("load", "r/response-id.nc", StudyPlan(seed).response_id)
+    assert found.witness == ("load", "r/witness-id.nc", "witness-id")
+    assert (found.runs.study, found.runs.folder) == (seed, "runs")

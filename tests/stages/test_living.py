@@ -2,6 +2,8 @@
 
 import base64
 import json
+from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,10 +14,12 @@ from scipy.integrate import quad
 
 from vsb.report import html
 from vsb.results.force_steps import SHARES
+from vsb.stages import living as module
 from vsb.stages.living import MOST, _band, _integral, _jonswap, _longest, living_study
 from vsb.study.study import RegularWave
 from vsb.study.waves import Jonswap, PiersonMoskowitz
 from vsb.tools.files import load
+from vsb.waves.dispersion import wavenumber
 
 
 def living(plan, study=None, limited=()):
@@ -161,3 +165,39 @@ def test_the_integral_of_a_spectrum_by_quadrature(gamma):
     whole = quad(density, 0.05, 1.0, epsabs=1e-12)[0] + quad(density, 1.0, 2.0)[0] + quad(density, 2.0, np.inf)[0]
     assert _integral(gamma) == pytest.approx(whole, rel=1e-4)
     assert gamma > 1 or whole == pytest.approx(0.2, rel=1e-9)
+
+
+def test_ports_are_in_waves_of_their_own_direction_beside_the_spring(seed, monkeypatch):
+    """Waves bring rho g v_g/2 per metre and square of amplitude; limits of force know all seas and the stroke."""
+    monkeypatch.setattr(module, "headed", lambda linear, towards: SimpleNamespace(port=partial(linear, towards)))
+
+    def port(towards, omega, motions, direction):
+        return SimpleNamespace(beside=lambda spring: (towards, list(omega), motions, direction, spring))
+
+    water = {"density": 1000.0, "depth": 20.0, "gravity": 9.0}
+    study = varied(seed, water=water, pto={"damping": 5e3, "stiffness": 700.0, "stroke_limit": 1.5})
+    seen = module._Seen(study, SimpleNamespace(linear=port, motions={"A": "a", "B": "b"}, port="heave"))
+    omega = np.array([0.3, 1.0, 2.0])
+    grid = seen.grid(omega, 30.0)
+    k = np.array([wavenumber(w, 20.0, 9.0) for w in omega])
+    speed = omega / (2 * k) * (1 + 2 * k * 20.0 / np.sinh(2 * k * 20.0))
+    assert grid.ports == {name: (30.0, [0.3, 1.0, 2.0], name.lower(), "heave", 700.0) for name in "AB"}
+    found = next(value for value in vars(grid).values() if isinstance(value, np.ndarray) and value is not grid.omega)
+    np.testing.assert_allclose(found, 0.5 * 1000.0 * 9.0 * speed, rtol=1e-9)
+    asked = []
+    monkeypatch.setattr(module, "force_steps", lambda *given, **named: asked.append((given[0], named)) or given[0])
+    seas = [module.LivingSea(name, 0, None, None, {}, {}) for name in "abc"]
+    waves = [RegularWave(kind="regular", amplitude=0.1, period=3.0 + i) for i in range(3)]
+    assert [sea.steps for sea in seen.with_steps(seas, waves, (0.3, 2.0))] == waves
+    named = {"reference": study.reference_design, "seas": 3, "stroke": 1.5, "band": (0.3, 2.0)}
+    assert asked == [(wave, named) for wave in waves]
+
+
+def test_a_reader_chooses_among_the_first_seas_by_the_names_of_their_families(seed):
+    calm, sea = {"kind": "still"}, {"kind": "jonswap", "hs": 1, "tp": 4, "realisations": 2}
+    regular = [{"kind": "regular", "amplitude": 0.1, "period": 3.0 + i} for i in range(module.SEAS)]
+    study = varied(seed, waves=[calm, sea, *regular])
+    found = module._seas(study)
+    assert len(found) == module.SEAS
+    assert list(found)[:2] == ["jonswap_Hs1_Tp4_g3.3", study.waves[3].label]
+    assert list(found.values()) == [study.waves[1], *study.waves[3 : module.SEAS + 2]]

@@ -137,9 +137,6 @@ def test_a_job_needs_all_that_other_jobs_make_for_it(plan):
         read = {path for path in job.files.values() if path in made} - set(job.makes)
         assert read <= set(job.needs), job.stage
     needs = {job.stage: set(job.needs) for job in jobs(plan)}
-    runs = {plan.trajectory_path(design, wave.label) for wave in plan.study.waves for design in plan.study.designs}
-    for stage in ("compare", "figures", "report"):
-        assert runs <= needs[stage], stage
     drawn = {path for job in jobs(plan) if job.stage == "figures" for path in job.makes}
     assert drawn <= needs["report"]
     if plan.study.needs_bem:
@@ -162,3 +159,5 @@ def test_a_job_makes_what_its_own_specification_names(tmp_path):
             assert job.makes == (job.files["out"],) == (plan.trajectory_path(design, wave.label),)
             runs.append((design, wave))
     assert runs == [(design, wave) for wave in plan.study.waves for design in "AB"]
+    trajectories = {plan.trajectory_path(design, wave.label) for design, wave in runs}
+    assert all(trajectories <= set(job.needs) for job in jobs(plan) if job.stage in ("compare", "figures", "report"))

@@ -436,3 +436,22 @@ def test_a_member_s_water_is_judged_as_a_database_is_and_what_a_study_accepts_is
     sweep, tabulated, water, precision, of = asked[0]
     assert (sweep, tabulated, water, of) == ("sweep", None, seed.water, order)
     assert 0 < precision <= 1.0
+
+
+def test_a_shape_is_kept_while_members_of_it_follow_and_years_are_of_its_own_water(monkeypatch):
+    made, asked = [], []
+
+    def swept_shape(study, basis, root):
+        made.append((study, basis, root))
+        return SimpleNamespace(of_year=lambda climate: (study, climate), at=lambda omega: (study, omega))
+
+    monkeypatch.setattr(members, "swept_shape", swept_shape)
+    monkeypatch.setattr(members, "member", lambda *given: asked.append(given) or "results")
+    work = members.Work("climate", SimpleNamespace(tuning=("one", "each"), constrained=None), "root")
+    for number, shape in enumerate("aabba"):
+        one = SimpleNamespace(study=f"study {number}", spec=SimpleNamespace(sweep=(shape,)))
+        assert work.results(one) == "results"
+        study, water, *others = asked[-1]
+        assert (study, others) == (one.study, ["climate", ("one", "each"), None, work._rigid])
+        assert water("basis") == (made[-1][0], "climate")
+    assert made == [(f"study {number}", "basis", "root") for number in (0, 2, 4)]

@@ -7,7 +7,9 @@ from contextlib import chdir
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
+import xarray as xr
 import yaml
 from conftest import SMALL_PLAN, varied
 from stages.test_members import batches, gather, planned, with_seas
@@ -15,6 +17,7 @@ from stages.test_members import batches, gather, planned, with_seas
 from vsb.cli import main
 from vsb.errors import ConfigError, DatabaseError
 from vsb.report.side_by_side import as_csv, as_text
+from vsb.stages import side_by_side
 from vsb.stages.side_by_side import _width, compare, lines
 from vsb.study.study import canonical
 from vsb.tools.files import load
@@ -174,3 +177,40 @@ def test_a_capture_width_grows_with_the_power_of_its_own_run(sea, design, width)
     names = ("design", "wave", "power_mean", "capture_width")
     found = {"comparison": [dict(zip(names, run, strict=True)) for run in runs]}
     assert _width(found, {"design": design, "sea": sea, "best_power": 30.0}) == width
+
+
+class Year(SimpleNamespace):
+    """What is asked of a campaign's plan."""
+
+
+def test_points_of_several_keys_stand_in_the_order_they_were_asked_for(monkeypatch):
+    """Numbers and words, the second of two tunings; what a campaign does not know, or is not a number, is none."""
+    sizes = {"thickness": 2, "kind": 3, "tuning": 2, "design": 2}
+    power = xr.DataArray(np.arange(24.0).reshape(2, 3, 2, 2), dims=sizes)
+    gain = power.where(power != 3.0) + 100.0
+    data = {"annual_mean_power": power, "gain_percent": gain, "damping": power.assign_attrs(units="N s/m")}
+    data |= {"annual_energy": power + 200.0, "margin": (("thickness", "kind"), np.zeros((2, 3)))}
+    coords = {"thickness": [0.01, 0.02], "kind": ["x", "y", "z"], "tuning": ["fixed", "each"], "design": ["A", "B"]}
+    ds = xr.Dataset(data, coords, {"climate": "a coast"})
+    points = [{"thickness": t, "kind": kind} for t in (0.01, 0.02) for kind in "xyz"]
+    loaded = SimpleNamespace(tuning=("fixed", "each"), campaign=SimpleNamespace(vary=SimpleNamespace(points=points)))
+    plan, asked = Year(name="year", data_path="c.nc", campaign_id="id", loaded=loaded), []
+    monkeypatch.setattr(side_by_side, "CampaignPlan", Year)
+    monkeypatch.setattr(side_by_side, "leading_tuning", lambda tuning: tuning[-1])
+    monkeypatch.setattr(side_by_side, "load", lambda path, expected: asked.append((path, expected)) or ds)
+    monkeypatch.setattr("vsb.results.campaign.damper", lambda ds: ds.damping + 300.0)
+    found = lines([plan])
+    assert asked == [("c.nc", "id")]
+    words = [f"thickness {t:g}, {kind}" for t in (0.01, 0.02) for kind in "xyz"]
+    where = [(one.study, one.point, one.design, one.sea, one.tuning, one.damping_unit) for one in found]
+    assert where == [("year", word, design, "a coast", "each", "N s/m") for word in words for design in "AB"]
+    own = power.values[:, :, 1].ravel()
+    numbers = [(one.power_mean, one.gain_percent, one.damping, one.capture_width, one.annual_energy) for one in found]
+    assert numbers == [(p, None if p == 3.0 else p + 100.0, p + 300.0, None, p + 200.0) for p in own]
+
+
+def test_reports_are_those_of_their_own_plan_seen_from_the_page(monkeypatch):
+    monkeypatch.setattr(side_by_side, "CampaignPlan", Year)
+    study = SimpleNamespace(name="calm", folder="results/calm", study_id="1")
+    found = side_by_side._reports([Year(name="year", folder="others/year", campaign_id="2"), study], Path("results/p"))
+    assert found == {"year": ("../../others/year/report.html", "2"), "calm": ("../calm/report.html", "1")}

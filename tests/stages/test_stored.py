@@ -1,12 +1,15 @@
 """Results of a study, each read when it is asked for and against its id."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import xarray as xr
 from conftest import varied
 
 from vsb.errors import ConfigError, DatabaseError
+from vsb.stages import stored
 from vsb.stages.stored import Results
 
 WAVE = "regular_A0.179_T2.5"
@@ -68,3 +71,33 @@ def test_results_of_another_study_in_the_folder_are_refused(results):
     for design in ("FSB", "VSWEC"):
         with pytest.raises(DatabaseError, match=rf"small/trajectories/{design}-{WAVE}.nc: holds .*, needs "):
             other.trajectory(design)
+
+
+def test_a_run_is_that_of_the_sea_named_or_of_the_first(seed, monkeypatch):
+    """Its scene too; a port is at the database's frequencies unless others are told, of its own design."""
+    seas = [{"kind": "regular", "amplitude": 0.1, "period": period} for period in (2.0, 3.0)]
+    study = varied(seed, waves=seas, designs={"A": {"flexible": False}, "B": {}})
+    found, (first, second) = Results(study, "elsewhere"), study.waves
+    monkeypatch.setattr(stored, "load", lambda path, expected: (path, expected))
+    monkeypatch.setattr(stored, "design_in_sea", lambda spec, files: (spec, files))
+    for design in "AB":
+        for label, wave in ((None, first), (first.label, first), (second.label, second)):
+            own = (found.plan.trajectory_path(design, wave.label), found.plan.trajectory_id(design, wave))
+            assert found.trajectory(design, label) == own
+            spec, files = found.scene(design, label)
+            assert (spec, files) == (found.plan.simulation(design, wave), dict(found.plan.hydro_files))
+    linear = SimpleNamespace(
+        database=xr.Dataset(coords={"omega": [1.0, 2.0]}), port=lambda at, motions, port: (list(at), motions, port)
+    )
+    floating = SimpleNamespace(motions={"A": "a", "B": "b"}, linear=linear, port="heave")
+    monkeypatch.setattr(stored, "afloat", lambda study, path: floating)
+    monkeypatch.setattr(stored, "towards", lambda linear, direction: linear)
+    assert found.port("B") == ([1.0, 2.0], "b", "heave")
+    assert found.port("A", [0.5]) == ([0.5], "a", "heave")
+
+
+def test_a_ladder_has_numbers_words_and_none(seed, monkeypatch):
+    text = "design,wave,rung,power_mean,spring\nA,calm,fixed,1.5,\nB,1e3,matched,,2\n"
+    monkeypatch.setattr(stored, "read_text", lambda path, manifest, identity: text)
+    rows = [(row["design"], row["wave"], row["rung"], row["power_mean"], row["spring"]) for row in Results(seed).ladder]
+    assert rows == [("A", "calm", "fixed", 1.5, None), ("B", "1e3", "matched", None, 2.0)]
