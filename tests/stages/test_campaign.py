@@ -2,6 +2,7 @@
 
 import csv
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from stages.test_members import gather, planned, with_seas
 
 from vsb.errors import DatabaseError
 from vsb.results.campaign import stacked
+from vsb.stages import campaign
 from vsb.study.campaign_plan import members
 from vsb.study.study import canonical
 from vsb.tools.files import load, save
@@ -106,3 +108,23 @@ def test_a_take_off_of_the_volume_has_units_of_pressure_and_flow(tmp_path, port)
     found = load(one.data_path, expected=one.campaign_id)
     assert {name: found[name].attrs["units"] for name in UNITS} == {n: u[port == "volume"] for n, u in UNITS.items()}
     assert found.attrs.get("port") == ("volume" if port == "volume" else None)
+
+
+def test_a_campaign_is_gathered_of_all_its_batches_and_runs_each_by_its_own_id(monkeypatch, tmp_path):
+    """Then what runs in time say of it; it is stamped by what it was asked for, and its table with it."""
+    spec, asked, saved, noted = SimpleNamespace(batches=("b", "a"), verifications=("y", "x")), [], [], []
+    monkeypatch.setattr(campaign, "load", lambda path, expected: asked.append((str(path), expected)) or expected)
+    monkeypatch.setattr(campaign, "gathered", lambda spec, batches: tuple(batches))
+    monkeypatch.setattr(campaign, "with_verification", lambda *given: xr.Dataset(attrs={"of": given[1:]}))
+    monkeypatch.setattr(campaign, "content_id", lambda spec: "identity")
+    monkeypatch.setattr(campaign, "canonical", lambda spec: "canonical")
+    monkeypatch.setattr(campaign, "as_csv", lambda spec, ds: f"{ds.attrs['of']}")
+    monkeypatch.setattr(campaign, "save", lambda ds, out: saved.append((ds.attrs, out)))
+    monkeypatch.setattr(campaign, "record", lambda *given: noted.append(given))
+    table = str(tmp_path / "campaign.csv")
+    campaign.run(spec, "batches", "runs", "out.nc", table, "manifest.json")
+    assert asked == [("batches/b.nc", "b"), ("batches/a.nc", "a"), ("runs/y.nc", "y"), ("runs/x.nc", "x")]
+    of = (("b", "a"), ["y", "x"])
+    assert saved == [({"of": of, "spec": "canonical", "spec_id": "identity"}, "out.nc")]
+    assert (tmp_path / "campaign.csv").read_text() == f"{of}"
+    assert noted == [("manifest.json", "identity", [table])]

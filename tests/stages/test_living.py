@@ -185,9 +185,16 @@ def test_ports_are_in_waves_of_their_own_direction_beside_the_spring(seed, monke
     found = next(value for value in vars(grid).values() if isinstance(value, np.ndarray) and value is not grid.omega)
     np.testing.assert_allclose(found, 0.5 * 1000.0 * 9.0 * speed, rtol=1e-9)
     asked = []
-    monkeypatch.setattr(module, "force_steps", lambda *given, **named: asked.append((given[0], named)) or given[0])
+
+    def force_steps(wave, ports, **named):
+        assert ports["B"](omega).beside(0.0) == (wave.direction, list(omega), "b", "heave", 0.0)
+        asked.append((wave, named))
+        return wave
+
+    monkeypatch.setattr(module, "force_steps", force_steps)
     seas = [module.LivingSea(name, 0, None, None, {}, {}) for name in "abc"]
-    waves = [RegularWave(kind="regular", amplitude=0.1, period=3.0 + i) for i in range(3)]
+    wave = RegularWave(kind="regular", amplitude=0.1, period=3.0)
+    waves = [wave.model_copy(update={"direction": direction}) for direction in (0.0, 30.0, 90.0)]
     assert [sea.steps for sea in seen.with_steps(seas, waves, (0.3, 2.0))] == waves
     named = {"reference": study.reference_design, "seas": 3, "stroke": 1.5, "band": (0.3, 2.0)}
     assert asked == [(wave, named) for wave in waves]

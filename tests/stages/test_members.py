@@ -453,5 +453,6 @@ def test_a_shape_is_kept_while_members_of_it_follow_and_years_are_of_its_own_wat
         assert work.results(one) == "results"
         study, water, *others = asked[-1]
         assert (study, others) == (one.study, ["climate", ("one", "each"), None, work._rigid])
+        assert others[-1] is work._rigid  # years that members share
         assert water("basis") == (made[-1][0], "climate")
     assert made == [(f"study {number}", "basis", "root") for number in (0, 2, 4)]
