@@ -47,3 +47,20 @@ def test_a_buoy_that_pitches_and_rolls_leans_by_both_and_drifts_along_its_waves_
         pitch, surge = attitude_checks(turned, run)
         assert pitch.value == pytest.approx(0.05, rel=1e-12)
         assert surge.value == pytest.approx(number * expected, abs=1e-12)
+
+
+def test_a_run_is_judged_in_the_waves_it_was_made_in_and_says_whose_it_is():
+    """In the second of two seas, over 4 m of water: its own wavenumber there, and metres in the words."""
+    data = load(SEED).model_dump() | {"motion": "planar"}
+    data["device"] |= {"centre_of_mass": -0.5, "ballast_inertia": 8e3}
+    waves = [{"kind": "regular", "amplitude": 0.1, "period": period} for period in (3.0, 6.0)]
+    study = varied(parse(data), waves=waves, water={"depth": 4.0})
+    position = np.array([[0.0, 0.0, 0.0], [0.3, -0.75, -0.1]])
+    run = xr.Dataset(
+        {"position": (("time", "dof"), position)}, {"time": [0.0, 1.0], "dof": ["Heave", "Surge", "Pitch"]}
+    )
+    for wave, period in zip(study.waves, (3.0, 6.0), strict=True):
+        checks = attitude_checks(study, run.assign_attrs(design="FSB", wave=wave.label))
+        assert [(check.design, check.wave) for check in checks] == 2 * [("FSB", wave.label)]
+        assert checks[1].value == pytest.approx(0.75 * wavenumber(2 * np.pi / period, 4.0, 9.81), rel=1e-12)
+        assert checks[1].explanation.startswith("wavenumber times the largest surge, 0.75 m;")

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from vsb.results.body_ledger import SHIFT, TURN, motion_checks, seas_checks
+from vsb.results import body_ledger
+from vsb.results.body_ledger import SHIFT, TURN, motion_checks, runs_checks, seas_checks
+from vsb.results.ledger import wave_checks
 from vsb.study.body import BodyStudy
 from vsb.study.reading import validated
 
@@ -50,3 +52,42 @@ def test_what_of_a_sea_lies_beyond_the_band_is_told():
     assert part["spectrum_cut"].value > 0.3
     assert part["spectrum_cut"].verdict == "fail"
     assert "beyond 0.9 to 1.5 rad/s of the database" in part["spectrum_cut"].explanation
+
+
+@pytest.mark.parametrize("name", ["Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw"])
+def test_the_largest_of_a_motion_counts_in_the_window_alone_up_or_down_and_of_whichever_body(name):
+    """Of two bodies the second goes further, down, in the middle of the window; before it the first did much more."""
+    time = np.linspace(0.0, 60.0, 61)
+    position = np.zeros((61, 2))
+    position[10, 0], position[40, 0], position[45] = 9.0, 0.01, (0.0, -0.17)
+    coords = {"time": time, "dof": [f"float__{name}", f"spar__{name}"]}
+    attrs = {"design": "a", "wave": "sea"}
+    moved = xr.Dataset({"position": (("time", "dof"), position)}, coords, attrs)
+    one = study(simulation={"duration": 60.0, "window": [20.0, 60.0]})
+    (check,) = motion_checks(one, xr.Dataset(attrs={"displaced_volume": 1.0}), moved)
+    kind = "rotation" if name in ("Roll", "Pitch", "Yaw") else "translation"
+    assert (check.name, check.value, check.design, check.wave) == (kind, pytest.approx(0.17, rel=1e-12), "a", "sea")
+
+
+def test_every_sea_is_judged_in_the_study_s_own_water():
+    """A regular wave and an irregular sea over 5 m of water, the band of the database from 0.3 to 2 rad/s."""
+    waves = [{"kind": "regular", "amplitude": 0.4, "period": 6.0}, SEA]
+    one = study(waves=waves, water={"depth": 5.0})
+    found = seas_checks(one, xr.Dataset(coords={"omega": [0.3, 2.0]}))
+    assert found == [check for wave in one.waves for check in wave_checks(wave, one.water, 2.0, 0.3)]
+    assert [check.name for check in found] == ["steepness", "steepness", "spectrum_cut"]
+
+
+def test_every_design_s_own_run_is_judged_for_energy_motion_and_what_it_holds(monkeypatch):
+    """In the order of the designs, whatever the order of the runs."""
+    one = study(designs={"a": {}, "b": {}})
+    kinds = ("energy_check", "motion_checks", "drift_checks")
+    monkeypatch.setattr(body_ledger, kinds[0], lambda study, run: (kinds[0], run))
+    monkeypatch.setattr(body_ledger, kinds[1], lambda study, database, run: [(kinds[1], run, database)])
+    monkeypatch.setattr(body_ledger, kinds[2], lambda study, run: [(kinds[2], run)])
+    found = runs_checks(one, "database", one.waves[0], {"b": "run of b", "a": "run of a"})
+    assert found == [
+        told
+        for run in ("run of a", "run of b")
+        for told in ((kinds[0], run), (kinds[1], run, "database"), (kinds[2], run))
+    ]
