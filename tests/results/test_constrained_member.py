@@ -1,6 +1,7 @@
 """The tuning `constrained` of a member: its places in the results, what proves it, what is shared."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,13 +10,18 @@ from results.test_year import climate
 from scenes.test_ports import water
 
 from vsb.motion.harmonics import Harmonics
-from vsb.results.constrained_member import Optima, _motion_rms
-from vsb.results.constrained_year import Limits, constrained_year, harmonics_of_year
+from vsb.motion.port import PortMotion
+from vsb.results.bins import Bins
+from vsb.results.constrained_member import Optima, _beyond, _column, _motion_rms
+from vsb.results.constrained_year import ConstrainedYear, Limits, constrained_year, harmonics_of_year
 from vsb.results.member import OF_LIMITS, member
+from vsb.results.validity import LIMITS, wave_limits
 from vsb.scenes.ports import designs_in_waves
 from vsb.scenes.rest import reference_shell
+from vsb.study.study import Water
 from vsb.study.year_options import CONSTRAINED
 from vsb.tools.units import check_finite
+from vsb.waves.scatter import climate_of_cells
 
 LIMIT, SECONDS = 2e4, 0.5
 
@@ -181,3 +187,84 @@ def test_years_within_other_limits_are_not_taken_for_known(limited, seas):
         assert found.identical(alone)
         powers.append(float(found.annual_mean_power.squeeze()))
     assert len(kept.known) == len(set(powers)) == 3
+
+
+SEAS = climate_of_cells(
+    np.array([1.0, 4.0, 4.1, 6.0]), np.array([9.0, 7.0, 7.9, 6.5]), np.array([0.4, 0.2, 0.3, 0.1]), 3.3, "four"
+)
+"""Of the second and the third, which share a bin, the one alone is too steep in deep water."""
+
+
+def by_hand(powers=((8e3, 6e3), (5e3, 7e3), (1e3, 2e3)), waves=((2.0, 1.0), (3.0, 4.0), (0.5, 0.2)), lost=()):
+    """Optima of the bins of those seas, the highest first: powers and amplitudes of two realisations, no force."""
+    bins = Bins(SEAS.hs, SEAS.te, SEAS.hours)
+    none = np.zeros(1, dtype=complex)
+    pairs = [
+        [
+            None
+            if (i, k) in lost
+            else SimpleNamespace(power=power, bound=1.1 * power, force=none, force_rms=power / 10, excess=power / 1e6)
+            for k, power in enumerate(pair)
+        ]
+        for i, pair in enumerate(powers)
+    ]
+    amplitude = np.array(waves, dtype=complex)[..., None]
+    matched = np.full(bins.shape, 2e4)
+    return ConstrainedYear(bins, bins.occupied[::-1], amplitude, tuple(map(tuple, pairs)), matched, 0.75)
+
+
+@pytest.mark.parametrize("depth", [np.inf, 15.0])
+@pytest.mark.parametrize("largest", [0, 1, 3])
+def test_of_a_bin_the_seas_beyond_count_by_their_hours_and_all_of_it_where_the_shell_deforms_too_much(depth, largest):
+    """Sea by sea and bin by bin, each with its part of the energy; by a shell that moves as the waves in one place."""
+    one, water = by_hand(), Water(depth=depth)
+    rms = np.sqrt((np.abs(one.amplitude) ** 2).sum(axis=-1).mean(axis=1) / 2)
+    over = np.sort(rms)[::-1]
+    limit = np.inf if not largest else over[largest - 1] * (1 - 1e-9)  # of the deformation, over what it may be
+    shell = np.array([[[0.0], [0.1 / 3.72 * 2.0 / limit]], [[0.0], [0.0]]], dtype=complex)
+    motion = PortMotion((np.ones(1, dtype=complex), np.zeros(1, dtype=complex)), (shell, 0 * shell))
+    study = SimpleNamespace(water=water, device=SimpleNamespace(radius=2.0))
+    found = _beyond(study, one, motion, SEAS)
+    seas = {one.name: one.seas for one in wave_limits(SEAS, water)}
+    hours, marked = one.bins.share.ravel(), np.zeros(one.bins.shape).ravel()
+    energy, together = dict.fromkeys(LIMITS, 0.0), 0.0
+    for place, moved, pair in zip(one.solved, rms, one.optima, strict=True):
+        its, power = one.bins.index == place, hours[place] * np.mean([each.power for each in pair])
+        parts = {name: SEAS.hours[its & which].sum() / SEAS.hours[its].sum() for name, which in seas.items()}
+        parts |= {"deformation": float(moved >= limit), "heave": float(3.72 * moved / 2.0 > 0.3)}
+        steep = SEAS.hours[its & (seas["steepness"] | seas["breaking"])].sum() / SEAS.hours[its].sum()
+        marked[place] = 1.0 if moved >= limit else steep
+        energy = {name: energy[name] + parts[name] * power / one.taken for name in LIMITS}
+        together += marked[place] * power / one.taken
+    assert found["beyond_validity"].ravel() == pytest.approx(marked, abs=1e-12)
+    assert found["energy_beyond"] == pytest.approx(np.array(list(energy.values())), abs=1e-12)
+    assert found["energy_beyond_validity"] == pytest.approx(together, abs=1e-12)
+
+
+def test_waves_in_which_no_force_keeps_the_limits_move_nothing():
+    """Of the second bin one realisation of two, of the third both."""
+    one = by_hand(lost={(1, 1), (2, 0), (2, 1)})
+    ones = np.ones(1, dtype=complex)
+    shell = np.full((2, 1, 1), 0.1 + 0j)
+    moved = _motion_rms(one, PortMotion((ones, ones), (shell, 0 * shell)))
+    expected = np.sqrt(np.array([(4.0 + 1.0) / 2, 9.0 / 2, 0.0]) / 2)
+    assert moved["heave"] == pytest.approx(expected)
+    assert moved["deformation"] == pytest.approx(0.1 * np.sqrt(2) * expected)
+
+
+def test_the_figures_of_one_design_are_those_of_its_bins_and_their_hours():
+    """Bins of 0.1, 0.5 and 0.4 of the year, the highest first."""
+    one, flux = by_hand(lost={(2, 1)}), SEAS.flux(Water())
+    column = _column(one, SEAS, flux)
+    power = dict(zip(one.solved, (7e3, 6e3, 0.5e3), strict=True))
+    for place in range(one.bins.share.size):
+        its = one.bins.index == place
+        known = SEAS.hours[its].sum() * power[place] / (flux * SEAS.hours)[its].sum() if its.any() else 0.0
+        assert column["capture_width_matrix"].ravel()[place] == pytest.approx(known, rel=1e-12)
+    assert column["power_matrix"].ravel()[one.solved] == pytest.approx(list(power.values()))
+    assert column["force_rms"] == pytest.approx(np.sqrt(0.1 * 50e4 + 0.5 * 37e4 + 0.4 * 0.5e4))
+    told = {f"optimum_{name}": column[f"optimum_{name}"] for name in ("share", "excess", "gap")}
+    assert told == pytest.approx({"optimum_share": 0.75, "optimum_excess": 8e-3, "optimum_gap": 1 - 1 / 1.1})
+    assert column["impossible_share"] == pytest.approx(0.4 / 2)
+    assert column["power_bound"] == pytest.approx(1.1 * (700 + 3000 + 200))
+    assert not any(column[name].any() for name in ("damping", "power_deviation", "capture_width_deviation"))
