@@ -224,3 +224,50 @@ def test_the_spectrum_of_a_bin_is_the_mean_over_its_hours():
     assert len(bins.occupied) == 1
     (found,) = _squares(bins, seas, Harmonics(0.1, 3.0, 20))
     assert found == pytest.approx(2 * 0.1 * (0.9 * narrow + 0.1 * wide), rel=1e-9)
+
+
+def test_what_is_said_of_a_year_weighs_its_bins_by_their_hours_and_its_realisations_alike():
+    """Three bins of 0.5, 0.3 and 0.2 of the year; in the second no force keeps the stroke in one realisation of two."""
+
+    def optimum(power, force, excess):
+        return SimpleNamespace(power=power, bound=2 * power, force_rms=force, excess=excess)
+
+    optima = (
+        (optimum(10.0, 1.0, 0.01), optimum(30.0, 3.0, 0.02)),
+        (optimum(50.0, 5.0, 0.01), None),
+        (optimum(70.0, 7.0, 0.05), optimum(90.0, 9.0, 0.03)),
+    )
+    hours = np.array([0.5, 0.3, 0.2])
+    seas = Bins(0.5 * np.arange(3) + 0.1, np.full(3, 0.5), hours)
+    year_of = ConstrainedYear(seas, np.arange(3), np.zeros((3, 2, 1)), optima, np.full(seas.shape, 1e3), 1.0)
+    assert year_of.taken == pytest.approx(0.5 * 20 + 0.3 * 25 + 0.2 * 80)
+    assert year_of.bound == pytest.approx(2 * year_of.taken)
+    assert year_of.impossible == pytest.approx(0.3 / 2)
+    assert year_of.force_rms == pytest.approx(np.sqrt(0.5 * 5 + 0.3 * 12.5 + 0.2 * 65))
+    assert year_of.excess == 0.05
+    half = np.sqrt(((0.5 * 20) ** 2 + (0.3 * 50) ** 2 + (0.2 * 20) ** 2) / 4)  # of the means, without Student's factor
+    mean, low, high = year_of.annual_mean_power
+    assert mean == pytest.approx(year_of.taken)
+    assert high - year_of.bound > 1.9 * half
+    assert low == pytest.approx(max(0.0, year_of.taken - (high - year_of.bound)))
+    part = ConstrainedYear(seas, np.array([2, 0]), np.zeros((2, 2, 1)), optima[::-2], np.full(seas.shape, 1e3), 1.0)
+    assert part.force_rms == pytest.approx(np.sqrt((0.5 * 5 + 0.2 * 65) / 0.7))  # over what is solved
+
+
+@pytest.mark.parametrize(("part", "refused"), [(0.0099, False), (0.0101, True)])
+def test_a_hundredth_of_the_variance_of_the_year_may_be_left_out(part, refused):
+    """Two seas of two bins, of the higher one alone a part lies in the last band, which no harmonic is of."""
+    omega, low = 0.3 + 0.1 * np.arange(20), np.zeros(20)
+    low[2:6] = 0.05
+    high, hours = 16.0 * low, np.array([0.8, 0.2])
+    whole = float(hours @ [low.sum(), high.sum()])
+    high[-1] = part / (1 - part) * whole / 0.2
+    seas = Climate.of_spectra(omega, np.array([low, high]), hours, "two seas")
+    bins = Bins(seas.hs, seas.te, seas.hours)
+    assert len(bins.occupied) == 2
+    if not refused:
+        _squares(bins, seas, Harmonics(0.1, 3.0, 19))
+        return
+    said = r"constrained: received harmonics from 0\.25 to 2\.15 rad/s, which leave out 1\.01% of the variance of two seas"
+    with pytest.raises(ConfigError, match=f"{said}, needs at most 1%: a longer period or a higher omega_max"):
+        _squares(bins, seas, Harmonics(0.1, 3.0, 19))

@@ -1,5 +1,7 @@
 """Years under dampers: a rigid design that points have in common is computed once."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from conftest import varied
@@ -7,7 +9,7 @@ from results.test_member import TUNINGS
 from results.test_year import climate
 from scenes.test_ports import water
 
-from vsb.results.damped_years import BY, TRIED, DampedYears, _gains
+from vsb.results.damped_years import BY, CURVES, TRIED, DampedYears, _gains, _key, ports_year
 from vsb.results.member import member
 from vsb.results.year import band_weights
 from vsb.scenes.ports import designs_in_waves
@@ -122,3 +124,45 @@ def test_gains_are_told_of_what_absorbs_alone():
     found = {"annual_mean_power": (BY, power), "quadrature_error": (BY, 0 * power)}
     assert _gains(found, ["A", "B"], "A", 0.01) == {}
     assert _gains({}, ["A", "B"], "A", 0.01) == {}
+
+
+def test_a_damper_of_nothing_is_one_that_is_given(study, shared, seas):
+    """It takes nothing, and that is what is asked."""
+    waves = designs_in_waves(study, reference_shell(study), shared)
+    ports = {design: one.port for design, one in waves.items()}
+    given = varied(study, pto={"damping": 0.0})
+    assert not ports_year(given, ports, seas, ("fixed",)).annual_mean_power.any()
+
+
+def test_power_over_the_damper_is_told_about_the_best_one_whatever_tunings_are_asked_for(study, shared, seas):
+    """Also where dampers are given or each sea has its own, or none is asked for at all."""
+    waves = designs_in_waves(study, reference_shell(study), shared)
+    known = DampedYears(seas, ("one",))(study, waves)
+    for tunings in ((), ("fixed",), ("each", "fixed"), ("fixed", "one"), ("each", "one")):
+        found = DampedYears(seas, tunings)(study, waves)
+        for name in CURVES:
+            np.testing.assert_allclose(found[name][1], known[name][1], rtol=1e-9, err_msg=f"{name} {tunings}")
+
+
+def test_the_year_of_a_rigid_design_is_known_by_all_it_depends_on(study, shared):
+    """Port, motion, damper, spring, radius and water, each by itself; by no other design's damper or material."""
+    one = designs_in_waves(study, reference_shell(study), shared)["FSB"]
+    port, motion = one.port, one.motion
+    shell = tuple(part + 1.0 for part in motion.shell)
+    others = [
+        one._replace(port=replace(port, velocity=2 * port.velocity)),
+        one._replace(port=replace(port, admittance=2 * port.admittance)),
+        one._replace(motion=replace(motion, heave=(2 * motion.heave[0], motion.heave[1]))),
+        one._replace(motion=replace(motion, heave=(motion.heave[0], 2 * motion.heave[1]))),
+        one._replace(motion=replace(motion, shell=(shell[0], motion.shell[1]))),
+        one._replace(motion=replace(motion, shell=(motion.shell[0], shell[1]))),
+    ]
+    changes = [
+        {"pto": {"damping": 9e3}}, {"pto": {"damping": 8e3, "stiffness": 1e3}}, {"device": {"radius": 2.1}},
+        {"water": {"density": 1000.0}}, {"water": {"depth": 30.0}}, {"water": {"gravity": 9.8}},
+    ]  # fmt: skip
+    keys = [_key(study, "FSB", each) for each in (one, *others)]
+    keys += [_key(varied(study, **change), "FSB", one) for change in changes]
+    assert len(set(keys)) == len(keys) == 13
+    dampers = {"FSB": 8e3, **dict.fromkeys(list(study.designs)[1:], 5e3)}
+    assert _key(varied(study, pto={"damping": dampers}, device={"young_modulus": 3e7}), "FSB", one) == keys[0]

@@ -119,3 +119,43 @@ def test_a_sea_that_gives_the_rigid_design_nothing_has_no_share_to_judge(study, 
     swell = study.waves[0]
     changed = [row._replace(power_mean=0.0) if row.rung in dead and row.wave != swell.label else row for row in rungs]
     assert [check.wave for check in reference_power_checks(study, changed)] == [swell.label]
+
+
+def test_an_optimum_of_nothing_is_shown_and_one_that_is_not_known_is_not(study, rungs):
+    """A port that waves do not move takes 0 W for sure; gains over that are none."""
+    swell = study.waves[0].label
+    best = [rung("FSB", swell, "constrained", None, 0.0), rung("VSWEC", swell, "constrained", None, 110.0)]
+    found = within_limits(study, rungs + best)
+    assert [tuple(line) for line in found] == [("FSB", swell, 0.0, None), ("VSWEC", swell, 110.0, None)]
+    found = within_limits(study, rungs + [best[0]._replace(power_mean=None), best[1]])
+    assert [tuple(line) for line in found] == [("VSWEC", swell, 110.0, None)]
+
+
+def test_realisations_in_which_nothing_is_taken_count_in_the_mean_with_their_dampers(study, rungs):
+    """0 W and 300 W are 150 W, at dampers of 0 and of 30 kN s/m 15; a damper of a port that cannot move is none."""
+    _, first, second = (wave.label for wave in study.waves)
+
+    def changed(one):
+        if one.rung == "best_damper" and one.design == "FSB" and one.wave == first:
+            return one._replace(power_mean=0.0, damping=0.0)
+        return one
+
+    *_, rigid, _ = equal_tuning(study, [changed(one) for one in rungs])
+    assert (rigid.design, rigid.sea) == ("FSB", study.waves[1].family)
+    assert (rigid.best_power, rigid.best_damping) == (150.0, 1.5e4)
+    still = [one._replace(damping=None, power_mean=0.0) if one.design == "FSB" else one for one in rungs]
+    *_, rigid, shell = equal_tuning(study, still)
+    assert (rigid.best_power, rigid.best_damping, rigid.damping, rigid.share) == (0.0, None, None, None)
+    assert (shell.best_gain_percent, shell.gain_percent) == (None, None)
+    assert {check.design for check in fair_damping_checks(equal_tuning(study, still), "N s/m")} == {"VSWEC"}
+    assert second != first
+
+
+def test_all_that_is_lost_is_told_of_its_own_sea(study, rungs):
+    """A given damper that takes nothing: no line is left out, and every one names its design and its sea."""
+    dead = [one._replace(power_mean=0.0) if one.rung == "fixed" else one for one in rungs]
+    checks = fair_damping_checks(equal_tuning(study, dead), "N s/m")
+    seas = (study.waves[0].label, study.waves[1].family)
+    assert [(one.design, one.wave, one.value) for one in checks] == [
+        (design, sea, 1.0) for sea in seas for design in study.designs
+    ]
