@@ -8,6 +8,8 @@ from conftest import varied
 
 from vsb.results import comparison as compare
 from vsb.results.comparison import as_csv, gains
+from vsb.results.power import energy_flux
+from vsb.scenes.build import TUNED
 from vsb.waves.seas import NO_WAVES, sea
 
 CONTRACT = "design,wave,displacement_pp,velocity_pp,power_peak,power_mean,energy,capture_width,energy_gain_percent,energy_residual,damping,stiffness,power_gain_percent"
@@ -71,3 +73,20 @@ def test_no_gain_is_over_round_off(base, known):
     found = gains({"FSB": base, "VSWEC": 1e3}, "FSB")
     assert (found["VSWEC"] is not None) == known
     assert not known or found["FSB"] == 0.0
+
+
+def test_each_row_has_the_damper_its_run_was_tuned_to_and_the_capture_width_of_its_own_water(seed):
+    """Over 3 m of water the same power is of less energy flux than over none below."""
+    designs, widths = {"R": {"flexible": False}, "S": {"flexible": True}}, []
+    for depth in (np.inf, 3.0):
+        two = varied(seed, designs=designs, water={"depth": depth})
+        (wave,) = two.waves
+        runs = {"R": still_run(600.0, 0.0), "S": still_run(1200.0, 0.0).assign_attrs({TUNED: 777.0})}
+        waves = sea(wave, 12.0, 60.0)
+        rows = compare.comparison(two, wave, runs, waves)
+        assert [row["damping"] for row in rows] == [two.pto.damper("R"), 777.0]
+        assert [row["capture_width"] for row in rows] == pytest.approx(
+            np.array([10.0, 20.0]) / energy_flux(waves, two.water), rel=1e-9
+        )
+        widths.append(rows[0]["capture_width"])
+    assert abs(widths[1] / widths[0] - 1) > 0.01

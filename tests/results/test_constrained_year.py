@@ -268,6 +268,8 @@ def test_a_hundredth_of_the_variance_of_the_year_may_be_left_out(part, refused):
     if not refused:
         _squares(bins, seas, Harmonics(0.1, 3.0, 19))
         return
-    said = r"constrained: received harmonics from 0\.25 to 2\.15 rad/s, which leave out 1\.01% of the variance of two seas"
+    said = (
+        r"constrained: received harmonics from 0\.25 to 2\.15 rad/s, which leave out 1\.01% of the variance of two seas"
+    )
     with pytest.raises(ConfigError, match=f"{said}, needs at most 1%: a longer period or a higher omega_max"):
         _squares(bins, seas, Harmonics(0.1, 3.0, 19))

@@ -5,10 +5,18 @@ from conftest import varied
 
 from vsb.errors import ConfigError
 from vsb.motion.port import Port
-from vsb.results.power import apart, averaging_window, energy_flux, in_direction, merit, power_response
+from vsb.results.power import (
+    apart,
+    averaging_window,
+    damper_of,
+    energy_flux,
+    in_direction,
+    merit,
+    power_response,
+)
 from vsb.scenes.build import TUNED
 from vsb.study.study import RegularWave, StillWater, Water
-from vsb.waves.dispersion import power_limit
+from vsb.waves.dispersion import group_velocity, power_limit
 from vsb.waves.seas import Sea, regular
 
 WAVE = RegularWave(kind="regular", amplitude=0.5, period=4.0)
@@ -127,3 +135,65 @@ def test_a_response_is_found_by_its_direction_in_whatever_order(order):
     with pytest.raises(ConfigError, match=r"wave_direction: received 45 degrees, needs one of "):
         found(45.0)
     assert in_direction(response.isel(wave_direction=0), StillWater(kind="still")).power == order[0]
+
+
+def test_a_sea_over_a_sea_bed_brings_energy_at_its_own_speed():
+    """Every wave at its group velocity there, in water of its own density and gravity."""
+    water, omega = Water(density=900.0, gravity=9.0, depth=6.0), np.array([0.5, 0.9])
+    sea = Sea(omega, np.array([0.3 + 0.4j, 0.2j]))
+    speeds = [group_velocity(w, 6.0, 9.0) for w in omega]
+    expected = 0.5 * 900.0 * 9.0 * (0.25 * speeds[0] + 0.04 * speeds[1])
+    assert energy_flux(sea, water) == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_run_has_the_damper_it_says_it_was_tuned_to_or_else_the_one_given(seed):
+    study = varied(seed, pto={"damping": {name: 1e3 * (i + 1) for i, name in enumerate(seed.designs)}})
+    second = list(seed.designs)[1]
+    assert (damper_of(study, second, {}), damper_of(study, second, {TUNED: 70.0})) == (2e3, 70.0)
+    assert damper_of(study, second, {TUNED: 0.0}) == 0.0
+    assert damper_of(varied(seed, pto={"damping": None, "tuning": "each"}), second, {}) == 0.0
+
+
+def test_a_port_that_does_not_move_gives_a_tuned_damper_nothing(seed):
+    """Its impedance counts as 0, beside which a damper of 0 would be nothing over nothing."""
+    response = xr.Dataset(
+        {name: (("design", "omega"), np.zeros((1, 2), dtype=complex)) for name in ("port_impedance", "port_velocity")}
+    ).assign(absorbed_power=(("design", "omega"), np.zeros((1, 2))))
+    response = response.assign_coords(design=["A"], omega=[1.0, 2.0])
+    for damper in (0.0, 4e3):
+        assert power_response(seed, response, "A", {TUNED: damper}).values.tolist() == [0.0, 0.0]
+
+
+def of_a_body(absorbed=True):
+    """Surge and pitch of a body whose port is something else, and dampers at both, one of which drives."""
+    time, w = np.linspace(0.0, 40.0, 4001), np.pi / 2
+    v = np.stack([np.cos(w * time), 3.0 * np.cos(w * time)], axis=1)
+    force = np.stack([-100.0 * v[:, 0], 10.0 * v[:, 1]], axis=1)  # 100 W in, at most, 90 W out
+    motion = ("time", "dof")
+    run = xr.Dataset(
+        {
+            "position": (motion, v), "velocity": (motion, v), "pto": (motion, force),
+            "stroke": ("time", 0.2 * np.sin(w * time) - 0.01 * (time < 10)), "stroke_rate": ("time", 0.7 * np.cos(w * time)),
+            "energy": (("time", "term"), np.stack([0.0 * time, 7.0 * time - 1.0], axis=1)),
+        },
+        {"time": time, "dof": ["Surge", "Pitch"], "term": ["waves", "pto"]},
+    )  # fmt: skip
+    return run if absorbed else run.drop_vars("pto")
+
+
+def test_a_body_is_told_by_its_port_and_all_that_its_take_off_does():
+    """Stroke and its rate within the window alone, power over all motions, energy of the take-off to the end."""
+    found = merit(of_a_body(), WAVE, regular(WAVE), Water(), (21.0, 33.9))
+    assert (found.displacement_pp, found.velocity_pp) == (pytest.approx(0.4, rel=1e-6), pytest.approx(1.4, rel=1e-6))
+    assert found.power_peak == pytest.approx(10.0, rel=1e-6)
+    assert (found.power_mean, found.energy) == (pytest.approx(7.0, rel=1e-9), pytest.approx(279.0))
+    assert merit(of_a_body(absorbed=False), WAVE, regular(WAVE), Water(), (21.0, 33.9)).power_peak == 0.0
+
+
+def test_a_window_between_two_instants_of_the_record_is_refused():
+    with pytest.raises(
+        ConfigError,
+        match=r"simulation\.window: received \[20\.001, 20\.009\] s, which holds none of the instants recorded, 0\.01 s "
+        r"apart; needs to be longer than that",
+    ):
+        merit(of_a_body(), WAVE, regular(WAVE), Water(), (20.001, 20.009))

@@ -8,8 +8,10 @@ import xarray as xr
 
 from vsb.results.run_checks import (
     DAMPERS,
+    LINEARISED,
     agreement_checks,
     dampers_in_words,
+    drag_check,
     drift_checks,
     energy_check,
     linearity_check,
@@ -100,3 +102,55 @@ def test_an_equivalent_damper_of_heave_alone_needs_no_name_and_others_have_their
     drag = {"directions": {"heave": {"coefficient": 1.0}, "pitch": {"coefficient": 1.0}}}
     both = seed.model_copy(update={"drag": SimpleNamespace(**drag)})
     assert dampers_in_words(both, {DAMPERS: [30.0, 4.5]}) == "30 N s/m of heave and 4.5 N m s of pitch"
+
+
+def test_every_design_is_judged_by_its_own_run_in_its_own_sea():
+    """Two designs in the second of two seas; one linear, one body-exact; the first sea is of no account."""
+    waves = [
+        {"kind": "regular", "amplitude": 0.25, "period": 5.0},
+        {"kind": "regular", "amplitude": 0.5, "period": 7.0},
+    ]
+    one = study(designs={"a": {}, "b": {}}, waves=waves)
+    first, wave = one.waves
+    omega = [wave.omega - 0.2, wave.omega - 1e-9, first.omega]  # what is nearest, from below or from above
+    for shift in (0.0, 2e-9):
+        coords = {"design": ["a", "b"], "omega": np.array(omega) + shift}
+        frequency = xr.Dataset({"absorbed_power": (("design", "omega"), [[1.0, 8.0, 3.0], [1.0, 40.0, 3.0]])}, coords)
+        means = {("a", first): 55.0, ("b", first): 55.0, ("a", wave): 2.0, ("b", wave): 9.5}
+        places = [*means, ("a", first), ("b", first)]  # rows of the first sea before and after
+        rows = [{"design": d, "wave": w.label, "power_mean": means[d, w]} for d, w in places]
+        runs = {(d, w.label): {"model": "linear" if d == "a" else "body_exact"} for d, w in means}
+        linear, exact = agreement_checks(one, wave, frequency, rows, runs)
+        assert (linear.name, linear.design, linear.wave) == ("time_and_frequency_domain", "a", wave.label)
+        assert (exact.name, exact.design, exact.wave) == ("linearity", "b", wave.label)
+        assert (linear.value, exact.value) == (pytest.approx(0.0, abs=1e-12), pytest.approx(0.05))
+        assert exact.explanation == "mean power is 9.5 W body-exact, 10 W in linear theory"
+
+
+def test_beside_drag_a_run_is_judged_by_its_equivalent_damper(seed):
+    """Of its own sea, whose amplitude is in it already; the frequency response is not asked."""
+    one = study()
+    (wave,) = one.waves
+    runs = {("a", wave.label): {LINEARISED: 10.0, DAMPERS: 30.0, "model": "body_exact"}}
+    rows = [{"design": "a", "wave": wave.label, "power_mean": 9.4}]
+    (check,) = agreement_checks(one, wave, None, rows, runs)
+    assert check == drag_check(one, wave, runs["a", wave.label], 9.4, "a")
+    assert (check.name, check.verdict, check.value, check.design) == ("drag", "doubt", pytest.approx(0.06), "a")
+    assert check.explanation == (
+        "mean power is 9.4 W with quadratic drag, 10 W beside its equivalent damper of 30 N s/m; the frequency response "
+        "and the matched limit know no drag"
+    )
+
+
+def test_an_equivalent_damper_of_every_rotation_is_one_of_moments(seed):
+    for name, unit in (("surge", "N s/m"), ("sway", "N s/m"), ("roll", "N m s"), ("pitch", "N m s"), ("yaw", "N m s")):
+        both = seed.model_copy(update={"drag": SimpleNamespace(directions={name: None, "heave": None})})
+        assert dampers_in_words(both, {DAMPERS: [3.0, 4.0]}) == f"3 {unit} of {name} and 4 N s/m of heave"
+
+
+@pytest.mark.parametrize(("bem", "wave"), [(True, "swell"), (True, "still"), (False, "swell"), (False, "still")])
+def test_a_slip_at_the_clamps_is_of_ten_thousand_periods_where_motion_is_linear_in_waves(bem, wave):
+    """In still water, and under an assumed pressure, of the run."""
+    (check,) = drift_checks(SimpleNamespace(needs_bem=bem), run(constraint_drift=1e-12, wave=wave))
+    over = "10 000 wave periods" if bem and wave != "still" else "the run"
+    assert check.explanation == f"largest slip of the shell at its clamps over {over}"

@@ -256,3 +256,62 @@ def test_beside_drag_a_run_says_itself_what_linear_theory_predicts(many):
     kept = sample(study, wave, "FSB", run.assign_attrs({LINEARISED: 123.0}), seas[wave.label], xr.Dataset())
     assert kept.linear == 123.0
     assert kept.batches == pytest.approx(np.full(9, 7.0))
+
+
+def test_seas_of_two_kinds_are_told_apart_and_gains_are_over_the_first_rigid_design_wherever_it_stands(coarse):
+    """A sea of two realisations between a regular wave and another sea; the rigid design stands second."""
+    seas = [
+        {"kind": "jonswap", "hs": 1.0, "tp": 4.0, "realisations": 2}, {"kind": "regular", "amplitude": 0.1, "period": 4.0},
+        {"kind": "jonswap", "hs": 2.0, "tp": 6.0},
+    ]  # fmt: skip
+    study = varied(coarse, designs={"VSWEC": {}, "FSB": {"flexible": False}}, waves=seas)
+    short = [wave for wave in study.waves if getattr(wave, "hs", 0.0) == 1.0]
+    (long,) = (wave for wave in study.waves if getattr(wave, "hs", 0.0) == 2.0)
+    samples = {("FSB", wave.label): Sample(np.arange(10.0, 16.0), 12.0) for wave in short}
+    samples |= {("VSWEC", wave.label): Sample(1.5 * np.arange(10.0, 16.0), 18.0) for wave in short}
+    samples |= {("FSB", long.label): Sample(np.arange(40.0, 47.0), 50.0)}
+    samples |= {("VSWEC", long.label): Sample(0.5 * np.arange(40.0, 47.0), 25.0)}
+    found = {(line.design, line.sea): line for line in statistics(study, samples)}
+    assert list(found) == [(d, w.family) for w in (short[0], long) for d in ("VSWEC", "FSB")]
+    assert [line.realisations for line in found.values()] == [2, 2, 1, 1]
+    assert [line.batches for line in found.values()] == [12, 12, 7, 7]
+    assert [line.power_linear for line in found.values()] == [18.0, 12.0, 25.0, 50.0]
+    for (design, _), line in found.items():
+        gain = None if design == "FSB" else pytest.approx(50.0 if line.realisations == 2 else -50.0)
+        assert (line.gain_percent, line.gain_low, line.gain_high) == (gain, gain, gain)
+
+
+def test_what_a_run_is_kept_by_is_of_its_own_direction_and_of_batches_as_long_as_its_sea_remembers(coarse):
+    """Two directions of a response; a sea of narrow band, whose batches are longer than ten peak periods."""
+    band = {"kind": "white_noise", "hs": 1.0, "band": [1.9, 2.0]}
+    study = varied(coarse, waves=[band], simulation={"duration": 500.0, "window": [40.0, 440.0]})
+    wave = study.waves[0].model_copy(update={"direction": 90.0})
+    omega, time = np.linspace(1.0, 3.0, 40), np.linspace(0.0, 500.0, 5001)
+    response = xr.Dataset(
+        {"absorbed_power": (("wave_direction", "design", "omega"), np.array([[[1.0]], [[8.0]]]) * np.ones(40))},
+        {"wave_direction": [0.0, np.pi / 2], "design": ["A"], "omega": omega},
+    )
+    waves = Sea(np.array([1.91, 1.95]), np.array([0.3 + 0.4j, 1.0]))
+    kept = sample(study, wave, "A", run_of(np.full(5001, 7.0), time), waves, response)
+    assert kept.linear == pytest.approx(8.0 * 1.25)
+    assert wave.memory == pytest.approx(40 * np.pi)
+    assert kept.batches == pytest.approx(np.full(3, 7.0))  # 400 s over 126 s
+
+
+def test_what_the_ledger_says_of_statistics_is_in_the_numbers_of_its_line(seed):
+    """Below the prediction as above it; an interval of no width is no measure; batches, not realisations, are few."""
+    line = Line("FSB", "sea", 2, 9, 100.0, 80.0, 130.0, 150.0, None, None, None)
+    for sign in (1, -1):
+        error, apart = seastatistics.statistical_checks(seed, [line._replace(power_linear=100.0 + 50.0 * sign)])
+        assert (apart.value, apart.verdict) == (pytest.approx(2.0), "doubt")
+        assert apart.explanation.startswith(f"distance from the spectral prediction, {100 + 50 * sign} W, in halves")
+        assert (error.value, error.design, error.wave) == (pytest.approx(0.25), "FSB", "sea")
+        assert error.explanation == "half the 95 % confidence interval of mean power, 100 W, over it"
+    (exact,) = seastatistics.statistical_checks(seed, [line._replace(power_low=100.0, power_high=100.0)])
+    assert (exact.name, exact.value) == ("statistical_error", 0.0)
+    (short,) = seastatistics.statistical_checks(seed, [line._replace(power_low=None, power_high=None, batches=4)])
+    assert (short.value, short.design, short.wave) == (1.5, "FSB", "sea")
+    assert short.explanation == (
+        "4 batches, of ten peak periods or more, give no confidence interval: lengthen simulation.duration and window, "
+        "or ask for more realisations"
+    )

@@ -1,5 +1,6 @@
 """Few runs in time correct a year: unbiased, with intervals that hold what they promise."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -244,3 +245,39 @@ def test_the_hours_saved_are_those_of_the_scatter_between_seas_and_within_them_o
     left = 0.1 * turned - 0.2 * seas  # four fifths of the year are left, and of the scatter that is averaged
     assert fewer(linear + left) == pytest.approx(0.8**2 * fewer(linear + 0.1 * turned), rel=1e-9)
     assert fewer(linear) == np.inf
+
+
+def test_what_a_sea_brings_is_the_mean_of_what_it_brings_to_each_design_that_takes_something():
+    """Of 1 W and 3 W, and a thousand times as much the other way round: half each; one that takes nothing counts not."""
+    seas, grid = climate(seas=2), np.arange(0.1, 3.0, 0.05)
+    found = year({"A": port(grid), "B": port(grid), "C": port(grid)}, seas, WATER, ("each", "one"))
+    power = np.zeros_like(found.power)
+    power[0, 1], power[1, 1] = np.array([1.0, 3.0]) / seas.hours, np.array([3e3, 1e3]) / seas.hours
+    several = replace(found, power=power)
+    assert contributions(several, "one") == pytest.approx([0.5, 0.5])
+    with pytest.raises(
+        ConfigError, match="verify: received designs that take no power under each, needs one that does"
+    ):
+        contributions(several, "each")
+    assert contributions(replace(found, power=power[:1]), "one") == pytest.approx([0.25, 0.75])
+
+
+def test_runs_correct_the_year_of_their_own_tuning_and_none_is_gained_over_a_loss(measured):
+    """The second of two; a reference that is driven, on the whole, is nothing to gain over."""
+    found, _ = measured
+    both = replace(
+        found,
+        tunings=("each", "one"),
+        power=np.concatenate([3 * found.power, found.power], axis=1),
+    )
+    sample = Sample(np.arange(4), np.arange(4), np.full(4, 1e-3))
+    linear = found.power[:, 0, :4]
+    checked = verified(both, "one", sample, linear, linear)
+    assert checked.corrected == pytest.approx(found.annual_mean_power[:, 0], rel=1e-12)
+    driven = verified(both, "one", sample, np.array([[-3.0], [1.0]]) * linear, linear)
+    assert driven.corrected[0] < 0
+    assert driven.gain(1, 0) is None
+    with pytest.raises(
+        ConfigError, match=r"received better powers of shape \(1, 4\), 0 of them not finite; needs 2 designs"
+    ):
+        verified(both, "one", sample, linear[:1], linear[:1])

@@ -99,3 +99,39 @@ def test_without_a_rigid_design_there_is_no_gain(known):
 def test_nothing_is_gained_over_a_reference_that_takes_nothing(known):
     with pytest.raises(ConfigError, match=r"corrected power of -[\d.e+]+ W of the rigid A; needs more than 0 W"):
         corrected(known, [-3.0, 1.0])
+
+
+def test_gains_are_over_the_reference_wherever_it_stands_and_runs_are_told_as_they_were(known):
+    """The second of two designs, under the second of two tunings; every draw with what it was drawn by and gave."""
+    found, sample = known
+    other = dataclasses.replace(found, reference="B")
+    linear = found.power[:, 1][:, sample.sea] * np.linspace(0.8, 1.2, 8)
+    better = linear * np.array([np.linspace(0.7, 0.9, 8), np.linspace(1.1, 0.8, 8)])
+    runs = verified(other, "one", sample, better, linear)
+    ds = verified_dataset(other, "one", runs)
+    for i, design in enumerate(found.designs):
+        at = ds.sel(design=design)
+        assert [float(at[name]) for name in POWER] == pytest.approx([*runs.power(i)])
+        gain = [0.0, 0.0, 0.0] if design == "B" else [*runs.gain(i, 1)]
+        assert [float(at[name]) for name in GAIN] == pytest.approx(gain)
+        mean, low, high = (float(at[name]) for name in POWER)
+        assert low < mean < high
+    drawn_as = {"sea": sample.sea, "seed": sample.seed, "weight": sample.weight}
+    drawn_as |= {"hs": found.climate.hs[sample.sea], "te": found.climate.te[sample.sea]}
+    for name, values in drawn_as.items():
+        np.testing.assert_array_equal(ds[f"drawn_{name}"], values, err_msg=name)
+    powers = {"run_power": better, "linear_run_power": linear, "drawn_power": found.power[:, 1][:, sample.sea]}
+    for name, values in powers.items():
+        np.testing.assert_array_equal(ds[name], values, err_msg=name)
+
+
+def test_over_a_reference_that_takes_nothing_under_one_tuning_alone_there_are_gains_under_the_other(known):
+    found, sample = known
+    power = found.power.copy()
+    power[1, 0] = 0.0  # of B under the tuning each
+    linear = power[:, 1][:, sample.sea]
+    one = dataclasses.replace(found, power=power, reference="B")
+    ds = verified_dataset(one, "one", verified(one, "one", sample, 0.9 * linear, linear))
+    assert np.isfinite(ds.corrected_gain_percent).all()
+    with pytest.raises(ConfigError, match=r"corrected power of -[\d.e+]+ W of the rigid B; needs more than 0 W"):
+        verified_dataset(one, "one", verified(one, "one", sample, -3.0 * linear, linear))
