@@ -20,6 +20,7 @@ from vsb.results.constrained_year import (
     constrained_year,
     harmonics_of_year,
 )
+from vsb.results.verification import half_width
 from vsb.results.year import year
 from vsb.waves.climate import Climate
 
@@ -245,11 +246,12 @@ def test_what_is_said_of_a_year_weighs_its_bins_by_their_hours_and_its_realisati
     assert year_of.impossible == pytest.approx(0.3 / 2)
     assert year_of.force_rms == pytest.approx(np.sqrt(0.5 * 5 + 0.3 * 12.5 + 0.2 * 65))
     assert year_of.excess == 0.05
-    half = np.sqrt(((0.5 * 20) ** 2 + (0.3 * 50) ** 2 + (0.2 * 20) ** 2) / 4)  # of the means, without Student's factor
-    mean, low, high = year_of.annual_mean_power
-    assert mean == pytest.approx(year_of.taken)
-    assert high - year_of.bound > 1.9 * half
-    assert low == pytest.approx(max(0.0, year_of.taken - (high - year_of.bound)))
+    half = half_width(3 * np.array([0.5 * 10, 0.5 * 30, 0.3 * 50, 0.0, 0.2 * 70, 0.2 * 90]))
+    assert half < year_of.taken
+    assert year_of.annual_mean_power == pytest.approx((year_of.taken, year_of.taken - half, year_of.bound + half))
+    apart = taking([(0.0, 0.0), (90.0, 90.0)], [(9.0, 9.0), (9.0, 9.0)]).annual_mean_power
+    assert apart == pytest.approx((27.0, 0.0, apart.high))  # no power lies below nothing
+    assert apart.high > 2 * 27.0
     part = ConstrainedYear(seas, np.array([2, 0]), np.zeros((2, 2, 1)), optima[::-2], np.full(seas.shape, 1e3), 1.0)
     assert part.force_rms == pytest.approx(np.sqrt((0.5 * 5 + 0.2 * 65) / 0.7))  # over what is solved
 
