@@ -137,3 +137,14 @@ def test_the_budget_of_a_page_is_for_all_its_seas_designs_and_limits():
         assert steps.repeats == pytest.approx(2 * np.pi / harmonics.spacing, rel=1e-12)
         assert FEWEST < harmonics.count <= MOST + 1
     assert harmonics.count < MOST
+
+
+def test_a_sea_repeats_in_the_phases_of_its_own_seed():
+    """Of the same sizes whatever the seed, of other phases with another one."""
+    harmonics = harmonics_within((0.05, 9.0), 16)
+    seas = [repeating(SEA.model_copy(update={"seed": seed}), harmonics).amplitude for seed in (3, 3, 4)]
+    np.testing.assert_array_equal(seas[0], seas[1])
+    np.testing.assert_allclose(np.abs(seas[0]), np.abs(seas[2]), rtol=1e-12)
+    assert np.abs(seas[0] - seas[2]).max() > np.abs(seas[0]).max()
+    phase = np.random.default_rng(3).uniform(0.0, 2 * np.pi, harmonics.count)
+    np.testing.assert_allclose(seas[0], np.abs(seas[0]) * np.exp(1j * phase), atol=1e-12)

@@ -3,6 +3,8 @@ import importlib
 import inspect
 import json
 import pkgutil
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,12 +14,14 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from vsb import results
+from vsb.errors import ConvergenceError
 from vsb.hydro.database import Check, as_json, check_at_most
 from vsb.motion.frequency import LinearBuoy, gas_compliance
 from vsb.motion.port import port_direction
 from vsb.motion.pto import LinearPto
 from vsb.results import ledger
 from vsb.results.ledger import largest_displacement, largest_strain, static_modal_amplitude, with_full_basis
+from vsb.scenes.build import TUNED
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.elastic import ElasticShell
@@ -25,6 +29,8 @@ from vsb.shell.modes import mode_basis
 from vsb.shell.sphere import Shell
 from vsb.study.shape import Spheroid
 from vsb.study.study import Jonswap, RegularWave, StillWater, Water, WhiteNoise
+from vsb.tools.words import plain
+from vsb.waves.dispersion import power_limit, wavenumber
 
 
 def test_the_vented_shell_of_the_seed_is_not_viable(seed):
@@ -379,3 +385,166 @@ def test_bending_modes_of_a_shell_whose_gas_a_take_off_lets_out_are_judged_with_
             port = open_shell.port(np.array([study.waves[0].omega]), design_motions(study, basis, check.design), volume)
             powers.append(port.behind(gas_compliance(ds.gas_stiffness.values, volume)).power(5e3)[0])
         assert check.value == pytest.approx(abs(powers[1] / powers[0] - 1), rel=1e-6)
+
+
+def test_what_is_known_of_buckling_goes_by_the_shape_and_by_where_it_is_reckoned(seed, monkeypatch):
+    """No classical criterion of a shape that is no sphere; about the equilibrium, which holds, it is a remark."""
+    told = Check("computed_buckling", 0.5, 1.0, "-", "ok", "")
+    found, carried = [told], []
+    monkeypatch.setattr(ledger, "static_checks", lambda *_: ["static"])
+    monkeypatch.setattr(ledger, "viability_checks", lambda study: found)
+    monkeypatch.setattr(ledger, "classical_check", lambda study, reference, held: carried.append(held) or "classical")
+    assert ledger.shell_checks(seed, None) == ["classical", told, "static"]
+    found = []
+    assert ledger.shell_checks(seed, None) == ["classical", "static"]
+    found = [replace(told, verdict="doubt")]
+    ledger.shell_checks(seed, None)
+    assert carried == [True, True, False]
+    shaped = seed.model_copy(update={"device": seed.device.model_copy(update={"shape": Spheroid(height=3.0)})})
+    assert ledger.shell_checks(shaped, None) == [*found, "static"]
+
+
+def test_whether_a_shape_that_is_no_sphere_buckles_is_not_known_and_about_an_equilibrium_nothing_is_to_be_said(seed):
+    shaped = seed.model_copy(update={"device": seed.device.model_copy(update={"shape": Spheroid(height=3.0)})})
+    (check,) = ledger.viability_checks(shaped)
+    assert (check.name, check.value, check.limit, check.verdict) == ("computed_buckling", 1.0, 1.0, "doubt")
+    assert ledger.viability_checks(varied(seed, reference_shape="equilibrium")) == []
+
+
+@pytest.mark.parametrize(
+    ("pressure", "advised"), [(12341.2, 12350), (12348.0, 12350), (12340.0, 12340), (987.61, 987.7)]
+)
+def test_the_pressure_advised_is_rounded_up_in_its_fourth_digit(seed, monkeypatch, pressure, advised):
+    found = SimpleNamespace(linear_strain=0.01234)
+    monkeypatch.setattr(ledger, "viable_pressure", lambda *_: (pressure, found))
+    expected = f"; viable from device.internal_pressure = {plain(advised)} Pa, at 1.2 % linear strain at rest"
+    assert ledger.viable_text(seed) == expected
+
+
+def test_where_no_pressure_makes_a_shell_viable_that_is_said(seed, monkeypatch):
+    def none(*_):
+        raise ConvergenceError("no pressure carries it")
+
+    monkeypatch.setattr(ledger, "viable_pressure", none)
+    assert ledger.viable_text(seed) == "; no pressure carries it"
+
+
+def test_a_shell_squeezed_at_rest_is_measured_as_one_that_is_blown_up(seed, monkeypatch):
+    """By 0.1 m of 2.5 m: 4 % either way, of strain 4 % and half their square."""
+    study = varied(seed, device={"radius": 2.5})
+    reference = reference_shell(study)
+    for sign in (1, -1):
+        breathing = sign * 0.1 * np.eye(len(reference.basis.labels))[1]
+        monkeypatch.setattr(ledger, "static_modal_amplitude", lambda *_, moved=breathing: moved)
+        static, strain = ledger.static_checks(study, reference)
+        assert (static.value, strain.value) == pytest.approx((0.04, 0.04 + sign * 0.04**2 / 2), rel=1e-9)
+
+
+def test_a_sea_is_as_steep_as_its_depth_and_its_height_make_it():
+    """Regular by twice its amplitude, irregular by its significant height; every check names the sea."""
+    water = Water(depth=6.0, gravity=9.0)
+    swell = RegularWave(kind="regular", amplitude=0.3, period=6.0)
+    sea = Jonswap(kind="jonswap", hs=0.5, tp=7.0)
+    for wave, height in ((swell, 0.6), (sea, 0.5)):
+        checks = ledger.wave_checks(wave, water, 12.0)
+        assert checks[0].value == pytest.approx(height * wavenumber(wave.omega, 6.0, 9.0) / (2 * np.pi), rel=1e-12)
+        assert {check.wave for check in checks} == {wave.label}
+        assert len(checks) == (1 if wave is swell else 2)
+
+
+def moved(study, **at):
+    """A run of 60 s at rest but for some motions [m] at some instants [s], by name of the motion."""
+    labels = list(study_basis(study).labels)
+    position = np.zeros((61, len(labels)))
+    for name, (second, value) in at.items():
+        position[second, labels.index(name)] = value
+    attrs = {"design": "VSWEC", "wave": "w", "energy_residual": 0.0}
+    return xr.Dataset({"position": (("time", "dof"), position)}, {"time": np.arange(61.0), "dof": labels}, attrs)
+
+
+def test_a_run_is_judged_by_the_most_it_does_downwards_and_inwards_too(seed, monkeypatch):
+    """Heave by itself, the shell where all of it is most out of shape, attitude in the window alone."""
+    seen = []
+    monkeypatch.setattr(ledger, "attitude_checks", lambda study, run: seen.append(run.time.values.tolist()) or ["even"])
+    monkeypatch.setattr(ledger, "drift_checks", lambda study, run: [f"held over {len(run.time)} instants"])
+    run = moved(seed, Heave=(55, -0.8), Membrane0=(50, -0.3), Membrane1=(45, 0.05))
+    energy, heave, *held, deformation, strain = ledger.run_checks(seed, study_basis(seed), run)
+    assert (energy.name, held) == ("energy_residual", ["held over 61 instants", "even"])
+    assert seen == [list(np.arange(40.0, 61.0))]
+    assert (heave.value, deformation.value, strain.value) == pytest.approx((0.4, 0.15, 0.15), rel=1e-6)
+    assert {(check.design, check.wave) for check in (energy, heave, deformation, strain)} == {("VSWEC", "w")}
+
+
+def test_bending_modes_are_judged_beside_the_spring_at_each_run_s_own_damper_in_every_regular_wave(buoy_of, coarse):
+    """By ports of both bases: the change is over the power without, and both powers are told."""
+    waves = [{"kind": "regular", "amplitude": 0.1, "period": p} for p in (3.0, 5.0)]
+    waves.insert(1, {"kind": "jonswap", "hs": 0.5, "tp": 4.0})
+    designs = {"FSB": {"flexible": False}, "VSWEC": {}}
+    study = varied(coarse, waves=waves, pto={"damping": 5e3, "stiffness": 3e4}, designs=designs)
+    database = buoy_of(coarse).database
+    regular = [wave for wave in study.waves if isinstance(wave, RegularWave)]
+    flexible = [name for name, design in study.designs.items() if design.flexible]
+    dampers = {(d, w.label): 1e3 * (2 + i + 3 * j) for i, d in enumerate(flexible) for j, w in enumerate(regular)}
+    runs = {key: {TUNED: damper} for key, damper in dampers.items()}
+    del runs[flexible[0], regular[0].label][TUNED]  # which has the damper given
+    dampers[flexible[0], regular[0].label] = 5e3
+    checks = ledger.bending_checks(study, database, runs)
+    assert [(check.design, check.wave) for check in checks] == [(d, w.label) for w in regular for d in flexible]
+    wider, full = with_full_basis(database, study)
+    for check in checks:
+        (wave,) = (wave for wave in regular if wave.label == check.wave)
+        powers = []
+        for ds, basis in ((database, study_basis(study)), (wider, full)):
+            heave = port_direction("heave", DeformedShell(basis, study.centre_height))
+            buoy = LinearBuoy(ds, basis.damping, LinearPto(0.0))
+            port = buoy.port(np.array([wave.omega]), design_motions(study, basis, check.design), heave)
+            powers.append(port.power(dampers[check.design, check.wave], 3e4)[0])
+        assert check.value == pytest.approx(abs(powers[1] / powers[0] - 1), rel=1e-6)
+        before, after = map(plain, powers)
+        assert check.explanation.startswith(f"absorbed power would change from {before} to {after} W/m² with")
+
+
+def test_there_is_nothing_to_bend_of_breathing_and_heave_or_where_nothing_is_taken(coarse):
+    """Nor about an equilibrium, of which BEM alone could tell."""
+    for changes in (
+        {"modes": {"degree": 1}}, {"pto": {"damping": 0.0, "stiffness": 0.0}}, {"reference_shape": "equilibrium"},
+    ):  # fmt: skip
+        assert ledger.bending_checks(varied(coarse, **changes), None, {}) == []
+
+
+def test_all_that_is_left_out_is_told_and_what_could_not_be_measured_is_a_doubt(seed):
+    """Of two designs each by itself; a power that is within its tolerance is doubted all the same."""
+    study = varied(seed, hydro={"model": "auto"}, designs={"FSB": {"flexible": False}, "VSWEC": {}})
+    (wave,) = study.waves
+    parts = json.dumps([{"what": "shell_modes", "error": 2e-3}, {"what": "wet_shape", "error": 1e-4}])
+    known = run_with(power_error=0.003, description="linear", left_out=parts)
+    blind = run_with(power_error=0.004, description="exact", left_out="[]", unmeasured="no steady state")
+    checks = ledger.simplification_checks(study, wave, {"VSWEC": blind, "FSB": known})
+    assert [(c.name, c.design, c.wave, c.verdict) for c in checks] == [
+        ("left_out", "FSB", wave.label, "ok"), ("left_out", "VSWEC", wave.label, "doubt"), ("gain_error", "VSWEC", wave.label, "ok"),
+    ]  # fmt: skip
+    assert [c.value for c in checks] == [0.003, 0.004, pytest.approx(0.007)]
+    assert [c.explanation for c in checks[:2]] == [
+        "estimated error of mean power; described as linear; left out: shell modes 2.0e-03, wet shape 1.0e-04",
+        "errors of simplifications could not be measured (no steady state); estimated error of mean power; described as "
+        "exact; left out: -",
+    ]
+
+
+def test_the_limit_of_absorbed_power_is_told_as_the_response_names_it():
+    of = xr.Dataset({"absorbed_power": (("design", "omega"), [[1.0, 3.0]]), "power_limit": ("omega", [2.0, 4.0])})
+    for attrs, named in (({}, "an axisymmetric heaving body"), ({"limit": "three motions"}, "three motions")):
+        check = ledger.limit_check(of.assign_attrs(attrs))
+        assert check.value == 0.75
+        assert check.explanation == f"largest absorbed power over the limit of {named}, within mesh error"
+
+
+def test_what_a_wave_of_an_assumed_pressure_could_give_is_that_of_its_depth_and_its_water(seed):
+    water = {"depth": 5.0, "density": 900.0, "gravity": 9.0}
+    wave = {"kind": "regular", "amplitude": 0.5, "period": 6.0}
+    study = varied(seed, hydro={"model": "assumed_pressure", "pressure": 0.2 * 900 * 9.0}, water=water, waves=[wave])
+    (one,) = study.waves
+    most = power_limit(one.omega, 5.0, 900.0, 9.0) * 0.04
+    (check,) = ledger.assumed_pressure_checks(study, [{"design": "FSB", "wave": one.label, "power_mean": 0.6 * most}])
+    assert check.value == pytest.approx(0.6, rel=1e-9)
+    assert "a wave of the same surface pressure, 0.2 m in amplitude, can give" in check.explanation

@@ -8,7 +8,7 @@ from vsb.results.pauses import pause_checks
 def test_a_pause_at_the_border_of_what_was_tried_is_doubted():
     wet = {"model": "body_exact", "linear_pause": 1.0, "pause_tried": 0.25}
     runs = {
-        ("A", "w"): {**wet, "pause": 0.95},
+        ("A", "w"): {**wet, "pause": 1.05},
         ("B", "w"): {**wet, "pause": 0.76},
         ("C", "w"): {"model": "linear", "pause": 1.08},
         ("D", "w"): {**wet, "linear_pause": 0.2, "pause": 0.0},

@@ -15,6 +15,7 @@ from vsb.results.year import band_weights, frequencies, year
 from vsb.scenes.ports import POINTS, designs_in_waves
 from vsb.scenes.rest import reference_shell
 from vsb.study.study import Water
+from vsb.waves.dispersion import wavenumber
 from vsb.waves.scatter import climate_of_cells
 
 SEAS = climate_of_cells(np.array([1.0, 4.0, 6.0]), np.array([9.0, 7.0, 6.5]), np.array([0.5, 0.3, 0.2]), 3.3, "three")
@@ -175,3 +176,20 @@ def test_every_tuning_has_its_own_marks(shells):
     marked = found["energy_beyond_validity"][1]
     assert (marked[1] > 0).all()
     assert marked[1, 0] != marked[1, 1]
+
+
+def test_limits_of_waves_are_of_the_gravity_and_the_depth_they_run_in():
+    for water in (Water(gravity=3.7), Water(gravity=3.7, depth=8.0), Water(density=900.0)):
+        numbers = np.array([wavenumber(2 * np.pi / te, water.depth, water.gravity) for te in SEAS.te])
+        steep, breaking = wave_limits(SEAS, water)
+        assert steep.largest == pytest.approx((SEAS.hs * numbers).max() / (2 * np.pi), rel=1e-12)
+        broken = 1.86 * SEAS.hs * numbers / (2 * np.pi * 0.142 * np.tanh(numbers * min(water.depth, 1e3)))
+        assert breaking.largest == pytest.approx(broken.max(), rel=1e-9)
+        assert breaking.seas.tolist() == (broken > 1.0).tolist()
+
+
+def test_beside_seas_without_a_damper_all_are_told_of_the_largest():
+    """No logarithm of nothing."""
+    nodes, shares = _nodes(np.array([0.0, 5.0, 2.0]))
+    assert nodes.tolist() == [5.0]
+    assert shares.tolist() == [[1.0, 1.0, 1.0]]

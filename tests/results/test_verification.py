@@ -9,7 +9,17 @@ from results.test_year import WATER, climate, port, stroke_rms
 
 from vsb.errors import ConfigError
 from vsb.motion.port import Port
-from vsb.results.verification import Sample, Verification, chances, contributions, drawn, linear_power, verified
+from vsb.results.statistics import student
+from vsb.results.verification import (
+    Sample,
+    Verification,
+    chances,
+    contributions,
+    drawn,
+    half_width,
+    linear_power,
+    verified,
+)
 from vsb.results.year import frequencies, year
 from vsb.waves.climate import realised
 from vsb.waves.ndbc import read_ndbc
@@ -259,6 +269,8 @@ def test_what_a_sea_brings_is_the_mean_of_what_it_brings_to_each_design_that_tak
         ConfigError, match="verify: received designs that take no power under each, needs one that does"
     ):
         contributions(several, "each")
+    with pytest.raises(ConfigError, match="verify: received designs that take no power under one, needs one that does"):
+        contributions(replace(found, power=power[:, ::-1]), "one")
     assert contributions(replace(found, power=power[:1]), "one") == pytest.approx([0.25, 0.75])
 
 
@@ -281,3 +293,10 @@ def test_runs_correct_the_year_of_their_own_tuning_and_none_is_gained_over_a_los
         ConfigError, match=r"received better powers of shape \(1, 4\), 0 of them not finite; needs 2 designs"
     ):
         verified(both, "one", sample, linear[:1], linear[:1])
+
+
+@pytest.mark.parametrize("strata", [1, 2, 4])
+def test_strata_that_scatter_alike_have_a_degree_of_freedom_each_and_no_more(strata):
+    """Of S differences of 1 the variance is 1/(4 S), whichever is the larger of a pair."""
+    draws = np.array([0.0, 1.0, 3.0, 2.0] * 2)[: 2 * strata]
+    assert half_width(draws) == pytest.approx(student(strata) * np.sqrt(1 / (4 * strata)), rel=1e-12)

@@ -1,5 +1,6 @@
 """A site's year: against a loop over its hours written apart, against published practice."""
 
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -10,10 +11,12 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from vsb.errors import ConfigError
+from vsb.motion.damping_curve import Take
 from vsb.motion.port import Port
-from vsb.results.year import DesignYear, band_weights, frequencies, gain_percent, year
+from vsb.results.year import DesignYear, _error, band_weights, frequencies, gain_percent, year
 from vsb.study.study import Water
 from vsb.waves.climate import Climate
+from vsb.waves.scatter import climate_of_cells
 
 HOME = Path(__file__).parents[2]
 WATER = Water()
@@ -207,3 +210,72 @@ def test_half_the_frequencies_of_a_port_reach_from_its_first_to_its_last(count):
     half = DesignYear(port(grid), climate()).coarser().port
     assert half.omega.tolist() == [*grid[: count - 1 : 2], grid[-1]]
     assert half.velocity.tolist() == port(half.omega).velocity.tolist()
+
+
+def test_the_band_that_is_told_is_what_all_ports_are_known_in():
+    """From the highest first to the lowest last frequency, whichever port has them."""
+    low, high = np.linspace(0.1, 1.0, 100), np.linspace(0.5, 3.0, 100)
+    for ports in ({"A": port(low), "B": port(high)}, {"A": port(high), "B": port(low)}):
+        with pytest.raises(
+            ConfigError, match=r"climate random seas: received .*% of its variance outside 0\.5 to 1 rad/s"
+        ):
+            year(ports, climate(), WATER, ["one"])
+
+
+def test_of_several_designs_without_a_damper_the_first_is_told():
+    ports = {name: port(np.arange(0.1, 3.0, 0.05)) for name in "ABC"}
+    with pytest.raises(ConfigError, match=r"received fixed without a damping of B, needs pto\.damping"):
+        year(ports, climate(), WATER, ["one", "fixed"], {"A": 1.0})
+
+
+def test_notes_of_the_climate_stand_before_what_is_not_counted():
+    grid = np.arange(0.2, 2.19, 0.01)
+    noted = replace(climate(), notes=("two records left out",))
+    first, last = year({"A": port(grid)}, noted, WATER, ["one"]).notes
+    outside = noted.variance_outside(grid[0], grid[-1])
+    assert first == "two records left out"
+    assert 0 < outside < 0.01
+    assert last == f"{100 * outside:.3f}% of the variance lies outside the frequencies solved and is not counted"
+
+
+def test_every_figure_of_a_bin_is_of_its_seas_and_gains_are_over_the_reference_wherever_it_stands():
+    """Means and deviations by hours of power, of capture width and of the damper, bin by bin; the second design's gain."""
+    seas, grid, water = climate(), np.arange(0.1, 3.0, 0.02), Water(depth=12.0, density=900.0)
+    found = year({"A": port(grid), "B": port(grid, mass=9e3)}, seas, water, ["each", "one"], reference="B")
+    ds, flux = found.dataset(), seas.flux(water)
+    values = {"damping": found.damping, "power_matrix": found.power, "capture_width_matrix": found.power / flux}
+    for i, j in np.ndindex(2, 2):
+        for place in found.bins.occupied:
+            its, at = found.bins.index == place, np.unravel_index(place, found.bins.shape)
+            mean = {name: np.average(v[i, j, its], weights=seas.hours[its]) for name, v in values.items()}
+            for name, each in mean.items():
+                assert float(ds[name][i, j][at]) == pytest.approx(each, rel=1e-9), name
+            for name, of in (("power_deviation", "power_matrix"), ("capture_width_deviation", "capture_width_matrix")):
+                spread = np.average((values[of][i, j, its] - mean[of]) ** 2, weights=seas.hours[its])
+                assert float(ds[name][i, j][at]) == pytest.approx(np.sqrt(spread), abs=1e-9 * mean[of]), name
+            assert float(ds.flux_matrix[at]) == pytest.approx(np.average(flux[its], weights=seas.hours[its]))
+    power = found.annual_mean_power
+    assert ds.gain_percent.values == pytest.approx(100 * (power / power[1] - 1), abs=1e-9)
+    assert np.abs(ds.gain_percent.values[0]).min() > 0.1
+    np.testing.assert_array_equal(ds.practice_power, found.practice)
+    np.testing.assert_array_equal(ds.quadrature_error, found.quadrature_error)
+
+
+def test_usual_practice_has_the_same_tuning_in_seas_at_the_centres_of_bins():
+    """The best damper of each such sea under each; else the year's own one."""
+    seas, grid = climate(), np.arange(0.1, 3.0, 0.02)
+    here = port(grid)
+    found = year({"A": here}, seas, WATER, ["each", "fixed", "one"], {"A": 5e3})
+    bins = found.bins
+    there = DesignYear(here, climate_of_cells(*bins.centres, bins.share.ravel()[bins.occupied], 3.3, "centres"))
+    dampers = (None, 5e3, found.damping[0, 2, 0])
+    for practice, name, damper in zip(found.practice[0], ("each", "fixed", "fixed"), dampers, strict=True):
+        assert practice == pytest.approx(float(there.take(name, damper).power @ there.climate.hours), rel=1e-12)
+    assert found.practice[0, 0] > found.practice[0, 2] * (1 + 1e-6)
+
+
+def test_the_error_of_the_quadrature_has_no_sign_and_weighs_seas_by_their_hours():
+    seas = climate(seas=2)
+    fine, rough = Take(np.zeros(2), np.array([5.0, 2.0])), Take(np.zeros(2), np.array([2.0, 8.0]))
+    expected = abs(3.0 * seas.hours[0] - 6.0 * seas.hours[1]) / 3
+    assert _error(seas, fine, rough) == _error(seas, rough, fine) == pytest.approx(expected)
