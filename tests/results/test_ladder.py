@@ -8,15 +8,20 @@ from functools import partial
 import numpy as np
 import pytest
 from conftest import varied
+from motion.test_drag import Buoy
+from motion.test_drag import seas as dragged_seas
 from scipy.optimize import minimize, minimize_scalar
 
 from vsb.hydro import database
 from vsb.hydro.dofs import displacements
 from vsb.hydro.spectral.sweep import converged_on_grid
+from vsb.motion.constrained import optimum_in_sea
+from vsb.motion.drag import under
 from vsb.motion.frequency import LinearBuoy
+from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import Port, port_direction
 from vsb.motion.pto import LinearPto
-from vsb.motion.tuning import frequencies, mean_power, squares
+from vsb.motion.tuning import Load, frequencies, mean_power, squares
 from vsb.results.ladder import (
     Given,
     Limits,
@@ -25,6 +30,7 @@ from vsb.results.ladder import (
     as_csv,
     constrained_checks,
     constrained_rung,
+    dragged_rungs,
     rungs_of,
     study_ladder,
 )
@@ -469,3 +475,105 @@ def test_a_peak_is_the_largest_size_crest_or_trough(sign, omega):
     sea = Sea(np.array(omega), np.ones(len(omega), dtype=complex))
     phasors = sign * np.array([np.arange(1.0, len(omega) + 1), np.full(len(omega), 3.0)]) + 0j
     assert _peaks(sea, phasors, 40.0) == pytest.approx(np.abs(phasors).sum(axis=1), rel=1e-12)
+
+
+def test_beside_drag_each_sea_has_its_own_best_damper_or_what_is_known_to_be_better(monkeypatch):
+    """Searches that find little, of which each sea takes what is best of all it knows; springs start from there."""
+    port = Buoy(3).port
+    waves, given, asked = dragged_seas(port.port.omega), Given(2.0, -0.05, 0.8), []
+
+    def damper(of, squares, stiffness, efficiency):
+        asked.append((len(squares), stiffness, efficiency))
+        return 0.9 if len(squares) == 2 else 40.0 if squares[0, 9] == 1.0 else 0.4  # the regular wave: far too much
+
+    def pair(of, squares, known, efficiency):
+        asked.append((squares.tolist(), float(known.damping[0]), efficiency))
+        return Load(known.damping + 1.0, known.stiffness - 0.1, known.power + 3.0)
+
+    monkeypatch.setattr("vsb.results.ladder.best_damper", damper)
+    monkeypatch.setattr("vsb.results.ladder.best_pair", pair)
+    found = dragged_rungs(port, waves, [0, 2], given)
+    assert list(found) == ["fixed", "best_damper", "best_damper_all_seas", "best_spring_damper"]
+    fixed, one = (under(port, waves, c, -0.05, 0.8) for c in (2.0, 0.9))
+    for name, load in (("fixed", fixed), ("best_damper_all_seas", one)):
+        for got, expected in zip(found[name], load, strict=True):
+            assert got == pytest.approx(expected, rel=1e-12), name
+    for i, here in enumerate(waves[:, None]):
+        own = under(port, here, 40.0 if i == 0 else 0.4, -0.05, 0.8)
+        known = {load.power[k]: load.damping[k] for load, k in ((own, 0), (one, i), (fixed, i))}
+        assert found["best_damper"].power[i] == pytest.approx(max(known))
+        assert found["best_damper"].damping[i] == known[max(known)]
+        assert found["best_spring_damper"].power[i] == pytest.approx(max(known) + 3.0)
+    assert asked[0] == (2, -0.05, 0.8)
+    assert asked[1::2] == [(1, -0.05, 0.8)] * 3
+    assert asked[2::2] == [
+        (w.tolist(), c, 0.8) for w, c in zip(waves[:, None], found["best_damper"].damping, strict=True)
+    ]
+    assert "fixed" not in dragged_rungs(port, waves, [0], Given(None))
+
+
+def test_beside_drag_forces_and_strokes_are_those_of_the_drag_that_settles_in_each_sea():
+    """Of every load the drag of that sea under it; of the matched force none, which knows no drag."""
+    dragged, rng = Buoy(3).port, np.random.default_rng(1)
+    omega = dragged.port.omega
+    seas = {"wave": Sea(omega[[9]], np.array([1.0 + 0j])), "sea": Sea(omega, 0.4 * rng.rayleigh(size=len(omega)) + 0j)}
+    met = {"A": Met(dragged.port, squares(list(seas.values()), omega), [np.array([9]), np.arange(len(omega))])}
+    for rung in rungs_of(met, seas, [0, 1], {"A": Given(2.0, 0.1)}, 60.0, {"A": dragged}):
+        at, here = met["A"][2][list(seas).index(rung.wave)], seas[rung.wave]
+        if rung.rung == "matched":
+            port, force = dragged.port, dragged.port.matched_force
+            velocity = port.velocity - port.admittance * force
+        else:
+            spectrum = squares([here], omega)
+            load = np.array([rung.damping]), np.array([rung.stiffness])
+            port = dragged.beside(dragged.settled(spectrum, *load)[0, 0])
+            impedance = rung.damping + 1j * rung.stiffness / omega
+            velocity = port.velocity / (1 + port.admittance * impedance)
+            force = impedance * velocity
+            assert rung.power_mean == pytest.approx(dragged.powers(spectrum, *load)[0, 0], rel=1e-6)
+        amplitude = np.abs(here.amplitude)
+        assert rung.force_rms == pytest.approx(np.sqrt(0.5 * np.sum(np.abs(force[at] * amplitude) ** 2)), rel=1e-6)
+        if rung.wave == "wave":
+            assert rung.stroke_peak == pytest.approx(abs(velocity[9]) / omega[9], rel=1e-6), rung.rung
+
+
+def test_an_optimum_under_limits_is_told_with_its_own_force_stroke_and_share():
+    """In waves of which the first harmonic of the force is the fourth."""
+    waves, limits = sea_of_period(np.random.default_rng(2)), Limits(0.2, 1e6, 0.2, 3.0)
+    harmonics = Harmonics.of_sea(waves.omega, 0.2, 3.0)
+    assert harmonics.first == 4
+    best = optimum_in_sea(oscillator(harmonics.omega), waves, harmonics, limits.force, limits.stroke)
+    rung = constrained_rung("A", "w", waves, oscillator, limits)
+    told = (rung.power_mean, rung.force_rms, rung.force_peak, rung.stroke_peak, rung.gap)
+    assert told == pytest.approx((best.power, best.force_rms, best.force_peak, best.stroke_peak, best.gap), abs=1e-12)
+    assert abs(best.force_peak / best.stroke_peak - 1) > 0.1
+    assert rung.limit_fraction == pytest.approx(best.power / waves.mean_of(oscillator(waves.omega).matched_power))
+    assert rung.note == f"between the instants limits are exceeded by up to {100 * best.excess:.2g} %"
+
+
+def test_the_take_off_of_a_study_is_that_of_its_ladder_and_lines_stand_by_design_sea_and_rung(small, monkeypatch):
+    """Each design's own damper, spring and efficiency, peaks over the whole run; the optimum before the matched power."""
+    asked = []
+
+    def some(ports, seas, families, given, time, dragged):
+        asked.append((families, given, time, dragged))
+        return [Rung(d, w, name, *[None] * 8) for d in ports for w in seas for name in ("matched", "best_damper")]
+
+    monkeypatch.setattr("vsb.results.ladder.rungs_of", some)
+    monkeypatch.setattr("vsb.results.ladder.constrained_rung", lambda d, w, *_: Rung(d, w, "constrained", *[None] * 8))
+    swell = small.study.model_dump()["waves"][0]
+    waves = [
+        swell,
+        {"kind": "jonswap", "hs": 0.6, "tp": 4.0, "realisations": 2},
+        {**swell, "period": 1.3 * swell["period"]},
+    ]
+    dampers = {name: 1e3 * (i + 1) for i, name in enumerate(small.study.designs)}
+    pto = {"damping": dampers, "stiffness": 300.0, "efficiency": 0.9, "force_limit": 1e4}
+    study = varied(small.study, waves=[{"kind": "still"}, *waves], pto=pto)
+    found = study_ladder(StudyPlan(study).ladder, small.database_path)
+    labels = [wave.label for wave in study.waves[1:]]
+    assert [(rung.design, rung.wave, rung.rung) for rung in found] == list(
+        itertools.product(study.designs, labels, ("best_damper", "constrained", "matched"))
+    )
+    given = {design: Given(damper, 300.0, 0.9) for design, damper in dampers.items()}
+    assert asked == [([0, 1, 3], given, study.simulation.duration, None)]

@@ -179,11 +179,11 @@ def test_every_tuning_has_its_own_marks(shells):
 
 
 def test_limits_of_waves_are_of_the_gravity_and_the_depth_they_run_in():
-    for water in (Water(gravity=3.7), Water(gravity=3.7, depth=8.0), Water(density=900.0)):
-        numbers = np.array([wavenumber(2 * np.pi / te, water.depth, water.gravity) for te in SEAS.te])
-        steep, breaking = wave_limits(SEAS, water)
+    for sea_water in (Water(gravity=3.7), Water(gravity=3.7, depth=8.0), Water(density=900.0)):
+        numbers = np.array([wavenumber(2 * np.pi / te, sea_water.depth, sea_water.gravity) for te in SEAS.te])
+        steep, breaking = wave_limits(SEAS, sea_water)
         assert steep.largest == pytest.approx((SEAS.hs * numbers).max() / (2 * np.pi), rel=1e-12)
-        broken = 1.86 * SEAS.hs * numbers / (2 * np.pi * 0.142 * np.tanh(numbers * min(water.depth, 1e3)))
+        broken = 1.86 * SEAS.hs * numbers / (2 * np.pi * 0.142 * np.tanh(numbers * min(sea_water.depth, 1e3)))
         assert breaking.largest == pytest.approx(broken.max(), rel=1e-9)
         assert breaking.seas.tolist() == (broken > 1.0).tolist()
 
