@@ -8,7 +8,7 @@ import xarray as xr
 from stages.test_campaign import made_up
 from stages.test_members import planned, with_seas
 
-from vsb.results.campaign import as_csv, damper, gathered, stacked
+from vsb.results.campaign import GAIN, OF_OPTIMA, POWER, as_csv, damper, gathered, stacked, with_verification
 from vsb.study.campaign_plan import members
 from vsb.study.year_options import CONSTRAINED
 from vsb.tools.units import described
@@ -73,3 +73,86 @@ def test_dampers_of_a_campaign_have_the_unit_of_its_port(held, port, unit):
     spec = plan.campaign.model_copy(update={"base": base})
     ds = described(gathered(spec, [stacked([made_up(one)], [one.id]) for one in found]))
     assert ds.damping.attrs["units"] == unit
+
+
+@pytest.fixture
+def swept(tmp_path):
+    """A plan of two moduli by three thicknesses and its members, with gains."""
+    varied = {"device.young_modulus": [3e6, 1e6], "device.thickness": [0.01, 0.02, 0.04]}
+    plan = planned(with_seas(tmp_path, (1.0, 6.0)), varied)
+    (spec,) = plan.batches.values()
+    found = members(spec.base, spec.points, spec.climate, spec.tuning)
+    parts = []
+    for one in found:
+        ds = made_up(one)
+        gain = 1e-4 * ds.annual_mean_power
+        parts.append(ds.assign(gain_percent=gain, gain_low=gain - 1.0, gain_high=gain + 2.0))
+    ordered = sorted(found, key=lambda one: list(plan.campaign.members).index(one.id))
+    return plan, ordered, gathered(plan.campaign, [stacked(parts, [one.id for one in found])])
+
+
+def runs_of(found, names):
+    """What runs in time say of each member: a number that tells which, of each design and each name."""
+    return [
+        xr.Dataset({name: ("design", 1000.0 * i + 100.0 * k + np.arange(2.0)) for k, name in enumerate(names)})
+        .assign_coords(design=["FSB", "VSWEC"])
+        .assign_attrs(runs=f"runs of {i}", model="body_exact")
+        for i, _ in enumerate(found)
+    ]
+
+
+def test_what_runs_say_stands_at_the_point_and_under_the_tuning_they_are_of(swept):
+    """Of two keys; the intervals of other tunings stay those of linear theory, and so do all mean gains."""
+    plan, found, ds = swept
+    told = with_verification(plan.campaign, ds, runs_of(found, (*POWER, *GAIN)))
+    order = {one.id: i for i, one in enumerate(found)}
+    for one in found:
+        point = {"young_modulus": one.point["device.young_modulus"], "thickness": one.point["device.thickness"]}
+        at, before, i = told.sel(point), ds.sel(point), order[one.id]
+        for k, name in enumerate((*POWER, GAIN[0])):
+            assert at[name].values.tolist() == [1000.0 * i + 100.0 * k, 1000.0 * i + 100.0 * k + 1.0]
+        for k, end in ((4, "gain_low"), (5, "gain_high")):
+            assert at[end].sel(tuning="one").values.tolist() == [1000.0 * i + 100.0 * k + d for d in (0.0, 1.0)]
+            for tuning in ("fixed", "each"):
+                np.testing.assert_array_equal(at[end].sel(tuning=tuning), before[end].sel(tuning=tuning))
+        np.testing.assert_array_equal(at.gain_percent, before.gain_percent)
+    assert not {*GAIN[1:]} & {*told.data_vars}
+    assert {key: told.attrs[key] for key in ("verified_tuning", "verified_model", "verification")} == {
+        "verified_tuning": "one",
+        "verified_model": "body_exact",
+        "verification": "tuning one: runs of 0; there gain_low and gain_high are the 95 % interval of the corrected gain",
+    }
+    assert told.attrs["campaign"] == ds.attrs["campaign"]
+    rows = list(csv.DictReader(as_csv(plan.campaign, told).splitlines()))
+    assert {row["tuning"] for row in rows if row["corrected_mean_power"]} == {"one"}
+    assert {row["tuning"] for row in rows if row["corrected_gain_percent"]} == {"one"}
+    assert len([row for row in rows if row["corrected_mean_power"]]) == 12
+
+
+def test_without_a_reference_runs_say_nothing_of_gains_and_without_runs_there_is_nothing_to_say(swept):
+    plan, found, ds = swept
+    bare = ds.drop_vars(["gain_percent", "gain_low", "gain_high"])
+    told = with_verification(plan.campaign, bare, runs_of(found, POWER))
+    assert told.attrs["verification"] == "tuning one: runs of 0"
+    assert {*POWER} <= {*told.data_vars}
+    assert not [name for name in told.data_vars if "gain" in name]
+    assert with_verification(plan.campaign, ds, []) is ds
+
+
+def test_what_optima_alone_have_stands_in_their_rows(swept):
+    """Of the tuning constrained; a damper in those of the others that have one."""
+    plan, _, ds = swept
+    some = ds.assign_coords(tuning=["fixed", "one", CONSTRAINED])
+    whole = some.assign({name: some.margin + 0.0 * some.design.str.len() + k for k, name in enumerate(OF_OPTIMA)})
+    rows = list(csv.DictReader(as_csv(plan.campaign, whole).splitlines()))
+    for row in rows:
+        optimum = row["tuning"] == CONSTRAINED
+        assert [row[name] for name in OF_OPTIMA] == (["0.5", "1.5"] if optimum else ["", ""])
+        assert (row["damping"] == "") == optimum
+
+
+def test_a_campaign_without_a_rigid_design_names_no_reference(held):
+    plan, found = held
+    designs = {name: {**design, "flexible": True} for name, design in plan.campaign.base["designs"].items()}
+    spec = plan.campaign.model_copy(update={"base": plan.campaign.base | {"designs": designs}})
+    assert gathered(spec, [stacked([made_up(one)], [one.id]) for one in found]).attrs["reference"] == ""
