@@ -1,14 +1,19 @@
 """What studies let float: designs' motions, ports, seas of several directions as one port."""
 
+from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import xarray as xr
 from conftest import varied
 from hydro.formats.test_capytaine import LABELS
 from motion.test_bodies import database, moored  # noqa: F401
+from scipy.linalg import block_diag
 
 from vsb.errors import ConfigError
+from vsb.motion.port import Port
 from vsb.motion.tuning import best_dampers, mean_power
 from vsb.scenes.afloat import (
     Afloat,
@@ -19,17 +24,19 @@ from vsb.scenes.afloat import (
     linear_buoy,
     met,
     moved,
+    rest_shape,
     stored_body,
     study_sea,
     towards,
 )
-from vsb.scenes.rest import reference_shell
+from vsb.scenes.directions import order_bases
+from vsb.scenes.rest import reference_shell, study_basis
 from vsb.study.body import BodyDesign, BodyStudy
 from vsb.study.reading import validated
 from vsb.study.waves import RegularWave, StillWater
 from vsb.tools import files
 from vsb.tools.units import PAIR
-from vsb.waves.seas import NO_WAVES, regular
+from vsb.waves.seas import NO_WAVES, Sea, regular
 
 RIGID = ["Surge", "Heave", "Pitch", "Mode7"]
 
@@ -55,6 +62,10 @@ def test_what_is_held_stays_zero():
     [
         (BodyDesign(dofs=("Roof",)), "designs.a.dofs: received Roof; needs some of Surge, Heave, Pitch, Mode7"),
         (BodyDesign(held=({"Roof": 1.0},)), "designs.a.held: received Roof; needs some of"),
+        (
+            BodyDesign(held=({"Heave": 1.0}, {"Pitch": 1.0, "Roof": 2.0, "Keel": 1.0})),
+            "designs.a.held: received Roof, Keel; needs some of Surge, Heave, Pitch, Mode7",
+        ),
         (
             BodyDesign(dofs=("Heave",), held=({"Heave": 1.0},)),
             "designs.a: received dofs Heave, all held; needs one that moves",
@@ -170,3 +181,86 @@ def test_gas_of_a_database_is_a_chamber_before_a_take_off_of_the_volume_alone(sm
     vented, _ = linear_buoy(small.study, small.database_path)
     held = gas if port == "heave" else 0.0 * gas
     assert buoy.stiffness == pytest.approx(vented.stiffness + held, rel=1e-12, abs=1e-6)
+
+
+def test_of_several_motions_held_none_is_left():
+    """Two conditions on three motions leave one, whatever the order they are told in."""
+    for held in (({"Surge": 1.0, "Pitch": -2.0}, {"Mode7": 3.0}), ({"Mode7": 3.0}, {"Surge": 1.0, "Pitch": -2.0})):
+        motions = body_motions("a", BodyDesign(dofs=("Surge", "Pitch", "Mode7"), held=held), RIGID)
+        assert motions.shape == (4, 1)
+        np.testing.assert_allclose(motions[:, 0] / motions[2, 0], [2.0, 0.0, 1.0, 0.0], atol=1e-14)
+
+
+@dataclass(frozen=True)
+class Heading:
+    """Stands for a body: its velocity per wave height tells frequency and direction."""
+
+    direction: float = 0.0
+
+    def port(self, omega, motions, direction):
+        return Port(omega, 1 / omega + 0j, omega * (2.0 + self.direction) * (direction @ motions)[0], 0.25)
+
+
+def test_seas_of_components_in_any_phase_are_one_port_direction_by_direction():
+    """Two seas of one direction share their frequencies; still water is in between; squares are those of amplitudes."""
+    named = [
+        (30.0, [1.0, 2.0], [0.3, 0.4j]),
+        (None, [], []),
+        (-90.0, [0.5, 2.0, 3.0], [-0.2, 0.1 + 0.1j, 0.5]),
+        (30.0, [2.0, 4.0], [-0.6j, 0.7]),
+    ]
+    waves = {None: StillWater(kind="still")} | {
+        at: RegularWave(kind="regular", amplitude=1.0, period=1.0, direction=at) for at in (30.0, -90.0)
+    }
+    seas = [(waves[at], Sea(np.array(omega), np.array(a, dtype=complex))) for at, omega, a in named]
+    seen = met(Afloat(Heading(), {"a": 3.0 * np.ones((1, 1))}, np.ones(1)), "a", seas)
+    omega = np.array([1.0, 2.0, 4.0, 0.5, 2.0, 3.0])
+    np.testing.assert_array_equal(seen.port.omega, omega)
+    np.testing.assert_array_equal(seen.port.admittance, 1 / omega)
+    np.testing.assert_allclose(seen.port.velocity, 3.0 * omega * (2.0 + np.deg2rad([30.0] * 3 + [-90.0] * 3)))
+    assert seen.port.compliance == 0.25
+    assert [place.tolist() for place in seen.places] == [[0, 1], [], [3, 4, 5], [1, 2]]
+    expected = [[0.09, 0.16, 0, 0, 0, 0], [0] * 6, [0, 0, 0, 0.04, 0.02, 0.25], [0, 0.36, 0.49, 0, 0, 0]]
+    np.testing.assert_allclose(seen.squares, expected, rtol=1e-14)
+
+
+def test_a_buoy_rests_in_the_axisymmetric_amplitudes_of_its_database(seed):
+    basis = study_basis(seed)
+    q = 0.01 * np.arange(1.0, len(basis.labels) + 3)
+    shape = rest_shape(
+        seed, SimpleNamespace(database=xr.Dataset({"reference_amplitude": ("influenced_dof", q)})), basis
+    )
+    np.testing.assert_array_equal(shape.modal_amplitude, q[:-2])
+    assert shape.centre_height == seed.centre_height
+
+
+def test_a_buoy_is_damped_in_all_orders_of_its_database_by_its_own_material(seed, monkeypatch):
+    """By the factors of mass and stiffness; rigid motions are not."""
+    study = varied(
+        seed,
+        motion="free",
+        modes={"degree": 3, "order": 2},
+        device={"centre_of_mass": -0.5, "ballast_inertia": 9e3, "ballast_yaw_inertia": 7e3}
+        | {"damping": {"alpha": 0.4, "beta": 3e-3}},
+    )
+    basis = study_basis(study)
+    parts = [basis, *order_bases(study, basis)]
+    labels = [label for part in parts for label in part.labels]
+    rigid = [label in ("Heave", "Surge", "Pitch", "Sway", "Roll", "Yaw") for label in labels]
+    expected = block_diag(*(0.4 * part.inertia + 3e-3 * part.stiffness for part in parts))
+    expected[rigid, :] = expected[:, rigid] = 0.0
+    held = xr.Dataset(coords={"influenced_dof": labels})
+    monkeypatch.setattr("vsb.scenes.afloat.database.load_database", lambda path, name: held)
+    buoy, found = linear_buoy(study, "some.nc")
+    assert found.labels == basis.labels
+    np.testing.assert_allclose(buoy.structural_damping, expected, rtol=1e-12, atol=1e-9)
+    assert np.diag(expected)[np.logical_not(rigid)].all()
+    assert (buoy.pto.damping, buoy.chamber) == (0.0, 0.0)
+
+
+def test_a_buoy_whose_database_holds_heave_alone_is_a_rigid_one(seed, monkeypatch):
+    held = xr.Dataset(coords={"influenced_dof": ["Heave"]})
+    monkeypatch.setattr("vsb.scenes.afloat.database.load_database", lambda path, name: held)
+    buoy, basis = linear_buoy(varied(seed, designs={"FSB": {"flexible": False}}), "some.nc")
+    assert basis.labels == ("Heave",)
+    assert buoy.structural_damping.tolist() == [[0.0]]

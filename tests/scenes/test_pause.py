@@ -32,6 +32,7 @@ from vsb.scenes.pause import (
     best_pause,
     best_pause_in_sea,
     refined_pause,
+    strongest,
     windowed_power,
     with_pause,
 )
@@ -466,3 +467,43 @@ def test_a_damper_that_tuning_is_to_find_is_found_with_its_pause(tmp_path_factor
     assert law.damping == design.notes["tuned_damping"] < 0.5 * alone
     assert law.pause == design.notes["pause"] > 0.5
     assert design.notes["pause_power"] > 1.5 * settled_power(System.of(with_pause(design.scene, 0.0, alone)))[0]
+
+
+@pytest.mark.parametrize("slope", [1.0, -1.0])
+def test_no_pause_is_tried_below_none_or_beyond_the_longest(slope, monkeypatch):
+    """Where power rises up to one of them that is the best, with its whole power."""
+    asked = []
+
+    def power(damper, pause):
+        asked.append(pause)
+        return 5.0 + slope * pause
+
+    longest, end = 1.3, 1.3 if slope > 0 else 0.0
+    for best in (best_pause(lambda pause: power(0.0, pause), longest), best_pair(power, [1.0, 10.0], longest)[1]):
+        assert best.pause == end
+        assert best.power == 5.0 + slope * end
+    monkeypatch.setattr(Trials, "power", lambda _, system: power(0.0, system.scene.law.pause))
+    sea = regular(np.pi / longest)
+    near = refined_pause(scene(TakeOff(B, 2.0), sea), BestPause(end, 1.0, 0.1), sea, SETTINGS)
+    assert near == (end, 5.0 + slope * end, pytest.approx(KNOWN_WET * longest))
+    assert 0.0 <= min(asked) < max(asked) <= longest
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "at"), [([0.5, -2.0, 1.5j], 2.0), ([0.5, 1.0, -3j], 3.0), ([-1.0, 0.9, 0.0], 1.0)]
+)
+def test_the_strongest_component_of_a_sea_is_that_of_the_largest_amplitude_whatever_its_phase(amplitude, at):
+    assert strongest(Sea(np.array([1.0, 2.0, 3.0]), np.array(amplitude, dtype=complex))) == at
+
+
+def test_a_damper_goes_as_far_as_its_neighbours_are_on_the_average_apart():
+    """Of three tried, unequally far apart, half of what the outer ones are: where power grows with it alone."""
+    damper, _ = best_pair(lambda c, pause: c**0.1, [1.0, 50.0, 100.0], 1.0)
+    assert np.log(damper / 100.0) / np.log(10.0) == pytest.approx(1 + 1 / 2 + 1 / 4 + 1 / 8, abs=0.1)
+
+
+def test_a_take_off_keeps_its_damper_where_only_its_pause_changes():
+    held = scene(TakeOff(B, 2.0, 7.0, 30.0, rest=0.2), regular(2.0))
+    for damping, expected in ((None, 2.0), (0.0, 0.0), (3.0, 3.0)):
+        law = with_pause(held, 0.4, damping).law
+        assert (law.pause, law.damping, law.stiffness, law.limit, law.rest) == (0.4, expected, 7.0, 30.0, 0.2)

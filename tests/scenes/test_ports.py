@@ -3,12 +3,15 @@
 import numpy as np
 import pytest
 from conftest import varied
+from scipy.linalg import block_diag
 
 from vsb.hydro.coefficients import Coefficients
 from vsb.hydro.dofs import displacements
+from vsb.motion.port import port_direction
 from vsb.scenes.directions import order_bases
 from vsb.scenes.ports import POINTS, ShapeWater, _of_shell, design_ports, designs_in_waves, shell_shapes
-from vsb.scenes.rest import reference_shell
+from vsb.scenes.rest import design_motions, reference_shell
+from vsb.shell.orders import semi_normalisation, semi_normalised
 from vsb.study.blocks import HydroPlan
 
 OMEGA = np.linspace(0.5, 3.0, 26)
@@ -147,3 +150,97 @@ def test_of_shells_of_several_materials_each_has_its_own_coefficients(study):
         for one, other in zip(shared.in_modes(bases[which]), alone[which], strict=True):
             np.testing.assert_array_equal(one, other)
     assert np.abs(alone[0].added_mass / alone[2].added_mass - 1).max() > 0.01
+
+
+def test_gas_before_a_take_off_of_the_volume_holds_the_shell_where_it_is_shut_and_not_where_it_is_open(study):
+    """Shut, all moves as beside a take-off of heave that does nothing; open to the air, as without the gas."""
+    gas = {"device": {"gas": {"adiabatic_index": 1.4}}, "pto": {"stiffness": 0.0}}
+    changes = {
+        "volume": gas | {"pto": {"port": "volume", "stiffness": 0.0}},
+        "heave": gas,
+        "vented": {"pto": gas["pto"]},
+    }
+    waves = {}
+    for name, change in changes.items():
+        own = varied(study, **change)
+        waves[name] = designs_in_waves(own, reference_shell(own), water(own))
+    for design in ("VSWEC", "VSWEC90"):
+        opened, held, vented = (waves[name][design] for name in ("volume", "heave", "vented"))
+        for moved, expected in ((opened.position(1e15, 0.0), held), (opened.position(0.0, 0.0), vented)):
+            np.testing.assert_allclose(moved, expected.moved[0], rtol=1e-6, atol=1e-8 * np.abs(expected.moved[0]).max())
+        assert np.abs(held.moved[0] / vented.moved[0] - 1).max() > 0.01
+        loose = reference_shell(varied(study, **changes["vented"]))
+        b, free = port_direction("volume", loose.shape), design_motions(study, loose.basis, design)
+        yields = b @ free @ np.linalg.solve(free.T @ loose.total @ free, free.T @ b)
+        chamber = 4 / 3 * np.pi * 2.0**3 / (1.4 * 101325.0)
+        assert opened.port.compliance == pytest.approx(yields + chamber, rel=1e-9)
+
+
+PLANAR = {
+    "motion": "planar", "modes": {"degree": 3, "order": 2}, "mooring": [2e4, 0, 0, 0, 0, 0],
+    "device": {**BALANCED, "damping": {"alpha": 0.3, "beta": 2e-3}},
+    "pto": {"port": {"line_to": [12.0, -9.0], "line_from": [0.3, -1.0]}, "damping": 8e3, "stiffness": SPRING},
+}  # fmt: skip
+
+
+def ring_of(order, colatitude, mass, loss, pull, highest=3):
+    """Water as of `water`, of an order: what it knows of a shape is how far one ring moves, all around."""
+    solved = displacements([f"Radial{n}" for n in range(order, highest + 1)], order)
+    ring = np.array([
+        semi_normalised(each.degree, order, np.array([colatitude]))[0, 0] / semi_normalisation(each.degree, order)
+        for each in solved
+    ])  # fmt: skip
+    product, every = np.outer(ring, ring), OMEGA[:, None, None]
+    excitation = np.tile(pull * ring, (len(OMEGA), 1))
+    return ShapeWater(solved, OMEGA, Coefficients(mass * product + 0 * every, loss * every * product, excitation))
+
+
+@pytest.mark.parametrize("design", ["FSB", "VSWEC", "VSWEC90"])
+def test_a_line_is_the_port_of_all_orders_it_reaches_each_with_its_own_water_mass_damping_and_stiffness(seed, design):
+    """One system of all degrees of freedom, put together and solved anew."""
+    study = varied(seed, **PLANAR)
+    reference = reference_shell(study)
+    basis, families = reference.basis, order_bases(study, reference.basis)
+    at = np.array([2.0])
+    kinds = {1: (3e3, 700.0, 4e4 * (0.6 + 0.8j)), 2: (900.0, 200.0, 1e4 * (0.8 - 0.6j))}
+    orders = tuple(ring_of(order, 2.0, *kind) for order, kind in kinds.items())
+    axial = water(study)
+    found = designs_in_waves(study, reference, ShapeWater(axial.displacements, OMEGA, axial.coefficients, orders))[
+        design
+    ]
+    radial = [basis.displacement(at)[0][:, 0], *(each.field(at).radial[:, 0] for each in families)]
+    kinds = [(4e3, 1e3, 5e4), *kinds.values()]
+    mass, loss = (
+        block_diag(*(kind[i] * np.outer(v, v) for kind, v in zip(kinds, radial, strict=True))) for i in (0, 1)
+    )
+    pull = np.concatenate([kind[2] * v for kind, v in zip(kinds, radial, strict=True)])
+    labels = [*basis.labels, *(label for each in families for label in each.labels)]
+    stiffness = block_diag(
+        reference.total,
+        *(each.stiffness + each.hydrostatic_stiffness(study.centre_height, 1025.0, 9.81) for each in families),
+    )
+    stiffness[labels.index("Surge"), labels.index("Surge")] += 2e4
+    inertia, damping = (
+        block_diag(*(getattr(each, name) for each in (basis, *families))) for name in ("inertia", "damping")
+    )
+    b = port_direction(study.pto.port, reference.shape, families)
+    free = design_motions(study, basis, design)
+    still, driven, moved = [], [], []
+    for w in OMEGA:
+        impedance = -(w**2) * (inertia + mass) - 1j * w * (damping + w * loss) + stiffness
+        forced = free @ np.linalg.solve(free.T @ impedance @ free, free.T @ np.array([pull, b], dtype=complex).T)
+        still.append(-1j * w * b @ forced[:, 0])
+        driven.append(-1j * w * b @ forced[:, 1])
+        loaded = impedance + (SPRING - 1j * w * 8e3) * np.outer(b, b)
+        moved.append(free @ np.linalg.solve(free.T @ loaded @ free, free.T @ pull))
+    np.testing.assert_allclose(found.port.velocity, still, rtol=1e-9)
+    np.testing.assert_allclose(found.port.admittance, driven, rtol=1e-9)
+    assert np.linalg.norm(np.real(driven) / found.port.admittance.real - 1, np.inf) < 1e-7
+    under = b @ free @ np.linalg.solve(free.T @ stiffness @ free, free.T @ b)
+    assert found.port.compliance == pytest.approx(under, rel=1e-9)
+    together = found.position(8e3, SPRING)
+    np.testing.assert_allclose(together, moved, rtol=1e-8, atol=1e-9 * np.abs(moved).max())
+    heave, shell = found.motion.under(found.port, found.port.load(8e3, SPRING))
+    np.testing.assert_allclose(heave, together[:, 0], rtol=1e-10)
+    expected = _of_shell(together, shell_shapes(basis, families))
+    np.testing.assert_allclose(shell, expected, rtol=1e-9, atol=1e-10 * np.abs(together).max())
