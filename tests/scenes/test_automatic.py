@@ -11,7 +11,7 @@ from conftest import varied
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vsb.errors import StabilityError
+from vsb.errors import ConvergenceError, StabilityError
 from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.harmonic_balance import harmonic_balance, steady_power
 from vsb.scenes import automatic
@@ -374,3 +374,79 @@ def test_where_coefficients_have_no_steady_motion_to_act_on_the_whole_memory_sta
     steady, linear = len(omega) == 1 and body_exact, len(omega) > 0 and not body_exact
     assert power == 2 * [7.0 if steady else pytest.approx(100.0 * 0.2**2 * sum(omega)) if linear else whole]
     assert found == ([(whole, automatic.PRECISION, "coefficients")] if steady else [])
+
+
+class Apart(Told):
+    """Powers lost at each degree and with so many states, by linear theory and on the wet shell."""
+
+    def __init__(self, modes, states):
+        super().__init__(nonlinear=(0.05, 0.05))
+        self.modes, self.states = modes, states
+
+    def power(self, d):
+        lost = 0.05 * (d.degree < self.modes[d.body_exact])
+        cut = 0.02 * (0 <= d.memory < self.states[d.body_exact])
+        return 100.0 * (1 + lost) * (1 + cut) / (1.05 if d.body_exact else 1.0)
+
+
+@pytest.mark.parametrize(
+    ("modes", "states", "degree", "memory"),
+    [
+        ((2, RIGID), (4, 2), 2, 4),  # what linear theory needs stays
+        ((RIGID, 1), (2, 6), 1, 6),  # the wet shell needs more
+        ((1, 3), (6, 4), 3, 6),
+        ((0, 0), (8, 8), 0, 8),
+    ],
+)
+def test_on_the_wet_shell_no_less_is_kept_than_linear_theory_needs(modes, states, degree, memory):
+    choice = chosen(Apart(modes, states), 0.01)
+    assert choice.description == (degree, memory, True)
+    lost = {f"memory_beyond_{memory}_states": 0.0} | ({} if degree == 3 else {"modes_above_degree": 0.0})
+    assert {item.what: item.error for item in choice.left_out} == lost
+
+
+def test_what_is_left_out_of_a_body_exact_scene_is_measured_on_the_wet_shell():
+    """By linear theory it would be nothing."""
+
+    class Wet(Told):
+        def power(self, d):
+            cut, lost = 1e-3 * (d.memory == 2), 2e-3 * (d.degree < 3)
+            return 100.0 * ((1 + cut + lost) / 1.05 if d.body_exact else 1.0)
+
+    choice = chosen(Wet(), 0.01)
+    assert choice.description == (RIGID, 2, True)
+    errors = {item.what: item.error for item in choice.left_out}
+    expected = {"memory_beyond_2_states": 1e-3 / 1.002, "shell_modes": 2e-3 / 1.001}
+    assert errors == {what: pytest.approx(error, rel=2e-3) for what, error in expected.items()}
+
+
+@pytest.mark.parametrize("error", [ConvergenceError("does not settle"), StabilityError("grows")])
+def test_a_body_exact_power_that_cannot_be_had_leaves_the_linear_error_of_the_whole_memory(error):
+    """That of all modes: 3 of the coefficients' 100 W."""
+
+    class Lost(Told):
+        def power(self, d):
+            if d.body_exact:
+                raise error
+            return 103.0 if d.degree == 3 else 90.0
+
+        def power_of_coefficients(self, degree, body_exact):
+            assert not body_exact
+            return 100.0 if degree == 3 else 80.0
+
+    choice = chosen(Lost(), 0.5)
+    assert (choice.description, choice.scene, choice.unmeasured) == (Told.full, Told.full, str(error))
+    assert [tuple(item) for item in choice.left_out] == [("memory_beyond_8_states", pytest.approx(0.03))]
+    assert choice.notes["unmeasured"] == str(error)
+    assert choice.notes["model"] == "body_exact"
+
+
+@pytest.mark.parametrize(
+    ("description", "text"),
+    [
+        (Description(RIGID, 4, False), "linear, rigid, 4 memory states"),
+        (Description(0, 6, True), "body-exact, shell modes to degree 0, 6 memory states"),
+    ],
+)
+def test_a_description_in_words(description, text):
+    assert description.text == text

@@ -9,6 +9,7 @@ from hydro.formats.test_capytaine import LABELS, dataset
 
 from vsb.errors import ConfigError
 from vsb.hydro.formats.capytaine import read_capytaine
+from vsb.hydro.formats.modes import volume_of
 from vsb.scenes.body import check_water, chosen, complete_body, dry_database, with_entries, within_band
 from vsb.study.body import Body
 from vsb.study.body_file import BodyFile
@@ -166,3 +167,59 @@ def test_a_mesh_whose_modes_have_no_matrix_of_their_own_has_none_before_it_is_so
     whole = BARGE.body(1, 1025.0)
     known, left = (set(dry_database(body, file)) for body in (whole, replace(whole, **{given: None})))
     assert known - left == {stored}
+
+
+@pytest.mark.parametrize("kept", [["spar__Heave"], ["float__Heave"], None])
+def test_a_body_of_some_degrees_of_freedom_has_their_rows_of_all_its_matrices(theirs, kept):
+    labels = [str(label) for label in theirs.influenced_dof.values]
+    numbers = {name: size + np.array([[1.0, 0.3], [0.3, 7.0]]) for name, size in (("mass", 20), ("damping", 40))}
+    numbers["stiffness"] = 60 + np.array([[1.0, 0.2], [0.2, 5.0]])
+    given = {name: tuple(map(tuple, matrix)) for name, matrix in numbers.items()}
+    hydrostatic = np.array([[9.0, 4.0], [2.0, 11.0]])
+    found = complete_body(Body(database="-", **given), kept, theirs.assign(hydrostatic_stiffness=(PAIR, hydrostatic)))
+    at = np.ix_(*[[labels.index(label) for label in kept or labels]] * 2)
+    assert found.labels == tuple(kept or labels)
+    np.testing.assert_array_equal(found.mass, numbers["mass"][at])
+    np.testing.assert_array_equal(found.structural_damping, numbers["damping"][at])
+    even = np.array([[9.0, 3.0], [3.0, 11.0]])
+    np.testing.assert_allclose(found.stiffness, (numbers["stiffness"] + even)[at], rtol=1e-14)
+
+
+def test_still_frequencies_are_left_out_and_the_highest_is_kept_but_for_round_off(theirs):
+    """Told after what was told before; those left out are counted."""
+    more = theirs.reindex(omega=[0.0, 0.5, 0.7, 0.9, 1.0, 1.2], method="nearest").assign_attrs(history="read")
+    for highest, left, told in ((None, [0.5, 0.7, 0.9, 1.0, 1.2], 1), (1.0 - 5e-10, [0.5, 0.7, 0.9, 1.0], 2)):
+        cut = within_band(more, highest)
+        np.testing.assert_array_equal(cut.omega, left)
+        assert cut.attrs["history"] == f"read; left out: {told} frequencies"
+    assert within_band(more.drop_attrs(), None).attrs["history"] == "left out: 1 frequencies"
+    with pytest.raises(
+        ConfigError,
+        match=r"^hydro.omega_max: received 0.999 rad/s, which leaves 3 of 6 frequencies of the database; needs 4 or ",
+    ):
+        within_band(more, 0.999)
+    with pytest.raises(ConfigError, match=r"^hydro.omega_max: received inf rad/s, which leaves 2 of 3 frequencies"):
+        within_band(more.isel(omega=slice(0, 3)), None)
+
+
+def test_two_entries_of_different_motions_in_any_order_of_their_names():
+    held = np.diag([1.0, 2.0, 3.0])
+    found = with_entries("mass", {"c a": -0.5, "b": 7.0}, ["a", "b", "c"], held)
+    np.testing.assert_array_equal(found, [[1.0, 0.0, -0.5], [0.0, 7.0, 0.0], [-0.5, 0.0, 3.0]])
+    np.testing.assert_array_equal(held, np.diag([1.0, 2.0, 3.0]))
+
+
+def test_water_a_displacement_has_no_mass_without_is_a_millionth_of_what_it_moves():
+    """A box afloat: heave moves the water under its bottom, 20 m by 8 m; a unit of it goes with the box' diagonal."""
+    from motion.test_bodies import BARGE
+
+    file = BodyFile(
+        body="barge", mesh="-", modes="-", omega=(0.5, 1.0), wave_direction=(0.0,), water={"density": 900.0}
+    )
+    ds = dry_database(BARGE.body(1, 900.0), file)
+    diagonal = np.sqrt(20.0**2 + 8.0**2 + 3.0**2)
+    assert float(ds.added_mass_inf[0, 0]) == pytest.approx(1e-6 * 900.0 * diagonal * 160.0, rel=1e-9)
+    assert ds.attrs["water_density"] == 900.0
+    assert ds.attrs[volume_of("")] == pytest.approx(480.0)
+    assert ds.omega.values.tolist() == [0.5, 1.0]
+    assert float(ds.hydrostatic_stiffness[0, 0]) == pytest.approx(900.0 * 9.81 * 160.0)

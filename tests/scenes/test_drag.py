@@ -1,6 +1,7 @@
 """The drag of a study in its scenes, its linear theory, its ladder and its ledger."""
 
 import itertools
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,10 +12,12 @@ from vsb.integrators.simulate import suited
 from vsb.results.ladder import study_ladder
 from vsb.results.run_checks import drag_check
 from vsb.scenes.build import TUNED, body_exact_design, linear_design
-from vsb.scenes.drag import LINEARISED, coefficients, flow
+from vsb.scenes.drag import LINEARISED, coefficients, dragged, flow
 from vsb.study.drag import Drag
 from vsb.study.plan import StudyPlan
+from vsb.study.sections import Water
 from vsb.study.study import parse
+from vsb.waves.dispersion import wavenumber
 
 WAVE = {"kind": "regular", "amplitude": 0.5, "period": 4.0}
 PLATE = {"heave": {"coefficient": 1.0, "area": 12.57}}
@@ -134,3 +137,23 @@ def test_linear_theory_of_drag_knows_the_spring_of_the_take_off(small, stiffness
     )
     assert sprung.notes[LINEARISED] == pytest.approx(harmonic_balance(sprung.system).power.pto, rel=5e-3)
     assert abs(sprung.notes[LINEARISED] / free.notes[LINEARISED] - 1) > 0.05
+
+
+@pytest.mark.parametrize("towards", [0.0, 30.0, 120.0, -90.0])
+def test_the_water_moves_along_its_way_and_upwards_by_depth_and_direction(towards):
+    """w cosh k(z + d)/sinh kd along x and y by their shares, -i w sinh k(z + d)/sinh kd upwards; it does not turn."""
+    plate, vane = {"coefficient": 1.0, "area": 1.0}, {"coefficient": 1.0, "area": 1.0, "lever": 2.0}
+    drag = Drag(surge=plate, sway=plate, heave=plate, roll=vane, pitch=vane, yaw=vane)
+    run = SimpleNamespace(drag=drag, water=Water(depth=10.0, gravity=9.6), draft=3.0)
+    omega = np.array([0.7, 1.9])
+    k = np.array([wavenumber(w, 10.0, 9.6) for w in omega])
+    along = omega * np.cosh(k * 8.5) / np.sinh(k * 10.0)
+    expected = np.zeros((2, 6), dtype=complex)
+    expected[:, 0], expected[:, 1] = np.cos(np.deg2rad(towards)) * along, np.sin(np.deg2rad(towards)) * along
+    expected[:, 2] = -1j * omega * np.sinh(k * 8.5) / np.sinh(k * 10.0)
+    np.testing.assert_allclose(flow(run, omega, towards), expected, rtol=1e-10, atol=1e-15)
+
+
+def test_a_drag_acts_on_the_motion_of_its_name_alone():
+    drag = Drag(heave={"coefficient": 1.0, "area": 1.0}, surge={"coefficient": 1.0, "area": 2.0})
+    np.testing.assert_array_equal(dragged(drag, ["Heave", "Membrane2", "Surge"]), [[0, 0, 1], [1, 0, 0]])

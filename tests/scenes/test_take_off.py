@@ -11,6 +11,7 @@ from benchmarks.hard_cases import hydro_files
 from vsb.errors import ConfigError
 from vsb.integrators.simulate import legs
 from vsb.integrators.switching import switched
+from vsb.motion import drag
 from vsb.motion.forces import Damper, Excitation, Spring, SpringDamper
 from vsb.motion.port import Port, port_direction
 from vsb.motion.pto import LinearPto
@@ -250,3 +251,57 @@ def test_on_the_wet_shell_a_port_of_the_shell_takes_what_linear_theory_says_in_s
     held = followed("body_exact", 0.16, law="saturated", force_limit=0.5 * force)
     assert held[1] == pytest.approx(0.5 * force)
     assert 0.3 * power < held[0] < power
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_springs_and_strokes_count_from_where_the_buoy_rests(plant, law):
+    """In the stroke of its port, b N y; a friction has no spring."""
+    b, motions, rest = np.array([1.0, -0.5]), np.array([[1.0, 0.0], [0.0, 2.0]]), np.array([0.3, -0.7])
+    resting = replace(plant, motions=motions, origin=rest)
+    pto = Pto(law=law, damping=4.0, stiffness=6.0 if law != "coulomb" else 0.0, force_limit=3.0, stroke_limit=0.2)
+    scene = with_take_off(resting, pto, LinearPto(4.0, 6.0, b))
+    force, stop = scene.law, scene.stop
+    assert force.rest == stop.rest == pytest.approx(0.3 - 0.5 * 2 * -0.7)
+    assert (force.limit, stop.stroke) == (3.0, 0.2)
+    assert (force.damping, force.stiffness) == ((np.inf, 0.0) if law == "coulomb" else (4.0, 6.0))
+    for one in (force, stop):
+        np.testing.assert_array_equal(one.direction, b)
+    pushed = np.linalg.solve(motions.T @ plant.mass @ motions, motions.T @ b) @ (motions.T @ b)
+    yields = b @ np.linalg.solve(np.diag([50.0, 400.0]), b)
+    assert stop.stiffness == pytest.approx(100.0 / yields, rel=1e-12)
+    assert stop.damping == pytest.approx(2 * np.sqrt(stop.stiffness / pushed), rel=1e-12)
+
+
+@pytest.mark.parametrize("efficiency", [1.0, 0.6])
+def test_a_tuned_damper_is_that_of_what_the_efficiency_leaves_of_power_both_ways(efficiency):
+    """Beside a spring it is heavier the more is lost on the way forth and back."""
+    seas, stiffness = [regular(2.0), regular(1.1, 0.5)], -4.0
+    omega = frequencies(seas)
+    port, together = OnePort().port(omega, None, None), squares(seas, omega).sum(axis=0, keepdims=True)
+    expected = best_dampers(port, together, stiffness, efficiency).damping[0]
+    found = tuned(seas, stiffness=stiffness, efficiency=efficiency, tuning="one")
+    assert found.damping == pytest.approx(expected, rel=1e-9)
+    assert abs(best_dampers(port, together, stiffness, 0.8).damping[0] / expected - 1) > 1e-3
+
+
+def test_beside_a_drag_a_damper_is_tuned_to_the_sum_of_the_seas_from_all_sides(monkeypatch):
+    """With the spring and the efficiency of the take-off; what has no waves is left out."""
+    seen = []
+    monkeypatch.setattr(drag, "best_damper", lambda *given: seen.append(given) or 55.0)
+    sides = [
+        RegularWave(kind="regular", amplitude=1.0, period=1.0, direction=direction) for direction in (0.0, 40.0, 0.0)
+    ]
+    seas = list(zip(sides, [regular(2.0), regular(1.1, 0.5j), NO_WAVES], strict=True))
+    floating = Afloat(OnePort(), {"A": np.eye(1)}, np.ones(1))
+    asked = []
+    found = tuned_take_off(
+        Pto(tuning="each", stiffness=-3.0, efficiency=0.7),
+        "A", floating, seas, lambda *given: asked.append(given) or "dragged",
+    )  # fmt: skip
+    assert (found.damping, found.stiffness, found.port) == (55.0, -3.0, floating.port)
+    ((afloat, design, going),) = asked
+    assert (afloat, design) == (floating, "A")
+    assert {at: omega.tolist() for at, omega in going.items()} == {0.0: [2.0], 40.0: [1.1]}
+    ((port, amplitudes, stiffness, efficiency),) = seen
+    assert (port, stiffness, efficiency) == ("dragged", -3.0, 0.7)
+    np.testing.assert_allclose(amplitudes, [[1.0, 0.0], [0.0, 0.25]])
