@@ -1,16 +1,26 @@
 """The scene of one design in one sea, from the files of a finished study, by its model."""
 
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from conftest import varied
+from conftest import only_run, varied
 
 from vsb.errors import DatabaseError
+from vsb.motion.forces import Damper, Spring
+from vsb.motion.pto import LinearPto
+from vsb.motion.scene import Scene
+from vsb.motion.take_off import TakeOff
+from vsb.scenes import build
 from vsb.scenes.afloat import linear_buoy
 from vsb.scenes.build import SCENES, _dampers
+from vsb.scenes.pause import NEAR, BestPause
 from vsb.scenes.rest import design_motions
+from vsb.study.body import BodyDesign
 from vsb.study.plan import StudyPlan
+from vsb.study.take_off import Pto
+from vsb.study.waves import RegularWave
 from vsb.waves.seas import Sea
 
 
@@ -99,3 +109,169 @@ def test_a_damper_that_pauses_is_sought_between_the_resistance_and_the_best_one_
         port=lambda omega, motions, direction: SimpleNamespace(impedance=np.array([resistance - 4e3j])),
     )
     assert _dampers(floating, np.eye(2), wave) == pytest.approx(tried)
+
+
+def assumed(seed, design="VSWEC", **changes):
+    """The scene of one design under an assumed pressure, and of its study."""
+    hydro = {"model": "assumed_pressure", "pressure": 1800.0, "omega_max": 12.0}
+    study = varied(seed, hydro=hydro, designs={design: seed.designs[design].model_dump()}, **changes)
+    return SCENES["assumed_pressure"](only_run(study), {})
+
+
+@pytest.mark.parametrize("design", ["FSB", "VSWEC", "VSWEC90"])
+def test_an_assumed_pressure_acts_beside_the_damper_and_the_spring_of_its_own_design(seed, design):
+    dampers = {"FSB": 7e3, "VSWEC": 8e3, "VSWEC90": 9e3}
+    found = assumed(
+        seed, design, pto={"damping": {design: dampers[design]}, "stiffness": 2e4}, water={"density": 1010.0}
+    )
+    pto = found.scene.linear["pto"]
+    assert (pto.damping[0, 0], pto.stiffness[0, 0]) == (dampers[design], 2e4)
+    assert found.scene.water.specific_weight == pytest.approx(1010.0 * 9.81)
+    assert found.shape.centre_height != 0.0
+    assert not found.shape.modal_amplitude.any()
+    np.testing.assert_array_equal(found.scene.motions, design_motions(seed, found.shape.basis, design))
+    assert found.notes == {"model": "assumed_pressure"}
+
+
+def test_an_assumed_pressure_acts_beside_a_take_off_with_limits(seed):
+    """From where the deformed shell rests."""
+    found = assumed(seed, "FSB", pto={"stiffness": 2e4, "law": "saturated", "force_limit": 3e3, "stroke_limit": 0.2})
+    law = found.scene.law
+    assert (law.damping, law.stiffness, law.limit) == (8e3, 2e4, 3e3)
+    assert found.scene.stop.stroke == 0.2
+    assert law.rest == found.scene.stop.rest == pytest.approx(float(found.scene.rest[0]))
+
+
+WAVE = Sea(np.array([1.5]), np.array([0.1 + 0j]))
+
+
+def paused_scene(water=None):
+    """A mass on a spring whose take-off pauses, perhaps on a wet shell."""
+    forces = {"hydrostatic": Spring(np.eye(1)), "pto": TakeOff(np.ones(1), 5.0, 3.0, pause=0.0)}
+    return Scene(("Heave",), np.eye(1), forces | ({"water": water} if water else {}), np.eye(1))
+
+
+@pytest.mark.parametrize(("tuning", "tuned"), [("fixed", False), ("one", False), ("each", True)])
+def test_only_a_damper_of_its_own_sea_is_found_with_its_pause(monkeypatch, tuning, tuned):
+    """One for all seas stays what it is."""
+    asked = []
+    monkeypatch.setattr(build, "best_pause_in_sea", lambda *given: asked.append(given) or BestPause(0.4, 9.0, 0.1))
+    monkeypatch.setattr(
+        build, "best_pair_in_sea", lambda *given: asked.append(given) or (77.0, BestPause(0.5, 8.0, 0.2))
+    )
+    monkeypatch.setattr(build, "_dampers", lambda *given: given)
+    run = SimpleNamespace(pto=SimpleNamespace(tuning=tuning), simulation="settings")
+    floating = SimpleNamespace(pto=LinearPto(55.0))
+    found = build._paused("linear", run, WAVE, floating, "motions")
+    assert found == ((77.0, (0.5, 8.0, 0.2), {"tuned_damping": 77.0}) if tuned else (55.0, (0.4, 9.0, 0.1), {}))
+    assert asked == [("linear", WAVE, "settings", *([(floating, "motions", WAVE)] if tuned else []))]
+
+
+@pytest.mark.parametrize("wet", [False, True])
+@pytest.mark.parametrize("calm", [False, True])
+def test_a_pause_is_refined_on_the_wet_shell_with_the_damper_found_beside_it(monkeypatch, wet, calm):
+    """In waves: from the linear scene's, which is noted with how far from it others were tried."""
+    monkeypatch.setattr(Scene, "water", property(lambda scene: scene.forces.get("water")))
+    monkeypatch.setattr(build, "_linear", lambda run, at: "linear")
+    monkeypatch.setattr(
+        build, "_paused", lambda *given: asked.append(given) or (77.0, BestPause(0.5, 8.0, 0.2), {"a": 1})
+    )
+    refined, asked = [], []
+    monkeypatch.setattr(build, "refined_pause", lambda *given: refined.append(given) or BestPause(0.6, 7.0, 0.3))
+    sea = Sea(np.zeros(0), np.zeros(0, dtype=complex)) if calm else WAVE
+    at = SimpleNamespace(sea=sea, buoy="buoy", motions="motions")
+    run = SimpleNamespace(pto=Pto(damping=5.0, law="latching"), simulation="settings")
+    scene = paused_scene(Damper(np.zeros((1, 1))) if wet else None)
+    released, notes = build._released(scene, run, at)
+    assert asked == [("linear", run, sea, "buoy", "motions")]
+    best = (0.6, 7.0, 0.3) if wet and not calm else (0.5, 8.0, 0.2)
+    told = {"linear_pause": 0.5, "pause_tried": pytest.approx(NEAR * np.pi / 1.5)} if wet and not calm else {}
+    assert notes == {"a": 1, **told, **dict(zip(("pause", "pause_power", "pause_within"), best, strict=True))}
+    assert (released.law.pause, released.law.damping) == (best[0], 77.0)
+    assert len(refined) == (wet and not calm)
+    for begun, linear, waves, settings in refined:
+        assert (begun.law.pause, begun.law.damping) == (0.5, 77.0)
+        assert (linear, waves, settings) == ((0.5, 8.0, 0.2), sea, "settings")
+
+
+@dataclass(frozen=True)
+class Floating:
+    """Stands for a buoy or a body."""
+
+    labels: tuple[str, ...] = ("Heave", "Pitch")
+    database: str = "database"
+    pto: LinearPto | None = None
+    direction: float = 0.0
+    spectrum: str = "spectrum"
+
+
+SEAS = [RegularWave(kind="regular", amplitude=0.1 * i, period=2.0 + i, direction=20.0 * i) for i in (1, 2, 3)]
+
+
+@pytest.mark.parametrize("others", [(), SEAS[1:]])
+@pytest.mark.parametrize("law", ["linear", "saturated", "latching"])
+def test_a_body_in_its_sea_has_a_damper_of_the_seas_named_or_of_its_own(monkeypatch, others, law):
+    """Its waves go where they go; a take-off that switches is put in, and one that pauses is released."""
+    tuned, made = [], []
+    monkeypatch.setattr(build, "stored_body", lambda path: Floating())
+    monkeypatch.setattr(build, "study_sea", lambda run, wave, ds: (wave.label, ds))
+    monkeypatch.setattr(build, "body_memory", lambda path: path)
+    monkeypatch.setattr(
+        build, "tuned_take_off", lambda *given: tuned.append(given) or LinearPto(66.0, 2.0, given[2].port)
+    )
+    scene = Scene(
+        ("Heave", "Pitch"), np.eye(2), {"hydrostatic": Spring(np.eye(2)), "pto": Damper(np.eye(2))}, np.eye(2)
+    )
+    monkeypatch.setattr(build, "body_scene", lambda *given: made.append(given) or scene)
+    monkeypatch.setattr(build, "best_pair_in_sea", lambda *given: (77.0, BestPause(0.5, 8.0, 0.2)))
+    monkeypatch.setattr(build, "_dampers", lambda *given: given)
+    pto = Pto(tuning="each", law=law, force_limit=3e3)
+    designs = {"held": BodyDesign(dofs=("Heave",))}
+    run = SimpleNamespace(designs=designs, waves=SEAS[:1], seas=others, pto=pto, simulation=None)
+    found = build.body_design(run, {"database": "db", "radiation": "memory"})
+    ((given, design, afloat, seas),) = tuned
+    assert (given, design) == (pto, "held")
+    np.testing.assert_array_equal(afloat.port, [1.0, 0.0])
+    assert seas == [(wave, (wave.label, "database")) for wave in others or SEAS[:1]]
+    ((body, memory, waves, motions),) = made
+    assert (body.pto.damping, body.pto.stiffness, memory) == (66.0, 2.0, "memory")
+    assert waves == {np.deg2rad(20.0): (SEAS[0].label, "database")}
+    np.testing.assert_array_equal(motions, [[1.0], [0.0]])
+    pauses = {"pause": 0.5, "pause_power": 8.0, "pause_within": 0.2} if law == "latching" else {}
+    assert found.notes == {"model": "linear", "tuned_damping": 77.0 if pauses else 66.0, **pauses}
+    assert found.scene.law.limit == 3e3
+    assert (found.scene.law.pause, found.scene.law.damping) == ((0.5, 77.0) if pauses else (0.0, 66.0))
+    assert (found.shape, found.sea, found.spectrum) == (None, (SEAS[0].label, "database"), "spectrum")
+
+
+@pytest.mark.parametrize("others", [(), SEAS[1:]])
+@pytest.mark.parametrize("tuning", ["fixed", "one"])
+def test_a_buoy_in_its_sea_has_a_damper_of_the_seas_named_or_of_its_own(monkeypatch, others, tuning):
+    tuned, told = [], []
+    for name, known in {
+        "linear_buoy": lambda run, path: (Floating(), f"basis of {path}"),
+        "radiation_model": lambda path: f"memory of {path}",
+        "rest_shape": lambda *given: given[1:],
+        "design_motions": lambda run, basis, design: (basis, design),
+        "study_port": lambda run, buoy, basis: "port",
+        "sea": lambda wave, highest, duration: (wave.label, highest, duration),
+        "tuned_take_off": lambda *given: tuned.append(given) or LinearPto(66.0, 2.0),
+        "linearised": lambda *given: told.append(given) or {"linear": 1.0},
+    }.items():
+        monkeypatch.setattr(build, name, known)
+    run = SimpleNamespace(
+        designs={"A": None}, waves=SEAS[:1], seas=others, pto=Pto(tuning=tuning, damping=4.0), drag=None,
+        hydro=SimpleNamespace(omega_max=9.0), simulation=SimpleNamespace(duration=30.0),
+    )  # fmt: skip
+    at = build._from_bem(run, {"database": "db", "radiation": "rad"})
+    here, *rest = ((wave, (wave.label, 9.0, 30.0)) for wave in (SEAS[0], *others))
+    ((pto, design, floating, seas, drag),) = tuned
+    assert (pto, design, seas, drag) == (run.pto, "A", rest or [here], None)
+    assert (floating.motions, floating.port) == ({"A": ("basis of db", "A")}, "port")
+    ((_, _, _, damper, wave, sea),) = told
+    assert (damper.damping, wave, sea) == (66.0, *here)
+    assert (at.radiation, at.sea, at.shape) == ("memory of rad", here[1], (Floating(), "basis of db"))
+    assert at.buoy.direction == pytest.approx(np.deg2rad(20.0))
+    assert (at.buoy.pto.damping, at.buoy.pto.stiffness) == (66.0, 2.0)
+    assert at.notes == {"linear": 1.0} | ({} if tuning == "fixed" else {"tuned_damping": 66.0})
+    assert at.with_scene("scene", {"a": 2}, {"linear": 3.0}).notes == {**at.notes, "a": 2, "linear": 3.0}

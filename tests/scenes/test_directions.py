@@ -22,12 +22,16 @@ from vsb.scenes.directions import (
     check_upright,
     mooring_stiffness,
     order_bases,
+    order_stiffness,
     whole_labels,
     whole_stiffness,
 )
 from vsb.scenes.drag import LINEARISED
-from vsb.scenes.rest import check_spring, check_stable, design_motions, reference_shell
+from vsb.scenes.rest import check_spring, check_stable, design_motions, reference_shell, study_basis
 from vsb.scenes.viability import viability
+from vsb.shell.elastic import ElasticShell
+from vsb.shell.loaded import LoadedShell
+from vsb.shell.order_prestress import prestress_stiffness
 from vsb.stages import make
 from vsb.study.plan import StudyPlan
 from vsb.study.study import load, parse
@@ -548,3 +552,70 @@ def test_pressure_inside_holds_all_sides(folder):
     assert residual(energies(at.system, motion)) < 1e-9
     assert "prestress" in at.scene.forces
     assert labels[:4] == ["Heave", "Membrane0", "Membrane1", "Membrane2"]
+
+
+@pytest.mark.parametrize(("motion", "orders"), [("heave", []), ("planar", [1, 2]), ("free", [1, -1, 2, -2, 0])])
+@pytest.mark.parametrize("flexible", [True, False])
+def test_orders_beside_heave_are_those_of_the_motion_each_to_both_sides_where_it_is_free(motion, orders, flexible):
+    """A rigid buoy has the first alone; all are of the device's balance and damping."""
+    free = {"motion": "free", "device": {"ballast_yaw_inertia": 7e3, "damping": {"alpha": 0.2, "beta": 1e-3}}}
+    changes = free if motion == "free" else {"device": {"damping": {"alpha": 0.2, "beta": 1e-3}}}
+    designs = {"A": {"flexible": flexible}}
+    study = study_with(**changes, designs=designs)
+    if motion == "heave":
+        study = study.model_copy(update={"motion": "heave"})
+    found = order_bases(study, study_basis(study))
+    assert [each.signed for each in found] == [m for m in orders if flexible or abs(m) < 2]
+    for each in found:
+        assert each.ballast[:3] == (RAW["device"]["mass"], -0.6, 9e3)
+        assert each.ballast.yaw_inertia == (7e3 if motion == "free" else 0.0)
+        assert (each.alpha, each.beta) == ((0.2, 1e-3) if each.modes else (0.0, 0.0))
+        assert bool(each.modes) == (flexible and each.order > 0)
+
+
+def test_an_order_is_stiff_by_the_names_of_what_stiffens_the_shell(monkeypatch):
+    """Its own and the water's, under pressure inside its prestress, of gas none; all symmetric."""
+    monkeypatch.setattr(
+        LoadedShell, "linear_resultants", lambda load, phi: (load.pressure_inside + np.cos(phi), 9.0 * np.sin(phi))
+    )
+    inside = study_with(device={"internal_pressure": 3e4, "gas": {"adiabatic_index": 1.4}}, water={"density": 1010.0})
+    vented = study_with(water={"density": 1010.0})
+    for study, more in ((inside, {"prestress", "gas"}), (vented, set())):
+        reference = reference_shell(study)
+        for basis in order_bases(study, reference.basis):
+            found = order_stiffness(study, basis, reference)
+            assert set(found) == set(reference.stiffness) == {"structural", "hydrostatic"} | more
+            np.testing.assert_array_equal(found["structural"], basis.stiffness)
+            still = basis.hydrostatic_stiffness(study.centre_height, 1010.0, 9.81)
+            np.testing.assert_allclose(found["hydrostatic"], (still + still.T) / 2, rtol=1e-14)
+            assert not np.any(found.get("gas", 0.0))
+            for matrix in found.values():
+                np.testing.assert_array_equal(matrix, matrix.T)
+            if more:
+                elastic = ElasticShell(reference.basis)
+                load = LoadedShell(elastic, study.centre_height, 1010.0, 9.81, 3e4, study.device.gas)
+                expected = prestress_stiffness(basis, load)
+                np.testing.assert_allclose(found["prestress"], (expected + expected.T) / 2, rtol=1e-12, atol=1e-9)
+
+
+def test_a_mooring_acts_alike_from_every_motion_to_every_other():
+    """All six of them, in their order, whatever the order and number of the degrees of freedom."""
+    rows = np.arange(36.0).reshape(6, 6) - 20.0
+    rows = rows + rows.T
+    study = study_with(**FREE).model_copy(update={"mooring": rows.tolist()})
+    labels = ("Yaw", "Heave", "Membrane2", "Roll", "Surge", "Pitch", "Sway")
+    at = [5, 2, None, 3, 0, 4, 1]
+    expected = [[0.0 if i is None or j is None else rows[i, j] for j in at] for i in at]
+    np.testing.assert_array_equal(mooring_stiffness(study, labels)["mooring"], expected)
+
+
+@pytest.mark.parametrize(("lower", "name"), [(3, "roll"), (4, "pitch")])
+def test_the_way_a_free_buoy_falls_over_is_that_of_the_least_stiffness(lower, name):
+    """Both are below zero; the mooring holds one of them a little."""
+    held = np.zeros(6)
+    held[7 - lower] = 1e3
+    study = study_with(
+        **{**FREE, "mooring": held.tolist(), "device": {"centre_of_mass": 0.2, "ballast_yaw_inertia": 1.0}}
+    )
+    with pytest.raises(ConfigError, match=rf"stiffness of {name} -3\.369e\+04 N m\).* or a mooring that holds {name}$"):
+        check_upright(study, reference_shell(study))

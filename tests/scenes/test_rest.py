@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from conftest import varied
 
-from vsb.errors import ConfigError
+from vsb.errors import ConfigError, ConvergenceError
 from vsb.hydro import database, dofs, quality
 from vsb.hydro.panels import mesh as meshing
 from vsb.hydro.panels import rings as bem
@@ -18,7 +18,9 @@ from vsb.scenes.rest import (
     check_rests,
     check_spring,
     check_stable,
+    complete_loaded_shell,
     computed_buckling,
+    design_stiffness,
     reference_shell,
     seen_by_take_off,
     study_basis,
@@ -290,3 +292,108 @@ def test_a_shell_that_only_its_gas_holds_does_not_rest_once_that_can_leave(seed)
         check_stable(opened, seen_by_take_off(opened, reference_shell(opened))[0])
     with pytest.raises(ConfigError, match=r"device: the shell of design VSWEC is unstable"):
         check_before_run(opened, StudyPlan(opened))
+
+
+@pytest.mark.parametrize("gas", [None, {"adiabatic_index": 1.4}])
+def test_about_an_equilibrium_the_parts_of_the_stiffness_are_those_of_the_deformed_shell(seed, gas, monkeypatch):
+    """With trapped gas as well, which has left its volume; together they are the tangent there."""
+    monkeypatch.setattr(rest, "check_equilibrium", lambda study: None)
+    device = {"internal_pressure": 9e4, "young_modulus": 4e7, "gas": gas}
+    study = varied(seed, device=device, modes={"basis": "full", "degree": 2}, reference_shape="equilibrium")
+    reference = reference_shell(study)
+    loaded, q = loaded_shell(study, reference.basis), reference.modal_amplitude
+    tangent = loaded.stiffness(q)
+    assert reference.total == pytest.approx((tangent + tangent.T) / 2, abs=1e-11 * np.abs(tangent).max())
+    assert ("gas" in reference.stiffness) == (gas is not None)
+    assert np.abs(q[1:]).max() > 0.02
+    if gas:
+        assert reference.stiffness["gas"] == pytest.approx(loaded.gas_stiffness(q), rel=1e-9)
+
+
+def test_a_shell_may_be_told_in_another_basis_than_its_own(seed):
+    wider = mode_basis(seed.device, "full", 8)
+    reference = reference_shell(seed, wider)
+    assert reference.basis is wider
+    assert reference.total.shape == (len(wider.labels),) * 2
+    assert reference_shell(seed).basis.labels == study_basis(seed).labels != wider.labels
+
+
+def test_a_rigid_buoy_has_no_prestress_and_no_gas_whatever_is_inside_it(seed):
+    """Nor modes, though the study tells some."""
+    inside = {"internal_pressure": 3e4, "gas": {"adiabatic_index": 1.4}}
+    study = varied(seed, device=inside, designs={"FSB": {"flexible": False}, "other": {"flexible": False}})
+    reference = reference_shell(study)
+    assert reference.basis.labels == ("Heave",)
+    assert set(reference.stiffness) == {"structural", "hydrostatic"}
+
+
+def test_the_shell_that_shows_its_buckling_is_that_of_the_study(seed):
+    """Its device, water, height and contents; not its modes."""
+    study = varied(
+        seed,
+        device={"internal_pressure": 4e3, "gas": {"adiabatic_index": 1.3}, "mass": 12e3},
+        water={"density": 1010.0, "gravity": 9.7},
+    )
+    shell = complete_loaded_shell(study)
+    assert (shell.internal_pressure, shell.gas, shell.centre_height) == (4e3, study.device.gas, study.centre_height)
+    assert (shell.water_density, shell.gravity, shell.basis.total_mass) == (1010.0, 9.7, 12e3)
+    assert shell.basis.highest_degree > 40
+    own = loaded_shell(study, study_basis(study))
+    for name in ("internal_pressure", "gas", "centre_height", "water_density", "gravity"):
+        assert getattr(own, name) == getattr(shell, name)
+
+
+def test_the_design_that_is_unstable_is_named_wherever_it_stands(seed):
+    """Clamped at its equator the shell bears a vacuum that crushes it without; told with what it is made of."""
+    study = varied(
+        seed,
+        device={"internal_pressure": -60e3, "young_modulus": 2e7},
+        modes={"basis": "full", "degree": 6},
+        designs={"first": {"flexible": False}, "second": {}},
+    )
+    told = (
+        r"^device: the shell of design second is unstable \(least stiffness -[\d.e+]+ N/m\) with young_modulus 2e\+07 "
+        r"Pa, thickness 0.01 m and internal_pressure -60000 Pa; needs more of one of them$"
+    )
+    reference = reference_shell(study)
+    assert design_stiffness(study, reference, "first") > 0 > design_stiffness(study, reference, "second")
+    with pytest.raises(ConfigError, match=told):
+        check_stable(study, reference)
+
+
+@pytest.mark.parametrize("k", [-1e4, 0.0, 3e4])
+def test_the_least_stiffness_of_a_design_is_of_what_its_clamps_leave_with_a_spring_beside(seed, k):
+    """Of a rigid buoy that of its waterplane and the spring."""
+    reference = reference_shell(seed)
+    beside = k * np.eye(len(reference.basis.labels), 1) @ np.eye(1, len(reference.basis.labels))
+    rigid = RHO * G * np.pi * (seed.device.radius**2 - seed.centre_height**2)
+    assert design_stiffness(seed, reference, "FSB", beside) == pytest.approx(rigid + k, rel=1e-9)
+    clamped = reference.basis.clamped([np.pi / 2])
+    expected = np.linalg.eigvalsh(clamped.T @ (reference.total + beside) @ clamped)[0]
+    assert design_stiffness(seed, reference, "VSWEC90", beside) == pytest.approx(expected, rel=1e-9)
+
+
+def test_clamps_that_leave_no_mode_are_refused_with_those_there_are(seed):
+    study = varied(seed, designs={"VSWEC": {}, "held": {"clamp": [0, 40, 80, 120]}})
+    reference = reference_shell(study)
+    with pytest.raises(
+        ConfigError,
+        match=r"^designs.held.clamp: received \[0.0, 40.0, 80.0, 120.0\], which leaves none of the 7 shell modes free; ",
+    ):
+        check_stable(study, reference)
+
+
+def test_every_design_is_looked_at_whether_it_rests_in_the_water_as_it_is(seed, monkeypatch):
+    """In the water of the study, each with its own motions; the one that does not is named."""
+    asked = []
+
+    def still(reference, density, gravity, motions):
+        asked.append((density, gravity, motions.shape[1]))
+        if motions.shape[1] > 1:
+            raise ConvergenceError("it sinks")
+
+    monkeypatch.setattr("vsb.motion.builders.still_scene", still)
+    study = varied(seed, hydro={"model": "body_exact"}, water={"density": 1010.0, "gravity": 9.7})
+    with pytest.raises(ConfigError, match=r"^hydro.model: received 'body_exact' for design VSWEC, but it sinks$"):
+        check_rests(study, reference_shell(study))
+    assert asked == [(1010.0, 9.7, 1), (1010.0, 9.7, 8)]

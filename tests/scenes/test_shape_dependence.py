@@ -481,3 +481,36 @@ def test_a_slope_of_power_is_of_one_damper_on_heave_alone(small, pto):
         ConfigError, match=r"pto: received .*; shape dependence needs one damping, on heave, and no more"
     ):
         shapedependence.given_damper(other)
+
+
+def test_expansions_are_put_to_the_test_on_sizes_in_radii(dataset):
+    np.testing.assert_allclose(dataset.deformation, 2.0 * np.array([0.00625, 0.0125, 0.025, 0.05, 0.1]), rtol=1e-12)
+    assert dataset.expansion.values.tolist() == ["first", "second"]
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "verdict"),
+    [
+        ({"least": -0.2, "most": 0.1, "average": 0.002}, {"least": 0.0, "most": 0.03, "average": 0.02}, "matters"),
+        ({"least": -0.2, "most": 0.1, "average": 0.002}, {"least": 0.0, "most": 0.03, "average": -0.02}, "matters"),
+        ({"least": -0.2, "most": 0.1, "average": 0.002}, {"least": 0.0, "most": 0.03, "average": 0.01}, "averages out"),
+        ({"least": 0.002, "most": 0.01, "average": 0.002}, {"least": 0.0, "most": 0.003, "average": 0.0}, "may be ignored"),
+        ({"least": -0.0101, "most": 0.0, "average": 0.01}, {"least": 0.0, "most": 0.003, "average": 0.0}, "averages out"),
+        ({"least": 0.0, "most": 0.009, "average": 0.0, "rest": -0.0101}, {"least": 0.0, "most": 0.0, "average": 0.0}, "matters"),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("turned", [False, True])
+def test_what_lasts_in_any_run_matters_without_a_shape_at_rest_as_well(monkeypatch, first, second, verdict, turned):
+    """Told by the run of the largest change, of whichever sign, with its own numbers."""
+    designs, wave = ["FSB", "VSWEC"], "regular"
+    powers = (("design", "wave"), [[12.5, 70.0], [34.5, 80.0]])
+    known = xr.Dataset({"power_at_reference": powers}, {"design": designs, "wave": [wave, "another"]})
+    effects = {(designs[0], wave): first, (designs[1], wave): second}
+    effects = dict(reversed(effects.items())) if turned else effects
+    monkeypatch.setattr(shapedependence, "power_effects", lambda ds: effects)
+    rest = f"{100 * first['rest']:+.2g} % by that of the shape at rest" if "rest" in first else "no shape at rest found"
+    assert answer(known, "seed") == (
+        f"seed: the shape dependence {verdict} (limit 1 % of mean power): {designs[0]}, {wave}: 12.5 W changes by "
+        f"{100 * first['least']:+.2g} to {100 * first['most']:+.2g} % by the shapes of the motion, "
+        f"{100 * first['average']:+.2g} % on average, {rest}"
+    )

@@ -3,10 +3,12 @@
 import math
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from vsb.errors import ConfigError, ConvergenceError
 from vsb.motion.port import port_direction
 from vsb.results import ledger
 from vsb.scenes.rest import reference_shell
@@ -102,4 +104,58 @@ def test_no_shape_at_rest_is_a_reason_for_every_design(seed):
     assert set(found.reasons) == set(seed.designs)
     sentence = r"no equilibrium: the shell buckles at 0\.01\d+ of its load, into a shape of degree \d+"
     assert all(re.fullmatch(sentence, reason) for reason in found.reasons.values())
+    assert found.viable is None
+
+
+@pytest.mark.parametrize("error", [ConfigError("no shape"), ConvergenceError("it sinks; raise something")])
+@pytest.mark.parametrize("shape", ["equilibrium", "undeformed"])
+def test_only_where_a_shape_at_rest_is_asked_for_its_lack_is_a_reason(seed, monkeypatch, error, shape):
+    """About the sphere it is a mistake of the study, told as such."""
+
+    def none(study):
+        raise error
+
+    monkeypatch.setattr("vsb.scenes.viability.reference_shell", none)
+    monkeypatch.setattr("vsb.scenes.viability.buckling_margin", lambda study: 0.25)
+    study = seed.model_copy(update={"reference_shape": shape})
+    if shape == "undeformed":
+        with pytest.raises(type(error), match=str(error)):
+            viability(study)
+        return
+    found = viability(study)
+    assert (found.study, found.reference, found.margin, found.viable) == (study, None, 0.25, None)
+    assert found.reasons == dict.fromkeys(seed.designs, f"no equilibrium: {str(error).partition(';')[0]}")
+
+
+def test_buckling_is_computed_of_the_shell_in_its_water_at_one_modulus_whatever_else_the_study_says(seed, monkeypatch):
+    """Damping, depth and modes do not load it; what it buckles under goes with its own modulus."""
+    asked = []
+
+    def computed(study):
+        asked.append(study)
+        return SimpleNamespace(load_factor=8.0)
+
+    monkeypatch.setattr("vsb.scenes.viability.computed_buckling", computed)
+    device = {"thickness": 0.0123, "internal_pressure": 4e3, "young_modulus": 2e8}
+    study = varied(seed, device=device, water={"density": 987.0, "gravity": 9.7})
+    for change in ({}, {"device": {"damping": {"alpha": 3.0}}}, {"water": {"depth": 30.0}}, {"modes": {"degree": 3}}):
+        assert buckling_margin(varied(study, **change)) == pytest.approx(1 - 5.0 / 8.0, rel=1e-14)
+    (shell,) = asked  # once for all
+    assert shell.device.model_copy(update={"young_modulus": 2e8, "damping": study.device.damping}) == study.device
+    assert (shell.device.young_modulus, shell.water) == (1e9, study.water)
+    assert shell.centre_height == study.centre_height
+    gas = varied(study, device={"gas": {"adiabatic_index": 1.4}})
+    assert buckling_margin(gas) == 1 - 1.0 / 8.0
+    assert asked[1:] == [gas]
+
+
+def test_a_buoy_that_falls_over_is_not_viable_in_any_design(seed, monkeypatch):
+    monkeypatch.setattr("vsb.scenes.viability.buckling_margin", lambda study: -0.5)
+    raw = seed.model_dump() | {"motion": "planar"}
+    raw["device"] |= {"centre_of_mass": 0.1, "ballast_inertia": 9e3}
+    raw["modes"] |= {"degree": 2, "order": 1}
+    found = viability(parse(raw, source="top"))
+    assert found.reasons == dict.fromkeys(seed.designs, "does not stay upright")
+    assert found.reference is not None
+    assert found.margin == -0.5
     assert found.viable is None

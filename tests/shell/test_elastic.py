@@ -5,9 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from vsb.shell.deformed import enclosed
 from vsb.shell.elastic import ElasticShell, converged_degree
-from vsb.shell.modes import mode_basis
+from vsb.shell.mode import natural_shapes, scaled
+from vsb.shell.modes import ModeBasis, mode_basis
 from vsb.shell.sphere import Shell
+from vsb.study.meridian import capsule, spheroid
 
 
 @pytest.fixture(scope="module")
@@ -39,3 +42,43 @@ def test_degrees_that_resolve_buckling_grow_with_slenderness(thickness, degree):
     """1.6 sqrt(r/h) [12 (1 - nu^2)]^(1/4), at least 40."""
     shell = Shell(radius=2.0, thickness=thickness, young_modulus=1e7, poisson_ratio=0.3, density=2700.0)
     assert converged_degree(shell) == degree
+
+
+@pytest.mark.parametrize(
+    "meridian", [spheroid(2.0, 3.0), spheroid(2.0, 6.0), capsule(2.0, 1.0)], ids=["flat", "long", "capsule"]
+)
+def test_a_shell_of_another_meridian_has_its_area_volume_and_linear_stiffness(meridian):
+    """By its own quadrature; its bending is that of the curvatures of all degrees together."""
+    shell = Shell(2.0, 0.05, 10e6, 0.3, 2700.0, meridian)
+    basis = ModeBasis(shell, natural_shapes(shell, 4), 3000.0, bending=True)
+    elastic, q = ElasticShell(basis), np.zeros(len(basis.labels))
+    colatitude, area = elastic.rings
+    assert area.sum() == pytest.approx(meridian.area, rel=1e-11)
+    assert area @ shell.at_rest(colatitude).z == pytest.approx(0.0, abs=1e-9)
+    assert elastic.volume(q) == pytest.approx(meridian.volume, rel=1e-12)
+    stiffness = elastic.stiffness(q)
+    np.testing.assert_allclose(stiffness, basis.stiffness, atol=1e-9 * np.abs(stiffness).max())
+    np.testing.assert_allclose(elastic.bending[1:, 1:], basis.integrated("bending")[1:, 1:], atol=1e-6)
+
+
+@pytest.mark.parametrize("meridian", [None, spheroid(2.0, 6.0), capsule(2.0, 1.0)], ids=["sphere", "long", "capsule"])
+def test_volume_by_fewest_points_is_that_by_many_and_its_first_order_the_gradient(meridian):
+    """The meridian's own turns are beside those of the shapes: a polynomial of cos phi all the same."""
+    shell = Shell(2.0, 0.05, 10e6, 0.3, 2700.0, meridian)
+    modes = mode_basis_of(shell)
+    basis = ModeBasis(shell, modes, 3000.0, bending=True)
+    q = 0.1 * np.cos(np.arange(len(basis.labels)) + 0.3)
+    least, most = (enclosed(basis, q[None], points) for points in (0, 400))
+    assert least[0] == pytest.approx(most[0], rel=1e-13)
+    elastic = ElasticShell(basis)
+    assert elastic.volume(q) == pytest.approx(float(most[0][0]), rel=1e-13)
+    step = 1e-30j
+    along = np.imag(elastic.volume(q + step * np.ones(len(q)))) / 1e-30
+    assert elastic.volume_gradient(q).sum() == pytest.approx(along, rel=1e-11)
+
+
+def mode_basis_of(shell):
+    """Shapes up to the second degree."""
+    return (
+        natural_shapes(shell, 2) if shell.rest else (scaled("Membrane2", 2, 1.0, 0.3), scaled("Bending2", 2, 1.0, -0.6))
+    )

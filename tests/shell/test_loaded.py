@@ -25,6 +25,7 @@ from vsb.shell.loaded import (
 )
 from vsb.shell.modes import bending_block, membrane_block, mode_basis
 from vsb.shell.sphere import Shell
+from vsb.shell.strain import strain_shapes
 
 RHO, G = 1025.0, 9.81
 SHELL = Shell(radius=2.0, thickness=0.01, young_modulus=10e6, poisson_ratio=0.3, density=2700.0)
@@ -365,14 +366,17 @@ def test_the_pressure_that_carries_a_shell_of_gas_is_that_before_it_expands(seed
     assert buckling(dataclasses.replace(shell, internal_pressure=0.99 * pressure)).load_factor < 1.0
 
 
+@pytest.mark.parametrize("gas", [None, GAS])
 @pytest.mark.parametrize("pressure", [0.0, 8e3])
-def test_the_stiffness_is_singular_at_the_load_factor_with_heave_free(pressure):
-    loaded = floating(complete(16, dataclasses.replace(SHELL, thickness=0.08)), pressure, height=0.2)
+def test_the_stiffness_is_singular_at_the_load_factor_with_heave_free(pressure, gas):
+    """Trapped gas is as stiff as the factor's pressure makes it."""
+    loaded = floating(complete(16, dataclasses.replace(SHELL, thickness=0.08)), pressure, gas, height=0.2)
     zero = np.zeros(33)
     load = loaded.prestress_stiffness + loaded.hydrostatic_stiffness(zero)
 
     def least(factor):
-        return np.linalg.eigvalsh(loaded.unloaded_stiffness + factor * load).min()
+        stiffness = loaded.elastic.stiffness(zero) + loaded.scaled(factor).gas_stiffness(zero) + factor * load
+        return np.linalg.eigvalsh(stiffness).min()
 
     critical = buckling(loaded).load_factor
     assert least(critical * (1 - 1e-6)) > 0.0 > least(critical * (1 + 1e-6))
@@ -545,3 +549,56 @@ def test_clamps_hold(pressurised):
     assert loaded.basis.clamp_rows([0.0]) @ q == pytest.approx([0.0, 0.0], abs=1e-12)
     assert motions.T @ loaded.force(q) == pytest.approx(np.zeros(motions.shape[1]), abs=1e-6)
     assert abs(loaded.basis.pole_radial_displacement[1:] @ free[1:]) > 0.05
+
+
+def test_the_pressure_that_makes_a_shell_viable_does_not_know_what_is_inside_it_now(seed, monkeypatch):
+    monkeypatch.setattr("vsb.shell.loaded.converged_degree", lambda shell: 10)
+    found = []
+    for inside in (0.0, 7e3, -2e3):
+        device = seed.device.model_copy(update={"internal_pressure": inside})
+        pressure, held = viable_pressure(device, 0.3, seed.water)
+        found.append((pressure, held.load_factor))
+    assert found[0] == found[1] == found[2]
+    assert found[0][0] > 1e3
+
+
+@pytest.mark.parametrize(("pressure", "thickness"), [(3e3, 0.01), (-400.0, 0.02)])
+def test_a_shell_that_buckles_is_told_what_is_inside_it_and_how_thick_it_is(pressure, thickness):
+    loaded = floating(complete(12, dataclasses.replace(SHELL, thickness=thickness)), pressure)
+    told = rf"internal_pressure \(now {pressure:g} Pa, gauge\) or device\.thickness \(now {thickness:g} m\)$"
+    with pytest.raises(ConvergenceError, match=told):
+        equilibrium(loaded)
+
+
+@pytest.mark.parametrize("density", [700.0, 1300.0])
+def test_the_classical_factor_is_that_of_the_water_there(density):
+    loaded = dataclasses.replace(floating(complete(8), 4e3, height=0.5), water_density=density, gravity=9.6)
+    expected = SHELL.buckling_pressure / (density * 9.6 * 1.5 - 4e3)
+    assert buckling(loaded).classical_factor == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("stretched", [0, 1], ids=["along", "around"])
+def test_the_largest_linear_strain_is_of_either_direction_and_either_sign(stretched, sign):
+    """Of amplitudes to first order of the load that strain the shell a tenth more in one direction than in the other."""
+    loaded, random = floating(complete(6), 100.0), np.random.default_rng(3)
+    shapes = strain_shapes(loaded.basis, loaded.elastic.rings[0])[:2]
+    q, largest = np.zeros(13), [0.0, 0.0]
+    while not largest[stretched] > 1.1 * largest[1 - stretched]:
+        q = np.append(0.0, random.normal(size=12))
+        largest = [np.abs(q @ shape).max() for shape in shapes]
+    strain = q @ shapes[stretched]
+    loaded.__dict__["first_order"] = sign * np.sign(strain[np.abs(strain).argmax()]) * q
+    assert buckling(loaded).linear_strain == pytest.approx(largest[stretched], rel=1e-12)
+
+
+def test_a_shell_of_gas_that_can_only_breathe_gives_way_where_all_that_holds_it_is_gone():
+    """Its membrane, the gas at the pressure of that load, and what the pressure itself does, which grows with the load."""
+    loaded, pressure = weightless(complete(1), -2e3, GAS), -2e3
+    area, volume = 16 * np.pi, 32 / 3 * np.pi
+    membrane = loaded.elastic.stiffness(np.zeros(3))[1, 1]
+    held = membrane + 1.4 * 101325.0 * area**2 / volume
+    lost = -(1.4 * pressure * area**2 / volume + loaded.prestress_stiffness[1, 1])
+    found = buckling(loaded)
+    assert found.load_factor == pytest.approx(held / lost, rel=1e-11)
+    assert found.degree == 0

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.linalg import block_diag
 from scipy.optimize import brentq
 from scipy.special import assoc_legendre_p
 
@@ -15,6 +16,7 @@ from vsb.shell.orders import (
     Ballast,
     Field,
     OrderBasis,
+    all_clamp_rows,
     ballast_of,
     order_basis,
     semi_normalisation,
@@ -295,3 +297,49 @@ def test_stiffness_of_water_and_weight_is_the_second_derivative_of_their_energy(
         found = sum(signed) / (4 * 0.02**2)
         assert found == pytest.approx(stiffness[i, j], rel=0, abs=rtol * np.abs(stiffness).max()), (i, j)
         assert stiffness[j, i] == pytest.approx(stiffness[i, j], rel=0, abs=1e-13 * np.abs(stiffness).max())
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_the_odd_family_is_the_even_one_turned_roll_going_the_other_way(order):
+    """Sway for surge and minus roll for pitch: what couples roll with anything changes sign, nothing else does."""
+    even, odd = at_order(order), at_order(order).turned()
+    sign = np.ones(len(even.labels))
+    sign[1 : 2 if order == 1 else 1] = -1.0
+    assert odd.signed == -order == -even.signed
+    assert odd.labels == tuple(
+        {"Surge": "Sway", "Pitch": "Roll"}.get(label, label.replace("c", "s")) for label in even.labels
+    )
+    for matrix in ("inertia", "stiffness", "damping"):
+        np.testing.assert_array_equal(getattr(odd, matrix), getattr(even, matrix) * np.outer(sign, sign))
+    water = [each.hydrostatic_stiffness(HEIGHT, RHO, G) for each in (even, odd)]
+    np.testing.assert_array_equal(water[1], water[0] * np.outer(sign, sign))
+    if order == 1:
+        assert odd.inertia[0, 1] == pytest.approx(17170.0 * 0.4)
+        assert np.abs(water[0][1, 2:]).max() > 1.0
+
+
+def test_a_shell_in_the_air_is_held_by_its_weight_alone():
+    """Of pitch m g times the depth of the centre of mass, and what its bent shell weighs along; orders above 1 nothing."""
+    bent = at_order(1)
+    stiffness = bent.hydrostatic_stiffness(2.5, RHO, G)
+    membrane = [label.startswith("Membrane1") for label in bent.labels]
+    assert stiffness[1, 1] == pytest.approx(17170.0 * G * 0.4, rel=1e-12)
+    np.testing.assert_array_equal(stiffness, bent.hydrostatic_stiffness(50.0, RHO, G))
+    shell = np.asarray([bent._moments[i - 1] if i > 1 else 0.0 for i in range(len(bent.labels))])
+    np.testing.assert_allclose(stiffness[1, 2:], -G * shell[2:], rtol=1e-12, atol=1e-9)
+    assert not stiffness[2:, 2:].any()
+    assert any(membrane)
+    assert not at_order(2).hydrostatic_stiffness(2.5, RHO, G).any()
+
+
+def test_a_device_says_what_its_ballast_resists_about_the_axis():
+    turning = DEVICE.model_copy(update={"ballast_yaw_inertia": 700.0})
+    assert ballast_of(turning) == BALLAST._replace(yaw_inertia=700.0)
+
+
+def test_clamps_of_all_orders_are_those_of_each_beside_the_others_in_degrees():
+    ring, orders = mode_basis(DEVICE, "full", 3), [at_order(1), at_order(2)]
+    clamps = (35.0, 110.0)
+    at = [np.pi * 35 / 180, np.pi * 110 / 180]
+    expected = block_diag(ring.clamp_rows(at), *(each.clamp_rows(at) for each in orders))
+    np.testing.assert_allclose(all_clamp_rows(clamps, ring, iter(orders)), expected, rtol=1e-12, atol=1e-14)

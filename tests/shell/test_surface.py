@@ -5,10 +5,14 @@ import pytest
 
 from vsb.shell import surface
 from vsb.shell.deformed import enclosed
-from vsb.shell.modes import mode_basis
+from vsb.shell.mode import natural_shapes
+from vsb.shell.modes import ModeBasis, mode_basis
 from vsb.shell.orders import Ballast, goes_with_sine, order_basis, yaw
-from vsb.shell.surface import enclosed_in_orders, largest_deformation, largest_strain
+from vsb.shell.sphere import Shell
+from vsb.shell.strain import strain_shapes
+from vsb.shell.surface import enclosed_in_orders, largest_deformation, largest_displacement, largest_strain
 from vsb.study.device import Device
+from vsb.study.meridian import spheroid
 
 DEVICE = Device(radius=2.0, thickness=0.01, young_modulus=1e7, poisson_ratio=0.3, density=2700.0, mass=17170.0)
 RING = mode_basis(DEVICE, "full", 3)
@@ -112,3 +116,39 @@ def test_yaw_turns_every_point_about_the_axis():
     assert not basis.allowed(True, [0.3]).shape[1] > 1
     assert goes_with_sine("Membrane12s3")
     assert not goes_with_sine("Membrane12c3")
+
+
+OBLATE = Shell(2.0, 0.01, 1e7, 0.3, 2700.0, spheroid(2.0, 3.0))
+
+
+@pytest.mark.parametrize(
+    "basis", [RING, ModeBasis(OBLATE, natural_shapes(OBLATE, 4), 3000.0, True)], ids=["sphere", "oblate"]
+)
+@pytest.mark.parametrize("mode", [1, 2, 4])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_heave_neither_strains_a_shell_nor_moves_it_from_its_centre(basis, mode, sign):
+    """A mode moves it by its amplitude, and strains it along or around, whichever is more."""
+    q = sign * 0.1 * np.eye(len(basis.labels))[mode]
+    lifted = q + 5.0 * np.eye(len(basis.labels))[0]
+    along, around, _ = strain_shapes(basis, np.linspace(0.01, np.pi - 0.01, 20001))
+    largest = max(np.abs(q @ along).max(), np.abs(q @ around).max())
+    for one in (q, lifted):
+        assert largest_displacement(basis, one) == pytest.approx(0.1, rel=1e-3)
+        assert largest_strain(basis, one) == pytest.approx(largest, rel=1e-3)
+    assert q[mode] == sign * 0.1  # and is left as it was
+
+
+@pytest.mark.parametrize("most", ["along", "around"])
+@pytest.mark.parametrize(
+    "basis", [RING, ModeBasis(OBLATE, natural_shapes(OBLATE, 4), 3000.0, True)], ids=["sphere", "oblate"]
+)
+def test_the_largest_strain_is_that_along_or_around(basis, most):
+    """Two modes together, of which one direction strains by a tenth more than the other."""
+    shapes = dict(zip(("along", "around"), strain_shapes(basis, np.linspace(0.01, np.pi - 0.01, 2001)), strict=False))
+    other = shapes["around" if most == "along" else "along"]
+    random = np.random.default_rng(5)
+    for q in random.normal(size=(200, len(basis.labels))):
+        if np.abs(q[1:] @ shapes[most][1:]).max() > 1.1 * np.abs(q[1:] @ other[1:]).max():
+            assert largest_strain(basis, q) == pytest.approx(np.abs(q[1:] @ shapes[most][1:]).max(), rel=1e-2)
+            return
+    pytest.fail("no such motion")
