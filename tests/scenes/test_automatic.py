@@ -450,3 +450,30 @@ def test_a_body_exact_power_that_cannot_be_had_leaves_the_linear_error_of_the_wh
 )
 def test_a_description_in_words(description, text):
     assert description.text == text
+
+
+@pytest.mark.parametrize("body_exact", [True, False])
+def test_a_scene_is_of_the_memory_and_the_motions_of_its_description(monkeypatch, body_exact):
+    monkeypatch.setattr(automatic, "truncated", lambda model, states: (model, states))
+    monkeypatch.setattr(automatic, "linear_scene", lambda *given: given)
+    monkeypatch.setattr(automatic, "body_exact_scene", lambda buoy, shape, *given: (buoy, *given, shape))
+    scenes = replace(of_sea([1.0], [0.5]), ladder={RIGID: "rigid", 1: "first", 3: "third"}, shape="shape")
+    found = scenes.scene(Description(1, 2, body_exact))
+    assert found == (scenes.buoy, (scenes.radiation, 2), scenes.sea, "first", *(["shape"] if body_exact else []))
+    assert scenes.full == (3, 4, True)
+
+
+@pytest.mark.parametrize(
+    ("omega", "linear", "way"),
+    [
+        ([], True, "record"), ([], False, "record"), ([1.0], True, "phasors"), ([1.0], False, "balance"),
+        ([1.0, 2.0], True, "phasors"), ([1.0, 2.0], False, "record"),
+    ],
+)  # fmt: skip
+def test_a_power_is_that_of_a_steady_state_where_there_is_one(monkeypatch, omega, linear, way):
+    system = SimpleNamespace(linear=linear)
+    monkeypatch.setattr(automatic, "linear_power", lambda given: ("phasors", given))
+    monkeypatch.setattr(automatic, "steady_power", lambda given, precision: ("balance", given, precision))
+    monkeypatch.setattr(Scenes, "_recorded_power", lambda scenes, given: ("record", given))
+    found = of_sea(omega, [0.2] * len(omega))._power(system)
+    assert found == (way, system, *([automatic.PRECISION] if way == "balance" else []))

@@ -502,15 +502,14 @@ def test_expansions_are_put_to_the_test_on_sizes_in_radii(dataset):
 @pytest.mark.parametrize("turned", [False, True])
 def test_what_lasts_in_any_run_matters_without_a_shape_at_rest_as_well(monkeypatch, first, second, verdict, turned):
     """Told by the run of the largest change, of whichever sign, with its own numbers."""
-    designs, wave = ["FSB", "VSWEC"], "regular"
-    powers = (("design", "wave"), [[12.5, 70.0], [34.5, 80.0]])
-    known = xr.Dataset({"power_at_reference": powers}, {"design": designs, "wave": [wave, "another"]})
-    effects = {(designs[0], wave): first, (designs[1], wave): second}
+    powers = (("design", "wave"), [[80.0, 70.0], [34.5, 12.5]])
+    known = xr.Dataset({"power_at_reference": powers}, {"design": ["FSB", "VSWEC"], "wave": ["regular", "another"]})
+    effects = {("FSB", "regular"): second, ("VSWEC", "another"): first}
     effects = dict(reversed(effects.items())) if turned else effects
     monkeypatch.setattr(shapedependence, "power_effects", lambda ds: effects)
     rest = f"{100 * first['rest']:+.2g} % by that of the shape at rest" if "rest" in first else "no shape at rest found"
     assert answer(known, "seed") == (
-        f"seed: the shape dependence {verdict} (limit 1 % of mean power): {designs[0]}, {wave}: 12.5 W changes by "
+        f"seed: the shape dependence {verdict} (limit 1 % of mean power): VSWEC, another: 12.5 W changes by "
         f"{100 * first['least']:+.2g} to {100 * first['most']:+.2g} % by the shapes of the motion, "
         f"{100 * first['average']:+.2g} % on average, {rest}"
     )

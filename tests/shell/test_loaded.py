@@ -602,3 +602,13 @@ def test_a_shell_of_gas_that_can_only_breathe_gives_way_where_all_that_holds_it_
     found = buckling(loaded)
     assert found.load_factor == pytest.approx(held / lost, rel=1e-11)
     assert found.degree == 0
+
+
+@pytest.mark.parametrize("pressure", [3e3, -800.0])
+def test_the_pressure_inside_at_rest_is_less_by_what_the_gas_gives_as_the_shell_expands(pressure):
+    """To first order: of the outer pressure, gamma dV/V; a reservoir's stays."""
+    loaded, area, volume = weightless(complete(6), pressure, GAS), 16 * np.pi, 32 / 3 * np.pi
+    held = loaded.elastic.stiffness(np.zeros(13))[1, 1] + 1.4 * 101325.0 * area**2 / volume
+    left = pressure - 1.4 * 101325.0 * area / volume * (pressure * area / held)
+    assert loaded.pressure_inside == pytest.approx(left, rel=1e-10)
+    assert weightless(complete(6), pressure).pressure_inside == pressure

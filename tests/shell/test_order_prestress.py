@@ -9,7 +9,7 @@ from vsb.shell.modes import mode_basis
 from vsb.shell.order_prestress import geometric_stiffness, prestress_stiffness, volume_hessian
 from vsb.shell.orders import Ballast, order_basis, yaw
 from vsb.shell.surface import enclosed_in_orders
-from vsb.study.device import Device
+from vsb.study.device import Device, Gas
 
 DEVICE = Device(radius=2.0, thickness=0.01, young_modulus=1e8, poisson_ratio=0.3, density=2700.0, mass=17170.0)
 BASIS = mode_basis(DEVICE, "full", 4)
@@ -95,10 +95,17 @@ def test_a_load_that_varies_stiffens_as_its_second_order_strain_does():
     assert geometric_stiffness(basis, colatitude, area, meridional, hoop)[j, j] == pytest.approx(expected, rel=1e-7)
 
 
-@pytest.mark.parametrize("basis", [*ORDERS, ORDERS[0].turned()], ids=lambda one: f"order {one.signed}")
-def test_what_more_pressure_adds_knows_no_side(basis):
-    """About a shell in the water: rigid motions get nothing, shapes what those of m = 0 of their degree get."""
-    vented, tight = (LoadedShell(SHELL, 0.0, 1025.0, 9.81, pressure) for pressure in (0.0, 1e5))
+@pytest.mark.parametrize(
+    ("basis", "gas"),
+    [*((one, None) for one in (*ORDERS, ORDERS[0].turned())), (ORDERS[1], Gas(adiabatic_index=1.4))],
+    ids=["order 1", "order 2", "order 3", "order -1", "gas"],
+)
+def test_what_more_pressure_adds_knows_no_side(basis, gas):
+    """About a shell in the water: rigid motions get nothing, shapes what those of m = 0 of their degree get.
+
+    Of trapped gas it is the pressure that is left as the shell expands.
+    """
+    vented, tight = (LoadedShell(SHELL, 0.0, 1025.0, 9.81, pressure, gas) for pressure in (0.0, 1e5))
     loose, held = (prestress_stiffness(basis, shell) for shell in (vented, tight))
     assert not held[: basis.rigid].any()
     assert loose[basis.rigid :].any()  # by the water

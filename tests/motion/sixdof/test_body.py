@@ -600,7 +600,10 @@ def test_impossible_ballast_is_refused(pair):
         Body(RIGID, pair)
 
 
-@pytest.mark.parametrize("motions", [np.eye(3), np.eye(4)[:, ::-1], np.ones((4, 2))])
+@pytest.mark.parametrize(
+    "motions",
+    [np.eye(3), np.eye(4)[:, ::-1], np.ones((4, 2)), np.eye(4) + 0.1 * np.eye(4, k=2), np.eye(4) + np.eye(4, k=-1)],
+)
 def test_motions_that_mix_heave_and_modes_are_refused(motions):
     basis = mode_basis(DEVICE, "membrane", 2)
     with pytest.raises(ValueError, match=r"motions: received .*needs \(4, free\).*ModeBasis.clamped"):
