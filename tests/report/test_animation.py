@@ -1,6 +1,7 @@
 """Frames of the moving buoys: those of the runs, in the waves they were run in; and a page that plays them."""
 
 import base64
+import json
 
 import numpy as np
 import pytest
@@ -203,3 +204,59 @@ def test_a_reader_plays_pauses_and_steps(modes, tmp_path):
     amplitudes = np.array([0.1, 0.0]) + 0.1 * unpacked(stored_frames["designs"][1]["shell"])[:2]
     assert found["top"] == pytest.approx([0.0, 2.0 + amplitudes.sum()], abs=1e-5)
     assert found["inked"]
+
+
+def test_shapes_are_told_along_the_meridian_too_with_their_orders_and_the_shape_at_rest(modes):
+    """What a study has not is not there."""
+    phi = modes.colatitude.values
+    given = modes.assign(
+        meridional=(("mode", "colatitude"), [np.sin(phi), np.sin(2 * phi)]),
+        order=("mode", [1, 0]),
+        rest_radial=("colatitude", 0.3 * np.cos(phi)),
+        rest_meridional=("colatitude", -0.2 * np.sin(phi)),
+    )
+    found = shapes_data(given)
+    angle = unpacked(found["colatitude"])
+    np.testing.assert_allclose(
+        unpacked(found["meridional"]).reshape(2, -1), [np.sin(angle), np.sin(2 * angle)], atol=2e-6
+    )
+    np.testing.assert_allclose(unpacked(found["rest_radial"]), 0.3 * np.cos(angle), atol=1e-6)
+    np.testing.assert_allclose(unpacked(found["rest_meridional"]), -0.2 * np.sin(angle), atol=1e-6)
+    assert (found["radius"], found["centre"], list(unpacked(found["order"]))) == (2.0, 0.5, [1, 0])
+    assert not {"order", "rest_radial", "rest_meridional"} & shapes_data(modes).keys()
+
+
+def test_a_window_of_less_than_eight_periods_is_shown_from_its_start():
+    """And of less than one, in which a buoy drifts nowhere, surge is about its mean."""
+    time = np.linspace(6.0, 8.0, 14)
+    swing = 2 * np.cos(2 * np.pi / PERIOD * time)
+    moved = {"A": run(["Heave", "Surge"]) + xr.DataArray([0.0, 50.0], {"dof": ["Heave", "Surge"]}, ("dof",))}
+    for start in (2.0, 6.0):
+        found = frames_data("a swell", moved, SWELL, (start, 8.0), PERIOD, 3.4, Water(), [])
+        assert (found["start"], found["start"] + found["step"] * (found["frames"] - 1)) == pytest.approx((start, 8.0))
+    assert (found["words"], found["calm"], found["frames"]) == ("a swell", False, len(time))
+    np.testing.assert_allclose(unpacked(found["designs"][0]["surge"]), swing - swing.mean(), atol=1e-3)
+    still = frames_data("still water", moved, NO_WAVES, (2.0, 8.0), PERIOD, 3.4, Water(), [])
+    assert still["calm"]
+    assert not unpacked(still["surface"]).any()
+
+
+def test_waves_of_a_heavier_gravity_are_longer():
+    """In deep water by as much as gravity is larger: w^2 = g k."""
+    time, place = np.linspace(0.0, 4.0, 9), np.linspace(-2.0, 3.0, 7)
+    light, heavy = (surface(SWELL, time, by * place, Water(gravity=g)) for by, g in ((1.0, 6.0), (2.0, 12.0)))
+    np.testing.assert_allclose(heavy, light, atol=1e-12)
+    assert np.abs(surface(SWELL, time, place, Water(gravity=12.0)) - light).max() > 0.1
+
+
+def test_words_of_moving_buoys_are_of_all_their_seas_and_begin_with_what_is_told():
+    calm, planar = {**frames(), "calm": True}, {**frames(), "designs": [{"heave": ""}, {"heave": "", "surge": ""}]}
+    moving = {"designs": [{"name": "A"}], "factor": 1.0, "told": "In the last sea:", "seas": [calm, calm]}
+    for seas, words in (
+        ([calm, calm], "Dotted: undeformed."), ([calm, frames()], FROM_LEFT), ([frames(), calm], FROM_LEFT),
+        ([calm, planar], PLANE),
+    ):  # fmt: skip
+        assert in_motion({**moving, "seas": seas})["waves"] == words
+    found = in_motion(moving)
+    assert found["words"] == "In the last sea: A side by side; all is to scale."
+    assert json.loads(found["data"]) == moving

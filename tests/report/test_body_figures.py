@@ -5,8 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.colors import to_hex
 
 from vsb.report.body_figures import degrees_of_freedom, port_motion
+from vsb.report.canvas import style
 
 
 @pytest.fixture
@@ -77,3 +79,28 @@ def test_where_nothing_moves_nothing_is_on_a_logarithmic_axis(data, recwarn):
     (ax,) = degrees_of_freedom(SimpleNamespace(**{**vars(data), "runs": runs}), "swell").axes
     assert ax.get_xscale() == "linear"
     assert not recwarn.list
+
+
+def test_the_displacement_of_every_design_in_the_window_stands_above_its_velocity(data):
+    for k, key in enumerate(data.runs):
+        data.runs[key] = data.runs[key] * (k + 1)
+    for ax, name in zip(port_motion(data, "swell").axes, ("stroke", "stroke_rate"), strict=True):
+        for line, design in zip(ax.get_lines(), data.designs, strict=True):
+            expected = data.runs[design, "swell"][name].sel(time=slice(2.0, 9.0))
+            np.testing.assert_array_equal(line.get_xydata(), np.stack([expected.time, expected], axis=1))
+
+
+def test_a_bar_lies_in_the_row_of_its_motion_whatever_the_order_of_a_design_and_in_its_colour(data):
+    """One that does not move has none on the logarithmic axis of the others."""
+    one = data.runs["flexible", "swell"].isel(dof=[1, 0]).assign_coords(dof=["Mode7", "Heave"])
+    one.position[{"dof": 1}] = 0.0
+    data.runs["flexible", "swell"] = one
+    figure = degrees_of_freedom(data, "swell")
+    (ax,) = figure.axes
+    rows = {round(bar.get_y() + bar.get_height() / 2): [] for bar in ax.patches}
+    for bar in ax.patches:
+        rows[round(bar.get_y() + bar.get_height() / 2)].append((to_hex(bar.get_facecolor()), round(bar.get_width(), 2)))
+    rigid, flexible = (to_hex(style(design, data.designs)["color"]) for design in data.designs)
+    assert rows == {0: [(rigid, 2.0), (flexible, 0.0)], 1: [(flexible, 0.5)]}
+    assert ax.get_xscale() == "log"
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["rigid", "flexible"]

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 from report.test_campaign_figures import GAINS, campaign
 
 from vsb.report.campaign_answer import (
@@ -11,7 +12,9 @@ from vsb.report.campaign_answer import (
     leading,
     of_points,
     second_answer,
+    share_range,
     shown_place,
+    told_beside,
     where,
 )
 from vsb.report.campaign_page import statements, warnings
@@ -156,3 +159,46 @@ def test_of_designs_that_take_as_much_the_first_is_told():
     ds = three()
     assert answer(ds, None, "one").endswith("VSWEC takes most: 94.67 MWh.")
     assert answer(ds.isel(design=[0, 2, 1]), None, "one").endswith("other takes most: 94.67 MWh.")
+
+
+def test_a_shell_with_nothing_left_does_not_buckle():
+    assert "buckle" not in answer(campaign(margin=0.0), "FSB", "one")
+    assert answer(campaign(margin=-1e-9), "FSB", "one").endswith(", and would buckle under its static load.")
+
+
+@pytest.mark.parametrize(
+    ("shares", "told"),
+    [
+        ([[np.nan, 10.4], [25.6, 12.0]], "10 to 26 %"),
+        ([[25.6, 12.0], [10.4, np.nan]], "10 to 26 %"),
+        ([[9.6, 10.4]], "10 %"),
+    ],
+)
+def test_a_range_is_of_all_designs_that_are_viable(shares, told):
+    assert share_range(xr.DataArray(shares)) == told
+
+
+@pytest.mark.parametrize(
+    ("tunings", "tuning", "beside"),
+    [(["fixed"], "fixed", None), (["constrained"], "constrained", None), (["fixed", "constrained"], "fixed", "constrained"),
+     (["one", "each"], "one", None), (["one", "fixed"], "one", "fixed")],
+)  # fmt: skip
+def test_beside_the_answer_stands_another_tuning(tunings, tuning, beside):
+    ds = campaign().sel(tuning=["one"] * len(tunings)).assign_coords(tuning=tunings)
+    assert (leading(ds)[0], told_beside(ds, tuning)) == (tuning, beside)
+
+
+def test_a_point_of_which_no_gain_is_known_is_not_shown():
+    """Whether it carries its load or not, and before or behind the others."""
+    for margin in (0.5, -0.5):
+        for lost, shown in (((1, 0), (0, 1)), ((0, 0), (1, 0))):
+            ds = campaign(margin=margin)
+            ds.gain_percent[lost] = np.nan
+            assert tuple(shown_place(ds, "one", "FSB").values()) == shown
+
+
+def test_shares_beyond_what_is_described_are_of_the_tuning_told():
+    ds = campaign().sel(tuning=["each", "one"]).isel(young_modulus=[0], thickness=[0])
+    ds["energy_beyond_validity"] = ds.energy_beyond_validity * xr.DataArray([2.0, 1.0], dims="tuning")
+    assert second_answer(ds, "FSB", "one").endswith("25 % of the energy is from seas beyond what is described.")
+    assert second_answer(ds, "FSB", "each").endswith("50 % of the energy is from seas beyond what is described.")
