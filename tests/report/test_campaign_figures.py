@@ -7,7 +7,17 @@ from matplotlib.colors import to_hex
 from matplotlib.legend import Legend
 
 from vsb.report.campaign_answer import shown_place, told_gain
-from vsb.report.campaign_figures import DRAWN, pareto, power_matrices, sweep, tuned_power
+from vsb.report.campaign_figures import (
+    DRAWN,
+    _label,
+    _number,
+    _scale,
+    is_mapped,
+    pareto,
+    power_matrices,
+    sweep,
+    tuned_power,
+)
 from vsb.report.canvas import style
 from vsb.report.svg import data_csv
 
@@ -370,3 +380,116 @@ def test_figures_of_a_take_off_that_turns_are_of_moments():
     ds = campaign(port="pitch")
     labels = [figure(ds, "one", "FSB").axes[0].get_xlabel() for figure in (tuned_power, pareto)]
     assert labels == ["damper [N m s]", "rms moment of the take-off [kN m]"]
+
+
+def by_tuning(*values):
+    return xr.DataArray(list(values), {"tuning": TUNINGS}, ("tuning",))
+
+
+def test_matrices_and_their_crosses_are_of_the_tuning_asked_for_and_of_seas_there_are():
+    """Crosses are the larger, the more of a bin is beyond; of bins at the ends that are empty nothing is shown."""
+    ds = campaign()
+    ds["power_matrix"] = ds.power_matrix * by_tuning(1.0, 2.0, 3.0)
+    ds["beyond_validity"] = ds.beyond_validity * by_tuning(0.2, 0.6, 1.0)
+    ds["count"] = (BINS, [[0, 3], [0, 2]])
+    for tuning, factor, share in (("fixed", 1.0, 0.1), ("one", 2.0, 0.3), ("each", 3.0, 0.5)):
+        figure = power_matrices(ds, tuning, "FSB")
+        first, second, scale = figure.axes
+        np.testing.assert_allclose(
+            second.collections[0].get_array().filled(np.nan), factor * 10.8 * np.array([[np.nan, 9.0], [np.nan, 2.0]])
+        )
+        assert second.collections[1].get_sizes() == pytest.approx([4 + 20 * share])
+        assert first.get_xlim() == second.get_xlim() == (6.0, 7.0)
+        labels = [(ax.get_xlabel(), ax.get_ylabel()) for ax in (first, second, scale)]
+        assert labels == [("energy period Te [s]", "Hs [m]"), ("energy period Te [s]", ""), ("", "mean power [kW]")]
+        assert [to_hex(ax.title.get_color()) for ax in (first, second)] == [colour(design) for design in DESIGNS]
+
+
+def test_marks_of_one_damper_stand_at_their_own_damper_and_power_the_given_one_open():
+    ds = campaign()
+    ds["annual_mean_power"] = ds.annual_mean_power * by_tuning(0.5, 1.0, 2.0)
+    own = xr.DataArray([[2e3, 1e4], [4e3, 3e4]], {"design": DESIGNS, "tuning": ["fixed", "one"]}, ("design", "tuning"))
+    ds["damping"] = ds.damping * (own.reindex(tuning=TUNINGS, fill_value=7e3) / 1e4)
+    ax = tuned_power(ds, "one", "FSB").axes[0]
+    for design, power in (("FSB", 10.0), ("VSWEC", 10.8)):
+        marks = {line.get_marker(): line for line in ax.lines if to_hex(line.get_color()) == colour(design)}
+        for name, marker, share, face in (("one", "o", 1.0, colour(design)), ("fixed", "s", 0.5, "#ffffff")):
+            (at,) = marks[marker].get_xydata()
+            assert at == pytest.approx([float(own.sel(design=design, tuning=name)), share * power])
+            assert to_hex(marks[marker].get_markerfacecolor()) == face
+    assert (ax.get_ylim()[0], ax.get_ylabel()) == (0.0, "mean power of the year [kW]")
+    without = tuned_power(ds.sel(tuning=["one"]), "one", "FSB").axes[0]
+    assert [line.get_marker() for line in without.lines] == ["None", "o"] * 2
+
+
+def test_power_over_force_begins_at_nothing_and_beside_optima_is_logarithmic():
+    """An optimum of a limit nobody could keep is left out."""
+    ax = pareto(campaign(), "one", "FSB").axes[0]
+    assert (ax.get_xlim()[0], ax.get_ylim()[0], ax.get_xscale(), ax.get_yscale()) == (0.0, 0.0, "linear", "linear")
+    ds = campaign().sel(tuning=["one", "one"]).assign_coords(tuning=["one", "constrained"])
+    ds["annual_mean_power"] = ds.annual_mean_power.where((ds.tuning == "one") | (ds.design == "FSB"))
+    ax = pareto(ds, "one", "FSB").axes[0]
+    assert (ax.get_xscale(), ax.get_yscale()) == ("log", "log")
+    squares = [line for line in ax.lines if line.get_marker() == "s"]
+    assert [len(line.get_xdata()) for line in squares] == [1, 0]
+    assert [to_hex(line.get_markerfacecolor()) for line in squares] == ["#ffffff"] * 2
+
+
+def test_gains_corrected_by_runs_are_lines_and_those_of_linear_theory_dotted_beside_them():
+    ds = campaign(gains=GAINS[:, :1], thickness=(0.01,), verified_tuning="one")
+    ds["corrected_gain_percent"] = ds.gain_percent - 1.5
+    for tuning, values in (("one", [GAINS[:, 0] - 1.5, GAINS[:, 0], [0.0, 0.0]]), ("each", [GAINS[:, 0], [0.0, 0.0]])):
+        lines = sweep(ds, tuning, "FSB").axes[0].lines
+        np.testing.assert_allclose([line.get_ydata() for line in lines], values)
+    dotted = sweep(ds, "one", "FSB").axes[0].lines[1]
+    assert (dotted.get_linestyle(), to_hex(dotted.get_color())) == (":", colour("VSWEC"))
+
+
+def test_keys_that_are_varied_together_have_lines_over_the_first_of_them():
+    """Members of a list are no grid: there is nothing between them to be mapped."""
+    ds = campaign(gains=GAINS[:, :1], thickness=(0.01,)).isel(thickness=0, drop=True).rename(young_modulus="member")
+    keys = {"thickness": ("member", [0.02, 0.01], {"units": "m"}), "mass": ("member", [10.0, 20.0], {"units": "kg"})}
+    ds = ds.drop_vars("member").assign_coords(keys).assign_attrs(varied="thickness mass")
+    assert not is_mapped(ds)
+    assert is_mapped(campaign())
+    (ax,) = sweep(ds.swap_dims(member="thickness").swap_dims(thickness="member"), "one", "FSB").axes
+    assert ax.get_xlabel() == "thickness [m]"
+    np.testing.assert_array_equal(ax.lines[0].get_xydata(), [[0.01, 8.0], [0.02, -5.0]])
+
+
+def test_hatching_covers_the_cells_whose_interval_holds_zero_and_the_line_of_buckling_lies_at_a_margin_of_none():
+    """Three moduli and two thicknesses; an interval that just ends at zero holds it."""
+    gains = np.array([[-5.0, 3.0], [8.0, 4.0], [-3.0, 9.0]])
+    margin = np.array([[-1.0, 1.0], [-1.0, 1.0], [-1.0, 1.0]])
+    ds = campaign(gains=gains, margin=margin, modulus=(1e6, 2e6, 4e6), thickness=(0.01, 0.03))
+    ax = sweep(ds, "one", "FSB").axes[0]
+    _, hatched, line = ax.collections
+    cells = sorted(tuple(path.vertices[:-1].mean(axis=0)) for path in hatched.get_paths())
+    np.testing.assert_allclose(cells, [(0.01, 4e6), (0.03, 1e6)])
+    sizes = sorted((box.width, box.height) for box in (path.get_extents() for path in hatched.get_paths()))
+    np.testing.assert_allclose(sizes, [(0.02, 1e6), (0.02, 2e6)])
+    share = np.log10(2.0) / (np.log10(2.0) + 6)  # of a margin of one, whose logarithm is cut
+    np.testing.assert_allclose(line.get_paths()[0].vertices[:, 0], 0.01 + 0.02 * share, rtol=1e-9)
+    for none in (0.5, -0.5):
+        assert len(sweep(campaign(margin=none), "one", "FSB").axes[0].collections) == 2
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(2650.5, "2650.5"), (-2.34567e7, "-2.346e7"), (2.34567e7, "2.346e7"), (1e-5, "1e-5"), (0.0, "0"), ("full", "full"),
+     (1e6, "1e6"), (-999999.0, "-999999"), (12, "12")],
+)  # fmt: skip
+def test_numbers_beside_an_axis_are_written_as_in_study_files(value, text):
+    assert _number(value) == text
+
+
+@pytest.mark.parametrize(
+    ("values", "scale"),
+    [((1.0, 10.0), "log"), ((1.0, 9.99), "linear"), ((10.0, 3.0, 1.0), "log"), ((0.0, 10.0), "linear"),
+     ((-1.0, 10.0), "linear"), ((-10.0, -1.0), "linear"), ((1.0, np.inf), "linear")],
+)  # fmt: skip
+def test_an_axis_is_logarithmic_from_a_decade_on(values, scale):
+    ds = xr.Dataset(coords={"mass": ("mass", list(values), {"units": "kg"}), "clamp": ("clamp", [0.1], {"units": "1"})})
+    assert _scale(ds, "mass") == scale
+    assert (_label(ds, "mass"), _label(ds, "clamp")) == ("mass [kg]", "clamp [-]")
+    assert (_label(ds.assign_coords(basis=["full"]), "basis")) == "basis [-]"
