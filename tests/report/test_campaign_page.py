@@ -4,9 +4,11 @@ import re
 
 import numpy as np
 import pytest
+import xarray as xr
 from report.test_campaign_figures import GAINS, campaign
 
-from vsb.report.campaign_page import MOST_ROWS, CampaignReport, captions, render, rows, statements, warnings
+from vsb.report.campaign_answer import TUNED
+from vsb.report.campaign_page import MOST_ROWS, STILL, CampaignReport, captions, render, rows, statements, warnings
 
 
 def test_what_else_is_said():
@@ -167,3 +169,80 @@ def test_every_note_of_the_climate_stands_among_the_facts_and_is_doubted_whereve
         text = render(CampaignReport(campaign(), {}, notes=notes))
         assert text.count(f"<li>Of the climate, {partial}.</li>") == 1
         assert "; ".join(["a buoy", *notes]) in text
+
+
+def of_tunings(*values):
+    return xr.DataArray(list(values), {"tuning": ["fixed", "one", "each"]}, ("tuning",))
+
+
+def test_captions_say_at_which_point_and_tuning_curves_are_and_what_squares_are():
+    told, at = captions(campaign()), " at young modulus 100 MPa, thickness 0.01 m"
+    assert f"{TUNED['one']}{at}; white:" in told["power_matrices"]
+    assert f"for all seas{at}; full:" in told["tuned_power"]
+    assert told["pareto"].endswith(f"force{at}, over the damper up to the best one, without limits.")
+    assert told["sweep"].startswith(f"Gain of annual energy over the rigid design, {TUNED['one']}.")
+    within = captions(campaign().assign_coords(tuning=["fixed", "one", "constrained"]))["pareto"]
+    assert within.endswith("without limits. Squares: the best force within each limit.")
+    point = campaign().isel(young_modulus=[0], thickness=[0]).squeeze(drop=True).assign_attrs(varied="")
+    assert "for all seas; full:" in captions(point)["tuned_power"]
+
+
+def test_what_else_is_said_is_of_the_tuning_the_answer_is_of():
+    """Shares of energy, the heave that is doubted, and from which to which they reach over designs and points."""
+    ds = campaign()
+    ds["energy_beyond"] = ds.energy_beyond * of_tunings(0.5, 1.0, 2.0)
+    ds["energy_beyond"] = ds.energy_beyond.where(ds.design == "FSB", ds.energy_beyond / 2)
+    ds["energy_beyond_validity"] = ds.energy_beyond_validity * of_tunings(0.4, 1.0, 2.0)
+    for tuning, whole, parts in (("fixed", 10, ("2 to 5", "0", "10 to 20")), ("one", 25, ("5 to 10", "0", "20 to 40"))):
+        (told,) = (line for line in statements(ds, "FSB", tuning) if "crossed in the matrices" in line)
+        assert told.startswith(f"{whole} % of the energy")
+        steep, breaking, deformed = parts
+        assert f": {steep} % too steep, {breaking} % with waves that break, {deformed} % with shells deformed" in told
+    assert warnings(ds)[1].startswith("In seas that bring 45 to 90 % of the energy the buoy heaves")
+    assert warnings(ds.sel(tuning=["fixed"]))[1].startswith("In seas that bring 22 to 45 % of the energy the buoy")
+
+
+def test_usual_practice_may_say_less_and_is_told_from_its_least_to_its_most():
+    ds = campaign()
+    less = xr.DataArray([0.7, 0.9], {"design": ["FSB", "VSWEC"]}, ("design",))
+    ds["practice_power"] = ds.annual_mean_power * less
+    assert statements(ds, "FSB", "one")[-1].endswith("would have said -30.0 to -10.0 % of the annual energy.")
+    ds["practice_power"] = ds.annual_mean_power * (2 - less)
+    assert statements(ds, "FSB", "one")[-1].endswith("would have said +10.0 to +30.0 % of the annual energy.")
+
+
+def test_of_a_campaign_without_a_viable_design_nothing_more_is_said():
+    lost = campaign()
+    lost["viable"] = lost.viable & False
+    assert statements(lost, "FSB", "one") == []
+    assert not any("heaves" in line for line in warnings(lost))
+    one = campaign()
+    one["viable"] = one.viable & (one.design == "FSB")
+    assert statements(one, "FSB", "one")
+    assert any("heaves" in line for line in warnings(one))
+
+
+def test_a_row_tells_numbers_of_its_own_point_design_and_tuning():
+    """Force in kilonewtons; without a rigid design there is no gain."""
+    ds = campaign(margin=[[0.1, 0.2], [0.3, 0.4]])
+    ds["force_rms"] = ds.force_rms * of_tunings(1.0, 2.0, 3.0)
+    ds["capture_width"] = ds.capture_width * of_tunings(0.5, 1.0, 123.456)
+    found = rows(ds)
+    assert found[11] == ["young modulus 1 MPa, thickness 0.02 m", "VSWEC", "each", "89.41", "126", "+2.0", "6", "0.2"]
+    assert found[12] == ["young modulus 100 MPa, thickness 0.01 m", "FSB", "fixed", "87.66", "0.5", "+0.0", "2", "0.3"]
+    assert [row[5] for row in rows(ds.drop_vars("gain_percent"))] == ["-"] * 24
+
+
+def test_a_page_names_its_campaign_tunings_study_and_id_and_says_why_nothing_moves():
+    ds = campaign(study="a.yaml", campaign="a_year", spec_id="0123")
+    text = render(CampaignReport(ds, {"sweep": "<svg>drawn</svg>"}))
+    told = [f"{name}, {TUNED[name]}" for name in ("fixed", "one", "each")]
+    assert f"Tunings: {'; '.join(told)}." in text
+    for part in ("a_year", "a.yaml", "0123", "<svg>drawn</svg>", STILL, "VSWEC takes", "All at the given damper"):
+        assert part in text.replace("VSWEC at young modulus 100 MPa, thickness 0.01 m, takes", "VSWEC takes"), part
+    moving = {"designs": [{"name": "FSB"}], "factor": 1.0, "seas": [{"calm": True, "designs": []}]}
+    sketch = {"name": "soft one", "words": "elastic shell, free", "svg": "<svg>sketched</svg>"}
+    more = render(CampaignReport(ds, {}, {"kind": "year", "here": 1}, [sketch], moving))
+    assert STILL not in more
+    for part in ("FSB side by side; all is to scale.", '"here":1', "elastic shell, free"):
+        assert part in more, part

@@ -122,3 +122,38 @@ def test_a_single_wave_is_no_band():
     lines = [line("FSB", 0.0), line("A", 20.0)]
     assert len(headline(lines, best_power(A=0.2).isel(omega=[150]), "FSB", SEAS, 1e-3)) == 1
     assert len(headline(lines, best_power(A=0.2).isel(omega=[150, 151]), "FSB", SEAS, 1e-3)) == 2
+
+
+def test_powers_are_of_the_sea_in_which_the_gain_is():
+    """The rigid design has another one in each."""
+    seas = [("w", 100.0, 3.0), ("v", 40.0, 5.0)]
+    for order in (seas, seas[::-1]):
+        lines = [
+            one for sea, power, gain in order for one in (line("FSB", 0.0, sea, power), line("A", gain, sea, power))
+        ]
+        first, *_ = headline(lines, best_power(A=0 * OMEGA), "FSB", SEAS, 2e-3)
+        assert first.startswith("In a chop, the most favourable of 2 seas")
+        assert "(+4.6 to +5.4 % by the numbers' tolerance; 42 against 40 W)" in first
+        assert first.endswith("; 42 against 40 W).")
+
+
+def test_what_a_worse_choice_costs_is_told_of_several_seas_alone():
+    one = [line("FSB", 0.0), line("A", 5.0), line("B", -3.0)]
+    assert headline(one, best_power(A=0 * OMEGA, B=0 * OMEGA), "FSB", SEAS, 1e-3)[0].endswith("against 100 W).")
+    for least, cost in ((-0.1, True), (0.0, False)):
+        lines = [line("FSB", 0.0), line("A", 5.0), line("FSB", 0.0, "v"), line("A", least, "v")]
+        first, *_ = headline(lines, best_power(A=0 * OMEGA), "FSB", SEAS, 1e-3)
+        assert first.endswith("; flexibility pays in 1 of the 2, and costs up to 0.1 %.") == cost
+
+
+def test_over_the_band_the_most_and_the_least_are_told_where_they_are_and_nothing_of_nothing():
+    lines = [line("FSB", 0.0), line("A", 20.0), line("B", 0.0)]
+    bump, dip = (np.exp(-(((OMEGA - at) / 0.1) ** 2)) for at in (2.0, 2.5))
+    for gains, told in (
+        ({"A": 0.2 * bump - 0.004 * dip, "B": -0.3 * dip}, "up to 20 % more (A in waves of 3.14 s) and up to 30 % less (B in waves of 2.51 s)"),
+        ({"A": -0.0096 * dip, "B": -0.001 * bump}, "up to 1.0 % less (A in waves of 2.51 s)"),
+        ({"A": 0.014 * dip, "B": 0.012 * bump}, "up to 1 % more (A in waves of 2.51 s)"),
+    ):  # fmt: skip
+        _, second = headline(lines, best_power(**gains), "FSB", SEAS, 1e-3)
+        assert second == f"Over all waves that carry power, tuned wave by wave, flexible designs absorb {told}."
+    assert len(headline(lines, best_power(A=4e-4 * bump, B=-4e-4 * dip), "FSB", SEAS, 1e-3)) == 1

@@ -57,3 +57,11 @@ def test_looks_are_said_once():
     assert [path.name for path in TEMPLATES.iterdir() if "<style" in path.read_text()] == ["page.html.j2"]
     assert [path.name for path in TEMPLATES.iterdir() if path.suffix == ".css"] == ["style.css"]
     assert [path.name for path in TEMPLATES.iterdir() if "<table>" in path.read_text()] == ["cells.html.j2"]
+
+
+@pytest.mark.parametrize(("room", "shown"), [(13, True), (12, False)])
+def test_room_on_a_page_is_counted_in_bytes_of_what_stands_on_it(monkeypatch, room, shown):
+    """An umlaut has two, what stands before the drawing none; the last byte of the room may be taken."""
+    monkeypatch.setattr(html, "INLINE", room)
+    ((one,),) = (group["figures"] for group in html.captioned({"a-w": "<?xml?><svg>\xe4</svg>"}, {"a": ""}))
+    assert one["svg"] == ("<svg>\xe4</svg>" if shown else "")

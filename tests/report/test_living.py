@@ -1,5 +1,6 @@
 """The page's own algebra beside Python's, and the page in a browser."""
 
+import base64
 import json
 import math
 from pathlib import Path
@@ -13,7 +14,18 @@ from vsb.motion.port import Port
 from vsb.motion.tuning import best_dampers, mean_power
 from vsb.report import html
 from vsb.report.canvas import style
-from vsb.report.living import Grid, LivingSea, as_script, packed, port_data, study_data, thinned, year_data
+from vsb.report.living import (
+    Grid,
+    LivingSea,
+    as_script,
+    designs_data,
+    packed,
+    port_data,
+    study_data,
+    thinned,
+    year_data,
+)
+from vsb.results.bins import bins_of
 from vsb.results.force_steps import ForceSteps
 from vsb.results.year import frequencies, year
 from vsb.study.study import Jonswap, PiersonMoskowitz, Water
@@ -296,3 +308,69 @@ def test_without_scripts_nothing_is_asked_of_the_reader(page):
 def test_the_numbers_of_an_axis_are_written_alike(values, texts, tmp_path):
     script = (TEMPLATES / "chart.js").read_text(encoding="utf-8")
     assert evaluated([script], "alike(data)", values, tmp_path) == texts
+
+
+def numbers(text, kind="<f4"):
+    return np.frombuffer(base64.b64decode(text), dtype=kind)
+
+
+def test_designs_of_a_page_have_the_looks_of_its_figures():
+    names = ["FSB", "VSWEC0", "VSWEC90", "own"]
+    found = designs_data(names, "VSWEC0")
+    assert [one["name"] for one in found] == names
+    assert [one["dash"] for one in found] == ["", "7 3", "8 3 2 3", ""]
+    assert [one["reference"] for one in found] == [False, True, False, False]
+    assert [one["colour"] for one in found] == [style(name, names)["color"] for name in names]
+
+
+def test_what_is_told_of_a_sea_stands_in_the_order_of_the_designs():
+    """Of a design of which nothing is known there is nothing; every sea has its own, on its own grid and band."""
+    near, far = grid(np.array([1.0, 2.0])), grid(np.array([1.5, 2.5, 3.5]))
+    seas = [
+        LivingSea("one", 1, None, {"hs": 1.0}, {"VSWEC": 5.0}, {"VSWEC": 7.0}, STEPS, band=1),
+        LivingSea("two", 0, np.array([0.04, 0.01])),
+    ]
+    found = study_data([near, far], seas, [near, far], np.array([3.0, 4.0]), "VSWEC", efficiency=0.8, bound="2 λ/2π")
+    first, second = found["seas"]
+    steps = {"limits": STEPS.limits, "of": "FSB", "repeats": 106.5, "powers": [POWERS["FSB"], POWERS["VSWEC"]]}
+    assert first == {
+        "words": "one", "grid": 1, "band": 1, "squares": None, "jonswap": {"hs": 1.0}, "given": [None, 5.0],
+        "limited": [None, 7.0], "steps": steps,
+    }  # fmt: skip
+    assert numbers(second.pop("squares")) == pytest.approx([0.04, 0.01])
+    assert second == {
+        "words": "two", "grid": 0, "band": 0, "jonswap": None, "given": [None] * 2, "limited": [None] * 2, "steps": None,
+    }  # fmt: skip
+    assert (found["efficiency"], found["bound"], list(numbers(found["limit"]))) == (0.8, "2 λ/2π", [3.0, 4.0])
+    assert [one["reference"] for one in found["designs"]] == [False, True]
+    for kind in ("grids", "bands"):
+        for stored, of in zip(found[kind], (near, far), strict=True):
+            np.testing.assert_array_equal(numbers(stored["omega"], "<f8"), of.omega)
+            np.testing.assert_allclose(numbers(stored["flux"]), of.flux, rtol=1e-6)
+            for port, own in zip(stored["ports"], of.ports.values(), strict=True):
+                np.testing.assert_allclose(numbers(port["matched"]), own.matched_power, rtol=1e-6)
+
+
+def test_bins_of_a_page_have_the_places_and_shares_of_those_of_the_year():
+    seas = climate(30)
+    bins, at = bins_of(seas), frequencies(seas, 0.25, 2.2)
+    flux = np.linspace(1.0, 9.0, 30)
+    points = [
+        {"words": word, "ports": ports(at), "given": {}, "flux": by * flux} for word, by in (("a", 1.0), ("b", 2.0))
+    ]
+    stored = year_data(seas, points, ["FSB", "VSWEC"], "FSB")
+    found = stored["bins"]
+    assert (found["hs"], found["te"]) == (list(bins.hs_centres), list(bins.te_centres))
+    assert bins.shape[0] != bins.shape[1]
+    np.testing.assert_array_equal(bins.share[found["row"], found["column"]], numbers(found["share"], "<f8"))
+    assert len(found["row"]) == np.count_nonzero(bins.share)
+    density = numbers(found["density"], "<f8").reshape(-1, found["bands"])
+    np.testing.assert_allclose(numbers(found["share"], "<f8") @ density, seas.hours @ seas.density, rtol=1e-12)
+    assert (stored["name"], stored["hours"]) == ("random seas", 8766)
+    assert [point["words"] for point in stored["points"]] == ["a", "b"]
+    assert [point["flux"] for point in stored["points"]] == pytest.approx([flux @ seas.hours, 2 * flux @ seas.hours])
+
+
+def test_a_curve_is_thinned_to_as_many_as_are_asked_for():
+    assert list(thinned(np.zeros(9), 3)) == [0, 4, 8]
+    assert len(thinned(np.zeros(240))) == len(thinned(np.zeros(241))) == 240
