@@ -82,3 +82,17 @@ def test_every_check_that_is_named_where_it_is_made_says_what_to_change_first():
     names = {name for path in files for name in made.findall(path.read_text(encoding="utf-8"))}
     assert {"spectrum_cut", "buckling", "heave"} <= names
     assert names - set(ADVICE) == {"constraint_drift", "hydrostatic_symmetry"}
+
+
+def test_a_check_is_told_with_the_design_and_the_sea_it_is_of():
+    for design, wave, subject in (("A", "w", "heave of A in w"), ("A", "", "heave of A"), ("", "w", "heave in w")):
+        (text,) = warnings([{**HEAVE, "design": design, "wave": wave, "verdict": "fail"}])
+        assert text.startswith(f"{subject}: 0.4, limit 0.3 (large). Change first: ")
+
+
+def test_failures_of_several_names_stand_each_by_itself_in_their_order():
+    failing = [{**HEAVE, "verdict": "accepted"}, BUCKLING, {**HEAVE, "verdict": "fail", "value": 0.35}]
+    first, second = warnings(failing)
+    assert first.startswith("heave of A in w: 0.4, limit 0.3 (large); so in 1 more. Change first: ")
+    assert second.startswith("buckling: 66.4, limit 1 (")
+    assert advice(failing[0]) == advice({**HEAVE}) == ADVICE["heave"]

@@ -17,6 +17,7 @@ from vsb.report.page import (
     STILL,
     Band,
     Report,
+    _answer,
     _band_text,
     band_statements,
     irregular_statements,
@@ -27,7 +28,7 @@ from vsb.report.page import (
     table,
     winning_bands,
 )
-from vsb.report.tuned import tuned_statements
+from vsb.report.tuned import NO_BEST_DAMPER, tuned_statements
 
 OMEGA = np.linspace(0.5, 4.0, 351)
 
@@ -433,3 +434,71 @@ def test_what_is_less_is_never_told_as_a_multiple_of_more(size):
     band = Band(1.0, 2.0, size, 1.5)
     assert f"(up to {size:.0f} % at 4.19 s)" in _band_text("less", band)
     assert f"(up to {1 + size / 100:.3g} times as much at 4.19 s)" in _band_text("more", band)
+
+
+def test_the_answer_of_a_study_is_the_fair_one_if_there_is_one_and_one_sentence_of_a_sea_if_not():
+    """Its two sentences; without a rigid design what the first sea says at own best dampers, else as it was run."""
+    seas = {"w": "a swell", "v": "a chop"}
+    tuned = [*SWELL, *({**line, "sea": "v"} for line in SWELL)]
+    in_seas = ["First said.", "Then said."]
+
+    def answered(found, reference="FSB", lines=tuned, study=STUDY):
+        return _answer(Report(study, seas, [], [], found, reference, {}, {}, equal_tuning=lines), in_seas)
+
+    found = response(A=0.2).assign(best_power=lambda ds: ds.absorbed_power)
+    assert answered(None) == [NO_BEST_DAMPER, "First said."]
+    first, second = answered(found)
+    assert first.startswith("In a swell, the most favourable of 2 seas, each design at its own best damper, A absorbs")
+    assert second.startswith("Over all waves that carry power, tuned wave by wave, A absorbs")
+    assert "(-9.8 to -9.5 % by" in first
+    assert "(-11.4 to -7.8 % by" in answered(found, study={**STUDY, "hydro": {"tolerance": 1e-2}})[0]
+    assert "wave by wave and without drag, A" in answered(found, study={**STUDY, "drag": {"heave": 1}})[1]
+    assert answered(found, None) == tuned_statements(tuned, None, seas)[:1]
+    assert answered(found, None, []) == ["First said."]
+
+
+def test_what_the_given_damper_leaves_stands_beside_powers_of_irregular_seas_too():
+    tuned = [{**line, "sea": "noise"} for line in SWELL]
+    (text,) = irregular_statements([BASE, LINE], "FSB", {"noise": "it"}, tuned, "In time")
+    assert text.startswith("In time, in it, FSB absorbs 100 W, A absorbs 120 W (+20.0 %;")
+    assert text.endswith("); at 8000 N s/m FSB reaches 26 % of its own best, A 32 %.")
+    lost = {**LINE, "gain_percent": None, "gain_low": None, "gain_high": None}
+    assert irregular_statements([lost], "FSB", {"noise": "it"}) == ["At the given damper, in it, A absorbs 120 W."]
+    nothing = {**LINE, "gain_percent": 0, "gain_low": 0, "gain_high": 0.0}
+    assert irregular_statements([nothing], "FSB", {"noise": "it"})[0].endswith("(+0.0 %; 95 %: +0.0 to +0.0 %).")
+    assert statistics_table([nothing])[0][7:] == ["+0.0", "+0.0 to +0.0"]
+
+
+def test_a_reference_that_gives_up_power_is_no_measure_of_the_others():
+    rows = [row("FSB", -4), row("A", 5), row("B", 2)]
+    assert sea_statements(rows, "FSB", {"w": "it"}) == ["At the given damper, in it, A absorbs most: 5 W on average."]
+    several = [row("B", 2), row("FSB", 4), row("A", 5)]
+    (text,) = sea_statements(several, "FSB", {"w": "it"}, where="In time")
+    assert text == "In time, in it, A absorbs most: 5 W on average (against FSB: B -50.0 %, A +25.0 %)."
+
+
+def test_checks_that_do_not_hold_are_listed_whatever_their_verdict():
+    """Doubts and what was accepted stand beside failures; those that hold are folded away."""
+    checks = [
+        {**CHECKS[0], "name": f"{verdict}_one", "verdict": verdict} for verdict in ("fail", "accepted", "doubt", "ok")
+    ]
+    page = page_of(checks=checks)
+    shown, _, folded = page.partition("1 check holds")
+    listed = shown[shown.index("What to doubt") :]
+    assert [f"{verdict} one" in listed for verdict in ("fail", "accepted", "doubt", "ok")] == [True, True, True, False]
+    assert "ok one" in folded
+    assert "1 further point is in doubt" in page
+
+
+def test_what_moves_is_sketched_and_computed_stands_on_the_page():
+    sea = {"calm": True, "designs": []}
+    moving = {"designs": [{"name": "FSB"}], "factor": 1.0, "seas": [sea]}
+    sketch = {"name": "soft one", "words": "elastic shell, free", "svg": "<svg>sketched</svg>"}
+    page = page_of(sketches=[sketch], living={"here": 1}, buoys=moving)
+    for part in ("FSB side by side; all is to scale.", '"here":1', "elastic shell, free"):
+        assert part in page
+        assert part not in page_of()
+    assert (STILL in page, STILL in page_of()) == (False, True)
+    assert "In time, at their own best dampers, in a swell, A absorbs most" in page_of(
+        study={**STUDY, "pto": {"tuning": "each"}}
+    )
