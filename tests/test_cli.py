@@ -5,12 +5,13 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 import yaml
 from conftest import SEED, SMALL, SMALL_PLAN, told
 
-from vsb import cli
+from vsb import cli, errors
 from vsb.cli import main, parser
 from vsb.stages.preview import summary
 from vsb.stages.stage import STAGES
@@ -342,3 +343,115 @@ def test_a_database_of_something_else_is_not_exported_as_that_of_a_study(
 def test_every_kind_of_file_has_its_own_schema(capsys, kind, title):
     assert main(["schema", kind]) == 0
     assert json.loads(capsys.readouterr().out)["title"] == title
+
+
+def noted(monkeypatch, place, answer):
+    """What a function is called with, in place of its work."""
+    calls = []
+
+    def work(*args, **options):
+        calls.append((args, options))
+        return answer
+
+    monkeypatch.setattr(place, work)
+    return calls
+
+
+def check_of(name, verdict):
+    return SimpleNamespace(line=f"{name}: {verdict}", verdict=verdict)
+
+
+@pytest.mark.parametrize(
+    ("place", "arguments", "given"),
+    [
+        ("verify.verify", ["verify", "a.yaml"], (("a.yaml",), {"heal": False})),
+        ("verify.verify", ["verify", "a.yaml", "--heal"], (("a.yaml",), {"heal": True})),
+        ("crate.crate", ["crate", "a.yaml", "b.zip"], (("a.yaml", "b.zip", None, None), {})),
+        ("crate.crate", ["crate", "a.yaml", "b.zip", "--author", "N", "--licence", "U"],
+         (("a.yaml", "b.zip", "U", "N"), {})),
+    ],
+)  # fmt: skip
+def test_options_of_a_command_reach_what_does_its_work(workplace, monkeypatch, capsys, place, arguments, given):
+    """And all lines it returns are printed."""
+    calls = noted(monkeypatch, f"vsb.stages.{place}", ["first", "second"])
+    assert main(arguments) == 0
+    assert calls == [given]
+    assert capsys.readouterr().out == "first\nsecond\n"
+
+
+@pytest.mark.parametrize("verdict", ["ok", "doubt", "accepted", "fail"])
+def test_databases_of_others_are_read_as_is_told_and_their_verdict_is_that_of_all_checks(
+    workplace, monkeypatch, capsys, verdict
+):
+    """Whichever check fails; then notes, what was written, and what to look at. A fact not told has its default."""
+    checks = [check_of("first", verdict), check_of("second", "ok")]
+    calls = noted(monkeypatch, "vsb.stages.exchange.import_wamit", (checks, ["noted"], ["units", "names"]))
+    told = ["--density=1000", "--gravity=9.8", "--length=2", "--depth=30", "--axisymmetric"]
+    for more in (told, []):
+        assert main(["import-wamit", "in", "name", "out.nc", *more]) == int(verdict == "fail")
+        lines = capsys.readouterr().out.splitlines()
+        assert lines == [f"first: {verdict}", "second: ok", "noted", "out.nc", "look at units", "look at names"]
+    facts = [{"density": 1000.0, "gravity": 9.8, "length": 2.0, "depth": 30.0, "axisymmetric": True},
+             {"density": 1025.0, "gravity": 9.81, "length": 1.0, "depth": float("inf"), "axisymmetric": False}]  # fmt: skip
+    assert calls == [(("in", "name", "out.nc"), one) for one in facts]
+    calls = noted(monkeypatch, "vsb.stages.exchange.import_bemio", (checks[::-1], [], []))
+    for more, axisymmetric in ((["--axisymmetric"], True), ([], False)):
+        assert main(["import-bemio", "in.h5", "out.nc", *more]) == int(verdict == "fail")
+        assert calls.pop() == (("in.h5", "out.nc"), {"axisymmetric": axisymmetric})
+    calls = noted(monkeypatch, "vsb.hydro.bodies.study.run", checks)
+    capsys.readouterr()
+    assert main(["body", "a.yaml", "folder"]) == int(verdict == "fail")
+    assert calls == [(("a.yaml", "folder"), {})]
+    assert capsys.readouterr().out.splitlines() == [f"first: {verdict}", "second: ok", "folder: blocks and database"]
+
+
+def test_what_every_command_writes_is_asked_for_before_it_works(workplace, monkeypatch, capsys):
+    """A folder in the place of a file, a file in the place of a folder; nothing has been done then."""
+    (workplace / "a.nc").mkdir()
+    (workplace / "a.zip").mkdir()
+    for place, arguments in (
+        ("vsb.stages.crate.crate", ["crate", "x.yaml", "a.zip"]),
+        ("vsb.stages.exchange.import_wamit", ["import-wamit", "in", "name", "a.nc"]),
+        ("vsb.stages.exchange.import_bemio", ["import-bemio", "in.h5", "a.nc"]),
+        ("vsb.hydro.formats.exchange.export", ["export", "x.nc", "file"]),
+        ("vsb.hydro.bodies.study.run", ["body", "x.yaml", "file"]),
+    ):
+        calls = noted(monkeypatch, place, ([], [], []))
+        assert told(arguments, capsys).startswith(f"{arguments[-1]}: cannot be written")
+        assert not calls
+
+
+def test_shape_dependence_writes_under_the_name_it_is_given_and_prints_its_answer(workplace, monkeypatch, capsys):
+    calls = noted(monkeypatch, "vsb.stages.shape_dependence.shape_dependence", "it depends")
+    assert main(["shape-dependence", str(SEED), "a.b"]) == 0
+    ((study, *files), _), *others = calls
+    assert (study.study, files, others) == ("seed", ["a.b.nc", "a.b.svg"], [])
+    assert capsys.readouterr().out == "a.b.nc a.b.svg\nit depends\n"
+
+
+@pytest.mark.parametrize(
+    ("error", "line"),
+    [
+        (
+            PermissionError(13, "Permission denied", "a"),
+            "a: cannot be read or written (Permission denied); needs a path",
+        ),
+        (OSError(18, "Other device", "a", None, "b"), "b: cannot be read or written (Other device); needs a path"),
+        (errors.StabilityError("it is not stable,\n  at rest"), "it is not stable, at rest"),
+        (errors.ConfigError("a: wrong"), "x.yaml: a: wrong"),
+        (errors.ConfigError("x.yaml: a: wrong"), "x.yaml: a: wrong"),
+    ],
+)
+def test_mistakes_of_every_kind_are_a_line_that_names_its_file(monkeypatch, capsys, error, line):
+    def failing(path):
+        raise error
+
+    monkeypatch.setattr(cli, "plan_of", failing)
+    assert told(["check", "x.yaml"], capsys).startswith(line)
+
+
+def test_compare_hands_studies_on_in_their_order(workplace, monkeypatch, capsys):
+    calls = noted(monkeypatch, "vsb.stages.side_by_side.compare", "a table")
+    assert main(["compare", "b.yaml", "a.yaml", "--out", "t.csv"]) == main(["compare", "c.yaml"]) == 0
+    assert calls == [((["b.yaml", "a.yaml"], "t.csv"), {}), ((["c.yaml"], None), {})]
+    assert capsys.readouterr().out == "a table\n" * 2

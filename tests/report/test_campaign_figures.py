@@ -420,6 +420,8 @@ def test_marks_of_one_damper_stand_at_their_own_damper_and_power_the_given_one_o
     assert (ax.get_ylim()[0], ax.get_ylabel()) == (0.0, "mean power of the year [kW]")
     without = tuned_power(ds.sel(tuning=["one"]), "one", "FSB").axes[0]
     assert [line.get_marker() for line in without.lines] == ["None", "o"] * 2
+    given = tuned_power(ds.sel(tuning=["fixed"]), "fixed", "FSB").axes[0]
+    assert [line.get_marker() for line in given.lines] == ["None", "s"] * 2
 
 
 def test_power_over_force_begins_at_nothing_and_beside_optima_is_logarithmic():
@@ -469,6 +471,7 @@ def test_hatching_covers_the_cells_whose_interval_holds_zero_and_the_line_of_buc
     sizes = sorted((box.width, box.height) for box in (path.get_extents() for path in hatched.get_paths()))
     np.testing.assert_allclose(sizes, [(0.02, 1e6), (0.02, 2e6)])
     share = np.log10(2.0) / (np.log10(2.0) + 6)  # of a margin of one, whose logarithm is cut
+    assert len(line.get_paths()[0]) > 2
     np.testing.assert_allclose(line.get_paths()[0].vertices[:, 0], 0.01 + 0.02 * share, rtol=1e-9)
     for none in (0.5, -0.5):
         assert len(sweep(campaign(margin=none), "one", "FSB").axes[0].collections) == 2

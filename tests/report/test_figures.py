@@ -6,7 +6,7 @@ import xarray as xr
 
 from vsb.report.band import USEFUL, useful_band
 from vsb.report.canvas import StudyData
-from vsb.report.figures import absorbed_power, added_mass_damping, directions, energy_audit, radiation_kernel
+from vsb.report.figures import absorbed_power, added_mass_damping, directions, energy_audit, radiation_kernel, reactance
 from vsb.report.shell_figures import mode_shapes
 from vsb.report.svg import drawn
 
@@ -236,3 +236,105 @@ def test_a_band_below_that_of_seas_is_shown_whole(last, first):
     assert top.get_xlim() == pytest.approx((first, last))
     assert np.isfinite(top.get_ylim()).all()
     assert useful_band(response.best_power).values.tolist() == (omega >= max(first, 0.05 * last)).tolist()
+
+
+def test_a_study_of_several_waves_marks_them_all_and_one_of_none_none(responding):
+    for waves, label in (((2.5, 1.0), "study's waves"), ((1.0,), "study's wave"), ((), None)):
+        figure = absorbed_power(data(response=responding.response, wave_frequencies=waves))
+        for ax in figure.axes[:4]:
+            marks = [line for line in ax.get_lines() if str(line.get_label()).startswith("study's")]
+            assert [(line.get_label(), tuple(line.get_xdata())) for line in marks] == (
+                [(label, waves)] if waves else []
+            )
+
+
+def test_of_tuned_designs_powers_are_drawn_at_their_own_best_dampers_alone(responding):
+    for tuned, titles in ((True, ["each at its own best damper", ""]), (False, 1)):
+        figure = absorbed_power(data(response=responding.response, tuned=tuned, limit="limit 2 λ/2π"))
+        found = [ax.get_title() for ax in figure.axes]
+        assert found == (titles if tuned else ["each at its own best damper", "all at the given damper", "", ""])
+        assert "limit 2 λ/2π" in {line.get_label() for line in figure.axes[0].get_lines()}
+
+
+@pytest.mark.parametrize(
+    ("gains", "ends"),
+    [((0.0, 0.0), (-20, 20)), ((-0.4, 0.6), (-46, 69)), ((-0.95, 0.1), (-100, 20)), ((0.1, 4.0), (-20, 250))],
+)
+def test_an_axis_of_gains_reaches_a_little_beyond_the_least_and_the_most(gains, ends):
+    """At own best dampers one, at the given one the other; never beyond -100 and 250 %."""
+    shape = 1e3 * np.exp(-((OMEGA - 2.0) ** 2))
+    power = [(("design", "omega"), np.array([shape, (1 + gain) * shape])) for gain in gains]
+    for best, given in (power, power[::-1]):
+        response = xr.Dataset(
+            {"best_power": best, "absorbed_power": given, "power_limit": ("omega", 5e3 / OMEGA)},
+            {"design": ["FSB", "VSWEC"], "omega": OMEGA},
+        )
+        ax = absorbed_power(data(response=response)).axes[2]
+        assert ax.get_ylim() == pytest.approx(ends)
+        assert ax.get_ylabel() == "gain over FSB [%]"
+
+
+def test_gains_over_a_rigid_design_that_takes_nothing_at_some_wave_are_not_drawn(responding):
+    response = responding.response.copy(deep=True)
+    response.absorbed_power[0, 300] = 0.0
+    best, given = absorbed_power(data(response=response)).axes[2:4]
+    assert [text.get_text() for text in given.texts] == ["no absorbed power to compare with"]
+    assert not best.texts
+
+
+def test_an_axis_of_reactances_holds_those_of_the_band_shown_and_resistances_of_nothing_have_none(responding):
+    """Half as much again as the largest, however it is signed; beyond the band shown it may be a thousand."""
+    omega = OMEGA
+    quality = np.where(omega > 4.0, 1e3, 6.0 - omega)
+    impedance = np.array([1.0 + 1j * quality, 2.0 - 2j * quality])
+    impedance[1, 250] = -1.0 + 50.0j
+    response = responding.response.assign(port_impedance=(("design", "omega"), impedance))
+    figure = reactance(data(response=response))
+    top, bottom = figure.axes
+    low, high = top.get_xlim()
+    assert top.get_ylim() == pytest.approx((0.05, 1.5 * quality[(omega > low) & (omega < high)].max()))
+    drawn_ = {line.get_label(): np.asarray(line.get_ydata(), dtype=float) for line in top.get_lines()}
+    assert np.flatnonzero(np.isnan(drawn_["VSWEC"])).tolist() == [250]
+    np.testing.assert_allclose(np.delete(drawn_["VSWEC"], 250), np.delete(quality, 250))
+    assert (bottom.get_ylim(), top.get_yscale()) == ((0.0, 1.02), "log")
+
+
+@pytest.mark.parametrize(("last", "end"), [(5.0, 5.0), (40.0, 12.0)])
+def test_kernels_are_shown_to_twelve_seconds_at_most(last, end):
+    time, pair = np.linspace(0.0, last, 11), ("influenced_dof", "radiating_dof")
+    values = (("time", *pair), np.exp(-time)[:, None, None] * np.ones((1, 1)))
+    kernel = xr.Dataset(
+        {"kernel": values, "kernel_state_space": values}, dict.fromkeys(pair, ["Heave"]) | {"time": time}
+    )
+    assert radiation_kernel(data(radiation=kernel)).axes[0].get_xlim() == (0.0, end)
+
+
+def test_rotations_are_drawn_in_degrees_and_displacements_in_metres():
+    time, labels = np.linspace(0.0, 1.0, 5), ["Heave", "Pitch", "Surge"]
+    position = xr.DataArray(np.outer(time, [1.0, np.pi, -2.0]), {"time": time, "dof": labels}, ("time", "dof"))
+    runs = {(design, "w"): xr.Dataset({"position": k * position}) for k, design in enumerate(("FSB", "VSWEC"))}
+    figure = directions(data(runs=runs, periods={"w": 1.0}), "w")
+    assert [ax.get_ylabel() for ax in figure.axes] == ["surge [m]", "heave [m]", "pitch [degrees]"]
+    for ax, end in zip(figure.axes, (-2.0, 1.0, 180.0), strict=True):
+        rigid, shell = (line.get_ydata() for line in ax.get_lines())
+        assert (rigid[-1], shell[-1]) == pytest.approx((0.0, end))
+
+
+def test_an_audit_has_the_terms_all_designs_have_by_their_names():
+    """What drag took in one design alone is no bar; nothing is given up where all of it was got."""
+    terms = ["pto", "radiated", "structural", "drag", "stored", "wave"]
+    run = xr.Dataset(
+        {"energy": (("time", "term"), 1e3 * np.array([[1.0, 2.0, 3.0, 4.0, 5.0, 15.0]]))},
+        {"term": terms, "time": [1.0]},
+    )
+    for other, names in (
+        (run, ["power take-off", "radiated", "structural damping", "drag", "stored"]),
+        (run.drop_sel(term="drag"), ["power take-off", "radiated", "structural damping", "stored"]),
+    ):
+        for runs in ((run, other), (other, run)):
+            figure = energy_audit(data(runs=dict(zip([("FSB", "w"), ("VSWEC", "w")], runs, strict=True))), "w")
+            (ax,) = figure.axes
+            assert [bars.get_label() for bars in ax.containers] == names
+            assert ax.get_xlabel() == "energy over the run [kJ]"
+            assert [label.get_text() for label in ax.get_yticklabels()] == ["FSB", "VSWEC"]
+            assert ax.yaxis_inverted()

@@ -144,6 +144,7 @@ def test_what_a_worse_choice_costs_is_told_of_several_seas_alone():
         lines = [line("FSB", 0.0), line("A", 5.0), line("FSB", 0.0, "v"), line("A", least, "v")]
         first, *_ = headline(lines, best_power(A=0 * OMEGA), "FSB", SEAS, 1e-3)
         assert first.endswith("; flexibility pays in 1 of the 2, and costs up to 0.1 %.") == cost
+        assert ("costs" in first) == cost
 
 
 def test_over_the_band_the_most_and_the_least_are_told_where_they_are_and_nothing_of_nothing():

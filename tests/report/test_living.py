@@ -327,19 +327,19 @@ def test_what_is_told_of_a_sea_stands_in_the_order_of_the_designs():
     """Of a design of which nothing is known there is nothing; every sea has its own, on its own grid and band."""
     near, far = grid(np.array([1.0, 2.0])), grid(np.array([1.5, 2.5, 3.5]))
     seas = [
-        LivingSea("one", 1, None, {"hs": 1.0}, {"VSWEC": 5.0}, {"VSWEC": 7.0}, STEPS, band=1),
-        LivingSea("two", 0, np.array([0.04, 0.01])),
+        LivingSea("one", 0, None, {"hs": 1.0}, {"VSWEC": 5.0}, {"VSWEC": 7.0}, STEPS, band=1),
+        LivingSea("two", 1, np.array([0.04, 0.01])),
     ]
     found = study_data([near, far], seas, [near, far], np.array([3.0, 4.0]), "VSWEC", efficiency=0.8, bound="2 λ/2π")
     first, second = found["seas"]
     steps = {"limits": STEPS.limits, "of": "FSB", "repeats": 106.5, "powers": [POWERS["FSB"], POWERS["VSWEC"]]}
     assert first == {
-        "words": "one", "grid": 1, "band": 1, "squares": None, "jonswap": {"hs": 1.0}, "given": [None, 5.0],
+        "words": "one", "grid": 0, "band": 1, "squares": None, "jonswap": {"hs": 1.0}, "given": [None, 5.0],
         "limited": [None, 7.0], "steps": steps,
     }  # fmt: skip
     assert numbers(second.pop("squares")) == pytest.approx([0.04, 0.01])
     assert second == {
-        "words": "two", "grid": 0, "band": 0, "jonswap": None, "given": [None] * 2, "limited": [None] * 2, "steps": None,
+        "words": "two", "grid": 1, "band": 0, "jonswap": None, "given": [None] * 2, "limited": [None] * 2, "steps": None,
     }  # fmt: skip
     assert (found["efficiency"], found["bound"], list(numbers(found["limit"]))) == (0.8, "2 λ/2π", [3.0, 4.0])
     assert [one["reference"] for one in found["designs"]] == [False, True]

@@ -174,3 +174,75 @@ def test_what_magnifies_motion_leaves_the_shape_at_rest():
     rigid, shell = (line.get_data() for line in figures.extreme_shapes(given, "w").axes[0].get_lines())
     np.testing.assert_allclose(np.hypot(*rigid), 2.3, rtol=1e-9)
     np.testing.assert_allclose(np.hypot(*shell), 2.3 - 20.0 * 0.01, rtol=1e-3)
+
+
+def test_displacements_of_all_designs_in_the_window_count_for_the_factor():
+    """The first design that moves its shell less, or more, or before the window."""
+    given = data(0.01)
+    for runs in ({"VSWEC": run(0.01), "more": run(0.05)}, {"VSWEC": run(0.05), "less": run(0.01)}):
+        both = replace(given, designs=("FSB", *runs), runs={**given.runs, **{(n, "w"): one for n, one in runs.items()}})
+        assert figures._magnification(both, "w") == 5.0
+    early = run(0.01)
+    early.position[5, 1] = -3.0
+    late = replace(given, window=(1.0, 10.0), runs={**given.runs, ("VSWEC", "w"): early})
+    assert figures._magnification(late, "w") == 20.0
+    assert figures._magnification(replace(late, window=(0.0, 10.0)), "w") == 1.0
+    assert figures._magnification(replace(given, designs=("FSB",)), "w") == 1.0
+
+
+def test_modes_that_move_the_other_meridian_and_rigid_motions_are_none_of_the_drawn():
+    labels = ["Surge", "Heave", "Membrane1c1", "Membrane1s1", "Pitch", "Membrane2"]
+    moved = xr.Dataset({"position": (("time", "dof"), [[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]])}, {"dof": labels})
+    assert figures._modal(moved).tolist() == [[3.0, 6.0]]
+
+
+@pytest.mark.parametrize(
+    ("breathing", "order", "title"),
+    [
+        (0.01, None, "Shell displacement times 20, heave and wave times 1 (dotted: undeformed)"),
+        (0.01, 0, "Shell displacement times 20, heave, pitch and wave times 1 (dotted: undeformed)"),
+        (0.5, None, "All to scale (dotted: undeformed)"),
+    ],
+)
+def test_snapshots_say_what_is_magnified(breathing, order, title):
+    given = data(breathing)
+    if order is not None:
+        given = replace(given, modes=given.modes.assign(order=("mode", [order])))
+    assert figures.snapshots(given, "w").get_suptitle() == title
+
+
+def test_a_snapshot_has_room_for_a_tall_body_and_water_at_rest_where_no_wave_is_known():
+    """A body of three metres from its centre to its poles; its centre is half a metre above the water."""
+    given = data()
+    rest = {"rest_radial": ("colatitude", np.cos(PHI) ** 2), "rest_meridional": ("colatitude", 0 * PHI)}
+    modes = given.modes.assign(rest).assign_attrs(centre_height=0.5)
+    runs = {key: one.drop_vars("elevation") for key, one in given.runs.items()}
+    for one, reach in ((modes, 4.5), (given.modes, 3.0)):
+        ax = figures.snapshots(replace(given, modes=one, runs=runs), "w").axes[0]
+        assert (ax.get_xlim(), ax.get_ylim()) == ((-reach, reach), (-reach, reach))
+        (level,) = (line for line in ax.get_lines() if line.get_color() == "#0072B2")
+        assert set(level.get_ydata()) == {0.0}
+    ax = figures.snapshots(replace(given, modes=modes, runs=runs), "w").axes[0]
+    dotted = next(line for line in ax.get_lines() if line.get_linestyle() == ":")
+    assert (dotted.get_ydata().max(), dotted.get_ydata().min()) == pytest.approx((3.5, -2.5))
+
+
+def test_modes_stand_four_in_a_row_and_those_of_order_one_go_the_same_way_on_both_sides():
+    """On a body that is no sphere, too: what it is at rest is drawn in radii."""
+    given, phi = data(), PHI
+    five = given.modes.isel(mode=[0] * 5).assign_coords(mode=[f"M{k}" for k in range(5)])
+    assert len(figures.mode_shapes(replace(given, modes=five)).axes) == 8
+    rest = {"rest_radial": ("colatitude", 0.4 * np.cos(phi) ** 2), "rest_meridional": ("colatitude", 0 * phi)}
+    sideways = {
+        "radial": (("mode", "colatitude"), [np.sin(phi)]),
+        "meridional": (("mode", "colatitude"), [np.cos(phi)]),
+    }
+    modes = given.modes.assign(**rest, **sideways, order=("mode", [1]), degree=("mode", [1]))
+    at_rest, moved = (
+        np.array(line.get_data()) for line in figures.mode_shapes(replace(given, modes=modes)).axes[0].lines
+    )
+    assert at_rest[1].max() == pytest.approx(1.2)
+    shift = moved - at_rest
+    np.testing.assert_allclose(shift[0], shift[0, 0], atol=1e-9)
+    np.testing.assert_allclose(shift[1], 0.0, atol=1e-9)
+    assert shift[0, 0] > 0.1

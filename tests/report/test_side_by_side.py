@@ -8,7 +8,7 @@ import pytest
 from browser import asked
 from matplotlib.colors import to_hex
 
-from vsb.report.side_by_side import HEAD, MOST_POINTS, Line, answer, as_csv, as_page, as_text, figure
+from vsb.report.side_by_side import DOUBTS, HEAD, MOST_POINTS, Line, answer, as_csv, as_page, as_text, figure
 
 RIGID = Line("soft", "", "FSB", "wave1", "each", 100.0, 0.0, 8e3, 1.5, None)
 SHELL = RIGID._replace(design="VSWEC", power_mean=90.0, gain_percent=-10.0, capture_width=1.35)
@@ -142,3 +142,52 @@ def test_however_many_designs_each_has_marks_of_its_own():
         marks = [(to_hex(line.get_color()), line.get_marker()) for line in ax.get_lines() if line.get_label()[0] == "D"]
         assert len(set(marks)) == len(marks) == 16
     assert [ax.get_xlabel() for ax in (gain, width)] == ["gain over the rigid design [%]", "capture width [m]"]
+
+
+def test_of_every_campaign_the_first_points_are_shown_with_all_their_lines():
+    """Points of one name in two campaigns are two; studies, of a point each, are shown whole."""
+
+    def swept(study):
+        return [YEAR._replace(study=study, point=f"p {i}", design=d) for i in range(MOST_POINTS + 1) for d in "AB"]
+
+    lines = [RIGID, *swept("one"), *swept("two"), SHELL]
+    text = as_text(lines).splitlines()
+    assert text[-1] == "4 more lines with --out FILE.csv"
+    assert len(text) == 1 + 2 + 2 * 2 * MOST_POINTS + 1
+    assert not any(f"p {MOST_POINTS} " in line for line in text)
+    assert [sum(line.startswith(study) for line in text) for study in ("one", "two", "soft")] == [48, 48, 2]
+
+
+def test_a_table_has_words_to_the_left_numbers_to_the_right_and_no_column_nobody_has():
+    assert as_text([RIGID, SHELL._replace(power_mean=1234.0, damping=None)]).splitlines() == [
+        "study  design  sea    tuning  power [W]  gain [%]  damper [N s/m]  width [m]",
+        "soft   FSB     wave1  each          100      +0.0            8000        1.5",
+        "soft   VSWEC   wave1  each         1234     -10.0               -       1.35",
+    ]
+
+
+def test_the_answer_names_the_tuning_of_its_own_line():
+    other = SHELL._replace(gain_percent=3.0, tuning="fixed")
+    assert answer((RIGID, YEAR._replace(gain_percent=-3.0), other)).endswith(
+        "takes 3.0 % more than its rigid design (all at the given damper)."
+    )
+    assert answer((RIGID, other._replace(gain_percent=0.05))).startswith("Flexibility brings most where VSWEC of soft")
+    assert "at best, VSWEC of soft, wave1 takes 0.1 % less" in answer((RIGID, other._replace(gain_percent=-0.05)))
+
+
+def test_a_page_names_all_it_puts_side_by_side_with_their_ids_and_says_what_to_doubt():
+    page = as_page((RIGID, SHELL, YEAR), REPORTS)
+    for part in ("soft", "year", "id-1", "id-2", "takes 12.3 % more than", *DOUBTS):
+        assert part in page
+    assert "more rows" not in page
+
+
+def test_measures_of_the_figure_are_the_first_two_that_anybody_has():
+    lost = YEAR._replace(gain_percent=None, capture_width=None)
+    for lines, labels in (
+        ([YEAR, GAS], ["gain over the rigid design [%]", "capture width [m]"]),
+        ([YEAR._replace(capture_width=None), GAS], ["gain over the rigid design [%]", "power [W]"]),
+        ([GAS._replace(capture_width=0.0)], ["capture width [m]", "power [W]"]),
+        ([lost._replace(power_mean=None)], ["power [W]"]),
+    ):
+        assert [ax.get_xlabel() for ax in figure(lines).axes] == labels

@@ -90,3 +90,44 @@ def test_a_sphere_of_any_size_lies_as_deep_as_its_draft(seed, radius, draft):
         assert float(body.get("cy")) + float(body.get("r")) == pytest.approx(62.0 + 34.0 * draft, abs=0.1)
         line = next(e.get("d") for e in root.iter("path") if e.get("class") == "takeoff")
         assert float(line.removeprefix("M70 ").partition("V")[0]) == pytest.approx(62.0 + 34.0 * draft, abs=0.1)
+
+
+@pytest.mark.parametrize("height", [-0.4, 0.0, 0.3])
+def test_a_free_shell_swells_and_shrinks_by_an_eighth_about_its_centre(height):
+    """Thirteen per cent either way, in the colour of the design; the centre is above the water by its height."""
+    root = ET.fromstring(sketch("VSWEC", DESIGNS, height))
+    (path,) = (one for one in root.iter("path") if "stroke-dasharray" in one.attrib)
+    assert path.get("stroke") == style("VSWEC", list(DESIGNS))["color"]
+    for part, size in zip(path.get("d").split("M")[1:], (1.13, 0.87), strict=True):
+        points = [tuple(map(float, point.split())) for point in part.split("L")]
+        sizes = [math.hypot(x - 70, y - (62.0 - 34.0 * height)) for x, y in points]
+        assert sizes == pytest.approx([34.0 * size] * len(points), abs=0.1)
+
+
+def test_a_shell_is_still_where_it_is_held_on_both_sides_and_moves_in_between():
+    """Held at 30 degrees and at the keel: both meridians meet there, and nowhere else."""
+    root = ET.fromstring(sketch("two", DESIGNS, 0.0))
+    (path,) = (one for one in root.iter("path") if "stroke-dasharray" in one.attrib)
+    swollen, squeezed = (
+        [tuple(map(float, point.split())) for point in part.split("L")] for part in path.get("d").split("M")[1:]
+    )
+    held = [k for k, (one, other) in enumerate(zip(swollen, squeezed, strict=True)) if one == other]
+    assert held == [4, 24, 44]
+    assert all(math.dist((70, 62), one) > math.dist((70, 62), other)
+               for k, (one, other) in enumerate(zip(swollen, squeezed, strict=True)) if k not in held)  # fmt: skip
+
+
+def test_a_rigid_buoy_has_a_thick_line_and_names_may_have_any_letters():
+    widths = {}
+    for name in ("FSB", "VSWEC"):
+        (body,) = (
+            one for one in ET.fromstring(sketch(name, DESIGNS, 0.0)).iter("circle") if "fill-opacity" in one.attrib
+        )
+        widths[name] = body.get("stroke-width")
+        assert body.get("fill") == body.get("stroke") == style(name, list(DESIGNS))["color"]
+    assert widths == {"FSB": "5", "VSWEC": "2"}
+    odd = {"a<b>": DESIGNS["VSWEC0"]}
+    assert ET.fromstring(sketch("a<b>", odd, 0.0)).get("aria-label") == "a<b>, elastic shell, held at the top"
+    assert design_in_words({"flexible": True, "clamp": [90.0, 22.5]}) == (
+        "elastic shell, held at the equator and 22.5° from the top"
+    )

@@ -11,7 +11,7 @@ from report.test_campaign_figures import campaign
 
 from vsb.report.campaign_figures import DRAWN
 from vsb.report.canvas import grid_of_axes, legend_above
-from vsb.report.svg import data_csv, drawn, in_words
+from vsb.report.svg import Drawn, _relative, data_csv, drawn, in_words
 
 X = np.linspace(0.0, 10.0, 400)
 
@@ -153,3 +153,83 @@ def test_of_a_long_curve_every_so_many_a_point_is_kept_and_of_a_map_every_cell()
     assert [float(row["x"]) for row in found["long"]] == list(range(0, 2001, 3))
     assert len(found["short"]) == 1000
     assert [float(row["value"]) for row in found["map"]] == cells.ravel().tolist()
+
+
+def test_words_are_of_the_first_eight_curves_as_far_as_they_are_shown_and_of_none_without_points():
+    """A curve that is level has one number, of a title alone there is the title."""
+    figure, axes = grid_of_axes(3.0, 1, 3)
+    for k in range(10):
+        axes[0, 0].plot([0.0, 1.0, 9.0], [k, k + 1.0, 99.0], label=f"c{k}")
+    axes[0, 0].set(xlabel="time [s]", ylabel="heave [m]", xlim=(0.0, 2.0))
+    axes[0, 1].plot([0.0, 1.0], [2.5, 2.5], label="level")
+    axes[0, 1].plot([0.5], [7.0], label="point")
+    axes[0, 1].plot([0.0, 1.0, 2.0], [-3.0, np.nan, 4.0], label="gap")
+    axes[0, 1].set(title="a\ntitle", xlim=(0.0, 2.0))
+    axes[0, 2].set(title="empty")
+    figure.suptitle("all of\nit")
+    told = ", ".join(f"c{k} {k} to {k + 1}" for k in range(8))
+    assert in_words(figure) == (
+        f"all of it. heave [m] over time [s]: {told}. a title over x: level 2.5, gap -3 to 4. empty"
+    )
+
+
+def test_upright_bars_have_the_names_below_them_and_bars_without_a_name_are_not_told():
+    figure, axes = grid_of_axes(3.0)
+    axes[0, 0].bar([0, 1], [3.0, -4.0], label="given")
+    axes[0, 0].bar([0, 1], [1.0, 2.0], label="kept")
+    axes[0, 0].bar([0, 1], [5.0, 6.0])
+    axes[0, 0].set_xticks([0, 1], ["A", "B\nC"])
+    axes[0, 0].set_ylabel("energy [kJ]")
+    assert in_words(figure) == "energy [kJ]: given: A 3, B C -4; kept: A 1, B C 2"
+
+
+@pytest.mark.parametrize(
+    ("path", "short"),
+    [
+        ("M 1.234 5.678 L 2 3 z", "M1.23 5.68l.77-2.68z"),
+        ("M -0.5 0.25 L -0.5 0.25 L 100.5 -10", "M-.5 .25l0 0l101-10.25"),
+        ("M 1 1 L 2 2 M 7 3 L 6 3.5 z", "M1 1l1 1M7 3l-1 .5z"),
+        ("M 0.004 0.006 L 0.008 0.012 L 0.012 0.018", "M0 .01l.01 0l0 .01"),
+    ],
+)
+def test_paths_are_steps_between_rounded_places(path, short):
+    """Every place begins anew at an M; errors of rounding do not add up."""
+    assert _relative(path) == short
+
+
+def test_data_are_of_points_that_exist_on_an_axis_of_either_direction_and_of_axes_without_a_name():
+    figure, axes = grid_of_axes(3.0, 1, 2)
+    axes[0, 0].set(title="first", ylabel="not this")
+    axes[0, 0].plot([0.0, 1.0, 2.0, 3.0, 4.0], [5.0, np.nan, 7.0, np.inf, 9.0], label="A")
+    axes[0, 0].set_xlim(3.5, 0.0)
+    axes[0, 1].barh([1, 3], [-2.0, 4.0], height=0.5, left=[0.0, 1.0], label="stored")
+    rows = list(csv.reader(io.StringIO(data_csv(figure))))
+    assert rows == [
+        ["axes", "series", "x", "y", "value"], ["first", "A", "0", "5"], ["first", "A", "2", "7"],
+        ["axes 2", "stored", "-2", "1.25"], ["axes 2", "stored", "5", "3.25"],
+    ]  # fmt: skip
+
+
+def test_values_are_read_off_curves_on_axes_of_numbers_alone():
+    """Not where a scale is neither linear nor logarithmic, nor where nothing has a name; of two curves each has its own."""
+    figure, axes = grid_of_axes(4.0, 1, 3)
+    for name, values in (("A", [1.0, 10.0]), ("B", [2.0, 20.0])):
+        axes[0, 0].plot([1.0, 100.0], values, label=name)
+        axes[0, 1].plot([1.0, 100.0], values, label=name)
+    axes[0, 0].set(xscale="log", xlim=(1, 100), ylim=(0, 30), xlabel="force\n[kN]", ylabel="power [W]")
+    axes[0, 1].set_yscale("asinh")
+    axes[0, 2].plot([0.0, 1.0])
+    root = ET.fromstring(drawn(figure, "x").svg)
+    (marked,) = (element for element in root.iter() if "data-x" in element.attrib)
+    assert marked.get("data-x").split()[2:] == ["1", "100", "log"]
+    assert marked.get("data-y").split()[2:] == ["0", "30", "linear"]
+    assert (marked.get("data-x-label"), marked.get("data-y-label")) == ("force [kN]", "power [W]")
+    assert [element.get("data-curve") for element in root.iter() if "data-curve" in element.attrib] == ["A", "B"]
+
+
+def test_each_file_is_of_its_kind(tmp_path):
+    files = Drawn("<svg/>", b"%PDF", "axes\n")
+    files.write(str(tmp_path), "a")
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {
+        "a.svg": b"<svg/>", "a.pdf": b"%PDF", "a.csv": b"axes\n"
+    }  # fmt: skip
