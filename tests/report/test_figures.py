@@ -304,7 +304,7 @@ def test_kernels_are_shown_to_twelve_seconds_at_most(last, end):
     time, pair = np.linspace(0.0, last, 11), ("influenced_dof", "radiating_dof")
     values = (("time", *pair), np.exp(-time)[:, None, None] * np.ones((1, 1)))
     kernel = xr.Dataset(
-        {"kernel": values, "kernel_state_space": values}, dict.fromkeys(pair, ["Heave"]) | {"time": time}
+        {"kernel": values, "kernel_state_space": values}, {"time": time, **{dim: ["Heave"] for dim in pair}}
     )
     assert radiation_kernel(data(radiation=kernel)).axes[0].get_xlim() == (0.0, end)
 

@@ -306,3 +306,36 @@ def test_what_it_does_not_hold_is_refused(call, error, match, database):
 def test_a_reach_must_be_positive(reach, family):
     with pytest.raises(ConfigError, match=r"reach: received .* m; needs 4 positive amplitudes"):
         shape_database(family, reach)
+
+
+def test_an_estimate_is_the_sum_of_what_each_amplitude_leaves_out_either_way():
+    """Third orders together, noise of derivatives, the reference; of every coefficient its own."""
+    remainder = np.array([[8.0, 0.027], [1.0, 0.0], [0.0, 64.0], [0.125, 1.0]])
+    scale, noise = np.array([3.0, 5.0, 2.0, 1.0]), np.array([[0.1, 0.2], [0.0, 0.3], [0.4, 0.0], [0.0, 0.0]])
+    points = np.array([1e-3, 2e-3, 3e-3, 0.0])
+    table = ("coefficient", "shape_dof")
+    ds = xr.Dataset({
+        "shape_reach": ("shape_dof", [0.5, 0.7]), "remainder": (table, remainder), "slope_noise": (table, noise),
+        "remainder_scale": ("coefficient", scale), "reference_error": ("coefficient", points),
+    }, {"shape_dof": ["Heave", "Mode0"]})  # fmt: skip
+    for q in ([0.3, 0.6], [-0.3, 0.6], [0.3, -0.6], [-0.5, 0.0]):
+        a, b = np.abs(q)
+        third = [(r ** (2 / 3) * a**2 + s ** (2 / 3) * b**2) ** 1.5 for r, s in remainder]
+        expected = scale * third + noise[:, 0] * a + noise[:, 1] * b + points
+        assert list(ShapeDatabase(ds).error(np.array(q)).values()) == pytest.approx(expected)
+
+
+def test_a_phase_turns_with_the_part_of_a_derivative_that_is_out_of_step():
+    """Of e^{i b q} X (1 + c q) by b, whatever c; of no excitation by nothing."""
+    x = np.array([[3.0 + 1.0j, -2.0j], [0.0, 0.5 - 2.0j], [0.0, 0.0]])
+    rates, growth = np.array([[2.0, -3.0, 0.0], [0.5, 1.0, 0.0]]), np.array([0.7, -1.5])
+    slopes = (1j * rates + growth[:, None])[:, :, None] * x
+    np.testing.assert_allclose(phase_rates(x, slopes), rates, rtol=1e-12)
+
+
+def test_the_ends_of_its_reach_and_of_its_band_are_part_of_it(database):
+    for sign in (1, -1):
+        assert database.error(sign * REACH) == database.error(REACH)
+        ends = database.at(GRID[[0, -1]], sign * REACH)
+        whole = database.at(GRID, sign * REACH)
+        np.testing.assert_allclose(ends.damping, whole.damping[[0, -1]], rtol=1e-12, atol=1e-9 * whole.damping.max())

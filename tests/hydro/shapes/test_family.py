@@ -1,5 +1,6 @@
 import dataclasses
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -268,3 +269,109 @@ def test_the_number_of_shapes(reference):
 def test_what_cannot_be_is_refused(call, match, family):
     with pytest.raises(ConfigError, match=match):
         call(family)
+
+
+LABELS = ["Heave", "Mode0", "Mode3"]
+GRADIENT = np.array([2.0, -3.0, 0.5])
+BENDING = np.array([[4.0, -1.0, 2.5], [-1.0, -6.0, 0.75], [2.5, 0.75, 3.0]])
+THIRD = np.array([7.0, -5.0, 0.2])
+SIZES = dict(zip(COEFFICIENTS, (1.0, -2.0, 0.5 + 1.0j, 3.0), strict=True))
+
+
+class Polynomial(ShapeFamily):
+    """A family whose coefficients are known polynomials of the amplitudes."""
+
+    def at(self, modal_amplitude):
+        q = np.asarray(modal_amplitude)
+        value = 10 + GRADIENT @ q + q @ BENDING @ q / 2 + THIRD @ q**3
+        return xr.Dataset({name: ("omega", size * value * np.array([1.0, -2.0])) for name, size in SIZES.items()})
+
+
+@pytest.fixture
+def polynomial():
+    shell = SimpleNamespace(labels=LABELS, shell=SimpleNamespace(radius=4.0))
+    return Polynomial(SimpleNamespace(basis=shell), (1.0, 2.0), 1000.0, 9.81, step=0.05)
+
+
+def test_derivatives_of_a_polynomial_are_its_own(polynomial):
+    """Slopes, curvatures with all mixed terms, a sixth of the third derivative, at steps in radii of the shell."""
+    for name, size in SIZES.items():
+        at = size * np.array([1.0, -2.0])
+        np.testing.assert_allclose(polynomial.slopes[name], GRADIENT[:, None] * at, rtol=1e-9)
+        np.testing.assert_allclose(polynomial.curvatures[name], BENDING[:, :, None] * at, rtol=1e-7)
+        for k, line in enumerate(polynomial.axes):
+            np.testing.assert_allclose(line.cubic[name], THIRD[k] * at, rtol=1e-6)
+            # what the last step of the extrapolation changed: nothing, for errors of second order
+            np.testing.assert_allclose(line.correction[name], 0.0, atol=1e-9)
+    assert polynomial.slopes.shape_dof.values.tolist() == LABELS
+    assert polynomial.curvatures.added_mass.dims == ("shape_dof", "other_shape_dof", "omega")
+
+
+def test_an_expansion_holds_what_is_of_its_order_and_no_more(polynomial):
+    q = np.array([0.3, -0.2, 0.5])
+    first, second = (polynomial.expansion(q, order) for order in (1, 2))
+    for name, size in SIZES.items():
+        at = size * np.array([1.0, -2.0])
+        np.testing.assert_allclose(first[name], (10 + GRADIENT @ q) * at, rtol=1e-9)
+        np.testing.assert_allclose(second[name], (10 + GRADIENT @ q + q @ BENDING @ q / 2) * at, rtol=1e-8)
+
+
+def test_errors_of_expansions_are_the_largest_of_all_directions(polynomial):
+    """In the same directions whatever the size, others of another seed."""
+    for seed in (0, 5):
+        found = polynomial.interpolation_error(0.8, samples=3, seed=seed)
+        ways = np.random.default_rng(seed).standard_normal((3, 3))
+        shapes = 0.8 * ways / np.linalg.norm(ways, axis=1, keepdims=True)
+        left = np.array([[q @ BENDING @ q / 2 + THIRD @ q**3, THIRD @ q**3] for q in shapes])
+        exact = np.array([10 + GRADIENT @ q + q @ BENDING @ q / 2 + THIRD @ q**3 for q in shapes])
+        largest = np.abs(left / exact[:, None]).max(axis=0)
+        for name in COEFFICIENTS:
+            np.testing.assert_allclose(found[name], largest, rtol=1e-6)
+            assert found[name].order.values.tolist() == [1, 2]
+
+
+def test_a_misfit_is_the_largest_difference_over_the_largest_entry_whatever_their_signs():
+    exact = xr.DataArray([[-5.0, 2.0], [1.0, 3.0]])
+    assert misfit(exact + xr.DataArray([[0.0, -1.0], [0.5, 0.0]]), exact) == pytest.approx(0.2)
+    assert misfit(exact * 1j, exact) == pytest.approx(np.sqrt(2))
+
+
+def test_an_error_of_a_derivative_is_what_its_steps_and_its_own_relations_miss():
+    """Of two motions: the last correction, and asymmetry, or damping against that of excitation, of each amplitude."""
+    pair, waved = ("omega", "influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
+    omegas, labels = (1.0, 2.0), ["Heave", "Mode0"]
+    x = np.array([[3.0 + 1.0j, -2.0j], [1.0, 0.5 - 2.0j]])
+    lines = []
+    for dx, asymmetric, scale in ((np.array([[1.0, 2.0j], [-1.0j, 4.0]]), 1.0, 1.25), (0.5 * x, 0.0, 1.0)):
+        damping = scale * shapefamily.haskind_slope(np.array(omegas), x, dx, 1000.0, 9.81)
+        added = np.array([[1.0, 3.0], [3.0 - asymmetric, -4.0]]) * np.ones((2, 1, 1))
+        slope = xr.Dataset({
+            "added_mass": (pair, added), "radiation_damping": (pair, damping),
+            "excitation_force": (waved, dx[:, None]), "added_mass_inf": (pair[1:], 2.5 * added[0]),
+        })  # fmt: skip
+        lines.append(shapefamily.Line(slope, slope, -0.1 * slope, slope))
+    basis = SimpleNamespace(labels=labels, shell=SimpleNamespace(radius=1.0))
+    family = ShapeFamily(SimpleNamespace(basis=basis), omegas, 1000.0, 9.81)
+    family.__dict__.update(axes=tuple(lines), centre=xr.Dataset({"excitation_force": (waved, x[:, None])}))
+    expected = {"added_mass": 0.35, "added_mass_inf": 0.35, "radiation_damping": 0.3, "excitation_force": 0.3}
+    for name, first in expected.items():
+        np.testing.assert_allclose(family.slope_errors[name], [first, 0.1], rtol=1e-9)
+    assert family.slope_errors.shape_dof.values.tolist() == labels
+
+
+def test_coefficients_and_derivatives_have_their_units(polynomial):
+    errors = xr.Dataset({name: ("shape_dof", [0.1, 0.2, 0.3]) for name in COEFFICIENTS}, {"shape_dof": LABELS})
+    polynomial.__dict__.update(slope_errors=errors)
+    found = polynomial.derivatives
+    force = found.excitation_force
+    assert [force.units, *(found[f"excitation_force_{name}"].units for name in ("slope", "curvature", "slope_error"))] == [
+        "N/m", "N/m^2", "N/m^3", "1",
+    ]  # fmt: skip
+    assert found.added_mass_inf_curvature.units == "kg/m^2"
+    np.testing.assert_allclose(found.radiation_damping_slope, polynomial.slopes.radiation_damping)
+    np.testing.assert_allclose(found.added_mass_slope_error, [0.1, 0.2, 0.3])
+
+
+def test_a_finer_family_has_a_third_more_points_and_not_one_less():
+    for nodes, finer in ((24, 32), (25, 34), (26, 35), (27, 36)):
+        assert ShapeFamily(None, OMEGAS, 1025.0, 9.81, nodes=nodes).finer.nodes == finer
