@@ -12,6 +12,7 @@ from vsb.report.campaign_figures import (
     _label,
     _number,
     _scale,
+    _told,
     is_mapped,
     pareto,
     power_matrices,
@@ -496,3 +497,11 @@ def test_an_axis_is_logarithmic_from_a_decade_on(values, scale):
     assert _scale(ds, "mass") == scale
     assert (_label(ds, "mass"), _label(ds, "clamp")) == ("mass [kg]", "clamp [-]")
     assert (_label(ds.assign_coords(basis=["full"]), "basis")) == "basis [-]"
+
+
+def test_a_value_of_a_row_is_told_in_words_of_its_own_unit():
+    ds = xr.Dataset(
+        coords={"young_modulus": ("young_modulus", [1e6, 3e9], {"units": "Pa"}), "basis": ["paper", "full"]}
+    )
+    assert [_told(ds, "young_modulus", i) for i in (0, 1)] == ["young modulus 1 MPa", "young modulus 3 GPa"]
+    assert _told(ds, "basis", 1) == "basis full"

@@ -7,11 +7,13 @@ from report.test_figures import data
 
 from vsb.report.canvas import (
     STYLES,
+    folded,
     force_of,
     grid_of_axes,
     heave_force,
     legend_above,
     note,
+    panels,
     period_axis,
     plain_numbers,
     shown_window,
@@ -139,3 +141,30 @@ def test_a_logarithmic_axis_of_few_decades_is_numbered_as_people_read_it():
     told = [label.get_text() for label in axes[0, 0].get_yticklabels() if 4 <= label.get_position()[1] <= 300]
     assert told == ["5", "10", "20", "50", "100", "200"]
     assert not any(label.get_text() for label in axes[0, 0].get_yticklabels(minor=True))
+
+
+def test_series_of_every_design_are_its_own_in_the_window_over_one_axis_of_time():
+    """What does not move has one tick, of each panel by itself."""
+    time = np.linspace(0.0, 20.0, 21)
+    runs = {
+        (design, "w"): xr.Dataset({"a": ("time", k * time), "b": ("time", 0 * time)}, {"time": time})
+        for k, design in enumerate(("FSB", "VSWEC"), 2)
+    }
+    given = replace(data(), runs=runs, periods={"w": 2.0}, window=(5.0, 15.0))
+    figure = panels(given, "w", [("first [m]", lambda run: run.a), ("second [m]", lambda run: run.b)])
+    top, bottom = figure.axes
+    for k, (line, design) in enumerate(zip(top.get_lines(), ("FSB", "VSWEC"), strict=True), 2):
+        np.testing.assert_array_equal(line.get_xydata(), np.stack([time[5:16], k * time[5:16]], axis=1))
+        assert (line.get_label(), line.get_color()) == (design, style(design, ["FSB", "VSWEC"])["color"])
+    assert [(ax.get_xlabel(), ax.get_ylabel(), ax.get_xlim()) for ax in (top, bottom)] == [
+        ("", "first [m]", (5.0, 15.0)), ("time [s]", "second [m]", (5.0, 15.0)),
+    ]  # fmt: skip
+    assert (len(top.get_yticks()) > 1, bottom.get_yticks().tolist()) == (True, [0.0])
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["FSB", "VSWEC"]
+
+
+def test_a_long_name_stands_on_several_lines():
+    name = "a buoy with a rather long name"
+    assert folded(name) == "a buoy with a\nrather long name"
+    assert folded(name, 24) == "a buoy with a rather\nlong name"
+    assert folded("FSB") == "FSB"

@@ -98,3 +98,16 @@ def test_a_calm_sea_beside_a_storm_is_seen_by_its_own_peak():
         found = xr.DataArray(rows, {"sea": ["one", "other"], "omega": OMEGA})
         low, high = spectra(data(spectra=found)).axes[0].get_xlim()
         assert low < 2 * np.pi / 10 < 2 * np.pi / 2 < high
+
+
+def test_what_lies_between_a_tenth_and_nine_tenths_of_the_year_is_shaded():
+    """Below it a dotted line, above it a full one."""
+    climate = year(0.7)
+    ax = year_spectra(climate).axes[0]
+    curves = named(ax)
+    below, above = (curves[f"{share} % of the year below"] for share in (10, 90))
+    assert (below.get_linestyle(), above.get_linestyle(), curves["median"].get_linestyle()) == (":", "-", "--")
+    edge = {tuple(point) for path in ax.collections[0].get_paths() for point in path.vertices}
+    for share in (0.1, 0.9):
+        assert set(zip(climate.omega, climate.quantile(share), strict=True)) <= edge
+    assert ax.get_ylim()[0] == 0.0
