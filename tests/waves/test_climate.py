@@ -8,7 +8,8 @@ import pytest
 
 from vsb.errors import ConfigError
 from vsb.study.study import Water
-from vsb.waves.climate import Climate, height_and_period, impossible, of_records, realised
+from vsb.waves.climate import Climate, band_edges, height_and_period, impossible, of_records, realised
+from vsb.waves.dispersion import wavenumber
 
 HOME = Path(__file__).parents[2]
 
@@ -163,3 +164,114 @@ def test_the_mean_of_the_year_and_what_lies_outside_weigh_seas_by_their_hours():
     assert climate.mean_density == pytest.approx([0.8, 0.0, 0.0, 1.8], rel=1e-14)
     assert climate.variance_outside(1.5, 10.0) == pytest.approx(0.8 / 2.6, rel=1e-12)
     assert climate.variance_outside(0.1, 3.5) == pytest.approx(1.8 / 2.6, rel=1e-12)
+
+
+def rising(factors, hours):
+    """Seas of one uneven spectrum between 0.8 and 1.8 rad/s, so many times as dense each."""
+    return Climate.of_spectra(
+        0.8 + 0.1 * np.arange(11), np.outer(factors, np.linspace(0.1, 0.4, 11)), np.array(hours), "uneven", ("a note",)
+    )
+
+
+def test_the_flux_is_that_of_the_waters_depth_density_and_gravity():
+    """rho g sum S v_g d, v_g the slope of the dispersion relation: two seas in shallow, light water of another gravity."""
+    climate, water = rising([1.0, 3.0], [0.5, 0.5]), Water(depth=6.0, density=998.0, gravity=9.7)
+    k = np.array([wavenumber(w, 6.0, 9.7) for w in climate.omega])
+    speed = climate.omega / (2 * k) * (1 + 2 * k * 6.0 / np.sinh(2 * k * 6.0))
+    closed = 998.0 * 9.7 * np.sum(climate.density * speed * 0.1, axis=1)
+    assert climate.flux(water) == pytest.approx(closed, rel=1e-12)
+
+
+def test_a_realisation_is_of_the_sea_asked_for_between_the_frequencies_asked_for():
+    """The third of three seas, cut off on one side, the other and both: its variance there by hand."""
+    climate = rising([1.0, 2.0, 5.0], [0.2, 0.3, 0.5])
+    for lowest, highest in ((0.0, np.inf), (1.15, np.inf), (0.0, 1.45), (1.15, 1.45)):
+        found = realised(climate, 2, 500.0, 4, lowest, highest)
+        low, high = max(lowest, 0.75), min(highest, 1.85)
+        half = (high - low) / len(found.omega) / 2
+        assert found.omega[[0, -1]] == pytest.approx([low + half, high - half], rel=1e-9)
+        inside = (climate.omega > low) & (climate.omega < high)
+        assert np.sum(np.abs(found.amplitude) ** 2) / 2 == pytest.approx(
+            0.1 * climate.density[2, inside].sum(), rel=1e-9
+        )
+
+
+def test_bands_do_not_reach_below_zero_and_are_as_wide_outwards_as_inwards():
+    assert band_edges(np.array([0.1, 0.5, 0.7])) == pytest.approx([0.0, 0.3, 0.6, 0.8])
+    assert band_edges(np.array([0.4, 0.6, 1.2])) == pytest.approx([0.3, 0.5, 0.9, 1.5])
+
+
+def test_nothing_lies_outside_of_all():
+    """Round-off of the shares is none: neither below nor above what every band is within."""
+    rng = np.random.default_rng(3)
+    for count in range(2, 40):
+        climate = Climate.of_spectra(0.5 + 0.1 * np.arange(count), rng.random((3, count)), np.full(3, 1 / 3), "any")
+        assert 0.0 <= climate.variance_outside(0.0, 100.0) < 1e-14
+
+
+def test_the_sea_whose_height_is_most_wrong_is_named():
+    climate = rising([1.0, 1.0, 1.0], [0.2, 0.3, 0.5])
+    hs = climate.hs * np.array([1.03, 0.9, 1.04])
+    with pytest.raises(
+        ConfigError, match=rf"received Hs {hs[1]:.4g} m of sea 1, its spectrum holds {climate.hs[1]:.4g} m"
+    ):
+        Climate(climate.omega, climate.density, climate.hours, hs, climate.te, "wrong")
+
+
+@pytest.mark.parametrize("total", [0.9, 1.1])
+def test_shares_may_not_sum_to_less_or_more_than_one(total):
+    with pytest.raises(ConfigError, match=rf"climate uneven: received shares that sum to {total:g}, needs 1"):
+        rising([1.0, 2.0], [0.5, total - 0.5])
+
+
+@pytest.mark.parametrize("field", ["density", "hours", "hs", "te"])
+def test_of_several_numbers_that_are_wrong_the_least_is_named(field):
+    right = rising([1.0, 2.0, 3.0], [0.2, 0.3, 0.5])
+    fields = {name: getattr(right, name) for name in ("omega", "density", "hours", "hs", "te", "name")}
+    fields[field] = np.array(fields[field])
+    fields[field][1], fields[field][2] = -1.0, -2.0
+    with pytest.raises(ConfigError, match=rf"climate uneven: received {field} with -2, needs"):
+        Climate(**fields)
+
+
+def test_frequencies_of_a_climate_may_not_repeat():
+    right = rising([1.0], [1.0])
+    omega = np.array(right.omega)
+    omega[3] = omega[4]
+    with pytest.raises(ConfigError, match="received omega with 0.8, needs ascending, > 0, all finite"):
+        Climate(omega, right.density, right.hours, right.hs, right.te, "twice")
+
+
+def test_records_are_told_and_those_left_out_are_in_no_sum():
+    """Of 202 records one is flat and not calm, one too steep, one has a band of no energy: what is said of the others."""
+    omega = 3.0 + 0.1 * np.arange(5)
+    calm, steep = np.linspace(0.001, 0.0, 5), np.linspace(2.0, 1.0, 5)
+    climate = of_records(omega, np.vstack([*[calm] * 100, steep, *[calm] * 100, np.full(5, 0.001)]), "file", ["first"])
+    tail = of_records(omega, calm[None], "one").notes[-1]
+    assert climate.notes == (
+        "first",
+        "202 records, 0 with missing values left out",
+        "1 records of one value throughout left out: calm or faulty, the file cannot tell",
+        "1 records steeper than any sea left out",
+        "200 spectra used",
+        tail,
+    )
+    assert climate.name == "file"
+    assert of_records(omega, calm[None], "one").notes[:-1] == (
+        "1 records, 0 with missing values left out",
+        "1 spectra used",
+    )
+    with_energy = calm[::-1]
+    tail = of_records(omega, with_energy[None], "one").notes[-1]
+    mixed = of_records(omega, np.vstack([*[with_energy] * 200, steep]), "file")
+    assert mixed.notes[-1] == tail
+
+
+def test_the_steepest_of_records_that_cannot_be_is_named():
+    """A swell of 8 m is high, one of 4 m at half a hertz steep."""
+    omega = np.array([0.3, 0.4, 3.0, 3.1])
+    swell, steep = np.array([10.0, 30.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0, 9.0])
+    hs, te = height_and_period(omega, np.vstack([swell, steep]))
+    assert hs[0] > hs[1]
+    with pytest.raises(ConfigError, match=rf"as Hs {hs[1]:.4g} m with Te {te[1]:.4g} s; needs frequencies in Hz"):
+        of_records(omega, np.vstack([swell, steep]), "file")

@@ -3,8 +3,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vsb.study.study import Jonswap, RegularWave, StillWater
-from vsb.waves.seas import Sea, irregular, jonswap_spectrum, sea
+from vsb.study.study import Jonswap, PiersonMoskowitz, RegularWave, StillWater, WhiteNoise
+from vsb.waves.seas import (
+    Sea,
+    components,
+    irregular,
+    jonswap_spectrum,
+    sea,
+    share_above,
+    share_below,
+    spectrum,
+)
 
 G = 9.81
 
@@ -103,3 +112,37 @@ def test_peakedness_acts_over_the_published_widths(relative, width):
     assert raised[0] / raised[1] == pytest.approx(
         3.3 ** (np.exp(-((relative - 1) ** 2) / (2 * width**2)) - 1), rel=1e-12
     )
+
+
+def test_white_noise_is_of_one_density_in_its_band():
+    """Density, shares above and below any frequency, components and their energy, by hand for a band off zero."""
+    wave = WhiteNoise(kind="white_noise", hs=2.0, band=(1.0, 3.5), seed=2)
+    level = 4.0 / 16 / 2.5
+    assert spectrum(wave, np.array([0.99, 1.0, 2.0, 3.5, 3.51])) == pytest.approx([0.0, level, level, level, 0.0])
+    for omega, above in ((0.5, 1.0), (1.0, 1.0), (1.5, 0.8), (3.0, 0.2), (3.5, 0.0), (5.0, 0.0)):
+        assert share_above(wave, omega) == pytest.approx(above, abs=1e-14)
+        assert share_below(wave, omega) == pytest.approx(1 - above, abs=1e-14)
+    omega, amplitude = components(wave, 12.0, 300.0)
+    count = int(np.ceil(2.5 * 1.1 * 300.0 / (2 * np.pi)))
+    assert omega == pytest.approx(1.0 + 2.5 * (np.arange(count) + 0.5) / count, rel=1e-12)
+    assert amplitude == pytest.approx(np.full(count, np.sqrt(2 * level * 2.5 / count)), rel=1e-9)
+
+
+@pytest.mark.parametrize("relative", [0.8, 1.0, 1.5, 3.0])
+def test_shares_of_a_pierson_moskowitz_sea_above_and_below_a_frequency(relative):
+    """1 - exp(-1.25 (peak/w)^4) of the variance lies above w."""
+    wave = PiersonMoskowitz(kind="pierson_moskowitz", hs=2.5, tp=6.0)
+    omega, above = relative * 2 * np.pi / 6.0, -np.expm1(-1.25 * relative**-4.0)
+    assert share_above(wave, omega) == pytest.approx(above, rel=3e-3)
+    assert share_below(wave, omega) == pytest.approx(1 - above, rel=1e-3)
+
+
+def test_components_without_energy_are_left_out_of_a_sea():
+    """Far below its peak a sea has none: not a component of a realisation."""
+    wave = Jonswap(kind="jonswap", hs=1.0, tp=5.0)
+    omega, amplitude = components(wave, 6.0, 400.0)
+    found = irregular(wave, 6.0, 400.0)
+    strong = amplitude > 1e-12 * amplitude.max()
+    assert 0 < np.sum(~strong) < len(omega)
+    assert found.omega == pytest.approx(omega[strong])
+    assert np.abs(found.amplitude) == pytest.approx(amplitude[strong])

@@ -64,3 +64,28 @@ def test_a_gap_among_equally_spaced_components_is_no_component():
     omega = np.delete(0.1 * np.arange(1, 100), 40)
     phasors, time = random_phasors(len(omega), 2), np.linspace(0.0, 20.0, 333)
     assert superposed(omega, phasors, time) == pytest.approx(direct(omega, phasors, time), abs=1e-12)
+
+
+@pytest.mark.parametrize("bend", [1e-3, -1e-3])
+def test_components_whose_distances_only_grow_or_only_shrink_are_not_of_one_spacing(bend):
+    """All lie to one side of the straight line between the first and the last."""
+    part = np.linspace(0.0, 1.0, 3 * FEW)
+    omega = 0.3 + 8.7 * (part - bend * part * (1 - part))
+    phasors, time = random_phasors(len(omega), 1), np.linspace(0.0, 600.0, 1201)
+    assert superposed(omega, phasors, time) == pytest.approx(direct(omega, phasors, time), abs=1e-10)
+
+
+def test_spacing_is_equal_to_round_off_of_the_highest_frequency():
+    omega = np.linspace(0.3, 9.0, 3 * FEW)
+    assert superposition._spacing(omega) == pytest.approx(8.7 / (3 * FEW - 1), rel=1e-14)
+    for side in (1, -1):
+        away = omega.copy()
+        away[FEW] += side * 1e-13
+        assert superposition._spacing(away) == 0.0
+
+
+def test_a_single_instant_is_any():
+    omega, phasors = np.array([0.7, 2.0]), random_phasors(2, 3)
+    assert superposed(omega, phasors, np.array([5.3])) == pytest.approx(
+        direct(omega, phasors, np.array([5.3])), abs=1e-14
+    )
