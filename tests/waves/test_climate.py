@@ -238,7 +238,7 @@ def test_frequencies_of_a_climate_may_not_repeat():
     right = rising([1.0], [1.0])
     omega = np.array(right.omega)
     omega[3] = omega[4]
-    with pytest.raises(ConfigError, match="received omega with 0.8, needs ascending, > 0, all finite"):
+    with pytest.raises(ConfigError, match=r"received omega with 0\.8, needs ascending, > 0, all finite"):
         Climate(omega, right.density, right.hours, right.hs, right.te, "twice")
 
 

@@ -11,7 +11,7 @@ import xarray as xr
 
 from vsb.errors import ConfigError
 from vsb.study.study import Water
-from vsb.waves.ndbc import _calendar, _check_units, _direction_widths, _header, _time, read_ndbc, read_spectra
+from vsb.waves.ndbc import _calendar, _check_units, _dates, _direction_widths, _header, _time, read_ndbc, read_spectra
 
 SHIPPED = Path(__file__).parents[2] / "config" / "climate" / "ndbc46042_1996_spectra.txt.gz"
 HEADER = "YY MM DD hh   .050   .100   .150\n"
@@ -305,3 +305,68 @@ def test_directions_are_as_far_apart_whichever_turn_they_are_told_in(turns):
         ConfigError, match=r"sea\.nc: received directions 80 to 100 degrees apart, needs equal distances"
     ):
         _direction_widths("sea.nc", degrees + np.array([10.0, 0.0, 0.0, 0.0]))
+
+
+def test_dates_of_netcdf_are_known_to_the_second(tmp_path):
+    """Records 90 s apart, one of them told twice: the first counts, and the notes say from when to when they are."""
+    time = np.array(["2020-01-01T00:10:00", "2020-01-01T00:11:30", "2020-01-01T00:11:30"], dtype="datetime64[ns]")
+    density = np.outer([1.0, 3.0, 7.0], [1.0, 2.0, 0.5])
+    ds = xr.Dataset({"efth": (("time", "freq"), density)}, coords={"time": time, "freq": BANDS})
+    ds.to_netcdf(tmp_path / "s.nc")
+    climate = read_spectra(tmp_path / "s.nc")
+    assert climate.density * 2 * np.pi == pytest.approx(density[:2], rel=1e-14)
+    assert climate.name == "s.nc"
+    assert climate.notes[:3] == (
+        "2020-01-01 00:10 to 2020-01-01 00:11",
+        "1 records of an instant that has one already left out",
+        "one record per 0.025 h, 0 of them not in the file",
+    )
+    assert [f"{date:%H:%M:%S}" for date in _dates("s.nc", time)] == ["00:10:00", "00:11:30", "00:11:30"]
+
+
+def test_records_of_an_instant_that_has_one_are_left_out_of_text(written):
+    climate = read_ndbc(written(HEADER + ROWS + "96 01 01 00 9 9 1\n"))
+    assert climate.density * 2 * np.pi == pytest.approx(np.array([[1.0, 2.0, 0.5], [1.5, 2.5, 0.25]]), rel=1e-14)
+    assert climate.name == "given.txt"
+
+
+def test_999_is_no_number_of_the_text(written):
+    climate = read_ndbc(written(HEADER + ROWS + "96 01 01 02 998.9 999 999\n96 01 01 03 1 2 999\n"))
+    assert "4 records, 2 with missing values left out" in climate.notes
+
+
+@pytest.mark.parametrize(("row", "received"), [("1.0 -1 -2", "-1"), ("inf 1 nan", "inf"), ("1 2 inf", "inf")])
+def test_the_first_number_that_is_none_is_named(written, row, received):
+    rows = f"{ROWS}96 01 01 02 {row}\n96 01 01 03 -5 -6 -7\n"
+    with pytest.raises(
+        ConfigError, match=rf"line 4: received {received}, needs a number of 0 or more \(999 for none\)"
+    ):
+        read_ndbc(written(HEADER + rows))
+
+
+@pytest.mark.parametrize("first", [0.5, 3.0])
+def test_the_usual_distance_of_records_is_the_most_frequent_not_the_first_or_the_least(first):
+    start = datetime(2020, 1, 1)
+    times = [start + timedelta(hours=hours) for hours in (0, first, first + 1, first + 2, first + 2.5, first + 3.5)]
+    notes = _calendar(times)[1]
+    lacking, uneven = (2, 1) if first == 3.0 else (0, 2)
+    assert notes[1:3] == [
+        f"one record per 1 h, {lacking} of them not in the file",
+        f"{uneven} records closer than that count as much as the others",
+    ]
+
+
+def test_a_file_of_spectra_without_frequencies(tmp_path):
+    spectra().rename(freq="hertz").to_netcdf(tmp_path / "s.nc")
+    with pytest.raises(ConfigError, match=r"s\.nc: received variables \['dir', 'efth', 'hertz', .*\], needs freq$"):
+        read_spectra(tmp_path / "s.nc")
+
+
+@pytest.mark.parametrize(("miss", "refused"), [(5e-4, False), (2e-3, True)])
+def test_directions_may_miss_their_distance_by_a_thousandth(miss, refused):
+    degrees = np.array([0.0, 90.0 + 45 * miss, 180.0, 270.0])
+    if not refused:
+        np.testing.assert_array_equal(_direction_widths("s.nc", degrees), 90.0)
+        return
+    with pytest.raises(ConfigError, match="needs equal distances all around"):
+        _direction_widths("s.nc", degrees)

@@ -178,3 +178,71 @@ def test_peak_periods_become_energy_periods(written):
 def test_pierson_moskowitz_is_jonswap_without_its_peak(written):
     path = written("Hs/Tp,8\n1.25,100\n")
     assert read_scatter(path, "pierson_moskowitz").density == pytest.approx(read_scatter(path, gamma=1.0).density)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("Hs,Te,percent\n0.25,6.5,30\n0.75,7.5,70\n", "100 (percent of 100)"),
+        ("Hs,Te,share\n0.25,6.5,0.3\n0.75,7.5,0.7\n", "1 (shares of 1)"),
+        ("Hs,Te,hours\n0.25,6.5,2766\n0.75,7.5,6000\n", "8766 (hours of 8766)"),
+        ("Hs,Te,n\n0.25,6.5,3\n0.75,7.5,4\n", "7 counts"),
+        ("Hs,Te,n,share\n0.25,6.5,3,0.3\n0.75,7.5,4,0.7\n", "7 counts"),  # the first of two columns
+    ],
+)
+def test_what_occurrences_sum_to_is_said(written, text, said):
+    assert read_scatter(written(text)).notes[0] == f"2 occupied cells of Hs and Te, which sum to {said}"
+
+
+def test_all_rows_of_a_full_table_are_looked_at(written):
+    """Empty cells of three rows, percent in the first alone, two empty columns at the end of the header."""
+    table = read_table(written("Hs/Te,6.5,7.5,,\n0.25,10%,20,,\n0.5,,30,,\n0.75,,40\n1.0,,\n"))
+    assert table.blank == 4
+    assert table.unit == 100.0
+    assert table.occurrence.tolist() == [10.0, 20.0, 30.0, 40.0]
+    assert table.hs.tolist() == [0.25, 0.25, 0.5, 0.75]
+    assert table.period.tolist() == [6.5, 7.5, 7.5, 7.5]
+
+
+def test_empty_cells_are_a_note_of_the_climate_where_there_are_any(written):
+    with_peak = read_scatter(written("Hs/Tp,6.5,7.5\n0.25,10,20\n0.75,,70\n"), "pierson_moskowitz")
+    assert with_peak.notes == (
+        "3 occupied cells of Hs and Tp, which sum to 100 (percent of 100)",
+        "1 empty cells read as none",
+        "Pierson-Moskowitz spectra",
+    )
+    assert read_scatter(written(FULL), gamma=2.0).notes == (
+        "3 occupied cells of Hs and Te, which sum to 100 (percent of 100)",
+        "JONSWAP spectra, gamma 2",
+    )
+
+
+def test_percent_of_a_list_of_pairs_may_stand_in_any_row(written):
+    table = read_table(written("Hs,Te,n\n0.25,6.5,10\n0.75,7.5,90%\n"))
+    assert table.unit == 100.0
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("Hs/Te [min],6.5,7.5\n0.25,10,90\n", r"line 1: received the unit 'min' in 'Te \[min\]', needs m and s"),
+        ("Hs/Te,6.5\n0.2,10\n0.3,40\n0.4,30\n0.3,20\n", "received rows labelled 0.3 twice, needs every bin once"),
+        ('Hs/Te,6.5,7.5\n0.25,"1.234,5",1\n', r"line 2: received '1\.234,5', needs an occurrence of 0 or more"),
+        ("Hs/Te,6.5,7.5\n0.25,inf,1\n", "line 2: received 'inf', needs an occurrence of 0 or more"),
+        ("Hs/Te,6.5,inf\n0.25,1,1\n", "line 1: received 'inf', needs the centre of a bin above 0"),
+    ],
+)
+def test_what_is_wrong_behind_the_first_is_refused_as_well(written, text, message):
+    with pytest.raises(ConfigError, match=message):
+        read_scatter(written(text))
+
+
+def test_the_steepest_cell_is_named_by_the_period_of_the_table(written):
+    """Judged by its energy period, nine tenths of the peak's: 5.05 m high waves of 6 s are too steep by it alone."""
+    peak, hs = 6.0, 5.05
+    te = peak * energy_over_peak_period(3.3)
+    assert 2 * np.pi * hs / (9.81 * peak**2) < 0.1 < 2 * np.pi * hs / (9.81 * te**2)
+    with pytest.raises(
+        ConfigError, match=r"received 50\.0% of seas that cannot be, as Hs 5\.05 m with Tp 6 s; needs Hs"
+    ):
+        read_scatter(written("Hs,Tp,share\n9,16,0.5\n5.05,6,0.5\n"))
