@@ -2,8 +2,21 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.interpolate import CubicSpline
 
-from vsb.integrators.audit import TERMS, Balance, Flow, energies, flow, residual, step_integrals
+from vsb.integrators.audit import (
+    BLOCK,
+    START,
+    TERMS,
+    Balance,
+    Flow,
+    _extended,
+    energies,
+    flow,
+    residual,
+    step_integrals,
+    terms,
+)
 from vsb.integrators.exact import propagate
 from vsb.motion.forces import Damper, Excitation, Spring
 from vsb.motion.motion import Motion
@@ -112,3 +125,51 @@ def test_a_form_of_both_signs_is_integrated_with_them():
     still = Flow(0.01, np.array([[0.0, 1.0], [-1.0, 0.0]]), states, np.zeros((len(time) + 4, 1)))
     (found,) = still.works(np.diag([1.0, -1.0])[None], [])
     np.testing.assert_allclose(found, np.sin(2 * time) / 2, atol=1e-12)
+
+
+def test_losses_and_works_of_two_coordinates_are_each_their_own():
+    """Two forms without symmetry and two forces along a free motion, over more steps than are taken at once."""
+    rng, dt, count = np.random.default_rng(4), 0.02, 3 * BLOCK // 2
+    a = np.vstack([np.eye(2, 4, 2), [[-9.0, 1.0, -0.4, 0.1], [2.0, -25.0, 0.3, -0.2]]])
+    losses, first, time = rng.normal(size=(2, 4, 4)), rng.normal(size=4), dt * np.arange(count + 1)
+    values, vectors = np.linalg.eig(a)
+    parts = np.linalg.solve(vectors, first)
+    states = np.real((np.exp(np.outer(time, values)) * parts) @ vectors.T)
+    forces = [np.stack([time**2, 1 - time], axis=1), np.stack([-time, 0.3 * time**3], axis=1)]
+    found = Flow(dt, a, states, np.zeros((len(time) + 4, 2))).works(losses, forces)
+    sums = values[:, None] + values
+    grown = np.expm1(time[:, None, None] * sums) / sums
+    for own, form in zip(found, losses, strict=False):
+        exact = np.einsum("tij,i,j,ij->t", grown, parts, parts, vectors.T @ form @ vectors).real
+        np.testing.assert_allclose(own, exact, atol=1e-11 * np.abs(exact).max())
+    for own, force in zip(found[2:], forces, strict=True):
+        powers = CubicSpline(time, np.sum(force * states[:, 2:], axis=1))
+        exact = powers.antiderivative()(time)
+        np.testing.assert_allclose(own, exact, atol=1e-4 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize("count", [2, 3, 6, 9])
+def test_records_are_continued_at_either_end_by_the_polynomial_of_its_own(count):
+    """Of degree 5, or less where records are few; beyond six records the other end has no part in it."""
+    time = np.arange(-2.0, count + 2.0)
+    course = np.stack([1 + 0.5 * time, time ** min(count - 1, 5)], axis=1)
+    np.testing.assert_allclose(_extended(course[2:-2]), course, rtol=1e-9, atol=1e-6)
+    if count > 6:
+        jump = course[2:-2].copy()
+        jump[-1] += 100.0
+        np.testing.assert_allclose(_extended(jump)[:2], course[:2], rtol=1e-9, atol=1e-6)
+        assert np.abs(_extended(jump)[-2:] - course[-2:]).min() > 100.0
+
+
+def test_terms_of_an_audit_stand_in_one_order():
+    energy = dict.fromkeys(["turned", "drag", "stored", "pto", "stop", "wave", "radiated", "structural"], np.zeros(2))
+    assert terms(energy) == ("wave", "pto", "radiated", "structural", "drag", "stop", "stored")
+
+
+def test_an_audit_counts_terms_of_their_own_and_nothing_makes_no_residual():
+    none = np.zeros(3)
+    energy = {**dict.fromkeys(TERMS, none), "wave": np.array([0.0, 1.0, 3.0]), "drag": np.array([0.0, -1.0, 4.0])}
+    assert residual({**energy, "turned": none}) == pytest.approx(2.0 / 4.0)
+    assert residual({**energy, "turned": np.array([0.0, 8.0, 0.0])}) == pytest.approx(2.0 / 8.0)
+    assert residual({**dict.fromkeys(TERMS, none), "turned": none}) == 0.0
+    assert START.after({**energy, "turned": none}).ended == {**dict.fromkeys(TERMS, 0.0), "wave": 3.0, "drag": 4.0}

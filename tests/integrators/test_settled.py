@@ -1,10 +1,13 @@
 """Power of a take-off that switches in a regular wave once its motion repeats."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from vsb.errors import ConfigError
+from vsb.errors import ConfigError, ConvergenceError
 from vsb.hydro.statespace import RadiationModel
+from vsb.integrators import settled
 from vsb.integrators.settled import Trials, _settling, settled_power
 from vsb.integrators.switching import Switching
 from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring
@@ -76,3 +79,51 @@ def test_a_motion_goes_on_where_it_was_left_with_all_it_remembers():
         np.testing.assert_allclose(found, whole[-1], rtol=1e-7, atol=1e-9)
     assert np.abs(motion.memory[-1]).min() > 1e-3
     assert power == pytest.approx((motion.works["pto"][-1] - motion.works["pto"][-33]) / (2 * np.pi), rel=1e-7)
+
+
+def followed(powers):
+    """What `Switching.follow` finds where the periods of a run have given powers [W], and the instants it is asked for."""
+    asked = []
+
+    def follow(self, time, start):
+        asked.append((time[0], time[-1], start[0][0]))
+        first = round(time[0] / np.pi)
+        work = np.concatenate([[0.0], np.cumsum(powers(np.arange(first, round(time[-1] / np.pi))) * np.pi)])
+        pto = np.interp(np.arange(len(time)) / 16, np.arange(len(work)), work)
+        end = np.full((len(time), 1), float(len(asked)))
+        return SimpleNamespace(works={"pto": pto}, position=end, velocity=2 * end, memory=3 * end), 0
+
+    return follow, asked
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_powers_are_those_of_the_last_quarter_and_differ_over_the_last_half(monkeypatch, sign):
+    """Periods of 10, 1, 2, 3, ...: at most twice as many are followed again, from where those before ended."""
+    follow, asked = followed(lambda k: sign * np.where(k == 0, 10.0, k))
+    monkeypatch.setattr(Switching, "follow", follow)
+    plant = system(TakeOff(B, 4.0))
+    power, unsettled, ended = _settling(plant, 1e-3, (np.array([7.0]), np.zeros(1), np.zeros(0)), 8, 16)
+    assert asked == [(0.0, pytest.approx(8 * np.pi), 7.0), (pytest.approx(8 * np.pi), pytest.approx(24 * np.pi), 1.0)]
+    assert power == pytest.approx(sign * np.mean([20, 21, 22, 23]))
+    assert unsettled == pytest.approx(7 / 23)
+    assert [part[0] for part in ended] == [2.0, 4.0, 6.0]
+    assert _settling(plant, 0.6, (np.array([7.0]), np.zeros(1), np.zeros(0)), 8, 16)[:2] == pytest.approx(
+        (sign * 6.5, 3 / 7)
+    )
+
+
+def test_a_motion_that_cannot_be_followed_takes_nothing_and_no_other_begins_there(monkeypatch):
+    trials, found = Trials(1e-3), iter([5.0, None, -2.0, 5.0])
+    monkeypatch.setattr(settled, "_settling", lambda s, tol, start, *counts: given(next(found), start, counts))
+    begun = []
+
+    def given(power, start, counts):
+        begun.append((start[0], *counts))
+        if power is None:
+            raise ConvergenceError("lost")
+        return power, 0.0, (f"end {len(begun)}",)
+
+    plant = SimpleNamespace(scene=SimpleNamespace(start=lambda *_: ("rest",)))
+    assert [trials.power(plant) for _ in range(4)] == [5.0, 0.0, -2.0, 5.0]
+    assert begun == [("rest", 8, 16), ("end 1", 8, 16), ("end 1", 8, 16), ("end 1", 8, 16)]
+    assert trials.most == 5.0
