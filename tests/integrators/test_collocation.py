@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.linalg import expm
 
 from vsb.errors import ConvergenceError
-from vsb.integrators.collocation import NODES, SHORTEST, Collocation, collocated
+from vsb.integrators.collocation import NODES, SHORTEST, Collocation, collocated, recorded, step_of
 from vsb.integrators.exact import propagate
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.simulate import legs, suited
@@ -185,3 +186,65 @@ def test_a_still_sea_needs_no_waves():
     energy = 25 * found.position[:, 0] ** 2 + found.velocity[:, 0] ** 2
     assert (np.diff(energy) < 1e-9).all()
     assert energy[-1] < 0.01 * energy[0]
+
+
+def test_matrices_of_a_step_of_any_parts_follow_what_its_polynomial_drives():
+    """z' = A z + B f, f of degree four: at the ends of eight and of twelve parts, by steps of a block exponential."""
+    plant, span, z = system(), 0.7, np.array([0.4, -1.1])
+    a, b, powers = plant.matrix, plant.input[:, 0], np.array([0.3, -2.0, 1.0, 4.0, -3.0])
+    block = np.zeros((7, 7))
+    block[:2, :2] = a
+    block[:2, 2] = b
+    block[2:, 2:] = np.diag(np.arange(1.0, 5.0), 1)  # derivatives of powers of time, the lowest first
+    f = np.polynomial.polynomial.polyval(span * np.arange(5) / 4, powers)
+    for parts in (8, 12):
+        step = step_of(plant, span, parts)
+        assert step.span == span
+        assert step.nodes.tolist() == [parts // 4 - 1, parts // 2 - 1, 3 * parts // 4 - 1, parts - 1]
+        found = step.free @ z + step.forced @ f
+        for i in range(parts):
+            flow = expm(span * (i + 1) / parts * block)
+            chain = flow[:2, :2] @ z + flow[:2, 2:] @ powers
+            np.testing.assert_allclose(found[i], chain, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("level", "tick", "kept"),
+    [(0, 2**14, [7]), (0, 2**15, [7]), (1, 2**15, [3, 7]), (2, 2**16, [1, 3, 5, 7]), (-1, 2**13, []), (-1, 2**14, [7])],
+)
+def test_recorded_are_the_ends_of_parts_at_recorded_instants(level, tick, kept):
+    assert recorded(np.arange(8.0)[:, None], level, tick).ravel().tolist() == kept
+
+
+def test_no_step_is_shorter_than_the_shortest_and_the_instant_is_told_from_the_begin_of_the_run():
+    method = Collocation(system(), 0.25, 7.0)
+    assert method.shorter(SHORTEST + 1, 0) == SHORTEST
+    assert method.shorter(3, 0) == 2
+    with pytest.raises(
+        ConvergenceError, match=rf"followed at t = 7\.375 s: the step became shorter than {0.25 / 2**14:.1e} s"
+    ):
+        method.shorter(SHORTEST, 3 * 2**13)
+
+
+def test_samples_of_steps_are_those_of_their_instants():
+    """Waves at all parts of a step, of several levels, from wherever it begins: ahead, back and off the others' beat."""
+    method = Collocation(system(), 0.25, 7.0)
+    for level, tick in (
+        (0, 0),
+        (0, 2**14),
+        (0, 2**14 * 130),
+        (0, 2**13),
+        (1, 2**15),
+        (-2, 2**12),
+        (-2, 3 * 2**12),
+        (0, 0),
+    ):
+        samples, row = method.samples(level, tick)
+        instants = 7.0 + 0.25 * (tick / 2**14 + 2.0**level * np.arange(9) / 8)
+        np.testing.assert_allclose(samples.push[row : row + 9], method.system.push(instants), atol=1e-10)
+
+
+def test_errors_add_up_until_the_slowest_motion_is_forgotten():
+    """2 y'' + 1.2 y' + 50 y = 0 falls as exp(-0.3 t)."""
+    assert Collocation(system(), 0.1).horizon == pytest.approx(1 / 0.3, rel=1e-9)
+    assert Collocation(system(pto=Damper(np.array([[-0.4]]))), 0.1).horizon == np.inf

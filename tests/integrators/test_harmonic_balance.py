@@ -15,7 +15,15 @@ from vsb.integrators import harmonic_balance as harmonic
 from vsb.integrators.exact import steady_state
 from vsb.integrators.exponential import integrate
 from vsb.integrators.floquet import largest, multipliers
-from vsb.integrators.harmonic_balance import continued, harmonic_balance, missed, steady_power
+from vsb.integrators.harmonic_balance import (
+    Power,
+    SteadyState,
+    check_stable,
+    continued,
+    harmonic_balance,
+    missed,
+    steady_power,
+)
 from vsb.integrators.regular_wave import PeriodicScene
 from vsb.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene
 from vsb.motion.forces import AssumedPressure, Excitation
@@ -353,3 +361,30 @@ def test_a_tolerance_below_round_off_is_refused(paper):
         ConvergenceError, match=r"the steady state is known to .* harmonics, needs 1e-18; use a gentler"
     ):
         harmonic_balance(System.of(assumed(paper)), 1e-18)
+
+
+@pytest.mark.parametrize(
+    ("powers", "residual"),
+    [((-3.0, 1.0, 1.0, -6.0), 1 / 6), ((4.0, 1.0, 2.0, 3.0), 1 / 2), ((4.0, 1.0, 1.0, 1.0), 1 / 4), ((0.0,) * 4, 0.0)],
+)
+def test_unbalanced_power_is_told_by_its_size_over_that_of_the_largest_term(powers, residual):
+    assert Power(*powers).residual == pytest.approx(residual)
+
+
+def test_a_steady_motion_is_that_of_all_its_harmonics_and_coordinates():
+    harmonics = np.array([[0.3, -0.2], [1.0 - 2.0j, 0.5j], [0.1j, -0.4]])
+    found = SteadyState(1.7, harmonics, 0.0, 1, np.array([0.3, -0.2 + 0.6j, 0.1]), Power(0.0, 0.0, 0.0, 0.0))
+    time = np.array([0.0, 0.4, -1.3])
+    turn, turn2 = np.exp(-1.7j * time)[:, None], np.exp(-3.4j * time)[:, None]
+    position, velocity = found.at(time)
+    assert position == pytest.approx(np.real(harmonics[0] + turn * harmonics[1] + turn2 * harmonics[2]))
+    assert velocity == pytest.approx(np.real(-1.7j * turn * harmonics[1] - 3.4j * turn2 * harmonics[2]))
+    assert found.decay == pytest.approx(np.hypot(0.2, 0.6))
+
+
+def test_a_disturbance_is_judged_by_the_largest_of_its_multipliers_to_a_millionth():
+    check_stable(np.array([0.2, -1 - 0.9e-6, 0.1]), 4.0)
+    with pytest.raises(StabilityError, match=r"multiplied by 1\.5 in every period of 4 s, needs at most 1"):
+        check_stable(np.array([0.2, -1.5, 1.2j]), 4.0)
+    with pytest.raises(StabilityError, match="multiplied by 1 in every"):
+        check_stable(np.array([1.0, -1 - 1.1e-6]), 4.0)

@@ -201,14 +201,6 @@ def test_bands_do_not_reach_below_zero_and_are_as_wide_outwards_as_inwards():
     assert band_edges(np.array([0.4, 0.6, 1.2])) == pytest.approx([0.3, 0.5, 0.9, 1.5])
 
 
-def test_nothing_lies_outside_of_all():
-    """Round-off of the shares is none: neither below nor above what every band is within."""
-    rng = np.random.default_rng(3)
-    for count in range(2, 40):
-        climate = Climate.of_spectra(0.5 + 0.1 * np.arange(count), rng.random((3, count)), np.full(3, 1 / 3), "any")
-        assert 0.0 <= climate.variance_outside(0.0, 100.0) < 1e-14
-
-
 def test_the_sea_whose_height_is_most_wrong_is_named():
     climate = rising([1.0, 1.0, 1.0], [0.2, 0.3, 0.5])
     hs = climate.hs * np.array([1.03, 0.9, 1.04])
