@@ -17,6 +17,7 @@ from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.scenes.rest import study_basis
 from vsb.shell.deformed import DeformedShell
 from vsb.study.plan import StudyPlan
+from vsb.study.resolution import wave_rows
 from vsb.study.specs import SpectralSpec
 from vsb.study.study import content_id
 
@@ -241,3 +242,26 @@ def test_a_frequency_that_is_the_lowest_of_panels_may_be_tabulated(seed):
     plan = StudyPlan(varied(seed, hydro={"omega": [0.1, 11.0]}))
     assert plan.tabulated_blocks[0].omega == (0.1, 11.0)
     assert plan.tabulated_blocks[0].mesh == plan.mesh(11.0) != plan.mesh(0.1)
+
+
+def test_rows_given_are_enough_if_they_are_for_the_highest_frequency_asked_for(seed):
+    """Though its block goes on beyond it."""
+    radius, gravity = seed.device.radius, seed.water.gravity
+    enough = wave_rows(radius, 2 * math.pi * gravity / 9.7**2)
+    assert wave_rows(radius, 2 * math.pi * gravity / 12.8**2) > enough
+    plan = StudyPlan(varied(seed, hydro={"rows": enough, "omega_max": 9.7}))
+    assert plan.sweep_blocks[-1].omega[-1] == 12.8
+    assert plan.resolution(12.8).rows == enough
+    with pytest.raises(ConfigError, match=rf"needs {enough} rows of panels, there are {enough - 2}; lower .* or raise"):
+        StudyPlan(varied(seed, hydro={"rows": enough - 2, "omega_max": 9.7})).resolution(12.8)
+
+
+def test_a_shell_that_rests_deformed_has_half_as_many_rows_again(seed):
+    loaded = {"reference_shape": "equilibrium", "modes": {"degree": 2}}
+    for tolerance, sphere, shell in ((1e-3, 40, 60), (1.6e-3, 32, 48), (2.5e-3, 26, 40)):
+        own, deformed = (
+            StudyPlan(varied(seed, hydro={"tolerance": tolerance}, **rest)).resolution(3.0)
+            for rest in ({"modes": {"degree": 2}}, loaded)
+        )
+        assert (own.rows, deformed.rows) == (sphere, shell)
+        assert deformed.azimuth == 2 * shell

@@ -5,6 +5,7 @@ from conftest import SEED
 
 from vsb.errors import ConfigError
 from vsb.study.campaign import sections, study_at
+from vsb.study.directions import RIGID
 from vsb.study.plan import StudyPlan
 from vsb.study.study import canonical, load, parse
 
@@ -49,14 +50,66 @@ def test_orders_are_those_of_the_shell_or_of_a_rigid_buoy(order, orders):
     assert StudyPlan(study).sweep_blocks[-1].displacements[0] == f"Radial{order}"
 
 
-def test_a_mooring_may_be_rounded():
-    """In the tenth digit of its largest number."""
-    rows = [[1e6 * (i == j) for j in range(6)] for i in range(6)]
-    rows[0][4], rows[4][0] = 1e5, 1e5 + 0.9e-3
-    assert parse(planar(mooring=rows)).mooring[4][0] == 1e5 + 0.9e-3
-    rows[4][0] = 1e5 + 1.1e-3
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_mooring_may_be_rounded(sign):
+    """In the tenth digit of its largest number, of one that pushes as well."""
+    rows = [[sign * 1e6 * (i == j) for j in range(6)] for i in range(6)]
+    rows[0][4], rows[4][0] = sign * 1e5, sign * (1e5 + 0.9e-3)
+    assert parse(planar(mooring=rows)).mooring[4][0] == sign * (1e5 + 0.9e-3)
+    rows[4][0] = sign * (1e5 + 1.1e-3)
     with pytest.raises(ConfigError, match="needs a symmetric matrix"):
         parse(planar(mooring=rows))
+
+
+@pytest.mark.parametrize("row", range(6))
+def test_every_coupling_of_a_mooring_has_its_mirror(row):
+    for column in (j for j in range(6) if j != row):
+        for coupling in (7.0, -7.0):
+            rows = [[0.0] * 6 for _ in range(6)]
+            rows[row][column] = coupling
+            with pytest.raises(ConfigError, match="needs a symmetric matrix, because a spring has an energy"):
+                parse(planar(mooring=rows))
+
+
+@pytest.mark.parametrize("inside", ["surge", "heave", "pitch"])
+@pytest.mark.parametrize("outside", ["sway", "roll", "yaw"])
+def test_no_mooring_of_the_plane_couples_it_with_motions_out_of_it(inside, outside):
+    i, j = RIGID.index(inside), RIGID.index(outside)
+    for coupling in (7.0, -7.0):
+        rows = [[0.0] * 6 for _ in range(6)]
+        rows[i][j] = rows[j][i] = coupling
+        with pytest.raises(
+            ConfigError, match=rf"received {coupling:g} between {inside} and {outside}, which motion 'planar' does not"
+        ):
+            parse(planar(mooring=rows))
+        assert parse(free(mooring=rows)).mooring[i][j] == coupling
+
+
+def test_a_rigid_buoy_in_the_plane_asks_nothing_of_its_shell():
+    """Neither orders of its modes nor the shape it rests in are read."""
+    for changes in ({"modes": {"degree": 2, "order": 3}}, {"reference_shape": "equilibrium"}):
+        rigid = planar(**changes) | {"designs": {"FSB": {"flexible": False}}}
+        assert parse(rigid).orders == (0, 1)
+
+
+def test_a_centre_of_mass_in_the_middle_and_a_ballast_of_a_point_are_given():
+    study = parse(planar(device={"centre_of_mass": 0.0, "ballast_inertia": 0.0}))
+    assert (study.device.centre_of_mass, study.device.ballast_inertia) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("motion", "known"), [("heave", (0.0,)), ("planar", (0.0, 180.0, -180.0, 360.0)), ("free", (-30.0, 90.0, 180.0))]
+)
+def test_the_waves_a_buoy_knows_go_to_the_directions_it_moves_in(motion, known):
+    """Of any of its seas, the second as well."""
+    ours = {"heave": raw, "planar": planar, "free": free}[motion]
+    for direction in (0.0, 180.0, -180.0, 360.0, -30.0, 90.0):
+        study = ours(waves=[WAVE, {**WAVE, "period": 4.0, "direction": direction}])
+        if direction in known or motion == "free":
+            assert parse(study).waves[1].direction == direction
+        else:
+            with pytest.raises(ConfigError, match=rf"waves.1.direction {direction:g} degrees: "):
+                parse(study)
 
 
 def test_axisymmetric_blocks_are_those_of_heave():
@@ -129,9 +182,21 @@ def test_an_anchor_is_outside_the_sphere_where_that_floats():
     deep = {"device": {"mass": 25000.0}}
     sunk = parse(planar(**deep)).centre_height
     assert -1.5 < sunk < -0.3
-    inside = {"line_to": [0.0, sunk - 1.9]}
-    with pytest.raises(ConfigError, match="needs an anchor outside the sphere"):
-        parse(planar(**deep, pto={"port": inside}))
+    radius = load(SEED).device.radius
+    for inside in ([0.0, sunk - 1.9], [radius, sunk]):  # on it as well
+        with pytest.raises(ConfigError, match="needs an anchor outside the sphere"):
+            parse(planar(**deep, pto={"port": {"line_to": inside}}))
+
+
+def test_a_line_may_end_at_the_bed_and_begin_at_the_shell():
+    radius = load(SEED).device.radius
+    for end in ([radius, 0.0], [0.0, -radius], [-0.6 * radius, 0.8 * radius]):
+        study = parse(planar(water={"depth": 20.0}, pto={"port": {**LINE, "line_from": end}}))
+        assert study.pto.port.line_to == (9.0, -20.0)
+        with pytest.raises(ConfigError, match=r"line_from: .*needs a point inside the sphere, of radius 2 m"):
+            parse(planar(pto={"port": {**LINE, "line_from": [1.01 * x for x in end]}}))
+    with pytest.raises(ConfigError, match="received z = 0 m; needs one below still water"):
+        parse(planar(pto={"port": {"line_to": [9.0, 0.0]}}))
 
 
 @pytest.mark.parametrize(

@@ -85,6 +85,41 @@ def test_a_latin_hypercube_has_one_value_in_every_stratum(samples, seed):
     assert again == vary != other
 
 
+def test_a_latin_hypercube_draws_every_key_on_its_own_by_seed_one_if_none_is_given():
+    ends = {"linear": [1.0, 3.0]}
+    keys = {"device.radius": ends, "device.mass": ends}
+    vary = read_vary({**keys, "latin_hypercube": {"samples": 20}})
+    assert vary == read_vary({**keys, "latin_hypercube": {"samples": 20, "seed": 1}})
+    strata = [[int(10 * (value - 1.0)) for value in values] for values in vary.lists]
+    assert strata[0] != strata[1]
+    assert [sorted(order) for order in strata] == [list(range(20))] * 2
+
+
+@pytest.mark.parametrize(
+    ("spaced", "values"),
+    [({"linear": [-1, 1, 3]}, (-1.0, 0.0, 1.0)), ({"linear": [3, 0, 4]}, (3.0, 2.0, 1.0, 0.0)),
+     ({"linear": [5, 9, 1]}, (5.0,)), ({"log": [8, 1, 4]}, (8.0, 4.0, 2.0, 1.0)), ({"log": [5, 9, 1]}, (5.0,))],
+)  # fmt: skip
+def test_values_spaced_evenly_go_from_the_first_to_the_last(spaced, values):
+    assert read_vary({"pto.stiffness": spaced}).lists == (values,)
+
+
+@pytest.mark.parametrize(
+    "key",
+    ["scale", "reference_shape", "device.mass", "device.damping.beta", "device.shape.spheroid.height", "modes.basis",
+     "designs.soft.flexible", "water.depth", "hydro.tolerance", "pto.damping.soft", "pto.port.colatitude"],
+)  # fmt: skip
+def test_keys_of_any_depth_can_be_varied(key):
+    assert read_vary({key: [1.0, 2.0]}).values == {key: (1.0, 2.0)}
+
+
+def test_the_points_of_a_product_are_counted_those_of_pairs_are_one_list():
+    spaced = {n: {"linear": [1, 2, n]} for n in (250, 400)}
+    most = read_vary({"device.mass": spaced[250], "device.radius": spaced[400]})
+    assert most.shape == (250, 400)
+    assert read_vary({"device.mass": spaced[400], "device.radius": spaced[400], "pairs": True}).shape == (400,)
+
+
 def test_dimensions_are_the_last_words_but_where_they_clash():
     keys = ("device.mass", "pto.damping", "device.damping.beta", "hydro.tolerance", "simulation.tolerance", "scale")
     names = Vary.of(dict.fromkeys(keys, (1.0,))).dimensions(TAKEN)
@@ -111,6 +146,10 @@ def test_a_design_of_the_name_of_the_members_dimension_has_its_damper_under_all_
         ({"device.mass": {"log": [1, 2]}}, r"device.mass: received .*, needs \{log: \[first, last, count\]\}"),
         ({"device.mass": {"log": [1, 2, 2.5]}}, r"needs \{log: \[first, last, count\]\}"),
         ({"device.mass": {"log": [0, 2, 3]}}, "needs ends above 0"),
+        ({"device.mass": {"log": [2, 0, 3]}}, "needs ends above 0"),
+        ({"device.mass": {"log": [-2, -1, 3]}}, "needs ends above 0"),
+        ({"device.mass": {"log": [1, 2, -3]}}, r"needs \{log: \[first, last, count\]\}"),
+        ({"device.mass": {"linear": [1, 2, 0]}}, r"needs \{linear: \[first, last, count\]\}"),
         ({"device.mass": {"log": [1, "much", 3]}}, "needs finite numbers"),
         ({"device.mass": {"log": [1, float("inf"), 3]}}, r"^device.mass: received .*inf.*, needs finite numbers$"),
         ({"device.mass": {}}, r"^device.mass: received {}, needs a list of values"),
