@@ -265,3 +265,174 @@ def test_a_shell_that_rests_deformed_has_half_as_many_rows_again(seed):
         )
         assert (own.rows, deformed.rows) == (sphere, shell)
         assert deformed.azimuth == 2 * shell
+
+
+def test_rows_are_the_most_that_tolerance_modes_and_waves_need(seed):
+    """Modes of a flexible shell alone; waves as short as the block has them; a number given stands."""
+    coarse, rigid = {"tolerance": 4e-3}, {"FSB": {"flexible": False}}
+    of_modes = varied(seed, modes={"degree": 15}, hydro=coarse)
+    assert StudyPlan(of_modes).resolution(3.0).rows == 60
+    assert StudyPlan(varied(of_modes, designs=rigid)).resolution(3.0).rows == 20
+    plan = StudyPlan(varied(seed, designs=rigid, hydro={**coarse, "omega_max": 9.7}))
+    for omega in (12.8, 9.6):
+        assert plan.resolution(omega).rows == wave_rows(2.0, 2 * math.pi * 9.81 / omega**2) > 20
+    assert plan.resolution(12.8).rows > plan.resolution(9.6).rows
+    assert StudyPlan(varied(seed, hydro={"tolerance": 1e-5, "rows": 48, "omega_max": 6.0})).resolution(6.0).rows == 48
+
+
+def test_a_lid_covers_the_waterline_with_six_rows_a_wave(seed):
+    """Of a shallow buoy the circle it has there, no wider one; in waves as short as the block has them."""
+    shallow = varied(seed, device={"mass": 5000.0, "thickness": 1e-3}, hydro={"omega_max": 9.7})
+    waterline = math.sqrt(4.0 - shallow.centre_height**2)
+    assert waterline < 1.8
+    for omega in (12.8, 11.0):
+        wanted = math.ceil(6 * waterline / (2 * math.pi * 9.81 / omega**2))
+        assert StudyPlan(shallow).resolution(omega).lid_rows == wanted > 16
+    assert StudyPlan(shallow).resolution(3.2).lid_rows == 16
+
+
+@pytest.mark.parametrize(
+    ("changes", "order", "solved"),
+    [
+        ({"designs": {"FSB": {"flexible": False}}}, 0, "Radial1"),
+        ({"modes": {"degree": 0}}, 0, "Radial0 Radial1"),
+        ({"modes": {"degree": 3}}, 0, "Radial0 Radial1 Radial2 Radial3"),
+        ({"modes": {"degree": 3}}, 2, "Radial2 Radial3"),
+        ({"modes": {"degree": 2}, "reference_shape": "equilibrium"}, 0,
+         "Radial0 Radial1 Radial2 Meridional1 Meridional2"),
+        ({"modes": {"degree": 2, "basis": "full"}, "device": {"shape": {"spheroid": {"height": 3.0}}, "mass": 9e3}}, 0,
+         "Radial0 Radial1 Radial2 Meridional1 Meridional2"),
+        ({"designs": {"FSB": {"flexible": False}}, "device": {"shape": {"spheroid": {"height": 3.0}}, "mass": 9e3}}, 0,
+         "Radial1 Meridional1"),
+    ],
+    ids=str,
+)  # fmt: skip
+def test_displacements_solved_are_those_that_move_water(seed, changes, order, solved):
+    plan = StudyPlan(varied(seed, **{"hydro": {"solver": "auto"}, **changes}))
+    assert " ".join(plan.displacements(order)) == solved
+
+
+@pytest.mark.parametrize(
+    ("depth", "tolerance", "lowest"),
+    [(math.inf, 1e-3, 0.1), (math.inf, 1e-5, 0.025), (5.0, 1e-2, 0.1), (5.0, 1e-4, 0.1), (5.0, 1e-6, 0.1)],
+)
+def test_a_refined_grid_begins_lower_in_deep_water_alone(seed, depth, tolerance, lowest):
+    plan = StudyPlan(varied(seed, hydro={"solver": "spectral", "tolerance": tolerance}, water={"depth": depth}))
+    assert plan.lowest_omega == plan.first_omega == lowest
+
+
+@pytest.mark.parametrize(("mass", "flexible", "degree"), [(5e3, True, 2), (5e3, True, 9), (5e3, False, 9),
+                                                          (5e3, True, 0), (3e4, True, 5), (1.8e4, False, 2)])  # fmt: skip
+def test_the_band_grows_with_the_degrees_of_what_is_flexible_and_a_shallow_or_narrow_waterline(
+    seed, mass, flexible, degree
+):
+    device = {"mass": mass, "thickness": 1e-3}
+    study = varied(seed, device=device, modes={"degree": degree}, designs={"A": {"flexible": flexible}})
+    radius, draft = math.sqrt(4.0 - study.centre_height**2), 2.0 - study.centre_height
+    higher = 5.2 * (degree - 2) if flexible and degree > 2 else 0.0
+    wavenumber = math.sqrt((4.2 / min(radius, draft)) ** 2 + higher / radius**2)
+    assert StudyPlan(study).least_band == pytest.approx(math.sqrt(9.81 * wavenumber), rel=1e-14)
+
+
+def test_a_band_that_its_last_block_makes_wide_enough_is(seed):
+    draft = 9.81 * 4.2 / 9.3**2
+    device = {"mass": 1025.0 * math.pi * draft**2 * (6 - draft) / 3, "thickness": 1e-4, "density": 1000.0}
+    for omega_max, enough in ((9.2, True), (6.4, False)):
+        hydro = {"solver": "spectral", "omega_max": omega_max}
+        plan = StudyPlan(varied(seed, device=device, modes={"degree": 2}, hydro=hydro))
+        assert plan.least_band == pytest.approx(9.3)
+        if enough:
+            plan.check_waves()
+        else:
+            with pytest.raises(ConfigError, match=r"received 6.4 rad/s, needs at least 9.3 rad/s, because"):
+                plan.check_waves()
+
+
+def test_panels_take_bands_the_spectral_solver_does_not(seed):
+    """Wider ones, and narrower ones: damping is judged afterwards."""
+    for omega_max in (15.0, 3.0):
+        still = [{"kind": "still"}]
+        StudyPlan(varied(seed, hydro={"omega_max": omega_max}, waves=still)).check_waves()
+        with pytest.raises(ConfigError, match=rf"hydro.omega_max: received {omega_max:g} rad/s, needs at"):
+            StudyPlan(varied(seed, hydro={"solver": "spectral", "omega_max": omega_max}, waves=still)).check_waves()
+
+
+@pytest.mark.parametrize(
+    ("wave", "match"),
+    [
+        (
+            {"kind": "regular", "amplitude": 0.1, "period": 70.0},
+            r"waves.1.period: received 70 s, needs at most 62.83 s",
+        ),
+        ({"kind": "jonswap", "hs": 0.5, "tp": 28.0}, r"waves.1: received jonswap_Hs0.5_Tp28_g3.3_s1, from 0.08976 rad"),
+        ({"kind": "white_noise", "hs": 0.5, "band": [0.09, 3.0]}, r"waves.1: received white_noise.*, from 0.09 rad"),
+    ],
+)
+def test_every_sea_is_held_to_the_lowest_frequency(seed, wave, match):
+    first = {"kind": "white_noise", "hs": 0.5, "band": [0.1, 3.0]}  # from the lowest on
+    StudyPlan(varied(seed, waves=[first])).check_waves()
+    with pytest.raises(ConfigError, match=match):
+        StudyPlan(varied(seed, waves=[first, wave])).check_waves()
+
+
+def test_the_finest_grid_has_no_rounded_frequencies(seed):
+    device = {"radius": 5.0, "thickness": 0.02, "mass": 2e5}
+    hydro = {"solver": "spectral", "tolerance": 1e-6, "omega_max": 1.0}
+    plan = StudyPlan(varied(seed, device=device, water={"depth": 50.0}, hydro=hydro, waves=[{"kind": "still"}]))
+    assert plan.step == 1 / 640
+    assert plan.sweep_blocks[0].omega == tuple(i / 640 for i in range(32, 1025))
+
+
+@pytest.mark.parametrize("solver", ["panels", "spectral"])
+def test_a_band_that_ends_on_the_grid_but_for_rounding_ends_there(seed, solver):
+    plan = StudyPlan(varied(seed, hydro={"solver": solver, "omega_max": 0.1 * 96}))
+    assert plan.study.hydro.omega_max > 9.6
+    assert plan.highest_omega == plan.sweep_blocks[-1].omega[-1] == 9.6
+
+
+def test_tabulated_blocks_are_of_the_solver_and_for_their_own_highest_frequency(seed):
+    omega = [0.08 * i for i in range(2, 142)]
+    by_panels = StudyPlan(varied(seed, hydro={"omega": omega}))
+    assert [block.mesh for block in by_panels.tabulated_blocks] == [
+        by_panels.mesh(omega[min(last, 139)]) for last in (31, 63, 95, 127, 159)
+    ]
+    assert len({block.mesh for block in by_panels.tabulated_blocks}) > 1
+    spectral = StudyPlan(varied(seed, hydro={"solver": "spectral", "omega": omega})).tabulated_blocks
+    assert [len(block.omega) for block in spectral] == [128, 12]
+
+
+BALANCED = {"centre_of_mass": -0.5, "ballast_inertia": 8e3, "ballast_yaw_inertia": 7e3}
+SPHEROID = {"shape": {"spheroid": {"height": 3.0}}, "mass": 9e3}
+
+
+@pytest.mark.parametrize(
+    ("changes", "labels", "coordinates"),
+    [
+        ({"modes": {"degree": 3}}, 4, 1 + 4),
+        ({"modes": {"degree": 3, "basis": "full"}}, 6, 1 + 6),
+        ({"modes": {"degree": 3}, "motion": "planar"}, 4, 3 + 4 + 3),
+        ({"modes": {"degree": 3, "order": 2}, "motion": "planar"}, 4, 3 + 4 + 3 + 2),
+        ({"modes": {"degree": 3, "order": 3}, "motion": "free"}, 4, 6 + 4 + 2 * (3 + 2 + 1)),
+        ({"modes": {"degree": 3, "order": 2, "basis": "full"}, "motion": "free"}, 6, 6 + 6 + 2 * (5 + 4)),
+        ({"modes": {"degree": 3, "basis": "full"}, "device": SPHEROID}, 6, 1 + 6),
+        ({"designs": {"FSB": {"flexible": False}}, "motion": "planar"}, 0, 3),
+        ({"designs": {"FSB": {"flexible": False}}, "motion": "free"}, 0, 6),
+        ({"designs": {"FSB": {"flexible": False}}}, 0, 1),
+    ],
+    ids=str,
+)  # fmt: skip
+def test_coordinates_are_rigid_motions_and_the_modes_of_every_order(seed, changes, labels, coordinates):
+    device = {**(BALANCED if "motion" in changes else {}), **changes.get("device", {})}
+    plan = StudyPlan(varied(seed, **{"hydro": {"solver": "auto"}, **changes, "device": device}))
+    assert len(plan.mode_labels) == labels
+    assert plan.coordinates == coordinates
+
+
+def test_modes_of_another_shape_are_numbered_from_one(seed):
+    study = varied(seed, hydro={"solver": "auto"}, modes={"degree": 2, "basis": "full"}, device=SPHEROID)
+    assert StudyPlan(study).mode_labels == ("Shell1", "Shell2", "Shell3", "Shell4")
+
+
+def test_an_assumed_pressure_has_no_blocks(seed):
+    hydro = {"solver": "auto", "model": "assumed_pressure", "pressure": 100.0}
+    assert StudyPlan(varied(seed, hydro=hydro)).bem_blocks == {}
