@@ -64,6 +64,22 @@ def study(**changes):
         ({"body": {}}, "received no source; needs one of file, database, wamit, bemio"),
         ({"body": {"wamit": "a", "bemio": "b"}}, "received wamit and bemio; needs one of"),
         ({"body": {"bemio": "b", "length": 2.0}}, "length 2 m: is WAMIT's ULEN, which bemio does not have"),
+        ({"body": {"bemio": "b", "length": 0.5}}, "length 0.5 m: is WAMIT's ULEN, which bemio does not have; remove"),
+        ({"designs": {"a": {"held": [{"Heave": 1.0}, {"Yaw": 0.0}]}}}, r"held {'Yaw': 0.0}: needs a share that is not"),
+        (
+            {"hydro": {"repair": ["kramers_kronig"], "accept": ["symmetry", "kramers_kronig"]}},
+            r"repair \['kramers_kronig'\]: is accepted as well",
+        ),
+        ({"waves": RAW["waves"] * 2}, r"waves .*: the same sea is listed twice"),
+        ({"pto": {"damping": {"rigid": 5.0}}}, "pto.damping: received dampers of rigid, needs one for every design: f"),
+        (
+            {"published": {"source": "elsewhere", "values": {"paper": {"energy": 1.0}}}},
+            r"published.values \['paper'\]: no such design; needs some of flexible, rigid",
+        ),
+        (
+            {"drag": {}, "modes": {}, "hydro": {"rows": 20, "model": "auto"}},
+            r"modes: are shapes of the spherical shell.* \(and 3 more\)$",
+        ),
         ({"designs": {"a": {"dofs": []}}}, r"dofs \[\]: needs at least one degree of freedom, and none twice"),
         ({"designs": {"a": {"held": [{"Heave": 0.0}]}}}, "needs a share that is not zero"),
         ({"designs": {"a": {"clamp": 90}}}, "designs.a.clamp"),
@@ -91,6 +107,11 @@ def test_gains_are_over_the_first_design_that_moves_in_rigid_motions_alone():
     assert [BodyDesign(dofs=d).rigid for d in ("all", "rigid", ("Yaw",))] == [False, True, True]
 
 
+def test_shares_that_cancel_hold_a_combination():
+    opposite = {"float__Heave": 1.0, "spar__Heave": -1.0}
+    assert BodyDesign(held=(opposite,)).held == (opposite,)
+
+
 def test_degrees_of_freedom_kept_are_those_of_all_designs():
     assert study().dofs is None
     assert study(designs={"a": {"dofs": "rigid"}, "b": {"dofs": ["Mode7", "Heave"]}}).dofs == (
@@ -107,6 +128,7 @@ def test_directions_of_the_seas_each_once():
     waves = [{**swell, "direction": d} for d in (0.0, 45.0)] + [{**swell, "period": 8.0, "direction": 45.0}]
     assert study(waves=waves).directions == (0.0, 45.0)
     assert study(waves=[{"kind": "still"}]).directions == (0.0,)
+    assert study(waves=waves[1:] + waves[:1]).directions == (45.0, 0.0)  # in the order of the seas
 
 
 def test_a_study_knows_its_files_by_contents(tmp_path):

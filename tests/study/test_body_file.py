@@ -1,5 +1,7 @@
 """A body file is checked before anything is solved."""
 
+import math
+
 import pytest
 
 from vsb.errors import ConfigError
@@ -18,6 +20,8 @@ def test_what_is_not_said_has_a_default():
     ("changes", "message"),
     [
         ({"omega": [0.9, 0.6]}, r"omega \[0.9, 0.6\]: needs at least one value, ascending without repetition"),
+        ({"omega": [0.6, 0.6]}, r"omega \[0.6, 0.6\]: needs at least one value, ascending without repetition"),
+        ({"wave_direction": [0.0, 90.0, 0.0]}, r"wave_direction \[0.0, 90.0, 0.0\]: needs at least one value, asc"),
         ({"wave_direction": []}, r"wave_direction \[\]: needs at least one value"),
         ({"water": {"depth": 10.0}, "omega": [0.1]}, "omega 0.1 rad/s: in 10 m of water needs at least"),
     ],
@@ -25,3 +29,13 @@ def test_what_is_not_said_has_a_default():
 def test_frequencies_nobody_can_solve_are_refused(changes, message):
     with pytest.raises(ConfigError, match=message):
         validated(BodyFile, {**RAFT, **changes}, "raft.yaml")
+
+
+@pytest.mark.parametrize(("gravity", "depth"), [(9.81, 10.0), (3.7, 2.0)])
+def test_the_lowest_frequency_is_that_of_the_longest_wave_panels_know(gravity, depth):
+    """A wavenumber times depth of 0.3."""
+    lowest = math.sqrt(gravity * 0.3 / depth * math.tanh(0.3))
+    water = {"gravity": gravity, "depth": depth}
+    validated(BodyFile, {**RAFT, "water": water, "omega": [1.0001 * lowest, 9.0]}, "raft.yaml")
+    with pytest.raises(ConfigError, match=rf"in {depth:g} m of water needs at least {lowest:.4g}$"):
+        validated(BodyFile, {**RAFT, "water": water, "omega": [0.9999 * lowest, 9.0]}, "raft.yaml")

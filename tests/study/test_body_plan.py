@@ -63,11 +63,12 @@ def test_ids_stay():
     assert {name: content_id(getattr(plan(), name)) for name in STAGES} == PINNED
 
 
+@pytest.mark.parametrize("sign", [1, -1])
 @pytest.mark.parametrize("key", ["initial_position", "initial_velocity"])
-def test_only_runs_with_a_start_of_their_own_know_what_it_is_of(key):
+def test_only_runs_with_a_start_of_their_own_know_what_it_is_of(key, sign):
     """Those from rest keep their names, whatever a start is of."""
     (wave, _) = plan().study.waves
-    rest, moved = (plan(simulation=start).simulation("rigid", wave) for start in ({}, {key: 0.1}))
+    rest, moved = (plan(simulation=start).simulation("rigid", wave) for start in ({}, {key: sign * 0.1}))
     assert content_id(rest) == "17038d963bbca395"
     assert content_id(rest.model_copy(update={"start": 0})) == content_id(rest)
     assert content_id(moved.model_copy(update={"start": 0})) != content_id(moved)
@@ -150,3 +151,69 @@ def test_what_is_held_has_some_share(held, taken):
     else:
         with pytest.raises(ValueError, match="needs a share that is not zero"):
             BodyDesign(held=(held,))
+
+
+def test_the_order_of_checks_accepted_or_repaired_names_nothing():
+    for key, names in (("accept", ["symmetry", "haskind"]), ("repair", ["positive_damping", "kramers_kronig"])):
+        one, other = (plan(hydro={key: order}).database for order in (names, names[::-1]))
+        assert getattr(one, key) == tuple(sorted(names))
+        assert one == other
+
+
+def test_a_ladder_follows_no_motion_and_knows_no_method():
+    exact = plan(simulation={"method": "exact"})
+    assert exact.ladder == plan().ladder
+    assert exact.simulation("rigid", exact.study.waves[0]).simulation.method == "exact"
+
+
+def test_the_response_is_asked_at_no_frequency_of_an_irregular_sea():
+    assert plan(waves=RAW["waves"][1:]).response.omega == ()
+
+
+def test_a_damper_given_to_each_design_is_that_of_its_run_unless_it_is_tuned():
+    """In still water none is best: there the one given holds."""
+    waves = [RAW["waves"][0], {"kind": "still"}]
+    for tuning in ("fixed", "each", "one"):
+        own = plan(pto={"damping": {"flexible": 3.0, "rigid": 5.0}, "tuning": tuning}, waves=waves)
+        sea, still = own.study.waves
+        for design, damping in (("flexible", 3.0), ("rigid", 5.0)):
+            asked = own.simulation(design, sea)
+            assert (asked.pto.damping, asked.pto.tuning) == (damping if tuning == "fixed" else None, tuning)
+            assert list(asked.designs) == [design]
+        found = own.simulation("rigid", still).pto
+        assert (found.damping, found.tuning) == ((5.0, "fixed") if tuning != "one" else (None, "one"))
+
+
+def test_of_several_realisations_one_is_drawn_and_all_are_run():
+    own = plan(waves=[{**RAW["waves"][1], "realisations": 3}])
+    assert [wave.seed for wave in own.study.waves] == [1, 2, 3]
+    assert [name for name in own.figures if name.startswith("port_motion")] == [
+        f"port_motion-{own.study.waves[0].label}"
+    ]
+    assert sum("/trajectories/" in path for path in own.products) == 2 * 3
+
+
+def test_a_body_whose_degrees_of_freedom_are_not_known_yet_may_have_forty():
+    assert plan().coordinates == 40
+    named = plan(designs={"a": {"dofs": ["Heave", "Pitch"]}, "b": {"dofs": ["Heave", "Mode7"]}})
+    assert named.coordinates == 3
+
+
+def test_the_database_is_made_of_the_files_there_must_be(tmp_path):
+    for ending in (".1", ".3", ".hst"):
+        (tmp_path / f"run{ending}").write_text(ending)
+    raw = {**RAW, "body": {"wamit": "run"}, "root": "out"}
+    own = BodyPlan.of(raw, str(tmp_path / "raft.yaml"))
+    assert [name.rpartition(".")[2] for name in own.inputs] == ["1", "3", "hst"]
+    solved = plan_for(plan(body={"file": MESHED}).study, root="out")
+    assert solved.sources == {"folder": "out/hydro/bodies", "green": solved.green_folder}
+    assert solved.green_folder.startswith("out/hydro/green/capytaine-")
+
+
+def test_files_are_named_from_where_a_run_begins(tmp_path, monkeypatch):
+    (tmp_path / "raft.nc").write_text("numbers")
+    monkeypatch.chdir(tmp_path)
+    assert BodyPlan.of({**RAW, "body": {"database": "raft.nc"}}, tmp_path / "raft.yaml").inputs == ["raft.nc"]
+
+
+MESHED = {"body": "raft", "mesh": "sha256:m", "modes": "sha256:d", "omega": [0.6, 0.9]}
