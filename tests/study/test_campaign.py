@@ -209,3 +209,33 @@ def test_dampers_of_designs_are_scaled_as_dampers():
 @pytest.mark.parametrize("ports", [["volume"], ["heave"], ["heave", "surge"], ["pitch"]])
 def test_ports_of_one_unit_may_be_varied(folder, ports):
     assert load(written(folder, vary={"pto.port": ports})).campaign.vary.values["pto.port"] == tuple(ports)
+
+
+@pytest.mark.parametrize("name", ["hydro", "hydro_precision", "barge", "logs", "benchmarks"])
+def test_no_campaign_has_the_name_of_a_folder(folder, name):
+    with pytest.raises(ConfigError, match=rf"campaign: received '{name}'; '{name}' is the name of a results folder"):
+        load(written(folder, campaign=name))
+
+
+def test_what_a_study_says_enough_for_may_be_asked_for_alone(folder):
+    assert load(written(folder, tuning=["fixed"])).tuning == ("fixed",)
+    four = {"device.mass": [1.6e4, 1.65e4, 1.7e4, 1.72e4]}
+    assert len(load(written(folder, vary=four, verify={})).campaign.vary.points) == 4
+
+
+def test_a_year_is_of_spheres(folder):
+    raw = yaml.safe_load(SEED.read_text())
+    raw["device"] |= {"shape": {"spheroid": {"height": 3.0}}, "mass": 9000.0}
+    raw |= {"modes": {"basis": "full", "degree": 2}}
+    (folder / "seed.yaml").write_text(yaml.safe_dump(raw))
+    with pytest.raises(ConfigError, match=r"study: received seed.yaml with device.shape, whose buckling, which a year"):
+        load(written(folder))
+
+
+def test_runs_in_time_check_the_tuning_a_campaign_is_told_at_alone(folder):
+    """Not the first: of the others linear theory says what it does not see."""
+    loaded = load(written(folder, tuning=["fixed", "one"], verify={}))
+    switching = varied(load_study(SEED), pto={"law": "latching"})
+    with pytest.raises(ConfigError, match=r"^here: pto: received law latching, .* of tuning fixed does not see; needs"):
+        loaded.check_take_off(switching, "here")
+    load(written(folder, tuning=["fixed", "constrained"], verify={})).check_take_off(switching, "here")

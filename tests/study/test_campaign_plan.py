@@ -303,3 +303,78 @@ def test_modes_are_other_displacements_of_the_water_of_flexible_designs_alone(pl
     designs = {name: {"flexible": flexible} for name in ("FSB", "VSWEC", "VSWEC0", "VSWEC90")}
     plan = planned({"modes.degree": [2, 3, 4]}, study={"designs": designs})
     assert len({member.spec.sweep for member in plan.members}) == shapes
+
+
+@pytest.mark.parametrize(
+    ("vary", "study"),
+    [
+        ({"water.density": [1000.0, 1025.0]}, {}),
+        ({"water.depth": [20.0, 30.0]}, {}),
+        ({"hydro.tolerance": [1e-3, 1e-4]}, {}),
+        ({"modes.order": [1, 2]}, {"motion": "planar", "device": {"centre_of_mass": -0.5, "ballast_inertia": 8e3}}),
+        ({"modes.basis": ["membrane", "full"]}, {"reference_shape": "equilibrium"}),
+        ({"reference_shape": ["undeformed", "equilibrium"]}, {}),
+        ({"device.young_modulus": [1e7, 2e7]}, {"reference_shape": "equilibrium"}),
+    ],
+    ids=str,
+)
+def test_every_member_rests_on_the_blocks_of_its_own_study(planned, vary, study):
+    """Members of one shape share them: what another sweep depends on is no part of their shape."""
+    found = planned(vary, study=study).members
+    for one in found:
+        assert one.spec.sweep == tuple(content_id(block) for block in StudyPlan(one.study).sweep_blocks)
+    assert len({one.spec.sweep for one in found}) == 2
+
+
+def test_a_take_off_no_tuning_sees_is_found_at_any_point(planned):
+    with pytest.raises(ConfigError, match=r"vary: with pto.law: latching: pto: received law latching, .* tuning fixed"):
+        planned({"pto.law": ["linear", "latching"]}, tuning=["fixed"]).members  # noqa: B018
+
+
+def test_members_of_one_shape_then_one_take_off_then_one_thickness_go_together(planned):
+    vary = {"device.thickness": [0.01, 0.02], "pto.stiffness": [1.0, 0.0], "device.mass": [1.6e4, 1.7e4]}
+    points = [point for batch in planned(vary).batches.values() for point in batch.points]
+    for keys in (("device.mass",), ("device.mass", "pto.stiffness")):
+        runs = [tuple(point[key] for key in keys) for point in points]
+        assert len(list(itertools.groupby(runs))) == len(set(runs)) == 2 ** len(keys)
+    assert [point["device.thickness"] for point in points] == [0.01, 0.02] * 4
+
+
+def test_a_campaign_tells_its_study_its_climate_and_its_members_in_their_order(planned, tmp_path):
+    (tmp_path / "site.2021.txt").write_text("spectra")
+    plan = planned({"device.mass": [1.7e4, 1.6e4, 1.65e4, 1.72e4, 1.62e4]}, climate={"spectra": "site.2021.txt"})
+    assert plan.campaign.study == "seed"
+    assert plan.campaign.campaign == "sweep"
+    assert plan.campaign.climate_name == "site"
+    assert plan.campaign.members == tuple(ids(plan))
+    assert [one.study.device.mass for one in plan.members] == [1.7e4, 1.6e4, 1.65e4, 1.72e4, 1.62e4]
+
+
+def test_batches_know_the_budget_of_their_optima_and_are_named_by_their_members(planned):
+    plan = planned(LIMITS, tuning=["constrained"], constrained={"seconds": 5.0, "seed": 7})
+    by_point = {tuple(one.point.items()): one.id for one in plan.members}
+    for name, batch in plan.batches.items():
+        assert (batch.constrained.seconds, batch.constrained.seed) == (5.0, 7)
+        assert name == content_id([by_point[tuple(point.items())] for point in batch.points])
+
+
+@pytest.mark.parametrize("model", ["linear", "body_exact"])
+def test_runs_in_time_are_by_the_model_asked_for(planned, model):
+    (spec,) = planned(verify={"model": model}).verifications.values()
+    assert spec.hydro.model == spec.simulated.hydro.model == model
+
+
+@pytest.mark.parametrize(
+    ("vary", "swept"),
+    [({}, False), ({"device.mass": [1.7e4]}, False), ({"device.mass": [1.7e4, 1.6e4]}, True),
+     ({"device.mass": [1.7e4], "water.density": [1000.0, 1025.0]}, True)],
+)  # fmt: skip
+def test_a_sweep_is_drawn_where_any_key_has_several_values(planned, vary, swept):
+    assert ("sweep" in figure_names(planned(vary).campaign)) is swept
+
+
+@pytest.mark.parametrize("key", ["force_limit", "stroke_limit"])
+def test_no_curves_over_dampers_are_of_any_limit_varied_or_given(planned, key):
+    tuned = {"tuning": ["constrained"]}
+    assert "tuned_power" not in figure_names(planned({f"pto.{key}": [1e3, 1e4]}, **tuned).campaign)
+    assert "tuned_power" not in figure_names(planned({}, name="own", study={"pto": {key: 1e3}}, **tuned).campaign)

@@ -1,9 +1,11 @@
 """The buoy of a study: what it may be, and how it is balanced."""
 
+import math
+
 import pytest
 
 from vsb.errors import ConfigError
-from vsb.study.device import Device
+from vsb.study.device import THINNEST_SHELL, Device
 from vsb.study.reading import validated
 
 GIVEN = {
@@ -64,3 +66,18 @@ def test_a_shell_is_thin_no_film_and_holds_no_less_than_nothing(changes, said):
     within = {"thickness": {0.2: 0.1999, 6.6e-5: 6.67e-5}, "internal_pressure": {-101325.0: -101324.0, -5e4: -49999.0}}
     nearly = {key: within[key][value] if key in within else value for key, value in changes.items()}
     validated(Device, {**GIVEN, "mass": 40000.0, **nearly}, "device")
+
+
+def test_the_thinnest_shell_is_one():
+    assert validated(Device, {**GIVEN, "thickness": THINNEST_SHELL * 2.0}, "device").thickness == THINNEST_SHELL * 2.0
+
+
+def test_a_shell_of_another_shape_weighs_its_own_area_and_is_thin_where_it_is_sharpest():
+    """An oblate spheroid, half as high as wide: sharpest at its equator, b^2/a."""
+    shape, eccentricity = {"spheroid": {"height": 2.0}}, math.sqrt(0.75)
+    area = 2 * math.pi * 4.0 + math.pi / eccentricity * math.log((1 + eccentricity) / (1 - eccentricity))
+    device = validated(Device, {**GIVEN, "shape": shape}, "device")
+    assert device.shell_mass == pytest.approx(area * 0.01 * 2700.0, rel=1e-9)
+    validated(Device, {**GIVEN, "shape": shape, "thickness": 0.0499}, "device")
+    with pytest.raises(ConfigError, match=r"thickness 0.0501 m: .* a tenth of the shape's least radius of .*, 0.05 m"):
+        validated(Device, {**GIVEN, "shape": shape, "thickness": 0.0501}, "device")

@@ -4,6 +4,7 @@ import pytest
 from conftest import SEED, varied
 
 from vsb.errors import ConfigError
+from vsb.study.drag import Drag
 from vsb.study.plan import StudyPlan
 from vsb.study.study import canonical, load
 
@@ -50,3 +51,17 @@ def test_drag_concerns_runs_ladder_and_study_alone(seed):
 def test_refused_in_one_line(seed, sections, message):
     with pytest.raises(ConfigError, match=message):
         varied(seed, **{"drag": PLATE, **sections})
+
+
+def test_a_drag_is_followed_by_the_models_that_know_it_and_no_law_that_pauses(seed):
+    for model in ("linear", "body_exact"):
+        assert varied(seed, drag=PLATE, hydro={"model": model}).drag.directions.keys() == {"heave"}
+    with pytest.raises(ConfigError, match="take-off that switches, received law latching with force_limit inf N"):
+        varied(seed, drag=PLATE, pto={"law": "latching"})
+
+
+def test_a_drag_acts_on_the_directions_it_is_given_for():
+    plate = {"coefficient": 1.0, "area": 2.0}
+    for name in Drag.LATER:
+        own = plate | ({"lever": 3.0} if name in ("roll", "pitch", "yaw") else {})
+        assert {key: one.model_dump() for key, one in Drag(**{name: own}).directions.items()} == {name: own}

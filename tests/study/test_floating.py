@@ -10,7 +10,18 @@ from hypothesis import strategies as st
 
 import vsb
 from vsb.errors import ConfigError
-from vsb.study.floating import cap_volume, floating_height
+from vsb.study.device import Device
+from vsb.study.floating import (
+    cap_volume,
+    centre_height,
+    floating_height,
+    full_volume,
+    keel_depth,
+    volume_to,
+    waterline_radius,
+)
+from vsb.study.sections import Water
+from vsb.study.shape import Shape
 from vsb.study.study import canonical, load, parse
 
 
@@ -109,3 +120,50 @@ def test_the_cap_under_water_has_the_volume_asked_for(radius, height):
     assert centre == pytest.approx(radius * (1 - height), abs=1e-7 * radius)
     below = cap_volume(radius, height) + cap_volume(radius, 2 - height)
     assert below == pytest.approx(4 / 3 * math.pi * radius**3, rel=1e-12)
+
+
+SHELL = {"radius": 2.0, "thickness": 1e-3, "density": 1.0, "young_modulus": 1e7, "poisson_ratio": 0.3}
+EGG = [[0.0, 4.0], [0.6, 3.8], [1.2, 3.2], [1.7, 2.2], [2.0, 1.2], [1.6, 0.4], [0.9, 0.07], [0.0, 0.0]]
+
+
+@pytest.mark.parametrize("height", [1.0, 3.0, 7.0])
+@pytest.mark.parametrize("part", [0.2, 1.0, 1.7])
+def test_a_spheroid_floats_as_the_sphere_it_is_stretched_from(part, height):
+    """In water of any density: its draft, its centre, its waterline and what is below."""
+    volume = cap_volume(2.0, part) * height / 4.0
+    shape = Shape.model_validate({"spheroid": {"height": height}})
+    device, water = Device(**SHELL, mass=800.0 * volume, shape=shape), Water(density=800.0)
+    centre = centre_height(device, water)
+    assert centre == pytest.approx(height / 2 * (1 - part), abs=1e-12 * height)
+    assert keel_depth(device, centre) == pytest.approx(part * height / 2, rel=1e-11)
+    assert waterline_radius(shape, 2.0, centre) == pytest.approx(2.0 * math.sqrt(part * (2 - part)), rel=1e-11)
+    assert volume_to(device, part) == pytest.approx(volume, rel=1e-12)
+    assert full_volume(device) == pytest.approx(2 / 3 * math.pi * 4.0 * height, rel=1e-12)
+
+
+@pytest.mark.parametrize("draft", [0.4, 1.2, 2.2, 3.2])
+def test_an_egg_has_the_waterline_of_its_profile_at_its_draft(draft):
+    """Its keel not as its top; its largest radius is between the points, a thousandth wider than they say."""
+    shape = Shape.model_validate({"profile": EGG})
+    wanted = next(x for x, z in EGG if z == draft)
+    assert waterline_radius(shape, 2.0, 2.0 - draft) == pytest.approx(wanted, abs=5e-3)
+
+
+@pytest.mark.parametrize("draft", [0.5, 1.0, 2.9])
+def test_a_mass_is_of_the_water_there_is_whatever_the_shape(raw, draft):
+    device = without(raw["device"], "mass", density=1.0, draft=draft)
+    others = raw | {"water": {"density": 800.0}, "modes": {"basis": "full", "degree": 2}}
+    assert parse(others | {"device": device}).device.mass == pytest.approx(800.0 * cap_volume(2.0, draft / 2.0))
+    shaped = device | {"shape": {"spheroid": {"height": 3.0}}, "thickness": 1e-3}
+    found = parse(others | {"device": shaped, "designs": {"FSB": {"flexible": False}}})
+    assert found.device.mass == pytest.approx(800.0 * cap_volume(2.0, draft / 1.5) * 0.75)
+    assert found.draft == pytest.approx(draft, rel=1e-11)
+
+
+@pytest.mark.parametrize("draft", [3.0, 3.5, 0.0, -1.0, True])
+def test_a_draft_of_another_shape_is_less_than_its_height(raw, draft):
+    device = without(raw["device"], "mass", draft=draft, shape={"spheroid": {"height": 3.0}})
+    with pytest.raises(
+        ConfigError, match=rf"device.draft: received {draft}, needs more than 0 and less than the hei.*, 3 m"
+    ):
+        parse(raw | {"device": device})
