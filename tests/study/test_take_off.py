@@ -253,3 +253,64 @@ def test_what_moves_at_a_port_that_turns_is_told_in_radians():
         "heave, peak to peak [m]",
         "velocity, peak to peak [m/s]",
     ]
+
+
+def test_points_of_the_shell_may_be_given_from_below_and_shares_may_cancel():
+    assert Pto(port={"between": [170.0, 20.0]}).port.between == (170.0, 20.0)
+    with pytest.raises(ValueError, match="needs two different colatitudes"):
+        Pto(port={"between": [20.0, 20.0]})
+    assert Pto(port={"dofs": {"float__Heave": 1.0, "spar__Heave": -1.0}}).port.dofs["spar__Heave"] == -1.0
+    with pytest.raises(ValueError, match="needs a share that is not zero"):
+        Pto(port={"dofs": {"float__Heave": 0.0, "spar__Heave": 0.0}})
+
+
+def test_a_line_without_its_anchor_misses_it(seed):
+    with pytest.raises(ConfigError, match=r"pto.port.line_to: missing, but required"):
+        varied(seed, pto={"port": {"line_from": [0.0, -1.0]}})
+
+
+@pytest.mark.parametrize(
+    ("port", "unit"),
+    [("heave", "N s/m"), ("surge", "N s/m"), ("pitch", "N m s"), ("volume", "Pa s/m³"), ({"colatitude": 90.0}, "N s/m"),
+     ({"dofs": {"Pitch": 1.0}}, "N m s"), ({"dofs": {"float__Roll": 1.0, "spar__Pitch": -1.0}}, "N m s"),
+     ({"dofs": {"float__Pitch": 1.0, "float__Heave": 2.0}}, "N s/m")],
+    ids=str,
+)  # fmt: skip
+def test_a_damper_is_of_a_moment_where_all_that_moves_turns(port, unit):
+    """As a file says the port, and as a study has it."""
+    assert damper_unit(port) == damper_unit(Pto(port=port).port) == unit
+
+
+def test_what_is_said_of_a_force_is_said_of_a_moment():
+    said = "port's displacement [m], port's velocity [m/s], port, peak to peak [m], rms force [kN], limit of force [kN]"
+    turned = "port's rotation [rad], port's velocity [rad/s], port, peak to peak [rad], rms moment [kN m], limit of moment [kN m]"
+    assert at_port(said, "pitch") == turned
+    assert at_port(said, "heave") == said
+    assert at_port("rms force [kN], limit of force [kN]", "volume") == "rms pressure [kPa], limit of pressure [kPa]"
+
+
+def test_a_take_off_is_limited_by_either_limit_and_switches_by_law_or_limit():
+    for keys, limited, switches, pauses in (
+        ({}, False, False, False),
+        ({"force_limit": 1e3}, True, True, False),
+        ({"stroke_limit": 0.5}, True, True, False),
+        ({"law": "latching"}, False, True, True),
+        ({"law": "declutching"}, False, True, True),
+        ({"law": "coulomb", "force_limit": 1e3}, True, True, False),
+    ):
+        pto = Pto(damping=1.0, **keys)
+        assert (pto.limited, pto.switches, pto.pauses) == (limited, switches, pauses)
+    for law in ("saturated", "coulomb"):
+        with pytest.raises(ValueError, match=f"force_limit: missing; law {law} needs one in N"):
+            Pto(damping=1.0, law=law, stroke_limit=0.5)
+
+
+def test_a_damper_of_zero_is_given_and_idle_whichever_design_has_it():
+    assert Pto(damping=0.0).idle
+    assert Pto(damping=0.0).tuning == "fixed"
+    assert Pto(damping={"FSB": 5.0, "VSWEC": 0.0}).idle
+    assert not Pto(damping={"FSB": 5.0, "VSWEC": 1.0}).idle
+    assert not Pto().idle
+    assert Pto(damping=None).tuning == "each"
+    with pytest.raises(ValueError, match="damping: missing; tuning fixed needs one in N s/m"):
+        Pto(tuning="fixed", stiffness=5.0)

@@ -25,6 +25,9 @@ def test_a_direction_is_said_where_it_is_one(wave):
     assert "_d45" in turned.label
     assert turned.label.replace("_d45", "") == wave.label
     assert turned.description == f"{wave.description} going to 45 degrees"
+    back = wave.model_copy(update={"direction": -90.0})
+    assert back.label.replace("_d-90", "") == wave.label != back.label
+    assert back.description == f"{wave.description} going to -90 degrees"
     assert type(wave).model_validate({**wave.model_dump(), "direction": 0.0}) == wave
 
 
@@ -46,3 +49,29 @@ def test_waves_are_forgotten_after_ten_periods_or_two_of_the_beat_of_their_band(
     period, beat = 2 * math.pi / noise.omega, 2 * math.pi / (band[1] - band[0])
     assert noise.memory == pytest.approx(max(10 * period, 2 * beat))
     assert [wave.memory for wave in SEAS[1:3]] == pytest.approx([70.0, 70.0])
+
+
+@pytest.mark.parametrize(("seed", "realisations"), [(2**32 - 1, 1), (2**32 - 1000, 1000)])
+def test_seeds_of_all_realisations_fit(seed, realisations):
+    sea = {"kind": "jonswap", "hs": 1.0, "tp": 7.0, "realisations": realisations}
+    assert Jonswap(**sea, seed=seed).seed == seed
+    with pytest.raises(ValueError, match=r"seed of 10 digits: needs at most 2\^32 - realisations"):
+        Jonswap(**sea, seed=seed + 1)
+
+
+def test_a_band_is_a_hundredth_wide_at_least():
+    noise = {"kind": "white_noise", "hs": 1.0}
+    assert WhiteNoise(**noise, band=(1.0, 1.01)).band == (1.0, 1.01)
+    for band in ((1.0, 1.009), (1.0, 1.0), (1.0, 0.5)):
+        with pytest.raises(ValueError, match="needs the lowest frequency first, then one at least 1 % higher"):
+            WhiteNoise(**noise, band=band)
+
+
+def test_a_sea_reaches_from_its_longest_waves_to_its_fastest():
+    regular, jonswap, pierson, noise = SEAS
+    peak = 2 * math.pi / 7.0
+    assert regular.fastest == peak
+    for sea in (jonswap, pierson):
+        assert sea.reach == pytest.approx((0.4 * peak, peak))
+        assert sea.fastest == pytest.approx(4.3 * peak)
+    assert (noise.reach, noise.fastest) == ((0.5, 1.5), 1.5)

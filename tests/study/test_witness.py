@@ -132,3 +132,25 @@ def test_the_three_waves_are_in_geometric_progression_as_waves_of_that_depth(see
     low, middle, high = (wavenumber(w, depth, 9.81) for w in spec.omega)
     assert middle**2 == pytest.approx(low * high, rel=1e-4)
     assert low == pytest.approx(max(LONGEST / 2.0, LEAST_DEPTH_IN_WAVENUMBERS / depth), rel=1e-4)
+
+
+def test_no_second_solver_is_of_another_shape_or_of_water_the_keel_touches(seed):
+    spheroid = {
+        "device": {"shape": {"spheroid": {"height": 3.0}}, "mass": 9e3},
+        "modes": {"basis": "full", "degree": 2},
+    }
+    assert no_witness(varied(seed, **spheroid)) == "panels are those of the sphere"
+    deep = varied(seed, water={"depth": 1.02 * seed.draft})
+    assert no_witness(deep) == ""
+    shallow = varied(seed, water={"depth": 1.0199 * seed.draft})
+    assert no_witness(shallow) == "the spectral solver needs a water.depth of 1.02 drafts"
+
+
+def test_meshes_are_of_the_water_and_the_shell_there_is(seed):
+    flexible = varied(seed, water={"depth": 30.0}, device={"thickness": 0.02, "poisson_ratio": 0.4})
+    meshes = StudyPlan(flexible).witness.meshes
+    assert meshes.depth == 30.0
+    assert (meshes.shape.thickness, meshes.shape.poisson_ratio, meshes.shape.basis) == (0.02, 0.4, "membrane")
+    rigid = StudyPlan(varied(flexible, designs={"FSB": {"flexible": False}})).witness.meshes
+    assert not hasattr(rigid.shape, "thickness")
+    assert rigid.deformed == ()
