@@ -13,7 +13,7 @@ from conftest import SEED, varied
 from vsb.errors import ConfigError
 from vsb.hydro import quality
 from vsb.study import study as config
-from vsb.study.sections import Water
+from vsb.study.sections import DEEPEST, Design, Hydro, Simulation, Water
 
 RAW = yaml.safe_load(SEED.read_text())
 
@@ -166,3 +166,27 @@ def test_checks_a_study_may_accept_are_those_there_are():
 @pytest.mark.parametrize("name", config.CHECKS)
 def test_every_check_may_be_accepted(name):
     assert config.parse(changed(("hydro", "accept"), [name])).hydro.accept == (name,)
+
+
+def test_limits_of_sections_are_part_of_them():
+    assert Water(depth=DEEPEST).depth == DEEPEST
+    with pytest.raises(ValueError, match=r"needs at most 20000 m, or .inf for deep water"):
+        Water(depth=1.0001 * DEEPEST)
+    assert Hydro(model="assumed_pressure", pressure=0.0).pressure == 0.0
+    with pytest.raises(ValueError, match="pressure 0 Pa: only model assumed_pressure has one; remove it"):
+        Hydro(pressure=0.0)
+    assert Simulation(duration=60.0, window=(0.0, 60.0)).window == (0.0, 60.0)
+    for window in ((0.0, 60.001), (5.0, 5.0), (6.0, 5.0)):
+        with pytest.raises(ValueError, match=r"needs 0 <= start < end <= duration = 60 s"):
+            Simulation(duration=60.0, window=window)
+    for omega in ((1.0, 1.0), (2.0, 1.0)):
+        with pytest.raises(ValueError, match="frequencies must ascend without repetition"):
+            Hydro(omega=omega)
+
+
+def test_a_rigid_design_has_no_clamps_one_or_many():
+    for clamp in (90.0, (0.0, 90.0), (0.0,)):
+        assert Design(clamp=clamp).flexible
+        with pytest.raises(ValueError, match=r"a rigid design \(flexible: false\) has no shell to clamp"):
+            Design(flexible=False, clamp=clamp)
+    assert Design(clamp=(0.0, 90.0)).clamp == (0.0, 90.0)

@@ -137,3 +137,153 @@ def test_heave_feels_the_waterplane_where_the_buoy_floats(seed, mass):
     low, high = ((3 * study.device.radius - d) * d**2 / 3 for d in (study.draft - h, study.draft + h))
     stiffness = study.water.density * study.water.gravity * np.pi * (high - low) / (2 * h)
     assert study.heave_frequency == pytest.approx(np.sqrt(stiffness / mass), rel=1e-7)
+
+
+REGULAR = {"kind": "regular", "amplitude": 0.1, "period": 4.0}
+PRESSED = {"hydro": {"model": "assumed_pressure", "pressure": 100.0}, "waves": [REGULAR]}
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"device": {"gas": {}}}, "is the paper's vented shell; remove device.gas"),
+        ({"device": {"internal_pressure": -5.0}}, "needs device.internal_pressure: 0 and reference_shape: undeformed"),
+        ({"reference_shape": "equilibrium"}, "needs device.internal_pressure: 0 and reference_shape: undeformed"),
+        ({"waves": [REGULAR, {"kind": "jonswap", "hs": 1.0, "tp": 7.0}]}, "has one period, of a regular wave; remove"),
+        *(
+            ({"hydro": {**PRESSED["hydro"], key: value}}, f"hydro.{key}: hydro.model 'assumed_pressure' has no coeffi")
+            for key, value in (("omega", [1.0]), ("rows", 20), ("accept", ["haskind"]))
+        ),
+        ({"pto": {"damping": 5.0, "tuning": "each"}}, "pto.tuning 'each': an assumed pressure does not answer to"),
+        ({"pto": {"law": "latching"}}, "pto.law 'latching': how long it pauses is found in waves"),
+        ({"pto": {"law": "declutching"}}, "pto.law 'declutching': how long it pauses is found in waves"),
+        ({"pto": {"port": {"colatitude": 90.0}}}, "has no other port than heave; needs hydro.model: linear"),
+        ({"simulation": {"method": "exact"}}, "needs one of auto, exponential, structure_preserving"),
+    ],
+    ids=str,
+)
+def test_an_assumed_pressure_is_of_the_papers_shell_alone(seed, changes, message):
+    varied(seed, **PRESSED)
+    with pytest.raises(ConfigError, match=message):
+        varied(seed, **{**PRESSED, **changes})
+
+
+def test_each_model_is_followed_by_its_methods(seed):
+    every = {"auto", "exact", "convolution", "exponential", "structure_preserving"}
+    followed = {
+        "linear": every - {"exponential"},
+        "body_exact": every - {"exact", "convolution"},
+        "assumed_pressure": every - {"exact", "convolution"},
+        "auto": {"auto"},
+    }
+    for model, known in followed.items():
+        hydro = PRESSED["hydro"] if model == "assumed_pressure" else {"model": model}
+        for method in every:
+            asked = {"waves": [REGULAR], "hydro": hydro, "simulation": {"method": method}}
+            if method in known:
+                assert varied(seed, **asked).simulation.method == method
+            else:
+                with pytest.raises(
+                    ConfigError, match=rf"simulation.method '{method}': hydro.model '{model}' needs one of"
+                ):
+                    varied(seed, **asked)
+
+
+def test_the_automatic_model_judges_by_power_and_no_other_needs_any(seed):
+    idle = {"pto": {"damping": {name: 0.0 if name == "FSB" else 5.0 for name in seed.designs}}}
+    assert varied(seed, **idle).pto.idle
+    with pytest.raises(
+        ConfigError, match=r"hydro.model 'auto': judges by mean absorbed power; needs pto.damping above 0"
+    ):
+        varied(seed, hydro={"model": "auto"}, **idle)
+
+
+@pytest.mark.parametrize("law", ["latching", "declutching", "coulomb"])
+def test_a_law_that_switches_is_followed_by_one_method_and_by_no_chamber(seed, law):
+    pto = {"law": law} | ({"force_limit": 1e3} if law == "coulomb" else {})
+    with pytest.raises(
+        ConfigError, match=r"simulation.method 'exact': cannot follow a take-off that switches; needs auto"
+    ):
+        varied(seed, pto=pto, simulation={"method": "exact"})
+    with pytest.raises(ConfigError, match=r"pto.port 'volume': behind the gas of device.gas a take-off meets a flow"):
+        varied(seed, pto={**pto, "port": "volume"}, device={"gas": {}})
+    assert varied(seed, pto={**pto, "port": "volume"}).pto.law == law
+    chamber = {"pto": {"port": "volume", "damping": 1e4}, "device": {"gas": {}}}
+    assert varied(seed, **chamber).opens_chamber
+    with pytest.raises(ConfigError, match=r"simulation.method 'convolution': knows no chamber's pressure"):
+        varied(seed, **chamber, simulation={"method": "convolution"})
+
+
+def test_waves_and_frequencies_may_be_as_fast_as_the_band_and_no_faster(seed):
+    """The second sea and the last frequency as well."""
+    noise = {"kind": "white_noise", "hs": 0.1}
+    for band in ((1.0, 8.0), (1.0, 8.001), (8.5, 9.0)):
+        asked = {"waves": [REGULAR, {**noise, "band": band}], "hydro": {"omega_max": 8.0}}
+        if band[1] == 8.0:
+            assert varied(seed, **asked).waves[1].band == band
+        else:
+            with pytest.raises(ConfigError, match=r"waves.1.band .* rad/s: needs at most hydro.omega_max = 8"):
+                varied(seed, **asked)
+    assert varied(seed, hydro={"omega_max": 8.0, "omega": [1.0, 8.0]}).hydro.omega == (1.0, 8.0)
+    with pytest.raises(ConfigError, match=r"hydro.omega 8.001 rad/s: needs at most hydro.omega_max = 8 rad/s"):
+        varied(seed, hydro={"omega_max": 8.0, "omega": [1.0, 8.001]})
+    short = {**REGULAR, "period": 0.78}
+    with pytest.raises(ConfigError, match=r"waves.1 regular_A0.1_T0.78: the wave is too short .* at least 0.7854 s"):
+        varied(seed, waves=[REGULAR, short], hydro={"omega_max": 8.0})
+    assert varied(seed, **{**PRESSED, "waves": [short]}).waves[0].omega > 8.0
+
+
+def test_a_buoy_floats_between_its_poles_clear_of_the_bed(seed):
+    """In water of another density as well."""
+    full = 4 / 3 * np.pi * 8 * 900.0
+    device = {"thickness": 1e-3, "density": 1.0}
+    with pytest.raises(ConfigError, match=rf"kg: the buoy would sink; needs less than {full:.6g} kg"):
+        varied(seed, device={**device, "mass": full}, water={"density": 900.0})
+    for mass in (0.99999 * full, 1e-5 * full):
+        with pytest.raises(ConfigError, match=r"because a waterline within 0.01 radii of a pole is a puddle"):
+            varied(seed, device={**device, "mass": mass}, water={"density": 900.0})
+    with pytest.raises(ConfigError, match=rf"m: needs more than the draft of the buoy, {seed.draft:.4g} m"):
+        varied(seed, water={"depth": seed.draft})
+    assert varied(seed, water={"depth": 1.001 * seed.draft}).uses_panels
+
+
+def test_a_record_is_as_long_as_it_can_be_in_every_sea(seed):
+    """A convolution's is shorter; a window is a part of the slowest motion."""
+    fast, slow = {**REGULAR, "period": 1.0}, {**REGULAR, "period": 50.0}
+
+    def asked(waves, method="auto", window=(40.0, 60.0), duration=60.0):
+        simulation = {"duration": duration, "window": window, "method": method}
+        return varied(seed, waves=waves, simulation=simulation)
+
+    most = 2**16 / 200 * 1.0
+    asked([slow, fast], "convolution", duration=0.999 * most).check_record()
+    asked([slow, fast], duration=1.001 * most).check_record()
+    with pytest.raises(
+        ConfigError, match=r"needs at most 327.7 s in waves.1 regular_A0.1_T1, whose fastest .* all of its"
+    ):
+        asked([slow, fast], "convolution", duration=1.001 * most).check_record()
+    asked([fast, slow], window=(58.99, 60.0)).check_record()
+    with pytest.raises(
+        ConfigError, match=r"needs to be at least 1 s long, because the motion in waves.1 .* takes 50 s"
+    ):
+        asked([fast, slow], window=(59.01, 60.0)).check_record()
+
+
+def test_the_fastest_motion_is_that_of_the_sea_or_of_heave_within_the_band(seed):
+    jonswap = {"kind": "jonswap", "hs": 0.1, "tp": 3.0}
+    study = varied(seed, waves=[REGULAR, jonswap, {"kind": "still"}], hydro={"omega_max": 8.0})
+    regular, sea, still = study.waves
+    assert study.fastest(regular) == regular.omega
+    assert study.fastest(sea) == 8.0 < sea.fastest
+    assert study.fastest(still) == study.heave_frequency
+    pressed = varied(seed, **{**PRESSED, "waves": [REGULAR, {**REGULAR, "period": 0.5}]})
+    assert [pressed.fastest(wave) for wave in pressed.waves] == [pressed.heave_frequency, pressed.waves[1].omega]
+
+
+def test_a_rigid_buoy_has_one_shape_whatever_is_asked_of_its_rest(seed):
+    for rest in ("equilibrium", "undeformed"):
+        for flexible in (True, False):
+            designs = {"A": {"flexible": False}, "B": {"flexible": flexible}}
+            study = varied(seed, reference_shape=rest, designs=designs)
+            assert study.flexible is flexible
+            assert study.rests_deformed is study.at_equilibrium is (flexible and rest == "equilibrium")
