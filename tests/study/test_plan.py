@@ -288,3 +288,59 @@ def test_memory_to_draw_a_study_is_a_fifth_more_than_the_series_of_all_designs_i
     short, long = (plan.record_megabytes(wave) for wave in study.waves)
     assert short > long > 20
     assert plan.study_megabytes == 800 + math.ceil(1.2 * 3 * short)
+
+
+def test_figures_of_a_study_follow_from_what_moves_and_what_is_solved(seed):
+    """In several directions the waves', but no whole shells; a second solver's, where there is one."""
+    balance = {"centre_of_mass": -0.5, "ballast_inertia": 8e3, "ballast_yaw_inertia": 7e3}
+    for motion in ("heave", "planar", "free"):
+        device = {} if motion == "heave" else balance
+        names = figure_names(varied(seed, motion=motion, device=device, hydro={"solver": "auto"}))
+        assert any(name.startswith("directions-") for name in names) is (motion != "heave")
+        assert any(name.startswith("shapes_3d-") for name in names) is (motion == "heave")
+        assert any(name.startswith("extreme_shapes-") for name in names)
+        assert "witness" in names
+    assert "witness" not in figure_names(varied(seed, hydro={"witness": "none"}))
+    assert not any("shapes_3d" in name for name in figure_names(varied(seed, designs={"A": {"flexible": False}})))
+
+
+def test_shapes_are_shown_and_asked_about_at_rest_and_with_either_sign_of_every_mode(seed):
+    plan = StudyPlan(varied(seed, modes={"degree": 2}, hydro={"solver": "auto"}), root="r")
+    shapes = ["mean", *(f"Membrane{n}_{sign}" for n in (0, 1, 2) for sign in ("minus", "plus"))]
+    assert [path.rpartition("/")[2] for path in plan.display_paths] == [f"{name}.vtu" for name in shapes]
+    assert [path.rpartition("/")[2] for path in plan.deformed_paths] == [f"{name}.nc" for name in shapes]
+    assert {*plan.deformed_paths, *plan.display_paths, *plan.witness_files.values()} <= set(plan.products)
+    assert all(path.startswith("r/hydro/") for path in (*plan.deformed_paths, *plan.display_paths))
+
+
+def test_every_block_of_panels_is_solved_on_its_own_mesh(seed):
+    plan = StudyPlan(varied(seed, hydro={"omega": [2.0, 11.0]}), root="r")
+    blocks = list(plan.bem_blocks.values())
+    assert len(plan.solved_files) == 2 * len(blocks)
+    assert {f"r/hydro/blocks/{content_id(block)}.nc" for block in blocks} | {
+        f"r/hydro/mesh/{content_id(block.mesh)}/mean.nc" for block in blocks
+    } == set(plan.solved_files)
+
+
+def test_a_database_reaches_its_grid_and_a_response_what_is_asked(seed):
+    plan = StudyPlan(varied(seed, hydro={"omega_max": 9.73, "accept": ["symmetry", "haskind"]}))
+    assert plan.database.omega_max == 9.8
+    assert plan.response.omega_max == plan.ladder.hydro.omega_max == plan.highest == 9.73
+    assert plan.database.accept == ("haskind", "symmetry")
+
+
+def test_shapes_are_shown_of_axisymmetric_modes_alone(seed):
+    balance = {"centre_of_mass": -0.5, "ballast_inertia": 8e3}
+    displays = [
+        StudyPlan(
+            varied(seed, motion="planar", device=balance, modes={"order": order}, hydro={"solver": "auto"})
+        ).display
+        for order in (1, 2)
+    ]
+    assert displays[0] == displays[1]
+
+
+def test_a_ladder_follows_no_motion_and_knows_no_method(seed):
+    exact = StudyPlan(varied(seed, simulation={"method": "exact"}))
+    assert exact.ladder == StudyPlan(seed).ladder
+    assert exact.simulation("FSB", seed.waves[0]).simulation.method == "exact"

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from pydantic import TypeAdapter, ValidationError
 
 from vsb.errors import ConfigError
+from vsb.study import quantities
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
 from vsb.study.quantities import Colatitude, Finite, NonNegative, Positive, within
@@ -182,3 +183,29 @@ def test_what_is_a_quantity_ends_where_it_says_and_is_finite(quantity, taken, re
     for value in (*refused, math.nan, math.inf, -math.inf):
         with pytest.raises(ValidationError, match=r"greater|less|finite"):
             checked.validate_python(value)
+
+
+@pytest.mark.parametrize(
+    ("label", "body", "motion", "rigid"),
+    [("Heave", "", "Heave", True), ("float__Heave", "float", "Heave", True), ("Mode7", "", "Mode7", False),
+     ("left__float__Pitch", "left__float", "Pitch", True), ("Heave__Mode7", "Heave", "Mode7", False)],
+)  # fmt: skip
+def test_the_motion_is_what_stands_last_in_a_label(label, body, motion, rigid):
+    """A body may be called by two words, or as a motion."""
+    assert (quantities.body_of(label), quantities.motion_of(label)) == (body, motion)
+    assert quantities.is_rigid(label) is rigid
+
+
+def test_places_are_of_each_body_wherever_its_labels_stand():
+    labels = ["b__Heave", "a__Heave", "b__Pitch", "a__Mode7", "b__Mode1"]
+    assert quantities.of_bodies(labels) == {"b": [0, 2, 4], "a": [1, 3]}
+    assert quantities.of_bodies(["Heave", "Mode7"]) == {"": [0, 1]}
+
+
+def test_both_ends_of_a_range_are_in_it():
+    checked = quantities.within(-2.0, 3.0, "m", "no buoy is larger").func
+    assert [checked(value) for value in (-2.0, 0.0, 3.0)] == [-2.0, 0.0, 3.0]
+    with pytest.raises(ValueError, match=r"^needs at least -2 m, because no buoy is larger$"):
+        checked(-2.001)
+    with pytest.raises(ValueError, match=r"^needs at most 3 m, because no buoy is larger$"):
+        checked(3.001)

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vsb.hydro.panels.mesh import graded_colatitudes
+from vsb.study import resolution
 from vsb.study.resolution import frequency_step, tolerance_rows, wave_rows
 
 
@@ -50,3 +51,16 @@ def test_six_rows_lie_within_half_a_wavelength_of_the_surface(radius, wavelength
     rows = wave_rows(radius, wavelength)
     depth = -radius * np.cos(graded_colatitudes(np.pi / 2, rows))
     assert np.sum(depth[1:] <= wavelength / 2 * (1 + 1e-12)) >= 6
+
+
+@pytest.mark.parametrize(
+    ("instants", "every"),
+    [(0, 0), (1, 1), (2**17, 1), (2**17 + 1, 2), (2**18, 2), (2**18 + 1, 3), (9 * 2**17 + 1, 10), (2**22, 10)],
+)
+def test_a_run_keeps_as_many_instants_as_fit_and_a_tenth_at_least(instants, every):
+    assert resolution.thinning(instants) == every
+
+
+@pytest.mark.parametrize("radius", [0.01, 0.05])
+def test_a_wave_longer_than_the_buoy_has_rows_to_its_keel(radius):
+    assert resolution.wave_rows(radius, 1.0) == resolution.wave_rows(0.5, 1.0) == 6

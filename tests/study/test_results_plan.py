@@ -7,7 +7,7 @@ from conftest import SEED, varied
 
 from vsb.study.plan import StudyPlan
 from vsb.study.results_plan import figure_paths, options, quoted, trajectory_name
-from vsb.study.study import content_id, load
+from vsb.study.study import content_id, load, result_id
 
 
 def test_names_of_files_and_options():
@@ -62,3 +62,45 @@ def test_every_file_has_the_id_of_what_it_is_made_from(solver):
             assert identity == plan.study_id
     assert plan.ids[plan.database_path] == content_id(plan.database)
     assert {path for path in plan.ids if "/mesh/" in path}
+
+
+@pytest.mark.parametrize("pressed", [False, True])
+def test_a_study_rests_on_all_it_is_made_of(seed, pressed):
+    """Its own words, the shapes of its modes, coefficients, second solver, responses, and every run of every sea."""
+    hydro = {"model": "assumed_pressure", "pressure": 100.0} if pressed else {}
+    regular = {"kind": "regular", "amplitude": 0.1, "period": 3.0}
+    study = varied(seed, waves=[regular, {**regular, "period": 4.0}], hydro=hydro, designs={"B": {}, "A": {"clamp": 0}})
+    plan = StudyPlan(study)
+    database, radiation = content_id(plan.database), content_id(plan.radiation)
+    solved = () if pressed else (database, radiation)
+    runs = [result_id(plan.simulation(name, wave), *solved) for wave in study.waves for name in ("A", "B")]
+    answers = () if pressed else (result_id(plan.response, database), result_id(plan.ladder, database))
+    witness = () if pressed else (content_id(plan.witness),)
+    own = result_id(plan.comparison, content_id(plan.modes), *solved, *witness, *answers, *runs)
+    assert plan.study_id == own
+    assert plan.ids[f"{plan.folder}/report.html"] == own
+    assert plan.ids[f"{plan.folder}/modes.nc"] == content_id(plan.modes)
+    assert {plan.ids[path] for path in plan.display_paths} == {content_id(plan.display)}
+
+
+def test_every_run_of_every_sea_is_an_answer(seed):
+    regular = {"kind": "regular", "amplitude": 0.1, "period": 3.0}
+    sea = {"kind": "jonswap", "hs": 0.5, "tp": 4.0, "realisations": 2}
+    plan = StudyPlan(varied(seed, waves=[regular, sea], designs={"B": {}, "A": {"clamp": 0}}), root="r")
+    runs = {path for path in plan.answers if "/trajectories/" in path}
+    seas = ("regular_A0.1_T3", "jonswap_Hs0.5_Tp4_g3.3_s1", "jonswap_Hs0.5_Tp4_g3.3_s2")
+    assert runs == {f"r/seed/trajectories/{design}-{sea}.nc" for design in "AB" for sea in seas}
+
+
+def test_a_record_is_nine_numbers_of_every_coordinate_and_ten_others(seed):
+    """Two hundred instants a period, of eight bytes each; thinned where they are too many."""
+    regular = {"kind": "regular", "amplitude": 0.1, "period": 2.0}
+    for designs, coordinates in (({"A": {"flexible": False}}, 1), ({"A": {}}, 8)):
+        for duration, kept in ((1e3, 1e5), (1e4, 1.25e5), (1e5, 1e6)):
+            run = {"duration": duration, "window": (0.0, duration)}
+            study = varied(seed, waves=[regular], simulation=run, designs=designs, modes={"degree": 6})
+            plan = StudyPlan(study)
+            assert plan.coordinates == coordinates
+            assert plan.record_megabytes(study.waves[0]) == pytest.approx(
+                8e-6 * (9 * coordinates + 10) * kept, abs=1.01
+            )

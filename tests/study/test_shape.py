@@ -111,6 +111,8 @@ def test_a_profile_that_is_none_is_one_line(tmp_path, text, message):
         (OBLATE, {"modes": {"basis": "membrane", "degree": 3}}, "modes.basis 'membrane': modes of another shape"),
         (OBLATE, {"modes": {"basis": "full", "degree": 0}}, "modes.degree 0: device.shape needs at least 1"),
         (OBLATE, {"device": {"internal_pressure": 1e4}}, "prestress and buckling are known of the sphere alone"),
+        (OBLATE, {"device": {"internal_pressure": -1e4}}, "prestress and buckling are known of the sphere alone"),
+        (OBLATE, {"device": {"gas": {}}}, "prestress and buckling are known of the sphere alone"),
         (OBLATE, {"reference_shape": "equilibrium"}, "prestress and buckling are known of the sphere alone"),
         (OBLATE, {"motion": "planar", "device": {"centre_of_mass": -0.3, "ballast_inertia": 8e3}},
          "motion 'planar': is known of the sphere alone; device.shape needs heave"),
@@ -181,3 +183,8 @@ def test_a_campaign_is_of_spheres(tmp_path):
 
 def test_the_same_shape_has_the_same_meridian():
     assert Shape(spheroid={"height": 3.0}).meridian(2.0) is Shape(spheroid={"height": 3.0}).meridian(2.0)
+
+
+@pytest.mark.parametrize("model", ["linear", "body_exact"])
+def test_models_that_know_the_meridian_know_every_shape(model):
+    assert parse(raw(OBLATE, hydro={"model": model})).hydro.model == model
