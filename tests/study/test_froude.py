@@ -134,3 +134,12 @@ def test_every_quantity_scales_as_its_units_say():
     powers = {name: power_of_scale(unit) for unit, names in DIMENSIONS.items() for name in names.split()}
     assert power_of_scale("kg/m^3") == power_of_scale("m/s^2") == 0.0
     assert powers == FROUDE
+
+
+def test_a_word_or_a_truth_is_no_quantity():
+    assert scaled({"mass": True, "radius": "wide", "damping": None, "period": 2}, 4.0) == {
+        "mass": True,
+        "radius": "wide",
+        "damping": None,
+        "period": 4.0,
+    }

@@ -177,3 +177,76 @@ def test_the_spline_is_that_of_scipy(natural):
     )
     for s in np.linspace(0.0, 4.0, 23):
         assert found(float(s)) == pytest.approx(float(exact(s)), rel=1e-11, abs=1e-11)
+
+
+BELL = RestMeridian((1.0,), (0.0, 1.0, 0.6))
+
+
+@pytest.mark.parametrize("body", [BELL, RestMeridian((1.0, 0.3), (0.2, 1.0, -0.6)), BELL.scaled(2.0, 3.0, 5.0)])
+@pytest.mark.parametrize("part", [0.1, 0.3, 0.5, 0.8, 0.95])
+def test_what_is_below_a_height_of_a_hollow_body_is_between_its_walls(body, part):
+    """By sums of rings over a fine meridian, cut at the height; hollow from below or from above."""
+    x, z = np.array([body.at(math.pi * i / 20000)[:2] for i in range(20001)]).T
+    height = body.lowest + part * (body.highest - body.lowest)
+    ring, cut = math.pi * (0.5 * (x[1:] + x[:-1])) ** 2, np.minimum(z, height)
+    volume = -np.sum(ring * np.diff(cut))
+    assert body.volume_below(height) == pytest.approx(volume, rel=2e-6)
+    assert body.centroid_below(height) == pytest.approx(-np.sum(ring * np.diff(cut**2)) / 2 / volume, rel=2e-6)
+    assert body.draft_of(volume) == pytest.approx(height - body.lowest, rel=2e-6)
+    crossing = np.flatnonzero((z[1:] < height) != (z[:-1] < height))
+    assert body.radius_at(height) == pytest.approx(x[crossing].max(), rel=2e-3)
+    assert body.volume == pytest.approx(-np.sum(ring * np.diff(z)), rel=2e-6)
+
+
+def test_poles_and_ends_of_a_hollow_body():
+    """z = cos t + 0.6 cos 2t is least where 1 + 2.4 cos t is 0, above its keel."""
+    rim = -1 / 2.4 + 0.6 * (2 / 2.4**2 - 1)
+    assert (BELL.top, BELL.keel, BELL.highest) == pytest.approx((1.6, -0.4, 1.6), rel=1e-14)
+    assert BELL.lowest == pytest.approx(rim, rel=1e-4)
+    moved = BELL.scaled(2.0, 3.0, 5.0)
+    assert (moved.top, moved.keel, moved.highest) == pytest.approx((9.8, 3.8, 9.8), rel=1e-14)
+    assert moved.lowest == pytest.approx(5 + 3 * rim, rel=1e-4)
+    assert moved.radius == pytest.approx(2.0, rel=1e-13)
+
+
+@pytest.mark.parametrize("second", [-0.3, -0.11, -0.01, 0.01, 0.04, 0.11, 0.3])
+def test_the_largest_radius_is_between_the_samples(second):
+    """Of sin t + b sin 2t: where cos t + 2 b cos 2t is 0."""
+    cosine = (-1 + math.sqrt(1 + 32 * second**2)) / (8 * second)
+    widest = math.sqrt(1 - cosine**2) * (1 + 2 * second * cosine)
+    assert RestMeridian((1.0, second), (0.0, 1.0)).radius == pytest.approx(widest, rel=1e-13)
+
+
+@pytest.mark.parametrize(("unit", "raised"), [(1e-3, 0.0), (1e3, 7.0)])
+def test_a_profile_is_the_same_in_any_unit_from_any_height(unit, raised):
+    points = ((0.0, 1.0), (0.7, 0.9), (1.0, 0.3), (0.8, -0.3), (0.75, -0.8), (0.5, -1.4), (0.0, -1.5))
+    own = through(points, 2.0)
+    other = through(tuple((unit * x, unit * (z + raised)) for x, z in points), 2.0)
+    assert other.radius == pytest.approx(2.0, rel=1e-9)
+    assert other.top == pytest.approx(-other.keel, rel=1e-9)
+    assert other.volume == pytest.approx(own.volume, rel=1e-9)
+    assert len(other.radial) == pytest.approx(len(own.radial), abs=2)
+    ends = ((unit * 0.9e-9, unit * 1.0), (-unit * 0.9e-9, -unit * 1.5))
+    near = (ends[0], *((unit * x, unit * z) for x, z in points[1:-1]), ends[1])
+    assert through(near, 2.0).volume == pytest.approx(own.volume, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("points", "message"),
+    [
+        (((0, 1), (1, 0.5), (1, -0.5), (0, -1)), "received 4 points; needs at least five, from the top to the keel"),
+        (((-0.2, 1), (1, 0.5), (1, 0), (1, -0.5), (0, -1)), r"received the first point at \(-0.2, 1\), so the merid"),
+        (((0, 1), (1, 0.5), (1, 0), (1, -0.5), (-0.2, -1)), r"received the last point at \(-0.2, -1\), so the merid"),
+        (((2e-9, 1), (1, 0.5), (1, 0), (1, -0.5), (0, -1)), r"received the first point at \(2e-09, 1\), so the merid"),
+        (((0, 1), (1, 0.5), (1, 0), (1, 0.5), (0, 1)), "a first point at height 1 and a last one at 1; needs the top"),
+        (((0, 1), (1, 0.5), (-0.5, 0), (1, -0.5), (0, -1)), "received a point at radius -0.5 between the poles; need"),
+    ],
+)  # fmt: skip
+def test_a_profile_begins_and_ends_on_the_axis_with_the_top_first(points, message):
+    with pytest.raises(ValueError, match=message):
+        through(tuple((float(x), float(z)) for x, z in points), 1.0)
+
+
+def test_five_points_are_a_profile():
+    found = through(((0.0, 1.0), (0.8, 0.6), (1.0, 0.0), (0.8, -0.6), (0.0, -1.0)), 1.0)
+    assert found.volume == pytest.approx(4 / 3 * math.pi, rel=0.02)
