@@ -162,6 +162,7 @@ def test_wamit_is_all_of_its_files(tmp_path):
         ({".hst": "stiff", ".mmx": ""}, {".hst": "", ".mmx": "stiff"}),
         ({".hst": "stiff", ".mmx": "mass"}, {".hst": "stiffmass", ".mmx": ""}),
         ({".hst": "", ".3fk": "force"}, {".hst": "", ".3sc": "force"}),
+        ({".hst": "", ".mmx": "mass"}, {".hst": ".mmx mass"}),
     ],
 )
 def test_what_stands_in_which_of_wamits_files_names_the_study(tmp_path, first, second):
