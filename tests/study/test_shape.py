@@ -188,3 +188,15 @@ def test_the_same_shape_has_the_same_meridian():
 @pytest.mark.parametrize("model", ["linear", "body_exact"])
 def test_models_that_know_the_meridian_know_every_shape(model):
     assert parse(raw(OBLATE, hydro={"model": model})).hydro.model == model
+
+
+@pytest.mark.parametrize("height", [0.4, 40.0])
+def test_shapes_at_their_limits_are_shapes(height):
+    assert Shape(spheroid={"height": height}).meridian(2.0).highest == height / 2
+
+
+def test_one_line_of_words_stands_before_the_points(tmp_path):
+    """A second one is a mistake."""
+    (tmp_path / "egg.csv").write_text("x,z\nm,m\n0,1\n")
+    with pytest.raises(ConfigError, match=r"device.shape.profile: received 'm,m' in egg.csv, needs two numbers x,z"):
+        with_points({"device": {"shape": {"profile": "egg.csv"}}}, str(tmp_path / "study.yaml"))
