@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 from rich.console import Console
 
-from vsb.tools.progress import Rate, followed
+from vsb.tools.progress import Rate, failed, followed
 
 TOLD = [
     "Building DAG of jobs...\n",
@@ -82,3 +82,16 @@ def test_an_interrupted_run_leaves_nothing_of_it():
     with pytest.raises(KeyboardInterrupt):
         followed(interrupted(), "seed", Console(file=out, force_terminal=True, width=80, color_system=None), [])
     assert out.getvalue().endswith("\r\x1b[1A\x1b[2K")
+
+
+def test_rules_that_failed_are_told_by_the_logs_of_their_jobs():
+    """Two of one rule are two; what went well, or failed without a log, is none."""
+    told = [
+        "Command 'set -o pipefail;  vsb simulate a.yaml FSB --out b.nc > logs/FSB.log 2>&1' returned non-zero exit status 1.\n",
+        "Command ' vsb simulate a.yaml VSWEC > logs/VSWEC.log 2>&1' returned non-zero exit status 137.\n",
+        "    shell: vsb report a.yaml > logs/report.log 2>&1\n",
+        "Command 'vsb table a.yaml > logs/table.log 2>&1' returned non-zero exit status 2.\n",
+    ]
+    assert failed(told) == {
+        "logs/FSB.log": "simulate", "logs/VSWEC.log": "simulate", "logs/table.log": "table",
+    }  # fmt: skip

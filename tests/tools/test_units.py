@@ -189,3 +189,35 @@ def test_results_of_a_member_know_no_design_where_they_are_of_the_shell_or_the_c
     for name in ("margin", "viable", "power_of_damping", "force_of_damping", "tried_damping"):
         assert ATTRS[name].dims[0] == "..."
     assert ("design" in ATTRS["margin"].dims, "design" in ATTRS["viable"].dims) == (False, True)
+
+
+def test_usual_practice_is_missing_under_a_tuning_that_has_none_and_under_no_other():
+    """Optima are of no practice; of anything else each tuning has its own."""
+    coordinates = {"design": ["FSB", "VSWEC"], "tuning": ["fixed", "constrained"]}
+    by, values = ("design", "tuning"), np.array([[1.0, np.nan], [2.0, np.nan]])
+    check_finite(xr.Dataset({"practice_power": (by, values)}, coordinates), "x")
+    with pytest.raises(DatabaseError, match="x: variable practice_power holds NaN"):
+        check_finite(xr.Dataset({"practice_power": (by, values[:, ::-1])}, coordinates), "x")
+    with pytest.raises(DatabaseError, match="x: variable capture_width holds NaN"):
+        check_finite(xr.Dataset({"capture_width": (by, values)}, coordinates), "x")
+
+
+def test_keys_a_study_varies_have_units_of_their_own_also_where_a_variable_is_called_so():
+    coordinates = {"device.radius": [1.0, 2.0], "hs": [3.0, 4.0, 5.0], "design": ["A"], "tuning": ["one"]}
+    dims = ("tuning", "hs", "design", "device.radius")
+    ds = xr.Dataset({"annual_energy": (dims, np.ones((1, 3, 1, 2)))}, coordinates, {"varied": "device.radius hs"})
+    ds["hs"].attrs = {"units": "ft"}
+    found = described(ds)
+    assert found.annual_energy.dims == ("hs", "device.radius", "design", "tuning")
+    assert found.hs.attrs == {"units": "ft"}
+    assert described(ds.assign_attrs(varied="device.radius")).hs.attrs["units"] == "m"
+    with pytest.raises(DatabaseError, match=r"variables \['device.radius'\] are not in ATTRS"):
+        described(ds.assign_attrs(varied="hs"))
+
+
+def test_a_coordinate_put_in_order_is_still_one():
+    ds = xr.Dataset({"added_mass_inf": (("radiating_dof", "influenced_dof"), np.ones((3, 2)))})
+    found = described(ds.set_coords("added_mass_inf"))
+    assert found.added_mass_inf.dims == ("influenced_dof", "radiating_dof")
+    assert list(found.coords) == ["added_mass_inf"]
+    assert not list(described(ds).coords)
