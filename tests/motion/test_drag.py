@@ -1,12 +1,17 @@
 """Equivalent linearisation of quadratic drag: its laws by quadrature, the dragged port against the whole buoy."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+import xarray as xr
 
 from vsb.errors import ConvergenceError
 from vsb.motion import drag as drag_module
 from vsb.motion.drag import GAUSSIAN, REGULAR, DraggedPort, best_damper, best_pair, under
+from vsb.motion.frequency import LinearBuoy
 from vsb.motion.port import Port
+from vsb.motion.pto import LinearPto
 from vsb.motion.tuning import best_dampers, best_pairs
 
 DRAG = 0.4
@@ -187,3 +192,75 @@ def test_beside_a_spring_the_best_damper_knows_of_the_losses_of_what_goes_back_a
         assert powers.max() <= taken * (1 + 1e-9)
         assert powers.max() == pytest.approx(taken, rel=0.01)
     assert found[0.6] > 1.1 * found[1.0]
+
+
+@pytest.mark.parametrize("held", [False, True])
+def test_the_port_of_a_buoy_among_dragged_directions_is_that_of_the_buoy_with_dampers_there(held):
+    """All motions, or two of which the port is in none but moves with what is dragged."""
+    omega, pair, at = np.linspace(0.5, 3.0, 12), ("influenced_dof", "radiating_dof"), np.array([0.7, 1.3, 2.6])
+    force = np.array([200.0 + 0j, 60.0 - 30j, -80.0 + 10j]) * omega[:, None]
+    radiated = 1e-3 * omega[:, None, None] ** 3 * np.real(force[:, :, None] * force[:, None, :].conj())
+    ds = xr.Dataset(
+        {
+            "inertia_matrix": (pair, np.diag([500.0, 30.0, 80.0]) + 5.0), "hydrostatic_stiffness": (pair, np.diag([900.0, 200.0, 50.0])),
+            "added_mass": (("omega", *pair), np.full((12, 3, 3), 20.0)), "radiation_damping": (("omega", *pair), radiated),
+            "excitation_force": (("omega", "wave_direction", pair[0]), force[:, None]),
+        },
+        {"omega": omega, "wave_direction": [0.0]} | {dim: ["Heave", "Membrane0", "Membrane2"] for dim in pair},
+    )  # fmt: skip
+    buoy = LinearBuoy(ds, np.diag([0.0, 5.0, 7.0]), LinearPto(0.0))
+    motions = np.linalg.qr(np.array([[1.0, 0.0], [0.5, 1.0], [-0.3, 2.0]]))[0] if held else np.eye(3)
+    b, d, drag = np.array([1.0, 0.4, -0.2]), np.array([[0.6, 0.8, 0.0], [0.0, 0.3, 1.0]]), np.array([40.0, 90.0])
+    flow = np.array([[0.5 + 0.2j, -0.3j], [0.1 - 0.4j, 0.7], [0.2, 0.3 + 0.1j]])
+    found = DraggedPort.of(buoy, at, motions, b, d, flow, np.array([3.0, 7.0]))
+    rate = -1j * at[:, None]
+    np.testing.assert_allclose(found.past, rate * (buoy.rao(at, motions) @ d.T) - flow, rtol=1e-10)
+    np.testing.assert_array_equal(found.coefficient, [3.0, 7.0])
+    braked = replace(buoy, structural_damping=buoy.structural_damping + d.T @ np.diag(drag) @ d)
+    calm = DraggedPort.of(buoy, at, motions, b, d, 0 * flow, np.array([3.0, 7.0]))
+    for name in ("admittance", "velocity", "compliance"):
+        expected = getattr(braked.port(at, motions, b), name)
+        np.testing.assert_allclose(getattr(calm.beside(drag), name), expected, rtol=1e-9, err_msg=name)
+    alone = calm.seen(np.zeros(1), np.zeros(1)).under(drag[None], np.zeros(1, int))[0]
+    np.testing.assert_allclose(alone, rate * (braked.rao(at, motions) @ d.T), rtol=1e-9)
+
+
+def test_a_port_that_no_wave_moves_has_no_part_in_what_is_dragged():
+    """As one between points of a rigid buoy: not by round-off either."""
+    omega, pair = np.linspace(0.5, 3.0, 12), ("influenced_dof", "radiating_dof")
+    force = np.array([200.0 + 0j, 0.0]) * omega[:, None]
+    ds = xr.Dataset(
+        {
+            "inertia_matrix": (pair, np.diag([500.0, 30.0])), "hydrostatic_stiffness": (pair, np.array([[900.0, 0.1], [0.1, 200.0]])),
+            "added_mass": (("omega", *pair), np.zeros((12, 2, 2))), "radiation_damping": (("omega", *pair), np.ones((12, 2, 2))),
+            "excitation_force": (("omega", "wave_direction", pair[0]), force[:, None]),
+        },
+        {"omega": omega, "wave_direction": [0.0]} | {dim: ["Heave", "Membrane0"] for dim in pair},
+    )  # fmt: skip
+    buoy, b = LinearBuoy(ds, np.zeros((2, 2)), LinearPto(0.0)), np.array([0.0, 1.0])
+    found = DraggedPort.of(buoy, np.ones(1), np.eye(2)[:, :1], b, np.eye(2)[:1], np.zeros((1, 1)) + 0j, np.ones(1))
+    assert not found.port.moves
+    assert not found.across.any()
+    assert found.past.any()
+
+
+def test_ports_in_waves_of_two_directions_rest_as_each():
+    """What holds a buoy is the same in all waves: so is the softest spring it rests with."""
+    one, other = Buoy(0, dragged=2).port, Buoy(1, dragged=2).port
+    assert one.port.compliance != other.port.compliance
+    assert DraggedPort.joined([one, other]).port.compliance == one.port.compliance
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("seed", range(2))
+def test_beside_drag_too_a_port_that_nothing_holds_gets_a_spring(seed):
+    """It rests with any above none, which the damper alone has: no logarithm of that."""
+    buoy = Buoy(seed)
+    adrift = replace(buoy.port, port=replace(buoy.port.port, compliance=np.inf))
+    c, k = (x.ravel() for x in np.meshgrid(np.geomspace(0.02, 50, 20), np.linspace(0.0, 4.0, 21)))
+    for square in seas(buoy.omega)[:2, None]:
+        one = under(adrift, square, best_damper(adrift, square, 0.0, 1.0), 0.0, 1.0)
+        pair = best_pair(adrift, square, one, 1.0)
+        assert adrift.powers(square, c, k).max() <= pair.power[0] * (1 + 1e-6)
+        assert pair.power[0] >= one.power[0]
+        assert 0.0 <= pair.stiffness[0] < np.inf

@@ -1,4 +1,5 @@
 import fcntl
+import gzip
 import os
 import socket
 import subprocess
@@ -14,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from vsb.errors import DatabaseError
+from vsb.errors import ConfigError, DatabaseError
 from vsb.tools.files import (
     ROOT,
     attributes,
@@ -24,6 +25,7 @@ from vsb.tools.files import (
     load,
     locked,
     read_groups,
+    read_text,
     save,
     sealed,
     whole,
@@ -444,7 +446,7 @@ import resource, sys
 
 import numpy as np
 from tools.test_files import rao
-from vsb.errors import DatabaseError
+from vsb.errors import ConfigError, DatabaseError
 from vsb.tools.files import save, write_text
 resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))
 for write in (lambda: write_text("a.txt", "new" * 10**5), lambda: save(rao(np.random.rand(1, 6000, 2)), "a.nc")):
@@ -479,3 +481,84 @@ def test_a_mistake_while_writing_is_not_the_users(tmp_path):
     with pytest.raises(ZeroDivisionError, match="division by zero"), whole(tmp_path / "a.txt") as temporary:
         temporary.write_text(str(1 / 0))
     assert list(tmp_path.iterdir()) == []
+
+
+def test_what_is_written_may_be_read_by_all_and_changed_by_its_owner(tmp_path):
+    """A temporary file is its owner's alone: results are for colleagues, too."""
+    write_text(tmp_path / "a.txt", "one")
+    save(rao(np.ones((1, 3, 2))), tmp_path / "a.nc")
+    assert [(tmp_path / name).stat().st_mode & 0o777 for name in ("a.txt", "a.nc")] == [0o644, 0o644]
+
+
+def test_a_file_without_a_content_id_is_not_the_one_expected(tmp_path):
+    path = tmp_path / "a.nc"
+    save(rao(np.ones((1, 3, 2))), path)
+    assert load(path).attrs.keys() == {"checksum"}
+    with pytest.raises(DatabaseError, match=rf"{path}: holds None, needs 'b{{16}}': stale or foreign; delete it"):
+        load(path, expected="b" * 16)
+
+
+def test_words_like_a_seal_before_the_end_of_a_file_without_one_are_words(tmp_path):
+    path = tmp_path / "a"
+    path.write_bytes(
+        b"sha256:" + b"a" * 64 + b" is no seal, as it does not stand at the end: 71 bytes from there on do not hold it"
+    )
+    assert not sealed(path)
+    path.write_bytes(path.read_bytes() + b"sha256:" + b"a" * 64)
+    with pytest.raises(
+        DatabaseError, match=r"a: its contents are not those it was written with \(checksum\); delete it"
+    ):
+        sealed(path)
+
+
+MARKED = "Höhe [m]\n1.5\n"
+
+
+@pytest.mark.parametrize("packed", [False, True])
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-be-sig"])
+def test_a_text_of_others_is_read_packed_or_not_whatever_its_mark_and_name(tmp_path, encoding, packed):
+    data = b"\xfe\xff" + MARKED.encode("utf-16-be") if encoding == "utf-16-be-sig" else MARKED.encode(encoding)
+    (tmp_path / "a.dat").write_bytes(gzip.compress(data) if packed else data)
+    assert read_text(tmp_path / "a.dat") == MARKED
+
+
+@pytest.mark.parametrize(
+    "damage", [lambda x: x[:-9], lambda x: x[:14] + b"\xff" * 40 + x[54:], lambda x: x[:-8] + 8 * b"x"]
+)
+def test_a_packed_text_that_is_cut_or_damaged_is_told_so(tmp_path, damage):
+    path = tmp_path / "a.gz"
+    path.write_bytes(damage(gzip.compress(np.random.default_rng(1).bytes(200).hex().encode())))
+    with pytest.raises(ConfigError, match=r"a.gz: received a packed file that is cut or damaged, needs a whole one$"):
+        read_text(path)
+
+
+def test_a_text_that_is_none_is_told_by_its_first_byte_that_is_not(tmp_path):
+    (tmp_path / "a").write_bytes(b"H\xc3\xb6he, gr\xf6\xdf")
+    with pytest.raises(ConfigError, match=r"a: received byte 9 that is no text, needs UTF-8: save it as CSV UTF-8 or"):
+        read_text(tmp_path / "a")
+    with pytest.raises(ConfigError, match=r"none: cannot be read \(No such file or directory\)$"):
+        read_text(tmp_path / "none")
+
+
+@pytest.mark.parametrize(("count", "compressed"), [(5000, False), (5001, True)])
+def test_variables_of_more_than_ten_thousand_values_are_compressed(tmp_path, count, compressed):
+    save(rao(np.ones((1, count, 2))), tmp_path / "a.nc")
+    with xr.open_dataset(tmp_path / "a.nc") as raw:
+        assert bool(raw.rao.encoding["zlib"]) is compressed
+
+
+def test_the_checksum_is_that_of_values_whatever_the_order_of_their_bytes():
+    one = rao(np.arange(6.0).reshape(1, 3, 2))
+    turned = one.assign(rao=(one.rao.dims, one.rao.values.astype(">f8")))
+    assert checksum({ROOT: one}) == checksum({ROOT: turned})
+
+
+def test_what_a_library_says_in_several_lines_is_told_in_one(tmp_path, monkeypatch):
+    save(rao(np.ones((1, 3, 2))), tmp_path / "a.nc")
+
+    def fail(*_, **__):
+        raise ValueError("one\n  and another")
+
+    monkeypatch.setattr(xr, "open_groups", fail)
+    with pytest.raises(DatabaseError, match=r"a\.nc: cannot be read as netCDF \(one and another\); delete it and run"):
+        load(tmp_path / "a.nc")

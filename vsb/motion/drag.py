@@ -245,17 +245,19 @@ def best_pair(port: DraggedPort, squares: FloatArray, given: Load, efficiency: f
     if not port.port.moves:
         return given
     pair, softest = given, port.port.softest_spring
+    least = np.finfo(float).tiny  # whose logarithm is one, where nothing holds the port
     for _ in range(ROUNDS):
         drag = port.settled(squares, pair.damping, pair.stiffness)[0, 0]
         pair = best_pairs(port.beside(drag), squares, given, efficiency)
 
     def load(x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        return np.exp(x[:, 0]), softest + np.exp(np.maximum(x[:, 1], np.log(-MARGIN * softest)))
+        return np.exp(x[:, 0]), softest + np.exp(np.maximum(x[:, 1], np.log(max(-MARGIN * softest, least))))
 
     def power(x: FloatArray, _: object = None) -> FloatArray:
         return port.powers(squares, *load(x), efficiency)[:, 0]
 
-    starts = np.array([[np.log(p.damping[0]), np.log(p.stiffness[0] - softest)] for p in (pair, given)])
+    held = [(p.damping[0], max(p.stiffness[0] - softest, least)) for p in (pair, given)]
+    starts = np.log(held)
     x, found = climbed(power, starts, np.full(starts.shape, STEP / 4))
     best = int(np.argmax(found))
     damping, stiffness = load(x[[best]])
