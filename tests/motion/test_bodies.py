@@ -12,6 +12,7 @@ from vsb.hydro.bodies.body import FlexibleBody, at_centres
 from vsb.hydro.bodies.study import solve
 from vsb.hydro.database import open_database
 from vsb.hydro.formats.modes import DRY
+from vsb.hydro.passive import sizes
 from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.simulate import simulate
 from vsb.motion.bodies import LinearBody, Memory, body_scene, linear_body, together, with_added_mass_inf
@@ -493,15 +494,114 @@ def test_a_start_is_of_the_first_heave_there_is_or_of_the_first_motion(labels, d
     assert System.of(scene).heaving == pytest.approx((1.0 / body.mass.diagonal()[labels.index(started)]) ** 0.5)
 
 
-@pytest.mark.parametrize(("matrix", "rate"), [([[1.0, 0.0], [0.0, -2.0]], "0.4"), ([[1.0, 3.0], [3.0, 4.0]], "0.2")])
-def test_dampers_of_the_dry_body_give_no_energy(matrix, rate):
+@pytest.mark.parametrize(
+    ("matrix", "rate", "most"),
+    [
+        ([[1.0, 0.0], [0.0, -2.0]], "0.4", "Pitch"),
+        ([[-2.0, 0.0], [0.0, 1.0]], "0.5", "Heave"),
+        ([[1.0, 3.0], [3.0, 4.0]], "0.2", "Heave"),
+        ([[5.0, -4.0], [-4.0, 1.0]], "0.312", "Pitch"),
+        ([[5.0, 4.0], [4.0, 1.0]], "0.312", "Pitch"),
+    ],
+)
+def test_dampers_of_the_dry_body_give_no_energy(matrix, rate, most):
     """Nor do several together, each of which alone takes some; what is none by round-off is none."""
     bare = afloat(("Heave", "Pitch"), [4.0, 5.0], [9.0, 9.0])
 
     def damped(matrix):
         return linear_body(bare.database, mass=bare.mass, damping=np.asarray(matrix), stiffness=0 * bare.mass)
 
-    with pytest.raises(ConfigError, match=rf"damping: received a matrix that gives energy to \w+, by {rate}/s; needs"):
+    with pytest.raises(
+        ConfigError, match=rf"damping: received a matrix that gives energy to {most}, by {rate}/s; needs"
+    ):
         damped(matrix)
     assert damped(np.ones((2, 2))).structural_damping.any()
+    assert damped(np.array([[1.0, 1.0], [1.0, 1.0 - 1e-8]])).structural_damping.any()
     assert not damped(np.zeros((2, 2))).structural_damping.any()
+
+
+@pytest.mark.parametrize(
+    ("mass", "added", "without"),
+    [
+        ([[4.0, 0.0], [0.0, 0.0]], 0.0, "Pitch"),
+        ([[0.0, 0.0], [0.0, 5.0]], 0.0, "Heave"),
+        ([[-2.0, 0.0], [0.0, -5.0]], 1.0, "Heave, Pitch"),
+        ([[4.0, 5.0], [5.0, 5.0]], 0.0, "motions"),  # each has some, both together less than none
+        ([[4.0, -5.0], [-5.0, 5.0]], 0.0, "motions"),
+        ([[0.0, 0.0], [0.0, -1.0]], 1.0, "Pitch"),
+        ([[0.0, 0.0], [0.0, -1.0]], 2.0, None),  # the water's is enough
+    ],
+)
+def test_what_has_no_inertia_with_the_water_s_is_told_by_name(mass, added, without):
+    bare = afloat(("Heave", "Pitch"), [4.0, 5.0], [9.0, 9.0])
+    ds = bare.database.assign(added_mass_inf=bare.database.added_mass_inf + added * np.eye(2))
+    none = np.zeros((2, 2))
+    if without is None:
+        assert linear_body(ds, mass=np.array(mass), damping=none, stiffness=none).labels == ("Heave", "Pitch")
+        return
+    with pytest.raises(ConfigError, match=f"^mass: received {without} without inertia, the water's at infinite"):
+        linear_body(ds, mass=np.array(mass), damping=none, stiffness=none)
+
+
+@pytest.mark.parametrize(("damping", "stiffness"), [(1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (np.array([0.0, 2.0]), 0.0)])
+def test_a_take_off_that_does_something_needs_a_port(damping, stiffness):
+    bare = afloat(("Heave", "Pitch"), [4.0, 5.0], [9.0, 9.0])
+    with pytest.raises(
+        ConfigError, match=r"^pto: received no port, needs the motion it takes off; see `combination`\.$"
+    ):
+        replace(bare, pto=LinearPto(damping, stiffness))
+    assert replace(bare, pto=LinearPto(0.0, 0.0)).pto.port is None
+
+
+def test_what_falls_is_told_by_its_rate_with_the_water_s_inertia_and_what_holds_it_does():
+    """exp(s t) of (M + A) s^2 = -k; the take-off's spring, or a motion held, keeps it up."""
+    bare = afloat(("Heave", "Pitch"), [4.0, 5.0], [9.0, 9.0])
+    ds = bare.database.assign(added_mass_inf=bare.database.added_mass_inf + np.diag([1.0, 3.0]))
+    none = np.zeros((2, 2))
+
+    def falling(**spring):
+        return linear_body(ds, mass=bare.mass, damping=none, stiffness=np.diag([0.0, -41.0]), **spring)
+
+    with pytest.raises(
+        StabilityError, match=r"^the body does not rest: received a negative stiffness of Pitch, growing by 2/s;"
+    ):
+        body_scene(falling(), None, {})
+    up = falling(pto=LinearPto(0.0, 50.0, np.eye(2)[1]))
+    assert body_scene(up, None, {}).stiffness == pytest.approx(np.diag([9.0, 18.0]))
+    assert body_scene(falling(), None, {}, np.eye(2)[:, :1]).stiffness == pytest.approx(np.diag([9.0]))
+
+
+def test_a_stiffness_that_is_none_by_round_off_lets_drift_and_does_not_fall():
+    body = afloat(("Surge", "Heave"), [4.0, 4.0], [0.0, 9.0])
+    loose = body.drifting(np.array([[-1e-10, 0.0], [0.0, 9.0]]), np.eye(2))
+    assert loose == pytest.approx(np.array([[0.5], [0.0]]))
+    assert body.drifting(np.diag([1e-6, 9.0]), np.eye(2)).shape == (2, 0)
+    assert body.drifting(np.zeros((2, 2)), np.eye(2)).shape == (2, 2)
+
+
+def test_each_motion_s_radiation_is_measured_by_its_damping_and_its_inertia_with_the_water_s():
+    omega, pair = np.linspace(0.5, 4.0, 8), ("influenced_dof", "radiating_dof")
+    bare = afloat(("Heave", "Pitch"), [4.0, 5.0], [9.0, 9.0])
+    damping = omega[:, None, None] * np.diag([2.0, 0.0])
+    ds = bare.database.assign(
+        added_mass_inf=(pair, np.diag([1.0, 300.0])), radiation_damping=(("omega", *pair), damping),
+        added_mass=(("omega", *pair), np.broadcast_to(np.diag([1.0, 300.0]), (8, 2, 2))),
+    )  # fmt: skip
+    samples = linear_body(ds, mass=bare.mass, damping=0 * bare.mass, stiffness=0 * bare.mass).samples
+    np.testing.assert_array_equal(samples.size, sizes(omega, damping, np.array([5.0, 305.0])))
+    assert not np.allclose(samples.size, sizes(omega, damping, np.array([4.0, 5.0])), rtol=1e-12)
+
+
+def test_still_water_among_several_seas_is_none_and_no_seas_are_one_without_waves():
+    sea = Sea(np.array([1.0, 2.0]), np.array([0.3, 0.1j]))
+    assert together({}).omega.size == together({}).amplitude.size == 0
+    both = together({0.0: NO_WAVES, 1.0: sea, 2.0: Sea(np.array([1.5]), np.array([0.2 + 0j]))})
+    assert both.omega.tolist() == [1.0, 2.0, 1.5]
+    assert both.amplitude.tolist() == [0.3, 0.1j, 0.2]
+    body = afloat(("Heave",), [2.0], [3.0], directions=(0.0, 1.0, 2.0))
+    assert body.coefficients(np.zeros(0)).excitation.shape == (0, 1)
+    pushed = body_scene(
+        body, None, {0.0: NO_WAVES, 1.0: sea, 2.0: Sea(np.array([1.5]), np.array([0.2 + 0j]))}
+    ).excitation
+    assert pushed.omega.tolist() == [1.0, 2.0, 1.5]
+    assert pushed.phasors[:, 0] == pytest.approx([0.6, 0.2j, 0.6])
