@@ -332,11 +332,11 @@ def test_a_body_that_makes_no_waves_rings_on(database):
 
 
 def test_added_mass_at_infinity_is_the_median_of_what_each_frequency_says():
-    """K(s) = s/(s^2 + s + 1): B = Re K(i omega) and A = A(inf) + Im K(i omega)/omega; one wrong frequency does nothing."""
+    """K(s) = s/(s^2 + s + 1): B = Re K(i omega) and A = A(inf) + Im K(i omega)/omega; a few wrong ones do nothing."""
     omega = np.linspace(0.05, 20.0, 201)
     memory = 1j * omega / (1 - omega**2 + 1j * omega)
     added = 7.0 + memory.imag / omega
-    added[60] += 1e4
+    added[[0, 60, -1]] += 1e4
     pair = ("influenced_dof", "radiating_dof")
     data = {"added_mass": added, "radiation_damping": memory.real}
     ds = xr.Dataset({name: (("omega", *pair), value[:, None, None]) for name, value in data.items()}, {"omega": omega})
@@ -605,3 +605,22 @@ def test_still_water_among_several_seas_is_none_and_no_seas_are_one_without_wave
     ).excitation
     assert pushed.omega.tolist() == [1.0, 2.0, 1.5]
     assert pushed.phasors[:, 0] == pytest.approx([0.6, 0.2j, 0.6])
+
+
+@pytest.mark.parametrize(
+    ("motions", "started"),
+    [
+        (-np.eye(3), "Heave"),
+        (np.array([[1.0, 0.0], [0.0, -1.0], [0.0, 0.0]]), "Heave"),
+        (np.array([[1.0, 0.0], [1e-17, 1e-16], [0.0, 1.0]]), "Surge"),  # heave is held but for round-off
+        (np.array([[-1.0, 0.0], [0.0, 0.0], [0.0, 1.0]]), "Surge"),
+        (np.array([[-1e-14], [0.0], [-0.8]]), "Pitch"),
+    ],
+)
+def test_a_start_is_one_metre_up_whatever_the_sign_of_the_motions_allowed(motions, started):
+    labels = ("Surge", "Heave", "Pitch")
+    body = afloat(labels, [4.0, 5.0, 6.0], [1.0, 1.0, 1.0])
+    scene = body_scene(body, None, {}, motions)
+    position, velocity = (scene.motions @ y for y in scene.start(0.3, -0.6))
+    assert position == pytest.approx(0.3 * np.array([label == started for label in labels]), abs=1e-12)
+    assert velocity == pytest.approx(-2 * position)

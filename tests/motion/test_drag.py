@@ -237,7 +237,7 @@ def test_a_port_that_no_wave_moves_has_no_part_in_what_is_dragged():
         },
         {"omega": omega, "wave_direction": [0.0]} | {dim: ["Heave", "Membrane0"] for dim in pair},
     )  # fmt: skip
-    buoy, b = LinearBuoy(ds, np.zeros((2, 2)), LinearPto(0.0)), np.array([0.0, 1.0])
+    buoy, b = LinearBuoy(ds, np.zeros((2, 2)), LinearPto(0.0)), np.array([1e-14, 1.0])
     found = DraggedPort.of(buoy, np.ones(1), np.eye(2)[:, :1], b, np.eye(2)[:1], np.zeros((1, 1)) + 0j, np.ones(1))
     assert not found.port.moves
     assert not found.across.any()

@@ -213,3 +213,47 @@ def test_a_job_waits_until_another_has_written_its_stamps(place):
     late.join()
     names = {os.path.basename(path) for path in read_manifest(place / "manifest.json")}
     assert names == {"late.csv", "power.svg", "table.csv"}
+
+
+def test_a_manifest_is_begun_with_its_folder(tmp_path):
+    write_text(tmp_path / "a.csv", "x\n")
+    record(tmp_path / "new" / "study" / "manifest.json", ID, [])
+    assert read_manifest(tmp_path / "new" / "study" / "manifest.json") == {}
+    record(tmp_path / "other" / "manifest.json", ID, [tmp_path / "a.csv"])
+    assert list(read_manifest(tmp_path / "other" / "manifest.json")) == [str(tmp_path / "a.csv")]
+
+
+def test_a_manifest_names_no_file_from_the_root_on(place):
+    """Not even one of its own folder: it would be of the place the results once stood at."""
+    (place / "manifest.json").write_text(entry(str(place / "table.csv")))
+    with pytest.raises(DatabaseError, match=r"cannot be read as a manifest \('/.*delete it"):
+        read_manifest(place / "manifest.json")
+
+
+def test_what_stands_where_a_product_should_is_seen(place):
+    """As a dangling name is none, a table whose name holds that of a netCDF file is a text."""
+    table = place / "run.nc.csv"
+    write_text(table, "x\n")
+    record(place / "manifest.json", ID, [table])
+    stamps = read_manifest(place / "manifest.json")
+    assert faults({str(table): ID, str(place / "none.csv"): ID}, stamps) == []
+    (fault,) = faults({str(table): OTHER}, stamps)
+    assert fault == (str(table), "stale", f"is of {ID!r}, needs {OTHER!r}")
+
+
+def test_faults_are_told_of_all_files_each_by_its_own_id(place):
+    other = place / "other.nc"
+    foreign(other)
+    files = {str(place / "run.nc"): OTHER, str(other): OTHER, str(place / "table.csv"): OTHER}
+    told = faults(files, read_manifest(place / "manifest.json"))
+    assert [(os.path.basename(f.path), f.kind, f.reason) for f in told] == [
+        (name, "stale", f"is of {ID!r}, needs {OTHER!r}") for name in ("run.nc", "table.csv")
+    ]
+
+
+def test_a_stamped_file_keeps_both_its_times(place):
+    undone(place / "run.nc")
+    os.utime(place / "run.nc", ns=(10**18, 2 * 10**18))
+    stamp_file(place / "run.nc")
+    assert os.stat(place / "run.nc").st_mtime_ns == 2 * 10**18
+    assert load(place / "run.nc").attrs["checksum"]

@@ -26,6 +26,9 @@ def test_powers_that_are_compared_have_one_unit():
     assert power(3.2e7) == "32 MW"
     assert watts([18720.0, 380.0]) == (["18.72", "0.38"], "kW")
     assert power(0.0) == "0 W"
+    assert watts([380.0, 18720.0, -5.0]) == (["0.38", "18.72", "-0.005"], "kW")
+    assert watts([380.0, -18720.0]) == (["0.38", "-18.72"], "kW")
+    assert (power(1e4), power(9999999.0), power(1e7)) == ("10 kW", "10000 kW", "10 MW")
 
 
 @pytest.mark.parametrize(("name", "called"), [("FSB", "the rigid FSB"), ("rigid", "the rigid one")])
@@ -49,8 +52,12 @@ def test_a_gain_that_prints_as_none_is_none():
 
 
 @pytest.mark.parametrize(
-    ("value", "text"), [(0.0, "0"), (1000.0, "1000"), (66.44, "66.4"), (1e-6, "1e-06"), (3e7, "3e+07")]
-)
+    ("value", "text"),
+    [
+        (0.0, "0"), (1000.0, "1000"), (66.44, "66.4"), (1e-6, "1e-06"), (3e7, "3e+07"), (-1000.0, "-1000"),
+        (-234567.0, "-235000"), (999999.0, "1000000"), (1e6, "1e+06"), (-1e6, "-1e+06"), (-1e-6, "-1e-06"),
+    ],
+)  # fmt: skip
 def test_a_number_of_a_ledger_has_an_exponent_where_it_is_tiny_or_huge(value, text):
     assert short(value) == text
 
@@ -61,6 +68,12 @@ def test_a_number_of_a_ledger_has_an_exponent_where_it_is_tiny_or_huge(value, te
         (1e8, "Pa", "100 MPa"),
         (2.1e11, "Pa", "210 GPa"),
         (0.0, "Pa", "0 Pa"),
+        (1e9, "Pa", "1 GPa"),
+        (1e6, "Pa", "1 MPa"),
+        (999999.0, "Pa", "999999 Pa"),
+        (-30e3, "Pa", "-30000 Pa"),
+        (-2e6, "Pa", "-2 MPa"),
+        (3, "Pa", "3"),
         (4.0, "1", "4"),
         (4e3, "N", "4000 N"),
         ("full", "1", "full"),
