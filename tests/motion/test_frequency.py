@@ -6,7 +6,15 @@ import xarray as xr
 from conftest import varied
 
 from vsb.errors import DatabaseError, StabilityError
-from vsb.motion.frequency import LinearBuoy, compliance, frequency_grid
+from vsb.motion.frequency import (
+    LinearBuoy,
+    allowed_part,
+    compliance,
+    frequency_grid,
+    gas_compliance,
+    port_of_motion,
+    with_open_chamber,
+)
 from vsb.motion.pto import LinearPto
 from vsb.scenes.rest import design_motions, study_basis
 from vsb.waves.dispersion import power_limit
@@ -241,3 +249,156 @@ def test_power_taken_through_a_chamber_is_that_of_the_port_behind_it(stiffness, 
     buoy, at, free = LinearBuoy(ds, np.diag([0.0, 5.0]), pto, chamber), np.array([0.7, 1.3, 2.6]), np.eye(2)
     taken = buoy.absorbed_power(at, buoy.rao(at, free))
     assert taken == pytest.approx(buoy.port(at, free, pto.direction(2)).power(250.0, stiffness), rel=1e-9)
+
+
+NO_PTO = LinearPto(0.0)
+
+
+def lone(stiffness, pto=NO_PTO, chamber=0.0, losses=0.0, **more):
+    """Heave of 800 kg that makes no waves, on a spring."""
+    omega, pair = np.linspace(0.1, 12.0, 60), ("influenced_dof", "radiating_dof")
+    ds = xr.Dataset(
+        {
+            "inertia_matrix": (pair, [[500.0]]), "added_mass_inf": (pair, [[300.0]]),
+            "hydrostatic_stiffness": (pair, [[stiffness]]), "radiation_damping": (("omega", *pair), np.zeros((60, 1, 1))),
+        }
+        | {f"{name}_stiffness": (pair, [[value]]) for name, value in more.items()},
+        {"omega": omega} | {dim: ["Heave"] for dim in pair},
+    )  # fmt: skip
+    return LinearBuoy(ds, np.array([[losses]]), pto, chamber)
+
+
+@pytest.mark.parametrize(("damper", "spring"), [(250.0, 0.0), (250.0, 300.0), (250.0, -400.0), (0.0, 300.0)])
+@pytest.mark.parametrize("chamber", [0.0, 1e-3])
+def test_a_mode_is_held_and_damped_by_its_take_off_as_that_feels_at_its_own_frequency(damper, spring, chamber):
+    """w^2 (M + A) = K + k(w), c(w)/(2 w (M + A)): of a chamber those at w, neither at rest nor without it."""
+    pto = LinearPto(damper, spring)
+    (frequency,), (ratio,) = lone(3000.0, pto, chamber, losses=20.0).natural_modes(np.eye(1))
+    felt = pto.behind(chamber, np.array(frequency)) if chamber else pto
+    assert frequency**2 * 800.0 == pytest.approx(3000.0 + felt.stiffness, rel=1e-9)
+    assert ratio == pytest.approx((20.0 + felt.damping) / (2 * frequency * 800.0), rel=1e-9)
+
+
+def test_a_spring_of_the_take_off_holds_what_nothing_else_does():
+    (frequency,), (ratio,) = lone(0.0, LinearPto(80.0, 3200.0)).natural_modes(np.eye(1))
+    assert (frequency, ratio) == pytest.approx((2.0, 80.0 / (2 * 2.0 * 800.0)), rel=1e-9)
+    with pytest.raises(StabilityError, match=r"gives way at rest: received a stiffness of -100 N/m, needs more than 0"):
+        lone(3000.0, LinearPto(0.0, -3100.0)).natural_modes(np.eye(1))
+    coupled = LinearBuoy.drifting(lone(0.0), np.array([[4.001, 4.0], [4.0, 4.0]]), np.eye(2))
+    assert coupled.shape == (2, 0)
+    with pytest.raises(StabilityError, match=r"received a stiffness of 0 N/m"):
+        LinearBuoy.drifting(lone(0.0), np.array([[1.0, 0.0, 1.0], [0.0, 0.0, 0.0], [1.0, 0.0, 1.0]]), np.eye(3))
+
+
+def test_a_mode_as_slow_as_an_hour_s_is_found():
+    (frequency,), _ = lone(0.01).natural_modes(np.eye(1))
+    assert frequency == pytest.approx(np.sqrt(0.01 / 800.0), rel=1e-6)
+    (fast,), _ = lone(3e12).natural_modes(np.eye(1))
+    assert fast == pytest.approx(np.sqrt(3e12 / 800.0), rel=1e-9)
+
+
+def test_stiffness_is_that_of_shell_water_prestress_gas_and_mooring():
+    parts = {"structural": 1.0, "prestress": -2.0, "gas": 4.0, "mooring": 8.0}
+    buoy = lone(16.0, LinearPto(3.0, 32.0), **parts)
+    assert buoy.stiffness.item() == 27.0  # of them all
+    assert {name: value.item() for name, value in buoy.stiffness_parts.items()} == parts | {"hydrostatic": 16.0}
+    assert buoy.held.item() == 59.0
+    assert buoy.damping.item() == 3.0
+    assert lone(16.0, losses=5.0).damping.item() == 5.0
+
+
+def test_an_opened_chamber_has_the_gas_between_shell_and_take_off_alone():
+    """K = b b^T/C once and no more; what has no gas stays as it is."""
+    pair, b = ("influenced_dof", "radiating_dof"), np.array([3.0, -4.0])
+    ds = xr.Dataset(
+        {"gas_stiffness": (pair, np.outer(b, b) / 0.2), "hydrostatic_stiffness": (pair, np.diag([5.0, 6.0]))},
+        {dim: ["Heave", "Membrane0"] for dim in pair},
+    )
+    closed = LinearBuoy(ds, np.zeros((2, 2)), LinearPto(2.0))
+    opened = with_open_chamber(closed, b)
+    assert opened.chamber == pytest.approx(0.2, rel=1e-14)
+    assert gas_compliance(np.outer(b, b) / 0.2, b) == pytest.approx(0.2, rel=1e-14)
+    np.testing.assert_array_equal(opened.stiffness, np.diag([5.0, 6.0]))
+    bare = LinearBuoy(ds.drop_vars("gas_stiffness"), np.zeros((2, 2)), LinearPto(2.0))
+    assert with_open_chamber(bare, b) is bare
+
+
+@pytest.mark.parametrize("share", [1e-11, -1e-11, 1e-13, -1e-13, 0.0])
+def test_a_port_s_part_in_a_motion_is_none_only_where_it_is_round_off(share):
+    part = allowed_part(np.array([3.0, -4.0, 0.0]), np.array([[0.6, 0.8], [-0.8, 0.6], [0.0, 0.0]]).T[[0, 1]].T)
+    assert part == pytest.approx([5.0, 0.0], abs=1e-14)
+    assert part[1] == 0.0
+    found = allowed_part(np.array([1.0, share]), np.eye(2))
+    assert found.tolist() == [1.0, share if abs(share) > 1e-12 else 0.0]
+
+
+def test_a_port_yields_and_loses_by_its_part_in_the_motions_allowed():
+    """Of round-off along what drifts it is still held, and moves not at all where all of it is round-off."""
+    omega, one = np.array([0.5, 2.0]), np.eye(2)
+    stiffness, lossy = np.diag([4.0, 0.0]), np.broadcast_to(np.diag([3.0, 1.0]), (2, 2, 2))
+    dynamic = stiffness - 1j * omega[:, None, None] * lossy - omega[:, None, None] ** 2 * one
+    b = np.array([2.0, 1e-13])
+    free, forced = (
+        np.linalg.solve(dynamic, np.tile(x, (2, 1))[..., None])[..., 0] for x in (one[0] + one[1], [2.0, 0.0])
+    )
+    port = port_of_motion(omega, free, forced, lossy, stiffness, one, b)
+    assert port.compliance == pytest.approx(1.0, rel=1e-12)
+    z = (3.0 + 1j * (4.0 / omega - omega)) / 4.0
+    assert port.admittance == pytest.approx(1 / z, rel=1e-12)
+    assert port.velocity == pytest.approx(0.5 / z, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("step", "lowest", "highest", "first", "last"),
+    [(0.1, 0.1, 0.3, 0.1, 0.3), (0.1, 0.11, 0.29, 0.12, 0.28), (0.25, 0.3, 1.0, 0.3, 1.0), (0.3, 0.1, 0.7, 0.12, 0.66)],
+)
+def test_a_grid_of_fifths_stays_between_its_ends(step, lowest, highest, first, last):
+    grid = frequency_grid(step, lowest, highest, [0.2000001, 0.15])
+    own = np.array([w for w in grid if w not in (0.2000001, 0.15)])
+    assert {0.2000001, 0.15} <= set(grid)
+    assert (own[0], own[-1]) == pytest.approx((first, last), abs=1e-9)
+    assert np.diff(own)[-1] == pytest.approx(step / 5, abs=1e-9)
+
+
+def test_what_is_asked_for_beyond_the_band_is_told_with_the_longest_period():
+    omega, pair = np.linspace(0.5, 3.0, 8), ("influenced_dof", "radiating_dof")
+    ds = xr.Dataset(
+        {
+            "added_mass": (("omega", *pair), np.ones((8, 1, 1))),
+            "radiation_damping": (("omega", *pair), omega[:, None, None] ** 3),
+            "excitation_force": (("omega", "wave_direction", pair[0]), omega[:, None, None] + 0j),
+        },
+        {"omega": omega, "wave_direction": [0.0]} | {dim: ["Heave"] for dim in pair},
+    )
+    buoy = LinearBuoy(ds, np.zeros((1, 1)), LinearPto(0.0))
+    assert buoy.coefficients(np.zeros(0)).damping.shape == (0, 1, 1)
+    assert buoy.coefficients(np.array([0.5 - 5e-10, 3.0 + 5e-10])).damping.shape == (2, 1, 1)
+    for beyond, told in (([0.499, 1.0], "0.499 to 1"), ([1.0, 3.001], "1 to 3.001"), ([0.5 - 2e-9, 1.0], "0.5 to 1")):
+        words = f"^frequencies {told} rad/s are asked for, the database holds 0.5 to 3 rad/s; raise hydro.omega_max, or use waves below 12.57 s.$"
+        with pytest.raises(DatabaseError, match=words):
+            buoy.coefficients(np.array(beyond))
+
+
+def test_a_port_s_free_motion_knows_nothing_of_the_take_off():
+    """Neither of its damper nor of its spring: what it does is told by what it sees."""
+    omega, pair, at = np.linspace(0.5, 3.0, 12), ("influenced_dof", "radiating_dof"), np.array([0.7, 1.3])
+    ds = xr.Dataset(
+        {
+            "inertia_matrix": (pair, np.diag([500.0, 30.0])), "hydrostatic_stiffness": (pair, np.diag([900.0, 200.0])),
+            "added_mass": (("omega", *pair), np.full((12, 2, 2), 20.0)),
+            "radiation_damping": (("omega", *pair), 1e-3 * omega[:, None, None] ** 3 * np.ones((2, 2))),
+            "excitation_force": (("omega", "wave_direction", pair[0]), np.ones((12, 1, 2)) + 0j),
+        },
+        {"omega": omega, "wave_direction": [0.0]} | {dim: ["Heave", "Membrane0"] for dim in pair},
+    )  # fmt: skip
+    b, lossy = np.array([1.0, 0.4]), np.diag([0.0, 5.0])
+    bare = LinearBuoy(ds, lossy, LinearPto(0.0))
+    loaded = replace(bare, pto=LinearPto(250.0, 300.0, b))
+    free, forced = loaded.free_motion(at, np.eye(2), b)
+    np.testing.assert_array_equal((free, forced), bare.free_motion(at, np.eye(2), b))
+    np.testing.assert_allclose(free, bare.rao(at, np.eye(2)), rtol=1e-12)
+    port = loaded.port(at, np.eye(2), b)
+    np.testing.assert_allclose(port.admittance, -1j * at * (forced @ b), rtol=1e-9)
+    np.testing.assert_allclose(port.velocity, -1j * at * (free @ b), rtol=1e-12)
+    moved = free - (port.load(250.0, 300.0) * port.velocity_under(port.load(250.0, 300.0)))[:, None] * forced
+    np.testing.assert_allclose(loaded.rao(at, np.eye(2)), moved, rtol=1e-9)

@@ -14,6 +14,7 @@ from vsb.motion.forces import (
     SpringDamper,
 )
 from vsb.motion.scene import Scene
+from vsb.motion.take_off import EndStop, TakeOff
 
 STIFFNESS, MORE, DAMPING = np.diag([3.0, 5.0]), np.array([[1.0, 0.5], [0.5, 2.0]]), np.array([[2.0, 0.0], [0.0, 1.0]])
 
@@ -92,3 +93,66 @@ def test_radiation_is_what_remembers_but_for_the_take_off():
     for one in (both, alone):
         np.testing.assert_array_equal(one.radiation.state_matrix, memory.state_matrix)
     assert dry.radiation is None
+
+
+def remembering(rate, order):
+    """A memory of some states."""
+    return RadiationModel(-rate * np.eye(order), np.ones((order, 2)) * rate, np.sqrt(2 * rate) * np.eye(order))
+
+
+def test_states_are_of_the_memories_in_their_order_whatever_their_numbers():
+    forces = {
+        "radiation": RadiationMemory(remembering(0.5, 3)), "elastic": Spring(MORE),
+        "pto": RelaxingDamper(MORE, np.array([1.0, 0.5]), 4.0, 0.1), "other": RadiationMemory(remembering(2.0, 2)),
+    }  # fmt: skip
+    one = Scene(("Heave", "Membrane0"), np.eye(2), forces, np.eye(2))
+    assert one.remembered == {"radiation": slice(0, 3), "pto": slice(3, 4), "other": slice(4, 6)}
+    np.testing.assert_allclose(np.diag(one.memory.state_matrix), [-0.5] * 3 + [-2.5] + [-2.0] * 2)
+    assert one.radiation.order == 5
+    np.testing.assert_allclose(np.diag(one.radiation.state_matrix), [-0.5] * 3 + [-2.0] * 2)
+    other = Scene(("Heave", "Membrane0"), np.eye(2), forces, np.eye(2), take_off="other")
+    np.testing.assert_allclose(np.diag(other.radiation.state_matrix), [-0.5] * 3 + [-2.5])
+    np.testing.assert_allclose(one.stiffness, 2 * MORE)  # a spring that remembers is one
+    assert one.named(np.zeros(1), np.ones((1, 2)), np.ones((1, 2))).keys() == {"elastic"}
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_take_off_and_an_end_stop_are_known_apart_in_either_order(turned):
+    b = np.array([1.0, 0.5])
+    law, stop = TakeOff(b, 4.0, 10.0, 5.0), EndStop(b, 0.7, 100.0, 30.0)
+    pair = [("pto", law), ("end_stop", stop)]
+    one = Scene(("Heave", "Membrane0"), np.eye(2), dict(pair[::-1] if turned else pair), np.eye(2))
+    assert (one.law, one.stop) == (law, stop)
+    assert list(one.laws) == (["end_stop", "pto"] if turned else ["pto", "end_stop"])
+    for name, found in (("pto", (law, None)), ("end_stop", (None, stop))):
+        alone = Scene(
+            ("Heave", "Membrane0"), np.eye(2), {"hydrostatic": Spring(MORE), name: dict(pair)[name]}, np.eye(2)
+        )
+        assert (alone.law, alone.stop) == found
+        assert list(alone.laws) == [name]
+
+
+def test_a_start_moves_in_heave_by_both_its_parts():
+    """Where heave is not the first motion, or comes with others."""
+    one = scene(np.array([[0.6, 0.8], [-0.8, 0.6]]), origin=np.array([0.1, 0.2]), heave=np.array([0.6, 0.8]))
+    y, rate = one.start(0.5, -2.0)
+    assert y == pytest.approx([0.1 + 0.3, 0.2 + 0.4])
+    assert rate == pytest.approx([-1.2, -1.6])
+    np.testing.assert_array_equal(one.raised(0.5).heave, one.heave)
+    np.testing.assert_array_equal(one.raised(0.5).origin, one.origin)
+
+
+def test_every_constant_force_counts_below_zero_too():
+    more = {
+        "preload": ConstantForce(np.array([-20.0, 3.0])),
+        "spring": SpringDamper(MORE, DAMPING, np.array([-1.0, 0.0])),
+    }
+    one = Scene(("Heave", "Membrane0"), np.eye(2), {**scene().forces, **more}, np.eye(2))
+    np.testing.assert_allclose(one.constant, [7.0 - 20.0 - 1.0, -1.0 + 3.0 - 0.5])
+
+
+def test_a_take_off_that_is_not_there_takes_nothing_and_all_others_lose():
+    v = np.array([[1.0, -2.0]])
+    taken, lost = scene(take_off="turbine").lost(v)
+    np.testing.assert_allclose(taken, [0.0])
+    np.testing.assert_allclose(lost, [0.1 * (2.0 + 4.0) + 4.0])

@@ -10,10 +10,19 @@ from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.convolution import convolve
 from vsb.integrators.exact import propagate
 from vsb.integrators.exponential import ExponentialIntegrator
-from vsb.motion.forces import ConstantForce, Damper, Excitation, RadiationMemory, Spring
+from vsb.motion.forces import (
+    ConstantForce,
+    Damper,
+    Excitation,
+    QuadraticDrag,
+    RadiationMemory,
+    RelaxingDamper,
+    Spring,
+    SpringDamper,
+)
 from vsb.motion.froude_krylov import incident
 from vsb.motion.scene import Scene
-from vsb.motion.system import System, remainder
+from vsb.motion.system import EndStop, System, TakeOff, remainder
 from vsb.motion.udwadia_kalaba import constrained
 from vsb.scenes.build import assumed_pressure_design
 from vsb.study.study import load
@@ -205,3 +214,119 @@ def test_linear_waves_unlike_those_on_the_shell_are_refused(wet):
     sea = incident(Sea(OMEGA, np.ones(2, dtype=complex)), np.inf, 9.81, 2.0)
     same = replace(lone, forces={**lone.forces, "water": replace(wet.water, assumed=None, waves=sea)})
     assert ExponentialIntegrator(System.of(same), 0.1).remainder.diffraction.shape == (2, wet.motions.shape[1])
+
+
+ALONG = np.array([0.5, -1.0, 2.0])
+
+
+@pytest.fixture(scope="module")
+def mixed(linear):
+    """The three masses with a take-off behind a chamber, a slack spring, drag and a weight beside."""
+    return replace(
+        linear,
+        forces={
+            "radiation": linear.forces["radiation"], "hydrostatic": linear.forces["hydrostatic"],
+            "pto": RelaxingDamper(2.0 * np.outer(ALONG, ALONG), ALONG, 4.0, 0.1),
+            "mooring": SpringDamper(np.diag([1.0, 2.0, 3.0]), np.diag([0.3, 0.2, 0.1]), np.array([0.4, -0.5, 0.6])),
+            "drag": QuadraticDrag(np.eye(3)[:2], np.array([3.0, 7.0]), OMEGA, np.ones((2, 2)) + 0.5j),
+            "weight": ConstantForce(np.array([7.0, -1.0, 2.0])),
+            "excitation": linear.forces["excitation"],
+        },
+    )  # fmt: skip
+
+
+def test_a_scene_of_all_kinds_of_forces_is_the_equation_of_motion(mixed):
+    """Two memories, each with its own states, a spring and a damper slack elsewhere: forwards and back."""
+    system = System.of(mixed)
+    time, z = moving(system)
+    motion = system.motion(time, z, system.forcing(time, z), 0.0)
+    named = system.forces(motion)
+    total = sum(named.values()) @ mixed.motions
+    inertia = motion.acceleration @ (mixed.motions.T @ mixed.mass @ mixed.motions)
+    assert inertia == pytest.approx(total, abs=1e-11 * np.abs(total).max())
+    q = motion.position @ mixed.motions.T
+    chamber = motion.memory[:, 2:] @ mixed.forces["pto"].model.input_matrix
+    assert named["pto"] == pytest.approx(-2.0 * np.outer(q @ ALONG, ALONG) - chamber, abs=1e-12)
+    water = motion.memory[:, :2] @ mixed.forces["radiation"].model.input_matrix
+    assert named["radiation"] == pytest.approx(-water, abs=1e-12)
+    driven = system.driving(motion, named)
+    assert driven == pytest.approx(system.forcing(time, z), abs=1e-11 * np.abs(driven).max())
+    rows = slice(1, 3)
+    assert system.added_during(time)(z[rows], rows) == pytest.approx(system.added(time, z)[rows], abs=1e-12)
+
+
+def test_losses_of_a_scene_of_two_memories_go_to_whom_each_belongs(mixed):
+    system = System.of(mixed)
+    n, z = system.free, np.random.default_rng(3).normal(size=len(system.matrix))
+    taken, lost, radiated = (z @ form @ z for form in system.losses())
+    x = z[2 * n :]
+    assert radiated == pytest.approx(x[:2] @ mixed.forces["radiation"].model.radiated @ x[:2])
+    assert taken == pytest.approx(x[2] ** 2 / (4.0 * 0.1))
+    v = z[n : 2 * n] @ system.shapes.T
+    assert lost == pytest.approx(v @ mixed.forces["mooring"].damping @ v)
+
+
+def test_what_forces_store_beyond_their_tangents_is_that_of_smooth_nonlinear_ones(mixed):
+    """A slack spring K (q - q0)^2/2 less K q^2/2, a weight -f.q; neither linear springs nor laws that switch."""
+    laws = {"law": TakeOff(ALONG, 4.0, 10.0, 5.0), "end_stop": EndStop(ALONG, 0.01, 100.0, 30.0)}
+    position = np.random.default_rng(4).normal(size=(3, 2))
+    q, slack = position @ mixed.motions.T, np.array([0.4, -0.5, 0.6])
+    k = np.diag([1.0, 2.0, 3.0])
+    expected = 0.5 * slack @ k @ slack - q @ k @ slack - q @ np.array([7.0, -1.0, 2.0])
+    for more in ({}, laws):
+        system = System.of(replace(mixed, forces={**mixed.forces, **more}))
+        assert system.beyond_tangents(position) == pytest.approx(expected)
+    assert (
+        not System.of(replace(mixed, forces={"hydrostatic": mixed.forces["hydrostatic"]}))
+        .beyond_tangents(position)
+        .any()
+    )
+
+
+def test_a_system_knows_what_switches_pauses_jumps_and_is_foreign(mixed, wet):
+    """Of each law, of an end stop alone, and of none."""
+    stop = EndStop(ALONG, 0.7, 100.0, 30.0)
+    laws = {
+        "none": (None, (False, False, False)),
+        "smooth": (TakeOff(ALONG, 4.0), (True, False, False)),
+        "friction": (TakeOff(ALONG, np.inf, limit=5.0), (True, False, True)),
+        "latched": (TakeOff(ALONG, 4.0, pause=0.3), (True, True, False)),
+    }
+    for law, expected in laws.values():
+        system = System.of(replace(mixed, forces={**mixed.forces, **({"law": law} if law else {})}))
+        assert (system.switching, system.pauses, system.jumps) == expected
+    stopped = System.of(replace(mixed, forces={**mixed.forces, "end_stop": stop}))
+    assert (stopped.switching, stopped.pauses, stopped.jumps) == (True, False, False)
+    assert stopped.foreign == ["mooring", "drag", "end_stop"]
+    with pytest.raises(ValueError, match=r"^received a take-off that switches, needs smooth forces; use `switched`\.$"):
+        stopped.check_compiled()
+    with pytest.raises(ValueError, match=r"^received the force mooring, drag, which compiled steps do not know; use"):
+        System.of(mixed).check_compiled()
+    System.of(mixed).check_smooth()
+    System.of(wet).check_compiled()
+    assert System.of(wet).foreign == []
+
+
+def test_a_start_of_water_that_is_not_at_rest_has_its_states(mixed):
+    system, rng = System.of(mixed), np.random.default_rng(6)
+    y, rate, memory = rng.normal(size=2), rng.normal(size=2), rng.normal(size=3)
+    z = system.first((y, rate, memory))
+    assert z[4:].tolist() == memory.tolist()
+    assert system.position @ z[:2] == pytest.approx(y)
+    assert system.modes @ z[2:4] == pytest.approx(rate)
+    assert system.first((y, rate))[4:].tolist() == [0.0] * 3
+
+
+def test_a_motion_that_falls_has_a_matrix_that_lets_it_grow_and_heave_that_falls_no_frequency():
+    """p'' = 9 p of one mode, -25 p of the other: whatever its sign a square has a scale."""
+    scene = Scene(("Heave", "Radial2"), np.eye(2), {"hydrostatic": Spring(np.diag([-9.0, 25.0]))}, np.eye(2))
+    system = System.of(scene)
+    assert system.scale == pytest.approx([3.0, 5.0])
+    assert np.sort(np.linalg.eigvals(system.matrix).real) == pytest.approx([-3.0, 0.0, 0.0, 3.0], abs=1e-12)
+    assert system.heaving == 1.0
+
+
+def test_a_frequency_of_several_forces_is_one(mixed):
+    twice = {**mixed.forces, "diffraction": Excitation(np.array([2.1, 0.4]), np.ones((2, 3)) + 0j)}
+    assert System.of(replace(mixed, forces=twice)).frequencies.tolist() == [0.4, 1.3, 2.1]
+    assert System.of(replace(mixed, forces={"hydrostatic": mixed.forces["hydrostatic"]})).frequencies.size == 0
