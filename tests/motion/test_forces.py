@@ -1,5 +1,7 @@
 """What every force says of itself agrees: value, tangent, stored energy, loss."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -147,3 +149,56 @@ def test_drag_goes_with_the_square_of_the_velocity_past_the_water_of_its_share_o
 def test_a_spring_slack_elsewhere_is_not_all_linear(rest):
     force = SpringDamper(ROOT @ ROOT.T, np.eye(DOF), rest * np.ones(DOF))
     assert force.linear().whole is (rest == 0.0)
+
+
+@pytest.mark.parametrize("name", ["still", "assumed", "waves"])
+def test_water_presses_on_the_shape_its_reference_has_moved_to(water, name):
+    """About amplitudes r the motion q is that of r + q about none: force, parts and energy."""
+    q, v = motion()
+    rest = 0.01 * np.array([3.0, -1.0, 2.0, 1.0, -2.0])
+    plain, moved = water[name], replace(water[name], rest=rest)
+    np.testing.assert_allclose(moved.force(TIME, q, v), plain.force(TIME, rest + q, v), rtol=1e-12)
+    np.testing.assert_allclose(moved.stored(q), plain.stored(rest + q), rtol=1e-12)
+    named, expected = moved.named("water", TIME, q, v), plain.named("water", TIME, rest + q, v)
+    assert named.keys() == expected.keys() == {
+        "still": {"hydrostatic"}, "assumed": {"hydrostatic", "excitation"}, "waves": {"hydrostatic", "froude_krylov"},
+    }[name]  # fmt: skip
+    for part, values in expected.items():
+        np.testing.assert_allclose(named[part], values, rtol=1e-9, atol=1e-9 * np.abs(values).max(), err_msg=part)
+    assert moved.raised(0.0).named("water", TIME, q, v).keys() <= {"hydrostatic", "froude_krylov"}
+
+
+def test_a_force_at_some_instants_is_that_of_those_instants():
+    wave = Excitation(SWELL.omega, np.arange(1.0, 11.0).reshape(2, 5) + 1j)
+    q, v = motion()
+    whole = wave.force(TIME, q, v)
+    assert wave.during(TIME)(q[2:6], v[2:6], slice(2, 6)) == pytest.approx(whole[2:6], rel=1e-12)
+    assert wave.during(TIME)(q, v) == pytest.approx(whole, rel=1e-12)
+
+
+def test_matrices_that_are_not_symmetric_push_by_their_rows():
+    """f = -K q - D v: what a motion does to another is not what that does to it."""
+    matrix, (q, v) = np.arange(25.0).reshape(5, 5), motion()
+    assert Spring(matrix).force(TIME, q, v) == pytest.approx(np.array([-matrix @ each for each in q]))
+    assert Damper(matrix).force(TIME, q, v) == pytest.approx(np.array([-matrix @ each for each in v]))
+    both = SpringDamper(matrix, 2 * matrix, np.zeros(5))
+    assert both.force(TIME, q, v) == pytest.approx(np.array([-matrix @ (a + 2 * b) for a, b in zip(q, v, strict=True)]))
+    assert both.stored(q) == pytest.approx(np.array([each @ matrix @ each / 2 for each in q]))
+    assert both.lost(v) == pytest.approx(np.array([each @ (2 * matrix) @ each for each in v]))
+
+
+def test_a_spring_slack_elsewhere_in_one_motion_is_not_all_linear():
+    for place in np.eye(DOF):
+        assert SpringDamper(ROOT @ ROOT.T, np.eye(DOF), -0.3 * place).linear().whole is False
+
+
+def test_a_spring_beside_a_relaxing_damper_is_its_linear_part():
+    stiffness = np.diag([1.0, 2.0])
+    relaxing = RelaxingDamper(stiffness, np.array([3.0, 4.0]), damping=2.0, compliance=0.4)
+    part = relaxing.linear()
+    np.testing.assert_array_equal(part.stiffness, stiffness)
+    assert part.damping is None
+    assert part.whole
+    q = np.array([[0.1, 0.2]])
+    assert relaxing.force(np.zeros(1), q, q) == pytest.approx(np.array([[-0.1, -0.4]]))
+    assert relaxing.stored(q) == pytest.approx([0.5 * (0.01 + 0.08)])

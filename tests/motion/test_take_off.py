@@ -64,3 +64,27 @@ def test_an_end_stop_pushes_and_never_pulls(stroke, speed):
         lost = -(force + gradient) * speed
         loading = abs(stroke) > 0.7 and stroke * speed > 0
         assert lost == pytest.approx(30.0 * speed**2 if loading else 0.0, abs=1e-5)
+
+
+def test_in_a_pause_a_law_has_another_damper_and_no_spring():
+    law = TakeOff(B, 4.0, 10.0, 5.0, pause=0.3, paused_damping=0.5)
+    assert (law.coefficients(False), law.coefficients(True)) == ((4.0, 10.0), (0.5, 0.0))
+    assert TakeOff(B, 4.0, 10.0, pause=0.3).coefficients(True) == (np.inf, 0.0)
+
+
+@pytest.mark.parametrize("limit", [-5.0, np.nan])
+def test_friction_of_no_size_is_refused(limit):
+    with pytest.raises(ValueError, match=f"^friction: received a limit of {limit:g} N, needs a finite one above 0$"):
+        TakeOff(B, np.inf, limit=limit)
+
+
+def test_a_stop_at_a_port_of_several_motions_pushes_along_it_on_either_side():
+    """f = -b (k d + c V) of a stroke beyond, d with its sign; unloading without the damper, and at rest without it."""
+    stop = EndStop(B, 0.7, 100.0, 30.0, rest=0.2)
+    q = np.array([[1.0, 0.4], [-1.0, -0.4], [1.0, 0.4], [-1.0, -0.4], [1.0, 0.4], [0.5, 0.8]])
+    v = np.array([[2.0, 0.0], [-2.0, 0.0], [-2.0, 0.0], [2.0, 0.0], [0.0, 0.0], [2.0, 0.0]])
+    pressed = np.array([0.3, -0.7, 0.3, -0.7, 0.3, 0.0])
+    assert stop.beyond(q) == pytest.approx(pressed)
+    pushed = -100.0 * pressed - 30.0 * np.array([2.0, -2.0, 0.0, 0.0, 0.0, 0.0])
+    assert stop.force(np.zeros(6), q, v) == pytest.approx(np.outer(pushed, B))
+    assert stop.stored(q) == pytest.approx(50.0 * pressed**2)
