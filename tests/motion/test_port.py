@@ -6,14 +6,14 @@ from conftest import varied
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vsb.errors import DatabaseError
+from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro import database
 from vsb.hydro.spectral.sweep import converged_on_grid
 from vsb.hydro.statespace import fit_radiation
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.motion.builders import linear_scene
 from vsb.motion.frequency import LinearBuoy, with_open_chamber
-from vsb.motion.port import Port, _between, channels_reached, port_direction
+from vsb.motion.port import Port, PortMotion, _between, channels_reached, combination, line_shares, port_direction
 from vsb.motion.pto import LinearPto
 from vsb.motion.system import System
 from vsb.motion.tuning import best_dampers
@@ -22,7 +22,7 @@ from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell, enclosed
 from vsb.stages.spectral import spectral_problem
 from vsb.study.plan import StudyPlan
-from vsb.study.take_off import BetweenPort, ShellPort
+from vsb.study.take_off import BetweenPort, LinePort, ShellPort
 from vsb.waves.dispersion import power_limit
 from vsb.waves.seas import Sea
 
@@ -369,3 +369,82 @@ def test_a_rigid_port_has_the_speed_of_its_motion(seed, choice):
 def test_a_port_reaches_one_channel_of_heave_and_two_of_each_higher_order(direction, reached):
     """Cosines and sines of an order have them together: waves from one side come as one of the two."""
     assert channels_reached(np.array(direction, dtype=float), np.array([0, 1, -1, 2, -2])) == reached
+
+
+@pytest.mark.parametrize(
+    "line", [((3.0, -40.0), (0.0, -1.5)), ((-7.0, -12.0), (0.8, -0.4)), ((2.0, -9.0), (-1.1, 0.3))]
+)
+@pytest.mark.parametrize("height", [0.6, -0.3])
+def test_a_line_to_the_bed_grows_with_each_motion_as_its_ends_go_apart(line, height):
+    """By differences of its length: surge and heave shift, pitch turns the attachment about the sphere's centre."""
+    (to, at) = line
+
+    def length(surge, heave, pitch):
+        x = surge + at[0] * np.cos(pitch) + at[1] * np.sin(pitch)
+        z = height + heave - at[0] * np.sin(pitch) + at[1] * np.cos(pitch)
+        return np.hypot(x - to[0], z - to[1])
+
+    found = line_shares(LinePort(line_to=to, line_from=at), height)
+    for name, way in zip(("Surge", "Heave", "Pitch"), 1e-5 * np.eye(3), strict=True):
+        assert found[name] == pytest.approx((length(*way) - length(*-way)) / 2e-5, abs=1e-9)
+
+
+def test_what_comes_with_a_port_follows_its_force_under_each_load():
+    """free - F forced, F = Z V: heave of loads and frequencies, the shell of points in two directions beside."""
+    rng = np.random.default_rng(2)
+    omega = np.array([0.5, 1.0, 2.0])
+    port = Port(omega, np.array([1.0 + 1j, 2.0, 1.0 - 3j]), np.array([1.0, 2j, -0.5]), 1.0)
+    free, forced = rng.normal(size=(2, 3)) + 1j * rng.normal(size=(2, 3))
+    shell, pushed = rng.normal(size=(2, 2, 4, 3)) + 1j * rng.normal(size=(2, 2, 4, 3))
+    load = port.load(np.array([2.0, 0.3]), np.array([-1.0, 4.0]))
+    heave, moved = PortMotion((free, forced), (shell, pushed)).under(port, load)
+    for i, (c, k) in enumerate(((2.0, -1.0), (0.3, 4.0))):
+        for j, w in enumerate(omega):
+            z = c + 1j * k / w
+            force = z * port.velocity[j] / (1 + port.admittance[j] * z)
+            assert heave[i, j] == pytest.approx(free[j] - force * forced[j], rel=1e-12)
+            np.testing.assert_allclose(moved[i, :, :, j], shell[:, :, j] - force * pushed[:, :, j], rtol=1e-12)
+
+
+@pytest.mark.parametrize("chosen", [np.array([2, 0]), np.array([True, False, True])])
+def test_a_port_at_some_of_its_frequencies_is_the_same_there(chosen):
+    port = Port(np.array([0.5, 1.0, 2.0]), np.array([1.0 + 1j, 2.0, 1.0 - 3j]), np.array([1.0, 2j, -0.5]), 0.7)
+    some = port.at(chosen)
+    for name in ("omega", "admittance", "velocity", "matched_power", "best_damping", "impedance", "matched_force"):
+        np.testing.assert_array_equal(getattr(some, name), getattr(port, name)[chosen])
+    assert some.compliance == 0.7
+
+
+def test_a_combination_is_in_the_order_of_the_motions_and_names_all_that_are_not_there():
+    labels = ["Surge", "Heave", "Pitch"]
+    assert combination(labels, {"Pitch": -2, "Surge": 0.5}).tolist() == [0.5, 0.0, -2.0]
+    with pytest.raises(ConfigError, match=r"^pto.port: received Lid, Roof; needs some of Surge, Heave, Pitch\.$"):
+        combination(labels, {"Roof": 1.0, "Heave": 1.0, "Lid": 2.0})
+    for shares in ({"Heave": 0.0, "Pitch": 0.0}, {"Heave": np.inf}, {"Heave": 1.0, "Pitch": np.nan}, {}):
+        with pytest.raises(ConfigError, match=r"^pto.port: received \{.*\}; needs finite shares, not all zero\.$"):
+            combination(labels, shares)
+
+
+@pytest.mark.parametrize("at", [0, 1])
+def test_a_source_of_energy_is_told_where_it_is_and_what_nothing_moves_is_none(at):
+    admittance, velocity = np.array([-0.1 + 1j, -0.2 + 0j]), np.zeros(2, dtype=complex)
+    assert not Port(np.array([1.0, 2.0]), admittance, velocity, 1.0).moves
+    velocity[at] = -0.3j
+    with pytest.raises(
+        DatabaseError, match=rf"^port: gives out energy at {1 + at} rad/s, received Re Y = -0.{1 + at} m"
+    ):
+        Port(np.array([1.0, 2.0]), admittance, velocity, 1.0)
+    with pytest.raises(DatabaseError, match=r"received Re Y = 0 m"):
+        Port(np.array([1.0, 2.0]), np.zeros(2, dtype=complex), velocity, 1.0)
+
+
+def test_a_port_that_only_yields_has_no_share_and_no_power():
+    """Admittance without loss or none at all: neither is divided by."""
+    port = Port(np.array([1.0, 2.0, 3.0]), np.array([0.0, 2j, 3.0 - 4j]), np.array([0.0, 0.0, 5.0 + 0j]), 0.0)
+    assert port.impedance.tolist() == [0.0, -0.5j, pytest.approx((3.0 + 4j) / 25)]
+    assert port.reactance_ratio.tolist() == [0.0, 0.0, pytest.approx(4 / 3)]
+    assert port.matched_power.tolist() == [0.0, 0.0, pytest.approx(25 / 24)]
+    assert port.matched_force.tolist() == [0.0, 0.0, pytest.approx(5 / 6)]
+    assert port.moves
+    assert port.softest_spring == -np.inf
+    assert port.beside(0.0) is port.behind(0.0) is port
