@@ -194,3 +194,20 @@ def test_an_optimum_not_found_in_time_is_an_error(monkeypatch):
     velocity, admittance = buoy(SEA)
     with pytest.raises(ConvergenceError, match=r"the optimum under limits is not found to 1e-06 in 2 steps"):
         constrained_optimum(SEA, velocity, admittance, 1e3)
+
+
+@pytest.mark.parametrize(("seed", "share"), [(0, 0.9), (1, 0.5)])
+def test_where_keeping_the_stroke_costs_power_the_least_cost_is_found(seed, share):
+    """Limits that leave hardly any room: all a force can do there is to give power, and the bound is below zero too."""
+    harmonics = Harmonics(0.26, 0.5, 16)
+    velocity, admittance = buoy(harmonics, resonance=0.5, seed=seed, loss=50.0)
+    limits = np.array([5e3, share * np.abs(harmonics.signal(velocity / (-1j * harmonics.omega))).max()])
+    limits *= 1.002 * least_share(harmonics, velocity, admittance, *limits)
+    found = constrained_optimum(harmonics, velocity, admittance, *limits)
+    assert found.power < 0
+    assert found.bound < 0
+    assert found.power == pytest.approx(power(velocity, admittance, found.force), rel=1e-12)
+    assert abs(found.gap) <= 1e-6
+    assert found.bound - found.power == pytest.approx(found.gap * abs(found.bound), rel=1e-9)
+    assert found.force_peak <= limits[0] * (1 + 1e-9)
+    assert found.stroke_peak <= limits[1] * (1 + 1e-9)
