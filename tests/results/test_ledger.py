@@ -217,6 +217,9 @@ def test_what_the_automatic_model_left_out_is_in_the_ledger_with_its_error(seed)
     assert (fixed.verdict, flexible.verdict) == ("ok", "fail")
     assert fixed.explanation.endswith("described as linear, rigid, 8 memory states; left out: shell modes 2.0e-03")
     assert (gain.design, gain.value, gain.verdict) == ("VSWEC", pytest.approx(0.022), "fail")
+    runs["FSB"] = run_with(power_error=0.0, **common)  # nothing left out: gains over it are judged all the same
+    *_, gain = ledger.simplification_checks(study, wave, runs)
+    assert (gain.name, gain.design, gain.value) == ("gain_error", "VSWEC", pytest.approx(0.02))
 
 
 @pytest.mark.parametrize(

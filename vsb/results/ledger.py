@@ -285,7 +285,7 @@ def simplification_checks(study: Study, wave: Wave, runs: Runs) -> list[Check]:
         else:
             checks.append(check_at_most("left_out", errors[design], limit, "-", text, design=design, wave=wave.label))
     text = "estimated error of the ratio of mean powers to the rigid design's, from what both leave out"
-    if base := errors.pop(study.reference_design or "", None):
+    if (base := errors.pop(study.reference_design or "", None)) is not None:
         for design, error in errors.items():
             checks.append(
                 check_at_most("gain_error", error + base, 2 * limit, "-", text, design=design, wave=wave.label)
