@@ -211,3 +211,16 @@ def test_where_keeping_the_stroke_costs_power_the_least_cost_is_found(seed, shar
     assert found.bound - found.power == pytest.approx(found.gap * abs(found.bound), rel=1e-9)
     assert found.force_peak <= limits[0] * (1 + 1e-9)
     assert found.stroke_peak <= limits[1] * (1 + 1e-9)
+
+
+def test_peaks_are_sizes_at_the_instants_whichever_way_they_go():
+    """Of velocities and their opposite, whose optimum is the opposite."""
+    velocity, admittance = buoy(SEA)
+    for limits in ((3e3, np.inf), (np.inf, 0.3)):
+        found, other = (constrained_optimum(SEA, sign * velocity, admittance, *limits) for sign in (1, -1))
+        for signal, peak, opposite in (
+            (SEA.signal(found.force), found.force_peak, other.force_peak),
+            (SEA.signal(found.stroke), found.stroke_peak, other.stroke_peak),
+        ):
+            assert peak == np.abs(signal).max()
+            assert opposite == pytest.approx(peak, rel=1e-6)

@@ -61,6 +61,10 @@ def test_what_the_study_has_not_is_refused(results):
     dry = Results(varied(results.study, hydro={"model": "assumed_pressure", "pressure": 1800.0}))
     with pytest.raises(ConfigError, match=r"hydro.model: received 'assumed_pressure', which has no frequency response"):
         _ = dry.response
+    with pytest.raises(ConfigError, match=r"received 'assumed_pressure', which has no tuning ladder; needs linear"):
+        _ = dry.ladder
+    with pytest.raises(ConfigError, match=r"received 'assumed_pressure', which has no hydro database; needs linear"):
+        _ = dry.database
 
 
 def test_results_of_another_study_in_the_folder_are_refused(results):

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 import pytest
 import yaml
+from invariance import SEED
 from pydantic import Field, ValidationError, create_model
 from study.test_sections import changed
 
@@ -276,3 +277,12 @@ def test_a_number_nobody_can_print_is_refused_in_any_yaml_file(tmp_path):
     path.write_text(f"jobs: 2\nset:\n  mem: 0x{'f' * 20_000}\n")
     with pytest.raises(ConfigError, match=r"config.yaml:3: set.mem: received a number of too many digits"):
         reading.read_yaml(path, "a profile")
+
+
+def test_a_key_without_a_value_is_told_at_its_own_line(written):
+    text = yaml.safe_dump(
+        SEED | {"device": {**SEED["device"], "poisson_ratio": None}, "published": None}, sort_keys=False
+    )
+    line = text.splitlines().index("  poisson_ratio: null") + 1
+    with pytest.raises(ConfigError, match=rf"given.txt:{line}: device.poisson_ratio: received None; needs a number"):
+        config.load(written(text))
