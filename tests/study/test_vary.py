@@ -161,6 +161,7 @@ def test_a_design_of_the_name_of_the_members_dimension_has_its_damper_under_all_
         ({"device.mass": [float("nan")]}, "device.mass: received nan, needs numbers or words"),
         ({"device.mass": [10**400]}, "number of too many digits"),
         ({"device.mass": [1.0, 1]}, r"device.mass: received \[1.0, 1.0\], needs every value once"),
+        ({"device.mass": [1.0, *range(1, 60)]}, r"device.mass: received \[1.0, 1.0, 2.0, [0-9., ]{64}\.\.\., needs every value once"),
         ({"device.mass": [1.0, "x"]}, "needs numbers, or words"),
         ({"device.mass": [1, 2], "device.radius": [1], "pairs": True}, "pairs: received .*needs as many of every key"),
         ({"device.mass": [1], "pairs": "yes"}, "pairs: received 'yes', needs true or false"),

@@ -5,7 +5,9 @@ import pytest
 import xarray as xr
 
 from vsb.errors import ConfigError, DatabaseError
+from vsb.hydro.formats import foreign
 from vsb.hydro.formats.foreign import BEMIO_WORDS, LEAST_SIZE, WAMIT_WORDS, causes, foreign_checks, sizes
+from vsb.hydro.formats.haskind import Haskind
 from vsb.hydro.quality import kinks
 from vsb.tools import units
 from vsb.waves.dispersion import group_velocity, wavenumber
@@ -404,6 +406,23 @@ def test_haskind_is_judged_where_headings_resolve_it_and_the_rest_is_counted():
     ]
     assert verdicts(_pushed(edited(ds, "excitation_force", ripple), 0.1))["haskind"] == "fail"
 
+
+@pytest.mark.parametrize("pair", [(0, 1), (1, 0), (1, 1)])
+def test_haskind_judges_no_pair_of_which_headings_do_not_resolve_both(monkeypatch, pair):
+    """What excitation says of a mode between headings is anything."""
+    ds = sound()
+    resolved = np.ones((ds.sizes["omega"], ds.sizes["influenced_dof"]), dtype=bool)
+    resolved[4, 1] = False
+    damping = ds.radiation_damping.values.copy()
+    damping[4][pair] += 10 * np.abs(damping).max()
+    monkeypatch.setattr(foreign, "haskind_headings", lambda *_, **__: Haskind(damping, resolved))
+    assert verdicts(ds)["haskind"] == "ok"
+    monkeypatch.setattr(foreign, "haskind_headings", lambda *_, **__: Haskind(damping, resolved | True))
+    assert verdicts(ds)["haskind"] == "fail"
+
+
+def test_haskind_of_modes_that_turn_too_often_is_not_judged():
+    ds = sound()
     turning = np.cos(5 * ds.wave_direction.values)[:, None] * np.abs(ds.excitation_force.values).max(
         axis=1, keepdims=True
     )
