@@ -265,6 +265,10 @@ def test_the_figures_of_one_design_are_those_of_its_bins_and_their_hours():
     assert column["force_rms"] == pytest.approx(np.sqrt(0.1 * 50e4 + 0.5 * 37e4 + 0.4 * 0.5e4))
     told = {f"optimum_{name}": column[f"optimum_{name}"] for name in ("share", "excess", "gap")}
     assert told == pytest.approx({"optimum_share": 0.75, "optimum_excess": 8e-3, "optimum_gap": 1 - 1 / 1.1})
+    some = replace(one, solved=one.solved[:2], amplitude=one.amplitude[:2], optima=one.optima[:2])
+    assert some.annual_mean_power.mean > some.taken  # the bins not solved are extrapolated, and prove nothing
+    gap = 1 - (700 + 3000) / (1.1 * (700 + 3000) + 0.4 * 2e4)
+    assert _column(some, SEAS, flux)["optimum_gap"] == pytest.approx(gap)
     assert column["impossible_share"] == pytest.approx(0.4 / 2)
     assert column["power_bound"] == pytest.approx(1.1 * (700 + 3000 + 200))
     assert not any(column[name].any() for name in ("damping", "power_deviation", "capture_width_deviation"))

@@ -10,6 +10,7 @@ from hydro.test_sweep import GRID, buoy, largest_error
 
 from vsb.errors import ConvergenceError
 from vsb.hydro import dofs
+from vsb.hydro.spectral import sweep
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.hydro.spectral.sweep import (
     MOST_NODES,
@@ -125,3 +126,18 @@ def test_the_phase_of_a_wave_is_to_the_waterline_in_water_of_its_depth(height, d
     omega, radius = np.array([0.5, 2.0]), np.sqrt(4.0 - height**2)
     assert found.phase(omega) == pytest.approx([radius * wavenumber(w, depth, 4.0) for w in omega], rel=1e-9)
     assert found.order == order
+
+
+def test_the_error_told_is_of_all_frequencies_solved(monkeypatch):
+    """Those the sweep adds may need more points than those it began with."""
+    asked = []
+
+    def error(problem, omegas):
+        asked.append((problem.nodes, len(omegas)))
+        return 1e-4 if len(omegas) == asked[0][1] else 16e-3 / problem.nodes
+
+    monkeypatch.setattr(sweep, "_error", error)
+    found = converged_on_grid(buoy(nodes=8), list(np.arange(1, 129) * 0.1), 1e-3, 5e-4)
+    assert found.attrs["error_estimate"] == 16e-3 / asked[-1][0] <= 1e-3
+    assert asked[-1] == (16, found.attrs["solves"])
+    assert found.attrs["solves"] > asked[0][1]
