@@ -51,6 +51,10 @@ def test_without_a_gain_powers_are_given(lines):
 def test_what_the_given_damper_takes_of_the_optimum_stands_beside_its_gain():
     assert shares_text(SWELL, "w") == "; at 8000 N s/m FSB reaches 26 % of its own best, A 32 %"
     assert shares_text(CHOP, "v") == ""
+    own = [SWELL[0], SWELL[1] | {"damping": 6000.0}, SWELL[1] | {"design": "B", "damping": 8000.0}]
+    assert shares_text(own, "w").startswith(
+        "; at 8000 N s/m and 6000 N s/m FSB reaches 26 % of its own best, A 32 %, B 32 %"
+    )
     chop = [line("FSB", 4.0, 0.0, 1.0, sea="v", share=0.5), line("A", 4.0, 1.0, 1.0, sea="v", share=0.6)]
     assert shares_text([*chop, *SWELL], "w") == shares_text(SWELL, "w")
     rows = [{"design": "FSB", "wave": "w", "power_mean": 207.0}, {"design": "A", "wave": "w", "power_mean": 226.7}]

@@ -121,6 +121,10 @@ def test_weights_are_shared_by_all_ports_over_the_same_frequencies():
 def test_designs_of_different_frequencies_keep_their_own():
     seas, fine, rough = climate(), np.arange(0.1, 3.0, 0.02), np.arange(0.1, 3.0, 0.05)
     together = year({"A": port(fine), "B": port(rough)}, seas, WATER, ["one"])
+    moved = 1.1 * rough  # as many
+    other = year({"A": port(rough), "B": port(moved)}, seas, WATER, ["one"])
+    assert other.damping[1].tolist() == year({"B": port(moved)}, seas, WATER, ["one"]).damping[0].tolist()
+    assert other.damping[1, 0, 0] != other.damping[0, 0, 0]
     for i, grid in enumerate((fine, rough)):
         alone = year({"A": port(grid)}, seas, WATER, ["one"])
         assert together.damping[i].tolist() == alone.damping[0].tolist()

@@ -1,8 +1,10 @@
 import csv
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import varied
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -107,6 +109,9 @@ def test_buckling_pressure_grows_with_thickness_squared():
 
 def test_shell_of_a_device(seed):
     assert Shell.of(seed.device) == SEED
+    oblate = varied(seed, device={"shape": {"spheroid": {"height": 3.0}}}, modes={"basis": "full"}).device
+    assert Shell.of(oblate) == replace(SEED, rest=oblate.meridian)
+    assert oblate.meridian is not None
 
 
 @pytest.mark.parametrize("ratio", [-1.0, -2.0, 0.6, float("nan")])

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 from conftest import SEED, varied
 
 from vsb.shell.deformed import rigid_sphere
@@ -20,6 +21,22 @@ def test_the_problem_is_that_of_the_wetted_shape():
         keel = problem.shell.meridian(np.array([np.pi])).z[0]
         sphere = rigid_sphere(study.device.radius, study.centre_height).meridian(np.array([np.pi])).z[0]
         assert (keel == pytest.approx(sphere)) == (not study.at_equilibrium)
+
+
+def test_a_sweep_is_as_fine_as_its_interpolation_wants(monkeypatch, tmp_path):
+    """Which is not the tolerance of the boundary elements."""
+    spec = StudyPlan(load(SEED)).sweep_blocks[0].model_copy(update={"interpolation": 0.25})
+    asked = []
+
+    def converged(problem, omega, *tolerances):
+        asked.append((tuple(omega), *tolerances))
+        return xr.Dataset()
+
+    monkeypatch.setattr(spectral, "converged_on_grid", converged)
+    monkeypatch.setattr(spectral, "save", lambda ds, path: None)
+    spectral.run(spec, str(tmp_path / "block.nc"))
+    assert asked == [(spec.omega, spec.tolerance, 0.25)]
+    assert spec.tolerance != 0.25
 
 
 @pytest.mark.parametrize("tabulated", [False, True])

@@ -40,6 +40,14 @@ def test_drag_concerns_runs_ladder_and_study_alone(seed):
             "drag: cannot be followed beside a take-off that switches, received law linear",
         ),
         ({"simulation": {"method": "exact"}}, "simulation.method 'exact': cannot follow a drag; needs auto"),
+        (
+            {"simulation": {"method": "exponential"}, "hydro": {"model": "body_exact"}},
+            "method 'exponential': cannot follow a drag",
+        ),
+        (
+            {"simulation": {"method": "structure_preserving"}},
+            "method 'structure_preserving': cannot follow a drag; needs auto",
+        ),
         ({"drag": {"heave": {"coefficient": -1.0, "area": 1.0}}}, "drag.heave.coefficient"),
         ({"drag": {"heave": {"coefficient": 1e3, "area": 1.0}}}, "needs at most 100"),
         ({"drag": {"heave": {"coefficient": 1.0}}}, "drag.heave.area"),
