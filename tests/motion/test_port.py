@@ -158,6 +158,7 @@ def test_a_port_between_two_points_moves_by_their_distance(seed, order, between)
     for amplitude in (np.zeros(len(basis.labels)), swollen):  # not by round-off, nor by the shape at rest
         rest = DeformedShell(basis, planar.centre_height, amplitude)
         assert not _between(BetweenPort(between=between), rest, family)[: family.rigid].any()
+        assert not _between(BetweenPort(between=between), rest, family.turned()).any()  # odd in y: none at theta = 0
 
 
 def test_a_clamp_holds_a_port(seed):

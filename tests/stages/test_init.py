@@ -62,6 +62,7 @@ def test_size_changes_nothing_without_dimension(tmp_path, radius):
         ("a.yaml", float("nan"), "--radius: received nan m, needs 0.01 to 100 m"),
         ("a.yaml", 1e300, r"--radius: received 1e\+300 m, needs 0.01 to 100 m"),
         ("a.yaml", -1.0, "--radius: received -1 m"),
+        ("a.yaml", 0.0, "--radius: received 0 m, needs 0.01 to 100 m"),
     ],
 )
 def test_what_cannot_be_begun_is_one_line_and_writes_nothing(tmp_path, monkeypatch, name, radius, message):

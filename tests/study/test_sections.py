@@ -133,7 +133,9 @@ def test_labels_and_words_of_seas(seed, wave, label, words):
 
 def test_figures_are_published_of_designs_there_are(seed):
     published = {"source": "x", "values": {"FSB": {"energy": 1.0}, "VSWEC45": {"energy": 2.0}}}
-    with pytest.raises(ConfigError, match=r"published.values \['VSWEC45'\]: no such design; needs some of FSB, VSWEC"):
+    with pytest.raises(
+        ConfigError, match=r"published.values \['VSWEC45'\]: no such design; needs some of FSB, VSWEC, "
+    ):
         config.parse({**seed.model_dump(), "published": published})
 
 
