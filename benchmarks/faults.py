@@ -29,6 +29,11 @@ LIMIT = 600.0
 BAD = ("survived", "undecided")
 ENOUGH = 0.95
 """Share of faults that are to be caught."""
+COPIED = (
+    "vsb", "tests", "workflow", "profiles", "config", "benchmarks", "examples", "docs", "pyproject.toml", "Snakefile",
+    "Makefile", "README.md", "CHANGELOG.md",
+)  # fmt: skip
+"""What of a checkout tests may look at."""
 OTHER = {"max": "min", "min": "max", "any": "all", "all": "any", "maximum": "minimum", "minimum": "maximum"}
 TURNED = {ast.Lt: ast.Gt, ast.Gt: ast.Lt, ast.LtE: ast.GtE, ast.GtE: ast.LtE, ast.Eq: ast.NotEq, ast.In: ast.NotIn}
 UNSEEN = {"annotation", "returns", "decorator_list"}
@@ -210,12 +215,21 @@ def fate(fault: Fault, root: Path) -> Outcome:
     return Outcome("survived", fault.edit)
 
 
+def _copied(place: Path, target: Path) -> None:
+    """Copy a file or a folder that is there."""
+    if place.is_dir():
+        shutil.copytree(place, target)
+    elif place.is_file():
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy2(place, target)
+
+
 def fates(count: int, root: Path, seed: int) -> Iterator[tuple[tuple[object, ...], Outcome]]:
     """Meet so many faults with their fate, in a copy of a checkout."""
     with tempfile.TemporaryDirectory() as folder:
         copied = Path(folder, "vsb")
-        shutil.copytree(root, copied, ignore=shutil.ignore_patterns(".git", ".venv*", ".snakemake", "results"))
-        (copied / "results").mkdir()
+        for name in COPIED:
+            _copied(root / name, copied / name)
         for fault in drawn(count, root, seed):
             yield (fault.path, fault.line, fault.function), fate(fault, copied)
 

@@ -174,3 +174,26 @@ def test_one_in_twenty_may_survive(project, monkeypatch, capsys, missed, code):
     assert main(["faults", "20", str(project / "table.csv")]) == code
     assert len((project / "table.csv").read_text().splitlines()) == 21
     assert f"{20 - missed} caught, {missed} survived" in capsys.readouterr().out
+
+
+def test_faults_are_put_into_a_copy_without_results(project, monkeypatch):
+    """Of which a room of the package has the name."""
+    for name in ("vsb/results/one.py", "results/one.nc", "pyproject.toml"):
+        (project / name).parent.mkdir(exist_ok=True)
+        (project / name).write_text("")
+    before, copies = sorted(project.rglob("*")), []
+
+    def look(fault, root):
+        copies.append(root)
+        assert (root / fault.path).is_file()
+        assert (root / "vsb/results/one.py").is_file()
+        assert (root / "pyproject.toml").is_file()
+        assert not (root / "results").exists()
+        return Outcome("caught", "")
+
+    monkeypatch.setattr(faults, "fate", look)
+    (found,) = faults.fates(1, project, 0)
+    assert found[1].verdict == "caught"
+    assert sorted(project.rglob("*")) == before
+    assert project not in copies
+    assert not copies[0].exists()
