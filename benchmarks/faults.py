@@ -206,12 +206,13 @@ def fate(fault: Fault, root: Path) -> Outcome:
         try:
             place.write_text(fault.text, "utf-8")
             found = failed(tests, root)
+            place.write_text(sound, "utf-8")
+            if found and not failed(found, root):
+                return Outcome("caught", f"{fault.edit}: {found[0]}")
         except subprocess.TimeoutExpired:
             return Outcome("undecided", f"{fault.edit}: {', '.join(tests)} take longer than {LIMIT:g} s")
         finally:
             place.write_text(sound, "utf-8")
-        if found and not failed(found, root):
-            return Outcome("caught", f"{fault.edit}: {found[0]}")
     return Outcome("survived", fault.edit)
 
 

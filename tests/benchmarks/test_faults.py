@@ -166,6 +166,18 @@ def test_tests_that_take_too_long_decide_nothing(project, monkeypatch):
     assert found == Outcome("undecided", "share * width -> width: tests/flat/test_area.py take longer than 600 s")
 
 
+def test_nor_do_those_that_take_too_long_without_the_fault(project, monkeypatch):
+    sound = (project / "vsb/flat/area.py").read_text()
+
+    def slow(tests, root):
+        if (root / "vsb/flat/area.py").read_text() == sound:
+            raise subprocess.TimeoutExpired("pytest", 600.0)
+        return list(tests)
+
+    monkeypatch.setattr(faults, "failed", slow)
+    assert fate(fault(project, "share * width", "width"), project).verdict == "undecided"
+
+
 @pytest.mark.parametrize(("missed", "code"), [(1, 0), (2, 1)])
 def test_one_in_twenty_may_survive(project, monkeypatch, capsys, missed, code):
     verdicts = iter([*["survived"] * missed, *["caught"] * 20])
