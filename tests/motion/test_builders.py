@@ -126,23 +126,29 @@ def test_a_body_exact_scene_stays_where_it_rests_in_still_water(studies, name, d
         assert np.abs(rest).max() < 1e-9
 
 
-@pytest.mark.parametrize("design", DESIGNS)
+@pytest.mark.parametrize(
+    ("design", "stiffness"), [*((design, 2e4) for design in DESIGNS), ("FSB", -1e4), ("VSWEC", -1e4)]
+)
 @pytest.mark.parametrize("name", ["vented", "pressurised"])
-def test_a_spring_at_the_take_off_is_slack_where_the_buoy_rests_without_it(studies, name, design):
+def test_a_spring_at_the_take_off_is_slack_where_the_buoy_rests_without_it(studies, name, design, stiffness):
     """There it neither pulls nor stores; a centimetre above it pulls down by its stiffness, in either scene."""
     study, reference = studies[name]
     found = []
-    for spring in (0.0, 2e4):
+    for spring in (0.0, stiffness):
         buoy, shape = buoy_of(study, reference, spring=spring)
         found.append(scenes(study, buoy, shape, design))
     (_, free), (linear, exact) = ([one[model]() for model in ("linear", "body_exact")] for one in found)
     assert exact.rest == pytest.approx(free.rest, abs=1e-12)
     assert exact.start(0.0, 0.0)[0] == pytest.approx(free.rest, abs=1e-12)
-    assert exact.stiffness - free.stiffness == pytest.approx(2e4 * np.outer(*2 * [np.eye(len(free.rest))[0]]), abs=1e-3)
+    assert exact.stiffness - free.stiffness == pytest.approx(
+        stiffness * np.outer(*2 * [np.eye(len(free.rest))[0]]), abs=1e-3
+    )
     for plant, rest in ((linear, 0.0 * free.rest), (exact, free.rest)):
         q = plant.motions @ rest + np.outer([0.0, 0.01], plant.motions[:, 0])
-        assert plant.forces["pto"].force(np.zeros(2), q, 0 * q)[:, 0] == pytest.approx([0.0, -200.0], abs=1e-6)
-        assert plant.forces["pto"].stored(q) == pytest.approx([0.0, 1.0], abs=1e-9)
+        assert plant.forces["pto"].force(np.zeros(2), q, 0 * q)[:, 0] == pytest.approx(
+            [0.0, -0.01 * stiffness], abs=1e-6
+        )
+        assert plant.forces["pto"].stored(q) == pytest.approx([0.0, 0.5e-4 * stiffness], abs=1e-9)
 
 
 @pytest.mark.parametrize("design", DESIGNS)
@@ -253,3 +259,30 @@ def test_a_take_off_is_the_spring_and_the_damper_it_has_before_a_chamber_and_beh
     else:
         damping = plant.linear["pto"].damping
         assert (0 * along if damping is None else damping) == pytest.approx(damper * along, rel=1e-12)
+
+
+@pytest.mark.parametrize("model", ["linear", "body_exact"])
+@pytest.mark.parametrize(("chamber", "damper"), [(0.0, 8000.0), (0.02, 40.0), (0.02, 0.0)])
+def test_a_mooring_holds_beside_a_shell_and_whatever_the_take_off_stands_behind(studies, model, chamber, damper):
+    study, reference = studies["pressurised"]
+    buoy, shape = buoy_of(study, reference, pto=damper)
+    dof = len(shape.basis.labels)
+    mooring = 700.0 * np.outer(*2 * [np.linspace(1.0, 0.2, dof)])
+    database = buoy.database.assign(mooring_stiffness=(("influenced_dof", "radiating_dof"), mooring))
+    plant = scenes(study, replace(buoy, database=database, chamber=chamber), shape, "VSWEC")[model]()
+    np.testing.assert_array_equal(plant.forces["mooring"].stiffness, mooring)
+    assert plant.stiffness == pytest.approx(plant.projected([buoy.stiffness, mooring]), rel=1e-9, abs=1e-3)
+    assert ("pto" in plant.forces) == bool(damper)
+    assert "mooring" not in scenes(study, buoy, shape, "VSWEC")[model]().forces
+
+
+@pytest.mark.parametrize("model", ["linear", "body_exact"])
+def test_a_rigid_buoy_has_no_forces_of_a_shell(studies, model):
+    """Its neighbour of the same shell has: elastic, of prestress and gas, and of structural damping."""
+    study, reference = studies["pressurised"]
+    buoy, shape = buoy_of(study, reference)
+    rigid, elastic = (set(scenes(study, buoy, shape, design)[model]().forces) for design in ("FSB", "VSWEC"))
+    common = {"radiation", "pto"} | ({"hydrostatic"} if model == "linear" else {"water", "weight"})
+    assert rigid == common
+    shell = {"elastic", "prestress", "gas", "structural_damping"} | ({"preload"} if model == "body_exact" else set())
+    assert elastic == common | shell

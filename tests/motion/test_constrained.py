@@ -11,6 +11,8 @@ from vsb.errors import ConvergenceError, StabilityError
 from vsb.motion import constrained
 from vsb.motion.constrained import constrained_optimum
 from vsb.motion.harmonics import Harmonics
+from vsb.motion.port import Port
+from vsb.waves.seas import Sea
 
 
 def power(velocity, admittance, force):
@@ -181,6 +183,56 @@ def test_no_force_within_its_limit_takes_less_than_the_least(harmonics):
         size = np.sqrt(2) * 4e3  # |f| of a force that is all the time at its limit
         assert programme.least == pytest.approx(-size / 2 * (np.linalg.norm(free) + size * loss.max()), rel=1e-12)
         assert constrained._Programme(harmonics, free, loss, [stroke]).least == -np.inf
+
+
+def test_the_bound_of_a_stroke_holds_for_any_multipliers():
+    """There what is limited is not none without force: each side is pushed as far as the sea alone moves the port."""
+    velocity, admittance = buoy(SEA)
+    integral = 1 / (-1j * SEA.omega)
+    free = SEA.signal(velocity * integral)
+    limits = [
+        constrained.Limit(np.zeros(SEA.instants), np.ones(SEA.count, dtype=complex), 4e4),
+        constrained.Limit(free, -admittance * integral, 2.0),
+    ]
+    assert [limit.plain for limit in limits] == [True, False]
+    assert not constrained.Limit(free, np.ones(SEA.count, dtype=complex), 1.0).plain
+    programme = constrained._Programme(SEA, velocity, admittance.real, limits)
+    best = constrained_optimum(SEA, velocity, admittance, 4e4, 2.0).power
+    rng = np.random.default_rng(5)
+    for size in (1e-2, 1.0, 1e2):
+        upper, lower = rng.uniform(size=(2, 2, SEA.instants)) * size / SEA.instants
+        assert programme.bound(list(upper), list(lower)) >= best
+        net = upper - lower
+        pulled = sum(limit.gain.conj() * SEA.phasors(mu) for limit, mu in zip(limits, net, strict=True))
+        held = 4e4 * (upper + lower)[0].sum() + 2.0 * (upper + lower)[1].sum() - free @ net[1]
+        expected = held + np.sum(np.abs(velocity / 2 - pulled) ** 2 / (2 * admittance.real))
+        assert programme.bound(list(upper), list(lower)) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("limits", [(3e3, np.inf), (np.inf, 0.3), (4e3, 6.0), (np.inf, np.inf)])
+def test_the_optimum_in_a_sea_is_that_of_the_velocity_its_components_give_the_port(limits):
+    """Between them nothing moves it; force and stroke are limited as given."""
+    velocity, admittance = buoy(WAVES)
+    components = np.array([1, 2, 5])
+    waves = Sea(WAVES.omega[components], np.array([0.5, -0.3j, 0.2 + 0.1j]))
+    amplitude = np.zeros(WAVES.count, dtype=complex)
+    amplitude[components] = waves.amplitude
+    found = constrained.optimum_in_sea(Port(WAVES.omega, admittance, velocity, 0.0), waves, WAVES, *limits)
+    expected = constrained_optimum(WAVES, velocity * amplitude, admittance, *limits)
+    assert (found.power, found.bound, found.steps) == (expected.power, expected.bound, expected.steps)
+    np.testing.assert_array_equal(found.force, expected.force)
+
+
+def test_a_port_that_gives_out_energy_is_told_where_it_does_most():
+    velocity, admittance = buoy(WAVES)
+    wrong = admittance.copy()
+    wrong[[2, 4, 6]] = -1e-6, -3e-5, -1e-5
+    words = rf"^port: received Re Y = -3e-05 m/\(N s\) at {WAVES.omega[4]:.4g} rad/s, needs more than 0"
+    with pytest.raises(ValueError, match=words):
+        constrained_optimum(WAVES, velocity, wrong, 1e3)
+    wrong[[2, 4, 6]] = 0.0
+    with pytest.raises(ValueError, match=rf"^port: received Re Y = 0 m/\(N s\) at {WAVES.omega[2]:.4g} rad/s"):
+        constrained_optimum(WAVES, velocity, wrong, 1e3)
 
 
 def test_a_port_that_gives_out_energy_is_refused():

@@ -99,6 +99,7 @@ def test_a_share_of_the_waves_is_a_share_of_what_they_add(force, share):
     """Exactly of linear waves and an assumed pressure; of waves on the wet shell but for their height squared."""
     q, v = motion()
     calm, part, whole = (force.raised(s).force(TIME, q, v) for s in (0.0, share, 1.0))
+    np.testing.assert_array_equal(whole, force.force(TIME, q, v))
     exact = force.frequencies().size == 0 or getattr(force, "waves", None) is None or share == 0.0
     tolerance = 1e-12 * np.abs(whole).max() if exact else 0.3 * np.abs(whole - calm).max()
     assert part - calm == pytest.approx(share * (whole - calm), abs=tolerance)
@@ -202,3 +203,11 @@ def test_a_spring_beside_a_relaxing_damper_is_its_linear_part():
     q = np.array([[0.1, 0.2]])
     assert relaxing.force(np.zeros(1), q, q) == pytest.approx(np.array([[-0.1, -0.4]]))
     assert relaxing.stored(q) == pytest.approx([0.5 * (0.01 + 0.08)])
+
+
+@pytest.mark.parametrize("share", [0.5, -0.25, 0.0])
+def test_a_share_of_the_waves_on_the_wet_shell_is_that_of_each_component_in_its_phase(water, share):
+    np.testing.assert_allclose(water["waves"].raised(share).waves.amplitude, share * SWELL.amplitude, rtol=1e-15)
+    np.testing.assert_array_equal(water["waves"].raised(share).waves.omega, SWELL.omega)
+    assert water["assumed"].raised(share).assumed == AssumedPressure(500.0 * share, 2.5)
+    assert water["still"].raised(share) is water["still"]

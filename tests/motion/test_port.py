@@ -365,7 +365,7 @@ def test_a_rigid_port_has_the_speed_of_its_motion(seed, choice):
 @pytest.mark.parametrize(
     ("direction", "reached"),
     [([1, 0, 0, 0, 0], 1), ([0, 1, 0, 0, 0], 2), ([0, 0, 1, 0, 0], 2), ([0, 1, -2, 0, 0], 2), ([1, 1, 1, 0, 0], 3),
-     ([1, 0.5, 1, 1, 3], 5), ([0, 0, 0, 0, 1], 2), ([0, 0, 0, 0, 0], 0)],
+     ([1, 0.5, 1, 1, 3], 5), ([0, 0, 0, 0, 1], 2), ([0, 0, 0, 0, 0], 0), ([0, -1, 0, 0, 0], 2), ([-2, 0, 0, 0, -1], 3)],
 )  # fmt: skip
 def test_a_port_reaches_one_channel_of_heave_and_two_of_each_higher_order(direction, reached):
     """Cosines and sines of an order have them together: waves from one side come as one of the two."""
@@ -449,3 +449,46 @@ def test_a_port_that_only_yields_has_no_share_and_no_power():
     assert port.moves
     assert port.softest_spring == -np.inf
     assert port.beside(0.0) is port.behind(0.0) is port
+
+
+def test_of_several_loads_those_without_a_spring_have_none_and_one_of_both_is_shared():
+    """|V|^2 under c + i k/omega, springs of either sign: of rows of both, of one damper and of one spring."""
+    port = Port(np.array([0.5, 1.0, 2.0]), np.array([1.0 + 1j, 2.0, 1.0 - 3j]), np.array([1.0, 2j, -0.5]), 1.0)
+    dampers, springs = np.array([2.0, 0.3, 1.0]), np.array([0.0, 4.0, -1.0])
+    for c, k in ((dampers, springs), (dampers, 4.0), (0.7, springs), (dampers, 0.0), (0.7, -1.0)):
+        under = np.abs(port.velocity / (1 + port.admittance * (c + 1j * k / port.omega[:, None]).T)) ** 2
+        under = under if np.ndim(c) or np.ndim(k) else under[0]
+        np.testing.assert_allclose(port.speed_under(c, k), under, rtol=1e-12)
+        np.testing.assert_allclose(port.power(c, k), 0.5 * np.asarray(c)[..., None] * under, rtol=1e-12)
+        np.testing.assert_allclose(np.abs(port.velocity_under(port.load(c, k))) ** 2, under, rtol=1e-12)
+
+
+@pytest.mark.parametrize("against", ["sea_bed", "frame"])
+@pytest.mark.parametrize("way", ["vertical", "radial"])
+def test_a_ring_is_a_port_upwards_or_outwards_and_heaves_with_the_buoy_against_the_sea_bed_alone(seed, way, against):
+    """By differences of where its points are."""
+    basis, at = study_basis(seed), np.deg2rad([50.0])
+    rest = 0.02 * np.arange(len(basis.labels)) / len(basis.labels)
+
+    def place(amplitude):
+        m = DeformedShell(basis, 0.3, amplitude).meridian(at)
+        return m.z[0] if way == "vertical" else m.x[0] * np.sin(at[0]) + m.z[0] * np.cos(at[0])
+
+    expected = np.array([place(rest + 1e-5 * e) - place(rest - 1e-5 * e) for e in np.eye(len(rest))]) / 2e-5
+    assert expected[0] == pytest.approx(1.0 if way == "vertical" else np.cos(at[0]), abs=1e-9)
+    expected[0] *= against == "sea_bed"
+    found = port_direction(ShellPort(colatitude=50, direction=way, against=against), DeformedShell(basis, 0.3, rest))
+    np.testing.assert_allclose(found, expected, atol=1e-9)
+    assert (ShellPort(colatitude=50).direction, ShellPort(colatitude=50).against) == ("vertical", "sea_bed")
+
+
+@pytest.mark.parametrize("height", [0.6, -0.3])
+def test_a_line_is_a_port_of_rigid_motions_at_the_height_the_buoy_floats_at(seed, height):
+    planar = varied(
+        seed, motion="planar", modes={"degree": 3, "order": 2}, device={"centre_of_mass": -0.5, "ballast_inertia": 1e4}
+    )
+    basis, line = study_basis(planar), LinePort(line_to=(3.0, -40.0), line_from=(0.8, -0.4))
+    orders = order_bases(planar, basis)
+    labels = [*basis.labels, *(label for each in orders for label in each.labels)]
+    found = dict(zip(labels, port_direction(line, DeformedShell(basis, height), orders), strict=True))
+    assert found == dict.fromkeys(labels, 0.0) | line_shares(line, height)

@@ -5,6 +5,7 @@ from hypothesis import strategies as st
 
 from vsb.motion.port import Port
 from vsb.motion.tuning import (
+    Load,
     best_damper_of_each,
     best_dampers,
     best_pairs,
@@ -199,8 +200,10 @@ def test_losses_of_reactive_power_in_a_gaussian_sea():
 
 def test_a_port_that_cannot_move_takes_nothing():
     still = Port(np.ones(1), np.zeros(1, dtype=complex), np.zeros(1, dtype=complex), 0.0)
-    dampers = best_dampers(still, np.ones((2, 1)))
+    dampers = best_dampers(still, np.ones((2, 1)), 250.0)
     assert not dampers.power.any()
+    assert not dampers.damping.any()
+    assert dampers.stiffness.tolist() == [250.0, 250.0]
     assert best_pairs(still, np.ones((2, 1)), dampers) == dampers
 
 
@@ -221,3 +224,40 @@ def test_a_climb_stays_where_nothing_is_higher(size):
     assert (x.tolist(), value.tolist()) == (start.tolist(), [7.0] * 3)
     x, value = climbed(lambda x, _: -np.sum((x - start[:1]) ** 2, axis=1), start[:1], np.full((1, size), 0.3))
     assert (x.tolist(), value.tolist()) == (start[:1].tolist(), [0.0])
+
+
+def test_of_loads_as_good_the_one_at_hand_stays():
+    at_hand = Load(np.array([1.0, 2.0, 3.0]), np.array([10.0, 20.0, 30.0]), np.array([5.0, 5.0, 5.0]))
+    other = Load(np.array([4.0, 5.0, 6.0]), np.array([40.0, 50.0, 60.0]), np.array([5.0, 6.0, 4.0]))
+    better = at_hand.or_better(other)
+    assert [value.tolist() for value in better] == [[1.0, 5.0, 3.0], [10.0, 50.0, 30.0], [5.0, 6.0, 5.0]]
+
+
+@pytest.mark.parametrize("efficiency", [1.0, 0.8])
+def test_a_sea_without_waves_keeps_the_load_it_was_given_and_the_others_get_their_own(efficiency):
+    """Whichever place it has: what is best in one sea knows nothing of another."""
+    rng = np.random.default_rng(3)
+    port = random_port(rng)
+    seas = random_seas(rng, port.omega, 5)
+    seas[2] = 0.0
+    given = Load(np.full(5, 3.0), np.full(5, 0.2), np.zeros(5))
+    found = best_pairs(port, seas, given, efficiency)
+    assert [value[2] for value in found] == [3.0, 0.2, 0.0]
+    assert (np.delete(found.power, 2) > 0).all()
+    for i in (0, 1, 3, 4):
+        alone = best_pairs(port, seas[[i]], Load(np.ones(1), np.ones(1), np.zeros(1)), efficiency)
+        assert found.power[i] == pytest.approx(alone.power[0], rel=1e-8)
+    assert best_dampers(port, seas, 0.1, efficiency).power[2] == 0.0
+
+
+def test_dampers_are_tried_around_those_that_waves_want_beside_the_spring():
+    """Of two waves one is tuned by it: what it wants there is a thousandth of what it wants without."""
+    z, omega, spring = np.array([10.0 - 1e4j, 1e4 - 5e3j]), np.array([1.0, 2.0]), 1e4
+    port = Port(omega, 1 / z, 1 / z, 1e-3)
+    assert np.abs(z + 1j * spring / omega) == pytest.approx([10.0, 1e4])
+    for squares, wanted in (([1.0, 100.0], 10.0), ([1.0, 1e5], 1e4)):
+        tried = np.geomspace(1.0, 1e5, 2001)
+        best = tried[(port.power(tried, np.full(2001, spring)) @ squares).argmax()]
+        (damping,) = best_dampers(port, np.array([squares]), spring).damping
+        assert damping == pytest.approx(best, rel=1e-2)
+        assert damping == pytest.approx(wanted, rel=0.2)

@@ -578,22 +578,24 @@ def test_an_order_is_stiff_by_the_names_of_what_stiffens_the_shell(monkeypatch):
     monkeypatch.setattr(
         LoadedShell, "linear_resultants", lambda load, phi: (load.pressure_inside + np.cos(phi), 9.0 * np.sin(phi))
     )
-    inside = study_with(device={"internal_pressure": 3e4, "gas": {"adiabatic_index": 1.4}}, water={"density": 1010.0})
-    vented = study_with(water={"density": 1010.0})
+    inside = study_with(
+        device={"internal_pressure": 3e4, "gas": {"adiabatic_index": 1.4}}, water={"density": 1010.0, "gravity": 9.7}
+    )
+    vented = study_with(water={"density": 1010.0, "gravity": 9.7})
     for study, more in ((inside, {"prestress", "gas"}), (vented, set())):
         reference = reference_shell(study)
         for basis in order_bases(study, reference.basis):
             found = order_stiffness(study, basis, reference)
             assert set(found) == set(reference.stiffness) == {"structural", "hydrostatic"} | more
             np.testing.assert_array_equal(found["structural"], basis.stiffness)
-            still = basis.hydrostatic_stiffness(study.centre_height, 1010.0, 9.81)
+            still = basis.hydrostatic_stiffness(study.centre_height, 1010.0, 9.7)
             np.testing.assert_allclose(found["hydrostatic"], (still + still.T) / 2, rtol=1e-14)
             assert not np.any(found.get("gas", 0.0))
             for matrix in found.values():
                 np.testing.assert_array_equal(matrix, matrix.T)
             if more:
                 elastic = ElasticShell(reference.basis)
-                load = LoadedShell(elastic, study.centre_height, 1010.0, 9.81, 3e4, study.device.gas)
+                load = LoadedShell(elastic, study.centre_height, 1010.0, 9.7, 3e4, study.device.gas)
                 expected = prestress_stiffness(basis, load)
                 np.testing.assert_allclose(found["prestress"], (expected + expected.T) / 2, rtol=1e-12, atol=1e-9)
 

@@ -1,6 +1,7 @@
 """The drag of a study in its scenes, its linear theory, its ladder and its ledger."""
 
 import itertools
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,15 +10,21 @@ from conftest import varied
 
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.simulate import suited
+from vsb.motion.forces import Spring
+from vsb.motion.pto import LinearPto
+from vsb.motion.scene import Scene
 from vsb.results.ladder import study_ladder
 from vsb.results.run_checks import drag_check
+from vsb.scenes import drag as drag_module
 from vsb.scenes.build import TUNED, body_exact_design, linear_design
-from vsb.scenes.drag import LINEARISED, coefficients, dragged, flow
+from vsb.scenes.drag import DAMPERS, LINEARISED, coefficients, dragged, dragged_port, flow, linearised, with_drag
 from vsb.study.drag import Drag
 from vsb.study.plan import StudyPlan
 from vsb.study.sections import Water
 from vsb.study.study import parse
+from vsb.study.waves import RegularWave
 from vsb.waves.dispersion import wavenumber
+from vsb.waves.seas import NO_WAVES, Sea
 
 WAVE = {"kind": "regular", "amplitude": 0.5, "period": 4.0}
 PLATE = {"heave": {"coefficient": 1.0, "area": 12.57}}
@@ -157,3 +164,77 @@ def test_the_water_moves_along_its_way_and_upwards_by_depth_and_direction(toward
 def test_a_drag_acts_on_the_motion_of_its_name_alone():
     drag = Drag(heave={"coefficient": 1.0, "area": 1.0}, surge={"coefficient": 1.0, "area": 2.0})
     np.testing.assert_array_equal(dragged(drag, ["Heave", "Membrane2", "Surge"]), [[0, 0, 1], [1, 0, 0]])
+
+
+OBLIQUE = RegularWave(kind="regular", amplitude=1.0, period=1.0, direction=40.0)
+TWO = Sea(np.array([0.7, 1.9]), np.array([0.3 + 0.1j, -0.2j]))
+
+
+def two_ways(density=900.0):
+    """Of a study what its drag needs: surge and heave, in water that is not the sea's."""
+    plates = {"surge": {"coefficient": 0.8, "area": 3.0}, "heave": {"coefficient": 0.5, "area": 4.0}}
+    return SimpleNamespace(drag=Drag(**plates), water=Water(density=density, depth=10.0, gravity=9.6), draft=3.0)
+
+
+def test_the_drag_of_a_scene_is_of_its_water_and_of_the_way_its_waves_go():
+    run, scene = two_ways(), Scene(("Heave", "Surge"), np.eye(2), {"hydrostatic": Spring(np.eye(2))}, np.eye(2))
+    found = with_drag(scene, run, OBLIQUE, TWO)
+    assert list(found.forces) == ["hydrostatic", "drag"]
+    force = found.forces["drag"]
+    np.testing.assert_allclose(force.coefficient, [0.5 * 900.0 * 0.8 * 3.0, 0.5 * 900.0 * 0.5 * 4.0], rtol=1e-14)
+    np.testing.assert_array_equal(force.direction, [[0.0, 1.0], [1.0, 0.0]])
+    np.testing.assert_array_equal(force.omega, TWO.omega)
+    np.testing.assert_allclose(force.flow, TWO.amplitude[:, None] * flow(run, TWO.omega, 40.0), rtol=1e-14)
+    assert with_drag(scene, SimpleNamespace(drag=None), OBLIQUE, TWO) is scene
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Stands for a linear buoy in waves of a direction."""
+
+    labels: tuple[str, ...] = ("Heave", "Surge")
+    direction: float = 0.0
+
+
+def test_a_dragged_port_is_of_each_direction_s_buoy_flow_and_frequencies(monkeypatch):
+    monkeypatch.setattr(drag_module, "DraggedPort", SimpleNamespace(of=lambda *given: given, joined=list))
+    motions = {"A": np.eye(2), "B": np.eye(2)[:, :1]}
+    run, floating = two_ways(), SimpleNamespace(linear=Answer(), motions=motions, port=np.array([0.5, 2.0]))
+    going = {0.0: np.array([0.7, 1.9]), 40.0: np.array([1.1])}
+    parts = dragged_port(run, floating, "B", going)
+    for (buoy, omega, free, port, along, moved, strength), (at, own) in zip(parts, going.items(), strict=True):
+        assert buoy.direction == pytest.approx(np.deg2rad(at))
+        np.testing.assert_array_equal(omega, own)
+        np.testing.assert_array_equal(free, motions["B"])
+        np.testing.assert_array_equal(port, floating.port)
+        np.testing.assert_array_equal(along, [[0.0, 1.0], [1.0, 0.0]])
+        np.testing.assert_allclose(moved, flow(run, own, at), rtol=1e-14)
+        np.testing.assert_allclose(strength, coefficients(run.drag, 900.0), rtol=1e-14)
+
+
+def test_linear_theory_records_the_dampers_and_the_power_of_its_own_sea_and_load(monkeypatch):
+    """Of one sea from its own side under damper and spring of the run; of no drag or no waves nothing."""
+    asked = []
+
+    class Stub:
+        def settled(self, *given):
+            asked.append(given)
+            return np.array([[[30.0, 40.0]]])
+
+        def powers(self, *given):
+            asked.append(given)
+            return np.array([[7.0]])
+
+    monkeypatch.setattr(drag_module, "dragged_port", lambda *given: asked.append(given) or Stub())
+    run = two_ways()
+    found = linearised(run, "floating", "B", LinearPto(55.0, -3.0), OBLIQUE, TWO)
+    assert found == {DAMPERS: [30.0, 40.0], LINEARISED: 7.0}
+    (study, floating, design, going), *loads = asked
+    assert (study, floating, design, list(going)) == (run, "floating", "B", [40.0])
+    np.testing.assert_array_equal(going[40.0], TWO.omega)
+    assert len(loads) == 2
+    for waves, damping, stiffness in loads:
+        np.testing.assert_allclose(waves, [[0.1, 0.04]])
+        assert (damping.tolist(), stiffness.tolist()) == ([55.0], [-3.0])
+    assert linearised(run, "floating", "B", LinearPto(55.0), OBLIQUE, NO_WAVES) == {}
+    assert linearised(SimpleNamespace(drag=None), "floating", "B", LinearPto(55.0), OBLIQUE, TWO) == {}

@@ -29,6 +29,7 @@ from vsb.scenes.pause import (
     SETTLED,
     BestPause,
     best_pair,
+    best_pair_in_sea,
     best_pause,
     best_pause_in_sea,
     refined_pause,
@@ -416,7 +417,8 @@ def test_a_maximum_is_found_within_what_is_stated(top):
 def test_still_water_needs_no_pause():
     none = best_pause_in_sea(scene(TakeOff(B, 2.0), NO_WAVES), NO_WAVES, SETTINGS)
     assert none == (0.0, 0.0, 0.0)
-    assert refined_pause(scene(TakeOff(B, 2.0), NO_WAVES), none, NO_WAVES, SETTINGS) == none
+    for given in (none, BestPause(0.7, 5.0, 0.1)):
+        assert refined_pause(scene(TakeOff(B, 2.0), NO_WAVES), given, NO_WAVES, SETTINGS) == given
 
 
 @pytest.mark.parametrize("model", ["linear", "body_exact"])
@@ -507,3 +509,36 @@ def test_a_take_off_keeps_its_damper_where_only_its_pause_changes():
     for damping, expected in ((None, 2.0), (0.0, 0.0), (3.0, 3.0)):
         law = with_pause(held, 0.4, damping).law
         assert (law.pause, law.damping, law.stiffness, law.limit, law.rest) == (0.4, expected, 7.0, 30.0, 0.2)
+
+
+def test_pauses_are_tried_up_to_half_a_period_of_the_strongest_component_and_known_to_a_part_of_that(monkeypatch):
+    asked = []
+
+    def search(sought, *_):
+        return sought(lambda damper, pause: asked.append(pause) or -((pause - 0.5) ** 2))
+
+    monkeypatch.setattr(pause_module, "_sought", search)
+    held, longest = scene(TakeOff(B, 2.0), IRREGULAR), np.pi / 1.9
+    _, pair = best_pair_in_sea(held, IRREGULAR, SETTINGS, [1.0, 10.0])
+    assert max(asked) == pytest.approx(longest)
+    asked.clear()
+    alone = best_pause_in_sea(held, IRREGULAR, SETTINGS)
+    assert max(asked) == pytest.approx(longest)
+    assert pair.within == alone.within == pytest.approx(pause_module.KNOWN * longest)
+
+
+@pytest.mark.parametrize(("given", "tried"), [(1e-9, pause_module.TRIED), (0.02, 0.02)])
+def test_trials_in_an_irregular_sea_are_the_run_followed_as_coarsely_as_is_known_enough(given, tried, monkeypatch):
+    followed = []
+    monkeypatch.setattr(pause_module, "windowed_power", lambda *asked: followed.append(asked) or 3.0)
+    settings = SETTINGS.model_copy(update={"tolerance": given})
+    assert pause_module._trials(IRREGULAR, settings)("system") == 3.0
+    ((system, sea, used),) = followed
+    assert (system, sea, used.tolerance, used.window) == ("system", IRREGULAR, tried, SETTINGS.window)
+
+
+def test_power_in_a_regular_wave_is_that_of_the_settled_motion_whatever_the_window(monkeypatch):
+    monkeypatch.setattr(pause_module, "settled_power", lambda system, error: (len(system) + error, None))
+    monkeypatch.setattr(pause_module, "windowed_power", lambda *_: 8.0)
+    assert pause_module._power("four", regular(2.0), SETTINGS) == 4.0 + SETTLED
+    assert pause_module._power("four", IRREGULAR, SETTINGS) == 8.0

@@ -46,17 +46,19 @@ def test_coefficients_of_modes_are_those_of_what_their_ring_does(study):
     np.testing.assert_allclose(modes.excitation[3], 5e4 * radial, rtol=1e-12, atol=1e-9)
 
 
-def test_a_rigid_design_is_a_mass_on_two_springs(study):
+@pytest.mark.parametrize("spring", [SPRING, -4e4, 0.0])
+def test_a_rigid_design_is_a_mass_on_two_springs(study, spring):
     """V0 = F/Z and Y = 1/Z: the mass and the water's, its loss, the waterplane and the spring of the take-off."""
+    study = varied(study, pto={"stiffness": spring})
     rest = reference_shell(study)
     port = design_ports(study, rest, water(study))["FSB"]
     heave, squared = np.cos(2.0), study.device.radius**2 - study.centre_height**2
     waterplane = study.water.density * study.water.gravity * np.pi * squared
     inertia = study.device.mass + 4e3 * heave**2
-    impedance = -1j * OMEGA * inertia + 1e3 * OMEGA * heave**2 + (waterplane + SPRING) / (-1j * OMEGA)
+    impedance = -1j * OMEGA * inertia + 1e3 * OMEGA * heave**2 + (waterplane + spring) / (-1j * OMEGA)
     np.testing.assert_allclose(port.admittance, 1 / impedance, rtol=1e-9)
     np.testing.assert_allclose(port.velocity, 5e4 * heave / impedance, rtol=1e-9)
-    assert port.compliance == pytest.approx(1 / (waterplane + SPRING), rel=1e-9)
+    assert port.compliance == pytest.approx(1 / (waterplane + spring), rel=1e-9)
 
 
 def test_shells_of_other_materials_share_the_water(study):
@@ -244,3 +246,17 @@ def test_a_line_is_the_port_of_all_orders_it_reaches_each_with_its_own_water_mas
     np.testing.assert_allclose(heave, together[:, 0], rtol=1e-10)
     expected = _of_shell(together, shell_shapes(basis, families))
     np.testing.assert_allclose(shell, expected, rtol=1e-9, atol=1e-10 * np.abs(together).max())
+
+
+def test_modes_radiate_through_the_channel_of_their_force_alone(study):
+    """What a solver leaves beside it goes: of its damping the trace stays, h = tr B/|X|^2."""
+    basis, exact = reference_shell(study).basis, water(study)
+    beside = 300.0 * np.eye(len(exact.displacements)) * OMEGA[:, None, None]
+    coefficients = exact.coefficients._replace(damping=exact.coefficients.damping + beside)
+    left = ShapeWater(exact.displacements, OMEGA, coefficients)
+    found, alone = left.in_modes(basis), exact.in_modes(basis)
+    np.testing.assert_array_equal(found.excitation, alone.excitation)
+    np.testing.assert_array_equal(found.added_mass, alone.added_mass)
+    shape = alone.damping[3] / np.trace(alone.damping[3])
+    assert np.trace(found.damping[3]) > 1.01 * np.trace(alone.damping[3])
+    np.testing.assert_allclose(found.damping[3], np.trace(found.damping[3]) * shape, rtol=1e-9, atol=1e-9)

@@ -127,7 +127,8 @@ def test_the_damper_of_a_sea_knows_no_other_sea():
 
 
 def test_one_damper_suits_the_sum_of_all_seas():
-    seas = [regular(0.7), regular(2.5, 0.4)]
+    shared = np.array([0.7, 2.5])
+    seas = [regular(0.7), Sea(shared, np.array([0.6, 0.4])), Sea(shared, np.array([0.1, 0.5j]))]
     omega = frequencies(seas)
     port, dampers = OnePort().port(omega, None, None), np.geomspace(0.1, 50.0, 20001)
     power = port.power(dampers) @ squares(seas, omega).sum(axis=0)
