@@ -1,5 +1,7 @@
 """The optimum within limits: identities, a second method, proofs, and limits of limits."""
 
+import re
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -109,8 +111,12 @@ def test_limits_that_cannot_be_met_are_proved_so_and_others_met(seed):
     assert found.stroke_peak <= 1.03 * limits[1] * (1 + 1e-9)
     with pytest.raises(
         StabilityError, match=r"no force within force_limit keeps stroke_limit in this sea \(proof: it would"
-    ):
+    ) as told:
         constrained_optimum(harmonics, velocity, admittance, *(0.97 * limits))
+    most, least = (float(number) for number in re.findall(r"(-?[\d.e+]+) W", str(told.value)))
+    size = np.sqrt(2) * 0.97 * limits[0]
+    least_there_is = -size / 2 * (np.linalg.norm(velocity) + size * admittance.real.max())
+    assert most < least == pytest.approx(least_there_is, rel=1e-5)
 
 
 @settings(max_examples=25)

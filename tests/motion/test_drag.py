@@ -12,7 +12,7 @@ from vsb.motion.drag import GAUSSIAN, REGULAR, DraggedPort, best_damper, best_pa
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.port import Port
 from vsb.motion.pto import LinearPto
-from vsb.motion.tuning import best_dampers, best_pairs
+from vsb.motion.tuning import Load, best_dampers, best_pairs
 
 DRAG = 0.4
 
@@ -264,3 +264,44 @@ def test_beside_drag_too_a_port_that_nothing_holds_gets_a_spring(seed):
         assert adrift.powers(square, c, k).max() <= pair.power[0] * (1 + 1e-6)
         assert pair.power[0] >= one.power[0]
         assert 0.0 <= pair.stiffness[0] < np.inf
+
+
+def test_one_load_in_several_seas_is_told_for_each():
+    buoy = Buoy(0)
+    waves = seas(buoy.omega)
+    one = under(buoy.port, waves, 0.5, -0.1, 0.8)
+    assert (one.damping.tolist(), one.stiffness.tolist()) == ([0.5] * 3, [-0.1] * 3)
+    np.testing.assert_array_equal(one.power, buoy.port.powers(waves, np.array([0.5]), np.array([-0.1]), 0.8)[0])
+
+
+def test_a_direction_without_drag_has_no_damper_beside_one_with_it():
+    """As where its coefficient is set to nothing to see what it does."""
+    buoy, given = Buoy(0, dragged=2), (np.array([0.5, 2.0]), np.array([0.1, 0.0]))
+    waves = seas(buoy.omega)
+    for coefficient in ([0.0, 0.8], [0.4, 0.0], [0.0, 0.0]):
+        port = replace(buoy.port, coefficient=np.array(coefficient))
+        drag = port.settled(waves, *given)
+        assert ((drag > 0) == (np.array(coefficient) > 0)).all()
+        for k in np.flatnonzero(coefficient):
+            one = DraggedPort(
+                port.port, port.across[:, [k]], port.own[:, [k]][..., [k]], port.past[:, [k]], port.coefficient[[k]]
+            )
+            np.testing.assert_allclose(drag[..., k], one.settled(waves, *given)[..., 0], rtol=1e-9)
+    still = DraggedPort(port.port, port.across[:, :1], port.own[:, :1, :1], port.past[:, :1], np.zeros(1))
+    assert not still.settled(waves, *given).any()
+
+
+@pytest.mark.parametrize("powers", [(1.0, 2.0), (2.0, 1.0), (0.1, 0.2)])
+def test_of_the_pairs_climbed_to_beside_drag_the_best_is_told_if_it_beats_the_load_at_hand(powers, monkeypatch):
+    """One is reached from the best beside linear drag, the other from the load at hand."""
+    buoy = Buoy(0)
+    at_hand, beside = (Load(*(np.array([x]) for x in values)) for values in ((0.5, 0.1, 0.3), (0.7, -0.05, 0.2)))
+    monkeypatch.setattr(drag_module, "best_pairs", lambda *_: beside)
+    monkeypatch.setattr(drag_module, "climbed", lambda _, starts, step: (starts, np.array(powers)))
+    found = best_pair(buoy.port, seas(buoy.omega)[:1], at_hand, 1.0)
+    damping, stiffness, _ = beside if powers[0] > powers[1] else at_hand
+    if max(powers) > 0.3:
+        assert found.power.tolist() == [max(powers)]
+        assert (found.damping, found.stiffness) == (pytest.approx(damping), pytest.approx(stiffness))
+    else:
+        assert found == at_hand

@@ -3,7 +3,16 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import j0
 
-from vsb.motion.froude_krylov import _bessel, incident, rotated, wave_force, wave_forces
+from vsb.motion.froude_krylov import (
+    _bessel,
+    _dynamic,
+    _elevation,
+    _moment,
+    incident,
+    rotated,
+    wave_force,
+    wave_forces,
+)
 from vsb.motion.wetted import WetShell
 from vsb.shell.modes import mode_basis
 from vsb.waves.seas import NO_WAVES, Sea
@@ -137,3 +146,22 @@ def test_components_in_any_order_are_the_same_waves(depth):
     ordered = incident(Sea(waves.omega, waves.amplitude), depth, G, 2.0)
     for ours, theirs in zip(waves, ordered, strict=True):
         np.testing.assert_array_equal(ours, theirs)
+
+
+@pytest.mark.parametrize("depth", [np.inf, 2.5, 0.9])
+@pytest.mark.parametrize("radius", [2.0, 1.3])
+def test_elevation_and_pressure_are_sums_of_every_component_s_own_around_the_axis(depth, radius):
+    """Re a J_0(k x) exp(-i w t), and times cosh k(z + d)/cosh kd under water: by series of long waves, by one of short."""
+    omega, amplitude = np.array([1.2, 3.0, 5.0, 9.0, 11.0]), np.array([-0.2, 0.1, 0.05 + 0.01j, 0.02j, 0.01 - 0.03j])
+    waves, time = incident(Sea(omega, amplitude), depth, G, radius), 0.7
+    assert 0 < len(waves.powers) < len(omega)
+    k, now = waves.wavenumber, (amplitude * np.exp(-1j * omega * time)).real
+    x, z = radius * np.array([0.0, 0.3, 0.8, 1.0, 1.1]), -radius * np.array([0.0, 0.2, 0.1, 0.6, 0.4])
+    around = j0(np.outer(x, k))
+    deep = np.exp(np.outer(z, k))
+    profile = deep if depth == np.inf else np.cosh(k * (z[:, None] + depth)) / np.cosh(k * depth)
+    for centre in (0.0, -0.4 * radius):
+        sea = _moment(waves, rotated(waves, time), centre)
+        np.testing.assert_allclose(sea.head, now, atol=1e-15)
+        np.testing.assert_allclose([_elevation(waves, sea, at**2) for at in x], around @ now, atol=1e-9)
+        np.testing.assert_allclose(_dynamic(waves, sea, x**2, z), (around * profile) @ now, atol=1e-9)

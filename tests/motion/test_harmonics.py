@@ -50,7 +50,10 @@ def test_signals_products_and_adjoint_are_the_sums_they_stand_for(harmonics):
 
 @pytest.mark.parametrize(("spacing", "first", "count"), [(0.1, 0.0, 3), (0.1, 0.7, 3), (0.0, 1.0, 3), (0.1, 1.0, 0)])
 def test_harmonics_that_do_not_repeat_are_refused(spacing, first, count):
-    with pytest.raises(ValueError, match="needs a first order of 1/2, 1, 3/2"):
+    received = (
+        f"^harmonics: received first order {first:g}, spacing {spacing:g} rad/s and {count} of them; needs a first"
+    )
+    with pytest.raises(ValueError, match=received + " order of 1/2, 1, 3/2, ..., a spacing above 0 and at least one$"):
         Harmonics(spacing, first, count)
 
 
@@ -87,7 +90,10 @@ def test_harmonics_of_a_sea_hold_its_components_and_fill_the_band(seed, wave):
     ],
 )
 def test_a_sea_that_never_repeats_has_no_harmonics(omega):
-    with pytest.raises(ConfigError, match=r"waves: received components 0.1 rad/s apart from .* which never repeat"):
+    received = (
+        f"^waves: received components 0.1 rad/s apart from {omega[0]:.4g} rad/s on, which never repeat; an optimum"
+    )
+    with pytest.raises(ConfigError, match=f"{received} under limits needs multiples of half that: change the band or"):
         Harmonics.of_sea(omega, 0.1, 12.0)
 
 
@@ -109,3 +115,30 @@ def test_a_band_may_miss_a_harmonic_by_a_millionth_of_their_spacing(part, count)
     """Both ends: a frequency at the end of the band is in it, one beyond is not."""
     omega = np.array([1.4, 1.5, 1.6])
     assert Harmonics.of_sea(omega, 1.0 + 0.1 * part, 2.0 - 0.1 * part).count == count
+
+
+@pytest.mark.parametrize("part", [0.0, 0.5])
+def test_components_of_unequal_distances_are_of_the_least_of_them(part):
+    """Whichever of them it is: the first, one between or the last."""
+    for gaps in ([1, 2, 3], [3, 1, 2], [2, 3, 1]):
+        orders = 4 + part + np.concatenate([[0], np.cumsum(gaps)])
+        found = Harmonics.of_sea(0.2 * orders, 0.2 * (2 + part), 2.4)
+        assert (found.spacing, found.first) == (pytest.approx(0.2, rel=1e-12), 2 + part)
+        assert found.omega[-1] == pytest.approx(2.4 if part == 0 else 2.3)
+
+
+def test_a_band_from_nothing_begins_with_the_first_harmonic_there_is():
+    """Half a spacing of a sea of halves, a whole one of others: none has the frequency zero."""
+    for part, first in ((0.0, 1.0), (0.5, 0.5)):
+        omega = 0.2 * (4 + part + np.arange(3.0))
+        for lowest in (0.0, 0.05):
+            assert Harmonics.of_sea(omega, lowest, 2.0).first == first
+        assert Harmonics.of_sea(omega, 0.29, 2.0).first == first + 1
+
+
+@pytest.mark.parametrize(("first", "count"), [(40.0, 3), (40.5, 3), (1.0, 3), (0.5, 60)])
+def test_there_are_four_instants_in_the_shortest_period_and_no_fewer_than_64(first, count):
+    harmonics = Harmonics(0.3, first, count)
+    period = 2 * np.pi / harmonics.omega[-1]
+    assert 2 * np.pi / harmonics.spacing / harmonics.instants <= period / 4
+    assert 64 <= harmonics.instants <= max(64, 1.25 * 4 * (first + count))

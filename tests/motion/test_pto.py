@@ -46,8 +46,13 @@ def test_a_damper_alone_has_no_spring_and_is_that_of_heave():
 
 
 def test_a_spring_that_runs_away_with_the_gas_is_refused():
-    with pytest.raises(ConfigError, match=r"pto.stiffness: received -2, with which the gas .*; needs more than -2$"):
-        LinearPto(1.0, -2.0).relaxed(0.5)
+    for stiffness in (-2.0, -3.5):
+        words = (
+            rf"^pto.stiffness: received {stiffness:g}, with which the gas before the take-off does not rest; needs more"
+        )
+        with pytest.raises(ConfigError, match=rf"{words} than -2$"):
+            LinearPto(1.0, stiffness).relaxed(0.5)
+    assert LinearPto(1.0, -1.9).relaxed(0.5)[1] == pytest.approx(0.5 * 0.05)
 
 
 @pytest.mark.parametrize("port", [None, np.array([0.5, -1.0, 2.0])])

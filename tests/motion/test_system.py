@@ -330,3 +330,26 @@ def test_a_frequency_of_several_forces_is_one(mixed):
     twice = {**mixed.forces, "diffraction": Excitation(np.array([2.1, 0.4]), np.ones((2, 3)) + 0j)}
     assert System.of(replace(mixed, forces=twice)).frequencies.tolist() == [0.4, 1.3, 2.1]
     assert System.of(replace(mixed, forces={"hydrostatic": mixed.forces["hydrostatic"]})).frequencies.size == 0
+
+
+@pytest.mark.parametrize("begin", [0.0, 0.7])
+def test_the_compiled_remainder_of_a_later_leg_goes_on_with_its_waves(wet, begin):
+    """Time counts from the begin of the leg; pressure, waves on the wet shell and linear ones from that of the run."""
+    dof = len(wet.labels)
+    sea = Sea(OMEGA, np.array([0.05 + 0.02j, -0.03j]))
+    waves = incident(sea, np.inf, 9.81, 2.0)
+    beside = Excitation(OMEGA, 1e3 * (np.arange(2 * dof).reshape(2, dof) + 0.5j))
+    water = replace(wet.water, assumed=None, waves=waves)
+    pressed, driven = (
+        System.of(wet),
+        System.of(replace(wet, forces={**wet.forces, "water": water, "diffraction": beside})),
+    )
+    for system, diffraction in ((pressed, None), (driven, beside.phasors @ driven.shapes)):
+        time, z = moving(system)
+        known = system.remainder._replace(begin=begin)
+        known = known if diffraction is None else known._replace(diffraction=np.ascontiguousarray(diffraction))
+        found = np.empty((len(time), system.free))
+        for i, t in enumerate(time):
+            remainder(known, t - begin, z[i, : system.free].copy(), found[i])
+        expected = system.forcing(time, z)
+        assert found == pytest.approx(expected, abs=1e-12 * np.abs(system.shapes.T @ wet.constant).max())
