@@ -286,3 +286,14 @@ def test_a_rigid_buoy_has_no_forces_of_a_shell(studies, model):
     assert rigid == common
     shell = {"elastic", "prestress", "gas", "structural_damping"} | ({"preload"} if model == "body_exact" else set())
     assert elastic == common | shell
+
+
+def test_waves_are_known_as_far_as_the_shell_reaches_from_its_centre(studies):
+    """Of a shell higher than wide half its height, of a wider one its radius."""
+    for height, reach in ((5.0, 2.5), (2.0, 1.5)):
+        device = {"radius": 1.5, "shape": {"spheroid": {"height": height}}, "mass": 1.1e3 * np.pi * height}
+        study = varied(studies["vented"][0], designs={"FSB": {"flexible": False}}, device=device)
+        buoy, shape = buoy_of(study, reference_shell(study))
+        waves = scenes(study, buoy, shape, "FSB", SEA)["body_exact"]().water.waves
+        assert waves.radius == pytest.approx(reach)
+        np.testing.assert_allclose(waves.powers[:, 1], waves.wavenumber * reach, rtol=1e-12)

@@ -69,3 +69,38 @@ def test_the_factor_is_of_the_direction_that_excites_its_motions(database):
         found = channel.damping(omega, force(omega))[:, pick[:, None], pick]
         expected = factor * omega[:, None, None] ** 3 * one_channel(force(omega)[:, pick])
         np.testing.assert_allclose(found, expected, rtol=1e-10)
+
+
+def lone(omega, factor):
+    """One motion of unit force whose damping is given."""
+    pair = ("influenced_dof", "radiating_dof")
+    return xr.Dataset(
+        {
+            "radiation_damping": (("omega", *pair), factor[:, None, None]),
+            "excitation_force": (("omega", "wave_direction", pair[0]), np.ones((len(omega), 1, 1), dtype=complex)),
+        },
+        {"omega": omega},
+    )
+
+
+@pytest.mark.parametrize(
+    ("slope", "power"), [(0.2, 1), (1.0, 1), (1.4, 1), (1.6, 2), (2.4, 2), (2.6, 3), (3.0, 3), (4.6, 3), (-2.0, 1)]
+)
+def test_a_factor_is_drawn_over_the_nearest_whole_power_from_one_to_three(slope, power):
+    channel = Channel.of(lone(OMEGA, 2.0 * OMEGA**slope), np.array([0]))
+    assert channel.power == power
+    found = channel.damping(OMEGA, np.ones((60, 1), dtype=complex))[:, 0, 0]
+    np.testing.assert_allclose(found, 2.0 * OMEGA**slope, rtol=1e-9)
+
+
+@pytest.mark.parametrize(("count", "drawn"), [(9, 4), (8, 8)])
+@pytest.mark.parametrize("wrong", [0.0, -1.0])
+def test_next_to_no_damping_two_frequencies_to_either_side_are_left_out_while_four_are_left(count, drawn, wrong):
+    omega = 1.0 + np.arange(float(count))
+    factor = 2.0 * omega**3
+    factor[:5] *= 1.5
+    factor[2] = wrong
+    channel = Channel.of(lone(omega, factor), np.array([0]))
+    assert channel.factor.x.tolist() == omega[-drawn:].tolist()
+    if drawn == 4:
+        np.testing.assert_allclose(channel.factor(omega), np.full(count, 2.0), rtol=1e-9)

@@ -33,6 +33,19 @@ def test_without_limits_that_bind_it_is_the_matched_limit(harmonics):
     assert tight.power < 0.99995 * matched
 
 
+@pytest.mark.parametrize("share", [0.9997, 0.99, 1.0003])
+@pytest.mark.parametrize("way", ["force", "stroke"])
+def test_a_limit_a_little_below_what_is_best_without_it_binds_and_one_above_does_not(way, share):
+    velocity, admittance = buoy(SEA)
+    free = constrained_optimum(SEA, velocity, admittance)
+    limits = (share * free.force_peak, np.inf) if way == "force" else (np.inf, share * free.stroke_peak)
+    found = constrained_optimum(SEA, velocity, admittance, *limits)
+    assert (found.steps > 0) == (share < 1)
+    assert found.power <= free.power
+    peak = found.force_peak if way == "force" else found.stroke_peak
+    assert peak <= min(share, 1.0) * getattr(free, f"{way}_peak") * (1 + 1e-9)
+
+
 @pytest.mark.parametrize("limits", [(3e3, np.inf), (np.inf, 0.3), (4e4, 2.0), (4e3, 6.0)])
 @pytest.mark.parametrize("harmonics", [SEA, WAVES])
 def test_limits_are_kept_and_the_gap_is_closed(harmonics, limits):

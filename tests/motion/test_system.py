@@ -353,3 +353,22 @@ def test_the_compiled_remainder_of_a_later_leg_goes_on_with_its_waves(wet, begin
             remainder(known, t - begin, z[i, : system.free].copy(), found[i])
         expected = system.forcing(time, z)
         assert found == pytest.approx(expected, abs=1e-12 * np.abs(system.shapes.T @ wet.constant).max())
+
+
+def test_forces_that_an_integrator_alone_knows_are_those_of_the_motion(mixed):
+    """In place of what position and velocity would give; radiation without states is what they leave."""
+    system = System.of(mixed)
+    time, z = moving(system)
+    motion = system.motion(time, z, system.forcing(time, z), 0.0)
+    told = replace(motion, forces={"drag": np.full((4, 3), 7.0)})
+    before, after = system.forces(motion), system.forces(told)
+    assert before.keys() == after.keys()
+    np.testing.assert_array_equal(after["drag"], np.full((4, 3), 7.0))
+    for name in before.keys() - {"drag"}:
+        np.testing.assert_array_equal(after[name], before[name])
+    alone = replace(mixed, forces={name: force for name, force in mixed.forces.items() if name != "pto"})
+    bare = replace(told, memory=np.zeros((4, 0)))
+    found = System.of(alone).forces(bare)
+    inertia = motion.acceleration @ mixed.motions.T @ mixed.mass
+    np.testing.assert_allclose(sum(found.values()), inertia, rtol=1e-9, atol=1e-9)
+    np.testing.assert_array_equal(found["drag"], np.full((4, 3), 7.0))
