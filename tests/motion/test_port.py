@@ -492,3 +492,18 @@ def test_a_line_is_a_port_of_rigid_motions_at_the_height_the_buoy_floats_at(seed
     labels = [*basis.labels, *(label for each in orders for label in each.labels)]
     found = dict(zip(labels, port_direction(line, DeformedShell(basis, height), orders), strict=True))
     assert found == dict.fromkeys(labels, 0.0) | line_shares(line, height)
+
+
+@pytest.mark.parametrize("choice", ["heave", "volume", ShellPort(colatitude=40)], ids=str)
+def test_a_port_of_the_axisymmetric_shell_has_no_part_in_higher_orders(seed, choice):
+    planar = varied(
+        seed, motion="planar", modes={"degree": 3, "order": 2}, device={"centre_of_mass": -0.5, "ballast_inertia": 1e4}
+    )
+    basis = study_basis(planar)
+    shape, orders = DeformedShell(basis, 0.3), order_bases(planar, basis)
+    found, count = port_direction(choice, shape, orders), len(basis.labels)
+    assert len(found) == count + sum(len(each.labels) for each in orders)
+    np.testing.assert_array_equal(found[:count], port_direction(choice, shape))
+    assert not found[count:].any()
+    assert found[:count].any()
+    assert found[0] == pytest.approx(float(choice != "volume"), abs=1e-12)

@@ -91,3 +91,18 @@ def test_small_waves_give_the_linear_froude_krylov_force(meridian):
         errors.append(abs((crest - trough)[0] / (2 * amplitude) - exact))
     assert errors[0] < 5e-3 * exact
     assert 3.0 < errors[0] / errors[1] < 5.0
+
+
+@pytest.mark.parametrize("meridian", BODIES)
+@pytest.mark.parametrize("height", [-0.2, 0.4])
+def test_quadrature_is_exact_whatever_the_meridian(meridian, height):
+    """Points four times as many change nothing, on a shell that is deformed in all its shapes."""
+    basis = basis_of(meridian)
+    q = np.concatenate([[0.05], 0.03 * np.cos(np.arange(1.0, 7.0))])[None]
+    few, many = wet_shell(basis, height), wet_shell(basis, height)
+    node, weight = np.polynomial.legendre.leggauss(4 * len(few.shape.node))
+    many.__dict__["shape"] = few.shape._replace(node=node, weight=weight)
+    for one, other in zip(few.forces(q), many.forces(q), strict=True):
+        assert one == pytest.approx(other, abs=1e-11)
+    assert len(few.shape.node) == 2 * basis.turns + 3
+    assert len(few.shape.grid) == 6 * (basis.turns + 1) + 1

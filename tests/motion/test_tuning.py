@@ -5,16 +5,22 @@ from hypothesis import strategies as st
 
 from vsb.motion.port import Port
 from vsb.motion.tuning import (
+    FINEST,
     Load,
+    _ascent,
+    _local_maxima,
     _with,
     best_damper_of_each,
     best_dampers,
     best_pairs,
     climbed,
     electrical_power,
+    frequencies,
     mean_power,
     powers_of_all,
+    squares,
 )
+from vsb.waves.seas import NO_WAVES, Sea
 
 
 def random_port(rng, count=40, motions=3, drifting=False):
@@ -256,10 +262,10 @@ def test_dampers_are_tried_around_those_that_waves_want_beside_the_spring():
     z, omega, spring = np.array([10.0 - 1e4j, 1e4 - 5e3j]), np.array([1.0, 2.0]), 1e4
     port = Port(omega, 1 / z, 1 / z, 1e-3)
     assert np.abs(z + 1j * spring / omega) == pytest.approx([10.0, 1e4])
-    for squares, wanted in (([1.0, 100.0], 10.0), ([1.0, 1e5], 1e4)):
+    for sea, wanted in (([1.0, 100.0], 10.0), ([1.0, 1e5], 1e4)):
         tried = np.geomspace(1.0, 1e5, 2001)
-        best = tried[(port.power(tried, np.full(2001, spring)) @ squares).argmax()]
-        (damping,) = best_dampers(port, np.array([squares]), spring).damping
+        best = tried[(port.power(tried, np.full(2001, spring)) @ sea).argmax()]
+        (damping,) = best_dampers(port, np.array([sea]), spring).damping
         assert damping == pytest.approx(best, rel=1e-2)
         assert damping == pytest.approx(wanted, rel=0.2)
 
@@ -274,3 +280,80 @@ def test_what_is_found_for_some_seas_stands_there_where_it_is_better():
         assert together.stiffness.tolist() == [10 * value for value in expected]
         assert together.power.tolist() == [6.0 if value == 4.0 else 5.0 for value in expected]
     assert at_hand.damping.tolist() == [1.0, 2.0, 3.0]
+
+
+def test_seas_are_rows_of_squares_over_the_frequencies_of_all():
+    seas = [
+        Sea(np.array([1.0, 3.0]), np.array([1.0 + 1j, -2.0])), NO_WAVES, Sea(np.array([2.0, 3.0]), np.array([3j, 1.0])),
+        Sea(np.array([0.5]), np.array([-1j])),
+    ]  # fmt: skip
+    omega = frequencies(seas)
+    assert omega.tolist() == [0.5, 1.0, 2.0, 3.0]
+    np.testing.assert_allclose(squares(seas, omega), [[0, 2, 0, 4], [0] * 4, [0, 0, 9, 1], [1, 0, 0, 0]], rtol=1e-15)
+    assert frequencies([NO_WAVES]).size == 0
+
+
+@pytest.mark.parametrize("efficiency", [1.0, 0.7])
+def test_loads_each_in_its_sea_take_what_they_take_in_all_of_them(efficiency):
+    """By the sum over frequencies of what one load takes of one wave, springs of either sign."""
+    rng = np.random.default_rng(11)
+    port = random_port(rng)
+    seas, c, k = random_seas(rng, port.omega, 3), np.array([0.3, 2.0, 0.9]), np.array([0.2, 0.0, -0.1])
+    together = powers_of_all(port, seas, c, k, efficiency)
+    assert mean_power(port, seas, c, k, efficiency) == pytest.approx(np.diag(together), rel=1e-12)
+    for i, j in np.ndindex(3, 3):
+        speed = 0.5 * seas[j] * np.abs(port.velocity_under(port.load(c[i], k[i]))) ** 2
+        taken = electrical_power(c[i], k[i], speed.sum(), (speed / port.omega**2).sum(), efficiency)
+        assert together[i, j] == pytest.approx(float(taken), rel=1e-12)
+        if efficiency == 1.0:
+            assert together[i, j] == pytest.approx(c[i] * speed.sum(), rel=1e-12)
+    assert mean_power(port, seas, c, k).tolist() == mean_power(port, seas, c, k, 1.0).tolist()
+
+
+@pytest.mark.parametrize("size", [1, 2])
+def test_each_start_climbs_its_own_hill_however_long_the_others_take(size):
+    """Four hills of unlike tops, heights and widths; steps of unlike sizes in either direction."""
+    tops = np.array([[0.0, 0.0], [3.0, -2.0], [0.3, 0.1], [-5.0, 4.0]])[:, :size]
+    heights, sharpness = np.array([1.0, -2.0, 3.0, 4.0]), np.array([1.0, 30.0])[:size]
+
+    def hills(x, start):
+        return heights[start] - ((x - tops[start]) ** 2 * sharpness).sum(axis=1)
+
+    for steps in ([0.5, 0.5], [0.5, 3e-4], [3e-4, 0.5]):
+        apart = np.array([[0.0, 0.0], [1.0, -0.3], [-0.2, 0.5], [0.03, 0.01]]) * np.minimum(60 * np.array(steps), 1.0)
+        near = tops + apart[:, :size]
+        x, value = climbed(hills, near, np.tile(steps[:size], (4, 1)))
+        np.testing.assert_allclose(x, tops, atol=2 * FINEST)
+        np.testing.assert_allclose(value, heights, atol=1e-6)
+
+
+def test_a_step_of_a_climb_is_newton_s_to_the_top_of_a_parabola_and_uphill_by_one_where_it_has_none():
+    offsets = np.array(list(np.ndindex(3, 3))) - 1
+    slopes = np.array([[0.3, -0.4], [0.3, -0.4], [-0.3, 0.4], [0.0, 0.1]])
+    bends = np.array(
+        [
+            [[-2.0, 0.7], [0.7, -1.5]],
+            [[-2.0, -0.7], [-0.7, -1.5]],
+            [[1.0, 0.0], [0.0, -1.0]],
+            [[-1.0, 0.0], [0.0, -0.05]],
+        ]
+    )
+    values = offsets @ slopes.T + 0.5 * np.einsum("pi,sij,pj->ps", offsets, bends, offsets) + 9.0
+    expected = [-np.linalg.solve(bends[0], slopes[0]), -np.linalg.solve(bends[1], slopes[1]), [-1.0, 0.4], [0.0, 1.0]]
+    np.testing.assert_allclose(_ascent(offsets, values), expected, atol=1e-12)
+    line = np.array([[-1], [0], [1]])
+    rows = [line[:, 0] * g + 0.5 * line[:, 0] ** 2 * h for g, h in ((0.3, -2.0), (0.3, 1.0), (-0.3, 0.0), (0.4, -0.2))]
+    np.testing.assert_allclose(_ascent(line, np.array(rows).T), [[0.15], [1.0], [-1.0], [1.0]], atol=1e-12)
+
+
+def test_a_local_maximum_of_a_table_is_no_less_than_any_neighbour_diagonals_and_edges_included():
+    """Of each sea by itself, below zero too."""
+    table = -np.array([[9.0, 5.0, 9.0, 1.0], [5.0, 9.0, 9.0, 9.0], [9.0, 9.0, 2.0, 9.0], [3.0, 9.0, 9.0, 2.0]])
+    expected = np.zeros((4, 4), dtype=bool)
+    for i, j in np.ndindex(4, 4):
+        expected[i, j] = table[i, j] == table[max(i - 1, 0) : i + 2, max(j - 1, 0) : j + 2].max()
+    assert expected.sum() == 6
+    found = _local_maxima(np.stack([table, table[::-1]], axis=2), axes=2)
+    np.testing.assert_array_equal(found, np.stack([expected, expected[::-1]], axis=2))
+    row = np.array([[-1.0, -3.0], [-2.0, -2.0], [-2.0, -2.0], [-4.0, -1.0]])
+    assert _local_maxima(row).T.tolist() == [[True, False, True, False], [False, True, False, True]]
