@@ -184,8 +184,12 @@ def test_waves_of_a_body_exact_scene_feel_the_bed(studies, depth):
     """w^2 = g k tanh(k h), of the database's own depth and gravity."""
     study, reference = studies["vented"]
     buoy, shape = buoy_of(study, reference)
-    shallow = replace(buoy, database=buoy.database.assign_attrs(water_depth=depth, gravity=9.7))
-    waves = scenes(study, shallow, shape, "VSWEC", SEA)["body_exact"]().water.waves
+    attrs = {"water_depth": depth, "gravity": 9.7, "water_density": 1010.0}
+    shallow = replace(buoy, database=buoy.database.assign_attrs(attrs))
+    plant = scenes(study, shallow, shape, "VSWEC", SEA)["body_exact"]()
+    waves = plant.water.waves
+    assert plant.water.specific_weight == pytest.approx(1010.0 * 9.7, rel=1e-15)
+    assert plant.forces["weight"].value == pytest.approx(-9.7 * shape.basis.inertia[0], rel=1e-15)
     assert 9.7 * waves.wavenumber * np.tanh(waves.wavenumber * depth) == pytest.approx(SEA.omega**2, rel=1e-12)
 
 
@@ -297,3 +301,37 @@ def test_waves_are_known_as_far_as_the_shell_reaches_from_its_centre(studies):
         waves = scenes(study, buoy, shape, "FSB", SEA)["body_exact"]().water.waves
         assert waves.radius == pytest.approx(reach)
         np.testing.assert_allclose(waves.powers[:, 1], waves.wavenumber * reach, rtol=1e-12)
+
+
+@pytest.mark.parametrize("design", DESIGNS)
+def test_in_other_water_a_buoy_rests_where_that_carries_its_weight(studies, design):
+    """By its own density and gravity: deeper in what is lighter."""
+    study, reference = studies["vented"]
+    motions = design_motions(study, reference.basis, design)
+    depths = []
+    for density, gravity in ((1025.0, 9.81), (900.0, 9.0), (900.0, 9.81)):
+        still = still_scene(reference, density, gravity, motions)
+        assert still.water.specific_weight == pytest.approx(density * gravity, rel=1e-15)
+        assert still.forces["weight"].value == pytest.approx(-gravity * reference.basis.inertia[0], rel=1e-15)
+        rest = (motions @ still.rest)[None]
+        pushed = sum(still.named(np.zeros(1), rest, 0 * rest).values())[0] @ motions
+        assert np.abs(pushed).max() < 1e-9 * gravity * study.device.mass
+        depths.append(rest[0, 0])
+    assert depths[1] < depths[0] - 0.1
+    assert depths[2] < depths[0] - 0.1
+
+
+@pytest.mark.parametrize("design", DESIGNS)
+def test_under_an_assumed_pressure_a_motion_starts_undeformed_and_strokes_count_from_where_the_buoy_rests(
+    studies, design
+):
+    study, _ = studies["vented"]
+    shape = reference_shell(study).shape
+    motions = design_motions(study, shape.basis, design)
+    plant = assumed_pressure_scene(shape, LinearPto(4.0), AssumedPressure(100.0, 2.0), 900.0, 9.0, motions)
+    assert not plant.start(0.0, 0.0)[0].any()
+    calm, rest = plant.raised(0.0), (motions @ plant.rest)[None]
+    pushed = sum(calm.named(np.zeros(1), rest, 0 * rest).values())[0] @ motions
+    assert np.abs(pushed).max() < 1e-9 * 9.0 * study.device.mass
+    assert rest[0, 0] < -0.1
+    np.testing.assert_array_equal(calm.rest, plant.rest)

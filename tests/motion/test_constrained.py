@@ -295,3 +295,30 @@ def test_peaks_are_sizes_at_the_instants_whichever_way_they_go():
         ):
             assert peak == np.abs(signal).max()
             assert opposite == pytest.approx(peak, rel=1e-6)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("limits", [(), (1e3, np.inf), (np.inf, 0.3), (1e3, 0.3)])
+def test_in_still_water_there_is_nothing_to_take_and_no_gap(limits):
+    velocity, admittance = buoy(SEA)
+    found = constrained_optimum(SEA, 0 * velocity, admittance, *limits)
+    assert (found.power, found.bound, found.gap, found.steps) == (0.0, 0.0, 0.0, 0)
+    assert (found.force_rms, found.force_peak, found.stroke_peak, found.excess) == (0.0, 0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("over", [(1.1, 1.3), (1.3, 1.1), (0.9, 1.2), (1.2, 0.9), (0.9, 0.8)])
+def test_what_exceeds_limits_between_the_instants_is_that_of_the_worst_and_none_where_both_are_kept(over):
+    rng = np.random.default_rng(4)
+    force, stroke = rng.normal(size=(2, SEA.count)) + 1j * rng.normal(size=(2, SEA.count))
+    peaks = [np.abs(SEA.signal(x, constrained.BETWEEN)).max() for x in (force, stroke)]
+    gains = np.ones(SEA.count, dtype=complex), 2j * np.ones(SEA.count)
+    limits = [
+        constrained.Limit(np.zeros(SEA.instants), gain, peak / part)
+        for gain, peak, part in zip(gains, peaks, over, strict=True)
+    ]
+    programme = constrained._Programme(SEA, force, np.ones(SEA.count), limits)
+    found = constrained._reported(programme, force, stroke, 7.0, 3)
+    assert found.excess == pytest.approx(max(0.0, max(over) - 1), abs=1e-12)
+    assert found.force_peak == np.abs(SEA.signal(force)).max()
+    assert found.stroke_peak == np.abs(SEA.signal(stroke)).max()
+    assert (found.bound, found.steps, found.power) == (7.0, 3, programme.power(force))

@@ -20,6 +20,7 @@ from vsb.scenes.build import linear_buoy, linear_design
 from vsb.scenes.directions import (
     check_moored,
     check_upright,
+    loaded_shell,
     mooring_stiffness,
     order_bases,
     order_stiffness,
@@ -621,3 +622,16 @@ def test_the_way_a_free_buoy_falls_over_is_that_of_the_least_stiffness(lower, na
     )
     with pytest.raises(ConfigError, match=rf"stiffness of {name} -3\.369e\+04 N m\).* or a mooring that holds {name}$"):
         check_upright(study, reference_shell(study))
+
+
+@pytest.mark.parametrize("pressure", [3e4, 0.0])
+@pytest.mark.parametrize("gas", [{"adiabatic_index": 1.4}, None])
+def test_a_shell_is_loaded_by_its_own_water_and_by_what_is_inside(pressure, gas):
+    device = {"internal_pressure": pressure, "gas": gas}
+    study = study_with(device=device, water={"density": 1010.0, "gravity": 9.7})
+    basis = study_basis(study)
+    load = loaded_shell(study, basis)
+    assert load.elastic.basis is basis
+    assert (load.water_density, load.gravity, load.internal_pressure) == (1010.0, 9.7, pressure)
+    assert (load.centre_height, load.gas) == (study.centre_height, study.device.gas)
+    assert (load.gas is None) == (gas is None)
