@@ -164,19 +164,22 @@ def test_in_still_water_a_buoy_rests_where_its_scene_in_waves_does(studies, name
     assert still.mass == pytest.approx(reference.basis.inertia, rel=1e-15)
 
 
+@pytest.mark.parametrize("sea", [SEA, Sea(SEA.omega[1:], SEA.amplitude[1:])], ids=["two", "one"])
 @pytest.mark.parametrize("design", DESIGNS)
-def test_waves_of_a_body_exact_scene_are_froude_krylov_and_diffraction(studies, design):
+def test_waves_of_a_body_exact_scene_are_froude_krylov_and_diffraction(studies, design, sea):
     """To first order in the waves; linear theory has their sum as excitation."""
     study, reference = studies["vented"]
     buoy, shape = buoy_of(study, reference)
-    linear, exact = (scenes(study, buoy, shape, design, SEA)[name]() for name in ("linear", "body_exact"))
-    expected = buoy.coefficients(SEA.omega).excitation * SEA.amplitude[:, None]
+    linear, exact = (scenes(study, buoy, shape, design, sea)[name]() for name in ("linear", "body_exact"))
+    expected = buoy.coefficients(sea.omega).excitation * sea.amplitude[:, None]
     assert linear.excitation.phasors == pytest.approx(expected, rel=1e-12)
     assert exact.excitation.phasors == pytest.approx(0.4 * expected, rel=1e-9)
-    assert exact.water.waves.omega == pytest.approx(SEA.omega)
-    assert exact.water.waves.wavenumber == pytest.approx(SEA.omega**2 / 9.81, rel=1e-12)
+    assert exact.water.waves.omega == pytest.approx(sea.omega)
+    assert exact.water.waves.amplitude == pytest.approx(sea.amplitude)
+    assert exact.water.waves.wavenumber == pytest.approx(sea.omega**2 / 9.81, rel=1e-12)
     assert exact.water.waves.radius == study.device.radius
-    assert linear.excitation.omega == pytest.approx(SEA.omega)
+    assert linear.excitation.omega == pytest.approx(sea.omega)
+    assert exact.excitation.omega == pytest.approx(sea.omega)
 
 
 @pytest.mark.parametrize("depth", [3.0, 30.0])

@@ -507,3 +507,19 @@ def test_a_port_of_the_axisymmetric_shell_has_no_part_in_higher_orders(seed, cho
     assert not found[count:].any()
     assert found[:count].any()
     assert found[0] == pytest.approx(float(choice != "volume"), abs=1e-12)
+
+
+@pytest.mark.parametrize("between", [(30.0, 110.0), (0.0, 130.0)])
+def test_a_port_between_two_points_has_its_part_in_every_order_in_turn(seed, between):
+    planar = varied(
+        seed, motion="planar", modes={"degree": 3, "order": 3}, device={"centre_of_mass": -0.5, "ballast_inertia": 1e4}
+    )
+    basis, choice = study_basis(planar), BetweenPort(between=between)
+    shape, orders = DeformedShell(basis, 0.3), order_bases(planar, basis)
+    found = np.split(
+        port_direction(choice, shape, orders), np.cumsum([len(basis.labels), *(len(o.labels) for o in orders)])
+    )
+    np.testing.assert_array_equal(found[0], port_direction(choice, shape))
+    for part, order in zip(found[1:-1], orders, strict=True):
+        np.testing.assert_array_equal(part, _between(choice, shape, order))
+        assert part.any()

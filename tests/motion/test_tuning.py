@@ -312,17 +312,20 @@ def test_loads_each_in_its_sea_take_what_they_take_in_all_of_them(efficiency):
 
 @pytest.mark.parametrize("size", [1, 2])
 def test_each_start_climbs_its_own_hill_however_long_the_others_take(size):
-    """Four hills of unlike tops, heights and widths; steps of unlike sizes in either direction."""
-    tops = np.array([[0.0, 0.0], [3.0, -2.0], [0.3, 0.1], [-5.0, 4.0]])[:, :size]
-    heights, sharpness = np.array([1.0, -2.0, 3.0, 4.0]), np.array([1.0, 30.0])[:size]
+    """Hills of unlike tops, heights and widths; steps of unlike sizes in either direction."""
+    tops = np.array([[0.0, 0.0], [3.0, -2.0], [0.3, 0.1], [-5.0, 4.0], [1.0, 1.0], [2.0, 1.0]])[:, :size]
+    heights, sharpness = np.array([1.0, -2.0, 3.0, 4.0, 5.0, -6.0]), np.array([1.0, 30.0])[:size]
 
     def hills(x, start):
-        return heights[start] - (2 * (np.cosh(x - tops[start]) - 1) * sharpness).sum(axis=1)
+        apart = x - tops[start]
+        return heights[start] - (2 * (np.exp(apart) - 1 - apart) * sharpness).sum(axis=1)  # steeper to one side
 
     for steps in ([0.5, 0.5], [0.5, 3e-4], [3e-4, 0.5]):
-        apart = np.array([[0.0, 0.0], [1.0, -0.3], [-0.2, 0.5], [0.03, 0.01]]) * np.minimum(60 * np.array(steps), 1.0)
+        apart = np.array([[0.0, 0.0], [1.0, -0.3], [-0.2, 0.5], [0.03, 0.01], [0.9, 0.0], [0.0, 0.9]]) * np.minimum(
+            60 * np.array(steps), 1.0
+        )
         near = tops + apart[:, :size]
-        x, value = climbed(hills, near, np.tile(steps[:size], (4, 1)))
+        x, value = climbed(hills, near, np.tile(steps[:size], (6, 1)))
         np.testing.assert_allclose(x, tops, atol=2 * FINEST)
         np.testing.assert_allclose(value, heights, atol=1e-6)
 

@@ -253,3 +253,16 @@ def test_what_is_held_is_pushed_only_by_a_stabilisation(seed, given):
     found = held @ system.matrix[n : 2 * n]
     np.testing.assert_allclose(found[:, n : 2 * n], -2 * rate * held, atol=1e-9 * np.abs(system.matrix).max())
     np.testing.assert_allclose(found[:, :n] * system.scale, -(rate**2) * held, atol=1e-9 * np.abs(system.matrix).max())
+
+
+def test_all_motions_are_free_but_for_the_rows_whatever_a_scene_allowed_and_where_it_rested(seed):
+    basis, plant = scene(seed, "membrane", 2)
+    held = replace(
+        plant, motions=basis.clamped(np.array([0.0])), origin=np.full(basis.clamped(np.array([0.0])).shape[1], 0.1)
+    )
+    rows = basis.clamp_rows(np.array([0.0]))
+    found, free = constrained(held, rows, 1.5), constrained(plant, rows, 1.5)
+    np.testing.assert_array_equal(found.scene.motions, np.eye(len(plant.labels)))
+    assert found.scene.rest.tolist() == [0.0] * len(plant.labels)
+    np.testing.assert_array_equal(found.matrix, free.matrix)
+    np.testing.assert_array_equal(found.waves, free.waves)
