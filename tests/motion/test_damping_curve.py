@@ -55,6 +55,6 @@ def test_dampers_reach_six_steps_beyond_all_of_single_waves_and_no_seventh(seed)
 def test_a_curve_that_is_hollow_at_the_best_damper_tried_is_left_there():
     """Newton's method would go down to its lowest point; that of a round curve is its top, but within a step."""
     x = [0.1, 0.02]
-    hollow, round_, far = ([0.0, sign, -2 * sign * at, 1.0] for sign, at in ((1, x[0]), (-1, x[1]), (-1, 9.0)))
-    found = _highest(np.array([hollow, round_, far]).T)
-    assert found == pytest.approx([0.0, x[1], 1.0 / NEIGHBOURS], abs=1e-12)
+    tops = ((1, x[0]), (-1, x[1]), (-1, 9.0), (-1, -x[1]), (-1, -9.0))
+    found = _highest(np.array([[0.0, sign, -2 * sign * at, 1.0] for sign, at in tops]).T)
+    assert found == pytest.approx([0.0, x[1], 1.0 / NEIGHBOURS, -x[1], -1.0 / NEIGHBOURS], abs=1e-12)
