@@ -6,16 +6,27 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from shell.test_sphere import STRETCH, larger
 
 from vsb.errors import ConfigError
 from vsb.hydro.dofs import Displacement
 from vsb.hydro.panels.mesh import deformed_mesh
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.shell import deformed as deformed_module
-from vsb.shell.deformed import DeformedShell, _crossing, _curl, check_meridian, enclosed
+from vsb.shell.deformed import (
+    DeformedShell,
+    _crossing,
+    _curl,
+    check_meridian,
+    enclosed,
+    gauss_rule,
+    rigid_buoy,
+    rigid_sphere,
+)
 from vsb.shell.loaded import complete_basis
-from vsb.shell.modes import mode_basis
+from vsb.shell.modes import ModeBasis, mode_basis, shell_modes
 from vsb.shell.sphere import Shell
+from vsb.study.meridian import capsule
 
 RHO, G = 1025.0, 9.81
 
@@ -431,3 +442,131 @@ def test_points_are_looked_at_so_many_at_once_and_none_are_lost(more):
     assert len(parts) == np.ceil(len(points) / deformed_module.AT_ONCE)
     np.testing.assert_array_equal(np.concatenate(parts), points)
     assert [len(part) for part in deformed_module._parts(points[:0])] == [0]
+
+
+def similar(degree=4, meridian=None):
+    """A basis on a shell and that on one 1.7 times as large."""
+    shell = Shell(2.0, 0.01, 1e7, 0.3, 2700.0, meridian)
+    return [ModeBasis(one, shell_modes(one, "full", degree), 1e4, bending=True) for one in (shell, larger(shell))]
+
+
+@pytest.mark.parametrize("meridian", [None, capsule(2.0, 1.5)], ids=["sphere", "capsule"])
+@pytest.mark.parametrize("height", [0.35, -0.6, -6.0])
+def test_a_larger_shell_bent_alike_displaces_and_bears_by_the_powers_of_its_size(meridian, height):
+    """Volumes go with the cube, areas with the square, pressures with the depth."""
+    small, large = similar(meridian=meridian)
+    q = 0.05 * np.sin(1.3 * np.arange(len(small.labels)) + 0.2)
+    one, other = DeformedShell(small, height, q), DeformedShell(large, STRETCH * height, STRETCH * q)
+    assert other.volume() == pytest.approx(STRETCH**3 * one.volume(), rel=1e-12)
+    assert other.wet_area() == pytest.approx(STRETCH**2 * one.wet_area(), rel=1e-12)
+    (force, stiffness), (more, stiffer) = one.hydrostatics(RHO, G), other.hydrostatics(RHO, G)
+    assert more == pytest.approx(STRETCH**3 * force, abs=1e-10 * np.abs(more).max())
+    assert stiffer == pytest.approx(STRETCH**2 * stiffness, abs=1e-10 * np.abs(stiffer).max())
+    volumes, areas = zip(*(enclosed(basis, s * q[None]) for basis, s in ((small, 1), (large, STRETCH))), strict=True)
+    assert volumes[1] == pytest.approx(STRETCH**3 * volumes[0], rel=1e-12)
+    assert areas[1] == pytest.approx(STRETCH**2 * areas[0], rel=1e-9)
+    assert other.wet_segments[0] == pytest.approx(one.wet_segments[0], abs=1e-12)
+    check_meridian(other)
+
+
+@pytest.mark.parametrize("radius", [0.6, 5.0])
+@pytest.mark.parametrize("part", [-0.7, 0.0, 0.4])
+def test_a_rigid_sphere_of_any_size_displaces_its_cap(radius, part):
+    shell, depth = rigid_sphere(radius, part * radius), radius * (1 - part)
+    assert shell.volume() == pytest.approx(np.pi * depth**2 * (3 * radius - depth) / 3, rel=1e-12)
+    assert shell.wet_area() == pytest.approx(2 * np.pi * radius * depth, rel=1e-12)
+    assert shell.waterline == pytest.approx(np.arccos(-part), abs=1e-12)
+    assert shell.modal_amplitude.tolist() == [0.0]
+    assert shell.basis.shell.radius == radius
+
+
+@pytest.mark.parametrize("up", [0.0, 0.8, -0.5])
+def test_a_rigid_capsule_displaces_what_its_meridian_holds_below_the_water(up):
+    """An origin that is not the middle of its height is counted from; its hydrostatic stiffness is its waterplane."""
+    rest = capsule(0.7, 1.5).scaled(1.0, 1.0, up)
+    buoy = rigid_buoy(Shell(0.7, 0.01, 1.0, 0.0, 1.0, rest), 0.25)
+    assert buoy.volume() == pytest.approx(rest.volume_below(-0.25), rel=1e-9)
+    water = buoy.hydrostatics(RHO, G)
+    assert water[0] == pytest.approx([RHO * G * rest.volume_below(-0.25)], rel=1e-9)
+    assert water[1][0, 0] == pytest.approx(RHO * G * np.pi * rest.radius_at(-0.25) ** 2, rel=1e-9)
+    assert enclosed(buoy.basis, np.array([[0.3]])) == pytest.approx((rest.volume, rest.area), rel=1e-9)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_a_shell_at_no_height_is_refused(full, value):
+    with pytest.raises(ConfigError, match="received a shape with NaN or infinite amplitudes; needs finite ones"):
+        check_meridian(DeformedShell(full, value))
+
+
+@pytest.mark.parametrize("height", [0.2, -3.0, 7.0])
+@pytest.mark.parametrize("crossed", ["axis", "waist", "poles"])
+def test_where_a_meridian_crosses_the_axis_is_told_by_its_least_radius(full, crossed, height):
+    """Between the poles, and with the slopes there; whatever the height it is held at."""
+    shell = DeformedShell(full, height, amplitudes(full, **CROSSED[crossed]))
+    phi = shell._grid
+    m = shell.meridian(phi)
+    least = 1 + int(m.x[1:-1].argmin())
+    told = (
+        f"reference_shape: received a meridian that crosses the axis (radius {m.x[least]:.3g} m at colatitude "
+        f"{phi[least]:.3g} rad, slope {m.dx[0]:.3g} m at the top, {m.dx[-1]:.3g} m at the keel); needs one clear of it "
+        "between its poles: deform the shell less: raise its stiffness, or change device.internal_pressure"
+    )
+    with pytest.raises(ConfigError, match=f"^{re.escape(told)}$"):
+        check_meridian(shell)
+
+
+@pytest.mark.parametrize("height", [0.0, -3.0, 4.0])
+def test_where_a_meridian_crosses_itself_is_told_at_any_height(full, height):
+    """Where two of its points coincide, by differences of all from all."""
+    shell = DeformedShell(full, height, amplitudes(full, **CROSSED["itself"]))
+    phi = np.linspace(0.0, np.pi, 1501)
+    m = shell.meridian(phi)
+    apart = np.hypot(m.x[:, None] - m.x, m.z[:, None] - m.z) + 10.0 * (np.abs(phi[:, None] - phi) < 0.3)
+    i, j = np.unravel_index(apart.argmin(), apart.shape)
+    with pytest.raises(ConfigError, match=r"that crosses itself \(colatitudes") as refused:
+        check_meridian(shell)
+    found = [float(value) for value in re.findall(r"[\d.]+", str(refused.value).partition("(colatitudes")[2])[:2]]
+    others = sorted([phi[i], phi[j]])
+    mirrored = sorted(np.pi - np.array(others))
+    step = shell._grid[1] + 0.01
+    assert any(np.abs(np.array(found) - pair).max() < step for pair in (others, mirrored))
+    assert str(refused.value).endswith(
+        "rad); needs one that does not: deform the shell less: raise its stiffness, or change device.internal_pressure"
+    )
+
+
+def test_a_shell_of_several_waters_says_which_parts_are_wet(full):
+    shell = DeformedShell(full, -1.7, amplitudes(full, **CROSSING))
+    told = (
+        f"reference_shape: received a shape whose wet parts are {shell.wet_segments} rad; needs one waterline with the "
+        "keel below it: change device.mass or device.internal_pressure"
+    )
+    with pytest.raises(ConfigError, match=f"^{re.escape(told)}$"):
+        assert shell.waterline
+
+
+def test_nodes_of_a_rule_are_found_once_and_stay_as_they_are():
+    node, weight = gauss_rule(7)
+    assert gauss_rule(7)[0] is node
+    assert weight @ node**12 == pytest.approx(2 / 13, rel=1e-14)
+    for values in (node, weight):
+        with pytest.raises(ValueError, match="read-only"):
+            values[0] = 0.0
+
+
+def test_the_grid_is_looked_at_in_parts_that_are_all_of_it(full, monkeypatch):
+    shell = DeformedShell(full, 0.3, amplitudes(full, Membrane2=0.1))
+    m = shell.meridian(shell._grid)
+    monkeypatch.setattr(deformed_module, "AT_ONCE", 50)
+    for found, whole in zip(DeformedShell(full, 0.3, shell.modal_amplitude)._on_grid, (m.x, m.z, m.dx), strict=True):
+        np.testing.assert_allclose(found, whole, atol=1e-14)
+    assert len(shell._grid) == 40 * 7 + 1
+
+
+def test_quadrature_in_parts_is_that_at_once(full, monkeypatch):
+    shell = DeformedShell(full, -1.7, amplitudes(full, **CROSSING))
+    whole = shell.volume(), shell.wet_area(), *shell.hydrostatics(RHO, G)
+    monkeypatch.setattr(deformed_module, "AT_ONCE", 7)
+    parts = shell.volume(), shell.wet_area(), *shell.hydrostatics(RHO, G)
+    for one, other in zip(whole, parts, strict=True):
+        np.testing.assert_allclose(other, one, rtol=1e-12, atol=1e-12 * np.abs(one).max())

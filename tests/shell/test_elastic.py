@@ -1,14 +1,16 @@
 """The elastic shell by itself; its derivatives, statics and buckling are in `test_loaded`."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from shell.test_sphere import STIFFER, STRETCH, larger
 
 from vsb.shell.deformed import enclosed
 from vsb.shell.elastic import ElasticShell, converged_degree
 from vsb.shell.mode import natural_shapes, scaled
-from vsb.shell.modes import ModeBasis, mode_basis
+from vsb.shell.modes import ModeBasis, mode_basis, shell_modes
 from vsb.shell.sphere import Shell
 from vsb.study.meridian import capsule, spheroid
 
@@ -82,3 +84,41 @@ def mode_basis_of(shell):
     return (
         natural_shapes(shell, 2) if shell.rest else (scaled("Membrane2", 2, 1.0, 0.3), scaled("Bending2", 2, 1.0, -0.6))
     )
+
+
+@pytest.mark.parametrize("meridian", [None, capsule(2.0, 1.0)], ids=["sphere", "capsule"])
+def test_a_larger_shell_bent_alike_holds_energy_and_volume_by_its_size(meridian):
+    """Strains are the same; energy goes with E r^3, its derivatives and the volume's with one power less each."""
+    shell = Shell(2.0, 0.05, 10e6, 0.3, 2700.0, meridian)
+    modes = natural_shapes(shell, 3) if meridian else shell_modes(shell, "full", 3)
+    small, large = (ElasticShell(ModeBasis(each, modes, 3000.0, bending=True)) for each in (shell, larger(shell)))
+    q = 0.05 * np.sin(1.4 * np.arange(len(modes) + 1) + 0.5)
+    for name, factor in (
+        ("energy", STIFFER * STRETCH**3),
+        ("force", STIFFER * STRETCH**2),
+        ("material_stiffness", STIFFER * STRETCH),
+        ("stiffness", STIFFER * STRETCH),
+        ("volume", STRETCH**3),
+        ("volume_gradient", STRETCH**2),
+        ("volume_hessian", STRETCH),
+        ("resultants", STIFFER * STRETCH),
+        ("strains", 1.0),
+    ):
+        found, expected = np.asarray(getattr(large, name)(STRETCH * q)), factor * np.asarray(getattr(small, name)(q))
+        np.testing.assert_allclose(found, expected, rtol=1e-8, atol=1e-9 * np.abs(expected).max(), err_msg=name)
+    forces = 3.0 + np.cos(small.rings[0]), 2.0 - np.cos(small.rings[0])
+    found, expected = large.geometric_stiffness(*forces), small.geometric_stiffness(*forces)
+    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-10 * np.abs(expected).max())
+    np.testing.assert_allclose(large.rings[1], STRETCH**2 * small.rings[1], rtol=1e-12)
+    phi = np.array([0.4, 1.3, 2.5])
+    np.testing.assert_allclose(
+        large.resultants(STRETCH * q, phi), STIFFER * STRETCH * np.array(small.resultants(q, phi))
+    )
+
+
+@pytest.mark.parametrize(("thickness", "nu"), [(0.01, -0.9), (0.005, 0.0), (0.005, 0.45), (0.001, -0.6)])
+@pytest.mark.parametrize("size", [1.0, 3.5])
+def test_degrees_that_resolve_buckling_go_with_slenderness_and_poissons_ratio(thickness, nu, size):
+    shell = Shell(2.0 * size, thickness * size, 1e7, nu, 2700.0)
+    degree = 1.6 * (2.0 / thickness) ** 0.5 * (12 * (1 - nu**2)) ** 0.25
+    assert converged_degree(shell) == max(40, math.ceil(degree))

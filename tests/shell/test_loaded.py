@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
+from shell.test_sphere import DENSER, STRETCH, larger
 
 from vsb.errors import ConvergenceError
 from vsb.shell.deformed import DeformedShell
@@ -16,6 +17,7 @@ from vsb.shell.elastic import ElasticShell, converged_degree
 from vsb.shell.loaded import (
     Gas,
     LoadedShell,
+    _newton,
     _undeformed,
     buckling,
     complete_basis,
@@ -612,3 +614,126 @@ def test_the_pressure_inside_at_rest_is_less_by_what_the_gas_gives_as_the_shell_
     left = pressure - 1.4 * 101325.0 * area / volume * (pressure * area / held)
     assert loaded.pressure_inside == pytest.approx(left, rel=1e-10)
     assert weightless(complete(6), pressure).pressure_inside == pressure
+
+
+# other sizes
+
+
+@pytest.mark.parametrize("gas", [None, GAS])
+def test_a_larger_shell_in_as_much_lighter_water_rests_buckles_and_is_saved_alike(seed, gas):
+    """Of a material as much stiffer as pressures grow, rho g r: all strains are the same, forces go with the load."""
+    heavier = DENSER * STRETCH
+    thick = dataclasses.replace(SHELL, thickness=0.08, young_modulus=3e7)
+    kinds, degree = (thick, larger(thick, heavier)), 10
+    outside = None if gas is None else Gas(adiabatic_index=1.4, atmospheric_pressure=heavier * 101325.0)
+    small = LoadedShell(complete(degree, kinds[0], 6000.0), 1.0, 1000.0, 9.7, 1500.0, gas)
+    large = LoadedShell(
+        complete(degree, kinds[1], 6000.0 * DENSER * STRETCH**3),
+        STRETCH,
+        DENSER * 1000.0,
+        9.7,
+        heavier * 1500.0,
+        outside,
+    )
+    rest = equilibrium(small)
+    assert equilibrium(large) == pytest.approx(STRETCH * rest, abs=1e-8)
+    assert np.abs(rest[1:]).max() > 1e-3
+    zero, load, area, weight = np.zeros(2 * degree + 1), heavier * STRETCH**2, heavier * STRETCH, 6000.0 * 9.7
+    for q in (zero, rest):
+        for name, factor in (
+            ("pressure", heavier),
+            ("force", load),
+            ("stiffness", area),
+            ("pressure_stiffness", area),
+            ("gas_stiffness", area),
+            ("hydrostatic_stiffness", area),
+        ):
+            found, expected = getattr(large, name)(STRETCH * q), factor * getattr(small, name)(q)
+            round_off = 1e-10 * load * weight if name == "force" else 0.0  # at rest there is none else
+            np.testing.assert_allclose(found, expected, rtol=1e-8, atol=1e-9 * np.abs(expected).max() + round_off)
+    for name, factor in (
+        ("pressure_inside", heavier),
+        ("first_order", STRETCH),
+        ("unloaded_stiffness", area),
+        ("prestress_stiffness", area),
+    ):
+        expected = factor * getattr(small, name)
+        np.testing.assert_allclose(getattr(large, name), expected, rtol=1e-8, atol=1e-9 * np.abs(expected).max())
+    for found, expected in zip(large.linear_resultants(PHI[1:-1]), small.linear_resultants(PHI[1:-1]), strict=True):
+        np.testing.assert_allclose(found, area * expected, rtol=1e-8, atol=1e-9 * np.abs(expected).max())
+    assert dataclasses.astuple(buckling(large)) == pytest.approx(dataclasses.astuple(buckling(small)), rel=1e-8)
+
+
+def test_the_pressure_that_carries_a_larger_shell_is_as_much_higher(seed, monkeypatch):
+    monkeypatch.setattr("vsb.shell.loaded.converged_degree", lambda shell: 12)
+    heavier = DENSER * STRETCH
+    for gas in (None, {"adiabatic_index": 1.4, "atmospheric_pressure": 101325.0}):
+        found = []
+        for size, dense, stiff in ((1.0, 1.0, 1.0), (STRETCH, DENSER, heavier)):
+            device = seed.device.model_copy(
+                update={
+                    "radius": 2.0 * size,
+                    "thickness": 0.02 * size,
+                    "young_modulus": 3e7 * stiff,
+                    "density": 2700.0 * dense,
+                    "mass": 9000.0 * dense * size**3,
+                    "gas": gas and Gas(**{**gas, "atmospheric_pressure": 101325.0 * stiff}),
+                }
+            )
+            water = seed.water.model_copy(update={"density": 1000.0 * dense})
+            pressure, held = viable_pressure(device, 0.7 * size, water, 1.3)
+            found.append([pressure / stiff, held.load_factor, held.degree, held.classical_factor, held.linear_strain])
+        assert found[0][0] > 100.0
+        assert found[0][1] == pytest.approx(1.3, rel=1e-6)
+        assert found[1] == pytest.approx(found[0], rel=1e-6)
+
+
+def test_a_step_of_newton_may_be_half_a_radius_and_no_longer():
+    """Whatever the radius: a sphere of a gas that breathes alone, pushed from its rest by a pressure that is left out."""
+    for radius in (0.5, 6.0):
+        shell = Shell(radius, 0.01 * radius, 1e7, 0.3, 2700.0)
+        elastic = ElasticShell(complete_basis(shell, 1, 1e3))
+        breathing = np.eye(3)[:, 1:2]
+        stiffness = elastic.stiffness(np.zeros(3))[1, 1]
+        for step, settles in ((0.48, True), (0.52, False)):
+            softening = 8 * np.pi * radius  # of the pressure, that follows the surface
+            pressure = step * radius * stiffness / (4 * np.pi * radius**2 + step * radius * softening)
+            loaded = LoadedShell(elastic, 0.0, 0.0, 0.0, pressure)
+            found = _newton(loaded, breathing, np.zeros(3))
+            assert (found is not None) is settles, (radius, step)
+            if settles:
+                assert found[1] + radius == pytest.approx(radius * inflated(pressure, shell), rel=1e-9)
+
+
+@pytest.mark.parametrize("degree", [1, 2, 5])
+def test_a_complete_basis_has_two_functions_of_each_degree_beside_heave(degree):
+    """One of degree 0, and of degree 1 one that keeps the momentum of the shell."""
+    basis = complete_basis(SHELL, degree, 123.0)
+    assert len(basis.labels) == 2 * degree + 1
+    assert basis.highest_degree == degree
+    assert (basis.total_mass, basis.bending) == (123.0, True)
+    assert np.abs(basis.inertia[0, 1:]).max() < 1e-12 * basis.inertia[1, 1]
+    assert [(m.label, m.radial, m.meridional) for m in basis.modes[2:4]] == [
+        ("Radial2", 1.0, 0.0), ("Meridional2", 0.0, 0.5)
+    ][: 2 * (degree > 1)]  # fmt: skip
+    assert {mode.label for mode in basis.modes[:2]} == {"Radial0", "Membrane1"}
+
+
+def test_the_complete_shell_of_a_device_has_its_water_height_gas_and_pressure(seed):
+    device = seed.device.model_copy(update={"thickness": 0.1, "gas": GAS, "internal_pressure": 700.0})
+    water = seed.water.model_copy(update={"density": 900.0, "gravity": 9.7})
+    found = complete_shell(device, 0.4, water, 50.0)
+    assert (found.centre_height, found.water_density, found.gravity) == (0.4, 900.0, 9.7)
+    assert (found.internal_pressure, found.gas) == (50.0, GAS)
+    assert found.basis.highest_degree == converged_degree(Shell.of(device)) == 40
+    assert (found.basis.total_mass, found.basis.shell) == (device.mass, Shell.of(device))
+
+
+def test_the_membrane_forces_are_those_of_no_fewer_degrees_than_the_basis_has(seed):
+    """More degrees than buckling needs: the forces of the load are those of the basis's own linear solution."""
+    loaded = floating(complete(46), 3e3, height=0.3)
+    assert converged_degree(SHELL) < 46
+    strains = strain_shapes(loaded.basis, PHI[1:-1])
+    own = loaded.elastic._hooke(*(loaded.first_order @ strain for strain in strains[:2]))
+    for found, expected in zip(loaded.linear_resultants(PHI[1:-1]), own, strict=True):
+        np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from vsb.shell.legendre import legendre
 from vsb.shell.mode import Mode, _natural_shape, natural_shapes, scaled
 from vsb.shell.modes import ModeBasis
 from vsb.shell.sphere import Shell
@@ -53,3 +54,41 @@ def test_a_shape_that_leaves_the_top_at_rest_is_positive_at_the_keel(sign):
     mode = _natural_shape("Shell1", np.array([0.0, sign, -sign, 0.0, 0.0]))
     v = {part[0]: part[1] for part in mode.parts}
     assert (v[1], v[2]) == pytest.approx((-0.5, 0.5), rel=1e-12)
+
+
+def test_a_shell_of_another_meridian_has_two_modes_of_the_first_degree_if_none_is_asked_for():
+    """Degree 0 alone would leave the surface no way to move along itself."""
+    assert natural_shapes(OBLATE, 0) == natural_shapes(OBLATE, 1)
+    assert [mode.label for mode in natural_shapes(OBLATE, 0)] == ["Shell1", "Shell2"]
+
+
+@pytest.mark.parametrize(("radial", "meridional"), [(3.0, 1.0), (-0.2, 0.7), (0.1, -0.4), (-1e-3, -2.0)])
+@pytest.mark.parametrize("degree", [1, 2, 5, 9])
+def test_a_shape_of_one_degree_moves_the_shell_by_one_at_most_and_outwards_at_the_top(degree, radial, meridional):
+    """Whatever its signs; its two amplitudes keep their ratio, and by a fine grid none goes farther."""
+    mode = scaled("Some", degree, radial, meridional)
+    phi = np.linspace(0.0, np.pi, 40001)
+    p, dp, _ = legendre(degree, phi)
+    largest = np.hypot(mode.radial * p[degree], mode.meridional * dp[degree]).max()
+    assert 1 - (degree + 1) ** 4 * phi[1] ** 2 < largest < 1 + 1e-12
+    assert mode.radial > 0
+    assert mode.meridional / mode.radial == pytest.approx(meridional / radial, rel=1e-13)
+    assert (mode.label, mode.degree, mode.others) == ("Some", degree, ())
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_natural_shape_is_turned_by_its_top_where_that_moves_and_scaled_as_a_whole(sign):
+    """Up at the keel and down at the top; the parts of all degrees keep their ratios, the leading one stands first."""
+    shape = sign * np.array([0.1, -0.3, 0.2, -0.6, 0.05, 0.25, -0.1])
+    mode = _natural_shape("Shell7", shape)
+    parts = {n: (v, u) for n, v, u in mode.parts}
+    amplitudes = np.array([*(parts[n][0] for n in range(4)), *(parts[n][1] for n in range(1, 4))])
+    factor = amplitudes[0] / shape[0]
+    np.testing.assert_allclose(amplitudes, factor * shape, rtol=1e-13)
+    assert sum(parts[n][0] for n in range(4)) > 0
+    p, dp, _ = legendre(3, np.linspace(0.0, np.pi, 40001))
+    v, u = amplitudes[:4] @ p, amplitudes[4:] @ dp[1:]
+    assert np.hypot(v, u).max() == pytest.approx(1.0, abs=1e-7)
+    assert mode.label == "Shell7"
+    assert mode.degree == mode.parts[0][0] == 3
+    assert [part[0] for part in mode.others] == [0, 1, 2]

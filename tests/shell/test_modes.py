@@ -6,7 +6,7 @@ from conftest import varied
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import eigh
-from shell.test_sphere import LOWER, TABLE_I
+from shell.test_sphere import DENSER, LOWER, STIFFER, STRETCH, TABLE_I, larger
 
 from vsb.errors import ConfigError
 from vsb.scenes.rest import design_motions, study_basis
@@ -20,11 +20,12 @@ from vsb.shell.modes import (
     membrane_block,
     mode_basis,
     paper_ratio,
+    rigid_basis,
     shell_modes,
 )
 from vsb.shell.ritz import natural_modes
 from vsb.shell.sphere import Shell, natural_frequencies
-from vsb.study.meridian import capsule
+from vsb.study.meridian import RestMeridian, capsule
 
 PAPER_RITZ = [51.434449987, 62.153777189, 86.525263883, 115.855327968, 146.580164630, 177.820039783, 209.298426663]
 
@@ -294,3 +295,104 @@ def test_constraints_are_counted_whatever_they_are_measured_in(scale):
     with pytest.raises(ConfigError, match="so near each other that it cannot be decided"):
         check_rank(scale * np.array([one, one + 1e-9 * other]))
     assert (check_rank(np.zeros((2, 4))), check_rank(np.zeros((0, 4)))) == (0, 0)
+
+
+SEED = Shell(2.0, 0.01, 10e6, 0.3, 2700.0)
+
+
+@pytest.mark.parametrize("kind", ["paper", "membrane", "full", "capsule"])
+def test_modes_of_a_larger_shell_are_the_same_and_so_much_heavier_and_stiffer(kind):
+    """Mass, stiffness and damping by their dimensions; what is said of shapes alone is that of the smaller one."""
+    shell, name = (CAPSULE, "full") if kind == "capsule" else (SEED, kind)
+    small, large = (
+        ModeBasis(one, shell_modes(one, name, 4), mass, name != "paper", alpha, beta)
+        for one, mass, alpha, beta in (
+            (shell, 3e4, 0.4, 2e-3),
+            (larger(shell), 3e4 * DENSER * STRETCH**3, 0.8, 6e-3),
+        )
+    )
+    mass, stiffness = DENSER * STRETCH**3 * small.inertia, STIFFER * STRETCH * small.stiffness
+    damping = 0.8 * mass + 6e-3 * stiffness
+    damping[0, :] = damping[:, 0] = 0.0
+    for found, expected in ((large.inertia, mass), (large.stiffness, stiffness), (large.damping, damping)):
+        np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-11 * np.abs(expected).max())
+    slower = np.sqrt(STIFFER / DENSER) / STRETCH
+    assert large.dry_frequencies == pytest.approx(slower * small.dry_frequencies, rel=1e-9)
+    assert (large.labels, large.degrees, large.turns) == (small.labels, small.degrees, small.turns)
+    phi = np.linspace(0.0, np.pi, 7)
+    for found, expected in (
+        (large.displacement(phi), small.displacement(phi)),
+        (large.displacement(phi, 1), small.displacement(phi, 1)),
+    ):
+        np.testing.assert_allclose(found, expected, atol=1e-10)
+    np.testing.assert_allclose(large.clamp_rows([0.4, 2.0]), small.clamp_rows([0.4, 2.0]), atol=1e-11)
+
+
+def test_the_wall_of_no_consequence_is_that_of_all_materials_and_masses():
+    """Of a sphere and of another meridian: what clamps allow is found once."""
+    for shell in (SEED, CAPSULE):
+        modes = shell_modes(shell, "full", 3)
+        one, other = (
+            ModeBasis(replace(shell, young_modulus=e, density=d, thickness=h), modes, mass, True, alpha, beta)
+            for e, d, h, mass, alpha, beta in ((1e7, 2700.0, 0.01, 3e4, 0.1, 2e-3), (3e9, 900.0, 0.03, 5e4, 0.0, 0.0))
+        )
+        assert one.immaterial == other.immaterial
+        assert one.clamped([0.7]) is other.clamped([0.7])
+        assert one.immaterial.shell.radius == shell.radius
+
+
+def test_the_highest_degree_is_that_of_all_parts_of_all_modes_and_the_meridian_turns_beside():
+    """Natural modes are told by a degree below the highest they hold; a sphere's own turns are none."""
+    parts = ((5, 0.1, 0.0), (3, 0.2, 0.1))
+    mode = Mode("Shell1", 2, 1.0, 0.3, parts)
+    assert ModeBasis(SEED, (mode,), 1e4, True).highest_degree == 5
+    assert ModeBasis(SEED, (mode,), 1e4, True).turns == 5
+    assert ModeBasis(SEED, (), 1e4, True).highest_degree == 1
+    rest = RestMeridian((2.0, 0.0, 0.05), (0.1, 2.5, 0.05, 0.02, 0.01))
+    bulged = ModeBasis(Shell(rest.radius, 0.01, 1e7, 0.3, 2700.0, rest), (mode, Mode("Shell2", 1, 1.0, 0.3)), 1e4, True)
+    assert (bulged.highest_degree, bulged.turns) == (5, 5 + 3)
+    assert bulged.pole_radial_displacement.tolist() == pytest.approx([1.0, 1.3, 1.0])
+    shares = bulged.shares
+    assert shares.shape == (2, 3, 6)
+    assert pytest.approx(np.array([[0, 0], [0, 0], [1.0, 0.3], [0.2, 0.1], [0, 0], [0.1, 0]])) == shares[:, 1].T
+
+
+@pytest.mark.parametrize(("degree", "labels"), [
+    (0, ["Membrane0"]),
+    (1, ["Membrane0", "Membrane1"]),
+    (3, ["Membrane0", "Membrane1", "Membrane2", "Membrane3", "Bending2", "Bending3"]),
+])  # fmt: skip
+def test_every_degree_has_an_upper_branch_and_from_two_on_a_lower_one(seed, degree, labels):
+    for kind in ("paper", "membrane", "full"):
+        expected = labels if kind == "full" else [label for label in labels if label.startswith("Membrane")]
+        basis = mode_basis(seed.device, kind, degree)
+        assert basis.labels == ("Heave", *expected)
+        assert basis.bending is (kind != "paper")
+        assert basis.degrees == (1, *(int(label[-1]) for label in expected))
+        assert basis.total_mass == seed.device.mass
+
+
+@pytest.mark.parametrize(("relative", "count"), [(0.9e-12, 1), (1.1e-12, None), (0.9e-8, None), (1.1e-8, 2)])
+def test_a_constraint_is_one_of_its_own_or_none_by_its_part_of_the_largest(relative, count):
+    """In rows of any size: of three, one of this part of the largest and one of a thousandth more."""
+    turn = np.linalg.qr(np.array([[1.0, 2.0, 0.5], [0.3, 1.0, 2.0], [1.0, 0.0, 1.0]]))[0]
+    for scale in (1e-3, 40.0):
+        rows = scale * turn @ np.diag([1.0, relative, 0.0])
+        if count is not None:
+            assert check_rank(rows) == count
+            continue
+        with pytest.raises(ConfigError) as refused:
+            check_rank(scale * turn @ np.diag([1.0, relative, 1.001 * relative if relative < 1e-10 else 1.2e-12]))
+        told = f"(relative singular value {1.001 * relative if relative < 1e-10 else relative:.1e}; needs more than 1e-08, "
+        assert str(refused.value).startswith(
+            "clamp: received clamps so near each other that it cannot be decided whether they are one or several "
+        )
+        assert told + "or less than 1e-12 for the same clamp twice); move them apart, drop one, or raise" in str(
+            refused.value
+        )
+
+
+def test_a_study_without_flexible_designs_heaves_alone_with_its_whole_mass(seed):
+    basis = rigid_basis(seed.device.model_copy(update={"mass": 9e3}))
+    assert (basis.labels, basis.total_mass, basis.bending) == (("Heave",), 9e3, False)
+    assert basis.shell == Shell.of(seed.device)

@@ -1,11 +1,14 @@
 """Prestress of shapes that go around: the same energy however the shell is turned, none of rigid motions."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from shell.test_sphere import DENSER, STRETCH, larger
 
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.loaded import LoadedShell
-from vsb.shell.modes import mode_basis
+from vsb.shell.modes import ModeBasis, mode_basis
 from vsb.shell.order_prestress import geometric_stiffness, prestress_stiffness, volume_hessian
 from vsb.shell.orders import Ballast, order_basis, yaw
 from vsb.shell.surface import enclosed_in_orders
@@ -117,3 +120,48 @@ def test_what_more_pressure_adds_knows_no_side(basis, gas):
 
 def test_yaw_has_none():
     assert prestress_stiffness(yaw(BASIS, BALLAST), LoadedShell(SHELL, 0.0, 1025.0, 9.81, 1e5)) == [[0.0]]
+
+
+def test_a_larger_shell_is_prestressed_by_the_powers_of_its_size():
+    """Membrane forces alone know no size; the volume's second derivative is a length, the whole goes with the load."""
+    heavier = DENSER * STRETCH
+    big = ModeBasis(larger(BASIS.shell, heavier), BASIS.modes, 17170.0 * DENSER * STRETCH**3, True)
+    elastic = ElasticShell(big)
+    loads = [
+        LoadedShell(SHELL, 0.2, 1025.0, 9.81, 4e3, Gas(adiabatic_index=1.4, atmospheric_pressure=1e5)),
+        LoadedShell(
+            elastic, 0.2 * STRETCH, DENSER * 1025.0, 9.81, heavier * 4e3,
+            Gas(adiabatic_index=1.4, atmospheric_pressure=heavier * 1e5),
+        ),
+    ]  # fmt: skip
+    for one in (*ORDERS, ORDERS[1].turned()):
+        other = replace(one, shell=big.shell)
+        forces = 3.0 + np.cos(SHELL.rings[0]), 2.0 - np.cos(SHELL.rings[0]) ** 2
+        small = geometric_stiffness(one, *SHELL.rings, *forces)
+        np.testing.assert_allclose(
+            geometric_stiffness(other, *elastic.rings, *forces), small, rtol=1e-9, atol=1e-10 * np.abs(small).max()
+        )
+        hessian = STRETCH * volume_hessian(one)
+        np.testing.assert_allclose(volume_hessian(other), hessian, rtol=1e-10, atol=1e-11 * np.abs(hessian).max())
+        whole = heavier * STRETCH * prestress_stiffness(one, loads[0])
+        np.testing.assert_allclose(
+            prestress_stiffness(other, loads[1]), whole, rtol=1e-8, atol=1e-9 * np.abs(whole).max()
+        )
+
+
+def test_the_volume_of_modes_in_any_order_is_that_of_each():
+    """Of a basis whose highest degree comes first as of one whose highest comes last."""
+    for basis in ORDERS:
+        backwards = replace(basis, modes=basis.modes[::-1])
+        turn = [*range(basis.rigid), *range(len(basis.labels) - 1, basis.rigid - 1, -1)]
+        hessian = volume_hessian(basis)
+        np.testing.assert_allclose(
+            volume_hessian(backwards), hessian[np.ix_(turn, turn)], rtol=1e-11, atol=1e-12 * np.abs(hessian).max()
+        )
+
+
+def test_motions_without_shell_modes_are_not_prestressed():
+    bare = replace(ORDERS[0], modes=())
+    np.testing.assert_array_equal(
+        prestress_stiffness(bare, LoadedShell(SHELL, 0.0, 1025.0, 9.81, 1e5)), np.zeros((2, 2))
+    )

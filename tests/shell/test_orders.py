@@ -8,16 +8,20 @@ from scipy.integrate import quad
 from scipy.linalg import block_diag
 from scipy.optimize import brentq
 from scipy.special import assoc_legendre_p
+from shell.test_sphere import DENSER, STIFFER, STRETCH, larger
 
 from vsb.errors import ConfigError
 from vsb.shell.deformed import DeformedShell
+from vsb.shell.mode import Mode
 from vsb.shell.modes import mode_basis
 from vsb.shell.orders import (
     Ballast,
     Field,
     OrderBasis,
+    _scaled,
     all_clamp_rows,
     ballast_of,
+    goes_with_sine,
     order_basis,
     semi_normalisation,
     semi_normalised,
@@ -343,3 +347,104 @@ def test_clamps_of_all_orders_are_those_of_each_beside_the_others_in_degrees():
     at = [np.pi * 35 / 180, np.pi * 110 / 180]
     expected = block_diag(ring.clamp_rows(at), *(each.clamp_rows(at) for each in orders))
     np.testing.assert_allclose(all_clamp_rows(clamps, ring, iter(orders)), expected, rtol=1e-12, atol=1e-14)
+
+
+@pytest.mark.parametrize("odd", [False, True])
+@pytest.mark.parametrize("order", [1, 2])
+def test_a_larger_shell_has_the_same_shapes_and_so_much_more_mass_stiffness_and_water(order, odd):
+    """By the dimensions of each number, pitch an angle; the water is as much lighter as the buoy."""
+    small = order_basis(mode_basis(DEVICE, "full", 3), order, Ballast(17170.0, 0.3, 3000.0))
+    big = Ballast(17170.0 * DENSER * STRETCH**3, 0.3 * STRETCH, 3000.0 * DENSER * STRETCH**5)
+    large = replace(small, shell=larger(small.shell), ballast=big, alpha=0.3, beta=2e-3)
+    small, large = (each.turned() if odd else each for each in (small, large))
+    size = np.ones(len(small.labels))
+    size[1 : small.rigid] = STRETCH
+    size = np.outer(size, size)
+    mass, stiffness = DENSER * STRETCH**3 * size * small.inertia, STIFFER * STRETCH * size * small.stiffness
+    damping = 0.3 * mass + 2e-3 * stiffness
+    damping[: small.rigid] = damping[:, : small.rigid] = 0.0
+    water = DENSER * STRETCH**2 * size * small.hydrostatic_stiffness(HEIGHT, RHO, G)
+    for found, expected in (
+        (large.inertia, mass),
+        (large.stiffness, stiffness),
+        (large.damping, damping),
+        (large.hydrostatic_stiffness(STRETCH * HEIGHT, DENSER * RHO, G), water),
+    ):
+        np.testing.assert_allclose(found, expected, rtol=1e-10, atol=1e-11 * np.abs(expected).max())
+    slower = np.sqrt(STIFFER / DENSER) / STRETCH
+    np.testing.assert_allclose(large.dry_frequencies, slower * small.dry_frequencies, rtol=1e-11)
+    phi = np.array([0.0, 0.4, 1.7, np.pi])
+    for derivative in (0, 1):
+        for found, expected in zip(large.field(phi, derivative), small.field(phi, derivative), strict=True):
+            expected[1 : small.rigid] *= STRETCH
+            np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-14)
+
+
+def test_a_centre_of_mass_above_the_middle_adds_to_pitch_as_much_as_one_below():
+    """What couples pitch with surge changes sign, and the buoy wants to turn over; the shell alone is left out of it."""
+    above, below = (order_basis(mode_basis(DEVICE, "full", 2), 1, Ballast(9000.0, at, 500.0)) for at in (0.4, -0.4))
+    shell = above.shell.mass
+    expected = 2 / 3 * shell * 4.0 + 500.0 + (9000.0 * 0.4) ** 2 / (9000.0 - shell)
+    assert above.inertia[1, 1] == pytest.approx(expected, rel=1e-13)
+    assert below.inertia[1, 1] == pytest.approx(expected, rel=1e-13)
+    assert (above.inertia[0, 1], below.inertia[0, 1]) == (pytest.approx(3600.0), pytest.approx(-3600.0))
+    assert above.hydrostatic_stiffness(HEIGHT, RHO, G)[1, 1] == pytest.approx(-9000.0 * G * 0.4, rel=1e-13)
+    np.testing.assert_array_equal(above.inertia[2:, 2:], below.inertia[2:, 2:])
+
+
+def test_yaw_of_a_larger_buoy():
+    small, large = (
+        yaw(replace(mode_basis(DEVICE, "full", 2), shell=shell), Ballast(1e4, -0.4, 3000.0, 700.0))
+        for shell in (at_order(1).shell, larger(at_order(1).shell))
+    )
+    assert small.inertia - 700.0 == pytest.approx(2 / 3 * small.shell.mass * 4.0, rel=1e-12)
+    assert large.inertia - 700.0 == pytest.approx(DENSER * STRETCH**5 * (small.inertia - 700.0), rel=1e-12)
+    assert large.field(np.array([0.7])).azimuthal == pytest.approx(STRETCH * small.field(np.array([0.7])).azimuthal)
+    assert (small.order, small.odd, small.bending, small.modes) == (0, True, False, ())
+
+
+def test_the_water_about_many_degrees_is_that_about_each():
+    """Of degrees up to 24 as of those up to 6 where both have them, and symmetric everywhere."""
+    few, many = (order_basis(mode_basis(DEVICE, "full", degree), 2, BALLAST) for degree in (6, 24))
+    pick = [many.labels.index(label) for label in few.labels]
+    stiffness = many.hydrostatic_stiffness(HEIGHT, RHO, G)
+    largest = np.abs(stiffness).max()
+    np.testing.assert_allclose(
+        stiffness[np.ix_(pick, pick)], few.hydrostatic_stiffness(HEIGHT, RHO, G), atol=1e-10 * largest
+    )
+    np.testing.assert_allclose(stiffness, stiffness.T, atol=1e-11 * largest)
+
+
+def test_modes_of_any_order_have_the_bending_and_damping_of_the_axisymmetric_ones():
+    for kind in KINDS:
+        ring = mode_basis(DEVICE, kind, 3)
+        for order in (1, 2, 3):
+            basis = order_basis(ring, order, BALLAST)
+            assert (basis.bending, basis.alpha, basis.beta) == (ring.bending, 0.1, 1e-3)
+            assert basis.shell is ring.shell
+            assert [mode.degree for mode in basis.modes] == [n.degree for n in ring.modes if n.degree >= order]
+            assert not basis.odd
+            assert basis.turned().odd
+
+
+@pytest.mark.parametrize(("label", "odd"), [
+    ("Membrane3s2", True), ("Bending12s11", True), ("Membrane3c2", False), ("Membrane3", False), ("Modes2", False),
+    ("Membrane3s2x", False), ("s2", False), ("Sway", False), ("Shells1", False),
+])  # fmt: skip
+def test_modes_that_go_with_the_sine_are_known_by_their_label(label, odd):
+    assert goes_with_sine(label) is odd
+
+
+def test_the_highest_point_of_a_shape_is_found_where_it_moves_most_along_the_surface():
+    """A shape all along the surface: of order 2 it moves most at a pole or around, wherever either is most."""
+    phi = np.linspace(0.0, np.pi, 20001)
+    for radial, meridional in ((0.0, 1.0), (1e-3, 0.7), (0.3, -1.0), (-1.0, 0.2)):
+        for degree, order in ((2, 1), (2, 2), (5, 1), (5, 4)):
+            mode = _scaled(Mode("Some", degree, radial, meridional), order)
+            s, ds, _, around, _ = semi_normalised(degree, order, phi)
+            moved = np.maximum(
+                (mode.radial * s) ** 2 + (mode.meridional * ds) ** 2, (order * mode.meridional * around) ** 2
+            )
+            assert np.sqrt(moved.max()) == pytest.approx(1.0, abs=2e-6)
+            assert mode.radial >= 0
+            assert mode.label == f"Somec{order}"

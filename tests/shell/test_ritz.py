@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.linalg import eigh
+from shell.test_sphere import DENSER, STIFFER, STRETCH, larger
 
 from vsb.errors import ConvergenceError
 from vsb.shell import ritz
@@ -155,3 +156,52 @@ def test_matrices_are_near_by_each_entry_of_its_own_size_but_round_off_of_the_la
         a = b.copy()
         a[entry] += share * (off[entry] + np.copysign(1e-15, off[entry]) * (entry != (2, 2)))
         assert ritz._near(a, b) is near, entry
+
+
+EGG = RestMeridian((2.0,), (0.3, 2.2, 0.1, 0.05))
+
+
+@pytest.mark.parametrize("rest", [spheroid(2.0, 3.0), EGG], ids=["oblate", "egg"])
+def test_a_larger_shell_strains_bends_and_rings_by_the_powers_of_its_size(rest):
+    shell = Shell(rest.radius, 0.02, 1e7, -0.2, 2700.0, rest)
+    large, phi = larger(shell), np.linspace(0.2, 2.9, 8)
+    one, other = (ritz.strains(each.rest, 5, phi) for each in (shell, large))
+    for name, power in (
+        ("meridional", 1),
+        ("hoop", 1),
+        ("rotation", 1),
+        ("meridional_bending", 2),
+        ("hoop_bending", 2),
+    ):
+        expected = getattr(one, name) / STRETCH**power
+        np.testing.assert_allclose(getattr(other, name), expected, rtol=1e-10, atol=1e-11 * np.abs(expected).max())
+    small, big = matrices(shell, 5), matrices(large, 5)
+    for name, factor in (
+        ("mass", DENSER * STRETCH**3),
+        ("membrane", STIFFER * STRETCH),
+        ("bending", STIFFER * STRETCH),
+    ):
+        expected = factor * getattr(small, name)
+        np.testing.assert_allclose(getattr(big, name), expected, rtol=1e-9, atol=1e-11 * np.abs(expected).max())
+    found, expected = natural_modes(large, 5), natural_modes(shell, 5)
+    assert found.omega == pytest.approx(np.sqrt(STIFFER / DENSER) / STRETCH * expected.omega, rel=1e-9)
+    assert found.shapes.shape == (11, 10)
+
+
+def test_curvatures_of_a_body_unlike_above_and_below_are_what_its_rotation_changes_by():
+    """Along the meridian by differences, around it by how far the parallels lean."""
+    phi, step = np.linspace(0.3, 2.8, 7), 1e-4
+    at, found = curve(EGG, phi), ritz.strains(EGG, 4, phi)
+    arc = np.hypot(at.dx, at.dz)
+    before, after = (ritz.strains(EGG, 4, phi + s * step).rotation for s in (-1, 1))
+    np.testing.assert_allclose(found.meridional_bending, -(after - before) / (2 * step) / arc, rtol=1e-5, atol=1e-6)
+    np.testing.assert_allclose(found.hoop_bending, -found.rotation * at.dx / (arc * at.x), rtol=1e-12, atol=1e-14)
+
+
+def test_matrices_are_kept_and_cannot_be_written_to():
+    shell = Shell(EGG.radius, 0.02, 1e7, 0.3, 2700.0, EGG)
+    assert matrices(shell, 3) is matrices(shell, 3)
+    for matrix in matrices(shell, 3):
+        np.testing.assert_allclose(matrix, matrix.T, atol=1e-12 * np.abs(matrix).max())
+        with pytest.raises(ValueError, match="read-only"):
+            matrix[0, 0] = 0.0

@@ -152,3 +152,71 @@ def test_a_meridian_must_suit_its_shell():
 def test_the_reach_is_that_of_the_farthest_of_side_top_and_keel(radial, axial, reach):
     assert Shell(2.0, 0.01, 1e7, 0.3, 2700.0, RestMeridian((radial,), axial)).reach == pytest.approx(reach, rel=1e-12)
     assert SEED.reach == 2.0
+
+
+STRETCH, STIFFER, DENSER = 1.7, 3.0, 0.6
+
+
+def larger(shell, stiffer=STIFFER):
+    """The same shell 1.7 times as large, of a material so many times as stiff and 0.6 times as dense.
+
+    At a radius of 2 m r^2 and 2 r are the same number: what holds of this shell, too, knows one from the other.
+    """
+    return Shell(
+        STRETCH * shell.radius,
+        STRETCH * shell.thickness,
+        stiffer * shell.young_modulus,
+        shell.poisson_ratio,
+        DENSER * shell.density,
+        shell.rest and shell.rest.scaled(STRETCH, STRETCH),
+    )
+
+
+@pytest.mark.parametrize("shell", [SEED, OBLATE], ids=["sphere", "oblate"])
+def test_a_larger_shell_is_so_much_heavier_and_stiffer(shell):
+    """By the dimensions of each number."""
+    large = larger(shell)
+    for name, factor in (
+        ("mass", DENSER * STRETCH**3),
+        ("volume", STRETCH**3),
+        ("reach", STRETCH),
+        ("membrane_stiffness", STIFFER * STRETCH),
+        ("bending_stiffness", STIFFER * STRETCH**3),
+    ):
+        assert getattr(large, name) == pytest.approx(factor * getattr(shell, name), rel=1e-12), name
+    phi = np.array([0.0, 0.3, 1.2, 2.9])
+    for part, of in zip(large.at_rest(phi), shell.at_rest(phi), strict=True):
+        assert part == pytest.approx(STRETCH * of, abs=1e-14)
+    assert (large.meridian.highest, large.meridian.radius) == pytest.approx(
+        (STRETCH * shell.meridian.highest, STRETCH * shell.meridian.radius), rel=1e-12
+    )
+
+
+def test_pressure_and_frequencies_of_a_larger_sphere():
+    assert larger(SEED).buckling_pressure == pytest.approx(STIFFER * SEED.buckling_pressure, rel=1e-13)
+    for degree in (0, 1, 2, 7):
+        slower = np.sqrt(STIFFER / DENSER) / STRETCH * natural_frequencies(SEED, degree)
+        assert natural_frequencies(larger(SEED), degree) == pytest.approx(slower, rel=1e-12)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_meridian_is_of_its_shells_radius_to_nine_digits(side):
+    rest = spheroid(0.7, 2.0)
+    assert Shell(0.7 * (1 + side * 0.9e-9), 0.01, 1e7, 0.3, 2700.0, rest).rest is rest
+    with pytest.raises(ValueError, match="a meridian needs the shell's radius"):
+        Shell(0.7 * (1 + side * 1.1e-9), 0.01, 1e7, 0.3, 2700.0, rest)
+
+
+@pytest.mark.parametrize(("radius", "height"), [(2.0, 6.0), (2.0, 2.0), (0.7, 2.0)])
+def test_a_wall_is_thinner_than_a_tenth_of_the_least_radius_of_curvature(radius, height):
+    """Of a spheroid a^2/b at its poles or b^2/a at its equator, whichever is less."""
+    rest = spheroid(radius, height)
+    least = rest.sharpest
+    assert least == pytest.approx(min(2 * radius**2 / height, (height / 2) ** 2 / radius), rel=1e-2)
+    assert least < radius
+    assert Shell(radius, 0.1 * 0.99999 * least, 1e7, 0.3, 2700.0, rest).rest is rest
+    told = (
+        rf"a tenth of the radii of curvature, got thickness=[\d.]+ m for a least radius of curvature of {least:.4g} m"
+    )
+    with pytest.raises(ValueError, match=told):
+        Shell(radius, 0.1 * 1.00001 * least, 1e7, 0.3, 2700.0, rest)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from shell.test_sphere import STRETCH, larger
 
 from vsb.shell import surface
 from vsb.shell.deformed import enclosed
@@ -152,3 +153,59 @@ def test_the_largest_strain_is_that_along_or_around(basis, most):
             assert largest_strain(basis, q) == pytest.approx(np.abs(q[1:] @ shapes[most][1:]).max(), rel=1e-2)
             return
     pytest.fail("no such motion")
+
+
+@pytest.mark.parametrize("degree", [3])
+def test_a_larger_shell_bent_alike_is_strained_alike(degree):
+    """In all orders of both families: displacements go with its size, areas with the square, volumes with the cube."""
+    found = []
+    for shell, size in ((RING.shell, 1.0), (larger(RING.shell), STRETCH)):
+        ring = ModeBasis(shell, RING.modes, 1e4, True)
+        orders = [order_basis(ring, order, Ballast(1e4, -0.4, 3e3)) for order in (1, 2)]
+        orders.append(orders[1].turned())
+        count = len(ring.labels) + sum(len(each.labels) for each in orders)
+        q = 0.05 * np.cos(1.9 * np.arange(count) + 0.3) * size
+        q[len(ring.labels) + 1] /= size  # pitch is an angle
+        volume, area = enclosed_in_orders(ring, orders, np.array([q, -0.5 * q]))
+        displacement, strain = largest_deformation(ring, orders, q)
+        own = q[: len(ring.labels)]
+        found.append([volume / size**3, area / size**2, displacement / size, strain,
+                      largest_displacement(ring, own) / size, largest_strain(ring, own)])  # fmt: skip
+    for one, other in zip(*found, strict=True):
+        np.testing.assert_allclose(other, one, rtol=1e-10)
+    assert found[0][0][0] != pytest.approx(found[0][0][1], rel=1e-3)
+
+
+def test_the_largest_strain_of_shapes_that_go_around_is_that_of_lengths_along_and_around():
+    """By differences of points of the bent surface, with shapes of both families: of each sign, whichever is more."""
+    both = [ORDERS[1], ORDERS[1].turned()]
+    labels = [*RING.labels, *(label for basis in both for label in basis.labels)]
+    step, size = 1e-5, 1e-6
+    phi = np.repeat(np.linspace(0.01, np.pi - 0.01, 181), 48)
+    theta = np.tile(2 * np.pi * np.arange(48) / 48, 181)
+
+    def place(q, phi, theta):
+        """Displacements along e_r, e_phi and e_theta."""
+        parts = np.array([*RING.displacement(phi), np.zeros((len(RING.labels), len(phi)))])
+        parts[:, 0] = 0.0
+        total, at = np.einsum("j,ijp->ip", q[: len(RING.labels)], parts), len(RING.labels)
+        for basis in both:
+            cos, sin = np.cos(2 * theta), np.sin(2 * theta)
+            around = np.array([sin, sin, -cos]) if basis.odd else np.array([cos, cos, sin])
+            total = total + np.einsum("j,ijp->ip", q[at : at + len(basis.labels)], np.array(basis.field(phi))) * around
+            at += len(basis.labels)
+        return total
+
+    for amplitudes in (
+        {"Membrane2c2": 1.0, "Bending3s2": -0.4, "Membrane0": -0.2},
+        {"Bending2c2": 0.3, "Bending3s2": 1.0, "Bending2": 0.5},
+        {"Bending2s2": -1.0},
+    ):
+        q = size * np.array([amplitudes.get(label, 0.0) for label in labels])
+        v, u, _ = place(q, phi, theta)
+        along = ((place(q, phi + step, theta) - place(q, phi - step, theta))[1] / (2 * step) + v) / 2.0
+        w_around = (place(q, phi, theta + step) - place(q, phi, theta - step))[2] / (2 * step)
+        around = (u / np.tan(phi) + v + w_around / np.sin(phi)) / 2.0
+        displacement, strain = largest_deformation(RING, both, q)
+        assert strain == pytest.approx(max(np.abs(along).max(), np.abs(around).max()), rel=2e-2)
+        assert displacement == pytest.approx(np.sqrt((place(q, phi, theta) ** 2).sum(axis=0)).max(), rel=2e-2)
