@@ -513,3 +513,136 @@ def test_what_lasts_in_any_run_matters_without_a_shape_at_rest_as_well(monkeypat
         f"{100 * first['least']:+.2g} to {100 * first['most']:+.2g} % by the shapes of the motion, "
         f"{100 * first['average']:+.2g} % on average, {rest}"
     )
+
+
+def test_a_family_is_of_the_water_of_its_study_at_sixty_frequencies_and_its_longest_wave(small, reference):
+    """The longest wave of a sea is that of the study's own run."""
+    noise = {"kind": "white_noise", "hs": 0.3, "band": [0.05, 2.0]}
+    study = varied(
+        small,
+        water={"density": 1010.0, "gravity": 9.7},
+        hydro={"omega_max": 9.0},
+        waves=[noise],
+        simulation={"duration": 35.0, "window": (10.0, 30.0)},
+    )
+    found = shapedependence.study_family(study, reference)
+    count = int(np.ceil(1.95 * 1.1 * 35.0 / (2 * np.pi)))
+    longest = 0.05 + 0.5 * 1.95 / count
+    grid = 0.15 * np.arange(1, 61)
+    expected = [longest, *grid] if longest < 0.15 else grid
+    np.testing.assert_allclose(found.omegas, expected, rtol=1e-9)
+    assert (found.density, found.gravity, found.shape) == (1010.0, 9.7, reference.shape)
+    coarse = shapedependence.study_family(study, reference, 5).omegas
+    np.testing.assert_allclose(coarse, [longest, *(1.8 * np.arange(1, 6))], rtol=1e-9)
+
+
+@pytest.mark.parametrize("radius", [1.5, 3.0])
+def test_a_database_reaches_a_hundredth_of_any_radius(small, reference, radius):
+    device = {"radius": radius, "thickness": 0.01, "mass": 800.0 * radius**3}
+    still = varied(small, device=device, waves=[{"kind": "still"}])
+    assert StudyMotion(still, reference, None).reach == pytest.approx(np.full(4, 0.01 * radius), rel=1e-14)
+    assert StudyMotion(still, reference, None).runs == {}
+
+
+def test_all_of_a_study_is_put_together_of_what_its_parts_find(small, reference, monkeypatch):
+    """Errors are the worst of any coefficient, by order and size in radii; the database is measured as often as asked."""
+    study = varied(small, device={"radius": 1.5, "mass": 7e3}, waves=[{"kind": "still"}])
+    asked = []
+
+    class Family:
+        labels = ("Heave",)
+
+        def interpolation_error(self, size, samples):
+            asked.append((pytest.approx(size, rel=1e-12), samples))
+            return xr.Dataset(
+                {"one": ("order", [3 * size, 2 * size]), "other": ("order", [size, 7 * size])}, {"order": [1, 2]}
+            )
+
+    family = Family()
+    for name, known in {
+        "reference_shell": lambda study: reference,
+        "linear_buoy": lambda *given: ("buoy", *given),
+        "StudyMotion": lambda *given: dataclasses.make_dataclass("Motion", ["given", "reach"])(given, "reach"),
+        "shape_database": lambda *given: (
+            databases.append(given) or dataclasses.make_dataclass("D", ["dataset"])(stored)
+        ),
+        "power_changes": lambda *given: xr.Dataset({"b": float(given == (study, reference, family))}),
+        "study_powers": lambda motion, of, database: xr.Dataset(
+            {"c": float(motion.given == (study, reference, ("buoy", study, reference, family)) and of is family)}
+        ),
+        "described": lambda ds: ds.assign(d=4.0),
+    }.items():
+        monkeypatch.setattr(shapedependence, name, known)
+    stored, databases = xr.Dataset({"a": 2.0}), []
+    for samples in ((), (7,)):
+        ds = shapedependence.shape_dataset(study, family, *samples)
+        assert databases.pop() == (family, "reach", *(samples or (20,)))
+        assert [float(ds[name]) for name in "abcd"] == [2.0, 1.0, 1.0, 4.0]
+        sizes = 1.5 * np.array([0.00625, 0.0125, 0.025, 0.05, 0.1])
+        np.testing.assert_allclose(ds.deformation, sizes, rtol=1e-12)
+        assert ds.interpolation_error.dims == ("deformation", "expansion")
+        np.testing.assert_allclose(ds.interpolation_error.sel(expansion="first"), 3 * sizes, rtol=1e-12)
+        np.testing.assert_allclose(ds.interpolation_error.sel(expansion="second"), 7 * sizes, rtol=1e-12)
+    assert [samples for _, samples in asked] == [8] * 10
+
+
+def test_effects_of_every_run_are_relative_to_its_own_power(monkeypatch):
+    """Of two designs in two seas; one that absorbs nothing and one that gives power have none."""
+    reference = np.array([[2.0, 0.0], [4.0, -1.0]])
+    passed = np.array([[[1.0, 2.0, 6.0], [1.0, 2.0, 3.0]], [[4.4, 3.0, 4.0], [1.0, 1.0, 1.0]]])
+    ds = xr.Dataset(
+        {
+            "power_at_reference": (("design", "wave"), reference),
+            "power_at_shape": (("design", "wave", "instant"), passed),
+            "power_at_rest": (("design", "wave"), [[3.0, 1.0], [3.0, 1.0]]),
+        },
+        {"design": ["A", "B"], "wave": ["p", "q"]},
+    )
+    first = {"least": -0.5, "most": 2.0, "average": 0.5}
+    second = {"least": -0.25, "most": 0.1, "average": -0.05}
+    found = power_effects(ds)
+    assert list(found) == [("A", "p"), ("B", "p")]
+    assert found["A", "p"] == pytest.approx({**first, "rest": 0.5})
+    assert found["B", "p"] == pytest.approx({**second, "rest": -0.25})
+    without = power_effects(ds.drop_vars("power_at_rest"))
+    assert without["A", "p"] == pytest.approx(first)
+    assert without["B", "p"] == pytest.approx(second)
+    assert power_effects(xr.Dataset()) == {}
+
+
+def test_the_swing_and_the_power_of_each_design_are_its_own(small, reference, monkeypatch):
+    """Slopes and motions of two designs, by hand: sums over shapes, in their phases, and minus what the shape at rest is."""
+    omega = np.array([1.0, 2.0, 3.0])
+    rao = {
+        "FSB": np.array([[1.0, 0.5j], [2.0, 1.0], [1j, 0.0]]),
+        "VSWEC": np.array([[0.3, 1.0], [1.0, -1j], [0.0, 2.0]]),
+    }
+    slope = {
+        "FSB": np.array([[1.0, 2.0, 3.0], [-1.0, 4.0, 1.0]]),
+        "VSWEC": np.array([[2.0, -3.0, 1.0], [1.0, 1.0, 5.0]]),
+    }
+
+    class Buoy:
+        def rao(self, omega, motions):
+            return rao[motions]
+
+        def absorbed_power(self, omega, rao):
+            return omega * np.abs(rao[:, 0])
+
+    monkeypatch.setattr(shapedependence, "linear_buoy", lambda *given: Buoy())
+    monkeypatch.setattr(shapedependence, "design_motions", lambda study, basis, design: design)
+    monkeypatch.setattr(shapedependence, "power_slope", lambda buoy, slopes, motions: slope[motions])
+    family = dataclasses.make_dataclass("F", ["omegas", "slopes", "labels"])(tuple(omega), None, ["Heave", "Membrane0"])
+    q = np.array([0.2, -0.1])
+    told = dataclasses.make_dataclass("R", ["basis", "modal_amplitude"])(None, q)
+    study = small.model_copy(update={"designs": {name: small.designs[name] for name in ("FSB", "VSWEC")}})
+    ds = shapedependence.power_changes(study, told, family)
+    for design in ("FSB", "VSWEC"):
+        own = ds.sel(design=design)
+        np.testing.assert_allclose(own.absorbed_power, omega * np.abs(rao[design][:, 0]))
+        np.testing.assert_array_equal(own.power_slope.transpose("shape_dof", "omega"), slope[design])
+        swing = np.abs([slope[design][:, i] @ rao[design][i] for i in range(3)])
+        np.testing.assert_allclose(own.power_swing, swing)
+        np.testing.assert_allclose(own.power_undeformed, -(q @ slope[design]))
+    np.testing.assert_array_equal(ds.omega, omega)
+    assert ds.shape_dof.values.tolist() == ["Heave", "Membrane0"]

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from vsb.shell.elastic import ElasticShell, converged_degree
 from vsb.shell.loaded import (
     Gas,
     LoadedShell,
+    _buckled,
     _newton,
     _undeformed,
     buckling,
@@ -737,3 +739,50 @@ def test_the_membrane_forces_are_those_of_no_fewer_degrees_than_the_basis_has(se
     own = loaded.elastic._hooke(*(loaded.first_order @ strain for strain in strains[:2]))
     for found, expected in zip(loaded.linear_resultants(PHI[1:-1]), own, strict=True):
         np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize(
+    ("reached", "clamped", "degree"), [(0.6, False, 3), (0.2, False, 2), (0.0, False, 2), (0.6, True, 2)]
+)
+def test_the_shape_a_shell_buckles_into_is_its_softest_where_it_last_stood(reached, clamped, degree):
+    """Relative to what it is unloaded, of the motions clamps allow; the buoy's heave is none, however soft the water."""
+
+    def at(factor):
+        lost = {0.001: 0.2, 0.2: 0.2, 0.6: 0.8}[factor]
+        return SimpleNamespace(stiffness=lambda q: np.diag([0.01, 80.0, 20.0 * 0.7, 30.0 * (1 - lost)]))
+
+    basis = SimpleNamespace(
+        labels=("Heave", "Membrane0", "Membrane2", "Bending3"),
+        degrees=(1, 0, 2, 3),
+        shell=SimpleNamespace(thickness=0.03),
+    )
+    unloaded = np.diag([0.0, 100.0, 20.0, 30.0])
+    shell = SimpleNamespace(
+        scaled=at,
+        unloaded_stiffness=unloaded,
+        elastic=SimpleNamespace(basis=basis, stiffness=lambda q: unloaded),
+        basis=basis,
+        internal_pressure=-120.0,
+    )
+    motions = np.eye(4)[:, :3] if clamped else np.eye(4)
+    assert _buckled(shell, motions, np.zeros(4), reached) == (
+        f"the shell buckles at {reached:.3g} of its load, into a shape of degree {degree}; raise device.internal_pressure "
+        "(now -120 Pa, gauge) or device.thickness (now 0.03 m)"
+    )
+    assert unloaded[0, 0] == 0.0  # and is left as it was
+
+
+@pytest.mark.parametrize(("modulus", "height"), [(2.6e4, 1.6), (1e5, 1.2)])
+def test_gas_that_leaves_a_shell_as_it_swells_may_be_let_in_at_more_than_it_breathes_at(
+    seed, monkeypatch, modulus, height
+):
+    """2 C (1 + nu)/r would burst it if it stayed; what is left of it once the shell has swollen carries it."""
+    monkeypatch.setattr("vsb.shell.loaded.converged_degree", lambda shell: 12)
+    soft = seed.device.model_copy(update={"young_modulus": modulus, "thickness": 0.1, "gas": Gas(adiabatic_index=1.4)})
+    breathing = 2 * modulus * 0.1 / (1 - soft.poisson_ratio**2) * (1 + soft.poisson_ratio) / soft.radius
+    pressure, found = viable_pressure(soft, height, seed.water)
+    assert pressure > 10 * breathing
+    assert found.load_factor == pytest.approx(1.0, rel=1e-6)
+    shell = complete_shell(soft, height, seed.water, pressure)
+    assert 0 < shell.pressure_inside < breathing
+    assert buckling(dataclasses.replace(shell, internal_pressure=0.99 * pressure)).load_factor < 1.0
