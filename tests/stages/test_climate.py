@@ -62,3 +62,25 @@ def test_a_file_that_changed_is_refused(short, tmp_path):
         read_climate(planned, str(other))
     with pytest.raises(ConfigError, match=r"nowhere.txt: cannot be read .*; needs the climate of the campaign"):
         read_climate(planned, str(tmp_path / "nowhere.txt"))
+
+
+@pytest.mark.parametrize(("form", "gamma", "told"), [
+    ("jonswap", 2.0, "JONSWAP spectra, gamma 2"), ("jonswap", 5.5, "JONSWAP spectra, gamma 5.5"),
+    ("pierson_moskowitz", None, "Pierson-Moskowitz spectra"),
+])  # fmt: skip
+def test_a_table_is_of_the_peakedness_planned(form, gamma, told):
+    assert read_climate(spec(TABLE, form, gamma), str(TABLE)).notes[-1] == told
+
+
+def test_a_file_is_the_one_planned_to_the_last_digit(short):
+    planned = spec(short, "spectra")
+    for at in (0, 7, 8, 15):
+        other = planned.contents[:at] + "fe"[planned.contents[at] == "f"] + planned.contents[at + 1 :]
+        with pytest.raises(ConfigError, match="changed since the run was planned"):
+            read_climate(planned.model_copy(update={"contents": other}), str(short))
+
+
+def test_a_file_that_is_not_there_is_told_with_the_reason(short, tmp_path):
+    told = r"^.*nowhere\.txt: cannot be read \(No such file or directory\); needs the climate of the campaign$"
+    with pytest.raises(ConfigError, match=told):
+        read_climate(spec(short, "spectra"), str(tmp_path / "nowhere.txt"))

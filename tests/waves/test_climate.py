@@ -267,3 +267,52 @@ def test_the_steepest_of_records_that_cannot_be_is_named():
     assert hs[0] > hs[1]
     with pytest.raises(ConfigError, match=rf"as Hs {hs[1]:.4g} m with Te {te[1]:.4g} s; needs frequencies in Hz"):
         of_records(omega, np.vstack([swell, steep]), "file")
+
+
+@pytest.mark.parametrize(("field", "value", "needed"), [
+    ("te", 0.0, "periods above 0"), ("hs", 0.0, "heights above 0"), ("te", -np.inf, "periods above 0"),
+    ("hs", np.inf, "heights above 0"), ("hours", np.nan, "no share below 0"), ("density", np.inf, "no number below 0"),
+    ("omega", np.nan, "ascending, > 0"),
+])  # fmt: skip
+def test_one_number_that_cannot_be_is_named_whichever_it_is(field, value, needed):
+    right = rising([1.0, 2.0, 3.0], [0.2, 0.3, 0.5])
+    fields = {name: np.array(getattr(right, name)) for name in ("omega", "density", "hours", "hs", "te")}
+    fields[field].flat[-1] = value
+    told = f"climate uneven: received {field} with {value:.6g}, needs {needed}, all finite"
+    with pytest.raises(ConfigError, match=f"^{re.escape(told)}$"):
+        Climate(**fields, name="uneven")
+
+
+def test_a_calm_band_and_a_sea_of_no_hours_are_known_all_the_same():
+    right = rising([1.0, 2.0], [0.0, 1.0])
+    density = np.array(right.density)
+    density[:, 0] = 0.0
+    known = Climate.of_spectra(right.omega, density, right.hours, "calm", ["said"])
+    assert known.notes == ("said",)
+    assert known.mean_density == pytest.approx(density[1])
+
+
+def test_a_realisation_reaches_no_farther_than_the_bands():
+    """Beyond them nothing is known, whatever is asked for; as many components as the bands alone need."""
+    climate = rising([1.0, 2.0], [0.5, 0.5])
+    wide, own = realised(climate, 1, 300.0, 2, 0.1, 5.0), realised(climate, 1, 300.0, 2)
+    np.testing.assert_array_equal(wide.omega, own.omega)
+    np.testing.assert_array_equal(wide.amplitude, own.amplitude)
+    assert len(own.omega) == int(np.ceil(1.1 * 1.1 * 300.0 / (2 * np.pi)))
+
+
+def test_seas_just_as_high_or_as_steep_as_there_are_can_be():
+    assert impossible(np.array([40.0]), np.array([30.0])).tolist() == [False]
+    assert impossible(np.array([1.0, 41.0, 1.0]), np.array([30.0, 30.0, 1.0])).tolist() == [False, True, True]
+
+
+def test_all_that_lies_in_the_bands_is_inside_and_none_of_what_lies_elsewhere():
+    """Half of the first band, all of them, more than all of them, none of them."""
+    climate = rising([1.0, 2.0], [0.25, 0.75])
+    inside = 0.1 * climate.mean_density
+    half = (inside[0] / 2) / inside.sum()
+    assert climate.variance_outside(0.8, 9.0) == pytest.approx(half, rel=1e-9)
+    assert climate.variance_outside(*climate.edges[[0, -1]]) == pytest.approx(0.0, abs=1e-12)
+    assert climate.variance_outside(0.0, 50.0) == pytest.approx(0.0, abs=1e-12)
+    assert climate.variance_outside(2.5, 3.0) == 1.0
+    assert climate.variance_outside(0.1, 0.5) == 1.0

@@ -94,3 +94,33 @@ def test_water_that_flows_together_rises(depth):
     )
     assert 1j * k * u[1] == pytest.approx(-(w[2] - w[0]) / (2 * step), rel=1e-6)
     assert 1j * k * w[1] == pytest.approx((u[2] - u[0]) / (2 * step), rel=1e-6)
+
+
+@pytest.mark.parametrize("depth", [np.inf, 3.0, 40.0])
+def test_waves_of_another_gravity_are_as_much_faster(depth):
+    """Three times the gravity, 1.7 times the frequency: the same wavenumber; all velocities go with the frequency."""
+    omega, faster = np.array([0.5, 1.3, 2.9]), np.sqrt(3.0)
+    for w in omega:
+        assert wavenumber(faster * w, depth, 3 * G) == pytest.approx(wavenumber(w, depth, G), rel=1e-11)
+        assert group_velocity(faster * w, depth, 3 * G) == pytest.approx(
+            faster * group_velocity(w, depth, G), rel=1e-11
+        )
+        heavier = power_limit(faster * w, depth, 2 * 1025.0, 3 * G)
+        assert heavier == pytest.approx(2 * 3 * faster * power_limit(w, depth, 1025.0, G), rel=1e-10)
+    for velocity in (vertical_velocity, horizontal_velocity):
+        found, expected = velocity(faster * omega, -1.2, depth, 3 * G), faster * velocity(omega, -1.2, depth, G)
+        np.testing.assert_allclose(found, expected, rtol=1e-10)
+
+
+def test_water_under_waves_goes_around_in_closed_orbits():
+    """cosh and sinh of their own at a depth, from the bottom up."""
+    omega, depth, gravity, z = np.array([0.4, 1.1]), 7.0, 9.6, -2.5
+    k = np.array([wavenumber(w, depth, gravity) for w in omega])
+    np.testing.assert_allclose(
+        horizontal_velocity(omega, z, depth, gravity), omega * np.cosh(k * (z + depth)) / np.sinh(k * depth), rtol=1e-12
+    )
+    np.testing.assert_allclose(
+        vertical_velocity(omega, z, depth, gravity),
+        -1j * omega * np.sinh(k * (z + depth)) / np.sinh(k * depth),
+        rtol=1e-12,
+    )

@@ -370,3 +370,33 @@ def test_directions_may_miss_their_distance_by_a_thousandth(miss, refused):
         return
     with pytest.raises(ConfigError, match="needs equal distances all around"):
         _direction_widths("s.nc", degrees)
+
+
+def test_frequencies_of_netcdf_may_not_repeat(tmp_path):
+    spectra().assign_coords(freq=[0.05, 0.1, 0.1]).to_netcdf(tmp_path / "s.nc")
+    with pytest.raises(ConfigError, match=r"needs time and ascending freq above 0 Hz$"):
+        read_spectra(tmp_path / "s.nc")
+
+
+@pytest.mark.parametrize("units", ["m^2/Hz/degree", "M2 S / degree", "m2/hz/degrees", "m2 s degrees"])
+def test_other_units_of_netcdf_with_directions(units):
+    ds = spectra()
+    ds.efth.attrs["units"] = units
+    if units == "m2 s degrees":  # per degree it is not
+        with pytest.raises(ConfigError, match=r"^s.nc: received efth in 'm2 s degrees', needs m2/Hz/degree$"):
+            _check_units("s.nc", ds, True)
+        return
+    _check_units("s.nc", ds, True)
+
+
+def test_a_year_of_netcdf_is_known_by_its_calendar_and_its_file(tmp_path):
+    """Records told out of order: the seas stand in the order of the file, a year from the first to the last."""
+    time = np.array(["2020-03-01T00:00", "2020-01-01T00:00", "2021-01-01T00:00"], dtype="datetime64[ns]")
+    density = np.outer([1.0, 3.0, 2.0], [1.0, 2.0, 0.5])
+    ds = xr.Dataset({"efth": (("time", "freq"), density)}, {"time": time, "freq": BANDS})
+    ds.to_netcdf(tmp_path / "site.nc")
+    climate = read_spectra(tmp_path / "site.nc")
+    assert climate.name == "site.nc"
+    np.testing.assert_allclose(climate.density * 2 * np.pi, density, rtol=1e-14)
+    assert climate.notes[0] == "2020-01-01 00:00 to 2021-01-01 00:00"
+    assert not any("seasons are missing" in note for note in climate.notes)

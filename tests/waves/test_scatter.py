@@ -7,7 +7,15 @@ import pytest
 from scipy.special import gamma as gamma_function
 
 from vsb.errors import ConfigError
-from vsb.waves.scatter import climate_of_cells, energy_over_peak_period, jonswap_bands, read_scatter, read_table
+from vsb.waves.scatter import (
+    _kind,
+    _plain,
+    climate_of_cells,
+    energy_over_peak_period,
+    jonswap_bands,
+    read_scatter,
+    read_table,
+)
 from vsb.waves.seas import jonswap_spectrum
 
 SHIPPED = Path(__file__).parents[2] / "config" / "climate" / "PacWave-South_Oregon_Wave-Resource.csv"
@@ -245,3 +253,60 @@ def test_the_steepest_cell_is_named_by_the_period_of_the_table(written):
         ConfigError, match=r"received 50\.0% of seas that cannot be, as Hs 5\.05 m with Tp 6 s; needs Hs"
     ):
         read_scatter(written("Hs,Tp,share\n9,16,0.5\n5.05,6,0.5\n"))
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        *((name, "hs") for name in ("Hs", "Hm0", "H_sig", "H13", "Significant Wave Height", "wave height (m)", "H_{s}")),
+        *((name, "te") for name in ("Te", "Tm-10", "T m10", "Tm-1,0", "Energy period", "mean energy period [s]",
+                                    "wave energy period")),
+        *((name, "tp") for name in ("Tp", "Peak Period", "wave peak period", "T_p (sec)")),
+        *((name, None) for name in ("Tz", "Tm02", "height", "period", "")),
+    ],
+)  # fmt: skip
+def test_heights_and_periods_have_many_names(name, kind):
+    assert _kind(_plain(name)) == kind
+
+
+@pytest.mark.parametrize(("name", "unit"), [
+    ("Occurrence", None), ("occurrences", None), ("Percent", 100.0), ("Percentage", 100.0), ("%", 100.0), ("Hours", 8766.0),
+    ("h", 8766.0), ("Count", None), ("counts", None), ("frequency", None), ("Share", 1.0), ("probability", None),
+    ("N", None), ("Number", None), ("hits", None), ("Occ", None), ("Occurrence (%)", 100.0),
+])  # fmt: skip
+def test_how_often_has_many_names_and_some_say_what_it_sums_to(written, name, unit):
+    table = read_table(written(f"Hs;Te;{name}\n0.25;6.5;1\n0.75;7.5;3\n"))
+    assert (table.unit, table.kind, table.blank) == (unit, "te", 0)
+    assert table.occurrence.tolist() == [1.0, 3.0]
+
+
+@pytest.mark.parametrize("unit", ["m", "s", "sec", "metres", "Meters", "seconds", "%", "h", "-", "", " S "])
+def test_units_in_brackets_are_those_of_metres_and_seconds(written, unit):
+    for brackets in ("[]", "()"):
+        named = f"Hs {brackets[0]}{unit}{brackets[1]}"
+        assert read_table(written(f"{named};Te;n\n0.25;6.5;1\n")).hs.tolist() == [0.25]
+        assert read_table(written(f"{named}/Te;6.5\n0.25;1\n")).period.tolist() == [6.5]
+        with pytest.raises(ConfigError, match=r"line 1: received the unit 'cm' in 'Hs .*cm.*', needs m and s"):
+            read_table(written(f"Hs {brackets[0]}cm{brackets[1]};Te;n\n0.25;6.5;1\n"))
+
+
+@pytest.mark.parametrize("range_", ["6-9", "6 - 9", "6\u20139", "6 to 9", "6..9", "6...9", "6.0-9,0", "7.5", "7,5"])
+def test_a_bin_is_told_by_its_centre_or_its_ends(written, range_):
+    assert read_table(written(f"Hs;Te;n\n0.25;{range_};1\n")).period.tolist() == [7.5]
+    assert read_table(written(f"Hs/Te;{range_}\n0.25;1\n")).period.tolist() == [7.5]
+
+
+@pytest.mark.parametrize("kind", ["te", "tp"])
+@pytest.mark.parametrize("gamma", [1.0, 2.0, 3.3])
+def test_every_cell_is_a_sea_of_its_own_height_and_period(written, kind, gamma):
+    """Two heights and two periods that are not in order: each spectrum's own variance and peak."""
+    climate = read_scatter(written(f"Hs;{kind};n\n3.0;11;5\n1.0;6;2\n2.0;8;3\n"), gamma=gamma)
+    ratio = energy_over_peak_period(gamma)
+    te = np.array([11.0, 6.0, 8.0]) * (ratio if kind == "tp" else 1.0)
+    assert climate.hs.tolist() == [3.0, 1.0, 2.0]
+    np.testing.assert_allclose(climate.te, te, rtol=1e-12)
+    np.testing.assert_allclose(climate.hours, [0.5, 0.2, 0.3], rtol=1e-12)
+    np.testing.assert_allclose(4 * np.sqrt(climate.variance), climate.hs, rtol=1e-3)
+    np.testing.assert_allclose(climate.omega[climate.density.argmax(axis=1)], 2 * np.pi * ratio / te, rtol=0.025)
+    assert climate.name == "given.txt"
+    assert climate.notes[-1] == f"JONSWAP spectra, gamma {gamma:g}"

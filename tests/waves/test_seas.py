@@ -146,3 +146,34 @@ def test_components_without_energy_are_left_out_of_a_sea():
     assert 0 < np.sum(~strong) < len(omega)
     assert found.omega == pytest.approx(omega[strong])
     assert np.abs(found.amplitude) == pytest.approx(amplitude[strong])
+
+
+@pytest.mark.parametrize("gamma", [1.0, 3.3, 7.0])
+def test_every_component_holds_the_variance_of_its_band_however_wide_that_is(gamma):
+    """Nine bands, the spectrum peaking within one of them; integrated finely."""
+    wave = Jonswap(kind="jonswap", hs=2.0, tp=4.0, gamma=gamma)
+    omega, amplitude = components(wave, 6.0, 8.0)
+    width = 6.0 / len(omega)
+    assert len(omega) == int(np.ceil(6.0 * 1.1 * 8.0 / (2 * np.pi)))
+    fine = omega[:, None] + width * np.linspace(-0.5, 0.5, 2001)[None]
+    fine = np.maximum(fine, 1e-6)
+    within = np.trapezoid(spectrum(wave, fine.ravel()).reshape(fine.shape), dx=width / 2000, axis=1)
+    assert amplitude**2 / 2 == pytest.approx(within, rel=5e-3, abs=1e-5)
+
+
+def test_a_pierson_moskowitz_sea_is_a_jonswap_sea_without_its_peak():
+    broad = PiersonMoskowitz(kind="pierson_moskowitz", hs=1.5, tp=5.0, seed=4)
+    same = Jonswap(kind="jonswap", hs=1.5, tp=5.0, gamma=1.0, seed=4)
+    one, other = sea(broad, 7.0, 120.0), sea(same, 7.0, 120.0)
+    np.testing.assert_array_equal(one.amplitude, other.amplitude)
+    np.testing.assert_array_equal(one.omega, other.omega)
+    peaked = Jonswap(kind="jonswap", hs=1.5, tp=5.0, gamma=5.0, seed=4)
+    assert not np.allclose(np.abs(sea(peaked, 7.0, 120.0).amplitude[:50]), np.abs(one.amplitude[:50]))
+
+
+@pytest.mark.parametrize("seed", [0, 5])
+def test_phases_are_those_of_the_seed_all_around_the_circle(seed):
+    wave = WhiteNoise(kind="white_noise", hs=2.0, band=(1.0, 3.5), seed=seed)
+    found = sea(wave, 12.0, 300.0)
+    turned = np.exp(2j * np.pi * np.random.default_rng(seed).random(len(found.omega)))
+    assert found.amplitude / np.abs(found.amplitude) == pytest.approx(turned, abs=1e-12)
