@@ -264,3 +264,32 @@ def test_a_buoy_whose_database_holds_heave_alone_is_a_rigid_one(seed, monkeypatc
     buoy, basis = linear_buoy(varied(seed, designs={"FSB": {"flexible": False}}), "some.nc")
     assert basis.labels == ("Heave",)
     assert buoy.structural_damping.tolist() == [[0.0]]
+
+
+@pytest.mark.parametrize(("design", "labels", "told"), [
+    (BodyDesign(dofs="rigid"), ["Mode7", "Mode8"], "none"),
+    (BodyDesign(dofs=("Heave", "Pitch"), held=({"Heave": 1.0}, {"Pitch": 2.0})), RIGID, "Heave, Pitch"),
+])  # fmt: skip
+def test_a_design_that_leaves_nothing_to_move_is_told_by_what_it_chose(design, labels, told):
+    with pytest.raises(ConfigError, match=rf"^designs\.some: received dofs {told}, all held; needs one that moves$"):
+        body_motions("some", design, labels)
+
+
+def test_what_is_held_twice_over_or_not_among_the_chosen_takes_no_more_motion():
+    """Three conditions of which two say the same and one is on what does not move: one is left to hold."""
+    held = ({"Surge": 1.0, "Pitch": 2.0}, {"Surge": -2.0, "Pitch": -4.0}, {"Mode7": 5.0})
+    motions = body_motions("a", BodyDesign(dofs=("Pitch", "Heave", "Surge"), held=held), RIGID)
+    assert motions.shape == (4, 2)
+    np.testing.assert_allclose(motions.T @ motions, np.eye(2), atol=1e-14)
+    np.testing.assert_allclose(held_rows(BodyDesign(held=held), RIGID) @ motions, 0.0, atol=1e-14)
+    free = body_motions("a", BodyDesign(dofs=("Pitch", "Surge"), held=({"Heave": 1.0},)), RIGID)
+    np.testing.assert_array_equal(free, np.eye(4)[:, [2, 0]])
+
+
+@pytest.mark.parametrize("direction", [-135.0, 0.0, 60.0])
+def test_a_motion_goes_with_the_waves_in_radians(direction):
+    assert towards(Heading(7.0), direction).direction == pytest.approx(np.pi * direction / 180)
+    wave = RegularWave(kind="regular", amplitude=1.0, period=1.0, direction=direction)
+    floating = Afloat(Heading(7.0), {}, np.ones(1))
+    assert floating.towards(wave).direction == pytest.approx(np.pi * direction / 180)
+    assert floating.towards(StillWater(kind="still")).direction == 0.0

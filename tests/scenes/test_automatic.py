@@ -477,3 +477,51 @@ def test_a_power_is_that_of_a_steady_state_where_there_is_one(monkeypatch, omega
     monkeypatch.setattr(Scenes, "_recorded_power", lambda scenes, given: ("record", given))
     found = of_sea(omega, [0.2] * len(omega))._power(system)
     assert found == (way, system, *([automatic.PRECISION] if way == "balance" else []))
+
+
+@pytest.mark.parametrize("body_exact", [True, False])
+@pytest.mark.parametrize("unmeasured", ["", "does not settle"])
+def test_notes_of_a_choice_are_all_there_is_to_say(body_exact, unmeasured):
+    left_out = (automatic.LeftOut("memory_beyond_4_states", 0.002), automatic.LeftOut("shell_modes", 0.01))
+    choice = automatic.Choice(Description(RIGID, 4, body_exact), left_out, None, unmeasured)
+    assert choice.notes == {
+        "model": "body_exact" if body_exact else "linear",
+        "description": f"{'body-exact' if body_exact else 'linear'}, rigid, 4 memory states",
+        "left_out": '[{"what": "memory_beyond_4_states", "error": 0.002}, {"what": "shell_modes", "error": 0.01}]',
+        "power_error": pytest.approx(1.25 * 0.012, rel=1e-12),
+    } | ({"unmeasured": unmeasured} if unmeasured else {})
+
+
+@pytest.mark.parametrize(("losses", "degree"), [
+    ({-1: 0.02, 0: 0.004, 1: 0.001, 2: 0.001}, 1), ({-1: 0.02, 0: 0.001, 1: 0.02, 2: 0.001}, 0), ({-1: 0.002}, -1),
+    ({-1: 0.02, 0: 0.02, 1: 0.02, 2: 0.004}, 3),
+])  # fmt: skip
+def test_the_lowest_rung_within_a_third_of_the_tolerance_is_taken(losses, degree):
+    """Of 0.01 over 3 and the interplay 1.25, 0.00267, each."""
+
+    class Rungs(Told):
+        ladder = dict.fromkeys([3, 1, RIGID, 2, 0], np.zeros(0))  # told in any order
+
+        def power(self, d):
+            return 100.0 * (1 + losses.get(d.degree, 0.0))
+
+    choice = chosen(Rungs(), 0.01)
+    assert choice.description == (degree, 2, False)
+    what = {"shell_modes" if degree == RIGID else "modes_above_degree": losses.get(degree)} if degree < 3 else {}
+    errors = {item.what: item.error for item in choice.left_out}
+    assert errors == pytest.approx({"memory_beyond_2_states": 0.0, **what, "body_exact_forces": 0.0}, abs=1e-12)
+
+
+@pytest.mark.parametrize(("cut", "memory"), [
+    ({2: 0.01, 4: 0.001, 6: 0.01}, 4), ({2: 0.01, 4: 0.01, 6: 0.0027}, 8), ({2: 0.01, 4: 0.01, 6: 0.0026}, 6),
+    ({2: -0.01, 4: -0.002}, 4),
+])  # fmt: skip
+def test_the_fewest_states_within_a_third_of_the_tolerance_are_taken_two_by_two(cut, memory):
+    class States(Told):
+        def power(self, d):
+            assert d.memory in (2, 4, 6, 8, automatic.INFINITE)
+            return 100.0 * (1 + cut.get(d.memory, 0.0))
+
+    choice = chosen(States(), 0.01)
+    assert choice.description == (RIGID, memory, False)
+    assert choice.left_out[0] == (f"memory_beyond_{memory}_states", pytest.approx(abs(cut.get(memory, 0.0)), abs=1e-12))

@@ -397,3 +397,43 @@ def test_every_design_is_looked_at_whether_it_rests_in_the_water_as_it_is(seed, 
     with pytest.raises(ConfigError, match=r"^hydro.model: received 'body_exact' for design VSWEC, but it sinks$"):
         check_rests(study, reference_shell(study))
     assert asked == [(1010.0, 9.7, 1), (1010.0, 9.7, 8)]
+
+
+@pytest.mark.parametrize(("least", "refused"), [(0.0, True), (-1e-9, True), (1e-9, False)])
+def test_a_design_of_no_stiffness_does_not_rest(seed, monkeypatch, least, refused):
+    """Whichever of them it is."""
+    names = list(seed.designs)
+    found = dict.fromkeys(names, 5.0) | {names[-1]: least}
+    monkeypatch.setattr(rest, "design_stiffness", lambda study, reference, design: found[design])
+    reference = reference_shell(seed)
+    if not refused:
+        check_stable(seed, reference)
+        return
+    told = (
+        rf"^device: the shell of design {names[-1]} is unstable \(least stiffness {least:.3g} N/m\) with young_modulus"
+    )
+    with pytest.raises(ConfigError, match=told):
+        check_stable(seed, reference)
+
+
+def test_the_clamps_of_a_design_are_all_of_its_own_in_degrees(seed):
+    study = varied(
+        seed, modes={"basis": "full", "degree": 5}, designs={"a": {"clamp": 20}, "b": {"clamp": [140, 65, 20]}}
+    )
+    basis = study_basis(study)
+    for design, clamps in (("a", [20.0]), ("b", [140.0, 65.0, 20.0])):
+        motions = rest.design_motions(study, basis, design)
+        assert motions.shape == (len(basis.labels), len(basis.labels) - 2 * len(clamps))
+        np.testing.assert_allclose(basis.clamp_rows(np.pi / 180 * np.array(clamps)) @ motions, 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("inside", [-300.0, 300.0])
+def test_pressure_of_either_sign_prestresses_a_shell_about_the_sphere(seed, inside):
+    """By as much as the load's own prestress and what the pressure does."""
+    study = varied(seed, device={"internal_pressure": inside}, modes={"basis": "full", "degree": 3})
+    reference = reference_shell(study)
+    expected = loaded_shell(study, reference.basis).prestress_stiffness
+    np.testing.assert_allclose(
+        reference.stiffness["prestress"], (expected + expected.T) / 2, atol=1e-12 * np.abs(expected).max()
+    )
+    assert list(reference.stiffness) == ["structural", "hydrostatic", "prestress"]

@@ -159,3 +159,37 @@ def test_a_buoy_that_falls_over_is_not_viable_in_any_design(seed, monkeypatch):
     assert found.reference is not None
     assert found.margin == -0.5
     assert found.viable is None
+
+
+def test_each_design_that_gives_way_is_told_by_its_own_least_stiffness(seed, monkeypatch):
+    """One of none at all does not rest either; those that do stay in their order, with the shell at rest."""
+    least = dict(zip(seed.designs, (-3.217, 2e4, 0.0, 1e-9), strict=True))
+    assert len(least) == 4
+    monkeypatch.setattr("vsb.scenes.viability.design_stiffness", lambda study, seen, design, spring: least[design])
+    monkeypatch.setattr("vsb.scenes.viability.buckling_margin", lambda study: 0.125)
+    found = viability(seed)
+    names = list(seed.designs)
+    assert found.reasons == {
+        names[0]: "unstable: least stiffness -3.22 N/m",
+        names[2]: "unstable: least stiffness 0 N/m",
+    }
+    assert found.margin == 0.125
+    alone, shell = found.viable
+    assert list(alone.designs.items()) == [(name, seed.designs[name]) for name in (names[1], names[3])]
+    assert shell is found.reference
+    assert found.study is seed
+
+
+def test_the_spring_of_a_take_off_acts_where_its_port_is_and_on_no_chamber_else(seed, monkeypatch):
+    """k b b^T beside the shell as the port finds it, for every design."""
+    asked = []
+    monkeypatch.setattr("vsb.scenes.viability.design_stiffness", lambda *given: asked.append(given) or 1.0)
+    monkeypatch.setattr("vsb.scenes.viability.buckling_margin", lambda study: 0.125)
+    study = varied(seed, pto={"port": {"between": [30, 150]}, "stiffness": -2.5e3}, modes={"degree": 3})
+    found = viability(study)
+    b = port_direction(study.pto.port, found.reference.shape)
+    assert np.abs(b).max() > 0.1
+    assert [design for _, _, design, _ in asked] == list(study.designs)
+    for given, reference, _, spring in asked:
+        assert (given, reference) == (study, found.reference)
+        np.testing.assert_allclose(spring, -2.5e3 * np.outer(b, b), rtol=1e-12, atol=1e-9)

@@ -786,3 +786,14 @@ def test_gas_that_leaves_a_shell_as_it_swells_may_be_let_in_at_more_than_it_brea
     shell = complete_shell(soft, height, seed.water, pressure)
     assert 0 < shell.pressure_inside < breathing
     assert buckling(dataclasses.replace(shell, internal_pressure=0.99 * pressure)).load_factor < 1.0
+
+
+def test_a_margin_that_no_pressure_gives_is_told_with_the_shell(seed, monkeypatch):
+    monkeypatch.setattr("vsb.shell.loaded.converged_degree", lambda shell: 12)
+    weak = seed.device.model_copy(update={"young_modulus": 1e4, "thickness": 0.03})
+    told = (
+        r"^no internal pressure keeps a shell of thickness 0\.03 m from buckling under 2\.5 times its load; raise "
+        r"device\.thickness or device\.young_modulus$"
+    )
+    with pytest.raises(ConvergenceError, match=told):
+        viable_pressure(weak, 0.0, seed.water, margin=2.5)

@@ -92,3 +92,16 @@ def test_a_natural_shape_is_turned_by_its_top_where_that_moves_and_scaled_as_a_w
     assert mode.label == "Shell7"
     assert mode.degree == mode.parts[0][0] == 3
     assert [part[0] for part in mode.others] == [0, 1, 2]
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("top", "decides"), [(3e-6, "top"), (-3e-6, "top"), (0.3e-6, "keel"), (-0.3e-6, "keel"), (0.2, "top")]
+)
+def test_the_top_decides_which_way_a_shape_is_turned_unless_it_hardly_moves(top, decides, sign):
+    """P_1 - P_2 and a little of P_0: at the keel it moves most, by 2, and the other way."""
+    shape = sign * np.array([top * 2.0, 1.0, -1.0, 0.0, 0.0])
+    v = {part[0]: part[1] for part in _natural_shape("Shell1", shape).parts}
+    at_top, at_keel = v[0] + v[1] + v[2], v[0] - v[1] + v[2]
+    assert (at_top if decides == "top" else at_keel) > 0
+    assert abs(at_keel) == pytest.approx(1.0, abs=0.3)

@@ -448,3 +448,18 @@ def test_the_highest_point_of_a_shape_is_found_where_it_moves_most_along_the_sur
             assert np.sqrt(moved.max()) == pytest.approx(1.0, abs=2e-6)
             assert mode.radial >= 0
             assert mode.label == f"Somec{order}"
+
+
+@pytest.mark.parametrize("odd", [False, True])
+@pytest.mark.parametrize("kind", KINDS)
+def test_rigid_motions_are_neither_stiff_nor_damped_by_any_shape(kind, odd):
+    """Though the publication's shape of degree 1 has momentum along surge."""
+    basis = order_basis(mode_basis(DEVICE, kind, 3), 1, BALLAST)
+    basis = basis.turned() if odd else basis
+    for matrix in (basis.stiffness, basis.damping):
+        assert not matrix[:2].any()
+        assert not matrix[:, :2].any()
+        assert np.diag(matrix)[2:].all()
+    coupled = abs(basis.inertia[0, 2]) / basis.shell.mass
+    assert coupled > 0.01 if kind == "paper" else coupled < 1e-12
+    np.testing.assert_allclose(basis.inertia, basis.inertia.T, rtol=1e-14, atol=1e-12)

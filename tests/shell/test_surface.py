@@ -209,3 +209,39 @@ def test_the_largest_strain_of_shapes_that_go_around_is_that_of_lengths_along_an
         displacement, strain = largest_deformation(RING, both, q)
         assert strain == pytest.approx(max(np.abs(along).max(), np.abs(around).max()), rel=2e-2)
         assert displacement == pytest.approx(np.sqrt((place(q, phi, theta) ** 2).sum(axis=0)).max(), rel=2e-2)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_orders_may_be_told_in_any_order(turned):
+    """What is largest is looked for finely enough for the highest of them, wherever that stands."""
+    first, second = (order_basis(RING, order, Ballast(17170.0, -0.4, 3000.0)) for order in (1, 3))
+    second = second.turned() if turned else second
+    found = []
+    q = {each.labels: 0.1 * np.sin(1.0 + 2.3 * np.arange(len(each.labels))) for each in (first, second)}
+    for orders in ([first, second], [second, first]):
+        amplitudes = np.concatenate([0.02 * np.cos(np.arange(len(RING.labels))), *(q[each.labels] for each in orders)])
+        volume, area = enclosed_in_orders(RING, orders, amplitudes[None])
+        found.append([*largest_deformation(RING, orders, amplitudes), volume[0], area[0]])
+    assert found[0] == pytest.approx(found[1], rel=1e-12)
+
+
+def test_volume_and_area_of_many_orders_are_those_of_points_all_around():
+    """A lobed sphere of order 3 and one of order 1: r = 2 + v, its volume by finer quadrature."""
+    basis = order_basis(RING, 3, Ballast(1.0, 0.0, 0.0))
+    at = basis.labels.index("Membrane3c3")
+    q = np.zeros(len(RING.labels) + len(basis.labels))
+    q[len(RING.labels) + at] = 0.3
+    node, weight = np.polynomial.legendre.leggauss(60)
+    phi, theta = np.arccos(node), 2 * np.pi * np.arange(96) / 96
+    v, u, w = (0.3 * part[at][:, None] for part in basis.field(phi))
+    dv, du, dw = (0.3 * part[at][:, None] for part in basis.field(phi, derivative=1))
+    c, s, sin, cos = np.cos(3 * theta), np.sin(3 * theta), np.sin(phi)[:, None], np.cos(phi)[:, None]
+    out = 2.0 + v * c
+    along = np.array([(dv - u) * c, out + du * c, dw * s])
+    around = np.array([-3 * v * s - w * s * sin, -3 * u * s - w * s * cos, 3 * w * c + out * sin + u * c * cos])
+    normal = np.cross(along, around, axis=0)
+    flow = out * normal[0] + u * c * normal[1] + w * s * normal[2]
+    area = (weight / np.sin(phi))[:, None] * 2 * np.pi / 96
+    volume, surface = enclosed_in_orders(RING, [basis], q[None])
+    assert volume[0] == pytest.approx(np.sum(flow * area) / 3, rel=1e-12)
+    assert surface[0] == pytest.approx(np.sum(np.sqrt((normal**2).sum(axis=0)) * area), rel=1e-6)
