@@ -275,3 +275,71 @@ def test_a_buoy_in_its_sea_has_a_damper_of_the_seas_named_or_of_its_own(monkeypa
     assert (at.buoy.pto.damping, at.buoy.pto.stiffness) == (66.0, 2.0)
     assert at.notes == {"linear": 1.0} | ({} if tuning == "fixed" else {"tuned_damping": 66.0})
     assert at.with_scene("scene", {"a": 2}, {"linear": 3.0}).notes == {**at.notes, "a": 2, "linear": 3.0}
+
+
+def test_a_memory_is_read_as_it_was_stored_of_the_file_asked_for(monkeypatch):
+    """Its matrices in their order, of a body with its added mass at infinite frequency."""
+    rng, asked = np.random.default_rng(2), []
+    parts = {
+        "state_matrix": rng.normal(size=(3, 3)),
+        "input_matrix": rng.normal(size=(3, 2)),
+        "channel": rng.normal(size=3),
+        "added_mass_inf": rng.normal(size=(2, 2)),
+    }
+    stored = SimpleNamespace(**{name: SimpleNamespace(values=values) for name, values in parts.items()})
+    monkeypatch.setattr(build, "load", lambda path, expected: asked.append((path, expected)) or stored)
+    monkeypatch.setattr(build, "RadiationModel", lambda *given: given)
+    model, memory = build.radiation_model("some/ab12.nc"), build.body_memory("other/cd34.nc")
+    assert asked == [("some/ab12.nc", "ab12"), ("other/cd34.nc", "cd34")]
+    for found in (model, memory[0]):
+        for one, name in zip(found, ("state_matrix", "input_matrix", "channel"), strict=True):
+            assert one is parts[name]
+    assert memory[1] is parts["added_mass_inf"]
+
+
+@pytest.mark.parametrize("model", ["linear", "body_exact"])
+def test_drag_is_the_last_that_is_added_to_a_scene_and_what_it_is_told_is_of_its_own_sea(monkeypatch, model):
+    """To the scene of the take-off, released; notes of take-off, pause and model."""
+    at = build._FromBem(
+        SimpleNamespace(pto="pto", spectrum="spectrum"), "shape", "radiation", "sea", "motions", {"a": 1}
+    )
+    monkeypatch.setattr(build, "_from_bem", lambda run, paths: at if paths == {"database": "db"} else None)
+    monkeypatch.setattr(build, "linear_scene", lambda *given: ("linear", *given))
+    monkeypatch.setattr(build, "body_exact_scene", lambda *given: ("body_exact", *given))
+    monkeypatch.setattr(build, "with_take_off", lambda *given: ("take-off", *given))
+    monkeypatch.setattr(build, "_released", lambda *given: (("released", *given), {"pause": 0.3}))
+    monkeypatch.setattr(build, "with_drag", lambda *given: ("drag", *given))
+    run = SimpleNamespace(pto="law", waves=("wave", "another"))
+    found = SCENES[model](run, {"database": "db"})
+    bare = {
+        "linear": ("linear", at.buoy, "radiation", "sea", "motions"),
+        "body_exact": ("body_exact", at.buoy, "shape", "radiation", "sea", "motions"),
+    }[model]
+    released = ("released", ("take-off", bare, "law", "pto"), run, at)
+    assert found.scene == ("drag", released, run, "wave", "sea")
+    assert (found.shape, found.sea, found.spectrum) == ("shape", "sea", "spectrum")
+    assert found.notes == {"a": 1, "pause": 0.3, "model": model}
+
+
+@pytest.mark.parametrize("drag", [None, "plate"])
+def test_a_damper_is_tuned_beside_the_drag_of_its_own_run(monkeypatch, drag):
+    tuned = []
+    for name, known in {
+        "linear_buoy": lambda run, path: (Floating(), "basis"),
+        "radiation_model": lambda path: path,
+        "rest_shape": lambda *given: "shape",
+        "design_motions": lambda *given: "motions",
+        "study_port": lambda *given: "port",
+        "sea": lambda *given: "sea",
+        "tuned_take_off": lambda *given: tuned.append(given) or LinearPto(66.0, 2.0),
+        "linearised": lambda *given: {},
+        "dragged_port": lambda *given: given,
+    }.items():
+        monkeypatch.setattr(build, name, known)
+    run = SimpleNamespace(
+        designs={"A": None}, waves=SEAS[:1], seas=(), pto=Pto(tuning="each"), drag=drag,
+        hydro=SimpleNamespace(omega_max=9.0), simulation=SimpleNamespace(duration=30.0),
+    )  # fmt: skip
+    build._from_bem(run, {"database": "db", "radiation": "rad"})
+    ((*_, dragged),) = tuned
+    assert (dragged is None) if drag is None else (dragged("more") == (run, "more"))

@@ -797,3 +797,18 @@ def test_a_margin_that_no_pressure_gives_is_told_with_the_shell(seed, monkeypatc
     )
     with pytest.raises(ConvergenceError, match=told):
         viable_pressure(weak, 0.0, seed.water, margin=2.5)
+
+
+@pytest.mark.parametrize("degree", [1, 4])
+def test_a_mode_with_momentum_along_heave_feels_the_weight(seed, degree):
+    """The publication's shape of degree 1 carries some of the shell up; the ballast does not go with it."""
+    basis = mode_basis(seed.device, "paper", degree)
+    loaded, q = floating(ElasticShell(basis), 700.0, height=0.3), 0.02 * np.cos(np.arange(len(basis.labels)) + 0.2)
+    carried = basis.inertia[0, 1:]
+    assert np.abs(carried).max() > 0.05 * basis.shell.mass
+    force = loaded.force(q)
+    expected = -derivative(lambda at: potential(loaded, at), q)
+    assert force == pytest.approx(expected, abs=1e-9 * np.abs(force).max())
+    weightless_force = dataclasses.replace(loaded, gravity=0.0).force(q)
+    dry = dataclasses.replace(loaded, water_density=0.0).force(q)
+    assert dry - weightless_force == pytest.approx(-G * basis.inertia[0], abs=1e-9 * G * MASS)
