@@ -437,3 +437,20 @@ def test_pressure_of_either_sign_prestresses_a_shell_about_the_sphere(seed, insi
         reference.stiffness["prestress"], (expected + expected.T) / 2, atol=1e-12 * np.abs(expected).max()
     )
     assert list(reference.stiffness) == ["structural", "hydrostatic", "prestress"]
+
+
+@pytest.mark.parametrize(("yields", "stiffness", "rests"), [
+    (0.25, -4.0, False), (0.25, -3.999, True), (0.25, -4.001, False), (0.25, 0.0, True), (np.inf, 0.0, True),
+    (np.inf, -1e-9, False), (np.inf, 1e-9, True), (0.0, -1e12, True),
+])  # fmt: skip
+def test_a_spring_just_as_strong_as_what_holds_the_port_holds_nothing(seed, monkeypatch, yields, stiffness, rests):
+    """But none at all where nothing else does; where nothing yields any spring will do."""
+    monkeypatch.setattr(rest, "compliance", lambda stiffness, direction: yields)
+    study, reference = varied(seed, pto={"stiffness": stiffness}), reference_shell(seed)
+    if rests:
+        check_spring(study, reference)
+        return
+    least = -1 / yields
+    told = rf"^pto.stiffness: received {stiffness:g} N/m, with which a buoy does not rest; needs more than {least:.6g} N/m$"
+    with pytest.raises(ConfigError, match=told):
+        check_spring(study, reference)
