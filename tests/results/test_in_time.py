@@ -92,3 +92,47 @@ def test_a_body_exact_run_pauses_as_long_as_suits_the_wet_shell(rigid, monkeypat
     assert latching.powers(sea, settings)[0] == pytest.approx(without.powers(sea, settings)[0], rel=1e-6)
     latching.powers(sea, settings, "linear")
     assert refined == [(True, 0.9)]
+
+
+def test_a_run_is_followed_with_the_spectrum_of_its_memory_and_its_own_settings(rigid, monkeypatch):
+    """Only the convolution reads it; the scene is of the design's own take-off."""
+    seen, followed = [], in_time.legs
+
+    def legs(system, sea, settings, spectrum):
+        seen.append((sea, settings, spectrum))
+        return followed(system, sea, settings, spectrum)
+
+    monkeypatch.setattr(in_time, "legs", legs)
+    sea, settings = realised(climate(), 3, 20.0, seed=1), Simulation(duration=20.0, window=(10.0, 20.0))
+    rigid.powers(sea, settings, "linear")
+    assert seen == [(sea, settings, rigid.buoy.spectrum)]
+    assert rigid.buoy.spectrum is not None
+
+
+def test_the_pause_of_a_body_exact_run_is_looked_for_near_that_of_its_linear_scene(rigid, monkeypatch):
+    """Of the same take-off in the same sea; what moves nothing pauses nothing."""
+    asked = []
+
+    def linear(scene, *given):
+        asked.append(("linear", scene.water is None, bool(scene.law), given))
+        return BestPause(0.9, 0.0, 0.0)
+
+    def refined(scene, best, *given):
+        asked.append(("refined", scene.water is None, best.pause, given))
+        return BestPause(0.3, 0.0, 0.0)
+
+    paused = []
+    monkeypatch.setattr(in_time, "best_pause_in_sea", linear)
+    monkeypatch.setattr(in_time, "refined_pause", refined)
+    monkeypatch.setattr(in_time, "with_pause", lambda scene, pause: paused.append(pause) or scene)
+    sea, settings = realised(climate(), 3, 12.0, seed=1), Simulation(duration=12.0, window=(6.0, 12.0))
+    latching = replace(rigid.under(1e4), pto=Pto(damping=1e4, law="latching"))
+    latching.powers(sea, settings)
+    latching.powers(sea, settings, "linear")
+    given = (sea, settings)
+    assert asked == [("linear", True, True, given), ("refined", False, 0.9, given), ("linear", True, True, given)]
+    assert paused == [0.3, 0.9]
+    breathing = np.eye(len(rigid.buoy.mass))[1]
+    still = replace(latching, take_off=LinearPto(1e4, 0.0, breathing))
+    still._run(sea, settings, "linear")
+    assert len(asked) == 3

@@ -31,10 +31,11 @@ from vsb.results.ladder import (
     constrained_checks,
     constrained_rung,
     dragged_rungs,
+    linear_rungs,
     rungs_of,
     study_ladder,
 )
-from vsb.scenes.afloat import Afloat, Met
+from vsb.scenes.afloat import Afloat, Met, afloat
 from vsb.scenes.ports import ShapeWater, design_ports
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell
@@ -231,6 +232,9 @@ def test_the_proof_of_an_optimum_stands_in_the_ledger():
     (check,) = constrained_checks([rung])
     assert (check.value, check.limit, check.verdict) == (rung.gap, 1e-6, "ok")
     assert constrained_checks([rung._replace(gap=2e-6)])[0].verdict == "doubt"
+    proved, other = constrained_checks([rung._replace(gap=0.0), rung._replace(rung="matched"), rung])
+    assert (proved.value, proved.verdict, other) == (0.0, "ok", check)
+    assert check.explanation == f"distance of the optimum under limits from the bound that proves it; {rung.note}"
 
 
 def test_no_take_off_gets_anything_at_a_port_that_cannot_move():
@@ -419,8 +423,9 @@ def test_the_ladder_of_held_back_studies_by_a_second_method(seed, name):
     assert rungs["best_spring_damper"].power_mean == pytest.approx(-pair.fun, rel=1e-4)
 
 
-def test_an_optimum_has_the_band_that_is_solved(small, monkeypatch):
-    """All of it: the port is known from the first frequency of the database on."""
+@pytest.mark.parametrize("highest", [None, 2.5])
+def test_an_optimum_has_the_band_that_is_solved(small, monkeypatch, highest):
+    """All of it: the port is known from the first frequency of the database on, to the highest that waves may have."""
 
     class Asked(Exception):
         """The limits that an optimum is asked for."""
@@ -429,11 +434,13 @@ def test_an_optimum_has_the_band_that_is_solved(small, monkeypatch):
         raise Asked(limits)
 
     monkeypatch.setattr("vsb.results.ladder.constrained_rung", asked)
+    if highest:
+        monkeypatch.setattr("vsb.results.ladder.band", lambda study, ds: (0.0, highest))
     limited = StudyPlan(varied(small.study, pto={"force_limit": 1.0e4, "stroke_limit": 2.0}))
     with pytest.raises(Asked) as caught:
         study_ladder(limited.ladder, small.database_path)
     omega = database.load_database(small.database_path, content_id(small.database)).omega.values
-    assert caught.value.args[0] == Limits(1.0e4, 2.0, omega[0], omega[-1])
+    assert caught.value.args[0] == Limits(1.0e4, 2.0, omega[0], highest or omega[-1])
 
 
 def test_a_sea_counts_once_for_the_damper_of_all_seas_however_often_it_is_realised(small):
@@ -450,10 +457,11 @@ def test_a_sea_counts_once_for_the_damper_of_all_seas_however_often_it_is_realis
 
 
 def test_an_optimum_is_that_of_the_port_in_waves_of_its_own_direction(small, monkeypatch):
-    asked, towards = {}, Afloat.towards
+    asked, moving, towards = {}, {}, Afloat.towards
 
     def rung(design, label, sea, seen, limits):
         asked[design, label] = seen.func.__self__
+        moving[design] = seen.keywords
         return Rung(design, label, "constrained", *[None] * 8)
 
     monkeypatch.setattr("vsb.results.ladder.constrained_rung", rung)
@@ -466,6 +474,11 @@ def test_an_optimum_is_that_of_the_port_in_waves_of_its_own_direction(small, mon
     assert {key: motion.pto.damping for key, motion in asked.items()} == {
         (design, label): period for design in study.designs for label, period in periods.items()
     }
+    floating = afloat(StudyPlan(study).ladder, small.database_path)
+    for design, given in moving.items():
+        assert given.keys() == {"motions", "direction"}
+        np.testing.assert_array_equal(given["motions"], floating.motions[design])
+        np.testing.assert_array_equal(given["direction"], floating.port)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -577,3 +590,69 @@ def test_the_take_off_of_a_study_is_that_of_its_ladder_and_lines_stand_by_design
     )
     given = {design: Given(damper, 300.0, 0.9) for design, damper in dampers.items()}
     assert asked == [([0, 1, 3], given, study.simulation.duration, None)]
+
+
+def test_each_sea_has_its_own_best_damper_or_what_is_known_to_be_better(monkeypatch):
+    """Searches that find little: the damper given, or that of all seas, is taken where it is better; pairs start there."""
+    rng, asked = np.random.default_rng(5), []
+    omega = 0.5 + 0.1 * np.arange(8)
+    port, waves, given = random_port(rng, omega), rng.uniform(0.0, 1.0, (3, 8)), Given(2.0, 0.3, 0.8)
+
+    def taken(damping, some=waves):
+        loads = np.full(len(some), damping), np.full(len(some), 0.3)
+        return Load(*loads, mean_power(port, some, *loads, 0.8))
+
+    tried = {c: taken(c).power for c in np.geomspace(1e-2, 1e2, 30)}
+    weak, fair = min(tried, key=lambda c: tried[c][0]), 0.5
+
+    def dampers(of, squares, stiffness, efficiency):
+        asked.append((squares.tolist(), stiffness, efficiency))
+        return taken(fair if len(squares) == 1 else weak, squares)
+
+    def pairs(of, squares, known, efficiency):
+        asked.append((squares.tolist(), known, efficiency))
+        return known
+
+    monkeypatch.setattr("vsb.results.ladder.best_dampers", dampers)
+    monkeypatch.setattr("vsb.results.ladder.best_pairs", pairs)
+    for damping in (None, 2.0, weak):
+        asked.clear()
+        found = linear_rungs(port, waves, [0, 2], given._replace(damping=damping))
+        known = [taken(c).power for c in (weak, fair, *([damping] if damping else []))]
+        assert found["best_damper"].power == pytest.approx(np.max(known, axis=0), rel=1e-12)
+        assert found["best_damper_all_seas"].damping.tolist() == [fair] * 3
+        assert ("fixed" in found) == (damping is not None)
+        assert found["best_spring_damper"] is asked[-1][1] is found["best_damper"]
+        assert asked[0] == ([pytest.approx(waves[[0, 2]].sum(axis=0))], 0.3, 0.8)
+        assert asked[1] == (waves.tolist(), 0.3, 0.8)
+        assert (asked[2][0], asked[2][2]) == (waves.tolist(), 0.8)
+    fixed = linear_rungs(port, waves, [0], given)["fixed"]
+    for got, expected in zip(fixed, taken(2.0), strict=True):
+        assert got == pytest.approx(expected, rel=1e-12)
+
+
+def test_every_design_has_its_own_take_off_and_its_own_frequencies():
+    """Two designs at ports over other frequencies, one with a damper given, beside another spring, the other without."""
+    rng = np.random.default_rng(8)
+    omega = 0.5 + 0.1 * np.arange(8)
+    sea = {"sea": Sea(omega[2:7], rng.rayleigh(size=5) + 0j)}
+    ports = {"A": random_port(rng, omega), "B": random_port(rng, omega[2:])}
+    given = {"A": Given(2.0, 0.1, 0.9), "B": Given(None, 0.2)}
+    both = ladder(ports, sea, [0], given, 30.0)
+    alone = [rung for name in ports for rung in ladder({name: ports[name]}, sea, [0], {name: given[name]}, 30.0)]
+    assert both == alone
+    assert next(rung.rung for rung in both if rung.design == "B") == "best_damper"
+    assert {rung.stiffness for rung in both if rung.rung == "best_damper"} == {0.1, 0.2}
+
+
+def test_peaks_are_looked_for_over_the_whole_time_eight_times_in_the_shortest_period(monkeypatch):
+    asked = []
+    monkeypatch.setattr(
+        "vsb.results.ladder.superposed", lambda omega, phasors, at: asked.append(at) or np.zeros((len(at), 2))
+    )
+    omega = np.array([0.2, 0.3, 2.0])
+    _peaks(Sea(omega, np.ones(3, dtype=complex)), np.ones((2, 3), dtype=complex), 50.0)
+    (at,) = asked
+    assert (at[0], at[-1]) == (0.0, 50.0)
+    assert np.ptp(np.diff(at)) < 1e-9
+    assert 0.9 * np.pi / 8 < at[1] <= np.pi / 8

@@ -551,3 +551,115 @@ def test_what_a_wave_of_an_assumed_pressure_could_give_is_that_of_its_depth_and_
     (check,) = ledger.assumed_pressure_checks(study, [{"design": "FSB", "wave": one.label, "power_mean": 0.6 * most}])
     assert check.value == pytest.approx(0.6, rel=1e-9)
     assert "a wave of the same surface pressure, 0.2 m in amplitude, can give" in check.explanation
+
+
+def test_a_shell_whose_gas_carries_more_than_the_water_at_the_keel_has_nothing_to_carry(seed):
+    study = varied(seed, device={"internal_pressure": 5e4})
+    for carried in (True, False):
+        check = ledger.classical_check(study, reference_shell(study), carried)
+        assert (check.value, check.verdict) == (0.0, "ok")
+        assert check.explanation.startswith("net pressure at the keel 0 Pa over the classical buckling pressure ")
+    failing = ledger.classical_check(seed, reference_shell(seed), carried=False)
+    assert replace(failing, verdict="ok", explanation="") == replace(
+        ledger.classical_check(seed, reference_shell(seed), carried=True), explanation=""
+    )
+    assert failing.explanation.endswith("above 1 the shell would buckle and the design is not viable")
+
+
+def test_bending_begins_at_the_second_degree_and_is_not_known_of_ports_beside_heave(seed):
+    free = seed.model_copy(update={"motion": "planar", "pto": seed.pto.model_copy(update={"port": "surge"})})
+    for degree, count in ((1, 0), (2, 1)):
+        study = free.model_copy(update={"modes": free.modes.model_copy(update={"degree": degree})})
+        assert len(ledger.bending_checks(study, None, {})) == count
+
+
+@pytest.mark.parametrize("port", ["volume", {"colatitude": 60.0}])
+def test_bending_modes_are_known_of_ports_of_the_shell_whatever_the_buoy_does_beside(buoy_of, coarse, port):
+    heaving = varied(coarse, designs={"FSB": {"flexible": False}, "VSWEC": {}}, pto={"port": port, "damping": 5e3})
+    runs = {(design, wave.label): {} for design in heaving.designs for wave in heaving.waves}
+    database = buoy_of(coarse).database
+    checks = ledger.bending_checks(heaving, database, runs)
+    assert [check.design for check in checks] == ["VSWEC"]
+    planar = heaving.model_copy(update={"motion": "planar"})
+    assert ledger.bending_checks(planar, database, runs) == checks
+
+
+def test_a_database_of_both_branches_is_of_the_same_water(buoy_of, coarse):
+    database = buoy_of(coarse).database
+    wider, full = with_full_basis(database, coarse)
+    assert wider.attrs == database.attrs
+    for name in reference_shell(coarse, full).stiffness:
+        np.testing.assert_array_equal(wider[f"{name}_stiffness"], reference_shell(coarse, full).stiffness[name])
+    assert all(wider[name].dims == data.dims for name, data in database.data_vars.items())
+
+
+def test_nothing_absorbed_where_nothing_can_be_is_within_the_limit():
+    of = xr.Dataset({"absorbed_power": (("design", "omega"), [[0.0, 1.0]]), "power_limit": ("omega", [0.0, 4.0])})
+    assert ledger.limit_check(of).value == 0.25
+    assert ledger.limit_check(0.0 * of).value == 0.0
+    of["absorbed_power"] = (("design", "omega"), [[0.0, 1.0], [0.0, 5.0]])  # the second of two designs
+    assert (ledger.limit_check(of).value, ledger.limit_check(of).verdict) == (1.25, "fail")
+
+
+def test_the_design_that_takes_most_of_an_assumed_pressure_is_told_wave_by_wave(seed):
+    waves = [{"kind": "regular", "amplitude": 0.5, "period": period} for period in (6.0, 4.0)]
+    waves.insert(1, {"kind": "still"})
+    study = varied(seed, hydro={"model": "assumed_pressure", "pressure": 2000.0}, waves=waves)
+    amplitude = 2000.0 / (study.water.density * study.water.gravity)
+    first, _, second = study.waves
+    powers = {first: (300.0, 500.0), second: (900.0, 700.0)}
+    rows = [
+        {"design": design, "wave": wave.label, "power_mean": power}
+        for wave, both in powers.items()
+        for design, power in zip(("FSB", "VSWEC"), both, strict=True)
+    ]
+    checks = ledger.assumed_pressure_checks(study, rows)
+    assert [(check.design, check.wave) for check in checks] == [("VSWEC", first.label), ("FSB", second.label)]
+    for check, wave, most in zip(checks, (first, second), (500.0, 900.0), strict=True):
+        limit = power_limit(wave.omega, np.inf, study.water.density, study.water.gravity) * amplitude**2
+        assert check.value == pytest.approx(most / limit, rel=1e-9)
+
+
+@pytest.mark.parametrize(("margin", "value"), [(0.3, 0.0), (0.0, 0.0), (-0.3, 0.3)])
+def test_a_model_of_radiation_is_judged_by_its_fit_and_by_what_it_would_give_back(margin, value):
+    model = xr.Dataset(attrs={"order": 7, "fit_error": 2e-3, "passivity_margin": margin})
+    for tolerance, verdict in ((3e-3, "ok"), (1e-3, "doubt")):
+        fit, passive = ledger.radiation_checks(model, tolerance)
+        assert (fit.name, fit.value, fit.limit, fit.verdict) == ("radiation_fit", 2e-3, tolerance, verdict)
+        assert fit.explanation.startswith("rms error of the 7-state radiation model")
+        assert (passive.name, passive.value) == ("passivity", value)
+        assert passive.verdict == ("ok" if value == 0 else "fail")
+
+
+def test_shells_that_move_aside_too_are_measured_with_all_their_motions_and_in_the_window_alone(seed, monkeypatch):
+    """What happens before the window is of no account; where the buoy has more motions, all of them make the largest."""
+    asked = []
+
+    def largest(basis, orders, peaks):
+        asked.append((orders, peaks.tolist()))
+        return 0.4, 0.7
+
+    monkeypatch.setattr(ledger, "largest_deformation", largest)
+    run = moved(seed, Heave=(45, -0.28), Membrane0=(50, -0.3), Membrane1=(45, 0.05))
+    run.position[5] = 9.0
+    basis = study_basis(seed)
+    _, heave, deformation, strain = ledger.run_checks(seed, basis, run)
+    assert (heave.value, deformation.value, strain.value) == pytest.approx((0.14, 0.15, 0.15), rel=1e-6)
+    assert asked == []
+    monkeypatch.setattr(ledger, "order_bases", lambda *_: "orders")
+    wide = seed.model_copy(update={"device": seed.device.model_copy(update={"radius": 2.5})})
+    _, heave, deformation, strain = ledger.run_checks(wide, basis, run)
+    assert (heave.value, deformation.value, strain.value) == pytest.approx((0.112, 0.16, 0.7))
+    assert asked == [("orders", run.position.values[50].tolist())]
+
+
+def test_a_transient_is_told_in_the_power_of_the_window_and_of_the_steady_state_of_its_own_run():
+    runs = {("A", w): {"steady_power": p, "steady_decay": 0.1} for w, p in (("v", 50.0), ("w", -200.0))}
+    runs["A", "v"]["no_steady_state"] = "none"
+    rows = [{"design": "A", "wave": w, "power_mean": p} for w, p in (("v", 60.0), ("w", -150.0))]
+    none, slow = ledger.transient_checks(runs, rows)
+    assert (none.wave, none.value, none.verdict) == ("v", 1.0, "doubt")
+    assert (slow.wave, slow.value) == ("w", pytest.approx(0.25))
+    assert slow.explanation == (
+        "mean power is -150 W in the window, -200 W in the steady state; a period leaves 0.1 of a transient"
+    )

@@ -300,3 +300,51 @@ def test_strata_that_scatter_alike_have_a_degree_of_freedom_each_and_no_more(str
     """Of S differences of 1 the variance is 1/(4 S), whichever is the larger of a pair."""
     draws = np.array([0.0, 1.0, 3.0, 2.0] * 2)[: 2 * strata]
     assert half_width(draws) == pytest.approx(student(strata) * np.sqrt(1 / (4 * strata)), rel=1e-12)
+
+
+def test_seas_are_drawn_by_what_they_bring_their_height_and_their_steepness_each_to_its_power():
+    """Half by energy, a quarter by that times Hs^4, a quarter by that times (Hs/Te^2)^4; in a year of four seas."""
+    seas, grid = climate(seas=4), np.arange(0.1, 3.0, 0.05)
+    found = year({"A": port(grid), "B": port(grid, mass=9e3)}, seas, WATER, ("each", "one"))
+    energy, likely = contributions(found, "one"), np.zeros(4)
+    for share, grows in ((0.5, np.ones(4)), (0.25, seas.hs**4), (0.25, seas.hs**4 / seas.te**8)):
+        likely += share * energy * grows / float(energy @ grows)
+    assert chances(found, "one") == pytest.approx(likely, rel=1e-12)
+    assert np.abs(chances(found, "one") / chances(found, "each") - 1).max() > 1e-6
+
+
+@pytest.mark.parametrize(
+    ("second", "freedom"), [(1.0, 2.0), (3.0, 2.5 * 100 / 82 - 1.5), (0.0, 1.0), (10.0, 2.5 * 10201 / 10001 - 1.5)]
+)
+def test_strata_that_scatter_apart_have_fewer_degrees_of_freedom(second, freedom):
+    """Of differences 1 and d the variance is (1 + d^2)/16, of F = (1 + d^2)^2/(1 + d^4) strata alike."""
+    half = half_width(np.array([0.0, 1.0, 3.0, 3.0 - second]))
+    assert half == pytest.approx(student(freedom) * np.sqrt(1 + second**2) / 4, rel=1e-12)
+
+
+def test_a_design_that_is_another_times_as_much_gains_that_for_sure():
+    """In every sea and run, however much both scatter; over more than it is, and over less."""
+    sample, hours = Sample(np.arange(4), np.arange(4), np.array([1.0, 2.0, 1.5, 0.5])), np.full(4, 0.25)
+    seas, better = np.array([5.0, 1.0, 4.0, 2.0]), np.array([3.0, 1.5, 2.0, 2.5])
+    factors = np.array([[1.0], [1.7], [0.4]])
+    found = Verification(3.0 * factors[:, 0], factors * seas, hours, sample, factors * better, factors * seas)
+    assert np.ptp(found.power(0)) > 0.5
+    for design, gain in ((1, 70.0), (2, -60.0)):
+        assert found.gain(design, 0) == pytest.approx((gain, gain, gain), rel=1e-9)
+    mean, low, high = found.gain(0, 2)
+    assert (low, high) == pytest.approx((mean, mean))
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_correction_is_about_the_ratio_of_what_is_left_to_what_is_taken():
+    """Of draws of 4 W in the mean for a year of 8 W, twice what is left; of a design that takes nothing, what is left."""
+    sample, hours = Sample(np.arange(4), np.arange(4), np.full(4, 2.0)), np.full(4, 0.25)
+    seas = np.array([[2.0, 1.0, 2.0, 3.0], [0.0] * 4])
+    left = np.array([[-1.0, -1.0, 0.0, 1.0], [1.0, 3.0, 2.0, 2.0]])
+    found = Verification(np.array([8.0, 0.0]), seas, hours, sample, seas + left, seas)
+    ratio = -0.5 / 4.0
+    assert found.differences[0] == pytest.approx(2 * (2 * left[0] - ratio * 2 * seas[0]))
+    assert found.differences[1] == pytest.approx(2 * left[1])
+    assert found.corrected == pytest.approx([8.0 + 2 * -0.5, 4.0])
+    assert found.gain(1, 0).mean == pytest.approx(100 * (4.0 / 7.0 - 1))
+    assert found.correction(0, 1).gain_percent.mean == pytest.approx(75.0)

@@ -283,3 +283,52 @@ def test_the_error_of_the_quadrature_has_no_sign_and_weighs_seas_by_their_hours(
     fine, rough = Take(np.zeros(2), np.array([5.0, 2.0])), Take(np.zeros(2), np.array([2.0, 8.0]))
     expected = abs(3.0 * seas.hours[0] - 6.0 * seas.hours[1]) / 3
     assert _error(seas, fine, rough) == _error(seas, rough, fine) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(("low", "high"), [(0.1, 3.0), (0.41, 1.87), (0.05, 1.12), (1.31, 2.6)])
+def test_weights_integrate_what_is_straight_over_what_band_and_port_have_in_common(low, high):
+    """Bands of several widths, wider than the port at either end: 2 dw and 2 w dw of what is left of each."""
+    omega = np.array([0.3, 0.4, 0.6, 0.9, 1.0, 1.6, 1.9, 2.2])
+    seas = Climate.of_spectra(omega, np.ones((1, 8)), np.ones(1), "flat")
+    grid = np.linspace(low, high, 23) ** 1.5 / np.sqrt(high) + low * (1 - np.sqrt(low / high))
+    weights = band_weights(grid, seas)
+    inside = np.clip(seas.edges, grid[0], grid[-1])
+    assert weights.sum(axis=1) == pytest.approx(2 * np.diff(inside), abs=1e-12)
+    assert weights @ grid == pytest.approx(np.diff(inside**2), abs=1e-12)
+    assert weights.min() >= 0
+
+
+def test_the_rms_force_of_dampers_of_each_sea_is_that_of_all_of_them():
+    """The mean square of c V over the year, each sea under its own damper; the second of two designs too."""
+    seas, grid = climate(), np.arange(0.1, 3.0, 0.02)
+    ports = {"A": port(grid), "B": port(grid, mass=9e3)}
+    found = year(ports, seas, WATER, ["one", "each"])
+    for i, here in enumerate(ports.values()):
+        each = found.damping[i, 1]
+        assert np.ptp(each) > 0.1 * each.mean()
+        moved = [
+            np.abs(c * here.velocity_under(here.load(c))) ** 2 @ band_weights(grid, seas).T @ s / 2
+            for c, s in zip(each, seas.density, strict=True)
+        ]
+        assert found.force_rms[i, 1] == pytest.approx(np.sqrt(np.dot(moved, seas.hours)), rel=1e-9)
+
+
+def test_figures_stand_beside_the_notes_of_their_year():
+    """All of them: of the climate, and on what is not counted."""
+    found = year({"A": port(np.arange(0.1, 3.0, 0.05))}, replace(climate(), notes=("half a year",)), WATER, ["one"])
+    assert found.dataset().attrs["notes"] == list(found.notes)
+    assert len(found.notes) == 2
+
+
+def test_there_is_no_gain_over_what_drives():
+    power = np.array([[3.0, 2.0], [-1.0, 4.0]])
+    np.testing.assert_array_equal(gain_percent(power, 1), [[np.nan, -50.0], [np.nan, 0.0]])
+    assert gain_percent(power[:, :1], 1) is None
+
+
+def test_a_port_that_waves_do_not_move_has_a_damper_of_nothing_under_every_tuning():
+    grid, nothing = np.arange(0.1, 3.0, 0.05), np.zeros(58, dtype=complex)
+    for tuning, damper in (("fixed", 1e3), ("one", 2e3), ("each", None)):
+        taken = DesignYear(Port(grid, nothing, nothing, 0.0), climate()).take(tuning, damper)
+        assert not taken.damping.any()
+        assert taken.power.shape == taken.damping.shape == (40,)
