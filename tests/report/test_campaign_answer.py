@@ -9,6 +9,7 @@ from vsb.report.campaign_answer import (
     answer,
     best_flexible,
     closing_answer,
+    is_verified,
     leading,
     of_points,
     second_answer,
@@ -202,3 +203,73 @@ def test_shares_beyond_what_is_described_are_of_the_tuning_told():
     ds["energy_beyond_validity"] = ds.energy_beyond_validity * xr.DataArray([2.0, 1.0], dims="tuning")
     assert second_answer(ds, "FSB", "one").endswith("25 % of the energy is from seas beyond what is described.")
     assert second_answer(ds, "FSB", "each").endswith("50 % of the energy is from seas beyond what is described.")
+
+
+def test_gains_that_are_missing_of_some_points_leave_the_answer_over_the_rigid_design():
+    """As of a shell that is not viable there; only where all are missing there is none to be told."""
+    ds = campaign()
+    ds.gain_percent[0, 0, :, :] = np.nan
+    ds.annual_energy[0, 0, :, :] = np.nan
+    ds.energy_beyond_validity[0, 0, :, :] = np.nan
+    assert leading(ds) == ("one", "FSB")
+    assert answer(ds, None, "one").endswith("VSWEC takes most: 94.67 MWh.")
+    lost = ds.sel(tuning=["one"]).isel(young_modulus=[0])
+    assert second_answer(lost, None, "one") == (
+        "This is linear theory alone: 25 % of the energy is from seas beyond what is described."
+    )
+
+
+def test_without_a_rigid_design_no_points_are_counted():
+    told = second_answer(campaign(margin=[[0.5, -0.5], [0.5, -0.5]]).sel(tuning=["one"]), None, "one")
+    assert told == "This is linear theory alone: 25 % of the energy is from seas beyond what is described."
+
+
+def test_the_member_shown_stands_in_its_place_whatever_the_order_of_dimensions():
+    """Two moduli by three thicknesses; a shell with nothing left carries its load."""
+    gains = np.array([[1.0, 2.0, 9.0], [3.0, 4.0, 5.0]])
+    ds = campaign(gains=gains, margin=[[0.5, 0.5, 0.0], [0.5, 0.5, 0.5]], thickness=(0.01, 0.02, 0.03))
+    turned = ds.assign(gain_percent=ds.gain_percent.transpose("design", "thickness", "tuning", "young_modulus"))
+    for each in (ds, turned):
+        assert shown_place(each, "one", "FSB") == {"young_modulus": 0, "thickness": 2}
+        assert shown_place(each.assign(margin=each.margin - 1e-9), "one", "FSB") == {"young_modulus": 1, "thickness": 2}
+        few = each.drop_vars(["gain_percent", "gain_low", "gain_high"])
+        power = each.annual_mean_power.transpose("thickness", "design", "young_modulus", "tuning")
+        assert shown_place(few.assign(annual_mean_power=power), "one", None) == {"young_modulus": 0, "thickness": 2}
+
+
+def test_of_several_flexible_designs_the_best_is_the_one_whose_corrected_gain_is_largest():
+    """And the member shown is the best by it; linear theory has another order of both."""
+    ds = three(gain_percent=[[1.0, 2.0], [12.0, 4.0]]).assign_attrs(verified_tuning="one", verified_model="linear")
+    ds["corrected_gain_percent"] = ds.gain_percent.copy(deep=True)
+    ds.corrected_gain_percent[1, 0, 2] = 3.0
+    ds.corrected_gain_percent[0, 1, 1] = 9.0
+    ds["corrected_mean_power"] = ds.annual_mean_power
+    one, design = best_flexible(ds, "FSB", "one")
+    assert (design, where(one)) == ("VSWEC", "young modulus 1 MPa, thickness 0.02 m")
+    one, design = best_flexible(ds, "FSB", "each")
+    assert (design, where(one)) == ("other", "young modulus 100 MPa, thickness 0.01 m")
+    ds.corrected_gain_percent[0, 1, 2] = 10.0
+    assert best_flexible(ds, "FSB", "one")[1] == "other"
+
+
+def test_of_one_design_or_of_gains_that_are_not_known_none_is_the_best():
+    ds = campaign()
+    assert best_flexible(ds, None, "one") is None
+    assert best_flexible(ds.sel(design=["FSB"]), "FSB", "one") is None
+    lost = ds.assign(gain_percent=ds.gain_percent.where(ds.design == "FSB"))
+    assert best_flexible(lost, "FSB", "one") is None
+
+
+def test_a_campaign_that_was_verified_without_a_rigid_design_has_no_corrected_gains():
+    ds = campaign(verified_tuning="one")
+    assert not is_verified(ds, "one")
+    corrected = ds.assign(corrected_gain_percent=ds.gain_percent)
+    assert [is_verified(corrected, tuning) for tuning in ("fixed", "one", "each")] == [False, True, False]
+    assert not is_verified(corrected.drop_attrs(), "one")
+
+
+def test_keys_that_have_several_values_are_no_place():
+    ds = campaign()
+    assert where(ds) == ""
+    assert where(ds.isel(young_modulus=1)) == "young modulus 100 MPa"
+    assert where(ds.isel(thickness=0, young_modulus=1)) == "young modulus 100 MPa, thickness 0.01 m"

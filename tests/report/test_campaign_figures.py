@@ -505,3 +505,33 @@ def test_a_value_of_a_row_is_told_in_words_of_its_own_unit():
     )
     assert [_told(ds, "young_modulus", i) for i in (0, 1)] == ["young modulus 1 MPa", "young modulus 3 GPa"]
     assert _told(ds, "basis", 1) == "basis full"
+
+
+def test_a_map_is_of_the_gains_that_are_told():
+    """Corrected by runs in time under their tuning, in colours of their own reach; of linear theory under another."""
+    ds = campaign(verified_tuning="one")
+    ds["corrected_gain_percent"] = 3.0 * ds.gain_percent
+    for tuning, factor in (("one", 3.0), ("each", 1.0)):
+        mesh = sweep(ds, tuning, "FSB").axes[0].collections[0]
+        np.testing.assert_allclose(mesh.get_array().reshape(2, 2), factor * GAINS)
+        assert mesh.get_clim() == pytest.approx((-7.55 * factor, 7.55 * factor))
+
+
+def test_colours_of_losses_reach_as_far_as_those_of_gains():
+    mesh = sweep(campaign(gains=-np.abs(GAINS)), "one", "FSB").axes[0].collections[0]
+    assert mesh.get_clim() == pytest.approx((-7.55, 7.55))
+
+
+def test_matrices_of_a_study_whose_rarest_bin_holds_one_sea_show_it():
+    ds = campaign()
+    ds["count"] = (BINS, [[1, 0], [0, 2]])
+    assert power_matrices(ds, "one", "FSB").axes[0].get_xlim() == (5.0, 7.0)
+
+
+def test_dampers_are_drawn_where_one_design_alone_takes_something():
+    ds = campaign()
+    curve = xr.ones_like(ds.power_of_damping) * xr.DataArray(DAMPERS, dims="tried")
+    ds["tried_damping"] = curve.where(ds.design == "VSWEC", 0.0)
+    ax = tuned_power(ds, "one", "FSB").axes[0]
+    assert not ax.texts
+    assert max(len(line.get_xdata()) for line in ax.lines) == len(DAMPERS)

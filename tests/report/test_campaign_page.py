@@ -246,3 +246,48 @@ def test_a_page_names_its_campaign_tunings_study_and_id_and_says_why_nothing_mov
     assert STILL not in more
     for part in ("FSB side by side; all is to scale.", '"here":1', "elastic shell, free"):
         assert part in more, part
+
+
+def test_the_table_of_one_key_has_a_row_for_each_of_its_values():
+    ds = campaign().isel(thickness=0, drop=True).assign_attrs(varied="young_modulus")
+    found = rows(ds)
+    assert [row[0] for row in found] == ["young modulus 1 MPa"] * 6 + ["young modulus 100 MPa"] * 6
+    assert [row[5] for row in found[3:6]] == ["-5.0"] * 3
+    point = ds.isel(young_modulus=[1]).squeeze(drop=True).assign_attrs(varied="")
+    assert [row[0] for row in rows(point)] == ["-"] * 6
+
+
+def test_usual_practice_is_told_where_one_design_alone_differs_from_it():
+    ds = campaign()
+    for part in (1.2, 0.8):
+        ds["practice_power"] = ds.annual_mean_power * xr.DataArray(
+            [1.0, part], {"design": ["FSB", "VSWEC"]}, ("design",)
+        )
+        low, high = sorted((0.0, 100 * (part - 1)))
+        assert statements(ds, "FSB", "one")[-1].endswith(
+            f"would have said {low:+.1f} to {high:+.1f} % of the annual energy."
+        )
+
+
+def test_of_further_tunings_each_has_its_own_best_design_and_gain():
+    """In their order; what stands in the answer or the second sentence is not said again."""
+    ds = campaign()
+    ds["gain_percent"] = ds.gain_percent * of_tunings(1.0, 1.0, -1.0)
+    (each,) = (line for line in statements(ds, "FSB", "one") if "it is" in line)
+    assert each.endswith("in each sea, it is VSWEC at young modulus 1 MPa, thickness 0.01 m with +5.0 %.")
+    less = ds.assign(gain_percent=ds.gain_percent - 20.0)
+    (each,) = (line for line in statements(less, "FSB", "one") if "it is" in line)
+    assert each.endswith("with -15.0 %.")
+    told = [line for line in statements(ds, "FSB", "each") if "it is" in line]
+    assert [line.partition(", it is")[0] for line in told] == [TUNED["one"].capitalize()]
+
+
+def test_what_is_not_said_leaves_no_empty_line(monkeypatch):
+    ds = campaign().sel(tuning=["one"]).isel(young_modulus=0, thickness=0, drop=True)
+    lost = ds.assign(energy_beyond_validity=ds.energy_beyond_validity * np.nan).assign_attrs(varied="")
+    seen = []
+    monkeypatch.setattr("vsb.report.campaign_page.page", lambda template, **given: seen.append(given) or "")
+    for one, count in ((ds.assign_attrs(varied=""), 2), (lost, 1)):
+        render(CampaignReport(one, {}))
+        assert len(seen[-1]["answer"]) == count
+        assert all(seen[-1]["answer"])

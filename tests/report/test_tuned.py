@@ -107,3 +107,31 @@ def test_what_limits_leave_is_said_with_its_gain():
 )
 def test_dampers_of_runs_are_named(pto, words):
     assert dampers_in_words(pto) == words
+
+
+def test_a_gain_of_nothing_is_a_gain_and_one_that_is_not_known_is_none():
+    """At own best dampers as within limits; the same gain in several seas is told once."""
+    lines = [line("FSB", 100.0, 0.0), line("A", 100.0, 0.0), line("B", 90.0, None)]
+    assert tuned_statements(lines, "FSB", SEAS) == [
+        "In a swell, each design at its own best damper: A absorbs as much as the rigid FSB (100 against 100 W)."
+    ]
+    within = [{"design": d, "sea": "w", "power": 5.0, "gain_percent": gain} for d, gain in (("FSB", 0.0), ("A", 0.0))]
+    (text,) = limited_statements(within, "FSB", SEAS)
+    assert text.endswith(": FSB 5 W, A 5 W (+0.0 %).")
+    same = [line("FSB", 1.0, 0.0), line("A", 1.01, 1.0), line("FSB", 1.0, 0.0, sea="v"), line("A", 1.01, 1.04, sea="v")]
+    assert closing_line(same, "FSB") == "mean power against the rigid FSB +1.0 % at own best dampers; "
+
+
+def test_where_no_gain_is_known_all_designs_of_the_sea_have_their_power():
+    lines = [line("FSB", 0.0, None), line("A", 12.0, None), line("B", 7.0, None, sea="v")]
+    assert tuned_statements(lines, "FSB", SEAS) == [
+        "In a swell, each design at its own best damper: FSB absorbs 0 W; A absorbs 12 W.",
+        "In a chop, each design at its own best damper: B absorbs 7 W.",
+    ]
+
+
+@pytest.mark.parametrize("law", ["latching", "declutching"])
+def test_a_law_that_pauses_is_named_with_its_damper(law):
+    assert dampers_in_words({"damping": {"A": 1.0}, "law": law}) == f"At the given damper, {law}"
+    assert dampers_in_words({"tuning": "one", "law": law}) == f"In time, {law}, with the damper that suits it"
+    assert dampers_in_words({"damping": 1.0, "law": "linear"}) == "At the given damper"

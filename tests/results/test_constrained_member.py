@@ -12,7 +12,7 @@ from scenes.test_ports import water
 from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import PortMotion
 from vsb.results.bins import Bins
-from vsb.results.constrained_member import Optima, _beyond, _column, _motion_rms
+from vsb.results.constrained_member import Optima, _beyond, _column, _gains, _motion_rms
 from vsb.results.constrained_year import ConstrainedYear, Limits, constrained_year, harmonics_of_year
 from vsb.results.member import OF_LIMITS, member
 from vsb.results.validity import LIMITS, wave_limits
@@ -272,3 +272,73 @@ def test_the_figures_of_one_design_are_those_of_its_bins_and_their_hours():
     assert column["impossible_share"] == pytest.approx(0.4 / 2)
     assert column["power_bound"] == pytest.approx(1.1 * (700 + 3000 + 200))
     assert not any(column[name].any() for name in ("damping", "power_deviation", "capture_width_deviation"))
+
+
+def test_the_year_of_a_rigid_design_is_known_by_port_limits_and_water_and_of_a_flexible_one_nothing_is(
+    limited, monkeypatch
+):
+    """Each by itself; at the member's own harmonics, budget and seed."""
+    asked = []
+    monkeypatch.setattr(
+        "vsb.results.constrained_member.constrained_year", lambda *given: asked.append(given) or object()
+    )
+    optima, harmonics = optima_of(limited, seed=7, seconds=3.0), Harmonics(0.1, 2.0, 5)
+    port = SimpleNamespace(velocity=np.full(5, 1.0 + 1j), admittance=np.full(5, 2.0 + 1j))
+    ports = [port, SimpleNamespace(**{**vars(port), "velocity": 2 * port.velocity})]
+    ports.append(SimpleNamespace(**{**vars(port), "admittance": 2 * port.admittance}))
+    changes = [
+        {"pto": {"force_limit": 3e4}}, {"pto": {"stroke_limit": 0.5}}, {"water": {"density": 1000.0}},
+        {"water": {"depth": 30.0}}, {"water": {"gravity": 9.8}},
+    ]  # fmt: skip
+    studies = [limited, *(varied(limited, **change) for change in changes)]
+    cases = [*((limited, each) for each in ports), *((study, port) for study in studies[1:])]
+    found = [optima._year(study, "FSB", SimpleNamespace(port=each), SEAS, harmonics) for study, each in cases]
+    again = [optima._year(study, "FSB", SimpleNamespace(port=each), SEAS, harmonics) for study, each in cases]
+    assert [a is b for a, b in zip(found, again, strict=True)] == [True] * len(cases)
+    assert len(set(map(id, found))) == len(asked) == len(optima.known) == len(cases) == 8
+    for (study, each), given in zip(cases, asked, strict=True):
+        limits = Limits(study.pto.force_limit, study.pto.stroke_limit)
+        assert given == (each, SEAS, study.water, harmonics, limits, 3.0, 7)
+    shells = [
+        optima._year(
+            limited,
+            "VSWEC",
+            SimpleNamespace(port=SimpleNamespace(**{**vars(port), "velocity": 3 * port.velocity})),
+            SEAS,
+            harmonics,
+        )
+        for _ in (0, 1)
+    ]
+    assert shells[0] is not shells[1]
+    assert len(optima.known) == 8
+
+
+@pytest.mark.filterwarnings("error")
+def test_designs_that_take_nothing_prove_nothing_and_bring_no_energy_from_beyond():
+    """Of a port that waves do not move: no bound is missed, and there is nothing to part."""
+    still = replace(by_hand(powers=((0.0, 0.0),) * 3), matched=np.zeros(by_hand().bins.shape))
+    column = _column(still, SEAS, SEAS.flux(Water()))
+    told = [column[name] for name in ("annual_mean_power", "annual_energy", "capture_width", "force_rms")]
+    assert told == [0.0] * 4
+    assert (column["power_bound"], column["optimum_gap"], column["quadrature_error"]) == (0.0, 0.0, 0.0)
+    assert not column["capture_width_matrix"].any()
+    ones, none = np.ones(1, dtype=complex), np.zeros((2, 1, 1), dtype=complex)
+    study = SimpleNamespace(water=Water(), device=SimpleNamespace(radius=2.0))
+    found = _beyond(study, still, PortMotion((ones, 0 * ones), (none, none)), SEAS)
+    assert found["energy_beyond"].tolist() == [0.0] * len(LIMITS)
+    assert found["energy_beyond_validity"] == 0.0
+    assert found["beyond_validity"].max() > 0
+
+
+def test_gains_are_over_the_reference_wherever_it_stands_and_none_over_one_that_takes_nothing():
+    """Widened at both ends by the tolerance of both designs' coefficients; of itself it gains nothing for sure."""
+    years = {"B": by_hand(powers=((9e3, 8e3), (6e3, 6e3), (2e3, 1e3))), "A": by_hand()}
+    for reference, other in (("A", "B"), ("B", "A")):
+        found = _gains(years, reference, 0.01)
+        assert found[reference] == {"gain_percent": pytest.approx(0.0, abs=1e-9), "gain_low": 0.0, "gain_high": 0.0}
+        mean, low, high = years[other].gain(years[reference])
+        width = 0.02 * (100 + mean)
+        told = {"gain_percent": mean, "gain_low": low - width, "gain_high": high + width}
+        assert found[other] == pytest.approx(told, rel=1e-12)
+    years["C"] = by_hand(powers=((0.0, 0.0),) * 3)
+    assert _gains(years, "C", 0.01) is None

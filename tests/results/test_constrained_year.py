@@ -8,7 +8,7 @@ from results.test_year import WATER, climate, port
 
 from vsb.errors import ConfigError
 from vsb.motion.harmonics import Harmonics
-from vsb.results.bins import Bins
+from vsb.results.bins import Bins, bins_of
 from vsb.results.constrained_year import (
     REALISATIONS,
     SECONDS_AT_LEAST,
@@ -22,6 +22,7 @@ from vsb.results.constrained_year import (
 )
 from vsb.results.verification import half_width
 from vsb.results.year import year
+from vsb.study.study import Water
 from vsb.waves.climate import Climate
 
 SEAS = climate()
@@ -275,3 +276,44 @@ def test_a_hundredth_of_the_variance_of_the_year_may_be_left_out(part, refused):
     )
     with pytest.raises(ConfigError, match=f"{said}, needs at most 1%: a longer period or a higher omega_max"):
         _squares(bins, seas, Harmonics(0.1, 3.0, 19))
+
+
+def test_bands_of_a_spectrum_may_be_of_several_widths():
+    """Each with the variance of the part of it that lies around a harmonic, between the edges of both."""
+    omega = np.array([0.4, 0.6, 0.7, 0.8, 1.0, 1.3, 1.7, 1.8])
+    density = np.array([[0.0, 0.02, 0.06, 0.09, 0.05, 0.02, 0.01, 0.0]])
+    seas = Climate.of_spectra(omega, density, np.ones(1), "bands")
+    harmonics = Harmonics(0.1, 4.0, 17)
+    (found,) = _squares(Bins(seas.hs, seas.te, seas.hours), seas, harmonics)
+    fine = np.linspace(0.35, 2.05, 17 * 4000, endpoint=False) + 0.5 * 1.7 / (17 * 4000)
+    band = np.searchsorted(seas.edges, fine) - 1
+    inside = np.where((band >= 0) & (band < 8), density[0][band.clip(0, 7)], 0.0)
+    assert found == pytest.approx(2 * inside.reshape(17, -1).mean(axis=1) * 0.1, abs=2e-6)
+
+
+@pytest.mark.parametrize("depth", [np.inf, 4.0])
+def test_bins_are_taken_in_the_order_of_the_energy_flux_they_bring_in_their_own_water(depth):
+    """By all hours of their seas, not by how high these are."""
+    water = Water(depth=depth)
+    bins = bins_of(SEAS)
+    flux = np.array([(SEAS.flux(water) * SEAS.hours)[bins.index == place].sum() for place in bins.occupied])
+    order = bins.occupied[np.argsort(-flux, kind="stable")]
+    part = limited(Limits(), seconds=0.05, water=water)
+    assert part.solved.tolist() == order[: len(part.solved)].tolist()
+    assert 1 < len(part.solved) < len(order)
+    assert part.flux_share == pytest.approx(np.sort(flux)[::-1][: len(part.solved)].sum() / flux.sum(), rel=1e-12)
+
+
+def test_waves_of_a_bin_are_the_same_whatever_else_is_solved_and_others_of_another_seed():
+    """Two draws of phases of its mean spectrum; no two bins have those of another."""
+    whole, part = limited(Limits(), seconds=1e3), limited(Limits(), seconds=0.05)
+    np.testing.assert_array_equal(part.amplitude, whole.amplitude[: len(part.solved)])
+    sizes = np.abs(whole.amplitude)
+    np.testing.assert_allclose(sizes[:, 0], sizes[:, 1], rtol=1e-12)
+    phases = (whole.amplitude / np.where(sizes > 0, sizes, 1.0))[:, :, sizes.min(axis=(0, 1)) > 0].reshape(
+        2 * len(whole.solved), -1
+    )
+    assert len(np.unique(np.round(phases, 9), axis=0)) == len(phases)
+    other = limited(Limits(), seconds=0.05, seed=1)
+    assert np.abs(other.amplitude - part.amplitude).max() > 0.1 * np.abs(part.amplitude).max()
+    np.testing.assert_allclose(np.abs(other.amplitude), np.abs(part.amplitude), rtol=1e-12)

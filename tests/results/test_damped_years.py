@@ -11,6 +11,7 @@ from scenes.test_ports import water
 
 from vsb.results.damped_years import BY, CURVES, TRIED, DampedYears, _gains, _key, ports_year
 from vsb.results.member import member
+from vsb.results.validity import beyond_validity
 from vsb.results.year import band_weights
 from vsb.scenes.ports import designs_in_waves
 from vsb.scenes.rest import reference_shell
@@ -166,3 +167,48 @@ def test_the_year_of_a_rigid_design_is_known_by_all_it_depends_on(study, shared)
     assert len(set(keys)) == len(keys) == 13
     dampers = {"FSB": 8e3, **dict.fromkeys(list(study.designs)[1:], 5e3)}
     assert _key(varied(study, pto={"damping": dampers}, device={"young_modulus": 3e7}), "FSB", one) == keys[0]
+
+
+def test_gains_are_over_the_reference_wherever_it_stands():
+    """The second of three; over one that takes nothing under one tuning there is none there."""
+    power = np.array([[150.0, 20.0], [100.0, 0.0], [80.0, 10.0]])
+    error = np.array([[0.02, 0.1], [0.05, 0.0], [0.01, 0.02]]) * power
+    found = _gains({"annual_mean_power": (BY, power), "quadrature_error": (BY, error)}, ["A", "B", "C"], "B", 0.01)
+    gain, low, high = (found[name][1] for name in ("gain_percent", "gain_low", "gain_high"))
+    assert gain[:, 0] == pytest.approx([50.0, 0.0, -20.0])
+    assert (high - gain)[:, 0] == pytest.approx([0.09 * 150, 0.0, 0.08 * 80])
+    assert (gain - low)[:, 0] == pytest.approx([0.09 * 150, 0.0, 0.08 * 80])
+    assert np.isnan([gain[:, 1], low[:, 1], high[:, 1]]).all()
+
+
+@pytest.mark.filterwarnings("error")
+def test_an_error_of_what_takes_nothing_is_that_of_its_coefficients():
+    """Nothing is divided by nothing."""
+    power = np.array([[100.0], [0.0]])
+    found = _gains({"annual_mean_power": (BY, power), "quadrature_error": (BY, 0.02 * power)}, ["A", "B"], "A", 0.01)
+    assert [found[name][1][1, 0] for name in ("gain_percent", "gain_low", "gain_high")] == [-100.0] * 3
+
+
+def test_motions_are_judged_beside_the_spring_of_the_take_off_and_by_the_radius(study, shared, seas, monkeypatch):
+    """Under the dampers of the year that is told."""
+    asked, own = [], beyond_validity
+    monkeypatch.setattr("vsb.results.damped_years.beyond_validity", lambda *given: asked.append(given) or own(*given))
+    spring = varied(study, pto={"damping": 8e3, "stiffness": 2e4})
+    waves = designs_in_waves(spring, reference_shell(spring), shared)
+    found = DampedYears(seas, ("fixed", "one"))(spring, waves)
+    ((of, seen, stiffness, radius),) = asked
+    assert (dict(seen), stiffness, radius) == (waves, 2e4, spring.device.radius)
+    np.testing.assert_array_equal(of.annual_mean_power, found["annual_mean_power"][1])
+    for name, (dims, values) in own(of, waves, 2e4, spring.device.radius).items():
+        assert found[name][0] == dims
+        np.testing.assert_array_equal(found[name][1], values)
+
+
+def test_the_year_of_ports_is_of_the_study_s_water_dampers_and_reference(study, shared, seas):
+    """Each design at its own damper given."""
+    dampers = {name: 5e3 * (i + 1) for i, name in enumerate(study.designs)}
+    given = varied(study, pto={"damping": dampers}, water={"density": 900.0})
+    waves = designs_in_waves(given, reference_shell(given), shared)
+    of = ports_year(given, {design: one.port for design, one in waves.items()}, seas, ("one", "fixed"))
+    assert (of.reference, of.water, of.tunings) == (given.reference_design, given.water, ("one", "fixed"))
+    assert of.damping[:, 1, 0].tolist() == list(dampers.values())
