@@ -54,11 +54,12 @@ class Optima:
     ) -> ConstrainedYear:
         """The year of one design."""
         limits = Limits(study.pto.force_limit, study.pto.stroke_limit)
-        port = waves.port
-        key = port.velocity.tobytes() + port.admittance.tobytes() + np.array(limits).tobytes()
+        port, water = waves.port, study.water  # of which the port does not tell the energy flux
+        given = np.array([*limits, water.density, water.depth, water.gravity])
+        key = port.velocity.tobytes() + port.admittance.tobytes() + given.tobytes()
         if key in self.known:
             return self.known[key]
-        one = constrained_year(port, climate, study.water, harmonics, limits, self.seconds, self.seed)
+        one = constrained_year(port, climate, water, harmonics, limits, self.seconds, self.seed)
         if not study.designs[design].flexible:
             if len(self.known) == KEPT:
                 del self.known[next(iter(self.known))]
