@@ -70,3 +70,12 @@ def test_captions_of_shells_say_of_which_instants_they_are(seed):
     assert f"shells of all designs at their {height}, displacement magnified." == told["extreme_shapes"].lower()
     start, least, greatest = (ax.get_title().partition("\n")[0] for ax in shapes_3d(given, "w").axes)
     assert f"at the {start} and at its {least.removesuffix(' height')} and {greatest}" in told["shapes_3d"]
+
+
+def test_what_is_left_out_is_said_of_a_body_without_a_rigid_design_too():
+    told = captions("neither drag nor limits", given=False, body=True, limit="2 λ/2π", compared=False)
+    assert told["absorbed_power"] == (
+        "Neither drag nor limits: Mean absorbed power per squared wave amplitude over the whole band: each design at its own "
+        "best damper at every frequency; grey: a capture width of a wavelength over 2π."
+    )
+    assert told["reactance"].startswith("Neither drag nor limits: Why")

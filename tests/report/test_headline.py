@@ -158,3 +158,10 @@ def test_over_the_band_the_most_and_the_least_are_told_where_they_are_and_nothin
         _, second = headline(lines, best_power(**gains), "FSB", SEAS, 1e-3)
         assert second == f"Over all waves that carry power, tuned wave by wave, flexible designs absorb {told}."
     assert len(headline(lines, best_power(A=4e-4 * bump, B=-4e-4 * dip), "FSB", SEAS, 1e-3)) == 1
+
+
+def test_a_gain_is_known_to_twice_the_tolerance_of_both_powers():
+    """Of 250 W over 100 W, each known to 1 %, to 2 % of the ratio 2.5; of half of 100 W to 2 % of that."""
+    for gain, told in ((150.0, "+145.0 to +155.0 %"), (-50.0, "-51.0 to -49.0 %")):
+        first, *_ = headline([line("FSB", 0.0), line("A", gain)], best_power(A=0 * OMEGA), "FSB", SEAS, 1e-2)
+        assert f"({told} by the numbers' tolerance;" in first

@@ -191,3 +191,10 @@ def test_measures_of_the_figure_are_the_first_two_that_anybody_has():
         ([lost._replace(power_mean=None)], ["power [W]"]),
     ):
         assert [ax.get_xlabel() for ax in figure(lines).axes] == labels
+
+
+def test_the_answer_of_a_page_is_of_all_points_also_of_those_its_table_leaves_out():
+    many = [YEAR._replace(point=f"p {i}", gain_percent=1.0 + i) for i in range(MOST_POINTS + 3)]
+    page = as_page(many, {"year": ("r.html", "id")})
+    assert f"VSWEC of year, p {MOST_POINTS + 2}, buoy takes {MOST_POINTS + 3:.1f} % more" in page
+    assert f"<td>p {MOST_POINTS + 2}</td>" not in page

@@ -1,6 +1,7 @@
 """Members of a campaign together: their order, one damper or many, what a cell of the table says of what is missing."""
 
 import csv
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,8 +9,23 @@ import xarray as xr
 from stages.test_campaign import made_up
 from stages.test_members import planned, with_seas
 
-from vsb.results.campaign import GAIN, OF_OPTIMA, POWER, as_csv, damper, gathered, stacked, with_verification
+from vsb.results.campaign import (
+    GAIN,
+    OF_OPTIMA,
+    POWER,
+    _cell,
+    _port,
+    _told,
+    _unfolded,
+    _values,
+    as_csv,
+    damper,
+    gathered,
+    stacked,
+    with_verification,
+)
 from vsb.study.campaign_plan import members
+from vsb.study.vary import MEMBER, Vary
 from vsb.study.year_options import CONSTRAINED
 from vsb.tools.units import described
 
@@ -156,3 +172,58 @@ def test_a_campaign_without_a_rigid_design_names_no_reference(held):
     designs = {name: {**design, "flexible": True} for name, design in plan.campaign.base["designs"].items()}
     spec = plan.campaign.model_copy(update={"base": plan.campaign.base | {"designs": designs}})
     assert gathered(spec, [stacked([made_up(one)], [one.id]) for one in found]).attrs["reference"] == ""
+
+
+@pytest.mark.parametrize(
+    ("ports", "base", "named"),
+    [
+        (None, "volume", "volume"), (None, "pitch", "pitch"), (None, "heave", ""), (None, None, ""),
+        (["volume", "heave"], "volume", ""), (["pitch", "heave"], "pitch", ""), (["heave", "heave"], "volume", ""),
+        (["volume"], "heave", "volume"), (["pitch", "pitch"], "heave", "pitch"), (["volume", "pitch"], "pitch", ""),
+    ],
+)  # fmt: skip
+def test_units_are_those_of_a_port_only_where_all_members_have_it(ports, base, named):
+    """What is varied goes before what the study says."""
+    vary = Vary.of({"device.thickness": [0.01], **({"pto.port": ports} if ports else {})})
+    designs = {"soft": {"flexible": True}, "first": {"flexible": False}, "other": {"flexible": False}}
+    spec = SimpleNamespace(
+        vary=vary,
+        base={"pto": {"port": base} if base else {}, "designs": designs},
+        campaign="c",
+        study="s",
+        climate_name="n",
+    )
+    assert _port(spec) == named
+    told = {"campaign": "c", "study": "s", "climate": "n", "reference": "first", "Conventions": "CF-1.8"}
+    assert _told(spec) == told | ({"port": named} if named else {})
+
+
+def test_points_that_are_no_product_stay_side_by_side_and_a_single_one_needs_no_dimension():
+    values = np.arange(12.0).reshape(2, 6)
+    ds = xr.Dataset({"power": (("design", MEMBER), values), "count": ("hs", [1, 2])})
+    keys = {"device.thickness": [1.0, 2.0], "device.mass": [1.0, 2.0, 3.0]}
+    product = _unfolded(ds, Vary.of(keys), ["thickness", "mass"])
+    assert product.power.dims == ("thickness", "mass", "design")
+    np.testing.assert_array_equal(product.power, values.T.reshape(2, 3, 2))
+    assert product["count"].dims == ("hs",)
+    pairs = {name: [1.0] * 6 for name in keys}
+    assert _unfolded(ds, Vary.of(pairs, together=True), ["thickness", "mass"]).identical(ds)
+    for together in (False, True):
+        one = _unfolded(ds.isel(member=[4]), Vary.of({}, together=together), [])
+        assert one.power.dims == ("design",)
+        assert one.power.values.tolist() == [4.0, 10.0]
+
+
+def test_a_damper_is_one_by_its_own_size_and_a_cell_has_twelve_digits():
+    dampers = [[[1e6, 1e6 + 1e-4]], [[1e6, 1e6 + 1e-2]], [[0.0, 0.0]]]
+    ds = xr.Dataset({"damping": (("tuning", "hs", "te"), dampers), "count": (("hs", "te"), [[1, 1]])})
+    ds = ds.assign_coords(tuning=["one", "each", "fixed"])
+    np.testing.assert_array_equal(damper(ds), [1e6 + 1e-4, np.nan, 0.0])
+    cells = [_cell(value) for value in (1 / 3, -0.5, np.nan, True, np.bool_(False), "full", 7)]
+    assert cells == ["0.333333333333", "-0.5", "", "true", "false", "full", 7]
+
+
+def test_values_of_a_key_are_numbers_or_words_as_they_are_given():
+    numbers, words = _values((1, 2.5)), _values(("full", "paper"))
+    assert (numbers.dtype, words.dtype) == (np.dtype(float), np.dtype(object))
+    assert (numbers.tolist(), words.tolist()) == ([1.0, 2.5], ["full", "paper"])

@@ -12,7 +12,7 @@ from vsb.motion.port import Port
 from vsb.motion.tuning import best_dampers
 from vsb.results.force_steps import FEWEST, MOST, SHARES, _damper_force, force_steps, harmonics_within, repeating
 from vsb.study.study import Jonswap, PiersonMoskowitz, RegularWave, WhiteNoise
-from vsb.waves.seas import Sea, regular
+from vsb.waves.seas import Sea, regular, spectrum
 
 BAND = (0.2, 9.0)
 SWELL = RegularWave(kind="regular", amplitude=0.2, period=2.5)
@@ -148,3 +148,27 @@ def test_a_sea_repeats_in_the_phases_of_its_own_seed():
     assert np.abs(seas[0] - seas[2]).max() > np.abs(seas[0]).max()
     phase = np.random.default_rng(3).uniform(0.0, 2 * np.pi, harmonics.count)
     np.testing.assert_allclose(seas[0], np.abs(seas[0]) * np.exp(1j * phase), atol=1e-12)
+
+
+@pytest.mark.parametrize("wave", [SEA, NOISE])
+def test_every_harmonic_has_the_variance_of_the_band_around_it(wave):
+    """Half a spacing to either side; of few harmonics, within which a spectrum rises."""
+    harmonics = Harmonics(0.15, 3.0, 30)
+    waves = repeating(wave, harmonics)
+    inside = 0.15 * ((np.arange(1000) + 0.5) / 1000 - 0.5)
+    density = spectrum(wave, (harmonics.omega[:, None] + inside).ravel()).reshape(30, -1).mean(axis=1)
+    expected = 2 * 0.15 * density
+    assert np.abs(waves.amplitude) ** 2 == pytest.approx(expected, abs=(2e-3 if wave is SEA else 0.06) * expected.max())
+    np.testing.assert_array_equal(waves.omega, harmonics.omega)
+
+
+def test_the_force_of_a_damper_is_that_of_waves_at_their_own_harmonics():
+    """Where the first harmonic of the force is the third: those of the waves are the fourth and the ninth."""
+    harmonics = Harmonics(0.25, 3.0, 10)
+    port, amplitude = ports(harmonics.omega)["FSB"], np.array([0.3 + 0.1j, -0.2j])
+    best = best_dampers(port, np.array([[0, 0.1, 0, 0, 0, 0, 0.04, 0, 0, 0]])).damping[0]
+    moved = (port.velocity_under(port.load(best)))[[1, 6]] * amplitude
+    found = _damper_force(port, Sea(harmonics.omega[[1, 6]], amplitude), harmonics)
+    time = np.linspace(0.0, 2 * np.pi / 0.25, 20001)
+    signal = np.real(np.exp(-1j * np.outer(time, harmonics.omega[[1, 6]])) @ moved)
+    assert found == pytest.approx(best * np.abs(signal).max(), rel=2e-2)

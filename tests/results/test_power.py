@@ -11,6 +11,7 @@ from vsb.results.power import (
     damper_of,
     energy_flux,
     in_direction,
+    lead,
     merit,
     power_response,
 )
@@ -173,7 +174,7 @@ def of_a_body(absorbed=True):
     run = xr.Dataset(
         {
             "position": (motion, v), "velocity": (motion, v), "pto": (motion, force),
-            "stroke": ("time", 0.2 * np.sin(w * time) - 0.01 * (time < 10)), "stroke_rate": ("time", 0.7 * np.cos(w * time)),
+            "stroke": ("time", 0.2 * np.sin(w * time) - 0.01 * (time < 10)), "stroke_rate": ("time", 0.7 * np.cos(w * time) - 0.3 * (time < 10)),
             "energy": (("time", "term"), np.stack([0.0 * time, 7.0 * time - 1.0], axis=1)),
         },
         {"time": time, "dof": ["Surge", "Pitch"], "term": ["waves", "pto"]},
@@ -197,3 +198,12 @@ def test_a_window_between_two_instants_of_the_record_is_refused():
         r"apart; needs to be longer than that",
     ):
         merit(of_a_body(), WAVE, regular(WAVE), Water(), (20.001, 20.009))
+
+
+def test_a_run_is_told_by_heave_among_other_motions_where_nothing_else_leads():
+    time, motion = np.arange(3.0), ("time", "dof")
+    position, velocity = np.arange(6.0).reshape(3, 2), -np.arange(6.0).reshape(3, 2)
+    run = xr.Dataset({"position": (motion, position), "velocity": (motion, velocity)}, {"time": time})
+    assert [values.tolist() for values in lead(run)] == [[0.0, 2.0, 4.0], [0.0, -2.0, -4.0]]
+    ported = run.assign(stroke=("time", [7.0, 8.0, 9.0]), stroke_rate=("time", [1.0, 3.0, 5.0]))
+    assert [values.tolist() for values in lead(ported)] == [[7.0, 8.0, 9.0], [1.0, 3.0, 5.0]]

@@ -154,3 +154,9 @@ def test_a_slip_at_the_clamps_is_of_ten_thousand_periods_where_motion_is_linear_
     (check,) = drift_checks(SimpleNamespace(needs_bem=bem), run(constraint_drift=1e-12, wave=wave))
     over = "10 000 wave periods" if bem and wave != "still" else "the run"
     assert check.explanation == f"largest slip of the shell at its clamps over {over}"
+
+
+def test_the_only_direction_of_drag_has_its_name_unless_it_is_heave(seed):
+    for name, told in (("pitch", "3 N m s of pitch"), ("surge", "3 N s/m of surge"), ("heave", "3 N s/m")):
+        drag = seed.model_copy(update={"drag": SimpleNamespace(directions={name: None})})
+        assert dampers_in_words(drag, {DAMPERS: [3.0]}) == told

@@ -315,3 +315,18 @@ def test_what_the_ledger_says_of_statistics_is_in_the_numbers_of_its_line(seed):
         "4 batches, of ten peak periods or more, give no confidence interval: lengthen simulation.duration and window, "
         "or ask for more realisations"
     )
+
+
+def test_an_error_is_told_of_the_gains_in_the_same_sea_and_of_no_other(seed):
+    """The widest of them for a design that has none itself, in whatever order they stand."""
+    rigid = Line("FSB", "sea", 1, 9, 100.0, 80.0, 120.0, 100.0, None, None, None)
+    shell = Line("VSWEC", "sea", 1, 9, 80.0, 60.0, 100.0, 80.0, -20.0, -36.0, -4.0)
+    other = shell._replace(design="VSWEC0", gain_low=-24.0, gain_high=-16.0)
+    rough = [line._replace(sea="rough", gain_low=line.gain_low and -70.0) for line in (rigid, shell)]
+    for lines in ([rigid, shell, other, *rough], [*rough, rigid, other, shell]):
+        found = seastatistics.statistical_checks(seed, lines)
+        errors = {(c.design, c.wave): c.value for c in found if c.name == "statistical_error"}
+        assert errors == {
+            ("FSB", "sea"): pytest.approx(0.2), ("VSWEC", "sea"): pytest.approx(0.2), ("VSWEC0", "sea"): pytest.approx(0.05),
+            ("FSB", "rough"): pytest.approx(33.0 / 80.0), ("VSWEC", "rough"): pytest.approx(33.0 / 80.0),
+        }  # fmt: skip
