@@ -330,3 +330,26 @@ def test_an_error_is_told_of_the_gains_in_the_same_sea_and_of_no_other(seed):
             ("FSB", "sea"): pytest.approx(0.2), ("VSWEC", "sea"): pytest.approx(0.2), ("VSWEC0", "sea"): pytest.approx(0.05),
             ("FSB", "rough"): pytest.approx(33.0 / 80.0), ("VSWEC", "rough"): pytest.approx(33.0 / 80.0),
         }  # fmt: skip
+
+
+def test_a_design_of_which_too_little_is_known_is_no_reason_to_leave_out_others(seed):
+    short = Line("FSB", "sea", 1, 3, 100.0, None, None, 100.0, None, None, None)
+    long = Line("VSWEC", "sea", 1, 9, 100.0, 90.0, 110.0, 100.0, None, None, None)
+    found = seastatistics.statistical_checks(seed, [short, long])
+    assert [(check.name, check.design) for check in found] == [
+        ("record_length", "FSB"), ("statistical_error", "VSWEC"), ("spectral_prediction", "VSWEC"),
+    ]  # fmt: skip
+
+
+def test_a_design_that_takes_nothing_for_sure_has_no_error_of_its_gain(seed):
+    """At a damper of nothing: 100 % less than the rigid design, and nothing to part the interval by."""
+    rigid = Line("FSB", "sea", 1, 9, 100.0, 80.0, 120.0, 100.0, None, None, None)
+    batches = np.arange(6.0, 15.0)
+    nothing = Line("VSWEC", "sea", 1, 9, *interval(0 * batches), 0.0, *gain_percent(0 * batches, batches))
+    assert (nothing.gain_percent, nothing.gain_low, nothing.gain_high) == (-100.0, -100.0, -100.0)
+    found = seastatistics.statistical_checks(seed, [rigid, nothing])
+    assert [(check.name, check.design) for check in found] == [
+        ("statistical_error", "FSB"), ("spectral_prediction", "FSB"), ("statistical_error", "VSWEC"),
+    ]  # fmt: skip
+    assert [check.value for check in found] == pytest.approx([0.2, 0.0, 0.0])
+    assert found[0].explanation == found[2].explanation.replace("power, 0 W", "power, 100 W")

@@ -187,10 +187,11 @@ def _sharpness(line: Line, sea: Sequence[Line]) -> tuple[float, str]:
 
 
 def _half_gain(line: Line) -> float | None:
-    """Half the interval of a design's power over the reference's, over it; None if it is not known."""
+    """Half the interval of a design's power over the reference's, over it; None if it is not known, or of nothing."""
     if line.gain_percent is None or line.gain_low is None or line.gain_high is None:
         return None
-    return 0.5 * (line.gain_high - line.gain_low) / (100 + line.gain_percent)
+    part = 100 + line.gain_percent
+    return 0.5 * (line.gain_high - line.gain_low) / part if part else None
 
 
 def as_csv(lines: Sequence[Line]) -> str:
