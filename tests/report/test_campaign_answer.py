@@ -273,3 +273,13 @@ def test_keys_that_have_several_values_are_no_place():
     assert where(ds) == ""
     assert where(ds.isel(young_modulus=1)) == "young modulus 100 MPa"
     assert where(ds.isel(thickness=0, young_modulus=1)) == "young modulus 100 MPa, thickness 0.01 m"
+
+
+@pytest.mark.parametrize("margin", [0.5, -0.5])
+def test_flexible_designs_that_take_nothing_are_held_against_what_the_rigid_one_takes(margin):
+    """As of limits no force keeps at a shell: 100 % less, which no energy follows from."""
+    ds = campaign(gains=np.full((2, 2), -100.0), margin=margin)
+    assert "takes 100.0 % less than the rigid FSB (-103.0 to -97.0 %; 0 against 87.66 MWh)" in answer(ds, "FSB", "one")
+    runs = ds.assign(corrected_gain_percent=ds.gain_percent, corrected_mean_power=0.5 * ds.annual_mean_power)
+    told = answer(runs.assign_attrs(verified_tuning="one", verified_model="body_exact"), "FSB", "one")
+    assert "by body-exact runs, where linear theory says -100.0 %; 0 against 43.83 MWh)" in told

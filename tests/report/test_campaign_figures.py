@@ -535,3 +535,24 @@ def test_dampers_are_drawn_where_one_design_alone_takes_something():
     ax = tuned_power(ds, "one", "FSB").axes[0]
     assert not ax.texts
     assert max(len(line.get_xdata()) for line in ax.lines) == len(DAMPERS)
+
+
+@pytest.mark.parametrize("lost", DESIGNS)
+def test_a_design_that_does_not_rest_is_no_reason_to_leave_out_others(lost):
+    """Whichever of them, before the others or behind."""
+    ds = campaign()
+    ds["viable"] = ds.viable.where(ds.design != lost, other=False)
+    (other,) = (design for design in DESIGNS if design != lost)
+    for draw in (tuned_power, pareto):
+        drawn = {to_hex(line.get_color()) for line in draw(ds, "one", "FSB").axes[0].lines}
+        assert (colour(other) in drawn, colour(lost) in drawn) == (True, False)
+    axes = power_matrices(ds, "one", "FSB").axes
+    assert [bool(ax.collections) for ax in axes[:2]] == [design == other for design in DESIGNS]
+    assert [[text.get_text() for text in ax.texts] for ax in axes[:2]] == [
+        [] if design == other else ["not viable"] for design in DESIGNS
+    ]
+
+
+def test_where_all_designs_are_rigid_there_is_none_to_compare():
+    ax = sweep(campaign().sel(design=["FSB"]), "one", "FSB").axes[0]
+    assert [text.get_text() for text in ax.texts] == ["no flexible design to compare with"]

@@ -52,19 +52,24 @@ def answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:
 def _taken(ds: xr.Dataset, reference: str | None, tuning: str, best: tuple[xr.Dataset, str]) -> str:
     """What the best flexible design takes beside the rigid one, with the interval."""
     one, design = best
-    gain, energy = float(told_gain(one, tuning)), float(one.annual_energy)
+    gain, energy = float(told_gain(one, tuning)), _energy(one, tuning)
     from_what = " by linear theory" if "verification" in ds.attrs else ""
     if is_verified(one, tuning):
-        energy = float(one.corrected_mean_power) * YEAR_HOURS / 1e6
         runs = f"{MODELS[ds.attrs['verified_model']]} runs"
         from_what = f" by {runs}, where linear theory says {float(one.gain_percent):+.1f} %"
-    energies = [energy, energy / (1 + gain / 100)]
+    rigid = shown_member(ds, tuning, reference).sel(tuning=tuning, design=reference)
+    energies = [energy, energy / (1 + gain / 100) if gain != -100 else _energy(rigid, tuning)]
     many = (ds.sizes["design"] > 2) or ds.margin.size > 1
     subject = f"the best flexible design, {design}{at_point(one)}," if many else f"{design}"
     interval = f"{float(one.gain_low):+.1f} to {float(one.gain_high):+.1f} %{from_what}"
     buckles = ", and would buckle under its static load" if float(one.margin) < 0 else ""
     both = f"{energies[0]:.4g} against {energies[1]:.4g} MWh"
     return f"{subject} takes {against_rigid(gain, str(reference))} ({interval}; {both}){buckles}"
+
+
+def _energy(one: xr.Dataset, tuning: str) -> float:
+    """Energy of the year of one design under a tuning, corrected by runs in time where its gain is [MWh]."""
+    return float(one.corrected_mean_power) * YEAR_HOURS / 1e6 if is_verified(one, tuning) else float(one.annual_energy)
 
 
 def told_beside(ds: xr.Dataset, tuning: str) -> str | None:

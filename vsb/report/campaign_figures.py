@@ -139,7 +139,7 @@ def sweep(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
         return _without_curves(NOT_VIABLE)
     if reference is None or not others:
         nothing = "a rigid design that takes nothing" if ds.attrs.get("reference") else "no rigid design"
-        return _without_curves(f"{nothing} to compare with")
+        return _without_curves(f"{'no flexible design' if reference else nothing} to compare with")
     return _maps(ds, tuning, keys, others) if is_mapped(ds) else _lines(ds, tuning, keys[0], others)
 
 
