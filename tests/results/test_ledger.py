@@ -663,3 +663,15 @@ def test_a_transient_is_told_in_the_power_of_the_window_and_of_the_steady_state_
     assert slow.explanation == (
         "mean power is -150 W in the window, -200 W in the steady state; a period leaves 0.1 of a transient"
     )
+
+
+def test_at_a_port_that_the_clamp_holds_bending_changes_nothing(buoy_of, coarse):
+    """Powers of round-off are no doubt of each other."""
+    port = {"colatitude": 90.0, "direction": "radial", "against": "frame"}
+    designs = {"FSB": {"flexible": False}, "VSWEC": {}, "VSWEC90": {"clamp": 90.0}}
+    study = varied(coarse, designs=designs, pto={"port": port, "damping": 5e3})
+    runs = {(design, wave.label): {} for design in study.designs for wave in study.waves}
+    moving, held = ledger.bending_checks(study, buoy_of(coarse).database, runs)
+    assert (moving.design, held.design, held.verdict) == ("VSWEC", "VSWEC90", "ok")
+    assert moving.value > 1e-6
+    assert held.value < 1e-9

@@ -244,7 +244,7 @@ def bending_checks(study: Study, database: xr.Dataset, runs: Attributes) -> list
             before, after = map(plain, powers)
             checks.append(
                 check_at_most(
-                    "bending_modes", abs(powers[1] / powers[0] - 1), 0.05, "-",
+                    "bending_modes", apart(powers[1], powers[0]), 0.05, "-",
                     f"absorbed power would change from {before} to {after} W/m² with modes.basis: full",
                     doubt=True, design=design, wave=wave.label,
                 )
