@@ -160,3 +160,20 @@ def test_the_only_direction_of_drag_has_its_name_unless_it_is_heave(seed):
     for name, told in (("pitch", "3 N m s of pitch"), ("surge", "3 N s/m of surge"), ("heave", "3 N s/m")):
         drag = seed.model_copy(update={"drag": SimpleNamespace(directions={name: None})})
         assert dampers_in_words(drag, {DAMPERS: [3.0]}) == told
+
+
+def test_a_design_beside_drag_is_no_reason_to_leave_out_those_after_it():
+    one = study(designs={"a": {}, "b": {}, "c": {}})
+    (wave,) = one.waves
+    coords = {"design": ["a", "b", "c"], "omega": [wave.omega, 2.0]}
+    frequency = xr.Dataset({"absorbed_power": (("design", "omega"), [[1.0, 1.0], [8.0, 1.0], [12.0, 1.0]])}, coords)
+    rows = [{"design": d, "wave": wave.label, "power_mean": p} for d, p in zip("abc", (9.0, 2.0, 3.0), strict=True)]
+    runs = {("a", wave.label): {LINEARISED: 10.0, DAMPERS: 30.0}}
+    runs |= {(d, wave.label): {"model": "linear"} for d in "bc"}
+    found = agreement_checks(one, wave, frequency, rows, runs)
+    assert [(check.name, check.design) for check in found] == [
+        ("drag", "a"), ("time_and_frequency_domain", "b"), ("time_and_frequency_domain", "c"),
+    ]  # fmt: skip
+    assert [check.value for check in found] == pytest.approx([0.1, 0.0, 0.0], abs=1e-12)
+    still = SimpleNamespace(label="still")
+    assert agreement_checks(one, still, frequency, rows, runs) == []

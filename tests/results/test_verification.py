@@ -348,3 +348,20 @@ def test_a_correction_is_about_the_ratio_of_what_is_left_to_what_is_taken():
     assert found.corrected == pytest.approx([8.0 + 2 * -0.5, 4.0])
     assert found.gain(1, 0).mean == pytest.approx(100 * (4.0 / 7.0 - 1))
     assert found.correction(0, 1).gain_percent.mean == pytest.approx(75.0)
+
+
+def test_what_is_said_of_a_design_among_others_is_what_is_said_of_it_alone():
+    """Hours saved and power; of three, which scatter apart."""
+    random, hours = np.random.default_rng(11), np.full(20, 1 / 20)
+    seas = random.uniform(0.1, 0.9, (3, 20)) * np.array([[1.0], [5.0], [0.2]])
+    sample = drawn(seas[0] / seas[0].sum(), hours, 8, 3)
+    linear = seas[:, sample.sea] * random.uniform(0.8, 1.2, (3, 8))
+    better = linear * random.uniform(0.5, 1.0, (3, 8))
+    together = Verification(seas @ hours, seas, hours, sample, better, linear)
+    for i in range(3):
+        one = [i]
+        alone = Verification(seas[one] @ hours, seas[one], hours, sample, better[one], linear[one])
+        assert together.fewer_hours(i) == pytest.approx(alone.fewer_hours(0), rel=1e-12)
+        assert together.power(i) == pytest.approx(alone.power(0), rel=1e-12)
+        assert together.correction(i, None).fewer_hours == together.fewer_hours(i)
+    assert together.correction(0, 2).gain_percent == together.gain(0, 2) != together.gain(0, 1)
