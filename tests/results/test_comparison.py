@@ -90,3 +90,17 @@ def test_each_row_has_the_damper_its_run_was_tuned_to_and_the_capture_width_of_i
         )
         widths.append(rows[0]["capture_width"])
     assert abs(widths[1] / widths[0] - 1) > 0.01
+
+
+def test_a_row_tells_what_its_take_off_is_and_what_its_design_gains_wherever_the_rigid_one_stands(seed):
+    """The second of two: a damper of each design's own, the spring of all."""
+    designs = {"S": {"flexible": True}, "R": {"flexible": False}}
+    two = varied(seed, designs=designs, pto={"damping": {"S": 7e3, "R": 9e3}, "stiffness": 500.0})
+    (wave,) = two.waves
+    runs = {"S": still_run(900.0, 1e-8), "R": still_run(600.0, 2e-8)}
+    first, second = compare.comparison(two, wave, runs, sea(wave, 12.0, 60.0))
+    for row, design, damper, gain in ((first, "S", 7e3, 50.0), (second, "R", 9e3, 0.0)):
+        assert (row["design"], row["wave"]) == (design, wave.label)
+        assert (row["damping"], row["stiffness"]) == (damper, 500.0)
+        assert (row["power_gain_percent"], row["energy_gain_percent"]) == pytest.approx((gain, gain), abs=1e-6)
+        assert row["power_mean"] == pytest.approx(row["energy"] / 60.0, rel=1e-9)

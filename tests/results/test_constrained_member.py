@@ -342,3 +342,16 @@ def test_gains_are_over_the_reference_wherever_it_stands_and_none_over_one_that_
         assert found[other] == pytest.approx(told, rel=1e-12)
     years["C"] = by_hand(powers=((0.0, 0.0),) * 3)
     assert _gains(years, "C", 0.01) is None
+
+
+def test_a_shell_is_judged_by_its_point_that_moves_most_wherever_it_stands():
+    """Of three points the first, then the second, then the last; both directions and both realisations count."""
+    one = by_hand()
+    ones, sizes = np.ones(1, dtype=complex), np.array([3.0, 1.0, 2.0]) / 100
+    rms = np.sqrt((np.abs(one.amplitude[..., 0]) ** 2).mean(axis=1) / 2)
+    for turn in range(3):
+        along = np.roll(sizes, turn)[:, None] + 0j
+        shell = np.stack([0.6 * along, 0.8j * along])
+        moved = _motion_rms(one, PortMotion((2 * ones, 0 * ones), (shell, 0 * shell)))
+        assert moved["deformation"] == pytest.approx(0.03 * rms)
+        assert moved["heave"] == pytest.approx(2 * rms)

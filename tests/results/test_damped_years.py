@@ -212,3 +212,21 @@ def test_the_year_of_ports_is_of_the_study_s_water_dampers_and_reference(study, 
     of = ports_year(given, {design: one.port for design, one in waves.items()}, seas, ("one", "fixed"))
     assert (of.reference, of.water, of.tunings) == (given.reference_design, given.water, ("one", "fixed"))
     assert of.damping[:, 1, 0].tolist() == list(dampers.values())
+
+
+def test_of_rigid_designs_each_is_known_by_itself(study, shared, seas, monkeypatch):
+    """Two of them under dampers of their own: of the second's other damper the first need not be computed again."""
+    designs, counts = {"R": {"flexible": False}, "S": {}, "Q": {"flexible": False}}, counted(monkeypatch)
+    first, second = (
+        varied(study, designs=designs, pto={"damping": {"R": 8e3, "S": 8e3, "Q": damper}}) for damper in (5e3, 6e3)
+    )
+    years = DampedYears(seas, ("fixed",))
+    for one in (first, second, first):
+        waves = designs_in_waves(one, reference_shell(one), shared)
+        found = years(one, waves)
+        alone = DampedYears(seas, ("fixed",))(one, waves)
+        for name, (dims, values) in alone.items():
+            assert found[name][0] == dims
+            np.testing.assert_allclose(found[name][1], values, rtol=1e-12, err_msg=name)
+    assert counts[::2] == [["R", "S", "Q"], ["S", "Q"], ["S"]]
+    assert len(years.known) == 3

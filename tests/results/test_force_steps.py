@@ -172,3 +172,11 @@ def test_the_force_of_a_damper_is_that_of_waves_at_their_own_harmonics():
     time = np.linspace(0.0, 2 * np.pi / 0.25, 20001)
     signal = np.real(np.exp(-1j * np.outer(time, harmonics.omega[[1, 6]])) @ moved)
     assert found == pytest.approx(best * np.abs(signal).max(), rel=2e-2)
+
+
+def test_without_a_reference_limits_are_of_the_first_design_that_moves():
+    for reference in (None, "other"):
+        steps = force_steps(SWELL, {name: BOTH[name] for name in ("VSWEC", "FSB")}, reference, BAND)
+        assert steps.of == "VSWEC"
+        assert list(steps.powers) == ["VSWEC", "FSB"]
+        assert len(steps.limits) == len(SHARES)

@@ -656,3 +656,46 @@ def test_peaks_are_looked_for_over_the_whole_time_eight_times_in_the_shortest_pe
     assert (at[0], at[-1]) == (0.0, 50.0)
     assert np.ptp(np.diff(at)) < 1e-9
     assert 0.9 * np.pi / 8 < at[1] <= np.pi / 8
+
+
+def test_every_rung_takes_the_part_of_the_matched_power_of_its_own_sea_with_its_own_load():
+    """Of three seas and two designs."""
+    rng = np.random.default_rng(9)
+    omega = 0.5 + 0.1 * np.arange(8)
+    amplitudes = {"a": (0, 8), "b": (2, 5), "c": (5, 6)}
+    seas = {name: Sea(omega[i:k], rng.rayleigh(size=k - i) + 0j) for name, (i, k) in amplitudes.items()}
+    ports = {"A": random_port(rng, omega), "B": random_port(rng, omega)}
+    found = ladder(ports, seas, [0, 1, 2], {"A": Given(2.0, 0.1), "B": Given(0.5, 0.1)}, 30.0)
+    matched = {(rung.design, rung.wave): rung.power_mean for rung in found if rung.rung == "matched"}
+    assert len(set(matched.values())) == 6
+    for rung in found:
+        waves = squares([seas[rung.wave]], omega)
+        own = matched[rung.design, rung.wave]
+        assert own == pytest.approx(float(waves[0] @ ports[rung.design].matched_power), rel=1e-12)
+        assert rung.limit_fraction == pytest.approx(rung.power_mean / own, rel=1e-12)
+        if rung.rung != "matched":
+            load = np.array([rung.damping]), np.array([rung.stiffness])
+            assert rung.power_mean == pytest.approx(mean_power(ports[rung.design], waves, *load, 1.0)[0], rel=1e-9)
+            spring = rung.stiffness / omega
+            velocity = ports[rung.design].velocity / (1 + ports[rung.design].admittance * (rung.damping + 1j * spring))
+            force = np.abs((rung.damping + 1j * spring) * velocity) ** 2
+            assert rung.force_rms == pytest.approx(np.sqrt(0.5 * float(waves[0] @ force)), rel=1e-9)
+
+
+def test_every_design_has_drag_of_its_own(monkeypatch):
+    """Beside dampers that are not searched for."""
+    monkeypatch.setattr("vsb.results.ladder.best_damper", lambda *_: 1.5)
+    monkeypatch.setattr("vsb.results.ladder.best_pair", lambda port, squares, known, efficiency: known)
+    dragged = {"A": Buoy(3).port, "B": Buoy(4).port}
+    omega, rng = dragged["A"].port.omega, np.random.default_rng(1)
+    seas = {"wave": Sea(omega[[9]], np.array([1.0 + 0j])), "sea": Sea(omega, 0.4 * rng.rayleigh(size=len(omega)) + 0j)}
+    places = [np.array([9]), np.arange(len(omega))]
+    given = {"A": Given(2.0, 0.1), "B": Given(3.0, 0.1)}
+
+    def rungs(*designs):
+        met = {name: Met(dragged[name].port, squares(list(seas.values()), omega), places) for name in designs}
+        return rungs_of(met, seas, [0, 1], given, 60.0, dragged)
+
+    both = rungs("A", "B")
+    assert both == rungs("A") + rungs("B")
+    assert len({rung.power_mean for rung in both}) > len(both) // 2

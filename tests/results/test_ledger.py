@@ -675,3 +675,20 @@ def test_at_a_port_that_the_clamp_holds_bending_changes_nothing(buoy_of, coarse)
     assert (moving.design, held.design, held.verdict) == ("VSWEC", "VSWEC90", "ok")
     assert moving.value > 1e-6
     assert held.value < 1e-9
+
+
+def test_the_shell_at_rest_is_that_of_the_equilibrium_or_what_the_load_about_the_reference_makes_of_it(monkeypatch):
+    asked = []
+
+    def loaded(study, basis):
+        asked.append((study, basis))
+        return SimpleNamespace(force=lambda q: np.array([1.0, 2.0]) + q)
+
+    monkeypatch.setattr(ledger, "loaded_shell", loaded)
+    at, total = np.array([0.5, -0.25]), np.array([[2.0, 1.0], [0.0, 4.0]])
+    reference = SimpleNamespace(modal_amplitude=at, total=total, basis="basis")
+    assert static_modal_amplitude(SimpleNamespace(at_equilibrium=True), reference) is at
+    assert asked == []
+    study = SimpleNamespace(at_equilibrium=False)
+    assert static_modal_amplitude(study, reference) == pytest.approx([(1.5 - 1.75 / 4) / 2, 1.75 / 4])
+    assert asked == [(study, "basis")]

@@ -365,3 +365,24 @@ def test_what_is_said_of_a_design_among_others_is_what_is_said_of_it_alone():
         assert together.power(i) == pytest.approx(alone.power(0), rel=1e-12)
         assert together.correction(i, None).fewer_hours == together.fewer_hours(i)
     assert together.correction(0, 2).gain_percent == together.gain(0, 2) != together.gain(0, 1)
+
+
+def test_linear_power_is_a_mean_over_its_window_at_eight_instants_in_the_shortest_period(monkeypatch):
+    """From its beginning to its end, of the damper's force times the speed it has."""
+    asked = []
+
+    def speeds(omega, phasors, instants):
+        asked.append((omega, phasors, instants))
+        return (instants - 30.0)[:, None]
+
+    monkeypatch.setattr("vsb.results.verification.superposed", speeds)
+    omega = np.array([0.5, 3.0, 1.0])
+    port = Port(omega, np.array([2e-5 + 1e-5j, 1e-5, 1e-5 + 3e-5j]), np.array([0.7 + 0.2j, 0.1, 1j]), 1e-5)
+    sea = Sea(omega, np.array([1.0, 2.0j, -0.5]))
+    found = linear_power(port, sea, 7e3, (30.0, 40.0))
+    ((of, phasors, instants),) = asked
+    assert of is sea.omega
+    assert phasors[:, 0] == pytest.approx(port.velocity / (1 + 7e3 * port.admittance) * sea.amplitude)
+    assert (instants[0], instants[-1]) == (30.0, 40.0)
+    assert 0.9 * 2 * np.pi / 24 < instants[1] - instants[0] <= 2 * np.pi / 24
+    assert found == pytest.approx(7e3 * 100.0 / 3, rel=1e-3)

@@ -332,3 +332,17 @@ def test_a_port_that_waves_do_not_move_has_a_damper_of_nothing_under_every_tunin
         taken = DesignYear(Port(grid, nothing, nothing, 0.0), climate()).take(tuning, damper)
         assert not taken.damping.any()
         assert taken.power.shape == taken.damping.shape == (40,)
+
+
+def test_what_a_year_says_of_a_design_and_a_tuning_is_what_it_says_of_them_alone():
+    """Dampers, powers, usual practice and error, of the second design under the third tuning as of the first."""
+    seas, grid = climate(), np.arange(0.1, 3.0, 0.04)
+    ports, dampers = {"A": port(grid), "B": port(grid, mass=9e3)}, {"A": 8e3, "B": 2e4}
+    together = year(ports, seas, WATER, ("each", "fixed", "one"), dampers)
+    for i, name in enumerate(ports):
+        for j, tuning in enumerate(together.tunings):
+            alone = year({name: ports[name]}, seas, WATER, (tuning,), dampers)
+            for figure in ("damping", "power", "practice", "quadrature_error", "annual_mean_power", "force_rms"):
+                of_all, of_one = getattr(together, figure)[i, j], getattr(alone, figure)[0, 0]
+                np.testing.assert_allclose(of_all, of_one, rtol=1e-9, err_msg=f"{figure} of {name}, {tuning}")
+    assert len(np.unique(together.quadrature_error)) == len(np.unique(together.practice)) == 6
