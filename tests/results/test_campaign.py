@@ -227,3 +227,30 @@ def test_values_of_a_key_are_numbers_or_words_as_they_are_given():
     numbers, words = _values((1, 2.5)), _values(("full", "paper"))
     assert (numbers.dtype, words.dtype) == (np.dtype(float), np.dtype(object))
     assert (numbers.tolist(), words.tolist()) == ([1.0, 2.5], ["full", "paper"])
+
+
+def test_values_that_are_varied_together_stand_beside_the_members_they_are_of(tmp_path):
+    """Two moduli each with its own thickness: no grid, and a row for each of the two."""
+    varied = {"pairs": True, "device.young_modulus": [3e6, 1e6], "device.thickness": [0.02, 0.01]}
+    plan = planned(with_seas(tmp_path, (1.0, 6.0)), varied)
+    (spec,) = plan.batches.values()
+    found = members(spec.base, spec.points, spec.climate, spec.tuning)
+    power = {1e6: 5.0, 3e6: 7.0}
+    parts = [
+        stacked(
+            [one.assign(annual_mean_power=power[each.point["device.young_modulus"]] + 0 * one.annual_mean_power)],
+            [each.id],
+        )
+        for each in found
+        for one in [made_up(each)]
+    ]
+    ds = gathered(plan.campaign, parts)
+    assert ds.attrs["varied"] == "young_modulus thickness"
+    assert ds.annual_mean_power.dims[0] == MEMBER
+    for name, values in (("young_modulus", [3e6, 1e6]), ("thickness", [0.02, 0.01])):
+        assert (ds[name].dims, ds[name].values.tolist()) == ((MEMBER,), values)
+    assert ds.annual_mean_power.isel(design=0, tuning=0).values.tolist() == [7.0, 5.0]
+    rows = list(csv.DictReader(as_csv(plan.campaign, ds).splitlines()))
+    told = {(row["device.young_modulus"], row["device.thickness"], row["annual_mean_power"]) for row in rows}
+    assert told == {("3000000", "0.02", "7"), ("1000000", "0.01", "5")}
+    assert len(rows) == 12

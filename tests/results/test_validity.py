@@ -10,7 +10,16 @@ from hypothesis.extra import numpy as hnp
 from results.test_year import climate, port, rms, stroke_rms
 from scenes.test_ports import water
 
-from vsb.results.validity import LIMITS, _nodes, _undominated, beyond_validity, motion_limits, motion_rms, wave_limits
+from vsb.results.validity import (
+    LIMITS,
+    _beyond,
+    _nodes,
+    _undominated,
+    beyond_validity,
+    motion_limits,
+    motion_rms,
+    wave_limits,
+)
 from vsb.results.year import band_weights, frequencies, year
 from vsb.scenes.ports import POINTS, designs_in_waves
 from vsb.scenes.rest import reference_shell
@@ -193,3 +202,13 @@ def test_beside_seas_without_a_damper_all_are_told_of_the_largest():
     nodes, shares = _nodes(np.array([0.0, 5.0, 2.0]))
     assert nodes.tolist() == [5.0]
     assert shares.tolist() == [[1.0, 1.0, 1.0]]
+
+
+def test_a_motion_at_its_limit_is_within_it():
+    """Highest of a thousand maxima of 0.25 m at a radius of 3.1 m; a billionth more is beyond."""
+    for name, limit in (("heave", 0.3), ("deformation", 0.1)):
+        at = limit * 3.1 / 3.72
+        (found,) = motion_limits({name: np.array([at * (1 - 1e-9), at * (1 + 1e-9), 0.0])}, 3.1)
+        assert (found.name, found.limit, found.seas.tolist()) == (name, limit, [False, True, False])
+        assert found.largest == pytest.approx(limit)
+    assert _beyond("steepness", np.array([0.05, 0.04]), 0.05) == ("steepness", 0.05, 0.05, pytest.approx([0, 0]))
