@@ -149,6 +149,14 @@ def test_ledger_is_plain_json():
     }  # fmt: skip
 
 
+def test_a_ledger_has_numbers_alone():
+    """What is none is no JSON; the study is named."""
+    assert json.loads(ledger.ledger_json("a_study", [])) == {"study": "a_study", "checks": []}
+    for value in (np.nan, np.inf):
+        with pytest.raises(ValueError, match="Out of range float values are not JSON compliant"):
+            ledger.ledger_json("s", [Check("buckling", value, 1.0, "-", "fail", "why")])
+
+
 def test_full_basis_without_bem_equals_the_full_database(buoy_of, coarse):
     wider, _ = with_full_basis(buoy_of(coarse).database, coarse)
     full = buoy_of(varied(coarse, modes={"basis": "full"})).database

@@ -156,6 +156,10 @@ def test_the_dataset_says_what_the_year_says():
         100 * (found.annual_mean_power[1, 0] / found.annual_mean_power[0, 0] - 1)
     )
     assert int(ds["count"].sum()) == 40
+    assert (ds.hs.values.tolist(), ds.te.values.tolist()) == (
+        found.bins.hs_centres.tolist(),
+        found.bins.te_centres.tolist(),
+    )
     width = ds.annual_mean_power / float((ds.flux_matrix * ds.occurrence).sum())
     assert ds.capture_width.values == pytest.approx(width.values, rel=1e-12)
 
