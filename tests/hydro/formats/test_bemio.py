@@ -1,14 +1,17 @@
 """BEMIO's .h5 file written and read."""
 
+from types import SimpleNamespace
+
 import netCDF4
 import numpy as np
 import pytest
 from hydro.formats.test_exchange import DAMPING, PAIR, WATER, WAVE, random_database, with_structure
 from scipy.integrate import quad
+from scipy.interpolate import CubicSpline
 from scipy.linalg import block_diag
 
 from vsb.errors import DatabaseError
-from vsb.hydro.formats.bemio import bemio_entries, excitation_response, impulse_times, read_bemio, write_h5
+from vsb.hydro.formats.bemio import _labels, bemio_entries, excitation_response, impulse_times, read_bemio, write_h5
 from vsb.hydro.retardation import DampingSpectrum
 
 
@@ -368,3 +371,55 @@ def test_modes_couple_where_they_do_by_more_than_round_off_of_the_largest_entry(
             DatabaseError, match=f"memory: {name} couples rigid and generalized modes, which WEC-Sim dro"
         ):
             bemio_entries(ds.assign({name: ds[name] + 1.1 * entry}), "memory")
+
+
+def test_a_file_of_three_bodies_of_unequal_sizes_is_read_with_all_that_couples_them(tmp_path):
+    """The third begins where the second ends, which has one mode more than the first has."""
+    entries, whole, restoring = of_two_bodies(("float", "spar", "plate"), (6, 8, 7))
+    write_h5(entries, tmp_path / "three.h5")
+    ds = read_bemio(tmp_path / "three.h5")
+    assert ds.influenced_dof.values[[0, 5, 6, 13, 14, 20]].tolist() == [
+        "float__Surge", "float__Yaw", "spar__Surge", "spar__Mode8", "plate__Surge", "plate__Mode7",
+    ]  # fmt: skip
+    assert ds.added_mass.values == pytest.approx(1000 * np.moveaxis(whole["hydro_coeffs/added_mass/all"], -1, 0))
+    assert ds.structural_stiffness.values == pytest.approx(whole["properties/stiffness"])
+    assert ds.hydrostatic_stiffness.values == pytest.approx(1e4 * block_diag(*restoring))
+    assert [ds.attrs[f"displaced_volume_{name}"] for name in ("float", "spar", "plate")] == [7.0, 8.0, 9.0]
+
+
+def test_parts_of_the_excitation_with_any_nan_are_left_out(elastic, tmp_path):
+    entries, place = bemio_entries(elastic, "memory"), "/body1/hydro_coeffs/excitation"
+    for part in ("scattering/re", "froude-krylov/im"):
+        entries[f"{place}/{part}"] = entries[f"{place}/{part}"].copy()
+        entries[f"{place}/{part}"][7, 1, 3] = np.nan
+    write_h5(entries, tmp_path / "some.h5")
+    assert {"diffraction_force", "Froude_Krylov_force"} & {*read_bemio(tmp_path / "some.h5").data_vars} == set()
+    entries[f"{place}/re"][2, 0, 1] = np.nan  # of the excitation itself
+    write_h5(entries, tmp_path / "some.h5")
+    with pytest.raises(DatabaseError, match="variable excitation_force holds NaN"):
+        read_bemio(tmp_path / "some.h5")
+
+
+@pytest.mark.parametrize(("dof", "known"), [(5, False), (6, True), (1000, True), (1001, False), (7.5, False)])
+def test_a_body_has_six_degrees_of_freedom_or_up_to_a_thousand(dof, known):
+    found = SimpleNamespace(source="a.h5", text=lambda place: "")
+    if known:
+        assert len(_labels(found, "body1", float(dof))) == dof
+        return
+    with pytest.raises(DatabaseError, match=rf"a\.h5: holds {dof:g} degrees of freedom; needs six rigid and a few"):
+        _labels(found, "body1", float(dof))
+
+
+@pytest.mark.parametrize("time", [(-40.0, -35.5, 1.0), (40.0, 12.5, -1.0)])
+def test_the_excitation_responds_at_late_and_early_times_alike(time):
+    """Frequencies far apart, times long before and after zero; by adaptive quadrature."""
+    omega = np.array([0.7, 1.0])
+    force = ((2.0 - omega) + 0.5j * omega)[:, None, None]
+    both = np.concatenate([-omega[::-1], omega])
+    spline = CubicSpline(both, np.concatenate([force[::-1], force.conj()])[:, 0, 0])
+    expected = [
+        quad(lambda w, t=t: np.real(spline(w) * np.exp(1j * w * t)), 0.0, 1.0, limit=200, epsabs=1e-12)[0] / np.pi
+        for t in time
+    ]
+    found = excitation_response(omega, force, np.array(time))[:, 0, 0]
+    assert found == pytest.approx(expected, abs=1e-9)

@@ -102,3 +102,27 @@ def test_what_is_no_database_is_refused_in_one_line(tmp_path, spoiled, message):
     (tmp_path / "b.nc").write_text("no netCDF")
     with pytest.raises(DatabaseError, match=r"b.nc: cannot be read: .*; needs a hydro database of capytaine"):
         read_capytaine(tmp_path / "b.nc")
+
+
+def test_the_order_of_a_file_changes_nothing_but_that_of_the_degrees_of_freedom(tmp_path):
+    """Radiating ones in another order than those that feel them, frequencies in none."""
+    ds, skew, pair = dataset(), np.array([[1.0, 2.0], [3.0, 4.0]]), ("influenced_dof", "radiating_dof")
+    sizes = {"structural_stiffness": 7.0, "inertia_matrix": 5.0, "hydrostatic_stiffness": 9.0}
+    ds = ds.assign({name: (pair, size * skew) for name, size in sizes.items()}).assign(
+        radiation_damping=0.3 * ds.added_mass
+    )
+    ds.to_netcdf(tmp_path / "a.nc")
+    expected = read_capytaine(tmp_path / "a.nc")
+    ds.isel(radiating_dof=[1, 0], omega=[3, 4, 1, 0, 2]).to_netcdf(tmp_path / "a.nc")
+    assert read_capytaine(tmp_path / "a.nc").identical(expected)
+    assert expected.inertia_matrix.values.tolist() == (5.0 * skew).tolist()
+    assert expected.structural_stiffness.values.tolist() == (7.0 * skew).tolist()
+
+
+def test_both_matrices_of_the_dry_body_may_be_unknown_and_each_is_told(tmp_path):
+    pair = ("influenced_dof", "radiating_dof")
+    some = np.array([[1.0, np.nan], [0.0, 1.0]])
+    dataset(inertia_matrix=(pair, some), structural_stiffness=(pair, some)).to_netcdf(tmp_path / "a.nc")
+    assert read_capytaine(tmp_path / "a.nc").attrs["history"] == (
+        "read from a.nc; left out: inertia_matrix, which holds NaN; left out: structural_stiffness, which holds NaN"
+    )

@@ -612,3 +612,175 @@ def test_scale_and_long_waves_are_judged_of_what_headings_resolve_alone():
     found = judged(edited(ds, "excitation_force", ripple))
     assert (found["haskind_scale"].value, found["haskind_long_waves"].value) == pytest.approx((0.0, 0.04), abs=1e-9)
     assert "most at 0.2 rad/s in Surge" in found["haskind_long_waves"].explanation
+
+
+# --- several bodies, still modes, pairs
+
+
+def bare(labels, added, damping, omega=(0.5, 1.0, 2.0), **facts):
+    """Uncoupled coefficients over frequencies (omega, dof), and nothing else."""
+    eye = np.eye(len(labels))
+    data = {"added_mass": (("omega", *PAIR), np.asarray(added)[:, :, None] * eye)}
+    data["radiation_damping"] = (("omega", *PAIR), np.asarray(damping)[:, :, None] * eye)
+    return xr.Dataset(
+        data, {"omega": list(omega), **{dof: list(labels) for dof in PAIR}}, {"water_density": RHO, **facts}
+    )
+
+
+def test_sizes_are_of_the_water_of_each_body_of_its_translations_or_of_modes_like_it():
+    """The volume of one is known, of the other it is not; a mode is measured by the largest mode of its body."""
+    labels = ["float__Surge", "float__Heave", "float__Pitch", "float__Bend", "float__Twist"]
+    labels += ["spar__Heave", "spar__Sway", "spar__Roll", "spar__Bend"]
+    mass = np.array([7000.0, -40.0, 2.0, 300.0, 1.0, 20.0, 500.0, 3.0, 9.0])
+    largest = np.array([900.0, 1e-3, 1e-3, 2.0, 1e-3, 1e-3, 8.0, 1e-3, 5.0])
+    top = np.array([0, 1, 2, 1, 2, 0, 1, 2, 1])
+    damping = np.where(np.arange(3)[:, None] == top, -largest, 0.1 * largest)
+    ds = bare(labels, np.outer([10.0, 1.0, 0.5], mass), damping, displaced_volume_float=3.0, displaced_volume=99.0)
+    share, water, other = LEAST_SIZE**2, 3000.0, 500.0
+    turn, small = water * 3.0 ** (2 / 3), other * 0.5 ** (2 / 3)
+    least = share * np.array([water, water, turn, 300.0, 300.0, other, other, small, 9.0])
+    size = np.maximum(np.abs(mass), least)
+    found = sizes(ds)
+    assert found.added_mass == pytest.approx(size, rel=1e-12)
+    floor = 1e-3 * np.array([0.5, 1.0, 2.0])[top] * size
+    assert found.damping == pytest.approx(np.maximum(largest, floor), rel=1e-12)
+    assert found.wet.tolist() == (np.abs(mass) > 1e-4 * least).tolist()
+    assert np.count_nonzero(floor > largest) == 5
+    some = np.arange(9) % 3 == 1
+    assert all(part.tolist() == whole[some].tolist() for part, whole in zip(found.of(some), found, strict=True))
+
+
+def test_a_mode_without_damping_moves_no_water_whatever_its_added_mass():
+    ds = bare(["Heave", "Pitch"], np.full((3, 2), 50.0), np.outer([1.0, 2.0, 1.0], [3.0, 0.0]), displaced_volume=0.1)
+    assert sizes(ds).wet.tolist() == [True, False]
+
+
+@pytest.mark.parametrize("axisymmetric", [False, True])
+@pytest.mark.parametrize("place", [0, 2])
+def test_a_motion_that_makes_no_waves_changes_nothing_said_of_the_others(axisymmetric, place):
+    labels = ["Heave", "Bend"]
+    ds = sound(labels, (0.0,) if axisymmetric else CIRCLE)
+    ds = _asymmetric(_pushed(ds.isel(influenced_dof=[1, 0], radiating_dof=[1, 0]), 0.03), 0.003)
+    labels = ["Bend", "Heave"]
+    labels.insert(place, "Yaw")
+    more = ds.reindex(dict.fromkeys(PAIR, labels), fill_value=0.0).assign_attrs(ds.attrs)
+    expected, found = (foreign_checks(one, axisymmetric=axisymmetric) for one in (ds, more))
+    assert found == expected
+    assert {"haskind"} <= {check.name for check in found[0]}
+
+
+def test_an_asymmetric_pair_is_named_by_both_and_a_motion_once():
+    ds = sound()
+    told = judged(_asymmetric(ds, 0.05))["symmetry"].explanation
+    assert (
+        told
+        == f"added mass and damping are symmetric matrices; most at {ds.omega.values[40]:.4g} rad/s in Surge and Heave"
+    )
+    assert judged(_pushed(ds, 0.03))["haskind"].explanation.endswith(f"most at {ds.omega.values[9]:.4g} rad/s in Heave")
+    lowest = judged(_lively(ds, 0.02))["positive_damping"].explanation
+    assert lowest == f"no motion can draw energy from calm water; most at {ds.omega.values[60]:.4g} rad/s"
+
+
+@pytest.mark.parametrize("size", [0.015, -0.03])
+def test_damping_that_is_not_symmetric_counts_by_the_impedances_of_both(size):
+    ds = sound()
+    z = [
+        abs(ds.radiation_damping.values[40, i, i] + 1j * ds.omega.values[40] * ds.added_mass.values[40, i, i])
+        for i in (1, 2)
+    ]
+
+    def change(b):
+        b[40, 2, 1] += size * np.sqrt(z[0] * z[1])
+
+    assert judged(edited(ds, "radiation_damping", change))["symmetry"].value == pytest.approx(abs(size), rel=1e-9)
+
+
+def test_beside_a_mode_without_water_asymmetry_is_measured_by_what_is_least_at_its_frequency():
+    """Yaw that moves none: a thousandth of the impedance of its least added mass."""
+    ds = with_noise(sound(("Surge", "Heave", "Pitch", "Yaw")), "Yaw", 1e-9)
+    omega, turned = ds.omega.values[40], LEAST_SIZE**2 * RHO * 4000.0 * 4000.0 ** (2 / 3)
+    assert sizes(ds).added_mass[3] == pytest.approx(turned, rel=1e-12)
+    z = abs(ds.radiation_damping.values[40, 1, 1] + 1j * omega * ds.added_mass.values[40, 1, 1])
+
+    def change(a):
+        a[40, 3, 1] += 0.01 * np.sqrt(z * 1e-3 * omega * turned) / omega
+
+    assert judged(edited(ds, "added_mass", change))["symmetry"].value == pytest.approx(0.01, rel=1e-6)
+
+
+@pytest.mark.parametrize("at", [3, 20, 60])
+def test_a_resonance_shows_in_both_alike_at_low_and_high_frequencies(at):
+    """A spike of A and one of B of omega times its size are no spikes alone."""
+    found = judged(_spiky(sound(), 0.5, at))["irregular_frequencies"]
+    assert (found.verdict, "of one without the other" in found.explanation) == ("doubt", False)
+
+
+@pytest.mark.parametrize("count", [80, 81])
+def test_every_other_frequency_is_left_out_but_the_last(monkeypatch, count):
+    """What the band holds at its end decides the integral."""
+    seen = []
+
+    class Seen(foreign.DampingSpectrum):
+        def __init__(self, omega, damping):
+            seen.append((omega, damping))
+            super().__init__(omega, damping)
+
+    monkeypatch.setattr(foreign, "DampingSpectrum", Seen)
+    ds = sound(omega=np.linspace(0.1, 8.0, count))
+    assert judged(ds)["kramers_kronig"].verdict == "ok"
+    omega, damping = ds.omega.values, ds.radiation_damping.values
+    (whole, its), (fewer, theirs) = seen
+    assert (whole.tolist(), fewer.tolist()) == (omega.tolist(), omega[::-1][::2][::-1].tolist())
+    assert (its == damping).all()
+    assert (theirs == damping[::-1][::2][::-1]).all()
+
+
+def lifted(stiffness=(0.0, 100.0, 0.0, 200.0), force=((101.0, 93.0), (170.0, 200.0))):
+    """Two bodies in two headings, in the first of two waves 0.5 rad/s; sizes of their added masses."""
+    labels = ["float__Surge", "float__Heave", "spar__Surge", "spar__Heave"]
+    x = np.zeros((2, 2, 4), dtype=complex)
+    x[0, :, 1], x[0, :, 3] = (np.array(each) * np.exp(2j) for each in force)
+    data = {"hydrostatic_stiffness": (PAIR, np.diag(stiffness)), "excitation_force": (WAVE, x)}
+    size = foreign.Sizes(np.array([5.0, 3.0, 50.0, 4.0]), np.ones(4), np.ones(4, dtype=bool))
+    return xr.Dataset(data, {"omega": [0.5, 0.7], "wave_direction": [0.0, 1.0], **dict.fromkeys(PAIR, labels)}), size
+
+
+def test_of_two_bodies_the_one_lifted_most_beyond_its_own_limit_is_told():
+    """0.07 of 0.05 + 2 (0.02) is nearer than 0.15 of 0.05 + 2 (0.0675): each with the water of its own translations."""
+    (check,), notes = foreign._lifting(*lifted())
+    assert (check.value, check.limit, notes) == (pytest.approx(0.07), pytest.approx(0.05 + 2 * 0.02), [])
+    (check,), _ = foreign._lifting(*lifted(force=((101.0, 99.0), (160.0, 200.0))))
+    assert (check.value, check.limit) == (pytest.approx(0.2), pytest.approx(0.05 + 2 * 0.0675))
+    (check,), _ = foreign._lifting(*lifted(force=((101.0, 93.0), (200.0, 262.0))))
+    assert check.value == pytest.approx(0.31)
+
+
+@pytest.mark.parametrize(("stiffness", "known"), [(10.0, True), (9.99, False)])
+def test_waves_are_long_up_to_a_second_order_of_a_fifth(stiffness, known):
+    checks, notes = foreign._lifting(*lifted((0.0, stiffness, 0.0, -200.0)))
+    assert (len(checks), notes) == (
+        (1, []) if known else (0, ["not checked: long_waves, of which 0.5 rad/s is none for this body"])
+    )
+
+
+def test_every_mode_is_compared_in_its_own_longest_wave(monkeypatch):
+    """Heave begins to radiate at 1 rad/s, surge at the second frequency; depths that would fit are asked of both."""
+    ds = sound(("Surge", "Heave"))
+    late = ds.omega.values < 0.95
+
+    def quiet(b):
+        b[late, 1, 1] *= 1e-3
+
+    def push(x):
+        x[late, :, 1] *= np.sqrt(1e-3)
+        x[9, :, 1] *= np.sqrt(0.9)
+        x[1, :, 0] *= np.sqrt(1.04)
+
+    asked = []
+    monkeypatch.setattr(foreign, "fitting_depth", lambda *given: asked.append(given))
+    found = judged(edited(edited(ds, "radiation_damping", quiet), "excitation_force", push))["haskind_long_waves"]
+    assert found.value == pytest.approx(0.1, rel=1e-9)
+    assert found.explanation.endswith("which feel the depth; most at 1 rad/s in Heave")
+    ratio, omega, depth, gravity = asked[0]
+    assert (ratio, omega) == (pytest.approx([1.04, 0.9]), pytest.approx([0.2, 1.0]))
+    assert (depth, gravity) == (np.inf, G)

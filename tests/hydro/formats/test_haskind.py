@@ -5,6 +5,7 @@ import pytest
 
 from tests.hydro.formats.test_foreign import CIRCLE, RHO, G, sound
 from vsb.hydro.formats.haskind import fitting_depth, haskind_axisymmetric, haskind_headings
+from vsb.waves.dispersion import group_velocity, wavenumber
 
 FACTS = {"depth": np.inf, "density": RHO, "gravity": G}
 NOTHING = np.zeros(2)
@@ -34,3 +35,64 @@ def test_no_depth_is_told_where_none_would_fit():
     omega = np.array([0.3, 0.5])
     assert fitting_depth(np.array([3.0, 0.2]), omega, np.inf, G) is None
     assert fitting_depth(np.ones(2), omega, np.inf, G) == np.inf
+
+
+def ringing(values, n=12):
+    """Excitation over frequencies and modes, functions of the heading, at n headings all around."""
+    beta = 2 * np.pi * np.arange(n) / n
+    x = np.array([[mode(beta) for mode in row] for row in values]).swapaxes(1, 2)
+    labels = ["Surge", "Heave"][: x.shape[2]]
+    ds = sound(labels, np.degrees(beta), omega=np.linspace(0.5, 1.5, len(values)))
+    return ds.assign(excitation_force=(ds.excitation_force.dims, x.astype(complex)))
+
+
+@pytest.mark.parametrize(("order", "least"), [(3, 12), (4, 12), (5, 12), (6, 12), (2, 7), (3, 7), (1, 7)])
+def test_a_mode_is_resolved_while_its_last_two_orders_hold_a_fortieth_of_its_largest_power(order, least):
+    """Order 0 of power one and another of power s/(1 - s); orders below the last two may hold anything."""
+    last = order >= least // 2 - 1
+    for share in (0.0249, 0.0251):
+        part = np.sqrt(share / (1 - share) * (1.0 if 2 * order == least else 2.0))
+        ds = ringing([[lambda beta, part=part: 1.0 + part * np.cos(order * beta)]], least)
+        assert bool(haskind_headings(ds, np.zeros(1), **FACTS).resolved[0, 0]) == (share < 0.025 or not last)
+
+
+def test_each_mode_is_measured_by_its_own_power_in_the_band_or_by_its_size():
+    """Heave, a thousandth of surge, turns too often at the second of three frequencies, and at the third by little."""
+    ripple = [lambda beta: np.ones_like(beta), lambda beta: np.cos(5 * beta), lambda beta: (1 + np.cos(5 * beta)) / 50]
+    for scale in (1.0, 1e-3):
+        ds = ringing([[np.cos, lambda beta, f=f, scale=scale: scale * f(beta)] for f in ripple])
+        found = haskind_headings(ds, NOTHING, **FACTS).resolved
+        assert found.tolist() == [[True, True], [True, False], [True, True]]
+        assert haskind_headings(ds, np.array([0.0, 1e30]), **FACTS).resolved.all()
+
+
+@pytest.mark.parametrize("same", [360.0, -360.0, 359.9998, -0.0002, 720.0001])
+def test_a_heading_told_twice_counts_once(same):
+    once, twice = (haskind_headings(sound(("Surge", "Heave"), h), NOTHING, **FACTS) for h in (CIRCLE, (*CIRCLE, same)))
+    np.testing.assert_allclose(twice.damping, once.damping, rtol=1e-6, atol=1e-6 * np.abs(once.damping).max())
+    assert twice.resolved.all()
+
+
+@pytest.mark.parametrize(("count", "enough"), [(4, False), (5, False), (6, True), (7, True)])
+def test_six_headings_in_equal_steps_are_the_fewest(count, enough):
+    headings = np.roll(np.arange(count) * 360.0 / count, 2) - 100.0
+    assert (haskind_headings(sound(("Heave",), headings), np.zeros(1), **FACTS) is not None) == enough
+
+
+@pytest.mark.parametrize("step", [0.009, 0.011])
+def test_steps_are_equal_to_a_hundredth_of_a_degree(step):
+    headings = np.array(CIRCLE) + np.eye(12)[4] * step
+    assert (haskind_headings(sound(("Heave",), headings), np.zeros(1), **FACTS) is None) == (step > 0.01)
+
+
+@pytest.mark.parametrize("omega", [(0.3, 1.5), (1.5, 0.3), (0.3, 0.31, 4.0)])
+@pytest.mark.parametrize("given", [np.inf, 60.0])
+def test_a_depth_is_sought_by_the_longest_of_the_waves(omega, given):
+    """Damping from excitation goes with k over group velocity: it is too much by that of the depth given."""
+
+    def narrowness(depth):
+        return np.array([wavenumber(w, depth, G) / group_velocity(w, depth, G) for w in omega])
+
+    true = 20.0
+    ratio = narrowness(given) / narrowness(true)
+    assert fitting_depth(ratio, np.array(omega), given, G) == pytest.approx(true, rel=0.06)

@@ -17,6 +17,7 @@ from vsb.hydro.formats.modes import (
     RIGID,
     body_names,
     check_positive,
+    checked,
     floating,
     mode_labels,
     mode_numbers,
@@ -396,3 +397,53 @@ def test_files_that_are_no_database_are_refused_in_one_line(tmp_path, capsys):
         captured = capsys.readouterr()
         assert (captured.out, captured.err.count("\n")) == ("", 1)
     assert [path.name for path in tmp_path.iterdir()] == ["study.yaml"]
+
+
+@pytest.mark.parametrize("exponent", ["D+0", "d+0", "e+0"])
+def test_exponents_of_the_dry_body_are_written_as_fortran_may(foreign, exponent):
+    expected = read(foreign)
+    (foreign / "barge.mmx").write_text(MMX.replace("4000.00 ", "4.0E+03 ").replace("E+0", exponent))
+    assert read(foreign).identical(expected)
+
+
+def test_names_with_a_body_before_them_are_rigid_or_modes_as_others():
+    assert mode_numbers(["Heave", "float__Bend"]) == [3, 7]
+    with pytest.raises(DatabaseError, match="degrees of freedom float__Heave, b__Yaw: are of several bodies"):
+        mode_numbers(["Heave", "float__Heave", "Bend", "b__Yaw"])
+
+
+@pytest.mark.parametrize("name", ["centre_of_buoyancy", "centre_of_mass"])
+@pytest.mark.parametrize("value", [[0.0, 0.0, -1.01e40], [0.0, 1.01e40, 0.0], [-np.inf, 0.0, 0.0], [0.0, 0.0], 1.0])
+def test_a_centre_is_three_numbers_of_any_sign_within_reason(name, value):
+    checked(flexible().assign_attrs({name: [-1e40, 0.0, 1e40]}), "memory")
+    with pytest.raises(DatabaseError, match=rf"memory: {name} .* m; needs three finite numbers"):
+        checked(flexible().assign_attrs({name: value}), "memory")
+
+
+def test_the_volume_of_each_body_is_looked_at():
+    ds = flexible(("float__Heave", "spar__Heave"), dry=False).drop_attrs()
+    attrs = {"water_density": RHO, "gravity": G, "water_depth": "20.0", "displaced_volume_float": 3.0}
+    checked(ds.assign_attrs(attrs, displaced_volume_spar=0.0, displaced_volume=-1.0), "memory")
+    with pytest.raises(
+        DatabaseError, match=r"memory: displaced_volume_spar -2.0 m\^3; needs a finite one, not negative"
+    ):
+        checked(ds.assign_attrs(attrs, displaced_volume_spar=-2.0), "memory")
+
+
+@pytest.mark.parametrize(
+    ("value", "told"),
+    [
+        (0.0, ""),
+        (-1.0, ""),
+        (9.9e-7, " from 1e-06 to 1e+06"),
+        (1.01e6, " from 1e-06 to 1e+06"),
+        (np.inf, ""),
+        (np.nan, ""),
+    ],
+)
+def test_the_range_is_told_to_what_is_positive_and_beyond_it(value, told):
+    with pytest.raises(ConfigError) as error:
+        check_positive("--length", value, "m")
+    assert str(error.value) == f"--length: received {value}, needs a positive number of m{told}."
+    for bound in (1e-6, 1e6):
+        check_positive("--length", bound, "m")

@@ -5,6 +5,7 @@ from hydro.formats.test_capytaine import dataset
 
 from vsb.errors import DatabaseError
 from vsb.hydro.database import load_database
+from vsb.hydro.formats import sources
 from vsb.hydro.formats.exchange import export
 from vsb.hydro.formats.sources import is_own, read_source, source_checks
 from vsb.study.sections import Water
@@ -33,3 +34,12 @@ def test_whose_a_netcdf_file_is(small, tmp_path):
     assert read_source("database", str(tmp_path / "theirs.nc"), Water()).attrs["source"] == "capytaine"
     with pytest.raises(DatabaseError, match="cannot be read"):
         is_own(str(tmp_path / "nothing.nc"))
+
+
+@pytest.mark.parametrize("length", [1.0, 2.5])
+def test_what_wamits_files_do_not_say_is_of_the_study(monkeypatch, length):
+    seen = []
+    monkeypatch.setattr(sources, "import_wamit", lambda *place, **facts: seen.append((*map(str, place), facts)))
+    read_source("wamit", "runs/rm3", Water(density=1010.0, gravity=9.7, depth=33.0), length)
+    facts = {"density": 1010.0, "gravity": 9.7, "depth": 33.0, "length": length, "labels": None}
+    assert seen == [("runs", "rm3", facts)]

@@ -454,3 +454,49 @@ def test_a_second_rigid_body_is_known_by_what_restores(modes, restores, refused)
         _check_one_body("raft", numbers, stiffness)
     coupled = stiffness + np.where(np.add.outer(numbers, numbers) == 12, 0.1, 0.0)  # 3 with 9
     _check_one_body("raft", numbers, coupled)
+
+
+@pytest.mark.parametrize(
+    ("restores", "refused"), [((3, 4, 5, 9, 10, 11), False), ((3, 4, 5, 9, 10, 11, 15, 16, 17), True)]
+)
+def test_two_more_rigid_bodies_are_known_by_what_restores_in_either(restores, refused):
+    numbers = list(range(1, 19))
+    stiffness = np.diag([1.0 if mode in restores else 0.0 for mode in numbers])
+    if not refused:
+        _check_one_body("raft", numbers, stiffness)
+        return
+    with pytest.raises(DatabaseError, match=r"raft\.hst: modes 7 to 18 restore in heave, roll or pitch"):
+        _check_one_body("raft", numbers, stiffness)
+
+
+@pytest.mark.parametrize(
+    ("told", "names"),
+    [
+        ("1=Surge 3=Heave 9=Bend 10=Twist", ["Surge", "Heave", "Bend"]),
+        ("9=Bend 3=Heave 1=Surge", ["Surge", "Heave", "Bend"]),
+        ("1=Surge 3=Heave", ["Surge", "Heave", "Mode9"]),
+        ("", ["Surge", "Heave", "Mode9"]),
+    ],
+)
+def test_names_in_the_first_line_count_where_they_name_every_mode(tmp_path, told, names):
+    _, *lines = FOREIGN[".1"].splitlines(True)
+    ds = import_wamit(
+        written(tmp_path, {**FOREIGN, ".1": f" ULEN 1=1 depth 3=5 modes {told}\n{''.join(lines)}"}),
+        "buoy",
+        density=1000.0,
+        gravity=10.0,
+    )
+    assert ds.influenced_dof.values.tolist() == names
+
+
+def test_the_lowest_of_several_periods_that_are_none_is_named(tmp_path):
+    wrong = "".join(f" {period:.6E}     3     3  9.000000E+00\n" for period in (-2.0, -3.0, -1.0))
+    texts = {**FOREIGN, ".1": FOREIGN[".1"] + wrong.replace("-1.000000E+00     3     3", "-1.500000E+00     3     3")}
+    with pytest.raises(DatabaseError, match=r"buoy\.1: holds period -3; needs periods > 0, 0 or -1"):
+        import_wamit(written(tmp_path, texts), "buoy", density=1000.0, gravity=10.0)
+
+
+def test_words_are_a_header_in_the_first_line_alone(tmp_path):
+    texts = {**FOREIGN, ".1": "another header\n" + FOREIGN[".1"]}
+    with pytest.raises(DatabaseError, match=r"buoy\.1, line 2: 'WAMIT Numeric .*' is not of 4 or 5 finite numbers"):
+        import_wamit(written(tmp_path, texts), "buoy", density=1000.0, gravity=10.0)
