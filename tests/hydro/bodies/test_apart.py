@@ -107,3 +107,16 @@ def test_what_encloses_a_volume_knows_no_units(scale):
         area = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]) / 2
         body = SimpleNamespace(triangles=(corner, area, None))
         assert _closed(body, np.zeros(len(kept), dtype=int)) == closed
+
+
+def test_a_small_open_part_is_none_beside_a_large_closed_one():
+    """What is round-off is told by the part's own volume."""
+    vertices, panels = box(4.0, 3.0, 1.0, 1)
+    low = np.isclose(vertices[panels][..., 2], vertices[:, 2].min()).all(axis=1)
+    parts = [(1e-3, panels[~low]), (1.0, panels), (1e-3, panels), (1.0, panels[~low])]
+    corner = np.concatenate(
+        [scale * vertices[kept[:, half]] for half in ([0, 1, 2], [0, 2, 3]) for scale, kept in parts]
+    )
+    area = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]) / 2
+    number = np.repeat(np.arange(4), [len(kept) for _, kept in parts])
+    assert _closed(SimpleNamespace(triangles=(corner, area, None)), number) == [1, 2]

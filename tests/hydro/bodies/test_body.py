@@ -481,3 +481,73 @@ def test_a_body_is_between_a_centimetre_and_a_hundred_kilometres(box):
     bodies.check_vertices(np.array([[-1e5, 0.0, 1e5]]))
     with pytest.raises(ConfigError, match=r"mesh: reaches 1e\+05 m; needs at most 100000 m: is it in metres"):
         bodies.check_vertices(np.array([[0.0, np.nextafter(-1e5, -np.inf), 0.0]]))
+
+
+def test_parts_are_numbered_by_their_first_panels_whatever_their_corners_are():
+    """Four of them, taken in turn: the third has the first corners."""
+    faces = np.array(
+        [[4, 5, 6, 7], [12, 13, 14, 15], [0, 1, 2, 3], [6, 7, 20, 20], [8, 9, 10, 10], [15, 16, 12, 12], [2, 17, 0, 0]]
+    )
+    assert bodies.parts(faces, 21).tolist() == [0, 1, 2, 0, 3, 1, 2]
+    for order in ([2, 4, 1, 0], [4, 0, 2, 1], [1, 2, 0, 4]):
+        assert bodies.parts(faces[order], 21).tolist() == [0, 1, 2, 3]
+
+
+@pytest.mark.parametrize("order", [[0, 1, 2], [1, 2, 0], [2, 0, 1]])
+def test_of_several_named_motions_the_one_furthest_from_its_name_counts(box, order):
+    names, sizes = np.array(["Surge", "Yaw", "Heave"]), np.array([1.2, -1.0, 0.7])
+    shapes = sizes[:, None, None] * rigid(box[0])[[0, 5, 2]]
+    assert bodies.rigid_misfit(made(*box, shapes[order], tuple(names[order]))) == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_a_surface_open_to_any_side_is_told_to_be_open_not_to_be_turned(box, axis):
+    """By the normals along that axis it encloses nothing."""
+    vertices, faces = box
+    corner = vertices[faces]
+    along = np.abs(np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1]))
+    told = [f"{LENGTH * BEAM * DRAUGHT * (k != axis):.6g}" for k in range(3)]
+    with pytest.raises(
+        ConfigError, match=f"mesh: encloses {told[0]}, {told[1]} and {told[2]} m.3 by the normals' x, y"
+    ):
+        boxed(box, faces=faces[along.argmax(axis=1) != axis])
+
+
+@pytest.mark.parametrize("name", ["mass", "stiffness"])
+@pytest.mark.parametrize("scale", [1e-12, 1.0, 1e12])
+def test_matrices_are_symmetric_to_a_billionth_of_their_largest_entry(box, name, scale):
+    for part, known in ((0.9, True), (1.1, False), (-0.9, True), (-1.1, False)):
+        matrix = scale * np.array([[-2.0, 0.5], [0.5 + 2e-9 * part, 1.0]])
+        if known:
+            made(*box, rigid(box[0])[[2, 4]], **{name: matrix})
+            continue
+        with pytest.raises(ConfigError, match=f"{name}: not symmetric; needs a symmetric matrix"):
+            made(*box, rigid(box[0])[[2, 4]], **{name: matrix})
+
+
+def test_the_size_of_panels_is_the_mean_of_the_roots_of_their_areas_over_the_surface():
+    """A square of side 1, a triangle of area 8, a quadrilateral of halves 1/2 and 3."""
+    corners = [(0, 0), (1, 0), (1, 1), (0, 1), (4, 0), (0, 4), (2, 1), (-2, 2)]
+    vertices = np.column_stack([np.array(corners, dtype=float), np.full(8, -1.0)])
+    faces = np.array([[0, 1, 2, 3], [0, 4, 5, 5], [0, 1, 6, 7]])
+    body = CoarserBody(vertices, faces, ("Dof",), np.ones((1, 3, 3)), np.ones((1, 8, 3)))
+    assert bodies.panel_size(body) == pytest.approx((1.0 + 8.0**1.5 + 3.5**1.5) / 12.5, rel=1e-12)
+
+
+@pytest.mark.parametrize("order", [[0, 1], [1, 0]])
+def test_panels_in_a_lobe_of_a_stretch_are_the_same_on_skewed_triangles(order):
+    """psi = (a x + b y) e_x: |grad psi|^2 = a^2 + b^2 everywhere, int psi^2 by the middles of the sides."""
+    corners = np.array([[0.0, 0.0, -1.0], [5.0, 0.5, -1.0], [6.0, 2.0, -1.0], [1.5, 3.0, -1.0]])
+    faces = np.array([[0, 1, 2, 2], [0, 2, 3, 3]])
+    slopes = np.array([[0.7, -0.4], [0.1, 0.3]])[order]
+    shapes = np.array([(corners[:, :2] @ slope)[:, None] * [1.0, 0.0, 0.0] for slope in slopes])
+    body = CoarserBody(corners, faces, ("A", "B"), np.ones((2, 2, 3)), shapes)
+    area, square = np.zeros(2), np.zeros((2, 2))
+    for k, face in enumerate(faces[:, :3]):
+        x = corners[face]
+        area[k] = np.linalg.norm(np.cross(x[1] - x[0], x[2] - x[0])) / 2
+        middles = (x + np.roll(x, 1, axis=0)) / 2
+        square[:, k] = area[k] * ((middles[:, :2] @ slopes.T) ** 2).mean(axis=0)
+    wavenumber = np.sqrt((slopes**2).sum(axis=1) * area.sum() / square.sum(axis=1))
+    expected = np.pi / wavenumber.max() / ((area**1.5).sum() / area.sum())
+    assert bodies.panels_per_lobe(body) == pytest.approx(expected, rel=1e-12)

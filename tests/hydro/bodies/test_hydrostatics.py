@@ -80,3 +80,50 @@ def test_a_body_that_turns_alone_needs_its_own_centre_of_mass(both):
 def test_two_centres_of_mass_come_back_from_a_file(both, tmp_path):
     write_body(both, tmp_path / "both.nc")
     assert read_body(tmp_path / "both.nc", tmp_path / "both.nc").centre_of_mass == pytest.approx(CENTRES)
+
+
+@pytest.mark.parametrize("number", [0, 1])
+def test_rigid_motions_about_another_point_are_as_stiff_as_the_same_about_ones_own(number):
+    """A turn about the origin is one about a point c and the shift a x (-c): C turns with them, the body upright."""
+    one = alone(number)
+    c = np.append(number * np.array([9.0, 1.0]) + [-2.0, 3.0], 0.25)
+    vertices = one.vertices + np.array([-2.0, 3.0, 0.0])
+    own, origin = (made(vertices, one.faces, rigid(vertices, about), centre_of_mass=c) for about in (c, np.zeros(3)))
+    turned = np.eye(6)
+    turned[3:, :3] = [np.cross(e, -c) * -1.0 for e in np.eye(3)]
+    expected = turned @ hydrostatic_stiffness(own, 1025.0, 9.81) @ turned.T
+    found = hydrostatic_stiffness(origin, 1025.0, 9.81)
+    assert found == pytest.approx(expected, rel=1e-9, abs=1e-9 * np.abs(expected).max())
+
+
+def test_stiffness_is_symmetric_wherever_the_centre_of_mass_lies(both):
+    """Beside the centre of buoyancy the body would list; rigid, flexible and those of one part alone."""
+    centres = CENTRES + np.array([[0.3, -0.2, 0.1], [-0.4, 0.5, 0.2]])
+    common = np.concatenate([both.shapes, rigid(both.vertices, (1.0, 2.0, 3.0))])
+    for body in (
+        replace(both, centre_of_mass=centres),
+        made(both.vertices, both.faces, common, centre_of_mass=centres),
+    ):
+        found = hydrostatic_stiffness(body, 1025.0, 9.81)
+        assert found == pytest.approx(found.T, rel=1e-12, abs=1e-9 * np.abs(found).max())
+
+
+def test_what_moves_all_parts_is_as_stiff_as_the_motions_of_each_together(both):
+    """Turns of all about one point are the sum of those of either, the weight of each at its own centre."""
+    whole = rigid(both.vertices, (1.0, 2.0, 3.0))
+    first = len(BOXES[0][0])
+    halves = np.concatenate([whole, whole])
+    halves[:6, first:] = halves[6:, :first] = 0.0
+    mixed = made(
+        both.vertices, both.faces, np.concatenate([halves, whole]), centre_of_mass=CENTRES + np.array([0.2, 0.1, 0.0])
+    )
+    total = np.concatenate([np.eye(12), np.tile(np.eye(6), (1, 2))])
+    found = hydrostatic_stiffness(mixed, 1025.0, 9.81)
+    expected = total @ found[:12, :12] @ total.T
+    assert found == pytest.approx(expected, rel=1e-9, abs=1e-9 * np.abs(expected).max())
+
+
+def test_parts_that_shift_alone_need_no_more_than_one_centre_of_mass(both):
+    heaves = made(both.vertices, both.faces, both.shapes[[0, 2, 9]], centre_of_mass=np.array([4.0, 0.0, 0.1]))
+    assert sorted(heaves.alone) == [0, 1, 2]
+    assert np.diag(hydrostatic_stiffness(heaves, 1.0, 1.0)) == pytest.approx([0.0, 24.0, 15.0], abs=1e-9)

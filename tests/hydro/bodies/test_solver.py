@@ -256,3 +256,14 @@ def test_shapes_of_a_submerged_sphere_move_the_water_of_an_unbounded_sea(green):
     assert missed[0] / missed[1] == pytest.approx((16 / 12) ** 2, rel=0.06)
     extrapolated = (rows[1] ** 2 * found[1] - rows[0] ** 2 * found[0]) / (rows[1] ** 2 - rows[0] ** 2)
     assert extrapolated == pytest.approx(true, rel=0.015)
+
+
+def test_fewer_panels_are_mirrored_in_all_planes_whichever_are_made_use_of(box):
+    lid = bodies.interior_lid(box, 2)
+    (one, share), (other, same) = (BodyProblem(None, box, SEA, name, lid).coarser() for name in ("none", "xOz+yOz"))
+    assert share == same
+    assert one.body.faces.tolist() == other.body.faces.tolist()
+    assert one.lid[1].tolist() == other.lid[1].tolist()
+    assert bodies.detected_symmetry(one.body) == "xOz+yOz"
+    assert len(one.lid[1]) < len(lid[1])
+    assert (one.symmetry, other.symmetry) == ("none", "xOz+yOz")

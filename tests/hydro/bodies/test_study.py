@@ -19,7 +19,9 @@ from vsb.hydro.bodies.study import BodyProblem
 from vsb.study import blocks
 from vsb.study.body_file import BodyFile
 from vsb.study.canonical import content_id
+from vsb.study.sections import Water
 from vsb.tools.files import load
+from vsb.waves.dispersion import group_velocity, wavenumber
 
 LABELS = ("Heave", "Pitch", "Bend")
 
@@ -424,3 +426,110 @@ def test_a_panel_may_hold_four_wavelengths_and_no_more(body, depth, gravity):
     assert str(error.value) == told
     with pytest.raises(ConfigError, match="smaller panels or lower frequencies"):
         asked(limit * (1 + 1e-9))
+
+
+@pytest.mark.parametrize("tables", [None, "tables"])
+def test_a_run_hands_on_its_table_and_finds_mesh_and_modes_beside_its_file(tmp_path, monkeypatch, tables):
+    seen = []
+    monkeypatch.setattr(bodystudy, "read_body", lambda mesh, modes: (mesh, modes))
+    monkeypatch.setattr(bodystudy, "solve", lambda study, *given: seen.append((study.body, *given)))
+    raw = {"body": "b", "mesh": "a/m.gdf", "modes": "modes.nc", "omega": [1.0], "wave_direction": [0.0]}
+    (tmp_path / "b.yaml").write_text(yaml.safe_dump(raw))
+    bodystudy.run(tmp_path / "b.yaml", "out", tables)
+    assert seen == [("b", (tmp_path / "a/m.gdf", tmp_path / "modes.nc"), "out", tables)]
+
+
+@pytest.mark.parametrize("depth", [2.0, 1.9])
+def test_water_is_deeper_than_the_draught(body, depth):
+    given = {"body": "b", "mesh": "-", "modes": "-", "omega": (2.0,), "wave_direction": (0.0,)}
+    bodystudy.check_solvable(BodyFile(**given, water={"depth": 2.001}), body)
+    with pytest.raises(ConfigError) as error:
+        bodystudy.check_solvable(BodyFile(**given, water={"depth": depth}), body)
+    assert str(error.value) == f"water.depth: received {depth:g} m, needs more than the body's draught of 2 m"
+
+
+def test_identities_are_measured_by_the_impedances_of_both_motions_or_the_least_there_is(body):
+    """Pitch next to none: its impedance is that of its least size; of two directions the worse one counts."""
+    omega, water = 2.0, Water(density=1010.0, depth=12.0)
+    one = made(body.vertices, body.faces, body.shapes[:2], LABELS[:2])
+    least = 0.3 * np.sqrt(1010.0 * one.volume * (one.modes**2).sum(axis=2).mean(axis=1))
+    a, b = np.array([[5e4, 3e2], [-2e2, 1e-3]]), np.array([[8e3, -4e2], [1e3, -1e-3]])
+    far, x = np.array([[9e3, -1e2], [2e3, 5.0]]), np.array([[3e4 + 1e3j, 2e2j], [1e4 - 4e3j, 7e2]])
+    haskind = x + np.array([[40.0, -3.0j], [20.0 + 9.0j, 1.0]])
+    pair, wave = ("omega", "influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
+    ds = xr.Dataset(
+        {
+            "added_mass": (pair, a[None]), "radiation_damping": (pair, b[None]), "far_field_damping": (pair, far[None]),
+            "Froude_Krylov_force": (wave, 0.3 * x[None]), "diffraction_force": (wave, 0.7 * x[None]),
+            "haskind_force": (wave, haskind[None]),
+        },
+        {"omega": [omega]},
+    )  # fmt: skip
+    z = [abs(b[0, 0] + 2j * a[0, 0]), omega * least[1] ** 2]
+    both = np.sqrt(z[0] * z[1])
+    k, v = (f(omega, 12.0, water.gravity) for f in (wavenumber, group_velocity))
+    wave = np.sqrt(4 * 1010.0 * water.gravity * v / k * np.array(z))
+    expected = {
+        "symmetry": np.hypot(1.4e3, omega * 5e2) / both,
+        "far_field": max(1e3 / z[0], 1e3 / both, 3e2 / both, 5.001 / z[1]),
+        "haskind": max(40.0 / wave[0], abs(20 + 9j) / wave[0], 3.0 / wave[1], 1.0 / wave[1]),
+    }
+    assert abs(b[1, 1] + 2j * a[1, 1]) < z[1]
+    assert bodystudy.identities(ds, SimpleNamespace(body=one, water=water)) == pytest.approx(expected, rel=1e-9)
+
+
+def test_the_verdict_is_on_the_worst_frequency_of_each_identity(body, monkeypatch):
+    """First, between and last."""
+    monkeypatch.setattr(bodystudy, "error_estimate", lambda *_: 0.0)
+    monkeypatch.setattr(bodystudy.quality, "negative_damping", lambda *_: 0.0)
+    rows = [(0.3, 0.01, 0.02), (0.1, 0.4, 0.03), (0.2, 0.05, 0.5)]
+    solved = [
+        SimpleNamespace(own=SimpleNamespace(attrs=dict(zip(("symmetry", "far_field", "haskind"), row, strict=True))))
+        for row in rows
+    ]
+    infinite = SimpleNamespace(own=SimpleNamespace(attrs={"coarser_share": 0.8}))
+    swept = SimpleNamespace(solved=solved, coefficients=None, error=0.0)
+    file = BodyFile(body="b", mesh="b.nc", modes="b.nc", omega=[1.0], wave_direction=[0.0])
+    found = {check.name: check.value for check in bodystudy.verdict(file, body, infinite, swept, np.ones(3))}
+    assert [found[name] for name in ("symmetry", "far_field", "haskind")] == [0.3, 0.4, 0.5]
+    assert found["one_resolution"] == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize("part", [0, 1])
+def test_displacements_of_panels_agree_with_corners_in_terms_of_each_of_them(body, part):
+    """A mode of a thousandth that is off by a fifth of itself, before and behind a large one that is not."""
+    modes = np.stack([1e3 * body.modes[0], body.modes[0]])[:: 1 - 2 * part]
+    shapes = np.stack([1e3 * body.shapes[0], body.shapes[0]])[:: 1 - 2 * part]
+    modes[1 - part] *= 0.8
+    one = made(body.vertices, body.faces, shapes, ("A", "B"), modes=modes)
+    file = BodyFile(body="b", mesh="b.nc", modes="b.nc", omega=[1.0], wave_direction=[0.0])
+    found = {check.name: check.value for check in bodystudy.mesh_checks(file, one)}
+    assert found["corners"] == pytest.approx(0.25)
+
+
+def test_what_heaves_and_turns_at_once_has_no_mass_afloat(body):
+    file = BodyFile(body="b", mesh="b.nc", modes="b.nc", omega=[1.0], wave_direction=[0.0])
+    for turn in (1.0, -1e-3):
+        shapes = np.stack([body.shapes[0] + turn * body.shapes[1], body.shapes[2]])
+        one = made(body.vertices, body.faces, shapes, ("A", "B"), mass=np.eye(2))
+        assert "afloat" not in {check.name for check in bodystudy.mesh_checks(file, one)}
+
+
+def test_the_longest_panel_is_told_in_the_shortest_waves(body):
+    """In shallow water the waves of one frequency are shorter."""
+    across = max(np.linalg.norm(corners[2] - corners[0]) for corners in body.vertices[body.faces])
+    for depth in (np.inf, 3.0):
+        file = BodyFile(
+            body="b", mesh="b.nc", modes="b.nc", omega=[0.8, 1.2], wave_direction=[0.0], water={"depth": depth}
+        )
+        found = {check.name: check.value for check in bodystudy.mesh_checks(file, body)}
+        assert found["panels"] == pytest.approx(across * wavenumber(1.2, depth, 9.81) / (2 * np.pi), rel=1e-9)
+
+
+def test_the_centre_of_buoyancy_of_a_body_off_the_origin(body):
+    vertices = body.vertices + np.array([3.0, -2.0, 0.0])
+    wedge = vertices.copy()
+    wedge[:, 1] += 0.5 * vertices[:, 2]  # sheared: its centre moves by half a metre to the side
+    facts = bodystudy._at_rest(made(wedge, body.faces, rigid(wedge)[[2]], ("Heave",)))
+    assert facts["centre_of_buoyancy"] == pytest.approx([3.0, -2.5, -1.0], abs=1e-9)
+    assert facts["displaced_volume"] == pytest.approx(48.0)

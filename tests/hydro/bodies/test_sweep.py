@@ -251,3 +251,74 @@ def test_forces_are_measured_in_those_of_a_unit_wave_on_the_surface_over_the_mid
     phase = np.outer(k, 3.0 * np.cos(beta) - 2.0 * np.sin(beta))
     expected = np.exp(1j * phase)[..., None] * size
     np.testing.assert_allclose(Measure(size, centre, beta, water).force(omega), expected, rtol=1e-12)
+
+
+def test_the_least_size_is_of_all_the_water_moving_like_the_surface(box):
+    """Of a unit shift every part of the surface moves by one; three times as much in all directions."""
+    shifts = np.stack([rigid(box.vertices)[2], rigid(box.vertices)[:3].sum(axis=0), box.vertices])
+    body = made(box.vertices, box.faces, shifts, ("Heave", "All", "Stretch"))
+    mean = (body.centres**2).sum(axis=1).mean()
+    expected = 0.3 * np.sqrt(1025.0 * 48.0 * np.array([1.0, 3.0, mean]))
+    assert least_sizes(body, 1025.0) == pytest.approx(expected, rel=1e-9)
+
+
+def test_sizes_are_roots_of_added_mass_or_the_least():
+    mass = np.array([[4.0, 9.0, 9.0], [9.0, -1.0, 9.0], [9.0, 9.0, 25.0]])
+    assert sizes(mass, np.array([1.9, 3.0, 5.1])) == pytest.approx([2.0, 3.0, 5.1])
+
+
+@pytest.mark.parametrize(
+    ("fewer", "waves", "expected"),
+    [
+        ((0.9, 0.9, 0.9), (0.9, 0.95), 0.1 / 0.6 + 0.15),
+        ((0.7, 0.9, 0.9), (0.95, 0.97), 0.3 / 0.6),
+        ((0.9, 0.8, 0.9), (1.0, 0.9), 0.2 / 0.6 + 0.1),
+        ((0.9, 0.9, 1.3), (1.05, 0.9), 0.3 / 0.6 + 0.15),
+    ],
+)
+@pytest.mark.parametrize("worst", [0, 1, 2])
+def test_what_both_meshes_have_wrong_is_added_to_damping_and_excitation_alone(fewer, waves, expected, worst):
+    """At one of three frequencies, in terms of the largest entry at another."""
+    omega, scale = (1.0, 2.0, 3.0), 4.0
+    own = synthetic(1.0, omega).drop_vars("excitation_force")
+    own = own.map(lambda v: v * xr.where(own.omega == omega[worst - 1], scale, 1.0)).transpose("omega", ...)
+    there = own.omega == omega[worst]
+    whole = with_excitation(own)
+    names = ("added_mass", "radiation_damping", "excitation_force")
+    other = xr.Dataset({n: whole[n] + scale * (f - 1) * there for n, f in zip(names, fewer, strict=True)})
+    known = xr.Dataset({n: whole[n] + scale * (f - 1) * there for n, f in zip(names[1:], waves, strict=True)})
+    limits = [xr.Dataset({"added_mass_inf": (("influenced_dof", "radiating_dof"), [[1.0]])}) for _ in range(2)]
+    limits[0].attrs["resolution_ratio"] = 1.6
+    blocks = [Block(*(ds.isel(omega=[i]) for ds in (own, other, known))) for i in range(3)]
+    found = error_estimate(blocks, Block(*limits, xr.Dataset()), np.ones(1))
+    assert found == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize(("ratio", "told"), [(1.19, 1.0), (1.2, 0.5), (2.0, 0.1)])
+def test_two_resolutions_say_something_from_a_fifth_apart_on(ratio, told):
+    own, fewer = synthetic(1.0).drop_vars("excitation_force"), synthetic(0.9)
+    limits = [xr.Dataset({"added_mass_inf": (("influenced_dof", "radiating_dof"), [[1.0]])}) for _ in range(2)]
+    limits[0].attrs["resolution_ratio"] = ratio
+    waves = synthetic(1.0)[["radiation_damping", "excitation_force"]]
+    found = error_estimate([Block(own, fewer, waves)], Block(*limits, xr.Dataset()), np.ones(1))
+    assert found == pytest.approx(told, rel=1e-9)
+
+
+def test_what_is_measured_is_undone_in_all_but_round_off():
+    """Two motions of unequal sizes in two directions at two frequencies: matrices by both sizes, forces by waves."""
+    omega, beta = [0.8, 1.6], np.deg2rad([30.0, 100.0])
+    rng, dof = np.random.default_rng(2), ["Heave", "Pitch"]
+    pair, wave = ("omega", "influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
+    data = {name: (pair, rng.normal(size=(2, 2, 2))) for name in ("added_mass", "radiation_damping")}
+    data |= {
+        name: (wave, rng.normal(size=(2, 2, 2)) + 1j * rng.normal(size=(2, 2, 2)))
+        for name in ("Froude_Krylov_force", "diffraction_force")
+    }
+    ds = xr.Dataset(data, {"omega": omega, "wave_direction": beta, "influenced_dof": dof, "radiating_dof": dof})
+    measure = Measure(np.array([2.0, 30.0]), np.array([3.0, -2.0, -1.0]), beta, SEA)
+    small, back = measure.applied(ds), measure.undone(measure.applied(ds))
+    assert small.added_mass.values == pytest.approx(ds.added_mass.values / [[4.0, 60.0], [60.0, 900.0]], rel=1e-12)
+    force = measure.force(np.array(omega))
+    assert small.diffraction_force.values == pytest.approx(ds.diffraction_force.values / force, rel=1e-12)
+    for name in data:
+        assert back[name].values == pytest.approx(ds[name].values, rel=1e-12)
