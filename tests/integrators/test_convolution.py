@@ -7,7 +7,8 @@ from integrators.test_exact import CALM, damped, oscillator
 from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.convolution import convolve
 from vsb.integrators.exact import propagate
-from vsb.motion.forces import Damper, RadiationMemory
+from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring
+from vsb.motion.scene import Scene
 from vsb.motion.system import System
 
 
@@ -42,3 +43,35 @@ def test_convolution_of_a_motion_begun_at_speed_is_second_order(start):
         errors.append([np.abs(getattr(found, of) - getattr(exact, of)).max() for of in ("position", "velocity")])
     slopes = np.diff(np.log(errors), axis=0) / np.log(0.5)
     assert np.all(np.abs(slopes - 2.0) < 0.1), slopes
+
+
+COUPLED = RadiationModel(
+    np.array([[-0.5, 0.7], [-0.7, -0.3]]), np.array([[1.5, 0.4], [-0.6, 1.1]]), np.diag(np.sqrt([1.0, 0.6]))
+)
+"""A memory of two states that swing, whose kernel is no symmetric matrix."""
+
+
+@pytest.mark.parametrize("motions", [np.eye(2), np.array([[1.0, 0.5], [-0.2, 1.0]]), np.array([[0.8], [-0.5]])])
+@pytest.mark.parametrize("stiff", [1.0, 0.01])
+def test_convolution_of_coupled_motions_in_waves_is_second_order(motions, stiff):
+    """Two motions coupled by mass, springs, dampers, memory and what a design holds; the softer below 1 rad/s."""
+    memory = RadiationMemory(COUPLED)
+    forces = {
+        "hydrostatic": Spring(stiff * np.array([[50.0, 4.0], [4.0, 20.0]])),
+        "pto": Damper(np.array([[1.2, 0.2], [0.2, 0.5]])),
+        "radiation": memory,
+        "excitation": Excitation(np.array([0.9, 2.1]), np.array([[3.0 + 1.0j, -2.0j], [-1.0, 4.0 + 0.5j]])),
+    }
+    scene = Scene(("Heave", "Pitch"), np.array([[2.0, 0.3], [0.3, 1.5]]), forces, motions)
+    system, free = System.of(scene), motions.shape[1]
+    begin, errors = (np.array([0.3, -0.7])[:free], np.array([-0.5, 0.4])[:free]), []
+    for count in (100, 200, 400):
+        time = np.linspace(0.0, 4.0, count + 1)
+        exact, found = propagate(system, time, begin), convolve(system, COUPLED, time, begin)
+        errors.append(
+            [np.abs(getattr(found, of) - getattr(exact, of)).max() for of in ("position", "velocity", "acceleration")]
+        )
+        assert found.time is time
+        assert found.memory.shape == (count + 1, 0)
+    slopes = np.diff(np.log(errors), axis=0) / np.log(0.5)
+    assert np.all(np.abs(slopes - 2.0) < 0.15), slopes

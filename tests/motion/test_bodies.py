@@ -624,3 +624,43 @@ def test_a_start_is_one_metre_up_whatever_the_sign_of_the_motions_allowed(motion
     position, velocity = (scene.motions @ y for y in scene.start(0.3, -0.6))
     assert position == pytest.approx(0.3 * np.array([label == started for label in labels]), abs=1e-12)
     assert velocity == pytest.approx(-2 * position)
+
+
+@pytest.mark.parametrize("name", ["mass", "damping", "stiffness"])
+@pytest.mark.parametrize("scale", [1e-9, 1.0, 1e9])
+def test_matrices_of_the_dry_body_are_symmetric_to_a_millionth_of_their_largest_entry(name, scale):
+    bare = afloat(("Heave", "Pitch"), [4.0, 5.0], [9.0, 9.0])
+    sound = {"mass": scale * np.diag([4.0, 5.0]), "damping": np.zeros((2, 2)), "stiffness": np.zeros((2, 2))}
+    for part in (0.9, -0.9, 1.1, -1.1):
+        wrong = sound | {name: scale * np.array([[4.0, 1.0], [1.0 + 5e-6 * part, 5.0]])}
+        if abs(part) < 1:
+            linear_body(bare.database, **wrong)
+            continue
+        with pytest.raises(ConfigError, match=f"^{name}: received a matrix that is not symmetric, needs a symmetric"):
+            linear_body(bare.database, **wrong)
+
+
+@pytest.mark.parametrize(
+    ("wanted", "told"), [([], "none"), (["Pitch", "Pitch"], "Pitch, Pitch"), (["Heave", "Yaw"], "Heave, Yaw")]
+)
+def test_degrees_of_freedom_wanted_are_some_of_those_there_each_once(wanted, told):
+    body = afloat(("Surge", "Heave", "Pitch"), [4.0, 5.0, 6.0], [1.0, 2.0, 3.0])
+    none = xr.zeros_like(body.database.inertia_matrix)
+    some = linear_body(body.database.assign(structural_damping_matrix=none), ["Pitch", "Surge"])
+    assert (some.labels, np.diag(some.mass).tolist(), np.diag(some.stiffness).tolist()) == (
+        ("Pitch", "Surge"), [6.0, 4.0], [3.0, 1.0],
+    )  # fmt: skip
+    with pytest.raises(
+        ConfigError, match=rf"^degrees of freedom: received {told}; needs some of Surge, Heave, Pitch\.$"
+    ):
+        linear_body(body.database, wanted, mass=np.eye(2), damping=np.eye(2), stiffness=np.eye(2))
+
+
+def test_frequencies_beyond_the_band_are_told_from_the_lowest_to_the_highest():
+    body = afloat(("Heave",), [4.0], [9.0])
+    for asked in ([4.5, 1.0], [0.3, 3.9], [5.0, 0.1, 2.0]):
+        with pytest.raises(
+            DatabaseError,
+            match=rf"^frequencies: received {min(asked):.4g} to {max(asked):.4g} rad/s, the database holds 0.5 to 4 rad/s; ",
+        ):
+            body.coefficients(np.array(asked))

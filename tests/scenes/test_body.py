@@ -223,3 +223,59 @@ def test_water_a_displacement_has_no_mass_without_is_a_millionth_of_what_it_move
     assert ds.attrs[volume_of("")] == pytest.approx(480.0)
     assert ds.omega.values.tolist() == [0.5, 1.0]
     assert float(ds.hydrostatic_stiffness[0, 0]) == pytest.approx(900.0 * 9.81 * 160.0)
+
+
+def test_all_stiffness_but_the_waters_stands_beside_the_body_once(theirs):
+    """Of the structure, its prestress and a gas; entries of the study take the place of the sum."""
+    parts = {"structural_stiffness": 1.0, "prestress_stiffness": 10.0, "gas_stiffness": 100.0}
+    skew = np.array([[1.0, 0.2], [0.2, 3.0]])
+    ds = theirs.assign({name: (PAIR, size * skew) for name, size in parts.items()})
+    assert complete_body(BODY, None, ds).dry_stiffness == pytest.approx(111.0 * skew)
+    own = complete_body(Body(database="-", stiffness={"spar__Heave": 7.0}), None, ds)
+    assert own.dry_stiffness == pytest.approx(np.array([[111.0, 22.2], [22.2, 7.0]]))
+
+
+def test_only_rigid_motions_need_a_mass_of_their_own(theirs):
+    """What moves water has that of the water; nothing has less than none."""
+    labels = ["Heave", "Mode7"]
+    ds = theirs.assign_coords(influenced_dof=labels, radiating_dof=labels)
+    body = complete_body(Body(database="-", mass={"Mode7": 0.0}), None, ds)
+    assert np.diag(body.mass) == pytest.approx([5.0, 0.0])
+    with pytest.raises(ConfigError, match=r"^body.mass: received -1 for Mode7; needs a mass above 0$"):
+        complete_body(Body(database="-", mass={"Mode7": -1.0}), None, ds)
+    with pytest.raises(ConfigError, match=r"^body.mass: received none for Heave, nor do the files hold one; needs the"):
+        complete_body(Body(database="-", mass={"Heave": 0.0}), None, ds)
+    assert complete_body(Body(database="-", mass={"Heave": 0.0}), ["Mode7"], ds).labels == ("Mode7",)
+
+
+@pytest.mark.parametrize(
+    ("dofs", "kept"),
+    [
+        (["rigid", "Mode8"], ["spar__Yaw", "Heave", "Mode8"]),
+        (["Mode8", "Heave", "rigid"], ["spar__Yaw", "Heave", "Mode8"]),
+        (["Mode7", "spar__Yaw"], ["Mode7", "spar__Yaw"]),
+    ],
+)
+def test_rigid_motions_of_whichever_body_may_stand_beside_modes(dofs, kept):
+    assert chosen(dofs, ["Mode7", "spar__Yaw", "Heave", "Mode8"]) == kept
+    with pytest.raises(ConfigError, match=r"^designs: received dofs B, A; needs some of Mode7, Heave$"):
+        chosen(["B", "Heave", "rigid", "A"], ["Mode7", "Heave"])
+
+
+def test_rows_of_a_body_are_as_many_as_its_degrees_of_freedom_each():
+    labels = ["float__Heave", "spar__Heave", "float__Pitch"]
+    for rows, told in (
+        (((1.0, 2.0), (3.0,)), "2 rows of 2, 1"),
+        (((1.0, 2.0),), "1 rows of 2"),
+        (((1.0,),) * 3, "3 rows of 1, 1, 1"),
+    ):
+        with pytest.raises(ConfigError, match=rf"^body.damping.float: received {told} numbers; needs 2 of 2$"):
+            with_entries("damping", {"float": rows}, labels, np.zeros((3, 3)))
+    for rows, told in (
+        (((1.0, 2.0, 3.0),) * 2, "2 rows of 3, 3"),
+        (((1.0,) * 3, (1.0,) * 3, (1.0,)), "3 rows of 3, 3, 1"),
+    ):
+        with pytest.raises(
+            ConfigError, match=rf"^body.damping: received {told} numbers; needs 3 of 3, for {', '.join(labels)}$"
+        ):
+            with_entries("damping", rows, labels, np.zeros((3, 3)))

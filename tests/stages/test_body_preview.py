@@ -17,7 +17,7 @@ from examples import barge
 from vsb.cli import main
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro.bodies.files import write_body
-from vsb.stages.body_preview import body_before_run, check_wave
+from vsb.stages.body_preview import body_before_run, body_summary, check_wave
 from vsb.study.body import BodyStudy, located
 from vsb.study.body_plan import BodyPlan
 from vsb.study.reading import validated
@@ -219,3 +219,54 @@ def test_a_mode_without_mass_has_that_of_the_water_it_moves(tmp_path):
     }
     found = located(study | {"hydro": {"accept": ["modes"]}}, str(tmp_path / "a.yaml"))
     assert body_before_run(BodyPlan(found.study, root=str(tmp_path / "results"), files=found.files)).labels[1] == "Bend"
+
+
+def test_a_summary_of_a_mesh_tells_what_would_be_solved(tmp_path):
+    plan = of_a_box(tmp_path, *barge.box(30.0, 10.0, 2.0, 1), SALT)
+    lines = body_summary(plan)
+    assert lines[:4] == [
+        "study        a: a in still",
+        "body         1 degrees of freedom: Heave; a moves in 1",
+        "hydro        4 frequencies from 0.5 to 1.4 rad/s, solved of the mesh",
+        f"database     {plan.database_path}",
+    ]
+    fewer = of_a_box(
+        tmp_path, *barge.box(30.0, 10.0, 2.0, 1), SALT, {"omega": [0.5, 0.8, 1.1, 1.4, 1.7]}, {"omega_max": 1.5}
+    )
+    assert body_summary(fewer)[2] == "hydro        4 frequencies from 0.5 to 1.4 rad/s, solved of the mesh"
+
+
+def test_every_design_is_looked_at_and_named(tmp_path):
+    """The first holds what nothing else does."""
+    vertices, faces = barge.box(30.0, 10.0, 2.0, 1)
+    box = made(vertices, faces, rigid(vertices)[[0, 2]], ("Surge", "Heave"), mass=SALT * np.eye(2))
+    write_body(box, tmp_path / "box.nc")
+    (tmp_path / "box.yaml").write_text(yaml.safe_dump({"body": "box", "mesh": "box.nc", "modes": "box.nc", **BOX}))
+    designs = {"calm": {"held": [{"Surge": 1.0}]}, "loose": {}}
+
+    def check(pto, stiffness=None):
+        whole = {"file": "box.yaml"} | ({"stiffness": stiffness} if stiffness else {})
+        study = {
+            "study": "a",
+            "body": whole,
+            "designs": designs,
+            "waves": [{"kind": "still"}],
+            "pto": {"damping": 1.0} | pto,
+        }
+        found = located(study, str(tmp_path / "a.yaml"))
+        return body_before_run(BodyPlan(found.study, root=str(tmp_path / "results"), files=found.files))
+
+    limits = {"law": "coulomb", "force_limit": 1.0, "stroke_limit": 2.5}
+    with pytest.raises(
+        ConfigError, match=r"^pto.stroke_limit: received 2.5 m, but nothing holds the port of design loose"
+    ):
+        check({"port": {"dof": "Surge"}, **limits})
+    with pytest.raises(
+        ConfigError, match=r"^designs.loose: the body does not rest: received a negative stiffness of Surge"
+    ):
+        check({"port": {"dof": "Heave"}}, {"Surge": -1e3})
+    with pytest.raises(
+        ConfigError, match=r"^designs.calm: the body does not rest: received a negative stiffness of Heave"
+    ):
+        check({"port": {"dof": "Heave"}}, {"Heave": -1e8})
+    assert check({"port": {"dof": "Surge"}, "stiffness": 2e3}, {"Surge": -1e3}).labels == ("Surge", "Heave")

@@ -4,6 +4,7 @@ import json
 import re
 from contextlib import chdir
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ from vsb.results.ladder import study_ladder
 from vsb.scenes.build import TUNED, design_in_sea
 from vsb.stages import coefficients
 from vsb.stages.stored import Results
-from vsb.study.body import load_body
+from vsb.study.body import Body, load_body, located
 from vsb.study.body_plan import plan_for
 
 DOFS = ["Heave", "Membrane0", "Membrane1", "Membrane2"]
@@ -223,3 +224,73 @@ def test_a_stiffness_that_is_no_energy_s_is_made_so_and_told(finished, tmp_path,
         told = [one for one in json.loads(ds.attrs["quality"]) if one["name"] == "hydrostatic_symmetry"]
     np.testing.assert_allclose(matrix, matrix.T, atol=1e-6 * np.abs(matrix).max())
     assert [(one["verdict"], "between" in one["explanation"]) for one in told] == uneven * [("doubt", True)]
+
+
+RAFT = {
+    "study": "raft", "body": {"wamit": "sha256:raft", "length": 2.5}, "designs": {"a": {}},
+    "waves": [{"kind": "regular", "amplitude": 0.5, "period": 7.0}], "water": {"density": 1010.0, "gravity": 9.7},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", ["wamit", "bemio", "file"])
+def test_what_a_database_is_made_of_is_handed_on(monkeypatch, kind):
+    """Of a mesh its files and where it is solved, else the file of its kind in the study's water; then what is kept."""
+    mesh = {"body": "raft", "mesh": "sha256:m", "modes": "sha256:d", "omega": [0.6, 0.9]}
+    body = {"wamit": RAFT["body"], "bemio": {"bemio": "sha256:raft"}, "file": {"file": mesh}}[kind]
+    own = plan_for(located({**RAFT, "body": body, "hydro": {"omega_max": 3.0}}, "raft.yaml").study).database
+    seen = []
+    monkeypatch.setattr(coefficients, "read_body", lambda *given: given)
+    monkeypatch.setattr(coefficients, "solved", lambda *given: seen.append(given) or ("found", []))
+    monkeypatch.setattr(coefficients, "read_source", lambda *given: seen.append(given) or "found")
+    monkeypatch.setattr(coefficients, "check_water", lambda *given: seen.append(given))
+    monkeypatch.setattr(coefficients, "within_band", lambda *given: given)
+    monkeypatch.setattr(coefficients, "store", lambda *given: seen.append(given))
+    files = {name: name.upper() for name in ("mesh", "modes", "folder", "green", "wamit", "bemio")}
+    coefficients.run(own, "out.nc", **files)
+    source = {
+        "wamit": ("wamit", "WAMIT", own.water, 2.5),
+        "bemio": ("bemio", "BEMIO", own.water, 1.0),
+        "file": (own.body.file, ("MESH", "MODES"), "FOLDER", "GREEN"),
+    }[kind]
+    assert seen == [source, (own.water, "found"), (own, ("found", 3.0), "out.nc")]
+
+
+@pytest.mark.parametrize(
+    ("told", "solver"),
+    [({"solver": "panels 1", "source": "vsb"}, "panels 1"), ({"source": "WAMIT"}, "WAMIT"), ({}, "unknown")],
+)
+def test_a_database_keeps_what_is_known_of_its_bodies_and_tells_what_was_not_checked(monkeypatch, told, solver):
+    spec = plan_for(located(RAFT, "raft.yaml").study).database
+    facts = {"displaced_volume_float": 3.0, "displaced_volume_spar": 4.0, "bem_seconds": 2.0, "symmetry": "xOz"}
+    facts |= {"displaced_volume": 9.0, "centre_of_buoyancy": [0.0, 1.0, 2.0], "centre_of_mass": [3.0, 4.0, 5.0]}
+    ds = xr.Dataset(
+        {"omega": ("w", [1.0])}, attrs={**facts, "history": "read", "displaced_volume_boat": 7.0, "title": "x"}
+    )
+    labels, checks, saved = ("float__Heave", "spar__Heave", "spar__Pitch"), [], []
+    monkeypatch.setattr(
+        coefficients,
+        "judged",
+        lambda *_: coefficients.Judged(SimpleNamespace(labels=labels), ds.copy(), checks, ["no a", "no b"]),
+    )
+    monkeypatch.setattr(coefficients.database, "save_database", lambda *given: saved.append(given))
+    coefficients.store(spec, xr.Dataset(attrs=told), "out.nc")
+    ((stored, _, out),) = saved
+    water = {"water_density": 1010.0, "gravity": 9.7, "water_depth": "inf"}
+    assert out == "out.nc"
+    assert {name: stored.attrs[name] for name in (*facts, *water)} == {**facts, **water}
+    assert stored.attrs["history"] == "read; no a; no b"
+    assert stored.attrs["title"] == "hydro database of a body: float__Heave, spar__Heave, spar__Pitch"
+    assert stored.attrs["solver"] == solver
+    assert stored.attrs["quality"] == "[]"
+    assert "displaced_volume_boat" not in stored.attrs
+
+
+def test_only_a_mass_of_the_studys_own_is_judged_anew(monkeypatch):
+    checks = [SimpleNamespace(name=name) for name in ("symmetry", "afloat", "haskind")]
+    monkeypatch.setattr(coefficients, "afloat_checks", lambda ds: [f"anew of {ds}"])
+    body = SimpleNamespace(database="its database")
+    for given in ({}, {"damping": {"Heave": 1.0}}, {"stiffness": {"Heave": 1.0}}):
+        assert coefficients.of_own_mass(checks, Body(database="-", **given), body) == checks
+    for mass in ({"Heave": 1.0}, ((0.0,),)):
+        found = coefficients.of_own_mass(checks, Body(database="-", mass=mass), body)
+        assert found == [checks[0], checks[2], "anew of its database"]

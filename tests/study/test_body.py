@@ -222,3 +222,114 @@ def test_what_is_not_repaired_is_not_said():
 )
 def test_ids_of_bodies_are_of_what_is_said_of_them(raw, said):
     assert canonical(Body(**raw)) == said
+
+
+@pytest.mark.parametrize(
+    ("key", "why"),
+    [
+        ("hydro.solver", "is for the buoy; the body's file says how it is solved"),
+        ("hydro.rows", "are of the sphere's mesh; the body has a mesh of its own"),
+        ("hydro.omega", "is of the body's file, or of the database read"),
+        ("hydro.pressure", "is of the paper's model of the buoy"),
+        ("hydro.power_tolerance", "is of hydro.model: auto, which the buoy has"),
+        ("hydro.witness", "is for the buoy: its second solver knows no other body"),
+        ("device", "is the spherical buoy; a study has a device or a body"),
+        ("modes", "are shapes of the spherical shell; those of a body stand in its files"),
+        ("drag", "brakes the buoy's rigid motions past the water; a body is linear, its dampers are body.damping"),
+        ("reference_shape", "is of the spherical shell; a body is linear about the rest its files are of"),
+    ],
+)
+def test_each_key_of_a_buoy_is_refused_for_its_own_reason(key, why):
+    *section, name = key.split(".")
+    for value in (None, {}, 1.0):
+        with pytest.raises(ConfigError) as error:
+            study(**({"hydro": {name: value, "tolerance": 0.01}} if section else {name: value}))
+        assert str(error.value).endswith(f": {key}: {why}; remove it")
+
+
+def test_every_check_on_the_database_of_a_body_may_be_accepted_and_two_be_repaired():
+    """Those of meshes solved and of files read."""
+    names = [
+        "error_estimate", "interpolation_error", "one_resolution", "symmetry", "far_field", "haskind", "positive_damping",
+        "panels", "modes", "corners", "rigid_names", "afloat", "irregular_frequencies", "kramers_kronig", "long_waves",
+        "haskind_scale", "haskind_long_waves",
+    ]  # fmt: skip
+    for name in names:
+        assert study(hydro={"accept": [name]}).hydro.accept == (name,)
+        if name in ("positive_damping", "kramers_kronig"):
+            assert study(hydro={"repair": [name]}).hydro.repair == (name,)
+            continue
+        with pytest.raises(
+            ConfigError, match=rf"\['{name}'\]: cannot be repaired; needs some of positive_damping, kramers"
+        ):
+            study(hydro={"repair": [name]})
+    with pytest.raises(ConfigError, match=rf"\['b', 'a'\]: no such check; needs some of {', '.join(names)}"):
+        study(hydro={"accept": ["b", "symmetry", "a"]})
+
+
+@pytest.mark.parametrize(("key", "kept", "refused"), [
+    ("tolerance", [1e-6, 0.1], [0.99e-6, 0.101]), ("omega_max", [1e-9, None], [0.0, -1.0]),
+    ("added_mass_inf", ["fitted", "given"], ["median"]), ("model", ["linear"], ["auto"]),
+])  # fmt: skip
+def test_hydrodynamics_of_a_body_have_their_limits(key, kept, refused):
+    for value in kept:
+        assert getattr(study(hydro={key: value}).hydro, key) == value
+    for value in refused:
+        with pytest.raises(ConfigError, match=rf"hydro\.{key}"):
+            study(hydro={key: value})
+
+
+def test_what_is_not_said_of_a_bodys_hydrodynamics_has_a_default():
+    hydro = study().hydro
+    assert (hydro.tolerance, hydro.added_mass_inf, hydro.omega_max) == (0.01, "fitted", None)
+    assert (hydro.accept, hydro.repair) == ((), ())
+
+
+@pytest.mark.parametrize("method", ["auto", "exact", "convolution", "structure_preserving"])
+def test_a_linear_body_and_take_off_are_followed_by_all_methods_but_one(method):
+    assert study(simulation={"method": method}).simulation.method == method
+    heave = {"port": {"dof": "Heave"}, "force_limit": 1e5}
+    if method == "auto":
+        assert study(pto=heave, simulation={"method": method}).pto.switches
+        return
+    with pytest.raises(ConfigError, match=r"cannot follow this body and take-off; needs auto$"):
+        study(pto=heave, simulation={"method": method})
+
+
+def test_a_design_names_every_degree_of_freedom_once():
+    with pytest.raises(ConfigError, match=r"dofs \['Heave', 'Yaw', 'Heave'\]: needs at least one .*, and none twice"):
+        study(designs={"a": {"dofs": ["Heave", "Yaw", "Heave"]}})
+
+
+def test_the_fastest_motion_in_waves_is_that_of_the_waves():
+    waves = [{"kind": "regular", "amplitude": 0.5, "period": 7.0}, {"kind": "jonswap", "hs": 1.0, "tp": 7.0}]
+    found = study(waves=[*waves, {"kind": "still"}], pto={"damping": 1.0})
+    assert [found.fastest(wave) for wave in found.waves] == [
+        found.waves[0].fastest, found.waves[1].fastest, pytest.approx(6.2832, rel=1e-4),
+    ]  # fmt: skip
+    assert found.waves[0].fastest != found.waves[1].fastest
+
+
+def test_another_mesh_or_other_modes_are_another_body(tmp_path):
+    body = {"body": "raft", "mesh": "m.nc", "modes": "d.nc", "omega": [0.6, 0.9]}
+    (tmp_path / "file.yaml").write_text(yaml.safe_dump(body))
+    found = []
+    for mesh, modes in (("one", "two"), ("one", "three"), ("four", "two"), ("two", "one"), ("one", "two")):
+        (tmp_path / "m.nc").write_text(mesh)
+        (tmp_path / "d.nc").write_text(modes)
+        found.append(located({**RAW, "body": {"file": "file.yaml"}}, str(tmp_path / "raft.yaml")).study)
+    assert [found.index(one) for one in found] == [0, 1, 2, 3, 0]
+    (tmp_path / "d.nc").unlink()
+    with pytest.raises(ConfigError, match=r"file.yaml: modes: .*d.nc cannot be read \(No such file or directory\)"):
+        located({**RAW, "body": "file.yaml"}, str(tmp_path / "raft.yaml"))
+
+
+@pytest.mark.parametrize("kind", ["database", "bemio"])
+def test_a_file_alone_is_read_by_its_own_kind(tmp_path, kind):
+    (tmp_path / "raft.h5").write_text("numbers")
+    found = located({**RAW, "body": {kind: "raft.h5"}}, str(tmp_path / "raft.yaml"))
+    assert found.files == {kind: str(tmp_path / "raft.h5")}
+    assert found.study.body.kind == kind
+    assert found.study.body.model_dump()[kind].startswith("sha256:")
+    with pytest.raises(ConfigError, match=rf"raft.yaml: body.{kind}: .*gone.h5 cannot be read"):
+        located({**RAW, "body": {kind: "gone.h5"}}, str(tmp_path / "raft.yaml"))

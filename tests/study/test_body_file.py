@@ -39,3 +39,23 @@ def test_the_lowest_frequency_is_that_of_the_longest_wave_panels_know(gravity, d
     validated(BodyFile, {**RAFT, "water": water, "omega": [1.0001 * lowest, 9.0]}, "raft.yaml")
     with pytest.raises(ConfigError, match=rf"in {depth:g} m of water needs at least {lowest:.4g}$"):
         validated(BodyFile, {**RAFT, "water": water, "omega": [0.9999 * lowest, 9.0]}, "raft.yaml")
+
+
+@pytest.mark.parametrize(
+    ("key", "kept", "refused"),
+    [
+        ("omega", [[1e-3], [1e3]], [[0.99e-3], [1.01e3]]),
+        ("wave_direction", [[-360.0, 360.0]], [[-360.1], [360.1]]),
+        ("lid", [0, 64], [-1, 65]),
+        ("tolerance", [1e-5, 0.1, None], [0.99e-5, 0.101]),
+        ("symmetry", ["auto", "none", "xOz", "yOz", "xOz+yOz"], ["yOz+xOz", "xOy"]),
+    ],
+)
+def test_what_a_body_file_asks_for_lies_within_limits(key, kept, refused):
+    water = {"depth": float("inf")}
+    for value in kept:
+        found = getattr(validated(BodyFile, {**RAFT, "water": water, key: value}, "raft.yaml"), key)
+        assert found == (tuple(value) if isinstance(value, list) else value)
+    for value in refused:
+        with pytest.raises(ConfigError, match=f"^raft.yaml: {key}"):
+            validated(BodyFile, {**RAFT, "water": water, key: value}, "raft.yaml")

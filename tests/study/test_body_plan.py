@@ -217,3 +217,39 @@ def test_files_are_named_from_where_a_run_begins(tmp_path, monkeypatch):
 
 
 MESHED = {"body": "raft", "mesh": "sha256:m", "modes": "sha256:d", "omega": [0.6, 0.9]}
+
+
+def test_figures_are_those_of_the_band_of_all_seas_and_of_each_that_is_drawn():
+    own = plan()
+    band = ["absorbed_power", "reactance", "added_mass_damping", "radiation_kernel"]
+    sea = ["port_motion", "degrees_of_freedom", "power_energy", "energy_audit"]
+    first, second = (wave.label for wave in own.study.waves)
+    each = [f"{name}-{label}" for label in (first, second) for name in sea]
+    assert own.figures == [*band, "spectra", *each]
+    assert plan(waves=RAW["waves"][:1]).figures == [*band, *each[:4]]
+
+
+def test_a_body_read_of_a_file_may_meet_waves_up_to_twenty_radians_a_second():
+    assert plan().highest == 20.0
+    assert plan().solves is False
+
+
+def test_every_stage_reads_the_directions_seas_water_and_take_off_of_the_study():
+    waves = [{**RAW["waves"][0], "direction": 30.0}, {**RAW["waves"][1], "direction": -45.0}, {"kind": "still"}]
+    pto, simulation = {"damping": 7.0, "port": {"dof": "Pitch"}}, {"duration": 90.0, "window": [50.0, 90.0]}
+    own = plan(waves=waves, pto=pto, simulation=simulation, water={"depth": 30.0}, hydro={"omega_max": 3.0})
+    study = own.study
+    run = own.simulation("rigid", study.waves[1])
+    assert own.response.directions == (30.0, -45.0)
+    assert own.ladder.waves == study.waves
+    for spec in (own.response, own.ladder, run):
+        assert spec.water == study.water
+        assert spec.pto.port == study.pto.port
+    assert own.response.designs == own.ladder.designs == study.designs
+    assert run.designs == {"rigid": study.designs["rigid"]}
+    assert (run.waves, run.simulation) == (study.waves[1:2], study.simulation)
+    assert own.ladder.simulation == study.simulation
+    assert (own.database.water, own.database.omega_max, own.database.body) == (study.water, 3.0, study.body)
+    assert own.radiation.database == content_id(own.database)
+    assert (own.radiation.tolerance, own.radiation.added_mass_inf) == (0.01, "fitted")
+    assert own.comparison.study == study

@@ -639,3 +639,32 @@ def test_a_motion_that_blows_up_is_reported():
     scene = GeneralScene(Body(RIGID), {"runaway": runaway})
     with pytest.raises(StabilityError, match=r"no step reaches t = 1 s .*bounded forces"):
         integrate(scene, scene.start(velocity=np.ones(1)), np.array([0.0, 1.0]))
+
+
+@pytest.mark.parametrize("pair", [(0.0, 0.0), (1.0, 2.0), (3.0, 0.0)])
+def test_a_ballast_may_be_a_point_a_disc_or_a_rod(pair):
+    """The most and the least of an axial moment."""
+    assert Body(RIGID, pair).ballast_inertia == pair
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_coordinates_of_an_attitude_hold_up_to_their_margin_on_either_side(side):
+    """A quaternion longer or shorter than one by a millionth; a pitch up or down a thousandth from upright."""
+    quaternion, euler = (GeneralScene(Body(RIGID), {}, "free", attitude) for attitude in ("quaternion", "euler321"))
+    turned = np.array([0.5, -0.5, 0.5, -0.5])
+    for scene, near, beyond, told in (
+        (quaternion, (1 + 0.9e-6 * side) * turned, (1 + 1.1e-6 * side) * turned, "norm 1 within 1e-06"),
+        (
+            euler,
+            np.array([0.3, side * (np.pi / 2 - 1.1e-3), 0.2]),
+            np.array([0.3, side * (np.pi / 2 - 0.9e-3), 0.2]),
+            r"\|pitch\| < pi/2 - 0.001 of yaw, pitch, roll",
+        ),
+    ):
+        assert scene.margin(0.0, scene.start(attitude=near)) > 0
+        time = np.array([2.0, 2.1])
+        np.testing.assert_array_equal(
+            integrate(scene, scene.start(attitude=near), time)[-1], scene.start(attitude=near)
+        )
+        with pytest.raises(StabilityError, match=rf"^t = 2 s: received attitude .*, needs {told}"):
+            integrate(scene, scene.start(attitude=beyond), time)
