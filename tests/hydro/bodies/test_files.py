@@ -4,6 +4,7 @@ import random
 import re
 import struct
 import warnings
+from types import SimpleNamespace
 
 import meshio
 import numpy as np
@@ -345,3 +346,57 @@ def test_damaged_files_are_read_or_refused_in_one_line(tmp_path, kind, monkeypat
             except ConfigError as error:
                 told = str(error)
                 assert broken.name in told and len(told) < 700 and "\n" not in told  # noqa: PT018
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        ("a.gdf", "gdf"), ("a.PNL", "pnl"), ("a.hst", "hst"), ("a.mar", "mar"), ("a.Nemoh", "mar"), ("a.hams", "pnl"),
+        ("a.dat", "mar"), ("a.DAT", "mar"),
+    ],
+)  # fmt: skip
+def test_panels_of_other_programs_are_read_by_the_end_of_their_name(tmp_path, monkeypatch, name, kind):
+    (tmp_path / name).write_text("2 0\n")
+    asked = []
+    monkeypatch.setattr(
+        files.bem, "read_panels", lambda *given: asked.append(given) or (np.eye(3), np.array([[0, 1, 2]]))
+    )
+    assert files.read_mesh(tmp_path / name)[1].tolist() == [[0, 1, 2, 2]]
+    assert asked == [(tmp_path / name, kind)]
+
+
+def test_points_in_a_plane_lie_in_the_waters_surface(tmp_path, monkeypatch):
+    """Some formats leave out a height that is none."""
+    points = np.array([[0.0, 1.0], [2.0, 3.0], [4.0, 6.0]])
+    cells = [SimpleNamespace(type="triangle", data=np.array([[0, 1, 2]])), SimpleNamespace(type="vertex", data=None)]
+    monkeypatch.setattr(files.meshio, "read", lambda path: SimpleNamespace(points=points, cells=cells))
+    (tmp_path / "a.vtk").touch()
+    vertices, faces = files.read_mesh(tmp_path / "a.vtk")
+    assert vertices.tolist() == [[0.0, 1.0, 0.0], [2.0, 3.0, 0.0], [4.0, 6.0, 0.0]]
+    assert faces.tolist() == [[0, 1, 2, 2]]
+
+
+def test_all_kinds_of_cells_that_are_no_panels_are_named(tmp_path, monkeypatch):
+    cells = [SimpleNamespace(type=kind, data=None) for kind in ("line", "quad8", "tetra")]
+    monkeypatch.setattr(files.meshio, "read", lambda path: SimpleNamespace(points=np.eye(3), cells=cells))
+    (tmp_path / "a.vtk").touch()
+    with pytest.raises(ConfigError, match=r"a.vtk: holds \['line', 'quad8', 'tetra'\]; needs quadrilaterals or tri"):
+        files.read_mesh(tmp_path / "a.vtk")
+
+
+def test_matrices_and_centres_of_a_body_come_back_from_its_file(tmp_path):
+    """Those there are, each its own."""
+    shapes = rigid(BOX[0])[[2, 4]]
+    mass, stiffness = np.array([[3.0, 0.5], [0.5, 7.0]]), np.array([[30.0, 5.0], [5.0, 70.0]])
+    for given in ({}, {"mass": mass}, {"stiffness": stiffness}, {"mass": mass, "stiffness": stiffness}):
+        body = made(*BOX, shapes, LABELS, centre_of_mass=np.array([0.1, 0.2, 0.3]), **given)
+        files.write_body(body, tmp_path / "box.nc")
+        again = files.read_body(tmp_path / "box.nc", tmp_path / "box.nc")
+        assert again.centre_of_mass.tolist() == [0.1, 0.2, 0.3]
+        for name in ("mass", "stiffness"):
+            held = getattr(again, name)
+            assert (held is None) == (name not in given)
+            assert held is None or held.tolist() == given[name].tolist()
+    heave = made(*BOX, shapes[:1], LABELS[:1], centre_of_mass=None)
+    files.write_body(heave, tmp_path / "box.nc")
+    assert files.read_body(tmp_path / "box.nc", tmp_path / "box.nc").centre_of_mass is None

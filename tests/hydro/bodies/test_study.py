@@ -85,18 +85,19 @@ def test_a_body_file_becomes_a_database_with_a_verdict(tmp_path, body, green_fol
         assert ds[name].values == pytest.approx(ds[name].values.swapaxes(-1, -2), rel=1e-12, abs=1e-6), name
     assert ds.inertia_matrix.values == pytest.approx(body.mass)
     told = {"water_density": 1000.0, "gravity": 9.8, "water_depth": "inf", "symmetry": "xOz+yOz", "separate_sweep": 0}
-    told |= {"solves": 2, "frequencies": 2}
+    told |= {"solves": 2, "frequencies": 2, "solver": blocks.panel_solver(), "Conventions": "CF-1.8"}
+    told |= {"title": f"hydro database of box: {len(body.faces)} panels, 3 degrees of freedom"}
     assert {name: ds.attrs[name] for name in told} == told
     assert ds.attrs["displaced_volume"] == pytest.approx(6.0 * 4.0 * 2.0)
     assert ds.attrs["centre_of_buoyancy"] == pytest.approx([0.0, 0.0, -1.0], abs=1e-9)
     assert float(ds.hydrostatic_stiffness[0, 0]) == pytest.approx(1000.0 * 9.8 * 6.0 * 4.0)
     assert ds.structural_stiffness.values == pytest.approx(np.diag([0.0, 0.0, 1e6]))
-    spec, blocks = json.loads(ds.attrs["spec"]), {path.stem: load(path) for path in tmp_path.glob("out/blocks/*.nc")}
-    order = {"inf" if "omega" not in block.dims else float(block.omega[0]): name for name, block in blocks.items()}
+    spec, solved = json.loads(ds.attrs["spec"]), {path.stem: load(path) for path in tmp_path.glob("out/blocks/*.nc")}
+    order = {"inf" if "omega" not in block.dims else float(block.omega[0]): name for name, block in solved.items()}
     assert spec["blocks"] == [order["inf"], order[1.0], order[1.3]]
-    assert len(blocks) == 3
-    assert ds.attrs["bem_seconds"] == pytest.approx(sum(block.attrs["seconds"] for block in blocks.values()), rel=1e-12)
-    assert all(block.attrs["seconds"] > 0 for block in blocks.values())
+    assert len(solved) == 3
+    assert ds.attrs["bem_seconds"] == pytest.approx(sum(block.attrs["seconds"] for block in solved.values()), rel=1e-12)
+    assert all(block.attrs["seconds"] > 0 for block in solved.values())
     assert ds.attrs["spec_id"] == content_id(spec)
 
 

@@ -1,5 +1,6 @@
 """BEMIO's .h5 file written and read."""
 
+from itertools import pairwise
 from types import SimpleNamespace
 
 import netCDF4
@@ -11,7 +12,17 @@ from scipy.interpolate import CubicSpline
 from scipy.linalg import block_diag
 
 from vsb.errors import DatabaseError
-from vsb.hydro.formats.bemio import _labels, bemio_entries, excitation_response, impulse_times, read_bemio, write_h5
+from vsb.hydro.formats.bemio import (
+    _edges,
+    _Entries,
+    _labels,
+    _round_below,
+    bemio_entries,
+    excitation_response,
+    impulse_times,
+    read_bemio,
+    write_h5,
+)
 from vsb.hydro.retardation import DampingSpectrum
 
 
@@ -423,3 +434,71 @@ def test_the_excitation_responds_at_late_and_early_times_alike(time):
     ]
     found = excitation_response(omega, force, np.array(time))[:, 0, 0]
     assert found == pytest.approx(expected, abs=1e-9)
+
+
+@pytest.mark.parametrize(("part", "step"), [(0.99, 0.05), (1.01, 0.1)])
+def test_times_are_those_of_a_hemisphere_of_the_bodys_displacement(elastic, part, step):
+    """Of 2/3 pi r^3 m^3, at whose radius 0.23 sqrt(r/g) is a tenth of a second."""
+    radius = 10.0 * (0.1 / 0.23) ** 2
+    volume = 2 / 3 * np.pi * radius**3 * part
+    facts = {"displaced_volume": volume, "centre_of_buoyancy": [0.0, 0.0, -1.0], "centre_of_mass": [0.0, 0.0, 0.0]}
+    entries = bemio_entries(elastic.assign_attrs(facts), "memory")
+    place = "/body1/hydro_coeffs/{}/impulse_response_fun/t"
+    radiated, excited = (entries[place.format(name)][:, 0] for name in ("radiation_damping", "excitation"))
+    assert (radiated[0], radiated[1], radiated[-1]) == (0.0, pytest.approx(step), pytest.approx(1000 * step))
+    assert excited == pytest.approx(np.concatenate([-radiated[::-1], radiated[1:]]))
+
+
+@pytest.mark.parametrize(
+    ("bound", "below"), [(0.2, 0.2), (0.19999, 0.1), (0.5, 0.5), (0.4999, 0.2), (1.0, 1.0), (0.99, 0.5), (73.0, 50.0)]
+)
+def test_steps_are_the_largest_of_one_two_and_five_not_above_a_bound(bound, below):
+    assert _round_below(bound) == below
+
+
+@pytest.mark.parametrize("last", [0.1, 7.0, 50.0])
+def test_no_frequencies_are_further_apart_than_ten_over_the_last_time(last):
+    omega = np.array([0.3, 0.45, 1.7, 4.0])
+    found = _edges(omega, last)
+    assert np.isin(omega, found).all()
+    assert (found[0], found[-1]) == (0.3, 4.0)
+    counts = [np.count_nonzero((found >= a) & (found < b)) for a, b in pairwise(omega)]
+    assert counts == [max(1, int(np.ceil(round((b - a) * last / 10, 9)))) for a, b in pairwise(omega)]
+    assert np.diff(found).max() <= 10 / last + 1e-12
+
+
+UNITS = {
+    "m/s^2": ["g"], "kg/m^3": ["rho"], "s": ["T", "radiation_damping/impulse_response_fun/t"], "rad/s": ["w"],
+    "deg": ["wave_dir"], "m": ["water_depth", "cg", "cb"], "kg": ["mass"], "kg/s": ["damping"], "N/m": ["stiffness"],
+    "m^3": ["disp_vol", "added_mass/all", "radiation_damping/all", "inf_freq"], "m^3/s^2": ["K"], "rad": ["phase"],
+    "m^2/s": ["f"], "m^2": ["linear_restoring_stiffness", "excitation/re", "scattering/im", "froude-krylov/mag"],
+    "": ["scaled", "dof", "body_number", "name", "code"],
+}  # fmt: skip
+
+
+def test_every_dataset_has_its_unit(bemio, elastic):
+    places = list(bemio_entries(elastic, "memory"))
+    for unit, ends in UNITS.items():
+        for end in ends:
+            found = {bemio[place].units for place in places if place.endswith(f"/{end}")}
+            assert found == {unit}, end
+
+
+def test_more_than_nine_bodies_are_read_in_their_order_and_other_groups_are_none(tmp_path):
+    names = tuple(f"part{k}" for k in range(1, 12))
+    entries, *_ = of_two_bodies(names, (6,) * 11, frequencies=2)
+    write_h5(entries | {"/body_mesh/name": "none", "/body1old/name": "none"}, tmp_path / "many.h5")
+    labels = read_bemio(tmp_path / "many.h5").influenced_dof.values.tolist()
+    assert labels[::6] == [f"{name}__Surge" for name in names]
+
+
+def test_a_short_text_has_a_thousand_letters_at_most():
+    for count in (1000, 1001):
+        letters = np.full((count, 1), "a")
+        found = _Entries(SimpleNamespace(groups={}, variables={"name": letters}), "a.h5")
+        if count == 1000:
+            assert found.text("/name") == "a" * 1000
+            assert found.text("/other") == ""
+            continue
+        with pytest.raises(DatabaseError, match=r"^a.h5: /name has shape \(1001, 1\); needs a short text\.$"):
+            found.text("/name")

@@ -126,3 +126,45 @@ def test_both_matrices_of_the_dry_body_may_be_unknown_and_each_is_told(tmp_path)
     assert read_capytaine(tmp_path / "a.nc").attrs["history"] == (
         "read from a.nc; left out: inertia_matrix, which holds NaN; left out: structural_stiffness, which holds NaN"
     )
+
+
+@pytest.mark.parametrize("name", ["rho", "g", "water_depth"])
+def test_coefficients_are_of_one_water(tmp_path, name):
+    dataset().assign_coords({name: ("cases", [9.81, 9.82, 9.83])}).to_netcdf(tmp_path / "a.nc")
+    with pytest.raises(DatabaseError, match=rf"a.nc: holds 3 values of {name}; needs the coefficients of one\.$"):
+        read_capytaine(tmp_path / "a.nc")
+
+
+@pytest.mark.parametrize("speed", [1.0, -0.5])
+def test_a_body_under_way_is_refused_whichever_way(tmp_path, speed):
+    dataset().assign_coords(forward_speed=0.0).to_netcdf(tmp_path / "a.nc")
+    assert read_capytaine(tmp_path / "a.nc").sizes["omega"] == 3
+    dataset().assign_coords(forward_speed=speed).to_netcdf(tmp_path / "b.nc")
+    with pytest.raises(DatabaseError, match=r"b.nc: is of a body under way; needs forward_speed 0"):
+        read_capytaine(tmp_path / "b.nc")
+
+
+def test_of_several_frequencies_that_failed_the_lowest_and_the_highest_are_told(tmp_path):
+    """In whatever order; zero and infinite frequency, which are none of waves, do not count."""
+    ds = dataset().assign_coords(omega=[0.0, 1.5, 0.5, 1.0, np.inf])
+    failed = (ds.omega == 0.5) | (ds.omega == 1.5) | (ds.omega == 0.0)
+    ds.assign({name: ds[name].where(~failed) for name in SOLVED}).to_netcdf(tmp_path / "a.nc")
+    found = read_capytaine(tmp_path / "a.nc")
+    assert found.omega.values.tolist() == [1.0]
+    assert found.attrs["history"].endswith(
+        "left out: 2 of 3 frequencies, from 0.5 to 1.5 rad/s, of which all coefficients are NaN"
+    )
+
+
+def test_all_that_is_missing_of_a_file_is_named(tmp_path):
+    dataset().drop_vars(["g", "Froude_Krylov_force", "wave_direction"]).to_netcdf(tmp_path / "a.nc")
+    with pytest.raises(
+        DatabaseError, match=r"a.nc: holds no Froude_Krylov_force, g, wave_direction; needs a hydro data"
+    ):
+        read_capytaine(tmp_path / "a.nc")
+
+
+def test_water_of_a_depth_is_read(tmp_path):
+    dataset().assign_coords(water_depth=2500.0, rho=1010.0, g=9.7).to_netcdf(tmp_path / "a.nc")
+    attrs = read_capytaine(tmp_path / "a.nc").attrs
+    assert [attrs[name] for name in ("water_density", "gravity", "water_depth")] == [1010.0, 9.7, "2500.0"]

@@ -784,3 +784,22 @@ def test_every_mode_is_compared_in_its_own_longest_wave(monkeypatch):
     ratio, omega, depth, gravity = asked[0]
     assert (ratio, omega) == (pytest.approx([1.04, 0.9]), pytest.approx([0.2, 1.0]))
     assert (depth, gravity) == (np.inf, G)
+
+
+@pytest.mark.parametrize("count", [4, 5, 9, 10])
+def test_spikes_need_five_frequencies_and_causality_ten(count):
+    """Over a band that holds the damping."""
+    checks, notes = foreign_checks(sound(omega=np.linspace(0.05, 30.0, count)))
+    names = {check.name for check in checks}
+    few = {"irregular_frequencies": count < 5, "kramers_kronig": count < 10}
+    needs = {"irregular_frequencies": "five", "kramers_kronig": "ten"}
+    for name, missing in few.items():
+        assert (f"not checked: {name}, which needs {needs[name]} frequencies; received {count}" in notes) == missing
+    assert ("irregular_frequencies" in names) == (count >= 5)
+
+
+def test_water_turned_by_the_cube_root_of_its_volume_is_what_a_rotation_has_at_least():
+    """Without a volume the largest added mass of a translation is the water's."""
+    ds = bare(["Sway", "Yaw"], np.full((3, 2), [8000.0, 0.0]), np.full((3, 2), 1.0))
+    assert sizes(ds).added_mass == pytest.approx([8000.0, LEAST_SIZE**2 * 8000.0 * 4.0], rel=1e-12)
+    assert sizes(ds.assign_attrs(displaced_volume=27.0)).added_mass[1] == pytest.approx(0.09 * 27e3 * 9.0, rel=1e-12)

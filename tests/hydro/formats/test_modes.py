@@ -447,3 +447,31 @@ def test_the_range_is_told_to_what_is_positive_and_beyond_it(value, told):
     assert str(error.value) == f"--length: received {value}, needs a positive number of m{told}."
     for bound in (1e-6, 1e6):
         check_positive("--length", bound, "m")
+
+
+@pytest.mark.parametrize(
+    ("omega", "known"),
+    [
+        ((1e-6, 1.0, 1e6), True),
+        ((0.0, 1e-6, 2e-6), True),
+        ((0.99e-6, 1.0, 2.0), False),
+        ((0.0, 0.99e-6, 1.0), False),
+        ((1.0, 2.0, 1.01e6), False),
+    ],
+)
+def test_frequencies_are_none_or_from_a_millionth_to_a_million(omega, known):
+    ds = flexible(omega=(0.5, 1.0, 1.5)).assign_coords(omega=list(omega))
+    if known:
+        assert checked(ds, "memory").omega.values.tolist() == list(omega)
+        return
+    with pytest.raises(DatabaseError, match=r"memory: frequencies .* rad/s; needs them from 1e-06 to 1e\+06"):
+        checked(ds, "memory")
+
+
+def test_what_is_missing_is_named_all_of_it():
+    bare = flexible().drop_vars("added_mass").drop_attrs().assign_attrs(gravity=G)
+    with pytest.raises(
+        DatabaseError,
+        match=r"^memory: holds no water_density, water_depth, added_mass; needs a complete hydro database",
+    ):
+        checked(bare, "memory", ("added_mass", "excitation_force"))

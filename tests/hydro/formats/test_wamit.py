@@ -500,3 +500,34 @@ def test_words_are_a_header_in_the_first_line_alone(tmp_path):
     texts = {**FOREIGN, ".1": "another header\n" + FOREIGN[".1"]}
     with pytest.raises(DatabaseError, match=r"buoy\.1, line 2: 'WAMIT Numeric .*' is not of 4 or 5 finite numbers"):
         import_wamit(written(tmp_path, texts), "buoy", density=1000.0, gravity=10.0)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_periods_of_forces_are_those_of_the_coefficients_to_a_hundred_thousandth(tmp_path, sign):
+    for part in (0.9e-5, 1.1e-5):
+        period = f"{4.0 * (1 + sign * part):.6E}"
+        texts = {**FOREIGN, ".3": FOREIGN[".3"].replace("4.000001E+00", period)}
+        folder = written(tmp_path, texts)
+        if part < 1e-5:
+            assert import_wamit(folder, "buoy", density=1000.0, gravity=10.0).omega.values == pytest.approx(
+                [np.pi / 2, np.pi]
+            )
+            continue
+        with pytest.raises(
+            DatabaseError, match=r"buoy\.3: its periods are not those of .*buoy\.1; needs the files of one"
+        ):
+            import_wamit(folder, "buoy", density=1000.0, gravity=10.0)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("fact", ["gravity", "length"])
+def test_gravity_and_length_are_those_of_the_dry_body_to_a_hundred_thousandth(sign, fact):
+    own = {"gravity": 9.81, "length": 1.0}
+    for part in (0.9e-5, 1.2e-5):
+        facts = own | {fact: own[fact] * (1 + sign * part)}
+        if part < 1e-5:
+            import_wamit(RM3, "rm3", density=1000.0, **facts)
+            continue
+        told = r"rm3\.mmx: of a run with gravity 9\.81 and ULEN 1; received gravity .*, length "
+        with pytest.raises(DatabaseError, match=told):
+            import_wamit(RM3, "rm3", density=1000.0, **facts)
