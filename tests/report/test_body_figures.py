@@ -104,3 +104,13 @@ def test_a_bar_lies_in_the_row_of_its_motion_whatever_the_order_of_a_design_and_
     assert rows == {0: [(rigid, 2.0), (flexible, 0.0)], 1: [(flexible, 0.5)]}
     assert ax.get_xscale() == "log"
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["rigid", "flexible"]
+
+
+def test_degrees_of_freedom_of_all_designs_have_rows_in_the_order_they_come(data):
+    """Of two designs that share one."""
+    for design, labels in {"rigid": ["Surge", "Heave"], "flexible": ["Heave", "Mode7"]}.items():
+        data.runs[design, "swell"] = data.runs["flexible", "swell"].assign_coords(dof=labels)
+    (ax,) = degrees_of_freedom(data, "swell").axes
+    assert [text.get_text() for text in ax.get_yticklabels()] == ["Surge", "Heave", "Mode7"]
+    rows = sorted((round(bar.get_y() + bar.get_height() / 2, 1), round(bar.get_width(), 1)) for bar in ax.patches)
+    assert rows == [(-0.2, 2.0), (0.8, 0.5), (1.2, 2.0), (2.2, 0.5)]

@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 from hydro.formats.test_capytaine import LABELS, dataset
 
+from examples.barge import box
 from vsb.errors import ConfigError
+from vsb.hydro.bodies.body import FlexibleBody, at_centres
 from vsb.hydro.formats.capytaine import read_capytaine
 from vsb.hydro.formats.modes import volume_of
 from vsb.scenes.body import check_water, chosen, complete_body, dry_database, with_entries, within_band
@@ -279,3 +281,18 @@ def test_rows_of_a_body_are_as_many_as_its_degrees_of_freedom_each():
             ConfigError, match=rf"^body.damping: received {told} numbers; needs 3 of 3, for {', '.join(labels)}$"
         ):
             with_entries("damping", rows, labels, np.zeros((3, 3)))
+
+
+def test_water_moved_by_two_displacements_is_what_both_push_aside():
+    """Of a box 6 m by 4 m by 2 m: heave its bottom, surge its ends, both together the sum of what they have alone."""
+    vertices, faces = box(6.0, 4.0, 2.0, 1)
+    heave, surge = np.zeros((2, *vertices.shape))
+    heave[:, 2], surge[:, 0] = 1.0, -0.5
+    shapes = np.stack([heave, surge, heave + surge])
+    body = FlexibleBody(vertices, faces, ("Heave", "A", "B"), at_centres(vertices, faces, shapes), shapes)
+    file = BodyFile(body="box", mesh="-", modes="-", omega=(0.5, 1.0), water={"density": 900.0})
+    ends, bottom = 0.25 * 16.0, 24.0
+    expected = np.array([[bottom, 0.0, bottom], [0.0, ends, ends], [bottom, ends, bottom + ends]])
+    found = dry_database(body, file).added_mass_inf
+    assert found.dims == PAIR
+    assert found.values == pytest.approx(1e-6 * 900.0 * np.sqrt(56.0) * expected, rel=1e-9, abs=1e-12)

@@ -267,3 +267,10 @@ def test_fewer_panels_are_mirrored_in_all_planes_whichever_are_made_use_of(box):
     assert bodies.detected_symmetry(one.body) == "xOz+yOz"
     assert len(one.lid[1]) < len(lid[1])
     assert (one.symmetry, other.symmetry) == ("none", "xOz+yOz")
+
+
+def test_a_lid_changes_nothing_at_infinite_frequency(green, box):
+    """There the potential vanishes at the surface."""
+    lid = bodies.interior_lid(box, 2)
+    one, other = (BodyProblem(green, box, SEA, "xOz+yOz", given).at_infinity() for given in (None, lid))
+    assert one.identical(other)

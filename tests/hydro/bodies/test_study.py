@@ -14,6 +14,7 @@ from vsb.errors import ConfigError
 from vsb.hydro import database
 from vsb.hydro.bodies import files as bodyfiles
 from vsb.hydro.bodies import study as bodystudy
+from vsb.hydro.bodies.body import joined
 from vsb.hydro.bodies.coarsening import CoarserBody
 from vsb.hydro.bodies.study import BodyProblem
 from vsb.study import blocks
@@ -534,3 +535,68 @@ def test_the_centre_of_buoyancy_of_a_body_off_the_origin(body):
     facts = bodystudy._at_rest(made(wedge, body.faces, rigid(wedge)[[2]], ("Heave",)))
     assert facts["centre_of_buoyancy"] == pytest.approx([3.0, -2.5, -1.0], abs=1e-9)
     assert facts["displaced_volume"] == pytest.approx(48.0)
+
+
+@pytest.mark.parametrize(("lid", "symmetry", "used"), [(0, "auto", "xOz+yOz"), (3, "yOz", "yOz"), (2, "none", "none")])
+def test_blocks_are_solved_with_the_lid_and_symmetry_asked_for(tmp_path, body, monkeypatch, lid, symmetry, used):
+    asked = []
+
+    def blocks_of(*arguments):
+        asked.append(arguments)
+        raise InterruptedError
+
+    monkeypatch.setattr(bodystudy, "Blocks", blocks_of)
+    given = {"body": "b", "mesh": "b.nc", "modes": "b.nc", "omega": [1.0], "wave_direction": [0.0]}
+    file = BodyFile(**given, lid=lid, symmetry=symmetry)
+    with pytest.raises(InterruptedError):
+        bodystudy.solved(file, body, tmp_path, "tables")
+    ((study, same, planes, found, folder, _),) = asked
+    assert (study, planes, folder) == (file, used, tmp_path / "blocks")
+    assert same is body
+    if not lid:
+        assert found is None
+        return
+    vertices, faces = bodystudy.interior_lid(body, lid)
+    assert found[0].tolist() == vertices.tolist()
+    assert found[1].tolist() == faces.tolist()
+
+
+def test_centres_of_mass_of_several_parts_are_none_of_the_whole(body):
+    vertices, faces = joined([(body.vertices, body.faces), (body.vertices + np.array([9.0, 0.0, 0.0]), body.faces)])
+    shapes = rigid(vertices)[2:3]
+    centres = np.array([[0.0, 0.0, -0.5], [9.0, 0.0, -0.4]])
+    assert "centre_of_mass" not in bodystudy._at_rest(made(vertices, faces, shapes, centre_of_mass=centres))
+    found = bodystudy._at_rest(made(vertices, faces, shapes, centre_of_mass=centres[0]))
+    assert found["centre_of_mass"].tolist() == [0.0, 0.0, -0.5]
+    assert found["centre_of_buoyancy"] == pytest.approx([4.5, 0.0, -1.0], abs=1e-9)
+
+
+@pytest.mark.parametrize("given", [(), ("mass",), ("stiffness",), ("mass", "stiffness")])
+def test_a_database_holds_the_matrices_its_body_has(body, given):
+    """And what the blocks took, the one at infinity among them, in their order."""
+    matrices = {"mass": np.diag([1.0, 2.0, 3.0]), "stiffness": np.diag([4.0, 5.0, 6.0])}
+    one = replace(body, **{name: matrices[name] if name in given else None for name in matrices})
+    dof = {"influenced_dof": list(LABELS), "radiating_dof": list(LABELS)}
+    pair, wave = ("omega", *dof), ("omega", "wave_direction", "influenced_dof")
+    even = np.array([[3.0, 0.5, 0.0], [0.5, 2.0, 0.1], [0.0, 0.1, 1.0]])
+    data = {name: (pair, np.stack([even, 2 * even])) for name in ("added_mass", "radiation_damping")}
+    data |= {name: (wave, np.ones((2, 1, 3), complex)) for name in ("Froude_Krylov_force", "diffraction_force")}
+    coefficients = xr.Dataset(data, {"omega": [1.0, 1.3], "wave_direction": [0.0], **dof})
+    infinite = xr.Dataset({"added_mass_inf": (pair[1:], 7 * even)}, dof, {"spec_id": "inf", "seconds": 4.0})
+    solved = [
+        SimpleNamespace(own=SimpleNamespace(attrs={"spec_id": name, "seconds": s}))
+        for name, s in (("a", 1.0), ("b", 2.5))
+    ]
+    file = BodyFile(body="b", mesh="-", modes="-", omega=[1.0, 1.1, 1.3], water={"density": 1010.0, "depth": 30.0})
+    found = bodystudy._database(
+        file, one, "yOz", SimpleNamespace(own=infinite), SimpleNamespace(coefficients=coefficients, solved=solved), []
+    )
+    names = {"mass": "inertia_matrix", "stiffness": "structural_stiffness"}
+    for name, held in names.items():
+        assert (held in found) == (name in given)
+        assert held not in found or found[held].values.tolist() == matrices[name].tolist()
+    assert json.loads(found.attrs["spec"])["blocks"] == ["inf", "a", "b"]
+    told = {"bem_seconds": 7.5, "solves": 2, "frequencies": 3, "symmetry": "yOz", "water_depth": "30.0"}
+    assert {name: found.attrs[name] for name in told} == told
+    assert found.added_mass_inf.values == pytest.approx(7 * even)
+    assert float(found.hydrostatic_stiffness[0, 0]) == pytest.approx(1010.0 * 9.81 * 24.0)

@@ -502,3 +502,26 @@ def test_a_short_text_has_a_thousand_letters_at_most():
             continue
         with pytest.raises(DatabaseError, match=r"^a.h5: /name has shape \(1001, 1\); needs a short text\.$"):
             found.text("/name")
+
+
+class Unread:
+    """A variable that must not be read."""
+
+    def __init__(self, *shape):
+        self.shape = shape
+
+    def __getitem__(self, _):
+        raise InterruptedError
+
+
+@pytest.mark.parametrize(
+    ("shape", "refused"), [((10**4, 10**4), False), ((10**4, 10**4, 1, 2), True), ((10**8 + 1,), True)]
+)
+def test_a_dataset_has_a_hundred_million_numbers_at_most(shape, refused):
+    found = _Entries(SimpleNamespace(groups={}, variables={"name": Unread(*shape)}), "a.h5")
+    if not refused:
+        with pytest.raises(InterruptedError):
+            found.numbers("/name")
+        return
+    with pytest.raises(DatabaseError, match=r"^a.h5: /name has shape \(.*\); needs at most 100000000 numbers\.$"):
+        found.numbers("/name")

@@ -803,3 +803,48 @@ def test_water_turned_by_the_cube_root_of_its_volume_is_what_a_rotation_has_at_l
     ds = bare(["Sway", "Yaw"], np.full((3, 2), [8000.0, 0.0]), np.full((3, 2), 1.0))
     assert sizes(ds).added_mass == pytest.approx([8000.0, LEAST_SIZE**2 * 8000.0 * 4.0], rel=1e-12)
     assert sizes(ds.assign_attrs(displaced_volume=27.0)).added_mass[1] == pytest.approx(0.09 * 27e3 * 9.0, rel=1e-12)
+
+
+def test_added_mass_that_couples_motions_follows_from_damping_as_well():
+    """In terms of both; of one whose damping lasts beyond the band nothing is said, nor of what it couples."""
+    ds = sound()
+    size = sizes(ds).added_mass
+
+    def couple(one, other, share):
+        def change(a):
+            a[one, other] += share * np.sqrt(size[one] * size[other])
+
+        return change
+
+    found = judged(edited(ds, "added_mass_inf", couple(2, 1, 0.05)))["kramers_kronig"]
+    assert (found.value, found.verdict) == (pytest.approx(0.05, rel=0.02), "doubt")
+    assert found.explanation.endswith(" in Pitch and Heave")
+    lasting = edited(ds, "radiation_damping", lambda b: b.__setitem__((-1, 0, 0), 0.1 * b[:, 0, 0].max()))
+    for one, other in ((0, 1), (3, 0), (0, 0)):
+        checks, notes = foreign_checks(edited(lasting, "added_mass_inf", couple(one, other, -0.5)))
+        (causal,) = [check for check in checks if check.name == "kramers_kronig"]
+        assert causal.verdict == "ok"
+        assert "not checked: kramers_kronig of Surge, whose damping lasts beyond the band" in notes
+    found = judged(edited(lasting, "added_mass_inf", couple(1, 1, -0.06)))["kramers_kronig"]
+    assert (found.value, found.verdict) == (pytest.approx(0.06, rel=0.02), "doubt")
+    assert found.explanation.endswith("rad/s in Heave")
+
+
+def test_what_headings_resolve_only_where_little_is_radiated_is_too_few():
+    """A tenth of the largest damping is little."""
+    ds = sound(("Surge", "Heave", "Pitch"))
+    damping = np.einsum("wii->wi", ds.radiation_damping.values)
+    large = damping[:, 0] > 0.1 * damping[:, 0].max()
+    assert 0 < large.sum() < len(large)
+
+    def ripple(x):
+        x[large] *= np.cos(5 * ds.wave_direction.values)[:, None]
+
+    checks, notes = foreign_checks(edited(ds, "excitation_force", ripple))
+    assert not HASKIND & {check.name for check in checks}
+    assert notes[-1].endswith("or one direction and --axisymmetric; received 12")
+
+    def less(x):
+        x[large & (damping[:, 0] < 0.99 * damping[:, 0].max())] *= np.cos(5 * ds.wave_direction.values)[:, None]
+
+    assert {"haskind"} <= {check.name for check in foreign_checks(edited(ds, "excitation_force", less))[0]}
