@@ -15,7 +15,15 @@ from vsb.hydro.formats.modes import DRY
 from vsb.hydro.passive import sizes
 from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.simulate import simulate
-from vsb.motion.bodies import LinearBody, Memory, body_scene, linear_body, together, with_added_mass_inf
+from vsb.motion.bodies import (
+    LinearBody,
+    Memory,
+    body_scene,
+    direction_index,
+    linear_body,
+    together,
+    with_added_mass_inf,
+)
 from vsb.motion.port import combination
 from vsb.motion.pto import LinearPto
 from vsb.motion.system import System
@@ -664,3 +672,31 @@ def test_frequencies_beyond_the_band_are_told_from_the_lowest_to_the_highest():
             match=rf"^frequencies: received {min(asked):.4g} to {max(asked):.4g} rad/s, the database holds 0.5 to 4 rad/s; ",
         ):
             body.coefficients(np.array(asked))
+
+
+@pytest.mark.parametrize("place", ["body", "database", "memory"])
+def test_what_is_held_with_heave_follows_by_the_inertia_of_the_water_too(place):
+    """Of the database, or as the memory was fitted with it: the same start wherever the mass in common stands."""
+    labels = ("Surge", "Heave", "Pitch", "Bending")
+    mass = np.array([[4.0, 0.3, 0.8, 0.0], [0.3, 5.0, 0.0, 0.7], [0.8, 0.0, 6.0, 0.0], [0.0, 0.7, 0.0, 2.0]])
+    own, none = np.diag([1.0, 2.0, 3.0, 1.5]), np.zeros((4, 4))
+    bare = afloat(labels, np.ones(4), np.ones(4))
+    inf = {"body": none, "database": mass - own, "memory": 0.1 * np.eye(4)}[place]
+    ds = bare.database.assign(added_mass_inf=(("influenced_dof", "radiating_dof"), inf))
+    body = linear_body(ds, mass=mass if place == "body" else own, damping=none, stiffness=none)
+    model = RadiationModel(np.array([[-0.5]]), np.array([[1.0, 0.3, 0.0, 0.0]]), np.ones(1))
+    radiation = Memory(model, mass - own) if place == "memory" else None
+    held = ({"Heave": 1.0, "Pitch": -2.0},)
+    scene = body_scene(body, radiation, {}, body_motions("one", BodyDesign(held=held), labels))
+    position, velocity = (scene.motions @ y for y in scene.start(0.3, -0.6))
+    assert position == pytest.approx([-0.8 / 4.0 * 0.15, 0.3, 0.15, 0.0], rel=1e-12, abs=1e-15)
+    assert velocity == pytest.approx(-2 * position)
+
+
+@pytest.mark.parametrize("turn", [0.0, 2 * np.pi, -4 * np.pi])
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_direction_is_one_of_those_there_to_a_millionth(turn, side):
+    known = np.array([0.0, np.pi / 2, -3.0])
+    for place, direction in enumerate(known):
+        assert direction_index(known, direction + turn + 0.9e-6 * side) == place
+        assert direction_index(known, direction + turn + 1.1e-6 * side) is None

@@ -6,6 +6,7 @@ import pytest
 from conftest import SEED
 
 from vsb.study.body import BodyDesign, LocatedBody, located
+from vsb.study.body_file import PHYSICS
 from vsb.study.body_plan import BodyPlan, plan_for
 from vsb.study.campaign_plan import planned
 from vsb.study.canonical import content_id
@@ -253,3 +254,7 @@ def test_every_stage_reads_the_directions_seas_water_and_take_off_of_the_study()
     assert own.radiation.database == content_id(own.database)
     assert (own.radiation.tolerance, own.radiation.added_mass_inf) == (0.01, "fitted")
     assert own.comparison.study == study
+
+
+def test_only_what_is_solved_of_a_mesh_knows_the_version_of_what_solves_it():
+    assert (plan(body={"file": MESHED}).database.solved, plan().database.solved) == (PHYSICS, 0)

@@ -9,6 +9,7 @@ import pytest
 from examples.barge import box
 from vsb.errors import ConfigError
 from vsb.hydro.bodies import apart
+from vsb.hydro.bodies import body as bodies
 from vsb.hydro.bodies.apart import _closed, check_apart
 from vsb.hydro.bodies.body import FlexibleBody, at_centres, joined
 from vsb.hydro.bodies.files import read_body, write_body
@@ -120,3 +121,36 @@ def test_a_small_open_part_is_none_beside_a_large_closed_one():
     area = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]) / 2
     number = np.repeat(np.arange(4), [len(kept) for _, kept in parts])
     assert _closed(SimpleNamespace(triangles=(corner, area, None)), number) == [1, 2]
+
+
+def test_the_panel_that_is_there_twice_is_the_first_of_the_side_they_share():
+    body = two((4.0, 0.0, 0.0))
+    shared = np.flatnonzero(np.isclose(body.centres[:, 0], 2.0))
+    owner = bodies.owners(body.vertices)
+    corners = [tuple(sorted(row)) for row in owner[body.faces].tolist()]
+    first = {corners[k]: k for k in shared[::-1]}
+    assert len(first) == len(shared) / 2
+    with pytest.raises(ConfigError) as error:
+        check_apart(body)
+    told = re.fullmatch(
+        r"mesh: panel (\d+) at \((.*), (.*), (.*)\) is there twice; needs bodies apart, .*", str(error.value)
+    )
+    panel = int(told[1])
+    assert panel in first.values()
+    assert [told[k] for k in (2, 3, 4)] == [f"{value:.4g}" for value in body.centres[panel]]
+
+
+def test_panels_inside_are_counted():
+    """One whole inside the other, and one of which an end is."""
+    inner = box(1.0, 0.8, 0.5, 1)[1]
+    with pytest.raises(ConfigError, match=rf"^mesh: {len(inner)} panels of one part lie inside another, the first at"):
+        check_apart(two((0.2, 0.1, 0.0), (1.0, 0.8, 0.5)))
+    with pytest.raises(ConfigError, match=rf"^mesh: {len(inner)} panels of one part lie inside another, the first at"):
+        check_apart(_swapped(two((0.2, 0.1, 0.0), (1.0, 0.8, 0.5))))
+
+
+def _swapped(body):
+    """The same, its parts the other way round."""
+    first = np.flatnonzero(body.part == 0)
+    order = np.concatenate([np.flatnonzero(body.part == 1), first])
+    return FlexibleBody(body.vertices, body.faces[order], body.labels, body.modes[:, order], body.shapes)

@@ -551,3 +551,44 @@ def test_panels_in_a_lobe_of_a_stretch_are_the_same_on_skewed_triangles(order):
     wavenumber = np.sqrt((slopes**2).sum(axis=1) * area.sum() / square.sum(axis=1))
     expected = np.pi / wavenumber.max() / ((area**1.5).sum() / area.sum())
     assert bodies.panels_per_lobe(body) == pytest.approx(expected, rel=1e-12)
+
+
+def test_normals_into_the_body_are_told_with_the_volume_they_enclose(box):
+    with pytest.raises(
+        ConfigError, match=r"^mesh: encloses -48 m\^3; needs normals that point into the water: flip them$"
+    ):
+        boxed(box, faces=box[1][:, ::-1])
+
+
+@pytest.mark.parametrize("still", [0, 1, 2])
+def test_the_mode_that_moves_no_water_is_named(box, still):
+    """Tangential displacements of a box: what slides along its sides and bottom."""
+    shapes = rigid(box[0])[[0, 2, 4]]
+    modes = at_centres(*box, shapes)
+    modes[still] = np.cross(modes[still], _normals(box))
+    with pytest.raises(ConfigError, match=rf"^modes: Dof{still} moves no water; remove it$"):
+        made(*box, shapes, modes=modes)
+
+
+def _normals(box):
+    corner = box[0][box[1]]
+    return np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_mode_that_draws_water_in_moves_some(box, sign):
+    shapes = sign * np.concatenate([box[0][None], rigid(box[0])[2:3]])
+    assert len(made(*box, shapes).labels) == 2
+
+
+@pytest.mark.parametrize(("declared", "lacking"), [("xOz", "xOz"), ("yOz", None), ("xOz+yOz", "xOz")])
+def test_the_plane_that_lacks_is_named(box, declared, lacking):
+    body = boxed(box, lambda x: x + np.array([0.0, 0.3, 0.0]))
+    assert bodies.detected_symmetry(body) == "yOz"
+    if lacking is None:
+        bodies.check_symmetry(body, declared)
+        return
+    told = f"symmetry {declared}: the panels are not mirrored in the {lacking} plane, or some lie across it; "
+    with pytest.raises(ConfigError) as error:
+        bodies.check_symmetry(body, declared)
+    assert str(error.value) == f"{told}correct the mesh or declare less"

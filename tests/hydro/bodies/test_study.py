@@ -480,6 +480,12 @@ def test_identities_are_measured_by_the_impedances_of_both_motions_or_the_least_
     assert bodystudy.identities(ds, SimpleNamespace(body=one, water=water)) == pytest.approx(expected, rel=1e-9)
 
 
+ORDER = [
+    "error_estimate", "interpolation_error", "one_resolution", "symmetry", "far_field", "haskind", "positive_damping",
+    "panels", "modes", "corners", "rigid_names", "afloat",
+]  # fmt: skip
+
+
 def test_the_verdict_is_on_the_worst_frequency_of_each_identity(body, monkeypatch):
     """First, between and last."""
     monkeypatch.setattr(bodystudy, "error_estimate", lambda *_: 0.0)
@@ -494,6 +500,9 @@ def test_the_verdict_is_on_the_worst_frequency_of_each_identity(body, monkeypatc
     file = BodyFile(body="b", mesh="b.nc", modes="b.nc", omega=[1.0], wave_direction=[0.0])
     found = {check.name: check.value for check in bodystudy.verdict(file, body, infinite, swept, np.ones(3))}
     assert [found[name] for name in ("symmetry", "far_field", "haskind")] == [0.3, 0.4, 0.5]
+    assert list(found) == [name for name in ORDER if name != "interpolation_error"]
+    asked = file.model_copy(update={"tolerance": 0.01})
+    assert [check.name for check in bodystudy.verdict(asked, body, infinite, swept, np.ones(3))] == ORDER
     assert found["one_resolution"] == pytest.approx(0.2)
 
 

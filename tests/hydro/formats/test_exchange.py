@@ -150,3 +150,22 @@ def test_an_interrupted_file_leaves_the_old_one(tmp_path):
         write_h5({"/first": np.ones((1, 1)), "/second": object()}, path)
     assert path.read_text() == "old"
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_one_format_unknown_among_others_is_refused_and_all_that_is_missing_is_named(stored, tmp_path):
+    for formats in (["wamit", "nemoh"], ["nemoh", "bemio"]):
+        with pytest.raises(DatabaseError, match=r"formats: received \[.*\], needs wamit, bemio or both\.$"):
+            export(stored, tmp_path / "out", "buoy", formats)
+    files.save(xr.Dataset(attrs={"title": "none"}), tmp_path / "none.nc")
+    with pytest.raises(DatabaseError, match=r"none\.nc: holds no separate_sweep, spec_id; needs a hydro database"):
+        export(tmp_path / "none.nc", tmp_path / "out", "buoy")
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_length_of_wamits_changes_nothing_of_bemios_file(stored, tmp_path):
+    for length in (1.0, 3.0):
+        export(stored, tmp_path / f"{length:g}", "buoy", length=length)
+    one, other = (read_bemio(tmp_path / folder / "buoy.h5") for folder in ("1", "3"))
+    assert one.identical(other)
+    texts = [(tmp_path / folder / "buoy.hst").read_text().splitlines()[1].split() for folder in ("1", "3")]
+    assert float(texts[0][2]) == pytest.approx(9 * float(texts[1][2]), rel=1e-5)

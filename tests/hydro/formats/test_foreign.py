@@ -848,3 +848,13 @@ def test_what_headings_resolve_only_where_little_is_radiated_is_too_few():
         x[large & (damping[:, 0] < 0.99 * damping[:, 0].max())] *= np.cos(5 * ds.wave_direction.values)[:, None]
 
     assert {"haskind"} <= {check.name for check in foreign_checks(edited(ds, "excitation_force", less))[0]}
+
+
+def test_ring_waves_are_judged_at_the_depth_of_the_run():
+    ds = sound(["Heave"], [0.0], depth=30.0)
+    checks = judged(ds, axisymmetric=True)
+    assert max(checks[name].value for name in HASKIND) < 1e-9
+    assert checks["rank_one"].value < 1e-9
+    deep = judged(ds.assign_attrs(water_depth="inf"), axisymmetric=True)["haskind_long_waves"]
+    assert deep.verdict != "ok"
+    assert float(deep.explanation.rpartition("; ")[2].removesuffix(" m would fit")) == pytest.approx(30.0, rel=0.1)

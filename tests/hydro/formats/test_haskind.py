@@ -96,3 +96,23 @@ def test_a_depth_is_sought_by_the_longest_of_the_waves(omega, given):
     true = 20.0
     ratio = narrowness(given) / narrowness(true)
     assert fitting_depth(ratio, np.array(omega), given, G) == pytest.approx(true, rel=0.06)
+
+
+@pytest.mark.parametrize("depth", [30.0, np.inf])
+def test_of_rings_the_first_heading_counts_at_any_depth(depth):
+    ds = sound(("Heave",), (40.0, 90.0), depth=depth)
+    x = ds.excitation_force.values.copy()
+    x[:, 1] *= 3.0
+    found = haskind_axisymmetric(ds.assign(excitation_force=(ds.excitation_force.dims, x)), **{**FACTS, "depth": depth})
+    np.testing.assert_allclose(found.damping, ds.radiation_damping.values, rtol=1e-9)
+    other = haskind_axisymmetric(ds, depth=depth, density=2 * RHO, gravity=G)
+    np.testing.assert_allclose(2 * other.damping, ds.radiation_damping.values, rtol=1e-9)
+
+
+@pytest.mark.parametrize("depth", [30.0, np.inf])
+def test_headings_around_give_damping_by_density_and_depth(depth):
+    ds = sound(("Surge", "Heave"), depth=depth)
+    for density in (RHO, 3 * RHO):
+        found = haskind_headings(ds, NOTHING, depth=depth, density=density, gravity=G)
+        largest = np.abs(ds.radiation_damping.values).max()
+        np.testing.assert_allclose(density / RHO * found.damping, ds.radiation_damping.values, atol=1e-9 * largest)

@@ -475,3 +475,10 @@ def test_what_is_missing_is_named_all_of_it():
         match=r"^memory: holds no water_density, water_depth, added_mass; needs a complete hydro database",
     ):
         checked(bare, "memory", ("added_mass", "excitation_force"))
+
+
+@pytest.mark.parametrize("names", [("a_", "b"), ("_a", "b"), ("a__b", "c"), ("a-b", "c"), ("b", "a.b"), ("1a", "b")])
+def test_a_name_of_letters_and_numbers_with_single_lines_between_is_one(names):
+    assert body_names(names) == ["body1", "body2"]
+    assert body_names(("a_1_b", "B2", "a")) == ["a_1_b", "B2", "a"]
+    assert body_names(("a", "b", "a")) == ["body1", "body2", "body3"]
