@@ -17,9 +17,11 @@ from examples import barge
 from vsb.cli import main
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro.bodies.files import write_body
-from vsb.stages.body_preview import body_before_run, body_summary, check_wave
+from vsb.stages import body_preview
+from vsb.stages.body_preview import body_before_run, body_summary, check_stored, check_wave
 from vsb.study.body import BodyStudy, located
 from vsb.study.body_plan import BodyPlan
+from vsb.study.canonical import content_id
 from vsb.study.reading import validated
 
 
@@ -270,3 +272,88 @@ def test_every_design_is_looked_at_and_named(tmp_path):
     ):
         check({"port": {"dof": "Heave"}}, {"Heave": -1e8})
     assert check({"port": {"dof": "Surge"}, "stiffness": 2e3}, {"Surge": -1e3}).labels == ("Surge", "Heave")
+
+
+READ = {
+    "study": "raft", "body": {"wamit": "sha256:raft", "length": 2.5}, "designs": {"b": {}, "a": {}}, "pto": {"damping": 1.0},
+    "waves": [{"kind": "regular", "amplitude": 0.5, "period": 7.0}, {"kind": "still"}], "hydro": {"omega_max": 3.0},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", ["wamit", "bemio", "database"])
+def test_a_file_is_read_in_the_water_of_the_study_and_judged_in_its_band(monkeypatch, kind):
+    body = READ["body"] if kind == "wamit" else {kind: "sha256:raft"}
+    own = BodyPlan(located({**READ, "body": body}, "a.yaml").study, files={kind: "run/raft"})
+    seen = []
+
+    def judged(*given):
+        seen.append(given)
+        raise InterruptedError
+
+    monkeypatch.setattr(body_preview, "read_source", lambda *given: seen.append(given) or "found")
+    monkeypatch.setattr(body_preview, "check_water", lambda *given: seen.append(given))
+    monkeypatch.setattr(body_preview, "within_band", lambda *given: given)
+    monkeypatch.setattr(body_preview, "judged", judged)
+    with pytest.raises(InterruptedError):
+        body_before_run(own)
+    length = 2.5 if kind == "wamit" else 1.0
+    water = own.study.water
+    assert seen == [(kind, "run/raft", water, length), (water, "found"), (own.database, ("found", 3.0))]
+
+
+@pytest.mark.parametrize("there", [False, True])
+def test_a_summary_tells_whether_the_database_is_there_and_where_its_numbers_are_from(tmp_path, monkeypatch, there):
+    own = BodyPlan(located(READ, "a.yaml").study, root=str(tmp_path), files={"wamit": "run/raft"})
+    body = SimpleNamespace(labels=("Heave", "Yaw"), database=xr.Dataset(coords={"omega": [0.25, 0.5, 2.0]}))
+    moves = SimpleNamespace(motions={"b": np.eye(2), "a": np.eye(2)[:, :1]})
+    monkeypatch.setattr(body_preview, "body_before_run", lambda plan: body)
+    monkeypatch.setattr(body_preview, "body_afloat", lambda *given: moves)
+    monkeypatch.setattr(
+        body_preview, "seas_checks", lambda *given: [SimpleNamespace(line="one"), SimpleNamespace(line="two")]
+    )
+    if there:
+        Path(own.database_path).parent.mkdir(parents=True)
+        Path(own.database_path).touch()
+    swell, still = (wave.label for wave in own.study.waves)
+    assert body_summary(own) == [
+        f"study        raft: b, a in {swell}, {still}",
+        "body         2 degrees of freedom: Heave, Yaw; b moves in 2, a moves in 1",
+        "hydro        3 frequencies from 0.25 to 2 rad/s, read from run/raft",
+        f"database     {own.database_path}{' (there)' if there else ''}",
+        "one",
+        "two",
+    ]
+
+
+def test_stored_results_are_looked_at_by_their_ids_where_there_are_some(tmp_path, monkeypatch):
+    own = BodyPlan(located(READ, "a.yaml").study, root=str(tmp_path), files={"wamit": "run/raft"})
+    seen = []
+    monkeypatch.setattr(body_preview.database, "load_database", lambda *given: seen.append(given))
+    monkeypatch.setattr(body_preview, "load", lambda *given: seen.append(given))
+    check_stored(own)
+    assert seen == []
+    database, radiation = (own.database_path, content_id(own.database)), (own.radiation_path,)
+    for path, expected in ((own.radiation_path, [radiation]), (own.database_path, [database, radiation])):
+        Path(path).parent.mkdir(parents=True, exist_ok=True)
+        Path(path).touch()
+        seen.clear()
+        check_stored(own)
+        assert seen == expected
+
+
+def test_every_sea_and_every_damper_is_looked_at(tmp_path, monkeypatch):
+    """In their order, each by its number."""
+    vertices, faces = barge.box(30.0, 10.0, 2.0, 1)
+    plan = of_a_box(tmp_path, vertices, faces, SALT)
+    waves = (
+        {"kind": "still"},
+        {"kind": "regular", "amplitude": 0.1, "period": 7.0},
+        {"kind": "regular", "amplitude": 0.1, "period": 6.0},
+    )
+    study = plan.study.model_copy(update={"waves": located({**READ, "waves": list(waves)}, "a.yaml").study.waves})
+    seen = []
+    monkeypatch.setattr(body_preview, "check_wave", lambda i, wave, body: seen.append((i, wave.label, body.labels)))
+    monkeypatch.setattr(body_preview, "check_stored", lambda given: seen.append(given))
+    own = BodyPlan(study, root=plan.root, files=plan.files)
+    body_before_run(own)
+    assert seen == [*((i, wave.label, ("Heave",)) for i, wave in enumerate(study.waves)), own]

@@ -14,8 +14,8 @@ from vsb.errors import ConfigError
 from vsb.hydro import database
 from vsb.hydro.bodies import files as bodyfiles
 from vsb.hydro.bodies import study as bodystudy
-from vsb.hydro.bodies.body import joined
-from vsb.hydro.bodies.coarsening import CoarserBody
+from vsb.hydro.bodies.body import joined, panel_size
+from vsb.hydro.bodies.coarsening import CoarserBody, coarser_body
 from vsb.hydro.bodies.study import BodyProblem
 from vsb.study import blocks
 from vsb.study.body_file import BodyFile
@@ -609,3 +609,134 @@ def test_a_database_holds_the_matrices_its_body_has(body, given):
     assert {name: found.attrs[name] for name in told} == told
     assert found.added_mass_inf.values == pytest.approx(7 * even)
     assert float(found.hydrostatic_stiffness[0, 0]) == pytest.approx(1010.0 * 9.81 * 24.0)
+
+
+def one_frequency(scale, body, omega=1.3):
+    """Coefficients of a body in two directions as a solver returns them, each variable another number."""
+    dof = {"influenced_dof": list(body.labels), "radiating_dof": list(body.labels)}
+    pair, wave = ("omega", *dof), ("omega", "wave_direction", "influenced_dof")
+    n = len(body.labels)
+    matrices = {"added_mass": 1.0, "radiation_damping": 2.0, "far_field_damping": 3.0}
+    forces = {"Froude_Krylov_force": 4.0, "diffraction_force": 5.0j, "haskind_force": 6.0}
+    data = {name: (pair, np.full((1, n, n), scale * value)) for name, value in matrices.items()}
+    data |= {name: (wave, np.full((1, 2, n), scale * value + 0j)) for name, value in forces.items()}
+    return xr.Dataset(data, {"omega": [omega], "wave_direction": [0.0, 0.5], **dof})
+
+
+class Solver:
+    """What is asked of a body in waves, answered by one number."""
+
+    def __init__(self, scale, body):
+        self.scale, self.body, self.asked = scale, body, []
+
+    def at_infinity(self):
+        return xr.Dataset({"added_mass_inf": (("i", "j"), [[7.0 * self.scale]])})
+
+    def solve(self, omega, directions):
+        self.asked.append((omega, directions.tolist()))
+        return one_frequency(self.scale, self.body, omega)
+
+
+@pytest.mark.parametrize("omega", [1.3, np.inf])
+def test_a_block_holds_coefficients_those_on_fewer_panels_and_what_its_own_waves_say(body, monkeypatch, omega):
+    coarse, share = coarser_body(body, ("xOz", "yOz"))
+    own, fewer = Solver(1.0, body), Solver(10.0, coarse)
+    monkeypatch.setattr(
+        bodystudy,
+        "identities",
+        lambda ds, problem: {"symmetry": ds.added_mass.values.max(), "far_field": problem.scale},
+    )
+    spec = {"omega": omega, "wave_direction": [0.0, 90.0]}
+    found = bodystudy._block(own, fewer, share, spec)
+    told = {
+        "resolution_ratio": panel_size(coarse) / panel_size(body),
+        "coarser_share": share,
+        "spec_id": content_id(spec),
+    }
+    assert {name: found.own.attrs[name] for name in told} == told
+    assert told["resolution_ratio"] > 1.2
+    assert json.loads(found.own.attrs["spec"])["wave_direction"] == [0.0, 90.0]
+    assert 0 <= found.own.attrs["seconds"] < 10
+    if np.isinf(omega):
+        assert (float(found.own.added_mass_inf[0, 0]), float(found.fewer.added_mass_inf[0, 0])) == (7.0, 70.0)
+        assert len(found.waves.variables) == 0
+        assert "symmetry" not in found.own.attrs
+        return
+    assert own.asked == fewer.asked == [(1.3, [0.0, pytest.approx(np.pi / 2)])]
+    assert (found.own.attrs["symmetry"], found.own.attrs["far_field"]) == (1.0, 1.0)
+    values = [{name: complex(v.values.flat[0]) for name, v in ds.data_vars.items()} for ds in found]
+    assert values == [
+        {"added_mass": 1.0, "radiation_damping": 2.0, "Froude_Krylov_force": 4.0, "diffraction_force": 5.0j},
+        {"added_mass": 10.0, "radiation_damping": 20.0, "excitation_force": 40.0 + 50.0j},
+        {"radiation_damping": 3.0, "excitation_force": 6.0},
+    ]
+
+
+def test_blocks_are_of_the_body_its_water_its_symmetry_and_its_lid(tmp_path, body, monkeypatch):
+    """Each is solved once, on its own panels and on fewer, under the name of what it is solved from."""
+    monkeypatch.setattr(bodystudy.bem, "stored_green_function", lambda table: f"table in {table}")
+    file = BodyFile(body="b", mesh="-", modes="-", omega=[1.0], lid=2, water={"density": 1010.0, "depth": 30.0})
+    lid, solved = bodystudy.interior_lid(body, 2), []
+
+    def block(problem, fewer, share, spec):
+        solved.append((problem, fewer, share, spec["omega"]))
+        parts = [one_frequency(k, body)[["added_mass"]] for k in (1.0, 2.0, 3.0)]
+        return bodystudy.Block(parts[0].assign_attrs(spec_id=content_id(spec)), *parts[1:])
+
+    monkeypatch.setattr(bodystudy, "_block", block)
+    blocks = bodystudy.Blocks(file, body, "xOz", lid, tmp_path / "blocks", "green")
+    for omega in (1.0, 1.5, 1.0):
+        found = blocks(omega)
+        assert [float(ds.added_mass.values.flat[0]) for ds in found] == [1.0, 2.0, 3.0]
+    again = bodystudy.Blocks(file, body, "none", None, tmp_path / "blocks", "green")
+    assert [float(ds.added_mass.values.flat[0]) for ds in again(1.5)] == [1.0, 2.0, 3.0]
+    assert [each[-1] for each in solved] == [1.0, 1.5]
+    names = {path.stem for path in (tmp_path / "blocks").glob("*.nc")}
+    assert names == {content_id(bodystudy._spec(file, body, omega)) for omega in (1.0, 1.5)}
+    problem, fewer, share, _ = solved[0]
+    assert (problem.green, problem.water, problem.symmetry) == ("table in green", file.water, "xOz")
+    assert problem.body is body
+    assert problem.lid is lid
+    expected, part = problem.coarser()
+    assert share == part
+    assert fewer.body.faces.tolist() == expected.body.faces.tolist()
+    assert len(fewer.body.faces) < len(body.faces)
+
+
+def test_a_body_is_swept_in_the_directions_and_to_the_tolerance_asked_for(tmp_path, body, monkeypatch):
+    seen = {}
+    infinite = bodystudy.Block(xr.Dataset({"added_mass_inf": (("i", "j"), np.diag([4e6, 1.0, 9e6]))}), None, None)
+
+    class Blocks:
+        def __init__(self, *_):
+            self.problem = SimpleNamespace(froude_krylov=lambda omegas, directions: (omegas, directions.tolist()))
+
+        def __call__(self, omega):
+            assert omega == np.inf
+            return infinite
+
+    def swept(blocks, froude_krylov, omega, tolerance, measure):
+        seen["swept"] = (froude_krylov("omegas"), omega, tolerance, measure)
+        return "found"
+
+    monkeypatch.setattr(bodystudy, "Blocks", Blocks)
+    monkeypatch.setattr(bodystudy, "swept", swept)
+    monkeypatch.setattr(bodystudy, "verdict", lambda *given: seen.update(verdict=given) or "checks")
+    monkeypatch.setattr(bodystudy, "_database", lambda *given: seen.update(database=given) or "database")
+    file = BodyFile(
+        body="b", mesh="-", modes="-", omega=[1.0, 1.5], wave_direction=[0.0, 90.0], lid=0, tolerance=0.02,
+        water={"density": 1010.0, "depth": 30.0}, symmetry="xOz",
+    )  # fmt: skip
+    assert bodystudy.solved(file, body, tmp_path) == ("database", "checks")
+    (omegas, directions), omega, tolerance, measure = seen["swept"]
+    assert (omegas, omega, tolerance) == ("omegas", (1.0, 1.5), 0.02)
+    assert directions == measure.directions.tolist() == [0.0, pytest.approx(np.pi / 2)]
+    least = 0.3 * np.sqrt(1010.0 * body.volume * (body.modes[1] ** 2).sum(axis=1).mean())
+    assert measure.size == pytest.approx([2e3, max(1.0, least), 3e3])
+    assert measure.water == file.water
+    study, one, given, found, size = seen["verdict"]
+    assert (study, found) == (file, "found")
+    assert one is body
+    assert given is infinite
+    assert size.tolist() == measure.size.tolist()
+    assert seen["database"] == (file, body, "xOz", infinite, "found", "checks")
