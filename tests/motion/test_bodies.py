@@ -15,6 +15,7 @@ from vsb.hydro.formats.modes import DRY
 from vsb.hydro.passive import sizes
 from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.simulate import simulate
+from vsb.motion import bodies
 from vsb.motion.bodies import (
     LinearBody,
     Memory,
@@ -700,3 +701,28 @@ def test_a_direction_is_one_of_those_there_to_a_millionth(turn, side):
     for place, direction in enumerate(known):
         assert direction_index(known, direction + turn + 0.9e-6 * side) == place
         assert direction_index(known, direction + turn + 1.1e-6 * side) is None
+
+
+def test_a_memory_is_fitted_to_the_samples_of_the_body_as_near_and_with_the_limit_asked_for(monkeypatch):
+    body, asked = afloat(("Heave", "Pitch"), [4.0, 5.0], [9.0, 9.0]), []
+    monkeypatch.setattr(bodies, "fit_passive", lambda *given, **options: asked.append((given, options)))
+    body.memory(0.02)
+    body.memory(1e-4, limit="fitted")
+    assert asked == [((body.samples, 0.02), {"limit": "given"}), ((body.samples, 1e-4), {"limit": "fitted"})]
+
+
+def test_samples_of_radiation_are_those_of_the_database():
+    omega, pair = np.linspace(0.5, 4.0, 8), ("influenced_dof", "radiating_dof")
+    bare = afloat(("Heave", "Pitch"), [4.0, 5.0], [9.0, 9.0])
+    rng = np.random.default_rng(0)
+    added, factor = rng.normal(size=(2, 8, 2, 2))
+    added, damping = added + added.swapaxes(1, 2), factor @ factor.swapaxes(1, 2)
+    ds = bare.database.assign(
+        added_mass=(("omega", *pair), added),
+        radiation_damping=(("omega", *pair), damping),
+        added_mass_inf=(pair, np.diag([1.0, 3.0])),
+    )
+    samples = linear_body(ds, mass=bare.mass, damping=0 * bare.mass, stiffness=0 * bare.mass).samples
+    for found, known in ((samples.omega, omega), (samples.added_mass, added), (samples.damping, damping)):
+        np.testing.assert_array_equal(found, known)
+    np.testing.assert_array_equal(samples.added_mass_inf, np.diag([1.0, 3.0]))

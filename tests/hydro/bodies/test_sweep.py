@@ -322,3 +322,54 @@ def test_what_is_measured_is_undone_in_all_but_round_off():
     assert small.diffraction_force.values == pytest.approx(ds.diffraction_force.values / force, rel=1e-12)
     for name in data:
         assert back[name].values == pytest.approx(ds[name].values, rel=1e-12)
+
+
+def smooth(omega, directions, sizes, centre):
+    """Coefficients of two motions that swing slowly with frequency, of bodies of sizes seen from a place, in closed form."""
+    w = np.asarray(omega)[:, None, None]
+    pair = np.outer(sizes, sizes)
+    added = (2.0 + np.cos(w) + np.array([[0.0, 0.3], [0.3, 0.5]]) * np.sin(0.7 * w)) * pair
+    damping = (1.0 + 0.5 * np.sin(1.3 * w)) * pair
+    k = np.array([wavenumber(float(each), np.inf, SEA.gravity) for each in omega])
+    phase = np.exp(1j * np.outer(k, centre[0] * np.cos(directions) + centre[1] * np.sin(directions)))[..., None]
+    diffracted = phase * (np.cos(0.9 * w) + 0.4j * np.sin(w)) * sizes
+    undisturbed = phase * (1.0 + 0.2j * np.cos(w)) * sizes
+    wave, dof = ("omega", "wave_direction", "influenced_dof"), ["Heave", "Pitch"]
+    matrices = {"added_mass": added, "radiation_damping": damping}
+    forces = {"Froude_Krylov_force": undisturbed, "diffraction_force": diffracted}
+    return xr.Dataset(
+        {name: (("omega", *("influenced_dof", "radiating_dof")), value) for name, value in matrices.items()}
+        | {name: (wave, value) for name, value in forces.items()},
+        {"omega": list(omega), "wave_direction": directions, "influenced_dof": dof, "radiating_dof": dof},
+    )
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-4])
+def test_what_is_not_solved_is_interpolated_in_units_of_the_body_and_turned_back(tolerance):
+    """Sizes of a metre and of a hundred, a body far off the origin: as few solves as the smoothness asks for."""
+    unit, centre, directions = np.array([1.0, 100.0]), np.array([200.0, -100.0, -3.0]), np.deg2rad([0.0, 70.0])
+    omega, asked = np.linspace(0.4, 2.4, 33).tolist(), []
+
+    def solve(w):
+        asked.append(w)
+        own = smooth([w], directions, unit, centre)
+        return Block(own, own, own)
+
+    def froude_krylov(w):
+        return smooth(w, directions, unit, centre).Froude_Krylov_force.values
+
+    measure = Measure(unit, centre, directions, SEA)
+    found = swept(solve, froude_krylov, omega, tolerance, measure)
+    solved = [float(block.own.omega[0]) for block in found.solved]
+    assert solved == sorted(set(asked))
+    assert 3 < len(solved) < 33
+    assert 0 < found.error <= tolerance
+    true = smooth(omega, directions, unit, centre)
+    assert found.coefficients.omega.values.tolist() == omega
+    for name in ("added_mass", "radiation_damping", "Froude_Krylov_force", "diffraction_force"):
+        units = unit if "force" in name else np.outer(unit, unit)
+        missed = np.abs(found.coefficients[name].values - true[name].values) / units
+        assert missed.max() <= 3 * tolerance * (np.abs(true[name].values) / units).max(), name
+    all_of_them = swept(solve, froude_krylov, omega, None, measure)
+    assert (len(all_of_them.solved), all_of_them.error) == (33, 0.0)
+    assert all_of_them.coefficients.added_mass.values == pytest.approx(true.added_mass.values, rel=1e-12)

@@ -1,6 +1,7 @@
 """Any database from any file."""
 
 import pytest
+import xarray as xr
 from hydro.formats.test_capytaine import dataset
 
 from vsb.errors import DatabaseError
@@ -43,3 +44,31 @@ def test_what_wamits_files_do_not_say_is_of_the_study(monkeypatch, length):
     read_source("wamit", "runs/rm3", Water(density=1010.0, gravity=9.7, depth=33.0), length)
     facts = {"density": 1010.0, "gravity": 9.7, "depth": 33.0, "length": length, "labels": None}
     assert seen == [("runs", "rm3", facts)]
+
+
+def test_each_kind_of_file_is_read_as_such(tmp_path, monkeypatch):
+    """A netCDF file is this project's if it says so, else capytaine's."""
+    for name in ("read_bemio", "open_database", "read_capytaine"):
+        monkeypatch.setattr(sources, name, lambda path, name=name: (name, path))
+    own, theirs = str(tmp_path / "own.nc"), str(tmp_path / "theirs.nc")
+    xr.Dataset(attrs={"separate_sweep": 0}).to_netcdf(own)
+    xr.Dataset(attrs={"spec_id": "a"}).to_netcdf(theirs)
+    assert (is_own(own), is_own(theirs)) == (True, False)
+    assert read_source("database", own, Water()) == ("open_database", own)
+    assert read_source("database", theirs, Water()) == ("read_capytaine", theirs)
+    assert read_source("bemio", "a/b.h5", Water(), 2.0) == ("read_bemio", "a/b.h5")
+
+
+def test_a_file_that_is_none_is_refused_with_what_is_needed(tmp_path):
+    (tmp_path / "text.nc").write_text("no netCDF")
+    for name in ("text.nc", "gone.nc"):
+        with pytest.raises(DatabaseError, match=rf"{name}: cannot be read: .*; needs a hydro database as netCDF\.$"):
+            read_source("database", str(tmp_path / name), Water())
+
+
+def test_checks_stored_are_taken_and_others_made(monkeypatch):
+    monkeypatch.setattr(sources, "stored_checks", lambda ds: ["stored", *ds.attrs])
+    monkeypatch.setattr(sources, "foreign_checks", lambda ds: (["made"], ["unseen"]))
+    assert source_checks(xr.Dataset(attrs={"quality": "[]"})) == (["stored", "quality"], [])
+    for other in ({}, {"spec": "{}", "spec_id": "a", "separate_sweep": 0}):
+        assert source_checks(xr.Dataset(attrs=other)) == (["made"], ["unseen"])

@@ -531,3 +531,48 @@ def test_gravity_and_length_are_those_of_the_dry_body_to_a_hundred_thousandth(si
         told = r"rm3\.mmx: of a run with gravity 9\.81 and ULEN 1; received gravity .*, length "
         with pytest.raises(DatabaseError, match=told):
             import_wamit(RM3, "rm3", density=1000.0, **facts)
+
+
+@pytest.mark.parametrize("length", [1.0, 2.5])
+def test_the_head_of_the_dry_body_is_in_wamits_words(length):
+    """Volumes thrice; centres of buoyancy and of mass, as they are whatever ULEN is."""
+    facts = {"displaced_volume": 4.5, "centre_of_buoyancy": [0.1, -0.2, -0.75], "centre_of_mass": [-0.3, 0.4, 0.5]}
+    pair = np.array([[1.0, 2.0], [3.0, 4.0]])
+    dry = {name: (PAIR, k * pair) for k, name in ((1, "inertia_matrix"), (100, "structural_stiffness"))}
+    ds = two_modes(**dry, structural_damping_matrix=(PAIR, 10 * pair)).assign_attrs(facts)
+    assert wamit_texts(ds, "memory", length)[".mmx"].splitlines()[1:] == [
+        "",
+        f" Gravity:  1.000000E+01  Length scale:{length:14.6E}",
+        "",
+        " NBODY =     1       IALTFRC = 2",
+        "",
+        " WAMIT  Ouputs for body N =     1    IALTFRCN = 2",
+        " Volumes (VOLX,VOLY,VOLZ):        4.500000E+00  4.500000E+00  4.500000E+00",
+        " Center of Buoyancy (Xb,Yb,Zb):   1.000000E-01 -2.000000E-01 -7.500000E-01",
+        " Center of Gravity:  (Xg,Yg,Zg)  -3.000000E-01  4.000000E-01  5.000000E-01",
+        "",
+        " External force matrices:",
+        "     I     J      MASS(I,J)      DAMP(I,C)      STIF(I,J)",
+        "     3     3  1.000000E+00  1.000000E+01  1.000000E+02",
+        "     3     7  2.000000E+00  2.000000E+01  2.000000E+02",
+        "     7     3  3.000000E+00  3.000000E+01  3.000000E+02",
+        "     7     7  4.000000E+00  4.000000E+01  4.000000E+02",
+    ]
+    assert set(wamit_texts(ds.drop_vars("inertia_matrix"), "memory")) == {".1", ".3", ".hst"}
+
+
+@pytest.mark.parametrize("length", [1.0, 2.5])
+def test_the_dry_body_written_comes_back_with_what_it_says_of_itself(tmp_path, length):
+    facts = {"displaced_volume": 4.5, "centre_of_buoyancy": [0.1, -0.2, -0.75], "centre_of_mass": [-0.3, 0.4, 0.5]}
+    pair = np.array([[1.0, 2.0], [3.0, -4.0]])
+    names = ("inertia_matrix", "structural_damping_matrix", "structural_stiffness")
+    ds = two_modes(**{name: (PAIR, 10.0**k * pair) for k, name in enumerate(names)}).assign_attrs(facts)
+    back = read_back(tmp_path, ds, length)
+    for k, name in enumerate(names):
+        assert back[name].values.tolist() == (10.0**k * pair).tolist()
+    assert {name: np.asarray(back.attrs[name]).tolist() for name in facts} == facts
+    assert back.attrs["history"] == "read from WAMIT's files buoy"
+    with pytest.raises(
+        DatabaseError, match=r"buoy\.mmx: of a run with gravity 10 and ULEN .*; received gravity 10\.1, length"
+    ):
+        import_wamit(tmp_path, "buoy", density=1000.0, gravity=10.1, length=length)
