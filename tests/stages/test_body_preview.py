@@ -357,3 +357,16 @@ def test_every_sea_and_every_damper_is_looked_at(tmp_path, monkeypatch):
     own = BodyPlan(study, root=plan.root, files=plan.files)
     body_before_run(own)
     assert seen == [*((i, wave.label, ("Heave",)) for i, wave in enumerate(study.waves)), own]
+
+
+def test_what_is_repaired_counts_the_frequencies_that_are_kept(tmp_path):
+    """Twelve in the file, nine of them in the band of the study."""
+    omega = [round(0.4 + 0.1 * k, 1) for k in range(12)]
+    for highest, left in ((1.2, 9), (1.3, 10)):
+        hydro = {"repair": ["kramers_kronig"], "omega_max": highest}
+        plan = of_a_box(tmp_path, *barge.box(30.0, 10.0, 2.0, 1), SALT, {"omega": omega}, hydro)
+        if left == 10:
+            assert body_before_run(plan).database.sizes["omega"] == 10
+            continue
+        with pytest.raises(ConfigError, match=r"^hydro.repair: kramers_kronig needs 10 frequencies, received 9$"):
+            body_before_run(plan)

@@ -1,3 +1,4 @@
+import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -592,3 +593,21 @@ def test_the_plane_that_lacks_is_named(box, declared, lacking):
     with pytest.raises(ConfigError) as error:
         bodies.check_symmetry(body, declared)
     assert str(error.value) == f"{told}correct the mesh or declare less"
+
+
+@pytest.mark.parametrize("name", ["mass", "stiffness", "modes", "shapes", "centre_of_mass"])
+def test_every_array_of_a_body_has_its_shape_and_finite_numbers(box, name):
+    vertices, faces = box
+    shapes = rigid(vertices)[[2, 4]]
+    sound = {"mass": np.eye(2), "stiffness": np.eye(2), "centre_of_mass": CENTRE_OF_MASS}
+    sound |= {"modes": at_centres(vertices, faces, shapes), "shapes": shapes}
+    FlexibleBody(vertices, faces, ("A", "B"), **sound)
+    for value in (np.nan, -np.inf):
+        array = np.array(sound[name], dtype=float)
+        array[(-1,) * array.ndim] = value
+        with pytest.raises(ConfigError, match=f"^{name}: holds NaN or infinite values; needs finite ones$"):
+            FlexibleBody(vertices, faces, ("A", "B"), **sound | {name: array})
+    wrong = np.ones((3, *np.shape(sound[name])[1:])) if name != "centre_of_mass" else np.ones(2)
+    told = f"^{name}: shape {re.escape(str(wrong.shape))}; needs "
+    with pytest.raises(ConfigError, match=told):
+        FlexibleBody(vertices, faces, ("A", "B"), **sound | {name: wrong})

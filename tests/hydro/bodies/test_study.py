@@ -496,13 +496,24 @@ def test_the_verdict_is_on_the_worst_frequency_of_each_identity(body, monkeypatc
         for row in rows
     ]
     infinite = SimpleNamespace(own=SimpleNamespace(attrs={"coarser_share": 0.8}))
-    swept = SimpleNamespace(solved=solved, coefficients=None, error=0.0)
+    swept = SimpleNamespace(solved=solved, coefficients="coefficients", error=0.0)
     file = BodyFile(body="b", mesh="b.nc", modes="b.nc", omega=[1.0], wave_direction=[0.0])
     found = {check.name: check.value for check in bodystudy.verdict(file, body, infinite, swept, np.ones(3))}
     assert [found[name] for name in ("symmetry", "far_field", "haskind")] == [0.3, 0.4, 0.5]
     assert list(found) == [name for name in ORDER if name != "interpolation_error"]
     asked = file.model_copy(update={"tolerance": 0.01})
     assert [check.name for check in bodystudy.verdict(asked, body, infinite, swept, np.ones(3))] == ORDER
+    seen = []
+    monkeypatch.setattr(bodystudy, "error_estimate", lambda *given: seen.append(given) or 0.03)
+    monkeypatch.setattr(bodystudy.quality, "negative_damping", lambda *given: seen.append(given) or 0.004)
+    size = np.array([1.0, 2.0, 3.0])
+    found = {check.name: check.value for check in bodystudy.verdict(file, body, infinite, swept, size)}
+    assert (found["error_estimate"], found["positive_damping"]) == (0.03, 0.004)
+    (blocks, limit, its), (coefficients, pair) = seen
+    assert (blocks, coefficients) == (solved, swept.coefficients)
+    assert limit is infinite
+    assert its is size
+    assert pair.tolist() == np.outer(size, size).tolist()
     assert found["one_resolution"] == pytest.approx(0.2)
 
 

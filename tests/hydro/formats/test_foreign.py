@@ -858,3 +858,25 @@ def test_ring_waves_are_judged_at_the_depth_of_the_run():
     deep = judged(ds.assign_attrs(water_depth="inf"), axisymmetric=True)["haskind_long_waves"]
     assert deep.verdict != "ok"
     assert float(deep.explanation.rpartition("; ")[2].removesuffix(" m would fit")) == pytest.approx(30.0, rel=0.1)
+
+
+@pytest.mark.parametrize("apart", [0, 1, 2, 3, 5])
+def test_spikes_of_added_mass_and_damping_are_one_where_they_are_neighbours_to_either_side(apart):
+    """A resonance between two frequencies shows in both at one of them, or at one each."""
+    found = []
+    for side in (1, -1):
+        ds = sound()
+        size, at = 0.5 * np.median(ds.added_mass.values[:, 1, 1]), 30 + side * apart
+
+        def heavy(a, size=size):
+            a[30, 1, 1] += size
+
+        def wavy(b, size=size, at=at, omega=ds.omega.values):
+            b[at, 1, 1] += size * omega[at]
+
+        found.append(
+            judged(edited(edited(ds, "added_mass", heavy), "radiation_damping", wavy))["irregular_frequencies"]
+        )
+    assert {check.verdict for check in found} == {"doubt" if apart < 2 else "fail"}
+    assert {"of one without the other" in check.explanation for check in found} == {apart >= 2}
+    assert found[0].value == pytest.approx(found[1].value, rel=0.05)

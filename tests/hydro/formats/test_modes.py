@@ -482,3 +482,18 @@ def test_a_name_of_letters_and_numbers_with_single_lines_between_is_one(names):
     assert body_names(names) == ["body1", "body2"]
     assert body_names(("a_1_b", "B2", "a")) == ["a_1_b", "B2", "a"]
     assert body_names(("a", "b", "a")) == ["body1", "body2", "body3"]
+
+
+@pytest.mark.parametrize("name", ["added_mass", "hydrostatic_stiffness", "structural_stiffness"])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_no_coefficient_is_beyond_reason_whatever_its_sign(name, sign):
+    ds = flexible()
+    values = ds[name].values.copy()
+    for size in (1e40, 1.01e40):
+        values[..., 2, 1] = sign * size
+        wrong = ds.assign({name: (ds[name].dims, values.copy())})
+        if size == 1e40:
+            checked(wrong, "memory")
+            continue
+        with pytest.raises(DatabaseError, match=rf"^memory: {name} holds 1\.01e\+40; no body has that\.$"):
+            checked(wrong, "memory")

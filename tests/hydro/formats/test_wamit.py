@@ -576,3 +576,13 @@ def test_the_dry_body_written_comes_back_with_what_it_says_of_itself(tmp_path, l
         DatabaseError, match=r"buoy\.mmx: of a run with gravity 10 and ULEN .*; received gravity 10\.1, length"
     ):
         import_wamit(tmp_path, "buoy", density=1000.0, gravity=10.1, length=length)
+
+
+@pytest.mark.parametrize("pair", [(3, 9), (9, 3), (5, 10), (8, 4)])
+def test_modes_that_restore_with_those_of_another_six_on_one_side_of_the_matrix_are_no_rigid_body(pair):
+    numbers = list(range(1, 13))
+    stiffness = np.diag([1.0 if mode in (3, 4, 5, 9, 10, 11) else 0.0 for mode in numbers])
+    with pytest.raises(DatabaseError, match="restore in heave, roll or pitch"):
+        _check_one_body("raft", numbers, stiffness)
+    stiffness[pair[0] - 1, pair[1] - 1] = -0.1
+    _check_one_body("raft", numbers, stiffness)

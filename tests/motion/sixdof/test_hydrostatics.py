@@ -211,3 +211,13 @@ def test_the_torque_is_that_of_buoyancy_at_the_centre_of_buoyancy():
     force = Hydrostatic(FULL, RHO, G)(0.0, state)
     np.testing.assert_allclose(force[3:6], expected, atol=1e-11 * np.abs(buoyancy).max())
     assert np.abs(expected).max() > 100.0
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.05, 0.7, np.pi / 2, 3.1])
+@pytest.mark.parametrize("part", [-0.995, -0.95, 0.95, 0.995])
+def test_a_sphere_all_but_out_of_the_water_or_in_it_obeys_archimedes(part, tilt):
+    """A small cap is wet, or dry, about any point of it: its circle crosses a meridian twice within a few degrees."""
+    height = part * DEVICE.radius
+    force, scale = Hydrostatic(RIGID, RHO, G)(0.0, at(height, tilt, RIGID)), RHO * G * cap(-9.0)
+    np.testing.assert_allclose(force[:3], [0.0, 0.0, RHO * G * cap(height)], rtol=1e-9, atol=1e-12 * scale)
+    np.testing.assert_allclose(force[3:], 0.0, atol=1e-12 * scale)
