@@ -1,5 +1,8 @@
 """Cummins' convolution: second order, memory of the whole past."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from integrators.test_exact import CALM, damped, oscillator
@@ -75,3 +78,20 @@ def test_convolution_of_coupled_motions_in_waves_is_second_order(motions, stiff)
         assert found.memory.shape == (count + 1, 0)
     slopes = np.diff(np.log(errors), axis=0) / np.log(0.5)
     assert np.all(np.abs(slopes - 2.0) < 0.15), slopes
+
+
+def test_what_is_not_linear_or_remembers_twice_is_refused():
+    memory = RadiationMemory(COUPLED)
+    forces = {"hydrostatic": Spring(np.diag([50.0, 20.0])), "radiation": memory}
+    scene = Scene(("Heave", "Pitch"), np.diag([2.0, 1.5]), forces, np.eye(2))
+    time, start = np.linspace(0.0, 1.0, 11), (np.zeros(2), np.zeros(2))
+    assert not convolve(System.of(scene), COUPLED, time, start).position.any()
+    twice = replace(scene, forces={**forces, "chamber": memory})
+    with pytest.raises(
+        ValueError, match=r"^convolution: received forces that remember besides radiation, needs none; use"
+    ):
+        convolve(System.of(twice), COUPLED, time, start)
+    with pytest.raises(
+        ValueError, match=r"^convolution: received nonlinear forces, needs a linear scene; use `integrate`"
+    ):
+        convolve(SimpleNamespace(linear=False, scene=scene), COUPLED, time, start)

@@ -3,7 +3,9 @@
 import random
 import re
 import struct
+import sys
 import warnings
+from contextlib import nullcontext
 from types import SimpleNamespace
 
 import meshio
@@ -400,3 +402,39 @@ def test_matrices_and_centres_of_a_body_come_back_from_its_file(tmp_path):
     heave = made(*BOX, shapes[:1], LABELS[:1], centre_of_mass=None)
     files.write_body(heave, tmp_path / "box.nc")
     assert files.read_body(tmp_path / "box.nc", tmp_path / "box.nc").centre_of_mass is None
+
+
+@pytest.mark.parametrize(
+    ("error", "reason"),
+    [
+        (MemoryError("much"), "it announces more than it holds"),
+        (SystemExit(), "SystemExit"),
+        (KeyError(), "KeyError"),
+        (ValueError("two\n  lines"), "two lines"),
+        (OSError("x" * 300), "x" * 200),
+    ],
+)
+def test_whatever_a_library_makes_of_a_mesh_is_one_line(tmp_path, monkeypatch, capfd, error, reason):
+    def broken(path):
+        print("what is not heard")
+        print("nor this", file=sys.stderr)
+        raise error
+
+    (tmp_path / "a.vtk").touch()
+    monkeypatch.setattr(files, "_panels", broken)
+    with pytest.raises(ConfigError) as refused:
+        files.read_mesh(tmp_path / "a.vtk")
+    path = tmp_path / "a.vtk"
+    assert str(refused.value) == f"{path}: cannot be read as a mesh ({reason}); needs a format of meshio or netCDF"
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("size", [0, 1000])
+def test_a_file_may_take_as_much_memory_and_time_as_it_is_large(tmp_path, monkeypatch, size):
+    (tmp_path / "a.vtk").write_bytes(bytes(size))
+    given = []
+    for name in ("bounded_memory", "bounded_time"):
+        monkeypatch.setattr(files, name, lambda most: given.append(most) or nullcontext())
+    monkeypatch.setattr(files, "_panels", lambda path: (np.eye(3), np.array([[0, 1, 2, 2]])))
+    files.read_mesh(tmp_path / "a.vtk")
+    assert given == [2**30 + 200 * size, pytest.approx(20.0 + 2e-5 * size, rel=1e-12)]

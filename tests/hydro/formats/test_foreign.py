@@ -880,3 +880,20 @@ def test_spikes_of_added_mass_and_damping_are_one_where_they_are_neighbours_to_e
     assert {check.verdict for check in found} == {"doubt" if apart < 2 else "fail"}
     assert {"of one without the other" in check.explanation for check in found} == {apart >= 2}
     assert found[0].value == pytest.approx(found[1].value, rel=0.05)
+
+
+@pytest.mark.parametrize("part", [1.2, 0.8])
+def test_a_mode_resolved_in_long_waves_alone_counts_among_them(monkeypatch, part):
+    """Surge where it radiates less than eight per cent of its largest; heave, as it should be, everywhere."""
+    ds = sound(("Surge", "Heave"))
+    own = np.einsum("wii->wi", ds.radiation_damping.values)
+    share = own[:, 0] / own[:, 0].max()
+    first = int((share > 0.03).argmax())
+    assert share[first] < 0.08
+    resolved = np.stack([share < 0.08, np.ones(len(share), dtype=bool)], axis=1)
+    damping = ds.radiation_damping.values.copy()
+    damping[first, 0, 0] *= part
+    monkeypatch.setattr(foreign, "haskind_headings", lambda *_, **__: Haskind(damping, resolved))
+    found = judged(ds)["haskind_long_waves"]
+    assert found.value == pytest.approx(0.2, rel=1e-9)
+    assert f"most at {ds.omega.values[first]:.4g} rad/s in Surge" in found.explanation
