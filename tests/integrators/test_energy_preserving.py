@@ -1,5 +1,7 @@
 """Structure-preserving steps: order, energy and passivity at any step size, agreement with exact and exponential."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from conftest import HERE, only_run, varied
@@ -274,3 +276,148 @@ def test_a_place_a_thousand_radii_away_is_beyond_any_shell(scene, way):
     near, far = (gauss.added.py_func(r, np.zeros(1), np.array([[share * away]])) for share in (0.999, 1.001))
     assert np.isfinite(near).all()
     assert np.isinf(far).all()
+
+
+# inside a step -------------------------------------------------------------------------------------------------------
+
+
+def test_places_newtons_method_asks_for_are_on_either_side_of_the_nodes():
+    """First the nodes, then all of them moved along each coordinate, then back along each."""
+    p, time = np.arange(12.0).reshape(4, 3), np.array([0.1, 0.2, 0.4, 0.7])
+    places, times = gauss._places.py_func(p, time, 0.25, True)
+    sides = [p, *(p + 0.25 * unit for unit in np.eye(3)), *(p - 0.25 * unit for unit in np.eye(3))]
+    np.testing.assert_array_equal(places, np.concatenate(sides))
+    np.testing.assert_array_equal(times, np.tile(time, 7))
+    places, times = gauss._places.py_func(p, time, 0.25, False)
+    np.testing.assert_array_equal(places, p)
+    np.testing.assert_array_equal(times, time)
+
+
+def stepped(nodes=4, free=2, seed=3):
+    """A step whose matrices are random, what is known of the positions at its nodes, and what pushes there."""
+    rng = np.random.default_rng(seed)
+    forced = rng.normal(size=(nodes * free, nodes * free))
+    none = np.zeros((0, 0))
+    return gauss.Step(0.3, none, forced, none, none), rng.normal(size=nodes * free), rng.normal(size=(nodes, free))
+
+
+def law(time, p):
+    """A force of two coordinates, each of which feels the other, and of time."""
+    return np.stack([np.sin(p[:, 0]) + 0.3 * p[:, 1] ** 2 + time, p[:, 0] * p[:, 1] - np.cos(2 * p[:, 1])], axis=1)
+
+
+def test_the_tangent_is_the_derivative_of_what_is_missing():
+    """By what n at any node and of any coordinate does to the positions at all others."""
+    step, carried, push = stepped()
+    time, n, moved = np.array([0.1, 0.2, 0.4, 0.7]), np.ones((4, 2)), 1e-5
+
+    def missing(n):
+        return (law(time, (carried + step.forced @ n.ravel()).reshape(4, 2)) + push - n).ravel()
+
+    places, times = gauss._places.py_func((carried + step.forced @ n.ravel()).reshape(4, 2), time, moved, True)
+    found = gauss._tangent.py_func(step, law(times, places)[4:], moved, 4, 2)
+    for k, unit in enumerate(np.eye(8)):
+        slope = (missing(n + 1e-5 * unit.reshape(4, 2)) - missing(n - 1e-5 * unit.reshape(4, 2))) / 2e-5
+        np.testing.assert_allclose(found[:, k], slope, atol=1e-8)
+
+
+def solved(monkeypatch, force, step, carried, push, first):
+    """Last change and n of a step, and the places at the nodes that were asked for, by how many at once."""
+    asked = []
+
+    def added(r, time, p):
+        asked.append((len(p) // len(first), p[: len(first)].copy()))
+        return force(time, p)
+
+    monkeypatch.setattr(gauss, "added", added)
+    for name in ("_places", "_tangent"):
+        own = getattr(gauss, name)
+        monkeypatch.setattr(gauss, name, getattr(own, "py_func", own))  # compiled for this alone it takes seconds
+    n, time = first.copy(), np.linspace(0.1, 0.4, len(first))
+    change = gauss.settled.py_func(None, step, time, carried, push, n, 2.0)
+    return change, n, asked, time
+
+
+@pytest.mark.parametrize("strength", [1e-3, 0.3, 5.0])
+def test_a_step_is_met_by_substitution_where_that_is_quick_and_else_by_newtons_method(monkeypatch, strength):
+    """Newton's method begins where the step did, not where substitution went. A spring that hardens, against its n."""
+    step, carried, push = stepped()
+    step = step._replace(forced=step.forced @ step.forced.T)
+
+    def force(time, p):
+        return -strength * (p + p**3 / (1 + p**2)) - time[:, None]
+
+    first = np.full((4, 2), 0.25)
+    change, n, asked, time = solved(monkeypatch, force, step, carried, push, first)
+    assert change < gauss.STALLED
+    places = (carried + step.forced @ n.ravel()).reshape(4, 2)
+    np.testing.assert_allclose(n, force(time, places) + push, rtol=1e-8, atol=1e-9)
+    newton = [at for count, at in asked if count > 1]
+    assert bool(newton) == (strength > 0.1)
+    if newton:
+        np.testing.assert_array_equal(newton[0], asked[0][1])
+
+
+def test_what_a_step_begins_with_is_no_part_of_its_answer(monkeypatch):
+    """A linear force is met by one Newton step from anywhere."""
+    step, carried, push = stepped()
+    matrix = np.array([[3.0, -1.0], [2.0, 4.0]])
+    exact = np.linalg.solve(
+        np.eye(8) - np.kron(np.eye(4), matrix.T) @ step.forced, (carried.reshape(4, 2) @ matrix + push).ravel()
+    )
+    for first in (np.zeros((4, 2)), np.arange(8.0).reshape(4, 2)):
+        change, n, asked, _ = solved(monkeypatch, lambda _, p: p @ matrix, step, carried, push, first)
+        np.testing.assert_allclose(n.ravel(), exact, rtol=1e-8)
+        assert change < gauss.STALLED
+        assert len(asked) < 12
+
+
+def test_the_step_that_is_not_solved_is_told_by_its_begin(monkeypatch):
+    """The fourth of steps of a quarter second from 4 s on begins at 4.75 s."""
+    flat = SimpleNamespace(
+        check_compiled=lambda: None, matrix=np.zeros((2, 2)), free=1, remainder=SimpleNamespace(round_off=0.0),
+        least=1e-6, push=lambda time: np.zeros((len(time), 1)),
+    )  # fmt: skip
+    monkeypatch.setattr(gauss, "_march", lambda *given: 3)
+    words = r"^a step of 0\.25 s at t = 4\.75 s: its equations are not solved in 40 Newton iterations, needs a shorter"
+    with pytest.raises(ConvergenceError, match=words):
+        gauss.GaussIntegrator(flat).run(np.zeros(2), np.array([4.0, 4.5, 5.0]), 2)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize(("share", "steps"), [(0.99, 8 * 3), (1.01, 16 * 3)])
+def test_steps_are_halved_until_a_fifteenth_of_the_difference_is_within_the_tolerance(monkeypatch, share, steps, way):
+    """Of the largest norm of a state, here 5; steps too long to be solved are passed over."""
+    tolerance, asked = 1e-3, []
+
+    def run(self, first, time, substeps):
+        asked.append(substeps)
+        if substeps < 4:
+            raise ConvergenceError("too long")
+        error = {4: 0.0, 8: way * share, 16: way * share}[substeps] * 15 * 5.0 * tolerance
+        return np.array([[0.0, 0.0], [3.0, -4.0], [1.0, 0.0], [0.0, -2.0 + error]])
+
+    monkeypatch.setattr(gauss.GaussIntegrator, "run", run)
+    monkeypatch.setattr(gauss.GaussIntegrator, "motion", lambda self, time, states, seconds: states)
+    still = SimpleNamespace(first=lambda start: np.zeros(2), least=1e-9)
+    _, found = structure_preserving(still, np.linspace(0.0, 3.0, 4), (), tolerance)
+    assert found == steps
+    assert asked == [1, 2, 4, 8, 16][: len(asked)]
+
+
+def test_a_motion_below_what_matters_is_measured_against_that(monkeypatch):
+    """Its own largest norm is 1e-3, what matters 1."""
+    monkeypatch.setattr(gauss.GaussIntegrator, "run", lambda *given: np.array([[1e-3, 0.0], [0.0, 1e-3 / given[-1]]]))
+    monkeypatch.setattr(gauss.GaussIntegrator, "motion", lambda self, time, states, seconds: states)
+    still = SimpleNamespace(first=lambda start: np.zeros(2), least=1.0)
+    assert structure_preserving(still, np.array([0.0, 1.0]), (), 0.5e-3 / 15 * 1.01)[1] == 2
+    assert structure_preserving(still, np.array([0.0, 1.0]), (), 0.5e-3 / 15 * 0.99)[1] == 4
+
+
+def test_what_is_not_known_to_the_tolerance_is_told_with_both(monkeypatch):
+    """Of the last two of all steps tried: they differ by 15/1024 of a norm of 2."""
+    monkeypatch.setattr(gauss.GaussIntegrator, "run", lambda *given: np.array([[2.0], [15 * 2.0 / given[-1]]]))
+    still = SimpleNamespace(first=lambda start: np.zeros(1), least=0.0)
+    words = r"steps of 0\.00049 s: the motion is known to 9\.8e-04, needs 1e-09; raise simulation.tolerance"
+    with pytest.raises(ConvergenceError, match=words):
+        structure_preserving(still, np.array([1.0, 1.5]), (), 1e-9)

@@ -7,14 +7,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from conftest import compiled_motion, labelled, only_run, varied
+from scipy.linalg import expm
 
 from vsb.errors import ConvergenceError
 from vsb.integrators.audit import energies, residual
+from vsb.integrators.energy_preserving import structure_preserving
 from vsb.integrators.exponential import ExponentialIntegrator, integrate
-from vsb.integrators.exponential_steps import EVALUATIONS, HISTORY, KEPT, STEPS, TICK, march
+from vsb.integrators.exponential_steps import EVALUATIONS, HISTORY, KEPT, PROBE, STEPS, TICK, march
 from vsb.integrators.simulate import simulate
 from vsb.motion.scene import Scene
-from vsb.motion.system import System
+from vsb.motion.system import Remainder, System
 from vsb.results.power import merit
 from vsb.scenes.build import assumed_pressure_design
 from vsb.waves.seas import NO_WAVES
@@ -227,3 +229,90 @@ def test_errors_add_up_until_the_slowest_mode_forgets_or_the_motion_ends(rates, 
     """What does not decay forgets nothing."""
     method = ExponentialIntegrator(SimpleNamespace(matrix=np.diag(rates)), 0.1)
     assert method.horizon(duration) == pytest.approx(horizon, rel=1e-12)
+
+
+def with_waves(omega, on_shell):
+    """A system whose linear waves, two motions wide, and waves on the wet shell are at some frequencies."""
+    water = Remainder(*[None] * len(Remainder._fields))._replace(waves=SimpleNamespace(omega=np.array(on_shell)))
+    waves = (np.arange(2.0 * len(omega)) * (1 - 2j)).reshape(-1, 2)
+    return SimpleNamespace(remainder=water, omega=np.array(omega), waves=waves)
+
+
+def test_linear_waves_join_those_on_the_wet_shell_each_its_own():
+    """There they stand by frequency, and time is counted from the begin of the run."""
+    system = with_waves([2.5, 0.7, 1.6], [0.7, 1.6, 2.5])
+    found = ExponentialIntegrator(system, 0.1, 7.5).remainder
+    np.testing.assert_array_equal(found.diffraction, system.waves[[1, 2, 0]])
+    assert found.begin == 7.5
+    assert ExponentialIntegrator(with_waves([], [0.7]), 0.1).remainder.diffraction.shape == (0, 2)
+
+
+def test_linear_waves_of_another_sea_than_those_on_the_wet_shell_are_refused():
+    for on_shell in ([0.7, 1.6], [0.7, 1.6, 2.6]):
+        with pytest.raises(
+            ValueError, match=r"^exponential steps: received linear waves unlike those on the wet shell"
+        ):
+            _ = ExponentialIntegrator(with_waves([2.5, 0.7, 1.6], on_shell), 0.1).remainder
+
+
+@pytest.fixture(scope="module")
+def oscillating():
+    """The linear part of a system of two motions and a memory."""
+    rng = np.random.default_rng(2)
+    matrix = rng.normal(size=(5, 5)) * np.array([1.0, 40.0, 1.0, 1.0, 1.0])
+    return SimpleNamespace(matrix=matrix, input=np.eye(5, 2, -2), free=2, least=0.5)
+
+
+@pytest.mark.parametrize("level", [-6, -1, 0, 3])
+def test_matrices_of_a_step_are_those_of_its_own_size_of_its_probe_and_of_a_record(oscillating, level):
+    """From whichever level on; those found before stay as they are."""
+    method = ExponentialIntegrator(oscillating, 0.02)
+    for at in (1, level, -2, level):
+        step, d = method.step(at), 0.02 * 2.0**at
+        assert step.spacing == d
+        size = np.abs(expm(d * oscillating.matrix)).max()
+        np.testing.assert_allclose(step.free, expm(d * oscillating.matrix).T, atol=1e-11 * size)
+        probe = expm(PROBE * d * oscillating.matrix)[:2].T
+        np.testing.assert_allclose(step.probe_free, probe, atol=1e-11 * size)
+        np.testing.assert_allclose(step.record_free, expm(0.02 * oscillating.matrix).T, atol=1e-12)
+
+
+@pytest.mark.parametrize(("first", "largest"), [([0.3, 0.0, 0.0, -0.4, 1.2], 1.3), ([0.1, 0.0, 0.0, 0.0, 0.0], 0.5)])
+def test_a_run_begins_with_short_steps_at_rest_or_not_and_adds_up_what_it_took(
+    oscillating, monkeypatch, first, largest
+):
+    """What it may err by is measured against the largest state, no less than what matters."""
+    changes, asked = iter([1, 1, -1, 0]), []
+
+    def march(r, step, dt, level, tolerance, horizon, z, past, places, counters, levels, out, pushes):
+        if not asked:
+            assert counters.tolist() == [0, 0, 0, 0, HISTORY]
+            assert levels.tolist() == pytest.approx([largest, 0.0, 1e-3 * largest])
+            assert (z.tolist(), out[0].tolist(), pushes[0].tolist()) == (first, first, [7.0, 7.0])
+            assert (past.shape, places.shape, out.shape, pushes.shape) == ((HISTORY, 2), (HISTORY, 2), (4, 5), (4, 2))
+        asked.append((level, step.spacing, dt, tolerance, horizon))
+        counters[STEPS : EVALUATIONS + 1] += [3, 5]
+        return next(changes)
+
+    def remainder(r, t, p, out):
+        assert (t, p.tolist()) == (0.0, first[:2])
+        out[:] = 7.0
+
+    monkeypatch.setattr("vsb.integrators.exponential.march", march)
+    monkeypatch.setattr("vsb.integrators.exponential.remainder", remainder)
+    monkeypatch.setattr(ExponentialIntegrator, "remainder", None)
+    method = ExponentialIntegrator(oscillating, 0.02)
+    run = method.run(np.array(first), 4, 1e-3)
+    horizon = method.horizon(3 * 0.02)
+    assert asked == [(level, 0.02 * 2.0**level, 0.02, 1e-3, horizon) for level in (-1, 0, 1, 0)]
+    assert (run.steps, run.evaluations) == (12, 21)
+
+
+@pytest.mark.parametrize("follow", [integrate, structure_preserving])
+def test_forces_that_compiled_steps_do_not_know_are_refused_before_anything_is_done(follow):
+    def refuse():
+        raise ValueError("unknown to compiled steps")
+
+    system = SimpleNamespace(check_compiled=refuse, first=lambda start: np.zeros(2))
+    with pytest.raises(ValueError, match="unknown to compiled steps"):
+        follow(system, np.linspace(0.0, 1.0, 3), (), 1e-6)

@@ -8,7 +8,7 @@ from scipy.integrate import quad_vec
 from scipy.linalg import expm
 
 from vsb.integrators import exponential_steps
-from vsb.integrators.exponential_steps import HISTORY, KEPT, PAST, step_matrices
+from vsb.integrators.exponential_steps import HISTORY, KEPT, PAST, PROBE, STARTS, step_matrices
 from vsb.integrators.phi import phi_integrals
 
 A = np.array([[0.0, 3.0], [-3.0, -0.4]])
@@ -75,3 +75,140 @@ def test_what_forces_do_between_nodes_counts_as_error_of_a_step(monkeypatch, bet
     np.testing.assert_allclose(out[1], expm(dt * A) @ START if accepted else 0.0, atol=1e-13)
     if accepted:
         np.testing.assert_allclose(levels, [1.5, between, (1 - between) * limit], rtol=1e-12, atol=0.0)
+
+
+# the start -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def pushed(monkeypatch):
+    """Function n(t, p) -> what it is asked, (t, p) by (t, p), as the compiled steps would ask the water."""
+
+    def by(n):
+        asked = []
+
+        def remainder(r, t, p, out):
+            asked.append((t, p.copy()))
+            out[:] = n(t, p)
+
+        monkeypatch.setattr(exponential_steps, "remainder", remainder)
+        return asked
+
+    return by
+
+
+def started(step, t, limit):
+    """Evaluations of a start, or -1, and the past it found."""
+    past = np.full((HISTORY, step.forced.shape[1]), 7.0)
+    with np.errstate(all="ignore"):  # as compiled steps do
+        return exponential_steps._started.py_func(None, step, t, START, limit, past), past
+
+
+def test_the_past_of_a_start_continues_backwards_what_its_first_steps_find(pushed):
+    """Of a push of time alone a polynomial: found in one turn, confirmed by another and one step more."""
+    d, t = 0.1, 2.0
+    course = np.polynomial.Polynomial([0.3, -2.0, 1.5, 4.0])
+    asked = pushed(lambda at, p: course(at - t))
+    made, past = started(steps(d), t, 1e-6)
+    assert made == len(asked) == 2 + 2 * PAST
+    np.testing.assert_allclose(past[:KEPT, 0], course(-d * np.arange(KEPT)), atol=1e-11)
+    turn = t + d * np.arange(1, KEPT)
+    np.testing.assert_allclose([at for at, _ in asked], [t, *turn, *turn, t + KEPT * d], rtol=1e-14)
+    for at, p in asked[-1 - PAST :]:  # along the exact motion
+        assert p[0] == pytest.approx(exact(course, at - t)[0], abs=1e-12)
+
+
+@pytest.mark.parametrize(("share", "made"), [(0.9, 2 + PAST), (1.1, -1)])
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_start_whose_next_value_is_not_foreseen_is_refused(pushed, share, made, way):
+    """A push that is nothing but at the first instant beyond the start: what it errs by is a tenth of the limit."""
+    d, limit = 0.1, 1e-6
+    step = steps(d)
+    jump = way * share * 0.1 * limit / np.linalg.norm(step.missed[0])
+    pushed(lambda t, p: jump * (t > (KEPT - 0.5) * d))
+    assert started(step, 0.0, limit)[0] == made
+
+
+@pytest.mark.parametrize(("worse", "turns"), [(lambda n: (-1.0) ** n, STARTS), (lambda n: np.inf, 1)])
+def test_a_start_that_does_not_settle_is_given_up(pushed, worse, turns):
+    """After its turns, or at once where nothing is finite any more."""
+    asked = pushed(lambda t, p: worse(len(asked)) if t else 0.0)
+    assert started(steps(0.1), 0.0, 1e-9)[0] == -1
+    assert len(asked) == 1 + turns * PAST
+
+
+# between the nodes ---------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def coupled():
+    """A step of two coordinates with a memory, and the integrals it is made of."""
+    rng = np.random.default_rng(8)
+    a, b, d = rng.normal(size=(5, 5)), np.eye(5, 2, -2), 0.15
+    return step_matrices(*(phi_integrals(a, b, span, KEPT + 1) for span in (d, PROBE * d, d / 2)), 2), a, b
+
+
+def unseen(coupled, pushed, share, extra=0.0):
+    """Error and evaluations of a step from t = 3 on whose position leaves that of the nodes by a share of the limit."""
+    step, a, b = coupled
+    rng, t, limit, d = np.random.default_rng(9), 3.0, 1e-3, step.spacing
+    z, tangent, courses = rng.normal(size=5), rng.normal(size=(2, 2)), rng.normal(size=(KEPT, 2))
+
+    def push(s):
+        return np.polynomial.polynomial.polyval(s / d, courses)
+
+    asked = pushed(lambda at, p: push(at - t) + extra)
+    nodes = np.array([push(d * (1 - i)) for i in range(KEPT)])
+    forced = quad_vec(lambda s: expm((PROBE * d - s) * a) @ b @ push(s), 0.0, PROBE * d, epsabs=1e-14)[0]
+    position = (expm(PROBE * d * a) @ z + forced)[:2]
+    stray = np.array([0.3, -1.1])
+    stray *= share * 0.2 * limit / np.linalg.norm((tangent @ stray) @ step.corrected)
+    places = np.tile(position - stray, (KEPT, 1))
+    r = SimpleNamespace(tangent=tangent)
+    return exponential_steps._unseen.py_func(r, step, t, z, nodes, places, limit), asked, position
+
+
+@pytest.mark.parametrize("share", [0.0, 0.9])
+def test_a_position_between_the_nodes_that_fits_them_needs_no_evaluation(coupled, pushed, share):
+    """What the tangent makes of the difference is below a fifth of the limit."""
+    found, asked, _ = unseen(coupled, pushed, share, extra=1.0)
+    assert found == (0.0, 0)
+    assert not asked
+
+
+def test_forces_are_asked_where_and_when_a_step_is_between_its_nodes(coupled, pushed):
+    """There a push that is the polynomial through the nodes errs by nothing, another by what it leaves that."""
+    (error, looked), ((at, place),), position = unseen(coupled, pushed, 1.1)
+    assert (looked, at) == (1, 3.0 + PROBE * coupled[0].spacing)
+    np.testing.assert_allclose(place, position, rtol=1e-12)
+    assert error == pytest.approx(0.0, abs=1e-13)
+    away = np.array([0.2, -0.5])
+    (error, looked), *_ = unseen(coupled, pushed, 1.1, away)
+    assert (error, looked) == (pytest.approx(np.linalg.norm(away @ coupled[0].corrected), rel=1e-10), 1)
+
+
+# records -------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("longest", "filled"), [(9, 3), (6, 2)])
+def test_records_inside_a_step_are_those_of_the_motion_as_far_as_there_are_any(longest, filled):
+    """A step of four records of 0.05 s; n is a polynomial of degree five, so states and n are exact."""
+    d, dt = 0.2, 0.05
+    step = step_matrices(*(phi_integrals(A, B, span, KEPT + 1) for span in (d, PROBE * d, dt)), 1)
+    course = np.polynomial.Polynomial([0.3, -2.0, 1.5, 40.0, -300.0, 900.0])
+    nodes, out, pushes = course(d * (1.0 - np.arange(KEPT)))[:, None], np.zeros((longest, 2)), np.zeros((longest, 1))
+    exponential_steps._record(step, START, nodes, 4, 3, out, pushes)
+    for k in range(filled):
+        np.testing.assert_allclose(out[4 + k], exact(course, (k + 1) * dt), atol=1e-11)
+        assert pushes[4 + k, 0] == pytest.approx(course((k + 1) * dt), abs=1e-10)
+    assert not out[:4].any()
+    assert not out[4 + filled :].any()
+
+
+@pytest.mark.parametrize("change", [1, -1])
+def test_past_values_at_another_distance_are_those_of_the_polynomial_through_them(change):
+    course = np.polynomial.Polynomial([1.0, -2.0, 0.5, 0.3, -0.2, 0.05])
+    past = np.column_stack([course(-np.arange(float(HISTORY))), 3.0 * course(1.0 - np.arange(float(HISTORY)))])
+    exponential_steps._resized(past, change)
+    apart = -np.arange(float(KEPT)) * (2.0 if change > 0 else 0.5)
+    np.testing.assert_allclose(past[:KEPT], np.column_stack([course(apart), 3.0 * course(1.0 + apart)]), rtol=1e-11)
