@@ -272,3 +272,80 @@ def test_other_integrators_follow_a_chamber_and_the_convolution_refuses_it():
     assert residual(energies(system, other)) < 1e-6
     with pytest.raises(ValueError, match="convolution: received forces that remember besides radiation"):
         convolve(system, CALM, time, (np.ones(2), np.zeros(2)))
+
+
+def two_springs(omega, natural=(5.0, 8.0)):
+    """Unit masses that know nothing of each other, without damping, both pushed by some waves."""
+    waves = Excitation(np.array(omega), np.ones((len(omega), 2)) + 0j)
+    forces = {"hydrostatic": Spring(np.diag(np.square(natural))), "excitation": waves}
+    return System.of(Scene(("Heave", "Membrane0"), np.eye(2), forces, np.eye(2)))
+
+
+@pytest.mark.parametrize("near", [5.0, 8.0])
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_the_wave_within_a_billionth_of_an_undamped_resonance_is_named(near, way):
+    """Relative to its own frequency; of several waves that one, and just beyond none."""
+    inside, beyond = (near * (1 + way * share * 1e-9) for share in (0.9, 1.1))
+    for omega in ([2.0, inside, 11.0], [inside, 2.0, 11.0], [11.0, 2.0, inside]):
+        with pytest.raises(
+            StabilityError, match=rf"^the wave of {near:g} rad/s meets an undamped resonance: no steady"
+        ):
+            steady_state(two_springs(omega))
+    assert np.isfinite(steady_state(two_springs([2.0, beyond, 11.0]))).all()
+
+
+@pytest.mark.parametrize("count", [1, 255, 256, 257, 600])
+def test_steady_states_of_more_waves_than_are_solved_at_a_time_are_each_their_own(count):
+    """F/(k - w^2 m - i w c), of position and velocity."""
+    omega, rng = np.linspace(0.3, 9.0, count), np.random.default_rng(6)
+    push = rng.normal(size=(count, 1)) + 1j * rng.normal(size=(count, 1))
+    system = System.of(oscillator({"pto": Damper(np.array([[1.2]])), "excitation": Excitation(omega, push)}))
+    found, exact = steady_state(system), push[:, 0] / (50.0 - 2.0 * omega**2 - 1.2j * omega)
+    np.testing.assert_allclose(found[:, 0] * system.position[0, 0], exact, rtol=1e-9)
+    np.testing.assert_allclose(found[:, 1] * system.modes[0, 0], -1j * omega * exact, rtol=1e-9)
+
+
+def test_a_steady_state_that_is_known_is_taken_as_it_is():
+    """The right one changes nothing; with none the motion is the free one."""
+    wave = Excitation(np.array([2.0]), np.array([[30.0 + 5j]]))
+    free, system = (
+        System.of(oscillator({"pto": Damper(np.array([[1.2]])), **more})) for more in ({}, {"excitation": wave})
+    )
+    time, start = np.linspace(1.0, 9.0, 33), (np.array([1.0]), np.array([-0.5]))
+    plain, known, none, calm = (
+        propagate(one, time, start, *steady).position
+        for one, *steady in (
+            (system,), (system, steady_state(system)), (system, np.zeros((1, 2), dtype=complex)), (free,),
+        )
+    )  # fmt: skip
+    np.testing.assert_array_equal(known, plain)
+    np.testing.assert_allclose(none, calm, atol=1e-12)
+    assert np.abs(plain - calm).max() > 0.1
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_small_part_of_a_transient_that_lasts_is_kept_beside_a_large_one_that_goes(sign):
+    """Two masses alone: one falls by exp(-100) between records, the other, of a ten thousandth, by next to nothing."""
+    dampers = Damper(np.diag([1e3, 1e-3]))
+    system = System.of(Scene(("a", "b"), np.eye(2), {"pto": dampers}, np.eye(2)))
+    time = 0.1 * np.arange(400)
+    motion = propagate(system, time, (np.zeros(2), sign * np.array([-1e4, -1.0])))
+    np.testing.assert_allclose(motion.velocity[:, 1], -sign * np.exp(-1e-3 * time), rtol=1e-11)
+
+
+def test_motion_velocity_acceleration_and_memory_are_those_of_the_whole_system():
+    """Of two coupled motions in two waves with a chamber: the equation of motion and its memory at every record."""
+    pto, time = TAKE_OFFS[1], np.linspace(-2.0, 4.0, 61)
+    system = System.of(chambered(pto))
+    first = (np.array([0.3, -0.2]), np.array([0.5, 0.1]), np.array([0.2, -0.4])[: len(system.matrix) - 4])
+    motion = propagate(system, time, first)
+    for found, begun in zip((motion.position, motion.velocity, motion.memory), first, strict=True):
+        np.testing.assert_allclose(found[0], begun, atol=1e-12)
+    z = system.states(motion)
+    push = np.real(np.exp(-1j * np.outer(time, system.omega)) @ system.waves)
+    rates = z @ system.matrix.T + push @ system.input.T
+    np.testing.assert_allclose(motion.acceleration, rates[:, 2:4] @ system.modes.T, atol=1e-10)
+    fine = propagate(system, np.linspace(-2.0, -1.9, 11), first)
+    slope = (fine.memory[2:] - fine.memory[:-2]) / 0.02
+    now = system.states(fine) @ system.matrix.T
+    np.testing.assert_allclose(slope, now[1:-1, 4:], atol=1e-3)

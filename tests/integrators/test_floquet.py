@@ -1,6 +1,7 @@
 """Fourier series, Hill's matrix, Floquet multipliers: closed forms, an independent integrator, order."""
 
 import itertools
+import re
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from scipy.linalg import expm
 from scipy.special import mathieu_a, mathieu_b
 
 from vsb.errors import ConvergenceError
+from vsb.integrators import floquet
 from vsb.integrators.floquet import harmonics_of, hill_matrix, largest, monodromy, multipliers, phases, synthesized
 
 SEEDS = st.integers(0, 2**32 - 1)
@@ -162,3 +164,26 @@ def test_growth_near_one_is_believed_to_a_ten_millionth(strength, counts):
     found = multipliers(matrix, coupling, 1.0)
     assert asked == counts
     assert np.abs(found[0]) == pytest.approx(np.exp(1e-6), abs=1e-8)
+
+
+def test_a_bound_is_that_of_the_component_where_it_is_largest():
+    assert largest(np.array([[1.0 + 0j, -2.0], [3.0j, 0.5], [-4.0, 0.0]])) == pytest.approx(8.0)
+    assert largest(np.zeros((0, 2), dtype=complex)) == 0.0
+
+
+def test_phases_are_a_period_from_the_first_on():
+    assert phases(4) == pytest.approx([0.0, np.pi / 2, np.pi, 3 * np.pi / 2])
+    assert phases(4, 0.5) == pytest.approx(np.pi / 4 * np.array([1, 3, 5, 7]))
+
+
+def test_who_cannot_be_told_is_told_with_all_and_with_half_the_samples(monkeypatch):
+    """The last tried, 2048 and 1024 of a period; a multiplier is told by its size."""
+    monkeypatch.setattr(floquet, "monodromy", lambda a, w, period: np.diag([0.5, -3.0 - 1000.0 / len(w)]))
+    words = f"multiplied by {3 + 1000 / 2048:.6g} in a period, or by {3 + 1000 / 1024:.6g} with half the samples; add"
+    with pytest.raises(ConvergenceError, match=re.escape(words)):
+        multipliers(np.eye(2), lambda phase: phase, 1.0)
+
+
+def test_multipliers_come_with_the_largest_first_whatever_their_signs(monkeypatch):
+    monkeypatch.setattr(floquet, "monodromy", lambda a, w, period: np.diag([0.9, -0.95, 0.1, -0.3]))
+    assert multipliers(np.eye(4), lambda phase: phase, 1.0) == pytest.approx([-0.95, 0.9, -0.3, 0.1])

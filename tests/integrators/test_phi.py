@@ -47,3 +47,16 @@ def test_response_to_a_polynomial():
 def test_lagrange_polynomials_are_one_at_their_own_node_and_zero_at_others(nodes):
     nodes = np.array(nodes, dtype=float)
     assert np.vander(nodes, increasing=True) @ lagrange(nodes) == pytest.approx(np.eye(len(nodes)), abs=1e-8)
+
+
+@pytest.mark.parametrize(("share", "small"), [(1.0, True), (1.0 + 1e-12, False), (0.5, True)])
+def test_a_series_serves_up_to_a_norm_of_a_half(share, small):
+    """Of the columns, signs left out."""
+    a = np.array([[1.0, -3.0], [0.5, -1.0]])
+    assert is_small(a, share * 0.125) is small
+
+
+def test_integrals_are_as_many_as_asked_for_and_of_their_span():
+    rng = np.random.default_rng(3)
+    found = phi_integrals(rng.normal(size=(3, 3)), rng.normal(size=(3, 2)), 5.0, 4)
+    assert (found.span, found.integrals.shape) == (5.0, (4, 3, 2))
