@@ -2,17 +2,21 @@
 
 import time as clock
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from conftest import HERE, SEED, only_run, varied
 
+from vsb.errors import ConvergenceError
 from vsb.hydro.retardation import DampingSpectrum
+from vsb.integrators import simulate as simulating
 from vsb.integrators.audit import energies, residual
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.phi import phi_integrals
-from vsb.integrators.simulate import METHODS, Method, legs, recorded_steps, simulate
+from vsb.integrators.simulate import METHODS, Method, in_words, legs, recorded_steps, simulate, suited
 from vsb.motion.forces import ConstantForce, Damper, Excitation, Force, Linear, Spring
+from vsb.motion.motion import Motion
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.scenes.build import assumed_pressure_design
@@ -173,3 +177,146 @@ def test_records_are_two_hundred_a_period_of_the_fastest_wave_that_matters(oscil
     assert count(NO_WAVES) == np.ceil(200 * 5.0 * duration / (2 * np.pi))  # sqrt(50/2) rad/s
     brief = Simulation(duration=duration, window=(1.0, 1.0 + 1e-3))
     assert recorded_steps(oscillator, NO_WAVES, brief) == pytest.approx(4e3 * duration, abs=1)
+
+
+# legs ----------------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def followed(oscillator, monkeypatch):
+    """Function residuals, settings, ... -> legs of a run whose audits leave such parts, and what its method is asked.
+
+    The motion stands where its leg ends, in metres the number of the leg asked for.
+    """
+
+    def run(residuals, longest=300, name="fake", count=1000, tolerance=1e-6):
+        asked, left = [], iter(residuals)
+
+        def follow(time, start):
+            asked.append((float(time[0]), float(time[-1]), len(time), float(start[0][0])))
+            end = np.full((len(time), 1), float(len(asked)))
+            return Motion(time, end, 0 * end, 0 * end, np.zeros((len(time), 0)), 0.0), 7
+
+        def audited(system, motion):
+            course, missing = np.linspace(0.0, 1.0, len(motion.time)), next(left)
+            energy = dict.fromkeys(("radiated", "structural", "stored", "turned"), 0.0 * course)
+            return {"wave": course, "pto": (1.0 - missing) * course, **energy}
+
+        monkeypatch.setitem(METHODS, name, Method("as told", lambda *_: follow))
+        monkeypatch.setattr(simulating, "energies", audited)
+        monkeypatch.setattr(simulating, "recorded_steps", lambda *_: count)
+        settings = Simulation(duration=100.0, window=(1.0, 100.0), initial_position=0.25, tolerance=tolerance)
+        settings = settings.model_copy(update={"method": name})
+        return legs(oscillator, SWELL, settings, None, longest), asked
+
+    return run
+
+
+def test_legs_are_of_equal_length_and_go_on_where_the_one_before_ended(followed):
+    """A thousand steps at most 300 at a time: four of 250, of 25 s; what they take adds up."""
+    found, asked = followed([0.0] * 4)
+    found = list(found)
+    assert asked == [(25.0 * k, 25.0 * (k + 1), 251, float(k) if k else 0.25) for k in range(4)]
+    assert [leg.energy["pto"][-1] for leg in found] == pytest.approx([1.0, 2.0, 3.0, 4.0])
+    assert [leg.energy["pto"][0] for leg in found] == pytest.approx([0.0, 1.0, 2.0, 3.0])
+    assert {(leg.stride, leg.method, leg.steps, leg.thinning) for leg in found} == {(1, "as told", 7, 1)}
+    found, asked = followed([0.0] * 4, longest=333)
+    assert len(list(found)) == 4
+    assert [last - first for first, last, *_ in asked] == pytest.approx([25.0] * 4)
+    found, asked = followed([0.0], longest=None)
+    assert len(list(found)) == 1
+    assert asked == [(0.0, 100.0, 1001, 0.25)]
+
+
+def test_a_leg_is_followed_at_half_the_distance_until_its_audit_closes_and_the_next_begins_so(followed):
+    """In parts as much shorter, so that none is longer than it may be."""
+    found, asked = followed([1e-3, 1e-5, 0.9e-6, *[0.0] * 20])
+    found = list(found)
+    assert [given[2] for given in asked[:3]] == [251, 287, 289]
+    assert [given[1] for given in asked[:3]] == pytest.approx([25.0, 14.3, 7.2])
+    assert {leg.stride for leg in found} == {4}
+    assert {first for first, *_ in asked[:3]} == {0.0}
+    assert all(given[3] == 0.25 for given in asked[:3])
+    assert max(given[2] for given in asked) <= 301
+    assert asked[3][::3] == (pytest.approx(7.2), 3.0)  # from where the leg ended that closed
+
+
+@pytest.mark.parametrize(("kept", "stride"), [(0.89, 8), (0.91, 4)])
+def test_an_audit_that_finer_records_do_not_close_is_left_as_it_is(followed, kept, stride):
+    """Where four times as many leave more than nine tenths of it: there, and in the legs after, not tried again."""
+    found, asked = followed([1e-3, 0.95e-3, kept * 1e-3, *[0.88e-3] * 40], longest=10**6)
+    (leg,) = found
+    assert leg.stride == stride
+    found, asked = followed([1e-3, 1e-3, 1e-3, *[2e-3] * 40], longest=2000)
+    found = list(found)
+    assert len(found) == 2
+    assert {leg.stride for leg in found} == {4}
+    assert len(asked) == 4
+    assert found[-1].balance.unbalanced == pytest.approx(3e-3)
+
+
+def test_records_are_made_finer_32_fold_at_most(followed):
+    found, asked = followed(0.5 ** np.arange(3, 20), longest=None, tolerance=1e-12)
+    (leg,) = found
+    assert leg.stride == 32
+    assert [given[2] - 1 for given in asked] == [1000 * 2**k for k in range(6)]
+
+
+@pytest.mark.parametrize(("name", "tolerance", "enough"), [
+    ("fake", 1e-6, 1e-6), ("fake", 1e-12, 1e-9), ("convolution", 1e-6, 1e-4), ("convolution", 1e-3, 1e-3),
+])  # fmt: skip
+def test_an_audit_is_closed_to_the_tolerance_or_to_what_its_method_can(followed, name, tolerance, enough):
+    """To round-off, of the convolution to its own order; that needs its whole past and has one leg."""
+    for share, stride in ((0.99, 1), (1.01, 2)):
+        found = list(followed([share * enough, *[0.0] * 20], name=name, tolerance=tolerance)[0])
+        assert found[0].stride == stride
+        assert (len(found) == 1) == (name == "convolution")
+
+
+def test_an_exact_run_is_not_recorded_finer(followed):
+    """What its audit misses of the energy of all legs so far is told; a leg that closed before it stays."""
+    found, asked = followed([0.0, 3e-5], name="exact", tolerance=1e-5)
+    next(found)
+    with pytest.raises(ConvergenceError, match=r"does not close: 1\.5e-05 of the energy is missing, needs 1e-05;"):
+        next(found)
+    assert len(asked) == 2
+
+
+@pytest.mark.parametrize(("linear", "switching", "foreign", "name"), [
+    (True, False, [], "exact"), (False, True, [], "switching"), (False, True, ["drag"], "switching"),
+    (False, False, ["drag"], "collocation"), (False, False, [], "exponential"),
+])  # fmt: skip
+def test_the_method_that_suits_a_system(linear, switching, foreign, name):
+    assert suited(SimpleNamespace(linear=linear, switching=switching, foreign=foreign)) == name
+
+
+def test_a_method_that_takes_steps_of_its_own_tells_them():
+    assert [in_words("so", steps) for steps in (0, 1, 42)] == ["so", "so, 1 steps", "so, 42 steps"]
+
+
+def test_every_method_is_given_the_tolerance_and_where_to_begin(monkeypatch):
+    """And tells the steps it took; what is exact has none."""
+    for name in ("integrate", "collocated", "structure_preserving", "propagate", "convolve"):
+        monkeypatch.setattr(simulating, name, lambda *given, name=name: ((name, *given), 9))
+    monkeypatch.setattr(simulating, "steady_state", lambda system: f"steady {system}")
+    start = ("y", "v", "x")
+
+    def followed(method):
+        return METHODS[method].follower("system", 1e-7, "damping")("time", start)
+
+    for method, function in (("exponential", "integrate"), ("collocation", "collocated"),
+                             ("structure_preserving", "structure_preserving")):  # fmt: skip
+        assert followed(method) == ((function, "system", "time", start, 1e-7), 9)
+    assert followed("exact") == ((("propagate", "system", "time", start, "steady system"), 9), 0)
+    assert followed("convolution") == ((("convolve", "system", "damping", "time", ("y", "v")), 9), 0)
+
+
+def test_without_waves_records_follow_the_faster_of_heave_and_an_assumed_pressure():
+    """In still water that of heave alone; at least four in the window of the statistics, wherever that begins."""
+    settings = Simulation(duration=50.0, window=(10.0, 50.0))
+    for heaving, frequencies, omega in ((3.0, [1.0], 3.0), (3.0, [1.0, 4.0], 4.0), (3.0, [], 3.0)):
+        still = SimpleNamespace(heaving=heaving, frequencies=np.array(frequencies))
+        assert recorded_steps(still, NO_WAVES, settings) == np.ceil(200 * omega / (2 * np.pi) * 50.0)
+    slow = SimpleNamespace(heaving=1e-3, frequencies=np.zeros(0))
+    brief = Simulation(duration=50.0, window=(49.5, 50.0))
+    assert recorded_steps(slow, NO_WAVES, brief) == 4 / 0.5 * 50

@@ -20,7 +20,7 @@ from vsb.integrators.settled import settled_power
 from vsb.integrators.simulate import legs, simulate
 from vsb.integrators.switching import Mode, Switching, switched
 from vsb.integrators.track import dips
-from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring
+from vsb.motion.forces import Damper, Excitation, QuadraticDrag, RadiationMemory, Spring
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.motion.take_off import EndStop, TakeOff
@@ -508,3 +508,175 @@ def test_friction_and_a_law_without_limits_watch_no_limit():
         found = Switching(oscillator(law), 1e-6)
         assert found.guards(Mode(1), at, np.zeros(1)).keys() == names
         assert found.rates(Mode(1), at).keys() == names
+
+
+# laws, one by one ----------------------------------------------------------------------------------------------------
+
+
+def signals(stroke=0.0, velocity=0.0, push=0.0):
+    return Signals(stroke, velocity, push)
+
+
+FRICTION, CLUTCH = TakeOff(B, np.inf, limit=8.0), TakeOff(B, np.inf, limit=9.0, pause=0.3, paused_damping=0.0)
+SPRUNG, LATCH = TakeOff(B, 4.0, 5.0, 8.0), TakeOff(B, 4.0, 5.0, 8.0, pause=0.3)
+LOOSE = TakeOff(B, 4.0, 5.0, 8.0, pause=0.3, paused_damping=0.0)
+
+
+@pytest.mark.parametrize(("law", "event", "mode", "at", "expected"), [
+    (SPRUNG, "turn", Mode(1, limited=1), signals(), Mode(-1, limited=1)),
+    (SPRUNG, "turn", Mode(-1, contact=-1), signals(), Mode(1, contact=-1)),
+    (FRICTION, "turn", Mode(1), signals(push=7.9), Mode(0)),
+    (FRICTION, "turn", Mode(1), signals(push=-7.9), Mode(0)),
+    (FRICTION, "turn", Mode(1), signals(push=8.0), Mode(0)),
+    (FRICTION, "turn", Mode(1), signals(push=-8.1), Mode(-1)),
+    (FRICTION, "turn", Mode(-1), signals(push=8.1), Mode(1)),
+    (FRICTION, "slip", Mode(0), signals(push=-8.1), Mode(-1)),
+    (FRICTION, "slip", Mode(0, contact=1), signals(push=8.1), Mode(1, contact=1)),
+    (LATCH, "turn", Mode(-1, limited=-1), signals(push=50.0), Mode(1, paused=True, until=2.3)),
+    (LATCH, "turn", Mode(-1, limited=-1), signals(push=7.0), Mode(0, paused=True, until=2.3)),
+    (LOOSE, "turn", Mode(1, limited=1, contact=1), signals(), Mode(-1, contact=1, paused=True, until=2.3)),
+    (LOOSE, "turn", Mode(1, paused=True, until=2.1), signals(), Mode(-1, paused=True, until=2.1)),
+    (CLUTCH, "turn", Mode(1), signals(push=20.0), Mode(-1, paused=True, until=2.3)),
+    (LATCH, "resume", Mode(0, paused=True, until=2.0), signals(0.1, 0.0, -3.0), Mode(-1)),
+    (LATCH, "resume", Mode(0, paused=True, until=2.0), signals(1.7, 0.0, 3.0), Mode(1, limited=1)),
+    (LATCH, "resume", Mode(0, paused=True, until=2.0), signals(-1.7, 0.0, 3.0), Mode(1, limited=-1)),
+    (LOOSE, "resume", Mode(-1, paused=True, until=2.0), signals(0.1, -1.5, 9.0), Mode(-1)),
+    (LOOSE, "resume", Mode(-1, paused=True, until=2.0), signals(0.1, -2.2, 9.0), Mode(-1, limited=-1)),
+    (CLUTCH, "resume", Mode(-1, paused=True, until=2.0), signals(0.1, -2.2, 9.0), Mode(-1)),
+    (SPRUNG, "limit", Mode(1), signals(0.0, 2.0), Mode(1, limited=1)),
+    (SPRUNG, "limit", Mode(-1), signals(-0.1, -1.8), Mode(-1, limited=-1)),
+    (SPRUNG, "limit", Mode(1, limited=1), signals(0.0, 2.0), Mode(1)),
+    (SPRUNG, "stop", Mode(1), signals(stroke=-0.4), Mode(1, contact=-1)),
+    (SPRUNG, "stop", Mode(1), signals(stroke=0.4), Mode(1, contact=1)),
+    (SPRUNG, "stop", Mode(-1, contact=1, limited=-1), signals(stroke=0.4), Mode(-1, limited=-1)),
+])  # fmt: skip
+def test_what_is_in_force_after_an_event(law, event, mode, at, expected):
+    """At 2 s; friction holds up to its limit, a law that pauses does so once, what comes free goes where it is pushed."""
+    found = Switching(oscillator(law, EndStop(B, 0.4, 5e3, 200.0))).after(event, mode, 2.0, at)
+    assert found == expected
+
+
+@pytest.mark.parametrize(("law", "mode", "load"), [
+    (SPRUNG, Mode(1), (4.0, 5.0, 1.5)), (SPRUNG, Mode(-1, limited=1), (0.0, 0.0, -8.0)),
+    (SPRUNG, Mode(1, limited=-1), (0.0, 0.0, 8.0)), (FRICTION, Mode(1), (0.0, 0.0, -8.0)),
+    (FRICTION, Mode(-1), (0.0, 0.0, 8.0)), (FRICTION, Mode(0), (0.0, 0.0, 0.0)),
+    (LATCH, Mode(0, paused=True), (0.0, 0.0, 0.0)), (LOOSE, Mode(1, paused=True), (0.0, 0.0, 0.0)),
+])  # fmt: skip
+def test_what_the_take_off_does_in_a_mode(law, mode, load):
+    """Its spring counts from where it rests, at 0.3 m."""
+    found = Switching(oscillator(replace(law, rest=0.3))).taken(mode)
+    assert found == pytest.approx(load)
+
+
+@pytest.mark.parametrize(("mode", "load"), [
+    (Mode(1), (0.0, 0.0, 0.0)), (Mode(1, contact=1), (200.0, 5e3, 5e3 * 0.7)), (Mode(-1, contact=1), (0.0, 5e3, 5e3 * 0.7)),
+    (Mode(-1, contact=-1), (200.0, 5e3, -5e3 * 0.1)), (Mode(1, contact=-1), (0.0, 5e3, -5e3 * 0.1)),
+    (Mode(0, contact=1), (0.0, 5e3, 5e3 * 0.7)),
+])  # fmt: skip
+def test_what_the_end_stop_does_in_a_mode(mode, load):
+    """It damps what presses it further alone; 0.4 m from where the buoy rests, at 0.3 m."""
+    found = Switching(oscillator(replace(SPRUNG, rest=0.3), EndStop(B, 0.4, 5e3, 200.0, rest=0.3))).stopped(mode)
+    assert found == pytest.approx(load)
+    assert Switching(oscillator(SPRUNG)).stopped(mode) == (0.0, 0.0, 0.0)
+
+
+def test_a_regime_is_that_of_both_laws_together_and_made_once():
+    """Coefficients add, and so do constant forces; a held port and steps of another length are other regimes."""
+    one = Switching(oscillator(replace(SPRUNG, rest=0.1), EndStop(B, 0.4, 5e3, 200.0, rest=0.1)))
+    lookout = one.lookout(TIME, 4)
+    phase, f = one.phase(Mode(1, contact=1), lookout)
+    assert (phase.damping, phase.stiffness, phase.held, phase.rest) == (204.0, 5005.0, False, 0.1)
+    assert f == pytest.approx(5.0 * 0.1 + 5e3 * 0.5)
+    assert phase.step == lookout.step
+    limited, push = one.phase(Mode(1, limited=1, contact=1), lookout)
+    assert (limited.damping, limited.stiffness, push) == (200.0, 5e3, pytest.approx(5e3 * 0.5 - 8.0))
+    assert one.phase(Mode(1, contact=1, until=3.0), lookout)[0] is phase
+    assert one.phase(Mode(1), lookout)[0].step == lookout.step * lookout.stride
+    assert one.phase(Mode(0), lookout)[0].held
+
+
+def test_the_rate_of_a_port_is_the_fastest_of_its_springs_and_dampers():
+    """2 kg on 50 N/m: under 50 + 22 N/m 6 rad/s, with a stop of 288 N/m 13, under a damper c/2; friction damps none."""
+
+    def rate(law, stop=None):
+        return Switching(oscillator(law, drag=0.0)).rate(stop)
+
+    assert rate(TakeOff(B, 1.0)) == pytest.approx(5.0)
+    assert rate(TakeOff(B, 1.0, 22.0)) == pytest.approx(6.0)
+    assert rate(TakeOff(B, 1.0, -32.0)) == pytest.approx(5.0)
+    assert rate(TakeOff(B, 30.0)) == pytest.approx(15.0)
+    assert rate(TakeOff(B, 1.0, pause=0.3, paused_damping=40.0)) == pytest.approx(20.0)
+    assert rate(FRICTION) == pytest.approx(5.0)
+    assert rate(TakeOff(B, 1.0), EndStop(B, 0.4, 288.0, 2.0)) == pytest.approx(13.0)
+    assert rate(TakeOff(B, 1.0), EndStop(B, 0.4, 2.0, 100.0)) == pytest.approx(50.0)
+
+
+@pytest.mark.parametrize(("angle", "instants"), [(0.1, 1), (0.25, 1), (0.26, 2), (0.5, 2), (0.51, 4), (1e9, 1024)])
+def test_instants_of_the_lookout_resolve_a_quarter_of_a_radian(angle, instants):
+    assert Switching(oscillator(SPRUNG))._instants(angle) == instants
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_port_that_is_held_loses_its_velocity_and_the_other_modes_keep_theirs(shell, way):
+    law = replace(LAWS["coulomb"][0], direction=way * np.array([1.0, 0.3, -0.2]))
+    one = Switching(System.of(replace(shell, forces={**shell.forces, "pto": law})))
+    z = np.arange(1.0, 9.0)
+    found = one.held(z)
+    assert one.port @ found[3:6] == pytest.approx(0.0, abs=1e-12)
+    across = np.cross(one.port, [0.3, 1.0, 2.0])
+    assert across @ found[3:6] == pytest.approx(across @ z[3:6])
+    np.testing.assert_array_equal(np.delete(found, [3, 4, 5]), np.delete(z, [3, 4, 5]))
+    assert z.tolist() == list(range(1, 9))
+
+
+# when ----------------------------------------------------------------------------------------------------------------
+
+
+def event_of(monkeypatch, guards, broken, span=2.0):
+    """When the first of some guards, functions of time, vanishes in a span, and its name."""
+    monkeypatch.setattr(Switching, "guard", lambda self, name, mode, phase, t, transient, s: guards[name](s))
+    return Switching(oscillator(SPRUNG)).next_event(broken, Mode(1), None, 0.0, None, span)
+
+
+def test_of_several_guards_the_one_that_vanishes_first_is_the_event(monkeypatch):
+    guards = {"turn": lambda s: 1.4 - s, "limit": lambda s: 1.1 - s, "stop": lambda s: 1.7 - s}
+    assert event_of(monkeypatch, guards, dict.fromkeys(guards, 1.0)) == (pytest.approx(1.1, rel=1e-14), "limit")
+
+
+def test_a_guard_that_dips_inside_a_span_vanishes_before_its_bottom(monkeypatch):
+    """Below zero from 0.6 to 1.4 of 2 s."""
+    dip = {"turn": lambda s: (s - 0.6) * (s - 1.4)}
+    assert event_of(monkeypatch, dip, {"turn": 0.5}) == (pytest.approx(0.6, rel=1e-14), "turn")
+
+
+def test_a_guard_that_is_set_up_by_the_event_before_is_looked_at_a_little_later(monkeypatch):
+    """It rises from zero and falls again at 1.5 s, or falls at once; what round-off alone breaks vanishes at the end."""
+    rising, falling = {"turn": lambda s: s * (1.5 - s)}, {"turn": lambda s: -s}
+    assert event_of(monkeypatch, rising, {"turn": 1.0}) == (pytest.approx(1.5, rel=1e-14), "turn")
+    assert event_of(monkeypatch, falling, {"turn": 1.0}) == (0.0, "turn")
+    for end in (0.0, 1e-18):
+        assert event_of(monkeypatch, {"turn": lambda s, end=end: 2.0 - s + end}, {"turn": 1.0}) == (2.0, "turn")
+
+
+def test_switches_without_end_are_told_by_their_instant_and_a_run_may_have_many(monkeypatch):
+    """A thousand in the first recorded step, twice as many by the second: two of each four here."""
+    monkeypatch.setattr("vsb.integrators.switching.MOST_EVENTS", 2)
+    law, stop = LAWS["saturated"]
+    assert switched(oscillator(law, stop), TIME[:401], START)[1] > 2 * 2
+    monkeypatch.setattr("vsb.integrators.switching.MOST_EVENTS", 2 / 400)
+    with pytest.raises(
+        ConvergenceError, match=r"^the take-off switches without end at t = 0\.\d+ s; use a larger force"
+    ):
+        switched(oscillator(law, stop), TIME[:401], START)
+
+
+def test_other_forces_that_are_not_linear_are_named():
+    drag = QuadraticDrag(np.eye(1), np.array([3.0]), np.zeros(0), np.zeros((0, 1), dtype=complex))
+    scene = oscillator(SPRUNG).scene
+    with pytest.raises(
+        ValueError, match=r"^switching: received the nonlinear forces drag, needs a linear or body-exact"
+    ):
+        Switching(System.of(replace(scene, forces={**scene.forces, "drag": drag})))
+    renamed = {("other" if name == "pto" else name): force for name, force in scene.forces.items()}
+    with pytest.raises(ValueError, match="received the nonlinear forces none, needs"):
+        Switching(System.of(replace(scene, forces=renamed)))

@@ -10,20 +10,22 @@ from hypothesis import strategies as st
 from vsb.errors import ConvergenceError
 from vsb.hydro.statespace import RadiationModel
 from vsb.integrators import simulate as simulating
-from vsb.integrators.audit import TERMS, energies, residual
+from vsb.integrators import trajectory
+from vsb.integrators.audit import START, TERMS, energies, residual
 from vsb.integrators.convolution import convolve
 from vsb.integrators.exact import propagate
 from vsb.integrators.simulate import EXACT, legs, simulate
-from vsb.integrators.trajectory import recorded
+from vsb.integrators.trajectory import Leg, recorded
 from vsb.motion.builders import linear_scene
 from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring
+from vsb.motion.motion import Motion
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.scenes.build import assumed_pressure_design
 from vsb.scenes.rest import design_motions, study_basis
 from vsb.study import resolution
 from vsb.study.study import load
-from vsb.waves.seas import NO_WAVES, sea
+from vsb.waves.seas import NO_WAVES, Sea, sea
 
 PAPER = SEED.parent / "paper.yaml"
 TRANSIENT = 1e7
@@ -279,3 +281,103 @@ def test_a_body_exact_run_needs_its_records_halved_twice_at_most(damping):
     motion, stride, _ = simulate(System.of(plant), NO_WAVES, one.simulation, None)
     assert residual(energies(System.of(plant), motion)) < 1e-6
     assert stride <= 4
+
+
+# records of hand-made runs -------------------------------------------------------------------------------------------
+
+
+def extremes(series, inside):
+    return sorted(set(trajectory._extremes(np.array(series), np.array(inside)).tolist()))
+
+
+def test_extremes_are_the_least_and_the_largest_of_each_column_among_the_rows_inside():
+    series = [[9.0, -9.0], [1.0, 5.0], [3.0, 2.0], [-4.0, 2.5], [2.0, 1.0], [-9.0, 9.0]]
+    inside = [False, True, True, True, True, False]
+    assert extremes(series, inside) == [1, 2, 3, 4]
+    assert extremes(series, [True] * 6) == [0, 5]
+    assert extremes(series, [False] * 6) == []
+
+
+def free_body(labels=("Surge", "Heave", "Pitch"), motions=((0.0, 0.0), (1.0, 0.0), (0.0, 2.0)), take_off="pto"):
+    """Three motions of which a design may have two, and its forces; the take-off is in heave and pitch."""
+    forces = {
+        "hydrostatic": Spring(np.diag([1.0, 50.0, 30.0])),
+        "pto": Damper(np.diag([0.5, 1.2, 0.7])),
+        "structural_damping": Damper(np.diag([0.1, 0.2, 0.9])),
+    }
+    return System.of(Scene(labels, np.diag([1.0, 2.0, 3.0]), forces, np.array(motions), take_off=take_off))
+
+
+def run_of(system, count=101, stride=1, thinning=1, begin=0.0):
+    """A leg of a run whose motions, velocities and energies are numbers without any sense."""
+    rng, time = np.random.default_rng(7), begin + 0.1 * np.arange(count)
+    free, memory = system.scene.motions.shape[1], np.zeros((count, 0))
+    motion = Motion(time, *(rng.normal(size=(count, free)) for _ in range(3)), memory, 0.0)
+    energy = {term: rng.normal(size=count) for term in (*TERMS, "turned", "drag")}
+    return Leg(motion, energy, START.after(energy), stride, thinning, "so", 3)
+
+
+def test_a_record_holds_the_motions_a_design_has_and_its_forces_there():
+    """All in plain coordinates; what no motion moves is left out where nothing deforms, as is what is no term."""
+    system = free_body()
+    leg = run_of(system)
+    run = recorded(system, leg, None, (0.0, 0.0))
+    q, v = leg.motion.position * [1.0, 2.0], leg.motion.velocity * [1.0, 2.0]
+    assert run.dof.values.tolist() == ["Heave", "Pitch"]
+    np.testing.assert_allclose(run.position.values, q)
+    np.testing.assert_allclose(run.velocity.values, v)
+    np.testing.assert_allclose(run.pto.values, -v * [1.2, 0.7])
+    np.testing.assert_allclose(run.hydrostatic.values, -q * [50.0, 30.0])
+    assert run.term.values.tolist() == ["wave", "pto", "radiated", "structural", "drag", "stored"]
+    for term in run.term.values:
+        np.testing.assert_array_equal(run.energy.sel(term=term).values, leg.energy[term])
+    assert "elevation" not in run
+
+
+def test_a_shell_that_deforms_has_all_its_modes_in_a_record():
+    system = free_body(("Heave", "Membrane0", "Membrane1"), ((1.0, 0.0), (0.0, 1.0), (0.0, 0.0)))
+    assert recorded(system, run_of(system), None, (0.0, 0.0)).dof.values.tolist() == list(system.scene.labels)
+
+
+def test_the_last_instant_is_recorded_once_whether_it_is_in_step_or_not():
+    system, waves = free_body(), Sea(np.array([2.0, 0.7]), np.array([0.1 + 0.2j, -0.3]))
+    for count, kept in ((101, [0, 20, 40, 60, 80, 100]), (95, [0, 20, 40, 60, 80, 94])):
+        leg = run_of(system, count, stride=20, begin=3.0)
+        run = recorded(system, leg, waves, (0.0, 0.0))
+        np.testing.assert_allclose(run.time.values, leg.motion.time[kept])
+        np.testing.assert_allclose(run.elevation.values, waves.elevation(leg.motion.time)[kept])
+        np.testing.assert_array_equal(run.energy.sel(term="pto").values, leg.energy["pto"][kept])
+
+
+@pytest.mark.parametrize("take_off", ["pto", "structural_damping", "none"])
+def test_of_a_long_run_instants_are_kept_at_which_a_motion_or_what_is_taken_is_extreme(take_off):
+    """Least or largest, of each motion, each velocity and the power of the take-off in all motions, in the window."""
+    system = free_body(take_off=take_off)
+    leg, rates = run_of(system, stride=5, thinning=4), {"pto": [1.2, 0.7], "structural_damping": [0.2, 0.9]}
+    run = recorded(system, leg, None, (2.0, 7.0))
+    time = leg.motion.time
+    (inside,) = np.nonzero((time > 1.999) & (time < 7.001))
+    q, v = leg.motion.position[inside], leg.motion.velocity[inside]
+    watched = [*q.T, *v.T]
+    if take_off in rates:
+        watched.append((v**2 * [1.0, 4.0]) @ rates[take_off])
+    rows = {inside[i] for column in watched for i in (column.argmin(), column.argmax())}
+    np.testing.assert_allclose(run.time.values, time[sorted({*range(0, 100, 20), 100, *rows})])
+
+
+@pytest.mark.parametrize(("window", "kept"), [((0.5, 2.0), {5, 20}), ((0.55, 1.95), {6, 19})])
+def test_the_instants_a_window_begins_and_ends_at_are_of_it(window, kept):
+    """A motion that only rises is extreme at both."""
+    system = free_body()
+    leg = run_of(system, stride=10, thinning=10)
+    rising = np.outer(leg.motion.time + 0.01, [1.0, 1.0])
+    leg = leg._replace(motion=replace(leg.motion, position=rising, velocity=rising))
+    run = recorded(system, leg, None, window)
+    np.testing.assert_allclose(run.time.values, 0.1 * np.array(sorted({0, 100} | kept)))
+
+
+def test_a_leg_ends_with_its_last_position_velocity_and_memory():
+    leg = run_of(free_body())
+    ends = leg.motion.position[-1], leg.motion.velocity[-1], leg.motion.memory[-1]
+    for found, expected in zip(leg.end, ends, strict=True):
+        np.testing.assert_array_equal(found, expected)
