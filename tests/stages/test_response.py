@@ -1,14 +1,23 @@
 """Rule response: what a damper takes is half c |w X|^2, never more than its best, that never more than matched."""
 
+from dataclasses import dataclass
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+import xarray as xr
 from conftest import varied
 
+from vsb.motion.port import Port
+from vsb.motion.pto import LinearPto
+from vsb.scenes.afloat import Afloat
 from vsb.stages import response
 from vsb.study.plan import StudyPlan
+from vsb.study.sections import Water
 from vsb.study.take_off import Pto
 from vsb.tools.files import load
 from vsb.tools.units import AT_ROTATION, described
+from vsb.waves.dispersion import power_limit
 
 
 @pytest.fixture
@@ -72,3 +81,133 @@ def test_a_response_has_five_steps_in_one_of_the_database_and_what_is_asked_for(
     assert response.refined(np.array([1.0, 1.5, 2.5]), [2.2, 1.5]) == pytest.approx(
         [1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.7, 1.9, 2.1, 2.2, 2.3, 2.5]
     )
+
+
+# hand-made motions ---------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Rings:
+    """A motion of two degrees of freedom whose answers are plain numbers of what it is asked."""
+
+    database: xr.Dataset
+    direction: float = 0.0
+    pto: LinearPto | None = None
+    orders: str = "orders"
+
+    def port(self, omega, motions, port):
+        """A port that depends on everything."""
+        size = 1.0 + motions.sum() + port @ [1.0, 10.0]
+        admittance = (0.01 + 0.02j * omega) / size
+        return Port(omega, admittance, (1.0 + 1j * self.direction) * size * np.ones(len(omega)) + 0j, 1.0)
+
+    def rao(self, omega, motions):
+        """Damper, spring and direction at every frequency."""
+        damping = np.broadcast_to(self.pto.damping, omega.shape)
+        return np.stack([damping + 1j * self.pto.stiffness, motions.sum() + 1j * self.direction + 0 * omega], axis=1)
+
+    def absorbed_power(self, omega, rao):
+        """A number of both."""
+        return np.abs(rao).sum(axis=1) * omega
+
+    def natural_modes(self, motions):
+        """As many as there are motions: none of what drifts."""
+        count = np.arange(motions.shape[1])
+        return 3.0 + count + motions.sum(), 0.01 * self.pto.damping + 1e-3 * self.pto.stiffness + count
+
+
+OMEGA, PORT_IN, WATER = np.array([0.5, 1.0, 2.0]), np.array([1.0, 0.2]), Water(density=1000.0, depth=7.0)
+MOTIONS = {"A": np.eye(2), "B": np.array([[1.0], [0.5]]), "C": np.zeros((2, 0))}
+
+
+@pytest.fixture
+def written(monkeypatch):
+    """Function spec, reached -> what a response writes of three designs of such a motion."""
+    database = xr.Dataset(coords={"influenced_dof": ["Heave", "Pitch"], "omega": OMEGA})
+    floating, found = Afloat(Rings(database), MOTIONS, PORT_IN), []
+    monkeypatch.setattr(response, "afloat", lambda spec, path: floating)
+    monkeypatch.setattr(response, "LinearBuoy", Rings)
+    monkeypatch.setattr(response, "stamp", lambda spec, *paths: {"spec_id": f"of {' '.join(paths)}"})
+    monkeypatch.setattr(response, "save", lambda ds, out: found.append((ds, out)))
+    monkeypatch.setattr(response.response, "frequency_grid", lambda *given: found.append(given) or OMEGA)
+
+    def by(reached=1, directions=(), **pto):
+        monkeypatch.setattr(response, "channels_reached", lambda port, orders: reached)
+        spec = SimpleNamespace(
+            pto=Pto(**pto), water=WATER, designs=dict.fromkeys(MOTIONS), directions=directions,
+            step=0.1, lowest=0.2, omega_max=3.0, omega=(0.7,),
+        )  # fmt: skip
+        response.run(spec, "database.nc", "out.nc")
+        grid, (ds, out) = found
+        assert (grid, out) == ((0.1, 0.2, 3.0, (0.7,)), "out.nc")
+        return ds
+
+    return by
+
+
+def test_each_design_has_its_own_damper_or_the_best_one_of_each_frequency(written):
+    given = written(damping={"A": 5.0, "B": 7.0, "C": 0.0}, stiffness=30.0)
+    np.testing.assert_allclose(given.rao.values[:, :, 0], np.array([[5.0], [7.0], [0.0]]) + 30j + 0 * OMEGA)
+    assert given.attrs["take_off"] == "the given damping"
+    assert given.attrs["spec_id"] == "of database.nc"
+    assert given.dof.values.tolist() == ["Heave", "Pitch"]
+    power = np.abs(given.rao).sum("dof") * OMEGA
+    np.testing.assert_allclose(given.absorbed_power.values, power.values)
+
+
+@pytest.mark.parametrize("stiffness", [0.0, 30.0, -4.0])
+def test_without_a_damper_best_ones_are_taken_and_natural_modes_are_without_any(written, stiffness):
+    """The port is seen without the spring, best dampers and what they take beside it; what drifts has no mode."""
+    found = written(stiffness=stiffness)
+    assert found.attrs["take_off"] == "best_damping at each frequency"
+    sizes = [1.0 + m.sum() + PORT_IN @ [1.0, 10.0] for m in MOTIONS.values()]
+    impedance = np.array([size / (0.01 + 0.02j * OMEGA) for size in sizes])
+    np.testing.assert_allclose(found.port_impedance.values, impedance)
+    np.testing.assert_allclose(found.port_velocity.values, np.outer(sizes, np.ones(3)))
+    beside = impedance + 1j * stiffness / OMEGA
+    np.testing.assert_allclose(found.best_damping.values, np.abs(beside))
+    np.testing.assert_allclose(found.rao.values[:, :, 0], np.abs(beside) + 1j * stiffness)
+    pushed = np.abs(found.port_velocity.values * impedance) ** 2
+    np.testing.assert_allclose(found.best_power.values, pushed / (4 * (np.abs(beside) + beside.real)))
+    np.testing.assert_allclose(found.matched_power.values, pushed / (8 * impedance.real))
+    assert found.wet_design.values.tolist() == ["A", "A", "B"]
+    np.testing.assert_allclose(found.wet_natural_frequency.values, [5.0, 6.0, 4.5])
+    np.testing.assert_allclose(found.wet_damping_ratio.values, 1e-3 * stiffness + np.array([0.0, 1.0, 0.0]))
+
+
+def test_natural_modes_are_damped_by_the_damper_of_their_own_design(written):
+    found = written(damping={"A": 5.0, "B": 7.0, "C": 2.0})
+    np.testing.assert_allclose(found.wet_damping_ratio.values, [0.05, 1.05, 0.07])
+
+
+def test_waves_of_several_directions_have_one_more_dimension(written):
+    """In radians; what does not depend on them has none."""
+    found = written(directions=(0.0, 90.0, 30.0), damping=5.0)
+    turned = np.deg2rad([0.0, 90.0, 30.0])
+    np.testing.assert_allclose(found.wave_direction.values, turned)
+    for name in ("rao", "absorbed_power", "port_velocity", "best_power", "matched_power"):
+        assert found[name].dims[0] == "wave_direction"
+    for name in ("port_impedance", "best_damping", "power_limit", "wet_natural_frequency"):
+        assert "wave_direction" not in found[name].dims
+    np.testing.assert_allclose(found.rao.isel(dof=1, design=1, omega=0).values, 1.5 + 1j * turned)
+    sizes = np.array([1.0 + m.sum() + PORT_IN @ [1.0, 10.0] for m in MOTIONS.values()])
+    np.testing.assert_allclose(found.port_velocity.values[:, :, 2], (1 + 1j * turned)[:, None] * sizes)
+
+
+@pytest.mark.parametrize(("reached", "told"), [(1, None), (3, "3 λ/2π")])
+def test_the_limit_is_that_of_all_channels_a_port_reaches(written, reached, told):
+    """Of waves in water of the study's own depth and density."""
+    found = written(reached, damping=5.0)
+    exact = [reached * power_limit(w, 7.0, 1000.0, WATER.gravity) for w in OMEGA]
+    np.testing.assert_allclose(found.power_limit.values, exact)
+    assert found.attrs.get("limit") == told
+
+
+@pytest.mark.parametrize(("port", "words"), [
+    ("heave", "heave"), ("surge", "surge"),
+    ("volume", "volume: pressure against volume flow, impedance in Pa s/m^3, velocity in m^2/s"),
+    ("pitch", "pitch: moment against angular velocity, impedance in N m s, velocity in rad/s"),
+    ({"dof": "Heave"}, '{"dofs":{"Heave":1.0}}'),
+])  # fmt: skip
+def test_a_port_is_told_with_its_units_where_it_is_no_displacement(port, words):
+    assert response.port_in_words(Pto(port=port)) == words
