@@ -1,6 +1,7 @@
 """Steady state in a regular wave: closed forms, long motion in time, order, energy, invariance, stability, limits."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from hypothesis import strategies as st
 
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.hydro import database
-from vsb.hydro.statespace import fit_radiation
+from vsb.hydro.statespace import RadiationModel, fit_radiation
 from vsb.integrators import harmonic_balance as harmonic
 from vsb.integrators.exact import steady_state
 from vsb.integrators.exponential import integrate
@@ -26,7 +27,7 @@ from vsb.integrators.harmonic_balance import (
 )
 from vsb.integrators.regular_wave import PeriodicScene
 from vsb.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene
-from vsb.motion.forces import AssumedPressure, Excitation
+from vsb.motion.forces import AssumedPressure, Damper, Excitation, QuadraticDrag, RadiationMemory, Spring
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene, resting
@@ -388,3 +389,188 @@ def test_a_disturbance_is_judged_by_the_largest_of_its_multipliers_to_a_milliont
         check_stable(np.array([0.2, -1.5, 1.2j]), 4.0)
     with pytest.raises(StabilityError, match="multiplied by 1 in every"):
         check_stable(np.array([1.0, -1 - 1.1e-6]), 4.0)
+
+
+# by hand -------------------------------------------------------------------------------------------------------------
+
+STEP = 1.5
+
+
+def two_motions(take_off="pto", **more):
+    """Two coupled motions of masses that are not one, a wave, two dampers, drag and a memory."""
+    turning, channel = np.array([[0.0, 1.4], [-1.4, 0.0]]), np.array([1.0, 0.6])
+    memory = RadiationModel(turning - np.outer(channel, channel) / 2, np.array([[2.0, 0.1], [1.5, -1.0]]), channel)
+    forces = {
+        "hydrostatic": Spring(np.array([[50.0, -10.0], [-10.0, 300.0]])),
+        "pto": Damper(np.array([[4.0, 1.0], [1.0, 2.0]])),
+        "structural_damping": Damper(np.diag([0.3, 0.7])),
+        "friction": Damper(np.diag([0.1, 0.4])),
+        "drag": QuadraticDrag(np.eye(2), np.array([3.0, 1.0]), np.zeros(0), np.zeros((0, 2), dtype=complex)),
+        "radiation": RadiationMemory(memory),
+        "excitation": Excitation(np.array([STEP]), np.array([[3.0 - 1.0j, 0.5j]])),
+    }
+    mass = np.array([[2.0, 0.3], [0.3, 1.0]])
+    return System.of(Scene(("Heave", "Membrane0"), mass, forces | more, np.eye(2), take_off=take_off)), memory
+
+
+@pytest.mark.parametrize("take_off", ["pto", "drag", "friction", "radiation", "none"])
+def test_mean_powers_of_an_orbit_are_those_of_its_forces_in_plain_coordinates(take_off):
+    """Waves and each loss by a sum over a period, radiation by the real part of what it answers at every harmonic."""
+    system, memory = two_motions(take_off)
+    rng = np.random.default_rng(5)
+    u = 0.3 * (rng.normal(size=(4, 2)) + 1j * rng.normal(size=(4, 2)))
+    u[0] = u[0].real
+
+    def transfer(omega):
+        return np.array([[[1.0 + 2j * w, 0.3 + 0.1j], [0.3 + 0.1j, 0.5 * w]] for w in omega])
+
+    scene = PeriodicScene(system, STEP, transfer)
+    orbit = harmonic.Orbit(u, scene.impedance(64), None, 0)
+    rates = -1j * STEP * np.arange(4)[:, None] * (u @ system.modes.T)
+    phase = 2 * np.pi / 4000 * np.arange(4000)
+    v = (np.exp(-1j * np.outer(phase, np.arange(4))) @ rates).real
+    forces = system.scene.forces
+    losses = {name: np.mean(np.einsum("ti,ij,tj->t", v, forces[name].damping, v)) for name in
+              ("pto", "structural_damping", "friction")}  # fmt: skip
+    losses["drag"] = np.mean(np.abs(v) ** 3 @ [3.0, 1.0])
+
+    def answered(transfer):
+        at = transfer(STEP * np.arange(1, 4)).conj()
+        return 0.5 * np.einsum("hi,hij,hj", rates[1:].conj(), at, rates[1:]).real
+
+    found = harmonic.mean_power(scene, orbit)
+    wave = 0.5 * (np.array([3.0 - 1.0j, 0.5j]) @ rates[1].conj()).real
+    assert found.wave == pytest.approx(wave, rel=1e-9)
+    relaxed = answered(memory.transfer) if take_off == "radiation" else 0.0
+    assert found.pto == pytest.approx(losses.pop(take_off, 0.0) + relaxed, rel=1e-3)
+    assert found.structural == pytest.approx(sum(losses.values()), rel=1e-3)  # drag has a kink
+    assert found.radiated == pytest.approx(answered(transfer), rel=1e-9)
+
+
+class Raised(NamedTuple):
+    """A scene of which nothing is known but the share of its waves."""
+
+    share: float = 1.0
+
+    def raised(self, share):
+        """Itself in a share of the wave."""
+        return Raised(share)
+
+    @property
+    def scene(self):
+        """Its modes are its coordinates."""
+        return self
+
+    modes = np.array([[2.0]])
+    free = 1
+
+
+@dataclass(frozen=True)
+class Wave:
+    """What `continued` and `refined` ask of a scene."""
+
+    system: Raised
+
+    def impedance(self, count):
+        """So many."""
+        return np.zeros((count, 1, 1), dtype=complex)
+
+
+@pytest.mark.parametrize(("highest", "shares"), [
+    (1.0, [1.0]), (0.7, [1.0, 0.5, 1.0]), (0.4, [1.0, 0.5, 0.25, 0.75]),
+])  # fmt: skip
+def test_a_wave_is_raised_by_steps_that_double_where_they_may_and_halve_where_they_must(monkeypatch, highest, shares):
+    """An orbit is found up to a height above the one it begins from; each begins with the one before."""
+    asked, begun = [], []
+    monkeypatch.setattr(harmonic, "Newton", lambda *given: begun.append(given))
+
+    def balanced(scene, orbit, tolerance):
+        asked.append(scene.system.share)
+        height = orbit.iterations / 1000
+        return orbit._replace(iterations=round(1000 * asked[-1])) if asked[-1] - height <= highest else None
+
+    monkeypatch.setattr(harmonic, "balanced", balanced)
+    found = continued(Wave(Raised()), np.array([6.0]), 1e-6)
+    assert asked[: len(shares)] == shares
+    assert asked[-1] == 1.0
+    assert found.iterations == 1000
+    ((calm, _, first, samples),) = begun
+    assert (calm.system.share, samples) == (0.0, 2)
+    assert first[:, 0].tolist() == [3.0] + [0.0] * harmonic.COUPLED
+    assert found.samples == 4 * harmonic.COUPLED
+
+
+def test_the_height_beyond_which_no_orbit_is_found_is_told(monkeypatch):
+    """To three digits of what was reached."""
+    monkeypatch.setattr(harmonic, "Newton", lambda *given: None)
+    monkeypatch.setattr(harmonic, "balanced", lambda scene, orbit, _: orbit if scene.system.share <= 0.3214 else None)
+    with pytest.raises(
+        ConvergenceError, match=r"^no steady state is found beyond 32\.1 % of the wave's amplitude; use a"
+    ):
+        continued(Wave(Raised()), np.zeros(1), 1e-6)
+
+
+def refining(monkeypatch, errors, tolerance, found=True):
+    """Harmonics and samples of the orbits tried where they miss so much by samples and by harmonics, and what comes."""
+    tried, left = [], iter(errors)
+
+    def missed(scene, orbit):
+        tried.append((len(orbit.harmonics), orbit.samples))
+        assert not orbit.harmonics[17:].any()
+        return next(left)
+
+    monkeypatch.setattr(harmonic, "missed", missed)
+    monkeypatch.setattr(harmonic, "balanced", lambda scene, orbit, _: orbit if found else None)
+    first = harmonic.Orbit(np.ones((17, 1), dtype=complex), np.zeros((32, 1, 1)), None, 3)
+    try:
+        orbit, error = harmonic.refined(Wave(Raised()), first, tolerance)
+    except ConvergenceError as refused:
+        return tried, str(refused)
+    return tried, (len(orbit.harmonics), orbit.samples, error)
+
+
+def test_harmonics_or_samples_are_doubled_whichever_miss_more(monkeypatch):
+    """No fewer than four samples a harmonic; both errors together are within the tolerance."""
+    errors = [(1e-3, 2e-3), (3e-3, 1e-3), (2e-3, 2e-3), (0.4e-4, 0.5e-4)]
+    tried, found = refining(monkeypatch, errors, 1e-4)
+    assert tried == [(17, 64), (33, 132), (33, 264), (33, 528)]
+    assert found == (33, 528, pytest.approx(0.9e-4))
+    assert refining(monkeypatch, [(0.6e-4, 0.5e-4), (0.0, 0.0)], 1e-4)[0] == [(17, 64), (17, 128)]
+    assert refining(monkeypatch, [(1.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.0, 0.0)], 1e-4)[0][-1] == (33, 256)
+
+
+@pytest.mark.parametrize(("errors", "last", "words"), [
+    ([(0.0, 2e-3)] * 99, (1025, 4100), "known to 2.0e-03 with 1024 harmonics, needs 1e-06; use a gentler wave"),
+    ([(2e-3, 1e-3)] * 99, (17, 16384), "known to 3.0e-03 with 16 harmonics, needs 1e-06; use a gentler wave"),
+])  # fmt: skip
+def test_there_are_so_many_harmonics_and_samples_at_most(monkeypatch, errors, last, words):
+    tried, told = refining(monkeypatch, errors, 1e-6)
+    assert tried[-1] == last
+    assert words in told
+
+
+def test_an_orbit_that_is_lost_on_the_way_is_told_with_what_was_known(monkeypatch):
+    tried, told = refining(monkeypatch, [(1e-3, 2e-3)] * 9, 1e-6, found=False)
+    assert tried == [(17, 64)]
+    assert "the steady state is known to 3.0e-03 with 16 harmonics, needs 1e-06" in told
+
+
+def test_what_a_step_of_newtons_method_takes_away_is_what_its_scene_is_missing():
+    """Of a linear scene all of it, of harmonics that are coupled and of those beyond."""
+    system, memory = two_motions(drag=Damper(np.zeros((2, 2))))
+    scene = PeriodicScene(system, STEP, memory.transfer)
+    impedance, rng = scene.impedance(64), np.random.default_rng(6)
+    newton = harmonic.Newton(scene, impedance, np.zeros((harmonic.COUPLED + 1, 2), dtype=complex), 2)
+    missing = rng.normal(size=(40, 2)) + 1j * rng.normal(size=(40, 2))
+    missing[0] = missing[0].real
+    found = newton.step(impedance, missing)
+    np.testing.assert_allclose(np.einsum("hij,hj->hi", impedance[:40], found), missing, atol=1e-9)
+    assert not found[0].imag.any()
+
+
+def test_the_inertia_of_an_orbit_is_that_of_the_harmonics_it_has():
+    rng = np.random.default_rng(6)
+    u, z = (rng.normal(size=shape) + 1j * rng.normal(size=shape) for shape in ((3, 2), (5, 2, 2)))
+    orbit = harmonic.Orbit(u, z, None, 0)
+    assert orbit.samples == 10
+    np.testing.assert_allclose(orbit.inertial, [*(z[h] @ u[h] for h in range(3)), [0, 0], [0, 0]], rtol=1e-12)

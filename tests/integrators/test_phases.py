@@ -121,3 +121,59 @@ def test_rungs_halve_a_step_until_a_series_needs_no_scaling(system, damping):
     state = np.array([0.2, -0.1, 0.5, 0.3, 1.0])
     for span in (0.1, 0.0999, 0.061, 0.0031):
         np.testing.assert_allclose(one.later(state, span), expm(span * one.flow) @ state, rtol=1e-9, atol=1e-11)
+
+
+@pytest.mark.parametrize("law", [{}, {"damping": 4.0}, {"stiffness": -7.0}, {"damping": 4.0, "stiffness": 7.0}])
+def test_rates_are_those_of_the_equation_of_motion_in_plain_coordinates(system, law):
+    """M a = -K q - C v - b (c V + k S) + b f: damper, spring and constant force at the port."""
+    one, scene, f = phase(system, **law), system.scene, 3.5
+    q, v = np.array([0.2, -0.1]), np.array([0.5, 0.3])
+    rates = one.matrix @ np.append(system.first((q, v)), f)
+    port = PORT * (f - law.get("damping", 0.0) * (v @ PORT) - law.get("stiffness", 0.0) * (q @ PORT))
+    expected = np.linalg.solve(scene.mass, port - scene.stiffness @ q - scene.damping @ v)
+    np.testing.assert_allclose(system.modes @ rates[2:4], expected, rtol=1e-12)
+    np.testing.assert_allclose(system.position @ rates[:2], v, rtol=1e-12)
+    assert rates[4] == 0.0
+
+
+def test_the_swing_is_the_steady_state_of_the_scene_with_damper_and_spring(system):
+    """In plain coordinates, (K + k b b^T - w^2 M - i w (C + c b b^T)) q = F."""
+    one, scene, w, outer = phase(system, damping=4.0, stiffness=7.0), system.scene, 1.5, np.outer(PORT, PORT)
+    z = scene.stiffness + 7.0 * outer - w**2 * scene.mass - 1j * w * (scene.damping + 4.0 * outer)
+    q = np.linalg.solve(z, [3.0 - 1.0j, 0.5j])
+    np.testing.assert_allclose(system.position @ one.swing[0, :2], q, rtol=1e-10)
+    np.testing.assert_allclose(system.modes @ one.swing[0, 2:4], -1j * w * q, rtol=1e-10)
+
+
+def test_what_a_port_that_is_held_lets_through_moves_across_it(system):
+    """A projection; a port that is free lets all through."""
+    held, free = phase(system, held=True).allowed, phase(system).allowed
+    np.testing.assert_array_equal(free, np.eye(2))
+    np.testing.assert_allclose(held @ held, held, atol=1e-14)
+    np.testing.assert_allclose(held @ (system.shapes.T @ PORT), 0.0, atol=1e-14)
+    assert np.trace(held) == pytest.approx(1.0)
+
+
+def test_a_linear_regime_carries_nothing_and_a_step_of_it_has_no_error(system):
+    one, state = phase(system), np.arange(5.0)
+    begun, error = one.begun(0.7, state)
+    assert (begun.tolist(), error) == (state.tolist(), 0.0)
+    assert one.reset(state, 0.7).tolist() == state.tolist()
+    assert (one.added(np.zeros((3, 5))).shape, one.added(np.zeros((3, 5))).any()) == ((3, 3, 2), False)
+    assert one.flow is one.matrix or np.array_equal(one.flow, one.matrix)
+    assert len(one.ahead) == one.reach
+
+
+def test_the_strongest_rate_is_that_of_whichever_spring_or_damper_makes_it():
+    """Two coupled masses at a port on both: by numpy on mass and stiffness in plain coordinates."""
+    mass, stiffness, direction = np.diag([2.0, 0.5]), np.array([[50.0, -10.0], [-10.0, 90.0]]), np.array([1.0, -0.7])
+    system = System.of(Scene(("Heave", "Membrane0"), mass, {"hydrostatic": Spring(stiffness)}, np.eye(2)))
+    port, light = system.shapes.T @ direction, direction @ np.linalg.solve(mass, direction)
+
+    def fastest(spring):
+        whole = np.linalg.solve(mass, stiffness + spring * np.outer(direction, direction))
+        return np.sqrt(np.linalg.eigvals(whole).max())
+
+    assert felt_rate(system, port, [0.0, 300.0, 20.0], [1.0]) == pytest.approx(fastest(300.0), rel=1e-9)
+    assert felt_rate(system, port, [-30.0, 0.0], [1.0, 0.0]) == pytest.approx(fastest(0.0), rel=1e-9)
+    assert felt_rate(system, port, [0.0], [3.0, 900.0, 2.0]) == pytest.approx(900.0 * light, rel=1e-9)

@@ -680,3 +680,49 @@ def test_other_forces_that_are_not_linear_are_named():
     renamed = {("other" if name == "pto" else name): force for name, force in scene.forces.items()}
     with pytest.raises(ValueError, match="received the nonlinear forces none, needs"):
         Switching(System.of(replace(scene, forces=renamed)))
+
+
+# works ---------------------------------------------------------------------------------------------------------------
+
+
+def test_works_of_a_law_that_is_linear_are_those_of_the_linear_scene(shell):
+    """Each of its own: waves, take-off, other dampers, radiation; a port on a mixture of three motions."""
+    law = replace(TakeOff(B, 0.8), direction=np.array([1.0, 0.3, -0.2]))
+    damper = {"pto": Damper(law.damping * np.outer(law.direction, law.direction))}
+    time, start = np.linspace(0.0, 20.0, 1001), (np.array([0.1, 0.2, -0.1]), np.array([0.3, 0.0, 0.1]))
+    motion, _ = switched(System.of(replace(shell, forces={**shell.forces, "pto": law})), time, start)
+    linear = System.of(replace(shell, forces={**shell.forces, **damper}))
+    expected = energies(linear, propagate(linear, time, start))
+    assert motion.works.keys() == {"wave", "pto", "structural", "radiated"}
+    for term, work in motion.works.items():
+        assert np.abs(expected[term]).max() > 0.1
+        assert work == pytest.approx(expected[term], abs=1e-8 * np.abs(expected["wave"]).max()), term
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_works_are_those_of_the_forces_along_the_motion(name):
+    """By the trapezoidal rule: what the law takes at its port, what drag and a stop's damper do, what the waves give."""
+    law, stop = (part and replace(part, rest=0.05) for part in LAWS[name])
+    stop = stop and replace(
+        stop, stroke=0.3, damping=20.0
+    )  # jumps, of which a sum over instants knows little, are small
+    system, time = oscillator(law, stop), np.linspace(0.0, 4.0, 4001)
+    motion, _ = switched(system, time, START)
+    v, y = motion.velocity[:, 0], motion.position[:, 0]
+
+    def work(power):
+        return np.concatenate([[0.0], np.cumsum((power[1:] + power[:-1]) / 2 * np.diff(time))])
+
+    wave = np.real(np.exp(-1j * np.outer(time, WAVES.omega)) @ WAVES.phasors[:, 0])
+    lost = work(DRAG * v**2)
+    if stop:
+        stored = stop.stored(motion.position)
+        lost = lost + work(-motion.forces["end_stop"][:, 0] * v) - (stored - stored[0])
+        assert np.ptp(stored) > 0.1
+        assert motion.forces["end_stop"] == pytest.approx(stop.force(time, motion.position, motion.velocity), abs=1e-6)
+    exact = {"wave": work(wave * v), "pto": work(-motion.forces["pto"][:, 0] * v), "structural": lost}
+    size = np.abs(exact["wave"]).max()
+    for term, found in exact.items():
+        assert motion.works[term] == pytest.approx(found, abs=5e-3 * size), term
+    assert not motion.works["radiated"].any()
+    assert np.abs(y).max() > 0.1
