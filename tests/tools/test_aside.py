@@ -57,3 +57,26 @@ def test_work_that_is_killed_is_told(monkeypatch):
     result = aside(lambda: os._exit(3))
     with pytest.raises(ChildProcessError, match="ended without a result, with code 3"):
         result()
+
+
+@pytest.mark.skipif(not LINUX, reason="work is done aside on Linux alone")
+@pytest.mark.parametrize("mistake", [KeyError("a"), OSError("no space"), RuntimeError("odd")])
+def test_any_mistake_aside_is_raised_as_what_it_is(monkeypatch, mistake):
+    monkeypatch.setenv("OMP_NUM_THREADS", "2")
+
+    def wrong():
+        raise mistake
+
+    with pytest.raises(type(mistake)) as told:
+        aside(wrong)()
+    assert told.value.args == mistake.args
+
+
+@pytest.mark.skipif(not LINUX, reason="work is done aside on Linux alone")
+def test_what_is_found_aside_may_be_nothing_and_several_go_on_at_a_time(monkeypatch):
+    monkeypatch.setenv("OMP_NUM_THREADS", "3")
+    begun = [aside(lambda k=k: None if k == 1 else (os.getpid(), k)) for k in range(3)]
+    first, nothing, last = (result() for result in begun)
+    assert nothing is None
+    assert (first[1], last[1]) == (0, 2)
+    assert len({os.getpid(), first[0], last[0]}) == 3

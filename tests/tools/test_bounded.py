@@ -83,3 +83,48 @@ def test_where_there_is_no_timer_time_has_no_bound(monkeypatch):
     monkeypatch.delattr(signal, "setitimer")
     with bounded_time(1e-9):
         assert sum(range(1000)) == 499500
+
+
+@linux
+def test_a_bound_within_a_bound_gives_that_back():
+    """Also after an error inside."""
+    import resource
+
+    with bounded_memory(2**32):
+        outer = resource.getrlimit(resource.RLIMIT_AS)
+        with bounded_memory(2**28):
+            inner = resource.getrlimit(resource.RLIMIT_AS)
+        assert resource.getrlimit(resource.RLIMIT_AS) == outer
+        with pytest.raises(KeyError), bounded_memory(2**28):
+            raise KeyError
+        assert resource.getrlimit(resource.RLIMIT_AS) == outer
+    assert inner[0] < outer[0] < 2**48
+    assert inner[1] == outer[1]
+
+
+def test_where_a_process_cannot_be_looked_at_memory_has_no_bound(monkeypatch):
+    def unreadable(*_, **__):
+        raise OSError("no /proc")
+
+    monkeypatch.setattr(Path, "read_text", unreadable)
+    with bounded_memory(-(2**40)):
+        assert sum(range(1000)) == 499500
+
+
+def test_an_alarm_of_before_rings_as_it_did():
+    """What is done in time leaves the handler that was there, after an error too."""
+    before = signal.getsignal(signal.SIGALRM)
+    ours = signal.signal(signal.SIGALRM, lambda *_: None)
+    try:
+        known = signal.getsignal(signal.SIGALRM)
+        with bounded_time(60.0):
+            assert signal.getsignal(signal.SIGALRM) is not known
+            assert 0 < signal.getitimer(signal.ITIMER_REAL)[0] <= 60.0
+        assert signal.getsignal(signal.SIGALRM) is known
+        with pytest.raises(KeyError), bounded_time(60.0):
+            raise KeyError
+        assert signal.getsignal(signal.SIGALRM) is known
+        assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
+    finally:
+        signal.signal(signal.SIGALRM, ours)
+    assert signal.getsignal(signal.SIGALRM) is before

@@ -4,6 +4,7 @@ import contextlib
 import subprocess
 import sys
 import threading
+from types import SimpleNamespace
 
 import pytest
 
@@ -56,3 +57,37 @@ def test_an_end_without_a_number_is_what_it_is_to_python(monkeypatch, said, code
     monkeypatch.setattr(launcher.os, "_exit", told.append)
     launcher.launch()
     assert told == [code]
+
+
+def test_all_that_was_said_is_written_before_the_end(monkeypatch):
+    """On both streams, logs among it: a process that ends so writes nothing itself."""
+    said = []
+    monkeypatch.setattr("logging.shutdown", lambda: said.append("logs"))
+    for name in ("stdout", "stderr"):
+        monkeypatch.setattr(sys, name, SimpleNamespace(flush=lambda name=name: said.append(name), write=len))
+
+    def snakemake():
+        raise SystemExit(7)
+
+    begun_with(monkeypatch, snakemake)
+    monkeypatch.setattr(launcher.os, "_exit", said.append)
+    launcher.launch()
+    assert said[0] == "logs"
+    assert said[-1] == 7
+    assert {"stdout", "stderr"} <= set(said[1:-1])
+
+
+def test_a_run_that_returns_ends_as_any_function(monkeypatch):
+    begun_with(monkeypatch, lambda: None)
+    monkeypatch.setattr(launcher.os, "_exit", pytest.fail)
+    assert launcher.launch() is None
+
+
+def test_a_mistake_of_snakemake_is_told(monkeypatch):
+    def snakemake():
+        raise KeyError("broken")
+
+    begun_with(monkeypatch, snakemake)
+    monkeypatch.setattr(launcher.os, "_exit", pytest.fail)
+    with pytest.raises(KeyError, match="broken"):
+        launcher.launch()

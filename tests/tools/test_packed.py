@@ -88,3 +88,39 @@ def test_nothing_is_written_of_what_is_not_finite(dataset, tmp_path):
     with pytest.raises(DatabaseError, match="annual_energy holds NaN"):
         packed.save(dataset, tmp_path / "one.npz")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_file_that_asks_for_code_to_be_run_is_no_dataset(tmp_path):
+    """Objects of Python are never read, however well the file is sealed."""
+    path = tmp_path / "one.npz"
+    header = '{"dims": {"a": ["x"]}, "coords": [], "attrs": {}, "kinds": {"a": ["|O", [1]]}}'
+    np.savez(path, **{".": np.array(header), "|O": np.array([{}], dtype=object)})
+    seal(path)
+    with pytest.raises(
+        DatabaseError, match=r"one.npz: no packed dataset \(.*allow_pickle=False.*\); delete it, or let"
+    ):
+        packed.read(path)
+
+
+def test_shapes_of_any_number_of_dimensions_come_back_each_its_own(tmp_path):
+    """Of one type, so in one row: none, one, two and three dimensions, and an empty one."""
+    shapes = {"a": (), "b": (3,), "c": (2, 3), "d": (2, 3, 4), "e": (0, 3)}
+    dims = ("hs", "te", "draw")
+    values = {name: (dims[-len(shape) :] if shape else (), np.arange(np.prod(shape, dtype=int)).reshape(shape) + k)
+              for k, (name, shape) in enumerate(shapes.items())}  # fmt: skip
+    plain = {name: xr.Variable([f"{name}{i}" for i in range(len(v[0]))], v[1]) for name, v in values.items()}
+    packed.save(xr.Dataset(plain, attrs={"spec_id": "0" * 16}), tmp_path / "one.npz")
+    found = packed.read(tmp_path / "one.npz")
+    for name, variable in plain.items():
+        assert found[name].dims == variable.dims
+        np.testing.assert_array_equal(found[name].values, variable.values)
+
+
+@pytest.mark.parametrize(("attrs", "words"), [
+    ({"spec_id": "f" * 16}, "holds 'ffffffffffffffff', needs '0123456789abcdef': stale or foreign; delete it"),
+    ({}, "holds None, needs '0123456789abcdef': stale or foreign; delete it"),
+])  # fmt: skip
+def test_a_dataset_of_something_else_is_told_by_both_ids(dataset, tmp_path, attrs, words):
+    packed.save(dataset.drop_attrs().assign_attrs(attrs), tmp_path / "one.npz")
+    with pytest.raises(DatabaseError, match=f"one.npz: {words}"):
+        packed.load(tmp_path / "one.npz", expected="0123456789abcdef")

@@ -221,3 +221,61 @@ def test_a_coordinate_put_in_order_is_still_one():
     assert found.added_mass_inf.dims == ("influenced_dof", "radiating_dof")
     assert list(found.coords) == ["added_mass_inf"]
     assert not list(described(ds).coords)
+
+
+def test_what_may_be_missing_for_several_reasons_may_be_so_for_each_and_no_other():
+    """Practice: of a design that is not viable, and of optima; gains: of the first, and where the reference takes none."""
+    coordinates = {"design": ["FSB", "VSWEC", "W"], "tuning": ["fixed", "constrained", "one"]}
+    by, viable = ("design", "tuning"), ("design", [True, False, True])
+    lost = np.zeros((3, 3), dtype=bool)
+    lost[1] = True
+    for name, column in (("practice_power", 1), ("gain_percent", 2)):
+        power = np.array([[1.0, 2.0, 0.0], [np.nan] * 3, [3.0, 4.0, 5.0]])
+        missing = lost.copy()
+        missing[:, column] = True
+        ds = xr.Dataset({"viable": viable, "annual_mean_power": (by, power)}, coordinates)
+        check_finite(ds.assign({name: (by, np.where(missing, np.nan, 1.0))}), "x")
+        for at in np.argwhere(~missing):
+            worse = np.where(missing, np.nan, 1.0)
+            worse[tuple(at)] = np.nan
+            with pytest.raises(DatabaseError, match=f"x: variable {name} holds NaN"):
+                check_finite(ds.assign({name: (by, worse)}), "x")
+
+
+def test_what_no_design_has_a_part_in_is_never_missing():
+    """The sea's own numbers, whichever design is not viable."""
+    ds = xr.Dataset({"viable": ("design", [False, True]), "margin": ((), np.nan)}, {"design": ["A", "B"]})
+    with pytest.raises(DatabaseError, match="x: variable margin holds NaN"):
+        check_finite(ds, "x")
+
+
+def test_gains_are_over_the_mean_power_of_the_year_where_both_are_there():
+    """Corrected or not; a negative one is nothing to gain over either."""
+    coordinates, by = {"design": ["FSB", "VSWEC"]}, ("design",)
+    gains = {name: (by, [np.nan, np.nan]) for name in ("gain_low", "corrected_gain_low")}
+    power = {"annual_mean_power": (by, [-1.0, 2.0]), "corrected_mean_power": (by, [1.0, 2.0])}
+    check_finite(xr.Dataset(gains | power, coordinates), "x")
+    power |= {"annual_mean_power": (by, [1.0, 2.0]), "corrected_mean_power": (by, [-1.0, 2.0])}
+    with pytest.raises(DatabaseError, match="holds NaN"):
+        check_finite(xr.Dataset(gains | power, coordinates), "x")
+
+
+@pytest.mark.parametrize("units", [AT_VOLUME, AT_ROTATION], ids=["volume", "rotation"])
+def test_everything_a_port_changes_the_units_of_has_those_and_its_meaning(units):
+    port = "volume: pressure" if units is AT_VOLUME else "pitch: moment"
+    for name, unit in units.items():
+        ds = xr.Dataset(
+            {name: ([dim if dim != "..." else "x" for dim in ATTRS[name].dims], np.ones([1] * len(ATTRS[name].dims)))}
+        )
+        found = described(ds.assign_attrs(port=port))[name].attrs
+        assert found == {"units": unit, "long_name": ATTRS[name].long_name}
+
+
+def test_parts_of_a_complex_number_are_put_together_real_part_first():
+    ds = rao(np.array([1.0 + 2j, -3.0, 4j]).reshape(1, 3, 1) * np.ones(2))
+    parts = separated(ds)
+    np.testing.assert_array_equal(parts.rao.sel(complex="re").transpose(*ds.rao.dims).values, ds.rao.values.real)
+    np.testing.assert_array_equal(parts.rao.sel(complex="im").transpose(*ds.rao.dims).values, ds.rao.values.imag)
+    swapped = merged(parts.isel(complex=[1, 0]))
+    np.testing.assert_array_equal(swapped.rao.transpose(*ds.rao.dims).values, ds.rao.values)
+    assert "complex" not in swapped.coords
