@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from vsb.errors import ConvergenceError
-from vsb.integrators.collocation import NODES, SHORTEST, Collocation, collocated, recorded, step_of
+from vsb.integrators.collocation import GROWTH, NODES, SHORTEST, SPENT, Collocation, collocated, recorded, step_of
 from vsb.integrators.exact import propagate
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.simulate import legs, suited
@@ -248,3 +248,142 @@ def test_errors_add_up_until_the_slowest_motion_is_forgotten():
     """2 y'' + 1.2 y' + 50 y = 0 falls as exp(-0.3 t)."""
     assert Collocation(system(), 0.1).horizon == pytest.approx(1 / 0.3, rel=1e-9)
     assert Collocation(system(pto=Damper(np.array([[-0.4]]))), 0.1).horizon == np.inf
+
+
+# two coordinates, and steps by hand ----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Mixed(Force):
+    """Each coordinate's force depends on places and rates of both."""
+
+    def linear(self):
+        """Nothing."""
+        return Linear(whole=False)
+
+    def force(self, time, q, v):
+        """Return the force."""
+        first = -3 * q[:, 0] * q[:, 1] ** 2 - 0.05 * v[:, 1] * q[:, 0]
+        return np.stack([first, 2 * q[:, 0] ** 3 - 0.4 * v[:, 0] * q[:, 1]], axis=1)
+
+
+MASS2, SPRINGS2 = np.array([[2.0, 0.3], [0.3, 1.0]]), np.array([[50.0, -10.0], [-10.0, 30.0]])
+DAMPERS2, PUSH2 = np.array([[1.2, 0.3], [0.3, 0.8]]), np.array([[30.0 + 5.0j, -4.0]])
+
+
+def pair(**others):
+    """Two coupled motions in a wave."""
+    forces = {
+        "hydrostatic": Spring(SPRINGS2), "pto": Damper(DAMPERS2), "excitation": Excitation(np.array([OMEGA]), PUSH2),
+    }  # fmt: skip
+    return System.of(Scene(("Heave", "Membrane0"), MASS2, forces | others, np.eye(2)))
+
+
+def test_coupled_motions_are_those_of_an_independent_integrator():
+    """From an instant that is not zero, at the records and in all their parts; forces are told along them."""
+    time, start = np.linspace(2.0, 7.0, 101), (np.array([0.3, -0.2]), np.array([0.1, 0.4]))
+    force = Mixed().force
+
+    def rates(t, y):
+        push = (np.exp(-1j * OMEGA * t) * PUSH2[0]).real + force(t, y[None, :2], y[None, 2:])[0]
+        return np.concatenate([y[2:], np.linalg.solve(MASS2, push - SPRINGS2 @ y[:2] - DAMPERS2 @ y[2:])])
+
+    run = solve_ivp(rates, (2.0, 7.0), np.concatenate(start), "DOP853", rtol=1e-12, atol=1e-13, t_eval=time)
+    found, _ = collocated(pair(mixed=Mixed()), time, start, 1e-8)
+    np.testing.assert_allclose(np.hstack([found.position, found.velocity]), run.y.T, atol=1e-7)
+    exact = np.array([rates(t, y)[2:] for t, y in zip(time, run.y.T, strict=True)])
+    np.testing.assert_allclose(found.acceleration, exact, atol=1e-5)
+
+
+COURSES = np.array([[0.3, -1.0], [2.0, 0.5], [-1.5, 0.4], [0.3, -0.2], [0.1, 0.02]])
+
+
+def stepped(monkeypatch, count, errors, tolerance=1e-3, begin=3.0, dt=0.25):
+    """Levels, begins in records and limits of steps whose errors are such parts of their limits; records are checked.
+
+    The force is a polynomial of degree four, which each step hands on to the next; after the last error there is none.
+    """
+    plant, asked, left, time = pair(), [], iter(errors), begin + dt * np.arange(count)
+    first = plant.first((np.array([0.3, -0.2]), np.array([0.1, 0.4])))
+
+    def course(t):
+        return np.polynomial.polynomial.polyval(t - begin, COURSES).T
+
+    def met(self, level, tick, z, f, limit):
+        there = begin + dt * (tick * 2.0**SHORTEST + 2.0**level * np.arange(5) / 4)
+        if asked:
+            known = (
+                5 if 2.0 ** (level + 1) <= count - 1 - tick * 2.0**SHORTEST else 1
+            )  # else the run's end made it short
+            np.testing.assert_allclose(f[:known], course(there)[:known], rtol=1e-6, atol=1e-6)
+        asked.append((level, tick * 2.0**SHORTEST, limit))
+        return course(there), next(left, 0.0) * limit
+
+    monkeypatch.setattr(Collocation, "met", met)
+    out, steps = Collocation(plant, dt, begin).run(time, first, tolerance)
+    assert steps == len(asked)
+
+    def rates(t, z):
+        return plant.matrix @ z + plant.input @ course(np.array([t]))[0]
+
+    exact = solve_ivp(rates, time[[0, -1]], first, "DOP853", rtol=1e-12, atol=1e-12, t_eval=time).y.T
+    np.testing.assert_allclose(out, exact, atol=1e-9)
+    return asked, out, plant
+
+
+@pytest.mark.parametrize(("errors", "steps"), [
+    ([], [(0, 0), (0, 1), (1, 2), (2, 4), (3, 8)]),
+    ([0.9] * 99, [(0, k) for k in range(16)]),
+    ([0.9 / GROWTH, 1.1 / GROWTH] * 9, [(0, k) for k in range(16)]),
+    ([np.inf, np.inf], [(0, 0), (-1, 0), (-2, 0), (-2, 0.25), (-1, 0.5), (0, 1), (1, 2), (2, 4), (3, 8)]),
+    ([0.0, 0.0, 0.0, np.inf, np.inf],
+     [(0, 0), (0, 1), (1, 2), (2, 4), (1, 4), (0, 4), (0, 5), (1, 6), (2, 8), (2, 12)]),
+])  # fmt: skip
+def test_steps_become_twice_as_long_where_they_may_and_half_as_long_where_they_must(monkeypatch, errors, steps):
+    """Twice where the error is below the limit over the growth, and from instants alone that such a step may begin at."""
+    asked, *_ = stepped(monkeypatch, 17, errors)
+    assert [given[:2] for given in asked] == steps
+
+
+def test_steps_end_with_the_run_and_are_of_32_records_at_most(monkeypatch):
+    assert [given[:2] for given in stepped(monkeypatch, 6, [])[0]] == [(0, 0), (0, 1), (1, 2), (0, 4)]
+    levels = [level for level, *_ in stepped(monkeypatch, 161, [])[0]]
+    assert levels == [0, 0, 1, 2, 3, 4, 5, 5, 5, 5]
+
+
+@pytest.mark.parametrize(("part", "accepted"), [(0.99, True), (1.01, False)])
+def test_a_step_may_err_by_its_share_and_a_part_of_what_others_left(monkeypatch, part, accepted):
+    """Here all of the first step's; shares are of the largest state so far and of the time in which errors add up."""
+    asked, out, plant = stepped(monkeypatch, 5, [0.0, 1 + part * SPENT])
+    assert asked[2][:2] == ((0, 2) if accepted else (-1, 1))
+    largest = np.maximum.accumulate(np.linalg.norm(out, axis=1))
+    slowest = -np.linalg.eigvals(plant.matrix).real.max()
+    horizon = min(1 / slowest, 1.0)
+    first = max(largest[0], 0.25 * np.linalg.norm(plant.forcing(np.array([3.0]), out[:1])[0]))
+    assert asked[0][2] == pytest.approx(1e-3 * first * min(0.25 / horizon, 1.0), rel=1e-9)
+    assert asked[1][2] == pytest.approx(1e-3 * max(first, largest[1]) * min(0.25 / horizon, 1.0), rel=1e-6)
+    if not accepted:
+        assert asked[2][2] == pytest.approx(asked[1][2] / 2, rel=1e-9)
+
+
+def test_a_step_is_met_where_its_last_change_is_a_hundredth_of_what_it_may_err_by(monkeypatch):
+    """Of a force of places alone; one that grows from sweep to sweep is not met, and f stays what it was."""
+    plant, f = pair(mixed=Mixed()), np.zeros((NODES, 2))
+    z = plant.first((np.array([0.3, -0.2]), np.array([0.1, 0.4])))
+    f[:] = plant.forcing(np.array([0.0]), z[None])
+    method, known = Collocation(plant, 0.1), f.copy()
+    loose, tight = (method.met(0, 0, z, f, limit)[0] for limit in (1e-3, 1e-12))
+    np.testing.assert_array_equal(f, known)
+    step, nodes = method.step(0), 0.025 * np.arange(5)
+    states = np.vstack([z[None], (step.free @ z + step.forced @ tight.ravel())[step.nodes]])
+    np.testing.assert_allclose(tight, plant.forcing(nodes, states), atol=1e-9)
+    change = 0.1 * np.linalg.norm(loose - tight)
+    assert 0 < change < 1e-5
+    assert 0.1 * np.linalg.norm(loose[0] - f[0]) == 0.0
+    there = (step.free @ z + step.forced @ tight.ravel())[2]
+    seen = plant.forcing(np.array([0.0375]), there[None])[0]
+    missed = seen - [np.polynomial.Polynomial.fit(nodes, values, 4)(0.0375) for values in tight.T]
+    assert method.met(0, 0, z, f, 1e-12)[1] == pytest.approx(0.1 * np.linalg.norm(missed), rel=1e-3)
+    far, error = Collocation(plant, 3.0).met(0, 0, 30 * z, f, 1e-6)
+    assert far is f
+    assert error == np.inf

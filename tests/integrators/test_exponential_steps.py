@@ -8,7 +8,18 @@ from scipy.integrate import quad_vec
 from scipy.linalg import expm
 
 from vsb.integrators import exponential_steps
-from vsb.integrators.exponential_steps import HISTORY, KEPT, PAST, PROBE, STARTS, step_matrices
+from vsb.integrators.exponential_steps import (
+    GROWTH,
+    HISTORY,
+    KEPT,
+    LONGEST,
+    PAST,
+    PROBE,
+    SAFE,
+    SPENT,
+    STARTS,
+    step_matrices,
+)
 from vsb.integrators.phi import phi_integrals
 
 A = np.array([[0.0, 3.0], [-3.0, -0.4]])
@@ -212,3 +223,133 @@ def test_past_values_at_another_distance_are_those_of_the_polynomial_through_the
     exponential_steps._resized(past, change)
     apart = -np.arange(float(KEPT)) * (2.0 if change > 0 else 0.5)
     np.testing.assert_allclose(past[:KEPT], np.column_stack([course(apart), 3.0 * course(1.0 + apart)]), rtol=1e-11)
+
+
+# a march of one size -------------------------------------------------------------------------------------------------
+
+PER_RECORD = 2**20
+
+
+class March:
+    """Steps of one size in a scene that nothing pushes, whose errors are such parts of their limits, and all it carries."""
+
+    def __init__(self, monkeypatch, errors, level=0, known=KEPT, aside=0.0, troubled=0, peak=0.0, count=41, **more):
+        self.dt, self.horizon, self.tolerance, self.round_off = 0.1, 2.0, 1e-6, more.get("round_off", 0.0)
+        self.step, self.limits = steps(self.dt * 2.0**level), []
+        left = iter(errors)
+
+        def still(r, t, p, out):
+            out[:] = 0.0
+
+        def norm(matrix, vector):
+            self.limits.append(self.limit)
+            return next(left, 0.0) * self.limit
+
+        monkeypatch.setattr(exponential_steps, "remainder", still)
+        monkeypatch.setattr(exponential_steps, "_norm_of", norm)
+        monkeypatch.setattr(exponential_steps, "_unseen", lambda *_: (0.0, 0))
+        monkeypatch.setattr(exponential_steps, "_started", lambda *_: more.get("started", -1))
+        self.z, self.out, self.pushes = START.copy(), np.zeros((count, 2)), np.zeros((count, 1))
+        self.past, self.places = np.zeros((HISTORY, 1)), np.arange(float(HISTORY))[:, None]
+        self.counters = np.array([more.get("tick", 0), known, 0, 0, troubled])
+        self.levels = np.array([2.0, peak, aside])
+        self.change = exponential_steps.march.py_func(
+            SimpleNamespace(round_off=self.round_off), self.step, self.dt, level, self.tolerance, self.horizon, self.z,
+            self.past, self.places, self.counters, self.levels, self.out, self.pushes,
+        )  # fmt: skip
+
+    @property
+    def limit(self):
+        """What a step may err by; the state is at its largest at the begin."""
+        d = self.step.spacing
+        return SAFE * self.tolerance * 2.0 * min(d / self.horizon, 1.0) + self.round_off * d
+
+
+@pytest.mark.parametrize(("known", "peak", "steps"), [
+    (KEPT, 0.0, HISTORY - KEPT), (HISTORY, 0.0, 1), (HISTORY, 0.02, 14), (KEPT, 0.02, 14), (HISTORY, 1.05 / GROWTH, 1),
+    (HISTORY, 1.06 / GROWTH, 2),
+])  # fmt: skip
+def test_a_step_becomes_twice_as_long_where_it_may_and_its_past_is_known(monkeypatch, known, peak, steps):
+    """Errors of late are forgotten by a twentieth a step; every other past value goes on to serve."""
+    found = March(monkeypatch, [], known=known, peak=peak)
+    assert found.change == 1
+    assert found.counters.tolist() == [steps * PER_RECORD, KEPT, steps, steps, 0]
+    assert found.levels[1] == 0.0
+    for k in range(steps + 1):
+        np.testing.assert_allclose(found.out[k], expm(k * 0.1 * A) @ START if k else 0.0, atol=1e-12)
+    behind = [found.z[0], *found.out[steps - 1 : 0 : -1, 0], *range(HISTORY)]
+    np.testing.assert_allclose(found.places[:KEPT, 0], behind[: 2 * KEPT : 2], atol=1e-12)
+
+
+def test_the_error_of_late_is_that_of_the_worst_step(monkeypatch):
+    """0.02 of the limit, then less: after 14 more it is below a hundredth."""
+    found = March(monkeypatch, [0.5 / GROWTH, 2.0 / GROWTH, 0.5 / GROWTH, 0.7 / GROWTH], known=HISTORY - 1)
+    assert found.counters[2] == 1
+    found = March(monkeypatch, [2.0 / GROWTH, 0.5 / GROWTH, 0.7 / GROWTH], known=HISTORY - 1)
+    assert found.counters[2] == 1 + 14
+
+
+@pytest.mark.parametrize(
+    ("level", "tick", "steps"), [(-1, 0, 2), (-1, PER_RECORD // 2, 1), (-2, 0, 2), (-2, PER_RECORD // 4, 1)]
+)
+def test_a_part_of_a_record_becomes_twice_as_long_where_such_parts_begin(monkeypatch, level, tick, steps):
+    found = March(monkeypatch, [], level=level, known=HISTORY, tick=tick)
+    assert (found.change, found.counters[2]) == (1, steps)
+
+
+def test_the_longest_step_stays_as_it_is(monkeypatch):
+    found = March(monkeypatch, [], level=LONGEST, known=HISTORY, count=2 * 2**LONGEST + 1)
+    assert (found.change, found.counters[2]) == (0, 2)
+
+
+@pytest.mark.parametrize(("troubled", "error", "accepted"), [
+    (0, 0.99, True), (0, 1.01, False), (3, 1.0 + 0.99 * SPENT * 4.0, True), (3, 1.0 + 1.01 * SPENT * 4.0, False),
+    (0, 1.0 + 0.99 * SPENT * 4.0, False), (1, 1.0 + 0.99 * SPENT * 4.0, True),
+])  # fmt: skip
+@pytest.mark.parametrize("round_off", [0.0, 1e-5])
+def test_what_was_put_aside_is_spent_after_a_failure_alone(monkeypatch, troubled, error, accepted, round_off):
+    """A tenth of it in one step; round-off of the forces counts as no error."""
+    limit = SAFE * 1e-6 * 2.0 * 0.1 / 2.0 + round_off * 0.1
+    found = March(monkeypatch, [error], aside=4.0 * limit, troubled=troubled, count=2, round_off=round_off)
+    assert found.limits[0] == pytest.approx(limit)
+    assert found.change == (0 if accepted else -1)
+    assert found.counters[4] == (max(troubled - 1, 0) if accepted else HISTORY)
+    if accepted:
+        kept = min((4.0 + 1.0 - error) * limit, SAFE * 1e-6 * 2.0)
+        assert found.levels.tolist() == pytest.approx([2.0, error, kept])
+
+
+def test_no_more_is_put_aside_than_the_tolerance(monkeypatch):
+    found = March(monkeypatch, [0.5] * 99, count=41)
+    assert found.levels[2] == pytest.approx(SAFE * 1e-6 * 2.0)
+    found = March(monkeypatch, [0.5] * 99, count=4)
+    assert found.levels[2] == pytest.approx(3 * 0.5 * SAFE * 1e-6 * 2.0 * 0.1 / 2.0)
+
+
+@pytest.mark.parametrize(("known", "kept"), [(KEPT, 0), (KEPT + 1, KEPT), (HISTORY, KEPT)])
+def test_a_step_that_fails_is_begun_anew_by_interpolation_once(monkeypatch, known, kept):
+    """Places of before stand at half the distance; nothing has moved."""
+    found = March(monkeypatch, [1.5], known=known, peak=0.5)
+    assert found.change == -1
+    assert found.counters.tolist() == [0, kept, 1, 1, HISTORY]
+    assert found.levels.tolist() == [2.0, 0.0, 0.0]
+    np.testing.assert_array_equal(found.z, START)
+    np.testing.assert_allclose(found.places[:KEPT, 0], np.arange(KEPT) / 2, atol=1e-12)
+    assert not found.out.any()
+
+
+@pytest.mark.parametrize(("made", "change"), [(-1, -1), (17, 0)])
+def test_a_march_without_a_past_is_started_or_left_to_shorter_steps(monkeypatch, made, change):
+    found = March(monkeypatch, [0.5] * 9, known=0, started=made, count=4)
+    assert found.change == change
+    expected = [3 * PER_RECORD, KEPT + 3, 3, 20, 0] if made > 0 else [0, 0, 0, 0, HISTORY]
+    assert found.counters.tolist() == expected
+    if made > 0:
+        np.testing.assert_allclose(found.places[3:KEPT, 0], START[0])
+
+
+def test_errors_count_over_no_longer_than_the_motion_or_what_it_remembers(monkeypatch):
+    """A step longer than that may err by all of the tolerance."""
+    found = March(monkeypatch, [0.9], level=6, count=65)
+    assert found.limits[0] == pytest.approx(SAFE * 1e-6 * 2.0)
+    assert found.change == 0
