@@ -1,3 +1,5 @@
+from dataclasses import dataclass, replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -17,8 +19,9 @@ from vsb.integrators.audit import (
     step_integrals,
     terms,
 )
+from vsb.integrators.collocation import collocated
 from vsb.integrators.exact import propagate
-from vsb.motion.forces import Damper, Excitation, Spring
+from vsb.motion.forces import Damper, Excitation, Force, Linear, QuadraticDrag, Spring
 from vsb.motion.motion import Motion
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
@@ -173,3 +176,67 @@ def test_an_audit_counts_terms_of_their_own_and_nothing_makes_no_residual():
     assert residual({**energy, "turned": np.array([0.0, 8.0, 0.0])}) == pytest.approx(2.0 / 8.0)
     assert residual({**dict.fromkeys(TERMS, none), "turned": none}) == 0.0
     assert START.after({**energy, "turned": none}).ended == {**dict.fromkeys(TERMS, 0.0), "wave": 3.0, "drag": 4.0}
+
+
+@dataclass(frozen=True)
+class Hardening(Force):
+    """f = -k3 q^3 on every coordinate."""
+
+    def linear(self):
+        """Nothing."""
+        return Linear(whole=False)
+
+    def force(self, time, q, v):
+        """Return the force."""
+        return -40.0 * q**3
+
+    def stored(self, q):
+        """Return its potential energy."""
+        return (10.0 * q**4).sum(axis=1)
+
+
+@pytest.mark.parametrize("take_off", ["pto", "drag", "stiffer", "none"])
+def test_what_a_force_that_is_not_linear_takes_is_the_take_offs_or_its_own(take_off):
+    """By sums over the instants of a motion of two coordinates that begin away from rest; what is stored nobody takes."""
+    drag = QuadraticDrag(np.eye(2), np.array([3.0, 1.0]), np.zeros(0), np.zeros((0, 2), dtype=complex))
+    dampers = {"pto": np.diag([1.2, 0.7]), "structural_damping": np.array([[0.2, 0.1], [0.1, 0.3]])}
+    forces = {name: Damper(matrix) for name, matrix in dampers.items()} | {"drag": drag, "stiffer": Hardening()}
+    scene = Scene(("Heave", "Membrane0"), np.array([[2.0, 0.3], [0.3, 1.0]]), forces, np.eye(2), take_off=take_off)
+    time = np.linspace(0.0, 2.0, 801)
+    motion, _ = collocated(System.of(scene), time, (np.array([0.3, -0.4]), np.array([0.5, 0.8])), 1e-8)
+    q, v, found = motion.position, motion.velocity, energies(System.of(scene), motion)
+
+    def work(power):
+        return np.concatenate([[0.0], np.cumsum((power[1:] + power[:-1]) / 2 * np.diff(time))])
+
+    taken = {name: work(np.einsum("ti,ij,tj->t", v, matrix, v)) for name, matrix in dampers.items()}
+    taken |= {"drag": work(np.abs(v) ** 3 @ [3.0, 1.0]), "stiffer": 0.0 * time}
+    own = {"pto": taken.pop(take_off, 0.0 * time)}
+    structural = sum(taken.pop(name, 0.0 * time) for name in ("pto", "structural_damping"))
+    own |= {"structural": structural, "radiated": 0.0 * time, "wave": 0.0 * time, **taken}
+    stored = 10.0 * (q**4).sum(axis=1)
+    kinetic = 0.5 * np.einsum("ti,ij,tj->t", v, scene.mass, v)
+    own |= {"stored": stored + kinetic - stored[0] - kinetic[0], "turned": kinetic * (1 + 1e-9) + 1e-9 * stored}
+    assert found.keys() == own.keys()
+    for term, expected in own.items():
+        assert found[term] == pytest.approx(expected, abs=2e-4), term
+
+
+def test_energy_that_is_stored_below_zero_went_round_as_much_as_any():
+    """A spring that pushes away: its billionth is no negative one."""
+    plant, time = one_mass(hydrostatic=Spring(np.array([[-50.0]]))), np.linspace(0.0, 0.5, 11)
+    motion = propagate(System.of(plant), time, (np.array([0.3]), np.zeros(1)))
+    kinetic, stored = motion.velocity[:, 0] ** 2, -25.0 * motion.position[:, 0] ** 2
+    found = energies(System.of(plant), motion)
+    np.testing.assert_allclose(found["stored"], kinetic + stored - stored[0], atol=1e-12)
+    np.testing.assert_allclose(found["turned"], kinetic + 1e-9 * np.abs(kinetic + stored), rtol=1e-12)
+
+
+def test_works_a_motion_brings_along_are_taken_as_they_are():
+    plant, time = one_mass(hydrostatic=Spring(np.array([[50.0]])), pto=Damper(np.eye(1))), np.linspace(0.0, 0.5, 11)
+    motion = propagate(System.of(plant), time, (np.array([0.3]), np.zeros(1)))
+    works = {"wave": time, "pto": 2 * time, "radiated": 3 * time, "structural": 4 * time}
+    plain, found = (energies(System.of(plant), one) for one in (motion, replace(motion, works=works)))
+    assert found.keys() == plain.keys()
+    for term, expected in (plain | works).items():
+        np.testing.assert_array_equal(found[term], expected)

@@ -12,7 +12,7 @@ from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.audit import energies, residual
 from vsb.integrators.convolution import convolve
 from vsb.integrators.energy_preserving import structure_preserving
-from vsb.integrators.exact import propagate, steady_state, transition
+from vsb.integrators.exact import propagate, series, steady_state, transition
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.simulate import simulate
 from vsb.motion.builders import linear_scene
@@ -349,3 +349,23 @@ def test_motion_velocity_acceleration_and_memory_are_those_of_the_whole_system()
     slope = (fine.memory[2:] - fine.memory[:-2]) / 0.02
     now = system.states(fine) @ system.matrix.T
     np.testing.assert_allclose(slope, now[1:-1, 4:], atol=1e-3)
+
+
+@pytest.mark.parametrize(("entry", "halvings"), [(0.0, 0), (0.041, 0), (0.043, 1), (-0.043, 1), (0.24, 3), (1.0, 5)])
+def test_a_series_is_halved_until_its_columns_add_up_to_a_half(entry, halvings):
+    """Twelve states alike: 0.0417 each are a half; the terms are those of the exponential of what is left."""
+    x = np.full((12, 12), entry)
+    terms, found = series(x)
+    assert found == halvings
+    part, power = x / 2.0**halvings, np.eye(12)
+    for k, term in enumerate(terms):
+        np.testing.assert_allclose(term, power, rtol=1e-12, atol=1e-300)
+        power = power @ part / (k + 1)
+    grown = np.expm1(12 * entry) / 12  # all in one direction
+    np.testing.assert_allclose(transition(x), np.eye(12) + grown, rtol=1e-12)
+
+
+def test_a_series_is_halved_by_the_largest_column_of_several():
+    x = np.diag([0.1, -3.9, 1.0])
+    assert series(x)[1] == 3
+    assert series(x.T + np.diag([0.0, 0.0, 7.0]))[1] == 4

@@ -726,3 +726,19 @@ def test_works_are_those_of_the_forces_along_the_motion(name):
         assert motion.works[term] == pytest.approx(found, abs=5e-3 * size), term
     assert not motion.works["radiated"].any()
     assert np.abs(y).max() > 0.1
+
+
+@pytest.mark.parametrize(("law", "start", "mode"), [
+    (FRICTION, (0.1, 0.0), Mode(0)), (FRICTION, (0.2, 0.0), Mode(-1)), (FRICTION, (-0.2, 0.0), Mode(1)),
+    (FRICTION, (0.2, 0.3), Mode(1)), (FRICTION, (-0.2, -0.3), Mode(-1)),
+    (SPRUNG, (0.1, 0.0), Mode(-1)), (SPRUNG, (-0.1, 0.0), Mode(1)), (SPRUNG, (0.1, -3.0), Mode(-1, limited=-1)),
+    (SPRUNG, (0.1, 1.8), Mode(1)), (SPRUNG, (0.1, 1.9), Mode(1, limited=1)),
+    (SPRUNG, (1.7, 0.0), Mode(-1, limited=1, contact=1)), (SPRUNG, (-1.7, 0.0), Mode(1, limited=-1, contact=-1)),
+    (TakeOff(B, 4.0, 5.0), (1.7, 3.0), Mode(1, contact=1)), (FRICTION, (-0.5, 0.0), Mode(1, contact=-1)),
+    (LATCH, (0.1, 0.0), Mode(-1)),
+])  # fmt: skip
+def test_a_run_begins_where_it_moves_or_is_pushed_to_on_the_pieces_it_is_on(law, start, mode):
+    """Under the spring of the water alone, 50 N/m, and a stop at 0.4 m; friction up to 8 N holds what does not move."""
+    one = Switching(oscillator(law, EndStop(B, 0.4, 5e3, 200.0), waves=None))
+    state, lookout = one.system.first(tuple(np.array([x]) for x in start)), one.lookout(TIME, 1)
+    assert one.first(0.0, one.fresh(0.0, state, lookout), lookout) == mode
