@@ -421,3 +421,38 @@ def test_what_is_not_known_to_the_tolerance_is_told_with_both(monkeypatch):
     words = r"steps of 0\.00049 s: the motion is known to 9\.8e-04, needs 1e-09; raise simulation.tolerance"
     with pytest.raises(ConvergenceError, match=words):
         structure_preserving(still, np.array([1.0, 1.5]), (), 1e-9)
+
+
+def test_a_linear_step_is_gauss_method_of_two_stages():
+    """Its propagator is the Pade approximant (1 + x/2 + x^2/12)/(1 - x/2 + x^2/12) of exp x, forces are of its stages."""
+    rng, h, free = np.random.default_rng(5), 0.3, 2
+    a = rng.normal(size=(5, 5))
+    step, x, one = gauss.step_matrices(a, free, h), h * a, np.eye(5)
+    even = one + x @ x / 12
+    np.testing.assert_allclose(step.end_free, np.linalg.solve(even - x / 2, even + x / 2), atol=1e-12)
+    assert step.size == h
+    z, (low, high) = rng.normal(size=5), 0.5 + np.array([-1.0, 1.0]) / np.sqrt(12.0)
+    force = rng.normal(size=(2, 2))  # linear in time, so that its moments are those of the two stages
+
+    def push(c):
+        return [0.0, 0.0, *(force[0] + c * force[1]), 0.0]
+
+    root = np.sqrt(3.0) / 6
+    stages = np.array([[0.25, 0.25 - root], [0.25 + root, 0.25]])
+    at = [a @ z + push(c) for c in (low, high)]
+    k = np.linalg.solve(np.eye(10) - h * np.kron(stages, a), np.ravel(at)).reshape(2, 5)
+    n = np.array([push(c)[2:4] for c in gauss._NODE]).ravel()
+    np.testing.assert_allclose(step.end_free @ z + step.end_forced @ n, z + h * k.mean(axis=0), atol=1e-12)
+    inside = (step.free @ z + step.forced @ n).reshape(gauss.NODES, 2)
+    for c, place in zip(gauss._NODE, inside, strict=True):  # the polynomial through z whose rates at both stages are k
+        rate = np.array([c * high - c**2 / 2, c**2 / 2 - c * low]) / (high - low)
+        np.testing.assert_allclose(place, (z + h * rate @ k)[:2], atol=1e-12)
+
+
+def test_equal_steps_are_the_records_unless_more_are_asked_for(monkeypatch):
+    asked = []
+    monkeypatch.setattr(gauss.GaussIntegrator, "run", lambda self, first, time, substeps: asked.append(substeps) or "z")
+    monkeypatch.setattr(gauss.GaussIntegrator, "motion", lambda self, time, states, seconds: (time, states))
+    still = SimpleNamespace(first=lambda start: start)
+    assert fixed_step(still, "time", "start") == fixed_step(still, "time", "start", 3) == ("time", "z")
+    assert asked == [1, 3]

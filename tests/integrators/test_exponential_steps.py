@@ -353,3 +353,21 @@ def test_errors_count_over_no_longer_than_the_motion_or_what_it_remembers(monkey
     found = March(monkeypatch, [0.9], level=6, count=65)
     assert found.limits[0] == pytest.approx(SAFE * 1e-6 * 2.0)
     assert found.change == 0
+
+
+def test_the_error_of_a_step_is_what_one_past_value_more_would_change(coupled):
+    """Of each coordinate: between the polynomials that are 1 at the new node and 0 at five, or at six, past ones."""
+    step, a, b = coupled
+    d, nodes = step.spacing, 1.0 - np.arange(KEPT + 1.0)
+
+    def response(count):
+        roots = nodes[1 : count + 1]
+
+        def push(s):
+            return np.prod((s / d - roots) / (1.0 - roots))
+
+        return quad_vec(lambda s: expm((d - s) * a) @ b * push(s), 0.0, d, epsabs=1e-14)[0].T
+
+    np.testing.assert_allclose(step.corrected, response(PAST), atol=1e-12)
+    np.testing.assert_allclose(step.missed, response(KEPT) - response(PAST), atol=1e-12)
+    assert step.forced.shape == (PAST, 2, 5)

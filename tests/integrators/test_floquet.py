@@ -187,3 +187,24 @@ def test_who_cannot_be_told_is_told_with_all_and_with_half_the_samples(monkeypat
 def test_multipliers_come_with_the_largest_first_whatever_their_signs(monkeypatch):
     monkeypatch.setattr(floquet, "monodromy", lambda a, w, period: np.diag([0.9, -0.95, 0.1, -0.3]))
     assert multipliers(np.eye(4), lambda phase: phase, 1.0) == pytest.approx([-0.95, 0.9, -0.3, 0.1])
+
+
+def test_a_coupling_by_rates_too_is_followed():
+    """Of two coordinates and a memory, by an independent integrator: forces of four states, another at each instant."""
+    rng, period, size, free = np.random.default_rng(4), 2.0, 7, 2
+    matrix, parts = rng.normal(size=(size, size)), random_harmonics(rng, 3, free, 2 * free)
+
+    def coupling(phase):
+        return synthesized(parts.reshape(3, -1), phase).reshape(-1, free, 2 * free)
+
+    def rates(t, y):
+        z = y.reshape(size, size)
+        out = matrix @ z
+        out[free : 2 * free] += coupling(np.array([2 * np.pi * t / period]))[0] @ z[: 2 * free]
+        return out.ravel()
+
+    done = solve_ivp(rates, (0.0, period), np.eye(size).ravel(), method="DOP853", rtol=1e-12, atol=1e-12)
+    truth = done.y[:, -1].reshape(size, size)
+    errors = [np.abs(monodromy(matrix, coupling(phases(count)), period) - truth).max() for count in (64, 128, 256)]
+    assert errors[2] < 1e-6 * np.abs(truth).max()
+    assert all(2**5 < coarse / fine < 2**8 for coarse, fine in itertools.pairwise(errors))

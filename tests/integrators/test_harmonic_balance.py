@@ -1,6 +1,7 @@
 """Steady state in a regular wave: closed forms, long motion in time, order, energy, invariance, stability, limits."""
 
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
@@ -574,3 +575,38 @@ def test_the_inertia_of_an_orbit_is_that_of_the_harmonics_it_has():
     orbit = harmonic.Orbit(u, z, None, 0)
     assert orbit.samples == 10
     np.testing.assert_allclose(orbit.inertial, [*(z[h] @ u[h] for h in range(3)), [0, 0], [0, 0]], rtol=1e-12)
+
+
+def test_a_steady_power_is_the_take_offs_to_the_tolerance_and_with_the_radiation_asked_for(monkeypatch):
+    asked = []
+
+    def balanced(system, tolerance, transfer):
+        asked.append((system, tolerance, transfer))
+        return SimpleNamespace(power=Power(1.0, 2.0, 3.0, 4.0))
+
+    monkeypatch.setattr(harmonic, "harmonic_balance", balanced)
+    assert steady_power("scene") == steady_power("scene", 1e-3, "water") == 2.0
+    assert asked == [("scene", 1e-8, None), ("scene", 1e-3, "water")]
+
+
+@pytest.mark.parametrize("given", [None, lambda omega: np.ones((len(omega), 2, 2)) + 0j])
+def test_all_of_a_steady_state_is_handed_on_in_plain_coordinates(given):
+    """Harmonics in metres, multipliers of all states, an error below the tolerance; radiation as given or remembered."""
+    system, memory = two_motions(drag=Damper(np.zeros((2, 2))))
+    found = harmonic_balance(system, 1e-9, given)
+    y = found.harmonics[1]
+    water = (given or memory.transfer)(np.array([STEP]))[0].conj()
+    scene = system.scene
+    exact = np.linalg.solve(
+        scene.stiffness - STEP**2 * scene.mass - 1j * STEP * (scene.damping + water), [3.0 - 1.0j, 0.5j]
+    )
+    np.testing.assert_allclose(y, exact, rtol=1e-8)
+    np.testing.assert_allclose(np.delete(found.harmonics, 1, axis=0), 0.0, atol=1e-12)
+    expected = np.exp(2 * np.pi / STEP * np.linalg.eigvals(system.matrix).real)
+    np.testing.assert_allclose(np.abs(found.multipliers), np.sort(expected)[::-1], rtol=1e-6, atol=1e-12)
+    assert found.omega == STEP
+    assert 0 <= found.error <= 1e-9
+    assert found.iterations >= 1
+    v = -1j * STEP * exact
+    assert found.power.pto == pytest.approx(0.5 * (v.conj() @ scene.forces["pto"].damping @ v).real, rel=1e-8)
+    assert found.power.radiated == pytest.approx(0.5 * (v.conj() @ water @ v).real, rel=1e-8)

@@ -127,3 +127,26 @@ def test_a_motion_that_cannot_be_followed_takes_nothing_and_no_other_begins_ther
     assert [trials.power(plant) for _ in range(4)] == [5.0, 0.0, -2.0, 5.0]
     assert begun == [("rest", 8, 16), ("end 1", 8, 16), ("end 1", 8, 16), ("end 1", 8, 16)]
     assert trials.most == 5.0
+
+
+def test_a_settled_power_is_that_from_rest_over_sixteen_periods_to_sixty_four(monkeypatch):
+    """To a millionth unless another tolerance is asked for."""
+    asked = []
+    monkeypatch.setattr(settled, "_settling", lambda *given: asked.append(given) or (3.0, 0.25, "end"))
+    plant = SimpleNamespace(scene=SimpleNamespace(start=lambda *first: first))
+    assert settled_power(plant) == settled_power(plant, 1e-3) == (3.0, 0.25)
+    assert asked == [(plant, tolerance, (0.0, 0.0), 16, 64) for tolerance in (1e-6, 1e-3)]
+
+
+@pytest.mark.parametrize(("tolerance", "followed_to"), [(1e-3, 1e-4), (1e-6, 1e-6)])
+def test_a_motion_is_followed_to_a_tenth_of_what_its_power_is_to_be_known_to(monkeypatch, tolerance, followed_to):
+    """No closer than what switching is made for."""
+    follow, known = followed(lambda k: 1.0 + 0.0 * k)[0], []
+
+    def noted(self, time, start):
+        known.append(self.tolerance)
+        return follow(self, time, start)
+
+    monkeypatch.setattr(Switching, "follow", noted)
+    settled_power(system(TakeOff(B, 4.0)), tolerance)
+    assert known == [pytest.approx(followed_to)]

@@ -320,3 +320,23 @@ def test_without_waves_records_follow_the_faster_of_heave_and_an_assumed_pressur
     slow = SimpleNamespace(heaving=1e-3, frequencies=np.zeros(0))
     brief = Simulation(duration=50.0, window=(49.5, 50.0))
     assert recorded_steps(slow, NO_WAVES, brief) == 4 / 0.5 * 50
+
+
+def test_a_whole_motion_is_one_leg_and_what_that_tells(monkeypatch):
+    """However long: its stride, and the method in words with its steps."""
+    asked, leg = [], SimpleNamespace(motion="motion", stride=4, method="Adams", steps=9)
+
+    def one(*given, **more):
+        asked.append((given, more))
+        return iter([leg])
+
+    monkeypatch.setattr(simulating, "legs", one)
+    assert simulate("system", "sea", "settings", "damping") == ("motion", 4, "Adams, 9 steps")
+    assert asked == [(("system", "sea", "settings", "damping"), {"longest": None})]
+
+
+def test_legs_are_no_longer_than_memory_allows_unless_asked_for(followed, oscillator, monkeypatch):
+    """2^17 instants."""
+    followed([0.0] * 3, count=2**17 + 2)
+    settings = Simulation(duration=100.0, window=(1.0, 100.0)).model_copy(update={"method": "fake"})
+    assert [len(leg.motion.time) - 1 for leg in legs(oscillator, SWELL, settings, None)] == [2**16 + 1] * 2

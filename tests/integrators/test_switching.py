@@ -742,3 +742,11 @@ def test_a_run_begins_where_it_moves_or_is_pushed_to_on_the_pieces_it_is_on(law,
     one = Switching(oscillator(law, EndStop(B, 0.4, 5e3, 200.0), waves=None))
     state, lookout = one.system.first(tuple(np.array([x]) for x in start)), one.lookout(TIME, 1)
     assert one.first(0.0, one.fresh(0.0, state, lookout), lookout) == mode
+
+
+def test_a_motion_with_switches_is_followed_to_a_millionth_unless_asked_otherwise(monkeypatch):
+    known = []
+    monkeypatch.setattr(Switching, "follow", lambda self, time, start: known.append((self.tolerance, time, start)) or 7)
+    assert switched(oscillator(SPRUNG), "time", "start") == switched(oscillator(SPRUNG), "time", "start", 1e-3) == 7
+    assert known == [(1e-6, "time", "start"), (1e-3, "time", "start")]
+    assert Switching(oscillator(SPRUNG)).tolerance == 1e-6

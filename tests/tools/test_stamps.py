@@ -257,3 +257,28 @@ def test_a_stamped_file_keeps_both_its_times(place):
     stamp_file(place / "run.nc")
     assert os.stat(place / "run.nc").st_mtime_ns == 2 * 10**18
     assert load(place / "run.nc").attrs["checksum"]
+
+
+@pytest.mark.parametrize(
+    "spec_id", ["a" * 15, "a" * 17, "A" * 16, "capytaine 2.3 beta", "capytaine ", "capytaine 2.3\n", ""]
+)
+def test_an_id_that_no_product_has_makes_no_stamp(spec_id):
+    with pytest.raises(ValueError, match="no stamp of an id, a checksum and a size"):
+        Stamp(spec_id, "0" * 64, 1)
+    assert Stamp("capytaine 2.3.1_dev", "0" * 64, 0).size == 0
+
+
+@pytest.mark.parametrize("checksum", ["0" * 63, "0" * 65, "g" * 64, "A" * 64])
+def test_a_checksum_that_is_none_makes_no_stamp(checksum):
+    with pytest.raises(ValueError, match="no stamp of an id, a checksum and a size"):
+        Stamp(ID, checksum, 1)
+
+
+def test_a_stamp_that_is_written_again_is_the_new_one(place):
+    """Of another specification, and of other contents."""
+    table, before = place / "table.csv", read_manifest(place / "manifest.json")
+    edited(table)
+    record(place / "manifest.json", OTHER, [table])
+    after = read_manifest(place / "manifest.json")
+    assert after[str(table)] == Stamp.of(table, OTHER) != before[str(table)]
+    assert len(after) == len(before) == 2

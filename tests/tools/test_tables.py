@@ -46,3 +46,16 @@ def test_a_figure_is_drawn_once_to_what_saving_it_would_write(monkeypatch):
         assert svg_text(other) == text.getvalue()
     assert len(drawn) == 1
     assert other.dpi == dpi
+
+
+def test_numbers_of_a_table_have_ten_digits_unless_asked_otherwise():
+    assert csv_text(("a",), [(2.0 / 3.0,), (-1e-9,), (12345678901.5,), (True,)]) == (
+        "a\n0.6666666667\n-1e-09\n1.23456789e+10\nTrue\n"
+    )
+
+
+def test_a_figure_keeps_its_resolution_whatever_it_was():
+    figure = Figure(dpi=173.0)
+    figure.subplots().plot([0, 1])
+    svg_text(figure)
+    assert figure.dpi == 173.0
