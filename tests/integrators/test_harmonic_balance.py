@@ -28,7 +28,7 @@ from vsb.integrators.harmonic_balance import (
 )
 from vsb.integrators.regular_wave import PeriodicScene
 from vsb.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene
-from vsb.motion.forces import AssumedPressure, Damper, Excitation, QuadraticDrag, RadiationMemory, Spring
+from vsb.motion.forces import AssumedPressure, Damper, Excitation, Force, Linear, QuadraticDrag, RadiationMemory, Spring
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene, resting
@@ -610,3 +610,66 @@ def test_all_of_a_steady_state_is_handed_on_in_plain_coordinates(given):
     v = -1j * STEP * exact
     assert found.power.pto == pytest.approx(0.5 * (v.conj() @ scene.forces["pto"].damping @ v).real, rel=1e-8)
     assert found.power.radiated == pytest.approx(0.5 * (v.conj() @ water @ v).real, rel=1e-8)
+
+
+@dataclass(frozen=True)
+class Beat(Force):
+    """A force of time alone, of one harmonic of the wave on both coordinates."""
+
+    harmonic: int
+
+    def linear(self):
+        """Nothing."""
+        return Linear(whole=False)
+
+    def force(self, time, q, v):
+        """Return the force."""
+        return np.outer(np.cos(self.harmonic * STEP * time), [0.3, -0.7])
+
+
+@pytest.mark.parametrize("beat", [3, 24, 60])
+def test_what_an_orbit_misses_is_what_its_harmonics_or_its_samples_do_not_resolve(beat):
+    """64 samples take the 60th harmonic for the fourth; with twice as many that error is seen. The 24th is none of 17."""
+    system, memory = two_motions(drag=Beat(beat))
+    scene = PeriodicScene(system, STEP, memory.transfer)
+    impedance, first = scene.impedance(32), np.zeros((harmonic.COUPLED + 1, 2), dtype=complex)
+    orbit = harmonic.Orbit(first, impedance, harmonic.Newton(scene, impedance, first, 2), 0)
+    found = harmonic.balanced(scene, orbit, 1e-12)
+    pushed = system.shapes.T @ [0.3, -0.7]
+    u = np.linalg.solve(impedance[1], scene.push)
+    np.testing.assert_allclose(found.harmonics[1], u, rtol=1e-9)
+    at = {3: 3, 24: 24, 60: 4}[beat]
+    wrong = np.linalg.solve(impedance[at], pushed)
+    if at <= harmonic.COUPLED:
+        np.testing.assert_allclose(found.harmonics[at], wrong, rtol=1e-8)
+    size = np.abs(system.modes @ wrong).max() / scene.amplitude(found.harmonics)
+    expected = {3: (0.0, 0.0), 24: (0.0, size), 60: (size, 0.0)}[beat]
+    assert missed(scene, found) == pytest.approx(expected, rel=1e-6, abs=1e-9)
+
+
+def test_an_orbit_beyond_its_reach_or_that_does_not_settle_is_none(monkeypatch):
+    """In metres of whichever coordinate; steps are those Newton's method takes, at most thirty."""
+    system, memory = two_motions(drag=Beat(3))
+    scene, first = PeriodicScene(system, STEP, memory.transfer), np.zeros((harmonic.COUPLED + 1, 2), dtype=complex)
+    asked = []
+
+    class Stepping:
+        def __init__(self, size):
+            self.size = size
+
+        def step(self, impedance, missing):
+            asked.append(missing.shape)
+            return np.full(first.shape, self.size * (-1.0) ** len(asked) + 0j)
+
+    monkeypatch.setattr(harmonic, "Newton", lambda *given: Stepping(1e-2))
+    orbit = harmonic.Orbit(first, scene.impedance(32), Stepping(1e-2), 5)
+    assert harmonic.balanced(scene, orbit, 1e-6) is None
+    assert asked == [first.shape] * harmonic.STEPS
+    metres = largest(np.ones(first.shape) @ system.modes.T)
+    for share, count in ((0.99, harmonic.STEPS), (1.01, 1)):
+        asked.clear()
+        assert harmonic.balanced(scene, orbit._replace(newton=Stepping(share * scene.reach / metres)), 1e-6) is None
+        assert len(asked) == count
+    asked.clear()
+    small = harmonic.balanced(scene, orbit._replace(newton=Stepping(0.9e-7 * scene.size / metres)), 1e-6)
+    assert (small.iterations, len(asked)) == (6, 1)
