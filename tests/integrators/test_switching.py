@@ -1,6 +1,7 @@
 """Take-offs that switch: exact between events, against closed forms, an independent integrator and the linear answer."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -750,3 +751,26 @@ def test_a_motion_with_switches_is_followed_to_a_millionth_unless_asked_otherwis
     assert switched(oscillator(SPRUNG), "time", "start") == switched(oscillator(SPRUNG), "time", "start", 1e-3) == 7
     assert known == [(1e-6, "time", "start"), (1e-3, "time", "start")]
     assert Switching(oscillator(SPRUNG)).tolerance == 1e-6
+
+
+@pytest.mark.parametrize(("largest", "least", "limit"), [(0.5, 2.0, 2e-6), (3.0, 2.0, 3e-6), (0.0, 2.0, 2e-6)])
+def test_a_lookout_is_made_finer_until_errors_are_small_beside_the_motion_or_what_matters(
+    monkeypatch, largest, least, limit
+):
+    """The mode a leg ends in is noted for the next one, of the lookout that serves."""
+    asked, one = [], Switching(oscillator(SPRUNG), 1e-6)
+
+    def track(self, time, z, finer):
+        asked.append(finer)
+        error = limit * (0.99 if len(asked) == 3 else 1.01)
+        return SimpleNamespace(error=error, largest=largest, lookout=SimpleNamespace(step=0.5)), f"mode {finer}"
+
+    monkeypatch.setattr(System, "least", property(lambda _: least))
+    monkeypatch.setattr(Switching, "track", track)
+    first = one.finer(TIME[1])
+    found, finer = one.tracked(TIME, START)
+    assert (found.largest, finer, asked) == (largest, 4 * first, [first, 2 * first, 4 * first])
+    assert one.modes == {TIME[-1]: f"mode {4 * first}"}
+    with pytest.raises(ConvergenceError, match=r"is not followed to 1e-06 by steps of 0\.5 s; raise simulation.tol"):
+        one.tracked(TIME, START)
+    assert asked[-1] == 1024
