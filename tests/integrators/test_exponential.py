@@ -12,7 +12,7 @@ from scipy.linalg import expm
 from vsb.errors import ConvergenceError
 from vsb.integrators.audit import energies, residual
 from vsb.integrators.energy_preserving import structure_preserving
-from vsb.integrators.exponential import ExponentialIntegrator, integrate
+from vsb.integrators.exponential import ExponentialIntegrator, Run, integrate
 from vsb.integrators.exponential_steps import EVALUATIONS, HISTORY, KEPT, PROBE, STEPS, TICK, march
 from vsb.integrators.simulate import simulate
 from vsb.motion.scene import Scene
@@ -316,3 +316,26 @@ def test_forces_that_compiled_steps_do_not_know_are_refused_before_anything_is_d
     system = SimpleNamespace(check_compiled=refuse, first=lambda start: np.zeros(2))
     with pytest.raises(ValueError, match="unknown to compiled steps"):
         follow(system, np.linspace(0.0, 1.0, 3), (), 1e-6)
+
+
+@pytest.mark.parametrize("compiled", [(), ("once",)])
+def test_a_motion_is_that_of_its_run_and_its_seconds_are_without_compiling(monkeypatch, compiled):
+    """From the first instant on, to the tolerance, by steps that belong to the records; what they took is told."""
+    asked, told, now = [], [], iter([10.0, 12.5])
+
+    def run(self, first, count, tolerance):
+        asked.append((self.dt, self.begin, np.asarray(first).tolist(), count, tolerance))
+        return Run("states", "pushes", 7, 9)
+
+    monkeypatch.setattr(ExponentialIntegrator, "run", run)
+    monkeypatch.setattr("vsb.integrators.exponential.march", SimpleNamespace(signatures=compiled))
+    monkeypatch.setattr("vsb.integrators.exponential.clock", SimpleNamespace(perf_counter=lambda: next(now)))
+    system = SimpleNamespace(
+        check_compiled=lambda: None, matrix=np.eye(3), first=lambda start: start,
+        motion=lambda *given: told.append(given) or "motion",
+    )  # fmt: skip
+    time = np.array([4.0, 4.25, 4.5, 4.75])
+    assert integrate(system, time, [1.0, 2.0, 3.0], 1e-4) == ("motion", 7)
+    warm = [] if compiled else [(0.25, 4.0, [0.0] * 3, 2, 1.0)]
+    assert asked == [*warm, (0.25, 4.0, [1.0, 2.0, 3.0], 4, 1e-4)]
+    assert told == [(time, "states", "pushes", 2.5)]

@@ -16,7 +16,7 @@ from vsb.hydro.statespace import RadiationModel, fit_radiation
 from vsb.integrators import harmonic_balance as harmonic
 from vsb.integrators.exact import steady_state
 from vsb.integrators.exponential import integrate
-from vsb.integrators.floquet import largest, multipliers
+from vsb.integrators.floquet import largest, multipliers, phases
 from vsb.integrators.harmonic_balance import (
     Power,
     SteadyState,
@@ -673,3 +673,39 @@ def test_an_orbit_beyond_its_reach_or_that_does_not_settle_is_none(monkeypatch):
     asked.clear()
     small = harmonic.balanced(scene, orbit._replace(newton=Stepping(0.9e-7 * scene.size / metres)), 1e-6)
     assert (small.iterations, len(asked)) == (6, 1)
+
+
+@dataclass(frozen=True)
+class Mixed(Force):
+    """Each coordinate's force depends on places, and if it is asked for on rates, of both."""
+
+    rates: float
+
+    def linear(self):
+        """Nothing."""
+        return Linear(whole=False)
+
+    def force(self, time, q, v):
+        """Return the force."""
+        first = -30 * q[:, 0] * q[:, 1] ** 2 - 4 * self.rates * v[:, 1] * q[:, 0]
+        return np.stack([first, 20 * q[:, 0] ** 3 - 5 * self.rates * v[:, 0] * v[:, 1]], axis=1)
+
+
+@pytest.mark.parametrize("rates", [1.0, 0.0])
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_newtons_tangent_is_the_derivative_of_what_an_orbit_is_missing(rates, seed):
+    """Along an orbit of two motions, in the direction of any change of its harmonics up to the highest coupled."""
+    system, memory = two_motions(drag=Mixed(rates))
+    scene, rng = PeriodicScene(system, STEP, memory.transfer), np.random.default_rng(seed)
+    u, change = np.zeros((2, harmonic.COUPLED + 1, 2), dtype=complex)
+    u[:3] = 0.3 * (rng.normal(size=(3, 2)) + 1j * rng.normal(size=(3, 2)))
+    change[:] = rng.normal(size=u.shape) + 1j * rng.normal(size=u.shape)
+    u[0], change[0] = u[0].real, change[0].real
+    impedance, phase, h = scene.impedance(64), phases(128), 1e-6
+
+    def missing(u):
+        return (scene.forced(u, phase) - harmonic.Orbit(u, impedance, None, 0).inertial)[: len(u)]
+
+    lost = (missing(u - h * change) - missing(u + h * change)) / (2 * h)
+    found = harmonic.Newton(scene, impedance, u, 64).step(impedance, lost)
+    np.testing.assert_allclose(found, change, atol=1e-5)

@@ -19,6 +19,7 @@ from vsb.motion.forces import ConstantForce, Damper, Excitation, Force, Linear, 
 from vsb.motion.motion import Motion
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
+from vsb.motion.take_off import TakeOff
 from vsb.scenes.build import assumed_pressure_design
 from vsb.study.study import Simulation, load
 from vsb.waves.seas import NO_WAVES, Sea
@@ -340,3 +341,18 @@ def test_legs_are_no_longer_than_memory_allows_unless_asked_for(followed, oscill
     followed([0.0] * 3, count=2**17 + 2)
     settings = Simulation(duration=100.0, window=(1.0, 100.0)).model_copy(update={"method": "fake"})
     assert [len(leg.motion.time) - 1 for leg in legs(oscillator, SWELL, settings, None)] == [2**16 + 1] * 2
+
+
+@pytest.mark.parametrize("method", ["exact", "structure_preserving", "collocation", "switching"])
+def test_a_motion_tells_the_seconds_it_took(oscillator, monkeypatch, method):
+    """By a clock that is looked at twice."""
+    now, module = iter([10.0, 12.5]), {"structure_preserving": "energy_preserving"}.get(method, method)
+    monkeypatch.setattr(f"vsb.integrators.{module}.clock", SimpleNamespace(perf_counter=lambda: next(now)))
+    system = oscillator
+    if method == "switching":
+        forces = {**oscillator.scene.forces, "pto": TakeOff(np.ones(1), 1.2)}
+        system = System.of(replace(oscillator.scene, forces=forces))
+    follow = METHODS[method].follower(system, 1e-3, None)
+    motion, _ = follow(np.linspace(0.0, 1.0, 11), (np.array([0.1]), np.array([0.3])))
+    assert motion.seconds == 2.5
+    assert motion.time.tolist() == np.linspace(0.0, 1.0, 11).tolist()

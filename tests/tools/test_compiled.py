@@ -67,3 +67,23 @@ def test_places_of_compiled_loops_best_first(tmp_path, monkeypatch):
     assert list(compiled._places()) == [tmp_path / "named", *rest]
     monkeypatch.delenv("NUMBA_CACHE_DIR")
     assert list(compiled._places()) == rest
+
+
+def test_only_sources_that_hold_loops_tell_one_state_from_another(tmp_path):
+    """In whatever folder below; an edit elsewhere compiles nothing anew."""
+    (tmp_path / "inner" / "deep").mkdir(parents=True)
+    texts = {"a.py": "@njit one", "inner/b.py": "@njit two", "inner/deep/c.py": "@njit three", "d.py": "plain"}
+
+    def identity(**changes):
+        for name, text in {**texts, **changes}.items():
+            (tmp_path / name).write_text(text)
+        return sources_id(tmp_path)
+
+    known = identity()
+    assert len(known) == 16
+    assert set(known) <= set("0123456789abcdef")
+    assert identity(**{"d.py": "edited"}) == known
+    for name in ("a.py", "inner/b.py", "inner/deep/c.py"):
+        assert identity(**{name: f"{texts[name]}!"}) != known
+    assert identity(**{"d.py": "@njit new"}) != known
+    assert identity(**{"a.py": "@njit two", "inner/b.py": "@njit one"}) != known

@@ -25,3 +25,15 @@ def test_the_youngest_objects_are_searched_a_hundred_times_less_often_and_the_la
     finally:
         gc.unfreeze()
         gc.set_threshold(*before)
+
+
+def test_it_is_looked_for_seldom_also_where_a_command_ends_well():
+    before, frozen = gc.get_threshold(), gc.get_freeze_count()
+    try:
+        with seldom_collected():
+            assert gc.get_threshold()[0] == NEW
+            assert gc.get_freeze_count() == frozen
+        assert gc.get_freeze_count() > frozen
+    finally:
+        gc.unfreeze()
+        gc.set_threshold(*before)
