@@ -456,3 +456,60 @@ def test_equal_steps_are_the_records_unless_more_are_asked_for(monkeypatch):
     still = SimpleNamespace(first=lambda start: start)
     assert fixed_step(still, "time", "start") == fixed_step(still, "time", "start", 3) == ("time", "z")
     assert asked == [1, 3]
+
+
+@pytest.mark.parametrize("failing", [None, 0, 3, 5])
+def test_a_march_goes_from_step_to_step_until_one_is_not_solved(monkeypatch, failing):
+    """Two steps a record: n begins as the polynomial of the step before goes on, beside what pushes now."""
+    rng, h, least = np.random.default_rng(7), 0.2, 0.9
+    a, push, first = rng.normal(size=(3, 3)), rng.normal(size=(6, 4, 1)), np.array([0.3, -0.2, 0.4])
+    step, asked, answers = gauss.step_matrices(a, 1, h), [], rng.normal(size=(6, 4, 1))
+
+    def settled(r, step, time, carried, pushed, n, scale):
+        i = len(asked)
+        asked.append((time.copy(), carried.copy(), pushed.copy(), n.copy(), scale))
+        n[:] = answers[i]
+        return gauss.STALLED if i == failing else 0.5 * gauss.STALLED
+
+    monkeypatch.setattr(gauss, "settled", settled)
+    out = np.zeros((4, 3))
+    out[0] = first
+    r = SimpleNamespace(constant=np.zeros(1))
+    done = gauss._march.py_func(r, step, 3.0, push, least, 2, out)
+    assert done == (6 if failing is None else failing)
+    z, largest, n = first, least, np.zeros((4, 1))
+    for i, (time, carried, pushed, begun, scale) in enumerate(asked):
+        largest = max(largest, np.linalg.norm(z))
+        np.testing.assert_allclose(time, 3.0 + h * (i + gauss._NODE), rtol=1e-13)
+        np.testing.assert_allclose(carried, step.free @ z, rtol=1e-13)
+        np.testing.assert_array_equal(pushed, push[i])
+        np.testing.assert_allclose(begun, n, atol=1e-12)
+        assert scale == pytest.approx(largest, rel=1e-13)
+        z = step.end_free @ z + step.end_forced @ answers[i].ravel()
+        if i < done and i % 2:
+            np.testing.assert_allclose(out[(i + 1) // 2], z, rtol=1e-12)
+        n = gauss._AHEAD @ (answers[i] - push[i]) + (push[i + 1] if i < 5 else 0.0)
+    assert len(asked) == (6 if failing is None else failing + 1)
+    assert not out[1 + done // 2 :].any()
+
+
+def test_a_place_that_is_no_place_is_beyond_any_shell_and_none_is_asked_for_there(monkeypatch):
+    """One of many nodes is enough; else each is asked for at its own instant."""
+    asked = []
+
+    def remainder(r, t, p, out):
+        asked.append(t)
+        out[:] = t * p
+
+    monkeypatch.setattr(gauss, "remainder", remainder)
+    r = SimpleNamespace(position=np.array([[1.0, 0.0], [0.5, -2.0]]), shape=SimpleNamespace(radius=2.0))
+    time, p = np.array([1.0, 2.0, 3.0]), np.array([[0.1, 0.2], [0.3, 0.4], [0.5, 0.6]])
+    np.testing.assert_array_equal(gauss.added.py_func(r, time, p), time[:, None] * p)
+    assert asked == [1.0, 2.0, 3.0]
+    for way in (1.0, -1.0):
+        for far in (1001.0 * way, np.nan, np.inf * way):
+            away = p.copy()
+            away[1, 1] = far
+            with np.errstate(invalid="ignore"):
+                assert np.isinf(gauss.added.py_func(r, time, away)).all()
+    assert len(asked) == 3

@@ -11,7 +11,7 @@ from vsb.motion.forces import Damper, Excitation, Spring
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 
-PORT = np.array([1.0, 0.5])
+PORT = np.array([1.0, -0.7])
 
 
 @pytest.fixture(scope="module")
