@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import CubicSpline
 
+from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.audit import (
     BLOCK,
     START,
@@ -21,7 +22,7 @@ from vsb.integrators.audit import (
 )
 from vsb.integrators.collocation import collocated
 from vsb.integrators.exact import propagate
-from vsb.motion.forces import Damper, Excitation, Force, Linear, QuadraticDrag, Spring
+from vsb.motion.forces import Damper, Excitation, Force, Linear, QuadraticDrag, RadiationMemory, Spring
 from vsb.motion.motion import Motion
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
@@ -240,3 +241,20 @@ def test_works_a_motion_brings_along_are_taken_as_they_are():
     assert found.keys() == plain.keys()
     for term, expected in (plain | works).items():
         np.testing.assert_array_equal(found[term], expected)
+
+
+def test_a_motion_without_memory_states_is_audited_by_its_forces():
+    """As of a convolution: what radiates is work of the radiation force, taken and stored, and the sum is none."""
+    channel = np.array([1.0, 0.6])
+    turning = np.array([[0.0, 1.4], [-1.4, 0.0]]) - np.outer(channel, channel) / 2
+    memory = RadiationMemory(RadiationModel(turning, np.array([[0.8], [0.5]]), channel))
+    plant = one_mass(hydrostatic=Spring(np.array([[50.0]])), pto=Damper(np.array([[1.2]])), radiation=memory)
+    system, time = System.of(plant), np.linspace(0.0, 5.0, 1001)
+    motion = propagate(system, time, (np.array([0.3]), np.array([-0.2])))
+    kept, bare = energies(system, motion), energies(system, replace(motion, memory=np.zeros((len(time), 0))))
+    assert residual(bare) < 1e-8
+    assert bare["pto"] == pytest.approx(kept["pto"], abs=1e-8)
+    held = 0.5 * np.sum(motion.memory**2, axis=1)
+    assert bare["radiated"] == pytest.approx(kept["radiated"] + held - held[0], abs=1e-8)
+    assert bare["stored"] == pytest.approx(kept["stored"] - held + held[0], abs=1e-12)
+    assert held.max() > 1e-3

@@ -709,3 +709,31 @@ def test_newtons_tangent_is_the_derivative_of_what_an_orbit_is_missing(rates, se
     lost = (missing(u - h * change) - missing(u + h * change)) / (2 * h)
     found = harmonic.Newton(scene, impedance, u, 64).step(impedance, lost)
     np.testing.assert_allclose(found, change, atol=1e-5)
+
+
+@dataclass(frozen=True)
+class Unknown(Force):
+    """A spring and a damper, neither symmetric, that do not say so."""
+
+    def linear(self):
+        """Nothing."""
+        return Linear(whole=False)
+
+    def force(self, time, q, v):
+        """Return the force."""
+        return q @ [[-20.0, 3.0], [5.0, -60.0]] + v @ [[-6.0, 1.0], [-2.0, -9.0]]
+
+
+def test_newtons_method_knows_what_does_not_change_along_an_orbit_at_every_harmonic():
+    """Those beyond the coupled ones are taken by the mean of the tangents, by places and by rates."""
+    system, memory = two_motions(drag=Unknown())
+    scene, rng = PeriodicScene(system, STEP, memory.transfer), np.random.default_rng(8)
+    u, change = rng.normal(size=(2, 40, 2)) + 1j * rng.normal(size=(2, 40, 2))
+    u[0], change[0] = u[0].real, change[0].real
+    impedance, phase = scene.impedance(64), phases(128)
+
+    def missing(u):
+        return (scene.forced(u, phase) - harmonic.Orbit(u, impedance, None, 0).inertial)[: len(u)]
+
+    newton = harmonic.Newton(scene, impedance, u[: harmonic.COUPLED + 1], 64)
+    np.testing.assert_allclose(newton.step(impedance, missing(u) - missing(u + change)), change, atol=1e-5)
