@@ -77,6 +77,10 @@ def test_the_climate_counts_by_its_contents(folder):
             "vary.pto.port: received heave, volume, whose dampers and forces have other units; needs volume alone, or",
         ),
         (
+            {"vary": {"pto.port": ["pitch", "volume", "heave"]}},
+            "vary.pto.port: received heave, pitch, volume, whose dampers .* units; needs volume alone, or others without it",
+        ),
+        (
             {"verify": {}, "tuning": ["constrained"]},
             "verify: received tuning constrained alone, whose forces are of no law in time; needs fixed, one or each",
         ),

@@ -248,6 +248,13 @@ def test_optima_have_batches_of_their_own_and_one_limit_each(planned):
     assert sum(len(one) == 1 for one in limits) >= MOST_BATCHES - 1
 
 
+def test_no_batch_is_empty_however_long_a_member_takes(planned):
+    for count in (1, 3):
+        vary = {"device.mass": [1.6e4, 1.65e4, 1.7e4][:count]}
+        plan = planned(vary, tuning=["constrained"], constrained={"seconds": 3600})
+        assert [len(batch.points) for batch in plan.batches.values()] == [1] * count
+
+
 def test_optima_are_of_their_budget_and_their_waves(planned):
     """A member within limits is another one for every budget and seed; a member under dampers knows neither."""
     found = [

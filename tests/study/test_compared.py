@@ -18,9 +18,23 @@ def study(**changes):
     ("changes", "message"),
     [
         ({"waves": [SWELL, SWELL]}, r"waves \['regular_A0.5_T7', 'regular_A0.5_T7'\]: the same sea is listed twice"),
-        ({"study": "hydro"}, "'hydro' is the name of a results folder"),
+        *(
+            (
+                {"study": name},
+                f"study: received '{name}'; '{name}' is the name of a results folder; choose a name other",
+            )
+            for name in ("hydro", "hydro_precision", "barge", "logs", "benchmarks")
+        ),
         ({"pto": {"damping": {"a": 1.0}}}, "pto.damping: received dampers of a, needs one for every design: a, b"),
+        (
+            {"pto": {"damping": {"a": 1.0, "b": 2.0, "c": 3.0}}},
+            "pto.damping: received dampers of a, b, c, needs one for every design: a, b",
+        ),
         ({"published": {"source": "x", "values": {"c": {}}}}, r"published.values \['c'\]: no such design"),
+        (
+            {"published": {"source": "x", "values": {"d": {}, "a": {}, "c": {}}}},
+            r"published.values \['c', 'd'\]: no such design; needs some of a, b",
+        ),
     ],
 )
 def test_what_both_refuse(changes, message):
@@ -33,6 +47,17 @@ def test_realisations_are_seas_and_one_of_each_suits_a_damper():
     found = study(waves=[sea, STILL, {**SWELL, "direction": 20.0}])
     assert [wave.label for wave in found.one_of_each_sea] == ["jonswap_Hs1_Tp7_g3.3_s1", "regular_A0.5_T7_d20"]
     assert len(found.waves) == 5
+    assert [(wave.seed, wave.realisations) for wave in found.waves[:3]] == [(1, 1), (2, 1), (3, 1)]
+    assert found.has_spectra
+    assert not study(waves=[STILL, SWELL]).has_spectra
+    later = study(waves=[STILL, {**sea, "seed": 7}, {**sea, "tp": 5.0, "realisations": 1}])
+    assert [wave.seed for wave in later.waves[1:]] == [7, 8, 9, 1]
+    assert later.drawn_waves == (later.waves[0], later.waves[1], later.waves[4])
+    assert later.one_of_each_sea == later.drawn_waves[1:]
     assert [found.tuning(wave) for wave in found.waves[-2:]] == ["fixed", "each"]
     with pytest.raises(ConfigError, match=r"waves.3 still: no damper is best where nothing comes in"):
         found.check_dampers()
+
+
+def test_figures_may_be_published_of_some_designs():
+    assert study(published={"source": "x", "values": {"b": {"energy": 1.0}}}).published.values == {"b": {"energy": 1.0}}

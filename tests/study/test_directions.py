@@ -144,6 +144,10 @@ WAVE = {"kind": "regular", "amplitude": 0.1, "period": 3.0}
     [
         ({"device": {"centre_of_mass": None}}, r"device.centre_of_mass: missing; .* has no pitch stiffness"),
         ({"device": {"ballast_inertia": None}}, r"device.ballast_inertia: missing"),
+        (
+            {"motion": "free", "device": {"ballast_inertia": None}},
+            r"device.ballast_inertia: missing; motion 'free' needs it, because a ballast at the sphere's centre has no pitch",
+        ),
         ({"hydro": {"model": "body_exact"}}, r"hydro.model 'body_exact': follows heave alone; motion 'planar' needs linear"),
         ({"hydro": {"model": "auto"}}, r"hydro.model 'auto': follows heave alone"),
         ({"drag": {"sway": PLATE}}, r"drag.sway: motion 'planar' has none; needs drag of surge, heave, pitch"),

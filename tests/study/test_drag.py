@@ -37,7 +37,16 @@ def test_drag_concerns_runs_ladder_and_study_alone(seed):
         ({"hydro": {"model": "auto"}}, "drag: hydro.model 'auto' knows none; needs linear or body_exact"),
         (
             {"pto": {"force_limit": 1e3}},
-            "drag: cannot be followed beside a take-off that switches, received law linear",
+            "drag: cannot be followed beside a take-off that switches, received law linear with force_limit 1000 N and "
+            "stroke_limit inf m; needs law: linear without limits",
+        ),
+        (
+            {"pto": {"law": "saturated", "stroke_limit": 0.5, "force_limit": 2e3}},
+            "received law saturated with force_limit 2000 N and stroke_limit 0.5 m; needs law: linear without limits",
+        ),
+        (
+            {"hydro": {"model": "assumed_pressure", "pressure": 9.0}},
+            "drag: hydro.model 'assumed_pressure' knows none; needs linear or body_exact",
         ),
         ({"simulation": {"method": "exact"}}, "simulation.method 'exact': cannot follow a drag; needs auto"),
         (

@@ -286,3 +286,88 @@ def test_a_key_without_a_value_is_told_at_its_own_line(written):
     line = text.splitlines().index("  poisson_ratio: null") + 1
     with pytest.raises(ConfigError, match=rf"given.txt:{line}: device.poisson_ratio: received None; needs a number"):
         config.load(written(text))
+
+
+@pytest.mark.parametrize("text", ["b: {<<: *a, mass: 3, mass: 4}", "b: {mass: 3, <<: *a, mass: 4}"])
+def test_a_key_given_twice_beside_a_merged_mapping_is_given_twice(written, text):
+    with pytest.raises(ConfigError, match=r"given.txt:2: not valid YAML \(key 'mass' is given twice, line 2"):
+        reading.read_yaml(written(f"a: &a {{radius: 2}}\n{text}\n"), "a study file")
+
+
+@pytest.mark.parametrize(
+    ("text", "nodes"),
+    [("a", 1), ("[a, b]", 3), ("{a: 1, b: 2}", 5), ("a: &a {b: 1}\nc: [*a, *a]\n", 13), ("{? [a, b] : 1}", 5)],
+)
+def test_values_are_counted_with_their_keys_and_aliases_written_out(written, monkeypatch, text, nodes):
+    """As many as there may be are read, one more are refused."""
+    monkeypatch.setattr(reading, "MOST_NODES", nodes)
+    loads = "? [" not in text  # a list is no key
+    if loads:
+        assert reading.read_yaml(written(text), "a study file") == yaml.safe_load(text)
+    monkeypatch.setattr(reading, "MOST_NODES", nodes - 1)
+    with pytest.raises(ConfigError, match=rf"its aliases stand for more than {nodes - 1} values"):
+        reading.read_yaml(written(text), "a study file")
+
+
+def test_a_mistake_of_yaml_is_told_with_what_it_stands_in(written):
+    """Where it was met, and where what it belongs to began."""
+    with pytest.raises(ConfigError) as error:
+        reading.read_yaml(written("a: 1\nb:\n  - [1,\n    2\nc: 3\n"), "a study file")
+    told = str(error.value)
+    assert ":5: not valid YAML (" in told
+    assert ", line 5, column 2, while parsing a flow sequence, line 3, column 5)" in told
+
+
+BEYOND = 10**4300
+
+
+@pytest.mark.parametrize(
+    ("raw", "place"),
+    [
+        ({"a": BEYOND}, "a"), ({"a": -BEYOND}, "a"), ({BEYOND: 1}, "a key"), ({-BEYOND: 1}, "a key"),
+        ({"a": {"b": [1, {"c": -BEYOND}]}}, "a.b.1.c"), ({"a": (1, (2, BEYOND))}, "a.1.1"), ({"a": [{BEYOND: 1}]}, "a.0.a key"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "raw",
+)  # fmt: skip
+def test_what_python_does_not_print_is_refused_wherever_it_stands(raw, place):
+    """Of either sign, as a key, in lists and tuples; a number that is printed is any other mistake."""
+    with pytest.raises(ConfigError) as error:
+        reading.validated(Study, raw, "here")
+    assert str(error.value) == f"here: {place}: received a number of too many digits; needs at most 4300"
+    printed = BEYOND - 1
+    with pytest.raises(ConfigError, match=r"^here: \w+: received -?9{70,}\.\.\. \(430[01] characters\); unknown key"):
+        reading.validated(Study, {"a": -printed, "b": printed}, "here")
+
+
+def test_a_check_of_all_the_study_is_told_at_the_line_of_what_it_names(written):
+    """Of the second sea, not the first nor the list."""
+    waves = [{"kind": "regular", "amplitude": 0.1, "period": period} for period in (3.0, 0.3)]
+    text = yaml.safe_dump(SEED | {"waves": waves}, sort_keys=False)
+    line = [i for i, one in enumerate(text.splitlines(), 1) if one.startswith("- ")][1]
+    with pytest.raises(
+        ConfigError, match=rf"given.txt:{line}: study: waves.1 regular_A0.1_T0.3: the wave is too short"
+    ):
+        config.load(written(text))
+
+
+@pytest.mark.parametrize(
+    ("kind", "meant"), [("regulr", "regular"), ("pierson_moskovitz", "pierson_moskowitz"), ("tsunami", "")]
+)
+def test_a_kind_that_was_probably_meant_is_told(kind, meant):
+    with pytest.raises(ConfigError) as error:
+        config.parse(changed(("waves",), [{"kind": kind, "amplitude": 0.1, "period": 3.0}]))
+    asked = f"; did you mean {meant}?" if meant else ""
+    assert str(error.value).endswith(f"kind '{kind}': needs one of 'still', 'regular', 'jonswap', 'pierson_moskowitz', "
+                                     f"'white_noise'{asked}")  # fmt: skip
+
+
+def test_without_its_schema_the_first_mistake_is_a_misspelt_key_and_how_many_there_are():
+    """What a stage tells of a specification: nothing is said of what a missing key means."""
+    model = create_model("Given", __base__=Section, key=(float, ...), other=(float, ...))
+    for raw, told in (
+        ({"kye": 1.0}, "kye: received 1.0; unknown key; remove it or correct its spelling (and 2 more)"),
+        ({"key": 1.0}, "other: missing, but required"),
+    ):
+        with pytest.raises(ValidationError) as error:
+            model.model_validate(raw)
+        assert reading.one_line(error.value, raw) == told

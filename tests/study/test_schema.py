@@ -303,3 +303,16 @@ def test_bounds_are_told_in_the_words_of_json_of_numbers_alone():
     whole = {"type": "integer", "minimum": 1, "exclusiveMaximum": 9, "default": -1}
     expected = {"le": {"anyOf": [number, {"type": "array", "items": whole}], "gt": 5, "default": -math.inf}}
     assert _with_bounds(given) == expected
+
+
+@pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)
+def test_keys_are_explained_with_their_units_under_their_own_names(model):
+    """No unit of what has none; no title, which editors would show in place of a key's name."""
+    schema = schema_of(model)
+    for name, section in sections(schema).items():
+        for key, its in section["properties"].items():
+            assert "title" not in its
+            said = KEYS[name][key]
+            assert its["description"] == (f"{said.meaning} [{said.unit}]" if said.unit else said.meaning)
+            assert its["examples"] == [yaml.safe_load(said.example)]
+    assert schema["$schema"] == "https://json-schema.org/draft/2020-12/schema"

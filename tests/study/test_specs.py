@@ -76,17 +76,26 @@ def test_how_a_pause_is_found_names_the_runs_that_pause_and_no_others(seed, monk
 
 def test_runs_of_a_year_that_pause_rest_on_how_a_pause_is_found(seed):
     """A verified year names what its runs rest on: the year by linear theory, coefficients, memory, runs."""
-    versions = [specs._versions(varied(seed, pto=pto).pto) for pto in ({}, LATCHING)]
-    assert versions[0] == {tag: specs.PHYSICS[tag] for tag in ("member", "database", "radiation", "simulate")}
+    limited = {"law": "saturated", "force_limit": 1e4}
+    versions = [specs._versions(varied(seed, pto=pto).pto) for pto in ({}, LATCHING, limited)]
+    assert (
+        versions[0]
+        == versions[2]
+        == {tag: specs.PHYSICS[tag] for tag in ("member", "database", "radiation", "simulate")}
+    )
     assert versions[1] == {**versions[0], "pause": specs.PAUSE}
 
 
 @pytest.mark.parametrize(
     "changes",
-    [{}, {"designs": {"FSB": {"flexible": False}}}, {"reference_shape": "equilibrium"}, {"device": {"mass": 12e3}}],
-)
+    [{}, {"designs": {"FSB": {"flexible": False}}}, {"reference_shape": "equilibrium"}, {"device": {"mass": 12e3}},
+     {"reference_shape": "equilibrium", "designs": {"FSB": {"flexible": False}}}, {"device": {"gas": {}}},
+     {"device": {"gas": {}}, "pto": {"port": "volume"}}, {"pto": {"port": "volume"}},
+     {"device": {"shape": {"capsule": {"length": 1.0}}, "mass": 2.2e4}, "modes": {"basis": "full", "degree": 2}}],
+    ids=str,
+)  # fmt: skip
 def test_a_specification_says_what_its_study_says(seed, changes):
-    """Whether a shell moves, in which shape and how high it rests is asked of either."""
+    """Whether a shell moves, in which shape, how high and how deep it rests, whether its gas is let out: of either."""
     study = varied(seed, **changes)
     plan = StudyPlan(study)
     for spec in (plan.modes, plan.display, plan.database):
@@ -96,6 +105,8 @@ def test_a_specification_says_what_its_study_says(seed, changes):
         run = plan.simulation(name, study.waves[0])
         assert run.flexible == design.flexible
         assert run.centre_height == plan.response.centre_height == plan.ladder.centre_height == study.centre_height
+        assert run.draft == plan.ladder.draft == study.draft
+        assert run.opens_chamber == plan.response.opens_chamber == plan.ladder.opens_chamber == study.opens_chamber
 
 
 def test_what_is_simulated_of_a_member_is_its_study_in_no_sea(seed):

@@ -227,6 +227,8 @@ def test_waves_and_frequencies_may_be_as_fast_as_the_band_and_no_faster(seed):
     assert varied(seed, hydro={"omega_max": 8.0, "omega": [1.0, 8.0]}).hydro.omega == (1.0, 8.0)
     with pytest.raises(ConfigError, match=r"hydro.omega 8.001 rad/s: needs at most hydro.omega_max = 8 rad/s"):
         varied(seed, hydro={"omega_max": 8.0, "omega": [1.0, 8.001]})
+    longest = {**REGULAR, "period": 2 * np.pi / 8.0}
+    assert varied(seed, waves=[REGULAR, longest], hydro={"omega_max": 8.0}).waves[1].omega == 8.0
     short = {**REGULAR, "period": 0.78}
     with pytest.raises(ConfigError, match=r"waves.1 regular_A0.1_T0.78: the wave is too short .* at least 0.7854 s"):
         varied(seed, waves=[REGULAR, short], hydro={"omega_max": 8.0})
@@ -239,12 +241,18 @@ def test_a_buoy_floats_between_its_poles_clear_of_the_bed(seed):
     device = {"thickness": 1e-3, "density": 1.0}
     with pytest.raises(ConfigError, match=rf"kg: the buoy would sink; needs less than {full:.6g} kg"):
         varied(seed, device={**device, "mass": full}, water={"density": 900.0})
-    for mass in (0.99999 * full, 1e-5 * full):
+    pole = np.pi * 0.01**2 * 2.99 / 3 * 8 * 900.0  # of the water in a cap a hundredth of the radius high
+    for mass in (1.001 * pole, full - 1.001 * pole):
+        assert varied(seed, device={**device, "mass": mass}, water={"density": 900.0}).device.mass == mass
+    for mass in (0.99999 * full, 1e-5 * full, 0.999 * pole, full - 0.999 * pole):
         with pytest.raises(ConfigError, match=r"because a waterline within 0.01 radii of a pole is a puddle"):
             varied(seed, device={**device, "mass": mass}, water={"density": 900.0})
     with pytest.raises(ConfigError, match=rf"m: needs more than the draft of the buoy, {seed.draft:.4g} m"):
         varied(seed, water={"depth": seed.draft})
     assert varied(seed, water={"depth": 1.001 * seed.draft}).uses_panels
+    just = {"water": {"depth": 1.02 * seed.draft}, "hydro": {"solver": "spectral"}}
+    assert not varied(seed, **just).uses_panels
+    assert not varied(seed, water=just["water"]).uses_panels
 
 
 def test_a_record_is_as_long_as_it_can_be_in_every_sea(seed):
@@ -287,3 +295,51 @@ def test_a_rigid_buoy_has_one_shape_whatever_is_asked_of_its_rest(seed):
             study = varied(seed, reference_shape=rest, designs=designs)
             assert study.flexible is flexible
             assert study.rests_deformed is study.at_equilibrium is (flexible and rest == "equilibrium")
+
+
+def test_a_record_is_of_its_fastest_motion_and_its_window_of_the_slowest(seed):
+    """Of a sea of many components its peak, in still water heave; of instants recorded no more than fit."""
+    sea = {"kind": "jonswap", "hs": 0.1, "tp": 5.0}
+    noise = {"kind": "white_noise", "hs": 0.1, "band": [0.5, 2.0]}
+    own = 2 * np.pi / seed.heave_frequency
+    for wave, slowest in ((sea, 5.0), (noise, 2 * np.pi / 1.25), ({"kind": "still"}, own)):
+        for part, enough in ((1.001, True), (0.999, False)):
+            window = (60.0 - 0.02 * part * slowest, 60.0)
+            study = varied(seed, waves=[wave], simulation={"duration": 60.0, "window": window})
+            if enough:
+                study.check_record()
+            else:
+                with pytest.raises(ConfigError, match=rf"because the motion in waves.0 .* takes {slowest:.4g} s$"):
+                    study.check_record()
+    quick = {**REGULAR, "period": 0.5}
+    for duration in (1.249e5, 1.251e5):
+        simulation = {"duration": duration, "window": (40.0, 60.0)}
+        study = varied(seed, waves=[REGULAR, quick], hydro={"omega_max": 14.0}, simulation=simulation)
+        if duration < 1.25e5:
+            study.check_record()
+        else:
+            with pytest.raises(
+                ConfigError, match=r"needs at most 1.25e\+05 s in waves.1 .* because it must be recorded"
+            ):
+                study.check_record()
+
+
+def test_what_is_of_a_chamber_or_of_a_law_that_pauses_is_of_no_other(seed):
+    """The volume without gas has no chamber; an assumed pressure knows limits and rigid buoys."""
+    volume = {"pto": {"port": "volume", "damping": 1e4}, "simulation": {"method": "convolution"}}
+    assert not varied(seed, **volume).opens_chamber
+    assert varied(seed, **{**PRESSED, "pto": {"force_limit": 1e3}}).pto.limited
+    rigid = {**PRESSED, "designs": {"FSB": {"flexible": False}}}
+    assert not varied(seed, **rigid).flexible
+    for changes in ({"device": {"internal_pressure": 5.0}}, {"reference_shape": "equilibrium"}):
+        with pytest.raises(ConfigError, match=r"needs device.internal_pressure: 0 and reference_shape: undeformed"):
+            varied(seed, **rigid, **changes)
+
+
+def test_a_study_of_a_body_is_none_of_a_buoy(seed):
+    with pytest.raises(
+        ConfigError, match=r"^here: body: received a study of a body, needs one of a buoy, with a device"
+    ):
+        config.parse({"study": "raft", "body": {"database": "raft.nc"}}, source="here")
+    with pytest.raises(ConfigError, match=r"^here: body: unknown key"):
+        config.parse({**seed.model_dump(), "body": {"database": "raft.nc"}}, source="here")

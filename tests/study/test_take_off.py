@@ -264,6 +264,13 @@ def test_points_of_the_shell_may_be_given_from_below_and_shares_may_cancel():
         Pto(port={"dofs": {"float__Heave": 0.0, "spar__Heave": 0.0}})
 
 
+def test_one_degree_of_freedom_stands_for_itself_alone():
+    assert DofPort.model_validate({"dof": "Pitch"}) == DofPort(dofs={"Pitch": 1.0})
+    for more in ({"dofs": {"Heave": 2.0}}, {"share": 2.0}):
+        with pytest.raises(ValueError, match="Extra inputs are not permitted"):
+            DofPort.model_validate({"dof": "Pitch", **more})
+
+
 def test_a_line_without_its_anchor_misses_it(seed):
     with pytest.raises(ConfigError, match=r"pto.port.line_to: missing, but required"):
         varied(seed, pto={"port": {"line_from": [0.0, -1.0]}})
