@@ -11,12 +11,14 @@ import pytest
 import yaml
 from conftest import SEED, SMALL, SMALL_PLAN, told
 
+import vsb
 from vsb import cli, errors
 from vsb.cli import main, parser
 from vsb.stages.preview import summary
 from vsb.stages.stage import STAGES
 from vsb.study.plan import StudyPlan
 from vsb.study.study import canonical, load
+from vsb.tools import completion
 from vsb.tools import files as storage
 
 FORMATS = (".1", ".3", ".3fk", ".3sc", ".hst", ".mmx", ".h5")
@@ -440,6 +442,8 @@ def test_shape_dependence_writes_under_the_name_it_is_given_and_prints_its_answe
         (errors.StabilityError("it is not stable,\n  at rest"), "it is not stable, at rest"),
         (errors.ConfigError("a: wrong"), "x.yaml: a: wrong"),
         (errors.ConfigError("x.yaml: a: wrong"), "x.yaml: a: wrong"),
+        (errors.ConfigError("x.yaml.csv: wrong"), "x.yaml: x.yaml.csv: wrong"),
+        (errors.DatabaseError("y.nc: file not found"), "y.nc: file not found"),
     ],
 )
 def test_mistakes_of_every_kind_are_a_line_that_names_its_file(monkeypatch, capsys, error, line):
@@ -455,3 +459,73 @@ def test_compare_hands_studies_on_in_their_order(workplace, monkeypatch, capsys)
     assert main(["compare", "b.yaml", "a.yaml", "--out", "t.csv"]) == main(["compare", "c.yaml"]) == 0
     assert calls == [((["b.yaml", "a.yaml"], "t.csv"), {}), ((["c.yaml"], None), {})]
     assert capsys.readouterr().out == "a table\n" * 2
+
+
+def test_what_is_of_the_rule_alone_is_refused_beside_studies_and_all_that_is_missing_is_told(capsys):
+    one = next(stage for stage in STAGES if stage.name == "compare")
+    needed = [name for name in one.files if name != "out"]
+    for name in (*needed, *one.optional):
+        with pytest.raises(SystemExit) as stop:
+            main(["compare", "a.yaml", f"--{name}", "x"])
+        assert stop.value.code == 2
+        told = f"--{name} is of the rule compare, which takes no studies; see vsb compare --help"
+        assert capsys.readouterr().err == f"vsb: error: {told}\n"
+    for given in ([], ["--out", "x", "--study", "y"]):
+        with pytest.raises(SystemExit):
+            main(["compare", *given])
+        missing = " ".join(f"--{name}" for name in one.files if f"--{name}" not in given)
+        told = f"needs studies, or as a rule of the workflow {missing}; see vsb compare --help"
+        assert capsys.readouterr().err == f"vsb: error: {told}\n"
+
+
+def test_a_rule_asks_for_its_files_and_not_for_what_may_be_absent(capsys):
+    (commands,) = (a for a in parser()._actions if isinstance(a, argparse._SubParsersAction))
+    for one in STAGES:
+        if one.name != "compare":
+            required = {a.dest: a.required for a in commands.choices[one.name]._actions if a.dest != "help"}
+            assert required == dict.fromkeys(one.files, True) | dict.fromkeys(one.optional, False)
+
+
+def test_a_command_line_that_says_little_means_the_usual():
+    line = parser()
+    assert vars(line.parse_args(["run", "a.yaml"])).items() >= {"profile": "default", "cores": None}.items()
+    for name in ("-c", "--cores"):
+        assert line.parse_args(["run", "a.yaml", name, "3"]).cores == line.parse_args(["run", "a", f"{name}=3"]).cores
+        assert str(line.parse_args(["run", "a.yaml", name, "3"]).cores) == "3"
+    assert line.parse_args(["schema"]).kind == "study"
+    assert line.parse_args(["init", "a.yaml"]).radius is None
+
+
+@pytest.mark.parametrize(
+    ("name", "place"),
+    [
+        ("barge", "body_preview.body_summary"),
+        ("year", "campaign_preview.campaign_summary"),
+        ("seed", "preview.summary"),
+    ],
+)
+def test_check_prints_what_is_said_of_each_kind_of_file_a_line_each(workplace, monkeypatch, capsys, name, place):
+    calls = noted(monkeypatch, f"vsb.stages.{place}", ["first", "second"])
+    assert main(["check", str(SEED.with_name(f"{name}.yaml"))]) == 0
+    assert capsys.readouterr().out == "first\nsecond\n"
+    assert calls[0][0][-1].name == name
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh"])
+def test_completion_is_of_the_shell_asked_for(capsys, shell):
+    assert main(["completion", shell]) == 0
+    assert capsys.readouterr().out == completion.script(parser(), shell)
+
+
+def test_a_study_that_is_begun_says_how_to_go_on(workplace, capsys):
+    assert main(["init", "my.yaml", "--radius", "3"]) == 0
+    assert capsys.readouterr().out == "my.yaml: change it, then vsb check my.yaml and vsb run my.yaml\n"
+    assert load("my.yaml").device.radius == 3.0
+
+
+def test_the_version_is_that_of_the_package(capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(["--version"])
+    assert stop.value.code == 0
+    assert capsys.readouterr().out == f"vsb {vsb.__version__}\n"
+    assert "__version__" in dir(vsb)

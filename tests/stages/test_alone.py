@@ -60,3 +60,20 @@ def test_who_waits_for_a_file_that_another_makes_says_so(tmp_path, monkeypatch, 
         assert len(handles) == 2
     assert asked == [fcntl.LOCK_EX | fcntl.LOCK_NB, fcntl.LOCK_EX, fcntl.LOCK_EX | fcntl.LOCK_NB]
     assert capsys.readouterr().out == f"vsb: waiting for another run that makes {'a' * 16}\n"
+
+
+def test_what_is_shared_is_held_once_in_one_order_by_the_name_of_its_file_or_folder(tmp_path, monkeypatch):
+    """Two files of a folder are one; whoever holds the same waits for nobody in a circle. Without any nothing is made."""
+    held = []
+    monkeypatch.setattr("vsb.stages.alone._wait", lambda handle, name: held.append(name))
+    first, second, mesh = (16 * letter for letter in "abc")
+    paths = [f"hydro/mesh/{mesh}/mean.nc", f"hydro/db/{second}.nc", f"hydro/mesh/{mesh}/Membrane2_plus.vtu"]
+    with sharing(tmp_path, []) as handles:
+        assert handles == []
+    assert not list(tmp_path.iterdir())
+    for given in ([*paths, f"hydro/db/{first}.nc"], [f"hydro/db/{first}.nc", *paths[::-1]]):
+        held.clear()
+        with sharing(tmp_path, given) as handles:
+            assert len(set(handles)) == 3
+        assert held == [first, second, mesh]
+    assert sorted(path.name for path in (tmp_path / "hydro" / ".locks").iterdir()) == held

@@ -7,7 +7,7 @@ from conftest import SEED
 from vsb.cli import main
 from vsb.errors import ConfigError
 from vsb.shell.sphere import Shell, natural_frequencies
-from vsb.stages.init import init
+from vsb.stages.init import init, scaled
 from vsb.study.study import load
 
 
@@ -83,3 +83,32 @@ def test_every_scaled_key_is_in_the_study():
     others |= {"ballast_inertia", "centre_of_mass", "line_from", "line_to"}  # of those that surge and pitch
     others |= {"ballast_yaw_inertia", "lever", "height", "length"}  # of those that turn, of other shapes
     assert set(FROUDE) - keys == {"amplitude", "period", "alpha", "beta", *others}  # of the sea, of the shell's damping
+
+
+def test_its_first_line_names_the_file_and_the_others_stay(tmp_path):
+    for name in ("b.yml", "b.yaml"):
+        (tmp_path / "sub").mkdir(exist_ok=True)
+        init(str(tmp_path / "sub" / name))
+        first, *others = (tmp_path / "sub" / name).read_text().splitlines()
+        assert first == f"# A study of vsb: `vsb check {name}`, then `vsb run {name}`."
+        assert others == SEED.read_text().replace("study: seed", "study: b").splitlines()[1:]
+
+
+@pytest.mark.parametrize(("radius", "inside"), [(0.01, True), (0.0099, False), (100.0, True), (100.1, False)])
+def test_a_study_is_begun_from_a_hundredth_to_a_hundred_metres(tmp_path, radius, inside):
+    if inside:
+        init(str(tmp_path / "b.yaml"), radius)
+        assert load(tmp_path / "b.yaml").device.radius == radius
+    else:
+        with pytest.raises(ConfigError, match=rf"^--radius: received {radius:g} m, needs 0.01 to 100 m$"):
+            init(str(tmp_path / "b.yaml"), radius)
+
+
+def test_numbers_of_every_form_are_scaled_to_six_digits_with_their_key_alone():
+    """Negative ones, lists, exponents; not what only ends as a key does, nor words."""
+    text = (
+        "centre_of_mass: -0.5\nwindow: [-1.0, 2e1, 3.e-1]\nmy_mass: 7.0\nmass: 1.0  # radius 2\nperiod: 0.123456789\n"
+    )
+    told = "centre_of_mass: -2.0\nwindow: [-2.0, 40.0, 0.6]\nmy_mass: 7.0\nmass: 64.0  # radius 2\nperiod: 0.246914\n"
+    assert scaled(text, 4.0) == told
+    assert scaled("radius: 1\ndepth: 9.0\n", 1e7) == "radius: 10000000.0\ndepth: 9.0\n"

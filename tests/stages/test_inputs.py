@@ -7,6 +7,7 @@ from conftest import SEED, varied
 from vsb.errors import DatabaseError
 from vsb.stages import inputs
 from vsb.stages.inputs import Inputs
+from vsb.study.body import BodyStudy
 from vsb.study.plan import StudyPlan
 from vsb.study.study import content_id, load
 
@@ -43,3 +44,16 @@ def test_every_file_is_read_from_its_own_path_and_is_what_the_study_asks_for(see
     assert found.response == ("load", "r/response-id.nc", StudyPlan(seed).response_id)
     assert found.witness == ("load", "r/witness-id.nc", "witness-id")
     assert (found.runs.study, found.runs.folder) == (seed, "runs")
+
+
+def test_shapes_of_modes_are_of_every_buoy_and_of_no_body(monkeypatch):
+    """Of one without coefficients, too: what is assumed of the water is no matter."""
+    monkeypatch.setattr(inputs, "load", lambda path, expected: (path, expected))
+    paper = load(SEED.with_name("paper.yaml"))
+    assert Inputs(paper, "runs", {"modes": "m.nc"}).modes == ("m.nc", content_id(StudyPlan(paper).modes))
+    barge = BodyStudy.model_validate({"study": "a", "body": {"bemio": "a.h5"}, "waves": [{"kind": "still"}],
+                                      "designs": {"A": {}}, "pto": {"damping": 1.0}})  # fmt: skip
+    found = Inputs(barge, "runs", {"modes": "m.nc", "witness": "w-id.nc"})
+    assert not found.modes.data_vars
+    assert not found.witness.data_vars
+    assert (found.path("modes"), found.path("rungs")) == ("m.nc", "")

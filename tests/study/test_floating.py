@@ -167,3 +167,37 @@ def test_a_draft_of_another_shape_is_less_than_its_height(raw, draft):
         ConfigError, match=rf"device.draft: received {draft}, needs more than 0 and less than the hei.*, 3 m"
     ):
         parse(raw | {"device": device})
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"water": 5}, ["water: received 5; needs a mapping"]),
+        ({"device": None}, ["device: received None; needs a mapping"]),
+        (
+            {"device": 3.0, "water": [1]},
+            ["device: received 3.0; needs a mapping", "water: received [1]; needs a mapping"],
+        ),
+        ({"hydro": 7}, ["hydro: received 7; needs a mapping"]),
+    ],
+    ids=str,
+)
+def test_sections_that_are_none_are_told_and_nothing_that_follows_from_them(raw, changes, told):
+    with pytest.raises(ConfigError) as refused:
+        parse(raw | {"hydro": {"omega_max": "auto"}} | changes, source="here")
+    assert len(refused.value.mistakes) == len(told)
+    for line, begins in zip(refused.value.mistakes, told, strict=True):
+        assert line.startswith(f"here: {begins}")
+
+
+def test_all_else_of_a_section_is_judged_where_its_band_cannot_be_told(raw):
+    device = without(raw["device"], radius="wide")
+    with pytest.raises(ConfigError) as refused:
+        parse(
+            raw | {"device": device, "hydro": {"omega_max": "auto", "tolerance": 7.0, "model": "magic"}}, source="here"
+        )
+    assert [line.split()[1] for line in refused.value.mistakes] == [
+        "device.radius:",
+        "hydro.model:",
+        "hydro.tolerance:",
+    ]

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import CubicSpline
 
-from vsb.study.meridian import JUNCTION, RestMeridian, _spline, _terms, capsule, spheroid, through
+from vsb.study.meridian import JUNCTION, RestMeridian, _crossing, _spline, _terms, capsule, spheroid, through
 
 
 def test_a_sphere_is_one_term_each():
@@ -240,6 +240,8 @@ def test_a_profile_is_the_same_in_any_unit_from_any_height(unit, raised):
         (((2e-9, 1), (1, 0.5), (1, 0), (1, -0.5), (0, -1)), r"received the first point at \(2e-09, 1\), so the merid"),
         (((0, 1), (1, 0.5), (1, 0), (1, 0.5), (0, 1)), "a first point at height 1 and a last one at 1; needs the top"),
         (((0, 1), (1, 0.5), (-0.5, 0), (1, -0.5), (0, -1)), "received a point at radius -0.5 between the poles; need"),
+        (((0, math.inf), (1, 0.5), (1, 0), (1, -0.5), (0, -1)), "received points that are no finite numbers; needs fin"),
+        (((0, 1), (1, 0.5), (1, 0), (1, -0.5), (math.nan, -1)), "received points that are no finite numbers; needs f"),
     ],
 )  # fmt: skip
 def test_a_profile_begins_and_ends_on_the_axis_with_the_top_first(points, message):
@@ -250,3 +252,40 @@ def test_a_profile_begins_and_ends_on_the_axis_with_the_top_first(points, messag
 def test_five_points_are_a_profile():
     found = through(((0.0, 1.0), (0.8, 0.6), (1.0, 0.0), (0.8, -0.6), (0.0, -1.0)), 1.0)
     assert found.volume == pytest.approx(4 / 3 * math.pi, rel=0.02)
+
+
+def test_a_profile_may_have_a_flat_top_and_a_straight_side():
+    """Only all of a point given twice is one too many: here neither height nor radius is."""
+    points = ((0.0, 1.0), (0.5, 1.0), (0.9, 0.6), (1.0, 0.2), (1.0, -0.2), (0.9, -0.6), (0.5, -1.0), (0.0, -1.0))
+    found = through(points, 1.0)
+    assert found.radius == pytest.approx(1.0, rel=1e-9)
+    assert found.volume > 4 / 3 * math.pi
+
+
+def test_the_sharpest_place_may_bend_inwards_or_around_the_axis():
+    """At a waist, of curvatures x''/z'^2 of the meridian and 1/x of the parallel."""
+    dented, narrow = RestMeridian((1.0, 0.0, 0.3), (0.0, 1.0, 0.0, 0.1)), RestMeridian((1.0, 0.0, 0.6), (0.0, 4.0))
+    assert dented.curvatures(math.pi / 2) == pytest.approx((-1.7 / 0.7**2, 1 / 0.7), rel=1e-13)
+    assert dented.sharpest == pytest.approx(0.7**2 / 1.7, rel=1e-9)
+    assert narrow.curvatures(math.pi / 2) == pytest.approx((-4.4 / 4.0**2, 1 / 0.4), rel=1e-13)
+    assert narrow.sharpest == pytest.approx(0.4, rel=1e-9)
+
+
+def test_a_polygon_that_crosses_itself_is_told_where_that_side_begins():
+    """The first of them, which is crossed by the next but one; one that only turns back crosses nothing."""
+    crossed = [(0.0, 0.0, 2.0), (1.0, 2.0, 0.0), (2.0, 2.0, 2.0), (3.0, 0.0, 0.0)]
+    assert _crossing(crossed) == (0.0, 2.0)
+    assert _crossing([(-1.0, 0.0, 3.0), *crossed]) == (0.0, 2.0)
+    assert _crossing([*crossed[:3], (3.0, 3.0, 0.0)]) is None
+    assert _crossing([*crossed[:3], (3.0, 1.1, 1.1)]) is None
+
+
+@pytest.mark.parametrize("term", [5, 19, 41])
+def test_a_volume_is_that_of_all_terms_of_either_coordinate(term):
+    """pi int x^2 z' of sin t + b sin kt and cos t, and of sin t and cos t + b cos kt, with int sin^2 t sin kt known."""
+    share, b = 1 / term - 0.5 / (term + 2) - 0.5 / (term - 2), 0.01
+    own = 1 - 0.5 / (2 * term + 1) + 0.5 / (2 * term - 1)  # int of sin^2 kt sin t
+    ripple = (1.0, *(term - 2) * (0.0,), b)
+    across, along = RestMeridian(ripple, (0.0, 1.0)), RestMeridian((1.0,), (0.0, *ripple))
+    assert across.volume == pytest.approx(math.pi * (4 / 3 + 2 * b * share + b**2 * own), rel=1e-12)
+    assert along.volume == pytest.approx(math.pi * (4 / 3 + term * b * share), rel=1e-12)

@@ -344,3 +344,15 @@ def test_a_ladder_follows_no_motion_and_knows_no_method(seed):
     exact = StudyPlan(varied(seed, simulation={"method": "exact"}))
     assert exact.ladder == StudyPlan(seed).ladder
     assert exact.simulation("FSB", seed.waves[0]).simulation.method == "exact"
+
+
+@pytest.mark.parametrize("depth", [math.inf, 7.0])
+def test_a_response_begins_at_the_first_frequency_solved(seed, depth):
+    """On the grid, above what panels can solve in that depth; what is tabulated there is told."""
+    plan = StudyPlan(varied(seed, water={"depth": depth}))
+    first = plan.sweep_blocks[1].omega[0]
+    assert (plan.lowest_omega < first) is (depth == 7.0)
+    told = StudyPlan(varied(plan.study, hydro={"omega": [first, 1.23]})).response
+    assert told.lowest == plan.response.lowest == first
+    assert told.omega[:2] == (first, 1.23)
+    assert told.step == 0.1

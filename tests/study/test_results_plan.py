@@ -104,3 +104,16 @@ def test_a_record_is_nine_numbers_of_every_coordinate_and_ten_others(seed):
             assert plan.record_megabytes(study.waves[0]) == pytest.approx(
                 8e-6 * (9 * coordinates + 10) * kept, abs=1.01
             )
+
+
+def test_what_studies_share_lies_in_hydro_alone_and_has_the_id_of_its_name_or_of_its_folder(seed):
+    """A study may be called nearly so; names that only begin with a digit of an id, or are longer, are none."""
+    plan = StudyPlan(varied(seed).model_copy(update={"study": "hydrofoil"}), root="r")
+    assert not plan.is_shared(plan.manifest)
+    assert not any(map(plan.is_shared, plan.answers[:6]))
+    identity = 16 * "a"
+    for name in ("mean.nc", "face.vtu", f"{17 * 'a'}.nc", f"{15 * 'a'}.nc"):
+        assert plan._named_id(f"r/hydro/mesh/{identity}/{name}") == identity
+    assert plan._named_id(f"r/hydro/db/{identity}.nc") == identity
+    assert plan._named_id("r/hydrofoil/report.html") == plan.study_id
+    assert re.fullmatch(r"r/hydro/green/capytaine-[0-9.a-z+]+", plan.green_folder)

@@ -181,6 +181,13 @@ def test_limits_of_sections_are_part_of_them():
     for window in ((0.0, 60.001), (5.0, 5.0), (6.0, 5.0)):
         with pytest.raises(ValueError, match=r"needs 0 <= start < end <= duration = 60 s"):
             Simulation(duration=60.0, window=window)
+    for model in ("linear", "body_exact", "assumed_pressure"):
+        pressure = {"pressure": 5.0} if model == "assumed_pressure" else {}
+        with pytest.raises(ValueError, match=r"power_tolerance 0\.1: only model auto has one; remove it"):
+            Hydro(model=model, power_tolerance=0.1, **pressure)
+    for model in ("linear", "body_exact", "auto"):
+        with pytest.raises(ValueError, match="pressure 5 Pa: only model assumed_pressure has one; remove it"):
+            Hydro(model=model, pressure=5.0)
     for omega in ((1.0, 1.0), (2.0, 1.0)):
         with pytest.raises(ValueError, match="frequencies must ascend without repetition"):
             Hydro(omega=omega)
@@ -189,6 +196,9 @@ def test_limits_of_sections_are_part_of_them():
 def test_a_rigid_design_has_no_clamps_one_or_many():
     for clamp in (90.0, (0.0, 90.0), (0.0,)):
         assert Design(clamp=clamp).flexible
-        with pytest.raises(ValueError, match=r"a rigid design \(flexible: false\) has no shell to clamp"):
+        told = ", ".join(map(str, clamp if isinstance(clamp, tuple) else (clamp,)))
+        with pytest.raises(
+            ValueError, match=rf"clamp \[{told}\]: a rigid design \(flexible: false\) has no shell to clamp"
+        ):
             Design(flexible=False, clamp=clamp)
     assert Design(clamp=(0.0, 90.0)).clamp == (0.0, 90.0)

@@ -81,6 +81,7 @@ def test_a_profile_is_a_file_beside_the_study(tmp_path):
         (None, r"device.shape.profile: received hull.csv, which cannot be read \(No such file"),
         ("x,z\n0,1\nup,0.5\n", "received 'up,0.5' in hull.csv, needs two numbers x,z"),
         ("0,1\n1,0,3\n", "received '1,0,3' in hull.csv, needs two numbers x,z"),
+        (f"0,1\n{50 * 'u'},0.5\n", f"received '{40 * 'u'}' in hull.csv, needs two numbers x,z"),
         ("0,1\n1,0\n0,-1\n", "shape.profile: received 3 points; needs at least five"),
     ],
 )
@@ -200,3 +201,14 @@ def test_one_line_of_words_stands_before_the_points(tmp_path):
     (tmp_path / "egg.csv").write_text("x,z\nm,m\n0,1\n")
     with pytest.raises(ConfigError, match=r"device.shape.profile: received 'm,m' in egg.csv, needs two numbers x,z"):
         with_points({"device": {"shape": {"profile": "egg.csv"}}}, str(tmp_path / "study.yaml"))
+
+
+def test_a_shape_that_is_none_is_the_only_mistake_told():
+    """Not its mass, which cannot be told without it, nor a draft."""
+    for more in ({}, {"draft": 1.0}):
+        with pytest.raises(ConfigError) as refused:
+            parse(raw({"spheroid": {"height": -1.0}}, device=more), source="here")
+        assert len(refused.value.mistakes) == 1
+        assert str(refused.value).startswith(
+            "here: device.shape.spheroid.height: received -1.0; needs a number above 0"
+        )
