@@ -499,7 +499,7 @@ def test_a_command_line_that_says_little_means_the_usual():
 @pytest.mark.parametrize(
     ("name", "place"),
     [
-        ("barge", "body_preview.body_summary"),
+        ("hinged_barge", "body_preview.body_summary"),
         ("year", "campaign_preview.campaign_summary"),
         ("seed", "preview.summary"),
     ],
