@@ -5,7 +5,7 @@ import yaml
 from conftest import SEED, varied
 
 from vsb.errors import ConfigError
-from vsb.study.campaign import Campaign, Scatter, _scale, load, sections, study_at
+from vsb.study.campaign import Campaign, Scatter, _scale, load, sections, study_at, where_of
 from vsb.study.device import Gas
 from vsb.study.froude import scaled
 from vsb.study.study import content_id, parse
@@ -179,6 +179,13 @@ def test_a_point_without_a_study_is_told_in_one_line(point, message):
         study_at(sections(load_study(SEED)), point)
 
 
+def test_a_point_is_told_by_its_values_in_their_order():
+    assert where_of({"scale": 2.0, "modes.basis": "full"}) == "with scale: 2.0, modes.basis: full"
+    assert where_of({}) == "with nothing varied"
+    with pytest.raises(ConfigError, match=r"^with nothing varied: pto.efficiency: received 0.8; a year needs 1"):
+        study_at(sections(varied(load_study(SEED), pto={"efficiency": 0.8})), {})
+
+
 def test_a_scale_is_taken_up_to_a_thousand_either_way():
     assert [_scale(1e-3), _scale(1e3)] == [1e-3, 1e3]
     for beyond in (0.999e-3, 1.001e3):
@@ -240,6 +247,14 @@ def test_runs_in_time_check_the_tuning_a_campaign_is_told_at_alone(folder):
     """Not the first: of the others linear theory says what it does not see."""
     loaded = load(written(folder, tuning=["fixed", "one"], verify={}))
     switching = varied(load_study(SEED), pto={"law": "latching"})
-    with pytest.raises(ConfigError, match=r"^here: pto: received law latching, .* of tuning fixed does not see; needs"):
+    needed = r"needs tuning: \[constrained\], or \[fixed\] with verify$"
+    with pytest.raises(
+        ConfigError,
+        match=rf"^here: pto: received law latching, .* which linear theory of tuning fixed does not see; {needed}",
+    ):
         loaded.check_take_off(switching, "here")
+    limited = varied(load_study(SEED), pto={"force_limit": 2e3, "stroke_limit": 0.5})
+    with pytest.raises(ConfigError, match=r"received law linear, force_limit 2000 N, stroke_limit 0.5 m, which linear"):
+        loaded.check_take_off(limited, "here")
+    loaded.check_take_off(load_study(SEED), "here")
     load(written(folder, tuning=["fixed", "constrained"], verify={})).check_take_off(switching, "here")

@@ -354,6 +354,16 @@ def test_a_campaign_tells_its_study_its_climate_and_its_members_in_their_order(p
     assert plan.campaign.campaign == "sweep"
     assert plan.campaign.climate_name == "site"
     assert plan.campaign.members == tuple(ids(plan))
+    assert (plan.campaign.base, plan.campaign.climate, plan.campaign.tuning) == (
+        plan.base,
+        plan.climate,
+        plan.loaded.tuning,
+    )
+    assert plan.campaign.vary == plan.loaded.campaign.vary
+    assert plan.campaign.batches == tuple(plan.batches)
+    assert len(plan.batches) == 2
+    for batch in plan.batches.values():
+        assert (batch.base, batch.climate, batch.tuning) == (plan.base, plan.climate, plan.loaded.tuning)
     assert [one.study.device.mass for one in plan.members] == [1.7e4, 1.6e4, 1.65e4, 1.72e4, 1.62e4]
 
 
@@ -385,3 +395,16 @@ def test_no_curves_over_dampers_are_of_any_limit_varied_or_given(planned, key):
     tuned = {"tuning": ["constrained"]}
     assert "tuned_power" not in figure_names(planned({f"pto.{key}": [1e3, 1e4]}, **tuned).campaign)
     assert "tuned_power" not in figure_names(planned({}, name="own", study={"pto": {key: 1e3}}, **tuned).campaign)
+
+
+def test_runs_in_time_are_told_in_the_order_of_the_members_each_with_all_of_its_own(planned):
+    """Sweep, climate and the study of the point, by one tuning; the method in time is the study's."""
+    study = {"simulation": {"duration": 99.0, "tolerance": 1e-5}}
+    plan = planned({"device.mass": [1.7e4, 1.6e4]}, study=study, tuning=["each", "one"], verify={"seas": 6, "seed": 3})
+    assert plan.campaign.verifications == tuple(plan.verifications)
+    for one, spec in zip(plan.members, plan.verifications.values(), strict=True):
+        assert spec.device.mass == one.study.device.mass
+        assert (spec.sweep, spec.climate, spec.tuning) == (one.spec.sweep, plan.climate, ("one",))
+        assert (spec.verify.seas, spec.verify.seed, spec.verify.model) == (6, 3, "body_exact")
+        assert (spec.simulation.duration, spec.simulation.tolerance) == (99.0, 1e-5)
+        assert spec.pto == one.study.pto

@@ -201,3 +201,43 @@ def test_all_else_of_a_section_is_judged_where_its_band_cannot_be_told(raw):
         "hydro.model:",
         "hydro.tolerance:",
     ]
+
+
+def test_sections_made_in_python_tell_their_density_gravity_and_shape(raw):
+    """Beside others that are mappings; without a section there is no mistake in it."""
+    moon, oblate = vsb.Water(density=800.0, gravity=1.62), Shape.model_validate({"spheroid": {"height": 3.0}})
+    device = without(raw["device"], "mass", density=1.0, draft=1.0)
+    swell = [{"kind": "regular", "amplitude": 0.1, "period": 10.0}]
+    study = parse(without(raw, "hydro") | {"device": device, "water": moon, "waves": swell})
+    assert study.hydro.omega_max == pytest.approx(5.4 * math.sqrt(1.62 / 2.0), rel=0.02)
+    assert study.device.mass == pytest.approx(800.0 * cap_volume(2.0, 0.5), rel=1e-12)
+    shaped = device | {"shape": oblate, "thickness": 1e-3}
+    modes = {"basis": "full", "degree": 2}
+    found = parse(raw | {"device": shaped, "water": moon, "modes": modes, "hydro": {}, "waves": swell})
+    assert found.device.mass == pytest.approx(800.0 * cap_volume(2.0, 1.0 / 1.5) * 0.75, rel=1e-11)
+    with pytest.raises(ConfigError) as refused:
+        parse(without(raw, "hydro") | {"device": device | {"radius": "wide"}}, source="here")
+    assert refused.value.mistakes == ("here: device.radius: received 'wide'; needs a number",)
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"device": {"radius": "wide"}}, "device.radius: received 'wide'; needs a number"),
+        (
+            {"device": {"radius": 1e5, "thickness": 100.0}},
+            "device.radius: received 100000.0; needs at most 1000 m, because",
+        ),
+        ({"water": {"density": "heavy"}}, "water.density: received 'heavy'; needs a number"),
+        ({"water": {"gravity": 0.0}}, "water.gravity: received 0.0; needs a number above 0"),
+    ],
+    ids=str,
+)
+@pytest.mark.parametrize("given", [{}, {"draft": 1.0}, {"mass": 17170.0}])
+def test_neither_mass_nor_draft_is_a_mistake_where_what_they_follow_from_is_none(raw, changes, told, given):
+    """As it may be left out, a mass is not missed; a draft is no unknown key."""
+    device = without(raw["device"], "mass", **given) | changes.get("device", {})
+    with pytest.raises(ConfigError) as refused:
+        parse(raw | {"water": changes.get("water", {}), "device": device}, source="here")
+    assert len(refused.value.mistakes) == 1
+    assert str(refused.value).startswith(f"here: {told}")

@@ -1,5 +1,6 @@
 """Law and limits of the take-off in a study file."""
 
+import jsonschema
 import pytest
 from conftest import SEED, varied
 
@@ -266,6 +267,14 @@ def test_points_of_the_shell_may_be_given_from_below_and_shares_may_cancel():
 
 def test_one_degree_of_freedom_stands_for_itself_alone():
     assert DofPort.model_validate({"dof": "Pitch"}) == DofPort(dofs={"Pitch": 1.0})
+    editor = jsonschema.Draft202012Validator(DofPort.model_json_schema())
+    for port, valid in (
+        ({"dof": "Pitch"}, True),
+        ({"dofs": {"a": 1.0}}, True),
+        ({"dof": 3}, False),
+        ({"dofs": 3}, False),
+    ):
+        assert editor.is_valid(port) is valid
     for more in ({"dofs": {"Heave": 2.0}}, {"share": 2.0}):
         with pytest.raises(ValueError, match="Extra inputs are not permitted"):
             DofPort.model_validate({"dof": "Pitch", **more})
@@ -294,6 +303,9 @@ def test_what_is_said_of_a_force_is_said_of_a_moment():
     assert at_port(said, "pitch") == turned
     assert at_port(said, "heave") == said
     assert at_port("rms force [kN], limit of force [kN]", "volume") == "rms pressure [kPa], limit of pressure [kPa]"
+    page = "the take-off's force of ${short(force / 1e3)} kN at 5 N s/m"
+    assert at_port(page, "volume") == "the take-off's pressure of ${short(force / 1e3)} kPa at 5 Pa s/m³"
+    assert at_port(page, "pitch") == "the take-off's moment of ${short(force / 1e3)} kN m at 5 N m s"
 
 
 def test_a_take_off_is_limited_by_either_limit_and_switches_by_law_or_limit():

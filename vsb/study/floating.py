@@ -68,6 +68,8 @@ def waterline_radius(shape: Shape | None, radius: float, centre: float) -> float
     return shape.meridian(radius).radius_at(-centre)
 
 
+HEAVIEST = 1e300
+"""Mass [kg] of a buoy whose own cannot be told."""
 BAND = 5.4
 """omega_max over sqrt(g/r): beyond it waves are shorter than a quarter of the radius, and the damping has died out."""
 
@@ -142,8 +144,10 @@ def _with_band(raw: Mapping[str, Any], radius: float, gravity: float) -> Any:
 
 
 def _without_words(raw: Mapping[str, Any]) -> dict[str, Any]:
-    """A study without an omega_max that cannot be told."""
-    hydro = raw.get("hydro")
+    """A study without an omega_max that cannot be told, and with a mass no check of its device's finds too small."""
+    found, hydro, device = dict(raw), raw.get("hydro"), raw.get("device")
     if isinstance(hydro, Mapping) and hydro.get("omega_max") == "auto":
-        hydro = {key: value for key, value in hydro.items() if key != "omega_max"}
-    return {**raw, "hydro": hydro} if "hydro" in raw else dict(raw)
+        found["hydro"] = {key: value for key, value in hydro.items() if key != "omega_max"}
+    if isinstance(device, Mapping):
+        found["device"] = {"mass": HEAVIEST, **{key: value for key, value in device.items() if key != "draft"}}
+    return found
