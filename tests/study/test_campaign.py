@@ -1,5 +1,7 @@
 """A campaign file: the study it names, its points, what is refused."""
 
+import hashlib
+
 import pytest
 import yaml
 from conftest import SEED, varied
@@ -37,6 +39,7 @@ def test_files_are_relative_to_the_campaign_s(folder, monkeypatch):
 
 def test_the_climate_counts_by_its_contents(folder):
     before = load(written(folder)).climate_id
+    assert before == hashlib.sha256(b"spectra").hexdigest()[:16]
     (folder / "other.txt").write_text("spectra")
     assert load(written(folder, climate={"spectra": "other.txt"})).climate_id == before
     (folder / "sea.txt").write_text("other spectra")

@@ -289,3 +289,11 @@ def test_a_volume_is_that_of_all_terms_of_either_coordinate(term):
     across, along = RestMeridian(ripple, (0.0, 1.0)), RestMeridian((1.0,), (0.0, *ripple))
     assert across.volume == pytest.approx(math.pi * (4 / 3 + 2 * b * share + b**2 * own), rel=1e-12)
     assert along.volume == pytest.approx(math.pi * (4 / 3 + term * b * share), rel=1e-12)
+
+
+@pytest.mark.parametrize("height", [0.4, 0.8, 10.0, 40.0])
+def test_the_area_of_flat_and_slender_spheroids_is_right_to_the_last_digits(height):
+    a, c = 2.0, height / 2
+    e = math.sqrt(1 - (min(a, c) / max(a, c)) ** 2)
+    sides = (1 - e**2) / e * math.atanh(e) if c < a else c / (a * e) * math.asin(e)
+    assert spheroid(a, height).area == pytest.approx(2 * math.pi * a**2 * (1 + sides), rel=1e-13)

@@ -356,3 +356,39 @@ def test_a_response_begins_at_the_first_frequency_solved(seed, depth):
     assert told.lowest == plan.response.lowest == first
     assert told.omega[:2] == (first, 1.23)
     assert told.step == 0.1
+
+
+@pytest.mark.parametrize("solver", ["spectral", "panels"])
+def test_every_stage_is_told_what_the_study_says(seed, solver):
+    """Of tolerances, too, and of all sections it has any of."""
+    balance = {"centre_of_mass": -0.5, "ballast_inertia": 8e3, "damping": {"alpha": 0.5}}
+    motion = (
+        {"motion": "planar", "device": balance, "mooring": [1e3, 0, 2e3, 0, 3e3, 0]} if solver == "spectral" else {}
+    )
+    study = varied(
+        seed, **motion, hydro={"solver": solver, "tolerance": 2e-3, "omega": [2.0], "accept": ["haskind"], "omega_max": 9.0},
+        water={"density": 1000.0, "depth": 30.0}, modes={"degree": 3}, drag={"heave": {"coefficient": 0.5, "area": 3.0}},
+        pto={"stiffness": 7.0, "efficiency": 0.9}, simulation={"tolerance": 1e-5, "initial_position": 0.1},
+    )  # fmt: skip
+    plan = StudyPlan(study)
+    run = plan.simulation("VSWEC", study.waves[0])
+    specs = (plan.database, plan.modes, plan.response, plan.ladder, run)
+    for spec in specs:
+        for name in ("device", "water", "motion", "mooring", "modes", "pto", "drag"):
+            if name in type(spec).model_fields and not (spec is run and name == "pto"):
+                assert getattr(spec, name) == getattr(study, name), (type(spec).__name__, name)
+    assert plan.database.tolerance == plan.radiation.tolerance == 2e-3
+    assert (plan.database.omega, plan.database.accept) == ((2.0,), ("haskind",))
+    assert plan.database.sweep == tuple(content_id(block) for block in plan.sweep_blocks)
+    assert plan.database.tabulated == tuple(content_id(block) for block in plan.tabulated_blocks)
+    assert len(plan.database.tabulated) == len(study.orders)
+    for block in plan.bem_blocks.values():
+        assert block.water == study.water
+        assert getattr(block, "tolerance", 2e-3) == 2e-3
+    assert (run.pto.damping, run.pto.stiffness, run.pto.efficiency) == (8000.0, 7.0, 0.9)
+    assert run.simulation == study.simulation
+    assert plan.ladder.waves == study.waves
+    assert plan.ladder.simulation == study.simulation
+    assert run.designs == {"VSWEC": study.designs["VSWEC"]}
+    assert (run.reference_shape, run.hydro.omega_max, run.hydro.model) == ("undeformed", 9.0, "linear")
+    assert plan.response.designs == plan.ladder.designs == plan.modes.designs == study.designs

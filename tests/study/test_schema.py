@@ -316,3 +316,10 @@ def test_keys_are_explained_with_their_units_under_their_own_names(model):
             assert its["description"] == (f"{said.meaning} [{said.unit}]" if said.unit else said.meaning)
             assert its["examples"] == [yaml.safe_load(said.example)]
     assert schema["$schema"] == "https://json-schema.org/draft/2020-12/schema"
+
+
+@pytest.mark.parametrize(("value", "valid"), [("auto", True), (5.0, True), (0, False), ("wide", False), (None, False)])
+def test_an_editor_takes_a_band_or_leaves_it_to_the_size(value, valid):
+    place = schema_of(Study)["$defs"]["Hydro"]["properties"]["omega_max"]
+    assert jsonschema.Draft202012Validator(place).is_valid(value) is valid
+    assert place["default"] == "auto"

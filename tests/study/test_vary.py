@@ -2,13 +2,14 @@
 
 import json
 
+import jsonschema
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from vsb.study.keys import KEYS
 from vsb.study.study import canonical
-from vsb.study.vary import _VARIED_IN, Vary, read_vary, unit
+from vsb.study.vary import _VARIED_IN, VARIED, Vary, read_vary, unit
 
 TAKEN = ("damping", "hs")
 
@@ -221,3 +222,32 @@ def test_no_two_keys_that_may_be_varied_have_one_name_and_two_units():
     for section in _VARIED_IN:
         for name, key in KEYS[section].items():
             assert key.unit in ("", "-", unit(name)), (section, name)
+
+
+SPACES = {"device.mass": {"log": [1, 2]}, "device.radius": {"linear": [-1, 2.5]}}
+
+
+@pytest.mark.parametrize(
+    ("raw", "valid"),
+    [
+        ({}, True), ({"pairs": False}, True), ({"device.mass": [1, 2.5], "modes.basis": ["full"], "pairs": True}, False),
+        ({"device.mass": [1, 2.5], "modes.basis": ["full", "paper"], "pairs": True}, True),
+        ({"device.mass": {"log": [1, 2, 3]}, "device.radius": {"linear": [1, 2, 3]}}, True),
+        ({**SPACES, "latin_hypercube": {"samples": 1}}, True), ({**SPACES, "latin_hypercube": {"samples": 3, "seed": 0}}, True),
+        ({**SPACES, "latin_hypercube": {"samples": 0}}, False), ({**SPACES, "latin_hypercube": {"seed": 1}}, False),
+        ({**SPACES, "latin_hypercube": {"samples": 2.5}}, False), ({**SPACES, "latin_hypercube": {"samples": 2, "of": 1}}, False),
+        ({"pairs": "yes"}, False), ({"device.mass": 3}, False), ({"device.mass": {"cubic": [1, 2, 3]}}, False),
+        ({"device.mass": {"log": [1]}}, False), ({"device.mass": {"log": [1, 2, 3, 4]}}, False), ({"device.mass": [[1]]}, False),
+        ([], False),
+    ],
+    ids=str,
+)  # fmt: skip
+def test_what_is_varied_is_taken_by_an_editor_as_it_is_read(raw, valid):
+    """But for what a schema cannot say: as many values of every key."""
+    known = jsonschema.Draft202012Validator(VARIED).is_valid(raw)
+    assert known is (valid or raw == {"device.mass": [1, 2.5], "modes.basis": ["full"], "pairs": True})
+    if valid:
+        assert read_vary(raw).keys == tuple(key for key in raw if "." in key)
+    else:
+        with pytest.raises(ValueError, match="received"):
+            read_vary(raw)

@@ -8,7 +8,7 @@ from conftest import SEED, varied
 
 from vsb.errors import ConfigError
 from vsb.results.ledger import witness_checks
-from vsb.study.blocks import LEAST_DEPTH_IN_WAVENUMBERS
+from vsb.study.blocks import LEAST_DEPTH_IN_WAVENUMBERS, panel_solver
 from vsb.study.plan import StudyPlan, figure_names
 from vsb.study.study import canonical, content_id, load
 from vsb.study.witness import LONGEST, lowest_modes, no_witness
@@ -148,8 +148,12 @@ def test_no_second_solver_is_of_another_shape_or_of_water_the_keel_touches(seed)
 
 def test_meshes_are_of_the_water_and_the_shell_there_is(seed):
     flexible = varied(seed, water={"depth": 30.0}, device={"thickness": 0.02, "poisson_ratio": 0.4})
-    meshes = StudyPlan(flexible).witness.meshes
+    spec = StudyPlan(flexible).witness
+    meshes = spec.meshes
     assert meshes.depth == 30.0
+    assert (meshes.lid_rows, meshes.azimuth) == (16, 2 * meshes.rows)
+    assert (spec.water, spec.solver) == (flexible.water, panel_solver())
+    assert (meshes.shape.radius, meshes.shape.centre_height) == (2.0, flexible.centre_height)
     assert (meshes.shape.thickness, meshes.shape.poisson_ratio, meshes.shape.basis) == (0.02, 0.4, "membrane")
     rigid = StudyPlan(varied(flexible, designs={"FSB": {"flexible": False}})).witness.meshes
     assert not hasattr(rigid.shape, "thickness")

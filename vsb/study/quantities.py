@@ -90,7 +90,7 @@ def of_bodies(labels: Iterable[str]) -> dict[str, list[int]]:
     return places
 
 
-OR_AUTO = WithJsonSchema({"anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"const": "auto"}], "default": "auto"})
+OR_AUTO = WithJsonSchema({"anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"const": "auto"}]})
 """Of a number that a study tells by the size of its buoy if it is not given: what editors are told."""
 
 
