@@ -529,3 +529,17 @@ def test_the_version_is_that_of_the_package(capsys):
     assert stop.value.code == 0
     assert capsys.readouterr().out == f"vsb {vsb.__version__}\n"
     assert "__version__" in dir(vsb)
+
+
+def test_help_says_what_the_commands_and_rules_do(capsys):
+    """A command for people by what is said of its handler, a rule by its text, which the help of all lists."""
+    line = parser()
+    (commands,) = (a for a in line._actions if isinstance(a, argparse._SubParsersAction))
+    for action in commands._choices_actions:
+        one = commands.choices[action.dest]
+        assert one.description == one.get_default("handler").__doc__
+    for stage in STAGES:
+        assert f"  {stage.name:10} {stage.text}\n" in f"{line.epilog}\n"
+        if stage.name != "compare":
+            assert commands.choices[stage.name].description == f"Rule {stage.name}: {stage.text}."
+    assert "Further options, such as -n, go to snakemake." in commands.choices["run"].format_help()

@@ -437,3 +437,19 @@ def test_modes_of_another_shape_are_numbered_from_one(seed):
 def test_an_assumed_pressure_has_no_blocks(seed):
     hydro = {"solver": "auto", "model": "assumed_pressure", "pressure": 100.0}
     assert StudyPlan(varied(seed, hydro=hydro)).bem_blocks == {}
+
+
+def test_a_loaded_shell_and_its_meshes_are_told_all_they_follow_from(seed):
+    device = {"internal_pressure": 17e3, "gas": {"adiabatic_index": 1.3}, "mass": 16e3}
+    rest = {"device": device, "modes": {"degree": 3}, "water": {"density": 1000.0, "depth": 20.0}}
+    plan = StudyPlan(varied(seed, reference_shape="equilibrium", **rest))
+    study, mesh, rows = plan.study, plan.mesh(5.0), plan.resolution(5.0)
+    for told in (plan.shape, mesh):
+        assert (told.radius, told.centre_height) == (2.0, study.centre_height)
+        assert study.centre_height != 0.0
+        assert (told.device, told.modes, told.water) == (study.device, study.modes, study.water)
+        assert told.reference_shape == "equilibrium"
+    assert (mesh.rows, mesh.azimuth, mesh.lid_rows) == (rows.rows, rows.azimuth, rows.lid_rows)
+    sphere = StudyPlan(varied(seed, **rest)).mesh(5.0)
+    assert (sphere.radius, sphere.centre_height, sphere.shape) == (2.0, study.centre_height, None)
+    assert sphere.rows < mesh.rows

@@ -37,6 +37,23 @@ def test_files_are_relative_to_the_campaign_s(folder, monkeypatch):
     assert loaded.tuning == ("fixed", "one", "each")
 
 
+def test_what_is_not_there_is_told_by_its_kind(folder):
+    with pytest.raises(
+        ConfigError, match=r"absent.yaml: cannot .*; give the path of a campaign file such as config/year.yaml$"
+    ):
+        load(folder / "absent.yaml")
+    with pytest.raises(
+        ConfigError, match=r"absent.yaml: cannot .*; give the path of a study file such as config/seed.yaml$"
+    ):
+        load(written(folder, study="absent.yaml"))
+    told = (
+        r"climate: received absent.txt, which cannot be read \(No such file or directory\); needs the path of a file, "
+        "relative to this one$"
+    )
+    with pytest.raises(ConfigError, match=told):
+        load(written(folder, climate={"spectra": "absent.txt"}))
+
+
 def test_the_climate_counts_by_its_contents(folder):
     before = load(written(folder)).climate_id
     assert before == hashlib.sha256(b"spectra").hexdigest()[:16]

@@ -1,5 +1,6 @@
 import itertools
 import math
+import re
 
 import numpy as np
 import pytest
@@ -297,3 +298,32 @@ def test_the_area_of_flat_and_slender_spheroids_is_right_to_the_last_digits(heig
     e = math.sqrt(1 - (min(a, c) / max(a, c)) ** 2)
     sides = (1 - e**2) / e * math.atanh(e) if c < a else c / (a * e) * math.asin(e)
     assert spheroid(a, height).area == pytest.approx(2 * math.pi * a**2 * (1 + sides), rel=1e-13)
+
+
+def test_a_meridian_is_told_where_it_crosses_itself():
+    """By its symmetry at its middle, where 0.5 c + 0.7 (4 c^3 - 3 c) is 0 for c = cos t: c^2 = 4/7."""
+    sine = math.sqrt(3 / 7)
+    x = 1.5 * sine + 0.8 * (3 * sine - 4 * sine**3)
+    with pytest.raises(ValueError, match="received a meridian that crosses itself near") as refused:
+        RestMeridian((1.5, 0.0, 0.8), (0.3, 0.5, 0.0, 0.7))
+    told = [
+        float(number) for number in re.search(r"\((.*), (.*)\) m; needs one that does not", str(refused.value)).groups()
+    ]
+    assert told == pytest.approx([x, 0.3], abs=0.03)
+
+
+def test_points_a_smooth_meridian_misses_are_told():
+    saw = [(math.sin(math.pi * i / 300) * (1 + 0.01 * (-1) ** i), math.cos(math.pi * i / 300)) for i in range(1, 300)]
+    with pytest.raises(ValueError, match="turn too sharply for a smooth meridian") as refused:
+        through(((0.0, 1.0), *saw, (0.0, -1.0)), 1.0)
+    x, z = re.search(r"near \((.*), (.*)\); needs fewer turns", str(refused.value)).groups()
+    assert (x, z) in {(f"{x:.4g}", f"{z:.4g}") for x, z in saw}
+
+
+@pytest.mark.parametrize("height", [1 - 1e-6, 1 - 1e-4, -1 + 1e-6, -1 + 1e-4])
+def test_a_radius_is_told_to_the_poles(height):
+    sphere = spheroid(1.0, 2.0)
+    assert sphere.radius_at(height) == pytest.approx(math.sqrt(1 - height**2), rel=1e-9)
+    assert sphere.volume_below(height) == pytest.approx(
+        math.pi * (1 + height) ** 2 * (2 - height) / 3, rel=1e-6, abs=1e-14
+    )

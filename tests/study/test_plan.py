@@ -381,7 +381,8 @@ def test_every_stage_is_told_what_the_study_says(seed, solver):
     assert (plan.database.omega, plan.database.accept) == ((2.0,), ("haskind",))
     assert plan.database.sweep == tuple(content_id(block) for block in plan.sweep_blocks)
     assert plan.database.tabulated == tuple(content_id(block) for block in plan.tabulated_blocks)
-    assert len(plan.database.tabulated) == len(study.orders)
+    assert [block.order for block in plan.tabulated_blocks] == list(study.orders)
+    assert len(set(plan.database.tabulated)) == len(study.orders)
     for block in plan.bem_blocks.values():
         assert block.water == study.water
         assert getattr(block, "tolerance", 2e-3) == 2e-3

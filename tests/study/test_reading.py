@@ -115,6 +115,7 @@ def test_twenty_mistakes_are_told_line_by_line(count, last):
         config.parse(raw)
     assert len(error.value.mistakes) == min(count, 20) + (count > 20)
     assert last in error.value.mistakes[-1]
+    assert str(error.value) == f"{error.value.mistakes[0]} (and {count - 1} more)"
 
 
 def test_first_of_several_errors_is_told_and_the_rest_counted():

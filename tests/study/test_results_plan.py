@@ -117,3 +117,13 @@ def test_what_studies_share_lies_in_hydro_alone_and_has_the_id_of_its_name_or_of
     assert plan._named_id(f"r/hydro/db/{identity}.nc") == identity
     assert plan._named_id("r/hydrofoil/report.html") == plan.study_id
     assert re.fullmatch(r"r/hydro/green/capytaine-[0-9.a-z+]+", plan.green_folder)
+
+
+def test_memory_is_of_all_of_a_run_however_short_its_window(seed):
+    sea = {"kind": "jonswap", "hs": 0.5, "tp": 4.0}
+    for wave in ({"kind": "regular", "amplitude": 0.1, "period": 2.5}, sea):
+        told = set()
+        for window in ((0.0, 2e4), (100.0, 200.0)):
+            plan = StudyPlan(varied(seed, waves=[wave], simulation={"duration": 2e4, "window": window}))
+            told.add((plan.simulation_megabytes(plan.study.waves[0]), plan.study_megabytes))
+        assert len(told) == 1

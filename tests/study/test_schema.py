@@ -141,6 +141,9 @@ def test_keys_of_a_place():
         (("waves", 0, "jonswap"), "Hs", "hs"),
         ((), "radius", "device.radius"),
         ((), "beta", "device.damping.beta"),
+        (("device", "damping"), "bta", "beta"),
+        (("device", "gas"), "beta", "device.damping.beta"),
+        (("designs", "VSWEC"), "clmp", "clamp"),
         (("device",), "colour", ""),
     ],
 )
