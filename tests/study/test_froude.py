@@ -12,6 +12,7 @@ from pydantic import BaseModel
 from vsb.shell.modes import mode_basis
 from vsb.study import study as config
 from vsb.study.froude import FROUDE, scaled
+from vsb.study.keys import KEYS
 
 SEED = Path(__file__).parents[2] / "config" / "seed.yaml"
 KEPT = {
@@ -143,3 +144,22 @@ def test_a_word_or_a_truth_is_no_quantity():
         "damping": None,
         "period": 4.0,
     }
+
+
+UNSCALED = {"hs": "m", "tp": "s", "band": "rad/s", "depth": "m", "draft": "m", "seconds": "s", "atmospheric_pressure": "Pa",
+            "mooring": "N/m, N, N m"}  # fmt: skip
+"""Units of what has a dimension but no power of its own: of the sea, of the water and the air, of a mass, of a budget."""
+
+
+def test_units_a_key_is_told_with_scale_as_the_key_does(monkeypatch):
+    for name, power in {"N": 3.0, "Pa": 1.0}.items():
+        monkeypatch.setitem(OF_SCALE, name, power)
+    for section, keys in KEYS.items():
+        for name, key in keys.items():
+            if name in UNSCALED:
+                assert key.unit == UNSCALED[name], (section, name)
+            elif (section, name) == ("Device", "damping"):
+                assert key.unit == ""  # a section; of a take-off it is a number
+            elif name in FROUDE or key.unit not in ("", "-"):
+                assert key.unit not in ("", "-"), (section, name)
+                assert power_of_scale(key.unit) == FROUDE.get(name, 0.0), (section, name)

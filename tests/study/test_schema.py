@@ -101,6 +101,8 @@ def test_shipped_campaigns_are_valid_by_the_schema(path):
     ("place", "value"),
     [
         (("device", "radius"), 2000.0),
+        (("device", "radius"), 0.005),
+        (("device", "internal_pressure"), -2e8),
         (("device", "thicknes"), 0.01),
         (("designs", "VSWEC", "clamp"), 181),
         (("modes", "basis"), "membran"),
