@@ -4,12 +4,14 @@ import subprocess
 import sys
 from contextlib import nullcontext
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from stages.test_members import MODULI, planned, with_seas
 
 from vsb.errors import ConfigError
+from vsb.stages import campaign_preview
 from vsb.stages.campaign_preview import campaign_summary, check_campaign
 from vsb.tools.packed import SUFFIX
 from vsb.waves.climate import OUTSIDE, Climate
@@ -123,3 +125,60 @@ def test_points_done_jobs_and_shapes_are_counted(folder, monkeypatch):
         "jobs         0 of 1 batches to do, 1 shapes of the water",
     ]
     assert campaign_summary(planned(folder, name="alone"))[1].startswith("points       1 of nothing varied, 0 done")
+
+
+def test_every_shape_of_the_water_is_checked_once_and_every_run_in_time(monkeypatch):
+    """The climate against the band of each; of members of one shape, that of the last decides."""
+    asked = []
+
+    def member(shape, degree, designs, omega_max=5.0):
+        study = SimpleNamespace(
+            modes=SimpleNamespace(degree=degree), designs=designs, hydro=SimpleNamespace(omega_max=omega_max)
+        )
+        return SimpleNamespace(spec=SimpleNamespace(sweep=shape), study=study)
+
+    rigid, free, held = (
+        SimpleNamespace(flexible=flexible, clamp=clamp)
+        for flexible, clamp in ((False, (0.0, 90.0)), (True, ()), (True, (0.0, 90.0)))
+    )
+    members = [
+        member("a", 2, {"A": rigid, "B": free}),
+        member("b", 4, {"A": free, "B": held}, 6.0),
+        member("c", 5, {"A": held, "B": rigid}, 7.0),
+        member("b", 0, {"A": free}, 6.0),
+    ]
+    hydro = lambda study, root: SimpleNamespace(  # noqa: E731
+        check_waves=lambda: asked.append((study, root)), first_omega=0.1 * study.hydro.omega_max
+    )
+    seas = SimpleNamespace(variance_outside=lambda low, high: asked.append((low, high)) or 0.0)
+    monkeypatch.setattr(campaign_preview, "read_climate", lambda *given: asked.append(given) or seas)
+    monkeypatch.setattr(campaign_preview, "StudyPlan", hydro)
+    monkeypatch.setattr(campaign_preview, "_check_clamps", lambda *given: asked.append(given))
+    monkeypatch.setattr(campaign_preview, "_check_runs", lambda *given: asked.append(given))
+    plan = SimpleNamespace(
+        members=members, climate="seas", root="root", loaded=SimpleNamespace(climate_path="sea.txt", source="c.yaml"),
+        verifications={name: SimpleNamespace(simulated=name) for name in "xy"},
+    )  # fmt: skip
+    check_campaign(plan)
+    assert asked.pop(0) == ("seas", "sea.txt")
+    banded = [members[0], members[3], members[2]]
+    ends = [(0.1 * one.study.hydro.omega_max, one.study.hydro.omega_max) for one in banded]
+    assert asked[:6] == [each for one, band in zip(banded, ends, strict=True) for each in ((one.study, "root"), band)]
+    few = [(members[1], "c.yaml"), (members[3], "c.yaml")]
+    assert asked[6:] == [*few, ("x", "c.yaml"), ("y", "c.yaml")]
+
+
+def test_runs_in_time_are_told_by_the_verification_and_its_own_study(tmp_path):
+    """As many points as are run, which may be fewer than there are; those done are there."""
+    paths = [str(tmp_path / name) for name in "abc"]
+    base = SimpleNamespace(simulation=SimpleNamespace(duration=90.0))
+    verify = SimpleNamespace(seas=6, model="linear", seed=3)
+    plan = SimpleNamespace(
+        loaded=SimpleNamespace(campaign=SimpleNamespace(verify=verify), base=base),
+        verifications=dict.fromkeys("abc"), verification_paths=paths, members=list("abcde"),
+    )  # fmt: skip
+    Path(paths[1]).touch()
+    words = "verify       6 seas of 90 s, linear, of each of 3 points, 1 done"
+    assert campaign_preview._runs_lines(plan) == [words]
+    plan.loaded.campaign.verify = None
+    assert campaign_preview._runs_lines(plan) == []

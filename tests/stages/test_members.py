@@ -27,9 +27,10 @@ from vsb.stages.climate import read_climate
 from vsb.stages.make import make
 from vsb.stages.stage import STAGES
 from vsb.stages.verify import verify
+from vsb.study.blocks import COARSEST_SWEEP
 from vsb.study.campaign_plan import plan_of
 from vsb.study.plan import StudyPlan
-from vsb.study.study import canonical
+from vsb.study.study import canonical, content_id
 from vsb.tools import packed
 from vsb.tools.files import load
 from vsb.tools.units import check_finite
@@ -456,3 +457,96 @@ def test_a_shape_is_kept_while_members_of_it_follow_and_years_are_of_its_own_wat
         assert others[-1] is work._rigid  # years that members share
         assert water("basis") == (made[-1][0], "climate")
     assert made == [(f"study {number}", "basis", "root") for number in (0, 2, 4)]
+
+
+@pytest.mark.parametrize(
+    ("hydro", "precision"),
+    [
+        ({"tolerance": 0.1 * COARSEST_SWEEP}, 0.1),
+        ({"tolerance": COARSEST_SWEEP}, 1.0),
+        ({"tolerance": 10 * COARSEST_SWEEP}, 1.0),
+        ({"tolerance": 0.1 * COARSEST_SWEEP, "rows": 16}, 1.0),
+    ],
+)
+def test_errors_of_all_blocks_count_and_a_finer_sweep_is_held_to_finer_limits(seed, monkeypatch, hydro, precision):
+    """Never to coarser ones, and panels to the same whatever the tolerance; the worst block decides."""
+    study, told = varied(seed, hydro=hydro), []
+    blocks = [xr.Dataset(attrs={"error_estimate": part * study.hydro.tolerance}) for part in (0.1, 3.0, 0.2)]
+    monkeypatch.setattr(members.quality, "verdict", lambda *given: told.append(given) or [])
+    monkeypatch.setattr(members.quality, "judged", lambda checks, accept: told.append((checks, accept)) or [])
+    members._judge(study, blocks, "sweep", 2)
+    (sweep, tabulated, water, found, order), (checks, accept) = told
+    assert (sweep, tabulated, water, order) == ("sweep", None, study.water, 2)
+    assert found == pytest.approx(precision)
+    assert accept == study.hydro.accept
+    (error,) = checks
+    assert (error.name, error.limit) == ("error_estimate", study.hydro.tolerance)
+    assert error.value == pytest.approx(3.0 * study.hydro.tolerance)
+    assert error.verdict == "doubt"  # panels may not reach what is asked
+
+
+def test_coefficients_of_an_order_are_of_its_own_blocks_in_the_study_s_water(seed, monkeypatch):
+    """Each by its id; of orders from one on damping is Haskind's, of heave and axisymmetric modes it is solved."""
+    water = {"depth": 7.0, "density": 1010.0, "gravity": 9.5}
+    study, asked = varied(seed, water=water), []
+    blocks = {f"{order}{part}": SimpleNamespace(order=order) for order in (0, 1, 2) for part in "ab"}
+    paths = {id(block): f"blocks/{name}.nc" for name, block in blocks.items()}
+    plan = SimpleNamespace(
+        study=study, sweep_blocks=list(blocks.values()), block_path=lambda block: paths[id(block)]
+    )  # fmt: skip
+    raw = xr.Dataset(coords={"influenced_dof": ["a", "b", "c"]})
+    monkeypatch.setattr(members, "load", lambda path, expected: asked.append((path, expected)) or expected)
+    monkeypatch.setattr(members.database, "merged_blocks", lambda found: ("merged", *found))
+    monkeypatch.setattr(members.database, "with_excitation", lambda whole: ("excited", *whole))
+    monkeypatch.setattr(members.database, "in_modes", lambda whole, basis: ("modes", whole, basis))
+    monkeypatch.setattr(members.orders, "in_wet_modes", lambda whole, family: ("wet", whole, family))
+    monkeypatch.setattr(members.database, "with_symmetrized", lambda whole: raw)
+    monkeypatch.setattr(members.orders, "with_haskind_damping", lambda *given: asked.append(given) or raw)
+    monkeypatch.setattr(members, "_judge", lambda *given: asked.append(given))
+    monkeypatch.setattr(members, "LinearBuoy", lambda *given: given)
+    for order, family in ((0, None), (1, SimpleNamespace(order=1)), (2, SimpleNamespace(order=2))):
+        asked.clear()
+        database, damping, take_off = members._of_order(plan, "basis", family)
+        own = [f"{order}a", f"{order}b"]
+        whole = ("excited", "merged", *own)
+        assert asked[:2] == [(f"blocks/{name}.nc", name) for name in own]
+        sweep = ("wet", whole, family) if family else ("modes", whole, "basis")
+        assert asked[2] == (study, own, sweep, order)
+        assert asked[3:] == ([(raw, order, 7.0, 1010.0, 9.5)] if order else [])
+        assert database is raw
+        assert (damping.shape, damping.any(), take_off.damping) == ((3, 3), False, 0.0)
+
+
+def test_years_within_limits_are_of_the_member_s_own_water_seconds_and_seed(monkeypatch):
+    """And share what was found of rigid designs; without limits nothing is read."""
+    given = []
+    monkeypatch.setattr("vsb.results.constrained_member.Optima", lambda *one: given.append(one))
+    work = members.Work("climate", SimpleNamespace(constrained=SimpleNamespace(seconds=70.0, seed=5)), "root")
+    monkeypatch.setattr(members.Work, "swept", lambda self, one, basis: SimpleNamespace(at=lambda w: (one, basis, w)))
+    work._years_within("member")
+    ((water, seconds, seed, optima),) = given
+    assert (seconds, seed) == (70.0, 5)
+    assert optima is work._optima
+    assert optima is not work._rigid
+    assert water("basis", "omega") == ("member", "basis", "omega")
+    none = members.Work("climate", SimpleNamespace(constrained=None), "root")
+    assert none._years_within("member") is None
+    assert len(given) == 1
+
+
+def test_a_batch_is_all_its_members_in_their_order_each_kept_by_itself(tmp_path, monkeypatch):
+    """Known by their ids together."""
+    batch, made = [SimpleNamespace(id=name) for name in ("b", "a", "c")], []
+    spec = SimpleNamespace(base="base", points="points", climate="seas", tuning=("one",), constrained="limits")
+    monkeypatch.setattr(members, "members", lambda *given: given == tuple(vars(spec).values()) and batch)
+    monkeypatch.setattr(members, "read_climate", lambda *given: given)
+    monkeypatch.setattr(members, "finished", lambda path, one, work: made.append((path, one.id, work)) or one.id)
+    monkeypatch.setattr(members, "stacked", lambda found, ids: xr.Dataset(attrs={"found": found, "ids": ids}))
+    monkeypatch.setattr(members, "save", lambda ds, out: made.append((ds.attrs, out)))
+    members.run(spec, "climate.nc", "folder", "root", "out.nc")
+    (attrs, out), works = made.pop(), [work for *_, work in made]
+    assert [(path, name) for path, name, _ in made] == [(Path(f"folder/{name}{packed.SUFFIX}"), name) for name in "bac"]
+    assert all(work is works[0] for work in works)
+    assert (works[0].climate, works[0].spec, works[0].root) == (("seas", "climate.nc"), spec, "root")
+    ids = ["b", "a", "c"]
+    assert (attrs, out) == ({"found": ids, "ids": ids, "spec_id": content_id(ids)}, "out.nc")

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
+from conftest import varied
 from stages.test_members import BASE, batches, gather, told, with_seas
 
 from vsb.cli import main
@@ -20,6 +21,7 @@ from vsb.results.in_time import DesignInTime
 from vsb.stages import answer, verification
 from vsb.stages.campaign_preview import check_campaign
 from vsb.study.campaign_plan import plan_of
+from vsb.study.plan import StudyPlan
 from vsb.tools import packed
 from vsb.tools.files import load
 
@@ -269,3 +271,82 @@ def test_every_design_is_run_under_its_own_damper_of_the_drawn_sea(monkeypatch):
     better, linear = verification._powers(spec, year, sample, {"A": Design(), "B": Design()})
     assert better == pytest.approx(np.array([[3.2, 1.0], [30.2, 10.0]]))
     assert linear.tolist() == [[-3.0, -1.0], [-30.0, -10.0]]
+
+
+def test_runs_are_told_by_their_seas_their_length_their_model_and_their_window():
+    """A window that ends before the run does."""
+    simulation = SimpleNamespace(duration=60.0, window=(20.5, 45.0))
+    spec = SimpleNamespace(verify=SimpleNamespace(seas=8, model="linear", seed=3), simulation=simulation)
+    assert verification._in_words(spec) == "8 seas of 60 s, linear, means from 20.5 to 45 s"
+
+
+def test_designs_in_time_are_each_in_its_own_motions_on_the_study_s_spring_and_laws(seed, monkeypatch):
+    """Of the database and the radiation memory, made if they are not there, beside the spring and without a damper."""
+    pto = {"damping": 5e3, "stiffness": 700.0, "stroke_limit": 1.5}
+    study, made = varied(seed, pto=pto, designs={"A": {"flexible": False}, "B": {}}), []
+    plan = StudyPlan(study, root="elsewhere")
+    monkeypatch.setattr(verification, "make", lambda plan, targets: made.append((plan.root, targets)))
+    monkeypatch.setattr(verification, "linear_buoy", lambda *given: (given, "basis"))
+    monkeypatch.setattr(verification, "radiation_model", lambda path: path)
+    monkeypatch.setattr(verification, "rest_shape", lambda *given: given)
+    monkeypatch.setattr(verification, "study_port", lambda *given: np.array([1.0, 2.0]))
+    monkeypatch.setattr(verification, "design_motions", lambda study, basis, design: (basis, design))
+    found = verification.in_time(study, "elsewhere")
+    assert made == [("elsewhere", [plan.database_path, plan.radiation_path])]
+    assert list(found) == ["A", "B"]
+    for name, one in found.items():
+        buoy = (study, plan.database_path)
+        assert (one.buoy, one.shape, one.radiation) == (buoy, (study, buoy, "basis"), plan.radiation_path)
+        assert (one.motions, one.pto) == (("basis", name), study.pto)
+        assert (one.take_off.damping, one.take_off.stiffness) == (0.0, 700.0)
+        assert one.take_off.direction(2).tolist() == [1.0, 2.0]
+
+
+def test_the_seas_of_a_year_are_drawn_as_many_as_asked_by_the_seed_asked_for(monkeypatch):
+    """By the year under the only tuning; where nothing is taken no sea is."""
+    asked, power = [], np.array([[0.0], [2.0]])
+    spec = SimpleNamespace(tuning=("one",), verify=SimpleNamespace(seas=8, seed=3, model="linear"))
+    seas, swept = SimpleNamespace(hours="hours"), SimpleNamespace(of_year=lambda seas: ("water", seas))
+    year, rest = SimpleNamespace(annual_mean_power=power), SimpleNamespace(basis="basis")
+    monkeypatch.setattr(verification, "swept_shape", lambda *given: asked.append(given) or swept)
+    monkeypatch.setattr(verification, "design_ports", lambda *given: asked.append(given) or "ports")
+    monkeypatch.setattr(verification, "ports_year", lambda *given: asked.append(given) or year)
+    monkeypatch.setattr(verification, "chances", lambda *given: ("chances", *given))
+    monkeypatch.setattr(verification, "drawn", lambda *given: asked.append(given) or "sample")
+    monkeypatch.setattr(verification, "in_time", lambda *given: ("designs", *given))
+    monkeypatch.setattr(verification, "_powers", lambda *given: asked.append(given) or ("better", "linear"))
+    monkeypatch.setattr(verification, "verified", lambda *given: ("verified", *given))
+    monkeypatch.setattr(verification, "verified_dataset", lambda *given: given)
+    monkeypatch.setattr(verification, "of_nothing", lambda year: "nothing")
+    found = verification._of_viable(spec, "study", rest, seas, "root")
+    assert asked == [
+        ("study", "basis", "root"),
+        ("study", rest, ("water", seas)),
+        ("study", "ports", seas, ("one",)),
+        (("chances", year, "one"), "hours", 8, 3),
+        (spec, year, "sample", ("designs", "study", "root")),
+    ]
+    assert found == (year, "one", ("verified", year, "one", "sample", "better", "linear"))
+    year.annual_mean_power = 0 * power
+    assert verification._of_viable(spec, "study", rest, seas, "root") == "nothing"
+
+
+@pytest.mark.parametrize("viable", [None, ("of the viable", "at rest")])
+def test_designs_that_are_lost_stand_beside_those_that_were_run(seed, monkeypatch, viable):
+    """All of the study's, over its rigid one; what is written says which runs, of what model, under which id."""
+    study, asked = varied(seed, designs={"A": {}, "B": {"flexible": False}}), []
+    spec = SimpleNamespace(simulated=study, climate="seas", verify=SimpleNamespace(model="linear"))
+    ran = xr.Dataset(coords={"design": ["B"]})
+    monkeypatch.setattr(verification, "read_climate", lambda *given: given)
+    monkeypatch.setattr(verification, "viability", lambda of: SimpleNamespace(viable=viable))
+    monkeypatch.setattr(verification, "_of_viable", lambda *given: asked.append(given) or ran)
+    monkeypatch.setattr(verification, "with_lost", lambda *given: asked.append(given) or given[0])
+    monkeypatch.setattr(verification, "_in_words", lambda spec: "words")
+    monkeypatch.setattr(verification, "stamp", lambda spec: {"spec_id": "id"})
+    monkeypatch.setattr(verification, "save", lambda ds, out: asked.append((ds.attrs, out)))
+    verification.run(spec, "climate.nc", "root", "out.nc")
+    if viable:
+        assert asked.pop(0) == (spec, *viable, ("seas", "climate.nc"), "root")
+    (found, names, reference), written = asked
+    assert (list(found.design.values), names, reference) == (["B"] if viable else [], ["A", "B"], "B")
+    assert written == ({"runs": "words", "model": "linear", "spec_id": "id"}, "out.nc")
