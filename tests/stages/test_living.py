@@ -13,13 +13,15 @@ from conftest import varied
 from scipy.integrate import quad
 
 from vsb.report import html
+from vsb.report.living import SHOWN
 from vsb.results.force_steps import SHARES
 from vsb.stages import living as module
 from vsb.stages.living import MOST, _band, _integral, _jonswap, _longest, living_study
 from vsb.study.study import RegularWave
-from vsb.study.waves import Jonswap, PiersonMoskowitz
+from vsb.study.waves import Jonswap, PiersonMoskowitz, WhiteNoise
 from vsb.tools.files import load
 from vsb.waves.dispersion import wavenumber
+from vsb.waves.seas import components
 
 
 def living(plan, study=None, limited=()):
@@ -208,3 +210,130 @@ def test_a_reader_chooses_among_the_first_seas_by_the_names_of_their_families(se
     assert len(found) == module.SEAS
     assert list(found)[:2] == ["jonswap_Hs1_Tp4_g3.3", study.waves[3].label]
     assert list(found.values()) == [study.waves[1], *study.waves[3 : module.SEAS + 2]]
+
+
+@pytest.mark.parametrize(("first", "ends"), [(0.2, (0.3, 4.0)), (0.5, (0.5, 4.0))])
+@pytest.mark.parametrize(("pto", "steps"), [({"damping": 5e3}, True), ({"damping": 5e3, "efficiency": 0.8}, False)])
+def test_a_page_is_of_all_directions_and_of_the_band_in_which_the_first_sea_s_response_is_known(
+    seed, monkeypatch, first, ends, pto, steps
+):
+    """Of seas to 0, 90 and 0 degrees; forces may have components beyond the database, up to the highest of the runs."""
+    wave = RegularWave(kind="regular", amplitude=0.1, period=3.0)
+    waves = tuple(wave.model_copy(update=more) for more in ({}, {"direction": 90.0}, {"amplitude": 0.2, "period": 4.0}))
+    study, asked = varied(seed, pto=pto).model_copy(update={"waves": waves}), []
+    database = xr.Dataset(coords={"omega": [first, 1.0, 4.0]})
+    floating = SimpleNamespace(linear=SimpleNamespace(database=database))
+
+    class Seen:
+        """What is seen of a study, by its arguments."""
+
+        def __init__(self, of, afloat):
+            assert (of, afloat) == (study, floating)
+            self.floating = floating
+
+        def grid(self, omega, towards):
+            return list(omega), towards
+
+        def with_steps(self, seas, waves, within):
+            asked.append((waves, within))
+            return [f"steps of {sea.words}" for sea in seas]
+
+    def sea(of, name, wave, known, highest, limited, grids):
+        asked.append((name, known, highest, limited))
+        grids.append((np.array([wave.omega]), wave.direction))
+        return module.LivingSea(name, 0, None)
+
+    monkeypatch.setattr(module, "_Seen", Seen)
+    monkeypatch.setattr(module, "_sea", sea)
+    monkeypatch.setattr(module, "afloat", lambda study, path: asked.append(path) or floating)
+    monkeypatch.setattr(module, "band", lambda study, database: (0.0, 9.0))
+    monkeypatch.setattr(module, "in_direction", lambda response, wave: (response, wave))
+    monkeypatch.setattr(
+        module, "_band", lambda given, low, high: asked.append((given, low, high)) or np.array([0.5, 1.5])
+    )
+    monkeypatch.setattr(module, "study_data", lambda *given: given)
+    omega = np.array([0.0, 1.0, 2.0])
+    response = xr.Dataset({"power_limit": ("omega", [10.0, 20.0, 60.0])}, {"omega": omega}, {"limit": "2 λ/2π"})
+    grids, seas, bands, limit, *others = living_study(study, "path", response, "limited")
+    labels = [wave.label for wave in waves]
+    assert asked.pop(0) == "path"
+    assert [asked.pop(0) for _ in waves] == [(label, (first, 4.0), 9.0, "limited") for label in labels]
+    if steps:
+        assert asked.pop(0) == (list(waves), (first, 9.0))
+        assert seas == [f"steps of {label}" for label in labels]
+    else:
+        assert [(sea.words, sea.band) for sea in seas] == list(zip(labels, (0, 1, 0), strict=True))
+    assert asked == [((response, waves[0]), *ends)]
+    assert grids == [([wave.omega], wave.direction) for wave in waves]
+    assert bands == [([0.5, 1.5], 0.0), ([0.5, 1.5], 90.0)]
+    assert limit.tolist() == [15.0, 40.0]
+    assert others == [study.reference_design, study.pto.efficiency, "2 λ/2π"]
+    monkeypatch.setattr(module, "_seas", lambda study: {})
+    assert living_study(study, "path", response, "limited") is None
+
+
+def test_a_limit_without_a_name_is_a_wavelength_over_two_pi(small):
+    response = load(small.response_files["response"])
+    response.attrs.pop("limit", None)
+    assert living_study(small.study, small.database_path, response, ())["bound"] == "λ/2π"
+
+
+def test_a_sea_has_its_own_components_where_ports_are_known_on_the_first_grid_that_fits(seed):
+    """Of one direction and of equal frequencies; dampers and optima within limits are of each design, of this sea."""
+    designs = {"A": {"flexible": False}, "B": {}, "C": {"clamp": [90]}}
+    pto = {"damping": {"A": 1e3, "B": 2e3, "C": 3e3}}
+    study = varied(seed, designs=designs, pto=pto)
+    wave = RegularWave(kind="regular", amplitude=0.3, period=3.0)
+    turned = wave.model_copy(update={"direction": 90.0})
+    limited = [
+        {"design": "B", "sea": "mine", "power": "7.5"}, {"design": "A", "sea": "other", "power": 3.0},
+        {"design": "C", "sea": "mine", "power": 9.0},
+    ]  # fmt: skip
+    grids = [(np.array([1.0]), 0.0), (np.array([wave.omega]), 90.0)]
+    found = module._sea(study, "mine", wave, (0.5, 4.0), 6.0, limited, grids)
+    assert (found.words, found.grid, found.jonswap) == (wave.description, 2, None)
+    assert found.squares == pytest.approx([0.09])
+    assert (found.given, found.limited) == ({"A": 1e3, "B": 2e3, "C": 3e3}, {"B": 7.5, "C": 9.0})
+    assert [(on.tolist(), to) for on, to in grids[2:]] == [([wave.omega], 0.0)]
+    assert module._sea(study, "turned", turned, (0.5, 4.0), 6.0, limited, grids).grid == 1
+    assert module._sea(study, "again", wave, (0.5, 4.0), 6.0, limited, grids).grid == 2
+    assert len(grids) == 3
+
+
+@pytest.mark.parametrize(("duration", "taken"), [(60.0, 60.0), (1e5, None)])
+def test_components_of_a_sea_are_those_of_its_run_between_the_ends_of_what_is_known(seed, duration, taken):
+    """Of noise between 1 and 2 rad/s those from 1.2 to 1.7, squared; a run too long for a page has fewer."""
+    study = varied(seed, simulation={"duration": duration, "window": [0.0, duration]})
+    noise = WhiteNoise(kind="white_noise", hs=1.0, band=(1.0, 2.0))
+    taken = taken or _longest(len(study.designs), 2.5)
+    assert taken <= duration
+    grids = []
+    found = module._sea(study, "noise", noise, (1.2, 1.7), 2.5, (), grids)
+    omega, amplitude = components(noise, 2.5, taken)
+    kept = (omega >= 1.2) & (omega <= 1.7)
+    assert 0 < kept.sum() < len(kept)
+    ((on, to),) = grids
+    np.testing.assert_array_equal(on, omega[kept])
+    np.testing.assert_allclose(found.squares, amplitude[kept] ** 2, rtol=1e-12)
+    assert (to, found.jonswap) == (noise.direction, None)
+    swell = Jonswap(kind="jonswap", hs=1.5, tp=4.0)
+    found = module._sea(study, "swell", swell, (1.2, 1.7), 2.5, (), grids)
+    assert found.squares is None
+    assert found.jonswap == _jonswap(swell, 2 * components(swell, 2.5, taken)[0][0], (1.2, 1.7))
+
+
+def test_curves_are_of_the_best_of_all_designs_and_of_no_more_frequencies_than_are_shown():
+    """The first design takes most, the second longest; both ends are among them."""
+    omega = np.linspace(0.1, 6.0, 1000)
+    power = np.array([1e3 * np.exp(-((omega - 2.0) ** 2) / 0.02), np.where(omega < 4.0, 20.0, 1.0)])
+    response = xr.Dataset({"best_power": (("design", "omega"), power)}, {"design": ["A", "B"], "omega": omega})
+    for one in (response, response.isel(design=[1, 0])):
+        shown = _band(one, 0.1, 6.0)
+        assert (shown[0], shown[-1]) == (omega[0], omega[omega < 4.0][-1])
+        assert len(shown) <= SHOWN
+        assert set(shown) <= set(omega)
+
+
+def test_a_page_has_room_for_two_dozen_seas_and_ten_thousand_numbers_of_components():
+    """More would make it heavy: numbers travel inside it."""
+    assert (module.SEAS, MOST) == (24, 10_000)

@@ -1,11 +1,13 @@
 """The page of a campaign computes with the numbers the campaign was computed with."""
 
 from contextlib import chdir
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import xarray as xr
 from browser import asked, evaluated
+from conftest import varied
 from stages.test_members import folder, planned, run  # noqa: F401
 
 from vsb.report import html
@@ -93,3 +95,42 @@ def test_of_few_points_all_are_known_and_of_more_the_one_shown_alone(monkeypatch
     assert found == (
         ("seas", [i + 10 for i in order if i != 1], ["A", "B"], "A") if any(i != 1 for i in order) else None
     )
+
+
+@pytest.mark.parametrize(("viable", "switches"), [(True, False), (True, True), (False, False)])
+def test_a_point_is_looked_at_by_its_number_if_a_damper_says_what_it_takes(monkeypatch, viable, switches):
+    """Of the study of its viable designs, on the water of its own shape."""
+    one = SimpleNamespace(study=SimpleNamespace(pto=SimpleNamespace(switches=switches)))
+    reference, asked = SimpleNamespace(basis="basis"), []
+    spec = SimpleNamespace(
+        base="base", vary=SimpleNamespace(points=["a", "b", "c"]), climate="seas", tuning=("one", "each")
+    )  # fmt: skip
+    monkeypatch.setattr(living_year_module, "members", lambda *given: asked.append(given) or [one])
+    found = SimpleNamespace(viable=("viable", reference) if viable else None)
+    monkeypatch.setattr(living_year_module, "viability", lambda study: found if study is one.study else None)
+    monkeypatch.setattr(living_year_module, "swept_shape", lambda *given: given)
+    point = living_year_module.looked_at(spec, 1, "root")
+    assert asked == [("base", ["b"], "seas", ("one", "each"))]
+    if switches or not viable:
+        assert point is None
+    else:
+        assert (point.study, point.reference, point.swept) == ("viable", reference, ("viable", "basis", "root"))
+
+
+def test_a_point_of_a_page_has_its_own_words_ports_dampers_and_flux(seed, monkeypatch):
+    """Words of its place, of a campaign that varies nothing its study's; dampers of each design."""
+    study = varied(seed, designs={"A": {"flexible": False}, "B": {}}, pto={"damping": {"A": 1e3, "B": 2e3}})
+    ds = xr.Dataset({"margin": ("mass", [1.0, 2.0])}, {"mass": [10.0, 20.0]})
+    swept = SimpleNamespace(of_year=lambda seas: ("water", seas))
+    point = living_year_module.Point(study, "reference", swept)
+    seas = SimpleNamespace(flux=lambda water: ("flux", water))
+    monkeypatch.setattr(living_year_module, "looked_at", lambda *given: point if given == ("spec", 1, "root") else None)
+    monkeypatch.setattr(living_year_module, "design_ports", lambda *given: given)
+    monkeypatch.setattr(living_year_module, "where", lambda one: f"mass {float(one.mass):g}" if "mass" in one else "")
+    found = living_year_module._point("spec", ds, 1, {"mass": 1}, seas, "root")
+    assert found == {
+        "words": "mass 20", "ports": (study, "reference", ("water", seas)), "given": {"A": 1e3, "B": 2e3},
+        "flux": ("flux", study.water),
+    }  # fmt: skip
+    assert living_year_module._point("spec", ds, 0, {"mass": 0}, seas, "root") is None
+    assert living_year_module._point("spec", xr.Dataset(), 1, {}, seas, "root")["words"] == "the study"

@@ -5,13 +5,17 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import xarray as xr
 from conftest import varied
 
-from vsb.report.animation import PER_PERIOD, PERIODS, in_motion
+from vsb.report.animation import PER_PERIOD, PERIODS, SEEN, in_motion
 from vsb.report.living import packed
+from vsb.stages import moving as module
 from vsb.stages.inputs import Inputs
 from vsb.stages.moving import SEAS, moving_study
+from vsb.study.study import RegularWave, StillWater
 from vsb.tools.files import load
+from vsb.waves.seas import NO_WAVES
 
 
 @pytest.fixture
@@ -99,3 +103,42 @@ def test_the_factor_is_of_the_largest_shell_of_all_seas_in_the_window_alone(smal
             words(study),
         )["factor"]
     )
+
+
+@pytest.mark.parametrize("dry", [False, True])
+def test_each_sea_is_drawn_in_its_own_waves_going_its_own_way(seed, monkeypatch, dry):
+    """The first few of those with waves, in the order of the study; of an assumed pressure no water moves."""
+    waves = [RegularWave(kind="regular", amplitude=0.1, period=2.0 + i) for i in range(SEAS + 1)]
+    waves = [wave.model_copy(update={"direction": 10.0 * i}) for i, wave in enumerate(waves)]
+    still = StillWater(kind="still")
+    hydro = {"model": "assumed_pressure", "pressure": 1800.0} if dry else {}
+    study = varied(seed, designs={"A": {"flexible": False}, "B": {}}, hydro=hydro)
+    study = study.model_copy(update={"waves": (waves[0], still, *waves[1:])})
+    runs = {
+        (design, wave.label): SimpleNamespace(
+            position=xr.DataArray(
+                [[float(i)]], {"time": [study.simulation.window[1]], "dof": [design]}, ("time", "dof")
+            )
+        )
+        for design in "AB"
+        for i, wave in enumerate(study.waves)
+    }
+    monkeypatch.setattr(module, "frames_data", lambda *given: given)
+    monkeypatch.setattr(module, "largest_shell", lambda *_: 0.1)
+    monkeypatch.setattr(module, "shapes_data", lambda modes: "shapes")
+    monkeypatch.setattr(module, "sea", lambda *given: given)
+    words = {wave.label: f"number {i}" for i, wave in enumerate(study.waves)}
+    found = moving_study(SimpleNamespace(study=study, runs=runs), xr.Dataset(coords={"mode": ["M"]}), words)
+    assert (found["width"], found["shapes"], len(found["seas"])) == (SEEN * study.device.radius, "shapes", SEAS)
+    duration = study.simulation.duration
+    for wave, (told, moved, water_waves, window, period, width, water, shell, towards) in zip(
+        waves, found["seas"], strict=False
+    ):
+        assert told == words[wave.label]
+        assert {name: run is runs[name, wave.label].position for name, run in moved.items()} == {"A": True, "B": True}
+        assert water_waves == (NO_WAVES if dry else (wave, study.hydro.omega_max, duration))
+        assert (window, width, water, shell) == (study.simulation.window, found["width"], study.water, ["M"])
+        assert (period, towards) == pytest.approx((wave.period, np.deg2rad(wave.direction)))
+    calm = study.model_copy(update={"waves": (still,)})
+    (one,) = moving_study(SimpleNamespace(study=calm, runs=runs), xr.Dataset(coords={"mode": ["M"]}), words)["seas"]
+    assert (one[0], one[4]) == (words["still"], duration / PERIODS)
