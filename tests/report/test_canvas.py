@@ -6,6 +6,7 @@ import xarray as xr
 from report.test_figures import data
 
 from vsb.report.canvas import (
+    SPARE,
     STYLES,
     folded,
     force_of,
@@ -168,3 +169,24 @@ def test_a_long_name_stands_on_several_lines():
     assert folded(name) == "a buoy with a\nrather long name"
     assert folded(name, 24) == "a buoy with a rather\nlong name"
     assert folded("FSB") == "FSB"
+
+
+def test_series_of_each_sea_show_its_own_periods():
+    """Of runs that last differently; in still water from the first instant to the last, whatever the window."""
+    time = {"short": (0.0, 200.0), "long": (0.0, 200.0), "still": (2.0, 150.0)}
+    runs = {("FSB", wave): xr.Dataset(coords={"time": np.linspace(*ends, 13)}) for wave, ends in time.items()}
+    periods = {"short": 2.0, "long": 6.0, "still": 1.0}
+    given = replace(data(), runs=runs, periods=periods, window=(50.0, 180.0))
+    shown = {wave: shown_window(given, wave) for wave in time}
+    assert shown == {"short": (150.0, 180.0), "long": (90.0, 180.0), "still": (2.0, 150.0)}
+
+
+def test_designs_of_a_study_have_looks_by_their_order_among_those_the_paper_has_not():
+    """After four of them colours come again, with the lines moved on by one; the paper's own do not count."""
+    names = ["A", "FSB", "B", "VSWEC0", "C", "D", "E", "VSWEC", "F"]
+    looks = {name: (style(name, names)["color"], style(name, names)["linestyle"]) for name in names}
+    assert {name: looks[name] for name in STYLES if name in names} == {n: STYLES[n] for n in STYLES if n in names}
+    colours, lines = zip(*SPARE, strict=True)
+    assert [looks[name] for name in "ABCD"] == list(zip(colours, lines, strict=True))
+    assert [looks[name] for name in "EF"] == list(zip(colours[:2], (*lines[1:], lines[0])[:2], strict=True))
+    assert all(style(name, names)["label"] == name for name in names)

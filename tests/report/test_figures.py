@@ -6,7 +6,16 @@ import xarray as xr
 
 from vsb.report.band import USEFUL, useful_band
 from vsb.report.canvas import StudyData
-from vsb.report.figures import absorbed_power, added_mass_damping, directions, energy_audit, radiation_kernel, reactance
+from vsb.report.figures import (
+    _band,
+    absorbed_power,
+    added_mass_damping,
+    directions,
+    draw,
+    energy_audit,
+    radiation_kernel,
+    reactance,
+)
 from vsb.report.shell_figures import mode_shapes
 from vsb.report.svg import drawn
 
@@ -338,3 +347,178 @@ def test_an_audit_has_the_terms_all_designs_have_by_their_names():
             assert ax.get_xlabel() == "energy over the run [kJ]"
             assert [label.get_text() for label in ax.get_yticklabels()] == ["FSB", "VSWEC"]
             assert ax.yaxis_inverted()
+
+
+@pytest.mark.parametrize(
+    ("waves", "ends"),
+    [((), (0.3, 4.5)), ((1.0, 5.2, 0.15), (0.15, 5.2)), ((2.0, 5.2), (0.3, 5.2)), ((0.15,), (0.15, 4.5))],
+)
+def test_the_band_shown_reaches_over_what_any_design_absorbs_and_all_waves(waves, ends):
+    """The first design absorbs most, and nothing above 3 rad/s; the others a fiftieth of it up to 4.5 rad/s."""
+    omega = np.linspace(0.1, 6.0, 60)
+    first = np.where(omega <= 3.0, 50.0, 0.0)
+    others = [np.where(omega <= last + 1e-9, 1.0, 0.4) for last in (4.5, 4.0)]
+    power = (("design", "omega"), np.array([first, *others]))
+    response = xr.Dataset({"absorbed_power": power}, {"design": ["FSB", "VSWEC", "C"], "omega": omega})
+    assert _band(data(response=response, wave_frequencies=waves)) == pytest.approx(ends)
+
+
+def test_of_what_no_design_absorbs_the_whole_band_is_shown():
+    power = (("design", "omega"), np.zeros((2, 60)))
+    response = xr.Dataset({"absorbed_power": power}, {"design": ["FSB", "VSWEC"], "omega": np.linspace(0.1, 6.0, 60)})
+    assert _band(data(response=response)) == pytest.approx((0.3, 6.0))
+
+
+def test_powers_and_their_limit_are_kilowatts_and_gains_per_cent_of_the_same_dampers():
+    """What is taken beyond the band shown, above 4 rad/s, raises no axis; of best dampers more is gained."""
+    shape = np.exp(-((OMEGA - 2.0) ** 2))
+    given = 1e3 * np.array([shape, 1.5 * shape])
+    best = np.where(OMEGA > 5.0, 9e4, 2e3 * np.array([shape, 1.2 * shape]))
+    pairs = {name: (("design", "omega"), values) for name, values in (("absorbed_power", given), ("best_power", best))}
+    response = xr.Dataset(
+        {**pairs, "power_limit": ("omega", 5e3 / OMEGA)}, {"design": ["FSB", "VSWEC"], "omega": OMEGA}
+    )
+    figure = absorbed_power(data(response=response, wave_frequencies=()))
+    left, right, *gains = figure.axes[:4]
+    for ax, power in ((left, best), (right, given)):
+        limit, *designs = ax.get_lines()
+        np.testing.assert_allclose(limit.get_ydata(), 5 / OMEGA)
+        np.testing.assert_allclose([line.get_ydata() for line in designs], power / 1e3)
+        assert [line.get_label() for line in ax.get_lines()] == ["limit λ/2π", "FSB", "VSWEC"]
+    low, high = left.get_xlim()
+    assert high < 5.0
+    shown = (low < OMEGA) & (high > OMEGA)
+    assert left.get_ylim() == pytest.approx((0.0, 1.25 * best[:, shown].max() / 1e3))
+    for ax, power, gain in zip(gains, (best, given), (20.0, 50.0), strict=True):
+        (line,) = (one for one in ax.get_lines() if one.get_label() == "VSWEC")
+        drawn_gain = np.asarray(line.get_ydata(), dtype=float)
+        useful = useful_band(xr.DataArray(power, {"design": ["FSB", "VSWEC"], "omega": OMEGA})).values
+        np.testing.assert_array_equal(~np.isnan(drawn_gain), useful)
+        np.testing.assert_allclose(drawn_gain[useful & (OMEGA < 5.0)], gain)
+        assert line.get_color() == "#D55E00"
+        assert 0.0 in [one.get_ydata()[0] for one in ax.get_lines()]
+
+
+def test_the_share_of_the_limit_is_that_of_a_damper_alone():
+    """A damper c = |Z| takes 4 R c/|R + iX + c|^2 of what matching takes."""
+    impedance = np.array([1.0 + 1j * (OMEGA - 2.0), 3.0 - 4j * OMEGA])
+    power = (("design", "omega"), np.ones((2, len(OMEGA))))
+    response = xr.Dataset(
+        {"port_impedance": (("design", "omega"), impedance), "absorbed_power": power},
+        {"design": ["FSB", "VSWEC"], "omega": OMEGA},
+    )
+    top, bottom = reactance(data(response=response)).axes[:2]
+    c = np.abs(impedance)
+    lines = {line.get_label(): line.get_ydata() for line in bottom.get_lines()}
+    np.testing.assert_allclose([lines["FSB"], lines["VSWEC"]], 4 * impedance.real * c / np.abs(impedance + c) ** 2)
+    lines = {line.get_label(): line.get_ydata() for line in top.get_lines()}
+    np.testing.assert_allclose([lines["FSB"], lines["VSWEC"]], np.abs(impedance.imag) / impedance.real)
+
+
+def moving(**more):
+    """Runs of two designs in two seas: every motion, velocity and force is told from every other."""
+    time, runs = np.linspace(0.0, 10.0, 11), {}
+    for i, (design, sea) in enumerate((d, w) for d in ("FSB", "VSWEC") for w in ("a-b", "w")):
+        own = np.array([1.0, 10.0, 100.0]) * (i + 1)
+        values = {name: (("time", "dof"), k * np.outer(1 + time, own)) for k, name in enumerate(more, 1)}
+        energy = (("time", "term"), 1e3 * (i + 1) * np.outer(time, [1.0, 7.0]))
+        coords = {"time": time, "dof": ["Heave", "Surge", "Bend"], "term": ["pto", "wave"]}
+        runs[design, sea] = xr.Dataset({**values, "energy": energy}, coords)
+    return data(runs=runs, periods={"a-b": 0.2, "w": 5.0}, window=(4.0, 8.0))
+
+
+def test_power_is_that_of_all_motions_in_the_window_and_energy_of_the_whole_run():
+    """P = -F.v; a sea's name may have dashes, and is that of its own runs and of its own fifteen periods."""
+    given = moving(pto=None, velocity=None)
+    for wave, window in (("a-b", (5.0, 8.0)), ("w", (4.0, 8.0))):
+        top, bottom = draw(f"power_energy-{wave}", given).axes
+        for line, below, design in zip(top.get_lines(), bottom.get_lines(), ("FSB", "VSWEC"), strict=True):
+            run = given.runs[design, wave]
+            inside = (run.time.values >= window[0]) & (run.time.values <= window[1])
+            power = -(run.pto.values * run.velocity.values).sum(axis=1)[inside] / 1e3
+            np.testing.assert_allclose(line.get_xydata(), np.stack([run.time.values[inside], power], axis=1))
+            energy = run.energy.values[:, 0] / 1e3
+            np.testing.assert_allclose(below.get_xydata(), np.stack([run.time.values, energy], axis=1))
+            assert line.get_label() == below.get_label() == design
+        assert (top.get_xlim(), bottom.get_xlim()) == (pytest.approx(window), (0.0, 10.0))
+        labels = ("absorbed power [kW]", "time [s]", "absorbed energy [kJ]", "time [s]")
+        assert (top.get_ylabel(), top.get_xlabel(), bottom.get_ylabel(), bottom.get_xlabel()) == labels
+
+
+@pytest.mark.parametrize(
+    ("name", "first", "second"),
+    [("heave_excitation", "position", "excitation"), ("velocity_pto", "velocity", "pto")],
+)
+def test_motion_and_force_of_the_papers_figures_are_those_of_heave(name, first, second):
+    given = moving(**dict.fromkeys(("position", "velocity", "excitation", "pto")))
+    top, bottom = draw(f"{name}-w", given).axes
+    for ax, quantity, unit in ((top, first, 1.0), (bottom, second, 1e3)):
+        for line, design in zip(ax.get_lines(), ("FSB", "VSWEC"), strict=True):
+            run = given.runs[design, "w"].sel(time=slice(4.0, 8.0))
+            np.testing.assert_allclose(line.get_ydata(), run[quantity].isel(dof=0) / unit)
+    force = "power take-off force [kN]" if second == "pto" else "excitation force [kN]"
+    motion = "heave velocity [m/s]" if second == "pto" else "heave [m]"
+    assert (top.get_ylabel(), bottom.get_ylabel()) == (motion, force)
+
+
+def test_a_motion_has_a_panel_if_any_design_moves_in_it_in_that_very_sea():
+    time, labels = np.linspace(0.0, 1.0, 5), ["Heave", "Surge", "Pitch"]
+
+    def run(*moved):
+        return xr.Dataset(
+            {"position": xr.DataArray(np.outer(time, moved), {"time": time, "dof": labels}, ("time", "dof"))}
+        )
+
+    runs = {
+        ("FSB", "w"): run(1.0, 0.0, 0.0), ("VSWEC", "w"): run(1.0, 0.0, 0.5),
+        ("FSB", "v"): run(1.0, 2.0, 0.0), ("VSWEC", "v"): run(1.0, 0.0, 0.0),
+    }  # fmt: skip
+    given = data(runs=runs, periods={"w": 1.0, "v": 1.0})
+    for wave, shown in (("w", ["heave [m]", "pitch [degrees]"]), ("v", ["surge [m]", "heave [m]"])):
+        assert [ax.get_ylabel() for ax in directions(given, wave).axes] == shown
+
+
+def test_bars_of_an_audit_stand_end_to_end_on_their_own_side_of_nothing():
+    """What is got goes to the right, what is given up to the left, in the order of the terms; the wave's work beside."""
+    terms = ["pto", "radiated", "structural", "stored", "wave"]
+    final = {"FSB": [24.0, -3.0, 2.0, -7.0, 16.0], "VSWEC": [-5.0, 10.0, 4.0, 6.0, 15.0]}
+    runs = {
+        (design, "w"): xr.Dataset(
+            {"energy": (("time", "term"), 1e3 * np.array([np.full(5, 99.0), values]))},
+            {"time": [0.0, 1.0], "term": terms},
+        )
+        for design, values in final.items()
+    }
+    (ax,) = energy_audit(data(runs=runs), "w").axes
+    found = [
+        [(bar.get_x(), bar.get_width(), round(bar.get_y() + bar.get_height() / 2)) for bar in bars]
+        for bars in ax.containers
+    ]
+    assert [bars.get_label() for bars in ax.containers] == [
+        "power take-off",
+        "radiated",
+        "structural damping",
+        "stored",
+    ]
+    assert found == [
+        [(0.0, 24.0, 0), (0.0, -5.0, 1)], [(0.0, -3.0, 0), (0.0, 10.0, 1)],
+        [(24.0, 2.0, 0), (10.0, 4.0, 1)], [(-3.0, -7.0, 0), (14.0, 6.0, 1)],
+    ]  # fmt: skip
+    (work,) = (line for line in ax.get_lines() if line.get_label() == "work of the wave")
+    assert (list(work.get_xdata()), list(work.get_ydata())) == ([16.0, 15.0], [0, 1])
+    assert "stored below 0" in ax.get_xlabel()
+
+
+def test_kernels_are_thousands_of_their_units_convolved_and_as_a_state_space():
+    time, pair = np.linspace(0.0, 5.0, 11), ("influenced_dof", "radiating_dof")
+    sizes = np.array([[2e3, 5.0], [7.0, 3e3]])
+    kernels = {
+        name: (("time", *pair), factor * np.exp(-time)[:, None, None] * sizes)
+        for name, factor in (("kernel", 1.0), ("kernel_state_space", 1.1))
+    }
+    kernel = xr.Dataset(kernels, {"time": time, **{dim: ["Bend", "Heave"] for dim in pair}})
+    for ax, size in zip(radiation_kernel(data(radiation=kernel)).axes, (3.0, 2.0), strict=True):
+        whole, states = ax.get_lines()
+        np.testing.assert_allclose(whole.get_ydata(), size * np.exp(-time))
+        np.testing.assert_allclose(states.get_ydata(), 1.1 * size * np.exp(-time))
+        assert (whole.get_label(), states.get_label()) == ("convolution kernel", "state space")

@@ -246,3 +246,71 @@ def test_modes_stand_four_in_a_row_and_those_of_order_one_go_the_same_way_on_bot
     np.testing.assert_allclose(shift[0], shift[0, 0], atol=1e-9)
     np.testing.assert_allclose(shift[1], 0.0, atol=1e-9)
     assert shift[0, 0] > 0.1
+
+
+FINE = np.linspace(0.0, np.pi, 721)
+
+
+@pytest.mark.parametrize(
+    ("degree", "radial", "meridional", "amplitude"),
+    [
+        (0, np.ones_like(FINE), 0 * FINE, 0.25),
+        (1, np.cos(FINE), -np.sin(FINE), 0.25),
+        (2, np.cos(2 * FINE) / 9, 0 * FINE, 0.25),
+        (8, np.cos(8 * FINE) / 9, 0 * FINE, 0.25 / 4**0.7),
+        (0, -np.ones_like(FINE), 0 * FINE, 0.25),  # shortened by a quarter
+        (0, -2 * np.ones_like(FINE), 0 * FINE, 0.2),  # by two fifths, and no more
+        (2, 0 * FINE, np.sin(2 * FINE), 0.2),
+        (2, -np.cos(FINE), np.sin(FINE), 0.25),  # as a whole to below
+        (2, -np.cos(FINE), -np.sin(FINE), 0.2),
+    ],
+)
+def test_modes_are_drawn_with_an_amplitude_that_falls_with_their_degree_and_shortens_no_part_too_much(
+    degree, radial, meridional, amplitude
+):
+    """A quarter of the radius up to degree 2, then as the degree to 0.7; no piece of a meridian by more than 0.4."""
+    given = data()
+    shapes = {
+        "radial": (("mode", "colatitude"), radial[None]),
+        "meridional": (("mode", "colatitude"), meridional[None]),
+    }
+    modes = xr.Dataset(
+        shapes | {"degree": ("mode", [degree]), "dry_frequency": ("mode", [51.4])},
+        {"mode": ["M"], "colatitude": FINE}, given.modes.attrs,
+    )  # fmt: skip
+    x, z = figures.mode_shapes(replace(given, modes=modes)).axes[0].get_lines()[1].get_data()
+    half = slice(0, len(FINE))
+    expected = (
+        (1 + amplitude * radial) * np.sin(FINE) + amplitude * meridional * np.cos(FINE),
+        (1 + amplitude * radial) * np.cos(FINE) - amplitude * meridional * np.sin(FINE),
+    )
+    np.testing.assert_allclose((x[half], z[half]), expected, atol=1e-4)  # of a derivative by differences
+    np.testing.assert_allclose((-x[half][::-1], z[half][::-1]), (x[len(FINE) :], z[len(FINE) :]), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("largest", "factor"),
+    [
+        (0.0, 1.0),
+        (0.08, 5.0),
+        (0.0801, 2.0),
+        (0.2, 2.0),
+        (0.04, 10.0),
+        (0.0401, 5.0),
+        (0.4, 1.0),
+        (0.41, 1.0),
+        (4e-4, 1e3),
+    ],
+)
+def test_a_round_factor_is_the_largest_that_leaves_a_fifth_of_the_radius(largest, factor):
+    """Of a radius of two metres 0.4 m, just reached; of what is larger than that nothing is made smaller."""
+    assert figures.round_factor(largest, 2.0) == pytest.approx(factor)
+    assert figures.round_factor(3 * largest, 6.0) == pytest.approx(factor)
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_what_shrinks_a_shell_is_magnified_like_what_swells_it(sign):
+    """A shell that never swells beyond its shape at rest, or never shrinks."""
+    given = data()
+    given.runs["VSWEC", "w"].position[:, 1] = sign * 0.05 * np.sin(np.pi * TIME / 10.0) ** 2
+    assert figures._magnification(given, "w") == 5.0
