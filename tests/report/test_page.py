@@ -1,4 +1,6 @@
+import csv
 import html
+import io
 import re
 import urllib.parse
 
@@ -9,11 +11,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from report.test_tuned import SWELL
 
+from vsb.report.html import filled
 from vsb.report.page import (
     BODY_MEASURES,
     DETAILS,
     MEASURES,
     PUBLISHED,
+    PUBLISHED_HEAD,
+    STATISTICS,
     STILL,
     Band,
     Report,
@@ -28,7 +33,7 @@ from vsb.report.page import (
     table,
     winning_bands,
 )
-from vsb.report.tuned import NO_BEST_DAMPER, tuned_statements
+from vsb.report.tuned import NO_BEST_DAMPER, TUNING, tuned_statements, tuning_table
 
 OMEGA = np.linspace(0.5, 4.0, 351)
 
@@ -502,3 +507,71 @@ def test_what_moves_is_sketched_and_computed_stands_on_the_page():
     assert "In time, at their own best dampers, in a swell, A absorbs most" in page_of(
         study={**STUDY, "pto": {"tuning": "each"}}
     )
+
+
+def test_what_the_given_damper_leaves_is_told_of_each_sea_by_itself():
+    """In the second sea B is given its own best; in the third nothing is known of it."""
+    chop = [{**line, "sea": "v", "share": share} for line, share in zip(SWELL, (0.5, 1.0), strict=True)]
+    rows = [row(design, power, wave) for wave in "wvu" for design, power in (("FSB", 100), ("A", 120))]
+    seas = {"w": "a swell", "v": "a chop", "u": "a wake"}
+    swell, choppy, wake = sea_statements(rows, "FSB", seas, [*SWELL, *chop])
+    assert swell.endswith("(against FSB: A +20.0 %); at 8000 N s/m FSB reaches 26 % of its own best, A 32 %.")
+    assert choppy.endswith("(against FSB: A +20.0 %); at 8000 N s/m FSB reaches 50 % of its own best, A 100 %.")
+    assert wake.endswith("(against FSB: A +20.0 %).")
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "told"),
+    [
+        ([], None),
+        (["ok"] * 2, None),
+        (["doubt"], "1 point is in doubt: see"),
+        (["doubt", "ok", "doubt"], "2 points are in doubt: see"),
+        (["fail"], None),
+        (["accepted", "doubt"], "1 further point is in doubt: see"),
+        (["fail", "accepted", "fail"], None),
+        (["fail", "accepted", "fail", "accepted"], "1 more check fails: see"),
+        (["accepted"] * 5 + ["doubt"] * 2 + ["ok"], "2 more checks fail, 2 further points are in doubt: see"),
+    ],
+)
+def test_the_head_of_a_page_counts_what_was_accepted_with_what_fails_and_apart_what_is_in_doubt(verdicts, told):
+    """Three of those that fail are told by name; what is accepted is no less wrong."""
+    checks = [{**CHECKS[0], "name": f"check {i}", "verdict": verdict} for i, verdict in enumerate(verdicts)]
+    page = page_of(checks=checks)
+    head = page.partition('<section id="doubt">')[0]
+    words = " ".join(re.sub("<[^>]+>", "", head).split())
+    said = re.findall(
+        r"(?:\d+ more checks? fails?(?:, )?)?(?:\d+(?: further)? points? (?:is|are) in doubt)?: see", words
+    )
+    assert [one for one in said if one != ": see"] == ([told] if told else [])
+    failing = [one["name"] for one in checks if one["verdict"] in ("fail", "accepted")]
+    assert [one["name"] for one in checks if f"{one['name']}: 66.4" in words] == failing[:3]
+    assert ("do not trust this as it stands" in words) == bool(failing)
+    held = verdicts.count("ok")
+    assert (f"{held} check{'s hold' * (held > 1) or ' holds'}" in page) == (held > 0)
+    assert ("Nothing: every check holds." in page) == (held == len(verdicts))
+
+
+def test_tables_of_a_page_are_those_of_its_data():
+    """Each can be kept as a file, of the columns that hold anything; one whose rows are none is not there."""
+    rows = [row("FSB", 100), row("A", 120), row("FSB", 0.0, "v") | {"capture_width": 1.5}]
+    study = {**STUDY, "published": {"source": "x", "values": {"A": {"power_mean": 100.0}}}}
+    seas = {"w": "a swell", "v": "a chop", "noise": "noise"}
+    given = Report(
+        study, seas, rows, [], response(A=0.2), "FSB", {}, {}, (), [BASE, LINE, SHORT], SWELL
+    )  # fmt: skip
+    page = render(given)
+    found = {
+        name: list(csv.reader(io.StringIO(urllib.parse.unquote(html.unescape(data)))))
+        for name, data in re.findall(r'download="(\w+)\.csv" href="data:text/csv;charset=utf-8,([^"]*)"', page)
+    }
+    tables = {
+        "equal_tuning": (TUNING, tuning_table(SWELL)), "given_damper": table(rows), "energy": table(rows, DETAILS),
+        "irregular_seas": (STATISTICS, statistics_table(given.statistics)),
+        "published": (PUBLISHED_HEAD, published_table(study, rows)),
+    }  # fmt: skip
+    for name, (head, body) in tables.items():
+        kept_head, kept = filled(head, body)
+        assert found[name] == [list(kept_head), *kept], name
+    bare = page_of(found=None)
+    assert [name for name in tables if f'download="{name}.csv"' in bare] == ["given_damper", "energy"]

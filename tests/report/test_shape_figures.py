@@ -108,3 +108,10 @@ def test_powers_have_axes_of_their_own_where_there_are_any():
         "relative change [1/m]", "largest relative error [-]", "change of mean power [%]",
     ]  # fmt: skip
     assert len(shape_figure(ds.assign(power_at_reference=0 * ds.power_at_reference)).axes) == 2
+
+
+def test_of_a_rigid_buoy_slopes_are_those_of_heave_alone():
+    ds = shapes().isel(shape_dof=[0])
+    ax = Figure().subplots()
+    _draw_slopes(ax, ds)
+    assert [line.get_label() for line in ax.get_lines()] == [f"{symbol} by Heave" for symbol, _ in _CURVES.values()]

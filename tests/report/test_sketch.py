@@ -131,3 +131,29 @@ def test_a_rigid_buoy_has_a_thick_line_and_names_may_have_any_letters():
     assert design_in_words({"flexible": True, "clamp": [90.0, 22.5]}) == (
         "elastic shell, held at the equator and 22.5° from the top"
     )
+
+
+def test_a_body_that_reaches_farther_down_than_up_fits_too():
+    """Three radii to its keel, one to its top: as large as the taller of the two allows."""
+    deep = sketch("FSB", DESIGNS, 0.0, lambda angle: (math.sin(angle), min(3.0 * math.cos(angle), math.cos(angle))))
+    root = ET.fromstring(deep)
+    body = next(e.get("d") for e in root.iter("path") if "fill-opacity" in e.attrib)
+    heights = [float(point.split()[1]) for point in body.strip("MZ").split("L")]
+    assert (min(heights), max(heights)) == pytest.approx((62.0 - 34.0 / 3, 62.0 + 34.0), abs=0.1)
+    line = next(e.get("d") for e in root.iter("path") if e.get("class") == "takeoff")
+    assert line.startswith("M70 96.0V118")
+
+
+@pytest.mark.parametrize("clamps", [[0.0], [90.0], [30.0, 180.0], [0.0, 90.0, 180.0]])
+def test_a_shell_moves_the_more_the_farther_it_is_from_where_it_is_held(clamps):
+    """1.4 times the sine of half the angle to each clamp, all of them together, up to all of its thirteen per cent."""
+    root = ET.fromstring(sketch("held", {"held": {"flexible": True, "clamp": clamps}}, 0.0))
+    (path,) = (one for one in root.iter("path") if "stroke-dasharray" in one.attrib)
+    for part, sign in zip(path.get("d").split("M")[1:], (1, -1), strict=True):
+        points = [tuple(map(float, point.split())) for point in part.split("L")]
+        assert len(points) == 49
+        for i, (x, y) in enumerate(points):
+            colatitude = 7.5 * min(i, 48 - i)
+            free = math.prod(1.4 * abs(math.sin(math.radians(colatitude - clamp) / 2)) for clamp in clamps)
+            size = 34.0 * (1 + 0.13 * sign * min(1.0, free))
+            assert math.hypot(x - 70, y - 62) == pytest.approx(size, abs=0.1)

@@ -1,5 +1,7 @@
 import re
+from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from conftest import HERE, SEED, varied
@@ -8,8 +10,8 @@ from vsb.stages import make as stage_make
 from vsb.stages.make import Job, due, jobs, make, solve
 from vsb.stages.stage import STAGES
 from vsb.study import study as config
-from vsb.study.body import BodyStudy
-from vsb.study.body_plan import plan_for
+from vsb.study.body import BodyStudy, LocatedBody
+from vsb.study.body_plan import BodyPlan, plan_for
 from vsb.study.plan import StudyPlan
 from vsb.study.reading import validated
 from vsb.study.study import content_id
@@ -161,3 +163,64 @@ def test_a_job_makes_what_its_own_specification_names(tmp_path):
     assert runs == [(design, wave) for wave in plan.study.waves for design in "AB"]
     trajectories = {plan.trajectory_path(design, wave.label) for design, wave in runs}
     assert all(trajectories <= set(job.needs) for job in jobs(plan) if job.stage in ("compare", "figures", "report"))
+
+
+def test_a_body_is_made_of_all_its_files_which_it_waits_for(tmp_path):
+    """By option; where it is solved by the table of the Green function, too."""
+    raw = {
+        "study": "raft",
+        "body": {"file": {"body": "raft", "mesh": "-", "modes": "-", "omega": [0.5, 1.0]}},
+        "designs": {"a": {}},
+        "waves": [{"kind": "still"}],
+    }
+    study = validated(BodyStudy, {**raw, "pto": {"damping": 1.0}}, "raft.yaml")
+    files = {"file": "raft.yaml", "mesh": "m.stl"}
+    plan = BodyPlan(study, root=str(tmp_path), files=files)
+    green, coefficients, *_ = jobs(plan)
+    done = f"{plan.green_folder}.done"
+    assert (green.stage, green.files, green.makes) == ("green", {"folder": plan.green_folder, "out": done}, (done,))
+    assert coefficients.files == {**plan.sources, "out": plan.database_path}
+    assert coefficients.files.items() >= files.items()
+    assert coefficients.needs == ("raft.yaml", "m.stl", done)
+    assert (coefficients.spec, coefficients.makes) == (plan.database, (plan.database_path,))
+
+
+def test_only_what_studies_share_is_held_while_it_is_made(tmp_path, monkeypatch):
+    """A study's own files are held with its folder."""
+    plan, held = StudyPlan(config.load(SEED), root=str(tmp_path)), []
+
+    @contextmanager
+    def sharing(root, paths):
+        held.append((root, list(paths)))
+        yield []
+
+    made = {"own": f"{plan.folder}/modes.nc", "shared": plan.database_path, "also": plan.radiation_path}
+    some = [Job("one", None, {}, (made["own"],)), Job("two", None, {}, (made["shared"], made["own"], made["also"]))]
+    monkeypatch.setattr(stage_make, "sharing", sharing)
+    monkeypatch.setattr(stage_make, "due", lambda *_: some)
+    monkeypatch.setattr(Job, "run", lambda self: None)
+    make(plan, [])
+    assert held == [(str(tmp_path), []), (str(tmp_path), [made["shared"], made["also"]])]
+
+
+@pytest.mark.parametrize("body", [False, True])
+def test_a_study_is_run_in_its_folder_after_its_checks_with_all_that_is_stale(seed, tmp_path, monkeypatch, body):
+    """And its results are those of that folder."""
+    asked, own = [], LocatedBody("a body", {"mesh": "m.stl"}) if body else seed
+    plan = SimpleNamespace(study="the study", folder=str(tmp_path / "x"), products=["a", "b"])
+    monkeypatch.setattr("vsb.stages.body_preview.body_before_run", lambda plan: asked.append(plan))
+    monkeypatch.setattr("vsb.stages.preview.check_before_run", lambda study, plan: asked.append((study, plan)))
+    monkeypatch.setattr(stage_make, "BodyPlan", lambda *given, **named: asked.append((given, named)) or plan)
+    monkeypatch.setattr(stage_make, "StudyPlan", lambda *given, **named: asked.append((given, named)) or plan)
+    monkeypatch.setattr(stage_make, "check_folder", lambda folder: asked.append(folder))
+    monkeypatch.setattr(stage_make, "stale_products", lambda plan, dry: asked.append(dry) or ["b"])
+    monkeypatch.setattr(stage_make, "make", lambda *given, **named: asked.append((given, named)))
+    folder = tmp_path / "all"
+    results = stage_make.run(own, folder)
+    given = (
+        (("a body",), {"root": str(folder), "files": {"mesh": "m.stl"}}) if body else ((seed,), {"root": str(folder)})
+    )
+    checked = plan if body else (seed, plan)
+    assert asked == [given, checked, folder, False, ((plan, ["a", "b"]), {"stale": ["b"]})]
+    assert (results.study, results.folder) == ("the study", str(folder))
+    assert (tmp_path / "x" / ".lock").exists()
