@@ -13,7 +13,10 @@ from vsb.hydro.database import Check
 from vsb.scenes.rest import reference_shell
 from vsb.stages import compare
 from vsb.stages.inputs import Inputs
+from vsb.study.body import BodyStudy
 from vsb.study.plan import StudyPlan
+from vsb.study.reading import validated
+from vsb.study.study import canonical
 
 TABLES = {
     "out": "comparison.csv",
@@ -129,3 +132,124 @@ def test_checks_of_a_sea_are_asked_of_every_sea(seed, monkeypatch, name):
         assert asked == [(wave, study.water, study.hydro.omega_max) for wave in study.waves]
     else:
         assert asked == [(study, wave, "response", ["rows"], {"runs": {}}) for wave in study.waves]
+
+
+RAFT = {
+    "study": "raft", "designs": {"a": {}}, "waves": [{"kind": "regular", "amplitude": 0.1, "period": 5.0}, {"kind": "still"}],
+    "body": {"file": {"body": "raft", "mesh": "-", "modes": "-", "omega": [0.5, 1.0]}}, "pto": {"damping": 1.0, "port": {"dof": "Pitch"}},
+}  # fmt: skip
+
+
+def told(name):
+    """A check by its name."""
+    return Check(name, 0.0, 1.0, "-", "ok", "")
+
+
+@pytest.mark.parametrize("kind", ["buoy", "dry", "body"])
+def test_tables_are_of_all_seas_and_checks_of_all_that_a_study_has(seed, tmp_path, monkeypatch, kind):
+    """Of a body there is no shell, of an assumed pressure neither water nor tuning."""
+    regular = [{"kind": "regular", "amplitude": 0.1, "period": period} for period in (2.0, 3.0)]
+    dry = {"hydro": {"model": "assumed_pressure", "pressure": 1800.0}} if kind == "dry" else {}
+    study = validated(BodyStudy, RAFT, "raft.yaml") if kind == "body" else varied(seed, waves=regular, **dry)
+    plan, asked = SimpleNamespace(ladder_id="ladder", study_id="0" * 16), {}
+
+    def maker(name, found=None):
+        def make(*given):
+            asked[name] = given
+            return [told(name)] if found is None else found
+
+        return make
+
+    for name in ("transient_checks", "shell_checks", "assumed_pressure_checks"):
+        monkeypatch.setattr(compare.ledger, name, maker(name))
+    for name in ("pause_checks", "of_the_water", "fair_damping_checks", "constrained_checks", "reference_power_checks"):
+        monkeypatch.setattr(compare, name, maker(name))
+    monkeypatch.setattr(compare.irregular, "statistical_checks", maker("statistical_checks"))
+    monkeypatch.setattr(compare.irregular, "statistics", maker("statistics", []))
+    monkeypatch.setattr(compare.irregular, "as_csv", lambda lines: "")
+    monkeypatch.setattr(compare.comparison, "as_csv", lambda rows: f"{rows}")
+    monkeypatch.setattr(compare, "equal_tuning", maker("equal_tuning", []))
+    monkeypatch.setattr(compare, "within_limits", maker("within_limits", []))
+    reference = SimpleNamespace(basis="basis")
+    monkeypatch.setattr(compare, "reference_shell", lambda of: reference)
+    monkeypatch.setattr(compare, "Inputs", lambda *given: SimpleNamespace(study=study, plan=plan, given=given))
+
+    def in_a_sea(found, basis, wave):
+        assert (basis, found.given[:2]) == (None if kind == "body" else "basis", (study, "runs"))
+        of = wave.label
+        return compare.InASea([{"of": of}], [told(of)], {("A", of): {"attrs": of}}, {("A", of): f"sample {of}"})
+
+    monkeypatch.setattr(compare, "in_a_sea", in_a_sea)
+    rung = dict.fromkeys(compare.Rung._fields) | {"design": "A", "wave": "w", "rung": "fixed", "note": ""}
+    monkeypatch.setattr(compare, "read_text", lambda *given: asked.update(read=given) or json.dumps([rung]))
+    monkeypatch.setattr(compare, "record", maker("record"))
+    files = {option: str(tmp_path / name) for option, name in TABLES.items()}
+    compare.run(SimpleNamespace(study=study), "runs", rungs="rungs.json", manifest="manifest", **files)
+    labels = [wave.label for wave in study.waves]
+    rows, runs = [{"of": of} for of in labels], {("A", of): {"attrs": of} for of in labels}
+    assert asked["transient_checks"] == (runs, rows)
+    assert asked["pause_checks"] == (runs,)
+    names = {"transient_checks", "pause_checks", *labels}
+    if kind != "body":
+        assert asked["shell_checks"] == (study, reference)
+        names |= {"shell_checks"}
+    if kind == "dry":
+        assert asked["assumed_pressure_checks"] == (study, rows)
+        names |= {"assumed_pressure_checks"}
+    else:
+        ladder = [compare.Rung(**rung)]
+        assert asked["read"] == ("rungs.json", "manifest", "ladder")
+        assert asked["statistics"] == (study, {("A", of): f"sample {of}" for of in labels})
+        assert asked["of_the_water"][1:] == (rows, runs)
+        assert asked["statistical_checks"] == (study, [])
+        assert asked["equal_tuning"] == asked["within_limits"] == asked["reference_power_checks"] == (study, ladder)
+        assert asked["fair_damping_checks"] == ([], "N m s" if kind == "body" else "N s/m")
+        assert asked["constrained_checks"] == (ladder,)
+        names |= {
+            "of_the_water",
+            "statistical_checks",
+            "fair_damping_checks",
+            "constrained_checks",
+            "reference_power_checks",
+        }
+    tables = json.loads((tmp_path / "tables.json").read_text())
+    assert tables["comparison"] == rows
+    assert sorted(check["name"] for check in tables["checks"]) == sorted(names)
+    assert (tmp_path / "comparison.csv").read_text() == f"{rows}"
+    assert (tmp_path / "study.json").read_text() == canonical(study) + "\n"
+    assert asked["record"] == ("manifest", "0" * 16, list(files.values()))
+
+
+def test_of_a_body_the_water_is_judged_by_its_seas_and_no_shell_is(monkeypatch):
+    study, asked = validated(BodyStudy, RAFT, "raft.yaml"), []
+    monkeypatch.setattr(compare.ledger, "radiation_checks", lambda *given: asked.append(given) or [told("radiation")])
+    monkeypatch.setattr(compare, "seas_checks", lambda *given: asked.append(given) or [told("seas")])
+    monkeypatch.setattr(compare, "agreement_checks", lambda *given: asked.append(given) or [told(given[1].label)])
+    monkeypatch.setattr(compare, "stored_checks", lambda database: asked.append(database) or [told("symmetry")])
+    found = SimpleNamespace(study=study, database="database", radiation="radiation", response="response")
+    checks = compare.of_the_water(found, "rows", "runs")
+    labels = [wave.label for wave in study.waves]
+    assert [check.name for check in checks] == ["radiation", "seas", *labels, "hydro symmetry"]
+    agreed = [(study, wave, "response", "rows", "runs") for wave in study.waves]
+    assert asked == [("radiation", study.hydro.tolerance), (study, "database"), *agreed, "database"]
+
+
+@pytest.mark.parametrize("kind", ["dry", "body"])
+def test_runs_of_a_sea_are_checked_as_those_of_what_floats(seed, monkeypatch, kind):
+    """Of an assumed pressure in no waves, of a body by its own checks."""
+    dry = varied(seed, designs={"a": {}}, hydro={"model": "assumed_pressure", "pressure": 1800.0})
+    study = validated(BodyStudy, RAFT, "raft.yaml") if kind == "body" else dry
+    wave = study.waves[0]
+    runs = {("a", wave.label): SimpleNamespace(attrs={"of": "a"}), ("a", "other"): None}
+    found = SimpleNamespace(study=study, database="database", runs=runs)
+    monkeypatch.setattr(compare, "study_sea", lambda *given: given)
+    monkeypatch.setattr(compare.comparison, "comparison", lambda *given: given)
+    monkeypatch.setattr(compare, "runs_checks", lambda *given: ("body", *given))
+    monkeypatch.setattr(compare.ledger, "sea_checks", lambda *given: ("buoy", *given))
+    left = compare.in_a_sea(found, None if kind == "body" else "basis", wave)
+    own = {"a": runs["a", wave.label]}
+    assert left.rows == (study, wave, own, (study, wave, "database") if kind == "body" else compare.NO_WAVES)
+    assert left.checks == (
+        ("body", study, "database", wave, own) if kind == "body" else ("buoy", study, "basis", wave, own)
+    )
+    assert (left.runs, left.samples) == ({("a", wave.label): {"of": "a"}}, {})

@@ -19,6 +19,9 @@ from vsb.errors import DatabaseError
 from vsb.report.tuned import NO_BEST_DAMPER
 from vsb.results.ledger import assumed_pressure_checks
 from vsb.stages import report
+from vsb.study.body import BodyStudy
+from vsb.study.plan import StudyPlan
+from vsb.study.reading import validated
 from vsb.study.study import load, parse
 from vsb.tools.stamps import record
 
@@ -233,3 +236,48 @@ def test_the_page_is_told_of_the_first_sea_and_of_all_realisations(seed, tmp_pat
     assert told == ([1], [2], [3], [4], [5])
     assert (page.thing, page.flexible, page.sketches, page.reference) == ("buoy", True, (study,), "FSB")
     assert page.living == (study, "database", "all", [4])
+
+
+def test_buoys_move_in_the_seas_of_their_study_and_bodies_do_not(seed, monkeypatch):
+    monkeypatch.setattr(report, "moving_study", lambda *given: given)
+    plan = StudyPlan(seed)
+    stored = SimpleNamespace(plan=plan, modes="modes")
+    assert report._buoys(stored) == (stored, "modes", report._seas(seed))
+    assert report._buoys(SimpleNamespace(plan=SimpleNamespace(study=seed), modes="modes")) is None
+
+
+@pytest.mark.parametrize("kind", ["body", "dry"])
+def test_a_page_is_of_the_hydrodynamics_its_study_has(seed, tmp_path, monkeypatch, kind):
+    """Figures by name, each of its own file; of a body nothing is sketched, of an assumed pressure nothing responds."""
+    raft = {
+        "study": "raft", "designs": {"b": {}}, "waves": [{"kind": "still"}], "pto": {"damping": 1.0},
+        "body": {"file": {"body": "raft", "mesh": "-", "modes": "-", "omega": [0.5, 1.0]}},
+    }  # fmt: skip
+    dry = varied(seed, hydro={"model": "assumed_pressure", "pressure": 1800.0})
+    study = validated(BodyStudy, raft, "raft.yaml") if kind == "body" else dry
+    tables = dict.fromkeys(("comparison", "statistics", "equal_tuning", "within_limits", "checks"), ())
+    texts = {"tables.json": json.dumps(tables), "f/one.svg": "<svg>1</svg>", "f/two.svg": "<svg>2</svg>"}
+    plan = SimpleNamespace(figures=("two", "one"), study_id="identity")
+    runs = SimpleNamespace(attributes=lambda: "attributes")
+    stored, pages, noted = SimpleNamespace(plan=plan, response="all", path=str, runs=runs), [], []
+    monkeypatch.setattr(report, "Inputs", lambda *_: stored)
+    monkeypatch.setattr(report, "read_text", lambda path, *given: given == ("manifest", "identity") and texts[path])
+    monkeypatch.setattr(report, "in_direction", lambda response, wave: response)
+    monkeypatch.setattr(report, "_body_facts", lambda of: {"Body": of is stored})
+    monkeypatch.setattr(report, "_facts", lambda *given: given)
+    monkeypatch.setattr(report, "_buoys", lambda of: "buoys")
+    monkeypatch.setattr(report, "living_study", lambda *_: None)
+    monkeypatch.setattr(report, "render", lambda page: pages.append(page) or "page")
+    monkeypatch.setattr(report, "record", lambda *given: noted.append(given))
+    out = str(tmp_path / "r.html")
+    report.run(study, "runs", out, "manifest", tables="tables.json", figures="f")
+    (page,) = pages
+    words = {
+        "Hydrodynamics": "hydrostatic and assumed uniform pressure of 1800 Pa on the instantaneous wet shell; no radiation"
+    }
+    assert page.facts == (study, {"Body": True} if kind == "body" else words, "attributes")
+    assert list(page.figures.items()) == [("two", "<svg>2</svg>"), ("one", "<svg>1</svg>")]
+    assert (page.thing, page.response) == (("body", "all") if kind == "body" else ("buoy", None))
+    assert (bool(page.sketches), page.buoys, page.study) == (kind == "dry", "buoys", study.model_dump())
+    assert noted == [("manifest", "identity", [out])]
+    assert (tmp_path / "r.html").read_text() == "page"

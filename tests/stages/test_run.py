@@ -12,6 +12,7 @@ import psutil
 import pytest
 import yaml
 from conftest import SEED, told, varied
+from snakemake.cli import get_argument_parser
 from stages.test_coefficients import SWELL, as_body
 from stages.test_members import MODULI, planned, with_seas
 from test_cli import written
@@ -545,3 +546,123 @@ def test_a_run_that_failed_tells_of_its_own_logs_only(workplace, monkeypatch, ca
     monkeypatch.setattr(launcher, "finished", mistaken)
     assert main(["run", written("study.yaml")]) == 2
     assert capsys.readouterr().err == "vsb: error: device.mass: too heavy\n"
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ["-R", "a", "-R", "b"], ["--forcerun", "a", "-n", "-R", "b"], ["--forcerun=b"], ["-Rb"], ["-R=b", "-n"],
+        ["--forceru", "a", "b"], ["-n"], ["--forceall"], ["--force", "b"], ["--forcerun", "b", "--cores", "2"],
+    ],
+)  # fmt: skip
+def test_snakemake_hears_of_all_that_is_stale_however_it_is_asked_for_more(options):
+    """Of several lists it takes the last; what it would do without anything stale it does all the same."""
+    parser = get_argument_parser()
+    asked, given = (parser.parse_args(launcher._forced(options, stale)) for stale in ([], ["old.csv", "x.nc"]))
+    assert given.forcerun == {*asked.forcerun, "old.csv", "x.nc"}
+    told = [[vars(one)[name] for name in ("targets", "dryrun", "force", "forceall", "cores")] for one in (asked, given)]
+    assert told[0] == told[1]
+
+
+@pytest.mark.parametrize(("out", "err", "shown"), [(True, True, True), (True, False, False), (False, True, False)])
+def test_a_line_is_shown_only_where_both_streams_are_seen(monkeypatch, out, err, shown):
+    for stream, seen in ((sys.stdout, out), (sys.stderr, err)):
+        monkeypatch.setattr(stream, "isatty", lambda seen=seen: seen, raising=False)
+    assert (launcher._line([], StudyPlan(load(SEED)), []) is not None) == shown
+
+
+@pytest.mark.parametrize("dry", [False, True])
+def test_a_run_that_is_over_tells_its_answer_and_where_its_report_is(workplace, monkeypatch, capsys, dry):
+    """Of what it made; both folders snakemake writes to were looked at before."""
+    looked, given = [], []
+    monkeypatch.setattr("vsb.tools.files.check_folder", looked.append)
+    monkeypatch.setattr("vsb.stages.verify.stale_products", lambda plan, dry: [])
+    monkeypatch.setattr(launcher, "finished", lambda command, **named: given.append(named) or 0)
+    monkeypatch.setattr(launcher, "_answer", lambda plan: f"the answer of {plan.name}; ")
+    monkeypatch.setattr(launcher, "_line", lambda options, plan, last: (options, plan.name, last))
+    assert main(["run", written("study.yaml"), *["-n"] * dry]) == 0
+    assert capsys.readouterr().out == ""
+    Path("results/seed").mkdir(parents=True, exist_ok=True)
+    Path("results/seed/report.html").touch()
+    assert main(["run", "study.yaml", *["-n"] * dry]) == 0
+    assert capsys.readouterr().out == ("" if dry else "seed: the answer of seed; results/seed/report.html\n")
+    assert looked == [".", "results"] * 2
+    options, name, last = given[-1]["line"]
+    assert (options, name, last.maxlen) == (["-n"] * dry, "seed", launcher.KEPT)
+
+
+def test_the_answer_of_a_study_is_of_its_own_checked_tables_over_its_rigid_design(monkeypatch):
+    plan, asked = StudyPlan(varied(load(SEED), designs={"A": {}, "B": {"flexible": False}})), []
+    tables = '{"equal_tuning": ["tuned"], "comparison": ["run"]}'
+    monkeypatch.setattr("vsb.tools.stamps.read_text", lambda *given: asked.append(given) or tables)
+    monkeypatch.setattr("vsb.report.tuned.closing_line", lambda *given: given)
+    assert launcher._answer(plan) == (["tuned"], "B")
+    assert asked == [("results/seed/tables.json", plan.manifest, plan.study_id)]
+
+
+def test_the_answer_of_a_campaign_is_of_its_own_data(workplace, monkeypatch):
+    plan = planned(with_seas(workplace, (1.0, 6.0)), MODULI)
+    monkeypatch.setattr("vsb.tools.files.load", lambda path, expected: f"{path} {expected}")
+    monkeypatch.setattr("vsb.report.campaign_answer.closing_answer", lambda data: f"told of {data}:")
+    assert launcher._answer(plan) == f"told of {plan.data_path} {plan.campaign_id}: "
+
+
+def test_a_signal_that_is_ignored_stays_so_while_a_command_runs():
+    """As behind nohup; others are heard by what ends the command, until it is over."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGHUP, signal.SIGTERM)}
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    try:
+        heard = []
+        look = lambda: heard.extend(signal.getsignal(number) for number in before)  # noqa: E731
+        assert launcher.finished(["true"], {"PATH": "/usr/bin:/bin"}, meanwhile=look) == 0
+        assert heard == [signal.SIG_IGN, launcher._told_to_end]
+        assert [signal.getsignal(number) for number in before] == [signal.SIG_IGN, signal.SIG_DFL]
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_a_command_told_to_end_while_it_begins_is_ended_once_it_has_begun(monkeypatch, capsys, number):
+    begun, popen, done = [], subprocess.Popen, []
+
+    def told_to_end(*args, **options):
+        begun.append(popen(*args, **options))
+        signal.raise_signal(number)
+        return begun[0]
+
+    monkeypatch.setattr(launcher.subprocess, "Popen", told_to_end)
+    before = signal.signal(number, signal.SIG_DFL)
+    try:
+        with pytest.raises(SystemExit) as stop:
+            launcher.finished(["sleep", "100"], {"PATH": "/usr/bin:/bin"}, meanwhile=lambda: done.append(1))
+    finally:
+        signal.signal(number, before)
+    assert stop.value.code == 128 + number
+    assert (begun[0].returncode, done) == (-signal.SIGKILL, [])
+    assert capsys.readouterr().err == "vsb: ended; run the same command again to go on from here\n"
+
+
+def test_what_has_ended_by_itself_meanwhile_needs_no_end(monkeypatch):
+    """A process that is gone, or goes while its children are looked for."""
+
+    class Gone(Starting):
+        """One that is gone when it is told anything."""
+
+        def suspend(self):
+            raise psutil.NoSuchProcess(1)
+
+        kill = suspend
+
+    root, other = Starting(0), Gone(0)
+    root.started, other.stopped = [other, Starting(0)], True
+    monkeypatch.setattr(launcher.psutil, "Process", lambda pid: root)
+    launcher._end(1)
+    assert [one.killed for one in (root, *root.started)] == [True, False, True]
+
+    def none(pid):
+        raise psutil.NoSuchProcess(pid)
+
+    monkeypatch.setattr(launcher.psutil, "Process", none)
+    launcher._end(1)

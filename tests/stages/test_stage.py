@@ -118,3 +118,20 @@ def test_a_stamp_is_of_the_specification_and_of_the_files_it_was_made_of():
     assert ids[1] == ids[2]
     assert len(set(ids)) == 3
     assert stamp(plan.response, "a/one.nc")["spec_id"] != ids[1]
+
+
+@pytest.mark.parametrize("text", ["[1, 2, 3]", '"x"', "3", "null", "[" + 30 * "1, " + "1]"])
+def test_what_is_no_mapping_is_told_by_its_beginning(text):
+    line = f"standard input: received {text[:40]}, needs a mapping"
+    with pytest.raises(ConfigError, match=f"^{re.escape(line)}$"):
+        BY_NAME["radiation"].read(text)
+
+
+def test_a_stage_hands_on_all_its_files_those_that_are_absent_as_nothing(monkeypatch):
+    """And its specification, read; options of other stages are none of its own."""
+    plan, asked = StudyPlan(load(SEED)), []
+    spec = plan.simulation("FSB", plan.study.waves[0])
+    monkeypatch.setattr("vsb.stages.simulate.run", lambda *given, **named: asked.append((given, named)))
+    files = {"out": "o.nc", "database": "d.nc", "radiation": None, "folder": "elsewhere"}
+    BY_NAME["simulate"].run(files, canonical(spec))
+    assert asked == [((spec,), {"out": "o.nc", "database": "d.nc", "radiation": ""})]

@@ -239,13 +239,19 @@ def _settings(profile: Path) -> dict[str, Any]:
     return given
 
 
+FORCED = re.compile(r"(-R|--forcer(?:un?)?)(?:=?(.+))?")
+"""The option of snakemake that has jobs done again, in all its spellings, and what may be joined to it."""
+
+
 def _forced(options: Sequence[str], stale: Sequence[str]) -> list[str]:
-    """Options for Snakemake, and what it must make anew beside what the user asked it to."""
-    flags = [option for option in options if option in ("-R", "--forcerun")]
-    if not stale or not flags:
-        return [*options, *(["--forcerun", *stale] if stale else [])]
-    place = options.index(flags[-1]) + 1
-    return [*options[:place], *stale, *options[place:]]
+    """Options for Snakemake, and what it must make anew beside what the user asked it to: it hears the last list."""
+    if not stale:
+        return [*options]
+    for place in reversed(range(len(options))):
+        if found := FORCED.fullmatch(options[place]):
+            flag, joined = found.groups()
+            return [*options[:place], flag, *stale, *([joined] if joined else []), *options[place + 1 :]]
+    return [*options, "--forcerun", *stale]
 
 
 def _line(options: Sequence[str], plan: Plan, last: MutableSequence[str]) -> Follow | None:
