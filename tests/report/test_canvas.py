@@ -151,14 +151,14 @@ def test_series_of_every_design_are_its_own_in_the_window_over_one_axis_of_time(
         (design, "w"): xr.Dataset({"a": ("time", k * time), "b": ("time", 0 * time)}, {"time": time})
         for k, design in enumerate(("FSB", "VSWEC"), 2)
     }
-    given = replace(data(), runs=runs, periods={"w": 2.0}, window=(5.0, 15.0))
+    given = replace(data(), runs=runs, periods={"w": 0.5}, window=(5.0, 15.0))
     figure = panels(given, "w", [("first [m]", lambda run: run.a), ("second [m]", lambda run: run.b)])
     top, bottom = figure.axes
     for k, (line, design) in enumerate(zip(top.get_lines(), ("FSB", "VSWEC"), strict=True), 2):
-        np.testing.assert_array_equal(line.get_xydata(), np.stack([time[5:16], k * time[5:16]], axis=1))
+        np.testing.assert_array_equal(line.get_xydata(), np.stack([time[8:16], k * time[8:16]], axis=1))
         assert (line.get_label(), line.get_color()) == (design, style(design, ["FSB", "VSWEC"])["color"])
     assert [(ax.get_xlabel(), ax.get_ylabel(), ax.get_xlim()) for ax in (top, bottom)] == [
-        ("", "first [m]", (5.0, 15.0)), ("time [s]", "second [m]", (5.0, 15.0)),
+        ("", "first [m]", (7.5, 15.0)), ("time [s]", "second [m]", (7.5, 15.0)),
     ]  # fmt: skip
     assert (len(top.get_yticks()) > 1, bottom.get_yticks().tolist()) == (True, [0.0])
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["FSB", "VSWEC"]

@@ -138,7 +138,8 @@ def test_bands_are_told_to_the_word():
 def test_what_is_published_stands_beside_ours_and_other_designs_have_no_line():
     study = {
         "published": {"source": "x", "values": {
-            "A": {"energy": 4000.0, "velocity_pp": 2.0, "pto_force_pp": 109480.0, "power_mean": 0.0}, "C": {}, "D": {"energy": 1.0},
+            "A": {"energy": 4000.0, "velocity_pp": 2.0, "pto_force_pp": 109480.0, "power_mean": 0.0},
+            "B": {"power_mean": -4.0}, "C": {}, "D": {"energy": 1.0},
         }},
     }  # fmt: skip
     ours = {"velocity_pp": 3.0, "energy": 5000.0, "power_mean": 1.0, "damping": 40000.0}
@@ -148,6 +149,7 @@ def test_what_is_published_stands_beside_ours_and_other_designs_have_no_line():
         ["A", "w", "control force [N peak to peak]", "109480", "120000", "+9.6 %"],
         ["A", "w", "mean power [W]", "0", "1", "-"],
         ["A", "w", "energy of the run [kJ]", "4", "5", "+25.0 %"],
+        ["B", "w", "mean power [W]", "-4", "1", "-125.0 %"],
     ]
     assert published_table({**study, "published": None}, rows) == []
 
@@ -404,10 +406,13 @@ def test_dampers_are_named_in_the_units_of_their_port_and_bands_at_a_damper_need
 
 
 def test_limits_and_what_is_published_stand_on_the_page_with_their_source():
-    limited = [{"design": "A", "sea": "w", "power": 112.3, "gain_percent": 12.3}]
+    limited = [
+        {"design": "FSB", "sea": "w", "power": 100.0, "gain_percent": 0.0},
+        {"design": "A", "sea": "w", "power": 112.3, "gain_percent": 12.3},
+    ]
     study = {**STUDY, "published": {"source": "Somebody 2020", "values": {"A": {"power_mean": 100.0}}}}
     page = page_of(study=study, within_limits=limited)
-    assert "In a swell, no take-off within its limits absorbs more than: A 112.3 W (+12.3 %)." in page
+    assert "In a swell, no take-off within its limits absorbs more than: FSB 100 W, A 112.3 W (+12.3 %)." in page
     assert "<p>Somebody 2020</p>" in page
     assert "published" not in page_of().partition("<body")[2].lower()
 

@@ -11,7 +11,7 @@ from report.test_campaign_figures import campaign
 
 from vsb.report.campaign_figures import DRAWN
 from vsb.report.canvas import grid_of_axes, legend_above
-from vsb.report.svg import Drawn, _relative, data_csv, drawn, in_words
+from vsb.report.svg import Drawn, _hundredths, _relative, _rounded_all, _unwrap, data_csv, drawn, in_words
 
 X = np.linspace(0.0, 10.0, 400)
 
@@ -233,3 +233,35 @@ def test_each_file_is_of_its_kind(tmp_path):
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {
         "a.svg": b"<svg/>", "a.pdf": b"%PDF", "a.csv": b"axes\n"
     }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("text", "short"),
+    [
+        ("translate(-0.001 5.0)", "translate(0 5)"),
+        ("1.234,-5.678   .5", "1.23,-5.68 0.5"),
+        ("matrix(1.5e-07 -2.5e1 10 0.995)", "matrix(0 -25 10 0.99)"),
+        ("100 -20.10", "100 -20.1"),
+    ],
+)
+def test_numbers_of_a_text_are_rounded_to_hundredths_and_nothing_has_no_sign(text, short):
+    """Whole numbers stay as they are."""
+    assert _rounded_all(text) == short
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(0, "0"), (5, ".05"), (-5, "-.05"), (-99, "-.99"), (100, "1"), (-100, "-1"), (-150, "-1.5"), (2010, "20.1")],
+)
+def test_hundredths_are_written_as_short_as_they_can_be(value, text):
+    assert _hundredths(value) == text
+
+
+def test_groups_that_say_nothing_are_taken_away_and_what_is_in_them_stays_in_its_order():
+    """However deep; a group with an attribute stays."""
+    root = ET.fromstring(
+        '<svg xmlns="http://www.w3.org/2000/svg"><a/><g><b/><g><c/></g><g id="x"><g><d/></g></g></g><e/></svg>'
+    )
+    _unwrap(root)
+    told = [(element.tag.partition("}")[2], element.get("id")) for element in root.iter()]
+    assert told == [("svg", None), ("a", None), ("b", None), ("c", None), ("g", "x"), ("d", None), ("e", None)]

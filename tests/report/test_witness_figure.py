@@ -18,7 +18,7 @@ def data(derived):
     variables = {
         "witness_difference": (dims, rng.uniform(1e-4, 1e-3, (3, 3, 3))),
         "witness_estimate": (("solver", "shape", "coefficient"), np.full((2, 3, 3), 2e-3)),
-        **{f"shape_{k}": (("solver", "shape", "omega", *pair), rng.uniform(1, 2, (2, 3, 3, 1, 1))) for k in KINDS[:2]},
+        **{f"shape_{k}": (("solver", "shape", "omega", *pair), rng.uniform(1, 2, (2, 3, 3, 2, 2))) for k in KINDS[:2]},
     }
     coords = {"omega": [1.0, 2.0, 3.0], "shape": SHAPES, "coefficient": KINDS, "solver": ["panels", "spectral"]}
     if derived:

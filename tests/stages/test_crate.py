@@ -10,6 +10,7 @@ import time
 import urllib.parse
 import zipfile
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from conftest import SMALL_PLAN as PLAN
@@ -17,7 +18,9 @@ from stages.test_members import planned, with_seas
 
 from vsb.cli import main
 from vsb.errors import VsbError
+from vsb.stages import crate as module
 from vsb.stages.crate import METADATA, PROFILE, crate, metadata
+from vsb.tools.stamps import Fault
 
 CC = "https://creativecommons.org/licenses/by/4.0/"
 
@@ -168,3 +171,33 @@ def test_what_is_told_of_an_archive_is_its_files_and_its_size(small, tmp_path):
     (line,) = crate("small.yaml", str(out))
     count = len({*PLAN.products, PLAN.manifest}) + 1
     assert line == f"{out}: {count} files, {out.stat().st_size / 1e6:.1f} MB"
+
+
+def test_what_is_damaged_counts_beside_what_is_missing(tmp_path, monkeypatch):
+    """What is missing first; the same of a study whose files are all there."""
+    there = tmp_path / "there.csv"
+    there.touch()
+    plan = SimpleNamespace(products=[str(there), "lost.csv"], manifest="also.json")
+    found = [Fault("a.nc", "stale", "of another study"), Fault("b.nc", "damaged", "its contents are not")]
+    monkeypatch.setattr(module, "plan_of", lambda config: plan)
+    monkeypatch.setattr(module, "study_faults", lambda of: found)
+    with pytest.raises(VsbError, match=r"^also\.json: is not there \(and 3 more\); vsb run x\.yaml makes it$"):
+        crate("x.yaml", "x.zip")
+    plan.products, plan.manifest = [str(there)], str(there)
+    with pytest.raises(VsbError, match=r"^a\.nc: of another study \(and 1 more\); vsb run x\.yaml makes it$"):
+        crate("x.yaml", "x.zip")
+    found.pop()
+    with pytest.raises(VsbError, match=r"^a\.nc: of another study; vsb run x\.yaml makes it$"):
+        crate("x.yaml", "x.zip")
+
+
+@pytest.mark.parametrize("zone", ["UTC", "EST5", "NZST-12"])
+def test_a_date_is_that_of_greenwich_wherever_results_are_packed(tmp_path, monkeypatch, zone):
+    (tmp_path / "a.csv").write_text("1")
+    os.utime(tmp_path / "a.csv", (86400 * 300 + 43000, 86400 * 300 + 43000))
+    with monkeypatch.context() as patch:
+        patch.setenv("TZ", zone)
+        time.tzset()
+        root = metadata(PLAN, {"a.csv": str(tmp_path / "a.csv")}, "a.csv", None, None)["@graph"][1]
+    time.tzset()
+    assert root["datePublished"] == "1970-10-28"

@@ -19,6 +19,7 @@ def test_every_shape_is_written_and_stands_in_the_manifest(seed, tmp_path):
     assert {path.name for path in (tmp_path / "shapes").iterdir()} == names
     stamps = json.loads((tmp_path / "manifest.json").read_text())
     assert {entry["spec_id"] for entry in stamps.values()} == {content_id(plan.display)}
+    assert sorted(path.rpartition("/")[2] for path in stamps) == sorted(names)
     mean = meshio.read(tmp_path / "shapes" / "mean.vtu").points - [0.0, 0.0, seed.centre_height]
     assert np.linalg.norm(mean, axis=1) == pytest.approx(seed.device.radius, rel=1e-6)
     for side, sign in (("plus", 1), ("minus", -1)):  # breathing: a sphere of another radius

@@ -550,3 +550,31 @@ def test_a_batch_is_all_its_members_in_their_order_each_kept_by_itself(tmp_path,
     assert (works[0].climate, works[0].spec, works[0].root) == (("seas", "climate.nc"), spec, "root")
     ids = ["b", "a", "c"]
     assert (attrs, out) == ({"found": ids, "ids": ids, "spec_id": content_id(ids)}, "out.nc")
+
+
+@pytest.mark.parametrize(("there", "sound"), [(False, False), (True, False), (True, True)])
+def test_a_member_that_is_there_is_kept_and_of_one_that_is_damaged_it_is_said(
+    tmp_path, monkeypatch, capsys, there, sound
+):
+    """What is written says what it is of."""
+    path, one, saved = tmp_path / "x.npz", SimpleNamespace(id="id", spec="spec"), []
+    if there:
+        path.touch()
+
+    def loaded(where, expected):
+        if sound:
+            return where, expected
+        raise DatabaseError(f"{where}: is no {expected}.")
+
+    monkeypatch.setattr(members.packed, "load", loaded)
+    monkeypatch.setattr(members.packed, "save", lambda ds, where: saved.append((ds.attrs, where)))
+    monkeypatch.setattr(members, "canonical", lambda spec: f"canonical {spec}")
+    work = SimpleNamespace(results=lambda of: xr.Dataset(attrs={"of": of.id}))
+    found = members.finished(path, one, work)
+    if sound:
+        assert (found, saved) == ((path, "id"), [])
+    else:
+        attrs = {"of": "id", "spec": "canonical spec", "spec_id": "id"}
+        assert (found.attrs, saved) == (attrs, [(attrs, path)])
+    told = f"{path}: is no id. It is computed anew.\n" if there and not sound else ""
+    assert capsys.readouterr().out == told

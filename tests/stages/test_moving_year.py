@@ -16,6 +16,7 @@ from stages.test_members import folder  # noqa: F401
 from vsb.report.animation import PERIODS
 from vsb.report.campaign_answer import leading
 from vsb.report.campaign_page import STILL, CampaignReport, render
+from vsb.report.shell_figures import round_factor
 from vsb.results.bins import Bins
 from vsb.scenes.ports import designs_in_waves
 from vsb.scenes.rest import reference_shell
@@ -163,17 +164,18 @@ def test_dampers_are_those_of_the_point_and_bin_shown_under_a_law_of_motion(seed
     ds = xr.Dataset({"damping": damping, "margin": (("thickness", "mass"), np.zeros((2, 3)))}, coords)
     study = varied(seed, designs={"C": {"flexible": False}, "A": {"flexible": False}})
     buoy = SimpleNamespace(database=xr.Dataset(coords={"omega": [0.5, 1.0, 4.0]}))
-    point, asked, made = Point(study, None, SimpleNamespace(buoys=(buoy,))), [], []
+    point, asked, made, framed = Point(study, None, SimpleNamespace(buoys=(buoy,))), [], [], []
     monkeypatch.setattr(module, "shown_place", lambda *_: {"thickness": 1, "mass": 1})
     monkeypatch.setattr(module, "looked_at", lambda spec, index, root: asked.append((spec, index, root)) or point)
     monkeypatch.setattr(module, "most_energetic", lambda *_: (1, 0, 3))
     monkeypatch.setattr(module, "realised", lambda *given: made.append(given) or "waves")
-    still = xr.DataArray([[0.0]], coords={"dof": ["Heave"]}, dims=("time", "dof"))
-    monkeypatch.setattr(module, "_runs", lambda p, dampers, *_: made.append(dampers) or dict.fromkeys(dampers, still))
+    still = xr.DataArray([[-9.0]], coords={"dof": ["Heave"]}, dims=("time", "dof"))
+    rises = {"C": 0.1 * still, "A": still}  # the second design rises most, its shell moves most
+    monkeypatch.setattr(module, "_runs", lambda p, dampers, *_: made.append(dampers) or rises)
     monkeypatch.setattr(module, "shell_modes", lambda *_: xr.Dataset(coords={"mode": ["Membrane0"]}))
-    monkeypatch.setattr(module, "largest_shell", lambda *_: 0.1)
+    monkeypatch.setattr(module, "largest_shell", lambda run, shell: abs(float(run[0, 0])) / 90)
     monkeypatch.setattr(module, "shapes_data", lambda *_: None)
-    monkeypatch.setattr(module, "frames_data", lambda words, *_: words)
+    monkeypatch.setattr(module, "frames_data", lambda words, *given: framed.append(given) or words)
     monkeypatch.setattr(module, "where", lambda one: "the point" if float(one.mass) == 2.0 else "another")
     seas = SimpleNamespace(te=np.array([5.0, 7.0]), hs=np.array([1.0, 2.5]))
     found = moving_year("spec", ds, tuning, "A", seas, "root")
@@ -190,3 +192,10 @@ def test_dampers_are_those_of_the_point_and_bin_shown_under_a_law_of_motion(seed
         f"In {found['seas'][0]}: a realisation of its spectrum, by linear theory, {module.TUNED[taken]} at the point."
     )
     assert found["told"] == words
+    radius = study.device.radius
+    assert (found["width"], found["factor"]) == (radius + 9.0, round_factor(0.1, radius))
+    assert [design["name"] for design in found["designs"] if design["reference"]] == ["A"]
+    span, shell = (0.0, PERIODS * 7.0), ["Membrane0"]
+    assert framed == [(rises, "waves", span, 7.0, found["width"], study.water, shell)]
+    unknown = ds.assign(damping=damping.where(damping != at[0]))
+    assert moving_year("spec", unknown, tuning, "A", seas, "root") is None

@@ -20,6 +20,7 @@ from vsb.report.side_by_side import as_csv, as_text
 from vsb.stages import side_by_side
 from vsb.stages.side_by_side import _width, compare, lines
 from vsb.study.study import canonical
+from vsb.study.take_off import DofPort
 from vsb.tools.files import load
 from vsb.tools.stamps import record
 
@@ -214,3 +215,43 @@ def test_reports_are_those_of_their_own_plan_seen_from_the_page(monkeypatch):
     study = SimpleNamespace(name="calm", folder="results/calm", study_id="1")
     found = side_by_side._reports([Year(name="year", folder="others/year", campaign_id="2"), study], Path("results/p"))
     assert found == {"year": ("../../others/year/report.html", "2"), "calm": ("../calm/report.html", "1")}
+
+
+@pytest.mark.parametrize(("port", "unit"), [("heave", "N s/m"), ("volume", "Pa s/m³"), (DofPort(dof="Pitch"), "N m s")])
+def test_dampers_of_a_study_have_the_unit_of_its_port(tmp_path, monkeypatch, port, unit):
+    """Whether it is told at its own best dampers or as it was run; numbers are of their own row."""
+    best = [
+        {"design": d, "sea": "w", "best_power": p, "best_gain_percent": 2 * p, "best_damping": 3 * p}
+        for d, p in (("A", 1.0), ("B", 5.0))
+    ]
+    run = {
+        "design": "C",
+        "wave": "v",
+        "power_mean": 7.0,
+        "power_gain_percent": 8.0,
+        "damping": 9.0,
+        "capture_width": 1.0,
+    }
+    study = SimpleNamespace(study="calm", pto=SimpleNamespace(port=port))
+    plan = SimpleNamespace(folder="f", manifest="m", study_id="id", study=study)
+    for tuned, told in (
+        (best, [("A", "w", "each", 1.0, 2.0, 3.0), ("B", "w", "each", 5.0, 10.0, 15.0)]),
+        ([], [("C", "v", "fixed", 7.0, 8.0, 9.0)]),
+    ):
+        text = json.dumps({"equal_tuning": tuned, "comparison": [run]})
+        monkeypatch.setattr(
+            side_by_side, "read_text", lambda *given, text=text: text if given == ("f/tables.json", "m", "id") else ""
+        )
+        found = lines([plan])
+        assert [
+            (one.design, one.sea, one.tuning, one.power_mean, one.gain_percent, one.damping) for one in found
+        ] == told
+        assert {(one.study, one.point, one.damping_unit) for one in found} == {("calm", "", unit)}
+
+
+def test_the_name_that_is_there_twice_is_told_whichever_it_is(monkeypatch):
+    monkeypatch.setattr(side_by_side, "CampaignPlan", Year)
+    plans = [Year(name="year"), *(SimpleNamespace(study=SimpleNamespace(study=name)) for name in ("a", "b", "b"))]
+    needs = "compare: received b more than once; needs every study and campaign once"
+    with pytest.raises(ConfigError, match=f"^{needs}$"):
+        lines(plans)

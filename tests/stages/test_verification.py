@@ -13,7 +13,7 @@ from conftest import varied
 from stages.test_members import BASE, batches, gather, told, with_seas
 
 from vsb.cli import main
-from vsb.errors import ConfigError, ConvergenceError
+from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.report.campaign_answer import closing_answer
 from vsb.report.campaign_figures import sweep
 from vsb.report.campaign_page import statements, warnings
@@ -199,15 +199,16 @@ def test_a_shell_that_finds_no_rest_on_the_water_is_refused_before_the_run(folde
         check_campaign(plan)
 
 
-def test_a_run_that_fails_names_its_sea(folder, checked, monkeypatch):
+@pytest.mark.parametrize("error", [ConvergenceError, StabilityError])
+def test_a_run_that_fails_names_its_sea(folder, checked, monkeypatch, error):
     plan, _, _ = checked
 
     def fails(*_):
-        raise ConvergenceError("the buoy has left the water")
+        raise error("the buoy has left the water")
 
     monkeypatch.setattr(DesignInTime, "powers", fails)
     expected = r"verify: FSB in a sea of Hs [\d.]+ m and Te [\d.]+ s: the buoy has left the water"
-    with chdir(folder), pytest.raises(ConvergenceError, match=expected):
+    with chdir(folder), pytest.raises(error, match=expected):
         simulated(plan)
 
 

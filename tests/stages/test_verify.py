@@ -6,6 +6,7 @@ import re
 import shutil
 from contextlib import nullcontext
 from pathlib import Path
+from types import SimpleNamespace
 
 import netCDF4
 import numpy as np
@@ -21,12 +22,14 @@ from vsb.cli import main
 from vsb.errors import DatabaseError, VsbError
 from vsb.hydro.database import save_database
 from vsb.stages import figures, report, simulate
+from vsb.stages import verify as module
 from vsb.stages.verify import _more, _other_faults, differences, stale_products, study_faults, verify
 from vsb.study import study as config
 from vsb.study.body import located
 from vsb.study.body_plan import BodyPlan
 from vsb.study.plan import StudyPlan
 from vsb.study.study import content_id
+from vsb.tools import packed
 from vsb.tools.files import load, read_groups
 from vsb.tools.stamps import Fault, record
 
@@ -510,3 +513,121 @@ def test_a_file_named_by_an_id_holds_it_or_is_damaged(tmp_path, name, attrs, rea
     found = _other_faults(tmp_path, set())
     assert [(fault.kind, fault.reason) for fault in found] == [("damaged", reason) for reason in reasons]
     assert _other_faults(tmp_path, {str(tmp_path / f"{name}.nc")}) == []
+
+
+def test_a_folder_is_of_all_studies_in_it_that_it_knows(tmp_path, monkeypatch):
+    """Its own first, then those below it by name; one whose study is not readable any more has no plan."""
+    for name in ("b", "a", "c", "none"):
+        (tmp_path / name).mkdir()
+        if name != "none":
+            (tmp_path / name / "study.json").touch()
+    monkeypatch.setattr(module, "_plan", lambda folder: None if folder.name == "b" else folder.name)
+    monkeypatch.setattr(module, "plan_of", lambda target: f"of {target}")
+    assert module._plans(str(tmp_path)) == ["a", "c"]
+    (tmp_path / "study.json").touch()
+    assert module._plans(str(tmp_path)) == [tmp_path.name, "a", "c"]
+    assert module._plans(str(tmp_path / "study.yaml")) == [f"of {tmp_path / 'study.yaml'}"]
+
+
+def test_of_manifests_one_that_cannot_be_read_hides_no_other(tmp_path):
+    for name in "abc":
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "x.csv").write_text(name)
+        record(tmp_path / name / "manifest.json", name * 16, [tmp_path / name / "x.csv"])
+    assert {stamp.spec_id[0] for stamp in module.manifests(tmp_path).values()} == {"a", "b", "c"}
+    for name, others in (("a", "bc"), ("b", "c")):
+        (tmp_path / name / "manifest.json").write_text("{")
+        assert set(module.manifests(tmp_path)) == {str(tmp_path / other / "x.csv") for other in others}
+
+
+def test_values_of_nested_data_are_known_by_their_names_with_dots():
+    """Of a list without any there is none."""
+    data = {"a": {"b": [1, (2, {})], "": 3}, "c": None, "d": [], "e": "xy", "f": False}
+    named = {"a.b.0": 1, "a.b.1.0": 2, "a.b.1.1": {}, "a.": 3, "c": None, "e": "xy", "f": False}
+    assert module.leaves(data) == named
+
+
+@pytest.mark.parametrize(("changed", "more"), [(6, ""), (7, " (and 1 more)"), (9, " (and 3 more)")])
+def test_six_changes_of_a_study_are_told_and_what_it_no_longer_says_is_one(tmp_path, monkeypatch, changed, more):
+    """In the order of what it said before; then what is new."""
+    old = {"lost": 1, **{f"k{i}": i for i in range(9)}, "kept": 5}
+    new = {"kept": 5, **{f"k{i}": 10 * i for i in range(1, 9)}, "k0": 0, "new": None, "found": 3}
+    keys = ["lost", *(f"k{i}" for i in range(1, 9)), "found"][: changed - 1]
+    old = {key: value for key, value in old.items() if key in keys or key == "kept"}
+    new = {key: value for key, value in new.items() if key in [*keys[1:], "kept"]} | {"last": 7}
+    study = lambda data: SimpleNamespace(model_dump=lambda: data)  # noqa: E731
+    monkeypatch.setattr(module, "_plan", lambda folder: SimpleNamespace(study=study(old)))
+    (tmp_path / "study.json").touch()
+    told = differences(SimpleNamespace(folder=str(tmp_path), study=study(new)))
+    lines = ["lost 1 -> nothing", *(f"k{i} {i} -> {10 * i}" for i in range(1, changed - 1)), "last nothing -> 7"]
+    assert told == ", ".join(lines[:6]) + more
+
+
+@pytest.mark.parametrize(("dry", "word"), [(True, "holds"), (False, "held")])
+def test_what_a_run_replaces_is_told_as_what_there_is_or_was(monkeypatch, capsys, dry, word):
+    """And the first of the files it makes anew, with the number of the others."""
+    found = [Fault(f"results/small/{name}", "stale", f"of {name}") for name in ("a.csv", "b.csv", "c.csv")]
+    monkeypatch.setattr(module, "differences", lambda plan: "all of it")
+    monkeypatch.setattr(module, "study_faults", lambda plan: found)
+    assert stale_products(PLAN, dry=dry) == [fault.path for fault in found]
+    assert capsys.readouterr().out == (
+        f"vsb: {PLAN.folder} {word} another study of this name: all of it\n"
+        "vsb: results/small/a.csv: of a.csv (and 2 more); computed anew\n"
+    )
+
+
+@pytest.mark.parametrize("folder", [True, False])
+@pytest.mark.parametrize(("faulty", "missing"), [(0, 0), (2, 0), (0, 1), (1, 2)])
+def test_what_is_wrong_of_all_studies_is_counted_with_what_is_missing(tmp_path, monkeypatch, folder, faulty, missing):
+    """What is damaged first; nothing is healed of what is only missing. Files no plan names count in a folder."""
+    target = tmp_path if folder else tmp_path / "study.yaml"
+    if not folder:
+        target.touch()
+    (tmp_path / "there").touch()
+    lost = [str(tmp_path / f"lost{i}") for i in range(missing)]
+    plans = [
+        SimpleNamespace(root=str(tmp_path), ids={"x": "1", "y": "2"}, products=[str(tmp_path / "there")]),
+        SimpleNamespace(root=str(tmp_path), ids={"z": "3"}, products=lost[::-1]),
+    ]
+    wrong, asked = [Fault(f"bad{i}", "damaged", f"why {i}") for i in range(faulty)], []
+    monkeypatch.setattr(module, "_plans", lambda given: plans if given == str(target) else [])
+    monkeypatch.setattr(module, "manifests", lambda root: ("stamps", root))
+    monkeypatch.setattr(module, "faults", lambda *given: asked.append(given) or wrong[:1])
+    monkeypatch.setattr(module, "_index_faults", lambda root: [] if folder else wrong[1:])
+    monkeypatch.setattr(module, "_other_faults", lambda *given: asked.append(given) or wrong[1:])
+    monkeypatch.setattr(module, "_healed", lambda *given: asked.append(given) or ["healed"])
+    ids = {"x": "1", "y": "2", "z": "3"}
+    command = "vsb run CONFIG" if folder else f"vsb run {target}"
+    lines = [*(f"bad{i}: why {i}" for i in range(faulty)), *(f"{path}: is not there" for path in lost)]
+    if lines:
+        more = f" (and {len(lines) - 1} more)" if len(lines) > 1 else ""
+        heals = f"vsb verify {target} --heal removes what is wrong, " if faulty else ""
+        with pytest.raises(VsbError, match=f"^{re.escape(f'{lines[0]}{more}; {heals}{command} makes it anew')}$"):
+            verify(str(target), heal=False)
+    else:
+        assert verify(str(target), heal=False) == [f"{target}: 3 files are what they should be"]
+    others = [(Path(target), {"x", "y", "z"})] if folder else []
+    assert asked == [(ids, ("stamps", tmp_path)), *others]
+    makes = f"{command} makes {len(lines)} files" if lines else f"{target}: all is sound"
+    assert verify(str(target), heal=True) == ["healed", makes]
+    assert asked[-1] == (tmp_path, wrong)
+
+
+def test_files_that_no_plan_names_are_judged_by_what_they_say_of_themselves(tmp_path):
+    """Netcdf, packed members and what manifests promise; those a plan names are its own to judge."""
+    (tmp_path / "below").mkdir()
+    names = {name: tmp_path / "below" / name for name in ("a.nc", ".b.nc", f"c{packed.SUFFIX}", "d.csv", "e.csv")}
+    for path in names.values():
+        path.write_bytes(b"none")
+    manifest = tmp_path / "below" / "manifest.json"
+    record(manifest, "0" * 16, [names["d.csv"], names["e.csv"]])
+    names["d.csv"].write_bytes(b"other")
+    found = _other_faults(tmp_path, set())
+    assert [fault.path for fault in found] == [str(names[name]) for name in ("a.nc", f"c{packed.SUFFIX}", "d.csv")]
+    assert {fault.kind for fault in found} == {"damaged"}
+    assert not any(fault.reason.startswith(fault.path) for fault in found)
+    known = _other_faults(tmp_path, {str(names["a.nc"]), str(names["d.csv"])})
+    assert [fault.path for fault in known] == [str(names[f"c{packed.SUFFIX}"])]
+    manifest.write_text("{")
+    *_, last = _other_faults(tmp_path, set())
+    assert (last.path, last.reason.startswith("cannot be read as a manifest")) == (str(manifest), True)
