@@ -522,3 +522,22 @@ def test_kernels_are_thousands_of_their_units_convolved_and_as_a_state_space():
         np.testing.assert_allclose(whole.get_ydata(), size * np.exp(-time))
         np.testing.assert_allclose(states.get_ydata(), 1.1 * size * np.exp(-time))
         assert (whole.get_label(), states.get_label()) == ("convolution kernel", "state space")
+
+
+@pytest.mark.filterwarnings("error")
+def test_where_the_rigid_design_takes_nothing_at_one_tuning_gains_of_the_other_have_their_axis(responding):
+    """Nothing is divided by what it takes at the given damper."""
+    given = responding.response.absorbed_power.copy()
+    given[0] = 0.0
+    best, other = absorbed_power(data(response=responding.response.assign(absorbed_power=given))).axes[2:4]
+    assert [text.get_text() for text in other.texts] == ["no absorbed power to compare with"]
+    assert best.get_ylim()[0] < 0 < best.get_ylim()[1]
+
+
+def test_an_axis_of_reactances_has_its_bounds_where_there_are_hardly_any(responding):
+    impedance = (("design", "omega"), np.full((2, len(OMEGA)), 1 + 1e-3j))
+    top, bottom = reactance(data(response=responding.response.assign(port_impedance=impedance))).axes[:2]
+    assert top.get_ylim() == pytest.approx((0.05, 0.15))
+    for ax in (top, bottom):
+        assert "study's wave" in [line.get_label() for line in ax.get_lines()]
+    assert [line.get_ydata()[0] for line in bottom.get_lines()[:2]] == pytest.approx([1.0, 1.0], abs=1e-6)

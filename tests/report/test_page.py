@@ -580,3 +580,32 @@ def test_tables_of_a_page_are_those_of_its_data():
         assert found[name] == [list(kept_head), *kept], name
     bare = page_of(found=None)
     assert [name for name in tables if f'download="{name}.csv"' in bare] == ["given_damper", "energy"]
+
+
+def test_sentences_of_all_seas_say_at_which_dampers_and_what_these_leave():
+    """Of regular ones first, then of irregular ones; each with the shares of its own sea."""
+    noise = [{**line, "sea": "noise", "share": share} for line, share in zip(SWELL, (0.5, 1.0), strict=True)]
+    rows = [*BOTH, {**row("FSB", 100), "wave": "noise_s1"}]
+    study = {**STUDY, "pto": {"tuning": "each"}}
+    more = {"irregular": ["noise_s1"], "statistics": [BASE, LINE], "equal_tuning": [*SWELL, *noise]}
+    seas = {"w": "a swell", "noise": "white noise", "noise_s1": "one of them"}
+    page = render(Report(study, seas, rows, [], response(A=0.2), "FSB", {}, {}, **more))
+    where = "In time, at their own best dampers, in"
+    swell = (
+        f"{where} a swell, A absorbs most: 120 W on average (against FSB: A +20.0 %); at 8000 N s/m FSB reaches 26 %"
+    )
+    white = f"{where} white noise, FSB absorbs 100 W, A absorbs 120 W (+20.0 %; 95 %: +18.0 to +22.0 %)"
+    assert 0 < page.index(swell) < page.index(f"{white}; at 8000 N s/m FSB reaches 50 % of its own best, A 100 %.")
+    assert "in one of them" not in page
+
+
+@pytest.mark.parametrize(
+    ("damping", "given"), [(10.0, True), (0.0, True), ({"FSB": 0.0, "A": 5.0}, True), (None, False)]
+)
+def test_a_damper_of_nothing_is_a_given_one_too(damping, given):
+    page = page_of(
+        study={**STUDY, "pto": {"damping": damping, "tuning": "fixed" if given else "each"}}, found=response(A=0.2),
+        figures=("absorbed_power",),
+    )  # fmt: skip
+    assert ("Over the whole band, all at the given damper:" in page) == given
+    assert ("right at the given damper" in page) == given

@@ -4,6 +4,7 @@ import csv
 import io
 import re
 import xml.etree.ElementTree as ET
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -265,3 +266,28 @@ def test_groups_that_say_nothing_are_taken_away_and_what_is_in_them_stays_in_its
     _unwrap(root)
     told = [(element.tag.partition("}")[2], element.get("id")) for element in root.iter()]
     assert told == [("svg", None), ("a", None), ("b", None), ("c", None), ("g", "x"), ("d", None), ("e", None)]
+
+
+def test_a_drawing_is_as_large_as_its_figure_and_says_what_it_shows(figure):
+    """In points, 72 of an inch; wider than it is high."""
+    figure.set_size_inches(6.25, 4.5)
+    root = ET.fromstring(drawn(figure, "wave").svg)
+    size = (root.get("width"), root.get("height"), root.get("viewBox"))
+    assert size == ("450pt", "324pt", "0 0 450 324")
+    assert (root.get("role"), root.get("aria-label")) == ("img", in_words(figure))
+
+
+def test_of_many_bars_the_first_eight_are_told():
+    figure, axes = grid_of_axes(3.0)
+    for k in range(10):
+        axes[0, 0].bar([0], [k + 1.0], label=f"b{k}")
+    axes[0, 0].set_xticks([0], ["A"])
+    axes[0, 0].set_xlabel("mass [kg]")
+    assert in_words(figure) == "mass [kg]: " + "; ".join(f"b{k}: A {k + 1}" for k in range(8))
+
+
+def test_each_file_of_a_figure_holds_its_own_kind(tmp_path):
+    paths = Drawn("<svg/>", b"%PDF", "x,y").write(str(tmp_path), "one")
+    assert [(Path(path).name, Path(path).read_bytes()) for path in paths] == [
+        ("one.svg", b"<svg/>"), ("one.pdf", b"%PDF"), ("one.csv", b"x,y"),
+    ]  # fmt: skip

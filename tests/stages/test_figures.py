@@ -11,7 +11,9 @@ from conftest import varied
 
 from vsb.report.figures import draw
 from vsb.stages import figures
+from vsb.study.body import BodyStudy
 from vsb.study.plan import figure_names
+from vsb.study.reading import validated
 from vsb.study.results_plan import FIGURE_KINDS
 
 
@@ -116,3 +118,45 @@ def test_what_figures_are_told_of_a_study_is_its_own(seed, tmp_path, monkeypatch
 def test_what_drifts_alone_has_a_period_of_its_own_in_still_water(seed):
     still = varied(seed, waves=[{"kind": "still"}]).waves[0]
     assert figures._period(seed, still, xr.Dataset({"wet_natural_frequency": ("wet_mode", [])})) == 2 * np.pi
+
+
+def test_spectra_reach_as_far_as_runs_have_components_and_a_body_has_no_limit(seed, tmp_path, monkeypatch):
+    """What floats without an axis of revolution may take more than a wavelength over two pi."""
+    raft = {
+        "study": "raft", "designs": {"a": {}}, "waves": [{"kind": "still"}], "pto": {"damping": 1.0},
+        "body": {"file": {"body": "raft", "mesh": "-", "modes": "-", "omega": [0.5, 1.0]}},
+    }  # fmt: skip
+    plan, seen = SimpleNamespace(figures=("any",), study_id="0" * 16, highest=7.5), []
+    response = xr.Dataset({"wet_natural_frequency": ("wet_mode", [1.5])}, attrs={"limit": "3 λ/2π"})
+    parts = dict.fromkeys(("modes", "database", "radiation", "witness"), xr.Dataset())
+    found = SimpleNamespace(plan=plan, runs={}, response=response, **parts)
+    monkeypatch.setattr(figures, "Inputs", lambda *_: found)
+    monkeypatch.setattr(figures, "in_direction", lambda response, _: response)
+    monkeypatch.setattr(figures, "_spectra", lambda *given: given)
+    monkeypatch.setattr(figures, "draw", lambda _, data: seen.append(data))
+    monkeypatch.setattr(figures, "drawn", lambda *_: SimpleNamespace(write=lambda *_: []))
+    studies = (seed, validated(BodyStudy, raft, "raft.yaml"))
+    for study in studies:
+        figures.run(study, "nowhere", str(tmp_path), str(tmp_path / "manifest.json"))
+    assert [data.spectra for data in seen] == [(study, 7.5) for study in studies]
+    assert [data.limit for data in seen] == ["limit 3 λ/2π", "λ/2π"]
+    del response.attrs["limit"]
+    figures.run(seed, "nowhere", str(tmp_path), str(tmp_path / "manifest.json"))
+    assert seen[-1].limit == "limit λ/2π"
+
+
+def test_files_of_every_figure_are_stamped(seed, tmp_path, monkeypatch):
+    plan, noted = SimpleNamespace(figures=("one", "two"), study_id="identity", highest=5.0), []
+    parts = dict.fromkeys(("modes", "database", "radiation", "response", "witness"), xr.Dataset())
+    monkeypatch.setattr(figures, "Inputs", lambda *_: SimpleNamespace(plan=plan, runs={}, **parts))
+    monkeypatch.setattr(figures, "in_direction", lambda response, _: response)
+    monkeypatch.setattr(figures, "draw", lambda name, _: f"figure {name}")
+    monkeypatch.setattr(
+        figures, "drawn", lambda *of: SimpleNamespace(write=lambda *to: [f"{of} {to} {kind}" for kind in ("a", "b")])
+    )
+    monkeypatch.setattr(figures, "record", lambda *given: noted.append(given))
+    figures.run(seed, "nowhere", "out", "manifest")
+    paths = [
+        f"{(f'figure {name}', name)} {('out', name)} {kind}" for name in ("one", "two") for kind in ("a", "b")
+    ]  # fmt: skip
+    assert noted == [("manifest", "identity", paths)]

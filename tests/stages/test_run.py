@@ -666,3 +666,23 @@ def test_what_has_ended_by_itself_meanwhile_needs_no_end(monkeypatch):
 
     monkeypatch.setattr(launcher.psutil, "Process", none)
     launcher._end(1)
+
+
+def test_what_a_run_told_unseen_is_kept_when_it_fails_and_records_that_are_damaged_are_gone_before(
+    workplace, monkeypatch, capsys
+):
+    record = Path(".snakemake/metadata/bad")
+    record.parent.mkdir(parents=True)
+    record.write_text("{")
+    monkeypatch.setattr(launcher, "_line", lambda options, plan, last: last.extend)
+
+    def finished(command, line, **_):
+        assert not record.exists()
+        line(["Building DAG\n", "OSError: [Errno 28] No space left on device\n"])
+        return 1
+
+    monkeypatch.setattr(launcher, "finished", finished)
+    assert main(["run", written("study.yaml")]) == 1
+    told = "the run of 'seed' did not complete: No space left on device; all that was told is in results/logs/seed.log"
+    assert capsys.readouterr().err == f"vsb: error: {told}\n"
+    assert Path("results/logs/seed.log").read_text().startswith("Building DAG\nOSError")

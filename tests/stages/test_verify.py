@@ -631,3 +631,22 @@ def test_files_that_no_plan_names_are_judged_by_what_they_say_of_themselves(tmp_
     manifest.write_text("{")
     *_, last = _other_faults(tmp_path, set())
     assert (last.path, last.reason.startswith("cannot be read as a manifest")) == (str(manifest), True)
+
+
+@pytest.mark.parametrize("databases", [True, False])
+@pytest.mark.parametrize("faulty", [True, False])
+def test_healing_writes_the_index_wherever_there_are_databases(tmp_path, monkeypatch, databases, faulty):
+    """An index that is missing is no fault, and is there again; what is of before the stamps is stamped, not removed."""
+    written, stamped, root = [], [], tmp_path
+    if databases:
+        (root / "hydro" / "db").mkdir(parents=True)
+    (root / "bad.nc").touch()
+    monkeypatch.setattr("vsb.hydro.database.write_index", written.append)
+    monkeypatch.setattr(module, "stamp_file", stamped.append)
+    faults = (
+        [Fault("old.nc", "unstamped", "of before"), Fault(str(root / "bad.nc"), "damaged", "why")] if faulty else []
+    )
+    told = ["stamped old.nc: of before", f"removed {root / 'bad.nc'}: why"] if faulty else []
+    assert module._healed(root, faults) == told
+    assert (stamped, (root / "bad.nc").exists()) == (["old.nc"] if faulty else [], not faulty)
+    assert written == ([root / "hydro" / "db"] if databases else [])
