@@ -4,7 +4,6 @@ import csv
 import io
 import re
 import xml.etree.ElementTree as ET
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -284,10 +283,3 @@ def test_of_many_bars_the_first_eight_are_told():
     axes[0, 0].set_xticks([0], ["A"])
     axes[0, 0].set_xlabel("mass [kg]")
     assert in_words(figure) == "mass [kg]: " + "; ".join(f"b{k}: A {k + 1}" for k in range(8))
-
-
-def test_each_file_of_a_figure_holds_its_own_kind(tmp_path):
-    paths = Drawn("<svg/>", b"%PDF", "x,y").write(str(tmp_path), "one")
-    assert [(Path(path).name, Path(path).read_bytes()) for path in paths] == [
-        ("one.svg", b"<svg/>"), ("one.pdf", b"%PDF"), ("one.csv", b"x,y"),
-    ]  # fmt: skip

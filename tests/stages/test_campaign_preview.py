@@ -182,3 +182,48 @@ def test_runs_in_time_are_told_by_the_verification_and_its_own_study(tmp_path):
     assert campaign_preview._runs_lines(plan) == [words]
     plan.loaded.campaign.verify = None
     assert campaign_preview._runs_lines(plan) == []
+
+
+def test_what_a_climate_lacks_is_told_last_and_members_and_batches_are_counted(tmp_path, monkeypatch):
+    """Two shapes of three points in two batches, one of which is there."""
+    asked = []
+    plan = SimpleNamespace(
+        name="wide", climate="seas", folder=str(tmp_path), batches=dict.fromkeys("ab"), verifications={},
+        members=[SimpleNamespace(id=name, spec=SimpleNamespace(sweep=shape)) for name, shape in zip("xyz", "aba", strict=True)],
+        batch_paths=[str(tmp_path / "a.nc"), str(tmp_path / "b.nc")],
+        loaded=SimpleNamespace(
+            climate_path="sea.txt", tuning=("one", "each"),
+            campaign=SimpleNamespace(study="study.yaml", vary=SimpleNamespace(values={"k": 1, "l": 2}), verify=None),
+        ),
+    )  # fmt: skip
+    seas = SimpleNamespace(hours=[0.2, 0.3, 0.5], notes=("a gap", "another"))
+    monkeypatch.setattr(campaign_preview, "check_campaign", asked.append)
+    monkeypatch.setattr(campaign_preview, "read_climate", lambda *given: seas if given == ("seas", "sea.txt") else None)
+    (tmp_path / "members").mkdir()
+    (tmp_path / "members" / f"y{SUFFIX}").touch()
+    (tmp_path / "a.nc").touch()
+    assert campaign_summary(plan) == [
+        "campaign     wide: study.yaml over 3 seas, tuning one, each",
+        "points       3 of k x l, 1 done",
+        "jobs         1 of 2 batches to do, 2 shapes of the water",
+        "climate      a gap",
+        "climate      another",
+    ]
+    assert asked == [plan]
+
+
+def test_designs_that_are_not_viable_are_not_looked_at_and_others_must_rest(monkeypatch):
+    asked = []
+    monkeypatch.setattr("vsb.scenes.viability.viability", lambda study: SimpleNamespace(viable=study))
+
+    def rests(*given):
+        asked.append(given)
+        if given[0] == "soft":
+            raise ConfigError("no rest")
+
+    monkeypatch.setattr("vsb.scenes.rest.check_rests", rests)
+    campaign_preview._check_runs(None, "c.yaml")
+    campaign_preview._check_runs(("stiff", "at rest"), "c.yaml")
+    with pytest.raises(ConfigError, match=r"^c\.yaml: verify: no rest$"):
+        campaign_preview._check_runs(("soft", "at rest"), "c.yaml")
+    assert asked == [("stiff", "at rest"), ("soft", "at rest")]

@@ -191,10 +191,11 @@ def test_what_is_damaged_counts_beside_what_is_missing(tmp_path, monkeypatch):
         crate("x.yaml", "x.zip")
 
 
-@pytest.mark.parametrize("zone", ["UTC", "EST5", "NZST-12"])
-def test_a_date_is_that_of_greenwich_wherever_results_are_packed(tmp_path, monkeypatch, zone):
+@pytest.mark.parametrize(("zone", "seconds"), [("UTC", 40), ("EST5", 40), ("NZST-12", 86000)])
+def test_a_date_is_that_of_greenwich_wherever_results_are_packed(tmp_path, monkeypatch, zone, seconds):
+    """West of it the day before has not ended, east of it the next has begun."""
     (tmp_path / "a.csv").write_text("1")
-    os.utime(tmp_path / "a.csv", (86400 * 300 + 43000, 86400 * 300 + 43000))
+    os.utime(tmp_path / "a.csv", (86400 * 300 + seconds,) * 2)
     with monkeypatch.context() as patch:
         patch.setenv("TZ", zone)
         time.tzset()

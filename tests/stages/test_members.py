@@ -578,3 +578,17 @@ def test_a_member_that_is_there_is_kept_and_of_one_that_is_damaged_it_is_said(
         assert (found.attrs, saved) == (attrs, [(attrs, path)])
     told = f"{path}: is no id. It is computed anew.\n" if there and not sound else ""
     assert capsys.readouterr().out == told
+
+
+def test_coefficients_of_every_order_are_in_its_own_displacements(monkeypatch):
+    """By its own labels, at the frequencies asked for."""
+    monkeypatch.setattr(members, "displacements", lambda labels, order: (labels, order))
+    omega, solved = np.array([0.5, 0.7]), np.linspace(0.2, 4.0, 24)
+    buoys = tuple(known(solved, order=order) for order in range(3))
+    for order, buoy in enumerate(buoys):
+        buoy.labels = (f"label {order}",)
+    found = members.Swept(buoys).at(omega)
+    for order, one in enumerate((found, *found.orders)):
+        moved, at, coefficients = (getattr(one, name) for name in list(vars(one))[:3])
+        assert (moved, coefficients[0]) == (((f"label {order}",), order), order)
+        assert at is coefficients[1] is omega

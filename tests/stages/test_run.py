@@ -18,7 +18,7 @@ from stages.test_members import MODULI, planned, with_seas
 from test_cli import written
 
 from vsb.cli import main
-from vsb.errors import ConfigError
+from vsb.errors import ConfigError, VsbError
 from vsb.stages import run as launcher
 from vsb.stages import slurm
 from vsb.study.plan import StudyPlan
@@ -686,3 +686,12 @@ def test_what_a_run_told_unseen_is_kept_when_it_fails_and_records_that_are_damag
     told = "the run of 'seed' did not complete: No space left on device; all that was told is in results/logs/seed.log"
     assert capsys.readouterr().err == f"vsb: error: {told}\n"
     assert Path("results/logs/seed.log").read_text().startswith("Building DAG\nOSError")
+
+
+@pytest.mark.parametrize(
+    ("option", "near"), [("--proflie", "--profile"), ("--crores", "--cores"), ("--dry-rum", "--dry-run")]
+)
+def test_options_of_the_command_itself_are_among_those_that_may_be_meant(option, near):
+    needs = f"unrecognized arguments: {option}, of snakemake; did you mean {near}?"
+    with pytest.raises(VsbError, match=f"^{re.escape(needs)}$"):
+        launcher.check_options([option], StudyPlan(load(SEED)))

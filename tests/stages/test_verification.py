@@ -255,11 +255,11 @@ def test_runs_are_in_waves_of_the_whole_band_that_is_solved_and_no_others(monkey
     assert (better.tolist(), linear.tolist()) == ([[3.0, 3.0]] * 2, [[2.0, 2.0]] * 2)
 
 
-def test_every_design_is_run_under_its_own_damper_of_the_drawn_sea(monkeypatch):
+def test_every_design_is_run_under_its_own_damper_of_the_drawn_sea(monkeypatch, capsys):
     """Dampers by design and sea; a power tells which was taken."""
     monkeypatch.setattr(verification, "realised", lambda *given: given[1])
     spec = SimpleNamespace(simulation=SimpleNamespace(duration=60.0), verify=SimpleNamespace(model="linear"))
-    climate = SimpleNamespace(hs=np.ones(3), te=np.full(3, 5.0))
+    climate = SimpleNamespace(hs=np.array([1.0, 2.0, 3.0]), te=np.array([5.0, 6.0, 7.0]))
     damping = np.array([[[1.0, 2.0, 3.0]], [[10.0, 20.0, 30.0]]])
     year, sample = SimpleNamespace(climate=climate, damping=damping), SimpleNamespace(sea=[2, 0], seed=[7, 9])
 
@@ -272,6 +272,12 @@ def test_every_design_is_run_under_its_own_damper_of_the_drawn_sea(monkeypatch):
     better, linear = verification._powers(spec, year, sample, {"A": Design(), "B": Design()})
     assert better == pytest.approx(np.array([[3.2, 1.0], [30.2, 10.0]]))
     assert linear.tolist() == [[-3.0, -1.0], [-30.0, -10.0]]
+    assert capsys.readouterr().out.splitlines() == [
+        f"{name} in a sea of Hs {hs} m and Te {te} s: {better:.5g} W, {linear:.5g} W by linear theory"
+        for name, hs, te, better, linear in (
+            ("A", 3, 7, 3.2, -3.0), ("B", 3, 7, 30.2, -30.0), ("A", 1, 5, 1.0, -1.0), ("B", 1, 5, 10.0, -10.0)
+        )
+    ]  # fmt: skip
 
 
 def test_runs_are_told_by_their_seas_their_length_their_model_and_their_window():
