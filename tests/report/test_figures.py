@@ -543,3 +543,16 @@ def test_an_axis_of_reactances_has_its_bounds_where_there_are_hardly_any(respond
     for ax in (top, bottom):
         assert "study's wave" in [line.get_label() for line in ax.get_lines()]
     assert [line.get_ydata()[0] for line in bottom.get_lines()[:2]] == pytest.approx([1.0, 1.0], abs=1e-6)
+
+
+@pytest.mark.parametrize("stored", [(-7.0, 3.0), (3.0, -7.0), (3.0, 4.0)])
+def test_what_any_design_gave_up_is_told(stored):
+    runs = {
+        (design, "w"): xr.Dataset(
+            {"energy": (("time", "term"), 1e3 * np.array([[5.0, own, 5.0 + own]]))},
+            {"time": [1.0], "term": ["pto", "stored", "wave"]},
+        )
+        for design, own in zip(("FSB", "VSWEC"), stored, strict=True)
+    }
+    (ax,) = energy_audit(data(runs=runs), "w").axes
+    assert ("given up by the motion it started with" in ax.get_xlabel()) == (min(stored) < 0)

@@ -609,3 +609,14 @@ def test_a_damper_of_nothing_is_a_given_one_too(damping, given):
     )  # fmt: skip
     assert ("Over the whole band, all at the given damper:" in page) == given
     assert ("right at the given damper" in page) == given
+
+
+def test_bands_are_of_every_other_design_wherever_the_rigid_one_stands():
+    absorbed = response(wins=0.3, loses=-0.2).absorbed_power
+    for order in ([0, 1, 2], [1, 0, 2], [2, 1, 0]):
+        said = band_statements(absorbed.isel(design=order), "FSB")
+        names = [str(absorbed.design.values[i]) for i in order if i]
+        assert [text.split()[:3] for text in said] == [
+            [name, "absorbs", {"wins": "more", "loses": "less"}[name]] for name in names
+        ]
+        assert all(text.endswith(" than FSB.") for text in said)

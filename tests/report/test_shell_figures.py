@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 import xarray as xr
@@ -314,3 +315,21 @@ def test_what_shrinks_a_shell_is_magnified_like_what_swells_it(sign):
     given = data()
     given.runs["VSWEC", "w"].position[:, 1] = sign * 0.05 * np.sin(np.pi * TIME / 10.0) ** 2
     assert figures._magnification(given, "w") == 5.0
+
+
+def test_wires_are_twelve_meridians_all_around_and_rings_between_the_poles():
+    """Thirty degrees apart; rings are level, closed, and as wide as the body where they are."""
+    ax = mpl.figure.Figure().add_subplot(projection="3d")
+    x, z = 2.0 * np.sin(PHI), 3.0 * np.cos(PHI)
+    figures._draw_wires(ax, x, z, "#123456")
+    lines = [np.stack(np.broadcast_arrays(*line.get_data_3d())) for line in ax.lines]
+    meridians, rings = lines[:12], lines[12:]
+    angles = sorted(round(float(np.rad2deg(np.arctan2(one[1, 9], one[0, 9]))) % 360) for one in meridians)
+    assert angles == list(range(0, 360, 30))
+    for one in meridians:
+        np.testing.assert_allclose((np.hypot(*one[:2]), one[2]), (x, z), atol=1e-12)
+    assert [round(float(one[2, 0]), 9) for one in rings] == [round(float(z[i]), 9) for i in (5, 10, 15)]
+    for one, i in zip(rings, (5, 10, 15), strict=True):
+        np.testing.assert_allclose(np.hypot(*one[:2]), x[i])
+        np.testing.assert_allclose(one[:, 0], one[:, -1], atol=1e-12)
+        assert np.ptp(one[2]) == 0.0

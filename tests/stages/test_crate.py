@@ -202,3 +202,18 @@ def test_a_date_is_that_of_greenwich_wherever_results_are_packed(tmp_path, monke
         root = metadata(PLAN, {"a.csv": str(tmp_path / "a.csv")}, "a.csv", None, None)["@graph"][1]
     time.tzset()
     assert root["datePublished"] == "1970-10-28"
+
+
+def test_a_study_file_of_another_folder_lies_at_the_root_of_the_archive(small, tmp_path):
+    """By its name alone; what it was asked for by is told so."""
+    (tmp_path / "elsewhere").mkdir()
+    shutil.copy("small.yaml", tmp_path / "elsewhere" / "my study.yaml")
+    crate(str(tmp_path / "elsewhere" / "my study.yaml"), str(tmp_path / "small.zip"))
+    contents, entities = opened(tmp_path / "small.zip")
+    assert contents["my study.yaml"] == Path("small.yaml").read_bytes()
+    assert not any("elsewhere" in name for name in contents)
+    assert (entities["#run"]["name"], entities["#run"]["object"]) == (
+        "vsb run my study.yaml",
+        {"@id": "my%20study.yaml"},
+    )
+    assert "made from my study.yaml;" in entities["./"]["description"]
