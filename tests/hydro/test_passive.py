@@ -543,3 +543,174 @@ def test_tolerances_just_beyond_are_refused(tolerance):
 
 def test_the_coarsest_tolerance_is_taken():
     assert fit_passive(samples(reciprocal(4, 2, 1, 0)), 0.1).error <= 0.02
+
+
+@pytest.mark.parametrize("name", ["added_mass", "damping", "added_mass_inf"])
+def test_an_asymmetry_is_in_terms_of_the_largest_entry_whatever_that_is(name):
+    """Either way; of a matrix of a thousand of what it is measured in and of one of a thousandth."""
+    omega, size = np.array([1.0, 2.0, 3.0, 4.0]), np.array([2.0, 0.5])
+    for largest in (1e3, 1e-3):
+        for share in (0.9e-6, -0.9e-6, 1.1e-6, -1.1e-6):
+            even = largest * np.array([[1.0, 0.2], [0.2, 0.5]])
+            even[1, 0] += share * largest
+            parts = {
+                "added_mass": np.ones((4, 2, 2)), "damping": np.ones((4, 2, 2)), "added_mass_inf": np.ones((2, 2)),
+            }  # fmt: skip
+            parts[name] = parts[name] * even * np.outer(size, size)
+            if name != "added_mass_inf":
+                parts[name][:3] = 0.0
+            made = {key: value * (np.outer(size, size) if key != name else 1.0) for key, value in parts.items()}
+            if abs(share) < 1e-6:
+                RadiationSamples(omega, size=size, **made)
+                continue
+            with pytest.raises(DatabaseError, match=rf"^{name}: received an asymmetry of 1.1e-06 of its largest entry"):
+                RadiationSamples(omega, size=size, **made)
+
+
+def fitted_with(monkeypatch, parts, groups):
+    """What `fit_passive` makes of parts fitted apart, given as they come."""
+    given = iter(parts)
+    monkeypatch.setattr(passive, "_fit_block", lambda *_: next(given))
+    monkeypatch.setattr(passive, "_fit_limit", lambda *_: next(given))
+    monkeypatch.setattr(passive, "coupled", lambda k, least: [np.array(group) for group in groups])
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_of_parts_the_least_drawn_and_the_most_changed_are_told(monkeypatch, turned):
+    """By different parts, one of which radiates nothing; the shift of each at its own motions."""
+    true = reciprocal(4, 2, 1, 0)
+    made = samples(reciprocal(6, 2, 3, 1))
+    shift = np.array([[1e-3]])
+    parts = [
+        passive._Part(true, 0.0, -0.03, 0.01, shift),
+        passive._Part(None, np.inf, 0.0, 0.0, 0 * shift),
+        passive._Part(true, 0.0, -0.01, 0.04, -2 * shift),
+    ]
+    groups = [[0], [1], [2]]
+    if turned:
+        parts, groups = parts[::-1], groups[::-1]
+    monkeypatch.setattr(passive, "UNUSABLE", 1e3)
+    fitted_with(monkeypatch, parts, groups)
+    fit = fit_passive(made, 1e-3, limit="fitted")
+    assert (fit.drawn, fit.changed) == (-0.03, 0.04)
+    units = made.size**2
+    expected = np.diag([1e-3 * units[0], 0.0, -2e-3 * units[2]])
+    assert fit.added_mass_inf - made.added_mass_inf == pytest.approx(expected, abs=1e-12)
+    assert fit.shifted == pytest.approx(np.abs(expected / 50.0).max())
+    assert not fit.model.input_matrix[:, 1].any()
+    k = true.transfer(OMEGA)[:, 0, 0]
+    for at in (0, 2):
+        assert fit.model.transfer(OMEGA)[:, at, at] == pytest.approx(k * units[at])
+
+
+@pytest.mark.parametrize(("second", "better"), [(0.5e-3, True), (2e-3, False), (1e-3, False)])
+def test_a_limit_is_found_twice_and_the_better_is_kept(monkeypatch, second, better):
+    """The second of what the first leaves, its shift added to the first's."""
+    omega, k = np.array([1.0, 2.0]), np.array([[[1.0 + 2j]], [[3.0 - 1j]]])
+    parts = [passive._Part(None, 1e-3, 0, 0, np.array([[0.5]])), passive._Part(None, second, 0, 0, np.array([[-0.1]]))]
+    asked = []
+
+    def block(*given):
+        asked.append(given)
+        return parts[len(asked) - 1]
+
+    monkeypatch.setattr(passive, "_fit_block", block)
+    found = passive._fit_limit(omega, k, 0.01)
+    assert found.error == (second if better else 1e-3)
+    assert found.shift == pytest.approx(np.array([[0.4 if better else 0.5]]))
+    assert [(tolerance, limit) for _, _, tolerance, limit in asked] == [(0.01, "fitted")] * 2
+    assert asked[1][1] == pytest.approx(k - 1j * omega[:, None, None] * 0.5)
+
+
+def test_a_start_is_lifted_until_there_is_one(monkeypatch):
+    """Four times each time, from what is asked for."""
+    true = reciprocal(6, 2, 2, 0)
+    outputs = passive._PassiveOutputs(true.state_matrix, true.input_matrix)
+    asked, solve = [], passive.solve_continuous_are
+
+    def refuses_thrice(a, b, q, r, **others):
+        asked.append(r[0, 0])
+        if len(asked) < 4:
+            raise np.linalg.LinAlgError("no solution")
+        return solve(a, b, q, r, **others)
+
+    monkeypatch.setattr(passive, "solve_continuous_are", refuses_thrice)
+    factor = outputs.start(true.input_matrix.T, 0.01)
+    assert asked == pytest.approx([0.02, 0.08, 0.32, 1.28])
+    monkeypatch.undo()
+    assert factor == pytest.approx(outputs.start(true.input_matrix.T, 0.64))
+
+
+def test_candidates_have_more_poles_until_two_numbers_of_them_gain_nothing(monkeypatch):
+    """Of noise the best is reduced to within half as much again; of what is fitted each that is near enough."""
+    omega, tried, reduced = np.linspace(0.1, 6.0, 41), [], []
+    errors = {4: 1.0, 6: 0.5, 8: 0.46, 10: 0.47, 12: 0.1, 14: 0.1, 16: 0.1, 20: 0.1}
+
+    class Fit:
+        def __init__(self, poles):
+            self.poles = poles
+
+        def transfer(self, at):
+            return errors[self.poles] * np.ones((len(at), 1, 1))
+
+    def fit(at, k, poles):
+        tried.append(poles)
+        return Fit(poles)
+
+    def reductions(at, k, whole, tolerance):
+        reduced.append((whole.poles, tolerance))
+        yield whole
+
+    monkeypatch.setattr(passive, "rational_fit", fit)
+    monkeypatch.setattr(passive, "_reductions", reductions)
+    k = np.zeros((41, 1, 1), dtype=complex)
+    assert [each.poles for each in passive._candidates(omega, k, 1e-3)] == [8]
+    assert tried == [4, 6, 8, 10, 8]
+    assert reduced == [(8, pytest.approx(0.69))]
+    tried.clear()
+    reduced.clear()
+    assert [each.poles for each in passive._candidates(omega, k, 0.93)] == [8]
+    assert tried == [4, 6, 8, 10]
+    assert reduced == [(8, 0.93)]
+    tried.clear()
+    errors[8] = 0.44
+    assert [each.poles for each in passive._candidates(omega, k, 0.3)] == [12, 14, 16]
+    assert tried == [4, 6, 8, 10, 12, 14, 16]
+    tried.clear()
+    list(passive._candidates(omega[:13], k[:13], 1e-3))
+    assert tried == [4, 6, 6]
+    tried.clear()
+    list(passive._candidates(omega[:5], k[:5], 1e-3))
+    assert tried == [4, 4]
+
+
+def test_reductions_are_the_shortest_within_the_tolerance_and_a_quarter_more():
+    whole = StateSpace(*(lambda m: (m.state_matrix, m.input_matrix, m.input_matrix.T))(reciprocal(16, 8, 2, 3)))
+    k = whole.transfer(OMEGA)
+    balanced = passive.Balanced.of(whole)
+    errors = [entry_error(balanced.truncated(order).transfer(OMEGA) - k) for order in range(1, balanced.order + 1)]
+    for order in (4, 9, balanced.order):
+        tolerance = 1.0001 * max(errors[order - 1], 1e-9) / 0.7
+        found = [len(one.state_matrix) for one in passive._reductions(OMEGA, k, whole, tolerance)]
+        low = found[0]
+        assert errors[low - 1] <= 0.7 * tolerance
+        assert low == 1 or errors[low - 2] > 0.7 * tolerance
+        assert found == sorted({low, min(low + max(1, low // 4), balanced.order)})
+
+
+def test_poles_above_the_band_are_reached_by_all_motions_and_leave_the_others_as_they_are():
+    true = reciprocal(4, 2, 2, 0)
+    a, b = passive._widened(true.state_matrix, true.input_matrix, np.array([-1.0 + 5j, -2.0 + 8j]))
+    assert a.shape == (12, 12)
+    assert b.shape == (12, 2)
+    assert np.array_equal(a[:4, :4], true.state_matrix)
+    assert np.array_equal(b[:4], true.input_matrix)
+    assert not a[:4, 4:].any()
+    assert not a[4:, :4].any()
+    poles = np.sort_complex(np.linalg.eigvals(a[4:, 4:]))
+    assert poles == pytest.approx(np.repeat(np.sort_complex([-1 + 5j, -1 - 5j, -2 + 8j, -2 - 8j]), 2))
+    states = np.linalg.solve(3j * np.eye(8) - a[4:, 4:], b[4:])
+    assert np.linalg.matrix_rank(states) == 2
+    none = passive._widened(true.state_matrix, true.input_matrix, np.zeros(0, dtype=complex))
+    assert np.array_equal(none[0], true.state_matrix)
+    assert np.array_equal(none[1], true.input_matrix)

@@ -1,3 +1,4 @@
+import itertools
 import math
 
 import numpy as np
@@ -195,3 +196,64 @@ def test_weights_make_the_misfit_that_counts_as_small_as_can_be():
         for _ in range(50):
             other = one.weights + 1e-2 * (rng.normal(size=(2, len(one.weights))).T @ [1, 1j])
             assert misfit(one, other / np.linalg.norm(other)) > least
+
+
+def test_of_all_interpolants_that_of_least_error_without_a_hidden_pole_is_taken():
+    """Doubt on the grid by what counts there, misfit by what counts at the samples, in whatever order these come."""
+    taken, passed = set(), 0
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        omega, on_grid = np.sort(rng.uniform(0.2, 11.0, 9)), 0.1 + rng.uniform(0.0, 3.0, len(GRID)) ** 4
+        poles, residues, limit = body(5, 2, seed)
+        values, size = resonances(omega, poles, residues, limit), rng.uniform(0.2, 2.0, 9)
+        values = values + (seed % 2) * rng.normal(size=values.shape)
+        rs = interpolants(omega, values, size)
+        apart = [np.abs(b(GRID) - a(GRID)).max(axis=1) * on_grid for a, b in itertools.pairwise(rs)]
+        errors = {}
+        for i, one in enumerate(rs[1:-1]):
+            misfit = (np.abs(one(omega) - values).max(axis=1) * size).max()
+            errors[len(one.support)] = max(apart[i].max(), apart[i + 1].max(), misfit)
+        order = rng.permutation(9)
+        found = settled(omega[order], values[order], size[order], GRID, on_grid)
+        hidden = {len(one.support) for one in rs if one.spurious(GRID)}
+        candidates = sorted(errors, key=errors.get)
+        best = next((count for count in candidates if count not in hidden), None)
+        if best is None:
+            assert found.error == np.inf
+            assert len(found.rational.support) == candidates[0]
+            continue
+        passed += best != candidates[0]
+        taken.add(best)
+        assert len(found.rational.support) == best
+        assert found.error == pytest.approx(errors[best], rel=1e-6)
+    assert len(taken) > 1
+    assert passed
+
+
+@pytest.mark.parametrize(
+    ("pole", "hidden"),
+    [
+        (1.5 - 0.39j, True),
+        (1.5 + 0.39j, True),
+        (1.5 - 0.41j, False),
+        (1.2 - 0.19j, True),
+        (1.2 - 0.21j, False),
+        (2.4 - 0.79j, True),
+        (2.4 - 0.81j, False),
+        (0.99 - 0.01j, False),
+        (2.51 - 0.01j, False),
+        (-1.2 - 0.01j, False),
+    ],
+)
+def test_a_pole_hides_in_the_gap_it_is_in(pole, hidden):
+    """Of a grid whose gaps are 0.1, 0.2, 0.4 and 0.8 wide; beside the grid none hides."""
+    one = Rational(np.array([1.0]), np.array([[2.0 + 0j]]), np.array([1.0 + 1.0j]))
+    vars(one)["poles"] = np.array([5.0 - 0.01j, pole, 1.05 - 3.0j])
+    assert one.spurious(np.array([1.0, 1.1, 1.3, 1.7, 2.5])) is hidden
+
+
+def test_four_samples_are_enough():
+    poles, residues, limit = body(1, 3, 0)
+    found = settled(samples(4), resonances(samples(4), poles, residues, limit), np.ones(4), GRID, ONE)
+    exact = resonances(GRID, poles, residues, limit)
+    assert np.abs(found.rational(GRID) - exact).max() < 1e-9 * np.abs(exact).max()

@@ -233,3 +233,66 @@ def test_stiffness_between_rigid_motions_is_the_mean_and_its_size_that_of_rows_a
 def test_only_failures_of_what_is_repaired_are_doubts():
     given = [Check("positive_damping", 1.0, 0.1, "-", verdict, "text") for verdict in ("ok", "doubt", "accepted")]
     assert told(given, ["positive_damping"]) == given
+
+
+@pytest.mark.parametrize("at", [0, 1, 2])
+def test_what_is_dry_stands_anywhere_and_what_is_wet_is_repaired_as_without_it(at):
+    """In units of its own; what a dry motion has of round-off goes."""
+    wet = noisy(two_channels(), 0.05)
+    units = np.outer([1.0, 30.0], [1.0, 30.0])
+    names = ("added_mass", "radiation_damping")
+    wet = wet.assign({name: wet[name] * units for name in names})
+    places, labels = [i for i in range(3) if i != at], list(LABELS)
+    labels.insert(at, "Yaw")
+    given = {}
+    for name in names:
+        values = np.zeros((len(OMEGA), 3, 3))
+        values[:, [[i] for i in places], places] = wet[name].values
+        given[name] = (("omega", *PAIR), values)
+    given["radiation_damping"][1][:, at, at] = 1e-13
+    ds = xr.Dataset(given, {"omega": OMEGA, **dict.fromkeys(PAIR, labels)}, wet.attrs)
+    assert sizes(ds).wet.tolist() == [label != "Yaw" for label in labels]
+    mended, alone = with_passive_damping(ds), with_passive_damping(wet)
+    found = mended.radiation_damping.values
+    assert np.array_equal(found[:, [[i] for i in places], places], alone.radiation_damping.values)
+    assert not found[:, at].any()
+    assert not found[:, :, at].any()
+    assert mended.attrs == alone.attrs
+
+
+def test_frequencies_are_lifted_on_both_sides_of_where_a_spline_draws():
+    """One that draws between the last two of the frequencies, and one that draws between the first two."""
+    for turned in (False, True):
+        b = np.ones((12, 1, 1))
+        b[-3:, 0, 0] = [1e-4, 1e-5, 0.8]
+        b = b[::-1] if turned else b
+        omega = np.arange(1, 13) * 0.1
+        coords = {"omega": omega, **{dim: ["Heave"] for dim in PAIR}}
+        data = {"added_mass": (("omega", *PAIR), np.ones((12, 1, 1))), "radiation_damping": (("omega", *PAIR), b)}
+        ds = xr.Dataset(data, coords, {"water_density": 1.0, "displaced_volume": 1.0})
+        fine = np.linspace(omega[0], omega[-1], 2000)
+        assert CubicSpline(omega, b[:, 0, 0])(fine).min() < 0
+        mended = with_passive_damping(ds)
+        found = mended.radiation_damping.values[:, 0, 0]
+        assert CubicSpline(omega, found)(fine).min() >= 0
+        raised = np.flatnonzero(found != b[:, 0, 0])
+        assert set(raised) == ({1, 2} if turned else {9, 10})
+        assert np.all(found[raised] > b[raised, 0, 0])
+        assert mended.attrs["history"] == "damping made positive definite at 2 of 12 frequencies"
+
+
+def test_a_second_repair_is_of_what_the_first_one_left():
+    """Its size, too; of none nothing is told."""
+    ds = noisy(two_channels(), 0.05)
+    found, checks = repaired(ds, ["positive_damping", "kramers_kronig"])
+    first, (one,) = repaired(ds, ["positive_damping"])
+    second, (two,) = repaired(first, ["kramers_kronig"])
+    assert checks == [one, two]
+    assert found.identical(second)
+    assert found.attrs["history"].endswith("frequencies; added mass made that of the damping by Kramers and Kronig")
+
+
+def test_failures_keep_all_but_their_verdict():
+    given = Check("kramers_kronig", 0.3, 0.1, "-", "fail", "text")
+    (found,) = told([given], ["positive_damping", "kramers_kronig"])
+    assert found == Check("kramers_kronig", 0.3, 0.1, "-", "doubt", "text; repaired")

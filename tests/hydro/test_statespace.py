@@ -275,3 +275,122 @@ def test_of_states_those_are_cut_that_are_hardly_reached():
     faint = RadiationModel(faint.state_matrix, 1e-7 * faint.input_matrix, faint.channel)
     short, omega = truncated(joined([faint, one]), 5), np.linspace(0.1, 5.0, 20)
     assert short.transfer(omega) == pytest.approx(one.transfer(omega), rel=1e-6, abs=1e-9)
+
+
+def test_partial_fractions_are_the_states_of_their_matrix_driven_by_their_vector():
+    """(s - block)^-1 ones, real poles first, however many there are of either kind and in whatever order."""
+    poles = np.array([-0.3 + 2j, -0.7, -1.0 - 0.5j, -0.3 - 2j, -1.9, -1.0 + 0.5j])
+    s = 1j * np.array([0.2, 1.5, 4.0]) + 0.1
+    basis, block, ones = radiation.partial_fractions(s, poles)
+    assert basis.shape == (3, 6)
+    states = [np.linalg.solve(each * np.eye(6) - block, ones) for each in s]
+    np.testing.assert_allclose(basis, states, rtol=1e-12)
+    np.testing.assert_allclose(np.sort_complex(np.linalg.eigvals(block)), np.sort_complex(poles), rtol=1e-12)
+
+
+def test_vector_fitting_finds_poles_on_the_axis_of_decay_beside_pairs():
+    """It starts from pairs alone."""
+    poles = np.array([-0.5, -2.0, -0.3 + 2j, -0.3 - 2j])
+    residues = np.array([[1.0, -2.0, 0.5 + 1j, 0.5 - 1j], [0.3, 1.0, 1.0, 1.0], [-1.0, 0.4, 0.2j, -0.2j]])
+    omega = np.linspace(0.05, 6.0, 60)
+    found = vector_fit(omega, np.array([[sum(r / (1j * w - poles)) for r in residues] for w in omega]), 4)
+    assert np.sort_complex(found) == pytest.approx(np.sort_complex(poles), abs=1e-6)
+
+
+def test_poles_that_grow_are_those_that_decay_as_fast_at_the_same_frequency():
+    poles = np.array([0.3 + 2j, 0.3 - 2j, -1.0 + 0.7j, -1.0 - 0.7j])
+    omega = np.linspace(0.05, 6.0, 60)
+    values = np.array([[sum(r / (1j * w - poles)) for r in ([1j, -1j, 0.5, 0.5], [1, 1, 2j, -2j])] for w in omega])
+    expected = np.where(poles.real > 0, -poles.conj(), poles)
+    assert np.sort_complex(vector_fit(omega, values, 4)) == pytest.approx(np.sort_complex(expected), abs=1e-6)
+
+
+def channel_of(order, seed):
+    """A channel's resolvent over frequencies, and what it is read by."""
+    model, omega = chain(order, 1, seed), np.linspace(0.1, 4.0, 60)
+    return np.linalg.inv(1j * omega[:, None, None] * np.eye(order) - model.state_matrix), model.channel
+
+
+def test_a_start_from_the_true_phase_has_the_true_amplitudes_of_either_sign():
+    """Of motions in and against phase, whose sum nearly cancels, from a phase that is half a radian off."""
+    resolvent, channel = channel_of(6, 3)
+    h = channel @ resolvent @ np.random.default_rng(1).normal(size=6)
+    share = np.array([1.0, -1.3, 0.2])
+    x = np.abs(h)[:, None] * share / np.sqrt(2)
+    g, error = radiation._start(resolvent, channel, x, np.angle(h))
+    assert error < 1e-12 * np.abs(h).max()
+    assert channel @ resolvent @ g == pytest.approx(h[:, None] * share, abs=1e-9 * np.abs(h).max())
+    _, other = radiation._start(resolvent, channel, x, np.angle(h) + 0.5 * np.sin(np.arange(60)))
+    assert other < 1e-2 * np.abs(h).max()
+
+
+def test_the_error_of_a_start_is_how_far_its_channel_is_from_the_amplitudes():
+    """In the phase of the motions together, once that turns no more."""
+    resolvent, channel = channel_of(4, 5)
+    omega = np.linspace(0.1, 4.0, 60)
+    x = np.stack([omega * np.exp(-omega), -0.5 * omega**2 * np.exp(-omega)], axis=1)
+    g, error = radiation._start(resolvent, channel, x, -0.5 * omega)
+    h = channel @ resolvent @ g
+    turned = np.exp(1j * np.angle((h * x).sum(axis=1)))[:, None]
+    missed = np.sqrt(np.mean(np.abs(h - np.sqrt(2) * x * turned) ** 2))
+    assert 0.05 * np.abs(x).max() < missed < np.abs(x).max()
+    assert error == pytest.approx(missed, rel=2e-2)
+
+
+def test_of_all_starts_the_two_nearest_are_polished_and_the_better_is_taken(monkeypatch):
+    """Phases turn by multiples of what the peak of all damping, scaled, takes: the second motion's, above the first's.
+
+    Motions that radiate alike, the second and the third, are fitted once, each in its own size.
+    """
+    omega = np.linspace(0.1, 6.0, 40)
+    x = np.stack([np.exp(-((omega - 1.0) ** 2)), 3 * np.exp(-((omega - 2.5) ** 2) / 8)], axis=1)
+    x = np.concatenate([x, -0.2 * x[:, 1:]], axis=1)
+    spectrum = DampingSpectrum(omega, x[:, :, None] * x[:, None, :])
+    phases, polished = [], []
+
+    def start(resolvent, channel, amplitudes, phase):
+        phases.append(phase)
+        number = float(len(phases))
+        return np.full((len(channel), amplitudes.shape[1]), number), {1: 5.0, 2: 2.0, 3: 4.0, 4: 1.0, 5: 3.0}[number]
+
+    def polish(resolvent, target, given):
+        polished.append(given[0, 0])
+        return given, {4.0: 0.02, 2.0: 0.01}.get(given[0, 0], 0.001)
+
+    monkeypatch.setattr(radiation, "_start", start)
+    monkeypatch.setattr(radiation, "_polish", polish)
+    model, error = fit_order(spectrum, omega, 4)
+    assert (polished, error) == ([4.0, 2.0], 0.01)
+    size = np.abs(x).max(axis=0)
+    peak = omega[(x**2 / size**2).sum(axis=1).argmax()]
+    assert peak != omega[(x[:, 0] ** 2).argmax()] != omega[(x**2).sum(axis=1).argmax()]
+    np.testing.assert_allclose(phases, [-omega * delay / peak for delay in (0.0, 0.5, 1.0, 1.5, 2.0)])
+    assert model.order == 4
+    own = model.input_matrix / size
+    assert own[:, 2] == pytest.approx(-own[:, 1])
+
+
+def test_the_memory_of_unlike_motions_is_theirs_in_their_own_units():
+    """Two that radiate in and against phase at once, in units a thousand apart, and a third like the second."""
+    omega = np.arange(1.0, 61.0) * 0.1
+    one, other = omega**1.5 / (1 + omega**2) ** 1.5, omega**2.5 / (1 + omega**2) ** 2
+    x = np.stack([one, -other, 0.5 * other], axis=1) * np.array([1.0, 1e3, 1e-2])
+    spectrum = DampingSpectrum(omega, x[:, :, None] * x[:, None, :])
+    model, error = fit_radiation(spectrum, 2e-3)
+    size = np.abs(x).max(axis=0)
+    at = np.concatenate([[0.02], omega, np.array([1.1, 1.4, 2.0]) * omega[-1]])
+    missed = (model.transfer(at) - spectrum.transfer(at)) / np.outer(size, size)
+    even = np.abs(missed + missed.swapaxes(1, 2)) / 2
+    assert error < 0.02
+    assert 0.3 * error < np.sqrt((even**2).mean()) < 3 * error
+
+
+def test_a_motion_that_draws_at_all_frequencies_is_refused_beside_one_that_radiates():
+    """However little: it has no size to be measured in; one that does nothing is in nobody's way."""
+    b = np.zeros((6, 3, 3))
+    b[:, 0, 0], b[:, 2, 2] = 5.0, 1e-3
+    spectrum = DampingSpectrum(np.arange(1.0, 7.0), b)
+    radiation.check_positive(spectrum)
+    b[:, 2, 2] = -1e-9
+    with pytest.raises(StabilityError, match="received a least eigenvalue of -inf relative to each mode's largest"):
+        radiation.check_positive(DampingSpectrum(np.arange(1.0, 7.0), b))
