@@ -385,3 +385,21 @@ def test_every_order_converges_to_the_solver_without_panels(green, order, names)
     slopes = np.log(np.array(errors[0]) / errors[-1]) / np.log(2.8)
     assert np.all((slopes > 1.5) & (slopes < 2.2)), slopes
     assert np.max(errors[-1]) < 6e-3, errors
+
+
+@pytest.mark.parametrize("symmetry", ["none", "planes", "rotation"])
+@pytest.mark.parametrize(
+    ("order", "names", "depth"), [(0, ("Radial2", "Heave"), 3.0), (1, ("Surge", "Radial3"), np.inf)]
+)
+def test_capytaines_own_solution_is_of_its_water_its_order_and_all_frequencies(green, symmetry, order, names, depth):
+    """In units where nothing is one; forces too, in waves along x."""
+    mesh = mean_mesh(1.3, 0.2, 4, 12, 0)
+    problem = Plain(green, mesh, dofs.displacements(names, order), 7.0, depth, 2.0)
+    theirs, ours = bem.capytaine_solution(problem, [1.1, 0.7], symmetry), problem.solve([1.1, 0.7])
+    assert theirs.influenced_dof.values.tolist() == theirs.radiating_dof.values.tolist() == list(names)
+    for name in ours:
+        found, expected = theirs[name].sel(omega=[1.1, 0.7]), ours[name].values
+        found = found.squeeze(["rho", "g", "water_depth"], drop=True) if "rho" in found.dims else found
+        size = np.abs(expected).max()
+        np.testing.assert_allclose(found.transpose(*ours[name].dims).values, expected, rtol=0, atol=1e-7 * size)
+    assert (float(theirs.rho), float(theirs.g), float(theirs.water_depth)) == (7.0, 2.0, depth)
