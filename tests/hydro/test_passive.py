@@ -1,4 +1,5 @@
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -714,3 +715,95 @@ def test_poles_above_the_band_are_reached_by_all_motions_and_leave_the_others_as
     none = passive._widened(true.state_matrix, true.input_matrix, np.zeros(0, dtype=complex))
     assert np.array_equal(none[0], true.state_matrix)
     assert np.array_equal(none[1], true.input_matrix)
+
+
+class Known:
+    """A model of a known transfer function."""
+
+    def __init__(self, k, order=8):
+        self.k, self.order = k, order
+
+    def transfer(self, omega):
+        return self.k
+
+
+@pytest.mark.parametrize("limit", ["given", "fitted"])
+@pytest.mark.parametrize(
+    ("errors", "tried", "best"), [((0.05, 0.02, 0.03), 3, 1), ((0.05, 0.009, 0.001), 2, 1), ((0.04, 0.041, 0.05), 3, 0)]
+)
+def test_of_candidates_the_nearest_is_kept_and_shortened(monkeypatch, limit, errors, tried, best):
+    """The first within the tolerance ends it. Poles above the band are for those that draw by more than their share.
+
+    A third motion radiates less than what may be left out. What is told of is the candidate kept: what it drew, and
+    by how much the model, with its shift of added mass, is another.
+    """
+    omega, tolerance, asked = np.linspace(0.5, 3.0, 7), 0.01, []
+    rate, two = 1j * omega[:, None, None], np.array([[2.0, 0.5], [0.5, 1.0]])
+    k = np.zeros((7, 3, 3), dtype=complex)
+    k[:, :2, :2] = two * (1 + 0.3j * np.cos(3 * omega)[:, None, None])
+    k[:, 2, 2] = 0.9e-3
+    wrong = np.array([[0.3, 0.1, 0.0], [0.1, -0.2, 0.0], [0.0, 0.0, 0.0]]) if limit == "fitted" else np.zeros((3, 3))
+    candidates = [StateSpace(*(lambda m: (m.state_matrix, m.input_matrix, m.input_matrix.T))(reciprocal(4, 2, 2, i)))
+                  for i in range(3)]  # fmt: skip
+    drawn = [(-1.1e-3, -0.002), (-0.9e-3, -0.004), (-0.5, -0.6)]
+    models = [Known(k - rate * wrong + error * np.eye(3)[0] * np.eye(3)[0][:, None]) for error in errors]
+
+    class Outputs:
+        def __init__(self, a, b):
+            self.a, self.number = a, len([name for name, *_ in asked if name == "states"])
+            asked.append(("states", len(a), len(b)))
+
+        def start(self, output, epsilon):
+            asked.append(("start", output.shape, epsilon))
+            return f"start {self.number}"
+
+        def fitted(self, at, inside, start, enough, given_limit):
+            asked.append(("fitted", inside.shape, start, enough, given_limit))
+            return f"factor {self.number}"
+
+        def model(self, factor, lead):
+            assert lead.T @ lead == pytest.approx(np.eye(2))
+            assert not lead[2].any()
+            assert factor == f"factor {self.number}"
+            return models[self.number]
+
+    def shortest(model, at, own, within):
+        asked.append(("shortest", models.index(model), within))
+        assert own == pytest.approx(model.k - errors[models.index(model)] * np.diag([1.0, 0, 0]), abs=1e-9)
+        return Known(model.k + 1e-3 * np.diag([1.0, 0, 0]))
+
+    def least(free):
+        (number,) = (i for i, one in enumerate(candidates) if one is free)
+        return SimpleNamespace(value=drawn[number][0], bound=drawn[number][1])
+
+    monkeypatch.setattr(passive, "_candidates", lambda *given: iter(candidates))
+    monkeypatch.setattr(passive, "least_damping", least)
+    monkeypatch.setattr(passive, "_PassiveOutputs", Outputs)
+    monkeypatch.setattr(passive, "shortest", shortest)
+    part = passive._fit_block(omega, k, tolerance, limit)
+    widths = [12, 4, 12][:tried]
+    assert [each for each in asked if each[0] == "states"] == [("states", n, n) for n in widths]
+    assert [each for each in asked if each[0] == "start"] == [
+        ("start", (2, n), -drawn[i][1]) for i, n in enumerate(widths)
+    ]
+    assert [each for each in asked if each[0] == "fitted"] == [
+        ("fitted", (7, 2, 2), f"start {i}", pytest.approx(1e-3), limit) for i in range(tried)
+    ]
+    kept = [i for i in range(tried) if errors[i] < min(errors[:i], default=np.inf)]
+    assert [each for each in asked if each[0] == "shortest"] == [
+        ("shortest", i, pytest.approx(max(0.01, 1.02 * errors[i]))) for i in kept
+    ]
+    assert kept[-1] == best
+    assert part.error == pytest.approx(errors[best] + 1e-3)
+    assert part.drawn == drawn[best][0]
+    assert part.shift == pytest.approx(wrong)
+    lead = passive.leading_directions(k, 1e-3)
+    free = lead @ candidates[best].transfer(omega) @ lead.T
+    assert part.changed == pytest.approx(entry_error(part.model.k + rate * wrong - free))
+
+
+def test_of_motions_that_radiate_less_than_may_be_left_out_nothing_is_fitted():
+    k = np.full((5, 2, 2), 0.4e-3 + 0j)
+    part = passive._fit_block(np.arange(1.0, 6.0), k, 1e-2)
+    assert part.model is None
+    assert (part.error, part.drawn, part.changed, part.shift.tolist()) == (np.inf, 0.0, 0.0, [[0.0] * 2] * 2)

@@ -11,6 +11,7 @@ from scipy.interpolate import CubicSpline
 
 from vsb.errors import ConfigError
 from vsb.hydro import dofs, sweep
+from vsb.hydro.rational import Rational
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.hydro.spectral.sweep import converged_on_grid, incident_wave
@@ -335,3 +336,93 @@ def test_what_is_larger_elsewhere_and_how_many_solves_there_may_be_are_heard(cas
     assert few.sweep is None
     assert few.solved == GRID
     assert few.coefficients.added_mass.values == pytest.approx(solver.solve(GRID).added_mass.values)
+
+
+@pytest.mark.parametrize(
+    ("errors", "surprises", "most", "rounds", "told"),
+    [
+        ([(1e-5, 2e-5), (1e-5, 1e-5)], [3e-5], None, 2, 3e-5),  # never after the first
+        ([(1e-5, 2e-5), (1e-5, 1e-5), (4e-5, 3e-5)], [1e-2, 1e-5], None, 3, 4e-5),  # a surprise
+        ([(1e-5, 2e-5), (1e-5, 1e-2), (1e-5, 1e-5), (1e-5, 6e-5)], [1e-5, 1e-5, 1e-6], None, 4, 6e-5),  # the one before
+        ([(1.0, 2.0), (0.1, 0.3), (0.2, 0.1)], [0.7, 0.4], 10, 3, 0.4),  # 7 solved, 8, 9: two more would be too many
+        ([(1.0, 2.0), (0.1, 0.3), (0.2, 0.1)], [0.7, 0.05], 10, 3, 0.3),
+        ([(1.0, 2.0)], [], 8, 1, np.inf),
+    ],
+)
+def test_a_sweep_ends_once_two_interpolants_in_a_row_and_what_was_solved_between_agree(
+    monkeypatch, errors, surprises, most, rounds, told
+):
+    """Its error is the largest of these; it goes on one by one, where doubt is largest, as long as two more may be."""
+    grid, solved, seen = np.arange(1.0, 61.0), [], []
+    left, surprise = iter(errors), iter(surprises)
+    pair = iter(())
+
+    def solve(omegas):
+        solved.append(list(omegas))
+        return coefficients_at(np.array(omegas))
+
+    def families(ds, incident, elsewhere):
+        nonlocal pair
+        pair = iter(next(left))
+        seen.append((len(ds.omega), incident, elsewhere))
+        return sweep._Family("radiation", np.ones_like), sweep._Family("excitation", np.ones_like)
+
+    def settled(omega, values, size, at, on_grid):
+        assert at.tolist() == grid.tolist()
+        assert (len(size), len(on_grid)) == (len(omega), len(grid))
+        return SimpleNamespace(error=next(pair), rational=(values, len(omega)))
+
+    def surprised(fits, both, omega, new):
+        assert (len(fits), len(both), new) == (2, 2, 1)
+        return next(surprise)
+
+    monkeypatch.setattr(sweep, "_families", families)
+    monkeypatch.setattr(sweep, "settled", settled)
+    monkeypatch.setattr(sweep, "_surprise", surprised)
+    monkeypatch.setattr(sweep, "_doubtful", lambda fits, there: [min(set(range(60)) - set(there))])
+    found = sweep._sampled(solve, list(grid), 1e-4, "incident", "elsewhere", most)
+    assert [len(each) for each in solved] == [7, *[1] * (rounds - 1)]
+    assert seen == [(7 + i, "incident", "elsewhere") for i in range(rounds)]
+    assert found.error == told
+    assert found.solved.omega.values.tolist() == sorted(omega for each in solved for omega in each)
+    assert (found.radiation, found.excitation) == (("radiation", 6 + rounds), ("excitation", 6 + rounds))
+    assert found.incident == "incident"
+
+
+@pytest.mark.parametrize(("count", "most", "solves"), [(60, None, 29), (200, None, 39), (60, 80, 59), (60, 20, 19)])
+def test_no_more_is_solved_than_half_the_frequencies_or_forty_or_what_is_allowed(monkeypatch, count, most, solves):
+    """One at a time; up to where two more would be more than that."""
+    fit = SimpleNamespace(error=1.0, rational="r", doubt=np.zeros(count))
+    monkeypatch.setattr(sweep, "settled", lambda *_: fit)
+    monkeypatch.setattr(sweep, "_surprise", lambda *_: 1.0)
+    monkeypatch.setattr(sweep, "_doubtful", lambda fits, there: [min(set(range(count)) - set(there))])
+    incident = IncidentWave(lambda w: w, lambda w: np.zeros((len(w), 1, 2)), 0)
+    grid = list(np.arange(1.0, count + 1))
+    found = sweep._sampled(lambda omegas: coefficients_at(np.array(omegas)), grid, 1e-4, incident, (), most)
+    assert found.solves == solves
+
+
+def test_what_a_sweep_holds_is_what_its_interpolants_and_the_wave_say():
+    """At frequencies in any order and at the limits; damping is omega times the imaginary part."""
+    omega = np.array([0.5, 2.0, 3.0])
+    solved = coefficients_at(omega).assign_coords(
+        wave_direction=[0.0], influenced_dof=["a", "b"], radiating_dof=["a", "b"]
+    )
+    incident = IncidentWave(lambda w: 0.7 * w**2, lambda w: np.stack([w, -2j * w], axis=1)[:, None], 1)
+    radiation = Rational(omega, np.arange(12.0).reshape(3, 4) * (1 + 0.5j), np.array([1.0 + 0.2j, -0.5, 0.3j]))
+    excitation = Rational(omega, np.arange(6.0).reshape(3, 2) - 2j, np.array([0.4j, 1.0, -0.3 + 1j]))
+    one = sweep.AdaptiveSweep(solved, radiation, excitation, incident, 0.1)
+    at = np.array([2.7, 0.6, 3.0])
+    found = one.at(at)
+    assert found.omega.values.tolist() == at.tolist()
+    assert found.added_mass.values == pytest.approx(radiation(at).real.reshape(3, 2, 2))
+    assert found.radiation_damping.values == pytest.approx((at[:, None] * radiation(at).imag).reshape(3, 2, 2))
+    total = excitation(at) / incident.turn(at)
+    assert found.Froude_Krylov_force.values == pytest.approx(incident.froude_krylov(at))
+    assert sum(found[name].values for name in FORCES)[:, 0] == pytest.approx(total)
+    assert found.influenced_dof.values.tolist() == ["a", "b"]
+    assert one.at_zero == pytest.approx(radiation(np.zeros(1)).real.reshape(2, 2))
+    assert one.at_infinity == pytest.approx(radiation.at_infinity.reshape(2, 2))
+    assert one.solves == 3
+    with pytest.raises(ConfigError, match=r"received 0.6 to 3.1 rad/s, the sweep holds 0.5 to 3; sweep a wider band$"):
+        one.at([3.1, 0.6])

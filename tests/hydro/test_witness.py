@@ -419,3 +419,23 @@ def test_a_witness_of_the_spectral_solver_is_solved_twice_in_its_own_water(monke
     moved = displacements_of(BASIS)
     assert made == [(("shell", moved, 700.0, 4.0, nodes), {"depth": 12.0}) for nodes in (24, 18)]
     assert found == ((24, [1.0, 3.0]), (18, [1.0, 3.0]), BASIS, waves)
+
+
+def test_the_smallest_deformation_is_a_thousandth_of_the_radius():
+    """Halved six times from a twentieth it is the last that is tried."""
+    found = deformed_shapes(afloat(), ["Membrane0"], 2.007)
+    assert [s.amplitude for s in found] == pytest.approx([0.0, -0.003125, 0.003125])
+    with pytest.raises(ConfigError, match=r"^hydro.witness: received modes Membrane0, one of which"):
+        deformed_shapes(afloat(), ["Membrane0"], 2.005)
+
+
+@pytest.mark.parametrize("amplitude", [-0.4, 0.4])
+def test_a_keel_is_the_deepest_point_wherever_that_is(amplitude):
+    """Of a shell whose pole is pulled up, on a ring about it."""
+    for place in range(1, len(BASIS.labels)):
+        shell = replace(afloat(0.3), modal_amplitude=amplitude * np.eye(len(BASIS.labels))[place])
+        deepest = -shell.meridian(np.linspace(0.0, np.pi, 20_001)).z.min()
+        assert witness._keel(shell) == pytest.approx(deepest, rel=1e-3)
+    pole = [-replace(afloat(), modal_amplitude=0.4 * sign * np.eye(len(BASIS.labels))[i]).meridian(np.array([np.pi])).z[0]
+            for i in range(1, len(BASIS.labels)) for sign in (-1, 1)]  # fmt: skip
+    assert min(pole) < 1.9

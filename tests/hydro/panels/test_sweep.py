@@ -246,3 +246,76 @@ def test_a_block_is_solved_on_both_meshes_in_the_water_of_its_spec(monkeypatch, 
         ((two, args),) = asked
         assert args == ([1.0, 2.0], 3e-4)
         assert [each.solve(())[0][1] for each in (two.fine, two.coarse)] == ["fine", "coarse"]
+
+
+@pytest.mark.parametrize("worst", ["added_mass", "radiation_damping", "excitation"])
+def test_an_estimate_is_what_half_the_rows_change_and_what_both_miss_in_the_worst_coefficient(worst):
+    """Each in terms of the largest of its own, here or where waves are strongest, of either sign."""
+    rng, omega = np.random.default_rng(3), np.array([1.0, 2.0])
+    pair, wave = ("omega", "influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
+
+    def any_of(size=1.0):
+        return xr.Dataset({
+            "added_mass": (pair, size * rng.normal(size=(2, 2, 2))),
+            "radiation_damping": (pair, size * rng.normal(size=(2, 2, 2))),
+            "Froude_Krylov_force": (wave, size * (rng.normal(size=(2, 1, 2)) + 1j * rng.normal(size=(2, 1, 2)))),
+            "diffraction_force": (wave, size * (rng.normal(size=(2, 1, 2)) - 1j * rng.normal(size=(2, 1, 2)))),
+        }, {"omega": omega})  # fmt: skip
+
+    fine, change, strongest, asked = any_of(), any_of(1e-3), -3.0 * any_of(), []
+    for name in fine:
+        own = "excitation" if "force" in name else name
+        change[name] = change[name] * (1e4 if own == worst else 1.0)
+    water = {"depth": 2.5, "density": 700.0, "gravity": 4.0}
+    coarse = SimpleNamespace(solve=lambda omegas: asked.append(omegas) or fine + change)
+    found = TwoMeshes(SimpleNamespace(**water), coarse).error_estimate(fine, strongest)
+    assert asked == [[1.0, 2.0]]
+    x = fine.Froude_Krylov_force.values + fine.diffraction_force.values
+    factor = [wavenumber(w, 2.5, 4.0) / (4 * 700.0 * 4.0 * group_velocity(w, 2.5, 4.0)) for w in omega]
+    haskind = np.array(factor)[:, None, None] * x[:, 0, :, None] * x[:, 0, None, :].conj()
+    a, b = fine.added_mass.values, fine.radiation_damping.values
+    twisted, missed = np.abs(a - a.swapaxes(1, 2)).max(), np.abs(haskind - b).max()
+    whole = strongest.Froude_Krylov_force + strongest.diffraction_force
+    sizes = [max(np.abs(one).max(), np.abs(other.values).max()) for one, other in (
+        (a, strongest.added_mass), (b, strongest.radiation_damping), (x, whole))]  # fmt: skip
+    changes = [np.abs(change[n].values).max() for n in ("added_mass", "radiation_damping")]
+    changes.append(np.abs((change.Froude_Krylov_force + change.diffraction_force).values).max())
+    errors = [
+        changes[0] / sizes[0] + twisted / sizes[0],
+        changes[1] / sizes[1] + missed / sizes[1],
+        changes[2] / sizes[2] + missed / sizes[1],
+    ]
+    assert max(errors) == errors[["added_mass", "radiation_damping", "excitation"].index(worst)]
+    assert found == pytest.approx(max(errors), rel=1e-9)
+
+
+@pytest.mark.parametrize("swept", [True, False])
+def test_what_is_interpolated_is_off_by_panels_and_interpolation_together(monkeypatch, swept):
+    """The panels' error is of those solved, none of them twice; what could not be interpolated is off by panels alone."""
+    asked, judged = [], []
+
+    def solve(omegas):
+        asked.extend(omegas)
+        return xr.Dataset({"added_mass": ("omega", 2.0 * np.array(omegas))}, {"omega": list(omegas)})
+
+    def on_grid(given, frequencies, tolerance, incident, elsewhere):
+        assert (frequencies, tolerance, incident) == ([1.0, 2.0, 3.0, 4.0], 3e-4, "the wave")
+        (strongest,) = elsewhere
+        assert strongest.omega.values.tolist() == [pytest.approx(np.sqrt(3.0 * 0.25 * np.tanh(0.25 * 7.0)))]
+        given([1.0, 4.0])
+        found = given([1.0, 4.0, 3.0]).sortby("omega")
+        sweep = SimpleNamespace(error=0.02) if swept else None
+        return SimpleNamespace(coefficients=given(frequencies), sweep=sweep, solved=found.omega.values.tolist())
+
+    monkeypatch.setattr(panels, "on_grid", on_grid)
+    monkeypatch.setattr(TwoMeshes, "error_estimate", lambda self, *given: judged.append(given) or 0.05)
+    fine = SimpleNamespace(waterline=2.0, depth=7.0, gravity=3.0, solve=solve, incident_wave="the wave")
+    found = TwoMeshes(fine, None).solve([1.0, 2.0, 3.0, 4.0], 3e-4)
+    assert found.attrs == {"error_estimate": pytest.approx(0.07 if swept else 0.05), "solves": 3, "frequencies": 4}
+    assert sorted(asked[1:]) == [1.0, 2.0, 3.0, 4.0]
+    ((solved, strongest),) = judged
+    assert solved.omega.values.tolist() == [1.0, 3.0, 4.0]
+    assert strongest.omega.values.tolist() == asked[:1]
+    alone = TwoMeshes(fine, None).solve([1.0, 2.0])
+    assert alone.attrs == {"error_estimate": 0.05, "solves": 2, "frequencies": 2}
+    assert judged[1][0].omega.values.tolist() == [1.0, 2.0]

@@ -141,3 +141,34 @@ def test_the_error_told_is_of_all_frequencies_solved(monkeypatch):
     assert found.attrs["error_estimate"] == 16e-3 / asked[-1][0] <= 1e-3
     assert asked[-1] == (16, found.attrs["solves"])
     assert found.attrs["solves"] > asked[0][1]
+
+
+@pytest.mark.parametrize("swept", [True, False])
+def test_what_is_told_of_a_grid_is_of_its_sweep_and_of_splines_through_it(monkeypatch, swept):
+    """Errors of interpolation add up; splines are judged by the sweep, or by what is solved anew. All are passed on."""
+    asked = []
+    one = SimpleNamespace(solve="solves", nodes=16)
+    splines = {"holds": 0.003, "solves": 0.004}
+    adaptive = SimpleNamespace(error=0.02, at="holds") if swept else None
+    found = SimpleNamespace(
+        sweep=adaptive, solved=[1.0, 4.0, 2.0], spline_error=splines.get, coefficients=xr.Dataset({"x": 1.0})
+    )
+    monkeypatch.setattr(sweep, "resolved", lambda *given: asked.append(("resolved", *given)) or (one, 0.5))
+    monkeypatch.setattr(sweep, "on_grid", lambda *given: asked.append(("on grid", *given)) or found)
+    monkeypatch.setattr(sweep, "incident_wave", lambda problem: ("wave of", problem))
+    monkeypatch.setattr(sweep, "_error", lambda problem, omegas: asked.append(("error", problem, omegas)) or 0.007)
+    monkeypatch.setattr(sweep, "_limits", lambda problem: {"added_mass_inf": xr.Variable((), 3.0)})
+    monkeypatch.setattr(sweep, "_limit_difference", lambda *given: asked.append(("limits", given[0])) or 0.09)
+    grid = [float(i) for i in range(1, 21)]
+    ds = converged_on_grid("first", grid, 0.01, 0.03)
+    first = [grid[i] for i in sweep.crowded(20)]
+    assert asked[:3] == [
+        ("resolved", "first", first, 0.01), ("on grid", "solves", grid, 0.03, ("wave of", one)),
+        ("error", one, [1.0, 4.0, 2.0]),
+    ]  # fmt: skip
+    assert asked[3:] == ([("limits", adaptive)] if swept else [])
+    told = {"error_estimate": 0.007, "solves": 3, "frequencies": 20}
+    told |= {"interpolation_error": pytest.approx(0.023), "limit_difference": 0.09} if swept else {
+        "interpolation_error": 0.004}  # fmt: skip
+    assert ds.attrs == told
+    assert (float(ds.x), float(ds.added_mass_inf)) == (1.0, 3.0)
