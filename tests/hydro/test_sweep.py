@@ -426,3 +426,21 @@ def test_what_a_sweep_holds_is_what_its_interpolants_and_the_wave_say():
     assert one.solves == 3
     with pytest.raises(ConfigError, match=r"received 0.6 to 3.1 rad/s, the sweep holds 0.5 to 3; sweep a wider band$"):
         one.at([3.1, 0.6])
+
+
+def test_a_line_between_two_frequencies_is_a_spline_too_and_one_frequency_has_none():
+    names = ("added_mass", "radiation_damping", *FORCES)
+    grid = np.array([1.0, 3.0])
+    line = xr.Dataset(
+        {each: (("omega", "dof"), np.array([[1.0, -2.0], [3.0, 0.0]])) for each in names}, {"omega": grid}
+    )
+    asked = []
+
+    def exact(omega):
+        asked.append(omega)
+        between = xr.DataArray([[2.5, -1.0]], dims=("omega", "dof"))
+        return xr.Dataset({each: between if each == "radiation_damping" else 0.8 * between for each in names})
+
+    assert GridSweep(line, None).spline_error(exact) == pytest.approx(0.2)
+    assert asked == [[2.0]]
+    assert GridSweep(line.isel(omega=[1]), None).spline_error(exact) == 0.0

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.interpolate import CubicSpline
 
 from vsb.errors import ConfigError
 from vsb.hydro import witness
@@ -439,3 +440,52 @@ def test_a_keel_is_the_deepest_point_wherever_that_is(amplitude):
     pole = [-replace(afloat(), modal_amplitude=0.4 * sign * np.eye(len(BASIS.labels))[i]).meridian(np.array([np.pi])).z[0]
             for i in range(1, len(BASIS.labels)) for sign in (-1, 1)]  # fmt: skip
     assert min(pole) < 1.9
+
+
+@pytest.mark.parametrize(("solver", "other"), [("spectral", "panels"), ("capytaine 3.0", "spectral")])
+def test_a_database_is_compared_by_splines_in_terms_of_its_own_bands_largest(monkeypatch, solver, other):
+    """Frequencies of the witness beyond its band are left out, both ends kept; motions may stand in any order.
+
+    Largest is what the database has anywhere, in motions the witness has; differences are of those of the mean shape,
+    in terms of the witness' largest at that frequency.
+    """
+    rng, grid, told_ = np.random.default_rng(2), np.array([1.0, 1.5, 2.0, 2.5, 3.0, 4.0]), []
+    pair, waved = ("omega", "influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
+
+    def database_of(labels, omega):
+        n, m = len(labels), len(omega)
+        return xr.Dataset({
+            "added_mass": (pair, rng.normal(size=(m, n, n))), "radiation_damping": (pair, rng.normal(size=(m, n, n))),
+            "excitation_force": (waved, rng.normal(size=(m, 1, n)) + 1j * rng.normal(size=(m, 1, n))),
+        }, {"omega": omega, "wave_direction": [0.0], "influenced_dof": labels, "radiating_dof": labels})  # fmt: skip
+
+    whole = database_of(["b", "yaw", "a"], grid).assign_attrs(solver=solver)
+    for name in COEFFICIENTS:
+        whole[name].loc[{"omega": 4.0}] *= 7.0
+        whole[name].loc[{"influenced_dof": "yaw"}] *= 1e3
+    asked = [0.9, 1.0, 2.2, 3.0, 4.0, 4.1]
+    parts = {who: {shape: database_of(["a", "b"], asked) for shape in ("mean", "m_plus")} for who in witness.SOLVERS}
+    ds = xr.concat([xr.concat(list(parts[who].values()), "shape") for who in parts], "solver")
+    estimate = rng.uniform(0.1, 0.2, (2, 2, 3))
+    ds = ds.rename({name: f"shape_{name}" for name in COEFFICIENTS}).assign(
+        witness_estimate=(("solver", "shape", "coefficient"), estimate)
+    ).assign_coords(solver=list(witness.SOLVERS), shape=["mean", "m_plus"], coefficient=list(COEFFICIENTS))  # fmt: skip
+    monkeypatch.setattr(witness, "_agreement", lambda *given: told_.append(given) or "a check")
+    assert witness.database_checks(ds, whole, 0.01) == ["a check"]
+    ((name, what, apart, errors),) = told_
+    assert name == "witness_database"
+    assert what == f"hydro database and {witness.SOLVERS[other]} on the mean shape"
+    kept = asked[1:5]
+    assert apart.omega.values.tolist() == kept
+    judge = parts[other]["mean"].sel(omega=kept)
+    own = whole.sel(influenced_dof=["a", "b"], radiating_dof=["a", "b"])
+    for name in COEFFICIENTS:
+        theirs = judge[name].values
+        largest = np.abs(theirs).reshape(4, -1).max(axis=1)
+        missed = np.abs(CubicSpline(grid, own[name].values)(kept) - theirs).reshape(4, -1).max(axis=1)
+        np.testing.assert_allclose(apart.sel(coefficient=name), missed / largest, rtol=1e-9)
+        size = np.abs(own[name].values).max()
+        np.testing.assert_allclose(errors["the database"].sel(coefficient=name), 0.01 * size / largest, rtol=1e-9)
+    assert list(errors) == ["the database", witness.SOLVERS[other]]
+    place = list(witness.SOLVERS).index(other)
+    np.testing.assert_array_equal(errors[witness.SOLVERS[other]].values, estimate[place, 0])

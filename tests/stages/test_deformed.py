@@ -69,3 +69,28 @@ def test_the_shapes_are_those_of_the_studys_own_shell(basis):
     for mode in rest.basis.modes:
         np.testing.assert_allclose(mode.parts, modes[mode.label], rtol=1e-9, atol=1e-12)
     assert rest.centre_height == study.centre_height != 0.0
+
+
+@pytest.mark.parametrize("coarser", [1, 2, 3])
+def test_a_coarser_mesh_has_a_fraction_of_all_its_panels_on_the_same_shape(coarser):
+    spec = StudyPlan(varied(load(SEED), modes={"degree": 0})).witness.meshes
+    spec = spec.model_copy(update={"rows": 13, "azimuth": 25, "lid_rows": 7})
+    rest, minus, plus = deformed.shapes(spec)
+    for shape in (rest, minus, plus):
+        ds = deformed.shape_mesh(spec, shape, coarser)
+        found = (ds.sizes["row"], ds.attrs["azimuth"], ds.sizes["lid_node"] - 1)
+        assert found == (13 // coarser, 25 // coarser, 7 // coarser)
+        assert ds.meridian_height.values[-1] == pytest.approx(shape.shell.meridian(np.array([np.pi])).z[0])
+    assert deformed.shape_mesh(spec, rest).identical(deformed.shape_mesh(spec, rest, 1))
+
+
+def test_a_folder_of_meshes_has_all_shapes_each_as_it_is(tmp_path):
+    """With the id of its specification, whatever their number."""
+    spec = StudyPlan(varied(load(SEED), modes={"degree": 0})).witness.meshes
+    spec = spec.model_copy(update={"rows": 6, "azimuth": 12, "lid_rows": 3})
+    deformed.run(spec, str(tmp_path))
+    for shape in deformed.shapes(spec):
+        stored = files.load(tmp_path / f"{shape.name}.nc", expected=content_id(spec))
+        assert (stored.attrs["deformed_by"], stored.attrs["amplitude"]) == (shape.mode, shape.amplitude)
+        for name, values in deformed.shape_mesh(spec, shape).data_vars.items():
+            np.testing.assert_array_equal(stored[name].values, values.values)

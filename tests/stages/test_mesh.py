@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 from conftest import SEED, varied
 
+from vsb.hydro.panels import mesh as meshing
+from vsb.scenes.rest import reference_shell
 from vsb.stages import mesh
 from vsb.study.plan import StudyPlan
+from vsb.study.specs import SphereMesh
 from vsb.study.study import content_id, load
 from vsb.tools import files
 
@@ -37,3 +40,21 @@ def test_a_mesh_carries_the_id_of_its_specification(spec, tmp_path):
     stored = files.load(tmp_path / "mean.nc", expected=content_id(spec))
     for name, values in mesh.mean_mesh(spec).data_vars.items():
         np.testing.assert_array_equal(stored[name].values, values.values)
+
+
+def test_a_mesh_is_of_the_shape_its_specification_says(spec):
+    """Of a sphere at its height, or of the shell that its load deforms."""
+    ds = mesh.mean_mesh(spec, 2)
+    if isinstance(spec, SphereMesh):
+        assert spec.centre_height != 0.0
+        rows, azimuth, lid = (-(-n // 2) for n in (spec.rows, spec.azimuth, spec.lid_rows))
+        assert ds.identical(meshing.mean_mesh(spec.radius, spec.centre_height, rows, azimuth, lid))
+        return
+    shape = reference_shell(spec).shape
+    at = shape.meridian(ds.row_colatitude.values)
+    length = np.hypot(at.dx, at.dz)
+    np.testing.assert_allclose(ds.normal_radius.values, -at.dz / length, atol=1e-9)
+    np.testing.assert_allclose(ds.normal_height.values, at.dx / length, atol=1e-9)
+    keel = shape.meridian(np.array([np.pi])).z[0]
+    assert ds.meridian_height.values[-1] == pytest.approx(keel)
+    assert abs(keel - (spec.centre_height - spec.radius)) > 1e-3

@@ -15,7 +15,7 @@ from vsb.hydro.spectral.deepwater import WavePart
 from vsb.hydro.spectral.finitedepth import FiniteDepthWavePart, wave_profile
 from vsb.hydro.spectral.meridian import WetMeridian, unit_rule
 from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.shell.deformed import DeformedShell
+from vsb.shell.deformed import DeformedShell, rigid_sphere
 from vsb.shell.modes import mode_basis
 from vsb.waves.dispersion import group_velocity, wavenumber
 
@@ -331,3 +331,31 @@ def test_a_shell_on_the_bottom_is_refused(shell, depth):
 def test_zero_frequency_has_no_limit_for_order_zero(bowl):
     with pytest.raises(ConfigError, match="grows like -log omega; needs infinite depth or a positive frequency"):
         bowl(2.0, 12).at_zero()
+
+
+@pytest.mark.parametrize("order", [0, 1])
+@pytest.mark.parametrize("size", [0.3, 4.0])
+def test_the_bottom_under_a_larger_shell_is_that_under_the_smaller_one_stretched(order, size):
+    """At all frequencies and in both limits; wavenumbers in any order, from the smallest on."""
+    k, found = np.array([1.0, 0.02, 5.0]), []
+    for s in (1.0, size):
+        part = FiniteDepthWavePart(WetMeridian(rigid_sphere(s, 0.2 * s), 12, order), 1.1 * s, 0.02 / s)
+        assert part.draft == pytest.approx(0.8 * s, rel=1e-12)
+        limits = [part.at_infinity(), *([part.at_zero()] if order else [])]
+        found.append([*part.influences(k / s), *limits])
+    for ours, theirs in zip(*found, strict=True):
+        for power, (one, other) in enumerate(zip(ours, theirs, strict=True), start=1):
+            assert other * size**power == pytest.approx(one, abs=1e-9 * np.abs(one).max())
+
+
+@pytest.mark.parametrize("clearance", [0.0099, 0.0101])
+def test_water_may_be_one_percent_of_the_draft_deeper_than_it(clearance):
+    meridian = WetMeridian(rigid_sphere(3.0, 0.6), 12)
+    if clearance > 0.01:
+        assert FiniteDepthWavePart(meridian, 2.4 * (1 + clearance), 1.0).draft == pytest.approx(2.4)
+        return
+    with pytest.raises(
+        ConfigError,
+        match=r"^water.depth: received 2.42376 m under a shell of 2.4 m draft; needs at least 2.424 m: deepen",
+    ):
+        FiniteDepthWavePart(meridian, 2.4 * (1 + clearance), 1.0)
