@@ -279,3 +279,23 @@ def test_structure_of_an_order_has_every_stiffness_under_its_name():
     for name, matrix in given.items():
         np.testing.assert_array_equal(ds[f"{name}_stiffness"], matrix)
     assert ds.attrs == {"solver": "s"}
+
+
+def test_every_force_is_turned_into_every_direction_and_matrices_stay():
+    """Of one order and its sine; forces keep their places among the dimensions."""
+    (first, second), going = parts(), [0.0, np.pi / 4, 1.9]
+    several = second.assign(
+        Froude_Krylov_force=3.0 * second.excitation_force, diffraction_force=-2.0j * second.excitation_force
+    )
+    for order in (2, -2):
+        found = in_headings(several, order, going)
+        assert found.wave_direction.values.tolist() == going
+        share = [np.cos(2 * at) if order > 0 else np.sin(2 * at) for at in going]
+        for name, size in (("excitation_force", 1.0), ("Froude_Krylov_force", 3.0), ("diffraction_force", -2.0j)):
+            assert found[name].dims == second.excitation_force.dims
+            own = size * second.excitation_force.values
+            np.testing.assert_allclose(found[name].values, own * np.array(share)[:, None], atol=1e-12)
+        for name, data in second.data_vars.items():
+            if "wave_direction" not in data.dims:
+                assert found[name].identical(data)
+    assert first.attrs == in_headings(first, 0, going).attrs

@@ -278,3 +278,18 @@ def test_an_estimate_is_held_to_its_limit_in_the_worst_block(name, limit):
         (check,) = quality.estimate_checks(blocks, 1e-3)
         assert (check.name, check.value, check.limit) == (name, value, limit)
         assert check.verdict == ("ok" if good else "fail" if name == "interpolation_error" else "doubt")
+
+
+def test_the_limit_is_in_terms_of_its_diagonal_however_large_its_couplings_are():
+    """Without damping Ogilvie's limit is the added mass itself: in the mean up to half of the last frequency."""
+    omega, pair = np.array([0.5, 1.0, 2.0, 2.5, 4.0]), ("influenced_dof", "radiating_dof")
+    limit, off = np.array([[4.0, 5.0], [5.0, 9.0]]), np.zeros((5, 2, 2))
+    off[:, 0, 1] = [0.3, -0.6, 0.9, 7.0, 7.0]
+    off[:, 1, 1] = [-0.5, -0.5, 0.0, 7.0, 7.0]
+    ds = xr.Dataset({
+        "added_mass": (("omega", *pair), limit + off), "radiation_damping": (("omega", *pair), np.zeros((5, 2, 2))),
+        "added_mass_inf": (pair, limit),
+    }, {"omega": omega})  # fmt: skip
+    assert quality.added_mass_difference(ds) == pytest.approx(max(0.2 / 6.0, 1.0 / 3.0 / 9.0))
+    ds.added_mass.values[0, 0, 0] -= 0.9
+    assert quality.added_mass_difference(ds) == pytest.approx(0.3 / 4.0)

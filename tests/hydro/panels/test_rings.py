@@ -403,3 +403,92 @@ def test_capytaines_own_solution_is_of_its_water_its_order_and_all_frequencies(g
         size = np.abs(expected).max()
         np.testing.assert_allclose(found.transpose(*ours[name].dims).values, expected, rtol=0, atol=1e-7 * size)
     assert (float(theirs.rho), float(theirs.g), float(theirs.water_depth)) == (7.0, 2.0, depth)
+
+
+@pytest.mark.parametrize("azimuth", [5, 6, 7, 8, 10])
+def test_copies_of_a_wedge_stand_for_all_of_its_ring(azimuth):
+    """Those beside the wedge for two, for itself one; one opposite is there once. Harmonics as of all panels around."""
+    rings = bem.ring_mesh(mean_mesh(1.0, 0.2, 3, azimuth, 2))
+    assert rings.weights.sum() == azimuth
+    assert rings.weights.tolist() == [1.0, *[2.0] * ((azimuth - 1) // 2), *([] if azimuth % 2 else [1.0])]
+    assert (rings.rows, rings.body_rows) == (5, 3)
+    centres = rings.copies.faces_centers.reshape(len(rings.weights), 5, 3)
+    angle = np.arctan2(centres[..., 1], centres[..., 0])
+    np.testing.assert_allclose(
+        angle[:, 0] % (2 * np.pi), 2 * np.pi * np.arange(len(rings.weights)) / azimuth, atol=1e-9
+    )
+    for order in range((azimuth + 1) // 2):
+        expected = rings.weights * np.cos(order * angle[:, 0])
+        np.testing.assert_allclose(rings.harmonic(order), expected, atol=1e-9)
+    area = 2 * np.pi * 1.0 * 0.8
+    assert rings.areas.sum() == pytest.approx(area, rel=0.2)
+    for order in (-1, (azimuth + 1) // 2):
+        with pytest.raises(
+            ConfigError, match=rf"^order: received {order} on {azimuth} panels around; needs 0 <= order"
+        ):
+            rings.harmonic(order)
+
+
+@pytest.mark.parametrize("depth", [np.inf, 3.0])
+@pytest.mark.parametrize(("order", "names"), [(0, ("Radial0", "Heave")), (1, ("Surge", "Radial2"))])
+def test_what_is_known_of_the_wave_is_of_its_order_its_water_and_its_waterline(green, order, names, depth):
+    """Froude-Krylov forces are those of the solution; the phase is k times the waterline's radius."""
+    mesh = mean_mesh(1.5, 0.3, 4, 12, 0)
+    problem = bem.AxisymmetricProblem(green, mesh, dofs.displacements(names, order), 7.0, depth, 2.0)
+    wave, omega = problem.incident_wave, np.array([1.1, 0.6])
+    assert wave.order == order
+    k = [bem.wavenumber(w, depth, 2.0) for w in omega]
+    assert wave.phase(omega) == pytest.approx(mesh.meridian_radius.values[0] * np.array(k))
+    solved = problem.solve(omega.tolist()).Froude_Krylov_force.values
+    assert wave.froude_krylov(omega) == pytest.approx(solved, rel=1e-12)
+    assert solved.shape == (2, 1, 2)
+
+
+def patch_of_panels():
+    """Three unequal rectangles in the quarter x, y > 0, under water; vertices and faces."""
+    right = [[1.0, 0.2, -0.2], [1.0, 0.9, -0.2], [1.0, 0.9, -0.8], [1.0, 0.2, -0.8]]
+    under = [[0.3, 0.3, -1.0], [0.9, 0.3, -1.0], [0.9, 0.8, -1.0], [0.3, 0.8, -1.0]]
+    behind = [[0.2, 1.1, -0.3], [0.7, 1.1, -0.3], [0.7, 1.1, -0.6], [0.2, 1.1, -0.6]]
+    return np.array([*right, *under, *behind]), np.arange(12).reshape(3, 4)
+
+
+@pytest.mark.parametrize("planes", [(), ("xOz",), ("yOz",), ("xOz", "yOz")])
+def test_a_mesh_is_mirrored_in_every_plane_it_says_and_nothing_is_reordered(planes):
+    vertices, faces = patch_of_panels()
+    mesh = bem.panel_mesh(vertices, faces, planes)
+    centres = mesh.faces_centers if not planes else mesh.merged().faces_centers
+    own = bem.panel_mesh(vertices, faces).faces_centers
+    assert len(centres) == 3 * 2 ** len(planes)
+    np.testing.assert_allclose(own, vertices[faces].mean(axis=1))
+    np.testing.assert_allclose(centres[:3], own)
+    signs = {(1.0, 1.0)}
+    for plane in planes:
+        signs |= {(sx * (-1.0 if plane == "yOz" else 1.0), sy * (-1.0 if plane == "xOz" else 1.0)) for sx, sy in signs}
+    expected = np.concatenate([own * [*sign, 1.0] for sign in signs])
+    assert sorted(map(tuple, centres.round(9))) == sorted(map(tuple, expected.round(9)))
+
+
+@pytest.mark.parametrize("planes", [(), ("xOz",), ("xOz", "yOz")])
+@pytest.mark.parametrize(
+    ("k", "depth", "asked", "water"),
+    [
+        (1.3, np.inf, 1.3, np.inf),
+        (1.3, 5.0, 1.3, 5.0),
+        (0.0, np.inf, 0.0, np.inf),
+        (0.0, 5.0, 0.0, np.inf),
+        (np.inf, np.inf, np.inf, np.inf),
+        (np.inf, 5.0, 9e4 / 5.0, 5.0),
+    ],
+)
+def test_influences_of_a_part_on_its_images_are_those_of_all_panels(green, planes, k, depth, asked, water):
+    """A wall in the surface at frequency zero, none of the bottom there; at infinite frequency the surface gives way."""
+    mesh = bem.panel_mesh(*patch_of_panels(), planes)
+    s, d = bem.influence_blocks(green, mesh, k, depth)
+    assert s.shape == d.shape == (2 ** len(planes), 3, 3)
+    whole = mesh.merged() if planes else mesh
+    options = {"wavenumber": asked, "water_depth": water, "adjoint_double_layer": True}
+    for found, full in zip((s, d), green.evaluate(whole, whole, **options), strict=True):
+        rows = np.asarray(full).reshape(len(whole.faces_centers), -1)[:3]
+        blocks = [rows[:, 3 * i : 3 * i + 3] for i in range(2 ** len(planes))]
+        np.testing.assert_allclose(found[0], blocks[0], rtol=1e-5, atol=1e-7)
+        np.testing.assert_allclose(found.sum(axis=0), sum(blocks), rtol=1e-5, atol=1e-7)

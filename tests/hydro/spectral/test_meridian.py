@@ -85,3 +85,17 @@ def test_ways_along_the_shell_are_those_between_its_points(degree):
     end = wet.at(t)
     np.testing.assert_allclose(dx, end.x - start.x, atol=1e-12)
     np.testing.assert_allclose(dz, end.z - start.z, atol=1e-12)
+
+
+@pytest.mark.parametrize("height", [-0.6, 0.0, 0.6])
+def test_circles_inside_are_a_share_of_what_is_clear_at_their_own_height(height):
+    """Each height with each share once, depths in terms of the draft; on the axis for order 0."""
+    wet, draft = wet_sphere(24, height, 1), 1.0 - height
+    x, z = (a[wet.nodes :] for a in wet.targets)
+    assert sorted(z / -draft) == pytest.approx(sorted(2 * [0.02, 0.15, 0.4]))
+    clear = np.hypot(wet.points.x - 0.0, wet.points.z - z[:, None]).min(axis=1)
+    found = sorted(zip(z.round(9), (x / clear).round(9), strict=True))
+    assert found == [(d, share) for d in sorted(set(z.round(9))) for share in (0.2, 0.45)]
+    x, z = (a[wet.nodes :] for a in wet_sphere(24, height).targets)
+    assert not x.any()
+    assert z == pytest.approx(-draft * np.array([0.02, 0.15, 0.4]))
