@@ -339,3 +339,33 @@ def test_the_ends_of_its_reach_and_of_its_band_are_part_of_it(database):
         ends = database.at(GRID[[0, -1]], sign * REACH)
         whole = database.at(GRID, sign * REACH)
         np.testing.assert_allclose(ends.damping, whole.damping[[0, -1]], rtol=1e-12, atol=1e-9 * whole.damping.max())
+
+
+def test_noise_is_the_error_of_each_amplitudes_own_derivative(database, family):
+    """In terms of the coefficient itself, per metre: of every coefficient and every amplitude its own."""
+    ds = database.dataset
+    assert ds.slope_noise.dims == ("coefficient", "shape_dof")
+    largest = {name: float(np.abs(family.centre[name]).max()) for name in COEFFICIENTS}
+    for i, name in enumerate(COEFFICIENTS):
+        for k, line in enumerate(family.axes):
+            error = float(family.slope_errors[name].values[k]) * float(np.abs(line.slope[name]).max())
+            assert float(ds.slope_noise[i, k]) == pytest.approx(error / largest[name], rel=1e-9)
+    assert (ds.attrs["water_density"], ds.attrs["gravity"]) == (family.density, family.gravity)
+    assert ds.coefficient.values.tolist() == list(COEFFICIENTS)
+
+
+@pytest.mark.parametrize(("q", "name", "value", "reach"), [
+    ([1.5, -0.9, 0.1], "Mode0", "-0.9", "0.7"), ([1.9, 0.1, 0.25], "Mode2", "0.25", "0.2"),
+    ([-2.1, 0.0, 0.3], "Heave", "-2.1", "2"), ([0.0, np.nan, 0.0], "Mode0", "nan", "0.7"),
+])  # fmt: skip
+def test_the_first_amplitude_beyond_its_own_reach_is_named(q, name, value, reach):
+    ds = xr.Dataset({"shape_reach": ("shape_dof", [2.0, 0.7, 0.2])}, {"shape_dof": ["Heave", "Mode0", "Mode2"]})
+    words = f"received {name} = {value} m; the shape database holds {reach} m either way: build it with more reach"
+    with pytest.raises(ConfigError, match=f"^modal_amplitude: {words}$"):
+        ShapeDatabase(ds).error(np.array(q))
+    edge = np.array([2.0, -0.7, 0.2]) * (1 + 0.9e-9)
+    np.testing.assert_array_equal(ShapeDatabase(ds)._checked(edge), edge)
+    with pytest.raises(
+        ConfigError, match=r"^modal_amplitude: received shape \(2,\); needs \(3,\), heave and all modes$"
+    ):
+        ShapeDatabase(ds).error(np.ones(2))
