@@ -176,6 +176,10 @@ def test_the_statistical_error_is_half_the_interval_of_what_is_asked_over_it():
     assert text.endswith("that of mean power is 28 %")
     assert seastatistics._sharpness(alone, [alone, gaining, better])[0] == pytest.approx(25.0 / 125.0)
     assert seastatistics._sharpness(alone._replace(power_mean=0.0), [alone])[0] == 0.0
+    given = alone._replace(power_mean=-100.0, power_low=-120.0, power_high=-80.0)  # as by a spring in a short record
+    assert seastatistics._sharpness(given, [given])[0] == pytest.approx(0.2)
+    against = gaining._replace(gain_percent=-225.0, gain_low=-250.0, gain_high=-200.0)
+    assert seastatistics._sharpness(against, [alone, against])[0] == pytest.approx(25.0 / 125.0)
 
 
 def test_csv_has_a_cell_for_everything_and_nothing_for_what_does_not_exist():

@@ -228,7 +228,7 @@ def test_a_stroke_limit_needs_a_port_that_has_a_place():
     ):
         check_spring(study, reference_shell(study))
     check_spring(study_with(pto={"port": "surge"}, mooring=None), reference_shell(study))
-    with pytest.raises(ConfigError, match=r"pto.stiffness: received -1 N/m, .*needs more than -0 N/m"):
+    with pytest.raises(ConfigError, match=r"pto.stiffness: received -1 N/m, .*needs more than 0 N/m"):
         check_spring(study_with(pto={"port": "surge", "stiffness": -1.0}, mooring=None), reference_shell(study))
 
 

@@ -244,7 +244,7 @@ def test_each_key_of_a_buoy_is_refused_for_its_own_reason(key, why):
     for value in (None, {}, 1.0):
         with pytest.raises(ConfigError) as error:
             study(**({"hydro": {name: value, "tolerance": 0.01}} if section else {name: value}))
-        assert str(error.value).endswith(f": {key}: {why}; remove it")
+        assert str(error.value).endswith(f": body study: {key}: {why}; remove it")
 
 
 def test_every_check_on_the_database_of_a_body_may_be_accepted_and_two_be_repaired():

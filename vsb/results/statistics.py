@@ -177,7 +177,7 @@ def statistical_checks(study: Compared, lines: Sequence[Line]) -> list[Check]:
 def _sharpness(line: Line, sea: Sequence[Line]) -> tuple[float, str]:
     """Relative error of what is asked, and its words: of gains in the same waves, if they are known; else of power."""
     low, mean, high = line.power_low or 0.0, line.power_mean, line.power_high or 0.0
-    share = 0.5 * (high - low) / mean if mean else 0.0
+    share = 0.5 * (high - low) / abs(mean) if mean else 0.0
     gains = [_half_gain(one) for one in ([line] if line.gain_low is not None else sea)]
     known = [half for half in gains if half is not None]
     if not known:
@@ -190,7 +190,7 @@ def _half_gain(line: Line) -> float | None:
     """Half the interval of a design's power over the reference's, over it; None if it is not known, or of nothing."""
     if line.gain_percent is None or line.gain_low is None or line.gain_high is None:
         return None
-    part = 100 + line.gain_percent
+    part = abs(100 + line.gain_percent)
     return 0.5 * (line.gain_high - line.gain_low) / part if part else None
 
 

@@ -183,7 +183,7 @@ def check_spring(study: Study, reference: ReferenceShell) -> None:
     if not (study.pto.stiffness > least or study.pto.stiffness == least == 0.0):
         raise ConfigError(
             f"pto.stiffness: received {study.pto.stiffness:g} N/m, with which a buoy does not rest; needs more than "
-            f"{least:.6g} N/m"
+            f"{least + 0.0:.6g} N/m"
         )
 
 

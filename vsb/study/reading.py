@@ -242,9 +242,14 @@ def _inside(raw: object, part: str | int) -> tuple[object] | None:
 def _told(error: ErrorDetails, title: str, raw: object, model: type[BaseModel] | None = None) -> str:
     """A mistake in one line: key, value received, what is needed."""
     place = _written(error, raw)
-    key = ".".join(map(str, place)) or title.lower()
+    key = ".".join(map(str, place)) or _in_words(title)
     received = "" if isinstance(error["input"], dict | BaseModel) else f" received {shortened(repr(error['input']))};"
     return " ".join(f"{key}:{received} {_needed(error, place, schema_of(model) if model else {})}".split())
+
+
+def _in_words(title: str) -> str:
+    """Name of a kind of file as people write it: body study for BodyStudy."""
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", title).lower()
 
 
 _WORDS = {
