@@ -320,6 +320,16 @@ def test_what_solvers_say_is_told_by_solver_and_shape():
         assert found[f"shape_{name}"].sel(solver="panels", shape="m_minus").values == pytest.approx(2.0)
 
 
+@pytest.mark.parametrize(("depth", "part"), [(np.inf, 0.0), (7.0, 0.2)])
+def test_where_the_bottom_is_haskinds_error_is_that_of_added_mass_of_every_solver(depth, part):
+    """The Green function of finite depth is itself approximate."""
+    fine = two_motions(1.0)
+    off = fine.assign(radiation_damping=fine.radiation_damping + 0.2)
+    said = witness.Runs(Versions(fine, fine, off), 1.0)
+    found = witness.compared([witness.Deformed(None)], [said], [said], WAVES._replace(depth=depth))
+    assert found.witness_estimate.values == pytest.approx(np.tile([part, 0.2, 0.2], (2, 1, 1)))
+
+
 def test_derivatives_of_several_modes_are_each_of_their_own_two_shapes(monkeypatch):
     shapes_ = deformed_shapes(afloat(), ["Membrane0", "Bending2"], np.inf)
     asked = []

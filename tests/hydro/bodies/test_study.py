@@ -450,6 +450,17 @@ def test_water_is_deeper_than_the_draught(body, depth):
     assert str(error.value) == f"water.depth: received {depth:g} m, needs more than the body's draught of 2 m"
 
 
+def test_water_is_deeper_than_the_keel_of_a_body_all_of_which_is_below_it(body):
+    """Four metres high, its top a metre below the surface."""
+    given = {"body": "b", "mesh": "-", "modes": "-", "omega": (2.0,), "wave_direction": (0.0,), "lid": 0}
+    mirror = np.array([1.0, 1.0, -1.0])
+    vertices, faces = joined([(body.vertices, body.faces), (mirror * body.vertices, body.faces[:, ::-1])])
+    sunk = made(vertices - [0.0, 0.0, 3.0], faces, rigid(vertices)[2:3])
+    bodystudy.check_solvable(BodyFile(**given, water={"depth": 5.001}), sunk)
+    with pytest.raises(ConfigError, match=r"received 5 m, needs more than the body's draught of 5 m"):
+        bodystudy.check_solvable(BodyFile(**given, water={"depth": 5.0}), sunk)
+
+
 def test_identities_are_measured_by_the_impedances_of_both_motions_or_the_least_there_is(body):
     """Pitch next to none: its impedance is that of its least size; of two directions the worse one counts."""
     omega, water = 2.0, Water(density=1010.0, depth=12.0)

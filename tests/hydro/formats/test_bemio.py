@@ -1,5 +1,6 @@
 """BEMIO's .h5 file written and read."""
 
+import re
 from itertools import pairwise
 from types import SimpleNamespace
 
@@ -250,35 +251,38 @@ def test_rigid_buoy_has_six_degrees_of_freedom(tmp_path):
 
 def test_h5_that_cannot_be_read_is_refused(elastic, tmp_path):
     path = tmp_path / "buoy.h5"
-    with pytest.raises(DatabaseError, match=r"buoy\.h5: cannot be read: .*No such file.*; needs BEMIO's \.h5 file"):
+    whole = re.escape(str(path))
+    with pytest.raises(DatabaseError, match=rf"^{whole}: cannot be read: .*No such file.*; needs BEMIO's \.h5 file"):
         read_bemio(path)
     path.write_bytes(b"no HDF5")
-    with pytest.raises(DatabaseError, match=r"buoy\.h5: cannot be read: .*Unknown file format"):
+    with pytest.raises(DatabaseError, match=rf"^{whole}: cannot be read: .*Unknown file format"):
         read_bemio(path)
     entries = bemio_entries(elastic, "memory")
     write_h5(changed(entries, inf_freq=None), path)
-    with pytest.raises(DatabaseError, match=r"buoy\.h5: holds no /body1/hydro_coeffs/added_mass/inf_freq; needs"):
+    with pytest.raises(DatabaseError, match=rf"^{whole}: holds no /body1/hydro_coeffs/added_mass/inf_freq; needs"):
         read_bemio(path)
     write_h5(changed(entries, dof=np.array([[9.0]])), path)
-    with pytest.raises(DatabaseError, match=r"holds 9 degrees of freedom; needs 8 for its mode_labels \['Heave', 'Mem"):
+    with pytest.raises(
+        DatabaseError, match=rf"^{whole}: holds 9 degrees of freedom; needs 8 for its mode_labels \['Heave', 'Mem"
+    ):
         read_bemio(path)
     write_h5(changed(entries, mode_labels=None, dof=np.array([[9.0]])), path)
-    with pytest.raises(DatabaseError, match=r"added_mass/all has shape \(8, 8, 6\); needs \(9, 9, 6\)"):
+    with pytest.raises(DatabaseError, match=rf"^{whole}: .*added_mass/all has shape \(8, 8, 6\); needs \(9, 9, 6\)"):
         read_bemio(path)
     write_h5(entries | {"/body2/properties/name": "other"}, path)
-    with pytest.raises(DatabaseError, match=r"buoy\.h5: holds no /body2/properties/dof; needs BEMIO's \.h5 file"):
+    with pytest.raises(DatabaseError, match=rf"^{whole}: holds no /body2/properties/dof; needs BEMIO's \.h5 file"):
         read_bemio(path)
     write_h5({place: value for place, value in entries.items() if not place.startswith("/body1/")}, path)
-    with pytest.raises(DatabaseError, match=r"buoy\.h5: holds no /body1/properties/dof; needs BEMIO's \.h5 file"):
+    with pytest.raises(DatabaseError, match=rf"^{whole}: holds no /body1/properties/dof; needs BEMIO's \.h5 file"):
         read_bemio(path)
     write_h5(changed(entries, water_depth=np.zeros((1001, 1))), path)
-    with pytest.raises(DatabaseError, match=r"water_depth has shape \(1001, 1\); needs a short text\.$"):
+    with pytest.raises(DatabaseError, match=rf"^{whole}: .*water_depth has shape \(1001, 1\); needs a short text\.$"):
         read_bemio(path)
     write_h5(entries | {"/body3/properties/name": "other"}, path)
-    with pytest.raises(DatabaseError, match=r"buoy\.h5: holds body1, body3; needs body1, body2, \.\.\. without a gap"):
+    with pytest.raises(DatabaseError, match=rf"^{whole}: holds body1, body3; needs body1, body2, \.\.\. without a gap"):
         read_bemio(path)
     write_h5(changed(entries, inf_freq=np.full((8, 8), np.nan)), path)
-    with pytest.raises(DatabaseError, match=r"buoy\.h5: variable added_mass_inf holds NaN"):
+    with pytest.raises(DatabaseError, match=rf"^{whole}: variable added_mass_inf holds NaN"):
         read_bemio(path)
 
 
