@@ -257,6 +257,26 @@ def test_a_second_channel_from_both_sides():
         assert (found.verdict, found.value) == (verdict, pytest.approx(share, rel=1e-6))
 
 
+@pytest.mark.parametrize(
+    ("name", "damage", "size"),
+    [
+        ("symmetry", _asymmetric, 0.0201),
+        ("positive_damping", _lively, 0.0101),
+        ("irregular_frequencies", _spiky_alone, 0.101),
+        ("kramers_kronig", _other_limit, 0.103),
+    ],
+)
+def test_of_an_axisymmetric_body_the_other_motions_are_judged_as_of_any(name, damage, size):
+    """Of surge, which sends out no ring wave: its numbers, and what they leave unchecked."""
+    ds = damage(sound(["Heave", "Surge", "Bend"]), size)
+    told, expected = (judged(ds, axisymmetric=ring)[name] for ring in (True, False))
+    assert told == expected
+    assert told.verdict != "ok"
+    few = sound(["Heave", "Surge", "Bend"], omega=np.linspace(0.1, 1.0, 12))
+    (note,) = (line for line in foreign_checks(few, axisymmetric=True)[1] if "kramers_kronig" in line)
+    assert note.startswith("not checked: kramers_kronig of Heave, Surge, Bend, ")
+
+
 # --- spikes and Kramers-Kronig
 
 

@@ -468,6 +468,14 @@ def test_a_mesh_is_mirrored_in_every_plane_it_says_and_nothing_is_reordered(plan
     assert sorted(map(tuple, centres.round(9))) == sorted(map(tuple, expected.round(9)))
 
 
+def test_panels_however_small_are_kept_in_their_order():
+    """Of a model a hundred thousandth of its size, and one panel twice."""
+    vertices, faces = patch_of_panels()
+    mesh = bem.panel_mesh(1e-5 * vertices, np.concatenate([faces, faces[:1]]))
+    own = bem.panel_mesh(vertices, faces).faces_centers
+    np.testing.assert_allclose(mesh.faces_centers, 1e-5 * np.concatenate([own, own[:1]]), rtol=1e-12)
+
+
 @pytest.mark.parametrize("planes", [(), ("xOz",), ("xOz", "yOz")])
 @pytest.mark.parametrize(
     ("k", "depth", "asked", "water"),
