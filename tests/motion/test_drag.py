@@ -139,6 +139,8 @@ def test_no_take_off_of_a_table_beats_the_best_beside_drag(seed, efficiency):
         pair = best_pair(buoy.port, square, one, efficiency)
         assert one.power[0] <= pair.power[0]
         assert table[:, j].max() <= pair.power[0] * (1 + 1e-6)
+        again = under(buoy.port, square, pair.damping[0], pair.stiffness[0], efficiency)
+        assert pair.power == pytest.approx(again.power, rel=1e-9)  # what it takes is what that load takes
     together = best_damper(buoy.port, waves, 0.0, efficiency)
     assert alone.sum(axis=1).max() <= under(buoy.port, waves, together, 0.0, efficiency).power.sum() * (1 + 1e-9)
 
