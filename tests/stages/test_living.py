@@ -217,9 +217,11 @@ def test_a_reader_chooses_among_the_first_seas_by_the_names_of_their_families(se
 def test_a_page_is_of_all_directions_and_of_the_band_in_which_the_first_sea_s_response_is_known(
     seed, monkeypatch, first, ends, pto, steps
 ):
-    """Of seas to 0, 90 and 0 degrees; forces may have components beyond the database, up to the highest of the runs."""
-    wave = RegularWave(kind="regular", amplitude=0.1, period=3.0)
-    waves = tuple(wave.model_copy(update=more) for more in ({}, {"direction": 90.0}, {"amplitude": 0.2, "period": 4.0}))
+    """Of seas to 90, -30 and 90 degrees, in their order; forces may have components beyond the database, up to the highest of the runs."""
+    wave = RegularWave(kind="regular", amplitude=0.1, period=3.0, direction=90.0)
+    waves = tuple(
+        wave.model_copy(update=more) for more in ({}, {"direction": -30.0}, {"amplitude": 0.2, "period": 4.0})
+    )
     study, asked = varied(seed, pto=pto).model_copy(update={"waves": waves}), []
     database = xr.Dataset(coords={"omega": [first, 1.0, 4.0]})
     floating = SimpleNamespace(linear=SimpleNamespace(database=database))
@@ -265,7 +267,7 @@ def test_a_page_is_of_all_directions_and_of_the_band_in_which_the_first_sea_s_re
         assert [(sea.words, sea.band) for sea in seas] == list(zip(labels, (0, 1, 0), strict=True))
     assert asked == [((response, waves[0]), *ends)]
     assert grids == [([wave.omega], wave.direction) for wave in waves]
-    assert bands == [([0.5, 1.5], 0.0), ([0.5, 1.5], 90.0)]
+    assert bands == [([0.5, 1.5], 90.0), ([0.5, 1.5], -30.0)]
     assert limit.tolist() == [15.0, 40.0]
     assert others == [study.reference_design, study.pto.efficiency, "2 λ/2π"]
     monkeypatch.setattr(module, "_seas", lambda study: {})

@@ -148,6 +148,11 @@ def test_the_shell_in_words_is_the_shell_in_numbers(seed):
     assert text[1].split()[2] == "-"  # no bending of degree 0
     assert float(text[3].split()[2]) == pytest.approx(table["bending"][0]["omega"], rel=1e-9)
     assert text[-1] == f"classical buckling pressure {table['buckling_pressure']:.6g} Pa"
+    assert text[0].split() == ["n", "membrane", "bending", "paper", "Ritz", "[rad/s]"]
+    natural = {"natural": [{"mode": "Shell1", "omega": 12.25}, {"mode": "Shell2", "omega": 30.5}]}
+    head, *rows = (line.split() for line in preview.shell_text(natural).splitlines())
+    assert head == ["mode", "natural", "[rad/s]"]
+    assert [(mode, float(omega)) for mode, omega in rows] == [("Shell1", 12.25), ("Shell2", 30.5)]
 
 
 CHECKS = {
