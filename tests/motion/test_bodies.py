@@ -525,6 +525,12 @@ def test_dampers_of_the_dry_body_give_no_energy(matrix, rate, most):
     ):
         damped(matrix)
     assert damped(np.ones((2, 2))).structural_damping.any()
+    three = afloat(("Heave", "Pitch", "Bend"), [4.0, 5.0, 6.0], [9.0, 9.0, 9.0])
+    with pytest.raises(ConfigError, match="damping: received a matrix that gives energy to Bend, by "):
+        linear_body(
+            three.database, mass=three.mass, stiffness=0 * three.mass,
+            damping=np.array([[1.0, 0.5, 2.0], [0.5, 3.0, 1.0], [2.0, 1.0, 1.0]]),
+        )  # fmt: skip
     assert damped(np.array([[1.0, 1.0], [1.0, 1.0 - 1e-8]])).structural_damping.any()
     assert not damped(np.zeros((2, 2))).structural_damping.any()
 
