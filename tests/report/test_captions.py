@@ -40,6 +40,13 @@ def test_no_gain_is_told_of_a_figure_without_one():
     assert "gain" in captions(given=False, body=True)["absorbed_power"]
 
 
+@pytest.mark.parametrize("given", [True, False])
+def test_where_gains_are_drawn_is_said_where_designs_are_compared_whatever_their_dampers(given):
+    for compared in (True, False):
+        told = captions(given=given, body=False, compared=compared)["absorbed_power"]
+        assert ("Gains are drawn where at least 5 % of the largest power is absorbed." in told) == compared
+
+
 def test_what_is_left_out_stands_first():
     told, plain = captions("without drag", given=True, body=False), captions(given=True, body=False)
     changed = {name for name in plain if told[name] != plain[name]}

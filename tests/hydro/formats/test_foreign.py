@@ -619,6 +619,8 @@ def test_a_mode_that_moves_no_water_is_never_the_one_that_is_off_most():
     known, noisy = (judged(one)["haskind_long_waves"] for one in (ds, with_noise(ds, "Yaw", 1e-6)))
     assert (noisy.value, noisy.verdict) == (pytest.approx(known.value, abs=1e-12), "ok")
     assert "Yaw" not in noisy.explanation
+    led = with_noise(_pushed_by_long_waves(sound(("Yaw", "Surge", "Heave", "Pitch")), 0.08), "Yaw", 1e-6)
+    assert "most at 0.2 rad/s in Surge" in judged(led)["haskind_long_waves"].explanation
 
 
 def test_scale_and_long_waves_are_judged_of_what_headings_resolve_alone():

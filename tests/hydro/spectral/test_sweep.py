@@ -126,6 +126,8 @@ def test_the_phase_of_a_wave_is_to_the_waterline_in_water_of_its_depth(height, d
     omega, radius = np.array([0.5, 2.0]), np.sqrt(4.0 - height**2)
     assert found.phase(omega) == pytest.approx([radius * wavenumber(w, depth, 4.0) for w in omega], rel=1e-9)
     assert found.order == order
+    solved = SpectralProblem(shell, moved, 1.0, 4.0, 8, depth=depth).solve(omega.tolist()).Froude_Krylov_force
+    assert found.froude_krylov(omega) == pytest.approx(solved.values, rel=1e-12)
 
 
 def test_the_error_told_is_of_all_frequencies_solved(monkeypatch):
