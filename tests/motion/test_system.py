@@ -119,7 +119,12 @@ def test_without_memory_states_radiation_is_what_the_other_forces_leave(linear):
     assert system.driving(bare, system.forces(bare)) == pytest.approx(expected, abs=1e-11 * np.abs(expected).max())
 
 
-def test_the_compiled_remainder_is_the_forces_own(wet):
+@pytest.mark.parametrize("slack", [0.0, 0.3])
+def test_the_compiled_remainder_is_the_forces_own(wet, slack):
+    """Beside a spring too, slack where the shell is not."""
+    dof = len(wet.labels)
+    spring = SpringDamper(3e4 * np.eye(dof), np.zeros((dof, dof)), slack * np.arange(1.0, dof + 1))
+    wet = replace(wet, forces={**wet.forces, "spring": spring})
     system = System.of(wet)
     time, z = moving(system)
     found = np.empty((len(time), system.free))
