@@ -347,6 +347,16 @@ def test_every_kind_of_file_has_its_own_schema(capsys, kind, title):
     assert json.loads(capsys.readouterr().out)["title"] == title
 
 
+@pytest.mark.parametrize("table", [{"membrane": [1.5]}, {"natural": [{"mode": "Shell1", "omega": 2.5}]}])
+def test_a_shell_of_any_kind_is_told_as_json_where_that_is_asked_for(capsys, monkeypatch, table):
+    monkeypatch.setattr("vsb.stages.preview.shell_table", lambda study: table)
+    monkeypatch.setattr("vsb.stages.preview.shell_text", lambda given: f"in words {given == table}")
+    assert main(["shell", str(SEED), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == table
+    assert main(["shell", str(SEED)]) == 0
+    assert capsys.readouterr().out == "in words True\n"
+
+
 def noted(monkeypatch, place, answer):
     """What a function is called with, in place of its work."""
     calls = []

@@ -340,6 +340,9 @@ def test_what_is_left_out_is_told_of_the_automatic_model_alone(seed, monkeypatch
     study = varied(seed, hydro={"model": model})
     runs = {design: f"checks of {design}" for design in study.designs}
     assert ledger.sea_checks(study, None, study.waves[0], runs) == [*runs.values(), *left_out]
+    flexible = varied(study, designs={name: d for name, d in study.model_dump()["designs"].items() if d["flexible"]})
+    assert flexible.reference_design is None  # nor does it need a rigid one
+    assert ledger.sea_checks(flexible, None, study.waves[0], runs)[len(flexible.designs) :] == left_out
 
 
 def test_what_is_not_known_stands_above_its_limit(seed):

@@ -445,8 +445,10 @@ def test_frequencies_of_a_study_hold_its_waves(small, reference):
 
 def test_a_sea_of_longer_waves_than_the_grid_has_is_solved_down_to_its_longest(small, reference, family):
     """Bands of equal width, the first one's middle; the waves of the study's own motion lie between those solved."""
-    noise = {"kind": "white_noise", "hs": 0.3, "band": [0.1, 2.0]}
-    rigid = varied(small, waves=[{"kind": "still"}, noise, *small.waves], designs={"FSB": {"flexible": False}})
+    one, noise, last = ({"kind": "white_noise", "hs": 0.3, "band": [low, 2.0]} for low in (0.5, 0.1, 0.3))
+    rigid = varied(
+        small, waves=[{"kind": "still"}, one, noise, last, *small.waves], designs={"FSB": {"flexible": False}}
+    )
     count = int(np.ceil(1.9 * 1.1 * rigid.simulation.duration / (2 * np.pi)))
     asked = shapedependence.study_family(rigid, reference, frequencies=6)
     assert asked.omegas == (pytest.approx(0.1 + 0.5 * 1.9 / count, rel=1e-12), *OF_GRID)

@@ -108,6 +108,17 @@ def test_the_water_about_the_undeformed_shell_is_found_once_for_all_materials_an
     assert len(calls) == 1 + 3 + 1
 
 
+def test_the_water_about_the_undeformed_shell_is_that_of_as_many_degrees_as_it_has(seed):
+    """Of 40, by as many points as their products need: twice as many find the same."""
+    shell = Shell.of(seed.device)
+    loaded = LoadedShell(ElasticShell(complete_basis(shell, 40, seed.device.mass)), 0.2, RHO, G)
+    force, stiffness = _undeformed(loaded._of_shapes)
+    water, points = loaded._of_shapes._water(np.zeros(len(force)))
+    exact = water.hydrostatics(1.0, 1.0, 2 * points)
+    assert force == pytest.approx(exact[0], abs=1e-11 * np.abs(exact[0]).max())
+    assert stiffness == pytest.approx((exact[1] + exact[1].T) / 2, abs=1e-11 * np.abs(exact[1]).max())
+
+
 def test_elastic_derivatives_to_round_off(full, bent):
     elastic = ElasticShell(full)
     force, stiffness = complex_step(elastic.energy, bent), complex_step(elastic.force, bent)

@@ -449,8 +449,10 @@ def test_a_shape_is_kept_while_members_of_it_follow_and_years_are_of_its_own_wat
     monkeypatch.setattr(members, "swept_shape", swept_shape)
     monkeypatch.setattr(members, "member", lambda *given: asked.append(given) or "results")
     work = members.Work("climate", SimpleNamespace(tuning=("one", "each"), constrained=None), "root")
-    for number, shape in enumerate("aabba"):
-        one = SimpleNamespace(study=f"study {number}", spec=SimpleNamespace(sweep=(shape,)))
+    for number, shape in enumerate(
+        ["ac", "ac", "bc", "bc", "bd"]
+    ):  # blocks of which some may be those of another shape
+        one = SimpleNamespace(study=f"study {number}", spec=SimpleNamespace(sweep=tuple(shape)))
         assert work.results(one) == "results"
         study, water, *others = asked[-1]
         assert (study, others) == (one.study, ["climate", ("one", "each"), None, work._rigid])

@@ -508,6 +508,18 @@ def test_a_short_text_has_a_thousand_letters_at_most():
             found.text("/name")
 
 
+def test_numbers_are_read_in_the_order_of_their_dimensions_alone():
+    """As many in another order would be read as others; dimensions of one are none."""
+    values = np.arange(6.0).reshape(1, 2, 3)
+    found = _Entries(SimpleNamespace(groups={}, variables={"name": values}), "a.h5")
+    np.testing.assert_array_equal(found.numbers("/name", 2, 3, 1), values.reshape(2, 3, 1))
+    for shape in ((3, 2), (6,), (2, 4)):
+        with pytest.raises(
+            DatabaseError, match=rf"^a.h5: /name has shape \(1, 2, 3\); needs {re.escape(str(shape))}\.$"
+        ):
+            found.numbers("/name", *shape)
+
+
 class Unread:
     """A variable that must not be read."""
 
