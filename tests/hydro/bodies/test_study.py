@@ -710,6 +710,7 @@ def test_blocks_are_of_the_body_its_water_its_symmetry_and_its_lid(tmp_path, bod
     for omega in (1.0, 1.5, 1.0):
         found = blocks(omega)
         assert [float(ds.added_mass.values.flat[0]) for ds in found] == [1.0, 2.0, 3.0]
+    assert blocks(1.0) is found
     again = bodystudy.Blocks(file, body, "none", None, tmp_path / "blocks", "green")
     assert [float(ds.added_mass.values.flat[0]) for ds in again(1.5)] == [1.0, 2.0, 3.0]
     assert [each[-1] for each in solved] == [1.0, 1.5]

@@ -411,6 +411,9 @@ def test_what_the_files_of_two_bodies_do_not_say_is_refused(tmp_path):
     heads = {"mmx": ("Normalized mass matrix:", "External force matrices:")}
     with pytest.raises(DatabaseError, match=r"rm3\.mmx: holds external force matrices of 2 bodies; needs IALTFRC = 1"):
         rm3(tmp_path, **heads)
+    second = {"mmx": ("5.686012\n", "5.686012\n External force matrices:\n")}
+    with pytest.raises(DatabaseError, match=r"rm3\.mmx: holds external force matrices of 2 bodies; needs IALTFRC = 1"):
+        rm3(tmp_path, **second)
     more = {"1": ("     9     9", "    13    13")}
     with pytest.raises(DatabaseError, match=r"rm3\.1: holds modes up to 13 of 2 bodies; needs six of each, unnamed"):
         rm3(tmp_path, **more)
