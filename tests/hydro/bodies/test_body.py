@@ -611,3 +611,23 @@ def test_every_array_of_a_body_has_its_shape_and_finite_numbers(box, name):
     told = f"^{name}: shape {re.escape(str(wrong.shape))}; needs "
     with pytest.raises(ConfigError, match=told):
         FlexibleBody(vertices, faces, ("A", "B"), **sound | {name: wrong})
+
+
+@pytest.mark.parametrize("panels", ["largest", "smallest"])
+def test_water_moved_counts_by_the_largest_panel(box, panels):
+    """A normal displacement of 1e-12 of the largest panel, or as much more of a smaller one, is the least that moves."""
+    normals = _normals(box)
+    area = np.linalg.norm(normals, axis=1)
+    assert area.max() > 2 * area.min()
+    at = int(area.argmax() if panels == "largest" else area.argmin())
+    shapes = rigid(box[0])[:1]
+    still = np.zeros((1, len(area), 3))
+    still[0, :, 2] = np.abs(normals[:, 2]) < 1e-9 * area  # the sides slide down by one, the bottom rests
+    for share, moves in ((0.9, False), (1.1, True)):
+        modes = still.copy()
+        modes[0, at] += share * 1e-12 * area.max() / area[at] * normals[at] / area[at]
+        if moves:
+            made(*box, shapes, modes=modes)
+            continue
+        with pytest.raises(ConfigError, match=r"^modes: Dof0 moves no water; remove it$"):
+            made(*box, shapes, modes=modes)
