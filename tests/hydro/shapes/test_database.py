@@ -369,3 +369,10 @@ def test_the_first_amplitude_beyond_its_own_reach_is_named(q, name, value, reach
         ConfigError, match=r"^modal_amplitude: received shape \(2,\); needs \(3,\), heave and all modes$"
     ):
         ShapeDatabase(ds).error(np.ones(2))
+
+
+@pytest.mark.parametrize("samples", [0, 1, 5])
+def test_every_other_random_shape_is_a_corner_from_the_second_on(samples):
+    shapes = tried_shapes(REACH, samples)[2 * len(REACH) :]
+    at_end = np.abs(shapes) == REACH
+    assert at_end.tolist() == [[at % 2 == 1] * len(REACH) for at in range(samples)]
