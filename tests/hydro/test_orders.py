@@ -299,3 +299,14 @@ def test_every_force_is_turned_into_every_direction_and_matrices_stay():
             if "wave_direction" not in data.dims:
                 assert found[name].identical(data)
     assert first.attrs == in_headings(first, 0, going).attrs
+
+
+@pytest.mark.parametrize("directions", [[-90.0, 0.0, 45.0, 90.0], [90.0, -45.0, 44.0, 1.0], [-90.0, -1.0, 30.0, 70.0]])
+def test_its_own_of_the_directions_is_the_nearest_with_its_sign(directions):
+    """In whatever order they stand; upright motions are excited by all alike, and alone take the first."""
+    going = np.deg2rad(directions)
+    orders = [1, -2, 0, -1]
+    ds = xr.Dataset({ORDER: ("influenced_dof", orders)}, {"wave_direction": going, "influenced_dof": list("abcd")})
+    nearest = [min(range(len(going)), key=lambda at: abs(going[at] - own)) for own in map(own_heading, orders)]
+    assert own_headings(ds).tolist() == nearest
+    assert own_headings(ds.drop_vars(ORDER)).tolist() == [0] * 4
