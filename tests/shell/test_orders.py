@@ -415,6 +415,16 @@ def test_the_water_about_many_degrees_is_that_about_each():
     np.testing.assert_allclose(stiffness, stiffness.T, atol=1e-11 * largest)
 
 
+def test_the_water_about_a_high_degree_is_as_well_integrated_behind_a_low_one():
+    """Whichever of them stands first."""
+    ring = mode_basis(DEVICE, "membrane", 60)
+    low, high = ([mode for mode in ring.modes if mode.degree == degree][-1:] for degree in (2, 60))
+    alone = order_basis(replace(ring, modes=(*high,)), 2, BALLAST).hydrostatic_stiffness(HEIGHT, RHO, G)
+    for modes, at in (((*low, *high), 1), ((*high, *low), 0)):
+        found = order_basis(replace(ring, modes=modes), 2, BALLAST).hydrostatic_stiffness(HEIGHT, RHO, G)
+        assert found[at, at] == pytest.approx(alone[0, 0], rel=1e-9)
+
+
 def test_modes_of_any_order_have_the_bending_and_damping_of_the_axisymmetric_ones():
     for kind in KINDS:
         ring = mode_basis(DEVICE, kind, 3)
