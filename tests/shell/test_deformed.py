@@ -1,6 +1,7 @@
 import re
 import tracemalloc
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -402,6 +403,23 @@ def test_a_curl_is_where_it_is_told(full, turned):
     told = f"crosses itself (colatitudes {shell._grid[first]:.3g} and {shell._grid[last]:.3g} rad)"
     with pytest.raises(ConfigError, match=re.escape(told)):
         check_meridian(shell)
+
+
+@pytest.mark.parametrize(
+    ("share", "expected"), [(0.0, (0, 1)), (0.3, (1, 2)), (0.5, (2, 3)), (0.9, (3, 4)), (1.0, (4, 4))]
+)
+def test_a_curl_lies_between_points_of_the_grid_also_at_a_pole(share, expected):
+    """Told is where the meridian hardly goes on: a tangent that turns by half a circle too much, or the other way."""
+
+    def made(turns):
+        def meridian(phi):
+            speed = 0.1 + np.abs(phi - share * np.pi)
+            return SimpleNamespace(dx=speed * np.cos(turns * phi), dz=speed * np.sin(turns * phi))
+
+        return SimpleNamespace(_grid=np.linspace(0.0, np.pi, 5), meridian=meridian)
+
+    assert [_curl(made(turns)) for turns in (-3, -2, 0, 1)] == [expected] * 4
+    assert _curl(made(-1)) is None
 
 
 @settings(max_examples=200)
