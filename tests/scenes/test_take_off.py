@@ -117,6 +117,16 @@ def test_the_damper_of_a_regular_wave_is_the_size_of_the_impedance_it_sees():
     assert tuned([], damping={"A": 3.0, "B": 4.0}).damping == 3.0
 
 
+@pytest.mark.parametrize("tuning", ["each", "one"])
+def test_a_tuned_take_off_asks_for_no_damping_that_is_given(tuning):
+    """Only a fixed one has it."""
+    seas = [regular(2.0), regular(0.7, 0.5)]
+    free = tuned(seas, tuning=tuning)
+    assert free.damping != pytest.approx(77.0, rel=1e-3)
+    assert tuned(seas, tuning=tuning, damping=77.0).damping == free.damping
+    assert tuned(seas, tuning="fixed", damping=77.0).damping == 77.0
+
+
 def test_the_damper_of_a_sea_knows_no_other_sea():
     """What a run finds alone is what the ladder finds among all seas."""
     seas = [Sea(np.array([0.8, 1.1]), np.array([1.0, 0.5j])), regular(2.5), regular(0.3)]
