@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 from conftest import varied
 from results.test_year import climate
 from scenes.test_ports import water
@@ -13,6 +14,7 @@ from vsb.scenes.ports import ShapeWater, design_ports
 from vsb.scenes.rest import reference_shell
 from vsb.scenes.viability import with_designs
 from vsb.study.study import Study
+from vsb.study.year_options import CONSTRAINED
 from vsb.waves.climate import Climate
 
 TUNINGS = ("fixed", "one", "each")
@@ -101,6 +103,32 @@ def test_designs_that_do_not_rest_have_no_values(study, shared, seas, found):
     for name in (*OF_DESIGNS, *CURVES, *MATRICES):
         assert np.isnan(ds[name].sel(design=["VSWEC", "VSWEC0"])).all(), name
         np.testing.assert_array_equal(ds[name].sel(design=stable), alone[name], err_msg=name)
+
+
+def test_years_within_limits_stand_in_their_places_beside_known_dampers(study, shared, seas):
+    """Of the designs that rest, here the first and the last, whether the first is known already or not."""
+    lost, stable, asked, known = unstable(study), ["FSB", "VSWEC90"], [], {}
+    alone = member(with_designs(lost, stable), lambda basis: shared, seas, ("one",))
+    here = {"design": stable, "tuning": [CONSTRAINED]}
+    share = xr.Dataset({"optimum_share": ("design", [0.7, 0.9])}, coords={"design": stable})
+    within = (3 * alone[["annual_mean_power", "power_matrix"]]).assign_coords(here).merge(share)
+
+    def optima(*given):
+        asked.append(given)
+        return within
+
+    for _ in range(2):
+        ds = member(lost, lambda basis: shared, seas, (CONSTRAINED, "one"), optima, known)
+        for name in within.data_vars:
+            np.testing.assert_array_equal(
+                ds[name].sel({dim: here[dim] for dim in here if dim in ds[name].dims}), within[name]
+            )
+        np.testing.assert_array_equal(ds.annual_mean_power.sel(design=stable, tuning=["one"]), alone.annual_mean_power)
+        assert np.isnan(ds.optimum_share.sel(design=["VSWEC", "VSWEC0"])).all()
+    assert len(known) == 1
+    for some, _, of, least in asked:
+        assert (list(some.designs), of, least) == (stable, seas, shared.omega[0])
+    assert len(asked) == 2
 
 
 def test_where_no_design_rests_the_water_is_not_asked(study, seas):
