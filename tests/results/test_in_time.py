@@ -1,6 +1,7 @@
 """Runs in time of a climate's seas: without what linear theory leaves out they say what it says."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -107,6 +108,25 @@ def test_a_run_is_followed_with_the_spectrum_of_its_memory_and_its_own_settings(
     rigid.powers(sea, settings, "linear")
     assert seen == [(sea, settings, rigid.buoy.spectrum)]
     assert rigid.buoy.spectrum is not None
+
+
+def test_mean_power_is_what_the_take_off_gains_in_the_window_over_all_legs(rigid, monkeypatch):
+    """Of a cubic, which splines are exact of, in three legs of other lengths, one after the other; times between."""
+    ends = ([0.0, 2.0, 3.0, 5.0], [5.0, 6.0, 9.0], [9.0, 10.0, 11.0, 14.0, 20.0])
+
+    def energy(time):
+        return 3.0 + 40.0 * time - 2.5 * time**2 + 0.25 * time**3
+
+    def legs(*_):
+        for time in map(np.array, ends):
+            yield SimpleNamespace(
+                motion=SimpleNamespace(time=time), energy={"pto": energy(time), "radiation": 0 * time}
+            )
+
+    monkeypatch.setattr(in_time, "legs", legs)
+    sea, settings = realised(climate(), 3, 20.0, seed=1), Simulation(duration=20.0, window=(4.5, 17.0))
+    run, _ = rigid.powers(sea, settings, "linear")
+    assert run == pytest.approx((energy(17.0) - energy(4.5)) / 12.5, rel=1e-12)
 
 
 def test_the_pause_of_a_body_exact_run_is_looked_for_near_that_of_its_linear_scene(rigid, monkeypatch):

@@ -147,6 +147,9 @@ def test_keys_of_a_place():
         (("device", "gas"), "beta", "device.damping.beta"),
         (("designs", "VSWEC"), "clmp", "clamp"),
         (("device",), "colour", ""),
+        (("waves", 0), "hs", ""),  # which it has of another kind
+        (("waves", 0), "density", "device.density"),
+        (("pto", "port"), "direction", "waves.direction"),
     ],
 )
 def test_what_was_probably_meant(place, key, meant):
