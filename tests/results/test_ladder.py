@@ -35,7 +35,7 @@ from vsb.results.ladder import (
     rungs_of,
     study_ladder,
 )
-from vsb.scenes.afloat import Afloat, Met, afloat
+from vsb.scenes.afloat import Afloat, Met, afloat, headings, study_sea
 from vsb.scenes.ports import ShapeWater, design_ports
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell
@@ -590,6 +590,28 @@ def test_the_take_off_of_a_study_is_that_of_its_ladder_and_lines_stand_by_design
     )
     given = {design: Given(damper, 300.0, 0.9) for design, damper in dampers.items()}
     assert asked == [([0, 1, 3], given, study.simulation.duration, None)]
+
+
+@pytest.mark.parametrize("drag", [None, {"heave": {"coefficient": 1.0, "area": 12.57}}])
+def test_beside_drag_every_design_climbs_with_a_port_of_its_own(small, monkeypatch, drag):
+    """Known in all seas of the ladder; without drag there is none."""
+    asked = []
+    monkeypatch.setattr("vsb.results.ladder.dragged_port", lambda of, floating, *given: (of.drag, *given))
+    monkeypatch.setattr("vsb.results.ladder.rungs_of", lambda *given: asked.append(given[-1]) or [])
+    waves = [*small.study.model_dump()["waves"], {"kind": "jonswap", "hs": 0.6, "tp": 4.0}]
+    study = varied(small.study, waves=waves, drag=drag)
+    assert study_ladder(StudyPlan(study).ladder, small.database_path) == []
+    (ports,) = asked
+    if drag is None:
+        assert ports is None
+        return
+    assert list(ports) == list(study.designs)
+    ds = database.load_database(small.database_path, content_id(small.database))
+    pairs = [(wave, study_sea(study, wave, ds)) for wave in study.waves]
+    for design, (given, name, known) in ports.items():
+        assert (given, name) == (study.drag, design)
+        assert known.keys() == {0.0}
+        np.testing.assert_array_equal(known[0.0], headings(pairs)[0.0])
 
 
 def test_each_sea_has_its_own_best_damper_or_what_is_known_to_be_better(monkeypatch):
