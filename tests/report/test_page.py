@@ -355,7 +355,8 @@ BOTH = (row("FSB", 100), row("A", 120))
 def page_of(rows=BOTH, checks=(), study=STUDY, found=None, figures=(), **more):
     """A page of a swell, as text."""
     drawn = dict.fromkeys(figures, "<svg>x</svg>")
-    return render(Report(study, {"w": "a swell"}, rows, checks, found, more.pop("reference", "FSB"), drawn, {}, **more))
+    seas = {line["wave"]: "a swell" for line in rows}
+    return render(Report(study, seas, rows, checks, found, more.pop("reference", "FSB"), drawn, {}, **more))
 
 
 def test_the_head_of_a_page_tells_three_failures_and_counts_what_else_fails_or_is_in_doubt():
@@ -390,7 +391,8 @@ def test_captions_are_of_what_floats_of_its_limit_and_of_whom_it_is_compared_wit
     gain = "and the gain over the rigid design"
     assert gain in page
     assert gain not in page_of(found=found, figures=figures, reference=None)
-    assert gain not in page_of([row("FSB", 100)], found=found, figures=figures)
+    for alone in ([row("FSB", 100)], [row("FSB", 100), row("FSB", 90, "v")]):  # in two seas it has no other either
+        assert gain not in page_of(alone, found=found, figures=figures)
 
 
 def test_dampers_are_named_in_the_units_of_their_port_and_bands_at_a_damper_need_one():

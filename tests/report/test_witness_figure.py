@@ -1,5 +1,7 @@
 """Figure of the second solver: markers are differences, bars what estimates allow, signs the sides of a mode."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -45,6 +47,15 @@ def test_differences_are_the_largest_over_frequencies_and_bars_the_sum_of_both_e
 def test_heave_is_shown_as_its_change_from_the_mean_shape():
     ax = witness(data(False)).axes[1]
     assert all(line.get_ydata()[0] == 0.0 for line in ax.get_lines() if len(line.get_ydata()) == len(SHAPES))
+
+
+def test_changes_are_from_the_mean_shape_wherever_it_stands_among_the_shapes():
+    shown = data(False)
+    ds = shown.witness.isel(shape=[1, 0, 2])
+    drawn = [line.get_ydata() for line in witness(replace(shown, witness=ds)).axes[1].get_lines()]
+    changes = [of for of in drawn if len(of) == len(SHAPES)]
+    assert len(changes) == 12
+    assert all(of[1] == 0.0 and of[0] != 0.0 and of[2] != 0.0 for of in changes)
 
 
 def test_marks_of_a_shape_stand_side_by_side_over_its_name_and_the_legend_above_them():

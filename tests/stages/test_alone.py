@@ -47,6 +47,13 @@ def test_whoever_holds_all_folders_is_refused_where_one_is_held_and_lets_go_of_t
         pass
 
 
+def test_whoever_holds_the_folders_of_all_studies_holds_no_folder_above_or_within_one(tmp_path):
+    with alone(tmp_path / "a"):
+        pass
+    with alone(tmp_path), alone(tmp_path / "a" / "inner"), nobody_else(tmp_path):
+        pass
+
+
 def test_who_waits_for_a_file_that_another_makes_says_so(tmp_path, monkeypatch, capsys):
     asked = []
 

@@ -95,9 +95,11 @@ def test_a_run_is_that_of_the_sea_named_or_of_the_first(seed, monkeypatch):
     )
     floating = SimpleNamespace(motions={"A": "a", "B": "b"}, linear=linear, port="heave")
     monkeypatch.setattr(stored, "afloat", lambda study, path: floating)
-    monkeypatch.setattr(stored, "towards", lambda linear, direction: linear)
+    headed = []
+    monkeypatch.setattr(stored, "towards", lambda linear, direction: headed.append(direction) or linear)
     assert found.port("B") == ([1.0, 2.0], "b", "heave")
-    assert found.port("A", [0.5]) == ([0.5], "a", "heave")
+    assert found.port("A", [0.5], direction=-30.0) == ([0.5], "a", "heave")
+    assert headed == [0.0, -30.0]
 
 
 def test_a_ladder_has_numbers_words_and_none(seed, monkeypatch):

@@ -464,6 +464,21 @@ def test_what_a_changed_study_replaces_is_said(tmp_path):
     assert differences(planned(pto={"damping": 9000.0})) == ""
 
 
+@pytest.mark.parametrize("damping", ["5000.0", "15000.0"])
+def test_a_study_that_was_edited_since_it_was_stamped_is_of_no_plan(tmp_path, damping):
+    """It can be read as ever, but is not what was computed; in as many letters or in more."""
+    before = StudyPlan(config.parse(RAW), root=str(tmp_path))
+    changed = StudyPlan(config.parse({**RAW, "pto": {"damping": 9000.0}}), root=str(tmp_path))
+    path = Path(before.folder, "study.json")
+    path.parent.mkdir()
+    path.write_text(config.canonical(before.study))
+    record(before.manifest, before.study_id, [path])
+    assert differences(changed) == "pto.damping 8000.0 -> 9000.0"
+    replaced("8000.0", damping)(path)
+    assert module._plan(path.parent) is None
+    assert differences(changed) == ""
+
+
 def test_a_body_changes_as_a_study_does_and_a_campaign_of_its_name_is_none(finished, tmp_path):
     def body(**changes):
         found = located(as_body(finished, **changes), "a.yaml")
