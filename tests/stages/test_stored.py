@@ -107,3 +107,12 @@ def test_a_ladder_has_numbers_words_and_none(seed, monkeypatch):
     monkeypatch.setattr(stored, "read_text", lambda path, manifest, identity: text)
     rows = [(row["design"], row["wave"], row["rung"], row["power_mean"], row["spring"]) for row in Results(seed).ladder]
     assert rows == [("A", "calm", "fixed", 1.5, None), ("B", "1e3", "matched", None, 2.0)]
+
+
+def test_a_part_of_a_name_is_no_name():
+    """Nor is none of them, nor two in a row."""
+    for name in ("flex", "", "rigid, flexible"):
+        with pytest.raises(ConfigError) as error:
+            stored._known("design", name, iter(["rigid", "flexible"]))
+        assert str(error.value) == f"design: received {name!r}, needs one of rigid, flexible"
+    assert stored._known("design", "flexible", ["rigid", "flexible"]) == "flexible"
