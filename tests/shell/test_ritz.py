@@ -205,3 +205,21 @@ def test_matrices_are_kept_and_cannot_be_written_to():
         np.testing.assert_allclose(matrix, matrix.T, atol=1e-12 * np.abs(matrix).max())
         with pytest.raises(ValueError, match="read-only"):
             matrix[0, 0] = 0.0
+
+
+@pytest.mark.parametrize("slow", [0, 1, 2])
+def test_points_are_doubled_until_none_of_the_matrices_changes(slow, monkeypatch):
+    """Mass, membrane or bending: the last to settle counts."""
+    tried = []
+
+    def integrated(shell, degree, points):
+        tried.append(points)
+        found = [np.eye(3) * (k + 1.0) for k in range(3)]
+        found[slow] += 1e-3 / points if points < 600 else 0.0
+        return tuple(found)
+
+    monkeypatch.setattr(ritz, "_integrated", integrated)
+    found = matrices(Shell(3.7 + slow, 0.01, 1e7, 0.3, 2700.0), 3)
+    assert tried == [tried[0] * 2**k for k in range(len(tried))]
+    assert tried[-3] < 600 <= tried[-2]
+    assert [float(each[0, 0]) for each in found] == [1.0, 2.0, 3.0]

@@ -9,7 +9,7 @@ from vsb.hydro import dofs
 from vsb.hydro.bodies import body as bodies
 from vsb.hydro.bodies.solver import BodyProblem
 from vsb.hydro.bodies.study import _block
-from vsb.hydro.bodies.sweep import Block, Measure, error_estimate, least_sizes, sizes, swept
+from vsb.hydro.bodies.sweep import Block, Measure, _in_units, error_estimate, least_sizes, sizes, swept
 from vsb.hydro.database import with_excitation
 from vsb.hydro.panels import rings as bem
 from vsb.hydro.quality import negative_damping
@@ -373,3 +373,19 @@ def test_what_is_not_solved_is_interpolated_in_units_of_the_body_and_turned_back
     all_of_them = swept(solve, froude_krylov, omega, None, measure)
     assert (len(all_of_them.solved), all_of_them.error) == (33, 0.0)
     assert all_of_them.coefficients.added_mass.values == pytest.approx(true.added_mass.values, rel=1e-12)
+
+
+def test_matrices_are_told_by_both_units_of_displacement_and_excitation_by_one():
+    """Each by its own, of degrees of freedom unlike in size; what there is not is left out."""
+    size = np.array([2.0, 5.0])
+    pair, force = np.array([[[1.0, 2.0], [3.0, 4.0]]]), np.array([[[6.0 + 2.0j, 10.0j], [4.0, 5.0]]])
+    ds = xr.Dataset({
+        "added_mass": (("omega", "i", "j"), pair), "radiation_damping": (("omega", "i", "j"), 10 * pair),
+        "excitation_force": (("omega", "b", "i"), force), "Froude_Krylov_force": (("omega", "b", "i"), force),
+    })  # fmt: skip
+    found = _in_units(ds, size)
+    assert sorted(found) == ["added_mass", "excitation_force", "radiation_damping"]
+    assert found["added_mass"] == pytest.approx(np.array([[[0.25, 0.2], [0.3, 0.16]]]))
+    assert found["radiation_damping"] == pytest.approx(np.array([[[2.5, 2.0], [3.0, 1.6]]]))
+    assert found["excitation_force"] == pytest.approx(np.array([[[3.0 + 1.0j, 2.0j], [2.0, 1.0]]]))
+    assert sorted(_in_units(ds[["excitation_force"]], size)) == ["excitation_force"]

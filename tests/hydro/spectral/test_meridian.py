@@ -99,3 +99,19 @@ def test_circles_inside_are_a_share_of_what_is_clear_at_their_own_height(height)
     x, z = (a[wet.nodes :] for a in wet_sphere(24, height).targets)
     assert not x.any()
     assert z == pytest.approx(-draft * np.array([0.02, 0.15, 0.4]))
+
+
+@pytest.mark.parametrize("longest", [0.1, 2.0])
+@pytest.mark.parametrize("t", [1e-4, 0.02, 0.4, 0.5, 0.7, 0.98, 0.9999])
+def test_the_rule_about_a_point_is_exact_for_logarithms_there_and_at_its_images_beyond_both_ends(t, longest):
+    """At -t and at 2 - t, as near as the point is to an end."""
+    offset, weight = meridian._rule_about(t, longest)
+    x = t + offset
+    assert np.all((x > 0) & (x < 1))
+    assert np.all(weight > 0)
+    for p in range(4):
+        assert weight @ x**p == pytest.approx(1 / (p + 1), rel=1e-12)
+    found = [weight @ np.log(np.abs(offset)), weight @ np.log(x + t), weight @ np.log(2 - t - x)]
+    inner, below, above = t * np.log(t), (1 - t) * np.log(1 - t), (2 - t) * np.log(2 - t)
+    expected = [inner + below - 1, (1 + t) * np.log(1 + t) - inner - 1, above - below - 1]
+    assert found == pytest.approx(expected, rel=0, abs=1e-11)
