@@ -438,3 +438,12 @@ def test_a_file_may_take_as_much_memory_and_time_as_it_is_large(tmp_path, monkey
     monkeypatch.setattr(files, "_panels", lambda path: (np.eye(3), np.array([[0, 1, 2, 2]])))
     files.read_mesh(tmp_path / "a.vtk")
     assert given == [2**30 + 200 * size, pytest.approx(20.0 + 2e-5 * size, rel=1e-12)]
+
+
+@pytest.mark.parametrize("share", [0.9, 1.1])
+def test_the_longest_side_counts_wherever_it_stands_among_the_corners(share):
+    """A trapezium of 2/3 of its height, its long side the first to the last: one panel from each corner on, both ways."""
+    height = share * 1.5e-7 * 2**0.5
+    corners = [(0, 0, 0), (1 / 3, height, 0), (2 / 3, height, 0), (1, 0, 0), (0, 0, 1)]
+    ways = [np.roll(order, k) for order in ((0, 1, 2, 3), (3, 2, 1, 0)) for k in range(4)]
+    assert files.without_area(np.array(corners), np.array(ways)).tolist() == [share < 1] * 8

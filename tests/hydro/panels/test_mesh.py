@@ -190,5 +190,9 @@ def test_normals_of_a_deformed_shell_are_across_its_meridian_into_the_water(seed
     assert np.array([mesh.normal_radius, mesh.normal_height]) == pytest.approx(across, abs=5e-3)
     edges = graded_colatitudes(shell.waterline, 60)
     assert mesh.row_colatitude.values == pytest.approx((edges[1:] + edges[:-1]) / 2)
+    tangent = shell.meridian(mesh.row_colatitude.values)
+    along = mesh.normal_radius.values * tangent.dx + mesh.normal_height.values * tangent.dz
+    assert along == pytest.approx(np.zeros(60), abs=1e-13)
+    assert np.hypot(mesh.normal_radius, mesh.normal_height).values == pytest.approx(np.ones(60), rel=1e-14)
     assert mesh.lid_radius.values == pytest.approx(np.linspace(0, mesh.meridian_radius.values[0], 6))
     assert (mesh.meridian_height.values[0], mesh.meridian_radius.values[-1]) == (0.0, 0.0)

@@ -500,3 +500,14 @@ def test_influences_of_a_part_on_its_images_are_those_of_all_panels(green, plane
         blocks = [rows[:, 3 * i : 3 * i + 3] for i in range(2 ** len(planes))]
         np.testing.assert_allclose(found[0], blocks[0], rtol=1e-5, atol=1e-7)
         np.testing.assert_allclose(found.sum(axis=0), sum(blocks), rtol=1e-5, atol=1e-7)
+
+
+@pytest.mark.parametrize("lid_rows", [0, 1, 2])
+def test_a_lid_has_its_rows_behind_those_of_the_body_if_it_is_asked_for(lid_rows):
+    """One row alone covers the waterplane as well as several."""
+    mesh = mean_mesh(2.0, 0.5, 5, 12, lid_rows)
+    with_lid, without = (bem.ring_mesh(mesh, with_lid=asked) for asked in (True, False))
+    assert (with_lid.body_rows, with_lid.rows) == (5, 5 + lid_rows)
+    assert (without.body_rows, without.rows) == (5, 5)
+    covered = 12 * with_lid.wedge.faces_areas[5:].sum()
+    assert covered == pytest.approx(np.pi * (2.0**2 - 0.5**2) if lid_rows else 0.0, rel=1e-12)
