@@ -190,6 +190,14 @@ def test_where_no_design_is_viable_figures_say_so(name):
     assert [text.get_text() for text in ax.texts] == ["no design is viable"]
 
 
+def test_where_no_design_is_viable_there_are_no_matrices_and_no_scale_of_them():
+    lost = campaign()
+    lost["viable"] = lost.viable & False
+    axes = power_matrices(lost, "one", None).axes
+    assert [[text.get_text() for text in ax.texts] for ax in axes] == [["not viable"]] * 2
+    assert [(ax.get_title(), len(ax.collections)) for ax in axes] == [(design, 0) for design in DESIGNS]
+
+
 def test_where_no_damper_takes_anything_none_is_on_a_logarithmic_axis(recwarn):
     still = campaign()
     still["tried_damping"] = 0.0 * still.tried_damping

@@ -125,6 +125,8 @@ def test_no_number_has_more_than_two_decimals_and_no_element_a_space_of_names(fi
     assert numbers
     assert max(map(len, numbers)) <= 2
     assert text.startswith("<svg ")
+    assert "rotate(-90 " in text  # the label of a vertical axis
+    assert "rotate(-0 " not in text  # all others
     assert "<metadata" not in text  # which has a date
     assert not re.search(r"</?\w+:|xmlns:ns\d", text)
 

@@ -271,6 +271,10 @@ def test_every_design_is_looked_at_and_named(tmp_path):
         ConfigError, match=r"^designs.calm: the body does not rest: received a negative stiffness of Heave"
     ):
         check({"port": {"dof": "Heave"}}, {"Heave": -1e8})
+    with pytest.raises(
+        ConfigError, match=r"^designs.calm: the body does not rest: received a negative stiffness of Heave"
+    ):
+        check({"port": {"dof": "Heave"}, "stiffness": -1e8})  # of the take-off's own spring
     assert check({"port": {"dof": "Surge"}, "stiffness": 2e3}, {"Surge": -1e3}).labels == ("Surge", "Heave")
 
 
