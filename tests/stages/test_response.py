@@ -12,6 +12,7 @@ from vsb.motion.port import Port
 from vsb.motion.pto import LinearPto
 from vsb.scenes.afloat import Afloat
 from vsb.stages import response
+from vsb.study.body_specs import BodyResponseSpec
 from vsb.study.plan import StudyPlan
 from vsb.study.sections import Water
 from vsb.study.take_off import Pto
@@ -192,6 +193,20 @@ def test_waves_of_several_directions_have_one_more_dimension(written):
     np.testing.assert_allclose(found.rao.isel(dof=1, design=1, omega=0).values, 1.5 + 1j * turned)
     sizes = np.array([1.0 + m.sum() + PORT_IN @ [1.0, 10.0] for m in MOTIONS.values()])
     np.testing.assert_allclose(found.port_velocity.values[:, :, 2], (1 + 1j * turned)[:, None] * sizes)
+
+
+def test_a_body_responds_at_the_frequencies_of_its_database_and_between_them(monkeypatch):
+    """And at those of its seas, each in all directions; of no body a limit is known."""
+    database, found = xr.Dataset(coords={"influenced_dof": ["Heave", "Pitch"], "omega": OMEGA}), []
+    monkeypatch.setattr(response, "afloat", lambda spec, path: Afloat(Rings(database), MOTIONS, PORT_IN))
+    monkeypatch.setattr(response, "stamp", lambda spec, *paths: {})
+    monkeypatch.setattr(response, "save", lambda ds, out: found.append(ds))
+    asked = {"water": WATER, "designs": dict.fromkeys(MOTIONS), "directions": (0.0, 90.0), "omega": (0.77, 1.3)}
+    response.run(BodyResponseSpec.model_construct(pto=Pto(damping=5.0), **asked), "database.nc", "out.nc")
+    (ds,) = found
+    np.testing.assert_allclose(ds.omega.values, response.refined(OMEGA, (0.77, 1.3)))
+    assert ds.rao.shape == (2, 3, len(ds.omega), 2)
+    assert "limit" not in ds.attrs
 
 
 @pytest.mark.parametrize(("reached", "told"), [(1, None), (3, "3 λ/2π")])

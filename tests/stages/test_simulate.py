@@ -365,3 +365,16 @@ def test_volume_and_area_of_a_shell_with_orders_are_those_of_all_its_motions(mon
     assert (own, others) == (basis, orders)
     np.testing.assert_array_equal(moved, np.column_stack([values[:, [1, 3]], [0.0, 0.0], values[:, [2, 0]]]))
     assert (run.volume.values.tolist(), run.area.values.tolist()) == ([1.0, 2.0], [3.0, 4.0])
+
+
+def test_volume_and_area_of_a_shell_are_those_of_its_motions_beyond_its_shape_at_rest(monkeypatch):
+    """A motion the run has not leaves what there is of it at rest."""
+    found = []
+    monkeypatch.setattr(simulate, "enclosed", lambda *given: found.append(given) or ([1.0, 2.0], [3.0, 4.0]))
+    shape = SimpleNamespace(basis=SimpleNamespace(labels=["a", "b", "c"]), modal_amplitude=np.array([0.5, -2.0, 7.0]))
+    run = xr.Dataset({"position": (("time", "dof"), [[1.0, 2.0], [3.0, 4.0]])}, {"dof": ["c", "a"]})
+    run = simulate.with_enclosed(run, shape)
+    ((basis, moved),) = found
+    assert basis is shape.basis
+    np.testing.assert_array_equal(moved, [[2.5, -2.0, 8.0], [4.5, -2.0, 10.0]])
+    assert (run.volume.values.tolist(), run.area.values.tolist()) == ([1.0, 2.0], [3.0, 4.0])
