@@ -123,3 +123,15 @@ def test_the_page_is_of_all_its_parts_and_sketches_the_first_point(plan, monkeyp
     assert [parts[0] is data, parts[1]] == [True, {"sweep": "<svg/>"}]
     assert parts[2:] == ["living_year", first, "moving_year", seas.notes]
     assert asked == [(plan.campaign, data, *leading(data), seas, "root")] * 2
+
+
+def test_every_figure_is_that_of_its_name_at_the_tuning_of_the_answer(monkeypatch):
+    """Of the results, but for the spectra, which are those of the seas."""
+    monkeypatch.setattr(answer, "leading", lambda ds: ("one", f"rigid of {ds}"))
+    monkeypatch.setattr(answer, "year_spectra", lambda seas: f"spectra of {seas}")
+    monkeypatch.setattr(answer, "DRAWN", {name: lambda *given, name=name: (name, *given) for name in answer.DRAWN})
+    monkeypatch.setattr(answer, "drawn", lambda figure, name: (name, figure))
+    names = ["tuned_power", "spectra", "sweep", "pareto", "power_matrices"]
+    found = answer._drawn(names, "results", "seas")
+    own = {name: (name, "results", "one", "rigid of results") for name in names} | {"spectra": "spectra of seas"}
+    assert list(found.items()) == [(name, (name, own[name])) for name in names]
