@@ -30,7 +30,7 @@ from vsb.study.body_plan import BodyPlan
 from vsb.study.plan import StudyPlan
 from vsb.study.study import content_id
 from vsb.tools import packed
-from vsb.tools.files import load, read_groups
+from vsb.tools.files import CHANGED, load, read_groups
 from vsb.tools.stamps import Fault, record
 
 TOGETHER = ("report.html", "comparison.csv", "statistics.csv", "validity.json", "study.json", "tables.json")
@@ -542,6 +542,20 @@ def test_a_folder_is_of_all_studies_in_it_that_it_knows(tmp_path, monkeypatch):
     (tmp_path / "study.json").touch()
     assert module._plans(str(tmp_path)) == [tmp_path.name, "a", "c"]
     assert module._plans(str(tmp_path / "study.yaml")) == [f"of {tmp_path / 'study.yaml'}"]
+
+
+def test_an_index_that_is_there_says_what_the_databases_of_its_results_do(tmp_path, monkeypatch):
+    monkeypatch.setattr("vsb.hydro.database.index_text", lambda folder: f"of {folder}\n")
+    assert module._index_faults(tmp_path) == []
+    index = tmp_path / "hydro" / "INDEX.tsv"
+    index.parent.mkdir()
+    for text, told in (
+        (f"of {tmp_path / 'hydro' / 'db'}\n", []),
+        ("", [index]),
+        (f"of {tmp_path / 'hydro'}\n", [index]),
+    ):
+        index.write_text(text)
+        assert module._index_faults(tmp_path) == [Fault(str(path), "damaged", CHANGED) for path in told]
 
 
 def test_of_manifests_one_that_cannot_be_read_hides_no_other(tmp_path):
