@@ -1,3 +1,5 @@
+import re
+
 import numpy as np
 import pytest
 from conftest import SEED
@@ -315,6 +317,17 @@ def test_a_scene_carries_no_coordinate_it_does_not_need():
     assert len(GeneralScene(body, {}, "free", "euler321").start()) == 12 + 2 * modes
     assert len(GeneralScene(rigid).start()) == 2
     assert len(GeneralScene(body, motions=np.eye(modes + 1, 1)).start()) == 2
+
+
+@pytest.mark.parametrize(
+    ("name", "size"), [("attitude", 3), ("attitude", 5), ("attitude", (2, 2)), ("velocity", 2), ("angle", 3)]
+)
+def test_a_part_of_a_start_has_its_size_and_a_name(name, size):
+    """Three angles are no quaternion."""
+    scene = GeneralScene(Body(RIGID), {}, "free")
+    shape = re.escape(str(np.zeros(size).shape))
+    with pytest.raises(ValueError, match=rf"^start: received {name} {shape}, a free scene needs {{'position': 3, "):
+        scene.start(**{name: np.zeros(size)})
 
 
 def test_a_clamped_scene_carries_only_what_the_clamp_allows():
