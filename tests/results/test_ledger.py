@@ -333,6 +333,16 @@ def test_every_check_names_the_design_and_the_sea_it_is_about(small):
     assert found == ABOUT
 
 
+@pytest.mark.parametrize(("computed", "classical", "told"), [(0.9, 1.1, True), (1.1, 0.9, False), (1.0, 0.9, False)])
+def test_a_shell_that_buckles_as_computed_is_told_what_would_hold_it(seed, monkeypatch, computed, classical, told):
+    found = SimpleNamespace(load_factor=computed, classical_factor=classical, degree=7)
+    monkeypatch.setattr(ledger, "computed_buckling", lambda study: found)
+    monkeypatch.setattr(ledger, "viable_text", lambda study: "; viable from much")
+    (check,) = ledger.viability_checks(seed)
+    assert (check.value, check.limit, check.verdict) == (1 / computed, 1.0, "fail" if told else "ok")
+    assert check.explanation.endswith("into a shape of degree 7" + "; viable from much" * told)
+
+
 @pytest.mark.parametrize(("model", "left_out"), [("linear", []), ("body_exact", []), ("auto", ["left out"])])
 def test_what_is_left_out_is_told_of_the_automatic_model_alone(seed, monkeypatch, model, left_out):
     monkeypatch.setattr(ledger, "run_checks", lambda study, basis, run: [run])

@@ -288,10 +288,11 @@ def test_a_run_matters_by_its_largest_change_not_its_least(dataset, monkeypatch)
     designs, wave = dataset.design.values, str(dataset.wave.values[0])
     swings = {"least": -0.05, "most": 0.05, "average": 0.0, "rest": 0.0}
     lasts = {"least": 0.01, "most": 0.02, "average": 0.015, "rest": 0.02}
-    for first, second in ((swings, lasts), (lasts, swings)):
+    loses = {"least": -0.2, "most": 0.01, "average": -0.1, "rest": -0.1}
+    for first, second, worst in ((swings, lasts, 0), (lasts, swings, 1), (loses, swings, 0), (swings, loses, 1)):
         effects = {(str(designs[0]), wave): first, (str(designs[1]), wave): second}
         monkeypatch.setattr(shapedependence, "power_effects", lambda ds, effects=effects: effects)
-        assert f"matters (limit 1 % of mean power): {designs[0 if first is swings else 1]}, " in answer(dataset, "seed")
+        assert f"matters (limit 1 % of mean power): {designs[worst]}, " in answer(dataset, "seed")
 
 
 def test_effects_are_the_same_of_any_power(dataset):

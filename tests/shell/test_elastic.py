@@ -39,6 +39,20 @@ def test_shapes_are_tabulated_once_for_all_materials_and_for_no_other_shapes(ela
     assert stiffer.energy(q) == pytest.approx(100 * elastic.energy(q), rel=1e-12)
 
 
+@pytest.mark.parametrize("thickness", [0.01, 0.15])
+def test_shapes_of_one_degree_share_its_bending_and_those_of_two_have_none(seed, thickness):
+    """Curvatures hold V - U alone: of two shapes of a degree the matrix has rank one, and is that of their sum."""
+    basis = mode_basis(seed.device.model_copy(update={"thickness": thickness}), "full", 4)
+    bending, degrees = ElasticShell(basis).bending, np.array(basis.degrees)
+    for n in range(2, 5):
+        first, second = np.flatnonzero(degrees == n)
+        shape = [basis.shapes[i].radial - basis.shapes[i].meridional for i in (first, second)]
+        assert bending[first, second] == pytest.approx(bending[second, first], rel=1e-12)
+        assert bending[first, second] * shape[0] == pytest.approx(bending[first, first] * shape[1], rel=1e-12)
+        assert bending[first, second] * shape[1] == pytest.approx(bending[second, second] * shape[0], rel=1e-12)
+    assert not bending[degrees[:, None] != degrees].any()
+
+
 @pytest.mark.parametrize(("thickness", "degree"), [(0.01, 42), (0.1, 40), (0.0001, 412)])
 def test_degrees_that_resolve_buckling_grow_with_slenderness(thickness, degree):
     """1.6 sqrt(r/h) [12 (1 - nu^2)]^(1/4), at least 40."""

@@ -114,6 +114,10 @@ def test_a_text_is_read_only_if_it_is_the_one_promised(place):
     assert read_text(table, manifest, ID).startswith("design,power")
     with pytest.raises(DatabaseError, match=r"table.csv: is of 'a{16}', needs 'b{16}'; delete it, or let vsb verify"):
         read_text(table, manifest, OTHER)
+    other = table.rename(table.with_name("copied.csv"))
+    with pytest.raises(DatabaseError, match=r"copied.csv: is not in the manifest; delete it, or let vsb verify"):
+        read_text(other, manifest, ID)
+    other.rename(table)
     edited(table)
     with pytest.raises(DatabaseError, match=r"table.csv: its contents are not those it was written with .*; delete it"):
         read_text(table, manifest, ID)
