@@ -2,6 +2,7 @@ import dataclasses
 import itertools
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -308,6 +309,22 @@ def test_without_power_there_is_nothing_to_answer(dataset):
     )
     assert answer(silent, "seed") == "seed: no power is absorbed, so none depends on the shape"
     assert len(shape_figure(silent).axes) == 2
+
+
+def test_powers_stand_under_their_own_runs_whatever_the_names(monkeypatch):
+    """Designs and seas in the order of the study."""
+    names = [("b", "z"), ("b", "y"), ("a", "z"), ("a", "y")]
+    known = {run: float(1 + place) for place, run in enumerate(names)}
+    monkeypatch.setattr(
+        shapedependence, "_run_powers", lambda motion, database, run: (known[run], [10 * known[run]] * INSTANTS)
+    )
+    monkeypatch.setattr(shapedependence, "_power_at_rest", lambda motion, family, run: 100 * known[run])
+    found = shapedependence.study_powers(SimpleNamespace(runs=dict.fromkeys(names)), None, None)
+    assert (found.design.values.tolist(), found.wave.values.tolist()) == (["b", "a"], ["z", "y"])
+    for (design, wave), power in known.items():
+        one = found.sel(design=design, wave=wave)
+        assert (one.power_at_reference.item(), one.power_at_rest.item()) == (power, 100 * power)
+        assert one.power_at_shape.values.tolist() == [10 * power] * INSTANTS
 
 
 def test_in_still_water_there_is_nothing_to_answer(small, reference, family, dataset):

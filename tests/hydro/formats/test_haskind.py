@@ -35,6 +35,8 @@ def test_no_depth_is_told_where_none_would_fit():
     omega = np.array([0.3, 0.5])
     assert fitting_depth(np.array([3.0, 0.2]), omega, np.inf, G) is None
     assert fitting_depth(np.ones(2), omega, np.inf, G) == np.inf
+    but_one = np.array([*np.ones(19), 1.2])
+    assert fitting_depth(but_one, np.linspace(1.0, 3.0, 20), np.inf, G) is None
 
 
 def ringing(values, n=12):
