@@ -468,6 +468,15 @@ def test_a_mesh_is_mirrored_in_every_plane_it_says_and_nothing_is_reordered(plan
     assert sorted(map(tuple, centres.round(9))) == sorted(map(tuple, expected.round(9)))
 
 
+def test_meshes_are_joined_as_they_are():
+    """Triangles at the axis, told by a corner twice, and panels of a small model stay what they are, in their order."""
+    vertices, faces = patch_of_panels()
+    faces = np.concatenate([faces, [[faces[0][0], faces[0][0], faces[0][1], faces[0][2]]]])
+    parts = [bem.panel_mesh(1e-5 * vertices, faces), bem.panel_mesh(1e-5 * (vertices + 1.0), faces)]
+    mesh = bem._joined(parts)
+    np.testing.assert_allclose(mesh.vertices[mesh.faces], np.concatenate([m.vertices[m.faces] for m in parts]))
+
+
 def test_panels_however_small_are_kept_in_their_order():
     """Of a model a hundred thousandth of its size, and one panel twice."""
     vertices, faces = patch_of_panels()
