@@ -52,18 +52,17 @@ def answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:
 def _taken(ds: xr.Dataset, reference: str | None, tuning: str, best: tuple[xr.Dataset, str]) -> str:
     """What the best flexible design takes beside the rigid one, with the interval."""
     one, design = best
-    gain, energy = float(told_gain(one, tuning)), _energy(one, tuning)
+    gain = float(told_gain(one, tuning))
     from_what = " by linear theory" if "verification" in ds.attrs else ""
     if is_verified(one, tuning):
         runs = f"{MODELS[ds.attrs['verified_model']]} runs"
         from_what = f" by {runs}, where linear theory says {float(one.gain_percent):+.1f} %"
     rigid = shown_member(ds, tuning, reference).sel(tuning=tuning, design=reference)
-    energies = [energy, energy / (1 + gain / 100) if gain != -100 else _energy(rigid, tuning)]
     many = (ds.sizes["design"] > 2) or ds.margin.size > 1
     subject = f"the best flexible design, {design}{at_point(one)}," if many else f"{design}"
     interval = f"{float(one.gain_low):+.1f} to {float(one.gain_high):+.1f} %{from_what}"
     buckles = ", and would buckle under its static load" if float(one.margin) < 0 else ""
-    both = f"{energies[0]:.4g} against {energies[1]:.4g} MWh"
+    both = f"{_energy(one, tuning):.4g} against {_energy(rigid, tuning):.4g} MWh"
     return f"{subject} takes {against_rigid(gain, str(reference))} ({interval}; {both}){buckles}"
 
 
