@@ -284,10 +284,14 @@ def test_a_spring_of_the_take_off_holds_what_nothing_else_does():
     assert (frequency, ratio) == pytest.approx((2.0, 80.0 / (2 * 2.0 * 800.0)), rel=1e-9)
     with pytest.raises(StabilityError, match=r"gives way at rest: received a stiffness of -100 N/m, needs more than 0"):
         lone(3000.0, LinearPto(0.0, -3100.0)).natural_modes(np.eye(1))
-    coupled = LinearBuoy.drifting(lone(0.0), np.array([[4.001, 4.0], [4.0, 4.0]]), np.eye(2))
+    several = lone(0.0).database.isel(influenced_dof=[0, 0, 0], radiating_dof=[0, 0, 0])
+    buoy = LinearBuoy(several.assign_coords(influenced_dof=["Heave", "Surge", "Pitch"]), np.zeros((3, 3)), NO_PTO)
+    coupled = buoy.drifting(np.array([[4.001, 4.0], [4.0, 4.0]]), np.eye(3)[:, [0, 2]])
     assert coupled.shape == (2, 0)
+    adrift = buoy.drifting(np.diag([1.0, 0.0, 2.0]), np.eye(3))
+    np.testing.assert_allclose(np.abs(adrift), [[0.0], [1.0], [0.0]], atol=1e-15)
     with pytest.raises(StabilityError, match=r"received a stiffness of 0 N/m"):
-        LinearBuoy.drifting(lone(0.0), np.array([[1.0, 0.0, 1.0], [0.0, 0.0, 0.0], [1.0, 0.0, 1.0]]), np.eye(3))
+        buoy.drifting(np.array([[1.0, 0.0, 1.0], [0.0, 0.0, 0.0], [1.0, 0.0, 1.0]]), np.eye(3))
 
 
 def test_a_mode_as_slow_as_an_hour_s_is_found():

@@ -156,3 +156,17 @@ def test_a_take_off_that_is_not_there_takes_nothing_and_all_others_lose():
     taken, lost = scene(take_off="turbine").lost(v)
     np.testing.assert_allclose(taken, [0.0])
     np.testing.assert_allclose(lost, [0.1 * (2.0 + 4.0) + 4.0])
+
+
+@pytest.mark.parametrize(
+    ("labels", "stiffness", "adrift"),
+    [
+        (("Mode7", "Heave"), np.diag([0.0, 5.0]), True),
+        (("Surge", "Sway"), 7.3 * np.outer([0.3, 0.7], [0.3, 0.7]), True),
+        (("Surge", "Sway"), 7.3 * np.outer([0.3, 0.7], [0.3, 0.7]) + np.diag([1e-3, 0.0]), False),
+        (("Heave",), np.array([[5.0]]), False),
+    ],
+)
+def test_a_scene_of_which_a_motion_is_held_by_nothing_is_adrift(labels, stiffness, adrift):
+    free = np.eye(len(labels))
+    assert Scene(labels, free, {"mooring": Spring(stiffness)}, free).adrift is adrift

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from conftest import SEED
 
-from vsb.errors import ConfigError
+from vsb.errors import ConfigError, ConvergenceError
 from vsb.hydro.database import load_database
 from vsb.integrators.audit import energies, residual
 from vsb.integrators.harmonic_balance import harmonic_balance
@@ -35,6 +35,7 @@ from vsb.shell.elastic import ElasticShell
 from vsb.shell.loaded import LoadedShell
 from vsb.shell.order_prestress import prestress_stiffness
 from vsb.stages import make
+from vsb.stages.simulate import _steady
 from vsb.study.plan import StudyPlan
 from vsb.study.study import load, parse
 from vsb.tools.files import load as load_data
@@ -211,6 +212,40 @@ def test_a_mooring_that_pushes_is_refused_by_the_motion_it_pushes(place, name):
         else:
             with pytest.raises(ConfigError, match=rf"^mooring: received .* out of its rest, most in {name}; needs one"):
                 check_moored(study, reference)
+
+
+def on_one_line(angle, **changes):
+    """A free buoy on a single horizontal line below its centre, in waves along that line; yaw is held beside."""
+    along, across = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    pull = np.array([along, across, 0.0, 1.5 * across, -1.5 * along, 0.0])
+    rows = 2e4 * np.outer(pull, pull) + np.diag([0.0] * 5 + [1e4])
+    waves = [CALM | {"direction": angle}]
+    return study_with(**{**FREE, "mooring": rows.tolist(), "waves": waves, "pto": {"damping": 8000.0}} | changes)
+
+
+@pytest.mark.parametrize("angle", [20.0, 110.0])
+def test_what_a_single_line_leaves_drifts_at_any_angle(folder, angle):
+    """Line and waves turned together: the same frequencies and power, and across the line no mean place."""
+    runs, frequencies = [], []
+    for study in (on_one_line(0.0, study="ahead"), on_one_line(angle, study=f"turned{angle:g}")):
+        check_stable(study, reference_shell(study))
+        plan = made(study, folder, (*HYDRO, "response"))
+        frequencies.append(load_data(plan.response_files["response"]).wet_natural_frequency.values)
+        runs.append([linear_design(plan.simulation(d, study.waves[0]), plan.hydro_files) for d in study.designs])
+    np.testing.assert_allclose(*frequencies, rtol=1e-8)
+    for ahead, turned in zip(*runs, strict=True):
+        assert turned.system.scene.adrift
+        powers = [_steady(run.system) for run in (ahead, turned)]
+        assert powers[0] == pytest.approx(powers[1], rel=1e-8)
+        with pytest.raises(ConvergenceError, match=r"^harmonic balance: nothing holds a coordinate in a mean place"):
+            harmonic_balance(turned.system)
+
+
+def test_a_buoy_held_all_round_is_not_adrift(folder):
+    study = study_with(**FREE | {"mooring": [2e4, 1e4, 0, 0, 0, 1e3]}, study="held", pto={"damping": 8000.0})
+    plan = made(study, folder)
+    for design in study.designs:
+        assert not linear_design(plan.simulation(design, study.waves[0]), plan.hydro_files).system.scene.adrift
 
 
 def test_stiffness_of_all_orders_is_over_all_labels(finished):

@@ -17,6 +17,7 @@ from vsb.hydro.coefficients import Coefficients
 from vsb.hydro.orders import heading_shares, most_exciting, order_groups, orders_of, own_headings
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.motion.channel import Channel
+from vsb.motion.held import loose_motions, softest
 from vsb.motion.port import ROUND_OFF, Port
 from vsb.motion.pto import LinearPto
 from vsb.tools.units import ComplexArray, FloatArray, IntArray
@@ -278,15 +279,15 @@ class LinearBuoy(LinearMotion):
         return np.asarray(self.added_mass_inf + self.spectrum.added_mass_difference(np.array([omega]))[0])
 
     def drifting(self, stiffness: FloatArray, motions: FloatArray) -> FloatArray:
-        """Return those without any stiffness, as surge without a mooring; water and shell hold the others."""
-        loose = ~stiffness.any(axis=0)
-        softest = float(np.linalg.eigvalsh(stiffness[np.ix_(~loose, ~loose)])[0])
-        if softest <= 0.0:
+        """Return those of surge, sway and yaw that no mooring holds; water and shell hold the others."""
+        loose = loose_motions(stiffness, self.labels, motions)
+        least, _ = softest(stiffness, loose)
+        if least <= 0.0:
             raise StabilityError(
-                f"the buoy gives way at rest: received a stiffness of {softest:.4g} N/m, needs more than 0; "
+                f"the buoy gives way at rest: received a stiffness of {least:.4g} N/m, needs more than 0; "
                 "raise device.young_modulus, device.thickness or device.internal_pressure"
             )
-        return np.eye(len(stiffness))[:, loose]
+        return loose
 
 
 def with_open_chamber(buoy: LinearBuoy, direction: FloatArray) -> LinearBuoy:

@@ -16,6 +16,7 @@ from vsb.errors import ConvergenceError
 from vsb.hydro.dofs import flexible
 from vsb.hydro.statespace import RadiationModel, joined
 from vsb.motion.forces import ConstantForce, Excitation, Force, Linear, SpringDamper, WaterPressure
+from vsb.motion.held import loose_motions
 from vsb.motion.take_off import EndStop, TakeOff
 from vsb.shell.deformed import DeformedShell
 from vsb.tools.units import FloatArray
@@ -72,6 +73,12 @@ class Scene:
     def stiffness(self) -> FloatArray:
         """Stiffness in the allowed motions, tangents of nonlinear forces among them, shape (free, free) [N/m]."""
         return self.projected(part.stiffness for part in self.linear.values())
+
+    @property
+    def adrift(self) -> bool:
+        """Whether nothing holds one of the allowed motions."""
+        stiffness = self.stiffness
+        return not stiffness.any(axis=0).all() or loose_motions(stiffness, self.labels, self.motions).size > 0
 
     @property
     def damping(self) -> FloatArray:

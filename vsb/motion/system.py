@@ -14,10 +14,10 @@ from functools import cached_property
 from typing import NamedTuple, Self
 
 import numpy as np
-from scipy.linalg import eigh
 
 from vsb.motion.forces import EXCITING, AssumedPressure, ConstantForce, WaterPressure
 from vsb.motion.froude_krylov import Incident, incident, rotated, wave_force
+from vsb.motion.held import dry_modes, loose_motions
 from vsb.motion.motion import Motion
 from vsb.motion.scene import Scene
 from vsb.motion.take_off import EndStop, TakeOff
@@ -90,7 +90,8 @@ class System:
     @classmethod
     def of(cls, scene: Scene) -> Self:
         """Return a scene as a system."""
-        squares, modes = eigh(scene.stiffness, scene.motions.T @ scene.mass @ scene.motions)
+        stiffness, mass = scene.stiffness, scene.motions.T @ scene.mass @ scene.motions
+        squares, modes = dry_modes(stiffness, mass, loose_motions(stiffness, scene.labels, scene.motions))
         scale = np.sqrt(np.maximum(np.abs(squares), 1.0))
         n, order = len(scale), scene.memory.order if scene.memory else 0
         a = np.zeros((2 * n + order, 2 * n + order))

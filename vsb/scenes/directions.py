@@ -4,6 +4,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from vsb.errors import ConfigError
+from vsb.motion.held import loose_motions, softest
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.loaded import LoadedShell
 from vsb.shell.modes import ModeBasis
@@ -113,10 +114,9 @@ def check_moored(study: Study | RestSpec | DesignsSpec, reference: ReferenceShel
     ConfigError
     """
     names, stiffness = _rigid_stiffness(study, reference)
-    held = np.flatnonzero(stiffness.any(axis=0))
-    values, shapes = np.linalg.eigh(stiffness[np.ix_(held, held)])
-    if values[0] <= 0.0:
-        most = names[held[np.argmax(np.abs(shapes[:, 0]))]].lower()
+    least, shape = softest(stiffness, loose_motions(stiffness, names, np.eye(len(names))))
+    if least <= 0.0:
+        most = names[np.argmax(np.abs(shape))].lower()
         raise ConfigError(
             f"mooring: received a stiffness that drives the buoy out of its rest, most in {most}; needs one that "
             "brings it back"

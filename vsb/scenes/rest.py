@@ -7,8 +7,17 @@ import numpy as np
 
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.motion.frequency import allowed_part, compliance, gas_compliance
+from vsb.motion.held import loose_motions, softest
 from vsb.motion.port import port_direction
-from vsb.scenes.directions import check_moored, check_upright, loaded_shell, order_bases, side_by_side, whole_stiffness
+from vsb.scenes.directions import (
+    check_moored,
+    check_upright,
+    loaded_shell,
+    order_bases,
+    side_by_side,
+    whole_labels,
+    whole_stiffness,
+)
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.loaded import Buckling, LoadedShell, buckling, complete_shell, equilibrium
@@ -157,8 +166,7 @@ def design_stiffness(
     """
     motions = design_motions(study, reference.basis, design)
     stiffness = motions.T @ (whole_stiffness(study, reference) + beside) @ motions
-    held = np.flatnonzero(stiffness.any(axis=0))
-    return float(np.linalg.eigvalsh(stiffness[np.ix_(held, held)])[0])
+    return softest(stiffness, loose_motions(stiffness, whole_labels(study, reference), motions))[0]
 
 
 def check_spring(study: Study, reference: ReferenceShell) -> None:

@@ -99,7 +99,7 @@ def _steady(system: System) -> dict[str, float | str]:
 
     Of a law that pauses, or whose force jumps, the power of a motion followed until its periods agree.
     """
-    if system.linear and not system.scene.stiffness.any(axis=0).all():  # what nothing holds has no mean place
+    if system.linear and system.scene.adrift:  # what nothing holds has no mean place
         return {"steady_power": _swinging_power(system), "steady_decay": 1.0}
     try:
         if system.pauses or system.jumps:
