@@ -732,3 +732,17 @@ def test_samples_of_radiation_are_those_of_the_database():
     for found, known in ((samples.omega, omega), (samples.added_mass, added), (samples.damping, damping)):
         np.testing.assert_array_equal(found, known)
     np.testing.assert_array_equal(samples.added_mass_inf, np.diag([1.0, 3.0]))
+
+
+def test_damping_that_is_given_need_not_be_stored(database):
+    """Mass and stiffness are then the database's; of what is not given it says what it lacks."""
+    bare = database.drop_vars("structural_damping_matrix", errors="ignore").drop_attrs()
+    with pytest.raises(DatabaseError, match=r"^database: holds no spec; needs structural_damping_matrix"):
+        linear_body(bare)
+    stored = linear_body(database)
+    given = linear_body(bare, damping=np.diag(np.arange(1.0, 9.0)))
+    np.testing.assert_array_equal(given.structural_damping, np.diag(np.arange(1.0, 9.0)))
+    np.testing.assert_array_equal(given.mass, stored.mass)
+    np.testing.assert_array_equal(given.stiffness, stored.stiffness)
+    with pytest.raises(ConfigError, match=r"^damping: received shape \(2, 2\), needs finite numbers, shape \(8, 8\)"):
+        linear_body(bare, damping=np.eye(2))

@@ -331,3 +331,19 @@ def test_an_editor_takes_a_band_or_leaves_it_to_the_size(value, valid):
     place = schema_of(Study)["$defs"]["Hydro"]["properties"]["omega_max"]
     assert jsonschema.Draft202012Validator(place).is_valid(value) is valid
     assert place["default"] == "auto"
+
+
+@pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)
+def test_the_default_of_a_section_is_that_of_its_keys(model):
+    """Auto where a key's is auto; the default is one the section itself takes."""
+    schema, told = schema_of(model), 0
+    for section in sections(schema).values():
+        for its in section["properties"].values():
+            if "$ref" in its and isinstance(its.get("default"), dict):
+                keys = schema["$defs"][its["$ref"].rpartition("/")[2]]["properties"]
+                for key, value in its["default"].items():
+                    assert value == keys[key].get("default", value)
+                    told += value == "auto"
+    if model is Study:
+        assert schema["properties"]["hydro"]["default"]["omega_max"] == "auto"
+        assert told >= 3

@@ -183,7 +183,7 @@ def linear_body(
     chosen = database.isel(influenced_dof=index, radiating_dof=index)
     chosen = with_added_mass_inf(chosen.sel(omega=chosen.omega > 0))
     given = (mass, damping, stiffness)
-    dry = None if all(matrix is not None for matrix in given) else structure(chosen, "database")
+    dry = None if all(matrix is not None for matrix in given) else structure(chosen, "database", damping)
     if mass is None and dry is None:
         raise ConfigError("mass: received none, and the database holds no structure; needs the mass matrix.")
     none = np.zeros((len(index), len(index)))

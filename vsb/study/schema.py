@@ -30,7 +30,20 @@ def schema_of(model: type[BaseModel]) -> Schema:
             if said := KEYS.get(name, {}).get(key):
                 unit = f" [{said.unit}]" if said.unit else ""
                 place |= {"description": said.meaning + unit, "examples": [yaml.safe_load(said.example)]}
+            if isinstance(default := place.get("default"), dict):
+                default |= _told_defaults(found, place, default)
     return {"$schema": DIALECT, **found}
+
+
+def _told_defaults(schema: Schema, place: Schema, default: Schema) -> Schema:
+    """What the keys of a section's default say of their own: auto is told as such."""
+    said = {
+        key: its["default"]
+        for form in _forms(schema, place)
+        for key, its in form["properties"].items()
+        if "default" in its
+    }
+    return {key: said.get(key, value) for key, value in default.items()}
 
 
 def _with_bounds(node: Any) -> Any:

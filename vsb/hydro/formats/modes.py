@@ -171,15 +171,18 @@ def floating(ds: xr.Dataset, source: str) -> Floating:
     return Floating(heave / float(ds.attrs["water_density"]), np.array([0, 0, wet]), np.array([0, 0, z]))
 
 
-def structure(ds: xr.Dataset, source: str) -> Structure | None:
+def structure(ds: xr.Dataset, source: str, damping: FloatArray | None = None) -> Structure | None:
     """Return mass, damping and stiffness of the dry body, or None if the database has no mass or no stiffness.
 
-    Damping is that stored, or Rayleigh's of the device in the spec, alpha M + beta K, of the generalized modes.
+    Damping is that given, that stored, or Rayleigh's of the device in the spec, alpha M + beta K, of the generalized
+    modes.
     """
     if {"inertia_matrix", "structural_stiffness"} - set(ds):
         return None
     mass, elastic = ds.inertia_matrix.values, ds.structural_stiffness.values
     stiffness = np.sum([ds[name].values for name in DRY if name in ds], axis=0)
+    if damping is not None:
+        return Structure(mass, damping, stiffness)
     if "structural_damping_matrix" in ds:
         return Structure(mass, ds.structural_damping_matrix.values, stiffness)
     if "spec" not in ds.attrs:
