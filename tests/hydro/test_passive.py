@@ -807,3 +807,46 @@ def test_of_motions_that_radiate_less_than_may_be_left_out_nothing_is_fitted():
     part = passive._fit_block(np.arange(1.0, 6.0), k, 1e-2)
     assert part.model is None
     assert (part.error, part.drawn, part.changed, part.shift.tolist()) == (np.inf, 0.0, 0.0, [[0.0] * 2] * 2)
+
+
+@pytest.mark.parametrize("limit", ["given", "fitted"])
+def test_motions_couple_by_a_tenth_of_the_tolerance_and_each_group_is_fitted_to_all_of_it(monkeypatch, limit):
+    """Those of a group in their order, by the rows and columns that are theirs; all frequencies."""
+    made, true, asked = samples(reciprocal(6, 2, 3, 1)), reciprocal(4, 2, 1, 0), []
+    fits = {"given": "_fit_block", "fitted": "_fit_limit"}
+
+    def fit(omega, k, tolerance):
+        asked.append((omega, k, tolerance))
+        return passive._Part(
+            replace(true, input_matrix=np.tile(true.input_matrix, (1, k.shape[1]))), 0, 0, 0, 0 * k[0].real
+        )
+
+    monkeypatch.setattr(passive, "UNUSABLE", 1e3)
+    monkeypatch.setattr(
+        passive, "coupled", lambda k, least: asked.append((k, least)) or [np.array([0, 2]), np.array([1])]
+    )
+    monkeypatch.setattr(passive, fits.pop(limit), fit)
+    monkeypatch.setattr(passive, *fits.values(), None)
+    fit_passive(made, 3e-3, limit=limit)
+    assert asked[0] == (made.transfer, pytest.approx(3e-4))
+    pairs = ([[0], [2]], [0, 2]), ([[1]], [1])
+    for (omega, k, tolerance), pair in zip(asked[1:], pairs, strict=True):
+        np.testing.assert_array_equal(omega, OMEGA)
+        np.testing.assert_array_equal(k, made.transfer[:, *pair])
+        assert tolerance == 3e-3
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "told"),
+    [
+        ("sampled", -1e-9, "least eigenvalue of the damping given -1.0e-09"),
+        ("drawn", -1e-9, "of its rational fit -1.0e-09, made passive by a change of 2.0e-10"),
+        ("shifted", 1e-9, "added mass at infinite frequency fitted, a change of 1.0e-09 of the diagonal's"),
+    ],
+)
+def test_a_repair_is_told_however_small_it_is(field, value, told):
+    fit = passive.PassiveFit(reciprocal(4, 1, 1, 0), 1e-4, 0.0, 0.0, 2e-10, np.eye(1), 0.0)
+    assert fit.history == ""
+    assert (
+        fit._replace(**{field: value}).history == f"radiation memory, in terms of each motion's largest damping: {told}"
+    )

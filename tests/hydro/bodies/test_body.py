@@ -631,3 +631,18 @@ def test_water_moved_counts_by_the_largest_panel(box, panels):
             continue
         with pytest.raises(ConfigError, match=r"^modes: Dof0 moves no water; remove it$"):
             made(*box, shapes, modes=modes)
+
+
+@pytest.mark.parametrize(("turned", "found"), [(0, "xOz"), (2, "xOz"), (1, "none")])
+def test_one_panel_folded_along_its_other_diagonal_is_no_mirror_image(turned, found):
+    """Beside one that is: its corners are all there, begun with the next of them; its surface is another."""
+    flat = np.array([(x, y - 2.0, -1.0) for x, y in SQUARE])
+    folded = flat + np.array([(5.0, 0.0, 0.1), (5.0, 0.0, 0.3), (5.0, 0.0, 0.0), (5.0, 0.0, 0.0)])
+    mirror = np.array([1.0, -1.0, 1.0])
+    vertices = np.concatenate([flat, flat * mirror, folded, np.roll(folded, -turned, axis=0) * mirror])
+    faces, shapes = np.arange(16).reshape(4, 4), np.ones((1, 16, 3))
+    body = CoarserBody(vertices, faces, ("Dof",), at_centres(vertices, faces, shapes), shapes)
+    assert bodies.detected_symmetry(body) == found
+    if found == "none":
+        with pytest.raises(ConfigError, match="symmetry xOz: the panels are not mirrored in the xOz plane"):
+            bodies.check_symmetry(body, "xOz")

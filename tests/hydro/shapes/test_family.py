@@ -375,3 +375,32 @@ def test_coefficients_and_derivatives_have_their_units(polynomial):
 def test_a_finer_family_has_a_third_more_points_and_not_one_less():
     for nodes, finer in ((24, 32), (25, 34), (26, 35), (27, 36)):
         assert ShapeFamily(None, OMEGAS, 1025.0, 9.81, nodes=nodes).finer.nodes == finer
+
+
+def test_a_shape_is_solved_in_its_own_water_with_its_own_points(reference, monkeypatch):
+    """All its displacements, at all its frequencies and at infinite frequency, in modes; no more than is asked for."""
+    made, basis = [], reference.shape.basis
+    moved = shapefamily.displacements_of(basis)
+    labels = [each.label for each in moved]
+    pair, n = ("influenced_dof", "radiating_dof"), len(labels)
+    rng = np.random.default_rng(4)
+    force = ("omega", "wave_direction", "influenced_dof")
+    raw = xr.Dataset({
+        **{name: (("omega", *pair), rng.normal(size=(2, n, n))) for name in ("added_mass", "radiation_damping")},
+        **{f"{name}_force": (force, rng.normal(size=(2, 1, n))) for name in ("Froude_Krylov", "diffraction")},
+    }, {"omega": [1.0, 3.0], "wave_direction": [0.0], **dict.fromkeys(pair, labels)})  # fmt: skip
+    limit = rng.normal(size=(n, n))
+
+    def problem(*given):
+        made.append(given)
+        return SimpleNamespace(solve=lambda omegas: made.append(omegas) or raw, at_infinity=lambda: limit)
+
+    monkeypatch.setattr(shapefamily, "SpectralProblem", problem)
+    found = ShapeFamily(reference.shape, (1.0, 3.0), 700.0, 4.0, nodes=31).solved()
+    assert made == [(reference.shape, moved, 700.0, 4.0, 31), [1.0, 3.0]]
+    assert list(found.data_vars) == list(COEFFICIENTS)
+    expected = shapefamily.in_modes(raw.assign(
+        added_mass_inf=(pair, limit), excitation_force=raw.Froude_Krylov_force + raw.diffraction_force
+    ), basis)  # fmt: skip
+    for name in COEFFICIENTS:
+        np.testing.assert_allclose(found[name], expected[name], rtol=1e-12, atol=1e-12)
