@@ -541,3 +541,37 @@ def test_a_dataset_has_a_hundred_million_numbers_at_most(shape, refused):
         return
     with pytest.raises(DatabaseError, match=r"^a.h5: /name has shape \(.*\); needs at most 100000000 numbers\.$"):
         found.numbers("/name")
+
+
+def test_one_generalized_mode_alone_needs_its_inertia_and_stiffness(elastic):
+    """The first of them is the seventh mode."""
+    with pytest.raises(DatabaseError, match="memory: holds no inertia_matrix and structural_stiffness; generalized"):
+        bemio_entries(random_database(modes=1), "memory")
+    assert bemio_entries(with_structure(random_database(modes=1)), "memory")["/body1/properties/mass"][6, 6] == 100.0
+
+
+@pytest.mark.parametrize("name", ["inertia_matrix", DAMPING, "structural_stiffness"])
+@pytest.mark.parametrize("place", [(0, 2), (2, 0)])
+def test_what_couples_a_rigid_motion_and_a_mode_on_one_side_alone_is_refused(elastic, name, place):
+    """Of what follows or does not act back; each entry is dropped by WEC-Sim."""
+    ds = elastic.assign({DAMPING: (PAIR, np.diag([0.0, 1.0, 2.0]))})
+    bemio_entries(ds, "memory")
+    coupling = np.zeros((3, 3))
+    coupling[place] = -0.1 * float(abs(ds[name]).max())
+    with pytest.raises(DatabaseError, match=f"memory: {name} couples rigid and generalized modes, which WEC-Sim drops"):
+        bemio_entries(ds.assign({name: ds[name] + coupling}), "memory")
+
+
+def test_what_a_group_does_not_hold_is_not_looked_for_elsewhere(tmp_path):
+    """Excitation that was not split into parts is none of them."""
+    inner = SimpleNamespace(groups={}, variables={"x": "inner"})
+    found = _Entries(SimpleNamespace(groups={"a": inner}, variables={"x": "outer"}), "a.h5")
+    assert [found.find(place) for place in ("/x", "/a/x", "/b/x", "/a/b/x", "/a/y")] == [
+        "outer",
+        "inner",
+        None,
+        None,
+        None,
+    ]
+    write_h5(of_two_bodies()[0], tmp_path / "rm3.h5")
+    assert {"Froude_Krylov_force", "diffraction_force"} & {*read_bemio(tmp_path / "rm3.h5").data_vars} == set()

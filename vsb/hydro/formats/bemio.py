@@ -112,7 +112,7 @@ def _with_structure(ds: xr.Dataset, source: str, modes: list[int]) -> xr.Dataset
     rigid = np.array(modes) < GENERALIZED
     names = ("inertia_matrix", "structural_damping_matrix", "structural_stiffness")
     for name, matrix in zip(names, dry, strict=True):
-        if np.abs(matrix[np.ix_(rigid, ~rigid)]).max(initial=0.0) > 1e-9 * np.abs(matrix).max():
+        if np.abs(matrix[rigid[:, None] != rigid]).max(initial=0.0) > 1e-9 * np.abs(matrix).max():
             raise DatabaseError(
                 f"{source}: {name} couples rigid and generalized modes, which WEC-Sim drops; needs another basis."
             )
