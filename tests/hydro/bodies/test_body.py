@@ -646,3 +646,31 @@ def test_one_panel_folded_along_its_other_diagonal_is_no_mirror_image(turned, fo
     if found == "none":
         with pytest.raises(ConfigError, match="symmetry xOz: the panels are not mirrored in the xOz plane"):
             bodies.check_symmetry(body, "xOz")
+
+
+@pytest.mark.parametrize(("reach", "kind"), [(1e4, 4), (1e4, 5), (1e-3, 3)])
+def test_a_turn_counts_by_how_far_it_moves_the_points_beside_a_shift(reach, kind):
+    """A ten thousand millionth of a radian moves what is ten kilometres away by a micrometre; round-off moves nothing."""
+    points = reach * np.random.default_rng(1).uniform(-1, 1, (20, 3))
+    moved = rigid(points)[0] + 1e-6 / reach * rigid(points)[kind]
+    found = bodies.rigid_motion(points, moved)
+    assert found.translation == pytest.approx([1.0, 0.0, 0.0], rel=1e-9)
+    assert found.rotation == pytest.approx(1e-6 / reach * np.eye(3)[kind - 3], rel=1e-6)
+    still = bodies.rigid_motion(points, rigid(points)[0] + 1e-10 / reach * rigid(points)[kind])
+    assert still.rotation.tolist() == [0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize("size", [1e-2, 1.0, 1e3])
+@pytest.mark.parametrize("share", [0.9e-6, -0.9e-6, 1.1e-6, -1.1e-6])
+def test_a_waterline_is_seen_whole_to_a_millionth_of_the_waterplane(size, share):
+    """However large the body is: four walls, and what the normals say of the area between them."""
+    ring = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], dtype=float)
+    vertices = size * np.array([[*at, z] for z in (0.0, -1.0) for at in ring])
+    faces = np.array([[i, 4 + i, 4 + (i + 1) % 4, (i + 1) % 4] for i in range(4)])
+    area = np.array([[0.0, 0.0, -4.0 * size**2 * (1 + share)]])
+    body = SimpleNamespace(vertices=vertices, faces=faces, size=3 * size, triangles=SimpleNamespace(area=area))
+    if abs(share) < 1e-6:
+        assert len(bodies.interior_lid(body, 2)[1]) == 8
+        return
+    with pytest.raises(ConfigError, match=r"^lid: the waterline is not seen whole from its centre; needs lid: 0$"):
+        bodies.interior_lid(body, 2)

@@ -127,3 +127,19 @@ def test_parts_that_shift_alone_need_no_more_than_one_centre_of_mass(both):
     heaves = made(both.vertices, both.faces, both.shapes[[0, 2, 9]], centre_of_mass=np.array([4.0, 0.0, 0.1]))
     assert sorted(heaves.alone) == [0, 1, 2]
     assert np.diag(hydrostatic_stiffness(heaves, 1.0, 1.0)) == pytest.approx([0.0, 24.0, 15.0], abs=1e-9)
+
+
+def test_shifts_and_yaw_change_the_force_on_no_shape(both):
+    """Whoever bends: what lies elsewhere or is turned about the vertical is pushed as before; heave and roll are not."""
+    bow = np.zeros_like(both.vertices)
+    bow[:, 2], bow[:, 0] = 0.1 * both.vertices[:, 0] * (2 - both.vertices[:, 2]), 0.3 * both.vertices[:, 2] ** 2
+    shapes = np.array([*rigid(both.vertices), bow])
+    for order in (range(7), [6, 5, 4, 3, 2, 1, 0]):
+        body = made(both.vertices, both.faces, shapes[list(order)], centre_of_mass=CENTRES)
+        found = hydrostatic_stiffness(body, 1025.0, 9.81)
+        at = {motion: place for place, motion in enumerate(order)}
+        size = np.abs(found).max()
+        for still in (0, 1, 5):
+            assert abs(found[at[6], at[still]]) < 1e-12 * size
+            assert abs(found[at[still], at[6]]) < 1e-12 * size
+        assert abs(found[at[6], at[2]]) > 1e-3 * size

@@ -274,3 +274,42 @@ def test_a_lid_changes_nothing_at_infinite_frequency(green, box):
     lid = bodies.interior_lid(box, 2)
     one, other = (BodyProblem(green, box, SEA, "xOz+yOz", given).at_infinity() for given in (None, lid))
     assert one.identical(other)
+
+
+@pytest.mark.parametrize("belts", [0, 1])
+def test_forces_are_of_what_each_motion_and_each_wave_that_is_turned_away_set_up(box, belts, monkeypatch):
+    """Of potentials linear in velocities, the same whatever they are of: the lid is at rest, and feels no force."""
+    rng, asked, directions, omega = np.random.default_rng(3), [], np.array([0.3, -1.1]), 1.4
+    water = SEA.model_copy(update={"depth": 5.0})
+    problem = BodyProblem(None, box, water, "none", bodies.interior_lid(box, belts) if belts else None)
+    mesh, n, k = problem._panels.whole, len(box.faces), wavenumber(omega, 5.0, SEA.gravity)
+    count = len(mesh.faces_areas)
+    assert (count > n) == bool(belts)
+    source, potential = rng.normal(size=(2, count, count)) + 1j * rng.normal(size=(2, count, count))
+
+    def potentials(self, k, velocities):
+        asked.append(k)
+        return velocities @ source, velocities @ potential
+
+    monkeypatch.setattr(SymmetricPanels, "potentials", potentials)
+    ds = problem.solve(omega, directions)
+    assert asked == [k]
+    at, normals, areas = mesh.faces_centers, mesh.faces_normals, mesh.faces_areas
+    moved = np.einsum("ipx,px->ip", box.modes, normals[:n])
+    onto = -SEA.density * moved * areas[:n]
+    radiated = onto @ (moved @ potential[:n, :n]).T  # row by motion felt, column by motion made
+    wave = -1j * SEA.gravity / omega * unit_wave_slope(at, normals, k, 5.0, directions)[:, :n]
+    strength = -SEA.density * SEA.gravity * areas * (moved @ source[:n])
+    expected = {
+        "added_mass": radiated.real,
+        "radiation_damping": omega * radiated.imag,
+        "diffraction_force": 1j * omega * (-wave @ potential[:n, :n]) @ onto.T,
+        "haskind_force": unit_wave(at, k, 5.0, directions) @ strength.T,
+        "Froude_Krylov_force": SEA.gravity * unit_wave(at[:n], k, 5.0, directions) @ onto.T,
+        "far_field_damping": problem._far_field_damping(omega, strength),
+    }
+    assert set(ds.data_vars) == set(expected)
+    for name, values in expected.items():
+        np.testing.assert_allclose(ds[name].values[0], values, rtol=1e-9, atol=1e-9 * np.abs(values).max())
+    assert ds.wave_direction.values.tolist() == directions.tolist()
+    assert ds.influenced_dof.values.tolist() == ds.radiating_dof.values.tolist() == list(box.labels)

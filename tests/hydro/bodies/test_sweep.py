@@ -1,3 +1,5 @@
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -7,6 +9,7 @@ from examples import barge
 from vsb.errors import DatabaseError
 from vsb.hydro import dofs
 from vsb.hydro.bodies import body as bodies
+from vsb.hydro.bodies import sweep as bodysweep
 from vsb.hydro.bodies.solver import BodyProblem
 from vsb.hydro.bodies.study import _block
 from vsb.hydro.bodies.sweep import Block, Measure, _in_units, error_estimate, least_sizes, sizes, swept
@@ -14,6 +17,7 @@ from vsb.hydro.database import with_excitation
 from vsb.hydro.panels import rings as bem
 from vsb.hydro.quality import negative_damping
 from vsb.hydro.spectral.solver import SpectralProblem
+from vsb.hydro.sweep import MOST_SOLVES
 from vsb.study.study import Water
 from vsb.waves.dispersion import wavenumber
 
@@ -389,3 +393,36 @@ def test_matrices_are_told_by_both_units_of_displacement_and_excitation_by_one()
     assert found["radiation_damping"] == pytest.approx(np.array([[[2.5, 2.0], [3.0, 1.6]]]))
     assert found["excitation_force"] == pytest.approx(np.array([[[3.0 + 1.0j, 2.0j], [2.0, 1.0]]]))
     assert sorted(_in_units(ds[["excitation_force"]], size)) == ["excitation_force"]
+
+
+def test_as_many_solves_as_anywhere_may_be_made_before_a_body_is_held_to_be_rough(monkeypatch):
+    """However few the frequencies are: each of a body costs more than all that is interpolated. No phase turns them."""
+    asked, unit, centre, directions = [], np.array([1.0, 100.0]), np.array([2.0, -1.0, -3.0]), np.deg2rad([0.0, 70.0])
+    omega = [0.4, 0.9, 1.4]
+
+    def solve(w):
+        own = smooth([w], directions, unit, centre)
+        return Block(own, own, own)
+
+    def on_grid(given, frequencies, tolerance, incident, **more):
+        asked.append((frequencies, tolerance, more))
+        assert incident.order == 0
+        assert incident.phase(np.array(omega)).tolist() == [0.0] * 3
+        force = measure.force(np.array(omega))
+        assert incident.froude_krylov(np.array(omega)) == pytest.approx(froude_krylov(omega) / force)
+        some = given(omega)
+        assert some.added_mass.values == pytest.approx(smooth(omega, directions, np.ones(2), centre).added_mass.values)
+        return SimpleNamespace(solved=[0.4, 1.4], sweep=SimpleNamespace(error=0.003), coefficients=some)
+
+    def froude_krylov(w):
+        return smooth(w, directions, unit, centre).Froude_Krylov_force.values
+
+    measure = Measure(unit, centre, directions, SEA)
+    monkeypatch.setattr(bodysweep, "on_grid", on_grid)
+    found = swept(solve, froude_krylov, omega, 0.02, measure)
+    assert asked == [(omega, 0.02, {"most": MOST_SOLVES})]
+    assert found.error == 0.003
+    assert [float(block.own.omega[0]) for block in found.solved] == [0.4, 1.4]
+    true = smooth(omega, directions, unit, centre)
+    for name in ("added_mass", "diffraction_force"):
+        np.testing.assert_allclose(found.coefficients[name].values, true[name].values, rtol=1e-12)

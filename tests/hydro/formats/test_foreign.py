@@ -919,3 +919,27 @@ def test_a_mode_resolved_in_long_waves_alone_counts_among_them(monkeypatch, part
     found = judged(ds)["haskind_long_waves"]
     assert found.value == pytest.approx(0.2, rel=1e-9)
     assert f"most at {ds.omega.values[first]:.4g} rad/s in Surge" in found.explanation
+
+
+def test_added_mass_of_a_motion_that_makes_no_waves_may_be_ragged():
+    """Nothing follows from it, and nothing of it is said."""
+    ds = sound(("Heave", "Bend"))
+    more = ds.reindex({dim: ["Heave", "Yaw", "Bend"] for dim in PAIR}, fill_value=0.0).assign_attrs(ds.attrs)
+
+    def rag(a):
+        a[:, 1, 1] += 4e8 * (2 + (-1.0) ** np.arange(len(a)))
+
+    assert foreign_checks(edited(more, "added_mass", rag)) == foreign_checks(ds)
+
+
+@pytest.mark.parametrize("pair", [(0, 1), (1, 0)])
+def test_a_coupling_one_way_follows_from_damping_that_way(pair):
+    """Files of others need not be symmetric: rows of added mass follow from rows of damping."""
+    ds = sound()
+    a, b = ds.added_mass.values.copy(), ds.radiation_damping.values.copy()
+    share = 0.3 * np.sqrt(MASS["Heave"] / MASS["Surge"])
+    a[:, *pair] = share * (a[:, 0, 0] - MASS["Surge"])
+    b[:, *pair] = share * b[:, 0, 0]
+    one_way = ds.assign(added_mass=(("omega", *PAIR), a), radiation_damping=(("omega", *PAIR), b))
+    found, base = (judged(each)["kramers_kronig"].value for each in (one_way, ds))
+    assert found == pytest.approx(base, rel=1e-3)

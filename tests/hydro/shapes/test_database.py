@@ -376,3 +376,13 @@ def test_every_other_random_shape_is_a_corner_from_the_second_on(samples):
     shapes = tried_shapes(REACH, samples)[2 * len(REACH) :]
     at_end = np.abs(shapes) == REACH
     assert at_end.tolist() == [[at % 2 == 1] * len(REACH) for at in range(samples)]
+
+
+@pytest.mark.parametrize("end", [0, -1])
+def test_round_off_beyond_either_end_of_the_band_is_part_of_it(database, end):
+    """A thousand millionth of a radian per second, and no more."""
+    outwards = -1e-9 if end == 0 else 1e-9
+    held = database.at(GRID[[end]] + 0.9 * outwards, np.zeros(4))
+    np.testing.assert_allclose(held.added_mass, database.at(GRID[[end]], np.zeros(4)).added_mass, rtol=1e-6)
+    with pytest.raises(DatabaseError, match=r"are asked for, the shape database holds 0\.8 to 6\.4 rad/s; build"):
+        database.at(GRID[[end]] + 1.2 * outwards, np.zeros(4))
