@@ -97,3 +97,17 @@ def test_a_level_crossed_for_ever_is_said(monkeypatch):
         ConvergenceError, match="received no level that is not crossed after 0; scale the motions alike"
     ):
         least_damping(dissipative(4, 1, 1, 0))
+
+
+@pytest.mark.parametrize("matrix", [np.zeros((2, 2)), np.array([[0.0, 1.0], [-1.0, 0.0]])])
+def test_what_neither_grows_nor_decays_is_no_memory(matrix):
+    with pytest.raises(StabilityError, match=r"received a pole with growth rate 0/s, needs a stable state matrix"):
+        least_damping(StateSpace(matrix, np.ones((2, 1)), np.ones((1, 2))))
+
+
+@pytest.mark.parametrize("at", [[0.01], [0.005, 0.02]])
+def test_a_level_that_is_touched_is_not_crossed(monkeypatch, at):
+    """Of -1/(s + 1), whose damping is least at frequency zero: eigenvalues are imaginary to round-off there."""
+    system = StateSpace(np.array([[-1.0]]), np.ones((1, 1)), -np.ones((1, 1)))
+    monkeypatch.setattr(passivity, "crossings", lambda system, level: np.array(at))
+    assert least_damping(system) == pytest.approx((-1.0, 0.0, -1.001 - LEVEL), rel=1e-9)

@@ -499,3 +499,29 @@ def test_a_database_is_compared_by_splines_in_terms_of_its_own_bands_largest(mon
     assert list(errors) == ["the database", witness.SOLVERS[other]]
     place = list(witness.SOLVERS).index(other)
     np.testing.assert_array_equal(errors[witness.SOLVERS[other]].values, estimate[place, 0])
+
+
+@pytest.mark.parametrize("h", [0.2, 0.05])
+def test_a_derivative_is_compared_less_its_third_order_and_expected_off_by_the_square_of_that(h):
+    """In terms of the slope's largest entry; of the mode asked for, motions in the order of the basis."""
+    basis, asked = SimpleNamespace(labels=("a", "b")), []
+    slope, cubic = two_motions(2.0), two_motions(-0.5)
+
+    def along(direction, levels):
+        asked.append((direction.tolist(), levels))
+        turned = {"influenced_dof": ["b", "a"], "radiating_dof": ["b", "a"]}
+        return SimpleNamespace(slope=slope.sel(turned), cubic=cubic.sel(turned))
+
+    family = SimpleNamespace(labels=["Heave", "a", "m"], along=along)
+    third = -0.5 * h**2
+    minus, plus = (Versions(*(two_motions(v) for v in each)) for each in (
+        (1.0, 1.1, 1.0), (1.0 + 2 * h * (2.3 + third), 1.1 + 2 * h * (2.4 + third), 1.0 + 2 * h * (2.3 + third))
+    ))  # fmt: skip
+    found, apart, expected = witness._derivative(
+        family, witness.Deformed(None, "m", -h), (witness.Runs(minus, 1.0), witness.Runs(plus, 1.0)), basis
+    )
+    assert asked == [([0.0, 0.0, 1.0], 2)]
+    assert found.influenced_dof.values.tolist() == ["a", "b"]
+    assert found.equals(slope)
+    np.testing.assert_allclose(apart, np.full((2, 3), 0.3 / 2.0), rtol=1e-9)
+    np.testing.assert_allclose(expected, np.full(3, 0.1 / 2.0 + (third / 2.0) ** 2), rtol=1e-9)

@@ -2,11 +2,13 @@ import capytaine as cpt
 import numpy as np
 import pytest
 from hydro.bodies.test_body import made, revolved_body, rigid, shell_with
+from hydro.panels.test_rings import patch_of_panels
 from scipy.special import j0
 
 from examples import barge
 from vsb.hydro import dofs
 from vsb.hydro.bodies import body as bodies
+from vsb.hydro.bodies import solver as bodysolver
 from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
 from vsb.hydro.bodies.solver import BodyProblem, SymmetricPanels, unit_wave, unit_wave_slope
 from vsb.hydro.bodies.study import identities
@@ -313,3 +315,43 @@ def test_forces_are_of_what_each_motion_and_each_wave_that_is_turned_away_set_up
         np.testing.assert_allclose(ds[name].values[0], values, rtol=1e-9, atol=1e-9 * np.abs(values).max())
     assert ds.wave_direction.values.tolist() == directions.tolist()
     assert ds.influenced_dof.values.tolist() == ds.radiating_dof.values.tolist() == list(box.labels)
+
+
+@pytest.mark.parametrize("planes", [(), ("xOz",), ("yOz",), ("xOz", "yOz")])
+def test_strengths_and_potentials_are_those_of_all_panels_in_one_system(planes, monkeypatch):
+    """Of influences by images as they come, bodies' panels and a lid's in no order, velocities of no symmetry."""
+    corners, quads = patch_of_panels()  # in a quarter; the last is the lid's
+    rng, signs = np.random.default_rng(2), [np.ones(3)]
+    for plane in planes:
+        signs += [sign * np.where(np.arange(3) == bodies.PLANES[plane], -1.0, 1.0) for sign in signs]
+    images, n = len(signs), len(quads)
+    vertices = np.concatenate([corners * sign for sign in signs])
+    faces = (quads + len(corners) * np.arange(images)[:, None, None]).reshape(-1, 4)
+    lid = np.arange(len(faces)) % n == n - 1
+    order = np.concatenate([rng.permutation(np.flatnonzero(~lid)), rng.permutation(np.flatnonzero(lid))])
+    panels, asked = SymmetricPanels("green", vertices, faces[order], images * (n - 1), planes, 7.0), []
+    influences = {k: rng.normal(size=(2, images, n, n)) + 1j * rng.normal(size=(2, images, n, n)) for k in (0.0, 1.3)}
+
+    def blocks(green, mesh, k, depth):
+        asked.append((green, k, depth))
+        return influences[k]
+
+    monkeypatch.setattr(bodysolver, "influence_blocks", blocks)
+    velocities = rng.normal(size=(4, len(faces))) + 1j * rng.normal(size=(4, len(faces)))
+    strength, potential = panels.potentials(1.3, velocities)
+    assert sorted(asked) == [("green", 0.0, 7.0), ("green", 1.3, 7.0)]
+    image, own = np.divmod(np.arange(len(faces)), n)  # of the mesh of images
+    s, d = (part[image[:, None] ^ image, own[:, None], own] for part in influences[1.3])
+    whole = panels.whole
+    part = np.all([whole.faces_centers[:, bodies.PLANES[plane]] > 0 for plane in planes] or [np.ones(n, bool)], axis=0)
+    area, body = whole.faces_areas[part], np.flatnonzero(part) < images * (n - 1)
+    flux = np.array(
+        [sum(area[j] * influences[0.0][1][:, j, i].sum().real for j in np.flatnonzero(body)) for i in range(n)]
+    )
+    lacking = np.where(body, 1 - flux / area, 0.0)
+    place = [
+        int(np.argmin(np.linalg.norm(whole.faces_centers - at, axis=1))) for at in panels._mirrored[0].faces_centers
+    ]
+    sources = np.linalg.solve(d + np.diag(lacking[own]), velocities[:, place].T)
+    np.testing.assert_allclose(strength[:, place].T, sources, rtol=1e-9)
+    np.testing.assert_allclose(potential[:, place].T, s @ sources, rtol=1e-9)

@@ -943,3 +943,25 @@ def test_a_coupling_one_way_follows_from_damping_that_way(pair):
     one_way = ds.assign(added_mass=(("omega", *PAIR), a), radiation_damping=(("omega", *PAIR), b))
     found, base = (judged(each)["kramers_kronig"].value for each in (one_way, ds))
     assert found == pytest.approx(base, rel=1e-3)
+
+
+@pytest.mark.parametrize(("share", "verdict"), [(0.15, "fail"), (0.25, "doubt")])
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_spike_is_compared_with_the_largest_about_it_not_with_how_rough_all_is(share, verdict, turned):
+    """A spike of the one, at the other a zigzag from point to point around it that is off its cubics by a share of that."""
+    ds = sound()
+    omega, size = ds.omega.values, 0.15 * np.median(ds.added_mass.values[:, 1, 1])
+    spike, zigzag = np.zeros(80), np.zeros(80)
+    spike[6] = size
+    zigzag[3:10] = -3 / 8 * share * size * (-1.0) ** np.arange(7)
+    mass, wave = (zigzag, spike) if turned else (spike, zigzag)
+
+    def heavy(a):
+        a[:, 1, 1] += mass
+
+    def wavy(b):
+        b[:, 1, 1] += omega * wave
+
+    check = judged(edited(edited(ds, "added_mass", heavy), "radiation_damping", wavy))["irregular_frequencies"]
+    assert check.verdict == verdict
+    assert ("of one without the other; most at 0.7 rad/s in Heave" in check.explanation) == (verdict == "fail")

@@ -520,3 +520,43 @@ def test_a_lid_has_its_rows_behind_those_of_the_body_if_it_is_asked_for(lid_rows
     assert (without.body_rows, without.rows) == (5, 5)
     covered = 12 * with_lid.wedge.faces_areas[5:].sum()
     assert covered == pytest.approx(np.pi * (2.0**2 - 0.5**2) if lid_rows else 0.0, rel=1e-12)
+
+
+@pytest.mark.parametrize(("depth", "highest"), [(np.inf, np.inf), (3.0, 9e4 / 3.0)])
+@pytest.mark.parametrize(("order", "names"), [(0, ("Radial0", "Heave")), (2, ("Radial2", "Radial3", "Radial4"))])
+def test_forces_are_of_the_potentials_that_rings_of_the_order_set_up(monkeypatch, depth, highest, order, names):
+    """Of influences as they come: at infinite frequency without a lid; else the lid is at rest and feels no force."""
+    rng, asked, rows = np.random.default_rng(5), [], {False: 4, True: 7}
+    parts = {n: rng.normal(size=(2, n, n)) + 1j * rng.normal(size=(2, n, n)) for n in rows.values()}
+    lacking = {n: rng.normal(size=n) for n in rows.values()}
+
+    def matrices(green, rings, *water):
+        asked.append((green, rings.rows, *water))
+        return parts[rings.rows]
+
+    monkeypatch.setattr(bem, "ring_matrices", matrices)
+    monkeypatch.setattr(bem, "flux_correction", lambda green, rings: lacking[rings.rows])
+    mesh, moved = mean_mesh(1.5, 0.2, 4, 12, 3), dofs.displacements(names, order)
+    problem = bem.AxisymmetricProblem("green", mesh, moved, 7.0, depth, 2.0)
+    w, area = problem.velocities, problem.body.areas
+    onto = -7.0 * w * area / (2 if order else 1)
+
+    def set_up(n, velocity):
+        (s, d), full = parts[n], np.zeros((n, velocity.shape[1]), dtype=complex)
+        full[:4] = velocity
+        return (s @ np.linalg.solve(d + np.diag(lacking[n]), full))[:4]
+
+    np.testing.assert_allclose(problem.at_infinity(), (onto @ set_up(4, w.T)).real, rtol=1e-9)
+    omegas = [0.9, 1.7]
+    ds = problem.solve(omegas)
+    k = [bem.wavenumber(omega, depth, 2.0) for omega in omegas]
+    assert asked == [("green", 4, highest, depth, order), *(("green", 7, each, depth, order) for each in k)]
+    for i, omega in enumerate(omegas):
+        potential, velocity = problem.incident(problem.body, omega)
+        radiated, scattered = onto @ set_up(7, w.T), onto @ set_up(7, -velocity[:, None])[:, 0]
+        expected = {
+            "added_mass": radiated.real, "radiation_damping": omega * radiated.imag,
+            "Froude_Krylov_force": 1j * omega * (onto @ potential), "diffraction_force": 1j * omega * scattered,
+        }  # fmt: skip
+        for name, values in expected.items():
+            np.testing.assert_allclose(ds[name].values[i].reshape(values.shape), values, rtol=1e-9)

@@ -9,6 +9,7 @@ from conftest import varied
 
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro.database import with_structure
+from vsb.hydro.shapes import database as shapedatabase
 from vsb.hydro.shapes.database import (
     SAFETY,
     ShapeDatabase,
@@ -386,3 +387,58 @@ def test_round_off_beyond_either_end_of_the_band_is_part_of_it(database, end):
     np.testing.assert_allclose(held.added_mass, database.at(GRID[[end]], np.zeros(4)).added_mass, rtol=1e-6)
     with pytest.raises(DatabaseError, match=r"are asked for, the shape database holds 0\.8 to 6\.4 rad/s; build"):
         database.at(GRID[[end]] + 1.2 * outwards, np.zeros(4))
+
+
+def test_a_database_is_told_of_what_is_left_out_of_what_was_measured_and_of_more_points(monkeypatch):
+    """Two motions; each coefficient in terms of its own largest entry, of either sign, the worst of all shapes thrice."""
+    rng, reach, labels = np.random.default_rng(6), np.array([0.5, 0.2]), ["Heave", "Mode0"]
+    pair, wave = ("omega", "influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
+
+    def coefficients(size):
+        return xr.Dataset({
+            "added_mass": (pair, size * rng.normal(size=(2, 2, 2))),
+            "radiation_damping": (pair, size * rng.normal(size=(2, 2, 2))),
+            "excitation_force": (wave, size * (rng.normal(size=(2, 1, 2)) + 1j * rng.normal(size=(2, 1, 2)))),
+            "added_mass_inf": (pair[1:], size * rng.normal(size=(2, 2))),
+        })  # fmt: skip
+
+    centre, left_out, lines = (
+        coefficients(-5.0),
+        [coefficients(2.0), coefficients(7.0)],
+        [coefficients(3.0), coefficients(1.0)],
+    )
+    slopes = xr.concat(lines, "shape_dof")
+    errors = xr.Dataset({name: ("shape_dof", rng.uniform(0.1, 1.0, 2)) for name in COEFFICIENTS})
+    family = SimpleNamespace(
+        labels=labels, centre=centre, slopes=slopes, slope_errors=errors, density=700.0, gravity=4.0,
+        derivatives=xr.Dataset(coords={"shape_dof": labels}), finer=SimpleNamespace(centre="finer"),
+    )  # fmt: skip
+    measured, asked = rng.uniform(0.0, 1.0, (4 + 6, 4)), []
+    monkeypatch.setattr(shapedatabase, "_left_out", lambda given: left_out)
+    monkeypatch.setattr(
+        shapedatabase, "measured_errors", lambda base, its, shapes: asked.append((its, shapes)) or measured
+    )
+    monkeypatch.setattr(
+        shapedatabase,
+        "_measured",
+        lambda base, q, direct: asked.append((q.tolist(), direct)) or [1e-3, 2e-3, 3e-3, 4e-3],
+    )
+    ds = shape_database(family, reach, samples=6).dataset
+    (its, shapes), (at, direct) = asked
+    assert its is family
+    assert (at, direct) == ([0.0, 0.0], "finer")
+    np.testing.assert_array_equal(shapes, tried_shapes(reach, 6))
+    for i, name in enumerate(COEFFICIENTS):
+        size = np.abs(centre[name].values).max()
+        cubic = np.array([np.abs(each[name].values).max() for each in left_out]) / size
+        noise = [errors[name].values[k] * np.abs(lines[k][name].values).max() / size for k in (0, 1)]
+        third = ((np.cbrt(cubic) * shapes) ** 2).sum(axis=1) ** 1.5
+        told = ds.sel(coefficient=name)
+        np.testing.assert_allclose(told.remainder, cubic, rtol=1e-12)
+        np.testing.assert_allclose(told.slope_noise, noise, rtol=1e-12)
+        assert float(told.remainder_scale) == pytest.approx(3 * (measured[:, i] / third).max(), rel=1e-12)
+        assert float(told.reference_error) == pytest.approx(3e-3 * (i + 1), rel=1e-12)
+        np.testing.assert_array_equal(told.tried_error, measured[:, i])
+    np.testing.assert_array_equal(ds.shape_reach, reach)
+    np.testing.assert_array_equal(ds.tried_shape, shapes)
+    assert ds.attrs == {"water_density": 700.0, "gravity": 4.0}
