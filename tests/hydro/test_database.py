@@ -283,3 +283,21 @@ def test_structure_is_inertia_every_stiffness_by_name_and_the_scale_of_the_modes
     np.testing.assert_array_equal(found.reference_amplitude.values, rest)
     assert found.attrs == {"solver": "s"}
     assert found[list(bare)].equals(bare)
+
+
+@pytest.mark.parametrize("doubt", [False, True])
+def test_what_is_no_number_is_within_no_limit(doubt):
+    assert check_at_most("c", np.nan, 1.0, "-", "", doubt=doubt).verdict == "fail"
+    assert check_at_most("c", np.inf, 1.0, "-", "", doubt=doubt).verdict == "fail"
+    assert check_at_most("c", -np.inf, 1.0, "-", "", doubt=doubt).verdict == "ok"
+
+
+@pytest.mark.parametrize("quality", ["no JSON", '[{"name": "haskind"}]', '[{"another": 1.0}]', "[1.0]"])
+def test_a_verdict_that_cannot_be_read_leaves_a_line_that_says_so(tmp_path, quality):
+    """Beside those of other files."""
+    stored(tmp_path)
+    facts = {"spec_id": "b" * 16, "quality": quality, "radius": 2.0, "water_depth": 20.0}
+    save_database(block([1.0, 2.0]).assign_attrs(facts), None, tmp_path / "db" / "odd.nc")
+    lines = [line.split("\t") for line in (tmp_path / "INDEX.tsv").read_text().splitlines()[1:]]
+    assert [line[-1] for line in lines] == ["ok", "unreadable"]
+    assert lines[1] == ["odd", *["-"] * 6, "unreadable"]

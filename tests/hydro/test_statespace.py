@@ -394,3 +394,32 @@ def test_a_motion_that_draws_at_all_frequencies_is_refused_beside_one_that_radia
     b[:, 2, 2] = -1e-9
     with pytest.raises(StabilityError, match="received a least eigenvalue of -inf relative to each mode's largest"):
         radiation.check_positive(DampingSpectrum(np.arange(1.0, 7.0), b))
+
+
+@pytest.mark.parametrize(("count", "stride"), [(5, 1), (60, 1), (119, 1), (120, 2), (200, 3)])
+def test_a_memory_is_fitted_at_sixty_frequencies_or_a_few_more_and_beyond_both_ends(monkeypatch, count, stride):
+    omega, asked = 0.3 + 0.1 * np.arange(count), []
+    monkeypatch.setattr(radiation, "fit_order", lambda _, at, order: asked.append((at, order)) or ("model", 1e-4))
+    fit_radiation(DampingSpectrum(omega, np.ones((count, 1, 1))), 1e-3)
+    ((at, order),) = asked
+    top = omega[-1]
+    np.testing.assert_allclose(at, [0.06, *omega[::stride], 1.1 * top, 1.4 * top, 2.0 * top])
+    assert order == radiation.ORDERS[0]
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_what_a_model_radiates_is_its_own_to_a_hundred_millionth_of_its_rates(scale, sign):
+    """In any unit of time; of one that radiates more than it loses as of one that radiates less."""
+    channel = np.sqrt(scale) * np.array([[1.0, 0.2], [0.5, -0.7]])
+    a = scale * np.array([[0.0, 3.0], [-3.0, 0.0]]) - channel @ channel.T / 2
+    for share in (0.9e-8, 1.1e-8):
+        off = a.copy()
+        off[0, 1] += sign * share * np.abs(a).max()
+        if share < 1e-8:
+            RadiationModel(off, np.ones((2, 1)), channel)
+            continue
+        with pytest.raises(
+            StabilityError, match=r"the radiation model is not passive: .* needs a stable A whose symmetri"
+        ):
+            RadiationModel(off, np.ones((2, 1)), channel)

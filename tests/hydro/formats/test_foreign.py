@@ -965,3 +965,17 @@ def test_a_spike_is_compared_with_the_largest_about_it_not_with_how_rough_all_is
     check = judged(edited(edited(ds, "added_mass", heavy), "radiation_damping", wavy))["irregular_frequencies"]
     assert check.verdict == verdict
     assert ("of one without the other; most at 0.7 rad/s in Heave" in check.explanation) == (verdict == "fail")
+
+
+@pytest.mark.parametrize(
+    ("masses", "error"), [((1.0, 1.03), 0.03), ((1.04, 1.0), 0.04), ((0.96, 1.02), 0.04), ((1.02, 0.94), 0.06)]
+)
+def test_of_two_bodies_the_one_furthest_from_afloat_is_told_too_heavy_or_too_light(masses, error):
+    one = sound(headings=[0.0])
+
+    def weighed(part):
+        return edited(one, "inertia_matrix", lambda m: m.__setitem__((1, 1), part * 4e6))
+
+    (check,) = foreign.afloat_checks(of_two(*map(weighed, masses)))
+    assert check.value == pytest.approx(error, rel=1e-9)
+    assert (check.name, check.limit, check.verdict) == ("afloat", 0.01, "fail" if error > 0.05 else "doubt")

@@ -11,7 +11,7 @@ from vsb.errors import ConfigError
 from vsb.hydro import dofs
 from vsb.hydro.panels import rings as bem
 from vsb.hydro.panels.mesh import deformed_mesh
-from vsb.hydro.spectral import meridian
+from vsb.hydro.spectral import meridian, solver
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.scenes.rest import reference_shell
 from vsb.shell.deformed import DeformedShell, rigid_sphere
@@ -361,3 +361,29 @@ def test_a_depth_is_positive(depth):
         ConfigError, match=rf"^depth: received {depth} m; needs a positive depth, infinite for deep water$"
     ):
         SpectralProblem(rigid_sphere(1.0, 0.0), dofs.displacements(["Heave"]), 1.0, 1.0, 8, depth)
+
+
+@pytest.mark.parametrize(("limit", "image", "part"), [("at_infinity", -1.0, 0.2), ("at_zero", 1.0, 0.3)])
+@pytest.mark.parametrize("depth", [np.inf, 2.5])
+def test_each_limit_takes_what_the_bottom_adds_there(monkeypatch, limit, image, part, depth):
+    """Of surge and a shape of its order; in deep water there is none."""
+    problem = SpectralProblem(rigid_sphere(1.0, 0.0), dofs.displacements(["Surge", "Radial2"], 1), 7.0, 4.0, 8, depth)
+    m, asked = problem.meridian, []
+
+    class Bottom:
+        def __init__(self, meridian, at, smallest):
+            asked.append((meridian is m, at, smallest))
+
+        def at_infinity(self):
+            return np.full(m.rankine.shape[1:], 0.2)
+
+        def at_zero(self):
+            return np.full(m.rankine.shape[1:], 0.3)
+
+    monkeypatch.setattr(solver, "FiniteDepthWavePart", Bottom)
+    found = getattr(problem, limit)()
+    assert asked == ([(True, 2.5, 0.4)] if np.isfinite(depth) else [])
+    single, double = m.rankine[0] + image * m.rankine[1] + (part * m.areas if np.isfinite(depth) else 0.0)
+    w = problem.velocities
+    force = -7.0 * np.pi * w * m.areas  # half a turn of cos^2
+    np.testing.assert_allclose(found, (force @ m.solve(double + 0j, -single @ w.T + 0j)).real, rtol=1e-9)
