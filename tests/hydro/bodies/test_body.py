@@ -674,3 +674,33 @@ def test_a_waterline_is_seen_whole_to_a_millionth_of_the_waterplane(size, share)
         return
     with pytest.raises(ConfigError, match=r"^lid: the waterline is not seen whole from its centre; needs lid: 0$"):
         bodies.interior_lid(body, 2)
+
+
+def test_corners_of_no_panel_are_at_rest_and_in_nobodys_way(box):
+    """Displacements of panels reach those that have some; a file may list more points than it needs."""
+    vertices, faces = np.vstack([box[0][:3], [9.0, 9.0, -9.0], box[0][3:]]), np.where(box[1] > 2, box[1] + 1, box[1])
+    values = np.random.default_rng(1).normal(size=(2, len(faces), 3))
+    found, bare = at_vertices(vertices, faces, values), at_vertices(*box, values)
+    assert found[:, 3].tolist() == [[0.0] * 3] * 2
+    np.testing.assert_allclose(np.delete(found, 3, axis=1), bare, rtol=1e-12)
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e4])
+@pytest.mark.parametrize(("share", "same"), [(0.9, True), (1.1, False)])
+def test_vertices_coincide_within_a_hundred_millionth_of_the_body(size, share, same):
+    """Of the diagonal of all there is; the first of them stands for the others, in whatever order they are found."""
+    far, near = np.array([2.0, 1.0, -2.0]), share * 1e-8 * 3.0  # the diagonal is 3
+    points = np.array([[0, 0, 0], far, far - [0, 0, -near], [0, near, 0], [1, 1, -1], far])
+    assert bodies.owners(size * points).tolist() == ([0, 1, 1, 0, 4, 1] if same else [0, 1, 2, 3, 4, 1])
+
+
+@pytest.mark.parametrize("first", range(3))
+def test_a_lid_meets_walls_of_triangles_once_each(box, first):
+    """Whichever corner they repeat: a side of no length is none."""
+    vertices, faces = box
+    halves = np.concatenate([np.roll(faces[:, half], first, axis=1) for half in ([0, 1, 2], [0, 2, 3])])
+    body = made(vertices, np.column_stack([halves, halves[:, 2]]), rigid(vertices)[2:3])
+    lid, panels = bodies.interior_lid(body, 3)
+    whole, same = bodies.interior_lid(made(*box, rigid(vertices)[2:3]), 3)
+    assert len(panels) == len(same)
+    assert sorted(map(tuple, lid.round(9).tolist())) == sorted(map(tuple, whole.round(9).tolist()))

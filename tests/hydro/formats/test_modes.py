@@ -497,3 +497,35 @@ def test_no_coefficient_is_beyond_reason_whatever_its_sign(name, sign):
             continue
         with pytest.raises(DatabaseError, match=rf"^memory: {name} holds 1\.01e\+40; no body has that\.$"):
             checked(wrong, "memory")
+
+
+@pytest.mark.parametrize("height", [-0.9, 0.7])
+def test_the_water_of_a_sphere_is_that_of_its_mass_and_its_centre_that_of_a_cap(height):
+    """By slices; the mass lies in its middle."""
+    ds = flexible().drop_attrs().assign_attrs(water_density=RHO, gravity=G, water_depth="inf", radius=2.0)
+    found = floating(ds.assign_attrs(centre_height=height), "memory")
+    z = np.linspace(height - 2.0, 0.0, 20001)
+    area = 4.0 - (z - height) ** 2
+    assert found.centre_of_buoyancy == pytest.approx(
+        [0.0, 0.0, np.trapezoid(z * area, z) / np.trapezoid(area, z)], rel=1e-6
+    )
+    assert found.centre_of_mass.tolist() == [0.0, 0.0, height]
+    assert found.volume == 2000.0
+
+
+def test_structural_damping_goes_by_mass_and_elastic_stiffness_alone():
+    """Prestress and gas lose nothing; all three make the stiffness. What is stored is taken as it is."""
+    rng, n = np.random.default_rng(4), len(LABELS)
+    ds = flexible().drop_vars("structural_damping_matrix")
+    extra = {name: (PAIR, 1e6 * rng.normal(size=(n, n))) for name in ("prestress_stiffness", "gas_stiffness")}
+    elastic = 1e7 * rng.normal(size=(n, n))
+    device = {"device": {"damping": {"alpha": 0.1, "beta": 1e-3}}}
+    ds = ds.assign(extra | {"structural_stiffness": (PAIR, elastic)}).assign_attrs(spec=json.dumps(device))
+    found = structure(ds, "memory")
+    at = LABELS.index("Bend")
+    assert found.damping[at, at] == pytest.approx(0.1 * ds.inertia_matrix.values[at, at] + 1e-3 * elastic[at, at])
+    assert np.count_nonzero(found.damping) == 1
+    assert found.stiffness == pytest.approx(elastic + sum(matrix for _, matrix in extra.values()))
+    assert found.mass == pytest.approx(ds.inertia_matrix.values)
+    stored = np.arange(16.0).reshape(4, 4)
+    assert structure(ds.assign(structural_damping_matrix=(PAIR, stored)), "memory").damping.tolist() == stored.tolist()
