@@ -10,6 +10,7 @@ from scipy.special import eval_legendre, legendre_p_all
 
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro import dofs
+from vsb.hydro.bodies.solver import unit_wave, unit_wave_slope
 from vsb.hydro.panels import rings as bem
 from vsb.hydro.panels.mesh import mean_mesh
 from vsb.hydro.spectral.solver import SpectralProblem
@@ -560,3 +561,28 @@ def test_forces_are_of_the_potentials_that_rings_of_the_order_set_up(monkeypatch
         }  # fmt: skip
         for name, values in expected.items():
             np.testing.assert_allclose(ds[name].values[i].reshape(values.shape), values, rtol=1e-9)
+
+
+@pytest.mark.parametrize("depth", [np.inf, 2.5])
+@pytest.mark.parametrize(("order", "names"), [(0, ("Heave",)), (1, ("Surge",)), (3, ("Radial3",))])
+def test_of_an_undisturbed_wave_rings_see_what_panels_around_see_of_their_order(depth, order, names):
+    """Potential and normal velocity, by the wave over general panels; of order 0 the mean, by more points around."""
+    problem = bem.AxisymmetricProblem(
+        "green", mean_mesh(1.5, 0.2, 4, 12, 0), dofs.displacements(names, order), 7.0, depth, 2.0
+    )
+    rings, omega, ahead = problem.body, 1.6, np.zeros(1)
+    theta = 2 * np.pi * np.arange(12 if order else 96) / (12 if order else 96)
+    weight = (2 if order else 1) * np.cos(order * theta) / len(theta)
+    k, (x, z) = bem.wavenumber(omega, depth, 2.0), rings.centres
+    n_x, _, n_z = rings.wedge.faces_normals.T
+
+    def around(radial, upright):
+        return np.array(
+            [[r * np.cos(theta), r * np.sin(theta), 0 * theta + u] for r, u in zip(radial, upright, strict=True)]
+        )
+
+    at, normals = around(x, z).swapaxes(1, 2).reshape(-1, 3), around(n_x, n_z).swapaxes(1, 2).reshape(-1, 3)
+    expected = unit_wave(at, k, depth, ahead), unit_wave_slope(at, normals, k, depth, ahead)
+    for found, wave in zip(problem.incident(rings, omega), expected, strict=True):
+        whole = -1j * 2.0 / omega * wave.reshape(len(x), len(theta)) @ weight
+        np.testing.assert_allclose(found, whole, rtol=1e-9, atol=1e-12 * np.abs(whole).max())

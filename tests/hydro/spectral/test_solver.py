@@ -9,6 +9,7 @@ from scipy.special import eval_legendre, gammaln
 
 from vsb.errors import ConfigError
 from vsb.hydro import dofs
+from vsb.hydro.bodies.solver import unit_wave
 from vsb.hydro.panels import rings as bem
 from vsb.hydro.panels.mesh import deformed_mesh
 from vsb.hydro.spectral import meridian, solver
@@ -387,3 +388,43 @@ def test_each_limit_takes_what_the_bottom_adds_there(monkeypatch, limit, image, 
     w = problem.velocities
     force = -7.0 * np.pi * w * m.areas  # half a turn of cos^2
     np.testing.assert_allclose(found, (force @ m.solve(double + 0j, -single @ w.T + 0j)).real, rtol=1e-9)
+
+
+@pytest.mark.parametrize("depth", [np.inf, 1.8])
+@pytest.mark.parametrize(("order", "names"), [(0, ("Heave",)), (1, ("Surge",)), (3, ("Radial3",))])
+def test_the_component_of_a_wave_that_excites_an_order_is_that_around_the_body(depth, order, names):
+    """At the nodes and inside, of two wavenumbers: the wave over general panels, by many points around."""
+    problem = SpectralProblem(rigid_sphere(1.0, 0.2), dofs.displacements(names, order), 7.0, 4.0, 8, depth)
+    k, (x, z), theta = np.array([0.7, 3.0]), problem.meridian.targets, 2 * np.pi * np.arange(96) / 96
+    around = np.stack([np.outer(x, np.cos(theta)), np.outer(x, np.sin(theta)), np.outer(z, np.ones(96))], axis=-1)
+    for each, found in zip(k, problem.incident(k), strict=True):
+        wave = unit_wave(around.reshape(-1, 3), each, depth, np.zeros(1)).reshape(len(x), 96)
+        expected = (2 if order else 1) * (wave * np.cos(order * theta)).mean(axis=1)
+        np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-13)
+
+
+@pytest.mark.parametrize(("order", "names"), [(0, ("Heave", "Radial2", "Radial3")), (2, ("Radial2", "Radial4"))])
+def test_forces_are_of_the_potentials_of_motions_and_of_the_wave_about_the_fixed_body(monkeypatch, order, names):
+    """Of whatever the water's surface adds to 1/r and 1/r', per unit area; of two frequencies each its own."""
+    problem = SpectralProblem(rigid_sphere(1.0, 0.2), dofs.displacements(names, order), 7.0, 4.0, 8, 1.8)
+    m, omegas, rng = problem.meridian, [1.1, 2.3], np.random.default_rng(8)
+    surface = [rng.normal(size=m.rankine.shape[1:]) + 1j * rng.normal(size=m.rankine.shape[1:]) for _ in omegas]
+    asked = []
+    monkeypatch.setattr(SpectralProblem, "_waves", lambda self, given: asked.append(given) or iter(surface))
+    ds = problem.solve(omegas)
+    assert asked == [omegas]
+    w = problem.velocities
+    force = -7.0 * (np.pi if order else 2 * np.pi) * w * m.areas
+    incident = problem.incident(np.array([wavenumber(omega, 1.8, 4.0) for omega in omegas]))
+    for i, omega in enumerate(omegas):
+        single, double = m.rankine[0] + m.rankine[1] + surface[i] * m.areas
+        radiated = force @ m.solve(double, -single @ w.T)
+        total = 4.0 * force @ m.solve(double, 4 * np.pi * incident[i][:, None])[:, 0]  # i omega (-i g/omega) = g
+        undisturbed = 4.0 * force @ incident[i][: m.nodes]
+        expected = {
+            "added_mass": radiated.real, "radiation_damping": omega * radiated.imag,
+            "Froude_Krylov_force": undisturbed, "diffraction_force": total - undisturbed,
+        }  # fmt: skip
+        for name, values in expected.items():
+            np.testing.assert_allclose(ds[name].values[i].reshape(values.shape), values, rtol=1e-8)
+    assert ds.influenced_dof.values.tolist() == ds.radiating_dof.values.tolist() == list(names)
