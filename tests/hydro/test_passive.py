@@ -850,3 +850,38 @@ def test_a_repair_is_told_however_small_it_is(field, value, told):
     assert (
         fit._replace(**{field: value}).history == f"radiation memory, in terms of each motion's largest damping: {told}"
     )
+
+
+@pytest.mark.parametrize("limit", ["given", "fitted"])
+def test_what_a_factor_makes_small_is_the_distance_from_all_that_was_sampled(monkeypatch, limit):
+    """But for a constant, and for what any i omega D makes good where the limit is fitted; with its rates by each entry."""
+    true, rng, told = reciprocal(6, 2, 2, 0), np.random.default_rng(7), []
+    outputs = passive._PassiveOutputs(true.state_matrix, true.input_matrix)
+    omega = np.array([0.3, 0.9, 1.4, 2.0, 3.1, 3.3, 5.0])
+    k = rng.normal(size=(7, 2, 2)) + 1j * rng.normal(size=(7, 2, 2))
+
+    def least(residual, jacobian, start, near):
+        told.append((residual, jacobian, start, near))
+        return start + 1.0
+
+    monkeypatch.setattr(passive, "levenberg_marquardt", least)
+    start = rng.normal(size=(6, 2))
+    assert outputs.fitted(omega, k, start, 0.02, limit) == pytest.approx(start + 1.0)
+    ((residual, jacobian, given_, near),) = told
+    assert given_.tolist() == start.ravel().tolist()
+    assert near == pytest.approx(7 * 0.02**2)
+
+    def distance(entries):
+        inside = np.linalg.solve(1j * omega[:, None, None] * np.eye(6) - true.state_matrix, true.input_matrix[None])
+        missed = (outputs.energy(entries.reshape(6, 2)) @ true.input_matrix).T @ inside - k
+        if limit == "fitted":
+            missed = missed - 1j * omega[:, None, None] * np.einsum("w,wij->ij", omega, missed.imag) / (omega @ omega)
+        return (np.abs(missed) ** 2).sum()
+
+    one, other = rng.normal(size=(2, 12))
+    apart = residual(one) @ residual(one) - residual(other) @ residual(other)
+    assert apart == pytest.approx(distance(one) - distance(other), rel=1e-9)
+    for at in range(12):
+        step = 1e-5 * np.eye(12)[at]
+        change = (residual(one + step) - residual(one - step)) / 2e-5
+        np.testing.assert_allclose(jacobian(one)[:, at], change, atol=1e-6 * np.abs(jacobian(one)).max())

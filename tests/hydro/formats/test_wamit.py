@@ -589,3 +589,10 @@ def test_modes_that_restore_with_those_of_another_six_on_one_side_of_the_matrix_
         _check_one_body("raft", numbers, stiffness)
     stiffness[pair[0] - 1, pair[1] - 1] = -0.1
     _check_one_body("raft", numbers, stiffness)
+
+
+def test_of_three_displaced_volumes_the_one_between_is_taken_of_each_body(tmp_path):
+    """By the normals' x, y and z, one of which is off where a mesh is open; exponents as Fortran writes them."""
+    texts = {"mmx": ("725.833      725.833      725.834", "999.0  0.7258330D+03  -3.5")}
+    ds = rm3(tmp_path, **texts)
+    assert (ds.attrs["displaced_volume_body1"], ds.attrs["displaced_volume_body2"]) == (725.833, 886.687)
