@@ -355,3 +355,12 @@ def test_strengths_and_potentials_are_those_of_all_panels_in_one_system(planes, 
     sources = np.linalg.solve(d + np.diag(lacking[own]), velocities[:, place].T)
     np.testing.assert_allclose(strength[:, place].T, sources, rtol=1e-9)
     np.testing.assert_allclose(potential[:, place].T, s @ sources, rtol=1e-9)
+
+
+@pytest.mark.parametrize("depth", [0.8, 5.0, np.inf])
+def test_a_unit_wave_is_of_amplitude_one_on_the_surface_and_of_a_hyperbolic_cosine_below(depth):
+    """Going to each of its directions."""
+    k, beta, points = 0.9, np.array([0.3, -2.0]), np.array([[1.0, -2.0, 0.0], [0.5, 0.7, -0.3], [0.0, 0.0, -0.8]])
+    profile = np.cosh(k * (points[:, 2] + depth)) / np.cosh(k * depth) if depth < 9 else np.exp(k * points[:, 2])
+    ahead = np.outer(np.cos(beta), points[:, 0]) + np.outer(np.sin(beta), points[:, 1])
+    np.testing.assert_allclose(unit_wave(points, k, depth, beta), profile * np.exp(1j * k * ahead), rtol=1e-12)
