@@ -542,3 +542,21 @@ def test_power_in_a_regular_wave_is_that_of_the_settled_motion_whatever_the_wind
     monkeypatch.setattr(pause_module, "windowed_power", lambda *_: 8.0)
     assert pause_module._power("four", regular(2.0), SETTINGS) == 4.0 + SETTLED
     assert pause_module._power("four", IRREGULAR, SETTINGS) == 8.0
+
+
+@pytest.mark.parametrize(("paused", "without", "anew"), [(0.99, 0.5, False), (0.99, 0.995, True), (0.97, 0.5, True)])
+def test_what_a_search_finds_is_told_with_the_power_from_rest_under_its_own_damper(paused, without, anew, monkeypatch):
+    """The trials promise 1 of a damper that is not the take-off's; else the search over motions from rest is told."""
+
+    def from_rest(system, sea, settings):
+        assert (sea, settings) == (waves, SETTINGS)
+        return {(3.0, 0.5): paused, (3.0, 0.0): without}[system.scene.law.damping, system.scene.law.pause]
+
+    def search(power):
+        return 3.0, BestPause(0.5, power(3.0, 0.5), 0.25 if power(3.0, 0.5) == 1.0 else 0.125)
+
+    waves = regular(2.0)
+    monkeypatch.setattr(pause_module, "_power", from_rest)
+    monkeypatch.setattr(pause_module, "_trials", lambda sea, settings: lambda system: 1.0)
+    found = pause_module._sought(search, scene(TakeOff(B, 2.0), waves), waves, SETTINGS)
+    assert found == (3.0, (0.5, paused, 0.125 if anew else 0.25))

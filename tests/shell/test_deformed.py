@@ -27,7 +27,7 @@ from vsb.shell.deformed import (
 from vsb.shell.loaded import complete_basis
 from vsb.shell.modes import ModeBasis, mode_basis, shell_modes
 from vsb.shell.sphere import Shell
-from vsb.study.meridian import capsule
+from vsb.study.meridian import RestMeridian, capsule
 
 RHO, G = 1025.0, 9.81
 
@@ -588,3 +588,14 @@ def test_quadrature_in_parts_is_that_at_once(full, monkeypatch):
     parts = shell.volume(), shell.wet_area(), *shell.hydrostatics(RHO, G)
     for one, other in zip(whole, parts, strict=True):
         np.testing.assert_allclose(other, one, rtol=1e-12, atol=1e-12 * np.abs(one).max())
+
+
+def test_a_meridian_of_many_terms_is_resolved_as_well_as_a_plain_one():
+    """The points of a rule grow with its terms; at rest the meridian knows its volume itself."""
+    rest = RestMeridian((2.0,), (0.1, 2.0, *98 * (0.0,), 0.002))
+    buoy = rigid_buoy(Shell(2.0, 0.01, 1.0, 0.0, 1.0, rest), 0.25)
+    assert buoy.volume() == pytest.approx(rest.volume_below(-0.25), rel=1e-12)
+    assert buoy.wet_area() == pytest.approx(buoy.wet_area(400), rel=1e-10)
+    force, stiffness = buoy.hydrostatics(RHO, G, 40)
+    assert force == pytest.approx([RHO * G * rest.volume_below(-0.25)], rel=1e-12)
+    assert stiffness[0, 0] == pytest.approx(RHO * G * np.pi * rest.radius_at(-0.25) ** 2, rel=1e-9)

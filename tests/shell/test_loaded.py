@@ -20,6 +20,7 @@ from vsb.shell.loaded import (
     LoadedShell,
     _buckled,
     _newton,
+    _pencil,
     _undeformed,
     buckling,
     complete_basis,
@@ -27,6 +28,7 @@ from vsb.shell.loaded import (
     equilibrium,
     viable_pressure,
 )
+from vsb.shell.mode import Mode
 from vsb.shell.modes import bending_block, membrane_block, mode_basis
 from vsb.shell.sphere import Shell
 from vsb.shell.strain import strain_shapes
@@ -823,3 +825,17 @@ def test_a_mode_with_momentum_along_heave_feels_the_weight(seed, degree):
     weightless_force = dataclasses.replace(loaded, gravity=0.0).force(q)
     dry = dataclasses.replace(loaded, water_density=0.0).force(q)
     assert dry - weightless_force == pytest.approx(-G * basis.inertia[0], abs=1e-9 * G * MASS)
+
+
+@pytest.mark.parametrize("gas", [None, GAS])
+@pytest.mark.parametrize("pressure", [-2e3, 2e3])
+def test_a_load_that_stiffens_all_a_shell_can_do_buckles_it_under_no_factor(pressure, gas):
+    """Breathing alone, r dN/da = 8 pi r p less: suction stiffens it, pressure takes it away; gas turns that about."""
+    basis = dataclasses.replace(complete_basis(SHELL, 1, MASS), modes=(Mode("Radial0", 0, 1.0, 0.0),))
+    loaded = weightless(ElasticShell(basis), pressure, gas)
+    stiffness, load = (float(each[0, 0]) for each in _pencil(loaded))
+    found = buckling(loaded)
+    assert found.load_factor == (math.inf if load > 0 else pytest.approx(-stiffness / load, rel=1e-12))
+    assert stiffness > 0
+    if gas is None:
+        assert (load > 0) == (pressure < 0)

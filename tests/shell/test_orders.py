@@ -231,7 +231,9 @@ def test_a_clamped_shell_does_not_move_along_its_clamps(order, clamps):
 def test_at_a_pole_only_order_one_is_held_and_by_one_condition():
     for order, held in ((1, 1), (2, 0), (3, 0)):
         basis = at_order(order, degree=6)
-        assert len(basis.labels) - basis.allowed(True, [0.0]).shape[1] == held
+        for poles, times in (([0.0], 1), ([np.pi], 1), ([0.0, np.pi], 2)):
+            assert len(basis.labels) - basis.allowed(True, poles).shape[1] == times * held
+            assert bool(basis.clamp_rows(poles).any()) == bool(held)
     assert at_order(1).allowed(False).shape == (len(at_order(1).labels), 2)
     assert at_order(2).allowed(False).shape == (len(at_order(2).labels), 0)
 
@@ -473,3 +475,13 @@ def test_rigid_motions_are_neither_stiff_nor_damped_by_any_shape(kind, odd):
     coupled = abs(basis.inertia[0, 2]) / basis.shell.mass
     assert coupled > 0.01 if kind == "paper" else coupled < 1e-12
     np.testing.assert_allclose(basis.inertia, basis.inertia.T, rtol=1e-14, atol=1e-12)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_surge_and_pitch_strain_nothing_and_are_not_damped_to_the_last_digit(kind):
+    """Neither by themselves nor with any shape, of either family."""
+    for basis in (at_order(1, kind), at_order(1, kind).turned()):
+        for matrix in (basis.stiffness, basis.damping):
+            assert not matrix[:2].any()
+            assert not matrix[:, :2].any()
+            assert (np.diag(matrix)[2:] > 0).all()

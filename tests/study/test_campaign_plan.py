@@ -408,3 +408,14 @@ def test_runs_in_time_are_told_in_the_order_of_the_members_each_with_all_of_its_
         assert (spec.verify.seas, spec.verify.seed, spec.verify.model) == (6, 3, "body_exact")
         assert (spec.simulation.duration, spec.simulation.tolerance) == (99.0, 1e-5)
         assert spec.pto == one.study.pto
+
+
+def test_members_of_one_thickness_go_together_whatever_is_varied_before_it(planned):
+    points = [
+        point
+        for batch in planned({"device.density": [2600.0, 2700.0], "device.thickness": [0.02, 0.01]}).batches.values()
+        for point in batch.points
+    ]
+    assert [tuple(point.values()) for point in points] == [
+        (density, thickness) for thickness in (0.01, 0.02) for density in (2600.0, 2700.0)
+    ]

@@ -26,6 +26,7 @@ def study(**changes):
             for name in ("hydro", "hydro_precision", "barge", "logs", "benchmarks")
         ),
         ({"pto": {"damping": {"a": 1.0}}}, "pto.damping: received dampers of a, needs one for every design: a, b"),
+        ({"pto": {"damping": {}}}, "pto.damping: received dampers of no design, needs one for every design: a, b"),
         (
             {"pto": {"damping": {"a": 1.0, "b": 2.0, "c": 3.0}}},
             "pto.damping: received dampers of a, b, c, needs one for every design: a, b",

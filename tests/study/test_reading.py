@@ -372,3 +372,18 @@ def test_without_its_schema_the_first_mistake_is_a_misspelt_key_and_how_many_the
         with pytest.raises(ValidationError) as error:
             model.model_validate(raw)
         assert reading.one_line(error.value, raw) == told
+
+
+@pytest.mark.parametrize(
+    ("place", "line"),
+    [
+        ((), None), (("x",), None), (("a",), 1), (("a", "x"), 1), (("b",), 2), (("b", "c"), 3), (("b", "c", 0), 4),
+        (("b", "c", 1), 5), (("b", "c", 1, "f"), 6), (("b", "c", 2), 3), (("b", "c", "0"), 3), (("b", "x"), 2),
+        (("b", "b", "c"), 3), (("b", "x", "c", 1, "x"), 5), (("x", "a"), 1), (("f",), 7),
+    ],
+    ids=str,
+)  # fmt: skip
+def test_the_line_of_a_place_is_that_of_the_innermost_part_there_is(written, place, line):
+    """What is not there is passed over: of a section a check names again, too."""
+    raw = reading.read_yaml(written("a: 1\nb:\n  c:\n    - d: 2\n    - e: 3\n      f: 4\nf: 5\n"), "a study file")
+    assert raw.line(place) == line

@@ -127,3 +127,9 @@ def test_memory_is_of_all_of_a_run_however_short_its_window(seed):
             plan = StudyPlan(varied(seed, waves=[wave], simulation={"duration": 2e4, "window": window}))
             told.add((plan.simulation_megabytes(plan.study.waves[0]), plan.study_megabytes))
         assert len(told) == 1
+
+
+def test_every_file_promised_and_every_file_solved_on_the_way_has_an_id(seed):
+    plan = StudyPlan(varied(seed, hydro={"omega": [2.0, 11.0]}), root="r")
+    assert list(plan.ids) == [*plan.products, *plan.solved_files]
+    assert set(plan.solved_files) - set(plan.products)

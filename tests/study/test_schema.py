@@ -133,6 +133,12 @@ def test_keys_of_a_place():
     assert set(keys_at(schema, ("designs", "any"))) == {"flexible", "clamp"}
     assert set(keys_at(schema, ("waves", 3, "regular"))) == {"kind", "amplitude", "period", "direction"}
     assert {"hs", "amplitude", "band"} < set(keys_at(schema, ("waves", 3)))
+    for place in (
+        ("device", "model-of-one-kind", "damping"),
+        ("device", "damping", "tuple[float, ...]"),
+        ("device", 3, "damping"),
+    ):
+        assert keys_at(schema, place) == keys_at(schema, ("device", "damping"))
     assert {"device.gas.adiabatic_index", "waves.gamma", "study"} < set(dotted(schema))
 
 

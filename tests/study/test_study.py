@@ -236,6 +236,8 @@ def test_waves_and_frequencies_may_be_as_fast_as_the_band_and_no_faster(seed):
     with pytest.raises(ConfigError, match=r"waves.1 regular_A0.1_T0.78: the wave is too short .* at least 0.7854 s"):
         varied(seed, waves=[REGULAR, short], hydro={"omega_max": 8.0})
     assert varied(seed, **{**PRESSED, "waves": [short]}).waves[0].omega > 8.0
+    with pytest.raises(ConfigError, match=r"waves.2.direction 30 degrees: a buoy of revolution answers waves of all"):
+        varied(seed, waves=[REGULAR, {"kind": "still"}, {**longest, "direction": 30.0}])
 
 
 def test_a_buoy_floats_between_its_poles_clear_of_the_bed(seed):
@@ -346,3 +348,17 @@ def test_a_study_of_a_body_is_none_of_a_buoy(seed):
         config.parse({"study": "raft", "body": {"database": "raft.nc"}}, source="here")
     with pytest.raises(ConfigError, match=r"^here: body: unknown key"):
         config.parse({**seed.model_dump(), "body": {"database": "raft.nc"}}, source="here")
+
+
+@pytest.mark.parametrize("motion", ["planar", "free"])
+def test_a_buoy_has_the_orders_of_what_moves(seed, motion):
+    """Of a rigid one surge and pitch alone, however many orders of shell modes are asked for."""
+    device = {"centre_of_mass": -0.5, "ballast_inertia": 8e3, "ballast_yaw_inertia": 7e3}
+    for designs, expected in (
+        ({"A": {"flexible": False}}, (0, 1)),
+        ({"A": {"flexible": False}, "B": {}}, (0, 1, 2, 3)),
+    ):
+        study = varied(seed, motion=motion, device=device, modes={"degree": 4, "order": 3}, designs=designs)
+        assert study.orders == expected
+    assert varied(seed, motion=motion, device=device).orders == (0, 1)
+    assert seed.orders == (0,)
