@@ -393,3 +393,24 @@ def test_every_stage_is_told_what_the_study_says(seed, solver):
     assert run.designs == {"VSWEC": study.designs["VSWEC"]}
     assert (run.reference_shape, run.hydro.omega_max, run.hydro.model) == ("undeformed", 9.0, "linear")
     assert plan.response.designs == plan.ladder.designs == plan.modes.designs == study.designs
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"hydro": {"witness": "none"}},
+        {"hydro": {"model": "assumed_pressure", "pressure": 100.0}},
+        {"water": {"depth": 2.02}},
+        {"device": {"shape": {"spheroid": {"height": 5.0}}, "mass": 2e4}, "modes": {"basis": "full"}},
+    ],
+    ids=str,
+)
+def test_a_study_without_a_second_solver_asks_none_whatever_the_reason(seed, changes):
+    spectral = varied(seed, hydro={"solver": "auto"})
+    asked, alone = (StudyPlan(varied(spectral, **given), root="r") for given in ({}, changes))
+    assert asked.witness is not None
+    assert list(asked.witness_files) == ["witness"]
+    assert len(asked.deformed_paths) == 1 + 2 * len(asked.witness.meshes.deformed)
+    assert (alone.witness, alone.witness_files, alone.deformed_paths) == (None, {}, [])
+    assert ("witness" in asked.figures, "witness" in alone.figures) == (True, False)
+    assert not any("/witness/" in path for path in alone.ids)
