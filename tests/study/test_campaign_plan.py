@@ -172,6 +172,9 @@ def test_results_lie_where_a_run_has_them_lie(planned, tmp_path, monkeypatch):
         here, there = (plan_as_run({**raw, **root}, f"{name}.yaml") for root in ({}, {"root": "elsewhere"}))
         assert (here.folder, there.folder) == (f"results/{name}", f"elsewhere/{name}")
         assert list(there.ids.values()) == list(here.ids.values())
+    raw = yaml.safe_load((tmp_path / "seed.yaml").read_text())
+    with pytest.raises(ConfigError, match=r"^seed.yaml: device: missing"):
+        plan_as_run({key: value for key, value in raw.items() if key != "device"}, "seed.yaml")
 
 
 def verified(planned, name="sweep", study=None, **changes):

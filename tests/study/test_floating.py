@@ -241,3 +241,23 @@ def test_neither_mass_nor_draft_is_a_mistake_where_what_they_follow_from_is_none
         parse(raw | {"water": changes.get("water", {}), "device": device}, source="here")
     assert len(refused.value.mistakes) == 1
     assert str(refused.value).startswith(f"here: {told}")
+
+
+@pytest.mark.parametrize(
+    ("device", "told"),
+    [
+        ({"radius": True, "draft": 2.5}, ["device.radius: received True; a number is needed, not true/false"]),
+        ({"shape": {"spheroid": {"height": -3.0}}}, ["device.shape.spheroid.height: received -3.0; needs a number"]),
+        ({"shape": {"profile": [[0.0, 1.0], [1.0, 0.0], [0.0, "x"]]}, "draft": 0.4}, ["device.shape.profile"]),
+        ({"shape": 7, "draft": 9.0}, ["device.shape: received 7; needs a mapping"]),
+    ],
+    ids=str,
+)
+def test_what_no_mass_can_be_told_of_is_the_one_mistake_there_is(raw, device, told):
+    """Neither a mass that is missing, nor a draft that may be right."""
+    section = without(raw["device"], "mass", "radius") | {"radius": 2.0} | device
+    with pytest.raises(ConfigError) as refused:
+        parse(raw | {"device": section, "hydro": {"omega_max": "auto"}}, source="here")
+    assert len(refused.value.mistakes) == len(told)
+    for line, begins in zip(refused.value.mistakes, told, strict=True):
+        assert line.startswith(f"here: {begins}")

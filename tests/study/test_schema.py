@@ -155,6 +155,7 @@ def test_keys_of_a_place():
         (("device",), "colour", ""),
         (("waves", 0), "hs", ""),  # which it has of another kind
         (("waves", 0), "density", "device.density"),
+        (("pto", "port"), "colatitude", ""),
         (("pto", "port"), "direction", "waves.direction"),
     ],
 )

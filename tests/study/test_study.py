@@ -362,3 +362,19 @@ def test_a_buoy_has_the_orders_of_what_moves(seed, motion):
         assert study.orders == expected
     assert varied(seed, motion=motion, device=device).orders == (0, 1)
     assert seed.orders == (0,)
+
+
+def test_rows_are_those_of_panels_that_a_solver_chosen_by_itself_takes(seed):
+    assert varied(seed, hydro={"solver": "auto", "rows": 20}).uses_panels
+    assert varied(seed, hydro={"solver": "panels", "rows": 20}).uses_panels
+    with pytest.raises(ConfigError, match=r"hydro.solver 'spectral': has no rows; remove hydro.rows, or use 'panels'"):
+        varied(seed, hydro={"solver": "spectral", "rows": 20})
+
+
+def test_another_shape_is_checked_as_one_and_a_device_with_a_body_is_a_buoy(seed):
+    shape = {"device": {"shape": {"spheroid": {"height": 3.0}}, "mass": 1e4}, "modes": {"basis": "full"}}
+    assert varied(seed, **shape).device.shape is not None
+    with pytest.raises(ConfigError, match=r"device.shape: prestress and buckling are known of the sphere alone"):
+        varied(seed, **shape, reference_shape="equilibrium")
+    with pytest.raises(ConfigError, match=r"^study: body: received 'a.stl'; unknown key"):
+        config.parse(seed.model_dump() | {"body": "a.stl"})
