@@ -396,6 +396,7 @@ class Apart(Told):
         ((RIGID, 1), (2, 6), 1, 6),  # the wet shell needs more
         ((1, 3), (6, 4), 3, 6),
         ((0, 0), (8, 8), 0, 8),
+        ((1, 1), (5, 5), 1, 6),  # states come in pairs
     ],
 )
 def test_on_the_wet_shell_no_less_is_kept_than_linear_theory_needs(modes, states, degree, memory):
@@ -525,3 +526,26 @@ def test_the_fewest_states_within_a_third_of_the_tolerance_are_taken_two_by_two(
     choice = chosen(States(), 0.01)
     assert choice.description == (RIGID, memory, False)
     assert choice.left_out[0] == (f"memory_beyond_{memory}_states", pytest.approx(abs(cut.get(memory, 0.0)), abs=1e-12))
+
+
+def test_the_mean_power_of_a_record_is_of_all_degrees_of_freedom_by_its_own_instants():
+    """Velocities of a design's motions, some of them before the time it is taken from; steps are unequal."""
+    time = np.array([0.0, 1.0, 1.5, 3.0, 7.0])
+    motions = np.array([[1.0, 0.0], [0.5, -2.0], [0.0, 3.0]])
+    velocity = np.array([[9.0, 9.0], [1.0, -1.0], [0.5, 2.0], [-2.0, 0.0], [1.0, 1.0]])
+    scene = SimpleNamespace(lost=lambda v: (v**2 @ np.array([1.0, 10.0, 100.0]), None), motions=motions)
+    power = [(motions @ v) ** 2 @ [1.0, 10.0, 100.0] for v in velocity]
+    mean = (0.25 * (power[1] + power[2]) + 0.75 * (power[2] + power[3]) + 2.0 * (power[3] + power[4])) / 6.0
+    found = automatic.absorbed(SimpleNamespace(scene=scene), SimpleNamespace(time=time, velocity=velocity), 0.5)
+    assert found == pytest.approx(mean, rel=1e-14)
+
+
+def test_linear_power_is_half_of_what_both_parts_of_every_phasor_lose(monkeypatch):
+    """Of the velocities alone, which stand behind the positions, in the shapes of the design."""
+    phasors = np.array([[5.0, 7.0, 1.0 + 2j, -3j, 9.0], [5j, 7.0, -0.5, 1.0 - 1j, 9.0]])
+    shapes, damping = np.array([[1.0, 0.5], [0.0, 2.0], [-1.0, 1.0]]), np.diag([1.0, 10.0, 100.0])
+    monkeypatch.setattr(automatic, "steady_state", lambda system: phasors)
+    scene = SimpleNamespace(lost=lambda v: (np.einsum("ij,jk,ik->i", v, damping, v), None))
+    velocity = phasors[:, 2:4] @ shapes.T
+    expected = sum(0.5 * (v.conj() @ damping @ v).real for v in velocity)
+    assert linear_power(SimpleNamespace(free=2, shapes=shapes, scene=scene)) == pytest.approx(expected, rel=1e-14)

@@ -133,6 +133,14 @@ def test_an_assumed_pressure_acts_beside_the_damper_and_the_spring_of_its_own_de
     assert found.notes == {"model": "assumed_pressure"}
 
 
+@pytest.mark.parametrize("design", ["FSB", "VSWEC"])
+@pytest.mark.parametrize("wave", [{"kind": "still"}, {"kind": "regular", "amplitude": 0.1, "period": 2.5}])
+def test_a_pressure_is_assumed_in_waves_alone(seed, design, wave):
+    still = wave["kind"] == "still"
+    force = assumed(seed, design, waves=[wave]).scene.water.assumed
+    assert (force.amplitude, force.omega) == ((0.0, 0.0) if still else (1800.0, pytest.approx(2 * np.pi / 2.5)))
+
+
 def test_an_assumed_pressure_acts_beside_a_take_off_with_limits(seed):
     """From where the deformed shell rests."""
     found = assumed(seed, "FSB", pto={"stiffness": 2e4, "law": "saturated", "force_limit": 3e3, "stroke_limit": 0.2})

@@ -670,3 +670,30 @@ def test_a_shell_is_loaded_by_its_own_water_and_by_what_is_inside(pressure, gas)
     assert (load.water_density, load.gravity, load.internal_pressure) == (1010.0, 9.7, pressure)
     assert (load.centre_height, load.gas) == (study.centre_height, study.device.gas)
     assert (load.gas is None) == (gas is None)
+
+
+@pytest.mark.parametrize("motion", ["heave", "planar", "free"])
+def test_all_stiffness_is_that_of_each_order_in_its_place_and_of_the_mooring_over_all(motion):
+    """With what the shell, the water, pressure and gas inside add to it, order by order."""
+    changes = FREE if motion == "free" else {}
+    inside = {**changes.get("device", {}), "internal_pressure": 3e4, "gas": {"adiabatic_index": 1.4}}
+    rows = np.diag([2e4, 3e4, 4e3, 5e5, 6e5, 7e4])
+    rows[0, 4] = rows[4, 0] = -2e4
+    study = study_with(**{**changes, "device": inside}).model_copy(update={"motion": motion, "mooring": rows.tolist()})
+    reference = reference_shell(study)
+    bases = order_bases(study, reference.basis)
+    labels = [*reference.basis.labels, *(label for each in bases for label in each.labels)]
+    assert list(whole_labels(study, reference)) == labels
+    parts = [reference.total, *(sum(order_stiffness(study, each, reference).values()) for each in bases)]
+    expected, at = np.zeros((len(labels), len(labels))), 0
+    for part in parts:
+        here = slice(at, at + len(part))
+        expected[here, here] += part
+        at += len(part)
+    for i, one in enumerate(("Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw")):
+        for j, other in enumerate(("Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw")):
+            if {one, other} <= {*labels}:
+                expected[labels.index(one), labels.index(other)] += rows[i, j]
+    found = whole_stiffness(study, reference)
+    np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-9 * np.abs(expected).max())
+    assert at == len(labels) == {"heave": 4, "planar": 9, "free": 15}[motion]

@@ -666,3 +666,102 @@ def test_the_swing_and_the_power_of_each_design_are_its_own(small, reference, mo
         np.testing.assert_allclose(own.power_undeformed, -(q @ slope[design]))
     np.testing.assert_array_equal(ds.omega, omega)
     assert ds.shape_dof.values.tolist() == ["Heave", "Membrane0"]
+
+
+def test_a_relative_slope_is_that_of_heave_alone_and_of_the_size_of_a_force():
+    """Re(X'/X) is the derivative of log |X|, whatever the phase; of matrices heave's own entry counts."""
+    random = np.random.default_rng(3)
+    a, da = random.normal(size=(4, 2, 2)) + 3.0, random.normal(size=(2, 4, 2, 2))
+    x, dx = (random.normal(size=(*n, 4, 1, 2)) + 1j * random.normal(size=(*n, 4, 1, 2)) for n in ((), (2,)))
+    pair, force = ("omega", "influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
+    known = {"added_mass": (pair, a), "excitation_force": (force, x)}
+    known |= {"added_mass_slope": (("shape_dof", *pair), da), "excitation_force_slope": (("shape_dof", *force), dx)}
+    ds = xr.Dataset(known, {"shape_dof": ["Heave", "Membrane0"]})
+    found = shapedependence.relative_slope(ds, "added_mass")
+    assert found.dims == ("shape_dof", "omega")
+    np.testing.assert_allclose(found, da[:, :, 0, 0] / a[:, 0, 0], rtol=1e-14)
+    step = 1e-6
+    lengths = [np.log(np.abs(x[:, 0, 0] + s * step * dx[:, :, 0, 0])) for s in (1, -1)]
+    slope = (lengths[0] - lengths[1]) / (2 * step)
+    np.testing.assert_allclose(shapedependence.relative_slope(ds, "excitation_force"), slope, rtol=1e-6, atol=1e-8)
+
+
+def test_a_slope_of_power_is_the_difference_of_powers_with_other_coefficients():
+    """Of two designs of three degrees of freedom, by hand: c omega^2 |q|^2/2 of heave on either side."""
+    random, omega, damper, step = np.random.default_rng(4), np.array([0.7, 1.3]), 5.0, 1e-5
+    mass, loss = np.diag([3.0, 2.0, 1.0]), 0.1 * np.ones((3, 3)) + np.diag([1.0, 0.5, 0.7])
+    stiffness = np.array([[9.0, 1.0, 0.0], [1.0, 7.0, -2.0], [0.0, -2.0, 5.0]])
+    added, radiated = random.normal(size=(2, 2, 3, 3))
+    pull = random.normal(size=(2, 3)) + 1j * random.normal(size=(2, 3))
+    changes = random.normal(size=(3, 2, 2, 3, 3))  # by shape: of added mass and of damping
+    pulls = random.normal(size=(3, 2, 3)) + 1j * random.normal(size=(3, 2, 3))
+
+    def rao(motions, eta=(0.0, 0.0, 0.0)):
+        a, b = (own + np.einsum("k,kwij->wij", eta, changes[:, i]) for i, own in enumerate((added, radiated)))
+        x, found = pull + np.einsum("k,kwi->wi", eta, pulls), []
+        for i, w in enumerate(omega):
+            heave = damper * np.eye(3, 1) @ np.eye(1, 3)
+            z = -(w**2) * (mass + a[i]) - 1j * w * (loss + b[i] + heave) + stiffness
+            found.append(motions @ np.linalg.solve(motions.T @ z @ motions, motions.T @ x[i]))
+        return np.array(found)
+
+    class Buoy:
+        database = xr.Dataset(coords={"omega": omega})
+        pto = LinearPto(damper)
+
+        def coefficients(self, omega):
+            return Coefficients(added, radiated, pull)
+
+        def damping_at(self, omega):
+            return loss + damper * np.eye(3, 1) @ np.eye(1, 3)
+
+        def rao(self, omega, motions):
+            return rao(motions)
+
+    buoy = Buoy()
+    buoy.mass, buoy.stiffness = mass, stiffness
+    every, force = ("shape_dof", "omega", "influenced_dof", "radiating_dof"), pulls[:, :, None]
+    slopes = xr.Dataset(
+        {
+            "added_mass": (every, changes[:, 0]),
+            "radiation_damping": (every, changes[:, 1]),
+            "excitation_force": (("shape_dof", "omega", "wave_direction", "influenced_dof"), force),
+        }
+    )
+    for motions in (np.eye(3), np.array([[1.0, 0.0], [0.0, 0.6], [0.0, -0.8]]), np.eye(3, 1)):
+        found = shapedependence.power_slope(buoy, slopes, motions)
+        for k, eta in enumerate(step * np.eye(3)):
+            more, less = (0.5 * damper * omega**2 * np.abs(rao(motions, s * eta)[:, 0]) ** 2 for s in (1, -1))
+            np.testing.assert_allclose(found[k], (more - less) / (2 * step), rtol=1e-6, atol=1e-8)
+
+
+def test_powers_of_a_run_are_of_its_own_sea_its_own_shapes_and_its_own_design_at_rest(monkeypatch):
+    """That of the reference is of no deformation; solved at rest is the shape of the design that runs."""
+
+    @dataclasses.dataclass(frozen=True)
+    class Buoy:
+        database: object
+
+        def coefficients(self, omega):
+            return self.database, omega[0]
+
+    seas = {"p": SimpleNamespace(omega=np.array([2.0])), "q": SimpleNamespace(omega=np.array([3.0]))}
+    runs = {(design, wave): (seas[wave], f"motions of {design}") for design in "AB" for wave in "pq"}
+    places = {("B", "q"): [[1.0, 2.0], [-3.0, 4.0]], ("A", "p"): [[7.0, 7.0]]}
+    motion = SimpleNamespace(
+        runs=runs,
+        buoy=Buoy("centre"),
+        reference="reference",
+        shapes=lambda *run: np.array(places[run]),
+        rest=lambda design: f"rest of {design}",
+    )
+    monkeypatch.setattr(shapedependence, "mean_power", lambda *given: given)
+    monkeypatch.setattr(shapedependence, "with_structure", lambda *given: given)
+    database = SimpleNamespace(labels=["Heave", "Membrane0"], at=lambda omega, eta: (omega[0], *eta))
+    own = seas["q"], "motions of B"
+    reference, passed = shapedependence._run_powers(motion, database, ("B", "q"))
+    assert reference == (Buoy("centre"), (3.0, 0.0, 0.0), *own)
+    assert passed == [(Buoy("centre"), (3.0, *eta), *own) for eta in ((1.0, 2.0), (-3.0, 4.0))]
+    family = SimpleNamespace(at=lambda eta: f"solved at {eta}")
+    solved = (("solved at rest of B", "reference"), 3.0)
+    assert shapedependence._power_at_rest(motion, family, ("B", "q")) == (Buoy("centre"), solved, *own)

@@ -453,3 +453,22 @@ def test_a_loaded_shell_and_its_meshes_are_told_all_they_follow_from(seed):
     sphere = StudyPlan(varied(seed, **rest)).mesh(5.0)
     assert (sphere.radius, sphere.centre_height, sphere.shape) == (2.0, study.centre_height, None)
     assert sphere.rows < mesh.rows
+
+
+def test_frequencies_are_tabulated_in_every_order_block_by_block(seed):
+    balance = {"centre_of_mass": -0.5, "ballast_inertia": 8e3}
+    omega = [1.0 + 0.001 * i for i in range(300)]
+    study = varied(
+        seed,
+        motion="planar",
+        device=balance,
+        modes={"degree": 3, "order": 2},
+        hydro={"solver": "spectral", "omega": omega},
+    )
+    blocks = StudyPlan(study).tabulated_blocks
+    size = len(blocks[0].omega)
+    chunks = [tuple(omega[i : i + size]) for i in range(0, 300, size)]
+    assert [(block.order, block.omega) for block in blocks] == [
+        (order, chunk) for order in (0, 1, 2) for chunk in chunks
+    ]
+    assert len(chunks) > 1

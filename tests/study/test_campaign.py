@@ -278,3 +278,41 @@ def test_runs_in_time_check_the_tuning_a_campaign_is_told_at_alone(folder):
         loaded.check_take_off(limited, "here")
     loaded.check_take_off(load_study(SEED), "here")
     load(written(folder, tuning=["fixed", "constrained"], verify={})).check_take_off(switching, "here")
+
+
+@pytest.mark.parametrize("device", [{"mass": 17170.0}, {"draft": 1.8}, {}], ids=str)
+@pytest.mark.parametrize("vary", [("device.radius",), ("device.radius", "scale"), ("scale",)], ids=str)
+@pytest.mark.parametrize("beside", [None, "device.mass", "device.draft"])
+def test_a_mass_stays_behind_a_radius_and_a_draft_behind_one_of_a_scaled_buoy(folder, device, vary, beside):
+    """Unless either is varied, too; what is half immersed follows in any case."""
+    raw = yaml.safe_load(SEED.read_text())
+    raw["device"] = {key: value for key, value in raw["device"].items() if key != "mass"} | device
+    (folder / "seed.yaml").write_text(yaml.safe_dump(raw))
+    varied = {"device.radius": [2.0, 2.5], "scale": [1.0, 2.0], "device.mass": [1.7e4], "device.draft": [1.7]}
+    asked = written(folder, vary={key: varied[key] for key in (*vary, beside) if key})
+    stays = {"mass"} if "scale" not in vary else {"mass", "draft"}
+    if "device.radius" in vary and stays & set(device) and beside is None:
+        (key,) = device
+        with pytest.raises(ConfigError, match=rf"vary: device.radius: received with device.{key} {device[key]:g} as"):
+            load(asked)
+    else:
+        assert load(asked).floats_by == pytest.approx(device)
+
+
+def test_a_take_off_that_switches_is_seen_by_a_run_in_time_or_by_its_own_optimum_alone(folder):
+    switching = varied(load_study(SEED), pto={"force_limit": 2e3})
+    for tuning, blind in ((["fixed"], "fixed"), (["one", "constrained"], "one"), (["constrained"], "")):
+        loaded = load(written(folder, tuning=tuning))
+        if blind:
+            with pytest.raises(ConfigError, match=rf"linear theory of tuning {blind} does not see; needs tuning: "):
+                loaded.check_take_off(switching, "here")
+        else:
+            loaded.check_take_off(switching, "here")
+
+
+def test_a_year_is_of_waves_that_go_one_way_in_the_plane_or_not():
+    device = {"centre_of_mass": -0.5, "ballast_inertia": 8e3, "ballast_yaw_inertia": 7e3}
+    base = sections(varied(load_study(SEED), device=device))
+    assert [study_at(base, {"motion": motion}).motion for motion in ("heave", "planar")] == ["heave", "planar"]
+    with pytest.raises(ConfigError, match=r"^with motion: free: motion: received 'free'; the seas of a year have no"):
+        study_at(base, {"motion": "free"})

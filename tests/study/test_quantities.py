@@ -209,3 +209,20 @@ def test_both_ends_of_a_range_are_in_it():
         checked(-2.001)
     with pytest.raises(ValueError, match=r"^needs at most 3 m, because no buoy is larger$"):
         checked(3.001)
+
+
+def test_a_key_of_later_is_not_said_at_its_default_alone():
+    """Whatever that is, and whatever else it may be: nothing, zero, none."""
+
+    class Some(quantities.Extended):
+        LATER = ("word", "number", "flag")
+        old: float = 0.0
+        word: str | None = "heave"
+        number: float = 0.0
+        flag: bool = True
+
+    assert Some().model_dump() == {"old": 0.0}
+    assert Some(old=2.0, word="heave", number=0.0, flag=True).model_dump() == {"old": 2.0}
+    said = {"old": 0.0, "word": None, "number": -1.0, "flag": False}
+    assert Some(**said).model_dump() == said
+    assert Some(word="").model_dump() == {"old": 0.0, "word": ""}

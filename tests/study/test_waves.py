@@ -28,7 +28,9 @@ def test_a_direction_is_said_where_it_is_one(wave):
     back = wave.model_copy(update={"direction": -90.0})
     assert back.label.replace("_d-90", "") == wave.label != back.label
     assert back.description == f"{wave.description} going to -90 degrees"
+    assert '"direction":-90.0' in canonical(back)
     assert type(wave).model_validate({**wave.model_dump(), "direction": 0.0}) == wave
+    assert [type(wave).model_validate(one.model_dump()) for one in (wave, turned, back)] == [wave, turned, back]
 
 
 def test_a_buoy_of_revolution_has_none():
