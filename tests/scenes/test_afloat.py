@@ -36,7 +36,7 @@ from vsb.study.reading import validated
 from vsb.study.waves import RegularWave, StillWater
 from vsb.tools import files
 from vsb.tools.units import PAIR
-from vsb.waves.seas import NO_WAVES, Sea, regular
+from vsb.waves.seas import NO_WAVES, Sea, regular, sea
 
 RIGID = ["Surge", "Heave", "Pitch", "Mode7"]
 
@@ -293,3 +293,56 @@ def test_a_motion_goes_with_the_waves_in_radians(direction):
     floating = Afloat(Heading(7.0), {}, np.ones(1))
     assert floating.towards(wave).direction == pytest.approx(np.pi * direction / 180)
     assert floating.towards(StillWater(kind="still")).direction == 0.0
+
+
+@pytest.mark.parametrize("port", ["heave", "volume"])
+@pytest.mark.parametrize("gas", [None, {"adiabatic_index": 1.4}])
+def test_a_chamber_is_opened_of_gas_before_a_take_off_of_the_volume_alone(seed, monkeypatch, port, gas):
+    """By the port of the study about the buoy's own shape; else the buoy is as its database has it."""
+    held = xr.Dataset(coords={"influenced_dof": ["Heave", "Membrane0", "Membrane1"]})
+    monkeypatch.setattr("vsb.scenes.afloat.database.load_database", lambda path, name: held)
+    monkeypatch.setattr("vsb.scenes.afloat.study_port", lambda study, buoy, basis: (study, buoy, basis))
+    monkeypatch.setattr("vsb.scenes.afloat.with_open_chamber", lambda buoy, direction: ("opened", buoy, direction))
+    study = varied(seed, modes={"degree": 1}, device={"gas": gas}, pto={"port": port})
+    found, basis = linear_buoy(study, "some.nc")
+    if gas and port == "volume":
+        word, buoy, direction = found
+        assert (word, direction) == ("opened", (study, buoy, basis))
+    else:
+        buoy = found
+    assert buoy.database is held
+    assert basis.labels == ("Heave", "Membrane0", "Membrane1")
+
+
+@pytest.mark.parametrize(("low", "high"), [(0.5, 2.0), (0.2, 0.9), (1.1, 3.0), (0.1, 4.0)])
+def test_the_sea_of_a_body_is_cut_to_the_band_of_its_database_at_both_ends(low, high):
+    """Components within keep frequency and amplitude; one at an edge is in it but for round-off."""
+    ds = xr.Dataset(coords={"omega": [low, 0.5 * (low + high), high]})
+    asked = study("heave", waves=[{"kind": "white_noise", "hs": 0.5, "band": [0.3, 3.5], "seed": 4}])
+    whole = sea(asked.waves[0], high, asked.simulation.duration)
+    found = study_sea(asked, asked.waves[0], ds)
+    kept = (whole.omega >= low) & (whole.omega <= high)
+    assert kept.any()
+    assert kept.all() == (low < 0.3 and high > 3.5)
+    np.testing.assert_array_equal(found.omega, whole.omega[kept])
+    np.testing.assert_array_equal(found.amplitude, whole.amplitude[kept])
+    for edge, way in ((low, -1), (high, 1)):
+        for beyond, count in ((5e-10, 1), (2e-9, 0)):
+            period = 2 * np.pi / (edge + way * beyond)
+            one = study("heave", waves=[{"kind": "regular", "amplitude": 0.1, "period": period}])
+            assert study_sea(one, one.waves[0], ds).omega.size == count
+
+
+def test_a_stored_body_has_the_damping_of_its_file_and_no_take_off(monkeypatch):
+    damping, asked = np.array([[3.0, 1.0], [1.0, 2.0]]), []
+    pair = ("influenced_dof", "radiating_dof")
+    held = xr.Dataset({"structural_damping_matrix": (pair, damping)}, {name: ["Heave", "Mode7"] for name in pair})
+    monkeypatch.setattr(
+        "vsb.scenes.afloat.database.load_database", lambda path, name: asked.append((path, name)) or held
+    )
+    monkeypatch.setattr("vsb.scenes.afloat.LinearBody", lambda *given: given)
+    ds, loss, pto = stored_body("some/ab12.nc")
+    assert asked == [("some/ab12.nc", "ab12")]
+    assert ds is held
+    np.testing.assert_array_equal(loss, damping)
+    assert (pto.damping, pto.stiffness) == (0.0, 0.0)

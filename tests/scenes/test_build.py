@@ -18,6 +18,7 @@ from vsb.scenes.build import SCENES, _dampers
 from vsb.scenes.pause import NEAR, BestPause
 from vsb.scenes.rest import design_motions
 from vsb.study.body import BodyDesign
+from vsb.study.body_specs import BodySimulateSpec
 from vsb.study.plan import StudyPlan
 from vsb.study.take_off import Pto
 from vsb.study.waves import RegularWave
@@ -351,3 +352,34 @@ def test_a_damper_is_tuned_beside_the_drag_of_its_own_run(monkeypatch, drag):
     build._from_bem(run, {"database": "db", "radiation": "rad"})
     ((*_, dragged),) = tuned
     assert (dragged is None) if drag is None else (dragged("more") == (run, "more"))
+
+
+@pytest.mark.parametrize(("given", "tolerance"), [(None, 0.01), (0.07, 0.07)])
+def test_an_automatic_scene_is_chosen_among_all_of_its_design_in_its_sea(monkeypatch, given, tolerance):
+    """To a hundredth if the study does not say; what was chosen, and how long it took, is noted."""
+    asked, seconds = [], iter([10.0, 12.5])
+    at = build._FromBem(
+        SimpleNamespace(spectrum="spectrum"), SimpleNamespace(basis="basis"), "radiation", "sea", "motions", {"a": 1}
+    )
+    monkeypatch.setattr(build, "_from_bem", lambda run, paths: at if paths == {"database": "db"} else None)
+    monkeypatch.setattr(build, "clock", SimpleNamespace(perf_counter=lambda: next(seconds)))
+    monkeypatch.setattr(build.automatic, "motion_ladder", lambda *given: given)
+    monkeypatch.setattr(build.automatic, "Scenes", lambda *given: given)
+    choice = SimpleNamespace(scene="chosen", notes={"model": "linear", "power_error": 1e-3})
+    monkeypatch.setattr(build.automatic, "chosen", lambda *given: asked.append(given) or choice)
+    run = SimpleNamespace(designs={"A": None}, hydro=SimpleNamespace(power_tolerance=given), simulation="settings")
+    found = SCENES["auto"](run, {"database": "db"})
+    ladder = (run, "basis", "A")
+    assert asked == [((at.buoy, at.shape, "radiation", "sea", ladder, "settings"), tolerance)]
+    assert (found.scene, found.shape, found.sea, found.spectrum) == ("chosen", at.shape, "sea", "spectrum")
+    assert found.notes == {"a": 1, "model": "linear", "power_error": 1e-3, "choice_seconds": 2.5}
+
+
+@pytest.mark.parametrize("model", ["linear", "body_exact", "assumed_pressure", "auto"])
+def test_a_run_of_a_buoy_is_by_its_model_and_one_of_a_body_by_its_own(monkeypatch, model):
+    for name in SCENES:
+        monkeypatch.setitem(SCENES, name, lambda *given, name=name: (name, *given))
+    monkeypatch.setattr(build, "body_design", lambda *given: ("body", *given))
+    run, body = SimpleNamespace(hydro=SimpleNamespace(model=model)), BodySimulateSpec.model_construct()
+    assert build.design_in_sea(run, {"database": "db"}) == (model, run, {"database": "db"})
+    assert build.design_in_sea(body, {"database": "db"}) == ("body", body, {"database": "db"})

@@ -327,3 +327,12 @@ def test_a_radius_is_told_to_the_poles(height):
     assert sphere.volume_below(height) == pytest.approx(
         math.pi * (1 + height) ** 2 * (2 - height) / 3, rel=1e-6, abs=1e-14
     )
+
+
+def test_a_meridian_whose_height_has_more_terms_than_its_radius_is_looked_at_finely_enough_for_both():
+    """Eight points a term: its lowest place beside the keel is found to (pi/16)^2/2 of the term."""
+    phi = [math.pi * i / 200_000 for i in range(200_001)]
+    lowest = min(2.0 * math.cos(x) + 0.02 * math.cos(90 * x) for x in phi)
+    found = RestMeridian((2.0,), (0.0, 2.0, *88 * (0.0,), 0.02))
+    assert lowest < found.keel - 0.03
+    assert found.lowest == pytest.approx(lowest, abs=0.02 * (math.pi / 16) ** 2 / 2)

@@ -1,4 +1,5 @@
 import math
+from types import SimpleNamespace
 
 import pytest
 from conftest import SEED, varied
@@ -212,3 +213,21 @@ def test_a_shape_that_is_none_is_the_only_mistake_told():
         assert str(refused.value).startswith(
             "here: device.shape.spheroid.height: received -1.0; needs a number above 0"
         )
+
+
+@pytest.mark.parametrize(("highest", "lowest", "taken"), [
+    (0.3, -0.2, True), (0.2, -0.19, False), (19.0, -21.0, True), (21.0, -20.0, False),
+])  # fmt: skip
+def test_a_profile_is_as_high_as_its_highest_place_is_above_its_lowest_wherever_its_poles_are(
+    monkeypatch, highest, lowest, taken
+):
+    """From a tenth of the diameter to ten of them."""
+    found = SimpleNamespace(highest=highest, lowest=lowest, top=0.5, keel=0.45)
+    monkeypatch.setattr("vsb.study.shape.through", lambda points, radius: found)
+    shape = Shape.model_validate({"profile": [[0.0, 1.0], [1.0, 0.0], [0.0, -1.0]]})
+    if taken:
+        assert shape.meridian(2.0) is found
+        return
+    told = rf"shape.profile: received a height of {(highest - lowest) / 4:.4g} diameters, needs 0.1 to 10"
+    with pytest.raises(ValueError, match=told):
+        shape.meridian(2.0)

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from vsb.study import vary
 from vsb.study.keys import KEYS
 from vsb.study.study import canonical
 from vsb.study.vary import _VARIED_IN, VARIED, Vary, read_vary, unit
@@ -251,3 +252,20 @@ def test_what_is_varied_is_taken_by_an_editor_as_it_is_read(raw, valid):
     else:
         with pytest.raises(ValueError, match="received"):
             read_vary(raw)
+
+
+def test_there_may_be_as_many_points_of_any_kind_as_at_most(monkeypatch):
+    """Of a list spaced evenly, of a product and of a hypercube; one more is refused."""
+    monkeypatch.setattr(vary, "MOST_POINTS", 6)
+    ends = {"device.mass": {"log": [1, 2]}}
+    for count, enough in ((6, True), (7, False)):
+        for raw in (
+            {"device.mass": {"linear": [1, 2, count]}},
+            {**ends, "latin_hypercube": {"samples": count}},
+            {"device.mass": [1.0 * i for i in range(count)], "device.radius": [1.0]},
+        ):
+            if enough:
+                assert len(read_vary(raw).points) == count
+            else:
+                with pytest.raises(ValueError, match="received"):
+                    read_vary(raw)
