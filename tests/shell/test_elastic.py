@@ -136,3 +136,45 @@ def test_degrees_that_resolve_buckling_go_with_slenderness_and_poissons_ratio(th
     shell = Shell(2.0 * size, thickness * size, 1e7, nu, 2700.0)
     degree = 1.6 * (2.0 / thickness) ** 0.5 * (12 * (1 - nu**2)) ** 0.25
     assert converged_degree(shell) == max(40, math.ceil(degree))
+
+
+@pytest.mark.parametrize("meridian", [None, capsule(2.0, 1.0)], ids=["sphere", "capsule"])
+def test_membrane_forces_stiffen_by_what_they_do_along_strains_of_second_order(meridian):
+    """Their work along q and back is q K q: of forces that differ along and around, and from place to place."""
+    shell = Shell(2.0, 0.01, 1e7, 0.3, 2700.0, meridian)
+    elastic = ElasticShell(ModeBasis(shell, shell_modes(shell, "full", 4), 1e4, bending=True))
+    colatitude, area = elastic.rings
+    along, around = 3.0 + np.cos(colatitude), -2.0 + np.sin(colatitude) ** 2
+    stiffness = elastic.geometric_stiffness(along, around)
+
+    def work(q):
+        meridional, hoop = elastic.strains(q)
+        return float(area @ (along * meridional + around * hoop))
+
+    random = np.random.default_rng(6)
+    for q in 0.1 * random.normal(size=(5, len(elastic.basis.labels))):
+        assert work(q) + work(-q) == pytest.approx(q @ stiffness @ q, rel=1e-10)
+    np.testing.assert_allclose(stiffness, stiffness.T, atol=1e-12 * np.abs(stiffness).max())
+
+
+@pytest.mark.parametrize("meridian", [None, capsule(2.0, 1.0)], ids=["sphere", "capsule"])
+def test_force_stiffness_and_what_swells_are_derivatives_of_energy_and_volume(meridian):
+    """Of a strongly bent shell, by central differences; the energy is of forces and strains at each place."""
+    shell = Shell(2.0, 0.05, 1e7, 0.3, 2700.0, meridian)
+    elastic = ElasticShell(ModeBasis(shell, shell_modes(shell, "full", 3), 1e4, bending=True))
+    count, step = len(elastic.basis.labels), 1e-4
+    q = 0.08 * np.cos(1.7 * np.arange(count) + 0.4)
+
+    def slope(function):
+        return np.array([(function(q + step * e) - function(q - step * e)) / (2 * step) for e in np.eye(count)])
+
+    for found, expected in (
+        (elastic.force(q), -slope(elastic.energy)),
+        (elastic.stiffness(q), -slope(elastic.force)),
+        (elastic.volume_gradient(q), slope(elastic.volume)),
+        (elastic.volume_hessian(q), slope(elastic.volume_gradient)),
+    ):
+        np.testing.assert_allclose(found, expected, atol=1e-6 * np.abs(expected).max())
+    strains, forces = np.array(elastic.strains(q)), np.array(elastic.resultants(q))
+    work = np.sum(strains * forces, axis=0) @ elastic.rings[1] / 2
+    assert elastic.energy(q) == pytest.approx(work + q @ elastic.bending @ q / 2, rel=1e-12)

@@ -258,3 +258,15 @@ def test_every_stage_reads_the_directions_seas_water_and_take_off_of_the_study()
 
 def test_only_what_is_solved_of_a_mesh_knows_the_version_of_what_solves_it():
     assert (plan(body={"file": MESHED}).database.solved, plan().database.solved) == (PHYSICS, 0)
+
+
+def test_a_database_of_a_mesh_is_made_of_its_files_and_of_where_it_is_solved(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file.yaml").write_text("body: raft\nmesh: m.nc\nmodes: d.nc\nomega: [0.6, 0.9]\n")
+    for name in ("m.nc", "d.nc"):
+        (tmp_path / name).write_text(name)
+    own = BodyPlan.of({**RAW, "body": "file.yaml", "root": "out"}, tmp_path / "raft.yaml")
+    assert own.sources == {
+        "mesh": "m.nc", "modes": "d.nc", "folder": "out/hydro/bodies", "green": own.green_folder,
+    }  # fmt: skip
+    assert own.inputs == ["m.nc", "d.nc", f"{own.green_folder}.done"]

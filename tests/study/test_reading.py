@@ -395,3 +395,16 @@ def test_the_line_of_a_place_is_that_of_the_innermost_part_there_is(written, pla
     """What is not there is passed over: of a section a check names again, too."""
     raw = reading.read_yaml(written("a: 1\nb:\n  c:\n    - d: 2\n    - e: 3\n      f: 4\nf: 5\n"), "a study file")
     assert raw.line(place) == line
+
+
+def test_mistakes_of_several_checks_across_sections_are_a_line_each():
+    """A buoy that sinks in waves too short for what is solved."""
+    raw = changed(("device", "mass"), 1e5)
+    raw["waves"] = [{"kind": "regular", "amplitude": 0.1, "period": 0.3}]
+    with pytest.raises(ConfigError) as error:
+        config.parse(raw, source="a.yaml")
+    first, second = error.value.mistakes
+    assert first.startswith("a.yaml: study: device.mass 100000 kg: the buoy would sink; needs less than ")
+    assert second.startswith("a.yaml: study: waves.0 regular_A0.1_T0.3: the wave is too short ")
+    assert str(error.value) == f"{first} (and 1 more)"
+    assert "\n" not in f"{first}{second}"

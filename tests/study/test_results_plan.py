@@ -1,5 +1,6 @@
 """What plans of buoys and bodies share: file names, options, memory."""
 
+import math
 import re
 
 import pytest
@@ -133,3 +134,21 @@ def test_every_file_promised_and_every_file_solved_on_the_way_has_an_id(seed):
     plan = StudyPlan(varied(seed, hydro={"omega": [2.0, 11.0]}), root="r")
     assert list(plan.ids) == [*plan.products, *plan.solved_files]
     assert set(plan.solved_files) - set(plan.products)
+
+
+def test_memory_is_of_the_longest_record_of_all_designs_and_of_the_components_of_a_spectrum_alone(seed):
+    """A record thrice in a run, that of the longest sea once for each design in what draws them; 0.6 kB a component."""
+    waves = [
+        {"kind": "regular", "amplitude": 0.1, "period": 5.0},
+        {"kind": "regular", "amplitude": 0.1, "period": 2.5},
+        {"kind": "jonswap", "hs": 0.5, "tp": 6.0},
+        {"kind": "still"},
+    ]
+    run = {"duration": 2e4, "window": (0.0, 2e4)}
+    study = varied(seed, waves=waves, simulation=run, hydro={"omega_max": 7.0}, designs={"A": {}, "B": {"clamp": 0}})
+    plan = StudyPlan(study)
+    records = [plan.record_megabytes(wave) for wave in study.waves]
+    assert len(set(records)) > 2
+    beyond = [plan.simulation_megabytes(wave) - 3 * record for wave, record in zip(study.waves, records, strict=True)]
+    assert beyond == [800, 800, 800 + math.ceil(6e-4 * 7.0 * 2e4), 800]
+    assert plan.study_megabytes == 800 + math.ceil(1.2 * 2 * max(records))
