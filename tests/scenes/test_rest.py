@@ -454,3 +454,23 @@ def test_a_spring_just_as_strong_as_what_holds_the_port_holds_nothing(seed, monk
     told = rf"^pto.stiffness: received {stiffness:g} N/m, with which a buoy does not rest; needs more than {least:.6g} N/m$"
     with pytest.raises(ConfigError, match=told):
         check_spring(study, reference)
+
+
+def test_a_spring_on_surge_may_be_as_strong_as_the_mooring_that_holds_it(seed):
+    study = varied(
+        seed,
+        motion="planar",
+        device={"centre_of_mass": -0.5, "ballast_inertia": 8e3},
+        designs={"FSB": {"flexible": False}},
+        pto={"port": "surge"},
+    ).model_copy(update={"mooring": np.diag([2e4, 0.0, 0.0, 0.0, 0.0, 0.0]).tolist()})
+    reference = reference_shell(study)
+
+    def with_spring(stiffness):
+        return study.model_copy(update={"pto": study.pto.model_copy(update={"stiffness": stiffness})})
+
+    check_spring(with_spring(-19990.0), reference)
+    with pytest.raises(
+        ConfigError, match=r"received -20010 N/m, with which a buoy does not rest; needs more than -20000"
+    ):
+        check_spring(with_spring(-20010.0), reference)
