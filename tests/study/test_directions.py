@@ -152,7 +152,7 @@ WAVE = {"kind": "regular", "amplitude": 0.1, "period": 3.0}
         ({"hydro": {"model": "auto"}}, r"hydro.model 'auto': follows heave alone"),
         ({"drag": {"sway": PLATE}}, r"drag.sway: motion 'planar' has none; needs drag of surge, heave, pitch"),
         ({"waves": [{**WAVE, "direction": 30.0}]}, r"waves.0.direction 30 degrees: motion 'planar' knows .* 0 and 180; needs"),
-        ({"motion": "free"}, r"device.ballast_yaw_inertia: missing; motion 'free' needs it, because yaw turns the ballast"),
+        ({"motion": "free"}, r"device.ballast_yaw_inertia: missing; motion 'free' needs it, because yaw turns the ballast, too$"),
         ({"hydro": {"rows": 30}}, r"hydro.solver: panels solve axisymmetric motions alone"),
         ({"reference_shape": "equilibrium"}, r"motion 'planar': knows shells about the undeformed sphere"),
         ({"modes": {"degree": 2, "order": 3}}, r"modes.order 3: needs at most modes.degree = 2"),
