@@ -285,3 +285,12 @@ def test_flexible_designs_that_take_nothing_are_held_against_what_the_rigid_one_
     runs = ds.assign(corrected_gain_percent=ds.gain_percent, corrected_mean_power=0.5 * ds.annual_mean_power)
     told = answer(runs.assign_attrs(verified_tuning="one", verified_model="body_exact"), "FSB", "one")
     assert "by body-exact runs, where linear theory says -100.0 %; 0 against 43.83 MWh)" in told
+
+
+@pytest.mark.parametrize(
+    ("gain", "told"), [(4.0, "VSWEC takes most: 91.17 MWh."), (-4.0, "FSB takes most: 87.66 MWh.")]
+)
+def test_the_design_named_is_that_whose_energy_is_told(gain, told):
+    """Whether it is the first or the last, all points alike."""
+    for order in (["FSB", "VSWEC"], ["VSWEC", "FSB"]):
+        assert answer(campaign(gains=np.full((2, 2), gain)).sel(design=order), None, "one").endswith(told)

@@ -135,3 +135,13 @@ def test_a_law_that_pauses_is_named_with_its_damper(law):
     assert dampers_in_words({"damping": {"A": 1.0}, "law": law}) == f"At the given damper, {law}"
     assert dampers_in_words({"tuning": "one", "law": law}) == f"In time, {law}, with the damper that suits it"
     assert dampers_in_words({"damping": 1.0, "law": "linear"}) == "At the given damper"
+
+
+def test_a_rigid_design_is_known_by_its_name_and_not_by_its_place():
+    """In a sea without it, gains it would have are not told."""
+    lines = [SWELL[1], SWELL[0], line("B", 794.0, 1.65), line("A", 12.0, 3.0, sea="v"), line("B", 7.0, 2.0, sea="v")]
+    assert tuned_statements(lines, "FSB", SEAS) == [
+        "In a swell, each design at its own best damper: A absorbs 9.6 % less than the rigid FSB (705.8 against 781.1 W); "
+        "B absorbs 1.6 % more than the rigid FSB (794 against 781.1 W).",
+        "In a chop, each design at its own best damper: A absorbs 12 W; B absorbs 7 W.",
+    ]

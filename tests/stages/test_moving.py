@@ -142,3 +142,28 @@ def test_each_sea_is_drawn_in_its_own_waves_going_its_own_way(seed, monkeypatch,
     calm = study.model_copy(update={"waves": (still,)})
     (one,) = moving_study(SimpleNamespace(study=calm, runs=runs), xr.Dataset(coords={"mode": ["M"]}), words)["seas"]
     assert (one[0], one[4]) == (words["still"], duration / PERIODS)
+
+
+@pytest.mark.parametrize("design", ["A", "B"])
+@pytest.mark.parametrize("place", range(SEAS))
+def test_a_shell_is_largest_in_any_of_the_seas_drawn_of_any_design(seed, monkeypatch, design, place):
+    """Not before the window, not in a sea that is not drawn, and not by its heave."""
+    waves = tuple(RegularWave(kind="regular", amplitude=0.1, period=2.0 + i) for i in range(SEAS + 1))
+    study = varied(seed, designs={"A": {}, "B": {}}).model_copy(update={"waves": waves})
+    start, end = study.simulation.window
+
+    def run(name, i):
+        moved = 0.3 if (name, i) == (design, place) else 0.9 if i == SEAS else 0.02
+        position = [[0.7, 0.8], [0.6, -moved]]
+        return SimpleNamespace(
+            position=xr.DataArray(position, {"time": [start - 1.0, end], "dof": ["heave", "M"]}, ("time", "dof"))
+        )
+
+    monkeypatch.setattr(module, "frames_data", lambda *given: given)
+    monkeypatch.setattr(module, "shapes_data", lambda modes: "shapes")
+    monkeypatch.setattr(module, "sea", lambda *given: given)
+    monkeypatch.setattr(module, "round_factor", lambda *given: given)
+    runs = {(name, wave.label): run(name, i) for name in "AB" for i, wave in enumerate(waves)}
+    modes, words = xr.Dataset(coords={"mode": ["M"]}), {wave.label: "" for wave in waves}
+    found = moving_study(SimpleNamespace(study=study, runs=runs), modes, words)
+    assert found["factor"] == (0.3, study.device.radius)

@@ -99,7 +99,9 @@ def test_a_run_is_that_of_the_sea_named_or_of_the_first(seed, monkeypatch):
     monkeypatch.setattr(stored, "towards", lambda linear, direction: headed.append(direction) or linear)
     assert found.port("B") == ([1.0, 2.0], "b", "heave")
     assert found.port("A", [0.5], direction=-30.0) == ([0.5], "a", "heave")
-    assert headed == [0.0, -30.0]
+    assert found.port("A", np.array([0.5, 2.5])) == ([0.5, 2.5], "a", "heave")
+    assert found.port("A", np.array([0.0])) == ([0.0], "a", "heave")
+    assert headed == [0.0, -30.0, 0.0, 0.0]
 
 
 def test_a_ladder_has_numbers_words_and_none(seed, monkeypatch):
