@@ -94,3 +94,13 @@ def test_a_folder_of_meshes_has_all_shapes_each_as_it_is(tmp_path):
         assert (stored.attrs["deformed_by"], stored.attrs["amplitude"]) == (shape.mode, shape.amplitude)
         for name, values in deformed.shape_mesh(spec, shape).data_vars.items():
             np.testing.assert_array_equal(stored[name].values, values.values)
+
+
+def test_modes_that_deform_may_be_told_in_any_order():
+    """All there are, those of the lowest degree last as well as first."""
+    spec = StudyPlan(varied(load(SEED), modes={"basis": "full", "degree": 3})).witness.meshes
+    turned = spec.model_copy(update={"deformed": spec.deformed[::-1]})
+    rest = deformed.shapes(spec)[0].shell
+    (same, *moved) = deformed.shapes(turned)
+    assert same.shell.basis.labels == rest.basis.labels == ("Heave", *spec.deformed)
+    assert [shape.mode for shape in moved[::2]] == [*turned.deformed]
