@@ -564,3 +564,13 @@ def test_a_design_that_does_not_rest_is_no_reason_to_leave_out_others(lost):
 def test_where_all_designs_are_rigid_there_is_none_to_compare():
     ax = sweep(campaign().sel(design=["FSB"]), "one", "FSB").axes[0]
     assert [text.get_text() for text in ax.texts] == ["no flexible design to compare with"]
+
+
+def test_a_dot_marks_the_best_damper_at_the_end_of_each_curve_over_force():
+    ds = campaign()
+    ds["force_of_damping"] = ds.force_of_damping * xr.where(ds.design == "FSB", 1.0, 3.0)
+    ax = pareto(ds, "one", "FSB").axes[0]
+    for design, force in zip(DESIGNS, (1.0, 3.0), strict=True):
+        curve, dot = (line.get_xydata() for line in ax.lines if to_hex(line.get_color()) == colour(design))
+        assert dot.tolist() == [curve[-1].tolist()]
+        assert dot[0] == pytest.approx([force, 10.0])

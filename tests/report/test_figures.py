@@ -556,3 +556,14 @@ def test_what_any_design_gave_up_is_told(stored):
     }
     (ax,) = energy_audit(data(runs=runs), "w").axes
     assert ("given up by the motion it started with" in ax.get_xlabel()) == (min(stored) < 0)
+
+
+def test_an_axis_of_gains_leaves_out_those_beyond_the_band_shown_and_those_of_no_use(responding):
+    """At their best dampers designs take more of waves that the given one leaves, and gain most there."""
+    best = np.array([np.exp(-8 * (OMEGA - 2.0) ** 2), np.exp(-40 * (OMEGA - 5.5) ** 2), 1e-3 * np.ones_like(OMEGA)])
+    gained = [best.sum(0), np.array([1.4, 3.0, 2.0]) @ best]
+    given = np.array([1.0, 0.6])[:, None] * np.exp(-8 * (OMEGA - 2.0) ** 2)
+    pair = ("design", "omega")
+    response = responding.response.assign(best_power=(pair, 1e3 * np.array(gained)), absorbed_power=(pair, 1e3 * given))
+    for ax in absorbed_power(data(response=response)).axes[2:4]:
+        assert ax.get_ylim() == pytest.approx((1.15 * -40.0, 1.15 * 40.0), abs=1.0)

@@ -73,14 +73,15 @@ def test_what_is_shared_is_held_once_in_one_order_by_the_name_of_its_file_or_fol
     """Two files of a folder are one; whoever holds the same waits for nobody in a circle. Without any nothing is made."""
     held = []
     monkeypatch.setattr("vsb.stages.alone._wait", lambda handle, name: held.append(name))
-    first, second, mesh = (16 * letter for letter in "abc")
-    paths = [f"hydro/mesh/{mesh}/mean.nc", f"hydro/db/{second}.nc", f"hydro/mesh/{mesh}/Membrane2_plus.vtu"]
+    first, *others, mesh = (16 * letter for letter in "0123456789abcdef")
+    paths = [f"hydro/mesh/{mesh}/mean.nc", *(f"hydro/db/{name}.nc" for name in others)]
+    paths.append(f"hydro/mesh/{mesh}/Membrane2_plus.vtu")
     with sharing(tmp_path, []) as handles:
         assert handles == []
     assert not list(tmp_path.iterdir())
     for given in ([*paths, f"hydro/db/{first}.nc"], [f"hydro/db/{first}.nc", *paths[::-1]]):
         held.clear()
         with sharing(tmp_path, given) as handles:
-            assert len(set(handles)) == 3
-        assert held == [first, second, mesh]
+            assert len(set(handles)) == 16
+        assert held == [first, *others, mesh]
     assert sorted(path.name for path in (tmp_path / "hydro" / ".locks").iterdir()) == held

@@ -255,3 +255,27 @@ def test_the_name_that_is_there_twice_is_told_whichever_it_is(monkeypatch):
     needs = "compare: received b more than once; needs every study and campaign once"
     with pytest.raises(ConfigError, match=f"^{needs}$"):
         lines(plans)
+
+
+@pytest.mark.parametrize(
+    ("out", "told"),
+    [
+        ("beside.html", "results/a/report.html results/b/report.html"),
+        ("pages/of/b.html", "../../results/a/report.html ../../results/b/report.html"),
+        ("results/b/b.html", "../a/report.html report.html"),
+        ("pages/table.csv", "the table"),
+        (None, None),
+    ],
+)
+def test_ways_to_the_reports_begin_where_the_page_is(monkeypatch, out, told):
+    """All studies' in their order; a table has none, and nothing is written that was not asked for."""
+    written = []
+    plans = {name: SimpleNamespace(name=name, folder=f"results/{name}", study_id=name) for name in "ab"}
+    monkeypatch.setattr(side_by_side, "plan_of", plans.__getitem__)
+    monkeypatch.setattr(side_by_side, "lines", lambda given: [plan.name for plan in given])
+    monkeypatch.setattr(side_by_side, "as_text", " ".join)
+    monkeypatch.setattr(side_by_side, "as_csv", lambda found: "the table")
+    monkeypatch.setattr(side_by_side, "as_page", lambda found, ways: " ".join(path for path, _ in ways.values()))
+    monkeypatch.setattr(side_by_side, "write_text", lambda *given: written.append(given))
+    assert compare(["a", "b"], out) == "a b"
+    assert written == ([] if out is None else [(out, told)])
