@@ -574,3 +574,26 @@ def test_a_dot_marks_the_best_damper_at_the_end_of_each_curve_over_force():
         curve, dot = (line.get_xydata() for line in ax.lines if to_hex(line.get_color()) == colour(design))
         assert dot.tolist() == [curve[-1].tolist()]
         assert dot[0] == pytest.approx([force, 10.0])
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_each_design_has_a_column_of_its_own_where_a_third_key_has_rows(count):
+    """However many there are; without a third key they stand in pairs."""
+    names = ["SOFT", "THIN", "WIDE"][:count]
+    more = [
+        campaign(gains=k * GAINS).sel(design=["VSWEC"]).assign_coords(design=[name]) for k, name in enumerate(names, 1)
+    ]
+    ds = xr.concat([campaign().sel(design=["FSB"]), *more], "design", data_vars="minimal")
+    pairs = [ax for ax in sweep(ds, "one", "FSB").axes if ax.get_label() != "<colorbar>"]
+    assert [ax.get_subplotspec().get_gridspec().ncols for ax in pairs] == [min(2, count)] * len(pairs)
+    ds = ds.assign_attrs(varied="young_modulus thickness mass").assign_coords(
+        mass=("mass", [1.0, 2.0], {"units": "kg"})
+    )
+    ds["gain_percent"] = ds.gain_percent + 100.0 * ds.mass
+    maps = [ax for ax in sweep(ds, "one", "FSB").axes if ax.get_label() != "<colorbar>"]
+    assert [(ax.get_subplotspec().rowspan.start, ax.get_subplotspec().colspan.start) for ax in maps] == [
+        (i, k) for i in range(2) for k in range(count)
+    ]
+    for i, ax in enumerate(maps):
+        expected = (i % count + 1) * GAINS + 100.0 * (1 + i // count)
+        np.testing.assert_allclose(ax.collections[0].get_array().reshape(2, 2), expected)
