@@ -120,10 +120,15 @@ def test_a_motion_that_never_repeats_has_no_steady_power(small, tmp_path, monkey
     assert "steady_power" not in attrs
 
 
-@pytest.mark.parametrize(("apart", "known"), [(0.9e-3, "steady_power"), (1.1e-3, "no_steady_state")])
-def test_a_motion_repeats_whose_late_powers_differ_by_a_thousandth(monkeypatch, apart, known):
-    monkeypatch.setattr(simulate, "settled_power", lambda *_: (1.0, apart))
-    assert known in simulate._settled(None)
+@pytest.mark.parametrize(("apart", "percent"), [(0.9e-3, None), (1e-3, None), (1.1e-3, "0.11"), (0.25, "25")])
+def test_a_motion_repeats_whose_late_powers_differ_by_a_thousandth(monkeypatch, apart, percent):
+    """Else by how much they differ is said in per cent."""
+    asked = []
+    monkeypatch.setattr(simulate, "settled_power", lambda *given: asked.append(given) or (7.0, apart))
+    told = f"powers of periods from rest on differ by up to {percent} %"
+    known = {"no_steady_state": told} if percent else {"steady_power": 7.0, "steady_unsettled": apart}
+    assert simulate._settled("a law") == known
+    assert asked == [("a law", SETTLED)]
 
 
 def test_clamps_are_watched_over_ten_thousand_periods(small, monkeypatch):
