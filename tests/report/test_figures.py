@@ -222,7 +222,9 @@ def test_kernels_are_of_displacements_and_of_rotations_where_there_are_no_others
     assert [ax.get_ylabel() for ax in radiation_kernel(data(radiation=kernel)).axes] == shown
 
 
-@pytest.mark.parametrize(("labels", "turns"), [(["Heave"], False), (["Heave", "b__Roll"], True), (["Yaw"], True)])
+@pytest.mark.parametrize(
+    ("labels", "turns"), [(["Heave"], False), (["Heave", "b__Roll"], True), (["Yaw"], True), (["Pitch", "Bend"], True)]
+)
 def test_coefficients_beside_those_of_rotations_say_so(labels, turns):
     value = (("omega", "influenced_dof", "radiating_dof"), np.ones((2, len(labels), len(labels))))
     coords = {"omega": [0.0, 1.0], "influenced_dof": labels, "radiating_dof": labels}
