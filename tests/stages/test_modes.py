@@ -116,3 +116,14 @@ def test_modes_of_all_orders_are_named_and_numbered_in_the_plane_of_the_waves(se
     listed = [(mode.label, mode.degree, getattr(each, "order", 0)) for each in families for mode in each.modes]
     assert list(zip(ds.mode.values, ds.degree.values, ds.order.values, strict=True)) == listed
     np.testing.assert_allclose(ds.dry_frequency.values, np.concatenate([each.dry_frequencies for each in families]))
+
+
+@pytest.mark.parametrize("motion", ["planar", "free"])
+def test_a_rigid_buoy_that_surges_and_pitches_has_no_shell_modes_at_all(seed, motion):
+    ballast = {"centre_of_mass": -0.5, "ballast_inertia": 9e3, "ballast_yaw_inertia": 7e3 if motion == "free" else None}
+    study = varied(seed, designs={"FSB": {"flexible": False}}, motion=motion, device=ballast)
+    reference = reference_shell(study)
+    ds = modes.shell_modes(study, reference)
+    assert len(order_bases(study, reference.basis)) > 0
+    assert dict(ds.sizes) == {"mode": 0, "colatitude": len(modes.COLATITUDES)}
+    assert ds.order.dims == ("mode",)
