@@ -91,6 +91,10 @@ KNOWN = xr.Dataset(coords={"omega": [0.5, 1.0, 2.0], "wave_direction": [0.0, np.
             {"kind": "regular", "amplitude": 0.1, "period": 5.0, "direction": 45},
             "received 45 degrees, needs one of 0, 90",
         ),
+        (
+            {"kind": "regular", "amplitude": 0.1, "period": 5.0, "direction": -90},
+            "received -90 degrees, needs one of 0, 90",
+        ),
         ({"kind": "white_noise", "hs": 0.1, "band": [0.4, 1.9]}, None),
         ({"kind": "white_noise", "hs": 0.1, "band": [0.6, 2.1]}, "a frequency of 2.1 rad/s"),
         ({"kind": "white_noise", "hs": 0.1, "band": [0.3, 0.51]}, None),
