@@ -156,3 +156,23 @@ def test_only_what_is_wet_of_an_order_is_fitted_and_stands_at_its_place():
     expected = np.zeros((len(omega), 5, 5))
     expected[:, [[2], [4]], [2, 4]], expected[:, 1, 1] = model.damping(omega), heave.damping(omega)[:, 0, 0]
     np.testing.assert_allclose(found.model.damping(omega), expected, atol=1e-12)
+
+
+@pytest.mark.parametrize(("radius", "gravity", "longest"), [(2.5, 10.0, 20.0), (0.81, 9.0, 12.0)])
+def test_the_memory_of_a_buoy_is_shown_for_the_time_of_its_size_and_stored_with_its_error(
+    monkeypatch, radius, gravity, longest
+):
+    """Forty times the root of the radius over gravity; of one channel, with no limit and no history of its own."""
+    omega, pair = np.array([0.5, 1.0, 2.5]), ("influenced_dof", "radiating_dof")
+    model = RadiationModel(np.array([[-0.5, 1.3], [-1.3, 0.0]]), np.array([[1.0], [0.0]]), np.array([1.0, 0.0]))
+    coords = {"omega": omega, **{name: ["Heave"] for name in pair}}
+    ds = xr.Dataset({"radiation_damping": (("omega", *pair), model.damping(omega))}, coords)
+    ds, asked, saved = ds.assign_attrs(radius=radius, gravity=gravity), [], []
+    monkeypatch.setattr(radiation, "load_database", lambda *_: ds)
+    monkeypatch.setattr(radiation, "fit_orders", lambda *given: asked.append(given) or radiation.Memory(model, 0.0123))
+    monkeypatch.setattr(radiation, "save", lambda *given: saved.append(given))
+    radiation.run(RadiationSpec(database="a" * 16, tolerance=2e-3), "d.nc", "memory.nc")
+    ((found, out),) = saved
+    assert (asked[0][1], out, found.attrs["fit_error"], found.channel.dims) == (2e-3, "memory.nc", 0.0123, ("state",))
+    np.testing.assert_allclose(found.time.values, np.linspace(0.0, longest, 401), rtol=1e-12)
+    assert not {"added_mass_inf", "history"} & {*found.data_vars, *found.attrs}
