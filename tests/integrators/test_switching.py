@@ -729,6 +729,19 @@ def test_works_are_those_of_the_forces_along_the_motion(name):
     assert np.abs(y).max() > 0.1
 
 
+def test_what_smooth_forces_store_beyond_their_tangents_is_taken_from_the_waves_from_the_start_on(monkeypatch):
+    """The rest of the water's force is counted with the waves' while it is added: what is stored of it is no work."""
+    system = oscillator(*LAWS["saturated"])
+    plain, _ = switched(system, TIME[:101], START)
+    monkeypatch.setattr(System, "beyond_tangents", lambda _, position: 3.0 + 7.0 * position[:, 0])
+    motion, _ = switched(system, TIME[:101], START)
+    beyond = 7.0 * (motion.position[:, 0] - START[0][0])
+    assert np.abs(beyond).max() > 0.5
+    np.testing.assert_allclose(motion.works["wave"], plain.works["wave"] + beyond, rtol=1e-12, atol=1e-12)
+    for term in ("pto", "structural", "radiated"):
+        np.testing.assert_array_equal(motion.works[term], plain.works[term])
+
+
 @pytest.mark.parametrize(("law", "start", "mode"), [
     (FRICTION, (0.1, 0.0), Mode(0)), (FRICTION, (0.2, 0.0), Mode(-1)), (FRICTION, (-0.2, 0.0), Mode(1)),
     (FRICTION, (0.2, 0.3), Mode(1)), (FRICTION, (-0.2, -0.3), Mode(-1)),

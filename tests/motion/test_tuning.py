@@ -140,6 +140,8 @@ def test_a_regular_wave_has_its_closed_forms():
     pairs, stable = best_pairs(port, waves, dampers), -port.omega * port.impedance.imag > port.softest_spring
     assert stable.any()
     assert pairs.power[stable] == pytest.approx((np.diag(waves) * port.matched_power)[stable], rel=1e-9)
+    assert pairs.damping[stable] == pytest.approx(port.impedance.real[stable], rel=1e-12)
+    assert pairs.stiffness[stable] == pytest.approx((-port.omega * port.impedance.imag)[stable], rel=1e-12)
 
 
 def test_a_wave_that_wants_a_spring_the_buoy_does_not_rest_with_gets_the_softest():
