@@ -58,3 +58,16 @@ def test_a_curve_that_is_hollow_at_the_best_damper_tried_is_left_there():
     tops = ((1, x[0]), (-1, x[1]), (-1, 9.0), (-1, -x[1]), (-1, -9.0))
     found = _highest(np.array([[0.0, sign, -2 * sign * at, 1.0] for sign, at in tops]).T)
     assert found == pytest.approx([0.0, x[1], 1.0 / NEIGHBOURS, -x[1], -1.0 / NEIGHBOURS], abs=1e-12)
+
+
+def test_at_either_end_of_a_table_the_polynomial_is_through_its_outermost_entries():
+    """Which is followed by a step at most from its middle; where there is no power no damper is better than another."""
+    tried = np.exp(0.3 + STEP * np.arange(30))
+    rising = 2.0 + 0.1 * np.arange(30.0)
+    found = best_of_table(tried, np.stack([rising, rising[::-1], np.zeros(30)], axis=1))
+    np.testing.assert_allclose(found.power, [rising[24], rising[24], 0.0], rtol=1e-9)
+    np.testing.assert_allclose(found.damping, tried[[24, 5, 5]], rtol=1e-9)
+    bent = np.cosh(STEP * np.arange(30.0))  # hollow: the middle stays
+    found = best_of_table(tried, np.stack([bent, bent[::-1]], axis=1))
+    np.testing.assert_allclose(found.damping, tried[[24, 5]], rtol=1e-9)
+    np.testing.assert_allclose(found.power, bent[24], rtol=1e-9)

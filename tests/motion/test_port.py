@@ -20,6 +20,7 @@ from vsb.motion.tuning import best_dampers
 from vsb.scenes.directions import order_bases
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell, enclosed
+from vsb.shell.modes import mode_basis
 from vsb.stages.spectral import spectral_problem
 from vsb.study.plan import StudyPlan
 from vsb.study.take_off import BetweenPort, LinePort, ShellPort
@@ -492,6 +493,19 @@ def test_a_line_is_a_port_of_rigid_motions_at_the_height_the_buoy_floats_at(seed
     labels = [*basis.labels, *(label for each in orders for label in each.labels)]
     found = dict(zip(labels, port_direction(line, DeformedShell(basis, height), orders), strict=True))
     assert found == dict.fromkeys(labels, 0.0) | line_shares(line, height)
+
+
+@pytest.mark.parametrize("radius", [2e-3, 2.0, 2e4])
+def test_what_a_mode_has_no_share_in_is_nothing_whatever_the_size(seed, radius):
+    """The volume of a sphere knows membrane modes of degree 0 alone, a ring at the equator none of odd degrees."""
+    device = seed.device.model_copy(update={"radius": radius, "thickness": radius / 200})
+    basis = mode_basis(device, "membrane", 6)
+    shape, degrees = DeformedShell(basis, 0.0), np.array(basis.degrees[1:])
+    volume = port_direction("volume", shape)
+    assert np.flatnonzero(volume).tolist() == [1]
+    assert volume[1] == pytest.approx(4 * np.pi * radius**2)
+    ring = port_direction(ShellPort(colatitude=90, direction="radial", against="frame"), shape)
+    assert (ring[1:] != 0).tolist() == (degrees % 2 == 0).tolist()
 
 
 @pytest.mark.parametrize("choice", ["heave", "volume", ShellPort(colatitude=40)], ids=str)

@@ -1,10 +1,15 @@
 """A scene: sums of its forces in the motions it allows, its start, and losses by who takes them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from vsb.errors import ConvergenceError
 from vsb.hydro.statespace import RadiationModel
+from vsb.motion.builders import assumed_pressure_scene
 from vsb.motion.forces import (
+    AssumedPressure,
     ConstantForce,
     Damper,
     Excitation,
@@ -13,8 +18,11 @@ from vsb.motion.forces import (
     Spring,
     SpringDamper,
 )
-from vsb.motion.scene import Scene
+from vsb.motion.pto import LinearPto
+from vsb.motion.scene import Scene, resting
 from vsb.motion.take_off import EndStop, TakeOff
+from vsb.shell.deformed import DeformedShell
+from vsb.shell.modes import mode_basis
 
 STIFFNESS, MORE, DAMPING = np.diag([3.0, 5.0]), np.array([[1.0, 0.5], [0.5, 2.0]]), np.array([[2.0, 0.0], [0.0, 1.0]])
 
@@ -170,3 +178,32 @@ def test_a_take_off_that_is_not_there_takes_nothing_and_all_others_lose():
 def test_a_scene_of_which_a_motion_is_held_by_nothing_is_adrift(labels, stiffness, adrift):
     free = np.eye(len(labels))
     assert Scene(labels, free, {"mooring": Spring(stiffness)}, free).adrift is adrift
+
+
+@pytest.fixture(scope="module")
+def wet(seed):
+    """A shell with a spring at its take-off on the instantaneous wet surface; two of its motions come together."""
+    basis = mode_basis(seed.device, "membrane", 2)
+    shell, motions = DeformedShell(basis, seed.centre_height, np.zeros(4)), np.eye(4)[:, [0, 1, 3]]
+    motions[2, 1] = 0.4
+    return assumed_pressure_scene(shell, LinearPto(2e3, 3e4), AssumedPressure(0.0, 1.0), 1025.0, 9.81, motions)
+
+
+@pytest.mark.parametrize("shape", [[0.0, 0.0, 0.0, 0.0], [0.05, 0.01, -0.02, 0.03]])
+def test_a_body_rests_where_all_its_forces_cancel(wet, shape):
+    """Springs, weight, more weight and the water on the shell as it lies there, from whatever shape it is measured."""
+    more = {"water": replace(wet.water, rest=np.array(shape)), "ballast": ConstantForce(np.array([-2e3, 0, 0, 0]))}
+    one = replace(wet, forces={**wet.forces, **more})
+    q = (one.motions @ one.rest)[None]
+    assert np.abs(q).min() > 1e-3
+    named = one.named(np.zeros(1), q, np.zeros((1, 4)))
+    assert np.abs(named["weight"]).max() > 1e3
+    np.testing.assert_allclose(one.motions.T @ sum(named.values())[0], 0.0, atol=1e-7)
+
+
+def test_a_body_that_sinks_or_whose_shell_gives_way_does_not_rest(wet):
+    heavy = {**wet.forces, "ballast": ConstantForce(np.array([-1e6, 0.0, 0.0, 0.0]))}
+    soft = {**wet.forces, "more": Spring(np.diag([-1e7, 0.0, 0.0, 0.0]))}
+    for forces in (heavy, soft):
+        with pytest.raises(ConvergenceError, match="the loaded buoy does not come to rest: its shell gives way under"):
+            resting(replace(wet, forces=forces))

@@ -266,3 +266,14 @@ def test_all_motions_are_free_but_for_the_rows_whatever_a_scene_allowed_and_wher
     assert found.scene.rest.tolist() == [0.0] * len(plant.labels)
     np.testing.assert_array_equal(found.matrix, free.matrix)
     np.testing.assert_array_equal(found.waves, free.waves)
+
+
+def test_clamps_are_told_apart_by_themselves_whatever_moves_with_them(seed):
+    """By their rows alone, which know neither mass nor modes: a study is refused before both are known."""
+    basis, plant = scene(seed, "membrane", 12)
+    rows = basis.clamp_rows([1.0, 1.0 + 1e-10])
+    with pytest.raises(ConfigError) as alone:
+        check_rank(rows)
+    with pytest.raises(ConfigError) as moving:
+        constrained(plant, rows)
+    assert str(moving.value) == str(alone.value)

@@ -91,6 +91,29 @@ def test_dampers_of_a_campaign_have_the_unit_of_its_port(held, port, unit):
     assert ds.damping.attrs["units"] == unit
 
 
+@pytest.mark.parametrize(("port", "unit"), [("heave", "N s/m"), ("volume", "Pa s/m^3"), ("pitch", "N m s")])
+@pytest.mark.parametrize("together", [False, True])
+def test_dampers_that_are_varied_have_the_unit_of_the_port_too(tmp_path, port, unit, together):
+    """Beside another key, which has its own."""
+    varied = {"device.young_modulus": [3e6, 1e6], "pto.damping": [1e3, 2e3]}
+    plan = planned(with_seas(tmp_path, (1.0, 6.0)), varied)
+    (spec,) = plan.batches.values()
+    base = plan.campaign.base | {"pto": plan.campaign.base["pto"] | {"port": port}}
+    whole, vary = plan.campaign, plan.campaign.vary
+    found = members(spec.base, spec.points, spec.climate, spec.tuning)
+    assert [list(values) for values in vary.values.values()] == [[3e6, 1e6], [1e3, 2e3]]
+    if together:
+        ids = [whole.members[0], whole.members[-1]]
+        found = [one for one in found if one.id in ids]
+        whole = whole.model_copy(update={"vary": Vary.of(vary.values, together=True), "members": tuple(ids)})
+    parts = [stacked([made_up(one)], [one.id]) for one in found]
+    ds = gathered(whole.model_copy(update={"base": base}), parts)
+    assert ds.pto_damping.attrs == {"units": unit, "long_name": "pto.damping"}
+    assert ds.young_modulus.attrs["units"] == "Pa"
+    assert ds.pto_damping.dims == (("member",) if together else ("pto_damping",))
+    assert described(ds).pto_damping.attrs["units"] == unit
+
+
 @pytest.fixture
 def swept(tmp_path):
     """A plan of two moduli by three thicknesses and its members, with gains."""

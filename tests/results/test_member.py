@@ -7,8 +7,10 @@ from conftest import varied
 from results.test_year import climate
 from scenes.test_ports import water
 
-from vsb.results.damped_years import CURVES, TRIED
-from vsb.results.member import MATRICES, OF_DESIGNS, member
+from vsb.results.bins import bins_of
+from vsb.results.damped_years import BY, CURVES, TRIED
+from vsb.results.member import BINS, MATRICES, OF_DESIGNS, OF_LIMITS, TOLD, _blank, member
+from vsb.results.validity import LIMITS
 from vsb.results.year import year
 from vsb.scenes.ports import ShapeWater, design_ports
 from vsb.scenes.rest import reference_shell
@@ -149,3 +151,23 @@ def test_without_a_rigid_design_there_is_no_gain(study, shared, seas):
     ds = member(with_designs(study, ["VSWEC"]), lambda basis: shared, seas, ("one",))
     assert not [name for name in ds.data_vars if name.startswith("gain")]
     assert float(ds.annual_mean_power.sel(design="VSWEC", tuning="one")) > 0
+
+
+@pytest.mark.parametrize("compared", [True, False])
+@pytest.mark.parametrize("tunings", [("one",), ("fixed", "one", "each"), (CONSTRAINED,), ("one", CONSTRAINED)])
+def test_what_a_member_may_tell_goes_by_its_tunings_and_by_whether_there_is_a_reference(tunings, compared, seas):
+    """Optima where a tuning has them, gains over a reference; each over its own dimensions and without a value."""
+    ds, bins = _blank(("A", "B"), tunings, seas, compared), bins_of(seas)
+    of_designs = {name for name in OF_DESIGNS if compared or name not in ("gain_percent", "gain_low", "gain_high")}
+    limits = set(OF_LIMITS) if CONSTRAINED in tunings else set()
+    dims = dict.fromkeys(of_designs, BY) | dict.fromkeys(MATRICES, (*BY, *BINS))
+    dims |= dict.fromkeys(CURVES, ("design", "damper")) | dict.fromkeys(limits, ("design",))
+    dims |= {"energy_beyond": (*BY, "limit")}
+    assert {name: ds[name].dims for name in ds.data_vars} == {**dims, **TOLD, "count": BINS}
+    assert all(ds[name].isnull().all() for name in dims)
+    sizes = {"design": 2, "tuning": len(tunings), "limit": len(LIMITS), "damper": len(TRIED)}
+    assert dict(ds.sizes) == sizes | dict(zip(BINS, bins.shape, strict=True))
+    assert (ds.tuning.values.tolist(), ds.limit.values.tolist()) == (list(tunings), list(LIMITS))
+    np.testing.assert_array_equal(ds["count"], bins.count)
+    np.testing.assert_array_equal(ds.hs, bins.hs_centres)
+    np.testing.assert_array_equal(ds.te, bins.te_centres)

@@ -89,6 +89,8 @@ def test_tunings_that_are_none():
     ports = {"A": port(np.arange(0.1, 3.0, 0.05))}
     with pytest.raises(ConfigError, match="tuning: received 'best', needs one of fixed, one, each"):
         year(ports, climate(), WATER, ["best"])
+    with pytest.raises(ConfigError, match="tuning: received 'best', needs one of fixed, one, each"):
+        year(ports, climate(), WATER, ["one", "best", "fixed", "none"])
     with pytest.raises(ConfigError, match=r"tuning: received fixed without a damping of A, needs pto\.damping"):
         year(ports, climate(), WATER, ["fixed"], {"B": 1.0})
 
@@ -103,13 +105,19 @@ def test_annual_power_of_a_damper_is_the_mean_of_its_seas():
     assert one.annual(tried) == pytest.approx(one.table(tried) @ one.climate.hours, rel=1e-13)
 
 
-def test_every_band_is_cut_evenly_into_the_fewest_parts_of_half_a_percent():
+@pytest.mark.parametrize(("lowest", "highest"), [(0.1, 4.0), (0.52, 4.0), (0.1, 1.97), (0.25, 0.31)])
+def test_every_band_is_cut_evenly_into_the_fewest_parts_of_half_a_percent(lowest, highest):
+    """As far as hydrodynamics are known."""
     seas = climate()
-    grid, edges = frequencies(seas, 0.1, 4.0), np.unique(np.clip(seas.edges, 0.1, 4.0))
+    grid, edges = frequencies(seas, lowest, highest), np.unique(np.clip(seas.edges, lowest, highest))
+    assert grid[0] == max(lowest, seas.edges[0])
+    assert grid[-1] == min(highest, seas.edges[-1])
+    assert np.all(np.diff(grid) > 0)
+    assert set(edges) <= set(grid)
     for low, high in pairwise(edges):
         step, middle = np.diff(grid[(grid >= low) & (grid <= high)]), (low + high) / 2
         assert np.ptp(step) < 1e-12
-        assert 0.9 * 0.005 * middle < step[0] <= 0.005 * middle * (1 + 1e-12)
+        assert (len(step) - 1) * 0.005 * middle < high - low <= len(step) * 0.005 * middle * (1 + 1e-12)
 
 
 def test_weights_are_shared_by_all_ports_over_the_same_frequencies():
