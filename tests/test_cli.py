@@ -1,6 +1,7 @@
 import argparse
 import io
 import json
+import os
 import re
 import subprocess
 import sys
@@ -553,3 +554,26 @@ def test_help_says_what_the_commands_and_rules_do(capsys):
         if stage.name != "compare":
             assert commands.choices[stage.name].description == f"Rule {stage.name}: {stage.text}."
     assert "Further options, such as -n, go to snakemake." in commands.choices["run"].format_help()
+
+
+@pytest.mark.parametrize("broken", ["", "write", "flush"])
+def test_a_reader_that_stops_is_no_mistake_also_where_all_was_held_back_until_the_end(monkeypatch, tmp_path, broken):
+    """What is printed is handed on before the command is done; what is still to come goes nowhere."""
+    told = []
+
+    def done(name):
+        told.append(name)
+        if name == broken:
+            raise BrokenPipeError
+
+    line = argparse.ArgumentParser()
+    line.set_defaults(handler=lambda args: print("answer") or 7, writes=())
+    with open(tmp_path / "out", "w") as out:
+        stream = SimpleNamespace(write=lambda _: done("write"), flush=lambda: done("flush"), fileno=out.fileno)
+        with monkeypatch.context() as patch:
+            patch.setattr(sys, "stdout", stream)
+            code = cli.answer(line, [])
+        os.write(out.fileno(), b"more")
+    assert code == (0 if broken else 7)
+    assert told[-1] == (broken or "flush")
+    assert (tmp_path / "out").read_bytes() == (b"" if broken else b"more")
