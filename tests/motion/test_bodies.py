@@ -586,6 +586,19 @@ def test_what_falls_is_told_by_its_rate_with_the_water_s_inertia_and_what_holds_
     assert body_scene(falling(), None, {}, np.eye(2)[:, :1]).stiffness == pytest.approx(np.diag([9.0]))
 
 
+@pytest.mark.parametrize("motions", [np.eye(2), np.eye(2)[::-1], np.array([[0.0, -0.5], [3.0, 0.0]])])
+@pytest.mark.parametrize(("added", "named"), [([100.0, 0.0], "Heave"), ([0.0, 100.0], "Pitch"), ([0.0, 0.0], "Pitch")])
+def test_the_motion_that_falls_is_named_by_the_energy_of_the_water_too(motions, added, named):
+    """Half as far in heave as in pitch, of nearly the same mass; in whatever motions a design has."""
+    bare, none = afloat(("Heave", "Pitch"), [1.0, 1.2], [9.0, 9.0]), np.zeros((2, 2))
+    ds = bare.database.assign(added_mass_inf=bare.database.added_mass_inf + np.diag(added))
+    body = linear_body(ds, mass=bare.mass, damping=none, stiffness=none)
+    fall = (body.mass + body.added_mass_inf) @ np.array([1.0, 2.0])
+    stiffness = -4.0 * np.outer(fall, fall) / (fall @ np.array([1.0, 2.0]))
+    with pytest.raises(StabilityError, match=f"received a negative stiffness of {named}, growing by 2/s; needs"):
+        body.drifting(motions.T @ stiffness @ motions, motions)
+
+
 def test_a_stiffness_that_is_none_by_round_off_lets_drift_and_does_not_fall():
     body = afloat(("Surge", "Heave"), [4.0, 4.0], [0.0, 9.0])
     loose = body.drifting(np.array([[-1e-10, 0.0], [0.0, 9.0]]), np.eye(2))

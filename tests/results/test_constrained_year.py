@@ -1,5 +1,6 @@
 """The year within limits of force and stroke, bin by bin."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -15,6 +16,7 @@ from vsb.results.constrained_year import (
     SECONDS_PER_CUBE,
     ConstrainedYear,
     Limits,
+    _optimum,
     _squares,
     affordable,
     constrained_year,
@@ -317,3 +319,18 @@ def test_waves_of_a_bin_are_the_same_whatever_else_is_solved_and_others_of_anoth
     other = limited(Limits(), seconds=0.05, seed=1)
     assert np.abs(other.amplitude - part.amplitude).max() > 0.1 * np.abs(part.amplitude).max()
     np.testing.assert_allclose(np.abs(other.amplitude), np.abs(part.amplitude), rtol=1e-12)
+
+
+def test_a_port_that_some_waves_do_not_move_takes_what_the_others_bring():
+    """One that none moves takes nothing and needs no force, whatever the limits."""
+    rng = np.random.default_rng(5)
+    waves = rng.rayleigh(size=HARMONICS.count) * np.exp(2j * np.pi * rng.uniform(size=HARMONICS.count))
+    part = replace(PORT, velocity=np.where(np.arange(HARMONICS.count) % 3 == 0, 0.0, PORT.velocity))
+    best = _optimum(part, HARMONICS, waves, Limits())
+    assert best.power == pytest.approx(float(part.matched_power @ np.abs(waves) ** 2), rel=1e-9)
+    np.testing.assert_allclose(best.force, part.matched_force * waves, rtol=1e-9)
+    still = _optimum(replace(PORT, velocity=0 * PORT.velocity), HARMONICS, waves, Limits(1.0, 1e-9))
+    assert not still.force.any()
+    assert not still.stroke.any()
+    assert len(still.force) == len(still.stroke) == HARMONICS.count
+    assert still[2:] == (0.0,) * 6 + (0,)
