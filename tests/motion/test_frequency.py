@@ -406,3 +406,30 @@ def test_a_port_s_free_motion_knows_nothing_of_the_take_off():
     np.testing.assert_allclose(port.velocity, -1j * at * (free @ b), rtol=1e-12)
     moved = free - (port.load(250.0, 300.0) * port.velocity_under(port.load(250.0, 300.0)))[:, None] * forced
     np.testing.assert_allclose(loaded.rao(at, np.eye(2)), moved, rtol=1e-9)
+
+
+@pytest.mark.parametrize("shares", [[1.0, 0.0, 0.0], [0.0, 1.0, -0.5], [2.0, 0.3, 1.0]])
+@pytest.mark.parametrize("adrift", [False, True])
+def test_a_design_swings_in_the_motions_it_allows_and_no_others(shares, adrift):
+    """w^2 = K/M of one shape of heave and two modes, beside surge, which goes along where nothing holds it."""
+    omega, pair = np.linspace(0.1, 12.0, 60), ("influenced_dof", "radiating_dof")
+    mass = np.array(
+        [[500.0, 20.0, 0.0, 90.0], [20.0, 30.0, 5.0, 0.0], [0.0, 5.0, 40.0, -7.0], [90.0, 0.0, -7.0, 600.0]]
+    )
+    stiffness = np.diag([900.0, 70.0, 20.0, 0.0])
+    stiffness[0, 1] = stiffness[1, 0] = 15.0
+    ds = xr.Dataset(
+        {
+            "inertia_matrix": (pair, mass), "added_mass_inf": (pair, 0.1 * mass),
+            "hydrostatic_stiffness": (pair, stiffness), "radiation_damping": (("omega", *pair), np.zeros((60, 4, 4))),
+        },
+        {"omega": omega} | {dim: ["Heave", "Membrane0", "Membrane1", "Surge"] for dim in pair},
+    )  # fmt: skip
+    lost = np.diag([3.0, 2.0, 1.0, 0.0])
+    shape, surge = np.array([*shares, 0.0]), np.eye(4)[3]
+    motions = np.stack([shape, surge], axis=1) if adrift else shape[:, None]
+    (frequency,), (ratio,) = LinearBuoy(ds, lost, LinearPto(0.0)).natural_modes(motions)
+    along = shape - surge * (surge @ mass @ shape) / mass[3, 3] if adrift else shape
+    inertia = 1.1 * along @ mass @ along
+    assert frequency == pytest.approx(np.sqrt(shape @ stiffness @ shape / inertia), rel=1e-9)
+    assert ratio == pytest.approx(along @ lost @ along / (2 * frequency * inertia), rel=1e-9)

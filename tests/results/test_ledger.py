@@ -167,6 +167,43 @@ def test_full_basis_without_bem_equals_the_full_database(buoy_of, coarse):
         )
 
 
+@pytest.mark.parametrize("kind", ["membrane", "paper"])
+def test_a_mode_of_both_branches_is_the_one_of_its_degree_but_for_its_radial_part(seed, kind):
+    """In whatever order a variable has its dimensions; what is told of the database stays."""
+    study = varied(seed, modes={"basis": kind, "degree": 3})
+    old, full, rng = study_basis(study), mode_basis(study.device, "full", 3), np.random.default_rng(2)
+    count = len(old.labels)
+    dims = {"added_mass": ("radiating_dof", "omega", "influenced_dof"), "excitation_force": ("influenced_dof", "omega")}
+    sizes = {"omega": 2, "influenced_dof": count, "radiating_dof": count}
+    values = {name: (of, rng.normal(size=[sizes[dim] for dim in of])) for name, of in dims.items()}
+    values["inertia_matrix"] = (("influenced_dof", "radiating_dof"), old.inertia)
+    values["power_limit"] = (("omega",), np.array([3.0, 4.0]))
+    labels = {dim: list(old.labels) for dim in ("influenced_dof", "radiating_dof")}
+    database = xr.Dataset(values, {"omega": [1.0, 2.0], **labels}, {"gravity": 9.81, "water_depth": "inf"})
+    wider, basis = with_full_basis(database, study)
+    assert (basis.labels, wider.attrs) == (full.labels, database.attrs)
+    place = {label[-1]: i for i, label in enumerate(old.labels) if label != "Heave"}
+    own = [0, *(place[label[-1]] for label in full.labels[1:])]
+    ratio = full.pole_radial_displacement / old.pole_radial_displacement[own]
+    assert np.ptp(ratio) > 0.1
+    for name, of in dims.items():
+        expected = values[name][1]
+        for axis, dim in enumerate(of):
+            if dim != "omega":
+                shape = [-1 if dim == other else 1 for other in of]
+                expected = np.take(expected, own, axis) * ratio.reshape(shape)
+        assert wider[name].dims == of
+        np.testing.assert_allclose(wider[name].values, expected, rtol=1e-12)
+    for dim in ("influenced_dof", "radiating_dof"):
+        assert wider[dim].values.tolist() == list(full.labels)
+    assert wider.power_limit.values.tolist() == [3.0, 4.0]
+    np.testing.assert_array_equal(wider.inertia_matrix, full.inertia)
+    parts = reference_shell(study, full).stiffness
+    for name, stiffness in parts.items():
+        np.testing.assert_array_equal(wider[f"{name}_stiffness"], stiffness)
+    assert {"structural", "hydrostatic"} <= set(parts)
+
+
 def test_bending_modes_change_as_much_where_the_buoy_yaws_too(buoy_of, coarse):
     """Yaw is axisymmetric, as heave is, and no part of what the shell does to it."""
     runs = {(design, wave.label): {} for design in coarse.designs for wave in coarse.waves}
