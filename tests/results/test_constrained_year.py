@@ -91,6 +91,8 @@ def test_bins_not_reached_take_the_part_of_the_matched_power_that_those_reached_
 def test_the_budget_is_no_clock():
     assert affordable(HARMONICS, 1e-9) == 1
     assert affordable(HARMONICS, 2.0) == 2 * affordable(HARMONICS, 1.0)
+    bin_of = REALISATIONS * (SECONDS_AT_LEAST + SECONDS_PER_CUBE * 45**3)
+    assert [affordable(HARMONICS, bins * bin_of) for bins in (0.5, 1.9, 2.1, 7.5)] == [1, 1, 2, 7]
 
 
 def test_seas_no_force_can_hold():

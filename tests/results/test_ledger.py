@@ -545,7 +545,7 @@ def test_bending_modes_are_judged_beside_the_spring_at_each_run_s_own_damper_in_
     database = buoy_of(coarse).database
     regular = [wave for wave in study.waves if isinstance(wave, RegularWave)]
     flexible = [name for name, design in study.designs.items() if design.flexible]
-    dampers = {(d, w.label): 1e3 * (2 + i + 3 * j) for i, d in enumerate(flexible) for j, w in enumerate(regular)}
+    dampers = {(d, w.label): 1e3 * (2 + i + 4 * j) for i, d in enumerate(flexible) for j, w in enumerate(regular)}
     runs = {key: {TUNED: damper} for key, damper in dampers.items()}
     del runs[flexible[0], regular[0].label][TUNED]  # which has the damper given
     dampers[flexible[0], regular[0].label] = 5e3
