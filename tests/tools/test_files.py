@@ -94,6 +94,28 @@ def test_what_a_library_says_nothing_of_is_told_by_its_kind(tmp_path, monkeypatc
         load(tmp_path / "a.nc")
 
 
+@pytest.mark.parametrize(
+    ("data", "at", "why"),
+    [
+        ({"annual_energy": ("x", [1.0])}, {}, r"Dimensions .* do not exist.*"),
+        ({"rao": (("complex", "omega"), np.ones((2, 3)))}, {}, "dimension complex: received 0, 1, needs re, im"),
+        ({"rao": (("complex", "omega"), np.ones((2, 3)))}, {"complex": ["a", "im"]}, ".* received a, im, needs re, im"),
+        ({"rao": (("complex", "omega"), np.ones((1, 3)))}, {"complex": ["re"]}, ".* received re, needs re, im"),
+        (
+            {"rao": (("complex", "omega"), np.ones((2, 3)))},
+            {"complex": ["re", "re"]},
+            ".* received re, re, needs re, im",
+        ),
+    ],
+)
+def test_a_foreign_file_whose_names_are_ours_is_told_by_what_they_hold(tmp_path, data, at, why):
+    xr.Dataset(data, at).to_netcdf(tmp_path / "foreign.nc")
+    with pytest.raises(
+        DatabaseError, match=rf"foreign\.nc: not a file of this project \({why}\); delete or move it and run again"
+    ):
+        load(tmp_path / "foreign.nc")
+
+
 def test_foreign_and_missing_files(tmp_path):
     xr.Dataset({"sst": ("lat", [1.0])}).to_netcdf(tmp_path / "foreign.nc")
     with pytest.raises(DatabaseError, match=r"foreign.nc: not a file of this project .*sst"):

@@ -304,9 +304,17 @@ def separated(ds: "xr.Dataset") -> "xr.Dataset":
 
 
 def merged(ds: "xr.Dataset") -> "xr.Dataset":
-    """Return the dataset with complex variables put together again: the inverse of `separated`."""
+    """Return the dataset with complex variables put together again: the inverse of `separated`.
+
+    Raises
+    ------
+    DatabaseError
+        If a dimension of that name holds anything but real and imaginary parts.
+    """
     if "complex" not in ds.dims:
         return ds
+    if sorted(labels := [str(label) for label in ds["complex"].values]) != ["im", "re"]:
+        raise DatabaseError(f"dimension complex: received {', '.join(labels)}, needs re, im")
     parts = {
         name: (v.sel(complex="re", drop=True) + 1j * v.sel(complex="im", drop=True)).assign_attrs(v.attrs)
         for name, v in ds.data_vars.items()
