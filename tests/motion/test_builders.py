@@ -316,6 +316,7 @@ def test_in_other_water_a_buoy_rests_where_that_carries_its_weight(studies, desi
         still = still_scene(reference, density, gravity, motions)
         assert still.water.specific_weight == pytest.approx(density * gravity, rel=1e-15)
         assert still.forces["weight"].value == pytest.approx(-gravity * reference.basis.inertia[0], rel=1e-15)
+        assert ("elastic" in still.forces) == study.designs[design].flexible
         rest = (motions @ still.rest)[None]
         pushed = sum(still.named(np.zeros(1), rest, 0 * rest).values())[0] @ motions
         assert np.abs(pushed).max() < 1e-9 * gravity * study.device.mass
