@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from vsb.motion.channel import Channel, one_channel
+from vsb.motion.channel import Channel, channelled, one_channel
 
 OMEGA = np.linspace(0.2, 6.0, 60)
 
@@ -104,3 +104,15 @@ def test_next_to_no_damping_two_frequencies_to_either_side_are_left_out_while_fo
     assert channel.factor.x.tolist() == omega[-drawn:].tolist()
     if drawn == 4:
         np.testing.assert_allclose(channel.factor(omega), np.full(count, 2.0), rtol=1e-9)
+
+
+def test_what_is_of_the_channel_takes_as_much_of_all_motions_as_the_damping_whatever_its_sign(database):
+    """The trace: of a solver's damping below zero less than nothing."""
+    damping, excitation = database.radiation_damping.values.copy(), force(database.omega.values)
+    damping[1::2] *= -0.7
+    damping += 0.1 * np.abs(damping).max() * np.arange(9.0).reshape(3, 3) * (1 - np.eye(3))  # beside the channel
+    found = channelled(damping, excitation)
+    np.testing.assert_allclose(np.einsum("wii->w", found), np.einsum("wii->w", damping), rtol=1e-12)
+    assert np.all(np.einsum("wii->w", found)[1::2] < 0)
+    scale = np.einsum("wii->w", damping) / np.sum(np.abs(excitation) ** 2, axis=1)
+    np.testing.assert_allclose(found, scale[:, None, None] * one_channel(excitation), rtol=1e-12)
