@@ -49,9 +49,10 @@ def test_a_figure_is_drawn_once_to_what_saving_it_would_write(monkeypatch):
 
 
 def test_numbers_of_a_table_have_ten_digits_unless_asked_otherwise():
-    assert csv_text(("a",), [(2.0 / 3.0,), (-1e-9,), (12345678901.5,), (True,)]) == (
-        "a\n0.6666666667\n-1e-09\n1.23456789e+10\nTrue\n"
-    )
+    for kind in (float, np.float64):
+        assert csv_text(("a",), [(kind(2.0 / 3.0),), (kind(-1e-9),), (kind(12345678901.5),), (True,)]) == (
+            "a\n0.6666666667\n-1e-09\n1.23456789e+10\nTrue\n"
+        )
 
 
 def test_a_figure_keeps_its_resolution_whatever_it_was():
