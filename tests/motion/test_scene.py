@@ -207,3 +207,15 @@ def test_a_body_that_sinks_or_whose_shell_gives_way_does_not_rest(wet):
     for forces in (heavy, soft):
         with pytest.raises(ConvergenceError, match="the loaded buoy does not come to rest: its shell gives way under"):
             resting(replace(wet, forces=forces))
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_body_that_would_move_by_more_than_its_radius_at_once_is_given_up(wet, way):
+    """Held by its spring alone it would rest metres beyond the water, or below it."""
+    moved = {}
+    for load in (3.0e5, 3.25e5):
+        forces = {**wet.forces, "load": ConstantForce(np.array([way * load, 0.0, 0.0, 0.0]))}
+        moved[load] = replace(wet, forces=forces, motions=np.eye(4, 1))
+    assert 2 * 2.0 < way * resting(moved[3.0e5])[0] < 5.0
+    with pytest.raises(ConvergenceError, match="the loaded buoy does not come to rest"):
+        resting(moved[3.25e5])

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from vsb.errors import ConfigError
 from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.exact import propagate
-from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring
+from vsb.motion.forces import Damper, Excitation, QuadraticDrag, RadiationMemory, Spring, SpringDamper
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.motion.udwadia_kalaba import constrained, constraint_drift, constraint_force, udwadia_kalaba
@@ -277,3 +277,13 @@ def test_clamps_are_told_apart_by_themselves_whatever_moves_with_them(seed):
     with pytest.raises(ConfigError) as moving:
         constrained(plant, rows)
     assert str(moving.value) == str(alone.value)
+
+
+def test_forces_that_are_not_linear_are_told_by_their_names_and_others_are_not(seed):
+    basis, plant = scene(seed, "membrane", 2)
+    rows, drag = basis.clamp_rows([0.0]), QuadraticDrag(np.eye(4)[:1], np.ones(1), np.zeros(0), np.zeros((0, 1)) + 0j)
+    slack = SpringDamper(np.eye(4), np.zeros((4, 4)), np.full(4, 0.1))
+    with pytest.raises(
+        ValueError, match=r"^Eq\. 90: received the nonlinear forces drag, slack, needs a linear scene; c"
+    ):
+        constrained(replace(plant, forces={"drag": drag, **plant.forces, "slack": slack}), rows)

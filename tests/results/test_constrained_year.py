@@ -81,6 +81,8 @@ def test_bins_not_reached_take_the_part_of_the_matched_power_that_those_reached_
     whole, part = limited(Limits(), seconds=1e3), limited(Limits(), seconds=0.05)
     assert 0.1 < part.flux_share < 0.9
     assert part.annual_mean_power.mean == pytest.approx(whole.annual_mean_power.mean, rel=1e-9)
+    np.testing.assert_allclose(whole.matched, whole.power_matrix, rtol=1e-9)
+    np.testing.assert_array_equal(part.matched, whole.matched)
     held = limited(Limits(force=2e4), seconds=0.05)
     matched = held.bins.share * held.matched
     scale = matched.sum() / matched[held.reached].sum()

@@ -570,7 +570,9 @@ def test_the_take_off_of_a_study_is_that_of_its_ladder_and_lines_stand_by_design
 
     def some(ports, seas, families, given, time, dragged):
         asked.append((families, given, time, dragged))
-        return [Rung(d, w, name, *[None] * 8) for d in ports for w in seas for name in ("matched", "best_damper")]
+        return [
+            Rung(d, w, name, *[None] * 8) for d in ports for w in seas for name in ("matched", "best_damper", "fixed")
+        ]
 
     monkeypatch.setattr("vsb.results.ladder.rungs_of", some)
     monkeypatch.setattr("vsb.results.ladder.constrained_rung", lambda d, w, *_: Rung(d, w, "constrained", *[None] * 8))
@@ -586,7 +588,7 @@ def test_the_take_off_of_a_study_is_that_of_its_ladder_and_lines_stand_by_design
     found = study_ladder(StudyPlan(study).ladder, small.database_path)
     labels = [wave.label for wave in study.waves[1:]]
     assert [(rung.design, rung.wave, rung.rung) for rung in found] == list(
-        itertools.product(study.designs, labels, ("best_damper", "constrained", "matched"))
+        itertools.product(study.designs, labels, ("fixed", "best_damper", "constrained", "matched"))
     )
     given = {design: Given(damper, 300.0, 0.9) for design, damper in dampers.items()}
     assert asked == [([0, 1, 3], given, study.simulation.duration, None)]
