@@ -362,3 +362,24 @@ def test_a_local_maximum_of_a_table_is_no_less_than_any_neighbour_diagonals_and_
     np.testing.assert_array_equal(found, np.stack([expected, expected[::-1]], axis=2))
     row = np.array([[-1.0, -3.0], [-2.0, -2.0], [-2.0, -2.0], [-4.0, -1.0]])
     assert _local_maxima(row).T.tolist() == [[True, False, True, False], [False, True, False, True]]
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("efficiency", [0.9, 0.7, 0.5])
+def test_beside_a_spring_that_costs_much_the_best_damper_is_as_hard_as_it_takes(efficiency):
+    """A small buoy tuned to long waves, where it loses little: softer dampers bring less than the spring costs."""
+    omega = 2 * np.pi / np.array([12.0, 10.0, 4.0])
+    z = 165.0 * omega**3 * 10 - 2.5e4j * omega + 1.26e5j / omega
+    port, spring = Port(omega, 1 / z, 1.1e5 / z, 1 / 1.26e5), 2.5e4 * omega[0] ** 2 - 1.26e5
+    waves = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 0.3], [0.0, 0.0, 0.0], [0.4, 1.0, 0.0]])
+    tried = np.geomspace(1.0, 1e8, 4001)
+    powers = powers_of_all(port, waves, tried, np.full(4001, spring), efficiency)
+    for seas in ([0, 1, 2, 3], [0], [3, 0], [2, 1]):
+        found = best_dampers(port, waves[seas], spring, efficiency)
+        best = powers[:, seas]
+        assert np.all(found.power >= best.max(axis=0) * (1 - 1e-12))
+        assert found.power == pytest.approx(best.max(axis=0), rel=1e-4)
+        moved = waves[seas].any(axis=1)
+        assert found.damping[moved] == pytest.approx(tried[best.argmax(axis=0)][moved], rel=0.02)
+        assert not found.power[~moved].any()
+    assert np.median(powers[:, 0]) < 0 < powers[:, 0].max()

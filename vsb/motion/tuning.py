@@ -140,8 +140,12 @@ def _rivals(port: Port, squares: FloatArray, stiffness: float, efficiency: float
     sizes = port.beside(stiffness).best_damping[squares.any(axis=0)]
     reach = 1.0 if efficiency == 1.0 else 100.0
     least, most = np.floor(np.log([sizes.min() / reach, sizes.max() * reach]) / LOG_STEP)
-    tried = LOG_STEP * np.arange(least - 1, most + 3)  # of a grid for all seas: what is found in one knows no other
-    powers = powers_of_all(port, squares, np.exp(tried), np.full(len(tried), stiffness), efficiency)
+    while True:
+        tried = LOG_STEP * np.arange(least - 1, most + 3)  # of a grid for all seas: what is found in one knows no other
+        powers = powers_of_all(port, squares, np.exp(tried), np.full(len(tried), stiffness), efficiency)
+        if not np.any(powers.max(axis=0) < 0.0):
+            break
+        most += np.ceil(np.log(reach) / LOG_STEP)  # the spring costs more than any of these takes: a harder one does
     rivals = powers >= powers.max(axis=0) * (1 - LOG_STEP**2 / 4)
     at, sea = np.nonzero(rivals & _local_maxima(powers))
     return tried[at], sea
