@@ -11,7 +11,7 @@ from conftest import SEED, varied
 
 from vsb.errors import ConvergenceError
 from vsb.hydro.statespace import RadiationModel
-from vsb.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene, still_scene
+from vsb.motion.builders import _shell_springs, assumed_pressure_scene, body_exact_scene, linear_scene, still_scene
 from vsb.motion.forces import AssumedPressure, Damper, RelaxingDamper, SpringDamper
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
@@ -339,3 +339,15 @@ def test_under_an_assumed_pressure_a_motion_starts_undeformed_and_strokes_count_
     assert np.abs(pushed).max() < 1e-9 * 9.0 * study.device.mass
     assert rest[0, 0] < -0.1
     np.testing.assert_array_equal(calm.rest, plant.rest)
+
+
+def test_a_shell_has_the_springs_it_is_given_also_one_that_does_not_pull():
+    """By their names in a run; dampers where there are any."""
+    given = {"structural": np.eye(2), "hydrostatic": 3 * np.eye(2), "prestress": np.zeros((2, 2)), "gas": 5 * np.eye(2)}
+    springs = _shell_springs(given, np.zeros((2, 2)))
+    assert {name: spring.stiffness[0, 0] for name, spring in springs.items()} == {
+        "elastic": 1.0,
+        "prestress": 0.0,
+        "gas": 5.0,
+    }
+    assert set(_shell_springs({"structural": np.eye(2)}, np.eye(2))) == {"elastic", "structural_damping"}

@@ -9,6 +9,7 @@ from vsb.motion.tuning import (
     Load,
     _ascent,
     _local_maxima,
+    _summits,
     _with,
     best_damper_of_each,
     best_dampers,
@@ -383,3 +384,15 @@ def test_beside_a_spring_that_costs_much_the_best_damper_is_as_hard_as_it_takes(
         assert found.damping[moved] == pytest.approx(tried[best.argmax(axis=0)][moved], rel=0.02)
         assert not found.power[~moved].any()
     assert np.median(powers[:, 0]) < 0 < powers[:, 0].max()
+
+
+def test_a_summit_is_reached_from_either_side_however_hollow_the_way_to_it():
+    """Of one wave each, at c = 1/|Y| and of w/(2 Re Y + 2 |Y|) there; each start knows its own."""
+    y = np.array([3e-3 - 4e-3j, 2e-4 + 1e-5j, 1e-6 + 5e-2j])
+    away = np.array([[-6.0], [-0.04], [0.0], [0.03], [7.0]])
+    top, which = -np.log(np.abs(y)), np.tile(np.arange(3), 5)
+    w = np.array([2.0, 3.0, 5.0])
+    given = (w[which][:, None], 2 * y.real[which][:, None], np.abs(y[which][:, None]) ** 2)
+    x, power = _summits(*given, (top + away).ravel())
+    np.testing.assert_allclose(x, top[which], atol=1e-9)
+    np.testing.assert_allclose(power, (w / (2 * y.real + 2 * np.abs(y)))[which], rtol=1e-12)

@@ -355,3 +355,18 @@ def test_a_shell_is_judged_by_its_point_that_moves_most_wherever_it_stands():
         moved = _motion_rms(one, PortMotion((2 * ones, 0 * ones), (shell, 0 * shell)))
         assert moved["deformation"] == pytest.approx(0.03 * rms)
         assert moved["heave"] == pytest.approx(2 * rms)
+
+
+def test_harmonics_are_of_the_member_s_own_budget_and_band_and_all_designs_are_in_their_waves(limited, monkeypatch):
+    room, harmonics, asked = "vsb.results.constrained_member.", Harmonics(0.1, 2.0, 5), []
+    monkeypatch.setattr(f"{room}harmonics_of_year", lambda *given: asked.append(given) or harmonics)
+    monkeypatch.setattr(f"{room}designs_in_waves", lambda *given: {"FSB": given, "VSWEC": "waves"})
+    monkeypatch.setattr(f"{room}constrained_dataset", lambda *given: given)
+    monkeypatch.setattr(Optima, "_year", lambda self, *given: given)
+    optima = Optima(lambda basis, omega: ("water of", basis, omega.tolist()), 3.0, 7)
+    reference = SimpleNamespace(basis="basis")
+    study, years, waves, of = optima(limited, reference, SEAS, 0.25)
+    assert asked == [(SEAS, 0.25, 4.0, 3.0)]
+    assert waves["FSB"] == (limited, reference, ("water of", "basis", harmonics.omega.tolist()))
+    assert years == {design: (limited, design, waves[design], SEAS, harmonics) for design in ("FSB", "VSWEC")}
+    assert (study, of) == (limited, SEAS)

@@ -253,6 +253,8 @@ def test_what_is_said_of_a_year_weighs_its_bins_by_their_hours_and_its_realisati
     assert year_of.impossible == pytest.approx(0.3 / 2)
     assert year_of.force_rms == pytest.approx(np.sqrt(0.5 * 5 + 0.3 * 12.5 + 0.2 * 65))
     assert year_of.excess == 0.05
+    assert replace(year_of, optima=tuple(pair[::-1] for pair in optima)).excess == 0.05
+    assert replace(year_of, optima=(optima[2], optima[1], optima[0])).excess == 0.05
     half = half_width(3 * np.array([0.5 * 10, 0.5 * 30, 0.3 * 50, 0.0, 0.2 * 70, 0.2 * 90]))
     assert half < year_of.taken
     assert year_of.annual_mean_power == pytest.approx((year_of.taken, year_of.taken - half, year_of.bound + half))
@@ -261,6 +263,10 @@ def test_what_is_said_of_a_year_weighs_its_bins_by_their_hours_and_its_realisati
     assert apart.high > 2 * 27.0
     part = ConstrainedYear(seas, np.array([2, 0]), np.zeros((2, 2, 1)), optima[::-2], np.full(seas.shape, 1e3), 1.0)
     assert part.force_rms == pytest.approx(np.sqrt((0.5 * 5 + 0.2 * 65) / 0.7))  # over what is solved
+    assert part.annual_mean_power.mean == pytest.approx(part.taken / 0.7)
+    for reached, others in ((0.0, 1e3), (0.0, 0.0)):  # of nothing there is no part
+        nothing = replace(part, matched=np.where(part.reached, reached, others))
+        assert nothing.annual_mean_power.mean == part.taken
 
 
 @pytest.mark.parametrize(("part", "refused"), [(0.0099, False), (0.0101, True)])

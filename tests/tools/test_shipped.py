@@ -1,6 +1,7 @@
 """The wheel is whole: a stranger's folder, far from any checkout, can begin a study and run it."""
 
 import os
+import runpy
 import shutil
 import subprocess
 import sys
@@ -45,6 +46,19 @@ def test_a_wheel_holds_every_file(installed):
 def test_a_checkout_finds_its_own():
     assert HOME == CHECKOUT
     assert SEED == HOME / "config" / "seed.yaml"
+
+
+def test_what_a_package_holds_is_its_own_whatever_lies_beside_it(tmp_path):
+    """A folder of the same name there is somebody else's; a checkout holds none inside."""
+    code = tmp_path / "vsb" / "tools" / "shipped.py"
+    code.parent.mkdir(parents=True)
+    shutil.copy(CHECKOUT / "vsb" / "tools" / "shipped.py", code)
+    inside, beside = (place / "workflow" / "Snakefile" for place in (tmp_path / "vsb", tmp_path))
+    assert runpy.run_path(str(code))["HOME"] == tmp_path / "vsb"
+    for path, home in ((beside, tmp_path), (inside, tmp_path / "vsb")):
+        path.parent.mkdir()
+        path.touch()
+        assert runpy.run_path(str(code))["HOME"] == home
 
 
 def test_an_installed_package_begins_and_plans_a_study(installed, tmp_path):
