@@ -575,7 +575,13 @@ def test_the_take_off_of_a_study_is_that_of_its_ladder_and_lines_stand_by_design
         ]
 
     monkeypatch.setattr("vsb.results.ladder.rungs_of", some)
-    monkeypatch.setattr("vsb.results.ladder.constrained_rung", lambda d, w, *_: Rung(d, w, "constrained", *[None] * 8))
+    seen = {}
+
+    def constrained(design, wave, sea, port, limits):
+        seen[design, wave] = port
+        return Rung(design, wave, "constrained", *[None] * 8)
+
+    monkeypatch.setattr("vsb.results.ladder.constrained_rung", constrained)
     swell = small.study.model_dump()["waves"][0]
     waves = [
         swell,
@@ -592,6 +598,12 @@ def test_the_take_off_of_a_study_is_that_of_its_ladder_and_lines_stand_by_design
     )
     given = {design: Given(damper, 300.0, 0.9) for design, damper in dampers.items()}
     assert asked == [([0, 1, 3], given, study.simulation.duration, None)]
+    floating = afloat(StudyPlan(study).ladder, small.database_path)
+    assert seen.keys() == set(itertools.product(study.designs, labels))
+    for (design, _), port in seen.items():
+        known = floating.towards(study.waves[1]).port(GRID[5:9], floating.motions[design], floating.port)
+        np.testing.assert_array_equal(port(GRID[5:9]).admittance, known.admittance)
+        np.testing.assert_array_equal(port(GRID[5:9]).velocity, known.velocity)
 
 
 @pytest.mark.parametrize("drag", [None, {"heave": {"coefficient": 1.0, "area": 12.57}}])

@@ -49,6 +49,18 @@ def test_draws_follow_the_energy():
     assert found == pytest.approx(share, abs=4 * np.sqrt(0.25 / seas.size))
 
 
+def test_seas_lie_side_by_side_whose_hours_are_as_likely():
+    """By the chance of an hour of each, not of all of them: 0.5, 3, 4 and 2 here, and none of one without hours."""
+    share, hours = np.array([0.4, 0.3, 0.0, 0.2, 0.1]), np.array([0.8, 0.1, 0.0, 0.05, 0.05])
+    seas = np.array([drawn(share, hours, 4, seed).sea for seed in range(300)])
+    assert set(seas[:, :2].ravel()) == {0, 4}
+    assert set(seas[:, 2:].ravel()) == {1, 3}
+    assert np.mean(seas[:, :2] == 0) == pytest.approx(0.8, abs=0.07)
+    assert np.mean(seas[:, 2:] == 1) == pytest.approx(0.6, abs=0.09)
+    one = drawn(share, hours, 4, 1)
+    assert one.weight == pytest.approx(hours[one.sea] / share[one.sea])
+
+
 def test_the_same_seed_draws_the_same_seas():
     share, hours = np.full(50, 0.02), np.full(50, 0.02)
     a, b, other = (drawn(share, hours, 12, seed) for seed in (1, 1, 2))
