@@ -419,14 +419,14 @@ def test_what_was_left_out_is_judged_by_the_tolerance_asked_for_and_gains_by_twi
         assert [check.limit for check in checks] == [limit, limit, 2 * limit]
 
 
-def test_what_a_database_says_of_its_own_errors_is_allowed_it_beside_the_second_solver(small, monkeypatch):
+def test_what_a_database_says_of_its_own_errors_is_allowed_it_beside_a_second_solver(seed, monkeypatch):
     """Both of them: of the solver, and of the interpolation between its frequencies; of nothing else."""
     own = [Check(n, v, 1.0, "-", "ok", "") for n, v in (("error_estimate", 1e-4), ("interpolation_error", 2e-4))]
     ds = xr.Dataset(attrs={"quality": as_json([*own, Check("haskind", 0.5, 1.0, "-", "ok", "")])})
     asked = []
     monkeypatch.setattr(ledger.witness, "witness_checks", lambda found: [f"shapes of {found}"])
     monkeypatch.setattr(ledger.witness, "database_checks", lambda *given: asked.append(given[1:]) or ["database"])
-    study = varied(small.study, hydro={"witness": "auto"})
+    study = varied(seed, hydro={"witness": "auto"})
     assert ledger.witness_checks(study, ds, "both") == ["shapes of both", "database"]
     assert asked == [(ds, pytest.approx(3e-4))]
 
