@@ -5,9 +5,10 @@ import json
 import pytest
 from conftest import SEED, varied
 from pydantic import ValidationError
+from study.test_body_plan import plan as planned_body
 
+from vsb.study import body_plan, specs
 from vsb.study import plan as plans
-from vsb.study import specs
 from vsb.study.plan import StudyPlan
 from vsb.study.study import canonical, content_id, load
 
@@ -72,6 +73,37 @@ def test_how_a_pause_is_found_names_the_runs_that_pause_and_no_others(seed, monk
     after = ids()
     assert after[0] == others
     assert [new != old for new, old in zip(after[1], runs, strict=True)] == [pauses] * len(runs)
+
+
+@pytest.mark.parametrize(
+    ("pto", "costs"),
+    [
+        ({}, False),
+        ({"stiffness": 2e3}, False),
+        ({"efficiency": 0.8}, False),
+        ({"stiffness": -2e3, "efficiency": 0.8}, True),
+    ],
+)
+def test_how_dampers_beside_a_costly_spring_are_found_names_their_ladders_and_nothing_else(
+    seed, monkeypatch, pto, costs
+):
+    """Ladders of a former rule are not taken for those of today's; all others keep their names, a body's likewise."""
+
+    def ids():
+        plan, body = StudyPlan(varied(seed, pto=pto)), planned_body(pto={"damping": 1e4, **pto})
+        stages = [plan.database, plan.radiation, plan.response, plan.comparison, body.radiation, body.response]
+        runs = [plan.simulation(design, seed.waves[0]) for design in seed.designs]
+        ladders = [plan.ladder, body.ladder]
+        assert [f'"spring":{specs.SPRING}' in canonical(ladder) for ladder in ladders] == [costs] * 2
+        return [content_id(spec) for spec in stages + runs], [content_id(ladder) for ladder in ladders]
+
+    others, ladders = ids()
+    for plan_module in (plans, body_plan):
+        monkeypatch.setattr(plan_module, "SPRING", specs.SPRING + 1)
+    monkeypatch.setattr(specs, "SPRING", specs.SPRING + 1)
+    after = ids()
+    assert after[0] == others
+    assert [new != old for new, old in zip(after[1], ladders, strict=True)] == [costs] * 2
 
 
 def test_runs_of_a_year_that_pause_rest_on_how_a_pause_is_found(seed):

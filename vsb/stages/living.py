@@ -49,7 +49,7 @@ def living_study(
     """
     pto = study.pto
     dragged = isinstance(study, Study) and study.drag
-    if not study.needs_bem or dragged or (pto.stiffness and pto.efficiency < 1):
+    if not study.needs_bem or dragged or pto.spring_costs:
         return None
     seen, waves = _Seen(study, afloat(study, database)), _seas(study)
     if not waves:

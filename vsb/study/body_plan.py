@@ -19,6 +19,7 @@ from vsb.study.body_specs import (
 from vsb.study.canonical import content_id
 from vsb.study.plan import StudyPlan
 from vsb.study.results_plan import ResultsPlan
+from vsb.study.specs import SPRING
 from vsb.study.study import Study
 from vsb.study.waves import RegularWave, Wave
 
@@ -76,7 +77,8 @@ class BodyPlan(ResultsPlan):
     def ladder(self) -> BodyLadderSpec:
         """Spec of the tuning ladder; it follows no motion, so a method is none of its own."""
         simulation = self.study.simulation.model_copy(update={"method": "auto"})
-        return BodyLadderSpec(waves=self.study.waves, simulation=simulation, **self._sections())
+        spring = SPRING if self.study.pto.spring_costs else 0
+        return BodyLadderSpec(waves=self.study.waves, simulation=simulation, spring=spring, **self._sections())
 
     def simulation(self, design: str, wave: Wave) -> BodySimulateSpec:
         """Spec of one time-domain run: of the take-off its own damper, or how to find it."""

@@ -53,9 +53,10 @@ class BodyResponseSpec(OfDesigns):
 class BodyLadderSpec(OfDesigns):
     """Tuning ladder of all designs in all seas."""
 
-    TAG = "ladder"
+    TAG, LATER = "ladder", ("spring",)
     waves: tuple[Wave, ...]
     simulation: Simulation
+    spring: int = 0  # as of `LadderSpec`
 
 
 class BodySimulateSpec(OfDesigns):

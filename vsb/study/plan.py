@@ -10,6 +10,7 @@ from vsb.study.blocks import BlockSpec, HydroPlan
 from vsb.study.results_plan import ResultsPlan
 from vsb.study.specs import (
     PAUSE,
+    SPRING,
     Band,
     CompareSpec,
     DatabaseSpec,
@@ -114,7 +115,8 @@ class StudyPlan(HydroPlan, ResultsPlan):
         """Spec of the tuning ladder; it follows no motion, so a method of the study's model is none of its own."""
         sections = self._sections("device", "modes", "designs", "water", "pto", "drag", "waves", "motion", "mooring")
         simulation = self.study.simulation.model_copy(update={"method": "auto"})
-        return LadderSpec(hydro=Band(omega_max=self.study.hydro.omega_max), simulation=simulation, **sections)
+        spring, hydro = SPRING if self.study.pto.spring_costs else 0, Band(omega_max=self.study.hydro.omega_max)
+        return LadderSpec(hydro=hydro, simulation=simulation, spring=spring, **sections)
 
     def simulation(self, design: str, wave: Wave) -> SimulateSpec:
         """Spec of one time-domain run: of the take-off its own damper, or how to find it."""

@@ -28,6 +28,8 @@ PHYSICS = {
 """Hand-bumped version of the physics behind each tag: a library edit alone never reruns anything."""
 PAUSE = 3
 """Hand-bumped version of how the pause of a law is found: in the runs of laws that pause alone."""
+SPRING = 1
+"""Hand-bumped version of how dampers are found beside a spring that costs power: in ladders of such alone."""
 
 
 class Spec(Extended):
@@ -297,10 +299,11 @@ class Band(Section):
 class LadderSpec(DraggedSpec):
     """Tuning ladder of all designs in all seas."""
 
-    TAG = "ladder"
+    TAG, LATER = "ladder", (*DraggedSpec.LATER, "spring")
     waves: tuple[Wave, ...]
     simulation: Simulation
     hydro: Band
+    spring: int = 0  # version of how dampers are found beside one that costs power; 0: none costs any
 
 
 class SimulateSpec(DesignsAtRest, DraggedSpec):

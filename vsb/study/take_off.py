@@ -216,6 +216,11 @@ class Pto(Section):
         return self.law in PAUSE
 
     @property
+    def spring_costs(self) -> bool:
+        """Whether its spring loses power, both ways through the efficiency."""
+        return bool(self.stiffness) and self.efficiency < 1.0
+
+    @property
     def on_shell(self) -> bool:
         """Whether its port is at points of the shell."""
         return isinstance(self.port, ShellPort | BetweenPort)
