@@ -23,6 +23,15 @@ def test_nodes_keep_their_modes_and_the_last_one_how_it_was_left():
     assert track.nodes() == {Mode(1): [0, 1], Mode(-1, limited=1): [2]}
 
 
+def test_events_of_one_instant_are_as_many_as_there_are():
+    """A take-off that chatters without time going on is given up by their number."""
+    track = Track(Lookout(0.1))
+    for k, t in enumerate([0.2, 0.2, 0.2, 0.3]):
+        track.switch(t, np.array([float(k)]), Mode((-1) ** k))
+    assert track.events == [0.2, 0.2, 0.2, 0.3]
+    assert track.nodes() == {Mode(1): [0, 2], Mode(-1): [1, 3]}
+
+
 def test_only_the_last_of_nodes_added_together_is_left_otherwise():
     track = Track(Lookout(0.1))
     states = np.arange(6.0).reshape(3, 2)

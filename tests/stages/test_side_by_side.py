@@ -255,6 +255,10 @@ def test_the_name_that_is_there_twice_is_told_whichever_it_is(monkeypatch):
     needs = "compare: received b more than once; needs every study and campaign once"
     with pytest.raises(ConfigError, match=f"^{needs}$"):
         lines(plans)
+    year, namesake = Year(name="b"), SimpleNamespace(study=SimpleNamespace(study="b"))
+    for both in ([year, year], [year, namesake], [namesake, year], [Year(name="a"), namesake, year]):
+        with pytest.raises(ConfigError, match=f"^{needs}$"):
+            lines(both)
 
 
 @pytest.mark.parametrize(

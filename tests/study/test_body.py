@@ -153,7 +153,15 @@ def test_wamit_is_all_of_its_files(tmp_path):
     (tmp_path / "run" / "raft.hst").write_text("")
     three = located(raw, str(tmp_path / "raft.yaml")).study
     (tmp_path / "run" / "raft.mmx").write_text("")
-    assert located(raw, str(tmp_path / "raft.yaml")).study != three
+    four = located(raw, str(tmp_path / "raft.yaml")).study
+    assert four != three
+    for ending in (".1", ".3", ".hst", ".mmx"):
+        file = tmp_path / "run" / f"raft{ending}"
+        held = file.read_text()
+        file.write_text("other")
+        assert located(raw, str(tmp_path / "raft.yaml")).study != four
+        file.write_text(held)
+    assert located(raw, str(tmp_path / "raft.yaml")).study == four
 
 
 @pytest.mark.parametrize(
@@ -263,6 +271,8 @@ def test_every_check_on_the_database_of_a_body_may_be_accepted_and_two_be_repair
             ConfigError, match=rf"\['{name}'\]: cannot be repaired; needs some of positive_damping, kramers"
         ):
             study(hydro={"repair": [name]})
+    with pytest.raises(ConfigError, match=r"hydro.repair.*\['symmetry', 'b'\]: cannot be repaired; needs some of"):
+        study(hydro={"repair": ["positive_damping", "symmetry", "kramers_kronig", "b"]})
     with pytest.raises(ConfigError, match=rf"\['b', 'a'\]: no such check; needs some of {', '.join(names)}"):
         study(hydro={"accept": ["b", "symmetry", "a"]})
 

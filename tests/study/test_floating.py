@@ -59,6 +59,8 @@ def test_sections_made_in_python_are_told_their_band_by_the_study(raw):
     wide = vsb.Device(**without(raw["device"], radius=8.0, thickness=0.04, mass=1e6))
     for known, hydro, omega_max in (
         (device, vsb.Hydro(), 12.0), (wide, vsb.Hydro(), 6.0), (wide, vsb.Hydro(omega_max=5.0), 5.0),
+        (wide, vsb.Hydro(tolerance=1e-4, solver="spectral"), 6.0), (wide, vsb.Hydro(tolerance=1e-4, omega_max=5.0), 5.0),
+        (wide, vsb.Hydro(omega_max=12.0), 12.0),
     ):  # fmt: skip
         study = vsb.Study(study="a", device=known, designs={"A": vsb.Design()}, hydro=hydro, waves=(wave,))
         assert study.hydro.omega_max == omega_max

@@ -27,6 +27,8 @@ from vsb.tools.files import (
     read_groups,
     read_text,
     save,
+    seal,
+    seal_of,
     sealed,
     whole,
     write_text,
@@ -584,3 +586,19 @@ def test_what_a_library_says_in_several_lines_is_told_in_one(tmp_path, monkeypat
     monkeypatch.setattr(xr, "open_groups", fail)
     with pytest.raises(DatabaseError, match=r"a\.nc: cannot be read as netCDF \(one and another\); delete it and run"):
         load(tmp_path / "a.nc")
+
+
+@pytest.mark.parametrize("size", [0, 1, 2**16 + 1, 2**20 + 1, 2**23 + 3])
+def test_a_seal_is_of_all_of_a_file_however_large(tmp_path, size):
+    content = np.arange(size, dtype=np.uint32).astype(np.uint8).tobytes()
+    path = tmp_path / "large.nc"
+    path.write_bytes(content)
+    seal(path)
+    assert path.read_bytes() == content + seal_of(content)
+    assert sealed(path)
+    for place in {0, size // 2, size - 1} if size else ():
+        changed = bytearray(content + seal_of(content))
+        changed[place] ^= 1
+        path.write_bytes(changed)
+        with pytest.raises(DatabaseError, match="large.nc"):
+            sealed(path)

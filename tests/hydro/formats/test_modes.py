@@ -311,6 +311,9 @@ def test_what_must_be_positive(value):
     with pytest.raises(ConfigError, match=r"--depth: received .*, needs a positive number of m\."):
         check_positive("--depth", value, "m")
     check_positive("--depth", np.inf, "m", infinite=True)
+    for never in (-np.inf, np.nan, 0.0, -3.0):
+        with pytest.raises(ConfigError, match=rf"--depth: received {never}, needs a positive number of m, or inf\.$"):
+            check_positive("--depth", never, "m", infinite=True)
 
 
 # --- commands
