@@ -600,5 +600,5 @@ def test_a_seal_is_of_all_of_a_file_however_large(tmp_path, size):
         changed = bytearray(content + seal_of(content))
         changed[place] ^= 1
         path.write_bytes(changed)
-        with pytest.raises(DatabaseError, match="large.nc"):
+        with pytest.raises(DatabaseError, match=r"large\.nc"):
             sealed(path)
