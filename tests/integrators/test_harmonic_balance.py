@@ -569,6 +569,24 @@ def test_what_a_step_of_newtons_method_takes_away_is_what_its_scene_is_missing()
     assert not found[0].imag.any()
 
 
+@pytest.mark.parametrize(("held", "refused"), [(0.0, True), (1e-3, False)])
+def test_what_nothing_holds_has_no_mean_place_whatever_pushes_it(held, refused):
+    """The first coordinate draws the second after it, which nothing holds where it is; or the first is not held."""
+    system, memory = two_motions(drag=Damper(np.zeros((2, 2))))
+    scene = PeriodicScene(system, STEP, memory.transfer)
+    for rest in ([[5.0, 0.0], [2.0, held]], [[held, 2.0], [0.0, 5.0]]):
+        impedance = scene.impedance(64)
+        impedance[0] = rest
+        start = np.zeros((harmonic.COUPLED + 1, 2), dtype=complex)
+        if refused:
+            with pytest.raises(
+                ConvergenceError, match=r"^harmonic balance: nothing holds a coordinate in a mean place;"
+            ):
+                harmonic.Newton(scene, impedance, start, 2)
+        else:
+            harmonic.Newton(scene, impedance, start, 2)
+
+
 def test_the_inertia_of_an_orbit_is_that_of_the_harmonics_it_has():
     rng = np.random.default_rng(6)
     u, z = (rng.normal(size=shape) + 1j * rng.normal(size=shape) for shape in ((3, 2), (5, 2, 2)))

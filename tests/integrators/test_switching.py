@@ -787,3 +787,17 @@ def test_a_lookout_is_made_finer_until_errors_are_small_beside_the_motion_or_wha
     with pytest.raises(ConvergenceError, match=r"is not followed to 1e-06 by steps of 0\.5 s; raise simulation.tol"):
         one.tracked(TIME, START)
     assert asked[-1] == 1024
+
+
+@pytest.mark.parametrize("name", ["saturated", "end stop"])
+def test_dips_are_sought_by_rates_of_the_length_of_a_span(monkeypatch, name):
+    """How a guard changes over the spans it is told at, and over how many of them, is how its rate has it."""
+    seen = []
+    monkeypatch.setattr("vsb.integrators.switching.dips", lambda values, rates: seen.append((values, rates)) or [])
+    law, stop = LAWS[name]
+    switched(oscillator(law, stop), TIME, START)
+    longest = sorted(seen, key=lambda each: len(each[0]))[-4:]
+    for values, rates in longest:
+        assert len(values) > 8
+        missed = np.diff(values) - (rates[1:] + rates[:-1]) / 2
+        assert np.median(np.abs(missed)) < 0.01 * np.abs(rates).max()  # a stop's guard jumps as its side changes

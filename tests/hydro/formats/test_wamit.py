@@ -261,6 +261,16 @@ def test_a_header_may_be_missing_and_infinite_frequency_too(tmp_path):
     assert ds.added_mass.values[1, 1] == pytest.approx([0.0, 2000.0, 400.0])
 
 
+def test_a_header_may_be_written_in_any_alphabet(tmp_path):
+    """Degrees and names of old files are not in UTF-8; a header is not read."""
+    expected = import_wamit(written(tmp_path, FOREIGN), "buoy", density=1000.0, gravity=10.0)
+    for path in tmp_path.iterdir():
+        if path.suffix in FOREIGN:
+            head, _, rest = path.read_text().partition("\n")
+            path.write_bytes(f"{head} Kr\u00fcger, 45\u00b0\n{rest}".encode("latin-1"))
+    assert import_wamit(tmp_path, "buoy", density=1000.0, gravity=10.0).equals(expected)
+
+
 def edited(extension, old, new):
     assert old in FOREIGN[extension]
     return {**FOREIGN, extension: FOREIGN[extension].replace(old, new, 1)}
