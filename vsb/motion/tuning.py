@@ -16,6 +16,8 @@ from vsb.waves.seas import Sea
 LOG_STEP = 0.1
 """Step of the logarithm of the dampers tried first. In it P''/P >= -1 (the sum of 1/(R + |Z| cosh(u - ln |Z|)) over
 frequencies): no maximum is more than a part LOG_STEP^2/8 above the nearest damper tried, and none can be missed."""
+_HARDER = 100.0
+"""How many times as hard, and as soft, dampers are tried where power costs on its way."""
 PAIR_STEP = 0.4
 SPRINGS = 32, 160
 """Where the spring is free as well, step of the dampers tried first, and springs, spread evenly and tuned to waves."""
@@ -138,14 +140,14 @@ def best_dampers(port: Port, squares: FloatArray, stiffness: float = 0.0, effici
 def _rivals(port: Port, squares: FloatArray, stiffness: float, efficiency: float) -> tuple[FloatArray, IntArray]:
     """Logarithms of tried dampers from which a climb may end at the best one, and the sea of each, (start,)."""
     sizes = port.beside(stiffness).best_damping[squares.any(axis=0)]
-    reach = 1.0 if efficiency == 1.0 else 100.0
+    reach = 1.0 if efficiency == 1.0 else _HARDER
     least, most = np.floor(np.log([sizes.min() / reach, sizes.max() * reach]) / LOG_STEP)
     while True:
         tried = LOG_STEP * np.arange(least - 1, most + 3)  # of a grid for all seas: what is found in one knows no other
         powers = powers_of_all(port, squares, np.exp(tried), np.full(len(tried), stiffness), efficiency)
         if not np.any(powers.max(axis=0) < 0.0):
             break
-        most += np.ceil(np.log(reach) / LOG_STEP)  # the spring costs more than any of these takes: a harder one does
+        most += np.ceil(np.log(_HARDER) / LOG_STEP)  # the spring costs more than any of these takes: a harder one does
     rivals = powers >= powers.max(axis=0) * (1 - LOG_STEP**2 / 4)
     at, sea = np.nonzero(rivals & _local_maxima(powers))
     return tried[at], sea
