@@ -64,3 +64,22 @@ def test_a_run_is_judged_in_the_waves_it_was_made_in_and_says_whose_it_is():
         assert [(check.design, check.wave) for check in checks] == 2 * [("FSB", wave.label)]
         assert checks[1].value == pytest.approx(0.75 * wavenumber(2 * np.pi / period, 4.0, 9.81), rel=1e-12)
         assert checks[1].explanation.startswith("wavenumber times the largest surge, 0.75 m;")
+
+
+def test_how_far_a_buoy_leans_and_drifts_is_told_of_one_instant_at_a_time():
+    """Pitch and roll, surge and sway are largest at other instants than what both make together."""
+    data = load(SEED).model_dump() | {"motion": "planar"}
+    data["device"] |= {"centre_of_mass": -0.5, "ballast_inertia": 8e3}
+    study = varied(parse(data), waves=[{"kind": "regular", "amplitude": 0.1, "period": 3.0}])
+    (wave,) = study.waves
+    turned = study.model_copy(update={"waves": (wave.model_copy(update={"direction": 30.0}),)})
+    dofs = ["Surge", "Sway", "Heave", "Roll", "Pitch"]
+    position = np.array(
+        [[0.0] * 5, [0.5, -0.4, 0.0, 0.03, 0.04], [-0.2, -0.6, 0.0, -0.06, 0.01], [0.1, 0.7, 0.0, 0.02, -0.055]]
+    )
+    position[3, 1] = 0.3
+    run = xr.Dataset({"position": (("time", "dof"), position)}, {"time": np.arange(4.0), "dof": dofs})
+    pitch, surge = attitude_checks(turned, run.assign_attrs(design="FSB", wave=turned.waves[0].label))
+    assert pitch.value == pytest.approx(np.hypot(0.06, 0.01), rel=1e-12)
+    along = 0.2 * np.cos(np.pi / 6) + 0.6 * np.sin(np.pi / 6)
+    assert surge.value == pytest.approx(wavenumber(wave.omega, np.inf, 9.81) * along, rel=1e-12)

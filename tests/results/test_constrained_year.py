@@ -344,3 +344,33 @@ def test_a_port_that_some_waves_do_not_move_takes_what_the_others_bring():
     assert not still.stroke.any()
     assert len(still.force) == len(still.stroke) == HARMONICS.count
     assert still[2:] == (0.0,) * 6 + (0,)
+
+
+def test_a_gain_of_years_that_are_solved_in_part_lies_about_what_their_realisations_say_of_what_is_solved():
+    """Two of three bins reached, the third by its matched power alone, of which the designs could take uneven parts."""
+    seas = Bins(0.5 * np.arange(3) + 0.1, np.full(3, 0.5), np.array([0.5, 0.3, 0.2]))
+
+    def solved(powers, matched):
+        pairs = tuple(tuple(SimpleNamespace(power=p, bound=1.1 * p) for p in pair) for pair in powers)
+        places = np.zeros(seas.shape)
+        places[:, 0] = matched
+        return ConstrainedYear(seas, np.arange(2), np.zeros((2, 2, 1)), pairs, places, flux_share=0.8)
+
+    powers = {"base": [(10.0, 13.0), (20.0, 26.0)], "better": [(18.0, 16.0), (30.0, 33.0)]}
+    matched = {"base": (30.0, 40.0, 90.0), "better": (35.0, 60.0, 50.0)}
+    base, better = (solved(powers[name], matched[name]) for name in ("base", "better"))
+    taken, bound, mean = {}, {}, {}
+    for name, pairs in powers.items():
+        taken[name] = 0.5 * sum(pairs[0]) / 2 + 0.3 * sum(pairs[1]) / 2
+        could, left = 0.5 * matched[name][0] + 0.3 * matched[name][1], 0.2 * matched[name][2]
+        bound[name], mean[name] = 1.1 * taken[name] + left, taken[name] * (1 + left / could)
+    ratio = mean["better"] / mean["base"]
+    draws = [
+        2 * hours * (own - ratio * other)
+        for hours, ours, others in zip((0.5, 0.3), powers["better"], powers["base"], strict=True)
+        for own, other in zip(ours, others, strict=True)
+    ]
+    half = half_width(np.array(draws) / taken["base"])
+    least, most = taken["better"] / bound["base"] - half, bound["better"] / taken["base"] + half
+    assert better.gain(base) == pytest.approx((100 * (ratio - 1), 100 * (least - 1), 100 * (most - 1)))
+    assert half > 0.01

@@ -159,3 +159,10 @@ def test_all_that_is_lost_is_told_of_its_own_sea(study, rungs):
     assert [(one.design, one.wave, one.value) for one in checks] == [
         (design, sea, 1.0) for sea in seas for design in study.designs
     ]
+
+
+def test_a_best_damper_that_takes_all_there_is_leaves_nothing_to_gain_in_its_sea(study, rungs):
+    """Of a wave at resonance: a share of one, which is told as any other is."""
+    matched = [row._replace(power_mean=800.0) if row.rung == "matched" else row for row in rungs]
+    found = reference_power_checks(study, matched)
+    assert [(check.value, check.verdict) for check in found] == [(1.0, "ok"), (4.0, "ok")]

@@ -735,3 +735,25 @@ def test_every_design_has_drag_of_its_own(monkeypatch):
     both = rungs("A", "B")
     assert both == rungs("A") + rungs("B")
     assert len({rung.power_mean for rung in both}) > len(both) // 2
+
+
+def test_a_damper_of_nothing_is_given_and_has_its_rung(monkeypatch):
+    """It takes nothing in any sea, beside drag as without."""
+    rng = np.random.default_rng(8)
+    omega = 0.5 + 0.1 * np.arange(8)
+    found = linear_rungs(random_port(rng, omega), rng.uniform(0.0, 1.0, (3, 8)), [0, 1], Given(0.0))
+    monkeypatch.setattr("vsb.results.ladder.best_damper", lambda *_: 1.5)
+    monkeypatch.setattr("vsb.results.ladder.best_pair", lambda port, squares, known, efficiency: known)
+    port = Buoy(3).port
+    dragged = dragged_rungs(port, dragged_seas(port.port.omega), [0, 1], Given(0.0))
+    for rungs in (found, dragged):
+        assert rungs["fixed"].damping.tolist() == rungs["fixed"].power.tolist() == [0.0] * 3
+        assert rungs["best_damper"].power.min() > 0
+
+
+def test_two_waves_that_do_not_meet_in_the_time_looked_at_have_no_peak_of_both():
+    """Opposed at the beginning, of nearly one frequency: within a second they are a tenth apart; one is its amplitude."""
+    omega, ones = np.array([1.0, 1.1]), np.ones(2, dtype=complex)
+    (peak,) = _peaks(Sea(omega, ones), np.array([[1.0 + 0j, -1.0]]), 1.0)
+    assert peak == pytest.approx(np.cos(1.0) - np.cos(1.1), rel=1e-12)
+    assert _peaks(Sea(omega[:1], ones[:1]), np.array([[-0.3 + 0.4j]]), 1.0) == pytest.approx([0.5])

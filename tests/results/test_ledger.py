@@ -750,3 +750,13 @@ def test_the_shell_at_rest_is_that_of_the_equilibrium_or_what_the_load_about_the
     study = SimpleNamespace(at_equilibrium=False)
     assert static_modal_amplitude(study, reference) == pytest.approx([(1.5 - 1.75 / 4) / 2, 1.75 / 4])
     assert asked == [(study, "basis")]
+
+
+def test_a_steady_state_in_which_nothing_is_taken_is_one_to_compare_with():
+    """What the window has is all of the difference, in watts; where nothing is told of a steady state there is none."""
+    runs = {("A", "w"): {"steady_power": 0.0, "steady_decay": 0.1}, ("B", "w"): {}}
+    rows = [{"design": design, "wave": "w", "power_mean": -0.02} for design in "AB"]
+    (left,) = ledger.transient_checks(runs, rows)
+    assert (left.design, left.value, left.limit) == ("A", 0.02, 0.005)
+    assert left.verdict != "ok"
+    assert "-0.02 W in the window, 0 W in the steady state" in left.explanation

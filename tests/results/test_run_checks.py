@@ -17,6 +17,7 @@ from vsb.results.run_checks import (
     linearity_check,
     steady_state_check,
 )
+from vsb.scenes.build import TUNED
 from vsb.study.body import BodyStudy
 from vsb.study.reading import validated
 
@@ -40,7 +41,16 @@ def test_energy_is_balanced_to_what_the_method_promises():
 
 @pytest.mark.parametrize(
     ("settings", "limit"),
-    [({}, 1e-6), ({"tolerance": 1e-4}, 1e-4), ({"method": "convolution"}, 1e-4)],
+    [
+        ({}, 1e-6),
+        ({"tolerance": 1e-4}, 1e-4),
+        ({"method": "convolution"}, 1e-4),
+        ({"tolerance": 1e-9}, 1e-6),
+        ({"method": "exact"}, 1e-6),
+        ({"method": "structure_preserving", "tolerance": 1e-9}, 1e-6),
+        ({"method": "convolution", "tolerance": 1e-9}, 1e-4),
+        ({"method": "convolution", "tolerance": 1e-2}, 1e-2),
+    ],
 )
 def test_energy_is_closed_on_one_side_of_its_limit_and_not_on_the_other(settings, limit):
     verdicts = [
@@ -177,3 +187,19 @@ def test_a_design_beside_drag_is_no_reason_to_leave_out_those_after_it():
     assert [check.value for check in found] == pytest.approx([0.1, 0.0, 0.0], abs=1e-12)
     still = SimpleNamespace(label="still")
     assert agreement_checks(one, still, frequency, rows, runs) == []
+
+
+def test_a_run_that_was_tuned_is_judged_by_what_its_own_damper_takes():
+    """Half c |Z V|^2/|Z + c|^2 of each design's, in waves of 0.5 m; the response itself is of another damper."""
+    one = study(designs={"a": {}, "b": {}})
+    (wave,) = one.waves
+    impedance, velocity = np.array([[2.0 + 1j], [4.0 - 3j]]), np.array([[3.0 + 0j], [1j]])
+    values = {"port_impedance": impedance, "port_velocity": velocity, "absorbed_power": np.full((2, 1), 99.0)}
+    values = {name: (("design", "omega"), value) for name, value in values.items()}
+    frequency = xr.Dataset(values, {"design": ["a", "b"], "omega": [wave.omega]})
+    runs = {("a", wave.label): {"model": "linear", TUNED: 5.0}, ("b", wave.label): {"model": "linear", TUNED: 7.0}}
+    means = [0.25 * 0.5 * 5.0 * 5.0 * 9.0 / 50.0, 0.25 * 0.5 * 7.0 * 25.0 / 130.0]
+    rows = [{"design": d, "wave": wave.label, "power_mean": mean} for d, mean in zip("ab", means, strict=True)]
+    found = agreement_checks(one, wave, frequency, rows, runs)
+    assert [check.design for check in found] == ["a", "b"]
+    assert [check.value for check in found] == pytest.approx([0.0, 0.0], abs=1e-12)

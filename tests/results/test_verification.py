@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from results.test_year import WATER, climate, port, stroke_rms
+from scipy.special import chdtri
 
 from vsb.errors import ConfigError
 from vsb.motion.port import Port
@@ -398,3 +399,38 @@ def test_linear_power_is_a_mean_over_its_window_at_eight_instants_in_the_shortes
     assert (instants[0], instants[-1]) == (30.0, 40.0)
     assert 0.9 * 2 * np.pi / 24 < instants[1] - instants[0] <= 2 * np.pi / 24
     assert found == pytest.approx(7e3 * 100.0 / 3, rel=1e-3)
+
+
+@pytest.mark.parametrize("lost", [np.nan, np.inf, -np.inf])
+def test_powers_that_are_not_finite_are_counted_whatever_they_are(measured, lost):
+    found, _ = measured
+    sample, powers = drawn(contributions(found, "one"), found.climate.hours, 4, 0), np.ones((2, 4))
+    some = powers.copy()
+    some[1, 2:] = lost
+    for name, given in (("better", (some, powers)), ("linear", (powers, some))):
+        with pytest.raises(
+            ConfigError,
+            match=rf"received {name} powers of shape \(2, 4\), 2 of them not finite; needs 2 designs by 4 seas, all fin",
+        ):
+            verified(found, "one", sample, *given)
+
+
+def test_hours_saved_weigh_seas_by_their_hours_and_records_by_those_of_the_seas_they_stand_for():
+    """Seas of uneven hours, drawn by other chances than those: for each of two designs, by the sums themselves."""
+    hours, chance = np.array([0.5, 0.3, 0.15, 0.05]), np.array([0.25, 0.25, 0.3, 0.2])
+    seas = np.array([[1.0, 2.0, 3.0, 8.0], [4.0, 1.0, 6.0, 2.0]])
+    order = np.array([2, 0, 3, 1])
+    sample = Sample(order, np.arange(4), (hours / chance)[order])
+    linear = seas[:, order] + np.array([[0.5, -0.2, 0.3, 0.4], [-0.1, 0.2, 0.6, -0.3]])
+    better = 0.8 * linear + np.array([[0.1, -0.3, 0.2, 0.4], [0.2, 0.1, -0.3, 0.2]])
+    checked = Verification(seas @ hours, seas, hours, sample, better, linear)
+    for i, powers in enumerate(seas):
+        year = sum(h * p for h, p in zip(hours, powers, strict=True))
+        between = sum(h * (p - year) ** 2 for h, p in zip(hours, powers, strict=True))
+        within = sum(hours[k] / chance[k] * (run - powers[k]) ** 2 for k, run in zip(order, linear[i], strict=True)) / 4
+        x, y, z, w = checked.differences[i]
+        parts = (x - y) ** 2 / 16, (z - w) ** 2 / 16
+        freedom = min(2.0, 2.5 * sum(parts) ** 2 / (parts[0] ** 2 + parts[1] ** 2) - 1.5)
+        own = 4 * sum(parts) * freedom / chdtri(freedom, 0.75)
+        expected = (checked.corrected[i] / year) ** 2 * (between + within) / own
+        assert checked.fewer_hours(i) == pytest.approx(expected, rel=1e-9)

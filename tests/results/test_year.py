@@ -358,3 +358,11 @@ def test_what_a_year_says_of_a_design_and_a_tuning_is_what_it_says_of_them_alone
                 of_all, of_one = getattr(together, figure)[i, j], getattr(alone, figure)[0, 0]
                 np.testing.assert_allclose(of_all, of_one, rtol=1e-9, err_msg=f"{figure} of {name}, {tuning}")
     assert len(np.unique(together.quadrature_error)) == len(np.unique(together.practice)) == 6
+
+
+def test_a_damper_of_nothing_is_given_and_takes_nothing():
+    grid = np.arange(0.1, 3.0, 0.05)
+    found = year({"A": port(grid), "B": port(grid)}, climate(), WATER, ["fixed", "one"], {"A": 0.0, "B": 8e3})
+    assert not found.damping[0, 0].any()
+    assert found.annual_mean_power[0, 0] == found.practice[0, 0] == found.force_rms[0, 0] == 0.0
+    assert found.annual_mean_power[0, 1] > found.annual_mean_power[1, 0] > 0.0

@@ -343,3 +343,14 @@ def test_a_file_alone_is_read_by_its_own_kind(tmp_path, kind):
     assert found.study.body.model_dump()[kind].startswith("sha256:")
     with pytest.raises(ConfigError, match=rf"raft.yaml: body.{kind}: .*gone.h5 cannot be read"):
         located({**RAW, "body": {kind: "gone.h5"}}, str(tmp_path / "raft.yaml"))
+
+
+@pytest.mark.parametrize("kind", ["database", "wamit"])
+def test_a_long_file_counts_to_its_last_byte(tmp_path, kind):
+    """The second of several as well."""
+    found = []
+    for last in (b"a", b"b"):
+        for name in ("raft", "raft.1", "raft.3", "raft.hst"):
+            (tmp_path / name).write_bytes(bytes(3 * 2**20) + (last if name in ("raft", "raft.3") else b""))
+        found.append(located({**RAW, "body": {kind: "raft"}}, str(tmp_path / "raft.yaml")).study)
+    assert found[0] != found[1]

@@ -316,3 +316,19 @@ def test_a_year_is_of_waves_that_go_one_way_in_the_plane_or_not():
     assert [study_at(base, {"motion": motion}).motion for motion in ("heave", "planar")] == ["heave", "planar"]
     with pytest.raises(ConfigError, match=r"^with motion: free: motion: received 'free'; the seas of a year have no"):
         study_at(base, {"motion": "free"})
+
+
+def test_a_damper_of_nothing_is_one_that_may_be_fixed(folder):
+    raw = yaml.safe_load(SEED.read_text())
+    raw["pto"] |= {"damping": 0.0}
+    (folder / "seed.yaml").write_text(yaml.safe_dump(raw))
+    assert load(written(folder)).tuning == ("fixed", "one", "each")
+    assert load(written(folder, tuning=["fixed"])).tuning == ("fixed",)
+
+
+def test_a_long_climate_counts_to_its_last_byte(folder):
+    found = set()
+    for last in (b"a", b"b"):
+        (folder / "sea.txt").write_bytes(bytes(3 * 2**20) + last)
+        found.add(load(written(folder)).climate_id)
+    assert len(found) == 2

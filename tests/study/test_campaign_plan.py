@@ -422,3 +422,12 @@ def test_members_of_one_thickness_go_together_whatever_is_varied_before_it(plann
     assert [tuple(point.values()) for point in points] == [
         (density, thickness) for thickness in (0.01, 0.02) for density in (2600.0, 2700.0)
     ]
+
+
+def test_a_campaign_promises_its_report_its_data_its_table_and_all_they_are_made_of(planned):
+    plan = planned({"device.mass": [1.2e4, 1.4e4, 1.6e4, 1.7e4]}, verify={})
+    names = ("sweep", "spectra", "power_matrices", "tuned_power", "pareto")
+    own = [f"figures/{name}.{kind}" for name in names for kind in ("svg", "pdf", "csv")]
+    own += [f"batches/{one}.nc" for one in plan.batches] + [f"verification/{one}.nc" for one in plan.verifications]
+    own += ["report.html", "campaign.nc", "campaign.csv"]
+    assert sorted(plan.products) == sorted(f"results/sweep/{name}" for name in own)

@@ -62,3 +62,10 @@ def test_realisations_are_seas_and_one_of_each_suits_a_damper():
 
 def test_figures_may_be_published_of_some_designs():
     assert study(published={"source": "x", "values": {"b": {"energy": 1.0}}}).published.values == {"b": {"energy": 1.0}}
+
+
+def test_in_still_water_a_damper_of_nothing_is_one_as_any_other():
+    """Given to all designs, or one by one; whatever tuning finds where something comes in."""
+    for damping in (0.0, {"a": 0.0, "b": 0.0}, 5.0):
+        for tuning in ("fixed", "each"):
+            study(waves=[SWELL, STILL], pto={"damping": damping, "tuning": tuning}).check_dampers()

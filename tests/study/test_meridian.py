@@ -336,3 +336,12 @@ def test_a_meridian_whose_height_has_more_terms_than_its_radius_is_looked_at_fin
     found = RestMeridian((2.0,), (0.0, 2.0, *88 * (0.0,), 0.02))
     assert lowest < found.keel - 0.03
     assert found.lowest == pytest.approx(lowest, abs=0.02 * (math.pi / 16) ** 2 / 2)
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize("place", range(4))
+def test_every_term_of_either_coordinate_is_a_finite_number(value, place):
+    terms = [1.0, 0.1, 0.0, 1.0]
+    terms[place] = value
+    with pytest.raises(ValueError, match="received NaN or infinite numbers; needs finite ones"):
+        RestMeridian(tuple(terms[:2]), tuple(terms[2:]))

@@ -272,8 +272,10 @@ def test_a_member_of_a_campaign_without_a_damper_has_a_plan(seed):
     still = varied(seed, pto={"damping": None, "tuning": "each"}, waves=[{"kind": "still"}])
     run = StudyPlan(still).simulation("FSB", still.waves[0])
     assert (run.pto.damping, run.pto.tuning) == (None, "each")
-    given = varied(still, pto={"damping": 8000.0})
-    assert StudyPlan(given).simulation("FSB", given.waves[0]).pto.tuning == "fixed"
+    for damping in (8000.0, 0.0):
+        given = varied(still, pto={"damping": damping})
+        run = StudyPlan(given).simulation("FSB", given.waves[0])
+        assert (run.pto.damping, run.pto.tuning) == (damping, "fixed")
 
 
 def test_memory_to_draw_a_study_is_a_fifth_more_than_the_series_of_all_designs_in_its_longest_sea(seed):

@@ -152,3 +152,19 @@ def test_memory_is_of_the_longest_record_of_all_designs_and_of_the_components_of
     beyond = [plan.simulation_megabytes(wave) - 3 * record for wave, record in zip(study.waves, records, strict=True)]
     assert beyond == [800, 800, 800 + math.ceil(6e-4 * 7.0 * 2e4), 800]
     assert plan.study_megabytes == 800 + math.ceil(1.2 * 2 * max(records))
+
+
+@pytest.mark.parametrize("pressed", [False, True])
+def test_a_study_answers_by_a_report_tables_and_what_is_solved_of_the_water(seed, pressed):
+    hydro = {"model": "assumed_pressure", "pressure": 100.0} if pressed else {}
+    waves = [{"kind": "regular", "amplitude": 0.1, "period": 3.0}]
+    plan = StudyPlan(varied(seed, hydro=hydro, waves=waves), root="r")
+    tables = {"report.html", "comparison.csv", "statistics.csv", "validity.json", "study.json", "tables.json"}
+    solved = set() if pressed else {"response.nc", "ladder.csv", "ladder.json"}
+    beside = {f"r/seed/{name}" for name in tables | solved} | (
+        set() if pressed else {plan.database_path, plan.radiation_path}
+    )
+    drawn = {f"r/seed/figures/{name}.{kind}" for name in plan.figures for kind in ("svg", "pdf", "csv")}
+    runs = {plan.trajectory_path(design, plan.study.waves[0].label) for design in plan.study.designs}
+    assert set(plan.answers) == beside | drawn | runs
+    assert len(plan.answers) == len(set(plan.answers))

@@ -231,3 +231,12 @@ def test_a_profile_is_as_high_as_its_highest_place_is_above_its_lowest_wherever_
     told = rf"shape.profile: received a height of {(highest - lowest) / 4:.4g} diameters, needs 0.1 to 10"
     with pytest.raises(ValueError, match=told):
         shape.meridian(2.0)
+
+
+@pytest.mark.parametrize("words", ["", "x,z\n"])
+@pytest.mark.parametrize("mark", ["", "\ufeff"])
+def test_a_profile_has_all_of_its_points_whatever_mark_its_file_begins_with(tmp_path, mark, words):
+    """As spreadsheets write it: the first row is no line of words for the mark before it."""
+    (tmp_path / "hull.csv").write_text(f"{mark}{words}0,1\n1,0.5\n", encoding="utf-8")
+    found = with_points({"device": {"shape": {"profile": "hull.csv"}}}, str(tmp_path / "study.yaml"))
+    assert found["device"]["shape"]["profile"] == [[0.0, 1.0], [1.0, 0.5]]

@@ -154,6 +154,8 @@ def test_a_design_of_the_name_of_the_members_dimension_has_its_damper_under_all_
         ({"device.mass": {"linear": [1, 2, 0]}}, r"needs \{linear: \[first, last, count\]\}"),
         ({"device.mass": {"log": [1, "much", 3]}}, "needs finite numbers"),
         ({"device.mass": {"log": [1, float("inf"), 3]}}, r"^device.mass: received .*inf.*, needs finite numbers$"),
+        ({"device.mass": {"linear": [float("-inf"), 1, 3]}}, r"^device.mass: received .*-inf.*, needs finite numbers$"),
+        ({"device.mass": {"linear": [1, float("-inf"), 3]}}, r"^device.mass: received .*-inf.*, needs finite numbers$"),
         ({"device.mass": {}}, r"^device.mass: received {}, needs a list of values"),
         ({"device.mass": {"log": [1, 2, 3], "linear": [1, 2, 3]}}, r"^device.mass: received .*needs a list of values"),
         ({"device.mass": {"log": "12"}}, r"^device.mass: received {'log': '12'}, needs a list of values"),

@@ -316,3 +316,12 @@ def test_all_that_lies_in_the_bands_is_inside_and_none_of_what_lies_elsewhere():
     assert climate.variance_outside(0.0, 50.0) == pytest.approx(0.0, abs=1e-12)
     assert climate.variance_outside(2.5, 3.0) == 1.0
     assert climate.variance_outside(0.1, 0.5) == 1.0
+
+
+@pytest.mark.parametrize("field", ["density", "hours", "hs", "te"])
+def test_of_several_numbers_that_are_not_finite_the_first_is_named(field):
+    right = rising([1.0, 2.0, 3.0], [0.2, 0.3, 0.5])
+    fields = {name: np.array(getattr(right, name)) for name in ("omega", "density", "hours", "hs", "te")}
+    fields[field].flat[0], fields[field].flat[1], fields[field].flat[2] = -5.0, np.inf, np.nan
+    with pytest.raises(ConfigError, match=rf"^climate uneven: received {field} with inf, needs .*, all finite$"):
+        Climate(**fields, name="uneven")

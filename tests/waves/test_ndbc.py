@@ -400,3 +400,19 @@ def test_a_year_of_netcdf_is_known_by_its_calendar_and_its_file(tmp_path):
     np.testing.assert_allclose(climate.density * 2 * np.pi, density, rtol=1e-14)
     assert climate.notes[0] == "2020-01-01 00:00 to 2021-01-01 00:00"
     assert not any("seasons are missing" in note for note in climate.notes)
+
+
+@pytest.mark.parametrize(
+    ("row", "message"),
+    [
+        ("1.0 2.0", "received 6 columns, needs 7 as the header has"),
+        ("1.0 x 2.0", "received 'x', needs a number"),
+        ("1.0 -1 2.0", r"received -1, needs a number of 0 or more \(999 for none\)"),
+    ],
+)
+def test_lines_are_those_of_the_file_empty_ones_and_remarks_too(written, row, message):
+    text = "\n" + HEADER + "# densities in m*m/Hz\n\n" + ROWS
+    with pytest.raises(ConfigError, match=f"^.*given.txt, line 7: {message}"):
+        read_ndbc(written(f"{text}96 01 01 02 {row}\n"))
+    with pytest.raises(ConfigError, match=r"^.*given\.txt, line 7: received the date '96 13 01 02', needs YY MM DD"):
+        read_ndbc(written(text + "96 13 01 02 1.0 1 2\n"))

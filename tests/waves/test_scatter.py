@@ -310,3 +310,18 @@ def test_every_cell_is_a_sea_of_its_own_height_and_period(written, kind, gamma):
     np.testing.assert_allclose(climate.omega[climate.density.argmax(axis=1)], 2 * np.pi * ratio / te, rtol=0.025)
     assert climate.name == "given.txt"
     assert climate.notes[-1] == f"JONSWAP spectra, gamma {gamma:g}"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("a site\n\nHs/Te,6.5,7.5\n\n0.25,10,x\n", "line 5: received 'x', needs an occurrence of 0 or more"),
+        ("a site\n\n\nHs,Te,n\n0.25,6.5,1\n,,\n0.75,6.5,-1\n", "line 7: received '-1', needs an occurrence of 0"),
+        ("\n\nHs/Tz,6.5,7.5\n0.25,10,90\n", "line 3: received the corner 'Hs/Tz', needs Hs/Te or Hs/Tp"),
+        ("\nHs [ft],Te,n\n0.25,6.5,1\n", r"line 2: received the unit 'ft' in 'Hs \[ft\]', needs m and s"),
+        ("\n\nHs/Te,6.5,wide\n0.25,10,90\n", "line 3: received 'wide', needs the centre of a bin above 0"),
+    ],
+)
+def test_lines_are_those_of_the_file_empty_ones_too(written, text, message):
+    with pytest.raises(ConfigError, match=rf"given\.txt, {message}"):
+        read_scatter(written(text))

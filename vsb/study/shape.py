@@ -98,7 +98,8 @@ def with_points(raw: Any, source: str) -> Any:
 def _points(path: Path, where: str) -> list[list[float]]:
     """Rows x, z of a file, a line of words before them left out."""
     try:
-        rows = [row for row in csv.reader(path.read_text(encoding="utf-8").splitlines()) if any(map(str.strip, row))]
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+        rows = [row for row in csv.reader(lines) if any(map(str.strip, row))]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         reason = error.strerror if isinstance(error, OSError) else "no text"
         raise ConfigError(f"{where}: received {path.name}, which cannot be read ({reason}); needs a CSV file") from None
