@@ -80,6 +80,7 @@ def test_how_far_a_buoy_leans_and_drifts_is_told_of_one_instant_at_a_time():
     position[3, 1] = 0.3
     run = xr.Dataset({"position": (("time", "dof"), position)}, {"time": np.arange(4.0), "dof": dofs})
     pitch, surge = attitude_checks(turned, run.assign_attrs(design="FSB", wave=turned.waves[0].label))
+    assert [(check.limit, check.unit) for check in (pitch, surge)] == [(0.3, "rad"), (0.5, "-")]
     assert pitch.value == pytest.approx(np.hypot(0.06, 0.01), rel=1e-12)
     along = 0.2 * np.cos(np.pi / 6) + 0.6 * np.sin(np.pi / 6)
     assert surge.value == pytest.approx(wavenumber(wave.omega, np.inf, 9.81) * along, rel=1e-12)

@@ -91,3 +91,12 @@ def test_every_design_s_own_run_is_judged_for_energy_motion_and_what_it_holds(mo
         for run in ("run of a", "run of b")
         for told in ((kinds[0], run), (kinds[1], run, "database"), (kinds[2], run))
     ]
+
+
+def test_a_turn_of_a_fifth_and_a_shift_of_three_tenths_of_its_size_are_the_most_a_body_is_known_at():
+    for part, verdict in ((0.99, "ok"), (1.01, "doubt")):
+        moved = run(["Yaw", "Sway"], [0.2 * part, 2.0 * 0.3 * part])
+        found = motion_checks(study(), xr.Dataset(attrs={"displaced_volume": 8.0}), moved)
+        assert [(check.limit, check.unit, check.verdict) for check in found] == [
+            (0.2, "rad", verdict), (0.3, "-", verdict),
+        ]  # fmt: skip

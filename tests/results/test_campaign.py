@@ -277,3 +277,24 @@ def test_values_that_are_varied_together_stand_beside_the_members_they_are_of(tm
     told = {(row["device.young_modulus"], row["device.thickness"], row["annual_mean_power"]) for row in rows}
     assert told == {("3000000", "0.02", "7"), ("1000000", "0.01", "5")}
     assert len(rows) == 12
+
+
+def test_every_row_of_the_table_tells_the_values_of_its_own_point_design_and_tuning(swept):
+    """Two keys, two designs, three tunings: a number of each that no other has, whatever the order of dimensions."""
+    plan, _, ds = swept
+    point = ds.young_modulus / 1e6 + 1e3 * ds.thickness
+    design = xr.DataArray(1000.0 * (1 + np.arange(ds.sizes["design"])), dims="design")
+    tuning = xr.DataArray(1e5 * (1 + np.arange(ds.sizes["tuning"])), dims="tuning")
+    told = ds.assign(annual_mean_power=(tuning + design + point), margin=point)
+    rows = list(csv.DictReader(as_csv(plan.campaign, told).splitlines()))
+    assert len(rows) == 2 * 3 * 2 * 3
+    order = [(p["device.young_modulus"], p["device.thickness"]) for p in plan.campaign.vary.points]
+    expected = [(*p, d, t) for p in order for d in ds.design.values for t in ds.tuning.values]
+    keys = ("device.young_modulus", "device.thickness", "design", "tuning")
+    for row, (modulus, thickness, name, tuned) in zip(rows, expected, strict=True):
+        assert [row[key] for key in keys] == [f"{modulus:.12g}", f"{thickness:.12g}", name, tuned]
+        at = told.sel(young_modulus=modulus, thickness=thickness)
+        assert float(row["margin"]) == pytest.approx(float(at.margin), rel=1e-11)
+        assert float(row["annual_mean_power"]) == pytest.approx(
+            float(at.annual_mean_power.sel(design=name, tuning=tuned)), rel=1e-11
+        )

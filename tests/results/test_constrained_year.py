@@ -374,3 +374,15 @@ def test_a_gain_of_years_that_are_solved_in_part_lies_about_what_their_realisati
     least, most = taken["better"] / bound["base"] - half, bound["better"] / taken["base"] + half
     assert better.gain(base) == pytest.approx((100 * (ratio - 1), 100 * (least - 1), 100 * (most - 1)))
     assert half > 0.01
+
+
+def test_a_bin_in_which_no_force_keeps_the_stroke_adds_nothing_to_the_bound_however_much_its_waves_bring():
+    """It is reached all the same; only what is not reached may have all of the matched power."""
+    seas = Bins(0.5 * np.arange(3) + 0.1, np.full(3, 0.5), np.array([0.5, 0.3, 0.2]))
+    some = SimpleNamespace(power=10.0, bound=12.0)
+    found = ConstrainedYear(
+        seas, np.arange(2), np.zeros((2, 2, 1)), ((some, some), (None, None)), np.full(seas.shape, 1e3), 0.8
+    )
+    assert found.reached[:, 0].tolist() == [True, True, False]
+    assert found.bound == pytest.approx(0.5 * 12.0 + 0.2 * 1e3)
+    assert (found.taken, found.impossible) == (pytest.approx(5.0), pytest.approx(0.3))

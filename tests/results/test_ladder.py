@@ -757,3 +757,12 @@ def test_two_waves_that_do_not_meet_in_the_time_looked_at_have_no_peak_of_both()
     (peak,) = _peaks(Sea(omega, ones), np.array([[1.0 + 0j, -1.0]]), 1.0)
     assert peak == pytest.approx(np.cos(1.0) - np.cos(1.1), rel=1e-12)
     assert _peaks(Sea(omega[:1], ones[:1]), np.array([[-0.3 + 0.4j]]), 1.0) == pytest.approx([0.5])
+
+
+def test_an_optimum_of_nothing_is_proved_where_waves_do_not_move_the_port():
+    """0 W for sure; what is not known is in doubt, whatever stands before it."""
+    still = Rung("A", "w", "constrained", None, None, 0.0, None, 0.0, 0.0, 0.0, 0.0, "waves do not move this port")
+    unknown = Rung("B", "v", "constrained", *[None] * 8, "they never repeat")
+    proved, doubted = constrained_checks([still, unknown])
+    assert (proved.design, proved.wave, proved.value, proved.verdict) == ("A", "w", 0.0, "ok")
+    assert (doubted.design, doubted.wave, doubted.verdict) == ("B", "v", "doubt")

@@ -760,3 +760,13 @@ def test_a_steady_state_in_which_nothing_is_taken_is_one_to_compare_with():
     assert (left.design, left.value, left.limit) == ("A", 0.02, 0.005)
     assert left.verdict != "ok"
     assert "-0.02 W in the window, 0 W in the steady state" in left.explanation
+
+
+def test_the_pressure_advised_is_of_the_shell_as_it_floats_in_its_water(seed, monkeypatch):
+    asked = []
+    found = (2e4, SimpleNamespace(linear_strain=0.01))
+    monkeypatch.setattr(ledger, "viable_pressure", lambda *given: asked.append(given) or found)
+    study = varied(seed, water={"density": 1000.0, "depth": 30.0}, device={"mass": 14e3})
+    ledger.viable_text(study)
+    assert asked == [(study.device, study.centre_height, study.water)]
+    assert study.centre_height > 0.1

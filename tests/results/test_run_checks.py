@@ -203,3 +203,11 @@ def test_a_run_that_was_tuned_is_judged_by_what_its_own_damper_takes():
     found = agreement_checks(one, wave, frequency, rows, runs)
     assert [check.design for check in found] == ["a", "b"]
     assert [check.value for check in found] == pytest.approx([0.0, 0.0], abs=1e-12)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_drag_may_change_power_by_a_twentieth_of_that_beside_its_damper(sign):
+    one = study()
+    for part, verdict in ((0.049, "ok"), (0.051, "doubt")):
+        check = drag_check(one, one.waves[0], {LINEARISED: 10.0, DAMPERS: 30.0}, 10.0 * (1 + sign * part), "a")
+        assert (check.limit, check.value, check.verdict) == (0.05, pytest.approx(part), verdict)

@@ -361,10 +361,11 @@ def test_a_design_that_takes_nothing_for_sure_has_no_error_of_its_gain(seed):
     assert found[0].explanation == found[2].explanation.replace("power, 0 W", "power, 100 W")
 
 
-def test_a_run_that_was_tuned_is_predicted_beside_its_own_damper_and_the_spring(coarse):
+@pytest.mark.parametrize("spring", [900.0, -900.0, 0.0])
+def test_a_run_that_was_tuned_is_predicted_beside_its_own_damper_and_the_spring(coarse, spring):
     """And one with the damper given by the response as it is."""
     sea_of, run = {"kind": "jonswap", "hs": 1.0, "tp": 4.0}, {"duration": 400.0, "window": [40.0, 400.0]}
-    study = varied(coarse, waves=[sea_of], simulation=run, pto={"damping": 8e3, "stiffness": 900.0})
+    study = varied(coarse, waves=[sea_of], simulation=run, pto={"damping": 8e3, "stiffness": spring})
     omega, time = np.linspace(0.5, 4.0, 36), np.linspace(0.0, 400.0, 4001)
     port = Port(omega, 1 / (2e3 + 300.0 * omega - 1j * (17e3 * omega - 4e4 / omega)), 1.0 + 0.5j * omega, 1e-4)
     values = {"port_impedance": port.impedance, "port_velocity": port.velocity, "absorbed_power": 3.0 + 0j * omega}
@@ -373,5 +374,5 @@ def test_a_run_that_was_tuned_is_predicted_beside_its_own_damper_and_the_spring(
     response["absorbed_power"] = response.absorbed_power.real
     waves, known = Sea(omega[[9, 20]], np.array([0.3 + 0.4j, -1.0])), run_of(np.full(4001, 7.0), time)
     tuned = sample(study, study.waves[0], "A", known.assign_attrs({TUNED: 4e3}), waves, response)
-    assert tuned.linear == pytest.approx(float(port.power(4e3, 900.0)[[9, 20]] @ [0.25, 1.0]), rel=1e-9)
+    assert tuned.linear == pytest.approx(float(port.power(4e3, spring)[[9, 20]] @ [0.25, 1.0]), rel=1e-9)
     assert sample(study, study.waves[0], "A", known, waves, response).linear == pytest.approx(3.0 * 1.25, rel=1e-9)

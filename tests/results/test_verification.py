@@ -434,3 +434,14 @@ def test_hours_saved_weigh_seas_by_their_hours_and_records_by_those_of_the_seas_
         own = 4 * sum(parts) * freedom / chdtri(freedom, 0.75)
         expected = (checked.corrected[i] / year) ** 2 * (between + within) / own
         assert checked.fewer_hours(i) == pytest.approx(expected, rel=1e-9)
+
+
+def test_the_interval_of_a_corrected_power_lies_evenly_about_it_below_nothing_as_well():
+    """As of a better model that is driven in some of its seas."""
+    hours, seas = np.full(4, 0.25), np.array([[1.0, 2.0, 3.0, 4.0]])
+    sample = Sample(np.arange(4), np.arange(4), np.ones(4))
+    for better in ([[-3.0, 1.0, -2.0, 0.5]], [[0.2, 3.0, 0.1, 2.0]]):
+        mean, low, high = Verification(np.array([2.5]), seas, hours, sample, np.array(better), seas).power(0)
+        assert mean == pytest.approx(np.mean(better))
+        assert high - mean == pytest.approx(mean - low)
+        assert low < 0

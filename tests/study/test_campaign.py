@@ -332,3 +332,28 @@ def test_a_long_climate_counts_to_its_last_byte(folder):
         (folder / "sea.txt").write_bytes(bytes(3 * 2**20) + last)
         found.add(load(written(folder)).climate_id)
     assert len(found) == 2
+
+
+def test_a_study_is_scaled_before_keys_are_set_in_whatever_order_they_are_varied():
+    base = sections(load_study(SEED))
+    one, other = study_at(base, {"scale": 4.0, "device.mass": 2e6}), study_at(base, {"device.mass": 2e6, "scale": 4.0})
+    assert one == other
+    assert (other.device.mass, other.device.radius) == (2e6, 8.0)
+
+
+def test_a_damper_that_is_not_there_is_missed_wherever_fixed_stands(folder):
+    raw = yaml.safe_load(SEED.read_text())
+    del raw["pto"]
+    (folder / "seed.yaml").write_text(yaml.safe_dump(raw))
+    for tuning in (["one", "fixed"], ["each", "one", "fixed"]):
+        with pytest.raises(
+            ConfigError, match=r"tuning: received fixed, but seed\.yaml has no pto.damping; needs one in"
+        ):
+            load(written(folder, tuning=tuning))
+
+
+def test_a_tuning_that_does_not_see_the_take_off_is_told_wherever_it_stands(folder):
+    switching = varied(load_study(SEED), pto={"force_limit": 2e3})
+    for tuning, blind in ((["constrained", "one"], "one"), (["constrained", "each", "fixed"], "each")):
+        with pytest.raises(ConfigError, match=rf"linear theory of tuning {blind} does not see; needs tuning: "):
+            load(written(folder, tuning=tuning)).check_take_off(switching, "here")

@@ -69,3 +69,11 @@ def test_in_still_water_a_damper_of_nothing_is_one_as_any_other():
     for damping in (0.0, {"a": 0.0, "b": 0.0}, 5.0):
         for tuning in ("fixed", "each"):
             study(waves=[SWELL, STILL], pto={"damping": damping, "tuning": tuning}).check_dampers()
+
+
+def test_a_damper_for_all_seas_is_the_given_one_where_nothing_comes_in_at_all():
+    """Of other seas there is one to find, which still water has as well."""
+    for waves, tuned in (([STILL], "fixed"), ([STILL, SWELL], "one")):
+        found = study(waves=waves, pto={"damping": 5.0, "tuning": "one"})
+        assert found.tuning(found.waves[0]) == tuned
+        assert [found.tuning(wave) for wave in found.waves[1:]] == [tuned] * (len(waves) - 1)
