@@ -51,15 +51,16 @@ def test_harmonic_motion_in_closed_form():
     assert found.capture_width == pytest.approx(200.0 / (1025 * 9.81**2 * 0.25 / (4 * np.pi / 2)), rel=1e-8)
 
 
-def test_linear_power_of_a_damper_that_was_tuned_is_what_its_port_gives_beside_the_spring(seed):
+@pytest.mark.parametrize("spring", [900.0, -900.0, 0.0])
+def test_linear_power_of_a_damper_that_was_tuned_is_what_its_port_gives_beside_the_spring(seed, spring):
     omega = np.array([0.8, 1.6, 2.4])
     port = Port(omega, 1 / np.array([2e3 + 5e3j, 3e3 - 1e3j, 1e3 - 8e3j]), np.array([1.0 + 1j, 0.5j, -0.3]), 1e-4)
     dims = ("design", "omega")
     values = {"port_impedance": port.impedance, "port_velocity": port.velocity, "absorbed_power": port.power(1.0)}
     response = xr.Dataset({k: (dims, v[None]) for k, v in values.items()}, {"design": ["A"], "omega": omega})
-    study = varied(seed, pto={"damping": 8000.0, "stiffness": 900.0})
+    study = varied(seed, pto={"damping": 8000.0, "stiffness": spring})
     found = power_response(study, response, "A", {TUNED: 4e3})
-    assert found.values == pytest.approx(port.power(4e3, 900.0), rel=1e-12)
+    assert found.values == pytest.approx(port.power(4e3, spring), rel=1e-12)
     assert power_response(study, response, "A", {}).values == pytest.approx(port.power(1.0))
 
 

@@ -251,12 +251,3 @@ def test_directions_of_the_waves_concern_the_response_where_there_are_any(motion
     both = StudyPlan(parse(planar(**given, waves=[WAVE, {**WAVE, "direction": 180.0}])))
     assert both.response.directions == (0.0, 180.0)
     assert both.hydro_ids == along.hydro_ids
-
-
-def test_waves_that_all_go_one_other_way_have_that_direction():
-    for waves in (
-        [{**WAVE, "direction": 180.0}],
-        [{**WAVE, "direction": 180.0}, {**WAVE, "period": 4.0, "direction": 180}],
-    ):
-        assert parse(planar(waves=waves)).directions == (180.0,)
-    assert parse(planar(waves=[WAVE, {"kind": "still"}])).directions == ()

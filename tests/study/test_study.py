@@ -378,3 +378,14 @@ def test_another_shape_is_checked_as_one_and_a_device_with_a_body_is_a_buoy(seed
         varied(seed, **shape, reference_shape="equilibrium")
     with pytest.raises(ConfigError, match=r"^study: body: received 'a.stl'; unknown key"):
         config.parse(seed.model_dump() | {"body": "a.stl"})
+
+
+@pytest.mark.parametrize("motion", ["planar", "free"])
+def test_waves_that_all_go_one_other_way_have_that_direction(seed, motion):
+    device = {"centre_of_mass": -0.5, "ballast_inertia": 8e3, "ballast_yaw_inertia": 7e3}
+    back = {**REGULAR, "direction": 180.0}
+    for waves, going in (
+        ([back], (180.0,)), ([back, {**back, "period": 5.0}, {"kind": "still"}], (180.0,)),
+        ([REGULAR, {"kind": "still"}], ()), ([{**REGULAR, "period": 5.0}, back], (0.0, 180.0)),
+    ):  # fmt: skip
+        assert varied(seed, motion=motion, device=device, waves=waves).directions == going

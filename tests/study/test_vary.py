@@ -205,6 +205,13 @@ def test_units_of_a_take_off_are_those_of_its_port(key, force, pressure, moment)
     assert (unit(key), unit(key, "volume"), unit(key, "pitch")) == (force, pressure, moment)
 
 
+def test_the_damper_of_one_design_has_the_unit_of_a_damper():
+    """Whatever the design is called; structural damping keeps its own."""
+    for name in ("VSWEC", "mass", "beta"):
+        assert [unit(f"pto.damping.{name}", port) for port in ("", "volume", "pitch")] == ["N s/m", "Pa s/m^3", "N m s"]
+    assert unit("device.damping.beta", "pitch") == "s"
+
+
 @pytest.mark.parametrize(
     ("key", "expected"),
     [

@@ -320,8 +320,19 @@ def test_every_cell_is_a_sea_of_its_own_height_and_period(written, kind, gamma):
         ("\n\nHs/Tz,6.5,7.5\n0.25,10,90\n", "line 3: received the corner 'Hs/Tz', needs Hs/Te or Hs/Tp"),
         ("\nHs [ft],Te,n\n0.25,6.5,1\n", r"line 2: received the unit 'ft' in 'Hs \[ft\]', needs m and s"),
         ("\n\nHs/Te,6.5,wide\n0.25,10,90\n", "line 3: received 'wide', needs the centre of a bin above 0"),
+        (
+            '"a site\nof two lines",\nHs/Te,6.5,7.5\n0.25,10,x\n',
+            "line 4: received 'x', needs an occurrence of 0 or more",
+        ),
     ],
 )
 def test_lines_are_those_of_the_file_empty_ones_too(written, text, message):
     with pytest.raises(ConfigError, match=rf"given\.txt, {message}"):
+        read_scatter(written(text))
+
+
+@pytest.mark.parametrize("text", ['"' + "1," * 100_000, "1" * 200_000])
+def test_a_cell_longer_than_any_is_no_table(written, text):
+    """As of a quotation mark that is never closed."""
+    with pytest.raises(ConfigError, match=r"given\.txt: received no line that names Hs and Te or Tp, needs a corner"):
         read_scatter(written(text))

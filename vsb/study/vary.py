@@ -39,6 +39,7 @@ AT_ROTATION = {
 }  # fmt: skip
 """Likewise of pitch."""
 PORT = "pto.port"
+DAMPING = "pto.damping"
 _FORMS = "a list of values, {log: [first, last, count]} or {linear: [first, last, count]}"
 _SPACED = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 3}
 _SPACING = {"type": "object", "properties": {"log": _SPACED, "linear": _SPACED}, "additionalProperties": False}
@@ -63,7 +64,8 @@ _DIGITS = 12
 
 
 def unit(key: str, port: str = "") -> str:
-    """Return the unit of a key, of a take-off's beside its port."""
+    """Return the unit of a key, of a take-off's beside its port; a damper of one design has that of all."""
+    key = DAMPING if key.startswith(f"{DAMPING}.") else key
     known = UNITS.get(key.rpartition(".")[2], "1")
     return {"volume": AT_VOLUME, "pitch": AT_ROTATION}.get(port, {}).get(key, known)
 

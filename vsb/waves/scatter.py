@@ -158,8 +158,12 @@ def read_table(path: str | Path) -> Table:
 
 def _rows(lines: list[str], delimiter: str) -> list[tuple[int, list[str]]]:
     """Numbers and cells of the lines that hold anything."""
-    cells = ((i, [cell.strip() for cell in row]) for i, row in enumerate(csv.reader(lines, delimiter=delimiter), 1))
-    return [(i, row) for i, row in cells if any(row)]
+    reader = csv.reader(lines, delimiter=delimiter)
+    cells = ((reader.line_num, [cell.strip() for cell in row]) for row in reader)  # quoted ones may have several lines
+    try:
+        return [(i, row) for i, row in cells if any(row)]
+    except csv.Error:  # a cell longer than any
+        return []
 
 
 def _plain(name: str) -> str:
