@@ -260,3 +260,11 @@ def test_words_of_moving_buoys_are_of_all_their_seas_and_begin_with_what_is_told
     found = in_motion(moving)
     assert found["words"] == "In the last sea: A side by side; all is to scale."
     assert json.loads(found["data"]) == moving
+
+
+@pytest.mark.parametrize("order", [[0, 1, 2], [2, 1, 0], [1, 2, 0]])
+def test_amplitudes_of_the_shell_stand_in_the_order_of_its_shapes(order):
+    """In whatever order the run has its degrees of freedom."""
+    shuffled = run(LABELS).isel(dof=order)
+    found = frames_data("", {"A": shuffled}, SWELL, (0.0, 60.0), PERIOD, 3.4, Water(), LABELS[1:])["designs"][0]
+    assert found == frames()["designs"][1]

@@ -294,3 +294,10 @@ def test_the_design_named_is_that_whose_energy_is_told(gain, told):
     """Whether it is the first or the last, all points alike."""
     for order in (["FSB", "VSWEC"], ["VSWEC", "FSB"]):
         assert answer(campaign(gains=np.full((2, 2), gain)).sel(design=order), None, "one").endswith(told)
+
+
+@pytest.mark.parametrize(("gain", "other", "best"), [(2.0, -9.0, "VSWEC"), (-9.0, -2.0, "other"), (-9.0, 2.0, "other")])
+def test_the_best_design_gains_most_whatever_another_loses(gain, other, best):
+    ds = three(gain_percent=np.full((2, 2), other))
+    ds["gain_percent"] = ds.gain_percent.where(ds.design != "VSWEC", gain)
+    assert best_flexible(ds, "FSB", "one")[1] == best

@@ -112,6 +112,16 @@ def test_a_reference_that_rests_in_one_wave_is_compared_in_the_others():
     assert band_statements(resting, "FSB") == ["FSB does not move this port, so no gain can be given."]
 
 
+def test_a_design_that_rests_in_some_waves_loses_all_there_and_hides_nothing_of_the_others():
+    """Whatever one design does, bands of another are the same."""
+    absorbed = response(wins=0.3, rests=0.3).absorbed_power
+    alone = band_statements(absorbed.sel(design=["FSB", "wins"]), "FSB")
+    absorbed[{"design": 2}] = absorbed[2].where((OMEGA < 1.5) | (OMEGA > 2.5), 0.0)
+    wins, rests = band_statements(absorbed, "FSB")
+    assert [wins] == alone
+    assert "less in waves of 2.51 to 4.19 s (up to 100 % at " in rests
+
+
 def test_statements_name_gains_losses_and_ties():
     text = band_statements(response(wins=0.3, loses=-0.2, same=0.001).absorbed_power, "FSB")
     assert text[0].startswith("wins absorbs more in waves of")
@@ -152,6 +162,17 @@ def test_what_is_published_stands_beside_ours_and_other_designs_have_no_line():
         ["B", "w", "mean power [W]", "-4", "1", "-125.0 %"],
     ]
     assert published_table({**study, "published": None}, rows) == []
+
+
+def test_the_control_force_of_each_line_is_of_its_own_damper_and_velocity():
+    """Dampers differ by design and, where they are tuned, by sea."""
+    study = {"published": {"source": "x", "values": {name: {"pto_force_pp": 1e3} for name in "AB"}}}
+    known = [("A", "w", 100.0, 20.0), ("A", "v", 300.0, 5.0), ("B", "w", 50.0, 30.0)]
+    ours = {"displacement_pp": 1.0, "power_peak": 1.0, "power_mean": 1.0, "energy": 1.0}
+    rows = [{"design": d, "wave": w, "damping": c, "velocity_pp": v, **ours} for d, w, c, v in known]
+    assert [line[:2] + line[4:] for line in published_table(study, rows)] == [
+        ["A", "w", "2000", "+100.0 %"], ["A", "v", "1500", "+50.0 %"], ["B", "w", "1500", "+50.0 %"],
+    ]  # fmt: skip
 
 
 def test_no_reference_and_no_power_are_said_plainly():
@@ -287,6 +308,17 @@ def test_irregular_seas_are_answered_with_the_interval_of_the_gain():
     assert irregular_statements([SHORT], "FSB", {"noise": "it"}) == [
         "At the given damper, in it, A absorbs 120 W (+20.0 %)."
     ]
+
+
+@pytest.mark.parametrize(("low", "high", "bounds"), [(0.0, 2.0, "+0.0 to +2.0"), (-2.0, 0.0, "-2.0 to +0.0")])
+def test_an_interval_that_ends_at_nothing_is_known(low, high, bounds):
+    """So is a gain of nothing; what does not exist is empty or none."""
+    line = {**LINE, "gain_percent": 0.0, "gain_low": low, "gain_high": high}
+    (text,) = irregular_statements([line], "FSB", {"noise": "it"})
+    assert text == f"At the given damper, in it, A absorbs 120 W (+0.0 %; 95 %: {bounds} %)."
+    assert statistics_table([line])[0][7:] == ["+0.0", f"{bounds} %".removesuffix(" %")]
+    (text,) = irregular_statements([line | {"gain_low": None, "gain_high": None}], "FSB", {"noise": "it"})
+    assert text == "At the given damper, in it, A absorbs 120 W (+0.0 %)."
 
 
 def test_every_irregular_sea_has_a_sentence_of_its_own_lines():

@@ -150,12 +150,13 @@ def test_of_every_campaign_the_first_points_are_shown_with_all_their_lines():
     def swept(study):
         return [YEAR._replace(study=study, point=f"p {i}", design=d) for i in range(MOST_POINTS + 1) for d in "AB"]
 
-    lines = [RIGID, *swept("one"), *swept("two"), SHELL]
+    other = [line._replace(study="three", point=line.point.replace("p", "q")) for line in swept("one")]
+    lines = [RIGID, *swept("one"), *swept("two"), SHELL, *other]
     text = as_text(lines).splitlines()
-    assert text[-1] == "4 more lines with --out FILE.csv"
-    assert len(text) == 1 + 2 + 2 * 2 * MOST_POINTS + 1
-    assert not any(f"p {MOST_POINTS} " in line for line in text)
-    assert [sum(line.startswith(study) for line in text) for study in ("one", "two", "soft")] == [48, 48, 2]
+    assert text[-1] == "6 more lines with --out FILE.csv"
+    assert len(text) == 1 + 2 + 3 * 2 * MOST_POINTS + 1
+    assert not any(f"{name} {MOST_POINTS} " in line for line in text for name in "pq")
+    assert [sum(line.startswith(s) for line in text) for s in ("one", "two", "soft", "three")] == [48, 48, 2, 48]
 
 
 def test_a_table_has_words_to_the_left_numbers_to_the_right_and_no_column_nobody_has():

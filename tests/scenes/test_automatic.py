@@ -528,7 +528,8 @@ def test_the_fewest_states_within_a_third_of_the_tolerance_are_taken_two_by_two(
     assert choice.left_out[0] == (f"memory_beyond_{memory}_states", pytest.approx(abs(cut.get(memory, 0.0)), abs=1e-12))
 
 
-def test_the_mean_power_of_a_record_is_of_all_degrees_of_freedom_by_its_own_instants():
+@pytest.mark.parametrize("begin", [0.5, 1.0])
+def test_the_mean_power_of_a_record_is_of_all_degrees_of_freedom_by_its_own_instants(begin):
     """Velocities of a design's motions, some of them before the time it is taken from; steps are unequal."""
     time = np.array([0.0, 1.0, 1.5, 3.0, 7.0])
     motions = np.array([[1.0, 0.0], [0.5, -2.0], [0.0, 3.0]])
@@ -536,7 +537,7 @@ def test_the_mean_power_of_a_record_is_of_all_degrees_of_freedom_by_its_own_inst
     scene = SimpleNamespace(lost=lambda v: (v**2 @ np.array([1.0, 10.0, 100.0]), None), motions=motions)
     power = [(motions @ v) ** 2 @ [1.0, 10.0, 100.0] for v in velocity]
     mean = (0.25 * (power[1] + power[2]) + 0.75 * (power[2] + power[3]) + 2.0 * (power[3] + power[4])) / 6.0
-    found = automatic.absorbed(SimpleNamespace(scene=scene), SimpleNamespace(time=time, velocity=velocity), 0.5)
+    found = automatic.absorbed(SimpleNamespace(scene=scene), SimpleNamespace(time=time, velocity=velocity), begin)
     assert found == pytest.approx(mean, rel=1e-14)
 
 

@@ -104,6 +104,32 @@ def test_only_what_is_missing_or_stale_and_wanted_is_due(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("there", "stale", "wanted", "named"),
+    [
+        ("abc", "", "abc", []),
+        ("ab", "", "abc", ["last"]),
+        ("ac", "", "abc", ["first"]),
+        ("bc", "", "abc", ["first"]),
+        ("ac", "", "a", []),
+        ("ac", "", "b", ["first"]),
+        ("abc", "b", "abc", ["first"]),
+        ("abc", "a", "abc", ["first"]),
+        ("a", "", "c", ["first", "last"]),
+        ("b", "", "c", ["first", "last"]),
+        ("c", "", "c", []),
+    ],
+)
+def test_a_job_is_due_if_anything_wanted_of_what_it_makes_is_missing_or_stale(tmp_path, there, stale, wanted, named):
+    """Of two files of one job either may be the one that is not there; what nothing due needs may be."""
+    a, b, c = (str(tmp_path / name) for name in "abc")
+    ordered = [Job("first", None, {}, (a, b)), Job("last", None, {}, (c,), (b, a))]
+    for name in there:
+        (tmp_path / name).touch()
+    found = due(ordered, [str(tmp_path / name) for name in wanted], [str(tmp_path / name) for name in stale])
+    assert [job.stage for job in found] == named
+
+
+@pytest.mark.parametrize(
     ("there", "stale", "made"),
     [
         ((), (), 1),

@@ -508,6 +508,7 @@ def test_a_plugin_that_is_missing_is_named_as_pip_knows_it(workplace, capsys):
     ("text", "asked"),
     [
         ("executor: cluster-generic", ["snakemake_executor_plugin_cluster_generic"]),
+        ("executor: tes-by-hand", ["snakemake_executor_plugin_tes_by_hand"]),
         ("executor: slurm", ["snakemake_executor_plugin_slurm"]),
         ("executor: local", []),
         ("cores: 3", []),
