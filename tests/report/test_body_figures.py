@@ -62,10 +62,11 @@ def test_bars_of_designs_lie_about_their_row_side_by_side(data):
 
 
 def test_a_bar_is_half_of_what_lies_between_the_ends_of_the_window(data):
-    """A body that swings about another place than zero, and its start, are no part of it."""
+    """A body that swings about another place than zero, its start, and what follows, are no part of it."""
     runs = {key: run.assign(position=run.position + 3.0) for key, run in data.runs.items()}
     for run in runs.values():
         run.position[{"time": 0}] = 50.0
+        run.position[{"time": -1}] = -50.0
     (ax,) = degrees_of_freedom(SimpleNamespace(**{**vars(data), "runs": runs}), "swell").axes
     assert sorted(bar.get_width() for bar in ax.patches) == pytest.approx([0.5, 2.0, 2.0], rel=1e-2)
     assert ax.get_xlabel() == "half of the range in the window [m, of rotations rad]"

@@ -188,6 +188,8 @@ def test_displacements_of_all_designs_in_the_window_count_for_the_factor():
     late = replace(given, window=(1.0, 10.0), runs={**given.runs, ("VSWEC", "w"): early})
     assert figures._magnification(late, "w") == 20.0
     assert figures._magnification(replace(late, window=(0.0, 10.0)), "w") == 1.0
+    early.position[5, 1], early.position[-1, 1] = 0.0, 3.0
+    assert figures._magnification(replace(late, window=(0.0, 9.9)), "w") == 20.0
     assert figures._magnification(replace(given, designs=("FSB",)), "w") == 1.0
 
 
@@ -218,7 +220,11 @@ def test_a_snapshot_has_room_for_a_tall_body_and_water_at_rest_where_no_wave_is_
     rest = {"rest_radial": ("colatitude", np.cos(PHI) ** 2), "rest_meridional": ("colatitude", 0 * PHI)}
     modes = given.modes.assign(rest).assign_attrs(centre_height=0.5)
     runs = {key: one.drop_vars("elevation") for key, one in given.runs.items()}
-    for one, reach in ((modes, 4.5), (given.modes, 3.0)):
+    deep, high = (
+        modes.assign(rest_radial=("colatitude", np.where(side * np.cos(PHI) < 0, np.cos(PHI) ** 2, 0.0)))
+        for side in (1, -1)
+    )
+    for one, reach in ((modes, 4.5), (deep, 4.5), (high, 4.5), (given.modes, 3.0)):
         ax = figures.snapshots(replace(given, modes=one, runs=runs), "w").axes[0]
         assert (ax.get_xlim(), ax.get_ylim()) == ((-reach, reach), (-reach, reach))
         (level,) = (line for line in ax.get_lines() if line.get_color() == "#0072B2")

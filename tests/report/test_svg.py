@@ -11,7 +11,7 @@ from report.test_campaign_figures import campaign
 
 from vsb.report.campaign_figures import DRAWN
 from vsb.report.canvas import grid_of_axes, legend_above
-from vsb.report.svg import Drawn, _hundredths, _relative, _rounded_all, _unwrap, data_csv, drawn, in_words
+from vsb.report.svg import Drawn, _hundredths, _relative, _rounded_all, _shorten, _unwrap, data_csv, drawn, in_words
 
 X = np.linspace(0.0, 10.0, 400)
 
@@ -197,6 +197,21 @@ def test_upright_bars_have_the_names_below_them_and_bars_without_a_name_are_not_
 def test_paths_are_steps_between_rounded_places(path, short):
     """Every place begins anew at an M; errors of rounding do not add up."""
     assert _relative(path) == short
+
+
+@pytest.mark.parametrize(
+    ("path", "short"),
+    [
+        ("M 1.234 5.678 L 2 3 z", "M1.23 5.68l.77-2.68z"),
+        ("M 1.234 5.678 Q 2 3.456 4 5 z", "M 1.23 5.68 Q 2 3.46 4 5 z"),
+        ("M 1.234 5.678 L 2 2 C 2 3.456 4 5 6 7.001", "M 1.23 5.68 L 2 2 C 2 3.46 4 5 6 7"),
+    ],
+)
+def test_a_path_with_bends_keeps_its_places(path, short):
+    """Of steps there are those of lines alone."""
+    element = ET.Element("path", {"d": path})
+    _shorten(element, set(), "figure")
+    assert element.get("d") == short
 
 
 def test_data_are_of_points_that_exist_on_an_axis_of_either_direction_and_of_axes_without_a_name():

@@ -9,7 +9,7 @@ from vsb.hydro.coefficients import Coefficients
 from vsb.hydro.dofs import displacements
 from vsb.motion.port import port_direction
 from vsb.scenes.directions import order_bases
-from vsb.scenes.ports import POINTS, ShapeWater, _of_shell, design_ports, designs_in_waves, shell_shapes
+from vsb.scenes.ports import KEPT, POINTS, ShapeWater, _of_shell, design_ports, designs_in_waves, shell_shapes
 from vsb.scenes.rest import design_motions, reference_shell
 from vsb.shell.orders import semi_normalisation, semi_normalised
 from vsb.study.blocks import HydroPlan
@@ -152,6 +152,28 @@ def test_of_shells_of_several_materials_each_has_its_own_coefficients(study):
         for one, other in zip(shared.in_modes(bases[which]), alone[which], strict=True):
             np.testing.assert_array_equal(one, other)
     assert np.abs(alone[0].added_mass / alone[2].added_mass - 1).max() > 0.01
+
+
+def test_of_more_combinations_than_are_kept_each_has_its_own_coefficients(study):
+    """A sweep over many thicknesses; the first of them may come again."""
+    found, alone = water(study), water(study)
+    several = np.random.default_rng(3).normal(size=(KEPT + 2, 2, len(found.displacements)))
+    for transform in (*several, several[0], several[-1]):
+        for one, other in zip(found._combined(transform), alone._transformed(transform), strict=True):
+            np.testing.assert_array_equal(one, other)
+    assert len(found._known) <= KEPT
+
+
+@pytest.mark.parametrize("count", [2, 3, 5])
+def test_coefficients_of_combinations_are_sums_over_what_each_is_of(count):
+    """Of fewer, as many and more combinations than displacements; matrices that solvers leave uneven stay so."""
+    rng, omega = np.random.default_rng(5), np.array([0.7, 1.9])
+    solved, transform = displacements(["Radial1", "Radial2", "Radial3"]), rng.normal(size=(count, 3))
+    mass, pull = rng.normal(size=(2, 3, 3)), rng.normal(size=(2, 3)) + 1j * rng.normal(size=(2, 3))
+    lost = np.einsum("wi,wj->wij", pull, pull.conj()).real
+    found = ShapeWater(solved, omega, Coefficients(mass, lost, pull))._combined(transform)
+    np.testing.assert_allclose(found.added_mass, np.einsum("ai,wij,bj->wab", transform, mass, transform), rtol=1e-12)
+    np.testing.assert_allclose(found.excitation, np.einsum("ai,wi->wa", transform, pull), rtol=1e-12)
 
 
 def test_gas_before_a_take_off_of_the_volume_holds_the_shell_where_it_is_shut_and_not_where_it_is_open(study):

@@ -12,7 +12,7 @@ from vsb.hydro.panels import mesh as meshing
 from vsb.hydro.panels import rings as bem
 from vsb.motion.port import port_direction
 from vsb.scenes import rest
-from vsb.scenes.directions import loaded_shell
+from vsb.scenes.directions import loaded_shell, order_bases
 from vsb.scenes.rest import (
     check_equilibrium,
     check_rests,
@@ -30,6 +30,7 @@ from vsb.shell.loaded import equilibrium
 from vsb.shell.modes import mode_basis, rigid_basis
 from vsb.stages.preview import check_before_run
 from vsb.study.plan import StudyPlan
+from vsb.study.quantities import is_rigid
 
 RHO, G = 1025.0, 9.81
 
@@ -437,6 +438,46 @@ def test_pressure_of_either_sign_prestresses_a_shell_about_the_sphere(seed, insi
         reference.stiffness["prestress"], (expected + expected.T) / 2, atol=1e-12 * np.abs(expected).max()
     )
     assert list(reference.stiffness) == ["structural", "hydrostatic", "prestress"]
+    for matrix in reference.stiffness.values():
+        np.testing.assert_array_equal(matrix, matrix.T)
+
+
+def planar(seed, **changes):
+    """The seed, free to surge and pitch on ballast half a metre below its centre, with a rigid and two shells."""
+    designs = {"FSB": {"flexible": False}, "free": {}, "held": {"clamp": [40, 180]}}
+    device = {"centre_of_mass": -0.5, "ballast_inertia": 9e3} | changes
+    return varied(seed, motion="planar", modes={"degree": 4, "order": 2}, device=device, designs=designs)
+
+
+def test_a_rigid_design_beside_flexible_ones_moves_in_rigid_motions_of_all_orders_alone(seed):
+    """Clamps hold the shell in every order, at their colatitudes."""
+    study = planar(seed)
+    basis = study_basis(study)
+    families = order_bases(study, basis)
+    labels = [*basis.labels, *(label for each in families for label in each.labels)]
+    rigid, free, held = (rest.design_motions(study, basis, design) for design in study.designs)
+    assert [label for label, row in zip(labels, rigid, strict=True) if row.any()] == ["Heave", "Surge", "Pitch"]
+    assert [label for label in labels if is_rigid(label)] == ["Heave", "Surge", "Pitch"]
+    assert rigid.shape[1] == 3
+    np.testing.assert_array_equal(free, np.eye(len(labels)))
+    assert held.shape[1] < len(labels)
+    begin = 0
+    for each in (basis, *families):
+        rows = each.clamp_rows(np.deg2rad([40.0, 180.0]))
+        assert rows.any()
+        np.testing.assert_allclose(rows @ held[begin : begin + len(each.labels)], 0.0, atol=1e-12)
+        begin += len(each.labels)
+
+
+def test_a_buoy_that_falls_over_does_not_rest_whatever_its_shell_does(seed):
+    """As a mooring that pushes it away; one that holds it lets it rest."""
+    upright, top_heavy = planar(seed), planar(seed, centre_of_mass=0.2)
+    check_stable(upright, reference_shell(upright))
+    with pytest.raises(ConfigError, match=r"^device.centre_of_mass: received 0.2 m above .* does not stay upright"):
+        check_stable(top_heavy, reference_shell(top_heavy))
+    pushed = upright.model_copy(update={"mooring": np.diag([-1e3, 0.0, 0.0, 0.0, 0.0, 0.0]).tolist()})
+    with pytest.raises(ConfigError, match=r"^mooring: received .* out of its rest, most in surge; needs one"):
+        check_stable(pushed, reference_shell(pushed))
 
 
 @pytest.mark.parametrize(("yields", "stiffness", "rests"), [

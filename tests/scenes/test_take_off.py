@@ -264,21 +264,24 @@ def test_on_the_wet_shell_a_port_of_the_shell_takes_what_linear_theory_says_in_s
     assert 0.3 * power < held[0] < power
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
 @pytest.mark.parametrize("law", LAWS)
-def test_springs_and_strokes_count_from_where_the_buoy_rests(plant, law):
-    """In the stroke of its port, b N y; a friction has no spring."""
-    b, motions, rest = np.array([1.0, -0.5]), np.array([[1.0, 0.0], [0.0, 2.0]]), np.array([0.3, -0.7])
-    resting = replace(plant, motions=motions, origin=rest)
+def test_springs_and_strokes_count_from_where_the_buoy_rests(plant, law, side):
+    """In the stroke of its port, b N y, to either side; a friction has no spring."""
+    b, motions, rest = np.array([1.0, -0.5]), np.array([[1.0, 0.0], [0.0, 2.0]]), side * np.array([0.3, -0.7])
+    held = np.array([[50.0, 90.0], [90.0, 400.0]])
+    forces = plant.forces | {"hydrostatic": Spring(held)}
+    resting = replace(plant, forces=forces, motions=motions, origin=rest)
     pto = Pto(law=law, damping=4.0, stiffness=6.0 if law != "coulomb" else 0.0, force_limit=3.0, stroke_limit=0.2)
     scene = with_take_off(resting, pto, LinearPto(4.0, 6.0, b))
     force, stop = scene.law, scene.stop
-    assert force.rest == stop.rest == pytest.approx(0.3 - 0.5 * 2 * -0.7)
+    assert force.rest == stop.rest == pytest.approx(side * (0.3 - 0.5 * 2 * -0.7))
     assert (force.limit, stop.stroke) == (3.0, 0.2)
     assert (force.damping, force.stiffness) == ((np.inf, 0.0) if law == "coulomb" else (4.0, 6.0))
     for one in (force, stop):
         np.testing.assert_array_equal(one.direction, b)
     pushed = np.linalg.solve(motions.T @ plant.mass @ motions, motions.T @ b) @ (motions.T @ b)
-    yields = b @ np.linalg.solve(np.diag([50.0, 400.0]), b)
+    yields = b @ np.linalg.solve(held, b)
     assert stop.stiffness == pytest.approx(100.0 / yields, rel=1e-12)
     assert stop.damping == pytest.approx(2 * np.sqrt(stop.stiffness / pushed), rel=1e-12)
 

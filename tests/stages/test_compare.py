@@ -97,7 +97,9 @@ def test_what_a_sea_leaves_is_small_and_its_own(small):
 def test_every_sea_is_met_in_its_own_waves_and_irregular_ones_are_sampled(seed, monkeypatch):
     """Of a regular and two irregular seas: waves, runs and samples of each are its own."""
     sea = {"kind": "jonswap", "hs": 1, "tp": 4}
-    study = varied(seed, waves=[*seed.model_dump()["waves"], sea, {**sea, "tp": 5}], designs={"A": {}, "B": {}})
+    study = varied(
+        seed, waves=[*seed.model_dump()["waves"], sea, {**sea, "tp": 5}], designs={"A": {"flexible": False}, "B": {}}
+    )
     runs = {(d, w.label): SimpleNamespace(attrs={"of": (d, w.label)}) for d in "AB" for w in study.waves}
     found = SimpleNamespace(study=study, database="database", response="response", runs=runs)
     monkeypatch.setattr(compare, "study_sea", lambda study, wave, database: (wave, database))

@@ -104,6 +104,7 @@ class Rings:
 
     def rao(self, omega, motions):
         """Damper, spring and direction at every frequency."""
+        np.testing.assert_array_equal(self.pto.direction(2), PORT_IN)
         damping = np.broadcast_to(self.pto.damping, omega.shape)
         return np.stack([damping + 1j * self.pto.stiffness, motions.sum() + 1j * self.direction + 0 * omega], axis=1)
 
@@ -113,6 +114,7 @@ class Rings:
 
     def natural_modes(self, motions):
         """As many as there are motions: none of what drifts."""
+        np.testing.assert_array_equal(self.pto.direction(2), PORT_IN)
         count = np.arange(motions.shape[1])
         return 3.0 + count + motions.sum(), 0.01 * self.pto.damping + 1e-3 * self.pto.stiffness + count
 

@@ -101,14 +101,17 @@ def test_a_run_is_that_of_the_sea_named_or_of_the_first(seed, monkeypatch):
     assert found.port("A", [0.5], direction=-30.0) == ([0.5], "a", "heave")
     assert found.port("A", np.array([0.5, 2.5])) == ([0.5, 2.5], "a", "heave")
     assert found.port("A", np.array([0.0])) == ([0.0], "a", "heave")
-    assert headed == [0.0, -30.0, 0.0, 0.0]
+    assert found.port("A", [2.5, 0.5, 1.5]) == ([2.5, 0.5, 1.5], "a", "heave")
+    assert headed == [0.0, -30.0, 0.0, 0.0, 0.0]
 
 
 def test_a_ladder_has_numbers_words_and_none(seed, monkeypatch):
-    text = "design,wave,rung,power_mean,spring\nA,calm,fixed,1.5,\nB,1e3,matched,,2\n"
+    text = "design,wave,rung,power_mean,spring\nA,calm,fixed,1.5,\nB,1e3,matched,,2\nB,calm,fixed,0,-0.0\n"
     monkeypatch.setattr(stored, "read_text", lambda path, manifest, identity: text)
     rows = [(row["design"], row["wave"], row["rung"], row["power_mean"], row["spring"]) for row in Results(seed).ladder]
-    assert rows == [("A", "calm", "fixed", 1.5, None), ("B", "1e3", "matched", None, 2.0)]
+    assert rows == [
+        ("A", "calm", "fixed", 1.5, None), ("B", "1e3", "matched", None, 2.0), ("B", "calm", "fixed", 0.0, 0.0)
+    ]  # fmt: skip
 
 
 def test_a_part_of_a_name_is_no_name():
