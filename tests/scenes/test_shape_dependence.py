@@ -564,6 +564,20 @@ def test_a_database_reaches_a_hundredth_of_any_radius(small, reference, radius):
     assert StudyMotion(still, reference, None).runs == {}
 
 
+def test_a_database_reaches_as_far_as_any_run_in_each_motion(small, monkeypatch):
+    """To either side, whichever design and sea it is; a motion that hardly any run has, to a hundredth of the radius."""
+    passed = {
+        ("A", "p"): [[0.5, -0.01, 0.0], [-0.2, 0.0, 0.0]],
+        ("B", "p"): [[0.1, -0.3, 0.0], [0.0, 0.2, 0.001]],
+        ("B", "q"): [[-0.7, 0.1, -0.001], [0.6, 0.0, 0.0]],
+    }
+    monkeypatch.setattr(StudyMotion, "runs", passed)
+    monkeypatch.setattr(StudyMotion, "shapes", lambda self, *run: np.array(passed[run]))
+    labels = dataclasses.make_dataclass("Basis", ["labels"])(("Heave", "one", "other"))
+    motion = StudyMotion(small, dataclasses.make_dataclass("Reference", ["basis"])(labels), None)
+    assert motion.reach == pytest.approx([0.7, 0.3, 0.01 * small.device.radius], rel=1e-14)
+
+
 def test_all_of_a_study_is_put_together_of_what_its_parts_find(small, reference, monkeypatch):
     """Errors are the worst of any coefficient, by order and size in radii; the database is measured as often as asked."""
     study = varied(small, device={"radius": 1.5, "mass": 7e3}, waves=[{"kind": "still"}])

@@ -36,11 +36,24 @@ def test_either_form_is_stored_with_its_verdict_and_what_was_left_out(tmp_path):
 
 
 @pytest.mark.parametrize(("option", "unit"), [("density", "kg/m"), ("gravity", "m/s"), ("length", "m"), ("depth", "m")])
-def test_facts_that_cannot_be_are_refused_before_any_file_is_read(tmp_path, option, unit):
-    facts = {**WATER, option: -1.0}
-    with pytest.raises(ConfigError, match=rf"--{option}: received -1.0, needs a positive number of {unit}"):
-        import_wamit(str(tmp_path), "none", str(tmp_path / "a.nc"), axisymmetric=False, **facts)
-    assert list(tmp_path.iterdir()) == []
+@pytest.mark.parametrize("value", [-1.0, 0.0, float("inf"), -float("inf"), float("nan")])
+def test_facts_that_cannot_be_are_refused_before_any_file_is_read(tmp_path, monkeypatch, option, unit, value):
+    """Water may be infinitely deep, nothing else is infinite."""
+    asked = []
+    monkeypatch.setattr(exchange.wamit, "import_wamit", lambda *given, **facts: asked.append(facts))
+    monkeypatch.setattr(exchange, "_store_foreign", lambda *given: "stored")
+    facts = {**WATER, option: value}
+
+    def imported():
+        return import_wamit(str(tmp_path), "none", str(tmp_path / "a.nc"), axisymmetric=False, **facts)
+
+    if (option, value) == ("depth", float("inf")):
+        assert imported() == "stored"
+        assert asked == [{"labels": None, **facts}]
+        return
+    with pytest.raises(ConfigError, match=rf"^--{option}: received {value}, needs a positive number of {unit}"):
+        imported()
+    assert asked == []
 
 
 @pytest.mark.parametrize("axisymmetric", [False, True])

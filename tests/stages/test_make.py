@@ -169,6 +169,8 @@ def test_a_job_needs_all_that_other_jobs_make_for_it(plan):
     assert drawn <= needs["report"]
     if plan.study.needs_bem:
         assert needs["database"] == {plan.block_path(block) for block in plan.bem_blocks.values()}
+        for stage in ("radiation", "response", "ladder"):
+            assert needs[stage] == {plan.database_path}, stage
     for job in jobs(plan):
         if "green" in job.files and job.stage in ("panels", "witness"):
             assert f"{plan.green_folder}.done" in job.needs

@@ -136,7 +136,7 @@ def test_designs_rise_as_their_ports_under_their_own_dampers_beside_the_spring(s
     study = varied(seed, modes={"degree": 2}, pto={"damping": 8e3, "stiffness": spring})
     reference = reference_shell(study)
     point = Point(study, reference, SimpleNamespace(at=lambda omega: water(study, omega=omega)))
-    waves = Sea(np.array([1.0, 1.7]), np.array([0.3, 0.2j]))
+    waves = Sea(np.array([1.0, 1.3, 1.7]), np.array([0.3, 0.0, 0.2j]))
     runs = module._runs(point, dampers, waves, 10.0)
     inside = designs_in_waves(study, reference, water(study, omega=waves.omega))
     for design, damping in dampers.items():

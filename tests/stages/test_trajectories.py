@@ -46,6 +46,7 @@ def test_runs_of_one_sea_are_kept_and_no_others(stored):
     assert stored["FSB", second] is not kept[0]
     assert stored["FSB", first] is not kept[0]
     assert stored["FSB", first].identical(kept[0])
+    assert stored["VSWEC", first] is not kept[1]
 
 
 def test_a_run_of_another_specification_is_refused(stored, tmp_path):
@@ -55,6 +56,15 @@ def test_a_run_of_another_specification_is_refused(stored, tmp_path):
         other["VSWEC", stored.study.waves[0].label]
     with pytest.raises(DatabaseError, match=r"FSB-.*: stale or foreign"):
         other.attributes()
+
+
+@pytest.mark.parametrize("place", range(6))
+def test_every_run_is_the_one_of_its_own_design_and_sea(stored, tmp_path, place):
+    """A file that is whole, under the name of another run."""
+    names = [trajectory_name(*run) for run in stored]
+    (tmp_path / names[place]).write_bytes((tmp_path / names[place - 1]).read_bytes())
+    with pytest.raises(DatabaseError, match=rf"{names[place]}: holds '\w+', needs '\w+': stale or foreign"):
+        stored.attributes()
 
 
 def test_a_damaged_run_is_refused_also_where_its_attributes_alone_are_read(stored, tmp_path):
