@@ -277,6 +277,21 @@ Exiting because a job execution failed. Look above for error messages
 """
 
 
+def test_logs_and_what_is_told_may_hold_what_is_no_text(workplace, capsys):
+    """Words of another alphabet, or cut within a letter: all the rest is told as ever."""
+    plan, log = StudyPlan(load(SEED)), Path("results/logs/simulate/seed/FSB-still.log")
+    log.parent.mkdir(parents=True)
+    log.write_bytes(b"a caf\xe9\nvsb: error: device.mass: too heavy\n\xc3")
+    assert launcher._failed(plan, 0.0) == 2
+    assert capsys.readouterr().err == "vsb: error: device.mass: too heavy\n"
+    log.write_bytes(b"no caf\xe9\n")
+    assert launcher._failed(plan, 0.0, TOLD.splitlines(keepends=True)) == 1
+    assert "simulate ended with no caf\ufffd; all that was told is in " in capsys.readouterr().err
+    found = []
+    assert launcher.finished(["bash", "-c", "printf 'one \\351\\ntwo\\n'"], {}, line=found.extend) == 0
+    assert (len(found), found[0][:4], found[1]) == (2, "one ", "two\n")
+
+
 def test_of_a_run_shown_as_one_line_what_nobody_saw_is_kept_if_no_rule_says_what_is_wrong(workplace, capsys):
     """One line, none of Snakemake's words: which rule, its last words, and where the rest is."""
     plan, log = StudyPlan(load(SEED)), Path("results/logs/simulate/seed/FSB-still.log")

@@ -556,6 +556,9 @@ def test_an_index_that_is_there_says_what_the_databases_of_its_results_do(tmp_pa
     ):
         index.write_text(text)
         assert module._index_faults(tmp_path) == [Fault(str(path), "damaged", CHANGED) for path in told]
+    for end in (b"\r\n", b"\n\xe9"):  # by another system, in another alphabet
+        index.write_bytes(f"of {tmp_path / 'hydro' / 'db'}".encode() + end)
+        assert module._index_faults(tmp_path) == [Fault(str(index), "damaged", CHANGED)]
 
 
 def test_of_manifests_one_that_cannot_be_read_hides_no_other(tmp_path):

@@ -282,8 +282,8 @@ def finished(
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # one that comes meanwhile waits
     interrupt = signal.signal(signal.SIGINT, signal.SIG_IGN)  # of it and its jobs: they are ended here, without a word
     try:
-        told: Any = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True} if line else {}
-        process = subprocess.Popen(command, env=env, pass_fds=pass_fds, **told)
+        shown: Any = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True, "errors": "replace"}
+        process = subprocess.Popen(command, env=env, pass_fds=pass_fds, **(shown if line else {}))
         signal.signal(signal.SIGINT, interrupt)
         try:
             for number in heard:
@@ -334,7 +334,7 @@ def _failed(plan: Plan, begun: float, told: Iterable[str] = ()) -> int:
     If no rule says what is wrong, what nobody has seen yet is kept in a file: it is for those who know Snakemake.
     """
     logs = [path for path in Path(plan.root, "logs").rglob("*.log") if path.stat().st_mtime >= begun - 1.0]
-    lines = [line for path in logs for line in path.read_text(encoding="utf-8").splitlines()]
+    lines = [line for path in logs for line in path.read_text(encoding="utf-8", errors="replace").splitlines()]
     mistakes = [line for line in lines if line.startswith(ERROR)]
     unseen = list(told)
     whole = f"{ERROR} the run of {plan.name!r} did not complete" + (_kept(plan, unseen) if unseen else ", see above")
@@ -360,7 +360,7 @@ def _kept(plan: Plan, told: Sequence[str]) -> str:
 
 def _last_words(log: Path) -> str:
     """The last line of a job's log."""
-    lines = log.read_text(encoding="utf-8").split("\n") if log.is_file() else []
+    lines = log.read_text(encoding="utf-8", errors="replace").split("\n") if log.is_file() else []
     last = next((line for line in reversed(lines) if line.strip()), "")
     return f" with {shortened(last.strip())}" if last else " without a word, as when it is killed or memory is out"
 
