@@ -79,6 +79,10 @@ def test_unknown_command_is_two():
         (["chek", "x.yaml"], "COMMAND: received chek, did you mean check?; see vsb --help"),
         (["shell", "x.yaml", "--jsn"], "unrecognized arguments: --jsn; did you mean --json?; see vsb --help"),
         (["shell", "x.yaml", "--frobnicate"], "unrecognized arguments: --frobnicate; see vsb --help"),
+        (
+            ["shell", "x.yaml", "--jsn", "--frobnicate"],
+            "unrecognized arguments: --jsn --frobnicate; did you mean --json?",
+        ),
         (["completion", "basch"], "shell: received basch, did you mean bash?; see vsb completion --help"),
         (["frobnicate"], "argument COMMAND: invalid choice: 'frobnicate' (choose from 'init', "),
     ],
@@ -279,6 +283,14 @@ def test_a_rule_does_not_wait_for_somebody_to_type(workplace, capsys, monkeypatc
     assert told(["modes", "--out", "out.nc"], capsys).startswith("standard input: received a terminal, needs the spec")
 
 
+@pytest.mark.parametrize("one", [one for one in STAGES if one.spec], ids=lambda one: one.name)
+def test_every_rule_with_a_specification_waits_for_nobody(one, workplace, capsys, monkeypatch):
+    """Whatever else it may be given."""
+    given(monkeypatch, "{}", terminal=True)
+    files = [word for name in one.files for word in (f"--{name}", "some")]
+    assert told([one.name, *files], capsys).startswith("standard input: received a terminal, needs the spec")
+
+
 def test_nobody_reading_on_is_no_mistake():
     """The reader of `vsb check | head` goes away after a line."""
     command = f"{sys.executable} -m vsb.cli check {SEED} | head -1; exit ${{PIPESTATUS[0]}}"
@@ -415,12 +427,13 @@ def test_databases_of_others_are_read_as_is_told_and_their_verdict_is_that_of_al
 ):
     """Whichever check fails; then notes, what was written, and what to look at. A fact not told has its default."""
     checks = [check_of("first", verdict), check_of("second", "ok")]
-    calls = noted(monkeypatch, "vsb.stages.exchange.import_wamit", (checks, ["noted"], ["units", "names"]))
+    calls = noted(monkeypatch, "vsb.stages.exchange.import_wamit", (checks, ["noted", "and more"], ["units", "names"]))
     told = ["--density=1000", "--gravity=9.8", "--length=2", "--depth=30", "--axisymmetric"]
     for more in (told, []):
         assert main(["import-wamit", "in", "name", "out.nc", *more]) == int(verdict == "fail")
         lines = capsys.readouterr().out.splitlines()
-        assert lines == [f"first: {verdict}", "second: ok", "noted", "out.nc", "look at units", "look at names"]
+        said = ["noted", "and more", "out.nc", "look at units", "look at names"]
+        assert lines == [f"first: {verdict}", "second: ok", *said]
     facts = [{"density": 1000.0, "gravity": 9.8, "length": 2.0, "depth": 30.0, "axisymmetric": True},
              {"density": 1025.0, "gravity": 9.81, "length": 1.0, "depth": float("inf"), "axisymmetric": False}]  # fmt: skip
     assert calls == [(("in", "name", "out.nc"), one) for one in facts]

@@ -417,7 +417,8 @@ def two_motions(take_off="pto", **more):
 @pytest.mark.parametrize("take_off", ["pto", "drag", "friction", "radiation", "none"])
 def test_mean_powers_of_an_orbit_are_those_of_its_forces_in_plain_coordinates(take_off):
     """Waves and each loss by a sum over a period, radiation by the real part of what it answers at every harmonic."""
-    system, memory = two_motions(take_off)
+    across = QuadraticDrag(np.array([[0.5, -1.0]]), np.array([2.0]), np.zeros(0), np.zeros((0, 1), dtype=complex))
+    system, memory = two_motions(take_off, fins=across)
     rng = np.random.default_rng(5)
     u = 0.3 * (rng.normal(size=(4, 2)) + 1j * rng.normal(size=(4, 2)))
     u[0] = u[0].real
@@ -434,6 +435,7 @@ def test_mean_powers_of_an_orbit_are_those_of_its_forces_in_plain_coordinates(ta
     losses = {name: np.mean(np.einsum("ti,ij,tj->t", v, forces[name].damping, v)) for name in
               ("pto", "structural_damping", "friction")}  # fmt: skip
     losses["drag"] = np.mean(np.abs(v) ** 3 @ [3.0, 1.0])
+    losses["fins"] = np.mean(2.0 * np.abs(v @ [0.5, -1.0]) ** 3)
 
     def answered(transfer):
         at = transfer(STEP * np.arange(1, 4)).conj()

@@ -175,6 +175,9 @@ def test_records_are_two_hundred_a_period_of_the_fastest_wave_that_matters(oscil
     assert count(Sea(np.array([omega]), np.array([0.3j]))) == np.ceil(200 * periods)
     assert count(Sea(np.array([omega, 2 * omega]), np.array([1.0, 0.049j]))) == np.ceil(200 * periods)
     assert count(Sea(np.array([omega, 2 * omega]), np.array([1.0, 0.051j]))) == np.ceil(400 * periods)
+    for amplitudes in ([0.06, 1.0, 0.049j], [0.049j, 1.0, -0.049], [-0.06, -1.0j, 0.049]):
+        assert count(Sea(omega * np.array([1.0, 2.0, 3.0]), np.array(amplitudes))) == np.ceil(400 * periods)
+    assert count(Sea(omega * np.array([2.0, 3.0, 1.0]), np.array([0.051j, 0.049, -1.0]))) == np.ceil(400 * periods)
     assert count(NO_WAVES) == np.ceil(200 * 5.0 * duration / (2 * np.pi))  # sqrt(50/2) rad/s
     brief = Simulation(duration=duration, window=(1.0, 1.0 + 1e-3))
     assert recorded_steps(oscillator, NO_WAVES, brief) == pytest.approx(4e3 * duration, abs=1)

@@ -44,11 +44,16 @@ def test_a_product_and_its_derivatives():
     np.testing.assert_allclose(product(a, b), jet(whole, time), atol=1e-12)
 
 
-def test_waves_and_their_derivatives_at_nodes_whether_or_not_these_are_equally_spaced():
+@pytest.mark.parametrize("at_once", [512, 2, 1])
+def test_waves_and_their_derivatives_at_nodes_whether_or_not_these_are_equally_spaced(monkeypatch, at_once):
+    """However many of the others are found at a time."""
+    monkeypatch.setattr("vsb.integrators.works.AT_ONCE", at_once)
+
     class Driven:
         omega, waves = np.array([1.0, 2.5]), np.array([[1.0 + 2.0j, 0.5], [0.3j, -1.0 + 0j]])
 
-    time, regular = np.array([0.0, 0.1, 0.13, 0.2]), np.array([True, True, False, True])
+    time = np.array([0.0, 0.1, 0.13, 0.16, 0.2, 0.21, 0.22, 0.27, 0.3])
+    regular = np.isin(time, [0.0, 0.1, 0.2, 0.3])
     found = driven_at(Driven, time, regular)
     for k in range(3):
         phasors = Driven.waves * (-1j * Driven.omega[:, None]) ** k

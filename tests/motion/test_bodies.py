@@ -1,3 +1,4 @@
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -759,3 +760,23 @@ def test_damping_that_is_given_need_not_be_stored(database):
     np.testing.assert_array_equal(given.stiffness, stored.stiffness)
     with pytest.raises(ConfigError, match=r"^damping: received shape \(2, 2\), needs finite numbers, shape \(8, 8\)"):
         linear_body(bare, damping=np.eye(2))
+
+
+@pytest.mark.parametrize("name", ["mass", "damping", "stiffness"])
+def test_a_matrix_of_other_motions_is_told_by_its_name(name):
+    """Whichever of the three it is, the others being sound."""
+    body = afloat(("Surge", "Heave", "Pitch"), [4.0, 5.0, 6.0], [1.0, 2.0, 3.0])
+    sound = {"mass": np.eye(2), "damping": np.eye(2), "stiffness": np.eye(2)}
+    for wrong in (np.eye(3), np.eye(1), np.ones(2), np.ones((2, 3))):
+        with pytest.raises(
+            ConfigError, match=rf"^{name}: received shape {re.escape(str(wrong.shape))}, needs finite .* shape \(2, 2\)"
+        ):
+            linear_body(body.database, ["Pitch", "Surge"], **(sound | {name: wrong}))
+
+
+@pytest.mark.parametrize("port", [np.ones(3), np.ones(1), np.ones((2, 1)), np.zeros(0)])
+def test_a_take_off_of_other_motions_is_refused(port):
+    """Of more of them, of fewer, or of none."""
+    bare = afloat(("Heave", "Pitch"), [4.0, 5.0], [9.0, 9.0])
+    with pytest.raises(ConfigError, match=rf"^pto: received a port of {re.escape(str(port.shape))}, needs \(2,\)"):
+        replace(bare, pto=LinearPto(1.0, 0.0, port))

@@ -377,7 +377,8 @@ def test_what_is_asked_for_beyond_the_band_is_told_with_the_longest_period():
     buoy = LinearBuoy(ds, np.zeros((1, 1)), LinearPto(0.0))
     assert buoy.coefficients(np.zeros(0)).damping.shape == (0, 1, 1)
     assert buoy.coefficients(np.array([0.5 - 5e-10, 3.0 + 5e-10])).damping.shape == (2, 1, 1)
-    for beyond, told in (([0.499, 1.0], "0.499 to 1"), ([1.0, 3.001], "1 to 3.001"), ([0.5 - 2e-9, 1.0], "0.5 to 1")):
+    for beyond, told in (([0.499, 1.0], "0.499 to 1"), ([1.0, 3.001], "1 to 3.001"), ([0.5 - 2e-9, 1.0], "0.5 to 1"),
+                         ([1.0, 0.499, 2.0], "0.499 to 2"), ([1.0, 3.001, 0.7], "0.7 to 3.001")):  # fmt: skip
         words = f"^frequencies {told} rad/s are asked for, the database holds 0.5 to 3 rad/s; raise hydro.omega_max, or use waves below 12.57 s.$"
         with pytest.raises(DatabaseError, match=words):
             buoy.coefficients(np.array(beyond))

@@ -237,10 +237,15 @@ def test_a_climb_stays_where_nothing_is_higher(size):
 
 
 def test_of_loads_as_good_the_one_at_hand_stays():
-    at_hand = Load(np.array([1.0, 2.0, 3.0]), np.array([10.0, 20.0, 30.0]), np.array([5.0, 5.0, 5.0]))
-    other = Load(np.array([4.0, 5.0, 6.0]), np.array([40.0, 50.0, 60.0]), np.array([5.0, 6.0, 4.0]))
+    """Also where one or both cost power."""
+    numbers = np.arange(1.0, 7.0)
+    at_hand = Load(numbers, 10 * numbers, np.array([5.0, 5.0, 5.0, -1.0, -4.0, 2.0]))
+    other = Load(-numbers, -10 * numbers, np.array([5.0, 6.0, 4.0, -3.0, -2.0, -7.0]))
     better = at_hand.or_better(other)
-    assert [value.tolist() for value in better] == [[1.0, 5.0, 3.0], [10.0, 50.0, 30.0], [5.0, 6.0, 5.0]]
+    taken = np.array([1, -1, 1, 1, -1, 1]) * numbers
+    assert [value.tolist() for value in better] == [
+        taken.tolist(), (10 * taken).tolist(), [5.0, 6.0, 5.0, -1.0, -2.0, 2.0],
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize("efficiency", [1.0, 0.8])

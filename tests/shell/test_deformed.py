@@ -599,3 +599,24 @@ def test_a_meridian_of_many_terms_is_resolved_as_well_as_a_plain_one():
     force, stiffness = buoy.hydrostatics(RHO, G, 40)
     assert force == pytest.approx([RHO * G * rest.volume_below(-0.25)], rel=1e-12)
     assert stiffness[0, 0] == pytest.approx(RHO * G * np.pi * rest.radius_at(-0.25) ** 2, rel=1e-9)
+
+
+class Waved(DeformedShell):
+    """A meridian whose height goes up and down seven times."""
+
+    def meridian(self, colatitude):
+        """Return it; nothing but its height is looked at."""
+        height = self.centre_height + np.cos(7 * colatitude) * self.modal_amplitude[0]
+        return super().meridian(colatitude)._replace(z=height)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_every_part_below_the_water_is_wet_however_many_there_are(full, sign):
+    """From the top on, at either pole or not."""
+    found = Waved(full, 0.2, np.append(sign, np.zeros(len(full.labels) - 1))).wet_segments
+    first = np.arccos(-0.2 * sign)
+    edges = np.sort([part for k in range(4) for part in (2 * np.pi * k + first, 2 * np.pi * (k + 1) - first)])
+    edges = np.concatenate([[0.0], edges[edges < 7 * np.pi], [7 * np.pi]]) / 7
+    wet = np.stack([edges[:-1], edges[1:]], axis=1)[int(sign > 0) :: 2]
+    assert len(wet) == 4
+    np.testing.assert_allclose(found, wet, atol=1e-12)

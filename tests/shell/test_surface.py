@@ -245,3 +245,15 @@ def test_volume_and_area_of_many_orders_are_those_of_points_all_around():
     volume, surface = enclosed_in_orders(RING, [basis], q[None])
     assert volume[0] == pytest.approx(np.sum(flow * area) / 3, rel=1e-12)
     assert surface[0] == pytest.approx(np.sum(np.sqrt((normal**2).sum(axis=0)) * area), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    "basis", [RING, ModeBasis(OBLATE, natural_shapes(OBLATE, 4), 3000.0, True)], ids=["sphere", "oblate"]
+)
+def test_the_largest_displacement_of_several_modes_is_that_of_their_sum(basis):
+    """Some outwards and some inwards, which take from each other; heave has no part in it."""
+    phi = np.linspace(0.0, np.pi, 3601)
+    v, u = basis.displacement(phi)
+    for q in np.random.default_rng(3).normal(size=(5, len(basis.labels))):
+        expected = np.hypot(q[1:] @ v[1:], q[1:] @ u[1:]).max()
+        assert largest_displacement(basis, q) == pytest.approx(expected, rel=2e-3)

@@ -51,8 +51,13 @@ def test_it_says_what_is_done_how_fast_and_what_is_left():
 
 @pytest.mark.parametrize(
     ("told", "shown"),
-    [(TOLD[3:], "2/3 jobs"), ([*TOLD, "3 of 7 steps (43%) done\n"], "3/7 jobs")],
-    ids=["none", "other"],
+    [
+        (TOLD[3:], "2/3 jobs"),
+        ([*TOLD, "3 of 7 steps (43%) done\n"], "3/7 jobs"),
+        ([*TOLD, "3 of 3 steps (100%) done\n"], "3/3 jobs"),
+        (["1200 of 30000 steps (4%) done\n"], "1200/30000 jobs"),
+    ],
+    ids=["none", "other", "all", "many"],
 )
 def test_how_many_there_are_is_what_is_told_last(told, shown):
     """Also where nothing was told of it before the first was done, or jobs were added since."""
