@@ -601,10 +601,15 @@ def test_the_motion_that_falls_is_named_by_the_energy_of_the_water_too(motions, 
 
 
 def test_a_stiffness_that_is_none_by_round_off_lets_drift_and_does_not_fall():
+    """In terms of the stiffest, be it of a model in a basin or of a ship."""
     body = afloat(("Surge", "Heave"), [4.0, 4.0], [0.0, 9.0])
-    loose = body.drifting(np.array([[-1e-10, 0.0], [0.0, 9.0]]), np.eye(2))
-    assert loose == pytest.approx(np.array([[0.5], [0.0]]))
-    assert body.drifting(np.diag([1e-6, 9.0]), np.eye(2)).shape == (2, 0)
+    for size in (1.0, 1e-6, 1e9):
+        for soft in (-5e-9, 5e-9):
+            loose = body.drifting(size * np.diag([soft, 9.0]), np.eye(2))
+            assert loose == pytest.approx(np.array([[0.5], [0.0]]))
+        assert body.drifting(size * np.diag([2e-8, 9.0]), np.eye(2)).shape == (2, 0)
+        with pytest.raises(StabilityError, match=r"^the body does not rest: received a negative stiffness of Surge"):
+            body.drifting(size * np.diag([-2e-8, 9.0]), np.eye(2))
     assert body.drifting(np.zeros((2, 2)), np.eye(2)).shape == (2, 2)
 
 

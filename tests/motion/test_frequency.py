@@ -332,8 +332,9 @@ def test_a_port_s_part_in_a_motion_is_none_only_where_it_is_round_off(share):
     part = allowed_part(np.array([3.0, -4.0, 0.0]), np.array([[0.6, 0.8], [-0.8, 0.6], [0.0, 0.0]]).T[[0, 1]].T)
     assert part == pytest.approx([5.0, 0.0], abs=1e-14)
     assert part[1] == 0.0
-    found = allowed_part(np.array([1.0, share]), np.eye(2))
-    assert found.tolist() == [1.0, share if abs(share) > 1e-12 else 0.0]
+    for size in (1.0, 1e-9, 1e9):  # of a volume, in square metres, or of a rotation
+        found = allowed_part(size * np.array([1.0, share]), np.eye(2))
+        assert found.tolist() == [size, size * share if abs(share) > 1e-12 else 0.0]
 
 
 def test_a_port_yields_and_loses_by_its_part_in_the_motions_allowed():

@@ -147,15 +147,16 @@ def test_a_meridian_too_rough_for_any_quadrature_is_refused(monkeypatch):
         matrices(Shell(1.0, 1e-4, 1e7, 0.3, 2700.0, RestMeridian((1.0,), (0.0, 0.07))), 3)
 
 
+@pytest.mark.parametrize("size", [1.0, 1e9, 1e-9])
 @pytest.mark.parametrize(("share", "near"), [(0.9, True), (1.1, False)])
-def test_matrices_are_near_by_each_entry_of_its_own_size_but_round_off_of_the_largest(share, near):
+def test_matrices_are_near_by_each_entry_of_its_own_size_but_round_off_of_the_largest(share, near, size):
     b = np.diag([1.0, 1e-6, 0.0])
     off = ritz.CONVERGED * np.array([[1.0, -1e-3, 0.0], [-1e-3, 1e-6, 0.0], [0.0, 0.0, 0.0]])
     off[2, 2] = 1e-15
     for entry in ((0, 0), (0, 1), (1, 1), (2, 2)):
         a = b.copy()
         a[entry] += share * (off[entry] + np.copysign(1e-15, off[entry]) * (entry != (2, 2)))
-        assert ritz._near(a, b) is near, entry
+        assert ritz._near(size * a, size * b) is near, entry
 
 
 EGG = RestMeridian((2.0,), (0.3, 2.2, 0.1, 0.05))
