@@ -651,10 +651,11 @@ def test_still_water_among_several_seas_is_none_and_no_seas_are_one_without_wave
         (np.array([[-1e-14], [0.0], [-0.8]]), "Pitch"),
     ],
 )
-def test_a_start_is_one_metre_up_whatever_the_sign_of_the_motions_allowed(motions, started):
+@pytest.mark.parametrize("size", [1.0, 1e-10, 1e8])
+def test_a_start_is_one_metre_up_whatever_the_sign_and_size_of_the_motions_allowed(motions, started, size):
     labels = ("Surge", "Heave", "Pitch")
     body = afloat(labels, [4.0, 5.0, 6.0], [1.0, 1.0, 1.0])
-    scene = body_scene(body, None, {}, motions)
+    scene = body_scene(body, None, {}, size * motions)
     position, velocity = (scene.motions @ y for y in scene.start(0.3, -0.6))
     assert position == pytest.approx(0.3 * np.array([label == started for label in labels]), abs=1e-12)
     assert velocity == pytest.approx(-2 * position)
