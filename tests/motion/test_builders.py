@@ -11,11 +11,20 @@ from conftest import SEED, varied
 
 from vsb.errors import ConvergenceError
 from vsb.hydro.statespace import RadiationModel
-from vsb.motion.builders import _shell_springs, assumed_pressure_scene, body_exact_scene, linear_scene, still_scene
-from vsb.motion.forces import AssumedPressure, Damper, RelaxingDamper, SpringDamper
+from vsb.motion.builders import (
+    _loaded,
+    _shell_springs,
+    assumed_pressure_scene,
+    body_exact_scene,
+    linear_scene,
+    still_scene,
+)
+from vsb.motion.forces import AssumedPressure, Damper, RelaxingDamper, Spring, SpringDamper
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
+from vsb.shell.deformed import DeformedShell
+from vsb.shell.modes import mode_basis
 from vsb.study.study import load
 from vsb.waves.seas import NO_WAVES, Sea
 
@@ -351,3 +360,16 @@ def test_a_shell_has_the_springs_it_is_given_also_one_that_does_not_pull():
         "gas": 5.0,
     }
     assert set(_shell_springs({"structural": np.eye(2)}, np.eye(2))) == {"elastic", "structural_damping"}
+
+
+def test_what_a_prestressed_shell_carries_at_rest_is_all_of_water_and_weight(seed):
+    """Also of modes with momentum along heave, as the publication's has: nothing moves from there."""
+    basis = mode_basis(seed.device, "paper", 3)
+    assert np.abs(basis.inertia[0, 1:]).max() > 1.0
+    for amplitudes in (np.zeros(5), np.array([0.02, 0.01, -0.03, 0.02, 0.01])):
+        shape = DeformedShell(basis, seed.centre_height, amplitudes)
+        springs = {"prestress": Spring(np.eye(5))}
+        forces = _loaded(springs, shape, np.eye(5), 900.0 * 9.0, 9.0, None)
+        parts = [force.force(np.zeros(1), np.zeros((1, 5)), np.zeros((1, 5)))[0] for force in forces.values()]
+        np.testing.assert_allclose(sum(parts), np.zeros(5), atol=1e-9 * np.abs(forces["weight"].value).max())
+    assert "preload" not in _loaded({}, shape, np.eye(5), 900.0 * 9.0, 9.0, None)

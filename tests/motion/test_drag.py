@@ -307,3 +307,14 @@ def test_of_the_pairs_climbed_to_beside_drag_the_best_is_told_if_it_beats_the_lo
         assert (found.damping, found.stiffness) == (pytest.approx(damping), pytest.approx(stiffness))
     else:
         assert found == at_hand
+
+
+@pytest.mark.parametrize("place", [0, 1, 2])
+def test_a_sea_without_waves_has_no_part_in_the_best_damper_of_several(place):
+    """Whichever place it has; nor has one that hardly moves the port."""
+    buoy = Buoy(1)
+    waves = seas(buoy.omega)[1:]
+    expected = best_damper(buoy.port, waves, 0.3, 0.9)
+    for size in (0.0, 1e-14):
+        several = np.insert(waves, place, size * waves[1, ::-1], axis=0)
+        assert best_damper(buoy.port, several, 0.3, 0.9) == pytest.approx(expected, rel=1e-3)

@@ -537,3 +537,13 @@ def test_a_port_between_two_points_has_its_part_in_every_order_in_turn(seed, bet
     for part, order in zip(found[1:-1], orders, strict=True):
         np.testing.assert_array_equal(part, _between(choice, shape, order))
         assert part.any()
+
+
+@pytest.mark.parametrize("spring", [3.0, -1.5, 1e-9, -1.999])
+def test_a_spring_beside_a_port_at_rest_adds_to_what_holds_it(spring):
+    """Of either sign: another one may be so much softer or less; what cannot move has no other compliance."""
+    held = Port(np.array([1.0, 2.0]), np.array([1.0 + 1j, 2.0]), np.array([1.0, 2j]), 0.5)
+    assert held.softest_spring == -2.0
+    assert held.beside(spring).compliance == pytest.approx(1 / (2.0 + spring), rel=1e-12)
+    assert held.beside(spring).softest_spring == pytest.approx(-2.0 - spring, rel=1e-12)
+    assert replace(held, compliance=0.0).beside(spring).compliance == 0.0

@@ -620,3 +620,17 @@ def test_every_part_below_the_water_is_wet_however_many_there_are(full, sign):
     wet = np.stack([edges[:-1], edges[1:]], axis=1)[int(sign > 0) :: 2]
     assert len(wet) == 4
     np.testing.assert_allclose(found, wet, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("slopes", "told"), [((-0.3, -2.0), "slope -0.3 m at the top, -2 m"), ((2.0, 0.1), "2 m at the top, 0.1 m")]
+)
+def test_a_meridian_turned_in_at_a_pole_is_told_by_its_least_radius_beside_the_poles(slopes, told):
+    """Though all that is looked at lies beside the axis, and the poles on it."""
+    x = np.array([0.0, 1.0, 0.4, 0.7, 0.0])
+    grid, dx = np.linspace(0.0, 2.0, 5), np.array([slopes[0], 1.0, -1.0, 1.0, slopes[1]])
+    seen = SimpleNamespace(centre_height=0.1, modal_amplitude=np.zeros(1), _grid=grid, _on_grid=(x, 1 - grid, dx))
+    with pytest.raises(
+        ConfigError, match=rf"crosses the axis \(radius 0\.4 m at colatitude 1 rad, .*{re.escape(told)}"
+    ):
+        check_meridian(seen)
