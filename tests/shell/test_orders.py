@@ -255,6 +255,7 @@ def test_modes_move_the_shell_by_one_at_most_and_are_named_by_degree_and_order()
 
 def test_a_device_that_does_not_say_how_it_is_balanced_has_no_pitch():
     assert ballast_of(DEVICE) == BALLAST
+    assert ballast_of(DEVICE.model_copy(update={"centre_of_mass": 0.0})) == BALLAST._replace(centre_of_mass=0.0)
     for name in ("centre_of_mass", "ballast_inertia"):
         silent = DEVICE.model_copy(update={name: None})
         with pytest.raises(
