@@ -181,3 +181,20 @@ def test_heave_is_solved_as_the_first_shapes_together():
 def test_a_displacement_is_frozen():
     with pytest.raises(dataclasses.FrozenInstanceError):
         HEAVE.degree = 2
+
+
+@pytest.mark.parametrize("place", [0, 1, 2])
+def test_a_string_anywhere_among_displacements_is_told(place):
+    moved = [Displacement("radial", 2), HEAVE, Displacement("radial", 3)]
+    moved[place] = "Radial4"
+    with pytest.raises(ConfigError, match=r"^displacements: received 'Radial4'; needs values such as Displacement"):
+        azimuthal_order(moved)
+
+
+@pytest.mark.parametrize("degree", [0, 9, 10, 99, 100, 999, 1000, 9999])
+def test_degrees_have_up_to_four_digits(degree):
+    assert displacements([f"Radial{degree}"]) == (Displacement("radial", degree),)
+    with pytest.raises(ConfigError, match=f"received Radial0{degree} of azimuthal order 0"):
+        displacements(["Heave", f"Radial0{degree}"])
+    with pytest.raises(ConfigError, match="received Radial10000 of azimuthal order 0"):
+        displacements(["Radial10000"])

@@ -154,6 +154,10 @@ def test_side_by_side_the_history_is_that_of_those_that_have_one():
         side_by_side([first.assign_attrs(history=""), second, second], [0, 1, -1]).attrs["history"] == "from excitation"
     )
     assert side_by_side([bare, bare], [0, 1]).attrs["history"] == ""
+    third, last = (second.assign_attrs(history=text) for text in ("read", "cut"))
+    assert side_by_side([first, second, third, last], [0, 1, 2, 3]).attrs["history"] == (
+        "symmetrized; from excitation; read; cut"
+    )
 
 
 def test_forces_of_an_order_can_be_taken_out_alone():

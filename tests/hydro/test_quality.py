@@ -293,3 +293,12 @@ def test_the_limit_is_in_terms_of_its_diagonal_however_large_its_couplings_are()
     assert quality.added_mass_difference(ds) == pytest.approx(max(0.2 / 6.0, 1.0 / 3.0 / 9.0))
     ds.added_mass.values[0, 0, 0] -= 0.9
     assert quality.added_mass_difference(ds) == pytest.approx(0.3 / 4.0)
+
+
+def test_the_first_of_several_failures_is_told_that_is_not_accepted():
+    given = [Check(name, 1.0, 0.1, "-", "fail", "why") for name in ("symmetry", "haskind", "rank_one", "afloat")]
+    for accept, told in (((), "symmetry"), (("symmetry", "afloat"), "haskind"), (("haskind", "symmetry"), "rank_one")):
+        with pytest.raises(DatabaseError, match=f"^hydro database: check '{told}' failed: 1, needs at most 0.1 "):
+            quality.judged(given, accept)
+    kept = quality.judged(given, [check.name for check in given])
+    assert [(check.name, check.verdict) for check in kept] == [(check.name, "accepted") for check in given]

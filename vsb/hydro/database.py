@@ -64,7 +64,7 @@ def merged_blocks(blocks: Sequence[xr.Dataset]) -> xr.Dataset:
     DatabaseError
         If a frequency occurs twice or the blocks differ in their degrees of freedom.
     """
-    labels = {tuple(block.influenced_dof.values) for block in blocks}
+    labels = {tuple(map(str, block.influenced_dof.values)) for block in blocks}
     if len(labels) != 1:
         raise DatabaseError(
             f"blocks with different degrees of freedom {sorted(labels)}; merge blocks of one spec only."

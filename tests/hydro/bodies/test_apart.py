@@ -1,6 +1,7 @@
 """Two bodies in one mesh: apart they are read, in each other or touching they are refused in one line."""
 
 import re
+from itertools import permutations
 from types import SimpleNamespace
 
 import numpy as np
@@ -154,3 +155,19 @@ def _swapped(body):
     first = np.flatnonzero(body.part == 0)
     order = np.concatenate([np.flatnonzero(body.part == 1), first])
     return FlexibleBody(body.vertices, body.faces[order], body.labels, body.modes[:, order], body.shapes)
+
+
+@pytest.mark.parametrize("order", list(permutations(range(3))), ids=str)
+def test_any_two_of_three_bodies_may_lie_in_each_other(order):
+    """A small one in a large one, and one beside them, in any order."""
+    sizes = [((4.0, 3.0, 1.0), 0.0), ((1.0, 0.8, 0.5), 0.2), ((4.0, 3.0, 1.0), 9.0)]
+    meshes = []
+    for size, shift in (sizes[k] for k in order):
+        vertices, faces = box(*size, 1)
+        meshes.append((vertices + np.array([shift, 0.0, 0.0]), faces))
+    vertices, panels = joined(meshes)
+    up = np.zeros((1, len(vertices), 3))
+    up[0, :, 2] = 1.0
+    body = FlexibleBody(vertices, panels, ("Heave",), at_centres(vertices, panels, up), up)
+    with pytest.raises(ConfigError, match=r"^mesh: \d+ panels of one part lie inside another, the first at"):
+        check_apart(body)

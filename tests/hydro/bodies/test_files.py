@@ -71,6 +71,9 @@ def test_mesh_files_of_other_programs_give_the_same_body(tmp_path, body, kind):
 def test_tecplots_dat_is_read_as_such(tmp_path):
     mesh_file(tmp_path, "box.tec").rename(tmp_path / "box.dat")
     assert files.read_mesh(tmp_path / "box.dat")[0] == pytest.approx(BOX[0])
+    first, rest = (tmp_path / "box.dat").read_bytes().split(b"\n", 1)
+    (tmp_path / "box.dat").write_bytes(b'TITLE = "K\xf6rper"\n' + first + b"\n" + rest)  # of whatever alphabet
+    assert not files._is_nemoh(tmp_path / "box.dat")
 
 
 def test_modes_at_panels_do_as_well_as_at_corners(tmp_path, body):

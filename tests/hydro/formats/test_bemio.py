@@ -356,11 +356,12 @@ def test_bodies_whose_names_are_none_have_numbers(names, tmp_path):
     assert read_bemio(tmp_path / "rm3.h5").influenced_dof.values[[0, 6]].tolist() == ["body1__Surge", "body2__Surge"]
 
 
-def test_a_matrix_of_one_of_two_bodies_alone_is_refused(tmp_path):
+@pytest.mark.parametrize("lacking", ["body1", "body2"])
+def test_a_matrix_of_one_of_two_bodies_alone_is_refused(tmp_path, lacking):
     entries, *_ = of_two_bodies()
-    del entries["/body2/properties/mass"]
+    del entries[f"/{lacking}/properties/mass"]
     write_h5(entries, tmp_path / "rm3.h5")
-    with pytest.raises(DatabaseError, match=r"rm3\.h5: holds no /body2/properties/mass; needs BEMIO's \.h5 file"):
+    with pytest.raises(DatabaseError, match=rf"rm3\.h5: holds no /{lacking}/properties/mass; needs BEMIO's \.h5 file"):
         read_bemio(tmp_path / "rm3.h5")
 
 

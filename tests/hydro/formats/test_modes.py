@@ -88,6 +88,7 @@ def test_six_modes_are_rigid_and_others_count_from_seven():
     assert mode_numbers(RIGID) == [1, 2, 3, 4, 5, 6]
     assert mode_numbers(["Heave", "Pitch", "Bending1", "Bending2"]) == [3, 5, 7, 8]
     assert mode_numbers(["Bend", "Yaw", "Twist", "Surge"]) == [7, 6, 8, 1]
+    assert mode_numbers(["Twist", "Yaw", "Bend", "Surge", "Arch"]) == [7, 6, 8, 1, 9]  # as they stand
     assert mode_labels([1, 3, 5, 7, 12]) == ["Surge", "Heave", "Pitch", "Mode7", "Mode12"]
     assert rotations([1, 3, 4, 5, 6, 7]).tolist() == [0, 0, 1, 1, 1, 0]
     for labels in ([], ["Heave", "Bend", "Bend"]):
@@ -100,6 +101,8 @@ def test_bodies_are_told_apart_by_their_names_or_else_by_numbers():
     assert body_names(["float", "spar_1"]) == ["float", "spar_1"]
     for same_or_no_names in (["float", "float"], ["float", "1st"], ["float", ""], ["a b", "c"]):
         assert body_names(same_or_no_names) == ["body1", "body2"]
+    for two_alike in (["float", "spar", "float"], ["spar", "float", "float"]):
+        assert body_names(two_alike) == ["body1", "body2", "body3"]
 
 
 def test_a_length_more_for_every_rotation():
@@ -431,6 +434,10 @@ def test_the_volume_of_each_body_is_looked_at():
         DatabaseError, match=r"memory: displaced_volume_spar -2.0 m\^3; needs a finite one, not negative"
     ):
         checked(ds.assign_attrs(attrs, displaced_volume_spar=-2.0), "memory")
+    checked(ds.assign_attrs(attrs, displaced_volume_spar=1e40), "memory")
+    for volume in (np.inf, -np.inf, np.nan, 1.1e40, [1.0, 2.0]):
+        with pytest.raises(DatabaseError, match=r"memory: displaced_volume_spar .* m\^3; needs a finite one, not nega"):
+            checked(ds.assign_attrs(attrs, displaced_volume_spar=volume), "memory")
 
 
 @pytest.mark.parametrize(

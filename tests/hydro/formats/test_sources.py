@@ -43,7 +43,8 @@ def test_what_wamits_files_do_not_say_is_of_the_study(monkeypatch, length):
     monkeypatch.setattr(sources, "import_wamit", lambda *place, **facts: seen.append((*map(str, place), facts)))
     read_source("wamit", "runs/rm3", Water(density=1010.0, gravity=9.7, depth=33.0), length)
     facts = {"density": 1010.0, "gravity": 9.7, "depth": 33.0, "length": length, "labels": None}
-    assert seen == [("runs", "rm3", facts)]
+    read_source("wamit", "runs/old/rm3.v2", Water(density=1010.0, gravity=9.7, depth=33.0), length)  # no ending
+    assert seen == [("runs", "rm3", facts), ("runs/old", "rm3.v2", facts)]
 
 
 def test_each_kind_of_file_is_read_as_such(tmp_path, monkeypatch):

@@ -449,6 +449,7 @@ def test_modes_of_several_bodies_come_in_sixes(bodies):
         (range(1, 13), (3, 4, 5, 8, 9, 10), False),
         (range(1, 13), (3, 4, 5), False),
         (range(1, 12), (3, 4, 5, 9, 10, 11), False),
+        (range(1, 13), (1, 2, 3, 4, 5, 6, 9, 10, 11), True),  # the first one is moored
         ((3, 9), (3, 9), True),
         ((3, 7), (3, 7), False),
         (range(1, 7), (3, 4, 5), False),
@@ -606,3 +607,28 @@ def test_of_three_displaced_volumes_the_one_between_is_taken_of_each_body(tmp_pa
     texts = {"mmx": ("725.833      725.833      725.834", "999.0  0.7258330D+03  -3.5")}
     ds = rm3(tmp_path, **texts)
     assert (ds.attrs["displaced_volume_body1"], ds.attrs["displaced_volume_body2"]) == (725.833, 886.687)
+
+
+def test_names_of_modes_of_any_number_are_read(tmp_path):
+    """Ten and more, as of a shell of many modes."""
+    modes = [3, 9, 10, 12, 107]
+    told = "3=Heave 9=Bend 10=Twist 12=Swell 107=Ripple"
+    (tmp_path / "shell.1").write_text(f" ULEN 1 modes {told}\n")
+    assert _named(str(tmp_path / "shell"), modes, 1, None) == (["Heave", "Bend", "Twist", "Swell", "Ripple"], modes)
+
+
+def test_headings_are_those_of_the_excitation_whatever_its_parts_hold_besides(tmp_path):
+    """A part without one of them is refused; one with others as well has those."""
+    rows = "".join(FOREIGN[".3"].splitlines(True)[1:])
+    other = rows.replace("9.000000E+01     1", "4.500000E+01     1").replace("9.000000E+01     3", "4.500000E+01     3")
+    other = other.replace("9.000000E+01     9", "4.500000E+01     9")
+    folder = written(tmp_path, {**FOREIGN, ".3sc": rows + other, ".3fk": other + rows})
+    found = import_wamit(folder, "buoy", density=1000.0, gravity=10.0)
+    assert np.degrees(found.wave_direction.values) == pytest.approx([90.0])
+    for name in ("diffraction_force", "Froude_Krylov_force"):
+        assert found[name].values == pytest.approx(found.excitation_force.values)
+    written(tmp_path, {".3sc": other})
+    with pytest.raises(
+        DatabaseError, match=r"buoy\.3sc: no line starts with \(.*, 90\.0, 1\); needs all periods, head"
+    ):
+        import_wamit(folder, "buoy", density=1000.0, gravity=10.0)

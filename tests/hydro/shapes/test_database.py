@@ -296,6 +296,8 @@ def test_shapes_tried_are_within_reach():
         (lambda d: d.at(np.array([0.7]), np.zeros(4)), DatabaseError, "0.7 to 0.7 rad/s are asked for, the shape"),
         (lambda d: d.at(np.array([2.0, 99.0]), np.zeros(4)), DatabaseError, "2 to 99 rad/s are asked for, the shape"),
         (lambda d: d.at(np.array([2.0, np.nan]), np.zeros(4)), DatabaseError, "are asked for, the shape database"),
+        (lambda d: d.at(np.array([2.0, 0.7, 3.0]), np.zeros(4)), DatabaseError, "0.7 to 3 rad/s are asked for, the s"),
+        (lambda d: d.at(np.array([2.0, 99.0, 3.0]), np.zeros(4)), DatabaseError, "2 to 99 rad/s are asked for, the s"),
     ],
 )
 def test_what_it_does_not_hold_is_refused(call, error, match, database):
