@@ -227,6 +227,10 @@ def test_amplitudes_have_the_signs_of_the_strongest_and_vanish_where_damping_is_
     expected = x / scale
     expected[0, 2] = 0.0
     assert found == pytest.approx(expected)
+    wide, narrow = np.array([2.0, 2.0, 2.0]), np.array([0.1, 2.5, -0.3])  # in all, not at one frequency
+    for x in (np.stack([wide, narrow], axis=1), np.stack([narrow, wide], axis=1)):
+        b = x[:, :, None] * x[:, None, :]
+        assert radiation._channel_amplitudes(DampingSpectrum(omega, b), omega, np.ones(2)) == pytest.approx(x)
 
 
 @pytest.mark.parametrize(("share", "refused"), [(0.0199, False), (0.0201, True)])

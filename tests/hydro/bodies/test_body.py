@@ -626,11 +626,12 @@ def test_water_moved_counts_by_the_largest_panel(box, panels):
     for share, moves in ((0.9, False), (1.1, True)):
         modes = still.copy()
         modes[0, at] += share * 1e-12 * area.max() / area[at] * normals[at] / area[at]
-        if moves:
-            made(*box, shapes, modes=modes)
-            continue
-        with pytest.raises(ConfigError, match=r"^modes: Dof0 moves no water; remove it$"):
-            made(*box, shapes, modes=modes)
+        for unit in (1.0, 1e-9, 1e9):  # of its amplitude
+            if moves:
+                made(*box, shapes, modes=unit * modes)
+                continue
+            with pytest.raises(ConfigError, match=r"^modes: Dof0 moves no water; remove it$"):
+                made(*box, shapes, modes=unit * modes)
 
 
 @pytest.mark.parametrize(("turned", "found"), [(0, "xOz"), (2, "xOz"), (1, "none")])

@@ -165,6 +165,8 @@ def test_panels_are_beside_each_other_both_ways_but_not_across_an_edge():
     normals = np.array([[0, 0, 1.0], [0, 0, 1.0], [0, 0, 1.0], [1.0, 0, 0]])
     assert _beside(corners, normals) == {0: {1}, 1: {0, 2}, 2: {1}}
     assert _beside(corners, normals[[0, 0, 0, 0]]) == {0: {1, 3}, 1: {0, 2}, 2: {1}, 3: {0}}
+    wall = np.vstack([corners, [4, 1, 9, 10]])  # a third one on the side of the first two
+    assert _beside(wall, normals[[0, 0, 0, 0, 0]]) == {0: {3}, 1: {2}, 2: {1}, 3: {0}}
 
 
 @pytest.mark.parametrize(("count", "centre"), [(1, False), (2, True), (8, True), (9, False)])

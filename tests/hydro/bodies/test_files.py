@@ -239,13 +239,16 @@ def test_panels_of_every_kind_are_read_in_the_order_of_the_file(tmp_path):
     assert faces.tolist() == [[0, 3, 4, 1], [1, 4, 5, 5], [1, 5, 2, 2], [3, 6, 7, 4]]
 
 
+@pytest.mark.parametrize("place", range(4))
 @pytest.mark.parametrize("corner", [-1, 4, 1_000_000])
-def test_a_panel_with_a_corner_that_does_not_exist_is_named(tmp_path, corner):
-    faces = np.array([[0, 1, 2, 3], [0, 1, corner, 3]])
+def test_a_panel_with_a_corner_that_does_not_exist_is_named(tmp_path, corner, place):
+    faces = np.array([[0, 1, 2, 3], [0, 1, 2, 3]])
+    faces[1, place] = corner
+    own = ", ".join(map(str, faces[1]))
     xr.Dataset({"vertices": (("vertex", "xyz"), np.eye(4, 3)), "faces": (("panel", "corner"), faces)}).to_netcdf(
         tmp_path / "mesh.nc"
     )
-    with pytest.raises(ConfigError, match=rf"panel 1 has corners \[0, 1, {corner}, 3\]; needs numbers from 0 to 3"):
+    with pytest.raises(ConfigError, match=rf"panel 1 has corners \[{own}\]; needs numbers from 0 to 3"):
         files.read_mesh(tmp_path / "mesh.nc")
 
 

@@ -143,3 +143,15 @@ def test_shifts_and_yaw_change_the_force_on_no_shape(both):
             assert abs(found[at[6], at[still]]) < 1e-12 * size
             assert abs(found[at[still], at[6]]) < 1e-12 * size
         assert abs(found[at[6], at[2]]) > 1e-3 * size
+
+
+@pytest.mark.parametrize("turning", [3, 4, 5, 10, 11, 12])
+def test_one_motion_that_turns_one_part_asks_for_the_centres_of_all(both, turning):
+    """Whichever it is, among motions that shift."""
+    kept = [0, turning, 9]
+    shapes = both.shapes[kept]
+    with pytest.raises(
+        ConfigError, match="^centre_of_mass: received one, but Dof1 turns one of 2 separate parts alone"
+    ):
+        made(both.vertices, both.faces, shapes, centre_of_mass=CENTRES[0])
+    assert sorted(made(both.vertices, both.faces, shapes, centre_of_mass=CENTRES).alone) == [0, 1, 2]

@@ -75,6 +75,17 @@ def test_a_heading_told_twice_counts_once(same):
     assert twice.resolved.all()
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_headings_may_stand_in_any_order(seed):
+    """One of them told twice, wherever that is; what turns too often is told from what does not."""
+    waves = [[lambda beta: 1.0 + np.cos(beta), lambda beta: 1.0 + np.cos(5 * beta)]]
+    ds = ringing(waves)
+    order = np.random.default_rng(seed).permutation([*range(12), seed])
+    found, expected = (haskind_headings(each, NOTHING, **FACTS) for each in (ds.isel(wave_direction=order), ds))
+    assert found.resolved.tolist() == expected.resolved.tolist() == [[True, False]]
+    np.testing.assert_allclose(found.damping, expected.damping, rtol=1e-12, atol=1e-12 * np.abs(expected.damping).max())
+
+
 @pytest.mark.parametrize(("count", "enough"), [(4, False), (5, False), (6, True), (7, True)])
 def test_six_headings_in_equal_steps_are_the_fewest(count, enough):
     headings = np.roll(np.arange(count) * 360.0 / count, 2) - 100.0

@@ -1,5 +1,6 @@
 import dataclasses
 import itertools
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -359,3 +360,14 @@ def test_water_may_be_one_percent_of_the_draft_deeper_than_it(clearance):
         match=r"^water.depth: received 2.42376 m under a shell of 2.4 m draft; needs at least 2.424 m: deepen",
     ):
         FiniteDepthWavePart(meridian, 2.4 * (1 + clearance), 1.0)
+
+
+@pytest.mark.parametrize(("keel", "lowest"), [(-1.2, 1.2), (-0.7, 0.9)])
+def test_the_draft_is_that_of_the_lowest_point_be_it_the_keel_or_none(keel, lowest):
+    """A dented shell's is beside its keel."""
+    at = SimpleNamespace(z=np.array([keel]))
+    points = SimpleNamespace(z=np.array([-0.1, -0.9, -0.5]))
+    meridian = SimpleNamespace(at=lambda t: at, points=points)
+    assert FiniteDepthWavePart(meridian, 1.02 * lowest, 1.0).draft == lowest
+    with pytest.raises(ConfigError, match=rf"^water.depth: received .* m under a shell of {lowest} m draft; needs"):
+        FiniteDepthWavePart(meridian, 1.005 * lowest, 1.0)
