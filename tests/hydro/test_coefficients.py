@@ -1,6 +1,7 @@
 """Coefficients of motions that do not couple through the water, side by side."""
 
 import numpy as np
+import pytest
 
 from vsb.hydro.coefficients import Coefficients
 
@@ -12,8 +13,9 @@ def part(seed, count):
     )
 
 
-def test_parts_are_blocks_with_nothing_between_them():
-    one, other = part(1, 2), part(2, 3)
+@pytest.mark.parametrize("size", [2, 3])
+def test_parts_are_blocks_with_nothing_between_them(size):
+    one, other = part(1, 2), part(2, size)
     found = Coefficients.side_by_side([one, other])
     for name in ("added_mass", "damping"):
         whole = getattr(found, name)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.linalg import block_diag
 
-from vsb.hydro.realisation import Balanced, StateSpace, rational_fit
+from vsb.hydro.realisation import Balanced, StateSpace, _combined, rational_fit
 
 OMEGA = np.linspace(0.05, 6.0, 80)
 
@@ -115,3 +115,11 @@ def test_states_that_are_reached_or_seen_by_round_off_alone_are_none():
         assert balanced.left.T @ balanced.right == pytest.approx(np.eye(balanced.order), abs=0.1)
         full = balanced.truncated(balanced.order)
         assert full.transfer(OMEGA) == pytest.approx(system.transfer(OMEGA), abs=1e-6)
+
+
+@pytest.mark.parametrize("unit", [1e-13, 1e13])
+def test_a_function_is_found_in_any_units(unit):
+    """Of what is round-off beside the largest, too."""
+    k = oscillators(8, 3, 0).transfer(OMEGA)
+    assert _combined(unit * k.reshape(len(k), -1)).shape == _combined(k.reshape(len(k), -1)).shape
+    assert rational_fit(OMEGA, unit * k, 8).transfer(OMEGA) == pytest.approx(unit * k, abs=1e-9 * unit)

@@ -151,7 +151,7 @@ def test_one_motion_that_turns_one_part_asks_for_the_centres_of_all(both, turnin
     kept = [0, turning, 9]
     shapes = both.shapes[kept]
     with pytest.raises(
-        ConfigError, match="^centre_of_mass: received one, but Dof1 turns one of 2 separate parts alone"
+        ConfigError, match=r"^centre_of_mass: received one, but Dof1 turns one of 2 separate parts alone"
     ):
         made(both.vertices, both.faces, shapes, centre_of_mass=CENTRES[0])
     assert sorted(made(both.vertices, both.faces, shapes, centre_of_mass=CENTRES).alone) == [0, 1, 2]

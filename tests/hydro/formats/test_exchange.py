@@ -1,6 +1,7 @@
 """Exchange with WAMIT's numeric files and BEMIO's .h5: conventions by numbers worked out by hand, and round trips."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -133,8 +134,14 @@ def test_nothing_is_written_unless_all_can_be(stored, elastic, tmp_path):
         export(stored, tmp_path / "out", "buoy", length=0.0)
     coupled = elastic.inertia_matrix + 10.0 * (np.eye(3, k=1) + np.eye(3, k=-1))
     database.save_database(elastic.assign(inertia_matrix=coupled), None, stored)
-    with pytest.raises(DatabaseError, match="couples rigid and generalized modes"):
+    with pytest.raises(DatabaseError, match=rf"^{re.escape(str(stored))}: .* couples rigid and generalized modes"):
         export(stored, tmp_path / "out", "buoy")
+    database.save_database(elastic.drop_vars("hydrostatic_stiffness"), None, stored)
+    for form in ("wamit", "bemio"):
+        with pytest.raises(
+            DatabaseError, match=rf"^{re.escape(str(stored))}: holds no hydrostatic_stiffness; needs a c"
+        ):
+            export(stored, tmp_path / "out", "buoy", [form])
     with pytest.raises(DatabaseError, match="needs 'c'"):
         export(stored, tmp_path / "out", "buoy", expected_id="c")
     files.save(elastic.drop_attrs().assign_attrs(spec_id="c"), tmp_path / "block.nc")

@@ -258,6 +258,18 @@ def test_a_header_may_be_missing_and_infinite_frequency_too(tmp_path):
     bare[".1"] = "".join(line + "\n" for line in bare[".1"].splitlines() if not line.startswith("  0.0"))
     ds = import_wamit(written(tmp_path, bare), "buoy", density=1000.0, gravity=10.0)
     assert "added_mass_inf" not in ds
+    told = "read from WAMIT's files buoy"
+    assert ds.attrs["history"] == f"{told}; left out: zero frequency, not of all pairs"
+    for kept, of_zero in (("0.0", False), ("-1.0", True), ("2.0", False)):  # infinite frequency, zero, waves alone
+        only = "".join(
+            line + "\n"
+            for line in FOREIGN[".1"].splitlines()[1:]
+            if line.split()[0][:4].startswith((kept, "2.0", "4.0"))
+        )
+        history = import_wamit(written(tmp_path, {**bare, ".1": only}), "buoy", density=1000.0, gravity=10.0).attrs[
+            "history"
+        ]
+        assert history == told + "; left out: zero frequency, not of all pairs" * of_zero
     assert ds.added_mass.values[1, 1] == pytest.approx([0.0, 2000.0, 400.0])
 
 

@@ -586,3 +586,14 @@ def test_of_an_undisturbed_wave_rings_see_what_panels_around_see_of_their_order(
     for found, wave in zip(problem.incident(rings, omega), expected, strict=True):
         whole = -1j * 2.0 / omega * wave.reshape(len(x), len(theta)) @ weight
         np.testing.assert_allclose(found, whole, rtol=1e-9, atol=1e-12 * np.abs(whole).max())
+
+
+def test_a_table_is_made_in_folders_that_are_not_there_yet(tmp_path, monkeypatch):
+    made = []
+    monkeypatch.setattr(bem, "green_function", lambda folder: made.append(Path(folder)) or Path(folder))
+    place = tmp_path / "out" / "green" / "solver"
+    assert bem.stored_green_function(place) == place
+    assert [each.name for each in place.parent.iterdir()] == ["solver"]
+    assert (made[0].parent, made[1:]) == (place.parent, [place])
+    assert bem.stored_green_function(place) == place  # once it is there
+    assert made[2:] == [place]

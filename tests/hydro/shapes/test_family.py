@@ -227,24 +227,33 @@ def test_shapes_solved_are_not_solved_again(reference, tmp_path, monkeypatch):
 
 
 def test_whatever_changes_the_coefficients_of_a_shape_changes_its_name(reference):
-    """Each by a thousandth or less; who stores it and by which steps it is differentiated changes none."""
+    """Each by a thousand millionth or less; who stores it and by which steps it is differentiated changes none."""
     family, shape = family_of(reference.shape), reference.shape
     basis, modes = shape.basis, shape.basis.modes
 
     def of_basis(**changes):
         return family_of(dataclasses.replace(shape, basis=dataclasses.replace(basis, **changes)))
 
-    first = [dataclasses.replace(modes[-1], **{k: getattr(modes[-1], k) * 1.001}) for k in ("radial", "meridional")]
+    first = [
+        dataclasses.replace(modes[-1], **{k: getattr(modes[-1], k) * (1 + 1e-9)}) for k in ("radial", "meridional")
+    ]
     others = [
         *(
             dataclasses.replace(family, **change)
-            for change in ({"omegas": (*OMEGAS[:-1], 6.401)}, {"density": 1025.1}, {"gravity": 9.811}, {"nodes": 33})
+            for change in (
+                {"omegas": (*OMEGAS[:-1], OMEGAS[-1] + 1e-9)},
+                {"density": family.density + 1e-6},
+                {"gravity": family.gravity + 1e-9},
+                {"nodes": 33},
+            )
         ),
         *(of_basis(modes=(*modes[:-1], mode)) for mode in first),
-        of_basis(shell=dataclasses.replace(basis.shell, radius=2.001)),
-        family_of(dataclasses.replace(shape, centre_height=shape.centre_height + 1e-4)),
-        *(family.about(1e-6 * one) for one in np.eye(len(family.labels))),
+        of_basis(shell=dataclasses.replace(basis.shell, radius=basis.shell.radius + 1e-9)),
+        family_of(dataclasses.replace(shape, centre_height=shape.centre_height + 1e-10)),
+        family_of(dataclasses.replace(shape, centre_height=-shape.centre_height)),
+        *(family.about(1e-10 * one) for one in np.eye(len(family.labels))),
     ]
+    assert shape.centre_height != 0
     assert len({one.identity for one in (family, *others)}) == 1 + len(others)
     assert dataclasses.replace(family, step=0.5 * family.step).identity == family.identity
 
