@@ -321,6 +321,11 @@ def test_designs_of_a_page_have_the_looks_of_its_figures():
     assert [one["dash"] for one in found] == ["", "7 3", "8 3 2 3", ""]
     assert [one["reference"] for one in found] == [False, True, False, False]
     assert [one["colour"] for one in found] == [style(name, names)["color"] for name in names]
+    own = designs_data(["soft", "FSB", "hard", "thin"], "FSB")
+    assert len({(one["colour"], one["dash"]) for one in own}) == 4
+    assert [one["colour"] for one in own] == [
+        style(name, ["soft", "FSB", "hard", "thin"])["color"] for name in ("soft", "FSB", "hard", "thin")
+    ]
 
 
 def test_what_is_told_of_a_sea_stands_in_the_order_of_the_designs():

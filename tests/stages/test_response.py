@@ -156,6 +156,10 @@ def test_each_design_has_its_own_damper_or_the_best_one_of_each_frequency(writte
     assert given.dof.values.tolist() == ["Heave", "Pitch"]
     power = np.abs(given.rao).sum("dof") * OMEGA
     np.testing.assert_allclose(given.absorbed_power.values, power.values)
+    beside = given.port_impedance.values + 30j / OMEGA  # the best is beside the spring whatever damper is given
+    np.testing.assert_allclose(given.best_damping.values, np.abs(beside))
+    pushed = np.abs(given.port_velocity.values * given.port_impedance.values) ** 2
+    np.testing.assert_allclose(given.best_power.values, pushed / (4 * (np.abs(beside) + beside.real)))
 
 
 @pytest.mark.parametrize("stiffness", [0.0, 30.0, -4.0])

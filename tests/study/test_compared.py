@@ -18,6 +18,8 @@ def study(**changes):
     ("changes", "message"),
     [
         ({"waves": [SWELL, SWELL]}, r"waves \['regular_A0.5_T7', 'regular_A0.5_T7'\]: the same sea is listed twice"),
+        ({"waves": [SWELL, STILL, SWELL]}, r"waves \['regular_A0.5_T7', 'still', 'regular_A0.5_T7'\]: the same sea is"),
+        ({"waves": [STILL, SWELL, {**SWELL, "period": 8.0}, STILL]}, r"waves \['still', .* 'still'\]: the same sea is"),
         *(
             (
                 {"study": name},

@@ -226,3 +226,11 @@ def test_a_key_of_later_is_not_said_at_its_default_alone():
     said = {"old": 0.0, "word": None, "number": -1.0, "flag": False}
     assert Some(**said).model_dump() == said
     assert Some(word="").model_dump() == {"old": 0.0, "word": ""}
+
+
+@pytest.mark.parametrize("kind", [Positive, NonNegative, Finite])
+@pytest.mark.parametrize("value", [True, False])
+def test_what_is_true_or_false_is_no_number(kind, value):
+    """Neither 1 nor 0."""
+    with pytest.raises(ValidationError, match="a number is needed, not true/false"):
+        TypeAdapter(kind).validate_python(value)
