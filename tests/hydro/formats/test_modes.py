@@ -15,6 +15,7 @@ from vsb.hydro.formats.bemio import bemio_entries, read_bemio, write_h5
 from vsb.hydro.formats.exchange import export
 from vsb.hydro.formats.modes import (
     RIGID,
+    assembled,
     body_names,
     check_positive,
     checked,
@@ -317,6 +318,21 @@ def test_what_must_be_positive(value):
     for never in (-np.inf, np.nan, 0.0, -3.0):
         with pytest.raises(ConfigError, match=rf"--depth: received {never}, needs a positive number of m, or inf\.$"):
             check_positive("--depth", never, "m", infinite=True)
+
+
+def test_forces_stay_with_the_headings_a_file_has_them_under():
+    """In any order of headings; of every frequency and motion its own."""
+    force = np.arange(12.0).reshape(2, 3, 2) * (1 + 2j)
+    attrs = {"water_density": 1000.0, "water_depth": "inf", "gravity": 9.81}
+    axes = (["Heave", "Pitch"], [0.5, 1.5], [90.0, 0.0, 45.0])
+    ds = assembled("a file", axes, {"excitation_force": force}, attrs)
+    for omega, of_frequency in zip((0.5, 1.5), force, strict=True):
+        for degrees, at in zip((90.0, 0.0, 45.0), of_frequency, strict=True):
+            place = int(np.argmin(np.abs(ds.wave_direction.values - np.radians(degrees))))
+            told = ds.excitation_force.sel(omega=omega).isel(wave_direction=place)
+            np.testing.assert_array_equal(told.values, at)
+    np.testing.assert_allclose(sorted(ds.wave_direction.values), [0.0, np.pi / 4, np.pi / 2])
+    assert ds.excitation_force.attrs["units"]
 
 
 # --- commands
