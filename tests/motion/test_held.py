@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vsb.motion.held import SLIDING, dry_modes, loose_motions, softest
+from vsb.motion.held import SLIDING, drifting_motions, normal_modes, softest
 
 RIGID = ["Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw"]
 WATER = np.diag([0.0, 0.0, 1.2e5, 8e4, 8e4, 0.0])
@@ -25,7 +25,7 @@ def line(degrees, height=0.0, arm=0.0):
 @given(angle=st.floats(0.0, 360.0), exponent=st.floats(-3.0, 9.0), height=st.sampled_from([0.0, -1.5, 2.0]))
 def test_a_single_line_leaves_the_motion_across_it_and_yaw_at_any_angle(angle, exponent, height):
     stiffness = moored((10.0**exponent, line(angle, height)))
-    loose = loose_motions(stiffness, RIGID, np.eye(6))
+    loose = drifting_motions(stiffness, RIGID, np.eye(6))
     across = np.array([-np.sin(np.radians(angle)), np.cos(np.radians(angle)), 0.0, 0.0, 0.0, 0.0])
     np.testing.assert_allclose(loose @ loose.T, np.outer(across, across) + np.diag([0.0] * 5 + [1.0]), atol=1e-8)
     assert softest(stiffness, loose)[0] > 0.0
@@ -44,7 +44,7 @@ def test_a_single_line_leaves_the_motion_across_it_and_yaw_at_any_angle(angle, e
 )
 def test_every_line_of_its_own_direction_holds_one_motion_more(lines, left):
     stiffness = moored(*lines)
-    loose = loose_motions(stiffness, RIGID, np.eye(6))
+    loose = drifting_motions(stiffness, RIGID, np.eye(6))
     assert loose.shape == (6, left)
     np.testing.assert_allclose(loose.T @ loose, np.eye(left), atol=1e-12)
     np.testing.assert_allclose(stiffness @ loose, 0.0, atol=1e-10)
@@ -60,14 +60,14 @@ def test_what_the_water_leaves_is_not_loose_but_soft():
     assert SLIDING == ("Surge", "Sway", "Yaw")
     for place in (2, 3, 4):
         stiffness = moored((2e4, line(20.0)), water=np.diag(np.where(np.arange(6) == place, 0.0, np.diag(WATER))))
-        loose = loose_motions(stiffness, RIGID, np.eye(6))
+        loose = drifting_motions(stiffness, RIGID, np.eye(6))
         assert loose.shape == (6, 2)
         least, motion = softest(stiffness, loose)
         assert abs(least) < 1e-9
         assert abs(motion[place]) == pytest.approx(1.0)
     neutral = np.diag([2e4, 0.0, 1e5, 8e4, 5e4, 0.0])  # surge and pitch move together without force
     neutral[0, 4] = neutral[4, 0] = -np.sqrt(2e4 * 5e4)
-    assert loose_motions(neutral, RIGID, np.eye(6)).shape == (6, 2)
+    assert drifting_motions(neutral, RIGID, np.eye(6)).shape == (6, 2)
 
 
 @pytest.mark.parametrize("share", [1e-3, 1e-6, 1e-9])
@@ -75,7 +75,7 @@ def test_a_motion_held_weakly_or_pushed_weakly_is_not_left_out(share):
     """The softest is across the line, its stiffness that given, of either sign."""
     for sign in (1.0, -1.0):
         stiffness = moored((2e4, line(20.0)), (sign * share * 2e4, line(110.0)))
-        loose = loose_motions(stiffness, RIGID, np.eye(6))
+        loose = drifting_motions(stiffness, RIGID, np.eye(6))
         assert loose.shape == (6, 1)  # yaw
         least, motion = softest(stiffness, loose)
         assert least == pytest.approx(sign * share * 2e4, rel=1e-5)
@@ -86,7 +86,7 @@ def test_a_push_beside_what_is_loose_is_seen():
     """K v of surge is not zero though v.K v is: the mooring is not semidefinite."""
     stiffness = WATER.copy()
     stiffness[0, 1] = stiffness[1, 0] = 3e3
-    loose = loose_motions(stiffness, RIGID, np.eye(6))
+    loose = drifting_motions(stiffness, RIGID, np.eye(6))
     assert loose.shape == (6, 1)
     assert softest(stiffness, loose)[0] == pytest.approx(-3e3)
 
@@ -98,17 +98,17 @@ def test_motions_are_those_a_design_allows():
     stiffness[:2, :2] = [[5.0, 1.0], [1.0, 4.0]]
     turn, _ = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))
     motions = np.eye(4)[:, :3] @ turn
-    loose = loose_motions(motions.T @ stiffness @ motions, labels, motions)
+    loose = drifting_motions(motions.T @ stiffness @ motions, labels, motions)
     np.testing.assert_allclose(np.abs(motions @ loose), np.eye(4)[:, [2]], atol=1e-12)
     least, _ = softest(motions.T @ stiffness @ motions, loose)
     assert least == pytest.approx(4.5 - np.sqrt(1.25))
     heave = np.eye(4)[:, :2]
-    nothing = loose_motions(heave.T @ stiffness @ heave, labels, heave)
+    nothing = drifting_motions(heave.T @ stiffness @ heave, labels, heave)
     assert nothing.shape == (2, 0)
     assert softest(heave.T @ stiffness @ heave, nothing)[0] == pytest.approx(4.5 - np.sqrt(1.25))
 
 
-def test_dry_modes_of_what_nothing_holds_are_exactly_without_stiffness():
+def test_normal_modes_of_what_nothing_holds_are_exactly_without_stiffness():
     """Beside them those of the line and of the water, each of its own mass, whatever couples them."""
     rng = np.random.default_rng(7)
     mass = np.diag([2e4, 2.5e4, 3e4, 9e3, 8e3, 7e3])
@@ -116,8 +116,8 @@ def test_dry_modes_of_what_nothing_holds_are_exactly_without_stiffness():
     mass[1, 3] = mass[3, 1] = -5e3
     for angle in rng.uniform(0.0, 360.0, 20):
         stiffness = moored((2e4, line(angle, height=-1.5)))
-        loose = loose_motions(stiffness, RIGID, np.eye(6))
-        squares, modes = dry_modes(stiffness, mass, loose)
+        loose = drifting_motions(stiffness, RIGID, np.eye(6))
+        squares, modes = normal_modes(stiffness, mass, loose)
         assert (squares[:2] == 0.0).all()
         assert (np.diff(squares) >= 0.0).all()
         np.testing.assert_allclose(modes.T @ mass @ modes, np.eye(6), atol=1e-10)
@@ -125,10 +125,16 @@ def test_dry_modes_of_what_nothing_holds_are_exactly_without_stiffness():
         reckoned = np.sort(np.linalg.eigvals(np.linalg.solve(mass, stiffness)).real)
         np.testing.assert_allclose(squares, reckoned, rtol=1e-9, atol=1e-9)
     whole = np.diag([2e4, 0.0, 1e5, 8e4, 8e4, 1e3])  # sway is adrift as it is
-    squares, modes = dry_modes(whole, mass, loose_motions(whole, RIGID, np.eye(6)))
+    squares, modes = normal_modes(whole, mass, drifting_motions(whole, RIGID, np.eye(6)))
     assert squares[0] == pytest.approx(0.0, abs=1e-12)
     np.testing.assert_allclose(modes.T @ whole @ modes, np.diag(squares), atol=1e-10 * squares[-1])
     assert not modes[[0, 2, 4, 5], 0].any()
-    squares, modes = dry_modes(np.diag([4.0, 18.0]), np.diag([1.0, 2.0]), np.zeros((2, 0)))
+    turned = np.arange(6)[::-1]  # what couples to it comes first
+    whole, coupled, labels = whole[np.ix_(turned, turned)], mass[np.ix_(turned, turned)], RIGID[::-1]
+    squares, modes = normal_modes(whole, coupled, drifting_motions(whole, labels, np.eye(6)))
+    assert (squares == 0.0).sum() == 1
+    np.testing.assert_allclose(modes.T @ whole @ modes, np.diag(squares), atol=1e-10 * squares[-1])
+    np.testing.assert_allclose(modes.T @ coupled @ modes, np.eye(6), atol=1e-10)
+    squares, modes = normal_modes(np.diag([4.0, 18.0]), np.diag([1.0, 2.0]), np.zeros((2, 0)))
     np.testing.assert_allclose(squares, [4.0, 9.0])
     np.testing.assert_allclose(np.abs(modes), np.diag([1.0, np.sqrt(0.5)]))

@@ -334,5 +334,6 @@ def test_lines_are_those_of_the_file_empty_ones_too(written, text, message):
 @pytest.mark.parametrize("text", ['"' + "1," * 100_000, "1" * 200_000])
 def test_a_cell_longer_than_any_is_no_table(written, text):
     """As of a quotation mark that is never closed."""
-    with pytest.raises(ConfigError, match=r"given\.txt: received no line that names Hs and Te or Tp, needs a corner"):
-        read_scatter(written(text))
+    needs = r"received a cell too long \(field larger than field limit .*\); needs all quotes closed$"
+    with pytest.raises(ConfigError, match=rf"given\.txt, line 2: {needs}"):
+        read_scatter(written(f"Hs/Te,6.5\n{text}"))

@@ -17,7 +17,7 @@ from vsb.hydro.coefficients import Coefficients
 from vsb.hydro.orders import heading_shares, most_exciting, order_groups, orders_of, own_headings
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.motion.channel import Channel
-from vsb.motion.held import loose_motions, softest
+from vsb.motion.held import drifting_motions, softest
 from vsb.motion.port import ROUND_OFF, Port
 from vsb.motion.pto import LinearPto
 from vsb.tools.units import ComplexArray, FloatArray, IntArray
@@ -280,7 +280,7 @@ class LinearBuoy(LinearMotion):
 
     def drifting(self, stiffness: FloatArray, motions: FloatArray) -> FloatArray:
         """Return those of surge, sway and yaw that no mooring holds; water and shell hold the others."""
-        loose = loose_motions(stiffness, self.labels, motions)
+        loose = drifting_motions(stiffness, self.labels, motions)
         least, _ = softest(stiffness, loose)
         if least <= 0.0:
             raise StabilityError(

@@ -13,7 +13,7 @@ _ROUND_OFF = 1e-13
 """Share of the largest stiffness that is round-off, each coordinate in terms of its own [-]."""
 
 
-def loose_motions(stiffness: FloatArray, labels: Sequence[str], motions: FloatArray) -> FloatArray:
+def drifting_motions(stiffness: FloatArray, labels: Sequence[str], motions: FloatArray) -> FloatArray:
     """Return the motions nothing holds, orthonormal in those a design allows, shape (free, loose).
 
     Parameters
@@ -46,17 +46,17 @@ def softest(stiffness: FloatArray, loose: FloatArray) -> tuple[float, FloatArray
     return float(values[0]), held @ shapes[:, 0]
 
 
-def dry_modes(stiffness: FloatArray, mass: FloatArray, loose: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return squared frequencies and modes V, V^T M V = 1, ascending; of what nothing holds exactly zero.
+def normal_modes(stiffness: FloatArray, mass: FloatArray, loose: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return squared frequencies and normal modes V, V^T M V = 1; of what nothing holds exactly zero.
 
     Parameters
     ----------
     stiffness, mass : ndarray, shape (free, free) [N/m], [kg]
     loose : ndarray, shape (free, loose)
-        Of `loose_motions`: round-off of their stiffness would be a mean place.
+        Of `drifting_motions`: round-off of their stiffness would give them a mean place.
     """
-    if np.count_nonzero(~stiffness.any(axis=0)) == loose.shape[1]:  # of whole coordinates nothing is round-off
-        squares, modes = eigh(stiffness, mass)
+    squares, modes = eigh(stiffness, mass)
+    if np.count_nonzero(squares == 0.0) >= loose.shape[1]:  # as of motions that nothing couples: kept as they are
         return squares, modes
     held, adrift = null_space(loose.T @ mass), loose @ eigh(loose.T @ mass @ loose)[1]
     adrift = adrift / np.sqrt(np.einsum("ij,ij->j", adrift, mass @ adrift))

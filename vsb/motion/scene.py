@@ -16,7 +16,7 @@ from vsb.errors import ConvergenceError
 from vsb.hydro.dofs import flexible
 from vsb.hydro.statespace import RadiationModel, joined
 from vsb.motion.forces import ConstantForce, Excitation, Force, Linear, SpringDamper, WaterPressure
-from vsb.motion.held import loose_motions
+from vsb.motion.held import drifting_motions
 from vsb.motion.take_off import EndStop, TakeOff
 from vsb.shell.deformed import DeformedShell
 from vsb.tools.units import FloatArray
@@ -78,7 +78,7 @@ class Scene:
     def adrift(self) -> bool:
         """Whether nothing holds one of the allowed motions."""
         stiffness = self.stiffness
-        return not stiffness.any(axis=0).all() or loose_motions(stiffness, self.labels, self.motions).size > 0
+        return not stiffness.any(axis=0).all() or drifting_motions(stiffness, self.labels, self.motions).size > 0
 
     @property
     def damping(self) -> FloatArray:

@@ -17,7 +17,7 @@ import numpy as np
 
 from vsb.motion.forces import EXCITING, AssumedPressure, ConstantForce, WaterPressure
 from vsb.motion.froude_krylov import Incident, incident, rotated, wave_force
-from vsb.motion.held import dry_modes, loose_motions
+from vsb.motion.held import drifting_motions, normal_modes
 from vsb.motion.motion import Motion
 from vsb.motion.scene import Scene
 from vsb.motion.take_off import EndStop, TakeOff
@@ -91,7 +91,7 @@ class System:
     def of(cls, scene: Scene) -> Self:
         """Return a scene as a system."""
         stiffness, mass = scene.stiffness, scene.motions.T @ scene.mass @ scene.motions
-        squares, modes = dry_modes(stiffness, mass, loose_motions(stiffness, scene.labels, scene.motions))
+        squares, modes = normal_modes(stiffness, mass, drifting_motions(stiffness, scene.labels, scene.motions))
         scale = np.sqrt(np.maximum(np.abs(squares), 1.0))
         n, order = len(scale), scene.memory.order if scene.memory else 0
         a = np.zeros((2 * n + order, 2 * n + order))

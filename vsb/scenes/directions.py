@@ -4,7 +4,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from vsb.errors import ConfigError
-from vsb.motion.held import loose_motions, softest
+from vsb.motion.held import drifting_motions, softest
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.loaded import LoadedShell
 from vsb.shell.modes import ModeBasis
@@ -114,7 +114,7 @@ def check_moored(study: Study | RestSpec | DesignsSpec, reference: ReferenceShel
     ConfigError
     """
     names, stiffness = _rigid_stiffness(study, reference)
-    least, shape = softest(stiffness, loose_motions(stiffness, names, np.eye(len(names))))
+    least, shape = softest(stiffness, drifting_motions(stiffness, names, np.eye(len(names))))
     if least <= 0.0:
         most = names[np.argmax(np.abs(shape))].lower()
         raise ConfigError(

@@ -7,7 +7,7 @@ import numpy as np
 
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.motion.frequency import allowed_part, compliance, gas_compliance
-from vsb.motion.held import loose_motions, softest
+from vsb.motion.held import drifting_motions, softest
 from vsb.motion.port import port_direction
 from vsb.scenes.directions import (
     check_moored,
@@ -166,7 +166,7 @@ def design_stiffness(
     """
     motions = design_motions(study, reference.basis, design)
     stiffness = motions.T @ (whole_stiffness(study, reference) + beside) @ motions
-    return softest(stiffness, loose_motions(stiffness, whole_labels(study, reference), motions))[0]
+    return softest(stiffness, drifting_motions(stiffness, whole_labels(study, reference), motions))[0]
 
 
 def check_spring(study: Study, reference: ReferenceShell) -> None:

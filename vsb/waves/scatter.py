@@ -145,7 +145,7 @@ def read_table(path: str | Path) -> Table:
     """Return the occupied cells of a scatter table; see `read_scatter`."""
     lines = read_text(path).splitlines()
     for delimiter in (";", "\t", ","):
-        rows = _rows(lines, delimiter)
+        rows = _rows(path, lines, delimiter)
         for at in range(len(rows)):
             if corner := _corner(path, rows[at]):
                 return _full(path, rows[at:], corner)
@@ -156,14 +156,16 @@ def read_table(path: str | Path) -> Table:
     )
 
 
-def _rows(lines: list[str], delimiter: str) -> list[tuple[int, list[str]]]:
+def _rows(path: str | Path, lines: list[str], delimiter: str) -> list[tuple[int, list[str]]]:
     """Numbers and cells of the lines that hold anything."""
     reader = csv.reader(lines, delimiter=delimiter)
     cells = ((reader.line_num, [cell.strip() for cell in row]) for row in reader)  # quoted ones may have several lines
     try:
         return [(i, row) for i, row in cells if any(row)]
-    except csv.Error:  # a cell longer than any
-        return []
+    except csv.Error as error:
+        raise ConfigError(
+            f"{path}, line {reader.line_num}: received a cell too long ({error}); needs all quotes closed"
+        ) from None
 
 
 def _plain(name: str) -> str:
