@@ -19,6 +19,8 @@ from vsb.tools.units import PAIR, FloatArray
 Verdict = Literal["ok", "doubt", "fail", "accepted"]
 SWEEP = "sweep"
 """Group that holds the full frequency sweep when the study tabulates frequencies of its own."""
+ESTIMATE = "error"
+"""Dimension, and end of names, of the signed errors of coefficients by each way to estimate them."""
 
 
 @dataclass(frozen=True)
