@@ -54,7 +54,8 @@ def coefficient_errors(linear: LinearMotion, omega: FloatArray) -> list[Coeffici
 
 def _relative(name: str, found: Coefficients, size: float) -> CoefficientError:
     """Errors of every entry by a part of itself."""
-    return CoefficientError(name, Coefficients(*(size * np.abs(values) for values in found)), signed=False)
+    mass, damping, force = (size * np.abs(values) for values in found)
+    return CoefficientError(name, Coefficients(mass, damping, force.astype(complex)), signed=False)
 
 
 def _stored(linear: LinearMotion, omega: FloatArray) -> list[CoefficientError]:
@@ -90,17 +91,18 @@ def _between(linear: LinearBuoy, omega: FloatArray, found: Coefficients, stated:
         own = groups[0]
         block = np.ix_(np.arange(len(omega)), own, own)
         raw = CubicSpline(ds.omega.values, ds.radiation_damping.values)(omega)[block]
-        force[:, own] = np.abs(np.sqrt(_diagonal(raw) / _haskind_factor(linear, omega)) - np.abs(found.excitation[:, own]))
+        radiated = np.sqrt(_diagonal(raw) / _haskind_factor(linear, omega))
+        force[:, own] = np.abs(radiated - np.abs(found.excitation[:, own]))
         damping[block] = np.abs(raw - found.damping[block])
         mass[block] = np.abs(raw - _rank_one(raw)) / omega[:, None, None]
         for values, at in ((mass, block), (damping, block), (force, (slice(None), own))):
             values[at] *= _SAFETY
-    return CoefficientError(INTERPOLATION, Coefficients(mass, damping, force), signed=False)
+    return CoefficientError(INTERPOLATION, Coefficients(mass, damping, force.astype(complex)), signed=False)
 
 
 def _diagonal(matrices: FloatArray) -> FloatArray:
     """Diagonals, none below zero, shape (omega, dof)."""
-    return np.maximum(np.einsum("wii->wi", matrices), 0.0)
+    return np.asarray(np.maximum(np.einsum("wii->wi", matrices), 0.0))
 
 
 def _rank_one(damping: FloatArray) -> FloatArray:
@@ -115,4 +117,3 @@ def _haskind_factor(linear: LinearBuoy, omega: FloatArray) -> FloatArray:
     depth, density, gravity = (float(attrs[name]) for name in ("water_depth", "water_density", "gravity"))
     k, speed = (np.array([of(w, depth, gravity) for w in omega]) for of in (wavenumber, group_velocity))
     return np.asarray(k / (4 * density * gravity * speed))[:, None]
-

@@ -2,8 +2,8 @@
 
 With D = -w^2 (M + A) - i w (B + D_s + Z_l b b^T) + K of a take-off of impedance Z_l at the port b, q = D^-1 X and
 lambda = D^-1 b, the velocity V = -i w b.q of the port changes by dV = -i w lambda.(dX - dD q), dD = -w^2 dA - i w dB.
-The power P = sum a^2 Re Z_l |V|^2/2 of a sea changes by dP = sum a^2 Re Z_l Re(V* dV). Where the take-off is the best of
-its kind, P does not change to first order with Z_l (envelope): the same law holds at fixed Z_l.
+The power P = sum a^2 Re Z_l |V|^2/2 of a sea changes by dP = sum a^2 Re Z_l Re(V* dV). Where the take-off is the best
+of its kind, P does not change to first order with Z_l (envelope): the same law holds at fixed Z_l.
 """
 
 from typing import NamedTuple
@@ -29,7 +29,7 @@ class CoefficientError(NamedTuple):
 
 
 class Sensitivity(NamedTuple):
-    """Derivatives of the logarithm of a power: d ln P = sum dA added_mass + dB damping + Re(dX excitation) + dK stiffness."""
+    """Derivatives of the logarithm of a power by added mass, damping, excitation and stiffness, entry by entry."""
 
     added_mass: FloatArray  # (omega, dof, dof) [1/kg]
     damping: FloatArray  # (omega, dof, dof) [s/kg]
@@ -38,7 +38,12 @@ class Sensitivity(NamedTuple):
 
     def __sub__(self, other: "Sensitivity") -> "Sensitivity":
         """Of the ratio of two powers, whose coefficients are the same: what they share cancels."""
-        return Sensitivity(*(mine - its for mine, its in zip(self, other, strict=True)))
+        return Sensitivity(
+            self.added_mass - other.added_mass,
+            self.damping - other.damping,
+            self.excitation - other.excitation,
+            self.stiffness - other.stiffness,
+        )
 
     def to(self, error: CoefficientError) -> float:
         """Return the largest change of ln P by an error of the coefficients [-]."""

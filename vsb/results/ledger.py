@@ -18,14 +18,15 @@ from vsb.motion.port import port_direction
 from vsb.motion.pto import LinearPto
 from vsb.results.attitude import attitude_checks
 from vsb.results.comparison import Row, Runs
+from vsb.results.left_out import with_full_basis
 from vsb.results.power import apart, damper_of
 from vsb.results.run_checks import Attributes, drift_checks, energy_check
 from vsb.scenes.directions import loaded_shell, order_bases
-from vsb.scenes.rest import computed_buckling, design_motions, reference_shell, study_basis
+from vsb.scenes.rest import computed_buckling, design_motions, study_basis
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.loaded import viable_pressure
-from vsb.shell.modes import ModeBasis, mode_basis
+from vsb.shell.modes import ModeBasis
 from vsb.shell.reference import ReferenceShell
 from vsb.shell.sphere import Shell
 from vsb.shell.surface import largest_deformation, largest_displacement, largest_strain
@@ -34,7 +35,7 @@ from vsb.study.sections import POWER_TOLERANCE
 from vsb.study.study import IrregularSea, RegularWave, StillWater, Study, Water, Wave
 from vsb.study.take_off import ShellPort
 from vsb.study.witness import no_witness
-from vsb.tools.units import PAIR, FloatArray
+from vsb.tools.units import FloatArray
 from vsb.tools.words import plain
 from vsb.waves.dispersion import power_limit, wavenumber
 from vsb.waves.seas import share_above, share_below
@@ -193,30 +194,6 @@ def transient_checks(runs: Attributes, rows: Sequence[Row]) -> list[Check]:
             difference = apart(mean, steady)
             checks.append(check_at_most("transient", difference, 0.005, "-", text, doubt=True, **where))
     return checks
-
-
-def with_full_basis(database: xr.Dataset, study: Study) -> tuple[xr.Dataset, ModeBasis]:
-    """Return the database and basis with both branches of the shell, from one that has a mode of every degree.
-
-    Possible without BEM: on the undeformed sphere a mode acts on the water by its radial part alone.
-    """
-    full = mode_basis(study.device, "full", study.modes.degree)
-    old = study_basis(study)
-    pick = [0, *(old.degrees.index(n, 1) for n in full.degrees[1:])]
-    ratio = full.pole_radial_displacement / old.pole_radial_displacement[pick]
-    out = {}
-    for name, data in database.data_vars.items():
-        indexers = {dim: pick for dim in PAIR if dim in data.dims}
-        scaled = data.isel(indexers)
-        for dim in indexers:
-            scaled = scaled.assign_coords({dim: list(full.labels)}) * xr.DataArray(
-                ratio, coords={dim: list(full.labels)}
-            )
-        out[name] = scaled.transpose(*data.dims)
-    out["inertia_matrix"] = xr.DataArray(full.inertia, dims=PAIR)
-    for name, stiffness in reference_shell(study, full).stiffness.items():
-        out[f"{name}_stiffness"] = xr.DataArray(stiffness, dims=PAIR)
-    return xr.Dataset(out, attrs=database.attrs), full
 
 
 def bending_checks(study: Study, database: xr.Dataset, runs: Attributes) -> list[Check]:

@@ -112,6 +112,11 @@ class DesignsSpec(AfloatSpec):
         """Whether any design needs shell modes."""
         return any(design.flexible for design in self.designs.values())
 
+    @property
+    def reference_design(self) -> str | None:
+        """The first rigid design by name: gains are measured against it."""
+        return next((name for name, design in sorted(self.designs.items()) if not design.flexible), None)
+
 
 class DesignsAtRest(DesignsSpec, RestSpec):
     """Specification of designs that share a shape at rest."""
@@ -296,7 +301,7 @@ class Band(Section):
     omega_max: float
 
 
-class LadderSpec(DraggedSpec):
+class LadderSpec(DesignsAtRest, DraggedSpec):
     """Tuning ladder of all designs in all seas."""
 
     TAG, LATER = "ladder", (*DraggedSpec.LATER, "spring")

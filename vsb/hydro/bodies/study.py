@@ -335,6 +335,6 @@ def _database(
     }
     complete = ds.assign({name: (PAIR, matrix) for name, matrix in matrices.items()})
     if (errors := signed_errors(found)) is not None:
-        of_stiffness = _stiffness_error(study, body, stiffness, resolution_ratio(found))
-        complete = complete.merge(errors.assign({f"hydrostatic_stiffness_{ESTIMATE}": ((ESTIMATE, *PAIR), of_stiffness)}))
+        of_stiffness = (ESTIMATE, *PAIR), _stiffness_error(study, body, stiffness, resolution_ratio(found))
+        complete = complete.merge(errors.assign({f"hydrostatic_stiffness_{ESTIMATE}": of_stiffness}))
     return complete.assign_attrs(ds.attrs, **attrs)
