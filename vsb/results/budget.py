@@ -12,6 +12,8 @@ from typing import Any, Literal, Self
 from vsb.errors import VsbError
 
 Kind = Literal["bound", "statistic"]
+Rows = Sequence[Mapping[str, Any]]
+"""A budget as JSON has it."""
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial, reduce
 from itertools import product
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -15,7 +15,7 @@ from vsb.motion.drag import DraggedPort, best_damper, best_pair, under
 from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import Port
 from vsb.motion.tuning import Load, best_dampers, best_pairs, mean_power
-from vsb.results.budget import Budget, Source
+from vsb.results.budget import Budget, Rows, Source
 from vsb.results.left_out import modes_left_out
 from vsb.results.rung_errors import Errors, Loaded, rung_errors
 from vsb.scenes.afloat import Afloat, Met, afloat, band, headings, met, study_sea
@@ -37,9 +37,6 @@ MOST_HARMONICS = 1024
 STILL = "waves do not move this port"
 GAP = 1e-6
 """Of an optimum under limits, as a part of its bound [-]."""
-
-
-Rows = Sequence[Mapping[str, Any]]
 
 
 class Rung(NamedTuple):

@@ -21,6 +21,7 @@ from vsb.results.comparison import Row, Runs
 from vsb.results.left_out import with_full_basis
 from vsb.results.power import apart, damper_of
 from vsb.results.run_checks import Attributes, drift_checks, energy_check
+from vsb.results.verdicts import Invalid
 from vsb.scenes.directions import loaded_shell, order_bases
 from vsb.scenes.rest import computed_buckling, design_motions, study_basis
 from vsb.shell.deformed import DeformedShell
@@ -320,6 +321,7 @@ def radiation_checks(radiation: xr.Dataset, tolerance: float) -> list[Check]:
     ]  # fmt: skip
 
 
-def ledger_json(study: str, checks: Sequence[Check]) -> str:
-    """Return the ledger as JSON text."""
-    return json.dumps({"study": study, "checks": [asdict(check) for check in checks]}, indent=1, allow_nan=False) + "\n"
+def ledger_json(study: str, checks: Sequence[Check], invalid: Sequence[Invalid] = ()) -> str:
+    """Return the ledger as JSON text: every check, and which designs are not valid, where and why."""
+    lines = {"checks": [asdict(check) for check in checks], "invalid": [line._asdict() for line in invalid]}
+    return json.dumps({"study": study, **lines}, indent=1, allow_nan=False) + "\n"
