@@ -42,7 +42,7 @@ def test_a_number_lies_in_its_interval_and_more_sources_never_narrow_it(sources,
 
 @pytest.mark.parametrize("ends", [(0.1, 1.0), (-1.0, -0.1), (float("nan"), 0.0), (0.0, float("inf"))])
 def test_a_source_that_does_not_hold_zero_is_refused(ends):
-    with pytest.raises(VsbError, match="error budget: x: received .* needs a finite range about zero"):
+    with pytest.raises(VsbError, match=r"error budget: x: received .* needs a finite range about zero"):
         Source("x", *ends)
 
 

@@ -10,7 +10,7 @@ from vsb.hydro.orders import order_groups
 from vsb.motion.bodies import LinearBody
 from vsb.motion.frequency import LinearBuoy, LinearMotion
 from vsb.motion.sensitivity import CoefficientError
-from vsb.tools.units import FloatArray, IntArray
+from vsb.tools.units import ComplexArray, FloatArray
 from vsb.waves.dispersion import group_velocity, wavenumber
 
 UNSTATED = 0.01
@@ -47,19 +47,19 @@ def coefficient_errors(linear: LinearMotion, omega: FloatArray) -> list[Coeffici
     if f"added_mass_{ESTIMATE}" in linear.database:
         errors = _stored(linear, omega)
     elif "error_estimate" in stated:
-        errors = [_relative(RESOLUTION, found, stated["error_estimate"])]
+        errors = [relative_error(RESOLUTION, found, stated["error_estimate"])]
     else:
-        errors = [_relative(OF_OTHERS, found, UNSTATED)]
+        errors = [relative_error(OF_OTHERS, found, UNSTATED)]
     between = stated.get("interpolation_error", 0.0)
     if isinstance(linear, LinearBuoy):
         errors.append(_between(linear, omega, found, between))
     elif between:
-        errors.append(_relative(INTERPOLATION, found, between))
+        errors.append(relative_error(INTERPOLATION, found, between))
     return errors
 
 
-def _relative(name: str, found: Coefficients, size: float) -> CoefficientError:
-    """Errors of every entry by a part of itself."""
+def relative_error(name: str, found: Coefficients, size: float) -> CoefficientError:
+    """Return errors of every entry by a part of itself."""
     mass, damping, force = (size * np.abs(values) for values in found)
     return CoefficientError(name, Coefficients(mass, damping, force.astype(complex)), signed=False)
 
@@ -84,58 +84,65 @@ def _stored(linear: LinearMotion, omega: FloatArray) -> list[CoefficientError]:
 def _between(linear: LinearBuoy, omega: FloatArray, found: Coefficients, stated: float) -> CoefficientError:
     """Errors of what is interpolated between the frequencies solved, of a body of revolution.
 
+    Of orders m >= 1, whose damping is made from excitation, the stated error of interpolation is taken of every entry.
+    """
+    mass, damping, force = (stated * np.abs(values) for values in found)
+    ds, groups = linear.database, order_groups(linear.database)
+    if 0 in groups:
+        own, at = groups[0], ds.omega.values
+        block, pair = (np.ix_(np.arange(len(some)), own, own) for some in (omega, at))
+        water = (float(ds.attrs[name]) for name in ("water_depth", "water_density", "gravity"))
+        known = linear.coefficients(at)
+        misfits = haskind_misfits(
+            at, ds.radiation_damping.values[pair], known.damping[pair], known.excitation[:, own], *water
+        )
+        mass[block], damping[block], force[:, own] = (make_interp_spline(at, each, k=1)(omega) for each in misfits)
+    return CoefficientError(INTERPOLATION, Coefficients(mass, damping, force.astype(complex)), signed=False)
+
+
+def haskind_misfits(
+    omega: FloatArray,
+    damping: FloatArray,
+    channelled: FloatArray,
+    excitation: ComplexArray,
+    depth: float,
+    density: float,
+    gravity: float,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return bounds of the errors of added mass, damping and excitation of axisymmetric motions, entry by entry.
+
+    Parameters
+    ----------
+    omega : ndarray, shape (omega,) [rad/s]
+        Closer than the frequencies solved.
+    damping : ndarray, shape (omega, dof, dof) [kg/s]
+        As solved and interpolated.
+    channelled : ndarray, shape (omega, dof, dof) [kg/s]
+        As it is used, of one radiation channel.
+    excitation : ndarray, shape (omega, dof) [N/m]
+    depth, density, gravity : float
+
     Notes
     -----
     Damping and excitation are interpolated apart, and say the same twice: B_ij = h X_i X_j*, h = k/(4 rho g v_g)
     (Haskind). |X_i| is off by its distance from sqrt(B_ii/h), B by its distance from the channel it is taken as. Added
     mass is the real part of the function whose imaginary part is B/omega: it is off as B is off from rank one. These
-    distances change sign between the frequencies solved, so at each frequency the largest nearby is taken. Of orders
-    m >= 1, whose damping is made from excitation, the stated error of interpolation is taken of every entry.
+    distances change sign between the frequencies solved, so at each frequency the largest nearby is taken.
     """
-    mass, damping, force = (stated * np.abs(values) for values in found)
-    groups = order_groups(linear.database)
-    if 0 in groups:
-        own = groups[0]
-        block = np.ix_(np.arange(len(omega)), own, own)
-        mass[block], damping[block], force[:, own] = (
-            _SAFETY * make_interp_spline(linear.database.omega.values, _nearby(values), k=1)(omega)
-            for values in _misfits(linear, own)
-        )
-    return CoefficientError(INTERPOLATION, Coefficients(mass, damping, force.astype(complex)), signed=False)
-
-
-def _misfits(linear: LinearBuoy, own: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Distances of added mass, damping and excitation of order 0 from what they must be, at the database's omega."""
-    ds = linear.database
-    omega = ds.omega.values
-    found = linear.coefficients(omega)
-    pair = np.ix_(np.arange(len(omega)), own, own)
-    raw = ds.radiation_damping.values[pair]
-    radiated = np.sqrt(_diagonal(raw) / _haskind_factor(linear, omega))
-    force = np.abs(radiated - np.abs(found.excitation[:, own]))
-    return np.abs(raw - _rank_one(raw)) / omega[:, None, None], np.abs(raw - found.damping[pair]), force
+    k, speed = (np.array([of(w, depth, gravity) for w in omega]) for of in (wavenumber, group_velocity))
+    factor = k / (4 * density * gravity * speed)
+    root = np.sqrt(np.maximum(np.einsum("wii->wi", damping), 0.0))
+    rank_one = np.sign(damping) * root[:, :, None] * root[:, None, :]
+    distances = (
+        np.abs(damping - rank_one) / omega[:, None, None],
+        np.abs(damping - channelled),
+        np.abs(root / np.sqrt(factor)[:, None] - np.abs(excitation)),
+    )
+    mass, of_damping, force = (_SAFETY * _nearby(each) for each in distances)
+    return mass, of_damping, force
 
 
 def _nearby(values: FloatArray) -> FloatArray:
     """The largest of neighbours in frequency, a `_NEIGHBOURS`-th of the band to either side."""
     reach = len(values) // _NEIGHBOURS
     return np.asarray(maximum_filter1d(values, 2 * reach + 1, axis=0, mode="nearest"))
-
-
-def _diagonal(matrices: FloatArray) -> FloatArray:
-    """Diagonals, none below zero, shape (omega, dof)."""
-    return np.asarray(np.maximum(np.einsum("wii->wi", matrices), 0.0))
-
-
-def _rank_one(damping: FloatArray) -> FloatArray:
-    """The matrix of rank one of the same diagonal, shape (omega, dof, dof)."""
-    root = np.sqrt(_diagonal(damping))
-    return np.asarray(np.sign(damping) * root[:, :, None] * root[:, None, :])
-
-
-def _haskind_factor(linear: LinearBuoy, omega: FloatArray) -> FloatArray:
-    """Return h = k/(4 rho g v_g), shape (omega, 1) [m^2 s/kg]."""
-    attrs = linear.database.attrs
-    depth, density, gravity = (float(attrs[name]) for name in ("water_depth", "water_density", "gravity"))
-    k, speed = (np.array([of(w, depth, gravity) for w in omega]) for of in (wavenumber, group_velocity))
-    return np.asarray(k / (4 * density * gravity * speed))[:, None]

@@ -99,6 +99,8 @@ class Swept:
     """A shape whose coefficients are solved, to be had at any frequencies of the band."""
 
     buoys: tuple[LinearBuoy, ...]  # in displacements, of azimuthal orders 0, 1, ...
+    resolution: float = 0.0  # estimated relative error of what is solved [-]
+    interpolation: float = 0.0  # and of what is interpolated between
     _year: dict[str, ShapeWater] = field(default_factory=dict)  # at the frequencies of a climate
 
     def at(self, omega: FloatArray) -> ShapeWater:
@@ -107,7 +109,7 @@ class Swept:
             ShapeWater(displacements(buoy.labels, order), omega, buoy.coefficients(omega))
             for order, buoy in enumerate(self.buoys)
         )
-        return replace(first, orders=tuple(others))
+        return replace(first, orders=tuple(others), resolution=self.resolution, interpolation=self.interpolation)
 
     def of_year(self, climate: Climate) -> ShapeWater:
         """Return the coefficients at the frequencies of a climate."""
@@ -128,7 +130,11 @@ def swept_shape(study: Study, basis: ModeBasis, root: str) -> Swept:
     plan = StudyPlan(study, root=root)
     solve(plan)
     families = order_bases(study, basis)
-    return Swept(tuple(_of_order(plan, basis, one) for one in (None, *families)))
+    blocks = [load(path, expected=Path(path).stem) for path in map(plan.block_path, plan.sweep_blocks)]
+    resolution, interpolation = (
+        max(float(block.attrs.get(name, 0.0)) for block in blocks) for name in ("error_estimate", "interpolation_error")
+    )
+    return Swept(tuple(_of_order(plan, basis, one) for one in (None, *families)), resolution, interpolation)
 
 
 def _of_order(plan: StudyPlan, basis: ModeBasis, family: OrderBasis | None) -> LinearBuoy:
