@@ -151,7 +151,7 @@ def test_ledger_is_plain_json():
 
 def test_a_ledger_has_numbers_alone():
     """What is none is no JSON; the study is named."""
-    assert json.loads(ledger.ledger_json("a_study", [])) == {"study": "a_study", "checks": []}
+    assert json.loads(ledger.ledger_json("a_study", [])) == {"study": "a_study", "checks": [], "invalid": []}
     for value in (np.nan, np.inf):
         with pytest.raises(ValueError, match="Out of range float values are not JSON compliant"):
             ledger.ledger_json("s", [Check("buckling", value, 1.0, "-", "fail", "why")])

@@ -26,11 +26,11 @@ def plan(**changes):
 
 
 PINNED = {
-    "database": "fd1f8c50117cd8b6",
-    "radiation": "5aa6944e848b12d7",
+    "database": "435c8bf666e13227",
+    "radiation": "6f446b621c1aaaa7",
     "response": "0c6c69fe42ff3776",
-    "ladder": "960d3bc4882851f6",
-    "comparison": "72b28524488ac345",
+    "ladder": "3744cc73af5947ae",
+    "comparison": "da72c3dde4501192",
 }
 STAGES = ("database", "radiation", "response", "ladder", "comparison")
 
