@@ -176,7 +176,8 @@ def test_an_interval_has_as_many_decimals_as_tell_its_ends_apart():
     assert interval_text(-3.64, 1.2) == "-3.6 to +1.2 %"
     assert interval_text(4.4012, 4.4047) == "+4.401 to +4.405 %"
     assert interval_text(None, None) == ""
-    assert interval_text(0.0, 0.0) == "+0.0 %, exact to 1e-5 points"
+    assert interval_text(0.0, 0.0) == ""
+    assert interval_text(2.0, 2.0 + 1e-9) == "+2.0 %, exact to 1e-5 points"
 
 
 BUCKLED = {"name": "computed_buckling", "value": 53.6, "limit": 1.0}

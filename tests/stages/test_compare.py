@@ -171,10 +171,14 @@ def test_tables_are_of_all_seas_and_checks_of_all_that_a_study_has(seed, tmp_pat
     monkeypatch.setattr(compare.irregular, "as_csv", lambda lines: "")
     monkeypatch.setattr(compare.comparison, "as_csv", lambda rows: f"{rows}")
     monkeypatch.setattr(compare, "equal_tuning", maker("equal_tuning", []))
+    monkeypatch.setattr(compare, "linearisation", maker("linearisation", "beyond"))
+    monkeypatch.setattr(compare, "with_intervals", lambda *given: asked.update(intervals=given) or given[1])
     monkeypatch.setattr(compare, "within_limits", maker("within_limits", []))
     reference = SimpleNamespace(basis="basis")
     monkeypatch.setattr(compare, "reference_shell", lambda of: reference)
-    monkeypatch.setattr(compare, "Inputs", lambda *given: SimpleNamespace(study=study, plan=plan, given=given))
+    monkeypatch.setattr(
+        compare, "Inputs", lambda *given: SimpleNamespace(study=study, plan=plan, given=given, response="response")
+    )
 
     def in_a_sea(found, basis, wave):
         assert (basis, found.given[:2]) == (None if kind == "body" else "basis", (study, "runs"))
@@ -197,6 +201,7 @@ def test_tables_are_of_all_seas_and_checks_of_all_that_a_study_has(seed, tmp_pat
         names |= {"shell_checks"}
     if kind == "dry":
         assert asked["assumed_pressure_checks"] == (study, rows)
+        assert asked["intervals"] == (study, rows, runs, (), None)
         names |= {"assumed_pressure_checks"}
     else:
         ladder = [compare.Rung(**rung)]
@@ -204,7 +209,10 @@ def test_tables_are_of_all_seas_and_checks_of_all_that_a_study_has(seed, tmp_pat
         assert asked["statistics"] == (study, {("A", of): f"sample {of}" for of in labels})
         assert asked["of_the_water"][1:] == (rows, runs)
         assert asked["statistical_checks"] == (study, [])
-        assert asked["equal_tuning"] == asked["within_limits"] == asked["reference_power_checks"] == (study, ladder)
+        assert asked["within_limits"] == asked["reference_power_checks"] == (study, ladder)
+        assert asked["equal_tuning"] == (study, ladder, "beyond")
+        assert asked["linearisation"] == (study, rows, runs, "response", [])
+        assert asked["intervals"] == (study, rows, runs, ladder, "response")
         assert asked["fair_damping_checks"] == ([], "N m s" if kind == "body" else "N s/m")
         assert asked["constrained_checks"] == (ladder,)
         names |= {

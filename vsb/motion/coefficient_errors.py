@@ -7,7 +7,6 @@ from scipy.ndimage import maximum_filter1d
 from vsb.hydro.coefficients import Coefficients
 from vsb.hydro.database import ESTIMATE, stored_checks
 from vsb.hydro.orders import order_groups
-from vsb.motion.bodies import LinearBody
 from vsb.motion.frequency import LinearBuoy, LinearMotion
 from vsb.motion.sensitivity import CoefficientError
 from vsb.tools.units import ComplexArray, FloatArray
@@ -71,7 +70,7 @@ def _stored(linear: LinearMotion, omega: FloatArray) -> list[CoefficientError]:
         make_interp_spline(ds.omega.values, ds[f"{name}_{ESTIMATE}"].transpose("omega", ...).values, k=1)(omega)
         for name in ("added_mass", "radiation_damping", "excitation_force")
     )
-    near = linear.heading_index if isinstance(linear, LinearBody) else 0
+    near = linear.heading_index
     stiffness = ds[f"hydrostatic_stiffness_{ESTIMATE}"].values
     return [
         CoefficientError(

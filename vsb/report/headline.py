@@ -103,14 +103,14 @@ def _in_seas(
 
 
 def interval_text(low: float | None, high: float | None) -> str:
-    """Return an interval in per cent, to as many decimals as tell its ends apart; empty without one.
+    """Return an interval in per cent, to as many decimals as tell its ends apart; empty without one, or of no width.
 
     Examples
     --------
     >>> interval_text(-3.64, 1.2), interval_text(4.4012, 4.4047)
     ('-3.6 to +1.2 %', '+4.401 to +4.405 %')
     """
-    if low is None or high is None:
+    if low is None or high is None or low == high:
         return ""
     for digits in range(1, DIGITS + 1):
         ends = [f"{end:+.{digits}f}" for end in (low, high)]

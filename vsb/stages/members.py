@@ -33,6 +33,9 @@ from vsb.tools.files import load, save
 from vsb.tools.units import FloatArray
 from vsb.waves.climate import Climate
 
+STATED = ("error_estimate", "interpolation_error")
+"""Errors that blocks estimate of themselves."""
+
 
 def run(spec: MembersSpec, climate: str, folder: str, root: str, out: str) -> None:
     """Write the members of a batch, each to a file of its own as soon as it is finished, then all together."""
@@ -99,8 +102,6 @@ class Swept:
     """A shape whose coefficients are solved, to be had at any frequencies of the band."""
 
     buoys: tuple[LinearBuoy, ...]  # in displacements, of azimuthal orders 0, 1, ...
-    resolution: float = 0.0  # estimated relative error of what is solved [-]
-    interpolation: float = 0.0  # and of what is interpolated between
     _year: dict[str, ShapeWater] = field(default_factory=dict)  # at the frequencies of a climate
 
     def at(self, omega: FloatArray) -> ShapeWater:
@@ -109,7 +110,15 @@ class Swept:
             ShapeWater(displacements(buoy.labels, order), omega, buoy.coefficients(omega))
             for order, buoy in enumerate(self.buoys)
         )
-        return replace(first, orders=tuple(others), resolution=self.resolution, interpolation=self.interpolation)
+        resolution, interpolation = self._stated
+        return replace(first, orders=tuple(others), resolution=resolution, interpolation=interpolation)
+
+    @property
+    def _stated(self) -> tuple[float, float]:
+        """Estimated relative errors of what is solved and of what is interpolated between [-]."""
+        attrs = [buoy.database.attrs for buoy in self.buoys]
+        resolution, interpolation = (max(float(each.get(name, 0.0)) for each in attrs) for name in STATED)
+        return resolution, interpolation
 
     def of_year(self, climate: Climate) -> ShapeWater:
         """Return the coefficients at the frequencies of a climate."""
@@ -130,11 +139,7 @@ def swept_shape(study: Study, basis: ModeBasis, root: str) -> Swept:
     plan = StudyPlan(study, root=root)
     solve(plan)
     families = order_bases(study, basis)
-    blocks = [load(path, expected=Path(path).stem) for path in map(plan.block_path, plan.sweep_blocks)]
-    resolution, interpolation = (
-        max(float(block.attrs.get(name, 0.0)) for block in blocks) for name in ("error_estimate", "interpolation_error")
-    )
-    return Swept(tuple(_of_order(plan, basis, one) for one in (None, *families)), resolution, interpolation)
+    return Swept(tuple(_of_order(plan, basis, one) for one in (None, *families)))
 
 
 def _of_order(plan: StudyPlan, basis: ModeBasis, family: OrderBasis | None) -> LinearBuoy:
@@ -147,6 +152,7 @@ def _of_order(plan: StudyPlan, basis: ModeBasis, family: OrderBasis | None) -> L
     raw = database.with_symmetrized(whole)
     if order:
         raw = orders.with_haskind_damping(raw, order, water.depth, water.density, water.gravity)
+    raw = raw.assign_attrs({name: max(float(block.attrs.get(name, 0.0)) for block in blocks) for name in STATED})
     count = raw.sizes["influenced_dof"]
     return LinearBuoy(raw, np.zeros((count, count)), LinearPto(0.0))
 
