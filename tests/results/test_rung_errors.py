@@ -20,16 +20,20 @@ def test_the_best_force_of_all_is_that_of_the_conjugate_impedance():
     assert _impedance(PORT, Loaded("fixed", 5.0, 6.0, 1.0))[0] == pytest.approx(5 + 3j)
 
 
-def test_modes_left_out_are_of_their_design_and_sea():
-    dims = ("design", "wave", "end")
-    power = np.array([[[-0.3, 0.0], [0.0, 0.1]], [[0.0, 0.0], [0.0, 0.0]]])
-    known = xr.Dataset({"power": (dims, power)}, {"design": ["A", "FSB"], "wave": ["w", "v"], "end": ["low", "high"]})
-    (source,) = _of_modes(known, "A", "w", "power", 200.0)
-    assert (source.low, source.high, source.kind, source.shared) == (-60.0, 0.0, "bound", False)
-    (source,) = _of_modes(known, "A", "v", "power", 200.0)
-    assert (source.low, source.high) == (0.0, 20.0)
-    assert _of_modes(known, "FSB", "w", "power", 200.0) == []
-    assert _of_modes(known, "A", "w", "gain", 1.0) == []
+def test_modes_left_out_are_of_their_design_sea_and_take_off():
+    dims = ("design", "wave", "take_off", "end")
+    power = np.zeros((2, 2, 2, 2))
+    power[0] = [[[-0.3, 0.0], [-0.2, 0.0]], [[0.0, 0.1], [0.0, 0.05]]]
+    coords = {"design": ["A", "FSB"], "wave": ["w", "v"], "take_off": ["given", "optimal"], "end": ["low", "high"]}
+    known = xr.Dataset({"power": (dims, power)}, coords)
+    for wave, rung, low, high in (
+        ("w", "fixed", -60.0, 0.0), ("w", "best_damper", -40.0, 0.0), ("w", "matched", -40.0, 0.0),
+        ("v", "fixed", 0.0, 20.0), ("v", "best_damper_all_seas", 0.0, 10.0),
+    ):  # fmt: skip
+        (source,) = _of_modes(known, "A", wave, rung, "power", 200.0)
+        assert (source.low, source.high, source.kind, source.shared) == (low, high, "bound", False)
+    assert _of_modes(known, "FSB", "w", "fixed", "power", 200.0) == []
+    assert _of_modes(known, "A", "w", "fixed", "gain", 1.0) == []
 
 
 def test_an_optimum_within_limits_is_as_wrong_as_the_worse_of_its_ends():

@@ -61,7 +61,7 @@ def test_results_of_another_study_are_refused_and_nothing_is_written(place):
 MAKERS = {
     compare: ["agreement_checks", "constrained_checks", "fair_damping_checks", "pause_checks",
               "reference_power_checks", "stored_checks"],
-    compare.ledger: ["bending_checks", "limit_check", "radiation_checks", "sea_checks", "shell_checks",
+    compare.ledger: ["limit_check", "mode_checks", "radiation_checks", "sea_checks", "shell_checks",
                      "transient_checks", "wave_checks", "witness_checks"],
     compare.irregular: ["statistical_checks"],
 }  # fmt: skip
@@ -120,7 +120,7 @@ def test_every_sea_is_met_in_its_own_waves_and_irregular_ones_are_sampled(seed, 
 def test_checks_of_a_sea_are_asked_of_every_sea(seed, monkeypatch, name):
     seas = [{"kind": "regular", "amplitude": 0.1, "period": period} for period in (2.0, 3.0, 4.0)]
     study, asked = varied(seed, waves=seas), []
-    for maker in ("radiation_checks", "bending_checks", "wave_checks", "witness_checks"):
+    for maker in ("radiation_checks", "wave_checks", "witness_checks"):
         monkeypatch.setattr(compare.ledger, maker, lambda *_: [])
     monkeypatch.setattr(compare.ledger, "limit_check", lambda *_: Check("limit", 0.0, 1.0, "-", "ok", ""))
     monkeypatch.setattr(compare, "agreement_checks", lambda *_: [])

@@ -108,7 +108,7 @@ STUDY = {
 def meshes(tmp_path_factory, green_folder):
     """Ladders of a barge by panels over its draught."""
     found, root = {}, tmp_path_factory.mktemp("meshes")
-    for panels in (2, 3):
+    for panels in (2, 3, 4):
         folder = root / str(panels)
         folder.mkdir()
         barge = Barge(length=80.0, beam=10.0, draught=5.0, bending_stiffness=2e10, modes=2)

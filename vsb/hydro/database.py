@@ -28,7 +28,7 @@ INVALIDATING: dict[str, Literal["flexible", "all"]] = {
     "computed_buckling": "flexible",
     "static_strain": "flexible",
     "strain": "flexible",
-    "bending_modes": "flexible",
+    "modes_left_out": "flexible",
     "modes": "flexible",
     "panels": "all",
     "energy_residual": "all",

@@ -203,7 +203,7 @@ def study_ladder(study: LadderSpec | BodyLadderSpec, database: str) -> list[Rung
         rungs += constrained_rungs(study, floating, seas)
         designs, labels = list(study.designs), list(seas)
         rungs.sort(key=lambda r: (designs.index(r.design), labels.index(r.wave), RUNGS.index(r.rung)))
-    left_out = modes_left_out(study, ds, pairs) if isinstance(study, LadderSpec) else xr.Dataset()
+    left_out = modes_left_out(study, pairs) if isinstance(study, LadderSpec) else xr.Dataset()
     return with_errors(rungs, floating, pairs, study.reference_design, left_out)
 
 

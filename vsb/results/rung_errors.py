@@ -66,12 +66,12 @@ def rung_errors(
         computed = known[key]
         for (design, rung), one in computed.items():
             numbers = [Source.within(e.name, one.power * one.slopes.to(e), shared=True) for e in one.errors]
-            power = Budget((*numbers, *_of_modes(left_out, design, wave.label, "power", one.power)))
+            power = Budget((*numbers, *_of_modes(left_out, design, wave.label, rung, "power", one.power)))
             gain, base = None, computed.get((reference or "", rung))
             if base is not None and design != reference:
                 ratio, apart = 100 * one.power / base.power if base.power > 0 else 0.0, one.slopes - base.slopes
                 numbers = [Source.within(e.name, ratio * apart.to(e), shared=True) for e in one.errors]
-                gain = Budget((*numbers, *_of_modes(left_out, design, wave.label, "gain", 1.0)))
+                gain = Budget((*numbers, *_of_modes(left_out, design, wave.label, rung, "gain", 1.0)))
             found[design, wave.label, rung] = Errors(power, gain)
     return _with_limited(found, loads)
 
@@ -107,11 +107,12 @@ def _impedance(port: Port, load: Loaded) -> ComplexArray:
     return port.load(load.damping, load.stiffness)
 
 
-def _of_modes(left_out: xr.Dataset, design: str, label: str, name: str, size: float) -> list[Source]:
+def _of_modes(left_out: xr.Dataset, design: str, label: str, rung: str, name: str, size: float) -> list[Source]:
     """What modes left out may change, of a power or of a gain; nothing where it is not known or none."""
     if name not in left_out:
         return []
-    low, high = (size * float(end) for end in left_out[name].sel(design=design, wave=label))
+    take_off = "given" if rung == "fixed" else "optimal"
+    low, high = (size * float(end) for end in left_out[name].sel(design=design, wave=label, take_off=take_off))
     return [Source(MODES, low, high)] if low or high else []
 
 

@@ -7,6 +7,7 @@ from functools import cache, cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.polynomial.legendre import legder, legval
 from scipy.optimize import brentq
 
 from vsb.errors import ConfigError
@@ -26,6 +27,15 @@ class Meridian(NamedTuple):
     shape_z: FloatArray
     dshape_x: FloatArray
     dshape_z: FloatArray
+
+
+class Curve(NamedTuple):
+    """Points of a deformed meridian alone: radius x and height z [m], their derivatives by colatitude."""
+
+    x: FloatArray  # (point,)
+    z: FloatArray
+    dx: FloatArray
+    dz: FloatArray
 
 
 _FINER = 15
@@ -83,6 +93,25 @@ class DeformedShell:
         )
 
     @cached_property
+    def _series(self) -> tuple[FloatArray, ...]:
+        """Legendre coefficients in cos(phi) of v and v', and of W' and W'', where u = dW/dphi = -sin(phi) W'."""
+        radial, meridional = self.modal_amplitude @ self.basis.shares
+        first = legder(meridional)
+        return radial, legder(radial), first, legder(first)
+
+    def curve(self, colatitude: FloatArray) -> Curve:
+        """Return `meridian` without the shapes of the modes: one sum over degrees, however many modes there are."""
+        at, sin, cos = self.basis.shell.at_rest(colatitude), np.sin(colatitude), np.cos(colatitude)
+        v, slope, first, second = (legval(cos, series) for series in self._series)
+        u, dv, du = -sin * first, -sin * slope, sin**2 * second - cos * first
+        return Curve(
+            at.x + v * sin + u * cos,
+            self.centre_height + at.z + v * cos - u * sin,
+            at.dx + dv * sin + v * cos + du * cos - u * sin,
+            at.dz + dv * cos - v * sin - du * sin - u * cos,
+        )
+
+    @cached_property
     def _grid(self) -> FloatArray:
         """Colatitudes fine enough for the turns of the highest degree, pole to pole, shape (point,) [rad]."""
         return np.linspace(0.0, np.pi, 40 * (self.basis.turns + 1) + 1)
@@ -90,7 +119,7 @@ class DeformedShell:
     @cached_property
     def _on_grid(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Radius, height and slope dx/dphi of the meridian there."""
-        x, z, dx = zip(*(self.meridian(part)[:3] for part in _parts(self._grid)), strict=True)
+        x, z, dx = zip(*(self.curve(part)[:3] for part in _parts(self._grid)), strict=True)
         return np.concatenate(x), np.concatenate(z), np.concatenate(dx)
 
     @cached_property
@@ -116,12 +145,12 @@ class DeformedShell:
         """Colatitude intervals below the free surface: none (dry), one, or several (more than one waterline)."""
         grid, (_, z, _) = self._grid, self._on_grid
         crossings = [
-            float(brentq(lambda phi: float(self.meridian(np.array([phi])).z[0]), a, b, xtol=1e-15, rtol=1e-15))
+            float(brentq(lambda phi: float(self.curve(np.array([phi])).z[0]), a, b, xtol=1e-15, rtol=1e-15))
             for a, b, za, zb in zip(grid[:-1], grid[1:], z[:-1], z[1:], strict=True)
             if (za < 0) != (zb < 0)
         ]
         edges = [0.0, *crossings, np.pi]
-        middles = self.meridian(np.array([(a + b) / 2 for a, b in itertools.pairwise(edges)])).z
+        middles = self.curve(np.array([(a + b) / 2 for a, b in itertools.pairwise(edges)])).z
         return [(a, b) for a, b, z in zip(edges[:-1], edges[1:], middles, strict=True) if z < 0]
 
     def _wet_points(self, points: int) -> Iterator[tuple[FloatArray, FloatArray]]:

@@ -63,6 +63,7 @@ def run(spec: CompareSpec | BodyCompareSpec, trajectories: str, **files: str) ->
         rows = with_intervals(compared, rows, runs, ladder, found.response)
         checks += [*fair_damping_checks(tuned, damper_unit(compared.pto.port)), *constrained_checks(ladder)]
         checks += reference_power_checks(compared, ladder)
+        checks += ledger.mode_checks(compared, ladder) if isinstance(compared, Study) else []
     elif isinstance(compared, Study):
         checks += ledger.assumed_pressure_checks(compared, rows)
         rows = with_intervals(compared, rows, runs, (), None)
@@ -91,14 +92,14 @@ def run(spec: CompareSpec | BodyCompareSpec, trajectories: str, **files: str) ->
 def of_the_water(found: Inputs, rows: list[comparison.Row], runs: Attributes) -> list[Check]:
     """Return the checks of linear hydrodynamics: waves, coefficients, radiation memory, time and frequency domain.
 
-    Of a buoy also whether bending modes are needed, the limit of its power, and what a second solver says.
+    Of a buoy also the limit of its power, and what a second solver says.
     """
     study, database = found.study, found.database
     checks = ledger.radiation_checks(found.radiation, study.hydro.tolerance)
     if isinstance(study, BodyStudy):
         checks += seas_checks(study, database)
     else:
-        checks = [*ledger.bending_checks(study, database, runs), ledger.limit_check(found.response), *checks]
+        checks = [ledger.limit_check(found.response), *checks]
     for wave in study.waves:
         if isinstance(study, Study):
             checks += ledger.wave_checks(wave, study.water, study.hydro.omega_max)

@@ -124,14 +124,14 @@ class WetMeridian:
         """
         v, w = unit_rule(_CHORD + self.shell.basis.turns)
         phi, rate = self._colatitude((start[:, None] + offset[:, None] * v).ravel())
-        m = self.shell.meridian(phi)
+        m = self.shell.curve(phi)
         dx, dz = (offset * ((slope * rate).reshape(-1, len(v)) @ w) for slope in (m.dx, m.dz))
         return dx, dz
 
     def at(self, t: FloatArray) -> Points:
         """Return the points at t."""
         phi, rate = self._colatitude(t)
-        m = self.shell.meridian(phi)
+        m = self.shell.curve(phi)
         length = np.hypot(m.dx, m.dz)
         _, z = self.chord(np.zeros_like(t), t)
         return Points(m.x, z, -m.dz / length, m.dx / length, m.x * length * rate, phi)
@@ -152,7 +152,7 @@ class WetMeridian:
 
         On the axis for order 0; else, where potentials vanish there, on circles about it that the shell is clear of.
         """
-        height = self.shell.meridian(np.array([np.pi])).z * np.array(_INTERIOR)
+        height = self.shell.curve(np.array([np.pi])).z * np.array(_INTERIOR)
         if self.order:
             clear = np.hypot(self.points.x, self.points.z - height[:, None]).min(axis=1)
             radius = np.outer(_CIRCLES, clear).ravel()
