@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from conftest import varied
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from shell.test_sphere import STRETCH, larger
@@ -601,13 +602,27 @@ def test_a_meridian_of_many_terms_is_resolved_as_well_as_a_plain_one():
     assert stiffness[0, 0] == pytest.approx(RHO * G * np.pi * rest.radius_at(-0.25) ** 2, rel=1e-9)
 
 
+@pytest.mark.parametrize("kind", ["full", "paper", "spheroid"])
+def test_a_curve_is_the_meridian_without_its_shapes(seed, kind):
+    """By one series in cos(phi) instead of a sum over modes; at the poles, too, and beside another rest shape."""
+    shape = {"shape": {"spheroid": {"height": 3.0}}} if kind == "spheroid" else {}
+    device = varied(seed, device=shape, modes={"basis": "full"}).device
+    basis = mode_basis(device, "paper" if kind == "paper" else "full", 12)
+    rng = np.random.default_rng(4)
+    shell = DeformedShell(basis, 0.3, 0.1 * rng.normal(size=len(basis.labels)))
+    phi = np.concatenate([[0.0, np.pi], rng.uniform(0.0, np.pi, 40)])
+    slow, fast = shell.meridian(phi), shell.curve(phi)
+    for name in ("x", "z", "dx", "dz"):
+        np.testing.assert_allclose(getattr(fast, name), getattr(slow, name), atol=1e-13)
+
+
 class Waved(DeformedShell):
     """A meridian whose height goes up and down seven times."""
 
-    def meridian(self, colatitude):
+    def curve(self, colatitude):
         """Return it; nothing but its height is looked at."""
         height = self.centre_height + np.cos(7 * colatitude) * self.modal_amplitude[0]
-        return super().meridian(colatitude)._replace(z=height)
+        return super().curve(colatitude)._replace(z=height)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
