@@ -106,8 +106,8 @@ def merged_blocks(blocks: Sequence[xr.Dataset]) -> xr.Dataset:
 
 
 def displacements_of(basis: ModeBasis) -> tuple[Displacement, ...]:
-    """Return the radial and meridional displacements heave and modes are made of."""
-    degrees = sorted(set(basis.degrees))
+    """Return the radial and meridional displacements heave and modes are made of, all their parts."""
+    degrees = sorted({degree for mode in basis.shapes for degree, _, _ in mode.parts})
     return (*(Displacement("radial", n) for n in degrees), *(Displacement("meridional", n) for n in degrees if n))
 
 
@@ -133,15 +133,17 @@ def shares(solved: Sequence[Displacement], basis: ModeBasis) -> FloatArray:
     DatabaseError
         If a displacement they need was not solved for.
     """
-    if missing := {Displacement("radial", n) for n in basis.degrees} - set(solved):
+    degrees = {degree for mode in basis.shapes for degree, _, _ in mode.parts}
+    if missing := {Displacement("radial", n) for n in degrees} - set(solved):
         lacking, labels = sorted(each.label for each in missing), [each.label for each in solved]
         raise DatabaseError(f"displacements {lacking} of the modes are not among those solved, {labels}.")
-    share = [
-        {Displacement("radial", mode.degree): mode.radial}
-        | ({Displacement("meridional", mode.degree): mode.meridional} if mode.degree else {})
-        for mode in basis.shapes
-    ]
-    return np.array([[of_mode.get(each, 0.0) for each in solved] for of_mode in share])
+    found, place = np.zeros((len(basis.shapes), len(solved))), {each: j for j, each in enumerate(solved)}
+    for row, mode in zip(found, basis.shapes, strict=True):
+        for degree, radial, meridional in mode.parts:
+            row[place[Displacement("radial", degree)]] += radial
+            if degree and (j := place.get(Displacement("meridional", degree))) is not None:
+                row[j] += meridional
+    return found
 
 
 def _transformed(data: xr.DataArray, transform: FloatArray, labels: list[str]) -> xr.DataArray:

@@ -27,7 +27,7 @@ from vsb.shell.sphere import Shell
 from vsb.study.meridian import RestMeridian
 from vsb.tools.units import FloatArray
 
-CONVERGED = 1e-12
+CONVERGED = 1e-11
 """Change of a matrix, in terms of its diagonal, below which more points of quadrature say nothing new."""
 MOST_POINTS = 4096
 """Points of quadrature at most."""

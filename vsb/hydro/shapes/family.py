@@ -150,7 +150,7 @@ class ShapeFamily:
         """Content id of what `solved` depends on."""
         basis, shape = self.shape.basis, self.shape
         return content_id({
-            "modes": [[mode.degree, float(mode.radial), float(mode.meridional)] for mode in basis.shapes],
+            "modes": [[[n, float(v), float(u)] for n, v, u in mode.parts] for mode in basis.shapes],
             "radius": float(basis.shell.radius),
             "centre_height": float(shape.centre_height),
             "amplitudes": shape.modal_amplitude.tolist(),
