@@ -25,7 +25,7 @@ from vsb.study.specs import LadderSpec
 from vsb.study.study import IrregularSea, StillWater, Wave
 from vsb.tools.tables import csv_text
 from vsb.tools.units import ComplexArray, FloatArray, IntArray
-from vsb.waves.seas import Sea
+from vsb.waves.seas import Sea, expected
 from vsb.waves.superposition import superposed
 
 RUNGS = ("fixed", "best_damper", "best_damper_all_seas", "best_spring_damper", "constrained", "matched")
@@ -176,7 +176,7 @@ def rungs_of(
 
 
 def study_ladder(study: LadderSpec | BodyLadderSpec, database: str) -> list[Rung]:
-    """Return the rungs of every design of a study in every sea; still water has none.
+    """Return the rungs of every design of a study in every sea, random amplitudes as expected; still water has none.
 
     Parameters
     ----------
@@ -189,7 +189,7 @@ def study_ladder(study: LadderSpec | BodyLadderSpec, database: str) -> list[Rung
     if not waves:
         return []
     ds = floating.linear.database
-    seas = {wave.label: study_sea(study, wave, ds) for wave in waves}
+    seas = {wave.label: study_sea(study, expected(wave), ds) for wave in waves}
     names = [wave.family if isinstance(wave, IrregularSea) else wave.label for wave in waves]
     families = [names.index(name) for name in dict.fromkeys(names)]
     pairs = list(zip(waves, seas.values(), strict=True))

@@ -19,16 +19,13 @@ from scipy.special import gammaincinv
 
 from vsb.errors import ConfigError
 from vsb.motion.port import Port
-from vsb.results.statistics import Estimate, student
+from vsb.results.statistics import Estimate, linear_batches, student
 from vsb.results.year import Year
 from vsb.tools.units import FloatArray, IntArray
 from vsb.waves.seas import Sea
-from vsb.waves.superposition import superposed
 
 FEWEST = 4
 """Fewest seas to draw: two strata."""
-INSTANTS = 8
-"""Instants per shortest period of a sea at which linear power is averaged."""
 
 
 @dataclass(frozen=True)
@@ -265,7 +262,4 @@ def linear_power(port: Port, sea: Sea, damping: float, window: tuple[float, floa
     window : tuple of float [s]
     """
     velocity = port.velocity_under(port.load(damping)) * sea.amplitude
-    count = int(np.ceil(INSTANTS * float(sea.omega.max()) * (window[1] - window[0]) / (2 * np.pi))) + 1
-    instants = np.linspace(*window, count)
-    speed = superposed(sea.omega, velocity[:, None], instants)[:, 0]
-    return damping * float(np.trapezoid(speed**2, instants)) / (window[1] - window[0])
+    return float(linear_batches(sea.omega, velocity, damping, window, 1)[0])

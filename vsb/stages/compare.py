@@ -32,7 +32,7 @@ from vsb.study.study import IrregularSea, Study, Wave, canonical
 from vsb.study.take_off import damper_unit
 from vsb.tools.files import write_text
 from vsb.tools.stamps import read_text, record
-from vsb.waves.seas import NO_WAVES
+from vsb.waves.seas import NO_WAVES, expected
 
 
 def run(spec: CompareSpec | BodyCompareSpec, trajectories: str, **files: str) -> None:
@@ -120,12 +120,16 @@ class InASea(NamedTuple):
 def in_a_sea(found: Inputs, basis: ModeBasis | None, wave: Wave) -> InASea:
     """Return what the runs of all designs in a sea leave."""
     study, label = found.study, wave.label
-    waves = study_sea(study, wave, found.database) if study.needs_bem else NO_WAVES
+    waves, spectral = NO_WAVES, NO_WAVES
+    if study.needs_bem:
+        waves, spectral = (study_sea(study, one, found.database) for one in (wave, expected(wave)))
     runs = {design: found.runs[design, label] for design in study.designs}
     samples = {}
     if study.needs_bem and isinstance(wave, IrregularSea):
         response = found.response
-        samples = {(d, label): irregular.sample(study, wave, d, run, waves, response) for d, run in runs.items()}
+        samples = {
+            (d, label): irregular.sample(study, wave, d, run, waves, spectral, response) for d, run in runs.items()
+        }
     if basis and isinstance(study, Study):
         checks = ledger.sea_checks(study, basis, wave, runs)
     elif isinstance(study, BodyStudy):
