@@ -8,7 +8,8 @@ import xarray as xr
 
 from vsb.report.doubts import ADVICE
 from vsb.report.headline import COMPUTED, Answer
-from vsb.study.year_options import leading_tuning
+from vsb.results.campaign import GAIN, POWER, in_time
+from vsb.study.year_options import GAIN_IN_TIME, leading_tuning
 from vsb.tools.words import against_rigid, quantity, short
 from vsb.waves.climate import YEAR_HOURS
 
@@ -23,7 +24,7 @@ BESIDE = {
     "fixed": "All at the given damper, tuned for none of them",
 }
 """How the second sentence begins, by the tuning it is of."""
-MODELS = {"body_exact": "body-exact", "linear": "linear"}
+MODELS = {"body_exact": "body-exact runs", "linear": "linear runs in time"}
 
 
 def leading(ds: xr.Dataset) -> tuple[str, str | None]:
@@ -70,21 +71,26 @@ def _taken(ds: xr.Dataset, reference: str | None, tuning: str, best: tuple[xr.Da
     """What the best flexible design takes beside the rigid one, with the interval."""
     one, design = best
     gain = float(told_gain(one, tuning))
-    from_what = " by linear theory" if "verification" in ds.attrs else ""
+    low, high = (float(end) for end in told_bounds(one, tuning))
+    by, beside = "linear theory", ""
     if is_verified(one, tuning):
-        runs = f"{MODELS[ds.attrs['verified_model']]} runs"
-        from_what = f" by {runs}, where linear theory says {float(one.gain_percent):+.1f} %"
+        by = MODELS[ds.attrs["verified_model"]]
+        beside = f", where linear theory says {float(one.gain_percent):+.1f} %"
+        if low <= 0 <= high:
+            beside += ", too few to tell more from less"
     rigid = shown_member(ds, tuning, reference).sel(tuning=tuning, design=reference)
     many = (ds.sizes["design"] > 2) or ds.margin.size > 1
     subject = f"the best flexible design, {design}{at_point(one)}," if many else f"{design}"
-    interval = f"{float(one.gain_low):+.1f} to {float(one.gain_high):+.1f} %{from_what}"
+    interval = f"{low:+.1f} to {high:+.1f} % by {by}{beside}"
     both = f"{_energy(one, tuning):.4g} against {_energy(rigid, tuning):.4g} MWh"
     return f"{subject} absorbs {against_rigid(gain, str(reference))} ({interval}; {both})"
 
 
 def _energy(one: xr.Dataset, tuning: str) -> float:
     """Energy of the year of one design under a tuning, corrected by runs in time where its gain is [MWh]."""
-    return float(one.corrected_mean_power) * YEAR_HOURS / 1e6 if is_verified(one, tuning) else float(one.annual_energy)
+    if not is_verified(one, tuning):
+        return float(one.annual_energy)
+    return float(one[in_time(one.attrs["verified_model"], POWER[0])]) * YEAR_HOURS / 1e6
 
 
 def told_beside(ds: xr.Dataset, tuning: str) -> str | None:
@@ -107,7 +113,7 @@ def second_answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:
 
 def of_points(ds: xr.Dataset, reference: str, tuning: str) -> str:
     """At how many valid points flexibility pays: the interval of the gain of some design lies above zero."""
-    least = ds.gain_low.sel(tuning=tuning).where(ds.design != reference)
+    least = told_bounds(ds.sel(tuning=tuning), tuning)[0].where(ds.design != reference)
     carries, pays = ds.margin >= 0, least.max("design") > 0
     if not bool(carries.any()):
         return f"None of the {ds.margin.size} points carries its static load without buckling."
@@ -168,9 +174,22 @@ def shown_member(ds: xr.Dataset, tuning: str, reference: str | None) -> xr.Datas
 
 def told_gain(ds: xr.Dataset, tuning: str) -> xr.DataArray:
     """Return the gains to be told of results under one tuning: corrected by runs in time, or else of linear theory."""
-    return ds["corrected_gain_percent" if is_verified(ds, tuning) else "gain_percent"]
+    return ds[_told_gains(ds, tuning)[0]]
+
+
+def told_bounds(ds: xr.Dataset, tuning: str) -> tuple[xr.DataArray, xr.DataArray]:
+    """Return the ends of the intervals of those gains, by the same model."""
+    _, low, high = _told_gains(ds, tuning)
+    return ds[low], ds[high]
+
+
+def _told_gains(ds: xr.Dataset, tuning: str) -> tuple[str, ...]:
+    """Names of the gains to be told under a tuning and of their ends."""
+    if is_verified(ds, tuning):
+        return tuple(in_time(ds.attrs["verified_model"], name) for name in GAIN)
+    return GAIN_IN_TIME
 
 
 def is_verified(ds: xr.Dataset, tuning: str) -> bool:
     """Return whether gains under a tuning are corrected by runs in time."""
-    return ds.attrs.get("verified_tuning") == tuning and "corrected_gain_percent" in ds
+    return ds.attrs.get("verified_tuning") == tuning and in_time(ds.attrs["verified_model"], GAIN[0]) in ds

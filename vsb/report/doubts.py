@@ -22,7 +22,7 @@ ADVICE = {
     "steepness": "lower or longer waves",
     "linearity": "hydro.model: body_exact",
     "statistical_error": "more waves.realisations, or a longer simulation.duration",
-    "spectral_prediction": "more waves.realisations, or a longer simulation.duration",
+    "spectral_prediction": "a later simulation.window",
     "record_length": "a longer simulation.duration",
     "spectrum_cut": "raise hydro.omega_max",
     "power_limit": "lower hydro.tolerance",

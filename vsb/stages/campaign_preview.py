@@ -85,6 +85,5 @@ def _runs_lines(plan: CampaignPlan) -> list[str]:
         return []
     done = sum(Path(path).exists() for path in plan.verification_paths)
     return [
-        f"verify       {verify.seas} seas of {plan.loaded.base.simulation.duration:g} s, {verify.model}, of each of "
-        f"{len(plan.verifications)} points, {done} done"
+        f"verify       {verify.seas} seas, {verify.model}, of each of {len(plan.verifications)} points, {done} done"
     ]

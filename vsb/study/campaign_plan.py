@@ -29,9 +29,9 @@ from vsb.study.specs import (
     Spec,
     VerificationSpec,
 )
-from vsb.study.study import Study, canonical, content_id, parse
+from vsb.study.study import Simulation, Study, canonical, content_id, parse
 from vsb.study.vary import Point
-from vsb.study.year_options import Constrained, Tunings, leading_tuning
+from vsb.study.year_options import GAIN_IN_TIME, IN_TIME, POWER_IN_TIME, Constrained, Tunings, leading_tuning
 
 MOST_BATCHES = 32
 BATCH_SECONDS = 8.0
@@ -42,10 +42,10 @@ VARIABLES = (
     "annual_mean_power", "annual_energy", "capture_width", "gain_percent", "gain_low", "gain_high", "damping",
     "force_rms", "viable", "margin", "reason", "practice_power", "quadrature_error", "power_matrix", "power_deviation",
     "capture_width_matrix", "capture_width_deviation", "count", "tried_damping", "power_of_damping",
-    "force_of_damping", "damper", "design", "tuning", "hs", "te", "corrected_mean_power", "corrected_power_low",
-    "corrected_power_high", "corrected_gain_percent", "energy_beyond", "limit",
+    "force_of_damping", "damper", "design", "tuning", "hs", "te", "energy_beyond", "limit",
     "energy_beyond_validity", "beyond_validity", "power_bound", "optimum_gap", "optimum_share", "optimum_excess",
     "impossible_share",
+    *(f"{model}_{name}" for model in IN_TIME.values() for name in (*POWER_IN_TIME, *GAIN_IN_TIME)),
 )  # fmt: skip
 """Names in the results that no varied key can have."""
 
@@ -202,11 +202,12 @@ class CampaignPlan(ResultsFolder):
         return {content_id(spec): spec for spec in found}
 
     def _verification(self, one: Member) -> VerificationSpec:
-        """Spec of the runs in time of a member: its study by the better model, with the run in time of the base."""
+        """Spec of the runs in time of a member: its study by the better model, tolerance and method of the base."""
         verify = self.loaded.campaign.verify
         assert verify is not None
-        raw = one.study.model_dump(exclude_none=True)
-        raw |= {"simulation": self.loaded.base.simulation, "hydro": {**raw["hydro"], "model": verify.model}}
+        given, raw = self.loaded.base.simulation, one.study.model_dump(exclude_none=True)
+        simulation = Simulation(tolerance=given.tolerance, method=given.method)  # how long follows from the seas
+        raw |= {"simulation": simulation, "hydro": {**raw["hydro"], "model": verify.model}}
         try:
             study = parse(raw, source="with the study's simulation")
         except ConfigError as error:

@@ -13,7 +13,10 @@ class Key(NamedTuple):
 
 _SEA = {
     "hs": Key("m", "1.0", "significant wave height, four times the root of the spectrum's area"),
-    "seed": Key("-", "1", "seed of the random phases"),
+    "amplitudes": Key(
+        "", "random", "fixed: those of the spectrum; random: Rayleigh-distributed about it, as in records of a real sea"
+    ),
+    "seed": Key("-", "1", "seed of the random phases and amplitudes"),
     "realisations": Key("-", "8", "how many seas of this spectrum are followed, seeds one after the other"),
 }
 """Of every irregular sea."""
@@ -326,7 +329,7 @@ KEYS: dict[str, dict[str, Key]] = {
             "", "[one, each]", "dampers of the year; constrained: the best force within the take-off's limits"
         ),
         "constrained": Key("", "{seconds: 10.0}", "work for the optima within limits"),
-        "verify": Key("", "{seas: 12}", "seas simulated in time beside linear theory, which they correct"),
+        "verify": Key("", "{seas: 24}", "seas simulated in time beside linear theory, which they correct"),
     },
     "Spectra": {
         "spectra": Key("", "sea.txt.gz", "NDBC's spectral text, plain or gz, or netCDF of wavespectra's names")

@@ -157,14 +157,26 @@ ATTRS: dict[str, Quantity] = {
     "capture_width": Quantity(_YEAR, "m", "mean power of the year over its mean energy flux"),
     "force_rms": Quantity(_YEAR, "N", "root mean square of the take-off's force over the year"),
     "gain_percent": Quantity(_YEAR, "%", "gain of annual energy over the reference under the same tuning"),
-    "gain_low": Quantity(_YEAR, "%", "least gain by the errors of numbers, or as the attribute `verification` says"),
-    "gain_high": Quantity(_YEAR, "%", "largest gain by the errors of numbers, or as the attribute `verification` says"),
+    "gain_low": Quantity(_YEAR, "%", "least gain, by the errors of numbers of linear theory"),
+    "gain_high": Quantity(_YEAR, "%", "largest gain, by the errors of numbers of linear theory"),
     "corrected_mean_power": Quantity(_YEAR[:2], "W", "mean power over the year, corrected by runs in time"),
     "corrected_power_low": Quantity(_YEAR[:2], "W", "least corrected mean power, 95 % by the scatter of the seas run"),
     "corrected_power_high": Quantity(_YEAR[:2], "W", "largest corrected mean power, 95 % by that scatter"),
     "corrected_gain_percent": Quantity(_YEAR[:2], "%", "gain of corrected mean power over the reference"),
     "corrected_gain_low": Quantity(_YEAR[:2], "%", "least corrected gain, 95 % by the scatter of the seas run"),
     "corrected_gain_high": Quantity(_YEAR[:2], "%", "largest corrected gain, 95 % by that scatter"),
+    **{
+        f"{begin}_{name}": Quantity(_YEAR[:2], unit, f"{what} by {runs} in time under the tuning that is verified")
+        for begin, runs in (("body_exact", "body-exact runs"), ("in_time", "linear runs"))
+        for name, unit, what in (
+            ("mean_power", "W", "mean power over the year"),
+            ("power_low", "W", "least mean power over the year, 95 %,"),
+            ("power_high", "W", "largest mean power over the year, 95 %,"),
+            ("gain_percent", "%", "gain over the reference"),
+            ("gain_low", "%", "least gain over the reference, 95 %,"),
+            ("gain_high", "%", "largest gain over the reference, 95 %,"),
+        )
+    },
     "energy_beyond": Quantity((*_YEAR, "limit"), "1", "share of energy from seas beyond a limit of linear theory"),
     "energy_beyond_validity": Quantity(_YEAR, "1", "share of energy from seas too steep, breaking or deforming much"),
     "beyond_validity": Quantity((*_YEAR, *_BINS), "1", "share of the seas of a bin that are such"),
@@ -328,7 +340,7 @@ def merged(ds: "xr.Dataset") -> "xr.Dataset":
     return ds.assign(parts).drop_vars("complex")
 
 
-GAINS = ("gain_", "corrected_gain_")
+GAINS = ("gain_", "corrected_gain_", "body_exact_gain_", "in_time_gain_")
 """Begins of names of what is missing where the design that gains are over takes nothing."""
 UNTOLD = {"practice_power": "constrained"}
 """Variables that do not exist under a tuning: usual practice knows no optima."""
