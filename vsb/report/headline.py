@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import xarray as xr
 
-from vsb.report.band import USEFUL, useful_band
+from vsb.report.band import gain_band, useful_band
 from vsb.report.doubts import no_answer, reasons
 from vsb.tools.words import SAME, against_rigid, multiple, watts
 
@@ -129,15 +129,10 @@ def _elsewhere(others: Sequence[dict[str, Any]], count: int) -> str:
 
 
 def _over_band(best_power: xr.DataArray, reference: str, neglected: str) -> list[str]:
-    """What flexible designs absorb over all waves: the most and the least, where, and which of them.
-
-    Where the rigid design absorbs next to nothing, of its own and of what others absorb, any power is a thousandfold of
-    it: that is no gain to lead with.
-    """
-    useful, rigid = useful_band(best_power), best_power.sel(design=reference, drop=True)
-    absorbs = (rigid >= USEFUL * rigid.max()) | (rigid >= 0.1 * best_power.max("design"))
-    shown = best_power.where(useful & absorbs, drop=True)
-    if shown.sizes["omega"] < 2 or not float(shown.sel(design=reference).min()) > 0:
+    """What flexible designs absorb over all waves: the most and the least, where, and which of them."""
+    useful, counts = useful_band(best_power), gain_band(best_power, reference)
+    shown = best_power.where(counts, drop=True)
+    if shown.sizes["omega"] < 2:
         return []
     gain = (100 * (shown / shown.sel(design=reference) - 1)).sel(design=shown.design != reference)
     parts = []
@@ -151,7 +146,7 @@ def _over_band(best_power: xr.DataArray, reference: str, neglected: str) -> list
             said = multiple(float(at)) or f"{size:.{0 if size >= 1 else 1}f} % {word}"
             parts.append(f"up to {said} ({which}in waves of {period:.2f} s)")
     who = "flexible designs absorb" if gain.sizes["design"] > 1 else f"{gain.design.values[0]} absorbs"
-    but = " but those of which the rigid design absorbs next to nothing" if bool((useful & ~absorbs).any()) else ""
+    but = " but those of which the rigid design absorbs next to nothing" if bool((useful & ~counts).any()) else ""
     where = f"Over all waves that carry power{but}, tuned wave by wave{neglected and f' and {neglected}'}"
     return [f"{where}, {who} {' and '.join(parts)}."] if parts else []
 
