@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 import xarray as xr
-from report.test_campaign_figures import GAINS, campaign
+from report.test_campaign_figures import GAINS, by_runs, campaign
 
 from vsb.report.campaign_answer import TUNED
 from vsb.report.campaign_page import MOST_ROWS, STILL, CampaignReport, captions, render, rows, statements, warnings
@@ -66,9 +66,12 @@ def test_what_to_doubt():
     assert theory.startswith("All of this is linear theory")
     assert heave.startswith("In seas that bring 90 % of the energy the buoy heaves by more than 0.3 of its radius")
     assert warnings(campaign(margin=[[0.5, -0.5], [0.5, 0.5]]))[2].startswith("At 1 of 4 points the shell would buckle")
-    runs, coverage = warnings(campaign(verification="tuning one: 4 seas; more"))[:2]
+    ds = campaign()
+    runs, coverage = warnings(by_runs(ds, ds.gain_percent, width=1.0))[:2]
     assert "in 77 to 95 % where 3 to 5 %; in 89 to 96 % with 24: there they are not 95 % intervals" in coverage
-    assert runs.startswith("Runs in time correct tuning one: 4 seas. Table, figures")
+    assert runs.startswith("Runs in time correct tuning one: 4 seas. Figures")
+    _, few, _ = warnings(by_runs(ds, ds.gain_percent, width=5.1))[:3]
+    assert few == "The interval of the gain of VSWEC includes none: more verify.seas would narrow it."
     lost = campaign()
     lost["viable"] = lost.viable & (lost.design != "VSWEC")
     lost["reason"] = lost.reason.where(lost.design != "VSWEC", other="unstable: at rest")
@@ -79,6 +82,9 @@ def test_the_table_has_a_row_for_every_point_design_and_tuning():
     found = rows(campaign())
     assert len(found) == 24 == MOST_ROWS
     assert found[4] == ["young modulus 1 MPa, thickness 0.01 m", "VSWEC", "one", "83.28", "0.95", "-5.0", "2", "0.5"]
+    ds = campaign()
+    told = rows(by_runs(ds, ds.gain_percent - 2.0))
+    assert [row[-1] for row in told[3:6]] == ["-", "-7.0 (-7.5 to -6.5)", "-"]
     missing = campaign()
     missing["annual_energy"] = missing.annual_energy.where(missing.design != "VSWEC")
     assert rows(missing)[4][3] == "-"
@@ -103,8 +109,7 @@ def test_captions_name_what_is_drawn():
         (campaign(), "not viable; corrected by runs in time."),
         (curve, ", dotted: by linear theory alone."),
     ):
-        one["corrected_gain_percent"] = one.gain_percent
-        assert captions(one.assign_attrs(verified_tuning="one"))["sweep"].endswith(last)
+        assert captions(by_runs(one, one.gain_percent))["sweep"].endswith(last)
 
 
 @pytest.mark.parametrize(("port", "unit"), [("volume", "Pa s/m³"), ("heave", "N s/m")])

@@ -256,6 +256,7 @@ def other_values(path, value):
         return [20.0] if math.isinf(value) else [0.7 * value, 0.99 * value, 1.01 * value] if value else [0.5]
     if isinstance(value, str):
         names = [
+            "random",
             "undeformed",
             "equilibrium",
             "paper",
