@@ -67,7 +67,7 @@ def test_what_to_doubt():
     assert heave.startswith("In seas that bring 90 % of the energy the buoy heaves by more than 0.3 of its radius")
     assert warnings(campaign(margin=[[0.5, -0.5], [0.5, 0.5]]))[2].startswith("At 1 of 4 points the shell would buckle")
     ds = campaign()
-    runs, coverage = warnings(by_runs(ds, ds.gain_percent, width=1.0))[:2]
+    runs, coverage = warnings(by_runs(ds, ds.gain_percent, width=0.1))[:2]
     assert "in 77 to 95 % where 3 to 5 %; in 89 to 96 % with 24: there they are not 95 % intervals" in coverage
     assert runs.startswith("Runs in time correct tuning one: 4 seas. Figures")
     _, few, _ = warnings(by_runs(ds, ds.gain_percent, width=5.1))[:3]

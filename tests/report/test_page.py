@@ -294,8 +294,8 @@ def test_what_the_frequency_response_knows_nothing_of_stands_beside_its_numbers(
 
 
 LINE = {
-    "design": "A", "sea": "noise", "realisations": "4", "batches": "40", "power_mean": "120", "power_low": "110",
-    "power_high": "130", "power_linear": "125", "gain_percent": "20", "gain_low": "18.04", "gain_high": "21.96",
+    "design": "A", "sea": "noise", "amplitudes": "random", "realisations": "4", "batches": "40", "power_mean": "120",
+    "power_low": "110", "power_high": "130", "power_linear": "125", "power_linear_record": "121", "gain_percent": "20", "gain_low": "18.04", "gain_high": "21.96",
 }  # fmt: skip
 BASE = {**LINE, "design": "FSB", "power_mean": "100", "gain_percent": "0", "gain_low": "0", "gain_high": "0"}
 SHORT = {**LINE, "power_low": "", "power_high": "", "gain_low": "", "gain_high": ""}
@@ -305,8 +305,12 @@ def test_irregular_seas_are_answered_with_the_interval_of_the_gain():
     (text,) = irregular_statements([BASE, LINE], "FSB", {"noise": "white noise"})
     assert (
         text
-        == "At the given damper, in white noise, FSB absorbs 100 W, A absorbs 120 W (+20.0 %; 95 %: +18.0 to +22.0 %)."
+        == "At the given damper, in white noise, FSB absorbs 100 W, A absorbs 120 W (+20.0 %; +18.0 to +22.0 % of the sea, "
+        "95 %)."
     )
+    assert irregular_statements([LINE | {"amplitudes": "fixed"}], "FSB", {"noise": "it"}) == [
+        "At the given damper, in it, A absorbs 120 W (+20.0 %; +18.0 to +22.0 % of these waves, by the numbers' tolerance)."
+    ]
     assert irregular_statements([SHORT], "FSB", {"noise": "it"}) == [
         "At the given damper, in it, A absorbs 120 W (+20.0 %)."
     ]
@@ -317,8 +321,8 @@ def test_an_interval_that_ends_at_nothing_is_known(low, high, bounds):
     """So is a gain of nothing; what does not exist is empty or none."""
     line = {**LINE, "gain_percent": 0.0, "gain_low": low, "gain_high": high}
     (text,) = irregular_statements([line], "FSB", {"noise": "it"})
-    assert text == f"At the given damper, in it, A absorbs 120 W (+0.0 %; 95 %: {bounds} %)."
-    assert statistics_table([line])[0][7:] == ["+0.0", f"{bounds} %".removesuffix(" %")]
+    assert text == f"At the given damper, in it, A absorbs 120 W (+0.0 %; {bounds} % of the sea, 95 %)."
+    assert statistics_table([line])[0][8:] == ["+0.0", f"{bounds} %".removesuffix(" %")]
     (text,) = irregular_statements([line | {"gain_low": None, "gain_high": None}], "FSB", {"noise": "it"})
     assert text == "At the given damper, in it, A absorbs 120 W (+0.0 %)."
 
@@ -328,15 +332,16 @@ def test_every_irregular_sea_has_a_sentence_of_its_own_lines():
     rough = {"sea": "rough", "power_mean": "300", "gain_percent": "-5", "gain_low": "-6", "gain_high": "-4"}
     lines = [BASE, BASE | {"sea": "rough", "power_mean": "315"}, LINE, LINE | rough]
     assert irregular_statements(lines, "FSB", {"rough": "a storm", "noise": "white noise"}) == [
-        "At the given damper, in white noise, FSB absorbs 100 W, A absorbs 120 W (+20.0 %; 95 %: +18.0 to +22.0 %).",
-        "At the given damper, in a storm, FSB absorbs 315 W, A absorbs 300 W (-5.0 %; 95 %: -6.0 to -4.0 %).",
+        "At the given damper, in white noise, FSB absorbs 100 W, A absorbs 120 W (+20.0 %; +18.0 to +22.0 % of the sea, "
+        "95 %).",
+        "At the given damper, in a storm, FSB absorbs 315 W, A absorbs 300 W (-5.0 %; -6.0 to -4.0 % of the sea, 95 %).",
     ]
 
 
 def test_table_of_irregular_seas_has_a_dash_for_what_does_not_exist():
     first, short = statistics_table([LINE, SHORT])
-    assert first == ["A", "noise", "4", "40", "120", "110 to 130", "125", "+20.0", "+18.0 to +22.0"]
-    assert (short[5], short[8]) == ("-", "-")
+    assert first == ["A", "noise", "random", "4", "120", "110 to 130", "121", "125", "+20.0", "+18.0 to +22.0"]
+    assert (short[5], short[9]) == ("-", "-")
 
 
 def test_what_holds_is_folded_and_tables_can_be_kept():
@@ -629,7 +634,7 @@ def test_sentences_of_all_seas_say_at_which_dampers_and_what_these_leave():
     swell = (
         f"{where} a swell, A absorbs most: 120 W on average (against FSB: A +20.0 %); at 8000 N s/m FSB reaches 26 %"
     )
-    white = f"{where} white noise, FSB absorbs 100 W, A absorbs 120 W (+20.0 %; 95 %: +18.0 to +22.0 %)"
+    white = f"{where} white noise, FSB absorbs 100 W, A absorbs 120 W (+20.0 %; +18.0 to +22.0 % of the sea, 95 %)"
     assert 0 < page.index(swell) < page.index(f"{white}; at 8000 N s/m FSB reaches 50 % of its own best, A 100 %.")
     assert "in one of them" not in page
 

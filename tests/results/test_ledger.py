@@ -221,7 +221,7 @@ CHECKS = {  # name: limit, unit, whether up to five times it is a doubt
     "assumed_pressure": (1.0, "-", False), "modes_left_out": (0.005, "-", True), "transient": (0.005, "-", True),
     "pause": (0.8, "-", True), "time_and_frequency_domain": (0.005, "-", True), "linearity": (0.05, "-", True),
     "drag": (0.05, "-", True), "constraint_drift": (1e-9, "m", False), "statistical_error": (0.1, "-", True),
-    "record_length": (1.0, "-", True), "spectral_prediction": (1.5, "-", True),
+    "record_length": (1.0, "-", True),
 }  # fmt: skip
 OF_THE_STUDY = {
     "static_deformation",

@@ -196,7 +196,7 @@ def irregular_statements(
     tuned: Sequence[dict[str, Any]] = (),
     where: str = GIVEN,
 ) -> list[str]:
-    """Return, for each irregular sea, mean power in time and its gain with the 95 % interval."""
+    """Return, for each irregular sea, mean power in time and its gain with its interval."""
     statements = []
     for name in dict.fromkeys(line["sea"] for line in lines):
         sea = [line for line in lines if line["sea"] == name]
@@ -211,8 +211,10 @@ def _gain_text(line: dict[str, Any], reference: str | None) -> str:
     """Gain over the reference in brackets, with its interval if there is one."""
     if line["design"] == reference or line["gain_percent"] in MISSING:
         return ""
-    known = line["gain_low"] not in MISSING
-    bounds = f"; 95 %: {float(line['gain_low']):+.1f} to {float(line['gain_high']):+.1f} %" if known else ""
+    bounds = ""
+    if line["gain_low"] not in MISSING:
+        of = "of the sea, 95 %" if line["amplitudes"] == "random" else "of these waves, by the numbers' tolerance"
+        bounds = f"; {float(line['gain_low']):+.1f} to {float(line['gain_high']):+.1f} % {of}"
     return f" ({float(line['gain_percent']):+.1f} %{bounds})"
 
 
@@ -244,8 +246,8 @@ def _cell(value: Any, form: str = "", factor: float = 1.0) -> str:
 
 
 STATISTICS = (
-    "design", "sea", "realisations", "batches", "mean power [W]", "95 % interval [W]", "linear [W]",
-    "gain [%]", "95 % interval [%]",
+    "design", "sea", "amplitudes", "realisations", "mean power [W]", "interval [W]", "linear, same waves [W]",
+    "linear, sea [W]", "gain [%]", "interval [%]",
 )  # fmt: skip
 """Head of the table of irregular seas."""
 
@@ -259,8 +261,9 @@ def statistics_table(lines: Sequence[dict[str, Any]]) -> list[list[str]]:
 
     return [
         [
-            *(str(line[key]) for key in ("design", "sea", "realisations", "batches")),
-            _cell(line["power_mean"]), bounds(line, "power"), _cell(line["power_linear"]),
+            *(str(line[key]) for key in ("design", "sea", "amplitudes", "realisations")),
+            _cell(line["power_mean"]), bounds(line, "power"), _cell(line["power_linear_record"]),
+            _cell(line["power_linear"]),
             _cell(line["gain_percent"], "+.1f"), bounds(line, "gain", "+.1f"),
         ]
         for line in lines
