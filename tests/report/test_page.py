@@ -516,8 +516,10 @@ def test_what_the_given_damper_leaves_stands_beside_powers_of_irregular_seas_too
     lost = {**LINE, "gain_percent": None, "gain_low": None, "gain_high": None}
     assert irregular_statements([lost], "FSB", {"noise": "it"}) == ["At the given damper, in it, A absorbs 120 W."]
     nothing = {**LINE, "gain_percent": 0, "gain_low": 0, "gain_high": 0.0}
-    assert irregular_statements([nothing], "FSB", {"noise": "it"})[0].endswith("(+0.0 %; 95 %: +0.0 to +0.0 %).")
-    assert statistics_table([nothing])[0][7:] == ["+0.0", "+0.0 to +0.0"]
+    assert irregular_statements([nothing], "FSB", {"noise": "it"})[0].endswith(
+        "(+0.0 %; +0.0 to +0.0 % of the sea, 95 %)."
+    )
+    assert statistics_table([nothing])[0][8:] == ["+0.0", "+0.0 to +0.0"]
 
 
 def test_a_reference_that_gives_up_power_is_no_measure_of_the_others():

@@ -95,10 +95,12 @@ def test_what_a_sea_leaves_is_small_and_its_own(small):
 
 
 def test_every_sea_is_met_in_its_own_waves_and_irregular_ones_are_sampled(seed, monkeypatch):
-    """Of a regular and two irregular seas: waves, runs and samples of each are its own."""
+    """Of a regular and two irregular seas: waves, runs and samples of each are its own, beside what its spectrum says."""
     sea = {"kind": "jonswap", "hs": 1, "tp": 4}
     study = varied(
-        seed, waves=[*seed.model_dump()["waves"], sea, {**sea, "tp": 5}], designs={"A": {"flexible": False}, "B": {}}
+        seed,
+        waves=[*seed.model_dump()["waves"], sea, {**sea, "amplitudes": "random"}],
+        designs={"A": {"flexible": False}, "B": {}},
     )
     runs = {(d, w.label): SimpleNamespace(attrs={"of": (d, w.label)}) for d in "AB" for w in study.waves}
     found = SimpleNamespace(study=study, database="database", response="response", runs=runs)
@@ -112,7 +114,8 @@ def test_every_sea_is_met_in_its_own_waves_and_irregular_ones_are_sampled(seed, 
         assert left.rows == [study, wave, own, waves]
         assert left.checks == [study, "basis", wave, own]
         assert left.runs == {(d, wave.label): {"of": (d, wave.label)} for d in "AB"}
-        samples = {(d, wave.label): (study, wave, d, own[d], waves, "response") for d in "AB"} if i else {}
+        spectral = (study.waves[1], "database")  # of both: the one of fixed amplitudes
+        samples = {(d, wave.label): (study, wave, d, own[d], waves, spectral, "response") for d in "AB"} if i else {}
         assert left.samples == samples
 
 
