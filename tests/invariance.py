@@ -85,7 +85,7 @@ def usual(text):
 UNITS = {
     "displacement_pp": "m", "velocity_pp": "m/s", "pto_force_pp": "N", "power_peak": "W", "power_mean": "W", "energy": "J",
     "capture_width": "m", "damping": "N s/m", "stiffness": "N/m", "power_low": "W", "power_high": "W",
-    "power_linear": "W", "force_rms": "N", "force_peak": "N", "stroke_peak": "m", "best_damping": "N s/m",
+    "power_linear": "W", "power_linear_record": "W", "force_rms": "N", "force_peak": "N", "stroke_peak": "m", "best_damping": "N s/m",
     "best_power": "W", "power": "W",
 }  # fmt: skip
 """Of the columns of tables that have some."""

@@ -456,7 +456,7 @@ def test_what_a_changed_study_replaces_is_said(tmp_path):
     assert differences(before) == ""
     assert differences(planned(pto={"damping": 9000.0})) == "pto.damping 8000.0 -> 9000.0"
     more = differences(planned(waves=[*RAW["waves"], {"kind": "jonswap", "hs": 0.2, "tp": 5.0}]))
-    assert more.startswith("waves.1.hs nothing -> 0.2, waves.1.seed nothing -> 1, ")
+    assert more.startswith("waves.1.hs nothing -> 0.2, waves.1.amplitudes nothing -> fixed, ")
     shorter = {"simulation": {"duration": 9.0, "window": [5.0, 9.0], "initial_velocity": 0.1, "tolerance": 1e-5}}
     many = planned(water={"density": 1020.0, "depth": 90.0, "gravity": 9.8}, **shorter)
     assert differences(many).endswith(" (and 2 more)")
