@@ -296,8 +296,9 @@ def test_keys_that_have_several_values_are_no_place():
 def test_flexible_designs_that_take_nothing_are_held_against_what_the_rigid_one_takes(margin):
     """As of limits no force keeps at a shell: 100 % less, which no energy follows from."""
     ds = campaign(gains=np.full((2, 2), -100.0), margin=margin)
-    assert "absorbs 100.0 % less than the rigid FSB (-103.0 to -97.0 % by linear theory; 0 against 87.66 MWh)" in answer(
-        ds, "FSB", "one"
+    assert (
+        "absorbs 100.0 % less than the rigid FSB (-103.0 to -97.0 % by linear theory; 0 against 87.66 MWh)"
+        in answer(ds, "FSB", "one")
     )
     told = answer(by_runs(ds, ds.gain_percent, factor=0.5), "FSB", "one")
     assert "by body-exact runs, where linear theory says -100.0 %; 0 against 43.83 MWh)" in told

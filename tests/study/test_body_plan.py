@@ -28,9 +28,9 @@ def plan(**changes):
 PINNED = {
     "database": "435c8bf666e13227",
     "radiation": "6f446b621c1aaaa7",
-    "response": "0c6c69fe42ff3776",
-    "ladder": "3744cc73af5947ae",
-    "comparison": "da72c3dde4501192",
+    "response": "aa763ca3ecb632f3",
+    "ladder": "7fd1de120836e794",
+    "comparison": "dc1ad1679484e951",
 }
 STAGES = ("database", "radiation", "response", "ladder", "comparison")
 
