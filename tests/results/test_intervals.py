@@ -84,13 +84,16 @@ def test_what_nonlinear_runs_say_of_a_gain_is_one_sided(study, frequency):
 
 
 def test_in_irregular_seas_the_statistics_of_the_runs_join(study, frequency):
+    """Linear theory in the same waves, not of the sea; of fixed amplitudes there are no statistics."""
     lines = [
-        Line("FSB", "noise", 4, 40, 100.0, 95.0, 105.0, 100.0, None, None, None),
-        Line("A", "noise", 4, 40, 60.0, 55.0, 65.0, 80.0, -40.0, -43.0, -37.0),
+        Line("FSB", "noise", "random", 4, 40, 100.0, 95.0, 105.0, 90.0, 100.0, None, None, None),
+        Line("A", "noise", "random", 4, 40, 60.0, 55.0, 65.0, 50.0, 80.0, -40.0, -43.0, -37.0),
     ]
-    said = linearisation(study, rows(study, {"FSB": 100.0, "A": 80.0}), runs(study, "body_exact"), frequency, lines)
-    assert said["A", "noise"].low == pytest.approx(-20.0 - 3.0)
-    assert said["A", "noise"].high == pytest.approx(3.0)
+    for amplitudes, half in (("random", 3.0), ("fixed", 0.0)):
+        drawn = [line._replace(amplitudes=amplitudes) for line in lines]
+        said = linearisation(study, rows(study, {"FSB": 100.0, "A": 80.0}), runs(study, "body_exact"), frequency, drawn)
+        assert said["A", "noise"].low == pytest.approx(-20.0 - half)
+        assert said["A", "noise"].high == pytest.approx(half)
 
 
 def test_linear_power_of_a_run_is_of_its_wave(study, frequency):

@@ -123,15 +123,15 @@ def linearisation(
 
 
 def _of_irregular_seas(lines: Sequence[Line], reference: str) -> dict[tuple[str, str], Budget]:
-    """The same of irregular seas."""
+    """The same of irregular seas, linear theory in the same waves."""
     found = {}
     for line in lines:
         base = next(other for other in lines if other.sea == line.sea and other.design == reference)
-        if line.design == reference or line.gain_percent is None or not base.power_linear > 0:
+        if line.design == reference or line.gain_percent is None or not base.power_linear_record > 0:
             continue
-        change = line.gain_percent - 100 * (line.power_linear / base.power_linear - 1)
+        change = line.gain_percent - 100 * (line.power_linear_record / base.power_linear_record - 1)
         sources = [Source.towards(LINEARISATION, change)]
-        if line.gain_low is not None and line.gain_high is not None:
+        if line.amplitudes == "random" and line.gain_low is not None and line.gain_high is not None:
             sources.append(Source.within(STATISTICS, (line.gain_high - line.gain_low) / 2, "statistic"))
         found[line.design, line.sea] = Budget(tuple(sources))
     return found

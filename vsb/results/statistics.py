@@ -217,6 +217,15 @@ class _Records(NamedTuple):
     components: ComplexArray
     spacing: float
 
+    @property
+    def linear_record(self) -> float:
+        """Mean power of linear theory in the same waves and window [W].
+
+        Beside drag, whose dampers `linear` is beside, by as much more or less than expected as without.
+        """
+        undragged = float(np.sum(np.abs(self.components) ** 2))
+        return self.linear * float(self.alike.mean()) / undragged if undragged else 0.0
+
 
 def statistics(study: Compared, samples: Mapping[tuple[str, str], Sample]) -> list[Line]:
     """Return one line per design and irregular sea.
@@ -248,7 +257,7 @@ def _of_sea(study: Compared, waves: Sequence[Irregular], samples: Mapping[tuple[
         lines.append(
             Line(
                 design, waves[0].family, waves[0].amplitudes, len(waves), len(own.batches),
-                power, *_bounds(power, half), own.linear, float(own.alike.mean()),
+                power, *_bounds(power, half), own.linear, own.linear_record,
                 gain, *_bounds(gain, of_gain),
             )
         )  # fmt: skip
