@@ -12,6 +12,7 @@ from scipy.optimize import minimize, minimize_scalar
 
 from benchmarks.measure import Row, as_csv, timed
 from vsb.motion.constrained import optimum_in_sea
+from vsb.motion.force_bound import Limits
 from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import Port
 from vsb.motion.tuning import Load, best_dampers, best_pairs, mean_power
@@ -27,9 +28,8 @@ LIMITED = 10
 COLUMNS = ("case", "method", "seas", "seconds_per_sea", "ratio", "error")
 
 
-def ports() -> list[Port]:
+def ports(omega: FloatArray) -> list[Port]:
     """Four buoys of two motions, one beside the other: what shells of other stiffness look like at the port."""
-    omega = SPACING * np.arange(1, COMPONENTS + 1)
     found = []
     for stiffness in (9e4, 1.8e5, 4e5, 1.2e6):
         rate = -1j * omega
@@ -99,19 +99,20 @@ def linear_rows(case: str) -> list[Row]:
 
 def limited_rows() -> list[Row]:
     """The optimum under a limit of force, error its gap, beside what its steps take with the matrix multiplied out."""
-    port, squares = ports()[0], seas()[:LIMITED]
-    rng, harmonics = np.random.default_rng(2), Harmonics(SPACING, 1.0, COMPONENTS)
+    harmonics, squares = Harmonics(SPACING, 1.0, COMPONENTS), seas()[:LIMITED]
+    (whole, *_), (port, *_) = ports(harmonics.port_omega), ports(harmonics.omega)
+    rng = np.random.default_rng(2)
     phases = np.exp(2j * np.pi * rng.uniform(size=squares.shape))
     waves = [Sea(port.omega, np.sqrt(row) * turned) for row, turned in zip(squares, phases, strict=True)]
     loads = best_dampers(port, squares)
     speeds = [np.abs(port.velocity_under(port.load(c))) ** 2 for c in loads.damping]
     limits = [c * np.sqrt(v @ row / 2) for c, v, row in zip(loads.damping, speeds, squares, strict=True)]
-    optimum_in_sea(port, waves[0], harmonics, limits[0])  # compiles
-    seconds, found = timed(lambda: [optimum_in_sea(port, *pair) for pair in _pairs(waves, harmonics, limits)])
+    optimum_in_sea(whole, waves[0], harmonics, Limits(limits[0]))  # compiles
+    seconds, found = timed(lambda: [optimum_in_sea(whole, *pair) for pair in _pairs(waves, harmonics, limits)])
     angle = 2 * np.pi * np.arange(harmonics.instants) / harmonics.instants
     turning = np.exp(-1j * np.outer(angle, 1 + np.arange(COMPONENTS)))
-    whole, weights = np.hstack([turning.real, turning.imag]), rng.uniform(0.5, 1.0, harmonics.instants)
-    step, _ = timed(lambda: [cho_factor((whole.T * weights) @ whole + np.eye(2 * COMPONENTS)) for _ in range(LIMITED)])
+    columns, weights = np.hstack([turning.real, turning.imag]), rng.uniform(0.5, 1.0, harmonics.instants)
+    step, _ = timed(lambda: [cho_factor((columns.T * weights) @ columns + np.eye(2 * COMPONENTS)) for _ in range(LIMITED)])
     each, dense = seconds / LIMITED, step / LIMITED * float(np.mean([one.steps for one in found]))
     case, gap = "optimum under a limit of force", max(one.gap for one in found)
     return [
@@ -120,9 +121,9 @@ def limited_rows() -> list[Row]:
     ]
 
 
-def _pairs(waves: list[Sea], harmonics: Harmonics, limits: list[float]) -> list[tuple[Sea, Harmonics, float]]:
+def _pairs(waves: list[Sea], harmonics: Harmonics, limits: list[float]) -> list[tuple[Sea, Harmonics, Limits]]:
     """Arguments of the optimum in each sea."""
-    return [(sea, harmonics, float(limit)) for sea, limit in zip(waves, limits, strict=True)]
+    return [(sea, harmonics, Limits(float(limit))) for sea, limit in zip(waves, limits, strict=True)]
 
 
 def benchmark(folder: str | Path) -> list[Row]:

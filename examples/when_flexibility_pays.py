@@ -19,6 +19,7 @@ from benchmarks.hard_cases import hydro_files
 from examples import command
 from vsb.errors import ConfigError
 from vsb.motion.constrained import optimum_in_sea
+from vsb.motion.force_bound import Limits
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import Port, port_direction
@@ -91,7 +92,7 @@ def best_damper_force(port: Port, waves: Sea, at: np.ndarray) -> float:
 def ports(buoy: LinearBuoy, study: Study, basis: Any, omega: FloatArray) -> dict[str, Port]:
     """Both designs as a take-off on heave sees them."""
     direction = port_direction("heave", reference_shell(study).shape)
-    return {name: buoy.port(omega, design_motions(study, basis, name), direction) for name in study.designs}
+    return {name: buoy.extended_port(omega, design_motions(study, basis, name), direction) for name in study.designs}
 
 
 def rows_of(study: Study, shell: str, folder: Path) -> Iterator[Row]:
@@ -100,11 +101,12 @@ def rows_of(study: Study, shell: str, folder: Path) -> Iterator[Row]:
     factor = computed_buckling(study).load_factor
     for kind, period, waves in waves_of(study):
         harmonics = Harmonics.of_sea(waves.omega, float(buoy.database.omega[0]), study.hydro.omega_max)
-        seen = ports(buoy, study, basis, harmonics.omega)
+        seen = ports(buoy, study, basis, harmonics.port_omega)
         at = np.searchsorted(harmonics.omega, waves.omega - 1e-9)
         unit = best_damper_force(seen[RIGID], waves, at)
         for limit in LIMITS:
-            rigid, flexible = (optimum_in_sea(seen[name], waves, harmonics, limit * unit) for name in (RIGID, FLEXIBLE))
+            within = Limits(limit * unit)
+            rigid, flexible = (optimum_in_sea(seen[name], waves, harmonics, within) for name in (RIGID, FLEXIBLE))
             gain = 100 * (flexible.power / rigid.power - 1)
             worse = max(rigid.gap, flexible.gap)
             yield Row(

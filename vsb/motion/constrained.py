@@ -1,16 +1,15 @@
-"""The most any take-off can absorb within limits of force and stroke: a convex quadratic programme, with its proof.
+"""The best force found within limits of force and stroke, and the bound of every force within them.
 
 In a sea that repeats after a period, force F = Re sum f_k exp(-i omega_k t) and velocity V = V0 - Y F of the port give
-the mean power P = sum Re(conj(f_k) v0_k)/2 - Re(Y_k) |f_k|^2/2. It is concave since the port is passive, Re Y > 0, and
-|F| <= F_max, |S| <= S_max at the instants of collocation are linear. Multipliers of these limits give an upper bound,
+the mean power P = sum Re(conj(f_k) v0_k)/2 - Re(Y_k) |f_k|^2/2, concave since the port is passive. No force within the
+limits, of whatever harmonics, causal or not, absorbs more than `vsb.motion.force_bound` proves; linear hydrodynamics,
+steady whole periods, and no other force beside F (an end stop is one).
 
-    P <= sum_j limit |mu_j| - S0_j mu_j + sum_k |v0_k/2 - m_k|^2/(2 Re Y_k),   m = C^H mu,
-
-whatever they are: the distance between both is the gap of an optimum, or, where no force keeps the limits, the bound
-falls below all that a limited force can do, which certifies just that. It bounds every control, causal or not.
-
-An interior-point method (Mehrotra's) on the condensed matrix Re Y + C^T W C, in which W holds a weight per instant: of
-exponentials it is a Toeplitz and a Hankel matrix, whose entries are one Fourier transform of the weights.
+Where the force alone is limited the force found is linear between nodes: it keeps its limit at every instant, and its
+harmonics beyond the band lose what the port there loses. Where the stroke binds it has the harmonics of the band, and
+both limits hold at the instants of collocation: an interior-point method (Mehrotra's) on the condensed matrix
+Re Y + C^T W C, in which W holds a weight per instant: of exponentials it is a Toeplitz and a Hankel matrix, whose
+entries are one Fourier transform of the weights.
 """
 
 from collections.abc import Sequence
@@ -21,9 +20,9 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from vsb.errors import ConvergenceError, StabilityError
+from vsb.motion.force_bound import Limits, add_weighted, force_bound
 from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import Port
-from vsb.tools.compiled import njit
 from vsb.tools.units import ComplexArray, FloatArray
 from vsb.waves.seas import Sea
 
@@ -49,17 +48,23 @@ class Limit:
         return bool(np.all(self.gain == 1)) and not self.offset.any()
 
 
+class NoForceFoundError(StabilityError):
+    """No force of the harmonics of the band keeps the limits, but it is not proved that no other does."""
+
+    bound = np.inf  # which every force within the limits keeps [W]
+
+
 class ConstrainedOptimum(NamedTuple):
-    """The best force within limits, its power, and the bound that proves it."""
+    """The best force found within limits, its power, and the bound of every force within them."""
 
     force: ComplexArray  # f (harmonic,) [N]
     stroke: ComplexArray  # displacement of the port (harmonic,) [m]
     power: float  # mean absorbed power [W]
-    bound: float  # no force within the limits absorbs more [W]
+    bound: float  # no force within the limits absorbs more, of whatever harmonics [W]
     force_rms: float  # [N]
-    force_peak: float  # at the instants of collocation [N]
-    stroke_peak: float  # likewise [m]
-    excess: float  # largest part by which a limit is exceeded between the instants [-]
+    force_peak: float  # [N]
+    stroke_peak: float  # [m]
+    excess: float  # largest part by which a limit is exceeded between the instants of collocation [-]
     steps: int
 
     @property
@@ -68,38 +73,19 @@ class ConstrainedOptimum(NamedTuple):
         return (self.bound - self.power) / max(abs(self.bound), np.finfo(float).tiny)
 
 
-@njit(cache=True)
-def add_weighted(out: FloatArray, toeplitz: ComplexArray, hankel: ComplexArray, gain: ComplexArray) -> None:
-    """Add the lower half of C^T W C over real and imaginary parts: of conj(g_k) (T_(k-j) g_j +- H_(k+j) conj(g_j)).
-
-    Parameters
-    ----------
-    out : ndarray, shape (2 harmonic, 2 harmonic)
-        Its first index runs fastest.
-    toeplitz, hankel : ndarray, shape (harmonic,), (2 harmonic - 1,)
-        See `Harmonics.products`.
-    gain : ndarray, shape (harmonic,)
-    """
-    n = len(gain)
-    for j in range(n):
-        for k in range(n):
-            apart = toeplitz[k - j] if k >= j else np.conj(toeplitz[j - k])
-            plain = np.conj(gain[k]) * gain[j] * apart
-            mirrored = np.conj(gain[k] * gain[j]) * hankel[k + j]
-            out[n + k, j] += plain.imag + mirrored.imag
-            if k >= j:
-                out[k, j] += plain.real + mirrored.real
-                out[n + k, n + j] += plain.real - mirrored.real
-
-
 @dataclass(frozen=True)
 class _Programme:
     """Maximise Re(conj(f) v0)/2 - G |f|^2/2 within limits."""
 
     harmonics: Harmonics
     velocity: ComplexArray  # v0 (harmonic,)
-    loss: FloatArray  # G = Re Y (harmonic,)
+    admittance: ComplexArray  # Y (harmonic,)
     limits: Sequence[Limit]
+
+    @property
+    def loss(self) -> FloatArray:
+        """G = Re Y, shape (harmonic,)."""
+        return self.admittance.real
 
     def power(self, force: ComplexArray) -> float:
         """Mean power."""
@@ -134,7 +120,7 @@ class _Programme:
         n = self.harmonics.count
         out = np.zeros((2 * n, 2 * n), order="F")
         for limit, weight in zip(self.limits, weights, strict=True):
-            add_weighted(out, *self.harmonics.products(weight / 2), limit.gain)
+            add_weighted(out, *self.harmonics.products(weight / 2), limit.gain[None])
         out[np.diag_indices(2 * n)] += np.tile(self.loss, 2)
         return out
 
@@ -219,19 +205,20 @@ def _predicted_and_corrected(programme: _Programme, at: _Point) -> _Point:
     return at.moved(_newton(programme, at, factor, target), SHARE_OF_THE_WAY)
 
 
-def _solved(programme: _Programme, tolerance: float) -> tuple[ComplexArray, float, int]:
-    """The best force, the bound of its power, and the steps it took."""
+def _solved(programme: _Programme, tolerance: float) -> tuple[ComplexArray, int]:
+    """The best force of the harmonics of the band, and the steps it took."""
     at, best = _start(programme), np.inf
     for steps in range(MOST_STEPS):
         best = min(best, programme.bound(list(at.multiplier[:, 0]), list(at.multiplier[:, 1])))
         if best < programme.least:
-            raise StabilityError(
-                "pto: no force within force_limit keeps stroke_limit in this sea (proof: it would absorb at most "
-                f"{best:.6g} W, and {programme.least:.6g} W is the least a force can do); raise one of them"
+            raise NoForceFoundError(
+                f"pto: no force of the {programme.harmonics.count} harmonics up to "
+                f"{programme.harmonics.omega[-1]:.4g} rad/s within force_limit keeps stroke_limit in this sea; whether "
+                "another does is not known; raise one of them"
             )
         power = programme.power(at.force)
         if programme.excess(at.force) < KEPT and best - power <= tolerance * abs(best):
-            return at.force, best, steps
+            return at.force, steps
         at = _predicted_and_corrected(programme, at)
     raise ConvergenceError(
         f"pto: the optimum under limits is not found to {tolerance:g} in {MOST_STEPS} steps (gap "
@@ -239,37 +226,30 @@ def _solved(programme: _Programme, tolerance: float) -> tuple[ComplexArray, floa
     )
 
 
-def optimum_in_sea(
-    port: Port, sea: Sea, harmonics: Harmonics, force_limit: float = np.inf, stroke_limit: float = np.inf
-) -> ConstrainedOptimum:
-    """Return the optimum of a port known at the harmonics of a sea; see `constrained_optimum`."""
+def optimum_in_sea(port: Port, sea: Sea, harmonics: Harmonics, limits: Limits) -> ConstrainedOptimum:
+    """Return the optimum of a port known at the harmonics of a sea and beyond; see `constrained_optimum`."""
     amplitude = np.zeros(harmonics.count, dtype=complex)
     amplitude[np.rint(sea.omega / harmonics.spacing - harmonics.first).astype(int)] = sea.amplitude
-    return constrained_optimum(harmonics, port.velocity * amplitude, port.admittance, force_limit, stroke_limit)
+    return constrained_optimum(harmonics, port, amplitude, limits)
 
 
 def constrained_optimum(
-    harmonics: Harmonics,
-    velocity: ComplexArray,
-    admittance: ComplexArray,
-    force_limit: float = np.inf,
-    stroke_limit: float = np.inf,
-    tolerance: float = 1e-6,
+    harmonics: Harmonics, port: Port, amplitude: ComplexArray, limits: Limits, tolerance: float = 1e-6
 ) -> ConstrainedOptimum:
-    """Return the most any take-off absorbs at a port within limits, and the bound that proves it.
+    """Return the best force found at a port within limits, and the bound of every force within them.
 
     Parameters
     ----------
     harmonics : Harmonics
-        Those the force may have; the sea's among them.
-    velocity : ndarray, shape (harmonic,) [m/s]
-        Free velocity V0 of the port, amplitude and phase of the sea included.
-    admittance : ndarray, shape (harmonic,) [m/(N s)]
-        Y of the port; its real part above 0.
-    force_limit, stroke_limit : float [N], [m]
-        Of |F| and of the displacement of the port from rest.
+        Those the bound knows the port at; the sea's among them.
+    port : Port
+        At `harmonics.omega`, then at `harmonics.outside`, where it only says what the force found loses; its real part
+        above 0.
+    amplitude : ndarray, shape (harmonic,) [m]
+        Of the waves.
+    limits : Limits
     tolerance : float [-]
-        Largest gap between power and bound.
+        Part of its power by which the force may miss the best one of its kind.
 
     Raises
     ------
@@ -277,38 +257,83 @@ def constrained_optimum(
         If the port is not passive at one of the frequencies.
     StabilityError
         If no force within its limit keeps the stroke within its own; the certificate is in the message.
+    NoForceFoundError
+        If none of these harmonics does, but another might.
     ConvergenceError
     """
-    if not np.all(admittance.real > 0):
-        worst = int(np.argmin(admittance.real))
+    if not np.all(port.admittance.real > 0):
+        worst = int(np.argmin(port.admittance.real))
         raise ValueError(
-            f"port: received Re Y = {admittance.real[worst]:.3g} m/(N s) at {harmonics.omega[worst]:.4g} rad/s, needs "
+            f"port: received Re Y = {port.admittance.real[worst]:.3g} m/(N s) at {port.omega[worst]:.4g} rad/s, needs "
             "more than 0: a port that gives out energy has no optimum"
         )
+    band = port.at(np.arange(harmonics.count))
+    velocity, admittance = band.velocity * amplitude, band.admittance
     integral = 1 / (-1j * harmonics.omega)  # velocity to displacement
     still = np.zeros(harmonics.instants)
-    limits = []
-    if np.isfinite(force_limit):
-        limits.append(Limit(still, np.ones(harmonics.count, dtype=complex), force_limit))
-    if np.isfinite(stroke_limit):
-        limits.append(Limit(harmonics.signal(velocity * integral), -admittance * integral, stroke_limit))
-    programme = _Programme(harmonics, velocity, admittance.real, limits)
+    kept = []
+    if np.isfinite(limits.force):
+        kept.append(Limit(still, np.ones(harmonics.count, dtype=complex), limits.force))
+    if np.isfinite(limits.stroke):
+        kept.append(Limit(harmonics.signal(velocity * integral), -admittance * integral, limits.stroke))
+    programme = _Programme(harmonics, velocity, admittance, kept)
     matched: ComplexArray = velocity / (2 * admittance.real)
     if programme.excess(matched) <= 0:
-        force, bound, steps = matched, programme.power(matched), 0
-    else:
-        force, bound, steps = _solved(programme, tolerance)
-    return _reported(programme, force, (velocity - admittance * force) * integral, bound, steps)
+        return _reported(programme, matched, programme.power(matched), 0)
+    most = programme.power(matched)
+    if np.isfinite(limits.force):
+        found = force_bound(harmonics, velocity, admittance, Limits(limits.force))
+        free = _linear_between_nodes(harmonics, port, velocity, found.force, found.power, found.steps)
+        if free.stroke_peak <= limits.stroke:
+            return free
+        most = min(most, found.power)
+    proved = force_bound(harmonics, velocity, admittance, limits, programme.least)
+    if proved.power < programme.least:
+        raise StabilityError(
+            "pto: no force within force_limit keeps stroke_limit in this sea (proof: it would absorb at most "
+            f"{proved.power:.6g} W, and {programme.least:.6g} W is the least a force can do); raise one of them"
+        )
+    bound = min(most, proved.power)
+    try:
+        force, steps = _solved(programme, tolerance)
+    except NoForceFoundError as error:
+        error.bound = bound
+        raise
+    return _reported(programme, force, bound, steps)
 
 
-def _reported(
-    programme: _Programme, force: ComplexArray, stroke: ComplexArray, bound: float, steps: int
+def _linear_between_nodes(
+    harmonics: Harmonics, port: Port, velocity: ComplexArray, values: FloatArray, bound: float, steps: int
 ) -> ConstrainedOptimum:
-    """An optimum with its peaks and what exceeds the limits between the instants."""
-    signal = programme.harmonics.signal
+    """A force linear between nodes, with the losses and the stroke of its harmonics outside the band.
+
+    A steady part moves a port that something holds, and is taken off one that would drift.
+    """
+    mean = 0.0 if harmonics.first % 1 else float(values.mean())
+    if mean and not np.isfinite(port.compliance):
+        peak = np.abs(values).max()
+        values, mean = (values - mean) * peak / (peak + abs(mean)), 0.0
+    nodes, outside = len(values), harmonics.outside
+    force = 2 / nodes * np.sinc(harmonics.first / nodes + np.arange(harmonics.count) / nodes) ** 2 * harmonics.phasors(values)
+    beyond = 2 / nodes * np.sinc(outside / harmonics.spacing / nodes) ** 2 * harmonics.phasors_outside(values)
+    band, rest = port.admittance[: harmonics.count], port.admittance[harmonics.count :]
+    stroke = (velocity - band * force) / (-1j * harmonics.omega)
+    power = float(np.sum((force.conj() * velocity).real - band.real * np.abs(force) ** 2) / 2)
+    power -= float(np.sum(rest.real * np.abs(beyond) ** 2) / 2)
+    moved = harmonics.signal_with(stroke, -rest * beyond / (-1j * outside), BETWEEN) - (mean * port.compliance if mean else 0.0)
+    following = np.append(values[1:], -values[0] if harmonics.first % 1 else values[0])
+    rms = float(np.sqrt(np.mean(values**2 + values * following + following**2) / 3))
+    peaks = float(np.abs(values).max()), float(np.abs(moved).max())
+    return ConstrainedOptimum(force, stroke, power, bound, rms, *peaks, 0.0, steps)
+
+
+def _reported(programme: _Programme, force: ComplexArray, bound: float, steps: int) -> ConstrainedOptimum:
+    """An optimum of the harmonics of the band with its peaks and what exceeds the limits between the instants."""
+    signal, limits = programme.harmonics.signal, programme.limits
+    moved = programme.velocity - programme.admittance * force
+    stroke = moved / (-1j * programme.harmonics.omega)
     between = [
-        float(np.abs(signal(force if limit.plain else stroke, BETWEEN)).max()) / limit.largest - 1
-        for limit in programme.limits
+        float(np.abs(signal(force if limit.plain else stroke, BETWEEN)).max()) / limit.largest - 1 for limit in limits
     ]
     return ConstrainedOptimum(
         force,

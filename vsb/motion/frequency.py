@@ -144,8 +144,16 @@ class LinearMotion(ABC):
 
         A chamber is in series with the port.
         """
+        return self._port(omega, self.coefficients(omega), motions, direction)
+
+    def extended_port(self, omega: FloatArray, motions: FloatArray, direction: FloatArray) -> Port:
+        """Return `port` at any frequency: outside the band solved with the coefficients of its nearest end."""
+        first, last = self.database.omega.values[[0, -1]]
+        return self._port(omega, self.coefficients(np.clip(omega, first, last)), motions, direction)
+
+    def _port(self, omega: FloatArray, c: Coefficients, motions: FloatArray, direction: FloatArray) -> Port:
+        """The port by coefficients at these frequencies."""
         matrices = (self.mass, self.structural_damping, self.stiffness)
-        c = self.coefficients(omega)
         moved = free_motion(dynamic_stiffness(omega, c, *matrices), c.excitation, motions, direction)
         seen = port_of_motion(omega, *moved, c.damping + self.structural_damping, self.stiffness, motions, direction)
         return seen.behind(self.chamber) if self.chamber else seen

@@ -102,18 +102,24 @@ class Swept:
     _year: dict[str, ShapeWater] = field(default_factory=dict)  # at the frequencies of a climate
 
     def at(self, omega: FloatArray) -> ShapeWater:
-        """Return the coefficients at frequencies."""
+        """Return the coefficients at frequencies; outside the band those of its nearest end."""
+        known = np.clip(omega, *self._band)
         first, *others = (
-            ShapeWater(displacements(buoy.labels, order), omega, buoy.coefficients(omega))
+            ShapeWater(displacements(buoy.labels, order), omega, buoy.coefficients(known))
             for order, buoy in enumerate(self.buoys)
         )
         return replace(first, orders=tuple(others))
 
+    @property
+    def _band(self) -> tuple[float, float]:
+        """Lowest and highest frequency solved [rad/s]."""
+        first, last = self.buoys[0].database.omega.values[[0, -1]]
+        return float(first), float(last)
+
     def of_year(self, climate: Climate) -> ShapeWater:
         """Return the coefficients at the frequencies of a climate."""
         if climate.name not in self._year:
-            band = self.buoys[0].database.omega.values[[0, -1]]
-            self._year = {climate.name: self.at(frequencies(climate, *band))}
+            self._year = {climate.name: self.at(frequencies(climate, *self._band))}
         return self._year[climate.name]
 
 
