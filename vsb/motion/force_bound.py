@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
 from vsb.motion.harmonics import Harmonics
 from vsb.tools.compiled import njit
@@ -30,6 +30,8 @@ NODES = 4
 """Nodes per instant of collocation."""
 CELLS = 8
 """Cells per node in which |m| is integrated."""
+EFFORT = 5e-4
+"""Part of the power that the mean square of what is limited costs: of forces that absorb alike the least is found."""
 SHARE_OF_THE_WAY = 0.995  # to the boundary
 MOST_STEPS = 60
 
@@ -196,7 +198,7 @@ class _Point:
 
     x: ComplexArray  # (block, harmonic)
     u: FloatArray  # (limit, node), within -1 and 1
-    sides: FloatArray  # (limit, side, node), above 0; their difference is `at_nodes`
+    sides: FloatArray  # (limit, side, node), above 0; their difference is `at_nodes` but for the effort
 
     @property
     def slack(self) -> FloatArray:
@@ -211,11 +213,13 @@ class _Point:
         return _Point(self.x + part * step.x, self.u + part * step.u, self.sides + part * step.sides), part
 
 
-def _newton(bound: _Bound, at: _Point, factor: tuple[FloatArray, bool], target: FloatArray | float) -> _Point:
+def _newton(
+    bound: _Bound, at: _Point, factor: tuple[FloatArray, bool], target: FloatArray | float, effort: float
+) -> _Point:
     """Step to where slack times multiplier equals a target and the multipliers are those of the unknowns."""
     slack = at.slack
     weight, pull = at.sides / slack, target / slack
-    net, stiff = pull[:, 0] - pull[:, 1], weight.sum(axis=1)
+    net, stiff = pull[:, 0] - pull[:, 1] + effort * at.u, weight.sum(axis=1) + effort
     right = bound.wanted - bound.from_nodes(at.u - net / stiff)
     parts = np.stack([right.real, right.imag], axis=1)
     real, imag = np.moveaxis(cho_solve(factor, parts.ravel(), check_finite=False).reshape(parts.shape), 1, 0)
@@ -272,19 +276,23 @@ def force_bound(
     bound = _Bound(harmonics, velocity, admittance.real, multipliers)
     at, missing = _start(bound), 1.0
     matched = bound.quadratic(np.zeros_like(at.x))
+    effort = 2 * EFFORT * min(matched, *np.abs(bound.at_nodes(at.x)).sum(axis=1)) / bound.nodes
     for steps in range(MOST_STEPS):
         value = float(np.abs(bound.at_nodes(at.x)).sum()) + bound.quadratic(at.x)
         products = at.slack * at.sides
         if value < least or max(float(products.sum()), missing * matched) <= tolerance * abs(value):
             break
-        weights = 1 / (at.sides / at.slack).sum(axis=1)
-        factor = cho_factor(bound.matrix(weights), lower=True, overwrite_a=True, check_finite=False)
-        straight = _newton(bound, at, factor, 0.0)
+        weights = 1 / ((at.sides / at.slack).sum(axis=1) + effort)
+        try:
+            factor = cho_factor(bound.matrix(weights), lower=True, overwrite_a=True, check_finite=False)
+        except LinAlgError:  # round-off is reached; the bound holds for the multipliers there are
+            break
+        straight = _newton(bound, at, factor, 0.0, effort)
         ahead, _ = at.moved(straight, 1.0)
         mean = float(products.mean())
         centring = (float((ahead.slack * ahead.sides).mean()) / mean) ** 3
         curved = np.stack([-straight.u, straight.u], axis=1) * straight.sides
-        at, part = at.moved(_newton(bound, at, factor, centring * mean - curved), SHARE_OF_THE_WAY)
+        at, part = at.moved(_newton(bound, at, factor, centring * mean - curved, effort), SHARE_OF_THE_WAY)
         missing *= 1 - part
     force = limits.force * at.u[0] if force_limited else np.zeros(0)
     return ForceBound(min(bound.value(at.x), matched), force, steps)
