@@ -212,9 +212,7 @@ def ports(shell: Shell, period: float, degree: int, basis: str = "full", clamp: 
     added, damping, excitation = np.zeros((2 * size, 2 * size)), np.zeros((2 * size, 2 * size)), np.zeros(2 * size) * 0j
     added[:size, :size] = water.added_mass * rho * a**3
     damping[:size, :size] = water.damping * rho * omega * a**3
-    # Haskind: all axisymmetric motions radiate through one channel, |X|^2 = 2 rho g^3 B / omega^3.
-    scale = np.sqrt(2 * rho * GRAVITY**3 * damping[1, 1] / omega**3) / abs(water.amplitude[1])
-    excitation[:size] = scale * water.amplitude
+    excitation[:size] = 2 * np.pi * rho * GRAVITY * a**2 * water.amplitude  # Haskind; Green's theorem about the source
     modes = shell.modes(degree, basis)
     if clamp:
         hold = shell.equator(degree) @ modes[:, 1:]
