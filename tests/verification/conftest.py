@@ -1,6 +1,9 @@
 """Verification: the package by its public face against references computed apart from it (docs/verification.md)."""
 
 import json
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -42,6 +45,20 @@ def run(folder):
         path = Path(folder, f"{name}.yaml")
         path.write_text(yaml.safe_dump({**SEED, "study": name, **sections}, sort_keys=False), encoding="utf-8")
         return vsb.run(vsb.load(str(path)), str(folder / "results"))
+
+    return runner
+
+
+@pytest.fixture(scope="session")
+def command():
+    """Run the command line of the package: its standard output, and its exit status."""
+
+    def runner(*words) -> tuple[str, int]:
+        path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+        environment = {**os.environ, "PATH": path}
+        done = subprocess.run(["vsb", *map(str, words)], capture_output=True, text=True, env=environment, check=False)
+        assert done.returncode in (0, 1), done.stderr
+        return done.stdout, done.returncode
 
     return runner
 

@@ -1,9 +1,6 @@
 """Hydrodynamics, shell and gains of the half-submerged sphere against multipoles, closed forms and published values."""
 
 import json
-import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -54,13 +51,12 @@ def test_solver_against_hulme(agree, kind, order, table):
     agree(name, f"{kind}, Hulme's table", np.column_stack([added, damping / omega]), wanted, 1.5e-4, absolute=True)
 
 
-def test_natural_frequencies(agree, tmp_path):
+def test_natural_frequencies(agree, command, tmp_path):
     """Dry shell, degrees 0 to 6: both roots of the closed form of membrane and bending theory (Baker; Lamb)."""
     path = tmp_path / "shell.yaml"
     waves = {"waves": [{"kind": "still"}], "pto": {"damping": 8000.0}}
     path.write_text(yaml.safe_dump({**SEED, **waves}), encoding="utf-8")
-    command = [Path(sys.executable).parent / "vsb", "shell", path, "--json"]
-    told = json.loads(subprocess.run(command, capture_output=True, check=True, text=True).stdout)
+    told = json.loads(command("shell", path, "--json")[0])
     e, nu, rho, r, h = 1e7, 0.3, 2700.0, 2.0, 0.01
     n, k = np.arange(7), (h / r) ** 2 / 12
     m = n * (n + 1) - 2.0  # degree 0: the upper root alone; degree 1: the lower is rigid heave
@@ -94,7 +90,13 @@ def test_gain(agree, run, basis, degree):
         wanted = [gain(shell, t, degree, basis, clamp) for t in periods]
         agree("converged modes", f"gain of {design}, {name} [points]", found, wanted, 0.2, absolute=True)
         damper = np.array([row["damping"] for row in at[design]])
-        agree("ladder", f"best damper of {design}, {name}", damper / [abs(p.impedance) for p in own], np.ones(len(periods)), 5e-3)
+        agree(
+            "ladder",
+            f"best damper of {design}, {name}",
+            damper / [abs(p.impedance) for p in own],
+            np.ones(len(periods)),
+            5e-3,
+        )
     rigid = [ports(shell, t, 1)[0] for t in periods]
     wanted = np.array([0.01 * p.power() for p in rigid])
     agree("ladder", f"power of FSB at its best damper, {name}", power["FSB"] / wanted, np.ones(len(periods)), 2e-3)

@@ -57,9 +57,7 @@ def test_coulomb(agree, run):
 def test_saturated(agree, run):
     """A damper of 13000 N s/m that gives no more than 900 N."""
     row = taken(run, "saturated", 2.5, 0.1, {"law": "saturated", "damping": 13000.0, "force_limit": 900.0})
-    wanted = settled(
-        saturated(13000.0, 900.0), lambda v: np.minimum(13000 * np.abs(v), 900.0) * np.abs(v), 2.5, 0.1
-    )
+    wanted = settled(saturated(13000.0, 900.0), lambda v: np.minimum(13000 * np.abs(v), 900.0) * np.abs(v), 2.5, 0.1)
     agree("take-off laws", "saturated damper, 900 N", row["power_mean"], wanted, 5e-3)
 
 
