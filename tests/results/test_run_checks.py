@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from vsb.errors import ConvergenceError
+from vsb.results.in_time import check_audit
 from vsb.results.run_checks import (
     DAMPERS,
     LINEARISED,
@@ -20,6 +22,7 @@ from vsb.results.run_checks import (
 from vsb.scenes.build import TUNED
 from vsb.study.body import BodyStudy
 from vsb.study.reading import validated
+from vsb.study.study import Simulation
 
 SWELL = {"kind": "regular", "amplitude": 0.5, "period": 7.0, "direction": 90.0}
 
@@ -58,6 +61,13 @@ def test_energy_is_closed_on_one_side_of_its_limit_and_not_on_the_other(settings
         for part in (0.99, 1.01, 5.01)
     ]
     assert verdicts == ["ok", "doubt", "fail"]
+
+
+def test_no_power_is_taken_from_a_run_whose_audit_fails():
+    settings = Simulation()
+    check_audit(settings, 4.9e-6)
+    with pytest.raises(ConvergenceError, match=r"^the energy audit fails: 5\.1e-06 .*needs 1e-06; lower simulation\."):
+        check_audit(settings, 5.1e-6)
 
 
 def test_checks_of_a_run_say_whose_they_are():

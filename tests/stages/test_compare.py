@@ -213,7 +213,7 @@ def test_tables_are_of_all_seas_and_checks_of_all_that_a_study_has(seed, tmp_pat
         assert asked["equal_tuning"] == (study, ladder, "beyond")
         assert asked["linearisation"] == (study, rows, runs, "response", [])
         assert asked["intervals"] == (study, rows, runs, ladder, "response")
-        assert asked["fair_damping_checks"] == ([], "N m s" if kind == "body" else "N s/m")
+        assert asked["fair_damping_checks"] == ([], study.pto)
         assert asked["constrained_checks"] == (ladder,)
         names |= {
             "of_the_water",

@@ -1,6 +1,7 @@
 """Checks of runs that hold of any floating thing: energy, what is held, time against frequency domain."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from vsb.results.power import apart, in_direction, power_response
 from vsb.scenes.drag import DAMPERS, LINEARISED
 from vsb.study.compared import Compared
 from vsb.study.quantities import ROTATIONS
-from vsb.study.study import Study
+from vsb.study.study import Simulation, Study
 from vsb.study.waves import RegularWave, Wave
 from vsb.tools.words import plain
 
@@ -23,11 +24,15 @@ Attributes = Mapping[tuple[str, str], Mapping[str, Any]]
 
 def energy_check(study: Compared, run: xr.Dataset) -> Check:
     """Return whether a run closes its energy balance."""
-    closed = max(study.simulation.tolerance, CONVOLVED if study.simulation.method == "convolution" else 1e-6)
-    return check_at_most(
-        "energy_residual", run.attrs["energy_residual"], closed, "-", "unbalanced energy over the largest term",
-        doubt=True, design=run.attrs["design"], wave=run.attrs["wave"],
-    )  # fmt: skip
+    check = audit_check(study.simulation, run.attrs["energy_residual"])
+    return replace(check, design=run.attrs["design"], wave=run.attrs["wave"])
+
+
+def audit_check(settings: Simulation, residual: float) -> Check:
+    """Return whether an energy residual is what the method of a run promises."""
+    closed = max(settings.tolerance, CONVOLVED if settings.method == "convolution" else 1e-6)
+    text = "unbalanced energy over the largest term"
+    return check_at_most("energy_residual", residual, closed, "-", text, doubt=True)
 
 
 def drift_checks(study: Compared, run: xr.Dataset) -> list[Check]:

@@ -29,7 +29,6 @@ from vsb.study.body import BodyStudy
 from vsb.study.body_specs import BodyCompareSpec
 from vsb.study.specs import CompareSpec
 from vsb.study.study import IrregularSea, Study, Wave, canonical
-from vsb.study.take_off import damper_unit
 from vsb.tools.files import write_text
 from vsb.tools.stamps import read_text, record
 from vsb.waves.seas import NO_WAVES
@@ -61,7 +60,7 @@ def run(spec: CompareSpec | BodyCompareSpec, trajectories: str, **files: str) ->
         beyond = linearisation(compared, rows, runs, found.response, lines)
         tuned, limited = equal_tuning(compared, ladder, beyond), within_limits(compared, ladder)
         rows = with_intervals(compared, rows, runs, ladder, found.response)
-        checks += [*fair_damping_checks(tuned, damper_unit(compared.pto.port)), *constrained_checks(ladder)]
+        checks += [*fair_damping_checks(tuned, compared.pto), *constrained_checks(ladder)]
         checks += reference_power_checks(compared, ladder)
         checks += ledger.mode_checks(compared, ladder) if isinstance(compared, Study) else []
     elif isinstance(compared, Study):
