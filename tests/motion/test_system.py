@@ -302,10 +302,10 @@ def test_a_system_knows_what_switches_pauses_jumps_and_is_foreign(mixed, wet):
         assert (system.switching, system.pauses, system.jumps) == expected
     stopped = System.of(replace(mixed, forces={**mixed.forces, "end_stop": stop}))
     assert (stopped.switching, stopped.pauses, stopped.jumps) == (True, False, False)
-    assert stopped.foreign == ["mooring", "drag", "end_stop"]
+    assert stopped.foreign == ["drag", "end_stop"]
     with pytest.raises(ValueError, match=r"^received a take-off that switches, needs smooth forces; use `switched`\.$"):
         stopped.check_compiled()
-    with pytest.raises(ValueError, match=r"^received the force mooring, drag, which compiled steps do not know; use"):
+    with pytest.raises(ValueError, match=r"^received the force drag, which compiled steps do not know; use"):
         System.of(mixed).check_compiled()
     System.of(mixed).check_smooth()
     System.of(wet).check_compiled()

@@ -220,11 +220,11 @@ def test_an_optimum_under_limits_takes_at_least_what_any_damper_within_them_take
 def test_an_optimum_that_is_not_known_is_a_row_that_says_why(limits, omega, wrong):
     rung = constrained_rung("A", "w", Sea(omega, np.ones(len(omega), dtype=complex)), oscillator, limits)
     assert re.search(wrong, rung.note)
-    assert rung[3:11] == (None,) * 8
+    assert rung[3:-1] == (None,) * 8
     (check,) = constrained_checks([rung])
     assert (check.verdict, check.design, check.wave) == ("doubt", "A", "w")
     assert check.explanation == f"no optimum: {rung.note}"
-    assert as_csv([rung]).splitlines()[1] == "A,w,constrained,,,,,,,,,,"
+    assert as_csv([rung]).splitlines()[1] == "A,w,constrained,,,,,,,,"
 
 
 def test_the_proof_of_an_optimum_stands_in_the_ledger():
@@ -243,7 +243,7 @@ def test_no_take_off_gets_anything_at_a_port_that_cannot_move():
 
     rung = constrained_rung("A", "w", sea_of_period(np.random.default_rng(1)), still, Limits(0.2, 1.0, 0.05, 3.0))
     nothing = (0.0, None, 0.0, 0.0, 0.0, 0.0, "waves do not move this port")
-    assert rung[:12] == ("A", "w", "constrained", None, None, *nothing)
+    assert rung == ("A", "w", "constrained", None, None, *nothing)
 
 
 @pytest.mark.parametrize(

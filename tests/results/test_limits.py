@@ -1,6 +1,8 @@
 """Every limit of the ledger is crossed: a hundredth below it a check is ok, a hundredth above it is not."""
 
-from dataclasses import asdict, replace
+from dataclasses import replace
+from types import SimpleNamespace
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -10,10 +12,8 @@ from scipy.optimize import brentq
 
 from vsb.hydro import witness
 from vsb.results import ledger, run_checks
-from vsb.results.budget import Source
 from vsb.results.equal_tuning import Tuned, fair_damping_checks, reference_power_checks
 from vsb.results.ladder import Rung
-from vsb.results.rung_errors import MODES
 from vsb.results.statistics import FEWEST_BATCHES, Line, statistical_checks
 from vsb.scenes.rest import reference_shell, study_basis
 from vsb.shell.modes import mode_basis
@@ -119,12 +119,19 @@ def at_rest(study, breathing):
     return ledger.static_checks(resting, replace(reference_shell(study), shape=squeezed))
 
 
-def of_modes(study, change):
-    """Power of all modes so much below that of the study's, at the optimal damper."""
+def of_bending(study, change):
+    """Power of the wider basis so much beside that of the study's."""
+    powers = iter([np.array([4.0]), np.array([4.0 * (1 + change)])])
+    buoy = SimpleNamespace(rao=lambda *_: None, absorbed_power=lambda *_: next(powers))
     one = varied(study, designs={"VSWEC": {}}, waves=[WAVE.model_dump()])
-    left = [asdict(Source(MODES, -4.0 * change, 0.0))]
-    rung = Rung("VSWEC", one.waves[0].label, "best_damper", 1e4, 0.0, 4.0, *[None] * 5, power_error=left)
-    return ledger.mode_checks(one, [rung])
+    labels = list(study_basis(one).labels)
+    database = xr.Dataset(coords={"influenced_dof": labels, "radiating_dof": labels})
+    with patch.object(ledger, "LinearBuoy", lambda *_: buoy), patch.object(ledger, "with_full_basis", none_wider):
+        return ledger.bending_checks(one, database, {("VSWEC", one.waves[0].label): {}})
+
+
+def none_wider(database, study):
+    return database, study_basis(study)
 
 
 def of_witness(share, parts):
@@ -158,7 +165,7 @@ CASES = {
     "static_deformation": (0.05, "-", lambda s, x: of_static_load(s, "static_deformation", x)),
     "static_deformation at rest": (0.2, "-", at_rest),
     "static_strain": (0.02, "-", lambda s, x: of_static_load(s, "static_strain", x)),
-    "modes_left_out": (0.005, "-", of_modes),
+    "bending_modes": (0.05, "-", of_bending),
     "witness": (1.0, "-", lambda s, x: of_witness(x, "shapes")),
     "witness_derivatives": (1.0, "-", lambda s, x: of_witness(x, "derivatives")),
     "fair_damping": (0.05, "-", lambda s, x: of_tuning(x)),

@@ -61,7 +61,7 @@ def test_results_of_another_study_are_refused_and_nothing_is_written(place):
 MAKERS = {
     compare: ["agreement_checks", "constrained_checks", "fair_damping_checks", "pause_checks",
               "reference_power_checks", "stored_checks"],
-    compare.ledger: ["limit_check", "mode_checks", "radiation_checks", "sea_checks", "shell_checks",
+    compare.ledger: ["bending_checks", "limit_check", "radiation_checks", "sea_checks", "shell_checks",
                      "transient_checks", "wave_checks", "witness_checks"],
     compare.irregular: ["statistical_checks"],
 }  # fmt: skip
@@ -120,7 +120,7 @@ def test_every_sea_is_met_in_its_own_waves_and_irregular_ones_are_sampled(seed, 
 def test_checks_of_a_sea_are_asked_of_every_sea(seed, monkeypatch, name):
     seas = [{"kind": "regular", "amplitude": 0.1, "period": period} for period in (2.0, 3.0, 4.0)]
     study, asked = varied(seed, waves=seas), []
-    for maker in ("radiation_checks", "wave_checks", "witness_checks"):
+    for maker in ("radiation_checks", "bending_checks", "wave_checks", "witness_checks"):
         monkeypatch.setattr(compare.ledger, maker, lambda *_: [])
     monkeypatch.setattr(compare.ledger, "limit_check", lambda *_: Check("limit", 0.0, 1.0, "-", "ok", ""))
     monkeypatch.setattr(compare, "agreement_checks", lambda *_: [])
@@ -171,14 +171,10 @@ def test_tables_are_of_all_seas_and_checks_of_all_that_a_study_has(seed, tmp_pat
     monkeypatch.setattr(compare.irregular, "as_csv", lambda lines: "")
     monkeypatch.setattr(compare.comparison, "as_csv", lambda rows: f"{rows}")
     monkeypatch.setattr(compare, "equal_tuning", maker("equal_tuning", []))
-    monkeypatch.setattr(compare, "linearisation", maker("linearisation", "beyond"))
-    monkeypatch.setattr(compare, "with_intervals", lambda *given: asked.update(intervals=given) or given[1])
     monkeypatch.setattr(compare, "within_limits", maker("within_limits", []))
     reference = SimpleNamespace(basis="basis")
     monkeypatch.setattr(compare, "reference_shell", lambda of: reference)
-    monkeypatch.setattr(
-        compare, "Inputs", lambda *given: SimpleNamespace(study=study, plan=plan, given=given, response="response")
-    )
+    monkeypatch.setattr(compare, "Inputs", lambda *given: SimpleNamespace(study=study, plan=plan, given=given))
 
     def in_a_sea(found, basis, wave):
         assert (basis, found.given[:2]) == (None if kind == "body" else "basis", (study, "runs"))
@@ -201,7 +197,6 @@ def test_tables_are_of_all_seas_and_checks_of_all_that_a_study_has(seed, tmp_pat
         names |= {"shell_checks"}
     if kind == "dry":
         assert asked["assumed_pressure_checks"] == (study, rows)
-        assert asked["intervals"] == (study, rows, runs, (), None)
         names |= {"assumed_pressure_checks"}
     else:
         ladder = [compare.Rung(**rung)]
@@ -209,10 +204,7 @@ def test_tables_are_of_all_seas_and_checks_of_all_that_a_study_has(seed, tmp_pat
         assert asked["statistics"] == (study, {("A", of): f"sample {of}" for of in labels})
         assert asked["of_the_water"][1:] == (rows, runs)
         assert asked["statistical_checks"] == (study, [])
-        assert asked["within_limits"] == asked["reference_power_checks"] == (study, ladder)
-        assert asked["equal_tuning"] == (study, ladder, "beyond")
-        assert asked["linearisation"] == (study, rows, runs, "response", [])
-        assert asked["intervals"] == (study, rows, runs, ladder, "response")
+        assert asked["equal_tuning"] == asked["within_limits"] == asked["reference_power_checks"] == (study, ladder)
         assert asked["fair_damping_checks"] == ([], "N m s" if kind == "body" else "N s/m")
         assert asked["constrained_checks"] == (ladder,)
         names |= {

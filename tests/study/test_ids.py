@@ -152,7 +152,6 @@ def reads(study):
         shapes = [*(loaded if study.at_equilibrium else sphere), "device.thickness", "device.poisson_ratio"]
         shapes += ["modes.basis", "modes.degree"]
         found |= {"witness": ["water.*", "device.radius"], "shapes": [*shapes, "water.depth", "reference_shape"]}
-    driven = ["reference_shape", "designs.*", "pto.*", "drag.*"]
     without_method = [f"simulation.{key}*" for key in type(study.simulation).model_fields if key != "method"]
     return found | {
         "sphere": sphere,
@@ -162,7 +161,7 @@ def reads(study):
         "database": [*shell, *directed, "reference_shape", *grid[:2], "hydro.tolerance", "hydro.accept.*"],
         "radiation": ["hydro.tolerance"],
         "response": [*shell, *directed, "designs.*", "pto.*", *grid, "waves.*.direction"],
-        "ladder": [*shell, *directed, *driven, "waves.*", *without_method, "hydro.omega_max"],
+        "ladder": [*shell, *directed, "designs.*", "pto.*", "drag.*", "waves.*", *without_method, "hydro.omega_max"],
     }
 
 

@@ -47,11 +47,6 @@ class LinearMotion(ABC):
         """Return the added mass at any frequency, in the band or not, shape (dof, dof) [kg]."""
 
     @property
-    def heading_index(self) -> int:
-        """Place of the waves' direction among those of the database; the first where all excite alike."""
-        return 0
-
-    @property
     def labels(self) -> tuple[str, ...]:
         """Names of the degrees of freedom."""
         return tuple(map(str, self.database.influenced_dof.values))

@@ -175,7 +175,8 @@ def resting(scene: Scene) -> FloatArray:
     """
     water, y = scene.water, np.zeros(scene.motions.shape[1])
     assert water is not None
-    stiffness = scene.projected(part.stiffness for part in scene.linear.values() if part.whole)
+    springs = (part.stiffness for name, part in scene.linear.items() if scene.forces[name] is not water)
+    stiffness = scene.projected(springs)
     load = scene.constant
     for _ in range(50):
         shell = DeformedShell(water.shell.basis, water.shell.centre_height, water.rest + scene.motions @ y)

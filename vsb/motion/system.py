@@ -15,7 +15,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from vsb.motion.forces import EXCITING, AssumedPressure, ConstantForce, WaterPressure
+from vsb.motion.forces import EXCITING, AssumedPressure, ConstantForce, SpringDamper, WaterPressure
 from vsb.motion.froude_krylov import Incident, incident, rotated, wave_force
 from vsb.motion.held import drifting_motions, normal_modes
 from vsb.motion.motion import Motion
@@ -154,8 +154,11 @@ class System:
 
     @property
     def foreign(self) -> list[str]:
-        """Names of nonlinear forces that are neither constant nor the water's: the compiled n does not know them."""
-        known = (ConstantForce, WaterPressure)
+        """Names of nonlinear forces the compiled n does not know: all but the water's and constant parts.
+
+        Of a spring that is slack elsewhere K q0 is left beyond the tangent, which is constant (`Scene.constant`).
+        """
+        known = (ConstantForce, SpringDamper, WaterPressure)
         parts, forces = self.scene.linear, self.scene.forces
         return [name for name, part in parts.items() if not part.whole and not isinstance(forces[name], known)]
 

@@ -1,20 +1,15 @@
-"""The answer of a campaign in words: what stands, and what was computed but is not valid.
-
-A run closes with it and draws nothing, so nothing that draws is read.
-"""
+"""The answer of a campaign in words; a run closes with it and draws nothing, so nothing that draws is read."""
 
 import numpy as np
 import xarray as xr
 
-from vsb.report.doubts import ADVICE
-from vsb.report.headline import COMPUTED, Answer
 from vsb.study.year_options import leading_tuning
-from vsb.tools.words import against_rigid, quantity, short
+from vsb.tools.words import against_rigid, quantity
 from vsb.waves.climate import YEAR_HOURS
 
 TUNED = {
-    "one": "each design at its own optimal damper of the year",
-    "each": "each design at its own optimal damper in each sea",
+    "one": "each design at its own best damper of the year",
+    "each": "each design at its own best damper in each sea",
     "fixed": "all at the given damper",
     "constrained": "each design under the best force there is within its limits",
 }
@@ -34,25 +29,13 @@ def leading(ds: xr.Dataset) -> tuple[str, str | None]:
 
 
 def closing_answer(ds: xr.Dataset) -> str:
-    """Return the answer of a campaign in one sentence."""
+    """Return the answer of a campaign."""
     tuning, reference = leading(ds)
-    return whole_answer(ds, reference, tuning).stands[0]
-
-
-def whole_answer(ds: xr.Dataset, reference: str | None, tuning: str) -> Answer:
-    """Return the site's answer: what stands, or that nothing does, and below it what was computed all the same."""
-    said = [line for line in (answer(ds, reference, tuning), second_answer(ds, reference, tuning)) if line]
-    best = best_flexible(ds, reference, tuning)
-    if best is None or float(best[0].margin) >= 0:
-        return Answer(said, [])
-    most = short(1 - float(best[0].margin))
-    where_so = f" at all {ds.margin.size} points" if ds.margin.size > 1 else ""
-    why = f"the shell buckles under its static load{where_so} ({most} times what it can carry)"
-    return Answer([f"No valid answer yet: {why}. Change first: {ADVICE['buckling']}."], [f"{COMPUTED}{' '.join(said)}"])
+    return answer(ds, reference, tuning)
 
 
 def answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:
-    """Return what was computed for the site in one sentence."""
+    """Return the site's answer in one sentence."""
     begins, ends = f"Over a year of {ds.attrs['climate']}", f", {TUNED[tuning]}"
     best = best_flexible(ds, reference, tuning)
     if best is None:
@@ -60,9 +43,9 @@ def answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:
         if not bool(power.notnull().any()):
             return f"{begins}, no design is viable."
         if not float(power.max()) > 0:
-            return f"{begins}{ends}, no design absorbs power."
+            return f"{begins}{ends}, no design takes anything."
         one = power.where(power == power.max(), drop=True)
-        return f"{begins}{ends}, {one.design.values[0]} absorbs most: {float(power.max()):.4g} MWh."
+        return f"{begins}{ends}, {one.design.values[0]} takes most: {float(power.max()):.4g} MWh."
     return f"{begins}{ends}, {_taken(ds, reference, tuning, best)}."
 
 
@@ -78,8 +61,9 @@ def _taken(ds: xr.Dataset, reference: str | None, tuning: str, best: tuple[xr.Da
     many = (ds.sizes["design"] > 2) or ds.margin.size > 1
     subject = f"the best flexible design, {design}{at_point(one)}," if many else f"{design}"
     interval = f"{float(one.gain_low):+.1f} to {float(one.gain_high):+.1f} %{from_what}"
+    buckles = ", and would buckle under its static load" if float(one.margin) < 0 else ""
     both = f"{_energy(one, tuning):.4g} against {_energy(rigid, tuning):.4g} MWh"
-    return f"{subject} absorbs {against_rigid(gain, str(reference))} ({interval}; {both})"
+    return f"{subject} takes {against_rigid(gain, str(reference))} ({interval}; {both}){buckles}"
 
 
 def _energy(one: xr.Dataset, tuning: str) -> float:
@@ -106,13 +90,13 @@ def second_answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:
 
 
 def of_points(ds: xr.Dataset, reference: str, tuning: str) -> str:
-    """At how many valid points flexibility pays: the interval of the gain of some design lies above zero."""
+    """At how many points flexibility pays: the interval of the gain of some design lies above zero."""
     least = ds.gain_low.sel(tuning=tuning).where(ds.design != reference)
     carries, pays = ds.margin >= 0, least.max("design") > 0
-    if not bool(carries.any()):
-        return f"None of the {ds.margin.size} points carries its static load without buckling."
-    carried = f"{int(carries.sum())} of {ds.margin.size} points carry their static load without buckling"
-    return f"{carried}; flexibility pays at {int((pays & carries).sum())} of these."
+    return (
+        f"Of {ds.margin.size} points {int(carries.sum())} carry their static load; flexibility pays at "
+        f"{int(pays.sum())} of all and at {int((pays & carries).sum())} of those."
+    )
 
 
 def at_point(one: xr.Dataset) -> str:

@@ -11,16 +11,17 @@ import xarray as xr
 from vsb.report.animation import in_motion
 from vsb.report.campaign_answer import (
     TUNED,
+    answer,
     at_point,
     best_flexible,
     is_verified,
     leading,
     of_points,
+    second_answer,
     share_range,
     shown_member,
     told_beside,
     where,
-    whole_answer,
 )
 from vsb.report.campaign_figures import is_mapped
 from vsb.report.html import captioned, page
@@ -77,13 +78,11 @@ def render(report: CampaignReport) -> str:
     """Return the report as one HTML page."""
     ds = report.data
     tuning, reference = leading(ds)
-    said = whole_answer(ds, reference, tuning)
     text = page(
         "campaign.html.j2",
         campaign=ds.attrs["campaign"],
         climate=ds.attrs["climate"],
-        answer=said.stands,
-        below=said.below,
+        answer=[line for line in (answer(ds, reference, tuning), second_answer(ds, reference, tuning)) if line],
         sketches=report.sketches,
         kind="year",
         buoys=in_motion(report.moving),

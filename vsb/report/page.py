@@ -10,18 +10,16 @@ import xarray as xr
 from vsb.report.animation import in_motion
 from vsb.report.band import useful_band
 from vsb.report.captions import captions
-from vsb.report.doubts import no_answer, warnings
-from vsb.report.headline import COMPUTED, Answer, headline
+from vsb.report.doubts import warnings
+from vsb.report.headline import headline
 from vsb.report.html import captioned, page
 from vsb.report.living import as_script
 from vsb.report.tuned import (
     GIVEN,
     NO_BEST_DAMPER,
-    PARTS,
     TUNING,
     dampers_in_words,
     limited_statements,
-    parts_table,
     shares_text,
     tuned_statements,
     tuning_table,
@@ -84,7 +82,6 @@ class Report:
     statistics: Sequence[dict[str, Any]] = ()  # of irregular seas, realisations together
     equal_tuning: Sequence[dict[str, Any]] = ()  # designs at their own best dampers; empty without BEM
     within_limits: Sequence[dict[str, Any]] = ()  # optima under limits, where the take-off has some
-    invalid: Sequence[dict[str, Any]] = ()  # of `vsb.results.verdicts.Invalid`: designs not valid, where and why
     thing: str = "buoy"  # what floats
     flexible: bool = True  # whether any design is: else there is no gain to ask for
     sketches: Sequence[dict[str, str]] = ()  # of each design: name, words, SVG
@@ -288,20 +285,15 @@ def _neglected(report: Report) -> str:
     return "without drag" if report.study.get("drag") else ""
 
 
-def _answer(report: Report, in_seas: Sequence[str]) -> Answer:
-    """The answer: at equal tuning if it is known, else as it was simulated; what is not valid stands below."""
+def _answer(report: Report, in_seas: Sequence[str]) -> list[str]:
+    """The answer of a study in two sentences: at equal tuning if it is known, else as it was simulated."""
     if report.response is None:
-        said = [NO_BEST_DAMPER, *in_seas[:1]]
-    else:
-        best, names = report.response.best_power, report.seas
-        found = headline(report.equal_tuning, best, report.reference, names, report.invalid, _neglected(report))
-        if found.stands:
-            return found
-        said = tuned_statements(report.equal_tuning, report.reference, report.seas)[:1] or list(in_seas[:1])
-    designs = {row["design"] for row in report.rows} - {report.reference}
-    if designs and designs <= {line["design"] for line in report.invalid}:
-        return Answer([no_answer(report.invalid)], [f"{COMPUTED}{' '.join(said)}"])
-    return Answer(said, [])
+        return [NO_BEST_DAMPER, *in_seas[:1]]
+    tolerance = float(report.study["hydro"]["tolerance"])
+    found = headline(
+        report.equal_tuning, report.response.best_power, report.reference, report.seas, tolerance, _neglected(report)
+    )
+    return found or tuned_statements(report.equal_tuning, report.reference, report.seas)[:1] or list(in_seas[:1])
 
 
 def render(report: Report) -> str:
@@ -317,7 +309,7 @@ def render(report: Report) -> str:
         ),
         *irregular_statements(report.statistics, report.reference, report.seas, tuned, where),
     ]
-    failed, answer = warnings(report.checks), _answer(report, in_seas)
+    failed = warnings(report.checks)
     limit = "" if response is None else str(response.attrs.get("limit", ""))
     compared = report.reference is not None and len({row["design"] for row in report.rows}) > 1
     told = captions(_neglected(report), given=given, body=report.thing == "body", limit=limit, compared=compared)
@@ -326,10 +318,7 @@ def render(report: Report) -> str:
         study=report.study["study"],
         thing=report.thing,
         flexible=report.flexible,
-        answer=answer.stands,
-        below=answer.below,
-        parts_head=PARTS,
-        parts=parts_table(report.equal_tuning),
+        answer=_answer(report, in_seas),
         sketches=report.sketches,
         kind="study",
         living=as_script(report.living) if report.living else "",

@@ -6,7 +6,6 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-import xarray as xr
 
 from vsb.errors import ConfigError, VsbError
 from vsb.hydro.database import Check, check_at_most
@@ -15,14 +14,11 @@ from vsb.motion.drag import DraggedPort, best_damper, best_pair, under
 from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import Port
 from vsb.motion.tuning import Load, best_dampers, best_pairs, mean_power
-from vsb.results.budget import Budget, Rows, Source
-from vsb.results.left_out import modes_left_out
-from vsb.results.rung_errors import Errors, Loaded, rung_errors
-from vsb.scenes.afloat import Afloat, Met, afloat, band, headings, met, study_sea
+from vsb.scenes.afloat import Met, afloat, band, headings, met, study_sea
 from vsb.scenes.drag import dragged_port
 from vsb.study.body_specs import BodyLadderSpec
 from vsb.study.specs import LadderSpec
-from vsb.study.study import IrregularSea, StillWater, Wave
+from vsb.study.study import IrregularSea, StillWater
 from vsb.tools.tables import csv_text
 from vsb.tools.units import ComplexArray, FloatArray, IntArray
 from vsb.waves.seas import Sea
@@ -54,13 +50,9 @@ class Rung(NamedTuple):
     stroke_peak: float | None  # likewise, from rest [m]
     gap: float | None  # by which a better one is not ruled out, of a constrained optimum [-]
     note: str = ""  # why there is no optimum under limits, or what its limits are kept to
-    low: float | None = None  # interval of the mean power by all known sources of error [W]
-    high: float | None = None
-    power_error: Rows = ()  # error budget of the mean power [W], see `vsb.results.budget.Budget.rows`
-    gain_error: Rows | None = None  # of its gain over the reference [percentage points]; none of the reference
 
 
-COLUMNS = (*Rung._fields[: Rung._fields.index("note")], "low", "high")
+COLUMNS = Rung._fields[:-1]
 """Of `ladder.csv`."""
 
 
@@ -199,55 +191,14 @@ def study_ladder(study: LadderSpec | BodyLadderSpec, database: str) -> list[Rung
     if isinstance(study, LadderSpec) and study.drag is not None:
         dragged = {design: dragged_port(study, floating, design, headings(pairs)) for design in study.designs}
     rungs = rungs_of(ports, seas, families, given, study.simulation.duration, dragged)
-    if pto.limited:
-        rungs += constrained_rungs(study, floating, seas)
-        designs, labels = list(study.designs), list(seas)
-        rungs.sort(key=lambda r: (designs.index(r.design), labels.index(r.wave), RUNGS.index(r.rung)))
-    left_out = modes_left_out(study, pairs) if isinstance(study, LadderSpec) else xr.Dataset()
-    return with_errors(rungs, floating, pairs, study.reference_design, left_out)
-
-
-def with_errors(
-    rungs: Sequence[Rung],
-    floating: Afloat,
-    seas: Sequence[tuple[Wave, Sea]],
-    reference: str | None,
-    left_out: xr.Dataset,
-) -> list[Rung]:
-    """Return rungs with the error budgets of power and gain; of an unknown power there are none.
-
-    Beside quadratic drag errors are taken as without it: what is damped more feels them less.
-    """
-    loads: dict[tuple[str, str], list[Loaded]] = {}
-    for rung in rungs:
-        some = loads.setdefault((rung.design, rung.wave), [])
-        if rung.power_mean is not None:
-            some.append(Loaded(rung.rung, rung.damping, rung.stiffness, rung.power_mean))
-    errors = rung_errors(floating, seas, loads, reference, left_out)
-    found = []
-    for rung in rungs:
-        if rung.power_mean is None:
-            found.append(rung)
-            continue
-        power, gain = errors.get((rung.design, rung.wave, rung.rung), Errors(Budget(), None))
-        if rung.gap:
-            power += Budget((Source("optimum not proven", 0.0, rung.gap * rung.power_mean),))
-        low, high = power.interval(rung.power_mean)
-        rows = None if gain is None else gain.rows
-        found.append(rung._replace(low=low, high=high, power_error=power.rows, gain_error=rows))
-    return found
-
-
-def constrained_rungs(study: LadderSpec | BodyLadderSpec, floating: Afloat, seas: Mapping[str, Sea]) -> list[Rung]:
-    """Return the rung within the limits of the take-off of every design in every sea."""
-    pto, ds, rungs = study.pto, floating.linear.database, []
+    if not pto.limited:
+        return rungs
     limits = Limits(pto.force_limit, pto.stroke_limit, float(ds.omega[0]), band(study, ds)[1])
-    for design, wave in product(study.designs, study.waves):
-        if wave.label not in seas:
-            continue
+    for design, wave in product(study.designs, waves):
         seen = partial(floating.towards(wave).port, motions=floating.motions[design], direction=floating.port)
         rungs.append(constrained_rung(design, wave.label, seas[wave.label], seen, limits))
-    return rungs
+    designs, labels = list(study.designs), list(seas)
+    return sorted(rungs, key=lambda r: (designs.index(r.design), labels.index(r.wave), RUNGS.index(r.rung)))
 
 
 def constrained_rung(design: str, label: str, sea: Sea, seen: Callable[[FloatArray], Port], limits: Limits) -> Rung:
@@ -316,4 +267,4 @@ def _peaks(sea: Sea, phasors: ComplexArray, time: float) -> FloatArray:
 
 def as_csv(rungs: Sequence[Rung]) -> str:
     """Return the ladder as CSV; an empty cell is a quantity that does not exist, as of a port that cannot move."""
-    return csv_text(COLUMNS, ([getattr(rung, name) for name in COLUMNS] for rung in rungs), 12)
+    return csv_text(COLUMNS, (rung[: len(COLUMNS)] for rung in rungs), 12)

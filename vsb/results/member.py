@@ -9,7 +9,6 @@ import xarray as xr
 from vsb.results.bins import bins_of
 from vsb.results.damped_years import BY, CURVES, TRIED, DampedYears, Values
 from vsb.results.validity import LIMITS
-from vsb.scenes.directions import order_bases
 from vsb.scenes.ports import ShapeWater, designs_in_waves
 from vsb.scenes.viability import viability
 from vsb.shell.modes import ModeBasis
@@ -67,8 +66,7 @@ def member(
         shape = water(reference.basis)
         damped = DampedYears(climate, [one for one in tunings if one != CONSTRAINED], {} if known is None else known)
         here: Labels = {"design": list(some.designs), "tuning": [*damped.tunings]}
-        errors = shape.errors(reference.basis, order_bases(some, reference.basis), some.water)
-        _fill(found, at, damped(some, designs_in_waves(some, reference, shape), errors), here)
+        _fill(found, at, damped(some, designs_in_waves(some, reference, shape)), here)
         if optima:
             within = optima(some, reference, climate, float(shape.omega[0]))
             _fill(found, at, _plain(within), here | {"tuning": [CONSTRAINED]})

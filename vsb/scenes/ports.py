@@ -12,16 +12,14 @@ from vsb.hydro.database import shares
 from vsb.hydro.dofs import Displacement
 from vsb.hydro.orders import order_shares
 from vsb.motion.channel import channelled
-from vsb.motion.coefficient_errors import INTERPOLATION, RESOLUTION, haskind_misfits, relative_error
 from vsb.motion.frequency import dynamic_stiffness, free_motion, port_of_motion
 from vsb.motion.port import Port, PortMotion, port_direction
-from vsb.motion.sensitivity import CoefficientError
 from vsb.scenes.directions import order_bases, side_by_side, whole_stiffness
 from vsb.scenes.rest import design_motions, seen_by_take_off
 from vsb.shell.modes import ModeBasis
 from vsb.shell.orders import OrderBasis
 from vsb.shell.reference import ReferenceShell
-from vsb.study.study import Study, Water
+from vsb.study.study import Study
 from vsb.tools.units import ComplexArray, FloatArray
 
 POINTS = 13
@@ -38,8 +36,6 @@ class ShapeWater:
     omega: FloatArray  # (omega,) [rad/s]
     coefficients: Coefficients  # of the displacements
     orders: tuple["ShapeWater", ...] = ()  # those of azimuthal orders 1, 2, ..., if the buoy moves in them
-    resolution: float = 0.0  # estimated relative error of what is solved, and of what is interpolated between [-]
-    interpolation: float = 0.0
     _known: dict[bytes, Coefficients] = field(default_factory=dict, repr=False, compare=False)
 
     def in_modes(self, basis: ModeBasis, families: Sequence[OrderBasis] = ()) -> Coefficients:
@@ -51,26 +47,6 @@ class ShapeWater:
             for water, each in zip(others, families, strict=True)
         ]
         return Coefficients.side_by_side([own, *beyond])
-
-    def errors(self, basis: ModeBasis, families: Sequence[OrderBasis], water: Water) -> list[CoefficientError]:
-        """Return the estimated errors of `in_modes`, as of `vsb.motion.coefficient_errors`."""
-        found, own, transform = self.in_modes(basis, families), len(basis.labels), shares(self.displacements, basis)
-        mass, damping, force = (self.interpolation * np.abs(values) for values in found)
-        misfits = haskind_misfits(
-            self.omega,
-            transform @ self.coefficients.damping @ transform.T,
-            found.damping[:, :own, :own],
-            found.excitation[:, :own],
-            water.depth,
-            water.density,
-            water.gravity,
-        )
-        mass[:, :own, :own], damping[:, :own, :own], force[:, :own] = misfits
-        between = Coefficients(mass, damping, force.astype(complex))
-        return [
-            relative_error(RESOLUTION, found, self.resolution),
-            CoefficientError(INTERPOLATION, between, signed=False),
-        ]
 
     def _combined(self, transform: FloatArray) -> Coefficients:
         """Coefficients of combinations of the displacements, once for all materials that combine them alike."""

@@ -33,9 +33,6 @@ from vsb.tools.files import load, save
 from vsb.tools.units import FloatArray
 from vsb.waves.climate import Climate
 
-STATED = ("error_estimate", "interpolation_error")
-"""Errors that blocks estimate of themselves."""
-
 
 def run(spec: MembersSpec, climate: str, folder: str, root: str, out: str) -> None:
     """Write the members of a batch, each to a file of its own as soon as it is finished, then all together."""
@@ -110,15 +107,7 @@ class Swept:
             ShapeWater(displacements(buoy.labels, order), omega, buoy.coefficients(omega))
             for order, buoy in enumerate(self.buoys)
         )
-        resolution, interpolation = self._stated
-        return replace(first, orders=tuple(others), resolution=resolution, interpolation=interpolation)
-
-    @property
-    def _stated(self) -> tuple[float, float]:
-        """Estimated relative errors of what is solved and of what is interpolated between [-]."""
-        attrs = [buoy.database.attrs for buoy in self.buoys]
-        resolution, interpolation = (max(float(each.get(name, 0.0)) for each in attrs) for name in STATED)
-        return resolution, interpolation
+        return replace(first, orders=tuple(others))
 
     def of_year(self, climate: Climate) -> ShapeWater:
         """Return the coefficients at the frequencies of a climate."""
@@ -152,7 +141,6 @@ def _of_order(plan: StudyPlan, basis: ModeBasis, family: OrderBasis | None) -> L
     raw = database.with_symmetrized(whole)
     if order:
         raw = orders.with_haskind_damping(raw, order, water.depth, water.density, water.gravity)
-    raw = raw.assign_attrs({name: max(float(block.attrs.get(name, 0.0)) for block in blocks) for name in STATED})
     count = raw.sizes["influenced_dof"]
     return LinearBuoy(raw, np.zeros((count, count)), LinearPto(0.0))
 

@@ -163,7 +163,7 @@ def _answer(plan: Plan) -> str:
     from vsb.tools.stamps import read_text
 
     found = json.loads(read_text(f"{plan.folder}/tables.json", plan.manifest, plan.study_id))
-    return closing_line(found["equal_tuning"], plan.study.reference_design, found["invalid"])
+    return closing_line(found["equal_tuning"], plan.study.reference_design)
 
 
 OF_MANY = ("mesh", "panels", "spectral", "simulate", "members", "verification")

@@ -113,8 +113,7 @@ class StudyPlan(HydroPlan, ResultsPlan):
     @property
     def ladder(self) -> LadderSpec:
         """Spec of the tuning ladder; it follows no motion, so a method of the study's model is none of its own."""
-        names = ("device", "modes", "reference_shape", "designs", "water", "pto", "drag", "waves", "motion", "mooring")
-        sections = self._sections(*names)
+        sections = self._sections("device", "modes", "designs", "water", "pto", "drag", "waves", "motion", "mooring")
         simulation = self.study.simulation.model_copy(update={"method": "auto"})
         spring, hydro = SPRING if self.study.pto.spring_costs else 0, Band(omega_max=self.study.hydro.omega_max)
         return LadderSpec(hydro=hydro, simulation=simulation, spring=spring, **sections)

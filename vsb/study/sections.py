@@ -36,7 +36,7 @@ class Modes(Extended):
 
     LATER = ("order",)
     basis: Basis = "membrane"
-    degree: Annotated[Count, Field(ge=0, le=90)] = 6
+    degree: Annotated[Count, Field(ge=0, le=40)] = 6
     order: Annotated[Count, Field(ge=1, le=8)] = 1
 
 

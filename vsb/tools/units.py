@@ -66,10 +66,6 @@ ATTRS: dict[str, Quantity] = {
     "excitation_force": Quantity(_EXCITATION, "N/m", "excitation force per unit wave amplitude"),
     "Froude_Krylov_force": Quantity(_EXCITATION, "N/m", "Froude-Krylov force per unit wave amplitude"),
     "diffraction_force": Quantity(_EXCITATION, "N/m", "diffraction force per unit wave amplitude"),
-    "added_mass_error": Quantity(("error", "omega", *PAIR), "kg", "estimated error of added mass"),
-    "radiation_damping_error": Quantity(("error", "omega", *PAIR), "kg/s", "estimated error of radiation damping"),
-    "excitation_force_error": Quantity(("error", *_EXCITATION), "N/m", "estimated error of the excitation force"),
-    "hydrostatic_stiffness_error": Quantity(("error", *PAIR), "N/m", "estimated error of hydrostatic stiffness"),
     "hydrostatic_stiffness": Quantity(PAIR, "N/m", "hydrostatic stiffness"),
     "inertia_matrix": Quantity(PAIR, "kg", "inertia of buoy and shell"),
     "mooring_stiffness": Quantity(PAIR, "N/m", "stiffness of the mooring"),
@@ -244,7 +240,6 @@ _LABELS = (
     "reason",
     "member",
     "limit",
-    "error",
 )
 
 

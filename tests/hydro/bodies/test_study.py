@@ -615,7 +615,7 @@ def test_a_database_holds_the_matrices_its_body_has(body, given):
     coefficients = xr.Dataset(data, {"omega": [1.0, 1.3], "wave_direction": [0.0], **dof})
     infinite = xr.Dataset({"added_mass_inf": (pair[1:], 7 * even)}, dof, {"spec_id": "inf", "seconds": 4.0})
     solved = [
-        SimpleNamespace(own=SimpleNamespace(attrs={"spec_id": name, "seconds": s, "resolution_ratio": 1.0}))
+        SimpleNamespace(own=SimpleNamespace(attrs={"spec_id": name, "seconds": s}))
         for name, s in (("a", 1.0), ("b", 2.5))
     ]
     file = BodyFile(body="b", mesh="-", modes="-", omega=[1.0, 1.1, 1.3], water={"density": 1010.0, "depth": 30.0})

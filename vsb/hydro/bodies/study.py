@@ -6,7 +6,7 @@ solved twice, and an interrupted run goes on where it stopped.
 
 import hashlib
 import time as clock
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
@@ -18,7 +18,6 @@ from vsb import __version__
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro import quality
 from vsb.hydro.bodies.body import (
-    SYMMETRIES,
     FlexibleBody,
     at_centres,
     check_symmetry,
@@ -29,22 +28,11 @@ from vsb.hydro.bodies.body import (
     panels_per_lobe,
     rigid_misfit,
 )
-from vsb.hydro.bodies.coarsening import coarser_body
 from vsb.hydro.bodies.files import read_body
 from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
 from vsb.hydro.bodies.solver import BodyProblem
-from vsb.hydro.bodies.sweep import (
-    Block,
-    Measure,
-    Swept,
-    error_estimate,
-    least_sizes,
-    resolution_ratio,
-    signed_errors,
-    sizes,
-    swept,
-)
-from vsb.hydro.database import ESTIMATE, Check, as_json, check_at_most, with_excitation, with_symmetrized
+from vsb.hydro.bodies.sweep import Block, Measure, Swept, error_estimate, least_sizes, sizes, swept
+from vsb.hydro.database import Check, as_json, check_at_most, with_excitation, with_symmetrized
 from vsb.hydro.panels import rings as bem
 from vsb.study.blocks import panel_solver
 from vsb.study.body_file import PHYSICS, BodyFile
@@ -292,17 +280,6 @@ def _at_rest(body: FlexibleBody) -> Spec:
     return facts if centre is None or centre.ndim > 1 else {**facts, "centre_of_mass": centre}
 
 
-def _stiffness_error(study: BodyFile, body: FlexibleBody, stiffness: FloatArray, ratio: float) -> FloatArray:
-    """Estimated errors of the stiffness of still water, as of `signed_errors`, (way, dof, dof) [N/m].
-
-    From the same fewer panels; waves radiated say nothing of it.
-    """
-    fewer, _ = coarser_body(body, SYMMETRIES[detected_symmetry(body)])
-    fewer = replace(fewer, mass=body.mass, centre_of_mass=body.centre_of_mass)
-    change = hydrostatic_stiffness(fewer, study.water.density, study.water.gravity) - stiffness
-    return np.array([change / (ratio - 1), np.zeros_like(change)])
-
-
 def _database(
     study: BodyFile, body: FlexibleBody, symmetry: str, infinite: Block, found: Swept, checks: list[Check]
 ) -> xr.Dataset:
@@ -334,7 +311,4 @@ def _database(
         **_at_rest(body),
     }
     complete = ds.assign({name: (PAIR, matrix) for name, matrix in matrices.items()})
-    if (errors := signed_errors(found)) is not None:
-        of_stiffness = (ESTIMATE, *PAIR), _stiffness_error(study, body, stiffness, resolution_ratio(found))
-        complete = complete.merge(errors.assign({f"hydrostatic_stiffness_{ESTIMATE}": of_stiffness}))
     return complete.assign_attrs(ds.attrs, **attrs)
