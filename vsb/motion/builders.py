@@ -103,8 +103,9 @@ def body_exact_scene(
     forces = _loaded(others, shape, buoy.stiffness_parts["hydrostatic"], specific_weight, gravity, waves)
     if sea.omega.size:
         forces["diffraction"] = Excitation(sea.omega, sea.amplitude[:, None] * buoy.diffraction(sea.omega))
-    spring = forces.pop("pto") if buoy.pto.stiffness else None
-    scene = Scene(linear.labels, linear.mass, forces, motions)
+    spring = forces.get("pto")
+    unsprung = {name: force for name, force in forces.items() if not isinstance(force, SpringDamper)}
+    scene = Scene(linear.labels, linear.mass, unsprung, motions)
     rest = resting(scene)
     if isinstance(spring, SpringDamper):  # slack where the buoy rests without it
         forces["pto"] = replace(spring, rest=motions @ rest)

@@ -1,0 +1,194 @@
+"""Absorbed power and energy of every kind of force, by the audit and by sums of force times velocity.
+
+The sums are made here from stored positions, velocities and accelerations by quadrature of splines. They know the laws
+of the take-off by formulas of their own and nothing of the audit's integration along the flow.
+"""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+import xarray as xr
+from conftest import SEED, varied
+from scipy.interpolate import CubicSpline
+
+from vsb.hydro.retardation import DampingSpectrum
+from vsb.hydro.statespace import fit_radiation
+from vsb.integrators.audit import TERMS, energies, residual
+from vsb.integrators.harmonic_balance import harmonic_balance
+from vsb.integrators.simulate import METHODS
+from vsb.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene
+from vsb.motion.forces import EXCITING, AssumedPressure, QuadraticDrag
+from vsb.motion.frequency import LinearBuoy
+from vsb.motion.pto import LinearPto
+from vsb.motion.system import System
+from vsb.scenes.pause import with_pause
+from vsb.scenes.rest import design_motions, reference_shell
+from vsb.scenes.take_off import with_take_off
+from vsb.study.study import load
+from vsb.study.take_off import Pto
+from vsb.waves.seas import Sea
+
+PERIOD = 4.0
+SEA = Sea(np.array([2 * np.pi / PERIOD]), np.array([0.15 + 0.0j]))
+OMEGA = np.linspace(0.02, 12.0, 400)
+STIFFNESS = 9e3
+
+
+@cache
+def parts():
+    """A study, its shell, a database whose damping is that of one resonant channel, and the radiation fitted to it."""
+    study = varied(
+        load(SEED),
+        designs={"FSB": {"flexible": False}, "VSWEC": {}},
+        modes={"basis": "membrane", "degree": 2},
+        device={"young_modulus": 3e7},
+    )
+    reference = reference_shell(study)
+    basis, dof = reference.basis, len(reference.basis.labels)
+    direction, pair = np.linspace(1.0, 0.2, dof), ("influenced_dof", "radiating_dof")
+    damping = 4e3 * (OMEGA / 2) ** 3 * np.exp(-((OMEGA / 2) ** 2)) * np.e
+    swept = damping[:, None, None] * np.outer(direction, direction)
+    push = 6e4 * np.exp(-0.2 * OMEGA**2)[:, None, None] * direction
+    values = {
+        "inertia_matrix": (pair, basis.inertia), "added_mass_inf": (pair, 8e3 * np.outer(direction, direction)),
+        "added_mass": (("omega", *pair), 0 * swept), "radiation_damping": (("omega", *pair), swept),
+        "mooring_stiffness": (pair, 700.0 * np.outer(direction, direction)),
+        **{f"{name}_stiffness": (pair, k) for name, k in reference.stiffness.items()},
+        **{f"{name}_force": (("omega", "wave_direction", pair[0]), share * push + 0j)
+           for name, share in (("excitation", 1.0), ("diffraction", 0.4), ("Froude_Krylov", 0.6))},
+    }  # fmt: skip
+    attrs = {"water_density": 1025.0, "gravity": 9.81, "water_depth": "inf"}
+    ds = xr.Dataset(values, {"omega": OMEGA, "influenced_dof": list(basis.labels)}, attrs)
+    spectrum = DampingSpectrum(OMEGA, swept)
+    return study, reference, LinearBuoy(ds, basis.damping, LinearPto(0.0)), spectrum, fit_radiation(spectrum, 1e-4)[0]
+
+
+def scene_of(model, design, pto, chamber=0.0, *, drag=False, port=None):
+    """A scene of one model with a take-off, moored unless under an assumed pressure."""
+    study, reference, buoy, _, radiation = parts()
+    motions, linear = design_motions(study, reference.basis, design), LinearPto(pto.damping, pto.stiffness, port)
+    if model == "assumed_pressure":
+        load_ = AssumedPressure(900.0, 2 * np.pi / PERIOD)
+        scene = assumed_pressure_scene(reference.shape, linear, load_, 1025.0, 9.81, motions)
+    elif model == "linear":
+        scene = linear_scene(replace(buoy, pto=linear, chamber=chamber), radiation, SEA, motions)
+    else:
+        scene = body_exact_scene(replace(buoy, pto=linear), reference.shape, radiation, SEA, motions)
+    scene = with_take_off(scene, pto, linear)
+    if pto.pauses:
+        scene = with_pause(scene, 0.4)
+    if drag:
+        heave = np.eye(len(scene.labels))[:1]
+        water = QuadraticDrag(heave, np.array([2e3]), SEA.omega, 0.2j * np.ones((1, 1)))
+        scene = replace(scene, forces={**scene.forces, "drag": water})
+    return scene
+
+
+def integral(time, power):
+    """Integral since the start by a cubic spline through the records."""
+    return CubicSpline(time, power).antiderivative()(time)
+
+
+def taken_by_law(pto, scene, motion, q, v, port):
+    """Power of the take-off by its law [W], for laws that are functions of stroke and velocity at the port."""
+    rest = float(port @ scene.motions @ scene.rest) if "water" in scene.forces and scene.origin.size else 0.0
+    speed, stroke = v @ port, q @ port - rest
+    if pto.law == "coulomb":
+        return pto.force_limit * np.abs(speed)
+    if pto.switches:
+        return np.clip(pto.damping * speed + pto.stiffness * stroke, -pto.force_limit, pto.force_limit) * speed
+    return pto.damping * speed**2
+
+
+HEAVE, SHELL = "heave", "shell"
+TAKE_OFFS: dict[str, dict[str, object]] = {
+    "damper": {}, "spring": {"stiffness": STIFFNESS}, "negative spring": {"stiffness": -STIFFNESS},
+    "saturated": {"law": "saturated", "force_limit": 1500.0},
+    "saturated spring": {"law": "saturated", "force_limit": 1500.0, "stiffness": STIFFNESS},
+    "coulomb": {"law": "coulomb", "force_limit": 1200.0},
+    "latching": {"law": "latching", "stiffness": STIFFNESS}, "declutching": {"law": "declutching"},
+    "end stop": {"stroke_limit": 0.05, "stiffness": STIFFNESS},
+}  # fmt: skip
+SMOOTH = ("damper", "spring", "negative spring")
+CASES = [
+    *((model, design, name, "switching", {}) for model, design in (("linear", "FSB"), ("body_exact", "VSWEC"))
+      for name in TAKE_OFFS if name not in SMOOTH),
+    *(("assumed_pressure", "FSB", name, "switching", {}) for name in ("saturated", "end stop")),
+    *(("linear", "VSWEC", name, method, {}) for name in SMOOTH for method in ("exact", "convolution")),
+    *((model, "VSWEC", name, "exponential", {}) for model in ("body_exact", "assumed_pressure") for name in SMOOTH),
+    *((model, "FSB", "spring", method, {}) for model in ("body_exact", "assumed_pressure")
+      for method in ("exponential", "structure_preserving", "collocation")),
+    *((model, "VSWEC", "spring", "collocation", {"drag": True}) for model in ("linear", "body_exact")),
+    *((model, "VSWEC", "spring", method, {"port": SHELL}) for model, method in (("linear", "exact"), ("body_exact",
+      "exponential"))),
+    *(("linear", "VSWEC", name, "exact", {"port": SHELL, "chamber": 2e-6}) for name in SMOOTH),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("model", "design", "name", "method", "more"), CASES)
+def test_every_force_does_the_work_of_force_times_velocity(model, design, name, method, more):
+    """Each term of the audit against int -f.v dt of the forces it stands for, less the energy their springs store.
+
+    m v.a is the sum of all powers: work is conserved by these sums too, or the forces are not those of the motion.
+    """
+    more = dict(more)
+    pto = Pto.model_validate({"damping": 2e4, **TAKE_OFFS[name]})
+    dof = len(parts()[1].basis.labels)
+    b = np.linspace(-0.5, 0.6, dof) if more.pop("port", HEAVE) == SHELL else np.eye(dof)[0]
+    scene = scene_of(model, design, pto, port=b, **more)
+    system, time = System.of(scene), np.linspace(0.0, 1.25 * PERIOD, 4001)
+    spectrum, tolerance = parts()[3], 1e-9
+    start = scene.start(0.02, 0.1)
+    motion, _ = METHODS[method].follower(system, tolerance, spectrum)(time, start)
+    found = energies(system, motion)
+    q, v, a = (x @ scene.motions.T for x in (motion.position, motion.velocity, motion.acceleration))
+    power = {key: np.sum(force * v, axis=1) for key, force in system.forces(motion).items()}
+    largest = max(np.abs(found[term]).max() for term in TERMS)
+    kinked = method == "switching"
+    close = 2e-4 if kinked or method == "convolution" else 1e-5  # of the sums here; the stop's force jumps in a record
+    close = 2e-2 if name == "end stop" else close
+
+    def stored(key):
+        energy = scene.forces[key].stored(q)
+        return energy - energy[0]
+
+    # the take-off by its own law, and by the force the run records
+    if not pto.pauses and "chamber" not in more:
+        law = integral(time, taken_by_law(pto, scene, motion, q, v, b))
+        assert found["pto"] == pytest.approx(law, abs=close * largest)
+    kept = stored("pto")
+    if "chamber" in more and motion.memory.size:
+        own = motion.memory[:, scene.remembered["pto"]]
+        kept = kept + 0.5 * np.sum(own**2 - own[0] ** 2, axis=1)
+    assert found["pto"] == pytest.approx(-integral(time, power["pto"]) - kept, abs=close * largest)
+    assert found["pto"][-1] > 0.05 * largest  # it is no small part of what goes round
+
+    # waves, and what is lost beside
+    wave = sum((power[key] for key in EXCITING if key in power), np.zeros(len(time)))
+    if not (kinked and scene.water):  # there a part of the water's work is told from what it stores only
+        assert found["wave"] == pytest.approx(integral(time, wave), abs=close * largest)
+    for term in {*found} - {*TERMS, "turned"}:
+        assert found[term] == pytest.approx(-integral(time, power[term]), abs=close * largest), term
+    stop = -integral(time, power["end_stop"]) - stored("end_stop") if "end_stop" in power else 0.0
+    structural = -integral(time, power.get("structural_damping", 0.0 * time)) + stop
+    assert found["structural"] == pytest.approx(structural, abs=close * largest)
+
+    # all together
+    turned = np.einsum("ti,ij,tj->t", v, scene.mass, v) / 2
+    works = integral(time, sum(power.values()))
+    assert works == pytest.approx(turned - turned[0], abs=close * largest)
+    assert residual(found) < (1e-4 if method == "convolution" else 1e-6)
+
+
+@pytest.mark.parametrize("name", SMOOTH)
+@pytest.mark.parametrize("model", ["linear", "body_exact", "assumed_pressure"])
+@pytest.mark.parametrize("design", ["FSB", "VSWEC"])
+def test_mean_power_of_the_steady_state_is_that_of_the_damper(model, design, name):
+    """1/2 c |V|^2 of all harmonics of the port's velocity, and the balance of what waves give."""
+    scene = scene_of(model, design, Pto.model_validate({"damping": 2e4, **TAKE_OFFS[name]}))
+    found = harmonic_balance(System.of(scene), 1e-9)
+    velocity = found.omega * np.arange(len(found.harmonics)) * np.abs(found.harmonics @ scene.motions[0])
+    assert found.power.pto == pytest.approx(0.5 * 2e4 * np.sum(velocity**2), rel=1e-7)
+    assert found.power.residual < 1e-6
