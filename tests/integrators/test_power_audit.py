@@ -131,7 +131,7 @@ CASES = [
 def test_every_force_does_the_work_of_force_times_velocity(model, design, name, method, more):
     """Each term of the audit against int -f.v dt of the forces it stands for, less the energy their springs store.
 
-    m v.a is the sum of all powers: work is conserved by these sums too, or the forces are not those of the motion.
+    The powers of all forces make up the change of kinetic energy, by the same sums.
     """
     more = dict(more)
     pto = Pto.model_validate({"damping": 2e4, **TAKE_OFFS[name]})
@@ -143,7 +143,7 @@ def test_every_force_does_the_work_of_force_times_velocity(model, design, name, 
     start = scene.start(0.02, 0.1)
     motion, _ = METHODS[method].follower(system, tolerance, spectrum)(time, start)
     found = energies(system, motion)
-    q, v, a = (x @ scene.motions.T for x in (motion.position, motion.velocity, motion.acceleration))
+    q, v = (x @ scene.motions.T for x in (motion.position, motion.velocity))
     power = {key: np.sum(force * v, axis=1) for key, force in system.forces(motion).items()}
     largest = max(np.abs(found[term]).max() for term in TERMS)
     kinked = method == "switching"

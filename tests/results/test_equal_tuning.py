@@ -4,10 +4,13 @@ from conftest import varied
 from vsb.results.equal_tuning import equal_tuning, fair_damping_checks, reference_power_checks, within_limits
 from vsb.results.ladder import Rung
 from vsb.study.study import Jonswap
-from vsb.study.take_off import damper_unit
+from vsb.study.take_off import Pto
 
 REGULAR = {"kind": "regular", "amplitude": 0.5, "period": 5.0}
 NOISE = {"kind": "jonswap", "hs": 1.0, "tp": 5.0, "realisations": 2}
+
+
+DAMPER = Pto(damping=8e3)
 
 
 def rung(design, wave, name, damping, power):
@@ -44,7 +47,7 @@ def test_gains_are_between_best_powers_realisations_together(study, rungs):
 
 
 def test_power_lost_at_the_given_damper_is_doubted_above_five_per_cent(study, rungs):
-    checks = fair_damping_checks(equal_tuning(study, rungs), "N s/m")
+    checks = fair_damping_checks(equal_tuning(study, rungs), DAMPER)
     assert [(check.name, check.verdict) for check in checks] == [
         ("fair_damping", "doubt"), ("fair_damping", "doubt"), ("fair_damping", "ok"), ("fair_damping", "ok"),
     ]  # fmt: skip
@@ -54,23 +57,29 @@ def test_power_lost_at_the_given_damper_is_doubted_above_five_per_cent(study, ru
     )
 
 
+@pytest.mark.parametrize(("law", "count"), [("saturated", 4), ("coulomb", 0), ("latching", 0), ("declutching", 0)])
+def test_a_law_whose_power_is_not_that_of_a_damper_is_not_judged_by_one(study, rungs, law, count):
+    pto = Pto(damping=8e3, law=law, force_limit=300.0)
+    assert len(fair_damping_checks(equal_tuning(study, rungs), pto)) == count
+
+
 @pytest.mark.parametrize(("share", "verdict"), [(1.001, "ok"), (0.951, "ok"), (0.949, "doubt"), (0.0, "doubt")])
 def test_five_per_cent_lost_is_the_limit(study, rungs, share, verdict):
     line = equal_tuning(study, rungs)[0]._replace(share=share)
-    (check,) = fair_damping_checks([line], "N s/m")
+    (check,) = fair_damping_checks([line], DAMPER)
     assert (check.verdict, check.limit) == (verdict, 0.05)
     assert check.value == pytest.approx(max(0.0, 1 - share))
 
 
 def test_power_lost_is_said_in_the_unit_of_the_damper(study, rungs):
-    first, *_ = fair_damping_checks(equal_tuning(study, rungs), damper_unit("volume"))
+    first, *_ = fair_damping_checks(equal_tuning(study, rungs), Pto(damping=8e3, port="volume"))
     assert "200 W at 8000 Pa s/m³, 800 W at 10000 Pa s/m³" in first.explanation
 
 
 def test_where_no_damper_is_given_nothing_is_lost(study, rungs):
     lines = equal_tuning(study, [rung for rung in rungs if rung.rung != "fixed"])
     assert {(line.power, line.gain_percent, line.share) for line in lines} == {(None, None, None)}
-    assert fair_damping_checks(lines, "N s/m") == []
+    assert fair_damping_checks(lines, DAMPER) == []
 
 
 def test_optima_under_limits_stand_side_by_side_where_they_are_known(study, rungs):
@@ -147,14 +156,14 @@ def test_realisations_in_which_nothing_is_taken_count_in_the_mean_with_their_dam
     *_, rigid, shell = equal_tuning(study, still)
     assert (rigid.best_power, rigid.best_damping, rigid.damping, rigid.share) == (0.0, None, None, None)
     assert (shell.best_gain_percent, shell.gain_percent) == (None, None)
-    assert {check.design for check in fair_damping_checks(equal_tuning(study, still), "N s/m")} == {"VSWEC"}
+    assert {check.design for check in fair_damping_checks(equal_tuning(study, still), DAMPER)} == {"VSWEC"}
     assert second != first
 
 
 def test_all_that_is_lost_is_told_of_its_own_sea(study, rungs):
     """A given damper that takes nothing: no line is left out, and every one names its design and its sea."""
     dead = [one._replace(power_mean=0.0) if one.rung == "fixed" else one for one in rungs]
-    checks = fair_damping_checks(equal_tuning(study, dead), "N s/m")
+    checks = fair_damping_checks(equal_tuning(study, dead), DAMPER)
     seas = (study.waves[0].label, study.waves[1].family)
     assert [(one.design, one.wave, one.value) for one in checks] == [
         (design, sea, 1.0) for sea in seas for design in study.designs

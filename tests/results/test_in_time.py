@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from results.test_year import climate
 
+from vsb.errors import ConvergenceError
 from vsb.hydro.statespace import fit_radiation
 from vsb.motion.pto import LinearPto
 from vsb.results import in_time
@@ -117,16 +118,21 @@ def test_mean_power_is_what_the_take_off_gains_in_the_window_over_all_legs(rigid
     def energy(time):
         return 3.0 + 40.0 * time - 2.5 * time**2 + 0.25 * time**3
 
+    lost = 0.0
+
     def legs(*_):
         for time in map(np.array, ends):
-            yield SimpleNamespace(
-                motion=SimpleNamespace(time=time), energy={"pto": energy(time), "radiation": 0 * time}
-            )
+            energies = {"pto": energy(time), "radiation": 0 * time}
+            balance = SimpleNamespace(residual=lost * time[-1] / ends[-1][-1])
+            yield SimpleNamespace(motion=SimpleNamespace(time=time), energy=energies, balance=balance)
 
     monkeypatch.setattr(in_time, "legs", legs)
     sea, settings = realised(climate(), 3, 20.0, seed=1), Simulation(duration=20.0, window=(4.5, 17.0))
     run, _ = rigid.powers(sea, settings, "linear")
     assert run == pytest.approx((energy(17.0) - energy(4.5)) / 12.5, rel=1e-12)
+    lost = 6e-6
+    with pytest.raises(ConvergenceError, match=r"^the energy audit fails: 6\.0e-06 of the energy is missing"):
+        rigid.powers(sea, settings, "linear")
 
 
 def test_the_pause_of_a_body_exact_run_is_looked_for_near_that_of_its_linear_scene(rigid, monkeypatch):

@@ -18,6 +18,7 @@ from vsb.results.statistics import FEWEST_BATCHES, Line, statistical_checks
 from vsb.scenes.rest import reference_shell, study_basis
 from vsb.shell.modes import mode_basis
 from vsb.study.study import PiersonMoskowitz, RegularWave, Water
+from vsb.study.take_off import Pto
 from vsb.waves.dispersion import power_limit
 
 WAVE = RegularWave(kind="regular", amplitude=0.5, period=4.0)
@@ -149,7 +150,9 @@ def of_witness(share, parts):
 
 
 def of_tuning(lost):
-    return fair_damping_checks([Tuned("A", "w", 2e4, 100.0, 0.0, 8e3, 100 * (1 - lost), 0.0, 1 - lost)], "N s/m")
+    return fair_damping_checks(
+        [Tuned("A", "w", 2e4, 100.0, 0.0, 8e3, 100 * (1 - lost), 0.0, 1 - lost)], Pto(damping=8e3)
+    )
 
 
 def of_reference(study, left):

@@ -1,11 +1,14 @@
 """Runs against what they must agree with: their energy, what is held, the frequency domain."""
 
+from dataclasses import asdict
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import xarray as xr
 
+from vsb.errors import ConvergenceError
+from vsb.results.in_time import check_audit
 from vsb.results.run_checks import (
     DAMPERS,
     LINEARISED,
@@ -14,12 +17,14 @@ from vsb.results.run_checks import (
     drag_check,
     drift_checks,
     energy_check,
+    failed_audits,
     linearity_check,
     steady_state_check,
 )
 from vsb.scenes.build import TUNED
 from vsb.study.body import BodyStudy
 from vsb.study.reading import validated
+from vsb.study.study import Simulation
 
 SWELL = {"kind": "regular", "amplitude": 0.5, "period": 7.0, "direction": 90.0}
 
@@ -58,6 +63,23 @@ def test_energy_is_closed_on_one_side_of_its_limit_and_not_on_the_other(settings
         for part in (0.99, 1.01, 5.01)
     ]
     assert verdicts == ["ok", "doubt", "fail"]
+
+
+def test_no_power_is_taken_from_a_run_whose_audit_fails():
+    settings = Simulation()
+    check_audit(settings, 4.9e-6)
+    with pytest.raises(ConvergenceError, match=r"^the energy audit fails: 5\.1e-06 .*needs 1e-06; lower simulation\."):
+        check_audit(settings, 5.1e-6)
+
+
+def test_a_study_with_a_failed_audit_has_no_answer_but_its_worst_run():
+    found = [asdict(energy_check(study(), run(energy_residual=r, wave=w))) for r, w in ((4e-6, "a"), (0.1, "b"))]
+    assert failed_audits(found[:1]) == ""
+    found.append({**found[1], "value": 0.5, "wave": "swell"})
+    assert failed_audits(found) == (
+        "no valid answer: the energy audit of a in swell fails, 5.0e-01 of the energy is missing, needs 1e-06 "
+        "(2 runs in all); lower simulation.tolerance; "
+    )
 
 
 def test_checks_of_a_run_say_whose_they_are():

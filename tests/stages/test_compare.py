@@ -205,7 +205,7 @@ def test_tables_are_of_all_seas_and_checks_of_all_that_a_study_has(seed, tmp_pat
         assert asked["of_the_water"][1:] == (rows, runs)
         assert asked["statistical_checks"] == (study, [])
         assert asked["equal_tuning"] == asked["within_limits"] == asked["reference_power_checks"] == (study, ladder)
-        assert asked["fair_damping_checks"] == ([], "N m s" if kind == "body" else "N s/m")
+        assert asked["fair_damping_checks"] == ([], study.pto)
         assert asked["constrained_checks"] == (ladder,)
         names |= {
             "of_the_water",

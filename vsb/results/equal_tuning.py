@@ -10,6 +10,7 @@ from vsb.results.comparison import gains
 from vsb.results.ladder import Rung
 from vsb.study.compared import Compared
 from vsb.study.study import IrregularSea
+from vsb.study.take_off import Pto, damper_unit
 from vsb.tools.words import plain
 
 LOST = 0.05
@@ -90,9 +91,14 @@ def _means(rungs: Sequence[Rung], name: str) -> dict[str, tuple[float | None, fl
     return {d: (float(np.mean(dampers[d])) if dampers[d] else None, power) for d, power in powers.items()}
 
 
-def fair_damping_checks(lines: Sequence[Tuned], unit: str) -> list[Check]:
-    """Return the power each design loses at the given damper: designs that lose unequally are not compared fairly."""
-    checks = []
+def fair_damping_checks(lines: Sequence[Tuned], pto: Pto) -> list[Check]:
+    """Return the power each design loses at the given damper: designs that lose unequally are not compared fairly.
+
+    None for Coulomb friction, latching and declutching: their power is not that of the damper by linear theory.
+    """
+    if pto.law not in ("linear", "saturated"):
+        return []
+    checks, unit = [], damper_unit(pto.port)
     for line in lines:
         if line.share is None or line.power is None or line.damping is None or line.best_damping is None:
             continue

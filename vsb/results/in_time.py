@@ -6,12 +6,14 @@ from typing import Literal
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from vsb.errors import ConvergenceError
 from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.simulate import legs
 from vsb.motion.builders import body_exact_scene, linear_scene
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.pto import LinearPto
 from vsb.motion.system import System
+from vsb.results.run_checks import audit_check
 from vsb.results.verification import linear_power
 from vsb.scenes.pause import best_pause_in_sea, refined_pause, with_pause
 from vsb.scenes.take_off import with_take_off
@@ -57,7 +59,7 @@ class DesignInTime:
         return self._run(sea, settings, model), linear_power(port, sea, float(self.take_off.damping), settings.window)
 
     def _run(self, sea: Sea, settings: Simulation, model: Model) -> float:
-        """Mean power over the window by a run [W]."""
+        """Mean power over the window by a run [W]; `ConvergenceError` if its energy audit fails."""
         buoy = replace(self.buoy, pto=self.take_off)
         scene = linear = linear_scene(buoy, self.radiation, sea, self.motions)
         if model != "linear":
@@ -66,9 +68,27 @@ class DesignInTime:
         if self.pto.pauses and scene.law:  # or nothing there moves
             best = best_pause_in_sea(with_take_off(linear, self.pto, self.take_off), sea, settings)
             scene = with_pause(scene, (best if model == "linear" else refined_pause(scene, best, sea, settings)).pause)
-        taken = [(leg.motion.time, leg.energy["pto"]) for leg in legs(System.of(scene), sea, settings, buoy.spectrum)]
+        taken = []
+        for leg in legs(System.of(scene), sea, settings, buoy.spectrum):
+            taken.append((leg.motion.time, leg.energy["pto"]))
+        check_audit(settings, leg.balance.residual)
         first = [0] + [1] * (len(taken) - 1)  # a leg begins where the one before ended
         time, energy = (np.concatenate([one[k][i:] for one, i in zip(taken, first, strict=True)]) for k in (0, 1))
         start, end = settings.window
         gained = np.diff(CubicSpline(time, energy)([start, end]))[0]
         return float(gained / (end - start))
+
+
+def check_audit(settings: Simulation, residual: float) -> None:
+    """Check that no power is taken from a run whose energy audit fails.
+
+    Raises
+    ------
+    ConvergenceError
+    """
+    check = audit_check(settings, residual)
+    if check.verdict == "fail":
+        raise ConvergenceError(
+            f"the energy audit fails: {residual:.1e} of the energy is missing, needs {check.limit:.0e}; lower "
+            "simulation.tolerance"
+        )

@@ -21,7 +21,7 @@ from vsb.results.comparison import Row, Runs
 from vsb.results.power import apart, damper_of
 from vsb.results.run_checks import Attributes, drift_checks, energy_check
 from vsb.scenes.directions import loaded_shell, order_bases
-from vsb.scenes.rest import computed_buckling, design_motions, reference_shell, study_basis
+from vsb.scenes.rest import carries_load, computed_buckling, design_motions, reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.loaded import viable_pressure
@@ -51,7 +51,7 @@ def shell_checks(study: Study, reference: ReferenceShell) -> list[Check]:
     checks, static = viability_checks(study), static_checks(study, reference)
     if study.device.shape is not None:
         return [*checks, *static]
-    return [classical_check(study, reference, all(check.verdict == "ok" for check in checks)), *checks, *static]
+    return [classical_check(study, reference, all(check.verdict != "fail" for check in checks)), *checks, *static]
 
 
 def classical_check(study: Study, reference: ReferenceShell, carried: bool) -> Check:
@@ -77,9 +77,11 @@ def pressure_at_rest(study: Study, reference: ReferenceShell) -> float:
 
 
 def viability_checks(study: Study) -> list[Check]:
-    """Return the computed buckling load, and the internal pressure that would carry a shell that buckles.
+    """Return the linear buckling load, and the internal pressure that would carry a shell that buckles.
 
-    About the equilibrium there is nothing to add: no shell that buckles is accepted there.
+    Under internal pressure linear buckling is advice: a shell that comes to a stable rest shape along the nonlinear
+    path of the growing load carries it, and the check is a doubt at most. About the equilibrium there is nothing to
+    add: no shell that buckles on that path is accepted there.
     """
     if study.at_equilibrium:
         return []
@@ -87,10 +89,15 @@ def viability_checks(study: Study) -> list[Check]:
         text = "buckling is computed of the sphere alone: whether this shell carries its load is not known"
         return [Check("computed_buckling", 1.0, 1.0, "-", "doubt", text)]
     found = computed_buckling(study)
-    text = f"static load over the computed buckling load, into a shape of degree {found.degree}"
-    if found.load_factor < 1.0:
+    text = f"static load over the linear buckling load, into a shape of degree {found.degree}"
+    carried = found.load_factor < 1.0 and study.device.internal_pressure > 0 and carries_load(study)
+    if carried:
+        text += "; advice only: along the nonlinear path of the growing load the shell comes to a stable rest shape, "
+        text += "which reference_shape: equilibrium computes"
+    elif found.load_factor < 1.0:
         text += viable_text(study)
-    return [check_at_most("computed_buckling", 1 / found.load_factor, 1.0, "-", text)]
+    check = check_at_most("computed_buckling", 1 / found.load_factor, 1.0, "-", text)
+    return [replace(check, verdict="doubt") if carried else check]
 
 
 def viable_text(study: Study) -> str:
@@ -102,7 +109,7 @@ def viable_text(study: Study) -> str:
     strain = f"{100 * found.linear_strain:.2g} % linear strain at rest"
     least = float(f"{pressure:.3e}")
     least += 10.0 ** (math.floor(math.log10(least)) - 3) if 0 < least < pressure else 0.0  # rounded up: it holds there
-    return f"; viable from device.internal_pressure = {plain(least)} Pa, at {strain}"
+    return f"; by linear buckling viable from device.internal_pressure = {plain(least)} Pa, at {strain}"
 
 
 def static_checks(study: Study, reference: ReferenceShell) -> list[Check]:

@@ -1,6 +1,7 @@
 """Checks of runs that hold of any floating thing: energy, what is held, time against frequency domain."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from vsb.results.power import apart, in_direction, power_response
 from vsb.scenes.drag import DAMPERS, LINEARISED
 from vsb.study.compared import Compared
 from vsb.study.quantities import ROTATIONS
-from vsb.study.study import Study
+from vsb.study.study import Simulation, Study
 from vsb.study.waves import RegularWave, Wave
 from vsb.tools.words import plain
 
@@ -23,11 +24,34 @@ Attributes = Mapping[tuple[str, str], Mapping[str, Any]]
 
 def energy_check(study: Compared, run: xr.Dataset) -> Check:
     """Return whether a run closes its energy balance."""
-    closed = max(study.simulation.tolerance, CONVOLVED if study.simulation.method == "convolution" else 1e-6)
-    return check_at_most(
-        "energy_residual", run.attrs["energy_residual"], closed, "-", "unbalanced energy over the largest term",
-        doubt=True, design=run.attrs["design"], wave=run.attrs["wave"],
-    )  # fmt: skip
+    check = audit_check(study.simulation, run.attrs["energy_residual"])
+    return replace(check, design=run.attrs["design"], wave=run.attrs["wave"])
+
+
+def audit_check(settings: Simulation, residual: float) -> Check:
+    """Return whether an energy residual is what the method of a run promises."""
+    closed = max(settings.tolerance, CONVOLVED if settings.method == "convolution" else 1e-6)
+    text = "unbalanced energy over the largest term"
+    return check_at_most("energy_residual", residual, closed, "-", text, doubt=True)
+
+
+def failed_audits(checks: Sequence[Mapping[str, Any]]) -> str:
+    """Return which runs of a study fail their energy audit, to go on from; empty if none does.
+
+    Parameters
+    ----------
+    checks : sequence of mapping
+        Checks as they are stored.
+    """
+    failed = [check for check in checks if check["name"] == "energy_residual" and check["verdict"] == "fail"]
+    if not failed:
+        return ""
+    worst = max(failed, key=lambda check: float(check["value"]))
+    count = f" ({len(failed)} runs in all)" if len(failed) > 1 else ""
+    return (
+        f"no valid answer: the energy audit of {worst['design']} in {worst['wave']} fails, {worst['value']:.1e} of the "
+        f"energy is missing, needs {worst['limit']:.0e}{count}; lower simulation.tolerance; "
+    )
 
 
 def drift_checks(study: Compared, run: xr.Dataset) -> list[Check]:

@@ -137,6 +137,15 @@ def check_equilibrium(study: AtRest) -> None:
         raise ConfigError(f"reference_shape: received 'equilibrium', but {error}") from None
 
 
+def carries_load(study: AtRest) -> bool:
+    """Return whether the growing load leads the shell to a stable rest shape, in a basis that resolves its buckling."""
+    try:
+        _at_rest(complete_loaded_shell(study))
+    except ConvergenceError:
+        return False
+    return True
+
+
 def check_stable(study: Designed, reference: ReferenceShell) -> None:
     """Check that every design rests stably about the reference shape: a linear model of it grows without bound else.
 

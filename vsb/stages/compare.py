@@ -27,7 +27,6 @@ from vsb.study.body import BodyStudy
 from vsb.study.body_specs import BodyCompareSpec
 from vsb.study.specs import CompareSpec
 from vsb.study.study import IrregularSea, Study, Wave, canonical
-from vsb.study.take_off import damper_unit
 from vsb.tools.files import write_text
 from vsb.tools.stamps import read_text, record
 from vsb.waves.seas import NO_WAVES
@@ -57,7 +56,7 @@ def run(spec: CompareSpec | BodyCompareSpec, trajectories: str, **files: str) ->
         checks += irregular.statistical_checks(compared, lines)
         ladder = [Rung(**row) for row in json.loads(read_text(files["rungs"], files["manifest"], found.plan.ladder_id))]
         tuned, limited = equal_tuning(compared, ladder), within_limits(compared, ladder)
-        checks += [*fair_damping_checks(tuned, damper_unit(compared.pto.port)), *constrained_checks(ladder)]
+        checks += [*fair_damping_checks(tuned, compared.pto), *constrained_checks(ladder)]
         checks += reference_power_checks(compared, ladder)
     elif isinstance(compared, Study):
         checks += ledger.assumed_pressure_checks(compared, rows)

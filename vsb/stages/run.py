@@ -153,17 +153,21 @@ def _prepare_answer(plan: Plan) -> None:
 
 
 def _answer(plan: Plan) -> str:
-    """The gain at equal tuning and at the given damper, to go before the report's path; of a campaign its answer."""
+    """The gain at equal tuning and at the given damper, to go before the report's path; of a campaign its answer.
+
+    Where the energy audit of a run fails, that in their place.
+    """
     if isinstance(plan, CampaignPlan):
         from vsb.report.campaign_answer import closing_answer
         from vsb.tools.files import load
 
         return f"{closing_answer(load(plan.data_path, expected=plan.campaign_id))} "
     from vsb.report.tuned import closing_line
+    from vsb.results.run_checks import failed_audits
     from vsb.tools.stamps import read_text
 
     found = json.loads(read_text(f"{plan.folder}/tables.json", plan.manifest, plan.study_id))
-    return closing_line(found["equal_tuning"], plan.study.reference_design)
+    return failed_audits(found["checks"]) or closing_line(found["equal_tuning"], plan.study.reference_design)
 
 
 OF_MANY = ("mesh", "panels", "spectral", "simulate", "members", "verification")
