@@ -30,7 +30,7 @@ PINNED = {
     "radiation": "5aa6944e848b12d7",
     "response": "0c6c69fe42ff3776",
     "ladder": "960d3bc4882851f6",
-    "comparison": "72b28524488ac345",
+    "comparison": "da72c3dde4501192",
 }
 STAGES = ("database", "radiation", "response", "ladder", "comparison")
 
