@@ -42,6 +42,8 @@ ADVICE = {
     "irregular_frequencies": "a lid, or finer panels",
     "afloat": "the mass, or how deep the mesh lies",
     "rigid_names": "the names of the displacements",
+    "hinge_gap": "second_order of the displacements, or a body of two closed parts",
+    "second_order": "second_order of the displacements",
     **dict.fromkeys(("panels", "modes", "corners", "one_resolution"), "finer panels"),
     **dict.fromkeys(
         ("error_estimate", "interpolation_error", "symmetry", "far_field", "positive_damping", "rank_one", "haskind",

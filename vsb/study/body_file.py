@@ -9,7 +9,7 @@ from vsb.study.blocks import LEAST_DEPTH_IN_WAVENUMBERS
 from vsb.study.quantities import Count, Name, Number, Section
 from vsb.study.sections import Water
 
-PHYSICS = 3
+PHYSICS = 4
 """Hand-bumped version of the physics behind a block."""
 Frequency = Annotated[Number, Field(ge=1e-3, le=1e3)]
 """Frequencies of gravity waves on Earth, tsunamis and ripples among them [rad/s]."""

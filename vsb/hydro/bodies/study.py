@@ -29,7 +29,7 @@ from vsb.hydro.bodies.body import (
     rigid_misfit,
 )
 from vsb.hydro.bodies.files import read_body
-from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
+from vsb.hydro.bodies.hydrostatics import hinge_gap, hydrostatic_stiffness, linear_share
 from vsb.hydro.bodies.solver import BodyProblem
 from vsb.hydro.bodies.sweep import Block, Measure, Swept, error_estimate, least_sizes, sizes, swept
 from vsb.hydro.database import Check, as_json, check_at_most, with_excitation, with_symmetrized
@@ -49,6 +49,8 @@ LARGEST_ERROR = 0.05
 """Estimated error above which there is doubt."""
 FEWEST_PER_LOBE = 3.5
 """Panels in half a wavelength of a displacement below which there is doubt: fewer, and the estimate says too little."""
+CHOICE = 0.02
+"""Share of a stiffness above which what is not known of finite motions is doubted."""
 _UNRESOLVED = 2.0  # panels there, below which it fails
 _COARSEST = 4.0  # wavelengths in a panel from which on nothing is solved
 _GROUPS = ("fewer_panels", "radiated_waves")  # of a block's file
@@ -223,6 +225,8 @@ def identities(ds: xr.Dataset, problem: BodyProblem) -> dict[str, float]:
 _ERROR = "estimated error of added mass, damping and excitation, relative to the largest entry; smaller panels lower it"
 _ALONE = "share of the surface without fewer panels to compare with, whose part of the error no estimate has"
 _LOBE = "panel in terms of half a wavelength of the shortest mode; beyond the limit the error may exceed its estimate"
+_GAP = "share by which the stiffness of a hinge changes if its gap, here full of water, is sealed; solved is the sealed"
+_LINEAR = "what finite motions, of which nothing is known, may add to a displacement's stiffness: second_order states it"
 _MEANING = {
     "symmetry": "added mass and damping are symmetric matrices",
     "far_field": "damping is the energy of the waves sent in all directions",
@@ -263,6 +267,9 @@ def mesh_checks(study: BodyFile, body: FlexibleBody) -> list[Check]:
     ]
     named = "displacements named Surge, ..., Yaw are unit rigid motions"
     checks.append(check_at_most("rigid_names", rigid_misfit(body), 0.01, "-", named, doubt=True))
+    for name, value, text in (("hinge_gap", hinge_gap(body), _GAP), ("second_order", linear_share(body), _LINEAR)):
+        if value:  # neither may fail: it is a choice of what is modelled
+            checks.append(Check(name, value, CHOICE, "-", "doubt" if value > CHOICE else "ok", text))
     heave = [i for i, (t, a) in body.rigid.items() if np.allclose([*t, *a], [0, 0, 1, 0, 0, 0], atol=1e-9)]
     if body.mass is not None and heave:
         afloat = abs(body.mass[heave[0], heave[0]] / (study.water.density * body.volume) - 1)
