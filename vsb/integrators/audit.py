@@ -219,28 +219,6 @@ def energies(system: System, motion: Motion) -> dict[str, FloatArray]:
     return {**energy, **held}
 
 
-def _beyond_linear(system: System, name: str, motion: Motion, force: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return f + K q + D v and U - q.K q/2 of a force f with linear part K, D and potential energy U.
-
-    Parameters
-    ----------
-    force : ndarray, shape (time, dof) [N]
-        f along the motion.
-
-    Returns
-    -------
-    force : ndarray, shape (time, dof) [N]
-    energy : ndarray, shape (time,) [J]
-    """
-    part, q = system.scene.linear[name], motion.position @ system.scene.motions.T
-    stored = system.scene.forces[name].stored(q)
-    if part.stiffness is not None:
-        force, stored = force + q @ part.stiffness.T, stored - 0.5 * np.einsum("ti,ti->t", q @ part.stiffness, q)
-    if part.damping is not None:
-        force = force + motion.velocity @ system.scene.motions.T @ part.damping.T
-    return force, stored
-
-
 def terms(energy: Mapping[str, FloatArray]) -> tuple[str, ...]:
     """Return the terms of an audit, the waves' work first, what is stored last: `TERMS` and forces of their own."""
     others = [term for term in energy if term not in (*TERMS, "turned")]
