@@ -13,7 +13,6 @@ from vsb.stages.members import swept_shape
 DENSITY, GRAVITY = 1025.0, 9.81
 SPHEROID = {
     "device": {"shape": {"spheroid": {"height": 3.0}}, "young_modulus": 3e7, "mass": 12880.529879718},
-    "modes": {"basis": "full", "degree": 10},
     "designs": {"FSB": {"flexible": False}, "VSWEC": {}},
 }
 SHAPES = [
@@ -41,14 +40,17 @@ def test_in_long_waves_the_force_on_a_mode_is_that_of_raised_water(seed, device)
     np.testing.assert_allclose(found.real, expected, atol=1e-3 * np.abs(expected).max())
 
 
-def test_gains_of_a_flexible_spheroid_are_those_of_an_independent_computation(seed, tmp_path):
-    """Own Ritz solution and capytaine's panels, each design at its optimal damper; panels are off by about 0.1 points."""
-    study = varied(seed, **SPHEROID, hydro={"witness": "none"})
+@pytest.mark.parametrize(
+    ("degree", "expected"), [(10, [-4.745, -2.833, 0.761, -1.948]), (16, [-4.955, -3.005, 0.754, -2.109])]
+)
+def test_gains_of_a_flexible_spheroid_are_those_of_an_independent_computation(seed, tmp_path, degree, expected):
+    """Own Ritz solution of the shell and multipoles by least squares on its meridian, sharing no code; at |Z| each."""
+    study = varied(seed, **SPHEROID, modes={"basis": "full", "degree": degree}, hydro={"witness": "none"})
     omega = 2 * np.pi / np.array([6.0, 4.0, 3.0, 2.5])
     reference = reference_shell(study)
     seen = designs_in_waves(study, reference, swept_shape(study, reference.basis, str(tmp_path)).at(omega))
     gain = 100 * (seen["VSWEC"].port.best_power / seen["FSB"].port.best_power - 1)
-    np.testing.assert_allclose(gain, [-4.71, -2.78, 0.80, -2.05], atol=0.15)
+    np.testing.assert_allclose(gain, expected, atol=2e-3)
 
 
 @pytest.mark.parametrize("length", [12.0, 20.0])

@@ -167,7 +167,7 @@ def test_every_force_does_the_work_of_force_times_velocity(model, design, name, 
 
     # waves, and what is lost beside
     wave = sum((power[key] for key in EXCITING if key in power), np.zeros(len(time)))
-    if not (kinked and scene.water):  # there a part of the water's work is told from what it stores only
+    if not (kinked and scene.water):  # there the water's work and its stored energy are separated by the balance alone
         assert found["wave"] == pytest.approx(integral(time, wave), abs=close * largest)
     for term in {*found} - {*TERMS, "turned"}:
         assert found[term] == pytest.approx(-integral(time, power[term]), abs=close * largest), term
